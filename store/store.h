@@ -1,0 +1,208 @@
+// store/store.h — one file of clips: frames, flow, columns and indexes, read through snapshots.
+//
+// A store is one LMDB file. Clips are added one transaction each; a reader sees the store as it was when its
+// snapshot was taken. The engine knows planes, columns and blobs of bytes, never what a pixel means.
+// The bytes are laid out in docs/format.md.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <vector>
+
+namespace freshet::store {
+
+/// A clip's number in one store, in the order in which clips were committed. Never reused.
+enum class ClipId : std::uint32_t {};
+
+/// What of a clip a tile belongs to. Each stream is a sequence of frames of the same planes.
+enum class Stream : std::uint8_t {
+  kFrames = 0,   // planes exactly as the decoder gave them
+  kFlow = 1,     // u, v as 16-bit signed fixed point
+  kAverage = 2,  // one frame: the average image
+};
+
+/// One plane of a stream. Samples of 1 or 2 bytes, little endian.
+struct PlaneShape {
+  std::uint32_t width = 0, height = 0;  // samples
+  std::uint8_t bytes_per_sample = 1;
+  bool operator==(const PlaneShape&) const = default;
+};
+
+struct StreamShape {
+  std::vector<PlaneShape> planes;  // empty: the clip has no such stream
+  std::uint32_t frames = 0;
+  bool operator==(const StreamShape&) const = default;
+};
+
+/// What is known of a clip without reading its tiles.
+struct ClipRecord {
+  std::string name;         // path relative to the folder given at ingest, '/' between parts; unique in a store
+  std::string class_name;   // water, fire, ...
+  std::string licence;      // free text, may be empty
+  std::string source_hash;  // 32 hex digits: XXH3-128 of the source's bytes; unique in a store
+  std::string pixel_format; // FFmpeg's name of the frames' layout, e.g. "yuv420p"
+  std::uint32_t width = 0, height = 0;  // px, of the frames as stored
+  std::uint32_t frame_count = 0;
+  std::int64_t fps_num = 0, fps_den = 1;  // average frames a second
+  std::string metadata;     // JSON: colour tags, rotation, screening report, ...; opaque to the store
+  StreamShape frames, flow, average;
+  std::uint64_t rows = 0;   // length of the clip's patch columns
+};
+
+struct Rect {
+  std::uint32_t x = 0, y = 0, width = 0, height = 0;  // samples
+};
+
+/// One plane of one frame in memory, borrowed.
+struct PlaneView {
+  const std::byte* data = nullptr;
+  std::ptrdiff_t stride = 0;  // bytes from a row to the next
+};
+
+class Snapshot;
+class ClipWriter;
+
+/// An open store. Copies share it. One process opens a given file once at a time for writing.
+class Store {
+ public:
+  /// Creates a store file with the given settings (JSON, kept as they are; they take part in the digest).
+  /// Throws Error{kIo} when the file exists or its folder does not.
+  static Store create(const std::filesystem::path& path, const std::string& settings);
+  /// Opens for reading. Needs no write permission, neither on the file nor on its folder.
+  /// Throws Error{kInput} when there is no such file or it is no store, Error{kDamaged} when it was one.
+  static Store open_read(const std::filesystem::path& path);
+  /// Opens for reading and writing. Throws as open_read, and Error{kIo} when another process is writing.
+  static Store open_write(const std::filesystem::path& path);
+
+  const std::filesystem::path& path() const;
+  Snapshot snapshot() const;
+
+  /// Starts adding a clip: one write transaction, owned by the calling thread until commit or destruction.
+  ClipWriter add_clip();
+
+  /// Writes or replaces named blobs in one transaction (codebook, indexes). They are checksummed, compressed
+  /// unless `raw`, and readable through Snapshot::blob.
+  struct Blob {
+    std::string name;
+    std::span<const std::byte> bytes;
+    bool in_digest = true;  // false for what cannot be reproduced bit for bit, such as a FLANN index
+  };
+  /// Also writes, in the same transaction, replacement column chunks: {clip, name, bytes, element size}.
+  struct Column {
+    ClipId clip;
+    std::string name;
+    std::span<const std::byte> bytes;
+    std::uint32_t element_size = 1;
+  };
+  void write(std::span<const Blob> blobs, std::span<const Column> columns = {},
+             std::span<const std::string> erased_blobs = {});
+
+  /// Rewrites the file without free pages, into place, atomically. Nobody else may have it open.
+  void compact();
+
+ private:
+  struct Impl;
+  std::shared_ptr<Impl> impl_;
+  friend class Snapshot;
+  friend class ClipWriter;
+};
+
+/// Adds one clip. Nothing is visible to others before commit(); destruction without it leaves the store as
+/// it was. All calls from the thread that made it; the encoding inside runs on all threads.
+class ClipWriter {
+ public:
+  ClipWriter(ClipWriter&&) noexcept;
+  ~ClipWriter();
+
+  /// Declares the planes of a stream; once a stream, before its first frames.
+  void begin_stream(Stream stream, std::span<const PlaneShape> planes);
+  /// Appends frames: frames.size() * planes views, frame-major. Any number a call; full slabs of tiles are
+  /// coded and written at once, the rest is copied and kept until the next call or commit.
+  void append(Stream stream, std::span<const PlaneView> planes_of_frames);
+
+  /// A column of the clip: one value, or one fixed-size record, a row. All columns whose names begin with
+  /// "patch." must have the same number of rows.
+  template <class T>
+  void column(std::string_view name, std::span<const T> values) {
+    static_assert(std::is_trivially_copyable_v<T>);
+    column_bytes(name, std::as_bytes(values), sizeof(T));
+  }
+  void column_bytes(std::string_view name, std::span<const std::byte> bytes, std::uint32_t element_size);
+
+  /// Fills in the streams' shapes, rows and frame_count itself. Returns when the clip is on disk.
+  /// Throws Error{kIo} on a full disk: the store is then as before.
+  ClipId commit(ClipRecord record);
+
+ private:
+  friend class Store;
+  struct Impl;
+  explicit ClipWriter(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+/// The store as it was at one moment. Cheap to copy; all calls are safe from many threads.
+/// Every read checks its record's header, its place and its hash, and throws Error{kDamaged} naming the record.
+class Snapshot {
+ public:
+  const std::string& settings() const;
+  std::span<const ClipId> clips() const;                   // ascending
+  const ClipRecord& clip(ClipId id) const;                 // Error{kNotFound}
+  std::optional<ClipId> find(std::string_view name) const;
+  std::optional<ClipId> find_source(std::string_view source_hash) const;
+
+  /// Samples of one plane: region of frames [first, first + count), frame-major, rows packed, little endian.
+  /// Decodes only the tiles that the region touches, on the calling thread.
+  /// out    count * region.width * region.height * bytes_per_sample bytes; overwritten.
+  void read(ClipId id, Stream stream, std::uint32_t plane, Rect region, std::uint32_t first, std::uint32_t count,
+            std::span<std::byte> out) const;
+
+  /// A column of one clip; empty vector when the clip has no rows. Error{kNotFound} when it has no such column.
+  template <class T>
+  std::vector<T> column(ClipId id, std::string_view name) const {
+    static_assert(std::is_trivially_copyable_v<T>);
+    std::vector<T> values;
+    column_bytes(id, name, sizeof(T), [&](std::size_t rows) {
+      values.resize(rows);
+      return std::as_writable_bytes(std::span<T>(values));
+    });
+    return values;
+  }
+  bool has_column(ClipId id, std::string_view name) const;
+  std::optional<std::vector<std::byte>> blob(std::string_view name) const;
+  std::vector<std::string> blob_names() const;
+
+  /// Bytes on disk, by what they hold, with the number of records; file size last.
+  struct Usage {
+    std::string what;
+    std::uint64_t records = 0, stored_bytes = 0, raw_bytes = 0;
+  };
+  std::vector<Usage> usage() const;
+
+  /// One hash (32 hex digits) of all logical content: settings, clips in order of source hash with decoded
+  /// streams and columns, and the blobs that take part. Independent of clip order, threads, zstd's version.
+  std::string digest() const;
+
+  /// Reads everything. Returns one line a damaged record; empty when all is well.
+  std::vector<std::string> verify() const;
+
+ private:
+  friend class Store;
+  template <class Resize>
+  void column_bytes(ClipId id, std::string_view name, std::uint32_t element_size, Resize&& resize) const {
+    column_into(id, name, element_size,
+                [](void* context, std::size_t rows) { return (*static_cast<Resize*>(context))(rows); }, &resize);
+  }
+  void column_into(ClipId id, std::string_view name, std::uint32_t element_size,
+                   std::span<std::byte> (*resize)(void*, std::size_t), void* context) const;
+  struct Impl;
+  std::shared_ptr<const Impl> impl_;
+};
+
+}  // namespace freshet::store

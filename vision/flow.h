@@ -1,0 +1,31 @@
+// vision/flow.h — dense optical flow between neighbouring frames.
+#pragma once
+
+#include <string>
+
+#include <opencv2/core.hpp>
+
+namespace freshet::vision {
+
+enum class FlowMethod { kDis, kTvL1 };
+
+struct FlowOptions {
+  FlowMethod method = FlowMethod::kDis;  // DIS, medium preset
+  // TV-L1 as Okabe et al. 2011, Sec. 4 set it: theta 1.0, lambda 0.8, 25 iterations, 5 warps. Their intensity
+  // scale is not stated; OpenCV's, and so this lambda's, is 0..255.
+  double tvl1_lambda = 0.8, tvl1_theta = 1.0;
+  int tvl1_iterations = 25, tvl1_warps = 5;
+};
+FlowMethod parse_flow_method(const std::string& name);  // "dis", "tv-l1"; Error{kUsage}
+
+/// from, to   CV_8U, same size, at least 16 x 16 px.
+/// Returns    CV_32FC2, px a frame, x right, y down: what lies at p in `from` lies at p + flow(p) in `to`.
+/// Runs on the calling thread alone; deterministic.
+cv::Mat optical_flow(const cv::Mat& from, const cv::Mat& to, const FlowOptions& options = {});
+
+/// Flow as kept in a store: CV_16SC1 planes of 1/64 px, reduced by `step` (area average; 1 keeps every pixel).
+/// Saturates at +-511 px.
+void quantize_flow(const cv::Mat& flow, int step, cv::Mat& u, cv::Mat& v);
+inline constexpr float kFlowUnit = 1.0f / 64;  // px
+
+}  // namespace freshet::vision

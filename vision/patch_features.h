@@ -1,0 +1,28 @@
+// vision/patch_features.h — a patch's spectra and textureness, turned into its variant from the clip's cells.
+#pragma once
+
+#include <span>
+
+#include "vision/motion_cells.h"
+#include "vision/textureness.h"
+#include "vision/variant.h"
+
+namespace freshet::vision {
+
+/// Cells on a patch's side: patch / cell; feature values of one cell: 2 + 2 * bands + kTextureLevels:
+/// mean u, mean v (px/s), power of u by band, power of v by band ((px/s)^2), textureness by level (0..1).
+int feature_channels(const SpectrumOptions& options);
+
+/// Features of one patch of a variant, cell by cell, row-major, channel fastest.
+/// motion, texture   the clip's cells; texture the one of the variant's scale.
+/// x, y              px, top-left corner in the variant's frame.
+/// out               (patch / cell)^2 * feature_channels values; overwritten.
+/// Velocities are scaled and turned with the variant; powers by its square, using the cross power. Bilinear
+/// between cells. Source: Okabe et al. 2011, Sec. 4 and 5 (they recompute flow for every variant).
+void patch_features(const CellMap& motion, const CellMap& texture, const VariantFrame& frame, int x, int y,
+                    int patch, const SpectrumOptions& options, std::span<float> out);
+
+/// Mean of u, v (px/s, in the variant's frame) over a patch.
+cv::Vec2f patch_mean_motion(const CellMap& motion, const VariantFrame& frame, int x, int y, int patch);
+
+}  // namespace freshet::vision

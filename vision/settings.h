@@ -1,0 +1,37 @@
+// vision/settings.h — everything that a store's patches depend on: the same for all of its clips.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "vision/codebook.h"
+#include "vision/flow.h"
+#include "vision/motion_cells.h"
+#include "vision/patch_grid.h"
+#include "vision/variant.h"
+
+namespace freshet::vision {
+
+/// Chosen when a store is made, kept in it as JSON, and read back by whatever searches it.
+struct Settings {
+  std::vector<float> scales{1.0f, 0.75f, 0.5f};
+  std::vector<float> rotations_deg{-22.5f, 0.0f, 22.5f};
+  bool flips = true;
+  PatchGrid grid;
+  double min_coverage = 0.5;     // share of a patch's pixels that must move
+  double min_motion_px = 0.2;    // mean |flow| that counts as moving, px a frame at 25 frames a second
+  double min_change = 1.5 / 255; // standard deviation over time that counts as moving, luma in 0..1
+  FlowOptions flow;
+  int flow_step = 2;             // flow is kept at 1 / flow_step of the frame's resolution
+  SpectrumOptions spectrum;
+  int texture_cell = 4;          // px of the variant's scale
+  CodebookOptions codebook;
+
+  std::vector<Variant> variants() const { return make_variants(scales, rotations_deg, flips); }
+};
+
+std::string to_json(const Settings& settings);
+/// Throws Error{kDamaged} when a field is missing or out of range.
+Settings settings_from_json(const std::string& json);
+
+}  // namespace freshet::vision
