@@ -1,0 +1,96 @@
+#include "query/trw_s.h"
+
+#include <gtest/gtest.h>
+
+#include "query/min_sum.h"
+#include "query/minimizer.h"
+#include "random_mrf.h"
+
+namespace freshet::query {
+namespace {
+
+TEST(MinSum, AgreesWithThePlainLoopsForEveryShape) {
+  std::mt19937_64 random(3);
+  std::normal_distribution<float> normal;
+  for (std::size_t rows : {1u, 2u, 5u, 16u, 37u}) {
+    for (std::size_t columns : {1u, 3u, 4u, 17u, 50u}) {
+      std::vector<float> table(rows * columns), a(rows), b(columns), over_rows(columns), over_columns(rows);
+      for (auto* values : {&table, &a, &b}) {
+        for (float& value : *values) value = normal(random);
+      }
+      min_over_rows(table.data(), rows, columns, a.data(), over_rows.data());
+      min_over_columns(table.data(), rows, columns, b.data(), over_columns.data());
+      for (std::size_t j = 0; j < columns; ++j) {
+        float least = table[j] + a[0];
+        for (std::size_t i = 1; i < rows; ++i) least = std::min(least, table[i * columns + j] + a[i]);
+        EXPECT_EQ(over_rows[j], least);
+      }
+      for (std::size_t i = 0; i < rows; ++i) {
+        float least = table[i * columns] + b[0];
+        for (std::size_t j = 1; j < columns; ++j) least = std::min(least, table[i * columns + j] + b[j]);
+        EXPECT_EQ(over_columns[i], least);
+      }
+    }
+  }
+}
+
+TEST(TrwS, IsExactOnTrees) {
+  for (std::uint64_t seed = 1; seed <= 50; ++seed) {
+    const Mrf mrf =
+        random_mrf({.width = 3, .height = 3, .uneven_labels = seed % 2 == 0, .tree = true, .seed = seed});
+    const Solution solution = trw_s(mrf);
+    const double minimum = exhaustive_minimum(mrf);
+    EXPECT_NEAR(solution.energy, minimum, 1e-4) << seed;
+    EXPECT_NEAR(solution.lower_bound, minimum, 1e-4) << seed;
+  }
+}
+
+TEST(TrwS, BoundsTheMinimumFromBelowAndAbove) {
+  int exact = 0;
+  for (std::uint64_t seed = 1; seed <= 50; ++seed) {
+    const Mrf mrf = random_mrf({.uneven_labels = seed % 2 == 0, .seed = seed});
+    const Solution solution = trw_s(mrf);
+    const double minimum = exhaustive_minimum(mrf);
+    EXPECT_LE(solution.lower_bound, minimum + 1e-4) << seed;
+    EXPECT_GE(solution.energy, minimum - 1e-4) << seed;
+    EXPECT_NEAR(solution.energy, energy(mrf, solution.labels), 1e-9);
+    EXPECT_GT(solution.lower_bound, 0.8 * minimum) << seed;
+    exact += solution.energy < minimum + 1e-4;
+  }
+  EXPECT_GE(exact, 30);
+}
+
+TEST(TrwS, TakesTheBestUnaryLabelsWithoutEdges) {
+  Mrf mrf;
+  mrf.add_node(std::vector<float>{3, 1, 2});
+  mrf.add_node(std::vector<float>{-1, 5});
+  const Solution solution = trw_s(mrf);
+  EXPECT_EQ(solution.labels, (Labels{1, 0}));
+  EXPECT_EQ(solution.energy, 0);
+  EXPECT_EQ(solution.lower_bound, 0);
+  EXPECT_TRUE(trw_s(Mrf{}).labels.empty());
+}
+
+TEST(TrwS, TakesTheOnlyLabelThereIs) {
+  const Mrf mrf = random_mrf({.labels = 1});
+  const Solution solution = trw_s(mrf);
+  EXPECT_EQ(solution.labels, Labels(mrf.nodes(), 0));
+  EXPECT_NEAR(solution.lower_bound, solution.energy, 1e-4);
+}
+
+TEST(Minimizer, TrwSThenForestsComesWithinThreePerCentOfTheBoundOnAPicture) {
+  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+    const Mrf mrf = picture_sized_mrf(seed, 12, 10, 40);
+    const Solution solution = minimize(mrf, Minimizer::kTrwS);
+    EXPECT_LE(solution.lower_bound, solution.energy);
+    EXPECT_LT(solution.energy, 1.03 * solution.lower_bound);
+    for (const Minimizer other : {Minimizer::kAlphaExpansion, Minimizer::kIcm}) {
+      EXPECT_LE(solution.energy, minimize(mrf, other).energy) << name_of(other);
+      EXPECT_GE(minimize(mrf, other).energy, solution.lower_bound) << name_of(other);
+    }
+    EXPECT_EQ(minimize(mrf, Minimizer::kTrwS), solution);
+  }
+}
+
+}  // namespace
+}  // namespace freshet::query
