@@ -20,10 +20,15 @@ FlowMethod parse_flow_method(const std::string& name);  // "dis", "tv-l1"; Error
 
 /// from, to   CV_8U, same size, at least 16 x 16 px.
 /// Returns    CV_32FC2, px a frame, x right, y down: what lies at p in `from` lies at p + flow(p) in `to`.
-/// Runs on the calling thread alone; deterministic.
+/// Frames are continued by reflection to a size that DIS survives (64 px, multiples of 8) and the flow is cut
+/// back. TV-L1 runs tvl1_iterations a warp, with one median filter a warp, never from an earlier flow.
+/// Deterministic on one OpenCV thread: DIS cuts its search into as many strips as OpenCV has threads, and its
+/// result depends on the cut. cv::setNumThreads is global, so the program sets it to 1 when it starts, not
+/// this function; then it runs on the calling thread alone and may be called from many.
 cv::Mat optical_flow(const cv::Mat& from, const cv::Mat& to, const FlowOptions& options = {});
 
-/// Flow as kept in a store: CV_16SC1 planes of 1/64 px, reduced by `step` (area average; 1 keeps every pixel).
+/// Flow as kept in a store: CV_16SC1 planes of 1/64 px (of the source, whatever the step), reduced by `step`
+/// (area average; 1 keeps every pixel) to ceil(side / step); blocks over the edge repeat the last pixel.
 /// Saturates at +-511 px.
 void quantize_flow(const cv::Mat& flow, int step, cv::Mat& u, cv::Mat& v);
 inline constexpr float kFlowUnit = 1.0f / 64;  // px

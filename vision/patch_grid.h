@@ -14,10 +14,12 @@ struct PatchGrid {
 
 /// Top-left corners, row-major, of all patches that lie wholly inside `frame`.
 /// mirrored   the grid of a flipped frame is the mirror image of the unflipped one, so that a flipped patch
-///            holds exactly the pixels of its twin and shares its descriptors.
+///            holds exactly the pixels of its twin and shares its descriptors. Still row-major in its own
+///            frame: the i-th patch of a row is the twin of the (n - 1 - i)-th.
 std::vector<cv::Point> patch_positions(cv::Size frame, const PatchGrid& grid, bool mirrored = false);
 
-/// Share of set pixels (non-zero) of mask inside each patch, 0..1. One integral image a call.
+/// Share of set pixels (non-zero) of mask (CV_8U) inside each patch, 0..1. One integral image a call.
+/// Throws Error{kUsage} when a patch does not lie inside the mask.
 std::vector<float> patch_coverage(const cv::Mat& mask, const std::vector<cv::Point>& positions, int patch);
 
 }  // namespace freshet::vision

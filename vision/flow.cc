@@ -1,0 +1,95 @@
+#include "vision/flow.h"
+
+#include <algorithm>
+
+#include <opencv2/imgproc.hpp>
+#include <opencv2/optflow.hpp>
+#include <opencv2/video/tracking.hpp>
+
+#include "freshet_error.h"
+
+namespace freshet::vision {
+namespace {
+
+constexpr int kSmallestSide = 16;
+// DIS has crashed on small and on oddly sized frames (opencv#14554, #20185, opencv_contrib#1476): it is given
+// frames of 64 px or more whose sides halve three times without a remainder.
+constexpr int kSafeSide = 64, kSafeMultiple = 8;
+
+int safe_side(int side) {
+  return std::max(kSafeSide, (side + kSafeMultiple - 1) / kSafeMultiple * kSafeMultiple);
+}
+
+cv::Mat extended(const cv::Mat& picture, cv::Size size) {
+  if (picture.size() == size) return picture;
+  cv::Mat larger;
+  cv::copyMakeBorder(picture, larger, 0, size.height - picture.rows, 0, size.width - picture.cols,
+                     cv::BORDER_REFLECT_101);
+  return larger;
+}
+
+}  // namespace
+
+FlowMethod parse_flow_method(const std::string& name) {
+  if (name == "dis") return FlowMethod::kDis;
+  if (name == "tv-l1") return FlowMethod::kTvL1;
+  throw Error(ErrorKind::kUsage, "flow method", "\"" + name + "\" is not known", "Choose dis or tv-l1");
+}
+
+cv::Mat optical_flow(const cv::Mat& from, const cv::Mat& to, const FlowOptions& options) {
+  if (from.type() != CV_8UC1 || to.type() != CV_8UC1 || from.size() != to.size()) {
+    throw Error(ErrorKind::kUsage, "flow", "two 8-bit planes of one size expected");
+  }
+  if (from.cols < kSmallestSide || from.rows < kSmallestSide) {
+    throw Error(ErrorKind::kInput, "flow",
+                "frames of " + std::to_string(from.cols) + " x " + std::to_string(from.rows) +
+                    " px, at least 16 x 16 expected");
+  }
+  const cv::Size safe(safe_side(from.cols), safe_side(from.rows));
+  cv::Mat flow;
+  try {
+    cv::Ptr<cv::DenseOpticalFlow> method;
+    if (options.method == FlowMethod::kDis) {
+      method = cv::DISOpticalFlow::create(cv::DISOpticalFlow::PRESET_MEDIUM);
+    } else {
+      const auto tvl1 = cv::optflow::DualTVL1OpticalFlow::create();
+      tvl1->setLambda(options.tvl1_lambda);
+      tvl1->setTheta(options.tvl1_theta);
+      tvl1->setWarpingsNumber(options.tvl1_warps);
+      // OpenCV runs inner x outer iterations a warp and takes a median before each outer one: one median a
+      // warp.
+      tvl1->setInnerIterations(options.tvl1_iterations);
+      tvl1->setOuterIterations(1);
+      tvl1->setUseInitialFlow(false);
+      method = tvl1;
+    }
+    method->calc(extended(from, safe), extended(to, safe), flow);
+  } catch (const cv::Exception& e) {
+    throw Error(ErrorKind::kInput, "flow",
+                "OpenCV refused frames of " + std::to_string(from.cols) + " x " + std::to_string(from.rows) +
+                    " px (" + e.err + ")");
+  }
+  return flow.size() == from.size() ? flow : flow(cv::Rect(cv::Point(), from.size())).clone();
+}
+
+void quantize_flow(const cv::Mat& flow, int step, cv::Mat& u, cv::Mat& v) {
+  if (flow.type() != CV_32FC2 || flow.empty() || step < 1 || step > 64) {
+    throw Error(ErrorKind::kUsage, "flow", "a CV_32FC2 map and a step of 1 to 64 px expected");
+  }
+  cv::Mat reduced = flow;
+  if (step > 1) {
+    const cv::Size size((flow.cols + step - 1) / step, (flow.rows + step - 1) / step);
+    cv::Mat whole = flow;
+    if (size * step != flow.size()) {
+      cv::copyMakeBorder(flow, whole, 0, size.height * step - flow.rows, 0, size.width * step - flow.cols,
+                         cv::BORDER_REPLICATE);
+    }
+    cv::resize(whole, reduced, size, 0, 0, cv::INTER_AREA);
+  }
+  cv::Mat planes[2];
+  cv::split(reduced, planes);
+  planes[0].convertTo(u, CV_16S, 1 / kFlowUnit);
+  planes[1].convertTo(v, CV_16S, 1 / kFlowUnit);
+}
+
+}  // namespace freshet::vision

@@ -1,0 +1,87 @@
+#include "vision/spatial_pyramid.h"
+
+#include <algorithm>
+#include <bit>
+
+#include "freshet_error.h"
+
+namespace freshet::vision {
+namespace {
+
+constexpr int kPoints = kGridSide * kGridSide;
+constexpr int kMostWords = 256;
+
+constexpr std::array<std::array<std::uint8_t, 3>, kPoints> make_cells() {
+  std::array<std::array<std::uint8_t, 3>, kPoints> cells{};
+  for (int row = 0; row < kGridSide; ++row) {
+    for (int column = 0; column < kGridSide; ++column) {
+      auto& cell = cells[row * kGridSide + column];
+      cell[0] = 0;
+      cell[1] = static_cast<std::uint8_t>(1 + row * 2 / kGridSide * 2 + column * 2 / kGridSide);
+      cell[2] = static_cast<std::uint8_t>(5 + row * 4 / kGridSide * 4 + column * 4 / kGridSide);
+    }
+  }
+  return cells;
+}
+constexpr auto kCells = make_cells();
+
+void check_word(int word, int word_count) {
+  if (word >= word_count) {
+    throw Error(
+        ErrorKind::kDamaged, "word map",
+        "visual word " + std::to_string(word) + " of a codebook of " + std::to_string(word_count) + " words");
+  }
+}
+
+}  // namespace
+
+std::array<int, 3> cells_of(int column, int row) {
+  const auto& cell = kCells[row * kGridSide + column];
+  return {cell[0], cell[1], cell[2]};
+}
+
+int pyramid_bins(const WordMap& words, int word_count, std::vector<Bin>& bins, const WordMask* mask) {
+  // Weights in a table, and a bit for each bin in use: walking the bits gives the bins sorted.
+  std::array<std::uint16_t, kPyramidCells * kMostWords> weights;
+  std::array<std::uint64_t, kPyramidCells * kMostWords / 64> used{};
+  int mass = 0;
+  for (int i = 0; i < kPoints; ++i) {
+    if (mask && !(*mask)[i]) continue;
+    check_word(words[i], word_count);
+    for (int level = 0; level < 3; ++level) {
+      const int slot = kCells[i][level] * kMostWords + words[i];
+      const std::uint64_t bit = std::uint64_t{1} << (slot % 64);
+      if (!(used[slot / 64] & bit)) weights[slot] = 0;
+      used[slot / 64] |= bit;
+      weights[slot] = static_cast<std::uint16_t>(weights[slot] + kLevelWeights[level]);
+      mass += kLevelWeights[level];
+    }
+  }
+  bins.clear();
+  for (std::size_t block = 0; block < used.size(); ++block) {
+    for (std::uint64_t rest = used[block]; rest; rest &= rest - 1) {
+      const int slot = static_cast<int>(block) * 64 + std::countr_zero(rest);
+      bins.push_back(
+          {static_cast<std::uint16_t>(slot / kMostWords * word_count + slot % kMostWords), weights[slot]});
+    }
+  }
+  return mass;
+}
+
+int intersection(const WordMap& a, const WordMap& b, int word_count, const WordMask* mask_of_a) {
+  std::vector<int> counts_a(static_cast<std::size_t>(kPyramidCells) * word_count), counts_b(counts_a.size());
+  for (int i = 0; i < kPoints; ++i) {
+    check_word(a[i], word_count);
+    check_word(b[i], word_count);
+    for (int level = 0; level < 3; ++level) {
+      const int cell = kCells[i][level];
+      if (!mask_of_a || (*mask_of_a)[i]) counts_a[cell * word_count + a[i]] += kLevelWeights[level];
+      counts_b[cell * word_count + b[i]] += kLevelWeights[level];
+    }
+  }
+  int sum = 0;
+  for (std::size_t bin = 0; bin < counts_a.size(); ++bin) sum += std::min(counts_a[bin], counts_b[bin]);
+  return sum;
+}
+
+}  // namespace freshet::vision
