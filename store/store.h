@@ -43,17 +43,17 @@ struct StreamShape {
 
 /// What is known of a clip without reading its tiles.
 struct ClipRecord {
-  std::string name;         // path relative to the folder given at ingest, '/' between parts; unique in a store
-  std::string class_name;   // water, fire, ...
-  std::string licence;      // free text, may be empty
-  std::string source_hash;  // 32 hex digits: XXH3-128 of the source's bytes; unique in a store
-  std::string pixel_format; // FFmpeg's name of the frames' layout, e.g. "yuv420p"
+  std::string name;  // path relative to the folder given at ingest, '/' between parts; unique in a store
+  std::string class_name;               // water, fire, ...
+  std::string licence;                  // free text, may be empty
+  std::string source_hash;              // 32 hex digits: XXH3-128 of the source's bytes; unique in a store
+  std::string pixel_format;             // FFmpeg's name of the frames' layout, e.g. "yuv420p"
   std::uint32_t width = 0, height = 0;  // px, of the frames as stored
   std::uint32_t frame_count = 0;
   std::int64_t fps_num = 0, fps_den = 1;  // average frames a second
-  std::string metadata;     // JSON: colour tags, rotation, screening report, ...; opaque to the store
+  std::string metadata;  // JSON: colour tags, rotation, screening report, ...; opaque to the store
   StreamShape frames, flow, average;
-  std::uint64_t rows = 0;   // length of the clip's patch columns
+  std::uint64_t rows = 0;  // length of the clip's patch columns
 };
 
 struct Rect {
@@ -148,22 +148,24 @@ class ClipWriter {
 };
 
 /// The store as it was at one moment. Cheap to copy; all calls are safe from many threads.
-/// Every read checks its record's header, its place and its hash, and throws Error{kDamaged} naming the record.
+/// Every read checks its record's header, its place and its hash, and throws Error{kDamaged} naming the
+/// record.
 class Snapshot {
  public:
   const std::string& settings() const;
-  std::span<const ClipId> clips() const;                   // ascending
-  const ClipRecord& clip(ClipId id) const;                 // Error{kNotFound}
+  std::span<const ClipId> clips() const;    // ascending
+  const ClipRecord& clip(ClipId id) const;  // Error{kNotFound}
   std::optional<ClipId> find(std::string_view name) const;
   std::optional<ClipId> find_source(std::string_view source_hash) const;
 
   /// Samples of one plane: region of frames [first, first + count), frame-major, rows packed, little endian.
   /// Decodes only the tiles that the region touches, on the calling thread.
   /// out    count * region.width * region.height * bytes_per_sample bytes; overwritten.
-  void read(ClipId id, Stream stream, std::uint32_t plane, Rect region, std::uint32_t first, std::uint32_t count,
-            std::span<std::byte> out) const;
+  void read(ClipId id, Stream stream, std::uint32_t plane, Rect region, std::uint32_t first,
+            std::uint32_t count, std::span<std::byte> out) const;
 
-  /// A column of one clip; empty vector when the clip has no rows. Error{kNotFound} when it has no such column.
+  /// A column of one clip; empty vector when the clip has no rows. Error{kNotFound} when it has no such
+  /// column.
   template <class T>
   std::vector<T> column(ClipId id, std::string_view name) const {
     static_assert(std::is_trivially_copyable_v<T>);
@@ -196,8 +198,9 @@ class Snapshot {
   friend class Store;
   template <class Resize>
   void column_bytes(ClipId id, std::string_view name, std::uint32_t element_size, Resize&& resize) const {
-    column_into(id, name, element_size,
-                [](void* context, std::size_t rows) { return (*static_cast<Resize*>(context))(rows); }, &resize);
+    column_into(
+        id, name, element_size,
+        [](void* context, std::size_t rows) { return (*static_cast<Resize*>(context))(rows); }, &resize);
   }
   void column_into(ClipId id, std::string_view name, std::uint32_t element_size,
                    std::span<std::byte> (*resize)(void*, std::size_t), void* context) const;

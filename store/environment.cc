@@ -1,0 +1,314 @@
+#include "store/environment.h"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+#include <xxhash.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <map>
+#include <random>
+#include <utility>
+
+#include "freshet_error.h"
+#include "store/lmdb_error.h"
+#include "store/page_check.h"
+
+namespace freshet::store {
+namespace {
+
+constexpr std::size_t kFirstMapBytes = std::size_t{1} << 40;  // reserved address space, no memory and no disk
+constexpr unsigned kMaxReaders = 1024;
+constexpr std::size_t kIdentityBytes = 32;
+constexpr std::string_view kIdentityKey = "store", kSettingsKey = "settings";
+
+// Bytes of the store, far beyond its end, whose locks tell who has it open.
+constexpr off_t kUserByte = off_t{1} << 62, kWriterByte = kUserByte + 1, kUnlockedReaderByte = kUserByte + 2;
+
+bool lock_byte(int fd, off_t byte, short type) {
+  struct flock lock {};
+  lock.l_type = type;
+  lock.l_whence = SEEK_SET;
+  lock.l_start = byte;
+  lock.l_len = 1;
+  return fcntl(fd, F_OFD_SETLK, &lock) == 0;
+}
+
+bool others_hold(int fd, off_t byte) {
+  struct flock lock {};
+  lock.l_type = F_WRLCK;
+  lock.l_whence = SEEK_SET;
+  lock.l_start = byte;
+  lock.l_len = 1;
+  return fcntl(fd, F_OFD_GETLK, &lock) == 0 && lock.l_type != F_UNLCK;
+}
+
+// The files this process has open. LMDB forbids a second environment on one file in one process.
+struct OpenFiles {
+  std::mutex mutex;
+  std::map<std::pair<dev_t, ino_t>, std::weak_ptr<Environment>> files;
+};
+OpenFiles& open_files() {
+  static OpenFiles files;
+  return files;
+}
+
+std::pair<dev_t, ino_t> file_identity(int fd) {
+  struct stat status {};
+  fstat(fd, &status);
+  return {status.st_dev, status.st_ino};
+}
+
+}  // namespace
+
+std::shared_ptr<Environment> Environment::create(const std::filesystem::path& file,
+                                                 const std::string& settings,
+                                                 std::optional<std::uint64_t> store_id) {
+  const std::shared_ptr<Environment> made(new Environment(file, Access::kWrite));
+  made->fd_ = ::open(file.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+  if (made->fd_ < 0) {
+    const bool exists = errno == EEXIST;
+    throw Error(ErrorKind::kIo, file.string(),
+                std::string("cannot be created (") + std::strerror(errno) + ")",
+                exists ? "Choose another name, or remove it first"
+                       : "Make its folder, and check that it can be written");
+  }
+  try {
+    made->take_locks();
+    made->open_map();
+    made->open_tables(true);
+    made->write_identity(settings, store_id);
+  } catch (...) {
+    ::unlink(file.c_str());
+    ::unlink((file.string() + "-lock").c_str());
+    throw;
+  }
+  const std::lock_guard lock(open_files().mutex);
+  open_files().files[file_identity(made->fd_)] = made;
+  return made;
+}
+
+std::shared_ptr<Environment> Environment::open(const std::filesystem::path& file, Access access) {
+  const std::lock_guard lock(open_files().mutex);
+  const int fd = ::open(file.c_str(), (access == Access::kWrite ? O_RDWR : O_RDONLY) | O_CLOEXEC);
+  if (fd < 0) {
+    const ErrorKind kind =
+        errno == EACCES || errno == EROFS || errno == EPERM ? ErrorKind::kIo : ErrorKind::kInput;
+    throw Error(kind, file.string(), std::string("cannot be opened (") + std::strerror(errno) + ")",
+                "Check the name and the permissions");
+  }
+  const std::shared_ptr<Environment> made(new Environment(file, access));
+  made->fd_ = fd;
+  struct stat status {};
+  if (fstat(fd, &status) != 0 || !S_ISREG(status.st_mode)) {
+    throw Error(ErrorKind::kInput, file.string(), "is not a file", "Give a file made by freshet ingest");
+  }
+  const auto identity = file_identity(fd);
+  std::erase_if(open_files().files, [](const auto& entry) { return entry.second.expired(); });
+  if (const auto found = open_files().files.find(identity); found != open_files().files.end()) {
+    if (auto open_already = found->second.lock()) {
+      if (access == Access::kRead) return open_already;
+      throw Error(ErrorKind::kIo, file.string(), "is already open in this process", "Close it there first");
+    }
+  }
+  made->take_locks();
+  check_pages(fd, file);
+  made->open_map();
+  made->open_tables(false);
+  made->read_identity();
+  open_files().files[identity] = made;
+  return made;
+}
+
+Environment::~Environment() {
+  if (env_ != nullptr) mdb_env_close(env_);
+  if (fd_ >= 0) ::close(fd_);
+}
+
+std::uint64_t Environment::file_bytes() const {
+  struct stat status {};
+  fstat(fd_, &status);
+  return static_cast<std::uint64_t>(status.st_size);
+}
+
+void Environment::take_locks() {
+  if (!lock_byte(fd_, kUserByte, F_RDLCK)) {
+    throw Error(ErrorKind::kIo, file_.string(), "is being compacted by another process",
+                "Wait for it and run again");
+  }
+  struct stat here {
+  }, named{};
+  if (fstat(fd_, &here) != 0 || ::stat(file_.c_str(), &named) != 0 || here.st_ino != named.st_ino) {
+    throw Error(ErrorKind::kIo, file_.string(), "has been replaced while it was opened", "Run again");
+  }
+  if (access_ != Access::kWrite) return;
+  if (!lock_byte(fd_, kWriterByte, F_WRLCK)) {
+    throw Error(ErrorKind::kIo, file_.string(), "another process is writing to it",
+                "Wait for it and run again");
+  }
+  if (others_hold(fd_, kUnlockedReaderByte)) {
+    throw Error(ErrorKind::kIo, file_.string(), "a program without permission to lock it is reading it",
+                "Close that program and run again");
+  }
+}
+
+int Environment::try_open_map(std::size_t map_bytes, unsigned flags) {
+  check_lmdb(file_, "cannot make an environment", mdb_env_create(&env_));
+  mdb_env_set_maxdbs(env_, kTables + 3);
+  mdb_env_set_maxreaders(env_, kMaxReaders);
+  mdb_env_set_mapsize(env_, map_bytes);
+  map_bytes_ = map_bytes;
+  const int code = mdb_env_open(env_, file_.c_str(), MDB_NOSUBDIR | MDB_NOTLS | flags, 0666);
+  if (code != 0) mdb_env_close(std::exchange(env_, nullptr));
+  return code;
+}
+
+void Environment::open_map() {
+  const std::size_t least = std::max<std::size_t>(2 * file_bytes(), std::size_t{1} << 26);
+  unsigned flags = access_ == Access::kRead ? MDB_RDONLY : 0;
+  std::size_t map_bytes = kFirstMapBytes;
+  int code = try_open_map(map_bytes, flags);
+  while (code == ENOMEM && map_bytes / 2 >= least) code = try_open_map(map_bytes /= 2, flags);
+  if ((code == EACCES || code == EPERM || code == EROFS) && access_ == Access::kRead) {
+    // No lock file can be made here. Pages are safe as long as nobody writes, and the locks on the store say
+    // so.
+    unlocked_reader_ = true;
+    lock_byte(fd_, kUnlockedReaderByte, F_RDLCK);
+    if (others_hold(fd_, kWriterByte)) {
+      throw Error(ErrorKind::kIo, file_.string(), "is being written, and its lock file cannot be opened",
+                  "Get permission to write to " + file_.string() + "-lock, or wait for the writer");
+    }
+    flags |= MDB_NOLOCK;
+    code = try_open_map(map_bytes, flags);
+    while (code == ENOMEM && map_bytes / 2 >= least) code = try_open_map(map_bytes /= 2, flags);
+  }
+  check_lmdb(file_, "cannot be opened", code);
+  int dead = 0;
+  if (access_ == Access::kWrite) mdb_reader_check(env_, &dead);
+}
+
+void Environment::open_tables(bool create) {
+  MDB_txn* txn = begin(create ? 0 : MDB_RDONLY);  // nobody else has this object yet
+  for (std::size_t t = 0; t < kTables; ++t) {
+    const int code = mdb_dbi_open(txn, kTableNames[t], create ? MDB_CREATE : 0, &tables_[t]);
+    if (code == 0) continue;
+    mdb_txn_abort(txn);
+    end(nullptr);
+    if (t == 0 && (code == MDB_NOTFOUND || code == MDB_INCOMPATIBLE)) {
+      throw Error(ErrorKind::kInput, file_.string(), "is an LMDB file but not a Freshet store",
+                  "Give a file made by freshet ingest");
+    }
+    if (code == MDB_NOTFOUND || code == MDB_INCOMPATIBLE) {
+      throw Error(ErrorKind::kDamaged, file_.string(), std::string("has no table \"") + kTableNames[t] + "\"",
+                  "Restore the file from a copy, or ingest its clips again into a new store");
+    }
+    throw_lmdb(file_, "cannot open its tables", code);
+  }
+  const int code = mdb_txn_commit(txn);
+  end(nullptr);
+  check_lmdb(file_, "cannot open its tables", code);
+}
+
+void Environment::write_identity(const std::string& settings, std::optional<std::uint64_t> store_id) {
+  std::random_device random;
+  store_id_ = store_id.value_or(std::uint64_t{random()} << 32 | random());
+  Bytes identity;
+  const ByteSpan magic = bytes_of(kStoreMagic);
+  identity.insert(identity.end(), magic.begin(), magic.end());
+  append(identity, kFormatVersion);
+  append(identity, std::uint32_t{0});
+  append(identity, store_id_);
+  append(identity, XXH3_64bits(identity.data(), identity.size()));
+  WriteTransaction txn(shared_from_this());
+  txn.put(Table::kMeta, bytes_of(kIdentityKey), identity);
+  const RecordPlace at = place(Table::kMeta, bytes_of(kSettingsKey));
+  txn.put(Table::kMeta, at.key, encode_record(at, bytes_of(settings), 1, settings.size()));
+  txn.commit();
+}
+
+void Environment::read_identity() {
+  const ReadTransaction txn(shared_from_this());
+  const RecordPlace at = place(Table::kMeta, bytes_of(kIdentityKey));
+  const auto value = txn.get(Table::kMeta, at.key);
+  const ByteSpan magic = bytes_of(kStoreMagic);
+  if (!value || value->size() < 12 || !std::equal(magic.begin(), magic.end(), value->begin())) {
+    throw Error(ErrorKind::kInput, file_.string(), "is an LMDB file but not a Freshet store",
+                "Give a file made by freshet ingest");
+  }
+  const auto version = load<std::uint32_t>(value->data() + magic.size());
+  if (version != kFormatVersion) {
+    throw Error(
+        ErrorKind::kInput, file_.string(),
+        "has format version " + std::to_string(version) + ", expected " + std::to_string(kFormatVersion),
+        version > kFormatVersion ? "Use a newer Freshet" : "Ingest its clips again with this Freshet");
+  }
+  if (value->size() != kIdentityBytes ||
+      load<std::uint64_t>(value->data() + 24) != XXH3_64bits(value->data(), 24)) {
+    throw_damaged(at, "the store's identity is garbled");
+  }
+  store_id_ = load<std::uint64_t>(value->data() + 16);
+}
+
+MDB_txn* Environment::begin(unsigned flags) {
+  MDB_txn* txn = nullptr;
+  const std::lock_guard lock(begin_mutex_);
+  const bool idle = transactions_ == 0;
+  if ((flags & MDB_RDONLY) == 0 && idle && file_bytes() > map_bytes_ / 2) {
+    if (mdb_env_set_mapsize(env_, 2 * map_bytes_) == 0) map_bytes_ *= 2;
+  }
+  int code = mdb_txn_begin(env_, nullptr, flags, &txn);
+  if (code == MDB_MAP_RESIZED && idle) {
+    mdb_env_set_mapsize(env_, 0);
+    map_bytes_ = std::max<std::size_t>(map_bytes_, file_bytes());
+    code = mdb_txn_begin(env_, nullptr, flags, &txn);
+  }
+  if (code == MDB_READERS_FULL) {
+    int dead = 0;
+    mdb_reader_check(env_, &dead);
+    code = mdb_txn_begin(env_, nullptr, flags, &txn);
+  }
+  check_lmdb(file_, "cannot begin a transaction", code);
+  ++transactions_;
+  return txn;
+}
+
+void Environment::end(MDB_txn* txn) {
+  if (txn != nullptr) mdb_txn_abort(txn);
+  const std::lock_guard lock(begin_mutex_);
+  --transactions_;
+}
+
+MDB_txn* Environment::begin_write() {
+  writer_mutex_.lock();
+  try {
+    MDB_txn* txn = begin(0);
+    writer_thread_ = std::this_thread::get_id();
+    return txn;
+  } catch (...) {
+    writer_mutex_.unlock();
+    throw;
+  }
+}
+
+void Environment::end_write(MDB_txn* txn) {
+  end(txn);
+  writer_thread_ = std::thread::id();
+  writer_mutex_.unlock();
+}
+
+void Environment::copy_compact(const std::filesystem::path& to) const {
+  const int fd = ::open(to.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+  if (fd < 0) {
+    throw Error(ErrorKind::kIo, to.string(), std::string("cannot be created (") + std::strerror(errno) + ")",
+                "Remove it where it is left over, and check that its folder can be written");
+  }
+  int code = mdb_env_copyfd2(env_, fd, MDB_CP_COMPACT);
+  if (code == 0 && fsync(fd) != 0) code = errno;
+  if (::close(fd) != 0 && code == 0) code = errno;
+  check_lmdb(to, "cannot be written", code);
+}
+
+bool Environment::lock_alone() { return lock_byte(fd_, kUserByte, F_WRLCK); }
+
+}  // namespace freshet::store

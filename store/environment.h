@@ -1,0 +1,131 @@
+// store/environment.h — the LMDB file: opening, locking, transactions.
+//
+// Locks. LMDB's own lock file guards readers against the reuse of their pages. Beside it,
+// open-file-description locks on the store itself, far beyond its end, tell the roles apart: they survive
+// that LMDB or anyone else in the process opens and closes the same file (ordinary POSIX locks do not).
+#pragma once
+
+#include <lmdb.h>
+
+#include <atomic>
+#include <filesystem>
+#include <functional>
+#include <mutex>
+#include <thread>
+
+#include "store/record.h"
+
+namespace freshet::store {
+
+enum class Access { kRead, kWrite };
+
+class ReadTransaction;
+class WriteTransaction;
+
+/// One open file. A process holds at most one for a given file: two would drop each other's locks.
+class Environment : public std::enable_shared_from_this<Environment> {
+ public:
+  /// As Store::create, open_read and open_write. A store id is drawn at random where none is given.
+  static std::shared_ptr<Environment> create(const std::filesystem::path& file, const std::string& settings,
+                                             std::optional<std::uint64_t> store_id = {});
+  static std::shared_ptr<Environment> open(const std::filesystem::path& file, Access access);
+  ~Environment();
+  Environment(const Environment&) = delete;
+  Environment& operator=(const Environment&) = delete;
+
+  const std::filesystem::path& file() const { return file_; }
+  std::uint64_t store_id() const { return store_id_; }
+  Access access() const { return access_; }
+  int descriptor() const { return fd_; }
+  std::uint64_t file_bytes() const;
+  RecordPlace place(Table table, ByteSpan key) const { return {file_, store_id_, table, key}; }
+
+  /// Writes a copy without free pages to a new file, synced. Throws Error{kIo}.
+  void copy_compact(const std::filesystem::path& to) const;
+  /// True when no other process has the store open; keeps others from opening it until this object goes.
+  bool lock_alone();
+
+ private:
+  friend class ReadTransaction;
+  friend class WriteTransaction;
+  Environment(std::filesystem::path file, Access access) : file_(std::move(file)), access_(access) {}
+  void take_locks();
+  void open_map();
+  int try_open_map(std::size_t map_bytes, unsigned flags);
+  void open_tables(bool create);
+  void read_identity();
+  void write_identity(const std::string& settings, std::optional<std::uint64_t> store_id);
+  /// A transaction, the map made larger first where another process or we need it.
+  MDB_txn* begin(unsigned flags);
+  void end(MDB_txn* txn);
+  /// The same for the one writer: other threads wait here, where begin_mutex_ is free.
+  MDB_txn* begin_write();
+  void end_write(MDB_txn* txn);
+
+  std::filesystem::path file_;
+  Access access_;
+  int fd_ = -1;
+  MDB_env* env_ = nullptr;
+  MDB_dbi tables_[kTables] = {};
+  std::uint64_t store_id_ = 0;
+  bool unlocked_reader_ = false;  // opened without LMDB's lock file
+  std::size_t map_bytes_ = 0;
+  std::mutex begin_mutex_;
+  int transactions_ = 0;  // open ones, under begin_mutex_
+  std::mutex writer_mutex_;
+  std::atomic<std::thread::id> writer_thread_{};
+};
+
+/// A consistent view. Its values stay valid and in place as long as it lives. Calls are safe from many
+/// threads.
+class ReadTransaction {
+ public:
+  explicit ReadTransaction(std::shared_ptr<Environment> environment);
+  ~ReadTransaction();
+  ReadTransaction(const ReadTransaction&) = delete;
+  ReadTransaction& operator=(const ReadTransaction&) = delete;
+
+  const Environment& environment() const { return *environment_; }
+  RecordPlace place(Table table, ByteSpan key) const { return environment_->place(table, key); }
+
+  std::optional<ByteSpan> get(Table table, ByteSpan key) const;
+  struct Entry {
+    ByteSpan key, value;
+  };
+  /// The last entry whose key is not after `key`.
+  std::optional<Entry> floor(Table table, ByteSpan key) const;
+  /// All entries whose keys begin with `prefix`, in order.
+  std::vector<Entry> entries(Table table, ByteSpan prefix = {}) const;
+
+ private:
+  std::shared_ptr<Environment> environment_;
+  MDB_txn* txn_ = nullptr;
+  mutable std::mutex mutex_;  // LMDB's transactions are single-threaded; a lookup takes about a microsecond
+};
+
+/// The one writer's transaction; it belongs to the thread that made it. Destruction without commit undoes it.
+class WriteTransaction {
+ public:
+  explicit WriteTransaction(std::shared_ptr<Environment> environment);
+  ~WriteTransaction();
+  WriteTransaction(const WriteTransaction&) = delete;
+  WriteTransaction& operator=(const WriteTransaction&) = delete;
+
+  const Environment& environment() const { return *environment_; }
+  RecordPlace place(Table table, ByteSpan key) const { return environment_->place(table, key); }
+
+  /// Keys that come in ascending order are appended: pages are filled instead of split.
+  void put(Table table, ByteSpan key, ByteSpan value);
+  void erase(Table table, ByteSpan prefix);
+  std::optional<Bytes> get(Table table, ByteSpan key) const;
+  std::optional<Bytes> last_key(Table table) const;
+  /// Calls visit(key, value) for every entry of the table.
+  void each(Table table, const std::function<void(ByteSpan, ByteSpan)>& visit) const;
+  void commit();
+
+ private:
+  std::shared_ptr<Environment> environment_;
+  MDB_txn* txn_ = nullptr;
+};
+
+}  // namespace freshet::store

@@ -1,0 +1,242 @@
+#include <algorithm>
+#include <utility>
+
+#include "freshet_error.h"
+#include "store/store_impl.h"
+#include "store/tile_codec.h"
+#include "store/tile_record.h"
+
+namespace freshet::store {
+namespace {
+
+constexpr std::size_t kMaxSettingsBytes = 64 << 20;
+
+[[noreturn]] void throw_usage(const char* what, const std::string& fault) {
+  throw Error(ErrorKind::kUsage, what, fault);
+}
+
+// Copies what a tile and a region share.
+void copy_overlap(const TileBox& box, const std::byte* samples, Rect region, std::uint32_t first,
+                  std::uint32_t count, std::byte* out) {
+  const std::size_t bytes = box.bytes_per_sample;
+  const std::uint32_t x0 = std::max(box.x, region.x),
+                      x1 = std::min(box.x + box.width, region.x + region.width);
+  const std::uint32_t y0 = std::max(box.y, region.y),
+                      y1 = std::min(box.y + box.height, region.y + region.height);
+  const std::uint32_t f0 = std::max(box.first_frame, first),
+                      f1 = std::min(box.first_frame + box.frames, first + count);
+  for (std::uint32_t f = f0; f < f1; ++f) {
+    for (std::uint32_t y = y0; y < y1; ++y) {
+      const std::size_t from =
+          (std::size_t{f - box.first_frame} * box.height + (y - box.y)) * box.width + (x0 - box.x);
+      const std::size_t to =
+          (std::size_t{f - first} * region.height + (y - region.y)) * region.width + (x0 - region.x);
+      std::memcpy(out + to * bytes, samples + from * bytes, (x1 - x0) * bytes);
+    }
+  }
+}
+
+}  // namespace
+
+Snapshot::Impl::Impl(std::shared_ptr<Environment> environment) : txn(std::move(environment)) {
+  const RecordPlace at = txn.place(Table::kMeta, bytes_of("settings"));
+  const auto value = txn.get(Table::kMeta, at.key);
+  if (!value) throw_damaged(at, "the record is missing");
+  const Bytes text = decode_record(at, *value, kMaxSettingsBytes);
+  settings.assign(reinterpret_cast<const char*>(text.data()), text.size());
+
+  for (const auto& [key, bytes] : txn.entries(Table::kClips)) {
+    const RecordPlace place = txn.place(Table::kClips, key);
+    if (key.size() != 4) throw_damaged(place, "the clip's key is garbled");
+    const ClipId id{load_big_endian(key.data())};
+    clips.push_back(id);
+    try {
+      auto clip = parse_clip(decode_record(place, bytes, kMaxClipRecordBytes));
+      if (!clip) throw_damaged(place, "the clip's record is garbled");
+      by_name.emplace(clip->record.name, id);
+      by_source.emplace(clip->record.source_hash, id);
+      records.emplace(id, std::move(*clip));
+    } catch (const Error& error) {
+      damaged.emplace(id, error.what());
+    }
+  }
+}
+
+const StoredClip& Snapshot::Impl::stored(ClipId id) const {
+  if (const auto found = records.find(id); found != records.end()) return found->second;
+  const Bytes key = clip_key(id);
+  if (damaged.contains(id)) throw_damaged(txn.place(Table::kClips, key), "the clip's record cannot be read");
+  throw Error(ErrorKind::kNotFound, txn.environment().file().string(),
+              "has no clip " + std::to_string(static_cast<std::uint32_t>(id)));
+}
+
+void Snapshot::Impl::expect_whole() const {
+  if (damaged.empty()) return;
+  const Bytes key = clip_key(damaged.begin()->first);
+  throw_damaged(txn.place(Table::kClips, key), "the clip's record cannot be read");
+}
+
+void Snapshot::Impl::read(ClipId id, Stream stream, std::uint32_t plane, Rect region, std::uint32_t first,
+                          std::uint32_t count, std::span<std::byte> out) const {
+  const TileGrid& tiles = grid(id, stream);
+  Bytes samples, key;
+  TileRecord record;
+  std::uint32_t record_first = 0;
+  for (const std::uint32_t tile : tiles.touched(plane, region, first, count)) {
+    if (tile - record_first >= record.count()) {
+      const Bytes wanted = tile_key(id, stream, tile);
+      const auto entry = txn.floor(Table::kTiles, wanted);
+      if (!entry || entry->key.size() != kTileKeyBytes ||
+          !std::equal(wanted.begin(), wanted.begin() + 5, entry->key.begin())) {
+        throw_damaged(txn.place(Table::kTiles, wanted), "the record is missing");
+      }
+      key = Bytes(entry->key.begin(), entry->key.end());
+      record = TileRecord(txn.place(Table::kTiles, key), entry->value);
+      record_first = load_big_endian(key.data() + 5);
+      if (tile - record_first >= record.count())
+        throw_damaged(txn.place(Table::kTiles, wanted), "the record is missing");
+    }
+    const RecordPlace place = txn.place(Table::kTiles, key);
+    const TileBox box = tiles.box(tile);
+    samples.resize(box.bytes());
+    if (!decode_tile(box, record.tile(place, tile - record_first), samples)) {
+      throw_damaged(place, "tile " + std::to_string(tile) + " does not decode");
+    }
+    copy_overlap(box, samples.data(), region, first, count, out.data());
+  }
+}
+
+std::optional<Snapshot::Impl::Chunks> Snapshot::Impl::chunks(Table table, ByteSpan prefix) const {
+  Chunks found;
+  found.entries = txn.entries(table, prefix);
+  if (found.entries.empty()) return std::nullopt;
+  // Every chunk but the last is full and every chunk says how long the whole is: nothing can be missing.
+  std::uint64_t bytes = 0;
+  for (std::size_t i = 0; i < found.entries.size(); ++i) {
+    const auto& [key, value] = found.entries[i];
+    const RecordPlace place = txn.place(table, key);
+    const RecordHeader header = open_record(place, value).header;
+    if (key.size() != prefix.size() + 4 || load_big_endian(key.data() + prefix.size()) != i) {
+      throw_damaged(place, "the chunk before it is missing");
+    }
+    if (i == 0) {
+      found.total_bytes = header.total_bytes;
+      found.element_bytes = header.parameter;
+      found.flags = header.flags;
+    }
+    if (header.total_bytes != found.total_bytes || header.parameter != found.element_bytes ||
+        header.parameter == 0 || header.raw_bytes > kChunkBytes) {
+      throw_damaged(place, "the chunk does not fit the first one");
+    }
+    bytes += header.raw_bytes;
+  }
+  if (bytes != found.total_bytes) {
+    throw_damaged(txn.place(table, found.entries.back().key), "the chunks after it are missing");
+  }
+  return found;
+}
+
+void Snapshot::Impl::decode_chunks(Table table, const Chunks& chunks, std::span<std::byte> out) const {
+  for (const auto& [key, value] : chunks.entries) {
+    const RecordPlace place = txn.place(table, key);
+    const Record record = open_record(place, value);
+    decode_record(place, record, out.first(record.header.raw_bytes));
+    out = out.subspan(record.header.raw_bytes);
+  }
+}
+
+namespace {
+
+// The names among chunk keys, each once.
+std::vector<std::string> chunk_names(const ReadTransaction& txn, Table table, ByteSpan prefix) {
+  std::vector<std::string> names;
+  for (const auto& entry : txn.entries(table, prefix)) {
+    const ByteSpan rest = entry.key.subspan(prefix.size());
+    if (rest.size() < 6) throw_damaged(txn.place(table, entry.key), "the key is garbled");
+    std::string name(reinterpret_cast<const char*>(rest.data()), rest.size() - 5);
+    if (names.empty() || names.back() != name) names.push_back(std::move(name));
+  }
+  return names;
+}
+
+}  // namespace
+
+std::vector<std::string> Snapshot::Impl::column_names(ClipId id) const {
+  return chunk_names(txn, Table::kColumns, clip_key(id));
+}
+
+std::vector<std::string> Snapshot::Impl::blob_names() const { return chunk_names(txn, Table::kBlobs, {}); }
+
+const std::string& Snapshot::settings() const { return impl_->settings; }
+std::span<const ClipId> Snapshot::clips() const { return impl_->clips; }
+const ClipRecord& Snapshot::clip(ClipId id) const { return impl_->stored(id).record; }
+
+std::optional<ClipId> Snapshot::find(std::string_view name) const {
+  if (const auto found = impl_->by_name.find(name); found != impl_->by_name.end()) return found->second;
+  impl_->expect_whole();
+  return std::nullopt;
+}
+
+std::optional<ClipId> Snapshot::find_source(std::string_view source_hash) const {
+  if (const auto found = impl_->by_source.find(source_hash); found != impl_->by_source.end())
+    return found->second;
+  impl_->expect_whole();
+  return std::nullopt;
+}
+
+void Snapshot::read(ClipId id, Stream stream, std::uint32_t plane, Rect region, std::uint32_t first,
+                    std::uint32_t count, std::span<std::byte> out) const {
+  if (static_cast<std::size_t>(stream) >= kStreams) throw_usage("Snapshot::read", "there is no such stream");
+  const StreamShape& shape = impl_->grid(id, stream).shape();
+  if (plane >= shape.planes.size()) {
+    throw Error(
+        ErrorKind::kNotFound, impl_->stored(id).record.name,
+        "has no plane " + std::to_string(plane) + " in stream " + std::to_string(static_cast<int>(stream)));
+  }
+  const PlaneShape& size = shape.planes[plane];
+  if (region.x > size.width || region.width > size.width - region.x || region.y > size.height ||
+      region.height > size.height - region.y || first > shape.frames || count > shape.frames - first) {
+    throw_usage("Snapshot::read", "the region leaves the plane or the frames of the clip");
+  }
+  if (out.size() != std::size_t{region.width} * region.height * count * size.bytes_per_sample) {
+    throw_usage("Snapshot::read", "out has not the size of the region");
+  }
+  impl_->read(id, stream, plane, region, first, count, out);
+}
+
+bool Snapshot::has_column(ClipId id, std::string_view name) const {
+  impl_->stored(id);
+  return name.size() <= kMaxColumnName &&
+         impl_->txn.get(Table::kColumns, column_key(id, name, 0)).has_value();
+}
+
+void Snapshot::column_into(ClipId id, std::string_view name, std::uint32_t element_size,
+                           std::span<std::byte> (*resize)(void*, std::size_t), void* context) const {
+  const StoredClip& clip = impl_->stored(id);
+  const Bytes prefix = column_prefix(id, name);
+  const auto chunks = impl_->chunks(Table::kColumns, prefix);
+  if (!chunks) {
+    throw Error(ErrorKind::kNotFound, clip.record.name, "has no column \"" + std::string(name) + "\"",
+                "Ingest the clip again with this version of Freshet");
+  }
+  if (chunks->element_bytes != element_size || chunks->total_bytes % element_size != 0) {
+    throw_usage("Snapshot::column", "column \"" + std::string(name) + "\" has elements of " +
+                                        std::to_string(chunks->element_bytes) + " bytes, asked for " +
+                                        std::to_string(element_size));
+  }
+  impl_->decode_chunks(Table::kColumns, *chunks, resize(context, chunks->total_bytes / element_size));
+}
+
+std::optional<std::vector<std::byte>> Snapshot::blob(std::string_view name) const {
+  if (name.size() > kMaxBlobName) return std::nullopt;
+  const Bytes prefix = blob_prefix(name);
+  const auto chunks = impl_->chunks(Table::kBlobs, prefix);
+  if (!chunks) return std::nullopt;
+  Bytes bytes(chunks->total_bytes);
+  impl_->decode_chunks(Table::kBlobs, *chunks, bytes);
+  return bytes;
+}
+
+std::vector<std::string> Snapshot::blob_names() const { return impl_->blob_names(); }
+
+}  // namespace freshet::store

@@ -1,0 +1,77 @@
+#include "store/store.h"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <cerrno>
+
+#include "freshet_error.h"
+#include "store/store_impl.h"
+
+namespace freshet::store {
+
+Store Store::create(const std::filesystem::path& path, const std::string& settings) {
+  Store store;
+  store.impl_ = std::make_shared<Impl>();
+  store.impl_->environment = Environment::create(path, settings);
+  return store;
+}
+
+Store Store::open_read(const std::filesystem::path& path) {
+  Store store;
+  store.impl_ = std::make_shared<Impl>();
+  store.impl_->environment = Environment::open(path, Access::kRead);
+  return store;
+}
+
+Store Store::open_write(const std::filesystem::path& path) {
+  Store store;
+  store.impl_ = std::make_shared<Impl>();
+  store.impl_->environment = Environment::open(path, Access::kWrite);
+  return store;
+}
+
+const std::filesystem::path& Store::path() const { return impl_->environment->file(); }
+
+Snapshot Store::snapshot() const {
+  Snapshot snapshot;
+  snapshot.impl_ = std::make_shared<const Snapshot::Impl>(impl_->environment);
+  return snapshot;
+}
+
+void Store::compact() {
+  std::shared_ptr<Environment>& environment = impl_->environment;
+  const std::filesystem::path file = environment->file();
+  const std::filesystem::path fresh = file.string() + ".compacting";
+  if (environment->access() != Access::kWrite) {
+    throw Error(ErrorKind::kUsage, file.string(), "is open for reading only", "Open it for writing");
+  }
+  if (environment.use_count() > 1) {
+    throw Error(ErrorKind::kUsage, file.string(), "has snapshots or a writer in this process",
+                "Drop them first");
+  }
+  if (!environment->lock_alone()) {
+    throw Error(ErrorKind::kIo, file.string(), "is open in another process", "Close it there and run again");
+  }
+  std::filesystem::remove(fresh);
+  try {
+    environment->copy_compact(fresh);
+    std::filesystem::rename(fresh, file);
+    const int folder =
+        ::open(file.has_parent_path() ? file.parent_path().c_str() : ".", O_RDONLY | O_DIRECTORY);
+    if (folder >= 0) {
+      fsync(folder);
+      ::close(folder);
+    }
+  } catch (const std::filesystem::filesystem_error& error) {
+    throw Error(ErrorKind::kIo, file.string(), error.what(), "The store is as before; check its folder");
+  } catch (...) {
+    std::error_code ignored;
+    std::filesystem::remove(fresh, ignored);
+    throw;
+  }
+  environment.reset();
+  environment = Environment::open(file, Access::kWrite);
+}
+
+}  // namespace freshet::store

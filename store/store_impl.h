@@ -1,0 +1,50 @@
+// store/store_impl.h — what Store and Snapshot hold.
+#pragma once
+
+#include <map>
+
+#include "store/clip_record.h"
+#include "store/environment.h"
+
+namespace freshet::store {
+
+struct Store::Impl {
+  std::shared_ptr<Environment> environment;
+};
+
+struct Snapshot::Impl {
+  explicit Impl(std::shared_ptr<Environment> environment);
+
+  /// Throws Error{kNotFound}, or Error{kDamaged} when the clip's record is.
+  const StoredClip& stored(ClipId id) const;
+  const TileGrid& grid(ClipId id, Stream stream) const {
+    return stored(id).grids[static_cast<std::size_t>(stream)];
+  }
+  /// Throws Error{kDamaged} when a clip's record cannot be read: an absent name may be that clip's.
+  void expect_whole() const;
+
+  /// One plane of frames [first, first + count), as Snapshot::read, without the check of arguments.
+  void read(ClipId id, Stream stream, std::uint32_t plane, Rect region, std::uint32_t first,
+            std::uint32_t count, std::span<std::byte> out) const;
+
+  /// The chunks of a column or blob put together. Empty when there is none.
+  struct Chunks {
+    std::uint64_t total_bytes = 0;
+    std::uint32_t element_bytes = 0;
+    std::uint8_t flags = 0;
+    std::vector<ReadTransaction::Entry> entries;
+  };
+  std::optional<Chunks> chunks(Table table, ByteSpan prefix) const;
+  void decode_chunks(Table table, const Chunks& chunks, std::span<std::byte> out) const;
+  std::vector<std::string> column_names(ClipId id) const;
+  std::vector<std::string> blob_names() const;
+
+  ReadTransaction txn;
+  std::string settings;
+  std::vector<ClipId> clips;
+  std::map<ClipId, StoredClip> records;
+  std::map<ClipId, std::string> damaged;  // what is wrong with the clips that records lacks
+  std::map<std::string, ClipId, std::less<>> by_name, by_source;
+};
+
+}  // namespace freshet::store

@@ -1,0 +1,243 @@
+#include <oneapi/tbb/parallel_for.h>
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include "freshet_error.h"
+#include "store/column.h"
+#include "store/store_impl.h"
+#include "store/tile_codec.h"
+#include "store/tile_record.h"
+
+namespace freshet::store {
+namespace {
+
+void check_name(std::string_view name, std::size_t longest) {
+  if (name.empty() || name.size() > longest || name.find('\0') != std::string_view::npos) {
+    throw Error(
+        ErrorKind::kUsage, "name \"" + std::string(name) + "\"",
+        "a column's or blob's name has 1 to " + std::to_string(longest) + " bytes, none of them zero");
+  }
+}
+
+std::size_t chunk_bytes(std::uint32_t element_bytes) {
+  return std::max<std::size_t>(kChunkBytes / element_bytes, 1) * element_bytes;
+}
+
+// Chunks of a long array are coded on all threads and put in order.
+template <class KeyOf>
+void put_chunks(WriteTransaction& txn, Table table, ByteSpan bytes, std::uint32_t element_bytes,
+                std::uint8_t flags, KeyOf key_of) {
+  const std::size_t step = chunk_bytes(element_bytes);
+  const std::size_t count = std::max<std::size_t>((bytes.size() + step - 1) / step, 1);
+  constexpr std::size_t kBatch = 32;  // chunks in memory at once
+  for (std::size_t first = 0; first < count; first += kBatch) {
+    std::array<Bytes, kBatch> keys, values;
+    const std::size_t batch = std::min(kBatch, count - first);
+    tbb::parallel_for(std::size_t{0}, batch, [&](std::size_t i) {
+      const std::size_t start = (first + i) * step;
+      keys[i] = key_of(static_cast<std::uint32_t>(first + i));
+      values[i] =
+          encode_record(txn.place(table, keys[i]), bytes.subspan(start, std::min(step, bytes.size() - start)),
+                        element_bytes, bytes.size(), flags);
+    });
+    for (std::size_t i = 0; i < batch; ++i) txn.put(table, keys[i], values[i]);
+  }
+}
+
+void put_column(WriteTransaction& txn, ClipId clip, std::string_view name, ByteSpan bytes,
+                std::uint32_t element_size) {
+  put_chunks(txn, Table::kColumns, bytes, element_size, 0,
+             [&](std::uint32_t chunk) { return column_key(clip, name, chunk); });
+}
+
+ClipId next_clip(const WriteTransaction& txn) {
+  const auto last = txn.last_key(Table::kClips);
+  if (!last) return ClipId{0};
+  if (last->size() != 4) throw_damaged(txn.place(Table::kClips, *last), "the clip's key is garbled");
+  return ClipId{load_big_endian(last->data()) + 1};
+}
+
+std::uint64_t column_rows(std::string_view name, std::size_t bytes, std::uint32_t element_size) {
+  check_name(name, kMaxColumnName);
+  if (element_size == 0 || element_size > kChunkBytes || bytes % element_size != 0) {
+    throw Error(
+        ErrorKind::kUsage, "column \"" + std::string(name) + "\"",
+        std::to_string(bytes) + " bytes are no whole number of elements of " + std::to_string(element_size));
+  }
+  return bytes / element_size;
+}
+
+}  // namespace
+
+struct ClipWriter::Impl {
+  struct StreamState {
+    bool begun = false;
+    TileGrid grid;                       // grows frame by frame
+    std::array<Bytes, kMaxPlanes> slab;  // frames of the slab in hand, packed, frame-major
+    std::uint32_t slab_frames = 0, next_tile = 0;
+    TileRecordBuilder record;
+  };
+
+  explicit Impl(const std::shared_ptr<Environment>& environment) : txn(environment), clip(next_clip(txn)) {}
+
+  void take_frame(StreamState& state, std::span<const PlaneView> planes) {
+    const auto& shapes = state.grid.shape().planes;
+    for (std::size_t p = 0; p < shapes.size(); ++p) {
+      const std::size_t row_bytes = std::size_t{shapes[p].width} * shapes[p].bytes_per_sample;
+      const std::size_t frame_bytes = row_bytes * shapes[p].height;
+      state.slab[p].resize(kSlabFrames * frame_bytes);
+      std::byte* to = state.slab[p].data() + state.slab_frames * frame_bytes;
+      for (std::uint32_t y = 0; y < shapes[p].height; ++y) {
+        std::memcpy(to + y * row_bytes, planes[p].data + static_cast<std::ptrdiff_t>(y) * planes[p].stride,
+                    row_bytes);
+      }
+    }
+    ++state.slab_frames;
+  }
+
+  void code_slab(Stream stream, StreamState& state) {
+    if (state.slab_frames == 0) return;
+    StreamShape shape = state.grid.shape();
+    shape.frames += state.slab_frames;
+    state.grid = TileGrid(shape, state.grid.edges_log2());
+    const std::uint32_t first = state.next_tile, count = state.grid.tiles_per_slab();
+    std::vector<Bytes> coded(count);
+    tbb::parallel_for(std::uint32_t{0}, count, [&](std::uint32_t i) {
+      thread_local Bytes samples;
+      const TileBox box = state.grid.box(first + i);
+      const std::size_t pitch = std::size_t{shape.planes[box.plane].width} * box.bytes_per_sample;
+      const std::size_t row_bytes = std::size_t{box.width} * box.bytes_per_sample;
+      samples.resize(box.bytes());
+      std::byte* to = samples.data();
+      for (std::uint32_t f = 0; f < box.frames; ++f) {
+        const std::byte* from = state.slab[box.plane].data() +
+                                (std::size_t{f} * shape.planes[box.plane].height + box.y) * pitch +
+                                std::size_t{box.x} * box.bytes_per_sample;
+        for (std::uint32_t y = 0; y < box.height; ++y, to += row_bytes, from += pitch)
+          std::memcpy(to, from, row_bytes);
+      }
+      encode_tile(box, samples, coded[i]);
+    });
+    for (const Bytes& tile : coded) {
+      state.record.add(tile, state.grid.box(state.next_tile).bytes());
+      ++state.next_tile;
+      if (state.record.full()) put_record(stream, state);
+    }
+    state.slab_frames = 0;
+  }
+
+  void put_record(Stream stream, StreamState& state) {
+    if (state.record.count() == 0) return;
+    const Bytes key = tile_key(clip, stream, state.next_tile - state.record.count());
+    txn.put(Table::kTiles, key, state.record.take(txn.place(Table::kTiles, key)));
+  }
+
+  void check_unique(const ClipRecord& record) const {
+    txn.each(Table::kClips, [&](ByteSpan key, ByteSpan value) {
+      const RecordPlace at = txn.place(Table::kClips, key);
+      const auto other = parse_clip(decode_record(at, value, kMaxClipRecordBytes));
+      if (!other) throw_damaged(at, "the clip's record is garbled");
+      if (other->record.name == record.name || other->record.source_hash == record.source_hash) {
+        throw Error(ErrorKind::kInput, record.name,
+                    "the store has this clip already, as \"" + other->record.name + "\"",
+                    "Leave it out, or give it another name if its content differs");
+      }
+    });
+  }
+
+  WriteTransaction txn;
+  ClipId clip;
+  std::array<StreamState, kStreams> streams;
+  std::optional<std::uint64_t> rows;
+};
+
+ClipWriter::ClipWriter(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+ClipWriter::ClipWriter(ClipWriter&&) noexcept = default;
+ClipWriter::~ClipWriter() = default;
+
+ClipWriter Store::add_clip() { return ClipWriter(std::make_unique<ClipWriter::Impl>(impl_->environment)); }
+
+void ClipWriter::begin_stream(Stream stream, std::span<const PlaneShape> planes) {
+  Impl::StreamState& state = impl_->streams.at(static_cast<std::size_t>(stream));
+  if (state.begun) throw Error(ErrorKind::kUsage, "begin_stream", "the stream has been declared already");
+  if (planes.empty()) throw Error(ErrorKind::kUsage, "begin_stream", "a stream has at least one plane");
+  state.grid = TileGrid({{planes.begin(), planes.end()}, 0}, TileGrid::default_edges(planes));
+  state.begun = true;
+}
+
+void ClipWriter::append(Stream stream, std::span<const PlaneView> planes_of_frames) {
+  Impl::StreamState& state = impl_->streams.at(static_cast<std::size_t>(stream));
+  const std::size_t planes = state.grid.shape().planes.size();
+  if (!state.begun || planes_of_frames.size() % planes != 0) {
+    throw Error(ErrorKind::kUsage, "append", "the stream has not been declared, or a frame lacks a plane");
+  }
+  for (std::size_t i = 0; i < planes_of_frames.size(); i += planes) {
+    impl_->take_frame(state, planes_of_frames.subspan(i, planes));
+    if (state.slab_frames == kSlabFrames) impl_->code_slab(stream, state);
+  }
+}
+
+void ClipWriter::column_bytes(std::string_view name, std::span<const std::byte> bytes,
+                              std::uint32_t element_size) {
+  const std::uint64_t rows = column_rows(name, bytes.size(), element_size);
+  if (name.starts_with("patch.")) {
+    if (impl_->rows && *impl_->rows != rows) {
+      throw Error(ErrorKind::kUsage, "column \"" + std::string(name) + "\"",
+                  "has " + std::to_string(rows) + " rows, the clip's other columns have " +
+                      std::to_string(*impl_->rows));
+    }
+    impl_->rows = rows;
+  }
+  put_column(impl_->txn, impl_->clip, name, bytes, element_size);
+}
+
+ClipId ClipWriter::commit(ClipRecord record) {
+  Impl& impl = *impl_;
+  impl.check_unique(record);
+  StoredClip clip;
+  for (std::size_t s = 0; s < kStreams; ++s) {
+    Impl::StreamState& state = impl.streams[s];
+    impl.code_slab(static_cast<Stream>(s), state);
+    impl.put_record(static_cast<Stream>(s), state);
+    stream_shape(record, s) = state.begun ? state.grid.shape() : StreamShape{};
+    clip.grids[s] = state.grid;
+  }
+  record.frame_count = record.frames.frames;
+  record.rows = impl.rows.value_or(0);
+  clip.record = std::move(record);
+  const Bytes key = clip_key(impl.clip), bytes = serialise_clip(clip);
+  impl.txn.put(Table::kClips, key, encode_record(impl.txn.place(Table::kClips, key), bytes, 1, bytes.size()));
+  impl.txn.commit();
+  return impl.clip;
+}
+
+void Store::write(std::span<const Blob> blobs, std::span<const Column> columns,
+                  std::span<const std::string> erased_blobs) {
+  WriteTransaction txn(impl_->environment);
+  const auto erase_blob = [&](std::string_view name) {
+    check_name(name, kMaxBlobName);
+    const Bytes prefix = blob_prefix(name);
+    txn.erase(Table::kBlobs, prefix);
+  };
+  for (const std::string& name : erased_blobs) erase_blob(name);
+  for (const Blob& blob : blobs) {
+    erase_blob(blob.name);
+    put_chunks(txn, Table::kBlobs, blob.bytes, 1, blob.in_digest ? 0 : kOutsideDigest,
+               [&](std::uint32_t chunk) { return blob_key(blob.name, chunk); });
+  }
+  for (const Column& column : columns) {
+    column_rows(column.name, column.bytes.size(), column.element_size);
+    if (!txn.get(Table::kClips, clip_key(column.clip))) {
+      throw Error(ErrorKind::kNotFound, "clip " + std::to_string(static_cast<std::uint32_t>(column.clip)),
+                  "is not in the store");
+    }
+    const Bytes prefix = column_prefix(column.clip, column.name);
+    txn.erase(Table::kColumns, prefix);
+    put_column(txn, column.clip, column.name, column.bytes, column.element_size);
+  }
+  txn.commit();
+}
+
+}  // namespace freshet::store

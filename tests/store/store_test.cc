@@ -1,0 +1,178 @@
+#include "store/store.h"
+
+#include <gtest/gtest.h>
+
+#include <thread>
+
+#include "clip_samples.h"
+
+namespace freshet::store {
+namespace {
+
+TEST(Store, GivesBackClipsOfAnyShape) {
+  const TestFolder folder;
+  Store store = Store::create(folder / "a.freshet", "{\"patch\": 48}");
+  std::vector<TestClip> clips;
+  std::mt19937_64 random(7);
+  for (std::uint64_t i = 0; i < 24; ++i) {
+    TestClip clip;
+    clip.name = "clip " + std::to_string(i);
+    clip.seed = i;
+    clip.frames = 1 + static_cast<std::uint32_t>(random() % 40);
+    clip.rows = random() % 50;
+    clip.planes.clear();
+    for (std::uint64_t p = 0; p < 1 + random() % 3; ++p) {
+      clip.planes.push_back({static_cast<std::uint32_t>(1 + random() % 150),
+                             static_cast<std::uint32_t>(1 + random() % 90),
+                             static_cast<std::uint8_t>(1 + random() % 2)});
+    }
+    if (i == 0) clip.planes = {{1, 77, 1}};
+    if (i == 1) clip.planes = {{129, 1, 2}};
+    EXPECT_EQ(add_clip(store, clip), ClipId{static_cast<std::uint32_t>(i)});
+    clips.push_back(clip);
+  }
+  const Snapshot snapshot = store.snapshot();
+  EXPECT_EQ(snapshot.settings(), "{\"patch\": 48}");
+  ASSERT_EQ(snapshot.clips().size(), clips.size());
+  for (std::uint32_t i = 0; i < clips.size(); ++i) {
+    EXPECT_TRUE(reads_back(snapshot, ClipId{i}, clips[i])) << i;
+    EXPECT_EQ(snapshot.find(clips[i].name), ClipId{i});
+    EXPECT_EQ(snapshot.find_source("hash of " + clips[i].name), ClipId{i});
+  }
+  EXPECT_TRUE(snapshot.verify().empty());
+}
+
+TEST(Store, KeepsClipsWhenClosedAndOpenedAgain) {
+  const TestFolder folder;
+  const TestClip clip;
+  {
+    Store store = Store::create(folder / "a", "s");
+    add_clip(store, clip);
+  }
+  const Store store = Store::open_read(folder / "a");
+  EXPECT_TRUE(reads_back(store.snapshot(), ClipId{0}, clip));
+  EXPECT_EQ(store.snapshot().clip(ClipId{0}).frame_count, clip.frames);
+  EXPECT_EQ(store.snapshot().clip(ClipId{0}).rows, clip.rows);
+}
+
+TEST(Store, KeepsBlobsOfAnySizeAndReplacesThem) {
+  const TestFolder folder;
+  Store store = Store::create(folder / "a", "");
+  std::mt19937_64 random(3);
+  for (const std::size_t size : {0, 1, 1000, 1 << 20, (3 << 20) + 17}) {
+    std::vector<std::byte> bytes(size);
+    for (auto& byte : bytes) byte = static_cast<std::byte>(random() % 7);
+    const Store::Blob blob{"codebook", bytes};
+    store.write({&blob, 1});
+    EXPECT_EQ(store.snapshot().blob("codebook"), bytes);
+  }
+  EXPECT_EQ(store.snapshot().blob_names(), std::vector<std::string>{"codebook"});
+  EXPECT_FALSE(store.snapshot().blob("code").has_value());
+  const std::string erased[] = {"codebook"};
+  store.write({}, {}, erased);
+  EXPECT_TRUE(store.snapshot().blob_names().empty());
+}
+
+TEST(Store, ReplacesAColumnOfACommittedClip) {
+  const TestFolder folder;
+  Store store = Store::create(folder / "a", "");
+  const ClipId id = add_clip(store, {});
+  const std::vector<std::uint16_t> words(700000, 5);
+  const Store::Column column{id, "patch.words", std::as_bytes(std::span(words)), 2};
+  store.write({}, {&column, 1});
+  EXPECT_EQ(store.snapshot().column<std::uint16_t>(id, "patch.words"), words);
+  EXPECT_FALSE(store.snapshot().has_column(id, "patch.wor"));
+  EXPECT_EQ(error_of([&] { store.snapshot().column<float>(id, "patch.words"); }), ErrorKind::kUsage);
+  EXPECT_EQ(error_of([&] { store.snapshot().column<float>(id, "none"); }), ErrorKind::kNotFound);
+}
+
+TEST(Store, RefusesAClipItHas) {
+  const TestFolder folder;
+  Store store = Store::create(folder / "a", "");
+  add_clip(store, {});
+  EXPECT_EQ(error_of([&] { add_clip(store, {}); }), ErrorKind::kInput);
+  EXPECT_EQ(store.snapshot().clips().size(), 1u);
+}
+
+TEST(Store, AClipWithoutCommitLeavesNoTrace) {
+  const TestFolder folder;
+  Store store = Store::create(folder / "a", "");
+  add_clip(store, {});
+  const std::string digest = store.snapshot().digest();
+  { const ClipWriter dropped = write_clip(store, {.name = "b", .seed = 2}); }
+  EXPECT_EQ(store.snapshot().digest(), digest);
+  EXPECT_TRUE(store.snapshot().verify().empty());
+  EXPECT_EQ(add_clip(store, {.name = "b", .seed = 2}), ClipId{1});
+}
+
+TEST(Store, ReadersGoOnWhileAWriterCommits) {
+  const TestFolder folder;
+  Store store = Store::create(folder / "a", "");
+  const TestClip first;
+  add_clip(store, first);
+  const Snapshot before = store.snapshot();
+  std::atomic<bool> done = false, whole = true;
+  std::vector<std::thread> readers;
+  for (int i = 0; i < 3; ++i) {
+    readers.emplace_back([&] {
+      while (!done) whole = whole && reads_back(before, ClipId{0}, first) && before.clips().size() == 1;
+    });
+  }
+  for (std::uint64_t i = 1; i < 8; ++i) add_clip(store, {.name = std::to_string(i), .seed = i});
+  done = true;
+  for (std::thread& reader : readers) reader.join();
+  EXPECT_TRUE(whole);
+  EXPECT_EQ(before.clips().size(), 1u);
+  EXPECT_EQ(store.snapshot().clips().size(), 8u);
+}
+
+TEST(Store, ReadsOfRegionsAgreeWithReadsOfWholePlanes) {
+  const TestFolder folder;
+  Store store = Store::create(folder / "a", "");
+  const TestClip clip{.planes = {{200, 150, 1}, {100, 75, 1}}, .frames = 37};
+  const ClipId id = add_clip(store, clip);
+  const Snapshot snapshot = store.snapshot();
+  std::mt19937_64 random(5);
+  for (int i = 0; i < 200; ++i) {
+    const auto p = static_cast<std::uint32_t>(random() % 2);
+    const PlaneShape& size = clip.planes[p];
+    const auto below = [&](std::uint32_t n) { return static_cast<std::uint32_t>(random() % n); };
+    Rect region{below(size.width), below(size.height), 0, 0};
+    region.width = below(size.width - region.x + 1);
+    region.height = below(size.height - region.y + 1);
+    const std::uint32_t first = below(clip.frames), count = below(clip.frames - first + 1);
+    Samples out(std::size_t{region.width} * region.height * count), expected;
+    snapshot.read(id, Stream::kFrames, p, region, first, count, out);
+    const Samples whole = clip.plane(p);
+    for (std::uint32_t f = first; f < first + count; ++f) {
+      for (std::uint32_t y = region.y; y < region.y + region.height; ++y) {
+        const auto row = whole.begin() + (std::ptrdiff_t{f} * size.height + y) * size.width + region.x;
+        expected.insert(expected.end(), row, row + region.width);
+      }
+    }
+    ASSERT_EQ(out, expected);
+  }
+}
+
+TEST(Store, CompactionKeepsTheDigestAndDropsFreePages) {
+  const TestFolder folder;
+  Store store = Store::create(folder / "a", "");
+  add_clip(store, {});
+  std::vector<std::byte> noise(2 << 20);
+  std::mt19937_64 random(3);
+  for (auto& byte : noise) byte = static_cast<std::byte>(random());
+  const Store::Blob blob{"index", noise};
+  store.write({&blob, 1});
+  const std::string erased[] = {"index"};
+  store.write({}, {}, erased);
+  const std::string digest = store.snapshot().digest();
+  const auto before = std::filesystem::file_size(folder / "a");
+  store.compact();
+  EXPECT_EQ(store.snapshot().digest(), digest);
+  EXPECT_LT(std::filesystem::file_size(folder / "a") + (2 << 20), before + (1 << 16));
+  add_clip(store, {.name = "b", .seed = 2});
+  EXPECT_TRUE(store.snapshot().verify().empty());
+}
+
+}  // namespace
+}  // namespace freshet::store
