@@ -10,23 +10,25 @@
 namespace freshet::media {
 
 struct Picture {
-  cv::Mat bgr;                       // CV_8UC3
-  std::vector<std::string> notices;  // for a person: "16 bits a channel reduced to 8", "alpha channel ignored"
+  cv::Mat bgr;  // CV_8UC3
+  // For a person: "16 bits a channel reduced to 8", "alpha channel ignored".
+  std::vector<std::string> notices;
 };
 
-/// Reads a picture as 8-bit BGR. Throws Error{kInput} naming the file: missing, not a picture, empty, or above
-/// 1 << 28 pixels. EXIF orientation is honoured.
+/// Reads a picture as 8-bit BGR. Throws Error{kInput} naming the file: missing, not a picture, empty, or
+/// above 1 << 28 pixels. EXIF orientation is honoured.
 Picture read_picture(const std::filesystem::path& path);
 
-/// Reads a matte: CV_8U, 255 where the fluid is. Colour is reduced to grey, 16 bits to 8, alpha ignored (said in
-/// notices). Throws Error{kInput} when its size is not `size` or nothing in it is above 0.
+/// Reads a matte: CV_8U, 255 where the fluid is. Colour is reduced to grey, 16 bits to 8, alpha ignored (said
+/// in notices). Throws Error{kInput} when its size is not `size` or nothing in it is above 0.
 struct Matte {
   cv::Mat alpha;
   std::vector<std::string> notices;
 };
 Matte read_matte(const std::filesystem::path& path, cv::Size size);
 
-/// By extension (.png, .jpg, ...). Throws Error{kIo}: folder missing, disk full; Error{kUsage}: unknown ending.
+/// By extension (.png, .jpg, ...). Throws Error{kIo}: folder missing, disk full; Error{kUsage}: unknown
+/// ending.
 void write_picture(const std::filesystem::path& path, const cv::Mat& picture);
 
 }  // namespace freshet::media

@@ -12,7 +12,7 @@ namespace freshet::media {
 
 struct VideoWriterOptions {
   std::int64_t fps_num = 25, fps_den = 1;
-  int crf = 16;   // H.264 quality, 0 (lossless) .. 51; lower is better and larger
+  int crf = 16;  // H.264 quality, 0 (lossless) .. 51; lower is better and larger
 };
 
 /// .mp4 (H.264 High, yuv420p, BT.709 tagged, faststart: plays in a browser; odd sizes are padded by repeating

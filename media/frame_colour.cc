@@ -1,0 +1,171 @@
+// Luminance and BGR of a frame (declared in media/frame.h).
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include <opencv2/imgproc.hpp>
+
+#include "freshet_error.h"
+#include "media/frame.h"
+#include "media/scaler.h"
+
+namespace freshet::media {
+namespace {
+
+struct LumaCode {
+  int depth = 8, shift = 0;
+  bool limited = true;
+};
+
+const AVPixFmtDescriptor& describe(const PixelLayout& layout) {
+  const AVPixFmtDescriptor* description = av_pix_fmt_desc_get(av_get_pix_fmt(layout.format.c_str()));
+  if (!description)
+    throw Error(ErrorKind::kInput, "pixel layout " + layout.format, "FFmpeg knows no such format");
+  return *description;
+}
+
+LumaCode luma_code(const PixelLayout& layout) {
+  const AVPixFmtDescriptor& description = describe(layout);
+  return {
+      .depth = description.comp[0].depth, .shift = description.comp[0].shift, .limited = !full_range(layout)};
+}
+
+// Luminance 0..1 of a code. Limited range runs from 16 to 235 at 8 bits, scaled by powers of two above.
+float luma_of(const LumaCode& code, int sample) {
+  const int value = sample >> code.shift;
+  const double scale = 1 << (code.depth - 8);
+  const double luma = code.limited ? (value - 16 * scale) / (219 * scale)
+                                   : value / static_cast<double>((1 << code.depth) - 1);
+  return static_cast<float>(std::clamp(luma, 0.0, 1.0));
+}
+
+std::vector<float> luma_table(const PixelLayout& layout, int bytes_per_sample) {
+  const LumaCode code = luma_code(layout);
+  std::vector<float> table(bytes_per_sample == 1 ? 256 : 65536);
+  for (std::size_t i = 0; i < table.size(); ++i) table[i] = luma_of(code, static_cast<int>(i));
+  return table;
+}
+
+template <class Sample, class Value>
+void map_samples(const cv::Mat& samples, const std::vector<Value>& table, cv::Mat& out) {
+  for (int y = 0; y < samples.rows; ++y) {
+    const Sample* from = samples.ptr<Sample>(y);
+    Value* to = out.ptr<Value>(y);
+    for (int x = 0; x < samples.cols; ++x) to[x] = table[from[x]];
+  }
+}
+
+cv::Mat view_of(const Plane& plane) {
+  return cv::Mat(plane.height, plane.width, plane.bytes_per_sample == 1 ? CV_8U : CV_16U, plane.data,
+                 static_cast<std::size_t>(plane.stride));
+}
+
+// Weights of R and B; G has the rest.
+struct LumaWeights {
+  double red = 0.299, blue = 0.114;
+};
+
+LumaWeights luma_weights(int matrix) {
+  switch (matrix) {
+    case AVCOL_SPC_BT709:
+      return {0.2126, 0.0722};
+    case AVCOL_SPC_FCC:
+      return {0.30, 0.11};
+    case AVCOL_SPC_SMPTE240M:
+      return {0.212, 0.087};
+    case AVCOL_SPC_BT2020_NCL:
+    case AVCOL_SPC_BT2020_CL:
+      return {0.2627, 0.0593};
+    default:
+      return {};
+  }
+}
+
+}  // namespace
+
+bool luma_in_plane_0(const PixelLayout& layout) {
+  const AVPixFmtDescriptor& description = describe(layout);
+  if (description.flags &
+      (AV_PIX_FMT_FLAG_RGB | AV_PIX_FMT_FLAG_PAL | AV_PIX_FMT_FLAG_BITSTREAM | AV_PIX_FMT_FLAG_HWACCEL |
+       AV_PIX_FMT_FLAG_BAYER | AV_PIX_FMT_FLAG_BE | AV_PIX_FMT_FLAG_FLOAT))
+    return false;
+  if (std::string_view(description.name).starts_with("xyz")) return false;
+  for (int i = 1; i < description.nb_components; ++i)
+    if (description.comp[i].plane == 0) return false;  // interleaved: yuyv422, ya8
+  return description.comp[0].depth <= 16;
+}
+
+cv::Mat luma_from_plane(const PixelLayout& layout, const cv::Mat& samples) {
+  if (!luma_in_plane_0(layout) || (samples.type() != CV_8UC1 && samples.type() != CV_16UC1))
+    throw Error(ErrorKind::kUsage, "pixel layout " + layout.format,
+                "plane 0 is not luminance in 8 or 16 bits");
+  cv::Mat luma(samples.size(), CV_32F);
+  // A table beats the arithmetic only where it fits the nearest cache and is smaller than the picture.
+  if (samples.depth() == CV_8U) {
+    map_samples<std::uint8_t>(samples, luma_table(layout, 1), luma);
+    return luma;
+  }
+  const LumaCode code = luma_code(layout);
+  for (int y = 0; y < samples.rows; ++y) {
+    const auto* from = samples.ptr<std::uint16_t>(y);
+    auto* to = luma.ptr<float>(y);
+    for (int x = 0; x < samples.cols; ++x) to[x] = luma_of(code, from[x]);
+  }
+  return luma;
+}
+
+cv::Mat to_luma(const Frame& frame) {
+  const PixelLayout& layout = frame.layout;
+  if (luma_in_plane_0(layout)) {
+    const Plane& plane = frame.planes[0];
+    const std::vector<float> exact = luma_table(layout, plane.bytes_per_sample);
+    std::vector<std::uint8_t> table(exact.size());
+    std::transform(exact.begin(), exact.end(), table.begin(),
+                   [](float luma) { return static_cast<std::uint8_t>(std::lround(luma * 255)); });
+    const cv::Mat samples = view_of(plane);
+    cv::Mat luma(samples.size(), CV_8U);
+    if (plane.bytes_per_sample == 1)
+      map_samples<std::uint8_t>(samples, table, luma);
+    else
+      map_samples<std::uint16_t>(samples, table, luma);
+    return luma;
+  }
+  const cv::Mat bgr = to_bgr(frame);
+  const LumaWeights weights = luma_weights(layout.matrix);
+  constexpr int kBits = 16;
+  const int red = static_cast<int>(std::lround(weights.red * (1 << kBits)));
+  const int blue = static_cast<int>(std::lround(weights.blue * (1 << kBits)));
+  const int green = (1 << kBits) - red - blue;
+  cv::Mat luma(bgr.size(), CV_8U);
+  for (int y = 0; y < bgr.rows; ++y) {
+    const std::uint8_t* from = bgr.ptr(y);
+    std::uint8_t* to = luma.ptr(y);
+    for (int x = 0; x < bgr.cols; ++x, from += 3)
+      to[x] = static_cast<std::uint8_t>(
+          (blue * from[0] + green * from[1] + red * from[2] + (1 << (kBits - 1))) >> kBits);
+  }
+  return luma;
+}
+
+cv::Mat to_bgr(const Frame& frame) {
+  if (frame.planes.size() == 1 && luma_in_plane_0(frame.layout)) {
+    cv::Mat bgr;
+    cv::cvtColor(to_luma(frame), bgr, cv::COLOR_GRAY2BGR);
+    return bgr;
+  }
+  cv::Mat bgr(frame.layout.height, frame.layout.width, CV_8UC3);
+  const Image source = image_of(frame);
+  PixelLayout shown;
+  shown.format = "bgr24";
+  shown.width = frame.layout.width;
+  shown.height = frame.layout.height;
+  shown.range = AVCOL_RANGE_JPEG;
+  Image target;
+  target.data[0] = bgr.data;
+  target.stride[0] = static_cast<int>(bgr.step[0]);
+  convert(frame.layout, source, shown, target);
+  return bgr;
+}
+
+}  // namespace freshet::media

@@ -1,0 +1,100 @@
+#include "media/picture.h"
+
+#include <algorithm>
+#include <cctype>
+#include <cerrno>
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
+#include <cstring>
+#include <optional>
+
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "freshet_error.h"
+#include "media/picture_file.h"
+
+namespace freshet::media {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::int64_t kMaxPixels = std::int64_t{1} << 28;
+
+struct Decoded {
+  cv::Mat colour;  // 3 channels of any depth, turned upright
+  std::vector<std::string> notices;
+};
+
+Decoded decode(const fs::path& path) {
+  const std::vector<std::uint8_t> bytes = read_bytes(path);
+  const std::string name = path.string();
+  if (const std::optional<cv::Size> size = claimed_size(bytes);
+      size && std::int64_t{size->width} * size->height > kMaxPixels)
+    throw Error(ErrorKind::kInput, name,
+                "is " + std::to_string(size->width) + " x " + std::to_string(size->height) + " pixels large",
+                "Reduce it below 2^28 pixels");
+  Decoded decoded;
+  try {
+    decoded.colour = cv::imdecode(bytes, cv::IMREAD_COLOR | cv::IMREAD_ANYDEPTH);
+    // OpenCV turns a picture upright only when it also drops alpha, so alpha is asked for separately.
+    const bool jpeg = bytes.size() > 2 && bytes[0] == 0xFF && bytes[1] == 0xD8;
+    if (!decoded.colour.empty() && !jpeg && cv::imdecode(bytes, cv::IMREAD_UNCHANGED).channels() == 4)
+      decoded.notices.emplace_back("alpha channel ignored");
+  } catch (const cv::Exception& fault) {
+    throw Error(ErrorKind::kInput, name, "cannot be decoded (" + fault.err + ")", "Save it again as PNG");
+  }
+  if (decoded.colour.empty())
+    throw Error(ErrorKind::kInput, name, "not a picture that OpenCV can read",
+                "Save it as PNG, JPEG or TIFF");
+  if (std::int64_t{decoded.colour.cols} * decoded.colour.rows > kMaxPixels)
+    throw Error(ErrorKind::kInput, name, "is above 2^28 pixels", "Reduce it");
+  if (decoded.colour.depth() == CV_16U) {
+    decoded.colour.convertTo(decoded.colour, CV_8U, 1.0 / 257);
+    decoded.notices.emplace_back("16 bits a channel reduced to 8");
+  } else if (decoded.colour.depth() != CV_8U) {
+    decoded.colour.convertTo(decoded.colour, CV_8U, 255);
+    decoded.notices.emplace_back("floating point reduced to 8 bits, values above 1 cut off");
+  }
+  return decoded;
+}
+
+}  // namespace
+
+Picture read_picture(const fs::path& path) {
+  Decoded decoded = decode(path);
+  return {.bgr = std::move(decoded.colour), .notices = std::move(decoded.notices)};
+}
+
+Matte read_matte(const fs::path& path, cv::Size size) {
+  Decoded decoded = decode(path);
+  Matte matte;
+  matte.notices = std::move(decoded.notices);
+  if (decoded.colour.size() != size)
+    throw Error(ErrorKind::kInput, path.string(),
+                "the matte is " + std::to_string(decoded.colour.cols) + " x " +
+                    std::to_string(decoded.colour.rows) + ", the picture " + std::to_string(size.width) +
+                    " x " + std::to_string(size.height),
+                "Make them equal in size");
+  std::vector<cv::Mat> channels;
+  cv::split(decoded.colour, channels);
+  const bool grey = cv::norm(channels[0], channels[1], cv::NORM_INF) == 0 &&
+                    cv::norm(channels[1], channels[2], cv::NORM_INF) == 0;
+  if (grey) {
+    matte.alpha = channels[0];
+  } else {
+    cv::cvtColor(decoded.colour, matte.alpha, cv::COLOR_BGR2GRAY);
+    matte.notices.emplace_back("colour reduced to grey");
+  }
+  if (cv::countNonZero(matte.alpha) == 0)
+    throw Error(ErrorKind::kInput, path.string(), "the matte is black everywhere, so nothing in it is fluid",
+                "Paint the fluid white");
+  return matte;
+}
+
+void write_picture(const fs::path& path, const cv::Mat& picture) {
+  write_bytes(path, encode_picture(path, picture));
+}
+
+}  // namespace freshet::media

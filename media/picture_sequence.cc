@@ -1,0 +1,143 @@
+#include "media/picture_sequence.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <numeric>
+#include <optional>
+#include <string_view>
+
+#include "freshet_error.h"
+
+namespace freshet::media {
+namespace {
+
+namespace fs = std::filesystem;
+
+bool is_digit(char c) { return c >= '0' && c <= '9'; }
+
+struct Pattern {
+  std::string before, after;
+  int width = 0;  // of a number with leading zeros
+  bool padded = false;
+};
+
+std::optional<Pattern> parse(const std::string& name) {
+  const std::size_t percent = name.find('%');
+  if (percent == std::string::npos || name.find('%', percent + 1) != std::string::npos) return std::nullopt;
+  std::size_t end = percent + 1;
+  while (end < name.size() && is_digit(name[end])) ++end;
+  if (end >= name.size() || name[end] != 'd' || end - percent > 3) return std::nullopt;
+  Pattern pattern;
+  pattern.before = name.substr(0, percent);
+  pattern.after = name.substr(end + 1);
+  pattern.padded = name[percent + 1] == '0';
+  for (std::size_t i = percent + 1; i < end; ++i) pattern.width = 10 * pattern.width + (name[i] - '0');
+  return pattern;
+}
+
+// Runs of digits compare as numbers, the rest as bytes.
+bool natural_less(const std::string& a, const std::string& b) {
+  std::size_t i = 0, j = 0;
+  while (i < a.size() && j < b.size()) {
+    if (is_digit(a[i]) && is_digit(b[j])) {
+      while (i < a.size() && a[i] == '0') ++i;
+      while (j < b.size() && b[j] == '0') ++j;
+      std::size_t i_end = i, j_end = j;
+      while (i_end < a.size() && is_digit(a[i_end])) ++i_end;
+      while (j_end < b.size() && is_digit(b[j_end])) ++j_end;
+      if (i_end - i != j_end - j) return i_end - i < j_end - j;
+      const int order = a.compare(i, i_end - i, b, j, j_end - j);
+      if (order != 0) return order < 0;
+      i = i_end;
+      j = j_end;
+    } else {
+      if (a[i] != b[j]) return static_cast<unsigned char>(a[i]) < static_cast<unsigned char>(b[j]);
+      ++i;
+      ++j;
+    }
+  }
+  if ((i < a.size()) != (j < b.size())) return j < b.size();
+  return a < b;  // "f01" and "f1"
+}
+
+std::vector<fs::path> files_in(const fs::path& folder) {
+  std::error_code fault;
+  std::vector<fs::path> files;
+  fs::directory_iterator entry(folder, fault);
+  if (fault)
+    throw Error(ErrorKind::kInput, folder.string(), "the folder cannot be read (" + fault.message() + ")",
+                "Check the name and its permissions");
+  for (; entry != fs::directory_iterator(); entry.increment(fault)) {
+    if (fault) break;
+    std::error_code of_entry;
+    if (entry->is_regular_file(of_entry)) files.push_back(entry->path());
+  }
+  return files;
+}
+
+}  // namespace
+
+bool is_pattern(const fs::path& path) { return parse(path.filename().string()).has_value(); }
+
+fs::path numbered(const fs::path& path, std::int64_t number) {
+  const Pattern pattern = parse(path.filename().string()).value();
+  std::string digits = std::to_string(number);
+  const std::size_t missing =
+      std::max<std::size_t>(static_cast<std::size_t>(pattern.width), digits.size()) - digits.size();
+  digits.insert(0, missing, pattern.padded ? '0' : ' ');
+  return path.parent_path() / (pattern.before + digits + pattern.after);
+}
+
+PictureSequence list_pattern(const fs::path& path) {
+  const Pattern pattern = parse(path.filename().string()).value();
+  const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
+  std::vector<std::pair<std::int64_t, fs::path>> found;
+  for (const fs::path& file : files_in(folder)) {
+    const std::string name = file.filename().string();
+    if (name.size() <= pattern.before.size() + pattern.after.size()) continue;
+    if (!name.starts_with(pattern.before) || !name.ends_with(pattern.after)) continue;
+    const std::string digits =
+        name.substr(pattern.before.size(), name.size() - pattern.before.size() - pattern.after.size());
+    if (digits.size() > 18 || !std::all_of(digits.begin(), digits.end(), is_digit)) continue;
+    const std::int64_t number = std::stoll(digits);
+    if (numbered(path, number).filename() == name) found.emplace_back(number, path.parent_path() / name);
+  }
+  if (found.empty())
+    throw Error(ErrorKind::kInput, path.string(), "no file in " + folder.string() + " matches this pattern",
+                "Name the files as in " + numbered(path, 1).filename().string());
+  std::sort(found.begin(), found.end());
+  PictureSequence sequence;
+  for (auto& [number, file] : found) {
+    sequence.numbers.push_back(number);
+    sequence.files.push_back(std::move(file));
+  }
+  return sequence;
+}
+
+PictureSequence list_folder(const fs::path& folder) {
+  PictureSequence sequence;
+  for (fs::path& file : files_in(folder))
+    if (looks_like_picture(file)) sequence.files.push_back(std::move(file));
+  if (sequence.files.empty())
+    throw Error(ErrorKind::kInput, folder.string(), "the folder holds no pictures",
+                "Name a video, or a folder of pictures of equal size");
+  std::sort(sequence.files.begin(), sequence.files.end(), [](const fs::path& a, const fs::path& b) {
+    return natural_less(a.filename().string(), b.filename().string());
+  });
+  sequence.numbers.resize(sequence.files.size());
+  std::iota(sequence.numbers.begin(), sequence.numbers.end(), std::int64_t{0});
+  return sequence;
+}
+
+bool looks_like_picture(const fs::path& path) {
+  static constexpr std::array<std::string_view, 14> kEndings = {".png", ".jpg",  ".jpeg", ".tif", ".tiff",
+                                                                ".bmp", ".webp", ".ppm",  ".pgm", ".pnm",
+                                                                ".exr", ".dpx",  ".jp2",  ".sgi"};
+  std::string ending = path.extension().string();
+  std::transform(ending.begin(), ending.end(), ending.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return std::find(kEndings.begin(), kEndings.end(), ending) != kEndings.end();
+}
+
+}  // namespace freshet::media

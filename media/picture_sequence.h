@@ -1,0 +1,32 @@
+// media/picture_sequence.h — the files of a numbered sequence or a folder of pictures. Private to this room.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace freshet::media {
+
+/// One file a frame, in order. `number` is the file's own in a pattern, its rank in a folder.
+struct PictureSequence {
+  std::vector<std::filesystem::path> files;
+  std::vector<std::int64_t> numbers;
+};
+
+/// True when the name's last part holds exactly one %d, %Nd or %0Nd.
+bool is_pattern(const std::filesystem::path& path);
+/// The name of one file of a pattern.
+std::filesystem::path numbered(const std::filesystem::path& pattern, std::int64_t number);
+
+/// Files that match the pattern, by number, wherever it starts (film shots start at 1001).
+/// Throws Error{kInput} when there are none.
+PictureSequence list_pattern(const std::filesystem::path& pattern);
+/// Pictures of a folder in natural order ("f9.png" before "f10.png"); other files and folders are passed
+/// over. Throws Error{kInput} when there are none.
+PictureSequence list_folder(const std::filesystem::path& folder);
+
+/// By the name's ending, in any case.
+bool looks_like_picture(const std::filesystem::path& path);
+
+}  // namespace freshet::media
