@@ -11,7 +11,6 @@ pkg_check_modules(LMDB REQUIRED IMPORTED_TARGET lmdb)
 pkg_check_modules(XXHASH REQUIRED IMPORTED_TARGET libxxhash)
 pkg_check_modules(LZ4 REQUIRED IMPORTED_TARGET liblz4)
 pkg_check_modules(FFMPEG REQUIRED IMPORTED_TARGET libavformat libavcodec libavutil libswscale)
-find_package(tomlplusplus REQUIRED)
 
 # FLANN ships no CMake package. It is header templates and one library, and its headers call LZ4.
 find_path(FLANN_INCLUDE_DIR flann/flann.hpp REQUIRED)

@@ -1,0 +1,55 @@
+#include "synth/animate/motion_field.h"
+
+#include <map>
+
+#include <opencv2/imgproc.hpp>
+
+#include "query/clip_cells.h"
+#include "vision/patch_features.h"
+
+namespace freshet::synth {
+
+cv::Mat motion_field(const store::Snapshot& snapshot, const vision::Settings& settings,
+                     const Placement& placement, cv::Size picture) {
+  // Motion is sampled in squares of 8 px: finer than the flow is true, fine enough for a fall's edge.
+  constexpr int kSquare = 8;
+  const cv::Rect canvas = canvas_of(placement);
+  const cv::Size squares(canvas.width / kSquare, canvas.height / kSquare);
+  const int per_side = placement.side / kSquare;
+  cv::Mat sum = cv::Mat::zeros(squares, CV_32FC2), mass = cv::Mat::zeros(squares, CV_32F);
+
+  std::map<store::ClipId, vision::CellMap> cells;
+  for (const PlacedPatch& placed : placement.patches) {
+    auto found = cells.find(placed.clip);
+    if (found == cells.end())
+      found = cells.emplace(placed.clip, query::motion_cells(snapshot, settings, placed.clip)).first;
+    const store::ClipRecord& record = snapshot.clip(placed.clip);
+    const vision::VariantFrame frame = vision::variant_frame(
+        {static_cast<int>(record.width), static_cast<int>(record.height)}, placed.variant);
+    const cv::Point corner = (placed.piece - canvas.tl()) / kSquare;
+    for (int row = 0; row < per_side; ++row)
+      for (int column = 0; column < per_side; ++column) {
+        const cv::Vec2f motion = vision::patch_mean_motion(
+            found->second, frame, placed.patch.x + column * kSquare, placed.patch.y + row * kSquare, kSquare);
+        const auto tent = [&](int i) {
+          return 1 - std::abs(2 * (i + 0.5f) / static_cast<float>(per_side) - 1);
+        };
+        const float weight = tent(row) * tent(column);
+        sum.at<cv::Vec2f>(corner.y + row, corner.x + column) += weight * motion;
+        mass.at<float>(corner.y + row, corner.x + column) += weight;
+      }
+  }
+  for (int row = 0; row < squares.height; ++row)
+    for (int column = 0; column < squares.width; ++column)
+      if (mass.at<float>(row, column) > 0) sum.at<cv::Vec2f>(row, column) /= mass.at<float>(row, column);
+
+  // From squares to pixels of the picture: bilinear between the squares' middles.
+  const double offset_x = canvas.x + (kSquare - 1) / 2.0, offset_y = canvas.y + (kSquare - 1) / 2.0;
+  cv::Mat field;
+  cv::warpAffine(sum, field,
+                 cv::Matx23d(1.0 / kSquare, 0, -offset_x / kSquare, 0, 1.0 / kSquare, -offset_y / kSquare),
+                 picture, cv::INTER_LINEAR | cv::WARP_INVERSE_MAP, cv::BORDER_REPLICATE);
+  return field;
+}
+
+}  // namespace freshet::synth

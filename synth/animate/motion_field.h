@@ -1,0 +1,17 @@
+// synth/animate/motion_field.h — the mean motion that an assignment gives to every pixel of the picture.
+#pragma once
+
+#include <opencv2/core.hpp>
+
+#include "store/store.h"
+#include "synth/animate/placement.h"
+#include "vision/settings.h"
+
+namespace freshet::synth {
+
+/// Mean motion over the picture: CV_32FC2, px/s, x right, y down. Cells of the assigned patches, weighted
+/// towards each piece's middle and interpolated; zero where no piece lies.
+cv::Mat motion_field(const store::Snapshot& snapshot, const vision::Settings& settings,
+                     const Placement& placement, cv::Size picture);
+
+}  // namespace freshet::synth

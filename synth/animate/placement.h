@@ -1,0 +1,36 @@
+// synth/animate/placement.h — which patch lies where: all that rendering needs of an assignment.
+#pragma once
+
+#include <vector>
+
+#include <opencv2/core.hpp>
+
+#include "store/store.h"
+#include "vision/variant.h"
+
+namespace freshet::synth {
+
+/// One piece of the picture and the patch laid on it.
+struct PlacedPatch {
+  cv::Point piece;  // px, top-left corner in the picture; may lie outside it
+  store::ClipId clip{};
+  vision::Variant variant;  // the patch's coordinates are in this variant's frame
+  cv::Point patch;          // px, top-left corner
+};
+
+/// Pieces on one regular lattice: every piece.x differs from another's by a multiple of `stride`; so does y.
+struct Placement {
+  int side = 48;    // px, of a piece; a multiple of 8
+  int stride = 24;  // px; a multiple of 8
+  std::vector<PlacedPatch> patches;
+};
+
+/// True when b's patch continues a's in its own clip and variant: laid beside each other they show what the
+/// clip showed there, without a seam.
+bool coherent(const PlacedPatch& a, const PlacedPatch& b);
+
+/// The smallest rectangle of whole strides that holds all pieces: the canvas on which they are blended. Its
+/// corner lies on the lattice, so that pyramid levels of pieces and canvas coincide.
+cv::Rect canvas_of(const Placement& placement);
+
+}  // namespace freshet::synth

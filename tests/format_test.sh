@@ -1,0 +1,7 @@
+#!/bin/sh
+# Fails when a source file is not as clang-format would write it.
+# usage: tests/format_test.sh ROOT
+set -eu
+cd "$1"
+find freshet_error.h store media vision ingest query synth tools tests bench \( -name '*.h' -o -name '*.cc' \) -print0 |
+  xargs -0 clang-format --dry-run --Werror
