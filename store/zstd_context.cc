@@ -30,6 +30,10 @@ ZSTD_DCtx* thread_expander() {
   return context.get();
 }
 
+void check_zstd(std::size_t code) {
+  if (ZSTD_isError(code)) throw_zstd(ZSTD_getErrorName(code));
+}
+
 Bytes zstd_compress(ByteSpan raw, int level) {
   ZSTD_CCtx* context = thread_compressor();
   ZSTD_CCtx_reset(context, ZSTD_reset_session_and_parameters);
@@ -37,7 +41,7 @@ Bytes zstd_compress(ByteSpan raw, int level) {
   ZSTD_CCtx_setParameter(context, ZSTD_c_checksumFlag, 1);
   Bytes out(ZSTD_compressBound(raw.size()));
   const std::size_t size = ZSTD_compress2(context, out.data(), out.size(), raw.data(), raw.size());
-  if (ZSTD_isError(size)) throw_zstd(ZSTD_getErrorName(size));
+  check_zstd(size);
   out.resize(size);
   return out;
 }

@@ -12,6 +12,9 @@ namespace freshet::store {
 ZSTD_CCtx* thread_compressor();
 ZSTD_DCtx* thread_expander();
 
+/// Throws Error{kIo} where zstd returns an error.
+void check_zstd(std::size_t code);
+
 /// One frame. Throws Error{kIo} when memory is out.
 Bytes zstd_compress(ByteSpan raw, int level);
 
