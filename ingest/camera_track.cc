@@ -1,0 +1,229 @@
+#include "ingest/camera_track.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include <opencv2/calib3d.hpp>
+#include <opencv2/imgproc.hpp>
+#include <opencv2/video/tracking.hpp>
+
+namespace freshet::ingest {
+namespace {
+
+// Measured on 51 clips with the camera known: see screening.h.
+constexpr int kCellsAcross = 24;     // corner points: the best of each of 24 cells along the longer side
+constexpr double kMinCorner = 2e-4;  // smaller eigenvalue, cv::cornerMinEigenVal, block 5
+constexpr int kTemplate = 11;        // px, side of the pattern that must keep its looks
+constexpr int kMargin = kTemplate / 2 + 1;  // px from the frame's edge
+constexpr double kMinCorrelation = 0.8;
+constexpr double kInlier = 1.0;       // px
+constexpr int kMinGroup = 12;         // points
+constexpr double kMinCoherent = 0.6;  // of the survivors agree on one similarity: they are the scene
+constexpr double kMinCoherentOverStatic = 0.85;  // ... where enough stands still to be the scene itself
+constexpr int kMinCoherentCells = 6;             // of 4 x 4 parts of the frame that they lie in
+constexpr double kMinStatic = 0.35;              // of the survivors stand still: they are, the rest floats by
+constexpr int kMinStaticCells = 3;
+constexpr double kShakeSpan_s = 0.2;  // motion is smoothed over so much before and after
+
+using Corners = std::array<cv::Point2d, 5>;  // the frame's corners and its centre
+
+/// Zero-mean normalised correlation of two patterns.
+class PatternCheck {
+ public:
+  double operator()(const cv::Mat& a, cv::Point2f at_a, const cv::Mat& b, cv::Point2f at_b) {
+    cv::getRectSubPix(a, {kTemplate, kTemplate}, at_a, a_, CV_32F);
+    cv::getRectSubPix(b, {kTemplate, kTemplate}, at_b, b_, CV_32F);
+    a_ -= cv::mean(a_);
+    b_ -= cv::mean(b_);
+    return a_.dot(b_) / (std::sqrt(a_.dot(a_) * b_.dot(b_)) + 1e-3);
+  }
+
+ private:
+  cv::Mat a_, b_;
+};
+
+int cells_of(const std::vector<cv::Point2f>& points, const std::vector<int>& group, cv::Size size) {
+  std::array<bool, 16> taken{};
+  for (const int i : group) {
+    const int column = std::clamp(static_cast<int>(points[i].x * 4 / size.width), 0, 3);
+    const int row = std::clamp(static_cast<int>(points[i].y * 4 / size.height), 0, 3);
+    taken[row * 4 + column] = true;
+  }
+  return static_cast<int>(std::ranges::count(taken, true));
+}
+
+double distance(const Corners& a, const Corners& b) {
+  double sum = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) sum += (a[i] - b[i]).ddot(a[i] - b[i]);
+  return std::sqrt(sum / a.size());
+}
+
+}  // namespace
+
+struct CameraTracker::Impl {
+  cv::Size size;
+  double diagonal;
+  int window;      // frames
+  int shake_span;  // frames
+
+  cv::Mat reference, previous;
+  std::vector<cv::Point2f> anchors, points, next;
+  std::vector<uchar> found;
+  std::vector<float> residual;
+  std::vector<char> alive;
+  std::vector<std::vector<cv::Point2f>> path;  // of all points, a frame an entry
+  PatternCheck correlation;
+
+  CameraMotion motion;
+  std::vector<Corners> places;  // where the scene's corners are after each window
+  double shake_squares = 0;
+  std::size_t shake_count = 0;
+
+  Impl(cv::Size size_, double fps)
+      : size(size_),
+        diagonal(std::hypot(size_.width, size_.height)),
+        window(std::clamp(static_cast<int>(std::lround(fps)), 12, 120)),
+        shake_span(std::max(2, static_cast<int>(std::lround(fps * kShakeSpan_s)))) {
+    const double w = size.width, h = size.height;
+    places.push_back({cv::Point2d(0, 0), {w, 0}, {0, h}, {w, h}, {w / 2, h / 2}});
+  }
+
+  void begin_window(const cv::Mat& luma) {
+    luma.copyTo(reference);
+    anchors.clear();
+    cv::Mat strength;
+    cv::cornerMinEigenVal(reference, strength, 5, 3);
+    const int cell = std::max(8, std::max(size.width, size.height) / kCellsAcross);
+    const cv::Rect inside(kMargin, kMargin, size.width - 2 * kMargin, size.height - 2 * kMargin);
+    for (int y = 0; y < size.height; y += cell) {
+      for (int x = 0; x < size.width; x += cell) {
+        const cv::Rect place = cv::Rect(x, y, cell, cell) & inside;
+        if (place.width < 4 || place.height < 4) continue;
+        double best = 0;
+        cv::Point at;
+        cv::minMaxLoc(strength(place), nullptr, &best, nullptr, &at);
+        if (best > kMinCorner) anchors.emplace_back(cv::Point2f(place.tl() + at));
+      }
+    }
+    points = anchors;
+    alive.assign(points.size(), 1);
+    path.assign(1, points);
+  }
+
+  void follow(const cv::Mat& luma) {
+    if (!points.empty()) {
+      cv::calcOpticalFlowPyrLK(previous, luma, points, next, found, residual, {11, 11}, 3,
+                               {cv::TermCriteria::COUNT + cv::TermCriteria::EPS, 15, 0.01});
+      const cv::Rect2f inside(kMargin, kMargin, static_cast<float>(size.width - 2 * kMargin),
+                              static_cast<float>(size.height - 2 * kMargin));
+      for (std::size_t i = 0; i < points.size(); ++i) {
+        if (!alive[i]) continue;
+        points[i] = next[i];
+        if (!found[i] || !inside.contains(points[i]) ||
+            correlation(reference, anchors[i], luma, points[i]) < kMinCorrelation) {
+          alive[i] = 0;
+        }
+      }
+    }
+    path.push_back(points);
+  }
+
+  void end_window() {
+    ++motion.windows;
+    std::vector<int> survivors, still, agreeing;
+    std::vector<cv::Point2f> from, to;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      if (!alive[i]) continue;
+      survivors.push_back(static_cast<int>(i));
+      from.push_back(anchors[i]);
+      to.push_back(points[i]);
+      if (cv::norm(points[i] - anchors[i]) < kInlier) still.push_back(static_cast<int>(i));
+    }
+    if (survivors.size() < static_cast<std::size_t>(kMinGroup)) return;
+
+    std::vector<uchar> inlier;
+    const cv::Mat similarity =
+        cv::estimateAffinePartial2D(from, to, inlier, cv::RANSAC, kInlier, 500, 0.99, 10);
+    for (std::size_t i = 0; !similarity.empty() && i < survivors.size(); ++i) {
+      if (inlier[i]) agreeing.push_back(survivors[i]);
+    }
+    const auto is_scene = [&](const std::vector<int>& group, double min_share, int min_cells) {
+      return group.size() >= std::max<std::size_t>(kMinGroup, static_cast<std::size_t>(
+                                                                  std::ceil(min_share * survivors.size()))) &&
+             cells_of(anchors, group, size) >= min_cells;
+    };
+    Corners place = places.back();
+    const bool stands = is_scene(still, kMinStatic, kMinStaticCells);
+    if (is_scene(agreeing, stands ? kMinCoherentOverStatic : kMinCoherent, kMinCoherentCells)) {
+      const cv::Matx23d m = similarity;
+      for (cv::Point2d& p : place) p = cv::Point2d(m * cv::Vec3d(p.x, p.y, 1));
+    } else if (stands) {
+      // Too few or too close together for a turn to be told: their mean.
+      agreeing = still;
+      cv::Point2d mean;
+      for (const int i : still) mean += cv::Point2d(points[i] - anchors[i]);
+      for (cv::Point2d& p : place) p += mean / static_cast<double>(still.size());
+    } else {
+      return;
+    }
+    ++motion.referenced_windows;
+    places.push_back(place);
+    add_shake(agreeing);
+  }
+
+  /// What is left of the group's mean path when its own moving average is taken away.
+  void add_shake(const std::vector<int>& group) {
+    std::vector<cv::Point2d> mean(path.size());
+    for (std::size_t t = 0; t < path.size(); ++t) {
+      for (const int i : group) mean[t] += cv::Point2d(path[t][i] - anchors[i]);
+      mean[t] /= static_cast<double>(group.size());
+    }
+    const int span = shake_span, frames = static_cast<int>(mean.size());
+    for (int t = span; t + span < frames; ++t) {
+      cv::Point2d smooth;
+      for (int s = t - span; s <= t + span; ++s) smooth += mean[s];
+      const cv::Point2d rest = mean[t] - smooth / (2.0 * span + 1);
+      shake_squares += rest.ddot(rest);
+      ++shake_count;
+    }
+  }
+};
+
+CameraTracker::CameraTracker(cv::Size size, double fps) : impl_(std::make_unique<Impl>(size, fps)) {}
+CameraTracker::~CameraTracker() = default;
+CameraTracker::CameraTracker(CameraTracker&&) noexcept = default;
+
+void CameraTracker::add(const cv::Mat& luma) {
+  Impl& impl = *impl_;
+  CV_Assert(luma.type() == CV_8U && luma.size() == impl.size);
+  if (impl.path.empty()) {
+    impl.begin_window(luma);
+  } else {
+    impl.follow(luma);
+    if (static_cast<int>(impl.path.size()) > impl.window) {
+      impl.end_window();
+      impl.begin_window(luma);
+    }
+  }
+  luma.copyTo(impl.previous);
+}
+
+CameraMotion CameraTracker::finish() {
+  Impl& impl = *impl_;
+  // A rest of less than half a second tells too little apart.
+  if (static_cast<int>(impl.path.size()) >= std::max(6, impl.window / 2)) impl.end_window();
+  for (std::size_t i = 0; i < impl.places.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      impl.motion.drift =
+          std::max(impl.motion.drift, distance(impl.places[i], impl.places[j]) / impl.diagonal);
+    }
+  }
+  if (impl.shake_count > 0) {
+    impl.motion.shake = std::sqrt(impl.shake_squares / static_cast<double>(impl.shake_count)) / impl.diagonal;
+  }
+  return impl.motion;
+}
+
+}  // namespace freshet::ingest

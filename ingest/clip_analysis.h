@@ -1,0 +1,54 @@
+// clip_analysis.h — what of a clip moves, and the patches that are kept of it.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include <opencv2/core.hpp>
+
+#include "vision/motion_cells.h"
+#include "vision/settings.h"
+
+namespace freshet::ingest {
+
+/// Mean and standard deviation over time of every pixel's luma. Sums are integers: exact for any order.
+class LumaStatistics {
+ public:
+  explicit LumaStatistics(cv::Size frame);
+  void add(const cv::Mat& luma);  // CV_8U; all threads
+  cv::Mat mean_u16() const;       // CV_16U, 0..65535
+  cv::Mat deviation() const;      // CV_32F, luma in 0..1
+
+ private:
+  std::uint32_t frames_ = 0;
+  cv::Mat sum_;                         // CV_32S: full after 8.4 million frames
+  std::vector<std::uint64_t> squares_;  // row-major
+};
+
+/// 255 where a clip moves, CV_8U at source size: mean speed of at least settings.min_motion_px (px a frame at
+/// 25 frames a second) and deviation of at least settings.min_change. Flow alone drags still scenery along
+/// beside a jet; change alone counts flicker and noise. Then closed and opened with a 5 px disc: holes and
+/// specks narrower than that are noise of either measure, patches of 48 px never depend on them.
+/// mean_speed_px   as vision::MotionAccumulator gives it: px a frame, possibly smaller than the source.
+cv::Mat moving_mask(const cv::Mat& mean_speed_px, const cv::Mat& deviation, double fps,
+                    const vision::Settings& settings);
+
+/// A clip's patch columns, variant by variant, each in row-major order of its grid.
+struct PatchColumns {
+  std::vector<std::uint8_t> variant;
+  std::vector<std::uint16_t> x, y;           // px, top-left corner in the variant's frame
+  std::vector<std::array<float, 2>> motion;  // px/s, mean u, v in the variant's frame
+  std::vector<float> coverage;               // 0..1
+  std::size_t size() const { return variant.size(); }
+};
+
+/// Patches that lie wholly inside the source and of which at least settings.min_coverage moves.
+/// moving   CV_8U at source size. All threads; the same for any number.
+PatchColumns find_patches(const cv::Mat& moving, const vision::CellMap& motion,
+                          const vision::Settings& settings);
+
+/// The smallest side, px, of a frame in which a patch of the largest scale fits.
+int min_side(const vision::Settings& settings);
+
+}  // namespace freshet::ingest

@@ -1,0 +1,208 @@
+#include "ingest/clip_pipeline.h"
+
+#include <algorithm>
+#include <chrono>
+#include <memory>
+#include <optional>
+#include <utility>
+
+#include <fmt/format.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_group.h>
+
+#include "freshet_error.h"
+#include "ingest/clip_analysis.h"
+#include "ingest/stopwatch.h"
+#include "media/frame.h"
+#include "vision/flow.h"
+#include "vision/textureness.h"
+
+namespace freshet::ingest {
+namespace {
+
+struct Slab {
+  std::vector<media::Frame> frames;
+  std::vector<cv::Mat> luma;  // CV_8U
+};
+
+Slab decode_slab(media::VideoReader& reader, double& seconds) {
+  const Stopwatch watch(seconds);
+  Slab slab;
+  slab.frames.reserve(kSlab);
+  slab.luma.reserve(kSlab);
+  while (slab.frames.size() < kSlab) {
+    std::optional<media::Frame> frame = reader.next();
+    if (!frame) break;
+    slab.luma.push_back(media::to_luma(*frame));
+    slab.frames.push_back(std::move(*frame));
+  }
+  return slab;
+}
+
+/// A task beside the caller's work. Leaving its scope waits for it, so that it never outlives what it refers
+/// to.
+class Aside {
+ public:
+  template <class Work>
+  explicit Aside(Work&& work) {
+    group_.run(std::forward<Work>(work));
+  }
+  ~Aside() {
+    try {
+      group_.wait();
+    } catch (...) {  // an exception of the caller's work is already on its way
+    }
+  }
+  void wait() { group_.wait(); }
+
+ private:
+  tbb::task_group group_;
+};
+
+std::vector<store::PlaneShape> shapes_of(const media::Frame& frame) {
+  std::vector<store::PlaneShape> shapes;
+  for (const media::Plane& plane : frame.planes) {
+    shapes.push_back({static_cast<std::uint32_t>(plane.width), static_cast<std::uint32_t>(plane.height),
+                      static_cast<std::uint8_t>(plane.bytes_per_sample)});
+  }
+  return shapes;
+}
+
+store::PlaneView view_of(const cv::Mat& plane) {
+  return {reinterpret_cast<const std::byte*>(plane.data), static_cast<std::ptrdiff_t>(plane.step)};
+}
+
+/// All that is kept of a clip while its frames go by.
+struct Pass {
+  const vision::Settings& settings;
+  store::ClipWriter& writer;
+  StageSeconds& seconds;
+  Screener screener;
+  LumaStatistics statistics;
+  vision::MotionAccumulator motion;
+  std::vector<std::unique_ptr<vision::TexturenessAccumulator>> texture;
+  cv::Mat previous;  // the last luma of the slab before
+  bool flow_begun = false;
+  std::vector<cv::Mat> u = std::vector<cv::Mat>(kSlab), v = std::vector<cv::Mat>(kSlab);
+  std::vector<store::PlaneView> views;
+
+  Pass(cv::Size size, double fps, const vision::Settings& settings_, store::ClipWriter& writer_,
+       StageSeconds& seconds_)
+      : settings(settings_),
+        writer(writer_),
+        seconds(seconds_),
+        screener(size, fps),
+        statistics(size),
+        motion(size, settings_.flow_step, fps, settings_.spectrum) {
+    for (const float scale : settings.scales) {
+      texture.push_back(std::make_unique<vision::TexturenessAccumulator>(size, scale, settings.texture_cell));
+    }
+  }
+
+  void add(const Slab& slab) {
+    {
+      // Screening follows points from frame to frame: one thread, beside the flow of the same frames.
+      Aside screening([&] {
+        const Stopwatch watch(seconds.screen);
+        for (const cv::Mat& luma : slab.luma) screener.add(luma);
+      });
+      add_flow(slab);
+      screening.wait();
+    }
+    {
+      const Stopwatch watch(seconds.texture);
+      for (const cv::Mat& luma : slab.luma) {
+        statistics.add(luma);
+        for (const auto& scale : texture) scale->add(luma);
+      }
+    }
+    {
+      const Stopwatch watch(seconds.store);
+      views.clear();
+      for (const media::Frame& frame : slab.frames) {
+        for (const media::Plane& plane : frame.planes) views.push_back({plane.data, plane.stride});
+      }
+      writer.append(store::Stream::kFrames, views);
+    }
+    previous = slab.luma.back();
+  }
+
+  void add_flow(const Slab& slab) {
+    const int first = previous.empty() ? 1 : 0;  // the clip's first frame has none before it
+    const int last = static_cast<int>(slab.luma.size());
+    if (first >= last) return;
+    {
+      const Stopwatch watch(seconds.flow);
+      tbb::parallel_for(first, last, [&](int i) {
+        const cv::Mat& from = i == 0 ? previous : slab.luma[i - 1];
+        const cv::Mat flow = vision::optical_flow(from, slab.luma[i], settings.flow);
+        vision::quantize_flow(flow, settings.flow_step, u[i], v[i]);
+      });
+    }
+    {
+      const Stopwatch watch(seconds.motion);
+      for (int i = first; i < last; ++i) motion.add(u[i], v[i]);
+    }
+    const Stopwatch watch(seconds.store);
+    if (!std::exchange(flow_begun, true)) {
+      const store::PlaneShape shape{static_cast<std::uint32_t>(u[first].cols),
+                                    static_cast<std::uint32_t>(u[first].rows), 2};
+      writer.begin_stream(store::Stream::kFlow, std::vector{shape, shape});
+    }
+    views.clear();
+    for (int i = first; i < last; ++i) {
+      views.push_back(view_of(u[i]));
+      views.push_back(view_of(v[i]));
+    }
+    writer.append(store::Stream::kFlow, views);
+  }
+};
+
+}  // namespace
+
+ClipMeasures stream_clip(media::VideoReader& reader, double fps, const std::string& where,
+                         const vision::Settings& settings, store::ClipWriter& writer,
+                         const std::function<void(std::uint32_t)>& on_slab, const std::stop_token& stop,
+                         StageSeconds& seconds) {
+  Slab slab = decode_slab(reader, seconds.decode);
+  if (slab.frames.empty()) {
+    throw Error(
+        ErrorKind::kInput, where,
+        "not one frame could be decoded" + (reader.complaint().empty() ? "" : ": " + reader.complaint()),
+        "Check that the file plays");
+  }
+  const cv::Size size = slab.luma.front().size();
+  writer.begin_stream(store::Stream::kFrames, shapes_of(slab.frames.front()));
+
+  ClipMeasures measures;
+  Pass pass(size, fps, settings, writer, seconds);
+  while (!slab.frames.empty()) {
+    if (stop.stop_requested()) throw Error(ErrorKind::kCancelled, where, "stopped; the clip was not added");
+    Slab following;
+    Aside decoding([&] { following = decode_slab(reader, seconds.decode); });
+    for (const media::Frame& frame : slab.frames) measures.times_s.push_back(frame.time_s);
+    pass.add(slab);
+    measures.frames += static_cast<std::uint32_t>(slab.frames.size());
+    on_slab(measures.frames);
+    decoding.wait();
+    slab = std::move(following);
+  }
+  if (measures.frames < kMinAnalysedFrames) {
+    throw Error(ErrorKind::kInput, where,
+                fmt::format("only {} frame{}, at least {} are needed to measure motion", measures.frames,
+                            measures.frames == 1 ? "" : "s", kMinAnalysedFrames),
+                "Give a longer clip");
+  }
+
+  const Stopwatch watch(seconds.patches);
+  measures.screening = pass.screener.finish();
+  measures.average = pass.statistics.mean_u16();
+  measures.moving = moving_mask(pass.motion.mean_speed_px(), pass.statistics.deviation(), fps, settings);
+  measures.screening.static_share = 1 - static_cast<double>(cv::countNonZero(measures.moving)) /
+                                            static_cast<double>(measures.moving.total());
+  measures.motion = pass.motion.finish();
+  for (const auto& scale : pass.texture) measures.texture.push_back(scale->finish());
+  return measures;
+}
+
+}  // namespace freshet::ingest

@@ -1,0 +1,47 @@
+// clip_pipeline.h — one pass over a clip's frames: stored, and measured in every way that needs all of them.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <stop_token>
+#include <vector>
+
+#include <opencv2/core.hpp>
+
+#include "ingest/ingest.h"
+#include "ingest/screening.h"
+#include "media/video_reader.h"
+#include "store/store.h"
+#include "vision/motion_cells.h"
+#include "vision/settings.h"
+
+namespace freshet::ingest {
+
+/// Frames in hand at a time: as many as a tile is deep.
+inline constexpr int kSlab = 16;
+/// Flow over a window of 8 pairs is the least that vision::MotionAccumulator takes.
+inline constexpr std::uint32_t kMinAnalysedFrames = 9;
+
+/// What one pass leaves behind.
+struct ClipMeasures {
+  std::uint32_t frames = 0;
+  std::vector<double> times_s;  // a frame
+  Screening screening;
+  cv::Mat average;  // CV_16U, luma over 0..65535
+  cv::Mat moving;   // CV_8U, see moving_mask
+  vision::CellMap motion;
+  std::vector<vision::CellMap> texture;  // a scale of the settings
+};
+
+/// Reads all frames, appends streams kFrames and kFlow to the writer, and measures. While a slab is worked on
+/// by all threads, one of them decodes the next. writer      called from the calling thread only. on_slab
+/// called after each slab with the number of frames done. Throws      Error{kInput}: no frames, fewer than
+/// kMinAnalysedFrames, what the reader throws; Error{kCancelled}. Memory      two slabs of frames with their
+/// luma, one slab of quantised flow, and 22 bytes a pixel of sums,
+///             whatever the clip's length; 40 bytes a frame of times and frame-to-frame changes.
+ClipMeasures stream_clip(media::VideoReader& reader, double fps, const std::string& where,
+                         const vision::Settings& settings, store::ClipWriter& writer,
+                         const std::function<void(std::uint32_t)>& on_slab, const std::stop_token& stop,
+                         StageSeconds& seconds);
+
+}  // namespace freshet::ingest

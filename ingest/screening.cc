@@ -1,0 +1,183 @@
+#include "ingest/screening.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include <fmt/format.h>
+#include <opencv2/imgproc.hpp>
+
+namespace freshet::ingest {
+namespace {
+
+constexpr int kThumbnailSide = 64;  // px, longer side, on which frames are compared as wholes
+constexpr int kHistogramBins = 32;
+constexpr int kNeighbours = 4;  // changes on either side that a cut must stand out from
+
+cv::Size within(cv::Size size, int side) {
+  const double scale = std::min(1.0, static_cast<double>(side) / std::max(size.width, size.height));
+  return {std::max(1, static_cast<int>(std::lround(size.width * scale))),
+          std::max(1, static_cast<int>(std::lround(size.height * scale)))};
+}
+
+using Histogram = std::array<float, kHistogramBins>;
+
+Histogram histogram_of(const cv::Mat& thumbnail) {
+  Histogram bins{};
+  const float one = 1.0f / static_cast<float>(thumbnail.total());
+  for (int y = 0; y < thumbnail.rows; ++y) {
+    const uchar* row = thumbnail.ptr<uchar>(y);
+    for (int x = 0; x < thumbnail.cols; ++x) bins[row[x] * kHistogramBins / 256] += one;
+  }
+  return bins;
+}
+
+/// 1 - correlation; 0 for two flat pictures, which are alike.
+float decorrelation(const cv::Mat& a, const cv::Mat& b) {
+  cv::Mat x, y;
+  a.convertTo(x, CV_32F);
+  b.convertTo(y, CV_32F);
+  x -= cv::mean(x);
+  y -= cv::mean(y);
+  const double floor = 4.0 * static_cast<double>(x.total());  // 2 grey levels: noise does not correlate
+  return static_cast<float>(1 - (x.dot(y) + floor) / (std::sqrt(x.dot(x) * y.dot(y)) + floor));
+}
+
+}  // namespace
+
+std::vector<int> find_cuts(const std::vector<FrameChange>& changes) {
+  std::vector<int> cuts;
+  const int n = static_cast<int>(changes.size());
+  for (int t = 0; t < n; ++t) {
+    const FrameChange& here = changes[t];
+    // Below these floors no jump is a cut, whatever the neighbours.
+    if (here.difference < 0.03f || here.decorrelation < 0.25f) continue;
+    FrameChange around;
+    for (int s = std::max(0, t - kNeighbours); s <= std::min(n - 1, t + kNeighbours); ++s) {
+      if (s == t) continue;
+      around.difference = std::max(around.difference, changes[s].difference);
+      around.decorrelation = std::max(around.decorrelation, changes[s].decorrelation);
+      around.histogram = std::max(around.histogram, changes[s].histogram);
+    }
+    if (here.difference > 3 * around.difference && here.decorrelation > 3 * around.decorrelation &&
+        here.histogram > 1.5f * around.histogram) {
+      cuts.push_back(t + 1);
+    }
+  }
+  return cuts;
+}
+
+double duplicated_share(const std::vector<FrameChange>& changes) {
+  if (changes.empty()) return 0;
+  // A repeated frame, coded again, differs by a little; a frame of slow clouds may differ by as little, but
+  // so do its neighbours.
+  int repeated = 0;
+  const int n = static_cast<int>(changes.size());
+  std::vector<float> around;
+  for (int t = 0; t < n; ++t) {
+    around.clear();
+    for (int s = std::max(0, t - kNeighbours); s <= std::min(n - 1, t + kNeighbours); ++s) {
+      if (s != t) around.push_back(changes[s].difference);
+    }
+    float usual = 0;
+    if (!around.empty()) {
+      std::ranges::nth_element(around, around.begin() + static_cast<std::ptrdiff_t>(around.size() / 2));
+      usual = around[around.size() / 2];
+    }
+    if (changes[t].difference == 0 || changes[t].difference < 0.15f * usual) ++repeated;
+  }
+  return static_cast<double>(repeated) / n;
+}
+
+Verdict judge(const Screening& screening, const ScreeningLimits& limits) {
+  Verdict verdict;
+  if (screening.frames < limits.min_frames) {
+    verdict.refusals.push_back(fmt::format("the clip is too short: {} frames, at least {} are wanted",
+                                           screening.frames, limits.min_frames));
+  }
+  if (!screening.cuts.empty()) {
+    verdict.refusals.push_back(fmt::format(
+        "the clip is cut: {} at frame {}; a single take is wanted",
+        screening.cuts.size() == 1 ? std::string("another take begins")
+                                   : fmt::format("{} takes begin, the first", screening.cuts.size()),
+        screening.cuts.front()));
+  }
+  const CameraMotion& camera = screening.camera;
+  // Half of the windows must show something solid, or a chance agreement among clouds would speak for the
+  // camera.
+  const bool referenced = camera.windows > 0 && camera.reference_share() >= 0.5;
+  if (referenced && camera.drift > limits.max_drift) {
+    verdict.refusals.push_back(fmt::format(
+        "the camera moves: the scene shifts by {:.1f} % of the frame's diagonal, {:.1f} % is the limit",
+        100 * camera.drift, 100 * limits.max_drift));
+  }
+  if (referenced && camera.shake > limits.max_shake) {
+    verdict.refusals.push_back(
+        fmt::format("the camera shakes: by {:.2f} % of the frame's diagonal (rms), {:.2f} % is the limit",
+                    100 * camera.shake, 100 * limits.max_shake));
+  }
+  if (!referenced && camera.windows > 0) {
+    verdict.notes.push_back(fmt::format(
+        "no static reference: something solid in {} of {} spans of a second; whether the camera stands "
+        "still cannot be told",
+        camera.referenced_windows, camera.windows));
+  }
+  if (screening.duplicated_share > limits.max_duplicates) {
+    verdict.refusals.push_back(
+        fmt::format("{:.0f} % of the frames repeat the one before, {:.0f} % is the limit",
+                    100 * screening.duplicated_share, 100 * limits.max_duplicates));
+  } else if (screening.duplicated_share > 0.02) {
+    verdict.notes.push_back(
+        fmt::format("{:.0f} % of the frames repeat the one before", 100 * screening.duplicated_share));
+  }
+  return verdict;
+}
+
+struct Screener::Impl {
+  cv::Size working, thumbnail;
+  CameraTracker camera;
+  int frames = 0;
+  cv::Mat small, tiny, previous;
+  Histogram histogram{}, previous_histogram{};
+  std::vector<FrameChange> changes;
+
+  Impl(cv::Size source, double fps)
+      : working(within(source, CameraTracker::kWorkingSide)),
+        thumbnail(within(source, kThumbnailSide)),
+        camera(working, fps) {}
+};
+
+Screener::Screener(cv::Size source, double fps) : impl_(std::make_unique<Impl>(source, fps)) {}
+Screener::~Screener() = default;
+
+void Screener::add(const cv::Mat& luma) {
+  Impl& impl = *impl_;
+  cv::resize(luma, impl.small, impl.working, 0, 0, cv::INTER_AREA);
+  impl.camera.add(impl.small);
+  cv::resize(impl.small, impl.tiny, impl.thumbnail, 0, 0, cv::INTER_AREA);
+  impl.histogram = histogram_of(impl.tiny);
+  if (impl.frames > 0) {
+    FrameChange change;
+    change.difference = static_cast<float>(cv::norm(impl.tiny, impl.previous, cv::NORM_L1) / 255 /
+                                           static_cast<double>(impl.tiny.total()));
+    change.decorrelation = decorrelation(impl.tiny, impl.previous);
+    for (int bin = 0; bin < kHistogramBins; ++bin) {
+      change.histogram += 0.5f * std::abs(impl.histogram[bin] - impl.previous_histogram[bin]);
+    }
+    impl.changes.push_back(change);
+  }
+  std::swap(impl.tiny, impl.previous);
+  impl.previous_histogram = impl.histogram;
+  ++impl.frames;
+}
+
+Screening Screener::finish() {
+  Screening screening;
+  screening.frames = impl_->frames;
+  screening.camera = impl_->camera.finish();
+  screening.cuts = find_cuts(impl_->changes);
+  screening.duplicated_share = duplicated_share(impl_->changes);
+  return screening;
+}
+
+}  // namespace freshet::ingest

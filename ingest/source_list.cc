@@ -1,0 +1,220 @@
+#include "ingest/source_list.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cstdio>
+#include <fstream>
+#include <memory>
+#include <optional>
+#include <system_error>
+
+#include <fmt/format.h>
+#include <xxhash.h>
+
+#include "freshet_error.h"
+#include "media/picture.h"
+#include "media/video_reader.h"
+
+namespace freshet::ingest {
+namespace {
+
+namespace fs = std::filesystem;
+
+bool is_digit(char c) { return c >= '0' && c <= '9'; }
+
+bool hidden(const fs::path& path) { return path.filename().string().starts_with('.'); }
+
+bool picture_name(const fs::path& path) {
+  static constexpr std::array kEndings{".png",  ".jpg", ".jpeg", ".tif", ".tiff", ".bmp",
+                                       ".webp", ".ppm", ".pgm",  ".dpx", ".exr",  ".tga"};
+  std::string ending = path.extension().string();
+  std::ranges::transform(ending, ending.begin(), [](unsigned char c) { return std::tolower(c); });
+  return std::ranges::find(kEndings, ending) != kEndings.end();
+}
+
+bool numbered(const fs::path& path) {
+  const std::string stem = path.stem().string();
+  return !stem.empty() && is_digit(stem.back());
+}
+
+struct Listing {
+  std::vector<fs::path> files, folders;
+};
+
+Listing list_folder(const fs::path& folder) {
+  Listing listing;
+  std::error_code error;
+  fs::directory_iterator entries(folder, error);
+  for (; !error && entries != fs::directory_iterator(); entries.increment(error)) {
+    if (hidden(entries->path())) continue;
+    std::error_code unreadable;
+    if (entries->is_directory(unreadable) && !entries->is_symlink(unreadable)) {
+      listing.folders.push_back(entries->path());
+    } else if (entries->is_regular_file(unreadable)) {
+      listing.files.push_back(entries->path());
+    }
+  }
+  if (error) {
+    throw Error(ErrorKind::kInput, folder.string(), "the folder cannot be listed: " + error.message(),
+                "Check its permissions");
+  }
+  const auto by_name = [](const fs::path& a, const fs::path& b) {
+    return natural_less(a.filename().string(), b.filename().string());
+  };
+  std::ranges::sort(listing.files, by_name);
+  std::ranges::sort(listing.folders, by_name);
+  return listing;
+}
+
+/// Photographs of a trip are numbered too, but seldom of one size from the first to the last.
+bool is_sequence(const std::vector<fs::path>& files) {
+  std::vector<fs::path> pictures;
+  std::ranges::copy_if(files, std::back_inserter(pictures), picture_name);
+  if (pictures.size() < static_cast<std::size_t>(kMinSequence) || !std::ranges::all_of(pictures, numbered)) {
+    return false;
+  }
+  try {
+    return media::read_picture(pictures.front()).bgr.size() ==
+           media::read_picture(pictures.back()).bgr.size();
+  } catch (const Error&) {
+    return false;
+  }
+}
+
+std::string name_in(const fs::path& root, const fs::path& path) {
+  const fs::path relative = path.lexically_relative(root);
+  return relative == "." ? root.filename().generic_string() : relative.generic_string();
+}
+
+/// `path` is absolute and normal, without a trailing '/'.
+Source make_source(const fs::path& path, std::string name) {
+  return {path, std::move(name), path.parent_path().filename().string()};
+}
+
+void walk(const fs::path& root, const fs::path& folder, std::vector<Source>& sources) {
+  const Listing listing = list_folder(folder);
+  bool video = false;
+  for (const fs::path& file : listing.files) {
+    if (!media::looks_like_video(file)) continue;
+    video = true;
+    sources.push_back(make_source(file, name_in(root, file)));
+  }
+  if (!video && is_sequence(listing.files)) sources.push_back(make_source(folder, name_in(root, folder)));
+  for (const fs::path& inner : listing.folders) walk(root, inner, sources);
+}
+
+/// Absolute, without '.', '..' and a trailing '/'.
+fs::path settled_path(const fs::path& path) {
+  fs::path normal = fs::absolute(path).lexically_normal();
+  return normal.has_filename() ? normal : normal.parent_path();
+}
+
+struct HashState {
+  struct Free {
+    void operator()(XXH3_state_t* state) const { XXH3_freeState(state); }
+  };
+  std::unique_ptr<XXH3_state_t, Free> state{XXH3_createState()};
+  std::vector<char> buffer = std::vector<char>(1 << 20);
+
+  HashState() { XXH3_128bits_reset(state.get()); }
+  void add(std::string_view bytes) { XXH3_128bits_update(state.get(), bytes.data(), bytes.size()); }
+  void add_file(const fs::path& path) {
+    std::ifstream file(path, std::ios::binary);
+    while (file) {
+      file.read(buffer.data(), static_cast<std::streamsize>(buffer.size()));
+      add({buffer.data(), static_cast<std::size_t>(file.gcount())});
+    }
+    if (!file.eof()) {
+      throw Error(ErrorKind::kInput, path.string(), "the file cannot be read",
+                  "Check its permissions and disk");
+    }
+  }
+  std::string hex() const {
+    const XXH128_hash_t hash = XXH3_128bits_digest(state.get());
+    return fmt::format("{:016x}{:016x}", hash.high64, hash.low64);
+  }
+};
+
+}  // namespace
+
+bool natural_less(std::string_view a, std::string_view b) {
+  std::size_t i = 0, j = 0;
+  while (i < a.size() && j < b.size()) {
+    if (!is_digit(a[i]) || !is_digit(b[j])) {
+      if (a[i] != b[j]) return static_cast<unsigned char>(a[i]) < static_cast<unsigned char>(b[j]);
+      ++i, ++j;
+      continue;
+    }
+    const auto number = [](std::string_view text, std::size_t& at) {
+      while (at < text.size() && text[at] == '0') ++at;
+      const std::size_t begin = at;
+      while (at < text.size() && is_digit(text[at])) ++at;
+      return text.substr(begin, at - begin);
+    };
+    const std::string_view left = number(a, i), right = number(b, j);
+    if (left.size() != right.size()) return left.size() < right.size();
+    if (left != right) return left < right;
+  }
+  if (i < a.size() || j < b.size()) return j < b.size();
+  return a < b;  // equal but for leading zeros
+}
+
+std::vector<Source> list_sources(std::span<const fs::path> paths, Shard shard) {
+  if (shard.count < 1 || shard.index < 1 || shard.index > shard.count) {
+    throw Error(ErrorKind::kUsage, fmt::format("shard {}/{}", shard.index, shard.count),
+                "the first number must be 1 or more and at most the second");
+  }
+  std::vector<Source> all;
+  for (const fs::path& given : paths) {
+    const fs::path path = settled_path(given);
+    std::error_code error;
+    const fs::file_status status = fs::status(path, error);
+    if (!fs::exists(status)) {
+      throw Error(ErrorKind::kInput, given.string(), "there is no such file or folder", "Check the path");
+    }
+    if (fs::is_directory(status)) {
+      walk(path, path, all);
+    } else {
+      all.push_back(make_source(path, path.filename().string()));
+    }
+  }
+  if (all.empty()) {
+    const std::string where = paths.empty() ? "ingest" : paths.front().string();
+    throw Error(
+        ErrorKind::kInput, where, "no clip was found",
+        fmt::format("Give video files, folders that hold some, or a folder of at least {} numbered pictures "
+                    "of one size",
+                    kMinSequence));
+  }
+  std::ranges::sort(all, [](const Source& a, const Source& b) {
+    return a.name != b.name ? natural_less(a.name, b.name) : a.path < b.path;
+  });
+  all.erase(std::ranges::unique(all, {}, &Source::path).begin(), all.end());
+
+  std::vector<Source> taken;
+  for (std::size_t i = static_cast<std::size_t>(shard.index) - 1; i < all.size();
+       i += static_cast<std::size_t>(shard.count)) {
+    taken.push_back(std::move(all[i]));
+  }
+  return taken;
+}
+
+std::string source_hash(const fs::path& path) {
+  HashState hash;
+  std::error_code error;
+  if (!fs::is_directory(path, error)) {
+    hash.add_file(path);
+    return hash.hex();
+  }
+  for (const fs::path& file : list_folder(path).files) {
+    if (!picture_name(file)) continue;
+    const std::string name = file.filename().string();
+    hash.add({name.c_str(), name.size() + 1});  // with its zero: "a1","2" is not "a12",""
+    hash.add(fmt::format("{:016x}", fs::file_size(file, error)));
+    hash.add_file(file);
+  }
+  return hash.hex();
+}
+
+}  // namespace freshet::ingest

@@ -1,0 +1,48 @@
+// source_list.h — which clips the given files and folders hold, under which names, in which order.
+#pragma once
+
+#include <filesystem>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace freshet::ingest {
+
+/// One clip to be: a video file, or a folder of numbered pictures.
+struct Source {
+  std::filesystem::path path;
+  std::string name;        // in the store: path relative to the folder given, '/' between parts; a file given
+                           // directly goes by its file name
+  std::string class_name;  // the folder that it lies in
+  bool operator==(const Source&) const = default;
+};
+
+/// Which part of the list this run takes: every `count`-th source, beginning with the `index`-th (1-based).
+/// Shards are disjoint, and together they are the whole list.
+struct Shard {
+  int index = 1, count = 1;
+};
+
+/// Walks folders to any depth; names that begin with a dot are passed over, links to folders are not
+/// followed. In a folder, a file is a clip when media::looks_like_video says so; a file given directly always
+/// is, so that the reader can say what is wrong with it. A folder that holds no video and at least
+/// kMinSequence numbered pictures, of which first and last are equally large, is one clip.
+///
+/// The list is in natural order of names ("f9" before "f10", ties by bytes), the same on every machine. The
+/// same path given twice is listed once.
+///
+/// Throws Error{kInput} when a path does not exist or cannot be listed, and when there is no clip at all;
+/// Error{kUsage} for a shard outside 1..count.
+std::vector<Source> list_sources(std::span<const std::filesystem::path> paths, Shard shard = {});
+inline constexpr int kMinSequence = 8;
+
+/// Runs of digits compare as numbers, all else byte by byte. A strict total order.
+bool natural_less(std::string_view a, std::string_view b);
+
+/// XXH3-128 of a file's bytes as 32 hex digits; for a folder of pictures, of the names and bytes of its
+/// numbered pictures in natural order, so that renaming the folder does not make another clip of it. Throws
+/// Error{kInput} when it cannot be read. Memory: 1 MB.
+std::string source_hash(const std::filesystem::path& path);
+
+}  // namespace freshet::ingest
