@@ -18,8 +18,9 @@ namespace {
 
 constexpr int kWindow = 1 << 16;                            // bytes read ahead
 constexpr std::int64_t kMaxPixels = std::int64_t{1} << 26;  // 8192 x 8192; a hostile header asks for more
-constexpr int kMaxThreads = 16;                             // FFmpeg's own limit for frame threads
-constexpr int kMaxFaultsInARow = 1000;                      // then the rest of the file is noise
+constexpr std::int64_t kMaxPicturePixels = std::int64_t{1} << 28;
+constexpr int kMaxThreads = 16;         // FFmpeg's own limit for frame threads
+constexpr int kMaxFaultsInARow = 1000;  // then the rest of the file is noise
 
 // Files that FFmpeg would draw as text art are not videos to anybody here.
 bool draws_text(AVCodecID codec) {
@@ -151,7 +152,9 @@ void Decoder::open_codec(const DecoderOptions& options) {
   int code = avcodec_parameters_to_context(context_.get(), stream_->codecpar);
   context_->pkt_timebase = stream_->time_base;
   context_->flags |= AV_CODEC_FLAG_BITEXACT;
-  context_->max_pixels = kMaxPixels;
+  context_->max_pixels = options.strict ? kMaxPicturePixels : kMaxPixels;
+  if (options.strict)
+    context_->err_recognition = AV_EF_CRCCHECK | AV_EF_BITSTREAM | AV_EF_BUFFER | AV_EF_EXPLODE;
   const int threads = options.threads > 0 ? options.threads : av_cpu_count();
   context_->thread_count = options.picture ? 1 : std::clamp(threads, 1, kMaxThreads);
   if (code >= 0) code = avcodec_open2(context_.get(), codec, nullptr);

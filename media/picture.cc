@@ -8,11 +8,13 @@
 #include <cstdio>
 #include <cstring>
 #include <optional>
+#include <string_view>
 
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "freshet_error.h"
+#include "media/decoder.h"
 #include "media/picture_file.h"
 
 namespace freshet::media {
@@ -27,6 +29,39 @@ struct Decoded {
   std::vector<std::string> notices;
 };
 
+// Formats that FFmpeg knows as well as OpenCV does.
+bool ffmpeg_can_judge(const std::vector<std::uint8_t>& bytes) {
+  const auto starts = [&](std::string_view magic) {
+    return bytes.size() > 16 && std::memcmp(bytes.data(), magic.data(), magic.size()) == 0;
+  };
+  return starts("\x89PNG") || starts("\xFF\xD8") || starts("BM") || starts("RIFF");
+}
+
+// Decodes the picture once with FFmpeg, for two things that OpenCV does not give: a fault as an error instead
+// of a line on stderr, and whether there is alpha (OpenCV keeps alpha only where it ignores the EXIF
+// orientation).
+bool has_alpha(const fs::path& path, const std::vector<std::uint8_t>& bytes) {
+  if (!ffmpeg_can_judge(bytes)) {
+    try {
+      return cv::imdecode(bytes, cv::IMREAD_UNCHANGED).channels() == 4;
+    } catch (const cv::Exception&) {
+      return false;
+    }
+  }
+  Decoder decoder(path, {.strict = true, .picture = true});
+  const AvOwner<AVFrame> frame = decoder.next();
+  if (!frame || !decoder.fault().empty())
+    throw Error(ErrorKind::kInput, path.string(),
+                "the picture is damaged" + (decoder.fault().empty() ? "" : " (" + decoder.fault() + ")"),
+                "Copy or download it again, or save it as PNG");
+  if (frame->format == AV_PIX_FMT_PAL8) {  // alpha lies in the palette
+    for (int i = 0; i < 256; ++i)
+      if (frame->data[1][4 * i + 3] != 255) return true;
+    return false;
+  }
+  return (av_pix_fmt_desc_get(static_cast<AVPixelFormat>(frame->format))->flags & AV_PIX_FMT_FLAG_ALPHA) != 0;
+}
+
 Decoded decode(const fs::path& path) {
   const std::vector<std::uint8_t> bytes = read_bytes(path);
   const std::string name = path.string();
@@ -36,12 +71,9 @@ Decoded decode(const fs::path& path) {
                 "is " + std::to_string(size->width) + " x " + std::to_string(size->height) + " pixels large",
                 "Reduce it below 2^28 pixels");
   Decoded decoded;
+  if (has_alpha(path, bytes)) decoded.notices.emplace_back("alpha channel ignored");
   try {
     decoded.colour = cv::imdecode(bytes, cv::IMREAD_COLOR | cv::IMREAD_ANYDEPTH);
-    // OpenCV turns a picture upright only when it also drops alpha, so alpha is asked for separately.
-    const bool jpeg = bytes.size() > 2 && bytes[0] == 0xFF && bytes[1] == 0xD8;
-    if (!decoded.colour.empty() && !jpeg && cv::imdecode(bytes, cv::IMREAD_UNCHANGED).channels() == 4)
-      decoded.notices.emplace_back("alpha channel ignored");
   } catch (const cv::Exception& fault) {
     throw Error(ErrorKind::kInput, name, "cannot be decoded (" + fault.err + ")", "Save it again as PNG");
   }

@@ -79,7 +79,8 @@ std::optional<cv::Size> tiff_size(const Bytes& bytes) {
 
 [[noreturn]] void fail_io(const fs::path& path, int code) {
   throw Error(ErrorKind::kIo, path.string(), std::string("cannot be written (") + std::strerror(code) + ")",
-              code == ENOSPC ? "Make room on the disk" : "Check the folder and its permissions");
+              code == ENOSPC || code == EFBIG || code == EDQUOT ? "Make room on the disk"
+                                                                : "Check the folder and its permissions");
 }
 
 }  // namespace
