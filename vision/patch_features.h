@@ -21,10 +21,10 @@ int feature_channels(const SpectrumOptions& options);
 /// out               (patch / cell)^2 * feature_channels values; overwritten.
 /// Velocities are scaled and turned with the variant; powers by its square, using the cross power. Bilinear
 /// between the clip's cells, read at the centre of each of the patch's; beyond the frame the outermost go on.
-/// Throws Error{kDamaged} for maps of other channels than options asks for, Error{kUsage} when out is too
-/// short. Cost    170,000 patches a second on one core (12 x 12 cells, 22 values). Nothing is allocated; safe
-/// from many threads.
-///         Against spectra of the turned flow, pixel by pixel: 0.06 % of a cell's power, on smooth flow.
+/// Throws Error{kDamaged} for maps of other channels than options asks for, Error{kUsage} when out is short.
+/// Nothing is allocated; safe from many threads.
+/// Cost    170,000 patches a second on one core (12 x 12 cells of 22 values). Against spectra of the turned
+///         flow, pixel by pixel, powers differ by 0.06 % of a cell's whole power on smooth flow.
 /// Source  Okabe et al. 2011, Sec. 4 and 5 (they recompute flow for every variant).
 void patch_features(const CellMap& motion, const CellMap& texture, const VariantFrame& frame, int x, int y,
                     int patch, const SpectrumOptions& options, std::span<float> out);

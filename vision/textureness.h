@@ -13,20 +13,21 @@ namespace freshet::vision {
 inline constexpr int kTextureLevels = 4;
 
 /// Accumulates |Laplacian| by level over a clip's frames at one scale of the clip.
-/// The four-level scale-space Laplacian of Okabe et al. 2011, Sec. 5: differences of Gaussians, not
-/// decimated, sigma 1, 2, 4, 8 px of the variant's scale; magnitudes are averaged over frames (the paper
-/// sums: the average lets clips of different length be compared). Values are in 0..1 (luma in 0..1). Level l
-/// is |G(2^l) - G(2^(l+1))|. The large Gaussians are taken of pictures halved once and twice, the halving's
-/// own blur accounted for: against Gaussians at full size cells differ by 0.0, 3.3, 0.9 and 1.4 % (root mean
-/// square, cells of 4 px). Cost    6 ms of CPU a frame of 1280 x 720 at scales 1 and 0.75, 1.3 ms at 0.5.
+/// The four-level scale-space Laplacian of Okabe et al. 2011, Sec. 5: level l is |G(2^l) - G(2^(l+1))|, a
+/// difference of Gaussians of sigma 1, 2, 4, 8 and 16 px of the variant's scale; magnitudes are averaged
+/// over frames (the paper sums: the average lets clips of different length be compared). Values are in
+/// 0..1 (luma in 0..1).
+/// The large Gaussians are taken of pictures halved once and twice, the halving's own blur accounted for:
+/// against Gaussians at full size cells differ by 0.0, 3.3, 0.9 and 1.4 % (root mean square, 4 px cells).
+/// Cost    6 ms of CPU a frame of 1280 x 720 at scales 1 and 0.75, 1.3 ms at 0.5.
 class TexturenessAccumulator {
  public:
   /// cell   px of the scaled frame, side of a cell.
   TexturenessAccumulator(cv::Size source, float scale, int cell);
   ~TexturenessAccumulator();
   void add(const cv::Mat& luma);  // CV_8U, source size; all threads
-  /// cells in source px (CellMap::cell = cell / scale), channels = kTextureLevels. The accumulator stays as
-  /// it was. Throws Error{kInput} without frames.
+  /// cells in source px (CellMap::cell = cell / scale), channels = kTextureLevels. May be called again
+  /// after more frames. Throws Error{kInput} without any.
   CellMap finish();
 
  private:

@@ -48,6 +48,7 @@ TEST(Textureness, EqualsGaussiansAtFullSize) {
   ASSERT_EQ(cells.columns, 38);
   ASSERT_EQ(cells.channels, kTextureLevels);
   EXPECT_EQ(cells.cell, 4);
+  constexpr std::array kTolerance{0.001, 0.05, 0.02, 0.025};
   for (int level = 0; level < kTextureLevels; ++level) {
     double error = 0, mean = 0;
     int count = 0;
@@ -62,7 +63,7 @@ TEST(Textureness, EqualsGaussiansAtFullSize) {
     }
     const double relative = std::sqrt(error / count) / (mean / count);
     RecordProperty("level_" + std::to_string(level), std::to_string(relative));
-    EXPECT_LT(relative, std::array{0.001, 0.05, 0.02, 0.025}[level]) << level;
+    EXPECT_LT(relative, kTolerance[level]) << level;
     EXPECT_GT(mean / count, 0.005);
   }
 }
