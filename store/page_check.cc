@@ -43,6 +43,15 @@ class PageWalk {
     const Meta first = meta_at(0, true);
     const Meta second = meta_at(first.page_bytes, false);
     if (second.page_bytes != first.page_bytes) throw_damaged_file("its two meta pages disagree");
+    // LMDB writes them in turn, even transactions to the first. A garbled number would bring back the past.
+    const bool fresh = first.transaction == 0 && second.transaction == 0;
+    const std::uint64_t apart = first.transaction > second.transaction
+                                    ? first.transaction - second.transaction
+                                    : second.transaction - first.transaction;
+    if (!fresh && (first.transaction % 2 != 0 || second.transaction % 2 != 1 || apart != 1)) {
+      throw_damaged_file("its two meta pages have transactions " + std::to_string(first.transaction) +
+                         " and " + std::to_string(second.transaction) + ", expected two in a row");
+    }
     return first.transaction >= second.transaction ? first : second;
   }
 

@@ -8,7 +8,7 @@
 namespace freshet::store {
 namespace {
 
-constexpr std::uint32_t kBlock = 16;  // samples an edge of the blocks that choose their predictor
+constexpr std::uint32_t kBlock = 8;  // samples an edge of the blocks that choose their predictor
 
 // How a sample is predicted from those before it: N above, W left, NW, and P, PN, PW, PNW in the frame
 // before.

@@ -1,0 +1,195 @@
+// What a flipped bit, a cut file or a record in the wrong place does: an error or nothing, never other data.
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+
+#include "raw_file.h"
+
+namespace freshet::store {
+namespace {
+
+const TestClip kClip{.planes = {{70, 50, 1}, {35, 25, 1}}, .frames = 18};
+
+void make_store(const std::filesystem::path& file) {
+  Store store = Store::create(file, "settings of the store");
+  add_clip(store, kClip);
+  const std::vector<float> values(300, 2.5f);
+  const Store::Blob blob{"codebook", std::as_bytes(std::span(values))};
+  store.write({&blob, 1});
+}
+
+// Opens and reads everything there is. True when something was said to be wrong or all was as written; false
+// when other data came out.
+bool honest(const std::filesystem::path& file, const std::string& digest) {
+  try {
+    const Store store = Store::open_read(file);
+    const Snapshot snapshot = store.snapshot();
+    const bool whole = snapshot.verify().empty();
+    if (snapshot.digest() != digest) return !whole && snapshot.clips().size() != 1;
+    return true;
+  } catch (const Error& error) {
+    return error.kind() == ErrorKind::kDamaged || error.kind() == ErrorKind::kInput ||
+           error.kind() == ErrorKind::kNotFound;
+  }
+}
+
+// The same in a process of its own: a crash is an answer too, and a wrong one.
+bool honest_apart(const std::filesystem::path& file, const std::string& digest) {
+  const pid_t child = fork();
+  if (child == 0) _exit(honest(file, digest) ? 0 : 1);
+  int status = 0;
+  waitpid(child, &status, 0);
+  return WIFEXITED(status) && WEXITSTATUS(status) == 0;
+}
+
+class Damage : public testing::Test {
+ protected:
+  void SetUp() override {
+    make_store(file_);
+    digest_ = Store::open_read(file_).snapshot().digest();
+    whole_ = file_bytes(file_);
+  }
+  const TestFolder folder_;
+  const std::filesystem::path file_ = folder_ / "a", copy_ = folder_ / "b";
+  std::string digest_;
+  std::vector<char> whole_;
+};
+
+TEST_F(Damage, FlippedBitsAnywhereInTheFileNeverGiveOtherData) {
+  std::mt19937_64 random(17);
+  for (int i = 0; i < 1500; ++i) {
+    std::vector<char> bytes = whole_;
+    bytes[random() % bytes.size()] ^= static_cast<char>(1u << random() % 8);
+    write_file(copy_, bytes);
+    ASSERT_TRUE(honest_apart(copy_, digest_)) << i;
+  }
+}
+
+TEST_F(Damage, FlippedBitsInThePagesOfKeysNeverCrash) {
+  std::mt19937_64 random(19);
+  std::vector<std::size_t> pages;  // branch, leaf and meta pages
+  for (std::size_t at = 0; at + 4096 <= whole_.size(); at += 4096) {
+    std::uint64_t number = 0;
+    std::memcpy(&number, &whole_[at], 8);
+    if (number == at / 4096 && (whole_[at + 10] & 11) != 0) pages.push_back(at);
+  }
+  ASSERT_GT(pages.size(), 3u);
+  for (int i = 0; i < 1500; ++i) {
+    std::vector<char> bytes = whole_;
+    // Headers, pointers and nodes lie at both ends of a page.
+    const std::size_t inside = random() % 2 == 0 ? random() % 200 : 4096 - 1 - random() % 600;
+    bytes[pages[random() % pages.size()] + inside] ^= static_cast<char>(1u << random() % 8);
+    write_file(copy_, bytes);
+    ASSERT_TRUE(honest_apart(copy_, digest_)) << i;
+  }
+}
+
+TEST_F(Damage, FlippedBitsInRecordsAreFoundByVerify) {
+  std::mt19937_64 random(23);
+  for (int i = 0; i < 300; ++i) {
+    write_file(copy_, whole_);
+    std::size_t target = random() % 8, seen = 0;
+    bool hit = false;
+    each_record(copy_, [&](const std::string& table, const std::string& key, std::string& value) {
+      if (table == "meta" && key == "store") return false;
+      if (seen++ != target) return false;
+      hit = true;
+      value[random() % value.size()] ^= static_cast<char>(1u << random() % 8);
+      return true;
+    });
+    if (!hit) continue;
+    bool found = false;
+    try {
+      found = !Store::open_read(copy_).snapshot().verify().empty();
+    } catch (const Error& error) {
+      found = error.kind() == ErrorKind::kDamaged;
+    }
+    ASSERT_TRUE(found) << target;
+  }
+}
+
+TEST_F(Damage, CutFilesAreRefused) {
+  std::mt19937_64 random(29);
+  for (int i = 0; i < 200; ++i) {
+    std::vector<char> bytes = whole_;
+    bytes.resize(i < 20 ? static_cast<std::size_t>(i) * 17 : random() % bytes.size());
+    write_file(copy_, bytes);
+    ASSERT_TRUE(honest_apart(copy_, digest_)) << bytes.size();
+  }
+}
+
+TEST_F(Damage, ARecordInAnothersPlaceIsFoundOut) {
+  write_file(copy_, whole_);
+  std::string frames;
+  each_record(copy_, [&](const std::string& table, const std::string& key, std::string& value) {
+    if (table != "tiles") return false;
+    if (key[4] == 0) frames = value;
+    if (key[4] == 1) value = frames;
+    return key[4] == 1;
+  });
+  const Store store = Store::open_read(copy_);
+  EXPECT_EQ(error_of([&] { read_plane(store.snapshot(), ClipId{0}, Stream::kFlow, 0); }),
+            ErrorKind::kDamaged);
+  EXPECT_FALSE(store.snapshot().verify().empty());
+}
+
+// The tiles that a read does not touch may be damaged: it does not decode them.
+TEST_F(Damage, AReadDecodesOnlyTheTilesItTouches) {
+  write_file(copy_, whole_);
+  each_record(copy_, [](const std::string& table, const std::string& key, std::string& value) {
+    if (table != "tiles" || key[4] != 0) return false;
+    value.back() ^= 1;  // the last tile: chroma, frames 16 to 18
+    return true;
+  });
+  const Store store = Store::open_read(copy_);
+  Samples out(20 * 20 * 16);
+  EXPECT_NO_THROW(store.snapshot().read(ClipId{0}, Stream::kFrames, 0, {10, 10, 20, 20}, 0, 16, out));
+  Samples last(5 * 20 * 2);
+  EXPECT_EQ(error_of([&] {
+              store.snapshot().read(ClipId{0}, Stream::kFrames, 1, {30, 5, 5, 20}, 16, 2, last);
+            }),
+            ErrorKind::kDamaged);
+}
+
+TEST(Open, OtherFilesAreNoStores) {
+  const TestFolder folder;
+  write_file(folder / "text", std::vector<char>(10000, 'x'));
+  write_file(folder / "empty", {});
+  EXPECT_EQ(error_of([&] { Store::open_read(folder / "text"); }), ErrorKind::kInput);
+  EXPECT_EQ(error_of([&] { Store::open_read(folder / "empty"); }), ErrorKind::kInput);
+  EXPECT_EQ(error_of([&] { Store::open_read(folder / "none"); }), ErrorKind::kInput);
+  EXPECT_EQ(error_of([&] { Store::open_read(folder.path()); }), ErrorKind::kInput);
+
+  MDB_env* env = nullptr;
+  MDB_txn* txn = nullptr;
+  MDB_dbi dbi = 0;
+  mdb_env_create(&env);
+  ASSERT_EQ(mdb_env_open(env, (folder / "other").c_str(), MDB_NOSUBDIR, 0666), 0);
+  ASSERT_EQ(mdb_txn_begin(env, nullptr, 0, &txn), 0);
+  ASSERT_EQ(mdb_dbi_open(txn, nullptr, 0, &dbi), 0);
+  MDB_val key{4, const_cast<char*>("meta")}, value{3, const_cast<char*>("abc")};
+  ASSERT_EQ(mdb_put(txn, dbi, &key, &value, 0), 0);
+  ASSERT_EQ(mdb_txn_commit(txn), 0);
+  mdb_env_close(env);
+  EXPECT_EQ(error_of([&] { Store::open_read(folder / "other"); }), ErrorKind::kInput);
+}
+
+TEST(Open, AnotherFormatVersionIsNamed) {
+  const TestFolder folder;
+  make_store(folder / "a");
+  each_record(folder / "a", [](const std::string& table, const std::string& key, std::string& value) {
+    if (table != "meta" || key != "store") return false;
+    value[8] = 9;
+    return true;
+  });
+  try {
+    Store::open_read(folder / "a");
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::kInput);
+    EXPECT_NE(std::string(error.what()).find("format version 9, expected 1"), std::string::npos)
+        << error.what();
+  }
+}
+
+}  // namespace
+}  // namespace freshet::store
