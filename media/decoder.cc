@@ -218,16 +218,14 @@ AvOwner<AVFrame> Decoder::next() {
 }
 
 std::int64_t Decoder::listed_frames() const {
+  if (stream_->nb_frames <= 0) return 0;  // a fragmented MP4 lists its frames only as it goes
+  if (!std::strstr(container_->iformat->name, "mp4")) return stream_->nb_frames;
   // MP4 lists each frame, and FFmpeg has already marked those that an edit list hides.
-  if (std::strstr(container_->iformat->name, "mp4")) {
-    std::int64_t shown = 0;
-    AVStream* stream = stream_;
-    const int entries = avformat_index_get_entries_count(stream);
-    for (int i = 0; i < entries; ++i)
-      if (!(avformat_index_get_entry(stream, i)->flags & AVINDEX_DISCARD_FRAME)) ++shown;
-    return std::max(shown, entries ? std::int64_t{0} : stream->nb_frames);
-  }
-  return std::max<std::int64_t>(stream_->nb_frames, 0);
+  std::int64_t shown = 0;
+  const int entries = avformat_index_get_entries_count(stream_);
+  for (int i = 0; i < entries; ++i)
+    if (!(avformat_index_get_entry(stream_, i)->flags & AVINDEX_DISCARD_FRAME)) ++shown;
+  return shown;
 }
 
 }  // namespace freshet::media

@@ -50,7 +50,9 @@ cv::Mat to_luma(const Frame& frame);
 /// Valid for layouts whose plane 0 is luminance (luma_in_plane_0).
 cv::Mat luma_from_plane(const PixelLayout& layout, const cv::Mat& samples);
 bool luma_in_plane_0(const PixelLayout& layout);
-/// 8-bit BGR, CV_8UC3, as a player shows it (range and matrix honoured; not rotated).
+/// 8-bit BGR, CV_8UC3, as a player shows it: range and matrix honoured, not rotated, alpha ignored. An
+/// untagged matrix is BT.709 from 720 rows on and BT.601 below; untagged range is limited for YUV, full for
+/// grey and RGB. By swscale with accurate rounding: the same bits on every machine and thread.
 cv::Mat to_bgr(const Frame& frame);
 
 }  // namespace freshet::media

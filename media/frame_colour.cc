@@ -13,9 +13,10 @@
 namespace freshet::media {
 namespace {
 
+// luma = (code >> shift - black) / span, 0..1.
 struct LumaCode {
-  int depth = 8, shift = 0;
-  bool limited = true;
+  int shift = 0;
+  double black = 0, per_span = 0;
 };
 
 const AVPixFmtDescriptor& describe(const PixelLayout& layout) {
@@ -25,18 +26,16 @@ const AVPixFmtDescriptor& describe(const PixelLayout& layout) {
   return *description;
 }
 
+// Limited range runs from 16 to 235 at 8 bits, scaled by powers of two above; full range uses every code.
 LumaCode luma_code(const PixelLayout& layout) {
-  const AVPixFmtDescriptor& description = describe(layout);
-  return {
-      .depth = description.comp[0].depth, .shift = description.comp[0].shift, .limited = !full_range(layout)};
+  const AVComponentDescriptor& luma = describe(layout).comp[0];
+  const double scale = std::ldexp(1.0, luma.depth - 8);
+  if (full_range(layout)) return {luma.shift, 0, 1 / (256 * scale - 1)};
+  return {luma.shift, 16 * scale, 1 / (219 * scale)};
 }
 
-// Luminance 0..1 of a code. Limited range runs from 16 to 235 at 8 bits, scaled by powers of two above.
 float luma_of(const LumaCode& code, int sample) {
-  const int value = sample >> code.shift;
-  const double scale = 1 << (code.depth - 8);
-  const double luma = code.limited ? (value - 16 * scale) / (219 * scale)
-                                   : value / static_cast<double>((1 << code.depth) - 1);
+  const double luma = ((sample >> code.shift) - code.black) * code.per_span;
   return static_cast<float>(std::clamp(luma, 0.0, 1.0));
 }
 
@@ -101,11 +100,11 @@ cv::Mat luma_from_plane(const PixelLayout& layout, const cv::Mat& samples) {
     throw Error(ErrorKind::kUsage, "pixel layout " + layout.format,
                 "plane 0 is not luminance in 8 or 16 bits");
   cv::Mat luma(samples.size(), CV_32F);
-  // A table beats the arithmetic only where it fits the nearest cache and is smaller than the picture.
   if (samples.depth() == CV_8U) {
     map_samples<std::uint8_t>(samples, luma_table(layout, 1), luma);
     return luma;
   }
+  // Most regions are far smaller than a table of 65536 entries.
   const LumaCode code = luma_code(layout);
   for (int y = 0; y < samples.rows; ++y) {
     const auto* from = samples.ptr<std::uint16_t>(y);

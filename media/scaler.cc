@@ -31,7 +31,8 @@ AvOwner<SwsContext> make_context(const Key& key) {
   av_opt_set_int(options, "dsth", key.height, 0);
   av_opt_set_int(options, "src_format", key.from_format, 0);
   av_opt_set_int(options, "dst_format", key.to_format, 0);
-  av_opt_set_int(options, "sws_flags", SWS_BICUBIC | SWS_ACCURATE_RND | SWS_BITEXACT | SWS_FULL_CHR_H_INT, 0);
+  av_opt_set_int(options, "sws_flags", SWS_BILINEAR | SWS_ACCURATE_RND | SWS_BITEXACT | SWS_FULL_CHR_H_INT,
+                 0);
   av_opt_set_int(options, "threads", 1, 0);
   av_opt_set(options, "sws_dither", "none", 0);
   sws_setColorspaceDetails(context.get(), sws_getCoefficients(key.from_matrix), key.from_full,

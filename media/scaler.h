@@ -22,8 +22,9 @@ bool full_range(const PixelLayout& layout);
 /// AVColorSpace of a layout; where it is not tagged BT.709 from 720 rows on, BT.601 below, as players do.
 int known_matrix(const PixelLayout& layout);
 
-/// Bit exact on every processor and for any number of threads: accurate rounding, full chroma, no dither.
-/// Contexts are kept per thread (the last four pairs of layouts). Throws Error{kInput} when swscale cannot.
+/// Bit exact on every processor and for any number of threads: accurate rounding, chroma interpolated
+/// linearly for each pixel, no dither. Contexts are kept per thread (the last four pairs of layouts). Throws
+/// Error{kInput} when swscale cannot.
 void convert(const PixelLayout& from, const Image& source, const PixelLayout& to, const Image& target);
 
 }  // namespace freshet::media

@@ -236,6 +236,9 @@ VideoReader::VideoReader(const fs::path& path, int threads) : impl_(std::make_un
   else
     impl_->open_file();
   impl_->first = impl_->decode();
+  if (!impl_->first && impl_->decoder && impl_->decoder->codec() == AV_CODEC_ID_WEBP)
+    throw Error(ErrorKind::kInput, path.string(), "animated WebP cannot be decoded by FFmpeg 5.1",
+                "Convert it to PNG frames or APNG");
   if (!impl_->first)
     throw Error(ErrorKind::kInput, path.string(),
                 "no frame could be decoded" + (impl_->complaint.empty() ? "" : " (" + impl_->complaint + ")"),

@@ -17,7 +17,7 @@ struct VideoWriterOptions {
 
 /// .mp4 (H.264 High, yuv420p, BT.709 tagged, faststart: plays in a browser; odd sizes are padded by repeating
 /// the last column or row), .mkv (FFV1 level 3, lossless), .webp and .png/.apng (animated), or a pattern
-/// holding %05d (or another %0Nd) with a picture ending: one file a frame.
+/// holding %05d (or another %0Nd) with a picture ending: one file a frame, numbered from 0.
 /// Written beside the target and renamed on finish, so that a broken run leaves no half file; a sequence is
 /// written frame by frame. Throws Error{kUsage} for an ending it does not know, Error{kIo} for a folder that
 /// does not exist or a full disk.
@@ -28,7 +28,11 @@ class VideoWriter {
   ~VideoWriter();
   /// CV_8UC3 BGR or CV_8UC4 BGRA (straight alpha; kept by .mkv, .webp, .png; refused by .mp4).
   void write(const cv::Mat& picture);
-  /// A frame in native planes, written unchanged (FFV1 only): the lossless way back out of a store.
+  /// A frame in native planes, written unchanged with its colour tags, aspect and rotation (.mkv only): the
+  /// lossless way back out of a store. Layouts that FFV1 lacks hold the same samples in another order (rgb24
+  /// and gbrp in bgr0, rgb48le in gbrp16le, nv12 in yuv420p), else Error{kUsage}. In a sequence gray16le and
+  /// rgb48le keep their 16 bits, the rest is to_bgr(). Frames follow each other at the given rate; time_s is
+  /// not used.
   void write(const Frame& frame);
   void finish();
 

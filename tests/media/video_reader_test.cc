@@ -254,6 +254,9 @@ TEST(VideoReader, NamesTheFileAndTheFault) {
   put_bytes(scratch / "folder" / "notes.txt", {'x'});
   EXPECT_NE(fault("folder").find("holds no pictures"), std::string::npos);
 
+  make_clip(std::string(kSource) + "-loop 0", scratch / "moving.webp");
+  EXPECT_NE(fault("moving.webp").find("animated WebP"), std::string::npos);
+
   const std::string words = "These are words, and no video at all. ";
   put_bytes(scratch / "words.txt", {words.begin(), words.end()});
   EXPECT_NE(fault("words.txt").find("not a video"), std::string::npos);
@@ -268,6 +271,19 @@ TEST(VideoReader, NamesTheFileAndTheFault) {
   bytes.resize(bytes.size() / 2);  // the index of a plain MP4 lies at its end
   put_bytes(scratch / "cut.mp4", bytes);
   EXPECT_NE(fault("cut.mp4").find("moov atom not found"), std::string::npos);
+}
+
+TEST(VideoReader, AFragmentedFileIsWhole) {
+  NEEDS_FFMPEG();
+  const Scratch scratch;
+  make_clip(
+      std::string(kSource) + "-vf scale=34:18 -c:v libx264 -g 2 -pix_fmt yuv420p -movflags frag_keyframe",
+      scratch / "a.mp4");
+  VideoReader reader(scratch / "a.mp4");
+  int frames = 0;
+  while (reader.next()) ++frames;
+  EXPECT_EQ(frames, 7);
+  EXPECT_EQ(reader.complaint(), "");
 }
 
 TEST(VideoReader, OpensNoOtherFileThatAPlaylistNames) {
