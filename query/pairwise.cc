@@ -1,0 +1,190 @@
+#include "query/pairwise.h"
+
+#include <oneapi/tbb/enumerable_thread_specific.h>
+#include <oneapi/tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+
+#include "freshet_error.h"
+#include "query/squared_distances.h"
+#include "vision/patch_features.h"
+
+namespace freshet::query {
+namespace {
+
+constexpr float kFrameRate = 25;             // frames a second, of the paper's px a frame
+constexpr float kSpeedFloor = 2.5f;          // px/s; slower motion is as good as none
+constexpr float kPowerFloor = 1;             // (px/s)^2
+constexpr float kTextureFloor = 1.0f / 512;  // half a grey level of 8 bits
+
+// Features of all candidates of one piece row's pieces.
+struct Band {
+  std::vector<std::uint32_t> pieces;
+  std::vector<std::size_t> first;  // of each piece, in candidates; pieces + 1
+  std::vector<float> features;     // candidates * shape.values()
+};
+
+struct Region {
+  int column, row, columns, rows;  // cells
+};
+
+void pack(const FeatureShape& shape, std::span<const float> features, const Region& region, Panel& panel) {
+  const std::size_t labels = features.size() / shape.values();
+  const auto channels = static_cast<std::size_t>(shape.channels());
+  const std::size_t row_values = static_cast<std::size_t>(region.columns) * channels;
+  panel.resize(labels, row_values * static_cast<std::size_t>(region.rows));
+  for (std::size_t label = 0; label < labels; ++label) {
+    for (int row = 0; row < region.rows; ++row) {
+      const std::size_t from =
+          (static_cast<std::size_t>(region.row + row) * static_cast<std::size_t>(shape.cells) +
+           static_cast<std::size_t>(region.column)) *
+          channels;
+      panel.set(label, static_cast<std::size_t>(row) * row_values,
+                features.subspan(label * shape.values() + from, row_values));
+    }
+  }
+}
+
+}  // namespace
+
+CostForm parse_cost_form(const std::string& name) {
+  for (const CostForm form : {CostForm::kLog, CostForm::kPower}) {
+    if (name == name_of(form)) return form;
+  }
+  throw Error(ErrorKind::kUsage, "cost form \"" + name + "\"", "no such form", "Use log or power");
+}
+
+const char* name_of(CostForm form) { return form == CostForm::kLog ? "log" : "power"; }
+
+PairwiseOptions default_costs(CostForm form) {
+  PairwiseOptions options;
+  if (form == CostForm::kPower) options = {CostForm::kPower, 0.01, 100, 100 * 100};
+  return options;
+}
+
+int FeatureShape::channels() const { return 2 + 2 * bands + vision::kTextureLevels; }
+
+std::size_t FeatureShape::values() const { return static_cast<std::size_t>(cells) * cells * channels(); }
+
+FeatureShape feature_shape(const vision::Settings& settings) {
+  const int cell = settings.spectrum.cell, side = settings.grid.patch, stride = settings.grid.stride;
+  if (side % cell != 0 || stride % cell != 0) {
+    throw Error(ErrorKind::kUsage, "the store's settings",
+                "patches of " + std::to_string(side) + " px every " + std::to_string(stride) +
+                    " px do not share whole cells of " + std::to_string(cell) + " px",
+                "Make the store again with a stride that is a multiple of the cell");
+  }
+  FeatureShape shape;
+  shape.cells = side / cell;
+  shape.bands = vision::motion_bands(settings.spectrum);
+  shape.overlap = std::max(0, (side - stride) / cell);
+  assert(shape.channels() == vision::feature_channels(settings.spectrum));
+  return shape;
+}
+
+void weigh_features(const FeatureShape& shape, const PairwiseOptions& options, std::span<float> features) {
+  assert(features.size() % static_cast<std::size_t>(shape.channels()) == 0);
+  const double cells = std::max(1, shape.overlap * shape.cells);
+  const auto root = [&](double weight) { return static_cast<float>(std::sqrt(weight / cells)); };
+  const float motion = root(options.lambda), power = root(options.lambda * options.sigma);
+  const float texture = root(options.lambda * options.rho);
+  const int powers = 2 * shape.bands;
+  for (float* cell = features.data(); cell != features.data() + features.size(); cell += shape.channels()) {
+    float* const bands = cell + 2;
+    float* const levels = bands + powers;
+    if (options.form == CostForm::kPower) {
+      for (int i = 0; i < 2; ++i) cell[i] *= motion / kFrameRate;
+      for (int i = 0; i < powers; ++i) bands[i] *= power / (kFrameRate * kFrameRate);
+      for (int i = 0; i < vision::kTextureLevels; ++i) levels[i] *= texture;
+      continue;
+    }
+    const float speed = std::sqrt(cell[0] * cell[0] + cell[1] * cell[1]);
+    const float shrink = speed > 1e-6f ? std::log1p(speed / kSpeedFloor) / speed : 1 / kSpeedFloor;
+    for (int i = 0; i < 2; ++i) cell[i] *= shrink * motion;
+    for (int i = 0; i < powers; ++i)
+      bands[i] = 0.5f * std::log1p(std::max(0.0f, bands[i]) / kPowerFloor) * power;
+    for (int i = 0; i < vision::kTextureLevels; ++i) {
+      levels[i] = std::log1p(std::max(0.0f, levels[i]) / kTextureFloor) * texture;
+    }
+  }
+}
+
+Mrf build_mrf(const Target& target, const Candidates& candidates, const FeatureShape& shape,
+              const PairwiseOptions& options, const FeatureSource& source, std::stop_token stop) {
+  for (const double weight : {options.lambda, options.sigma, options.rho}) {
+    if (!(weight >= 0) || !std::isfinite(weight)) {
+      throw Error(ErrorKind::kUsage, "lambda, sigma, rho", "a weight that is negative or no number");
+    }
+  }
+  assert(candidates.pieces() == target.size());
+  Mrf mrf;
+  std::vector<float> costs;
+  for (std::size_t piece = 0; piece < target.size(); ++piece) {
+    costs.clear();
+    for (const float score : candidates.scores_of(piece)) costs.push_back(1 - score);
+    mrf.add_node(costs);
+  }
+  std::size_t pairs = 0;
+  for (const auto& [p, q] : target.edges) pairs += std::size_t{mrf.label_count[p]} * mrf.label_count[q];
+  mrf.pairwise.reserve(pairs);
+  std::vector<std::vector<std::size_t>> edges_of_row(target.rows);  // by the row of q
+  for (const auto& [p, q] : target.edges) edges_of_row[target.places[q].y].push_back(mrf.add_edge(p, q));
+  if (shape.overlap == 0 || options.lambda == 0) return mrf;
+
+  std::vector<std::vector<std::uint32_t>> pieces_of_row(target.rows);
+  std::vector<std::size_t> place_in_row(target.size());
+  for (std::uint32_t piece = 0; piece < target.size(); ++piece) {
+    auto& row = pieces_of_row[target.places[piece].y];
+    place_in_row[piece] = row.size();
+    row.push_back(piece);
+  }
+
+  struct Panels {
+    Panel p, q;
+  };
+  oneapi::tbb::enumerable_thread_specific<Panels> panels;
+  Band above, band;
+  std::vector<Row> wanted;
+  for (int row = 0; row < target.rows; ++row) {
+    if (stop.stop_requested()) throw Error(ErrorKind::kCancelled, "labelling", "stopped");
+    std::swap(above, band);
+    band.pieces = pieces_of_row[row];
+    band.first.assign(1, 0);
+    wanted.clear();
+    for (const std::uint32_t piece : band.pieces) {
+      const auto rows = candidates.rows_of(piece);
+      wanted.insert(wanted.end(), rows.begin(), rows.end());
+      band.first.push_back(wanted.size());
+    }
+    if (source.prepare) source.prepare(wanted);
+    band.features.resize(wanted.size() * shape.values());
+    oneapi::tbb::parallel_for(std::size_t{0}, wanted.size(), [&](std::size_t i) {
+      const auto features = std::span(band.features).subspan(i * shape.values(), shape.values());
+      source.read(wanted[i], features);
+      weigh_features(shape, options, features);
+    });
+    const auto features_of = [&](const Band& of, std::uint32_t piece) {
+      const std::size_t at = place_in_row[piece];
+      return std::span(of.features)
+          .subspan(of.first[at] * shape.values(), (of.first[at + 1] - of.first[at]) * shape.values());
+    };
+    const int rest = shape.cells - shape.overlap;
+    oneapi::tbb::parallel_for(std::size_t{0}, edges_of_row[row].size(), [&](std::size_t e) {
+      const Mrf::Edge& edge = mrf.edges[edges_of_row[row][e]];
+      const bool beside = target.places[edge.p].y == row;
+      const Region of_p =
+          beside ? Region{rest, 0, shape.overlap, shape.cells} : Region{0, rest, shape.cells, shape.overlap};
+      const Region of_q =
+          beside ? Region{0, 0, shape.overlap, shape.cells} : Region{0, 0, shape.cells, shape.overlap};
+      Panels& own = panels.local();
+      pack(shape, features_of(beside ? band : above, edge.p), of_p, own.p);
+      pack(shape, features_of(band, edge.q), of_q, own.q);
+      squared_distances(own.p, own.q, {mrf.table(edge), own.p.count() * own.q.count()});
+    });
+  }
+  return mrf;
+}
+
+}  // namespace freshet::query
