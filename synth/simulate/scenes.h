@@ -1,0 +1,32 @@
+// synth/simulate/scenes.h — the interface of a preset, and the six of them.
+#pragma once
+
+#include <memory>
+
+#include <opencv2/core.hpp>
+
+#include "synth/simulate/film.h"
+#include "synth/simulate/scene.h"
+
+namespace freshet::synth::simulate {
+
+class Scene {
+ public:
+  virtual ~Scene() = default;
+  virtual FilmOptions film() const = 0;
+  virtual int warm_up_frames() const = 0;
+  /// Moves on by one frame.
+  virtual void advance() = 0;
+  /// The present instant. All of film.light, alpha (CV_8U) and motion (CV_32FC2, from this instant to the
+  /// next, px a frame) is overwritten; all have the picture's size.
+  virtual void render(Film& film, cv::Mat& alpha, cv::Mat& motion) = 0;
+};
+
+std::unique_ptr<Scene> make_smoke(const SceneOptions& options);
+std::unique_ptr<Scene> make_fire(const SceneOptions& options);
+std::unique_ptr<Scene> make_ink(const SceneOptions& options);
+std::unique_ptr<Scene> make_waterfall(const SceneOptions& options);
+std::unique_ptr<Scene> make_river(const SceneOptions& options);
+std::unique_ptr<Scene> make_clouds(const SceneOptions& options);
+
+}  // namespace freshet::synth::simulate

@@ -1,0 +1,62 @@
+// synth/simulate/simulate.cc
+#include "synth/simulate/simulate.h"
+
+#include "synth/simulate/scenes.h"
+
+namespace freshet::synth::simulate {
+namespace {
+
+std::unique_ptr<Scene> make_scene(const SceneOptions& options) {
+  check(options);
+  switch (options.preset) {
+    case Preset::kSmoke:
+      return make_smoke(options);
+    case Preset::kFire:
+      return make_fire(options);
+    case Preset::kInk:
+      return make_ink(options);
+    case Preset::kWaterfall:
+      return make_waterfall(options);
+    case Preset::kRiver:
+      return make_river(options);
+    case Preset::kClouds:
+      return make_clouds(options);
+  }
+  return nullptr;
+}
+
+}  // namespace
+
+struct Simulation::Impl {
+  SceneOptions options;
+  std::unique_ptr<Scene> scene;
+  Film film;
+  int frame = 0;
+
+  explicit Impl(const SceneOptions& given)
+      : options(given), scene(make_scene(given)), film(given.size, scene->film(), given.seed) {
+    const int frames = options.warm_up_frames >= 0 ? options.warm_up_frames : scene->warm_up_frames();
+    for (int i = 0; i < frames; ++i) scene->advance();
+  }
+};
+
+Simulation::Simulation(const SceneOptions& options) : impl_(std::make_unique<Impl>(options)) {}
+Simulation::Simulation(Simulation&&) noexcept = default;
+Simulation& Simulation::operator=(Simulation&&) noexcept = default;
+Simulation::~Simulation() = default;
+
+bool Simulation::next(SimulatedFrame& frame) {
+  Impl& m = *impl_;
+  if (m.frame >= m.options.frames) return false;
+  m.scene->advance();
+  frame.alpha.create(m.options.size, CV_8U);
+  frame.motion.create(m.options.size, CV_32FC2);
+  m.scene->render(m.film, frame.alpha, frame.motion);
+  m.film.develop(m.frame, frame.picture);
+  ++m.frame;
+  return true;
+}
+
+const SceneOptions& Simulation::options() const { return impl_->options; }
+
+}  // namespace freshet::synth::simulate
