@@ -12,7 +12,7 @@
 namespace freshet::ingest {
 namespace {
 
-// Measured on 51 clips with the camera known: see screening.h.
+// Measured on 50 clips with the camera known: see screening.h.
 constexpr int kCellsAcross = 24;     // corner points: the best of each of 24 cells along the longer side
 constexpr double kMinCorner = 2e-4;  // smaller eigenvalue, cv::cornerMinEigenVal, block 5
 constexpr int kTemplate = 11;        // px, side of the pattern that must keep its looks

@@ -4,8 +4,9 @@
 // of about a second and dropped as soon as they stop looking like what they were (normalised correlation with
 // the window's first frame below 0.8). What survives is judged as a group: most of the survivors agreeing on
 // one similarity transform, spread over the frame, are the scene, and their motion is the camera's. Drifting
-// clouds survive too, but agree badly: 9..53 % of them fit one similarity to within a pixel, against 60..100
-// % where a camera moves (51 clips, see screening.h).
+// clouds survive too, but badly agree: 9 to 52 in a hundred fit one similarity to within a pixel a second,
+// against 60 to 100 where a camera moves (clips: see screening.h). Clouds that creep agree better; where they
+// do, what stands still is taken for the scene.
 #pragma once
 
 #include <memory>
@@ -24,7 +25,7 @@ struct CameraMotion {
   }
 };
 
-/// Takes a clip's frames one by one. Memory: two small frames and one window of point positions, and 40 bytes
+/// Takes a clip's frames one by one. Memory: two small frames and one window of point positions, and 80 bytes
 /// for each window. Cost: about 3 ms a frame on one thread, whatever the frame's size.
 class CameraTracker {
  public:

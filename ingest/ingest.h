@@ -58,7 +58,8 @@ struct ClipReport {
   std::vector<std::uint64_t> patches_by_variant;
   Screening screening;
   StageSeconds seconds;
-  std::uint64_t stored_bytes = 0;  // by which the store's file grew; free pages used again do not count
+  // By which the store's file grew. Free pages, and those that a dropped clip left behind, are used first.
+  std::uint64_t stored_bytes = 0;
 };
 
 struct IngestReport {
@@ -79,24 +80,24 @@ struct IngestProgress {
 /// Adds all clips that the paths hold (see list_sources) to the store, one after another, each streamed in
 /// slabs of 16 frames, so that memory does not grow with a clip's length.
 ///
-/// Streams     kFrames: native planes. kFlow: u, v at 1 / settings.flow_step, frame t from t to t + 1, one
-/// frame
-///             fewer than the clip. kAverage: one plane of 16 bits, mean luma over 0..65535, source size.
-/// Columns     "frame.time" double, s, a row a frame. "cells.motion": vision::motion_channels floats a row,
-/// cells
-///             row-major. "cells.texture.<i>": kTextureLevels floats a row, for the i-th scale of the
-///             settings. "patch.variant" u8, "patch.x", "patch.y" u16, "patch.motion" 2 floats px/s,
-///             "patch.coverage" float.
-/// Metadata    JSON: "layout" (media::layout_from_json reads it), "codec", "container", "screening",
-/// "notices",
-///             "cells" (rows, columns, channels and cell of each cell column), "patches" (by variant).
+/// Streams   kFrames: native planes.
+///           kFlow: u, v at 1 / settings.flow_step, frame t from t to t + 1, one frame fewer than the clip.
+///           kAverage: one plane of 16 bits, mean luma over 0..65535, source size.
+/// Columns   "frame.time": double, s, a row a frame.
+///           "cells.motion": vision::motion_channels floats a row, cells row-major.
+///           "cells.texture.<i>": vision::kTextureLevels floats a row, for the i-th scale of the settings.
+///           "patch.variant" u8, "patch.x", "patch.y" u16, "patch.motion" 2 floats, px/s, in the variant's
+///           frame, "patch.coverage" float, 0..1.
+/// Metadata  JSON: "layout" (media::layout_from_json reads it), "codec", "container",
+///           "variable_frame_rate", "screening", "notices", "cells" (rows, columns, channels, cell),
+///           "patches" (by variant).
 ///
 /// What is wrong with a clip ends up in its row, and the run goes on. What is wrong with the store or the
 /// machine, and a stop request, ends the run: the clip in hand leaves no trace, those before are kept, and
 /// IngestReport::stopped says why. A second run goes on where the first ended.
 ///
-/// progress    called from the calling thread, a few times a second of work; may be empty.
-/// Throws      as list_sources, before anything is read.
+/// progress  called from the calling thread: when a clip begins, after each slab, when it ends; may be empty.
+/// Throws    as list_sources, before anything is read.
 /// Same store digest for any number of threads and any order of the paths.
 IngestReport ingest(store::Store& store, const vision::Settings& settings,
                     std::span<const std::filesystem::path> paths, const IngestOptions& options = {},

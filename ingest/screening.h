@@ -33,7 +33,7 @@
 namespace freshet::ingest {
 
 struct ScreeningLimits {
-  int min_frames = 24;          // refused below: the temporal spectrum has a window of 1.28 s
+  int min_frames = 24;          // refused below: a second of motion is wanted
   double max_drift = 0.025;     // of the frame's diagonal, over the whole clip
   double max_shake = 0.004;     // of the frame's diagonal, rms
   double max_duplicates = 0.5;  // share of frames that repeat the one before

@@ -27,7 +27,7 @@ struct Shard {
 /// Walks folders to any depth; names that begin with a dot are passed over, links to folders are not
 /// followed. In a folder, a file is a clip when media::looks_like_video says so; a file given directly always
 /// is, so that the reader can say what is wrong with it. A folder that holds no video and at least
-/// kMinSequence numbered pictures, of which first and last are equally large, is one clip.
+/// kMinSequence pictures, all of them numbered and the first as large as the last, is one clip.
 ///
 /// The list is in natural order of names ("f9" before "f10", ties by bytes), the same on every machine. The
 /// same path given twice is listed once.
@@ -40,9 +40,9 @@ inline constexpr int kMinSequence = 8;
 /// Runs of digits compare as numbers, all else byte by byte. A strict total order.
 bool natural_less(std::string_view a, std::string_view b);
 
-/// XXH3-128 of a file's bytes as 32 hex digits; for a folder of pictures, of the names and bytes of its
-/// numbered pictures in natural order, so that renaming the folder does not make another clip of it. Throws
-/// Error{kInput} when it cannot be read. Memory: 1 MB.
+/// XXH3-128 of a file's bytes as 32 hex digits; for a folder, of the names and bytes of its pictures in
+/// natural order, so that renaming the folder does not make another clip of it.
+/// Throws Error{kInput} when it cannot be read. Memory: 1 MB.
 std::string source_hash(const std::filesystem::path& path);
 
 }  // namespace freshet::ingest
