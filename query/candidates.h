@@ -17,16 +17,16 @@
 namespace freshet::query {
 
 struct CandidateOptions {
-  int k = 100;             // candidates a piece
-  std::string class_name;  // only clips of this class; empty: all
+  int k = 100;               // candidates a piece
+  std::string class_name{};  // only clips of this class; empty: all
   std::optional<double>
-      direction_deg;  // mean motion, as seen on the screen: 0 right, 90 up, 180 left, 270 down
-  double direction_tolerance_deg = 30;      // to either side
-  double min_speed_px_per_s = 2.5;          // with a direction: slower patches have none that counts
-  double min_duration_s = 0;                // of a clip
-  std::vector<std::string> excluded_clips;  // by name
-  std::optional<FlannKind> flann;           // nothing: exact search
-  FlannOptions flann_options;               // checks, max_bytes
+      direction_deg{};  // mean motion, as seen on the screen: 0 right, 90 up, 180 left, 270 down
+  double direction_tolerance_deg = 30;        // to either side
+  double min_speed_px_per_s = 2.5;            // with a direction: slower patches have none that counts
+  double min_duration_s = 0;                  // of a clip
+  std::vector<std::string> excluded_clips{};  // by name
+  std::optional<FlannKind> flann{};           // nothing: exact search
+  FlannOptions flann_options{};               // checks, max_bytes
 };
 
 /// "right", "up", "left", "down", "up-left", ... or degrees. Error{kUsage}.

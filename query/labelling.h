@@ -19,9 +19,9 @@
 namespace freshet::query {
 
 struct LabelOptions {
-  TargetOptions target;
-  CandidateOptions candidates;
-  PairwiseOptions costs;
+  TargetOptions target{};
+  CandidateOptions candidates{};
+  PairwiseOptions costs{};
   Minimizer minimizer = Minimizer::kTrwS;
   int max_iterations = 100;  // of TRW-S
 };

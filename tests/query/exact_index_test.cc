@@ -24,14 +24,14 @@ std::vector<PieceQuery> some_queries(std::span<const vision::WordMap> rows, int 
 
 TEST(ExactIndex, FindsWhatComparingEveryRowFindsInTheSameOrder) {
   for (const int words : {1, 7, 200, 256}) {
-    const auto rows = random_words({.rows = 2000, .words = words, .clusters = 10, .seed = 4});
+    const auto rows = random_words({.rows = 1000, .words = words, .clusters = 10, .seed = 4});
     const ExactIndex index(rows, words);
     RowFilter filter(rows.size());
     for (std::size_t row = 0; row < rows.size(); ++row) {
-      if (row % 3 == 0 || (row > 500 && row < 900)) filter.forbid(row);
+      if (row % 3 == 0 || (row > 300 && row < 500)) filter.forbid(row);
     }
     const auto queries = some_queries(rows, words);
-    for (const std::size_t k : {1u, 10u, 100u, 1999u, 2000u, 5000u}) {
+    for (const std::size_t k : {1u, 100u, 999u, 1000u, 5000u}) {
       const auto all = index.search(queries, k, nullptr), some = index.search(queries, k, &filter);
       for (std::size_t i = 0; i < queries.size(); ++i) {
         EXPECT_EQ(all[i], brute_force(rows, words, queries[i], k));

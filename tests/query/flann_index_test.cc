@@ -20,15 +20,15 @@ double recall(const std::vector<Hit>& found, const std::vector<Hit>& truth) {
 }
 
 TEST(FlannIndex, FindsMostOfTheBestAmongClusteredPatches) {
-  const auto rows = random_words({.rows = 5000, .words = kWords, .clusters = 50, .seed = 2});
+  const auto rows = random_words({.rows = 2000, .words = kWords, .clusters = 20, .seed = 2});
   std::vector<PieceQuery> queries;
-  for (std::size_t i = 0; i < 20; ++i) queries.push_back(whole(rows[i * 250]));
+  for (std::size_t i = 0; i < 20; ++i) queries.push_back(whole(rows[i * 100]));
   for (std::size_t i = 0; i < 20; i += 2) {
     for (std::size_t point = 0; point < 27; ++point) queries[i].mask[point] = 0;
   }
   const auto truth = ExactIndex(rows, kWords).search(queries, 20, nullptr);
   for (const FlannKind kind : kKinds) {
-    const FlannIndex index(rows, kWords, {.kind = kind, .checks = 1000});
+    const FlannIndex index(rows, kWords, {.kind = kind, .checks = 500});
     const auto answers = index.search(queries, 20, nullptr);
     double sum = 0;
     for (std::size_t i = 0; i < queries.size(); ++i) {
@@ -45,9 +45,9 @@ TEST(FlannIndex, FindsMostOfTheBestAmongClusteredPatches) {
 }
 
 TEST(FlannIndex, AnswersTheSameAfterSavingAndLoading) {
-  const auto rows = random_words({.rows = 1500, .words = kWords, .clusters = 20, .seed = 3});
+  const auto rows = random_words({.rows = 800, .words = kWords, .clusters = 20, .seed = 3});
   std::vector<PieceQuery> queries;
-  for (std::size_t i = 0; i < 10; ++i) queries.push_back(whole(rows[i * 100]));
+  for (std::size_t i = 0; i < 10; ++i) queries.push_back(whole(rows[i * 70]));
   for (const FlannKind kind : kKinds) {
     const FlannOptions options{.kind = kind, .checks = 200};
     const FlannIndex built(rows, kWords, options);

@@ -1,0 +1,176 @@
+// tests/query/made_store.h — a store of clips whose patches and motion are known, made without any video.
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <random>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+#include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "store/store.h"
+#include "vision/patch_features.h"
+#include "vision/settings.h"
+
+namespace freshet::query {
+
+struct MadeClip {
+  std::string name;
+  std::string class_name = "water";
+  cv::Vec2f motion{0, 30};  // px/s at source scale, x right, y down
+  double seconds = 4;
+  std::uint64_t texture = 1;  // seed of the average image
+  bool patches = true;
+};
+
+inline vision::Settings made_settings() {
+  vision::Settings settings;
+  settings.scales = {1.0f, 0.5f};
+  settings.rotations_deg = {0.0f, 22.5f};
+  settings.codebook.words = 40;
+  settings.codebook.iterations = 4;
+  return settings;
+}
+
+inline std::string source_hash_of(const MadeClip& clip) {
+  return fmt::format("{:032x}", std::hash<std::string>()(clip.name));
+}
+
+/// Smooth noise with a grain of its own: CV_8U.
+inline cv::Mat made_texture(std::uint64_t seed, cv::Size size = {192, 144}) {
+  cv::RNG random(seed * 7919 + 1);
+  cv::Mat noise(size, CV_8U);
+  random.fill(noise, cv::RNG::UNIFORM, 0, 256);
+  cv::Mat smooth;
+  cv::GaussianBlur(noise, smooth, {}, 1.5 + static_cast<double>(seed % 4),
+                   1.0 + static_cast<double>(seed % 3));
+  cv::normalize(smooth, smooth, 0, 255, cv::NORM_MINMAX);
+  return smooth;
+}
+
+inline void add_made_clip(store::Store& store, const vision::Settings& settings, const MadeClip& made) {
+  const cv::Mat texture = made_texture(made.texture);
+  const auto width = static_cast<std::uint32_t>(texture.cols),
+             height = static_cast<std::uint32_t>(texture.rows);
+  store::ClipRecord record;
+  record.name = made.name;
+  record.class_name = made.class_name;
+  record.licence = "CC0";
+  record.source_hash = source_hash_of(made);
+  record.pixel_format = "gray";
+  record.width = width;
+  record.height = height;
+  record.fps_num = 25;
+
+  store::ClipWriter writer = store.add_clip();
+  const auto frames = static_cast<std::uint32_t>(std::lround(made.seconds * 25));
+  const std::vector<store::PlaneShape> frame_planes{{width, height, 1}}, average_planes{{width, height, 2}};
+  writer.begin_stream(store::Stream::kFrames, frame_planes);
+  const std::vector<store::PlaneView> views(
+      frames, {reinterpret_cast<const std::byte*>(texture.data), static_cast<std::ptrdiff_t>(texture.step)});
+  writer.append(store::Stream::kFrames, views);
+  cv::Mat average;
+  texture.convertTo(average, CV_16U, 257);
+  writer.begin_stream(store::Stream::kAverage, average_planes);
+  const std::vector<store::PlaneView> average_view{
+      {reinterpret_cast<const std::byte*>(average.data), static_cast<std::ptrdiff_t>(average.step)}};
+  writer.append(store::Stream::kAverage, average_view);
+
+  // Everywhere the same motion, some power, some texture: enough to tell clips apart.
+  std::mt19937_64 random(made.texture);
+  nlohmann::json cells{{"texture", nlohmann::json::array()}};
+  const auto column_of_cells = [&](const std::string& name, int channels, double cell, auto&& fill) {
+    const int rows = static_cast<int>(std::ceil(height / cell)),
+              columns = static_cast<int>(std::ceil(width / cell));
+    std::vector<float> values;
+    for (int i = 0; i < rows * columns; ++i) fill(values);
+    writer.column_bytes(name, std::as_bytes(std::span(values)),
+                        static_cast<std::uint32_t>(channels) * sizeof(float));
+    return nlohmann::json{{"rows", rows}, {"columns", columns}, {"channels", channels}, {"cell", cell}};
+  };
+  const int bands = vision::motion_bands(settings.spectrum);
+  cells["motion"] = column_of_cells("cells.motion", vision::motion_channels(settings.spectrum),
+                                    settings.spectrum.cell, [&](std::vector<float>& values) {
+                                      values.push_back(made.motion[0]);
+                                      values.push_back(made.motion[1]);
+                                      for (int b = 0; b < bands; ++b) {
+                                        const auto power = static_cast<float>(random() % 1000);
+                                        values.insert(values.end(), {power, power / 2, 0});
+                                      }
+                                    });
+  for (std::size_t s = 0; s < settings.scales.size(); ++s) {
+    cells["texture"].push_back(column_of_cells(
+        fmt::format("cells.texture.{}", s), vision::kTextureLevels,
+        settings.texture_cell / static_cast<double>(settings.scales[s]), [&](std::vector<float>& values) {
+          for (int l = 0; l < vision::kTextureLevels; ++l) {
+            values.push_back(static_cast<float>(random() % 100) / 1000);
+          }
+        }));
+  }
+
+  const auto variants = settings.variants();
+  std::vector<std::uint8_t> variant;
+  std::vector<std::uint16_t> x, y;
+  std::vector<std::array<float, 2>> motion;
+  std::vector<float> coverage;
+  for (std::size_t v = 0; made.patches && v < variants.size(); ++v) {
+    const vision::VariantFrame frame = vision::variant_frame(texture.size(), variants[v]);
+    const cv::Mat valid = vision::valid_mask(texture.size(), variants[v]);
+    const auto positions = vision::patch_positions(frame.size, settings.grid, variants[v].flip);
+    const auto inside = vision::patch_coverage(valid, positions, settings.grid.patch);
+    const cv::Vec2d turned = frame.variant_from_source_velocity * cv::Vec2d(made.motion[0], made.motion[1]);
+    for (std::size_t i = 0; i < positions.size(); ++i) {
+      if (inside[i] < 1) continue;
+      variant.push_back(static_cast<std::uint8_t>(v));
+      x.push_back(static_cast<std::uint16_t>(positions[i].x));
+      y.push_back(static_cast<std::uint16_t>(positions[i].y));
+      motion.push_back({static_cast<float>(turned[0]), static_cast<float>(turned[1])});
+      coverage.push_back(1);
+    }
+  }
+  if (made.patches) {
+    writer.column<std::uint8_t>("patch.variant", variant);
+    writer.column<std::uint16_t>("patch.x", x);
+    writer.column<std::uint16_t>("patch.y", y);
+    writer.column<std::array<float, 2>>("patch.motion", motion);
+    writer.column<float>("patch.coverage", coverage);
+  }
+  record.metadata = nlohmann::json{{"cells", cells}}.dump();
+  writer.commit(record);
+}
+
+/// A folder that goes when the test does.
+class ScratchFolder {
+ public:
+  ScratchFolder() {
+    std::string name = (std::filesystem::temp_directory_path() / "freshet-query-XXXXXX").string();
+    path_ = mkdtemp(name.data());
+  }
+  ~ScratchFolder() { std::filesystem::remove_all(path_); }
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+inline store::Store made_store(const std::filesystem::path& path, const std::vector<MadeClip>& clips,
+                               const vision::Settings& settings = made_settings()) {
+  store::Store store = store::Store::create(path, vision::to_json(settings));
+  for (const MadeClip& clip : clips) add_made_clip(store, settings, clip);
+  return store;
+}
+
+inline std::vector<MadeClip> some_clips() {
+  return {{.name = "fall.mp4", .motion = {0, 60}, .seconds = 4, .texture = 1},
+          {.name = "river.mp4", .motion = {40, 0}, .seconds = 2, .texture = 2},
+          {.name = "fire/camp.mp4", .class_name = "fire", .motion = {0, -50}, .seconds = 3, .texture = 3},
+          {.name = "still.mp4", .motion = {0.5, 0}, .seconds = 6, .texture = 4}};
+}
+
+}  // namespace freshet::query
