@@ -39,7 +39,7 @@ if [ -z "$clips" ]; then
   picture=$out/still.png
   matte=$out/still_matte.png
   [ -s "$matte" ] ||
-    "$freshet" synth simulate waterfall --size 640x360 --frames 1 --seed 12 --still "$picture" --matte "$matte"
+    "$freshet" synth simulate waterfall --size 640x360 --frames 1 --seed 12 -o "$picture" --alpha "$matte"
   name=simulated
   set -- --class waterfall --direction down
 else

@@ -1,0 +1,85 @@
+// freshet: one executable, a subcommand for each tool. Results go to stdout, everything else to stderr.
+
+#include <csignal>
+#include <new>
+
+#include <fmt/format.h>
+#include <opencv2/core/utility.hpp>
+
+#include "freshet_error.h"
+#include "tools/commands.h"
+
+namespace {
+
+constexpr const char* kFooter = R"(
+A first animation:
+  freshet ingest water.store CLIPS/               clips into a store (folders in CLIPS name the classes)
+  freshet query candidates water.store PICTURE.png --sheet candidates.png
+  freshet synth animate water.store PICTURE.png --matte MATTE.png --direction down -o OUT.mp4
+
+Any option can stand in a TOML file, under a table named after the command, and be read with --config FILE:
+  [synth.animate]
+  frames = 120
+
+Exit codes: 0 done, 1 failed, 2 wrong usage, 3 the store is damaged.)";
+
+int exit_code(freshet::ErrorKind kind) {
+  switch (kind) {
+    case freshet::ErrorKind::kUsage:
+      return 2;
+    case freshet::ErrorKind::kDamaged:
+      return 3;
+    default:
+      return 1;
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  using namespace freshet;
+  // OpenCV's own threads would compete with ours, which share out whole frames.
+  cv::setNumThreads(1);
+  const tools::StopOnSignal stop;
+  tools::Session session{.stop = stop.token()};
+
+  CLI::App app("Freshet: a patch database of fluid video, and still pictures animated with it.", "freshet");
+  app.footer(kFooter);
+  app.set_version_flag("--version", "freshet " FRESHET_VERSION);
+  app.set_config("--config", "", "Read options from a TOML file");
+  app.require_subcommand(1);
+  app.fallthrough(false);
+  tools::add_ingest(app, session);
+  tools::add_index(app, session);
+  tools::add_store(app, session);
+  tools::add_query(app, session);
+  tools::add_synth(app, session);
+
+  try {
+    app.parse(argc, argv);
+    return session.exit_code;
+  } catch (const CLI::ParseError& fault) {
+    return app.exit(fault) == 0 ? 0 : 2;
+  } catch (const Error& fault) {
+    if (fault.kind() == ErrorKind::kCancelled && stop.signal() != 0) {
+      // Die of the signal itself, so that a calling shell script stops too.
+      tools::say("stopped; nothing unfinished was kept");
+      const int number = stop.signal();
+      std::signal(number, SIG_DFL);
+      sigset_t only;
+      sigemptyset(&only);
+      sigaddset(&only, number);
+      std::raise(number);
+      pthread_sigmask(SIG_UNBLOCK, &only, nullptr);
+      return 128 + number;
+    }
+    tools::say(fault.what());
+    return exit_code(fault.kind());
+  } catch (const std::bad_alloc&) {
+    tools::say("not enough memory; close other programs, or use a smaller picture or fewer frames");
+    return 1;
+  } catch (const std::exception& fault) {
+    tools::say(fmt::format("unexpected failure: {}. Please report it with the command line", fault.what()));
+    return 1;
+  }
+}

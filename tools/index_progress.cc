@@ -1,0 +1,28 @@
+#include "tools/index_progress.h"
+
+#include <fmt/format.h>
+
+#include "tools/progress.h"
+
+namespace freshet::tools {
+
+query::IndexReport update_index(store::Store& store, const query::IndexOptions& options,
+                                const Session& session) {
+  Progress progress;
+  const query::IndexReport report = query::build_index(
+      store, options,
+      [&](const query::IndexProgress& at) { progress.show(query::to_string(at.stage), at.done, at.total); },
+      session.stop);
+  progress.finish();
+  if (report.words_built)
+    say(fmt::format("index: {} words from {} descriptors, {} patches of {} clips, {:.1f} s", report.words,
+                    report.samples, report.patches, report.clips,
+                    report.sample_s + report.train_s + report.assign_s));
+  else
+    say("index: up to date");
+  for (query::FlannKind kind : report.flann_built)
+    say(fmt::format("index: {} built", query::blob_name(kind)));
+  return report;
+}
+
+}  // namespace freshet::tools

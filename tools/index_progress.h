@@ -1,0 +1,17 @@
+// tools/index_progress.h — bringing a store's index up to date, with its progress shown.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "query/index_builder.h"
+#include "store/store.h"
+#include "tools/session.h"
+
+namespace freshet::tools {
+
+/// Builds what is missing, and says on stderr what was done.
+query::IndexReport update_index(store::Store& store, const query::IndexOptions& options,
+                                const Session& session);
+
+}  // namespace freshet::tools

@@ -1,0 +1,61 @@
+#include <memory>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "tools/commands.h"
+#include "tools/index_progress.h"
+
+namespace freshet::tools {
+namespace {
+
+struct IndexCommand {
+  std::string store;
+  std::vector<std::string> flann;
+  query::IndexOptions options;
+  bool json = false;
+};
+
+void run(const IndexCommand& command, const Session& session) {
+  query::IndexOptions options = command.options;
+  for (const std::string& name : command.flann) options.flann.push_back(query::parse_flann_kind(name));
+  store::Store store = store::Store::open_write(command.store);
+  const query::IndexReport report = update_index(store, options, session);
+  if (command.json)
+    fmt::print("{}\n", nlohmann::json{{"store", command.store},
+                                      {"words_built", report.words_built},
+                                      {"words", report.words},
+                                      {"clips", report.clips},
+                                      {"patches", report.patches},
+                                      {"samples", report.samples},
+                                      {"seconds",
+                                       {{"sample", report.sample_s},
+                                        {"train", report.train_s},
+                                        {"assign", report.assign_s},
+                                        {"flann", report.flann_s},
+                                        {"write", report.write_s}}}}
+                           .dump(2));
+}
+
+}  // namespace
+
+void add_index(CLI::App& app, Session& session) {
+  auto command = std::make_shared<IndexCommand>();
+  CLI::App* sub = app.add_subcommand(
+      "index", "Rebuild a store's codebook and visual words when clips are new; build FLANN indexes");
+  sub->add_option("STORE", command->store, "The store file")->required();
+  sub->add_option(
+         "--flann", command->flann,
+         "Also build and keep these FLANN indexes (kdtree, kmeans, hierarchical). None is needed: the exact "
+         "index is faster, and is built from the words when a store is searched")
+      ->delimiter(',');
+  sub->add_flag("--rebuild", command->options.rebuild, "Build everything anew, even when no clip is new");
+  sub->add_option("--samples", command->options.samples, "Descriptors that the codebook is trained on")
+      ->check(CLI::Range(1000, 10'000'000))
+      ->capture_default_str();
+  sub->add_flag("--json", command->json, "Print the result as JSON");
+  add_threads(*sub);
+  sub->callback([command, &session] { run(*command, session); });
+}
+
+}  // namespace freshet::tools

@@ -1,0 +1,176 @@
+#include <filesystem>
+#include <iterator>
+#include <memory>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <nlohmann/json.hpp>
+
+#include "freshet_error.h"
+#include "ingest/ingest.h"
+#include "query/index_builder.h"
+#include "tools/commands.h"
+#include "tools/index_progress.h"
+#include "tools/progress.h"
+#include "tools/settings_options.h"
+#include "tools/table.h"
+
+namespace freshet::tools {
+namespace {
+
+struct IngestCommand {
+  std::string store;
+  std::vector<std::filesystem::path> paths;
+  std::string shard = "1/1";
+  ingest::IngestOptions options;
+  SettingsOptions settings;
+  bool no_index = false, json = false;
+};
+
+ingest::Shard parse_shard(const std::string& text) {
+  ingest::Shard shard;
+  char rest = 0;
+  if (std::sscanf(text.c_str(), "%d/%d%c", &shard.index, &shard.count, &rest) != 2 || shard.count < 1 ||
+      shard.index < 1 || shard.index > shard.count)
+    throw Error(ErrorKind::kUsage, "--shard " + text, "expected I/N with 1 <= I <= N",
+                "For example --shard 2/8");
+  return shard;
+}
+
+nlohmann::json to_json(const ingest::ClipReport& clip) {
+  const ingest::Screening& s = clip.screening;
+  return {{"name", clip.name},
+          {"class", clip.class_name},
+          {"outcome", ingest::to_string(clip.outcome)},
+          {"reasons", clip.reasons},
+          {"notes", clip.notes},
+          {"frames", clip.frames},
+          {"width", clip.width},
+          {"height", clip.height},
+          {"fps", clip.fps},
+          {"patches", clip.patches},
+          {"stored_bytes", clip.stored_bytes},
+          {"screening",
+           {{"drift", s.camera.drift},
+            {"shake", s.camera.shake},
+            {"cuts", s.cuts},
+            {"duplicated_share", s.duplicated_share},
+            {"static_share", s.static_share},
+            {"truncated", s.truncated}}},
+          {"seconds",
+           {{"hash", clip.seconds.hash},
+            {"decode", clip.seconds.decode},
+            {"screen", clip.seconds.screen},
+            {"flow", clip.seconds.flow},
+            {"motion", clip.seconds.motion},
+            {"texture", clip.seconds.texture},
+            {"store", clip.seconds.store},
+            {"patches", clip.seconds.patches},
+            {"commit", clip.seconds.commit},
+            {"total", clip.seconds.total}}}};
+}
+
+void print_report(const ingest::IngestReport& report) {
+  Table table({"clip", "class", "frames", "size", "fps", "patches", "static", "drift", "shake", "s", "stored",
+               "outcome"});
+  for (const ingest::ClipReport& clip : report.clips) {
+    const bool measured =
+        clip.outcome == ingest::Outcome::kAdded || clip.outcome == ingest::Outcome::kRefused;
+    const auto shown = [&](const std::string& text) { return measured ? text : std::string("-"); };
+    table.row({clip.name, clip.class_name, fmt::format("{}", clip.frames),
+               shown(fmt::format("{}x{}", clip.width, clip.height)), shown(fmt::format("{:.2f}", clip.fps)),
+               fmt::format("{}", clip.patches), shown(fmt::format("{:.2f}", clip.screening.static_share)),
+               shown(fmt::format("{:.1f}%", 100 * clip.screening.camera.drift)),
+               shown(fmt::format("{:.2f}%", 100 * clip.screening.camera.shake)),
+               fmt::format("{:.1f}", clip.seconds.total),
+               shown(bytes_text(static_cast<double>(clip.stored_bytes))), ingest::to_string(clip.outcome)});
+  }
+  fmt::print("{}", table.text());
+  fmt::print("{} added, {} already there, {} refused, {} failed\n", report.count(ingest::Outcome::kAdded),
+             report.count(ingest::Outcome::kAlreadyThere), report.count(ingest::Outcome::kRefused),
+             report.count(ingest::Outcome::kFailed));
+  for (const ingest::ClipReport& clip : report.clips)
+    for (const std::string& reason : clip.reasons) fmt::print("{}: {}\n", clip.name, reason);
+}
+
+void run(const IngestCommand& command, Session& session) {
+  ingest::IngestOptions options = command.options;
+  options.shard = parse_shard(command.shard);
+  // Sources first: a mistyped folder must not leave an empty store behind.
+  ingest::list_sources(command.paths, options.shard);
+
+  const bool fresh = !std::filesystem::exists(command.store);
+  store::Store store =
+      fresh ? store::Store::create(command.store, vision::to_json(command.settings.for_new_store()))
+            : store::Store::open_write(command.store);
+  const vision::Settings settings = vision::settings_from_json(store.snapshot().settings());
+  if (!fresh) command.settings.check_against(settings, command.store);
+
+  Progress progress;
+  const ingest::IngestReport report = ingest::ingest(
+      store, settings, command.paths, options,
+      [&](const ingest::IngestProgress& at) {
+        const std::string stage =
+            fmt::format("[{}/{}] {}", at.clip + 1, at.clips, at.source ? at.source->name : "");
+        progress.show(stage, at.frames, at.claimed_frames, "frames");
+        if (at.finished && at.finished->outcome != ingest::Outcome::kAdded &&
+            at.finished->outcome != ingest::Outcome::kAlreadyThere)
+          for (const std::string& reason : at.finished->reasons)
+            say(fmt::format("{} {}: {}", at.finished->name, ingest::to_string(at.finished->outcome), reason));
+      },
+      session.stop);
+  progress.finish();
+
+  if (command.json) {
+    nlohmann::json json{{"store", command.store}, {"clips", nlohmann::json::array()}};
+    for (const ingest::ClipReport& clip : report.clips) json["clips"].push_back(to_json(clip));
+    fmt::print("{}\n", json.dump(2));
+  } else {
+    print_report(report);
+  }
+  if (report.stopped) throw *report.stopped;
+  if (store.snapshot().clips().empty()) {
+    // An empty store is of no use, and would only surprise the next run.
+    if (fresh) {
+      store = {};
+      std::filesystem::remove(command.store);
+      std::filesystem::remove(command.store + "-lock");
+    }
+    throw Error(ErrorKind::kInput, command.store, "no clip was taken, for the reasons above",
+                fresh ? "The store was not made" : "");
+  }
+  if (!command.no_index) update_index(store, {}, session);
+  if (report.count(ingest::Outcome::kFailed) + report.count(ingest::Outcome::kRefused) > 0 &&
+      report.count(ingest::Outcome::kAdded) + report.count(ingest::Outcome::kAlreadyThere) == 0)
+    session.exit_code = 1;
+}
+
+}  // namespace
+
+void add_ingest(CLI::App& app, Session& session) {
+  auto command = std::make_shared<IngestCommand>();
+  CLI::App* sub = app.add_subcommand(
+      "ingest",
+      "Add clips of fluid to a store, which is made if it does not exist. Clips that are already there are "
+      "passed over, so an interrupted run is simply run again.");
+  sub->add_option("STORE", command->store, "The store file")->required();
+  sub->add_option("CLIP", command->paths, "Videos, or folders of videos (searched to any depth)")->required();
+  sub->add_option("--class", command->options.class_name,
+                  "Class of all clips given [the name of the folder that a clip lies in]");
+  sub->add_option("--licence", command->options.licence,
+                  "Licence of all clips given; kept with every use of them");
+  sub->add_flag(
+      "--force", command->options.force,
+      "Keep clips that screening refuses (moving camera, cuts, too short); what was found is still reported");
+  sub->add_option("--shard", command->shard,
+                  "Take only the I-th of N parts of the list, for stores built apart")
+      ->type_name("I/N")
+      ->capture_default_str();
+  sub->add_flag("--no-index", command->no_index, "Do not bring the index up to date at the end");
+  sub->add_flag("--json", command->json, "Print the report as JSON");
+  add_threads(*sub);
+  command->settings.add_to(*sub);
+  sub->callback([command, &session] { run(*command, session); });
+}
+
+}  // namespace freshet::tools

@@ -1,0 +1,43 @@
+#include "tools/label_run.h"
+
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "tools/progress.h"
+
+namespace freshet::tools {
+
+query::Labelling label_with_progress(const store::Snapshot& snapshot, const TargetFiles::Loaded& loaded,
+                                     const SearchOptions& search, const LabelOptions& labelling,
+                                     const Duration& duration, const Session& session) {
+  query::LabelOptions options;
+  options.candidates = search.options();
+  options.candidates.min_duration_s = duration.seconds();
+  options.costs = labelling.costs();
+  options.minimizer = labelling.solver();
+  options.max_iterations = labelling.iterations();
+  Progress progress;
+  query::Labelling result = query::label(
+      snapshot, loaded.picture, loaded.matte, options,
+      [&](query::LabelStage stage) { progress.show(query::to_string(stage), 0, 0); }, session.stop);
+  progress.finish();
+  say_filters(result.search.filtered, duration);
+  for (const std::string& note : result.search.candidates.notes) say(note);
+  return result;
+}
+
+std::string label_summary(const query::Labelling& labelling) {
+  const query::Assignment& a = labelling.assignment;
+  const query::LabelSeconds& s = labelling.seconds;
+  std::string text = fmt::format("{} pieces from {} clips, {}, energy {:.4f}", a.pieces.size(),
+                                 a.clips.size(), a.minimizer, a.energy);
+  if (std::isfinite(a.lower_bound))
+    text += fmt::format(", bound {:.4f}, gap {:.2f}%", a.lower_bound, 100 * a.gap());
+  return text +
+         fmt::format(", {:.1f} s (index {:.1f}, pieces {:.1f}, search {:.1f}, costs {:.1f}, solver {:.1f})",
+                     s.open + s.cut + s.search + s.costs + s.minimize, s.open, s.cut, s.search, s.costs,
+                     s.minimize);
+}
+
+}  // namespace freshet::tools

@@ -1,0 +1,224 @@
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <memory>
+#include <utility>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "freshet_error.h"
+#include "media/picture.h"
+#include "query/contact_sheet.h"
+#include "query/label_map.h"
+#include "query/labelling.h"
+#include "tools/commands.h"
+#include "tools/label_run.h"
+#include "tools/progress.h"
+#include "tools/search_options.h"
+#include "tools/table.h"
+
+namespace freshet::tools {
+namespace {
+
+struct CandidatesCommand {
+  TargetFiles target;
+  SearchOptions search;
+  Duration duration;
+  std::string sheet;
+  bool json = false;
+};
+
+struct LabelCommand {
+  TargetFiles target;
+  SearchOptions search;
+  Duration duration;
+  LabelOptions labelling;
+  std::string assignment, map, sheet;
+  bool json = false;
+};
+
+nlohmann::json to_json(const query::LabelSeconds& seconds) {
+  return {{"open", seconds.open},
+          {"cut", seconds.cut},
+          {"search", seconds.search},
+          {"costs", seconds.costs},
+          {"minimize", seconds.minimize}};
+}
+
+nlohmann::json to_json(const query::Filtered& filtered) {
+  nlohmann::json steps = nlohmann::json::array();
+  for (const query::FilterStep& step : filtered.steps)
+    steps.push_back({{"what", step.what}, {"patches", step.patches}, {"clips", step.clips}});
+  return {{"steps", steps}, {"too_short", filtered.too_short}};
+}
+
+void print_candidates(const store::Snapshot& snapshot, const query::CandidateSearch& search) {
+  // Per clip: of how many pieces it is among the candidates, the best, and how well.
+  struct Count {
+    std::size_t among = 0, best = 0;
+    double score = 0;
+  };
+  std::map<std::uint32_t, Count> clips;
+  for (std::size_t piece = 0; piece < search.candidates.pieces(); ++piece) {
+    const auto rows = search.candidates.rows_of(piece);
+    const auto scores = search.candidates.scores_of(piece);
+    std::map<std::uint32_t, bool> seen;
+    for (query::Row row : rows)
+      if (!std::exchange(seen[search.table.clip[row]], true)) ++clips[search.table.clip[row]].among;
+    Count& best = clips[search.table.clip[rows[0]]];
+    ++best.best;
+    best.score += scores[0];
+  }
+  std::vector<std::pair<std::uint32_t, Count>> order(clips.begin(), clips.end());
+  std::stable_sort(order.begin(), order.end(),
+                   [](const auto& a, const auto& b) { return a.second.best > b.second.best; });
+  Table table({"clip", "class", "best of pieces", "mean score", "among candidates of"});
+  for (const auto& [clip, count] : order) {
+    const store::ClipRecord& record = snapshot.clip(search.table.clips[clip]);
+    table.row({record.name, record.class_name, fmt::format("{}", count.best),
+               count.best ? fmt::format("{:.2f}", count.score / static_cast<double>(count.best)) : "-",
+               fmt::format("{}", count.among)});
+  }
+  fmt::print("{}", table.text());
+}
+
+nlohmann::json candidates_json(const store::Snapshot& snapshot, const query::CandidateSearch& search,
+                               const std::vector<vision::Variant>& variants) {
+  nlohmann::json pieces = nlohmann::json::array();
+  for (std::size_t piece = 0; piece < search.candidates.pieces(); ++piece) {
+    nlohmann::json found = nlohmann::json::array();
+    const auto rows = search.candidates.rows_of(piece);
+    const auto scores = search.candidates.scores_of(piece);
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      const query::Row row = rows[i];
+      const vision::Variant& variant = variants[search.table.variant[row]];
+      found.push_back({{"row", row},
+                       {"clip", snapshot.clip(search.table.clips[search.table.clip[row]]).name},
+                       {"scale", variant.scale},
+                       {"rotation", variant.rotation_deg},
+                       {"flip", variant.flip},
+                       {"x", search.table.x[row]},
+                       {"y", search.table.y[row]},
+                       {"score", scores[i]}});
+    }
+    pieces.push_back({{"x", search.target.corners[piece].x},
+                      {"y", search.target.corners[piece].y},
+                      {"candidates", found}});
+  }
+  return pieces;
+}
+
+void run_candidates(const CandidatesCommand& command, const Session& session) {
+  const store::Snapshot snapshot = store::Store::open_read(command.target.store).snapshot();
+  const TargetFiles::Loaded loaded = command.target.load();
+  query::LabelOptions options;
+  options.candidates = command.search.options();
+  options.candidates.min_duration_s = command.duration.seconds();
+  Progress progress;
+  const query::CandidateSearch search = query::search_candidates(
+      snapshot, loaded.picture, loaded.matte, options,
+      [&](query::LabelStage stage) { progress.show(query::to_string(stage), 0, 0); }, session.stop);
+  progress.finish();
+  say_filters(search.filtered, command.duration);
+  for (const std::string& note : search.candidates.notes) say(note);
+  const std::size_t pieces = search.candidates.pieces();
+  const std::size_t total = search.filtered.rows.count();
+  say(fmt::format("{} pieces searched among {} patches in {:.2f} s ({:.2f} ms a piece)", pieces, total,
+                  search.seconds.search, 1e3 * search.seconds.search / static_cast<double>(pieces)));
+  if (!command.sheet.empty())
+    media::write_picture(command.sheet, query::contact_sheet(snapshot, loaded.picture, search));
+  if (command.json) {
+    const vision::Settings settings = vision::settings_from_json(snapshot.settings());
+    fmt::print("{}\n", nlohmann::json{{"filters", to_json(search.filtered)},
+                                      {"seconds", to_json(search.seconds)},
+                                      {"pieces", candidates_json(snapshot, search, settings.variants())}}
+                           .dump());
+  } else {
+    print_candidates(snapshot, search);
+  }
+  if (!command.sheet.empty() && !command.json) fmt::print("{}\n", command.sheet);
+}
+
+void run_label(const LabelCommand& command, const Session& session) {
+  const store::Snapshot snapshot = store::Store::open_read(command.target.store).snapshot();
+  const TargetFiles::Loaded loaded = command.target.load();
+  const query::Labelling labelling =
+      label_with_progress(snapshot, loaded, command.search, command.labelling, command.duration, session);
+  const query::Assignment& assignment = labelling.assignment;
+  if (!command.assignment.empty()) query::write_assignment(command.assignment, assignment);
+  if (!command.map.empty())
+    media::write_picture(command.map, query::label_map(loaded.picture, &loaded.matte, assignment));
+  if (!command.sheet.empty())
+    media::write_picture(command.sheet,
+                         query::contact_sheet(snapshot, loaded.picture, labelling.search, &labelling.labels));
+  const query::LabelSeconds& s = labelling.seconds;
+  if (command.json) {
+    nlohmann::json json{{"pieces", assignment.pieces.size()},
+                        {"edges", labelling.search.target.edges.size()},
+                        {"solver", assignment.minimizer},
+                        {"costs", assignment.cost_form},
+                        {"energy", assignment.energy},
+                        {"iterations", labelling.iterations},
+                        {"filters", to_json(labelling.search.filtered)},
+                        {"seconds", to_json(s)}};
+    if (std::isfinite(assignment.lower_bound)) {
+      json["lower_bound"] = assignment.lower_bound;
+      json["gap"] = assignment.gap();
+    }
+    json["assignment"] = nlohmann::json::parse(query::to_json(assignment));
+    fmt::print("{}\n", json.dump(2));
+    return;
+  }
+  std::map<std::uint32_t, std::size_t> pieces_of;
+  for (const query::AssignedPiece& piece : assignment.pieces) ++pieces_of[piece.clip];
+  std::vector<std::pair<std::uint32_t, std::size_t>> order(pieces_of.begin(), pieces_of.end());
+  std::stable_sort(order.begin(), order.end(),
+                   [](const auto& a, const auto& b) { return a.second > b.second; });
+  Table table({"clip", "class", "pieces", "share", "licence"});
+  for (const auto& [clip, count] : order)
+    table.row({assignment.clips[clip].name, assignment.clips[clip].class_name, fmt::format("{}", count),
+               fmt::format("{:.0f}%", 100.0 * static_cast<double>(count) /
+                                          static_cast<double>(assignment.pieces.size())),
+               assignment.clips[clip].licence});
+  fmt::print("{}\n{}\n", table.text(), label_summary(labelling));
+  for (const std::string& path : {command.assignment, command.map, command.sheet})
+    if (!path.empty()) fmt::print("{}\n", path);
+}
+
+}  // namespace
+
+void add_query(CLI::App& app, Session& session) {
+  CLI::App* query =
+      app.add_subcommand("query", "Search a store for the patches that could animate a picture");
+  query->require_subcommand(1);
+
+  auto candidates = std::make_shared<CandidatesCommand>();
+  CLI::App* sub =
+      query->add_subcommand("candidates", "The patches that look most like each piece of a picture");
+  candidates->target.add_to(*sub);
+  candidates->search.add_to(*sub);
+  candidates->duration.add_to(*sub);
+  sub->add_option("--sheet", candidates->sheet,
+                  "Write a contact sheet: pieces, and their best candidates (PNG, JPEG)");
+  sub->add_flag("--json", candidates->json, "Print all candidates as JSON");
+  add_threads(*sub);
+  sub->callback([candidates, &session] { run_candidates(*candidates, session); });
+
+  auto label = std::make_shared<LabelCommand>();
+  sub = query->add_subcommand("label", "Choose one patch for each piece, so that neighbours go together");
+  label->target.add_to(*sub);
+  label->search.add_to(*sub);
+  label->duration.add_to(*sub);
+  label->labelling.add_to(*sub);
+  sub->add_option("-o,--output", label->assignment,
+                  "Write the assignment, for freshet synth animate --assignment (JSON)");
+  sub->add_option("--map", label->map, "Write a map of the picture coloured by clip (PNG, JPEG)");
+  sub->add_option("--sheet", label->sheet,
+                  "Write a contact sheet that shows the chosen candidates (PNG, JPEG)");
+  sub->add_flag("--json", label->json, "Print the result as JSON");
+  add_threads(*sub);
+  sub->callback([label, &session] { run_label(*label, session); });
+}
+
+}  // namespace freshet::tools

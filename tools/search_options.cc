@@ -1,0 +1,118 @@
+#include "tools/search_options.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "media/picture.h"
+#include "tools/session.h"
+
+namespace freshet::tools {
+
+void TargetFiles::add_to(CLI::App& command) {
+  command.add_option("STORE", store, "The store file")->required();
+  command.add_option("PICTURE", picture, "The still picture (PNG, JPEG, TIFF, ...)")->required();
+  command.add_option("--matte", matte,
+                     "Grey picture of the same size, white where the fluid is [the whole picture]");
+}
+
+TargetFiles::Loaded TargetFiles::load() const {
+  media::Picture read = media::read_picture(picture);
+  for (const std::string& notice : read.notices) say(picture.string() + ": " + notice);
+  Loaded loaded{.picture = read.bgr, .matte = {}};
+  if (matte.empty()) {
+    loaded.matte = cv::Mat(read.bgr.size(), CV_8U, cv::Scalar(255));
+  } else {
+    media::Matte alpha = media::read_matte(matte, read.bgr.size());
+    for (const std::string& notice : alpha.notices) say(matte.string() + ": " + notice);
+    loaded.matte = alpha.alpha;
+  }
+  return loaded;
+}
+
+void SearchOptions::add_to(CLI::App& command) {
+  command.add_option("--class", options_.class_name,
+                     "Only clips of this class (see freshet store info) [all]");
+  command.add_option(
+      "--direction", direction_,
+      "Where the fluid goes: up, down, left, right, up-left, ..., or degrees (0 right, 90 up). Only "
+      "patches that go there are candidates [any]");
+  command
+      .add_option("--tolerance", options_.direction_tolerance_deg, "Degrees to either side of --direction")
+      ->check(CLI::Range(1.0, 180.0))
+      ->capture_default_str();
+  command.add_option("-k,--candidates", options_.k, "Candidates a piece")
+      ->check(CLI::Range(1, 10000))
+      ->capture_default_str();
+  command.add_option("--exclude", options_.excluded_clips, "Leave this clip out; may be given several times");
+  command.add_option("--index", index_, "exact, or one of FLANN's that freshet index --flann has built")
+      ->check(CLI::IsMember({"exact", "flann-kdtree", "flann-kmeans", "flann-hierarchical"}))
+      ->capture_default_str();
+  command
+      .add_option("--checks", options_.flann_options.checks,
+                  "Leaves that a FLANN index visits: recall for time")
+      ->check(CLI::Range(1, 1 << 24))
+      ->capture_default_str();
+}
+
+query::CandidateOptions SearchOptions::options() const {
+  query::CandidateOptions options = options_;
+  if (!direction_.empty()) options.direction_deg = query::parse_direction(direction_);
+  if (index_ != "exact") options.flann = query::parse_flann_kind(index_.substr(std::string("flann-").size()));
+  return options;
+}
+
+void Duration::add_to(CLI::App& command) {
+  command
+      .add_option("--frames", frames, "Frames of the animation; clips that do not last as long are left out")
+      ->check(CLI::Range(1, 100000))
+      ->capture_default_str();
+  command.add_option("--fps", fps, "Frames a second of the animation")
+      ->check(CLI::Range(1.0, 240.0))
+      ->capture_default_str();
+}
+
+void LabelOptions::add_to(CLI::App& command) {
+  command.add_option("--solver", solver_, "trw-s (with a lower bound), alpha-expansion (the paper's), icm")
+      ->check(CLI::IsMember({"trw-s", "alpha-expansion", "icm"}))
+      ->capture_default_str();
+  command.add_option("--iterations", iterations_, "Passes of the solver, at most")
+      ->check(CLI::Range(1, 100000))
+      ->capture_default_str();
+  command
+      .add_option("--costs", costs_,
+                  "log: distances of logarithms; power: the paper's, which drift to calm motion")
+      ->check(CLI::IsMember({"log", "power"}))
+      ->capture_default_str();
+  lambda_option_ =
+      command.add_option("--lambda", lambda_, "Weight of neighbours against likeness [log 0.05, power 0.01]")
+          ->check(CLI::NonNegativeNumber);
+  sigma_option_ =
+      command.add_option("--sigma", sigma_, "Weight of dynamics against mean motion [log 0.125, power 100]")
+          ->check(CLI::NonNegativeNumber);
+  rho_option_ =
+      command.add_option("--rho", rho_, "Weight of textureness against mean motion [log 0.25, power 10000]")
+          ->check(CLI::NonNegativeNumber);
+}
+
+query::Minimizer LabelOptions::solver() const { return query::parse_minimizer(solver_); }
+
+query::PairwiseOptions LabelOptions::costs() const {
+  query::PairwiseOptions costs = query::default_costs(query::parse_cost_form(costs_));
+  if (lambda_option_->count() > 0) costs.lambda = lambda_;
+  if (sigma_option_->count() > 0) costs.sigma = sigma_;
+  if (rho_option_->count() > 0) costs.rho = rho_;
+  return costs;
+}
+
+void say_filters(const query::Filtered& filtered, const Duration& duration) {
+  std::string text;
+  for (const query::FilterStep& step : filtered.steps)
+    text += fmt::format("{}{}: {} patches of {} clips", text.empty() ? "" : "; ", step.what, step.patches,
+                        step.clips);
+  say(text);
+  if (!filtered.too_short.empty())
+    say(fmt::format("left out, as they do not last {:.2f} s ({} frames at {:g}/s): {}", duration.seconds(),
+                    duration.frames, duration.fps, fmt::join(filtered.too_short, ", ")));
+}
+
+}  // namespace freshet::tools

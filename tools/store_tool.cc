@@ -1,0 +1,186 @@
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "freshet_error.h"
+#include "media/frame_md5.h"
+#include "media/layout_json.h"
+#include "media/video_writer.h"
+#include "query/clip_frames.h"
+#include "store/store.h"
+#include "tools/commands.h"
+#include "tools/progress.h"
+#include "tools/table.h"
+
+namespace freshet::tools {
+namespace {
+
+constexpr std::uint32_t kSlab = 16;  // frames read at once: as tiles hold them
+
+struct StoreCommand {
+  std::string store, clip, out;
+  bool json = false;
+};
+
+double fps_of(const store::ClipRecord& clip) {
+  return static_cast<double>(clip.fps_num) / static_cast<double>(clip.fps_den);
+}
+
+store::ClipId find_clip(const store::Snapshot& snapshot, const std::string& store, const std::string& name) {
+  if (const auto id = snapshot.find(name)) return *id;
+  std::string names;
+  for (store::ClipId id : snapshot.clips()) names += "\n  " + snapshot.clip(id).name;
+  throw Error(ErrorKind::kNotFound, store, "it holds no clip named \"" + name + "\"",
+              "Its clips are:" + names);
+}
+
+void info(const StoreCommand& command) {
+  const store::Snapshot snapshot = store::Store::open_read(command.store).snapshot();
+  const nlohmann::json settings = nlohmann::json::parse(snapshot.settings());
+  if (command.json) {
+    nlohmann::json json{{"store", command.store}, {"settings", settings}, {"blobs", snapshot.blob_names()}};
+    for (store::ClipId id : snapshot.clips()) {
+      const store::ClipRecord& clip = snapshot.clip(id);
+      json["clips"].push_back({{"name", clip.name},
+                               {"class", clip.class_name},
+                               {"licence", clip.licence},
+                               {"source", clip.source_hash},
+                               {"format", clip.pixel_format},
+                               {"width", clip.width},
+                               {"height", clip.height},
+                               {"fps", fps_of(clip)},
+                               {"frames", clip.frame_count},
+                               {"patches", clip.rows},
+                               {"metadata", nlohmann::json::parse(clip.metadata)}});
+    }
+    for (const auto& use : snapshot.usage())
+      json["usage"].push_back({{"what", use.what},
+                               {"records", use.records},
+                               {"stored_bytes", use.stored_bytes},
+                               {"raw_bytes", use.raw_bytes}});
+    fmt::print("{}\n", json.dump(2));
+    return;
+  }
+  Table clips({"clip", "class", "format", "size", "fps", "frames", "seconds", "patches", "licence"});
+  std::uint64_t patches = 0;
+  for (store::ClipId id : snapshot.clips()) {
+    const store::ClipRecord& clip = snapshot.clip(id);
+    patches += clip.rows;
+    clips.row({clip.name, clip.class_name, clip.pixel_format, fmt::format("{}x{}", clip.width, clip.height),
+               fmt::format("{:.2f}", fps_of(clip)), fmt::format("{}", clip.frame_count),
+               fmt::format("{:.1f}", clip.frame_count / fps_of(clip)), fmt::format("{}", clip.rows),
+               clip.licence});
+  }
+  Table usage({"what", "records", "stored", "raw", "ratio"});
+  for (const auto& use : snapshot.usage())
+    usage.row({use.what, fmt::format("{}", use.records), bytes_text(static_cast<double>(use.stored_bytes)),
+               use.raw_bytes ? bytes_text(static_cast<double>(use.raw_bytes)) : "-",
+               use.raw_bytes && use.stored_bytes
+                   ? fmt::format("{:.2f}",
+                                 static_cast<double>(use.raw_bytes) / static_cast<double>(use.stored_bytes))
+                   : "-"});
+  fmt::print("{}\n{} clips, {} patches, index: {}\n\n{}\nsettings {}\n", clips.text(),
+             snapshot.clips().size(), patches,
+             snapshot.blob("codebook") ? "ready" : "none (run freshet index)", usage.text(),
+             settings.dump(2));
+}
+
+void verify(const StoreCommand& command, Session& session) {
+  const std::vector<std::string> faults = store::Store::open_read(command.store).snapshot().verify();
+  if (command.json)
+    fmt::print("{}\n", nlohmann::json{{"store", command.store}, {"damaged", faults}}.dump(2));
+  else if (faults.empty())
+    fmt::print("{}: every record is as it was written\n", command.store);
+  else
+    for (const std::string& fault : faults) fmt::print("{}\n", fault);
+  if (faults.empty()) return;
+  say(
+      fmt::format("{}: {} damaged records. Restore the file from a copy, or ingest the clips named again "
+                  "into a new store",
+                  command.store, faults.size()));
+  session.exit_code = 3;
+}
+
+void digest(const StoreCommand& command) {
+  const std::string hash = store::Store::open_read(command.store).snapshot().digest();
+  if (command.json)
+    fmt::print("{}\n", nlohmann::json{{"store", command.store}, {"digest", hash}}.dump(2));
+  else
+    fmt::print("{}\n", hash);
+}
+
+void framemd5(const StoreCommand& command) {
+  const store::Snapshot snapshot = store::Store::open_read(command.store).snapshot();
+  const store::ClipId id = find_clip(snapshot, command.store, command.clip);
+  const store::ClipRecord& clip = snapshot.clip(id);
+  const query::ClipFrames frames(snapshot, id);
+  fmt::print("{}\n", media::framemd5_header(frames.layout(), clip.fps_den, clip.fps_num));
+  for (std::uint32_t first = 0; first < frames.size(); first += kSlab) {
+    const std::uint32_t count = std::min(kSlab, frames.size() - first);
+    const std::vector<media::Frame> slab = frames.read(first, count);
+    for (std::uint32_t i = 0; i < count; ++i) fmt::print("{}\n", media::framemd5_line(slab[i], first + i, 1));
+  }
+}
+
+void export_clip(const StoreCommand& command, const Session& session) {
+  const store::Snapshot snapshot = store::Store::open_read(command.store).snapshot();
+  const store::ClipId id = find_clip(snapshot, command.store, command.clip);
+  const store::ClipRecord& clip = snapshot.clip(id);
+  const query::ClipFrames frames(snapshot, id);
+  media::VideoWriter writer(command.out,
+                            cv::Size(static_cast<int>(clip.width), static_cast<int>(clip.height)),
+                            {.fps_num = clip.fps_num, .fps_den = clip.fps_den});
+  const bool native = std::filesystem::path(command.out).extension() == ".mkv";
+  Progress progress;
+  for (std::uint32_t first = 0; first < frames.size(); first += kSlab) {
+    if (session.stop.stop_requested()) throw Error(ErrorKind::kCancelled, "export", "stopped");
+    const std::uint32_t count = std::min(kSlab, frames.size() - first);
+    for (const media::Frame& frame : frames.read(first, count)) {
+      if (native)
+        writer.write(frame);
+      else
+        writer.write(media::to_bgr(frame));
+    }
+    progress.show("export", first + count, frames.size(), "frames");
+  }
+  writer.finish();
+  progress.finish();
+  fmt::print("{}\n", command.out);
+}
+
+}  // namespace
+
+void add_store(CLI::App& app, Session& session) {
+  CLI::App* store = app.add_subcommand("store", "Look into a store, check it, and take clips out again");
+  store->require_subcommand(1);
+  const auto add = [&](const char* name, const char* text, bool takes_clip, bool takes_json, auto&& act) {
+    auto command = std::make_shared<StoreCommand>();
+    CLI::App* sub = store->add_subcommand(name, text);
+    sub->add_option("STORE", command->store, "The store file")->required();
+    if (takes_clip)
+      sub->add_option("CLIP", command->clip, "The clip's name, as freshet store info lists it")->required();
+    if (takes_json) sub->add_flag("--json", command->json, "Print the result as JSON");
+    add_threads(*sub);
+    sub->callback([command, act] { act(*command); });
+    return std::pair(sub, command);
+  };
+  add("info", "Clips, patches, settings, and bytes by what they hold", false, true,
+      [](const StoreCommand& c) { info(c); });
+  add("verify", "Read every record and check its place and its hash; exit code 3 when one is damaged", false,
+      true, [&session](const StoreCommand& c) { verify(c, session); });
+  add("digest",
+      "One hash of all logical content: equal for equal clips and settings, whatever the order or threads",
+      false, true, [](const StoreCommand& c) { digest(c); });
+  add("framemd5", "MD5 of every frame of a clip, as `ffmpeg -i SOURCE -f framemd5 -` prints for its source",
+      true, false, [](const StoreCommand& c) { framemd5(c); });
+  auto [sub, command] =
+      add("export", "Write a clip back, without loss (.mkv: FFV1 in its native planes) or as pictures", true,
+          false, [&session](const StoreCommand& c) { export_clip(c, session); });
+  sub->add_option("-o,--output", command->out, "NAME.mkv, or a numbered sequence such as frames/%05d.png")
+      ->required();
+}
+
+}  // namespace freshet::tools

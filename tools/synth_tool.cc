@@ -1,0 +1,234 @@
+#include <cstdio>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "freshet_error.h"
+#include "media/picture.h"
+#include "synth/animate/animate.h"
+#include "synth/animate/assigned.h"
+#include "synth/animate/frame_sheet.h"
+#include "synth/simulate/motion_file.h"
+#include "synth/simulate/simulate.h"
+#include "tools/commands.h"
+#include "tools/label_run.h"
+#include "tools/picture_sink.h"
+#include "tools/progress.h"
+#include "tools/search_options.h"
+
+namespace freshet::tools {
+namespace {
+
+struct AnimateCommand {
+  TargetFiles target;
+  SearchOptions search;
+  Duration duration;
+  LabelOptions labelling;
+  std::string assignment, out, sheet;
+  std::string weights = "variance", low_band = "shared", matching = "sequence";
+  synth::AnimateOptions options;
+};
+
+synth::AnimateOptions render_options(const AnimateCommand& command) {
+  synth::AnimateOptions options = command.options;
+  options.frames = command.duration.frames;
+  options.fps = command.duration.fps;
+  options.blend.weights =
+      command.weights == "paper" ? synth::BlendWeights::kPaper : synth::BlendWeights::kVariance;
+  options.blend.low_band = command.low_band == "keep"     ? synth::LowBand::kKeep
+                           : command.low_band == "remove" ? synth::LowBand::kRemove
+                                                          : synth::LowBand::kShared;
+  options.matching = command.matching == "none"    ? synth::AppearanceMatching::kNone
+                     : command.matching == "frame" ? synth::AppearanceMatching::kFrame
+                                                   : synth::AppearanceMatching::kSequence;
+  return options;
+}
+
+void run_animate(const AnimateCommand& command, const Session& session) {
+  const store::Snapshot snapshot = store::Store::open_read(command.target.store).snapshot();
+  const TargetFiles::Loaded loaded = command.target.load();
+  const synth::AnimateOptions options = render_options(command);
+  // The output first: a mistyped folder should not cost a labelling.
+  PictureSink sink(command.out, loaded.picture.size(), options.frames, options.fps);
+
+  query::Assignment assignment;
+  if (command.assignment.empty()) {
+    const query::Labelling labelling =
+        label_with_progress(snapshot, loaded, command.search, command.labelling, command.duration, session);
+    say(label_summary(labelling));
+    assignment = labelling.assignment;
+  } else {
+    assignment = query::read_assignment(command.assignment);
+    if (assignment.picture != loaded.picture.size())
+      throw Error(ErrorKind::kInput, command.assignment,
+                  fmt::format("it was made for a picture of {} x {} px, and {} has {} x {}",
+                              assignment.picture.width, assignment.picture.height,
+                              command.target.picture.string(), loaded.picture.cols, loaded.picture.rows),
+                  "Label this picture with freshet query label");
+  }
+  const synth::Placement placement = synth::place(assignment, snapshot);
+  const vision::Settings settings = vision::settings_from_json(snapshot.settings());
+
+  synth::FrameSheet sheet(loaded.picture, options.frames);
+  Progress progress;
+  const synth::AnimateReport report = synth::animate(
+      snapshot, settings, loaded.picture, loaded.matte, placement, options,
+      [&](const cv::Mat& frame) {
+        sink.write(frame);
+        sheet.add(frame);
+      },
+      [&](const synth::AnimateProgress& at) { progress.show(at.stage, at.done, at.of); }, session.stop);
+  sink.finish();
+  progress.finish();
+  if (!command.sheet.empty()) media::write_picture(command.sheet, sheet.draw());
+  say(fmt::format(
+      "{} frames of {} x {} from {} pieces of {} clips in {:.1f} s, {:.1f} frames/s (decode {:.1f}, blend "
+      "{:.1f}, base {:.1f}, match {:.1f}, render and write {:.1f})",
+      options.frames, loaded.picture.cols, loaded.picture.rows, report.pieces, report.clips, report.total_s,
+      options.frames / report.total_s, report.decode_s, report.blend_s, report.base_s, report.appearance_s,
+      report.render_s));
+  fmt::print("{}\n", command.out);
+  if (!command.sheet.empty()) fmt::print("{}\n", command.sheet);
+}
+
+struct SimulateCommand {
+  std::string preset, out, alpha, motion;
+  synth::simulate::SceneOptions scene;
+};
+
+cv::Size parse_size(const std::string& text) {
+  int width = 0, height = 0;
+  char rest = 0;
+  if (std::sscanf(text.c_str(), "%dx%d%c", &width, &height, &rest) != 2)
+    throw CLI::ValidationError("--size", "expected WIDTHxHEIGHT, for example 640x360, not " + text);
+  return {width, height};
+}
+
+/// frames/%05d.flo and a number.
+std::string numbered(const std::string& pattern, int number) {
+  const std::size_t at = pattern.find('%');
+  int digits = 0, length = 0;
+  if (at == std::string::npos || std::sscanf(pattern.c_str() + at, "%%0%dd%n", &digits, &length) != 1 ||
+      length == 0 || digits < 1 || digits > 9)
+    throw Error(ErrorKind::kUsage, "--motion " + pattern, "a numbered sequence is needed, one file a frame",
+                "For example --motion motion/%05d.flo");
+  return pattern.substr(0, at) + fmt::format("{:0{}}", number, digits) + pattern.substr(at + length);
+}
+
+void run_simulate(const SimulateCommand& command, const Session& session) {
+  synth::simulate::SceneOptions scene = command.scene;
+  scene.preset = synth::simulate::parse_preset(command.preset);
+  synth::simulate::check(scene);
+  if (!command.motion.empty()) numbered(command.motion, 1);
+  PictureSink sink(command.out, scene.size, scene.frames, scene.fps);
+  std::optional<PictureSink> alpha;
+  if (!command.alpha.empty()) alpha.emplace(command.alpha, scene.size, scene.frames, scene.fps);
+
+  synth::simulate::Simulation simulation(scene);
+  synth::simulate::SimulatedFrame frame;
+  cv::Mat alpha_picture;
+  Progress progress;
+  for (int i = 0; simulation.next(frame); ++i) {
+    if (session.stop.stop_requested()) throw Error(ErrorKind::kCancelled, "simulate", "stopped");
+    sink.write(frame.picture);
+    if (alpha) {
+      cv::merge(std::vector<cv::Mat>(3, frame.alpha), alpha_picture);
+      alpha->write(alpha_picture);
+    }
+    if (!command.motion.empty()) synth::simulate::write_flo(numbered(command.motion, i + 1), frame.motion);
+    progress.show(command.preset, i + 1, scene.frames, "frames");
+  }
+  sink.finish();
+  if (alpha) alpha->finish();
+  progress.finish();
+  for (const std::string& path : {command.out, command.alpha, command.motion})
+    if (!path.empty()) fmt::print("{}\n", path);
+}
+
+void add_animate(CLI::App& synth_command, Session& session) {
+  auto command = std::make_shared<AnimateCommand>();
+  CLI::App* sub =
+      synth_command.add_subcommand("animate", "Animate a still picture with the patches of a store");
+  command->target.add_to(*sub);
+  sub->add_option("-o,--output", command->out,
+                  "The animation: .mp4, .mkv (lossless), .webp, .apng, or a sequence such as frames/%05d.png")
+      ->required();
+  sub->add_option("--sheet", command->sheet, "Write a contact sheet of the picture and frames (PNG, JPEG)");
+  sub->add_option("--assignment", command->assignment,
+                  "Use this assignment, from freshet query label, in place of searching and labelling");
+  command->duration.add_to(*sub);
+  command->search.add_to(*sub);
+  command->labelling.add_to(*sub);
+  const std::string group = "Rendering";
+  sub->add_option("--shutter", command->options.base.shutter_s,
+                  "Exposure of what stands still below, s: blurs it along the motion")
+      ->check(CLI::Range(0.0, 10.0))
+      ->capture_default_str()
+      ->group(group);
+  sub->add_option("--softness", command->options.base.gaussian_s,
+                  "Further blur in all directions: sigma in px for each px/s of speed")
+      ->check(CLI::Range(0.0, 10.0))
+      ->capture_default_str()
+      ->group(group);
+  sub->add_option("--blend", command->weights,
+                  "variance (keeps the contrast of overlapping pieces) or paper (averages)")
+      ->check(CLI::IsMember({"variance", "paper"}))
+      ->capture_default_str()
+      ->group(group);
+  sub->add_option("--low-band", command->low_band,
+                  "Level of each piece over time: shared with its neighbours, keep, or remove")
+      ->check(CLI::IsMember({"shared", "keep", "remove"}))
+      ->capture_default_str()
+      ->group(group);
+  sub->add_option("--matching", command->matching,
+                  "Contrast and levels matched to the picture: over the whole sequence, by frame (the "
+                  "paper's; pumps), or none")
+      ->check(CLI::IsMember({"sequence", "frame", "none"}))
+      ->capture_default_str()
+      ->group(group);
+  sub->add_option("--max-gain", command->options.appearance.max_gain, "Most that matching amplifies a band")
+      ->check(CLI::Range(1.0, 20.0))
+      ->capture_default_str()
+      ->group(group);
+  add_threads(*sub);
+  sub->callback([command, &session] { run_animate(*command, session); });
+}
+
+void add_simulate(CLI::App& synth_command, Session& session) {
+  auto command = std::make_shared<SimulateCommand>();
+  CLI::App* sub = synth_command.add_subcommand("simulate", "Render a clip of a simulated fluid");
+  sub->add_option("PRESET", command->preset, "smoke, fire, ink, waterfall, river or clouds")->required();
+  sub->add_option("-o,--output", command->out,
+                  "The clip: .mkv (lossless), .mp4, ..., a sequence, or one picture with --frames 1")
+      ->required();
+  sub->add_option_function<std::string>(
+         "--size", [command](const std::string& text) { command->scene.size = parse_size(text); }, "Size, px")
+      ->type_name("WxH")
+      ->default_str("640x360");
+  sub->add_option("--frames", command->scene.frames, "Frames")
+      ->check(CLI::Range(1, 100000))
+      ->capture_default_str();
+  sub->add_option("--fps", command->scene.fps, "Frames a second")
+      ->check(CLI::Range(1.0, 240.0))
+      ->capture_default_str();
+  sub->add_option("--seed", command->scene.seed, "Another seed, another scene of the same kind")
+      ->capture_default_str();
+  sub->add_option("--alpha", command->alpha, "Also write how much of each pixel the fluid covers, in grey");
+  sub->add_option("--motion", command->motion,
+                  "Also write motion fields, px a frame, as Middlebury .flo: motion/%05d.flo");
+  add_threads(*sub);
+  sub->callback([command, &session] { run_simulate(*command, session); });
+}
+
+}  // namespace
+
+void add_synth(CLI::App& app, Session& session) {
+  CLI::App* synth_command = app.add_subcommand("synth", "Synthesise: animate a picture, or simulate a clip");
+  synth_command->require_subcommand(1);
+  add_animate(*synth_command, session);
+  add_simulate(*synth_command, session);
+}
+
+}  // namespace freshet::tools
