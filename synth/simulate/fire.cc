@@ -26,7 +26,7 @@ class Fire final : public Scene {
       : noise_(options.seed),
         rate_(25.0f / static_cast<float>(options.fps)),
         gas_(Domain(options.size, 0.08f, 0.06f, 0.10f), flow_options(), 1,
-             std::max(6, static_cast<int>(14.0f / rate_))),
+             std::max(6, static_cast<int>(9.0f / rate_))),
         cells_(gas_.domain.width, gas_.domain.height),
         sparks_(90),
         seed_(options.seed) {
@@ -44,7 +44,7 @@ class Fire final : public Scene {
            .phase = random.between(0.0f, 60.0f)});
     }
     buoyancy_ = random.between(0.42f, 0.62f) * rate_ * rate_ * speed_unit();
-    cooling_ = random.between(0.009f, 0.016f) * rate_;
+    cooling_ = random.between(0.007f, 0.013f) * rate_;
     wind_ = random.between(-1.6f, 1.6f) * rate_ * speed_unit();
     detail_ = random.between(0.045f, 0.065f);
     // Wood burns orange; gas and salts shift it a little either way.
@@ -69,8 +69,8 @@ class Fire final : public Scene {
         gas_.force(x, y) = {0.03f * rate_ * (breeze - v.x), -buoyancy_ * cells_(x, y) - 0.035f * rate_ * v.y};
       }
     });
-    gas_.stir(noise_, 0.22f * time, 11.0f, 0.42f * rate_ * speed_unit(), cells_);
-    gas_.advance(Gas::Edges::kSharp);
+    gas_.stir(noise_, 0.16f * time, 22.0f, 0.30f * rate_ * speed_unit(), cells_);
+    gas_.advance(Gas::Edges::kSoft);
     // Heat is lost at a steady rate and, like radiation, faster where it is hottest.
     for_rows(heat.height, [&](int y) {
       float* p = gas_.fields[0].row(y);
@@ -106,7 +106,7 @@ class Fire final : public Scene {
                                                              0.55f * (fy + step * o.y) * pitch + shift.y, 3,
                                                              0.55f);
         }
-        const float t = std::clamp(heat[x] * (0.82f + 0.8f * licks), 0.0f, 1.3f);
+        const float t = std::clamp(heat[x] * (0.88f + 0.6f * licks), 0.0f, 1.3f);
         const Rgb glow = glow_of(t);
         const float cover = 1.0f - exp_portable(-5.0f * t * t);
         out[x] = back * (1.0f - 0.8f * cover) + glow;
@@ -118,7 +118,7 @@ class Fire final : public Scene {
   }
 
  private:
-  static StableFluidsOptions flow_options() { return {.confinement = 0.18f, .max_speed = 16.0f}; }
+  static StableFluidsOptions flow_options() { return {.confinement = 0.04f, .max_speed = 16.0f}; }
   float speed_unit() const { return gas_.domain.scale / static_cast<float>(gas_.domain.step); }
 
   /// Light of soot at heat t: red first, then yellow, white at the core. The powers stand in for Planck's

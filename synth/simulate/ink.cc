@@ -22,7 +22,7 @@ class Ink final : public Scene {
       : noise_(options.seed),
         rate_(25.0f / static_cast<float>(options.fps)),
         gas_(Domain(options.size, 0.08f, 0.08f, 0.10f), flow_options(), 2,
-             std::max(8, static_cast<int>(26.0f / rate_))),
+             std::max(8, static_cast<int>(16.0f / rate_))),
         cells_{Grid(gas_.domain.width, gas_.domain.height), Grid(gas_.domain.width, gas_.domain.height)},
         thick_{Grid(options.size.width, options.size.height), Grid(options.size.width, options.size.height)} {
     Random random(options.seed, 105);
@@ -39,9 +39,9 @@ class Ink final : public Scene {
            .phase = random.between(0.0f, 60.0f),
            .dye = static_cast<std::size_t>(i % 2)});
     }
-    weight_[0] = random.between(0.2f, 0.3f) * rate_ * rate_ * speed_unit();
-    weight_[1] = random.between(0.15f, 0.26f) * rate_ * rate_ * speed_unit();
-    terminal_ = random.between(3.0f, 4.6f) * rate_ * speed_unit();
+    weight_[0] = random.between(0.3f, 0.42f) * rate_ * rate_ * speed_unit();
+    weight_[1] = random.between(0.24f, 0.36f) * rate_ * rate_ * speed_unit();
+    terminal_ = random.between(4.2f, 6.0f) * rate_ * speed_unit();
     drift_ = random.between(-0.8f, 0.8f) * rate_ * speed_unit();
     // What an ink absorbs: a hue for each, at least a third of the circle apart.
     const float hue = random.next();
@@ -52,7 +52,7 @@ class Ink final : public Scene {
   }
 
   FilmOptions film() const override { return {.exposure = 0.95f, .bloom = 0.03f}; }
-  int warm_up_frames() const override { return static_cast<int>(90.0f / rate_); }
+  int warm_up_frames() const override { return static_cast<int>(115.0f / rate_); }
 
   void advance() override {
     ++clock_;
@@ -70,7 +70,7 @@ class Ink final : public Scene {
         cells_[0](x, y) = std::min(1.0f, cells_[0](x, y) + cells_[1](x, y));
       }
     });
-    gas_.stir(noise_, 0.05f * time, 12.0f, 0.11f * rate_ * speed_unit(), cells_[0]);
+    gas_.stir(noise_, 0.045f * time, 19.0f, 0.08f * rate_ * speed_unit(), cells_[0]);
     gas_.hold_back(terminal_, weight_[0]);
     gas_.advance(Gas::Edges::kSharp);
     const float kept = 1.0f - 0.004f * rate_;
@@ -118,7 +118,7 @@ class Ink final : public Scene {
 
  private:
   static StableFluidsOptions flow_options() {
-    return {.bottom = Edge::kFixed, .confinement = 0.10f, .max_speed = 16.0f};
+    return {.bottom = Edge::kFixed, .confinement = 0.04f, .max_speed = 16.0f};
   }
   float speed_unit() const { return gas_.domain.scale / static_cast<float>(gas_.domain.step); }
 

@@ -71,9 +71,9 @@ class River final : public Scene {
              {.left = Edge::kFixed,
               .top = Edge::kFixed,
               .bottom = Edge::kFixed,
-              .confinement = 0.05f,
+              .confinement = 0.02f,
               .max_speed = 16.0f},
-             1, std::max(6, static_cast<int>(20.0f / rate_)), solid_),
+             1, std::max(6, static_cast<int>(12.0f / rate_)), solid_),
         rough_(domain_.width, domain_.height),
         wave_(options.size.width, options.size.height),
         foam_(wave_),
@@ -83,7 +83,7 @@ class River final : public Scene {
     mirrored_ = random.sign() > 0.0f;
     horizon_ = -random.between(0.25f, 0.7f);
     speed_ = random.between(4.2f, 7.0f) * rate_ * domain_.scale / static_cast<float>(domain_.step);
-    white_ = random.between(0.7f, 1.5f);
+    white_ = random.between(0.55f, 1.5f);
     chop_ = random.between(0.8f, 1.3f);
     const float kind = random.next();  // glacial, peaty or grey-green
     deep_ = kind < 0.4f   ? mix(Rgb{0.004f, 0.10f, 0.12f}, Rgb{0.02f, 0.20f, 0.19f}, random.next())
@@ -116,7 +116,7 @@ class River final : public Scene {
         rough_(x, y) = solid_(x, y) ? 0.0f : pace(y) / speed_;
       }
     });
-    gas_.stir(noise_, 0.05f * time, 14.0f, 0.03f * speed_, rough_);
+    gas_.stir(noise_, 0.05f * time, 22.0f, 0.022f * speed_, rough_);
     gas_.advance(Gas::Edges::kSharp);
     froth(time);
   }
@@ -137,13 +137,13 @@ class River final : public Scene {
                     sy = (wave_(x, below) - wave_(x, above)) * domain_.scale;
         // A face turned to the far side mirrors the bright low sky, one turned to us shows the water's own
         // colour.
-        const float mirror = std::clamp(0.34f - 0.16f * near - 2.4f * chop_ * sy + 0.7f * sx, 0.03f, 0.95f);
-        const float glint = smoothstep(0.16f, 0.34f, -sy * chop_ + 0.5f * sx);
+        const float mirror = std::clamp(0.26f - 0.12f * near - 1.5f * chop_ * sy + 0.7f * sx, 0.03f, 0.95f);
+        const float glint = smoothstep(0.22f, 0.42f, -sy * chop_ + 0.5f * sx);
         const float crest = wave_(x, y);
         const Rgb body = deep_ * (0.75f + 0.9f * std::clamp(crest + 0.3f, 0.0f, 1.5f));
         Rgb c = mix(body, sky_, mirror) + Rgb{1.0f, 0.98f, 0.94f} * (1.1f * glint);
         const float foam = foam_(x, y);
-        const float lit = std::clamp(0.72f - 1.5f * sy + 0.8f * sx + 0.2f * crest, 0.2f, 1.25f);
+        const float lit = std::clamp(0.74f - 0.9f * sy + 0.5f * sx + 0.2f * crest, 0.2f, 1.25f);
         c = mix(c, Rgb{0.92f, 0.96f, 1.0f} * lit, foam);
         out[x] = mix(ground_(x, y), c, wet);
         a[x] = static_cast<std::uint8_t>(255.0f * wet + 0.5f);

@@ -23,7 +23,10 @@ struct SimulatedFrame {
 ///   SimulatedFrame frame;
 ///   while (clip.next(frame)) writer.write(frame.picture);
 ///
-/// Cost  two cores, 640 x 360: see the table in simulate.cc. About 120 bytes a pixel.
+/// Cost  processor time a frame of 640 x 360, ms (a busy 2-core machine, seed 5, 30 frames), and of the
+/// warm-up, s; nearly
+///       all of it runs on every core:
+///         smoke 56, 2.6   fire 48, 1.3   ink 49, 4.2   waterfall 34, 0.1   river 89, 1.6   clouds 46, 0.1
 class Simulation {
  public:
   /// Throws Error{kUsage} for options out of range (see check()). Runs the warm-up.

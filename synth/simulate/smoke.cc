@@ -22,7 +22,7 @@ class Smoke final : public Scene {
       : noise_(options.seed),
         rate_(25.0f / static_cast<float>(options.fps)),
         gas_(Domain(options.size, 0.10f, 0.06f, 0.06f), flow_options(), 1,
-             std::max(8, static_cast<int>(22.0f / rate_))),
+             std::max(8, static_cast<int>(13.0f / rate_))),
         cells_(gas_.domain.width, gas_.domain.height),
         thick_(options.size.width, options.size.height),
         toward_light_(thick_) {
@@ -40,8 +40,8 @@ class Smoke final : public Scene {
            .pulse = random.between(0.03f, 0.09f),
            .phase = random.between(0.0f, 50.0f)});
     }
-    buoyancy_ = random.between(0.16f, 0.26f) * rate_ * rate_ * speed_unit();
-    terminal_ = random.between(3.6f, 5.5f) * rate_ * speed_unit();
+    buoyancy_ = random.between(0.24f, 0.36f) * rate_ * rate_ * speed_unit();
+    terminal_ = random.between(4.4f, 6.4f) * rate_ * speed_unit();
     wind_ = random.sign() * random.between(0.0f, 1.1f) * rate_ * speed_unit();
     gust_ = random.between(0.2f, 0.8f);
     light_ = random.sign() * random.between(0.4f, 0.9f);
@@ -56,7 +56,7 @@ class Smoke final : public Scene {
   }
 
   FilmOptions film() const override { return {.exposure = 0.9f, .bloom = 0.06f}; }
-  int warm_up_frames() const override { return static_cast<int>(110.0f / rate_); }
+  int warm_up_frames() const override { return static_cast<int>(125.0f / rate_); }
 
   void advance() override {
     ++clock_;
@@ -75,7 +75,7 @@ class Smoke final : public Scene {
                             -buoyancy_ * std::min(cells_(x, y) * 1.5f, 1.0f) - 0.008f * rate_ * v.y};
       }
     });
-    gas_.stir(noise_, 0.09f * time, 9.0f, 0.16f * rate_ * speed_unit(), cells_);
+    gas_.stir(noise_, 0.07f * time, 20.0f, 0.10f * rate_ * speed_unit(), cells_);
     gas_.hold_back(terminal_, buoyancy_);
     gas_.advance(Gas::Edges::kSoft);
     const float kept = 1.0f - 0.009f * rate_;
@@ -116,7 +116,7 @@ class Smoke final : public Scene {
   }
 
  private:
-  static StableFluidsOptions flow_options() { return {.confinement = 0.14f, .max_speed = 16.0f}; }
+  static StableFluidsOptions flow_options() { return {.confinement = 0.03f, .max_speed = 16.0f}; }
   /// Cells a frame for one design px (a 640 x 360 picture's) a frame.
   float speed_unit() const { return gas_.domain.scale / static_cast<float>(gas_.domain.step); }
 
@@ -161,7 +161,7 @@ class Smoke final : public Scene {
         for (int map = 0; map < CarriedTexture::kMaps; ++map) {
           const Vec2 o = bilinear(gas_.texture.offset(map), cx, cy), shift = gas_.texture.shift(map);
           lumps += gas_.texture.weight(map) * noise_.fractal((fx + step * o.x) * pitch + shift.x,
-                                                             (fy + step * o.y) * pitch + shift.y, 4, 0.62f);
+                                                             (fy + step * o.y) * pitch + shift.y, 4, 0.66f);
         }
         out[x] = density[x] * std::clamp(0.85f + 0.75f * lumps, 0.1f, 2.0f);
       }
