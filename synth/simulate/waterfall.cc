@@ -131,26 +131,19 @@ class Waterfall final : public Scene {
         const float widen = 1.0f + spread_ * drop;
         const float across = (share_x - middle_ - lean_ * drop) / widen;  // 0 in the middle, as at the brink
         const float strand = across * w / (strand_px_ * scale_);
-        // The ledge above, its lip uneven from strand to strand.
-        float since = 0.0f, speed = 0.0f, below_lip = -1.0f;
-        bool wet = false;
-        float top = 0.0f;
-        for (std::size_t i = 0; i < ledges_.size(); ++i) {
-          const Ledge& ledge = ledges_[i];
+        // Time adds up from ledge to ledge; each lip is uneven from strand to strand.
+        float time = 0.0f;
+        const Ledge* above = nullptr;
+        float above_lip = 0.0f;
+        for (const Ledge& ledge : ledges_) {
           const float lip = ledge.y + ledge.lip * noise_.fractal(strand * 0.11f + ledge.phase, 2.5f, 3);
-          if (i > 0)
-            since +=
-                fall(std::max(0.0f, std::min(share_y, lip) - top) * h / scale_, ledges_[i - 1].start).time;
           if (share_y < lip) break;
-          wet = true, top = lip;
-          below_lip = (share_y - lip) * h / scale_;
-          speed = ledge.start;
-          if (i + 1 == ledges_.size() || share_y < ledges_[i + 1].y - 0.2f) continue;
+          if (above != nullptr) time += fall(std::max(0.0f, lip - above_lip) * h / scale_, above->start).time;
+          above = &ledge, above_lip = lip;
         }
-        if (!wet) continue;
-        const Drop here = fall(below_lip, speed);
-        // Up to the present ledge time adds up; the last drop was not yet counted.
-        fall_time_(x, y) = since_lips(strand, share_y) + here.time;
+        if (above == nullptr) continue;
+        const Drop here = fall((share_y - above_lip) * h / scale_, above->start);
+        fall_time_(x, y) = time + here.time;
         strand_(x, y) = strand;
         const float v = here.speed * rate_ * scale_;
         speed_(x, y) = {v * (across * spread_ + lean_) * w / h, v};
@@ -187,21 +180,6 @@ class Waterfall final : public Scene {
     const float speed = std::sqrt(start * start + 2.0f * gravity_ * distance);
     return {(speed - start) / gravity_, speed};
   }
-  float since_lips(float strand, float share_y) const {
-    float time = 0.0f, top = 0.0f;
-    for (std::size_t i = 0; i < ledges_.size(); ++i) {
-      const float lip =
-          ledges_[i].y + ledges_[i].lip * noise_.fractal(strand * 0.11f + ledges_[i].phase, 2.5f, 3);
-      if (share_y < lip) break;
-      if (i > 0)
-        time +=
-            fall(std::max(0.0f, lip - top) * static_cast<float>(size_.height) / scale_, ledges_[i - 1].start)
-                .time;
-      top = lip;
-    }
-    return time;
-  }
-
   void paint_rock() {
     Grid height(size_.width, size_.height);
     for_rows(size_.height, [&](int y) {
