@@ -128,8 +128,8 @@ class ClipIngest {
     report.name = source.name;
     report.path = source.path;
     report.class_name = options_.class_name.empty() ? source.class_name : options_.class_name;
-    const Stopwatch total(report.seconds.total);
     try {
+      const Stopwatch total(report.seconds.total);
       add(source, on_slab, stop, report);
     } catch (const Error& error) {
       if (error.kind() != ErrorKind::kInput) throw;
