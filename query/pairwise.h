@@ -48,7 +48,7 @@ FeatureShape feature_shape(const vision::Settings& settings);
 
 /// Where features come from.
 struct FeatureSource {
-  /// Called before the features of these rows are asked for, on one thread; may be empty.
+  /// Called before the features of these rows (distinct) are asked for, on one thread; may be empty.
   std::function<void(std::span<const Row>)> prepare;
   /// As vision::patch_features; called from many threads.
   std::function<void(Row, std::span<float>)> read;

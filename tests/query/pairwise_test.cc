@@ -3,8 +3,11 @@
 #include <gtest/gtest.h>
 #include <oneapi/tbb/global_control.h>
 
+#include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <random>
+#include <set>
 
 #include "freshet_error.h"
 #include "query/squared_distances.h"
@@ -137,16 +140,27 @@ TEST(Pairwise, IsTheSameForAnyNumberOfThreads) {
   }
 }
 
-TEST(Pairwise, AsksForEachRowOfPiecesOnce) {
+TEST(Pairwise, ReadsEachPatchOnceARowOfPieces) {
   const Target target = some_target();
-  const Candidates candidates = some_candidates(target.size(), 5);
+  const Candidates candidates = some_candidates(target.size(), 40);
   const FeatureShape shape;
-  std::size_t asked = 0, candidates_in_all = 0;
-  for (const std::uint32_t count : candidates.counts) candidates_in_all += count;
+  std::vector<std::set<Row>> wanted(target.rows);
+  for (std::size_t piece = 0; piece < target.size(); ++piece) {
+    for (const Row row : candidates.rows_of(piece)) wanted[target.places[piece].y].insert(row);
+  }
   FeatureSource source = source_of(shape);
-  source.prepare = [&](std::span<const Row> rows) { asked += rows.size(); };
+  std::size_t bands = 0;
+  source.prepare = [&](std::span<const Row> rows) { EXPECT_TRUE(std::ranges::equal(rows, wanted[bands++])); };
+  std::atomic<std::size_t> reads = 0;
+  source.read = [&, read = source.read](Row row, std::span<float> out) {
+    ++reads;
+    read(row, out);
+  };
   build_mrf(target, candidates, shape, {}, source);
-  EXPECT_EQ(asked, candidates_in_all);
+  std::size_t distinct = 0;
+  for (const auto& rows : wanted) distinct += rows.size();
+  EXPECT_EQ(bands, wanted.size());
+  EXPECT_EQ(reads, distinct);
 }
 
 TEST(Pairwise, RefusesWeightsThatAreNone) {
