@@ -5,7 +5,6 @@ find_package(Eigen3 REQUIRED NO_MODULE)
 find_package(TBB REQUIRED)
 find_package(fmt REQUIRED)
 find_package(nlohmann_json REQUIRED)
-find_package(CLI11 REQUIRED)
 pkg_check_modules(ZSTD REQUIRED IMPORTED_TARGET libzstd)
 pkg_check_modules(LMDB REQUIRED IMPORTED_TARGET lmdb)
 pkg_check_modules(XXHASH REQUIRED IMPORTED_TARGET libxxhash)
@@ -15,6 +14,7 @@ pkg_check_modules(FFMPEG REQUIRED IMPORTED_TARGET libavformat libavcodec libavut
 # FLANN ships no CMake package. It is header templates and one library, and its headers call LZ4.
 find_path(FLANN_INCLUDE_DIR flann/flann.hpp REQUIRED)
 find_library(FLANN_CPP_LIBRARY flann_cpp REQUIRED)
-add_library(flann_cpp INTERFACE)
+# Imported, so that a program that links Freshet meets it under the same name.
+add_library(flann_cpp INTERFACE IMPORTED GLOBAL)
 target_include_directories(flann_cpp SYSTEM INTERFACE ${FLANN_INCLUDE_DIR})
 target_link_libraries(flann_cpp INTERFACE ${FLANN_CPP_LIBRARY} PkgConfig::LZ4)

@@ -99,12 +99,20 @@ ClipLuma::ClipLuma(const store::Snapshot& snapshot, store::ClipId clip, std::spa
                       samples.data() + (distinct[i] - first) * frame_bytes + row * row_bytes, row_bytes);
     });
   } else {
-    // Colour planes: luminance needs all of them, so whole frames are read and reduced one by one.
+    // Colour planes: luminance needs all of them, so whole frames are read, a slab of tiles at a time, and
+    // reduced.
+    constexpr std::uint32_t kSlab = 16;
     const query::ClipFrames clip_frames(snapshot, clip);
     frames_.resize(distinct.size());
-    oneapi::tbb::parallel_for(std::size_t{0}, distinct.size(), [&](std::size_t i) {
-      frames_[i] = media::to_luma(clip_frames.read(distinct[i]));
-    });
+    for (std::size_t i = 0; i < distinct.size();) {
+      const std::uint32_t from = distinct[i], slab_end = (from / kSlab + 1) * kSlab;
+      std::size_t end = i;
+      while (end < distinct.size() && distinct[end] < slab_end) ++end;
+      const std::vector<media::Frame> slab = clip_frames.read(from, distinct[end - 1] - from + 1);
+      oneapi::tbb::parallel_for(
+          i, end, [&](std::size_t j) { frames_[j] = media::to_luma(slab[distinct[j] - from]); });
+      i = end;
+    }
   }
 
   // The average over output frames, in output order: a repeated frame counts as often as it is shown.

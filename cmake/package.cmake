@@ -1,0 +1,20 @@
+# What `cmake --install` puts where, so that find_package(freshet) gives freshet::store, freshet::query, ...
+include(CMakePackageConfigHelpers)
+
+set(rooms store media vision ingest query animate simulate)
+set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/freshet)
+foreach(room ${rooms})
+  set_target_properties(freshet_${room} PROPERTIES EXPORT_NAME ${room})
+  install(TARGETS freshet_${room} EXPORT freshet-targets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
+endforeach()
+install(TARGETS freshet_flags EXPORT freshet-targets)
+install(EXPORT freshet-targets NAMESPACE freshet:: DESTINATION ${package_dir})
+
+install(FILES freshet_error.h DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/freshet)
+install(DIRECTORY store media vision ingest query synth DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/freshet
+        FILES_MATCHING PATTERN "*.h")
+
+write_basic_package_version_file(${CMAKE_CURRENT_BINARY_DIR}/freshetConfigVersion.cmake
+                                 COMPATIBILITY SameMinorVersion)
+install(FILES cmake/freshetConfig.cmake cmake/dependencies.cmake
+              ${CMAKE_CURRENT_BINARY_DIR}/freshetConfigVersion.cmake DESTINATION ${package_dir})
