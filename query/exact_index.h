@@ -17,7 +17,7 @@ namespace freshet::query {
 /// those rows' sums: min(a, b) without a comparison. The lists of one bin lie side by side. Rows are split
 /// into blocks of 32768: a row's number takes 16 bits, and a block's sums (64 KB) stay in cache. Built at
 /// load from the word maps alone. Memory: 486 bytes a row, and 4 (243 words + 1) bytes a block. Cost, 246,477
-/// rows, one core: build 0.5 s, 2 ms a piece. No approximate index that we measured is faster.
+/// rows, one core: build 1.0 s, 1.9-3.3 ms a piece. No approximate index that we measured is faster.
 class ExactIndex final : public CandidateIndex {
  public:
   /// words     need not outlive the call. word_count 1..256.
