@@ -1,0 +1,254 @@
+// What do the solvers reach on real pictures, and are the tables right?
+//
+//   bench_labelling STORE PICTURE[:MATTE].. [--json FILE]
+//
+// For each picture and each form of costs: all tables are built, and ten of them, over all pairs of labels,
+// are compared with the obvious loops over cells and channels in double precision. Relative errors (of costs
+// above 1e-6; a step of likeness is 3e-3) must stay below 1e-4, and no solver's energy may differ from that
+// of its labels or lie below TRW-S's bound, else the bench ends with 1. Then each solver's energy, its gap to
+// that bound and the CPU time of its one thread, with the labels of least unary cost as the floor. Seconds of
+// the other stages are wall clock.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "bench/machine.h"
+#include "bench/picture_argument.h"
+#include "freshet_error.h"
+#include "query/labelling.h"
+#include "query/minimizer.h"
+#include "query/stored_features.h"
+#include "store/store.h"
+#include "vision/settings.h"
+
+namespace {
+
+using namespace freshet;
+
+constexpr std::size_t kCheckedEdges = 10;
+constexpr double kErrorAllowed = 1e-4, kCostThatMatters = 1e-6;
+
+double square(double value) { return value * value; }
+
+/// What a cell's value counts as, channel by channel, before weights.
+std::vector<double> looks(const query::FeatureShape& shape, query::CostForm form, const float* cell) {
+  std::vector<double> values(cell, cell + shape.channels());
+  const int first_level = 2 + 2 * shape.bands;
+  if (form == query::CostForm::kPower) {
+    for (int c = 0; c < 2; ++c) values[c] /= 25;
+    for (int c = 2; c < first_level; ++c) values[c] /= 25 * 25;
+    return values;
+  }
+  const double speed = std::hypot(values[0], values[1]);
+  for (int c = 0; c < 2; ++c) values[c] *= speed > 0 ? std::log1p(speed / 2.5) / speed : 0;
+  for (int c = 2; c < first_level; ++c) values[c] = 0.5 * std::log1p(std::max(0.0, values[c]));
+  for (int c = first_level; c < shape.channels(); ++c) values[c] = std::log1p(512 * std::max(0.0, values[c]));
+  return values;
+}
+
+/// Eq. 2, 3 and 6 for two patches: b beside a, or below it.
+class ObviousCost {
+ public:
+  ObviousCost(const query::FeatureShape& shape, const query::PairwiseOptions& options)
+      : shape_(shape), options_(options) {}
+  using Patch = std::vector<std::vector<double>>;  // looks of its cells, row-major
+  Patch patch(const query::FeatureSource& source, query::Row row) const {
+    std::vector<float> features(shape_.values());
+    source.read(row, features);
+    Patch cells;
+    for (int cell = 0; cell < shape_.cells * shape_.cells; ++cell)
+      cells.push_back(looks(shape_, options_.form, features.data() + cell * shape_.channels()));
+    return cells;
+  }
+  double operator()(const Patch& a, const Patch& b, bool beside) const {
+    const int rest = shape_.cells - shape_.overlap;
+    const int rows = beside ? shape_.cells : shape_.overlap, columns = beside ? shape_.overlap : shape_.cells;
+    double motion = 0, power = 0, texture = 0;
+    for (int row = 0; row < rows; ++row) {
+      for (int column = 0; column < columns; ++column) {
+        const auto& of_a = a[(row + (beside ? 0 : rest)) * shape_.cells + column + (beside ? rest : 0)];
+        const auto& of_b = b[row * shape_.cells + column];
+        const int first_level = 2 + 2 * shape_.bands;
+        for (int c = 0; c < 2; ++c) motion += square(of_a[c] - of_b[c]);
+        for (int c = 2; c < first_level; ++c) power += square(of_a[c] - of_b[c]);
+        for (int c = first_level; c < shape_.channels(); ++c) texture += square(of_a[c] - of_b[c]);
+      }
+    }
+    return options_.lambda * (motion + options_.sigma * power + options_.rho * texture) / (rows * columns);
+  }
+
+ private:
+  query::FeatureShape shape_;
+  query::PairwiseOptions options_;
+};
+
+struct TableError {
+  std::size_t edges = 0, pairs = 0;
+  double relative = 0, absolute = 0;  // greatest
+};
+
+TableError check_tables(const query::Mrf& mrf, const query::CandidateSearch& search,
+                        const query::FeatureShape& shape, const query::PairwiseOptions& options,
+                        query::StoredFeatures& features) {
+  const ObviousCost cost(shape, options);
+  const query::FeatureSource source = features.source();
+  TableError error;
+  error.edges = std::min(kCheckedEdges, mrf.edges.size());
+  for (std::size_t e = 0; e < error.edges; ++e) {
+    const query::Mrf::Edge& edge = mrf.edges[e * mrf.edges.size() / error.edges];
+    const auto rows_p = search.candidates.rows_of(edge.p), rows_q = search.candidates.rows_of(edge.q);
+    std::vector<query::Row> rows(rows_p.begin(), rows_p.end());
+    rows.insert(rows.end(), rows_q.begin(), rows_q.end());
+    std::sort(rows.begin(), rows.end());
+    rows.erase(std::unique(rows.begin(), rows.end()), rows.end());
+    source.prepare(rows);
+    std::vector<ObviousCost::Patch> patches_p, patches_q;
+    for (const query::Row row : rows_p) patches_p.push_back(cost.patch(source, row));
+    for (const query::Row row : rows_q) patches_q.push_back(cost.patch(source, row));
+    const bool beside = search.target.corners[edge.p].y == search.target.corners[edge.q].y;
+    for (std::size_t i = 0; i < patches_p.size(); ++i) {
+      for (std::size_t j = 0; j < patches_q.size(); ++j) {
+        const double expected = cost(patches_p[i], patches_q[j], beside);
+        const double difference = std::abs(mrf.table(edge)[i * patches_q.size() + j] - expected);
+        error.absolute = std::max(error.absolute, difference);
+        error.relative = std::max(error.relative, difference / std::max(expected, kCostThatMatters));
+        ++error.pairs;
+      }
+    }
+  }
+  return error;
+}
+
+struct Run {
+  std::string solver;
+  query::Solution solution;
+  double cpu_seconds = 0;
+};
+
+std::vector<Run> run_solvers(const query::Mrf& mrf) {
+  std::vector<Run> runs;
+  for (const auto minimizer :
+       {query::Minimizer::kTrwS, query::Minimizer::kAlphaExpansion, query::Minimizer::kIcm}) {
+    const double start = bench::thread_seconds();
+    query::Solution solution = query::minimize(mrf, minimizer);
+    runs.push_back({query::name_of(minimizer), std::move(solution), bench::thread_seconds() - start});
+  }
+  query::Solution floor;
+  floor.labels = query::unary_minimum(mrf);
+  floor.energy = query::energy(mrf, floor.labels);
+  runs.push_back({"unary minimum", std::move(floor), 0});
+  return runs;
+}
+
+/// Of the labels, without their neighbours.
+double unary_energy(const query::Mrf& mrf, const query::Labels& labels) {
+  double sum = 0;
+  for (std::size_t node = 0; node < mrf.nodes(); ++node) sum += mrf.unary_of(node)[labels[node]];
+  return sum;
+}
+
+/// One picture's rows of the table; false when anything was wrong.
+bool measure(const store::Snapshot& snapshot, const std::string& argument, nlohmann::json& report) {
+  const auto read = bench::read_picture_argument(argument);
+  const vision::Settings settings = vision::settings_from_json(snapshot.settings());
+  const query::CandidateSearch search =
+      query::search_candidates(snapshot, read.picture, read.matte, query::LabelOptions{});
+  const query::FeatureShape shape = query::feature_shape(settings);
+  fmt::print("\n{}: {} pieces, {} edges; open {:.2f} s, cut {:.2f} s, search {:.2f} s\n", read.name,
+             search.target.size(), search.target.edges.size(), search.seconds.open, search.seconds.cut,
+             search.seconds.search);
+  nlohmann::json picture{
+      {"picture", read.name},
+      {"pieces", search.target.size()},
+      {"edges", search.target.edges.size()},
+      {"seconds",
+       {{"open", search.seconds.open}, {"cut", search.seconds.cut}, {"search", search.seconds.search}}}};
+  bool right = true;
+  for (const query::CostForm form : {query::CostForm::kLog, query::CostForm::kPower}) {
+    const query::PairwiseOptions options = query::default_costs(form);
+    query::StoredFeatures features(snapshot, settings, search.table);
+    const double wall = bench::wall_seconds(), cpu = bench::process_seconds();
+    const query::Mrf mrf =
+        query::build_mrf(search.target, search.candidates, shape, options, features.source());
+    const double tables_wall = bench::wall_seconds() - wall, tables_cpu = bench::process_seconds() - cpu;
+    const double edges = static_cast<double>(std::max<std::size_t>(1, mrf.edges.size()));
+    const TableError error = check_tables(mrf, search, shape, options, features);
+    right = right && error.relative <= kErrorAllowed;
+    fmt::print("  {}: tables {:.2f} s, {:.2f} s of CPU, {:.2f} ms an edge; error {:.1e} of {} pairs\n",
+               query::name_of(form), tables_wall, tables_cpu, 1e3 * tables_cpu / edges, error.relative,
+               error.pairs);
+    nlohmann::json row{{"costs", query::name_of(form)},
+                       {"lambda", options.lambda},
+                       {"tables_seconds", tables_wall},
+                       {"tables_cpu_seconds", tables_cpu},
+                       {"checked_edges", error.edges},
+                       {"checked_pairs", error.pairs},
+                       {"greatest_relative_error", error.relative},
+                       {"greatest_absolute_error", error.absolute}};
+    fmt::print("    {:<16}{:>12}{:>12}{:>12}{:>9}{:>8}{:>9}\n", "solver", "energy", "of it unary", "bound",
+               "gap", "rounds", "CPU s");
+    const std::vector<Run> runs = run_solvers(mrf);
+    const double bound = runs[0].solution.lower_bound;
+    for (const Run& run : runs) {
+      const query::Solution& solution = run.solution;
+      const double scale = std::max(1.0, std::abs(bound)), again = query::energy(mrf, solution.labels);
+      right = right && std::abs(again - solution.energy) <= 1e-6 * scale && again >= bound - 1e-4 * scale;
+      const double gap = (solution.energy - bound) / std::abs(bound);
+      const bool has_bound = std::isfinite(solution.lower_bound);
+      fmt::print("    {:<16}{:>12.3f}{:>12.3f}{:>12}{:>8.2f}%{:>8}{:>9.3f}\n", run.solver, solution.energy,
+                 unary_energy(mrf, solution.labels),
+                 has_bound ? fmt::format("{:.3f}", solution.lower_bound) : "-", 100 * gap,
+                 solution.iterations, run.cpu_seconds);
+      row["solvers"].push_back({{"solver", run.solver},
+                                {"energy", solution.energy},
+                                {"unary_energy", unary_energy(mrf, solution.labels)},
+                                {"gap", gap},
+                                {"iterations", solution.iterations},
+                                {"cpu_seconds", run.cpu_seconds}});
+      if (has_bound) row["lower_bound"] = solution.lower_bound;
+    }
+    std::fflush(stdout);
+    picture["forms"].push_back(row);
+  }
+  report["pictures"].push_back(picture);
+  return right;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) try {
+  std::vector<std::string> arguments;
+  std::string json_file = "labelling.json";
+  for (int i = 1; i < argc; ++i) {
+    const std::string argument = argv[i];
+    if (argument == "--json" && i + 1 < argc)
+      json_file = argv[++i];
+    else
+      arguments.push_back(argument);
+  }
+  if (arguments.size() < 2) {
+    fmt::print(stderr, "bench_labelling STORE PICTURE[:MATTE].. [--json FILE]\n");
+    return 2;
+  }
+  const store::Snapshot snapshot = store::Store::open_read(arguments[0]).snapshot();
+  const bench::Machine machine = bench::this_machine();
+  std::size_t patches = 0;
+  for (const store::ClipId clip : snapshot.clips()) patches += snapshot.clip(clip).rows;
+  fmt::print("{}\n{} clips, {} patches, {} candidates a piece\n", bench::to_string(machine),
+             snapshot.clips().size(), patches, query::CandidateOptions{}.k);
+  nlohmann::json report{{"bench", "labelling"}, {"machine", bench::to_json(machine)}, {"patches", patches}};
+  bool right = true;
+  for (std::size_t i = 1; i < arguments.size(); ++i) right = measure(snapshot, arguments[i], report) && right;
+  report["right"] = right;
+  std::ofstream(json_file) << report.dump(1) << '\n';
+  if (!right) fmt::print(stderr, "wrong: a table, an energy or a bound (see above)\n");
+  return right ? 0 : 1;
+} catch (const std::exception& error) {
+  fmt::print(stderr, "{}\n", error.what());
+  return 1;
+}
