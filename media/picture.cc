@@ -129,4 +129,9 @@ void write_picture(const fs::path& path, const cv::Mat& picture) {
   write_bytes(path, encode_picture(path, picture));
 }
 
+void check_picture_name(const fs::path& path) {
+  require_folder_of(path);
+  encode_picture(path, cv::Mat::zeros(1, 1, CV_8UC3));
+}
+
 }  // namespace freshet::media

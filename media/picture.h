@@ -30,5 +30,7 @@ Matte read_matte(const std::filesystem::path& path, cv::Size size);
 /// By extension (.png, .jpg, ...). Throws Error{kIo}: folder missing, disk full; Error{kUsage}: unknown
 /// ending.
 void write_picture(const std::filesystem::path& path, const cv::Mat& picture);
+/// Throws what write_picture would for this name: for those who compute long before they write.
+void check_picture_name(const std::filesystem::path& path);
 
 }  // namespace freshet::media

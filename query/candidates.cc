@@ -107,8 +107,9 @@ Filtered filter_rows(const store::Snapshot& snapshot, const PatchTable& table,
   if (!options.excluded_clips.empty()) {
     for (const std::string& name : options.excluded_clips) {
       if (!snapshot.find(name)) {
-        throw Error(ErrorKind::kNotFound, "clip " + name, "the store has no such clip to leave out",
-                    "Run freshet store list to see its clips");
+        throw Error(ErrorKind::kNotFound, snapshot.path().string(),
+                    "it holds no clip named \"" + name + "\" that could be left out",
+                    "freshet store info lists its clips");
       }
     }
     narrowing.clips("without excluded clips", [&](const store::ClipRecord& clip, bool) {
@@ -116,7 +117,8 @@ Filtered filter_rows(const store::Snapshot& snapshot, const PatchTable& table,
              options.excluded_clips.end();
     });
     if (narrowing.none_left()) {
-      throw Error(ErrorKind::kNotFound, "candidates", "all clips with patches are excluded", "Exclude fewer");
+      throw Error(ErrorKind::kNotFound, snapshot.path().string(), "all clips with patches are excluded",
+                  "Exclude fewer");
     }
   }
 
@@ -125,7 +127,8 @@ Filtered filter_rows(const store::Snapshot& snapshot, const PatchTable& table,
       return clip.class_name == options.class_name;
     });
     if (narrowing.none_left()) {
-      throw Error(ErrorKind::kNotFound, "candidates", "no patch of class \"" + options.class_name + "\"",
+      throw Error(ErrorKind::kNotFound, snapshot.path().string(),
+                  "no patch of class \"" + options.class_name + "\"",
                   "The store has the classes " + classes_of(snapshot, table));
     }
   }
@@ -141,9 +144,11 @@ Filtered filter_rows(const store::Snapshot& snapshot, const PatchTable& table,
                       return false;
                     });
     if (narrowing.none_left()) {
-      throw Error(ErrorKind::kNotFound, "candidates",
-                  fmt::format("no clip of at least {:g} s", options.min_duration_s),
-                  fmt::format("The longest has {:.2f} s", longest));
+      throw Error(
+          ErrorKind::kNotFound, snapshot.path().string(),
+          fmt::format("no clip of at least {:g} s, which the animation lasts; the longest has {:.2f} s",
+                      options.min_duration_s, longest),
+          "Ask for fewer frames, or ingest longer clips");
     }
   }
 
@@ -159,7 +164,7 @@ Filtered filter_rows(const store::Snapshot& snapshot, const PatchTable& table,
                                u * to_u + v * to_v >= least_cosine * speed;
                       });
     if (narrowing.none_left()) {
-      throw Error(ErrorKind::kNotFound, "candidates",
+      throw Error(ErrorKind::kNotFound, snapshot.path().string(),
                   fmt::format("no patch moves in direction {:g} degrees (0 right, 90 up) within {:g}",
                               *options.direction_deg, options.direction_tolerance_deg),
                   "Allow a greater tolerance, or ingest clips that move so");
@@ -174,7 +179,8 @@ std::unique_ptr<CandidateIndex> open_index(const store::Snapshot& snapshot, cons
   const auto bytes = snapshot.blob(blob_name(*options.flann));
   if (!bytes) {
     throw Error(
-        ErrorKind::kNotFound, "the store", std::string("it has no FLANN index ") + name_of(*options.flann),
+        ErrorKind::kNotFound, snapshot.path().string(),
+        std::string("it has no FLANN index ") + name_of(*options.flann),
         std::string("Run freshet index --flann ") + name_of(*options.flann) + ", or use exact search");
   }
   FlannOptions flann_options = options.flann_options;

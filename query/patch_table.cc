@@ -63,11 +63,11 @@ PatchTable read_patch_table(const store::Snapshot& snapshot) {
   std::uint64_t rows = 0;
   for (const store::ClipId clip : snapshot.clips()) rows += snapshot.clip(clip).rows;
   if (rows == 0) {
-    throw Error(ErrorKind::kNotFound, "the store", "it holds no patches",
+    throw Error(ErrorKind::kNotFound, snapshot.path().string(), "it holds no patches",
                 "Ingest clips of moving fluid first");
   }
   if (rows >= kNoRow) {
-    throw Error(ErrorKind::kUsage, "the store",
+    throw Error(ErrorKind::kUsage, snapshot.path().string(),
                 std::to_string(rows) + " patches, more than 32 bits can number", "Split it into several");
   }
   for (const store::ClipId clip : snapshot.clips()) {
@@ -77,7 +77,7 @@ PatchTable read_patch_table(const store::Snapshot& snapshot) {
     table.first_row.push_back(table.first_row.back() + static_cast<Row>(record.rows));
     if (record.rows == 0) continue;
     if (!snapshot.has_column(clip, "patch.words")) {
-      throw Error(ErrorKind::kNotFound, "the store", "clip " + record.name + " has no index",
+      throw Error(ErrorKind::kNotFound, snapshot.path().string(), "clip " + record.name + " has no index",
                   "Run freshet index");
     }
     const ClipPatches patches = read_clip_patches(snapshot, settings, variants, clip);

@@ -72,10 +72,11 @@ std::optional<StoredCodebook> find_codebook(const store::Snapshot& snapshot) {
 
 vision::Codebook read_codebook(const store::Snapshot& snapshot) {
   auto stored = find_codebook(snapshot);
-  if (!stored) throw Error(ErrorKind::kNotFound, "the store", "it has no index", "Run freshet index");
+  if (!stored)
+    throw Error(ErrorKind::kNotFound, snapshot.path().string(), "it has no index", "Run freshet index");
   if (stored->clips_hash != hash_of_clips(snapshot)) {
-    throw Error(ErrorKind::kNotFound, "the store", "clips have been added since its index was built",
-                "Run freshet index");
+    throw Error(ErrorKind::kNotFound, snapshot.path().string(),
+                "clips have been added since its index was built", "Run freshet index");
   }
   return std::move(stored->codebook);
 }

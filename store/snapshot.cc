@@ -167,6 +167,7 @@ std::vector<std::string> Snapshot::Impl::column_names(ClipId id) const {
 
 std::vector<std::string> Snapshot::Impl::blob_names() const { return chunk_names(txn, Table::kBlobs, {}); }
 
+const std::filesystem::path& Snapshot::path() const { return impl_->txn.environment().file(); }
 const std::string& Snapshot::settings() const { return impl_->settings; }
 std::span<const ClipId> Snapshot::clips() const { return impl_->clips; }
 const ClipRecord& Snapshot::clip(ClipId id) const { return impl_->stored(id).record; }

@@ -152,6 +152,7 @@ class ClipWriter {
 /// record.
 class Snapshot {
  public:
+  const std::filesystem::path& path() const;  // of the store's file, as it was opened
   const std::string& settings() const;
   std::span<const ClipId> clips() const;    // ascending
   const ClipRecord& clip(ClipId id) const;  // Error{kNotFound}
