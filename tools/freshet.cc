@@ -23,6 +23,30 @@ Any option can stand in a TOML file, under a table named after the command, and 
 
 Exit codes: 0 done, 1 failed, 2 wrong usage, 3 the store is damaged.)";
 
+/// What is wrong with a command line, and where to read how it should be.
+std::string usage_fault(const CLI::App& app, const CLI::ParseError& fault) {
+  const CLI::App* command = &app;
+  std::string name = app.get_name();
+  while (!command->get_subcommands().empty()) {
+    command = command->get_subcommands().front();
+    name += " " + command->get_name();
+  }
+  std::string text = fault.what();
+  const auto below = command->get_subcommands([](const CLI::App*) { return true; });
+  if (fault.get_name() == "ConfigError") {
+    const std::string item = text.substr(text.rfind(' ') + 1);
+    text = fmt::format("{}: \"{}\" names no option. It is a TOML file with a table for each command",
+                       app.get_config_ptr()->as<std::string>(), item);
+  } else if (!below.empty() && fault.get_name() == "RequiredError") {
+    const std::vector<std::string> extras = app.remaining(true);
+    std::string names;
+    for (const CLI::App* each : below) names += (names.empty() ? "" : ", ") + each->get_name();
+    text = extras.empty() ? fmt::format("a command is missing; there are {}", names)
+                          : fmt::format("there is no command \"{}\"; there are {}", extras.front(), names);
+  }
+  return fmt::format("{}. See {} --help", text, name);
+}
+
 int exit_code(freshet::ErrorKind kind) {
   switch (kind) {
     case freshet::ErrorKind::kUsage:
@@ -48,7 +72,8 @@ int main(int argc, char** argv) {
   app.set_version_flag("--version", "freshet " FRESHET_VERSION);
   app.set_config("--config", "", "Read options from a TOML file");
   app.require_subcommand(1);
-  app.fallthrough(false);
+  app.allow_config_extras(CLI::config_extras_mode::error);  // a misspelt name must not be passed over
+  app.fallthrough();                                        // --config may also stand behind a command
   tools::add_ingest(app, session);
   tools::add_index(app, session);
   tools::add_store(app, session);
@@ -59,7 +84,9 @@ int main(int argc, char** argv) {
     app.parse(argc, argv);
     return session.exit_code;
   } catch (const CLI::ParseError& fault) {
-    return app.exit(fault) == 0 ? 0 : 2;
+    if (fault.get_exit_code() == 0) return app.exit(fault);  // --help, --version
+    tools::say(usage_fault(app, fault));
+    return 2;
   } catch (const Error& fault) {
     if (fault.kind() == ErrorKind::kCancelled && stop.signal() != 0) {
       // Die of the signal itself, so that a calling shell script stops too.

@@ -89,8 +89,14 @@ void print_report(const ingest::IngestReport& report) {
   fmt::print("{} added, {} already there, {} refused, {} failed\n", report.count(ingest::Outcome::kAdded),
              report.count(ingest::Outcome::kAlreadyThere), report.count(ingest::Outcome::kRefused),
              report.count(ingest::Outcome::kFailed));
-  for (const ingest::ClipReport& clip : report.clips)
-    for (const std::string& reason : clip.reasons) fmt::print("{}: {}\n", clip.name, reason);
+}
+
+/// What was found against a clip, as soon as it is found. That a clip is there already, the report tells.
+void say_reasons(const ingest::ClipReport& clip) {
+  if (clip.outcome == ingest::Outcome::kAlreadyThere) return;
+  for (const std::string& reason : clip.reasons)
+    say(fmt::format("{} {}: {}", clip.name, ingest::to_string(clip.outcome), reason));
+  for (const std::string& note : clip.notes) say(fmt::format("{}: {}", clip.name, note));
 }
 
 void run(const IngestCommand& command, Session& session) {
@@ -113,10 +119,7 @@ void run(const IngestCommand& command, Session& session) {
         const std::string stage =
             fmt::format("[{}/{}] {}", at.clip + 1, at.clips, at.source ? at.source->name : "");
         progress.show(stage, at.frames, at.claimed_frames, "frames");
-        if (at.finished && at.finished->outcome != ingest::Outcome::kAdded &&
-            at.finished->outcome != ingest::Outcome::kAlreadyThere)
-          for (const std::string& reason : at.finished->reasons)
-            say(fmt::format("{} {}: {}", at.finished->name, ingest::to_string(at.finished->outcome), reason));
+        if (at.finished) say_reasons(*at.finished);
       },
       session.stop);
   progress.finish();
@@ -125,17 +128,18 @@ void run(const IngestCommand& command, Session& session) {
     nlohmann::json json{{"store", command.store}, {"clips", nlohmann::json::array()}};
     for (const ingest::ClipReport& clip : report.clips) json["clips"].push_back(to_json(clip));
     fmt::print("{}\n", json.dump(2));
-  } else {
+  } else if (!report.clips.empty()) {
     print_report(report);
   }
-  if (report.stopped) throw *report.stopped;
-  if (store.snapshot().clips().empty()) {
+  const bool empty = store.snapshot().clips().empty();
+  if (empty && fresh) {
     // An empty store is of no use, and would only surprise the next run.
-    if (fresh) {
-      store = {};
-      std::filesystem::remove(command.store);
-      std::filesystem::remove(command.store + "-lock");
-    }
+    store = {};
+    std::filesystem::remove(command.store);
+    std::filesystem::remove(command.store + "-lock");
+  }
+  if (report.stopped) throw *report.stopped;
+  if (empty) {
     throw Error(ErrorKind::kInput, command.store, "no clip was taken, for the reasons above",
                 fresh ? "The store was not made" : "");
   }

@@ -53,9 +53,12 @@ void Progress::show(const std::string& stage, std::size_t done, std::size_t tota
 
   const double elapsed = std::chrono::duration<double>(now - stage_start_).count();
   const double rate = elapsed > 0.2 ? static_cast<double>(done - std::min(done, first_done_)) / elapsed : 0;
-  std::string text =
-      total > 0 ? fmt::format("{} {}/{}", stage, done, total) : fmt::format("{} {}", stage, done);
-  if (!unit.empty()) text += " " + unit;
+  std::string text = stage;
+  if (total > 0)
+    text += fmt::format(" {}/{}", done, total);
+  else if (done > 0)
+    text += fmt::format(" {}", done);
+  if (!unit.empty() && (total > 0 || done > 0)) text += " " + unit;
   if (rate > 0) text += fmt::format(", {:.{}f}/s", rate, rate < 10 ? 1 : 0);
   if (rate > 0 && total > done)
     text += fmt::format(", {} left", time_left(static_cast<double>(total - done) / rate));

@@ -14,6 +14,7 @@
 #include "query/labelling.h"
 #include "tools/commands.h"
 #include "tools/label_run.h"
+#include "tools/output_names.h"
 #include "tools/progress.h"
 #include "tools/search_options.h"
 #include "tools/table.h"
@@ -110,6 +111,7 @@ nlohmann::json candidates_json(const store::Snapshot& snapshot, const query::Can
 }
 
 void run_candidates(const CandidatesCommand& command, const Session& session) {
+  check_picture_output(command.sheet);
   const store::Snapshot snapshot = store::Store::open_read(command.target.store).snapshot();
   const TargetFiles::Loaded loaded = command.target.load();
   query::LabelOptions options;
@@ -141,6 +143,9 @@ void run_candidates(const CandidatesCommand& command, const Session& session) {
 }
 
 void run_label(const LabelCommand& command, const Session& session) {
+  check_output_folder(command.assignment);
+  check_picture_output(command.map);
+  check_picture_output(command.sheet);
   const store::Snapshot snapshot = store::Store::open_read(command.target.store).snapshot();
   const TargetFiles::Loaded loaded = command.target.load();
   const query::Labelling labelling =

@@ -99,7 +99,7 @@ void verify(const StoreCommand& command, Session& session) {
   if (faults.empty()) return;
   say(
       fmt::format("{}: {} damaged records. Restore the file from a copy, or ingest the clips named again "
-                  "into a new store",
+                  "into a new store.",
                   command.store, faults.size()));
   session.exit_code = 3;
 }

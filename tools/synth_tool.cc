@@ -14,6 +14,7 @@
 #include "synth/simulate/simulate.h"
 #include "tools/commands.h"
 #include "tools/label_run.h"
+#include "tools/output_names.h"
 #include "tools/picture_sink.h"
 #include "tools/progress.h"
 #include "tools/search_options.h"
@@ -51,6 +52,7 @@ void run_animate(const AnimateCommand& command, const Session& session) {
   const TargetFiles::Loaded loaded = command.target.load();
   const synth::AnimateOptions options = render_options(command);
   // The output first: a mistyped folder should not cost a labelling.
+  check_picture_output(command.sheet);
   PictureSink sink(command.out, loaded.picture.size(), options.frames, options.fps);
 
   query::Assignment assignment;
