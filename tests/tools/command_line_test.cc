@@ -1,0 +1,122 @@
+// Help, wrong usage, configuration files, and what goes to which stream.
+
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "sample.h"
+
+namespace freshet::tools {
+namespace {
+
+bool holds(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+/// The exit code is for wrong usage, stdout is silent, and stderr has one message of ours that holds `part`.
+void expect_usage_fault(const std::vector<std::string>& arguments, const std::string& part) {
+  const Outcome outcome = WorkFolder().freshet(arguments);
+  EXPECT_EQ(outcome.exit_code, 2) << outcome.err;
+  EXPECT_EQ(outcome.out, "");
+  EXPECT_EQ(outcome.err.rfind("freshet: ", 0), 0U) << outcome.err;
+  EXPECT_TRUE(holds(outcome.err, part)) << outcome.err;
+}
+
+TEST(CommandLine, EveryCommandExplainsItselfAndItsDefaults) {
+  struct Command {
+    std::vector<std::string> words;
+    const char* a_default;
+  };
+  const std::vector<Command> commands{{{}, "ingest"},
+                                      {{"ingest"}, "=24"},
+                                      {{"index"}, "="},
+                                      {{"store"}, "framemd5"},
+                                      {{"store", "info"}, "[all cores]"},
+                                      {{"store", "verify"}, "[all cores]"},
+                                      {{"store", "digest"}, "[all cores]"},
+                                      {{"store", "framemd5"}, "[all cores]"},
+                                      {{"store", "export"}, "[all cores]"},
+                                      {{"query"}, "label"},
+                                      {{"query", "candidates"}, "[the whole picture]"},
+                                      {{"query", "label"}, "=trw-s"},
+                                      {{"synth"}, "simulate"},
+                                      {{"synth", "animate"}, "=variance"},
+                                      {{"synth", "simulate"}, "=640x360"}};
+  for (const Command& command : commands) {
+    std::vector<std::string> arguments = command.words;
+    arguments.emplace_back("--help");
+    const Outcome outcome = WorkFolder().freshet(arguments);
+    const std::string name = command.words.empty() ? "freshet" : command.words.back();
+    EXPECT_EQ(outcome.exit_code, 0) << name;
+    EXPECT_EQ(outcome.err, "") << name;
+    EXPECT_TRUE(holds(outcome.out, command.a_default)) << name << "\n" << outcome.out;
+  }
+}
+
+TEST(CommandLine, WrongUsageIsSaidInOneLine) {
+  expect_usage_fault({}, "a command is missing; there are ingest, index, store, query, synth");
+  expect_usage_fault({"nosuch"}, "there is no command \"nosuch\"");
+  expect_usage_fault({"query", "nosuch"},
+                     "there is no command \"nosuch\"; there are candidates, label. See freshet query --help");
+  expect_usage_fault({"ingest"}, "STORE is required. See freshet ingest --help");
+  expect_usage_fault({"query", "label", "a", "b", "--nosuch"}, "--nosuch");
+  expect_usage_fault({"query", "label", "a", "b", "-k", "0"}, "not in range");
+  expect_usage_fault({"synth", "simulate", "lava", "-o", "x.mkv"}, "Choose one of smoke, fire");
+  expect_usage_fault({"synth", "simulate", "river", "--size", "3x", "-o", "x.mkv"}, "WIDTHxHEIGHT");
+  expect_usage_fault({"ingest", "a.store", "clips", "--shard", "3/2"}, "--shard 3/2");
+  expect_usage_fault({"query", "label", sample().store, sample().still, "--direction", "sideways"},
+                     "sideways");
+  expect_usage_fault({"ingest", sample().store, sample().clips, "--stride", "48"},
+                     "made with other settings than --stride asks for");
+}
+
+TEST(CommandLine, AConfigurationFileSaysWhatFlagsSay) {
+  const WorkFolder folder;
+  const auto file = folder.file("a.toml", "[query.label]\nclass = \"fall\"\nframes = 16\nsolver = \"icm\"\n");
+  const std::vector<std::string> label{"query", "label", sample().store, sample().still, "-o"};
+  const auto run = [&](const std::string& out, const std::vector<std::string>& before,
+                       const std::vector<std::string>& after) {
+    std::vector<std::string> arguments = before;
+    arguments.insert(arguments.end(), label.begin(), label.end());
+    arguments.push_back(out);
+    arguments.insert(arguments.end(), after.begin(), after.end());
+    const Outcome outcome = folder.freshet(arguments);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    return text_of(folder / out);
+  };
+  const std::string by_flags =
+      run("flags.json", {}, {"--class", "fall", "--frames", "16", "--solver", "icm"});
+  ASSERT_FALSE(by_flags.empty());
+  EXPECT_EQ(run("before.json", {"--config", "a.toml"}, {}), by_flags);
+  EXPECT_EQ(run("behind.json", {}, {"--config", "a.toml"}), by_flags);
+  // A flag is stronger than the file.
+  EXPECT_NE(run("stronger.json", {"--config", "a.toml"}, {"--solver", "trw-s"}), by_flags);
+}
+
+TEST(CommandLine, AConfigurationFileWithAMistakeIsNotPassedOver) {
+  const WorkFolder folder;
+  folder.file("misspelt.toml", "[query.label]\nframs = 16\n");
+  folder.file("broken.toml", "[query.label\nframes = 16\n");
+  for (const char* name : {"misspelt.toml", "broken.toml", "missing.toml"}) {
+    const Outcome outcome = folder.freshet({"--config", name, "store", "digest", sample().store});
+    EXPECT_EQ(outcome.exit_code, 2) << name;
+    EXPECT_TRUE(holds(outcome.err, name)) << outcome.err;
+    EXPECT_EQ(outcome.out, "");
+  }
+  const Outcome outcome = folder.freshet({"--config", "misspelt.toml", "store", "digest", sample().store});
+  EXPECT_TRUE(holds(outcome.err, "query.label.frams")) << outcome.err;
+}
+
+TEST(CommandLine, ResultsGoToStdoutAndMessagesToStderr) {
+  const WorkFolder folder;
+  const Outcome ingest = folder.freshet({"ingest", "a.store", sample().clips / "fall/1.mkv", "--json"});
+  ASSERT_EQ(ingest.exit_code, 0) << ingest.err;
+  EXPECT_EQ(nlohmann::json::parse(ingest.out)["clips"][0]["outcome"], "added");
+  EXPECT_TRUE(holds(ingest.err, "freshet: index: "));
+  const Outcome label =
+      folder.freshet({"query", "label", "a.store", sample().still, "--frames", "16", "--json"});
+  ASSERT_EQ(label.exit_code, 0) << label.err;
+  EXPECT_TRUE(nlohmann::json::accept(label.out));
+  EXPECT_TRUE(holds(label.err, "searching candidates"));
+}
+
+}  // namespace
+}  // namespace freshet::tools

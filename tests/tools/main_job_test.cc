@@ -1,0 +1,160 @@
+// From simulated clips to an animation: the job that the README describes.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include <nlohmann/json.hpp>
+#include <opencv2/core.hpp>
+#include <opencv2/imgcodecs.hpp>
+
+#include "sample.h"
+
+namespace freshet::tools {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+constexpr int kAnimated = 16;
+
+/// query label of the sample's still; assignment.json in the folder.
+Outcome label(const WorkFolder& folder, std::vector<std::string> more = {}) {
+  std::vector<std::string> arguments{"query",   "label",        sample().store, sample().still,
+                                     "--matte", sample().matte, "--frames",     std::to_string(kAnimated)};
+  arguments.insert(arguments.end(), more.begin(), more.end());
+  return folder.freshet(arguments);
+}
+
+std::vector<cv::Mat> animate(const WorkFolder& folder, const std::string& name, const std::string& threads) {
+  fs::create_directories(folder / name);
+  const Outcome outcome = folder.freshet(
+      {"synth", "animate", sample().store, sample().still, "--matte", sample().matte, "--assignment",
+       "assignment.json", "--frames", std::to_string(kAnimated), "-j", threads, "-o", name + "/%05d.png"});
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_EQ(outcome.out, name + "/%05d.png\n");
+  std::vector<fs::path> files;
+  for (const auto& entry : fs::directory_iterator(folder / name)) files.push_back(entry.path());
+  std::sort(files.begin(), files.end());
+  std::vector<cv::Mat> frames;
+  for (const fs::path& file : files) frames.push_back(cv::imread(file, cv::IMREAD_COLOR));
+  return frames;
+}
+
+TEST(MainJob, StoreInfoListsTheClipsThatWereIngested) {
+  const Outcome outcome = WorkFolder().freshet({"store", "info", sample().store, "--json"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_EQ(outcome.err, "");
+  const json info = json::parse(outcome.out);
+  ASSERT_EQ(info["clips"].size(), 3U);
+  EXPECT_EQ(info["clips"][0]["name"], "fall/1.mkv");
+  EXPECT_EQ(info["clips"][0]["class"], "fall");
+  EXPECT_EQ(info["clips"][0]["frames"], kFrames);
+  EXPECT_EQ(info["clips"][0]["width"], kWidth);
+  EXPECT_EQ(info["clips"][0]["height"], kHeight);
+  EXPECT_EQ(info["clips"][0]["fps"], 25.0);
+  EXPECT_EQ(info["clips"][2]["name"], "river/1.mkv");
+  EXPECT_EQ(info["clips"][2]["frames"], kRiverFrames);
+  for (const json& clip : info["clips"]) EXPECT_GT(clip["patches"], 10);
+}
+
+TEST(MainJob, TheBestCandidateComesFirstAndASheetShowsThem) {
+  const WorkFolder folder;
+  const Outcome outcome =
+      folder.freshet({"query", "candidates", sample().store, sample().still, "--matte", sample().matte,
+                      "--frames", "16", "-k", "5", "--sheet", "sheet.png", "--json"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const json found = json::parse(outcome.out);
+  ASSERT_GT(found["pieces"].size(), 4U);
+  for (const json& piece : found["pieces"]) {
+    ASSERT_EQ(piece["candidates"].size(), 5U);
+    for (std::size_t i = 1; i < 5; ++i)
+      EXPECT_GE(piece["candidates"][i - 1]["score"], piece["candidates"][i]["score"]);
+  }
+  EXPECT_GE(cv::imread(folder / "sheet.png").cols, kWidth);
+}
+
+TEST(MainJob, AnEnergyIsNotBelowItsBoundAndTheAssignmentIsWrittenAsPrinted) {
+  const WorkFolder folder;
+  const Outcome outcome = label(folder, {"-o", "assignment.json", "--json"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const json printed = json::parse(outcome.out);
+  EXPECT_GE(printed["energy"].get<double>(), printed["lower_bound"].get<double>() - 1e-6);
+  EXPECT_GT(printed["energy"].get<double>(), 0);
+  const json written = json::parse(text_of(folder / "assignment.json"));
+  EXPECT_EQ(written, printed["assignment"]);
+  EXPECT_EQ(written["pieces"].size(), printed["pieces"].get<std::size_t>());
+}
+
+TEST(MainJob, OneThreadAndTwoChooseTheSame) {
+  const WorkFolder folder;
+  ASSERT_EQ(label(folder, {"-o", "one.json", "-j", "1"}).exit_code, 0);
+  ASSERT_EQ(label(folder, {"-o", "two.json", "-j", "2"}).exit_code, 0);
+  EXPECT_EQ(text_of(folder / "one.json"), text_of(folder / "two.json"));
+}
+
+TEST(MainJob, OutsideTheMatteEveryPixelIsThePicturesAndInsideItMoves) {
+  const WorkFolder folder;
+  ASSERT_EQ(label(folder, {"-o", "assignment.json"}).exit_code, 0);
+  const std::vector<cv::Mat> frames = animate(folder, "one", "1"), again = animate(folder, "two", "2");
+  ASSERT_EQ(frames.size(), static_cast<std::size_t>(kAnimated));
+  ASSERT_EQ(again.size(), frames.size());
+  const cv::Mat still = cv::imread(sample().still, cv::IMREAD_COLOR);
+  const cv::Mat matte = cv::imread(sample().matte, cv::IMREAD_GRAYSCALE);
+  const cv::Mat outside = matte == 0, inside = matte == 255;
+  ASSERT_GT(cv::countNonZero(outside), 100);
+  ASSERT_GT(cv::countNonZero(inside), 100);
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    ASSERT_EQ(frames[i].size(), cv::Size(kWidth, kHeight));
+    EXPECT_EQ(cv::norm(frames[i], still, cv::NORM_INF, outside), 0) << "frame " << i;
+    EXPECT_EQ(cv::norm(frames[i], again[i], cv::NORM_INF), 0) << "one thread and two differ in frame " << i;
+    if (i > 0) {
+      EXPECT_GT(cv::norm(frames[i], frames[i - 1], cv::NORM_L1, inside), 0) << "frame " << i;
+    }
+  }
+}
+
+TEST(MainJob, AClassAndADirectionNarrowWhatIsSearched) {
+  const auto patches = [](std::vector<std::string> more) {
+    std::vector<std::string> arguments{"query",    "candidates", sample().store, sample().still,
+                                       "--frames", "16",         "--json"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const Outcome outcome = WorkFolder().freshet(arguments);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    return json::parse(outcome.out);
+  };
+  const json all = patches({}), fall = patches({"--class", "fall"}), down = patches({"--direction", "down"});
+  const auto last = [](const json& found) { return found["filters"]["steps"].back(); };
+  EXPECT_EQ(last(all)["clips"], 3);
+  EXPECT_EQ(last(fall)["clips"], 2);
+  EXPECT_LT(last(fall)["patches"], last(all)["patches"]);
+  EXPECT_LT(last(down)["patches"], last(all)["patches"]);
+  for (const json& piece : fall["pieces"])
+    for (const json& candidate : piece["candidates"])
+      EXPECT_EQ(candidate["clip"].get<std::string>().substr(0, 5), "fall/");
+  for (const json& piece : down["pieces"])
+    for (const json& candidate : piece["candidates"])
+      EXPECT_EQ(candidate["clip"].get<std::string>().substr(0, 5), "fall/") << "rivers do not fall";
+}
+
+TEST(MainJob, ClipsThatEndTooSoonAreLeftOutAndNamedOnStderr) {
+  const Outcome outcome = WorkFolder().freshet(
+      {"query", "label", sample().store, sample().still, "--frames", std::to_string(kRiverFrames)});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_NE(outcome.err.find("fall/1.mkv, fall/2.mkv"), std::string::npos) << outcome.err;
+  EXPECT_NE(outcome.out.find("river/1.mkv"), std::string::npos);
+  EXPECT_EQ(outcome.out.find("fall/"), std::string::npos);
+}
+
+TEST(MainJob, TheMatteMayBeLeftOutAndThenAllOfThePictureMoves) {
+  const WorkFolder folder;
+  const Outcome outcome = folder.freshet({"synth", "animate", sample().store, sample().still, "--frames",
+                                          "16", "-o", "all.mkv", "--sheet", "sheet.png"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_EQ(outcome.out, "all.mkv\nsheet.png\n");
+  EXPECT_FALSE(cv::imread(folder / "sheet.png").empty());
+  EXPECT_TRUE(fs::exists(folder / "all.mkv"));
+}
+
+}  // namespace
+}  // namespace freshet::tools

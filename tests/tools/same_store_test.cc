@@ -1,0 +1,54 @@
+// One digest for the same clips, however they came into the store.
+
+#include <gtest/gtest.h>
+
+#include "sample.h"
+
+namespace freshet::tools {
+namespace {
+
+namespace fs = std::filesystem;
+
+TEST(SameStore, ThreadsAndOrderDoNotMatter) {
+  const WorkFolder folder;
+  const std::string a = sample().clips / "fall/1.mkv", b = sample().clips / "fall/2.mkv",
+                    c = sample().clips / "river/1.mkv";
+  // By themselves, clips of equal file names would clash.
+  fs::copy_file(c, folder / "3.mkv");
+  ASSERT_EQ(folder.freshet({"ingest", "one.store", "-j", "1", a, b, "3.mkv"}).exit_code, 0);
+  ASSERT_EQ(folder.freshet({"ingest", "two.store", "-j", "2", "3.mkv", b, a}).exit_code, 0);
+  EXPECT_EQ(digest(folder / "one.store"), digest(folder / "two.store"));
+  EXPECT_NE(digest(folder / "one.store"), digest(sample().store)) << "names are content";
+}
+
+TEST(SameStore, ASecondIngestAddsNothing) {
+  const WorkFolder folder;
+  const fs::path store = copy_of_store(folder);
+  const Outcome outcome = folder.freshet({"ingest", store, sample().clips});
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_NE(outcome.out.find("0 added, 3 already there, 0 refused, 0 failed"), std::string::npos)
+      << outcome.out;
+  EXPECT_EQ(digest(store), digest(sample().store));
+}
+
+TEST(SameStore, PartsMakeTheWhole) {
+  const WorkFolder folder;
+  for (const char* part : {"2/2", "1/2"}) {
+    const Outcome outcome = folder.freshet({"ingest", "a.store", sample().clips, "--shard", part});
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  }
+  EXPECT_EQ(digest(folder / "a.store"), digest(sample().store));
+}
+
+TEST(SameStore, AnIndexMadeLaterIsTheSame) {
+  const WorkFolder folder;
+  ASSERT_EQ(folder.freshet({"ingest", "a.store", sample().clips, "--no-index"}).exit_code, 0);
+  const Outcome query = folder.freshet({"query", "candidates", "a.store", sample().still, "--frames", "16"});
+  EXPECT_EQ(query.exit_code, 1);
+  EXPECT_NE(query.err.find("a.store: it has no index. Run freshet index"), std::string::npos) << query.err;
+  ASSERT_EQ(folder.freshet({"index", "a.store"}).exit_code, 0);
+  EXPECT_EQ(digest(folder / "a.store"), digest(sample().store));
+}
+
+}  // namespace
+}  // namespace freshet::tools

@@ -1,0 +1,103 @@
+#include "work_folder.h"
+
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <fstream>
+#include <iterator>
+#include <sstream>
+
+namespace freshet::tools {
+
+namespace fs = std::filesystem;
+
+WorkFolder::WorkFolder() {
+  static std::atomic<int> count{0};
+  path_ = fs::temp_directory_path() /
+          ("freshet_tools_" + std::to_string(::getpid()) + "_" + std::to_string(count++));
+  fs::create_directories(path_);
+}
+
+WorkFolder::~WorkFolder() {
+  std::error_code ignored;
+  fs::remove_all(path_, ignored);
+}
+
+fs::path WorkFolder::file(const std::string& name, const std::string& text) const {
+  std::ofstream(path_ / name, std::ios::binary) << text;
+  return path_ / name;
+}
+
+Started WorkFolder::start(const std::vector<std::string>& command) const {
+  static std::atomic<int> count{0};
+  const std::string number = std::to_string(count++);
+  // Files, not pipes: nothing then waits for a reader. They lie beside the folder, which a test may list.
+  Started started{.out = path_.string() + ".out" + number, .err = path_.string() + ".err" + number};
+  posix_spawn_file_actions_t actions;
+  posix_spawn_file_actions_init(&actions);
+  posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
+  posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, started.out.c_str(), O_WRONLY | O_CREAT, 0600);
+  posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, started.err.c_str(), O_WRONLY | O_CREAT, 0600);
+  posix_spawn_file_actions_addchdir_np(&actions, path_.c_str());
+  std::vector<char*> arguments;
+  for (const std::string& word : command) arguments.push_back(const_cast<char*>(word.c_str()));
+  arguments.push_back(nullptr);
+  if (posix_spawnp(&started.process, arguments[0], &actions, nullptr, arguments.data(), environ) != 0)
+    started.process = 0;
+  posix_spawn_file_actions_destroy(&actions);
+  return started;
+}
+
+Outcome WorkFolder::wait(const Started& started) {
+  Outcome outcome;
+  int status = 0;
+  if (started.process > 0 && ::waitpid(started.process, &status, 0) == started.process) {
+    if (WIFEXITED(status)) outcome.exit_code = WEXITSTATUS(status);
+    if (WIFSIGNALED(status)) outcome.signal = WTERMSIG(status);
+    outcome.out = text_of(started.out);
+    outcome.err = text_of(started.err);
+  }
+  fs::remove(started.out);
+  fs::remove(started.err);
+  return outcome;
+}
+
+Outcome WorkFolder::run(const std::vector<std::string>& command) const { return wait(start(command)); }
+
+Outcome WorkFolder::freshet(std::vector<std::string> arguments) const {
+  arguments.insert(arguments.begin(), executable());
+  return run(arguments);
+}
+
+Outcome WorkFolder::freshet_after(const std::string& preparation,
+                                  const std::vector<std::string>& arguments) const {
+  std::vector<std::string> command{"sh", "-c", preparation + "; exec \"$@\"", "sh", executable()};
+  command.insert(command.end(), arguments.begin(), arguments.end());
+  return run(command);
+}
+
+std::string executable() { return FRESHET_EXECUTABLE; }
+
+std::string text_of(const fs::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+std::vector<std::string> lines_of(const std::string& text) {
+  std::vector<std::string> lines;
+  std::istringstream stream(text);
+  for (std::string line; std::getline(stream, line);) lines.push_back(line);
+  return lines;
+}
+
+std::string digest(const fs::path& store) {
+  const Outcome outcome = WorkFolder().freshet({"store", "digest", store});
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  return outcome.out;
+}
+
+}  // namespace freshet::tools
