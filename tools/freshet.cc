@@ -70,7 +70,7 @@ int main(int argc, char** argv) {
   CLI::App app("Freshet: a patch database of fluid video, and still pictures animated with it.", "freshet");
   app.footer(kFooter);
   app.set_version_flag("--version", "freshet " FRESHET_VERSION);
-  app.set_config("--config", "", "Read options from a TOML file");
+  app.set_config("--config", "", "Read options from a TOML file")->type_name("FILE");
   app.require_subcommand(1);
   app.allow_config_extras(CLI::config_extras_mode::error);  // a misspelt name must not be passed over
   app.fallthrough();                                        // --config may also stand behind a command

@@ -156,7 +156,7 @@ void add_ingest(CLI::App& app, Session& session) {
   CLI::App* sub = app.add_subcommand(
       "ingest",
       "Add clips of fluid to a store, which is made if it does not exist. Clips that are already there are "
-      "passed over, so an interrupted run is simply run again.");
+      "passed over, so an interrupted run is simply run again; clips that are unfit are named and left out.");
   sub->add_option("STORE", command->store, "The store file")->required();
   sub->add_option("CLIP", command->paths, "Videos, or folders of videos (searched to any depth)")->required();
   sub->add_option("--class", command->options.class_name,

@@ -195,7 +195,13 @@ void add_animate(CLI::App& synth_command, Session& session) {
       ->capture_default_str()
       ->group(group);
   add_threads(*sub);
-  sub->callback([command, &session] { run_animate(*command, session); });
+  sub->callback([command, sub, &session] {
+    if (!command->assignment.empty())
+      for (const char* name : {"--class", "--direction", "--exclude", "--solver"})
+        if (sub->count(name) > 0)
+          say(fmt::format("{} has no effect: {} says which patches are used", name, command->assignment));
+    run_animate(*command, session);
+  });
 }
 
 void add_simulate(CLI::App& synth_command, Session& session) {

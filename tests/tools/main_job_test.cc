@@ -146,6 +146,17 @@ TEST(MainJob, ClipsThatEndTooSoonAreLeftOutAndNamedOnStderr) {
   EXPECT_EQ(outcome.out.find("fall/"), std::string::npos);
 }
 
+TEST(MainJob, AConditionThatAnAssignmentOverridesIsSaidToHaveNoEffect) {
+  const WorkFolder folder;
+  ASSERT_EQ(label(folder, {"-o", "assignment.json"}).exit_code, 0);
+  const Outcome outcome =
+      folder.freshet({"synth", "animate", sample().store, sample().still, "--assignment", "assignment.json",
+                      "--direction", "up", "--frames", "8", "-o", "out.mkv"});
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_NE(outcome.err.find("--direction has no effect: assignment.json says"), std::string::npos)
+      << outcome.err;
+}
+
 TEST(MainJob, TheMatteMayBeLeftOutAndThenAllOfThePictureMoves) {
   const WorkFolder folder;
   const Outcome outcome = folder.freshet({"synth", "animate", sample().store, sample().still, "--frames",

@@ -38,6 +38,11 @@ const Sample& sample() {
   return made;
 }
 
+const std::string& sample_digest() {
+  static const std::string answer = digest(sample().store);
+  return answer;
+}
+
 fs::path copy_of_store(const WorkFolder& folder, const std::string& name) {
   fs::copy_file(sample().store, folder / name);
   return folder / name;

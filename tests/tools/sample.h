@@ -19,6 +19,8 @@ inline constexpr int kFrames = 32;  // of the waterfalls
 inline constexpr int kRiverFrames = 40;
 
 const Sample& sample();
+/// Of the sample's store.
+const std::string& sample_digest();
 
 /// A copy of the sample's store that a test may spoil.
 std::filesystem::path copy_of_store(const WorkFolder& folder, const std::string& name = "copy.store");
