@@ -23,7 +23,8 @@ class Error : public std::runtime_error {
   /// fault    what was found, and what was expected.
   /// remedy   what the user can do; may be empty where nothing can be done.
   Error(ErrorKind kind, const std::string& where, const std::string& fault, const std::string& remedy = {})
-      : std::runtime_error(where + ": " + fault + (remedy.empty() ? "." : ". " + remedy + ".")), kind_(kind) {}
+      : std::runtime_error(where + ": " + fault + (remedy.empty() ? "." : ". " + remedy + ".")),
+        kind_(kind) {}
 
   ErrorKind kind() const { return kind_; }
 

@@ -38,7 +38,23 @@ inline float log_1_plus(float x) {
 struct Band {
   std::vector<Row> rows;        // ascending, distinct
   std::vector<float> features;  // rows * shape.values()
+  std::vector<float> strength;  // of a row's motion, in the features' own measure
+
+  std::size_t place_of(Row row) const {
+    return static_cast<std::size_t>(std::lower_bound(rows.begin(), rows.end(), row) - rows.begin());
+  }
 };
+
+// How strongly a patch moves: the root of its mean motion's and dynamics' share of what W would be beside a
+// patch that stands still.
+float motion_strength(const FeatureShape& shape, std::span<const float> features) {
+  const int moving = 2 + 2 * shape.bands;
+  double sum = 0;
+  for (const float* cell = features.data(); cell != features.data() + features.size();
+       cell += shape.channels())
+    for (int i = 0; i < moving; ++i) sum += static_cast<double>(cell[i]) * cell[i];
+  return static_cast<float>(std::sqrt(sum * shape.overlap / shape.cells));
+}
 
 struct Region {
   int column, row, columns, rows;  // cells
@@ -50,10 +66,8 @@ void pack(const FeatureShape& shape, const Band& band, std::span<const Row> cand
   const std::size_t row_values = static_cast<std::size_t>(region.columns) * channels;
   panel.resize(candidates.size(), row_values * static_cast<std::size_t>(region.rows));
   for (std::size_t label = 0; label < candidates.size(); ++label) {
-    const auto found = std::lower_bound(band.rows.begin(), band.rows.end(), candidates[label]);
     const auto features =
-        std::span(band.features)
-            .subspan(static_cast<std::size_t>(found - band.rows.begin()) * shape.values(), shape.values());
+        std::span(band.features).subspan(band.place_of(candidates[label]) * shape.values(), shape.values());
     for (int row = 0; row < region.rows; ++row) {
       const std::size_t from =
           (static_cast<std::size_t>(region.row + row) * static_cast<std::size_t>(shape.cells) +
@@ -61,6 +75,23 @@ void pack(const FeatureShape& shape, const Band& band, std::span<const Row> cand
           channels;
       panel.set(label, static_cast<std::size_t>(row) * row_values, features.subspan(from, row_values));
     }
+  }
+}
+
+// Candidates vote on how strongly a piece moves: each pays for its distance from their median.
+void add_votes(const Band& band, std::span<const Row> candidates, const PairwiseOptions& options, Mrf& mrf,
+               std::uint32_t piece) {
+  if (options.vote == 0) return;
+  std::vector<float> strengths;
+  for (const Row row : candidates) strengths.push_back(band.strength[band.place_of(row)]);
+  std::vector<float> sorted = strengths;
+  std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2),
+                   sorted.end());
+  const float median = sorted[sorted.size() / 2];
+  float* const unary = mrf.unary.data() + mrf.first_unary[piece];
+  for (std::size_t i = 0; i < strengths.size(); ++i) {
+    const float distance = strengths[i] - median;
+    unary[i] += static_cast<float>(options.vote) * distance * distance;
   }
 }
 
@@ -77,7 +108,7 @@ const char* name_of(CostForm form) { return form == CostForm::kLog ? "log" : "po
 
 PairwiseOptions default_costs(CostForm form) {
   PairwiseOptions options;
-  if (form == CostForm::kPower) options = {CostForm::kPower, 0.01, 100, 100 * 100};
+  if (form == CostForm::kPower) options = {CostForm::kPower, 0.01, 100, 100 * 100, 0};
   return options;
 }
 
@@ -130,9 +161,9 @@ void weigh_features(const FeatureShape& shape, const PairwiseOptions& options, s
 
 Mrf build_mrf(const Target& target, const Candidates& candidates, const FeatureShape& shape,
               const PairwiseOptions& options, const FeatureSource& source, std::stop_token stop) {
-  for (const double weight : {options.lambda, options.sigma, options.rho}) {
+  for (const double weight : {options.lambda, options.sigma, options.rho, options.vote}) {
     if (!(weight >= 0) || !std::isfinite(weight)) {
-      throw Error(ErrorKind::kUsage, "lambda, sigma, rho", "a weight that is negative or no number");
+      throw Error(ErrorKind::kUsage, "lambda, sigma, rho, vote", "a weight that is negative or no number");
     }
   }
   assert(candidates.pieces() == target.size());
@@ -172,11 +203,15 @@ Mrf build_mrf(const Target& target, const Candidates& candidates, const FeatureS
     band.rows.erase(std::unique(band.rows.begin(), band.rows.end()), band.rows.end());
     if (source.prepare) source.prepare(band.rows);
     band.features.resize(band.rows.size() * shape.values());
+    band.strength.resize(band.rows.size());
     oneapi::tbb::parallel_for(std::size_t{0}, band.rows.size(), [&](std::size_t i) {
       const auto features = std::span(band.features).subspan(i * shape.values(), shape.values());
       source.read(band.rows[i], features);
       weigh_features(shape, options, features);
+      band.strength[i] = motion_strength(shape, features);
     });
+    for (const std::uint32_t piece : pieces_of_row[row])
+      add_votes(band, candidates.rows_of(piece), options, mrf, piece);
     const int rest = shape.cells - shape.overlap;
     oneapi::tbb::parallel_for(std::size_t{0}, edges_of_row[row].size(), [&](std::size_t e) {
       const Mrf::Edge& edge = mrf.edges[edges_of_row[row][e]];

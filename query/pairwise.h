@@ -30,11 +30,15 @@ const char* name_of(CostForm form);
 /// 1 px/s), log of textureness (above 1/512): zero where looks agree, whatever their strength. sigma and rho
 /// make means over 8 bands and 4 levels. lambda: on a waterfall of 274 pieces, with 0.01 84 % of neighbours
 /// share a clip (45 % by looks alone) at 3 % more unary cost; 0.05 makes it 86 % and nearly doubles that.
-/// Not cured: on that picture, with seven clips and no direction asked for, both forms halve the mean speed
-/// that looks alone would choose. Ask for a direction.
+///
+/// Both forms still drift to calm motion, as the quietest patches fit each other best (fire 98 px/s by looks
+/// alone, 43 when labelled). Against it the candidates vote: what looks like a piece tells how strongly it
+/// moves, and a candidate pays vote * (its strength - their median)^2, strength being the root of its W
+/// beside a patch that stands still. 4 brings that fire to 60 px/s (docs/measurements.md).
 struct PairwiseOptions {
   CostForm form = CostForm::kLog;
   double lambda = 0.01, sigma = 0.125, rho = 0.25;
+  double vote = 4;  // of a piece's candidates on how strongly it moves; 0: none, as in the paper
 };
 /// The defaults of each form; kPower: lambda 0.01, sigma 100, rho 100 * sigma.
 PairwiseOptions default_costs(CostForm form);

@@ -83,11 +83,15 @@ void LabelOptions::add_to(CLI::App& command) {
                   "log: distances of logarithms; power: the paper's, which drift to calm motion")
       ->check(CLI::IsMember({"log", "power"}))
       ->capture_default_str();
-  lambda_option_ =
-      command.add_option("--lambda", lambda_, "Weight of neighbours against likeness [log 0.05, power 0.01]")
-          ->check(CLI::NonNegativeNumber);
+  lambda_option_ = command.add_option("--lambda", lambda_, "Weight of neighbours against likeness [0.01]")
+                       ->check(CLI::NonNegativeNumber);
   sigma_option_ =
       command.add_option("--sigma", sigma_, "Weight of dynamics against mean motion [log 0.125, power 100]")
+          ->check(CLI::NonNegativeNumber);
+  vote_option_ =
+      command
+          .add_option("--vote", vote_,
+                      "Weight of the candidates' vote on how strongly a piece moves [log 4, power 0]")
           ->check(CLI::NonNegativeNumber);
   rho_option_ =
       command.add_option("--rho", rho_, "Weight of textureness against mean motion [log 0.25, power 10000]")
@@ -101,6 +105,7 @@ query::PairwiseOptions LabelOptions::costs() const {
   if (lambda_option_->count() > 0) costs.lambda = lambda_;
   if (sigma_option_->count() > 0) costs.sigma = sigma_;
   if (rho_option_->count() > 0) costs.rho = rho_;
+  if (vote_option_->count() > 0) costs.vote = vote_;
   return costs;
 }
 

@@ -57,8 +57,9 @@ class LabelOptions {
  private:
   std::string solver_ = "trw-s", costs_ = "log";
   int iterations_ = 100;
-  double lambda_ = 0, sigma_ = 0, rho_ = 0;
-  CLI::Option *lambda_option_ = nullptr, *sigma_option_ = nullptr, *rho_option_ = nullptr;
+  double lambda_ = 0, sigma_ = 0, rho_ = 0, vote_ = 0;
+  CLI::Option *lambda_option_ = nullptr, *sigma_option_ = nullptr, *rho_option_ = nullptr,
+              *vote_option_ = nullptr;
 };
 
 /// Says what the filters left, and which clips were too short.

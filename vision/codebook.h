@@ -10,8 +10,8 @@
 namespace freshet::vision {
 
 struct CodebookOptions {
-  int words = 200;          // at most 256; Okabe et al. 2011 tried 100, 200, 300, 500 and kept 200
-  int iterations = 10;      // of 2-means inside a bisection
+  int words = 200;      // at most 256; Okabe et al. 2011 tried 100, 200, 300, 500 and kept 200
+  int iterations = 10;  // of 2-means inside a bisection
   std::uint64_t seed = 1;
 };
 
@@ -21,13 +21,14 @@ struct Codebook {
   std::vector<float> centres;
 };
 
-/// Splits the cluster of largest total squared error in two, until there are `words` of them; then a few rounds
-/// of k-means over all. Fewer distinct descriptors than words give fewer words.
-/// Deterministic for a given order of samples. Products through Eigen, vectors centred first.
-/// Source: Zhao, Karypis, Fayyad 2005 (as cited by Okabe et al. 2011, Sec. 4).
+/// Splits the cluster of largest total squared error in two, until there are `words` of them; then a few
+/// rounds of k-means over all. Fewer distinct descriptors than words give fewer words. Deterministic for a
+/// given order of samples. Products through Eigen, vectors centred first. Source: Zhao, Karypis, Fayyad 2005
+/// (as cited by Okabe et al. 2011, Sec. 4).
 Codebook train_codebook(std::span<const Descriptor> samples, const CodebookOptions& options = {});
 
 /// Nearest word (smallest index on ties) of each descriptor. All threads; same for any number.
-void assign_words(const Codebook& codebook, std::span<const Descriptor> descriptors, std::span<std::uint8_t> words);
+void assign_words(const Codebook& codebook, std::span<const Descriptor> descriptors,
+                  std::span<std::uint8_t> words);
 
 }  // namespace freshet::vision

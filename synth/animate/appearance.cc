@@ -181,7 +181,7 @@ AppearanceModel::AppearanceModel(const cv::Mat& target, const cv::Mat& matte,
     for (int level = 0; level < levels_; ++level) apply_band(bands_[level], sample_bands[i][level]);
     matched[i] = vision::collapse(sample_bands[i]);
   });
-  picture_ = fit(target, matte, matched, options.region_px * 1.5, options.max_gain, false);
+  picture_ = fit(target, matte, matched, options.region_px * 1.5, options.max_level_gain, false);
 }
 
 cv::Mat AppearanceModel::apply(const cv::Mat& luma) const {

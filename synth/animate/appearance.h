@@ -9,10 +9,12 @@
 namespace freshet::synth {
 
 struct AppearanceOptions {
-  int levels = 3;      // band-pass levels matched; then the picture itself
-  int region_px = 64;  // distance between the middles of neighbouring regions
-  double max_gain =
-      3;  // a band is not amplified beyond this: it would bring out the block noise of the clips
+  int levels = 5;       // band-pass levels matched, up to detail of 32 px; then the picture itself
+  int region_px = 64;   // distance between the middles of neighbouring regions
+  double max_gain = 2;  // a band is not amplified beyond this: at 3, the grain of an old photograph brought
+                        // out the block noise of the smoke laid on it
+  double max_level_gain = 1.5;  // nor the picture's own levels: with more, the few dark pixels of a rock at
+                                // the matte's edge turned into dark specks that swim in the fall
 };
 
 /// Maps of values to values by region, one set a band, fitted once to the whole animation and then applied to
