@@ -23,6 +23,9 @@ Any option can stand in a TOML file, under a table named after the command, and 
 
 Exit codes: 0 done, 1 failed, 2 wrong usage, 3 the store is damaged.)";
 
+constexpr const char* kNoMemory =
+    "not enough memory; close other programs, or use a smaller picture or fewer frames";
+
 /// What is wrong with a command line, and where to read how it should be.
 std::string usage_fault(const CLI::App& app, const CLI::ParseError& fault) {
   const CLI::App* command = &app;
@@ -103,9 +106,14 @@ int main(int argc, char** argv) {
     tools::say(fault.what());
     return exit_code(fault.kind());
   } catch (const std::bad_alloc&) {
-    tools::say("not enough memory; close other programs, or use a smaller picture or fewer frames");
+    tools::say(kNoMemory);
     return 1;
   } catch (const std::exception& fault) {
+    const auto* const opencv = dynamic_cast<const cv::Exception*>(&fault);
+    if (opencv != nullptr && opencv->code == cv::Error::StsNoMem) {
+      tools::say(kNoMemory);
+      return 1;
+    }
     tools::say(fmt::format("unexpected failure: {}. Please report it with the command line", fault.what()));
     return 1;
   }

@@ -1,5 +1,6 @@
 #include "tools/settings_options.h"
 
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "freshet_error.h"
@@ -53,11 +54,25 @@ void SettingsOptions::add_to(CLI::App& command) {
       ->capture_default_str();
 }
 
-vision::Settings SettingsOptions::for_new_store() const {
+vision::Settings SettingsOptions::described() const {
   vision::Settings settings = settings_;
   settings.flips = !no_flips_;
   settings.flow.method = vision::parse_flow_method(flow_);
   settings.texture_cell = settings.spectrum.cell;
+  return settings;
+}
+
+vision::Settings SettingsOptions::for_new_store() const {
+  const vision::Settings settings = described();
+  const int cell = settings.spectrum.cell, step = settings.flow_step, stride = settings.grid.stride;
+  if (cell % step != 0)
+    throw Error(ErrorKind::kUsage, fmt::format("--cell {} --flow-step {}", cell, step),
+                "a cell must hold whole samples of the flow",
+                fmt::format("Add --flow-step {}, or choose larger cells", cell));
+  if (stride % cell != 0)
+    throw Error(ErrorKind::kUsage, fmt::format("--cell {} --stride {}", cell, stride),
+                "overlapping patches must share whole cells",
+                "Choose smaller cells, or a stride that is a multiple of the cell");
   return settings;
 }
 
@@ -69,7 +84,7 @@ void SettingsOptions::check_against(const vision::Settings& settings, const std:
   if (!given) return;
   // Options not given keep the defaults, which an older store need not have: only a contradiction in what was
   // given matters, and the settings' own form is the shortest way to compare them.
-  const nlohmann::json asked = nlohmann::json::parse(vision::to_json(for_new_store()));
+  const nlohmann::json asked = nlohmann::json::parse(vision::to_json(described()));
   const nlohmann::json defaults = nlohmann::json::parse(vision::to_json(vision::Settings{}));
   const nlohmann::json held = nlohmann::json::parse(vision::to_json(settings));
   for (const nlohmann::json& step : nlohmann::json::diff(defaults, asked)) {

@@ -13,13 +13,16 @@ namespace freshet::tools {
 class SettingsOptions {
  public:
   void add_to(CLI::App& command);
-  /// The settings that the options describe.
+  /// The settings that the options describe. Throws Error{kUsage} when two of them do not go together: found
+  /// later, the store would be there and of no use.
   vision::Settings for_new_store() const;
   /// A store's settings do not change once it holds clips. Throws Error{kUsage} naming the first option that
   /// was given and says otherwise than the store.
   void check_against(const vision::Settings& settings, const std::string& store) const;
 
  private:
+  vision::Settings described() const;
+
   vision::Settings settings_;
   std::string flow_ = "dis";
   bool no_flips_ = false;

@@ -117,7 +117,7 @@ void framemd5(const StoreCommand& command) {
   const store::ClipId id = find_clip(snapshot, command.store, command.clip);
   const store::ClipRecord& clip = snapshot.clip(id);
   const query::ClipFrames frames(snapshot, id);
-  fmt::print("{}\n", media::framemd5_header(frames.layout(), clip.fps_den, clip.fps_num));
+  fmt::print("{}", media::framemd5_header(frames.layout(), clip.fps_den, clip.fps_num));
   for (std::uint32_t first = 0; first < frames.size(); first += kSlab) {
     const std::uint32_t count = std::min(kSlab, frames.size() - first);
     const std::vector<media::Frame> slab = frames.read(first, count);

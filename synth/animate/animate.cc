@@ -83,9 +83,7 @@ AnimateReport animate(const store::Snapshot& snapshot, const vision::Settings& s
                       const cv::Mat& picture, const cv::Mat& matte, const Placement& placement,
                       const AnimateOptions& options, const std::function<void(const cv::Mat&)>& sink,
                       const std::function<void(const AnimateProgress&)>& progress, std::stop_token stop) {
-  if (placement.patches.empty())
-    throw Error(ErrorKind::kInput, "placement", "it holds no piece",
-                "Give a matte that covers some of the picture");
+  check(placement);
   Stopwatch total, watch;
   AnimateReport report;
   report.pieces = placement.patches.size();

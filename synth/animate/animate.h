@@ -47,9 +47,9 @@ struct AnimateProgress {
 ///
 /// picture    CV_8UC3 BGR. matte CV_8U, same size; where it is 0 every output pixel equals the picture's.
 /// placement  every clip in it must last frames / fps seconds.
-/// Throws     Error{kInput} when the placement is empty or a clip too short, Error{kCancelled} when stopped.
-/// Memory     frames x picture x 4/3 floats, and the shown frames' luminance of one clip at a time.
-/// Source     Okabe et al. 2011, Sec. 6.
+/// Throws     Error{kInput} when the placement does not pass check() or a clip is too short,
+/// Error{kCancelled} when stopped. Memory     frames x picture x 4/3 floats, and the shown frames' luminance
+/// of one clip at a time. Source     Okabe et al. 2011, Sec. 6.
 AnimateReport animate(const store::Snapshot& snapshot, const vision::Settings& settings,
                       const cv::Mat& picture, const cv::Mat& matte, const Placement& placement,
                       const AnimateOptions& options, const std::function<void(const cv::Mat&)>& sink,

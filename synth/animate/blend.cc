@@ -1,6 +1,6 @@
 #include "synth/animate/blend.h"
 
-#include <array>
+#include <bit>
 #include <cmath>
 
 #include <oneapi/tbb/enumerable_thread_specific.h>
@@ -60,8 +60,8 @@ struct Blender::Impl {
   /// 1 / sum of weights, or 1 / sqrt(w' C w) with C = 1 inside a coherent group and 0 between groups.
   cv::Mat gain_of_level(int level) const {
     const cv::Size size(canvas.width >> level, canvas.height >> level);
-    // Pieces of one lattice parity do not overlap: four planes hold every pixel's pieces.
-    std::array<cv::Mat, 4> piece_of, weight_of;
+    // Pieces of one lattice parity do not overlap: with a stride of half the side four planes hold every
+    // pixel's pieces.
     const int overlap = (placement.side + placement.stride - 1) / placement.stride;
     std::vector<cv::Mat> owner(overlap * overlap), share(overlap * overlap);
     for (cv::Mat& plane : owner) plane = cv::Mat(size, CV_32S, cv::Scalar(-1));
@@ -106,11 +106,14 @@ Blender::Blender(const Placement& placement, int frames, const BlendOptions& opt
     : impl_(std::make_unique<Impl>()) {
   impl_->placement = placement;
   impl_->options = options;
+  // A level whose samples fall between the lattice's would lay the pieces beside their places.
+  const auto step = static_cast<unsigned>(common_step(placement, 1 << options.levels));
+  const int levels = impl_->options.levels = std::countr_zero(step);
   impl_->canvas = canvas_of(placement);
   const cv::Rect canvas = impl_->canvas;
-  for (int level = 0; level <= options.levels; ++level)
+  for (int level = 0; level <= levels; ++level)
     impl_->weight.push_back(level_weight(placement.side, placement.stride, level));
-  for (int level = 0; level <= options.levels; ++level) impl_->gain.push_back(impl_->gain_of_level(level));
+  for (int level = 0; level <= levels; ++level) impl_->gain.push_back(impl_->gain_of_level(level));
   impl_->lattice = {(canvas.width - placement.side) / placement.stride + 1,
                     (canvas.height - placement.side) / placement.stride + 1};
   impl_->present = cv::Mat::zeros(impl_->lattice, CV_32F);

@@ -28,7 +28,8 @@ enum class LowBand {
 struct BlendOptions {
   BlendWeights weights = BlendWeights::kVariance;
   LowBand low_band = LowBand::kShared;
-  int levels = 3;             // band-pass levels; the rest of a 48 px piece is then 6 x 6
+  int levels = 3;             // band-pass levels, fewer where side and stride are no multiples of 2^levels
+                              // px; the rest of a 48 px piece is then 6 x 6
   double low_band_reach = 3;  // kShared: sigma of the neighbourhood, in pieces
 };
 

@@ -12,10 +12,10 @@ namespace freshet::synth {
 cv::Mat motion_field(const store::Snapshot& snapshot, const vision::Settings& settings,
                      const Placement& placement, cv::Size picture) {
   // Motion is sampled in squares of 8 px: finer than the flow is true, fine enough for a fall's edge.
-  constexpr int kSquare = 8;
+  const int square = common_step(placement, 8);
   const cv::Rect canvas = canvas_of(placement);
-  const cv::Size squares(canvas.width / kSquare, canvas.height / kSquare);
-  const int per_side = placement.side / kSquare;
+  const cv::Size squares(canvas.width / square, canvas.height / square);
+  const int per_side = placement.side / square;
   cv::Mat sum = cv::Mat::zeros(squares, CV_32FC2), mass = cv::Mat::zeros(squares, CV_32F);
 
   std::map<store::ClipId, vision::CellMap> cells;
@@ -26,11 +26,11 @@ cv::Mat motion_field(const store::Snapshot& snapshot, const vision::Settings& se
     const store::ClipRecord& record = snapshot.clip(placed.clip);
     const vision::VariantFrame frame = vision::variant_frame(
         {static_cast<int>(record.width), static_cast<int>(record.height)}, placed.variant);
-    const cv::Point corner = (placed.piece - canvas.tl()) / kSquare;
+    const cv::Point corner = (placed.piece - canvas.tl()) / square;
     for (int row = 0; row < per_side; ++row)
       for (int column = 0; column < per_side; ++column) {
         const cv::Vec2f motion = vision::patch_mean_motion(
-            found->second, frame, placed.patch.x + column * kSquare, placed.patch.y + row * kSquare, kSquare);
+            found->second, frame, placed.patch.x + column * square, placed.patch.y + row * square, square);
         const auto tent = [&](int i) {
           return 1 - std::abs(2 * (i + 0.5f) / static_cast<float>(per_side) - 1);
         };
@@ -44,10 +44,10 @@ cv::Mat motion_field(const store::Snapshot& snapshot, const vision::Settings& se
       if (mass.at<float>(row, column) > 0) sum.at<cv::Vec2f>(row, column) /= mass.at<float>(row, column);
 
   // From squares to pixels of the picture: bilinear between the squares' middles.
-  const double offset_x = canvas.x + (kSquare - 1) / 2.0, offset_y = canvas.y + (kSquare - 1) / 2.0;
+  const double offset_x = canvas.x + (square - 1) / 2.0, offset_y = canvas.y + (square - 1) / 2.0;
   cv::Mat field;
   cv::warpAffine(sum, field,
-                 cv::Matx23d(1.0 / kSquare, 0, -offset_x / kSquare, 0, 1.0 / kSquare, -offset_y / kSquare),
+                 cv::Matx23d(1.0 / square, 0, -offset_x / square, 0, 1.0 / square, -offset_y / square),
                  picture, cv::INTER_LINEAR | cv::WARP_INVERSE_MAP, cv::BORDER_REPLICATE);
   return field;
 }

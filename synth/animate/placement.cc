@@ -2,8 +2,30 @@
 
 #include <algorithm>
 #include <limits>
+#include <string>
+
+#include "freshet_error.h"
 
 namespace freshet::synth {
+
+void check(const Placement& placement) {
+  if (placement.patches.empty())
+    throw Error(ErrorKind::kInput, "placement", "it holds no piece",
+                "Give a matte that covers some of the picture");
+  const int side = placement.side, stride = placement.stride;
+  if (side < 8 || stride < 4 || side % 4 != 0 || stride % 4 != 0 || stride > side || side > 4 * stride)
+    throw Error(ErrorKind::kInput, "placement",
+                "pieces of " + std::to_string(side) + " px every " + std::to_string(stride) +
+                    " px; multiples of 4 px expected, and a stride of a quarter of the side to all of it",
+                "Label the picture again: freshet query label");
+}
+
+int common_step(const Placement& placement, int most) {
+  int step = 1;
+  while (2 * step <= most && placement.side % (2 * step) == 0 && placement.stride % (2 * step) == 0)
+    step *= 2;
+  return step;
+}
 
 bool coherent(const PlacedPatch& a, const PlacedPatch& b) {
   return a.clip == b.clip && a.variant == b.variant && a.patch - a.piece == b.patch - b.piece;

@@ -20,17 +20,25 @@ struct PlacedPatch {
 
 /// Pieces on one regular lattice: every piece.x differs from another's by a multiple of `stride`; so does y.
 struct Placement {
-  int side = 48;    // px, of a piece; a multiple of 8
-  int stride = 24;  // px; a multiple of 8
+  int side = 48;    // px, of a piece
+  int stride = 24;  // px
   std::vector<PlacedPatch> patches;
 };
+
+/// Throws Error{kInput} when there is no piece, when side or stride is no multiple of 4 px, or when more than
+/// four pieces overlap across: an assignment file can say so.
+void check(const Placement& placement);
+
+/// The largest power of two, at most `most`, that divides side and stride: in steps of it pieces and canvas
+/// coincide.
+int common_step(const Placement& placement, int most);
 
 /// True when b's patch continues a's in its own clip and variant: laid beside each other they show what the
 /// clip showed there, without a seam.
 bool coherent(const PlacedPatch& a, const PlacedPatch& b);
 
 /// The smallest rectangle of whole strides that holds all pieces: the canvas on which they are blended. Its
-/// corner lies on the lattice, so that pyramid levels of pieces and canvas coincide.
+/// corner lies on the lattice.
 cv::Rect canvas_of(const Placement& placement);
 
 }  // namespace freshet::synth

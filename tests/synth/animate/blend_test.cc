@@ -3,6 +3,9 @@
 #include <cmath>
 
 #include <gtest/gtest.h>
+#include <opencv2/imgproc.hpp>
+
+#include "freshet_error.h"
 
 namespace freshet::synth {
 namespace {
@@ -10,8 +13,8 @@ namespace {
 constexpr int kFrames = 3;
 
 /// Pieces in a grid; every piece from a clip of its own, or all from one clip, in place.
-Placement grid(int columns, int rows, bool one_clip) {
-  Placement placement;
+Placement grid(int columns, int rows, bool one_clip, int stride = 24) {
+  Placement placement{.side = 48, .stride = stride, .patches = {}};
   for (int row = 0; row < rows; ++row)
     for (int column = 0; column < columns; ++column) {
       const cv::Point at(column * placement.stride, row * placement.stride);
@@ -58,6 +61,30 @@ TEST(Blend, ShowsOneClipAsItIs) {
     const cv::Mat difference = middle(blender.take(0)) - middle(frame);
     EXPECT_LT(deviation(difference), 0.03 * deviation(frame));
   }
+}
+
+TEST(Blend, ShowsOneClipAsItIsWhateverTheStride) {
+  for (int stride : {12, 24, 36}) {
+    const Placement placement = grid(12, 12, true, stride);
+    cv::Mat frame = noise(canvas_of(placement).size(), 7);
+    cv::GaussianBlur(frame, frame, {}, 4);  // what the coarse levels carry
+    Blender blender(placement, 1, {.low_band = LowBand::kKeep});
+    for (std::size_t p = 0; p < placement.patches.size(); ++p)
+      blender.add(0, p, frame(cv::Rect(placement.patches[p].piece, cv::Size(48, 48))));
+    const cv::Mat difference = middle(blender.take(0)) - middle(frame);
+    EXPECT_LT(deviation(difference), 0.1 * deviation(frame)) << stride;
+  }
+}
+
+TEST(Placement, IsRefusedWhenItsPiecesCannotBeBlended) {
+  EXPECT_NO_THROW(check(grid(2, 2, true)));
+  EXPECT_NO_THROW(check(grid(2, 2, true, 12)));
+  EXPECT_NO_THROW(check(grid(2, 2, true, 48)));
+  EXPECT_THROW(check(grid(0, 0, true)), Error);
+  for (int stride : {1, 8, 18, 52}) EXPECT_THROW(check(grid(2, 2, true, stride)), Error) << stride;
+  Placement odd = grid(1, 1, true);
+  odd.side = 46;
+  EXPECT_THROW(check(odd), Error);
 }
 
 TEST(Blend, VarianceWeightsKeepTheContrastOfUnrelatedPieces) {
