@@ -68,7 +68,7 @@ int main(int argc, char** argv) {
   // OpenCV's own threads would compete with ours, which share out whole frames.
   cv::setNumThreads(1);
   const tools::StopOnSignal stop;
-  tools::Session session{.stop = stop.token()};
+  tools::RunContext context{.stop = stop.token()};
 
   CLI::App app("Freshet: a patch database of fluid video, and still pictures animated with it.", "freshet");
   app.footer(kFooter);
@@ -77,15 +77,15 @@ int main(int argc, char** argv) {
   app.require_subcommand(1);
   app.allow_config_extras(CLI::config_extras_mode::error);  // a misspelt name must not be passed over
   app.fallthrough();                                        // --config may also stand behind a command
-  tools::add_ingest(app, session);
-  tools::add_index(app, session);
-  tools::add_store(app, session);
-  tools::add_query(app, session);
-  tools::add_synth(app, session);
+  tools::add_ingest(app, context);
+  tools::add_index(app, context);
+  tools::add_store(app, context);
+  tools::add_query(app, context);
+  tools::add_synth(app, context);
 
   try {
     app.parse(argc, argv);
-    return session.exit_code;
+    return context.exit_code;
   } catch (const CLI::ParseError& fault) {
     if (fault.get_exit_code() == 0) return app.exit(fault);  // --help, --version
     tools::say(usage_fault(app, fault));

@@ -6,12 +6,12 @@
 
 #include "query/index_builder.h"
 #include "store/store.h"
-#include "tools/session.h"
+#include "tools/run_context.h"
 
 namespace freshet::tools {
 
 /// Builds what is missing, and says on stderr what was done.
 query::IndexReport update_index(store::Store& store, const query::IndexOptions& options,
-                                const Session& session);
+                                const RunContext& context);
 
 }  // namespace freshet::tools

@@ -16,11 +16,11 @@ struct IndexCommand {
   bool json = false;
 };
 
-void run(const IndexCommand& command, const Session& session) {
+void run(const IndexCommand& command, const RunContext& context) {
   query::IndexOptions options = command.options;
   for (const std::string& name : command.flann) options.flann.push_back(query::parse_flann_kind(name));
   store::Store store = store::Store::open_write(command.store);
-  const query::IndexReport report = update_index(store, options, session);
+  const query::IndexReport report = update_index(store, options, context);
   if (command.json)
     fmt::print("{}\n", nlohmann::json{{"store", command.store},
                                       {"words_built", report.words_built},
@@ -39,7 +39,7 @@ void run(const IndexCommand& command, const Session& session) {
 
 }  // namespace
 
-void add_index(CLI::App& app, Session& session) {
+void add_index(CLI::App& app, RunContext& context) {
   auto command = std::make_shared<IndexCommand>();
   CLI::App* sub = app.add_subcommand(
       "index", "Rebuild a store's codebook and visual words when clips are new; build FLANN indexes");
@@ -55,7 +55,7 @@ void add_index(CLI::App& app, Session& session) {
       ->capture_default_str();
   sub->add_flag("--json", command->json, "Print the result as JSON");
   add_threads(*sub);
-  sub->callback([command, &session] { run(*command, session); });
+  sub->callback([command, &context] { run(*command, context); });
 }
 
 }  // namespace freshet::tools

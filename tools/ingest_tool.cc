@@ -99,7 +99,7 @@ void say_reasons(const ingest::ClipReport& clip) {
   for (const std::string& note : clip.notes) say(fmt::format("{}: {}", clip.name, note));
 }
 
-void run(const IngestCommand& command, Session& session) {
+void run(const IngestCommand& command, RunContext& context) {
   ingest::IngestOptions options = command.options;
   options.shard = parse_shard(command.shard);
   // Sources first: a mistyped folder must not leave an empty store behind.
@@ -121,7 +121,7 @@ void run(const IngestCommand& command, Session& session) {
         progress.show(stage, at.frames, at.claimed_frames, "frames");
         if (at.finished) say_reasons(*at.finished);
       },
-      session.stop);
+      context.stop);
   progress.finish();
 
   if (command.json) {
@@ -143,15 +143,15 @@ void run(const IngestCommand& command, Session& session) {
     throw Error(ErrorKind::kInput, command.store, "no clip was taken, for the reasons above",
                 fresh ? "The store was not made" : "");
   }
-  if (!command.no_index) update_index(store, {}, session);
+  if (!command.no_index) update_index(store, {}, context);
   if (report.count(ingest::Outcome::kFailed) + report.count(ingest::Outcome::kRefused) > 0 &&
       report.count(ingest::Outcome::kAdded) + report.count(ingest::Outcome::kAlreadyThere) == 0)
-    session.exit_code = 1;
+    context.exit_code = 1;
 }
 
 }  // namespace
 
-void add_ingest(CLI::App& app, Session& session) {
+void add_ingest(CLI::App& app, RunContext& context) {
   auto command = std::make_shared<IngestCommand>();
   CLI::App* sub = app.add_subcommand(
       "ingest",
@@ -174,7 +174,7 @@ void add_ingest(CLI::App& app, Session& session) {
   sub->add_flag("--json", command->json, "Print the report as JSON");
   add_threads(*sub);
   command->settings.add_to(*sub);
-  sub->callback([command, &session] { run(*command, session); });
+  sub->callback([command, &context] { run(*command, context); });
 }
 
 }  // namespace freshet::tools

@@ -10,7 +10,7 @@ namespace freshet::tools {
 
 query::Labelling label_with_progress(const store::Snapshot& snapshot, const TargetFiles::Loaded& loaded,
                                      const SearchOptions& search, const LabelOptions& labelling,
-                                     const Duration& duration, const Session& session) {
+                                     const Duration& duration, const RunContext& context) {
   query::LabelOptions options;
   options.candidates = search.options();
   options.candidates.min_duration_s = duration.seconds();
@@ -20,7 +20,7 @@ query::Labelling label_with_progress(const store::Snapshot& snapshot, const Targ
   Progress progress;
   query::Labelling result = query::label(
       snapshot, loaded.picture, loaded.matte, options,
-      [&](query::LabelStage stage) { progress.show(query::to_string(stage), 0, 0); }, session.stop);
+      [&](query::LabelStage stage) { progress.show(query::to_string(stage), 0, 0); }, context.stop);
   progress.finish();
   say_filters(result.search.filtered, duration);
   for (const std::string& note : result.search.candidates.notes) say(note);

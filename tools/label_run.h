@@ -4,14 +4,14 @@
 #include <string>
 
 #include "query/labelling.h"
+#include "tools/run_context.h"
 #include "tools/search_options.h"
-#include "tools/session.h"
 
 namespace freshet::tools {
 
 query::Labelling label_with_progress(const store::Snapshot& snapshot, const TargetFiles::Loaded& loaded,
                                      const SearchOptions& search, const LabelOptions& labelling,
-                                     const Duration& duration, const Session& session);
+                                     const Duration& duration, const RunContext& context);
 
 /// One line: pieces, energy, bound, gap, seconds by stage.
 std::string label_summary(const query::Labelling& labelling);

@@ -110,7 +110,7 @@ nlohmann::json candidates_json(const store::Snapshot& snapshot, const query::Can
   return pieces;
 }
 
-void run_candidates(const CandidatesCommand& command, const Session& session) {
+void run_candidates(const CandidatesCommand& command, const RunContext& context) {
   check_picture_output(command.sheet);
   const store::Snapshot snapshot = store::Store::open_read(command.target.store).snapshot();
   const TargetFiles::Loaded loaded = command.target.load();
@@ -120,7 +120,7 @@ void run_candidates(const CandidatesCommand& command, const Session& session) {
   Progress progress;
   const query::CandidateSearch search = query::search_candidates(
       snapshot, loaded.picture, loaded.matte, options,
-      [&](query::LabelStage stage) { progress.show(query::to_string(stage), 0, 0); }, session.stop);
+      [&](query::LabelStage stage) { progress.show(query::to_string(stage), 0, 0); }, context.stop);
   progress.finish();
   say_filters(search.filtered, command.duration);
   for (const std::string& note : search.candidates.notes) say(note);
@@ -142,14 +142,14 @@ void run_candidates(const CandidatesCommand& command, const Session& session) {
   if (!command.sheet.empty() && !command.json) fmt::print("{}\n", command.sheet);
 }
 
-void run_label(const LabelCommand& command, const Session& session) {
+void run_label(const LabelCommand& command, const RunContext& context) {
   check_output_folder(command.assignment);
   check_picture_output(command.map);
   check_picture_output(command.sheet);
   const store::Snapshot snapshot = store::Store::open_read(command.target.store).snapshot();
   const TargetFiles::Loaded loaded = command.target.load();
   const query::Labelling labelling =
-      label_with_progress(snapshot, loaded, command.search, command.labelling, command.duration, session);
+      label_with_progress(snapshot, loaded, command.search, command.labelling, command.duration, context);
   const query::Assignment& assignment = labelling.assignment;
   if (!command.assignment.empty()) query::write_assignment(command.assignment, assignment);
   if (!command.map.empty())
@@ -193,7 +193,7 @@ void run_label(const LabelCommand& command, const Session& session) {
 
 }  // namespace
 
-void add_query(CLI::App& app, Session& session) {
+void add_query(CLI::App& app, RunContext& context) {
   CLI::App* query =
       app.add_subcommand("query", "Search a store for the patches that could animate a picture");
   query->require_subcommand(1);
@@ -208,7 +208,7 @@ void add_query(CLI::App& app, Session& session) {
                   "Write a contact sheet: pieces, and their best candidates (PNG, JPEG)");
   sub->add_flag("--json", candidates->json, "Print all candidates as JSON");
   add_threads(*sub);
-  sub->callback([candidates, &session] { run_candidates(*candidates, session); });
+  sub->callback([candidates, &context] { run_candidates(*candidates, context); });
 
   auto label = std::make_shared<LabelCommand>();
   sub = query->add_subcommand("label", "Choose one patch for each piece, so that neighbours go together");
@@ -223,7 +223,7 @@ void add_query(CLI::App& app, Session& session) {
                   "Write a contact sheet that shows the chosen candidates (PNG, JPEG)");
   sub->add_flag("--json", label->json, "Print the result as JSON");
   add_threads(*sub);
-  sub->callback([label, &session] { run_label(*label, session); });
+  sub->callback([label, &context] { run_label(*label, context); });
 }
 
 }  // namespace freshet::tools

@@ -4,7 +4,7 @@
 #include <fmt/ranges.h>
 
 #include "media/picture.h"
-#include "tools/session.h"
+#include "tools/run_context.h"
 
 namespace freshet::tools {
 

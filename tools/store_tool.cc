@@ -88,7 +88,7 @@ void info(const StoreCommand& command) {
              settings.dump(2));
 }
 
-void verify(const StoreCommand& command, Session& session) {
+void verify(const StoreCommand& command, RunContext& context) {
   const std::vector<std::string> faults = store::Store::open_read(command.store).snapshot().verify();
   if (command.json)
     fmt::print("{}\n", nlohmann::json{{"store", command.store}, {"damaged", faults}}.dump(2));
@@ -101,7 +101,7 @@ void verify(const StoreCommand& command, Session& session) {
       fmt::format("{}: {} damaged records. Restore the file from a copy, or ingest the clips named again "
                   "into a new store.",
                   command.store, faults.size()));
-  session.exit_code = 3;
+  context.exit_code = 3;
 }
 
 void digest(const StoreCommand& command) {
@@ -125,7 +125,7 @@ void framemd5(const StoreCommand& command) {
   }
 }
 
-void export_clip(const StoreCommand& command, const Session& session) {
+void export_clip(const StoreCommand& command, const RunContext& context) {
   const store::Snapshot snapshot = store::Store::open_read(command.store).snapshot();
   const store::ClipId id = find_clip(snapshot, command.store, command.clip);
   const store::ClipRecord& clip = snapshot.clip(id);
@@ -136,7 +136,7 @@ void export_clip(const StoreCommand& command, const Session& session) {
   const bool native = std::filesystem::path(command.out).extension() == ".mkv";
   Progress progress;
   for (std::uint32_t first = 0; first < frames.size(); first += kSlab) {
-    if (session.stop.stop_requested()) throw Error(ErrorKind::kCancelled, "export", "stopped");
+    if (context.stop.stop_requested()) throw Error(ErrorKind::kCancelled, "export", "stopped");
     const std::uint32_t count = std::min(kSlab, frames.size() - first);
     for (const media::Frame& frame : frames.read(first, count)) {
       if (native)
@@ -153,7 +153,7 @@ void export_clip(const StoreCommand& command, const Session& session) {
 
 }  // namespace
 
-void add_store(CLI::App& app, Session& session) {
+void add_store(CLI::App& app, RunContext& context) {
   CLI::App* store = app.add_subcommand("store", "Look into a store, check it, and take clips out again");
   store->require_subcommand(1);
   const auto add = [&](const char* name, const char* text, bool takes_clip, bool takes_json, auto&& act) {
@@ -170,7 +170,7 @@ void add_store(CLI::App& app, Session& session) {
   add("info", "Clips, patches, settings, and bytes by what they hold", false, true,
       [](const StoreCommand& c) { info(c); });
   add("verify", "Read every record and check its place and its hash; exit code 3 when one is damaged", false,
-      true, [&session](const StoreCommand& c) { verify(c, session); });
+      true, [&context](const StoreCommand& c) { verify(c, context); });
   add("digest",
       "One hash of all logical content: equal for equal clips and settings, whatever the order or threads",
       false, true, [](const StoreCommand& c) { digest(c); });
@@ -178,7 +178,7 @@ void add_store(CLI::App& app, Session& session) {
       true, false, [](const StoreCommand& c) { framemd5(c); });
   auto [sub, command] =
       add("export", "Write a clip back, without loss (.mkv: FFV1 in its native planes) or as pictures", true,
-          false, [&session](const StoreCommand& c) { export_clip(c, session); });
+          false, [&context](const StoreCommand& c) { export_clip(c, context); });
   sub->add_option("-o,--output", command->out, "NAME.mkv, or a numbered sequence such as frames/%05d.png")
       ->required();
 }

@@ -47,7 +47,7 @@ synth::AnimateOptions render_options(const AnimateCommand& command) {
   return options;
 }
 
-void run_animate(const AnimateCommand& command, const Session& session) {
+void run_animate(const AnimateCommand& command, const RunContext& context) {
   const store::Snapshot snapshot = store::Store::open_read(command.target.store).snapshot();
   const TargetFiles::Loaded loaded = command.target.load();
   const synth::AnimateOptions options = render_options(command);
@@ -58,7 +58,7 @@ void run_animate(const AnimateCommand& command, const Session& session) {
   query::Assignment assignment;
   if (command.assignment.empty()) {
     const query::Labelling labelling =
-        label_with_progress(snapshot, loaded, command.search, command.labelling, command.duration, session);
+        label_with_progress(snapshot, loaded, command.search, command.labelling, command.duration, context);
     say(label_summary(labelling));
     assignment = labelling.assignment;
   } else {
@@ -81,7 +81,7 @@ void run_animate(const AnimateCommand& command, const Session& session) {
         sink.write(frame);
         sheet.add(frame);
       },
-      [&](const synth::AnimateProgress& at) { progress.show(at.stage, at.done, at.of); }, session.stop);
+      [&](const synth::AnimateProgress& at) { progress.show(at.stage, at.done, at.of); }, context.stop);
   sink.finish();
   progress.finish();
   if (!command.sheet.empty()) media::write_picture(command.sheet, sheet.draw());
@@ -119,7 +119,7 @@ std::string numbered(const std::string& pattern, int number) {
   return pattern.substr(0, at) + fmt::format("{:0{}}", number, digits) + pattern.substr(at + length);
 }
 
-void run_simulate(const SimulateCommand& command, const Session& session) {
+void run_simulate(const SimulateCommand& command, const RunContext& context) {
   synth::simulate::SceneOptions scene = command.scene;
   scene.preset = synth::simulate::parse_preset(command.preset);
   synth::simulate::check(scene);
@@ -133,7 +133,7 @@ void run_simulate(const SimulateCommand& command, const Session& session) {
   cv::Mat alpha_picture;
   Progress progress;
   for (int i = 0; simulation.next(frame); ++i) {
-    if (session.stop.stop_requested()) throw Error(ErrorKind::kCancelled, "simulate", "stopped");
+    if (context.stop.stop_requested()) throw Error(ErrorKind::kCancelled, "simulate", "stopped");
     sink.write(frame.picture);
     if (alpha) {
       cv::merge(std::vector<cv::Mat>(3, frame.alpha), alpha_picture);
@@ -149,7 +149,7 @@ void run_simulate(const SimulateCommand& command, const Session& session) {
     if (!path.empty()) fmt::print("{}\n", path);
 }
 
-void add_animate(CLI::App& synth_command, Session& session) {
+void add_animate(CLI::App& synth_command, RunContext& context) {
   auto command = std::make_shared<AnimateCommand>();
   CLI::App* sub =
       synth_command.add_subcommand("animate", "Animate a still picture with the patches of a store");
@@ -195,16 +195,16 @@ void add_animate(CLI::App& synth_command, Session& session) {
       ->capture_default_str()
       ->group(group);
   add_threads(*sub);
-  sub->callback([command, sub, &session] {
+  sub->callback([command, sub, &context] {
     if (!command->assignment.empty())
       for (const char* name : {"--class", "--direction", "--exclude", "--solver"})
         if (sub->count(name) > 0)
           say(fmt::format("{} has no effect: {} says which patches are used", name, command->assignment));
-    run_animate(*command, session);
+    run_animate(*command, context);
   });
 }
 
-void add_simulate(CLI::App& synth_command, Session& session) {
+void add_simulate(CLI::App& synth_command, RunContext& context) {
   auto command = std::make_shared<SimulateCommand>();
   CLI::App* sub = synth_command.add_subcommand("simulate", "Render a clip of a simulated fluid");
   sub->add_option("PRESET", command->preset, "smoke, fire, ink, waterfall, river or clouds")->required();
@@ -227,16 +227,16 @@ void add_simulate(CLI::App& synth_command, Session& session) {
   sub->add_option("--motion", command->motion,
                   "Also write motion fields, px a frame, as Middlebury .flo: motion/%05d.flo");
   add_threads(*sub);
-  sub->callback([command, &session] { run_simulate(*command, session); });
+  sub->callback([command, &context] { run_simulate(*command, context); });
 }
 
 }  // namespace
 
-void add_synth(CLI::App& app, Session& session) {
+void add_synth(CLI::App& app, RunContext& context) {
   CLI::App* synth_command = app.add_subcommand("synth", "Synthesise: animate a picture, or simulate a clip");
   synth_command->require_subcommand(1);
-  add_animate(*synth_command, session);
-  add_simulate(*synth_command, session);
+  add_animate(*synth_command, context);
+  add_simulate(*synth_command, context);
 }
 
 }  // namespace freshet::tools

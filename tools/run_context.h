@@ -1,4 +1,4 @@
-// tools/session.h — what every command shares: threads, stopping, messages.
+// tools/run_context.h — what every command shares: threads, stopping, messages.
 #pragma once
 
 #include <stop_token>
@@ -21,7 +21,7 @@ class StopOnSignal {
 };
 
 /// What main() hands to every command.
-struct Session {
+struct RunContext {
   std::stop_token stop;
   int exit_code = 0;  // set by a command that ends well but has something to report (a damaged store)
 };

@@ -1,4 +1,4 @@
-#include "tools/session.h"
+#include "tools/run_context.h"
 
 #include <atomic>
 #include <csignal>
