@@ -1,8 +1,6 @@
 #include "ingest/source_list.h"
 
 #include <algorithm>
-#include <array>
-#include <cctype>
 #include <cstdio>
 #include <fstream>
 #include <memory>
@@ -14,6 +12,7 @@
 
 #include "freshet_error.h"
 #include "media/picture.h"
+#include "media/picture_sequence.h"
 #include "media/video_reader.h"
 
 namespace freshet::ingest {
@@ -24,14 +23,6 @@ namespace fs = std::filesystem;
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
 bool hidden(const fs::path& path) { return path.filename().string().starts_with('.'); }
-
-bool picture_name(const fs::path& path) {
-  static constexpr std::array kEndings{".png",  ".jpg", ".jpeg", ".tif", ".tiff", ".bmp",
-                                       ".webp", ".ppm", ".pgm",  ".dpx", ".exr",  ".tga"};
-  std::string ending = path.extension().string();
-  std::ranges::transform(ending, ending.begin(), [](unsigned char c) { return std::tolower(c); });
-  return std::ranges::find(kEndings, ending) != kEndings.end();
-}
 
 bool numbered(const fs::path& path) {
   const std::string stem = path.stem().string();
@@ -60,7 +51,7 @@ Listing list_folder(const fs::path& folder) {
                 "Check its permissions");
   }
   const auto by_name = [](const fs::path& a, const fs::path& b) {
-    return natural_less(a.filename().string(), b.filename().string());
+    return media::natural_less(a.filename().string(), b.filename().string());
   };
   std::ranges::sort(listing.files, by_name);
   std::ranges::sort(listing.folders, by_name);
@@ -70,7 +61,7 @@ Listing list_folder(const fs::path& folder) {
 /// Photographs of a trip are numbered too, but seldom of one size from the first to the last.
 bool is_sequence(const std::vector<fs::path>& files) {
   std::vector<fs::path> pictures;
-  std::ranges::copy_if(files, std::back_inserter(pictures), picture_name);
+  std::ranges::copy_if(files, std::back_inserter(pictures), media::looks_like_picture);
   if (pictures.size() < static_cast<std::size_t>(kMinSequence) || !std::ranges::all_of(pictures, numbered)) {
     return false;
   }
@@ -138,28 +129,6 @@ struct HashState {
 
 }  // namespace
 
-bool natural_less(std::string_view a, std::string_view b) {
-  std::size_t i = 0, j = 0;
-  while (i < a.size() && j < b.size()) {
-    if (!is_digit(a[i]) || !is_digit(b[j])) {
-      if (a[i] != b[j]) return static_cast<unsigned char>(a[i]) < static_cast<unsigned char>(b[j]);
-      ++i, ++j;
-      continue;
-    }
-    const auto number = [](std::string_view text, std::size_t& at) {
-      while (at < text.size() && text[at] == '0') ++at;
-      const std::size_t begin = at;
-      while (at < text.size() && is_digit(text[at])) ++at;
-      return text.substr(begin, at - begin);
-    };
-    const std::string_view left = number(a, i), right = number(b, j);
-    if (left.size() != right.size()) return left.size() < right.size();
-    if (left != right) return left < right;
-  }
-  if (i < a.size() || j < b.size()) return j < b.size();
-  return a < b;  // equal but for leading zeros
-}
-
 std::vector<Source> list_sources(std::span<const fs::path> paths, Shard shard) {
   if (shard.count < 1 || shard.index < 1 || shard.index > shard.count) {
     throw Error(ErrorKind::kUsage, fmt::format("shard {}/{}", shard.index, shard.count),
@@ -188,7 +157,7 @@ std::vector<Source> list_sources(std::span<const fs::path> paths, Shard shard) {
                     kMinSequence));
   }
   std::ranges::sort(all, [](const Source& a, const Source& b) {
-    return a.name != b.name ? natural_less(a.name, b.name) : a.path < b.path;
+    return a.name != b.name ? media::natural_less(a.name, b.name) : a.path < b.path;
   });
   all.erase(std::ranges::unique(all, {}, &Source::path).begin(), all.end());
 
@@ -208,7 +177,7 @@ std::string source_hash(const fs::path& path) {
     return hash.hex();
   }
   for (const fs::path& file : list_folder(path).files) {
-    if (!picture_name(file)) continue;
+    if (!media::looks_like_picture(file)) continue;
     const std::string name = file.filename().string();
     hash.add({name.c_str(), name.size() + 1});  // with its zero: "a1","2" is not "a12",""
     hash.add(fmt::format("{:016x}", fs::file_size(file, error)));

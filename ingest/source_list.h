@@ -4,7 +4,6 @@
 #include <filesystem>
 #include <span>
 #include <string>
-#include <string_view>
 #include <vector>
 
 namespace freshet::ingest {
@@ -29,16 +28,13 @@ struct Shard {
 /// is, so that the reader can say what is wrong with it. A folder that holds no video and at least
 /// kMinSequence pictures, all of them numbered and the first as large as the last, is one clip.
 ///
-/// The list is in natural order of names ("f9" before "f10", ties by bytes), the same on every machine. The
-/// same path given twice is listed once.
+/// The list is in media::natural_less order of names ("f9" before "f10", ties by bytes), the same on every
+/// machine. The same path given twice is listed once.
 ///
 /// Throws Error{kInput} when a path does not exist or cannot be listed, and when there is no clip at all;
 /// Error{kUsage} for a shard outside 1..count.
 std::vector<Source> list_sources(std::span<const std::filesystem::path> paths, Shard shard = {});
 inline constexpr int kMinSequence = 8;
-
-/// Runs of digits compare as numbers, all else byte by byte. A strict total order.
-bool natural_less(std::string_view a, std::string_view b);
 
 /// XXH3-128 of a file's bytes as 32 hex digits; for a folder, of the names and bytes of its pictures in
 /// natural order, so that renaming the folder does not make another clip of it.

@@ -36,31 +36,6 @@ std::optional<Pattern> parse(const std::string& name) {
   return pattern;
 }
 
-// Runs of digits compare as numbers, the rest as bytes.
-bool natural_less(const std::string& a, const std::string& b) {
-  std::size_t i = 0, j = 0;
-  while (i < a.size() && j < b.size()) {
-    if (is_digit(a[i]) && is_digit(b[j])) {
-      while (i < a.size() && a[i] == '0') ++i;
-      while (j < b.size() && b[j] == '0') ++j;
-      std::size_t i_end = i, j_end = j;
-      while (i_end < a.size() && is_digit(a[i_end])) ++i_end;
-      while (j_end < b.size() && is_digit(b[j_end])) ++j_end;
-      if (i_end - i != j_end - j) return i_end - i < j_end - j;
-      const int order = a.compare(i, i_end - i, b, j, j_end - j);
-      if (order != 0) return order < 0;
-      i = i_end;
-      j = j_end;
-    } else {
-      if (a[i] != b[j]) return static_cast<unsigned char>(a[i]) < static_cast<unsigned char>(b[j]);
-      ++i;
-      ++j;
-    }
-  }
-  if ((i < a.size()) != (j < b.size())) return j < b.size();
-  return a < b;  // "f01" and "f1"
-}
-
 std::vector<fs::path> files_in(const fs::path& folder) {
   std::error_code fault;
   std::vector<fs::path> files;
@@ -118,7 +93,8 @@ PictureSequence list_pattern(const fs::path& path) {
 PictureSequence list_folder(const fs::path& folder) {
   PictureSequence sequence;
   for (fs::path& file : files_in(folder))
-    if (looks_like_picture(file)) sequence.files.push_back(std::move(file));
+    if (looks_like_picture(file) && !file.filename().string().starts_with('.'))
+      sequence.files.push_back(std::move(file));
   if (sequence.files.empty())
     throw Error(ErrorKind::kInput, folder.string(), "the folder holds no pictures",
                 "Name a video, or a folder of pictures of equal size");
@@ -128,6 +104,28 @@ PictureSequence list_folder(const fs::path& folder) {
   sequence.numbers.resize(sequence.files.size());
   std::iota(sequence.numbers.begin(), sequence.numbers.end(), std::int64_t{0});
   return sequence;
+}
+
+bool natural_less(std::string_view a, std::string_view b) {
+  std::size_t i = 0, j = 0;
+  while (i < a.size() && j < b.size()) {
+    if (!is_digit(a[i]) || !is_digit(b[j])) {
+      if (a[i] != b[j]) return static_cast<unsigned char>(a[i]) < static_cast<unsigned char>(b[j]);
+      ++i, ++j;
+      continue;
+    }
+    const auto number = [](std::string_view text, std::size_t& at) {
+      while (at < text.size() && text[at] == '0') ++at;
+      const std::size_t begin = at;
+      while (at < text.size() && is_digit(text[at])) ++at;
+      return text.substr(begin, at - begin);
+    };
+    const std::string_view left = number(a, i), right = number(b, j);
+    if (left.size() != right.size()) return left.size() < right.size();
+    if (left != right) return left < right;
+  }
+  if (i < a.size() || j < b.size()) return j < b.size();
+  return a < b;  // equal but for leading zeros
 }
 
 bool looks_like_picture(const fs::path& path) {

@@ -1,9 +1,10 @@
-// media/picture_sequence.h — the files of a numbered sequence or a folder of pictures. Private to this room.
+// media/picture_sequence.h — the files of a numbered sequence or a folder of pictures.
 #pragma once
 
 #include <cstdint>
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace freshet::media {
@@ -23,8 +24,12 @@ std::filesystem::path numbered(const std::filesystem::path& pattern, std::int64_
 /// Throws Error{kInput} when there are none.
 PictureSequence list_pattern(const std::filesystem::path& pattern);
 /// Pictures of a folder in natural order ("f9.png" before "f10.png"); other files and folders are passed
-/// over. Throws Error{kInput} when there are none.
+/// over, and so are names that begin with a dot: some systems leave one beside each picture. Throws
+/// Error{kInput} when there are none.
 PictureSequence list_folder(const std::filesystem::path& folder);
+
+/// Runs of digits compare as numbers, all else byte by byte. A strict total order.
+bool natural_less(std::string_view a, std::string_view b);
 
 /// By the name's ending, in any case.
 bool looks_like_picture(const std::filesystem::path& path);

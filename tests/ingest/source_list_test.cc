@@ -23,17 +23,6 @@ std::vector<std::string> names(const std::vector<Source>& sources) {
   return list;
 }
 
-TEST(NaturalLess, ComparesNumbersByValueAndAllElseByBytes) {
-  const std::vector<std::string> sorted{"A", "a", "a1", "a01", "a2", "a10", "a10b", "b", "ä"};
-  for (std::size_t i = 0; i < sorted.size(); ++i) {
-    for (std::size_t j = 0; j < sorted.size(); ++j) {
-      // "a1" and "a01" are equal as numbers: bytes decide, '0' before '1'.
-      const bool swapped = (i == 2 && j == 3) || (i == 3 && j == 2);
-      EXPECT_EQ(natural_less(sorted[i], sorted[j]), swapped ? i > j : i < j) << sorted[i] << " " << sorted[j];
-    }
-  }
-}
-
 TEST(ListSources, NamesClipsRelativeToTheFolderAndClassesByTheFolderTheyLieIn) {
   const TemporaryFolder folder;
   folder.file("clips/water/f10.mp4", "x");
