@@ -14,10 +14,15 @@
 namespace freshet::query {
 namespace {
 
-double duration_s(const store::ClipRecord& clip) {
-  return clip.fps_num > 0 ? static_cast<double>(clip.frame_count) * static_cast<double>(clip.fps_den) /
-                                static_cast<double>(clip.fps_num)
-                          : 0;
+// From the first frame to the end of the last, by the frames' own times: a header's rate may be a guess, and
+// a clip that a labelling has chosen must last as long as it was taken to.
+double duration_s(const store::Snapshot& snapshot, const store::ClipRecord& clip) {
+  if (clip.fps_num <= 0 || clip.fps_den <= 0) return 0;
+  const double interval = static_cast<double>(clip.fps_den) / static_cast<double>(clip.fps_num);
+  const auto id = snapshot.find(clip.name);
+  if (!id || !snapshot.has_column(*id, "frame.time")) return clip.frame_count * interval;
+  const std::vector<double> times = snapshot.column<double>(*id, "frame.time");
+  return times.empty() ? 0 : times.back() - times.front() + interval;
 }
 
 // Takes conditions one after another and counts what each leaves.
@@ -138,8 +143,10 @@ Filtered filter_rows(const store::Snapshot& snapshot, const PatchTable& table,
     narrowing.clips(fmt::format("at least {:g} s long", options.min_duration_s),
                     [&](const store::ClipRecord& clip, bool still_in) {
                       if (!still_in) return false;
-                      longest = std::max(longest, duration_s(clip));
-                      if (duration_s(clip) >= options.min_duration_s) return true;
+                      // Stamps are often whole milliseconds: one is forgiven.
+                      const double seconds = duration_s(snapshot, clip) + 1e-3;
+                      longest = std::max(longest, seconds);
+                      if (seconds >= options.min_duration_s) return true;
                       narrowing.result().too_short.push_back(clip.name);
                       return false;
                     });

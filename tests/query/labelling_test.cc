@@ -102,6 +102,20 @@ TEST_F(Filter, NamesTheClipsThatAreTooShort) {
   EXPECT_NE(std::string(error_of({.min_duration_s = 60}).what()).find("6.00 s"), std::string::npos);
 }
 
+TEST(FilterByTimes, AClipLastsAsLongAsItsFramesSayWhateverItsRate) {
+  const ScratchFolder folder;
+  const vision::Settings settings = made_settings();
+  store::Store store =
+      made_store(folder.path() / "a.store",
+                 {{.name = "as its rate.mp4", .seconds = 2},
+                  {.name = "twice as fast.mp4", .seconds = 2, .texture = 2, .frame_s = 0.02}});
+  build_index(store);
+  const store::Snapshot snapshot = store.snapshot();
+  const Filtered filtered = filter_rows(snapshot, read_patch_table(snapshot), {.min_duration_s = 2});
+  EXPECT_EQ(filtered.too_short, std::vector<std::string>{"twice as fast.mp4"});
+  EXPECT_EQ(filtered.steps.back().clips, 1u);
+}
+
 TEST_F(Filter, LeavesOutClipsByNameAndKnowsWhichThereAre) {
   const Filtered filtered = filter_rows(*snapshot_, *table_, {.excluded_clips = {"fall.mp4", "river.mp4"}});
   for (Row row = 0; row < table_->size(); ++row) {

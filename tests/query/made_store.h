@@ -27,6 +27,7 @@ struct MadeClip {
   double seconds = 4;
   std::uint64_t texture = 1;  // seed of the average image
   bool patches = true;
+  double frame_s = 0.04;  // between the times of its frames; the record says 25 frames a second in any case
 };
 
 inline vision::Settings made_settings() {
@@ -134,6 +135,9 @@ inline void add_made_clip(store::Store& store, const vision::Settings& settings,
       coverage.push_back(1);
     }
   }
+  std::vector<double> times;
+  for (std::uint32_t frame = 0; frame < frames; ++frame) times.push_back(frame * made.frame_s);
+  writer.column<double>("frame.time", times);
   if (made.patches) {
     writer.column<std::uint8_t>("patch.variant", variant);
     writer.column<std::uint16_t>("patch.x", x);
