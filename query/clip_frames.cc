@@ -13,7 +13,9 @@ ClipFrames::ClipFrames(const store::Snapshot& snapshot, store::ClipId clip)
     : snapshot_(snapshot), clip_(clip), layout_(media::layout_from_json(snapshot.clip(clip).metadata)) {
   const store::ClipRecord& record = snapshot_.clip(clip_);
   const std::vector<media::Plane> planes = media::plane_shapes(layout_);
-  bool same = planes.size() == record.frames.planes.size();
+  bool same = planes.size() == record.frames.planes.size() &&
+              static_cast<std::uint32_t>(layout_.width) == record.width &&
+              static_cast<std::uint32_t>(layout_.height) == record.height;
   for (std::size_t p = 0; same && p < planes.size(); ++p) {
     const store::PlaneShape& shape = record.frames.planes[p];
     same = static_cast<std::uint32_t>(planes[p].width) == shape.width &&

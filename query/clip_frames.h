@@ -11,7 +11,7 @@ namespace freshet::query {
 /// Whole frames of one clip, in all their planes. Holds the snapshot.
 class ClipFrames {
  public:
-  /// Throws Error{kDamaged} when the record's planes are not those of its layout.
+  /// Throws Error{kDamaged} when the record's size or planes are not those of its layout.
   ClipFrames(const store::Snapshot& snapshot, store::ClipId clip);
   std::uint32_t size() const;
   const media::PixelLayout& layout() const { return layout_; }

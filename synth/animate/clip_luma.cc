@@ -8,7 +8,6 @@
 #include <opencv2/imgproc.hpp>
 
 #include "freshet_error.h"
-#include "media/layout_json.h"
 #include "query/clip_frames.h"
 
 namespace freshet::synth {
@@ -50,7 +49,8 @@ std::vector<std::uint32_t> frames_shown(const store::Snapshot& snapshot, store::
 ClipLuma::ClipLuma(const store::Snapshot& snapshot, store::ClipId clip, std::span<const cv::Rect> needed,
                    std::span<const std::uint32_t> shown) {
   const store::ClipRecord& record = snapshot.clip(clip);
-  layout_ = media::layout_from_json(record.metadata);
+  const query::ClipFrames clip_frames(snapshot, clip);  // checks that layout, planes and size agree
+  layout_ = clip_frames.layout();
   raw_ = media::luma_in_plane_0(layout_);
   const cv::Size size(static_cast<int>(record.width), static_cast<int>(record.height));
 
@@ -102,7 +102,6 @@ ClipLuma::ClipLuma(const store::Snapshot& snapshot, store::ClipId clip, std::spa
     // Colour planes: luminance needs all of them, so whole frames are read, a slab of tiles at a time, and
     // reduced.
     constexpr std::uint32_t kSlab = 16;
-    const query::ClipFrames clip_frames(snapshot, clip);
     frames_.resize(distinct.size());
     for (std::size_t i = 0; i < distinct.size();) {
       const std::uint32_t from = distinct[i], slab_end = (from / kSlab + 1) * kSlab;
