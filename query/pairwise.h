@@ -34,7 +34,8 @@ const char* name_of(CostForm form);
 /// Both forms still drift to calm motion, as the quietest patches fit each other best (fire 98 px/s by looks
 /// alone, 43 when labelled). Against it the candidates vote: what looks like a piece tells how strongly it
 /// moves, and a candidate pays vote * (its strength - their median)^2, strength being the root of its W
-/// beside a patch that stands still. 4 brings that fire to 60 px/s (docs/measurements.md).
+/// beside a patch that stands still. 4 brings that fire to 60 px/s (docs/measurements.md). Without lambda or
+/// overlap there is nothing that drifts, and no vote.
 struct PairwiseOptions {
   CostForm form = CostForm::kLog;
   double lambda = 0.01, sigma = 0.125, rho = 0.25;
@@ -68,8 +69,8 @@ void weigh_features(const FeatureShape& shape, const PairwiseOptions& options, s
 /// The field of a picture: nodes in the order of its pieces, V = 1 - score; edges in the order of
 /// target.edges. Each candidate's features are computed once, piece row by piece row, and two rows of them
 /// are in memory (1.3 MB a piece). All threads; the same bits for any number. Cost, 500 pieces, 100
-/// candidates: 1-2 s. Throws Error{kCancelled} when stopped, Error{kUsage} when lambda, sigma or rho is
-/// negative or no number.
+/// candidates: 1-2 s. Throws Error{kCancelled} when stopped, Error{kUsage} when a weight is negative or
+/// no number.
 Mrf build_mrf(const Target& target, const Candidates& candidates, const FeatureShape& shape,
               const PairwiseOptions& options, const FeatureSource& source, std::stop_token stop = {});
 
