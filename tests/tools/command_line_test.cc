@@ -68,6 +68,28 @@ TEST(CommandLine, WrongUsageIsSaidInOneLine) {
                      "made with other settings than --stride asks for");
 }
 
+TEST(CommandLine, SettingsThatDoNotGoTogetherLeaveNoStoreBehind) {
+  const WorkFolder folder;
+  const auto expect_refusal = [&](const std::vector<std::string>& settings, const std::string& part) {
+    std::vector<std::string> arguments{"ingest", "a.store", sample().clips};
+    arguments.insert(arguments.end(), settings.begin(), settings.end());
+    const Outcome outcome = folder.freshet(arguments);
+    EXPECT_EQ(outcome.exit_code, 2) << outcome.err;
+    EXPECT_TRUE(holds(outcome.err, part)) << outcome.err;
+    EXPECT_FALSE(std::filesystem::exists(folder / "a.store"));
+  };
+  expect_refusal({"--cell", "1"}, "Add --flow-step 1");
+  expect_refusal({"--cell", "8", "--stride", "12"}, "--cell 8 --stride 12");
+}
+
+TEST(CommandLine, SaysSoWhenMemoryDoesNotSuffice) {
+  const Outcome outcome = WorkFolder().freshet_after(
+      "ulimit -v 700000",
+      {"synth", "simulate", "clouds", "--size", "4096x4096", "--frames", "1", "-j", "1", "-o", "x.png"});
+  EXPECT_EQ(outcome.exit_code, 1) << outcome.err;
+  EXPECT_TRUE(holds(outcome.err, "not enough memory")) << outcome.err;
+}
+
 TEST(CommandLine, AConfigurationFileSaysWhatFlagsSay) {
   const WorkFolder folder;
   const auto file = folder.file("a.toml", "[query.label]\nclass = \"fall\"\nframes = 16\nsolver = \"icm\"\n");
