@@ -25,7 +25,9 @@ void SettingsOptions::add_to(CLI::App& command) {
   add(command.add_option("--patch", settings_.grid.patch, "Side of a patch, px"))
       ->check(CLI::IsMember({48}))
       ->capture_default_str();
-  add(command.add_option("--stride", settings_.grid.stride, "Distance between patches, px"))
+  add(command.add_option(
+          "--stride", settings_.grid.stride,
+          "Distance between patches, px; at 48 they do not overlap, and squares show: for measuring"))
       ->check(CLI::IsMember({12, 24, 48}))
       ->capture_default_str();
   add(command.add_option("--min-coverage", settings_.min_coverage, "Share of a patch that must move, 0..1"))
