@@ -23,8 +23,9 @@ TEST(FlannIndex, FindsMostOfTheBestAmongClusteredPatches) {
   const auto rows = random_words({.rows = 2000, .words = kWords, .clusters = 20, .seed = 2});
   std::vector<PieceQuery> queries;
   for (std::size_t i = 0; i < 20; ++i) queries.push_back(whole(rows[i * 100]));
-  for (std::size_t i = 0; i < 20; i += 2) {
-    for (std::size_t point = 0; point < 27; ++point) queries[i].mask[point] = 0;
+  const auto masked = [](std::size_t i) { return i % 2 == 0; };
+  for (std::size_t i = 0; i < 20; ++i) {
+    for (std::size_t point = 0; masked(i) && point < 27; ++point) queries[i].mask[point] = 0;
   }
   const auto truth = ExactIndex(rows, kWords).search(queries, 20, nullptr);
   for (const FlannKind kind : kKinds) {
@@ -33,7 +34,11 @@ TEST(FlannIndex, FindsMostOfTheBestAmongClusteredPatches) {
     double sum = 0;
     for (std::size_t i = 0; i < queries.size(); ++i) {
       ASSERT_EQ(answers[i].size(), 20u);
-      EXPECT_EQ(answers[i][0], truth[i][0]) << name_of(kind);  // the row itself
+      // A whole query is a row itself, and the first descent of every tree ends there. A masked one lies
+      // elsewhere: FLANN may miss the best row, and as its trees differ from run to run, sometimes does.
+      if (!masked(i)) {
+        EXPECT_EQ(answers[i][0], truth[i][0]) << name_of(kind);
+      }
       for (const Hit& hit : answers[i]) {
         EXPECT_EQ(static_cast<int>(hit.score),
                   vision::intersection(queries[i].words, rows[hit.row], kWords, &queries[i].mask));
