@@ -149,7 +149,7 @@ double mean_speed(const query::CandidateSearch& search, const query::Labels& lab
   double sum = 0;
   for (std::size_t piece = 0; piece < labels.size(); ++piece) {
     const query::Row row = search.candidates.rows_of(piece)[labels[piece]];
-    sum += std::hypot(search.table.mean_u[row], search.table.mean_v[row]);
+    sum += std::hypot(search.table().mean_u[row], search.table().mean_v[row]);
   }
   return sum / static_cast<double>(labels.size());
 }
@@ -177,6 +177,7 @@ int run(int argc, char** argv) {
       "| picture | choice | contrast, log2, fine to coarse | flicker | step | dead | seam | frames/s |\n"
       "| --- | --- | --- | --- | --- | --- | --- | --- |\n");
   std::vector<std::string> speeds;
+  const query::SearchBase base = query::open_search(snapshot);
   for (std::size_t i = 1; i < arguments.size(); ++i) {
     const std::size_t first = arguments[i].find(':'), second = arguments[i].find(':', first + 1);
     if (second == std::string::npos)
@@ -188,9 +189,9 @@ int run(int argc, char** argv) {
     options.candidates.min_duration_s = kFrames / 25.0;
     if (!direction.empty()) options.candidates.direction_deg = query::parse_direction(direction);
     options.costs.vote = 0;
-    const query::Labelling calm = query::label(snapshot, target.picture, target.matte, options);
+    const query::Labelling calm = query::label(snapshot, base, target.picture, target.matte, options);
     options.costs.vote = query::PairwiseOptions{}.vote;
-    const query::Labelling labelling = query::label(snapshot, target.picture, target.matte, options);
+    const query::Labelling labelling = query::label(snapshot, base, target.picture, target.matte, options);
     const query::Labels looks(labelling.labels.size(), 0);
     speeds.push_back(fmt::format("| {} | {:.1f} | {:.1f} | {:.1f} |", target.name,
                                  mean_speed(labelling.search, looks), mean_speed(calm.search, calm.labels),

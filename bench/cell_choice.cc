@@ -205,9 +205,9 @@ Loss loss_of(const query::Mrf& exact, const query::Solution& best, const query::
 
 /// Pieces and candidates of each clip's middle frame, a part of it as large as the reference's tables allow.
 std::vector<query::CandidateSearch> search_all(const store::Snapshot& snapshot,
-                                               const query::PatchTable& table) {
+                                               const query::SearchBase& base) {
   std::vector<query::CandidateSearch> searches;
-  for (const store::ClipId id : table.clips) {
+  for (const store::ClipId id : base.table.clips) {
     const query::ClipFrames frames(snapshot, id);
     const cv::Mat frame = media::to_bgr(frames.read(frames.size() / 2));
     const cv::Size part(std::min(264, frame.cols), std::min(168, frame.rows));
@@ -215,7 +215,7 @@ std::vector<query::CandidateSearch> search_all(const store::Snapshot& snapshot,
     query::LabelOptions options;
     options.candidates.k = 40;
     options.candidates.excluded_clips = {snapshot.clip(id).name};
-    searches.push_back(query::search_candidates(snapshot, frame(cv::Rect(corner, part)).clone(),
+    searches.push_back(query::search_candidates(snapshot, base, frame(cv::Rect(corner, part)).clone(),
                                                 cv::Mat(part, CV_8U, cv::Scalar(255)), options));
   }
   return searches;
@@ -275,7 +275,8 @@ int main(int argc, char** argv) try {
   }
   query::build_index(store);
   const store::Snapshot snapshot = store.snapshot();
-  const query::PatchTable table = query::read_patch_table(snapshot);
+  const query::SearchBase base = query::open_search(snapshot);
+  const query::PatchTable& table = base.table;
 
   std::vector<Measured> measured;
   for (const Setting& setting : kSettings) measured.push_back({with(setting), {}, {}});
@@ -299,7 +300,7 @@ int main(int argc, char** argv) try {
   for (const Measured& each : measured) sources.push_back(source_of(each, snapshot, table));
   check_reference(measured[0], first, rows, sources[0]);
 
-  const auto pictures = search_all(snapshot, table);
+  const auto pictures = search_all(snapshot, base);
 
   fmt::print("{} clips of {} frames, {} patches; compiler {}\n", clips.size(), most_frames, table.size(),
              __VERSION__);

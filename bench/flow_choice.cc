@@ -125,6 +125,7 @@ struct Side {
   vision::Settings settings;
   store::Store store;
   std::optional<store::Snapshot> snapshot;
+  query::SearchBase base;
   double flow_seconds = 0;
 };
 
@@ -142,6 +143,7 @@ Side make_side(vision::FlowMethod method, const std::vector<fs::path>& clips, co
   }
   query::build_index(side.store);
   side.snapshot = side.store.snapshot();
+  side.base = query::open_search(*side.snapshot);
   return side;
 }
 
@@ -185,7 +187,7 @@ std::vector<cv::Vec2f> motion_got(const query::CandidateSearch& search, const qu
   std::vector<cv::Vec2f> motion;
   for (std::size_t piece = 0; piece < labels.size(); ++piece) {
     const query::Row row = search.candidates.rows_of(piece)[labels[piece]];
-    motion.emplace_back(search.table.mean_u[row], search.table.mean_v[row]);
+    motion.emplace_back(search.table().mean_u[row], search.table().mean_v[row]);
   }
   return motion;
 }
@@ -220,7 +222,7 @@ Misfit misfit(const std::vector<cv::Vec2f>& got, const std::vector<cv::Vec2f>& h
 }
 
 query::Mrf field_of(const Side& side, const query::CandidateSearch& search) {
-  query::StoredFeatures features(*side.snapshot, side.settings, search.table);
+  query::StoredFeatures features(*side.snapshot, side.settings, search.table());
   return build_mrf(search.target, search.candidates, query::feature_shape(side.settings), {},
                    features.source());
 }
@@ -327,7 +329,7 @@ int main(int argc, char** argv) try {
         if (hinted) options.candidates.direction_deg = direction;
         query::CandidateSearch search;
         try {
-          search = query::search_candidates(*sides[m].snapshot, picture, matte, options);
+          search = query::search_candidates(*sides[m].snapshot, sides[m].base, picture, matte, options);
         } catch (const Error& error) {
           if (error.kind() != ErrorKind::kNotFound) throw;
           fmt::print("{}, {}: {}\n", record.name, kNames[m], error.what());

@@ -155,23 +155,23 @@ double unary_energy(const query::Mrf& mrf, const query::Labels& labels) {
 /// One picture's rows of the table; false when anything was wrong.
 bool measure(const store::Snapshot& snapshot, const std::string& argument, nlohmann::json& report) {
   const auto read = bench::read_picture_argument(argument);
-  const vision::Settings settings = vision::settings_from_json(snapshot.settings());
+  const query::SearchBase base = query::open_search(snapshot);
+  const vision::Settings& settings = base.settings;
   const query::CandidateSearch search =
-      query::search_candidates(snapshot, read.picture, read.matte, query::LabelOptions{});
+      query::search_candidates(snapshot, base, read.picture, read.matte, query::LabelOptions{});
   const query::FeatureShape shape = query::feature_shape(settings);
   fmt::print("\n{}: {} pieces, {} edges; open {:.2f} s, cut {:.2f} s, search {:.2f} s\n", read.name,
-             search.target.size(), search.target.edges.size(), search.seconds.open, search.seconds.cut,
+             search.target.size(), search.target.edges.size(), base.seconds, search.seconds.cut,
              search.seconds.search);
   nlohmann::json picture{
       {"picture", read.name},
       {"pieces", search.target.size()},
       {"edges", search.target.edges.size()},
-      {"seconds",
-       {{"open", search.seconds.open}, {"cut", search.seconds.cut}, {"search", search.seconds.search}}}};
+      {"seconds", {{"open", base.seconds}, {"cut", search.seconds.cut}, {"search", search.seconds.search}}}};
   bool right = true;
   for (const query::CostForm form : {query::CostForm::kLog, query::CostForm::kPower}) {
     const query::PairwiseOptions options = query::default_costs(form);
-    query::StoredFeatures features(snapshot, settings, search.table);
+    query::StoredFeatures features(snapshot, settings, search.table());
     const double wall = bench::wall_seconds(), cpu = bench::process_seconds();
     const query::Mrf mrf =
         query::build_mrf(search.target, search.candidates, shape, options, features.source());

@@ -76,7 +76,7 @@ Pieces cut(const std::string& argument, const vision::Settings& settings, const 
 /// Fills in `exact`, and compares it on `most` pieces at most.
 void search_and_check(const query::ExactIndex& index, std::span<const vision::WordMap> words, int word_count,
                       std::size_t most, Pieces& pieces) {
-  pieces.exact = index.search(pieces.queries, kCandidates, nullptr);
+  pieces.exact = index.search(pieces.queries, kCandidates);
   const std::size_t count = pieces.queries.size();
   pieces.checked = std::min(most, count);
   std::atomic<std::size_t> wrong = 0;
@@ -102,7 +102,7 @@ Times time_search(const query::CandidateIndex& index, std::span<const query::Pie
     std::vector<double> ms;
     for (std::size_t i = 0; i < queries.size(); ++i) {
       const double start = bench::thread_seconds();
-      index.search(queries.subspan(i, 1), kCandidates, nullptr);
+      index.search(queries.subspan(i, 1), kCandidates);
       ms.push_back(1e3 * (bench::thread_seconds() - start));
     }
     times.median_ms = quantile(ms, 0.5);
@@ -111,7 +111,7 @@ Times time_search(const query::CandidateIndex& index, std::span<const query::Pie
   std::vector<double> ms;
   for (int round = 0; round < rounds; ++round) {
     const double start = wall_seconds();
-    index.search(queries, kCandidates, nullptr);
+    index.search(queries, kCandidates);
     ms.push_back(1e3 * (wall_seconds() - start) / static_cast<double>(queries.size()));
   }
   times.all_threads_ms = quantile(ms, 0.5);
@@ -159,7 +159,7 @@ nlohmann::json measure_flann(const store::Snapshot& snapshot, std::span<const vi
     const std::size_t before = bench::allocated_bytes();
     const query::FlannIndex index(words, word_count, *bytes, options);
     const std::size_t memory = bench::allocated_bytes() - before;
-    const auto answers = index.search(queries, kCandidates, nullptr);
+    const auto answers = index.search(queries, kCandidates);
     double sum = 0, worst = 1;
     for (std::size_t i = 0; i < queries.size(); ++i) {
       const double share = recall(answers[i], exact[i]);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cassert>
 
 #include "freshet_error.h"
 
@@ -30,6 +31,13 @@ bool RowFilter::empty(std::size_t first, std::size_t count) const {
   const auto from = bits_.begin() + static_cast<std::ptrdiff_t>(first / 64);
   const auto to = bits_.begin() + static_cast<std::ptrdiff_t>((first + count + 63) / 64);
   return std::all_of(from, to, [](std::uint64_t bits) { return bits == 0; });
+}
+
+void check([[maybe_unused]] const Admission& admission, [[maybe_unused]] std::size_t queries,
+           [[maybe_unused]] std::size_t rows) {
+  assert(admission.rows == nullptr || admission.rows->rows() == rows);
+  assert(admission.windows.empty() || (admission.windows.size() == queries &&
+                                       admission.mean_u.size() == rows && admission.mean_v.size() == rows));
 }
 
 void check_words(std::span<const vision::WordMap> words, int word_count) {

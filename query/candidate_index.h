@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "query/motion_window.h"
 #include "query/patch_table.h"
 #include "vision/spatial_pyramid.h"
 
@@ -49,16 +50,31 @@ class RowFilter {
   std::vector<std::uint64_t> bits_;  // bits beyond rows_ are 0
 };
 
+/// Which rows may be answers: some for all queries, and for each query those whose mean motion it admits. The
+/// conditions hold inside the search, so that a query still gets its k. Borrows all that it names.
+struct Admission {
+  const RowFilter* rows = nullptr;            // null: all
+  std::span<const float> mean_u{}, mean_v{};  // px/s, a value a row; needed with windows
+  std::span<const MotionWindow> windows{};    // one a query; empty: any motion
+
+  bool admits(std::size_t query, std::size_t row) const {
+    return (rows == nullptr || rows->allows(row)) &&
+           (windows.empty() || windows[query].is_any() || windows[query].admits(mean_u[row], mean_v[row]));
+  }
+};
+
 class CandidateIndex {
  public:
   virtual ~CandidateIndex() = default;
   virtual std::size_t rows() const = 0;
-  /// The k best allowed rows of each query, in the order of `better`; fewer where fewer are allowed.
-  /// filter   of rows() bits; null: all rows.
+  /// The k best admitted rows of each query, in the order of `better`; fewer where fewer are admitted.
   /// Pieces are shared by all threads; the answer is the same for any number of them. Safe from many threads.
   virtual std::vector<std::vector<Hit>> search(std::span<const PieceQuery> queries, std::size_t k,
-                                               const RowFilter* filter) const = 0;
+                                               const Admission& admission = {}) const = 0;
 };
+
+/// That an admission's parts are as long as the queries and rows they speak of; only we can get that wrong.
+void check(const Admission& admission, std::size_t queries, std::size_t rows);
 
 /// Throws Error{kDamaged} when a word is not below word_count.
 void check_words(std::span<const vision::WordMap> words, int word_count);

@@ -5,11 +5,11 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 #include <set>
 #include <utility>
 
 #include "freshet_error.h"
-#include "query/exact_index.h"
 
 namespace freshet::query {
 namespace {
@@ -103,7 +103,7 @@ double parse_direction(const std::string& text) {
 }
 
 Filtered filter_rows(const store::Snapshot& snapshot, const PatchTable& table,
-                     const CandidateOptions& options) {
+                     std::span<const vision::Variant> variants, const CandidateOptions& options) {
   if (options.direction_deg) check_range("direction", *options.direction_deg, -360, 360);
   check_range("direction tolerance", options.direction_tolerance_deg, 0, 180);
   check_range("shortest duration", options.min_duration_s, 0, 1e6);
@@ -159,6 +159,21 @@ Filtered filter_rows(const store::Snapshot& snapshot, const PatchTable& table,
     }
   }
 
+  if (options.min_scale > 0 || options.max_rotation_deg < 180) {
+    narrowing.patches(fmt::format("scale of at least {:g}, turned by {:g} degrees at most", options.min_scale,
+                                  options.max_rotation_deg),
+                      [&](Row row) {
+                        const vision::Variant& variant = variants[table.variant[row]];
+                        return variant.scale >= options.min_scale &&
+                               std::abs(variant.rotation_deg) <= options.max_rotation_deg;
+                      });
+    if (narrowing.none_left())
+      throw Error(ErrorKind::kNotFound, snapshot.path().string(),
+                  fmt::format("no patch has a scale of at least {:g} and is turned by {:g} degrees at most",
+                              options.min_scale, options.max_rotation_deg),
+                  "Allow smaller scales and larger rotations; freshet store info says which there are");
+  }
+
   if (options.direction_deg) {
     const double wanted = *options.direction_deg * std::numbers::pi / 180;
     const double least_cosine = std::cos(options.direction_tolerance_deg * std::numbers::pi / 180) - 1e-9;
@@ -180,39 +195,90 @@ Filtered filter_rows(const store::Snapshot& snapshot, const PatchTable& table,
   return std::move(narrowing.result());
 }
 
-std::unique_ptr<CandidateIndex> open_index(const store::Snapshot& snapshot, const PatchTable& table,
-                                           int word_count, const CandidateOptions& options) {
-  if (!options.flann) return std::make_unique<ExactIndex>(table.words, word_count);
-  const auto bytes = snapshot.blob(blob_name(*options.flann));
-  if (!bytes) {
-    throw Error(
-        ErrorKind::kNotFound, snapshot.path().string(),
-        std::string("it has no FLANN index ") + name_of(*options.flann),
-        std::string("Run freshet index --flann ") + name_of(*options.flann) + ", or use exact search");
+namespace {
+
+// What pieces' tolerances were opened for, in a sentence; empty when none was.
+std::string opening_note(const Candidates& candidates, const Target& target, const MotionGuide& guide) {
+  std::size_t opened = 0;
+  int most = 0;
+  cv::Rect where;
+  for (std::size_t piece = 0; piece < candidates.opened.size(); ++piece) {
+    if (candidates.opened[piece] == 0) continue;
+    ++opened;
+    most = std::max(most, candidates.opened[piece]);
+    where |=
+        cv::Rect(target.corners[piece], cv::Size(target.side, target.side)) & cv::Rect({}, target.picture);
   }
-  FlannOptions flann_options = options.flann_options;
-  flann_options.kind = *options.flann;
-  return std::make_unique<FlannIndex>(table.words, word_count, *bytes, flann_options);
+  if (opened == 0) return {};
+  const auto text_of = [&](int steps) {
+    const MotionWindow window = window_of({{1, 0}, 1}, guide, steps);
+    std::string text;
+    if (!guide.direction.empty())
+      text += window.u == 0
+                  ? "any direction"
+                  : fmt::format("{:.0f} degrees", std::acos(window.least_cosine) * 180 / std::numbers::pi);
+    if (!guide.speed.empty())
+      text += (text.empty() ? "" : ", ") + (std::isinf(window.max_speed)
+                                                ? std::string("any speed")
+                                                : fmt::format("a ratio of {:.2g}", 1 / window.min_speed));
+    return text;
+  };
+  return fmt::format(
+      "{} of {} pieces had too few candidates that move as asked; their tolerance was opened, at "
+      "most to {} (within x {}..{}, y {}..{})",
+      opened, target.size(), text_of(most), where.x, where.br().x, where.y, where.br().y);
 }
 
-Candidates find_candidates(const CandidateIndex& index, std::span<const PieceQuery> queries, std::size_t k,
-                           const RowFilter& filter) {
+}  // namespace
+
+Candidates find_candidates(const CandidateIndex& index, const PatchTable& table, const Target& target,
+                           const cv::Mat& matte, std::size_t k, const RowFilter& filter,
+                           const MotionGuide& guide) {
   if (k < 1 || k > 65535) {
     throw Error(ErrorKind::kUsage, "number of candidates",
                 fmt::format("{} is out of range, 1 to 65535 expected", k));
   }
-  const auto answers = index.search(queries, k, &filter);
+  const std::size_t pieces = target.size();
   Candidates candidates;
   candidates.k = k;
-  candidates.rows.assign(queries.size() * k, kNoRow);
-  candidates.scores.assign(queries.size() * k, 0);
+  std::vector<std::vector<Hit>> answers;
+  if (guide.empty()) {
+    answers = index.search(target.queries, k, {.rows = &filter});
+  } else {
+    candidates.asked = asked_motion(guide, target, matte);
+    candidates.opened.assign(pieces, 0);
+    answers.resize(pieces);
+    std::vector<std::size_t> open(pieces);  // pieces still to be searched
+    std::iota(open.begin(), open.end(), std::size_t{0});
+    for (int steps = 0; !open.empty(); ++steps) {
+      std::vector<PieceQuery> queries;
+      std::vector<MotionWindow> windows;
+      for (const std::size_t piece : open) {
+        queries.push_back(target.queries[piece]);
+        windows.push_back(window_of(candidates.asked[piece], guide, steps));
+      }
+      auto found = index.search(
+          queries, k, {.rows = &filter, .mean_u = table.mean_u, .mean_v = table.mean_v, .windows = windows});
+      std::vector<std::size_t> short_of;
+      for (std::size_t i = 0; i < open.size(); ++i) {
+        candidates.opened[open[i]] = steps;
+        if (found[i].size() < k && !windows[i].is_any()) short_of.push_back(open[i]);
+        answers[open[i]] = std::move(found[i]);
+      }
+      open = std::move(short_of);
+    }
+    if (std::string note = opening_note(candidates, target, guide); !note.empty())
+      candidates.notes.push_back(std::move(note));
+  }
+  candidates.rows.assign(pieces * k, kNoRow);
+  candidates.scores.assign(pieces * k, 0);
   std::size_t short_of = 0;
-  for (std::size_t piece = 0; piece < queries.size(); ++piece) {
+  for (std::size_t piece = 0; piece < pieces; ++piece) {
     if (answers[piece].empty()) {
       throw Error(ErrorKind::kNotFound, "candidates", fmt::format("the index found none for piece {}", piece),
                   "Use exact search, more checks, or fewer conditions");
     }
-    const auto full = static_cast<float>(mass(queries[piece]));
+    const auto full = static_cast<float>(mass(target.queries[piece]));
     for (std::size_t i = 0; i < answers[piece].size(); ++i) {
       candidates.rows[piece * k + i] = answers[piece][i].row;
       candidates.scores[piece * k + i] = static_cast<float>(answers[piece][i].score) / full;
@@ -222,9 +288,30 @@ Candidates find_candidates(const CandidateIndex& index, std::span<const PieceQue
   }
   if (short_of > 0) {
     candidates.notes.push_back(
-        fmt::format("{} of {} pieces have fewer than {} candidates", short_of, queries.size(), k));
+        fmt::format("{} of {} pieces have fewer than {} candidates", short_of, pieces, k));
   }
   return candidates;
+}
+
+void add_guide_costs(const PatchTable& table, const Candidates& candidates, const GuideCosts& weights,
+                     Mrf& mrf) {
+  for (std::size_t piece = 0; piece < candidates.asked.size(); ++piece) {
+    const PieceMotion& asked = candidates.asked[piece];
+    float* const unary = mrf.unary.data() + mrf.first_unary[piece];
+    const auto rows = candidates.rows_of(piece);
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      const double u = table.mean_u[rows[i]], v = table.mean_v[rows[i]], speed = std::hypot(u, v);
+      double cost = 0;
+      if (asked.direction != cv::Vec2f(0, 0) && speed > 0)
+        cost += weights.direction * (1 - (u * asked.direction[0] + v * asked.direction[1]) / speed);
+      if (asked.speed >= 0) {
+        // A tenth of a pixel a second is as slow as can be told.
+        const double ratio = std::log2(std::max(speed, 0.1) / std::max<double>(asked.speed, 0.1));
+        cost += weights.speed * ratio * ratio;
+      }
+      unary[i] += static_cast<float>(cost);
+    }
+  }
 }
 
 }  // namespace freshet::query

@@ -2,14 +2,14 @@
 #pragma once
 
 #include <cstddef>
-#include <memory>
 #include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "query/candidate_index.h"
-#include "query/flann_index.h"
+#include "query/motion_guide.h"
+#include "query/mrf.h"
 #include "query/patch_table.h"
 #include "query/target.h"
 #include "store/store.h"
@@ -21,12 +21,13 @@ struct CandidateOptions {
   std::string class_name{};  // only clips of this class; empty: all
   std::optional<double>
       direction_deg{};  // mean motion, as seen on the screen: 0 right, 90 up, 180 left, 270 down
-  double direction_tolerance_deg = 30;        // to either side
-  double min_speed_px_per_s = 2.5;            // with a direction: slower patches have none that counts
-  double min_duration_s = 0;                  // of a clip
-  std::vector<std::string> excluded_clips{};  // by name
-  std::optional<FlannKind> flann{};           // nothing: exact search
-  FlannOptions flann_options{};               // checks, max_bytes
+  double direction_tolerance_deg = 30;           // to either side
+  double min_speed_px_per_s = 2.5;               // with a direction: slower patches have none that counts
+  double min_duration_s = 0;                     // of a clip
+  double min_scale = 0, max_rotation_deg = 180;  // of a variant
+  std::vector<std::string> excluded_clips{};     // by name
+  int coherent =
+      10;  // of each neighbour's best, whose continuations join a piece's candidates (add_coherent)
 };
 
 /// "right", "up", "left", "down", "up-left", ... or degrees. Error{kUsage}.
@@ -46,15 +47,11 @@ struct Filtered {
 };
 
 /// Which rows the options allow, before any search.
+/// variants   settings.variants().
 /// Throws Error{kNotFound} when none is left, naming the condition that removed the last and what there is;
 /// Error{kUsage} for a number out of range.
 Filtered filter_rows(const store::Snapshot& snapshot, const PatchTable& table,
-                     const CandidateOptions& options);
-
-/// The index that the options ask for: exact, built here from the words, or FLANN's from the store.
-/// Throws Error{kNotFound} "run freshet index --flann ..." when the store has no such index.
-std::unique_ptr<CandidateIndex> open_index(const store::Snapshot& snapshot, const PatchTable& table,
-                                           int word_count, const CandidateOptions& options);
+                     std::span<const vision::Variant> variants, const CandidateOptions& options);
 
 /// Candidates of all pieces, best first; rows beyond a piece's count are kNoRow.
 struct Candidates {
@@ -62,6 +59,8 @@ struct Candidates {
   std::vector<Row> rows;              // pieces * k
   std::vector<float> scores;          // pieces * k: intersection / mass of the piece, 0..1
   std::vector<std::uint32_t> counts;  // of each piece, 1..k
+  std::vector<PieceMotion> asked;     // of each piece, by a guide; empty: nothing was asked
+  std::vector<int> opened;            // of each piece: how often its tolerances were opened; with `asked`
   std::vector<std::string> notes;     // for a person: "12 pieces have fewer than 100 candidates"
 
   std::size_t pieces() const { return counts.size(); }
@@ -73,8 +72,22 @@ struct Candidates {
   }
 };
 
-/// Throws Error{kNotFound} when an approximate index finds nothing allowed for a piece.
-Candidates find_candidates(const CandidateIndex& index, std::span<const PieceQuery> queries, std::size_t k,
-                           const RowFilter& filter);
+/// The k best of each piece among the allowed rows that move as its guide asks. Where fewer than k do, the
+/// guide's tolerances open step by step for that piece alone (window_of), until there are k or nothing of the
+/// guide is left; `opened` and a note say where.
+/// guide     may be empty. matte   see asked_motion.
+/// Throws    Error{kNotFound} when an approximate index finds nothing allowed for a piece.
+Candidates find_candidates(const CandidateIndex& index, const PatchTable& table, const Target& target,
+                           const cv::Mat& matte, std::size_t k, const RowFilter& filter,
+                           const MotionGuide& guide = {});
+
+/// What it costs a candidate not to move quite as asked: inside its window one still has to choose.
+/// direction * (1 - cos of the angle) + speed * (log2 of the ratio)^2; pieces of which nothing is asked pay
+/// nothing. Added to the unary costs, which are 1 - score.
+struct GuideCosts {
+  double direction = 0.3, speed = 0.05;
+};
+void add_guide_costs(const PatchTable& table, const Candidates& candidates, const GuideCosts& weights,
+                     Mrf& mrf);
 
 }  // namespace freshet::query

@@ -54,10 +54,10 @@ cv::Mat contact_sheet(const store::Snapshot& snapshot, const cv::Mat& picture, c
     const auto put = [&](std::size_t rank, int column) {
       const cv::Point spot = at + cv::Point(column * width, 0);
       const Row row = rows[rank];
-      spots[{search.table.clip[row], search.table.variant[row]}].push_back({row, spot});
+      spots[{search.table().clip[row], search.table().variant[row]}].push_back({row, spot});
       caption(sheet,
               fmt::format("{:.0f} #{}", 100 * scores[rank],
-                          static_cast<std::uint32_t>(search.table.clips[search.table.clip[row]])),
+                          static_cast<std::uint32_t>(search.table().clips[search.table().clip[row]])),
               spot + cv::Point(0, tile + 11));
       return spot;
     };
@@ -73,10 +73,10 @@ cv::Mat contact_sheet(const store::Snapshot& snapshot, const cv::Mat& picture, c
   cv::Mat average;
   for (const auto& [key, places] : spots) {
     if (key.first != clip_at_hand)
-      average = average_image(snapshot, search.table.clips[clip_at_hand = key.first]);
+      average = average_image(snapshot, search.table().clips[clip_at_hand = key.first]);
     const cv::Mat frame = vision::warp_to_variant(average, variants[key.second]);
     for (const Spot& spot : places) {
-      const cv::Rect patch(search.table.x[spot.row], search.table.y[spot.row], target.side, target.side);
+      const cv::Rect patch(search.table().x[spot.row], search.table().y[spot.row], target.side, target.side);
       cv::Mat colour;
       cv::cvtColor(frame(patch), colour, cv::COLOR_GRAY2BGR);
       colour.copyTo(sheet(cv::Rect(spot.at, patch.size())));

@@ -119,8 +119,8 @@ ExactIndex::ExactIndex(std::span<const vision::WordMap> words, int word_count)
   });
 }
 
-void ExactIndex::search_one(const PieceQuery& query, std::size_t k, const RowFilter* filter,
-                            std::span<std::uint16_t> sums, std::vector<Hit>& hits) const {
+void ExactIndex::search_one(const PieceQuery& query, std::size_t k, const Admission& admission,
+                            std::size_t number, std::span<std::uint16_t> sums, std::vector<Hit>& hits) const {
   const auto words = static_cast<std::uint32_t>(word_count_);
   // The lists of a bin lie side by side: one stretch a bin, from its first list to its count.
   struct Stretch {
@@ -151,7 +151,7 @@ void ExactIndex::search_one(const PieceQuery& query, std::size_t k, const RowFil
   Best best(k, hits);
   for (std::size_t b = 0; b < blocks_.size(); ++b) {
     const std::size_t first_row = b * kBlockRows, rows = std::min(kBlockRows, rows_ - first_row);
-    if (filter != nullptr && filter->empty(first_row, rows)) continue;
+    if (admission.rows != nullptr && admission.rows->empty(first_row, rows)) continue;
     const Block& block = blocks_[b];
     std::fill(sums.begin(), sums.end(), std::uint16_t{0});
     for (const Stretch& stretch : stretches) {
@@ -167,7 +167,7 @@ void ExactIndex::search_one(const PieceQuery& query, std::size_t k, const RowFil
       for (std::size_t i = 0; i < kStep; ++i) above |= static_cast<std::uint16_t>(sums[row + i] >= threshold);
       if (above == 0) continue;
       for (std::size_t i = row; i < std::min(row + kStep, rows); ++i) {
-        if (sums[i] < best.threshold() || (filter != nullptr && !filter->allows(first_row + i))) continue;
+        if (sums[i] < best.threshold() || !admission.admits(number, first_row + i)) continue;
         best.offer(static_cast<Row>(first_row + i), sums[i]);
       }
     }
@@ -176,15 +176,15 @@ void ExactIndex::search_one(const PieceQuery& query, std::size_t k, const RowFil
 }
 
 std::vector<std::vector<Hit>> ExactIndex::search(std::span<const PieceQuery> queries, std::size_t k,
-                                                 const RowFilter* filter) const {
-  assert(filter == nullptr || filter->rows() == rows_);
+                                                 const Admission& admission) const {
+  check(admission, queries.size(), rows_);
   std::vector<std::vector<Hit>> answers(queries.size());
   k = std::min(k, rows_);
   if (k == 0) return answers;
   oneapi::tbb::enumerable_thread_specific<std::vector<std::uint16_t>> sums(
       [] { return std::vector<std::uint16_t>(kBlockRows); });
   oneapi::tbb::parallel_for(std::size_t{0}, queries.size(), [&](std::size_t i) {
-    search_one(queries[i], k, filter, sums.local(), answers[i]);
+    search_one(queries[i], k, admission, i, sums.local(), answers[i]);
   });
   return answers;
 }

@@ -25,14 +25,14 @@ class ExactIndex final : public CandidateIndex {
   ExactIndex(std::span<const vision::WordMap> words, int word_count);
   std::size_t rows() const override { return rows_; }
   std::vector<std::vector<Hit>> search(std::span<const PieceQuery> queries, std::size_t k,
-                                       const RowFilter* filter) const override;
+                                       const Admission& admission = {}) const override;
 
  private:
   struct Block {
     std::vector<std::uint32_t> first;  // keys + 1
     std::vector<std::uint16_t> rows;   // within the block, ascending in each list
   };
-  void search_one(const PieceQuery& query, std::size_t k, const RowFilter* filter,
+  void search_one(const PieceQuery& query, std::size_t k, const Admission& admission, std::size_t number,
                   std::span<std::uint16_t> sums, std::vector<Hit>& hits) const;
   std::size_t rows_ = 0;
   int word_count_ = 0;

@@ -206,23 +206,24 @@ std::vector<std::byte> FlannIndex::serialize() const {
 }
 
 std::vector<std::vector<Hit>> FlannIndex::search(std::span<const PieceQuery> queries, std::size_t k,
-                                                 const RowFilter* filter) const {
+                                                 const Admission& admission) const {
   const Impl& impl = *impl_;
-  assert(filter == nullptr || filter->rows() == impl.rows);
+  check(admission, queries.size(), impl.rows);
   std::vector<std::vector<Hit>> answers(queries.size());
   k = std::min(k, impl.rows);  // beyond them FLANN would leave garbage
   if (k == 0) return answers;
-  // FLANN knows no filter: ask for so many more that enough allowed rows should be among them.
-  std::size_t asked = k;
-  if (filter != nullptr) {
-    const std::size_t allowed = filter->count();
-    if (allowed == 0) return answers;
-    asked = std::min(impl.rows, (k + 16) * ((2 * impl.rows + allowed - 1) / allowed));
-  }
-  flann::SearchParams parameters(
-      std::max(impl.options.checks, static_cast<int>(std::min<std::size_t>(asked, 1 << 30))));
-  parameters.cores = 1;
   oneapi::tbb::parallel_for(std::size_t{0}, queries.size(), [&](std::size_t i) {
+    // FLANN knows no conditions: ask for so many more that enough admitted rows should be among them.
+    std::size_t asked = k;
+    if (admission.rows != nullptr || !admission.windows.empty()) {
+      std::size_t allowed = 0;
+      for (std::size_t row = 0; row < impl.rows; ++row) allowed += admission.admits(i, row);
+      if (allowed == 0) return;
+      asked = std::min(impl.rows, (k + 16) * ((2 * impl.rows + allowed - 1) / allowed));
+    }
+    flann::SearchParams parameters(
+        std::max(impl.options.checks, static_cast<int>(std::min<std::size_t>(asked, 1 << 30))));
+    parameters.cores = 1;
     std::vector<unsigned char> histogram(impl.bins);
     impl.fill(queries[i], histogram.data());
     std::vector<std::vector<std::size_t>> rows(1);
@@ -231,7 +232,7 @@ std::vector<std::vector<Hit>> FlannIndex::search(std::span<const PieceQuery> que
                           asked, parameters);
     std::vector<Hit>& hits = answers[i];
     for (const std::size_t row : rows[0]) {
-      if (row >= impl.rows || (filter != nullptr && !filter->allows(row))) continue;
+      if (row >= impl.rows || !admission.admits(i, row)) continue;
       const unsigned char* other = impl.histograms.data() + row * impl.bins;
       std::uint32_t score = 0;
       for (std::size_t bin = 0; bin < impl.bins; ++bin) score += std::min(histogram[bin], other[bin]);

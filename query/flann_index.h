@@ -49,7 +49,7 @@ class FlannIndex final : public CandidateIndex {
   std::vector<std::byte> serialize() const;
   std::size_t rows() const override;
   std::vector<std::vector<Hit>> search(std::span<const PieceQuery> queries, std::size_t k,
-                                       const RowFilter* filter) const override;
+                                       const Admission& admission = {}) const override;
 
  private:
   struct Impl;

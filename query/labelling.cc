@@ -1,12 +1,12 @@
 #include "query/labelling.h"
 
+#include <algorithm>
 #include <chrono>
 #include <map>
 
 #include "freshet_error.h"
-#include "query/stored_codebook.h"
+#include "query/coherent_candidates.h"
 #include "query/stored_features.h"
-#include "vision/settings.h"
 
 namespace freshet::query {
 namespace {
@@ -42,8 +42,6 @@ class Stages {
 
 const char* to_string(LabelStage stage) {
   switch (stage) {
-    case LabelStage::kOpen:
-      return "reading the index";
     case LabelStage::kCut:
       return "describing the picture";
     case LabelStage::kSearch:
@@ -56,55 +54,52 @@ const char* to_string(LabelStage stage) {
   return "";
 }
 
-CandidateSearch search_candidates(const store::Snapshot& snapshot, const cv::Mat& picture,
-                                  const cv::Mat& matte, const LabelOptions& options,
+CandidateSearch search_candidates(const store::Snapshot& snapshot, const SearchBase& base,
+                                  const cv::Mat& picture, const cv::Mat& matte, const LabelOptions& options,
                                   const std::function<void(LabelStage)>& progress, std::stop_token stop) {
-  const vision::Settings settings = vision::settings_from_json(snapshot.settings());
   if (picture.type() != CV_8UC3 || matte.type() != CV_8U || picture.size() != matte.size()) {
     throw Error(ErrorKind::kUsage, "picture and matte", "8-bit BGR and 8-bit grey of the same size expected");
   }
+  if (options.candidates.k < 1)
+    throw Error(ErrorKind::kUsage, "number of candidates",
+                std::to_string(options.candidates.k) + " is out of range");
   Stages stages(progress, stop);
   CandidateSearch search;
-  vision::Codebook codebook;
-  const auto index = stages.run(LabelStage::kOpen, search.seconds.open, [&] {
-    codebook = read_codebook(snapshot);
-    search.table = read_patch_table(snapshot);
-    // Conditions that nothing meets are said before the time for an index is spent.
-    search.filtered = filter_rows(snapshot, search.table, options.candidates);
-    return open_index(snapshot, search.table, codebook.words, options.candidates);
-  });
+  search.base = &base;
+  search.filtered = filter_rows(snapshot, base.table, base.settings.variants(), options.candidates);
   search.target = stages.run(LabelStage::kCut, search.seconds.cut, [&] {
-    return make_target(picture, matte, settings.grid, codebook, options.target);
+    return make_target(picture, matte, base.settings.grid, base.codebook, options.target);
   });
   search.candidates = stages.run(LabelStage::kSearch, search.seconds.search, [&] {
-    if (options.candidates.k < 1) {
-      throw Error(ErrorKind::kUsage, "number of candidates",
-                  std::to_string(options.candidates.k) + " is out of range");
-    }
-    return find_candidates(*index, search.target.queries, static_cast<std::size_t>(options.candidates.k),
-                           search.filtered.rows);
+    Candidates found =
+        find_candidates(*base.index, base.table, search.target, matte,
+                        static_cast<std::size_t>(options.candidates.k), search.filtered.rows, options.guide);
+    add_coherent(base.table, base.codebook.words, search.target, search.filtered.rows, options.guide,
+                 static_cast<std::size_t>(std::max(0, options.candidates.coherent)), found);
+    return found;
   });
   return search;
 }
 
-Labelling label(const store::Snapshot& snapshot, const cv::Mat& picture, const cv::Mat& matte,
-                const LabelOptions& options, const std::function<void(LabelStage)>& progress,
-                std::stop_token stop) {
-  const vision::Settings settings = vision::settings_from_json(snapshot.settings());
+Labelling label(const store::Snapshot& snapshot, const SearchBase& base, const cv::Mat& picture,
+                const cv::Mat& matte, const LabelOptions& options,
+                const std::function<void(LabelStage)>& progress, std::stop_token stop) {
   Labelling labelling;
-  labelling.search = search_candidates(snapshot, picture, matte, options, progress, stop);
+  labelling.search = search_candidates(snapshot, base, picture, matte, options, progress, stop);
   labelling.seconds = labelling.search.seconds;
   Stages stages(progress, stop);
   const Mrf mrf = stages.run(LabelStage::kCosts, labelling.seconds.costs, [&] {
-    StoredFeatures features(snapshot, settings, labelling.search.table);
-    return build_mrf(labelling.search.target, labelling.search.candidates, feature_shape(settings),
-                     options.costs, features.source(), stop);
+    StoredFeatures features(snapshot, base.settings, base.table);
+    Mrf costs = build_mrf(labelling.search.target, labelling.search.candidates, feature_shape(base.settings),
+                          options.costs, features.source(), stop);
+    add_guide_costs(base.table, labelling.search.candidates, options.guide_costs, costs);
+    return costs;
   });
   Solution solution = stages.run(LabelStage::kMinimize, labelling.seconds.minimize,
                                  [&] { return minimize(mrf, options.minimizer, options.max_iterations); });
   labelling.labels = std::move(solution.labels);
   labelling.iterations = solution.iterations;
-  labelling.assignment = make_assignment(snapshot, settings, labelling.search, labelling.labels);
+  labelling.assignment = make_assignment(snapshot, labelling.search, labelling.labels);
   labelling.assignment.minimizer = name_of(options.minimizer);
   labelling.assignment.cost_form = name_of(options.costs.form);
   labelling.assignment.energy = solution.energy;
@@ -112,9 +107,10 @@ Labelling label(const store::Snapshot& snapshot, const cv::Mat& picture, const c
   return labelling;
 }
 
-Assignment make_assignment(const store::Snapshot& snapshot, const vision::Settings& settings,
-                           const CandidateSearch& search, const Labels& labels) {
-  const std::vector<vision::Variant> variants = settings.variants();
+Assignment make_assignment(const store::Snapshot& snapshot, const CandidateSearch& search,
+                           const Labels& labels) {
+  const std::vector<vision::Variant> variants = search.base->settings.variants();
+  const PatchTable& table = search.table();
   Assignment assignment;
   assignment.picture = search.target.picture;
   assignment.side = search.target.side;
@@ -122,15 +118,14 @@ Assignment make_assignment(const store::Snapshot& snapshot, const vision::Settin
   std::map<std::uint32_t, std::uint32_t> number_of;  // clip of the table, clip of the assignment
   for (std::size_t piece = 0; piece < search.target.size(); ++piece) {
     const Row row = search.candidates.rows_of(piece)[labels[piece]];
-    const std::uint32_t clip = search.table.clip[row];
+    const std::uint32_t clip = table.clip[row];
     const auto [entry, is_new] = number_of.emplace(clip, static_cast<std::uint32_t>(assignment.clips.size()));
     if (is_new) {
-      const store::ClipRecord& record = snapshot.clip(search.table.clips[clip]);
+      const store::ClipRecord& record = snapshot.clip(table.clips[clip]);
       assignment.clips.push_back({record.name, record.class_name, record.licence, record.source_hash});
     }
-    assignment.pieces.push_back({search.target.corners[piece], entry->second,
-                                 variants[search.table.variant[row]],
-                                 cv::Point(search.table.x[row], search.table.y[row]),
+    assignment.pieces.push_back({search.target.corners[piece], entry->second, variants[table.variant[row]],
+                                 cv::Point(table.x[row], table.y[row]),
                                  search.candidates.scores_of(piece)[labels[piece]]});
   }
   return assignment;

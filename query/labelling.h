@@ -12,7 +12,7 @@
 #include "query/candidates.h"
 #include "query/minimizer.h"
 #include "query/pairwise.h"
-#include "query/patch_table.h"
+#include "query/search_base.h"
 #include "query/target.h"
 #include "store/store.h"
 
@@ -21,40 +21,44 @@ namespace freshet::query {
 struct LabelOptions {
   TargetOptions target{};
   CandidateOptions candidates{};
+  MotionGuide guide{};  // empty: any motion
+  GuideCosts guide_costs{};
   PairwiseOptions costs{};
   Minimizer minimizer = Minimizer::kTrwS;
   int max_iterations = 100;  // of TRW-S
 };
 
-enum class LabelStage { kOpen, kCut, kSearch, kCosts, kMinimize };
-const char* to_string(LabelStage stage);  // "reading the index", ...
+enum class LabelStage { kCut, kSearch, kCosts, kMinimize };
+const char* to_string(LabelStage stage);  // "describing the picture", ...
 
 /// Seconds, wall clock.
 struct LabelSeconds {
-  double open = 0, cut = 0, search = 0, costs = 0, minimize = 0;
+  double cut = 0, search = 0, costs = 0, minimize = 0;
 };
 
-/// What a search for candidates found.
+/// What a search for candidates found. Borrows the base that it searched.
 struct CandidateSearch {
-  PatchTable table;
+  const SearchBase* base = nullptr;
   Target target;
   Filtered filtered;
   Candidates candidates;
   LabelSeconds seconds;
+
+  const PatchTable& table() const { return base->table; }
 };
 
 /// The first half: pieces and their candidates.
 /// picture   CV_8UC3 BGR. matte   CV_8U of its size, 255 where the fluid is.
 /// progress  called from the calling thread before each stage; may be empty.
 /// Throws    as its stages, and Error{kCancelled}.
-CandidateSearch search_candidates(const store::Snapshot& snapshot, const cv::Mat& picture,
-                                  const cv::Mat& matte, const LabelOptions& options,
+CandidateSearch search_candidates(const store::Snapshot& snapshot, const SearchBase& base,
+                                  const cv::Mat& picture, const cv::Mat& matte, const LabelOptions& options,
                                   const std::function<void(LabelStage)>& progress = {},
                                   std::stop_token stop = {});
 
 struct Labelling {
   Assignment assignment;
-  Labels labels;  // of each piece, its candidate's rank
+  Labels labels;  // of each piece, its candidate's place among them
   CandidateSearch search;
   LabelSeconds seconds;
   int iterations = 0;
@@ -62,12 +66,12 @@ struct Labelling {
 
 /// Cuts the picture into pieces, finds each piece's candidates and chooses among them: Eq. 4 of Okabe et al.
 /// 2011. The same labels for any number of threads.
-Labelling label(const store::Snapshot& snapshot, const cv::Mat& picture, const cv::Mat& matte,
-                const LabelOptions& options = {}, const std::function<void(LabelStage)>& progress = {},
-                std::stop_token stop = {});
+Labelling label(const store::Snapshot& snapshot, const SearchBase& base, const cv::Mat& picture,
+                const cv::Mat& matte, const LabelOptions& options = {},
+                const std::function<void(LabelStage)>& progress = {}, std::stop_token stop = {});
 
 /// The assignment that labels mean. Clips in order of their first piece.
-Assignment make_assignment(const store::Snapshot& snapshot, const vision::Settings& settings,
-                           const CandidateSearch& search, const Labels& labels);
+Assignment make_assignment(const store::Snapshot& snapshot, const CandidateSearch& search,
+                           const Labels& labels);
 
 }  // namespace freshet::query

@@ -8,35 +8,47 @@
 
 namespace freshet::tools {
 
-query::Labelling label_with_progress(const store::Snapshot& snapshot, const TargetFiles::Loaded& loaded,
-                                     const SearchOptions& search, const LabelOptions& labelling,
-                                     const Duration& duration, const RunContext& context) {
+std::unique_ptr<const query::SearchBase> open_with_progress(const store::Snapshot& snapshot,
+                                                            const SearchOptions& search) {
+  Progress progress;
+  progress.show("reading the index", 0, 0);
+  auto base = std::make_unique<const query::SearchBase>(query::open_search(snapshot, search.index()));
+  progress.finish();
+  return base;
+}
+
+LabelRun label_with_progress(const store::Snapshot& snapshot, const TargetFiles::Loaded& loaded,
+                             const SearchOptions& search, const LabelOptions& labelling,
+                             const Duration& duration, const RunContext& context) {
   query::LabelOptions options;
   options.candidates = search.options();
   options.candidates.min_duration_s = duration.seconds();
   options.costs = labelling.costs();
   options.minimizer = labelling.solver();
   options.max_iterations = labelling.iterations();
+  LabelRun run;
+  run.base = open_with_progress(snapshot, search);
   Progress progress;
-  query::Labelling result = query::label(
-      snapshot, loaded.picture, loaded.matte, options,
+  run.labelling = query::label(
+      snapshot, *run.base, loaded.picture, loaded.matte, options,
       [&](query::LabelStage stage) { progress.show(query::to_string(stage), 0, 0); }, context.stop);
   progress.finish();
-  say_filters(result.search.filtered, duration);
-  for (const std::string& note : result.search.candidates.notes) say(note);
-  return result;
+  say_filters(run.labelling.search.filtered, duration);
+  for (const std::string& note : run.labelling.search.candidates.notes) say(note);
+  return run;
 }
 
-std::string label_summary(const query::Labelling& labelling) {
-  const query::Assignment& a = labelling.assignment;
-  const query::LabelSeconds& s = labelling.seconds;
+std::string label_summary(const LabelRun& run) {
+  const query::Assignment& a = run.labelling.assignment;
+  const query::LabelSeconds& s = run.labelling.seconds;
+  const double open = run.base->seconds;
   std::string text = fmt::format("{} pieces from {} clips, {}, energy {:.4f}", a.pieces.size(),
                                  a.clips.size(), a.minimizer, a.energy);
   if (std::isfinite(a.lower_bound))
     text += fmt::format(", bound {:.4f}, gap {:.2f}%", a.lower_bound, 100 * a.gap());
   return text +
          fmt::format(", {:.1f} s (index {:.1f}, pieces {:.1f}, search {:.1f}, costs {:.1f}, solver {:.1f})",
-                     s.open + s.cut + s.search + s.costs + s.minimize, s.open, s.cut, s.search, s.costs,
+                     open + s.cut + s.search + s.costs + s.minimize, open, s.cut, s.search, s.costs,
                      s.minimize);
 }
 

@@ -1,6 +1,7 @@
 // tools/label_run.h — labelling with its progress and its findings shown on stderr.
 #pragma once
 
+#include <memory>
 #include <string>
 
 #include "query/labelling.h"
@@ -9,11 +10,21 @@
 
 namespace freshet::tools {
 
-query::Labelling label_with_progress(const store::Snapshot& snapshot, const TargetFiles::Loaded& loaded,
-                                     const SearchOptions& search, const LabelOptions& labelling,
-                                     const Duration& duration, const RunContext& context);
+/// A labelling and the base that it borrows.
+struct LabelRun {
+  std::unique_ptr<const query::SearchBase> base;
+  query::Labelling labelling;
+};
+
+/// The base of all searches in a store, opened with its progress shown.
+std::unique_ptr<const query::SearchBase> open_with_progress(const store::Snapshot& snapshot,
+                                                            const SearchOptions& search);
+
+LabelRun label_with_progress(const store::Snapshot& snapshot, const TargetFiles::Loaded& loaded,
+                             const SearchOptions& search, const LabelOptions& labelling,
+                             const Duration& duration, const RunContext& context);
 
 /// One line: pieces, energy, bound, gap, seconds by stage.
-std::string label_summary(const query::Labelling& labelling);
+std::string label_summary(const LabelRun& run);
 
 }  // namespace freshet::tools

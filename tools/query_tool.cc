@@ -39,8 +39,8 @@ struct LabelCommand {
   bool json = false;
 };
 
-nlohmann::json to_json(const query::LabelSeconds& seconds) {
-  return {{"open", seconds.open},
+nlohmann::json to_json(const query::SearchBase& base, const query::LabelSeconds& seconds) {
+  return {{"open", base.seconds},
           {"cut", seconds.cut},
           {"search", seconds.search},
           {"costs", seconds.costs},
@@ -66,8 +66,8 @@ void print_candidates(const store::Snapshot& snapshot, const query::CandidateSea
     const auto scores = search.candidates.scores_of(piece);
     std::map<std::uint32_t, bool> seen;
     for (query::Row row : rows)
-      if (!std::exchange(seen[search.table.clip[row]], true)) ++clips[search.table.clip[row]].among;
-    Count& best = clips[search.table.clip[rows[0]]];
+      if (!std::exchange(seen[search.table().clip[row]], true)) ++clips[search.table().clip[row]].among;
+    Count& best = clips[search.table().clip[rows[0]]];
     ++best.best;
     best.score += scores[0];
   }
@@ -76,7 +76,7 @@ void print_candidates(const store::Snapshot& snapshot, const query::CandidateSea
                    [](const auto& a, const auto& b) { return a.second.best > b.second.best; });
   Table table({"clip", "class", "best of pieces", "mean score", "among candidates of"});
   for (const auto& [clip, count] : order) {
-    const store::ClipRecord& record = snapshot.clip(search.table.clips[clip]);
+    const store::ClipRecord& record = snapshot.clip(search.table().clips[clip]);
     table.row({record.name, record.class_name, fmt::format("{}", count.best),
                count.best ? fmt::format("{:.2f}", count.score / static_cast<double>(count.best)) : "-",
                fmt::format("{}", count.among)});
@@ -93,14 +93,14 @@ nlohmann::json candidates_json(const store::Snapshot& snapshot, const query::Can
     const auto scores = search.candidates.scores_of(piece);
     for (std::size_t i = 0; i < rows.size(); ++i) {
       const query::Row row = rows[i];
-      const vision::Variant& variant = variants[search.table.variant[row]];
+      const vision::Variant& variant = variants[search.table().variant[row]];
       found.push_back({{"row", row},
-                       {"clip", snapshot.clip(search.table.clips[search.table.clip[row]]).name},
+                       {"clip", snapshot.clip(search.table().clips[search.table().clip[row]]).name},
                        {"scale", variant.scale},
                        {"rotation", variant.rotation_deg},
                        {"flip", variant.flip},
-                       {"x", search.table.x[row]},
-                       {"y", search.table.y[row]},
+                       {"x", search.table().x[row]},
+                       {"y", search.table().y[row]},
                        {"score", scores[i]}});
     }
     pieces.push_back({{"x", search.target.corners[piece].x},
@@ -117,9 +117,10 @@ void run_candidates(const CandidatesCommand& command, const RunContext& context)
   query::LabelOptions options;
   options.candidates = command.search.options();
   options.candidates.min_duration_s = command.duration.seconds();
+  const auto base = open_with_progress(snapshot, command.search);
   Progress progress;
   const query::CandidateSearch search = query::search_candidates(
-      snapshot, loaded.picture, loaded.matte, options,
+      snapshot, *base, loaded.picture, loaded.matte, options,
       [&](query::LabelStage stage) { progress.show(query::to_string(stage), 0, 0); }, context.stop);
   progress.finish();
   say_filters(search.filtered, command.duration);
@@ -131,11 +132,11 @@ void run_candidates(const CandidatesCommand& command, const RunContext& context)
   if (!command.sheet.empty())
     media::write_picture(command.sheet, query::contact_sheet(snapshot, loaded.picture, search));
   if (command.json) {
-    const vision::Settings settings = vision::settings_from_json(snapshot.settings());
-    fmt::print("{}\n", nlohmann::json{{"filters", to_json(search.filtered)},
-                                      {"seconds", to_json(search.seconds)},
-                                      {"pieces", candidates_json(snapshot, search, settings.variants())}}
-                           .dump());
+    fmt::print("{}\n",
+               nlohmann::json{{"filters", to_json(search.filtered)},
+                              {"seconds", to_json(*base, search.seconds)},
+                              {"pieces", candidates_json(snapshot, search, base->settings.variants())}}
+                   .dump());
   } else {
     print_candidates(snapshot, search);
   }
@@ -148,8 +149,9 @@ void run_label(const LabelCommand& command, const RunContext& context) {
   check_picture_output(command.sheet);
   const store::Snapshot snapshot = store::Store::open_read(command.target.store).snapshot();
   const TargetFiles::Loaded loaded = command.target.load();
-  const query::Labelling labelling =
+  const LabelRun run =
       label_with_progress(snapshot, loaded, command.search, command.labelling, command.duration, context);
+  const query::Labelling& labelling = run.labelling;
   const query::Assignment& assignment = labelling.assignment;
   if (!command.assignment.empty()) query::write_assignment(command.assignment, assignment);
   if (!command.map.empty())
@@ -166,7 +168,7 @@ void run_label(const LabelCommand& command, const RunContext& context) {
                         {"energy", assignment.energy},
                         {"iterations", labelling.iterations},
                         {"filters", to_json(labelling.search.filtered)},
-                        {"seconds", to_json(s)}};
+                        {"seconds", to_json(*run.base, s)}};
     if (std::isfinite(assignment.lower_bound)) {
       json["lower_bound"] = assignment.lower_bound;
       json["gap"] = assignment.gap();
@@ -186,7 +188,7 @@ void run_label(const LabelCommand& command, const RunContext& context) {
                fmt::format("{:.0f}%", 100.0 * static_cast<double>(count) /
                                           static_cast<double>(assignment.pieces.size())),
                assignment.clips[clip].licence});
-  fmt::print("{}\n{}\n", table.text(), label_summary(labelling));
+  fmt::print("{}\n{}\n", table.text(), label_summary(run));
   for (const std::string& path : {command.assignment, command.map, command.sheet})
     if (!path.empty()) fmt::print("{}\n", path);
 }

@@ -43,13 +43,22 @@ void SearchOptions::add_to(CLI::App& command) {
   command.add_option("-k,--candidates", options_.k, "Candidates a piece")
       ->check(CLI::Range(1, 10000))
       ->capture_default_str();
+  command
+      .add_option("--coherent", options_.coherent,
+                  "Of each neighbour's best candidates, how many are continued into a piece's own list")
+      ->check(CLI::Range(0, 1000))
+      ->capture_default_str();
+  command.add_option("--min-scale", options_.min_scale, "Only patches of clips reduced to no less than this")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
+  command.add_option("--max-rotation", options_.max_rotation_deg, "Only patches turned by no more, degrees")
+      ->check(CLI::Range(0.0, 180.0))
+      ->capture_default_str();
   command.add_option("--exclude", options_.excluded_clips, "Leave this clip out; may be given several times");
   command.add_option("--index", index_, "exact, or one of FLANN's that freshet index --flann has built")
       ->check(CLI::IsMember({"exact", "flann-kdtree", "flann-kmeans", "flann-hierarchical"}))
       ->capture_default_str();
-  command
-      .add_option("--checks", options_.flann_options.checks,
-                  "Leaves that a FLANN index visits: recall for time")
+  command.add_option("--checks", flann_options_.checks, "Leaves that a FLANN index visits: recall for time")
       ->check(CLI::Range(1, 1 << 24))
       ->capture_default_str();
 }
@@ -57,8 +66,13 @@ void SearchOptions::add_to(CLI::App& command) {
 query::CandidateOptions SearchOptions::options() const {
   query::CandidateOptions options = options_;
   if (!direction_.empty()) options.direction_deg = query::parse_direction(direction_);
-  if (index_ != "exact") options.flann = query::parse_flann_kind(index_.substr(std::string("flann-").size()));
   return options;
+}
+
+query::IndexChoice SearchOptions::index() const {
+  query::IndexChoice choice{.flann = {}, .flann_options = flann_options_};
+  if (index_ != "exact") choice.flann = query::parse_flann_kind(index_.substr(std::string("flann-").size()));
+  return choice;
 }
 
 void Duration::add_to(CLI::App& command) {

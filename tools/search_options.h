@@ -10,6 +10,7 @@
 #include "query/candidates.h"
 #include "query/minimizer.h"
 #include "query/pairwise.h"
+#include "query/search_base.h"
 
 namespace freshet::tools {
 
@@ -31,9 +32,11 @@ class SearchOptions {
  public:
   void add_to(CLI::App& command);
   query::CandidateOptions options() const;
+  query::IndexChoice index() const;
 
  private:
   query::CandidateOptions options_;
+  query::FlannOptions flann_options_;
   std::string direction_, index_ = "exact";
 };
 

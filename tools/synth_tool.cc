@@ -57,10 +57,10 @@ void run_animate(const AnimateCommand& command, const RunContext& context) {
 
   query::Assignment assignment;
   if (command.assignment.empty()) {
-    const query::Labelling labelling =
+    const LabelRun run =
         label_with_progress(snapshot, loaded, command.search, command.labelling, command.duration, context);
-    say(label_summary(labelling));
-    assignment = labelling.assignment;
+    say(label_summary(run));
+    assignment = run.labelling.assignment;
   } else {
     assignment = query::read_assignment(command.assignment);
     if (assignment.picture != loaded.picture.size())

@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 #include <oneapi/tbb/global_control.h>
 
+#include <cmath>
+
 #include "freshet_error.h"
 #include "random_words.h"
 
@@ -32,12 +34,49 @@ TEST(ExactIndex, FindsWhatComparingEveryRowFindsInTheSameOrder) {
     }
     const auto queries = some_queries(rows, words);
     for (const std::size_t k : {1u, 100u, 999u, 1000u, 5000u}) {
-      const auto all = index.search(queries, k, nullptr), some = index.search(queries, k, &filter);
+      const auto all = index.search(queries, k), some = index.search(queries, k, {.rows = &filter});
       for (std::size_t i = 0; i < queries.size(); ++i) {
         EXPECT_EQ(all[i], brute_force(rows, words, queries[i], k));
         EXPECT_EQ(some[i], brute_force(rows, words, queries[i], k, &filter));
       }
     }
+  }
+}
+
+// Windows hold inside the search: the answer is brute force's over the rows that each query's window admits.
+TEST(ExactIndex, GivesEachQueryTheRowsThatMoveAsItsWindowSays) {
+  const auto rows = random_words({.rows = 40000, .words = 30, .clusters = 10, .seed = 14});
+  const ExactIndex index(rows, 30);
+  std::vector<float> u, v;
+  for (std::size_t row = 0; row < rows.size(); ++row) {
+    u.push_back(static_cast<float>(row % 97) * std::cos(static_cast<float>(row)));
+    v.push_back(static_cast<float>(row % 97) * std::sin(static_cast<float>(row)));
+  }
+  RowFilter filter(rows.size());
+  for (std::size_t row = 0; row < rows.size(); row += 5) filter.forbid(row);
+  const auto queries = some_queries(rows, 30);
+  std::vector<MotionWindow> windows(queries.size());
+  for (std::size_t i = 1; i < windows.size(); ++i) {          // the first stays open
+    windows[i].min_speed = 3 * static_cast<float>(i) - 0.5f;  // between the speeds that there are
+    windows[i].max_speed = 5 * static_cast<float>(i) + 0.5f;
+    if (i % 2 == 0) continue;
+    windows[i].u = std::cos(static_cast<float>(i));
+    windows[i].v = std::sin(static_cast<float>(i));
+    windows[i].least_cosine = 0.9f;
+  }
+  const auto answers =
+      index.search(queries, 100, {.rows = &filter, .mean_u = u, .mean_v = v, .windows = windows});
+  for (std::size_t i = 0; i < queries.size(); ++i) {
+    RowFilter admitted = filter;
+    for (std::size_t row = 0; row < rows.size(); ++row) {
+      const double speed = std::hypot(u[row], v[row]);
+      const double along = u[row] * windows[i].u + v[row] * windows[i].v;
+      const bool in = i == 0 || (speed >= windows[i].min_speed && speed <= windows[i].max_speed &&
+                                 (i % 2 == 0 || along >= 0.9 * speed));
+      if (!in) admitted.forbid(row);
+    }
+    EXPECT_GE(answers[i].size(), 50u);
+    EXPECT_EQ(answers[i], brute_force(rows, 30, queries[i], 100, &admitted)) << i;
   }
 }
 
@@ -48,8 +87,8 @@ TEST(ExactIndex, CrossesTheBordersOfBlocks) {
   for (std::size_t row = 65536; row < rows.size(); ++row) last_block.allow(row);
   const std::vector<PieceQuery> queries{whole(rows[0]), whole(rows[32767]), whole(rows[32768]),
                                         whole(rows[70000])};
-  const auto answers = index.search(queries, 150, nullptr),
-             filtered = index.search(queries, 150, &last_block);
+  const auto answers = index.search(queries, 150),
+             filtered = index.search(queries, 150, {.rows = &last_block});
   for (std::size_t i = 0; i < queries.size(); ++i) {
     EXPECT_EQ(answers[i], brute_force(rows, 40, queries[i], 150));
     EXPECT_EQ(filtered[i], brute_force(rows, 40, queries[i], 150, &last_block));
@@ -62,7 +101,7 @@ TEST(ExactIndex, AnswersTheSameForAnyNumberOfThreads) {
   std::vector<std::vector<Hit>> reference;
   for (const int threads : {1, 2, 8}) {
     const oneapi::tbb::global_control limit(oneapi::tbb::global_control::max_allowed_parallelism, threads);
-    const auto answers = ExactIndex(rows, 50).search(queries, 100, nullptr);
+    const auto answers = ExactIndex(rows, 50).search(queries, 100);
     if (reference.empty()) reference = answers;
     EXPECT_EQ(answers, reference);
   }
@@ -70,7 +109,7 @@ TEST(ExactIndex, AnswersTheSameForAnyNumberOfThreads) {
 
 TEST(ExactIndex, GivesTheFullMassToARowItself) {
   const auto rows = random_words({.rows = 500});
-  const auto answers = ExactIndex(rows, 200).search(std::vector{whole(rows[0])}, 1, nullptr);
+  const auto answers = ExactIndex(rows, 200).search(std::vector{whole(rows[0])}, 1);
   ASSERT_EQ(answers[0].size(), 1u);
   EXPECT_EQ(answers[0][0], (Hit{0, 324}));
 }
@@ -78,11 +117,11 @@ TEST(ExactIndex, GivesTheFullMassToARowItself) {
 TEST(ExactIndex, AcceptsNoRowsNoQueriesAndNothingAllowed) {
   const ExactIndex empty(std::vector<vision::WordMap>{}, 200);
   const auto rows = random_words({.rows = 10});
-  EXPECT_TRUE(empty.search(std::vector{whole(rows[0])}, 5, nullptr)[0].empty());
+  EXPECT_TRUE(empty.search(std::vector{whole(rows[0])}, 5)[0].empty());
   const ExactIndex index(rows, 200);
-  EXPECT_TRUE(index.search({}, 5, nullptr).empty());
+  EXPECT_TRUE(index.search({}, 5).empty());
   const RowFilter nothing(rows.size(), false);
-  EXPECT_TRUE(index.search(std::vector{whole(rows[0])}, 5, &nothing)[0].empty());
+  EXPECT_TRUE(index.search(std::vector{whole(rows[0])}, 5, {.rows = &nothing})[0].empty());
 }
 
 TEST(ExactIndex, RefusesWordsThatTheCodebookLacks) {

@@ -27,10 +27,10 @@ TEST(FlannIndex, FindsMostOfTheBestAmongClusteredPatches) {
   for (std::size_t i = 0; i < 20; ++i) {
     for (std::size_t point = 0; masked(i) && point < 27; ++point) queries[i].mask[point] = 0;
   }
-  const auto truth = ExactIndex(rows, kWords).search(queries, 20, nullptr);
+  const auto truth = ExactIndex(rows, kWords).search(queries, 20);
   for (const FlannKind kind : kKinds) {
     const FlannIndex index(rows, kWords, {.kind = kind, .checks = 500});
-    const auto answers = index.search(queries, 20, nullptr);
+    const auto answers = index.search(queries, 20);
     double sum = 0;
     for (std::size_t i = 0; i < queries.size(); ++i) {
       ASSERT_EQ(answers[i].size(), 20u);
@@ -58,8 +58,7 @@ TEST(FlannIndex, AnswersTheSameAfterSavingAndLoading) {
     const FlannIndex built(rows, kWords, options);
     const FlannIndex loaded(rows, kWords, built.serialize(), options);
     for (const std::size_t k : {1u, 100u, 250u, 251u}) {
-      EXPECT_EQ(loaded.search(queries, k, nullptr), built.search(queries, k, nullptr))
-          << name_of(kind) << " " << k;
+      EXPECT_EQ(loaded.search(queries, k), built.search(queries, k)) << name_of(kind) << " " << k;
     }
   }
 }
@@ -69,7 +68,7 @@ TEST(FlannIndex, AsksForNoMoreRowsThanThereAre) {
   for (const FlannKind kind : kKinds) {
     const FlannIndex index(rows, kWords, {.kind = kind});
     for (const std::size_t k : {299u, 300u, 301u, 10000u}) {
-      const auto answer = index.search(std::vector{whole(rows[0])}, k, nullptr)[0];
+      const auto answer = index.search(std::vector{whole(rows[0])}, k)[0];
       EXPECT_LE(answer.size(), std::min<std::size_t>(k, 300));
       EXPECT_GT(answer.size(), 250u) << name_of(kind);
       for (const Hit& hit : answer) EXPECT_LT(hit.row, 300u);
@@ -84,7 +83,7 @@ TEST(FlannIndex, AnswersWithAllowedRowsOnly) {
     if (row % 4 != 0) filter.forbid(row);
   }
   const FlannIndex index(rows, kWords);
-  const auto answer = index.search(std::vector{whole(rows[8])}, 50, &filter)[0];
+  const auto answer = index.search(std::vector{whole(rows[8])}, 50, {.rows = &filter})[0];
   EXPECT_EQ(answer.size(), 50u);
   EXPECT_EQ(answer[0], (Hit{8, 324}));
   for (const Hit& hit : answer) EXPECT_EQ(hit.row % 4, 0u);
@@ -127,7 +126,7 @@ TEST(FlannIndex, SaysWhatToDoWhenItWouldTakeTooMuchMemory) {
 TEST(FlannIndex, AcceptsNoRows) {
   const std::vector<vision::WordMap> none;
   const FlannIndex index(none, kWords);
-  EXPECT_TRUE(index.search(std::vector{PieceQuery{}}, 5, nullptr)[0].empty());
+  EXPECT_TRUE(index.search(std::vector{PieceQuery{}}, 5)[0].empty());
   EXPECT_EQ(FlannIndex(none, kWords, index.serialize()).rows(), 0u);
 }
 

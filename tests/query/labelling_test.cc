@@ -23,10 +23,11 @@ class OnAStore : public testing::Test {
     store::Store store = made_store(folder_->path() / "a.store", some_clips());
     build_index(store, {.flann = {FlannKind::kKdTree}});
     snapshot_ = new store::Snapshot(store.snapshot());
-    table_ = new PatchTable(read_patch_table(*snapshot_));
+    base_ = new SearchBase(open_search(*snapshot_));
+    table_ = &base_->table;
   }
   static void TearDownTestSuite() {
-    delete table_;
+    delete base_;
     delete snapshot_;
     delete folder_;
   }
@@ -39,7 +40,7 @@ class OnAStore : public testing::Test {
   static std::string clip_of(Row row) { return snapshot_->clip(table_->clips[table_->clip[row]]).name; }
   static Error error_of(const CandidateOptions& options) {
     try {
-      filter_rows(*snapshot_, *table_, options);
+      filter_rows(*snapshot_, *table_, base_->settings.variants(), options);
     } catch (const Error& error) {
       return error;
     }
@@ -49,24 +50,27 @@ class OnAStore : public testing::Test {
 
   static ScratchFolder* folder_;
   static store::Snapshot* snapshot_;
-  static PatchTable* table_;
+  static SearchBase* base_;
+  static const PatchTable* table_;
 };
 ScratchFolder* OnAStore::folder_ = nullptr;
 store::Snapshot* OnAStore::snapshot_ = nullptr;
-PatchTable* OnAStore::table_ = nullptr;
+SearchBase* OnAStore::base_ = nullptr;
+const PatchTable* OnAStore::table_ = nullptr;
 
 using Filter = OnAStore;
 using Label = OnAStore;
 
 TEST_F(Filter, KeepsAllWithoutConditions) {
-  const Filtered filtered = filter_rows(*snapshot_, *table_, {});
+  const Filtered filtered = filter_rows(*snapshot_, *table_, base_->settings.variants(), {});
   EXPECT_EQ(filtered.rows.count(), table_->size());
   ASSERT_EQ(filtered.steps.size(), 1u);
   EXPECT_EQ(filtered.steps[0].clips, 4u);
 }
 
 TEST_F(Filter, KeepsTheClassAskedForAndNamesTheOthersWhenThereIsNone) {
-  const Filtered filtered = filter_rows(*snapshot_, *table_, {.class_name = "fire"});
+  const Filtered filtered =
+      filter_rows(*snapshot_, *table_, base_->settings.variants(), {.class_name = "fire"});
   for (Row row = 0; row < table_->size(); ++row) {
     EXPECT_EQ(filtered.rows.allows(row), clip_of(row) == "fire/camp.mp4");
   }
@@ -80,9 +84,10 @@ TEST_F(Filter, KeepsPatchesThatMoveAsAskedOnTheScreen) {
   for (const auto& [direction, clip] :
        {std::pair{"down", "fall.mp4"}, {"right", "river.mp4"}, {"up", "fire/camp.mp4"}}) {
     CandidateOptions options{.direction_deg = parse_direction(direction)};
-    const std::size_t wide = filter_rows(*snapshot_, *table_, options).rows.count();
+    const std::size_t wide =
+        filter_rows(*snapshot_, *table_, base_->settings.variants(), options).rows.count();
     options.direction_tolerance_deg = 20;
-    const Filtered narrow = filter_rows(*snapshot_, *table_, options);
+    const Filtered narrow = filter_rows(*snapshot_, *table_, base_->settings.variants(), options);
     EXPECT_GT(wide, narrow.rows.count());
     EXPECT_GT(narrow.rows.count(), 0u);
     for (Row row = 0; row < table_->size(); ++row) {
@@ -96,7 +101,8 @@ TEST_F(Filter, KeepsPatchesThatMoveAsAskedOnTheScreen) {
 }
 
 TEST_F(Filter, NamesTheClipsThatAreTooShort) {
-  const Filtered filtered = filter_rows(*snapshot_, *table_, {.class_name = "water", .min_duration_s = 3.5});
+  const Filtered filtered = filter_rows(*snapshot_, *table_, base_->settings.variants(),
+                                        {.class_name = "water", .min_duration_s = 3.5});
   EXPECT_EQ(filtered.too_short, std::vector<std::string>{"river.mp4"});
   EXPECT_EQ(filtered.steps.back().clips, 2u);
   EXPECT_NE(std::string(error_of({.min_duration_s = 60}).what()).find("6.00 s"), std::string::npos);
@@ -111,13 +117,15 @@ TEST(FilterByTimes, AClipLastsAsLongAsItsFramesSayWhateverItsRate) {
                   {.name = "twice as fast.mp4", .seconds = 2, .texture = 2, .frame_s = 0.02}});
   build_index(store);
   const store::Snapshot snapshot = store.snapshot();
-  const Filtered filtered = filter_rows(snapshot, read_patch_table(snapshot), {.min_duration_s = 2});
+  const Filtered filtered =
+      filter_rows(snapshot, read_patch_table(snapshot), made_settings().variants(), {.min_duration_s = 2});
   EXPECT_EQ(filtered.too_short, std::vector<std::string>{"twice as fast.mp4"});
   EXPECT_EQ(filtered.steps.back().clips, 1u);
 }
 
 TEST_F(Filter, LeavesOutClipsByNameAndKnowsWhichThereAre) {
-  const Filtered filtered = filter_rows(*snapshot_, *table_, {.excluded_clips = {"fall.mp4", "river.mp4"}});
+  const Filtered filtered = filter_rows(*snapshot_, *table_, base_->settings.variants(),
+                                        {.excluded_clips = {"fall.mp4", "river.mp4"}});
   for (Row row = 0; row < table_->size(); ++row) {
     EXPECT_EQ(filtered.rows.allows(row), clip_of(row) != "fall.mp4" && clip_of(row) != "river.mp4");
   }
@@ -136,7 +144,7 @@ TEST_F(Label, FindsAPictureThatIsInTheStore) {
   LabelOptions options;
   options.candidates.k = 20;
   options.costs.lambda = 0;
-  const Labelling found = label(*snapshot_, picture(1), whole_matte(), options);
+  const Labelling found = label(*snapshot_, *base_, picture(1), whole_matte(), options);
   ASSERT_EQ(found.assignment.clips.size(), 1u);
   EXPECT_EQ(found.assignment.clips[0].name, "fall.mp4");
   EXPECT_EQ(found.assignment.clips[0].licence, "CC0");
@@ -154,7 +162,7 @@ TEST_F(Label, TakesOnlyWhatTheConditionsAllow) {
   options.candidates.k = 30;
   options.candidates.excluded_clips = {"fall.mp4"};
   options.candidates.class_name = "water";
-  const Labelling found = label(*snapshot_, picture(1), whole_matte(), options);
+  const Labelling found = label(*snapshot_, *base_, picture(1), whole_matte(), options);
   EXPECT_LE(found.assignment.lower_bound, found.assignment.energy);
   EXPECT_GE(found.assignment.gap(), 0);
   for (const AssignedClip& clip : found.assignment.clips) {
@@ -172,7 +180,7 @@ TEST_F(Label, IsTheSameForAnyNumberOfThreadsAndEveryMinimizerRuns) {
     std::vector<Assignment> found;
     for (const int threads : {1, 2, 8}) {
       const oneapi::tbb::global_control limit(oneapi::tbb::global_control::max_allowed_parallelism, threads);
-      found.push_back(label(*snapshot_, picture(2), whole_matte(), options).assignment);
+      found.push_back(label(*snapshot_, *base_, picture(2), whole_matte(), options).assignment);
     }
     EXPECT_EQ(found[0], found[1]);
     EXPECT_EQ(found[0], found[2]);
@@ -183,24 +191,24 @@ TEST_F(Label, IsTheSameForAnyNumberOfThreadsAndEveryMinimizerRuns) {
 TEST_F(Label, SaysWhenPiecesHaveFewerCandidatesThanAskedFor) {
   LabelOptions options;
   options.candidates.k = 5000;
-  const CandidateSearch search = search_candidates(*snapshot_, picture(3), whole_matte(), options);
+  const CandidateSearch search = search_candidates(*snapshot_, *base_, picture(3), whole_matte(), options);
   EXPECT_EQ(search.candidates.counts[0], table_->size());
   EXPECT_EQ(search.candidates.notes.size(), 1u);
   options.candidates.k = 0;
-  EXPECT_THROW(search_candidates(*snapshot_, picture(3), whole_matte(), options), Error);
+  EXPECT_THROW(search_candidates(*snapshot_, *base_, picture(3), whole_matte(), options), Error);
 }
 
 TEST_F(Label, SearchesThroughFlannWhenAsked) {
   LabelOptions options;
   options.candidates.k = 10;
-  options.candidates.flann = FlannKind::kKdTree;
-  const CandidateSearch search = search_candidates(*snapshot_, picture(4), whole_matte(), options);
+  const SearchBase approximate = open_search(*snapshot_, {.flann = FlannKind::kKdTree});
+  const CandidateSearch search =
+      search_candidates(*snapshot_, approximate, picture(4), whole_matte(), options);
   for (std::size_t piece = 0; piece < search.target.size(); ++piece) {
     EXPECT_EQ(search.candidates.scores_of(piece)[0], 1);
   }
-  options.candidates.flann = FlannKind::kKMeans;
   try {
-    search_candidates(*snapshot_, picture(4), whole_matte(), options);
+    open_search(*snapshot_, {.flann = FlannKind::kKMeans});
     FAIL();
   } catch (const Error& error) {
     EXPECT_EQ(error.kind(), ErrorKind::kNotFound);
@@ -211,7 +219,7 @@ TEST_F(Label, StopsWhenAsked) {
   std::stop_source source;
   try {
     label(
-        *snapshot_, picture(1), whole_matte(), {},
+        *snapshot_, *base_, picture(1), whole_matte(), {},
         [&](LabelStage stage) {
           if (stage == LabelStage::kCosts) source.request_stop();
         },
@@ -227,7 +235,7 @@ TEST_F(Label, IsShownAsSheetAndMap) {
   options.candidates.k = 12;
   options.costs.lambda = 0;
   const cv::Mat still = picture(1);
-  const Labelling found = label(*snapshot_, still, whole_matte(), options);
+  const Labelling found = label(*snapshot_, *base_, still, whole_matte(), options);
   const cv::Mat sheet =
       contact_sheet(*snapshot_, still, found.search, &found.labels, {.pieces = 5, .candidates = 3});
   EXPECT_EQ(sheet.type(), CV_8UC3);
