@@ -78,6 +78,7 @@ struct Pass {
   store::ClipWriter& writer;
   StageSeconds& seconds;
   Screener screener;
+  vision::LoopFinder loop;
   LumaStatistics statistics;
   vision::MotionAccumulator motion;
   std::vector<std::unique_ptr<vision::TexturenessAccumulator>> texture;
@@ -92,6 +93,7 @@ struct Pass {
         writer(writer_),
         seconds(seconds_),
         screener(size, fps),
+        loop(fps),
         statistics(size),
         motion(size, settings_.flow_step, fps, settings_.spectrum) {
     for (const float scale : settings.scales) {
@@ -101,10 +103,13 @@ struct Pass {
 
   void add(const Slab& slab) {
     {
-      // Screening follows points from frame to frame: one thread, beside the flow of the same frames.
+      // Screening and the loop take frames one after another: one thread, beside the flow of the same frames.
       Aside screening([&] {
         const Stopwatch watch(seconds.screen);
-        for (const cv::Mat& luma : slab.luma) screener.add(luma);
+        for (const cv::Mat& luma : slab.luma) {
+          screener.add(luma);
+          loop.add(luma);
+        }
       });
       add_flow(slab);
       screening.wait();
@@ -196,6 +201,7 @@ ClipMeasures stream_clip(media::VideoReader& reader, double fps, const std::stri
 
   const Stopwatch watch(seconds.patches);
   measures.screening = pass.screener.finish();
+  measures.loop = pass.loop.finish();
   measures.average = pass.statistics.mean_u16();
   measures.moving = moving_mask(pass.motion.mean_speed_px(), pass.statistics.deviation(), fps, settings);
   measures.screening.static_share = 1 - static_cast<double>(cv::countNonZero(measures.moving)) /

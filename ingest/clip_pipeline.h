@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <stop_token>
 #include <vector>
 
@@ -12,6 +13,7 @@
 #include "ingest/screening.h"
 #include "media/video_reader.h"
 #include "store/store.h"
+#include "vision/loop_rule.h"
 #include "vision/motion_cells.h"
 #include "vision/settings.h"
 
@@ -31,6 +33,7 @@ struct ClipMeasures {
   cv::Mat moving;   // CV_8U, see moving_mask
   vision::CellMap motion;
   std::vector<vision::CellMap> texture;  // a scale of the settings
+  std::optional<vision::LoopRule> loop;  // none: too short to have one
 };
 
 /// Reads all frames, appends streams kFrames and kFlow to the writer, and measures. While a slab is worked

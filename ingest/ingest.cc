@@ -31,6 +31,11 @@ json cells_json(const vision::CellMap& cells) {
       {"rows", cells.rows}, {"columns", cells.columns}, {"channels", cells.channels}, {"cell", cells.cell}};
 }
 
+json loop_json(const std::optional<vision::LoopRule>& loop) {
+  if (!loop) return nullptr;
+  return {{"from", loop->from}, {"to", loop->to}, {"fade", loop->fade}, {"distance", loop->distance}};
+}
+
 json screening_json(const Screening& screening, const Verdict& verdict) {
   return {{"frames", screening.frames},
           {"camera",
@@ -58,6 +63,7 @@ std::string metadata_of(const media::VideoInfo& info, const ClipMeasures& measur
                       {"screening", screening_json(measures.screening, verdict)},
                       {"notices", report.notes},
                       {"cells", cells},
+                      {"loop", loop_json(measures.loop)},
                       {"patches", report.patches_by_variant}};
   return metadata.dump(-1, ' ', false, json::error_handler_t::replace);
 }
@@ -190,7 +196,7 @@ class ClipIngest {
   void add(const Source& source, const std::function<void(std::uint32_t, std::uint32_t)>& on_slab,
            const std::stop_token& stop, ClipReport& report) {
     if (settled(source, report)) return;
-    media::VideoReader reader(source.path);
+    media::VideoReader reader(source.path, 0, options_.repairs);
     const media::VideoInfo info = reader.info();
     report.width = static_cast<std::uint32_t>(info.layout.width);
     report.height = static_cast<std::uint32_t>(info.layout.height);

@@ -14,6 +14,7 @@
 #include "freshet_error.h"
 #include "ingest/screening.h"
 #include "ingest/source_list.h"
+#include "media/repair.h"
 #include "store/store.h"
 #include "vision/settings.h"
 
@@ -26,6 +27,7 @@ struct IngestOptions {
   bool skip_existing = false;  // pass over clips whose name is in the store without reading their bytes
   Shard shard{};
   ScreeningLimits limits{};
+  media::Repairs repairs{};  // of all clips; frames are then not the decoder's own, and "repairs" says so
 };
 
 enum class Outcome {
@@ -89,8 +91,8 @@ struct IngestProgress {
 ///           "patch.variant" u8, "patch.x", "patch.y" u16, "patch.motion" 2 floats, px/s, in the variant's
 ///           frame, "patch.coverage" float, 0..1.
 /// Metadata  JSON: "layout" (media::layout_from_json reads it), "codec", "container",
-///           "variable_frame_rate", "screening", "notices", "cells" (rows, columns, channels, cell),
-///           "patches" (by variant).
+///           "variable_frame_rate", "repairs" (filters that changed the frames, empty: none), "screening", "notices", "cells" (rows, columns, channels, cell),
+///           "patches" (by variant), "loop" (vision::LoopRule; null: too short).
 ///
 /// What is wrong with a clip ends up in its row, and the run goes on. What is wrong with the store or the
 /// machine, and a stop request, ends the run: the clip in hand leaves no trace, those before are kept, and

@@ -18,6 +18,7 @@
 #include "tests/ingest/synthetic_clip.h"
 #include "tests/ingest/temporary_folder.h"
 #include "vision/flow.h"
+#include "vision/loop_rule.h"
 #include "vision/textureness.h"
 
 namespace freshet::ingest {
@@ -93,6 +94,23 @@ TEST(Ingest, StoresFramesAsTheDecoderGaveThem) {
     }
   }
   EXPECT_FALSE(reader.next().has_value());
+}
+
+TEST(Ingest, KeepsWhereAClipCanBeJoinedToItself) {
+  const OneClip one({.frames = 40, .velocity = {6, 0}});
+  const auto loop = nlohmann::json::parse(one.snapshot().clip(one.id()).metadata).at("loop");
+  vision::LoopFinder finder(25);
+  for (const cv::Mat& frame : render({.frames = 40, .velocity = {6, 0}})) finder.add(frame);
+  const auto rule = finder.finish().value();
+  EXPECT_EQ(loop.at("from"), rule.from);
+  EXPECT_EQ(loop.at("to"), rule.to);
+  EXPECT_EQ(loop.at("fade"), rule.fade);
+  EXPECT_EQ(loop.at("distance"), rule.distance);
+}
+
+TEST(Ingest, SaysOfAClipThatItIsTooShortToBeJoined) {
+  const OneClip one({.frames = 12}, {.force = true});
+  EXPECT_TRUE(nlohmann::json::parse(one.snapshot().clip(one.id()).metadata).at("loop").is_null());
 }
 
 TEST(Ingest, StoresTheFlowOfEveryPairAlsoAcrossSlabs) {
