@@ -1,0 +1,78 @@
+// quality_measures.h — how far the motion picture that was made is from the one that was filmed.
+#pragma once
+
+#include <array>
+#include <span>
+#include <vector>
+
+#include <opencv2/core.hpp>
+
+namespace freshet::bench {
+
+inline constexpr int kSpectrumBlock = 16, kMotionBlock = 8, kMotionCell = 4;  // px
+inline constexpr int kSpectrumBands = 8, kTextureLevels = 3;
+inline constexpr double kLeastSpeed = 2.5;  // px/s; slower motion has no direction that counts
+
+/// How the fluid moved from one frame to the next, by cells of kMotionCell px.
+struct PairMotion {
+  cv::Mat flow;   // CV_32FC2, px a frame, x right, y down: the cell's mean
+  cv::Mat speed;  // CV_32F, px a frame: the cell's mean of |flow|
+};
+/// luma   CV_8U, all of one size, sides multiples of kSpectrumBlock. One entry a pair of neighbours: one
+/// fewer than frames. DIS. All threads.
+std::vector<PairMotion> pair_motions(std::span<const cv::Mat> luma);
+
+/// Where films are judged: inside a matte, and against the lattice on which pieces meet.
+struct Region {
+  cv::Mat matte;     // CV_8U, the films' size; counted where above 127
+  cv::Point border;  // px: pieces meet at x = border.x + i * stride, between pixels x - 1 and x; so in y
+  int stride = 24;   // px
+};
+
+/// What is measured of one film by itself. Luma in grey levels, 0..255.
+struct Film {
+  cv::Mat mean, deviation;  // CV_32F: over time, of each pixel
+  cv::Mat power;            // CV_32F, row a block of kSpectrumBlock px (row-major), kSpectrumBands columns:
+                            // power of luma's changes, grey levels squared, mean over the block's pixels
+  cv::Mat motion;           // CV_32FC2, a block of kMotionBlock px: mean flow, px/s
+  std::array<double, kTextureLevels> texture{};  // mean |Laplacian| by level, fine to coarse, in the matte
+  double flicker = 0;                            // deviation over time of the matte's mean level
+  double seam = 0;                               // see seam_of
+  double dead = 0;                               // share of the matte's pixels whose deviation is below 1
+};
+
+/// Bands of a spectrum of n frames: kSpectrumBands + 1 first bins, log-spaced over 1 .. n / 2; a band may be
+/// empty when n is small. Hann window, each pixel's mean taken away.
+std::array<int, kSpectrumBands + 1> spectrum_bands(int frames);
+
+/// How much more luma's change from frame to frame jumps where pieces meet than beside it, as a ratio less
+/// one: 0 when the lattice cannot be seen, whatever the picture. Beside it are the other lines whose distance
+/// is a multiple of 8 px: footage that is shown at its own size has its codec's blocks there, as has the
+/// lattice, and against all lines the real brook of 640 px had a seam of 0.39.
+double seam_of(std::span<const cv::Mat> luma, const Region& region);
+
+/// luma     at least 8 frames, CV_8U, sides multiples of kSpectrumBlock.
+/// motions  pair_motions of these frames.
+/// All threads; the same figures for any number.
+Film measure(std::span<const cv::Mat> luma, std::span<const PairMotion> motions, double fps,
+             const Region& region);
+
+/// One film against another of as many frames. 0 where they agree, but for ssim.
+struct Distance {
+  double spectrum_db = 0;  // mean |difference| over blocks and bands. Power below 1e-3 (30 dB below one grey
+                           // level) counts as that: a still is some 40 dB away, not infinitely far.
+  double angle_deg = 0;  // mean over blocks of the angle between mean motions, where the truth's is at least
+                         // kLeastSpeed; 90 where nothing moves in the film
+  double speed = 0;      // log2 of the ratio of mean speeds over these blocks; signed
+  double block_speed = 0;  // mean over these blocks of |log2 of the ratio of speeds|
+  double texture = 0;      // mean over levels of |log2 of the ratio|
+  double contrast = 0;     // the same, signed: below 0 detail was lost
+  double ssim = 0;         // of mean images; 1 is best
+  double flicker = 0;      // log2 of the ratio; signed
+  double seam = 0;         // the film's own
+  double dead = 0;         // the film's own
+  double moving = 0;       // share of the matte's blocks that angle and speed are measured over
+};
+Distance compare(const Film& film, const Film& truth, const Region& region);
+
+}  // namespace freshet::bench

@@ -1,0 +1,140 @@
+#include "bench/quality_strokes.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <opencv2/imgproc.hpp>
+
+#include "bench/quality_measures.h"
+
+namespace freshet::bench {
+namespace {
+
+constexpr double kFewest = 4, kMost = 12;
+constexpr float kStep = 4;        // px of a streamline between two looks at the flow
+constexpr int kStepsAPoint = 4;   // a polyline's point every so many
+constexpr double kShortest = 12;  // px; a dot says no direction
+
+/// The motion as seen from some distance: mean over the fluid nearby.
+cv::Mat smoothed(const cv::Mat& motion, const cv::Mat& matte, double sigma) {
+  cv::Mat full, weight, sum, weights;
+  cv::resize(motion, full, matte.size(), 0, 0, cv::INTER_LINEAR);
+  cv::Mat(matte > 127).convertTo(weight, CV_32F, 1.0 / 255);
+  std::vector<cv::Mat> parts;
+  cv::split(full, parts);
+  cv::GaussianBlur(weight, weights, {}, sigma);
+  for (cv::Mat& part : parts) {
+    cv::GaussianBlur(part.mul(weight), sum, {}, sigma);
+    cv::divide(sum, cv::max(weights, 1e-3), part);
+  }
+  cv::merge(parts, full);
+  return full;
+}
+
+class Streamline {
+ public:
+  Streamline(const cv::Mat& motion, const cv::Mat& matte) : motion_(motion), matte_(matte) {}
+
+  /// Points from `seed` along the motion (sign 1) or against it (-1); without the seed.
+  std::vector<cv::Point2f> follow(cv::Point2f seed, float sign, double length) const {
+    std::vector<cv::Point2f> points;
+    cv::Vec2f before = at(seed);
+    for (double gone = 0; gone < length; gone += kStep) {
+      const cv::Vec2f now = at(seed);
+      const double speed = cv::norm(now);
+      if (speed < kLeastSpeed || now.dot(before) <= 0) break;
+      seed += sign * kStep / static_cast<float>(speed) * cv::Point2f(now[0], now[1]);
+      if (!inside(seed)) break;
+      points.push_back(seed);
+      before = now;
+    }
+    return points;
+  }
+  cv::Vec2f at(cv::Point2f p) const { return motion_.at<cv::Vec2f>(cv::Point(p)); }
+
+ private:
+  bool inside(cv::Point2f p) const {
+    return p.x >= 0 && p.y >= 0 && p.x < static_cast<float>(matte_.cols) &&
+           p.y < static_cast<float>(matte_.rows) && matte_.at<std::uint8_t>(cv::Point(p)) > 127;
+  }
+  const cv::Mat &motion_, &matte_;
+};
+
+double by_fifths(double speed) {
+  const double step = std::log(1.2);
+  return std::exp(step * std::round(std::log(speed) / step));
+}
+
+}  // namespace
+
+std::vector<DrawnStroke> draw_strokes(const cv::Mat& motion, const cv::Mat& matte) {
+  const double diagonal = std::hypot(matte.cols, matte.rows), area = cv::countNonZero(matte > 127);
+  const cv::Mat smooth = smoothed(motion, matte, diagonal / 80);
+  const double share = area / static_cast<double>(matte.total());
+  const int wanted = static_cast<int>(std::lround(kFewest + (kMost - kFewest) * std::min(1.0, share / 0.75)));
+  const Streamline streamline(smooth, matte);
+
+  // Strong motion first, then whatever is far from the strokes that there are.
+  std::vector<cv::Mat> parts;
+  cv::split(smooth, parts);
+  cv::Mat speed;
+  cv::magnitude(parts[0], parts[1], speed);
+  cv::Mat free = (matte > 127) & (speed >= kLeastSpeed);
+  const int reach = static_cast<int>(std::lround(0.6 * std::sqrt(area / wanted)));
+  std::vector<DrawnStroke> strokes;
+  while (static_cast<int>(strokes.size()) < wanted) {
+    double strongest = 0;
+    cv::Point seed;
+    cv::minMaxLoc(speed, nullptr, &strongest, nullptr, &seed, free);
+    if (strongest < kLeastSpeed) break;
+    const cv::Point2f from(seed);
+    std::vector<cv::Point2f> line = streamline.follow(from, -1, diagonal / 16);
+    std::reverse(line.begin(), line.end());
+    line.push_back(from);
+    const std::vector<cv::Point2f> ahead = streamline.follow(from, 1, diagonal / 16);
+    line.insert(line.end(), ahead.begin(), ahead.end());
+    DrawnStroke stroke;
+    double sum = 0;
+    for (std::size_t i = 0; i < line.size(); ++i) {
+      sum += cv::norm(streamline.at(line[i]));
+      if (i % kStepsAPoint == 0 || i + 1 == line.size()) stroke.points.push_back(line[i]);
+      cv::circle(free, cv::Point(line[i]), reach, 0, cv::FILLED);
+    }
+    if (cv::norm(line.back() - line.front()) < kShortest) continue;
+    stroke.speed_px_per_s = by_fifths(sum / static_cast<double>(line.size()));
+    strokes.push_back(std::move(stroke));
+  }
+  return strokes;
+}
+
+void guide_by(const std::vector<DrawnStroke>& strokes, cv::Size picture, bool with_speed,
+              query::MotionGuide& guide) {
+  constexpr int kGrid = 8;  // px between the points at which weights are computed
+  const cv::Size grid((picture.width + kGrid - 1) / kGrid, (picture.height + kGrid - 1) / kGrid);
+  cv::Mat direction(grid, CV_32FC2), speed(grid, CV_32F);
+  for (int y = 0; y < grid.height; ++y) {
+    for (int x = 0; x < grid.width; ++x) {
+      const cv::Point2f at(kGrid * (static_cast<float>(x) + 0.5f), kGrid * (static_cast<float>(y) + 0.5f));
+      cv::Point2f sum(0, 0);
+      double weights = 0, logarithms = 0;
+      for (const DrawnStroke& stroke : strokes) {
+        for (std::size_t i = 1; i < stroke.points.size(); ++i) {
+          const cv::Point2f along = stroke.points[i] - stroke.points[i - 1];
+          const cv::Point2f off = at - 0.5f * (stroke.points[i] + stroke.points[i - 1]);
+          const double weight = cv::norm(along) / std::pow(off.dot(off) + 64.0, 1.5);
+          sum += along * static_cast<float>(weight / cv::norm(along));
+          weights += weight;
+          logarithms += weight * std::log(stroke.speed_px_per_s);
+        }
+      }
+      const float length = static_cast<float>(cv::norm(sum));
+      direction.at<cv::Vec2f>(y, x) =
+          length > 0 ? cv::Vec2f(sum.x / length, sum.y / length) : cv::Vec2f(0, 0);
+      speed.at<float>(y, x) = static_cast<float>(std::exp(logarithms / weights));
+    }
+  }
+  cv::resize(direction, guide.direction, picture, 0, 0, cv::INTER_NEAREST);
+  if (with_speed) cv::resize(speed, guide.speed, picture, 0, 0, cv::INTER_NEAREST);
+}
+
+}  // namespace freshet::bench
