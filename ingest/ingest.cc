@@ -53,13 +53,14 @@ json screening_json(const Screening& screening, const Verdict& verdict) {
 /// Everything that is kept of a clip and is neither pixels nor columns. No times and no paths: the same clip
 /// has the same metadata wherever and however fast it was read.
 std::string metadata_of(const media::VideoInfo& info, const ClipMeasures& measures, const Verdict& verdict,
-                        const ClipReport& report) {
+                        const ClipReport& report, const media::Repairs& repairs) {
   json cells{{"motion", cells_json(measures.motion)}, {"texture", json::array()}};
   for (const vision::CellMap& scale : measures.texture) cells["texture"].push_back(cells_json(scale));
   const json metadata{{"layout", json::parse(media::to_json(info.layout))},
                       {"codec", info.codec},
                       {"container", info.container},
                       {"variable_frame_rate", info.variable_frame_rate},
+                      {"repairs", media::filter_text(repairs)},
                       {"screening", screening_json(measures.screening, verdict)},
                       {"notices", report.notes},
                       {"cells", cells},
@@ -264,7 +265,7 @@ class ClipIngest {
     record.pixel_format = info.layout.format;
     record.width = report.width;
     record.height = report.height;
-    record.metadata = metadata_of(info, measures, verdict, report);
+    record.metadata = metadata_of(info, measures, verdict, report, options_.repairs);
     {
       const Stopwatch watch(report.seconds.commit);
       write_columns(writer, measures, patches);

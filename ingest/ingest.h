@@ -91,7 +91,8 @@ struct IngestProgress {
 ///           "patch.variant" u8, "patch.x", "patch.y" u16, "patch.motion" 2 floats, px/s, in the variant's
 ///           frame, "patch.coverage" float, 0..1.
 /// Metadata  JSON: "layout" (media::layout_from_json reads it), "codec", "container",
-///           "variable_frame_rate", "repairs" (filters that changed the frames, empty: none), "screening", "notices", "cells" (rows, columns, channels, cell),
+///           "variable_frame_rate", "repairs" (filters that changed the frames; empty: none), "screening",
+///           "notices", "cells" (rows, columns, channels, cell),
 ///           "patches" (by variant), "loop" (vision::LoopRule; null: too short).
 ///
 /// What is wrong with a clip ends up in its row, and the run goes on. What is wrong with the store or the

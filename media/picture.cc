@@ -62,26 +62,38 @@ bool has_alpha(const fs::path& path, const std::vector<std::uint8_t>& bytes) {
   return (av_pix_fmt_desc_get(static_cast<AVPixelFormat>(frame->format))->flags & AV_PIX_FMT_FLAG_ALPHA) != 0;
 }
 
-Decoded decode(const fs::path& path) {
-  const std::vector<std::uint8_t> bytes = read_bytes(path);
-  const std::string name = path.string();
+// The file's bytes, after all that can be said without OpenCV: whether its size can be borne.
+std::vector<std::uint8_t> bytes_of(const fs::path& path) {
+  std::vector<std::uint8_t> bytes = read_bytes(path);
   if (const std::optional<cv::Size> size = claimed_size(bytes);
       size && std::int64_t{size->width} * size->height > kMaxPixels)
-    throw Error(ErrorKind::kInput, name,
+    throw Error(ErrorKind::kInput, path.string(),
                 "is " + std::to_string(size->width) + " x " + std::to_string(size->height) + " pixels large",
                 "Reduce it below 2^28 pixels");
-  Decoded decoded;
-  if (has_alpha(path, bytes)) decoded.notices.emplace_back("alpha channel ignored");
+  return bytes;
+}
+
+cv::Mat decode_with_opencv(const fs::path& path, const std::vector<std::uint8_t>& bytes, int flags) {
+  const std::string name = path.string();
+  cv::Mat samples;
   try {
-    decoded.colour = cv::imdecode(bytes, cv::IMREAD_COLOR | cv::IMREAD_ANYDEPTH);
+    samples = cv::imdecode(bytes, flags);
   } catch (const cv::Exception& fault) {
     throw Error(ErrorKind::kInput, name, "cannot be decoded (" + fault.err + ")", "Save it again as PNG");
   }
-  if (decoded.colour.empty())
+  if (samples.empty())
     throw Error(ErrorKind::kInput, name, "not a picture that OpenCV can read",
                 "Save it as PNG, JPEG or TIFF");
-  if (std::int64_t{decoded.colour.cols} * decoded.colour.rows > kMaxPixels)
+  if (std::int64_t{samples.cols} * samples.rows > kMaxPixels)
     throw Error(ErrorKind::kInput, name, "is above 2^28 pixels", "Reduce it");
+  return samples;
+}
+
+Decoded decode(const fs::path& path) {
+  const std::vector<std::uint8_t> bytes = bytes_of(path);
+  Decoded decoded;
+  if (has_alpha(path, bytes)) decoded.notices.emplace_back("alpha channel ignored");
+  decoded.colour = decode_with_opencv(path, bytes, cv::IMREAD_COLOR | cv::IMREAD_ANYDEPTH);
   if (decoded.colour.depth() == CV_16U) {
     decoded.colour.convertTo(decoded.colour, CV_8U, 1.0 / 257);
     decoded.notices.emplace_back("16 bits a channel reduced to 8");
@@ -97,6 +109,30 @@ Decoded decode(const fs::path& path) {
 Picture read_picture(const fs::path& path) {
   Decoded decoded = decode(path);
   return {.bgr = std::move(decoded.colour), .notices = std::move(decoded.notices)};
+}
+
+DeepPicture read_deep_picture(const fs::path& path) {
+  const std::vector<std::uint8_t> bytes = bytes_of(path);
+  has_alpha(path, bytes);  // decodes strictly: OpenCV fills what a damaged file lacks
+  cv::Mat samples = decode_with_opencv(path, bytes, cv::IMREAD_UNCHANGED);
+  DeepPicture read;
+  if (samples.depth() == CV_8U) {
+    samples.convertTo(samples, CV_16U, 257);
+  } else if (samples.depth() != CV_16U) {
+    samples.convertTo(samples, CV_16U, 65535);
+    read.notices.emplace_back("floating point reduced to 16 bits, values above 1 cut off");
+  }
+  if (samples.channels() == 1) cv::cvtColor(samples, samples, cv::COLOR_GRAY2BGRA);
+  if (samples.channels() == 3) cv::cvtColor(samples, samples, cv::COLOR_BGR2BGRA);
+  if (samples.channels() != 4)
+    throw Error(ErrorKind::kInput, path.string(),
+                "it has " + std::to_string(samples.channels()) + " channels", "Save it as PNG");
+  std::vector<cv::Mat> channels;
+  cv::split(samples, channels);
+  read.grey = cv::norm(channels[0], channels[1], cv::NORM_INF) == 0 &&
+              cv::norm(channels[1], channels[2], cv::NORM_INF) == 0;
+  read.values = samples;
+  return read;
 }
 
 Matte read_matte(const fs::path& path, cv::Size size) {

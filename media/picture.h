@@ -27,6 +27,16 @@ struct Matte {
 };
 Matte read_matte(const std::filesystem::path& path, cv::Size size);
 
+/// A picture whose samples are numbers: all of its bits, and its alpha.
+/// values   CV_16UC4: blue, green, red, alpha; 8 bits are widened (255 becomes 65535), alpha is 65535 everywhere
+///          when the file has none. Throws as read_picture. EXIF orientation is not looked at.
+struct DeepPicture {
+  cv::Mat values;
+  bool grey = false;  // blue, green and red are equal everywhere
+  std::vector<std::string> notices;
+};
+DeepPicture read_deep_picture(const std::filesystem::path& path);
+
 /// By extension (.png, .jpg, ...). Throws Error{kIo}: folder missing, disk full; Error{kUsage}: unknown
 /// ending.
 void write_picture(const std::filesystem::path& path, const cv::Mat& picture);

@@ -14,6 +14,7 @@ extern "C" {
 
 #include "freshet_error.h"
 #include "media/decoder.h"
+#include "media/filter_graph.h"
 #include "media/picture_sequence.h"
 #include "media/plain_frame.h"
 
@@ -59,7 +60,10 @@ struct VideoReader::Impl {
   std::string complaint;
 
   std::optional<Decoder> decoder;  // of a file
-  PictureSequence sequence;        // of a folder or a pattern
+  Repairs repairs;
+  std::optional<FilterGraph> graph;  // that makes them
+  bool all_pushed = false;
+  PictureSequence sequence;  // of a folder or a pattern
   std::size_t next_file = 0;
   std::vector<std::string> broken_files;
 
@@ -72,6 +76,7 @@ struct VideoReader::Impl {
   void open_file();
   void open_sequence();
   std::optional<Frame> decode();
+  AvOwner<AVFrame> next_repaired();
   std::optional<Frame> decode_file();
   std::optional<Frame> decode_picture();
   Frame accept(AvOwner<AVFrame> frame, const AVStream& stream, const fs::path& where);
@@ -101,6 +106,9 @@ void VideoReader::Impl::open_file() {
 }
 
 void VideoReader::Impl::open_sequence() {
+  if (repairs.any())
+    throw Error(ErrorKind::kInput, path.string(), "a picture sequence is not repaired",
+                "Ingest it without repairs, or make a video of it with ffmpeg first");
   sequence = fs::is_directory(path) ? list_folder(path) : list_pattern(path);
   info.container = "picture sequence";
   info.fps_num = kFallbackRate.num;
@@ -154,12 +162,30 @@ Frame VideoReader::Impl::accept(AvOwner<AVFrame> frame, const AVStream& stream, 
   return plain_frame(std::move(frame), info.layout);
 }
 
+// The next frame of the file, repaired when that is asked for: repairs look at neighbours, and so come later.
+AvOwner<AVFrame> VideoReader::Impl::next_repaired() {
+  if (!repairs.any()) return decoder->next();
+  for (;;) {
+    if (graph)
+      if (AvOwner<AVFrame> done = graph->pull()) return done;
+    if (all_pushed) return nullptr;
+    AvOwner<AVFrame> frame = decoder->next();
+    all_pushed = frame == nullptr;
+    if (!graph) {
+      if (!frame) return nullptr;
+      graph.emplace(filter_text(repairs), *frame, decoder->stream().time_base, path.string());
+    }
+    if (frame) frame->pts = frame->best_effort_timestamp;
+    graph->push(frame.get());
+  }
+}
+
 std::optional<Frame> VideoReader::Impl::decode_file() {
-  AvOwner<AVFrame> frame = decoder->next();
+  AvOwner<AVFrame> frame = next_repaired();
   if (!frame) return std::nullopt;
-  const std::int64_t pts = frame->best_effort_timestamp;
+  const std::int64_t pts = graph ? frame->pts : frame->best_effort_timestamp;
   Frame plain = accept(std::move(frame), decoder->stream(), path);
-  plain.time_s = time_of(pts, decoder->stream().time_base);
+  plain.time_s = time_of(pts, graph ? graph->time_base() : decoder->stream().time_base);
   return plain;
 }
 
@@ -226,8 +252,10 @@ void VideoReader::Impl::conclude() {
   if (complaint.empty() && !decoder->fault().empty()) complaint = decoder->fault();
 }
 
-VideoReader::VideoReader(const fs::path& path, int threads) : impl_(std::make_unique<Impl>()) {
+VideoReader::VideoReader(const fs::path& path, int threads, const Repairs& repairs)
+    : impl_(std::make_unique<Impl>()) {
   impl_->path = path;
+  impl_->repairs = repairs;
   impl_->threads = threads;
   std::error_code fault;
   const bool exists = fs::exists(path, fault);

@@ -9,6 +9,7 @@
 #include <string>
 
 #include "media/frame.h"
+#include "media/repair.h"
 
 namespace freshet::media {
 
@@ -44,7 +45,8 @@ struct VideoInfo {
 class VideoReader {
  public:
   /// threads   of the decoder, 0: one a core.
-  explicit VideoReader(const std::filesystem::path& path, int threads = 0);
+  /// repairs   made to each frame; of files, not of picture sequences (Error{kInput}).
+  explicit VideoReader(const std::filesystem::path& path, int threads = 0, const Repairs& repairs = {});
   VideoReader(VideoReader&&) noexcept;
   ~VideoReader();
   const VideoInfo& info() const;

@@ -166,6 +166,10 @@ void add_ingest(CLI::App& app, RunContext& context) {
   sub->add_flag(
       "--force", command->options.force,
       "Keep clips that screening refuses (moving camera, cuts, too short); what was found is still reported");
+  sub->add_flag("--deinterlace", command->options.repairs.deinterlace,
+                "Make whole pictures of interlaced ones. The frames kept are then not the source's own");
+  sub->add_flag("--deblock", command->options.repairs.deblock,
+                "Smooth the borders of 8 x 8 blocks of coarsely compressed clips; as above");
   sub->add_option("--shard", command->shard,
                   "Take only the I-th of N parts of the list, for stores built apart")
       ->type_name("I/N")
