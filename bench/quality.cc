@@ -100,20 +100,25 @@ void check_measures() {
                 "a film is not 0 away from itself, or a still not far");
 }
 
+/// Class by class in turn, so that what a run has shown when it is broken off is of all classes.
 std::vector<store::ClipId> chosen_clips(const store::Snapshot& snapshot, const Asked& asked) {
-  std::vector<std::pair<std::string, store::ClipId>> named;
+  std::map<std::string, std::map<std::string, store::ClipId>> by_class;
   for (const store::ClipId id : snapshot.clips()) {
     const store::ClipRecord& clip = snapshot.clip(id);
     const bool wanted = std::any_of(asked.clips.begin(), asked.clips.end(), [&](const std::string& part) {
       return clip.name.find(part) != std::string::npos;
     });
     if ((asked.clips.empty() || wanted) && (asked.class_name.empty() || clip.class_name == asked.class_name))
-      named.emplace_back(clip.name, id);
+      by_class[clip.class_name][clip.name] = id;
   }
-  if (named.empty()) throw Error(ErrorKind::kUsage, asked.store, "no clip of it is chosen");
-  std::sort(named.begin(), named.end());
   std::vector<store::ClipId> clips;
-  for (const auto& [name, id] : named) clips.push_back(id);
+  while (!by_class.empty()) {
+    for (auto group = by_class.begin(); group != by_class.end();) {
+      clips.push_back(group->second.extract(group->second.begin()).mapped());
+      group = group->second.empty() ? by_class.erase(group) : std::next(group);
+    }
+  }
+  if (clips.empty()) throw Error(ErrorKind::kUsage, asked.store, "no clip of it is chosen");
   return clips;
 }
 

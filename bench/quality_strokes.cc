@@ -13,6 +13,7 @@ namespace {
 constexpr double kFewest = 4, kMost = 12;
 constexpr float kStep = 4;        // px of a streamline between two looks at the flow
 constexpr int kStepsAPoint = 4;   // a polyline's point every so many
+constexpr double kEdge = 16;      // px; nearer to the fluid's end nobody begins a stroke
 constexpr double kShortest = 12;  // px; a dot says no direction
 
 /// The motion as seen from some distance: mean over the fluid nearby.
@@ -74,19 +75,27 @@ std::vector<DrawnStroke> draw_strokes(const cv::Mat& motion, const cv::Mat& matt
   const int wanted = static_cast<int>(std::lround(kFewest + (kMost - kFewest) * std::min(1.0, share / 0.75)));
   const Streamline streamline(smooth, matte);
 
-  // Strong motion first, then whatever is far from the strokes that there are.
+  // The strongest motion first, then what is far from all strokes, the stronger motion rather than the
+  // weaker.
   std::vector<cv::Mat> parts;
   cv::split(smooth, parts);
-  cv::Mat speed;
+  cv::Mat speed, strength;
   cv::magnitude(parts[0], parts[1], speed);
-  cv::Mat free = (matte > 127) & (speed >= kLeastSpeed);
-  const int reach = static_cast<int>(std::lround(0.6 * std::sqrt(area / wanted)));
+  cv::pow(speed, 0.25, strength);
+  const cv::Mat flowing = (matte > 127) & (speed >= kLeastSpeed);
+  cv::Mat edge;  // px to what does not flow, the picture's end included
+  cv::copyMakeBorder(flowing, edge, 1, 1, 1, 1, cv::BORDER_CONSTANT, 0);
+  cv::distanceTransform(edge, edge, cv::DIST_L2, 3);
+  edge = edge(cv::Rect(1, 1, matte.cols, matte.rows));
+  const cv::Mat inner = cv::min(edge, kEdge) / kEdge;
+  const double apart = 0.4 * std::sqrt(area / wanted);
+  cv::Mat drawn(matte.size(), CV_8U, cv::Scalar(255)), distance(matte.size(), CV_32F, cv::Scalar(1));
   std::vector<DrawnStroke> strokes;
   while (static_cast<int>(strokes.size()) < wanted) {
-    double strongest = 0;
+    double best = 0;
     cv::Point seed;
-    cv::minMaxLoc(speed, nullptr, &strongest, nullptr, &seed, free);
-    if (strongest < kLeastSpeed) break;
+    cv::minMaxLoc(distance.mul(strength).mul(inner), nullptr, &best, nullptr, &seed, flowing);
+    if (best <= 0) break;
     const cv::Point2f from(seed);
     std::vector<cv::Point2f> line = streamline.follow(from, -1, diagonal / 16);
     std::reverse(line.begin(), line.end());
@@ -98,8 +107,10 @@ std::vector<DrawnStroke> draw_strokes(const cv::Mat& motion, const cv::Mat& matt
     for (std::size_t i = 0; i < line.size(); ++i) {
       sum += cv::norm(streamline.at(line[i]));
       if (i % kStepsAPoint == 0 || i + 1 == line.size()) stroke.points.push_back(line[i]);
-      cv::circle(free, cv::Point(line[i]), reach, 0, cv::FILLED);
+      drawn.at<std::uint8_t>(cv::Point(line[i])) = 0;
     }
+    cv::distanceTransform(drawn, distance, cv::DIST_L2, 3);
+    cv::threshold(distance, distance, apart, 0, cv::THRESH_TOZERO);
     if (cv::norm(line.back() - line.front()) < kShortest) continue;
     stroke.speed_px_per_s = by_fifths(sum / static_cast<double>(line.size()));
     strokes.push_back(std::move(stroke));
