@@ -28,8 +28,8 @@ struct Matte {
 Matte read_matte(const std::filesystem::path& path, cv::Size size);
 
 /// A picture whose samples are numbers: all of its bits, and its alpha.
-/// values   CV_16UC4: blue, green, red, alpha; 8 bits are widened (255 becomes 65535), alpha is 65535 everywhere
-///          when the file has none. Throws as read_picture. EXIF orientation is not looked at.
+/// values   CV_16UC4: blue, green, red, alpha. 8 bits are widened (255 becomes 65535); alpha is 65535 where
+/// the file has none. Throws as read_picture. EXIF orientation is not looked at.
 struct DeepPicture {
   cv::Mat values;
   bool grey = false;  // blue, green and red are equal everywhere

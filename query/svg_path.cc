@@ -80,7 +80,8 @@ void Pen::arc(double radius_x, double radius_y, double turned_deg, bool large, b
   if (sweep && angle < 0) angle += 2 * std::numbers::pi;
   if (!sweep && angle > 0) angle -= 2 * std::numbers::pi;
 
-  const int parts = std::clamp(static_cast<int>(std::ceil(std::abs(angle) / (std::numbers::pi / 2 + 1e-9))), 1, 4);
+  const int parts =
+      std::clamp(static_cast<int>(std::ceil(std::abs(angle) / (std::numbers::pi / 2 + 1e-9))), 1, 4);
   const double step = angle / parts, handle = 4.0 / 3 * std::tan(step / 4);
   const auto on = [&](double a, double along) {  // the point at angle a, and `along` further on its tangent
     const double px = radius_x * (std::cos(a) - along * std::sin(a)),
@@ -165,7 +166,8 @@ std::vector<SvgSubpath> parse_svg_path(std::string_view d) {
         scanner.skip_comma();
         break;
       default:
-        throw SvgFault("\"" + std::string(1, command) + "\" is no command of a path (" + scanner.place() + ")");
+        throw SvgFault("\"" + std::string(1, command) + "\" is no command of a path (" + scanner.place() +
+                       ")");
     }
     last = command;
   }

@@ -15,8 +15,8 @@ struct SvgSubpath {
 };
 
 /// All commands of SVG 1.1, section 8.3: M L H V C S Q T A Z, absolute and relative, repeated implicitly.
-/// Subpaths without any curve (a lone M) are left out, as a browser does. Arcs are within 3e-4 of their radius.
-/// Throws SvgFault, also above a million curves.
+/// Subpaths without any curve (a lone M) are left out, as a browser does. Arcs are within 3e-4 of their
+/// radius. Throws SvgFault, also above a million curves.
 std::vector<SvgSubpath> parse_svg_path(std::string_view d);
 
 /// "x,y x,y ..." of a polyline. Throws SvgFault: an odd number of them.

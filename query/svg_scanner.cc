@@ -67,8 +67,9 @@ double SvgScanner::number() {
   if (fault == std::errc::result_out_of_range) {
     // Too small counts as nothing, too large is refused below. "1e-400" has its sign in the exponent.
     const std::string_view written(first, static_cast<std::size_t>(text_.data() + end - first));
-    value = written.find("e-") != std::string_view::npos || written.find("E-") != std::string_view::npos ? 0
-                                                                                                        : 1e300;
+    value = written.find("e-") != std::string_view::npos || written.find("E-") != std::string_view::npos
+                ? 0
+                : 1e300;
   } else if (fault != std::errc() || stop != text_.data() + end) {
     throw SvgFault("a number is expected " + place());
   }

@@ -18,14 +18,14 @@ class SvgScanner {
  public:
   explicit SvgScanner(std::string_view text) : text_(text) {}
 
-  bool at_end();             // behind spaces
-  char peek();               // behind spaces; 0 at the end
-  char take();               // what peek() showed
-  void skip_comma();         // spaces, at most one comma, spaces
-  bool starts_number();      // a digit, sign or point follows
-  double number();           // and the comma behind it; throws SvgFault: none there, or above 1e9
-  bool flag();               // 0 or 1, one character; and the comma behind it
-  std::string_view word();   // letters, maybe none
+  bool at_end();              // behind spaces
+  char peek();                // behind spaces; 0 at the end
+  char take();                // what peek() showed
+  void skip_comma();          // spaces, at most one comma, spaces
+  bool starts_number();       // a digit, sign or point follows
+  double number();            // and the comma behind it; throws SvgFault: none there, or above 1e9
+  bool flag();                // 0 or 1, one character; and the comma behind it
+  std::string_view word();    // letters, maybe none
   std::string place() const;  // "at character 12", for a fault
 
  private:

@@ -63,7 +63,8 @@ cv::Matx33d parse_svg_transform(std::string_view text) {
       numbers.push_back(scanner.number());
       // Style sheets write units.
       const std::string_view unit = scanner.word();
-      if (!unit.empty() && unit != "px" && unit != "deg") throw SvgFault("\"" + std::string(unit) + "\" in " + name);
+      if (!unit.empty() && unit != "px" && unit != "deg")
+        throw SvgFault("\"" + std::string(unit) + "\" in " + name);
       scanner.skip_comma();
     }
     if (scanner.take() != ')') throw SvgFault(name + " does not end " + scanner.place());
@@ -80,7 +81,9 @@ cv::Matx33d svg_viewport(const cv::Rect2d& view_box, cv::Size2d viewport, std::s
     const bool slice = fit.find("slice") != std::string_view::npos;
     scale_x = scale_y = slice ? std::max(scale_x, scale_y) : std::min(scale_x, scale_y);
     const auto align = [&](const char* low, const char* high) {
-      return fit.find(low) != std::string_view::npos ? 0.0 : fit.find(high) != std::string_view::npos ? 1.0 : 0.5;
+      return fit.find(low) != std::string_view::npos    ? 0.0
+             : fit.find(high) != std::string_view::npos ? 1.0
+                                                        : 0.5;
     };
     align_x = align("xMin", "xMax");
     align_y = align("YMin", "YMax");

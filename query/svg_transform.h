@@ -7,7 +7,7 @@
 
 namespace freshet::query {
 
-inline cv::Point2d operator*(const cv::Matx33d& transform, const cv::Point2d& point) {
+inline cv::Point2d transformed(const cv::Matx33d& transform, const cv::Point2d& point) {
   return {transform(0, 0) * point.x + transform(0, 1) * point.y + transform(0, 2),
           transform(1, 0) * point.x + transform(1, 1) * point.y + transform(1, 2)};
 }
