@@ -204,6 +204,7 @@ int run(const Asked& asked) {
     if (!clip) continue;
     if (clip->same_scene.size() > 1)
       fmt::print(stderr, "  left out together: {}\n", fmt::join(clip->same_scene, ", "));
+    if (clip->strokes.empty()) fmt::print(stderr, "  nothing flows: no strokes\n");
     judged.push_back({name, clip->class_name, "real", bench::compare(clip->film, clip->film, clip->region)});
     if (clip->half) judged.push_back({name, clip->class_name, "ceiling", *clip->half});
     judged.push_back({name, clip->class_name, "floor", clip->frozen});

@@ -123,7 +123,6 @@ std::optional<Case> make_case(const store::Snapshot& snapshot, const vision::Set
     return std::vector(all.begin() + (start - from), all.begin() + (start - from) + length);
   };
 
-  made.numbers = {begin, begin + count - 1};
   made.truth = part(frames, begin, count);
   made.luma = part(luma, begin, count);
   made.still = frames[middle - from].clone();

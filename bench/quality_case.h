@@ -2,7 +2,6 @@
 // did.
 #pragma once
 
-#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -27,16 +26,15 @@ struct Case {
   std::vector<std::string>
       same_scene;  // clips that show the same place, itself among them: left out together
   double fps = 25;
-  std::vector<cv::Mat> truth;  // CV_8UC3: what the clip did around the still
-  std::vector<cv::Mat> luma;   // CV_8U, of `truth`
-  cv::Mat still;               // CV_8UC3: the middle one of these
-  cv::Mat matte;               // CV_8U: where it really moves, soft at the edge
-  std::vector<DrawnStroke> strokes;
+  std::vector<cv::Mat> truth;          // CV_8UC3: what the clip did around the still
+  std::vector<cv::Mat> luma;           // CV_8U, of `truth`
+  cv::Mat still;                       // CV_8UC3: the middle one of these
+  cv::Mat matte;                       // CV_8U: where it really moves, soft at the edge
+  std::vector<query::Stroke> strokes;  // empty where nothing flows
   Region region;
-  Film film;                           // of the truth
-  std::optional<Distance> half;        // the clip before its middle against the clip after it: the ceiling
-  Distance frozen;                     // the still for ever: the floor
-  std::vector<std::uint32_t> numbers;  // of the truth's first and last frame
+  Film film;                     // of the truth
+  std::optional<Distance> half;  // the clip before its middle against the clip after it: the ceiling
+  Distance frozen;               // the still for ever: the floor
 };
 
 /// Nothing when the clip is shorter than 24 frames or moves in less than 1 % of the picture; `why` says

@@ -6,6 +6,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "bench/quality_measures.h"
+#include "query/stroke_field.h"
 
 namespace freshet::bench {
 namespace {
@@ -68,7 +69,7 @@ double by_fifths(double speed) {
 
 }  // namespace
 
-std::vector<DrawnStroke> draw_strokes(const cv::Mat& motion, const cv::Mat& matte) {
+std::vector<query::Stroke> draw_strokes(const cv::Mat& motion, const cv::Mat& matte) {
   const double diagonal = std::hypot(matte.cols, matte.rows), area = cv::countNonZero(matte > 127);
   const cv::Mat smooth = smoothed(motion, matte, diagonal / 80);
   const double share = area / static_cast<double>(matte.total());
@@ -90,7 +91,7 @@ std::vector<DrawnStroke> draw_strokes(const cv::Mat& motion, const cv::Mat& matt
   const cv::Mat inner = cv::min(edge, kEdge) / kEdge;
   const double apart = 0.4 * std::sqrt(area / wanted);
   cv::Mat drawn(matte.size(), CV_8U, cv::Scalar(255)), distance(matte.size(), CV_32F, cv::Scalar(1));
-  std::vector<DrawnStroke> strokes;
+  std::vector<query::Stroke> strokes;
   while (static_cast<int>(strokes.size()) < wanted) {
     double best = 0;
     cv::Point seed;
@@ -102,7 +103,7 @@ std::vector<DrawnStroke> draw_strokes(const cv::Mat& motion, const cv::Mat& matt
     line.push_back(from);
     const std::vector<cv::Point2f> ahead = streamline.follow(from, 1, diagonal / 16);
     line.insert(line.end(), ahead.begin(), ahead.end());
-    DrawnStroke stroke;
+    query::Stroke stroke;
     double sum = 0;
     for (std::size_t i = 0; i < line.size(); ++i) {
       sum += cv::norm(streamline.at(line[i]));
@@ -112,40 +113,17 @@ std::vector<DrawnStroke> draw_strokes(const cv::Mat& motion, const cv::Mat& matt
     cv::distanceTransform(drawn, distance, cv::DIST_L2, 3);
     cv::threshold(distance, distance, apart, 0, cv::THRESH_TOZERO);
     if (cv::norm(line.back() - line.front()) < kShortest) continue;
-    stroke.speed_px_per_s = by_fifths(sum / static_cast<double>(line.size()));
+    stroke.speed_px_per_s = static_cast<float>(by_fifths(sum / static_cast<double>(line.size())));
     strokes.push_back(std::move(stroke));
   }
   return strokes;
 }
 
-void guide_by(const std::vector<DrawnStroke>& strokes, cv::Size picture, bool with_speed,
+void guide_by(const std::vector<query::Stroke>& strokes, cv::Size picture, bool with_speed,
               query::MotionGuide& guide) {
-  constexpr int kGrid = 8;  // px between the points at which weights are computed
-  const cv::Size grid((picture.width + kGrid - 1) / kGrid, (picture.height + kGrid - 1) / kGrid);
-  cv::Mat direction(grid, CV_32FC2), speed(grid, CV_32F);
-  for (int y = 0; y < grid.height; ++y) {
-    for (int x = 0; x < grid.width; ++x) {
-      const cv::Point2f at(kGrid * (static_cast<float>(x) + 0.5f), kGrid * (static_cast<float>(y) + 0.5f));
-      cv::Point2f sum(0, 0);
-      double weights = 0, logarithms = 0;
-      for (const DrawnStroke& stroke : strokes) {
-        for (std::size_t i = 1; i < stroke.points.size(); ++i) {
-          const cv::Point2f along = stroke.points[i] - stroke.points[i - 1];
-          const cv::Point2f off = at - 0.5f * (stroke.points[i] + stroke.points[i - 1]);
-          const double weight = cv::norm(along) / std::pow(off.dot(off) + 64.0, 1.5);
-          sum += along * static_cast<float>(weight / cv::norm(along));
-          weights += weight;
-          logarithms += weight * std::log(stroke.speed_px_per_s);
-        }
-      }
-      const float length = static_cast<float>(cv::norm(sum));
-      direction.at<cv::Vec2f>(y, x) =
-          length > 0 ? cv::Vec2f(sum.x / length, sum.y / length) : cv::Vec2f(0, 0);
-      speed.at<float>(y, x) = static_cast<float>(std::exp(logarithms / weights));
-    }
-  }
-  cv::resize(direction, guide.direction, picture, 0, 0, cv::INTER_NEAREST);
-  if (with_speed) cv::resize(speed, guide.speed, picture, 0, 0, cv::INTER_NEAREST);
+  query::StrokeField field = query::interpolate(strokes, picture);
+  guide.direction = std::move(field.direction);
+  guide.speed = with_speed ? std::move(field.speed) : cv::Mat();
 }
 
 }  // namespace freshet::bench
