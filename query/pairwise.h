@@ -63,14 +63,18 @@ struct FeatureSource {
   std::function<void(Row, std::span<float>)> read;
 };
 
-/// Turns features into values whose squared distance over an overlap is W.
-void weigh_features(const FeatureShape& shape, const PairwiseOptions& options, std::span<float> features);
+/// Throws Error{kUsage} when a weight is negative, no number or above 1e9.
+void check_weights(const PairwiseOptions& options);
+
+/// A field's nodes in the order of the pieces, V = 1 - score, and its edges in that of target.edges, their
+/// tables all zero.
+Mrf unconnected_field(const Target& target, const Candidates& candidates);
 
 /// The field of a picture: nodes in the order of its pieces, V = 1 - score; edges in the order of
 /// target.edges. Each candidate's features are computed once, piece row by piece row, and two rows of them
 /// are in memory (1.3 MB a piece). All threads; the same bits for any number. Cost, 500 pieces, 100
-/// candidates: 1-2 s. Throws Error{kCancelled} when stopped, Error{kUsage} when a weight is negative or
-/// no number.
+/// candidates: 1-2 s. Throws Error{kCancelled} when stopped, and as check_weights. The parts that it weighs
+/// and adds are those of pairwise_parts.h: the same bits as when they are kept and combined.
 Mrf build_mrf(const Target& target, const Candidates& candidates, const FeatureShape& shape,
               const PairwiseOptions& options, const FeatureSource& source, std::stop_token stop = {});
 

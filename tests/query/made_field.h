@@ -1,0 +1,68 @@
+// tests/query/made_field.h — pieces, candidates and features without a store.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+#include <vector>
+
+#include <opencv2/core.hpp>
+
+#include "query/candidates.h"
+#include "query/pairwise.h"
+#include "query/target.h"
+
+namespace freshet::query {
+
+inline constexpr Row kRows = 60;
+
+// Features with the spread of real ones: still places and torrents.
+inline std::vector<float> features_of(Row row, const FeatureShape& shape) {
+  std::mt19937_64 random(row);
+  std::normal_distribution<float> normal;
+  std::vector<float> values(shape.values());
+  const float liveliness = std::exp(1.5f * normal(random));
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const auto channel = static_cast<int>(i % static_cast<std::size_t>(shape.channels()));
+    const float unit = normal(random);
+    if (channel < 2) {
+      values[i] = 40 * liveliness * unit;
+    } else if (channel < 2 + 2 * shape.bands) {
+      values[i] = 500 * liveliness * liveliness * unit * unit;
+    } else {
+      values[i] = std::min(1.0f, 0.02f * liveliness * std::abs(unit));
+    }
+  }
+  return values;
+}
+
+inline FeatureSource source_of(const FeatureShape& shape) {
+  return {{}, [shape](Row row, std::span<float> out) {
+            const auto values = features_of(row, shape);
+            std::copy(values.begin(), values.end(), out.begin());
+          }};
+}
+
+inline Target some_target() {
+  cv::Mat matte(150, 130, CV_8U, cv::Scalar(255));
+  matte(cv::Rect(60, 0, 70, 60)).setTo(0);
+  return lay_out(matte, {});
+}
+
+inline Candidates some_candidates(std::size_t pieces, std::size_t k) {
+  Candidates candidates;
+  candidates.k = k;
+  candidates.rows.assign(pieces * k, kNoRow);
+  candidates.scores.assign(pieces * k, 0);
+  std::mt19937_64 random(4);
+  for (std::size_t piece = 0; piece < pieces; ++piece) {
+    candidates.counts.push_back(static_cast<std::uint32_t>(1 + random() % k));
+    for (std::size_t i = 0; i < candidates.counts[piece]; ++i) {
+      candidates.rows[piece * k + i] = static_cast<Row>(random() % kRows);
+      candidates.scores[piece * k + i] = 1 - 0.05f * static_cast<float>(i);
+    }
+  }
+  return candidates;
+}
+
+}  // namespace freshet::query
