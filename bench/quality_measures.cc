@@ -32,49 +32,55 @@ cv::Mat blocks_in(const cv::Mat& matte, int block) {
   return share > 127;
 }
 
-/// Power by block and band.
+/// Power by block and band, as Film has it.
 cv::Mat spectrum(std::span<const cv::Mat> luma) {
   const int frames = static_cast<int>(luma.size()), width = luma[0].cols;
   const int columns = width / kSpectrumBlock, rows = luma[0].rows / kSpectrumBlock;
+  const int length = std::min(kSpectrumWindow, frames);
   const auto bands = spectrum_bands(frames);
-  std::vector<float> window(frames);
+  const std::vector<int> starts = spectrum_windows(frames);
+  std::vector<float> window(length);
   double squares = 0;
-  for (int t = 0; t < frames; ++t) {
-    window[t] = static_cast<float>(0.5 - 0.5 * std::cos(2 * std::numbers::pi * (t + 0.5) / frames));
+  for (int t = 0; t < length; ++t) {
+    window[t] = static_cast<float>(0.5 - 0.5 * std::cos(2 * std::numbers::pi * (t + 0.5) / length));
     squares += window[t] * window[t];
   }
+  const double share =
+      1 / (length * squares * kSpectrumBlock * kSpectrumBlock * static_cast<double>(starts.size()));
   cv::Mat power = cv::Mat::zeros(rows * columns, kSpectrumBands, CV_32F);
   oneapi::tbb::parallel_for(0, rows, [&](int block_row) {
-    cv::Mat series(width, frames, CV_32F), transform;
+    cv::Mat series(width, length, CV_32F), transform;
     std::vector<double> sums(static_cast<std::size_t>(columns) * kSpectrumBands, 0.0);
     for (int y = block_row * kSpectrumBlock; y < (block_row + 1) * kSpectrumBlock; ++y) {
-      for (int t = 0; t < frames; ++t) {
-        const std::uint8_t* row = luma[t].ptr<std::uint8_t>(y);
-        for (int x = 0; x < width; ++x) series.at<float>(x, t) = row[x];
-      }
-      for (int x = 0; x < width; ++x) {
-        float* values = series.ptr<float>(x);
-        double mean = 0;
-        for (int t = 0; t < frames; ++t) mean += values[t];
-        mean /= frames;
-        for (int t = 0; t < frames; ++t) values[t] = (values[t] - static_cast<float>(mean)) * window[t];
-      }
-      cv::dft(series, transform, cv::DFT_ROWS);
-      for (int x = 0; x < width; ++x) {
-        const float* packed = transform.ptr<float>(x);  // re 0, re 1, im 1, re 2, im 2, ...
-        double* sum = &sums[static_cast<std::size_t>(x / kSpectrumBlock) * kSpectrumBands];
-        for (int b = 0; b < kSpectrumBands; ++b)
-          for (int k = bands[b]; k < bands[b + 1]; ++k) {
-            const double re = packed[2 * k - 1], im = 2 * k < frames ? packed[2 * k] : 0.0;
-            sum[b] += (2 * k < frames ? 2 : 1) * (re * re + im * im);
+      for (const int start : starts) {
+        for (int t = 0; t < length; ++t) {
+          const std::uint8_t* row = luma[start + t].ptr<std::uint8_t>(y);
+          for (int x = 0; x < width; ++x) series.at<float>(x, t) = row[x];
+        }
+        for (int x = 0; x < width; ++x) {
+          float* values = series.ptr<float>(x);
+          float mean = 0;
+          for (int t = 0; t < length; ++t) mean += values[t];
+          mean /= static_cast<float>(length);
+          for (int t = 0; t < length; ++t) values[t] = (values[t] - mean) * window[t];
+        }
+        cv::dft(series, transform, cv::DFT_ROWS);
+        for (int x = 0; x < width; ++x) {
+          const float* packed = transform.ptr<float>(x);  // re 0, re 1, im 1, re 2, im 2, ...
+          double* sum = &sums[static_cast<std::size_t>(x / kSpectrumBlock) * kSpectrumBands];
+          for (int b = 0; b < kSpectrumBands; ++b) {
+            for (int k = bands[b]; k < bands[b + 1]; ++k) {
+              const double re = packed[2 * k - 1], im = 2 * k < length ? packed[2 * k] : 0.0;
+              sum[b] += (2 * k < length ? 2 : 1) * (re * re + im * im);
+            }
           }
+        }
       }
     }
     for (int column = 0; column < columns; ++column)
       for (int b = 0; b < kSpectrumBands; ++b)
         power.at<float>(block_row * columns + column, b) =
-            static_cast<float>(sums[static_cast<std::size_t>(column) * kSpectrumBands + b] /
-                               (frames * squares * kSpectrumBlock * kSpectrumBlock));
+            static_cast<float>(sums[static_cast<std::size_t>(column) * kSpectrumBands + b] * share);
   });
   return power;
 }
@@ -112,9 +118,17 @@ std::vector<PairMotion> pair_motions(std::span<const cv::Mat> luma) {
   return motions;
 }
 
+std::vector<int> spectrum_windows(int frames) {
+  const int length = std::min(kSpectrumWindow, frames), rest = frames - length;
+  const int more = (rest + length / 2 - 1) / (length / 2);  // half overlapping, or a little more
+  std::vector<int> starts{0};
+  for (int i = 1; i <= more; ++i) starts.push_back(rest * i / more);
+  return starts;
+}
+
 std::array<int, kSpectrumBands + 1> spectrum_bands(int frames) {
   std::array<int, kSpectrumBands + 1> first{};
-  const int last = frames / 2;
+  const int last = std::min(kSpectrumWindow, frames) / 2;
   first[0] = 1;
   for (int b = 1; b <= kSpectrumBands; ++b) {
     const int wanted =

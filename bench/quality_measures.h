@@ -9,8 +9,8 @@
 
 namespace freshet::bench {
 
-inline constexpr int kSpectrumBlock = 16, kMotionBlock = 8, kMotionCell = 4;  // px
-inline constexpr int kSpectrumBands = 8, kTextureLevels = 3;
+inline constexpr int kSpectrumBlock = 16, kMotionBlock = 8, kMotionCell = 4;        // px
+inline constexpr int kSpectrumBands = 8, kSpectrumWindow = 32, kTextureLevels = 3;  // window in frames
 inline constexpr double kLeastSpeed = 2.5;  // px/s; slower motion has no direction that counts
 
 /// How the fluid moved from one frame to the next, by cells of kMotionCell px.
@@ -41,8 +41,12 @@ struct Film {
   double dead = 0;                               // share of the matte's pixels whose deviation is below 1
 };
 
-/// Bands of a spectrum of n frames: kSpectrumBands + 1 first bins, log-spaced over 1 .. n / 2; a band may be
-/// empty when n is small. Hann window, each pixel's mean taken away.
+/// First frames of the windows over which power is averaged (Welch, Hann, at least half overlapping, each
+/// pixel's mean in a window taken away), and the bands' first bins: kSpectrumBands + 1 of them, log-spaced
+/// over 1 .. window / 2, as vision::motion_bands spaces them; some may be empty when frames are few. In one
+/// window over all frames a block of smooth cloud is one sample a bin, and two halves of one clip lie 8 dB
+/// apart.
+std::vector<int> spectrum_windows(int frames);
 std::array<int, kSpectrumBands + 1> spectrum_bands(int frames);
 
 /// How much more luma's change from frame to frame jumps where pieces meet than beside it, as a ratio less
