@@ -138,6 +138,8 @@ class Trial {
     synth::AnimateOptions options = method.animate;
     options.frames = static_cast<int>(case_.truth.size());
     options.fps = case_.fps;
+    if (hint.strokes && !case_.strokes.empty())
+      bench::guide_by(case_.strokes, case_.still.size(), hint.speed, options.guide);
     std::vector<cv::Mat> made;
     synth::animate(snapshot_, base_.settings, case_.still, case_.matte, placement, options,
                    [&](const cv::Mat& frame) { made.push_back(frame.clone()); });
@@ -183,7 +185,8 @@ void write_json(const Asked& asked, const std::vector<bench::Judged>& judged) {
 int run(const Asked& asked) {
   check_measures();
   std::vector<Hint> hints;
-  for (const std::string& name : asked.hints) hints.push_back(hint_named(name));
+  for (const std::string& name : asked.hints)
+    if (name != "nothing") hints.push_back(hint_named(name));
   const std::vector<bench::Method> methods = methods_of(asked);
   if (!asked.html.empty()) std::filesystem::create_directories(asked.html);
 
@@ -247,7 +250,8 @@ int main(int argc, char** argv) {
   app.add_option("--frames", asked.sizes.frames, "Frames to animate; no more than the clip has")
       ->check(CLI::Range(24, 1000))
       ->capture_default_str();
-  app.add_option("--hints", asked.hints, "none, strokes (direction alone), strokes+speed")
+  app.add_option("--hints", asked.hints,
+                 "none, strokes (direction alone), strokes+speed; nothing: the references alone")
       ->delimiter(',')
       ->capture_default_str();
   app.add_option("--ablate", asked.ablate, ablations)->delimiter(',')->capture_default_str();
