@@ -94,13 +94,13 @@ cv::Mat read_orientation_map(const std::filesystem::path& path, cv::Size picture
   return direction;
 }
 
-void split_motion(const cv::Mat& motion, cv::Mat& direction, cv::Mat& speed) {
+void split_motion(const cv::Mat& motion, const cv::Mat& matte, cv::Mat& direction, cv::Mat& speed) {
   direction.create(motion.size(), CV_32FC2);
   speed.create(motion.size(), CV_32F);
   for (int y = 0; y < motion.rows; ++y)
     for (int x = 0; x < motion.cols; ++x) {
       const cv::Vec2f& way = motion.at<cv::Vec2f>(y, x);
-      const float length = std::hypot(way[0], way[1]);
+      const float length = matte.at<std::uint8_t>(y, x) > 0 ? std::hypot(way[0], way[1]) : 0;
       speed.at<float>(y, x) = length > 0 ? length : -1;
       direction.at<cv::Vec2f>(y, x) = length < kLeastDirectedSpeed ? cv::Vec2f(0, 0) : way / length;
     }
@@ -117,37 +117,39 @@ cv::Vec3f colour_of_direction(const cv::Vec2f& way) {
   return {channel(4), channel(0), channel(2)};
 }
 
-double write_speed_map(const std::filesystem::path& path, const cv::Mat& motion, double white_px_per_s) {
+double write_speed_map(const std::filesystem::path& path, const cv::Mat& motion, const cv::Mat& matte,
+                       double white_px_per_s) {
   check_white(white_px_per_s);
-  cv::Mat map(motion.size(), CV_16UC4, cv::Scalar::all(0));
+  check_map_name(path);
+  cv::Mat direction, speed, map(motion.size(), CV_16UC4, cv::Scalar::all(0));
+  split_motion(motion, matte, direction, speed);
   std::size_t moving = 0, cut = 0;
-  for (int y = 0; y < motion.rows; ++y)
-    for (int x = 0; x < motion.cols; ++x) {
-      const cv::Vec2f& way = motion.at<cv::Vec2f>(y, x);
-      if (way == cv::Vec2f(0, 0)) continue;
-      const double share = std::hypot(way[0], way[1]) / white_px_per_s;
+  for (int y = 0; y < map.rows; ++y)
+    for (int x = 0; x < map.cols; ++x) {
+      if (speed.at<float>(y, x) < 0) continue;
+      const double share = speed.at<float>(y, x) / white_px_per_s;
       ++moving;
       cut += share > 1;
       const auto grey = cv::saturate_cast<std::uint16_t>(share * kFull);
       map.at<cv::Vec<std::uint16_t, 4>>(y, x) = {grey, grey, grey, 65535};
     }
-  check_map_name(path);
   media::write_picture(path, map);
   return moving > 0 ? static_cast<double>(cut) / static_cast<double>(moving) : 0;
 }
 
-void write_orientation_map(const std::filesystem::path& path, const cv::Mat& motion) {
-  cv::Mat map(motion.size(), CV_16UC3, cv::Scalar::all(32768));
-  for (int y = 0; y < motion.rows; ++y)
-    for (int x = 0; x < motion.cols; ++x) {
-      const cv::Vec2f& way = motion.at<cv::Vec2f>(y, x);
-      if (std::hypot(way[0], way[1]) < kLeastDirectedSpeed) continue;
+void write_orientation_map(const std::filesystem::path& path, const cv::Mat& motion, const cv::Mat& matte) {
+  check_map_name(path);
+  cv::Mat direction, speed, map(motion.size(), CV_16UC3, cv::Scalar::all(32768));
+  split_motion(motion, matte, direction, speed);
+  for (int y = 0; y < map.rows; ++y)
+    for (int x = 0; x < map.cols; ++x) {
+      const cv::Vec2f& way = direction.at<cv::Vec2f>(y, x);
+      if (way == cv::Vec2f(0, 0)) continue;
       const cv::Vec3f colour = colour_of_direction(way) * kFull;
       map.at<cv::Vec<std::uint16_t, 3>>(y, x) = {cv::saturate_cast<std::uint16_t>(colour[0]),
                                                  cv::saturate_cast<std::uint16_t>(colour[1]),
                                                  cv::saturate_cast<std::uint16_t>(colour[2])};
     }
-  check_map_name(path);
   media::write_picture(path, map);
 }
 

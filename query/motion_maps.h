@@ -9,8 +9,9 @@
 
 namespace freshet::query {
 
-/// White of a speed map when nothing else is said, px/s: a step of 8-bit grey is then one px/s. 99 % of the
-/// patches of a store of 46 clips move slower.
+/// White of a speed map when nothing else is said, px/s: in a paint program of 8 bits a step of grey is one
+/// px/s. 96 % of the patches of a store of 46 clips move slower; half of them by less than 22 px/s, which a
+/// greater white would make black.
 constexpr double kSpeedWhite = 255;
 /// Slower motion has no direction worth a colour, px/s.
 constexpr double kLeastDirectedSpeed = 0.5;
@@ -31,20 +32,20 @@ cv::Mat read_orientation_map(const std::filesystem::path& path, cv::Size picture
                              std::vector<std::string>* notices = nullptr);
 
 /// Speed and direction of a motion field as such maps, 16 bits a channel, PNG or TIFF.
-/// motion   CV_32FC2, px/s, x right, y down. Where it is (0, 0) nothing lies and nothing is asked:
-/// transparent
-///          in a map of speeds, grey in one of directions (below kLeastDirectedSpeed too).
-/// Returns  of write_speed_map: the share of moving pixels above white, which are cut off to it.
-/// Throws   Error{kUsage} for another ending, Error{kIo}.
-double write_speed_map(const std::filesystem::path& path, const cv::Mat& motion, double white_px_per_s);
-void write_orientation_map(const std::filesystem::path& path, const cv::Mat& motion);
+/// motion   CV_32FC2, px/s, x right, y down. matte   CV_8U of its size. Where the matte is 0 or the motion
+/// (0, 0) nothing is asked: transparent in a map of speeds, grey in one of directions (below
+/// kLeastDirectedSpeed too). Returns  of write_speed_map: the share of moving pixels above white, which are
+/// cut off to it. Throws   Error{kUsage} for another ending, Error{kIo}.
+double write_speed_map(const std::filesystem::path& path, const cv::Mat& motion, const cv::Mat& matte,
+                       double white_px_per_s);
+void write_orientation_map(const std::filesystem::path& path, const cv::Mat& motion, const cv::Mat& matte);
 
 /// Throws what the writers would for this name: for those who compute long before they write.
 void check_map_name(const std::filesystem::path& path);
 
 /// A motion field as a guide's maps: unit vectors, (0, 0) below kLeastDirectedSpeed, and speeds, negative
 /// where the field is (0, 0).
-void split_motion(const cv::Mat& motion, cv::Mat& direction, cv::Mat& speed);
+void split_motion(const cv::Mat& motion, const cv::Mat& matte, cv::Mat& direction, cv::Mat& speed);
 
 /// A direction's colour, BGR 0..1, full and bright.
 cv::Vec3f colour_of_direction(const cv::Vec2f& way);

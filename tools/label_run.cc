@@ -18,10 +18,12 @@ std::unique_ptr<const query::SearchBase> open_with_progress(const store::Snapsho
 }
 
 LabelRun label_with_progress(const store::Snapshot& snapshot, const TargetFiles::Loaded& loaded,
-                             const SearchOptions& search, const LabelOptions& labelling,
-                             const Duration& duration, const RunContext& context) {
+                             const SearchOptions& search, const AskedMotion& asked,
+                             const LabelOptions& labelling, const Duration& duration,
+                             const RunContext& context) {
   query::LabelOptions options;
-  options.candidates = search.options();
+  options.candidates = MotionOptions::beside(asked, search);
+  options.guide = asked.guide;
   options.candidates.min_duration_s = duration.seconds();
   options.costs = labelling.costs();
   options.minimizer = labelling.solver();

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "query/labelling.h"
+#include "tools/motion_options.h"
 #include "tools/run_context.h"
 #include "tools/search_options.h"
 
@@ -21,8 +22,9 @@ std::unique_ptr<const query::SearchBase> open_with_progress(const store::Snapsho
                                                             const SearchOptions& search);
 
 LabelRun label_with_progress(const store::Snapshot& snapshot, const TargetFiles::Loaded& loaded,
-                             const SearchOptions& search, const LabelOptions& labelling,
-                             const Duration& duration, const RunContext& context);
+                             const SearchOptions& search, const AskedMotion& asked,
+                             const LabelOptions& labelling, const Duration& duration,
+                             const RunContext& context);
 
 /// One line: pieces, energy, bound, gap, seconds by stage.
 std::string label_summary(const LabelRun& run);

@@ -3,6 +3,7 @@
 #include <map>
 #include <memory>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -12,8 +13,11 @@
 #include "query/contact_sheet.h"
 #include "query/label_map.h"
 #include "query/labelling.h"
+#include "synth/animate/assigned.h"
+#include "synth/animate/motion_field.h"
 #include "tools/commands.h"
 #include "tools/label_run.h"
+#include "tools/motion_options.h"
 #include "tools/output_names.h"
 #include "tools/progress.h"
 #include "tools/search_options.h"
@@ -25,6 +29,7 @@ namespace {
 struct CandidatesCommand {
   TargetFiles target;
   SearchOptions search;
+  MotionOptions motion;
   Duration duration;
   std::string sheet;
   bool json = false;
@@ -33,6 +38,7 @@ struct CandidatesCommand {
 struct LabelCommand {
   TargetFiles target;
   SearchOptions search;
+  MotionOptions motion;
   Duration duration;
   LabelOptions labelling;
   std::string assignment, map, sheet;
@@ -112,10 +118,14 @@ nlohmann::json candidates_json(const store::Snapshot& snapshot, const query::Can
 
 void run_candidates(const CandidatesCommand& command, const RunContext& context) {
   check_picture_output(command.sheet);
+  command.motion.check_outputs();
   const store::Snapshot snapshot = store::Store::open_read(command.target.store).snapshot();
   const TargetFiles::Loaded loaded = command.target.load();
+  const AskedMotion asked = command.motion.read(loaded, command.search);
+  command.motion.draw(loaded, asked, {});
   query::LabelOptions options;
-  options.candidates = command.search.options();
+  options.candidates = MotionOptions::beside(asked, command.search);
+  options.guide = asked.guide;
   options.candidates.min_duration_s = command.duration.seconds();
   const auto base = open_with_progress(snapshot, command.search);
   Progress progress;
@@ -140,20 +150,31 @@ void run_candidates(const CandidatesCommand& command, const RunContext& context)
   } else {
     print_candidates(snapshot, search);
   }
-  if (!command.sheet.empty() && !command.json) fmt::print("{}\n", command.sheet);
+  if (command.json) return;
+  for (const std::string& path : command.motion.outputs())
+    if (!path.empty()) fmt::print("{}\n", path);
+  if (!command.sheet.empty()) fmt::print("{}\n", command.sheet);
 }
 
 void run_label(const LabelCommand& command, const RunContext& context) {
   check_output_folder(command.assignment);
   check_picture_output(command.map);
   check_picture_output(command.sheet);
+  command.motion.check_outputs();
   const store::Snapshot snapshot = store::Store::open_read(command.target.store).snapshot();
   const TargetFiles::Loaded loaded = command.target.load();
-  const LabelRun run =
-      label_with_progress(snapshot, loaded, command.search, command.labelling, command.duration, context);
+  const AskedMotion asked = command.motion.read(loaded, command.search);
+  const LabelRun run = label_with_progress(snapshot, loaded, command.search, asked, command.labelling,
+                                           command.duration, context);
   const query::Labelling& labelling = run.labelling;
   const query::Assignment& assignment = labelling.assignment;
   if (!command.assignment.empty()) query::write_assignment(command.assignment, assignment);
+  const cv::Mat motion = command.motion.needs_motion(asked)
+                             ? synth::motion_field(snapshot, run.base->settings,
+                                                   synth::place(assignment, snapshot), loaded.picture.size())
+                             : cv::Mat();
+  command.motion.draw(loaded, asked, motion);
+  command.motion.write_maps(loaded, motion);
   if (!command.map.empty())
     media::write_picture(command.map, query::label_map(loaded.picture, &loaded.matte, assignment));
   if (!command.sheet.empty())
@@ -189,7 +210,9 @@ void run_label(const LabelCommand& command, const RunContext& context) {
                                           static_cast<double>(assignment.pieces.size())),
                assignment.clips[clip].licence});
   fmt::print("{}\n{}\n", table.text(), label_summary(run));
-  for (const std::string& path : {command.assignment, command.map, command.sheet})
+  std::vector<std::string> paths = command.motion.outputs();
+  paths.insert(paths.end(), {command.assignment, command.map, command.sheet});
+  for (const std::string& path : paths)
     if (!path.empty()) fmt::print("{}\n", path);
 }
 
@@ -205,6 +228,7 @@ void add_query(CLI::App& app, RunContext& context) {
       query->add_subcommand("candidates", "The patches that look most like each piece of a picture");
   candidates->target.add_to(*sub);
   candidates->search.add_to(*sub);
+  candidates->motion.add_to(*sub);
   candidates->duration.add_to(*sub);
   sub->add_option("--sheet", candidates->sheet,
                   "Write a contact sheet: pieces, and their best candidates (PNG, JPEG)");
@@ -216,6 +240,8 @@ void add_query(CLI::App& app, RunContext& context) {
   sub = query->add_subcommand("label", "Choose one patch for each piece, so that neighbours go together");
   label->target.add_to(*sub);
   label->search.add_to(*sub);
+  label->motion.add_to(*sub);
+  label->motion.add_outputs_to(*sub);
   label->duration.add_to(*sub);
   label->labelling.add_to(*sub);
   sub->add_option("-o,--output", label->assignment,

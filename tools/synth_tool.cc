@@ -10,10 +10,12 @@
 #include "synth/animate/animate.h"
 #include "synth/animate/assigned.h"
 #include "synth/animate/frame_sheet.h"
+#include "synth/animate/motion_field.h"
 #include "synth/simulate/motion_file.h"
 #include "synth/simulate/simulate.h"
 #include "tools/commands.h"
 #include "tools/label_run.h"
+#include "tools/motion_options.h"
 #include "tools/output_names.h"
 #include "tools/picture_sink.h"
 #include "tools/progress.h"
@@ -25,6 +27,7 @@ namespace {
 struct AnimateCommand {
   TargetFiles target;
   SearchOptions search;
+  MotionOptions motion;
   Duration duration;
   LabelOptions labelling;
   std::string assignment, out, sheet;
@@ -51,14 +54,16 @@ void run_animate(const AnimateCommand& command, const RunContext& context) {
   const store::Snapshot snapshot = store::Store::open_read(command.target.store).snapshot();
   const TargetFiles::Loaded loaded = command.target.load();
   const synth::AnimateOptions options = render_options(command);
+  const AskedMotion asked = command.motion.read(loaded, command.search);
   // The output first: a mistyped folder should not cost a labelling.
+  command.motion.check_outputs();
   check_picture_output(command.sheet);
   PictureSink sink(command.out, loaded.picture.size(), options.frames, options.fps);
 
   query::Assignment assignment;
   if (command.assignment.empty()) {
-    const LabelRun run =
-        label_with_progress(snapshot, loaded, command.search, command.labelling, command.duration, context);
+    const LabelRun run = label_with_progress(snapshot, loaded, command.search, asked, command.labelling,
+                                             command.duration, context);
     say(label_summary(run));
     assignment = run.labelling.assignment;
   } else {
@@ -72,6 +77,11 @@ void run_animate(const AnimateCommand& command, const RunContext& context) {
   }
   const synth::Placement placement = synth::place(assignment, snapshot);
   const vision::Settings settings = vision::settings_from_json(snapshot.settings());
+  const cv::Mat motion = command.motion.needs_motion(asked)
+                             ? synth::motion_field(snapshot, settings, placement, loaded.picture.size())
+                             : cv::Mat();
+  command.motion.draw(loaded, asked, motion);
+  command.motion.write_maps(loaded, motion);
 
   synth::FrameSheet sheet(loaded.picture, options.frames);
   Progress progress;
@@ -93,6 +103,8 @@ void run_animate(const AnimateCommand& command, const RunContext& context) {
       report.render_s));
   fmt::print("{}\n", command.out);
   if (!command.sheet.empty()) fmt::print("{}\n", command.sheet);
+  for (const std::string& path : command.motion.outputs())
+    if (!path.empty()) fmt::print("{}\n", path);
 }
 
 struct SimulateCommand {
@@ -162,6 +174,8 @@ void add_animate(CLI::App& synth_command, RunContext& context) {
                   "Use this assignment, from freshet query label, in place of searching and labelling");
   command->duration.add_to(*sub);
   command->search.add_to(*sub);
+  command->motion.add_to(*sub);
+  command->motion.add_outputs_to(*sub);
   command->labelling.add_to(*sub);
   const std::string group = "Rendering";
   sub->add_option("--shutter", command->options.base.shutter_s,
@@ -197,7 +211,8 @@ void add_animate(CLI::App& synth_command, RunContext& context) {
   add_threads(*sub);
   sub->callback([command, sub, &context] {
     if (!command->assignment.empty())
-      for (const char* name : {"--class", "--direction", "--exclude", "--solver"})
+      for (const char* name : {"--class", "--direction", "--exclude", "--solver", "--strokes",
+                               "--orientation-map", "--speed-map"})
         if (sub->count(name) > 0)
           say(fmt::format("{} has no effect: {} says which patches are used", name, command->assignment));
     run_animate(*command, context);

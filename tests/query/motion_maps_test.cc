@@ -24,6 +24,8 @@ cv::Mat some_motion() {
   return motion;
 }
 
+cv::Mat whole() { return cv::Mat(kPicture, CV_8U, cv::Scalar(255)); }
+
 class MotionMaps : public testing::Test {
  protected:
   std::filesystem::path file(const char* name) const { return folder_.path() / name; }
@@ -42,8 +44,8 @@ class MotionMaps : public testing::Test {
 
 TEST_F(MotionMaps, ComeBackAsTheyWereWritten) {
   const cv::Mat motion = some_motion();
-  EXPECT_EQ(write_speed_map(file("speed.png"), motion, 255), 0);
-  write_orientation_map(file("way.png"), motion);
+  EXPECT_EQ(write_speed_map(file("speed.png"), motion, whole(), 255), 0);
+  write_orientation_map(file("way.png"), motion, whole());
   const cv::Mat speed = read_speed_map(file("speed.png"), kPicture, 255),
                 way = read_orientation_map(file("way.png"), kPicture);
   for (int y = 0; y < motion.rows; ++y)
@@ -59,10 +61,23 @@ TEST_F(MotionMaps, ComeBackAsTheyWereWritten) {
     }
 }
 
+TEST_F(MotionMaps, AskNothingOutsideTheMatte) {
+  cv::Mat matte = whole();
+  matte(cv::Rect(0, 0, 60, 80)).setTo(0);
+  write_speed_map(file("speed.png"), some_motion(), matte, 255);
+  write_orientation_map(file("way.png"), some_motion(), matte);
+  const cv::Mat speed = read_speed_map(file("speed.png"), kPicture, 255),
+                way = read_orientation_map(file("way.png"), kPicture);
+  EXPECT_LT(speed.at<float>(40, 59), 0);
+  EXPECT_GT(speed.at<float>(40, 60), 0);
+  EXPECT_EQ(way.at<cv::Vec2f>(40, 59), cv::Vec2f(0, 0));
+  EXPECT_NE(way.at<cv::Vec2f>(40, 60), cv::Vec2f(0, 0));
+}
+
 TEST_F(MotionMaps, EightBitsStayWithinADegreeAndAStepOfGrey) {
   const cv::Mat motion = some_motion();
-  write_speed_map(file("speed.png"), motion, 255);
-  write_orientation_map(file("way.png"), motion);
+  write_speed_map(file("speed.png"), motion, whole(), 255);
+  write_orientation_map(file("way.png"), motion, whole());
   for (const char* name : {"speed.png", "way.png"})
     media::write_picture(file(name), media::read_picture(file(name)).bgr);
   const cv::Mat speed = read_speed_map(file("speed.png"), kPicture, 255),
@@ -110,12 +125,12 @@ TEST_F(MotionMaps, GreyIsSpeedAndTransparencyAsksNothing) {
 }
 
 TEST_F(MotionMaps, CutOffWhatIsFasterThanWhiteAndSayHowMuch) {
-  EXPECT_NEAR(write_speed_map(file("speed.png"), some_motion(), 60), 0.5, 0.01);
+  EXPECT_NEAR(write_speed_map(file("speed.png"), some_motion(), whole(), 60), 0.5, 0.01);
   EXPECT_NEAR(read_speed_map(file("speed.png"), kPicture, 60).at<float>(40, 119), 60, 0.01);
 }
 
 TEST_F(MotionMaps, RefuseWhatDoesNotFit) {
-  write_speed_map(file("speed.png"), some_motion(), 255);
+  write_speed_map(file("speed.png"), some_motion(), whole(), 255);
   const auto speed = [&](const char* name, cv::Size size = kPicture, double white = 255) {
     return [this, name, size, white] { read_speed_map(file(name), size, white); };
   };
@@ -128,9 +143,9 @@ TEST_F(MotionMaps, RefuseWhatDoesNotFit) {
   media::write_picture(file("grey.png"), cv::Mat(kPicture, CV_8UC3, cv::Scalar::all(90)));
   EXPECT_NE(fault([&] { read_orientation_map(file("grey.png"), kPicture); }).find("no colour anywhere"),
             std::string::npos);
-  EXPECT_NE(
-      fault([&] { write_speed_map(file("speed.jpg"), some_motion(), 255); }, ErrorKind::kUsage).find(".png"),
-      std::string::npos);
+  EXPECT_NE(fault([&] { write_speed_map(file("speed.jpg"), some_motion(), whole(), 255); }, ErrorKind::kUsage)
+                .find(".png"),
+            std::string::npos);
 }
 
 }  // namespace
