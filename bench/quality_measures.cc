@@ -250,15 +250,24 @@ Film measure(std::span<const cv::Mat> luma, std::span<const PairMotion> motions,
 Distance compare(const Film& film, const Film& truth, const Region& region) {
   Distance distance;
   const cv::Mat blocks = blocks_in(region.matte, kSpectrumBlock);
+  const auto apart = [](double a, double b) {
+    return 10 / std::log2(10.0) * std::abs(log2_ratio(a, b, kPowerFloor));
+  };
   double decibels = 0;
   int compared = 0;
+  std::array<double, kSpectrumBands> film_power{}, true_power{};
   for (int block = 0; block < truth.power.rows; ++block) {
     if (blocks.at<std::uint8_t>(block / blocks.cols, block % blocks.cols) == 0) continue;
-    for (int b = 0; b < kSpectrumBands; ++b, ++compared)
-      decibels +=
-          10 / std::log2(10.0) *
-          std::abs(log2_ratio(film.power.at<float>(block, b), truth.power.at<float>(block, b), kPowerFloor));
+    for (int b = 0; b < kSpectrumBands; ++b, ++compared) {
+      const double a = film.power.at<float>(block, b), t = truth.power.at<float>(block, b);
+      decibels += apart(a, t);
+      film_power[b] += a;
+      true_power[b] += t;
+    }
   }
+  const double count = std::max(1, compared / kSpectrumBands);
+  for (int b = 0; b < kSpectrumBands; ++b)
+    distance.matte_db += apart(film_power[b] / count, true_power[b] / count) / kSpectrumBands;
   distance.spectrum_db = compared > 0 ? decibels / compared : 0;
 
   const cv::Mat inside = blocks_in(region.matte, kMotionBlock);

@@ -66,6 +66,7 @@ std::vector<Group> groups_of(const std::vector<Judged>& judged) {
 
 const std::vector<Figure>& figures() {
   static const std::vector<Figure> all{{"spectrum_db", "spectrum dB", &Distance::spectrum_db, 1},
+                                       {"matte_db", "of matte dB", &Distance::matte_db, 1},
                                        {"angle_deg", "angle deg", &Distance::angle_deg, 1},
                                        {"speed", "speed log2", &Distance::speed, 2},
                                        {"block_speed", "speed by block", &Distance::block_speed, 2},

@@ -68,6 +68,7 @@ TEST(QualityMeasures, AreZeroBetweenAFilmAndItself) {
   const Film truth = measure(film, pair_motions(film), kFps, everywhere());
   const Distance same = compare(truth, truth, everywhere());
   EXPECT_EQ(same.spectrum_db, 0);
+  EXPECT_EQ(same.matte_db, 0);
   EXPECT_NEAR(same.angle_deg, 0, 1e-6);
   EXPECT_EQ(same.speed, 0);
   EXPECT_EQ(same.block_speed, 0);
@@ -174,6 +175,17 @@ TEST(QualityMeasures, HalfTheChangeIsSixDecibels) {
   };
   const Distance distance = compare(film_with(wobble(50)), film_with(wobble(100)), everywhere());
   EXPECT_NEAR(distance.spectrum_db, 6.02, 0.3);
+  EXPECT_NEAR(distance.matte_db, 6.02, 0.3);
+}
+
+TEST(QualityMeasures, PowerOfTheMatteDoesNotAskWhere) {
+  const auto left = [](int x, int, int t) {
+    return x < 96 ? 128 + 60 * std::cos(1.7 * t + 0.1 * t * t) : 90;
+  };
+  const auto right = [&](int x, int y, int t) { return left(kSize.width - 1 - x, y, t); };
+  const Distance distance = compare(film_with(left), film_with(right), everywhere());
+  EXPECT_GT(distance.spectrum_db, 30);
+  EXPECT_NEAR(distance.matte_db, 0, 1e-3);
 }
 
 TEST(QualityMeasures, AnglesAndSpeedsAreThoseOfTheFlow) {
