@@ -42,6 +42,7 @@ class RowFilter {
   void forbid(std::size_t row) { bits_[row / 64] &= ~(std::uint64_t{1} << row % 64); }
   void allow(std::size_t row) { bits_[row / 64] |= std::uint64_t{1} << row % 64; }
   std::size_t count() const;
+  std::span<const std::uint64_t> words() const { return bits_; }  // row r is bit r % 64 of word r / 64
   /// Bits of rows [first, first + count), first a multiple of 64: true when none is set.
   bool empty(std::size_t first, std::size_t count) const;
 

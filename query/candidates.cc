@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <numbers>
 #include <numeric>
@@ -229,11 +230,37 @@ std::string opening_note(const Candidates& candidates, const Target& target, con
       opened, target.size(), text_of(most), where.x, where.br().x, where.y, where.br().y);
 }
 
+// Searches the given pieces, opening the tolerances of those that find too few.
+void search_pieces(const CandidateIndex& index, const PatchTable& table, const Target& target, std::size_t k,
+                   const RowFilter& filter, const MotionGuide& guide, std::span<const PieceMotion> asked,
+                   std::vector<std::size_t> open, std::vector<std::optional<PieceAnswer>>& answers) {
+  for (int steps = 0; !open.empty(); ++steps) {
+    std::vector<PieceQuery> queries;
+    std::vector<MotionWindow> windows;
+    for (const std::size_t piece : open) {
+      queries.push_back(target.queries[piece]);
+      if (!asked.empty()) windows.push_back(window_of(asked[piece], guide, steps));
+    }
+    Admission admission{.rows = &filter, .mean_u = {}, .mean_v = {}, .windows = windows};
+    if (!windows.empty()) {
+      admission.mean_u = table.mean_u;
+      admission.mean_v = table.mean_v;
+    }
+    auto found = index.search(queries, k, admission);
+    std::vector<std::size_t> short_of;
+    for (std::size_t i = 0; i < open.size(); ++i) {
+      if (found[i].size() < k && !windows.empty() && !windows[i].is_any()) short_of.push_back(open[i]);
+      answers[open[i]] = {std::move(found[i]), steps};
+    }
+    open = std::move(short_of);
+  }
+}
+
 }  // namespace
 
 Candidates find_candidates(const CandidateIndex& index, const PatchTable& table, const Target& target,
                            const cv::Mat& matte, std::size_t k, const RowFilter& filter,
-                           const MotionGuide& guide) {
+                           const MotionGuide& guide, std::vector<std::optional<PieceAnswer>>* answers) {
   if (k < 1 || k > 65535) {
     throw Error(ErrorKind::kUsage, "number of candidates",
                 fmt::format("{} is out of range, 1 to 65535 expected", k));
@@ -241,32 +268,16 @@ Candidates find_candidates(const CandidateIndex& index, const PatchTable& table,
   const std::size_t pieces = target.size();
   Candidates candidates;
   candidates.k = k;
-  std::vector<std::vector<Hit>> answers;
-  if (guide.empty()) {
-    answers = index.search(target.queries, k, {.rows = &filter});
-  } else {
-    candidates.asked = asked_motion(guide, target, matte);
-    candidates.opened.assign(pieces, 0);
-    answers.resize(pieces);
-    std::vector<std::size_t> open(pieces);  // pieces still to be searched
-    std::iota(open.begin(), open.end(), std::size_t{0});
-    for (int steps = 0; !open.empty(); ++steps) {
-      std::vector<PieceQuery> queries;
-      std::vector<MotionWindow> windows;
-      for (const std::size_t piece : open) {
-        queries.push_back(target.queries[piece]);
-        windows.push_back(window_of(candidates.asked[piece], guide, steps));
-      }
-      auto found = index.search(
-          queries, k, {.rows = &filter, .mean_u = table.mean_u, .mean_v = table.mean_v, .windows = windows});
-      std::vector<std::size_t> short_of;
-      for (std::size_t i = 0; i < open.size(); ++i) {
-        candidates.opened[open[i]] = steps;
-        if (found[i].size() < k && !windows[i].is_any()) short_of.push_back(open[i]);
-        answers[open[i]] = std::move(found[i]);
-      }
-      open = std::move(short_of);
-    }
+  std::vector<std::optional<PieceAnswer>> own(answers == nullptr ? pieces : 0);
+  if (answers == nullptr) answers = &own;
+  assert(answers->size() == pieces);
+  if (!guide.empty()) candidates.asked = asked_motion(guide, target, matte);
+  std::vector<std::size_t> open;  // pieces still to be searched
+  for (std::size_t piece = 0; piece < pieces; ++piece)
+    if (!(*answers)[piece]) open.push_back(piece);
+  search_pieces(index, table, target, k, filter, guide, candidates.asked, std::move(open), *answers);
+  if (!guide.empty()) {
+    for (const auto& answer : *answers) candidates.opened.push_back(answer->opened);
     if (std::string note = opening_note(candidates, target, guide); !note.empty())
       candidates.notes.push_back(std::move(note));
   }
@@ -274,17 +285,18 @@ Candidates find_candidates(const CandidateIndex& index, const PatchTable& table,
   candidates.scores.assign(pieces * k, 0);
   std::size_t short_of = 0;
   for (std::size_t piece = 0; piece < pieces; ++piece) {
-    if (answers[piece].empty()) {
+    const std::vector<Hit>& hits = (*answers)[piece]->hits;
+    if (hits.empty()) {
       throw Error(ErrorKind::kNotFound, "candidates", fmt::format("the index found none for piece {}", piece),
                   "Use exact search, more checks, or fewer conditions");
     }
     const auto full = static_cast<float>(mass(target.queries[piece]));
-    for (std::size_t i = 0; i < answers[piece].size(); ++i) {
-      candidates.rows[piece * k + i] = answers[piece][i].row;
-      candidates.scores[piece * k + i] = static_cast<float>(answers[piece][i].score) / full;
+    for (std::size_t i = 0; i < hits.size(); ++i) {
+      candidates.rows[piece * k + i] = hits[i].row;
+      candidates.scores[piece * k + i] = static_cast<float>(hits[i].score) / full;
     }
-    candidates.counts.push_back(static_cast<std::uint32_t>(answers[piece].size()));
-    short_of += answers[piece].size() < k;
+    candidates.counts.push_back(static_cast<std::uint32_t>(hits.size()));
+    short_of += hits.size() < k;
   }
   if (short_of > 0) {
     candidates.notes.push_back(

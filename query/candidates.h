@@ -72,14 +72,23 @@ struct Candidates {
   }
 };
 
+/// What the search found for one piece, before its neighbours' continuations join.
+struct PieceAnswer {
+  std::vector<Hit> hits;
+  int opened = 0;  // how often the piece's tolerances were
+  bool operator==(const PieceAnswer&) const = default;
+};
+
 /// The k best of each piece among the allowed rows that move as its guide asks. Where fewer than k do, the
 /// guide's tolerances open step by step for that piece alone (window_of), until there are k or nothing of the
 /// guide is left; `opened` and a note say where.
 /// guide     may be empty. matte   see asked_motion.
+/// answers   one a piece, or null: those that are there are taken, the rest is searched and filled in.
 /// Throws    Error{kNotFound} when an approximate index finds nothing allowed for a piece.
 Candidates find_candidates(const CandidateIndex& index, const PatchTable& table, const Target& target,
                            const cv::Mat& matte, std::size_t k, const RowFilter& filter,
-                           const MotionGuide& guide = {});
+                           const MotionGuide& guide = {},
+                           std::vector<std::optional<PieceAnswer>>* answers = nullptr);
 
 /// What it costs a candidate not to move quite as asked: inside its window one still has to choose.
 /// direction * (1 - cos of the angle) + speed * (log2 of the ratio)^2; pieces of which nothing is asked pay

@@ -56,7 +56,8 @@ const char* to_string(LabelStage stage) {
 
 CandidateSearch search_candidates(const store::Snapshot& snapshot, const SearchBase& base,
                                   const cv::Mat& picture, const cv::Mat& matte, const LabelOptions& options,
-                                  const std::function<void(LabelStage)>& progress, std::stop_token stop) {
+                                  const std::function<void(LabelStage)>& progress, std::stop_token stop,
+                                  LabelRecall* recall) {
   if (picture.type() != CV_8UC3 || matte.type() != CV_8U || picture.size() != matte.size()) {
     throw Error(ErrorKind::kUsage, "picture and matte", "8-bit BGR and 8-bit grey of the same size expected");
   }
@@ -71,9 +72,12 @@ CandidateSearch search_candidates(const store::Snapshot& snapshot, const SearchB
     return make_target(picture, matte, base.settings.grid, base.codebook, options.target);
   });
   search.candidates = stages.run(LabelStage::kSearch, search.seconds.search, [&] {
+    const auto k = static_cast<std::size_t>(options.candidates.k);
+    const RowFilter& rows = search.filtered.rows;
     Candidates found =
-        find_candidates(*base.index, base.table, search.target, matte,
-                        static_cast<std::size_t>(options.candidates.k), search.filtered.rows, options.guide);
+        recall != nullptr
+            ? recall->find_candidates(search.target, matte, k, rows, options.guide)
+            : find_candidates(*base.index, base.table, search.target, matte, k, rows, options.guide);
     add_coherent(base.table, base.codebook.words, search.target, search.filtered.rows, options.guide,
                  static_cast<std::size_t>(std::max(0, options.candidates.coherent)), found);
     return found;
@@ -83,27 +87,38 @@ CandidateSearch search_candidates(const store::Snapshot& snapshot, const SearchB
 
 Labelling label(const store::Snapshot& snapshot, const SearchBase& base, const cv::Mat& picture,
                 const cv::Mat& matte, const LabelOptions& options,
-                const std::function<void(LabelStage)>& progress, std::stop_token stop) {
+                const std::function<void(LabelStage)>& progress, std::stop_token stop, LabelRecall* recall) {
   Labelling labelling;
-  labelling.search = search_candidates(snapshot, base, picture, matte, options, progress, stop);
+  labelling.search = search_candidates(snapshot, base, picture, matte, options, progress, stop, recall);
   labelling.seconds = labelling.search.seconds;
+  const Target& target = labelling.search.target;
+  const Candidates& candidates = labelling.search.candidates;
   Stages stages(progress, stop);
-  const Mrf mrf = stages.run(LabelStage::kCosts, labelling.seconds.costs, [&] {
-    StoredFeatures features(snapshot, base.settings, base.table);
-    Mrf costs = build_mrf(labelling.search.target, labelling.search.candidates, feature_shape(base.settings),
-                          options.costs, features.source(), stop);
-    add_guide_costs(base.table, labelling.search.candidates, options.guide_costs, costs);
-    return costs;
-  });
-  Solution solution = stages.run(LabelStage::kMinimize, labelling.seconds.minimize,
-                                 [&] { return minimize(mrf, options.minimizer, options.max_iterations); });
-  labelling.labels = std::move(solution.labels);
-  labelling.iterations = solution.iterations;
-  labelling.assignment = make_assignment(snapshot, labelling.search, labelling.labels);
-  labelling.assignment.minimizer = name_of(options.minimizer);
-  labelling.assignment.cost_form = name_of(options.costs.form);
-  labelling.assignment.energy = solution.energy;
-  labelling.assignment.lower_bound = solution.lower_bound;
+  CacheKey key;
+  std::optional<Solution> known;
+  if (recall != nullptr) {
+    key = recall->solution_key(target, candidates, options.costs, options.guide_costs, options.minimizer,
+                               options.max_iterations);
+    known = recall->find_solution(key, target, candidates);
+  }
+  if (!known) {
+    const Mrf mrf = stages.run(LabelStage::kCosts, labelling.seconds.costs, [&] {
+      StoredFeatures features(snapshot, base.settings, base.table);
+      const FeatureShape shape = feature_shape(base.settings);
+      Mrf costs = recall != nullptr
+                      ? recall->build_mrf(target, candidates, shape, options.costs, features.source(), stop)
+                      : build_mrf(target, candidates, shape, options.costs, features.source(), stop);
+      add_guide_costs(base.table, candidates, options.guide_costs, costs);
+      return costs;
+    });
+    known = stages.run(LabelStage::kMinimize, labelling.seconds.minimize,
+                       [&] { return minimize(mrf, options.minimizer, options.max_iterations); });
+    if (recall != nullptr) recall->keep_solution(key, *known);
+  }
+  labelling.assignment =
+      make_assignment(snapshot, labelling.search, *known, options.minimizer, options.costs.form);
+  labelling.labels = std::move(known->labels);
+  labelling.iterations = known->iterations;
   return labelling;
 }
 
@@ -128,6 +143,16 @@ Assignment make_assignment(const store::Snapshot& snapshot, const CandidateSearc
                                  cv::Point(table.x[row], table.y[row]),
                                  search.candidates.scores_of(piece)[labels[piece]]});
   }
+  return assignment;
+}
+
+Assignment make_assignment(const store::Snapshot& snapshot, const CandidateSearch& search,
+                           const Solution& solution, Minimizer minimizer, CostForm form) {
+  Assignment assignment = make_assignment(snapshot, search, solution.labels);
+  assignment.minimizer = name_of(minimizer);
+  assignment.cost_form = name_of(form);
+  assignment.energy = solution.energy;
+  assignment.lower_bound = solution.lower_bound;
   return assignment;
 }
 

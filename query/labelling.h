@@ -10,6 +10,7 @@
 
 #include "query/assignment.h"
 #include "query/candidates.h"
+#include "query/label_recall.h"
 #include "query/minimizer.h"
 #include "query/pairwise.h"
 #include "query/search_base.h"
@@ -50,11 +51,13 @@ struct CandidateSearch {
 /// The first half: pieces and their candidates.
 /// picture   CV_8UC3 BGR. matte   CV_8U of its size, 255 where the fluid is.
 /// progress  called from the calling thread before each stage; may be empty.
+/// recall    what earlier labellings have left, and where this one leaves its own; may be null. It changes
+///           the time that is taken, and nothing else.
 /// Throws    as its stages, and Error{kCancelled}.
 CandidateSearch search_candidates(const store::Snapshot& snapshot, const SearchBase& base,
                                   const cv::Mat& picture, const cv::Mat& matte, const LabelOptions& options,
                                   const std::function<void(LabelStage)>& progress = {},
-                                  std::stop_token stop = {});
+                                  std::stop_token stop = {}, LabelRecall* recall = nullptr);
 
 struct Labelling {
   Assignment assignment;
@@ -68,10 +71,14 @@ struct Labelling {
 /// 2011. The same labels for any number of threads.
 Labelling label(const store::Snapshot& snapshot, const SearchBase& base, const cv::Mat& picture,
                 const cv::Mat& matte, const LabelOptions& options = {},
-                const std::function<void(LabelStage)>& progress = {}, std::stop_token stop = {});
+                const std::function<void(LabelStage)>& progress = {}, std::stop_token stop = {},
+                LabelRecall* recall = nullptr);
 
 /// The assignment that labels mean. Clips in order of their first piece.
 Assignment make_assignment(const store::Snapshot& snapshot, const CandidateSearch& search,
                            const Labels& labels);
+/// The same with how it came about.
+Assignment make_assignment(const store::Snapshot& snapshot, const CandidateSearch& search,
+                           const Solution& solution, Minimizer minimizer, CostForm form);
 
 }  // namespace freshet::query

@@ -13,6 +13,7 @@ namespace {
 
 constexpr double kOpening = 1.5;     // of the tolerances, a step
 constexpr double kWidestRatio = 16;  // beyond it any speed will do
+constexpr double kWindowSteps = 6;   // places of a window's middle within its tolerance
 
 void check(const MotionGuide& guide, cv::Size picture) {
   const auto check_map = [&](const char* what, const cv::Mat& map, int type) {
@@ -31,6 +32,8 @@ void check(const MotionGuide& guide, cv::Size picture) {
     throw Error(ErrorKind::kUsage, "speed tolerance",
                 fmt::format("{} is out of range, a ratio of at least 1 expected", guide.speed_ratio));
 }
+
+double nearest_step(double value, double step) { return step > 0 ? std::round(value / step) * step : value; }
 
 // Sums over the pixels of one piece.
 struct Sums {
@@ -83,16 +86,22 @@ MotionWindow window_of(const PieceMotion& asked, const MotionGuide& guide, int s
   const double opened = std::pow(kOpening, steps);
   const double angle = std::max(guide.tolerance_deg, steps > 0 ? 1.0 : 0.0) * opened;
   if (asked.direction != cv::Vec2f(0, 0) && angle < 180) {
-    window.u = asked.direction[0];
-    window.v = asked.direction[1];
+    const double middle = nearest_step(std::atan2(asked.direction[1], asked.direction[0]),
+                                       guide.tolerance_deg * std::numbers::pi / 180 / kWindowSteps);
+    window.u = static_cast<float>(std::cos(middle));
+    window.v = static_cast<float>(std::sin(middle));
     window.least_cosine = static_cast<float>(std::cos(angle * std::numbers::pi / 180));
     window.min_speed = static_cast<float>(guide.min_speed_px_per_s);
   }
   const double ratio = std::pow(std::max(guide.speed_ratio, steps > 0 ? 1.05 : 1.0), opened);
   if (asked.speed >= 0 && ratio < kWidestRatio) {
-    window.min_speed = static_cast<float>(asked.speed / ratio);
+    const double middle =
+        asked.speed > 0
+            ? std::exp(nearest_step(std::log(asked.speed), std::log(guide.speed_ratio) / kWindowSteps))
+            : 0;
+    window.min_speed = static_cast<float>(middle / ratio);
     // What is asked to stand still may creep.
-    window.max_speed = static_cast<float>(std::max(asked.speed * ratio, guide.min_speed_px_per_s));
+    window.max_speed = static_cast<float>(std::max(middle * ratio, guide.min_speed_px_per_s));
   }
   return window;
 }

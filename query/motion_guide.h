@@ -16,9 +16,9 @@ namespace freshet::query {
 struct MotionGuide {
   cv::Mat direction{};  // CV_32FC2, the picture's size: unit vectors, x right, y down; (0, 0): not asked
                         // there. Empty: nowhere.
-  cv::Mat speed{};            // CV_32F, the picture's size: px/s; negative: not asked there. Empty: nowhere.
-  double tolerance_deg = 30;  // to either side of the direction
-  double speed_ratio = 1.5;   // speeds from asked / ratio to asked * ratio
+  cv::Mat speed{};      // CV_32F, the picture's size: px/s; negative: not asked there. Empty: nowhere.
+  double tolerance_deg = 30;        // to either side of the direction
+  double speed_ratio = 1.5;         // speeds from asked / ratio to asked * ratio
   double min_speed_px_per_s = 2.5;  // slower patches have no direction that counts
 
   bool empty() const { return direction.empty() && speed.empty(); }
@@ -37,6 +37,9 @@ std::vector<PieceMotion> asked_motion(const MotionGuide& guide, const Target& ta
 
 /// The window of a piece whose tolerances were opened `steps` times: each step takes half as much again of
 /// the angle and of the ratio's logarithm; at 180 degrees and a ratio of 16 nothing of the condition is left.
+/// A window's middle moves in steps of a sixth of the tolerances (5 degrees of 30): a stroke bends the
+/// directions of the whole picture a little, and most windows should stay as they are, and with them what was
+/// found in them (label_recall.h). The price of not moving quite as asked (GuideCosts) knows no steps.
 MotionWindow window_of(const PieceMotion& asked, const MotionGuide& guide, int steps);
 
 }  // namespace freshet::query

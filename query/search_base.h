@@ -19,13 +19,15 @@ struct SearchBase {
   vision::Codebook codebook;
   PatchTable table;
   std::unique_ptr<const CandidateIndex> index;
-  double seconds = 0;  // that opening took
+  bool is_exact = true;  // the index: its answers depend on nothing but words and rows
+  double seconds = 0;    // that opening took
 };
 
 /// Which index answers: the exact one, built here from the words, or one of FLANN's from the store.
 struct IndexChoice {
   std::optional<FlannKind> flann{};  // nothing: exact search
   FlannOptions flann_options{};      // checks, max_bytes
+  bool built_late = false;           // the exact index is built by the first search that needs it
 };
 
 /// Throws as read_codebook and read_patch_table; Error{kNotFound} "run freshet index --flann ..." when the
