@@ -1,0 +1,97 @@
+// synth animate --boundary moving, from end to end.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include <opencv2/core.hpp>
+#include <opencv2/imgcodecs.hpp>
+
+#include "sample.h"
+
+namespace freshet::tools {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kAnimated = 12;
+
+Outcome animate(const WorkFolder& folder, const std::string& name, std::vector<std::string> more) {
+  fs::create_directories(folder / name);
+  std::vector<std::string> arguments{"synth",        "animate",         sample().store,
+                                     sample().still, "--frames",        std::to_string(kAnimated),
+                                     "-o",           name + "/%05d.png"};
+  arguments.insert(arguments.end(), more.begin(), more.end());
+  return folder.freshet(arguments);
+}
+
+std::vector<cv::Mat> pictures(const fs::path& folder, int mode) {
+  std::vector<fs::path> files;
+  for (const auto& entry : fs::directory_iterator(folder)) files.push_back(entry.path());
+  std::sort(files.begin(), files.end());
+  std::vector<cv::Mat> out;
+  for (const fs::path& file : files) out.push_back(cv::imread(file, mode));
+  return out;
+}
+
+TEST(MovingBoundary, TheMatteMovesKeepsItsAreaAndIsWhereTheFrameDiffersFromThePicture) {
+  const WorkFolder folder;
+  for (const std::string threads : {"1", "2"}) {
+    fs::create_directories(folder / ("mattes" + threads));
+    const Outcome outcome = animate(folder, "frames" + threads,
+                                    {"--matte", sample().matte, "--boundary", "moving", "-j", threads,
+                                     "--matte-out", "mattes" + threads + "/%05d.png"});
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    EXPECT_EQ(outcome.out, "frames" + threads + "/%05d.png\nmattes" + threads + "/%05d.png\n");
+  }
+  const cv::Mat matte = cv::imread(sample().matte, cv::IMREAD_GRAYSCALE);
+  const cv::Mat still = cv::imread(sample().still, cv::IMREAD_COLOR);
+  const auto frames = pictures(folder / "frames1", cv::IMREAD_COLOR),
+             again = pictures(folder / "frames2", cv::IMREAD_COLOR),
+             mattes = pictures(folder / "mattes1", cv::IMREAD_GRAYSCALE);
+  ASSERT_EQ(frames.size(), static_cast<std::size_t>(kAnimated));
+  ASSERT_EQ(again.size(), frames.size());
+  ASSERT_EQ(mattes.size(), frames.size());
+  const double area = cv::sum(matte)[0];
+  EXPECT_EQ(cv::norm(mattes[0], matte, cv::NORM_INF), 0) << "the first is the still one";
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    EXPECT_NEAR(cv::sum(mattes[i])[0], area, 0.01 * area) << "frame " << i;
+    EXPECT_EQ(cv::norm(frames[i], again[i], cv::NORM_INF), 0) << "one thread and two differ in frame " << i;
+    if (i > 0) {
+      EXPECT_GT(cv::norm(mattes[i], mattes[i - 1], cv::NORM_INF), 0) << "frame " << i;
+    }
+    const cv::Mat neither = (matte == 0) & (mattes[i] == 0);
+    ASSERT_GT(cv::countNonZero(neither), 100);
+    EXPECT_LE(cv::norm(frames[i], still, cv::NORM_INF, neither), 1) << "frame " << i;
+  }
+}
+
+TEST(MovingBoundary, ABackgroundOfAnotherSizeIsRefusedByName) {
+  const WorkFolder folder;
+  cv::imwrite(folder / "small.png", cv::Mat::zeros(10, 20, CV_8UC3));
+  const Outcome outcome = animate(
+      folder, "frames", {"--matte", sample().matte, "--boundary", "moving", "--background", "small.png"});
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_NE(outcome.err.find("small.png"), std::string::npos) << outcome.err;
+  EXPECT_NE(outcome.err.find("20 x 10"), std::string::npos) << outcome.err;
+}
+
+TEST(MovingBoundary, AMatteThatCoversEverythingNeedsABackground) {
+  const WorkFolder folder;
+  const Outcome without = animate(folder, "frames", {"--boundary", "moving"});
+  EXPECT_EQ(without.exit_code, 1);
+  EXPECT_NE(without.err.find("--background"), std::string::npos) << without.err;
+  EXPECT_TRUE(fs::is_empty(folder / "frames"));
+  const Outcome with = animate(folder, "frames", {"--boundary", "moving", "--background", sample().still});
+  EXPECT_EQ(with.exit_code, 0) << with.err;
+}
+
+TEST(MovingBoundary, OptionsOfAMovingOutlineAreRefusedWithAStillOne) {
+  const WorkFolder folder;
+  const Outcome outcome = animate(folder, "frames", {"--tau", "0.5"});
+  EXPECT_EQ(outcome.exit_code, 2);
+  EXPECT_NE(outcome.err.find("--boundary moving"), std::string::npos) << outcome.err;
+}
+
+}  // namespace
+}  // namespace freshet::tools
