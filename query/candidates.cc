@@ -1,6 +1,7 @@
 #include "query/candidates.h"
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <cassert>
@@ -24,6 +25,12 @@ double duration_s(const store::Snapshot& snapshot, const store::ClipRecord& clip
   if (!id || !snapshot.has_column(*id, "frame.time")) return clip.frame_count * interval;
   const std::vector<double> times = snapshot.column<double>(*id, "frame.time");
   return times.empty() ? 0 : times.back() - times.front() + interval;
+}
+
+// A clip with a loop rule plays for as long as one likes.
+bool is_endless(const store::ClipRecord& clip) {
+  const auto metadata = nlohmann::json::parse(clip.metadata, nullptr, false);
+  return metadata.is_object() && metadata.contains("loop") && metadata["loop"].is_object();
 }
 
 // Takes conditions one after another and counts what each leaves.
@@ -141,9 +148,10 @@ Filtered filter_rows(const store::Snapshot& snapshot, const PatchTable& table,
 
   if (options.min_duration_s > 0) {
     double longest = 0;
-    narrowing.clips(fmt::format("at least {:g} s long", options.min_duration_s),
+    narrowing.clips(fmt::format("at least {:g} s long, or looped", options.min_duration_s),
                     [&](const store::ClipRecord& clip, bool still_in) {
                       if (!still_in) return false;
+                      if (is_endless(clip)) return true;
                       // Stamps are often whole milliseconds: one is forgiven.
                       const double seconds = duration_s(snapshot, clip) + 1e-3;
                       longest = std::max(longest, seconds);
@@ -154,9 +162,11 @@ Filtered filter_rows(const store::Snapshot& snapshot, const PatchTable& table,
     if (narrowing.none_left()) {
       throw Error(
           ErrorKind::kNotFound, snapshot.path().string(),
-          fmt::format("no clip of at least {:g} s, which the animation lasts; the longest has {:.2f} s",
+          fmt::format("no clip of at least {:g} s, which the animation lasts, and none with a loop rule; the "
+                      "longest has {:.2f} s",
                       options.min_duration_s, longest),
-          "Ask for fewer frames, or ingest longer clips");
+          "Ask for fewer frames, or ingest longer clips; ingest them again if the store is older than loop "
+          "rules");
     }
   }
 

@@ -77,7 +77,8 @@ query::IndexChoice SearchOptions::index() const {
 
 void Duration::add_to(CLI::App& command) {
   command
-      .add_option("--frames", frames, "Frames of the animation; clips that do not last as long are left out")
+      .add_option("--frames", frames,
+                  "Frames of the animation; clips that do not last as long play by their loop rules")
       ->check(CLI::Range(1, 100000))
       ->capture_default_str();
   command.add_option("--fps", fps, "Frames a second of the animation")
@@ -130,8 +131,8 @@ void say_filters(const query::Filtered& filtered, const Duration& duration) {
                         step.clips);
   say(text);
   if (!filtered.too_short.empty())
-    say(fmt::format("left out, as they do not last {:.2f} s ({} frames at {:g}/s): {}", duration.seconds(),
-                    duration.frames, duration.fps, fmt::join(filtered.too_short, ", ")));
+    say(fmt::format("left out, as they do not last {:.2f} s ({} frames at {:g}/s) and have no loop rule: {}",
+                    duration.seconds(), duration.frames, duration.fps, fmt::join(filtered.too_short, ", ")));
 }
 
 }  // namespace freshet::tools

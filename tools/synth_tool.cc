@@ -18,6 +18,7 @@
 #include "tools/motion_options.h"
 #include "tools/output_names.h"
 #include "tools/picture_sink.h"
+#include "tools/play_options.h"
 #include "tools/progress.h"
 #include "tools/search_options.h"
 
@@ -30,6 +31,7 @@ struct AnimateCommand {
   MotionOptions motion;
   Duration duration;
   LabelOptions labelling;
+  PlayOptions play;
   std::string assignment, out, sheet;
   std::string weights = "variance", low_band = "shared", matching = "sequence";
   synth::AnimateOptions options;
@@ -39,6 +41,7 @@ synth::AnimateOptions render_options(const AnimateCommand& command) {
   synth::AnimateOptions options = command.options;
   options.frames = command.duration.frames;
   options.fps = command.duration.fps;
+  command.play.apply(options);
   options.blend.weights =
       command.weights == "paper" ? synth::BlendWeights::kPaper : synth::BlendWeights::kVariance;
   options.blend.low_band = command.low_band == "keep"     ? synth::LowBand::kKeep
@@ -75,7 +78,8 @@ void run_animate(const AnimateCommand& command, const RunContext& context) {
                               command.target.picture.string(), loaded.picture.cols, loaded.picture.rows),
                   "Label this picture with freshet query label");
   }
-  const synth::Placement placement = synth::place(assignment, snapshot);
+  synth::Placement placement = synth::place(assignment, snapshot);
+  command.play.apply(placement, loaded.picture.size());
   const vision::Settings settings = vision::settings_from_json(snapshot.settings());
   const cv::Mat motion = command.motion.needs_motion(asked)
                              ? synth::motion_field(snapshot, settings, placement, loaded.picture.size())
@@ -177,6 +181,7 @@ void add_animate(CLI::App& synth_command, RunContext& context) {
   command->motion.add_to(*sub);
   command->motion.add_outputs_to(*sub);
   command->labelling.add_to(*sub);
+  command->play.add_to(*sub);
   const std::string group = "Rendering";
   sub->add_option("--shutter", command->options.base.shutter_s,
                   "Exposure of what stands still below, s: blurs it along the motion")

@@ -2,26 +2,29 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <map>
+#include <memory>
+#include <numeric>
 #include <optional>
+#include <utility>
 
-#include <oneapi/tbb/enumerable_thread_specific.h>
 #include <oneapi/tbb/parallel_for.h>
 #include <opencv2/imgproc.hpp>
 
 #include "freshet_error.h"
-#include "synth/animate/clip_luma.h"
 #include "synth/animate/colour_model.h"
 #include "synth/animate/motion_field.h"
-#include "synth/animate/patch_window.h"
 
 namespace freshet::synth {
 namespace {
 
 constexpr int kSampledFrames = 12;  // that the appearance model is fitted to
-constexpr int kBatch = 8;           // frames rendered at once before they are handed on in order
+constexpr int kLeastSampledFrames = 4;
+constexpr int kSampledPixels = 32 << 20;  // in all of them
+constexpr int kRendered = 8;              // frames rendered at once before they are handed on in order
 
-class Stopwatch {
+class Laps {
  public:
   double lap() {
     const auto now = std::chrono::steady_clock::now();
@@ -38,43 +41,39 @@ void throw_if_stopped(const std::stop_token& stop) {
   if (stop.stop_requested()) throw Error(ErrorKind::kCancelled, "animate", "stopped");
 }
 
-/// All frames of all patches of one clip go into the blender.
-void add_clip(const store::Snapshot& snapshot, store::ClipId clip, const Placement& placement,
-              const std::vector<std::size_t>& patches, const AnimateOptions& options, Blender& blender,
-              AnimateReport& report) {
-  Stopwatch watch;
-  const store::ClipRecord& record = snapshot.clip(clip);
-  const cv::Size source(static_cast<int>(record.width), static_cast<int>(record.height));
-  std::vector<PatchWindow> windows;
-  std::vector<cv::Rect> needed;
-  std::vector<float> scales;
-  for (std::size_t p : patches) {
-    const PlacedPatch& placed = placement.patches[p];
-    windows.emplace_back(source, placed.variant, placed.patch, placement.side);
-    needed.push_back(windows.back().needed());
-    if (std::find(scales.begin(), scales.end(), placed.variant.scale) == scales.end())
-      scales.push_back(placed.variant.scale);
+/// One layer a clip, in the clips' order.
+std::vector<std::unique_ptr<ClipLayer>> layers_of(const store::Snapshot& snapshot,
+                                                  const vision::Settings& settings,
+                                                  const Placement& placement, const AnimateOptions& options) {
+  std::map<store::ClipId, std::vector<std::size_t>> patches_of;
+  for (std::size_t p = 0; p < placement.patches.size(); ++p)
+    patches_of[placement.patches[p].clip].push_back(p);
+  std::vector<std::unique_ptr<ClipLayer>> layers;
+  for (auto& [clip, patches] : patches_of) {
+    // Cross-fades of different clips should not fall together: steps of the golden ratio spread them.
+    const double phase = std::fmod(0.618034 * static_cast<double>(layers.size()), 1.0);
+    layers.push_back(std::make_unique<ClipLayer>(
+        snapshot, clip, settings.flow_step, placement, std::move(patches),
+        TimelineOptions{.frames = options.frames, .fps = options.fps, .loop = options.loop, .phase = phase},
+        options.resampling));
   }
-  const ClipLuma luma(snapshot, clip, needed, frames_shown(snapshot, clip, options.frames, options.fps));
-  report.decode_s += watch.lap();
+  return layers;
+}
 
-  struct Scratch {
-    cv::Mat difference, reduced, window;
-  };
-  oneapi::tbb::enumerable_thread_specific<Scratch> scratches;
-  oneapi::tbb::parallel_for(0, options.frames, [&](int frame) {
-    Scratch& s = scratches.local();
-    luma.difference(frame, s.difference);
-    for (float scale : scales) {
-      reduce_to_scale(s.difference, scale, s.reduced);
-      for (std::size_t i = 0; i < patches.size(); ++i) {
-        if (placement.patches[patches[i]].variant.scale != scale) continue;
-        windows[i].cut(s.reduced, s.window);
-        blender.add(frame, patches[i], s.window);
-      }
-    }
-  });
-  report.blend_s += watch.lap();
+/// As many frames as fit into the memory that the picture's own planes leave.
+int frames_a_batch(const std::vector<std::unique_ptr<ClipLayer>>& layers, cv::Size picture, cv::Size canvas,
+                   const AnimateOptions& options) {
+  constexpr double kPlanes = 220;  // bytes a pixel of the picture: what is held, and what rendering needs
+  double fixed = kPlanes * picture.area(), clip_bytes = 0;
+  for (const auto& layer : layers) {
+    fixed += static_cast<double>(layer->average_bytes());
+    clip_bytes = std::max(clip_bytes, static_cast<double>(layer->bytes_an_output()));
+  }
+  const double a_frame = canvas.area() * sizeof(float) * 4 / 3.0 + clip_bytes;
+  const double fit = (static_cast<double>(options.memory_bytes) - fixed) / a_frame;
+  if (fit >= options.frames) return options.frames;
+  // In slabs of 16: a tile is decoded for all of its frames.
+  return std::min(options.frames, std::max(16, static_cast<int>(fit) / 16 * 16));
 }
 
 }  // namespace
@@ -84,27 +83,45 @@ AnimateReport animate(const store::Snapshot& snapshot, const vision::Settings& s
                       const AnimateOptions& options, const std::function<void(const cv::Mat&)>& sink,
                       const std::function<void(const AnimateProgress&)>& progress, std::stop_token stop) {
   check(placement);
-  Stopwatch total, watch;
+  Laps total, watch;
   AnimateReport report;
   report.pieces = placement.patches.size();
   const auto tell = [&](const char* stage, std::size_t done, std::size_t of) {
     if (progress) progress({stage, done, of});
   };
+  const auto layers = layers_of(snapshot, settings, placement, options);
+  report.clips = layers.size();
 
-  // The moving part: differences of every clip's patches, merged band by band.
-  std::map<store::ClipId, std::vector<std::size_t>> patches_of;
-  for (std::size_t p = 0; p < placement.patches.size(); ++p)
-    patches_of[placement.patches[p].clip].push_back(p);
-  report.clips = patches_of.size();
-  Blender blender(placement, options.frames, options.blend);
-  std::size_t done = 0;
-  for (const auto& [clip, patches] : patches_of) {
+  // The canvas of pieces overhangs the picture: it is cut to what is seen.
+  const cv::Rect canvas = canvas_of(placement), seen = canvas & cv::Rect({}, picture.size());
+  const int batch = frames_a_batch(layers, picture.size(), canvas.size(), options);
+  const bool in_one = batch == options.frames;
+  report.batches = (options.frames + batch - 1) / batch;
+  // A region's histograms hold as many pixels whatever the picture's size; samples of a large picture would
+  // not fit, and need not be as many.
+  const int sampled = std::min({options.frames, kSampledFrames,
+                                std::max(kLeastSampledFrames, kSampledPixels / picture.size().area())});
+  std::vector<int> all(options.frames), samples;
+  std::iota(all.begin(), all.end(), 0);
+  for (int i = 0; i < sampled; ++i) samples.push_back(i * options.frames / sampled);
+
+  // The moving part: the averages of every clip's patches, then their differences, merged band by band.
+  Blender blender(placement, std::max(batch, sampled), options.blend);
+  const auto blend = [&](ClipLayer& layer, std::span<const int> outputs) {
     throw_if_stopped(stop);
-    tell("blend", done++, patches_of.size());
-    add_clip(snapshot, clip, placement, patches, options, blender, report);
+    layer.add(outputs, blender);
+    layer.release();
+  };
+  std::vector<double> change(options.frames, 0.0);
+  for (std::size_t i = 0; i < layers.size(); ++i) {
+    throw_if_stopped(stop);
+    tell("blend", i, layers.size());
+    const std::vector<int>& first = in_one ? all : samples;
+    layers[i]->measure(first, change);
+    blend(*layers[i], first);
   }
-  tell("blend", done, patches_of.size());
-  watch.lap();
+  tell("blend", layers.size(), layers.size());
+  report.blend_s = watch.lap();
 
   // The still part: the picture as a long exposure along the assigned motion.
   cv::Mat target, alpha;
@@ -118,68 +135,90 @@ AnimateReport animate(const store::Snapshot& snapshot, const vision::Settings& s
   cv::Mat modelled;
   apply_colour(colours, target_luma, modelled);
   const cv::Mat own_colour = base_image(target - modelled, alpha, motion, options.base);
+  modelled.release();
   report.base_s = watch.lap();
 
-  // The canvas of pieces overhangs the picture: cut it to what is seen.
-  const cv::Rect canvas = canvas_of(placement), seen = canvas & cv::Rect({}, picture.size());
-  std::vector<cv::Mat> luma(options.frames);
-  oneapi::tbb::parallel_for(0, options.frames, [&](int frame) {
-    const cv::Mat field = blender.take(frame);
-    luma[frame] = base_luma.clone();
-    cv::Mat inside = luma[frame](seen);
+  // Luminance of a frame that the blender holds; once.
+  const auto merged = [&](int slot) {
+    const cv::Mat field = blender.take(slot);
+    cv::Mat luma = base_luma.clone(), inside = luma(seen);
     cv::add(inside, field(seen - canvas.tl()), inside);
-  });
-  report.blend_s += watch.lap();
-
+    return luma;
+  };
+  std::map<int, cv::Mat> ready;  // by output frame: merged already, for the model
+  std::optional<AppearanceModel> model;
   const auto model_of = [&](std::span<const cv::Mat> frames) {
     return AppearanceModel(target_luma, alpha, frames, options.appearance);
   };
-  std::optional<AppearanceModel> model;
   if (options.matching == AppearanceMatching::kSequence) {
     throw_if_stopped(stop);
     tell("match", 0, 1);
-    std::vector<cv::Mat> sampled;
-    const int count = std::min(options.frames, kSampledFrames);
-    for (int i = 0; i < count; ++i) sampled.push_back(luma[i * options.frames / count]);
-    model.emplace(model_of(sampled));
+    std::vector<cv::Mat> lumas(samples.size());
+    oneapi::tbb::parallel_for(std::size_t{0}, samples.size(), [&](std::size_t i) {
+      lumas[i] = merged(in_one ? samples[i] : static_cast<int>(i));
+    });
+    model.emplace(model_of(lumas));
+    if (in_one)
+      for (std::size_t i = 0; i < samples.size(); ++i) ready[samples[i]] = lumas[i];
     tell("match", 1, 1);
   }
   report.appearance_s = watch.lap();
 
   // Frames: matched, coloured, laid into the picture through the matte.
-  for (int first = 0; first < options.frames; first += kBatch) {
-    throw_if_stopped(stop);
-    const int count = std::min(kBatch, options.frames - first);
-    std::vector<cv::Mat> finished(count);
-    oneapi::tbb::parallel_for(0, count, [&](int i) {
-      cv::Mat& frame = luma[first + i];
-      if (model)
-        frame = model->apply(frame);
-      else if (options.matching == AppearanceMatching::kFrame)
-        frame = model_of(std::span(&frame, 1)).apply(frame);
-      cv::Mat colour;
-      apply_colour(colours, frame, colour);
-      frame.release();
-      finished[i] = picture.clone();
-      for (int y = 0; y < picture.rows; ++y) {
-        const float* a = alpha.ptr<float>(y);
-        const cv::Vec3f* moving = colour.ptr<cv::Vec3f>(y);
-        const cv::Vec3f* own = own_colour.ptr<cv::Vec3f>(y);
-        const cv::Vec3f* still = target.ptr<cv::Vec3f>(y);
-        cv::Vec3b* out = finished[i].ptr<cv::Vec3b>(y);
-        for (int x = 0; x < picture.cols; ++x) {
-          if (a[x] <= 0) continue;
-          for (int k = 0; k < 3; ++k) {
-            const float value = std::clamp(moving[x][k] + own[x][k], 0.0f, 1.0f);
-            out[x][k] = cv::saturate_cast<std::uint8_t>(255 * (a[x] * value + (1 - a[x]) * still[x][k]));
-          }
+  const auto render = [&](cv::Mat frame) {
+    if (model)
+      frame = model->apply(frame);
+    else if (options.matching == AppearanceMatching::kFrame)
+      frame = model_of(std::span(&frame, 1)).apply(frame);
+    cv::Mat finished = picture.clone(), colour;
+    for (int y = 0; y < picture.rows; ++y) {
+      apply_colour({colours.slope.row(y), colours.offset.row(y)}, frame.row(y), colour);
+      const float* a = alpha.ptr<float>(y);
+      const cv::Vec3f* moving = colour.ptr<cv::Vec3f>();
+      const cv::Vec3f* own = own_colour.ptr<cv::Vec3f>(y);
+      const cv::Vec3f* still = target.ptr<cv::Vec3f>(y);
+      cv::Vec3b* out = finished.ptr<cv::Vec3b>(y);
+      for (int x = 0; x < picture.cols; ++x) {
+        if (a[x] <= 0) continue;
+        for (int k = 0; k < 3; ++k) {
+          const float value = std::clamp(moving[x][k] + own[x][k], 0.0f, 1.0f);
+          out[x][k] = cv::saturate_cast<std::uint8_t>(255 * (a[x] * value + (1 - a[x]) * still[x][k]));
         }
       }
-    });
-    for (const cv::Mat& frame : finished) sink(frame);
-    tell("render", first + count, options.frames);
+    }
+    return finished;
+  };
+
+  // A loop begins after the transition that changes the picture least.
+  std::vector<int> order = all;
+  if (options.loop)
+    std::rotate(order.begin(),
+                order.begin() +
+                    (std::min_element(change.begin(), change.end()) - change.begin() + 1) % options.frames,
+                order.end());
+  for (int first = 0; first < options.frames; first += batch) {
+    const int count = std::min(batch, options.frames - first);
+    const std::span<const int> outputs = std::span(order).subspan(first, count);
+    if (!in_one) {
+      for (const auto& layer : layers) blend(*layer, outputs);
+      report.blend_s += watch.lap();
+    }
+    for (int done = 0; done < count; done += kRendered) {
+      throw_if_stopped(stop);
+      std::vector<cv::Mat> finished(std::min(kRendered, count - done));
+      oneapi::tbb::parallel_for(std::size_t{0}, finished.size(), [&](std::size_t i) {
+        const int output = outputs[done + i];
+        const auto found = ready.find(output);
+        finished[i] = render(found != ready.end() ? std::exchange(found->second, {})
+                                                  : merged(in_one ? output : done + static_cast<int>(i)));
+      });
+      for (const cv::Mat& frame : finished) sink(frame);
+      tell("render", first + done + finished.size(), options.frames);
+    }
+    report.render_s += watch.lap();
   }
-  report.render_s = watch.lap();
+  for (const auto& layer : layers) report.decode_s += layer->read_s();
+  report.blend_s -= report.decode_s;
   report.total_s = total.lap();
   return report;
 }

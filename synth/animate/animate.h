@@ -12,6 +12,7 @@
 #include "synth/animate/appearance.h"
 #include "synth/animate/base_image.h"
 #include "synth/animate/blend.h"
+#include "synth/animate/clip_layer.h"
 #include "synth/animate/placement.h"
 #include "vision/settings.h"
 
@@ -26,6 +27,12 @@ enum class AppearanceMatching {
 struct AnimateOptions {
   int frames = 96;
   double fps = 25;
+  bool loop = false;  // the last frame is followed by the first, without a seam
+  Resampling resampling = Resampling::kAuto;
+  /// Frames are made in batches that fit into this, as far as the picture itself leaves room: beside the
+  /// batch some 220 bytes a pixel are needed (0.2 GB at 1280 x 720, 1.8 GB at 3840 x 2160). When all frames
+  /// fit, each clip is read once, else about three times.
+  std::size_t memory_bytes = std::size_t{1500} << 20;
   BlendOptions blend;
   BaseImageOptions base;
   AppearanceMatching matching = AppearanceMatching::kSequence;
@@ -35,6 +42,7 @@ struct AnimateOptions {
 /// Where the time went, and with what.
 struct AnimateReport {
   std::size_t clips = 0, pieces = 0;
+  int batches = 1;  // of frames
   double decode_s = 0, blend_s = 0, base_s = 0, appearance_s = 0, render_s = 0, total_s = 0;
 };
 
@@ -46,10 +54,13 @@ struct AnimateProgress {
 /// Renders the animation frame by frame into `sink`: CV_8UC3, the picture's size, in order.
 ///
 /// picture    CV_8UC3 BGR. matte CV_8U, same size; where it is 0 every output pixel equals the picture's.
-/// placement  every clip in it must last frames / fps seconds.
-/// Throws     Error{kInput} when the placement does not pass check() or a clip is too short,
-/// Error{kCancelled} when stopped. Memory     frames x picture x 4/3 floats, and the shown frames' luminance
-/// of one clip at a time. Source     Okabe et al. 2011, Sec. 6.
+/// placement  clips that do not last frames / fps seconds are played again by their loop rules (timeline.h).
+/// Throws     Error{kInput} when the placement does not pass check(), or a clip is too short for the
+/// animation
+///            and for a loop rule; Error{kCancelled} when stopped.
+/// Memory     see AnimateOptions::memory_bytes. The same frames for any of it, and any number of threads.
+/// With `loop`, clips play whole numbers of their loops, each beginning at another moment, and the file
+/// begins where the frames change least from one to the next. Source     Okabe et al. 2011, Sec. 6.
 AnimateReport animate(const store::Snapshot& snapshot, const vision::Settings& settings,
                       const cv::Mat& picture, const cv::Mat& matte, const Placement& placement,
                       const AnimateOptions& options, const std::function<void(const cv::Mat&)>& sink,

@@ -1,43 +1,75 @@
-// synth/animate/clip_luma.h — the luminance of the frames of one clip that an animation shows.
+// synth/animate/clip_luma.h — the luminance of one clip at any moment, where patches need it.
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <span>
 #include <vector>
 
 #include <opencv2/core.hpp>
 
 #include "media/frame.h"
+#include "query/clip_frames.h"
 #include "store/store.h"
 
 namespace freshet::synth {
 
-/// For each output frame, the clip's frame that is shown: the one nearest in time. Frames are not mixed: a
-/// mixture halves the contrast of what moves fast, and so makes an animation pulse at the beat of the two
-/// rates. Throws Error{kInput} when the clip ends before the last output frame.
-std::vector<std::uint32_t> frames_shown(const store::Snapshot& snapshot, store::ClipId clip, int frames,
-                                        double fps);
-
-/// Frames of one clip in memory: raw samples of what the needed rectangles touch, and their average.
+/// Frames of one clip in memory: raw samples of the 64 x 64 blocks that the needed rectangles touch, and the
+/// flow between them where moments between frames are asked for.
+///
+/// A moment between two frames is made of both, each brought there along the flow kept in the store, and
+/// mixed by their distance in time; where the two disagree the nearer one counts more, because a mixture of
+/// what does not match halves its contrast. The flow of a pixel is taken where the pixel is, not where it
+/// came from: the flow of fluids is smooth, and the motion between frames is a few pixels.
 class ClipLuma {
  public:
-  /// needed   px of the source frame; only the 64 x 64 blocks that they touch are decoded, each once.
-  /// shown    clip frames, ascending; repeats are decoded once.
-  /// Cost     bytes of the needed blocks a distinct frame; all threads.
+  /// needed     px of the source frame; beyond them luminance may be anything.
+  /// flow_step  of the store's settings.
   ClipLuma(const store::Snapshot& snapshot, store::ClipId clip, std::span<const cv::Rect> needed,
-           std::span<const std::uint32_t> shown);
+           int flow_step);
 
-  /// Output frame i less the average over all output frames; CV_32F, luma in 0..1, source size, zero where
-  /// nothing was needed. The average is that of the frames shown, not of the whole clip: what the clip did at
-  /// other times would stay on the picture as a stain. Source: Okabe et al. 2011, Sec. 6, D_i = F_i - A.
-  void difference(std::size_t i, cv::Mat& out) const;
+  /// Holds exactly these frames (ascending), and the flows from frames `flows` to their next (ascending).
+  /// What is there already is kept, all else is read, each tile once. All threads. Throws Error{kDamaged}
+  /// when the clip has no flow of the shape it should have.
+  void load(std::span<const std::uint32_t> frames, std::span<const std::uint32_t> flows = {});
+
+  struct Scratch {
+    cv::Mat before, after, x, y, from, to;
+  };
+  /// Luma at a moment of frames that are loaded: CV_32F, 0..1, size of region(). Safe from many threads.
+  void at(double moment, cv::Mat& out, Scratch& scratch) const;
+  /// Rows [first, last) of region() of a loaded frame; CV_32F.
+  cv::Mat rows(std::uint32_t frame, int first, int last) const;
+
+  /// px of the source frame: the rectangle around all blocks; and which of its pixels were read, CV_8U.
+  const cv::Rect& region() const { return region_; }
+  const cv::Mat& wanted() const { return wanted_; }
+  cv::Size source() const { return source_; }
+  /// Bytes of a loaded frame, and of the flow to its next.
+  std::size_t frame_bytes() const;
+  std::size_t flow_bytes() const;
 
  private:
+  void read_frames(std::span<const std::uint32_t> missing);
+  void read_flows(std::span<const std::uint32_t> missing);
+  void between(std::uint32_t frame, float part, cv::Mat& out, Scratch& scratch) const;
+  void check_flow() const;
+
+  store::Snapshot snapshot_;
+  store::ClipId clip_;
+  query::ClipFrames clip_frames_;
   media::PixelLayout layout_;
-  std::vector<std::size_t> frame_of_output_;  // into frames_
-  std::vector<cv::Mat> frames_;  // luma samples as stored, or 8-bit luma where it had to be computed
-  bool raw_ = true;
-  cv::Mat average_, wanted_;
+  bool raw_ = true;  // luma samples as stored, else 8-bit luma that had to be computed
+  int flow_step_ = 2;
+  cv::Size source_, flow_size_;
+  cv::Rect region_, flow_region_;
+  std::vector<cv::Rect> blocks_;  // px of the source
+  cv::Mat wanted_;
+  std::map<std::uint32_t, cv::Mat> frames_;
+  struct Flow {
+    cv::Mat u, v;  // CV_16S, 1/64 px
+  };
+  std::map<std::uint32_t, Flow> flows_;
 };
 
 }  // namespace freshet::synth

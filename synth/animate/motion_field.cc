@@ -29,8 +29,10 @@ cv::Mat motion_field(const store::Snapshot& snapshot, const vision::Settings& se
     const cv::Point corner = (placed.piece - canvas.tl()) / square;
     for (int row = 0; row < per_side; ++row)
       for (int column = 0; column < per_side; ++column) {
-        const cv::Vec2f motion = vision::patch_mean_motion(
-            found->second, frame, placed.patch.x + column * square, placed.patch.y + row * square, square);
+        const cv::Vec2f motion =
+            static_cast<float>(placed.speed) *
+            vision::patch_mean_motion(found->second, frame, placed.patch.x + column * square,
+                                      placed.patch.y + row * square, square);
         const auto tent = [&](int i) {
           return 1 - std::abs(2 * (i + 0.5f) / static_cast<float>(per_side) - 1);
         };

@@ -28,7 +28,8 @@ int common_step(const Placement& placement, int most) {
 }
 
 bool coherent(const PlacedPatch& a, const PlacedPatch& b) {
-  return a.clip == b.clip && a.variant == b.variant && a.patch - a.piece == b.patch - b.piece;
+  return a.clip == b.clip && a.variant == b.variant && a.speed == b.speed &&
+         a.patch - a.piece == b.patch - b.piece;
 }
 
 cv::Rect canvas_of(const Placement& placement) {

@@ -16,6 +16,7 @@ struct PlacedPatch {
   store::ClipId clip{};
   vision::Variant variant;  // the patch's coordinates are in this variant's frame
   cv::Point patch;          // px, top-left corner
+  double speed = 1;         // at which its clip plays, of its own
 };
 
 /// Pieces on one regular lattice: every piece.x differs from another's by a multiple of `stride`; so does y.
@@ -33,8 +34,8 @@ void check(const Placement& placement);
 /// coincide.
 int common_step(const Placement& placement, int most);
 
-/// True when b's patch continues a's in its own clip and variant: laid beside each other they show what the
-/// clip showed there, without a seam.
+/// True when b's patch continues a's in its own clip and variant, at the same speed: laid beside each other
+/// they show what the clip showed there, without a seam.
 bool coherent(const PlacedPatch& a, const PlacedPatch& b);
 
 /// The smallest rectangle of whole strides that holds all pieces: the canvas on which they are blended. Its

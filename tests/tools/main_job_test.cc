@@ -137,15 +137,6 @@ TEST(MainJob, AClassAndADirectionNarrowWhatIsSearched) {
       EXPECT_EQ(candidate["clip"].get<std::string>().substr(0, 5), "fall/") << "rivers do not fall";
 }
 
-TEST(MainJob, ClipsThatEndTooSoonAreLeftOutAndNamedOnStderr) {
-  const Outcome outcome = WorkFolder().freshet(
-      {"query", "label", sample().store, sample().still, "--frames", std::to_string(kRiverFrames)});
-  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
-  EXPECT_NE(outcome.err.find("fall/1.mkv, fall/2.mkv"), std::string::npos) << outcome.err;
-  EXPECT_NE(outcome.out.find("river/1.mkv"), std::string::npos);
-  EXPECT_EQ(outcome.out.find("fall/"), std::string::npos);
-}
-
 TEST(MainJob, AConditionThatAnAssignmentOverridesIsSaidToHaveNoEffect) {
   const WorkFolder folder;
   ASSERT_EQ(label(folder, {"-o", "assignment.json"}).exit_code, 0);

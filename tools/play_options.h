@@ -1,0 +1,30 @@
+// tools/play_options.h — how the clips of an animation are played.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include <CLI/CLI.hpp>
+
+#include "synth/animate/animate.h"
+#include "synth/animate/placement.h"
+
+namespace freshet::tools {
+
+class PlayOptions {
+ public:
+  void add_to(CLI::App& command);
+  /// Sets loop, resampling and memory.
+  void apply(synth::AnimateOptions& options) const;
+  /// Sets the patches' speeds. Reads the map and says what had to be changed about it.
+  void apply(synth::Placement& placement, cv::Size picture) const;
+
+ private:
+  bool loop_ = false;
+  double speed_ = 1;
+  std::filesystem::path map_;
+  std::string resampling_ = "auto";
+  int memory_mb_ = 1500;
+};
+
+}  // namespace freshet::tools
