@@ -18,6 +18,7 @@ namespace {
 
 constexpr std::uint32_t kFewestFrames = 24;
 constexpr double kLeastMoving = 0.01;  // of the picture
+constexpr double kLeastPart = 0.02;    // of the matte: smaller parts of it are left out
 constexpr double kEdge = 2;            // px, sigma of the matte's soft edge
 constexpr double kSameScene = 0.97;    // correlation of two clips' average images
 
@@ -69,6 +70,18 @@ std::vector<std::string> clips_of_scene(const store::Snapshot& snapshot, store::
   return names;
 }
 
+/// As a person outlines what moves: without the measure's holes and specks.
+void tidy(cv::Mat& matte) {
+  const int diameter = static_cast<int>(std::hypot(matte.cols, matte.rows) / 80) | 1;
+  cv::morphologyEx(matte, matte, cv::MORPH_CLOSE,
+                   cv::getStructuringElement(cv::MORPH_ELLIPSE, {diameter, diameter}));
+  cv::Mat labels, statistics, centres;
+  const int count = cv::connectedComponentsWithStats(matte, labels, statistics, centres);
+  const double least = kLeastPart * cv::countNonZero(matte);
+  for (int i = 1; i < count; ++i)
+    if (statistics.at<int>(i, cv::CC_STAT_AREA) < least) matte.setTo(0, labels == i);
+}
+
 cv::Mat moving_matte(const std::vector<PairMotion>& motions, const std::vector<cv::Mat>& luma, double fps,
                      const vision::Settings& settings) {
   cv::Mat speed = cv::Mat::zeros(motions[0].speed.size(), CV_32F);
@@ -77,6 +90,7 @@ cv::Mat moving_matte(const std::vector<PairMotion>& motions, const std::vector<c
   ingest::LumaStatistics statistics(luma[0].size());
   for (const cv::Mat& frame : luma) statistics.add(frame);
   cv::Mat matte = ingest::moving_mask(speed, statistics.deviation(), fps, settings);
+  tidy(matte);
   cv::GaussianBlur(matte, matte, {}, kEdge);
   return matte;
 }
