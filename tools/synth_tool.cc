@@ -13,6 +13,7 @@
 #include "synth/animate/motion_field.h"
 #include "synth/simulate/motion_file.h"
 #include "synth/simulate/simulate.h"
+#include "tools/boundary_options.h"
 #include "tools/commands.h"
 #include "tools/label_run.h"
 #include "tools/motion_options.h"
@@ -32,6 +33,7 @@ struct AnimateCommand {
   Duration duration;
   LabelOptions labelling;
   PlayOptions play;
+  BoundaryOptions boundary;
   std::string assignment, out, sheet;
   std::string weights = "variance", low_band = "shared", matching = "sequence";
   synth::AnimateOptions options;
@@ -53,10 +55,11 @@ synth::AnimateOptions render_options(const AnimateCommand& command) {
   return options;
 }
 
-void run_animate(const AnimateCommand& command, const RunContext& context) {
+void run_animate(AnimateCommand& command, const RunContext& context) {
   const store::Snapshot snapshot = store::Store::open_read(command.target.store).snapshot();
   const TargetFiles::Loaded loaded = command.target.load();
-  const synth::AnimateOptions options = render_options(command);
+  synth::AnimateOptions options = render_options(command);
+  command.boundary.apply(options, loaded.picture.size());
   const AskedMotion asked = command.motion.read(loaded, command.search);
   // The output first: a mistyped folder should not cost a labelling.
   command.motion.check_outputs();
@@ -97,6 +100,7 @@ void run_animate(const AnimateCommand& command, const RunContext& context) {
       },
       [&](const synth::AnimateProgress& at) { progress.show(at.stage, at.done, at.of); }, context.stop);
   sink.finish();
+  command.boundary.finish();
   progress.finish();
   if (!command.sheet.empty()) media::write_picture(command.sheet, sheet.draw());
   say(fmt::format(
@@ -106,7 +110,8 @@ void run_animate(const AnimateCommand& command, const RunContext& context) {
       options.frames / report.total_s, report.decode_s, report.blend_s, report.base_s, report.appearance_s,
       report.render_s));
   fmt::print("{}\n", command.out);
-  if (!command.sheet.empty()) fmt::print("{}\n", command.sheet);
+  for (const std::string& path : {command.sheet, command.boundary.output()})
+    if (!path.empty()) fmt::print("{}\n", path);
   for (const std::string& path : command.motion.outputs())
     if (!path.empty()) fmt::print("{}\n", path);
 }
@@ -182,6 +187,7 @@ void add_animate(CLI::App& synth_command, RunContext& context) {
   command->motion.add_outputs_to(*sub);
   command->labelling.add_to(*sub);
   command->play.add_to(*sub);
+  command->boundary.add_to(*sub);
   const std::string group = "Rendering";
   sub->add_option("--shutter", command->options.base.shutter_s,
                   "Exposure of what stands still below, s: blurs it along the motion")

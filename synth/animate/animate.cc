@@ -15,6 +15,8 @@
 #include "freshet_error.h"
 #include "synth/animate/colour_model.h"
 #include "synth/animate/motion_field.h"
+#include "synth/animate/motion_sequence.h"
+#include "synth/animate/outward.h"
 
 namespace freshet::synth {
 namespace {
@@ -76,6 +78,31 @@ int frames_a_batch(const std::vector<std::unique_ptr<ClipLayer>>& layers, cv::Si
   return std::min(options.frames, std::max(16, static_cast<int>(fit) / 16 * 16));
 }
 
+/// The outline carried along by the motion of what is shown, output frame by output frame in `order`.
+BoundarySequence boundary_of(const store::Snapshot& snapshot, const vision::Settings& settings,
+                             const Placement& placement,
+                             const std::vector<std::unique_ptr<ClipLayer>>& layers, const cv::Mat& alpha,
+                             const cv::Mat& mean_motion, const std::vector<int>& order,
+                             const AnimateOptions& options) {
+  std::vector<PlayedPatches> played;
+  for (const auto& layer : layers)
+    for (const ClipLayer::Played& voice : layer->played()) {
+      const PlacedPatch& one = placement.patches[voice.patches.front()];
+      played.push_back({.clip = one.clip, .patches = voice.patches, .shown = {}});
+      for (const Moment& moment : voice.moments) {
+        // In a cross-fade the louder of the two moments moves the outline.
+        const double at = moment.at[moment.weight[1] > moment.weight[0] ? 1 : 0];
+        played.back().shown.push_back({.frame = static_cast<std::uint32_t>(at), .rate = one.speed});
+      }
+    }
+  const auto sequence = std::make_shared<const MotionSequence>(snapshot, settings, placement, played,
+                                                               alpha.size(), options.frames);
+  return BoundarySequence(
+      alpha, mean_motion, options.fps, options.boundary.matte,
+      [sequence, order](int i) { return sequence->at(order[static_cast<std::size_t>(i) % order.size()]); },
+      options.loop ? options.frames : 0);
+}
+
 }  // namespace
 
 AnimateReport animate(const store::Snapshot& snapshot, const vision::Settings& settings,
@@ -83,6 +110,9 @@ AnimateReport animate(const store::Snapshot& snapshot, const vision::Settings& s
                       const AnimateOptions& options, const std::function<void(const cv::Mat&)>& sink,
                       const std::function<void(const AnimateProgress&)>& progress, std::stop_token stop) {
   check(placement);
+  // What is wrong with the background is said before the work.
+  const bool moving_boundary = options.boundary.boundary == Boundary::kMoving;
+  const cv::Mat behind = moving_boundary ? behind_fluid(picture, matte, options.boundary) : cv::Mat();
   Laps total, watch;
   AnimateReport report;
   report.pieces = placement.patches.size();
@@ -130,18 +160,24 @@ AnimateReport animate(const store::Snapshot& snapshot, const vision::Settings& s
   const cv::Mat target_luma = luma_of(target);
   const cv::Mat motion = motion_field(snapshot, settings, placement, picture.size());
   const cv::Mat base_luma = base_image(target_luma, alpha, motion, options.base);
-  const ColourModel colours = fit_colour(target, target_luma, alpha);
+  ColourModel colours = fit_colour(target, target_luma, alpha);
   // What colour does beside luminance keeps its place, as blurred as the rest.
   cv::Mat modelled;
   apply_colour(colours, target_luma, modelled);
-  const cv::Mat own_colour = base_image(target - modelled, alpha, motion, options.base);
+  cv::Mat own_colour = base_image(target - modelled, alpha, motion, options.base);
   modelled.release();
+  // The fluid's layers go on beyond the still matte, for a moving one to uncover.
+  if (moving_boundary)
+    for (cv::Mat* layer : {&own_colour, &colours.slope, &colours.offset})
+      *layer = push_outward(*layer, alpha);
   report.base_s = watch.lap();
 
   // Luminance of a frame that the blender holds; once.
   const auto merged = [&](int slot) {
     const cv::Mat field = blender.take(slot);
-    cv::Mat luma = base_luma.clone(), inside = luma(seen);
+    cv::Mat luma = base_luma.clone();
+    if (moving_boundary) luma = push_outward(luma, alpha);
+    cv::Mat inside = luma(seen);
     cv::add(inside, field(seen - canvas.tl()), inside);
     return luma;
   };
@@ -165,7 +201,7 @@ AnimateReport animate(const store::Snapshot& snapshot, const vision::Settings& s
   report.appearance_s = watch.lap();
 
   // Frames: matched, coloured, laid into the picture through the matte.
-  const auto render = [&](cv::Mat frame) {
+  const auto render = [&](cv::Mat frame, const cv::Mat& fluid) {
     if (model)
       frame = model->apply(frame);
     else if (options.matching == AppearanceMatching::kFrame)
@@ -174,15 +210,16 @@ AnimateReport animate(const store::Snapshot& snapshot, const vision::Settings& s
     for (int y = 0; y < picture.rows; ++y) {
       apply_colour({colours.slope.row(y), colours.offset.row(y)}, frame.row(y), colour);
       const float* a = alpha.ptr<float>(y);
+      const float* b = fluid.ptr<float>(y);
       const cv::Vec3f* moving = colour.ptr<cv::Vec3f>();
       const cv::Vec3f* own = own_colour.ptr<cv::Vec3f>(y);
-      const cv::Vec3f* still = target.ptr<cv::Vec3f>(y);
+      const cv::Vec3f* still = (moving_boundary ? behind : target).ptr<cv::Vec3f>(y);
       cv::Vec3b* out = finished.ptr<cv::Vec3b>(y);
       for (int x = 0; x < picture.cols; ++x) {
-        if (a[x] <= 0) continue;
+        if (a[x] <= 0 && b[x] <= 0) continue;
         for (int k = 0; k < 3; ++k) {
           const float value = std::clamp(moving[x][k] + own[x][k], 0.0f, 1.0f);
-          out[x][k] = cv::saturate_cast<std::uint8_t>(255 * (a[x] * value + (1 - a[x]) * still[x][k]));
+          out[x][k] = cv::saturate_cast<std::uint8_t>(255 * (b[x] * value + (1 - b[x]) * still[x][k]));
         }
       }
     }
@@ -196,6 +233,9 @@ AnimateReport animate(const store::Snapshot& snapshot, const vision::Settings& s
                 order.begin() +
                     (std::min_element(change.begin(), change.end()) - change.begin() + 1) % options.frames,
                 order.end());
+  std::optional<BoundarySequence> boundary;
+  if (moving_boundary)
+    boundary.emplace(boundary_of(snapshot, settings, placement, layers, alpha, motion, order, options));
   for (int first = 0; first < options.frames; first += batch) {
     const int count = std::min(batch, options.frames - first);
     const std::span<const int> outputs = std::span(order).subspan(first, count);
@@ -205,12 +245,18 @@ AnimateReport animate(const store::Snapshot& snapshot, const vision::Settings& s
     }
     for (int done = 0; done < count; done += kRendered) {
       throw_if_stopped(stop);
-      std::vector<cv::Mat> finished(std::min(kRendered, count - done));
+      std::vector<cv::Mat> finished(std::min(kRendered, count - done)), mattes(finished.size(), alpha);
+      if (boundary)
+        for (cv::Mat& fluid : mattes) {
+          fluid = boundary->next();
+          if (options.matte_sink) options.matte_sink(fluid);
+        }
       oneapi::tbb::parallel_for(std::size_t{0}, finished.size(), [&](std::size_t i) {
         const int output = outputs[done + i];
         const auto found = ready.find(output);
         finished[i] = render(found != ready.end() ? std::exchange(found->second, {})
-                                                  : merged(in_one ? output : done + static_cast<int>(i)));
+                                                  : merged(in_one ? output : done + static_cast<int>(i)),
+                             mattes[i]);
       });
       for (const cv::Mat& frame : finished) sink(frame);
       tell("render", first + done + finished.size(), options.frames);

@@ -13,6 +13,7 @@
 #include "synth/animate/base_image.h"
 #include "synth/animate/blend.h"
 #include "synth/animate/clip_layer.h"
+#include "synth/animate/moving_boundary.h"
 #include "synth/animate/placement.h"
 #include "vision/settings.h"
 
@@ -37,6 +38,8 @@ struct AnimateOptions {
   BaseImageOptions base;
   AppearanceMatching matching = AppearanceMatching::kSequence;
   AppearanceOptions appearance;
+  BoundaryOptions boundary;
+  std::function<void(const cv::Mat&)> matte_sink;  // of a moving boundary: each frame's matte, CV_32F 0..1
 };
 
 /// Where the time went, and with what.
