@@ -27,9 +27,8 @@ void PlayOptions::add_to(CLI::App& command) {
       ->group(group);
   command
       .add_option("--resampling", resampling_,
-                  "Moments between a clip's frames: flow (made along the motion), nearest (frame), or auto: "
-                  "flow where a clip plays at another speed than its own")
-      ->check(CLI::IsMember({"auto", "flow", "nearest"}))
+                  "Moments between a clip's frames: flow (made along the motion) or nearest (frame)")
+      ->check(CLI::IsMember({"flow", "nearest"}))
       ->capture_default_str()
       ->group(group);
   command
@@ -42,9 +41,7 @@ void PlayOptions::add_to(CLI::App& command) {
 
 void PlayOptions::apply(synth::AnimateOptions& options) const {
   options.loop = loop_;
-  options.resampling = resampling_ == "flow"      ? synth::Resampling::kFlow
-                       : resampling_ == "nearest" ? synth::Resampling::kNearest
-                                                  : synth::Resampling::kAuto;
+  options.resampling = resampling_ == "nearest" ? synth::Resampling::kNearest : synth::Resampling::kFlow;
   options.memory_bytes = static_cast<std::size_t>(memory_mb_) << 20;
 }
 

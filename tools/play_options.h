@@ -23,7 +23,7 @@ class PlayOptions {
   bool loop_ = false;
   double speed_ = 1;
   std::filesystem::path map_;
-  std::string resampling_ = "auto";
+  std::string resampling_ = "flow";
   int memory_mb_ = 1500;
 };
 

@@ -262,6 +262,7 @@ void add_synth(CLI::App& app, RunContext& context) {
   CLI::App* synth_command = app.add_subcommand("synth", "Synthesise: animate a picture, or simulate a clip");
   synth_command->require_subcommand(1);
   add_animate(*synth_command, context);
+  add_matte(*synth_command, context);
   add_simulate(*synth_command, context);
 }
 

@@ -30,17 +30,12 @@ std::vector<PatchWindow> windows_of(cv::Size source, const Placement& placement,
   return windows;
 }
 
-bool by_flow(const PlacedPatch& patch, Resampling resampling) {
-  return resampling == Resampling::kFlow || (resampling == Resampling::kAuto && patch.speed != 1);
-}
-
-std::vector<cv::Rect> needed_by(std::span<const PatchWindow> windows, const Placement& placement,
-                                std::span<const std::size_t> patches, Resampling resampling,
+std::vector<cv::Rect> needed_by(std::span<const PatchWindow> windows, Resampling resampling,
                                 cv::Size source) {
   std::vector<cv::Rect> needed;
-  for (std::size_t i = 0; i < windows.size(); ++i) {
-    const cv::Rect own = windows[i].needed();
-    const int margin = by_flow(placement.patches[patches[i]], resampling) ? kFlowMargin : 0;
+  const int margin = resampling == Resampling::kFlow ? kFlowMargin : 0;
+  for (const PatchWindow& window : windows) {
+    const cv::Rect own = window.needed();
     needed.push_back(
         cv::Rect(own.x - margin, own.y - margin, own.width + 2 * margin, own.height + 2 * margin) &
         cv::Rect({}, source));
@@ -71,8 +66,7 @@ ClipLayer::ClipLayer(const store::Snapshot& snapshot, store::ClipId clip, int fl
     : placement_(placement),
       patches_(std::move(patches)),
       windows_(windows_of(size_of(snapshot.clip(clip)), placement, patches_)),
-      luma_(snapshot, clip,
-            needed_by(windows_, placement, patches_, resampling, size_of(snapshot.clip(clip))), flow_step) {
+      luma_(snapshot, clip, needed_by(windows_, resampling, size_of(snapshot.clip(clip))), flow_step) {
   const store::ClipRecord& record = snapshot.clip(clip);
   const std::vector<double> times = snapshot.column<double>(clip, "frame.time");
   if (times.empty() || !std::is_sorted(times.begin(), times.end()))
@@ -88,7 +82,7 @@ ClipLayer::ClipLayer(const store::Snapshot& snapshot, store::ClipId clip, int fl
   for (auto& [speed, members] : by_speed) {
     TimelineOptions own = options;
     own.speed = speed;
-    own.whole = !by_flow(placement.patches[patches_[members.front()]], resampling);
+    own.whole = resampling == Resampling::kNearest;
     voices_.push_back({.members = std::move(members),
                        .moments = timeline(times, interval, rule, record.name, own),
                        .average = {}});

@@ -17,10 +17,13 @@
 
 namespace freshet::synth {
 
+/// What is shown of a moment between two frames of a clip. Measured on 75 frames at 25/s of clips at 30/s,
+/// the picture's sharpness unmatched: from frame to frame the change varies by 30 % of its mean by the
+/// nearest frame and by 12 % along the flow (at half speed by 127 % and 11 %), Laplacian energy by 11.4 %
+/// and 9.4 %; the mean energy is 2.4 % less along the flow.
 enum class Resampling {
   kNearest,  // the frame nearest in time
-  kFlow,     // between frames, along the flow kept in the store
-  kAuto,     // kFlow for patches played at another speed than their own, else kNearest
+  kFlow,     // both frames, brought together along the flow kept in the store
 };
 
 /// Patches of one clip. Those that play at one speed share one timeline, so that neighbours stay in step.

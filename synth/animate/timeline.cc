@@ -18,7 +18,10 @@ double position_of(std::span<const double> times, double t, bool whole) {
   if (next == times.end()) return static_cast<double>(times.size() - 1);
   const auto before = static_cast<double>(next - times.begin() - 1);
   const double part = (t - next[-1]) / (next[0] - next[-1]);
-  return whole ? before + (part >= 0.5 ? 1 : 0) : before + part;
+  if (whole) return before + (part >= 0.5 ? 1 : 0);
+  // A frame missed by an error of rounding is that frame: between frames all is computed.
+  constexpr double kRounding = 1e-6;
+  return part < kRounding ? before : part > 1 - kRounding ? before + 1 : before + part;
 }
 
 /// A clip as a loop: begin .. end in its own time, s, and half the fade.

@@ -93,7 +93,7 @@ TEST(Timeline, ALoopOfAnyLengthEndsWhereItBegan) {
           for (int k = 0; k < a.count(); ++k) {
             if (a.weight[k] < 0.6) continue;
             bool goes_on = false;
-            for (int j = 0; j < b.count(); ++j) goes_on |= std::abs(b.at[j] - a.at[k] - speed) < 1e-6;
+            for (int j = 0; j < b.count(); ++j) goes_on |= std::abs(b.at[j] - a.at[k] - speed) < 1e-5;
             jumps += !goes_on;
           }
         }

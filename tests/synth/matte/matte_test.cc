@@ -1,0 +1,147 @@
+// Mattes of pictures whose alpha is known, and marks that leave nothing to find.
+
+#include "synth/matte/matte.h"
+
+#include <gtest/gtest.h>
+
+#include <opencv2/imgproc.hpp>
+
+#include "made_picture.h"
+
+namespace freshet::synth::matte {
+namespace {
+
+Matte matte_of(const MadePicture& made, Edge edge) {
+  MatteOptions options;
+  options.edge.edge = edge;
+  return make_matte(made.picture, made.marks, options, "marks");
+}
+
+// A region without a soft edge cannot come nearer than some 0.083: the edge is 6 px wide, the radius 36.
+TEST(Matte, ComesNearAKnownAlpha) {
+  const MadePicture made = made_picture();
+  EXPECT_LT(sad_share(matte_of(made, Edge::kNone).alpha, made.alpha), 0.11);
+  EXPECT_LT(sad_share(matte_of(made, Edge::kGuided).alpha, made.alpha), 0.075);
+  EXPECT_LT(sad_share(matte_of(made, Edge::kInformationFlow).alpha, made.alpha), 0.04);
+}
+
+// A wide soft edge is what matting is for.
+TEST(Matte, InformationFlowFindsAWideEdgeThatARegionCannotHave) {
+  const MadePicture made = made_picture({320, 240}, 24);
+  const double hard = sad_share(matte_of(made, Edge::kNone).alpha, made.alpha);
+  const double soft = sad_share(matte_of(made, Edge::kInformationFlow).alpha, made.alpha);
+  EXPECT_LT(soft, 0.6 * hard) << hard;
+}
+
+TEST(Matte, OfALargePictureComesFromReducedCopiesAndIsAsGood) {
+  const MadePicture made = made_picture({1600, 1200}, 12);
+  const Matte guided = matte_of(made, Edge::kGuided);
+  EXPECT_EQ(guided.alpha.size(), made.picture.size());
+  EXPECT_LT(sad_share(guided.alpha, made.alpha), 0.03);
+}
+
+TEST(Matte, KeepsTheMarksAndTheRegionOutsideOfTheBand) {
+  const MadePicture made = made_picture();
+  for (const Edge edge : {Edge::kGuided, Edge::kInformationFlow}) {
+    MatteOptions options;
+    options.edge.edge = edge;
+    const cv::Mat region = hard_region(made.picture, made.marks, options.region, "marks");
+    const cv::Mat alpha = soft_edge(made.picture, region, made.marks, options.edge);
+    const cv::Mat trimap = trimap_of(region, made.marks, band_width(options.edge, region.size()));
+    EXPECT_EQ(cv::countNonZero((trimap != 128) & (alpha != trimap)), 0);
+    EXPECT_GT(cv::countNonZero((alpha > 0) & (alpha < 255)), 100);
+    EXPECT_EQ(cv::countNonZero((made.marks == kFluid) & (alpha != 255)), 0);
+    EXPECT_EQ(cv::countNonZero((made.marks == kBackground) & (alpha != 0)), 0);
+  }
+}
+
+TEST(Matte, IsTheSameTwiceAndWhateverTheGeneratorsState) {
+  const MadePicture made = made_picture();
+  const cv::Mat first = matte_of(made, Edge::kInformationFlow).alpha;
+  cv::theRNG() = cv::RNG(99);
+  const std::uint64_t state = cv::theRNG().state;
+  const cv::Mat second = matte_of(made, Edge::kInformationFlow).alpha;
+  EXPECT_EQ(cv::norm(first, second, cv::NORM_L1), 0);
+  EXPECT_EQ(cv::theRNG().state, state);
+  const int threads = cv::getNumThreads();
+  cv::setNumThreads(1);
+  const cv::Mat alone = matte_of(made, Edge::kInformationFlow).alpha;
+  cv::setNumThreads(threads);
+  EXPECT_EQ(cv::norm(first, alone, cv::NORM_L1), 0);
+}
+
+TEST(Matte, OneKindOfMarkIsEnoughAndIsSaid) {
+  MadePicture made = made_picture();
+  const Marks both = made.marks.clone();
+  made.marks.setTo(kUnknown, both == kBackground);
+  const Matte of_fluid = matte_of(made, Edge::kNone);
+  EXPECT_LT(sad_share(of_fluid.alpha, made.alpha), 0.12);
+  ASSERT_EQ(of_fluid.notices.size(), 1u);
+  EXPECT_NE(of_fluid.notices[0].find("border is taken for it"), std::string::npos);
+
+  made.marks = both.clone();
+  made.marks.setTo(kUnknown, both == kFluid);
+  const Matte of_background = matte_of(made, Edge::kNone);
+  EXPECT_LT(sad_share(of_background.alpha, made.alpha), 0.16);
+  ASSERT_EQ(of_background.notices.size(), 1u);
+  EXPECT_NE(of_background.notices[0].find("may be fluid"), std::string::npos);
+}
+
+// One pixel of each: too few for OpenCV to learn colours from.
+TEST(Matte, TheSmallestMarksDo) {
+  MadePicture made = made_picture();
+  made.marks.setTo(kUnknown);
+  made.marks.at<std::uint8_t>(60, 80) = kFluid;
+  made.marks.at<std::uint8_t>(5, 5) = kBackground;
+  EXPECT_LT(sad_share(matte_of(made, Edge::kNone).alpha, made.alpha), 0.15);
+}
+
+TEST(Matte, PicturesWithoutContrastOrSizeDoNotFail) {
+  for (const cv::Size size : {cv::Size(1, 1), cv::Size(2, 1), cv::Size(3, 3), cv::Size(40, 30)}) {
+    const cv::Mat flat(size, CV_8UC3, cv::Scalar(80, 80, 80));
+    Marks marks(size, CV_8U, cv::Scalar(kUnknown));
+    marks.at<std::uint8_t>(0, 0) = kFluid;
+    if (size.width > 1) marks.at<std::uint8_t>(0, size.width - 1) = kBackground;
+    for (const Edge edge : {Edge::kNone, Edge::kGuided, Edge::kInformationFlow}) {
+      MatteOptions options;
+      options.edge.edge = edge;
+      if (size.width == 1) {
+        EXPECT_NE(message_of([&] { make_matte(flat, marks, options, "marks"); }), "");
+      } else {
+        EXPECT_GT(make_matte(flat, marks, options, "marks").share, 0) << size;
+      }
+    }
+  }
+}
+
+TEST(Matte, MarksThatLeaveNothingToFindAreRefused) {
+  const MadePicture made = made_picture();
+  const auto answer = [&](const Marks& marks) {
+    return message_of([&] { make_matte(made.picture, marks, {}, "s.png"); });
+  };
+  EXPECT_NE(answer(Marks(made.picture.size(), CV_8U, cv::Scalar(kUnknown))).find("s.png: nothing is marked"),
+            std::string::npos);
+  EXPECT_NE(answer(Marks(made.picture.size(), CV_8U, cv::Scalar(kFluid)))
+                .find("s.png: the whole border of the picture is marked as fluid"),
+            std::string::npos);
+  EXPECT_NE(answer(Marks(made.picture.size(), CV_8U, cv::Scalar(kBackground)))
+                .find("s.png: the whole picture is marked as background"),
+            std::string::npos);
+  // A picture of one colour, with background alone: nothing looks like fluid.
+  const cv::Mat flat(60, 80, CV_8UC3, cv::Scalar(80, 80, 80));
+  Marks most(flat.size(), CV_8U, cv::Scalar(kBackground));
+  most.at<std::uint8_t>(30, 40) = kUnknown;
+  const std::string said = message_of([&] { make_matte(flat, most, {}, "s.png"); });
+  EXPECT_NE(said.find("s.png: no pixel came out as fluid"), std::string::npos) << said;
+}
+
+TEST(Matte, ASheetShowsAllFour) {
+  const MadePicture made = made_picture();
+  const cv::Mat sheet = matte_sheet(made.picture, made.marks, made.alpha);
+  EXPECT_EQ(sheet.size(), cv::Size(4 * 160 + 3 * 8, 120));
+  EXPECT_EQ(sheet.at<cv::Vec3b>(60, 2 * 168 + 80), cv::Vec3b(255, 255, 255));
+  EXPECT_EQ(sheet.at<cv::Vec3b>(60, 168 + 80), cv::Vec3b(40, 220, 40));
+}
+
+}  // namespace
+}  // namespace freshet::synth::matte

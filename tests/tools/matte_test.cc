@@ -1,0 +1,112 @@
+// freshet synth matte from end to end: a picture and marks in, a matte that freshet query takes out.
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <opencv2/core.hpp>
+#include <opencv2/imgcodecs.hpp>
+
+#include "work_folder.h"
+
+namespace freshet::tools {
+namespace {
+
+const cv::Rect kFluid(50, 30, 60, 50);
+
+class MatteTool : public testing::Test {
+ protected:
+  MatteTool() {
+    cv::Mat picture(120, 160, CV_8UC3), noise(120, 160, CV_8UC3);
+    cv::RNG random(3);
+    random.fill(noise, cv::RNG::UNIFORM, 0, 30);
+    picture.setTo(cv::Scalar(40, 90, 30));
+    picture(kFluid).setTo(cv::Scalar(220, 215, 210));
+    picture += noise;
+    cv::imwrite(folder_ / "still.png", picture);
+    cv::Mat scribbles(120, 160, CV_8UC4, cv::Scalar(0, 0, 0, 0));
+    scribbles(cv::Rect(70, 50, 20, 5)).setTo(cv::Scalar(0, 255, 0, 255));
+    scribbles(cv::Rect(10, 10, 140, 4)).setTo(cv::Scalar(0, 0, 255, 255));
+    cv::imwrite(folder_ / "s.png", scribbles);
+  }
+  Outcome matte(std::vector<std::string> more) const {
+    std::vector<std::string> arguments{"synth", "matte", "still.png"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return folder_.freshet(arguments);
+  }
+  /// Mean difference to the truth, 0..1.
+  double error_of(const std::string& name) const {
+    const cv::Mat alpha = cv::imread(folder_ / name, cv::IMREAD_UNCHANGED);
+    EXPECT_EQ(alpha.type(), CV_8U);
+    EXPECT_EQ(alpha.size(), cv::Size(160, 120));
+    cv::Mat truth(120, 160, CV_8U, cv::Scalar(0));
+    truth(kFluid).setTo(255);
+    return cv::norm(alpha, truth, cv::NORM_L1) / cv::sum(truth)[0];
+  }
+
+  WorkFolder folder_;
+};
+
+TEST_F(MatteTool, FromScribblesByEachEdge) {
+  for (const char* edge : {"none", "guided", "information-flow"}) {
+    const Outcome made = matte({"--scribbles", "s.png", "--edge", edge, "-o", "m.png"});
+    ASSERT_EQ(made.exit_code, 0) << made.err;
+    EXPECT_EQ(made.out, "m.png\n");
+    EXPECT_NE(made.err.find("of 160 x 120 px is fluid"), std::string::npos) << made.err;
+    EXPECT_LT(error_of("m.png"), 0.05) << edge;
+  }
+}
+
+TEST_F(MatteTool, FromABoxOrMarks) {
+  folder_.file("m.json", R"({"format": "freshet-marks", "version": 1, "marks": [
+    {"is": "fluid", "points": [[60, 55], [100, 55]]}, {"is": "background", "points": [[10, 10], [150, 10]]}]})");
+  ASSERT_EQ(matte({"--box", "40,20,80,70", "-o", "box.png"}).exit_code, 0);
+  EXPECT_LT(error_of("box.png"), 0.05);
+  ASSERT_EQ(matte({"--marks", "m.json", "-o", "marks.png"}).exit_code, 0);
+  EXPECT_LT(error_of("marks.png"), 0.05);
+}
+
+TEST_F(MatteTool, JsonAndSheet) {
+  const Outcome made = matte({"--scribbles", "s.png", "-o", "m.png", "--sheet", "sheet.png", "--json"});
+  ASSERT_EQ(made.exit_code, 0) << made.err;
+  const nlohmann::json json = nlohmann::json::parse(made.out);
+  EXPECT_NEAR(json["share"].get<double>(), kFluid.area() / (160.0 * 120), 0.02);
+  EXPECT_EQ(json["matte"], "m.png");
+  for (const char* stage : {"read", "region", "edge"}) EXPECT_GE(json["seconds"][stage].get<double>(), 0);
+  EXPECT_EQ(cv::imread(folder_ / "sheet.png").size(), cv::Size(4 * 160 + 3 * 8, 120));
+}
+
+TEST_F(MatteTool, BadInputIsRefusedBeforeAnythingIsWritten) {
+  cv::imwrite(folder_ / "small.png", cv::Mat(30, 40, CV_8UC3, cv::Scalar(0, 255, 0)));
+  cv::imwrite(folder_ / "empty.png", cv::Mat(120, 160, CV_8UC4, cv::Scalar(0, 0, 0, 0)));
+  cv::imwrite(folder_ / "all.png", cv::Mat(120, 160, CV_8UC3, cv::Scalar(255, 255, 255)));
+  folder_.file("bad.json", "{}");
+  struct Case {
+    std::vector<std::string> arguments;
+    int exit_code;
+    const char* message;
+  };
+  const std::vector<Case> cases{
+      {{}, 2, "nothing says where the fluid is. Give --scribbles, --marks or --box"},
+      {{"--scribbles", "small.png"}, 1, "small.png: the scribbles are 40 x 30 px, the picture 160 x 120"},
+      {{"--scribbles", "empty.png"}, 1, "empty.png: no stroke in it"},
+      {{"--scribbles", "all.png"}, 1, "all.png: the whole border of the picture is marked as fluid"},
+      {{"--scribbles", "none.png"}, 1, "none.png: there is no such file"},
+      {{"--marks", "bad.json"}, 1, "bad.json: \"format\" is not"},
+      {{"--box", "1,2,3"}, 2, "--box 1,2,3: it is not LEFT,TOP,WIDTH,HEIGHT"},
+      {{"--box", "500,0,10,10"}, 2, "has no area in the picture of 160 x 120 px"},
+      {{"--scribbles", "s.png", "--edge", "sharp"}, 2, "--edge"}};
+  for (const Case& one : cases) {
+    std::vector<std::string> arguments = one.arguments;
+    arguments.insert(arguments.end(), {"-o", "m.png"});
+    const Outcome outcome = matte(arguments);
+    EXPECT_EQ(outcome.exit_code, one.exit_code) << one.message << "\n" << outcome.err;
+    EXPECT_NE(outcome.err.find(one.message), std::string::npos) << outcome.err;
+    EXPECT_FALSE(std::filesystem::exists(folder_ / "m.png")) << one.message;
+  }
+  EXPECT_EQ(matte({"--scribbles", "s.png", "-o", "nowhere/m.png"}).exit_code, 1);
+  EXPECT_EQ(matte({"--scribbles", "s.png", "-o", "m.nosuch"}).exit_code, 2);
+}
+
+}  // namespace
+}  // namespace freshet::tools
