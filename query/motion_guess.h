@@ -1,0 +1,56 @@
+// query/motion_guess.h — where the fluid of a picture probably goes, when nobody has said.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <opencv2/core.hpp>
+
+#include "query/labelling.h"
+#include "query/motion_guide.h"
+#include "store/store.h"
+
+namespace freshet::query {
+
+/// Three things speak for a direction, each as a logarithm of likelihood; the piece takes their mean.
+/// Figures: bench/motion_guess.cc, docs/measurements.md.
+struct GuessOptions {
+  double gravity = 1;  // of the classes' pull: how far the clips of a class go up or down together, by the
+                       // store's own patches; each class counts by its share of the candidates
+  double edges = 4;    // of texture's axis, times its coherence 0..1: threads of a fall or a flame lie along
+                       // their motion. Over real stills the axis is 34 degrees off, where chance is 45, and
+                       // 78 on glittering seas: it turns a pull, it never makes one
+  double votes = 0;    // of the candidates' own motion. Off: every patch has its mirror image in the store,
+                       // so that they cannot tell left from right, and of up and down they tell no more
+                       // than their class does, and send water up
+  double reach_px = 48;             // sigma over which neighbours speak for a piece: two pieces' stride
+  double least_certainty = 0.25;    // length of the mean direction, 0..1, from which a piece dares
+  double min_speed_px_per_s = 2.5;  // slower patches say nothing
+};
+
+/// What is thought of one piece.
+struct PieceGuess {
+  cv::Vec2f direction{0, 0};  // unit vector, x right, y down; (0, 0): nothing dared
+  float certainty = 0;        // length of the mean direction: 1 sure, 0 no idea
+};
+
+struct MotionGuess {
+  MotionGuide guide;  // directions, (0, 0) where nothing is dared; empty when nowhere. Its tolerance is the
+                      // spread that goes with the mean certainty, 45 to 90 degrees
+  std::vector<PieceGuess> pieces;
+  std::string report;  // what was guessed and what it rests on, for a person; without a full stop
+};
+
+/// A hint for a picture that has none.
+/// search    of this picture, asked for any motion: its candidates say what the picture shows, and the rows
+///           that its filter allows say how such fluids move.
+/// picture   CV_8UC3. matte   CV_8U, its size: texture counts where it is above 127. Of any size: they are
+///           brought to that which was searched, and the guide to theirs.
+/// The same guess for any number of threads. Throws Error{kUsage} for other types or unlike sizes.
+/// Cost      0.1 s for 640 x 360 px and 357,650 patches, one thread.
+/// Source    our own; structure tensor after Bigun and Granlund 1987. Left and right cannot be told from a
+///           still: where the axis lies level (seas, skies), nothing is dared.
+MotionGuess guess_motion(const store::Snapshot& snapshot, const CandidateSearch& search,
+                         const cv::Mat& picture, const cv::Mat& matte, const GuessOptions& options = {});
+
+}  // namespace freshet::query
