@@ -10,13 +10,14 @@
 #include <system_error>
 
 #include "freshet_error.h"
+#include "query/picture_scale.h"
 
 namespace freshet::query {
 namespace {
 
 using Json = nlohmann::json;
 
-constexpr int kVersion = 1;
+constexpr int kVersion = 1, kScaledVersion = 2;
 constexpr const char* kFormat = "freshet-assignment";
 constexpr std::int64_t kMostPx = 1 << 20;  // of a side
 constexpr std::size_t kMostPieces = 1 << 22, kMostClips = 1 << 20;
@@ -107,7 +108,8 @@ AssignedPiece piece_from(const Fields& fields, const Assignment& assignment) {
   piece.patch = point(fields, "patch_x", "patch_y", 0);
   piece.score = static_cast<float>(fields.number("score", 0, 1));
   const cv::Rect box(piece.corner, cv::Size(assignment.side, assignment.side));
-  if ((box & cv::Rect({0, 0}, assignment.picture)).empty()) fields.fail("the piece lies outside the picture");
+  if ((box & cv::Rect({0, 0}, reduced_size(assignment.picture, assignment.piece_scale))).empty())
+    fields.fail("the piece lies outside the picture");
   return piece;
 }
 
@@ -138,18 +140,20 @@ std::string to_json(const Assignment& assignment) {
                       {"score", piece.score}});
   }
   const bool bounded = std::isfinite(assignment.lower_bound);
-  const Json all{{"format", kFormat},
-                 {"version", kVersion},
-                 {"width", assignment.picture.width},
-                 {"height", assignment.picture.height},
-                 {"side", assignment.side},
-                 {"stride", assignment.stride},
-                 {"minimizer", assignment.minimizer},
-                 {"cost_form", assignment.cost_form},
-                 {"energy", assignment.energy},
-                 {"lower_bound", bounded ? Json(assignment.lower_bound) : Json()},
-                 {"clips", clips},
-                 {"pieces", pieces}};
+  const bool scaled = assignment.piece_scale != 1;
+  Json all{{"format", kFormat},
+           {"version", scaled ? kScaledVersion : kVersion},
+           {"width", assignment.picture.width},
+           {"height", assignment.picture.height},
+           {"side", assignment.side},
+           {"stride", assignment.stride},
+           {"minimizer", assignment.minimizer},
+           {"cost_form", assignment.cost_form},
+           {"energy", assignment.energy},
+           {"lower_bound", bounded ? Json(assignment.lower_bound) : Json()},
+           {"clips", clips},
+           {"pieces", pieces}};
+  if (scaled) all["piece_scale"] = assignment.piece_scale;
   // Names may hold bytes that are no UTF-8: a file name is what the file system says it is.
   return all.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
 }
@@ -162,8 +166,10 @@ Assignment assignment_from_json(const std::string& json, const std::string& wher
   }
   const Fields fields(all, where);
   if (fields.text("format") != kFormat) fields.fail(fmt::format("\"format\" is not {}", kFormat));
-  if (fields.integer("version", 0, 1 << 30) != kVersion) {
-    throw Error(ErrorKind::kInput, where, fmt::format("version {} of the format expected", kVersion),
+  const std::int64_t version = fields.integer("version", 0, 1 << 30);
+  if (version != kVersion && version != kScaledVersion) {
+    throw Error(ErrorKind::kInput, where,
+                fmt::format("version {} or {} of the format expected", kVersion, kScaledVersion),
                 "Use the version of Freshet that wrote it");
   }
   Assignment assignment;
@@ -172,6 +178,7 @@ Assignment assignment_from_json(const std::string& json, const std::string& wher
   if (std::int64_t{assignment.picture.width} * assignment.picture.height > 1 << 28) {
     fields.fail("a picture of more than 2^28 pixels");
   }
+  if (version == kScaledVersion) assignment.piece_scale = fields.number("piece_scale", 1, kMostPieceScale);
   assignment.side = static_cast<int>(fields.integer("side", 8, 4096));
   assignment.stride = static_cast<int>(fields.integer("stride", 1, assignment.side));
   assignment.minimizer = fields.text("minimizer");

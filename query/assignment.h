@@ -30,7 +30,9 @@ struct AssignedPiece {
 };
 
 struct Assignment {
-  cv::Size picture;
+  cv::Size picture;        // px
+  double piece_scale = 1;  // pieces lie on the picture reduced by this (picture_scale.h), and all px below
+                           // are of that
   int side = 48, stride = 24;         // px
   std::vector<AssignedClip> clips;    // each used at least once when made by label()
   std::vector<AssignedPiece> pieces;  // on one lattice of `stride`
@@ -42,7 +44,8 @@ struct Assignment {
   bool operator==(const Assignment&) const = default;
 };
 
-/// One JSON object; "format" is "freshet-assignment", "version" 1.
+/// One JSON object; "format" is "freshet-assignment", "version" 1, or 2 with a "piece_scale" above 1: who
+/// knows only version 1 would lay the pieces in a corner.
 std::string to_json(const Assignment& assignment);
 /// Checks everything: types, ranges, that pieces lie on one lattice and near the picture, that clips exist.
 /// Throws Error{kInput} naming `where` and the field.

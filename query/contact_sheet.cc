@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "query/average_image.h"
+#include "query/picture_scale.h"
 #include "vision/settings.h"
 
 namespace freshet::query {
@@ -40,7 +41,8 @@ cv::Mat contact_sheet(const store::Snapshot& snapshot, const cv::Mat& picture, c
   std::map<std::pair<std::uint32_t, std::uint8_t>, std::vector<Spot>> spots;
   cv::Mat beyond;
   const int border = target.side;
-  cv::copyMakeBorder(picture, beyond, border, border, border, border, cv::BORDER_REFLECT_101);
+  cv::copyMakeBorder(reduce(picture, search.piece_scale), beyond, border, border, border, border,
+                     cv::BORDER_REFLECT_101);
   for (int i = 0; i < shown && pieces > 0; ++i) {
     const auto piece = static_cast<std::size_t>(static_cast<std::int64_t>(i) * pieces / shown);
     const cv::Point at(kMargin, kMargin + i * height);

@@ -8,6 +8,8 @@
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
+#include "query/picture_scale.h"
+
 namespace freshet::query {
 namespace {
 
@@ -25,11 +27,12 @@ cv::Vec3b colour_of(std::size_t rank) {
           cv::saturate_cast<std::uint8_t>(colour[2])};
 }
 
-// The piece whose middle is nearest to each pixel, -1 where no piece lies: CV_32S.
+// The piece whose middle is nearest to each pixel of the picture, -1 where no piece lies: CV_32S.
 cv::Mat nearest_piece(const Assignment& assignment) {
-  cv::Mat nearest(assignment.picture, CV_32S, cv::Scalar(-1));
-  cv::Mat distance(assignment.picture, CV_32F, cv::Scalar(1e30));
-  const cv::Rect picture({0, 0}, assignment.picture);
+  const cv::Size size = reduced_size(assignment.picture, assignment.piece_scale);
+  cv::Mat nearest(size, CV_32S, cv::Scalar(-1));
+  cv::Mat distance(size, CV_32F, cv::Scalar(1e30));
+  const cv::Rect picture({0, 0}, size);
   for (std::size_t i = 0; i < assignment.pieces.size(); ++i) {
     const cv::Point corner = assignment.pieces[i].corner;
     const cv::Rect box = cv::Rect(corner, cv::Size(assignment.side, assignment.side)) & picture;
@@ -44,7 +47,10 @@ cv::Mat nearest_piece(const Assignment& assignment) {
       }
     }
   }
-  return nearest;
+  if (size == assignment.picture) return nearest;
+  cv::Mat enlarged;
+  cv::resize(nearest, enlarged, assignment.picture, 0, 0, cv::INTER_NEAREST);
+  return enlarged;
 }
 
 bool continues(const AssignedPiece& a, const AssignedPiece& b) {

@@ -6,6 +6,7 @@
 
 #include "freshet_error.h"
 #include "query/coherent_candidates.h"
+#include "query/picture_scale.h"
 #include "query/stored_features.h"
 
 namespace freshet::query {
@@ -67,18 +68,21 @@ CandidateSearch search_candidates(const store::Snapshot& snapshot, const SearchB
   Stages stages(progress, stop);
   CandidateSearch search;
   search.base = &base;
+  search.picture = picture.size();
+  search.piece_scale = options.piece_scale;
+  const cv::Mat searched = reduce(picture, options.piece_scale), fluid = reduce(matte, options.piece_scale);
+  const MotionGuide guide = reduce(options.guide, options.piece_scale);
   search.filtered = filter_rows(snapshot, base.table, base.settings.variants(), options.candidates);
   search.target = stages.run(LabelStage::kCut, search.seconds.cut, [&] {
-    return make_target(picture, matte, base.settings.grid, base.codebook, options.target);
+    return make_target(searched, fluid, base.settings.grid, base.codebook, options.target);
   });
   search.candidates = stages.run(LabelStage::kSearch, search.seconds.search, [&] {
     const auto k = static_cast<std::size_t>(options.candidates.k);
     const RowFilter& rows = search.filtered.rows;
-    Candidates found =
-        recall != nullptr
-            ? recall->find_candidates(search.target, matte, k, rows, options.guide)
-            : find_candidates(*base.index, base.table, search.target, matte, k, rows, options.guide);
-    add_coherent(base.table, base.codebook.words, search.target, search.filtered.rows, options.guide,
+    Candidates found = recall != nullptr
+                           ? recall->find_candidates(search.target, fluid, k, rows, guide)
+                           : find_candidates(*base.index, base.table, search.target, fluid, k, rows, guide);
+    add_coherent(base.table, base.codebook.words, search.target, search.filtered.rows, guide,
                  static_cast<std::size_t>(std::max(0, options.candidates.coherent)), found);
     return found;
   });
@@ -127,7 +131,8 @@ Assignment make_assignment(const store::Snapshot& snapshot, const CandidateSearc
   const std::vector<vision::Variant> variants = search.base->settings.variants();
   const PatchTable& table = search.table();
   Assignment assignment;
-  assignment.picture = search.target.picture;
+  assignment.picture = search.picture;
+  assignment.piece_scale = search.piece_scale;
   assignment.side = search.target.side;
   assignment.stride = search.target.stride;
   std::map<std::uint32_t, std::uint32_t> number_of;  // clip of the table, clip of the assignment

@@ -20,6 +20,7 @@
 namespace freshet::query {
 
 struct LabelOptions {
+  double piece_scale = 1;  // the picture is reduced so often before it is cut into pieces (picture_scale.h)
   TargetOptions target{};
   CandidateOptions candidates{};
   MotionGuide guide{};  // empty: any motion
@@ -40,6 +41,8 @@ struct LabelSeconds {
 /// What a search for candidates found. Borrows the base that it searched.
 struct CandidateSearch {
   const SearchBase* base = nullptr;
+  cv::Size picture;        // px, as it was given
+  double piece_scale = 1;  // target, its pieces and all motion are those of the picture reduced by this
   Target target;
   Filtered filtered;
   Candidates candidates;

@@ -14,6 +14,7 @@
 
 #include "freshet_error.h"
 #include "synth/animate/colour_model.h"
+#include "synth/animate/enlarge.h"
 #include "synth/animate/motion_field.h"
 #include "synth/animate/motion_sequence.h"
 #include "synth/animate/outward.h"
@@ -122,8 +123,7 @@ AnimateReport animate(const store::Snapshot& snapshot, const vision::Settings& s
   const auto layers = layers_of(snapshot, settings, placement, options);
   report.clips = layers.size();
 
-  // The canvas of pieces overhangs the picture: it is cut to what is seen.
-  const cv::Rect canvas = canvas_of(placement), seen = canvas & cv::Rect({}, picture.size());
+  const cv::Rect canvas = canvas_of(placement);
   const int batch = frames_a_batch(layers, picture.size(), canvas.size(), options);
   const bool in_one = batch == options.frames;
   report.batches = (options.frames + batch - 1) / batch;
@@ -177,8 +177,7 @@ AnimateReport animate(const store::Snapshot& snapshot, const vision::Settings& s
     const cv::Mat field = blender.take(slot);
     cv::Mat luma = base_luma.clone();
     if (moving_boundary) luma = push_outward(luma, alpha);
-    cv::Mat inside = luma(seen);
-    cv::add(inside, field(seen - canvas.tl()), inside);
+    add_enlarged(field, canvas, placement.piece_scale, luma);
     return luma;
   };
   std::map<int, cv::Mat> ready;  // by output frame: merged already, for the model

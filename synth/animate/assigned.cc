@@ -4,7 +4,10 @@ namespace freshet::synth {
 
 Placement place(const query::Assignment& assignment, const store::Snapshot& snapshot) {
   const std::vector<store::ClipId> clips = query::find_clips(assignment, snapshot);
-  Placement placement{.side = assignment.side, .stride = assignment.stride, .patches = {}};
+  Placement placement{.side = assignment.side,
+                      .stride = assignment.stride,
+                      .piece_scale = assignment.piece_scale,
+                      .patches = {}};
   placement.patches.reserve(assignment.pieces.size());
   for (const query::AssignedPiece& piece : assignment.pieces)
     placement.patches.push_back(

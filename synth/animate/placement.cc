@@ -5,6 +5,7 @@
 #include <string>
 
 #include "freshet_error.h"
+#include "query/picture_scale.h"
 
 namespace freshet::synth {
 
@@ -41,6 +42,17 @@ cv::Rect canvas_of(const Placement& placement) {
     high = {std::max(high.x, placed.piece.x), std::max(high.y, placed.piece.y)};
   }
   return {low, cv::Size(high.x - low.x + placement.side, high.y - low.y + placement.side)};
+}
+
+cv::Matx23d squares_from_picture(const Placement& placement, cv::Point corner, int square, cv::Size picture) {
+  const cv::Size reduced = query::reduced_size(picture, placement.piece_scale);
+  const double x = static_cast<double>(reduced.width) / picture.width,
+               y = static_cast<double>(reduced.height) / picture.height;
+  // Pixel p of the picture has its middle at (p + 1/2) x - 1/2 of the reduced one.
+  const auto offset = [&](double factor, int first) {
+    return (factor / 2 - 0.5 - first - (square - 1) / 2.0) / square;
+  };
+  return {x / square, 0, offset(x, corner.x), 0, y / square, offset(y, corner.y)};
 }
 
 }  // namespace freshet::synth

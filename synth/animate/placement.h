@@ -21,8 +21,10 @@ struct PlacedPatch {
 
 /// Pieces on one regular lattice: every piece.x differs from another's by a multiple of `stride`; so does y.
 struct Placement {
-  int side = 48;    // px, of a piece
-  int stride = 24;  // px
+  int side = 48;           // px, of a piece
+  int stride = 24;         // px
+  double piece_scale = 1;  // pieces lie on the picture reduced by this, and are shown enlarged by it: all px
+                           // here are of the reduced picture (query/picture_scale.h)
   std::vector<PlacedPatch> patches;
 };
 
@@ -41,5 +43,9 @@ bool coherent(const PlacedPatch& a, const PlacedPatch& b);
 /// The smallest rectangle of whole strides that holds all pieces: the canvas on which they are blended. Its
 /// corner lies on the lattice.
 cv::Rect canvas_of(const Placement& placement);
+
+/// From pixels of the picture to squares of `square` px, middles on middles. corner   of the first square, on
+/// the reduced picture.
+cv::Matx23d squares_from_picture(const Placement& placement, cv::Point corner, int square, cv::Size picture);
 
 }  // namespace freshet::synth

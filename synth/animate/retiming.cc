@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "freshet_error.h"
+#include "query/picture_scale.h"
 
 namespace freshet::synth {
 
@@ -16,15 +17,16 @@ void retime(Placement& placement, double factor, const cv::Mat& map, cv::Size pi
                 fmt::format("it has {} x {} px, the picture {} x {}", map.cols, map.rows, picture.width,
                             picture.height),
                 "Give one of the picture's size");
+  const cv::Mat reduced = map.empty() ? map : query::reduce(map, placement.piece_scale);
   for (PlacedPatch& placed : placement.patches) {
     placed.speed = factor;
     if (map.empty()) continue;
     const int margin = (placement.side - placement.stride) / 2;
     const cv::Rect middle =
         cv::Rect(placed.piece.x + margin, placed.piece.y + margin, placement.stride, placement.stride) &
-        cv::Rect({}, picture);
+        cv::Rect({}, reduced.size());
     if (middle.empty()) continue;
-    const cv::Scalar bgr = cv::mean(map(middle));
+    const cv::Scalar bgr = cv::mean(reduced(middle));
     const double grey = 0.114 * bgr[0] + 0.587 * bgr[1] + 0.299 * bgr[2] - 128;
     const double octaves = grey / (grey < 0 ? 128 : 127);
     placed.speed *= std::exp2(std::round(4 * octaves) / 4);
