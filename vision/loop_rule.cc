@@ -70,7 +70,8 @@ std::optional<LoopRule> LoopFinder::finish() const {
   const std::uint32_t half = std::clamp(
       static_cast<std::uint32_t>(std::lround(0.25 * std::clamp(fps_, 1.0, 1000.0))),
       static_cast<std::uint32_t>(kReach), std::min((frames_ - 1 - kLeastLoop) / 2, (frames_ - 1) / 4));
-  const std::uint32_t least = std::max(kLeastLoop, 2 * half), most = frames_ - 1 - 2 * half;
+  const std::uint32_t most = frames_ - 1 - 2 * half,
+                      least = std::min(most, std::max({kLeastLoop, 2 * half, frames_ / 2}));
   const std::uint32_t last_begin = frames_ > kKept ? frames_ - kKept : 0;  // oldest frame of the ring
   const auto from_first = [&](std::uint32_t t) { return first_.data() + t * pixels; };
   const auto from_last = [&](std::uint32_t t) { return last_.data() + t % kKept * pixels; };
