@@ -10,6 +10,7 @@ namespace freshet::tools {
 
 std::unique_ptr<const query::SearchBase> open_with_progress(const store::Snapshot& snapshot,
                                                             const SearchOptions& search) {
+  search.check_piece(snapshot);
   Progress progress;
   progress.show("reading the index", 0, 0);
   auto base = std::make_unique<const query::SearchBase>(query::open_search(snapshot, search.index()));
@@ -24,6 +25,7 @@ LabelRun label_with_progress(const store::Snapshot& snapshot, const TargetFiles:
   query::LabelOptions options;
   options.candidates = MotionOptions::beside(asked, search);
   options.guide = asked.guide;
+  options.piece_scale = search.piece_scale(loaded.picture.size());
   options.candidates.min_duration_s = duration.seconds();
   options.costs = labelling.costs();
   options.minimizer = labelling.solver();

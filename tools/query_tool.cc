@@ -126,6 +126,7 @@ void run_candidates(const CandidatesCommand& command, const RunContext& context)
   query::LabelOptions options;
   options.candidates = MotionOptions::beside(asked, command.search);
   options.guide = asked.guide;
+  options.piece_scale = command.search.piece_scale(loaded.picture.size());
   options.candidates.min_duration_s = command.duration.seconds();
   const auto base = open_with_progress(snapshot, command.search);
   Progress progress;

@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "freshet_error.h"
 #include "media/picture.h"
+#include "query/picture_scale.h"
 #include "tools/run_context.h"
 
 namespace freshet::tools {
@@ -55,6 +57,17 @@ void SearchOptions::add_to(CLI::App& command) {
       ->check(CLI::Range(0.0, 180.0))
       ->capture_default_str();
   command.add_option("--exclude", options_.excluded_clips, "Leave this clip out; may be given several times");
+  command
+      .add_option("--piece", piece_,
+                  "Side of the pieces that the picture is cut into, px: that of the store's patches (freshet "
+                  "ingest --patch), which is all that it can be; another is refused [the store's]")
+      ->check(CLI::Range(8, 1024));
+  command
+      .add_option("--piece-scale", piece_scale_,
+                  "How often the picture is reduced before it is cut, 1 to 16; patches are shown enlarged as "
+                  "much. auto brings the longer side near 1280 px: 1 below 1600 px, 1.5 at 1920, 3 at 3840")
+      ->check(CLI::IsMember({"auto"}) | CLI::Range(1.0, query::kMostPieceScale))
+      ->capture_default_str();
   command.add_option("--index", index_, "exact, or one of FLANN's that freshet index --flann has built")
       ->check(CLI::IsMember({"exact", "flann-kdtree", "flann-kmeans", "flann-hierarchical"}))
       ->capture_default_str();
@@ -67,6 +80,21 @@ query::CandidateOptions SearchOptions::options() const {
   query::CandidateOptions options = options_;
   if (!direction_.empty()) options.direction_deg = query::parse_direction(direction_);
   return options;
+}
+
+double SearchOptions::piece_scale(cv::Size picture) const {
+  return piece_scale_ == "auto" ? query::auto_piece_scale(picture) : std::stod(piece_scale_);
+}
+
+void SearchOptions::check_piece(const store::Snapshot& snapshot) const {
+  const int patch = vision::settings_from_json(snapshot.settings()).grid.patch;
+  if (piece_ != 0 && piece_ != patch)
+    throw Error(
+        ErrorKind::kUsage, snapshot.path().string(),
+        fmt::format("its patches are {} px wide, and pieces of {} px were asked for", patch, piece_),
+        fmt::format("Make a store with freshet ingest --patch {}, or change how much of the picture a "
+                    "piece covers with --piece-scale",
+                    piece_));
 }
 
 query::IndexChoice SearchOptions::index() const {

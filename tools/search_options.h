@@ -33,11 +33,16 @@ class SearchOptions {
   void add_to(CLI::App& command);
   query::CandidateOptions options() const;
   query::IndexChoice index() const;
+  /// The asked one, or the one that suits the picture.
+  double piece_scale(cv::Size picture) const;
+  /// Throws Error{kUsage} when pieces of another size were asked for than the store was made for.
+  void check_piece(const store::Snapshot& snapshot) const;
 
  private:
   query::CandidateOptions options_;
   query::FlannOptions flann_options_;
-  std::string direction_, index_ = "exact";
+  std::string direction_, index_ = "exact", piece_scale_ = "auto";
+  int piece_ = 0;
 };
 
 /// How long the animation is to be; clips that are shorter are no candidates.

@@ -26,7 +26,13 @@ class SettingsOptions {
   vision::Settings settings_;
   std::string flow_ = "dis";
   bool no_flips_ = false;
-  std::vector<CLI::Option*> options_;
+  // An option, and where to_json has what it sets.
+  struct Described {
+    const CLI::Option* option;
+    std::string at;
+  };
+  std::vector<Described> options_;
+  const CLI::Option* stride_ = nullptr;
 };
 
 }  // namespace freshet::tools

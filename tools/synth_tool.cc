@@ -222,7 +222,7 @@ void add_animate(CLI::App& synth_command, RunContext& context) {
   add_threads(*sub);
   sub->callback([command, sub, &context] {
     if (!command->assignment.empty())
-      for (const char* name : {"--class", "--direction", "--exclude", "--solver", "--strokes",
+      for (const char* name : {"--class", "--direction", "--exclude", "--piece", "--piece-scale", "--solver", "--strokes",
                                "--orientation-map", "--speed-map"})
         if (sub->count(name) > 0)
           say(fmt::format("{} has no effect: {} says which patches are used", name, command->assignment));

@@ -11,6 +11,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "freshet_error.h"
+#include "query/picture_scale.h"
 #include "synth/animate/outward.h"
 #include "synth/animate/patch_window.h"
 #include "vision/flow.h"
@@ -90,18 +91,18 @@ void spread(cv::Mat& squares, const cv::Mat& mass) {
 MotionSequence::MotionSequence(const store::Snapshot& snapshot, const vision::Settings& settings,
                                const Placement& placement, std::span<const PlayedPatches> played,
                                cv::Size picture, int frames)
-    : picture_(picture), squares_(frames) {
+    : picture_(picture), piece_scale_(placement.piece_scale), squares_(frames) {
   const int square = common_step(placement, kSquare), per_side = placement.side / square;
   const int step = settings.flow_step;
-  // The grid of squares coincides with the pieces' and holds the whole picture.
+  // The grid of squares coincides with the pieces' and holds the whole picture, reduced as they are.
+  const cv::Size reduced = query::reduced_size(picture, placement.piece_scale);
   const cv::Rect canvas = canvas_of(placement);
   const auto whole = [&](int length) { return (std::max(length, 0) + square - 1) / square; };
   const cv::Point before(whole(canvas.x), whole(canvas.y));
   const cv::Point corner = canvas.tl() - before * square;
-  const cv::Size grid(before.x + std::max(canvas.width / square, whole(picture.width - canvas.x)),
-                      before.y + std::max(canvas.height / square, whole(picture.height - canvas.y)));
-  const double offset_x = corner.x + (square - 1) / 2.0, offset_y = corner.y + (square - 1) / 2.0;
-  squares_from_picture_ = {1.0 / square, 0, -offset_x / square, 0, 1.0 / square, -offset_y / square};
+  const cv::Size grid(before.x + std::max(canvas.width / square, whole(reduced.width - canvas.x)),
+                      before.y + std::max(canvas.height / square, whole(reduced.height - canvas.y)));
+  squares_from_picture_ = squares_from_picture(placement, corner, square, picture);
 
   cv::Mat tent(per_side, per_side, CV_32F);
   for (int row = 0; row < per_side; ++row)
@@ -215,8 +216,8 @@ MotionSequence::MotionSequence(const store::Snapshot& snapshot, const vision::Se
 
 cv::Mat MotionSequence::at(int i) const {
   cv::Mat field;
-  cv::warpAffine(squares_[i], field, squares_from_picture_, picture_, cv::INTER_LINEAR | cv::WARP_INVERSE_MAP,
-                 cv::BORDER_REPLICATE);
+  cv::warpAffine(squares_[i] * piece_scale_, field, squares_from_picture_, picture_,
+                 cv::INTER_LINEAR | cv::WARP_INVERSE_MAP, cv::BORDER_REPLICATE);
   return field;
 }
 

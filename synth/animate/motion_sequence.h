@@ -48,6 +48,7 @@ class MotionSequence {
 
  private:
   cv::Size picture_;
+  double piece_scale_ = 1;
   cv::Matx23d squares_from_picture_;
   std::vector<cv::Mat> squares_;  // by output frame, CV_32FC2
 };

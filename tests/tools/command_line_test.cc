@@ -26,7 +26,7 @@ TEST(CommandLine, EveryCommandExplainsItselfAndItsDefaults) {
     const char* a_default;
   };
   const std::vector<Command> commands{{{}, "ingest"},
-                                      {{"ingest"}, "=24"},
+                                      {{"ingest"}, "=half of the patch"},
                                       {{"index"}, "="},
                                       {{"store"}, "framemd5"},
                                       {{"store", "info"}, "[all cores]"},
@@ -65,7 +65,10 @@ TEST(CommandLine, WrongUsageIsSaidInOneLine) {
   expect_usage_fault({"query", "label", sample().store, sample().still, "--direction", "sideways"},
                      "sideways");
   expect_usage_fault({"ingest", sample().store, sample().clips, "--stride", "48"},
-                     "made with other settings than --stride asks for");
+                     "made with another --stride: 24, and 48 was asked for");
+  expect_usage_fault({"ingest", sample().store, sample().clips, "--patch", "96"},
+                     "made with another --patch: 48, and 96 was asked for");
+  expect_usage_fault({"ingest", "new.store", sample().clips, "--patch", "50"}, "--patch: 50 not in");
 }
 
 TEST(CommandLine, SettingsThatDoNotGoTogetherLeaveNoStoreBehind) {
@@ -80,6 +83,9 @@ TEST(CommandLine, SettingsThatDoNotGoTogetherLeaveNoStoreBehind) {
   };
   expect_refusal({"--cell", "1"}, "Add --flow-step 1");
   expect_refusal({"--cell", "8", "--stride", "12"}, "--cell 8 --stride 12");
+  expect_refusal({"--cell", "8", "--patch", "40"}, "--cell 8 --stride 20");
+  expect_refusal({"--patch", "24", "--stride", "48"}, "multiple of 4 px, from 8 to 24");
+  expect_refusal({"--stride", "14"}, "multiple of 4 px, from 12 to 48");
 }
 
 TEST(CommandLine, SaysSoWhenMemoryDoesNotSuffice) {
