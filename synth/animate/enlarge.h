@@ -12,7 +12,8 @@ namespace freshet::synth {
 /// luma     CV_32F, the picture's size; changed in place. Where no piece lies nothing is added.
 /// At scale 1 pixels are added as they are. Above it the field is enlarged bicubically: the reduced picture's
 /// finest detail is then 2 * scale px, and what is finer comes from the base alone (carried_base.h carries
-/// the picture's own along). Cost  30 ms of one thread at 3840 x 2160; one field of the picture's size.
+/// the picture's own along).
+/// Cost     one field of the picture's size.
 void add_enlarged(const cv::Mat& field, const cv::Rect& canvas, double scale, cv::Mat& luma);
 
 }  // namespace freshet::synth
