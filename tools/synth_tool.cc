@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cstdio>
 #include <memory>
 #include <optional>
@@ -14,6 +15,7 @@
 #include "synth/simulate/motion_file.h"
 #include "synth/simulate/simulate.h"
 #include "tools/boundary_options.h"
+#include "tools/cache_options.h"
 #include "tools/commands.h"
 #include "tools/label_run.h"
 #include "tools/motion_options.h"
@@ -32,6 +34,7 @@ struct AnimateCommand {
   MotionOptions motion;
   Duration duration;
   LabelOptions labelling;
+  CacheOptions cache;
   PlayOptions play;
   BoundaryOptions boundary;
   std::string assignment, out, sheet;
@@ -69,7 +72,7 @@ void run_animate(AnimateCommand& command, const RunContext& context) {
   query::Assignment assignment;
   if (command.assignment.empty()) {
     const LabelRun run = label_with_progress(snapshot, loaded, command.search, asked, command.labelling,
-                                             command.duration, context);
+                                             command.duration, context, command.cache.open().get());
     say(label_summary(run));
     assignment = run.labelling.assignment;
   } else {
@@ -83,6 +86,10 @@ void run_animate(AnimateCommand& command, const RunContext& context) {
   }
   synth::Placement placement = synth::place(assignment, snapshot);
   command.play.apply(placement, loaded.picture.size());
+  options.guide = asked.guide;
+  // Speeds are asked of the clips as they were filmed; a retimed piece is carried as fast as it plays.
+  const auto retimed = [](const synth::PlacedPatch& patch) { return patch.speed != 1; };
+  if (std::any_of(placement.patches.begin(), placement.patches.end(), retimed)) options.guide.speed.release();
   const vision::Settings settings = vision::settings_from_json(snapshot.settings());
   const cv::Mat motion = command.motion.needs_motion(asked)
                              ? synth::motion_field(snapshot, settings, placement, loaded.picture.size())
@@ -186,6 +193,7 @@ void add_animate(CLI::App& synth_command, RunContext& context) {
   command->motion.add_to(*sub);
   command->motion.add_outputs_to(*sub);
   command->labelling.add_to(*sub);
+  command->cache.add_to(*sub);
   command->play.add_to(*sub);
   command->boundary.add_to(*sub);
   const std::string group = "Rendering";
@@ -197,6 +205,18 @@ void add_animate(CLI::App& synth_command, RunContext& context) {
   sub->add_option("--softness", command->options.base.gaussian_s,
                   "Further blur in all directions: sigma in px for each px/s of speed")
       ->check(CLI::Range(0.0, 10.0))
+      ->capture_default_str()
+      ->group(group);
+  sub->add_option(
+         "--carry", command->options.carry.share,
+         "How much of the picture's own detail is carried along by the motion, 0 to 1; the rest is the "
+         "long exposure (0: the paper's)")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str()
+      ->group(group);
+  sub->add_option("--carry-life", command->options.carry.life_s,
+                  "How long a carried copy lasts before a fresh one takes over, s")
+      ->check(CLI::Range(0.1, 60.0))
       ->capture_default_str()
       ->group(group);
   sub->add_option("--blend", command->weights,
@@ -222,8 +242,8 @@ void add_animate(CLI::App& synth_command, RunContext& context) {
   add_threads(*sub);
   sub->callback([command, sub, &context] {
     if (!command->assignment.empty())
-      for (const char* name : {"--class", "--direction", "--exclude", "--piece", "--piece-scale", "--solver", "--strokes",
-                               "--orientation-map", "--speed-map"})
+      for (const char* name : {"--class", "--direction", "--exclude", "--piece", "--piece-scale", "--solver",
+                               "--strokes", "--orientation-map", "--speed-map", "--cache"})
         if (sub->count(name) > 0)
           say(fmt::format("{} has no effect: {} says which patches are used", name, command->assignment));
     run_animate(*command, context);
@@ -262,6 +282,7 @@ void add_synth(CLI::App& app, RunContext& context) {
   CLI::App* synth_command = app.add_subcommand("synth", "Synthesise: animate a picture, or simulate a clip");
   synth_command->require_subcommand(1);
   add_animate(*synth_command, context);
+  add_sweep(*synth_command, context);
   add_matte(*synth_command, context);
   add_simulate(*synth_command, context);
 }

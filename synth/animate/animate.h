@@ -8,10 +8,12 @@
 
 #include <opencv2/core.hpp>
 
+#include "query/motion_guide.h"
 #include "store/store.h"
 #include "synth/animate/appearance.h"
 #include "synth/animate/base_image.h"
 #include "synth/animate/blend.h"
+#include "synth/animate/carried_base.h"
 #include "synth/animate/clip_layer.h"
 #include "synth/animate/moving_boundary.h"
 #include "synth/animate/placement.h"
@@ -36,6 +38,8 @@ struct AnimateOptions {
   std::size_t memory_bytes = std::size_t{1500} << 20;
   BlendOptions blend;
   BaseImageOptions base;
+  CarriedBaseOptions carry;
+  query::MotionGuide guide{};  // what was asked of the motion: the picture is blurred and carried so (steered)
   AppearanceMatching matching = AppearanceMatching::kSequence;
   AppearanceOptions appearance;
   BoundaryOptions boundary;

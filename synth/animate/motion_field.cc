@@ -1,5 +1,6 @@
 #include "synth/animate/motion_field.h"
 
+#include <cmath>
 #include <map>
 
 #include <opencv2/imgproc.hpp>
@@ -52,6 +53,22 @@ cv::Mat motion_field(const store::Snapshot& snapshot, const vision::Settings& se
   cv::warpAffine(sum, field, squares_from_picture(placement, canvas.tl(), square, picture), picture,
                  cv::INTER_LINEAR | cv::WARP_INVERSE_MAP, cv::BORDER_REPLICATE);
   return field;
+}
+
+cv::Mat steered(const cv::Mat& motion, const query::MotionGuide& guide) {
+  cv::Mat out = motion.clone();
+  for (int y = 0; y < out.rows; ++y)
+    for (int x = 0; x < out.cols; ++x) {
+      cv::Vec2f& v = out.at<cv::Vec2f>(y, x);
+      float speed = std::hypot(v[0], v[1]);
+      if (!guide.speed.empty() && guide.speed.at<float>(y, x) >= 0 && speed > 0) {
+        v *= guide.speed.at<float>(y, x) / speed;
+        speed = guide.speed.at<float>(y, x);
+      }
+      if (!guide.direction.empty() && guide.direction.at<cv::Vec2f>(y, x) != cv::Vec2f(0, 0))
+        v = guide.direction.at<cv::Vec2f>(y, x) * speed;
+    }
+  return out;
 }
 
 }  // namespace freshet::synth

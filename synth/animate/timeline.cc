@@ -118,8 +118,15 @@ std::vector<Moment> timeline(std::span<const double> times, double interval,
   circle.begin = std::clamp(circle.begin, first, std::max(first, last));
   circle.end = circle.begin + length;
   const Player player(times, circle, options.whole);
+  // From the last frame to the first only half a step of time goes by, made good in the steps after it: every
+  // step changes the picture by another amount, and this one is not to stand out.
+  constexpr double kSeam = 0.5;
+  const int later = std::min(16, options.frames - 1);
+  const auto passed = [&](int i) {
+    return options.whole || later < 1 ? i : i + (1 - kSeam) * std::min(i, later) / later;
+  };
   for (int i = 0; i < options.frames; ++i) {
-    const double elapsed = std::fmod(i * step + options.phase * period, length);
+    const double elapsed = std::fmod(passed(i) * step + options.phase * period, length);
     if (elapsed < circle.half)
       moments[i] = player.near_boundary(elapsed);
     else if (elapsed > length - circle.half)

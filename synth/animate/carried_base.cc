@@ -1,0 +1,112 @@
+#include "synth/animate/carried_base.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include <opencv2/imgproc.hpp>
+
+namespace freshet::synth {
+namespace {
+
+constexpr int kCopies = 3;
+constexpr int kStep = 4;  // px of the picture a sample of the displacement
+
+// How far to where the fluid at each place was (or will be) one step of `dt` seconds further on: mid-point
+// rule along the steady field. From displacements for some age to those for the next.
+cv::Mat step_on(const cv::Mat& displacement, const cv::Mat& velocity, float dt) {
+  cv::Mat where(displacement.size(), CV_32FC2), further;
+  for (int y = 0; y < where.rows; ++y)
+    for (int x = 0; x < where.cols; ++x) {
+      const cv::Vec2f& d = displacement.at<cv::Vec2f>(y, x);
+      where.at<cv::Vec2f>(y, x) = {static_cast<float>(x) + d[0] / kStep,
+                                   static_cast<float>(y) + d[1] / kStep};
+    }
+  cv::remap(velocity, further, where, cv::noArray(), cv::INTER_LINEAR, cv::BORDER_REPLICATE);
+  cv::Mat middle = displacement + further * (dt / 2);
+  for (int y = 0; y < where.rows; ++y)
+    for (int x = 0; x < where.cols; ++x) {
+      const cv::Vec2f& d = middle.at<cv::Vec2f>(y, x);
+      where.at<cv::Vec2f>(y, x) = {static_cast<float>(x) + d[0] / kStep,
+                                   static_cast<float>(y) + d[1] / kStep};
+    }
+  cv::remap(velocity, further, where, cv::noArray(), cv::INTER_LINEAR, cv::BORDER_REPLICATE);
+  return displacement + further * dt;
+}
+
+}  // namespace
+
+CarriedBase::CarriedBase(const cv::Mat& picture, const cv::Mat& matte, const cv::Mat& exposure,
+                         const cv::Mat& motion, double fps, const CarriedBaseOptions& options)
+    : exposure_(exposure), size_(picture.size()) {
+  cv::merge(std::vector<cv::Mat>{picture.mul(matte), matte}, fluid_);
+
+  // Whole thirds of a life, and whole lives in a loop.
+  int third = std::max(1, static_cast<int>(std::lround(options.life_s * fps / kCopies)));
+  if (options.loop_frames > 0) {
+    while (third > 1 && options.loop_frames % (kCopies * third) != 0) --third;
+    if (options.loop_frames % (kCopies * third) != 0) third = 0;
+  }
+  const int life = kCopies * third;
+
+  // Where the fluid would be carried too far, the share of what is carried falls off.
+  share_ = cv::Mat::zeros(size_, CV_32F);
+  const double reach_s = life / fps / 2;
+  for (int y = 0; y < size_.height; ++y)
+    for (int x = 0; x < size_.width && life > 0; ++x) {
+      const cv::Vec2f& v = motion.at<cv::Vec2f>(y, x);
+      const double reach = std::hypot(v[0], v[1]) * reach_s;
+      share_.at<float>(y, x) =
+          static_cast<float>(options.share * std::clamp(2 - reach / options.max_px, 0.0, 1.0));
+    }
+  if (life == 0) return;
+
+  cv::Mat velocity;
+  const cv::Size coarse((size_.width + kStep - 1) / kStep, (size_.height + kStep - 1) / kStep);
+  cv::resize(motion, velocity, coarse, 0, 0, cv::INTER_AREA);
+  // Age a has come from where the fluid was a frames ago; before its time a copy shows what is yet to come.
+  sources_.resize(life);
+  const int now = life / 2;
+  sources_[now] = cv::Mat::zeros(coarse, CV_32FC2);
+  const auto dt = static_cast<float>(1 / fps);
+  for (int age = now + 1; age < life; ++age) sources_[age] = step_on(sources_[age - 1], velocity, -dt);
+  for (int age = now - 1; age >= 0; --age) sources_[age] = step_on(sources_[age + 1], velocity, dt);
+}
+
+cv::Mat CarriedBase::frame(int i) const {
+  if (sources_.empty()) return exposure_.clone();
+  const int life = static_cast<int>(sources_.size()), third = life / kCopies;
+  cv::Mat sum = cv::Mat::zeros(size_, CV_32FC2), displacement, where(size_, CV_32FC2), carried;
+  for (int copy = 0; copy < kCopies; ++copy) {
+    const int age = (i + copy * third + life / 2) % life;
+    const double weight =
+        (1 + std::cos(2 * std::numbers::pi * (age - life / 2) / static_cast<double>(life))) / kCopies;
+    cv::resize(sources_[age], displacement, {}, kStep, kStep, cv::INTER_LINEAR);
+    for (int y = 0; y < size_.height; ++y) {
+      const cv::Vec2f* d = displacement.ptr<cv::Vec2f>(y);
+      cv::Vec2f* w = where.ptr<cv::Vec2f>(y);
+      for (int x = 0; x < size_.width; ++x)
+        w[x] = {static_cast<float>(x) + d[x][0], static_cast<float>(y) + d[x][1]};
+    }
+    cv::remap(fluid_, carried, where, cv::noArray(), cv::INTER_CUBIC, cv::BORDER_CONSTANT);
+    cv::scaleAdd(carried, weight, sum, sum);
+  }
+  cv::Mat out(size_, CV_32F);
+  for (int y = 0; y < size_.height; ++y) {
+    const cv::Vec2f* s = sum.ptr<cv::Vec2f>(y);
+    const float* still = exposure_.ptr<float>(y);
+    const float* share = share_.ptr<float>(y);
+    const cv::Vec2f* own = fluid_.ptr<cv::Vec2f>(y);
+    float* to = out.ptr<float>(y);
+    for (int x = 0; x < size_.width; ++x) {
+      // What is brought is fluid as far as this place itself is.
+      const float brought = own[x][1] > 1e-3f ? std::clamp(s[x][1] / own[x][1], 0.0f, 1.0f) : 0.0f;
+      const float part = share[x] * brought;
+      to[x] = part > 0 ? still[x] + part * (s[x][0] / std::max(s[x][1], 1e-3f) - still[x]) : still[x];
+    }
+  }
+  return out;
+}
+
+}  // namespace freshet::synth

@@ -1,0 +1,99 @@
+#include "synth/animate/carried_base.h"
+
+#include <cmath>
+#include <numbers>
+
+#include <gtest/gtest.h>
+#include <opencv2/imgproc.hpp>
+
+namespace freshet::synth {
+namespace {
+
+constexpr int kWidth = 160, kHeight = 96;
+constexpr double kFps = 25;
+
+double stripes(double x, double y) { return 0.5 + 0.25 * std::sin(x / 5) + 0.15 * std::cos(y / 7); }
+
+cv::Mat picture() {
+  cv::Mat luma(kHeight, kWidth, CV_32F);
+  for (int y = 0; y < kHeight; ++y)
+    for (int x = 0; x < kWidth; ++x) luma.at<float>(y, x) = static_cast<float>(stripes(x, y));
+  return luma;
+}
+cv::Mat whole() { return cv::Mat(kHeight, kWidth, CV_32F, cv::Scalar(1)); }
+cv::Mat motion(float u, float v) { return cv::Mat(kHeight, kWidth, CV_32FC2, cv::Scalar(u, v)); }
+cv::Mat grey(double level) { return cv::Mat(kHeight, kWidth, CV_32F, cv::Scalar(level)); }
+
+const cv::Rect kMiddle(50, 30, 60, 36);
+
+TEST(CarriedBase, WithoutMotionIsThePicture) {
+  const CarriedBase base(picture(), whole(), grey(0.1), motion(0, 0), kFps, {});
+  for (const int i : {0, 3, 25}) EXPECT_LT(cv::norm(base.frame(i), picture(), cv::NORM_INF), 1e-5);
+}
+
+TEST(CarriedBase, IsThreeCopiesEachCarriedByItsAge) {
+  const CarriedBaseOptions options{.share = 1, .life_s = 0.6, .max_px = 100};
+  const CarriedBase base(picture(), whole(), grey(0.1), motion(40, -20), kFps, options);
+  constexpr int kLife = 15;
+  for (int i = 0; i < 2 * kLife; ++i) {
+    const cv::Mat frame = base.frame(i);
+    double worst = 0;
+    for (int y = kMiddle.y; y < kMiddle.br().y; ++y)
+      for (int x = kMiddle.x; x < kMiddle.br().x; ++x) {
+        double expected = 0;
+        for (int copy = 0; copy < 3; ++copy) {
+          const int age = (i + copy * 5 + kLife / 2) % kLife - kLife / 2;  // frames from its own place
+          const double weight = (1 + std::cos(2 * std::numbers::pi * age / kLife)) / 3;
+          expected += weight * stripes(x - 40 * age / kFps, y + 20 * age / kFps);
+        }
+        worst = std::max(worst, std::abs(expected - frame.at<float>(y, x)));
+      }
+    EXPECT_LT(worst, 4e-3) << i;
+  }
+}
+
+TEST(CarriedBase, NeitherLevelNorContrastPulses) {
+  cv::Mat noise(kHeight, kWidth, CV_32F), coarse;
+  cv::RNG random(3);
+  random.fill(noise, cv::RNG::UNIFORM, 0.2, 0.8);
+  const CarriedBase base(noise, whole(), grey(0.5), motion(60, 0), kFps, {.share = 1, .life_s = 1.2});
+  double least = 1, most = 0;
+  for (int i = 0; i < 30; ++i) {
+    cv::Scalar mean, deviation;
+    cv::meanStdDev(base.frame(i)(kMiddle), mean, deviation);
+    EXPECT_NEAR(mean[0], 0.5, 0.02);
+    least = std::min(least, deviation[0]);
+    most = std::max(most, deviation[0]);
+  }
+  EXPECT_LT(most / least, 1.2);
+}
+
+TEST(CarriedBase, BringsNothingThatIsNotFluid) {
+  cv::Mat luma = picture(), matte = whole();
+  luma(cv::Rect(0, 0, kWidth, 30)).setTo(100);  // rock, and it would be seen
+  matte(cv::Rect(0, 0, kWidth, 30)).setTo(0);
+  const CarriedBase base(luma, matte, grey(0.5), motion(0, 100), kFps, {.share = 1, .life_s = 1});
+  for (int i = 0; i < 25; ++i) {
+    double most = 0;
+    cv::minMaxLoc(base.frame(i)(cv::Rect(0, 31, kWidth, kHeight - 31)), nullptr, &most);
+    EXPECT_LT(most, 1.5) << i;
+  }
+}
+
+TEST(CarriedBase, RepeatsInALoopOfAnyLength) {
+  for (const int loop : {50, 51, 7}) {
+    const CarriedBaseOptions options{.share = 1, .life_s = 0.8, .max_px = 100, .loop_frames = loop};
+    const CarriedBase base(picture(), whole(), grey(0.5), motion(30, 10), kFps, options);
+    for (const int i : {0, 1, 5})
+      EXPECT_EQ(cv::norm(base.frame(i), base.frame(i + loop), cv::NORM_INF), 0) << loop;
+  }
+}
+
+TEST(CarriedBase, WhereItIsTooFastTheExposureShows) {
+  const CarriedBase base(picture(), whole(), grey(0.25), motion(2000, 0), kFps,
+                         {.share = 1, .life_s = 1, .max_px = 50});
+  EXPECT_EQ(cv::norm(base.frame(4), grey(0.25), cv::NORM_INF), 0);
+}
+
+}  // namespace
+}  // namespace freshet::synth
