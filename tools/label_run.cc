@@ -1,19 +1,24 @@
 #include "tools/label_run.h"
 
 #include <cmath>
+#include <optional>
 
 #include <fmt/format.h>
 
+#include "query/label_recall.h"
+#include "tools/cache_options.h"
 #include "tools/progress.h"
 
 namespace freshet::tools {
 
 std::unique_ptr<const query::SearchBase> open_with_progress(const store::Snapshot& snapshot,
-                                                            const SearchOptions& search) {
+                                                            const SearchOptions& search, bool built_late) {
   search.check_piece(snapshot);
   Progress progress;
   progress.show("reading the index", 0, 0);
-  auto base = std::make_unique<const query::SearchBase>(query::open_search(snapshot, search.index()));
+  query::IndexChoice choice = search.index();
+  choice.built_late = built_late;
+  auto base = std::make_unique<const query::SearchBase>(query::open_search(snapshot, choice));
   progress.finish();
   return base;
 }
@@ -21,7 +26,7 @@ std::unique_ptr<const query::SearchBase> open_with_progress(const store::Snapsho
 LabelRun label_with_progress(const store::Snapshot& snapshot, const TargetFiles::Loaded& loaded,
                              const SearchOptions& search, const AskedMotion& asked,
                              const LabelOptions& labelling, const Duration& duration,
-                             const RunContext& context) {
+                             const RunContext& context, query::LabelCache* cache) {
   query::LabelOptions options;
   options.candidates = MotionOptions::beside(asked, search);
   options.guide = asked.guide;
@@ -31,14 +36,19 @@ LabelRun label_with_progress(const store::Snapshot& snapshot, const TargetFiles:
   options.minimizer = labelling.solver();
   options.max_iterations = labelling.iterations();
   LabelRun run;
-  run.base = open_with_progress(snapshot, search);
+  run.base = open_with_progress(snapshot, search, cache != nullptr);
+  std::optional<query::LabelRecall> recall;
+  if (cache != nullptr) recall.emplace(*cache, snapshot, *run.base);
   Progress progress;
   run.labelling = query::label(
       snapshot, *run.base, loaded.picture, loaded.matte, options,
-      [&](query::LabelStage stage) { progress.show(query::to_string(stage), 0, 0); }, context.stop);
+      [&](query::LabelStage stage) { progress.show(query::to_string(stage), 0, 0); }, context.stop,
+      recall ? &*recall : nullptr);
   progress.finish();
+  finish_cache(cache);
   say_filters(run.labelling.search.filtered, duration);
   for (const std::string& note : run.labelling.search.candidates.notes) say(note);
+  if (recall) say(query::to_string(recall->reuse()));
   return run;
 }
 

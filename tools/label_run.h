@@ -17,14 +17,16 @@ struct LabelRun {
   query::Labelling labelling;
 };
 
-/// The base of all searches in a store, opened with its progress shown.
+/// The base of all searches in a store, opened with its progress shown. built_late   see query::IndexChoice.
 std::unique_ptr<const query::SearchBase> open_with_progress(const store::Snapshot& snapshot,
-                                                            const SearchOptions& search);
+                                                            const SearchOptions& search,
+                                                            bool built_late = false);
 
+/// cache   may be null; what was reused of it is said.
 LabelRun label_with_progress(const store::Snapshot& snapshot, const TargetFiles::Loaded& loaded,
                              const SearchOptions& search, const AskedMotion& asked,
                              const LabelOptions& labelling, const Duration& duration,
-                             const RunContext& context);
+                             const RunContext& context, query::LabelCache* cache = nullptr);
 
 /// One line: pieces, energy, bound, gap, seconds by stage.
 std::string label_summary(const LabelRun& run);

@@ -15,6 +15,7 @@
 #include "query/labelling.h"
 #include "synth/animate/assigned.h"
 #include "synth/animate/motion_field.h"
+#include "tools/cache_options.h"
 #include "tools/commands.h"
 #include "tools/label_run.h"
 #include "tools/motion_options.h"
@@ -41,6 +42,7 @@ struct LabelCommand {
   MotionOptions motion;
   Duration duration;
   LabelOptions labelling;
+  CacheOptions cache;
   std::string assignment, map, sheet;
   bool json = false;
 };
@@ -166,7 +168,7 @@ void run_label(const LabelCommand& command, const RunContext& context) {
   const TargetFiles::Loaded loaded = command.target.load();
   const AskedMotion asked = command.motion.read(loaded, command.search);
   const LabelRun run = label_with_progress(snapshot, loaded, command.search, asked, command.labelling,
-                                           command.duration, context);
+                                           command.duration, context, command.cache.open().get());
   const query::Labelling& labelling = run.labelling;
   const query::Assignment& assignment = labelling.assignment;
   if (!command.assignment.empty()) query::write_assignment(command.assignment, assignment);
@@ -245,6 +247,7 @@ void add_query(CLI::App& app, RunContext& context) {
   label->motion.add_outputs_to(*sub);
   label->duration.add_to(*sub);
   label->labelling.add_to(*sub);
+  label->cache.add_to(*sub);
   sub->add_option("-o,--output", label->assignment,
                   "Write the assignment, for freshet synth animate --assignment (JSON)");
   sub->add_option("--map", label->map, "Write a map of the picture coloured by clip (PNG, JPEG)");

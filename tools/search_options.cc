@@ -143,8 +143,10 @@ void LabelOptions::add_to(CLI::App& command) {
 
 query::Minimizer LabelOptions::solver() const { return query::parse_minimizer(solver_); }
 
-query::PairwiseOptions LabelOptions::costs() const {
-  query::PairwiseOptions costs = query::default_costs(query::parse_cost_form(costs_));
+query::PairwiseOptions LabelOptions::costs() const { return costs(query::parse_cost_form(costs_)); }
+
+query::PairwiseOptions LabelOptions::costs(query::CostForm form) const {
+  query::PairwiseOptions costs = query::default_costs(form);
   if (lambda_option_->count() > 0) costs.lambda = lambda_;
   if (sigma_option_->count() > 0) costs.sigma = sigma_;
   if (rho_option_->count() > 0) costs.rho = rho_;

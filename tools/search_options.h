@@ -61,6 +61,8 @@ class LabelOptions {
   query::Minimizer solver() const;
   int iterations() const { return iterations_; }
   query::PairwiseOptions costs() const;
+  /// With another form than that of --costs, whose defaults hold where no weight was given.
+  query::PairwiseOptions costs(query::CostForm form) const;
 
  private:
   std::string solver_ = "trw-s", costs_ = "log";

@@ -1,0 +1,311 @@
+// freshet synth sweep: one picture animated with all combinations of some settings.
+
+#include <algorithm>
+#include <atomic>
+#include <exception>
+#include <fstream>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <thread>
+
+#include <fmt/format.h>
+#include <oneapi/tbb/global_control.h>
+#include <nlohmann/json.hpp>
+
+#include "freshet_error.h"
+#include "media/picture.h"
+#include "query/label_recall.h"
+#include "query/label_sweep.h"
+#include "synth/animate/assigned.h"
+#include "tools/cache_options.h"
+#include "tools/commands.h"
+#include "tools/label_run.h"
+#include "tools/motion_options.h"
+#include "tools/picture_sink.h"
+#include "tools/play_options.h"
+#include "tools/progress.h"
+#include "tools/sweep_grid.h"
+#include "tools/sweep_page.h"
+
+namespace freshet::tools {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct SweepCommand {
+  TargetFiles target;
+  SearchOptions search;
+  MotionOptions motion;
+  Duration duration;
+  LabelOptions labelling;
+  PlayOptions play;
+  CacheOptions cache;
+  std::vector<std::string> sweeps;
+  std::string folder, video = "mp4";
+  bool json = false;
+};
+
+struct SweepSeconds {
+  double open = 0, search = 0, label = 0, render = 0;
+};
+
+class Watch {
+ public:
+  double lap() {
+    const auto now = std::chrono::steady_clock::now();
+    return std::chrono::duration<double>(now - std::exchange(last_, now)).count();
+  }
+
+ private:
+  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
+};
+
+void write_text(const fs::path& path, const std::string& text) {
+  std::ofstream file(path, std::ios::binary | std::ios::trunc);
+  file << text;
+  file.close();
+  if (!file) throw Error(ErrorKind::kIo, path.string(), "it cannot be written");
+}
+
+/// The folder, made when it is not there. Files of ours in it are replaced, others left.
+fs::path made_folder(const std::string& name) {
+  std::error_code fault;
+  fs::create_directories(name, fault);
+  if (fault || !fs::is_directory(name))
+    throw Error(ErrorKind::kIo, name, "no folder can be made here" + (fault ? ": " + fault.message() : ""),
+                "Name a folder for the page, its videos and assignments");
+  return name;
+}
+
+/// Of the points, those whose labelling is another than that of each point before; and for each point, which.
+struct DistinctLabellings {
+  std::vector<query::LabelVariation> variations;
+  std::vector<std::size_t> of_point;
+};
+DistinctLabellings distinct_labellings(const std::vector<SweepPoint>& points) {
+  DistinctLabellings distinct;
+  const auto same = [](const query::LabelVariation& a, const query::LabelVariation& b) {
+    return a.costs.form == b.costs.form && a.costs.lambda == b.costs.lambda &&
+           a.costs.sigma == b.costs.sigma && a.costs.rho == b.costs.rho && a.costs.vote == b.costs.vote &&
+           a.minimizer == b.minimizer && a.max_iterations == b.max_iterations;
+  };
+  for (const SweepPoint& point : points) {
+    std::size_t at = 0;
+    while (at < distinct.variations.size() && !same(distinct.variations[at], point.labelling)) ++at;
+    if (at == distinct.variations.size()) distinct.variations.push_back(point.labelling);
+    distinct.of_point.push_back(at);
+  }
+  return distinct;
+}
+
+/// Runs work(0) .. work(count - 1), so many at once; the first error is thrown when all have ended. Each is
+/// its own thread: a task of one animation must not begin another, whose memory was not counted.
+void run_beside(std::size_t count, std::size_t at_once, const std::function<void(std::size_t)>& work) {
+  std::atomic<std::size_t> next = 0;
+  std::mutex guard;
+  std::exception_ptr fault;
+  {
+    std::vector<std::jthread> threads;
+    for (std::size_t t = 0; t < std::min(count, at_once); ++t)
+      threads.emplace_back([&] {
+        for (std::size_t i = next++; i < count; i = next++) {
+          try {
+            work(i);
+          } catch (...) {
+            const std::lock_guard lock(guard);
+            if (!fault) fault = std::current_exception();
+            next = count;
+          }
+        }
+      });
+  }
+  if (fault) std::rethrow_exception(fault);
+}
+
+/// How many animations fit beside each other: what a picture's own planes take, and room for 16 frames.
+std::size_t rendered_at_once(std::size_t memory_bytes, cv::Size picture) {
+  const std::size_t least =
+      (std::size_t{96} << 20) + static_cast<std::size_t>(picture.area()) * (220 + 16 * 8);
+  const std::size_t threads =
+      oneapi::tbb::global_control::active_value(oneapi::tbb::global_control::max_allowed_parallelism);
+  return std::clamp<std::size_t>(memory_bytes / least, 1, threads);
+}
+
+nlohmann::json report_of(const std::vector<SweepPoint>& points, const std::vector<SweptAnimation>& animations,
+                         const query::CandidateSearch& search, std::size_t labellings,
+                         const SweepSeconds& seconds) {
+  nlohmann::json list = nlohmann::json::array();
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    nlohmann::json settings;
+    for (const auto& [name, value] : points[i].settings) settings[name] = value;
+    list.push_back({{"settings", settings},
+                    {"energy", animations[i].energy},
+                    {"changed", animations[i].changed},
+                    {"video", animations[i].video},
+                    {"assignment", animations[i].assignment}});
+    if (std::isfinite(animations[i].gap)) list.back()["gap"] = animations[i].gap;
+  }
+  return {{"pieces", search.target.size()},
+          {"edges", search.target.edges.size()},
+          {"labellings", labellings},
+          {"combinations", list},
+          {"seconds",
+           {{"open", seconds.open},
+            {"search", seconds.search},
+            {"label", seconds.label},
+            {"render", seconds.render}}}};
+}
+
+void run_sweep(const SweepCommand& command, const RunContext& context) {
+  std::vector<SweepAxis> axes;
+  for (const std::string& text : command.sweeps) axes.push_back(parse_axis(text));
+  synth::AnimateOptions rendering;
+  rendering.frames = command.duration.frames;
+  rendering.fps = command.duration.fps;
+  command.play.apply(rendering);
+  std::vector<SweepPoint> points = make_grid(axes, command.labelling, rendering);
+  for (const SweepPoint& point : points) query::check_weights(point.labelling.costs);
+  command.motion.check_outputs();
+  const store::Snapshot snapshot = store::Store::open_read(command.target.store).snapshot();
+  const TargetFiles::Loaded loaded = command.target.load();
+  const AskedMotion asked = command.motion.read(loaded, command.search);
+  command.motion.draw(loaded, asked, {});
+  const fs::path folder = made_folder(command.folder);
+
+  Progress progress;
+  SweepSeconds seconds;
+  const auto cache = command.cache.open();
+  const auto base = open_with_progress(snapshot, command.search, cache != nullptr);
+  seconds.open = base->seconds;
+  Watch watch;
+  query::LabelOptions options;
+  options.candidates = MotionOptions::beside(asked, command.search);
+  options.candidates.min_duration_s = command.duration.seconds();
+  options.guide = asked.guide;
+  options.piece_scale = command.search.piece_scale(loaded.picture.size());
+  std::unique_ptr<query::LabelRecall> recall;
+  if (cache) recall = std::make_unique<query::LabelRecall>(*cache, snapshot, *base);
+  guess_where_unasked(snapshot, *base, loaded, asked, options, context.stop, recall.get());
+  const query::CandidateSearch search = query::search_candidates(
+      snapshot, *base, loaded.picture, loaded.matte, options,
+      [&](query::LabelStage stage) { progress.show(query::to_string(stage), 0, 0); }, context.stop,
+      recall.get());
+  finish_cache(cache.get());
+  progress.finish();
+  say_filters(search.filtered, command.duration);
+  for (const std::string& note : search.candidates.notes) say(note);
+  seconds.search = watch.lap();
+
+  const DistinctLabellings distinct = distinct_labellings(points);
+  std::mutex guard;
+  progress.show("labelling", 0, distinct.variations.size(), "combinations");
+  const std::vector<query::SweptLabelling> labellings = query::label_variations(
+      snapshot, search, distinct.variations,
+      {.guide_costs = options.guide_costs, .memory_bytes = rendering.memory_bytes},
+      [&](std::size_t done) {
+        const std::lock_guard lock(guard);
+        progress.show("labelling", done, distinct.variations.size(), "combinations");
+      },
+      context.stop);
+  progress.finish();
+  seconds.label = watch.lap();
+
+  std::vector<SweptAnimation> animations(points.size());
+  const vision::Settings& settings = base->settings;
+  const std::size_t at_once =
+      std::min(points.size(), rendered_at_once(rendering.memory_bytes, loaded.picture.size()));
+  std::size_t rendered = 0;
+  progress.show("rendering", 0, points.size(), "animations");
+  run_beside(points.size(), at_once, [&](std::size_t i) {
+    if (context.stop.stop_requested()) throw Error(ErrorKind::kCancelled, "sweep", "stopped");
+    const query::SweptLabelling& labelling = labellings[distinct.of_point[i]];
+    SweptAnimation& animation = animations[i];
+    animation.title = points[i].title();
+    animation.video = fmt::format("{:02}.{}", i + 1, command.video);
+    animation.assignment = fmt::format("{:02}.json", i + 1);
+    animation.energy = labelling.assignment.energy;
+    animation.gap = labelling.assignment.gap();
+    const query::Labels& first = labellings[distinct.of_point[0]].labels;
+    std::size_t unlike = 0;
+    for (std::size_t piece = 0; piece < first.size(); ++piece)
+      unlike += first[piece] != labelling.labels[piece];
+    animation.changed = static_cast<double>(unlike) / static_cast<double>(first.size());
+    query::write_assignment(folder / animation.assignment, labelling.assignment);
+    synth::Placement placement = synth::place(labelling.assignment, snapshot);
+    {
+      const std::lock_guard lock(guard);  // it may have something to say
+      command.play.apply(placement, loaded.picture.size());
+    }
+    synth::AnimateOptions one = points[i].rendering;
+    one.memory_bytes /= at_once;
+    PictureSink sink(folder / animation.video, loaded.picture.size(), one.frames, one.fps);
+    int frame = 0;
+    synth::animate(
+        snapshot, settings, loaded.picture, loaded.matte, placement, one,
+        [&](const cv::Mat& picture) {
+          sink.write(picture);
+          if (frame++ == one.frames / 2) animation.frame = picture.clone();
+        },
+        {}, context.stop);
+    sink.finish();
+    const std::lock_guard lock(guard);
+    progress.show("rendering", ++rendered, points.size(), "animations");
+  });
+  progress.finish();
+  seconds.render = watch.lap();
+
+  media::write_picture(folder / "still.png", loaded.picture);
+  media::write_picture(folder / "sheet.png", sweep_sheet(loaded.picture, animations));
+  write_text(folder / "index.html", sweep_page("Sweep of " + command.target.picture.filename().string(),
+                                               "still.png", loaded.picture.size(), animations));
+  const nlohmann::json report = report_of(points, animations, search, labellings.size(), seconds);
+  write_text(folder / "sweep.json", report.dump(2) + "\n");
+  if (command.json) {
+    fmt::print("{}\n", report.dump(2));
+    return;
+  }
+  for (const SweptAnimation& animation : animations)
+    fmt::print("{}  {}  {}, {:.0f}% of pieces unlike the first's\n", animation.video, animation.title,
+               energy_text(animation), 100 * animation.changed);
+  say(fmt::format(
+      "{} animations of {} labellings of {} pieces in {:.1f} s (index {:.1f}, search {:.1f}, label "
+      "{:.1f}, render {:.1f})",
+      points.size(), labellings.size(), search.target.size(),
+      seconds.open + seconds.search + seconds.label + seconds.render, seconds.open, seconds.search,
+      seconds.label, seconds.render));
+  fmt::print("{}\n{}\n", (folder / "sheet.png").string(), (folder / "index.html").string());
+}
+
+}  // namespace
+
+void add_sweep(CLI::App& synth_command, RunContext& context) {
+  auto command = std::make_shared<SweepCommand>();
+  CLI::App* sub = synth_command.add_subcommand(
+      "sweep", "Animate a still picture with all combinations of some settings, side by side");
+  command->target.add_to(*sub);
+  sub->add_option("--sweep", command->sweeps,
+                  "NAME=VALUE,VALUE,...; may be given several times: all combinations are made, " +
+                      std::to_string(kMostPoints) + " at most. Names: " + sweepable_names())
+      ->required()
+      ->type_name("NAME=VALUES");
+  sub->add_option("-o,--output", command->folder,
+                  "Folder for index.html, sheet.png, sweep.json, and a video and an assignment for each "
+                  "combination; made when it is not there")
+      ->required()
+      ->type_name("DIR");
+  sub->add_option("--video", command->video, "Kind of the videos: mp4 or webp")
+      ->check(CLI::IsMember({"mp4", "webp"}))
+      ->capture_default_str();
+  sub->add_flag("--json", command->json, "Print the result as JSON");
+  command->duration.add_to(*sub);
+  command->search.add_to(*sub);
+  command->motion.add_to(*sub);
+  command->labelling.add_to(*sub);
+  command->play.add_to(*sub);
+  command->cache.add_to(*sub);
+  add_threads(*sub);
+  sub->callback([command, &context] { run_sweep(*command, context); });
+}
+
+}  // namespace freshet::tools
