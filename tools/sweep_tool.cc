@@ -186,7 +186,6 @@ void run_sweep(const SweepCommand& command, const RunContext& context) {
   options.piece_scale = command.search.piece_scale(loaded.picture.size());
   std::unique_ptr<query::LabelRecall> recall;
   if (cache) recall = std::make_unique<query::LabelRecall>(*cache, snapshot, *base);
-  guess_where_unasked(snapshot, *base, loaded, asked, options, context.stop, recall.get());
   const query::CandidateSearch search = query::search_candidates(
       snapshot, *base, loaded.picture, loaded.matte, options,
       [&](query::LabelStage stage) { progress.show(query::to_string(stage), 0, 0); }, context.stop,
