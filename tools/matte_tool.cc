@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <filesystem>
@@ -7,21 +8,31 @@
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
+#include <opencv2/imgproc.hpp>
 
 #include "freshet_error.h"
 #include "media/picture.h"
+#include "query/labelling.h"
 #include "synth/matte/matte.h"
+#include "synth/matte/proposal.h"
 #include "tools/commands.h"
+#include "tools/label_run.h"
 #include "tools/output_names.h"
+#include "tools/progress.h"
+#include "tools/search_options.h"
 
 namespace freshet::tools {
 namespace {
 
 namespace matte = synth::matte;
 
+constexpr int kProposalSide = 640;  // px: more pieces cost time and say no more about where fluid is
+
 struct MatteCommand {
   std::filesystem::path picture, scribbles, marks;
   std::vector<std::string> boxes;
+  std::string store;  // to propose marks from; empty: none
+  query::CandidateOptions candidates;
   std::string edge = matte::to_string(matte::EdgeOptions{}.edge);
   std::string out, sheet;
   matte::MatteOptions options;
@@ -37,55 +48,92 @@ cv::Rect2d parse_box(const std::string& text) {
   return {x, y, width, height};
 }
 
-/// Scribbles lie over marks, and both over the boxes.
-matte::Marks read_all_marks(const MatteCommand& command, const cv::Mat& picture) {
+/// What the store proposes, for a copy of the picture of at most kProposalSide px: 3 s with 350,000 patches.
+matte::Marks propose(const MatteCommand& command, const cv::Mat& picture, const RunContext& context) {
+  const store::Snapshot snapshot = store::Store::open_read(command.store).snapshot();
+  const auto base = open_with_progress(snapshot, SearchOptions());
+  const double scale =
+      std::min(1.0, static_cast<double>(kProposalSide) / std::max(picture.cols, picture.rows));
+  cv::Mat small;
+  cv::resize(picture, small, {}, scale, scale, cv::INTER_AREA);
+  query::LabelOptions options;
+  options.candidates = command.candidates;
+  options.candidates.k = matte::ProposalOptions{}.best;
+  options.candidates.coherent = 0;
+  Progress progress;
+  const query::CandidateSearch search = query::search_candidates(
+      snapshot, *base, small, cv::Mat(small.size(), CV_8U, cv::Scalar(255)), options,
+      [&](query::LabelStage stage) { progress.show(query::to_string(stage), 0, 0); }, context.stop);
+  progress.finish();
+  const matte::Proposal proposal = matte::propose_marks(search.target, search.candidates, {}, command.store);
+  say(fmt::format(
+      "{}: of {} pieces {} look like fluid (mean score {:.2f}), {} do not ({:.2f}). This is a guess: "
+      "look at the matte",
+      command.store, search.target.size(), proposal.fluid_pieces, proposal.fluid_score,
+      proposal.background_pieces, proposal.background_score));
+  matte::Marks marks;
+  cv::resize(proposal.marks, marks, picture.size(), 0, 0, cv::INTER_NEAREST);
+  return marks;
+}
+
+/// Scribbles lie over marks, both over the store's proposal, and all over the boxes.
+matte::Marks read_all_marks(const MatteCommand& command, const cv::Mat& picture, const RunContext& context) {
   matte::Marks marks(picture.size(), CV_8U, cv::Scalar(matte::kUnknown));
+  std::vector<cv::Rect2d> boxes;
+  for (const std::string& box : command.boxes) boxes.push_back(parse_box(box));
+  if (!command.store.empty()) {
+    // What the box rules out is no fluid, whatever the store says.
+    marks = propose(command, picture, context);
+    if (!boxes.empty()) {
+      matte::Marks outside(picture.size(), CV_8U, cv::Scalar(matte::kUnknown));
+      matte::keep_within(outside, boxes, "--box");
+      matte::lay_over(marks, outside);
+    }
+  }
   if (!command.marks.empty()) matte::lay_over(marks, matte::read_marks(command.marks, picture.size()));
   if (!command.scribbles.empty()) {
     std::vector<std::string> notices;
     matte::lay_over(marks, matte::read_scribbles(command.scribbles, picture, &notices));
     for (const std::string& notice : notices) say(command.scribbles.string() + ": " + notice);
   }
-  if (!command.boxes.empty()) {
-    std::vector<cv::Rect2d> boxes;
-    for (const std::string& box : command.boxes) boxes.push_back(parse_box(box));
-    matte::keep_within(marks, boxes, "--box");
-  }
+  if (!boxes.empty()) matte::keep_within(marks, boxes, "--box");
   return marks;
 }
 
 void run_matte(MatteCommand command, const RunContext& context) {
-  if (command.scribbles.empty() && command.marks.empty() && command.boxes.empty())
+  if (command.scribbles.empty() && command.marks.empty() && command.boxes.empty() && command.store.empty())
     throw Error(ErrorKind::kUsage, "synth matte", "nothing says where the fluid is",
-                "Give --scribbles, --marks or --box");
+                "Give --scribbles, --marks, --box or --auto");
   check_picture_output(command.out);
   check_picture_output(command.sheet);
   command.options.edge.edge = matte::parse_edge(command.edge);
   const auto start = std::chrono::steady_clock::now();
   const media::Picture picture = media::read_picture(command.picture);
   for (const std::string& notice : picture.notices) say(command.picture.string() + ": " + notice);
-  const matte::Marks marks = read_all_marks(command, picture.bgr);
-  const double read_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  const matte::Marks marks = read_all_marks(command, picture.bgr, context);
+  const double marks_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   const std::string where = !command.scribbles.empty() ? command.scribbles.string()
                             : !command.marks.empty()   ? command.marks.string()
-                                                       : "--box";
+                            : !command.boxes.empty()   ? "--box"
+                                                       : command.store;
   const matte::Matte made = matte::make_matte(picture.bgr, marks, command.options, where, context.stop);
   for (const std::string& notice : made.notices) say(where + ": " + notice);
   media::write_picture(command.out, made.alpha);
   if (!command.sheet.empty())
     media::write_picture(command.sheet, matte::matte_sheet(picture.bgr, marks, made.alpha));
-  say(fmt::format("{:.1f} % of {} x {} px is fluid; read {:.2f} s, region {:.2f} s, edge {:.2f} s",
-                  100 * made.share, made.alpha.cols, made.alpha.rows, read_s, made.region_s, made.edge_s));
+  say(fmt::format("{:.1f} % of {} x {} px is fluid; marks {:.2f} s, region {:.2f} s, edge {:.2f} s",
+                  100 * made.share, made.alpha.cols, made.alpha.rows, marks_s, made.region_s, made.edge_s));
   if (command.json) {
-    fmt::print("{}\n", nlohmann::json{{"matte", command.out},
-                                      {"width", made.alpha.cols},
-                                      {"height", made.alpha.rows},
-                                      {"share", made.share},
-                                      {"edge", command.edge},
-                                      {"notices", made.notices},
-                                      {"seconds",
-                                       {{"read", read_s}, {"region", made.region_s}, {"edge", made.edge_s}}}}
-                           .dump());
+    fmt::print(
+        "{}\n",
+        nlohmann::json{{"matte", command.out},
+                       {"width", made.alpha.cols},
+                       {"height", made.alpha.rows},
+                       {"share", made.share},
+                       {"edge", command.edge},
+                       {"notices", made.notices},
+                       {"seconds", {{"marks", marks_s}, {"region", made.region_s}, {"edge", made.edge_s}}}}
+            .dump());
     return;
   }
   fmt::print("{}\n", command.out);
@@ -121,6 +169,19 @@ void add_matte(CLI::App& synth_command, RunContext& context) {
       ->delimiter(' ')
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
+      ->group(marking);
+  sub->add_option(
+         "--auto", command->store,
+         "Ask this store: parts of the picture whose best candidates are good are proposed as fluid. A "
+         "guess, blind to colour, best on water: look at the --sheet, and correct it by strokes and boxes, "
+         "which "
+         "go first")
+      ->type_name("STORE")
+      ->group(marking);
+  sub->add_option("--class", command->candidates.class_name, "With --auto: only clips of this class [all]")
+      ->group(marking);
+  sub->add_option("--exclude", command->candidates.excluded_clips,
+                  "With --auto: leave this clip out; may be given several times")
       ->group(marking);
   const std::string edges = "Edge";
   sub->add_option("--edge", command->edge,

@@ -7,6 +7,7 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
 
+#include "sample.h"
 #include "work_folder.h"
 
 namespace freshet::tools {
@@ -72,8 +73,29 @@ TEST_F(MatteTool, JsonAndSheet) {
   const nlohmann::json json = nlohmann::json::parse(made.out);
   EXPECT_NEAR(json["share"].get<double>(), kFluid.area() / (160.0 * 120), 0.02);
   EXPECT_EQ(json["matte"], "m.png");
-  for (const char* stage : {"read", "region", "edge"}) EXPECT_GE(json["seconds"][stage].get<double>(), 0);
+  for (const char* stage : {"marks", "region", "edge"}) EXPECT_GE(json["seconds"][stage].get<double>(), 0);
   EXPECT_EQ(cv::imread(folder_ / "sheet.png").size(), cv::Size(4 * 160 + 3 * 8, 120));
+}
+
+// A still of the store's kind of fluid in the middle of a chequered wall.
+TEST_F(MatteTool, FromTheStoreItself) {
+  cv::Mat picture(2 * kHeight, 3 * kWidth, CV_8UC3);
+  for (int y = 0; y < picture.rows; ++y)
+    for (int x = 0; x < picture.cols; ++x)
+      picture.at<cv::Vec3b>(y, x) = (x / 7 + y / 7) % 2 != 0 ? cv::Vec3b(20, 120, 30) : cv::Vec3b(10, 60, 90);
+  const cv::Mat still = cv::imread(sample().still), alpha = cv::imread(sample().matte, cv::IMREAD_GRAYSCALE);
+  const cv::Rect middle(kWidth, kHeight / 2, kWidth, kHeight);
+  still.copyTo(picture(middle));
+  cv::imwrite(folder_ / "wall.png", picture);
+  const Outcome made = folder_.freshet(
+      {"synth", "matte", "wall.png", "--auto", sample().store, "--class", "fall", "-o", "m.png", "--json"});
+  ASSERT_EQ(made.exit_code, 0) << made.err;
+  EXPECT_NE(made.err.find("This is a guess"), std::string::npos) << made.err;
+  const cv::Mat matte = cv::imread(folder_ / "m.png", cv::IMREAD_GRAYSCALE);
+  ASSERT_EQ(matte.size(), picture.size());
+  const double inside = cv::sum(matte(middle))[0], all = cv::sum(matte)[0];
+  EXPECT_GT(inside, 0.9 * all) << made.err;
+  EXPECT_GT(inside / 255, 0.2 * middle.area()) << made.err;
 }
 
 TEST_F(MatteTool, BadInputIsRefusedBeforeAnythingIsWritten) {
@@ -87,12 +109,13 @@ TEST_F(MatteTool, BadInputIsRefusedBeforeAnythingIsWritten) {
     const char* message;
   };
   const std::vector<Case> cases{
-      {{}, 2, "nothing says where the fluid is. Give --scribbles, --marks or --box"},
+      {{}, 2, "nothing says where the fluid is. Give --scribbles, --marks, --box or --auto"},
       {{"--scribbles", "small.png"}, 1, "small.png: the scribbles are 40 x 30 px, the picture 160 x 120"},
       {{"--scribbles", "empty.png"}, 1, "empty.png: no stroke in it"},
       {{"--scribbles", "all.png"}, 1, "all.png: the whole border of the picture is marked as fluid"},
       {{"--scribbles", "none.png"}, 1, "none.png: there is no such file"},
       {{"--marks", "bad.json"}, 1, "bad.json: \"format\" is not"},
+      {{"--auto", "none.store"}, 1, "none.store"},
       {{"--box", "1,2,3"}, 2, "--box 1,2,3: it is not LEFT,TOP,WIDTH,HEIGHT"},
       {{"--box", "500,0,10,10"}, 2, "has no area in the picture of 160 x 120 px"},
       {{"--scribbles", "s.png", "--edge", "sharp"}, 2, "--edge"}};
