@@ -66,8 +66,8 @@ struct AnimateProgress {
 /// animation
 ///            and for a loop rule; Error{kCancelled} when stopped.
 /// Memory     see AnimateOptions::memory_bytes. The same frames for any of it, and any number of threads.
-/// With `loop`, clips play whole numbers of their loops, each beginning at another moment, and the file
-/// begins where the frames change least from one to the next. Source     Okabe et al. 2011, Sec. 6.
+/// With `loop`, clips play whole numbers of their loops, each beginning at another moment (timeline.h).
+/// Source     Okabe et al. 2011, Sec. 6.
 AnimateReport animate(const store::Snapshot& snapshot, const vision::Settings& settings,
                       const cv::Mat& picture, const cv::Mat& matte, const Placement& placement,
                       const AnimateOptions& options, const std::function<void(const cv::Mat&)>& sink,

@@ -61,6 +61,14 @@ TEST(LoopRule, IsNoneForAClipThatIsTooShort) {
   }
 }
 
+TEST(LoopRule, IsNoShorterThanHalfTheClip) {
+  for (const double period : {10.0, 14.0, 31.0}) {
+    const auto rule = rule_of(75, period);
+    ASSERT_TRUE(rule);
+    EXPECT_GE(rule->length(), 37U) << period;
+  }
+}
+
 TEST(LoopRule, OfALongClipTheMiddleIsForgotten) {
   const auto rule = rule_of(2600, 50);
   ASSERT_TRUE(rule);
