@@ -104,13 +104,25 @@ BoundarySequence boundary_of(const store::Snapshot& snapshot, const vision::Sett
       options.loop ? options.frames : 0);
 }
 
+/// Lengths in px are meant for pieces of their own size: enlarged ones are blurred, carried and matched as
+/// widely.
+AnimateOptions enlarged(AnimateOptions options, double scale) {
+  options.base.max_length_px *= scale;
+  options.base.max_sigma_px *= scale;
+  options.carry.max_px *= scale;
+  options.appearance.region_px = static_cast<int>(std::lround(options.appearance.region_px * scale));
+  options.appearance.levels += static_cast<int>(std::lround(std::log2(scale)));
+  return options;
+}
+
 }  // namespace
 
 AnimateReport animate(const store::Snapshot& snapshot, const vision::Settings& settings,
                       const cv::Mat& picture, const cv::Mat& matte, const Placement& placement,
-                      const AnimateOptions& options, const std::function<void(const cv::Mat&)>& sink,
+                      const AnimateOptions& asked, const std::function<void(const cv::Mat&)>& sink,
                       const std::function<void(const AnimateProgress&)>& progress, std::stop_token stop) {
   check(placement);
+  const AnimateOptions options = enlarged(asked, placement.piece_scale);
   // What is wrong with the background is said before the work.
   const bool moving_boundary = options.boundary.boundary == Boundary::kMoving;
   const cv::Mat behind = moving_boundary ? behind_fluid(picture, matte, options.boundary) : cv::Mat();
@@ -158,9 +170,16 @@ AnimateReport animate(const store::Snapshot& snapshot, const vision::Settings& s
   picture.convertTo(target, CV_32F, 1.0 / 255);
   matte.convertTo(alpha, CV_32F, 1.0 / 255);
   const cv::Mat target_luma = luma_of(target);
-  const cv::Mat motion = motion_field(snapshot, settings, placement, picture.size());
+  const cv::Mat motion = steered(motion_field(snapshot, settings, placement, picture.size()), options.guide);
   const cv::Mat base_luma = base_image(target_luma, alpha, motion, options.base);
-  ColourModel colours = fit_colour(target, target_luma, alpha);
+  std::optional<CarriedBase> carried;
+  if (options.carry.share > 0) {
+    CarriedBaseOptions carry = options.carry;
+    if (options.loop) carry.loop_frames = options.frames;
+    carried.emplace(target_luma, alpha, base_luma, motion, options.fps, carry);
+  }
+  ColourModel colours =
+      fit_colour(target, target_luma, alpha, static_cast<int>(std::lround(12 * placement.piece_scale)));
   // What colour does beside luminance keeps its place, as blurred as the rest.
   cv::Mat modelled;
   apply_colour(colours, target_luma, modelled);
@@ -172,10 +191,10 @@ AnimateReport animate(const store::Snapshot& snapshot, const vision::Settings& s
       *layer = push_outward(*layer, alpha);
   report.base_s = watch.lap();
 
-  // Luminance of a frame that the blender holds; once.
-  const auto merged = [&](int slot) {
+  // Luminance of an output frame, which lies in a slot of the blender; once.
+  const auto merged = [&](int output, int slot) {
     const cv::Mat field = blender.take(slot);
-    cv::Mat luma = base_luma.clone();
+    cv::Mat luma = carried ? carried->frame(output) : base_luma.clone();
     if (moving_boundary) luma = push_outward(luma, alpha);
     add_enlarged(field, canvas, placement.piece_scale, luma);
     return luma;
@@ -190,7 +209,7 @@ AnimateReport animate(const store::Snapshot& snapshot, const vision::Settings& s
     tell("match", 0, 1);
     std::vector<cv::Mat> lumas(samples.size());
     oneapi::tbb::parallel_for(std::size_t{0}, samples.size(), [&](std::size_t i) {
-      lumas[i] = merged(in_one ? samples[i] : static_cast<int>(i));
+      lumas[i] = merged(samples[i], in_one ? samples[i] : static_cast<int>(i));
     });
     model.emplace(model_of(lumas));
     if (in_one)
@@ -225,8 +244,8 @@ AnimateReport animate(const store::Snapshot& snapshot, const vision::Settings& s
     return finished;
   };
 
-  // Made of whole frames, a loop begins after the transition that changes the picture least (else its timelines
-  // see to the seam).
+  // Made of whole frames, a loop begins after the transition that changes the picture least (else its
+  // timelines see to the seam).
   std::vector<int> order = all;
   if (options.loop && options.resampling == Resampling::kNearest)
     std::rotate(order.begin(),
@@ -254,9 +273,10 @@ AnimateReport animate(const store::Snapshot& snapshot, const vision::Settings& s
       oneapi::tbb::parallel_for(std::size_t{0}, finished.size(), [&](std::size_t i) {
         const int output = outputs[done + i];
         const auto found = ready.find(output);
-        finished[i] = render(found != ready.end() ? std::exchange(found->second, {})
-                                                  : merged(in_one ? output : done + static_cast<int>(i)),
-                             mattes[i]);
+        finished[i] =
+            render(found != ready.end() ? std::exchange(found->second, {})
+                                        : merged(output, in_one ? output : done + static_cast<int>(i)),
+                   mattes[i]);
       });
       for (const cv::Mat& frame : finished) sink(frame);
       tell("render", first + done + finished.size(), options.frames);
