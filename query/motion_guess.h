@@ -24,7 +24,7 @@ struct GuessOptions {
                        // so that they cannot tell left from right, and of up and down they tell no more
                        // than their class does, and send water up
   double reach_px = 48;             // sigma over which neighbours speak for a piece: two pieces' stride
-  double least_certainty = 0.25;    // length of the mean direction, 0..1, from which a piece dares
+  double least_certainty = 0.15;    // length of the mean direction, 0..1, from which a piece dares
   double min_speed_px_per_s = 2.5;  // slower patches say nothing
 };
 

@@ -7,6 +7,7 @@
 
 #include "query/label_recall.h"
 #include "tools/cache_options.h"
+#include "tools/motion_hint.h"
 #include "tools/progress.h"
 
 namespace freshet::tools {
@@ -39,6 +40,7 @@ LabelRun label_with_progress(const store::Snapshot& snapshot, const TargetFiles:
   run.base = open_with_progress(snapshot, search, cache != nullptr);
   std::optional<query::LabelRecall> recall;
   if (cache != nullptr) recall.emplace(*cache, snapshot, *run.base);
+  guess_where_unasked(snapshot, *run.base, loaded, asked, options, context.stop, recall ? &*recall : nullptr);
   Progress progress;
   run.labelling = query::label(
       snapshot, *run.base, loaded.picture, loaded.matte, options,

@@ -24,6 +24,13 @@ void say_all(const std::string& file, const std::vector<std::string>& notices) {
 void MotionOptions::add_to(CLI::App& command) {
   speed_white_ = query::kSpeedWhite;
   speed_ratio_ = query::MotionGuide{}.speed_ratio;
+  command
+      .add_option("--hint", hint_,
+                  "Where no direction is asked: auto (guess one from the candidates' classes and the "
+                  "picture's texture, and say so) or none")
+      ->check(CLI::IsMember({"auto", "none"}))
+      ->capture_default_str()
+      ->group(kGroup);
   CLI::Option* strokes =
       command
           .add_option(
@@ -85,6 +92,7 @@ void MotionOptions::check_outputs() const {
 
 AskedMotion MotionOptions::read(const TargetFiles::Loaded& loaded, const SearchOptions& search) const {
   AskedMotion asked;
+  asked.guesses = hint_ == "auto";
   asked.guide.tolerance_deg = search.options().direction_tolerance_deg;
   asked.guide.speed_ratio = speed_ratio_;
   const cv::Size picture = loaded.picture.size();

@@ -19,12 +19,13 @@ namespace freshet::tools {
 struct AskedMotion {
   query::MotionGuide guide;            // empty: nothing was asked
   std::vector<query::Stroke> strokes;  // as read, for the drawing
+  bool guesses = true;                 // where nobody says a direction, one may be guessed (motion_hint.h)
   bool has_direction() const { return !guide.direction.empty(); }
 };
 
 class MotionOptions {
  public:
-  /// --strokes, --orientation-map, --speed-map, --speed-white, --speed-tolerance, --draw.
+  /// --hint, --strokes, --orientation-map, --speed-map, --speed-white, --speed-tolerance, --draw.
   void add_to(CLI::App& command);
   /// --orientation-out, --speed-out: for commands that assign patches.
   void add_outputs_to(CLI::App& command);
@@ -49,7 +50,7 @@ class MotionOptions {
   std::vector<std::string> outputs() const { return {drawing_, orientation_out_, speed_out_}; }
 
  private:
-  std::string strokes_, orientation_map_, speed_map_, drawing_, orientation_out_, speed_out_;
+  std::string hint_ = "auto", strokes_, orientation_map_, speed_map_, drawing_, orientation_out_, speed_out_;
   double speed_white_ = 0, speed_ratio_ = 0;
 };
 

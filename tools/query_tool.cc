@@ -18,6 +18,7 @@
 #include "tools/cache_options.h"
 #include "tools/commands.h"
 #include "tools/label_run.h"
+#include "tools/motion_hint.h"
 #include "tools/motion_options.h"
 #include "tools/output_names.h"
 #include "tools/progress.h"
@@ -123,14 +124,20 @@ void run_candidates(const CandidatesCommand& command, const RunContext& context)
   command.motion.check_outputs();
   const store::Snapshot snapshot = store::Store::open_read(command.target.store).snapshot();
   const TargetFiles::Loaded loaded = command.target.load();
-  const AskedMotion asked = command.motion.read(loaded, command.search);
-  command.motion.draw(loaded, asked, {});
+  AskedMotion asked = command.motion.read(loaded, command.search);
   query::LabelOptions options;
   options.candidates = MotionOptions::beside(asked, command.search);
   options.guide = asked.guide;
   options.piece_scale = command.search.piece_scale(loaded.picture.size());
   options.candidates.min_duration_s = command.duration.seconds();
+  const bool guesses = may_guess(asked, options.candidates);
+  if (!guesses) command.motion.draw(loaded, asked, {});
   const auto base = open_with_progress(snapshot, command.search);
+  if (guesses) {
+    guess_where_unasked(snapshot, *base, loaded, asked, options, context.stop);
+    asked.guide = options.guide;
+    command.motion.draw(loaded, asked, {});
+  }
   Progress progress;
   const query::CandidateSearch search = query::search_candidates(
       snapshot, *base, loaded.picture, loaded.matte, options,

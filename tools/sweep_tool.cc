@@ -21,6 +21,7 @@
 #include "tools/cache_options.h"
 #include "tools/commands.h"
 #include "tools/label_run.h"
+#include "tools/motion_hint.h"
 #include "tools/motion_options.h"
 #include "tools/picture_sink.h"
 #include "tools/play_options.h"
@@ -186,6 +187,7 @@ void run_sweep(const SweepCommand& command, const RunContext& context) {
   options.piece_scale = command.search.piece_scale(loaded.picture.size());
   std::unique_ptr<query::LabelRecall> recall;
   if (cache) recall = std::make_unique<query::LabelRecall>(*cache, snapshot, *base);
+  guess_where_unasked(snapshot, *base, loaded, asked, options, context.stop, recall.get());
   const query::CandidateSearch search = query::search_candidates(
       snapshot, *base, loaded.picture, loaded.matte, options,
       [&](query::LabelStage stage) { progress.show(query::to_string(stage), 0, 0); }, context.stop,

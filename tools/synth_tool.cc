@@ -243,7 +243,7 @@ void add_animate(CLI::App& synth_command, RunContext& context) {
   sub->callback([command, sub, &context] {
     if (!command->assignment.empty())
       for (const char* name : {"--class", "--direction", "--exclude", "--piece", "--piece-scale", "--solver",
-                               "--strokes", "--orientation-map", "--speed-map", "--cache"})
+                               "--hint", "--strokes", "--orientation-map", "--speed-map", "--cache"})
         if (sub->count(name) > 0)
           say(fmt::format("{} has no effect: {} says which patches are used", name, command->assignment));
     run_animate(*command, context);

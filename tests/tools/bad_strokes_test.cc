@@ -116,8 +116,8 @@ TEST_F(BadStrokes, OptionsThatCannotBe) {
   expect_failure({"--speed-out", "speed.jpg"}, 2, {"speed.jpg: a map needs a format that keeps 16 bits"});
   expect_failure({"--orientation-out", "none/a.png"}, 1, {"the folder none does not exist"});
   expect_failure({"--draw", "none/a.png"}, 1, {"the folder none does not exist"});
-  const Outcome nothing =
-      folder_.freshet({"query", "candidates", sample().store, sample().still, "--draw", "a.png"});
+  const Outcome nothing = folder_.freshet(
+      {"query", "candidates", sample().store, sample().still, "--hint", "none", "--draw", "a.png"});
   EXPECT_EQ(nothing.exit_code, 2);
   EXPECT_NE(nothing.err.find("no motion is asked"), std::string::npos) << nothing.err;
 }

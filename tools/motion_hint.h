@@ -1,0 +1,27 @@
+// tools/motion_hint.h — a guess of the motion where a person has asked for none, said on stderr.
+#pragma once
+
+#include <stop_token>
+
+#include "query/label_recall.h"
+#include "query/labelling.h"
+#include "query/search_base.h"
+#include "store/store.h"
+#include "tools/motion_options.h"
+#include "tools/search_options.h"
+
+namespace freshet::tools {
+
+/// Whether nobody says a direction: neither strokes nor an orientation map nor --direction, and not --hint
+/// none.
+bool may_guess(const AskedMotion& asked, const query::CandidateOptions& options);
+
+/// Gives options.guide a direction, and its tolerance, where one may be guessed and the guess dares. What was
+/// guessed is said, and how to overrule it. A speed that was asked stays. Costs a search without hint.
+/// recall   may be null.
+void guess_where_unasked(const store::Snapshot& snapshot, const query::SearchBase& base,
+                         const TargetFiles::Loaded& loaded, const AskedMotion& asked,
+                         query::LabelOptions& options, std::stop_token stop,
+                         query::LabelRecall* recall = nullptr);
+
+}  // namespace freshet::tools
