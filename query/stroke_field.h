@@ -14,7 +14,7 @@ namespace freshet::query {
 struct StrokeField {
   cv::Mat direction;  // CV_32FC2, unit vectors, x right, y down; (0, 0) where strokes cancel, as in the
                       // middle of a vortex
-  cv::Mat speed;  // CV_32F, px/s; empty when no stroke has a speed
+  cv::Mat speed;      // CV_32F, px/s; empty when no stroke has a speed
 };
 
 /// How a stroke's weight falls with distance. Which is the default was decided by eye, see

@@ -10,7 +10,7 @@ void add_index(CLI::App& app, RunContext& context);
 void add_store(CLI::App& app, RunContext& context);
 void add_query(CLI::App& app, RunContext& context);
 void add_synth(CLI::App& app, RunContext& context);
-void add_sweep(CLI::App& synth_command, RunContext& context);
 void add_matte(CLI::App& synth_command, RunContext& context);  // freshet synth matte
+void add_sweep(CLI::App& synth_command, RunContext& context);
 
 }  // namespace freshet::tools

@@ -39,7 +39,8 @@ struct AnimateOptions {
   BlendOptions blend;
   BaseImageOptions base;
   CarriedBaseOptions carry;
-  query::MotionGuide guide{};  // what was asked of the motion: the picture is blurred and carried so (steered)
+  query::MotionGuide
+      guide{};  // what was asked of the motion: the picture is blurred and carried so (steered)
   AppearanceMatching matching = AppearanceMatching::kSequence;
   AppearanceOptions appearance;
   BoundaryOptions boundary;

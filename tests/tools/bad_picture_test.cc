@@ -76,8 +76,6 @@ TEST_F(BadPicture, AQuestionThatNoPatchAnswers) {
                  {"sample.store: no patch moves in direction 90 degrees", "greater tolerance"});
   expect_failure(query(sample().still, {"--exclude", "nosuch"}), 1,
                  {"sample.store: it holds no clip named \"nosuch\"", "freshet store info"});
-  expect_failure(query(sample().still, {}, "500"), 1,
-                 {"sample.store: no clip of at least 20 s", "longest has 1.60 s", "fewer frames"});
   expect_failure(query(sample().still, {"--index", "flann-kdtree"}), 1,
                  {"sample.store: it has no FLANN index", "freshet index --flann kdtree"});
 }
@@ -131,9 +129,6 @@ TEST_F(BadPicture, AnAssignmentThatDoesNotFit) {
   expect_failure(folder_.freshet({"synth", "animate", "river.store", sample().still, "--frames", "16", "-o",
                                   "out.mkv", "--assignment", "good.json"}),
                  1, {"fall/", "the store does not hold it", "ingest the clip"});
-  // An animation longer than its clips.
-  expect_failure(animate({"-o", "out.mkv", "--assignment", "good.json"}, "100"), 1,
-                 {"the clip lasts 1.28", "Ask for fewer frames"});
   EXPECT_FALSE(fs::exists(folder_ / "out.mkv"));
 }
 

@@ -62,8 +62,8 @@ class PatchSize : public testing::TestWithParam<int> {
     ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   }
   json label(const std::string& picture, const std::string& threads) const {
-    must({"query", "label", "a.store", picture, "--frames", std::to_string(kAnimated), "-j", threads, "-o",
-          "assignment.json"});
+    must({"query", "label", "a.store", picture, "--hint", "none", "--frames", std::to_string(kAnimated), "-j",
+          threads, "-o", "assignment.json"});
     return json::parse(text_of(folder_ / "assignment.json"));
   }
   std::vector<cv::Mat> animate(const std::string& picture, const std::string& threads) const {
