@@ -22,6 +22,7 @@
 namespace freshet::synth {
 namespace {
 
+constexpr float kBlueLuma = 0.114f, kGreenLuma = 0.587f, kRedLuma = 0.299f;  // as luma_of has them
 constexpr int kSampledFrames = 12;  // that the appearance model is fitted to
 constexpr int kLeastSampledFrames = 4;
 constexpr int kSampledPixels = 32 << 20;  // in all of them
@@ -110,6 +111,7 @@ AnimateOptions enlarged(AnimateOptions options, double scale) {
   options.base.max_length_px *= scale;
   options.base.max_sigma_px *= scale;
   options.carry.max_px *= scale;
+  options.carry.edge_px *= scale;
   options.appearance.region_px = static_cast<int>(std::lround(options.appearance.region_px * scale));
   options.appearance.levels += static_cast<int>(std::lround(std::log2(scale)));
   return options;
@@ -176,7 +178,7 @@ AnimateReport animate(const store::Snapshot& snapshot, const vision::Settings& s
   if (options.carry.share > 0) {
     CarriedBaseOptions carry = options.carry;
     if (options.loop) carry.loop_frames = options.frames;
-    carried.emplace(target_luma, alpha, base_luma, motion, options.fps, carry);
+    carried.emplace(target, target_luma, alpha, base_luma, motion, options.fps, carry);
   }
   ColourModel colours =
       fit_colour(target, target_luma, alpha, static_cast<int>(std::lround(12 * placement.piece_scale)));
@@ -192,9 +194,9 @@ AnimateReport animate(const store::Snapshot& snapshot, const vision::Settings& s
   report.base_s = watch.lap();
 
   // Luminance of an output frame, which lies in a slot of the blender; once.
-  const auto merged = [&](int output, int slot) {
+  const auto merged = [&](int output, int slot, cv::Mat* colour) {
     const cv::Mat field = blender.take(slot);
-    cv::Mat luma = carried ? carried->frame(output) : base_luma.clone();
+    cv::Mat luma = carried ? carried->frame(output, colour) : base_luma.clone();
     if (moving_boundary) luma = push_outward(luma, alpha);
     add_enlarged(field, canvas, placement.piece_scale, luma);
     return luma;
@@ -209,7 +211,7 @@ AnimateReport animate(const store::Snapshot& snapshot, const vision::Settings& s
     tell("match", 0, 1);
     std::vector<cv::Mat> lumas(samples.size());
     oneapi::tbb::parallel_for(std::size_t{0}, samples.size(), [&](std::size_t i) {
-      lumas[i] = merged(samples[i], in_one ? samples[i] : static_cast<int>(i));
+      lumas[i] = merged(samples[i], in_one ? samples[i] : static_cast<int>(i), nullptr);
     });
     model.emplace(model_of(lumas));
     if (in_one)
@@ -219,7 +221,7 @@ AnimateReport animate(const store::Snapshot& snapshot, const vision::Settings& s
   report.appearance_s = watch.lap();
 
   // Frames: matched, coloured, laid into the picture through the matte.
-  const auto render = [&](cv::Mat frame, const cv::Mat& fluid) {
+  const auto render = [&](cv::Mat frame, const cv::Mat& fluid, const cv::Mat& brought) {
     if (model)
       frame = model->apply(frame);
     else if (options.matching == AppearanceMatching::kFrame)
@@ -231,12 +233,23 @@ AnimateReport animate(const store::Snapshot& snapshot, const vision::Settings& s
       const float* b = fluid.ptr<float>(y);
       const cv::Vec3f* moving = colour.ptr<cv::Vec3f>();
       const cv::Vec3f* own = own_colour.ptr<cv::Vec3f>(y);
+      const cv::Vec3f* slope = colours.slope.ptr<cv::Vec3f>(y);
+      const cv::Vec4f* with_it = brought.empty() ? nullptr : brought.ptr<cv::Vec4f>(y);
+      const float* l = frame.ptr<float>(y);
       const cv::Vec3f* still = (moving_boundary ? behind : target).ptr<cv::Vec3f>(y);
       cv::Vec3b* out = finished.ptr<cv::Vec3b>(y);
       for (int x = 0; x < picture.cols; ++x) {
         if (a[x] <= 0 && b[x] <= 0) continue;
+        cv::Vec3f lit = moving[x] + own[x];
+        if (with_it && with_it[x][3] > 0) {
+          // What was carried here keeps its colour, as far as its luminance does.
+          const float blue = with_it[x][1], red = with_it[x][2];
+          const cv::Vec3f chroma(blue, -(kBlueLuma * blue + kRedLuma * red) / kGreenLuma, red);
+          for (int k = 0; k < 3; ++k)
+            lit[k] += with_it[x][3] * (l[x] + chroma[k] + slope[x][k] * (l[x] - with_it[x][0]) - lit[k]);
+        }
         for (int k = 0; k < 3; ++k) {
-          const float value = std::clamp(moving[x][k] + own[x][k], 0.0f, 1.0f);
+          const float value = std::clamp(lit[k], 0.0f, 1.0f);
           out[x][k] = cv::saturate_cast<std::uint8_t>(255 * (b[x] * value + (1 - b[x]) * still[x][k]));
         }
       }
@@ -273,10 +286,14 @@ AnimateReport animate(const store::Snapshot& snapshot, const vision::Settings& s
       oneapi::tbb::parallel_for(std::size_t{0}, finished.size(), [&](std::size_t i) {
         const int output = outputs[done + i];
         const auto found = ready.find(output);
-        finished[i] =
-            render(found != ready.end() ? std::exchange(found->second, {})
-                                        : merged(output, in_one ? output : done + static_cast<int>(i)),
-                   mattes[i]);
+        cv::Mat luma, brought;
+        if (found == ready.end())
+          luma = merged(output, in_one ? output : done + static_cast<int>(i), &brought);
+        else {
+          luma = std::exchange(found->second, {});
+          if (carried) carried->frame(output, &brought);
+        }
+        finished[i] = render(luma, mattes[i], brought);
       });
       for (const cv::Mat& frame : finished) sink(frame);
       tell("render", first + done + finished.size(), options.frames);

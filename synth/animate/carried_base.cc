@@ -11,6 +11,7 @@ namespace freshet::synth {
 namespace {
 
 constexpr int kCopies = 3;
+constexpr double kLeastDepth = 0.02;
 constexpr int kStep = 4;  // px of the picture a sample of the displacement
 
 // How far to where the fluid at each place was (or will be) one step of `dt` seconds further on: mid-point
@@ -37,10 +38,22 @@ cv::Mat step_on(const cv::Mat& displacement, const cv::Mat& velocity, float dt) 
 
 }  // namespace
 
-CarriedBase::CarriedBase(const cv::Mat& picture, const cv::Mat& matte, const cv::Mat& exposure,
-                         const cv::Mat& motion, double fps, const CarriedBaseOptions& options)
+CarriedBase::CarriedBase(const cv::Mat& picture, const cv::Mat& luma, const cv::Mat& matte,
+                         const cv::Mat& exposure, const cv::Mat& motion, double fps,
+                         const CarriedBaseOptions& options)
     : exposure_(exposure), size_(picture.size()) {
-  cv::merge(std::vector<cv::Mat>{picture.mul(matte), matte}, fluid_);
+  // Copies fade towards the matte's edge and the picture's: carried on, an edge would go through the fluid as
+  // a line.
+  cv::Mat inside, depth;
+  cv::copyMakeBorder(matte > 0.5, inside, 1, 1, 1, 1, cv::BORDER_CONSTANT, cv::Scalar(0));
+  cv::distanceTransform(inside, depth, cv::DIST_L2, cv::DIST_MASK_5);
+  depth = depth(cv::Rect({1, 1}, size_)) / std::max(options.edge_px, 1.0);
+  const cv::Mat weight = matte.mul(cv::min(cv::max(depth, kLeastDepth), 1.0));
+  std::array<cv::Mat, 3> bgr;
+  cv::split(picture, bgr.data());
+  cv::merge(std::vector<cv::Mat>{luma.mul(weight), (bgr[0] - luma).mul(weight), (bgr[2] - luma).mul(weight),
+                                 weight},
+            fluid_);
 
   // Whole thirds of a life, and whole lives in a loop.
   int third = std::max(1, static_cast<int>(std::lround(options.life_s * fps / kCopies)));
@@ -74,10 +87,11 @@ CarriedBase::CarriedBase(const cv::Mat& picture, const cv::Mat& matte, const cv:
   for (int age = now - 1; age >= 0; --age) sources_[age] = step_on(sources_[age + 1], velocity, dt);
 }
 
-cv::Mat CarriedBase::frame(int i) const {
+cv::Mat CarriedBase::frame(int i, cv::Mat* colour) const {
+  if (colour) *colour = cv::Mat::zeros(size_, CV_32FC4);
   if (sources_.empty()) return exposure_.clone();
   const int life = static_cast<int>(sources_.size()), third = life / kCopies;
-  cv::Mat sum = cv::Mat::zeros(size_, CV_32FC2), displacement, where(size_, CV_32FC2), carried;
+  cv::Mat sum = cv::Mat::zeros(size_, CV_32FC4), displacement, where(size_, CV_32FC2), carried;
   for (int copy = 0; copy < kCopies; ++copy) {
     const int age = (i + copy * third + life / 2) % life;
     const double weight =
@@ -94,16 +108,18 @@ cv::Mat CarriedBase::frame(int i) const {
   }
   cv::Mat out(size_, CV_32F);
   for (int y = 0; y < size_.height; ++y) {
-    const cv::Vec2f* s = sum.ptr<cv::Vec2f>(y);
+    const cv::Vec4f* s = sum.ptr<cv::Vec4f>(y);
     const float* still = exposure_.ptr<float>(y);
     const float* share = share_.ptr<float>(y);
-    const cv::Vec2f* own = fluid_.ptr<cv::Vec2f>(y);
+    const cv::Vec4f* own = fluid_.ptr<cv::Vec4f>(y);
     float* to = out.ptr<float>(y);
+    cv::Vec4f* carried_colour = colour ? colour->ptr<cv::Vec4f>(y) : nullptr;
     for (int x = 0; x < size_.width; ++x) {
       // What is brought is fluid as far as this place itself is.
-      const float brought = own[x][1] > 1e-3f ? std::clamp(s[x][1] / own[x][1], 0.0f, 1.0f) : 0.0f;
-      const float part = share[x] * brought;
-      to[x] = part > 0 ? still[x] + part * (s[x][0] / std::max(s[x][1], 1e-3f) - still[x]) : still[x];
+      const float brought = own[x][3] > 1e-3f ? std::clamp(s[x][3] / own[x][3], 0.0f, 1.0f) : 0.0f;
+      const float part = share[x] * brought, whole = 1 / std::max(s[x][3], 1e-3f);
+      to[x] = part > 0 ? still[x] + part * (s[x][0] * whole - still[x]) : still[x];
+      if (carried_colour) carried_colour[x] = {s[x][0] * whole, s[x][1] * whole, s[x][2] * whole, part};
     }
   }
   return out;

@@ -12,6 +12,7 @@ struct CarriedBaseOptions {
   double life_s = 3;    // how long one copy of the picture is carried before a fresh one takes over
   double max_px = 160;  // and no copy is carried further than this to either side: where the fluid is faster
                         // than that allows, less of the picture is carried
+  double edge_px = 32;  // over which a copy fades towards the matte's edge
   int loop_frames = 0;  // > 0: the sequence repeats after so many frames
 };
 
@@ -26,19 +27,22 @@ struct CarriedBaseOptions {
 /// ("advected textures"); not in Okabe et al. 2011.
 class CarriedBase {
  public:
-  /// picture   CV_32F luma, 0..1. matte CV_32F, 0..1.
+  /// picture   CV_32FC3, BGR, 0..1; luma CV_32F, its luma_of; matte CV_32F, 0..1.
   /// exposure  CV_32F: base_image of the picture: what shows where nothing can be carried.
   /// motion    CV_32FC2, px/s, all of one size.
   /// Memory    life_s * fps maps at a quarter of the picture's size: 13 MB a second at 1280 x 720, 25
   /// frames/s.
-  CarriedBase(const cv::Mat& picture, const cv::Mat& matte, const cv::Mat& exposure, const cv::Mat& motion,
-              double fps, const CarriedBaseOptions& options);
+  CarriedBase(const cv::Mat& picture, const cv::Mat& luma, const cv::Mat& matte, const cv::Mat& exposure,
+              const cv::Mat& motion, double fps, const CarriedBaseOptions& options);
 
   /// Luma of the base at output frame i >= 0: CV_32F. Safe from many threads.
-  cv::Mat frame(int i) const;
+  /// colour   if not null: CV_32FC4 of what was carried to each pixel: its luma, its blue and its red less
+  /// that
+  ///          luma, and its share of the base there, 0..1. A flame brings its own colour with it.
+  cv::Mat frame(int i, cv::Mat* colour = nullptr) const;
 
  private:
-  cv::Mat fluid_;             // CV_32FC2: picture * matte, matte
+  cv::Mat fluid_;             // CV_32FC4: luma, blue - luma, red - luma, 1: each times the matte, faded
   cv::Mat exposure_, share_;  // CV_32F; share: of the carried picture against the exposure
   std::vector<cv::Mat>
       sources_;  // by age, CV_32FC2 at a quarter: displacement from a place to its source, px

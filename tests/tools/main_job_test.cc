@@ -62,7 +62,7 @@ TEST(MainJob, TheBestCandidateComesFirstAndASheetShowsThem) {
   const WorkFolder folder;
   const Outcome outcome =
       folder.freshet({"query", "candidates", sample().store, sample().still, "--matte", sample().matte,
-                      "--frames", "16", "-k", "5", "--sheet", "sheet.png", "--json"});
+                      "--frames", "16", "-k", "5", "--coherent", "0", "--sheet", "sheet.png", "--json"});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   const json found = json::parse(outcome.out);
   ASSERT_GT(found["pieces"].size(), 4U);

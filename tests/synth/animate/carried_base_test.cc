@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <vector>
 
 #include <gtest/gtest.h>
 #include <opencv2/imgproc.hpp>
@@ -20,6 +21,11 @@ cv::Mat picture() {
     for (int x = 0; x < kWidth; ++x) luma.at<float>(y, x) = static_cast<float>(stripes(x, y));
   return luma;
 }
+cv::Mat bgr_of(const cv::Mat& luma) {
+  cv::Mat bgr;
+  cv::merge(std::vector<cv::Mat>(3, luma), bgr);
+  return bgr;
+}
 cv::Mat whole() { return cv::Mat(kHeight, kWidth, CV_32F, cv::Scalar(1)); }
 cv::Mat motion(float u, float v) { return cv::Mat(kHeight, kWidth, CV_32FC2, cv::Scalar(u, v)); }
 cv::Mat grey(double level) { return cv::Mat(kHeight, kWidth, CV_32F, cv::Scalar(level)); }
@@ -27,13 +33,13 @@ cv::Mat grey(double level) { return cv::Mat(kHeight, kWidth, CV_32F, cv::Scalar(
 const cv::Rect kMiddle(50, 30, 60, 36);
 
 TEST(CarriedBase, WithoutMotionIsThePicture) {
-  const CarriedBase base(picture(), whole(), grey(0.1), motion(0, 0), kFps, {});
+  const CarriedBase base(bgr_of(picture()), picture(), whole(), grey(0.1), motion(0, 0), kFps, {});
   for (const int i : {0, 3, 25}) EXPECT_LT(cv::norm(base.frame(i), picture(), cv::NORM_INF), 1e-5);
 }
 
 TEST(CarriedBase, IsThreeCopiesEachCarriedByItsAge) {
-  const CarriedBaseOptions options{.share = 1, .life_s = 0.6, .max_px = 100};
-  const CarriedBase base(picture(), whole(), grey(0.1), motion(40, -20), kFps, options);
+  const CarriedBaseOptions options{.share = 1, .life_s = 0.6, .max_px = 100, .edge_px = 1};
+  const CarriedBase base(bgr_of(picture()), picture(), whole(), grey(0.1), motion(40, -20), kFps, options);
   constexpr int kLife = 15;
   for (int i = 0; i < 2 * kLife; ++i) {
     const cv::Mat frame = base.frame(i);
@@ -56,7 +62,8 @@ TEST(CarriedBase, NeitherLevelNorContrastPulses) {
   cv::Mat noise(kHeight, kWidth, CV_32F), coarse;
   cv::RNG random(3);
   random.fill(noise, cv::RNG::UNIFORM, 0.2, 0.8);
-  const CarriedBase base(noise, whole(), grey(0.5), motion(60, 0), kFps, {.share = 1, .life_s = 1.2});
+  const CarriedBase base(bgr_of(noise), noise, whole(), grey(0.5), motion(60, 0), kFps,
+                         {.share = 1, .life_s = 1.2});
   double least = 1, most = 0;
   for (int i = 0; i < 30; ++i) {
     cv::Scalar mean, deviation;
@@ -68,11 +75,35 @@ TEST(CarriedBase, NeitherLevelNorContrastPulses) {
   EXPECT_LT(most / least, 1.2);
 }
 
+TEST(CarriedBase, BringsTheColoursAlong) {
+  // Red on the left, blue on the right, equally bright, going right: the border passes the middle.
+  cv::Mat luma = grey(0.4), bgr(kHeight, kWidth, CV_32FC3);
+  const cv::Vec3f red(0.4f, 0.4f - 0.3f * 0.299f / 0.587f, 0.7f),
+      blue(0.7f, 0.4f - 0.3f * 0.114f / 0.587f, 0.4f);
+  bgr(cv::Rect(0, 0, 80, kHeight)).setTo(cv::Scalar(red[0], red[1], red[2]));
+  bgr(cv::Rect(80, 0, 80, kHeight)).setTo(cv::Scalar(blue[0], blue[1], blue[2]));
+  const CarriedBase base(bgr, luma, whole(), grey(0.1), motion(25, 0), kFps, {.share = 1, .life_s = 1.2});
+  cv::Mat colour;
+  base.frame(0, &colour);
+  ASSERT_EQ(colour.type(), CV_32FC4);
+  const cv::Vec4f left = colour.at<cv::Vec4f>(48, 40), right = colour.at<cv::Vec4f>(48, 120);
+  EXPECT_NEAR(left[0], 0.4, 1e-3);
+  EXPECT_NEAR(left[2], 0.3, 1e-3);  // red less luma
+  EXPECT_NEAR(left[1], 0, 1e-3);
+  EXPECT_NEAR(right[1], 0.3, 1e-3);  // blue less luma
+  EXPECT_NEAR(right[3], 1, 0.02);
+  // Some copies of the border have gone ten pixels on, others have yet to come: a mixture lies between.
+  const cv::Vec4f middle = colour.at<cv::Vec4f>(48, 84);
+  EXPECT_GT(middle[2], 0.02);
+  EXPECT_GT(middle[1], 0.02);
+}
+
 TEST(CarriedBase, BringsNothingThatIsNotFluid) {
   cv::Mat luma = picture(), matte = whole();
   luma(cv::Rect(0, 0, kWidth, 30)).setTo(100);  // rock, and it would be seen
   matte(cv::Rect(0, 0, kWidth, 30)).setTo(0);
-  const CarriedBase base(luma, matte, grey(0.5), motion(0, 100), kFps, {.share = 1, .life_s = 1});
+  const CarriedBase base(bgr_of(luma), luma, matte, grey(0.5), motion(0, 100), kFps,
+                         {.share = 1, .life_s = 1});
   for (int i = 0; i < 25; ++i) {
     double most = 0;
     cv::minMaxLoc(base.frame(i)(cv::Rect(0, 31, kWidth, kHeight - 31)), nullptr, &most);
@@ -83,14 +114,14 @@ TEST(CarriedBase, BringsNothingThatIsNotFluid) {
 TEST(CarriedBase, RepeatsInALoopOfAnyLength) {
   for (const int loop : {50, 51, 7}) {
     const CarriedBaseOptions options{.share = 1, .life_s = 0.8, .max_px = 100, .loop_frames = loop};
-    const CarriedBase base(picture(), whole(), grey(0.5), motion(30, 10), kFps, options);
+    const CarriedBase base(bgr_of(picture()), picture(), whole(), grey(0.5), motion(30, 10), kFps, options);
     for (const int i : {0, 1, 5})
       EXPECT_EQ(cv::norm(base.frame(i), base.frame(i + loop), cv::NORM_INF), 0) << loop;
   }
 }
 
 TEST(CarriedBase, WhereItIsTooFastTheExposureShows) {
-  const CarriedBase base(picture(), whole(), grey(0.25), motion(2000, 0), kFps,
+  const CarriedBase base(bgr_of(picture()), picture(), whole(), grey(0.25), motion(2000, 0), kFps,
                          {.share = 1, .life_s = 1, .max_px = 50});
   EXPECT_EQ(cv::norm(base.frame(4), grey(0.25), cv::NORM_INF), 0);
 }
