@@ -127,7 +127,7 @@ void run_beside(std::size_t count, std::size_t at_once, const std::function<void
 /// How many animations fit beside each other: what a picture's own planes take, and room for 16 frames.
 std::size_t rendered_at_once(std::size_t memory_bytes, cv::Size picture) {
   const std::size_t least =
-      (std::size_t{96} << 20) + static_cast<std::size_t>(picture.area()) * (220 + 16 * 8);
+      (std::size_t{96} << 20) + static_cast<std::size_t>(picture.area()) * (280 + 16 * 8);
   const std::size_t threads =
       oneapi::tbb::global_control::active_value(oneapi::tbb::global_control::max_allowed_parallelism);
   return std::clamp<std::size_t>(memory_bytes / least, 1, threads);

@@ -67,7 +67,7 @@ std::vector<std::unique_ptr<ClipLayer>> layers_of(const store::Snapshot& snapsho
 /// As many frames as fit into the memory that the picture's own planes leave.
 int frames_a_batch(const std::vector<std::unique_ptr<ClipLayer>>& layers, cv::Size picture, cv::Size canvas,
                    const AnimateOptions& options) {
-  constexpr double kPlanes = 220;  // bytes a pixel of the picture: what is held, and what rendering needs
+  constexpr double kPlanes = 280;  // bytes a pixel of the picture: what is held, and what rendering needs
   double fixed = kPlanes * picture.area(), clip_bytes = 0;
   for (const auto& layer : layers) {
     fixed += static_cast<double>(layer->average_bytes());

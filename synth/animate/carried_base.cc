@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdlib>
 #include <numbers>
 
 #include <opencv2/imgproc.hpp>
@@ -12,6 +13,7 @@ namespace {
 
 constexpr int kCopies = 3;
 constexpr double kLeastDepth = 0.02;
+constexpr int kMostMaps = 96;
 constexpr int kStep = 4;  // px of the picture a sample of the displacement
 
 // How far to where the fluid at each place was (or will be) one step of `dt` seconds further on: mid-point
@@ -61,7 +63,7 @@ CarriedBase::CarriedBase(const cv::Mat& picture, const cv::Mat& luma, const cv::
     while (third > 1 && options.loop_frames % (kCopies * third) != 0) --third;
     if (options.loop_frames % (kCopies * third) != 0) third = 0;
   }
-  const int life = kCopies * third;
+  const int life = life_ = kCopies * third;
 
   // Where the fluid would be carried too far, the share of what is carried falls off.
   share_ = cv::Mat::zeros(size_, CV_32F);
@@ -78,25 +80,31 @@ CarriedBase::CarriedBase(const cv::Mat& picture, const cv::Mat& luma, const cv::
   cv::Mat velocity;
   const cv::Size coarse((size_.width + kStep - 1) / kStep, (size_.height + kStep - 1) / kStep);
   cv::resize(motion, velocity, coarse, 0, 0, cv::INTER_AREA);
-  // Age a has come from where the fluid was a frames ago; before its time a copy shows what is yet to come.
-  sources_.resize(life);
-  const int now = life / 2;
-  sources_[now] = cv::Mat::zeros(coarse, CV_32FC2);
-  const auto dt = static_cast<float>(1 / fps);
-  for (int age = now + 1; age < life; ++age) sources_[age] = step_on(sources_[age - 1], velocity, -dt);
-  for (int age = now - 1; age >= 0; --age) sources_[age] = step_on(sources_[age + 1], velocity, dt);
+  // Before its time a copy shows what is yet to come. Long lives are sampled, and interpolated between.
+  stride_ = life / kMostMaps + 1;
+  const auto dt = static_cast<float>(stride_ / fps);
+  const int steps = (life - life / 2) / stride_ + 2;
+  past_.push_back(cv::Mat::zeros(coarse, CV_32FC2));
+  future_.push_back(past_.front());
+  for (int i = 1; i < steps; ++i) {
+    past_.push_back(step_on(past_.back(), velocity, -dt));
+    future_.push_back(step_on(future_.back(), velocity, dt));
+  }
 }
 
 cv::Mat CarriedBase::frame(int i, cv::Mat* colour) const {
   if (colour) *colour = cv::Mat::zeros(size_, CV_32FC4);
-  if (sources_.empty()) return exposure_.clone();
-  const int life = static_cast<int>(sources_.size()), third = life / kCopies;
-  cv::Mat sum = cv::Mat::zeros(size_, CV_32FC4), displacement, where(size_, CV_32FC2), carried;
+  if (life_ == 0) return exposure_.clone();
+  const int life = life_, third = life / kCopies;
+  cv::Mat sum = cv::Mat::zeros(size_, CV_32FC4), coarse, displacement, where(size_, CV_32FC2), carried;
   for (int copy = 0; copy < kCopies; ++copy) {
-    const int age = (i + copy * third + life / 2) % life;
-    const double weight =
-        (1 + std::cos(2 * std::numbers::pi * (age - life / 2) / static_cast<double>(life))) / kCopies;
-    cv::resize(sources_[age], displacement, {}, kStep, kStep, cv::INTER_LINEAR);
+    const int age = (i + copy * third + life / 2) % life - life / 2;  // frames from its own time
+    const double weight = (1 + std::cos(2 * std::numbers::pi * age / static_cast<double>(life))) / kCopies;
+    const std::vector<cv::Mat>& maps = age >= 0 ? past_ : future_;
+    const int map = std::abs(age) / stride_;
+    const double part = static_cast<double>(std::abs(age) % stride_) / stride_;
+    cv::addWeighted(maps[map], 1 - part, maps[map + 1], part, 0, coarse);
+    cv::resize(coarse, displacement, {}, kStep, kStep, cv::INTER_LINEAR);
     for (int y = 0; y < size_.height; ++y) {
       const cv::Vec2f* d = displacement.ptr<cv::Vec2f>(y);
       cv::Vec2f* w = where.ptr<cv::Vec2f>(y);

@@ -30,8 +30,8 @@ class CarriedBase {
   /// picture   CV_32FC3, BGR, 0..1; luma CV_32F, its luma_of; matte CV_32F, 0..1.
   /// exposure  CV_32F: base_image of the picture: what shows where nothing can be carried.
   /// motion    CV_32FC2, px/s, all of one size.
-  /// Memory    life_s * fps maps at a quarter of the picture's size: 13 MB a second at 1280 x 720, 25
-  /// frames/s.
+  /// Memory    at most 98 maps at a quarter of the picture's size, and four planes: 55 bytes a pixel with the
+  ///           defaults at 25 frames a second (50 MB at 1280 x 720).
   CarriedBase(const cv::Mat& picture, const cv::Mat& luma, const cv::Mat& matte, const cv::Mat& exposure,
               const cv::Mat& motion, double fps, const CarriedBaseOptions& options);
 
@@ -44,8 +44,10 @@ class CarriedBase {
  private:
   cv::Mat fluid_;             // CV_32FC4: luma, blue - luma, red - luma, 1: each times the matte, faded
   cv::Mat exposure_, share_;  // CV_32F; share: of the carried picture against the exposure
-  std::vector<cv::Mat>
-      sources_;  // by age, CV_32FC2 at a quarter: displacement from a place to its source, px
+  // Displacement from a place to its source, px, CV_32FC2 at a quarter, every stride_ frames from a copy's
+  // own time on: fluid that has come, and fluid that is yet to come.
+  std::vector<cv::Mat> past_, future_;
+  int life_ = 0, stride_ = 1;  // frames
   cv::Size size_;
 };
 

@@ -58,6 +58,16 @@ TEST(CarriedBase, IsThreeCopiesEachCarriedByItsAge) {
   }
 }
 
+TEST(CarriedBase, LongLivesAreSampledAndLookTheSame) {
+  // 240 frames a second, 450 frames of life: a map every five of them.
+  const CarriedBase fast(bgr_of(picture()), picture(), whole(), grey(0.1), motion(20, 10), 240,
+                         {.share = 1, .life_s = 1.875});
+  const CarriedBase slow(bgr_of(picture()), picture(), whole(), grey(0.1), motion(20, 10), 24,
+                         {.share = 1, .life_s = 1.875});
+  for (const int i : {0, 7, 20, 33})
+    EXPECT_LT(cv::norm(fast.frame(10 * i)(kMiddle), slow.frame(i)(kMiddle), cv::NORM_INF), 0.02) << i;
+}
+
 TEST(CarriedBase, NeitherLevelNorContrastPulses) {
   cv::Mat noise(kHeight, kWidth, CV_32F), coarse;
   cv::RNG random(3);
