@@ -8,6 +8,7 @@
 
 #include "freshet_error.h"
 #include "media/picture.h"
+#include "media/picture_sequence.h"
 #include "synth/animate/animate.h"
 #include "synth/animate/assigned.h"
 #include "synth/animate/frame_sheet.h"
@@ -136,22 +137,13 @@ cv::Size parse_size(const std::string& text) {
   return {width, height};
 }
 
-/// frames/%05d.flo and a number.
-std::string numbered(const std::string& pattern, int number) {
-  const std::size_t at = pattern.find('%');
-  int digits = 0, length = 0;
-  if (at == std::string::npos || std::sscanf(pattern.c_str() + at, "%%0%dd%n", &digits, &length) != 1 ||
-      length == 0 || digits < 1 || digits > 9)
-    throw Error(ErrorKind::kUsage, "--motion " + pattern, "a numbered sequence is needed, one file a frame",
-                "For example --motion motion/%05d.flo");
-  return pattern.substr(0, at) + fmt::format("{:0{}}", number, digits) + pattern.substr(at + length);
-}
-
 void run_simulate(const SimulateCommand& command, const RunContext& context) {
   synth::simulate::SceneOptions scene = command.scene;
   scene.preset = synth::simulate::parse_preset(command.preset);
   synth::simulate::check(scene);
-  if (!command.motion.empty()) numbered(command.motion, 1);
+  if (!command.motion.empty() && !media::is_pattern(command.motion))
+    throw Error(ErrorKind::kUsage, "--motion " + command.motion,
+                "a numbered sequence is needed, one file a frame", "For example --motion motion/%05d.flo");
   PictureSink sink(command.out, scene.size, scene.frames, scene.fps);
   std::optional<PictureSink> alpha;
   if (!command.alpha.empty()) alpha.emplace(command.alpha, scene.size, scene.frames, scene.fps);
@@ -167,7 +159,7 @@ void run_simulate(const SimulateCommand& command, const RunContext& context) {
       cv::merge(std::vector<cv::Mat>(3, frame.alpha), alpha_picture);
       alpha->write(alpha_picture);
     }
-    if (!command.motion.empty()) synth::simulate::write_flo(numbered(command.motion, i + 1), frame.motion);
+    if (!command.motion.empty()) synth::simulate::write_flo(media::numbered(command.motion, i), frame.motion);
     progress.show(command.preset, i + 1, scene.frames, "frames");
   }
   sink.finish();
@@ -271,7 +263,8 @@ void add_simulate(CLI::App& synth_command, RunContext& context) {
       ->capture_default_str();
   sub->add_option("--alpha", command->alpha, "Also write how much of each pixel the fluid covers, in grey");
   sub->add_option("--motion", command->motion,
-                  "Also write motion fields, px a frame, as Middlebury .flo: motion/%05d.flo");
+                  "Also write motion fields, px a frame, as Middlebury .flo, numbered from 0 as pictures "
+                  "are: motion/%05d.flo");
   add_threads(*sub);
   sub->callback([command, &context] { run_simulate(*command, context); });
 }
