@@ -51,7 +51,7 @@ std::vector<Choice> choices() {
   add("low band removed", [](auto& o) { o.blend.low_band = synth::LowBand::kRemove; });
   add("no matching", [](auto& o) { o.matching = synth::AppearanceMatching::kNone; });
   add("matching by frame (paper)", [](auto& o) { o.matching = synth::AppearanceMatching::kFrame; });
-  add("sharp base (no blur)", [](auto& o) { o.base.shutter_s = 0, o.base.gaussian_s = 0; });
+  add("nothing carried (paper)", [](auto& o) { o.carry.share = 0; });
   return all;
 }
 
