@@ -63,6 +63,9 @@ struct VideoReader::Impl {
   Repairs repairs;
   std::optional<FilterGraph> graph;  // that makes them
   bool all_pushed = false;
+  struct {
+    int width = 0, height = 0, format = -1;
+  } repaired_format;         // of the first frame
   PictureSequence sequence;  // of a folder or a pattern
   std::size_t next_file = 0;
   std::vector<std::string> broken_files;
@@ -175,7 +178,19 @@ AvOwner<AVFrame> VideoReader::Impl::next_repaired() {
       if (!frame) return nullptr;
       graph.emplace(filter_text(repairs), *frame, decoder->stream().time_base, path.string());
     }
-    if (frame) frame->pts = frame->best_effort_timestamp;
+    if (frame) {
+      // The filters were set up for the first frame's size, and do not look again.
+      if (repaired_format.width == 0)
+        repaired_format = {frame->width, frame->height, frame->format};
+      else if (frame->width != repaired_format.width || frame->height != repaired_format.height ||
+               frame->format != repaired_format.format)
+        throw Error(ErrorKind::kInput, path.string(),
+                    "its frames change from " + std::to_string(repaired_format.width) + "x" +
+                        std::to_string(repaired_format.height) + " to " + std::to_string(frame->width) + "x" +
+                        std::to_string(frame->height) + " or to another format",
+                    "Cut or convert it so that all frames are alike");
+      frame->pts = frame->best_effort_timestamp;
+    }
     graph->push(frame.get());
   }
 }

@@ -21,6 +21,15 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kEnding = ".labels";
+constexpr const char* kUnfinished = ".freshet-new-";
+constexpr std::size_t kNameDigits = 32;
+
+/// By its name: 32 hex digits and the ending. Whatever else lies in a folder is somebody else's.
+bool is_ours(const fs::path& path) {
+  const std::string stem = path.stem().string();
+  return path.extension() == kEnding && stem.size() == kNameDigits &&
+         stem.find_first_not_of("0123456789abcdef") == std::string::npos;
+}
 constexpr std::size_t kMostPacks = 256;
 constexpr std::array<char, 8> kMagic{'F', 'R', 'E', 'L', 'A', 'B', 'E', 'L'};
 // Raised when what is kept, or how it is computed, changes: older packs are then as good as none.
@@ -107,7 +116,7 @@ LabelCache::LabelCache(const fs::path& folder, std::uintmax_t max_bytes)
   std::vector<fs::path> paths;
   for (auto entry = fs::directory_iterator(folder, fault); !fault && entry != fs::directory_iterator();
        entry.increment(fault))
-    if (entry->path().extension() == kEnding) paths.push_back(entry->path());
+    if (is_ours(entry->path())) paths.push_back(entry->path());
   if (fault) throw Error(ErrorKind::kIo, folder.string(), "it cannot be read: " + fault.message());
   std::sort(paths.begin(), paths.end());
   for (const fs::path& path : paths) open(path);
@@ -125,7 +134,7 @@ void LabelCache::open(const fs::path& path) {
   auto pack = std::make_unique<Pack>();
   pack->path = path;
   pack->file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
-  if (pack->file < 0 && errno == ENOENT) return;  // another process has just removed it
+  if (pack->file < 0) return;  // another process has removed it, or there is no right or room to read it now
   Header header;
   struct stat status {};
   std::vector<DirectoryEntry> directory;
@@ -184,7 +193,7 @@ void LabelCache::keep(const CacheKey& key, std::span<const std::byte> bytes) {
   const std::lock_guard lock(guard_);
   if (given_up_ || added_.contains(key) || places_.contains(key)) return;
   if (!own_) {
-    std::string name = (folder_ / "new-XXXXXX").string();
+    std::string name = (folder_ / (std::string(kUnfinished) + "XXXXXX")).string();
     auto pack = std::make_unique<Pack>();
     pack->file = mkostemp(name.data(), O_CLOEXEC);
     if (pack->file < 0) return give_up(std::strerror(errno));
@@ -250,8 +259,7 @@ void LabelCache::evict() {
   for (auto entry = fs::directory_iterator(folder_, fault); !fault && entry != fs::directory_iterator();
        entry.increment(fault)) {
     // What a killed run left behind ages like the rest.
-    if (entry->path().extension() != kEnding && !entry->path().filename().string().starts_with("new-"))
-      continue;
+    if (!is_ours(entry->path()) && !entry->path().filename().string().starts_with(kUnfinished)) continue;
     std::error_code gone;
     const auto time = entry->last_write_time(gone);
     const auto bytes = entry->file_size(gone);

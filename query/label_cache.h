@@ -53,8 +53,8 @@ class KeyHash {
 };
 
 /// A folder of packs (*.labels), each what one run added: entries, and a directory at the end. Nothing of
-/// them is trusted: a pack that is damaged, cut or of another version is left out, said in notices(), and
-/// removed when the next one is written. Several processes may use one folder at once.
+/// them is trusted: a pack that is damaged, cut or of another version is left out, said in take_notices(),
+/// and removed by finish(). Several processes may use one folder at once.
 class LabelCache {
  public:
   /// Makes the folder when there is none. max_bytes   of all packs together: those that were not used for the

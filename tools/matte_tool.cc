@@ -55,7 +55,9 @@ matte::Marks propose(const MatteCommand& command, const cv::Mat& picture, const 
   const double scale =
       std::min(1.0, static_cast<double>(kProposalSide) / std::max(picture.cols, picture.rows));
   cv::Mat small;
-  cv::resize(picture, small, {}, scale, scale, cv::INTER_AREA);
+  cv::resize(picture, small,
+             {std::max(1, cvRound(picture.cols * scale)), std::max(1, cvRound(picture.rows * scale))}, 0, 0,
+             cv::INTER_AREA);
   query::LabelOptions options;
   options.candidates = command.candidates;
   options.candidates.k = matte::ProposalOptions{}.best;

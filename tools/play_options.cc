@@ -34,7 +34,7 @@ void PlayOptions::add_to(CLI::App& command) {
   command
       .add_option("--memory", memory_mb_,
                   "MB that frames in the making may take; more of them are made in batches, the same to the "
-                  "bit. Large pictures need more by themselves (1.8 GB at 3840 x 2160)")
+                  "bit. Large pictures need more by themselves (2.3 GB at 3840 x 2160)")
       ->check(CLI::Range(1, 1 << 20))
       ->capture_default_str();
 }

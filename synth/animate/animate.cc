@@ -162,7 +162,11 @@ AnimateReport animate(const store::Snapshot& snapshot, const vision::Settings& s
     tell("blend", i, layers.size());
     const std::vector<int>& first = in_one ? all : samples;
     layers[i]->measure(first, change);
-    blend(*layers[i], first);
+    // Samples are for the model alone: without one, they would be left in the blender.
+    if (in_one || options.matching == AppearanceMatching::kSequence)
+      blend(*layers[i], first);
+    else
+      layers[i]->release();
   }
   tell("blend", layers.size(), layers.size());
   report.blend_s = watch.lap();

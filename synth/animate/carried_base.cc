@@ -38,6 +38,16 @@ cv::Mat step_on(const cv::Mat& displacement, const cv::Mat& velocity, float dt) 
   return displacement + further * dt;
 }
 
+// The divisor of `whole` nearest to `wanted`, on a scale of ratios, and not below half of it: copies that
+// hardly live jitter in their places. `whole` itself is one.
+int nearest_divisor(int whole, int wanted) {
+  int best = whole;
+  const auto distance = [&](int part) { return std::abs(std::log(static_cast<double>(part) / wanted)); };
+  for (int part = (wanted + 1) / 2; part <= whole; ++part)
+    if (whole % part == 0 && distance(part) < distance(best)) best = part;
+  return best;
+}
+
 }  // namespace
 
 CarriedBase::CarriedBase(const cv::Mat& picture, const cv::Mat& luma, const cv::Mat& matte,
@@ -57,12 +67,10 @@ CarriedBase::CarriedBase(const cv::Mat& picture, const cv::Mat& luma, const cv::
                                  weight},
             fluid_);
 
-  // Whole thirds of a life, and whole lives in a loop.
+  // What is shown repeats after a third of a life, when each copy has come to the next one's age: a loop
+  // holds whole thirds.
   int third = std::max(1, static_cast<int>(std::lround(options.life_s * fps / kCopies)));
-  if (options.loop_frames > 0) {
-    while (third > 1 && options.loop_frames % (kCopies * third) != 0) --third;
-    if (options.loop_frames % (kCopies * third) != 0) third = 0;
-  }
+  if (options.loop_frames > 0) third = nearest_divisor(options.loop_frames, third);
   const int life = life_ = kCopies * third;
 
   // Where the fluid would be carried too far, the share of what is carried falls off.
@@ -96,6 +104,7 @@ cv::Mat CarriedBase::frame(int i, cv::Mat* colour) const {
   if (colour) *colour = cv::Mat::zeros(size_, CV_32FC4);
   if (life_ == 0) return exposure_.clone();
   const int life = life_, third = life / kCopies;
+  i %= third;
   cv::Mat sum = cv::Mat::zeros(size_, CV_32FC4), coarse, displacement, where(size_, CV_32FC2), carried;
   for (int copy = 0; copy < kCopies; ++copy) {
     const int age = (i + copy * third + life / 2) % life - life / 2;  // frames from its own time

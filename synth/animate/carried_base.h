@@ -21,7 +21,8 @@ struct CarriedBaseOptions {
 ///
 /// Three copies of the picture are carried along the motion field, each from half a life before its place to
 /// half a life beyond, a third of a life apart. Their weights (1 + cos) / 3 always sum to 1 and their squares
-/// to 1/2, so that neither the level nor the contrast pulses. A copy brings only what is fluid; where it
+/// to 1/2, so that neither the level nor the contrast pulses. What is shown repeats every third of a life, or
+/// of what comes nearest to it and divides a loop. A copy brings only what is fluid; where it
 /// would bring what is not, the long exposure shows. Source: the carrying of textures by flow with
 /// regeneration, after Max and Becker 1995 and Neyret 2003
 /// ("advected textures"); not in Okabe et al. 2011.
@@ -30,7 +31,8 @@ class CarriedBase {
   /// picture   CV_32FC3, BGR, 0..1; luma CV_32F, its luma_of; matte CV_32F, 0..1.
   /// exposure  CV_32F: base_image of the picture: what shows where nothing can be carried.
   /// motion    CV_32FC2, px/s, all of one size.
-  /// Memory    at most 98 maps at a quarter of the picture's size, and four planes: 55 bytes a pixel with the
+  /// Memory    at most 98 maps at a quarter of the picture's width and height, and four planes: 55 bytes a
+  /// pixel with the
   ///           defaults at 25 frames a second (50 MB at 1280 x 720).
   CarriedBase(const cv::Mat& picture, const cv::Mat& luma, const cv::Mat& matte, const cv::Mat& exposure,
               const cv::Mat& motion, double fps, const CarriedBaseOptions& options);

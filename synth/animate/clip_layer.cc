@@ -76,7 +76,8 @@ ClipLayer::ClipLayer(const store::Snapshot& snapshot, store::ClipId clip, int fl
   std::map<double, std::vector<std::size_t>> by_speed;
   for (std::size_t i = 0; i < patches_.size(); ++i)
     by_speed[placement.patches[patches_[i]].speed].push_back(i);
-  const double longest = (options.frames - 1) / options.fps * by_speed.rbegin()->first;
+  const double longest =
+      (options.frames - 1) * (by_speed.rbegin()->first / options.fps);  // as Timeline has it
   std::optional<vision::LoopRule> rule;
   if (options.loop || longest > times.back() - times.front() + interval) rule = loop_rule(snapshot, clip);
   for (auto& [speed, members] : by_speed) {

@@ -119,8 +119,10 @@ cv::Mat upstream(const cv::Mat& alpha, const cv::Mat& motion, double trail_s) {
     for (int x = 0; x < alpha.cols; ++x) {
       float px = static_cast<float>(x), py = static_cast<float>(y), sum = 0;
       for (int i = 0; i < kSteps; ++i) {
-        const cv::Vec2f v = motion.at<cv::Vec2f>(std::clamp(static_cast<int>(py + 0.5f), 0, alpha.rows - 1),
-                                                 std::clamp(static_cast<int>(px + 0.5f), 0, alpha.cols - 1));
+        // Clamped before they are rounded: a long trail leads further than an int reaches.
+        const auto row = static_cast<int>(std::clamp(py + 0.5f, 0.0f, static_cast<float>(alpha.rows - 1)));
+        const auto column = static_cast<int>(std::clamp(px + 0.5f, 0.0f, static_cast<float>(alpha.cols - 1)));
+        const cv::Vec2f v = motion.at<cv::Vec2f>(row, column);
         px -= static_cast<float>(trail_s / kSteps) * v[0];
         py -= static_cast<float>(trail_s / kSteps) * v[1];
         sum += bilinear(alpha, px, py);

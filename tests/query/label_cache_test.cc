@@ -88,7 +88,9 @@ TEST(LabelCache, DamageAnywhereIsSaidAndNeverBelieved) {
     for (int i = 0; i < 3; ++i) cache.keep(key_of(i), value_of(i, 40));
   }
   const std::string text = text_of(files_in(whole.path())[0]);
-  const fs::path file = folder.path() / "a.labels";
+  const fs::path file = folder.path() / "0123456789abcdef0123456789abcdef.labels";
+  write(folder.path() / "mine.labels", "somebody else's");
+  write(folder.path() / "new-things", "also");
   std::size_t lost = 0;
   const auto check = [&](const std::string& damaged) {
     write(file, damaged);
@@ -104,10 +106,12 @@ TEST(LabelCache, DamageAnywhereIsSaidAndNeverBelieved) {
     EXPECT_FALSE(all);
     const auto notices = cache.take_notices();
     ASSERT_EQ(notices.size(), 1u);
-    EXPECT_NE(notices[0].find("a.labels"), std::string::npos);
+    EXPECT_NE(notices[0].find("0123456789abcdef.labels"), std::string::npos);
     ++lost;
     cache.finish();
     EXPECT_FALSE(fs::exists(file));
+    EXPECT_TRUE(fs::exists(folder.path() / "mine.labels"));
+    EXPECT_TRUE(fs::exists(folder.path() / "new-things"));
   };
   for (std::size_t at = 0; at < text.size(); ++at) {
     std::string damaged = text;

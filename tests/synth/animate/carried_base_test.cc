@@ -121,12 +121,14 @@ TEST(CarriedBase, BringsNothingThatIsNotFluid) {
   }
 }
 
-TEST(CarriedBase, RepeatsInALoopOfAnyLength) {
-  for (const int loop : {50, 51, 7}) {
-    const CarriedBaseOptions options{.share = 1, .life_s = 0.8, .max_px = 100, .loop_frames = loop};
+TEST(CarriedBase, RepeatsInALoopOfAnyLengthAndIsCarriedInAll) {
+  for (const int loop : {50, 51, 97, 7, 500}) {
+    const CarriedBaseOptions options{
+        .share = 1, .life_s = 0.8, .max_px = 1000, .edge_px = 1, .loop_frames = loop};
     const CarriedBase base(bgr_of(picture()), picture(), whole(), grey(0.5), motion(30, 10), kFps, options);
     for (const int i : {0, 1, 5})
       EXPECT_EQ(cv::norm(base.frame(i), base.frame(i + loop), cv::NORM_INF), 0) << loop;
+    EXPECT_GT(cv::norm(base.frame(0)(kMiddle), base.frame(2)(kMiddle), cv::NORM_INF), 0.01) << loop;
   }
 }
 
