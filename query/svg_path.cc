@@ -201,6 +201,7 @@ std::vector<cv::Point2f> flatten(const SvgSubpath& subpath, double tolerance) {
       chain.emplace_back(a * (r * r * r) + b * (3 * r * r * t) + c * (3 * r * t * t) + d * (t * t * t));
     }
     chain.emplace_back(d);
+    if (chain.size() > kMostPoints) break;  // more than the caller takes
   }
   return chain;
 }
