@@ -9,6 +9,7 @@
 #include <oneapi/tbb/parallel_for.h>
 
 #include "freshet_error.h"
+#include "synth/animate/bilinear.h"
 
 namespace freshet::synth {
 namespace {
@@ -17,17 +18,6 @@ constexpr double kNominalFps = 25;       // the rate that tau is given for
 constexpr float kEdge = 1e-4f;           // below it and above 1 - it a pixel is empty or full
 constexpr double kAreaTolerance = 2e-4;  // of the area
 constexpr double kMostSharpening = 3;    // more draws bright outlines around what is faint
-
-float bilinear(const cv::Mat& field, float x, float y) {
-  x = std::clamp(x, 0.0f, static_cast<float>(field.cols - 1));
-  y = std::clamp(y, 0.0f, static_cast<float>(field.rows - 1));
-  const int x0 = static_cast<int>(x), y0 = static_cast<int>(y);
-  const int x1 = std::min(x0 + 1, field.cols - 1), y1 = std::min(y0 + 1, field.rows - 1);
-  const float fx = x - static_cast<float>(x0), fy = y - static_cast<float>(y0);
-  const float* a = field.ptr<float>(y0);
-  const float* b = field.ptr<float>(y1);
-  return (1 - fy) * ((1 - fx) * a[x0] + fx * a[x1]) + fy * ((1 - fx) * b[x0] + fx * b[x1]);
-}
 
 /// Pixels of a matte that are neither empty nor full, as odds b / (1 - b) to a power; and the area of the
 /// full ones.
@@ -125,7 +115,7 @@ cv::Mat upstream(const cv::Mat& alpha, const cv::Mat& motion, double trail_s) {
         const cv::Vec2f v = motion.at<cv::Vec2f>(row, column);
         px -= static_cast<float>(trail_s / kSteps) * v[0];
         py -= static_cast<float>(trail_s / kSteps) * v[1];
-        sum += bilinear(alpha, px, py);
+        sum += bilinear<float>(alpha, px, py);
       }
       to[x] = sum / kSteps;
     }
@@ -179,7 +169,7 @@ void DynamicMatte::step(const cv::Mat& motion) {
       }
       // What arrives here was upstream a frame ago. Beyond the picture its edge goes on.
       const float b =
-          bilinear(state_, static_cast<float>(x) - dt * v[x][0], static_cast<float>(y) - dt * v[x][1]);
+          bilinear<float>(state_, static_cast<float>(x) - dt * v[x][0], static_cast<float>(y) - dt * v[x][1]);
       to[x] = std::clamp(keep[x] * b + (1 - keep[x]) * alpha[x], 0.0f, 1.0f);
     }
   });

@@ -12,6 +12,7 @@
 
 #include "freshet_error.h"
 #include "query/picture_scale.h"
+#include "synth/animate/bilinear.h"
 #include "synth/animate/outward.h"
 #include "synth/animate/patch_window.h"
 #include "vision/flow.h"
@@ -44,17 +45,6 @@ store::StreamShape checked_flow(const store::ClipRecord& record, int step) {
     throw Error(ErrorKind::kDamaged, record.name, "its flow does not fit its frames",
                 "Run freshet store verify, and ingest the clip again");
   return flow;
-}
-
-cv::Vec2f bilinear(const cv::Mat& field, cv::Point2f at) {
-  const float x = std::clamp(at.x, 0.0f, static_cast<float>(field.cols - 1)),
-              y = std::clamp(at.y, 0.0f, static_cast<float>(field.rows - 1));
-  const int x0 = static_cast<int>(x), y0 = static_cast<int>(y);
-  const int x1 = std::min(x0 + 1, field.cols - 1), y1 = std::min(y0 + 1, field.rows - 1);
-  const float fx = x - static_cast<float>(x0), fy = y - static_cast<float>(y0);
-  const auto* a = field.ptr<cv::Vec2f>(y0);
-  const auto* b = field.ptr<cv::Vec2f>(y1);
-  return (1 - fy) * ((1 - fx) * a[x0] + fx * a[x1]) + fy * ((1 - fx) * b[x0] + fx * b[x1]);
 }
 
 /// From sums to means; then the motion of what moves goes on over what hardly does, and beyond the pieces. A
@@ -202,7 +192,8 @@ MotionSequence::MotionSequence(const store::Snapshot& snapshot, const vision::Se
         for (const Probe& probe : probes)
           for (int row = 0; row < per_side; ++row)
             for (int column = 0; column < per_side; ++column) {
-              const cv::Vec2d v = bilinear(blurred[probe.blur], probe.spots[row * per_side + column]);
+              const cv::Point2f& spot = probe.spots[row * per_side + column];
+              const cv::Vec2d v = bilinear<cv::Vec2f>(blurred[probe.blur], spot.x, spot.y);
               const cv::Vec2d turned = probe.turn * v * (rate * tent.at<float>(row, column));
               squares_[output].at<cv::Vec2f>(probe.corner.y + row, probe.corner.x + column) +=
                   cv::Vec2f(static_cast<float>(turned[0]), static_cast<float>(turned[1]));

@@ -25,12 +25,7 @@ std::vector<cv::Mat> animate(const WorkFolder& folder, const std::string& name,
   const Outcome outcome = folder.freshet(arguments);
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
   EXPECT_EQ(outcome.err.find("left out"), std::string::npos) << outcome.err;
-  std::vector<fs::path> files;
-  for (const auto& entry : fs::directory_iterator(folder / name)) files.push_back(entry.path());
-  std::sort(files.begin(), files.end());
-  std::vector<cv::Mat> frames;
-  for (const fs::path& file : files) frames.push_back(cv::imread(file, cv::IMREAD_COLOR));
-  return frames;
+  return read_frames(folder / name);
 }
 
 /// Mean absolute difference of each frame to the next; of the last to the first.

@@ -33,12 +33,7 @@ std::vector<cv::Mat> animate(const WorkFolder& folder, const std::string& name, 
        "assignment.json", "--frames", std::to_string(kAnimated), "-j", threads, "-o", name + "/%05d.png"});
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
   EXPECT_EQ(outcome.out, name + "/%05d.png\n");
-  std::vector<fs::path> files;
-  for (const auto& entry : fs::directory_iterator(folder / name)) files.push_back(entry.path());
-  std::sort(files.begin(), files.end());
-  std::vector<cv::Mat> frames;
-  for (const fs::path& file : files) frames.push_back(cv::imread(file, cv::IMREAD_COLOR));
-  return frames;
+  return read_frames(folder / name);
 }
 
 TEST(MainJob, StoreInfoListsTheClipsThatWereIngested) {

@@ -25,15 +25,6 @@ Outcome animate(const WorkFolder& folder, const std::string& name, std::vector<s
   return folder.freshet(arguments);
 }
 
-std::vector<cv::Mat> pictures(const fs::path& folder, int mode) {
-  std::vector<fs::path> files;
-  for (const auto& entry : fs::directory_iterator(folder)) files.push_back(entry.path());
-  std::sort(files.begin(), files.end());
-  std::vector<cv::Mat> out;
-  for (const fs::path& file : files) out.push_back(cv::imread(file, mode));
-  return out;
-}
-
 TEST(MovingBoundary, TheMatteMovesKeepsItsAreaAndIsWhereTheFrameDiffersFromThePicture) {
   const WorkFolder folder;
   for (const std::string threads : {"1", "2"}) {
@@ -46,9 +37,9 @@ TEST(MovingBoundary, TheMatteMovesKeepsItsAreaAndIsWhereTheFrameDiffersFromThePi
   }
   const cv::Mat matte = cv::imread(sample().matte, cv::IMREAD_GRAYSCALE);
   const cv::Mat still = cv::imread(sample().still, cv::IMREAD_COLOR);
-  const auto frames = pictures(folder / "frames1", cv::IMREAD_COLOR),
-             again = pictures(folder / "frames2", cv::IMREAD_COLOR),
-             mattes = pictures(folder / "mattes1", cv::IMREAD_GRAYSCALE);
+  const auto frames = read_frames(folder / "frames1", cv::IMREAD_COLOR),
+             again = read_frames(folder / "frames2", cv::IMREAD_COLOR),
+             mattes = read_frames(folder / "mattes1", cv::IMREAD_GRAYSCALE);
   ASSERT_EQ(frames.size(), static_cast<std::size_t>(kAnimated));
   ASSERT_EQ(again.size(), frames.size());
   ASSERT_EQ(mattes.size(), frames.size());

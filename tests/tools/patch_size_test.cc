@@ -18,15 +18,6 @@ using nlohmann::json;
 
 constexpr int kClipFrames = 32, kAnimated = 16;
 
-std::vector<cv::Mat> read_frames(const fs::path& folder) {
-  std::vector<fs::path> files;
-  for (const auto& entry : fs::directory_iterator(folder)) files.push_back(entry.path());
-  std::sort(files.begin(), files.end());
-  std::vector<cv::Mat> frames;
-  for (const fs::path& file : files) frames.push_back(cv::imread(file, cv::IMREAD_COLOR));
-  return frames;
-}
-
 cv::Mat mean_of(const std::vector<cv::Mat>& frames) {
   cv::Mat sum;
   for (const cv::Mat& frame : frames) {

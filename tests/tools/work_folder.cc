@@ -6,6 +6,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <atomic>
 #include <fstream>
 #include <iterator>
@@ -98,6 +99,15 @@ std::string digest(const fs::path& store) {
   const Outcome outcome = WorkFolder().freshet({"store", "digest", store});
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
   return outcome.out;
+}
+
+std::vector<cv::Mat> read_frames(const fs::path& folder, int mode) {
+  std::vector<fs::path> files;
+  for (const auto& entry : fs::directory_iterator(folder)) files.push_back(entry.path());
+  std::sort(files.begin(), files.end());
+  std::vector<cv::Mat> frames;
+  for (const fs::path& file : files) frames.push_back(cv::imread(file, mode));
+  return frames;
 }
 
 }  // namespace freshet::tools

@@ -7,6 +7,9 @@
 #include <string>
 #include <vector>
 
+#include <opencv2/core.hpp>
+#include <opencv2/imgcodecs.hpp>
+
 namespace freshet::tools {
 
 struct Outcome {
@@ -51,6 +54,8 @@ std::string executable();
 
 std::string text_of(const std::filesystem::path& file);
 std::vector<std::string> lines_of(const std::string& text);
+/// The pictures of a folder, by name. mode   as cv::imread has it.
+std::vector<cv::Mat> read_frames(const std::filesystem::path& folder, int mode = cv::IMREAD_COLOR);
 
 /// The digest of a store, which must be whole.
 std::string digest(const std::filesystem::path& store);
