@@ -4,6 +4,8 @@
 #include <cassert>
 #include <cstring>
 
+#include "freshet_vectors.h"
+
 namespace freshet::query {
 namespace {
 
@@ -13,10 +15,7 @@ constexpr std::size_t kRows = 4;  // of `a` at a time: 4 x 8 sums stay in regist
 typedef float Lanes __attribute__((vector_size(kTile * sizeof(float))));
 
 // One tile of b against kRows vectors of a, which lie from `a` on in a tile of their own.
-#if defined(__x86_64__) && !defined(__SANITIZE_THREAD__) && !defined(__SANITIZE_ADDRESS__)
-__attribute__((target_clones("avx2", "default")))
-#endif
-void tile_distances(const float* a, const float* b, std::size_t length, float* out) {
+FRESHET_WIDE void tile_distances(const float* a, const float* b, std::size_t length, float* out) {
   Lanes sum0{}, sum1{}, sum2{}, sum3{};
   for (std::size_t d = 0; d < length; ++d) {
     Lanes values;
