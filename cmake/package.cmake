@@ -12,7 +12,7 @@ install(EXPORT freshet-targets NAMESPACE freshet:: DESTINATION ${package_dir})
 
 install(FILES freshet_error.h DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/freshet)
 install(DIRECTORY store media vision ingest query synth DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/freshet
-        FILES_MATCHING PATTERN "*.h")
+        FILES_MATCHING PATTERN "*.h" PATTERN query/benchmark EXCLUDE)
 
 write_basic_package_version_file(${CMAKE_CURRENT_BINARY_DIR}/freshetConfigVersion.cmake
                                  COMPATIBILITY SameMinorVersion)
