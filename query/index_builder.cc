@@ -7,6 +7,7 @@
 
 #include "freshet_error.h"
 #include "query/average_image.h"
+#include "query/flann_tuning.h"
 #include "query/patch_descriptors.h"
 #include "query/stored_codebook.h"
 #include "vision/settings.h"
@@ -190,16 +191,21 @@ class Build {
     std::sort(by_id.begin(), by_id.end(),
               [&](std::size_t a, std::size_t b) { return clips_[a] < clips_[b]; });
     std::vector<vision::WordMap> rows;
+    std::vector<Row> clip_rows{0};
     for (std::size_t i = 0; i < options_.flann.size(); ++i) {
       say(Stage::kFlann, i, options_.flann.size());
       if (rows.empty()) {
-        for (const std::size_t c : by_id) rows.insert(rows.end(), words_[c].begin(), words_[c].end());
+        for (const std::size_t c : by_id) {
+          rows.insert(rows.end(), words_[c].begin(), words_[c].end());
+          clip_rows.push_back(static_cast<Row>(rows.size()));
+        }
       }
       FlannOptions options = options_.flann_options;
       options.kind = options_.flann[i];
-      blobs_.push_back(
-          {blob_name(options.kind), FlannIndex(rows, report_.words, options).serialize(), false});
-      report_.flann_built.push_back(options.kind);
+      FlannIndex index(rows, report_.words, options);
+      tune_flann(index, rows, report_.words, clip_rows);
+      blobs_.push_back({blob_name(options.kind), index.serialize(), false});
+      report_.flann_built.push_back({options.kind, index.tuning(), blobs_.back().bytes.size()});
     }
     report_.flann_s = watch.lap();
   }

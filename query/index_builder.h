@@ -32,7 +32,12 @@ struct IndexReport {
   bool words_built = false;  // false: the index was up to date
   int words = 0;             // of the codebook; fewer than asked for where descriptors are few
   std::size_t clips = 0, patches = 0, samples = 0;
-  std::vector<FlannKind> flann_built;
+  struct Flann {
+    FlannKind kind;
+    FlannTuning tuning;
+    std::size_t bytes = 0;  // in the store
+  };
+  std::vector<Flann> flann_built;
   double sample_s = 0, train_s = 0, assign_s = 0, flann_s = 0, write_s = 0;
 };
 
@@ -43,8 +48,8 @@ struct IndexReport {
 /// flipped patches take the mirrored descriptors. Samples are taken clip by clip in order of source hash, as
 /// many from each, half of them mirrored, so that neither the order of ingest nor the number of threads has a
 /// part. When clips are new, everything is trained again: the words of a store depend on its clips, not on
-/// its history. Does nothing but the FLANN indexes asked for when no clip is new. FLANN indexes are erased
-/// when words change.
+/// its history. Does nothing but the FLANN indexes asked for when no clip is new. Each is tuned (tune_flann).
+/// FLANN indexes are erased when words change.
 ///
 /// progress    called from the calling thread; may be empty.
 /// Throws      Error{kNotFound} when there is no patch, Error{kCancelled} when stopped, Error{kDamaged}.

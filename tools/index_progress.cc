@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "tools/progress.h"
+#include "tools/table.h"
 
 namespace freshet::tools {
 
@@ -20,8 +21,11 @@ query::IndexReport update_index(store::Store& store, const query::IndexOptions& 
                     report.sample_s + report.train_s + report.assign_s));
   else
     say("index: up to date");
-  for (query::FlannKind kind : report.flann_built)
-    say(fmt::format("index: {} built", query::blob_name(kind)));
+  for (const query::IndexReport::Flann& flann : report.flann_built)
+    say(fmt::format("index: {} built in {:.1f} s, {}; {} checks find {:.0f}% of the best 100",
+                    query::blob_name(flann.kind), flann.tuning.build_seconds,
+                    bytes_text(static_cast<double>(flann.bytes)), flann.tuning.checks,
+                    100 * flann.tuning.recall));
   return report;
 }
 

@@ -21,6 +21,13 @@ void run(const IndexCommand& command, const RunContext& context) {
   for (const std::string& name : command.flann) options.flann.push_back(query::parse_flann_kind(name));
   store::Store store = store::Store::open_write(command.store);
   const query::IndexReport report = update_index(store, options, context);
+  nlohmann::json flann = nlohmann::json::array();
+  for (const query::IndexReport::Flann& built : report.flann_built)
+    flann.push_back({{"kind", query::name_of(built.kind)},
+                     {"build_seconds", built.tuning.build_seconds},
+                     {"bytes", built.bytes},
+                     {"checks", built.tuning.checks},
+                     {"recall", built.tuning.recall}});
   if (command.json)
     fmt::print("{}\n", nlohmann::json{{"store", command.store},
                                       {"words_built", report.words_built},
@@ -28,6 +35,7 @@ void run(const IndexCommand& command, const RunContext& context) {
                                       {"clips", report.clips},
                                       {"patches", report.patches},
                                       {"samples", report.samples},
+                                      {"flann", flann},
                                       {"seconds",
                                        {{"sample", report.sample_s},
                                         {"train", report.train_s},

@@ -4,6 +4,7 @@
 
 #include "freshet_error.h"
 #include "query/exact_index.h"
+#include "query/flann_tuning.h"
 #include "random_words.h"
 
 namespace freshet::query {
@@ -63,6 +64,54 @@ TEST(FlannIndex, AnswersTheSameAfterSavingAndLoading) {
   }
 }
 
+TEST(FlannIndex, IsTheSameWhenBuiltAgainAndAnotherWithAnotherSeed) {
+  const auto rows = random_words({.rows = 700, .words = kWords, .clusters = 60, .noise = 0.8, .seed = 5});
+  std::vector<PieceQuery> queries;
+  for (std::size_t i = 0; i < 30; ++i) queries.push_back(whole(rows[i * 20]));
+  struct Built {
+    std::vector<std::byte> bytes;
+    std::vector<std::vector<Hit>> answers;
+  };
+  const auto build = [&](FlannKind kind, std::uint32_t seed) {
+    const FlannIndex index(rows, kWords, {.kind = kind, .seed = seed, .checks = 100});
+    auto bytes = index.serialize();
+    bytes.erase(bytes.begin(), bytes.begin() + 64);  // has the seconds that it took
+    return Built{std::move(bytes), index.search(queries, 50)};
+  };
+  for (const FlannKind kind : kKinds) {
+    const Built once = build(kind, 7), again = build(kind, 7), other = build(kind, 8);
+    EXPECT_TRUE(once.answers == again.answers) << name_of(kind);
+    EXPECT_FALSE(once.answers == other.answers) << name_of(kind);
+    // FLANN also writes a number in kdtree's leaves that it never sets and never reads.
+    if (kind != FlannKind::kKdTree) {
+      EXPECT_TRUE(once.bytes == again.bytes) << name_of(kind);
+    }
+  }
+}
+
+TEST(FlannIndex, LooksAtMorePatchesWithMoreChecks) {
+  const auto rows = random_words({.rows = 2000, .words = kWords, .clusters = 60, .noise = 0.7, .seed = 6});
+  std::vector<PieceQuery> queries;
+  for (std::size_t i = 0; i < 20; ++i) {
+    queries.push_back(whole(rows[i * 100]));
+    for (std::size_t point = 0; point < 40; ++point) queries[i].mask[point] = 0;
+  }
+  const auto truth = ExactIndex(rows, kWords).search(queries, 50);
+  for (const FlannKind kind : kKinds) {
+    FlannIndex index(rows, kWords, {.kind = kind});
+    std::vector<double> shares;
+    for (const int checks : {50, 400, 2000}) {
+      index.set_checks(checks);
+      const auto answers = index.search(queries, 50);
+      double sum = 0;
+      for (std::size_t i = 0; i < queries.size(); ++i) sum += recall(answers[i], truth[i]);
+      shares.push_back(sum / static_cast<double>(queries.size()));
+    }
+    EXPECT_LT(shares[0], shares[1]) << name_of(kind);
+    EXPECT_LT(shares[1], shares[2]) << name_of(kind);
+  }
+}
+
 TEST(FlannIndex, AsksForNoMoreRowsThanThereAre) {
   const auto rows = random_words({.rows = 300, .words = kWords});
   for (const FlannKind kind : kKinds) {
@@ -76,17 +125,75 @@ TEST(FlannIndex, AsksForNoMoreRowsThanThereAre) {
   }
 }
 
-TEST(FlannIndex, AnswersWithAllowedRowsOnly) {
+TEST(FlannIndex, GivesAllKAdmittedRowsHoweverFewTheyAre) {
   const auto rows = random_words({.rows = 2000, .words = kWords, .clusters = 20});
-  RowFilter filter(rows.size());
-  for (std::size_t row = 0; row < rows.size(); ++row) {
-    if (row % 4 != 0) filter.forbid(row);
+  std::vector<PieceQuery> queries;
+  for (std::size_t i = 0; i < 3; ++i) queries.push_back(whole(rows[i * 600]));
+  for (const FlannKind kind : kKinds) {
+    const FlannIndex index(rows, kWords, {.kind = kind, .checks = 300});
+    for (const std::size_t every : {2u, 10u, 100u, 200u}) {
+      RowFilter filter(rows.size(), false);
+      for (std::size_t row = 0; row < rows.size(); row += every) filter.allow(row);
+      const Admission admission{.rows = &filter};
+      const std::size_t allowed = filter.count();
+      const auto truth = ExactIndex(rows, kWords).search(queries, 50, admission);
+      const auto answers = index.search(queries, 50, admission);
+      double sum = 0;
+      for (std::size_t i = 0; i < queries.size(); ++i) {
+        EXPECT_EQ(answers[i].size(), truth[i].size()) << name_of(kind) << ", one row in " << every;
+        EXPECT_EQ(answers[i][0], truth[i][0]) << name_of(kind) << ", one row in " << every;
+        for (const Hit& hit : answers[i]) EXPECT_TRUE(filter.allows(hit.row));
+        sum += recall(answers[i], truth[i]);
+      }
+      EXPECT_GT(sum / 3, allowed <= 50 ? 0.99 : 0.3) << name_of(kind) << ", one row in " << every;
+    }
   }
+}
+
+TEST(FlannIndex, KeepsAPiecesWindowOfMotion) {
+  const auto rows = random_words({.rows = 1000, .words = kWords, .clusters = 20});
+  std::vector<float> u(rows.size()), v(rows.size());
+  for (std::size_t row = 0; row < rows.size(); ++row) (row % 5 == 0 ? u : v)[row] = 10;
+  const std::vector<PieceQuery> queries{whole(rows[5]), whole(rows[5])};
+  const std::vector<MotionWindow> windows{{.u = 1, .least_cosine = 0.9F}, {}};
   const FlannIndex index(rows, kWords);
-  const auto answer = index.search(std::vector{whole(rows[8])}, 50, {.rows = &filter})[0];
-  EXPECT_EQ(answer.size(), 50u);
-  EXPECT_EQ(answer[0], (Hit{8, 324}));
-  for (const Hit& hit : answer) EXPECT_EQ(hit.row % 4, 0u);
+  const auto answers =
+      index.search(queries, 60, {.rows = nullptr, .mean_u = u, .mean_v = v, .windows = windows});
+  ASSERT_EQ(answers[0].size(), 60u);
+  for (const Hit& hit : answers[0]) EXPECT_EQ(hit.row % 5, 0u);
+  EXPECT_EQ(answers[1].size(), 60u);
+  EXPECT_TRUE(
+      std::any_of(answers[1].begin(), answers[1].end(), [](const Hit& hit) { return hit.row % 5 != 0; }));
+}
+
+TEST(FlannTuning, FindsChecksThatReachTheRecallAmongOtherClipsAndKeepsThem) {
+  const auto rows = random_words({.rows = 2000, .words = kWords, .clusters = 30, .noise = 0.6, .seed = 9});
+  const std::vector<Row> clips{0, 500, 500, 1250, 2000};
+  for (const FlannKind kind : {FlannKind::kKMeans, FlannKind::kHierarchical}) {
+    FlannIndex index(rows, kWords, {.kind = kind});
+    tune_flann(index, rows, kWords, clips);
+    EXPECT_GE(index.tuning().recall, 0.9F);
+    EXPECT_GT(index.tuning().checks, 63u);
+    EXPECT_LT(index.tuning().checks, 2000u);
+    EXPECT_GT(index.tuning().build_seconds, 0);
+    const FlannIndex loaded(rows, kWords, index.serialize(), {.kind = kind});
+    EXPECT_EQ(loaded.tuning().checks, index.tuning().checks);
+    EXPECT_EQ(loaded.tuning().recall, index.tuning().recall);
+    // With no checks given, it answers as with those it was tuned to.
+    const FlannIndex told(rows, kWords, index.serialize(),
+                          {.kind = kind, .checks = static_cast<int>(index.tuning().checks)});
+    const std::vector<PieceQuery> queries{whole(rows[7]), whole(rows[1700])};
+    EXPECT_EQ(loaded.search(queries, 100), told.search(queries, 100));
+  }
+}
+
+TEST(FlannTuning, TakesStoresOfOneClipAndOfFewRows) {
+  for (const std::size_t count : {1u, 5u, 70u}) {
+    const auto rows = random_words({.rows = count, .words = kWords});
+    FlannIndex index(rows, kWords);
+    tune_flann(index, rows, kWords, std::vector<Row>{0, static_cast<Row>(count)});
+    EXPECT_GE(index.tuning().recall, 0.9F) << count;
+  }
 }
 
 ErrorKind kind_of_error(std::span<const vision::WordMap> rows, std::span<const std::byte> bytes) {

@@ -93,7 +93,10 @@ TEST(IndexBuilder, DoesNothingWhenNoClipIsNew) {
   EXPECT_FALSE(build_index(store).words_built);
   const IndexReport with_flann = build_index(store, {.flann = {FlannKind::kHierarchical}});
   EXPECT_FALSE(with_flann.words_built);
-  EXPECT_EQ(with_flann.flann_built, std::vector{FlannKind::kHierarchical});
+  ASSERT_EQ(with_flann.flann_built.size(), 1U);
+  EXPECT_EQ(with_flann.flann_built[0].kind, FlannKind::kHierarchical);
+  EXPECT_GT(with_flann.flann_built[0].tuning.checks, 0U);
+  EXPECT_GE(with_flann.flann_built[0].tuning.recall, 0.9F);
   EXPECT_TRUE(store.snapshot().blob("flann-hierarchical"));
   EXPECT_EQ(store.snapshot().digest(), digest);
   EXPECT_TRUE(build_index(store, {.rebuild = true}).words_built);
