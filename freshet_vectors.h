@@ -7,11 +7,29 @@
 // What such a function calls is compiled for the width only where it is inlined. With the CMake option
 // FRESHET_WIDE_VECTORS off, on other processors, and under the sanitizers whose start-up comes after the
 // choice, there is the one plain version.
+//
+// Where the code itself needs the width, vector_bytes() says it, and the file has a function for each
+// (query/bit_sums.cc).
 #pragma once
 
 #if defined(FRESHET_WIDE_VECTORS) && defined(__x86_64__) && !defined(__SANITIZE_THREAD__) && \
     !defined(__SANITIZE_ADDRESS__)
 #define FRESHET_WIDE __attribute__((target_clones("arch=x86-64-v4", "arch=x86-64-v3", "default")))
+#define FRESHET_HAS_WIDE 1
 #else
 #define FRESHET_WIDE
+#define FRESHET_HAS_WIDE 0
 #endif
+
+namespace freshet {
+
+/// Bytes of the vectors that FRESHET_WIDE functions have here: 64, 32 or 16.
+inline int vector_bytes() {
+#if FRESHET_HAS_WIDE
+  if (__builtin_cpu_supports("x86-64-v4")) return 64;
+  if (__builtin_cpu_supports("x86-64-v3")) return 32;
+#endif
+  return 16;
+}
+
+}  // namespace freshet

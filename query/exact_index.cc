@@ -1,190 +1,220 @@
 #include "query/exact_index.h"
 
-#include <oneapi/tbb/enumerable_thread_specific.h>
 #include <oneapi/tbb/parallel_for.h>
 
 #include <algorithm>
 #include <array>
-#include <cassert>
+#include <bit>
+
+#include "query/fine_words.h"
 
 namespace freshet::query {
 namespace {
 
-constexpr std::size_t kBlockRows = 32768;
+constexpr std::size_t kBlockRows = PyramidSums::kRows;
 constexpr int kPoints = vision::kGridSide * vision::kGridSide;
+constexpr std::size_t kQueriesAtOnce = 32;  // that share a block's lists while they are in the cache
 
-// Where a grid point's three bins lie among the lists. A cell's bins have as many lists as it has points.
-struct Layout {
-  std::array<std::array<int, 3>, kPoints> cells;
-  std::array<std::uint32_t, vision::kPyramidCells> first_list;  // of a cell, in units of words
-  std::array<std::uint32_t, vision::kPyramidCells> capacity{};  // points in a cell
-
-  Layout() {
-    for (int point = 0; point < kPoints; ++point) {
-      cells[point] = vision::cells_of(point % vision::kGridSide, point / vision::kGridSide);
-      for (const int cell : cells[point]) ++capacity[cell];
-    }
-    std::uint32_t lists = 0;
-    for (int cell = 0; cell < vision::kPyramidCells; ++cell) {
-      first_list[cell] = lists;
-      lists += capacity[cell];
-    }
-  }
-  std::uint32_t list(int cell, std::uint32_t word, std::uint32_t words, std::uint32_t occurrence) const {
-    return first_list[cell] * words + word * capacity[cell] + occurrence;
-  }
-};
-
-const Layout& layout() {
-  static const Layout the_layout;
-  return the_layout;
-}
-
-// How often each word has been met in each cell; emptied by walking the same points again.
-class Occurrences {
- public:
-  explicit Occurrences(std::uint32_t words) : words_(words), counts_(vision::kPyramidCells * words) {}
-  std::uint32_t next(int cell, std::uint32_t word) { return counts_[cell * words_ + word]++; }
-  void clear(const vision::WordMap& map) {
-    for (int point = 0; point < kPoints; ++point) {
-      for (const int cell : layout().cells[point]) counts_[cell * words_ + map[point]] = 0;
-    }
-  }
-
- private:
-  std::uint32_t words_;
-  std::vector<std::uint8_t> counts_;
-};
-
-template <class Visit>
-void for_each_list(const vision::WordMap& map, std::uint32_t words, Occurrences& occurrences, Visit&& visit) {
-  for (int point = 0; point < kPoints; ++point) {
-    for (const int cell : layout().cells[point]) {
-      visit(layout().list(cell, map[point], words, occurrences.next(cell, map[point])));
-    }
-  }
-  occurrences.clear(map);
-}
-
-// The k best seen so far. Rows arrive in rising order, so that of equal scores the first k stay.
+// The k best seen so far.
 class Best {
  public:
-  Best(std::size_t k, std::vector<Hit>& hits) : k_(k), hits_(hits) { hits_.clear(); }
-  /// Only scores of at least this can still matter.
-  std::uint32_t threshold() const { return threshold_; }
+  explicit Best(std::size_t k) : k_(k) { hits_.reserve(2 * k + kSpare); }
+  /// No row of a lower score can be among the best; 0 until there are k.
+  std::uint32_t least() const { return least_; }
   void offer(Row row, std::uint32_t score) {
+    if (score < least_) return;
     hits_.push_back({row, score});
-    if (hits_.size() >= 2 * k_ + 64) shrink();
+    if (hits_.size() == 2 * k_ + kSpare) shrink();
   }
-  void finish() {
-    shrink();
-    std::sort(hits_.begin(), hits_.end(), better);
-  }
-
- private:
   void shrink() {
     if (hits_.size() < k_) return;
     const auto last = hits_.begin() + static_cast<std::ptrdiff_t>(k_ - 1);
     std::nth_element(hits_.begin(), last, hits_.end(), better);
-    threshold_ = last->score + 1;
+    least_ = last->score;
     hits_.resize(k_);
   }
+  std::vector<Hit> take() {
+    shrink();
+    std::sort(hits_.begin(), hits_.end(), better);
+    return std::move(hits_);
+  }
+
+ private:
+  static constexpr std::size_t kSpare = 64;
   std::size_t k_;
-  std::vector<Hit>& hits_;
-  std::uint32_t threshold_ = 0;
+  std::vector<Hit> hits_;
+  std::uint32_t least_ = 0;
 };
+
+// What a thread works in: sums of a block, the columns that went into them, some of them made here of
+// numbers, and rows to compare.
+struct Scratch {
+  PyramidSums sums;
+  std::vector<const RowBits*> level0, level1;
+  std::vector<std::array<RowBits, PyramidSums::kGroups>> made =
+      std::vector<std::array<RowBits, PyramidSums::kGroups>>(2 * kPoints);
+  std::array<std::uint16_t, kBlockRows> rows;
+};
+
+// A block of rows.
+struct Block {
+  std::size_t first_row;
+  std::span<const vision::WordMap> words;
+};
+
+// The lists of one level that a query takes.
+class LevelLists {
+ public:
+  void add(const RowLists::List& list) {
+    if (list.bits != nullptr)
+      columns_.push_back(list.bits);
+    else if (!list.rows.empty())
+      few_.push_back(list.rows);
+  }
+  /// Their columns in a block, blocks being asked for in rising order; `made` grows by those made of numbers.
+  void columns(std::size_t first_row, Scratch& scratch, std::size_t& made,
+               std::vector<const RowBits*>& columns) {
+    columns.clear();
+    for (const RowBits* column : columns_) columns.push_back(column + first_row / RowBits::kRows);
+    for (std::span<const std::uint32_t>& rows : few_) {
+      while (!rows.empty() && rows.front() < first_row) rows = rows.subspan(1);
+      if (rows.empty() || rows.front() >= first_row + kBlockRows) continue;
+      auto& column = scratch.made[made++];
+      column.fill({});
+      for (; !rows.empty() && rows.front() < first_row + kBlockRows; rows = rows.subspan(1)) {
+        const std::size_t row = rows.front() - first_row;
+        column[row / RowBits::kRows].words[row / 64 % 8] |= std::uint64_t{1} << row % 64;
+      }
+      columns.push_back(column.data());
+    }
+  }
+
+ private:
+  std::vector<const RowBits*> columns_;
+  std::vector<std::span<const std::uint32_t>> few_;  // what lies ahead of them
+};
+
+// A query made ready, and the best it has found.
+class Search {
+ public:
+  Search(const PieceQuery& query, const RowLists& lists, std::size_t word_count, std::size_t number,
+         std::size_t k)
+      : number_(number), k_(k), best_(k), fine_(query, word_count) {
+    std::array<std::array<std::uint8_t, 256>, RowLists::kCells> times{};
+    for (int point = 0; point < kPoints; ++point) {
+      const std::size_t word = query.words[point];
+      if (query.mask[point] == 0 || word >= word_count) continue;
+      const auto cells = vision::cells_of(point % vision::kGridSide, point / vision::kGridSide);
+      level0_.add(lists.list(0, word, ++times[0][word]));
+      level1_.add(lists.list(cells[1], word, ++times[cells[1]][word]));
+    }
+  }
+
+  void add_block(const Block& block, const Admission& admission, Scratch& scratch) {
+    std::size_t made = 0;
+    level0_.columns(block.first_row, scratch, made, scratch.level0);
+    level1_.columns(block.first_row, scratch, made, scratch.level1);
+    const std::size_t groups = (block.words.size() + RowBits::kRows - 1) / RowBits::kRows;
+    scratch.sums.add_up(scratch.level0, scratch.level1, groups);
+
+    const PyramidSums::Mask all = admitted(block, admission);
+    PyramidSums::Mask compared{};
+    std::uint32_t reach = 0;
+    if (best_.least() > 0) {
+      reach = best_.least() + 1;  // of equal scores the lower row is the better, and it has come before
+    } else {
+      // The most promising rows first: they tell what the others must reach.
+      std::uint32_t promising = 0;
+      for (std::uint32_t bit = 256; bit > 0; bit /= 2) {
+        PyramidSums::Mask mask = all;
+        if (scratch.sums.keep_reaching(promising + bit, groups, mask) >= 2 * k_) promising += bit;
+      }
+      if (promising > 0) {
+        compared = all;
+        scratch.sums.keep_reaching(promising, groups, compared);
+        compare(block, compared, admission, scratch);
+        reach = best_.least();
+      }
+    }
+    PyramidSums::Mask mask = all;
+    if (scratch.sums.keep_reaching(reach, groups, mask) == 0) return;
+    for (std::size_t i = 0; i < mask.size(); ++i) mask[i] &= ~compared[i];
+    compare(block, mask, admission, scratch);
+  }
+
+  std::vector<Hit> take() { return best_.take(); }
+
+ private:
+  static PyramidSums::Mask admitted(const Block& block, const Admission& admission) {
+    PyramidSums::Mask mask{};
+    if (admission.rows != nullptr) {
+      const auto words = admission.rows->words().subspan(block.first_row / 64);
+      std::copy_n(words.begin(), std::min(words.size(), mask.size()), mask.begin());
+      return mask;
+    }
+    const std::size_t rows = block.words.size();
+    std::fill_n(mask.begin(), rows / 64, ~std::uint64_t{0});
+    if (rows % 64 != 0) mask[rows / 64] = (std::uint64_t{1} << rows % 64) - 1;
+    return mask;
+  }
+
+  // Offers the rows of a mask with their scores, and learns what is to be reached from now on.
+  void compare(const Block& block, const PyramidSums::Mask& mask, const Admission& admission,
+               Scratch& scratch) {
+    // Word maps lie anywhere in memory: all are asked for before the first is needed.
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < mask.size(); ++i)
+      for (std::uint64_t rest = mask[i]; rest != 0; rest &= rest - 1) {
+        const std::size_t row = i * 64 + static_cast<std::size_t>(std::countr_zero(rest));
+        __builtin_prefetch(&block.words[row].front());
+        __builtin_prefetch(&block.words[row].back());
+        scratch.rows[count++] = static_cast<std::uint16_t>(row);
+      }
+    for (const std::uint16_t row : std::span(scratch.rows).first(count)) {
+      if (!admission.admits(number_, block.first_row + row)) continue;
+      best_.offer(static_cast<Row>(block.first_row + row),
+                  scratch.sums.sum_of(row) + vision::kLevelWeights[2] * fine_.intersection(block.words[row]));
+    }
+    best_.shrink();
+  }
+
+  std::size_t number_, k_;
+  Best best_;
+  FineWords fine_;
+  LevelLists level0_, level1_;
+};
+
+std::span<const vision::WordMap> checked(std::span<const vision::WordMap> words, int word_count) {
+  check_words(words, word_count);
+  return words;
+}
 
 }  // namespace
 
 ExactIndex::ExactIndex(std::span<const vision::WordMap> words, int word_count)
-    : rows_(words.size()), word_count_(word_count), blocks_((words.size() + kBlockRows - 1) / kBlockRows) {
-  check_words(words, word_count);
-  const auto count = static_cast<std::uint32_t>(word_count);
-  const std::uint32_t lists = 3 * kPoints * count;
-  oneapi::tbb::parallel_for(std::size_t{0}, blocks_.size(), [&](std::size_t b) {
-    const auto maps = words.subspan(b * kBlockRows, std::min(kBlockRows, words.size() - b * kBlockRows));
-    Block& block = blocks_[b];
-    Occurrences occurrences(count);
-    block.first.assign(lists + 1, 0);
-    for (const vision::WordMap& map : maps) {
-      for_each_list(map, count, occurrences, [&](std::uint32_t list) { ++block.first[list + 1]; });
-    }
-    for (std::uint32_t list = 0; list < lists; ++list) block.first[list + 1] += block.first[list];
-    block.rows.resize(block.first.back());
-    std::vector<std::uint32_t> next(block.first.begin(), block.first.end() - 1);
-    for (std::size_t row = 0; row < maps.size(); ++row) {
-      for_each_list(maps[row], count, occurrences,
-                    [&](std::uint32_t list) { block.rows[next[list]++] = static_cast<std::uint16_t>(row); });
-    }
-  });
-}
-
-void ExactIndex::search_one(const PieceQuery& query, std::size_t k, const Admission& admission,
-                            std::size_t number, std::span<std::uint16_t> sums, std::vector<Hit>& hits) const {
-  const auto words = static_cast<std::uint32_t>(word_count_);
-  // The lists of a bin lie side by side: one stretch a bin, from its first list to its count.
-  struct Stretch {
-    std::uint32_t first, last;  // lists
-    std::uint16_t weight;
-  };
-  std::vector<Stretch> stretches;
-  Occurrences occurrences(words);
-  for (int point = 0; point < kPoints; ++point) {
-    const std::uint32_t word = query.words[point];
-    if (query.mask[point] == 0 || word >= words) continue;
-    for (int level = 0; level < 3; ++level) {
-      const int cell = layout().cells[point][level];
-      const std::uint32_t occurrence = occurrences.next(cell, word);
-      const std::uint32_t first = layout().list(cell, word, words, 0);
-      const auto weight = static_cast<std::uint16_t>(vision::kLevelWeights[level]);
-      stretches.push_back({first, first + occurrence + 1, weight});
-    }
-  }
-  // Of the stretches of one bin, the longest holds the others.
-  std::sort(stretches.begin(), stretches.end(), [](const Stretch& a, const Stretch& b) {
-    return a.first != b.first ? a.first < b.first : a.last > b.last;
-  });
-  stretches.erase(std::unique(stretches.begin(), stretches.end(),
-                              [](const Stretch& a, const Stretch& b) { return a.first == b.first; }),
-                  stretches.end());
-
-  Best best(k, hits);
-  for (std::size_t b = 0; b < blocks_.size(); ++b) {
-    const std::size_t first_row = b * kBlockRows, rows = std::min(kBlockRows, rows_ - first_row);
-    if (admission.rows != nullptr && admission.rows->empty(first_row, rows)) continue;
-    const Block& block = blocks_[b];
-    std::fill(sums.begin(), sums.end(), std::uint16_t{0});
-    for (const Stretch& stretch : stretches) {
-      const std::uint16_t* row = block.rows.data() + block.first[stretch.first];
-      const std::uint16_t* const end = block.rows.data() + block.first[stretch.last];
-      for (; row != end; ++row) sums[*row] = static_cast<std::uint16_t>(sums[*row] + stretch.weight);
-    }
-    constexpr std::size_t kStep = 16;
-    for (std::size_t row = 0; row < rows; row += kStep) {
-      // Most of these reach nothing: one vector comparison.
-      const auto threshold = static_cast<std::uint16_t>(best.threshold());
-      std::uint16_t above = 0;
-      for (std::size_t i = 0; i < kStep; ++i) above |= static_cast<std::uint16_t>(sums[row + i] >= threshold);
-      if (above == 0) continue;
-      for (std::size_t i = row; i < std::min(row + kStep, rows); ++i) {
-        if (sums[i] < best.threshold() || !admission.admits(number, first_row + i)) continue;
-        best.offer(static_cast<Row>(first_row + i), sums[i]);
-      }
-    }
-  }
-  best.finish();
-}
+    : words_(checked(words, word_count)),
+      word_count_(static_cast<std::size_t>(word_count)),
+      lists_(words_, word_count_) {}
 
 std::vector<std::vector<Hit>> ExactIndex::search(std::span<const PieceQuery> queries, std::size_t k,
                                                  const Admission& admission) const {
-  check(admission, queries.size(), rows_);
+  check(admission, queries.size(), rows());
   std::vector<std::vector<Hit>> answers(queries.size());
-  k = std::min(k, rows_);
+  k = std::min(k, rows());
   if (k == 0) return answers;
-  oneapi::tbb::enumerable_thread_specific<std::vector<std::uint16_t>> sums(
-      [] { return std::vector<std::uint16_t>(kBlockRows); });
-  oneapi::tbb::parallel_for(std::size_t{0}, queries.size(), [&](std::size_t i) {
-    search_one(queries[i], k, admission, i, sums.local(), answers[i]);
+  const std::size_t parts = (queries.size() + kQueriesAtOnce - 1) / kQueriesAtOnce;
+  oneapi::tbb::parallel_for(std::size_t{0}, parts, [&](std::size_t part) {
+    thread_local Scratch scratch;  // kept from search to search: a single piece takes less than making it
+    const std::size_t first = part * queries.size() / parts, last = (part + 1) * queries.size() / parts;
+    std::vector<Search> searches;
+    searches.reserve(last - first);
+    for (std::size_t i = first; i < last; ++i) searches.emplace_back(queries[i], lists_, word_count_, i, k);
+    for (std::size_t row = 0; row < rows(); row += kBlockRows) {
+      const Block block{row, words_.subspan(row, std::min(kBlockRows, rows() - row))};
+      if (admission.rows != nullptr && admission.rows->empty(row, block.words.size())) continue;
+      for (Search& search : searches) search.add_block(block, admission, scratch);
+    }
+    for (std::size_t i = first; i < last; ++i) answers[i] = searches[i - first].take();
   });
   return answers;
 }
