@@ -7,13 +7,13 @@
 #include <fmt/format.h>
 
 #include "freshet_error.h"
+#include "media/motion_file.h"
 #include "media/picture.h"
 #include "media/picture_sequence.h"
 #include "synth/animate/animate.h"
 #include "synth/animate/assigned.h"
 #include "synth/animate/frame_sheet.h"
 #include "synth/animate/motion_field.h"
-#include "synth/simulate/motion_file.h"
 #include "synth/simulate/simulate.h"
 #include "tools/boundary_options.h"
 #include "tools/cache_options.h"
@@ -159,7 +159,7 @@ void run_simulate(const SimulateCommand& command, const RunContext& context) {
       cv::merge(std::vector<cv::Mat>(3, frame.alpha), alpha_picture);
       alpha->write(alpha_picture);
     }
-    if (!command.motion.empty()) synth::simulate::write_flo(media::numbered(command.motion, i), frame.motion);
+    if (!command.motion.empty()) media::write_flo(media::numbered(command.motion, i), frame.motion);
     progress.show(command.preset, i + 1, scene.frames, "frames");
   }
   sink.finish();

@@ -1,5 +1,5 @@
-// synth/simulate/motion_file.cc
-#include "synth/simulate/motion_file.h"
+// media/motion_file.cc
+#include "media/motion_file.h"
 
 #include <array>
 #include <bit>
@@ -12,7 +12,7 @@
 
 #include "freshet_error.h"
 
-namespace freshet::synth::simulate {
+namespace freshet::media {
 namespace {
 
 static_assert(std::endian::native == std::endian::little,
@@ -77,4 +77,4 @@ cv::Mat read_flo(const std::filesystem::path& path) {
   return motion;
 }
 
-}  // namespace freshet::synth::simulate
+}  // namespace freshet::media

@@ -1,4 +1,4 @@
-#include "synth/simulate/motion_file.h"
+#include "media/motion_file.h"
 
 #include <cstdint>
 #include <cstring>
@@ -12,7 +12,7 @@
 
 #include "freshet_error.h"
 
-namespace freshet::synth::simulate {
+namespace freshet::media {
 namespace {
 
 namespace fs = std::filesystem;
@@ -102,4 +102,4 @@ TEST_F(MotionFile, NamesAMissingFileAndAMissingFolder) {
 }
 
 }  // namespace
-}  // namespace freshet::synth::simulate
+}  // namespace freshet::media

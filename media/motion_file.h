@@ -1,11 +1,11 @@
-// synth/simulate/motion_file.h — motion fields in the Middlebury .flo format.
+// media/motion_file.h — motion fields in the Middlebury .flo format.
 #pragma once
 
 #include <filesystem>
 
 #include <opencv2/core.hpp>
 
-namespace freshet::synth::simulate {
+namespace freshet::media {
 
 /// motion  CV_32FC2, px a frame, x right, y down.
 /// File    "PIEH", width and height as 32-bit integers, then u, v row by row as 32-bit floats; all
@@ -20,4 +20,4 @@ void write_flo(const std::filesystem::path& path, const cv::Mat& motion);
 /// (the format marks unknown motion by values above 1e9).
 cv::Mat read_flo(const std::filesystem::path& path);
 
-}  // namespace freshet::synth::simulate
+}  // namespace freshet::media
