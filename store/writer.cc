@@ -134,17 +134,38 @@ struct ClipWriter::Impl {
     txn.put(Table::kTiles, key, state.record.take(txn.place(Table::kTiles, key)));
   }
 
-  void check_unique(const ClipRecord& record) const {
+  /// The clips of the state that this transaction began with; read where the last commit was not ours.
+  KnownClips& known_clips() {
+    KnownClips& known = txn.known_clips();
+    if (known.transaction + 1 == txn.number()) return known;
+    known = {};
     txn.each(Table::kClips, [&](ByteSpan key, ByteSpan value) {
       const RecordPlace at = txn.place(Table::kClips, key);
-      const auto other = parse_clip(decode_record(at, value, kMaxClipRecordBytes));
+      auto other = parse_clip(decode_record(at, value, kMaxClipRecordBytes));
       if (!other) throw_damaged(at, "the clip's record is garbled");
-      if (other->record.name == record.name || other->record.source_hash == record.source_hash) {
-        throw Error(ErrorKind::kInput, record.name,
-                    "the store has this clip already, as \"" + other->record.name + "\"",
-                    "Leave it out, or give it another name if its content differs");
-      }
+      known.named_by_source.emplace(other->record.source_hash, other->record.name);
+      known.names.insert(std::move(other->record.name));
     });
+    known.transaction = txn.number() - 1;
+    return known;
+  }
+
+  void check_unique(const ClipRecord& record) {
+    const KnownClips& known = known_clips();
+    const auto same_source = known.named_by_source.find(record.source_hash);
+    if (same_source == known.named_by_source.end() && !known.names.contains(record.name)) return;
+    throw Error(ErrorKind::kInput, record.name,
+                "the store has this clip already, as \"" +
+                    (same_source == known.named_by_source.end() ? record.name : same_source->second) + "\"",
+                "Leave it out, or give it another name if its content differs");
+  }
+
+  /// Before the commit: should it fail, the number is that of no state, and all is read again.
+  void remember(const ClipRecord& record) {
+    KnownClips& known = txn.known_clips();
+    known.named_by_source.emplace(record.source_hash, record.name);
+    known.names.insert(record.name);
+    known.transaction = txn.number();
   }
 
   WriteTransaction txn;
@@ -209,6 +230,7 @@ ClipId ClipWriter::commit(ClipRecord record) {
   clip.record = std::move(record);
   const Bytes key = clip_key(impl.clip), bytes = serialise_clip(clip);
   impl.txn.put(Table::kClips, key, encode_record(impl.txn.place(Table::kClips, key), bytes, 1, bytes.size()));
+  impl.remember(clip.record);
   impl.txn.commit();
   return impl.clip;
 }

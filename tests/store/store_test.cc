@@ -94,6 +94,35 @@ TEST(Store, RefusesAClipItHas) {
   EXPECT_EQ(store.snapshot().clips().size(), 1u);
 }
 
+TEST(Store, KnowsItsClipsWhateverWasWrittenBetween) {
+  const TestFolder folder;
+  std::optional<Store> store = Store::create(folder / "a", "");
+  const auto refuses = [&](const std::string& name) {
+    return error_of([&] { add_clip(*store, {.name = name, .frames = 2}); }) == ErrorKind::kInput;
+  };
+  add_clip(*store, {.name = "a", .frames = 2});
+  { const ClipWriter dropped = write_clip(*store, {.name = "b", .frames = 2}); }
+  EXPECT_TRUE(refuses("a"));
+  add_clip(*store, {.name = "b", .frames = 2});
+  const std::byte byte{1};
+  const Store::Blob blob{"blob", {&byte, 1}};
+  store->write({&blob, 1});
+  EXPECT_TRUE(refuses("a"));
+  EXPECT_TRUE(refuses("b"));
+  store.reset();
+  store = Store::open_write(folder / "a");
+  add_clip(*store, {.name = "c", .frames = 2});
+  for (const char* name : {"a", "b", "c"}) EXPECT_TRUE(refuses(name)) << name;
+  // The same source under another name, and another source under a known name.
+  ClipRecord record = TestClip{.name = "d"}.record();
+  record.source_hash = TestClip{.name = "b"}.record().source_hash;
+  EXPECT_EQ(error_of([&] { write_clip(*store, {.name = "d"}).commit(record); }), ErrorKind::kInput);
+  record = TestClip{.name = "c"}.record();
+  record.source_hash = "another";
+  EXPECT_EQ(error_of([&] { write_clip(*store, {.name = "c"}).commit(record); }), ErrorKind::kInput);
+  EXPECT_EQ(store->snapshot().clips().size(), 3u);
+}
+
 TEST(Store, AClipWithoutCommitLeavesNoTrace) {
   const TestFolder folder;
   Store store = Store::create(folder / "a", "");
