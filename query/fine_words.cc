@@ -38,11 +38,16 @@ struct Earlier {
 };
 const Earlier kEarlier;
 
-typedef std::uint8_t Bytes __attribute__((vector_size(32)));
+typedef std::uint8_t Bytes16 __attribute__((vector_size(16)));
+typedef std::uint8_t Bytes32 __attribute__((vector_size(32)));
 
-FRESHET_WIDE std::uint32_t count_shared(const std::uint8_t* row, const std::uint8_t* words,
-                                        const std::uint8_t* is_there) {
-  Bytes sums{};  // of at most 3
+// Points whose word is wanted more often than it was before, a vector of points at a time. Inlined into a
+// function for each width: gcc takes wider vectors than a processor has apart into single bytes.
+template <class Bytes>
+inline __attribute__((always_inline)) std::uint32_t count_shared(const std::uint8_t* row,
+                                                                 const std::uint8_t* words,
+                                                                 const std::uint8_t* is_there) {
+  Bytes sums{};  // of at most 6
   for (std::size_t i = 0; i < kPadded; i += sizeof(Bytes)) {
     Bytes here, other, mask, wanted{}, before{};
     std::memcpy(&here, row + i, sizeof here);
@@ -64,6 +69,20 @@ FRESHET_WIDE std::uint32_t count_shared(const std::uint8_t* row, const std::uint
   return static_cast<std::uint32_t>(sum * 0x0101010101010101u >> 56);  // the sum of its bytes, at most 81
 }
 
+std::uint32_t count_16(const std::uint8_t* row, const std::uint8_t* words, const std::uint8_t* is_there) {
+  return count_shared<Bytes16>(row, words, is_there);
+}
+#if FRESHET_HAS_WIDE
+__attribute__((target("arch=x86-64-v3"))) std::uint32_t count_32(const std::uint8_t* row,
+                                                                 const std::uint8_t* words,
+                                                                 const std::uint8_t* is_there) {
+  return count_shared<Bytes32>(row, words, is_there);
+}
+const auto kCount = vector_bytes() >= 32 ? count_32 : count_16;
+#else
+const auto kCount = count_16;
+#endif
+
 }  // namespace
 
 FineWords::FineWords(const PieceQuery& query, std::size_t word_count) {
@@ -81,7 +100,7 @@ FineWords::FineWords(const PieceQuery& query, std::size_t word_count) {
 std::uint32_t FineWords::intersection(const vision::WordMap& map) const {
   std::uint8_t row[Earlier::kFarthest + kPadded] = {};
   std::memcpy(row + Earlier::kFarthest, map.data(), map.size());
-  return count_shared(row + Earlier::kFarthest, words_[0].data(), is_there_[0].data());
+  return kCount(row + Earlier::kFarthest, words_[0].data(), is_there_[0].data());
 }
 
 }  // namespace freshet::query
