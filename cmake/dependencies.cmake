@@ -11,6 +11,7 @@ pkg_check_modules(LMDB REQUIRED IMPORTED_TARGET lmdb)
 pkg_check_modules(XXHASH REQUIRED IMPORTED_TARGET libxxhash)
 pkg_check_modules(LZ4 REQUIRED IMPORTED_TARGET liblz4)
 pkg_check_modules(FFMPEG REQUIRED IMPORTED_TARGET libavformat libavfilter libavcodec libavutil libswscale)
+pkg_check_modules(OPENEXR REQUIRED IMPORTED_TARGET OpenEXR)
 
 # FLANN ships no CMake package. It is header templates and one library, and its headers call LZ4.
 find_path(FLANN_INCLUDE_DIR flann/flann.hpp REQUIRED)

@@ -159,7 +159,7 @@ void run_simulate(const SimulateCommand& command, const RunContext& context) {
       cv::merge(std::vector<cv::Mat>(3, frame.alpha), alpha_picture);
       alpha->write(alpha_picture);
     }
-    if (!command.motion.empty()) media::write_flo(media::numbered(command.motion, i), frame.motion);
+    if (!command.motion.empty()) media::write_motion(media::numbered(command.motion, i), frame.motion);
     progress.show(command.preset, i + 1, scene.frames, "frames");
   }
   sink.finish();
@@ -263,8 +263,8 @@ void add_simulate(CLI::App& synth_command, RunContext& context) {
       ->capture_default_str();
   sub->add_option("--alpha", command->alpha, "Also write how much of each pixel the fluid covers, in grey");
   sub->add_option("--motion", command->motion,
-                  "Also write motion fields, px a frame, as Middlebury .flo, numbered from 0 as pictures "
-                  "are: motion/%05d.flo");
+                  "Also write motion fields, px a frame, as Middlebury .flo or OpenEXR, numbered from 0 as "
+                  "pictures are: motion/%05d.flo");
   add_threads(*sub);
   sub->callback([command, &context] { run_simulate(*command, context); });
 }
