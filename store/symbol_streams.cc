@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <vector>
 
+#include "freshet_vectors.h"
 #include "store/zstd_context.h"
 
 namespace freshet::store {
@@ -18,52 +20,100 @@ constexpr std::array<unsigned, 3> kBits = {8, 4, 2};
 // between.
 constexpr int kLevel = 1, kMinMatch = 7;
 
-using Histogram = std::array<std::uint32_t, 256>;
+/// How often each symbol occurs, up to the largest that does.
+struct Histogram {
+  std::array<std::uint32_t, 256> of{};
+  std::size_t size = 0;  // one more than the largest symbol
+};
 
-double log2_of(std::uint32_t n) {
-  static const std::vector<float> table = [] {
-    std::vector<float> values(1 << 16);
-    for (std::size_t i = 1; i < values.size(); ++i) values[i] = std::log2(static_cast<float>(i));
-    return values;
-  }();
-  return n < table.size() ? table[n] : std::log2(static_cast<float>(n));
+// Four counts of every symbol: runs of one symbol would wait for the count before.
+Histogram count(std::span<const std::uint8_t> symbols) {
+  std::array<std::array<std::uint32_t, 256>, 4> parts{};
+  std::size_t i = 0;
+  for (; i + 4 <= symbols.size(); i += 4) {
+    for (std::size_t k = 0; k < 4; ++k) ++parts[k][symbols[i + k]];
+  }
+  for (; i < symbols.size(); ++i) ++parts[0][symbols[i]];
+  Histogram histogram;
+  for (std::size_t v = 0; v < 256; ++v) {
+    histogram.of[v] = parts[0][v] + parts[1][v] + parts[2][v] + parts[3][v];
+    if (histogram.of[v] != 0) histogram.size = v + 1;
+  }
+  return histogram;
 }
+
+void add(const Histogram& more, Histogram& to) {
+  for (std::size_t v = 0; v < more.size; ++v) to.of[v] += more.of[v];
+  to.size = std::max(to.size, more.size);
+}
+
+// n log2 n.
+class Weights {
+ public:
+  Weights() : table_(1 << 16) {
+    for (std::size_t n = 1; n < table_.size(); ++n) table_[n] = exact(static_cast<std::uint32_t>(n));
+  }
+  float operator()(std::uint32_t n) const { return n < table_.size() ? table_[n] : exact(n); }
+
+ private:
+  static float exact(std::uint32_t n) { return static_cast<float>(n) * std::log2(static_cast<float>(n)); }
+  std::vector<float> table_;
+};
 
 // About the bits that zstd needs for symbols of this histogram: their entropy, not less than a bit each
 // unless they are nearly all alike, and the block with its table, which zstd often takes over from the block
 // before. Dearer tables (64 + 4 bits a symbol) gave 0.82 of FFV1 in place of 0.76.
 double cost_bits(const Histogram& histogram) {
-  double total = 0, bits = 0;
+  static const Weights weight;
+  double bits = 0;
+  std::uint32_t total = 0;
   int distinct = 0;
-  for (const std::uint32_t n : histogram) {
-    if (n == 0) continue;
-    ++distinct;
+  for (std::size_t v = 0; v < histogram.size; ++v) {
+    const std::uint32_t n = histogram.of[v];
     total += n;
-    bits -= n * log2_of(n);
+    distinct += n != 0;
+    bits -= weight(n);
   }
   if (total == 0) return 0;
-  bits += total * log2_of(static_cast<std::uint32_t>(total));
-  if (distinct > 1) bits = std::max(bits, std::min(total, 4.0 * bits + 64));
+  bits += weight(total);
+  if (distinct > 1) bits = std::max(bits, std::min<double>(total, 4.0 * bits + 64));
   return bits + 48 + 0.2 * distinct;
 }
 
+FRESHET_WIDE void pack_pairs(const std::uint8_t* symbols, std::size_t bytes, std::uint8_t* packed) {
+  for (std::size_t i = 0; i < bytes; ++i) {
+    const std::uint8_t low = std::min<std::uint8_t>(symbols[2 * i], 15),
+                       high = std::min<std::uint8_t>(symbols[2 * i + 1], 15);
+    packed[i] = static_cast<std::uint8_t>(low | high << 4);
+  }
+}
+
+FRESHET_WIDE void pack_fours(const std::uint8_t* symbols, std::size_t bytes, std::uint8_t* packed) {
+  for (std::size_t i = 0; i < bytes; ++i) {
+    const std::uint8_t a = std::min<std::uint8_t>(symbols[4 * i], 3),
+                       b = std::min<std::uint8_t>(symbols[4 * i + 1], 3),
+                       c = std::min<std::uint8_t>(symbols[4 * i + 2], 3),
+                       d = std::min<std::uint8_t>(symbols[4 * i + 3], 3);
+    packed[i] = static_cast<std::uint8_t>(a | b << 2 | c << 4 | d << 6);
+  }
+}
+
+// `symbols` are followed by three zeros.
 void pack(std::span<const std::uint8_t> symbols, unsigned bits, std::vector<std::uint8_t>& packed) {
-  packed.clear();
   if (bits == 8) {
     packed.assign(symbols.begin(), symbols.end());
     return;
   }
   const unsigned per_byte = 8 / bits, escape = (1u << bits) - 1;
-  for (std::size_t i = 0; i < symbols.size(); i += per_byte) {
-    unsigned byte = 0;
-    for (unsigned k = 0; k < per_byte && i + k < symbols.size(); ++k) {
-      byte |= std::min<unsigned>(symbols[i + k], escape) << (k * bits);
-    }
-    packed.push_back(static_cast<std::uint8_t>(byte));
-  }
+  const std::size_t bytes = (symbols.size() + per_byte - 1) / per_byte;
+  packed.resize(bytes + symbols.size());
+  (bits == 4 ? pack_pairs : pack_fours)(symbols.data(), bytes, packed.data());
+  std::uint8_t* large = packed.data() + bytes;
   for (const std::uint8_t symbol : symbols) {
-    if (symbol >= escape) packed.push_back(symbol);
+    *large = symbol;
+    large += symbol >= escape;
   }
+  packed.resize(static_cast<std::size_t>(large - packed.data()));
 }
 
 // False when the stream has too few or too many bytes.
@@ -108,20 +158,18 @@ bool take_number(ByteSpan& from, std::size_t& value) {
   return false;
 }
 
+using ContextHistograms = std::array<Histogram, kContexts>;
+
 // The cheapest cut of the contexts into runs: dynamic programming over the last run's first context.
-std::vector<std::size_t> cut_contexts(const ContextSymbols& symbols) {
-  std::array<Histogram, kContexts> histograms{};
-  for (std::size_t c = 0; c < kContexts; ++c) {
-    for (const std::uint8_t symbol : symbols[c]) ++histograms[c][symbol];
-  }
+std::vector<std::size_t> cut_contexts(const ContextHistograms& histograms) {
   std::array<double, kContexts + 1> best;
   std::array<std::size_t, kContexts + 1> start{};
   best.fill(std::numeric_limits<double>::max());
   best[0] = 0;
   for (std::size_t last = 0; last < kContexts; ++last) {
-    Histogram run{};
+    Histogram run;
     for (std::size_t first = last + 1; first-- > 0;) {
-      for (std::size_t i = 0; i < run.size(); ++i) run[i] += histograms[first][i];
+      add(histograms[first], run);
       const double cost = best[first] + cost_bits(run);
       if (cost < best[last + 1]) {
         best[last + 1] = cost;
@@ -135,6 +183,15 @@ std::vector<std::size_t> cut_contexts(const ContextSymbols& symbols) {
   return cuts;
 }
 
+// Where more symbols than this are too large for a packing it is not tried: each costs a byte more.
+constexpr std::size_t kMostLarge = 4;  // one in so many
+
+bool worth_packing(const Histogram& histogram, std::size_t symbols, unsigned bits) {
+  std::size_t fit = 0;
+  for (std::size_t v = 0; v + 1 < std::size_t{1} << bits; ++v) fit += histogram.of[v];
+  return (symbols - fit) * kMostLarge <= symbols;
+}
+
 }  // namespace
 
 void encode_symbols(const ContextSymbols& symbols, ByteSpan side, Bytes& out) {
@@ -142,28 +199,36 @@ void encode_symbols(const ContextSymbols& symbols, ByteSpan side, Bytes& out) {
     unsigned packing = 0;
     std::vector<std::uint8_t> bytes;
   };
-  const std::vector<std::size_t> cuts = cut_contexts(symbols);
-  std::vector<StreamBytes> streams(cuts.size());
+  ContextHistograms histograms;
+  for (std::size_t c = 0; c < kContexts; ++c) histograms[c] = count(symbols[c]);
+  const std::vector<std::size_t> cuts = cut_contexts(histograms);
+  thread_local std::array<StreamBytes, kContexts> stream_bytes;
+  const std::span streams(stream_bytes.data(), cuts.size());
   // The first context of every stream as bits, then each stream's numbers.
   std::uint32_t starts = 0;
   thread_local std::vector<std::uint8_t> joined, packed;
-  Bytes head;
+  thread_local Bytes head;
+  head.clear();
   for (std::size_t s = 0; s < cuts.size(); ++s) {
     starts |= 1u << cuts[s];
     joined.clear();
+    Histogram histogram;
     const std::size_t end = s + 1 < cuts.size() ? cuts[s + 1] : kContexts;
-    for (std::size_t c = cuts[s]; c < end; ++c)
+    for (std::size_t c = cuts[s]; c < end; ++c) {
       joined.insert(joined.end(), symbols[c].begin(), symbols[c].end());
+      add(histograms[c], histogram);
+    }
+    const std::size_t joined_symbols = joined.size();
+    joined.insert(joined.end(), 3, 0);
     double best = std::numeric_limits<double>::max();
     for (unsigned p = 0; p < kBits.size(); ++p) {
-      pack(joined, kBits[p], packed);
-      Histogram histogram{};
-      for (const std::uint8_t byte : packed) ++histogram[byte];
-      const double cost = cost_bits(histogram);
+      if (kBits[p] != 8 && !worth_packing(histogram, joined_symbols, kBits[p])) continue;
+      pack({joined.data(), joined_symbols}, kBits[p], packed);
+      const double cost = cost_bits(kBits[p] == 8 ? histogram : count(packed));
       if (cost >= best) continue;
       best = cost;
       streams[s].packing = p;
-      streams[s].bytes = packed;
+      streams[s].bytes.swap(packed);
     }
   }
   append(head, static_cast<std::uint16_t>(starts));
@@ -233,7 +298,7 @@ bool decode_symbols(ByteSpan coded, std::size_t reads, std::size_t max_side_byte
 
   // A stream that is read beyond its end runs into the next ones and then into the slack, never out of
   // memory.
-  unpacked.resize(total + reads);
+  unpacked.resize(total + reads + kSymbolsALoad);
   std::uint8_t* to = unpacked.data();
   for (std::size_t s = 0; s < stream_count; ++s) {
     const StreamBytes& stream = streams[s];

@@ -1,121 +1,100 @@
 #include "store/tile_codec.h"
 
 #include <algorithm>
-#include <cstdlib>
+#include <array>
 
+#include "store/block_predictor.h"
 #include "store/symbol_streams.h"
 
 namespace freshet::store {
 namespace {
 
-constexpr std::uint32_t kBlock = 8;  // samples an edge of the blocks that choose their predictor
+// Symbols share a context by groups of 8 in a row of a block. A symbol's own context would cost the decoder a
+// chain from each to the next, and does not pay: over eight clips it takes 1.5 % more bytes, because what
+// lies side by side is packed and matched together.
+constexpr std::uint32_t kGroup = kBlock;
+constexpr std::uint8_t kLargeSymbol = 255;  // 16-bit residuals from here on go to the side information
 
-// How a sample is predicted from those before it: N above, W left, NW, and P, PN, PW, PNW in the frame
-// before.
-enum class Predictor : std::uint8_t {
-  kSpatial = 0,   // MED of W, N, N + W - NW
-  kTemporal = 1,  // P
-  kDrift = 2,     // P + MED of the differences to the frame before
-  kHalf = 3,      // P + half the mean difference of W and N
-  kMean = 4,      // mean of kSpatial and P
-  kCopy = 5,      // P, and every residual of the block is zero and absent
-};
-constexpr std::size_t kPredictors = 5;  // those with residuals
-
-int med(int w, int n, int nw) {
-  const int low = std::min(w, n), high = std::max(w, n);
-  return std::clamp(w + n - nw, low, high);
-}
-
-// `now` and `before` point at the sample and at its place in the frame before; rows are `pitch` apart.
-template <Predictor kKind, class Sample>
-int predict(const Sample* now, const Sample* before, std::ptrdiff_t pitch, int w) {
-  const int n = now[-pitch], nw = now[-pitch - 1];
-  switch (kKind) {
-    case Predictor::kSpatial:
-      return med(w, n, nw);
-    case Predictor::kTemporal:
-      return before[0];
-    case Predictor::kDrift:
-      return before[0] + med(w - before[-1], n - before[-pitch], nw - before[-pitch - 1]);
-    case Predictor::kHalf:
-      return before[0] + ((w - before[-1] + n - before[-pitch]) >> 2);
-    case Predictor::kMean:
-      return (med(w, n, nw) + before[0]) >> 1;
-    case Predictor::kCopy:
-      return before[0];
-  }
-  return 0;
-}
-
-template <class Sample>
-std::uint16_t zigzag(int residual) {
-  if constexpr (sizeof(Sample) == 1) {
-    const int e = static_cast<std::int8_t>(residual);
-    return static_cast<std::uint8_t>(e * 2 ^ e >> 7);
-  } else {
-    const int e = static_cast<std::int16_t>(residual);
-    return static_cast<std::uint16_t>(e * 2 ^ e >> 15);
-  }
-}
-
-constexpr int kActivities = 8 * 255 + 1;
+constexpr std::size_t kActivities = kGroup * kLargeSymbol + 1;
 
 // Contexts are of about equal ratio in activity: finer ones gain nothing, zstd's tables eat it.
 struct ContextTable {
   std::uint8_t of[kActivities];
   constexpr ContextTable() : of() {
-    constexpr int kFrom[kContexts] = {0, 1, 3, 5, 7, 10, 14, 19, 26, 36, 50, 70, 98, 140, 200, 320};
-    int c = 0;
-    for (int a = 0; a < kActivities; ++a) {
-      while (c + 1 < static_cast<int>(kContexts) && a >= kFrom[c + 1]) ++c;
+    constexpr std::size_t kFrom[kContexts] = {0, 1, 3, 5, 7, 10, 14, 19, 26, 36, 50, 70, 98, 140, 200, 320};
+    std::size_t c = 0;
+    for (std::size_t a = 0; a < kActivities; ++a) {
+      while (c + 1 < kContexts && a >= kFrom[c + 1]) ++c;
       of[a] = static_cast<std::uint8_t>(c);
     }
   }
 };
 constexpr ContextTable kContextTable;
 
-// A tile being coded: its samples with a border of one zero column on both sides and one zero row above each
-// frame, and the size of the residuals beside them.
-template <class Sample>
-struct Canvas {
-  explicit Canvas(const TileBox& tile)
-      : box(tile),
-        pitch(static_cast<std::ptrdiff_t>(tile.width) + 2),
-        frame((static_cast<std::ptrdiff_t>(tile.height) + 1) * pitch),
-        blocks_across((tile.width + kBlock - 1) / kBlock),
-        blocks_down((tile.height + kBlock - 1) / kBlock) {
-    // One empty frame in front: what the first one is predicted from.
-    const auto size = static_cast<std::size_t>(frame * (tile.frames + 1) + pitch);
-    samples_.assign(size, 0);
-    sizes_.assign(size, 0);
+/// The contexts of a tile's groups: from the sums of the symbols of the groups around, as far as rows above
+/// and the frame before have them.
+class GroupContexts {
+ public:
+  void begin(const TileBox& box) {
+    groups_ = (box.width + kGroup - 1) / kGroup;
+    height_ = box.height;
+    pitch_ = groups_ + 2;
+    frame_ = 0;
+    for (auto& sums : sums_) sums.assign(std::size_t{height_} * pitch_, 0);
+    nothing_.assign(pitch_, 0);
+    contexts_.resize(groups_);
   }
-  Sample* row(std::uint32_t f, std::uint32_t y) { return samples_.data() + offset(f, y); }
-  std::uint8_t* sizes(std::uint32_t f, std::uint32_t y) { return sizes_.data() + offset(f, y); }
-  std::ptrdiff_t offset(std::uint32_t f, std::uint32_t y) const {
-    return (static_cast<std::ptrdiff_t>(f) + 1) * frame + (static_cast<std::ptrdiff_t>(y) + 1) * pitch + 1;
-  }
-  // What precedes a row's first sample: the sample above it.
-  void border(std::uint32_t f, std::uint32_t y) { row(f, y)[-1] = row(f, y)[-pitch]; }
+  std::uint32_t groups() const { return groups_; }
 
-  // Activity of a row as far as it is known before the row.
-  void activity(std::uint32_t f, std::uint32_t y, std::uint16_t* out) {
-    const std::uint8_t* above = sizes(f, y) - pitch;
-    const std::uint8_t* before = sizes(f, y) - frame;
-    for (std::uint32_t x = 0; x < box.width; ++x) {
-      out[x] = static_cast<std::uint16_t>(2 * above[x] + above[x + 1] + *(above + x - 1) + 2 * before[x]);
+  /// Contexts of a row. All rows, in order.
+  std::span<const std::uint8_t> of_row(std::uint32_t f, std::uint32_t y) {
+    frame_ = f;
+    const std::uint16_t* p = f > 0 ? row(f - 1, y) : nullptr;
+    const std::uint16_t* ps = p != nullptr && y + 1 < height_ ? p + pitch_ : p;
+    const std::uint16_t* n = y > 0 ? row(f, y - 1) : p != nullptr ? p : nothing_.data() + 1;
+    const std::uint16_t* nn = y > 1 ? n - pitch_ : n;
+    if (p == nullptr) p = ps = n;
+    for (std::uint32_t g = 0; g < groups_; ++g) {
+      const unsigned weighted = 6u * n[g] + *(n + g - 1) + n[g + 1] + 4u * nn[g] + 2u * p[g] + 2u * ps[g];
+      contexts_[g] = kContextTable.of[weighted >> 4];
     }
+    return contexts_;
   }
 
-  const TileBox& box;
-  std::ptrdiff_t pitch, frame;
-  std::uint32_t blocks_across, blocks_down;
+  /// The sums of the row's groups, to be filled in; followed by close_row().
+  std::uint16_t* sums(std::uint32_t y) { return row(frame_, y); }
+  void close_row(std::uint32_t y) {
+    std::uint16_t* sums = row(frame_, y);
+    *(sums - 1) = sums[0];
+    sums[groups_] = sums[groups_ - 1];
+  }
 
  private:
-  // Kept by the thread: tiles are many and allocation is not free.
-  static inline thread_local std::vector<Sample> samples_;
-  static inline thread_local std::vector<std::uint8_t> sizes_;
+  std::uint16_t* row(std::uint32_t f, std::uint32_t y) {
+    return sums_[f & 1].data() + std::size_t{y} * pitch_ + 1;
+  }
+  std::uint32_t groups_ = 0, height_ = 0, frame_ = 0;
+  std::size_t pitch_ = 0;
+  std::array<std::vector<std::uint16_t>, 2> sums_;  // of this frame's groups and the last one's
+  std::vector<std::uint16_t> nothing_;
+  std::vector<std::uint8_t> contexts_;
 };
+
+std::uint64_t load_group(const std::uint8_t* from) {
+  std::uint64_t group;
+  std::memcpy(&group, from, sizeof group);
+  return group;
+}
+
+// Sum of the 8 bytes.
+std::uint16_t sum_of(std::uint64_t group) {
+  constexpr std::uint64_t kEven = 0x00ff00ff00ff00ff, kOnes = 0x0001000100010001;
+  return static_cast<std::uint16_t>(((group & kEven) + (group >> 8 & kEven)) * kOnes >> 48);
+}
+
+std::uint64_t first_bytes(std::uint32_t count) {
+  return count == kGroup ? ~std::uint64_t{0} : (std::uint64_t{1} << 8 * count) - 1;
+}
 
 // Signed 16-bit samples (flow) cross zero: with the top bit turned they do not wrap in the middle.
 constexpr std::uint16_t kSignBit = 0x8000;
@@ -134,218 +113,146 @@ bool better_signed(std::span<const Sample> samples) {
   return signed_high - signed_low < high - low;
 }
 
-// A measure of the bits of a symbol, in 1/8 bit: log2 of its size and a little.
-struct CostTable {
-  std::uint8_t of[256];
-  constexpr CostTable() : of() {
-    for (int z = 0; z < 256; ++z) {
-      int eighths = 0;
-      // 8 log2(1 + z), by repeated squaring of (1 + z) / 2^k.
-      double value = 1.0 + z;
-      while (value >= 2.0) value /= 2.0, eighths += 8;
-      for (int bit = 4; bit >= 1; bit /= 2) {
-        value *= value;
-        if (value >= 2.0) value /= 2.0, eighths += bit;
-      }
-      of[z] = static_cast<std::uint8_t>(z == 0 ? 2 : eighths * 2 > 255 ? 255 : 4 + eighths);
-    }
+// Symbols by context, each context's memory long enough for all of them.
+class SymbolSorter {
+ public:
+  void begin(std::size_t symbols) {
+    each_ = symbols + kGroup;
+    if (memory_.size() < kContexts * each_) memory_.resize(kContexts * each_);
+    for (std::size_t c = 0; c < kContexts; ++c) end_[c] = memory_.data() + c * each_;
   }
+  void add(std::uint8_t context, std::uint64_t group, std::uint32_t count) {
+    std::memcpy(end_[context], &group, sizeof group);
+    end_[context] += count;
+  }
+  ContextSymbols symbols() const {
+    ContextSymbols symbols;
+    for (std::size_t c = 0; c < kContexts; ++c) symbols[c] = {memory_.data() + c * each_, end_[c]};
+    return symbols;
+  }
+
+ private:
+  std::vector<std::uint8_t> memory_;
+  std::size_t each_ = 0;
+  std::array<std::uint8_t*, kContexts> end_{};
 };
-constexpr CostTable kCost;
-
-template <Predictor kKind, class Sample>
-std::uint32_t block_cost(Canvas<Sample>& canvas, std::uint32_t f, std::uint32_t x0, std::uint32_t y0,
-                         bool& all_zero) {
-  const std::uint32_t x1 = std::min(x0 + kBlock, canvas.box.width),
-                      y1 = std::min(y0 + kBlock, canvas.box.height);
-  std::uint32_t cost = 0, seen = 0;
-  for (std::uint32_t y = y0; y < y1; ++y) {
-    const Sample* now = canvas.row(f, y);
-    const Sample* before = now - canvas.frame;
-    for (std::uint32_t x = x0; x < x1; ++x) {
-      const auto z =
-          zigzag<Sample>(now[x] - predict<kKind>(now + x, before + x, canvas.pitch, *(now + x - 1)));
-      seen |= z;
-      cost += kCost.of[std::min<std::uint16_t>(z, 255)];
-    }
-  }
-  all_zero = seen == 0;
-  return cost;
-}
-
-template <class Sample>
-Predictor choose(Canvas<Sample>& canvas, std::uint32_t f, std::uint32_t x0, std::uint32_t y0) {
-  bool zero = false, ignored = false;
-  std::array<std::uint32_t, kPredictors> cost;
-  cost.fill(UINT32_MAX);
-  if (f > 0) {
-    cost[1] = block_cost<Predictor::kTemporal>(canvas, f, x0, y0, zero);
-    if (zero) return Predictor::kCopy;
-    cost[2] = block_cost<Predictor::kDrift>(canvas, f, x0, y0, ignored);
-    cost[3] = block_cost<Predictor::kHalf>(canvas, f, x0, y0, ignored);
-    cost[4] = block_cost<Predictor::kMean>(canvas, f, x0, y0, ignored);
-    cost[0] = block_cost<Predictor::kSpatial>(canvas, f, x0, y0, ignored);
-  } else {
-    return Predictor::kSpatial;
-  }
-  return static_cast<Predictor>(std::ranges::min_element(cost) - cost.begin());
-}
 
 template <class Sample>
 void encode(const TileBox& box, ByteSpan bytes, Bytes& out) {
   const std::span<const Sample> source(reinterpret_cast<const Sample*>(bytes.data()), box.samples());
-  Canvas<Sample> canvas(box);
   const bool is_signed = better_signed(source);
   const auto turn = static_cast<Sample>(is_signed ? kSignBit : 0);
-  for (std::uint32_t f = 0; f < box.frames; ++f) {
-    for (std::uint32_t y = 0; y < box.height; ++y) {
-      Sample* row = canvas.row(f, y);
-      const Sample* from = source.data() + (std::size_t{f} * box.height + y) * box.width;
-      for (std::uint32_t x = 0; x < box.width; ++x) row[x] = from[x] ^ turn;
-      canvas.border(f, y);
-    }
-  }
+  const std::size_t frame_samples = std::size_t{box.width} * box.height;
 
-  thread_local ContextSymbols symbols;
-  for (auto& context : symbols) context.clear();
-  Bytes side{static_cast<std::byte>(is_signed ? kSignedTile : kPlainTile)};
-  Bytes large;
-  std::vector<std::uint16_t> activity(box.width);
-  std::vector<Predictor> choice(canvas.blocks_across);
+  // Kept by the thread: tiles are many and allocation is not free.
+  thread_local StripPredictor<Sample> predictor;
+  thread_local GroupContexts contexts;
+  thread_local SymbolSorter sorter;
+  thread_local std::vector<Predictor> choices;
+  thread_local Bytes side, large;
+  predictor.begin(box.width, box.height);
+  contexts.begin(box);
+  sorter.begin(box.samples());
+  choices.resize(contexts.groups());
+  side.assign(1, static_cast<std::byte>(is_signed ? kSignedTile : kPlainTile));
+  large.clear();
+
   for (std::uint32_t f = 0; f < box.frames; ++f) {
+    predictor.next_frame(source.subspan(f * frame_samples, frame_samples), turn);
     for (std::uint32_t y = 0; y < box.height; ++y) {
       if (y % kBlock == 0) {
-        for (std::uint32_t b = 0; b < canvas.blocks_across; ++b) {
-          choice[b] = choose(canvas, f, b * kBlock, y);
-          side.push_back(static_cast<std::byte>(choice[b]));
-        }
+        predictor.predict(y / kBlock, choices);
+        for (const Predictor choice : choices) side.push_back(static_cast<std::byte>(choice));
       }
-      canvas.activity(f, y, activity.data());
-      const Sample* now = canvas.row(f, y);
-      const Sample* before = now - canvas.frame;
-      std::uint8_t* sizes = canvas.sizes(f, y);
-      int left = 0;  // size of the residual to the left
-      for (std::uint32_t x = 0; x < box.width; ++x) {
-        const Predictor predictor = choice[x / kBlock];
-        if (predictor == Predictor::kCopy) {
-          left = 0;
-          continue;
+      const std::span<const std::uint8_t> context = contexts.of_row(f, y);
+      std::uint16_t* sums = contexts.sums(y);
+      const Sample* residuals = predictor.residuals(y % kBlock);
+      for (std::uint32_t g = 0; g < contexts.groups(); ++g) {
+        sums[g] = 0;
+        if (choices[g] == Predictor::kCopy) continue;
+        const std::uint32_t x = g * kGroup, count = std::min(kGroup, box.width - x);
+        std::uint8_t symbols[kGroup] = {};
+        for (std::uint32_t i = 0; i < count; ++i) {
+          const Sample z = residuals[x + i];
+          symbols[i] = static_cast<std::uint8_t>(std::min<Sample>(z, kLargeSymbol));
+          if (sizeof(Sample) == 2 && symbols[i] == kLargeSymbol) append(large, static_cast<std::uint16_t>(z));
         }
-        const int w = *(now + x - 1);
-        int p = 0;
-        switch (predictor) {
-          case Predictor::kSpatial:
-            p = predict<Predictor::kSpatial>(now + x, before + x, canvas.pitch, w);
-            break;
-          case Predictor::kTemporal:
-            p = predict<Predictor::kTemporal>(now + x, before + x, canvas.pitch, w);
-            break;
-          case Predictor::kDrift:
-            p = predict<Predictor::kDrift>(now + x, before + x, canvas.pitch, w);
-            break;
-          case Predictor::kHalf:
-            p = predict<Predictor::kHalf>(now + x, before + x, canvas.pitch, w);
-            break;
-          case Predictor::kMean:
-            p = predict<Predictor::kMean>(now + x, before + x, canvas.pitch, w);
-            break;
-          case Predictor::kCopy:
-            break;
-        }
-        const std::uint16_t z = zigzag<Sample>(now[x] - p);
-        const auto symbol = static_cast<std::uint8_t>(std::min<std::uint16_t>(z, 255));
-        symbols[kContextTable.of[activity[x] + 2 * left]].push_back(symbol);
-        if (sizeof(Sample) == 2 && symbol == 255) append(large, z);
-        sizes[x] = symbol;
-        left = symbol;
+        const std::uint64_t group = load_group(symbols);
+        sums[g] = sum_of(group);
+        sorter.add(context[g], group, count);
       }
+      contexts.close_row(y);
     }
   }
   side.insert(side.end(), large.begin(), large.end());
-  encode_symbols(symbols, side, out);
+  encode_symbols(sorter.symbols(), side, out);
 }
 
-// The samples of one row in one block.
-template <Predictor kKind, class Sample>
-void decode_run(Sample* now, const Sample* before, std::ptrdiff_t pitch, std::uint32_t count,
-                const std::uint16_t* activity, std::uint8_t* sizes, DecodedSymbols& symbols, ByteSpan& large,
-                int& left) {
-  int w = *(now - 1), last = left;
-  for (std::uint32_t x = 0; x < count; ++x) {
-    unsigned z = *symbols.next[kContextTable.of[activity[x] + 2 * last]]++;
-    last = static_cast<int>(z);
-    sizes[x] = static_cast<std::uint8_t>(z);
-    if constexpr (sizeof(Sample) == 2) {
-      if (z == 255) {
-        if (large.size() >= 2) {
-          z = load<std::uint16_t>(large.data());
-          large = large.subspan(2);
-        }
-      }
-    }
-    const int e = static_cast<int>(z >> 1) ^ -static_cast<int>(z & 1);
-    now[x] = static_cast<Sample>(predict<kKind>(now + x, before + x, pitch, w) + e);
-    w = now[x];
+// Takes the large residuals' values from the side information. False when it has too few.
+bool take_large(std::uint16_t* residuals, std::uint32_t count, ByteSpan& large) {
+  for (std::uint32_t i = 0; i < count; ++i) {
+    if (residuals[i] != kLargeSymbol) continue;
+    if (large.size() < 2) return false;
+    residuals[i] = load<std::uint16_t>(large.data());
+    large = large.subspan(2);
   }
-  left = last;
+  return true;
 }
 
 template <class Sample>
 bool decode(const TileBox& box, ByteSpan coded, std::span<std::byte> bytes) {
-  Canvas<Sample> canvas(box);
-  const std::size_t choices = std::size_t{canvas.blocks_across} * canvas.blocks_down * box.frames;
+  thread_local StripRestorer<Sample> restorer;
+  thread_local GroupContexts contexts;
+  contexts.begin(box);
+  const std::uint32_t across = contexts.groups(), down = (box.height + kBlock - 1) / kBlock;
+  const std::size_t choice_count = std::size_t{across} * down * box.frames;
   DecodedSymbols symbols;
-  if (!decode_symbols(coded, box.samples(), 1 + choices + 2 * box.samples(), symbols)) return false;
-  if (symbols.side.size() < 1 + choices) return false;
+  if (!decode_symbols(coded, box.samples(), 1 + choice_count + 2 * box.samples(), symbols)) return false;
+  if (symbols.side.size() < 1 + choice_count) return false;
   const auto kind = static_cast<std::uint8_t>(symbols.side[0]);
   if (kind > (sizeof(Sample) == 2 ? kSignedTile : kPlainTile)) return false;
   const auto turn = static_cast<Sample>(kind == kSignedTile ? kSignBit : 0);
-  const std::byte* choice = symbols.side.data() + 1;
-  ByteSpan large = symbols.side.subspan(1 + choices);
+  std::span<const Predictor> choices(reinterpret_cast<const Predictor*>(symbols.side.data() + 1),
+                                     choice_count);
+  if (std::ranges::any_of(choices, [](Predictor choice) { return choice > Predictor::kCopy; })) return false;
+  ByteSpan large = symbols.side.subspan(1 + choice_count);
 
-  std::vector<std::uint16_t> activity(box.width);
+  restorer.begin(box.width, box.height);
   auto* out = reinterpret_cast<Sample*>(bytes.data());
   for (std::uint32_t f = 0; f < box.frames; ++f) {
-    for (std::uint32_t y = 0; y < box.height; ++y) {
-      const std::byte* row_choice =
-          choice + (std::size_t{f} * canvas.blocks_down + y / kBlock) * canvas.blocks_across;
-      canvas.border(f, y);
-      canvas.activity(f, y, activity.data());
-      Sample* now = canvas.row(f, y);
-      const Sample* before = now - canvas.frame;
-      std::uint8_t* sizes = canvas.sizes(f, y);
-      int left = 0;
-      for (std::uint32_t x = 0; x < box.width; x += kBlock) {
-        const std::uint32_t count = std::min(kBlock, box.width - x);
-        const auto run = [&]<Predictor kKind>() {
-          decode_run<kKind>(now + x, before + x, canvas.pitch, count, activity.data() + x, sizes + x, symbols,
-                            large, left);
-        };
-        switch (static_cast<Predictor>(row_choice[x / kBlock])) {
-          case Predictor::kSpatial:
-            run.template operator()<Predictor::kSpatial>();
-            break;
-          case Predictor::kTemporal:
-            run.template operator()<Predictor::kTemporal>();
-            break;
-          case Predictor::kDrift:
-            run.template operator()<Predictor::kDrift>();
-            break;
-          case Predictor::kHalf:
-            run.template operator()<Predictor::kHalf>();
-            break;
-          case Predictor::kMean:
-            run.template operator()<Predictor::kMean>();
-            break;
-          case Predictor::kCopy:
-            std::copy(before + x, before + x + count, now + x);
-            left = 0;
-            break;
-          default:
-            return false;
+    restorer.next_frame();
+    for (std::uint32_t strip = 0; strip < down; ++strip, choices = choices.subspan(across)) {
+      const std::uint32_t rows = std::min(kBlock, box.height - strip * kBlock);
+      for (std::uint32_t row = 0; row < rows; ++row) {
+        const std::uint32_t y = strip * kBlock + row;
+        const std::span<const std::uint8_t> context = contexts.of_row(f, y);
+        std::uint16_t* sums = contexts.sums(y);
+        Sample* residuals = restorer.residuals(row);
+        for (std::uint32_t g = 0; g < across; ++g) {
+          std::uint64_t group = 0;
+          const std::uint32_t count = std::min(kGroup, box.width - g * kGroup);
+          if (choices[g] != Predictor::kCopy) {
+            const std::uint8_t*& next = symbols.next[context[g]];
+            group = load_group(next) & first_bytes(count);
+            next += count;
+          }
+          sums[g] = sum_of(group);
+          if constexpr (sizeof(Sample) == 1) {
+            std::memcpy(residuals + g * kGroup, &group, sizeof group);
+          } else {
+            for (std::uint32_t i = 0; i < kGroup; ++i) {
+              residuals[g * kGroup + i] = static_cast<Sample>(group >> 8 * i & 255);
+            }
+            if (sums[g] >= kLargeSymbol && !take_large(residuals + g * kGroup, count, large)) return false;
+          }
         }
+        contexts.close_row(y);
       }
-      for (std::uint32_t x = 0; x < box.width; ++x) *out++ = now[x] ^ turn;
+      restorer.restore(strip, choices.first(across));
+      for (std::uint32_t row = 0; row < rows; ++row, out += box.width) {
+        const Sample* samples = restorer.samples(row);
+        for (std::uint32_t x = 0; x < box.width; ++x) out[x] = samples[x] ^ turn;
+      }
     }
   }
   return symbols.finished() && large.empty();

@@ -186,7 +186,7 @@ TEST(Open, AnotherFormatVersionIsNamed) {
     FAIL();
   } catch (const Error& error) {
     EXPECT_EQ(error.kind(), ErrorKind::kInput);
-    EXPECT_NE(std::string(error.what()).find("format version 9, expected 1"), std::string::npos)
+    EXPECT_NE(std::string(error.what()).find("format version 9, expected 2"), std::string::npos)
         << error.what();
   }
 }
