@@ -1,4 +1,4 @@
-// Luminance and BGR of a frame (declared in media/frame.h).
+// Luminance and BGR of a frame (declared in media/frame.h), and BGRA (in media/bgra.h).
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -7,6 +7,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "freshet_error.h"
+#include "media/bgra.h"
 #include "media/frame.h"
 #include "media/scaler.h"
 
@@ -81,6 +82,20 @@ LumaWeights luma_weights(int matrix) {
   }
 }
 
+cv::Mat shown(const Frame& frame, const char* format, int type) {
+  cv::Mat picture(frame.layout.height, frame.layout.width, type);
+  PixelLayout layout;
+  layout.format = format;
+  layout.width = frame.layout.width;
+  layout.height = frame.layout.height;
+  layout.range = AVCOL_RANGE_JPEG;
+  Image target;
+  target.data[0] = picture.data;
+  target.stride[0] = static_cast<int>(picture.step[0]);
+  convert(frame.layout, image_of(frame), layout, target);
+  return picture;
+}
+
 }  // namespace
 
 bool luma_in_plane_0(const PixelLayout& layout) {
@@ -153,18 +168,16 @@ cv::Mat to_bgr(const Frame& frame) {
     cv::cvtColor(to_luma(frame), bgr, cv::COLOR_GRAY2BGR);
     return bgr;
   }
-  cv::Mat bgr(frame.layout.height, frame.layout.width, CV_8UC3);
-  const Image source = image_of(frame);
-  PixelLayout shown;
-  shown.format = "bgr24";
-  shown.width = frame.layout.width;
-  shown.height = frame.layout.height;
-  shown.range = AVCOL_RANGE_JPEG;
-  Image target;
-  target.data[0] = bgr.data;
-  target.stride[0] = static_cast<int>(bgr.step[0]);
-  convert(frame.layout, source, shown, target);
-  return bgr;
+  return shown(frame, "bgr24", CV_8UC3);
+}
+
+bool has_alpha(const PixelLayout& layout) { return (describe(layout).flags & AV_PIX_FMT_FLAG_ALPHA) != 0; }
+
+cv::Mat to_bgra(const Frame& frame) {
+  if (has_alpha(frame.layout)) return shown(frame, "bgra", CV_8UC4);
+  cv::Mat bgra;
+  cv::cvtColor(to_bgr(frame), bgra, cv::COLOR_BGR2BGRA);
+  return bgra;
 }
 
 }  // namespace freshet::media

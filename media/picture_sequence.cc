@@ -22,7 +22,20 @@ struct Pattern {
   bool padded = false;
 };
 
+// A run of two or more #, as compositors write it: one might well be part of a name.
+std::optional<Pattern> parse_hashes(const std::string& name) {
+  const std::size_t first = name.find('#');
+  if (first == std::string::npos) return std::nullopt;
+  const std::size_t end = std::min(name.find_first_not_of('#', first), name.size());
+  if (end - first < 2 || end - first > 18 || name.find('#', end) != std::string::npos) return std::nullopt;
+  return Pattern{.before = name.substr(0, first),
+                 .after = name.substr(end),
+                 .width = static_cast<int>(end - first),
+                 .padded = true};
+}
+
 std::optional<Pattern> parse(const std::string& name) {
+  if (name.find('%') == std::string::npos) return parse_hashes(name);
   const std::size_t percent = name.find('%');
   if (percent == std::string::npos || name.find('%', percent + 1) != std::string::npos) return std::nullopt;
   std::size_t end = percent + 1;

@@ -15,7 +15,8 @@ struct PictureSequence {
   std::vector<std::int64_t> numbers;
 };
 
-/// True when the name's last part holds exactly one %d, %Nd or %0Nd.
+/// True when the name's last part holds exactly one %d, %Nd or %0Nd, or else one run of two or more #, which
+/// stands for as many digits: f.####.png is f.%04d.png.
 bool is_pattern(const std::filesystem::path& path);
 /// The name of one file of a pattern.
 std::filesystem::path numbered(const std::filesystem::path& pattern, std::int64_t number);

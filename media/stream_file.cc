@@ -31,6 +31,8 @@ const char* muxer_of(StreamKind kind) {
       return "mp4";
     case StreamKind::kMatroska:
       return "matroska";
+    case StreamKind::kProRes:
+      return "mov";
     case StreamKind::kWebp:
       return "webp";
     case StreamKind::kApng:
@@ -45,6 +47,8 @@ const char* encoder_of(StreamKind kind) {
       return "libx264";
     case StreamKind::kMatroska:
       return "ffv1";
+    case StreamKind::kProRes:
+      return "prores_ks";
     case StreamKind::kWebp:
       return "libwebp_anim";
     case StreamKind::kApng:
@@ -55,7 +59,10 @@ const char* encoder_of(StreamKind kind) {
 
 PixelLayout layout_of_picture(const cv::Mat& picture) {
   PixelLayout layout;
-  layout.format = picture.channels() == 4 ? "bgra" : "bgr24";
+  if (picture.depth() == CV_16U)
+    layout.format = picture.channels() == 4 ? "bgra64le" : "bgr48le";
+  else
+    layout.format = picture.channels() == 4 ? "bgra" : "bgr24";
   layout.width = picture.cols;
   layout.height = picture.rows;
   layout.range = AVCOL_RANGE_JPEG;
@@ -67,7 +74,8 @@ PixelLayout layout_of_picture(const cv::Mat& picture) {
 
 // How a BGR picture of `given` is coded in a file of `kind`.
 PixelLayout coded_picture(const PixelLayout& given, StreamKind kind) {
-  const bool alpha = given.format == "bgra";
+  const bool deep = given.format == "bgra64le" || given.format == "bgr48le";
+  const bool alpha = given.format == "bgra" || given.format == "bgra64le";
   PixelLayout coded = given;
   switch (kind) {
     case StreamKind::kMp4:
@@ -77,7 +85,13 @@ PixelLayout coded_picture(const PixelLayout& given, StreamKind kind) {
       coded.transfer = AVCOL_TRC_BT709;
       break;
     case StreamKind::kMatroska:
-      coded.format = alpha ? "bgra" : "bgr0";
+      coded.format = deep ? (alpha ? "gbrap16le" : "gbrp16le") : (alpha ? "bgra" : "bgr0");
+      break;
+    case StreamKind::kProRes:
+      coded.format = alpha ? "yuva444p10le" : "yuv444p10le";
+      coded.range = AVCOL_RANGE_MPEG;
+      coded.matrix = AVCOL_SPC_BT709;
+      coded.transfer = AVCOL_TRC_BT709;
       break;
     case StreamKind::kWebp:
       coded.format = "bgra";
@@ -186,6 +200,11 @@ void StreamFile::open(const PixelLayout& coded) {
       context_->gop_size = 1;
       context_->slices = kFfv1Slices;
       av_dict_set(&coding, "slicecrc", "1", 0);
+      break;
+    case StreamKind::kProRes:
+      av_dict_set(&coding, "profile", "4444", 0);
+      av_dict_set(&coding, "vendor", "apl0", 0);  // some programs open no other maker's
+      av_dict_set(&coding, "alpha_bits", "16", 0);
       break;
     case StreamKind::kWebp:
       av_dict_set(&coding, "quality", kWebpQuality, 0);

@@ -18,6 +18,7 @@ namespace freshet::media {
 enum class StreamKind {
   kMp4,       // H.264
   kMatroska,  // FFV1
+  kProRes,    // 4444 in QuickTime
   kWebp,      // animated
   kApng,
 };
@@ -31,7 +32,7 @@ class StreamFile {
   StreamFile(const StreamFile&) = delete;
   StreamFile& operator=(const StreamFile&) = delete;
 
-  /// CV_8UC3 or CV_8UC4, all alike.
+  /// CV_8UC3 or CV_8UC4, all alike; FFV1 and ProRes also CV_16UC3 and CV_16UC4.
   void write(const cv::Mat& picture);
   /// Native planes (FFV1). Formats that FFV1 lacks are repacked without loss where that is possible.
   void write(const Frame& frame);

@@ -24,6 +24,7 @@ std::optional<StreamKind> kind_of(const fs::path& path) {
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   if (ending == ".mp4") return StreamKind::kMp4;
   if (ending == ".mkv") return StreamKind::kMatroska;
+  if (ending == ".mov") return StreamKind::kProRes;
   if (ending == ".webp") return StreamKind::kWebp;
   if (ending == ".png" || ending == ".apng") return StreamKind::kApng;
   return std::nullopt;
@@ -90,7 +91,7 @@ VideoWriter::VideoWriter(const fs::path& path, cv::Size size, const VideoWriterO
   if (!impl_->kind)
     throw Error(ErrorKind::kUsage, path.string(),
                 "the ending \"" + path.extension().string() + "\" names no video format that is written",
-                "Use .mp4, .mkv, .webp, .apng or a pattern such as frame%05d.png");
+                "Use .mp4, .mkv, .mov, .webp, .apng or a pattern such as frame%05d.png");
   impl_->file.emplace(path, *impl_->kind, options);
 }
 
@@ -99,12 +100,17 @@ VideoWriter::~VideoWriter() = default;
 
 void VideoWriter::write(const cv::Mat& picture) {
   impl_->require_open(picture.size());
-  if (picture.type() != CV_8UC3 && picture.type() != CV_8UC4)
-    throw Error(ErrorKind::kUsage, impl_->path.string(), "a picture that is not 8-bit BGR or BGRA was given");
+  const bool deep = picture.depth() == CV_16U;
+  if ((picture.depth() != CV_8U && !deep) || (picture.channels() != 3 && picture.channels() != 4))
+    throw Error(ErrorKind::kUsage, impl_->path.string(),
+                "a picture that is not BGR or BGRA of 8 or 16 bits was given");
   if (!impl_->kind) return impl_->write_next(picture);
   if (*impl_->kind == StreamKind::kMp4 && picture.channels() == 4)
     throw Error(ErrorKind::kUsage, impl_->path.string(), "H.264 in MP4 holds no alpha channel",
-                "Use .mkv, .webp or .png");
+                "Use .mkv, .mov, .webp or .png");
+  if (deep && *impl_->kind != StreamKind::kMatroska && *impl_->kind != StreamKind::kProRes)
+    throw Error(ErrorKind::kUsage, impl_->path.string(), "it holds 8 bits a channel, not 16",
+                "Use .mkv, .mov or a sequence");
   impl_->file->write(picture);
 }
 

@@ -6,13 +6,14 @@
 #include <cstdint>
 
 #include "media/picture.h"
+#include "media/picture_sequence.h"
 
 namespace freshet::tools {
 namespace {
 
 bool is_one_picture(const std::filesystem::path& path, int frames) {
   static constexpr std::array kEndings{".png", ".jpg", ".jpeg", ".tif", ".tiff", ".bmp"};
-  return frames == 1 && path.string().find('%') == std::string::npos &&
+  return frames == 1 && !media::is_pattern(path) &&
          std::find(kEndings.begin(), kEndings.end(), path.extension()) != kEndings.end();
 }
 

@@ -21,6 +21,19 @@ TEST(NaturalLess, ComparesNumbersByValueAndAllElseByBytes) {
   }
 }
 
+TEST(Pattern, ARunOfHashesStandsForAsManyDigits) {
+  EXPECT_TRUE(is_pattern("shot/f.####.png"));
+  EXPECT_EQ(numbered("shot/f.####.png", 7), "shot/f.0007.png");
+  EXPECT_EQ(numbered("f##.png", 123), "f123.png");
+  for (const char* name : {"take#1.png", "a##b##.png", "shot##/f.png", "plain.png"})
+    EXPECT_FALSE(is_pattern(name)) << name;
+  const Scratch scratch;
+  for (const char* name : {"f.0099.png", "f.0100.png", "f.101.png", "g.0001.png"})
+    put_bytes(scratch / name, {'x'});
+  const PictureSequence found = list_pattern(scratch / "f.####.png");
+  EXPECT_EQ(found.numbers, (std::vector<std::int64_t>{99, 100}));
+}
+
 TEST(ListFolder, PassesOverWhatIsHiddenOrNoPicture) {
   const Scratch scratch;
   for (const char* name : {"f10.png", "f9.PNG", "._f9.png", ".f8.png", "notes.txt"})
