@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 #include <memory>
+#include <mutex>
 #include <numeric>
 #include <optional>
 #include <utility>
@@ -15,6 +16,7 @@
 #include "freshet_error.h"
 #include "synth/animate/colour_model.h"
 #include "synth/animate/enlarge.h"
+#include "synth/animate/finished_frame.h"
 #include "synth/animate/motion_field.h"
 #include "synth/animate/motion_sequence.h"
 #include "synth/animate/outward.h"
@@ -22,7 +24,6 @@
 namespace freshet::synth {
 namespace {
 
-constexpr float kBlueLuma = 0.114f, kGreenLuma = 0.587f, kRedLuma = 0.299f;  // as luma_of has them
 constexpr int kSampledFrames = 12;  // that the appearance model is fitted to
 constexpr int kLeastSampledFrames = 4;
 constexpr int kSampledPixels = 32 << 20;  // in all of them
@@ -64,21 +65,56 @@ std::vector<std::unique_ptr<ClipLayer>> layers_of(const store::Snapshot& snapsho
   return layers;
 }
 
+/// What is held at once.
+struct Budget {
+  int batch = 0;              // output frames
+  bool carried_kept = false;  // a period of the carried picture, made once
+};
+
 /// As many frames as fit into the memory that the picture's own planes leave.
-int frames_a_batch(const std::vector<std::unique_ptr<ClipLayer>>& layers, cv::Size picture, cv::Size canvas,
-                   const AnimateOptions& options) {
+Budget budget_of(const std::vector<std::unique_ptr<ClipLayer>>& layers, cv::Size picture, cv::Size canvas,
+                 const AnimateOptions& options) {
   constexpr double kPlanes = 280;  // bytes a pixel of the picture: what is held, and what rendering needs
+  constexpr int kLeast = 32;       // frames a batch, before carried frames are kept: two slabs of tiles
   double fixed = kPlanes * picture.area(), clip_bytes = 0;
   for (const auto& layer : layers) {
     fixed += static_cast<double>(layer->average_bytes());
     clip_bytes = std::max(clip_bytes, static_cast<double>(layer->bytes_an_output()));
   }
   const double a_frame = canvas.area() * sizeof(float) * 4 / 3.0 + clip_bytes;
-  const double fit = (static_cast<double>(options.memory_bytes) - fixed) / a_frame;
-  if (fit >= options.frames) return options.frames;
+  const double free = static_cast<double>(options.memory_bytes) - fixed;
+  const int period = CarriedBase::period(options.fps, options.carry);
+  const double carried = static_cast<double>(CarriedBase::frame_bytes(picture)) * period;
+  Budget budget{.batch = options.frames,
+                .carried_kept =
+                    period < options.frames && free - carried >= a_frame * std::min(kLeast, options.frames)};
+  const double fit = (free - (budget.carried_kept ? carried : 0)) / a_frame;
   // In slabs of 16: a tile is decoded for all of its frames.
-  return std::min(options.frames, std::max(16, static_cast<int>(fit) / 16 * 16));
+  if (fit < options.frames)
+    budget.batch = std::min(options.frames, std::max(16, static_cast<int>(fit) / 16 * 16));
+  return budget;
 }
+
+/// The carried picture, frame by frame: it repeats, so where there is memory for a period it is made once.
+class CarriedFrames {
+ public:
+  CarriedFrames(CarriedBase base, bool kept) : base_(std::move(base)) {
+    if (!kept) return;
+    made_ = std::vector<std::once_flag>(base_.period());
+    frames_.resize(base_.period());
+  }
+  CarriedFrame at(int output) {
+    if (frames_.empty()) return base_.frame(output);
+    const int i = output % base_.period();
+    std::call_once(made_[i], [&] { frames_[i] = base_.frame(i); });
+    return frames_[i];
+  }
+
+ private:
+  CarriedBase base_;
+  std::vector<std::once_flag> made_;
+  std::vector<CarriedFrame> frames_;
+};
 
 /// The outline carried along by the motion of what is shown, output frame by output frame in `order`.
 BoundarySequence boundary_of(const store::Snapshot& snapshot, const vision::Settings& settings,
@@ -106,7 +142,7 @@ BoundarySequence boundary_of(const store::Snapshot& snapshot, const vision::Sett
 }
 
 /// Lengths in px are meant for pieces of their own size: enlarged ones are blurred, carried and matched as
-/// widely.
+/// widely. And a loop is one for all.
 AnimateOptions enlarged(AnimateOptions options, double scale) {
   options.base.max_length_px *= scale;
   options.base.max_sigma_px *= scale;
@@ -114,6 +150,7 @@ AnimateOptions enlarged(AnimateOptions options, double scale) {
   options.carry.edge_px *= scale;
   options.appearance.region_px = static_cast<int>(std::lround(options.appearance.region_px * scale));
   options.appearance.levels += static_cast<int>(std::lround(std::log2(scale)));
+  if (options.loop) options.carry.loop_frames = options.frames;
   return options;
 }
 
@@ -138,7 +175,8 @@ AnimateReport animate(const store::Snapshot& snapshot, const vision::Settings& s
   report.clips = layers.size();
 
   const cv::Rect canvas = canvas_of(placement);
-  const int batch = frames_a_batch(layers, picture.size(), canvas.size(), options);
+  const Budget budget = budget_of(layers, picture.size(), canvas.size(), options);
+  const int batch = budget.batch;
   const bool in_one = batch == options.frames;
   report.batches = (options.frames + batch - 1) / batch;
   // A region's histograms hold as many pixels whatever the picture's size; samples of a large picture would
@@ -156,12 +194,13 @@ AnimateReport animate(const store::Snapshot& snapshot, const vision::Settings& s
     layer.add(outputs, blender);
     layer.release();
   };
+  const bool whole_loop = options.loop && options.resampling == Resampling::kNearest;
   std::vector<double> change(options.frames, 0.0);
   for (std::size_t i = 0; i < layers.size(); ++i) {
     throw_if_stopped(stop);
     tell("blend", i, layers.size());
     const std::vector<int>& first = in_one ? all : samples;
-    layers[i]->measure(first, change);
+    layers[i]->measure(first, whole_loop ? &change : nullptr);
     // Samples are for the model alone: without one, they would be left in the blender.
     if (in_one || options.matching == AppearanceMatching::kSequence)
       blend(*layers[i], first);
@@ -178,12 +217,10 @@ AnimateReport animate(const store::Snapshot& snapshot, const vision::Settings& s
   const cv::Mat target_luma = luma_of(target);
   const cv::Mat motion = steered(motion_field(snapshot, settings, placement, picture.size()), options.guide);
   const cv::Mat base_luma = base_image(target_luma, alpha, motion, options.base);
-  std::optional<CarriedBase> carried;
-  if (options.carry.share > 0) {
-    CarriedBaseOptions carry = options.carry;
-    if (options.loop) carry.loop_frames = options.frames;
-    carried.emplace(target, target_luma, alpha, base_luma, motion, options.fps, carry);
-  }
+  std::optional<CarriedFrames> carried;
+  if (options.carry.share > 0)
+    carried.emplace(CarriedBase(target, target_luma, alpha, motion, options.fps, options.carry),
+                    budget.carried_kept);
   ColourModel colours =
       fit_colour(target, target_luma, alpha, static_cast<int>(std::lround(12 * placement.piece_scale)));
   // What colour does beside luminance keeps its place, as blurred as the rest.
@@ -195,15 +232,26 @@ AnimateReport animate(const store::Snapshot& snapshot, const vision::Settings& s
   if (moving_boundary)
     for (cv::Mat* layer : {&own_colour, &colours.slope, &colours.offset})
       *layer = push_outward(*layer, alpha);
+  const FrameFinisher finisher(colours, own_colour, moving_boundary ? behind : target);
+  colours = {};
+  own_colour.release();
+  target.release();
   report.base_s = watch.lap();
 
   // Luminance of an output frame, which lies in a slot of the blender; once.
-  const auto merged = [&](int output, int slot, cv::Mat* colour) {
+  const auto merged = [&](int slot, const std::optional<CarriedFrame>& brought) {
     const cv::Mat field = blender.take(slot);
-    cv::Mat luma = carried ? carried->frame(output, colour) : base_luma.clone();
+    cv::Mat luma;
+    if (brought)
+      show_carried(*brought, base_luma, luma);
+    else
+      base_luma.copyTo(luma);
     if (moving_boundary) luma = push_outward(luma, alpha);
     add_enlarged(field, canvas, placement.piece_scale, luma);
     return luma;
+  };
+  const auto carried_at = [&](int output) {
+    return carried ? std::optional(carried->at(output)) : std::nullopt;
   };
   std::map<int, cv::Mat> ready;  // by output frame: merged already, for the model
   std::optional<AppearanceModel> model;
@@ -215,7 +263,7 @@ AnimateReport animate(const store::Snapshot& snapshot, const vision::Settings& s
     tell("match", 0, 1);
     std::vector<cv::Mat> lumas(samples.size());
     oneapi::tbb::parallel_for(std::size_t{0}, samples.size(), [&](std::size_t i) {
-      lumas[i] = merged(samples[i], in_one ? samples[i] : static_cast<int>(i), nullptr);
+      lumas[i] = merged(in_one ? samples[i] : static_cast<int>(i), carried_at(samples[i]));
     });
     model.emplace(model_of(lumas));
     if (in_one)
@@ -225,46 +273,18 @@ AnimateReport animate(const store::Snapshot& snapshot, const vision::Settings& s
   report.appearance_s = watch.lap();
 
   // Frames: matched, coloured, laid into the picture through the matte.
-  const auto render = [&](cv::Mat frame, const cv::Mat& fluid, const cv::Mat& brought) {
+  const auto render = [&](cv::Mat luma, const cv::Mat& fluid, const std::optional<CarriedFrame>& brought) {
     if (model)
-      frame = model->apply(frame);
+      luma = model->apply(luma);
     else if (options.matching == AppearanceMatching::kFrame)
-      frame = model_of(std::span(&frame, 1)).apply(frame);
-    cv::Mat finished = picture.clone(), colour;
-    for (int y = 0; y < picture.rows; ++y) {
-      apply_colour({colours.slope.row(y), colours.offset.row(y)}, frame.row(y), colour);
-      const float* a = alpha.ptr<float>(y);
-      const float* b = fluid.ptr<float>(y);
-      const cv::Vec3f* moving = colour.ptr<cv::Vec3f>();
-      const cv::Vec3f* own = own_colour.ptr<cv::Vec3f>(y);
-      const cv::Vec3f* slope = colours.slope.ptr<cv::Vec3f>(y);
-      const cv::Vec4f* with_it = brought.empty() ? nullptr : brought.ptr<cv::Vec4f>(y);
-      const float* l = frame.ptr<float>(y);
-      const cv::Vec3f* still = (moving_boundary ? behind : target).ptr<cv::Vec3f>(y);
-      cv::Vec3b* out = finished.ptr<cv::Vec3b>(y);
-      for (int x = 0; x < picture.cols; ++x) {
-        if (a[x] <= 0 && b[x] <= 0) continue;
-        cv::Vec3f lit = moving[x] + own[x];
-        if (with_it && with_it[x][3] > 0) {
-          // What was carried here keeps its colour, as far as its luminance does.
-          const float blue = with_it[x][1], red = with_it[x][2];
-          const cv::Vec3f chroma(blue, -(kBlueLuma * blue + kRedLuma * red) / kGreenLuma, red);
-          for (int k = 0; k < 3; ++k)
-            lit[k] += with_it[x][3] * (l[x] + chroma[k] + slope[x][k] * (l[x] - with_it[x][0]) - lit[k]);
-        }
-        for (int k = 0; k < 3; ++k) {
-          const float value = std::clamp(lit[k], 0.0f, 1.0f);
-          out[x][k] = cv::saturate_cast<std::uint8_t>(255 * (b[x] * value + (1 - b[x]) * still[x][k]));
-        }
-      }
-    }
-    return finished;
+      luma = model_of(std::span(&luma, 1)).apply(luma);
+    return finisher.finish(luma, fluid, brought ? &*brought : nullptr);
   };
 
   // Made of whole frames, a loop begins after the transition that changes the picture least (else its
   // timelines see to the seam).
   std::vector<int> order = all;
-  if (options.loop && options.resampling == Resampling::kNearest)
+  if (whole_loop)
     std::rotate(order.begin(),
                 order.begin() +
                     (std::min_element(change.begin(), change.end()) - change.begin() + 1) % options.frames,
@@ -290,13 +310,10 @@ AnimateReport animate(const store::Snapshot& snapshot, const vision::Settings& s
       oneapi::tbb::parallel_for(std::size_t{0}, finished.size(), [&](std::size_t i) {
         const int output = outputs[done + i];
         const auto found = ready.find(output);
-        cv::Mat luma, brought;
-        if (found == ready.end())
-          luma = merged(output, in_one ? output : done + static_cast<int>(i), &brought);
-        else {
-          luma = std::exchange(found->second, {});
-          if (carried) carried->frame(output, &brought);
-        }
+        const std::optional<CarriedFrame> brought = carried_at(output);
+        const cv::Mat luma = found != ready.end()
+                                 ? std::exchange(found->second, {})
+                                 : merged(in_one ? output : done + static_cast<int>(i), brought);
         finished[i] = render(luma, mattes[i], brought);
       });
       for (const cv::Mat& frame : finished) sink(frame);

@@ -10,6 +10,8 @@
 #include <oneapi/tbb/parallel_for.h>
 
 #include "freshet_error.h"
+#include "freshet_vectors.h"
+#include "synth/animate/cells.h"
 #include "synth/animate/clip_loop.h"
 
 namespace freshet::synth {
@@ -17,6 +19,7 @@ namespace {
 
 constexpr std::uint32_t kChunk = 32;  // frames read at once in the first pass: two slabs of tiles
 constexpr int kFlowMargin = 16;       // px around a patch that flow may reach for
+const cv::Size kCell(ClipLuma::kCellWidth, ClipLuma::kCellHeight);
 
 double seconds_since(std::chrono::steady_clock::time_point begin) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
@@ -45,6 +48,18 @@ std::vector<cv::Rect> needed_by(std::span<const PatchWindow> windows, Resampling
 
 cv::Size size_of(const store::ClipRecord& record) {
   return {static_cast<int>(record.width), static_cast<int>(record.height)};
+}
+
+FRESHET_WIDE void add_weighed(const float* from, float weight, int n, float* to) {
+  for (int i = 0; i < n; ++i) to[i] += weight * from[i];
+}
+
+FRESHET_WIDE void weigh_difference(const float* from, const float* less, float weight, int n, float* to) {
+  for (int i = 0; i < n; ++i) to[i] = weight * (from[i] - less[i]);
+}
+
+FRESHET_WIDE void add_difference(const float* from, const float* less, float weight, int n, float* to) {
+  for (int i = 0; i < n; ++i) to[i] += weight * (from[i] - less[i]);
 }
 
 /// Calls with each clip frame that a moment needs, and its weight.
@@ -84,10 +99,35 @@ ClipLayer::ClipLayer(const store::Snapshot& snapshot, store::ClipId clip, int fl
     TimelineOptions own = options;
     own.speed = speed;
     own.whole = resampling == Resampling::kNearest;
-    voices_.push_back({.members = std::move(members),
-                       .moments = timeline(times, interval, rule, record.name, own),
-                       .average = {}});
+    Voice& voice = voices_.emplace_back();
+    voice.members = std::move(members);
+    voice.moments = timeline(times, interval, rule, record.name, own);
+    lay_out(voice);
   }
+}
+
+/// What of the clip's frames a voice's patches are made of, exactly.
+void ClipLayer::lay_out(Voice& voice) const {
+  std::map<float, std::vector<std::size_t>> by_scale;
+  for (std::size_t i : voice.members) by_scale[placement_.patches[patches_[i]].variant.scale].push_back(i);
+  std::vector<cv::Rect> needed;
+  for (auto& [scale, members] : by_scale) {
+    const cv::Size size = reduced_to_scale(luma_.source(), scale);
+    std::vector<cv::Rect> read;
+    for (std::size_t i : members) read.push_back(windows_[i].read());
+    if (size == luma_.source()) {
+      needed.insert(needed.end(), read.begin(), read.end());
+      voice.whole.insert(voice.whole.end(), members.begin(), members.end());
+      continue;
+    }
+    Reduced reduced{.reduction = AreaReduction(luma_.source(), size),
+                    .cells = cells_touched(read, cv::Rect({}, size), kCell),
+                    .members = std::move(members)};
+    for (const cv::Rect& cell : reduced.cells) needed.push_back(reduced.reduction.source_of(cell));
+    voice.reduced.push_back(std::move(reduced));
+  }
+  voice.cells = cells_touched(needed, cv::Rect({}, luma_.source()), kCell);
+  for (cv::Rect& cell : voice.cells) cell &= luma_.region();
 }
 
 std::vector<ClipLayer::Played> ClipLayer::played() const {
@@ -132,7 +172,7 @@ void ClipLayer::load(std::span<const int> outputs, std::span<const std::uint32_t
   read_s_ += seconds_since(begin);
 }
 
-void ClipLayer::measure(std::span<const int> kept, std::vector<double>& change) {
+void ClipLayer::measure(std::span<const int> kept, std::vector<double>* change) {
   // How much each clip frame counts in each voice's average.
   std::vector<std::map<std::uint32_t, double>> weights(voices_.size());
   std::set<std::uint32_t> shown;
@@ -152,9 +192,9 @@ void ClipLayer::measure(std::span<const int> kept, std::vector<double>& change) 
   const std::vector<std::uint32_t> frames(shown.begin(), shown.end());
   const bool all = kept.size() == voices_.front().moments.size();
   std::vector<float> step(frames.size(), 0);  // from the frame before, mean |difference|
-  const int height = luma_.region().height;
-  const double pixels = std::max(1, cv::countNonZero(luma_.wanted()));
-  std::vector<double> row_steps(height);
+  const std::span<const cv::Rect> blocks = luma_.blocks();
+  double pixels = 0;
+  for (const cv::Rect& block : blocks) pixels += block.area();
   for (std::size_t first = 0; first < frames.size();) {
     std::size_t end = first + 1;
     while (end < frames.size() && (all || frames[end] / kChunk == frames[first] / kChunk)) ++end;
@@ -174,27 +214,31 @@ void ClipLayer::measure(std::span<const int> kept, std::vector<double>& change) 
       }
       load(so_far, chunk);
     }
-    std::vector<std::vector<double>> steps(height, std::vector<double>(end - first, 0));
-    oneapi::tbb::parallel_for(0, height, [&](int row) {
-      cv::Mat before, luma;
-      if (first > 0) before = luma_.rows(frames[first - 1], row, row + 1);
-      for (std::size_t i = first; i < end; ++i) {
-        luma = luma_.rows(frames[i], row, row + 1);
-        for (std::size_t v = 0; v < voices_.size(); ++v)
-          if (const auto weight = weights[v].find(frames[i]); weight != weights[v].end())
-            cv::scaleAdd(luma, weight->second, voices_[v].average.row(row), voices_[v].average.row(row));
-        if (!before.empty()) steps[row][i - first] = cv::norm(luma, before, cv::NORM_L1);
-        before = luma;
-      }
+    std::vector<std::vector<double>> steps(blocks.size(), std::vector<double>(end - first, 0));
+    oneapi::tbb::parallel_for(std::size_t{0}, blocks.size(), [&](std::size_t b) {
+      const cv::Rect& block = blocks[b];
+      std::vector<float> luma(block.width), before(block.width);
+      for (std::size_t i = first; i < end; ++i)
+        for (int y = block.y; y < block.br().y; ++y) {
+          luma_.row(frames[i], block.x, y, block.width, luma.data());
+          for (std::size_t v = 0; v < voices_.size(); ++v)
+            if (const auto weight = weights[v].find(frames[i]); weight != weights[v].end())
+              add_weighed(luma.data(), static_cast<float>(weight->second), block.width,
+                          voices_[v].average.ptr<float>(y - luma_.region().y) + block.x - luma_.region().x);
+          if (!change || i == 0) continue;
+          luma_.row(frames[i - 1], block.x, y, block.width, before.data());
+          for (int x = 0; x < block.width; ++x) steps[b][i - first] += std::abs(luma[x] - before[x]);
+        }
     });
     for (std::size_t i = first; i < end; ++i) {
       double sum = 0;
-      for (int row = 0; row < height; ++row) sum += steps[row][i - first];
-      step[i] = static_cast<float>(sum / pixels);
+      for (const std::vector<double>& of_block : steps) sum += of_block[i - first];
+      step[i] = static_cast<float>(sum / std::max(1.0, pixels));
     }
     first = end;
   }
   load(kept);
+  if (!change) return;
 
   // From output to output: by how far the clip goes on.
   const auto step_at = [&](double at) {
@@ -210,48 +254,51 @@ void ClipLayer::measure(std::span<const int> kept, std::vector<double>& change) 
         const double moved = k < b.count() ? std::min(1.5, std::abs(b.at[k] - a.at[k])) : 1;
         power += std::pow(a.weight[k] * moved * step_at(a.at[k]), 2);
       }
-      change[i] += std::sqrt(power) * static_cast<double>(voice.members.size());
+      (*change)[i] += std::sqrt(power) * static_cast<double>(voice.members.size());
     }
   }
 }
 
-void ClipLayer::difference(const Voice& voice, const Moment& moment, cv::Mat& out, cv::Mat& part,
-                           ClipLuma::Scratch& scratch) const {
-  out.create(luma_.source(), CV_32F);
-  out.setTo(0);
-  cv::Mat inside = out(luma_.region());
-  for (int k = 0; k < moment.count(); ++k) {
-    luma_.at(moment.at[k], part, scratch);
-    cv::subtract(part, voice.average, part);
-    cv::scaleAdd(part, moment.weight[k], inside, inside);
-  }
-  // Samples never read are zero in every frame; with a limited range they would still differ by rounding.
-  inside.setTo(0, ~luma_.wanted());
+/// What a voice's patches are made of, less its average, into scratch.difference; the rest of it may be
+/// anything.
+void ClipLayer::difference(const Voice& voice, const Moment& moment, Scratch& s) const {
+  if (s.difference.empty()) s.difference = cv::Mat::zeros(luma_.source(), CV_32F);
+  s.part.resize(static_cast<std::size_t>(kCell.area()));
+  for (const cv::Rect& cell : voice.cells)
+    for (int k = 0; k < moment.count(); ++k) {
+      luma_.at(moment.at[k], cell, s.part.data(), s.luma);
+      for (int y = 0; y < cell.height; ++y) {
+        float* to = s.difference.ptr<float>(cell.y + y) + cell.x;
+        const float* part = s.part.data() + y * cell.width;
+        const float* average =
+            voice.average.ptr<float>(cell.y + y - luma_.region().y) + cell.x - luma_.region().x;
+        if (k == 0)
+          weigh_difference(part, average, moment.weight[k], cell.width, to);
+        else
+          add_difference(part, average, moment.weight[k], cell.width, to);
+      }
+    }
 }
 
 void ClipLayer::add(std::span<const int> outputs, Blender& blender) {
   load(outputs);
-  struct Scratch {
-    cv::Mat difference, part, reduced, window;
-    ClipLuma::Scratch luma;
-  };
   oneapi::tbb::enumerable_thread_specific<Scratch> scratches;
   oneapi::tbb::parallel_for(std::size_t{0}, outputs.size(), [&](std::size_t slot) {
     Scratch& s = scratches.local();
-    for (const Voice& voice : voices_) {
-      difference(voice, voice.moments[outputs[slot]], s.difference, s.part, s.luma);
-      std::vector<float> scales;
-      for (std::size_t i : voice.members) {
-        const float scale = placement_.patches[patches_[i]].variant.scale;
-        if (std::find(scales.begin(), scales.end(), scale) == scales.end()) scales.push_back(scale);
+    const auto lay = [&](const cv::Mat& shown, std::span<const std::size_t> members) {
+      for (std::size_t i : members) {
+        windows_[i].cut(shown, s.window);
+        blender.add(static_cast<int>(slot), patches_[i], s.window);
       }
-      for (float scale : scales) {
-        reduce_to_scale(s.difference, scale, s.reduced);
-        for (std::size_t i : voice.members) {
-          if (placement_.patches[patches_[i]].variant.scale != scale) continue;
-          windows_[i].cut(s.reduced, s.window);
-          blender.add(static_cast<int>(slot), patches_[i], s.window);
-        }
+    };
+    for (const Voice& voice : voices_) {
+      difference(voice, voice.moments[outputs[slot]], s);
+      lay(s.difference, voice.whole);
+      for (const Reduced& reduced : voice.reduced) {
+        s.reduced.create(reduced.reduction.reduced(), CV_32F);
+        for (const cv::Rect& cell : reduced.cells)
+          reduced.reduction.apply(s.difference, cell, s.reduced, s.line);
+        lay(s.reduced, reduced.members);
       }
     }
   });

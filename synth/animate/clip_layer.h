@@ -9,6 +9,7 @@
 #include <opencv2/core.hpp>
 
 #include "store/store.h"
+#include "synth/animate/area_reduction.h"
 #include "synth/animate/blend.h"
 #include "synth/animate/clip_luma.h"
 #include "synth/animate/patch_window.h"
@@ -36,10 +37,10 @@ class ClipLayer {
 
   /// The averages over all output frames, which every difference needs, in one pass through the clip.
   /// kept     output frames whose clip frames stay in memory afterwards.
-  /// change   by output frame: grows by how much this clip's patches change from it to the next (the last: to
-  ///          the first), mean |difference| times patches; an estimate from the clip's frames.
+  /// change   if not null, by output frame: grows by how much this clip's patches change from it to the next
+  ///          (the last: to the first), mean |difference| times patches; an estimate from the clip's frames.
   /// Memory   the kept frames and two slabs of 16.
-  void measure(std::span<const int> kept, std::vector<double>& change);
+  void measure(std::span<const int> kept, std::vector<double>* change = nullptr);
   /// Differences of the output frames `outputs` to the average, cut out patch by patch, into the blender's
   /// frames 0, 1, ... Reads what is not in memory. All threads; the same for any number.
   void add(std::span<const int> outputs, Blender& blender);
@@ -60,14 +61,27 @@ class ClipLayer {
   std::size_t bytes_an_output() const;
 
  private:
+  struct Reduced {  // what is shown at one scale
+    AreaReduction reduction;
+    std::vector<cv::Rect> cells;       // of the reduced frame
+    std::vector<std::size_t> members;  // into patches_
+  };
   struct Voice {                       // patches at one speed
     std::vector<std::size_t> members;  // into patches_
     std::vector<Moment> moments;
+    std::vector<cv::Rect> cells;     // px of the source that its patches are made of
+    std::vector<std::size_t> whole;  // members at whole size
+    std::vector<Reduced> reduced;
     cv::Mat average;  // luma_.region(), CV_32F
   };
+  struct Scratch {
+    cv::Mat difference, reduced, window;
+    std::vector<float> part, line;
+    ClipLuma::Scratch luma;
+  };
+  void lay_out(Voice& voice) const;
   void load(std::span<const int> outputs, std::span<const std::uint32_t> more = {});
-  void difference(const Voice& voice, const Moment& moment, cv::Mat& out, cv::Mat& part,
-                  ClipLuma::Scratch& scratch) const;
+  void difference(const Voice& voice, const Moment& moment, Scratch& scratch) const;
 
   const Placement& placement_;
   std::vector<std::size_t> patches_;

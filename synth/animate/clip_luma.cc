@@ -5,9 +5,11 @@
 #include <cstring>
 
 #include <oneapi/tbb/parallel_for.h>
-#include <opencv2/imgproc.hpp>
 
 #include "freshet_error.h"
+#include "freshet_vectors.h"
+#include "synth/animate/cells.h"
+#include "synth/animate/cubic.h"
 #include "vision/flow.h"
 
 namespace freshet::synth {
@@ -15,6 +17,65 @@ namespace {
 
 constexpr int kBlock = 64;           // samples: the store's tiles
 constexpr std::uint32_t kSlab = 16;  // frames: the store's tiles
+constexpr int kCell = ClipLuma::kCellWidth * ClipLuma::kCellHeight;
+
+template <class Sample>
+[[gnu::always_inline]] inline void look_up(const Sample* from, const float* luma_of, int n, float* to) {
+  for (int i = 0; i < n; ++i) to[i] = luma_of[from[i]];
+}
+
+FRESHET_WIDE void luma_of_bytes(const std::uint8_t* from, const float* luma_of, int n, float* to) {
+  look_up(from, luma_of, n, to);
+}
+
+FRESHET_WIDE void luma_of_words(const std::uint16_t* from, const float* luma_of, int n, float* to) {
+  look_up(from, luma_of, n, to);
+}
+
+/// One row of one component of the flow, between its samples: share px for each unit of it. Writes places, in
+/// steps (cubic.h), from `origin` px on; not beyond -1 and limit, from where on the frame's edge goes on.
+FRESHET_WIDE void places_of_row(const short* upper, const short* lower, float down, int samples,
+                                const std::int32_t* first, const float* part, int origin, int step_x,
+                                float share, int limit, int n, float* mixed, std::int32_t* places) {
+  for (int i = 0; i < samples; ++i) mixed[i] = upper[i] + down * static_cast<float>(lower[i] - upper[i]);
+  mixed[samples] = mixed[samples - 1];
+  const int begin = first[0];
+  for (int i = 0; i < n; ++i) {
+    const float a = mixed[first[i] - begin], b = mixed[first[i] - begin + 1];
+    const float at = static_cast<float>(origin + step_x * i) + share * (a + part[i] * (b - a));
+    const float inside = std::min(std::max(at, -1.0f), static_cast<float>(limit));
+    // Positive where it is cut off: rounded down.
+    places[i] = static_cast<std::int32_t>(inside * kCubicSteps + (kCubicSteps + 0.5f)) - kCubicSteps;
+  }
+}
+
+struct Range {
+  std::int32_t least, most;
+};
+FRESHET_WIDE Range range_of(const std::int32_t* values, int n) {
+  Range range{values[0], values[0]};
+  for (int i = 1; i < n; ++i) {
+    range.least = std::min(range.least, values[i]);
+    range.most = std::max(range.most, values[i]);
+  }
+  return range;
+}
+
+FRESHET_WIDE void read_places(const float* plane, std::ptrdiff_t offset, std::ptrdiff_t stride,
+                              const std::int32_t* x, const std::int32_t* y, int n, float* out) {
+  cubic(plane, offset, stride, x, y, n, out);
+}
+
+/// Two pictures of one moment mixed: kDisagreement of luma apart, the nearer one alone counts.
+FRESHET_WIDE void mix(const float* before, const float* after, float part, int n, float* out) {
+  constexpr float kDisagreement = 0.1f;
+  for (int i = 0; i < n; ++i) {
+    const float difference = after[i] - before[i];
+    const float steep = 1 + std::abs(difference) / kDisagreement * 4;
+    const float w = std::min(std::max(0.5f + (part - 0.5f) * steep, 0.0f), 1.0f);
+    out[i] = before[i] + w * difference;
+  }
+}
 
 /// Runs of frames that lie in one slab: each is read at once, so that a tile is decoded once.
 std::vector<std::span<const std::uint32_t>> by_slab(std::span<const std::uint32_t> frames) {
@@ -76,27 +137,37 @@ ClipLuma::ClipLuma(const store::Snapshot& snapshot, store::ClipId clip, std::spa
   source_ = {static_cast<int>(record.width), static_cast<int>(record.height)};
   flow_size_ = {(source_.width + flow_step_ - 1) / flow_step_,
                 (source_.height + flow_step_ - 1) / flow_step_};
-  const int columns = (source_.width + kBlock - 1) / kBlock, rows = (source_.height + kBlock - 1) / kBlock;
-  cv::Mat touched = cv::Mat::zeros(rows, columns, CV_8U);
-  for (const cv::Rect& rect : needed) {
-    const cv::Rect inside = rect & cv::Rect({}, source_);
-    if (inside.empty()) continue;
-    touched(cv::Rect(cv::Point(inside.x / kBlock, inside.y / kBlock),
-                     cv::Point((inside.br().x - 1) / kBlock + 1, (inside.br().y - 1) / kBlock + 1)))
-        .setTo(1);
-  }
-  for (int row = 0; row < rows; ++row)
-    for (int column = 0; column < columns; ++column)
-      if (touched.at<std::uint8_t>(row, column)) {
-        blocks_.push_back(cv::Rect(column * kBlock, row * kBlock, kBlock, kBlock) & cv::Rect({}, source_));
-        region_ |= blocks_.back();
-      }
-  wanted_ = cv::Mat::zeros(region_.size(), CV_8U);
-  for (const cv::Rect& block : blocks_) wanted_(block - region_.tl()).setTo(255);
+  blocks_ = cells_touched(needed, cv::Rect({}, source_), {kBlock, kBlock});
+  for (const cv::Rect& block : blocks_) region_ |= block;
   flow_region_ = cv::Rect(cv::Point(region_.x / flow_step_, region_.y / flow_step_),
                           cv::Point((region_.br().x + flow_step_ - 1) / flow_step_,
                                     (region_.br().y + flow_step_ - 1) / flow_step_));
+  const auto between_samples = [this](int begin, int n, int flow_begin, int flow_n) {
+    Between places;
+    for (int i = begin; i < begin + n; ++i) {
+      const double at = std::clamp((i + 0.5) / flow_step_ - 0.5 - flow_begin, 0.0, flow_n - 1.0);
+      places.first.push_back(static_cast<std::int32_t>(at));
+      places.part.push_back(static_cast<float>(at - std::floor(at)));
+    }
+    return places;
+  };
+  flow_across_ = between_samples(region_.x, region_.width, flow_region_.x, flow_region_.width);
+  flow_down_ = between_samples(region_.y, region_.height, flow_region_.y, flow_region_.height);
+
+  const int bytes = raw_ ? record.frames.planes[0].bytes_per_sample : 1;
+  luma_of_.resize(std::size_t{1} << (8 * bytes));
+  cv::Mat codes(1, static_cast<int>(luma_of_.size()), bytes == 1 ? CV_8U : CV_16U);
+  for (int i = 0; i < codes.cols; ++i) {
+    if (bytes == 1)
+      codes.at<std::uint8_t>(i) = static_cast<std::uint8_t>(i);
+    else
+      codes.at<std::uint16_t>(i) = static_cast<std::uint16_t>(i);
+    luma_of_[i] = static_cast<float>(i / 255.0);
+  }
+  if (raw_) media::luma_from_plane(layout_, codes).copyTo(cv::Mat(1, codes.cols, CV_32F, luma_of_.data()));
 }
+
+ClipLuma::Scratch::Scratch() : x(kCell), y(kCell), u(kCell), v(kCell), from(kCell), to(kCell) {}
 
 std::size_t ClipLuma::frame_bytes() const {
   const int bytes = raw_ ? snapshot_.clip(clip_).frames.planes[0].bytes_per_sample : 1;
@@ -148,20 +219,12 @@ void ClipLuma::check_flow() const {
 void ClipLuma::read_flows(std::span<const std::uint32_t> missing) {
   check_flow();
   // Tiles of the flow's planes under the blocks.
-  const int columns = (flow_size_.width + kBlock - 1) / kBlock,
-            rows = (flow_size_.height + kBlock - 1) / kBlock;
-  cv::Mat touched = cv::Mat::zeros(rows, columns, CV_8U);
+  std::vector<cv::Rect> under;
   for (const cv::Rect& block : blocks_)
-    touched(cv::Rect(cv::Point(block.x / flow_step_ / kBlock, block.y / flow_step_ / kBlock),
-                     cv::Point(std::min(columns, (block.br().x - 1) / flow_step_ / kBlock + 1),
-                               std::min(rows, (block.br().y - 1) / flow_step_ / kBlock + 1))))
-        .setTo(1);
-  std::vector<cv::Rect> tiles;
-  for (int row = 0; row < rows; ++row)
-    for (int column = 0; column < columns; ++column)
-      if (touched.at<std::uint8_t>(row, column))
-        tiles.push_back(cv::Rect(column * kBlock, row * kBlock, kBlock, kBlock) & flow_region_);
-  std::erase_if(tiles, [](const cv::Rect& tile) { return tile.empty(); });
+    under.emplace_back(cv::Point(block.x / flow_step_, block.y / flow_step_),
+                       cv::Point((block.br().x - 1) / flow_step_ + 1, (block.br().y - 1) / flow_step_ + 1));
+  std::vector<cv::Rect> tiles = cells_touched(under, cv::Rect({}, flow_size_), {kBlock, kBlock});
+  for (cv::Rect& tile : tiles) tile &= flow_region_;
   for (std::uint32_t frame : missing)
     flows_[frame] = {cv::Mat::zeros(flow_region_.size(), CV_16S),
                      cv::Mat::zeros(flow_region_.size(), CV_16S)};
@@ -177,78 +240,61 @@ void ClipLuma::read_flows(std::span<const std::uint32_t> missing) {
   });
 }
 
-cv::Mat ClipLuma::rows(std::uint32_t frame, int first, int last) const {
-  const cv::Mat samples = frames_.at(frame).rowRange(first, last);
-  if (raw_) return media::luma_from_plane(layout_, samples);
-  cv::Mat luma;
-  samples.convertTo(luma, CV_32F, 1.0 / 255);
-  return luma;
+void ClipLuma::row(std::uint32_t frame, int x, int y, int n, float* out) const {
+  const cv::Mat& samples = frames_.at(frame);
+  if (samples.depth() == CV_8U)
+    luma_of_bytes(samples.ptr(y - region_.y) + (x - region_.x), luma_of_.data(), n, out);
+  else
+    luma_of_words(samples.ptr<std::uint16_t>(y - region_.y) + (x - region_.x), luma_of_.data(), n, out);
 }
 
-void ClipLuma::at(double moment, cv::Mat& out, Scratch& scratch) const {
+void ClipLuma::at(double moment, const cv::Rect& cell, float* out, Scratch& scratch) const {
   const auto frame = static_cast<std::uint32_t>(moment);
   const auto part = static_cast<float>(moment - frame);
-  if (part == 0)
-    out = rows(frame, 0, region_.height);
-  else
-    between(frame, part, out, scratch);
+  if (part > 0) return between(frame, part, cell, out, scratch);
+  for (int y = 0; y < cell.height; ++y) row(frame, cell.x, cell.y + y, cell.width, out + y * cell.width);
 }
 
-void ClipLuma::between(std::uint32_t frame, float part, cv::Mat& out, Scratch& scratch) const {
-  const Flow& flow = flows_.at(frame);
-  scratch.before = rows(frame, 0, region_.height);
-  scratch.after = rows(frame + 1, 0, region_.height);
-  out.create(region_.size(), CV_32F);
-  const float step = static_cast<float>(flow_step_);
-  for (const cv::Rect& block : blocks_) {
-    const cv::Rect inside = block - region_.tl();
-    scratch.x.create(block.size(), CV_32F);
-    scratch.y.create(block.size(), CV_32F);
-    // First where `before` comes from, then, by the same flow, `after`.
-    for (int pass = 0; pass < 2; ++pass) {
-      const float share = (pass == 0 ? -part : 1 - part) * vision::kFlowUnit;
-      for (int row = 0; row < block.height; ++row) {
-        const float fy = std::clamp(
-            (static_cast<float>(block.y + row) + 0.5f) / step - 0.5f - static_cast<float>(flow_region_.y),
-            0.0f, static_cast<float>(flow_region_.height - 1));
-        const int y0 = static_cast<int>(fy), y1 = std::min(y0 + 1, flow_region_.height - 1);
-        const float py = fy - static_cast<float>(y0);
-        const short *u0 = flow.u.ptr<short>(y0), *u1 = flow.u.ptr<short>(y1);
-        const short *v0 = flow.v.ptr<short>(y0), *v1 = flow.v.ptr<short>(y1);
-        float* x = scratch.x.ptr<float>(row);
-        float* y = scratch.y.ptr<float>(row);
-        for (int column = 0; column < block.width; ++column) {
-          const float fx = std::clamp((static_cast<float>(block.x + column) + 0.5f) / step - 0.5f -
-                                          static_cast<float>(flow_region_.x),
-                                      0.0f, static_cast<float>(flow_region_.width - 1));
-          const int x0 = static_cast<int>(fx), x1 = std::min(x0 + 1, flow_region_.width - 1);
-          const float px = fx - static_cast<float>(x0);
-          const auto sample = [&](const short* upper, const short* lower) {
-            const float a = upper[x0] + px * (upper[x1] - upper[x0]);
-            const float b = lower[x0] + px * (lower[x1] - lower[x0]);
-            return a + py * (b - a);
-          };
-          x[column] = static_cast<float>(inside.x + column) + share * sample(u0, u1);
-          y[column] = static_cast<float>(inside.y + row) + share * sample(v0, v1);
-        }
-      }
-      cv::remap(pass == 0 ? scratch.before : scratch.after, pass == 0 ? scratch.from : scratch.to, scratch.x,
-                scratch.y, cv::INTER_CUBIC, cv::BORDER_REPLICATE);
-    }
-    for (int row = 0; row < block.height; ++row) {
-      const float* a = scratch.from.ptr<float>(row);
-      const float* b = scratch.to.ptr<float>(row);
-      float* o = out.ptr<float>(inside.y + row) + inside.x;
-      for (int column = 0; column < block.width; ++column) {
-        // kDisagreement of luma apart, the nearer one alone counts.
-        constexpr float kDisagreement = 0.1f;
-        const float difference = b[column] - a[column];
-        const float steep = 1 + std::abs(difference) / kDisagreement * 4;
-        const float w = std::clamp(0.5f + (part - 0.5f) * steep, 0.0f, 1.0f);
-        o[column] = a[column] + w * difference;
-      }
-    }
+void ClipLuma::between(std::uint32_t frame, float part, const cv::Rect& cell, float* out,
+                       Scratch& scratch) const {
+  // First where `frame` comes from, then, by the same flow, the one after it.
+  carried(frame, -part, frame, cell, scratch.from.data(), scratch);
+  carried(frame + 1, 1 - part, frame, cell, scratch.to.data(), scratch);
+  mix(scratch.from.data(), scratch.to.data(), part, cell.area(), out);
+}
+
+/// A cell of a frame, read `share` of the flow away.
+void ClipLuma::carried(std::uint32_t frame, float share, std::uint32_t flow, const cv::Rect& cell, float* out,
+                       Scratch& s) const {
+  const Flow& by = flows_.at(flow);
+  const cv::Point corner = cell.tl() - region_.tl();
+  const std::int32_t* first = flow_across_.first.data() + corner.x;
+  const float* across = flow_across_.part.data() + corner.x;
+  const int begin = first[0], samples = std::min(first[cell.width - 1] + 2, flow_region_.width) - begin;
+  for (int row = 0; row < cell.height; ++row) {
+    const int y0 = flow_down_.first[corner.y + row], y1 = std::min(y0 + 1, flow_region_.height - 1);
+    const float down = flow_down_.part[corner.y + row], px = share * vision::kFlowUnit;
+    const int at = row * cell.width;
+    places_of_row(by.u.ptr<short>(y0) + begin, by.u.ptr<short>(y1) + begin, down, samples, first, across,
+                  corner.x, 1, px, region_.width, cell.width, s.u.data(), s.x.data() + at);
+    places_of_row(by.v.ptr<short>(y0) + begin, by.v.ptr<short>(y1) + begin, down, samples, first, across,
+                  corner.y + row, 0, px, region_.height, cell.width, s.u.data(), s.y.data() + at);
   }
+  // The samples around all places, beyond the region its edge.
+  const Range x = range_of(s.x.data(), cell.area()), y = range_of(s.y.data(), cell.area());
+  const int left = (x.least >> kCubicShift) - 1, right = (x.most >> kCubicShift) + 3;
+  const int top = (y.least >> kCubicShift) - 1, bottom = (y.most >> kCubicShift) + 3;
+  const int stride = right - left;
+  s.window.resize(static_cast<std::size_t>(stride) * (bottom - top));
+  const int from = std::max(left, 0), to = std::min(right, region_.width);
+  for (int i = top; i < bottom; ++i) {
+    float* line = s.window.data() + static_cast<std::size_t>(i - top) * stride - left;
+    row(frame, region_.x + from, region_.y + std::clamp(i, 0, region_.height - 1), to - from, line + from);
+    for (int k = left; k < from; ++k) line[k] = line[from];
+    for (int k = to; k < right; ++k) line[k] = line[to - 1];
+  }
+  const std::ptrdiff_t offset = -static_cast<std::ptrdiff_t>(top) * stride - left;
+  read_places(s.window.data(), offset, stride, s.x.data(), s.y.data(), cell.area(), out);
 }
 
 }  // namespace freshet::synth

@@ -33,17 +33,26 @@ class ClipLuma {
   /// when the clip has no flow of the shape it should have.
   void load(std::span<const std::uint32_t> frames, std::span<const std::uint32_t> flows = {});
 
-  struct Scratch {
-    cv::Mat before, after, x, y, from, to;
-  };
-  /// Luma at a moment of frames that are loaded: CV_32F, 0..1, size of region(). Safe from many threads.
-  void at(double moment, cv::Mat& out, Scratch& scratch) const;
-  /// Rows [first, last) of region() of a loaded frame; CV_32F.
-  cv::Mat rows(std::uint32_t frame, int first, int last) const;
+  /// The most that at() makes at once: small, so that all it needs stays in the nearest cache.
+  static constexpr int kCellWidth = 32, kCellHeight = 16;
+  class Scratch {
+   public:
+    Scratch();
 
-  /// px of the source frame: the rectangle around all blocks; and which of its pixels were read, CV_8U.
+   private:
+    friend class ClipLuma;
+    std::vector<std::int32_t> x, y;
+    std::vector<float> u, v, from, to, window;
+  };
+  /// Luma at a moment of frames that are loaded, 0..1, in a rectangle of source() within region(), no larger
+  /// than a cell: out holds its rows one after another. Safe from many threads.
+  void at(double moment, const cv::Rect& cell, float* out, Scratch& scratch) const;
+  /// Luma of a loaded frame at row y, columns x .. x + n - 1 of source(), within region().
+  void row(std::uint32_t frame, int x, int y, int n, float* out) const;
+
+  /// px of the source frame: the blocks that are read, and the rectangle around all of them.
+  std::span<const cv::Rect> blocks() const { return blocks_; }
   const cv::Rect& region() const { return region_; }
-  const cv::Mat& wanted() const { return wanted_; }
   cv::Size source() const { return source_; }
   /// Bytes of a loaded frame, and of the flow to its next.
   std::size_t frame_bytes() const;
@@ -52,7 +61,9 @@ class ClipLuma {
  private:
   void read_frames(std::span<const std::uint32_t> missing);
   void read_flows(std::span<const std::uint32_t> missing);
-  void between(std::uint32_t frame, float part, cv::Mat& out, Scratch& scratch) const;
+  void between(std::uint32_t frame, float part, const cv::Rect& cell, float* out, Scratch& scratch) const;
+  void carried(std::uint32_t frame, float share, std::uint32_t flow, const cv::Rect& cell, float* out,
+               Scratch& scratch) const;
   void check_flow() const;
 
   store::Snapshot snapshot_;
@@ -64,7 +75,13 @@ class ClipLuma {
   cv::Size source_, flow_size_;
   cv::Rect region_, flow_region_;
   std::vector<cv::Rect> blocks_;  // px of the source
-  cv::Mat wanted_;
+  std::vector<float> luma_of_;    // by sample
+  // Where a column and a row of the region lie between samples of the flow's region.
+  struct Between {
+    std::vector<std::int32_t> first;
+    std::vector<float> part;  // of the one after it
+  };
+  Between flow_across_, flow_down_;
   std::map<std::uint32_t, cv::Mat> frames_;
   struct Flow {
     cv::Mat u, v;  // CV_16S, 1/64 px

@@ -23,7 +23,7 @@ TEST(PatchWindow, CutsWhatTheVariantShows) {
     const std::vector<cv::Point> positions = vision::patch_positions(valid.size(), {}, variant.flip);
     const std::vector<float> coverage = vision::patch_coverage(valid, positions, 48);
     cv::Mat reduced, window;
-    reduce_to_scale(frame, variant.scale, reduced);
+    cv::resize(frame, reduced, reduced_to_scale(frame.size(), variant.scale), 0, 0, cv::INTER_AREA);
     int checked = 0;
     for (std::size_t i = 0; i < positions.size(); ++i) {
       if (coverage[i] < 1) continue;
