@@ -1,0 +1,39 @@
+// synth/transfer/exemplar.h — one moment of the exemplar, ready to be searched at every level.
+#pragma once
+
+#include <vector>
+
+#include "synth/transfer/features.h"
+#include "synth/transfer/segments.h"
+#include "synth/transfer/transfer.h"
+
+namespace freshet::synth::transfer {
+
+/// With four turns, the turned pictures lie one below the other, each in a square of side `block`.
+struct ExemplarLevel {
+  Picture now;
+  Features features;
+  Segments segments;
+  int block = 0;                // 0 for one turn
+  std::vector<cv::Size> sizes;  // of the picture, by turn
+
+  /// The turn in which a place lies, and its x and y there.
+  struct Place {
+    int x, y, turn;
+  };
+  Place split(int place) const;
+  int join(Place at) const { return (at.y + at.turn * block) * now.width + at.x; }
+};
+
+struct PreparedExemplar {
+  std::vector<ExemplarLevel> levels;  // the finest first
+  cv::Size size;
+  bool opaque = false;  // no pixel is transparent
+};
+
+/// previous is the frame before; it may be the same. levels: at most; fewer where a level would have no
+/// patch. Throws  Error{kInput} as Transfer::next says.
+PreparedExemplar prepare(const ExemplarFrame& frame, const ExemplarFrame& previous, int levels,
+                         const TransferOptions& options);
+
+}  // namespace freshet::synth::transfer

@@ -1,0 +1,61 @@
+// synth/transfer/features.h — the nine weighted channels of a pixel, and the distance of two patches.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "synth/transfer/picture.h"
+
+namespace freshet::synth::transfer {
+
+/// Channels of Eq. 8, times the roots of their weights of Eq. 9 and 1023, as 16-bit integers: blue, green,
+/// red, alpha, blurred alpha, 0, then blue, green, red and alpha of the frame before. Integers because their
+/// sums are the same in any order, so that vectors of any width give the same bits, and because half the
+/// bytes of floats are fetched: a patch of 5 x 5 is five runs of 100 bytes. 1023 leaves 10-bit pictures
+/// whole, and the largest sum (patch 9, eta 16) is 1.9e9.
+inline constexpr int kChannels = 10;
+inline constexpr float kUnit = 1023.0f;
+
+struct Features {
+  int width = 0, height = 0;
+  std::vector<std::int16_t> values;  // row-major, and 64 more, which the widest read runs into
+
+  Features() = default;
+  Features(int w, int h);
+};
+
+void put_now(const Picture& now, Features& to);
+void put_blurred_alpha(const Grid& blurred_alpha, double eta, Features& to);
+void put_previous(const Picture& previous, Features& to);
+
+/// D of Eq. 9.
+class PatchDistance {
+ public:
+  /// lambda  one a target pixel: a patch has that of its centre. All outlive this.
+  PatchDistance(const Features& source, const Features& target, const std::vector<float>& lambda, int patch);
+
+  /// Indices of patch centres, y * width + x, no nearer to an edge than patch / 2. In colours of 0..1.
+  float operator()(int source, int target) const {
+    const Parts parts = kernel_(source_ + static_cast<std::ptrdiff_t>(source) * kChannels, source_row_,
+                                target_ + static_cast<std::ptrdiff_t>(target) * kChannels, target_row_);
+    return (static_cast<float>(parts.now) + lambda_[target] * static_cast<float>(parts.previous)) *
+           (1.0f / (kUnit * kUnit));
+  }
+
+  struct Parts {
+    std::int32_t now, previous;
+  };
+  using Kernel = Parts (*)(const std::int16_t* a, std::ptrdiff_t row_a, const std::int16_t* b,
+                           std::ptrdiff_t row_b);
+  /// From top-left corners; rows in values. vector_bytes: 0 for plain loops, 16, 32, 64.
+  static Kernel kernel(int patch, int vector_bytes);
+
+ private:
+  const std::int16_t *source_, *target_;  // of index 0's patch, which is never read
+  std::ptrdiff_t source_row_, target_row_;
+  const float* lambda_;
+  Kernel kernel_;
+};
+
+}  // namespace freshet::synth::transfer

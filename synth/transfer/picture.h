@@ -1,0 +1,51 @@
+// synth/transfer/picture.h — pictures as the method computes with them, halved, blurred and turned.
+#pragma once
+
+#include <opencv2/core.hpp>
+
+#include "synth/simulate/grid.h"
+
+namespace freshet::synth::transfer {
+
+using simulate::Grid;
+using simulate::GridOf;
+using simulate::Vec2;
+using simulate::VectorGrid;
+
+/// Blue, green, red, alpha, 0..1, colours premultiplied. The paper compares colours and alpha side by side
+/// and says nothing of the colour of transparent pixels, which straight pictures leave to chance;
+/// premultiplied it is 0, and averages of patches are averages of what is seen.
+struct alignas(16) Pixel {
+  float c[4] = {0, 0, 0, 0};
+};
+using Picture = GridOf<Pixel>;
+
+/// bgra  CV_8UC4, CV_16UC4 or CV_32FC4, straight. Values are clamped to 0..1, not-a-number to 0.
+Picture premultiplied(const cv::Mat& bgra);
+/// CV_32FC4; 0 where alpha is below 1/4096, where a quotient of rounding errors would be seen as colour.
+cv::Mat straight(const Picture& picture);
+
+/// alpha  CV_8U or CV_32F. As above.
+Grid grid_of(const cv::Mat& alpha);
+Grid alpha_of(const Picture& picture);
+
+/// Mean of blocks of 2 x 2; sizes are rounded up, what a block lacks is repeated from its own edge.
+Picture halved(const Picture& picture);
+Grid halved(const Grid& grid);
+
+/// Gaussian of standard deviation sigma px, cut at 3 sigma, edges repeated. Own loops: OpenCV's differ in the
+/// last bit from machine to machine, and a threshold follows.
+Grid blurred(const Grid& grid, double sigma);
+
+/// Anticlockwise, turns 0..3.
+template <typename T>
+GridOf<T> quarter_turned(const GridOf<T>& grid, int turns) {
+  if (turns == 0) return grid;
+  const GridOf<T> before = quarter_turned(grid, turns - 1);
+  GridOf<T> out(before.height, before.width);
+  for (int y = 0; y < out.height; ++y)
+    for (int x = 0; x < out.width; ++x) out(x, y) = before(before.width - 1 - y, x);
+  return out;
+}
+
+}  // namespace freshet::synth::transfer

@@ -1,0 +1,30 @@
+#include "synth/transfer/segments.h"
+
+#include <algorithm>
+
+namespace freshet::synth::transfer {
+
+void segment(const Grid& blurred_alpha, double lower, double upper, int margin, Segments& out) {
+  out.of = GridOf<Segment>(blurred_alpha.width, blurred_alpha.height, Segment::kNone);
+  for (int y = margin; y < blurred_alpha.height - margin; ++y)
+    for (int x = margin; x < blurred_alpha.width - margin; ++x) {
+      const double alpha = static_cast<double>(blurred_alpha(x, y));
+      if (alpha > lower) out.of(x, y) = alpha < upper ? Segment::kBoundary : Segment::kInterior;
+    }
+  list_segments(out);
+}
+
+void list_segments(Segments& segments) {
+  for (std::vector<int>& list : segments.list) list.clear();
+  const int width = segments.of.width, height = segments.of.height;
+  for (int top = 0; top < height; top += kTile)
+    for (int left = 0; left < width; left += kTile)
+      for (int y = top; y < std::min(top + kTile, height); ++y)
+        for (int x = left; x < std::min(left + kTile, width); ++x) {
+          const Segment segment = segments.of(x, y);
+          if (segment != Segment::kNone)
+            segments.list[static_cast<std::size_t>(segment)].push_back(y * width + x);
+        }
+}
+
+}  // namespace freshet::synth::transfer

@@ -1,0 +1,28 @@
+// synth/transfer/state_file.h — what a frame leaves to the next, in a file.
+#pragma once
+
+#include <filesystem>
+
+#include "synth/transfer/picture.h"
+#include "synth/transfer/transfer.h"
+
+namespace freshet::synth::transfer {
+
+struct State {
+  int frame = 0;    // the next one's index
+  Picture picture;  // of the frame before, without motion blur; empty before frame 0, as the two below
+  Grid mask;        // its target alpha
+  VectorGrid flow;
+};
+
+/// File    "FRTRANS1", a digest of the options, frame, width, height, the three fields row by row as 32-bit
+///         floats, and a hash of all before it; little-endian. Written to a neighbour that is renamed when
+///         whole.
+/// Throws  Error{kIo}.
+void write_state(const std::filesystem::path& path, const State& state, const TransferOptions& options);
+
+/// Throws  Error{kInput}: missing, cut, damaged, written with other options. The length is checked before
+///         anything is allocated.
+State read_state(const std::filesystem::path& path, const TransferOptions& options);
+
+}  // namespace freshet::synth::transfer
