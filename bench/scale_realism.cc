@@ -1,6 +1,6 @@
 // Do stores that bench_scaled_store makes look like real ones to a search?
 //
-//   bench_scale_realism SOURCE PICTURE[:MATTE].. [--splits 2] [--most 1000000] [--json FILE]
+//   bench_scale_realism SOURCE PICTURE[:MATTE].. [--splits 2] [--patches N] [--json FILE]
 //
 // The clips of SOURCE are split in two halves (class by class, by patches). A generator that sees one half
 // makes as many patches as the whole has, and they are held against the real ones, all with SOURCE's
@@ -231,11 +231,11 @@ int run(int argc, char** argv) {
   std::string source, json_file;
   std::vector<std::string> pictures;
   int splits = 2;
-  std::uint64_t most = 0;
+  std::uint64_t patches = 0;
   app.add_option("SOURCE", source, "A store of real clips, with its index")->required();
   app.add_option("PICTURE", pictures, "PICTURE[:MATTE]")->required();
   app.add_option("--splits", splits, "Ways to split the clips")->capture_default_str();
-  app.add_option("--most", most, "Patches of the largest generated set")->capture_default_str();
+  app.add_option("--patches", patches, "Patches of a generated set [as many as SOURCE has]");
   app.add_option("--seed", options.seed, "Of everything that is drawn")->capture_default_str();
   app.add_option("--json", json_file, "Write the figures to this file");
   app.add_option("--bend", options.jitter.bend_px, "px")->capture_default_str();
@@ -267,16 +267,14 @@ int run(int argc, char** argv) {
 
   const auto everything = [](std::size_t) { return true; };
   const Words all = gather(real, everything);
-  options.patches = std::max<std::uint64_t>(real.rows, most);
+  options.patches = patches > 0 ? patches : real.rows;
   const double start = bench::wall_seconds();
   const Generated from_all = generate(snapshot, real, options);
   fmt::print("{} patches in {} copies generated in {:.1f} s\n", from_all.words.size(),
              from_all.copy.back() + 1, bench::wall_seconds() - start);
 
   fmt::print("\n{:<40}{:>8}{:>8}{:>8}{:>8}\n", "words of", "var.", "bits", "bins", "bins");
-  const Words as_many(from_all.words.begin(),
-                      from_all.words.begin() + static_cast<std::ptrdiff_t>(real.rows));
-  realism.compare_words("all, generated from all", all, as_many);
+  realism.compare_words("all, generated from all", all, from_all.words);
   std::vector<Generated> from_half;
   std::vector<std::vector<query::PieceQuery>> other_half;
   std::vector<Words> firsts;
@@ -286,7 +284,6 @@ int run(int argc, char** argv) {
     const Words b = gather(real, [&](std::size_t clip) { return !first[clip]; });
     realism.compare_words(fmt::format("split {}: half, other half", s + 1), a, b);
     bench::ScaleOptions half = options;
-    half.patches = real.rows;
     for (std::size_t clip = 0; clip < real.names.size(); ++clip) {
       if (first[clip]) half.clips.push_back(real.names[clip]);
     }
@@ -301,8 +298,8 @@ int run(int argc, char** argv) {
 
   fmt::print("\n{:<24}{:<10}{:>9}{:>8}{:>8}{:>8}\n", "neighbours among", "of", "patches", "rank 1", "10",
              "100");
-  for (const std::size_t rows : {50'000, 100'000, 200'000, 400'000}) {
-    const std::size_t n = std::min<std::size_t>(rows, real.rows);
+  for (const std::size_t rows : {50'000ul, 100'000ul, 200'000ul, 400'000ul}) {
+    const std::size_t n = std::min({rows, real.rows, from_all.words.size()});
     if (n < rows / 2) break;
     std::vector<bench::NeighbourScores> scores;
     for (std::uint64_t order = 0; order < (n < real.rows ? kOrders : 1); ++order)
