@@ -121,6 +121,25 @@ class Build {
     return all;
   }
 
+  /// Descriptors of the chosen points of a clip, which are numbered through its sheets; ascending.
+  Descriptors describe_some(store::ClipId clip, const PatchPoints& points,
+                            std::span<const std::size_t> chosen) const {
+    Descriptors some;
+    if (chosen.empty()) return some;
+    const cv::Mat average = average_image(snapshot_, clip);
+    std::vector<std::uint32_t> of_sheet;
+    std::size_t before = 0, next = 0;
+    for (const PatchPoints::Sheet& sheet : points.sheets()) {
+      of_sheet.clear();
+      for (; next < chosen.size() && chosen[next] - before < sheet.points.size(); ++next)
+        of_sheet.push_back(sheet.points[chosen[next] - before]);
+      const Descriptors described = points.describe(sheet, average, of_sheet);
+      some.insert(some.end(), described.begin(), described.end());
+      before += sheet.points.size();
+    }
+    return some;
+  }
+
   Descriptors sample() {
     Stopwatch watch;
     const auto with_patches = static_cast<std::size_t>(std::count_if(
@@ -132,21 +151,31 @@ class Build {
     for (std::size_t c = 0; c < clips_.size(); ++c) {
       say(Stage::kSample, c, clips_.size());
       const PatchPoints points = points_of(clips_[c]);
-      std::vector<Descriptors> described = describe(clips_[c], points);
       // Evenly spaced with a random start in each space, so that neighbours are not all alike.
       const std::size_t total = points.points(), taken = std::min(share, total);
       const std::uint64_t seed = seed_of(snapshot_.clip(clips_[c]));
-      std::size_t sheet = 0, before = 0;
+      std::vector<std::size_t> chosen;
       for (std::size_t i = 0; i < taken; ++i) {
         const std::size_t from = i * total / taken, to = (i + 1) * total / taken;
-        const std::uint64_t random = mix(seed + i);
-        const std::size_t at = from + (random >> 1) % (to - from);
-        while (at - before >= described[sheet].size()) before += described[sheet++].size();
-        const vision::Descriptor& descriptor = described[sheet][at - before];
-        samples.push_back(settings_.flips && (random & 1) != 0 ? vision::mirrored(descriptor) : descriptor);
+        chosen.push_back(from + (mix(seed + i) >> 1) % (to - from));
       }
+      Descriptors described;
       cached += total * sizeof(vision::Descriptor);
-      if (cached <= options_.cache_bytes) descriptors_[c] = std::move(described);
+      if (cached <= options_.cache_bytes) {
+        descriptors_[c] = describe(clips_[c], points);
+        std::size_t sheet = 0, before = 0;
+        for (const std::size_t at : chosen) {
+          while (at - before >= (*descriptors_[c])[sheet].size())
+            before += (*descriptors_[c])[sheet++].size();
+          described.push_back((*descriptors_[c])[sheet][at - before]);
+        }
+      } else {
+        described = describe_some(clips_[c], points, chosen);
+      }
+      for (std::size_t i = 0; i < taken; ++i) {
+        const bool turned = settings_.flips && (mix(seed + i) & 1) != 0;
+        samples.push_back(turned ? vision::mirrored(described[i]) : described[i]);
+      }
     }
     report_.samples = samples.size();
     report_.sample_s = watch.lap();

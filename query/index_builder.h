@@ -17,8 +17,9 @@ struct IndexOptions {
   FlannOptions flann_options{};    // trees, branching, ...; `kind` is taken from the list
   bool rebuild = false;            // even when nothing has changed
   std::size_t samples = 200'000;  // descriptors that the codebook is trained on, spread evenly over the clips
-  std::size_t cache_bytes = std::size_t{1} << 30;  // descriptors kept from the first pass over the clips for
-                                                   // the second; the others are computed twice
+  std::size_t cache_bytes = std::size_t{1}
+                            << 30;  // descriptors kept from the first pass over the clips for
+                                    // the second; of the others, only the samples are made twice
 };
 
 /// Where a build stands.

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "freshet_error.h"
+#include "vision/sift_points.h"
 
 namespace freshet::query {
 
@@ -88,13 +89,10 @@ std::size_t PatchPoints::points() const {
   return sum;
 }
 
-std::vector<vision::Descriptor> PatchPoints::describe(const Sheet& sheet, const cv::Mat& average) const {
-  const vision::DescriptorGrid grid = vision::dense_sift(vision::warp_to_variant(average, sheet.variant),
-                                                         sheet.origin, sheet.columns, sheet.rows, step_);
-  std::vector<vision::Descriptor> descriptors;
-  descriptors.reserve(sheet.points.size());
-  for (const std::uint32_t point : sheet.points) descriptors.push_back(grid.values[point]);
-  return descriptors;
+std::vector<vision::Descriptor> PatchPoints::describe(const Sheet& sheet, const cv::Mat& average,
+                                                      std::span<const std::uint32_t> points) const {
+  return vision::sift_points(vision::warp_to_variant(average, sheet.variant), sheet.origin, sheet.columns,
+                             sheet.rows, step_, points);
 }
 
 std::vector<vision::WordMap> PatchPoints::words(

@@ -32,7 +32,12 @@ class PatchPoints {
   const std::vector<Sheet>& sheets() const { return sheets_; }
   std::size_t points() const;
   /// Descriptors of a sheet's points, in their order. average   the clip's average image.
-  std::vector<vision::Descriptor> describe(const Sheet& sheet, const cv::Mat& average) const;
+  std::vector<vision::Descriptor> describe(const Sheet& sheet, const cv::Mat& average) const {
+    return describe(sheet, average, sheet.points);
+  }
+  /// Of some points of its grid, ascending.
+  std::vector<vision::Descriptor> describe(const Sheet& sheet, const cv::Mat& average,
+                                           std::span<const std::uint32_t> points) const;
   /// Words of all patches, given the descriptors of each sheet's points.
   std::vector<vision::WordMap> words(const vision::Codebook& codebook,
                                      std::span<const std::vector<vision::Descriptor>> descriptors) const;
