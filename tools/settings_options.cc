@@ -46,7 +46,7 @@ void SettingsOptions::add_to(CLI::App& command) {
       ->check(CLI::Range(0.0, 100.0))
       ->capture_default_str();
   add("/flow/method",
-      command.add_option("--flow", flow_, "Optical flow: dis, or the paper's tv-l1 (65 times slower)"))
+      command.add_option("--flow", flow_, "Optical flow: dis, or the paper's tv-l1 (5 times slower)"))
       ->check(CLI::IsMember({"dis", "tv-l1"}))
       ->capture_default_str();
   add("/flow/step",

@@ -3,10 +3,10 @@
 #include <algorithm>
 
 #include <opencv2/imgproc.hpp>
-#include <opencv2/optflow.hpp>
 #include <opencv2/video/tracking.hpp>
 
 #include "freshet_error.h"
+#include "vision/tv_l1.h"
 
 namespace freshet::vision {
 namespace {
@@ -48,22 +48,15 @@ cv::Mat optical_flow(const cv::Mat& from, const cv::Mat& to, const FlowOptions& 
   const cv::Size safe(safe_side(from.cols), safe_side(from.rows));
   cv::Mat flow;
   try {
-    cv::Ptr<cv::DenseOpticalFlow> method;
-    if (options.method == FlowMethod::kDis) {
-      method = cv::DISOpticalFlow::create(cv::DISOpticalFlow::PRESET_MEDIUM);
-    } else {
-      const auto tvl1 = cv::optflow::DualTVL1OpticalFlow::create();
-      tvl1->setLambda(options.tvl1_lambda);
-      tvl1->setTheta(options.tvl1_theta);
-      tvl1->setWarpingsNumber(options.tvl1_warps);
-      // OpenCV runs inner x outer iterations a warp and takes a median before each outer one: one median a
-      // warp.
-      tvl1->setInnerIterations(options.tvl1_iterations);
-      tvl1->setOuterIterations(1);
-      tvl1->setUseInitialFlow(false);
-      method = tvl1;
+    if (options.method == FlowMethod::kTvL1) {
+      return tv_l1_flow(from, to,
+                        {.lambda = options.tvl1_lambda,
+                         .theta = options.tvl1_theta,
+                         .iterations = options.tvl1_iterations,
+                         .warps = options.tvl1_warps});
     }
-    method->calc(extended(from, safe), extended(to, safe), flow);
+    cv::DISOpticalFlow::create(cv::DISOpticalFlow::PRESET_MEDIUM)
+        ->calc(extended(from, safe), extended(to, safe), flow);
   } catch (const cv::Exception& e) {
     throw Error(ErrorKind::kInput, "flow",
                 "OpenCV refused frames of " + std::to_string(from.cols) + " x " + std::to_string(from.rows) +
