@@ -9,6 +9,7 @@ void add_ingest(CLI::App& app, RunContext& context);
 void add_index(CLI::App& app, RunContext& context);
 void add_store(CLI::App& app, RunContext& context);
 void add_query(CLI::App& app, RunContext& context);
+void add_bench(CLI::App& query_command, RunContext& context);  // freshet query bench
 void add_synth(CLI::App& app, RunContext& context);
 void add_matte(CLI::App& synth_command, RunContext& context);  // freshet synth matte
 void add_sweep(CLI::App& synth_command, RunContext& context);

@@ -263,6 +263,8 @@ void add_query(CLI::App& app, RunContext& context) {
   sub->add_flag("--json", label->json, "Print the result as JSON");
   add_threads(*sub);
   sub->callback([label, &context] { run_label(*label, context); });
+
+  add_bench(*query, context);
 }
 
 }  // namespace freshet::tools

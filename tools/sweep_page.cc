@@ -6,8 +6,12 @@
 #include <fmt/format.h>
 #include <opencv2/imgproc.hpp>
 
+#include "query/benchmark/html_text.h"
+
 namespace freshet::tools {
 namespace {
+
+using query::html_text;
 
 constexpr int kCell = 480, kCaption = 40, kGap = 8;  // px
 const cv::Scalar kPaper(32, 32, 32), kInk(225, 225, 225), kFaint(165, 165, 165);
@@ -22,29 +26,6 @@ void caption(cv::Mat& sheet, std::string text, cv::Point at, int width, const cv
   if (width_of(size) > width) size = 0.36;
   while (text.size() > 3 && width_of(size) > width) text.replace(text.size() - 3, 3, "..").pop_back();
   cv::putText(sheet, text, at, cv::FONT_HERSHEY_SIMPLEX, size, colour, 1, cv::LINE_AA);
-}
-
-std::string escaped(const std::string& text) {
-  std::string out;
-  for (const char c : text) {
-    switch (c) {
-      case '&':
-        out += "&amp;";
-        break;
-      case '<':
-        out += "&lt;";
-        break;
-      case '>':
-        out += "&gt;";
-        break;
-      case '"':
-        out += "&quot;";
-        break;
-      default:
-        out += c;
-    }
-  }
-  return out;
 }
 
 // In an address, all but the plainest characters in hexadecimal.
@@ -126,11 +107,11 @@ cv::Mat sweep_sheet(const cv::Mat& still, const std::vector<SweptAnimation>& ani
 std::string sweep_page(const std::string& title, const std::string& still, cv::Size size,
                        const std::vector<SweptAnimation>& animations) {
   const int column = std::clamp(size.width, 200, 460);
-  std::string page = fmt::format(kHead, fmt::arg("title", escaped(title)), fmt::arg("column", column),
+  std::string page = fmt::format(kHead, fmt::arg("title", html_text(title)), fmt::arg("column", column),
                                  fmt::arg("still", address_of(still)), fmt::arg("width", size.width),
                                  fmt::arg("height", size.height));
   for (const SweptAnimation& animation : animations) {
-    const std::string name = escaped(animation.title), at = address_of(animation.video);
+    const std::string name = html_text(animation.title), at = address_of(animation.video);
     const std::string element =
         animation.video.ends_with(".webp")
             ? fmt::format(R"(<img src="{}" width="{}" height="{}" alt="Animation with {}">)", at, size.width,
@@ -149,7 +130,7 @@ std::string sweep_page(const std::string& title, const std::string& still, cv::S
     page += fmt::format(
         "<tr><th scope=\"row\">{}</th><td class=\"n\">{:.3f}</td><td class=\"n\">{}</td><td class=\"n\">"
         "{:.0f}%</td><td><a href=\"{}\">video</a> <a href=\"{}\">assignment</a></td></tr>\n",
-        escaped(animation.title), animation.energy,
+        html_text(animation.title), animation.energy,
         std::isfinite(animation.gap) ? fmt::format("{:.2f}%", 100 * animation.gap) : "-",
         100 * animation.changed, address_of(animation.video), address_of(animation.assignment));
   return page + "</tbody>\n</table>\n" + kScript;

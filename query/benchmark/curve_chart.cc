@@ -14,11 +14,12 @@
 namespace freshet::query {
 namespace {
 
-constexpr int kColours = 8;
-constexpr std::array<const char*, kColours> kOnLight{"#1d5fc4", "#c2410c", "#0f7b55", "#9333a8",
-                                                     "#8f6200", "#0a7f95", "#c02a68", "#545e6b"};
-constexpr std::array<const char*, kColours> kOnDark{"#7fb2ff", "#ff9467", "#5fd3a6", "#d99fe6",
-                                                    "#e6b854", "#5ccbdd", "#ff92b8", "#b0b8c3"};
+constexpr int kColours = 10;
+constexpr std::size_t kMarkers = 8;
+constexpr std::array<const char*, kColours> kOnLight{"#1d5fc4", "#c2410c", "#0f7b55", "#9333a8", "#8f6200",
+                                                     "#0a7f95", "#c02a68", "#545e6b", "#5f7200", "#7c4a22"};
+constexpr std::array<const char*, kColours> kOnDark{"#7fb2ff", "#ff9467", "#5fd3a6", "#d99fe6", "#e6b854",
+                                                    "#5ccbdd", "#ff92b8", "#b0b8c3", "#bccb52", "#d0a37e"};
 
 // px: what stands around the plot, the size of text and an upper bound of a letter's width.
 constexpr double kLeft = 76, kRight = 150, kTop = 40, kBottom = 58, kText = 13, kLetter = 7.2, kMarker = 4.5;
@@ -112,7 +113,7 @@ class Scale {
 
 std::string marker(std::size_t series, double x, double y) {
   const double r = kMarker;
-  const std::size_t shape = (series + series / kColours) % kColours;
+  const std::size_t shape = (series + series / kColours) % kMarkers;
   const auto polygon = [&](const std::vector<std::pair<double, double>>& corners) {
     std::string points;
     for (const auto& [dx, dy] : corners) points += fmt::format("{:.1f},{:.1f} ", x + dx * r, y + dy * r);
@@ -272,7 +273,7 @@ class Drawing {
                       marker(number, at.first, at.second), number % kColours,
                       html_text(chart_.series[number].name), point->note.empty() ? "" : ", ",
                       html_text(point->note), html_text(chart_.x.title), point->x, html_text(chart_.y.title),
-                      point->y, (number + number / kColours) % kColours == 0 ? "circle" : "polygon");
+                      point->y, (number + number / kColours) % kMarkers == 0 ? "circle" : "polygon");
   }
 
   // How much a name at this box would cover: names and the chart's edge weigh most, then markers, then

@@ -42,7 +42,8 @@ struct CurveChart {
 /// An <svg> element, nothing outside itself needed but the colours of chart_style(). Every series has a
 /// colour, a marker and its name beside the curve, placed so that names cover neither each other nor, where
 /// there is room, a curve. Points beyond an axis are cut off; a series of which nothing is left is named
-/// below the chart. Points that are not finite are left out. Colours and markers repeat beyond 64 series.
+/// below the chart. Points that are not finite are left out. Colours and markers together repeat beyond 40
+/// series.
 std::string to_svg(const CurveChart& chart);
 
 /// Rules for a page's <style>: the colours of all charts in it, for light and dark screens.

@@ -54,8 +54,9 @@ TEST(CommandLine, EveryCommandExplainsItselfAndItsDefaults) {
 TEST(CommandLine, WrongUsageIsSaidInOneLine) {
   expect_usage_fault({}, "a command is missing; there are ingest, index, store, query, synth");
   expect_usage_fault({"nosuch"}, "there is no command \"nosuch\"");
-  expect_usage_fault({"query", "nosuch"},
-                     "there is no command \"nosuch\"; there are candidates, label. See freshet query --help");
+  expect_usage_fault(
+      {"query", "nosuch"},
+      "there is no command \"nosuch\"; there are candidates, label, bench. See freshet query --help");
   expect_usage_fault({"ingest"}, "STORE is required. See freshet ingest --help");
   expect_usage_fault({"query", "label", "a", "b", "--nosuch"}, "--nosuch");
   expect_usage_fault({"query", "label", "a", "b", "-k", "0"}, "not in range");

@@ -123,7 +123,7 @@ TEST(CurveChart, IsDrawnEvenOfNothing) {
 TEST(CurveChart, HasAColourForEverySeriesOnLightAndDark) {
   const std::string style = chart_style();
   EXPECT_NE(style.find("prefers-color-scheme: dark"), std::string::npos);
-  for (int i = 0; i < 8; ++i)
+  for (int i = 0; i < 10; ++i)
     EXPECT_NE(style.find("polyline.s" + std::to_string(i) + " {"), std::string::npos);
 }
 

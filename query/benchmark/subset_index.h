@@ -1,0 +1,42 @@
+// query/benchmark/subset_index.h — an index of some rows of a table, asked and answering in the table's
+// numbers.
+#pragma once
+
+#include <span>
+
+#include "query/candidate_index.h"
+
+namespace freshet::query {
+
+/// Borrows both.
+class SubsetIndex final : public CandidateIndex {
+ public:
+  /// rows         of the table, ascending: row i of `inner` is row rows[i] of the table.
+  /// table_rows   how many the table has.
+  SubsetIndex(const CandidateIndex& inner, std::span<const Row> rows, std::size_t table_rows);
+  std::size_t rows() const override { return table_rows_; }
+  std::vector<std::vector<Hit>> search(std::span<const PieceQuery> queries, std::size_t k,
+                                       const Admission& admission = {}) const override;
+
+ private:
+  const CandidateIndex& inner_;
+  std::span<const Row> rows_;
+  std::size_t table_rows_;
+};
+
+/// An admission in the numbers of a subset. Owns what it names, but for the windows.
+class SubsetAdmission {
+ public:
+  SubsetAdmission(const Admission& admission, std::span<const Row> rows);
+  SubsetAdmission(const SubsetAdmission&) = delete;
+  SubsetAdmission& operator=(const SubsetAdmission&) = delete;
+  const Admission& admission() const& { return admission_; }
+  const Admission& admission() const&& = delete;
+
+ private:
+  RowFilter filter_;
+  std::vector<float> mean_u_, mean_v_;
+  Admission admission_;
+};
+
+}  // namespace freshet::query
