@@ -33,6 +33,7 @@ void check(const TransferOptions& options) {
   range("levels", options.levels, 0, 10);
   range("iterations", options.iterations, 1, 100);
   range("passes", options.passes, 1, 100);
+  range("vote_power", options.vote_power, 0, 4);
   if (options.quarter_turns != 1 && options.quarter_turns != 4) {
     throw Error(ErrorKind::kUsage, "quarter_turns",
                 fmt::format("{} is neither 1 nor 4", options.quarter_turns));

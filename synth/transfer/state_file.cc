@@ -37,7 +37,7 @@ std::uint64_t hash(const char* bytes, std::size_t count) {
 
 // Of everything that changes a frame; the seed too, as a run that goes on with another one is another run.
 std::uint64_t digest(const TransferOptions& o) {
-  const double numbers[] = {o.lambda, o.eta, o.radius, o.lower, o.upper, o.motion_blur};
+  const double numbers[] = {o.lambda, o.eta, o.radius, o.lower, o.upper, o.vote_power, o.motion_blur};
   const std::uint64_t whole[] = {static_cast<std::uint64_t>(o.patch),
                                  static_cast<std::uint64_t>(o.levels),
                                  static_cast<std::uint64_t>(o.iterations),

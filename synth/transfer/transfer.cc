@@ -312,7 +312,7 @@ TransferredFrame Transfer::Impl::next(const TargetFrame& target, const std::func
     } else {
       field = refined(field, prepared.levels[k + 1], source, level, margin);
       picture = doubled(picture, margin, level);
-      vote(source.now, field, options.patch, picture);
+      vote(source.now, field, options.patch, options.vote_power, picture);
     }
     const std::vector<Task> tasks = tasks_of(source.segments, level.segments);
     const PatchDistance distance(source.features, level.features, level.lambda.values, options.patch);
@@ -336,7 +336,7 @@ TransferredFrame Transfer::Impl::next(const TargetFrame& target, const std::func
       made.seconds.search += seconds.search;
       made.seconds.assign += seconds.assign;
       lap = Lap();
-      vote(source.now, field, options.patch, picture);
+      vote(source.now, field, options.patch, options.vote_power, picture);
       if (iteration + 1 == options.iterations) clear_uncovered(field, margin, picture);
       lap.add_to(made.seconds.vote);
       worked += static_cast<double>(level.lambda.values.size()) / options.iterations;

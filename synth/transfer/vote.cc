@@ -10,7 +10,6 @@ namespace freshet::synth::transfer {
 namespace {
 
 constexpr float kFloor = 25.0f * (2.0f / 255) * (2.0f / 255);
-constexpr float kPower = -0.6f;  // (0.8 - 2) / 2
 
 // Pixels of a row from the patches centred in one row, dy above or below it.
 FRESHET_WIDE
@@ -31,14 +30,15 @@ void add_row(const Picture& source, const std::int32_t* from, const float* weigh
 
 }  // namespace
 
-void vote(const Picture& source, const NearestField& field, int patch, Picture& into) {
+void vote(const Picture& source, const NearestField& field, int patch, double power, Picture& into) {
   const int width = field.target_width, height = field.target_height, half = patch / 2;
   Grid weights(width, height);
   simulate::for_rows(height, [&](int y) {
     for (int x = 0; x < width; ++x) {
       const std::size_t at =
           static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x);
-      if (field.source[at] >= 0) weights(x, y) = simulate::pow_portable(field.distance[at] + kFloor, kPower);
+      if (field.source[at] >= 0)
+        weights(x, y) = simulate::pow_portable(field.distance[at] + kFloor, static_cast<float>(-power));
     }
   });
   oneapi::tbb::parallel_for(

@@ -6,11 +6,11 @@
 
 namespace freshet::synth::transfer {
 
-/// Each pixel becomes the mean of what the patches over it say, weighed by (D + 25 (2 / 255)^2)^-0.6: the
-/// M-step of Kwatra et al. 2005 (Sec. 3, energy |x - z|^0.8), whose floor keeps a perfect patch from speaking
-/// alone. Pixels that no patch covers are left as they are.
+/// Each pixel becomes the mean of what the patches over it say, weighed by (D + 25 (2 / 255)^2)^-power: the
+/// M-step of Kwatra et al. 2005 (their energy |x - z|^0.8 makes the power 0.6), whose floor keeps a perfect
+/// patch from speaking alone. Pixels that no patch covers are left as they are.
 ///
 /// source  the exemplar's colours, of field's source size; into: of its target size.
-void vote(const Picture& source, const NearestField& field, int patch, Picture& into);
+void vote(const Picture& source, const NearestField& field, int patch, double power, Picture& into);
 
 }  // namespace freshet::synth::transfer
