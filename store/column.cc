@@ -2,6 +2,8 @@
 
 #include <zstd.h>
 
+#include <algorithm>
+#include <cstring>
 #include <memory>
 #include <new>
 
@@ -22,13 +24,50 @@ void shuffle(ByteSpan raw, std::size_t element, std::byte* out) {
   std::copy(raw.begin() + static_cast<std::ptrdiff_t>(count * element), raw.end(), out);
 }
 
+typedef unsigned char Sixteen __attribute__((vector_size(16)));
+constexpr std::size_t kSide = sizeof(Sixteen);
+
+// Rows become columns: two rounds of interleaving rows i and i + 8 would halve the distance of neighbours
+// twice, four bring them together.
+void transpose(Sixteen (&rows)[kSide]) {
+  constexpr Sixteen kLow = {0, 16, 1, 17, 2, 18, 3, 19, 4, 20, 5, 21, 6, 22, 7, 23};
+  constexpr Sixteen kHigh = {8, 24, 9, 25, 10, 26, 11, 27, 12, 28, 13, 29, 14, 30, 15, 31};
+  Sixteen other[kSide];
+  const auto interleave = [&](const Sixteen(&from)[kSide], Sixteen(&to)[kSide]) {
+    for (std::size_t i = 0; i < kSide / 2; ++i) {
+      to[2 * i] = __builtin_shuffle(from[i], from[i + kSide / 2], kLow);
+      to[2 * i + 1] = __builtin_shuffle(from[i], from[i + kSide / 2], kHigh);
+    }
+  };
+  interleave(rows, other);
+  interleave(other, rows);
+  interleave(rows, other);
+  interleave(other, rows);
+}
+
+// By squares of 16 elements and 16 of their bytes: byte by byte, cells (104 bytes) came at 0.6 GB/s, and
+// labelling waited for them.
 void unshuffle(const std::byte* from, std::size_t element, std::span<std::byte> raw) {
   const std::size_t count = raw.size() / element;
-  for (std::size_t k = 0; k < element; ++k) {
-    for (std::size_t i = 0; i < count; ++i) raw[i * element + k] = *from++;
+  std::size_t i = 0;
+  // The last bytes of an element are written as if it had 16 more, over its follower's first: those are
+  // written later, and the last elements byte by byte.
+  for (; i + 2 * kSide <= count; i += kSide) {
+    for (std::size_t block = (element + kSide - 1) / kSide; block-- > 0;) {
+      Sixteen bytes[kSide];
+      for (std::size_t k = 0; k < kSide; ++k) {
+        const std::size_t plane = std::min(block * kSide + k, element - 1);
+        std::memcpy(&bytes[k], from + plane * count + i, kSide);
+      }
+      transpose(bytes);
+      for (std::size_t k = 0; k < kSide; ++k)
+        std::memcpy(raw.data() + (i + k) * element + block * kSide, &bytes[k], kSide);
+    }
   }
-  std::copy(from, from + (raw.size() - count * element),
-            raw.begin() + static_cast<std::ptrdiff_t>(count * element));
+  for (std::size_t k = 0; k < element; ++k)
+    for (std::size_t rest = i; rest < count; ++rest) raw[rest * element + k] = from[k * count + rest];
+  std::copy(from + element * count, from + raw.size(),
+            raw.begin() + static_cast<std::ptrdiff_t>(element * count));
 }
 
 }  // namespace
@@ -65,9 +104,9 @@ bool expand_column(Codec codec, ByteSpan stored, std::uint32_t element_bytes, st
       return zstd_expand(stored, out);
     case Codec::kShuffle: {
       if (element_bytes < 2 || element_bytes > 256) return false;
-      Bytes shuffled(out.size());
-      if (!zstd_expand(stored, shuffled)) return false;
-      unshuffle(shuffled.data(), element_bytes, out);
+      const auto shuffled = std::make_unique_for_overwrite<std::byte[]>(out.size());
+      if (!zstd_expand(stored, {shuffled.get(), out.size()})) return false;
+      unshuffle(shuffled.get(), element_bytes, out);
       return true;
     }
     case Codec::kTiles:

@@ -177,6 +177,17 @@ class Snapshot {
     });
     return values;
   }
+  /// A column of records, each of `length` values: one after another.
+  template <class T>
+  std::vector<T> records(ClipId id, std::string_view name, std::size_t length) const {
+    static_assert(std::is_trivially_copyable_v<T>);
+    std::vector<T> values;
+    column_bytes(id, name, static_cast<std::uint32_t>(length * sizeof(T)), [&](std::size_t rows) {
+      values.resize(rows * length);
+      return std::as_writable_bytes(std::span<T>(values));
+    });
+    return values;
+  }
   bool has_column(ClipId id, std::string_view name) const;
   std::optional<std::vector<std::byte>> blob(std::string_view name) const;
   std::vector<std::string> blob_names() const;
