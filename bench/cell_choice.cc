@@ -123,10 +123,9 @@ void check_reference(const Measured& exact, const Footage& footage, const std::v
   }
   const query::FeatureShape shape = query::feature_shape(exact.settings);
   const auto mrf = edge_between(rows, exact, query::CostForm::kPower, source);
-  std::vector<float> p(shape.values()), q(shape.values());
   for (std::size_t i = 0; i < kPatches; i += 23) {
-    source.read(rows[i], p);
-    source.read(rows[kPatches + i], q);
+    const std::vector<float> p = query::features_of_patches(source, shape, {{rows[i]}});
+    const std::vector<float> q = query::features_of_patches(source, shape, {{rows[kPatches + i]}});
     double cost = 0;
     for (int y = 0; y < 48; ++y) {
       for (int x = 0; x < 24; ++x) {

@@ -99,15 +99,29 @@ query::FeatureSource source_of(const Measured& measured, const store::Snapshot& 
           cv::Size(static_cast<int>(record.width), static_cast<int>(record.height)), variant));
     }
   }
-  return {{}, [&measured, &table, variants, frames](query::Row row, std::span<float> out) {
-            const std::uint32_t clip = table.clip[row];
-            const std::uint8_t variant = table.variant[row];
+  const query::FeatureShape shape = query::feature_shape(measured.settings);
+  const int side = shape.square() * measured.settings.spectrum.cell, across = shape.squares();
+  return {[&table, side, across](query::Row row, std::span<query::Square> out) {
+            for (int k = 0; k < across * across; ++k)
+              out[static_cast<std::size_t>(k)] = {
+                  table.clip[row], table.variant[row],
+                  static_cast<std::uint16_t>(table.y[row] + k / across * side),
+                  static_cast<std::uint16_t>(table.x[row] + k % across * side)};
+          },
+          [&measured, variants, frames, shape, side](std::span<const query::Square> squares,
+                                                     const query::SquareSink& sink) {
             const auto& scales = measured.settings.scales;
-            const auto scale = std::find(scales.begin(), scales.end(), variants[variant].scale);
-            vision::patch_features(measured.motion[clip],
-                                   measured.texture[clip][static_cast<std::size_t>(scale - scales.begin())],
-                                   frames[clip][variant], table.x[row], table.y[row],
-                                   measured.settings.grid.patch, measured.settings.spectrum, out);
+            oneapi::tbb::parallel_for(std::size_t{0}, squares.size(), [&](std::size_t i) {
+              const query::Square& square = squares[i];
+              const auto scale = std::find(scales.begin(), scales.end(), variants[square.variant].scale);
+              std::vector<float> features(shape.square_values());
+              vision::patch_features(
+                  measured.motion[square.clip],
+                  measured.texture[square.clip][static_cast<std::size_t>(scale - scales.begin())],
+                  frames[square.clip][square.variant], square.x, square.y, side, measured.settings.spectrum,
+                  features);
+              sink(i, features);
+            });
           }};
 }
 

@@ -1,10 +1,13 @@
 // query/pairwise.h — how well the patches of neighbouring pieces go together: the energy of a labelling.
 #pragma once
 
+#include <compare>
+#include <cstdint>
 #include <functional>
 #include <span>
 #include <stop_token>
 #include <string>
+#include <vector>
 
 #include "query/candidates.h"
 #include "query/mrf.h"
@@ -51,17 +54,39 @@ struct FeatureShape {
   int overlap = 6;  // cells that neighbours share, across
   int channels() const;
   std::size_t values() const;  // of a patch
+  /// Cells on the side of the largest squares of which both a patch and an overlap consist, squares on a
+  /// patch's side, and values of one.
+  int square() const;
+  int squares() const { return cells / square(); }
+  std::size_t square_values() const;
 };
 /// Throws Error{kUsage} when neighbouring pieces do not share whole cells.
 FeatureShape feature_shape(const vision::Settings& settings);
 
+/// A square of cells, shape.square() on a side, in a variant of a clip. Patches that overlap share squares:
+/// each is read once, and its features serve all of them.
+struct Square {
+  std::uint32_t clip = 0;
+  std::uint8_t variant = 0;
+  std::uint16_t y = 0, x = 0;  // px, of its upper left corner in the variant's frame
+  auto operator<=>(const Square&) const = default;
+};
+
+/// Takes the features of a square, by its place among those that were asked for: shape.square_values() of
+/// them, as vision::patch_features lays them out. Called from many threads.
+using SquareSink = std::function<void(std::size_t place, std::span<const float> features)>;
+
 /// Where features come from.
 struct FeatureSource {
-  /// Called before the features of these rows (distinct) are asked for, on one thread; may be empty.
-  std::function<void(std::span<const Row>)> prepare;
-  /// As vision::patch_features; called from many threads.
-  std::function<void(Row, std::span<float>)> read;
+  /// The squares of a patch, shape.squares() on a side, row by row. Called from many threads.
+  std::function<void(Row, std::span<Square>)> squares;
+  /// Hands over the features of squares (ascending, distinct), each once, in any order.
+  std::function<void(std::span<const Square>, const SquareSink&)> read;
 };
+
+/// All features of patches, shape.values() each, as vision::patch_features lays them out: for checks.
+std::vector<float> features_of_patches(const FeatureSource& source, const FeatureShape& shape,
+                                       std::span<const Row> rows);
 
 /// Throws Error{kUsage} when a weight is negative, no number or above 1e9.
 void check_weights(const PairwiseOptions& options);
@@ -71,10 +96,10 @@ void check_weights(const PairwiseOptions& options);
 Mrf unconnected_field(const Target& target, const Candidates& candidates);
 
 /// The field of a picture: nodes in the order of its pieces, V = 1 - score; edges in the order of
-/// target.edges. Each candidate's features are computed once, piece row by piece row, and two rows of them
-/// are in memory (1.3 MB a piece). All threads; the same bits for any number. Cost, 500 pieces, 100
-/// candidates: 1-2 s. Throws Error{kCancelled} when stopped, and as check_weights. The parts that it weighs
-/// and adds are those of pairwise_parts.h: the same bits as when they are kept and combined.
+/// target.edges. The candidates' features are read once, in batches of rows of pieces where they do not fit
+/// 256 MB. All threads; the same bits for any number. Cost, 500 pieces of 120 candidates, two cores: 0.5 s.
+/// Throws Error{kCancelled} when stopped, and as check_weights. The parts that it weighs and adds are those
+/// of pairwise_parts.h: the same bits as when they are kept and combined.
 Mrf build_mrf(const Target& target, const Candidates& candidates, const FeatureShape& shape,
               const PairwiseOptions& options, const FeatureSource& source, std::stop_token stop = {});
 

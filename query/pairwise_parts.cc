@@ -4,157 +4,264 @@
 #include <oneapi/tbb/parallel_for.h>
 
 #include <algorithm>
-#include <bit>
 #include <cassert>
 #include <cmath>
+#include <cstring>
+#include <memory>
+#include <numeric>
 
 #include "freshet_error.h"
+#include "query/cell_looks.h"
 #include "query/squared_distances.h"
-#include "vision/patch_features.h"
 
 namespace freshet::query {
 namespace {
 
-constexpr float kFrameRate = 25;             // frames a second, of the paper's px a frame
-constexpr float kSpeedFloor = 2.5f;          // px/s; slower motion is as good as none
-constexpr float kPowerFloor = 1;             // (px/s)^2
-constexpr float kTextureFloor = 1.0f / 512;  // half a grey level of 8 bits
-
-// Natural logarithm of 1 + x, x >= 0, to 2e-7 of its size or of 1. The C library's takes other code, and
-// gives other last bits, on machines with fused multiply-add; this one is the same everywhere, and is
-// vectorised (log1p took two thirds of the time of all tables).
-inline float log_1_plus(float x) {
-  const float y = 1 + x;
-  const auto bits = std::bit_cast<std::int32_t>(y);
-  const std::int32_t exponent = (bits - std::bit_cast<std::int32_t>(0.70710678f)) >> 23;
-  const float f = std::bit_cast<float>(bits - exponent * (1 << 23)) - 1;  // y = (1 + f) * 2^exponent
-  const float s = f / (2 + f), s2 = s * s;  // log(1 + f) = 2 artanh(s), |s| <= 0.172
-  const float series = 1 + s2 * (1.0f / 3 + s2 * (1.0f / 5 + s2 * (1.0f / 7 + s2 * (1.0f / 9))));
-  return 0.69314718f * static_cast<float>(exponent) + 2 * s * series;
-}
-
-// The channels of a cell, part by part.
-struct Channels {
-  int first, count;
+// What of the picture is wanted, by rows of pieces.
+struct Rows {
+  std::vector<std::vector<std::uint32_t>> pieces;  // whose candidates' features are needed
+  std::vector<std::vector<std::size_t>> edges;     // by the row of q
+  std::vector<std::vector<Row>> candidates;        // ascending, distinct
 };
-struct PartChannels {
-  Channels motion, dynamics, textureness;
-};
-PartChannels channels_of(const FeatureShape& shape) {
-  const int powers = 2 * shape.bands;
-  return {{0, 2}, {2, powers}, {2 + powers, vision::kTextureLevels}};
-}
 
-// Turns features into values whose squared distances over an overlap sum to the parts' means over its cells.
-void scale_features(const FeatureShape& shape, CostForm form, std::span<float> features) {
-  assert(features.size() % static_cast<std::size_t>(shape.channels()) == 0);
-  const auto share = static_cast<float>(1 / std::sqrt(static_cast<double>(shape.overlap * shape.cells)));
-  const int powers = 2 * shape.bands;
-  for (float* cell = features.data(); cell != features.data() + features.size(); cell += shape.channels()) {
-    float* const bands = cell + 2;
-    float* const levels = bands + powers;
-    if (form == CostForm::kPower) {
-      for (int i = 0; i < 2; ++i) cell[i] *= share / kFrameRate;
-      for (int i = 0; i < powers; ++i) bands[i] *= share / (kFrameRate * kFrameRate);
-      for (int i = 0; i < vision::kTextureLevels; ++i) levels[i] *= share;
-      continue;
+Rows lay_rows(const Target& target, const Candidates& candidates, const PartsWanted& wanted) {
+  const auto wants = [](const std::vector<bool>& some, std::size_t i) { return some.empty() || some[i]; };
+  Rows rows;
+  rows.pieces.resize(target.rows);
+  rows.edges.resize(target.rows);
+  rows.candidates.resize(target.rows);
+  std::vector<bool> needed(target.size());
+  for (std::size_t piece = 0; piece < target.size(); ++piece) needed[piece] = wants(wanted.pieces, piece);
+  for (std::size_t e = 0; e < target.edges.size(); ++e) {
+    if (!wants(wanted.edges, e)) continue;
+    const auto [p, q] = target.edges[e];
+    needed[p] = needed[q] = true;
+    rows.edges[target.places[q].y].push_back(e);
+  }
+  for (std::uint32_t piece = 0; piece < target.size(); ++piece)
+    if (needed[piece]) rows.pieces[target.places[piece].y].push_back(piece);
+  oneapi::tbb::parallel_for(std::size_t{0}, rows.pieces.size(), [&](std::size_t row) {
+    std::vector<Row>& found = rows.candidates[row];
+    for (const std::uint32_t piece : rows.pieces[row]) {
+      const auto of_piece = candidates.rows_of(piece);
+      found.insert(found.end(), of_piece.begin(), of_piece.end());
     }
-    const float speed = std::sqrt(cell[0] * cell[0] + cell[1] * cell[1]);
-    const float shrink = speed > 1e-6f ? log_1_plus(speed / kSpeedFloor) / speed : 1 / kSpeedFloor;
-    for (int i = 0; i < 2; ++i) cell[i] *= shrink * share;
-    for (int i = 0; i < powers; ++i)
-      bands[i] = 0.5f * log_1_plus(std::max(0.0f, bands[i]) / kPowerFloor) * share;
-    for (int i = 0; i < vision::kTextureLevels; ++i) {
-      levels[i] = log_1_plus(std::max(0.0f, levels[i]) / kTextureFloor) * share;
-    }
-  }
-}
-
-// Scaled features of the candidates of one piece row's pieces, each distinct patch once: neighbours share
-// many.
-struct Band {
-  std::vector<Row> rows;                            // ascending, distinct
-  std::vector<float> features;                      // rows * shape.values()
-  std::vector<float> still_motion, still_dynamics;  // of a row
-
-  std::size_t place_of(Row row) const {
-    return static_cast<std::size_t>(std::lower_bound(rows.begin(), rows.end(), row) - rows.begin());
-  }
-};
-
-// The mean over all cells of a patch of some channels' squares.
-float mean_square(const FeatureShape& shape, std::span<const float> features, Channels channels) {
-  double sum = 0;
-  for (const float* cell = features.data(); cell != features.data() + features.size();
-       cell += shape.channels())
-    for (int i = channels.first; i < channels.first + channels.count; ++i)
-      sum += static_cast<double>(cell[i]) * cell[i];
-  return static_cast<float>(sum * shape.overlap / shape.cells);
-}
-
-struct Region {
-  int column, row, columns, rows;  // cells
-};
-
-// Some channels of the candidates' cells inside a region.
-void pack(const FeatureShape& shape, const Band& band, std::span<const Row> candidates, const Region& region,
-          Channels channels, Panel& panel) {
-  const auto count = static_cast<std::size_t>(channels.count);
-  panel.resize(candidates.size(), static_cast<std::size_t>(region.columns * region.rows) * count);
-  for (std::size_t label = 0; label < candidates.size(); ++label) {
-    const auto features =
-        std::span(band.features).subspan(band.place_of(candidates[label]) * shape.values(), shape.values());
-    std::size_t at = 0;
-    for (int row = region.row; row < region.row + region.rows; ++row)
-      for (int column = region.column; column < region.column + region.columns; ++column, at += count)
-        panel.set(label, at,
-                  features.subspan(static_cast<std::size_t>((row * shape.cells + column) * shape.channels() +
-                                                            channels.first),
-                                   count));
-  }
-}
-
-// One thread's place for an edge.
-struct Scratch {
-  Panel p, q;
-  std::vector<float> motion, dynamics, textureness;
-};
-
-struct Side {
-  const Band& band;
-  std::span<const Row> candidates;
-  Region region;
-};
-
-EdgeParts parts_between(const FeatureShape& shape, const Side& p, const Side& q, Scratch& own) {
-  const PartChannels channels = channels_of(shape);
-  const auto distances = [&](Channels part, std::vector<float>& out) {
-    pack(shape, p.band, p.candidates, p.region, part, own.p);
-    pack(shape, q.band, q.candidates, q.region, part, own.q);
-    out.resize(p.candidates.size() * q.candidates.size());
-    squared_distances(own.p, own.q, out);
-  };
-  distances(channels.motion, own.motion);
-  distances(channels.dynamics, own.dynamics);
-  distances(channels.textureness, own.textureness);
-  return {own.motion, own.dynamics, own.textureness};
-}
-
-void read_band(const FeatureShape& shape, CostForm form, const FeatureSource& source, Band& band) {
-  std::sort(band.rows.begin(), band.rows.end());
-  band.rows.erase(std::unique(band.rows.begin(), band.rows.end()), band.rows.end());
-  if (!band.rows.empty() && source.prepare) source.prepare(band.rows);
-  band.features.resize(band.rows.size() * shape.values());
-  band.still_motion.resize(band.rows.size());
-  band.still_dynamics.resize(band.rows.size());
-  const PartChannels channels = channels_of(shape);
-  oneapi::tbb::parallel_for(std::size_t{0}, band.rows.size(), [&](std::size_t i) {
-    const auto features = std::span(band.features).subspan(i * shape.values(), shape.values());
-    source.read(band.rows[i], features);
-    scale_features(shape, form, features);
-    band.still_motion[i] = mean_square(shape, features, channels.motion);
-    band.still_dynamics[i] = mean_square(shape, features, channels.dynamics);
+    std::sort(found.begin(), found.end());
+    found.erase(std::unique(found.begin(), found.end()), found.end());
   });
+  return rows;
+}
+
+template <class T>
+std::vector<T> merged(const std::vector<T>& a, const std::vector<T>& b) {
+  std::vector<T> both;
+  both.reserve(a.size() + b.size());
+  std::set_union(a.begin(), a.end(), b.begin(), b.end(), std::back_inserter(both));
+  return both;
+}
+
+// Whole numbers for logarithms, floats for raw power.
+template <class Value>
+class Comparison {
+ public:
+  Comparison(const Target& target, const Candidates& candidates, const FeatureShape& shape,
+             const FeatureSource& source)
+      : target_(target),
+        candidates_(candidates),
+        shape_(shape),
+        source_(source),
+        channels_(part_channels(shape)),
+        cells_(static_cast<std::size_t>(shape.square()) * shape.square()),
+        across_(static_cast<std::size_t>(shape.squares())) {}
+
+  /// The squares that the candidates of a row of pieces consist of: ascending, distinct.
+  std::vector<Square> squares_of(const std::vector<Row>& rows) const {
+    std::vector<Square> squares(rows.size() * across_ * across_);
+    for (std::size_t i = 0; i < rows.size(); ++i)
+      source_.squares(rows[i], std::span(squares).subspan(i * across_ * across_, across_ * across_));
+    std::sort(squares.begin(), squares.end());
+    squares.erase(std::unique(squares.begin(), squares.end()), squares.end());
+    return squares;
+  }
+
+  /// Reads looks of all candidates of some rows of pieces, in place of those that were held.
+  void read(std::vector<Row> rows, const std::vector<Square>& squares) {
+    rows_ = std::move(rows);
+    const std::size_t values = shape_.square_values();
+    looks_ = std::make_unique_for_overwrite<Value[]>(squares.size() * values);
+    strengths_.resize(squares.size());
+    source_.read(squares, [&](std::size_t square, std::span<const float> features) {
+      const std::span<Value> looks(looks_.get() + square * values, values);
+      find_looks(shape_, features, looks);
+      const std::size_t motion = cells_ * channels_[kMotion], dynamics = cells_ * channels_[kDynamics];
+      strengths_[square] = {sum_of_squares(looks.first(motion)),
+                            sum_of_squares(looks.subspan(motion, dynamics))};
+    });
+    places_.resize(rows_.size() * across_ * across_);
+    oneapi::tbb::parallel_for(std::size_t{0}, rows_.size(), [&](std::size_t i) {
+      thread_local std::vector<Square> own;
+      own.resize(across_ * across_);
+      source_.squares(rows_[i], own);
+      for (std::size_t k = 0; k < own.size(); ++k)
+        places_[i * own.size() + k] = static_cast<std::uint32_t>(
+            std::lower_bound(squares.begin(), squares.end(), own[k]) - squares.begin());
+    });
+  }
+
+  struct Scratch {
+    Panel<Value> p, q;
+    std::vector<const std::uint32_t*> squares_p, squares_q;
+    std::vector<float> values[kParts];
+  };
+
+  PieceParts piece(std::size_t number, Scratch& own) const {
+    auto &motion = own.values[kMotion], &dynamics = own.values[kDynamics];
+    motion.clear();
+    dynamics.clear();
+    const double unit = unit_of_square() / static_cast<double>(shape_.cells * shape_.cells);
+    for (const Row row : candidates_.rows_of(number)) {
+      const std::uint32_t* squares = squares_of_row(row);
+      double sums[2] = {0, 0};
+      for (std::size_t k = 0; k < across_ * across_; ++k)
+        for (int part = 0; part < 2; ++part) sums[part] += strengths_[squares[k]][part];
+      motion.push_back(static_cast<float>(unit * sums[0]));
+      dynamics.push_back(static_cast<float>(unit * sums[1]));
+    }
+    return {motion, dynamics};
+  }
+
+  EdgeParts edge(std::size_t number, Scratch& own) const {
+    const auto [p, q] = target_.edges[number];
+    const bool beside = target_.places[p].y == target_.places[q].y;
+    find_squares(p, own.squares_p);
+    find_squares(q, own.squares_q);
+    const float unit =
+        static_cast<float>(unit_of_square() / static_cast<double>(shape_.overlap * shape_.cells));
+    std::size_t first = 0;  // of the part in a square's looks
+    for (std::size_t part = 0; part < kParts; ++part) {
+      const std::size_t of_square = cells_ * channels_[part];
+      const std::size_t whole =
+          of_square * across_ * static_cast<std::size_t>(shape_.overlap / shape_.square());
+      own.values[part].resize(own.squares_p.size() * own.squares_q.size());
+      // In stretches that the second cache holds, and whose sums do not overflow.
+      const std::size_t most = most_values(static_cast<Part>(part));
+      for (std::size_t from = 0; from < whole; from += most) {
+        const Stretch stretch{first, of_square, from, std::min(most, whole - from)};
+        gather(own.squares_p, true, beside, stretch, own.p);
+        gather(own.squares_q, false, beside, stretch, own.q);
+        squared_distances(own.p, own.q, unit, from == 0 ? Into::kNew : Into::kSum, own.values[part].data());
+      }
+      first += of_square;
+    }
+    return {own.values[kMotion], own.values[kDynamics], own.values[kTextureness]};
+  }
+
+ private:
+  // Values [from, from + length) of one part of a strip, the part's values of its squares in a row.
+  struct Stretch {
+    std::size_t first, of_square;  // the part in a square's looks
+    std::size_t from, length;
+  };
+
+  static double unit_of_square() {
+    return std::is_same_v<Value, float> ? 1.0 : 1.0 / (double{kLevels} * kLevels);
+  }
+
+  static double sum_of_squares(std::span<const Value> looks) {
+    using Sum = std::conditional_t<std::is_same_v<Value, float>, double, std::int64_t>;
+    Sum sum = 0;
+    for (const Value look : looks) sum += Sum{look} * look;
+    return static_cast<double>(sum);
+  }
+
+  const std::uint32_t* squares_of_row(Row row) const {
+    const auto place = std::lower_bound(rows_.begin(), rows_.end(), row) - rows_.begin();
+    return places_.data() + static_cast<std::size_t>(place) * across_ * across_;
+  }
+
+  void find_squares(std::size_t piece, std::vector<const std::uint32_t*>& squares) const {
+    squares.clear();
+    for (const Row row : candidates_.rows_of(piece)) squares.push_back(squares_of_row(row));
+  }
+
+  // far   the strip at the right or lower edge of a patch, else the one at its left or upper edge.
+  void gather(std::span<const std::uint32_t* const> squares, bool far, bool beside, const Stretch& stretch,
+              Panel<Value>& panel) const {
+    const auto overlap = static_cast<std::size_t>(shape_.overlap / shape_.square());
+    const std::size_t rest = far ? across_ - overlap : 0;
+    const std::size_t columns = beside ? overlap : across_;
+    const std::size_t corner = beside ? rest : rest * across_;
+    panel.resize(squares.size(), stretch.length);
+    for (std::size_t label = 0; label < squares.size(); ++label) {
+      Value* to = panel.vector(label);
+      std::size_t left = stretch.length, at = stretch.from % stretch.of_square;
+      for (std::size_t k = stretch.from / stretch.of_square; left > 0; ++k, at = 0) {
+        const std::size_t square = squares[label][corner + k / columns * across_ + k % columns];
+        const std::size_t count = std::min(left, stretch.of_square - at);
+        std::memcpy(to, looks_.get() + square * shape_.square_values() + stretch.first + at,
+                    count * sizeof(Value));
+        to += count;
+        left -= count;
+      }
+    }
+  }
+
+  const Target& target_;
+  const Candidates& candidates_;
+  const FeatureShape shape_;
+  const FeatureSource& source_;
+  const std::array<std::size_t, kParts> channels_;
+  const std::size_t cells_, across_;              // of a square; squares on a patch's side
+  std::vector<Row> rows_;                         // ascending
+  std::vector<std::uint32_t> places_;             // of their squares
+  std::unique_ptr<Value[]> looks_;                // by square
+  std::vector<std::array<double, 2>> strengths_;  // by square: sums of squares of motion and of dynamics
+};
+
+template <class Value>
+void visit(const Target& target, const Candidates& candidates, const FeatureShape& shape,
+           const FeatureSource& source, const PartsWanted& wanted, const PartsSink& sink,
+           std::stop_token stop) {
+  const auto expect_wanted = [&] {
+    if (stop.stop_requested()) throw Error(ErrorKind::kCancelled, "labelling", "stopped");
+  };
+  const Rows rows = lay_rows(target, candidates, wanted);
+  Comparison<Value> comparison(target, candidates, shape, source);
+  std::vector<std::vector<Square>> squares_of(rows.pieces.size());
+  oneapi::tbb::parallel_for(std::size_t{0}, squares_of.size(), [&](std::size_t row) {
+    squares_of[row] = comparison.squares_of(rows.candidates[row]);
+  });
+  oneapi::tbb::enumerable_thread_specific<typename Comparison<Value>::Scratch> scratch;
+  const std::size_t most_squares = wanted.memory_bytes / (shape.square_values() * sizeof(Value));
+  for (std::size_t first = 0, end = 0; first < rows.pieces.size(); first = end) {
+    expect_wanted();
+    // As many rows as fit, and at least one, together with the one above them.
+    std::vector<Square> squares;
+    std::vector<Row> held;
+    if (first > 0) squares = squares_of[first - 1], held = rows.candidates[first - 1];
+    for (; end < rows.pieces.size(); ++end) {
+      std::vector<Square> more = merged(squares, squares_of[end]);
+      if (end > first && more.size() > most_squares) break;
+      squares = std::move(more);
+      held = merged(held, rows.candidates[end]);
+    }
+    comparison.read(std::move(held), squares);
+    expect_wanted();
+    std::vector<std::uint32_t> pieces;
+    std::vector<std::size_t> edges;
+    for (std::size_t row = first; row < end; ++row) {
+      for (const std::uint32_t piece : rows.pieces[row])
+        if (wanted.pieces.empty() || wanted.pieces[piece]) pieces.push_back(piece);
+      edges.insert(edges.end(), rows.edges[row].begin(), rows.edges[row].end());
+    }
+    oneapi::tbb::parallel_for(std::size_t{0}, pieces.size(), [&](std::size_t i) {
+      sink.piece(pieces[i], comparison.piece(pieces[i], scratch.local()));
+    });
+    oneapi::tbb::parallel_for(std::size_t{0}, edges.size(), [&](std::size_t i) {
+      if (!stop.stop_requested()) sink.edge(edges[i], comparison.edge(edges[i], scratch.local()));
+    });
+  }
+  expect_wanted();
 }
 
 }  // namespace
@@ -164,57 +271,10 @@ void visit_parts(const Target& target, const Candidates& candidates, const Featu
                  std::stop_token stop) {
   assert(candidates.pieces() == target.size());
   if (shape.overlap == 0) return;
-  const auto wants = [](const std::vector<bool>& some, std::size_t i) { return some.empty() || some[i]; };
-  std::vector<bool> needed(target.size());  // pieces whose candidates' features are
-  for (std::size_t piece = 0; piece < target.size(); ++piece) needed[piece] = wants(wanted.pieces, piece);
-  std::vector<std::vector<std::size_t>> edges_of_row(target.rows);  // by the row of q
-  for (std::size_t e = 0; e < target.edges.size(); ++e) {
-    if (!wants(wanted.edges, e)) continue;
-    const auto [p, q] = target.edges[e];
-    needed[p] = needed[q] = true;
-    edges_of_row[target.places[q].y].push_back(e);
-  }
-  std::vector<std::vector<std::uint32_t>> pieces_of_row(target.rows);
-  for (std::uint32_t piece = 0; piece < target.size(); ++piece)
-    if (needed[piece]) pieces_of_row[target.places[piece].y].push_back(piece);
-
-  oneapi::tbb::enumerable_thread_specific<Scratch> scratch;
-  Band above, band;
-  for (int row = 0; row < target.rows; ++row) {
-    if (stop.stop_requested()) throw Error(ErrorKind::kCancelled, "labelling", "stopped");
-    std::swap(above, band);
-    band.rows.clear();
-    for (const std::uint32_t piece : pieces_of_row[row]) {
-      const auto rows = candidates.rows_of(piece);
-      band.rows.insert(band.rows.end(), rows.begin(), rows.end());
-    }
-    read_band(shape, form, source, band);
-    oneapi::tbb::parallel_for(std::size_t{0}, pieces_of_row[row].size(), [&](std::size_t i) {
-      const std::uint32_t piece = pieces_of_row[row][i];
-      if (!wants(wanted.pieces, piece)) return;
-      Scratch& own = scratch.local();
-      own.motion.clear();
-      own.dynamics.clear();
-      for (const Row candidate : candidates.rows_of(piece)) {
-        const std::size_t place = band.place_of(candidate);
-        own.motion.push_back(band.still_motion[place]);
-        own.dynamics.push_back(band.still_dynamics[place]);
-      }
-      sink.piece(piece, {own.motion, own.dynamics});
-    });
-    const int rest = shape.cells - shape.overlap;
-    oneapi::tbb::parallel_for(std::size_t{0}, edges_of_row[row].size(), [&](std::size_t i) {
-      const std::size_t e = edges_of_row[row][i];
-      const auto [p, q] = target.edges[e];
-      const bool beside = target.places[p].y == row;
-      const Region of_p =
-          beside ? Region{rest, 0, shape.overlap, shape.cells} : Region{0, rest, shape.cells, shape.overlap};
-      const Region of_q =
-          beside ? Region{0, 0, shape.overlap, shape.cells} : Region{0, 0, shape.cells, shape.overlap};
-      sink.edge(e, parts_between(shape, {beside ? band : above, candidates.rows_of(p), of_p},
-                                 {band, candidates.rows_of(q), of_q}, scratch.local()));
-    });
-  }
+  if (form == CostForm::kLog)
+    visit<std::int16_t>(target, candidates, shape, source, wanted, sink, stop);
+  else
+    visit<float>(target, candidates, shape, source, wanted, sink, stop);
 }
 
 void weigh(const EdgeParts& parts, const PairwiseOptions& options, std::span<float> out) {

@@ -30,6 +30,9 @@ struct PieceParts {
 /// Which parts are wanted. Empty: all.
 struct PartsWanted {
   std::vector<bool> pieces, edges;
+  /// For features. Where those of all pieces do not fit, they are read in batches of rows of pieces, and what
+  /// two batches share is read twice; two rows are held in any case (half a megabyte a piece).
+  std::size_t memory_bytes = std::size_t{256} << 20;
 };
 
 /// Where parts go; what is handed over lasts for the call. Both are called from many threads, once a piece
@@ -39,8 +42,8 @@ struct PartsSink {
   std::function<void(std::size_t edge, const EdgeParts&)> edge;
 };
 
-/// Computes parts, piece row by piece row; only features of candidates that a wanted part needs are read.
-/// Nothing when pieces do not overlap. Cost and memory as build_mrf. Throws Error{kCancelled} when stopped.
+/// Computes parts; only features of candidates that a wanted part needs are read. Nothing when pieces do not
+/// overlap. Cost and memory as build_mrf. Throws Error{kCancelled} when stopped.
 void visit_parts(const Target& target, const Candidates& candidates, const FeatureShape& shape, CostForm form,
                  const FeatureSource& source, const PartsWanted& wanted, const PartsSink& sink,
                  std::stop_token stop = {});

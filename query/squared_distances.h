@@ -2,35 +2,51 @@
 #pragma once
 
 #include <cstddef>
-#include <span>
+#include <cstdint>
 #include <vector>
 
 namespace freshet::query {
 
-/// Vectors laid side by side in tiles of eight, value by value, so that eight distances grow at once.
+/// Vectors of one length, one after another, each filled up with zeros to a multiple of kStep values.
+template <class Value>
 class Panel {
  public:
-  static constexpr std::size_t kTile = 8;
-  /// Room for `count` vectors of `length` values, all zero. Keeps its memory from one use to the next.
-  void resize(std::size_t count, std::size_t length);
-  /// Values [at, at + values.size()) of one vector.
-  void set(std::size_t vector, std::size_t at, std::span<const float> values) {
-    float* to = values_.data() + (vector / kTile * length_ + at) * kTile + vector % kTile;
-    for (std::size_t i = 0; i < values.size(); ++i) to[i * kTile] = values[i];
+  static constexpr std::size_t kStep = 32;
+  /// Room for `count` vectors of `length` values, which the caller writes: values beyond a vector's length
+  /// are zero, all others are what they were. Keeps its memory from one use to the next.
+  void resize(std::size_t count, std::size_t length) {
+    count_ = count;
+    length_ = length;
+    padded_ = (length + kStep - 1) / kStep * kStep;
+    if (values_.size() < count * padded_) values_.resize(count * padded_);
+    if (length == padded_) return;
+    for (std::size_t i = 0; i < count; ++i)
+      for (std::size_t d = length; d < padded_; ++d) values_[i * padded_ + d] = 0;
   }
+  Value* vector(std::size_t number) { return values_.data() + number * padded_; }
+  const Value* vector(std::size_t number) const { return values_.data() + number * padded_; }
   std::size_t count() const { return count_; }
   std::size_t length() const { return length_; }
-  const float* tile(std::size_t number) const { return values_.data() + number * length_ * kTile; }
+  std::size_t padded() const { return padded_; }
 
  private:
-  std::size_t count_ = 0, length_ = 0;
-  std::vector<float> values_;
+  std::size_t count_ = 0, length_ = 0, padded_ = 0;
+  std::vector<Value> values_;
 };
 
-/// out[i * b.count() + j] = sum over values of (a_i - b_j)^2. Same length.
-/// Differences are squared directly: |a|^2 + |b|^2 - 2 a.b as a matrix product cancels (0.024 came out as
-/// -128). Each sum runs over its values in order, whatever the vector unit: the same bits on every machine.
-/// Cost: 100 x 100 pairs of 1584 values, one core: 2.0 ms with SSE2, 0.6 ms with AVX2 (chosen at run time).
-void squared_distances(const Panel& a, const Panel& b, std::span<float> out);
+/// Whether distances replace what is in `out` or are added to it.
+enum class Into { kNew, kSum };
+
+/// out[i * b.count() + j] = or += unit * |a_i - b_j|^2. Same length. The same bits for vectors of any width.
+///
+/// Whole numbers: as |a|^2 + |b|^2 - 2 a.b modulo 2^32, which is exact however large the three terms are, so
+/// long as the distance itself, before `unit`, is below 2^32. Twice the values of floats in a register, and
+/// one operation less for each.
+/// Cost: 100 x 100 pairs of 1584 values, one core: 0.22 ms with AVX-512, 0.24 with AVX2, 0.43 with SSE2.
+void squared_distances(const Panel<std::int16_t>& a, const Panel<std::int16_t>& b, float unit, Into into,
+                       float* out);
+/// Floats: differences squared directly, for |a|^2 + |b|^2 - 2 a.b cancels (0.024 came out as -128). Eight
+/// sums, of every eighth value, then these in order.
+void squared_distances(const Panel<float>& a, const Panel<float>& b, float unit, Into into, float* out);
 
 }  // namespace freshet::query

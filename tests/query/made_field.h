@@ -37,9 +37,24 @@ inline std::vector<float> features_of(Row row, const FeatureShape& shape) {
 }
 
 inline FeatureSource source_of(const FeatureShape& shape) {
-  return {{}, [shape](Row row, std::span<float> out) {
-            const auto values = features_of(row, shape);
-            std::copy(values.begin(), values.end(), out.begin());
+  const int side = shape.square(), across = shape.squares();
+  return {[=](Row row, std::span<Square> out) {
+            for (int k = 0; k < across * across; ++k)
+              out[static_cast<std::size_t>(k)] = {row, 0, static_cast<std::uint16_t>(k / across * side),
+                                                  static_cast<std::uint16_t>(k % across * side)};
+          },
+          [=](std::span<const Square> squares, const SquareSink& sink) {
+            const auto line = static_cast<std::ptrdiff_t>(side) * shape.channels();
+            for (std::size_t i = 0; i < squares.size(); ++i) {
+              const auto values = features_of(squares[i].clip, shape);
+              std::vector<float> square;
+              for (int y = 0; y < side; ++y) {
+                const auto from = values.begin() + ((squares[i].y + y) * shape.cells + squares[i].x) *
+                                                       static_cast<std::ptrdiff_t>(shape.channels());
+                square.insert(square.end(), from, from + line);
+              }
+              sink(i, square);
+            }
           }};
 }
 

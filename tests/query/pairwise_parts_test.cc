@@ -2,8 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include <atomic>
-#include <mutex>
+#include <algorithm>
 #include <set>
 
 #include "freshet_error.h"
@@ -57,12 +56,10 @@ TEST(PairwiseParts, OnlyWhatIsWantedIsComputedAndOnlyItsCandidatesAreRead) {
     for (const std::uint32_t piece : {target.edges[edge].first, target.edges[edge].second, other})
       needed.insert(candidates.rows_of(piece).begin(), candidates.rows_of(piece).end());
     FeatureSource source = source_of(shape);
-    std::mutex guard;
     std::set<Row> read;
-    source.read = [&, read_one = source.read](Row row, std::span<float> out) {
-      read_one(row, out);
-      const std::lock_guard lock(guard);
-      read.insert(row);
+    source.read = [&, inner = source.read](std::span<const Square> squares, const SquareSink& to) {
+      for (const Square& square : squares) read.insert(square.clip);
+      inner(squares, to);
     };
     std::vector<std::size_t> edges, pieces;
     const PartsSink sink{[&](std::uint32_t piece, const PieceParts& of) {
@@ -79,6 +76,48 @@ TEST(PairwiseParts, OnlyWhatIsWantedIsComputedAndOnlyItsCandidatesAreRead) {
     EXPECT_EQ(edges, std::vector<std::size_t>{edge});
     EXPECT_EQ(pieces, std::vector<std::size_t>{other});
     EXPECT_EQ(read, needed);
+  }
+}
+
+// Overlaps of half a patch, of two thirds, of less than half, and of cells that no square but one fits.
+TEST(PairwiseParts, AreTheSameInBatchesOfRowsAndForAnyOverlap) {
+  const Target target = some_target();
+  const Candidates candidates = some_candidates(target.size(), 13);
+  for (const int overlap : {6, 8, 4, 5}) {
+    FeatureShape shape;
+    shape.overlap = overlap;
+    const PairwiseParts parts = find_parts(target, candidates, shape, CostForm::kLog, source_of(shape));
+    PartsWanted wanted;
+    wanted.memory_bytes = 1;
+    FeatureSource source = source_of(shape);
+    int readings = 0;
+    source.read = [&, inner = source.read](std::span<const Square> squares, const SquareSink& to) {
+      ++readings;
+      inner(squares, to);
+    };
+    PairwiseParts batched = parts;
+    for (auto* values : {&batched.motion, &batched.dynamics, &batched.textureness, &batched.still_motion})
+      std::fill(values->begin(), values->end(), -1.0f);
+    std::size_t first_label = 0;
+    std::vector<std::size_t> labels, pairs{0};
+    for (const std::uint32_t count : candidates.counts) labels.push_back(first_label), first_label += count;
+    for (const auto& [p, q] : target.edges)
+      pairs.push_back(pairs.back() + std::size_t{candidates.counts[p]} * candidates.counts[q]);
+    const PartsSink sink{
+        [&](std::uint32_t piece, const PieceParts& of) {
+          std::copy(of.motion.begin(), of.motion.end(), batched.still_motion.data() + labels[piece]);
+        },
+        [&](std::size_t e, const EdgeParts& of) {
+          std::copy(of.motion.begin(), of.motion.end(), batched.motion.data() + pairs[e]);
+          std::copy(of.dynamics.begin(), of.dynamics.end(), batched.dynamics.data() + pairs[e]);
+          std::copy(of.textureness.begin(), of.textureness.end(), batched.textureness.data() + pairs[e]);
+        }};
+    visit_parts(target, candidates, shape, CostForm::kLog, source, wanted, sink);
+    EXPECT_EQ(readings, target.rows);
+    EXPECT_EQ(batched.motion, parts.motion);
+    EXPECT_EQ(batched.dynamics, parts.dynamics);
+    EXPECT_EQ(batched.textureness, parts.textureness);
+    EXPECT_EQ(batched.still_motion, parts.still_motion);
   }
 }
 

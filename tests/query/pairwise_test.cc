@@ -4,8 +4,8 @@
 #include <oneapi/tbb/global_control.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
+#include <functional>
 #include <random>
 #include <set>
 
@@ -78,7 +78,7 @@ TEST(Pairwise, CandidatesVoteOnHowStronglyAPieceMoves) {
     const double median = sorted[sorted.size() / 2];
     for (std::size_t i = 0; i < strengths.size(); ++i) {
       const double expected = 1 - candidates.scores_of(piece)[i] + 3 * std::pow(strengths[i] - median, 2);
-      EXPECT_NEAR(mrf.unary_of(piece)[i], expected, 1e-4 * expected + 1e-6);
+      EXPECT_NEAR(mrf.unary_of(piece)[i], expected, 1e-3 * expected + 1e-6);
     }
   }
 }
@@ -100,7 +100,8 @@ TEST(Pairwise, AgreesWithTheObviousLoops) {
       for (std::size_t i = 0; i < rows_p.size(); ++i) {
         for (std::size_t j = 0; j < rows_q.size(); j += 3) {
           const double expected = naive_cost(shape, options, rows_p[i], rows_q[j], beside);
-          EXPECT_NEAR(mrf.table(edge)[i * rows_q.size() + j], expected, 1e-4 * expected + 1e-9)
+          EXPECT_NEAR(mrf.table(edge)[i * rows_q.size() + j], expected,
+                      (form == CostForm::kLog ? 5e-4 : 1e-4) * expected + 1e-9)
               << name_of(form);
         }
       }
@@ -125,27 +126,26 @@ TEST(Pairwise, IsTheSameForAnyNumberOfThreads) {
   }
 }
 
-TEST(Pairwise, ReadsEachPatchOnceARowOfPieces) {
+TEST(Pairwise, ReadsEachSquareOfAPatchOnce) {
   const Target target = some_target();
   const Candidates candidates = some_candidates(target.size(), 40);
   const FeatureShape shape;
-  std::vector<std::set<Row>> wanted(target.rows);
-  for (std::size_t piece = 0; piece < target.size(); ++piece) {
-    for (const Row row : candidates.rows_of(piece)) wanted[target.places[piece].y].insert(row);
-  }
+  std::set<Square> needed;
   FeatureSource source = source_of(shape);
-  std::size_t bands = 0;
-  source.prepare = [&](std::span<const Row> rows) { EXPECT_TRUE(std::ranges::equal(rows, wanted[bands++])); };
-  std::atomic<std::size_t> reads = 0;
-  source.read = [&, read = source.read](Row row, std::span<float> out) {
-    ++reads;
-    read(row, out);
+  for (std::size_t piece = 0; piece < target.size(); ++piece) {
+    for (const Row row : candidates.rows_of(piece)) {
+      Square squares[4];
+      source.squares(row, squares);
+      needed.insert(std::begin(squares), std::end(squares));
+    }
+  }
+  std::vector<Square> read;
+  source.read = [&, inner = source.read](std::span<const Square> squares, const SquareSink& sink) {
+    read.insert(read.end(), squares.begin(), squares.end());
+    inner(squares, sink);
   };
   build_mrf(target, candidates, shape, {}, source);
-  std::size_t distinct = 0;
-  for (const auto& rows : wanted) distinct += rows.size();
-  EXPECT_EQ(bands, wanted.size());
-  EXPECT_EQ(reads, distinct);
+  EXPECT_TRUE(std::ranges::equal(read, needed));
 }
 
 TEST(Pairwise, RefusesWeightsThatAreNone) {
@@ -159,31 +159,58 @@ TEST(Pairwise, RefusesWeightsThatAreNone) {
   }
 }
 
-TEST(SquaredDistances, ReachesEveryPairOfEveryShape) {
-  std::mt19937_64 random(6);
-  std::normal_distribution<float> normal;
+// Vectors of random length-37 values (no multiple of any vector unit), and their distances in plain loops.
+template <class Value>
+void check_distances(const std::function<Value()>& draw, double tolerance) {
   for (const std::size_t count_a : {1u, 4u, 7u, 9u, 17u}) {
-    for (const std::size_t count_b : {1u, 8u, 13u}) {
+    for (const std::size_t count_b : {1u, 2u, 8u, 13u}) {
       const std::size_t length = 37;
-      std::vector<std::vector<float>> a(count_a, std::vector<float>(length)), b(count_b, a[0]);
-      Panel panel_a, panel_b;
-      panel_a.resize(count_a, length);
-      panel_b.resize(count_b, length);
-      for (const auto& [vectors, panel] : {std::pair{&a, &panel_a}, std::pair{&b, &panel_b}}) {
-        for (std::size_t i = 0; i < vectors->size(); ++i) {
-          for (float& value : (*vectors)[i]) value = normal(random);
-          panel->set(i, 0, std::span((*vectors)[i]).first(20));
-          panel->set(i, 20, std::span((*vectors)[i]).subspan(20));
-        }
-      }
-      std::vector<float> found(count_a * count_b, -1);
-      squared_distances(panel_a, panel_b, found);
+      Panel<Value> a, b;
+      a.resize(count_a, length);
+      b.resize(count_b, length);
+      for (Panel<Value>* panel : {&a, &b})
+        for (std::size_t i = 0; i < panel->count(); ++i) std::generate_n(panel->vector(i), length, draw);
+      std::vector<float> found(count_a * count_b, -1), summed(count_a * count_b, 3);
+      squared_distances(a, b, 0.5f, Into::kNew, found.data());
+      squared_distances(a, b, 0.5f, Into::kSum, summed.data());
       for (std::size_t i = 0; i < count_a; ++i) {
         for (std::size_t j = 0; j < count_b; ++j) {
           double expected = 0;
-          for (std::size_t d = 0; d < length; ++d) expected += std::pow(double{a[i][d]} - b[j][d], 2);
-          EXPECT_NEAR(found[i * count_b + j], expected, 1e-5 * expected);
+          for (std::size_t d = 0; d < length; ++d)
+            expected += 0.5 * std::pow(static_cast<double>(a.vector(i)[d]) - b.vector(j)[d], 2);
+          EXPECT_NEAR(found[i * count_b + j], expected, tolerance * expected);
+          EXPECT_EQ(summed[i * count_b + j], 3 + found[i * count_b + j]);
         }
+      }
+    }
+  }
+}
+
+TEST(SquaredDistances, ReachEveryPairOfEveryShape) {
+  std::mt19937_64 random(6);
+  std::normal_distribution<float> normal;
+  check_distances<float>([&] { return normal(random); }, 1e-5);
+  std::uniform_int_distribution<int> level(-1920, 1920);
+  check_distances<std::int16_t>([&] { return static_cast<std::int16_t>(level(random)); }, 1e-7);
+}
+
+// A panel used for longer vectors before still ends in zeros.
+TEST(SquaredDistances, WholeNumbersAreExactWhereProductsOverflow) {
+  Panel<std::int16_t> a, b;
+  for (const std::size_t length : {1152u, 1100u}) {
+    a.resize(3, length);
+    b.resize(3, length);
+    for (std::size_t i = 0; i < 3; ++i) {
+      std::fill_n(a.vector(i), length, static_cast<std::int16_t>(1920 - i));
+      std::fill_n(b.vector(i), length, static_cast<std::int16_t>(i * 7));
+    }
+    float found[9];
+    squared_distances(a, b, 1, Into::kNew, found);
+    for (int i = 0; i < 3; ++i) {
+      for (int j = 0; j < 3; ++j) {
+        const std::int64_t difference = 1920 - i - 7 * j;
+        EXPECT_EQ(found[3 * i + j],
+                  static_cast<float>(difference * difference * static_cast<std::int64_t>(length)));
       }
     }
   }
