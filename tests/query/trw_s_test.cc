@@ -1,6 +1,8 @@
 #include "query/trw_s.h"
 
 #include <gtest/gtest.h>
+#include <oneapi/tbb/global_control.h>
+#include <oneapi/tbb/task_arena.h>
 
 #include "query/min_sum.h"
 #include "query/minimizer.h"
@@ -38,7 +40,7 @@ TEST(TrwS, IsExactOnTrees) {
   for (std::uint64_t seed = 1; seed <= 50; ++seed) {
     const Mrf mrf =
         random_mrf({.width = 3, .height = 3, .uneven_labels = seed % 2 == 0, .tree = true, .seed = seed});
-    const Solution solution = trw_s(mrf);
+    const Solution solution = trw_s(mrf, {.gap = 0});
     const double minimum = exhaustive_minimum(mrf);
     EXPECT_NEAR(solution.energy, minimum, 1e-4) << seed;
     EXPECT_NEAR(solution.lower_bound, minimum, 1e-4) << seed;
@@ -49,7 +51,7 @@ TEST(TrwS, BoundsTheMinimumFromBelowAndAbove) {
   int exact = 0;
   for (std::uint64_t seed = 1; seed <= 50; ++seed) {
     const Mrf mrf = random_mrf({.uneven_labels = seed % 2 == 0, .seed = seed});
-    const Solution solution = trw_s(mrf);
+    const Solution solution = trw_s(mrf, {.gap = 0});
     const double minimum = exhaustive_minimum(mrf);
     EXPECT_LE(solution.lower_bound, minimum + 1e-4) << seed;
     EXPECT_GE(solution.energy, minimum - 1e-4) << seed;
@@ -76,6 +78,27 @@ TEST(TrwS, TakesTheOnlyLabelThereIs) {
   const Solution solution = trw_s(mrf);
   EXPECT_EQ(solution.labels, Labels(mrf.nodes(), 0));
   EXPECT_NEAR(solution.lower_bound, solution.energy, 1e-4);
+}
+
+TEST(TrwS, EndsAtTheGapThatIsAsked) {
+  const Mrf mrf = picture_sized_mrf(1, 12, 10, 40);
+  const Solution whole = trw_s(mrf, {.gap = 0}), some = trw_s(mrf, {.gap = 0.05});
+  EXPECT_LT(some.iterations, whole.iterations);
+  EXPECT_LE(some.energy - some.lower_bound, 0.05 * some.lower_bound);
+  EXPECT_GE(some.energy, whole.lower_bound);
+}
+
+TEST(TrwS, IsTheSameForAnyNumberOfThreads) {
+  const Mrf mrf = picture_sized_mrf(2, 24, 20, 40);
+  Solution reference;
+  for (const int threads : {1, 2, 8, 8, 8}) {
+    const oneapi::tbb::global_control limit(oneapi::tbb::global_control::max_allowed_parallelism,
+                                            static_cast<std::size_t>(threads));
+    oneapi::tbb::task_arena arena(threads);
+    const Solution solution = arena.execute([&] { return trw_s(mrf, {.max_iterations = 20, .gap = 0}); });
+    if (threads == 1) reference = solution;
+    EXPECT_EQ(solution, reference) << threads;
+  }
 }
 
 TEST(Minimizer, TrwSThenForestsComesWithinThreePerCentOfTheBoundOnAPicture) {
