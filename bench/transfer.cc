@@ -186,7 +186,7 @@ struct Method {
 };
 std::vector<Method> methods() {
   return {{"uniform", {}},
-          {"nearest", {.retrieval = Retrieval::kNearest}},
+          {"nearest", {.vote_power = 0.6, .retrieval = Retrieval::kNearest}},  // as Kwatra et al. vote
           {"no coherence", {.lambda = 0, .start = Start::kRandom}}};
 }
 
