@@ -6,6 +6,7 @@
 #include <oneapi/tbb/parallel_for.h>
 #include <opencv2/imgproc.hpp>
 
+#include "freshet_vectors.h"
 #include "vision/pyramid.h"
 
 namespace freshet::synth {
@@ -29,6 +30,36 @@ std::vector<Mixture> mixtures(int samples, double region, int regions) {
     out[i].part = static_cast<float>(at - out[i].first);
   }
   return out;
+}
+
+/// How far along the bins each value lies.
+FRESHET_WIDE void find_bins(const float* values, float low, float scale, int n, std::int32_t* bin,
+                            float* part) {
+  for (int i = 0; i < n; ++i) {
+    const float at = std::min(std::max((values[i] - low) * scale, 0.0f), kBins - 1e-3f);
+    bin[i] = static_cast<std::int32_t>(at);
+    part[i] = at - static_cast<float>(bin[i]);
+  }
+}
+
+/// A run of pixels that lie between the same four regions: their maps' values, mixed.
+FRESHET_WIDE void map_run(const float* map, const std::int32_t* bin, const float* part, const float* across,
+                          float down, int n, float* out) {
+  typedef float Quad __attribute__((vector_size(16)));
+  typedef float UnalignedQuad __attribute__((vector_size(16), aligned(4), may_alias));
+  constexpr int kRun = 64;
+  alignas(64) float found[4 * kRun];
+  for (int first = 0; first < n; first += kRun) {
+    const int count = std::min(kRun, n - first);
+    for (int i = 0; i < count; ++i) {
+      const auto* at = reinterpret_cast<const UnalignedQuad*>(map) + bin[first + i];
+      *reinterpret_cast<Quad*>(found + 4 * i) = at[0] + part[first + i] * (at[1] - at[0]);
+    }
+    for (int i = 0; i < count; ++i) {
+      const float *f = found + 4 * i, h = across[first + i];
+      out[first + i] = (1 - down) * ((1 - h) * f[0] + h * f[1]) + down * ((1 - h) * f[2] + h * f[3]);
+    }
+  }
 }
 
 /// Adds a picture's values to the histograms of the regions that mix at each sample.
@@ -74,24 +105,31 @@ AppearanceModel::Band AppearanceModel::fit(const cv::Mat& target, const cv::Mat&
   band.reach = static_cast<float>(std::max(high - low, 1e-4));
   band.columns = std::max(1, static_cast<int>(std::lround(target.cols / region)));
   band.rows = std::max(1, static_cast<int>(std::lround(target.rows / region)));
-  band.region = region;
 
   const std::vector<Mixture> across =
       mixtures(target.cols, static_cast<double>(target.cols) / band.columns, band.columns);
   const std::vector<Mixture> down =
       mixtures(target.rows, static_cast<double>(target.rows) / band.rows, band.rows);
   const std::size_t regions = static_cast<std::size_t>(band.columns) * band.rows;
-  std::vector<double> wanted(regions * kBins, 0.0), found(regions * kBins, 0.0);
-  accumulate(target, weight, band.low, band.reach, across, down, band.columns, wanted);
-  for (const cv::Mat& sample : samples)
-    accumulate(sample, weight, band.low, band.reach, across, down, band.columns, found);
+  // The last is the target's. Each by itself and summed in order: the same for any number of threads.
+  std::vector<std::vector<double>> histograms(samples.size() + 1);
+  oneapi::tbb::parallel_for(std::size_t{0}, histograms.size(), [&](std::size_t i) {
+    histograms[i].assign(regions * kBins, 0.0);
+    accumulate(i < samples.size() ? samples[i] : target, weight, band.low, band.reach, across, down,
+               band.columns, histograms[i]);
+  });
+  const std::vector<double> wanted = std::move(histograms.back());
+  histograms.pop_back();
+  std::vector<double> found(regions * kBins, 0.0);
+  for (const std::vector<double>& own : histograms)
+    for (std::size_t i = 0; i < own.size(); ++i) found[i] += own[i];
 
   const double step = band.reach / kBins;
-  band.map.resize(regions * (kBins + 1));
+  std::vector<float> maps(regions * (kBins + 1));
   oneapi::tbb::parallel_for(std::size_t{0}, regions, [&](std::size_t r) {
     const double* f = found.data() + r * kBins;
     const double* w = wanted.data() + r * kBins;
-    float* map = band.map.data() + r * (kBins + 1);
+    float* map = maps.data() + r * (kBins + 1);
     double found_mass = 0, wanted_mass = 0;
     for (int i = 0; i < kBins; ++i) found_mass += f[i], wanted_mass += w[i];
     const auto median = [&](const double* histogram, double mass) {
@@ -128,6 +166,16 @@ AppearanceModel::Band AppearanceModel::fit(const cv::Mat& target, const cv::Mat&
       for (int i = 0; i <= kBins; ++i) map[i] -= at_zero;
     }
   });
+  band.map.resize(4 * maps.size());
+  for (int row = 0; row < band.rows; ++row)
+    for (int column = 0; column < band.columns; ++column)
+      for (int k = 0; k < 4; ++k) {
+        const int near_row = std::min(row + k / 2, band.rows - 1),
+                  near_column = std::min(column + k % 2, band.columns - 1);
+        const float* from = maps.data() + (near_row * band.columns + near_column) * (kBins + 1);
+        float* to = band.map.data() + 4 * (row * band.columns + column) * (kBins + 1) + k;
+        for (int i = 0; i <= kBins; ++i) to[4 * i] = from[i];
+      }
   return band;
 }
 
@@ -136,23 +184,19 @@ void AppearanceModel::apply_band(const Band& band, cv::Mat& values) {
       mixtures(values.cols, static_cast<double>(values.cols) / band.columns, band.columns);
   const std::vector<Mixture> down =
       mixtures(values.rows, static_cast<double>(values.rows) / band.rows, band.rows);
+  std::vector<float> share(across.size()), part(across.size());
+  for (std::size_t x = 0; x < across.size(); ++x) share[x] = across[x].part;
+  std::vector<std::int32_t> bin(across.size());
   const float scale = kBins / band.reach;
   for (int y = 0; y < values.rows; ++y) {
     float* value = values.ptr<float>(y);
-    const Mixture& v = down[y];
-    const float* upper = band.map.data() + static_cast<std::size_t>(v.first) * band.columns * (kBins + 1);
-    const float* lower = band.map.data() + static_cast<std::size_t>(v.second) * band.columns * (kBins + 1);
-    for (int x = 0; x < values.cols; ++x) {
-      const Mixture& h = across[x];
-      const float position = std::clamp((value[x] - band.low) * scale, 0.0f, kBins - 1e-3f);
-      const int bin = static_cast<int>(position);
-      const float part = position - static_cast<float>(bin);
-      const auto mapped = [&](const float* row, int column) {
-        const float* map = row + static_cast<std::size_t>(column) * (kBins + 1) + bin;
-        return map[0] + part * (map[1] - map[0]);
-      };
-      value[x] = (1 - v.part) * ((1 - h.part) * mapped(upper, h.first) + h.part * mapped(upper, h.second)) +
-                 v.part * ((1 - h.part) * mapped(lower, h.first) + h.part * mapped(lower, h.second));
+    find_bins(value, band.low, scale, values.cols, bin.data(), part.data());
+    const float* row =
+        band.map.data() + static_cast<std::size_t>(down[y].first) * band.columns * 4 * (kBins + 1);
+    for (int begin = 0, end = 0; begin < values.cols; begin = end) {
+      while (end < values.cols && across[end].first == across[begin].first) ++end;
+      map_run(row + static_cast<std::size_t>(across[begin].first) * 4 * (kBins + 1), bin.data() + begin,
+              part.data() + begin, share.data() + begin, down[y].part, end - begin, value + begin);
     }
   }
 }

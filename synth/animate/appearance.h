@@ -33,13 +33,14 @@ class AppearanceModel {
   cv::Mat apply(const cv::Mat& luma) const;
 
  private:
-  /// Maps of one band, by region.
+  /// Maps of one band.
   struct Band {
     float reach = 0;  // values lie in low .. low + reach
     float low = 0;
-    double region = 64;         // samples of this band between regions
     int columns = 0, rows = 0;  // regions
-    std::vector<float> map;     // region-major, kBins + 1 values at equal steps over the range
+    // By region, at kBins + 1 equal steps over the range, four values together: of the region, the next in
+    // its row, and the two below them. What mixes at a pixel is read at once.
+    std::vector<float> map;
   };
   static Band fit(const cv::Mat& target, const cv::Mat& weight, std::span<const cv::Mat> samples,
                   double region, double max_gain, bool around_zero);

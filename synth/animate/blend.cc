@@ -1,13 +1,42 @@
 #include "synth/animate/blend.h"
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
+#include <utility>
 
 #include <oneapi/tbb/enumerable_thread_specific.h>
 #include <opencv2/imgproc.hpp>
 
+#include "freshet_vectors.h"
+#include "synth/animate/square_pyramid.h"
+
 namespace freshet::synth {
 namespace {
+
+/// One level: adds its band, leaves the next one's square in `low`.
+FRESHET_WIDE void add_level(const float* current, const float* weight, int n, float* line, float* low,
+                            float* wide, float* sum, std::ptrdiff_t stride) {
+  reduce_square(current, n, line, low);
+  widen_square(low, n, line, wide);
+  add_band(current, wide, weight, n, sum, stride);
+}
+
+FRESHET_WIDE void add_rest(const float* current, const float* weight, int n, float* sum,
+                           std::ptrdiff_t stride) {
+  for (int y = 0; y < n; ++y)
+    for (int x = 0; x < n; ++x) sum[y * stride + x] += current[y * n + x] * weight[y * n + x];
+}
+
+FRESHET_WIDE void column_sums(const float* from, std::ptrdiff_t stride, int n, float* sums) {
+  for (int y = 0; y < n; ++y)
+    for (int x = 0; x < n; ++x) sums[x] += from[y * stride + x];
+}
+
+FRESHET_WIDE void take_off(const float* from, std::ptrdiff_t stride, float level, int n, float* to) {
+  for (int y = 0; y < n; ++y)
+    for (int x = 0; x < n; ++x) to[y * n + x] = from[y * stride + x] - level;
+}
 
 /// The weight of a piece at one level: its own square, softened over the level's wavelength. Never zero, so
 /// that a piece without neighbours still covers all of its side.
@@ -43,7 +72,7 @@ struct Blender::Impl {
   std::vector<cv::Mat> level_of_piece;  // by frame, lattice
 
   struct Scratch {
-    cv::Mat current, low, up, band;
+    std::vector<float> current, low, wide, line;
   };
   oneapi::tbb::enumerable_thread_specific<Scratch> scratch;
 
@@ -108,7 +137,9 @@ Blender::Blender(const Placement& placement, int frames, const BlendOptions& opt
   impl_->options = options;
   // A level whose samples fall between the lattice's would lay the pieces beside their places.
   const auto step = static_cast<unsigned>(common_step(placement, 1 << options.levels));
-  const int levels = impl_->options.levels = std::countr_zero(step);
+  int levels = std::countr_zero(step);
+  while (levels > 0 && placement.side >> (levels - 1) < kLeastSquare) --levels;
+  impl_->options.levels = levels;
   impl_->canvas = canvas_of(placement);
   const cv::Rect canvas = impl_->canvas;
   for (int level = 0; level <= levels; ++level)
@@ -135,24 +166,35 @@ void Blender::add(int frame, std::size_t patch, const cv::Mat& difference) {
     self.level_of_piece[frame] = cv::Mat::zeros(self.lattice, CV_32F);
   }
   Impl::Scratch& s = self.scratch.local();
-  if (self.options.low_band == LowBand::kKeep) {
-    difference.copyTo(s.current);
-  } else {
-    const double mean = cv::mean(difference)[0];
-    self.level_of_piece[frame].at<float>(self.lattice_of(patch)) = static_cast<float>(mean);
-    cv::subtract(difference, cv::Scalar(mean), s.current);
+  const int side = self.placement.side, area = side * side;
+  s.current.resize(area);
+  s.low.resize(area);
+  s.wide.resize(area);
+  s.line.resize(side + 4);
+  CV_Assert(difference.type() == CV_32F && difference.size() == cv::Size(side, side));
+  const auto* values = difference.ptr<float>();
+  const auto row = static_cast<std::ptrdiff_t>(difference.step1());
+  float mean = 0;
+  if (self.options.low_band != LowBand::kKeep) {
+    std::fill(s.line.begin(), s.line.end(), 0.0f);
+    column_sums(values, row, side, s.line.data());
+    double sum = 0;
+    for (int x = 0; x < side; ++x) sum += s.line[x];
+    mean = static_cast<float>(sum / area);
+    self.level_of_piece[frame].at<float>(self.lattice_of(patch)) = mean;
   }
+  take_off(values, row, mean, side, s.current.data());
   for (int level = 0; level <= levels; ++level) {
-    const cv::Mat* band = &s.current;
-    if (level < levels) {
-      cv::pyrDown(s.current, s.low);
-      cv::pyrUp(s.low, s.up, s.current.size());
-      cv::subtract(s.current, s.up, s.band);
-      band = &s.band;
+    const cv::Rect at = self.at_level(patch, level);
+    float* sum = bands[level].ptr<float>(at.y) + at.x;
+    const auto stride = static_cast<std::ptrdiff_t>(bands[level].step1());
+    const auto* weight = self.weight[level].ptr<float>();
+    if (level == levels) {
+      add_rest(s.current.data(), weight, at.width, sum, stride);
+    } else {
+      add_level(s.current.data(), weight, at.width, s.line.data(), s.low.data(), s.wide.data(), sum, stride);
+      std::swap(s.current, s.low);
     }
-    cv::Mat sum = bands[level](self.at_level(patch, level));
-    cv::accumulateProduct(*band, self.weight[level], sum);
-    if (level < levels) cv::swap(s.current, s.low);
   }
 }
 

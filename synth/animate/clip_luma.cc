@@ -24,25 +24,47 @@ template <class Sample>
   for (int i = 0; i < n; ++i) to[i] = luma_of[from[i]];
 }
 
-FRESHET_WIDE void luma_of_bytes(const std::uint8_t* from, const float* luma_of, int n, float* to) {
-  look_up(from, luma_of, n, to);
+FRESHET_WIDE void luma_of_bytes(const std::uint8_t* from, float black, float per_span, int n, float* to) {
+  for (int i = 0; i < n; ++i)
+    to[i] = std::min(std::max((static_cast<float>(from[i]) - black) * per_span, 0.0f), 1.0f);
 }
 
 FRESHET_WIDE void luma_of_words(const std::uint16_t* from, const float* luma_of, int n, float* to) {
   look_up(from, luma_of, n, to);
 }
 
-/// One row of one component of the flow, between its samples: share px for each unit of it. Writes places, in
-/// steps (cubic.h), from `origin` px on; not beyond -1 and limit, from where on the frame's edge goes on.
-FRESHET_WIDE void places_of_row(const short* upper, const short* lower, float down, int samples,
-                                const std::int32_t* first, const float* part, int origin, int step_x,
-                                float share, int limit, int n, float* mixed, std::int32_t* places) {
-  for (int i = 0; i < samples; ++i) mixed[i] = upper[i] + down * static_cast<float>(lower[i] - upper[i]);
-  mixed[samples] = mixed[samples - 1];
-  const int begin = first[0];
+/// One row of one component of the flow between its rows, in `mixed` from its second value on, and the values
+/// before and after it, which are those on its ends.
+FRESHET_WIDE void mix_flow(const short* upper, const short* lower, float down, int samples, float* mixed) {
+  for (int i = 0; i < samples; ++i) mixed[i + 1] = upper[i] + down * static_cast<float>(lower[i] - upper[i]);
+  mixed[0] = mixed[1];
+  mixed[samples + 1] = mixed[samples];
+}
+
+/// Between its columns: `first` from begin on.
+FRESHET_WIDE void flow_of_row(const float* mixed, const std::int32_t* first, const float* part, int n,
+                              float* flow) {
+  const int begin = first[0] - 1;
   for (int i = 0; i < n; ++i) {
     const float a = mixed[first[i] - begin], b = mixed[first[i] - begin + 1];
-    const float at = static_cast<float>(origin + step_x * i) + share * (a + part[i] * (b - a));
+    flow[i] = a + part[i] * (b - a);
+  }
+}
+
+/// The same of a flow at half size, and an even column: by far the most common.
+FRESHET_WIDE void flow_of_row_halved(const float* mixed, int n, float* flow) {
+  for (int i = 0; i < n / 2; ++i) {
+    flow[2 * i] = 0.25f * mixed[i] + 0.75f * mixed[i + 1];
+    flow[2 * i + 1] = 0.75f * mixed[i + 1] + 0.25f * mixed[i + 2];
+  }
+}
+
+/// Places in steps (cubic.h), `share` px for each unit of the flow from `origin` px on; not beyond -1 and
+/// limit, from where on the frame's edge goes on.
+FRESHET_WIDE void places_of_row(const float* flow, int origin, int step, float share, int limit, int n,
+                                std::int32_t* places) {
+  for (int i = 0; i < n; ++i) {
+    const float at = static_cast<float>(origin + step * i) + share * flow[i];
     const float inside = std::min(std::max(at, -1.0f), static_cast<float>(limit));
     // Positive where it is cut off: rounded down.
     places[i] = static_cast<std::int32_t>(inside * kCubicSteps + (kCubicSteps + 0.5f)) - kCubicSteps;
@@ -52,13 +74,13 @@ FRESHET_WIDE void places_of_row(const short* upper, const short* lower, float do
 struct Range {
   std::int32_t least, most;
 };
-FRESHET_WIDE Range range_of(const std::int32_t* values, int n) {
-  Range range{values[0], values[0]};
+FRESHET_WIDE void range_of(const std::int32_t* values, int n, Range& range) {
+  std::int32_t least = values[0], most = values[0];
   for (int i = 1; i < n; ++i) {
-    range.least = std::min(range.least, values[i]);
-    range.most = std::max(range.most, values[i]);
+    least = values[i] < least ? values[i] : least;
+    most = values[i] > most ? values[i] : most;
   }
-  return range;
+  range = {least, most};
 }
 
 FRESHET_WIDE void read_places(const float* plane, std::ptrdiff_t offset, std::ptrdiff_t stride,
@@ -154,20 +176,27 @@ ClipLuma::ClipLuma(const store::Snapshot& snapshot, store::ClipId clip, std::spa
   flow_across_ = between_samples(region_.x, region_.width, flow_region_.x, flow_region_.width);
   flow_down_ = between_samples(region_.y, region_.height, flow_region_.y, flow_region_.height);
 
-  const int bytes = raw_ ? record.frames.planes[0].bytes_per_sample : 1;
-  luma_of_.resize(std::size_t{1} << (8 * bytes));
-  cv::Mat codes(1, static_cast<int>(luma_of_.size()), bytes == 1 ? CV_8U : CV_16U);
-  for (int i = 0; i < codes.cols; ++i) {
-    if (bytes == 1)
-      codes.at<std::uint8_t>(i) = static_cast<std::uint8_t>(i);
-    else
-      codes.at<std::uint16_t>(i) = static_cast<std::uint16_t>(i);
-    luma_of_[i] = static_cast<float>(i / 255.0);
+  if (raw_ && record.frames.planes[0].bytes_per_sample == 2) {
+    cv::Mat codes(1, 1 << 16, CV_16U), luma;
+    for (int i = 0; i < codes.cols; ++i) codes.at<std::uint16_t>(i) = static_cast<std::uint16_t>(i);
+    luma = media::luma_from_plane(layout_, codes);
+    luma_of_.assign(luma.begin<float>(), luma.end<float>());
+  } else if (raw_) {
+    // Straight from black to white, of which each is a code.
+    cv::Mat codes(1, 1 << 8, CV_8U), luma;
+    for (int i = 0; i < codes.cols; ++i) codes.at<std::uint8_t>(i) = static_cast<std::uint8_t>(i);
+    luma = media::luma_from_plane(layout_, codes);
+    const auto black =
+        std::upper_bound(luma.begin<float>(), luma.end<float>(), 0.0f) - luma.begin<float>() - 1;
+    const auto white =
+        std::lower_bound(luma.begin<float>(), luma.end<float>(), 1 - 1e-6f) - luma.begin<float>();
+    black_ = static_cast<float>(black);
+    per_span_ = 1 / static_cast<float>(white - black);
   }
-  if (raw_) media::luma_from_plane(layout_, codes).copyTo(cv::Mat(1, codes.cols, CV_32F, luma_of_.data()));
 }
 
-ClipLuma::Scratch::Scratch() : x(kCell), y(kCell), u(kCell), v(kCell), from(kCell), to(kCell) {}
+ClipLuma::Scratch::Scratch()
+    : x(kCell), y(kCell), u(kCell), v(kCell), from(kCell), to(kCell), mixed(kCell + 2) {}
 
 std::size_t ClipLuma::frame_bytes() const {
   const int bytes = raw_ ? snapshot_.clip(clip_).frames.planes[0].bytes_per_sample : 1;
@@ -243,7 +272,7 @@ void ClipLuma::read_flows(std::span<const std::uint32_t> missing) {
 void ClipLuma::row(std::uint32_t frame, int x, int y, int n, float* out) const {
   const cv::Mat& samples = frames_.at(frame);
   if (samples.depth() == CV_8U)
-    luma_of_bytes(samples.ptr(y - region_.y) + (x - region_.x), luma_of_.data(), n, out);
+    luma_of_bytes(samples.ptr(y - region_.y) + (x - region_.x), black_, per_span_, n, out);
   else
     luma_of_words(samples.ptr<std::uint16_t>(y - region_.y) + (x - region_.x), luma_of_.data(), n, out);
 }
@@ -255,43 +284,61 @@ void ClipLuma::at(double moment, const cv::Rect& cell, float* out, Scratch& scra
   for (int y = 0; y < cell.height; ++y) row(frame, cell.x, cell.y + y, cell.width, out + y * cell.width);
 }
 
-void ClipLuma::between(std::uint32_t frame, float part, const cv::Rect& cell, float* out,
-                       Scratch& scratch) const {
-  // First where `frame` comes from, then, by the same flow, the one after it.
-  carried(frame, -part, frame, cell, scratch.from.data(), scratch);
-  carried(frame + 1, 1 - part, frame, cell, scratch.to.data(), scratch);
-  mix(scratch.from.data(), scratch.to.data(), part, cell.area(), out);
-}
-
-/// A cell of a frame, read `share` of the flow away.
-void ClipLuma::carried(std::uint32_t frame, float share, std::uint32_t flow, const cv::Rect& cell, float* out,
-                       Scratch& s) const {
-  const Flow& by = flows_.at(flow);
+void ClipLuma::between(std::uint32_t frame, float part, const cv::Rect& cell, float* out, Scratch& s) const {
+  // The flow of the cell, between its samples.
+  const Flow& by = flows_.at(frame);
   const cv::Point corner = cell.tl() - region_.tl();
   const std::int32_t* first = flow_across_.first.data() + corner.x;
-  const float* across = flow_across_.part.data() + corner.x;
   const int begin = first[0], samples = std::min(first[cell.width - 1] + 2, flow_region_.width) - begin;
+  const bool halved = flow_step_ == 2 && cell.x % 2 == 0 && cell.width % 2 == 0;
+  // Of a halved flow the first column of a cell lies after the sample before it; at the region's edge there
+  // is none.
+  const int before = halved && (cell.x + 1) / 2 - flow_region_.x > begin ? 1 : 0;
   for (int row = 0; row < cell.height; ++row) {
     const int y0 = flow_down_.first[corner.y + row], y1 = std::min(y0 + 1, flow_region_.height - 1);
-    const float down = flow_down_.part[corner.y + row], px = share * vision::kFlowUnit;
+    const float down = flow_down_.part[corner.y + row];
+    const auto interpolate = [&](const cv::Mat& component, std::vector<float>& flow) {
+      mix_flow(component.ptr<short>(y0) + begin, component.ptr<short>(y1) + begin, down, samples,
+               s.mixed.data());
+      float* to = flow.data() + row * cell.width;
+      if (halved)
+        flow_of_row_halved(s.mixed.data() + before, cell.width, to);
+      else
+        flow_of_row(s.mixed.data(), first, flow_across_.part.data() + corner.x, cell.width, to);
+    };
+    interpolate(by.u, s.u);
+    interpolate(by.v, s.v);
+  }
+  // Where `frame` comes from, and by the same flow the one after it.
+  carried(frame, -part, cell, s.from.data(), s);
+  carried(frame + 1, 1 - part, cell, s.to.data(), s);
+  mix(s.from.data(), s.to.data(), part, cell.area(), out);
+}
+
+/// A cell of a frame, read `share` of the flow in s.u and s.v away.
+void ClipLuma::carried(std::uint32_t frame, float share, const cv::Rect& cell, float* out, Scratch& s) const {
+  const cv::Point corner = cell.tl() - region_.tl();
+  const float unit = share * vision::kFlowUnit;
+  for (int row = 0; row < cell.height; ++row) {
     const int at = row * cell.width;
-    places_of_row(by.u.ptr<short>(y0) + begin, by.u.ptr<short>(y1) + begin, down, samples, first, across,
-                  corner.x, 1, px, region_.width, cell.width, s.u.data(), s.x.data() + at);
-    places_of_row(by.v.ptr<short>(y0) + begin, by.v.ptr<short>(y1) + begin, down, samples, first, across,
-                  corner.y + row, 0, px, region_.height, cell.width, s.u.data(), s.y.data() + at);
+    places_of_row(s.u.data() + at, corner.x, 1, unit, region_.width, cell.width, s.x.data() + at);
+    places_of_row(s.v.data() + at, corner.y + row, 0, unit, region_.height, cell.width, s.y.data() + at);
   }
   // The samples around all places, beyond the region its edge.
-  const Range x = range_of(s.x.data(), cell.area()), y = range_of(s.y.data(), cell.area());
+  Range x, y;
+  range_of(s.x.data(), cell.area(), x);
+  range_of(s.y.data(), cell.area(), y);
   const int left = (x.least >> kCubicShift) - 1, right = (x.most >> kCubicShift) + 3;
   const int top = (y.least >> kCubicShift) - 1, bottom = (y.most >> kCubicShift) + 3;
   const int stride = right - left;
   s.window.resize(static_cast<std::size_t>(stride) * (bottom - top));
   const int from = std::max(left, 0), to = std::min(right, region_.width);
   for (int i = top; i < bottom; ++i) {
-    float* line = s.window.data() + static_cast<std::size_t>(i - top) * stride - left;
-    row(frame, region_.x + from, region_.y + std::clamp(i, 0, region_.height - 1), to - from, line + from);
-    for (int k = left; k < from; ++k) line[k] = line[from];
-    for (int k = to; k < right; ++k) line[k] = line[to - 1];
+    float* line = s.window.data() + static_cast<std::size_t>(i - top) * stride;
+    row(frame, region_.x + from, region_.y + std::clamp(i, 0, region_.height - 1), to - from,
+        line + (from - left));
+    std::fill(line, line + (from - left), line[from - left]);
+    std::fill(line + (to - left), line + stride, line[to - left - 1]);
   }
   const std::ptrdiff_t offset = -static_cast<std::ptrdiff_t>(top) * stride - left;
   read_places(s.window.data(), offset, stride, s.x.data(), s.y.data(), cell.area(), out);

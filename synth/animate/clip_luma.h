@@ -42,7 +42,7 @@ class ClipLuma {
    private:
     friend class ClipLuma;
     std::vector<std::int32_t> x, y;
-    std::vector<float> u, v, from, to, window;
+    std::vector<float> u, v, from, to, mixed, window;
   };
   /// Luma at a moment of frames that are loaded, 0..1, in a rectangle of source() within region(), no larger
   /// than a cell: out holds its rows one after another. Safe from many threads.
@@ -62,8 +62,7 @@ class ClipLuma {
   void read_frames(std::span<const std::uint32_t> missing);
   void read_flows(std::span<const std::uint32_t> missing);
   void between(std::uint32_t frame, float part, const cv::Rect& cell, float* out, Scratch& scratch) const;
-  void carried(std::uint32_t frame, float share, std::uint32_t flow, const cv::Rect& cell, float* out,
-               Scratch& scratch) const;
+  void carried(std::uint32_t frame, float share, const cv::Rect& cell, float* out, Scratch& scratch) const;
   void check_flow() const;
 
   store::Snapshot snapshot_;
@@ -74,8 +73,9 @@ class ClipLuma {
   int flow_step_ = 2;
   cv::Size source_, flow_size_;
   cv::Rect region_, flow_region_;
-  std::vector<cv::Rect> blocks_;  // px of the source
-  std::vector<float> luma_of_;    // by sample
+  std::vector<cv::Rect> blocks_;             // px of the source
+  float black_ = 0, per_span_ = 1.0f / 255;  // of samples of a byte
+  std::vector<float> luma_of_;               // by sample, of two bytes
   // Where a column and a row of the region lie between samples of the flow's region.
   struct Between {
     std::vector<std::int32_t> first;
