@@ -1,7 +1,7 @@
 # What `cmake --install` puts where, so that find_package(freshet) gives freshet::store, freshet::query, ...
 include(CMakePackageConfigHelpers)
 
-set(rooms store media vision ingest query animate matte simulate transfer)
+set(rooms store media vision ingest query animate matte simulate transfer transfer_files)
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/freshet)
 foreach(room ${rooms})
   set_target_properties(freshet_${room} PROPERTIES EXPORT_NAME ${room})

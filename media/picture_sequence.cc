@@ -103,20 +103,57 @@ PictureSequence list_pattern(const fs::path& path) {
   return sequence;
 }
 
-PictureSequence list_folder(const fs::path& folder) {
+PictureSequence list_folder(const fs::path& folder, bool (*wanted)(const fs::path&)) {
   PictureSequence sequence;
   for (fs::path& file : files_in(folder))
-    if (looks_like_picture(file) && !file.filename().string().starts_with('.'))
-      sequence.files.push_back(std::move(file));
-  if (sequence.files.empty())
-    throw Error(ErrorKind::kInput, folder.string(), "the folder holds no pictures",
-                "Name a video, or a folder of pictures of equal size");
+    if (wanted(file) && !file.filename().string().starts_with('.')) sequence.files.push_back(std::move(file));
   std::sort(sequence.files.begin(), sequence.files.end(), [](const fs::path& a, const fs::path& b) {
     return natural_less(a.filename().string(), b.filename().string());
   });
   sequence.numbers.resize(sequence.files.size());
   std::iota(sequence.numbers.begin(), sequence.numbers.end(), std::int64_t{0});
   return sequence;
+}
+
+PictureSequence list_folder(const fs::path& folder) {
+  PictureSequence sequence = list_folder(folder, looks_like_picture);
+  if (sequence.files.empty())
+    throw Error(ErrorKind::kInput, folder.string(), "the folder holds no pictures",
+                "Name a video, or a folder of pictures of equal size");
+  return sequence;
+}
+
+std::optional<fs::path> first_missing(const PictureSequence& sequence) {
+  std::optional<Pattern> common;
+  std::int64_t next = 0;
+  for (const fs::path& file : sequence.files) {
+    const std::string name = file.filename().string();
+    // The last number before the ending.
+    std::size_t end = file.stem().string().size();
+    while (end > 0 && !is_digit(name[end - 1])) --end;
+    std::size_t begin = end;
+    while (begin > 0 && is_digit(name[begin - 1])) --begin;
+    if (begin == end || end - begin > 18) return std::nullopt;
+    const std::int64_t number = std::stoll(name.substr(begin, end - begin));
+    const Pattern pattern{.before = name.substr(0, begin),
+                          .after = name.substr(end),
+                          .width = static_cast<int>(end - begin),
+                          .padded = name[begin] == '0'};
+    if (!common) {
+      common = pattern;
+      next = number;
+    }
+    if (pattern.before != common->before || pattern.after != common->after || number < next)
+      return std::nullopt;
+    if (number > next) {
+      std::string digits = std::to_string(next);
+      const auto width = static_cast<std::size_t>(common->padded || pattern.padded ? common->width : 0);
+      if (digits.size() < width) digits.insert(0, width - digits.size(), '0');
+      return file.parent_path() / (common->before + digits + common->after);
+    }
+    ++next;
+  }
+  return std::nullopt;
 }
 
 bool natural_less(std::string_view a, std::string_view b) {

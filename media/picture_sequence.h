@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -28,6 +29,13 @@ PictureSequence list_pattern(const std::filesystem::path& pattern);
 /// over, and so are names that begin with a dot: some systems leave one beside each picture. Throws
 /// Error{kInput} when there are none.
 PictureSequence list_folder(const std::filesystem::path& folder);
+/// The same of the files that are wanted, whatever they hold.
+PictureSequence list_folder(const std::filesystem::path& folder,
+                            bool (*wanted)(const std::filesystem::path&));
+
+/// Name of the first file that a gap in the numbers leaves out, where all names are alike but for one number
+/// that grows; nothing where there is no gap or the names are not numbered.
+std::optional<std::filesystem::path> first_missing(const PictureSequence& sequence);
 
 /// Runs of digits compare as numbers, all else byte by byte. A strict total order.
 bool natural_less(std::string_view a, std::string_view b);

@@ -93,7 +93,7 @@ int main(int argc, char** argv) {
   } catch (const Error& fault) {
     if (fault.kind() == ErrorKind::kCancelled && stop.signal() != 0) {
       // Die of the signal itself, so that a calling shell script stops too.
-      tools::say("stopped; nothing unfinished was kept");
+      tools::say("stopped; " + (context.kept.empty() ? "nothing unfinished was kept" : context.kept));
       const int number = stop.signal();
       std::signal(number, SIG_DFL);
       sigset_t only;

@@ -23,7 +23,8 @@ class StopOnSignal {
 /// What main() hands to every command.
 struct RunContext {
   std::stop_token stop;
-  int exit_code = 0;  // set by a command that ends well but has something to report (a damaged store)
+  std::string kept = {};  // what a command that is stopped leaves, for a person; empty: nothing
+  int exit_code = 0;      // set by a command that ends well but has something to report (a damaged store)
 };
 
 /// The option -j of commands that compute. Applied when the option is parsed.

@@ -272,12 +272,14 @@ void add_simulate(CLI::App& synth_command, RunContext& context) {
 }  // namespace
 
 void add_synth(CLI::App& app, RunContext& context) {
-  CLI::App* synth_command = app.add_subcommand("synth", "Synthesise: animate a picture, or simulate a clip");
+  CLI::App* synth_command =
+      app.add_subcommand("synth", "Synthesise: animate a picture, simulate a clip, or transfer a look");
   synth_command->require_subcommand(1);
   add_animate(*synth_command, context);
   add_sweep(*synth_command, context);
   add_matte(*synth_command, context);
   add_simulate(*synth_command, context);
+  add_transfer(*synth_command, context);
 }
 
 }  // namespace freshet::tools

@@ -34,6 +34,21 @@ TEST(Pattern, ARunOfHashesStandsForAsManyDigits) {
   EXPECT_EQ(found.numbers, (std::vector<std::int64_t>{99, 100}));
 }
 
+TEST(FirstMissing, NamesTheFileOfTheFirstGap) {
+  const auto missing = [](const std::vector<const char*>& names) {
+    PictureSequence sequence;
+    for (const char* name : names) sequence.files.emplace_back(name);
+    return first_missing(sequence).value_or("").string();
+  };
+  EXPECT_EQ(missing({"a/f.0099.png", "a/f.0101.png", "a/f.0104.png"}), "a/f.0100.png");
+  EXPECT_EQ(missing({"f8.png", "f9.png", "f11.png"}), "f10.png");
+  EXPECT_EQ(missing({"v2_08.flo", "v2_10.flo"}), "v2_09.flo");
+  EXPECT_EQ(missing({"f.1001.png", "f.1002.png"}), "");
+  EXPECT_EQ(missing({"one.png", "two.png"}), "");
+  EXPECT_EQ(missing({"a1.png", "b3.png"}), "");
+  EXPECT_EQ(missing({}), "");
+}
+
 TEST(ListFolder, PassesOverWhatIsHiddenOrNoPicture) {
   const Scratch scratch;
   for (const char* name : {"f10.png", "f9.PNG", "._f9.png", ".f8.png", "notes.txt"})

@@ -1,0 +1,89 @@
+#include "synth/transfer/files/composite.h"
+
+#include <cstdint>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "freshet_error.h"
+#include "media/picture.h"
+#include "media/picture_sequence.h"
+#include "media/video_reader.h"
+
+namespace freshet::synth::transfer {
+namespace {
+
+namespace fs = std::filesystem;
+
+template <class Pixel, int kMost>
+void blend(const cv::Mat& over, cv::Mat& under) {
+  constexpr std::int64_t kUnit = kMost / 255;  // of an 8-bit code
+  constexpr std::int64_t kWhole = std::int64_t{kMost} * kUnit;
+  for (int y = 0; y < over.rows; ++y) {
+    const auto* from = over.ptr<Pixel>(y);
+    auto* to = under.ptr<cv::Vec3b>(y);
+    for (int x = 0; x < over.cols; ++x) {
+      const std::int64_t alpha = from[x][3];
+      for (int c = 0; c < 3; ++c)
+        to[x][c] = static_cast<std::uint8_t>(
+            (alpha * from[x][c] + (kMost - alpha) * to[x][c] * kUnit + kWhole / 2) / kWhole);
+    }
+  }
+}
+
+}  // namespace
+
+cv::Mat lay_over(const cv::Mat& over, const cv::Mat& under, cv::Point at) {
+  CV_Assert(over.type() == CV_8UC4 || over.type() == CV_16UC4);
+  cv::Mat whole = under.clone();
+  const cv::Rect seen = cv::Rect(at, over.size()) & cv::Rect({0, 0}, under.size());
+  if (seen.empty()) return whole;
+  cv::Mat below = whole(seen);
+  const cv::Mat above = over(seen - at);
+  if (over.depth() == CV_8U)
+    blend<cv::Vec4b, 255>(above, below);
+  else
+    blend<cv::Vec4w, 65535>(above, below);
+  return whole;
+}
+
+struct Background::Impl {
+  fs::path path;
+  cv::Mat still, first;
+  std::optional<media::VideoReader> moving;
+};
+
+Background::Background(const fs::path& path, int frames) : impl_(std::make_unique<Impl>()) {
+  impl_->path = path;
+  std::error_code fault;
+  const bool sequence =
+      fs::is_directory(path, fault) || (!fs::exists(path, fault) && media::is_pattern(path));
+  if (!sequence && !media::looks_like_video(path)) {
+    impl_->still = impl_->first = media::read_picture(path).bgr;
+    return;
+  }
+  int count = 0;
+  media::VideoReader reader(path);
+  while (const std::optional<media::Frame> frame = reader.next())
+    if (count++ == 0) impl_->first = media::to_bgr(*frame);
+  if (count < frames)
+    throw Error(ErrorKind::kInput, path.string(),
+                fmt::format("the background has {} frames, the animation {}", count, frames),
+                "Give one that is as long, or a single picture");
+  impl_->moving.emplace(path);
+}
+
+Background::Background(Background&&) noexcept = default;
+Background::~Background() = default;
+
+cv::Size Background::size() const { return impl_->first.size(); }
+
+cv::Mat Background::next() {
+  if (!impl_->moving) return impl_->still;
+  const std::optional<media::Frame> frame = impl_->moving->next();
+  if (!frame)
+    throw Error(ErrorKind::kInput, impl_->path.string(), "it changed while it was read", "Start again");
+  return media::to_bgr(*frame);
+}
+
+}  // namespace freshet::synth::transfer

@@ -1,0 +1,32 @@
+// synth/transfer/files/composite.h — a transparent picture over a background.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+
+#include <opencv2/core.hpp>
+
+namespace freshet::synth::transfer {
+
+/// over + (1 - alpha) under, on the values as they are coded, as compositing programs do unless told
+/// otherwise. over   CV_8UC4 or CV_16UC4 BGRA, straight alpha; its top left corner lies at `at`, in or out of
+/// `under`. under  CV_8UC3 BGR; returned with the picture on it, of its size.
+cv::Mat lay_over(const cv::Mat& over, const cv::Mat& under, cv::Point at = {0, 0});
+
+/// A background: one picture for all frames, or a folder, pattern or video of as many.
+class Background {
+ public:
+  /// Throws Error{kInput} naming the file: unreadable, fewer frames than these.
+  Background(const std::filesystem::path& path, int frames);
+  Background(Background&&) noexcept;
+  ~Background();
+  cv::Size size() const;
+  /// CV_8UC3; frames in order, each once.
+  cv::Mat next();
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace freshet::synth::transfer

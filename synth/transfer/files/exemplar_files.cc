@@ -1,0 +1,333 @@
+#include "synth/transfer/files/exemplar_files.h"
+
+#include <algorithm>
+#include <cmath>
+#include <deque>
+#include <limits>
+#include <numeric>
+#include <utility>
+
+#include <fmt/format.h>
+#include <opencv2/imgproc.hpp>
+
+#include "freshet_error.h"
+#include "media/bgra.h"
+#include "media/picture.h"
+#include "media/picture_sequence.h"
+#include "media/video_reader.h"
+#include "query/clip_frames.h"
+#include "synth/animate/clip_loop.h"
+#include "synth/animate/timeline.h"
+#include "synth/transfer/files/content_hash.h"
+
+namespace freshet::synth::transfer {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kMost = 65535;
+constexpr std::size_t kRemembered = 4;  // moments: this one, the one before, and those of a frame begun again
+
+[[noreturn]] void refuse(const std::string& where, const std::string& fault, const std::string& remedy) {
+  throw Error(ErrorKind::kInput, where, fault, remedy);
+}
+
+/// Frames by number, CV_16UC4.
+struct Frames {
+  std::string name;
+  int count = 0;
+  std::function<cv::Mat(int)> read;
+  std::function<std::string(int)> name_of;
+  std::function<std::optional<vision::LoopRule>()> loop;
+};
+
+cv::Mat deep(const media::Frame& frame) {
+  cv::Mat bgra;
+  media::to_bgra(frame).convertTo(bgra, CV_16U, 257);
+  return bgra;
+}
+
+std::optional<vision::LoopRule> measured_loop(const Frames& frames) {
+  if (frames.count < static_cast<int>(vision::kLeastLoopFrames)) return std::nullopt;
+  vision::LoopFinder finder(1);
+  for (int i = 0; i < frames.count; ++i) {
+    cv::Mat grey;
+    cv::cvtColor(frames.read(i), grey, cv::COLOR_BGRA2GRAY);
+    grey.convertTo(grey, CV_8U, 1.0 / 257);
+    finder.add(grey);
+  }
+  return finder.finish();
+}
+
+Frames pictures(const fs::path& path) {
+  std::vector<fs::path> files{path};
+  std::error_code fault;
+  const bool folder = fs::is_directory(path, fault);
+  if (folder || (!fs::exists(path, fault) && media::is_pattern(path))) {
+    media::PictureSequence found = folder ? media::list_folder(path) : media::list_pattern(path);
+    if (const std::optional<fs::path> missing = media::first_missing(found))
+      refuse(missing->string(),
+             fmt::format("this one is missing between {} and {}", found.files.front().filename().string(),
+                         found.files.back().filename().string()),
+             "Make it, or number the files without a gap");
+    files = std::move(found.files);
+  }
+  return {
+      .name = path.string(),
+      .count = static_cast<int>(files.size()),
+      .read = [files](int i) { return media::read_deep_picture(files[static_cast<std::size_t>(i)]).values; },
+      .name_of = [files](int i) { return files[static_cast<std::size_t>(i)].string(); },
+      .loop = {}};
+}
+
+/// Its frames are kept as the decoder gives them: 1.5 bytes a pixel of 4:2:0.
+Frames video(const fs::path& path, std::vector<std::string>& notices) {
+  media::VideoReader reader(path);
+  auto frames = std::make_shared<std::vector<media::Frame>>();
+  while (std::optional<media::Frame> frame = reader.next()) frames->push_back(std::move(*frame));
+  if (!reader.complaint().empty()) notices.push_back(path.string() + ": " + reader.complaint());
+  return {.name = path.string(),
+          .count = static_cast<int>(frames->size()),
+          .read = [frames](int i) { return deep((*frames)[static_cast<std::size_t>(i)]); },
+          .name_of = [path](int i) { return fmt::format("{}, frame {}", path.string(), i); },
+          .loop = {}};
+}
+
+Frames from_file(const fs::path& path, std::vector<std::string>& notices) {
+  std::error_code fault;
+  const bool sequence =
+      fs::is_directory(path, fault) || (!fs::exists(path, fault) && media::is_pattern(path));
+  return !sequence && media::looks_like_video(path) ? video(path, notices) : pictures(path);
+}
+
+Frames stored(const store::Snapshot& snapshot, const std::string& name) {
+  const std::optional<store::ClipId> clip = snapshot.find(name);
+  if (!clip) {
+    std::string names;
+    int listed = 0;
+    for (const store::ClipId id : snapshot.clips())
+      if (listed++ < 5) names += (names.empty() ? "" : ", ") + snapshot.clip(id).name;
+    throw Error(
+        ErrorKind::kNotFound, name,
+        "the store has no clip of this name; it has " +
+            (names.empty() ? "none" : names + (listed > 5 ? fmt::format(" and {} more", listed - 5) : "")),
+        "Name one of those that freshet store info lists");
+  }
+  auto frames = std::make_shared<query::ClipFrames>(snapshot, *clip);
+  return {.name = name,
+          .count = static_cast<int>(frames->size()),
+          .read = [frames](int i) { return deep(frames->read(static_cast<std::uint32_t>(i))); },
+          .name_of = [name](int i) { return fmt::format("{}, frame {}", name, i); },
+          .loop = [snapshot, id = *clip] { return synth::loop_rule(snapshot, id); }};
+}
+
+cv::Mat premultiplied(const cv::Mat& bgra) {
+  cv::Mat out;
+  bgra.convertTo(out, CV_32F, 1.0 / kMost);
+  out.forEach<cv::Vec4f>([](cv::Vec4f& at, const int*) {
+    for (int c = 0; c < 3; ++c) at[c] *= at[3];
+  });
+  return out;
+}
+
+cv::Mat straight(const cv::Mat& premultiplied) {
+  cv::Mat out(premultiplied.size(), CV_16UC4);
+  for (int y = 0; y < out.rows; ++y)
+    for (int x = 0; x < out.cols; ++x) {
+      const cv::Vec4f& from = premultiplied.at<cv::Vec4f>(y, x);
+      cv::Vec4w& to = out.at<cv::Vec4w>(y, x);
+      const float alpha = std::clamp(from[3], 0.0f, 1.0f);
+      for (int c = 0; c < 3; ++c)
+        to[c] = alpha > 0
+                    ? static_cast<std::uint16_t>(std::lround(kMost * std::clamp(from[c] / alpha, 0.0f, 1.0f)))
+                    : std::uint16_t{0};
+      to[3] = static_cast<std::uint16_t>(std::lround(kMost * alpha));
+    }
+  return out;
+}
+
+}  // namespace
+
+void take_off_ground(cv::Mat& bgra, Ground ground) {
+  if (ground == Ground::kNone) return;
+  const bool black = ground == Ground::kBlack;
+  bgra.forEach<cv::Vec4w>([black](cv::Vec4w& at, const int*) {
+    int light[3];  // of light on black, or of the negative
+    for (int c = 0; c < 3; ++c) light[c] = black ? at[c] : kMost - at[c];
+    const int alpha = std::max({light[0], light[1], light[2]});
+    for (int c = 0; c < 3; ++c) {
+      const auto full =
+          alpha > 0 ? static_cast<int>((std::int64_t{light[c]} * kMost + alpha / 2) / alpha) : 0;
+      at[c] = static_cast<std::uint16_t>(black ? full : kMost - full);
+    }
+    at[3] = static_cast<std::uint16_t>(alpha);
+  });
+}
+
+struct ExemplarFiles::Impl {
+  ExemplarOptions options;
+  Frames frames;
+  std::optional<Frames> masks;
+  std::vector<std::string> notices;
+
+  cv::Size size;
+  bool opaque = true;
+  std::optional<vision::LoopRule> loop;
+  std::vector<Moment> moments;  // by frame of the animation
+  cv::Mat average;              // of a loop's frames, premultiplied
+  std::string hash;
+  std::deque<std::pair<int, cv::Mat>> remembered;
+
+  /// One of its own frames, with the alpha that is asked for.
+  cv::Mat own(int frame) const {
+    cv::Mat bgra = frames.read(frame);
+    if (options.ground != Ground::kNone) take_off_ground(bgra, options.ground);
+    if (!masks) return bgra;
+    const int of_masks = masks->count == 1 ? 0 : frame;
+    const cv::Mat picture = masks->read(of_masks);
+    if (picture.size() != bgra.size())
+      refuse(masks->name_of(of_masks),
+             fmt::format("it has {} x {} px, {} {} x {}", picture.cols, picture.rows, frames.name_of(frame),
+                         bgra.cols, bgra.rows),
+             "Give a mask of the exemplar's size");
+    cv::Mat mask, own_alpha;
+    cv::extractChannel(picture, own_alpha, 3);
+    double least = 0, most = 0;
+    cv::minMaxLoc(own_alpha, &least, &most);
+    if (least < kMost)
+      mask = own_alpha;  // transparent somewhere: that is the mask
+    else
+      cv::cvtColor(picture, mask, cv::COLOR_BGRA2GRAY);
+    cv::insertChannel(mask, bgra, 3);
+    return bgra;
+  }
+
+  cv::Mat moment(const Moment& at) const {
+    if (at.count() == 1) return own(static_cast<int>(at.at[0]));
+    cv::Mat sum = average.clone();
+    for (std::size_t i = 0; i < 2; ++i) {
+      cv::Mat difference = premultiplied(own(static_cast<int>(at.at[i]))) - average;
+      cv::scaleAdd(difference, at.weight[i], sum, sum);
+    }
+    return straight(sum);
+  }
+
+  void open_masks() {
+    if (options.alpha.empty()) return;
+    masks = from_file(options.alpha, notices);
+    if (masks->count != 1 && masks->count != frames.count)
+      refuse(options.alpha.string(),
+             fmt::format("there are {} masks, and {} has {} frames", masks->count, frames.name, frames.count),
+             "Give one for all frames, or one for each");
+  }
+
+  void find_moments() {
+    if (frames.count == 1) return;
+    if (frames.count < options.frames) {
+      loop = frames.loop ? frames.loop() : measured_loop(frames);
+      if (!loop)
+        refuse(frames.name,
+               fmt::format(
+                   "it has {} frames, too few for an animation of {} and to make a loop of: {} are needed",
+                   frames.count, options.frames, vision::kLeastLoopFrames),
+               "Give a longer one, a single picture, or ask for fewer with --frames");
+    }
+    std::vector<double> times(static_cast<std::size_t>(frames.count));
+    std::iota(times.begin(), times.end(), 0.0);
+    moments =
+        timeline(times, 1, loop, frames.name,
+                 {.frames = options.frames, .fps = 1, .speed = 1, .loop = false, .phase = 0, .whole = true});
+  }
+};
+
+ExemplarFiles::ExemplarFiles(const fs::path& path, const ExemplarOptions& options)
+    : impl_(std::make_unique<Impl>()) {
+  impl_->options = options;
+  impl_->frames = from_file(path, impl_->notices);
+  impl_->open_masks();
+}
+
+ExemplarFiles::ExemplarFiles(const store::Snapshot& snapshot, const std::string& clip,
+                             const ExemplarOptions& options)
+    : impl_(std::make_unique<Impl>()) {
+  impl_->options = options;
+  impl_->frames = stored(snapshot, clip);
+  impl_->open_masks();
+}
+
+ExemplarFiles::ExemplarFiles(ExemplarFiles&&) noexcept = default;
+ExemplarFiles::~ExemplarFiles() = default;
+
+void ExemplarFiles::check(const std::function<void(std::size_t, std::size_t)>& progress,
+                          const std::stop_token& stop) {
+  Impl& exemplar = *impl_;
+  exemplar.find_moments();
+  const int used = std::min(exemplar.frames.count, std::max(1, exemplar.options.frames));
+  ContentHash hash;
+  double most_alpha = 0;
+  for (int i = 0; i < used; ++i) {
+    if (stop.stop_requested()) throw Error(ErrorKind::kCancelled, "transfer", "stopped");
+    const cv::Mat bgra = exemplar.own(i);
+    const std::string name = exemplar.frames.name_of(i);
+    if (i == 0) {
+      exemplar.size = bgra.size();
+      const int least = 2 * exemplar.options.patch;
+      if (bgra.cols < least || bgra.rows < least)
+        refuse(name,
+               fmt::format("the exemplar is {} x {} px; two patches of {} px need {}", bgra.cols, bgra.rows,
+                           exemplar.options.patch, least),
+               "Give a larger one, or a smaller --patch");
+    }
+    if (bgra.size() != exemplar.size)
+      refuse(name,
+             fmt::format("it has {} x {} px, the first frame {} x {}", bgra.cols, bgra.rows,
+                         exemplar.size.width, exemplar.size.height),
+             "Make all frames equal in size");
+    cv::Mat alpha;
+    cv::extractChannel(bgra, alpha, 3);
+    double least = 0, most = 0;
+    cv::minMaxLoc(alpha, &least, &most);
+    exemplar.opaque = exemplar.opaque && least == kMost;
+    most_alpha = std::max(most_alpha, most);
+    if (most == 0 && used > 1 && i == 0)
+      refuse(name,
+             "the exemplar's first frame is transparent everywhere: there is no fluid in it to begin with",
+             "Cut off the frames before the fluid");
+    hash.add(bgra);
+    if (exemplar.loop) {
+      if (exemplar.average.empty()) exemplar.average = cv::Mat(bgra.size(), CV_32FC4, cv::Scalar::all(0));
+      exemplar.average += premultiplied(bgra);
+    }
+    if (progress) progress(static_cast<std::size_t>(i) + 1, static_cast<std::size_t>(used));
+  }
+  if (most_alpha == 0)
+    refuse(exemplar.options.alpha.empty() ? exemplar.frames.name : exemplar.options.alpha.string(),
+           "the exemplar is transparent everywhere: there is no fluid in it",
+           "Give a mask that is white where the fluid is with --exemplar-alpha");
+  if (exemplar.loop) exemplar.average /= used;
+  exemplar.hash = hash.text();
+}
+
+int ExemplarFiles::frames() const { return impl_->frames.count; }
+cv::Size ExemplarFiles::size() const { return impl_->size; }
+bool ExemplarFiles::opaque() const { return impl_->opaque; }
+std::optional<vision::LoopRule> ExemplarFiles::loop() const { return impl_->loop; }
+const std::string& ExemplarFiles::hash() const { return impl_->hash; }
+const std::vector<std::string>& ExemplarFiles::notices() const { return impl_->notices; }
+
+ExemplarFrame ExemplarFiles::at(int t) {
+  Impl& exemplar = *impl_;
+  // A still has one moment.
+  const int key =
+      exemplar.moments.empty() ? 0 : std::clamp(t, 0, static_cast<int>(exemplar.moments.size()) - 1);
+  for (const auto& [known, picture] : exemplar.remembered)
+    if (known == key) return {.bgra = picture, .motion = {}};
+  cv::Mat picture = exemplar.moments.empty()
+                        ? exemplar.own(0)
+                        : exemplar.moment(exemplar.moments[static_cast<std::size_t>(key)]);
+  if (exemplar.remembered.size() == kRemembered) exemplar.remembered.pop_front();
+  exemplar.remembered.emplace_back(key, picture);
+  return {.bgra = picture, .motion = {}};
+}
+
+}  // namespace freshet::synth::transfer

@@ -1,0 +1,75 @@
+// synth/transfer/files/exemplar_files.h — the look from a picture, a sequence, a video or a stored clip, for
+// as long as it is needed.
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <stop_token>
+#include <string>
+#include <vector>
+
+#include <opencv2/core.hpp>
+
+#include "store/store.h"
+#include "synth/transfer/transfer.h"
+#include "vision/loop_rule.h"
+
+namespace freshet::synth::transfer {
+
+/// What lies behind an exemplar that has no alpha of its own.
+enum class Ground {
+  kNone,   // nothing is known: it is opaque
+  kBlack,  // light on black, such as fire: alpha is the brightest channel, colours are divided by it
+  kWhite,  // dark on white, such as smoke: the same of the negative
+};
+
+struct ExemplarOptions {
+  std::filesystem::path alpha = {};  // masks in place of the exemplar's alpha: a picture for all of its
+                                     // frames, or a folder, pattern or video of as many; empty: none
+  Ground ground = Ground::kNone;
+  int patch = 5;   // px a side, of the transfer: an exemplar has room for two each way
+  int frames = 1;  // of the animation
+};
+
+/// Frame by frame as the animation goes; where it is shorter, looped by the rules of a store's clips: from a
+/// late frame to an early one like it, cross-faded as synth/animate/timeline.h says.
+class ExemplarFiles {
+ public:
+  /// A picture, a folder or a pattern of pictures, or a video. Throws Error{kInput} naming the file: nothing
+  /// there, a number is missing.
+  ExemplarFiles(const std::filesystem::path& path, const ExemplarOptions& options);
+  /// A clip of a store. Throws Error{kNotFound} that lists some of its clips, Error{kDamaged}.
+  ExemplarFiles(const store::Snapshot& snapshot, const std::string& clip, const ExemplarOptions& options);
+  ExemplarFiles(ExemplarFiles&&) noexcept;
+  ~ExemplarFiles();
+
+  /// Reads once all that the animation will use, and finds the loop. Throws Error{kInput}: unreadable, frames
+  /// of unequal size, smaller than two patches a side, transparent everywhere, masks of another size or
+  /// number, too short for the animation and for a loop (vision::kLeastLoopFrames); Error{kCancelled}.
+  void check(const std::function<void(std::size_t done, std::size_t of)>& progress = {},
+             const std::stop_token& stop = {});
+
+  int frames() const;  // of its own
+  cv::Size size() const;
+  bool opaque() const;                           // everywhere in all frames
+  std::optional<vision::LoopRule> loop() const;  // of one that is shorter than the animation
+  const std::string& hash() const;
+  const std::vector<std::string>& notices() const;  // for a person
+
+  /// What the look is at frame t of the animation, CV_16UC4; the first for t < 0. The same Mat for a moment
+  /// that is still remembered (the last four).
+  ExemplarFrame at(int t);
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+/// Straight alpha and colours of light on black, or of what is dark on white. bgra CV_16UC4, in place; its
+/// alpha is replaced.
+void take_off_ground(cv::Mat& bgra, Ground ground);
+
+}  // namespace freshet::synth::transfer

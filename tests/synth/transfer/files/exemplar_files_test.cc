@@ -1,0 +1,138 @@
+#include "synth/transfer/files/exemplar_files.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <filesystem>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include <opencv2/imgcodecs.hpp>
+
+#include "freshet_error.h"
+#include "media/video_writer.h"
+
+namespace freshet::synth::transfer {
+namespace {
+
+namespace fs = std::filesystem;
+
+class ExemplarFilesTest : public testing::Test {
+ protected:
+  ExemplarFilesTest()
+      : folder_(fs::temp_directory_path() / ("freshet_exemplar_" + std::to_string(::getpid()))) {
+    fs::create_directories(folder_ / "frames");
+  }
+  ~ExemplarFilesTest() override { fs::remove_all(folder_); }
+
+  /// A wave that goes by once in so many frames: frame and frame + period are alike.
+  static cv::Mat wave(int frame, int period) {
+    cv::Mat picture(24, 32, CV_8UC4);
+    for (int y = 0; y < picture.rows; ++y)
+      for (int x = 0; x < picture.cols; ++x) {
+        const double phase = 2 * CV_PI * (static_cast<double>(frame) / period + x / 32.0 + 0.3 * y / 24.0);
+        const auto value = static_cast<std::uint8_t>(127.5 + 120 * std::sin(phase));
+        picture.at<cv::Vec4b>(y, x) = cv::Vec4b(value, 40, 200, static_cast<std::uint8_t>(155 + value / 3));
+      }
+    return picture;
+  }
+  void write_waves(int frames, int period) const {
+    for (int i = 0; i < frames; ++i)
+      cv::imwrite(folder_ / "frames" / (std::to_string(i) + ".png"), wave(i, period));
+  }
+  static cv::Mat eight_bits(const ExemplarFrame& frame) {
+    EXPECT_EQ(frame.bgra.type(), CV_16UC4);
+    cv::Mat picture;
+    frame.bgra.convertTo(picture, CV_8U, 1.0 / 257);
+    return picture;
+  }
+
+  fs::path folder_;
+};
+
+TEST_F(ExemplarFilesTest, AStillIsTheSameMatForEveryFrame) {
+  cv::imwrite(folder_ / "a.png", wave(0, 10));
+  ExemplarFiles exemplar(folder_ / "a.png", {.frames = 500});
+  exemplar.check();
+  EXPECT_FALSE(exemplar.opaque());
+  EXPECT_FALSE(exemplar.loop());
+  const cv::Mat first = exemplar.at(-1).bgra;
+  EXPECT_EQ(exemplar.at(0).bgra.data, first.data);
+  EXPECT_EQ(exemplar.at(499).bgra.data, first.data);
+}
+
+TEST_F(ExemplarFilesTest, FramesGoAsTheAnimationDoes) {
+  write_waves(6, 10);
+  ExemplarFiles exemplar(folder_ / "frames", {.frames = 6});
+  exemplar.check();
+  for (int t = 0; t < 6; ++t) {
+    EXPECT_EQ(cv::norm(eight_bits(exemplar.at(t)).reshape(1), wave(t, 10).reshape(1), cv::NORM_INF), 0) << t;
+    EXPECT_EQ(exemplar.at(t).bgra.data, exemplar.at(t).bgra.data);  // remembered
+  }
+  EXPECT_EQ(cv::norm(eight_bits(exemplar.at(-1)).reshape(1), wave(0, 10).reshape(1), cv::NORM_INF), 0);
+}
+
+// A period of 15 in 60 frames: wherever the loop is joined, the animation goes on as the wave does.
+TEST_F(ExemplarFilesTest, AShortOneLoopsWhereItIsLikeItself) {
+  write_waves(60, 15);
+  ExemplarFiles exemplar(folder_ / "frames", {.frames = 200});
+  exemplar.check();
+  ASSERT_TRUE(exemplar.loop());
+  EXPECT_EQ(exemplar.loop()->length() % 15, 0U);
+  double worst = 0;
+  for (int t = 0; t < 200; ++t)
+    worst = std::max(worst,
+                     cv::norm(eight_bits(exemplar.at(t)).reshape(1), wave(t, 15).reshape(1), cv::NORM_INF));
+  EXPECT_LE(worst, 2);
+}
+
+TEST_F(ExemplarFilesTest, AVideoIsWhatItsFramesAre) {
+  write_waves(5, 10);
+  media::VideoWriter writer(folder_ / "a.mkv", {32, 24});
+  for (int i = 0; i < 5; ++i) writer.write(wave(i, 10));
+  writer.finish();
+  ExemplarFiles of_video(folder_ / "a.mkv", {.frames = 4}), of_frames(folder_ / "frames", {.frames = 4});
+  of_video.check();
+  of_frames.check();
+  EXPECT_EQ(of_video.hash(), of_frames.hash());
+  EXPECT_EQ(of_video.frames(), 5);
+}
+
+TEST_F(ExemplarFilesTest, MasksTakeThePlaceOfItsAlpha) {
+  write_waves(3, 10);
+  cv::Mat mask(24, 32, CV_8U, cv::Scalar(0));
+  mask(cv::Rect(4, 4, 20, 16)).setTo(255);
+  cv::imwrite(folder_ / "mask.png", mask);
+  ExemplarFiles exemplar(folder_ / "frames", {.alpha = folder_ / "mask.png", .frames = 3});
+  exemplar.check();
+  cv::Mat alpha;
+  cv::extractChannel(eight_bits(exemplar.at(2)), alpha, 3);
+  EXPECT_EQ(cv::norm(alpha, mask, cv::NORM_INF), 0);
+}
+
+TEST_F(ExemplarFilesTest, LightIsTakenOffItsGround) {
+  // A fire of straight colour c at opacity a over black is a c, over white a c + 1 - a.
+  cv::Mat on_black(1, 1, CV_16UC4, cv::Scalar(0.1 * 65535, 0.2 * 65535, 0.4 * 65535, 65535));
+  take_off_ground(on_black, Ground::kBlack);
+  const cv::Vec4w black = on_black.at<cv::Vec4w>(0, 0);
+  EXPECT_NEAR(black[3] / 65535.0, 0.4, 1e-4);
+  EXPECT_NEAR(black[0] / 65535.0, 0.25, 1e-4);
+  EXPECT_EQ(black[2], 65535);
+  cv::Mat on_white(1, 1, CV_16UC4, cv::Scalar(0.9 * 65535, 0.8 * 65535, 0.6 * 65535, 65535));
+  take_off_ground(on_white, Ground::kWhite);
+  const cv::Vec4w white = on_white.at<cv::Vec4w>(0, 0);
+  EXPECT_NEAR(white[3] / 65535.0, 0.4, 1e-4);
+  for (int c = 0; c < 3; ++c) {
+    const double over = white[c] / 65535.0 * white[3] / 65535.0 + 1 - white[3] / 65535.0;
+    EXPECT_NEAR(over, (std::array{0.9, 0.8, 0.6})[static_cast<std::size_t>(c)], 1e-4);
+  }
+  cv::Mat nothing(1, 1, CV_16UC4, cv::Scalar(0, 0, 0, 65535));
+  take_off_ground(nothing, Ground::kBlack);
+  EXPECT_EQ((nothing.at<cv::Vec4w>(0, 0)), cv::Vec4w(0, 0, 0, 0));
+}
+
+}  // namespace
+}  // namespace freshet::synth::transfer

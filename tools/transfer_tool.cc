@@ -1,0 +1,491 @@
+// freshet synth transfer: a designed motion gets the look of an exemplar.
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "freshet_error.h"
+#include "media/picture.h"
+#include "media/picture_sequence.h"
+#include "media/video_writer.h"
+#include "store/store.h"
+#include "synth/transfer/files/composite.h"
+#include "synth/transfer/files/design_files.h"
+#include "synth/transfer/files/exemplar_files.h"
+#include "synth/transfer/files/resume_folder.h"
+#include "synth/transfer/transfer.h"
+#include "tools/commands.h"
+#include "tools/output_names.h"
+#include "tools/picture_sink.h"
+#include "tools/progress.h"
+
+namespace freshet::tools {
+namespace {
+
+namespace fs = std::filesystem;
+namespace transfer = synth::transfer;
+
+constexpr const char* kFrameName = "frame_%05d.png";
+
+struct TransferCommand {
+  std::string exemplar, store, ground = "none";
+  transfer::ExemplarOptions exemplar_options;
+  fs::path design, alpha, flow, out, background, composite;
+  std::string at = "0,0";
+  int frames = 0, bits = 8;
+  double fps = 25;
+  std::string uniformity = "on", initialise = "warped", search = "patchmatch", rotations = "1";
+  transfer::TransferOptions options;
+  bool restart = false, json = false;
+};
+
+std::string lower_ending(const fs::path& path) {
+  std::string ending = path.extension().string();
+  std::transform(ending.begin(), ending.end(), ending.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return ending;
+}
+
+cv::Point parse_place(const std::string& text) {
+  cv::Point at;
+  char rest = 0;
+  if (std::sscanf(text.c_str(), "%d,%d%c", &at.x, &at.y, &rest) != 2)
+    throw Error(ErrorKind::kUsage, "--at " + text, "it is not X,Y in px", "For example --at 320,40");
+  return at;
+}
+
+/// Where frames go: straight into a sequence, or, for a file that holds them all, into the resume folder
+/// until all are there.
+class FrameFiles {
+ public:
+  FrameFiles(const TransferCommand& command, cv::Size size, int frames)
+      : out_(command.out), fps_(command.fps), bits_(command.bits), frames_(frames) {
+    const std::string ending = lower_ending(out_);
+    const auto is = [&](std::initializer_list<const char*> endings) {
+      return std::find(endings.begin(), endings.end(), ending) != endings.end();
+    };
+    sequence_ = media::is_pattern(out_);
+    const bool picture = sequence_ || (frames == 1 && is({".png", ".tif", ".tiff"}));
+    if (picture ? !is({".png", ".tif", ".tiff"}) : !is({".mkv", ".mov", ".webp", ".apng", ".png"}))
+      throw Error(ErrorKind::kUsage, out_.string(),
+                  "the ending \"" + ending + "\" names no format with alpha",
+                  "Use frames/%05d.png, .mkv (lossless), .mov (ProRes 4444), .webp or .apng; "
+                  "--over and --composite make an .mp4");
+    if (bits_ == 16 && is({".webp", ".apng"}))
+      throw Error(ErrorKind::kUsage, "--bits 16", out_.string() + " holds 8 bits a channel",
+                  "Use .png, .mkv or .mov");
+    deep_ = bits_ == 16 || ending == ".mov";
+    if (sequence_ && !fs::is_directory(out_.has_parent_path() ? out_.parent_path() : fs::path(".")))
+      throw Error(ErrorKind::kIo, out_.string(),
+                  "the folder " + out_.parent_path().string() + " does not exist", "Make it first");
+    if (!sequence_) {
+      check_output_folder(out_);
+      PictureSink(out_, size, frames,
+                  fps_);  // made and removed: a folder that cannot be written to is told now
+    }
+  }
+  /// The folder is known once the inputs have been read.
+  void keep_in(const fs::path& folder) { kept_ = sequence_ ? out_ : folder / kFrameName; }
+
+  void write(int frame, const cv::Mat& bgra) const {
+    cv::Mat picture;
+    bgra.convertTo(picture, CV_16U, 65535);
+    // By way of 16 bits, so that a sequence and a video have the same 8.
+    if (sequence_ && bits_ == 8) picture.convertTo(picture, CV_8U, 1.0 / 257);
+    media::write_picture(media::numbered(kept_, frame), picture);
+  }
+  /// As written: 8 or 16 bits.
+  cv::Mat read(int frame) const {
+    cv::Mat picture = media::read_deep_picture(media::numbered(kept_, frame)).values;
+    if (!deep_) picture.convertTo(picture, CV_8U, 1.0 / 257);
+    return picture;
+  }
+  /// Throws Error{kInput} when one of the first so many is not there any more.
+  void require(int frames) const {
+    for (int i = 0; i < frames; ++i)
+      if (const fs::path file = media::numbered(kept_, i); !fs::exists(file))
+        throw Error(ErrorKind::kInput, file.string(), "this frame of the unfinished run is gone",
+                    "Begin anew with --restart");
+  }
+  bool is_sequence() const { return sequence_; }
+
+ private:
+  fs::path out_, kept_;
+  double fps_;
+  int bits_, frames_;
+  bool sequence_ = false, deep_ = false;
+};
+
+/// A background, where the animation lies on it, and where the two together go.
+struct Composite {
+  transfer::Background background;
+  cv::Point at;
+  fs::path out;
+};
+
+std::optional<Composite> open_composite(const TransferCommand& command, cv::Size size, int frames) {
+  if (command.background.empty() != command.composite.empty())
+    throw Error(ErrorKind::kUsage, command.composite.empty() ? "--over" : "--composite",
+                command.composite.empty() ? "nothing says where the composite goes"
+                                          : "nothing says what lies behind the animation",
+                "Give both --over BACKGROUND and --composite FILE");
+  if (command.background.empty()) return std::nullopt;
+  Composite composite{.background = transfer::Background(command.background, frames),
+                      .at = parse_place(command.at),
+                      .out = command.composite};
+  if ((cv::Rect(composite.at, size) & cv::Rect({0, 0}, composite.background.size())).empty())
+    throw Error(
+        ErrorKind::kUsage, "--at " + command.at,
+        fmt::format("the animation of {} x {} px lies beside the background of {} x {}", size.width,
+                    size.height, composite.background.size().width, composite.background.size().height),
+        "Give its top left corner in the background, px");
+  if (media::is_pattern(composite.out)) check_output_folder(composite.out);
+  PictureSink(composite.out, composite.background.size(), frames, command.fps);
+  return composite;
+}
+
+/// All that decides the result, by the names of the options.
+nlohmann::json job_of(const TransferCommand& command, const transfer::DesignFiles& design,
+                      const transfer::ExemplarFiles& exemplar) {
+  const transfer::TransferOptions& options = command.options;
+  return {{"freshet", FRESHET_VERSION},
+          {"design", design.hash()},
+          {"exemplar", exemplar.hash()},
+          {"frames", design.frames()},
+          {"output", media::is_pattern(command.out) ? command.out.filename().string() : "one file"},
+          {"bits", media::is_pattern(command.out) ? command.bits : 16},
+          {"patch", options.patch},
+          {"lambda", options.lambda},
+          {"eta", options.eta},
+          {"blur-radius", options.radius},
+          {"lower", options.lower},
+          {"upper", options.upper},
+          {"levels", options.levels},
+          {"iterations", options.iterations},
+          {"passes", options.passes},
+          {"uniformity", command.uniformity},
+          {"initialise", command.initialise},
+          {"search", command.search},
+          {"rotations", command.rotations},
+          {"motion-blur", options.motion_blur},
+          {"seed", options.seed}};
+}
+
+nlohmann::json note_of(const transfer::SegmentUse& use) {
+  return {{"sources", use.sources},
+          {"targets", use.targets},
+          {"least", use.least},
+          {"remainder", use.remainder},
+          {"uniform", use.uniform()}};
+}
+
+nlohmann::json note_of(const transfer::TransferredFrame& frame) {
+  const transfer::StageSeconds& s = frame.seconds;
+  return {{"frame", frame.index},
+          {"boundary", note_of(frame.boundary)},
+          {"interior", note_of(frame.interior)},
+          {"violations", frame.violations},
+          {"mean_distance", frame.mean_distance},
+          {"remarks", frame.remarks},
+          {"seconds",
+           {{"prepare", s.prepare},
+            {"search", s.search},
+            {"assign", s.assign},
+            {"vote", s.vote},
+            {"blur", s.blur}}}};
+}
+
+/// What holds of all frames.
+nlohmann::json summary_of(const nlohmann::json& notes) {
+  int uniform = 0;
+  std::int64_t violations = 0;
+  double distance = 0;
+  nlohmann::json seconds = nlohmann::json::object();
+  for (const nlohmann::json& note : notes) {
+    uniform += note["boundary"]["uniform"].get<bool>() && note["interior"]["uniform"].get<bool>();
+    violations += note["violations"].get<std::int64_t>();
+    distance += note["mean_distance"].get<double>();
+    for (const auto& [stage, value] : note["seconds"].items())
+      seconds[stage] = seconds.value(stage, 0.0) + value.get<double>();
+  }
+  return {{"uniform_frames", uniform},
+          {"violations", violations},
+          {"mean_distance", distance / static_cast<double>(std::max<std::size_t>(1, notes.size()))},
+          {"seconds", seconds}};
+}
+
+transfer::TransferOptions engine_options(const TransferCommand& command) {
+  transfer::TransferOptions options = command.options;
+  options.retrieval =
+      command.uniformity == "off" ? transfer::Retrieval::kNearest : transfer::Retrieval::kUniform;
+  options.start = command.initialise == "random" ? transfer::Start::kRandom : transfer::Start::kWarped;
+  options.search = command.search == "exact" ? transfer::Search::kExact : transfer::Search::kPatchMatch;
+  options.quarter_turns = command.rotations == "4" ? 4 : 1;
+  return options;
+}
+
+transfer::ExemplarFiles open_exemplar(const TransferCommand& command, int frames) {
+  transfer::ExemplarOptions options = command.exemplar_options;
+  options.ground = command.ground == "black"   ? transfer::Ground::kBlack
+                   : command.ground == "white" ? transfer::Ground::kWhite
+                                               : transfer::Ground::kNone;
+  options.patch = command.options.patch;
+  options.frames = frames;
+  if (command.store.empty()) return {command.exemplar, options};
+  return {store::Store::open_read(command.store).snapshot(), command.exemplar, options};
+}
+
+void say_what_was_found(const TransferCommand& command, const transfer::DesignFiles& design,
+                        const transfer::ExemplarFiles& exemplar) {
+  for (const std::string& notice : exemplar.notices()) say(notice);
+  if (exemplar.opaque())
+    say(command.exemplar +
+        ": it has no transparency and is taken to be opaque: its look has no boundary. Give a mask with "
+        "--exemplar-alpha, or --ground black where it is light on black");
+  else if (design.full())
+    throw Error(
+        ErrorKind::kInput, command.alpha.string(),
+        "the masks are white everywhere in all frames, so the fluid has no outline to give the exemplar's to",
+        "Paint what is no fluid black, or give an opaque exemplar");
+  if (design.empty_frames() > 0)
+    say(fmt::format("{}: {} of {} masks are black everywhere; those frames are transparent",
+                    command.alpha.string(), design.empty_frames(), design.frames()));
+  if (const auto loop = exemplar.loop())
+    say(fmt::format(
+        "{}: {} frames for an animation of {}: looped from frame {} to {}, with a cross-fade of {}",
+        command.exemplar, exemplar.frames(), design.frames(), loop->from, loop->to, loop->fade));
+}
+
+void run_transfer(TransferCommand command, RunContext& context) {
+  const auto start = std::chrono::steady_clock::now();
+  const transfer::TransferOptions options = engine_options(command);
+  transfer::check(options);
+  if (!command.design.empty()) {
+    if (command.alpha.empty()) command.alpha = command.design / "alpha";
+    if (command.flow.empty()) command.flow = command.design / "flow";
+  }
+  if (command.alpha.empty() || command.flow.empty())
+    throw Error(ErrorKind::kUsage, "synth transfer", "the design is missing",
+                "Give --design FOLDER, or both --alpha-sequence and --flow-sequence");
+  Progress progress;
+  transfer::DesignFiles design(command.alpha, command.flow, command.frames);
+  transfer::ExemplarFiles exemplar = open_exemplar(command, design.frames());
+  design.check(
+      [&](std::size_t done, std::size_t of) { progress.show("checking the design", done, of, "frames"); },
+      context.stop);
+  FrameFiles files(command, design.size(), design.frames());
+  std::optional<Composite> composite = open_composite(command, design.size(), design.frames());
+  exemplar.check(
+      [&](std::size_t done, std::size_t of) { progress.show("checking the exemplar", done, of, "frames"); },
+      context.stop);
+  progress.finish();
+  say_what_was_found(command, design, exemplar);
+
+  const transfer::ResumeFolder kept(transfer::ResumeFolder::beside(command.out),
+                                    job_of(command, design, exemplar), command.restart);
+  files.keep_in(kept.path());
+  transfer::Transfer engine([&exemplar](int t) { return exemplar.at(t); }, options);
+  nlohmann::json notes = kept.resume(engine);
+  const int resumed = engine.frame();
+  files.require(resumed);
+  if (resumed > 0) say(fmt::format("{}: {} frames are there; going on", kept.path().string(), resumed));
+  const auto what_is_kept = [&](int frames) {
+    context.kept = fmt::format("{} of {} frames are kept in {}; the same command goes on from there", frames,
+                               design.frames(), kept.path().string());
+  };
+  what_is_kept(resumed);
+
+  std::set<std::string> said;
+  double write_s = 0;
+  for (int i = resumed; i < design.frames(); ++i) {
+    const auto stop_or_show = [&](double = 0) {
+      if (context.stop.stop_requested()) throw Error(ErrorKind::kCancelled, "transfer", "stopped");
+      progress.show("transfer", static_cast<std::size_t>(i), static_cast<std::size_t>(design.frames()),
+                    "frames");
+    };
+    stop_or_show();
+    const transfer::TransferredFrame frame = engine.next(design.read(i), stop_or_show);
+    for (const std::string& remark : frame.remarks)
+      if (said.insert(remark).second) say(fmt::format("frame {}: {}", i, remark));
+    const auto written = std::chrono::steady_clock::now();
+    files.write(i, frame.bgra);
+    notes.push_back(note_of(frame));
+    kept.keep(engine, notes);
+    what_is_kept(i + 1);
+    write_s += std::chrono::duration<double>(std::chrono::steady_clock::now() - written).count();
+  }
+
+  std::optional<PictureSink> sink, composed;
+  if (!files.is_sequence()) sink.emplace(command.out, design.size(), design.frames(), command.fps);
+  if (composite) composed.emplace(composite->out, composite->background.size(), design.frames(), command.fps);
+  for (int i = 0; (sink || composed) && i < design.frames(); ++i) {
+    if (context.stop.stop_requested()) throw Error(ErrorKind::kCancelled, "transfer", "stopped");
+    const cv::Mat picture = files.read(i);
+    if (sink) sink->write(picture);
+    if (composed) composed->write(transfer::lay_over(picture, composite->background.next(), composite->at));
+    progress.show("writing", static_cast<std::size_t>(i) + 1, static_cast<std::size_t>(design.frames()),
+                  "frames");
+  }
+  if (sink) sink->finish();
+  if (composed) composed->finish();
+  progress.finish();
+  kept.remove();
+  context.kept.clear();
+
+  const double total_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  const nlohmann::json summary = summary_of(notes);
+  if (command.json) {
+    nlohmann::json report = summary;
+    report["output"] = command.out.string();
+    if (composite) report["composite"] = composite->out.string();
+    report["frames"] = design.frames();
+    report["width"] = design.size().width;
+    report["height"] = design.size().height;
+    report["resumed_frames"] = resumed;
+    report["exemplar"] = {{"frames", exemplar.frames()},
+                          {"width", exemplar.size().width},
+                          {"height", exemplar.size().height},
+                          {"opaque", exemplar.opaque()}};
+    if (const auto loop = exemplar.loop())
+      report["exemplar"]["loop"] = {{"from", loop->from}, {"to", loop->to}, {"fade", loop->fade}};
+    report["seconds"]["write"] = write_s;
+    report["seconds"]["total"] = total_s;
+    report["by_frame"] = notes;
+    fmt::print("{}\n", report.dump(2));
+    return;
+  }
+  const auto stage = [&](const char* name) { return summary["seconds"].value(name, 0.0); };
+  say(fmt::format(
+      "{} frames of {} x {} in {:.1f} s (prepare {:.1f}, search {:.1f}, assign {:.1f}, vote {:.1f}, "
+      "blur {:.1f}); patches used uniformly in {} frames, {} violations",
+      design.frames(), design.size().width, design.size().height, total_s, stage("prepare"), stage("search"),
+      stage("assign"), stage("vote"), stage("blur"), summary["uniform_frames"].get<int>(),
+      summary["violations"].get<std::int64_t>()));
+  fmt::print("{}\n", command.out.string());
+  if (composite) fmt::print("{}\n", composite->out.string());
+}
+
+void add_inputs(CLI::App& sub, TransferCommand& command) {
+  const std::string look = "Look", design = "Design", output = "Output";
+  sub.add_option(
+         "--exemplar", command.exemplar,
+         "What the fluid shall look like: a picture with alpha, a folder or a pattern of such, a video, "
+         "or, with --store, the name of a clip. Frame i of the animation looks like frame i; where the "
+         "exemplar is shorter, it loops")
+      ->required()
+      ->group(look);
+  sub.add_option("--store", command.store, "The store that holds the exemplar [none: it is a file]")
+      ->group(look);
+  sub.add_option("--exemplar-alpha", command.exemplar_options.alpha,
+                 "Masks of the exemplar, white where the fluid is: one picture, or as many frames as it has "
+                 "(folder, pattern, video) [its own alpha; without any it is opaque]")
+      ->group(look);
+  sub.add_option("--ground", command.ground,
+                 "What the exemplar stands on, where it has no alpha: black (light on black: alpha is the "
+                 "brightest channel), white (dark on white), or none")
+      ->check(CLI::IsMember({"none", "black", "white"}))
+      ->capture_default_str()
+      ->group(look);
+  sub.add_option("--design", command.design,
+                 "A folder that freshet synth simulate left: its alpha/ and flow/")
+      ->group(design);
+  sub.add_option(
+         "--alpha-sequence", command.alpha,
+         "Where the fluid is, frame by frame: grey pictures or their alpha (a folder, masks/%05d.png, "
+         "masks.####.png), or a video")
+      ->group(design);
+  sub.add_option(
+         "--flow-sequence", command.flow,
+         "How it moves, px to the next frame: .flo (y down) or .exr (channels u and v, y up), a folder or "
+         "a pattern")
+      ->group(design);
+  sub.add_option("--frames", command.frames, "Only so many of the first frames [all]")
+      ->check(CLI::Range(1, 1000000))
+      ->group(design);
+  sub.add_option(
+         "-o,--output", command.out,
+         "The animation with straight alpha: frames/%05d.png (or .tif), .mkv (FFV1, lossless), .mov (ProRes "
+         "4444), .webp or .apng. A run that was stopped goes on where it was: it keeps a folder that "
+         "ends in .resume beside the output")
+      ->required()
+      ->group(output);
+  sub.add_option("--bits", command.bits, "Bits a channel of .png, .tif and .mkv: 8 or 16; ProRes has its own")
+      ->check(CLI::IsMember({8, 16}))
+      ->capture_default_str()
+      ->group(output);
+  sub.add_option("--fps", command.fps, "Frames a second of a video")
+      ->check(CLI::Range(1.0, 240.0))
+      ->capture_default_str()
+      ->group(output);
+  sub.add_option("--over", command.background,
+                 "Background of the composite: a picture, or as many frames (folder, pattern, video)")
+      ->group(output);
+  sub.add_option("--composite", command.composite,
+                 "Also write the animation over the background (.mp4, .mkv, ...)")
+      ->group(output);
+  sub.add_option("--at", command.at, "Where the animation's top left corner lies in the background, px")
+      ->type_name("X,Y")
+      ->capture_default_str()
+      ->group(output);
+  sub.add_flag("--restart", command.restart, "Begin anew, whatever an unfinished run has left [off]")
+      ->group(output);
+}
+
+}  // namespace
+
+void add_transfer(CLI::App& synth_command, RunContext& context) {
+  auto command = std::make_shared<TransferCommand>();
+  CLI::App* sub = synth_command.add_subcommand(
+      "transfer", "Give a designed motion the look of an exemplar (after Jamriska et al. 2015)");
+  add_inputs(*sub, *command);
+  transfer::TransferOptions& options = command->options;
+  const std::string group = "Transfer";
+  const auto number = [&](const char* name, auto& value, const char* text, auto least, auto most) {
+    sub->add_option(name, value, text)->check(CLI::Range(least, most))->capture_default_str()->group(group);
+  };
+  const auto choice = [&](const char* name, std::string& value, const char* text,
+                          std::vector<std::string> values) {
+    sub->add_option(name, value, text)->check(CLI::IsMember(values))->capture_default_str()->group(group);
+  };
+  number("--patch", options.patch, "Side of a patch, px, odd", 3, 9);
+  number("--lambda", options.lambda, "Weight of temporal coherence, 0 to 1", 0.0, 1.0);
+  number("--eta", options.eta, "Weight of the distance to the outline; less: more varied boundaries", 0.0,
+         16.0);
+  number("--blur-radius", options.radius, "Blur of the masks that finds the boundary, px", 0.5, 50.0);
+  number("--lower", options.lower, "Blurred alpha from which on there is boundary, 0 to 1", 0.0, 1.0);
+  number("--upper", options.upper, "Blurred alpha from which on there is interior, 0 to 1", 0.0, 1.0);
+  number("--levels", options.levels, "Levels of the pyramid; 0: down to 24 px", 0, 10);
+  number("--iterations", options.iterations, "Of retrieval and vote, a level", 1, 100);
+  number("--passes", options.passes, "Of PatchMatch, a retrieval", 1, 100);
+  number("--motion-blur", options.motion_blur, "Length of the blur along the motion, frames", 0.0, 4.0);
+  choice("--rotations", command->rotations, "Quarter turns of the exemplar that are used: 1 (as it is) or 4",
+         {"1", "4"});
+  choice("--uniformity", command->uniformity,
+         "on: every patch of the exemplar is used as often as every other; off: Kwatra et al. 2005, which "
+         "washes out",
+         {"on", "off"});
+  choice("--initialise", command->initialise,
+         "A frame begins from the one before, warped along the motion, or from random patches",
+         {"warped", "random"});
+  choice("--search", command->search,
+         "patchmatch, or exact (every patch with every other; small pictures only)", {"patchmatch", "exact"});
+  sub->add_option("--seed", options.seed, "Another seed, another animation of the same kind")
+      ->capture_default_str()
+      ->group(group);
+  sub->add_flag("--json", command->json,
+                "Print a report as JSON: uniformity, violations, distance and seconds by stage, by frame");
+  add_threads(*sub);
+  sub->callback([command, &context] { run_transfer(*command, context); });
+}
+
+}  // namespace freshet::tools
