@@ -68,7 +68,7 @@ TEST(FullDisk, ARealOneIsAnsweredTheSame) {
   fs::create_directories(folder / "small");
   const Outcome outcome =
       folder.run({"unshare", "-rm", "sh", "-c",
-                  "mount -t tmpfs -o size=2m t small && \"$@\"; code=$?; ls -A small; exit $code", "sh",
+                  "mount -t tmpfs -o size=1m t small && \"$@\"; code=$?; ls -A small; exit $code", "sh",
                   executable(), "ingest", "small/a.store", sample().clips});
   EXPECT_EQ(outcome.exit_code, 1) << outcome.err;
   EXPECT_EQ(outcome.out, "") << "nothing is left in the folder";
