@@ -29,7 +29,7 @@ constexpr std::size_t most_values(Part part) { return part == kMotion ? 512 : 11
 /// Looks of some cells, part by part, each part cell by cell: distances in them are those of kLog or kPower.
 /// features   as vision::patch_features, a multiple of shape.channels() values.
 /// looks      as many.
-/// Cost       kLog: 30 ns a cell of 22 values with AVX2.
+/// Cost       kLog: 50 ns a cell of 22 values with AVX-512.
 void find_looks(const FeatureShape& shape, std::span<const float> features, std::span<std::int16_t> looks);
 void find_looks(const FeatureShape& shape, std::span<const float> features, std::span<float> looks);
 

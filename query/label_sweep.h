@@ -32,9 +32,9 @@ struct SweepOptions {
 };
 
 /// A labelling for each variation, in their order: bit for bit those that label() gives with the same
-/// options. Neighbours are compared once for each form of costs; solvers run beside each other, a thread
-/// each. progress   called from many threads with the number of labellings done; may be empty. Throws     as
-/// check_weights, before anything is computed, and Error{kCancelled}.
+/// options. Neighbours are compared once for each form of costs; solvers run beside each other.
+/// progress   called from many threads with the number of labellings done; may be empty.
+/// Throws     as check_weights, before anything is computed, and Error{kCancelled}.
 std::vector<SweptLabelling> label_variations(const store::Snapshot& snapshot, const CandidateSearch& search,
                                              std::span<const LabelVariation> variations,
                                              const SweepOptions& options = {},

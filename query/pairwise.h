@@ -97,9 +97,9 @@ Mrf unconnected_field(const Target& target, const Candidates& candidates);
 
 /// The field of a picture: nodes in the order of its pieces, V = 1 - score; edges in the order of
 /// target.edges. The candidates' features are read once, in batches of rows of pieces where they do not fit
-/// 256 MB. All threads; the same bits for any number. Cost, 500 pieces of 120 candidates, two cores: 0.5 s.
-/// Throws Error{kCancelled} when stopped, and as check_weights. The parts that it weighs and adds are those
-/// of pairwise_parts.h: the same bits as when they are kept and combined.
+/// 512 MB. All threads; the same bits for any number. Cost, 500 pieces of 120 candidates: 1.0 to 1.7 s of
+/// CPU. Throws Error{kCancelled} when stopped, and as check_weights. The parts that it weighs and adds are
+/// those of pairwise_parts.h: the same bits as when they are kept and combined.
 Mrf build_mrf(const Target& target, const Candidates& candidates, const FeatureShape& shape,
               const PairwiseOptions& options, const FeatureSource& source, std::stop_token stop = {});
 

@@ -32,7 +32,7 @@ struct PartsWanted {
   std::vector<bool> pieces, edges;
   /// For features. Where those of all pieces do not fit, they are read in batches of rows of pieces, and what
   /// two batches share is read twice; two rows are held in any case (half a megabyte a piece).
-  std::size_t memory_bytes = std::size_t{256} << 20;
+  std::size_t memory_bytes = std::size_t{512} << 20;
 };
 
 /// Where parts go; what is handed over lasts for the call. Both are called from many threads, once a piece

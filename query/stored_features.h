@@ -17,8 +17,8 @@ class StoredFeatures {
  public:
   /// Throws as feature_shape.
   StoredFeatures(const store::Snapshot& snapshot, const vision::Settings& settings, const PatchTable& table);
-  /// This, as build_mrf takes it; must not outlive it. Cost of reading, two cores: all 46 clips of 357,650
-  /// patches, 270 MB of cells: 0.2 s; 10 million of a patch's cells a second and core besides.
+  /// This, as build_mrf takes it; must not outlive it. Cost of reading: 20 million cells a second and core,
+  /// and the decoding of each clip that is read from.
   FeatureSource source() const&;
   FeatureSource source() && = delete;
 
