@@ -29,6 +29,9 @@ struct AssignedPiece {
   bool operator==(const AssignedPiece&) const = default;
 };
 
+/// The gap that a labelling should end at, and that its user is told of.
+inline constexpr double kGapAimed = 0.01;
+
 struct Assignment {
   cv::Size picture;        // px
   double piece_scale = 1;  // pieces lie on the picture reduced by this (picture_scale.h), and all px below
@@ -41,6 +44,8 @@ struct Assignment {
   double lower_bound = 0;  // -inf: not known
   /// (energy - bound) / |bound|, how far above the best it can at most be; inf without a bound.
   double gap() const;
+  /// True when the gap is known and at most kGapAimed.
+  bool reaches_gap() const { return gap() <= kGapAimed; }
   bool operator==(const Assignment&) const = default;
 };
 

@@ -54,14 +54,21 @@ LabelRun label_with_progress(const store::Snapshot& snapshot, const TargetFiles:
   return run;
 }
 
+std::string gap_text(const query::Assignment& assignment) {
+  const double aimed = 100 * query::kGapAimed, gap = 100 * assignment.gap();
+  if (!std::isfinite(gap)) return fmt::format("no bound, so that a gap of at most {}% is not known", aimed);
+  return assignment.reaches_gap() ? fmt::format("gap {:.2f}%, at most {}% as it should be", gap, aimed)
+                                  : fmt::format("gap {:.2f}%, more than the {}% aimed at", gap, aimed);
+}
+
 std::string label_summary(const LabelRun& run) {
   const query::Assignment& a = run.labelling.assignment;
   const query::LabelSeconds& s = run.labelling.seconds;
   const double open = run.base->seconds;
   std::string text = fmt::format("{} pieces from {} clips, {}, energy {:.4f}", a.pieces.size(),
                                  a.clips.size(), a.minimizer, a.energy);
-  if (std::isfinite(a.lower_bound))
-    text += fmt::format(", bound {:.4f}, gap {:.2f}%", a.lower_bound, 100 * a.gap());
+  if (std::isfinite(a.lower_bound)) text += fmt::format(", bound {:.4f}", a.lower_bound);
+  text += ", " + gap_text(a);
   return text +
          fmt::format(", {:.1f} s (index {:.1f}, pieces {:.1f}, search {:.1f}, costs {:.1f}, solver {:.1f})",
                      open + s.cut + s.search + s.costs + s.minimize, open, s.cut, s.search, s.costs,

@@ -28,6 +28,9 @@ LabelRun label_with_progress(const store::Snapshot& snapshot, const TargetFiles:
                              const LabelOptions& labelling, const Duration& duration,
                              const RunContext& context, query::LabelCache* cache = nullptr);
 
+/// How far the energy can be above the least one, and whether that is within query::kGapAimed.
+std::string gap_text(const query::Assignment& assignment);
+
 /// One line: pieces, energy, bound, gap, seconds by stage.
 std::string label_summary(const LabelRun& run);
 

@@ -204,6 +204,8 @@ void run_label(const LabelCommand& command, const RunContext& context) {
       json["lower_bound"] = assignment.lower_bound;
       json["gap"] = assignment.gap();
     }
+    json["gap_aimed"] = query::kGapAimed;
+    json["gap_reached"] = assignment.reaches_gap();
     json["assignment"] = nlohmann::json::parse(query::to_json(assignment));
     fmt::print("{}\n", json.dump(2));
     return;

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <opencv2/imgproc.hpp>
 
+#include "query/assignment.h"
 #include "query/benchmark/html_text.h"
 
 namespace freshet::tools {
@@ -81,6 +82,8 @@ if (!matchMedia('(prefers-reduced-motion: reduce)').matches) play();
 std::string energy_text(const SweptAnimation& animation) {
   std::string text = fmt::format("energy {:.2f}", animation.energy);
   if (std::isfinite(animation.gap)) text += fmt::format(", gap {:.2f}%", 100 * animation.gap);
+  if (std::isfinite(animation.gap) && animation.gap > query::kGapAimed)
+    text += fmt::format(", above {}%", 100 * query::kGapAimed);
   return text;
 }
 

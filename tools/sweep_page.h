@@ -19,7 +19,7 @@ struct SweptAnimation {
   cv::Mat frame;                  // one of it, CV_8UC3
 };
 
-/// "energy 350.73, gap 0.01%"
+/// "energy 350.73, gap 0.01%", with ", above 1%" where it is more than query::kGapAimed.
 std::string energy_text(const SweptAnimation& animation);
 
 /// The still, then a frame of each animation, with its title and energy below. CV_8UC3; cells of at most

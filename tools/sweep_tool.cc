@@ -146,6 +146,7 @@ nlohmann::json report_of(const std::vector<SweepPoint>& points, const std::vecto
                     {"video", animations[i].video},
                     {"assignment", animations[i].assignment}});
     if (std::isfinite(animations[i].gap)) list.back()["gap"] = animations[i].gap;
+    list.back()["gap_reached"] = animations[i].gap <= query::kGapAimed;
   }
   return {{"pieces", search.target.size()},
           {"edges", search.target.edges.size()},

@@ -81,6 +81,38 @@ TEST(MainJob, AnEnergyIsNotBelowItsBoundAndTheAssignmentIsWrittenAsPrinted) {
   EXPECT_EQ(written["pieces"].size(), printed["pieces"].get<std::size_t>());
 }
 
+TEST(MainJob, LabellingSaysWhetherItsGapIsAsSmallAsItShouldBe) {
+  const std::vector<std::string> kCut{"--lambda", "1", "--vote", "0", "--iterations", "1"};
+  const WorkFolder folder;
+  const auto printed = [&](std::vector<std::string> more) {
+    more.push_back("--json");
+    const Outcome outcome = label(folder, more);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    return json::parse(outcome.out);
+  };
+  const json whole = printed({}), cut = printed(kCut), icm = printed({"--solver", "icm"});
+  EXPECT_LE(whole["gap"].get<double>(), 0.01);
+  EXPECT_EQ(whole["gap_aimed"], 0.01);
+  EXPECT_EQ(whole["gap_reached"], true);
+  EXPECT_GT(cut["gap"].get<double>(), 0.01);
+  EXPECT_EQ(cut["gap_reached"], false);
+  EXPECT_FALSE(icm.contains("gap"));
+  EXPECT_EQ(icm["gap_reached"], false);
+  const auto says = [](const std::string& text, const std::string& words) {
+    EXPECT_NE(text.find(words), std::string::npos) << text;
+  };
+  const std::string text = label(folder).out;
+  for (const char* words : {", energy ", ", bound ", ", gap ", "%, at most 1% as it should be"})
+    says(text, words);
+  says(label(folder, kCut).out, "%, more than the 1% aimed at");
+  says(label(folder, {"--solver", "icm"}).out, "no bound, so that a gap of at most 1% is not known");
+  const Outcome animated = folder.freshet({"synth", "animate", sample().store, sample().still, "--matte",
+                                           sample().matte, "--frames", "8", "-o", "out.mkv"});
+  ASSERT_EQ(animated.exit_code, 0) << animated.err;
+  for (const char* words : {", energy ", ", bound ", ", gap ", "%, at most 1% as it should be"})
+    says(animated.err, words);
+}
+
 TEST(MainJob, OneThreadAndTwoChooseTheSame) {
   const WorkFolder folder;
   ASSERT_EQ(label(folder, {"-o", "one.json", "-j", "1"}).exit_code, 0);

@@ -36,6 +36,8 @@ TEST(Sweep, MakesAllCombinationsAndAPageThatNamesOnlyItsOwnFiles) {
   EXPECT_EQ(report["combinations"][1]["settings"], (json{{"sigma", "0.125"}, {"blend", "paper"}}));
   EXPECT_EQ(report["combinations"][0]["energy"], report["combinations"][1]["energy"]);
   EXPECT_EQ(report["combinations"][0]["changed"], 0);
+  for (const json& one : report["combinations"])
+    EXPECT_EQ(one["gap_reached"], one["gap"].get<double>() <= 0.01);
   const std::string page = text_of(folder / "out/index.html");
   for (const json& one : report["combinations"]) {
     EXPECT_GT(fs::file_size(folder / "out" / one["video"].get<std::string>()), 500U);
