@@ -24,7 +24,7 @@ class PlayOptions {
   double speed_ = 1;
   std::filesystem::path map_;
   std::string resampling_ = "flow";
-  int memory_mb_ = 1500;
+  int memory_mb_ = 2000;
 };
 
 }  // namespace freshet::tools

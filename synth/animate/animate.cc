@@ -1,6 +1,7 @@
 #include "synth/animate/animate.h"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <map>
@@ -11,6 +12,8 @@
 #include <utility>
 
 #include <oneapi/tbb/parallel_for.h>
+#include <oneapi/tbb/parallel_invoke.h>
+#include <oneapi/tbb/task_group.h>
 #include <opencv2/imgproc.hpp>
 
 #include "freshet_error.h"
@@ -116,6 +119,57 @@ class CarriedFrames {
   std::vector<CarriedFrame> frames_;
 };
 
+/// Hands finished frames on, in order, while others are made.
+class Handover {
+ public:
+  explicit Handover(const std::function<void(const cv::Mat&)>& sink) : sink_(sink) {}
+  Handover(const Handover&) = delete;
+  Handover& operator=(const Handover&) = delete;
+  ~Handover() {
+    try {
+      group_.wait();
+    } catch (...) {  // what is on its way out already is said instead
+    }
+  }
+
+  /// Waits until those before are handed on; throws what the sink threw.
+  void take(std::vector<cv::Mat> frames) {
+    wait();
+    frames_ = std::move(frames);
+    group_.run([this] {
+      for (const cv::Mat& frame : frames_) sink_(frame);
+    });
+  }
+  void wait() { group_.wait(); }
+
+ private:
+  const std::function<void(const cv::Mat&)>& sink_;
+  std::vector<cv::Mat> frames_;
+  oneapi::tbb::task_group group_;
+};
+
+/// The picture's luma as a long exposure along the motion; and what its colour does beside its luminance,
+/// which keeps its place and is as blurred: CV_32FC3, BGR.
+std::pair<cv::Mat, cv::Mat> exposed(const cv::Mat& target, const cv::Mat& luma, const ColourModel& colours,
+                                    const cv::Mat& alpha, const cv::Mat& motion,
+                                    const BaseImageOptions& options) {
+  std::array<cv::Mat, 3> own;
+  {
+    cv::Mat modelled;
+    apply_colour(colours, luma, modelled);
+    cv::split(target - modelled, own.data());
+  }
+  // The model keeps luma: two of the three colours tell the third, and one pass blurs all.
+  cv::Mat together;
+  cv::merge(std::vector<cv::Mat>{luma, own[0], own[2]}, together);
+  std::array<cv::Mat, 3> blurred;
+  cv::split(base_image(together, alpha, motion, options), blurred.data());
+  const cv::Mat green = -(kBlueLuma * blurred[1] + kRedLuma * blurred[2]) / kGreenLuma;
+  cv::Mat own_colour;
+  cv::merge(std::vector<cv::Mat>{blurred[1], green, blurred[2]}, own_colour);
+  return {blurred[0], own_colour};
+}
+
 /// The outline carried along by the motion of what is shown, output frame by output frame in `order`.
 BoundarySequence boundary_of(const store::Snapshot& snapshot, const vision::Settings& settings,
                              const Placement& placement,
@@ -215,19 +269,19 @@ AnimateReport animate(const store::Snapshot& snapshot, const vision::Settings& s
   picture.convertTo(target, CV_32F, 1.0 / 255);
   matte.convertTo(alpha, CV_32F, 1.0 / 255);
   const cv::Mat target_luma = luma_of(target);
-  const cv::Mat motion = steered(motion_field(snapshot, settings, placement, picture.size()), options.guide);
-  const cv::Mat base_luma = base_image(target_luma, alpha, motion, options.base);
+  cv::Mat motion;
+  ColourModel colours;
+  oneapi::tbb::parallel_invoke(
+      [&] { motion = steered(motion_field(snapshot, settings, placement, picture.size()), options.guide); },
+      [&] {
+        colours =
+            fit_colour(target, target_luma, alpha, static_cast<int>(std::lround(12 * placement.piece_scale)));
+      });
+  auto [base_luma, own_colour] = exposed(target, target_luma, colours, alpha, motion, options.base);
   std::optional<CarriedFrames> carried;
   if (options.carry.share > 0)
     carried.emplace(CarriedBase(target, target_luma, alpha, motion, options.fps, options.carry),
                     budget.carried_kept);
-  ColourModel colours =
-      fit_colour(target, target_luma, alpha, static_cast<int>(std::lround(12 * placement.piece_scale)));
-  // What colour does beside luminance keeps its place, as blurred as the rest.
-  cv::Mat modelled;
-  apply_colour(colours, target_luma, modelled);
-  cv::Mat own_colour = base_image(target - modelled, alpha, motion, options.base);
-  modelled.release();
   // The fluid's layers go on beyond the still matte, for a moving one to uncover.
   if (moving_boundary)
     for (cv::Mat* layer : {&own_colour, &colours.slope, &colours.offset})
@@ -292,6 +346,7 @@ AnimateReport animate(const store::Snapshot& snapshot, const vision::Settings& s
   std::optional<BoundarySequence> boundary;
   if (moving_boundary)
     boundary.emplace(boundary_of(snapshot, settings, placement, layers, alpha, motion, order, options));
+  Handover handover(sink);
   for (int first = 0; first < options.frames; first += batch) {
     const int count = std::min(batch, options.frames - first);
     const std::span<const int> outputs = std::span(order).subspan(first, count);
@@ -299,7 +354,7 @@ AnimateReport animate(const store::Snapshot& snapshot, const vision::Settings& s
       for (const auto& layer : layers) blend(*layer, outputs);
       report.blend_s += watch.lap();
     }
-    for (int done = 0; done < count; done += kRendered) {
+    for (int done = 0; done < count;) {
       throw_if_stopped(stop);
       std::vector<cv::Mat> finished(std::min(kRendered, count - done)), mattes(finished.size(), alpha);
       if (boundary)
@@ -316,11 +371,14 @@ AnimateReport animate(const store::Snapshot& snapshot, const vision::Settings& s
                                  : merged(in_one ? output : done + static_cast<int>(i), brought);
         finished[i] = render(luma, mattes[i], brought);
       });
-      for (const cv::Mat& frame : finished) sink(frame);
-      tell("render", first + done + finished.size(), options.frames);
+      handover.take(std::move(finished));
+      done += kRendered;
+      tell("render", first + std::min(done, count), options.frames);
     }
     report.render_s += watch.lap();
   }
+  handover.wait();
+  report.render_s += watch.lap();
   for (const auto& layer : layers) report.decode_s += layer->read_s();
   report.blend_s -= report.decode_s;
   report.total_s = total.lap();

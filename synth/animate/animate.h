@@ -35,7 +35,7 @@ struct AnimateOptions {
   /// Frames are made in batches that fit into this, as far as the picture itself leaves room: beside the
   /// batch some 280 bytes a pixel are needed (0.26 GB at 1280 x 720, 2.3 GB at 3840 x 2160). When all frames
   /// fit, each clip is read once, else about three times.
-  std::size_t memory_bytes = std::size_t{1500} << 20;
+  std::size_t memory_bytes = std::size_t{2000} << 20;
   BlendOptions blend;
   BaseImageOptions base;
   CarriedBaseOptions carry;
@@ -59,7 +59,8 @@ struct AnimateProgress {
   std::size_t done = 0, of = 0;
 };
 
-/// Renders the animation frame by frame into `sink`: CV_8UC3, the picture's size, in order.
+/// Renders the animation frame by frame into `sink`: CV_8UC3, the picture's size, in order, one at a time,
+/// while the next ones are made.
 ///
 /// picture    CV_8UC3 BGR. matte CV_8U, same size; where it is 0 every output pixel equals the picture's.
 /// placement  clips that do not last frames / fps seconds are played again by their loop rules (timeline.h).

@@ -22,7 +22,7 @@ cv::Mat window_mean(const cv::Mat& values, int radius) {
 
 cv::Mat luma_of(const cv::Mat& bgr) {
   cv::Mat luma;
-  cv::transform(bgr, luma, cv::Matx13f(0.114f, 0.587f, 0.299f));
+  cv::transform(bgr, luma, cv::Matx13f(kBlueLuma, kGreenLuma, kRedLuma));
   return luma;
 }
 

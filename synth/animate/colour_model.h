@@ -24,6 +24,7 @@ ColourModel fit_colour(const cv::Mat& bgr, const cv::Mat& luma, const cv::Mat& m
 void apply_colour(const ColourModel& model, const cv::Mat& luma, cv::Mat& bgr);
 
 /// ITU-R BT.601 luma of BGR in 0..1.
+inline constexpr float kBlueLuma = 0.114f, kGreenLuma = 0.587f, kRedLuma = 0.299f;
 cv::Mat luma_of(const cv::Mat& bgr);
 
 }  // namespace freshet::synth

@@ -9,8 +9,6 @@
 namespace freshet::synth {
 namespace {
 
-constexpr float kBlueLuma = 0.114f, kGreenLuma = 0.587f, kRedLuma = 0.299f;  // as luma_of has them
-
 // Luma keeps what the chroma of the other two gives it.
 FRESHET_WIDE void green_chroma(const float* blue, const float* red, int n, float* green) {
   for (int i = 0; i < n; ++i) green[i] = -(kBlueLuma * blue[i] + kRedLuma * red[i]) / kGreenLuma;
