@@ -30,6 +30,7 @@
 #include "bench/cost_measure.h"
 #include "bench/cost_page.h"
 #include "bench/machine.h"
+#include "bench/page_cache.h"
 #include "bench/scaled_store.h"
 #include "bench/seeded_random.h"
 #include "freshet_error.h"

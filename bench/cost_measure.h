@@ -34,10 +34,4 @@ nlohmann::json measure(const std::filesystem::path& store, Measurement what,
 /// "peak" of both.
 nlohmann::json memory_now();
 
-/// Share of a file's pages in the system's cache, 0..1.
-double cached_share(const std::filesystem::path& file);
-
-/// Asks the system to forget the file's pages; those that another process maps stay.
-void drop_from_cache(const std::filesystem::path& file);
-
 }  // namespace freshet::bench
