@@ -1,20 +1,14 @@
 #include <algorithm>
-#include <cstdio>
 #include <memory>
-#include <optional>
-#include <vector>
 
 #include <fmt/format.h>
 
 #include "freshet_error.h"
-#include "media/motion_file.h"
 #include "media/picture.h"
-#include "media/picture_sequence.h"
 #include "synth/animate/animate.h"
 #include "synth/animate/assigned.h"
 #include "synth/animate/frame_sheet.h"
 #include "synth/animate/motion_field.h"
-#include "synth/simulate/simulate.h"
 #include "tools/boundary_options.h"
 #include "tools/cache_options.h"
 #include "tools/commands.h"
@@ -124,51 +118,6 @@ void run_animate(AnimateCommand& command, const RunContext& context) {
     if (!path.empty()) fmt::print("{}\n", path);
 }
 
-struct SimulateCommand {
-  std::string preset, out, alpha, motion;
-  synth::simulate::SceneOptions scene;
-};
-
-cv::Size parse_size(const std::string& text) {
-  int width = 0, height = 0;
-  char rest = 0;
-  if (std::sscanf(text.c_str(), "%dx%d%c", &width, &height, &rest) != 2)
-    throw CLI::ValidationError("--size", "expected WIDTHxHEIGHT, for example 640x360, not " + text);
-  return {width, height};
-}
-
-void run_simulate(const SimulateCommand& command, const RunContext& context) {
-  synth::simulate::SceneOptions scene = command.scene;
-  scene.preset = synth::simulate::parse_preset(command.preset);
-  synth::simulate::check(scene);
-  if (!command.motion.empty() && !media::is_pattern(command.motion))
-    throw Error(ErrorKind::kUsage, "--motion " + command.motion,
-                "a numbered sequence is needed, one file a frame", "For example --motion motion/%05d.flo");
-  PictureSink sink(command.out, scene.size, scene.frames, scene.fps);
-  std::optional<PictureSink> alpha;
-  if (!command.alpha.empty()) alpha.emplace(command.alpha, scene.size, scene.frames, scene.fps);
-
-  synth::simulate::Simulation simulation(scene);
-  synth::simulate::SimulatedFrame frame;
-  cv::Mat alpha_picture;
-  Progress progress;
-  for (int i = 0; simulation.next(frame); ++i) {
-    if (context.stop.stop_requested()) throw Error(ErrorKind::kCancelled, "simulate", "stopped");
-    sink.write(frame.picture);
-    if (alpha) {
-      cv::merge(std::vector<cv::Mat>(3, frame.alpha), alpha_picture);
-      alpha->write(alpha_picture);
-    }
-    if (!command.motion.empty()) media::write_motion(media::numbered(command.motion, i), frame.motion);
-    progress.show(command.preset, i + 1, scene.frames, "frames");
-  }
-  sink.finish();
-  if (alpha) alpha->finish();
-  progress.finish();
-  for (const std::string& path : {command.out, command.alpha, command.motion})
-    if (!path.empty()) fmt::print("{}\n", path);
-}
-
 void add_animate(CLI::App& synth_command, RunContext& context) {
   auto command = std::make_shared<AnimateCommand>();
   CLI::App* sub =
@@ -242,38 +191,11 @@ void add_animate(CLI::App& synth_command, RunContext& context) {
   });
 }
 
-void add_simulate(CLI::App& synth_command, RunContext& context) {
-  auto command = std::make_shared<SimulateCommand>();
-  CLI::App* sub = synth_command.add_subcommand("simulate", "Render a clip of a simulated fluid");
-  sub->add_option("PRESET", command->preset, "smoke, fire, ink, waterfall, river or clouds")->required();
-  sub->add_option("-o,--output", command->out,
-                  "The clip: .mkv (lossless), .mp4, ..., a sequence, or one picture with --frames 1")
-      ->required();
-  sub->add_option_function<std::string>(
-         "--size", [command](const std::string& text) { command->scene.size = parse_size(text); }, "Size, px")
-      ->type_name("WxH")
-      ->default_str("640x360");
-  sub->add_option("--frames", command->scene.frames, "Frames")
-      ->check(CLI::Range(1, 100000))
-      ->capture_default_str();
-  sub->add_option("--fps", command->scene.fps, "Frames a second")
-      ->check(CLI::Range(1.0, 240.0))
-      ->capture_default_str();
-  sub->add_option("--seed", command->scene.seed, "Another seed, another scene of the same kind")
-      ->capture_default_str();
-  sub->add_option("--alpha", command->alpha, "Also write how much of each pixel the fluid covers, in grey");
-  sub->add_option("--motion", command->motion,
-                  "Also write motion fields, px a frame, as Middlebury .flo or OpenEXR, numbered from 0 as "
-                  "pictures are: motion/%05d.flo");
-  add_threads(*sub);
-  sub->callback([command, &context] { run_simulate(*command, context); });
-}
-
 }  // namespace
 
 void add_synth(CLI::App& app, RunContext& context) {
   CLI::App* synth_command =
-      app.add_subcommand("synth", "Synthesise: animate a picture, simulate a clip, or transfer a look");
+      app.add_subcommand("synth", "Synthesise: animate a picture, simulate a fluid, or transfer a look");
   synth_command->require_subcommand(1);
   add_animate(*synth_command, context);
   add_sweep(*synth_command, context);

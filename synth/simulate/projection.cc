@@ -20,15 +20,18 @@ struct Level {
   Grid inverse_diagonal;  // 0 in cells without a passable face
   Grid pressure, rhs, residual;
 
-  Level(Grid fx, Grid fy)
-      : width(fy.width),
-        height(fx.height),
-        face_x(std::move(fx)),
-        face_y(std::move(fy)),
-        inverse_diagonal(width + 2, height + 2),
-        pressure(width + 2, height + 2),
-        rhs(width + 2, height + 2),
-        residual(width + 2, height + 2) {
+  Level(int w, int h)
+      : width(w),
+        height(h),
+        face_x(w + 1, h),
+        face_y(w, h + 1),
+        inverse_diagonal(w + 2, h + 2),
+        pressure(inverse_diagonal),
+        rhs(inverse_diagonal),
+        residual(inverse_diagonal) {}
+
+  /// After the faces.
+  void set_diagonal() {
     for (int y = 0; y < height; ++y) {
       for (int x = 0; x < width; ++x) {
         const float sum = face_x(x, y) + face_x(x + 1, y) + face_y(x, y) + face_y(x, y + 1);
@@ -76,9 +79,9 @@ void apply_laplacian(const Level& level, const Grid& in, Grid& out) {
   });
 }
 
-Level coarsened(const Level& fine) {
-  const int width = (fine.width + 1) / 2, height = (fine.height + 1) / 2;
-  Grid fx(width + 1, height), fy(width, height + 1);
+void coarsen(const Level& fine, Level& coarse) {
+  const int width = coarse.width, height = coarse.height;
+  Grid &fx = coarse.face_x, &fy = coarse.face_y;
   // A coarse face is twice as long and its cells lie twice as far apart: the mean of the two fine faces.
   for (int y = 0; y < height; ++y) {
     for (int x = 0; x <= width; ++x) {
@@ -94,7 +97,7 @@ Level coarsened(const Level& fine) {
       fy(x, y) = 0.5f * (fine.face_y(2 * x, from) + second);
     }
   }
-  return Level(std::move(fx), std::move(fy));
+  coarse.set_diagonal();
 }
 
 void restrict_residual(Level& fine, Level& coarse) {
@@ -196,21 +199,36 @@ struct Projection::Impl {
 
 Projection::Projection(const Grid& face_x, const Grid& face_y) : impl_(std::make_unique<Impl>()) {
   Impl& m = *impl_;
-  m.levels.emplace_back(face_x, face_y);
-  while (std::min(m.levels.back().width, m.levels.back().height) > kCoarsestSide) {
-    m.levels.push_back(coarsened(m.levels.back()));
-  }
+  m.levels.emplace_back(face_y.width, face_x.height);
+  while (std::min(m.levels.back().width, m.levels.back().height) > kCoarsestSide)
+    m.levels.emplace_back((m.levels.back().width + 1) / 2, (m.levels.back().height + 1) / 2);
   const Level& top = m.levels.front();
   m.pressure = m.direction = m.product = m.residual = Grid(top.width + 2, top.height + 2);
   m.row_sums.resize(static_cast<std::size_t>(top.height));
-  for (const float inverse : top.inverse_diagonal.values) m.fluid_cells += inverse > 0.0f;
+  reset(face_x, face_y);
+}
+
+void Projection::reset(const Grid& face_x, const Grid& face_y) {
+  Impl& m = *impl_;
+  Level& top = m.levels.front();
+  top.face_x.values = face_x.values, top.face_y.values = face_y.values;  // same size: no allocation
+  top.set_diagonal();
+  for (std::size_t i = 1; i < m.levels.size(); ++i) coarsen(m.levels[i - 1], m.levels[i]);
+  m.fluid_cells = 0, m.open = false;
+  for (int y = 1; y <= top.height; ++y) {
+    for (int x = 1; x <= top.width; ++x) {
+      const bool fluid = top.inverse_diagonal(x, y) > 0.0f;
+      m.fluid_cells += fluid;
+      if (!fluid) m.pressure(x, y) = 0.0f;
+    }
+  }
   for (int y = 0; y < top.height; ++y) m.open |= face_x(0, y) > 0.0f || face_x(top.width, y) > 0.0f;
   for (int x = 0; x < top.width; ++x) m.open |= face_y(x, 0) > 0.0f || face_y(x, top.height) > 0.0f;
 }
 Projection::Projection(Projection&&) noexcept = default;
 Projection::~Projection() = default;
 
-ProjectionReport Projection::apply(Grid& u, Grid& v, const ProjectionOptions& options) {
+ProjectionReport Projection::apply(Grid& u, Grid& v, const ProjectionOptions& options, const Grid* source) {
   Impl& m = *impl_;
   Level& top = m.levels.front();
   const double cells = std::max(1, m.fluid_cells);
@@ -219,7 +237,8 @@ ProjectionReport Projection::apply(Grid& u, Grid& v, const ProjectionOptions& op
   for_level_rows(top, [&](int y) {
     float* r = m.residual.row(y + 1) + 1;
     for (int x = 0; x < top.width; ++x) {
-      const float out = u(x + 1, y) - u(x, y) + v(x, y + 1) - v(x, y);
+      const float asked = source != nullptr ? (*source)(x, y) : 0.0f;
+      const float out = u(x + 1, y) - u(x, y) + v(x, y + 1) - v(x, y) - asked;
       r[x] = top.inverse_diagonal(x + 1, y + 1) > 0.0f ? -out : 0.0f;
     }
   });
@@ -272,18 +291,19 @@ ProjectionReport Projection::apply(Grid& u, Grid& v, const ProjectionOptions& op
     float* pv = v.row(top.height);
     for (int x = 0; x < top.width; ++x) pv[x] -= fy[x] * (0.0f - last[x]);
   }
-  report.divergence_after = divergence(u, v, top.face_x, top.face_y);
+  report.divergence_after = divergence(u, v, top.face_x, top.face_y, source);
   return report;
 }
 
-double divergence(const Grid& u, const Grid& v, const Grid& face_x, const Grid& face_y) {
+double divergence(const Grid& u, const Grid& v, const Grid& face_x, const Grid& face_y, const Grid* source) {
   double total = 0.0;
   int cells = 0;
   for (int y = 0; y < face_x.height; ++y) {
     double sum = 0.0;
     for (int x = 0; x < face_y.width; ++x) {
       if (face_x(x, y) + face_x(x + 1, y) + face_y(x, y) + face_y(x, y + 1) <= 0.0f) continue;
-      const float out = u(x + 1, y) - u(x, y) + v(x, y + 1) - v(x, y);
+      const float asked = source != nullptr ? (*source)(x, y) : 0.0f;
+      const float out = u(x + 1, y) - u(x, y) + v(x, y + 1) - v(x, y) - asked;
       sum += static_cast<double>(out) * static_cast<double>(out);
       ++cells;
     }

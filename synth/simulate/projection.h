@@ -19,7 +19,8 @@ struct ProjectionReport {
 };
 
 /// Faces between cells: face_x is (width + 1) x height, face_y is width x (height + 1); 1 where fluid may
-/// pass, 0 at a wall or where the velocity is prescribed. A passable face on the rim leads to open air of
+/// pass, 0 at a wall or where the velocity is prescribed, between them where heavy fluid lies: how far
+/// pressure moves it. A passable face on the rim leads to open air of
 /// pressure 0.
 ///
 /// Conjugate gradients preconditioned by one multigrid V-cycle (McAdams, Sifakis, Teran 2010): plain
@@ -29,12 +30,17 @@ struct ProjectionReport {
 class Projection {
  public:
   Projection(const Grid& face_x, const Grid& face_y);
+  /// Other faces of the same size: obstacles move. Allocates nothing.
+  void reset(const Grid& face_x, const Grid& face_y);
   Projection(Projection&&) noexcept;
   ~Projection();
 
   /// Makes (u, v) free of divergence: u on face_x's points, v on face_y's, cells a frame. Faces of weight 0
   /// keep their velocity. The pressure found last is the first guess of the next call.
-  ProjectionReport apply(Grid& u, Grid& v, const ProjectionOptions& options = {});
+  /// source  the divergence that is to remain, 1/frame, a value a cell; null: none. The report counts what
+  ///         differs from it.
+  ProjectionReport apply(Grid& u, Grid& v, const ProjectionOptions& options = {},
+                         const Grid* source = nullptr);
 
  private:
   struct Impl;
@@ -42,6 +48,8 @@ class Projection {
 };
 
 /// Root mean square of the divergence over the cells with a passable face, 1/frame.
-double divergence(const Grid& u, const Grid& v, const Grid& face_x, const Grid& face_y);
+/// What `source` asks for is taken off.
+double divergence(const Grid& u, const Grid& v, const Grid& face_x, const Grid& face_y,
+                  const Grid* source = nullptr);
 
 }  // namespace freshet::synth::simulate

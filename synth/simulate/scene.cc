@@ -50,6 +50,10 @@ void check(const SceneOptions& options) {
     refuse("warm-up", fmt::format("{} is out of range", options.warm_up_frames),
            fmt::format("Give 0 to {} frames, or -1 for the preset's own", kMaxWarmUp));
   }
+  if (options.alpha_bits != 8 && !(options.alpha_bits == 16 && options.preset == Preset::kDesign)) {
+    refuse("alpha-bits", fmt::format("{} cannot be had", options.alpha_bits),
+           "Give 8, or 16 for a design; the ready-made clips have 8");
+  }
 }
 
 }  // namespace freshet::synth::simulate

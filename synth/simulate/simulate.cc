@@ -21,6 +21,8 @@ std::unique_ptr<Scene> make_scene(const SceneOptions& options) {
       return make_river(options);
     case Preset::kClouds:
       return make_clouds(options);
+    case Preset::kDesign:
+      return make_design(options);
   }
   return nullptr;
 }
@@ -49,9 +51,11 @@ bool Simulation::next(SimulatedFrame& frame) {
   Impl& m = *impl_;
   if (m.frame >= m.options.frames) return false;
   m.scene->advance();
-  frame.alpha.create(m.options.size, CV_8U);
+  frame.alpha.create(m.options.size, m.options.alpha_bits == 16 ? CV_16U : CV_8U);
   frame.motion.create(m.options.size, CV_32FC2);
-  m.scene->render(m.film, frame.alpha, frame.motion);
+  frame.emitters.create(m.options.size, CV_8U);
+  frame.emitters.setTo(0);
+  m.scene->render(m.film, frame.alpha, frame.motion, frame.emitters);
   m.film.develop(m.frame, frame.picture);
   ++m.frame;
   return true;

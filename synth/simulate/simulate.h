@@ -12,9 +12,10 @@ namespace freshet::synth::simulate {
 struct SimulatedFrame {
   cv::Mat picture;  // CV_8UC3 BGR, sRGB-like gamma, over the scene's own background, which never changes but
                     // for grain
-  cv::Mat alpha;    // CV_8U: how much of the pixel the fluid covers, straight
+  cv::Mat alpha;    // CV_8U, or CV_16U if asked for: how much of the pixel the fluid covers, straight
   cv::Mat motion;  // CV_32FC2, px a frame, x right, y down: what lies at p now lies at p + motion in the next
-                   // frame; 0 where alpha is 0
+                   // frame; in clips 0 where alpha is 0
+  cv::Mat emitters;  // CV_8U: 255 where a design's emitters hold the fluid they let in; black in clips
 };
 
 /// The camera stands still. Same options, same bytes: for any number of threads and on every x86-64.

@@ -19,6 +19,7 @@ struct StableFluidsOptions {
   float confinement =
       0.1f;  // vorticity confinement (Fedkiw, Stam, Jensen 2001), cells; 0: none. Above 0.5: noise
   float damping = 0.0f;     // share of the velocity lost a frame
+  float viscosity = 0.0f;   // cells^2 a frame; solved in explicit sweeps, 5 for each unit
   float max_speed = 24.0f;  // cells a frame; forces cannot push beyond it
   ProjectionOptions projection{};
 };
@@ -39,8 +40,22 @@ class StableFluids {
   /// Prescribes the velocity through the left edge and fills the field with it; Edge::kFixed keeps it.
   void set_inflow_left(const std::vector<float>& speed_by_row);
 
-  /// force  a vector a cell, cells a frame per frame.
-  ProjectionReport step(const VectorGrid& force);
+  /// Other obstacles, of the constructor's kind. velocity: theirs, a vector a cell, cells a frame: what
+  /// touches a face of one takes its velocity through it.
+  void set_solid(const GridOf<std::uint8_t>& solid, const VectorGrid& velocity);
+
+  /// lightness  1 / density of what is in each cell, (0, 1], 1 the lightest: pressure moves heavy cells less.
+  ///            Until the next set_solid or set_lightness.
+  void set_lightness(const Grid& lightness);
+
+  /// Adds a force (a vector a cell, cells a frame per frame) at once, before the next step carries anything.
+  /// What follows from velocity(), as drag does, belongs here: in step() it would meet what another cell had
+  /// sent by then, and gusts of one cell would grow in every step.
+  void push(const VectorGrid& force);
+
+  /// force   acts on what has been carried; null: none.
+  /// source  growth of the fluid's area, 1/frame, a value a cell; null: none.
+  ProjectionReport step(const VectorGrid* force = nullptr, const Grid* source = nullptr);
 
   int width() const { return width_; }
   int height() const { return height_; }
@@ -54,14 +69,16 @@ class StableFluids {
   const Grid& face_y() const { return face_y_; }
 
  private:
-  void add_forces(const VectorGrid& force);
+  void confine(const VectorGrid* force);
+  void add_to_faces(float kept);
   void advect_velocity();
+  void diffuse();
   void centre();
 
   int width_, height_;
   StableFluidsOptions options_;
   Grid u_, v_, next_u_, next_v_;
-  Grid face_x_, face_y_;
+  Grid face_x_, face_y_, weight_x_, weight_y_;
   Grid vorticity_;
   VectorGrid centred_, push_, backtrace_;
   Projection projection_;

@@ -39,7 +39,7 @@ TEST(CommandLine, EveryCommandExplainsItselfAndItsDefaults) {
                                       {{"query", "label"}, "=trw-s"},
                                       {{"synth"}, "simulate"},
                                       {{"synth", "animate"}, "=variance"},
-                                      {{"synth", "simulate"}, "=640x360"}};
+                                      {{"synth", "simulate"}, "[the scene's]"}};
   for (const Command& command : commands) {
     std::vector<std::string> arguments = command.words;
     arguments.emplace_back("--help");
@@ -60,7 +60,7 @@ TEST(CommandLine, WrongUsageIsSaidInOneLine) {
   expect_usage_fault({"ingest"}, "STORE is required. See freshet ingest --help");
   expect_usage_fault({"query", "label", "a", "b", "--nosuch"}, "--nosuch");
   expect_usage_fault({"query", "label", "a", "b", "-k", "0"}, "not in range");
-  expect_usage_fault({"synth", "simulate", "lava", "-o", "x.mkv"}, "Choose one of smoke, fire");
+  expect_usage_fault({"synth", "simulate", "lava", "-o", "x.mkv"}, "Choose one of plume, fireball");
   expect_usage_fault({"synth", "simulate", "river", "--size", "3x", "-o", "x.mkv"}, "WIDTHxHEIGHT");
   expect_usage_fault({"ingest", "a.store", "clips", "--shard", "3/2"}, "--shard 3/2");
   expect_usage_fault({"query", "label", sample().store, sample().still, "--direction", "sideways"},

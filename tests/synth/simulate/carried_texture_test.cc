@@ -1,4 +1,4 @@
-#include "synth/simulate/carried_texture.h"
+#include "synth/simulate/clips/carried_texture.h"
 
 #include <gtest/gtest.h>
 

@@ -79,5 +79,26 @@ TEST(Projection, LeavesPrescribedFacesAlone) {
   EXPECT_LT(divergence(f.u, f.v, f.face_x, f.face_y), 2e-4);
 }
 
+TEST(Projection, LeavesTheDivergenceThatASourceAsksFor) {
+  Flow f = random_flow(40, 30, false, 4);
+  Grid source(40, 30);
+  source(12, 9) = 0.5f, source(30, 20) = -0.25f;
+  Projection projection(f.face_x, f.face_y);
+  projection.apply(f.u, f.v, {.max_divergence = 1e-4, .max_iterations = 40}, &source);
+  EXPECT_LT(divergence(f.u, f.v, f.face_x, f.face_y, &source), 2e-4);
+  EXPECT_NEAR(f.u(13, 9) - f.u(12, 9) + f.v(12, 10) - f.v(12, 9), 0.5f, 2e-3f);
+}
+
+TEST(Projection, AResetIsAsGoodAsANewOne) {
+  const Flow f = random_flow(61, 37, false, 6), other = random_flow(61, 37, true, 7);
+  Projection fresh(f.face_x, f.face_y), reset(other.face_x, other.face_y);
+  reset.reset(f.face_x, f.face_y);
+  Flow a = f, b = f;
+  fresh.apply(a.u, a.v);
+  reset.apply(b.u, b.v);
+  EXPECT_EQ(a.u.values, b.u.values);
+  EXPECT_EQ(a.v.values, b.v.values);
+}
+
 }  // namespace
 }  // namespace freshet::synth::simulate

@@ -137,7 +137,7 @@ TEST(Simulation, KeepsItsBackgroundStill) {
       {.preset = Preset::kRiver, .size = {240, 136}, .frames = 6, .seed = 3, .warm_up_frames = 5});
   SimulatedFrame first, later;
   ASSERT_TRUE(clip.next(first));
-  first = {first.picture.clone(), first.alpha.clone(), first.motion.clone()};
+  first = {first.picture.clone(), first.alpha.clone(), first.motion.clone(), {}};
   int still = 0;
   while (clip.next(later)) {
     for (int y = 0; y < 100; ++y) {

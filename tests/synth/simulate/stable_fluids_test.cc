@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "synth/simulate/gas.h"
+#include "synth/simulate/clips/gas.h"
 #include "synth/simulate/random.h"
 
 namespace freshet::synth::simulate {
@@ -23,7 +23,7 @@ TEST(StableFluids, StaysFiniteAndBoundedUnderHostileForces) {
         const std::uint64_t draw = static_cast<std::uint64_t>(frame) * 10000 + i;
         force.values[i] = {2e6f * (random.at(draw) - 0.5f), i % 97 == 0 ? kNan : i % 89 == 0 ? -kInf : 1e30f};
       }
-      flow.step(force);
+      flow.step(&force);
       for (const Vec2 v : flow.velocity().values) {
         ASSERT_TRUE(std::isfinite(v.x) && std::isfinite(v.y)) << "frame " << frame << ", " << confinement;
       }
@@ -35,7 +35,7 @@ TEST(StableFluids, KeepsAUniformFlowUniform) {
   StableFluids flow(40, 30, {.left = Edge::kFixed, .top = Edge::kFixed, .bottom = Edge::kFixed});
   flow.set_inflow_left(std::vector<float>(30, 1.25f));
   const VectorGrid none(40, 30);
-  for (int frame = 0; frame < 50; ++frame) flow.step(none);
+  for (int frame = 0; frame < 50; ++frame) flow.step(&none);
   for (const Vec2 v : flow.velocity().values) {
     ASSERT_NEAR(v.x, 1.25f, 1e-3f);
     ASSERT_NEAR(v.y, 0.0f, 1e-3f);
@@ -52,7 +52,7 @@ TEST(StableFluids, FlowsRoundASolidAndNotThroughIt) {
   flow.set_inflow_left(std::vector<float>(40, 1.0f));
   const VectorGrid none(60, 40);
   ProjectionReport report;
-  for (int frame = 0; frame < 40; ++frame) report = flow.step(none);
+  for (int frame = 0; frame < 40; ++frame) report = flow.step(&none);
   EXPECT_LT(report.divergence_after, 4e-3);
   EXPECT_EQ(flow.velocity()(25, 20).x, 0.0f);
   // 40 rows of inflow squeeze through the 30 that are free.

@@ -1,5 +1,5 @@
-// synth/simulate/carried_texture.cc
-#include "synth/simulate/carried_texture.h"
+// synth/simulate/clips/carried_texture.cc
+#include "synth/simulate/clips/carried_texture.h"
 
 #include <algorithm>
 

@@ -1,4 +1,5 @@
-// synth/simulate/clouds.cc — a layer of cumulus that the wind drives over the camera, as in a time-lapse.
+// synth/simulate/clips/clouds.cc — a layer of cumulus that the wind drives over the camera, as in a
+// time-lapse.
 //
 // No solver: the layer is a plane overhead, drawn in its own coordinates and moved as a whole, so that the
 // motion field is exact perspective. Its shape also changes slowly, which no motion describes.
@@ -58,7 +59,7 @@ class Clouds final : public Scene {
   int warm_up_frames() const override { return 0; }
   void advance() override { ++clock_; }
 
-  void render(Film& film, cv::Mat& alpha, cv::Mat& motion) override {
+  void render(Film& film, cv::Mat& alpha, cv::Mat& motion, cv::Mat&) override {
     const float time = static_cast<float>(clock_);
     const float h = static_cast<float>(size_.height);
     // Towards the sun, on a grid of 4 px: shadows inside a cloud are soft.

@@ -1,5 +1,5 @@
-// synth/simulate/gas.cc
-#include "synth/simulate/gas.h"
+// synth/simulate/clips/gas.cc
+#include "synth/simulate/clips/gas.h"
 
 #include <algorithm>
 #include <cmath>
@@ -35,7 +35,7 @@ Gas::Gas(const Domain& where, const StableFluidsOptions& options, int field_coun
       stream_(where.width + 1, where.height + 1) {}
 
 void Gas::advance(Edges edges) {
-  flow.step(force);
+  flow.step(&force);
   texture.advance(flow.backtrace());
   const VectorGrid& back = flow.backtrace();
   const float step = static_cast<float>(domain.step);

@@ -1,4 +1,4 @@
-// synth/simulate/carried_texture.h — texture that a flow carries along without ever smearing it out.
+// synth/simulate/clips/carried_texture.h — texture that a flow carries along without ever smearing it out.
 #pragma once
 
 #include <cstdint>

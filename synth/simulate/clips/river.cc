@@ -1,9 +1,9 @@
-// synth/simulate/river.cc — a fast, shallow river between rocks, seen from its bank.
+// synth/simulate/clips/river.cc — a fast, shallow river between rocks, seen from its bank.
 #include <algorithm>
 #include <cmath>
 #include <vector>
 
-#include "synth/simulate/gas.h"
+#include "synth/simulate/clips/gas.h"
 #include "synth/simulate/portable_math.h"
 #include "synth/simulate/random.h"
 #include "synth/simulate/scenes.h"
@@ -121,7 +121,7 @@ class River final : public Scene {
     froth(time);
   }
 
-  void render(Film& film, cv::Mat& alpha, cv::Mat& motion) override {
+  void render(Film& film, cv::Mat& alpha, cv::Mat& motion, cv::Mat&) override {
     ripple();
     const int w = wave_.width, h = wave_.height;
     for_rows(h, [&](int y) {

@@ -1,5 +1,5 @@
-// synth/simulate/gas.h — what smoke, fire and ink share: a flow, what it carries, and where the picture lies
-// in it.
+// synth/simulate/clips/gas.h — what smoke, fire and ink share: a flow, what it carries, and where the picture
+// lies in it.
 #pragma once
 
 #include <cstdint>
@@ -7,7 +7,7 @@
 
 #include <opencv2/core.hpp>
 
-#include "synth/simulate/carried_texture.h"
+#include "synth/simulate/clips/carried_texture.h"
 #include "synth/simulate/noise.h"
 #include "synth/simulate/stable_fluids.h"
 

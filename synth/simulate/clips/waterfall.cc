@@ -1,4 +1,4 @@
-// synth/simulate/waterfall.cc — water that falls in strands over dark rock, step by step, into mist.
+// synth/simulate/clips/waterfall.cc — water that falls in strands over dark rock, step by step, into mist.
 //
 // No solver: falling water is ballistic. A point of the fall is named by its strand s (across) and by the
 // time t it has been falling since the brink, and all texture is drawn in (s, t - now): it moves exactly as
@@ -67,7 +67,7 @@ class Waterfall final : public Scene {
   int warm_up_frames() const override { return 0; }
   void advance() override { ++clock_; }
 
-  void render(Film& film, cv::Mat& alpha, cv::Mat& motion) override {
+  void render(Film& film, cv::Mat& alpha, cv::Mat& motion, cv::Mat&) override {
     const float now = static_cast<float>(clock_) * rate_;
     for_rows(size_.height, [&](int y) {
       std::uint8_t* a = alpha.ptr<std::uint8_t>(y);

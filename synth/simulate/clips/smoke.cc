@@ -1,9 +1,9 @@
-// synth/simulate/smoke.cc — smoke that rises from a few vents, lit from one side.
+// synth/simulate/clips/smoke.cc — smoke that rises from a few vents, lit from one side.
 #include <algorithm>
 #include <cmath>
 #include <vector>
 
-#include "synth/simulate/gas.h"
+#include "synth/simulate/clips/gas.h"
 #include "synth/simulate/portable_math.h"
 #include "synth/simulate/random.h"
 #include "synth/simulate/scenes.h"
@@ -85,7 +85,7 @@ class Smoke final : public Scene {
     });
   }
 
-  void render(Film& film, cv::Mat& alpha, cv::Mat& motion) override {
+  void render(Film& film, cv::Mat& alpha, cv::Mat& motion, cv::Mat&) override {
     gather();
     shine();
     const int w = thick_.width, h = thick_.height;

@@ -1,9 +1,9 @@
-// synth/simulate/ink.cc — two inks that sink through bright water.
+// synth/simulate/clips/ink.cc — two inks that sink through bright water.
 #include <algorithm>
 #include <cmath>
 #include <vector>
 
-#include "synth/simulate/gas.h"
+#include "synth/simulate/clips/gas.h"
 #include "synth/simulate/portable_math.h"
 #include "synth/simulate/random.h"
 #include "synth/simulate/scenes.h"
@@ -82,7 +82,7 @@ class Ink final : public Scene {
     }
   }
 
-  void render(Film& film, cv::Mat& alpha, cv::Mat& motion) override {
+  void render(Film& film, cv::Mat& alpha, cv::Mat& motion, cv::Mat&) override {
     gather();
     const int w = film.light.width, h = film.light.height;
     for_rows(h, [&](int y) {

@@ -1,9 +1,9 @@
-// synth/simulate/fire.cc — flames over a bed of fuel at night, with sparks.
+// synth/simulate/clips/fire.cc — flames over a bed of fuel at night, with sparks.
 #include <algorithm>
 #include <cmath>
 #include <vector>
 
-#include "synth/simulate/gas.h"
+#include "synth/simulate/clips/gas.h"
 #include "synth/simulate/portable_math.h"
 #include "synth/simulate/random.h"
 #include "synth/simulate/scenes.h"
@@ -80,7 +80,7 @@ class Fire final : public Scene {
     fly(time);
   }
 
-  void render(Film& film, cv::Mat& alpha, cv::Mat& motion) override {
+  void render(Film& film, cv::Mat& alpha, cv::Mat& motion, cv::Mat&) override {
     const Domain& d = gas_.domain;
     const float step = static_cast<float>(d.step), pitch = detail_ / d.scale;
     const int w = film.light.width, h = film.light.height;

@@ -1,0 +1,31 @@
+// synth/simulate/design/scene_file.h — a scene as a TOML file that a person edits, and the presets.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "synth/simulate/scene.h"
+
+namespace freshet::synth::simulate {
+
+/// Reads a scene. Pictures that it names are looked for beside it.
+/// Throws Error{kInput} naming file, line and key: no TOML, an unknown key (and those there are), a value of
+/// another kind or out of range, a shape outside the picture, a picture that cannot be read.
+SceneOptions read_scene(const std::filesystem::path& path);
+/// The same from text. name: stands for the file in messages.
+SceneOptions parse_scene(std::string_view text, const std::filesystem::path& name);
+
+/// Every key with unit, range and default, for a person.
+std::string scene_keys();
+
+struct PresetScene {
+  std::string name, summary;
+};
+/// Designs first, then the ready-made clips.
+std::vector<PresetScene> preset_scenes();
+/// The preset as the text of a scene file. Throws Error{kUsage} that lists the presets.
+std::string preset_scene(std::string_view name);
+
+}  // namespace freshet::synth::simulate
