@@ -8,9 +8,12 @@
 
 #include "freshet_error.h"
 #include "media/video_writer.h"
+#include "query/benchmark/html_text.h"
 
 namespace freshet::bench {
 namespace {
+
+using query::html_text;
 
 constexpr int kPanel = 426;  // px, width of a panel; higher than wide ones are narrower
 
@@ -18,21 +21,6 @@ std::string file_name_of(const std::string& text) {
   std::string name;
   for (const char c : text) name += std::isalnum(static_cast<unsigned char>(c)) != 0 ? c : '_';
   return name;
-}
-
-std::string escaped(const std::string& text) {
-  std::string out;
-  for (const char c : text) {
-    if (c == '&')
-      out += "&amp;";
-    else if (c == '<')
-      out += "&lt;";
-    else if (c == '"')
-      out += "&quot;";
-    else
-      out += c;
-  }
-  return out;
 }
 
 cv::Mat annotated(const Case& asked, bool with_strokes) {
@@ -131,22 +119,22 @@ std::string write_panels(const std::filesystem::path& folder, const Case& asked,
 void write_page(const std::filesystem::path& folder, const std::vector<Judged>& judged,
                 const std::string& title) {
   std::ofstream page(folder / "index.html");
-  page << replaced(kHead, "TITLE", escaped(title));
+  page << replaced(kHead, "TITLE", html_text(title));
   for (const Judged& one : judged) {
     if (one.video.empty()) continue;
-    page << fmt::format("<div class=\"card\" data-method=\"{}\"", escaped(one.method));
+    page << fmt::format("<div class=\"card\" data-method=\"{}\"", html_text(one.method));
     for (const Figure& figure : figures())
       page << fmt::format(" data-{}=\"{:.4f}\"", figure.key, one.distance.*figure.value);
     page << fmt::format(
         "><b>{}</b>, {}<video src=\"{}\" loop muted playsinline preload=\"metadata\"></video>",
-        escaped(one.clip), escaped(one.method), one.video);
+        html_text(one.clip), html_text(one.method), one.video);
     for (const Figure& figure : figures())
       page << fmt::format("<span class=\"figure\"><i>{}</i> {:.{}f}</span>", figure.head,
                           one.distance.*figure.value, figure.digits);
     page << "</div>\n";
   }
-  page << "</div>\n<h1>Means and medians</h1>\n<pre>" << escaped(summary_table(judged))
-       << "</pre>\n<h1>By clip</h1>\n<pre>" << escaped(clip_table(judged)) << "</pre>\n";
+  page << "</div>\n<h1>Means and medians</h1>\n<pre>" << html_text(summary_table(judged))
+       << "</pre>\n<h1>By clip</h1>\n<pre>" << html_text(clip_table(judged)) << "</pre>\n";
   nlohmann::json keys = nlohmann::json::array();
   for (const Figure& figure : figures()) keys.push_back({figure.key, figure.head, figure.more_is_better});
   page << replaced(kScript, "FIGURES", keys.dump());
