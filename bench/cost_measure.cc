@@ -42,16 +42,8 @@ double quantile(std::vector<double> values, double q) {
   return values[static_cast<std::size_t>(q * static_cast<double>(values.size() - 1) + 0.5)];
 }
 
-/// The middle of a picture, of the shape of 640 x 480 px and brought to that size.
 PictureArgument small_picture(const std::string& argument) {
-  PictureArgument read = read_picture_argument(argument);
-  const cv::Size whole = read.picture.size(), small(640, 480);
-  const double scale = std::min(1.0 * whole.width / small.width, 1.0 * whole.height / small.height);
-  const cv::Size part(static_cast<int>(small.width * scale), static_cast<int>(small.height * scale));
-  const cv::Rect middle({(whole.width - part.width) / 2, (whole.height - part.height) / 2}, part);
-  cv::resize(read.picture(middle).clone(), read.picture, small, 0, 0, cv::INTER_AREA);
-  cv::resize(read.matte(middle).clone(), read.matte, small, 0, 0, cv::INTER_AREA);
-  return read;
+  return brought_to(read_picture_argument(argument), {640, 480});
 }
 
 json measure_open(const std::filesystem::path& path, const std::vector<std::string>& pictures) {

@@ -1,8 +1,10 @@
 // bench/picture_argument.h — PICTURE[:MATTE] of a bench's command line, read.
 #pragma once
 
+#include <algorithm>
 #include <filesystem>
 #include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
 #include <string>
 
 #include "media/picture.h"
@@ -24,6 +26,18 @@ inline PictureArgument read_picture_argument(const std::string& argument) {
   } else {
     read.matte = media::read_matte(argument.substr(colon + 1), read.picture.size()).alpha;
   }
+  return read;
+}
+
+/// The middle of a picture, of the shape of `size`, brought to that size.
+inline PictureArgument brought_to(PictureArgument read, cv::Size size) {
+  const cv::Size whole = read.picture.size();
+  const double scale = std::min(1.0 * whole.width / size.width, 1.0 * whole.height / size.height);
+  const cv::Size part(static_cast<int>(size.width * scale), static_cast<int>(size.height * scale));
+  const cv::Rect middle({(whole.width - part.width) / 2, (whole.height - part.height) / 2}, part);
+  const int method = scale > 1 ? cv::INTER_AREA : cv::INTER_CUBIC;
+  cv::resize(read.picture(middle).clone(), read.picture, size, 0, 0, method);
+  cv::resize(read.matte(middle).clone(), read.matte, size, 0, 0, method);
   return read;
 }
 
