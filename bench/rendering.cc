@@ -28,6 +28,7 @@
 #include "bench/machine.h"
 #include "bench/page_cache.h"
 #include "bench/picture_argument.h"
+#include "freshet_allocation.h"
 #include "freshet_error.h"
 #include "media/video_writer.h"
 #include "query/labelling.h"
@@ -209,6 +210,7 @@ int run(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  keep_freed_memory();  // as freshet does
   cv::setNumThreads(1);
   try {
     return run(argc, argv);

@@ -1,6 +1,6 @@
 #!/bin/sh
 # Fails when an #include goes against the arrows of docs/architecture.md: a room may include its own headers,
-# the two of the tree's root (freshet_error.h, freshet_vectors.h), and those of the rooms below it.
+# those of the tree's root (freshet_error.h and the like), and those of the rooms below it.
 # usage: tests/arrows_test.sh ROOT
 set -eu
 cd "$1"

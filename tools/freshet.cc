@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <opencv2/core/utility.hpp>
 
+#include "freshet_allocation.h"
 #include "freshet_error.h"
 #include "tools/commands.h"
 
@@ -65,6 +66,7 @@ int exit_code(freshet::ErrorKind kind) {
 
 int main(int argc, char** argv) {
   using namespace freshet;
+  keep_freed_memory();
   // OpenCV's own threads would compete with ours, which share out whole frames.
   cv::setNumThreads(1);
   const tools::StopOnSignal stop;
