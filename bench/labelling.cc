@@ -12,6 +12,11 @@
 // Each solver's energy, its gap to that bound and its seconds, with the labels of least unary cost as the
 // floor. The plain loops' own time on those ten edges stands for all tables, by the number of pairs: the
 // reference.
+//
+//   bench_labelling STORE PICTURE[:MATTE].. [--size WxH].. --exact EXACT [--exact-mb 2048] [--json FILE]
+//
+// The tables pixel by pixel, with every frequency, beside the pooled ones: EXACT holds some of STORE's clips
+// and was made with `ingest --cell 1 --bands 0 --flow-step 1`. Ten exact tables are compared with the loops.
 
 #include <fmt/format.h>
 
@@ -24,6 +29,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "bench/exact_tables.h"
 #include "bench/fusion_moves.h"
 #include "bench/labelling_run.h"
 #include "bench/machine.h"
@@ -200,6 +206,8 @@ cv::Size parse_size(const std::string& text) {
 struct Command {
   std::string store, json_file = "labelling.json";
   std::vector<std::string> pictures, sizes;
+  std::string exact;
+  std::size_t exact_mb = 2048;
   int runs = 1;
   bool log_only = false;
 };
@@ -215,6 +223,9 @@ int main(int argc, char** argv) try {
   app.add_option("--size", command.sizes, "WxH, px: that each picture is brought to");
   app.add_option("--runs", command.runs, "Labellings in processes of their own, cold and warm; 0: none")
       ->check(CLI::NonNegativeNumber);
+  app.add_option("--exact", command.exact,
+                 "Compare with the tables of this store, of cells of 1 px; only that");
+  app.add_option("--exact-mb", command.exact_mb, "Memory for its looks");
   app.add_flag("--log-only", command.log_only, "Costs of the default form alone");
   app.add_option("--json", command.json_file);
   CLI11_PARSE(app, argc, argv);
@@ -226,6 +237,19 @@ int main(int argc, char** argv) try {
   const bench::Machine machine = bench::this_machine();
   fmt::print("{}\n", bench::to_string(machine));
   nlohmann::json report{{"bench", "labelling"}, {"machine", bench::to_json(machine)}};
+  if (!command.exact.empty()) {
+    const store::Snapshot pooled = store::Store::open_read(command.store).snapshot(),
+                          exact = store::Store::open_read(command.exact).snapshot();
+    bool right = true;
+    for (const bench::LabellingCase& asked : cases) {
+      report["exact"].push_back(
+          bench::measure_exact(pooled, exact, bench::picture_of(asked), command.exact_mb << 20));
+      right = right && report["exact"].back()["right"].get<bool>();
+    }
+    std::ofstream(command.json_file) << report.dump(1) << '\n';
+    if (!right) fmt::print(stderr, "wrong: a table (see above)\n");
+    return right ? 0 : 1;
+  }
   // Before this process opens the store: pages that it maps could not be dropped.
   if (command.runs > 0) report["runs"] = measure_runs(cases, command.runs);
   const store::Snapshot snapshot = store::Store::open_read(command.store).snapshot();
