@@ -34,6 +34,7 @@
 #include "bench/labelling_run.h"
 #include "bench/machine.h"
 #include "bench/obvious_cost.h"
+#include "freshet_allocation.h"
 #include "freshet_error.h"
 #include "query/labelling.h"
 #include "query/minimizer.h"
@@ -215,6 +216,7 @@ struct Command {
 }  // namespace
 
 int main(int argc, char** argv) try {
+  keep_freed_memory();  // as the tool does
   if (bench::label_as_asked(argc, argv)) return 0;
   Command command;
   CLI::App app("What the solvers reach on real pictures, and what labelling costs.");

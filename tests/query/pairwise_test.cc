@@ -5,12 +5,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <functional>
 #include <random>
 #include <set>
 
 #include "freshet_error.h"
 #include "made_field.h"
+#include "made_tables.h"
 #include "query/squared_distances.h"
 
 namespace freshet::query {
@@ -123,6 +125,14 @@ TEST(Pairwise, IsTheSameForAnyNumberOfThreads) {
     const Mrf mrf = build_mrf(target, candidates, shape, {}, source_of(shape));
     if (reference.empty()) reference = mrf.pairwise;
     EXPECT_EQ(mrf.pairwise, reference);
+  }
+}
+
+TEST(Pairwise, IsTheSameForVectorsOfAnyWidth) {
+  for (const bool power : {false, true}) {
+    const std::vector<float> wide = made_tables(power), plain = freshet_plain::query::made_tables(power);
+    ASSERT_EQ(wide.size(), plain.size());
+    EXPECT_EQ(std::memcmp(wide.data(), plain.data(), wide.size() * sizeof(float)), 0);
   }
 }
 
