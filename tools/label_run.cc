@@ -54,6 +54,40 @@ LabelRun label_with_progress(const store::Snapshot& snapshot, const TargetFiles:
   return run;
 }
 
+nlohmann::json to_json(const query::SearchBase& base, const query::LabelSeconds& seconds) {
+  return {{"open", base.seconds},
+          {"cut", seconds.cut},
+          {"search", seconds.search},
+          {"costs", seconds.costs},
+          {"minimize", seconds.minimize}};
+}
+
+nlohmann::json to_json(const query::Filtered& filtered) {
+  nlohmann::json steps = nlohmann::json::array();
+  for (const query::FilterStep& step : filtered.steps)
+    steps.push_back({{"what", step.what}, {"patches", step.patches}, {"clips", step.clips}});
+  return {{"steps", steps}, {"too_short", filtered.too_short}};
+}
+
+nlohmann::json label_json(const LabelRun& run) {
+  const query::Assignment& assignment = run.labelling.assignment;
+  nlohmann::json json{{"pieces", assignment.pieces.size()},
+                      {"edges", run.labelling.search.target.edges.size()},
+                      {"solver", assignment.minimizer},
+                      {"costs", assignment.cost_form},
+                      {"energy", assignment.energy},
+                      {"iterations", run.labelling.iterations},
+                      {"filters", to_json(run.labelling.search.filtered)},
+                      {"seconds", to_json(*run.base, run.labelling.seconds)}};
+  if (std::isfinite(assignment.lower_bound)) {
+    json["lower_bound"] = assignment.lower_bound;
+    json["gap"] = assignment.gap();
+  }
+  json["gap_aimed"] = query::kGapAimed;
+  json["gap_reached"] = assignment.reaches_gap();
+  return json;
+}
+
 std::string gap_text(const query::Assignment& assignment) {
   const double aimed = 100 * query::kGapAimed, gap = 100 * assignment.gap();
   if (!std::isfinite(gap)) return fmt::format("no bound, so that a gap of at most {}% is not known", aimed);

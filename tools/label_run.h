@@ -4,6 +4,8 @@
 #include <memory>
 #include <string>
 
+#include <nlohmann/json.hpp>
+
 #include "query/labelling.h"
 #include "tools/motion_options.h"
 #include "tools/run_context.h"
@@ -30,6 +32,13 @@ LabelRun label_with_progress(const store::Snapshot& snapshot, const TargetFiles:
 
 /// How far the energy can be above the least one, and whether that is within query::kGapAimed.
 std::string gap_text(const query::Assignment& assignment);
+
+/// Seconds by stage; patches and clips that were left by each condition.
+nlohmann::json to_json(const query::SearchBase& base, const query::LabelSeconds& seconds);
+nlohmann::json to_json(const query::Filtered& filtered);
+
+/// Pieces, edges, solver, energy, bound, gap, conditions, seconds.
+nlohmann::json label_json(const LabelRun& run);
 
 /// One line: pieces, energy, bound, gap, seconds by stage.
 std::string label_summary(const LabelRun& run);

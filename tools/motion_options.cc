@@ -1,6 +1,9 @@
 #include "tools/motion_options.h"
 
+#include <cmath>
+
 #include <fmt/format.h>
+#include <opencv2/imgproc.hpp>
 
 #include "freshet_error.h"
 #include "media/picture.h"
@@ -14,6 +17,16 @@ namespace freshet::tools {
 namespace {
 
 constexpr const char* kGroup = "Motion";
+
+/// Does some of a stroke lie on fluid?
+bool on_fluid(const query::Stroke& stroke, const cv::Mat& matte) {
+  cv::Mat drawn = cv::Mat::zeros(matte.size(), CV_8U);
+  std::vector<cv::Point> points;
+  for (const cv::Point2f& point : stroke.points)
+    points.emplace_back(static_cast<int>(std::floor(point.x)), static_cast<int>(std::floor(point.y)));
+  cv::polylines(drawn, points, false, cv::Scalar(255), 1);
+  return cv::countNonZero(drawn & matte) > 0;
+}
 
 void say_all(const std::string& file, const std::vector<std::string>& notices) {
   for (const std::string& notice : notices) say(file + ": " + notice);
@@ -100,6 +113,10 @@ AskedMotion MotionOptions::read(const TargetFiles::Loaded& loaded, const SearchO
   if (!strokes_.empty()) {
     asked.strokes = query::read_strokes(strokes_, picture, &notices);
     say_all(strokes_, notices);
+    for (const query::Stroke& stroke : asked.strokes)
+      if (!on_fluid(stroke, loaded.matte))
+        say(fmt::format("{}: {} lies wholly outside the matte; is it meant for this picture?", strokes_,
+                        stroke.name.empty() ? "a stroke" : stroke.name));
     query::StrokeField field = query::interpolate(asked.strokes, picture, strokes_);
     asked.guide.direction = field.direction;
     asked.guide.speed = field.speed;

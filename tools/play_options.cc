@@ -40,6 +40,9 @@ void PlayOptions::add_to(CLI::App& command) {
 }
 
 void PlayOptions::apply(synth::AnimateOptions& options) const {
+  if (loop_ && options.frames < 2)
+    throw Error(ErrorKind::kUsage, "--loop", "one frame is no animation to go round",
+                "Ask for 2 --frames or more");
   options.loop = loop_;
   options.resampling = resampling_ == "nearest" ? synth::Resampling::kNearest : synth::Resampling::kFlow;
   options.memory_bytes = static_cast<std::size_t>(memory_mb_) << 20;

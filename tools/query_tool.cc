@@ -48,21 +48,6 @@ struct LabelCommand {
   bool json = false;
 };
 
-nlohmann::json to_json(const query::SearchBase& base, const query::LabelSeconds& seconds) {
-  return {{"open", base.seconds},
-          {"cut", seconds.cut},
-          {"search", seconds.search},
-          {"costs", seconds.costs},
-          {"minimize", seconds.minimize}};
-}
-
-nlohmann::json to_json(const query::Filtered& filtered) {
-  nlohmann::json steps = nlohmann::json::array();
-  for (const query::FilterStep& step : filtered.steps)
-    steps.push_back({{"what", step.what}, {"patches", step.patches}, {"clips", step.clips}});
-  return {{"steps", steps}, {"too_short", filtered.too_short}};
-}
-
 void print_candidates(const store::Snapshot& snapshot, const query::CandidateSearch& search) {
   // Per clip: of how many pieces it is among the candidates, the best, and how well.
   struct Count {
@@ -190,22 +175,8 @@ void run_label(const LabelCommand& command, const RunContext& context) {
   if (!command.sheet.empty())
     media::write_picture(command.sheet,
                          query::contact_sheet(snapshot, loaded.picture, labelling.search, &labelling.labels));
-  const query::LabelSeconds& s = labelling.seconds;
   if (command.json) {
-    nlohmann::json json{{"pieces", assignment.pieces.size()},
-                        {"edges", labelling.search.target.edges.size()},
-                        {"solver", assignment.minimizer},
-                        {"costs", assignment.cost_form},
-                        {"energy", assignment.energy},
-                        {"iterations", labelling.iterations},
-                        {"filters", to_json(labelling.search.filtered)},
-                        {"seconds", to_json(*run.base, s)}};
-    if (std::isfinite(assignment.lower_bound)) {
-      json["lower_bound"] = assignment.lower_bound;
-      json["gap"] = assignment.gap();
-    }
-    json["gap_aimed"] = query::kGapAimed;
-    json["gap_reached"] = assignment.reaches_gap();
+    nlohmann::json json = label_json(run);
     json["assignment"] = nlohmann::json::parse(query::to_json(assignment));
     fmt::print("{}\n", json.dump(2));
     return;

@@ -2,6 +2,7 @@
 #include <memory>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "freshet_error.h"
 #include "media/picture.h"
@@ -35,6 +36,7 @@ struct AnimateCommand {
   std::string assignment, out, sheet;
   std::string weights = "variance", low_band = "shared", matching = "sequence";
   synth::AnimateOptions options;
+  bool json = false;
 };
 
 synth::AnimateOptions render_options(const AnimateCommand& command) {
@@ -65,10 +67,12 @@ void run_animate(AnimateCommand& command, const RunContext& context) {
   PictureSink sink(command.out, loaded.picture.size(), options.frames, options.fps);
 
   query::Assignment assignment;
+  nlohmann::json labelled;  // null for an assignment from a file
   if (command.assignment.empty()) {
     const LabelRun run = label_with_progress(snapshot, loaded, command.search, asked, command.labelling,
                                              command.duration, context, command.cache.open().get());
     say(label_summary(run));
+    labelled = label_json(run);
     assignment = run.labelling.assignment;
   } else {
     assignment = query::read_assignment(command.assignment);
@@ -111,11 +115,30 @@ void run_animate(AnimateCommand& command, const RunContext& context) {
       options.frames, loaded.picture.cols, loaded.picture.rows, report.pieces, report.clips, report.total_s,
       options.frames / report.total_s, report.decode_s, report.blend_s, report.base_s, report.appearance_s,
       report.render_s));
-  fmt::print("{}\n", command.out);
-  for (const std::string& path : {command.sheet, command.boundary.output()})
-    if (!path.empty()) fmt::print("{}\n", path);
-  for (const std::string& path : command.motion.outputs())
-    if (!path.empty()) fmt::print("{}\n", path);
+  std::vector<std::string> files{command.out, command.sheet, command.boundary.output()};
+  for (const std::string& path : command.motion.outputs()) files.push_back(path);
+  std::erase(files, "");
+  if (!command.json) {
+    for (const std::string& path : files) fmt::print("{}\n", path);
+    return;
+  }
+  fmt::print("{}\n", nlohmann::json{{"files", files},
+                                    {"frames", options.frames},
+                                    {"width", loaded.picture.cols},
+                                    {"height", loaded.picture.rows},
+                                    {"fps", options.fps},
+                                    {"pieces", report.pieces},
+                                    {"clips", report.clips},
+                                    {"batches", report.batches},
+                                    {"labelling", labelled},
+                                    {"seconds",
+                                     {{"decode", report.decode_s},
+                                      {"blend", report.blend_s},
+                                      {"base", report.base_s},
+                                      {"match", report.appearance_s},
+                                      {"render", report.render_s},
+                                      {"total", report.total_s}}}}
+                         .dump(2));
 }
 
 void add_animate(CLI::App& synth_command, RunContext& context) {
@@ -129,6 +152,7 @@ void add_animate(CLI::App& synth_command, RunContext& context) {
   sub->add_option("--sheet", command->sheet, "Write a contact sheet of the picture and frames (PNG, JPEG)");
   sub->add_option("--assignment", command->assignment,
                   "Use this assignment, from freshet query label, in place of searching and labelling");
+  sub->add_flag("--json", command->json, "Print files, labelling and seconds by stage as JSON");
   command->duration.add_to(*sub);
   command->search.add_to(*sub);
   command->motion.add_to(*sub);

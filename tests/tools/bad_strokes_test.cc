@@ -37,6 +37,19 @@ class BadStrokes : public testing::Test {
   WorkFolder folder_;
 };
 
+TEST_F(BadStrokes, OnesBesideTheFluidAreSaid) {
+  cv::Mat matte = cv::imread(sample().matte, cv::IMREAD_GRAYSCALE);
+  matte.colRange(0, 40).setTo(0);
+  cv::imwrite(folder_ / "part.png", matte);
+  folder_.file("two.json", strokes(R"({"points": [[10, 20], [12, 120]], "name": "left"},
+                                      {"points": [[90, 20], [90, 120]], "name": "middle"})"));
+  const Outcome outcome = folder_.freshet({"query", "label", sample().store, sample().still, "--matte",
+                                           "part.png", "--frames", "16", "--strokes", "two.json"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_NE(outcome.err.find("left lies wholly outside the matte"), std::string::npos) << outcome.err;
+  EXPECT_EQ(outcome.err.find("middle lies"), std::string::npos) << outcome.err;
+}
+
 TEST_F(BadStrokes, GoodOnesAreHonouredDrawnAndComeBackAsMaps) {
   folder_.file("down.svg", "<svg viewBox='0 0 192 144'><path data-speed='60' d='M90 20q4 50 0 100'/></svg>");
   const Outcome drawn = label({"--strokes", "down.svg", "--direction", "right", "--draw", "arrows.png",

@@ -109,6 +109,14 @@ TEST(Loop, AskedOfAClipTooShortToHaveOneIsRefusedByItsName) {
   EXPECT_NE(beside.err.find("have no loop rule: short.mkv"), std::string::npos) << beside.err;
 }
 
+TEST(Loop, OfOneFrameIsRefused) {
+  const WorkFolder folder;
+  const Outcome outcome = folder.freshet({"synth", "animate", sample().store, sample().still, "--matte",
+                                          sample().matte, "--loop", "--frames", "1", "-o", "out.mkv"});
+  EXPECT_EQ(outcome.exit_code, 2) << outcome.err;
+  EXPECT_NE(outcome.err.find("--frames"), std::string::npos) << outcome.err;
+}
+
 TEST(Loop, ARetimingMapOfAnotherSizeIsRefused) {
   const WorkFolder folder;
   cv::imwrite(folder / "map.png", cv::Mat(20, 30, CV_8U, cv::Scalar(90)));

@@ -113,6 +113,29 @@ TEST(MainJob, LabellingSaysWhetherItsGapIsAsSmallAsItShouldBe) {
     says(animated.err, words);
 }
 
+TEST(MainJob, AnimatingPrintsWhatItDidAsJson) {
+  const WorkFolder folder;
+  const std::vector<std::string> command{
+      "synth", "animate", sample().store, sample().still, "--matte",   sample().matte, "--frames",
+      "8",     "-o",      "out.mkv",      "--sheet",      "sheet.png", "--json"};
+  const Outcome labelled = folder.freshet(command);
+  ASSERT_EQ(labelled.exit_code, 0) << labelled.err;
+  const json printed = json::parse(labelled.out);
+  EXPECT_EQ(printed["files"], json({"out.mkv", "sheet.png"}));
+  EXPECT_EQ(printed["frames"], 8);
+  EXPECT_EQ(printed["width"], cv::imread(sample().still).cols);
+  EXPECT_EQ(printed["labelling"]["pieces"], printed["pieces"]);
+  EXPECT_LE(printed["labelling"]["gap"].get<double>(), 0.01);
+  EXPECT_GE(printed["seconds"]["total"], printed["seconds"]["render"]);
+  // What an assignment from a file was labelled with is in that file.
+  ASSERT_EQ(label(folder, {"-o", "assignment.json"}).exit_code, 0);
+  std::vector<std::string> again = command;
+  again.insert(again.end(), {"--assignment", "assignment.json"});
+  const Outcome given = folder.freshet(again);
+  ASSERT_EQ(given.exit_code, 0) << given.err;
+  EXPECT_TRUE(json::parse(given.out)["labelling"].is_null());
+}
+
 TEST(MainJob, OneThreadAndTwoChooseTheSame) {
   const WorkFolder folder;
   ASSERT_EQ(label(folder, {"-o", "one.json", "-j", "1"}).exit_code, 0);
