@@ -46,8 +46,8 @@ TEST_F(BadStrokes, OnesBesideTheFluidAreSaid) {
   const Outcome outcome = folder_.freshet({"query", "label", sample().store, sample().still, "--matte",
                                            "part.png", "--frames", "16", "--strokes", "two.json"});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
-  EXPECT_NE(outcome.err.find("left lies wholly outside the matte"), std::string::npos) << outcome.err;
-  EXPECT_EQ(outcome.err.find("middle lies"), std::string::npos) << outcome.err;
+  EXPECT_NE(outcome.err.find("\"left\" lies wholly outside the matte"), std::string::npos) << outcome.err;
+  EXPECT_EQ(outcome.err.find("\"middle\" lies"), std::string::npos) << outcome.err;
 }
 
 TEST_F(BadStrokes, GoodOnesAreHonouredDrawnAndComeBackAsMaps) {
