@@ -1,19 +1,22 @@
 // Does appearance transfer keep the exemplar's look for 180 frames, does it hold together, what does it cost?
 //
-//   bench_transfer EXEMPLAR... [--frames 180] [--width 160] [--design disc] [--write FOLDER] [--curve]
+//   bench_transfer EXEMPLAR... [--frames 180] [--width 160] [--store STORE] [--write FOLDER] [--curve]
+//   bench_transfer --page RESULT.json...
 //
-// EXEMPLAR is a picture with alpha, a folder of such (a clip), or the name of a scene of synth/simulate
-// (fire, smoke, ink). The design is a lobed disc that turns, or such a scene; a frame is three quarters as
-// high as wide. An exemplar is made as large as three quarters of the frame's height, so that patches must
-// repeat. First it checks what every frame promises: K and K + 1 uses only, no patch of the other segment.
-// Then, by exemplar and method (uniform; nearest, which is Kwatra et al. 2005; uniform without coherence),
-// over the frames:
+// EXEMPLAR is NAME[:GROUND][@DESIGN]. NAME: a picture, a folder of pictures, a video, a clip of the store, or
+// a ready-made clip of synth/simulate (fire, waterfall, ...). GROUND: black or white, on which it stands.
+// DESIGN: a preset of freshet synth simulate (plume, firepit, ...), or disc, which is lobed and turns. A
+// frame is three quarters as high as wide, an exemplar half as high as the frame: patches must repeat. First
+// it checks what every frame promises: K and K + 1 uses only, no patch of the other segment. Then, by
+// exemplar and method (uniform; nearest, which is Kwatra et al. 2005; uniform without coherence), over the
+// frames:
 //   sharpness  mean squared Laplacian of grey, of the exemplar's
 //   colours    L1 distance of colour histograms (8 x 8 x 8) from the exemplar's, 0 to 2
 //   change     mean difference between a frame and the previous one carried along the flow, levels of 255
 // --curve also makes frames of 0.1 to 4 megapixels, all fluid, from the first exemplar, 360 px high, and
 // prints seconds by stage. Wall clock and processor time. Prints tables, and writes transfer.json, with every
-// frame's numbers, into the present folder.
+// frame's numbers, and transfer.html, which draws them, into the present folder. --page puts several such
+// files into one.
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -27,9 +30,12 @@
 #include <opencv2/imgproc.hpp>
 
 #include "bench/machine.h"
+#include "bench/transfer_page.h"
 #include "media/picture.h"
-#include "media/picture_sequence.h"
+#include "store/store.h"
+#include "synth/simulate/design/scene_file.h"
 #include "synth/simulate/simulate.h"
+#include "synth/transfer/files/exemplar_files.h"
 #include "synth/transfer/forward_warp.h"
 #include "synth/transfer/transfer.h"
 
@@ -41,9 +47,8 @@ using namespace freshet::synth::transfer;
 struct Settings {
   std::vector<std::string> exemplars;
   int frames = 180, width = 160;
-  std::string design = "disc";
-  std::filesystem::path write;
-  bool curve = false;
+  std::filesystem::path store, write;
+  bool curve = false, page = false;
   cv::Size size() const { return {width, width * 3 / 4}; }
 };
 
@@ -51,14 +56,25 @@ struct Look {
   std::string name;
   std::vector<cv::Mat> frames;  // CV_32FC4
 
-  /// There and back again: a loop without a jump.
   const cv::Mat& at(int t) const {
-    const int n = static_cast<int>(frames.size());
-    if (n == 1) return frames[0];
-    const int k = std::max(t, 0) % (2 * n - 2);
-    return frames[static_cast<std::size_t>(k < n ? k : 2 * n - 2 - k)];
+    return frames[static_cast<std::size_t>(std::clamp(t, 0, static_cast<int>(frames.size()) - 1))];
   }
 };
+
+/// Averages light, not colours of what is not there.
+cv::Mat scaled(const cv::Mat& bgra, double scale) {
+  cv::Mat values = bgra.clone();
+  const auto for_pixels = [](cv::Mat& picture, const auto& body) {
+    for (int y = 0; y < picture.rows; ++y)
+      for (int x = 0; x < picture.cols; ++x) body(picture.at<cv::Vec4f>(y, x));
+  };
+  for_pixels(values, [](cv::Vec4f& p) { p = {p[0] * p[3], p[1] * p[3], p[2] * p[3], p[3]}; });
+  cv::resize(values, values, {}, scale, scale, scale < 1 ? cv::INTER_AREA : cv::INTER_LINEAR);
+  for_pixels(values, [](cv::Vec4f& p) {
+    if (p[3] > 0) p = {p[0] / p[3], p[1] / p[3], p[2] / p[3], p[3]};
+  });
+  return values;
+}
 
 cv::Mat bgra_of(const synth::simulate::SimulatedFrame& frame) {
   std::vector<cv::Mat> planes;
@@ -70,26 +86,53 @@ cv::Mat bgra_of(const synth::simulate::SimulatedFrame& frame) {
   return bgra;
 }
 
-synth::simulate::Simulation simulation(const std::string& name, cv::Size size, int frames) {
-  return synth::simulate::Simulation(
-      {.preset = synth::simulate::parse_preset(name), .size = size, .frames = frames, .seed = 5});
+bool is_simulated(const std::string& name) {
+  for (const synth::simulate::Preset preset : synth::simulate::all_presets())
+    if (name == synth::simulate::preset_name(preset)) return true;
+  return false;
 }
 
-Look read_look(const std::string& name, int height, int frames) {
-  Look look{std::filesystem::path(name).stem().string(), {}};
-  if (!std::filesystem::exists(name)) {
-    auto scene = simulation(name, {height * 4 / 3 / 16 * 16, height / 16 * 16}, frames);
-    for (synth::simulate::SimulatedFrame frame; scene.next(frame);) look.frames.push_back(bgra_of(frame));
+/// NAME[:GROUND][@DESIGN]
+struct Asked {
+  std::string name, ground = "none", design = "disc";
+};
+Asked parse_exemplar(std::string text) {
+  Asked asked;
+  const auto cut = [&](char mark, std::string& part) {
+    const std::size_t at = text.rfind(mark);
+    if (at == std::string::npos) return;
+    part = text.substr(at + 1);
+    text.resize(at);
+  };
+  cut('@', asked.design);
+  cut(':', asked.ground);
+  asked.name = text;
+  return asked;
+}
+
+Look read_look(const Asked& asked, int height, int frames, const std::filesystem::path& store_path) {
+  Look look{std::filesystem::path(asked.name).stem().string(), {}};
+  if (is_simulated(asked.name)) {
+    const cv::Size size(height * 8, height * 6);
+    synth::simulate::Simulation scene(
+        {.preset = synth::simulate::parse_preset(asked.name), .size = size, .frames = frames, .seed = 5});
+    for (synth::simulate::SimulatedFrame frame; scene.next(frame);)
+      look.frames.push_back(scaled(bgra_of(frame), 1.0 / 6));
     return look;
   }
-  std::vector<std::filesystem::path> files{name};
-  if (std::filesystem::is_directory(name)) files = media::list_folder(name).files;
-  for (const std::filesystem::path& file : files) {
-    cv::Mat values = media::read_deep_picture(file).values, small;
-    values.convertTo(values, CV_32F, 1 / 65535.0);
-    const double scale = static_cast<double>(height) / values.rows;
-    cv::resize(values, small, {}, scale, scale, scale < 1 ? cv::INTER_AREA : cv::INTER_LINEAR);
-    look.frames.push_back(small);
+  const ExemplarOptions options{.ground = asked.ground == "black"   ? Ground::kBlack
+                                          : asked.ground == "white" ? Ground::kWhite
+                                                                    : Ground::kNone,
+                                .frames = frames};
+  ExemplarFiles files =
+      std::filesystem::exists(asked.name)
+          ? ExemplarFiles(asked.name, options)
+          : ExemplarFiles(store::Store::open_read(store_path).snapshot(), asked.name, options);
+  files.check();
+  for (int t = 0; t < (files.frames() > 1 ? frames : 1); ++t) {
+    cv::Mat values;
+    files.at(t).bgra.convertTo(values, CV_32F, 1 / 65535.0);
+    look.frames.push_back(scaled(values, static_cast<double>(height) / values.rows));
   }
   return look;
 }
@@ -111,14 +154,17 @@ TargetFrame turning_disc(cv::Size size, int frame) {
   return made;
 }
 
-std::vector<TargetFrame> design_of(const Settings& settings) {
+std::vector<TargetFrame> design_of(const std::string& name, const Settings& settings) {
   std::vector<TargetFrame> all;
-  if (settings.design == "disc") {
+  if (name == "disc") {
     for (int t = 0; t < settings.frames; ++t) all.push_back(turning_disc(settings.size(), t));
     return all;
   }
-  auto scene = simulation(settings.design, settings.size(), settings.frames);
-  for (synth::simulate::SimulatedFrame frame; scene.next(frame);)
+  synth::simulate::SceneOptions scene =
+      synth::simulate::parse_scene(synth::simulate::preset_scene(name), name);
+  scene.size = settings.size(), scene.frames = settings.frames;
+  synth::simulate::Simulation design(scene);
+  for (synth::simulate::SimulatedFrame frame; design.next(frame);)
     all.push_back({frame.alpha.clone(), frame.motion.clone()});
   return all;
 }
@@ -269,8 +315,10 @@ Settings parse(int argc, char** argv) {
       settings.frames = std::stoi(argv[++i]);
     else if (word == "--width" && i + 1 < argc)
       settings.width = std::stoi(argv[++i]);
-    else if (word == "--design" && i + 1 < argc)
-      settings.design = argv[++i];
+    else if (word == "--page")
+      settings.page = true;
+    else if (word == "--store" && i + 1 < argc)
+      settings.store = argv[++i];
     else if (word == "--write" && i + 1 < argc)
       settings.write = argv[++i];
     else
@@ -279,29 +327,52 @@ Settings parse(int argc, char** argv) {
   return settings;
 }
 
+void write_result(const nlohmann::json& json) {
+  std::ofstream("transfer.json") << json.dump() << '\n';
+  std::ofstream("transfer.html") << bench::transfer_page(json);
+}
+
+int write_page(const std::vector<std::string>& files) {
+  nlohmann::json all;
+  for (const std::string& file : files) {
+    const nlohmann::json one = nlohmann::json::parse(std::ifstream(file));
+    if (all.is_null()) {
+      all = one;
+      continue;
+    }
+    for (const char* part : {"runs", "curve"})
+      for (const nlohmann::json& each : one.at(part)) all[part].push_back(each);
+  }
+  write_result(all);
+  return 0;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) try {
   const Settings settings = parse(argc, argv);
   if (settings.exemplars.empty()) {
     fmt::print(stderr,
-               "usage: bench_transfer EXEMPLAR... [--frames N] [--width PX] [--design NAME] [--write FOLDER] "
-               "[--curve]\n");
+               "usage: bench_transfer EXEMPLAR... [--frames N] [--width PX] [--store STORE] [--write FOLDER] "
+               "[--curve]\n       bench_transfer --page RESULT.json...\n");
     return 2;
   }
+  if (settings.page) return write_page(settings.exemplars);
   const bench::Machine machine = bench::this_machine();
-  fmt::print("{}; {} x {} px, {} frames of {}\n\n", to_string(machine), settings.width,
-             settings.size().height, settings.frames, settings.design);
+  fmt::print("{}; {} x {} px, {} frames\n\n", to_string(machine), settings.width, settings.size().height,
+             settings.frames);
   nlohmann::json json{
       {"machine", to_json(machine)}, {"runs", nlohmann::json::array()}, {"curve", nlohmann::json::array()}};
-  const std::vector<TargetFrame> design = design_of(settings);
   fmt::print(
       "| exemplar | method | sharpness, frames 1-10 | last 30 | colours, 1-10 | last 30 | change | not "
       "uniform | violations | CPU s a frame |\n"
       "| --- | --- | --: | --: | --: | --: | --: | --: | --: | --: |\n");
   int failed = 0;
   for (const std::string& name : settings.exemplars) {
-    const Look look = read_look(name, settings.size().height * 3 / 4, settings.frames);
+    if (settings.frames < 1) break;
+    const Asked asked = parse_exemplar(name);
+    const Look look = read_look(asked, settings.size().height / 2, settings.frames, settings.store);
+    const std::vector<TargetFrame> design = design_of(asked.design, settings);
     for (const Method& method : methods()) {
       const Series series = run(look, design, method, settings);
       const std::size_t n = series.sharpness.size(), early = std::min<std::size_t>(n, 10),
@@ -315,6 +386,8 @@ int main(int argc, char** argv) try {
                  series.cpu_s / static_cast<double>(n));
       std::fflush(stdout);
       json["runs"].push_back({{"exemplar", look.name},
+                              {"design", asked.design},
+                              {"size", {settings.width, settings.size().height}},
                               {"method", method.name},
                               {"sharpness", series.sharpness},
                               {"colours", series.colours},
@@ -324,8 +397,9 @@ int main(int argc, char** argv) try {
                               {"cpu_s", series.cpu_s}});
     }
   }
-  if (settings.curve) curve(read_look(settings.exemplars[0], 360, 1), json["curve"]);
-  std::ofstream("transfer.json") << json.dump(2) << '\n';
+  if (settings.curve)
+    curve(read_look(parse_exemplar(settings.exemplars[0]), 360, 1, settings.store), json["curve"]);
+  write_result(json);
   if (failed > 0) fmt::print(stderr, "{} runs broke the promise of uniform use\n", failed);
   return failed > 0;
 } catch (const std::exception& error) {

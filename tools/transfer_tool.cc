@@ -228,6 +228,7 @@ transfer::TransferOptions engine_options(const TransferCommand& command) {
   transfer::TransferOptions options = command.options;
   options.retrieval =
       command.uniformity == "off" ? transfer::Retrieval::kNearest : transfer::Retrieval::kUniform;
+  if (command.uniformity == "off") options.vote_power = 0.6;  // as Kwatra et al. vote
   options.start = command.initialise == "random" ? transfer::Start::kRandom : transfer::Start::kWarped;
   options.search = command.search == "exact" ? transfer::Search::kExact : transfer::Search::kPatchMatch;
   options.quarter_turns = command.rotations == "4" ? 4 : 1;

@@ -47,7 +47,9 @@ struct TransferOptions {
   Retrieval retrieval = Retrieval::kUniform;
   Start start = Start::kWarped;
   Search search = Search::kPatchMatch;
-  int quarter_turns = 1;   // 4: the exemplar also turned by 90, 180 and 270 degrees (Fig. 8)
+  // 4: the exemplar also turned by 90, 180 and 270 degrees (Fig. 8). Sec. 4.5 names a search over all angles
+  // for each patch too, and leaves it for its cost: what its authors used is this.
+  int quarter_turns = 1;
   double motion_blur = 0;  // 0 to 4: length of the blur along the flow, in frames' motions (Fig. 9)
   std::uint64_t seed = 1;
 };
