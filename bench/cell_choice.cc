@@ -140,13 +140,13 @@ void check_reference(const Measured& exact, const Footage& footage, const std::v
         }
       }
     }
-    if (std::abs(cost - mrf.pairwise[i * kPatches + i]) > 1e-3 * cost) {
+    if (std::abs(cost - mrf.pairwise[i * kPatches + i]) > 2e-3 * cost) {
       throw Error(ErrorKind::kDamaged, "the reference", "the cost of a pair is not Eq. 6's");
     }
   }
 }
 
-std::vector<double> ranks(std::span<const float> costs) {
+std::vector<double> ranks(std::span<const query::PairCost> costs) {
   std::vector<std::size_t> order(costs.size());
   std::iota(order.begin(), order.end(), 0);
   std::sort(order.begin(), order.end(), [&](auto a, auto b) { return costs[a] < costs[b]; });

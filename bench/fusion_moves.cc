@@ -36,7 +36,7 @@ std::span<const Fusion::Choice> Fusion::choose(const Labels& labels, const Label
 
 void Fusion::add_term(const Mrf::Edge& edge, const Labels& labels, const Labels& proposal) {
   const auto nodes = static_cast<std::uint32_t>(mrf_.nodes());
-  const float* table = mrf_.table(edge);
+  const query::PairCost* table = mrf_.table(edge);
   const std::size_t columns = mrf_.label_count[edge.q];
   const auto cost = [&](const Labels& of_p, const Labels& of_q) {
     return double{table[of_p[edge.p] * columns + of_q[edge.q]]};

@@ -21,6 +21,6 @@ TableError check_tables(const query::Mrf& mrf, const query::CandidateSearch& sea
                         const query::FeatureSource& source);
 
 /// Errors relative to a cost, or to kCostThatMatters where it is less (a step of likeness is 3e-3).
-inline constexpr double kErrorAllowed = 1e-3, kCostThatMatters = 0.3;
+inline constexpr double kErrorAllowed = 1.5e-3, kCostThatMatters = 0.3;
 
 }  // namespace freshet::bench

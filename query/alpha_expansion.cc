@@ -39,7 +39,7 @@ class Move {
  private:
   void add_term(const Mrf& mrf, const Mrf::Edge& edge, std::uint32_t rank, const Labels& labels, bool p_moves,
                 bool q_moves) {
-    const float* table = mrf.table(edge);
+    const PairCost* table = mrf.table(edge);
     const std::size_t columns = mrf.label_count[edge.q];
     const std::size_t p = labels[edge.p], q = labels[edge.q];
     if (!p_moves && !q_moves) return;

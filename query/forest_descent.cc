@@ -111,7 +111,7 @@ class Forests {
     const auto costs = belief(node);
     const std::size_t columns = mrf_.label_count[edge.q];
     const bool is_q = edge.q == node;
-    const float* from = mrf_.table(edge) + (is_q ? label_of_other * columns : label_of_other);
+    const PairCost* from = mrf_.table(edge) + (is_q ? label_of_other * columns : label_of_other);
     const std::size_t step = is_q ? 1 : columns;
     for (std::size_t l = 0; l < costs.size(); ++l) costs[l] += from[l * step];
   }

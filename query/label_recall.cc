@@ -219,12 +219,11 @@ Mrf LabelRecall::build_mrf(const Target& target, const Candidates& candidates, c
     for (const double weight : {options.lambda, options.sigma, options.rho}) hash.add(weight);
     table_of.push_back(hash.key());
     wanted.edges[e] = true;
-    const std::span<float> table(mrf.table(mrf.edges[e]),
-                                 std::size_t{mrf.label_count[p]} * mrf.label_count[q]);
+    const std::span<PairCost> table(mrf.table(mrf.edges[e]),
+                                    std::size_t{mrf.label_count[p]} * mrf.label_count[q]);
     const auto bytes = cache_.find(table_of.back());
     if (!bytes || bytes->size() != table.size_bytes()) continue;
-    std::memcpy(table.data(), bytes->data(), bytes->size());
-    if (!are_costs(table)) continue;
+    std::memcpy(table.data(), bytes->data(), bytes->size());  // any bits are a cost
     wanted.edges[e] = false;
     ++reuse_.reused_edges;
   }
@@ -236,7 +235,7 @@ Mrf LabelRecall::build_mrf(const Target& target, const Candidates& candidates, c
                          add_votes(parts, options, unary_of(piece));
                        },
                        [&](std::size_t edge, const EdgeParts& parts) {
-                         const std::span<float> table(mrf.table(mrf.edges[edge]), parts.motion.size());
+                         const std::span<PairCost> table(mrf.table(mrf.edges[edge]), parts.motion.size());
                          weigh(parts, options, table);
                          cache_.keep(table_of[edge], std::as_bytes(table));
                        }};

@@ -12,6 +12,12 @@
 #include "query/stored_features.h"
 
 namespace freshet::query {
+namespace {
+
+// What a field's parts take, in its tables: three floats for one cost.
+constexpr std::size_t kTablesOfParts = 3 * sizeof(float) / sizeof(PairCost);
+
+}  // namespace
 
 std::vector<SweptLabelling> label_variations(const store::Snapshot& snapshot, const CandidateSearch& search,
                                              std::span<const LabelVariation> variations,
@@ -41,7 +47,7 @@ std::vector<SweptLabelling> label_variations(const store::Snapshot& snapshot, co
       if (variations[i].costs.form == form) of_form.push_back(i);
     if (of_form.empty()) continue;
     StoredFeatures features(snapshot, base.settings, base.table);
-    if (tables < 4 || of_form.size() == 1) {
+    if (tables <= kTablesOfParts || of_form.size() == 1) {
       for (const std::size_t i : of_form)
         solve(i, build_mrf(search.target, search.candidates, shape, variations[i].costs, features.source(),
                            stop));
@@ -49,8 +55,8 @@ std::vector<SweptLabelling> label_variations(const store::Snapshot& snapshot, co
     }
     const PairwiseParts parts =
         find_parts(search.target, search.candidates, shape, form, features.source(), stop);
-    const std::size_t at_once =
-        std::min(tables - 3, static_cast<std::size_t>(oneapi::tbb::this_task_arena::max_concurrency()));
+    const std::size_t at_once = std::min(
+        tables - kTablesOfParts, static_cast<std::size_t>(oneapi::tbb::this_task_arena::max_concurrency()));
     oneapi::tbb::task_arena arena(static_cast<int>(at_once));
     arena.execute([&] {
       oneapi::tbb::parallel_for(

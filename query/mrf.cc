@@ -63,13 +63,13 @@ void add_neighbour_costs(const Mrf& mrf, const Adjacency& adjacency, std::size_t
                          std::span<float> costs) {
   for (const std::uint32_t e : adjacency.to_earlier(node)) {
     const Mrf::Edge& edge = mrf.edges[e];
-    const float* row = mrf.table(edge) + std::size_t{labels[edge.p]} * mrf.label_count[node];
+    const PairCost* row = mrf.table(edge) + std::size_t{labels[edge.p]} * mrf.label_count[node];
     for (std::size_t l = 0; l < costs.size(); ++l) costs[l] += row[l];
   }
   for (const std::uint32_t e : adjacency.to_later(node)) {
     const Mrf::Edge& edge = mrf.edges[e];
     const std::size_t columns = mrf.label_count[edge.q];
-    const float* column = mrf.table(edge) + labels[edge.q];
+    const PairCost* column = mrf.table(edge) + labels[edge.q];
     for (std::size_t l = 0; l < costs.size(); ++l) costs[l] += column[l * columns];
   }
 }

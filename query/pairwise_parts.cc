@@ -277,7 +277,7 @@ void visit_parts(const Target& target, const Candidates& candidates, const Featu
     visit<float>(target, candidates, shape, source, wanted, sink, stop);
 }
 
-void weigh(const EdgeParts& parts, const PairwiseOptions& options, std::span<float> out) {
+void weigh(const EdgeParts& parts, const PairwiseOptions& options, std::span<PairCost> out) {
   const auto motion = static_cast<float>(options.lambda);
   const auto dynamics = static_cast<float>(options.lambda * options.sigma);
   const auto textureness = static_cast<float>(options.lambda * options.rho);
@@ -304,7 +304,7 @@ void add_votes(const PieceParts& parts, const PairwiseOptions& options, std::spa
 std::size_t table_bytes(const Target& target, const Candidates& candidates) {
   std::size_t pairs = 0;
   for (const auto& [p, q] : target.edges) pairs += std::size_t{candidates.counts[p]} * candidates.counts[q];
-  return pairs * sizeof(float);
+  return pairs * sizeof(PairCost);
 }
 
 PairwiseParts find_parts(const Target& target, const Candidates& candidates, const FeatureShape& shape,

@@ -49,7 +49,7 @@ void visit_parts(const Target& target, const Candidates& candidates, const Featu
                  std::stop_token stop = {});
 
 /// out = lambda * (motion + sigma * dynamics + rho * textureness).
-void weigh(const EdgeParts& parts, const PairwiseOptions& options, std::span<float> out);
+void weigh(const EdgeParts& parts, const PairwiseOptions& options, std::span<PairCost> out);
 /// Adds each candidate's price for its distance from the median of their strengths (PairwiseOptions::vote).
 void add_votes(const PieceParts& parts, const PairwiseOptions& options, std::span<float> unary);
 
@@ -59,7 +59,7 @@ struct PairwiseParts {
   std::vector<float> still_motion, still_dynamics;   // as Mrf::unary
   std::vector<float> motion, dynamics, textureness;  // as Mrf::pairwise; all empty without overlap
 };
-/// Bytes of the tables of one field; its parts take three times as many.
+/// Bytes of the tables of one field; its parts take six times as many.
 std::size_t table_bytes(const Target& target, const Candidates& candidates);
 PairwiseParts find_parts(const Target& target, const Candidates& candidates, const FeatureShape& shape,
                          CostForm form, const FeatureSource& source, std::stop_token stop = {});

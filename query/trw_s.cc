@@ -157,7 +157,7 @@ class Passes {
       std::copy(unary.begin(), unary.end(), cost.begin());
       for (const std::uint32_t e : adjacency_.to_earlier(node)) {
         const Mrf::Edge& edge = mrf_.edges[e];
-        const float* row = mrf_.table(edge) + std::size_t{labels[edge.p]} * cost.size();
+        const PairCost* row = mrf_.table(edge) + std::size_t{labels[edge.p]} * cost.size();
         for (std::size_t l = 0; l < cost.size(); ++l) cost[l] += row[l];
       }
       for (const std::uint32_t e : adjacency_.to_later(node)) add_message(e, cost);

@@ -17,7 +17,7 @@ TEST(PairwiseParts, CombinedTheyAreBitForBitTheFieldOfTheSameWeights) {
   const FeatureShape shape;
   for (const CostForm form : {CostForm::kLog, CostForm::kPower}) {
     const PairwiseParts parts = find_parts(target, candidates, shape, form, source_of(shape));
-    EXPECT_EQ(parts.motion.size() * sizeof(float), table_bytes(target, candidates));
+    EXPECT_EQ(parts.motion.size() * sizeof(PairCost), table_bytes(target, candidates));
     for (const PairwiseOptions& options :
          {default_costs(form), PairwiseOptions{form, 0.05, 1.7, 0, 2}, PairwiseOptions{form, 0.3, 0, 9, 0},
           PairwiseOptions{form, 0, 1, 1, 4}}) {
@@ -40,7 +40,7 @@ TEST(PairwiseParts, PiecesThatShareNothingHaveNone) {
   EXPECT_TRUE(parts.motion.empty());
   const Mrf mrf = combine(target, candidates, parts, {});
   EXPECT_EQ(mrf.unary, build_mrf(target, candidates, shape, {}, source_of(shape)).unary);
-  EXPECT_EQ(mrf.pairwise, std::vector<float>(mrf.pairwise.size(), 0));
+  EXPECT_EQ(mrf.pairwise, std::vector<PairCost>(mrf.pairwise.size(), 0.0f));
 }
 
 TEST(PairwiseParts, OnlyWhatIsWantedIsComputedAndOnlyItsCandidatesAreRead) {

@@ -16,8 +16,10 @@ TEST(MinSum, AgreesWithThePlainLoopsForEveryShape) {
   std::normal_distribution<float> normal;
   for (std::size_t rows : {1u, 2u, 5u, 16u, 37u}) {
     for (std::size_t columns : {1u, 3u, 4u, 17u, 50u}) {
-      std::vector<float> table(rows * columns), a(rows), b(columns), over_rows(columns), over_columns(rows);
-      for (auto* values : {&table, &a, &b}) {
+      std::vector<float> a(rows), b(columns), over_rows(columns), over_columns(rows);
+      std::vector<PairCost> table(rows * columns);
+      for (PairCost& cost : table) cost = std::abs(normal(random));
+      for (auto* values : {&a, &b}) {
         for (float& value : *values) value = normal(random);
       }
       min_over_rows(table.data(), rows, columns, a.data(), over_rows.data());
@@ -34,6 +36,22 @@ TEST(MinSum, AgreesWithThePlainLoopsForEveryShape) {
       }
     }
   }
+}
+
+TEST(PairCost, IsTheNearestOfItsStepsAndBoundedAtBothEnds) {
+  std::mt19937_64 random(5);
+  std::uniform_real_distribution<float> exponent(-60, 64);
+  for (int i = 0; i < 20000; ++i) {
+    const float cost = std::exp2(exponent(random));
+    const float kept = PairCost(cost);
+    EXPECT_LE(std::abs(kept - cost), cost * 0x1p-10f) << cost;
+    EXPECT_EQ(PairCost(kept), PairCost(cost));
+  }
+  for (const float exact : {0.0f, 0x1p-62f, 0.25f, 1.0f, 1 + 0x1p-9f, 511.0f, 0x1.ff8p64f})
+    EXPECT_EQ(float{PairCost(exact)}, exact);
+  EXPECT_EQ(float{PairCost(1e-30f)}, 0);
+  EXPECT_EQ(float{PairCost(1e30f)}, 0x1.ff8p64f);
+  EXPECT_LT(float{PairCost(0.7f)}, float{PairCost(0.702f)});
 }
 
 TEST(TrwS, IsExactOnTrees) {
