@@ -7,7 +7,7 @@
 // new process each: medians from the start of the process to the assignment, by stage.
 // Then, for each picture and each form of costs: all tables are built, and ten of them, over all pairs of
 // labels, are compared with the obvious loops over cells and channels in double precision. Errors must stay
-// below a thousandth of a cost, and below 3e-4 where a cost is less than .3 (a step of likeness is 3e-3); no
+// below 1.5e-3 of a cost, and below 4.5e-4 where a cost is less than .3 (a step of likeness is 3e-3); no
 // solver's energy may differ from that of its labels or lie below TRW-S's bound, else the bench ends with 1.
 // Each solver's energy, its gap to that bound and its seconds, with the labels of least unary cost as the
 // floor. The plain loops' own time on those ten edges stands for all tables, by the number of pairs: the
