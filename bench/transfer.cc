@@ -1,7 +1,7 @@
 // Does appearance transfer keep the exemplar's look for 180 frames, does it hold together, what does it cost?
 //
-//   bench_transfer EXEMPLAR... [--frames 180] [--width 160] [--store STORE] [--write FOLDER] [--curve]
-//   bench_transfer --page RESULT.json...
+//   bench_transfer EXEMPLAR... [--frames 180] [--width 160] [--store STORE] [--write FOLDER] [--curve
+//   MPIX,...] bench_transfer --page RESULT.json...
 //
 // EXEMPLAR is NAME[:GROUND][@DESIGN]. NAME: a picture, a folder of pictures, a video, a clip of the store, or
 // a ready-made clip of synth/simulate (fire, waterfall, ...). GROUND: black or white, on which it stands.
@@ -13,15 +13,15 @@
 //   sharpness  mean squared Laplacian of grey, of the exemplar's
 //   colours    L1 distance of colour histograms (8 x 8 x 8) from the exemplar's, 0 to 2
 //   change     mean difference between a frame and the previous one carried along the flow, levels of 255
-// --curve also makes frames of 0.1 to 4 megapixels, all fluid, from the first exemplar, 360 px high, and
-// prints seconds by stage. Wall clock and processor time. Prints tables, and writes transfer.json, with every
-// frame's numbers, and transfer.html, which draws them, into the present folder. --page puts several such
-// files into one.
+// --curve 0.1,0.5,1 also makes frames of so many megapixels, all fluid, from the first exemplar, 360 px high,
+// and prints seconds by stage, wall clock and processor time; of the second frame, which has a past, and
+// above 1 megapixel of the first. Prints tables, and writes transfer.json, with every frame's numbers, and
+// transfer.html, which draws them, into the present folder. --page puts several such files into one.
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
-#include <map>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -48,7 +48,8 @@ struct Settings {
   std::vector<std::string> exemplars;
   int frames = 180, width = 160;
   std::filesystem::path store, write;
-  bool curve = false, page = false;
+  std::vector<double> curve;  // megapixels
+  bool page = false;
   cv::Size size() const { return {width, width * 3 / 4}; }
 };
 
@@ -274,18 +275,17 @@ Series run(const Look& look, const std::vector<TargetFrame>& design, const Metho
   return series;
 }
 
-void curve(const Look& look, nlohmann::json& json) {
+void curve(const Look& look, const std::vector<double>& sizes, nlohmann::json& json) {
   fmt::print(
       "\n| Mpix | wall s | CPU s | prepare | search | assign | vote | CPU s a Mpix |\n"
       "| --: | --: | --: | --: | --: | --: | --: | --: |\n");
-  for (const double megapixels : {0.1, 0.25, 0.5, 1.0, 2.0, 4.0}) {
+  for (const double megapixels : sizes) {
     const int height = static_cast<int>(std::sqrt(megapixels * 1e6 * 3 / 4));
     const cv::Size size(height * 4 / 3, height);
     Transfer transfer([&](int) { return ExemplarFrame{look.at(0), {}}; }, {});
     const TargetFrame target{cv::Mat(size, CV_8U, cv::Scalar(255)),
                              cv::Mat(size, CV_32FC2, cv::Scalar(1, -1))};
-    transfer.next(target);
-    // The second frame: the first has no past.
+    if (megapixels <= 1) transfer.next(target);
     const double start = bench::process_seconds();
     const auto clock = std::chrono::steady_clock::now();
     const TransferredFrame made = transfer.next(target);
@@ -309,9 +309,10 @@ Settings parse(int argc, char** argv) {
   Settings settings;
   for (int i = 1; i < argc; ++i) {
     const std::string word = argv[i];
-    if (word == "--curve")
-      settings.curve = true;
-    else if (word == "--frames" && i + 1 < argc)
+    if (word == "--curve" && i + 1 < argc) {
+      std::istringstream list(argv[++i]);
+      for (std::string one; std::getline(list, one, ',');) settings.curve.push_back(std::stod(one));
+    } else if (word == "--frames" && i + 1 < argc)
       settings.frames = std::stoi(argv[++i]);
     else if (word == "--width" && i + 1 < argc)
       settings.width = std::stoi(argv[++i]);
@@ -327,7 +328,15 @@ Settings parse(int argc, char** argv) {
   return settings;
 }
 
-void write_result(const nlohmann::json& json) {
+/// Four places are enough, and a quarter of the bytes.
+void shorten(nlohmann::json& json) {
+  if (json.is_number_float()) json = std::round(json.get<double>() * 1e4) / 1e4;
+  if (json.is_structured())
+    for (nlohmann::json& each : json) shorten(each);
+}
+
+void write_result(nlohmann::json json) {
+  shorten(json);
   std::ofstream("transfer.json") << json.dump() << '\n';
   std::ofstream("transfer.html") << bench::transfer_page(json);
 }
@@ -354,7 +363,7 @@ int main(int argc, char** argv) try {
   if (settings.exemplars.empty()) {
     fmt::print(stderr,
                "usage: bench_transfer EXEMPLAR... [--frames N] [--width PX] [--store STORE] [--write FOLDER] "
-               "[--curve]\n       bench_transfer --page RESULT.json...\n");
+               "[--curve MPIX,...]\n       bench_transfer --page RESULT.json...\n");
     return 2;
   }
   if (settings.page) return write_page(settings.exemplars);
@@ -397,8 +406,9 @@ int main(int argc, char** argv) try {
                               {"cpu_s", series.cpu_s}});
     }
   }
-  if (settings.curve)
-    curve(read_look(parse_exemplar(settings.exemplars[0]), 360, 1, settings.store), json["curve"]);
+  if (!settings.curve.empty())
+    curve(read_look(parse_exemplar(settings.exemplars[0]), 360, 1, settings.store), settings.curve,
+          json["curve"]);
   write_result(json);
   if (failed > 0) fmt::print(stderr, "{} runs broke the promise of uniform use\n", failed);
   return failed > 0;
