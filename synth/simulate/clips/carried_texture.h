@@ -24,6 +24,14 @@ class CarriedTexture {
   /// Where what lies in a cell now lay when the map was reset, less its place, cells.
   const VectorGrid& offset(int map) const { return offset_[map]; }
   float weight(int map) const;
+  /// The maps' textures at a place of the grid, each by its weight: sample(offset, shift) is a map's.
+  template <class Sample>
+  float blended(float x, float y, const Sample& sample) const {
+    float sum = 0.0f;
+    for (int map = 0; map < kMaps; ++map)
+      sum += weight(map) * sample(bilinear(offset_[map], x, y), shift(map));
+    return sum;
+  }
   /// Added to the coordinates, so that a map does not bring the same texture back after its reset.
   Vec2 shift(int map) const;
 

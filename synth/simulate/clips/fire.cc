@@ -99,13 +99,10 @@ class Fire final : public Scene {
           continue;
         }
         const float fx = static_cast<float>(x + d.left), cx = d.cell_from_fine(fx);
-        float licks = 0.0f;
-        for (int map = 0; map < CarriedTexture::kMaps; ++map) {
-          const Vec2 o = bilinear(gas_.texture.offset(map), cx, cy), shift = gas_.texture.shift(map);
-          licks += gas_.texture.weight(map) * noise_.fractal((fx + step * o.x) * pitch + shift.x,
-                                                             0.55f * (fy + step * o.y) * pitch + shift.y, 3,
-                                                             0.55f);
-        }
+        const float licks = gas_.texture.blended(cx, cy, [&](Vec2 o, Vec2 shift) {
+          return noise_.fractal((fx + step * o.x) * pitch + shift.x,
+                                0.55f * (fy + step * o.y) * pitch + shift.y, 3, 0.55f);
+        });
         const float t = std::clamp(heat[x] * (0.88f + 0.6f * licks), 0.0f, 1.3f);
         const Rgb glow = glow_of(t);
         const float cover = 1.0f - exp_portable(-5.0f * t * t);

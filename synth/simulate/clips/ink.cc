@@ -162,12 +162,10 @@ class Ink final : public Scene {
           continue;
         }
         const float fx = static_cast<float>(x + d.left), cx = d.cell_from_fine(fx);
-        float lumps = 0.0f;
-        for (int map = 0; map < CarriedTexture::kMaps; ++map) {
-          const Vec2 o = bilinear(gas_.texture.offset(map), cx, cy), shift = gas_.texture.shift(map);
-          lumps += gas_.texture.weight(map) * noise_.fractal((fx + step * o.x) * pitch + shift.x,
-                                                             (fy + step * o.y) * pitch + shift.y, 3, 0.55f);
-        }
+        const float lumps = gas_.texture.blended(cx, cy, [&](Vec2 o, Vec2 shift) {
+          return noise_.fractal((fx + step * o.x) * pitch + shift.x, (fy + step * o.y) * pitch + shift.y, 3,
+                                0.55f);
+        });
         const float gain = std::clamp(0.9f + 0.5f * lumps, 0.25f, 1.8f);
         thick_[0](x, y) = dye0[x] * gain;
         thick_[1](x, y) = dye1[x] * gain;

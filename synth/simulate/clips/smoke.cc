@@ -157,12 +157,10 @@ class Smoke final : public Scene {
           continue;
         }
         const float fx = static_cast<float>(x + d.left), cx = d.cell_from_fine(fx);
-        float lumps = 0.0f;
-        for (int map = 0; map < CarriedTexture::kMaps; ++map) {
-          const Vec2 o = bilinear(gas_.texture.offset(map), cx, cy), shift = gas_.texture.shift(map);
-          lumps += gas_.texture.weight(map) * noise_.fractal((fx + step * o.x) * pitch + shift.x,
-                                                             (fy + step * o.y) * pitch + shift.y, 4, 0.66f);
-        }
+        const float lumps = gas_.texture.blended(cx, cy, [&](Vec2 o, Vec2 shift) {
+          return noise_.fractal((fx + step * o.x) * pitch + shift.x, (fy + step * o.y) * pitch + shift.y, 4,
+                                0.66f);
+        });
         out[x] = density[x] * std::clamp(0.85f + 0.75f * lumps, 0.1f, 2.0f);
       }
     });
