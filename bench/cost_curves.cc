@@ -14,8 +14,6 @@
 // such files in DIR, cost_curves.html, with curves and exponents.
 
 #include <fmt/format.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -30,6 +28,7 @@
 #include "bench/cost_measure.h"
 #include "bench/cost_page.h"
 #include "bench/machine.h"
+#include "bench/own_process.h"
 #include "bench/page_cache.h"
 #include "bench/scaled_store.h"
 #include "bench/seeded_random.h"
@@ -74,19 +73,7 @@ json measured_apart(const std::string& what, const fs::path& store, const Comman
   const fs::path answer = store.string() + ".measured";
   std::vector<std::string> arguments{"bench_cost_curves", "--measure", what, store.string(), answer.string()};
   arguments.insert(arguments.end(), command.pictures.begin(), command.pictures.end());
-  std::vector<char*> argv;
-  for (std::string& argument : arguments) argv.push_back(argument.data());
-  argv.push_back(nullptr);
-  const pid_t child = fork();
-  if (child == 0) {
-    execv("/proc/self/exe", argv.data());
-    _exit(127);
-  }
-  int status = 0;
-  if (child < 0 || waitpid(child, &status, 0) != child || status != 0) {
-    throw Error(ErrorKind::kIo, store.string(), "the measurement \"" + what + "\" failed",
-                "See what it printed above; memory may not suffice");
-  }
+  bench::run_anew(std::move(arguments), store.string(), "the measurement \"" + what + "\" failed");
   json result = read_json(answer);
   fs::remove(answer);
   return result;

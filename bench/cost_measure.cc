@@ -3,12 +3,12 @@
 #include <oneapi/tbb/global_control.h>
 
 #include <algorithm>
-#include <fstream>
 #include <opencv2/imgproc.hpp>
 #include <span>
 #include <utility>
 
 #include "bench/machine.h"
+#include "bench/own_process.h"
 #include "freshet_error.h"
 #include "query/index_builder.h"
 #include "query/labelling.h"
@@ -173,18 +173,6 @@ json measure(const std::filesystem::path& store, Measurement what, const std::ve
       return measure_index(store);
   }
   return {};
-}
-
-json memory_now() {
-  json memory;
-  std::ifstream status("/proc/self/status");
-  for (std::string line; std::getline(status, line);) {
-    for (const auto& [key, name] :
-         {std::pair{"RssAnon:", "anonymous"}, std::pair{"RssFile:", "file"}, std::pair{"VmHWM:", "peak"}}) {
-      if (line.starts_with(key)) memory[name] = 1024 * std::stoull(line.substr(std::string(key).size()));
-    }
-  }
-  return memory;
 }
 
 }  // namespace freshet::bench

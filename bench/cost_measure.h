@@ -30,8 +30,4 @@ Measurement parse_measurement(const std::string& name);
 nlohmann::json measure(const std::filesystem::path& store, Measurement what,
                        const std::vector<std::string>& pictures);
 
-/// Bytes of this process, by /proc: "anonymous", "file" (pages of mapped files, the store's above all),
-/// "peak" of both.
-nlohmann::json memory_now();
-
 }  // namespace freshet::bench

@@ -27,7 +27,6 @@
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
-#include <sstream>
 
 #include "bench/exact_tables.h"
 #include "bench/fusion_moves.h"
@@ -195,15 +194,6 @@ nlohmann::json measure_runs(const std::vector<bench::LabellingCase>& cases, int 
   return report;
 }
 
-cv::Size parse_size(const std::string& text) {
-  cv::Size size;
-  char between = 0, more = 0;
-  std::istringstream stream(text);
-  if (!(stream >> size.width >> between >> size.height) || between != 'x' || size.empty() || stream >> more)
-    throw Error(ErrorKind::kUsage, "size \"" + text + "\"", "not a width and a height", "Write 640x480");
-  return size;
-}
-
 struct Command {
   std::string store, json_file = "labelling.json";
   std::vector<std::string> pictures, sizes;
@@ -234,7 +224,8 @@ int main(int argc, char** argv) try {
   std::vector<bench::LabellingCase> cases;
   for (const std::string& picture : command.pictures) {
     if (command.sizes.empty()) cases.push_back({command.store, picture, {}});
-    for (const std::string& size : command.sizes) cases.push_back({command.store, picture, parse_size(size)});
+    for (const std::string& size : command.sizes)
+      cases.push_back({command.store, picture, bench::parse_size(size)});
   }
   const bench::Machine machine = bench::this_machine();
   fmt::print("{}\n", bench::to_string(machine));

@@ -1,7 +1,6 @@
 #include "bench/labelling_run.h"
 
 #include <fmt/format.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -12,8 +11,8 @@
 #include <vector>
 
 #include "bench/machine.h"
+#include "bench/own_process.h"
 #include "bench/page_cache.h"
-#include "freshet_error.h"
 #include "query/labelling.h"
 #include "store/store.h"
 
@@ -24,14 +23,6 @@ using nlohmann::json;
 namespace fs = std::filesystem;
 
 constexpr const char* kAlone = "--alone";
-
-/// The most memory of this process alone: getrusage's would be its parent's, if that had more.
-double peak_mb() {
-  std::ifstream status("/proc/self/status");
-  for (std::string line; std::getline(status, line);)
-    if (line.starts_with("VmHWM:")) return 1024e-6 * std::stod(line.substr(6));
-  return 0;
-}
 
 /// One run's seconds by stage, since `start` on the clock of all processes.
 json label_alone(const LabellingCase& asked, double start) {
@@ -55,7 +46,7 @@ json label_alone(const LabellingCase& asked, double start) {
   run["tables"] = labelling.seconds.costs;
   run["solver"] = labelling.seconds.minimize;
   run["cpu"] = process_seconds();
-  run["peak_mb"] = peak_mb();
+  run["peak_mb"] = memory_now()["peak"].get<double>() / 1e6;
   run["gap"] = labelling.assignment.gap();
   return run;
 }
@@ -70,18 +61,7 @@ json run_apart(const LabellingCase& asked) {
                                      std::to_string(asked.size.height),
                                      answer.string(),
                                      fmt::format("{:.9f}", wall_seconds())};
-  std::vector<char*> argv;
-  for (std::string& argument : arguments) argv.push_back(argument.data());
-  argv.push_back(nullptr);
-  const pid_t child = fork();
-  if (child == 0) {
-    execv("/proc/self/exe", argv.data());
-    _exit(127);
-  }
-  int status = 0;
-  if (child < 0 || waitpid(child, &status, 0) != child || status != 0)
-    throw Error(ErrorKind::kIo, asked.picture, "labelling in a process of its own failed",
-                "See what it printed above; memory may not suffice");
+  run_anew(std::move(arguments), asked.picture, "labelling in a process of its own failed");
   json run = json::parse(std::ifstream(answer));
   fs::remove(answer);
   return run;

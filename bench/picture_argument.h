@@ -5,8 +5,10 @@
 #include <filesystem>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
+#include <sstream>
 #include <string>
 
+#include "freshet_error.h"
 #include "media/picture.h"
 
 namespace freshet::bench {
@@ -27,6 +29,16 @@ inline PictureArgument read_picture_argument(const std::string& argument) {
     read.matte = media::read_matte(argument.substr(colon + 1), read.picture.size()).alpha;
   }
   return read;
+}
+
+/// WIDTHxHEIGHT, px; Error{kUsage} for another text.
+inline cv::Size parse_size(const std::string& text) {
+  cv::Size size;
+  char between = 0, more = 0;
+  std::istringstream stream(text);
+  if (!(stream >> size.width >> between >> size.height) || between != 'x' || size.empty() || stream >> more)
+    throw Error(ErrorKind::kUsage, "size \"" + text + "\"", "not a width and a height", "Write 640x480");
+  return size;
 }
 
 /// The middle of a picture, of the shape of `size`, brought to that size.

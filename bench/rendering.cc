@@ -48,15 +48,6 @@ struct Command {
   int frames = 96, runs = 3;
 };
 
-cv::Size parse_size(const std::string& text) {
-  cv::Size size;
-  char rest = 0;
-  if (std::sscanf(text.c_str(), "%dx%d%c", &size.width, &size.height, &rest) != 2 || size.width < 1 ||
-      size.height < 1)
-    throw Error(ErrorKind::kUsage, text, "is no size", "Write it as 640x480");
-  return size;
-}
-
 double median(std::vector<double> values) {
   std::sort(values.begin(), values.end());
   return values[values.size() / 2];
@@ -190,7 +181,7 @@ int run(int argc, char** argv) {
   json all{{"machine", bench::to_json(machine)}, {"runs", command.runs}, {"rows", json::array()}};
   for (const std::string& picture : command.pictures)
     for (const std::string& size : command.sizes) {
-      const json row = Rendering(command, picture, parse_size(size)).measure();
+      const json row = Rendering(command, picture, bench::parse_size(size)).measure();
       const auto at = [&](const char* group, const char* name) { return row[group][name].get<double>(); };
       fmt::print(
           "| {} | {} | {} | {:.2f} | {:.2f} | {:.2f} | {:.2f} | {:.2f} | **{:.1f}** | {:.1f} | {:.1f} | "

@@ -287,10 +287,10 @@ void curve(const Look& look, const std::vector<double>& sizes, nlohmann::json& j
                              cv::Mat(size, CV_32FC2, cv::Scalar(1, -1))};
     if (megapixels <= 1) transfer.next(target);
     const double start = bench::process_seconds();
-    const auto clock = std::chrono::steady_clock::now();
+    const double clock = bench::wall_seconds();
     const TransferredFrame made = transfer.next(target);
     const double cpu = bench::process_seconds() - start;
-    const double wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - clock).count();
+    const double wall = bench::wall_seconds() - clock;
     const StageSeconds& s = made.seconds;
     fmt::print("| {:.2f} | {:.1f} | {:.1f} | {:.1f} | {:.1f} | {:.1f} | {:.1f} | {:.1f} |\n", megapixels,
                wall, cpu, s.prepare, s.search, s.assign, s.vote, cpu / megapixels);
