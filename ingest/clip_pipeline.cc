@@ -10,10 +10,10 @@
 #include <tbb/parallel_for.h>
 #include <tbb/task_group.h>
 
-#include "freshet_error.h"
+#include "freshet/error.h"
 #include "ingest/clip_analysis.h"
 #include "ingest/stopwatch.h"
-#include "media/frame.h"
+#include "media/frame/frame.h"
 #include "vision/flow.h"
 #include "vision/textureness.h"
 

@@ -11,7 +11,7 @@
 
 #include "ingest/ingest.h"
 #include "ingest/screening.h"
-#include "media/video_reader.h"
+#include "media/video/video_reader.h"
 #include "store/store.h"
 #include "vision/loop_rule.h"
 #include "vision/motion_cells.h"

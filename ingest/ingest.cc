@@ -13,8 +13,8 @@
 #include "ingest/clip_analysis.h"
 #include "ingest/clip_pipeline.h"
 #include "ingest/stopwatch.h"
-#include "media/layout_json.h"
-#include "media/video_reader.h"
+#include "media/frame/layout_json.h"
+#include "media/video/video_reader.h"
 #include "vision/textureness.h"
 
 namespace freshet::ingest {

@@ -11,10 +11,10 @@
 #include <string>
 #include <vector>
 
-#include "freshet_error.h"
+#include "freshet/error.h"
 #include "ingest/screening.h"
 #include "ingest/source_list.h"
-#include "media/repair.h"
+#include "media/frame/repair.h"
 #include "store/store.h"
 #include "vision/settings.h"
 

@@ -11,7 +11,7 @@
 #include <random>
 #include <utility>
 
-#include "freshet_error.h"
+#include "freshet/error.h"
 #include "store/lmdb_error.h"
 #include "store/page_check.h"
 

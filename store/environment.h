@@ -11,12 +11,15 @@
 #include <filesystem>
 #include <functional>
 #include <map>
+#include <memory>
 #include <mutex>
+#include <optional>
 #include <set>
 #include <string>
 #include <thread>
+#include <vector>
 
-#include "store/record.h"
+#include "store/records/record.h"
 
 namespace freshet::store {
 

@@ -4,7 +4,7 @@
 
 #include <cerrno>
 
-#include "freshet_error.h"
+#include "freshet/error.h"
 
 namespace freshet::store {
 

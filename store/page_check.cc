@@ -5,7 +5,7 @@
 
 #include <cerrno>
 
-#include "freshet_error.h"
+#include "freshet/error.h"
 
 namespace freshet::store {
 namespace {

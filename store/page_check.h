@@ -7,7 +7,7 @@
 
 #include <filesystem>
 
-#include "store/format.h"
+#include "store/format/format.h"
 
 namespace freshet::store {
 

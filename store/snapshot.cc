@@ -1,10 +1,10 @@
 #include <algorithm>
 #include <utility>
 
-#include "freshet_error.h"
+#include "freshet/error.h"
+#include "store/codec/tile_codec.h"
+#include "store/records/tile_record.h"
 #include "store/store_impl.h"
-#include "store/tile_codec.h"
-#include "store/tile_record.h"
 
 namespace freshet::store {
 namespace {

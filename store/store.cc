@@ -5,7 +5,7 @@
 
 #include <cerrno>
 
-#include "freshet_error.h"
+#include "freshet/error.h"
 #include "store/store_impl.h"
 
 namespace freshet::store {

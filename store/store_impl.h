@@ -3,8 +3,9 @@
 
 #include <map>
 
-#include "store/clip_record.h"
 #include "store/environment.h"
+#include "store/records/clip_record.h"
+#include "store/store.h"
 
 namespace freshet::store {
 

@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "freshet_error.h"
+#include "freshet/error.h"
 #include "store/environment.h"
 #include "store/lmdb_error.h"
 

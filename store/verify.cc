@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <array>
 
-#include "freshet_error.h"
+#include "freshet/error.h"
+#include "store/codec/tile_codec.h"
+#include "store/records/tile_record.h"
 #include "store/store_impl.h"
-#include "store/tile_codec.h"
-#include "store/tile_record.h"
 
 namespace freshet::store {
 namespace {

@@ -4,11 +4,11 @@
 #include <array>
 #include <utility>
 
-#include "freshet_error.h"
-#include "store/column.h"
+#include "freshet/error.h"
+#include "store/codec/tile_codec.h"
+#include "store/records/column.h"
+#include "store/records/tile_record.h"
 #include "store/store_impl.h"
-#include "store/tile_codec.h"
-#include "store/tile_record.h"
 
 namespace freshet::store {
 namespace {

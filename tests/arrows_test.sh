@@ -1,33 +1,107 @@
 #!/bin/sh
-# Fails when an #include goes against the arrows of docs/architecture.md: a room may include its own headers,
-# those of the tree's root (freshet_error.h and the like), and those of the rooms below it.
+# Fails when an #include goes against the arrows of docs/architecture.md, between rooms or inside one, or when a folder
+# holds more units than a reader can keep in mind.
 # usage: tests/arrows_test.sh ROOT
 set -eu
 cd "$1"
-may_use() {
-  case $1 in
-    store | media | vision) echo "" ;;
-    ingest | query) echo "store media vision" ;;
-    synth) echo "store media vision query" ;;
-    tools) echo "store media vision ingest query synth" ;;
-  esac
+
+# Every folder with sources, and what it may include besides itself. A name stands for that folder alone; NAME/* for it
+# and all below it. The public headers (include/freshet) and platform/ are open to all.
+arrows='
+include/freshet:
+platform:
+report: platform
+store/format:
+store/codec: store/format
+store/records: store/format store/codec
+store: store/format store/codec store/records
+media/frame:
+media/picture: media/frame
+media/video: media/frame media/picture
+vision:
+ingest: store media/* vision
+query/stored: store media/frame vision
+query/index: store vision query/stored
+query/hints: media/picture
+query/mrf:
+query/search: store vision query/stored query/index query/mrf
+query/costs: store vision query/stored query/mrf query/search
+query/labelling: store vision query/stored query/index query/mrf query/search query/costs
+query/benchmark: report store query/stored query/index query/search query/labelling
+synth/field:
+synth/animate/sampling: vision query/search
+synth/animate/placement: store vision query/search query/labelling
+synth/animate/blend: synth/animate/sampling synth/animate/placement
+synth/animate/clips: store media/frame vision query/stored synth/animate/sampling synth/animate/placement synth/animate/blend
+synth/animate/still: vision synth/animate/sampling
+synth/animate/motion: store vision query/stored query/search synth/animate/sampling synth/animate/placement
+synth/animate: store vision query/* synth/animate/*
+synth/matte: media/picture query/search
+synth/simulate/solver: synth/field
+synth/simulate/scene: synth/field synth/simulate/solver
+synth/simulate/clips: synth/field synth/simulate/solver synth/simulate/scene
+synth/simulate/design: media/picture synth/field synth/simulate/solver synth/simulate/scene
+synth/simulate: synth/simulate/*
+synth/transfer: synth/field
+synth/transfer/files: store media/* vision query/stored synth/transfer synth/animate/clips
+tools/console: store media/* vision query/*
+tools/options: vision media/picture query/* synth/animate/* tools/console
+tools: report store media/* vision ingest query/* synth/* tools/*
+'
+rooms="include platform report store media vision ingest query synth tools"
+max_units=16  # headers, with or without a source file, in one folder
+
+find $rooms -name '*.h' -o -name '*.cc' | sort | xargs awk -v arrows="$arrows" -v max_units="$max_units" '
+BEGIN {
+  lines = split(arrows, line, "\n")
+  for (i = 1; i <= lines; ++i) {
+    if (line[i] == "") continue
+    split(line[i], part, ":")
+    known[part[1]] = 1
+    may_use[part[1]] = part[2]
+  }
 }
-rooms="store media vision ingest query synth tools"
-status=0
-for room in $rooms; do
-  [ -d "$room" ] || { echo "$room/: the room is missing"; status=1; continue; }
-  for other in $rooms; do
-    [ "$other" = "$room" ] && continue
-    case " $(may_use $room) " in *" $other "*) continue ;; esac
-    if grep -rnE "#[[:space:]]*include[[:space:]]*[\"<]$other/" "$room"; then
-      echo "$room/ may not include $other/: see docs/architecture.md"
-      status=1
-    fi
-  done
-done
-# A file reaches others by their full name only: "../" would slip past the check above.
-if grep -rnE '#[[:space:]]*include[[:space:]]*"\.\.?/' $rooms; then
-  echo "write includes from the root of the tree"
-  status=1
-fi
-exit $status
+function folder_of(path) { sub(/\/[^\/]*$/, "", path); return path }
+function may(from, to,    words, n, i, root) {
+  if (from == to || to == "include/freshet" || to == "platform") return 1
+  n = split(may_use[from], words, " ")
+  for (i = 1; i <= n; ++i) {
+    if (words[i] == to) return 1
+    if (words[i] ~ /\/\*$/) {
+      root = substr(words[i], 1, length(words[i]) - 2)
+      if (to == root || index(to, root "/") == 1) return 1
+    }
+  }
+  return 0
+}
+FNR == 1 {
+  folder = folder_of(FILENAME)
+  if (!(folder in known)) {
+    print FILENAME ": its folder is not among the arrows: say in tests/arrows_test.sh what it may use"
+    known[folder] = 1
+    failed = 1
+  }
+  if (FILENAME ~ /\.h$/) ++units[folder]
+}
+/^[ \t]*#[ \t]*include[ \t]*["<]/ {
+  name = $0
+  sub(/^[^"<]*["<]/, "", name)
+  sub(/[">].*$/, "", name)
+  if (name ~ /^\.\.?\//) {
+    print FILENAME ":" FNR ": write includes from the root of the tree"
+    failed = 1
+  }
+  to = name ~ /^freshet\// ? "include/freshet" : folder_of(name)
+  if (to in known && !may(folder, to)) {
+    print FILENAME ":" FNR ": " folder "/ may not include " to "/: see docs/architecture.md"
+    failed = 1
+  }
+}
+END {
+  for (folder in units)
+    if (units[folder] > max_units) {
+      print folder "/ holds " units[folder] " headers, more than " max_units ": it has found a second subject"
+      failed = 1
+    }
+  exit failed
+}'

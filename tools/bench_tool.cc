@@ -9,16 +9,16 @@
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
-#include "freshet_error.h"
-#include "media/picture.h"
+#include "freshet/error.h"
+#include "media/picture/picture.h"
 #include "query/benchmark/measured_indexes.h"
 #include "query/benchmark/search_benchmark.h"
 #include "query/benchmark/search_page.h"
-#include "query/stored_codebook.h"
+#include "query/stored/stored_codebook.h"
 #include "tools/commands.h"
-#include "tools/output_names.h"
-#include "tools/progress.h"
-#include "tools/table.h"
+#include "tools/console/output_names.h"
+#include "tools/console/progress.h"
+#include "tools/console/table.h"
 
 namespace freshet::tools {
 namespace {
@@ -67,7 +67,7 @@ std::string figure(double value) {
 }
 
 void print(const query::SearchReport& report) {
-  fmt::print("{}\n{} patches of {} clips, {} words; {} pieces of {}{}\n\n", query::to_string(report.machine),
+  fmt::print("{}\n{} patches of {} clips, {} words; {} pieces of {}{}\n\n", to_string(report.machine),
              report.patches, report.clips, report.words, report.pieces,
              report.held_out.empty() ? "" : "the average image, its own patches left out, of ",
              fmt::join(report.pictures, ", "));

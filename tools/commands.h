@@ -1,7 +1,7 @@
 // tools/commands.h — the subcommands of freshet; each adds itself to the command line.
 #pragma once
 
-#include "tools/run_context.h"
+#include "tools/console/run_context.h"
 
 namespace freshet::tools {
 

@@ -6,10 +6,10 @@
 
 #include <fmt/format.h>
 
-#include "freshet_error.h"
-#include "media/motion_file.h"
-#include "media/picture.h"
-#include "media/picture_sequence.h"
+#include "freshet/error.h"
+#include "media/picture/motion_file.h"
+#include "media/picture/picture.h"
+#include "media/picture/picture_sequence.h"
 
 namespace freshet::tools {
 namespace {

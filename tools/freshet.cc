@@ -6,8 +6,8 @@
 #include <fmt/format.h>
 #include <opencv2/core/utility.hpp>
 
-#include "freshet_allocation.h"
-#include "freshet_error.h"
+#include "freshet/error.h"
+#include "platform/allocation.h"
 #include "tools/commands.h"
 
 namespace {

@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tools/commands.h"
-#include "tools/index_progress.h"
+#include "tools/console/index_progress.h"
 
 namespace freshet::tools {
 namespace {

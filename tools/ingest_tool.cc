@@ -6,14 +6,14 @@
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
-#include "freshet_error.h"
+#include "freshet/error.h"
 #include "ingest/ingest.h"
-#include "query/index_builder.h"
+#include "query/index/index_builder.h"
 #include "tools/commands.h"
-#include "tools/index_progress.h"
-#include "tools/progress.h"
-#include "tools/settings_options.h"
-#include "tools/table.h"
+#include "tools/console/index_progress.h"
+#include "tools/console/progress.h"
+#include "tools/console/table.h"
+#include "tools/options/settings_options.h"
 
 namespace freshet::tools {
 namespace {

@@ -5,10 +5,10 @@
 
 #include <fmt/format.h>
 
-#include "query/label_recall.h"
-#include "tools/cache_options.h"
+#include "query/labelling/label_recall.h"
+#include "tools/console/progress.h"
 #include "tools/motion_hint.h"
-#include "tools/progress.h"
+#include "tools/options/cache_options.h"
 
 namespace freshet::tools {
 

@@ -6,10 +6,10 @@
 
 #include <nlohmann/json.hpp>
 
-#include "query/labelling.h"
-#include "tools/motion_options.h"
-#include "tools/run_context.h"
-#include "tools/search_options.h"
+#include "query/labelling/labelling.h"
+#include "tools/console/run_context.h"
+#include "tools/options/motion_options.h"
+#include "tools/options/search_options.h"
 
 namespace freshet::tools {
 

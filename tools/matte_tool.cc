@@ -10,16 +10,16 @@
 #include <nlohmann/json.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "freshet_error.h"
-#include "media/picture.h"
-#include "query/labelling.h"
+#include "freshet/error.h"
+#include "media/picture/picture.h"
+#include "query/labelling/labelling.h"
 #include "synth/matte/matte.h"
 #include "synth/matte/proposal.h"
 #include "tools/commands.h"
+#include "tools/console/output_names.h"
+#include "tools/console/progress.h"
 #include "tools/label_run.h"
-#include "tools/output_names.h"
-#include "tools/progress.h"
-#include "tools/search_options.h"
+#include "tools/options/search_options.h"
 
 namespace freshet::tools {
 namespace {

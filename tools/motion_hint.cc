@@ -1,8 +1,8 @@
 #include "tools/motion_hint.h"
 
-#include "query/motion_guess.h"
-#include "tools/progress.h"
-#include "tools/run_context.h"
+#include "query/labelling/motion_guess.h"
+#include "tools/console/progress.h"
+#include "tools/console/run_context.h"
 
 namespace freshet::tools {
 

@@ -3,12 +3,12 @@
 
 #include <stop_token>
 
-#include "query/label_recall.h"
-#include "query/labelling.h"
-#include "query/search_base.h"
+#include "query/index/search_base.h"
+#include "query/labelling/label_recall.h"
+#include "query/labelling/labelling.h"
 #include "store/store.h"
-#include "tools/motion_options.h"
-#include "tools/search_options.h"
+#include "tools/options/motion_options.h"
+#include "tools/options/search_options.h"
 
 namespace freshet::tools {
 

@@ -8,22 +8,22 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "freshet_error.h"
-#include "media/picture.h"
-#include "query/contact_sheet.h"
-#include "query/label_map.h"
-#include "query/labelling.h"
-#include "synth/animate/assigned.h"
-#include "synth/animate/motion_field.h"
-#include "tools/cache_options.h"
+#include "freshet/error.h"
+#include "media/picture/picture.h"
+#include "query/labelling/contact_sheet.h"
+#include "query/labelling/label_map.h"
+#include "query/labelling/labelling.h"
+#include "synth/animate/motion/motion_field.h"
+#include "synth/animate/placement/assigned.h"
 #include "tools/commands.h"
+#include "tools/console/output_names.h"
+#include "tools/console/progress.h"
+#include "tools/console/table.h"
 #include "tools/label_run.h"
 #include "tools/motion_hint.h"
-#include "tools/motion_options.h"
-#include "tools/output_names.h"
-#include "tools/progress.h"
-#include "tools/search_options.h"
-#include "tools/table.h"
+#include "tools/options/cache_options.h"
+#include "tools/options/motion_options.h"
+#include "tools/options/search_options.h"
 
 namespace freshet::tools {
 namespace {
@@ -164,10 +164,11 @@ void run_label(const LabelCommand& command, const RunContext& context) {
   const query::Labelling& labelling = run.labelling;
   const query::Assignment& assignment = labelling.assignment;
   if (!command.assignment.empty()) query::write_assignment(command.assignment, assignment);
-  const cv::Mat motion = command.motion.needs_motion(asked)
-                             ? synth::motion_field(snapshot, run.base->settings,
-                                                   synth::place(assignment, snapshot), loaded.picture.size())
-                             : cv::Mat();
+  const cv::Mat motion =
+      command.motion.needs_motion(asked)
+          ? synth::animate::motion_field(snapshot, run.base->settings,
+                                         synth::animate::place(assignment, snapshot), loaded.picture.size())
+          : cv::Mat();
   command.motion.draw(loaded, asked, motion);
   command.motion.write_maps(loaded, motion);
   if (!command.map.empty())

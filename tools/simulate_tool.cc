@@ -7,15 +7,15 @@
 
 #include <fmt/format.h>
 
-#include "freshet_error.h"
-#include "media/motion_file.h"
-#include "media/picture_sequence.h"
+#include "freshet/error.h"
+#include "media/picture/motion_file.h"
+#include "media/picture/picture_sequence.h"
 #include "synth/simulate/design/scene_file.h"
 #include "synth/simulate/simulate.h"
 #include "tools/commands.h"
+#include "tools/console/picture_sink.h"
+#include "tools/console/progress.h"
 #include "tools/design_folder.h"
-#include "tools/picture_sink.h"
-#include "tools/progress.h"
 
 namespace freshet::tools {
 namespace {

@@ -5,15 +5,15 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "freshet_error.h"
-#include "media/frame_md5.h"
-#include "media/layout_json.h"
-#include "media/video_writer.h"
-#include "query/clip_frames.h"
+#include "freshet/error.h"
+#include "media/frame/frame_md5.h"
+#include "media/frame/layout_json.h"
+#include "media/video/video_writer.h"
+#include "query/stored/clip_frames.h"
 #include "store/store.h"
 #include "tools/commands.h"
-#include "tools/progress.h"
-#include "tools/table.h"
+#include "tools/console/progress.h"
+#include "tools/console/table.h"
 
 namespace freshet::tools {
 namespace {

@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "freshet_error.h"
+#include "freshet/error.h"
 
 namespace freshet::tools {
 namespace {
@@ -61,7 +61,7 @@ Choice choice_of(const std::string& value, std::initializer_list<std::pair<const
 
 void apply(const std::string& name, const std::string& value, SweepPoint& point) {
   query::PairwiseOptions& costs = point.labelling.costs;
-  synth::AnimateOptions& rendering = point.rendering;
+  synth::animate::AnimateOptions& rendering = point.rendering;
   if (name == "lambda") costs.lambda = number_of(value);
   if (name == "sigma") costs.sigma = number_of(value);
   if (name == "rho") costs.rho = number_of(value);
@@ -71,17 +71,19 @@ void apply(const std::string& name, const std::string& value, SweepPoint& point)
   if (name == "softness") rendering.base.gaussian_s = number_of(value);
   if (name == "max-gain") rendering.appearance.max_gain = number_of(value);
   if (name == "blend")
-    rendering.blend.weights = choice_of<synth::BlendWeights>(
-        value, {{"variance", synth::BlendWeights::kVariance}, {"paper", synth::BlendWeights::kPaper}});
+    rendering.blend.weights =
+        choice_of<synth::animate::BlendWeights>(value, {{"variance", synth::animate::BlendWeights::kVariance},
+                                                        {"paper", synth::animate::BlendWeights::kPaper}});
   if (name == "low-band")
-    rendering.blend.low_band = choice_of<synth::LowBand>(value, {{"shared", synth::LowBand::kShared},
-                                                                 {"keep", synth::LowBand::kKeep},
-                                                                 {"remove", synth::LowBand::kRemove}});
+    rendering.blend.low_band =
+        choice_of<synth::animate::LowBand>(value, {{"shared", synth::animate::LowBand::kShared},
+                                                   {"keep", synth::animate::LowBand::kKeep},
+                                                   {"remove", synth::animate::LowBand::kRemove}});
   if (name == "matching")
-    rendering.matching =
-        choice_of<synth::AppearanceMatching>(value, {{"sequence", synth::AppearanceMatching::kSequence},
-                                                     {"frame", synth::AppearanceMatching::kFrame},
-                                                     {"none", synth::AppearanceMatching::kNone}});
+    rendering.matching = choice_of<synth::animate::AppearanceMatching>(
+        value, {{"sequence", synth::animate::AppearanceMatching::kSequence},
+                {"frame", synth::animate::AppearanceMatching::kFrame},
+                {"none", synth::animate::AppearanceMatching::kNone}});
 }
 
 }  // namespace
@@ -136,7 +138,7 @@ std::string SweepPoint::title() const {
 }
 
 std::vector<SweepPoint> make_grid(const std::vector<SweepAxis>& axes, const LabelOptions& labelling,
-                                  const synth::AnimateOptions& rendering) {
+                                  const synth::animate::AnimateOptions& rendering) {
   std::size_t count = 1;
   for (std::size_t i = 0; i < axes.size(); ++i) {
     for (std::size_t j = 0; j < i; ++j)

@@ -5,9 +5,9 @@
 #include <utility>
 #include <vector>
 
-#include "query/label_sweep.h"
+#include "query/labelling/label_sweep.h"
 #include "synth/animate/animate.h"
-#include "tools/search_options.h"
+#include "tools/options/search_options.h"
 
 namespace freshet::tools {
 
@@ -28,7 +28,7 @@ std::string sweepable_names();
 struct SweepPoint {
   std::vector<std::pair<std::string, std::string>> settings;  // name and value of each axis
   query::LabelVariation labelling;
-  synth::AnimateOptions rendering;
+  synth::animate::AnimateOptions rendering;
   /// "sigma=100 rho=2"
   std::string title() const;
 };
@@ -38,6 +38,6 @@ inline constexpr std::size_t kMostPoints = 64;
 /// The product of all axes, the last one changing fastest; what is not swept is as in labelling and
 /// rendering. Throws Error{kUsage} when an axis is given twice, or there are more than kMostPoints.
 std::vector<SweepPoint> make_grid(const std::vector<SweepAxis>& axes, const LabelOptions& labelling,
-                                  const synth::AnimateOptions& rendering);
+                                  const synth::animate::AnimateOptions& rendering);
 
 }  // namespace freshet::tools

@@ -6,13 +6,13 @@
 #include <fmt/format.h>
 #include <opencv2/imgproc.hpp>
 
-#include "query/assignment.h"
-#include "query/benchmark/html_text.h"
+#include "query/labelling/assignment.h"
+#include "report/html_text.h"
 
 namespace freshet::tools {
 namespace {
 
-using query::html_text;
+using report::html_text;
 
 constexpr int kCell = 480, kCaption = 40, kGap = 8;  // px
 const cv::Scalar kPaper(32, 32, 32), kInk(225, 225, 225), kFaint(165, 165, 165);

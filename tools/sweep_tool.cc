@@ -13,19 +13,19 @@
 #include <oneapi/tbb/global_control.h>
 #include <nlohmann/json.hpp>
 
-#include "freshet_error.h"
-#include "media/picture.h"
-#include "query/label_recall.h"
-#include "query/label_sweep.h"
-#include "synth/animate/assigned.h"
-#include "tools/cache_options.h"
+#include "freshet/error.h"
+#include "media/picture/picture.h"
+#include "query/labelling/label_recall.h"
+#include "query/labelling/label_sweep.h"
+#include "synth/animate/placement/assigned.h"
 #include "tools/commands.h"
+#include "tools/console/picture_sink.h"
+#include "tools/console/progress.h"
 #include "tools/label_run.h"
 #include "tools/motion_hint.h"
-#include "tools/motion_options.h"
-#include "tools/picture_sink.h"
-#include "tools/play_options.h"
-#include "tools/progress.h"
+#include "tools/options/cache_options.h"
+#include "tools/options/motion_options.h"
+#include "tools/options/play_options.h"
 #include "tools/sweep_grid.h"
 #include "tools/sweep_page.h"
 
@@ -162,7 +162,7 @@ nlohmann::json report_of(const std::vector<SweepPoint>& points, const std::vecto
 void run_sweep(const SweepCommand& command, const RunContext& context) {
   std::vector<SweepAxis> axes;
   for (const std::string& text : command.sweeps) axes.push_back(parse_axis(text));
-  synth::AnimateOptions rendering;
+  synth::animate::AnimateOptions rendering;
   rendering.frames = command.duration.frames;
   rendering.fps = command.duration.fps;
   command.play.apply(rendering);
@@ -234,16 +234,16 @@ void run_sweep(const SweepCommand& command, const RunContext& context) {
       unlike += first[piece] != labelling.labels[piece];
     animation.changed = static_cast<double>(unlike) / static_cast<double>(first.size());
     query::write_assignment(folder / animation.assignment, labelling.assignment);
-    synth::Placement placement = synth::place(labelling.assignment, snapshot);
+    synth::animate::Placement placement = synth::animate::place(labelling.assignment, snapshot);
     {
       const std::lock_guard lock(guard);  // it may have something to say
       command.play.apply(placement, loaded.picture.size());
     }
-    synth::AnimateOptions one = points[i].rendering;
+    synth::animate::AnimateOptions one = points[i].rendering;
     one.memory_bytes /= at_once;
     PictureSink sink(folder / animation.video, loaded.picture.size(), one.frames, one.fps);
     int frame = 0;
-    synth::animate(
+    synth::animate::animate(
         snapshot, settings, loaded.picture, loaded.matte, placement, one,
         [&](const cv::Mat& picture) {
           sink.write(picture);

@@ -14,10 +14,10 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "freshet_error.h"
-#include "media/picture.h"
-#include "media/picture_sequence.h"
-#include "media/video_writer.h"
+#include "freshet/error.h"
+#include "media/picture/picture.h"
+#include "media/picture/picture_sequence.h"
+#include "media/video/video_writer.h"
 #include "store/store.h"
 #include "synth/transfer/files/composite.h"
 #include "synth/transfer/files/design_files.h"
@@ -25,9 +25,9 @@
 #include "synth/transfer/files/resume_folder.h"
 #include "synth/transfer/transfer.h"
 #include "tools/commands.h"
-#include "tools/output_names.h"
-#include "tools/picture_sink.h"
-#include "tools/progress.h"
+#include "tools/console/output_names.h"
+#include "tools/console/picture_sink.h"
+#include "tools/console/progress.h"
 
 namespace freshet::tools {
 namespace {

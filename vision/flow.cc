@@ -5,7 +5,7 @@
 #include <opencv2/imgproc.hpp>
 #include <opencv2/video/tracking.hpp>
 
-#include "freshet_error.h"
+#include "freshet/error.h"
 #include "vision/tv_l1.h"
 
 namespace freshet::vision {

@@ -9,7 +9,7 @@
 #include <oneapi/tbb/parallel_for.h>
 #include <Eigen/Core>
 
-#include "freshet_error.h"
+#include "freshet/error.h"
 #include "vision/flow.h"
 
 namespace freshet::vision {

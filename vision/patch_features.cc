@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "freshet_error.h"
+#include "freshet/error.h"
 
 namespace freshet::vision {
 namespace {

@@ -5,7 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "freshet_error.h"
+#include "freshet/error.h"
 
 namespace freshet::vision {
 namespace {

@@ -6,7 +6,7 @@
 #include <oneapi/tbb/parallel_for.h>
 #include <opencv2/features2d.hpp>
 
-#include "freshet_error.h"
+#include "freshet/error.h"
 
 namespace freshet::vision {
 namespace {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <bit>
 
-#include "freshet_error.h"
+#include "freshet/error.h"
 
 namespace freshet::vision {
 namespace {

@@ -6,7 +6,7 @@
 
 #include <opencv2/imgproc.hpp>
 
-#include "freshet_vectors.h"
+#include "platform/vectors.h"
 
 namespace freshet::vision {
 namespace {

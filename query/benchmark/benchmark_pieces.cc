@@ -5,9 +5,9 @@
 #include <fmt/format.h>
 #include <opencv2/imgproc.hpp>
 
-#include "freshet_error.h"
-#include "query/average_image.h"
-#include "query/picture_scale.h"
+#include "freshet/error.h"
+#include "query/search/picture_scale.h"
+#include "query/stored/average_image.h"
 
 namespace freshet::query {
 namespace {

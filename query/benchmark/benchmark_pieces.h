@@ -6,8 +6,8 @@
 
 #include <opencv2/core.hpp>
 
-#include "query/search_base.h"
-#include "query/target.h"
+#include "query/index/search_base.h"
+#include "query/search/target.h"
 
 namespace freshet::query {
 

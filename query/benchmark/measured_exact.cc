@@ -1,5 +1,5 @@
 #include "query/benchmark/measured_index.h"
-#include "query/exact_index.h"
+#include "query/index/exact_index.h"
 
 namespace freshet::query {
 

@@ -19,8 +19,8 @@
 #include <array>
 #include <cmath>
 
-#include "freshet_error.h"
-#include "query/dense_histogram.h"
+#include "freshet/error.h"
+#include "query/index/dense_histogram.h"
 #endif
 
 namespace freshet::query {

@@ -3,7 +3,7 @@
 #include <limits>
 
 #include "query/benchmark/measured_index.h"
-#include "query/flann_index.h"
+#include "query/index/flann_index.h"
 
 namespace freshet::query {
 namespace {

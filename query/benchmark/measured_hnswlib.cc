@@ -5,8 +5,8 @@
 
 #include <fmt/format.h>
 
-#include "freshet_error.h"
-#include "query/dense_histogram.h"
+#include "freshet/error.h"
+#include "query/index/dense_histogram.h"
 #endif
 
 namespace freshet::query {

@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "query/candidate_index.h"
+#include "query/index/candidate_index.h"
 #include "store/store.h"
 
 namespace freshet::query {

@@ -4,7 +4,7 @@
 #include <algorithm>
 
 #include "query/benchmark/measured_index.h"
-#include "query/dense_histogram.h"
+#include "query/index/dense_histogram.h"
 
 namespace freshet::query {
 namespace {

@@ -14,12 +14,12 @@
 #include <fmt/format.h>
 #include <opencv2/imgproc.hpp>
 
-#include "freshet_error.h"
-#include "query/benchmark/machine.h"
+#include "freshet/error.h"
 #include "query/benchmark/subset_index.h"
-#include "query/exact_index.h"
-#include "query/labelling.h"
-#include "query/picture_scale.h"
+#include "query/index/exact_index.h"
+#include "query/labelling/labelling.h"
+#include "query/search/picture_scale.h"
+#include "report/machine.h"
 
 namespace freshet::query {
 namespace {
@@ -96,7 +96,7 @@ class Benchmark {
 
   SearchReport run(std::span<const MeasuredIndex> indexes) {
     SearchReport report;
-    report.machine = this_machine();
+    report.machine = report::this_machine();
     report.store = snapshot_.path().filename().string();
     report.clips = base_.table.clips.size();
     report.patches = base_.table.size();
@@ -237,11 +237,11 @@ class Benchmark {
   };
   Cost build_once(const MeasuredIndex& kind, const SearchSpace& space, BuiltIndex& built) {
     const global_control one(global_control::max_allowed_parallelism, 1);
-    const std::size_t before = allocated_bytes();
-    const double start = thread_seconds();
+    const std::size_t before = report::allocated_bytes();
+    const double start = report::thread_seconds();
     built = kind.build(space);
-    const double seconds = thread_seconds() - start;
-    const std::size_t after = allocated_bytes();
+    const double seconds = report::thread_seconds() - start;
+    const std::size_t after = report::allocated_bytes();
     return {seconds, static_cast<double>(after > before ? after - before : 0)};
   }
 
@@ -250,11 +250,11 @@ class Benchmark {
     const std::size_t all = asked_.rows.size();
     BuiltIndex built;
     if (kind.load && all == base_.table.size()) {
-      const std::size_t before = allocated_bytes();
+      const std::size_t before = report::allocated_bytes();
       if (auto loaded = kind.load(ground(all).space, snapshot_)) {
         result.rows = all;
         result.from_store = true;
-        result.bytes = allocated_bytes() - before;
+        result.bytes = report::allocated_bytes() - before;
         result.build_seconds = loaded->build_seconds.value_or(0);
         return *std::move(loaded);
       }
@@ -319,9 +319,9 @@ class Benchmark {
         if (!own.windows.empty()) own.windows = own.windows.subspan(i, 1);
         // The first once more before: code and memory are warm.
         if (i == 0) index.search(queries.subspan(0, 1), kBest, own);
-        const double start = thread_seconds();
+        const double start = report::thread_seconds();
         auto answer = index.search(queries.subspan(i, 1), kBest, own);
-        const double seconds = thread_seconds() - start;
+        const double seconds = report::thread_seconds() - start;
         answers.push_back(std::move(answer[0]));
         ms.push_back(1e3 * seconds);
         total += seconds;
@@ -335,10 +335,10 @@ class Benchmark {
     std::vector<double> rounds;
     double spent = 0;
     while (rounds.empty() || (rounds.size() < 3 && spent < options_.setting_limit_s / 2)) {
-      const double start = wall_seconds();
+      const double start = report::wall_seconds();
       index.search(queries.first(ms.size()), kBest, own);
-      spent += wall_seconds() - start;
-      rounds.push_back(1e3 * (wall_seconds() - start) / static_cast<double>(ms.size()));
+      spent += report::wall_seconds() - start;
+      rounds.push_back(1e3 * (report::wall_seconds() - start) / static_cast<double>(ms.size()));
     }
     times.all_threads_ms = quantile(rounds, 0.5);
     return times;

@@ -2,8 +2,8 @@
 
 #include <fmt/format.h>
 
-#include "query/benchmark/curve_chart.h"
-#include "query/benchmark/html_text.h"
+#include "report/curve_chart.h"
+#include "report/html_text.h"
 
 namespace freshet::query {
 namespace {
@@ -21,8 +21,8 @@ std::string figure(double value) {
   return fmt::format("{:.2f}", value);
 }
 
-CurveChart chart_of(const SearchReport& report, bool near_one) {
-  CurveChart chart;
+report::CurveChart chart_of(const SearchReport& report, bool near_one) {
+  report::CurveChart chart;
   chart.title =
       near_one ? "The same from a recall@100 of 0.9 up" : "Milliseconds a piece, one core, and what is found";
   chart.x.title = "recall@100";
@@ -34,10 +34,10 @@ CurveChart chart_of(const SearchReport& report, bool near_one) {
   }
   for (const IndexResult& index : report.indexes) {
     // Also those without a result, so that each index keeps its colour from page to page.
-    ChartSeries series{index.name, {}};
+    report::ChartSeries series{index.name, {}};
     if (index.rows < report.rows && !index.settings.empty())
       series.name += fmt::format(" ({} patches)", grouped(index.rows));
-    if (index.name == "exact") series.line = ChartLine::kLevel;
+    if (index.name == "exact") series.line = report::ChartLine::kLevel;
     for (const SettingResult& setting : index.settings)
       series.points.push_back({setting.recall.at_100, setting.times.median_ms, setting.name});
     chart.series.push_back(std::move(series));
@@ -57,8 +57,8 @@ std::string result_table(const SearchReport& report) {
     for (std::size_t i = 0; i < index.settings.size(); ++i) {
       const SettingResult& setting = index.settings[i];
       table += i == 0 ? "<tr class=\"first\">" : "<tr>";
-      table += fmt::format("<th scope=\"row\">{}</th><td>{}</td>", i == 0 ? html_text(index.name) : "",
-                           html_text(setting.name));
+      table += fmt::format("<th scope=\"row\">{}</th><td>{}</td>",
+                           i == 0 ? report::html_text(index.name) : "", report::html_text(setting.name));
       if (i == 0)
         table += cell(grouped(index.rows)) +
                  cell(figure(index.build_seconds) +
@@ -86,12 +86,12 @@ std::string filter_table(const SearchReport& report) {
     for (std::size_t i = 0; i < index.filters.size(); ++i) {
       const FilterResult& filter = index.filters[i];
       rows += i == 0 ? "<tr class=\"first\">" : "<tr>";
-      rows +=
-          fmt::format("<th scope=\"row\">{}</th><td>{}</td><td>{}</td>", i == 0 ? html_text(index.name) : "",
-                      html_text(filter.setting), html_text(filter.condition)) +
-          cell(fmt::format("{:.1f}%", 100 * filter.admitted)) + cell(figure(filter.times.median_ms)) +
-          cell(figure(filter.times.p99_ms)) + cell(fmt::format("{:.3f}", filter.recall)) +
-          cell(std::to_string(filter.short_of)) + "</tr>\n";
+      rows += fmt::format("<th scope=\"row\">{}</th><td>{}</td><td>{}</td>",
+                          i == 0 ? report::html_text(index.name) : "", report::html_text(filter.setting),
+                          report::html_text(filter.condition)) +
+              cell(fmt::format("{:.1f}%", 100 * filter.admitted)) + cell(figure(filter.times.median_ms)) +
+              cell(figure(filter.times.p99_ms)) + cell(fmt::format("{:.3f}", filter.recall)) +
+              cell(std::to_string(filter.short_of)) + "</tr>\n";
     }
   if (rows.empty()) return {};
   return "<h2>With conditions</h2>\n<p>Each index at its first setting that finds nine tenths, else at its "
@@ -124,10 +124,10 @@ std::string search_page(const SearchReport& report) {
       "<!doctype html>\n<html lang=\"en\">\n<meta charset=\"utf-8\">\n"
       "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
       "<title>Candidate search in {0}</title>\n<style>\n{1}{2}</style>\n<h1>Candidate search in {0}</h1>\n",
-      html_text(report.store), chart_style(), kStyle);
+      report::html_text(report.store), report::chart_style(), kStyle);
   std::string pictures;
   for (std::size_t i = 0; i < report.pictures.size(); ++i)
-    pictures += fmt::format("{}{} ({} pieces)", i == 0 ? "" : ", ", html_text(report.pictures[i]),
+    pictures += fmt::format("{}{} ({} pieces)", i == 0 ? "" : ", ", report::html_text(report.pictures[i]),
                             report.picture_pieces[i]);
   page += fmt::format(
       "<p>{} patches of {} clips{}, {} words. {} pieces of {}.</p>\n", grouped(report.patches), report.clips,
@@ -137,8 +137,9 @@ std::string search_page(const SearchReport& report) {
       report.held_out.empty()
           ? pictures
           : fmt::format("the average image of {}, whose own patches are left out", pictures));
-  if (const std::string text = verdict(report); !text.empty()) page += "<p>" + html_text(text) + "</p>\n";
-  page += to_svg(chart_of(report, false)) + to_svg(chart_of(report, true));
+  if (const std::string text = verdict(report); !text.empty())
+    page += "<p>" + report::html_text(text) + "</p>\n";
+  page += report::to_svg(chart_of(report, false)) + report::to_svg(chart_of(report, true));
   page +=
       "<p class=\"faint\">Lower is faster, further right finds more. The dashed line is the exact index, "
       "which "
@@ -156,15 +157,15 @@ std::string search_page(const SearchReport& report) {
           ? std::string()
           : fmt::format(
                 "Energy: of {} pieces of {} labelled with these candidates, above that with exact ones. ",
-                report.labelled_pieces, html_text(report.labelled)),
+                report.labelled_pieces, report::html_text(report.labelled)),
       report.checked, report.wrong);
   page += filter_table(report);
   page += "<h2>The indexes</h2>\n<dl>\n";
   for (const IndexResult& index : report.indexes) {
-    page += fmt::format("<dt>{}</dt><dd>{}", html_text(index.name), html_text(index.what));
-    if (!index.skipped.empty()) page += fmt::format(". Not measured: {}", html_text(index.skipped));
+    page += fmt::format("<dt>{}</dt><dd>{}", report::html_text(index.name), report::html_text(index.what));
+    if (!index.skipped.empty()) page += fmt::format(". Not measured: {}", report::html_text(index.skipped));
     if (!index.package.empty())
-      page += fmt::format(" (install the package {} and build again)", html_text(index.package));
+      page += fmt::format(" (install the package {} and build again)", report::html_text(index.package));
     if (index.from_store) page += ". Loaded from the store";
     if (index.projected_build_seconds > 0)
       page += fmt::format(". Built of {} patches, as all would take some {:.0f} s, or too much memory",
@@ -175,7 +176,7 @@ std::string search_page(const SearchReport& report) {
       "</dl>\n<h2>Machine and limits</h2>\n<p>{}. At most {:g} s of one core to build an index, {:g} s to "
       "ask "
       "with one setting.</p>\n</html>\n",
-      html_text(to_string(report.machine)), report.build_limit_s, report.setting_limit_s);
+      report::html_text(to_string(report.machine)), report.build_limit_s, report.setting_limit_s);
   return page;
 }
 

@@ -7,7 +7,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "query/benchmark/machine.h"
+#include "report/machine.h"
 
 namespace freshet::query {
 
@@ -53,7 +53,7 @@ struct IndexResult {
 };
 
 struct SearchReport {
-  Machine machine;
+  report::Machine machine;
   std::string store;                             // file name
   std::size_t clips = 0, patches = 0, rows = 0;  // in the store; searched among
   int words = 0;

@@ -4,7 +4,7 @@
 
 #include <span>
 
-#include "query/candidate_index.h"
+#include "query/index/candidate_index.h"
 
 namespace freshet::query {
 

@@ -16,15 +16,15 @@
 #include <oneapi/tbb/task_group.h>
 #include <opencv2/imgproc.hpp>
 
-#include "freshet_error.h"
-#include "synth/animate/colour_model.h"
-#include "synth/animate/enlarge.h"
-#include "synth/animate/finished_frame.h"
-#include "synth/animate/motion_field.h"
-#include "synth/animate/motion_sequence.h"
-#include "synth/animate/outward.h"
+#include "freshet/error.h"
+#include "synth/animate/motion/motion_field.h"
+#include "synth/animate/motion/motion_sequence.h"
+#include "synth/animate/sampling/enlarge.h"
+#include "synth/animate/sampling/outward.h"
+#include "synth/animate/still/colour_model.h"
+#include "synth/animate/still/finished_frame.h"
 
-namespace freshet::synth {
+namespace freshet::synth::animate {
 namespace {
 
 constexpr int kSampledFrames = 12;  // that the appearance model is fitted to
@@ -385,4 +385,4 @@ AnimateReport animate(const store::Snapshot& snapshot, const vision::Settings& s
   return report;
 }
 
-}  // namespace freshet::synth
+}  // namespace freshet::synth::animate

@@ -8,18 +8,18 @@
 
 #include <opencv2/core.hpp>
 
-#include "query/motion_guide.h"
+#include "query/search/motion_guide.h"
 #include "store/store.h"
-#include "synth/animate/appearance.h"
-#include "synth/animate/base_image.h"
-#include "synth/animate/blend.h"
-#include "synth/animate/carried_base.h"
-#include "synth/animate/clip_layer.h"
-#include "synth/animate/moving_boundary.h"
-#include "synth/animate/placement.h"
+#include "synth/animate/blend/blend.h"
+#include "synth/animate/clips/clip_layer.h"
+#include "synth/animate/motion/moving_boundary.h"
+#include "synth/animate/placement/placement.h"
+#include "synth/animate/still/appearance.h"
+#include "synth/animate/still/base_image.h"
+#include "synth/animate/still/carried_base.h"
 #include "vision/settings.h"
 
-namespace freshet::synth {
+namespace freshet::synth::animate {
 
 enum class AppearanceMatching {
   kNone,
@@ -76,4 +76,4 @@ AnimateReport animate(const store::Snapshot& snapshot, const vision::Settings& s
                       const std::function<void(const AnimateProgress&)>& progress = {},
                       std::stop_token stop = {});
 
-}  // namespace freshet::synth
+}  // namespace freshet::synth::animate

@@ -5,7 +5,7 @@
 
 #include <opencv2/imgproc.hpp>
 
-namespace freshet::synth {
+namespace freshet::synth::animate {
 
 FrameSheet::FrameSheet(const cv::Mat& picture, int frames, int shown, int width_px)
     : frames_(frames), shown_(std::min(shown, frames)), width_(std::min(width_px, picture.cols)) {
@@ -39,4 +39,4 @@ cv::Mat FrameSheet::draw() const {
   return sheet;
 }
 
-}  // namespace freshet::synth
+}  // namespace freshet::synth::animate

@@ -5,7 +5,7 @@
 
 #include <opencv2/core.hpp>
 
-namespace freshet::synth {
+namespace freshet::synth::animate {
 
 /// Collects frames as they are rendered and lays them out in a grid.
 class FrameSheet {
@@ -22,4 +22,4 @@ class FrameSheet {
   std::vector<cv::Mat> cells_;
 };
 
-}  // namespace freshet::synth
+}  // namespace freshet::synth::animate

@@ -5,7 +5,7 @@
 
 #include <opencv2/imgproc.hpp>
 
-#include "freshet_error.h"
+#include "freshet/error.h"
 
 namespace freshet::synth::matte {
 namespace {

@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "freshet_error.h"
+#include "freshet/error.h"
 #include "synth/matte/marks.h"
 
 namespace freshet::synth::matte {

@@ -6,8 +6,8 @@
 #include <fmt/format.h>
 #include <opencv2/imgproc.hpp>
 
-#include "freshet_error.h"
-#include "media/picture.h"
+#include "freshet/error.h"
+#include "media/picture/picture.h"
 
 namespace freshet::synth::matte {
 namespace {

@@ -28,7 +28,7 @@ using Marks = cv::Mat;
 Marks read_scribbles(const std::filesystem::path& path, const cv::Mat& picture,
                      std::vector<std::string>* notices = nullptr);
 
-/// Reads marks from JSON, px of the picture as in query/strokes.h; later entries lie over earlier ones:
+/// Reads marks from JSON, px of the picture as in query/hints/strokes.h; later entries lie over earlier ones:
 ///
 /// {"format": "freshet-marks", "version": 1, "marks": [
 ///   {"is": "fluid",      "points": [[x, y], ...], "width": 9},   a line, 7 px wide unless said; one point: a

@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "freshet_error.h"
+#include "freshet/error.h"
 
 namespace freshet::synth::matte {
 namespace {

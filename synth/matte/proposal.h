@@ -4,8 +4,8 @@
 #include <cstddef>
 #include <string>
 
-#include "query/candidates.h"
-#include "query/target.h"
+#include "query/search/candidates.h"
+#include "query/search/target.h"
 #include "synth/matte/marks.h"
 
 namespace freshet::synth::matte {

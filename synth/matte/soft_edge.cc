@@ -7,7 +7,7 @@
 #include <opencv2/imgproc.hpp>
 #include <opencv2/ximgproc/edge_filter.hpp>
 
-#include "freshet_error.h"
+#include "freshet/error.h"
 
 namespace freshet::synth::matte {
 namespace {

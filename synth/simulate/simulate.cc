@@ -1,7 +1,7 @@
 // synth/simulate/simulate.cc
 #include "synth/simulate/simulate.h"
 
-#include "synth/simulate/scenes.h"
+#include "synth/simulate/scene/scenes.h"
 
 namespace freshet::synth::simulate {
 namespace {

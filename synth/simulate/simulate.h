@@ -5,7 +5,7 @@
 
 #include <opencv2/core.hpp>
 
-#include "synth/simulate/scene.h"
+#include "synth/simulate/scene/scene.h"
 
 namespace freshet::synth::simulate {
 

@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "freshet_error.h"
+#include "freshet/error.h"
 #include "synth/transfer/forward_warp.h"
 
 namespace freshet::synth::transfer {

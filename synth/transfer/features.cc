@@ -3,7 +3,7 @@
 #include <array>
 #include <cmath>
 
-#include "freshet_vectors.h"
+#include "platform/vectors.h"
 #if FRESHET_HAS_WIDE
 #include <immintrin.h>
 #endif
@@ -12,7 +12,6 @@ namespace freshet::synth::transfer {
 namespace {
 
 using Parts = PatchDistance::Parts;
-using simulate::for_rows;
 
 constexpr int kNowChannels = 6;
 constexpr double kAlphaWeight = 3;  // Eq. 9

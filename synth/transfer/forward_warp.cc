@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "synth/simulate/portable_math.h"
+#include "synth/field/portable_math.h"
 
 namespace freshet::synth::transfer {
 namespace {
@@ -24,7 +24,7 @@ WarpedFrame forward_warp(const Picture& picture, const Grid& mask, const VectorG
       if (!(to_x > -1.0f && to_y > -1.0f && to_x < static_cast<float>(width) &&
             to_y < static_cast<float>(height)))
         continue;
-      const int left = simulate::floor_int(to_x), top = simulate::floor_int(to_y);
+      const int left = floor_int(to_x), top = floor_int(to_y);
       const float fx = to_x - static_cast<float>(left), fy = to_y - static_cast<float>(top);
       const Pixel& pixel = picture(x, y);
       const float opacity = std::max(pixel.c[3], mask(x, y)) + kEmptyWeight;

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "synth/simulate/portable_math.h"
+#include "synth/field/portable_math.h"
 
 namespace freshet::synth::transfer {
 namespace {
@@ -11,7 +11,7 @@ namespace {
 constexpr float kLongest = 256.0f;  // px: no frame is smeared further, whatever the flow says
 
 Pixel bilinear(const Picture& picture, float x, float y) {
-  const simulate::Tap tx = simulate::tap(x, picture.width), ty = simulate::tap(y, picture.height);
+  const Tap tx = tap(x, picture.width), ty = tap(y, picture.height);
   const Pixel* a = picture.row(ty.index) + tx.index;
   const Pixel* b = picture.row(ty.index + ty.step) + tx.index;
   Pixel out;
@@ -27,7 +27,7 @@ Pixel bilinear(const Picture& picture, float x, float y) {
 
 Picture blurred_along(const Picture& picture, const VectorGrid& flow, double length) {
   Picture out(picture.width, picture.height);
-  simulate::for_rows(picture.height, [&](int y) {
+  for_rows(picture.height, [&](int y) {
     for (int x = 0; x < picture.width; ++x) {
       const Vec2 by = flow(x, y);
       const float smear =
@@ -43,7 +43,7 @@ Picture blurred_along(const Picture& picture, const VectorGrid& flow, double len
       float weights = 0;
       for (int k = -steps; k <= steps; ++k) {
         const float at = 2.0f * static_cast<float>(k) / static_cast<float>(steps);  // standard deviations
-        const float weight = simulate::exp_portable(-0.5f * at * at);
+        const float weight = exp_portable(-0.5f * at * at);
         const float along = static_cast<float>(k) * step / size;
         const Pixel read =
             bilinear(picture, static_cast<float>(x) + along * by.x, static_cast<float>(y) + along * by.y);

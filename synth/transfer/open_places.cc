@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "synth/simulate/random.h"
+#include "synth/field/random.h"
 
 namespace freshet::synth::transfer {
 
@@ -29,7 +29,7 @@ void OpenPlaces::remove(int place) {
   open_[static_cast<std::size_t>(place)] = 0;
   --count_;
   int x = place % width_, y = place / width_;
-  for (simulate::GridOf<std::int32_t>& level : squares_) {
+  for (GridOf<std::int32_t>& level : squares_) {
     x /= 2;
     y /= 2;
     --level(x, y);
@@ -66,7 +66,7 @@ int OpenPlaces::near(int x, int y, std::uint64_t random) const {
     }
     std::int32_t pick =
         static_cast<std::int32_t>((random & 0xffffffffu) * static_cast<std::uint64_t>(sum) >> 32);
-    random = simulate::scramble(random);
+    random = scramble(random);
     int child = 0;
     while (pick >= counts[child]) pick -= counts[child++];
     x = left + child % 2;

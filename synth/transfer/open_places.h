@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "synth/simulate/grid.h"
+#include "synth/field/grid.h"
 
 namespace freshet::synth::transfer {
 
@@ -24,8 +24,8 @@ class OpenPlaces {
 
  private:
   int width_, height_, count_;
-  std::vector<std::uint8_t> open_;                       // by place
-  std::vector<simulate::GridOf<std::int32_t>> squares_;  // [k]: of 2 << k px a side; the last one is one
+  std::vector<std::uint8_t> open_;             // by place
+  std::vector<GridOf<std::int32_t>> squares_;  // [k]: of 2 << k px a side; the last one is one
 };
 
 }  // namespace freshet::synth::transfer

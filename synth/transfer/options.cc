@@ -1,6 +1,6 @@
 #include <fmt/format.h>
 
-#include "freshet_error.h"
+#include "freshet/error.h"
 #include "synth/transfer/transfer.h"
 
 namespace freshet::synth::transfer {

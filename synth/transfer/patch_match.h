@@ -10,7 +10,7 @@
 
 #include <oneapi/tbb/parallel_for.h>
 
-#include "synth/simulate/random.h"
+#include "synth/field/random.h"
 #include "synth/transfer/open_places.h"
 #include "synth/transfer/segments.h"
 
@@ -75,7 +75,7 @@ void patch_match_pass(std::span<const int> places, const OpenPlaces& open, int p
       starts.push_back(i);
   starts.push_back(places.size());
   const int step = pass % 2 == 0 ? -1 : 1;
-  const simulate::Random random(seed, static_cast<std::uint64_t>(pass));
+  const Random random(seed, static_cast<std::uint64_t>(pass));
 
   const auto search = [&](int from, int tile) {
     Match* const kept = match.kept.data() + static_cast<std::size_t>(from) * MatchField::kKept;
@@ -113,7 +113,7 @@ void patch_match_pass(std::span<const int> places, const OpenPlaces& open, int p
       const std::uint32_t span = 2 * static_cast<std::uint32_t>(reach) + 1;
       const int dx = static_cast<int>((bits & 0xffffffffu) * span >> 32) - reach;
       const int dy = static_cast<int>((bits >> 32) * span >> 32) - reach;
-      bits = simulate::scramble(bits);
+      bits = scramble(bits);
       const int drawn = open.near(x + dx, y + dy, bits);
       if (drawn >= 0) try_place(drawn);
     }

@@ -4,12 +4,10 @@
 #include <cmath>
 #include <vector>
 
-#include "synth/simulate/portable_math.h"
+#include "synth/field/portable_math.h"
 
 namespace freshet::synth::transfer {
 namespace {
-
-using simulate::for_rows;
 
 constexpr float kLeastAlpha = 1.0f / 4096;
 
@@ -97,7 +95,7 @@ Grid blurred(const Grid& grid, double sigma) {
   float sum = 0;
   for (int i = 0; i <= reach; ++i) {
     const float at = static_cast<float>(i / sigma);
-    weights[static_cast<std::size_t>(i)] = simulate::exp_portable(-0.5f * at * at);
+    weights[static_cast<std::size_t>(i)] = exp_portable(-0.5f * at * at);
     sum += (i == 0 ? 1.0f : 2.0f) * weights[static_cast<std::size_t>(i)];
   }
   for (float& weight : weights) weight /= sum;

@@ -3,14 +3,9 @@
 
 #include <opencv2/core.hpp>
 
-#include "synth/simulate/grid.h"
+#include "synth/field/grid.h"
 
 namespace freshet::synth::transfer {
-
-using simulate::Grid;
-using simulate::GridOf;
-using simulate::Vec2;
-using simulate::VectorGrid;
 
 /// Blue, green, red, alpha, 0..1, colours premultiplied. The paper compares colours and alpha side by side
 /// and says nothing of the colour of transparent pixels, which straight pictures leave to chance;

@@ -9,7 +9,7 @@
 #include <oneapi/tbb/parallel_for.h>
 #include <oneapi/tbb/parallel_sort.h>
 
-#include "freshet_error.h"
+#include "freshet/error.h"
 #include "synth/transfer/patch_match.h"
 
 namespace freshet::synth::transfer {

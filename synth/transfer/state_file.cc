@@ -7,8 +7,8 @@
 #include <system_error>
 #include <vector>
 
-#include "freshet_error.h"
-#include "synth/simulate/random.h"
+#include "freshet/error.h"
+#include "synth/field/random.h"
 
 namespace freshet::synth::transfer {
 namespace {
@@ -30,7 +30,7 @@ std::uint64_t hash(const char* bytes, std::size_t count) {
   for (std::size_t i = 0; i < count; i += 8) {
     std::uint64_t word = 0;
     std::memcpy(&word, bytes + i, std::min<std::size_t>(8, count - i));
-    sum = simulate::scramble(sum ^ word);
+    sum = scramble(sum ^ word);
   }
   return sum;
 }
@@ -48,7 +48,7 @@ std::uint64_t digest(const TransferOptions& o) {
                                  static_cast<std::uint64_t>(o.quarter_turns),
                                  o.seed};
   return hash(reinterpret_cast<const char*>(numbers), sizeof numbers) ^
-         simulate::scramble(hash(reinterpret_cast<const char*>(whole), sizeof whole));
+         scramble(hash(reinterpret_cast<const char*>(whole), sizeof whole));
 }
 
 template <typename T>

@@ -8,8 +8,8 @@
 
 #include <fmt/format.h>
 
-#include "freshet_error.h"
-#include "synth/simulate/random.h"
+#include "freshet/error.h"
+#include "synth/field/random.h"
 #include "synth/transfer/exemplar.h"
 #include "synth/transfer/features.h"
 #include "synth/transfer/forward_warp.h"
@@ -149,7 +149,7 @@ Picture random_picture(const ExemplarLevel& source, const TargetLevel& target, c
   const int side = options.patch, half = side / 2;
   const std::vector<int>&boundary = source.segments[Segment::kBoundary],
         &interior = source.segments[Segment::kInterior];
-  const simulate::Random random(seed, 0);
+  const Random random(seed, 0);
   Picture out(target.previous.width, target.previous.height);
   const int squares = out.width / side + 1;
   for (int y = 0; y < out.height; ++y)
@@ -298,8 +298,7 @@ TransferredFrame Transfer::Impl::next(const TargetFrame& target, const std::func
 
   double work = 0, worked = 0;
   for (const TargetLevel& level : targets) work += static_cast<double>(level.lambda.values.size());
-  const std::uint64_t frame_seed =
-      simulate::scramble(options.seed ^ simulate::scramble(static_cast<std::uint64_t>(state.frame)));
+  const std::uint64_t frame_seed = scramble(options.seed ^ scramble(static_cast<std::uint64_t>(state.frame)));
   Picture picture;
   NearestField field;
   for (std::size_t k = levels; k-- > 0;) {
@@ -323,9 +322,8 @@ TransferredFrame Transfer::Impl::next(const TargetFrame& target, const std::func
         for (std::size_t i = 0; i < field.source.size(); ++i)
           if (level.segments.of.values[i] == Segment::kNone) field.source[i] = -1;
       lap.add_to(made.seconds.prepare);
-      RetrievalOptions retrieval{
-          options.search, options.passes,
-          simulate::scramble(frame_seed + 100 * k + static_cast<std::size_t>(iteration))};
+      RetrievalOptions retrieval{options.search, options.passes,
+                                 scramble(frame_seed + 100 * k + static_cast<std::size_t>(iteration))};
       RetrievalSeconds seconds;
       for (const Task& task : tasks) {
         if (options.retrieval == Retrieval::kUniform)

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <vector>
 
-#include "freshet_vectors.h"
-#include "synth/simulate/portable_math.h"
+#include "platform/vectors.h"
+#include "synth/field/portable_math.h"
 
 namespace freshet::synth::transfer {
 namespace {
@@ -33,12 +33,12 @@ void add_row(const Picture& source, const std::int32_t* from, const float* weigh
 void vote(const Picture& source, const NearestField& field, int patch, double power, Picture& into) {
   const int width = field.target_width, height = field.target_height, half = patch / 2;
   Grid weights(width, height);
-  simulate::for_rows(height, [&](int y) {
+  for_rows(height, [&](int y) {
     for (int x = 0; x < width; ++x) {
       const std::size_t at =
           static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x);
       if (field.source[at] >= 0)
-        weights(x, y) = simulate::pow_portable(field.distance[at] + kFloor, static_cast<float>(-power));
+        weights(x, y) = pow_portable(field.distance[at] + kFloor, static_cast<float>(-power));
     }
   });
   oneapi::tbb::parallel_for(

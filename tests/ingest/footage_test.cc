@@ -6,7 +6,7 @@
 #include <filesystem>
 
 #include "ingest/screening.h"
-#include "media/video_reader.h"
+#include "media/video/video_reader.h"
 
 namespace freshet::ingest {
 namespace {

@@ -12,9 +12,9 @@
 #include <nlohmann/json.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "media/layout_json.h"
-#include "media/video_reader.h"
-#include "media/video_writer.h"
+#include "media/frame/layout_json.h"
+#include "media/video/video_reader.h"
+#include "media/video/video_writer.h"
 #include "tests/ingest/synthetic_clip.h"
 #include "tests/ingest/temporary_folder.h"
 #include "vision/flow.h"

@@ -8,8 +8,8 @@
 #include <fmt/format.h>
 #include <opencv2/core.hpp>
 
-#include "freshet_error.h"
-#include "media/picture.h"
+#include "freshet/error.h"
+#include "media/picture/picture.h"
 #include "tests/ingest/temporary_folder.h"
 
 namespace freshet::ingest {

@@ -2,7 +2,7 @@
 
 #include <opencv2/imgproc.hpp>
 
-#include "media/video_writer.h"
+#include "media/video/video_writer.h"
 
 namespace freshet::ingest {
 namespace {

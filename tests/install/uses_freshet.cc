@@ -2,8 +2,8 @@
 
 #include <iostream>
 
-#include "freshet_error.h"
-#include "query/patch_table.h"
+#include "freshet/error.h"
+#include "query/stored/patch_table.h"
 #include "store/store.h"
 
 int main(int argc, char** argv) {

@@ -10,10 +10,10 @@
 
 #include <opencv2/imgproc.hpp>
 
-#include "generated_clip.h"
-#include "media/bgra.h"
-#include "media/video_reader.h"
-#include "media/video_writer.h"
+#include "media/frame/bgra.h"
+#include "media/video/video_reader.h"
+#include "media/video/video_writer.h"
+#include "tests/media/generated_clip.h"
 
 namespace freshet::media {
 namespace {

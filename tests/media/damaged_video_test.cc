@@ -6,10 +6,10 @@
 
 #include <gtest/gtest.h>
 
-#include "generated_clip.h"
-#include "media/frame_md5.h"
-#include "media/picture.h"
-#include "media/video_reader.h"
+#include "media/frame/frame_md5.h"
+#include "media/picture/picture.h"
+#include "media/video/video_reader.h"
+#include "tests/media/generated_clip.h"
 
 namespace freshet::media {
 namespace {

@@ -1,4 +1,4 @@
-#include "generated_clip.h"
+#include "tests/media/generated_clip.h"
 
 #include <cstdio>
 #include <cstdlib>
@@ -10,8 +10,8 @@
 
 #include <gtest/gtest.h>
 
-#include "media/frame_md5.h"
-#include "media/video_reader.h"
+#include "media/frame/frame_md5.h"
+#include "media/video/video_reader.h"
 
 namespace freshet::media {
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "freshet_error.h"
+#include "freshet/error.h"
 
 namespace freshet::media {
 

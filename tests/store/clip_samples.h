@@ -8,7 +8,7 @@
 #include <filesystem>
 #include <random>
 
-#include "freshet_error.h"
+#include "freshet/error.h"
 #include "store/store.h"
 
 namespace freshet::store {

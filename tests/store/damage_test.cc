@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 
-#include "raw_file.h"
+#include "tests/store/raw_file.h"
 
 namespace freshet::store {
 namespace {

@@ -8,7 +8,7 @@
 
 #include <csignal>
 
-#include "raw_file.h"
+#include "tests/store/raw_file.h"
 
 namespace freshet::store {
 namespace {

@@ -8,7 +8,7 @@
 #include <functional>
 #include <iterator>
 
-#include "clip_samples.h"
+#include "tests/store/clip_samples.h"
 
 namespace freshet::store {
 

@@ -4,7 +4,7 @@
 
 #include <thread>
 
-#include "clip_samples.h"
+#include "tests/store/clip_samples.h"
 
 namespace freshet::store {
 namespace {

@@ -6,7 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "sample.h"
+#include "tests/tools/sample.h"
 
 namespace freshet::tools {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "sample.h"
+#include "tests/tools/sample.h"
 
 namespace freshet::tools {
 namespace {

@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
-#include "sample.h"
+#include "tests/tools/sample.h"
 
 namespace freshet::tools {
 namespace {

@@ -7,8 +7,8 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
 
-#include "sample.h"
-#include "work_folder.h"
+#include "tests/tools/sample.h"
+#include "tests/tools/work_folder.h"
 
 namespace freshet::tools {
 namespace {

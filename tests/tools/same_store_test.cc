@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "sample.h"
+#include "tests/tools/sample.h"
 
 namespace freshet::tools {
 namespace {

@@ -1,4 +1,4 @@
-#include "sample.h"
+#include "tests/tools/sample.h"
 
 #include <stdexcept>
 

@@ -3,7 +3,7 @@
 
 #include <filesystem>
 
-#include "work_folder.h"
+#include "tests/tools/work_folder.h"
 
 namespace freshet::tools {
 

@@ -9,7 +9,7 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
 
-#include "sample.h"
+#include "tests/tools/sample.h"
 
 namespace freshet::tools {
 namespace {

@@ -18,8 +18,8 @@
 #include <utility>
 #include <vector>
 
-#include "sample.h"
-#include "work_folder.h"
+#include "tests/tools/sample.h"
+#include "tests/tools/work_folder.h"
 
 namespace freshet::tools {
 namespace {

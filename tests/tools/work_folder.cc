@@ -1,4 +1,4 @@
-#include "work_folder.h"
+#include "tests/tools/work_folder.h"
 
 #include <fcntl.h>
 #include <gtest/gtest.h>

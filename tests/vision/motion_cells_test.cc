@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 #include <oneapi/tbb/global_control.h>
 
-#include "freshet_error.h"
+#include "freshet/error.h"
 #include "vision/flow.h"
 
 namespace freshet::vision {

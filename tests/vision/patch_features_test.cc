@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "freshet_error.h"
+#include "freshet/error.h"
 #include "vision/flow.h"
 
 namespace freshet::vision {

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "freshet_error.h"
+#include "freshet/error.h"
 
 namespace freshet::vision {
 namespace {

@@ -8,7 +8,7 @@
 #include <oneapi/tbb/global_control.h>
 #include <opencv2/imgproc.hpp>
 
-#include "freshet_error.h"
+#include "freshet/error.h"
 
 namespace freshet::vision {
 namespace {

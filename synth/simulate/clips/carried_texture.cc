@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "synth/simulate/portable_math.h"
+#include "synth/field/portable_math.h"
 
 namespace freshet::synth::simulate {
 

@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "synth/simulate/grid.h"
+#include "synth/field/grid.h"
 
 namespace freshet::synth::simulate {
 

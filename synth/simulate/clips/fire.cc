@@ -3,10 +3,10 @@
 #include <cmath>
 #include <vector>
 
+#include "synth/field/portable_math.h"
+#include "synth/field/random.h"
 #include "synth/simulate/clips/gas.h"
-#include "synth/simulate/portable_math.h"
-#include "synth/simulate/random.h"
-#include "synth/simulate/scenes.h"
+#include "synth/simulate/scene/scenes.h"
 
 namespace freshet::synth::simulate {
 namespace {

@@ -8,8 +8,8 @@
 #include <opencv2/core.hpp>
 
 #include "synth/simulate/clips/carried_texture.h"
-#include "synth/simulate/noise.h"
-#include "synth/simulate/stable_fluids.h"
+#include "synth/simulate/solver/noise.h"
+#include "synth/simulate/solver/stable_fluids.h"
 
 namespace freshet::synth::simulate {
 

@@ -7,11 +7,11 @@
 #include <cmath>
 #include <vector>
 
-#include "synth/simulate/grid.h"
-#include "synth/simulate/noise.h"
-#include "synth/simulate/portable_math.h"
-#include "synth/simulate/random.h"
-#include "synth/simulate/scenes.h"
+#include "synth/field/grid.h"
+#include "synth/field/portable_math.h"
+#include "synth/field/random.h"
+#include "synth/simulate/scene/scenes.h"
+#include "synth/simulate/solver/noise.h"
 
 namespace freshet::synth::simulate {
 namespace {

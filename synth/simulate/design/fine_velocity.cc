@@ -3,8 +3,8 @@
 
 #include <algorithm>
 
-#include "freshet_vectors.h"
-#include "synth/simulate/portable_math.h"
+#include "platform/vectors.h"
+#include "synth/field/portable_math.h"
 
 namespace freshet::synth::simulate {
 namespace {

@@ -5,7 +5,7 @@
 
 #include <opencv2/core.hpp>
 
-#include "synth/simulate/grid.h"
+#include "synth/field/grid.h"
 
 namespace freshet::synth::simulate {
 

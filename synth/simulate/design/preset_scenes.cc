@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 
-#include "freshet_error.h"
+#include "freshet/error.h"
 #include "synth/simulate/design/scene_file.h"
 
 namespace freshet::synth::simulate {

@@ -11,8 +11,8 @@
 #include <fmt/format.h>
 #include <toml++/toml.h>
 
-#include "freshet_error.h"
-#include "media/picture.h"
+#include "freshet/error.h"
+#include "media/picture/picture.h"
 #include "synth/simulate/design/shape.h"
 
 namespace freshet::synth::simulate {

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "synth/simulate/portable_math.h"
+#include "synth/field/portable_math.h"
 
 namespace freshet::synth::simulate {
 namespace {

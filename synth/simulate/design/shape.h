@@ -3,7 +3,7 @@
 
 #include <opencv2/core.hpp>
 
-#include "synth/simulate/design/design.h"
+#include "synth/simulate/scene/design.h"
 
 namespace freshet::synth::simulate {
 

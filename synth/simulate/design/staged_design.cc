@@ -8,13 +8,13 @@
 #include <cmath>
 #include <vector>
 
+#include "synth/field/portable_math.h"
+#include "synth/field/random.h"
 #include "synth/simulate/design/fine_velocity.h"
 #include "synth/simulate/design/shape.h"
-#include "synth/simulate/noise.h"
-#include "synth/simulate/portable_math.h"
-#include "synth/simulate/random.h"
-#include "synth/simulate/scenes.h"
-#include "synth/simulate/stable_fluids.h"
+#include "synth/simulate/scene/scenes.h"
+#include "synth/simulate/solver/noise.h"
+#include "synth/simulate/solver/stable_fluids.h"
 
 namespace freshet::synth::simulate {
 namespace {

@@ -5,10 +5,11 @@
 
 #include <fmt/format.h>
 
-#include "freshet_error.h"
-#include "media/picture.h"
-#include "media/picture_sequence.h"
-#include "media/video_reader.h"
+#include "freshet/error.h"
+#include "media/frame/video_name.h"
+#include "media/picture/picture.h"
+#include "media/picture/picture_sequence.h"
+#include "media/video/video_reader.h"
 
 namespace freshet::synth::transfer {
 namespace {

@@ -7,12 +7,12 @@
 #include <fmt/format.h>
 #include <opencv2/imgproc.hpp>
 
-#include "freshet_error.h"
-#include "media/bgra.h"
-#include "media/motion_file.h"
-#include "media/picture.h"
-#include "media/picture_sequence.h"
-#include "media/video_reader.h"
+#include "freshet/error.h"
+#include "media/frame/bgra.h"
+#include "media/picture/motion_file.h"
+#include "media/picture/picture.h"
+#include "media/picture/picture_sequence.h"
+#include "media/video/video_reader.h"
 #include "synth/transfer/files/content_hash.h"
 
 namespace freshet::synth::transfer {

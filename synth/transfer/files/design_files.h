@@ -20,7 +20,7 @@ namespace freshet::synth::transfer {
 /// alpha  a folder or a pattern (%05d, ####) of pictures, or a video. Where any frame is transparent
 /// anywhere,
 ///        the mask is the alpha channel; else it is the luminance.
-/// flow   a folder or a pattern of .flo or .exr fields, px a frame (media/motion_file.h). Of a folder that
+/// flow   a folder or a pattern of .flo or .exr fields, px a frame (media/picture/motion_file.h). Of a folder that
 /// holds
 ///        both, the .flo.
 class DesignFiles {

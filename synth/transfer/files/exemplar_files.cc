@@ -10,14 +10,15 @@
 #include <fmt/format.h>
 #include <opencv2/imgproc.hpp>
 
-#include "freshet_error.h"
-#include "media/bgra.h"
-#include "media/picture.h"
-#include "media/picture_sequence.h"
-#include "media/video_reader.h"
-#include "query/clip_frames.h"
-#include "synth/animate/clip_loop.h"
-#include "synth/animate/timeline.h"
+#include "freshet/error.h"
+#include "media/frame/bgra.h"
+#include "media/frame/video_name.h"
+#include "media/picture/picture.h"
+#include "media/picture/picture_sequence.h"
+#include "media/video/video_reader.h"
+#include "query/stored/clip_frames.h"
+#include "synth/animate/clips/clip_loop.h"
+#include "synth/animate/clips/timeline.h"
 #include "synth/transfer/files/content_hash.h"
 
 namespace freshet::synth::transfer {
@@ -118,7 +119,7 @@ Frames stored(const store::Snapshot& snapshot, const std::string& name) {
           .count = static_cast<int>(frames->size()),
           .read = [frames](int i) { return deep(frames->read(static_cast<std::uint32_t>(i))); },
           .name_of = [name](int i) { return fmt::format("{}, frame {}", name, i); },
-          .loop = [snapshot, id = *clip] { return synth::loop_rule(snapshot, id); }};
+          .loop = [snapshot, id = *clip] { return synth::animate::loop_rule(snapshot, id); }};
 }
 
 cv::Mat premultiplied(const cv::Mat& bgra) {
@@ -173,8 +174,8 @@ struct ExemplarFiles::Impl {
   cv::Size size;
   bool opaque = true;
   std::optional<vision::LoopRule> loop;
-  std::vector<Moment> moments;  // by frame of the animation
-  cv::Mat average;              // of a loop's frames, premultiplied
+  std::vector<animate::Moment> moments;  // by frame of the animation
+  cv::Mat average;                       // of a loop's frames, premultiplied
   std::string hash;
   std::deque<std::pair<int, cv::Mat>> remembered;
 
@@ -202,7 +203,7 @@ struct ExemplarFiles::Impl {
     return bgra;
   }
 
-  cv::Mat moment(const Moment& at) const {
+  cv::Mat moment(const animate::Moment& at) const {
     if (at.count() == 1) return own(static_cast<int>(at.at[0]));
     cv::Mat sum = average.clone();
     for (std::size_t i = 0; i < 2; ++i) {
@@ -234,9 +235,9 @@ struct ExemplarFiles::Impl {
     }
     std::vector<double> times(static_cast<std::size_t>(frames.count));
     std::iota(times.begin(), times.end(), 0.0);
-    moments =
-        timeline(times, 1, loop, frames.name,
-                 {.frames = options.frames, .fps = 1, .speed = 1, .loop = false, .phase = 0, .whole = true});
+    moments = animate::timeline(
+        times, 1, loop, frames.name,
+        {.frames = options.frames, .fps = 1, .speed = 1, .loop = false, .phase = 0, .whole = true});
   }
 };
 

@@ -6,8 +6,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "freshet_error.h"
-#include "media/picture_sequence.h"
+#include "freshet/error.h"
+#include "media/picture/picture_sequence.h"
 
 namespace freshet::synth::transfer {
 namespace {

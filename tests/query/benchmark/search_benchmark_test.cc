@@ -5,15 +5,15 @@
 #include <algorithm>
 #include <thread>
 
-#include "freshet_error.h"
+#include "freshet/error.h"
 #include "query/benchmark/measured_indexes.h"
 #include "query/benchmark/search_page.h"
 #include "query/benchmark/subset_index.h"
-#include "query/exact_index.h"
-#include "query/index_builder.h"
-#include "query/stored_codebook.h"
+#include "query/index/exact_index.h"
+#include "query/index/index_builder.h"
+#include "query/stored/stored_codebook.h"
+#include "tests/query/index/random_words.h"
 #include "tests/query/made_store.h"
-#include "tests/query/random_words.h"
 
 namespace freshet::query {
 namespace {
@@ -148,8 +148,9 @@ TEST(SearchBenchmark, RefusesMoreRowsThanThereAre) {
 // An index that is exact, but takes its time to build, or fails.
 MeasuredIndex slow(double seconds_a_row) {
   return {.name = "slow", .what = "", .build = [=](const SearchSpace& space) -> BuiltIndex {
-            const double until = thread_seconds() + seconds_a_row * static_cast<double>(space.words.size());
-            while (thread_seconds() < until) continue;
+            const double until =
+                report::thread_seconds() + seconds_a_row * static_cast<double>(space.words.size());
+            while (report::thread_seconds() < until) continue;
             return {std::make_shared<ExactIndex>(space.words, space.word_count), {{"", [] {}}}};
           }};
 }

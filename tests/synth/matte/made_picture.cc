@@ -1,4 +1,4 @@
-#include "made_picture.h"
+#include "tests/synth/matte/made_picture.h"
 
 #include <unistd.h>
 

@@ -6,7 +6,7 @@
 
 #include <opencv2/core.hpp>
 
-#include "freshet_error.h"
+#include "freshet/error.h"
 #include "synth/matte/marks.h"
 
 namespace freshet::synth::matte {

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "made_picture.h"
+#include "tests/synth/matte/made_picture.h"
 
 namespace freshet::synth::matte {
 namespace {

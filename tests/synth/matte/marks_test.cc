@@ -6,7 +6,7 @@
 
 #include <opencv2/imgproc.hpp>
 
-#include "made_picture.h"
+#include "tests/synth/matte/made_picture.h"
 
 namespace freshet::synth::matte {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "made_picture.h"
+#include "tests/synth/matte/made_picture.h"
 #include "vision/patch_grid.h"
 
 namespace freshet::synth::matte {

@@ -5,10 +5,10 @@
 #include <gtest/gtest.h>
 #include <oneapi/tbb/global_control.h>
 
-#include "freshet_error.h"
+#include "freshet/error.h"
+#include "synth/field/random.h"
 #include "synth/simulate/design/scene_file.h"
 #include "synth/simulate/design/shape.h"
-#include "synth/simulate/random.h"
 #include "synth/simulate/simulate.h"
 
 namespace freshet::synth::simulate {

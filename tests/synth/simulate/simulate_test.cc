@@ -11,8 +11,8 @@
 #include <opencv2/imgproc.hpp>
 #include <opencv2/video.hpp>
 
-#include "freshet_error.h"
-#include "synth/simulate/random.h"
+#include "freshet/error.h"
+#include "synth/field/random.h"
 
 namespace freshet::synth::simulate {
 namespace {

@@ -2,14 +2,14 @@
 
 #include <gtest/gtest.h>
 
-#include "freshet_vectors.h"
-#include "synth/simulate/random.h"
+#include "platform/vectors.h"
+#include "synth/field/random.h"
 
 namespace freshet::synth::transfer {
 namespace {
 
 Features random_features(int width, int height, std::uint64_t seed) {
-  const simulate::Random random(seed, 0);
+  const Random random(seed, 0);
   Features out(width, height);
   Picture now(width, height), previous(width, height);
   Grid alpha(width, height);

@@ -6,13 +6,13 @@
 
 #include <opencv2/imgproc.hpp>
 
-#include "synth/simulate/random.h"
+#include "synth/field/random.h"
 
 namespace freshet::synth::transfer {
 namespace {
 
 cv::Mat noise(cv::Size size, int cell, std::uint64_t seed) {
-  const simulate::Random random(seed, static_cast<std::uint64_t>(cell));
+  const Random random(seed, static_cast<std::uint64_t>(cell));
   cv::Mat small(size.height / cell + 2, size.width / cell + 2, CV_32F), out;
   for (int y = 0; y < small.rows; ++y)
     for (int x = 0; x < small.cols; ++x)

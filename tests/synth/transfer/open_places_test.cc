@@ -6,13 +6,13 @@
 
 #include <gtest/gtest.h>
 
-#include "synth/simulate/random.h"
+#include "synth/field/random.h"
 
 namespace freshet::synth::transfer {
 namespace {
 
 TEST(OpenPlaces, DrawsOnlyWhatIsLeftUntilNothingIs) {
-  simulate::Random random(3, 0);
+  Random random(3, 0);
   std::set<int> left;
   while (left.size() < 200) left.insert(random.below(37 * 21));
   OpenPlaces open(37, 21, {left.begin(), left.end()});
@@ -40,7 +40,7 @@ TEST(OpenPlaces, DrawsOnlyWhatIsLeftUntilNothingIs) {
 TEST(OpenPlaces, EveryPlaceOfASquareComesUp) {
   const OpenPlaces open(8, 8, {1, 7, 56, 63, 36});
   std::set<int> drawn;
-  const simulate::Random random(1, 0);
+  const Random random(1, 0);
   for (std::uint64_t i = 0; i < 200; ++i) drawn.insert(open.near(2, 5, random.bits(i)));
   EXPECT_EQ(drawn.size(), 1u);  // 36 is no neighbour in its square of 4; 56 is
   EXPECT_TRUE(drawn.count(56));

@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 #include <oneapi/tbb/global_control.h>
 
-#include "freshet_error.h"
+#include "freshet/error.h"
 #include "tests/synth/transfer/made_exemplar.h"
 
 namespace freshet::synth::transfer {

@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-#include "freshet_error.h"
+#include "freshet/error.h"
 
 namespace freshet::synth::transfer {
 namespace {

@@ -11,7 +11,7 @@
 #include <unistd.h>
 #include <opencv2/imgproc.hpp>
 
-#include "freshet_error.h"
+#include "freshet/error.h"
 #include "tests/synth/transfer/made_exemplar.h"
 
 namespace freshet::synth::transfer {

@@ -12,8 +12,8 @@
 
 #include <opencv2/imgcodecs.hpp>
 
-#include "freshet_error.h"
-#include "media/video_writer.h"
+#include "freshet/error.h"
+#include "media/video/video_writer.h"
 
 namespace freshet::synth::transfer {
 namespace {

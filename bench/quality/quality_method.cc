@@ -1,0 +1,158 @@
+#include "bench/quality/quality_method.h"
+
+#include <functional>
+#include <sstream>
+
+#include <fmt/format.h>
+
+#include "freshet/error.h"
+
+namespace freshet::bench {
+namespace {
+
+struct Setting {
+  const char *key, *what;
+  bool of_labels;  // else of rendering alone
+  std::function<void(Method&, const std::string&)> set;
+};
+
+double number(const std::string& text) {
+  std::size_t used = 0;
+  double value = 0;
+  try {
+    value = std::stod(text, &used);
+  } catch (const std::exception&) {
+  }
+  if (used == 0 || used != text.size()) throw Error(ErrorKind::kUsage, "\"" + text + "\"", "not a number");
+  return value;
+}
+
+template <class T>
+T one_of(const std::string& text, const std::vector<std::pair<const char*, T>>& names) {
+  std::string known;
+  for (const auto& [name, value] : names) {
+    if (text == name) return value;
+    known += std::string(known.empty() ? "" : ", ") + name;
+  }
+  throw Error(ErrorKind::kUsage, "\"" + text + "\"", "none of " + known);
+}
+
+template <class Field>
+std::function<void(Method&, const std::string&)> to(Field&& field) {
+  return [field](Method& method, const std::string& text) {
+    auto& value = field(method);
+    value = static_cast<std::remove_reference_t<decltype(value)>>(number(text));
+  };
+}
+
+const std::vector<Setting>& all_settings() {
+  using synth::animate::AppearanceMatching, synth::animate::BlendWeights, synth::animate::LowBand;
+  static const std::vector<Setting> settings{
+      {"costs", "log or power; resets the four weights that follow", true,
+       [](Method& m, const std::string& text) {
+         m.label.costs = query::default_costs(query::parse_cost_form(text));
+       }},
+      {"lambda", "weight of neighbours", true, to([](Method & m) -> auto& { return m.label.costs.lambda; })},
+      {"sigma", "weight of temporal spectra", true,
+       to([](Method & m) -> auto& { return m.label.costs.sigma; })},
+      {"rho", "weight of textureness", true, to([](Method & m) -> auto& { return m.label.costs.rho; })},
+      {"vote", "weight of the candidates' vote", true,
+       to([](Method & m) -> auto& { return m.label.costs.vote; })},
+      {"k", "candidates a piece", true, to([](Method & m) -> auto& { return m.label.candidates.k; })},
+      {"coherent", "continued candidates of each neighbour", true,
+       to([](Method & m) -> auto& { return m.label.candidates.coherent; })},
+      {"min-scale", "of a variant", true,
+       to([](Method & m) -> auto& { return m.label.candidates.min_scale; })},
+      {"max-rotation", "of a variant, degrees", true,
+       to([](Method & m) -> auto& { return m.label.candidates.max_rotation_deg; })},
+      {"same-class", "1: candidates of the clip's class alone", true,
+       to([](Method & m) -> auto& { return m.same_class; })},
+      {"tolerance", "of the hint's direction, degrees", true,
+       to([](Method & m) -> auto& { return m.label.guide.tolerance_deg; })},
+      {"speed-ratio", "tolerance of the hint's speed", true,
+       to([](Method & m) -> auto& { return m.label.guide.speed_ratio; })},
+      {"guide-direction", "cost of an angle to the hint", true,
+       to([](Method & m) -> auto& { return m.label.guide_costs.direction; })},
+      {"guide-speed", "cost of another speed than the hint's", true,
+       to([](Method & m) -> auto& { return m.label.guide_costs.speed; })},
+      {"weights", "of blending: variance or paper", false,
+       [](Method& m, const std::string& text) {
+         m.animate.blend.weights = one_of<BlendWeights>(
+             text, {{"variance", BlendWeights::kVariance}, {"paper", BlendWeights::kPaper}});
+       }},
+      {"low-band", "shared, keep or remove", false,
+       [](Method& m, const std::string& text) {
+         m.animate.blend.low_band = one_of<LowBand>(
+             text, {{"shared", LowBand::kShared}, {"keep", LowBand::kKeep}, {"remove", LowBand::kRemove}});
+       }},
+      {"low-band-reach", "of the shared low band, pieces", false,
+       to([](Method & m) -> auto& { return m.animate.blend.low_band_reach; })},
+      {"matching", "of appearance: sequence, frame or none", false,
+       [](Method& m, const std::string& text) {
+         m.animate.matching = one_of<AppearanceMatching>(text, {{"sequence", AppearanceMatching::kSequence},
+                                                                {"frame", AppearanceMatching::kFrame},
+                                                                {"none", AppearanceMatching::kNone}});
+       }},
+      {"max-gain", "of a band's contrast", false,
+       to([](Method & m) -> auto& { return m.animate.appearance.max_gain; })},
+      {"max-level-gain", "of the picture's own levels", false,
+       to([](Method & m) -> auto& { return m.animate.appearance.max_level_gain; })},
+      {"carry", "share of the picture that is carried along", false,
+       to([](Method & m) -> auto& { return m.animate.carry.share; })},
+      {"carry-life", "of one carried copy, s", false,
+       to([](Method & m) -> auto& { return m.animate.carry.life_s; })},
+      {"carry-max", "way of one carried copy, px", false,
+       to([](Method & m) -> auto& { return m.animate.carry.max_px; })},
+      {"shutter", "of the base image, s", false,
+       to([](Method & m) -> auto& { return m.animate.base.shutter_s; })},
+      {"gaussian", "of the base image, s", false,
+       to([](Method & m) -> auto& { return m.animate.base.gaussian_s; })},
+  };
+  return settings;
+}
+
+}  // namespace
+
+const std::vector<NamedSettings>& ablations() {
+  static const std::vector<NamedSettings> all{
+      {"looks", "lambda=0 vote=0", "each piece takes the candidate that looks most like it: no MRF"},
+      {"no-spectra", "sigma=0", "neighbours' temporal spectra do not count"},
+      {"no-texture", "rho=0", "neighbours' textureness does not count"},
+      {"no-vote", "vote=0", "candidates do not vote on strength of motion"},
+      {"power-costs", "costs=power", "distances of raw power, as in the paper"},
+      {"no-coherent", "coherent=0", "no continuations of neighbours' candidates"},
+      {"one-scale", "min-scale=1", "clips at whole size only"},
+      {"no-rotation", "max-rotation=0", "upright clips only"},
+      {"paper-blend", "weights=paper", "overlaps are averaged"},
+      {"frame-matching", "matching=frame", "appearance matched frame by frame"},
+      {"no-matching", "matching=none", "appearance not matched"},
+  };
+  return all;
+}
+
+std::string setting_keys() {
+  std::string text;
+  for (const Setting& setting : all_settings())
+    text += fmt::format("  {:16} {}\n", setting.key, setting.what);
+  return text;
+}
+
+void apply_settings(const std::string& settings, Method& method) {
+  std::string spaced = settings;
+  for (char& c : spaced)
+    if (c == ',') c = ' ';
+  std::istringstream words(spaced);
+  for (std::string word; words >> word;) {
+    const std::size_t equals = word.find('=');
+    const Setting* found = nullptr;
+    for (const Setting& setting : all_settings())
+      if (word.substr(0, equals) == setting.key) found = &setting;
+    if (!found || equals == std::string::npos)
+      throw Error(ErrorKind::kUsage, "setting \"" + word + "\"",
+                  "key=value expected, with a key of\n" + setting_keys());
+    found->set(method, word.substr(equals + 1));
+    if (found->of_labels) method.labels_settings += word + " ";
+  }
+}
+
+}  // namespace freshet::bench

@@ -1,0 +1,32 @@
+// quality_method.h — one way to animate, as a list of settings that differ from the defaults.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "query/labelling/labelling.h"
+#include "synth/animate/animate.h"
+
+namespace freshet::bench {
+
+struct Method {
+  std::string name;
+  query::LabelOptions label;
+  synth::animate::AnimateOptions animate;
+  bool same_class = false;  // candidates of the clip's class alone, as one who knows what is to be seen asks
+  std::string labels_settings;  // what of its settings labels depend on: methods that agree share labels
+};
+
+/// An ablation or reference by name, and the settings that make it.
+struct NamedSettings {
+  const char *name, *settings, *what;
+};
+const std::vector<NamedSettings>& ablations();
+
+/// Applies "key=value key=value ..." (or with commas), in order. Throws Error{kUsage} for an unknown key, or
+/// a value that is none of its own; the message lists the keys.
+void apply_settings(const std::string& settings, Method& method);
+/// One line a key: what it sets.
+std::string setting_keys();
+
+}  // namespace freshet::bench

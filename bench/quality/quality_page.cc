@@ -1,0 +1,144 @@
+#include "bench/quality/quality_page.h"
+
+#include <cmath>
+#include <fstream>
+
+#include <fmt/format.h>
+#include <opencv2/imgproc.hpp>
+
+#include "freshet/error.h"
+#include "media/video/video_writer.h"
+#include "report/html_text.h"
+
+namespace freshet::bench {
+namespace {
+
+using report::html_text;
+
+constexpr int kPanel = 426;  // px, width of a panel; higher than wide ones are narrower
+
+std::string file_name_of(const std::string& text) {
+  std::string name;
+  for (const char c : text) name += std::isalnum(static_cast<unsigned char>(c)) != 0 ? c : '_';
+  return name;
+}
+
+cv::Mat annotated(const Case& asked, bool with_strokes) {
+  cv::Mat picture = asked.still.clone();
+  std::vector<std::vector<cv::Point>> outlines;
+  cv::findContours(cv::Mat(asked.matte > 127), outlines, cv::RETR_LIST, cv::CHAIN_APPROX_SIMPLE);
+  cv::drawContours(picture, outlines, -1, {255, 255, 0}, 1, cv::LINE_AA);
+  for (const query::Stroke& stroke : asked.strokes) {
+    if (!with_strokes) break;
+    for (std::size_t i = 1; i < stroke.points.size(); ++i) {
+      const cv::Point a(stroke.points[i - 1]), b(stroke.points[i]);
+      if (i + 1 == stroke.points.size())
+        cv::arrowedLine(picture, a, b, {60, 60, 255}, 2, cv::LINE_AA, 0, 0.8);
+      else
+        cv::line(picture, a, b, {60, 60, 255}, 2, cv::LINE_AA);
+    }
+  }
+  return picture;
+}
+
+constexpr const char* kHead = R"(<!doctype html>
+<meta charset="utf-8"><meta name="viewport" content="width=device-width">
+<title>TITLE</title>
+<style>
+body { font: 14px/1.4 sans-serif; background: #16181c; color: #ddd; margin: 1rem; }
+h1 { font-size: 1.2rem; } button { font: inherit; margin: 0 .2rem .2rem 0; cursor: pointer; }
+button.on { background: #fc6; } select { font: inherit; }
+.card { margin: 1rem 0; } video { width: 100%; max-width: 1290px; display: block; background: #000; }
+.card b { color: #fff; } .figure { display: inline-block; margin-right: 1.1em; white-space: nowrap; }
+.figure i { color: #999; font-style: normal; } pre { overflow-x: auto; font-size: 12px; }
+</style>
+<h1>TITLE</h1>
+<p>Each film: what was filmed, what was made, and the still it was made of (matte outlined, strokes in red).
+Worst first by <span id="keys"></span>
+<label>method <select id="method"></select></label></p>
+<div id="cards">
+)";
+
+constexpr const char* kScript = R"(
+<script>
+const cards = [...document.querySelectorAll('.card')], box = document.getElementById('cards');
+const keys = document.getElementById('keys'), method = document.getElementById('method');
+function sort(key, better) {
+  const size = c => Math.abs(+c.dataset[key]) * (better ? -1 : 1);
+  cards.sort((a, b) => size(b) - size(a)).forEach(c => box.append(c));
+  [...keys.children].forEach(k => k.classList.toggle('on', k.dataset.key === key));
+}
+for (const [key, head, better] of FIGURES) {
+  const button = document.createElement('button');
+  button.textContent = head; button.dataset.key = key;
+  button.onclick = () => sort(key, better); keys.append(button);
+}
+for (const name of ['all', ...new Set(cards.map(c => c.dataset.method))]) method.append(new Option(name, name));
+method.onchange = () => cards.forEach(c => c.hidden = method.value !== 'all' && c.dataset.method !== method.value);
+const seen = new IntersectionObserver(all => all.forEach(e => e.isIntersecting ? e.target.play() : e.target.pause()));
+document.querySelectorAll('video').forEach(v => seen.observe(v));
+sort(FIGURES[0][0], FIGURES[0][2]);
+</script>
+)";
+
+std::string replaced(std::string text, const std::string& what, const std::string& with) {
+  for (std::size_t at = 0; (at = text.find(what, at)) != std::string::npos; at += with.size())
+    text.replace(at, what.size(), with);
+  return text;
+}
+
+}  // namespace
+
+std::string write_panels(const std::filesystem::path& folder, const Case& asked,
+                         const std::vector<cv::Mat>& made, const std::string& method, bool with_strokes) {
+  const cv::Size from = asked.still.size();
+  const double scale = std::min(1.0 * kPanel / from.width, 1.0 * kPanel / from.height);
+  const cv::Size panel(static_cast<int>(from.width * scale) / 2 * 2,
+                       static_cast<int>(from.height * scale) / 2 * 2);
+  const std::string name = file_name_of(asked.name + "_" + method) + ".mp4";
+  media::VideoWriterOptions options;
+  options.fps_num = std::lround(asked.fps * 1000);
+  options.fps_den = 1000;
+  options.crf = 20;
+  cv::Mat sheet(panel.height, 3 * panel.width + 8, CV_8UC3, cv::Scalar::all(0)), small;
+  const auto place = [&](const cv::Mat& picture, int column) {
+    cv::resize(picture, small, panel, 0, 0, cv::INTER_AREA);
+    small.copyTo(sheet(cv::Rect(column * (panel.width + 4), 0, panel.width, panel.height)));
+  };
+  place(annotated(asked, with_strokes), 2);
+  media::VideoWriter writer(folder / name, sheet.size(), options);
+  for (std::size_t i = 0; i < made.size(); ++i) {
+    place(asked.truth[i], 0);
+    place(made[i], 1);
+    writer.write(sheet);
+  }
+  writer.finish();
+  return name;
+}
+
+void write_page(const std::filesystem::path& folder, const std::vector<Judged>& judged,
+                const std::string& title) {
+  std::ofstream page(folder / "index.html");
+  page << replaced(kHead, "TITLE", html_text(title));
+  for (const Judged& one : judged) {
+    if (one.video.empty()) continue;
+    page << fmt::format("<div class=\"card\" data-method=\"{}\"", html_text(one.method));
+    for (const Figure& figure : figures())
+      page << fmt::format(" data-{}=\"{:.4f}\"", figure.key, one.distance.*figure.value);
+    page << fmt::format(
+        "><b>{}</b>, {}<video src=\"{}\" loop muted playsinline preload=\"metadata\"></video>",
+        html_text(one.clip), html_text(one.method), one.video);
+    for (const Figure& figure : figures())
+      page << fmt::format("<span class=\"figure\"><i>{}</i> {:.{}f}</span>", figure.head,
+                          one.distance.*figure.value, figure.digits);
+    page << "</div>\n";
+  }
+  page << "</div>\n<h1>Means and medians</h1>\n<pre>" << html_text(summary_table(judged))
+       << "</pre>\n<h1>By clip</h1>\n<pre>" << html_text(clip_table(judged)) << "</pre>\n";
+  nlohmann::json keys = nlohmann::json::array();
+  for (const Figure& figure : figures()) keys.push_back({figure.key, figure.head, figure.more_is_better});
+  page << replaced(kScript, "FIGURES", keys.dump());
+  if (!page.flush()) throw Error(ErrorKind::kIo, (folder / "index.html").string(), "cannot be written");
+}
+
+}  // namespace freshet::bench

@@ -1,0 +1,26 @@
+// quality_strokes.h — the strokes that a person who knew the clip would draw on its still.
+#pragma once
+
+#include <vector>
+
+#include <opencv2/core.hpp>
+
+#include "query/hints/strokes.h"
+#include "query/search/motion_guide.h"
+
+namespace freshet::bench {
+
+/// A handful of strokes, 4 to 12 by the matte's area, where the mean motion is strong and far from other
+/// strokes: each a polyline that follows it for an eighth of the picture's diagonal at most, inside the
+/// matte. Motion is smoothed first, over an eightieth of the diagonal: a person draws streams, not eddies.
+/// motion   CV_32FC2, px/s, x right, y down, of any size: stretched to the matte's.
+/// matte    CV_8U; fluid where above 127.
+/// Fewer, or none, where nothing flows at kLeastSpeed.
+std::vector<query::Stroke> draw_strokes(const cv::Mat& motion, const cv::Mat& matte);
+
+/// What the strokes, at least one, ask of the picture's motion (query::interpolate): directions, and speeds
+/// where with_speed.
+void guide_by(const std::vector<query::Stroke>& strokes, cv::Size picture, bool with_speed,
+              query::MotionGuide& guide);
+
+}  // namespace freshet::bench

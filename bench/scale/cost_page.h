@@ -1,0 +1,40 @@
+// bench/scale/cost_page.h — costs against the number of patches: curves, exponents, one page.
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "report/curve_chart.h"
+
+namespace freshet::bench {
+
+/// y = factor * x ^ exponent by least squares of logarithms, and how sure the exponent is.
+struct CostFit {
+  double factor = 0, exponent = 0;
+  double error = 0;  // standard error of the exponent; 0 for two points
+  std::size_t points = 0;
+};
+/// Over points whose x is at least `from`, and whose x and y are above 0. Nothing with fewer than two.
+std::optional<CostFit> fit_costs(const std::vector<report::ChartPoint>& points, double from = 0);
+
+/// One cost of one build over all sizes.
+struct CostCurve {
+  std::string group, name, unit;  // "search", "median", "ms a piece"
+  std::vector<report::ChartPoint> points;
+};
+/// What bench_cost_curves measured, as curves. Sizes that lack a figure have no point.
+/// result   one build's JSON: "sizes", and "ingest" where there is one.
+std::vector<CostCurve> cost_curves(const nlohmann::json& result);
+
+/// The exponents of all curves, as they go into the JSON: "group", "name", "unit", "exponent", "error",
+/// "points"; "large_exponent" and "large_error" over the sizes from 200,000 patches up.
+nlohmann::json cost_fits(const nlohmann::json& result);
+
+/// One self-contained page: a chart a group, curves of all results in it (those of a plain build named so),
+/// the table of exponents and that of figures.
+std::string cost_page(std::span<const nlohmann::json> results);
+
+}  // namespace freshet::bench

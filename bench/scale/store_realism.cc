@@ -1,0 +1,79 @@
+#include "bench/scale/store_realism.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "freshet/error.h"
+
+namespace freshet::bench {
+
+std::vector<double> word_shares(std::span<const vision::WordMap> words, int word_count) {
+  std::vector<double> shares(static_cast<std::size_t>(word_count), 0);
+  for (const vision::WordMap& map : words) {
+    for (const std::uint8_t word : map) ++shares[word];
+  }
+  const double points = static_cast<double>(words.size()) * std::tuple_size_v<vision::WordMap>;
+  for (double& share : shares) share /= points;
+  return shares;
+}
+
+double total_variation(std::span<const double> p, std::span<const double> q) {
+  double sum = 0;
+  for (std::size_t i = 0; i < p.size(); ++i) sum += std::abs(p[i] - q[i]);
+  return sum / 2;
+}
+
+double divergence_bits(std::span<const double> p, std::span<const double> q) {
+  constexpr double kLeast = 1e-6;
+  double sum = 0;
+  for (std::size_t i = 0; i < p.size(); ++i) {
+    if (p[i] > 0) sum += p[i] * std::log2(p[i] / std::max(q[i], kLeast));
+  }
+  return sum;
+}
+
+double mean_bins(std::span<const vision::WordMap> words, int word_count) {
+  std::vector<vision::Bin> bins;
+  double sum = 0;
+  for (const vision::WordMap& map : words) {
+    vision::pyramid_bins(map, word_count, bins);
+    sum += static_cast<double>(bins.size());
+  }
+  return sum / static_cast<double>(words.size());
+}
+
+NeighbourScores neighbour_scores(const query::CandidateIndex& index,
+                                 std::span<const query::PieceQuery> queries) {
+  constexpr std::size_t kRanks = 100;
+  NeighbourScores scores;
+  const auto answers = index.search(queries, kRanks);
+  for (std::size_t i = 0; i < queries.size(); ++i) {
+    if (answers[i].size() < kRanks)
+      throw Error(ErrorKind::kUsage, "neighbours",
+                  std::to_string(index.rows()) + " patches have no hundredth");
+    const double whole = query::mass(queries[i]) * static_cast<double>(queries.size());
+    scores.first += answers[i][0].score / whole;
+    scores.tenth += answers[i][9].score / whole;
+    scores.hundredth += answers[i][99].score / whole;
+  }
+  return scores;
+}
+
+std::vector<double> best_scores(const query::CandidateIndex& index,
+                                std::span<const query::PieceQuery> queries, const query::RowFilter& allowed) {
+  std::vector<double> best;
+  const auto answers = index.search(queries, 1, {.rows = &allowed});
+  for (std::size_t i = 0; i < queries.size(); ++i)
+    best.push_back(answers[i].empty() ? 0
+                                      : answers[i][0].score / static_cast<double>(query::mass(queries[i])));
+  return best;
+}
+
+query::PieceQuery query_of(const vision::WordMap& words) {
+  query::PieceQuery query{words, {}};
+  query.mask.fill(1);
+  return query;
+}
+
+}  // namespace freshet::bench

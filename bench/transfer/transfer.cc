@@ -1,0 +1,418 @@
+// Does appearance transfer keep the exemplar's look for 180 frames, does it hold together, what does it cost?
+//
+//   bench_transfer EXEMPLAR... [--frames 180] [--width 160] [--store STORE] [--write FOLDER] [--curve
+//   MPIX,...] bench_transfer --page RESULT.json...
+//
+// EXEMPLAR is NAME[:GROUND][@DESIGN]. NAME: a picture, a folder of pictures, a video, a clip of the store, or
+// a ready-made clip of synth/simulate (fire, waterfall, ...). GROUND: black or white, on which it stands.
+// DESIGN: a preset of freshet synth simulate (plume, firepit, ...), or disc, which is lobed and turns. A
+// frame is three quarters as high as wide, an exemplar half as high as the frame: patches must repeat. First
+// it checks what every frame promises: K and K + 1 uses only, no patch of the other segment. Then, by
+// exemplar and method (uniform; nearest, which is Kwatra et al. 2005; uniform without coherence), over the
+// frames:
+//   sharpness  mean squared Laplacian of grey, of the exemplar's
+//   colours    L1 distance of colour histograms (8 x 8 x 8) from the exemplar's, 0 to 2
+//   change     mean difference between a frame and the previous one carried along the flow, levels of 255
+// --curve 0.1,0.5,1 also makes frames of so many megapixels, all fluid, from the first exemplar, 360 px high,
+// and prints seconds by stage, wall clock and processor time; of the second frame, which has a past, and
+// above 1 megapixel of the first. Prints tables, and writes transfer.json, with every frame's numbers, and
+// transfer.html, which draws them, into the present folder. --page puts several such files into one.
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "bench/harness/machine.h"
+#include "bench/transfer/transfer_page.h"
+#include "media/picture/picture.h"
+#include "store/store.h"
+#include "synth/simulate/design/scene_file.h"
+#include "synth/simulate/simulate.h"
+#include "synth/transfer/files/exemplar_files.h"
+#include "synth/transfer/forward_warp.h"
+#include "synth/transfer/transfer.h"
+
+namespace {
+
+using namespace freshet;
+using namespace freshet::synth::transfer;
+
+struct Settings {
+  std::vector<std::string> exemplars;
+  int frames = 180, width = 160;
+  std::filesystem::path store, write;
+  std::vector<double> curve;  // megapixels
+  bool page = false;
+  cv::Size size() const { return {width, width * 3 / 4}; }
+};
+
+struct Look {
+  std::string name;
+  std::vector<cv::Mat> frames;  // CV_32FC4
+
+  const cv::Mat& at(int t) const {
+    return frames[static_cast<std::size_t>(std::clamp(t, 0, static_cast<int>(frames.size()) - 1))];
+  }
+};
+
+/// Averages light, not colours of what is not there.
+cv::Mat scaled(const cv::Mat& bgra, double scale) {
+  cv::Mat values = bgra.clone();
+  const auto for_pixels = [](cv::Mat& picture, const auto& body) {
+    for (int y = 0; y < picture.rows; ++y)
+      for (int x = 0; x < picture.cols; ++x) body(picture.at<cv::Vec4f>(y, x));
+  };
+  for_pixels(values, [](cv::Vec4f& p) { p = {p[0] * p[3], p[1] * p[3], p[2] * p[3], p[3]}; });
+  cv::resize(values, values, {}, scale, scale, scale < 1 ? cv::INTER_AREA : cv::INTER_LINEAR);
+  for_pixels(values, [](cv::Vec4f& p) {
+    if (p[3] > 0) p = {p[0] / p[3], p[1] / p[3], p[2] / p[3], p[3]};
+  });
+  return values;
+}
+
+cv::Mat bgra_of(const synth::simulate::SimulatedFrame& frame) {
+  std::vector<cv::Mat> planes;
+  cv::split(frame.picture, planes);
+  planes.push_back(frame.alpha);
+  cv::Mat bgra;
+  cv::merge(planes, bgra);
+  bgra.convertTo(bgra, CV_32F, 1 / 255.0);
+  return bgra;
+}
+
+bool is_simulated(const std::string& name) {
+  for (const synth::simulate::Preset preset : synth::simulate::all_presets())
+    if (name == synth::simulate::preset_name(preset)) return true;
+  return false;
+}
+
+/// NAME[:GROUND][@DESIGN]
+struct Asked {
+  std::string name, ground = "none", design = "disc";
+};
+Asked parse_exemplar(std::string text) {
+  Asked asked;
+  const auto cut = [&](char mark, std::string& part) {
+    const std::size_t at = text.rfind(mark);
+    if (at == std::string::npos) return;
+    part = text.substr(at + 1);
+    text.resize(at);
+  };
+  cut('@', asked.design);
+  cut(':', asked.ground);
+  asked.name = text;
+  return asked;
+}
+
+Look read_look(const Asked& asked, int height, int frames, const std::filesystem::path& store_path) {
+  Look look{std::filesystem::path(asked.name).stem().string(), {}};
+  if (is_simulated(asked.name)) {
+    const cv::Size size(height * 8, height * 6);
+    synth::simulate::Simulation scene(
+        {.preset = synth::simulate::parse_preset(asked.name), .size = size, .frames = frames, .seed = 5});
+    for (synth::simulate::SimulatedFrame frame; scene.next(frame);)
+      look.frames.push_back(scaled(bgra_of(frame), 1.0 / 6));
+    return look;
+  }
+  const ExemplarOptions options{.ground = asked.ground == "black"   ? Ground::kBlack
+                                          : asked.ground == "white" ? Ground::kWhite
+                                                                    : Ground::kNone,
+                                .frames = frames};
+  ExemplarFiles files =
+      std::filesystem::exists(asked.name)
+          ? ExemplarFiles(asked.name, options)
+          : ExemplarFiles(store::Store::open_read(store_path).snapshot(), asked.name, options);
+  files.check();
+  for (int t = 0; t < (files.frames() > 1 ? frames : 1); ++t) {
+    cv::Mat values;
+    files.at(t).bgra.convertTo(values, CV_32F, 1 / 65535.0);
+    look.frames.push_back(scaled(values, static_cast<double>(height) / values.rows));
+  }
+  return look;
+}
+
+TargetFrame turning_disc(cv::Size size, int frame) {
+  constexpr double kTurn = 0.02;  // radians a frame
+  TargetFrame made{cv::Mat(size, CV_32F, cv::Scalar(0)), cv::Mat(size, CV_32FC2, cv::Scalar::all(0))};
+  for (int y = 0; y < size.height; ++y)
+    for (int x = 0; x < size.width; ++x) {
+      const double dx = x - 0.5 * size.width, dy = y - 0.5 * size.height,
+                   angle = std::atan2(dy, dx) - kTurn * frame;
+      const double edge =
+          0.4 * size.height * (1 + 0.15 * std::sin(5 * angle) + 0.08 * std::sin(9 * angle + 1));
+      const double alpha = std::clamp((edge - std::hypot(dx, dy)) / 3 + 0.5, 0.0, 1.0);
+      made.alpha.at<float>(y, x) = static_cast<float>(alpha);
+      if (alpha > 0)
+        made.flow.at<cv::Vec2f>(y, x) = {static_cast<float>(-dy * kTurn), static_cast<float>(dx * kTurn)};
+    }
+  return made;
+}
+
+std::vector<TargetFrame> design_of(const std::string& name, const Settings& settings) {
+  std::vector<TargetFrame> all;
+  if (name == "disc") {
+    for (int t = 0; t < settings.frames; ++t) all.push_back(turning_disc(settings.size(), t));
+    return all;
+  }
+  synth::simulate::SceneOptions scene =
+      synth::simulate::parse_scene(synth::simulate::preset_scene(name), name);
+  scene.size = settings.size(), scene.frames = settings.frames;
+  synth::simulate::Simulation design(scene);
+  for (synth::simulate::SimulatedFrame frame; design.next(frame);)
+    all.push_back({frame.alpha.clone(), frame.motion.clone()});
+  return all;
+}
+
+cv::Mat opaque_part(const cv::Mat& bgra) {
+  std::vector<cv::Mat> planes;
+  cv::split(bgra, planes);
+  cv::Mat whole = planes[3] > 0.9;
+  cv::erode(whole, whole, cv::Mat::ones(3, 3, CV_8U));
+  return whole;
+}
+
+double sharpness(const cv::Mat& bgra) {
+  cv::Mat grey, laplacian;
+  cv::cvtColor(bgra, grey, cv::COLOR_BGRA2GRAY);
+  cv::Laplacian(grey, laplacian, CV_32F);
+  return cv::mean(laplacian.mul(laplacian), opaque_part(bgra))[0];
+}
+
+/// 512 shares, of opaque pixels.
+std::vector<double> colours(const cv::Mat& bgra) {
+  const cv::Mat whole = opaque_part(bgra);
+  std::vector<double> shares(512, 0);
+  for (int y = 0; y < bgra.rows; ++y)
+    for (int x = 0; x < bgra.cols; ++x) {
+      if (!whole.at<std::uint8_t>(y, x)) continue;
+      const cv::Vec4f& pixel = bgra.at<cv::Vec4f>(y, x);
+      std::size_t bin = 0;
+      for (int c = 0; c < 3; ++c)
+        bin = 8 * bin + static_cast<std::size_t>(std::clamp(static_cast<int>(pixel[c] * 8), 0, 7));
+      shares[bin] += 1.0 / std::max(1, cv::countNonZero(whole));
+    }
+  return shares;
+}
+
+double l1(const std::vector<double>& a, const std::vector<double>& b) {
+  double sum = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) sum += std::abs(a[i] - b[i]);
+  return sum;
+}
+
+/// Where there is fluid in both. Levels of 255.
+double change(const cv::Mat& now, const cv::Mat& before, const TargetFrame& design_before) {
+  synth::VectorGrid flow(now.cols, now.rows);
+  for (int y = 0; y < now.rows; ++y)
+    for (int x = 0; x < now.cols; ++x) {
+      const cv::Vec2f by = design_before.flow.at<cv::Vec2f>(y, x);
+      flow(x, y) = {by[0], by[1]};
+    }
+  const WarpedFrame warped = forward_warp(premultiplied(before), grid_of(design_before.alpha), flow);
+  const Picture shown = premultiplied(now);
+  double sum = 0, pixels = 0;
+  for (std::size_t i = 0; i < shown.values.size(); ++i) {
+    if (shown.values[i].c[3] < 0.9f || warped.picture.values[i].c[3] < 0.9f) continue;
+    for (int c = 0; c < 3; ++c)
+      sum += static_cast<double>(std::abs(shown.values[i].c[c] - warped.picture.values[i].c[c])) / 3;
+    ++pixels;
+  }
+  return pixels > 0 ? 255 * sum / pixels : 0;
+}
+
+struct Method {
+  const char* name;
+  TransferOptions options;
+};
+std::vector<Method> methods() {
+  return {{"uniform", {}},
+          {"nearest", {.vote_power = 0.6, .retrieval = Retrieval::kNearest}},  // as Kwatra et al. vote
+          {"no coherence", {.lambda = 0, .start = Start::kRandom}}};
+}
+
+struct Series {
+  std::vector<double> sharpness, colours, change;
+  int not_uniform = 0;
+  std::int64_t violations = 0;
+  double cpu_s = 0;
+};
+
+double mean(const std::vector<double>& of, std::size_t from, std::size_t to) {
+  double sum = 0;
+  for (std::size_t i = from; i < to; ++i) sum += of[i];
+  return to > from ? sum / static_cast<double>(to - from) : 0;
+}
+
+Series run(const Look& look, const std::vector<TargetFrame>& design, const Method& method,
+           const Settings& settings) {
+  Series series;
+  Transfer transfer([&](int t) { return ExemplarFrame{look.at(t), {}}; }, method.options);
+  cv::Mat before;
+  for (std::size_t t = 0; t < design.size(); ++t) {
+    const double start = bench::process_seconds();
+    const TransferredFrame made = transfer.next(design[t]);
+    series.cpu_s += bench::process_seconds() - start;
+    const cv::Mat& of = look.at(static_cast<int>(t));
+    series.sharpness.push_back(sharpness(made.bgra) / sharpness(of));
+    series.colours.push_back(l1(colours(made.bgra), colours(of)));
+    if (t > 0) series.change.push_back(change(made.bgra, before, design[t - 1]));
+    series.not_uniform += !(made.boundary.uniform() && made.interior.uniform());
+    series.violations += made.violations;
+    before = made.bgra;
+    if (!settings.write.empty() && (t % 30 == 0 || t + 1 == design.size())) {
+      cv::Mat bytes;
+      made.bgra.convertTo(bytes, CV_8U, 255);
+      media::write_picture(settings.write / fmt::format("{}_{}_{:03}.png", look.name, method.name, t), bytes);
+    }
+  }
+  return series;
+}
+
+void curve(const Look& look, const std::vector<double>& sizes, nlohmann::json& json) {
+  fmt::print(
+      "\n| Mpix | wall s | CPU s | prepare | search | assign | vote | CPU s a Mpix |\n"
+      "| --: | --: | --: | --: | --: | --: | --: | --: |\n");
+  for (const double megapixels : sizes) {
+    const int height = static_cast<int>(std::sqrt(megapixels * 1e6 * 3 / 4));
+    const cv::Size size(height * 4 / 3, height);
+    Transfer transfer([&](int) { return ExemplarFrame{look.at(0), {}}; }, {});
+    const TargetFrame target{cv::Mat(size, CV_8U, cv::Scalar(255)),
+                             cv::Mat(size, CV_32FC2, cv::Scalar(1, -1))};
+    if (megapixels <= 1) transfer.next(target);
+    const double start = bench::process_seconds();
+    const double clock = bench::wall_seconds();
+    const TransferredFrame made = transfer.next(target);
+    const double cpu = bench::process_seconds() - start;
+    const double wall = bench::wall_seconds() - clock;
+    const StageSeconds& s = made.seconds;
+    fmt::print("| {:.2f} | {:.1f} | {:.1f} | {:.1f} | {:.1f} | {:.1f} | {:.1f} | {:.1f} |\n", megapixels,
+               wall, cpu, s.prepare, s.search, s.assign, s.vote, cpu / megapixels);
+    std::fflush(stdout);
+    json.push_back({{"mpix", megapixels},
+                    {"wall_s", wall},
+                    {"cpu_s", cpu},
+                    {"prepare_s", s.prepare},
+                    {"search_s", s.search},
+                    {"assign_s", s.assign},
+                    {"vote_s", s.vote}});
+  }
+}
+
+Settings parse(int argc, char** argv) {
+  Settings settings;
+  for (int i = 1; i < argc; ++i) {
+    const std::string word = argv[i];
+    if (word == "--curve" && i + 1 < argc) {
+      std::istringstream list(argv[++i]);
+      for (std::string one; std::getline(list, one, ',');) settings.curve.push_back(std::stod(one));
+    } else if (word == "--frames" && i + 1 < argc)
+      settings.frames = std::stoi(argv[++i]);
+    else if (word == "--width" && i + 1 < argc)
+      settings.width = std::stoi(argv[++i]);
+    else if (word == "--page")
+      settings.page = true;
+    else if (word == "--store" && i + 1 < argc)
+      settings.store = argv[++i];
+    else if (word == "--write" && i + 1 < argc)
+      settings.write = argv[++i];
+    else
+      settings.exemplars.push_back(word);
+  }
+  return settings;
+}
+
+/// Four places are enough, and a quarter of the bytes.
+void shorten(nlohmann::json& json) {
+  if (json.is_number_float()) json = std::round(json.get<double>() * 1e4) / 1e4;
+  if (json.is_structured())
+    for (nlohmann::json& each : json) shorten(each);
+}
+
+void write_result(nlohmann::json json) {
+  shorten(json);
+  std::ofstream("transfer.json") << json.dump() << '\n';
+  std::ofstream("transfer.html") << bench::transfer_page(json);
+}
+
+int write_page(const std::vector<std::string>& files) {
+  nlohmann::json all;
+  for (const std::string& file : files) {
+    const nlohmann::json one = nlohmann::json::parse(std::ifstream(file));
+    if (all.is_null()) {
+      all = one;
+      continue;
+    }
+    for (const char* part : {"runs", "curve"})
+      for (const nlohmann::json& each : one.at(part)) all[part].push_back(each);
+  }
+  write_result(all);
+  return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) try {
+  const Settings settings = parse(argc, argv);
+  if (settings.exemplars.empty()) {
+    fmt::print(stderr,
+               "usage: bench_transfer EXEMPLAR... [--frames N] [--width PX] [--store STORE] [--write FOLDER] "
+               "[--curve MPIX,...]\n       bench_transfer --page RESULT.json...\n");
+    return 2;
+  }
+  if (settings.page) return write_page(settings.exemplars);
+  const bench::Machine machine = bench::this_machine();
+  fmt::print("{}; {} x {} px, {} frames\n\n", to_string(machine), settings.width, settings.size().height,
+             settings.frames);
+  nlohmann::json json{
+      {"machine", to_json(machine)}, {"runs", nlohmann::json::array()}, {"curve", nlohmann::json::array()}};
+  fmt::print(
+      "| exemplar | method | sharpness, frames 1-10 | last 30 | colours, 1-10 | last 30 | change | not "
+      "uniform | violations | CPU s a frame |\n"
+      "| --- | --- | --: | --: | --: | --: | --: | --: | --: | --: |\n");
+  int failed = 0;
+  for (const std::string& name : settings.exemplars) {
+    if (settings.frames < 1) break;
+    const Asked asked = parse_exemplar(name);
+    const Look look = read_look(asked, settings.size().height / 2, settings.frames, settings.store);
+    const std::vector<TargetFrame> design = design_of(asked.design, settings);
+    for (const Method& method : methods()) {
+      const Series series = run(look, design, method, settings);
+      const std::size_t n = series.sharpness.size(), early = std::min<std::size_t>(n, 10),
+                        late = n - std::min<std::size_t>(n, 30);
+      const bool must_be_uniform = method.options.retrieval == Retrieval::kUniform;
+      failed += series.violations > 0 || (must_be_uniform && series.not_uniform > 0);
+      fmt::print("| {} | {} | {:.2f} | {:.2f} | {:.2f} | {:.2f} | {:.1f} | {} | {} | {:.2f} |\n", look.name,
+                 method.name, mean(series.sharpness, 0, early), mean(series.sharpness, late, n),
+                 mean(series.colours, 0, early), mean(series.colours, late, n),
+                 mean(series.change, 0, series.change.size()), series.not_uniform, series.violations,
+                 series.cpu_s / static_cast<double>(n));
+      std::fflush(stdout);
+      json["runs"].push_back({{"exemplar", look.name},
+                              {"design", asked.design},
+                              {"size", {settings.width, settings.size().height}},
+                              {"method", method.name},
+                              {"sharpness", series.sharpness},
+                              {"colours", series.colours},
+                              {"change", series.change},
+                              {"not_uniform", series.not_uniform},
+                              {"violations", series.violations},
+                              {"cpu_s", series.cpu_s}});
+    }
+  }
+  if (!settings.curve.empty())
+    curve(read_look(parse_exemplar(settings.exemplars[0]), 360, 1, settings.store), settings.curve,
+          json["curve"]);
+  write_result(json);
+  if (failed > 0) fmt::print(stderr, "{} runs broke the promise of uniform use\n", failed);
+  return failed > 0;
+} catch (const std::exception& error) {
+  fmt::print(stderr, "{}\n", error.what());
+  return 1;
+}

@@ -1,0 +1,136 @@
+#include "bench/transfer/transfer_page.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <vector>
+
+#include "report/curve_chart.h"
+#include "report/html_text.h"
+
+namespace freshet::bench {
+namespace {
+
+using nlohmann::json;
+using report::html_text;
+
+constexpr std::size_t kFramesAPoint = 5;  // every frame's own mark would make the page a megabyte
+
+struct Measure {
+  const char *key, *title, *note;
+};
+constexpr Measure kMeasures[] = {
+    {"sharpness", "sharpness", "Mean squared Laplacian of grey in parts of the exemplar's; 1 is as sharp."},
+    {"colours", "colours",
+     "L1 distance of the colour histograms from the exemplar's: 0 the same, 2 nothing in common."},
+    {"change", "change, levels of 255",
+     "Mean difference between a frame and the one before, carried along the flow."},
+};
+
+std::string style() {
+  return report::chart_style() +
+         "body { font: 15px/1.45 sans-serif; color: var(--ink); background: var(--paper); max-width: 60rem;\n"
+         "  margin: 1.5rem auto; padding: 0 1rem; } h1 { font-size: 1.35rem; } h2 { font-size: 1.1rem;\n"
+         "  margin-top: 2.2rem; } p { color: var(--faint); } table { border-collapse: collapse;\n"
+         "  font-size: 13px; } th, td { text-align: right; padding: .15rem .6rem;\n"
+         "  border-bottom: 1px solid var(--rule); } th:first-child, td:first-child { text-align: left; }\n";
+}
+
+std::string promises(const json& runs) {
+  std::string out =
+      "<table><tr><th>exemplar</th><th>design</th><th>px</th><th>method</th><th>frames</th>"
+      "<th>frames not uniform</th><th>violations</th><th>CPU s a frame</th></tr>\n";
+  for (const json& run : runs) {
+    const std::size_t frames = run.at("sharpness").size();
+    out += fmt::format(
+        "<tr><td>{}</td><td>{}</td><td>{} x "
+        "{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{:.2f}</td>"
+        "</tr>\n",
+        html_text(run.at("exemplar").get<std::string>()), html_text(run.at("design").get<std::string>()),
+        run.at("size").at(0).get<int>(), run.at("size").at(1).get<int>(),
+        html_text(run.at("method").get<std::string>()), frames, run.at("not_uniform").get<int>(),
+        run.at("violations").get<std::int64_t>(),
+        run.at("cpu_s").get<double>() / static_cast<double>(frames));
+  }
+  return out + "</table>\n";
+}
+
+report::CurveChart chart_of(const json& runs, const std::string& exemplar, const Measure& measure) {
+  report::CurveChart chart{
+      .title = "", .x = {"frame"}, .y = {.title = measure.title, .least = 0.0}, .series = {}, .height = 300};
+  for (const json& run : runs) {
+    if (run.at("exemplar") != exemplar) continue;
+    report::ChartSeries series{run.at("method").get<std::string>()};
+    const json& values = run.at(measure.key);
+    for (std::size_t from = 0; from < values.size(); from += kFramesAPoint) {
+      double sum = 0, count = 0, frames = 0;
+      for (std::size_t t = from; t < std::min(from + kFramesAPoint, values.size()); ++t) {
+        if (!values[t].is_number()) continue;
+        sum += values[t].get<double>(), frames += static_cast<double>(t), ++count;
+      }
+      if (count > 0) series.points.push_back({frames / count, sum / count});
+    }
+    chart.series.push_back(std::move(series));
+  }
+  return chart;
+}
+
+std::string cost_curve(const json& curve) {
+  report::CurveChart chart{
+      .title = "", .x = {"Mpix", true}, .y = {"CPU s a frame", true}, .series = {}, .height = 380};
+  std::string table =
+      "<table><tr><th>Mpix</th><th>CPU s</th><th>wall s</th><th>prepare</th><th>search</th><th>assign</th>"
+      "<th>vote</th></tr>\n";
+  report::ChartSeries cpu{"CPU, all stages", {}, report::ChartLine::kPower};
+  for (const json& point : curve) {
+    const double mpix = point.at("mpix").get<double>();
+    cpu.points.push_back({mpix, point.at("cpu_s").get<double>()});
+    table += fmt::format("<tr><td>{:.2f}</td>", mpix);
+    for (const char* key : {"cpu_s", "wall_s", "prepare_s", "search_s", "assign_s", "vote_s"})
+      table += fmt::format("<td>{:.1f}</td>", point.at(key).get<double>());
+    table += "</tr>\n";
+  }
+  chart.series.push_back(std::move(cpu));
+  return report::to_svg(chart) + table + "</table>\n";
+}
+
+}  // namespace
+
+std::string transfer_page(const json& result) {
+  const json& runs = result.at("runs");
+  std::string out = fmt::format(
+      "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>Appearance transfer</title>\n"
+      "<style>\n{}</style></head>\n<body>\n<h1>Appearance transfer, frame by frame</h1>\n"
+      "<p>{}, {} threads, compiler {}. \"uniform\" is the method of Jamriska et al. 2015, \"nearest\" the "
+      "retrieval "
+      "and "
+      "vote of Kwatra et al. 2005, \"no coherence\" the first with &lambda; = 0. A mark is the mean of five "
+      "frames; "
+      "transfer.json has each.</p>\n",
+      style(), html_text(result.at("machine").at("processor").get<std::string>()),
+      result.at("machine").at("threads").dump(),
+      html_text(result.at("machine").at("compiler").get<std::string>()));
+  out +=
+      "<h2>What every frame promises</h2>\n<p>Uniform: every source patch of a segment is used K or K + 1 "
+      "times. A violation is a target patch of one segment made of a source patch of the other.</p>\n" +
+      promises(runs);
+  std::vector<std::string> exemplars;
+  for (const json& run : runs) {
+    const std::string name = run.at("exemplar").get<std::string>();
+    if (exemplars.empty() || exemplars.back() != name) exemplars.push_back(name);
+  }
+  for (const std::string& exemplar : exemplars) {
+    out += fmt::format("<h2>{}</h2>\n", html_text(exemplar));
+    for (const Measure& measure : kMeasures)
+      out += fmt::format("<p>{}</p>\n", measure.note) + report::to_svg(chart_of(runs, exemplar, measure));
+  }
+  if (!result.at("curve").empty())
+    out +=
+        "<h2>Cost of a frame</h2>\n<p>All fluid, from a picture 360 px high, default options: the second "
+        "frame, "
+        "above 1 Mpix the first. Stages in wall clock, on a machine that others used.</p>\n" +
+        cost_curve(result.at("curve"));
+  return out + "</body>\n</html>\n";
+}
+
+}  // namespace freshet::bench

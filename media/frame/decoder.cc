@@ -1,0 +1,231 @@
+#include "media/frame/decoder.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <new>
+
+extern "C" {
+#include <libavutil/cpu.h>
+}
+
+#include "freshet/error.h"
+#include "media/frame/plain_frame.h"
+#include "media/frame/video_name.h"
+
+namespace freshet::media {
+namespace {
+
+constexpr int kWindow = 1 << 16;                            // bytes read ahead
+constexpr std::int64_t kMaxPixels = std::int64_t{1} << 26;  // 8192 x 8192; a hostile header asks for more
+constexpr std::int64_t kMaxPicturePixels = std::int64_t{1} << 28;
+constexpr int kMaxThreads = 16;         // FFmpeg's own limit for frame threads
+constexpr int kMaxFaultsInARow = 1000;  // then the rest of the file is noise
+
+// Files that FFmpeg would draw as text art are not videos to anybody here.
+bool draws_text(AVCodecID codec) {
+  return codec == AV_CODEC_ID_ANSI || codec == AV_CODEC_ID_BINTEXT || codec == AV_CODEC_ID_XBIN ||
+         codec == AV_CODEC_ID_IDF;
+}
+
+int refuse_other_files(AVFormatContext*, AVIOContext**, const char*, int, AVDictionary**) {
+  return AVERROR(EPERM);
+}
+
+// VP8 and VP9 keep alpha as a second picture beside the first, which only libvpx puts together.
+const AVCodec* decoder_for(const AVStream& stream) {
+  const AVCodecID id = stream.codecpar->codec_id;
+  const AVDictionaryEntry* alpha = av_dict_get(stream.metadata, "alpha_mode", nullptr, 0);
+  if (alpha && std::strcmp(alpha->value, "0") != 0 && (id == AV_CODEC_ID_VP8 || id == AV_CODEC_ID_VP9))
+    if (const AVCodec* libvpx = avcodec_find_decoder_by_name(id == AV_CODEC_ID_VP8 ? "libvpx" : "libvpx-vp9"))
+      return libvpx;
+  return avcodec_find_decoder(id);
+}
+
+}  // namespace
+
+void require_file(const std::filesystem::path& path) {
+  std::error_code fault;
+  const std::filesystem::file_status status = std::filesystem::status(path, fault);
+  if (!std::filesystem::exists(status))
+    throw Error(ErrorKind::kInput, path.string(), "there is no such file", "Check the name");
+  if (!std::filesystem::is_regular_file(status))
+    throw Error(ErrorKind::kInput, path.string(), "is not a regular file", "Name a file");
+  if (std::filesystem::file_size(path, fault) == 0)
+    throw Error(ErrorKind::kInput, path.string(), "the file is empty", "Copy or download it again");
+}
+
+struct Decoder::File {
+  std::FILE* stream = nullptr;
+  AVIOContext* window = nullptr;
+
+  explicit File(const std::filesystem::path& path) {
+    stream = std::fopen(path.c_str(), "rb");
+    if (!stream) throw Error(ErrorKind::kInput, path.string(), std::strerror(errno), "Check its permissions");
+    auto* buffer = static_cast<unsigned char*>(av_malloc(kWindow));
+    window = buffer ? avio_alloc_context(buffer, kWindow, 0, stream, read, nullptr, seek) : nullptr;
+    if (!window) {
+      av_free(buffer);
+      std::fclose(stream);
+      throw std::bad_alloc();
+    }
+  }
+  ~File() {
+    av_freep(&window->buffer);
+    avio_context_free(&window);
+    std::fclose(stream);
+  }
+  File(const File&) = delete;
+  File& operator=(const File&) = delete;
+
+  static int read(void* opaque, std::uint8_t* to, int bytes) {
+    auto* from = static_cast<std::FILE*>(opaque);
+    const std::size_t got = std::fread(to, 1, static_cast<std::size_t>(bytes), from);
+    if (got > 0) return static_cast<int>(got);
+    return std::ferror(from) ? AVERROR(EIO) : AVERROR_EOF;
+  }
+  static std::int64_t seek(void* opaque, std::int64_t offset, int whence) {
+    auto* from = static_cast<std::FILE*>(opaque);
+    if (whence == AVSEEK_SIZE) {
+      const off_t here = ftello(from);
+      if (here < 0 || fseeko(from, 0, SEEK_END) != 0) return AVERROR(EIO);
+      const off_t size = ftello(from);
+      return fseeko(from, here, SEEK_SET) == 0 ? size : AVERROR(EIO);
+    }
+    if (fseeko(from, offset, whence & ~AVSEEK_FORCE) != 0) return AVERROR(errno);
+    return ftello(from);
+  }
+};
+
+Decoder::Decoder(const std::filesystem::path& path, const DecoderOptions& options) : name_(path.string()) {
+  quiet_libav();
+  require_file(path);
+  file_ = std::make_shared<File>(path);
+  packet_ = new_packet();
+  open_container(options.picture);
+  open_codec(options);
+}
+
+void Decoder::open_container(bool picture) {
+  AVFormatContext* container = avformat_alloc_context();
+  if (!container) throw std::bad_alloc();
+  container->pb = file_->window;
+  container->io_open = refuse_other_files;
+  container->flags |= AVFMT_FLAG_CUSTOM_IO;
+  // The ending helps to recognise streams without a header (raw H.264). The rest of the name is kept back,
+  // or FFmpeg would take a % in it for a sequence; so is a picture's ending, for the content tells.
+  const std::filesystem::path path(name_);
+  const std::string hint = !picture && looks_like_video(path) ? "video" + path.extension().string() : "";
+  int code = avformat_open_input(&container, hint.c_str(), nullptr, nullptr);
+  if (code < 0)  // which has freed the container
+    throw Error(ErrorKind::kInput, name_, "not a video that FFmpeg can read (" + libav_fault(code) + ")",
+                "Convert it with ffmpeg, or leave it out");
+  container_.reset(container);
+  if (!picture && (code = avformat_find_stream_info(container, nullptr)) < 0) note(code);
+
+  bool sound = false;
+  for (unsigned i = 0; i < container->nb_streams; ++i) {
+    AVStream* stream = container->streams[i];
+    sound |= stream->codecpar->codec_type == AVMEDIA_TYPE_AUDIO;
+    const bool video = stream->codecpar->codec_type == AVMEDIA_TYPE_VIDEO &&
+                       !(stream->disposition & AV_DISPOSITION_ATTACHED_PIC) &&
+                       !draws_text(stream->codecpar->codec_id);
+    if (video && !stream_)
+      stream_ = stream;
+    else
+      stream->discard = AVDISCARD_ALL;
+  }
+  if (!stream_)
+    throw Error(ErrorKind::kInput, name_,
+                sound ? "holds sound but no video stream" : "not a video: no video stream was found in it",
+                "Leave it out");
+}
+
+void Decoder::open_codec(const DecoderOptions& options) {
+  const AVCodec* codec = decoder_for(*stream_);
+  if (!codec)
+    throw Error(ErrorKind::kInput, name_,
+                std::string("no decoder for its codec ") + avcodec_get_name(stream_->codecpar->codec_id),
+                "Convert it to H.264 or FFV1 with ffmpeg");
+  context_.reset(avcodec_alloc_context3(codec));
+  if (!context_) throw std::bad_alloc();
+  int code = avcodec_parameters_to_context(context_.get(), stream_->codecpar);
+  context_->pkt_timebase = stream_->time_base;
+  context_->flags |= AV_CODEC_FLAG_BITEXACT;
+  context_->max_pixels = options.strict ? kMaxPicturePixels : kMaxPixels;
+  if (options.strict)
+    context_->err_recognition = AV_EF_CRCCHECK | AV_EF_BITSTREAM | AV_EF_BUFFER | AV_EF_EXPLODE;
+  const int threads = options.threads > 0 ? options.threads : av_cpu_count();
+  context_->thread_count = options.picture ? 1 : std::clamp(threads, 1, kMaxThreads);
+  if (code >= 0) code = avcodec_open2(context_.get(), codec, nullptr);
+  if (code < 0)
+    throw Error(ErrorKind::kInput, name_,
+                std::string("its ") + codec->name + " stream cannot be opened (" + libav_fault(code) + ")",
+                "Convert it to H.264 or FFV1 with ffmpeg");
+}
+
+void Decoder::note(int code) {
+  if (fault_.empty()) fault_ = libav_fault(code);
+}
+
+// One packet of our stream into the decoder, or the end mark.
+void Decoder::feed() {
+  for (;;) {
+    const int code = av_read_frame(container_.get(), packet_.get());
+    if (code < 0) {
+      if (code != AVERROR_EOF) {
+        note(code);
+        if (++faults_in_a_row_ < kMaxFaultsInARow && code == AVERROR(EAGAIN)) continue;
+      }
+      drained_ = true;
+      avcodec_send_packet(context_.get(), nullptr);
+      return;
+    }
+    const bool ours = packet_->stream_index == stream_->index;
+    const int sent = ours ? avcodec_send_packet(context_.get(), packet_.get()) : 0;
+    av_packet_unref(packet_.get());
+    if (!ours) continue;
+    if (sent < 0) {
+      note(sent);
+      ++damaged_packets_;
+      ++faults_in_a_row_;
+    }
+    return;
+  }
+}
+
+AvOwner<AVFrame> Decoder::next() {
+  AvOwner<AVFrame> frame = new_frame();
+  for (;;) {
+    const int code = avcodec_receive_frame(context_.get(), frame.get());
+    if (code >= 0) {
+      faults_in_a_row_ = 0;
+      if (frame->decode_error_flags != 0 || (frame->flags & AV_FRAME_FLAG_CORRUPT)) ++damaged_frames_;
+      return frame;
+    }
+    if (code == AVERROR_EOF) return nullptr;
+    if (code != AVERROR(EAGAIN)) {
+      note(code);
+      ++damaged_packets_;
+      ++faults_in_a_row_;
+    }
+    if (faults_in_a_row_ >= kMaxFaultsInARow) return nullptr;
+    if (!drained_)
+      feed();
+    else if (code == AVERROR(EAGAIN))
+      return nullptr;
+  }
+}
+
+std::int64_t Decoder::listed_frames() const {
+  if (stream_->nb_frames <= 0) return 0;  // a fragmented MP4 lists its frames only as it goes
+  if (!std::strstr(container_->iformat->name, "mp4")) return stream_->nb_frames;
+  // MP4 lists each frame, and FFmpeg has already marked those that an edit list hides.
+  std::int64_t shown = 0;
+  const int entries = avformat_index_get_entries_count(stream_);
+  for (int i = 0; i < entries; ++i)
+    if (!(avformat_index_get_entry(stream_, i)->flags & AVINDEX_DISCARD_FRAME)) ++shown;
+  return shown;
+}
+
+}  // namespace freshet::media

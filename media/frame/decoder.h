@@ -1,0 +1,67 @@
+// media/frame/decoder.h — the first video stream of one file, demuxed and decoded. Private to this room.
+#pragma once
+
+#include <cstdint>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include "media/frame/libav.h"
+
+namespace freshet::media {
+
+struct DecoderOptions {
+  bool strict = false;   // checksums are checked and the first fault ends the stream
+  int threads = 0;       // of the decoder; 0: one a core. Pixels are the same for any number
+  bool picture = false;  // a still picture: its header is not probed first, one thread decodes it
+};
+
+/// Frames of one file in presentation order. Opens that one file and nothing that it may name (playlists,
+/// external tracks). Throws Error{kInput} naming the file.
+class Decoder {
+ public:
+  explicit Decoder(const std::filesystem::path& path, const DecoderOptions& options);
+
+  /// The next decoded frame, null at the end. Damaged packets are passed over and counted.
+  AvOwner<AVFrame> next();
+
+  const AVStream& stream() const { return *stream_; }
+  const AVFormatContext& container() const { return *container_; }
+  AVCodecID codec() const { return stream_->codecpar->codec_id; }
+
+  /// Frames that the container lists for the stream, 0 when it lists none.
+  std::int64_t listed_frames() const;
+
+  std::int64_t damaged_packets() const { return damaged_packets_; }
+  std::int64_t damaged_frames() const { return damaged_frames_; }  // delivered, but with decoding errors
+  /// The first fault met, as FFmpeg words it; empty when there was none.
+  const std::string& fault() const { return fault_; }
+
+ private:
+  struct File;  // the bytes, and FFmpeg's window on them
+  struct CloseContainer {
+    void operator()(AVFormatContext* container) const { avformat_close_input(&container); }
+  };
+
+  void open_container(bool picture);
+  void open_codec(const DecoderOptions& options);
+  void feed();
+  void note(int code);
+
+  std::string name_;
+  std::shared_ptr<File> file_;  // outlives container_
+  std::unique_ptr<AVFormatContext, CloseContainer> container_;
+  AVStream* stream_ = nullptr;
+  AvOwner<AVCodecContext> context_;
+  AvOwner<AVPacket> packet_;
+  bool drained_ = false;
+  int faults_in_a_row_ = 0;
+  std::int64_t damaged_packets_ = 0, damaged_frames_ = 0;
+  std::string fault_;
+};
+
+/// Throws Error{kInput} when there is no such file, it is not a regular file, empty or unreadable.
+void require_file(const std::filesystem::path& path);
+
+}  // namespace freshet::media

@@ -1,0 +1,37 @@
+// media/frame/filter_graph.h — decoded frames through FFmpeg's filters. Private to this room.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "media/frame/libav.h"
+
+struct AVFilterGraph;
+struct AVFilterContext;
+
+namespace freshet::media {
+
+/// A chain of filters that takes frames of one format and size and gives frames of the same.
+class FilterGraph {
+ public:
+  /// text   as ffmpeg -vf takes it. first   a frame like all that will come. time_base   of their stamps.
+  /// where  names the file in messages. Throws Error{kInput} when the filters cannot take such frames.
+  FilterGraph(const std::string& text, const AVFrame& first, AVRational time_base, std::string where);
+
+  /// Gives a frame in, null at the end. Takes its contents.
+  void push(AVFrame* frame);
+  /// The next finished frame, null when more must be pushed first, or when all are out.
+  AvOwner<AVFrame> pull();
+  AVRational time_base() const;
+
+ private:
+  struct Close {
+    void operator()(AVFilterGraph* graph) const;
+  };
+  std::unique_ptr<AVFilterGraph, Close> graph_;
+  AVFilterContext* source_ = nullptr;
+  AVFilterContext* sink_ = nullptr;
+  std::string where_;
+};
+
+}  // namespace freshet::media

@@ -1,0 +1,62 @@
+// media/video/stream_file.h — one encoded stream muxed into one file, put in place when whole. Private to this
+// room.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+
+#include <opencv2/core.hpp>
+
+#include "media/frame/frame.h"
+#include "media/frame/libav.h"
+#include "media/video/video_writer.h"
+
+namespace freshet::media {
+
+/// What a name's ending asks for.
+enum class StreamKind {
+  kMp4,       // H.264
+  kMatroska,  // FFV1
+  kProRes,    // 4444 in QuickTime
+  kWebp,      // animated
+  kApng,
+};
+
+/// Opened lazily by the first frame, which alone tells the pixel format; the file is made at once, under a
+/// temporary name. Faults of FFmpeg and of the disk become Error{kIo} naming the target.
+class StreamFile {
+ public:
+  StreamFile(std::filesystem::path path, StreamKind kind, const VideoWriterOptions& options);
+  ~StreamFile();  // removes the temporary file unless finish() has moved it into place
+  StreamFile(const StreamFile&) = delete;
+  StreamFile& operator=(const StreamFile&) = delete;
+
+  /// CV_8UC3 or CV_8UC4, all alike; FFV1 and ProRes also CV_16UC3 and CV_16UC4.
+  void write(const cv::Mat& picture);
+  /// Native planes (FFV1). Formats that FFV1 lacks are repacked without loss where that is possible.
+  void write(const Frame& frame);
+  void finish();
+
+ private:
+  struct CloseContainer {
+    void operator()(AVFormatContext* container) const;
+  };
+
+  void open(const PixelLayout& coded);
+  void convert_and_encode(const PixelLayout& layout, const Frame& source, const PixelLayout& coded);
+  void encode(const AVFrame* frame);
+  [[noreturn]] void fail(int code, const std::string& doing);
+
+  std::filesystem::path path_, temporary_;
+  StreamKind kind_;
+  VideoWriterOptions options_;
+  std::unique_ptr<AVFormatContext, CloseContainer> container_;
+  AVStream* stream_ = nullptr;
+  AvOwner<AVCodecContext> context_;
+  AvOwner<AVPacket> packet_;
+  PixelLayout first_;  // of the first picture or frame as given
+  std::int64_t frames_ = 0;
+};
+
+}  // namespace freshet::media

@@ -1,0 +1,135 @@
+#include "media/video/video_writer.h"
+
+#include <algorithm>
+#include <cctype>
+#include <optional>
+#include <string>
+
+#include <opencv2/imgproc.hpp>
+
+#include "freshet/error.h"
+#include "media/picture/picture.h"
+#include "media/picture/picture_file.h"
+#include "media/picture/picture_sequence.h"
+#include "media/video/stream_file.h"
+
+namespace freshet::media {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::optional<StreamKind> kind_of(const fs::path& path) {
+  std::string ending = path.extension().string();
+  std::transform(ending.begin(), ending.end(), ending.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  if (ending == ".mp4") return StreamKind::kMp4;
+  if (ending == ".mkv") return StreamKind::kMatroska;
+  if (ending == ".mov") return StreamKind::kProRes;
+  if (ending == ".webp") return StreamKind::kWebp;
+  if (ending == ".png" || ending == ".apng") return StreamKind::kApng;
+  return std::nullopt;
+}
+
+// A native frame as a picture file can hold it: 16-bit grey and RGB as they are, the rest as 8-bit BGR.
+cv::Mat picture_of(const Frame& frame) {
+  const std::string& format = frame.layout.format;
+  const bool grey = format == "gray16le", colour = format == "rgb48le";
+  if (!grey && !colour) return to_bgr(frame);
+  const cv::Mat samples(frame.layout.height, frame.layout.width, grey ? CV_16UC1 : CV_16UC3,
+                        frame.planes[0].data, static_cast<std::size_t>(frame.planes[0].stride));
+  if (grey) return samples;
+  cv::Mat bgr;
+  cv::cvtColor(samples, bgr, cv::COLOR_RGB2BGR);
+  return bgr;
+}
+
+}  // namespace
+
+struct VideoWriter::Impl {
+  fs::path path;
+  cv::Size size;
+  std::optional<StreamKind> kind;  // nothing: a sequence
+  std::optional<StreamFile> file;
+  std::int64_t pictures = 0;
+  bool finished = false;
+
+  void require_open(cv::Size given) const {
+    if (finished) throw Error(ErrorKind::kUsage, path.string(), "a frame came after finish()");
+    if (given != size)
+      throw Error(ErrorKind::kUsage, path.string(),
+                  "a frame of " + std::to_string(given.width) + " x " + std::to_string(given.height) +
+                      " was given, the video is " + std::to_string(size.width) + " x " +
+                      std::to_string(size.height),
+                  "Write frames that are all alike");
+  }
+  void write_next(const cv::Mat& picture) { write_picture(numbered(path, pictures++), picture); }
+};
+
+VideoWriter::VideoWriter(const fs::path& path, cv::Size size, const VideoWriterOptions& options)
+    : impl_(std::make_unique<Impl>()) {
+  impl_->path = path;
+  impl_->size = size;
+  constexpr std::int64_t kMaxRate = 1 << 30;
+  if (size.width < 1 || size.height < 1 || size.width > (1 << 16) || size.height > (1 << 16))
+    throw Error(ErrorKind::kUsage, path.string(),
+                "the frame size " + std::to_string(size.width) + " x " + std::to_string(size.height) +
+                    " is out of range");
+  if (options.fps_num < 1 || options.fps_den < 1 || options.fps_num > kMaxRate || options.fps_den > kMaxRate)
+    throw Error(ErrorKind::kUsage, path.string(), "the frame rate is out of range",
+                "Give it as 25 or 30000/1001");
+  if (options.crf < 0 || options.crf > 51)
+    throw Error(ErrorKind::kUsage, path.string(), "crf is out of range", "Choose 0 (lossless) to 51");
+  if (is_pattern(path)) {
+    if (!looks_like_picture(path))
+      throw Error(ErrorKind::kUsage, path.string(),
+                  "the ending \"" + path.extension().string() + "\" is no picture format that is known",
+                  "Use .png, .jpg or .tif for a sequence");
+    require_folder_of(path);
+    return;
+  }
+  impl_->kind = kind_of(path);
+  if (!impl_->kind)
+    throw Error(ErrorKind::kUsage, path.string(),
+                "the ending \"" + path.extension().string() + "\" names no video format that is written",
+                "Use .mp4, .mkv, .mov, .webp, .apng or a pattern such as frame%05d.png");
+  impl_->file.emplace(path, *impl_->kind, options);
+}
+
+VideoWriter::VideoWriter(VideoWriter&&) noexcept = default;
+VideoWriter::~VideoWriter() = default;
+
+void VideoWriter::write(const cv::Mat& picture) {
+  impl_->require_open(picture.size());
+  const bool deep = picture.depth() == CV_16U;
+  if ((picture.depth() != CV_8U && !deep) || (picture.channels() != 3 && picture.channels() != 4))
+    throw Error(ErrorKind::kUsage, impl_->path.string(),
+                "a picture that is not BGR or BGRA of 8 or 16 bits was given");
+  if (!impl_->kind) return impl_->write_next(picture);
+  if (*impl_->kind == StreamKind::kMp4 && picture.channels() == 4)
+    throw Error(ErrorKind::kUsage, impl_->path.string(), "H.264 in MP4 holds no alpha channel",
+                "Use .mkv, .mov, .webp or .png");
+  if (deep && *impl_->kind != StreamKind::kMatroska && *impl_->kind != StreamKind::kProRes)
+    throw Error(ErrorKind::kUsage, impl_->path.string(), "it holds 8 bits a channel, not 16",
+                "Use .mkv, .mov or a sequence");
+  impl_->file->write(picture);
+}
+
+void VideoWriter::write(const Frame& frame) {
+  impl_->require_open({frame.layout.width, frame.layout.height});
+  if (!impl_->kind) return impl_->write_next(picture_of(frame));
+  if (*impl_->kind != StreamKind::kMatroska)
+    throw Error(ErrorKind::kUsage, impl_->path.string(),
+                "native frames are written losslessly, which this is not", "Use .mkv");
+  impl_->file->write(frame);
+}
+
+void VideoWriter::finish() {
+  if (impl_->finished) return;
+  if (impl_->file) {
+    impl_->file->finish();
+    impl_->file.reset();
+  }
+  impl_->finished = true;
+}
+
+}  // namespace freshet::media

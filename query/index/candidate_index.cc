@@ -1,0 +1,55 @@
+#include "query/index/candidate_index.h"
+
+#include <algorithm>
+#include <bit>
+#include <cassert>
+
+#include "freshet/error.h"
+
+namespace freshet::query {
+
+int mass(const PieceQuery& query) {
+  int points = 0;
+  for (const std::uint8_t counts : query.mask) points += counts != 0;
+  int weight = 0;
+  for (const int level : vision::kLevelWeights) weight += level;
+  return points * weight;
+}
+
+RowFilter::RowFilter(std::size_t rows, bool allowed)
+    : rows_(rows), bits_((rows + 63) / 64, allowed ? ~std::uint64_t{0} : 0) {
+  if (allowed && rows % 64 != 0) bits_.back() >>= 64 - rows % 64;
+}
+
+std::size_t RowFilter::count() const {
+  std::size_t sum = 0;
+  for (const std::uint64_t bits : bits_) sum += static_cast<std::size_t>(std::popcount(bits));
+  return sum;
+}
+
+bool RowFilter::empty(std::size_t first, std::size_t count) const {
+  const auto from = bits_.begin() + static_cast<std::ptrdiff_t>(first / 64);
+  const auto to = bits_.begin() + static_cast<std::ptrdiff_t>((first + count + 63) / 64);
+  return std::all_of(from, to, [](std::uint64_t bits) { return bits == 0; });
+}
+
+void check([[maybe_unused]] const Admission& admission, [[maybe_unused]] std::size_t queries,
+           [[maybe_unused]] std::size_t rows) {
+  assert(admission.rows == nullptr || admission.rows->rows() == rows);
+  assert(admission.windows.empty() || (admission.windows.size() == queries &&
+                                       admission.mean_u.size() == rows && admission.mean_v.size() == rows));
+}
+
+void check_words(std::span<const vision::WordMap> words, int word_count) {
+  for (std::size_t row = 0; row < words.size(); ++row) {
+    const int greatest = *std::max_element(words[row].begin(), words[row].end());
+    if (greatest >= word_count) {
+      throw Error(
+          ErrorKind::kDamaged, "column patch.words, row " + std::to_string(row),
+          "word " + std::to_string(greatest) + " where the codebook has " + std::to_string(word_count),
+          "Build the index again: freshet index --rebuild");
+    }
+  }
+}
+
+}  // namespace freshet::query

@@ -1,0 +1,29 @@
+// query/index/fine_words.h — what a query holds on the finest level of the pyramid, to be compared with word maps.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "query/index/candidate_index.h"
+
+namespace freshet::query {
+
+/// The 16 cells of level 2, of 4 to 9 points each.
+///
+/// A point of a row counts when its word is in the query's cell more often than it was at earlier points of
+/// the row's cell: that adds up to the histogram intersection, and all 81 points are looked at side by side.
+class FineWords {
+ public:
+  /// Words from word_count on are in no row and do not count.
+  FineWords(const PieceQuery& query, std::size_t word_count);
+
+  /// I2. Cost: 20 ns with AVX2.
+  std::uint32_t intersection(const vision::WordMap& map) const;
+
+ private:
+  static constexpr std::size_t kPadded = 96, kMostInCell = 9;
+  // For each point the query's words in its cell, one after another, and whether there are so many.
+  std::array<std::array<std::uint8_t, kPadded>, kMostInCell> words_{}, is_there_{};
+};
+
+}  // namespace freshet::query

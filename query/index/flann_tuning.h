@@ -1,0 +1,24 @@
+// query/index/flann_tuning.h — how many patches a FLANN index must look at in a store of its own.
+#pragma once
+
+#include <span>
+
+#include "query/index/flann_index.h"
+
+namespace freshet::query {
+
+struct FlannTuningOptions {
+  double recall = 0.9;  // recall@100, mean of the queries
+  std::size_t queries = 40;
+};
+
+/// Finds the fewest checks that reach the recall, to a fifth, and keeps them in the index. Queries are
+/// patches of the store, evenly spread, each searched among the patches of all other clips, as a picture's
+/// pieces are like no clip exactly; with a single clip among all. Where no number of checks reaches it
+/// (kdtree, whose trees end before), all rows are checked. words       that the index was built for.
+/// clip_rows   first row of each clip, and the number of rows at the end.
+/// Cost        the queries some ten times; 246,477 patches: seconds.
+void tune_flann(FlannIndex& index, std::span<const vision::WordMap> words, int word_count,
+                std::span<const Row> clip_rows, const FlannTuningOptions& options = {});
+
+}  // namespace freshet::query

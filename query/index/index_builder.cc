@@ -1,0 +1,303 @@
+#include "query/index/index_builder.h"
+
+#include <algorithm>
+#include <chrono>
+#include <optional>
+#include <string>
+
+#include "freshet/error.h"
+#include "query/index/flann_tuning.h"
+#include "query/index/patch_descriptors.h"
+#include "query/stored/average_image.h"
+#include "query/stored/stored_codebook.h"
+#include "vision/settings.h"
+
+namespace freshet::query {
+namespace {
+
+using Stage = IndexProgress::Stage;
+using Descriptors = std::vector<vision::Descriptor>;
+
+class Stopwatch {
+ public:
+  double lap() {
+    const auto now = std::chrono::steady_clock::now();
+    const double seconds = std::chrono::duration<double>(now - since_).count();
+    since_ = now;
+    return seconds;
+  }
+
+ private:
+  std::chrono::steady_clock::time_point since_ = std::chrono::steady_clock::now();
+};
+
+std::uint64_t mix(std::uint64_t value) {  // splitmix64
+  value += 0x9e3779b97f4a7c15ull;
+  value = (value ^ (value >> 30)) * 0xbf58476d1ce4e5b9ull;
+  value = (value ^ (value >> 27)) * 0x94d049bb133111ebull;
+  return value ^ (value >> 31);
+}
+
+std::uint64_t seed_of(const store::ClipRecord& clip) {
+  std::uint64_t seed = 0;
+  for (const char c : clip.source_hash) seed = mix(seed ^ static_cast<unsigned char>(c));
+  return seed;
+}
+
+class Build {
+ public:
+  Build(store::Store& store, const IndexOptions& options,
+        const std::function<void(const IndexProgress&)>& progress, std::stop_token stop)
+      : store_(store),
+        options_(options),
+        progress_(progress),
+        stop_(std::move(stop)),
+        snapshot_(store.snapshot()),
+        settings_(vision::settings_from_json(snapshot_.settings())),
+        variants_(settings_.variants()) {
+    clips_.assign(snapshot_.clips().begin(), snapshot_.clips().end());
+    std::sort(clips_.begin(), clips_.end(), [&](store::ClipId a, store::ClipId b) {
+      return snapshot_.clip(a).source_hash < snapshot_.clip(b).source_hash;
+    });
+    descriptors_.resize(clips_.size());
+    for (const store::ClipId clip : clips_) report_.patches += snapshot_.clip(clip).rows;
+    report_.clips = clips_.size();
+  }
+
+  IndexReport run() {
+    if (report_.patches == 0) {
+      throw Error(ErrorKind::kNotFound, store_.path().string(), "the store holds no patches",
+                  "Ingest clips of moving fluid first");
+    }
+    std::optional<StoredCodebook> known;
+    if (!options_.rebuild) known = find_codebook(snapshot_);
+    if (known && up_to_date(*known)) {
+      report_.words = known->codebook.words;
+      if (!options_.flann.empty()) {
+        read_words();
+        add_flann();
+        write();
+      }
+      return report_;
+    }
+    report_.words_built = true;
+    StoredCodebook trained{train(sample()), hash_of_clips(snapshot_)};
+    report_.words = trained.codebook.words;
+    assign(trained.codebook);
+    blobs_.push_back({kCodebookBlob, to_bytes(trained), true});
+    for (const FlannKind kind : {FlannKind::kKdTree, FlannKind::kKMeans, FlannKind::kHierarchical}) {
+      if (snapshot_.blob(blob_name(kind))) erased_.push_back(blob_name(kind));
+    }
+    add_flann();
+    write();
+    return report_;
+  }
+
+ private:
+  void say(Stage stage, std::size_t done, std::size_t total) {
+    if (stop_.stop_requested()) {
+      throw Error(ErrorKind::kCancelled, store_.path().string(), "stopped; its index is as it was before");
+    }
+    if (progress_) progress_({stage, done, total});
+  }
+
+  bool up_to_date(const StoredCodebook& known) const {
+    if (known.clips_hash != hash_of_clips(snapshot_)) return false;
+    return std::all_of(clips_.begin(), clips_.end(), [&](store::ClipId clip) {
+      return snapshot_.clip(clip).rows == 0 || snapshot_.has_column(clip, "patch.words");
+    });
+  }
+
+  PatchPoints points_of(store::ClipId clip) const {
+    return PatchPoints(snapshot_.clip(clip), settings_, variants_,
+                       read_clip_patches(snapshot_, settings_, variants_, clip));
+  }
+
+  std::vector<Descriptors> describe(store::ClipId clip, const PatchPoints& points) const {
+    std::vector<Descriptors> all;
+    if (points.sheets().empty()) return all;
+    const cv::Mat average = average_image(snapshot_, clip);
+    for (const PatchPoints::Sheet& sheet : points.sheets()) all.push_back(points.describe(sheet, average));
+    return all;
+  }
+
+  /// Descriptors of the chosen points of a clip, which are numbered through its sheets; ascending.
+  Descriptors describe_some(store::ClipId clip, const PatchPoints& points,
+                            std::span<const std::size_t> chosen) const {
+    Descriptors some;
+    if (chosen.empty()) return some;
+    const cv::Mat average = average_image(snapshot_, clip);
+    std::vector<std::uint32_t> of_sheet;
+    std::size_t before = 0, next = 0;
+    for (const PatchPoints::Sheet& sheet : points.sheets()) {
+      of_sheet.clear();
+      for (; next < chosen.size() && chosen[next] - before < sheet.points.size(); ++next)
+        of_sheet.push_back(sheet.points[chosen[next] - before]);
+      const Descriptors described = points.describe(sheet, average, of_sheet);
+      some.insert(some.end(), described.begin(), described.end());
+      before += sheet.points.size();
+    }
+    return some;
+  }
+
+  Descriptors sample() {
+    Stopwatch watch;
+    const auto with_patches = static_cast<std::size_t>(std::count_if(
+        clips_.begin(), clips_.end(), [&](store::ClipId clip) { return snapshot_.clip(clip).rows > 0; }));
+    const std::size_t share = std::max<std::size_t>(1, options_.samples / with_patches);
+    Descriptors samples;
+    samples.reserve(share * with_patches);
+    std::size_t cached = 0;
+    for (std::size_t c = 0; c < clips_.size(); ++c) {
+      say(Stage::kSample, c, clips_.size());
+      const PatchPoints points = points_of(clips_[c]);
+      // Evenly spaced with a random start in each space, so that neighbours are not all alike.
+      const std::size_t total = points.points(), taken = std::min(share, total);
+      const std::uint64_t seed = seed_of(snapshot_.clip(clips_[c]));
+      std::vector<std::size_t> chosen;
+      for (std::size_t i = 0; i < taken; ++i) {
+        const std::size_t from = i * total / taken, to = (i + 1) * total / taken;
+        chosen.push_back(from + (mix(seed + i) >> 1) % (to - from));
+      }
+      Descriptors described;
+      cached += total * sizeof(vision::Descriptor);
+      if (cached <= options_.cache_bytes) {
+        descriptors_[c] = describe(clips_[c], points);
+        std::size_t sheet = 0, before = 0;
+        for (const std::size_t at : chosen) {
+          while (at - before >= (*descriptors_[c])[sheet].size())
+            before += (*descriptors_[c])[sheet++].size();
+          described.push_back((*descriptors_[c])[sheet][at - before]);
+        }
+      } else {
+        described = describe_some(clips_[c], points, chosen);
+      }
+      for (std::size_t i = 0; i < taken; ++i) {
+        const bool turned = settings_.flips && (mix(seed + i) & 1) != 0;
+        samples.push_back(turned ? vision::mirrored(described[i]) : described[i]);
+      }
+    }
+    report_.samples = samples.size();
+    report_.sample_s = watch.lap();
+    return samples;
+  }
+
+  vision::Codebook train(const Descriptors& samples) {
+    say(Stage::kTrain, 0, 1);
+    Stopwatch watch;
+    vision::Codebook codebook = vision::train_codebook(samples, settings_.codebook);
+    report_.train_s = watch.lap();
+    return codebook;
+  }
+
+  void assign(const vision::Codebook& codebook) {
+    Stopwatch watch;
+    words_.resize(clips_.size());
+    for (std::size_t c = 0; c < clips_.size(); ++c) {
+      say(Stage::kAssign, c, clips_.size());
+      const PatchPoints points = points_of(clips_[c]);
+      if (!descriptors_[c]) descriptors_[c] = describe(clips_[c], points);
+      words_[c] = points.words(codebook, *descriptors_[c]);
+      descriptors_[c].reset();
+    }
+    report_.assign_s = watch.lap();
+  }
+
+  void read_words() {
+    words_.resize(clips_.size());
+    for (std::size_t c = 0; c < clips_.size(); ++c) {
+      if (snapshot_.clip(clips_[c]).rows > 0) {
+        words_[c] = snapshot_.column<vision::WordMap>(clips_[c], "patch.words");
+      }
+    }
+  }
+
+  void add_flann() {
+    Stopwatch watch;
+    // Rows are numbered by clip id, words_ stands in order of source hash.
+    std::vector<std::size_t> by_id(clips_.size());
+    for (std::size_t c = 0; c < clips_.size(); ++c) by_id[c] = c;
+    std::sort(by_id.begin(), by_id.end(),
+              [&](std::size_t a, std::size_t b) { return clips_[a] < clips_[b]; });
+    std::vector<vision::WordMap> rows;
+    std::vector<Row> clip_rows{0};
+    for (std::size_t i = 0; i < options_.flann.size(); ++i) {
+      say(Stage::kFlann, i, options_.flann.size());
+      if (rows.empty()) {
+        for (const std::size_t c : by_id) {
+          rows.insert(rows.end(), words_[c].begin(), words_[c].end());
+          clip_rows.push_back(static_cast<Row>(rows.size()));
+        }
+      }
+      FlannOptions options = options_.flann_options;
+      options.kind = options_.flann[i];
+      FlannIndex index(rows, report_.words, options);
+      tune_flann(index, rows, report_.words, clip_rows);
+      blobs_.push_back({blob_name(options.kind), index.serialize(), false});
+      report_.flann_built.push_back({options.kind, index.tuning(), blobs_.back().bytes.size()});
+    }
+    report_.flann_s = watch.lap();
+  }
+
+  void write() {
+    say(Stage::kWrite, 0, 1);
+    Stopwatch watch;
+    std::vector<store::Store::Blob> blobs;
+    for (const Blob& blob : blobs_) {
+      blobs.push_back({blob.name, blob.bytes, blob.in_digest});
+      std::erase(erased_, blob.name);
+    }
+    std::vector<store::Store::Column> columns;
+    for (std::size_t c = 0; report_.words_built && c < clips_.size(); ++c) {
+      if (words_[c].empty()) continue;
+      columns.push_back(
+          {clips_[c], "patch.words", std::as_bytes(std::span(words_[c])), sizeof(vision::WordMap)});
+    }
+    store_.write(blobs, columns, erased_);
+    report_.write_s = watch.lap();
+  }
+
+  struct Blob {
+    std::string name;
+    std::vector<std::byte> bytes;
+    bool in_digest;
+  };
+  store::Store& store_;
+  const IndexOptions& options_;
+  const std::function<void(const IndexProgress&)>& progress_;
+  std::stop_token stop_;
+  store::Snapshot snapshot_;
+  vision::Settings settings_;
+  std::vector<vision::Variant> variants_;
+  std::vector<store::ClipId> clips_;                                  // in order of source hash
+  std::vector<std::optional<std::vector<Descriptors>>> descriptors_;  // by clip, then sheet; what is cached
+  std::vector<std::vector<vision::WordMap>> words_;                   // by clip
+  std::vector<Blob> blobs_;
+  std::vector<std::string> erased_;
+  IndexReport report_;
+};
+
+}  // namespace
+
+const char* to_string(IndexProgress::Stage stage) {
+  switch (stage) {
+    case Stage::kSample:
+      return "sampling descriptors";
+    case Stage::kTrain:
+      return "training the codebook";
+    case Stage::kAssign:
+      return "assigning words";
+    case Stage::kFlann:
+      return "building FLANN indexes";
+    case Stage::kWrite:
+      return "writing";
+  }
+  return "";
+}
+
+IndexReport build_index(store::Store& store, const IndexOptions& options,
+                        const std::function<void(const IndexProgress&)>& progress, std::stop_token stop) {
+  return Build(store, options, progress, std::move(stop)).run();
+}
+
+}  // namespace freshet::query

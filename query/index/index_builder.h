@@ -1,0 +1,61 @@
+// query/index/index_builder.h — builds what a store is searched by: codebook, visual words, FLANN indexes.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <stop_token>
+#include <vector>
+
+#include "query/index/flann_index.h"
+#include "store/store.h"
+
+namespace freshet::query {
+
+struct IndexOptions {
+  std::vector<FlannKind> flann{};  // FLANN indexes to build as well; none is needed for exact search
+  FlannOptions flann_options{};    // trees, branching, ...; `kind` is taken from the list
+  bool rebuild = false;            // even when nothing has changed
+  std::size_t samples = 200'000;  // descriptors that the codebook is trained on, spread evenly over the clips
+  std::size_t cache_bytes = std::size_t{1} << 30;  // descriptors kept from the first pass over the clips for
+      // the second; of the others, only the samples are made twice
+};
+
+/// Where a build stands.
+struct IndexProgress {
+  enum class Stage { kSample, kTrain, kAssign, kFlann, kWrite } stage = Stage::kSample;
+  std::size_t done = 0, total = 0;  // clips, or indexes; 1 where there is nothing to count
+};
+const char* to_string(IndexProgress::Stage stage);  // "sampling descriptors", ...
+
+struct IndexReport {
+  bool words_built = false;  // false: the index was up to date
+  int words = 0;             // of the codebook; fewer than asked for where descriptors are few
+  std::size_t clips = 0, patches = 0, samples = 0;
+  struct Flann {
+    FlannKind kind;
+    FlannTuning tuning;
+    std::size_t bytes = 0;  // in the store
+  };
+  std::vector<Flann> flann_built;
+  double sample_s = 0, train_s = 0, assign_s = 0, flann_s = 0, write_s = 0;
+};
+
+/// Builds the index of all clips: blob "codebook", column "patch.words" of every clip, and blobs "flann-..."
+/// as asked for, in one transaction: a build that is stopped leaves the store as it was.
+///
+/// The representative image of each unflipped variant is described on one grid that all of its patches share;
+/// flipped patches take the mirrored descriptors. Samples are taken clip by clip in order of source hash, as
+/// many from each, half of them mirrored, so that neither the order of ingest nor the number of threads has a
+/// part. When clips are new, everything is trained again: the words of a store depend on its clips, not on
+/// its history. Does nothing but the FLANN indexes asked for when no clip is new. Each is tuned (tune_flann).
+/// FLANN indexes are erased when words change.
+///
+/// progress    called from the calling thread; may be empty.
+/// Throws      Error{kNotFound} when there is no patch, Error{kCancelled} when stopped, Error{kDamaged}.
+/// Memory      samples * 128 bytes and what training takes of it, cache_bytes, 81 bytes a patch.
+IndexReport build_index(store::Store& store, const IndexOptions& options = {},
+                        const std::function<void(const IndexProgress&)>& progress = {},
+                        std::stop_token stop = {});
+
+}  // namespace freshet::query

@@ -1,0 +1,90 @@
+#include "query/labelling/contact_sheet.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <opencv2/imgproc.hpp>
+#include <vector>
+
+#include "query/search/picture_scale.h"
+#include "query/stored/average_image.h"
+#include "vision/settings.h"
+
+namespace freshet::query {
+namespace {
+
+constexpr int kMargin = 6, kCaption = 14;  // px
+const cv::Scalar kPaper(32, 32, 32), kInk(220, 220, 220), kChosen(90, 220, 90);
+
+void caption(cv::Mat& sheet, const std::string& text, cv::Point at) {
+  cv::putText(sheet, text, at, cv::FONT_HERSHEY_SIMPLEX, 0.32, kInk, 1, cv::LINE_AA);
+}
+
+}  // namespace
+
+cv::Mat contact_sheet(const store::Snapshot& snapshot, const cv::Mat& picture, const CandidateSearch& search,
+                      const Labels* labels, const ContactSheetOptions& options) {
+  const std::vector<vision::Variant> variants = vision::settings_from_json(snapshot.settings()).variants();
+  const Target& target = search.target;
+  const auto pieces = static_cast<int>(target.size());
+  const int shown = std::max(1, std::min(options.pieces, pieces)), across = std::max(1, options.candidates);
+  const int tile = std::max(target.side, 48), width = tile + kMargin, height = tile + kMargin + kCaption;
+  const int columns = 1 + across + (labels != nullptr ? 1 : 0);
+  cv::Mat sheet(kMargin + shown * height, kMargin + columns * width, CV_8UC3, kPaper);
+
+  // What is to be shown where, gathered by clip and variant, so that each image is read and turned once.
+  struct Spot {
+    Row row;
+    cv::Point at;
+  };
+  std::map<std::pair<std::uint32_t, std::uint8_t>, std::vector<Spot>> spots;
+  cv::Mat beyond;
+  const int border = target.side;
+  cv::copyMakeBorder(reduce(picture, search.piece_scale), beyond, border, border, border, border,
+                     cv::BORDER_REFLECT_101);
+  for (int i = 0; i < shown && pieces > 0; ++i) {
+    const auto piece = static_cast<std::size_t>(static_cast<std::int64_t>(i) * pieces / shown);
+    const cv::Point at(kMargin, kMargin + i * height);
+    const cv::Size side(target.side, target.side);
+    beyond(cv::Rect(target.corners[piece] + cv::Point(border, border), side))
+        .copyTo(sheet(cv::Rect(at, side)));
+    caption(sheet, fmt::format("{},{}", target.corners[piece].x, target.corners[piece].y),
+            at + cv::Point(0, tile + 11));
+    const auto rows = search.candidates.rows_of(piece);
+    const auto scores = search.candidates.scores_of(piece);
+    const auto put = [&](std::size_t rank, int column) {
+      const cv::Point spot = at + cv::Point(column * width, 0);
+      const Row row = rows[rank];
+      spots[{search.table().clip[row], search.table().variant[row]}].push_back({row, spot});
+      caption(sheet,
+              fmt::format("{:.0f} #{}", 100 * scores[rank],
+                          static_cast<std::uint32_t>(search.table().clips[search.table().clip[row]])),
+              spot + cv::Point(0, tile + 11));
+      return spot;
+    };
+    for (int rank = 0; rank < std::min<int>(across, static_cast<int>(rows.size())); ++rank) {
+      put(static_cast<std::size_t>(rank), 1 + rank);
+    }
+    if (labels != nullptr) {
+      const cv::Point spot = put((*labels)[piece], 1 + across);
+      cv::rectangle(sheet, cv::Rect(spot - cv::Point(2, 2), side + cv::Size(4, 4)), kChosen, 2);
+    }
+  }
+  std::uint32_t clip_at_hand = 0xffffffff;
+  cv::Mat average;
+  for (const auto& [key, places] : spots) {
+    if (key.first != clip_at_hand)
+      average = average_image(snapshot, search.table().clips[clip_at_hand = key.first]);
+    const cv::Mat frame = vision::warp_to_variant(average, variants[key.second]);
+    for (const Spot& spot : places) {
+      const cv::Rect patch(search.table().x[spot.row], search.table().y[spot.row], target.side, target.side);
+      cv::Mat colour;
+      cv::cvtColor(frame(patch), colour, cv::COLOR_GRAY2BGR);
+      colour.copyTo(sheet(cv::Rect(spot.at, patch.size())));
+    }
+  }
+  return sheet;
+}
+
+}  // namespace freshet::query

@@ -1,0 +1,112 @@
+#include "query/labelling/label_map.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <opencv2/imgproc.hpp>
+#include <vector>
+
+#include "query/search/picture_scale.h"
+
+namespace freshet::query {
+namespace {
+
+constexpr int kLine = 20, kMinWidth = 480;  // px
+constexpr std::size_t kMostLines = 40;
+
+// Hues a golden angle apart: neighbours in the list differ, however many there are.
+cv::Vec3b colour_of(std::size_t rank) {
+  const double hue = std::fmod(static_cast<double>(rank) * 137.508, 360.0);
+  const cv::Mat hsv(1, 1, CV_32FC3, cv::Scalar(hue, rank % 2 == 0 ? 0.75 : 0.5, 0.95));
+  cv::Mat bgr;
+  cv::cvtColor(hsv, bgr, cv::COLOR_HSV2BGR);
+  const cv::Vec3f colour = bgr.at<cv::Vec3f>(0, 0) * 255;
+  return {cv::saturate_cast<std::uint8_t>(colour[0]), cv::saturate_cast<std::uint8_t>(colour[1]),
+          cv::saturate_cast<std::uint8_t>(colour[2])};
+}
+
+// The piece whose middle is nearest to each pixel of the picture, -1 where no piece lies: CV_32S.
+cv::Mat nearest_piece(const Assignment& assignment) {
+  const cv::Size size = reduced_size(assignment.picture, assignment.piece_scale);
+  cv::Mat nearest(size, CV_32S, cv::Scalar(-1));
+  cv::Mat distance(size, CV_32F, cv::Scalar(1e30));
+  const cv::Rect picture({0, 0}, size);
+  for (std::size_t i = 0; i < assignment.pieces.size(); ++i) {
+    const cv::Point corner = assignment.pieces[i].corner;
+    const cv::Rect box = cv::Rect(corner, cv::Size(assignment.side, assignment.side)) & picture;
+    for (int y = box.y; y < box.br().y; ++y) {
+      for (int x = box.x; x < box.br().x; ++x) {
+        const double dx = x + 0.5 - corner.x - assignment.side / 2.0,
+                     dy = y + 0.5 - corner.y - assignment.side / 2.0;
+        const auto found = static_cast<float>(dx * dx + dy * dy);
+        if (found >= distance.at<float>(y, x)) continue;
+        distance.at<float>(y, x) = found;
+        nearest.at<int>(y, x) = static_cast<int>(i);
+      }
+    }
+  }
+  if (size == assignment.picture) return nearest;
+  cv::Mat enlarged;
+  cv::resize(nearest, enlarged, assignment.picture, 0, 0, cv::INTER_NEAREST);
+  return enlarged;
+}
+
+bool continues(const AssignedPiece& a, const AssignedPiece& b) {
+  return a.clip == b.clip && a.variant == b.variant && b.patch - a.patch == b.corner - a.corner;
+}
+
+}  // namespace
+
+cv::Mat label_map(const cv::Mat& picture, const cv::Mat* matte, const Assignment& assignment) {
+  std::vector<std::size_t> used(assignment.clips.size());
+  for (const AssignedPiece& piece : assignment.pieces) ++used[piece.clip];
+  std::vector<std::size_t> order(used.size()), rank(used.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return used[a] > used[b]; });
+  for (std::size_t i = 0; i < order.size(); ++i) rank[order[i]] = i;
+
+  const std::size_t lines = std::min(order.size(), kMostLines) + (order.size() > kMostLines ? 1 : 0);
+  const int legend = 10 + static_cast<int>(lines) * kLine;
+  cv::Mat map(picture.rows + legend, std::max(picture.cols, kMinWidth), CV_8UC3, cv::Scalar(32, 32, 32));
+  cv::Mat grey, body = map(cv::Rect({0, 0}, picture.size()));
+  cv::cvtColor(picture, grey, cv::COLOR_BGR2GRAY);
+  cv::cvtColor(grey, body, cv::COLOR_GRAY2BGR);
+  const cv::Mat nearest = nearest_piece(assignment);
+  for (int y = 0; y < picture.rows && y < nearest.rows; ++y) {
+    for (int x = 0; x < picture.cols && x < nearest.cols; ++x) {
+      const int piece = nearest.at<int>(y, x);
+      if (piece < 0 || (matte != nullptr && matte->at<std::uint8_t>(y, x) == 0)) continue;
+      const AssignedPiece& own = assignment.pieces[piece];
+      cv::Vec3b& pixel = body.at<cv::Vec3b>(y, x);
+      pixel = pixel * 0.5 + colour_of(rank[own.clip]) * 0.5;
+      const int right = x + 1 < nearest.cols ? nearest.at<int>(y, x + 1) : -1;
+      const int below = y + 1 < nearest.rows ? nearest.at<int>(y + 1, x) : -1;
+      const bool seam = (right >= 0 && right != piece && !continues(own, assignment.pieces[right])) ||
+                        (below >= 0 && below != piece && !continues(own, assignment.pieces[below]));
+      if (seam) pixel *= 0.6;
+    }
+  }
+
+  for (std::size_t i = 0; i < lines; ++i) {
+    const int top = picture.rows + 8 + static_cast<int>(i) * kLine;
+    std::string text = fmt::format("and {} more clips", order.size() - kMostLines * (i == kMostLines));
+    if (i < kMostLines) {
+      const AssignedClip& clip = assignment.clips[order[i]];
+      cv::rectangle(map, cv::Rect(8, top, 14, 14), cv::Scalar(colour_of(i)), cv::FILLED);
+      text = fmt::format(
+          "{:4.1f} %  {}",
+          100.0 * static_cast<double>(used[order[i]]) / static_cast<double>(assignment.pieces.size()),
+          clip.name);
+      if (!clip.class_name.empty()) text += "  (" + clip.class_name + ")";
+      if (!clip.licence.empty()) text += "  " + clip.licence;
+    }
+    cv::putText(map, text, {30, top + 12}, cv::FONT_HERSHEY_SIMPLEX, 0.42, cv::Scalar(220, 220, 220), 1,
+                cv::LINE_AA);
+  }
+  return map;
+}
+
+}  // namespace freshet::query

@@ -1,0 +1,16 @@
+// query/labelling/label_map.h — a picture coloured by the clips that animate it.
+#pragma once
+
+#include <opencv2/core.hpp>
+
+#include "query/labelling/assignment.h"
+
+namespace freshet::query {
+
+/// The picture in grey, each pixel of the fluid tinted by the clip of the nearest piece, edges between
+/// patches that do not continue each other drawn dark; below it a legend: each clip with its share of the
+/// pieces, its class and its licence, most used first (at most 40). matte    CV_8U; null: all that pieces
+/// cover counts as fluid. Returns  CV_8UC3, as wide as the picture or 480 px.
+cv::Mat label_map(const cv::Mat& picture, const cv::Mat* matte, const Assignment& assignment);
+
+}  // namespace freshet::query

@@ -1,0 +1,164 @@
+#include "query/labelling/labelling.h"
+
+#include <algorithm>
+#include <chrono>
+#include <map>
+
+#include "freshet/error.h"
+#include "query/costs/stored_features.h"
+#include "query/search/coherent_candidates.h"
+#include "query/search/picture_scale.h"
+
+namespace freshet::query {
+namespace {
+
+// Says where the work stands, times it, and stops it.
+class Stages {
+ public:
+  Stages(const std::function<void(LabelStage)>& progress, std::stop_token stop)
+      : progress_(progress), stop_(std::move(stop)) {}
+  template <class Work>
+  auto run(LabelStage stage, double& seconds, Work&& work) {
+    if (stop_.stop_requested()) throw Error(ErrorKind::kCancelled, "labelling", "stopped");
+    if (progress_) progress_(stage);
+    const Timer timer(seconds);
+    return work();
+  }
+
+ private:
+  class Timer {
+   public:
+    explicit Timer(double& seconds) : seconds_(seconds) {}
+    ~Timer() { seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
+
+   private:
+    double& seconds_;
+    std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+  };
+  const std::function<void(LabelStage)>& progress_;
+  std::stop_token stop_;
+};
+
+}  // namespace
+
+const char* to_string(LabelStage stage) {
+  switch (stage) {
+    case LabelStage::kCut:
+      return "describing the picture";
+    case LabelStage::kSearch:
+      return "searching candidates";
+    case LabelStage::kCosts:
+      return "comparing neighbours";
+    case LabelStage::kMinimize:
+      return "choosing patches";
+  }
+  return "";
+}
+
+CandidateSearch search_candidates(const store::Snapshot& snapshot, const SearchBase& base,
+                                  const cv::Mat& picture, const cv::Mat& matte, const LabelOptions& options,
+                                  const std::function<void(LabelStage)>& progress, std::stop_token stop,
+                                  LabelRecall* recall) {
+  if (picture.type() != CV_8UC3 || matte.type() != CV_8U || picture.size() != matte.size()) {
+    throw Error(ErrorKind::kUsage, "picture and matte", "8-bit BGR and 8-bit grey of the same size expected");
+  }
+  if (options.candidates.k < 1)
+    throw Error(ErrorKind::kUsage, "number of candidates",
+                std::to_string(options.candidates.k) + " is out of range");
+  Stages stages(progress, stop);
+  CandidateSearch search;
+  search.base = &base;
+  search.picture = picture.size();
+  search.piece_scale = options.piece_scale;
+  const cv::Mat searched = reduce(picture, options.piece_scale), fluid = reduce(matte, options.piece_scale);
+  const MotionGuide guide = reduce(options.guide, options.piece_scale);
+  search.filtered = filter_rows(snapshot, base.table, base.settings.variants(), options.candidates);
+  search.target = stages.run(LabelStage::kCut, search.seconds.cut, [&] {
+    return make_target(searched, fluid, base.settings.grid, base.codebook, options.target);
+  });
+  search.candidates = stages.run(LabelStage::kSearch, search.seconds.search, [&] {
+    const auto k = static_cast<std::size_t>(options.candidates.k);
+    const RowFilter& rows = search.filtered.rows;
+    Candidates found = recall != nullptr
+                           ? recall->find_candidates(search.target, fluid, k, rows, guide)
+                           : find_candidates(*base.index, base.table, search.target, fluid, k, rows, guide);
+    add_coherent(base.table, base.codebook.words, search.target, search.filtered.rows, guide,
+                 static_cast<std::size_t>(std::max(0, options.candidates.coherent)), found);
+    return found;
+  });
+  return search;
+}
+
+Labelling label(const store::Snapshot& snapshot, const SearchBase& base, const cv::Mat& picture,
+                const cv::Mat& matte, const LabelOptions& options,
+                const std::function<void(LabelStage)>& progress, std::stop_token stop, LabelRecall* recall) {
+  Labelling labelling;
+  labelling.search = search_candidates(snapshot, base, picture, matte, options, progress, stop, recall);
+  labelling.seconds = labelling.search.seconds;
+  const Target& target = labelling.search.target;
+  const Candidates& candidates = labelling.search.candidates;
+  Stages stages(progress, stop);
+  CacheKey key;
+  std::optional<Solution> known;
+  if (recall != nullptr) {
+    key = recall->solution_key(target, candidates, options.costs, options.guide_costs, options.minimizer,
+                               options.max_iterations);
+    known = recall->find_solution(key, target, candidates);
+  }
+  if (!known) {
+    const Mrf mrf = stages.run(LabelStage::kCosts, labelling.seconds.costs, [&] {
+      StoredFeatures features(snapshot, base.settings, base.table);
+      const FeatureShape shape = feature_shape(base.settings);
+      Mrf costs = recall != nullptr
+                      ? recall->build_mrf(target, candidates, shape, options.costs, features.source(), stop)
+                      : build_mrf(target, candidates, shape, options.costs, features.source(), stop);
+      add_guide_costs(base.table, candidates, options.guide_costs, costs);
+      return costs;
+    });
+    known = stages.run(LabelStage::kMinimize, labelling.seconds.minimize,
+                       [&] { return minimize(mrf, options.minimizer, options.max_iterations); });
+    if (recall != nullptr) recall->keep_solution(key, *known);
+  }
+  labelling.assignment =
+      make_assignment(snapshot, labelling.search, *known, options.minimizer, options.costs.form);
+  labelling.labels = std::move(known->labels);
+  labelling.iterations = known->iterations;
+  return labelling;
+}
+
+Assignment make_assignment(const store::Snapshot& snapshot, const CandidateSearch& search,
+                           const Labels& labels) {
+  const std::vector<vision::Variant> variants = search.base->settings.variants();
+  const PatchTable& table = search.table();
+  Assignment assignment;
+  assignment.picture = search.picture;
+  assignment.piece_scale = search.piece_scale;
+  assignment.side = search.target.side;
+  assignment.stride = search.target.stride;
+  std::map<std::uint32_t, std::uint32_t> number_of;  // clip of the table, clip of the assignment
+  for (std::size_t piece = 0; piece < search.target.size(); ++piece) {
+    const Row row = search.candidates.rows_of(piece)[labels[piece]];
+    const std::uint32_t clip = table.clip[row];
+    const auto [entry, is_new] = number_of.emplace(clip, static_cast<std::uint32_t>(assignment.clips.size()));
+    if (is_new) {
+      const store::ClipRecord& record = snapshot.clip(table.clips[clip]);
+      assignment.clips.push_back({record.name, record.class_name, record.licence, record.source_hash});
+    }
+    assignment.pieces.push_back({search.target.corners[piece], entry->second, variants[table.variant[row]],
+                                 cv::Point(table.x[row], table.y[row]),
+                                 search.candidates.scores_of(piece)[labels[piece]]});
+  }
+  return assignment;
+}
+
+Assignment make_assignment(const store::Snapshot& snapshot, const CandidateSearch& search,
+                           const Solution& solution, Minimizer minimizer, CostForm form) {
+  Assignment assignment = make_assignment(snapshot, search, solution.labels);
+  assignment.minimizer = name_of(minimizer);
+  assignment.cost_form = name_of(form);
+  assignment.energy = solution.energy;
+  assignment.lower_bound = solution.lower_bound;
+  return assignment;
+}
+
+}  // namespace freshet::query

@@ -1,0 +1,87 @@
+// query/labelling/labelling.h — a picture in, the patches that will animate it out.
+#pragma once
+
+#include <functional>
+#include <stop_token>
+#include <string>
+#include <vector>
+
+#include <opencv2/core.hpp>
+
+#include "query/costs/pairwise.h"
+#include "query/index/search_base.h"
+#include "query/labelling/assignment.h"
+#include "query/labelling/label_recall.h"
+#include "query/mrf/minimizer.h"
+#include "query/search/candidates.h"
+#include "query/search/target.h"
+#include "store/store.h"
+
+namespace freshet::query {
+
+struct LabelOptions {
+  double piece_scale = 1;  // the picture is reduced so often before it is cut into pieces (picture_scale.h)
+  TargetOptions target{};
+  CandidateOptions candidates{};
+  MotionGuide guide{};  // empty: any motion
+  GuideCosts guide_costs{};
+  PairwiseOptions costs{};
+  Minimizer minimizer = Minimizer::kTrwS;
+  int max_iterations = 100;  // of TRW-S
+};
+
+enum class LabelStage { kCut, kSearch, kCosts, kMinimize };
+const char* to_string(LabelStage stage);  // "describing the picture", ...
+
+/// Seconds, wall clock.
+struct LabelSeconds {
+  double cut = 0, search = 0, costs = 0, minimize = 0;
+};
+
+/// What a search for candidates found. Borrows the base that it searched.
+struct CandidateSearch {
+  const SearchBase* base = nullptr;
+  cv::Size picture;        // px, as it was given
+  double piece_scale = 1;  // target, its pieces and all motion are those of the picture reduced by this
+  Target target;
+  Filtered filtered;
+  Candidates candidates;
+  LabelSeconds seconds;
+
+  const PatchTable& table() const { return base->table; }
+};
+
+/// The first half: pieces and their candidates.
+/// picture   CV_8UC3 BGR. matte   CV_8U of its size, 255 where the fluid is.
+/// progress  called from the calling thread before each stage; may be empty.
+/// recall    what earlier labellings have left, and where this one leaves its own; may be null. It changes
+///           the time that is taken, and nothing else.
+/// Throws    as its stages, and Error{kCancelled}.
+CandidateSearch search_candidates(const store::Snapshot& snapshot, const SearchBase& base,
+                                  const cv::Mat& picture, const cv::Mat& matte, const LabelOptions& options,
+                                  const std::function<void(LabelStage)>& progress = {},
+                                  std::stop_token stop = {}, LabelRecall* recall = nullptr);
+
+struct Labelling {
+  Assignment assignment;
+  Labels labels;  // of each piece, its candidate's place among them
+  CandidateSearch search;
+  LabelSeconds seconds;
+  int iterations = 0;
+};
+
+/// Cuts the picture into pieces, finds each piece's candidates and chooses among them: Eq. 4 of Okabe et al.
+/// 2011. The same labels for any number of threads.
+Labelling label(const store::Snapshot& snapshot, const SearchBase& base, const cv::Mat& picture,
+                const cv::Mat& matte, const LabelOptions& options = {},
+                const std::function<void(LabelStage)>& progress = {}, std::stop_token stop = {},
+                LabelRecall* recall = nullptr);
+
+/// The assignment that labels mean. Clips in order of their first piece.
+Assignment make_assignment(const store::Snapshot& snapshot, const CandidateSearch& search,
+                           const Labels& labels);
+/// The same with how it came about.
+Assignment make_assignment(const store::Snapshot& snapshot, const CandidateSearch& search,
+                           const Solution& solution, Minimizer minimizer, CostForm form);
+
+}  // namespace freshet::query

@@ -1,0 +1,22 @@
+// query/mrf/minimizer.h — the ways to minimise an energy, by name.
+#pragma once
+
+#include <string>
+
+#include "query/mrf/mrf.h"
+
+namespace freshet::query {
+
+enum class Minimizer {
+  kTrwS,            // TRW-S, then forest_descent: the default
+  kAlphaExpansion,  // as Okabe et al. 2011
+  kIcm,             // for comparison
+};
+
+Minimizer parse_minimizer(const std::string& name);  // "trw-s", "alpha-expansion", "icm"; Error{kUsage}
+const char* name_of(Minimizer minimizer);
+
+/// max_iterations   of TRW-S; of alpha-expansion's cycles and ICM's sweeps their own defaults hold.
+Solution minimize(const Mrf& mrf, Minimizer minimizer, int max_iterations = 100);
+
+}  // namespace freshet::query

@@ -1,0 +1,102 @@
+// query/search/candidates.h — the patches among which each piece of a picture chooses.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "query/index/candidate_index.h"
+#include "query/mrf/mrf.h"
+#include "query/search/motion_guide.h"
+#include "query/search/target.h"
+#include "query/stored/patch_table.h"
+#include "store/store.h"
+
+namespace freshet::query {
+
+struct CandidateOptions {
+  int k = 100;               // candidates a piece
+  std::string class_name{};  // only clips of this class; empty: all
+  std::optional<double>
+      direction_deg{};  // mean motion, as seen on the screen: 0 right, 90 up, 180 left, 270 down
+  double direction_tolerance_deg = 30;           // to either side
+  double min_speed_px_per_s = 2.5;               // with a direction: slower patches have none that counts
+  double min_duration_s = 0;                     // of a clip
+  double min_scale = 0, max_rotation_deg = 180;  // of a variant
+  std::vector<std::string> excluded_clips{};     // by name
+  int coherent =
+      10;  // of each neighbour's best, whose continuations join a piece's candidates (add_coherent)
+};
+
+/// "right", "up", "left", "down", "up-left", ... or degrees. Error{kUsage}.
+double parse_direction(const std::string& text);
+
+/// What one condition left over.
+struct FilterStep {
+  std::string what;  // "all", "class water", "direction 270 +- 30 degrees", ...
+  std::size_t patches = 0, clips = 0;
+};
+
+struct Filtered {
+  RowFilter rows{0};
+  std::vector<FilterStep> steps;  // in the order in which they were applied; the first is the whole store
+  std::vector<std::string>
+      too_short;  // names of clips left out by min_duration_s, of those that were still in
+};
+
+/// Which rows the options allow, before any search.
+/// variants   settings.variants().
+/// Throws Error{kNotFound} when none is left, naming the condition that removed the last and what there is;
+/// Error{kUsage} for a number out of range.
+Filtered filter_rows(const store::Snapshot& snapshot, const PatchTable& table,
+                     std::span<const vision::Variant> variants, const CandidateOptions& options);
+
+/// Candidates of all pieces, best first; rows beyond a piece's count are kNoRow.
+struct Candidates {
+  std::size_t k = 0;
+  std::vector<Row> rows;              // pieces * k
+  std::vector<float> scores;          // pieces * k: intersection / mass of the piece, 0..1
+  std::vector<std::uint32_t> counts;  // of each piece, 1..k
+  std::vector<PieceMotion> asked;     // of each piece, by a guide; empty: nothing was asked
+  std::vector<int> opened;            // of each piece: how often its tolerances were opened; with `asked`
+  std::vector<std::string> notes;     // for a person: "12 pieces have fewer than 100 candidates"
+
+  std::size_t pieces() const { return counts.size(); }
+  std::span<const Row> rows_of(std::size_t piece) const {
+    return std::span(rows).subspan(piece * k, counts[piece]);
+  }
+  std::span<const float> scores_of(std::size_t piece) const {
+    return std::span(scores).subspan(piece * k, counts[piece]);
+  }
+};
+
+/// What the search found for one piece, before its neighbours' continuations join.
+struct PieceAnswer {
+  std::vector<Hit> hits;
+  int opened = 0;  // how often the piece's tolerances were
+  bool operator==(const PieceAnswer&) const = default;
+};
+
+/// The k best of each piece among the allowed rows that move as its guide asks. Where fewer than k do, the
+/// guide's tolerances open step by step for that piece alone (window_of), until there are k or nothing of the
+/// guide is left; `opened` and a note say where.
+/// guide     may be empty. matte   see asked_motion.
+/// answers   one a piece, or null: those that are there are taken, the rest is searched and filled in.
+/// Throws    Error{kNotFound} when an approximate index finds nothing allowed for a piece.
+Candidates find_candidates(const CandidateIndex& index, const PatchTable& table, const Target& target,
+                           const cv::Mat& matte, std::size_t k, const RowFilter& filter,
+                           const MotionGuide& guide = {},
+                           std::vector<std::optional<PieceAnswer>>* answers = nullptr);
+
+/// What it costs a candidate not to move quite as asked: inside its window one still has to choose.
+/// direction * (1 - cos of the angle) + speed * (log2 of the ratio)^2; pieces of which nothing is asked pay
+/// nothing. Added to the unary costs, which are 1 - score.
+struct GuideCosts {
+  double direction = 0.3, speed = 0.05;
+};
+void add_guide_costs(const PatchTable& table, const Candidates& candidates, const GuideCosts& weights,
+                     Mrf& mrf);
+
+}  // namespace freshet::query

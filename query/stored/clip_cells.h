@@ -1,0 +1,21 @@
+// query/stored/clip_cells.h — a clip's motion and textureness cells out of a store.
+#pragma once
+
+#include "store/store.h"
+#include "vision/motion_cells.h"
+#include "vision/settings.h"
+
+namespace freshet::query {
+
+/// Columns "cells.motion" and "cells.texture.<scale>": rows and columns of cells are derived from the clip's
+/// size (a cell at the right or lower edge may overhang), as vision's accumulators make them. Throws
+/// Error{kDamaged} when a column does not hold that many cells, Error{kNotFound} when it is missing.
+vision::CellMap motion_cells(const store::Snapshot& snapshot, const vision::Settings& settings,
+                             store::ClipId clip);
+/// scale   index into settings.scales.
+vision::CellMap texture_cells(const store::Snapshot& snapshot, const vision::Settings& settings,
+                              store::ClipId clip, std::size_t scale);
+/// Index into settings.scales of a variant's scale.
+std::size_t scale_index(const vision::Settings& settings, const vision::Variant& variant);
+
+}  // namespace freshet::query

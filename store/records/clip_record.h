@@ -1,0 +1,30 @@
+// store/records/clip_record.h — a clip's record as bytes.
+#pragma once
+
+#include <array>
+
+#include <optional>
+
+#include "store/codec/tile_grid.h"
+
+namespace freshet::store {
+
+inline constexpr std::size_t kStreams = 3;
+inline constexpr std::size_t kMaxClipRecordBytes = 64 << 20;
+
+/// A clip as the store keeps it: the record and the grids of its streams.
+struct StoredClip {
+  ClipRecord record;
+  std::array<TileGrid, kStreams> grids;
+};
+
+inline StreamShape& stream_shape(ClipRecord& record, std::size_t stream) {
+  return stream == 0 ? record.frames : stream == 1 ? record.flow : record.average;
+}
+
+Bytes serialise_clip(const StoredClip& clip);
+
+/// Empty when the bytes are no clip record of this version.
+std::optional<StoredClip> parse_clip(ByteSpan bytes);
+
+}  // namespace freshet::store

@@ -1,0 +1,231 @@
+#include "synth/animate/blend/blend.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <utility>
+
+#include <oneapi/tbb/enumerable_thread_specific.h>
+#include <opencv2/imgproc.hpp>
+
+#include "platform/vectors.h"
+#include "synth/animate/sampling/square_pyramid.h"
+
+namespace freshet::synth::animate {
+namespace {
+
+/// One level: adds its band, leaves the next one's square in `low`.
+FRESHET_WIDE void add_level(const float* current, const float* weight, int n, float* line, float* low,
+                            float* wide, float* sum, std::ptrdiff_t stride) {
+  reduce_square(current, n, line, low);
+  widen_square(low, n, line, wide);
+  add_band(current, wide, weight, n, sum, stride);
+}
+
+FRESHET_WIDE void add_rest(const float* current, const float* weight, int n, float* sum,
+                           std::ptrdiff_t stride) {
+  for (int y = 0; y < n; ++y)
+    for (int x = 0; x < n; ++x) sum[y * stride + x] += current[y * n + x] * weight[y * n + x];
+}
+
+FRESHET_WIDE void column_sums(const float* from, std::ptrdiff_t stride, int n, float* sums) {
+  for (int y = 0; y < n; ++y)
+    for (int x = 0; x < n; ++x) sums[x] += from[y * stride + x];
+}
+
+FRESHET_WIDE void take_off(const float* from, std::ptrdiff_t stride, float level, int n, float* to) {
+  for (int y = 0; y < n; ++y)
+    for (int x = 0; x < n; ++x) to[y * n + x] = from[y * stride + x] - level;
+}
+
+/// The weight of a piece at one level: its own square, softened over the level's wavelength. Never zero, so
+/// that a piece without neighbours still covers all of its side.
+cv::Mat level_weight(int side, int stride, int level) {
+  const double centre = (side - 1) / 2.0;
+  // At full resolution the transition is some 4, 8, 16 px wide at levels 0, 1, 2 and the whole overlap below.
+  const double sigma = std::min(1.2 * (1 << level), stride / 3.5);
+  const int step = 1 << level, size = side / step;
+  const auto profile = [&](int i) {
+    const double x = std::abs(i * step - centre) - stride / 2.0;  // px outside the own square
+    const double tent = 1 - std::abs(i * step - centre) / (side / 2.0 + 1);
+    return 0.5 * std::erfc(x / (sigma * std::sqrt(2.0))) + 1e-4 * std::max(tent, 0.0);
+  };
+  cv::Mat weight(size, size, CV_32F);
+  for (int row = 0; row < size; ++row)
+    for (int column = 0; column < size; ++column)
+      weight.at<float>(row, column) = static_cast<float>(profile(row) * profile(column));
+  return weight;
+}
+
+}  // namespace
+
+struct Blender::Impl {
+  Placement placement;
+  BlendOptions options;
+  cv::Rect canvas;
+  std::vector<cv::Mat> weight;              // by level, side / 2^level
+  std::vector<cv::Mat> gain;                // by level, canvas / 2^level
+  std::vector<std::vector<cv::Mat>> bands;  // by frame, level
+  // Mean level of every piece in every frame, on the lattice of pieces.
+  cv::Size lattice;
+  cv::Mat present;                      // lattice, CV_32F, 1 where a piece lies
+  std::vector<cv::Mat> level_of_piece;  // by frame, lattice
+
+  struct Scratch {
+    std::vector<float> current, low, wide, line;
+  };
+  oneapi::tbb::enumerable_thread_specific<Scratch> scratch;
+
+  cv::Point lattice_of(std::size_t patch) const {
+    return (placement.patches[patch].piece - canvas.tl()) / placement.stride;
+  }
+
+  cv::Rect at_level(std::size_t patch, int level) const {
+    const cv::Point corner = placement.patches[patch].piece - canvas.tl();
+    const int side = placement.side >> level;
+    return {corner.x >> level, corner.y >> level, side, side};
+  }
+
+  /// 1 / sum of weights, or 1 / sqrt(w' C w) with C = 1 inside a coherent group and 0 between groups.
+  cv::Mat gain_of_level(int level) const {
+    const cv::Size size(canvas.width >> level, canvas.height >> level);
+    // Pieces of one lattice parity do not overlap: with a stride of half the side four planes hold every
+    // pixel's pieces.
+    const int overlap = (placement.side + placement.stride - 1) / placement.stride;
+    std::vector<cv::Mat> owner(overlap * overlap), share(overlap * overlap);
+    for (cv::Mat& plane : owner) plane = cv::Mat(size, CV_32S, cv::Scalar(-1));
+    for (cv::Mat& plane : share) plane = cv::Mat::zeros(size, CV_32F);
+    for (std::size_t p = 0; p < placement.patches.size(); ++p) {
+      const cv::Point at = lattice_of(p);
+      const int parity = (at.y % overlap) * overlap + at.x % overlap;
+      owner[parity](at_level(p, level)).setTo(static_cast<int>(p));
+      weight[level].copyTo(share[parity](at_level(p, level)));
+    }
+    cv::Mat out = cv::Mat::zeros(size, CV_32F);
+    std::vector<int> who(owner.size());
+    std::vector<double> w(owner.size());
+    for (int y = 0; y < size.height; ++y)
+      for (int x = 0; x < size.width; ++x) {
+        std::size_t n = 0;
+        double sum = 0;
+        for (std::size_t k = 0; k < owner.size(); ++k) {
+          const int p = owner[k].at<int>(y, x);
+          if (p < 0) continue;
+          who[n] = p;
+          w[n] = share[k].at<float>(y, x);
+          sum += w[n++];
+        }
+        if (n == 0) continue;
+        double norm = sum;
+        if (options.weights == BlendWeights::kVariance) {
+          double squares = 0;
+          for (std::size_t i = 0; i < n; ++i)
+            for (std::size_t j = 0; j < n; ++j)
+              if (i == j || coherent(placement.patches[who[i]], placement.patches[who[j]]))
+                squares += w[i] * w[j];
+          norm = std::sqrt(squares);
+        }
+        out.at<float>(y, x) = static_cast<float>(1 / norm);
+      }
+    return out;
+  }
+};
+
+Blender::Blender(const Placement& placement, int frames, const BlendOptions& options)
+    : impl_(std::make_unique<Impl>()) {
+  impl_->placement = placement;
+  impl_->options = options;
+  // A level whose samples fall between the lattice's would lay the pieces beside their places.
+  const auto step = static_cast<unsigned>(common_step(placement, 1 << options.levels));
+  int levels = std::countr_zero(step);
+  while (levels > 0 && placement.side >> (levels - 1) < kLeastSquare) --levels;
+  impl_->options.levels = levels;
+  impl_->canvas = canvas_of(placement);
+  const cv::Rect canvas = impl_->canvas;
+  for (int level = 0; level <= levels; ++level)
+    impl_->weight.push_back(level_weight(placement.side, placement.stride, level));
+  for (int level = 0; level <= levels; ++level) impl_->gain.push_back(impl_->gain_of_level(level));
+  impl_->lattice = {(canvas.width - placement.side) / placement.stride + 1,
+                    (canvas.height - placement.side) / placement.stride + 1};
+  impl_->present = cv::Mat::zeros(impl_->lattice, CV_32F);
+  for (std::size_t p = 0; p < placement.patches.size(); ++p)
+    impl_->present.at<float>(impl_->lattice_of(p)) = 1;
+  impl_->bands.resize(frames);
+  impl_->level_of_piece.resize(frames);
+}
+
+Blender::~Blender() = default;
+
+void Blender::add(int frame, std::size_t patch, const cv::Mat& difference) {
+  Impl& self = *impl_;
+  std::vector<cv::Mat>& bands = self.bands[frame];
+  const int levels = self.options.levels;
+  if (bands.empty()) {
+    for (int level = 0; level <= levels; ++level)
+      bands.push_back(cv::Mat::zeros(self.canvas.height >> level, self.canvas.width >> level, CV_32F));
+    self.level_of_piece[frame] = cv::Mat::zeros(self.lattice, CV_32F);
+  }
+  Impl::Scratch& s = self.scratch.local();
+  const int side = self.placement.side, area = side * side;
+  s.current.resize(area);
+  s.low.resize(area);
+  s.wide.resize(area);
+  s.line.resize(side + 4);
+  CV_Assert(difference.type() == CV_32F && difference.size() == cv::Size(side, side));
+  const auto* values = difference.ptr<float>();
+  const auto row = static_cast<std::ptrdiff_t>(difference.step1());
+  float mean = 0;
+  if (self.options.low_band != LowBand::kKeep) {
+    std::fill(s.line.begin(), s.line.end(), 0.0f);
+    column_sums(values, row, side, s.line.data());
+    double sum = 0;
+    for (int x = 0; x < side; ++x) sum += s.line[x];
+    mean = static_cast<float>(sum / area);
+    self.level_of_piece[frame].at<float>(self.lattice_of(patch)) = mean;
+  }
+  take_off(values, row, mean, side, s.current.data());
+  for (int level = 0; level <= levels; ++level) {
+    const cv::Rect at = self.at_level(patch, level);
+    float* sum = bands[level].ptr<float>(at.y) + at.x;
+    const auto stride = static_cast<std::ptrdiff_t>(bands[level].step1());
+    const auto* weight = self.weight[level].ptr<float>();
+    if (level == levels) {
+      add_rest(s.current.data(), weight, at.width, sum, stride);
+    } else {
+      add_level(s.current.data(), weight, at.width, s.line.data(), s.low.data(), s.wide.data(), sum, stride);
+      std::swap(s.current, s.low);
+    }
+  }
+}
+
+cv::Mat Blender::take(int frame) {
+  Impl& self = *impl_;
+  std::vector<cv::Mat>& bands = self.bands[frame];
+  if (bands.empty()) return cv::Mat::zeros(self.canvas.size(), CV_32F);
+  for (std::size_t level = 0; level < bands.size(); ++level)
+    cv::multiply(bands[level], self.gain[level], bands[level]);
+  cv::Mat field = bands.back(), up;
+  for (int level = self.options.levels - 1; level >= 0; --level) {
+    cv::pyrUp(field, up, bands[level].size());
+    cv::add(up, bands[level], field);
+  }
+  if (self.options.low_band == LowBand::kShared) {
+    // A normalised Gaussian mean over neighbouring pieces, then back to pixels.
+    cv::Mat sum, mass, shared;
+    const double sigma = self.options.low_band_reach;
+    cv::GaussianBlur(self.level_of_piece[frame], sum, {}, sigma, sigma, cv::BORDER_CONSTANT);
+    cv::GaussianBlur(self.present, mass, {}, sigma, sigma, cv::BORDER_CONSTANT);
+    cv::divide(sum, cv::max(mass, 1e-6), shared);
+    const double stride = self.placement.stride;
+    // Piece (i, j)'s middle lies at i * stride + (side - 1) / 2.
+    const double offset = (self.placement.side - 1) / 2.0;
+    const cv::Matx23d lattice_from_canvas(1 / stride, 0, -offset / stride, 0, 1 / stride, -offset / stride);
+    cv::warpAffine(shared, up, lattice_from_canvas, field.size(), cv::INTER_LINEAR | cv::WARP_INVERSE_MAP,
+                   cv::BORDER_REPLICATE);
+    cv::add(field, up, field);
+  }
+  bands.clear();
+  return field;
+}
+
+}  // namespace freshet::synth::animate

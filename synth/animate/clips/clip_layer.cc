@@ -1,0 +1,309 @@
+#include "synth/animate/clips/clip_layer.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <map>
+#include <set>
+
+#include <oneapi/tbb/enumerable_thread_specific.h>
+#include <oneapi/tbb/parallel_for.h>
+
+#include "freshet/error.h"
+#include "platform/vectors.h"
+#include "synth/animate/clips/clip_loop.h"
+#include "synth/animate/sampling/cells.h"
+
+namespace freshet::synth::animate {
+namespace {
+
+constexpr std::uint32_t kChunk = 32;  // frames read at once in the first pass: two slabs of tiles
+constexpr int kFlowMargin = 16;       // px around a patch that flow may reach for
+const cv::Size kCell(ClipLuma::kCellWidth, ClipLuma::kCellHeight);
+
+double seconds_since(std::chrono::steady_clock::time_point begin) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+}
+
+std::vector<PatchWindow> windows_of(cv::Size source, const Placement& placement,
+                                    std::span<const std::size_t> patches) {
+  std::vector<PatchWindow> windows;
+  for (std::size_t p : patches)
+    windows.emplace_back(source, placement.patches[p].variant, placement.patches[p].patch, placement.side);
+  return windows;
+}
+
+std::vector<cv::Rect> needed_by(std::span<const PatchWindow> windows, Resampling resampling,
+                                cv::Size source) {
+  std::vector<cv::Rect> needed;
+  const int margin = resampling == Resampling::kFlow ? kFlowMargin : 0;
+  for (const PatchWindow& window : windows) {
+    const cv::Rect own = window.needed();
+    needed.push_back(
+        cv::Rect(own.x - margin, own.y - margin, own.width + 2 * margin, own.height + 2 * margin) &
+        cv::Rect({}, source));
+  }
+  return needed;
+}
+
+cv::Size size_of(const store::ClipRecord& record) {
+  return {static_cast<int>(record.width), static_cast<int>(record.height)};
+}
+
+FRESHET_WIDE void add_weighed(const float* from, float weight, int n, float* to) {
+  for (int i = 0; i < n; ++i) to[i] += weight * from[i];
+}
+
+FRESHET_WIDE void weigh_difference(const float* from, const float* less, float weight, int n, float* to) {
+  for (int i = 0; i < n; ++i) to[i] = weight * (from[i] - less[i]);
+}
+
+FRESHET_WIDE void add_difference(const float* from, const float* less, float weight, int n, float* to) {
+  for (int i = 0; i < n; ++i) to[i] += weight * (from[i] - less[i]);
+}
+
+/// Calls with each clip frame that a moment needs, and its weight.
+template <class Use>
+void each_frame(const Moment& moment, const Use& use) {
+  for (int i = 0; i < moment.count(); ++i) {
+    const auto frame = static_cast<std::uint32_t>(moment.at[i]);
+    const double part = moment.at[i] - frame;
+    use(frame, moment.weight[i] * (1 - part));
+    if (part > 0) use(frame + 1, moment.weight[i] * part);
+  }
+}
+
+}  // namespace
+
+ClipLayer::ClipLayer(const store::Snapshot& snapshot, store::ClipId clip, int flow_step,
+                     const Placement& placement, std::vector<std::size_t> patches,
+                     const TimelineOptions& options, Resampling resampling)
+    : placement_(placement),
+      patches_(std::move(patches)),
+      windows_(windows_of(size_of(snapshot.clip(clip)), placement, patches_)),
+      luma_(snapshot, clip, needed_by(windows_, resampling, size_of(snapshot.clip(clip))), flow_step) {
+  const store::ClipRecord& record = snapshot.clip(clip);
+  const std::vector<double> times = snapshot.column<double>(clip, "frame.time");
+  if (times.empty() || !std::is_sorted(times.begin(), times.end()))
+    throw Error(ErrorKind::kDamaged, record.name, "its frame times are not in order",
+                "Run freshet store verify");
+  const double interval = static_cast<double>(record.fps_den) / static_cast<double>(record.fps_num);
+  std::map<double, std::vector<std::size_t>> by_speed;
+  for (std::size_t i = 0; i < patches_.size(); ++i)
+    by_speed[placement.patches[patches_[i]].speed].push_back(i);
+  const double longest =
+      (options.frames - 1) * (by_speed.rbegin()->first / options.fps);  // as Timeline has it
+  std::optional<vision::LoopRule> rule;
+  if (options.loop || longest > times.back() - times.front() + interval) rule = loop_rule(snapshot, clip);
+  for (auto& [speed, members] : by_speed) {
+    TimelineOptions own = options;
+    own.speed = speed;
+    own.whole = resampling == Resampling::kNearest;
+    Voice& voice = voices_.emplace_back();
+    voice.members = std::move(members);
+    voice.moments = timeline(times, interval, rule, record.name, own);
+    lay_out(voice);
+  }
+}
+
+/// What of the clip's frames a voice's patches are made of, exactly.
+void ClipLayer::lay_out(Voice& voice) const {
+  std::map<float, std::vector<std::size_t>> by_scale;
+  for (std::size_t i : voice.members) by_scale[placement_.patches[patches_[i]].variant.scale].push_back(i);
+  std::vector<cv::Rect> needed;
+  for (auto& [scale, members] : by_scale) {
+    const cv::Size size = reduced_to_scale(luma_.source(), scale);
+    std::vector<cv::Rect> read;
+    for (std::size_t i : members) read.push_back(windows_[i].read());
+    if (size == luma_.source()) {
+      needed.insert(needed.end(), read.begin(), read.end());
+      voice.whole.insert(voice.whole.end(), members.begin(), members.end());
+      continue;
+    }
+    Reduced reduced{.reduction = AreaReduction(luma_.source(), size),
+                    .cells = cells_touched(read, cv::Rect({}, size), kCell),
+                    .members = std::move(members)};
+    for (const cv::Rect& cell : reduced.cells) needed.push_back(reduced.reduction.source_of(cell));
+    voice.reduced.push_back(std::move(reduced));
+  }
+  voice.cells = cells_touched(needed, cv::Rect({}, luma_.source()), kCell);
+  for (cv::Rect& cell : voice.cells) cell &= luma_.region();
+}
+
+std::vector<ClipLayer::Played> ClipLayer::played() const {
+  std::vector<Played> played;
+  for (const Voice& voice : voices_) {
+    played.push_back({.patches = {}, .moments = voice.moments});
+    for (std::size_t member : voice.members) played.back().patches.push_back(patches_[member]);
+  }
+  return played;
+}
+
+std::size_t ClipLayer::average_bytes() const {
+  return voices_.size() * luma_.region().area() * sizeof(float);
+}
+
+std::size_t ClipLayer::bytes_an_output() const {
+  std::size_t bytes = 0;
+  for (const Voice& voice : voices_) {
+    std::set<std::uint32_t> distinct;
+    bool flow = false;
+    for (const Moment& moment : voice.moments) {
+      each_frame(moment, [&](std::uint32_t frame, double) { distinct.insert(frame); });
+      flow = flow || moment.at[0] != std::floor(moment.at[0]);
+    }
+    const double frames = std::min(3.0, 1 + static_cast<double>(distinct.size()) / voice.moments.size());
+    bytes += static_cast<std::size_t>(frames * (luma_.frame_bytes() + (flow ? luma_.flow_bytes() : 0)));
+  }
+  return bytes;
+}
+
+void ClipLayer::load(std::span<const int> outputs, std::span<const std::uint32_t> more) {
+  const auto begin = std::chrono::steady_clock::now();
+  std::set<std::uint32_t> frames(more.begin(), more.end()), flows;
+  for (const Voice& voice : voices_)
+    for (int output : outputs) {
+      const Moment& moment = voice.moments[output];
+      each_frame(moment, [&](std::uint32_t frame, double) { frames.insert(frame); });
+      for (int i = 0; i < moment.count(); ++i)
+        if (moment.at[i] != std::floor(moment.at[i])) flows.insert(static_cast<std::uint32_t>(moment.at[i]));
+    }
+  luma_.load(std::vector(frames.begin(), frames.end()), std::vector(flows.begin(), flows.end()));
+  read_s_ += seconds_since(begin);
+}
+
+void ClipLayer::measure(std::span<const int> kept, std::vector<double>* change) {
+  // How much each clip frame counts in each voice's average.
+  std::vector<std::map<std::uint32_t, double>> weights(voices_.size());
+  std::set<std::uint32_t> shown;
+  for (std::size_t v = 0; v < voices_.size(); ++v) {
+    double total = 0;
+    for (const Moment& moment : voices_[v].moments)
+      each_frame(moment, [&](std::uint32_t frame, double weight) {
+        weights[v][frame] += weight;
+        total += weight;
+        shown.insert(frame);
+      });
+    for (auto& [frame, weight] : weights[v]) weight /= total;
+    voices_[v].average = cv::Mat::zeros(luma_.region().size(), CV_32F);
+  }
+
+  // Frame after frame, in the clip's order, whatever is in memory at once: the sums are the same.
+  const std::vector<std::uint32_t> frames(shown.begin(), shown.end());
+  const bool all = kept.size() == voices_.front().moments.size();
+  std::vector<float> step(frames.size(), 0);  // from the frame before, mean |difference|
+  const std::span<const cv::Rect> blocks = luma_.blocks();
+  double pixels = 0;
+  for (const cv::Rect& block : blocks) pixels += block.area();
+  for (std::size_t first = 0; first < frames.size();) {
+    std::size_t end = first + 1;
+    while (end < frames.size() && (all || frames[end] / kChunk == frames[first] / kChunk)) ++end;
+    if (all) {
+      load(kept);
+    } else {
+      std::vector<std::uint32_t> chunk(
+          frames.begin() + static_cast<std::ptrdiff_t>(first > 0 ? first - 1 : 0),
+          frames.begin() + static_cast<std::ptrdiff_t>(end));
+      std::vector<int> so_far;  // outputs that are to stay and whose frames have come by
+      for (int output : kept) {
+        bool past = true;
+        for (const Voice& voice : voices_)
+          each_frame(voice.moments[output],
+                     [&](std::uint32_t frame, double) { past = past && frame <= frames[end - 1]; });
+        if (past) so_far.push_back(output);
+      }
+      load(so_far, chunk);
+    }
+    std::vector<std::vector<double>> steps(blocks.size(), std::vector<double>(end - first, 0));
+    oneapi::tbb::parallel_for(std::size_t{0}, blocks.size(), [&](std::size_t b) {
+      const cv::Rect& block = blocks[b];
+      std::vector<float> luma(block.width), before(block.width);
+      for (std::size_t i = first; i < end; ++i)
+        for (int y = block.y; y < block.br().y; ++y) {
+          luma_.row(frames[i], block.x, y, block.width, luma.data());
+          for (std::size_t v = 0; v < voices_.size(); ++v)
+            if (const auto weight = weights[v].find(frames[i]); weight != weights[v].end())
+              add_weighed(luma.data(), static_cast<float>(weight->second), block.width,
+                          voices_[v].average.ptr<float>(y - luma_.region().y) + block.x - luma_.region().x);
+          if (!change || i == 0) continue;
+          luma_.row(frames[i - 1], block.x, y, block.width, before.data());
+          for (int x = 0; x < block.width; ++x) steps[b][i - first] += std::abs(luma[x] - before[x]);
+        }
+    });
+    for (std::size_t i = first; i < end; ++i) {
+      double sum = 0;
+      for (const std::vector<double>& of_block : steps) sum += of_block[i - first];
+      step[i] = static_cast<float>(sum / std::max(1.0, pixels));
+    }
+    first = end;
+  }
+  load(kept);
+  if (!change) return;
+
+  // From output to output: by how far the clip goes on.
+  const auto step_at = [&](double at) {
+    const auto next = std::upper_bound(frames.begin(), frames.end(), static_cast<std::uint32_t>(at));
+    return step[std::min<std::size_t>(next - frames.begin(), frames.size() - 1)];
+  };
+  for (const Voice& voice : voices_) {
+    const std::size_t outputs = voice.moments.size();
+    for (std::size_t i = 0; i < outputs; ++i) {
+      const Moment &a = voice.moments[i], &b = voice.moments[(i + 1) % outputs];
+      double power = 0;
+      for (int k = 0; k < a.count(); ++k) {
+        const double moved = k < b.count() ? std::min(1.5, std::abs(b.at[k] - a.at[k])) : 1;
+        power += std::pow(a.weight[k] * moved * step_at(a.at[k]), 2);
+      }
+      (*change)[i] += std::sqrt(power) * static_cast<double>(voice.members.size());
+    }
+  }
+}
+
+/// What a voice's patches are made of, less its average, into scratch.difference; the rest of it may be
+/// anything.
+void ClipLayer::difference(const Voice& voice, const Moment& moment, Scratch& s) const {
+  if (s.difference.empty()) s.difference = cv::Mat::zeros(luma_.source(), CV_32F);
+  s.part.resize(static_cast<std::size_t>(kCell.area()));
+  for (const cv::Rect& cell : voice.cells)
+    for (int k = 0; k < moment.count(); ++k) {
+      luma_.at(moment.at[k], cell, s.part.data(), s.luma);
+      for (int y = 0; y < cell.height; ++y) {
+        float* to = s.difference.ptr<float>(cell.y + y) + cell.x;
+        const float* part = s.part.data() + y * cell.width;
+        const float* average =
+            voice.average.ptr<float>(cell.y + y - luma_.region().y) + cell.x - luma_.region().x;
+        if (k == 0)
+          weigh_difference(part, average, moment.weight[k], cell.width, to);
+        else
+          add_difference(part, average, moment.weight[k], cell.width, to);
+      }
+    }
+}
+
+void ClipLayer::add(std::span<const int> outputs, Blender& blender) {
+  load(outputs);
+  oneapi::tbb::enumerable_thread_specific<Scratch> scratches;
+  oneapi::tbb::parallel_for(std::size_t{0}, outputs.size(), [&](std::size_t slot) {
+    Scratch& s = scratches.local();
+    const auto lay = [&](const cv::Mat& shown, std::span<const std::size_t> members) {
+      for (std::size_t i : members) {
+        windows_[i].cut(shown, s.window);
+        blender.add(static_cast<int>(slot), patches_[i], s.window);
+      }
+    };
+    for (const Voice& voice : voices_) {
+      difference(voice, voice.moments[outputs[slot]], s);
+      lay(s.difference, voice.whole);
+      for (const Reduced& reduced : voice.reduced) {
+        s.reduced.create(reduced.reduction.reduced(), CV_32F);
+        for (const cv::Rect& cell : reduced.cells)
+          reduced.reduction.apply(s.difference, cell, s.reduced, s.line);
+        lay(s.reduced, reduced.members);
+      }
+    }
+  });
+}
+
+void ClipLayer::release() { luma_.load({}); }
+
+}  // namespace freshet::synth::animate

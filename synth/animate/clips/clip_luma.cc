@@ -1,0 +1,347 @@
+#include "synth/animate/clips/clip_luma.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+#include <oneapi/tbb/parallel_for.h>
+
+#include "freshet/error.h"
+#include "platform/vectors.h"
+#include "synth/animate/sampling/cells.h"
+#include "synth/animate/sampling/cubic.h"
+#include "vision/flow.h"
+
+namespace freshet::synth::animate {
+namespace {
+
+constexpr int kBlock = 64;           // samples: the store's tiles
+constexpr std::uint32_t kSlab = 16;  // frames: the store's tiles
+constexpr int kCell = ClipLuma::kCellWidth * ClipLuma::kCellHeight;
+
+template <class Sample>
+[[gnu::always_inline]] inline void look_up(const Sample* from, const float* luma_of, int n, float* to) {
+  for (int i = 0; i < n; ++i) to[i] = luma_of[from[i]];
+}
+
+FRESHET_WIDE void luma_of_bytes(const std::uint8_t* from, float black, float per_span, int n, float* to) {
+  for (int i = 0; i < n; ++i)
+    to[i] = std::min(std::max((static_cast<float>(from[i]) - black) * per_span, 0.0f), 1.0f);
+}
+
+FRESHET_WIDE void luma_of_words(const std::uint16_t* from, const float* luma_of, int n, float* to) {
+  look_up(from, luma_of, n, to);
+}
+
+/// One row of one component of the flow between its rows, in `mixed` from its second value on, and the values
+/// before and after it, which are those on its ends.
+FRESHET_WIDE void mix_flow(const short* upper, const short* lower, float down, int samples, float* mixed) {
+  for (int i = 0; i < samples; ++i) mixed[i + 1] = upper[i] + down * static_cast<float>(lower[i] - upper[i]);
+  mixed[0] = mixed[1];
+  mixed[samples + 1] = mixed[samples];
+}
+
+/// Between its columns: `first` from begin on.
+FRESHET_WIDE void flow_of_row(const float* mixed, const std::int32_t* first, const float* part, int n,
+                              float* flow) {
+  const int begin = first[0] - 1;
+  for (int i = 0; i < n; ++i) {
+    const float a = mixed[first[i] - begin], b = mixed[first[i] - begin + 1];
+    flow[i] = a + part[i] * (b - a);
+  }
+}
+
+/// The same of a flow at half size, and an even column: by far the most common.
+FRESHET_WIDE void flow_of_row_halved(const float* mixed, int n, float* flow) {
+  for (int i = 0; i < n / 2; ++i) {
+    flow[2 * i] = 0.25f * mixed[i] + 0.75f * mixed[i + 1];
+    flow[2 * i + 1] = 0.75f * mixed[i + 1] + 0.25f * mixed[i + 2];
+  }
+}
+
+/// Places in steps (cubic.h), `share` px for each unit of the flow from `origin` px on; not beyond -1 and
+/// limit, from where on the frame's edge goes on.
+FRESHET_WIDE void places_of_row(const float* flow, int origin, int step, float share, int limit, int n,
+                                std::int32_t* places) {
+  for (int i = 0; i < n; ++i) {
+    const float at = static_cast<float>(origin + step * i) + share * flow[i];
+    const float inside = std::min(std::max(at, -1.0f), static_cast<float>(limit));
+    // Positive where it is cut off: rounded down.
+    places[i] = static_cast<std::int32_t>(inside * kCubicSteps + (kCubicSteps + 0.5f)) - kCubicSteps;
+  }
+}
+
+struct Range {
+  std::int32_t least, most;
+};
+FRESHET_WIDE void range_of(const std::int32_t* values, int n, Range& range) {
+  std::int32_t least = values[0], most = values[0];
+  for (int i = 1; i < n; ++i) {
+    least = values[i] < least ? values[i] : least;
+    most = values[i] > most ? values[i] : most;
+  }
+  range = {least, most};
+}
+
+FRESHET_WIDE void read_places(const float* plane, std::ptrdiff_t offset, std::ptrdiff_t stride,
+                              const std::int32_t* x, const std::int32_t* y, int n, float* out) {
+  cubic(plane, offset, stride, x, y, n, out);
+}
+
+/// Two pictures of one moment mixed: kDisagreement of luma apart, the nearer one alone counts.
+FRESHET_WIDE void mix(const float* before, const float* after, float part, int n, float* out) {
+  constexpr float kDisagreement = 0.1f;
+  for (int i = 0; i < n; ++i) {
+    const float difference = after[i] - before[i];
+    const float steep = 1 + std::abs(difference) / kDisagreement * 4;
+    const float w = std::min(std::max(0.5f + (part - 0.5f) * steep, 0.0f), 1.0f);
+    out[i] = before[i] + w * difference;
+  }
+}
+
+/// Runs of frames that lie in one slab: each is read at once, so that a tile is decoded once.
+std::vector<std::span<const std::uint32_t>> by_slab(std::span<const std::uint32_t> frames) {
+  std::vector<std::span<const std::uint32_t>> runs;
+  for (std::size_t i = 0; i < frames.size();) {
+    std::size_t end = i;
+    while (end < frames.size() && frames[end] / kSlab == frames[i] / kSlab) ++end;
+    runs.push_back(frames.subspan(i, end - i));
+    i = end;
+  }
+  return runs;
+}
+
+/// One block of one plane in the frames of a run, copied into pictures whose top left corner lies at
+/// `origin`.
+template <class PictureOf>
+void read_block(const store::Snapshot& snapshot, store::ClipId clip, store::Stream stream,
+                std::uint32_t plane, const cv::Rect& block, std::span<const std::uint32_t> run, int bytes,
+                cv::Point origin, const PictureOf& picture_of) {
+  const std::size_t row_bytes = static_cast<std::size_t>(block.width) * bytes,
+                    frame_bytes = row_bytes * block.height;
+  const std::uint32_t first = run.front(), count = run.back() - first + 1;
+  std::vector<std::byte> samples(frame_bytes * count);
+  snapshot.read(clip, stream, plane,
+                {static_cast<std::uint32_t>(block.x), static_cast<std::uint32_t>(block.y),
+                 static_cast<std::uint32_t>(block.width), static_cast<std::uint32_t>(block.height)},
+                first, count, samples);
+  for (std::uint32_t frame : run) {
+    cv::Mat& into = picture_of(frame);
+    for (int row = 0; row < block.height; ++row)
+      std::memcpy(into.ptr(block.y - origin.y + row) + static_cast<std::size_t>(block.x - origin.x) * bytes,
+                  samples.data() + (frame - first) * frame_bytes + row * row_bytes, row_bytes);
+  }
+}
+
+/// What of `wanted` is not a key of `held`; what is held and not wanted is dropped.
+template <class Held>
+std::vector<std::uint32_t> keep_only(Held& held, std::span<const std::uint32_t> wanted) {
+  std::erase_if(held, [&](const auto& entry) {
+    return !std::binary_search(wanted.begin(), wanted.end(), entry.first);
+  });
+  std::vector<std::uint32_t> missing;
+  for (std::uint32_t frame : wanted)
+    if (!held.contains(frame)) missing.push_back(frame);
+  return missing;
+}
+
+}  // namespace
+
+ClipLuma::ClipLuma(const store::Snapshot& snapshot, store::ClipId clip, std::span<const cv::Rect> needed,
+                   int flow_step)
+    : snapshot_(snapshot),
+      clip_(clip),
+      clip_frames_(snapshot, clip),  // checks that layout, planes and size agree
+      layout_(clip_frames_.layout()),
+      raw_(media::luma_in_plane_0(layout_)),
+      flow_step_(std::max(1, flow_step)) {
+  const store::ClipRecord& record = snapshot.clip(clip);
+  source_ = {static_cast<int>(record.width), static_cast<int>(record.height)};
+  flow_size_ = {(source_.width + flow_step_ - 1) / flow_step_,
+                (source_.height + flow_step_ - 1) / flow_step_};
+  blocks_ = cells_touched(needed, cv::Rect({}, source_), {kBlock, kBlock});
+  for (const cv::Rect& block : blocks_) region_ |= block;
+  flow_region_ = cv::Rect(cv::Point(region_.x / flow_step_, region_.y / flow_step_),
+                          cv::Point((region_.br().x + flow_step_ - 1) / flow_step_,
+                                    (region_.br().y + flow_step_ - 1) / flow_step_));
+  const auto between_samples = [this](int begin, int n, int flow_begin, int flow_n) {
+    Between places;
+    for (int i = begin; i < begin + n; ++i) {
+      const double at = std::clamp((i + 0.5) / flow_step_ - 0.5 - flow_begin, 0.0, flow_n - 1.0);
+      places.first.push_back(static_cast<std::int32_t>(at));
+      places.part.push_back(static_cast<float>(at - std::floor(at)));
+    }
+    return places;
+  };
+  flow_across_ = between_samples(region_.x, region_.width, flow_region_.x, flow_region_.width);
+  flow_down_ = between_samples(region_.y, region_.height, flow_region_.y, flow_region_.height);
+
+  if (raw_ && record.frames.planes[0].bytes_per_sample == 2) {
+    cv::Mat codes(1, 1 << 16, CV_16U), luma;
+    for (int i = 0; i < codes.cols; ++i) codes.at<std::uint16_t>(i) = static_cast<std::uint16_t>(i);
+    luma = media::luma_from_plane(layout_, codes);
+    luma_of_.assign(luma.begin<float>(), luma.end<float>());
+  } else if (raw_) {
+    // Straight from black to white, of which each is a code.
+    cv::Mat codes(1, 1 << 8, CV_8U), luma;
+    for (int i = 0; i < codes.cols; ++i) codes.at<std::uint8_t>(i) = static_cast<std::uint8_t>(i);
+    luma = media::luma_from_plane(layout_, codes);
+    const auto black =
+        std::upper_bound(luma.begin<float>(), luma.end<float>(), 0.0f) - luma.begin<float>() - 1;
+    const auto white =
+        std::lower_bound(luma.begin<float>(), luma.end<float>(), 1 - 1e-6f) - luma.begin<float>();
+    black_ = static_cast<float>(black);
+    per_span_ = 1 / static_cast<float>(white - black);
+  }
+}
+
+ClipLuma::Scratch::Scratch()
+    : x(kCell), y(kCell), u(kCell), v(kCell), from(kCell), to(kCell), mixed(kCell + 2) {}
+
+std::size_t ClipLuma::frame_bytes() const {
+  const int bytes = raw_ ? snapshot_.clip(clip_).frames.planes[0].bytes_per_sample : 1;
+  return static_cast<std::size_t>(region_.area()) * bytes;
+}
+
+std::size_t ClipLuma::flow_bytes() const { return static_cast<std::size_t>(flow_region_.area()) * 4; }
+
+void ClipLuma::load(std::span<const std::uint32_t> frames, std::span<const std::uint32_t> flows) {
+  if (const auto missing = keep_only(frames_, frames); !missing.empty()) read_frames(missing);
+  if (const auto missing = keep_only(flows_, flows); !missing.empty()) read_flows(missing);
+}
+
+void ClipLuma::read_frames(std::span<const std::uint32_t> missing) {
+  const auto runs = by_slab(missing);
+  if (raw_) {
+    const int bytes = snapshot_.clip(clip_).frames.planes[0].bytes_per_sample;
+    for (std::uint32_t frame : missing)
+      frames_[frame] = cv::Mat::zeros(region_.size(), bytes == 1 ? CV_8U : CV_16U);
+    oneapi::tbb::parallel_for(std::size_t{0}, blocks_.size() * runs.size(), [&](std::size_t task) {
+      read_block(snapshot_, clip_, store::Stream::kFrames, 0, blocks_[task % blocks_.size()],
+                 runs[task / blocks_.size()], bytes, region_.tl(),
+                 [&](std::uint32_t frame) -> cv::Mat& { return frames_.at(frame); });
+    });
+    return;
+  }
+  // Colour planes: luminance needs all of them, so whole frames are read, a slab of tiles at a time, and
+  // reduced.
+  for (const auto& run : runs) {
+    const std::vector<media::Frame> slab = clip_frames_.read(run.front(), run.back() - run.front() + 1);
+    for (std::uint32_t frame : run) frames_[frame] = cv::Mat();
+    oneapi::tbb::parallel_for(std::size_t{0}, run.size(), [&](std::size_t i) {
+      frames_.at(run[i]) = media::to_luma(slab[run[i] - run.front()])(region_).clone();
+    });
+  }
+}
+
+void ClipLuma::check_flow() const {
+  const store::ClipRecord& record = snapshot_.clip(clip_);
+  bool right = record.flow.planes.size() == 2 && record.flow.frames + 1 == record.frame_count;
+  for (const store::PlaneShape& plane : record.flow.planes)
+    right = right && plane.width == static_cast<std::uint32_t>(flow_size_.width) &&
+            plane.height == static_cast<std::uint32_t>(flow_size_.height) && plane.bytes_per_sample == 2;
+  if (!right)
+    throw Error(ErrorKind::kDamaged, record.name, "its flow does not fit its frames",
+                "Run freshet store verify");
+}
+
+void ClipLuma::read_flows(std::span<const std::uint32_t> missing) {
+  check_flow();
+  // Tiles of the flow's planes under the blocks.
+  std::vector<cv::Rect> under;
+  for (const cv::Rect& block : blocks_)
+    under.emplace_back(cv::Point(block.x / flow_step_, block.y / flow_step_),
+                       cv::Point((block.br().x - 1) / flow_step_ + 1, (block.br().y - 1) / flow_step_ + 1));
+  std::vector<cv::Rect> tiles = cells_touched(under, cv::Rect({}, flow_size_), {kBlock, kBlock});
+  for (cv::Rect& tile : tiles) tile &= flow_region_;
+  for (std::uint32_t frame : missing)
+    flows_[frame] = {cv::Mat::zeros(flow_region_.size(), CV_16S),
+                     cv::Mat::zeros(flow_region_.size(), CV_16S)};
+  const auto runs = by_slab(missing);
+  oneapi::tbb::parallel_for(std::size_t{0}, 2 * tiles.size() * runs.size(), [&](std::size_t task) {
+    const std::uint32_t plane = task % 2;
+    const auto& run = runs[task / 2 / tiles.size()];
+    read_block(snapshot_, clip_, store::Stream::kFlow, plane, tiles[task / 2 % tiles.size()], run, 2,
+               flow_region_.tl(), [&](std::uint32_t frame) -> cv::Mat& {
+                 Flow& flow = flows_.at(frame);
+                 return plane == 0 ? flow.u : flow.v;
+               });
+  });
+}
+
+void ClipLuma::row(std::uint32_t frame, int x, int y, int n, float* out) const {
+  const cv::Mat& samples = frames_.at(frame);
+  if (samples.depth() == CV_8U)
+    luma_of_bytes(samples.ptr(y - region_.y) + (x - region_.x), black_, per_span_, n, out);
+  else
+    luma_of_words(samples.ptr<std::uint16_t>(y - region_.y) + (x - region_.x), luma_of_.data(), n, out);
+}
+
+void ClipLuma::at(double moment, const cv::Rect& cell, float* out, Scratch& scratch) const {
+  const auto frame = static_cast<std::uint32_t>(moment);
+  const auto part = static_cast<float>(moment - frame);
+  if (part > 0) return between(frame, part, cell, out, scratch);
+  for (int y = 0; y < cell.height; ++y) row(frame, cell.x, cell.y + y, cell.width, out + y * cell.width);
+}
+
+void ClipLuma::between(std::uint32_t frame, float part, const cv::Rect& cell, float* out, Scratch& s) const {
+  // The flow of the cell, between its samples.
+  const Flow& by = flows_.at(frame);
+  const cv::Point corner = cell.tl() - region_.tl();
+  const std::int32_t* first = flow_across_.first.data() + corner.x;
+  const int begin = first[0], samples = std::min(first[cell.width - 1] + 2, flow_region_.width) - begin;
+  const bool halved = flow_step_ == 2 && cell.x % 2 == 0 && cell.width % 2 == 0;
+  // Of a halved flow the first column of a cell lies after the sample before it; at the region's edge there
+  // is none.
+  const int before = halved && (cell.x + 1) / 2 - flow_region_.x > begin ? 1 : 0;
+  for (int row = 0; row < cell.height; ++row) {
+    const int y0 = flow_down_.first[corner.y + row], y1 = std::min(y0 + 1, flow_region_.height - 1);
+    const float down = flow_down_.part[corner.y + row];
+    const auto interpolate = [&](const cv::Mat& component, std::vector<float>& flow) {
+      mix_flow(component.ptr<short>(y0) + begin, component.ptr<short>(y1) + begin, down, samples,
+               s.mixed.data());
+      float* to = flow.data() + row * cell.width;
+      if (halved)
+        flow_of_row_halved(s.mixed.data() + before, cell.width, to);
+      else
+        flow_of_row(s.mixed.data(), first, flow_across_.part.data() + corner.x, cell.width, to);
+    };
+    interpolate(by.u, s.u);
+    interpolate(by.v, s.v);
+  }
+  // Where `frame` comes from, and by the same flow the one after it.
+  carried(frame, -part, cell, s.from.data(), s);
+  carried(frame + 1, 1 - part, cell, s.to.data(), s);
+  mix(s.from.data(), s.to.data(), part, cell.area(), out);
+}
+
+/// A cell of a frame, read `share` of the flow in s.u and s.v away.
+void ClipLuma::carried(std::uint32_t frame, float share, const cv::Rect& cell, float* out, Scratch& s) const {
+  const cv::Point corner = cell.tl() - region_.tl();
+  const float unit = share * vision::kFlowUnit;
+  for (int row = 0; row < cell.height; ++row) {
+    const int at = row * cell.width;
+    places_of_row(s.u.data() + at, corner.x, 1, unit, region_.width, cell.width, s.x.data() + at);
+    places_of_row(s.v.data() + at, corner.y + row, 0, unit, region_.height, cell.width, s.y.data() + at);
+  }
+  // The samples around all places, beyond the region its edge.
+  Range x, y;
+  range_of(s.x.data(), cell.area(), x);
+  range_of(s.y.data(), cell.area(), y);
+  const int left = (x.least >> kCubicShift) - 1, right = (x.most >> kCubicShift) + 3;
+  const int top = (y.least >> kCubicShift) - 1, bottom = (y.most >> kCubicShift) + 3;
+  const int stride = right - left;
+  s.window.resize(static_cast<std::size_t>(stride) * (bottom - top));
+  const int from = std::max(left, 0), to = std::min(right, region_.width);
+  for (int i = top; i < bottom; ++i) {
+    float* line = s.window.data() + static_cast<std::size_t>(i - top) * stride;
+    row(frame, region_.x + from, region_.y + std::clamp(i, 0, region_.height - 1), to - from,
+        line + (from - left));
+    std::fill(line, line + (from - left), line[from - left]);
+    std::fill(line + (to - left), line + stride, line[to - left - 1]);
+  }
+  const std::ptrdiff_t offset = -static_cast<std::ptrdiff_t>(top) * stride - left;
+  read_places(s.window.data(), offset, stride, s.x.data(), s.y.data(), cell.area(), out);
+}
+
+}  // namespace freshet::synth::animate

@@ -1,0 +1,92 @@
+// synth/animate/clips/clip_luma.h — the luminance of one clip at any moment, where patches need it.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <span>
+#include <vector>
+
+#include <opencv2/core.hpp>
+
+#include "media/frame/frame.h"
+#include "query/stored/clip_frames.h"
+#include "store/store.h"
+
+namespace freshet::synth::animate {
+
+/// Frames of one clip in memory: raw samples of the 64 x 64 blocks that the needed rectangles touch, and the
+/// flow between them where moments between frames are asked for.
+///
+/// A moment between two frames is made of both, each brought there along the flow kept in the store, and
+/// mixed by their distance in time; where the two disagree the nearer one counts more, because a mixture of
+/// what does not match halves its contrast. The flow of a pixel is taken where the pixel is, not where it
+/// came from: the flow of fluids is smooth, and the motion between frames is a few pixels.
+class ClipLuma {
+ public:
+  /// needed     px of the source frame; beyond them luminance may be anything.
+  /// flow_step  of the store's settings.
+  ClipLuma(const store::Snapshot& snapshot, store::ClipId clip, std::span<const cv::Rect> needed,
+           int flow_step);
+
+  /// Holds exactly these frames (ascending), and the flows from frames `flows` to their next (ascending).
+  /// What is there already is kept, all else is read, each tile once. All threads. Throws Error{kDamaged}
+  /// when the clip has no flow of the shape it should have.
+  void load(std::span<const std::uint32_t> frames, std::span<const std::uint32_t> flows = {});
+
+  /// The most that at() makes at once: small, so that all it needs stays in the nearest cache.
+  static constexpr int kCellWidth = 32, kCellHeight = 16;
+  class Scratch {
+   public:
+    Scratch();
+
+   private:
+    friend class ClipLuma;
+    std::vector<std::int32_t> x, y;
+    std::vector<float> u, v, from, to, mixed, window;
+  };
+  /// Luma at a moment of frames that are loaded, 0..1, in a rectangle of source() within region(), no larger
+  /// than a cell: out holds its rows one after another. Safe from many threads.
+  void at(double moment, const cv::Rect& cell, float* out, Scratch& scratch) const;
+  /// Luma of a loaded frame at row y, columns x .. x + n - 1 of source(), within region().
+  void row(std::uint32_t frame, int x, int y, int n, float* out) const;
+
+  /// px of the source frame: the blocks that are read, and the rectangle around all of them.
+  std::span<const cv::Rect> blocks() const { return blocks_; }
+  const cv::Rect& region() const { return region_; }
+  cv::Size source() const { return source_; }
+  /// Bytes of a loaded frame, and of the flow to its next.
+  std::size_t frame_bytes() const;
+  std::size_t flow_bytes() const;
+
+ private:
+  void read_frames(std::span<const std::uint32_t> missing);
+  void read_flows(std::span<const std::uint32_t> missing);
+  void between(std::uint32_t frame, float part, const cv::Rect& cell, float* out, Scratch& scratch) const;
+  void carried(std::uint32_t frame, float share, const cv::Rect& cell, float* out, Scratch& scratch) const;
+  void check_flow() const;
+
+  store::Snapshot snapshot_;
+  store::ClipId clip_;
+  query::ClipFrames clip_frames_;
+  media::PixelLayout layout_;
+  bool raw_ = true;  // luma samples as stored, else 8-bit luma that had to be computed
+  int flow_step_ = 2;
+  cv::Size source_, flow_size_;
+  cv::Rect region_, flow_region_;
+  std::vector<cv::Rect> blocks_;             // px of the source
+  float black_ = 0, per_span_ = 1.0f / 255;  // of samples of a byte
+  std::vector<float> luma_of_;               // by sample, of two bytes
+  // Where a column and a row of the region lie between samples of the flow's region.
+  struct Between {
+    std::vector<std::int32_t> first;
+    std::vector<float> part;  // of the one after it
+  };
+  Between flow_across_, flow_down_;
+  std::map<std::uint32_t, cv::Mat> frames_;
+  struct Flow {
+    cv::Mat u, v;  // CV_16S, 1/64 px
+  };
+  std::map<std::uint32_t, Flow> flows_;
+};
+
+}  // namespace freshet::synth::animate

@@ -1,0 +1,74 @@
+#include "synth/animate/motion/motion_field.h"
+
+#include <cmath>
+#include <map>
+
+#include <opencv2/imgproc.hpp>
+
+#include "query/stored/clip_cells.h"
+#include "vision/patch_features.h"
+
+namespace freshet::synth::animate {
+
+cv::Mat motion_field(const store::Snapshot& snapshot, const vision::Settings& settings,
+                     const Placement& placement, cv::Size picture) {
+  // Motion is sampled in squares of 8 px: finer than the flow is true, fine enough for a fall's edge.
+  const int square = common_step(placement, 8);
+  const cv::Rect canvas = canvas_of(placement);
+  const cv::Size squares(canvas.width / square, canvas.height / square);
+  const int per_side = placement.side / square;
+  cv::Mat sum = cv::Mat::zeros(squares, CV_32FC2), mass = cv::Mat::zeros(squares, CV_32F);
+
+  std::map<store::ClipId, vision::CellMap> cells;
+  for (const PlacedPatch& placed : placement.patches) {
+    auto found = cells.find(placed.clip);
+    if (found == cells.end())
+      found = cells.emplace(placed.clip, query::motion_cells(snapshot, settings, placed.clip)).first;
+    const store::ClipRecord& record = snapshot.clip(placed.clip);
+    const vision::VariantFrame frame = vision::variant_frame(
+        {static_cast<int>(record.width), static_cast<int>(record.height)}, placed.variant);
+    const cv::Point corner = (placed.piece - canvas.tl()) / square;
+    for (int row = 0; row < per_side; ++row)
+      for (int column = 0; column < per_side; ++column) {
+        const cv::Vec2f motion =
+            static_cast<float>(placed.speed) *
+            vision::patch_mean_motion(found->second, frame, placed.patch.x + column * square,
+                                      placed.patch.y + row * square, square);
+        const auto tent = [&](int i) {
+          return 1 - std::abs(2 * (i + 0.5f) / static_cast<float>(per_side) - 1);
+        };
+        const float weight = tent(row) * tent(column);
+        sum.at<cv::Vec2f>(corner.y + row, corner.x + column) += weight * motion;
+        mass.at<float>(corner.y + row, corner.x + column) += weight;
+      }
+  }
+  for (int row = 0; row < squares.height; ++row)
+    for (int column = 0; column < squares.width; ++column)
+      if (mass.at<float>(row, column) > 0) sum.at<cv::Vec2f>(row, column) /= mass.at<float>(row, column);
+
+  // From squares to pixels of the picture: bilinear between the squares' middles.
+  // What is enlarged goes so much faster.
+  sum *= placement.piece_scale;
+  cv::Mat field;
+  cv::warpAffine(sum, field, squares_from_picture(placement, canvas.tl(), square, picture), picture,
+                 cv::INTER_LINEAR | cv::WARP_INVERSE_MAP, cv::BORDER_REPLICATE);
+  return field;
+}
+
+cv::Mat steered(const cv::Mat& motion, const query::MotionGuide& guide) {
+  cv::Mat out = motion.clone();
+  for (int y = 0; y < out.rows; ++y)
+    for (int x = 0; x < out.cols; ++x) {
+      cv::Vec2f& v = out.at<cv::Vec2f>(y, x);
+      float speed = std::hypot(v[0], v[1]);
+      if (!guide.speed.empty() && guide.speed.at<float>(y, x) >= 0 && speed > 0) {
+        v *= guide.speed.at<float>(y, x) / speed;
+        speed = guide.speed.at<float>(y, x);
+      }
+      if (!guide.direction.empty() && guide.direction.at<cv::Vec2f>(y, x) != cv::Vec2f(0, 0))
+        v = guide.direction.at<cv::Vec2f>(y, x) * speed;
+    }
+  return out;
+}
+
+}  // namespace freshet::synth::animate

@@ -1,0 +1,23 @@
+// synth/animate/motion/motion_field.h — the mean motion that an assignment gives to every pixel of the picture.
+#pragma once
+
+#include <opencv2/core.hpp>
+
+#include "query/search/motion_guide.h"
+#include "store/store.h"
+#include "synth/animate/placement/placement.h"
+#include "vision/settings.h"
+
+namespace freshet::synth::animate {
+
+/// Mean motion over the picture: CV_32FC2, px/s, x right, y down. Cells of the assigned patches, weighted
+/// towards each piece's middle and interpolated; zero where no piece lies.
+cv::Mat motion_field(const store::Snapshot& snapshot, const vision::Settings& settings,
+                     const Placement& placement, cv::Size picture);
+
+/// An assigned field turned to where a guide asks it to go and, where speeds are asked, as fast: a patch goes
+/// only about as asked, and with its own eddies. Where the guide says nothing the field stays.
+/// motion   CV_32FC2, px/s; guide of the same size, or empty.
+cv::Mat steered(const cv::Mat& motion, const query::MotionGuide& guide);
+
+}  // namespace freshet::synth::animate

@@ -1,0 +1,53 @@
+#include "synth/animate/motion/moving_boundary.h"
+
+#include <algorithm>
+#include <string>
+#include <utility>
+
+#include "freshet/error.h"
+
+namespace freshet::synth::animate {
+
+cv::Mat behind_fluid(const cv::Mat& picture, const cv::Mat& matte, const BoundaryOptions& options) {
+  if (!options.background.empty() && options.background.size() != picture.size()) {
+    const auto size = [](const cv::Mat& of) {
+      return std::to_string(of.cols) + " x " + std::to_string(of.rows);
+    };
+    throw Error(ErrorKind::kInput, "background",
+                "it has " + size(options.background) + " px, the picture " + size(picture) +
+                    "; the same size expected",
+                "Scale or crop it to the picture's size");
+  }
+  const cv::Mat background =
+      options.background.empty() ? inpaint_background(picture, matte, options.inpaint) : options.background;
+  cv::Mat out(picture.size(), CV_32FC3);
+  for (int y = 0; y < picture.rows; ++y) {
+    const auto* still = picture.ptr<cv::Vec3b>(y);
+    const auto* behind = background.ptr<cv::Vec3b>(y);
+    const auto* a = matte.ptr<std::uint8_t>(y);
+    auto* to = out.ptr<cv::Vec3f>(y);
+    for (int x = 0; x < picture.cols; ++x) {
+      const float share = std::min(1.0f, 8 * static_cast<float>(a[x]) / 255);
+      for (int k = 0; k < 3; ++k)
+        to[x][k] =
+            (share * static_cast<float>(behind[x][k]) + (1 - share) * static_cast<float>(still[x][k])) / 255;
+    }
+  }
+  return out;
+}
+
+BoundarySequence::BoundarySequence(const cv::Mat& alpha, const cv::Mat& mean_motion, double fps,
+                                   const DynamicMatteOptions& options, std::function<cv::Mat(int)> motion,
+                                   int ring)
+    : matte_(alpha, mean_motion, fps, options), motion_(std::move(motion)) {
+  for (int i = 0; i < ring; ++i) matte_.step(motion_(i));
+}
+
+cv::Mat BoundarySequence::next() {
+  // Frame i's motion leads to frame i + 1.
+  if (frame_ > 0) matte_.step(motion_(frame_ - 1));
+  ++frame_;
+  return matte_.matte().clone();
+}
+
+}  // namespace freshet::synth::animate

@@ -1,0 +1,49 @@
+// synth/animate/motion/moving_boundary.h — the fluid's outline in motion: a matte a frame, and what lies behind it.
+#pragma once
+
+#include <functional>
+
+#include <opencv2/core.hpp>
+
+#include "synth/animate/motion/background.h"
+#include "synth/animate/motion/dynamic_matte.h"
+
+namespace freshet::synth::animate {
+
+enum class Boundary {
+  kStatic,  // the still picture's matte, in every frame
+  kMoving,  // carried along by the fluid: for fire and smoke, whose outlines change
+};
+
+struct BoundaryOptions {
+  Boundary boundary = Boundary::kStatic;
+  DynamicMatteOptions matte;
+  cv::Mat background;  // CV_8UC3, the picture's size: what lies behind the fluid; empty: inpainted
+  InpaintOptions inpaint;
+};
+
+/// What a frame is laid on where the fluid was. CV_32FC3, 0..1: the background inside the matte, and the
+/// picture itself outside; where the matte is fractional the picture is already a mixture, so the background
+/// takes over early, in full from a matte of 1/8.
+/// picture CV_8UC3; matte CV_8U. Throws Error{kInput} for a background of another size, or a matte that
+/// leaves none to be seen.
+cv::Mat behind_fluid(const cv::Mat& picture, const cv::Mat& matte, const BoundaryOptions& options);
+
+/// Mattes of the frames one after the other, first the still one; asked for in order.
+class BoundarySequence {
+ public:
+  /// motion   velocity in frame i, CV_32FC2, px/s, as MotionSequence::at.
+  /// ring     0, or the number of frames after which the motion begins again: then the matte is brought to
+  ///          its own period first, and so has no seam; it no longer begins as the still one.
+  BoundarySequence(const cv::Mat& alpha, const cv::Mat& mean_motion, double fps,
+                   const DynamicMatteOptions& options, std::function<cv::Mat(int)> motion, int ring = 0);
+  /// CV_32F, 0..1; shares nothing with later ones.
+  cv::Mat next();
+
+ private:
+  DynamicMatte matte_;
+  std::function<cv::Mat(int)> motion_;
+  int frame_ = 0;
+};
+
+}  // namespace freshet::synth::animate

@@ -1,0 +1,382 @@
+#include "synth/animate/still/carried_base.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdlib>
+#include <numbers>
+
+#include <opencv2/imgproc.hpp>
+
+#include "platform/vectors.h"
+#include "synth/animate/sampling/cells.h"
+#include "synth/animate/sampling/cubic.h"
+#include "synth/animate/sampling/outward.h"
+
+namespace freshet::synth::animate {
+namespace {
+
+constexpr int kCopies = 3;
+constexpr double kLeastDepth = 0.02;
+constexpr int kMostMaps = 96;
+constexpr int kStep = 4;               // px of the picture a sample of the displacement
+constexpr float kLeastWeight = 1e-3f;  // of a place that anything is carried to
+constexpr float kLeastMass = 1e-4f;    // so that values are there also where none of it is fluid
+const cv::Size kCell(32, 16);
+constexpr int kCellArea = 32 * 16;
+constexpr int kMargin = 4;  // samples around the planes: of what is read at once, two beyond a picture's edge
+constexpr float kTrusted = 8;  // from a matte of 1 / 8 on the picture's values are the fluid's
+
+// How far to where the fluid at each place was (or will be) one step of `dt` seconds further on: mid-point
+// rule along the steady field. From displacements for some age to those for the next.
+cv::Mat step_on(const cv::Mat& displacement, const cv::Mat& velocity, float dt) {
+  cv::Mat where(displacement.size(), CV_32FC2), further;
+  for (int y = 0; y < where.rows; ++y)
+    for (int x = 0; x < where.cols; ++x) {
+      const cv::Vec2f& d = displacement.at<cv::Vec2f>(y, x);
+      where.at<cv::Vec2f>(y, x) = {static_cast<float>(x) + d[0] / kStep,
+                                   static_cast<float>(y) + d[1] / kStep};
+    }
+  cv::remap(velocity, further, where, cv::noArray(), cv::INTER_LINEAR, cv::BORDER_REPLICATE);
+  cv::Mat middle = displacement + further * (dt / 2);
+  for (int y = 0; y < where.rows; ++y)
+    for (int x = 0; x < where.cols; ++x) {
+      const cv::Vec2f& d = middle.at<cv::Vec2f>(y, x);
+      where.at<cv::Vec2f>(y, x) = {static_cast<float>(x) + d[0] / kStep,
+                                   static_cast<float>(y) + d[1] / kStep};
+    }
+  cv::remap(velocity, further, where, cv::noArray(), cv::INTER_LINEAR, cv::BORDER_REPLICATE);
+  return displacement + further * dt;
+}
+
+// The divisor of `whole` nearest to `wanted`, on a scale of ratios, and not below half of it: copies that
+// hardly live jitter in their places. `whole` itself is one.
+int nearest_divisor(int whole, int wanted) {
+  int best = whole;
+  const auto distance = [&](int part) { return std::abs(std::log(static_cast<double>(part) / wanted)); };
+  for (int part = (wanted + 1) / 2; part <= whole; ++part)
+    if (whole % part == 0 && distance(part) < distance(best)) best = part;
+  return best;
+}
+
+// Where a row's places lie on the coarse maps: a row of one component between two maps and two of their rows.
+FRESHET_WIDE void mix_rows(const float* a0, const float* a1, const float* b0, const float* b1, float part,
+                           float down, int n, float* out) {
+  for (int i = 0; i < n; ++i) {
+    const float a = a0[i] + down * (a1[i] - a0[i]), b = b0[i] + down * (b1[i] - b0[i]);
+    out[i] = a + part * (b - a);
+  }
+}
+
+// Sources of a row's places, in steps (cubic.h), at most two samples beyond a side of `limit` samples.
+FRESHET_WIDE void sources(const float* mixed, const std::int32_t* first, const float* part, int origin,
+                          int step, int limit, int n, std::int32_t* out) {
+  const int begin = first[0];
+  for (int i = 0; i < n; ++i) {
+    const float a = mixed[first[i] - begin], b = mixed[first[i] - begin + 1];
+    const float at = static_cast<float>(origin + step * i) + (a + part[i] * (b - a));
+    const float inside = std::min(std::max(at, -2.0f), static_cast<float>(limit + 1));
+    out[i] = static_cast<std::int32_t>(inside * kCubicSteps + (2 * kCubicSteps + 0.5f)) - 2 * kCubicSteps;
+  }
+}
+
+// The same for squares of two by two places, in steps of a plane at half size.
+FRESHET_WIDE void half_sources(const std::int32_t* upper, const std::int32_t* lower, int n,
+                               std::int32_t* out) {
+  for (int i = 0; i < n; ++i) {
+    const std::int32_t sum = upper[2 * i] + upper[2 * i + 1] + lower[2 * i] + lower[2 * i + 1];
+    out[i] = (((sum >> 2) + kCubicSteps / 2) >> 1) - kCubicSteps / 2;
+  }
+}
+
+FRESHET_WIDE void read_pairs(const float* plane, std::ptrdiff_t offset, std::ptrdiff_t stride,
+                             const std::int32_t* x, const std::int32_t* y, int n, float* luma,
+                             float* weight) {
+  cubic_pairs(plane, offset, stride, x, y, n, luma, weight);
+}
+
+FRESHET_WIDE void add_copy(const float* luma, const float* weight, float part, int n, float* sum,
+                           float* mass) {
+  for (int i = 0; i < n; ++i) {
+    const float own = part * std::max(weight[i], kLeastMass);
+    sum[i] += own * luma[i];
+    mass[i] += own;
+  }
+}
+
+// Fours read bilinearly: sums of blue, red and weight, the first two each times its weight.
+FRESHET_WIDE void add_colours(const float* plane, std::ptrdiff_t offset, std::ptrdiff_t stride,
+                              const std::int32_t* x, const std::int32_t* y, float part, int n, float* sums) {
+  typedef float Quad __attribute__((vector_size(16)));
+  for (int i = 0; i < n; ++i) {
+    const auto* from = reinterpret_cast<const Quad*>(plane) + offset + (y[i] >> kCubicShift) * stride +
+                       (x[i] >> kCubicShift);
+    const float fx = static_cast<float>(x[i] & (kCubicSteps - 1)) / kCubicSteps;
+    const float fy = static_cast<float>(y[i] & (kCubicSteps - 1)) / kCubicSteps;
+    const Quad upper = from[0] + fx * (from[1] - from[0]);
+    const Quad lower = from[stride] + fx * (from[stride + 1] - from[stride]);
+    const Quad own = upper + fy * (lower - upper);
+    const float weight = part * own[2];
+    const Quad times{weight, weight, part, 0};
+    *reinterpret_cast<Quad*>(sums + 4 * i) += own * times;
+  }
+}
+
+[[gnu::always_inline]] inline std::int16_t packed(float value) {
+  constexpr int kRange = 1 << 15;
+  const float inside = std::min(std::max(value, -1.9f), 1.9f);
+  return static_cast<std::int16_t>(static_cast<int>(inside * CarriedFrame::kOne + (kRange + 0.5f)) - kRange);
+}
+
+FRESHET_WIDE void pack_luma(const float* sum, const float* mass, int n, std::int16_t* out) {
+  for (int i = 0; i < n; ++i) out[i] = packed(sum[i] / mass[i]);
+}
+
+FRESHET_WIDE void pack_colours(const float* sums, const float* share, const float* own, int n,
+                               std::int16_t* blue, std::int16_t* red, std::int16_t* part) {
+  for (int i = 0; i < n; ++i) {
+    const float mass = sums[4 * i + 2], whole = mass > 0 ? 1 / mass : 0.0f;
+    blue[i] = packed(sums[4 * i] * whole);
+    red[i] = packed(sums[4 * i + 1] * whole);
+    // What is brought is fluid as far as this place itself is.
+    part[i] = packed(own[i] > kLeastWeight ? share[i] * std::min(mass / own[i], 1.0f) : 0.0f);
+  }
+}
+
+// Twice as many values between samples: output 2 i lies a quarter before sample i, 2 i + 1 a quarter after
+// it.
+FRESHET_WIDE void twice(const std::int16_t* near, const std::int16_t* far, int n, int width, float* line,
+                        float* out) {
+  constexpr float kUnit = 1.0f / CarriedFrame::kOne;
+  for (int i = 0; i < n; ++i)
+    line[i + 1] = kUnit * (0.75f * static_cast<float>(near[i]) + 0.25f * static_cast<float>(far[i]));
+  line[0] = line[1];
+  line[n + 1] = line[n];
+  const int pairs = width / 2;
+  for (int i = 0; i < pairs; ++i) {
+    out[2 * i] = 0.25f * line[i] + 0.75f * line[i + 1];
+    out[2 * i + 1] = 0.75f * line[i + 1] + 0.25f * line[i + 2];
+  }
+  if (width % 2 != 0) out[width - 1] = 0.25f * line[pairs] + 0.75f * line[pairs + 1];
+}
+
+FRESHET_WIDE void lay_over(const std::int16_t* luma, const float* part, const float* still, int n,
+                           float* out) {
+  constexpr float kUnit = 1.0f / CarriedFrame::kOne;
+  for (int i = 0; i < n; ++i) out[i] = still[i] + part[i] * (kUnit * static_cast<float>(luma[i]) - still[i]);
+}
+
+}  // namespace
+
+struct CarriedBase::Scratch {
+  std::array<std::int32_t, kCellArea> x, y, half_x, half_y;
+  std::array<float, kCellArea> luma, weight, sum, mass;
+  alignas(16) std::array<float, kCellArea> colours;  // fours, of a quarter as many places
+  std::array<float, 32> mixed;
+};
+
+CarriedBase::CarriedBase(const cv::Mat& picture, const cv::Mat& luma, const cv::Mat& matte,
+                         const cv::Mat& motion, double fps, const CarriedBaseOptions& options)
+    : size_(picture.size()), half_((size_.width + 1) / 2, (size_.height + 1) / 2) {
+  period_ = period(fps, options);
+  const int life = life_ = kCopies * period_;
+
+  // Copies fade towards the matte's edge and the picture's: carried on, an edge would go through the fluid as
+  // a line.
+  cv::Mat inside, depth;
+  cv::copyMakeBorder(matte > 0.5, inside, 1, 1, 1, 1, cv::BORDER_CONSTANT, cv::Scalar(0));
+  cv::distanceTransform(inside, depth, cv::DIST_L2, cv::DIST_MASK_5);
+  depth = depth(cv::Rect({1, 1}, size_)) / std::max(options.edge_px, 1.0);
+  const cv::Mat weight = matte.mul(cv::min(cv::max(depth, kLeastDepth), 1.0));
+
+  // Where the fluid would be carried too far, the share of what is carried falls off.
+  cv::Mat share(size_, CV_32F);
+  const double reach_s = life / fps / 2;
+  for (int y = 0; y < size_.height; ++y)
+    for (int x = 0; x < size_.width; ++x) {
+      const cv::Vec2f& v = motion.at<cv::Vec2f>(y, x);
+      const double reach = std::hypot(v[0], v[1]) * reach_s;
+      share.at<float>(y, x) =
+          static_cast<float>(options.share * std::clamp(2 - reach / options.max_px, 0.0, 1.0));
+    }
+  std::vector<cv::Rect> carried;
+  for (const cv::Rect& cell : cells_touched(std::vector{cv::Rect({}, size_)}, cv::Rect({}, size_), kCell)) {
+    // Shares are read between samples: what is next to a cell reaches into it.
+    const cv::Rect around =
+        cv::Rect(cell.x - 2, cell.y - 2, cell.width + 4, cell.height + 4) & cv::Rect({}, size_);
+    double most = 0;
+    cv::minMaxLoc(share(around).mul(weight(around)), nullptr, &most);
+    if (most > 0) cells_.push_back(cell);
+  }
+
+  std::array<cv::Mat, 3> bgr;
+  cv::split(picture, bgr.data());
+  cv::Mat values;
+  cv::merge(std::vector<cv::Mat>{luma, bgr[0] - luma, bgr[2] - luma}, values);
+  values = push_outward(values, cv::min(kTrusted * matte, 1.0));
+  std::array<cv::Mat, 3> plane;
+  cv::split(values, plane.data());
+  const auto with_margin = [](const cv::Mat& of, int after, int kind) {
+    cv::Mat wider;
+    cv::copyMakeBorder(of, wider, kMargin, kMargin + after, kMargin, kMargin + after, kind, cv::Scalar(0));
+    return wider;
+  };
+  cv::merge(std::vector<cv::Mat>{with_margin(plane[0], 0, cv::BORDER_REPLICATE),
+                                 with_margin(weight, 0, cv::BORDER_CONSTANT)},
+            fluid_);
+  const auto halved = [this](const cv::Mat& of) {
+    // Odd sizes end in half a sample: the edge goes on.
+    cv::Mat even, out;
+    cv::copyMakeBorder(of, even, 0, 2 * half_.height - size_.height, 0, 2 * half_.width - size_.width,
+                       cv::BORDER_REPLICATE);
+    cv::resize(even, out, half_, 0, 0, cv::INTER_AREA);
+    return out;
+  };
+  share_ = halved(share);
+  own_ = halved(weight);
+  const cv::Mat none = cv::Mat::zeros(half_, CV_32F);
+  cv::merge(std::vector<cv::Mat>{with_margin(halved(plane[1]), 1, cv::BORDER_REPLICATE),
+                                 with_margin(halved(plane[2]), 1, cv::BORDER_REPLICATE),
+                                 with_margin(own_, 1, cv::BORDER_CONSTANT),
+                                 with_margin(none, 1, cv::BORDER_CONSTANT)},
+            colour_);
+
+  cv::Mat velocity;
+  const cv::Size coarse((size_.width + kStep - 1) / kStep, (size_.height + kStep - 1) / kStep);
+  cv::resize(motion, velocity, coarse, 0, 0, cv::INTER_AREA);
+  // Before its time a copy shows what is yet to come. Long lives are sampled, and interpolated between.
+  stride_ = life / kMostMaps + 1;
+  const auto dt = static_cast<float>(stride_ / fps);
+  const int steps = (life - life / 2) / stride_ + 2;
+  const auto keep = [](const cv::Mat& displacement, std::vector<Map>& maps) {
+    std::array<cv::Mat, 2> parts;
+    cv::split(displacement, parts.data());
+    maps.push_back({parts[0], parts[1]});
+  };
+  cv::Mat past = cv::Mat::zeros(coarse, CV_32FC2), future = past;
+  for (int i = 0; i < steps; ++i) {
+    keep(past, past_);
+    keep(future, future_);
+    past = step_on(past, velocity, -dt);
+    future = step_on(future, velocity, dt);
+  }
+  const auto lay_out = [](int n, int samples, std::vector<std::int32_t>& first, std::vector<float>& part) {
+    for (int i = 0; i < n; ++i) {
+      const double at = std::clamp((i + 0.5) / kStep - 0.5, 0.0, samples - 1.0);
+      first.push_back(static_cast<std::int32_t>(at));
+      part.push_back(static_cast<float>(at - std::floor(at)));
+    }
+  };
+  lay_out(size_.width, coarse.width, map_x_, part_x_);
+  lay_out(size_.height, coarse.height, map_y_, part_y_);
+}
+
+int CarriedBase::period(double fps, const CarriedBaseOptions& options) {
+  // What is shown repeats after a third of a life, when each copy has come to the next one's age: a loop
+  // holds whole thirds.
+  const int third = std::max(1, static_cast<int>(std::lround(options.life_s * fps / kCopies)));
+  return options.loop_frames > 0 ? nearest_divisor(options.loop_frames, third) : third;
+}
+
+std::size_t CarriedBase::frame_bytes(cv::Size picture) {
+  const std::size_t half = static_cast<std::size_t>((picture.width + 1) / 2) * ((picture.height + 1) / 2);
+  return sizeof(std::int16_t) * (static_cast<std::size_t>(picture.area()) + 3 * half);
+}
+
+CarriedFrame CarriedBase::frame(int i) const {
+  CarriedFrame out{.luma = cv::Mat::zeros(size_, CV_16S),
+                   .blue = cv::Mat::zeros(half_, CV_16S),
+                   .red = cv::Mat::zeros(half_, CV_16S),
+                   .part = cv::Mat::zeros(half_, CV_16S)};
+  Scratch scratch;
+  for (const cv::Rect& cell : cells_) carry(cell, i % period_, out, scratch);
+  return out;
+}
+
+void CarriedBase::carry(const cv::Rect& cell, int i, CarriedFrame& out, Scratch& s) const {
+  const cv::Rect half(cell.x / 2, cell.y / 2, (cell.width + 1) / 2, (cell.height + 1) / 2);
+  s.sum.fill(0);
+  s.mass.fill(0);
+  s.colours.fill(0);
+  for (int copy = 0; copy < kCopies; ++copy) {
+    const int age = (i + copy * period_ + life_ / 2) % life_ - life_ / 2;  // frames from its own time
+    const auto weight =
+        static_cast<float>((1 + std::cos(2 * std::numbers::pi * age / static_cast<double>(life_))) / kCopies);
+    const std::vector<Map>& maps = age >= 0 ? past_ : future_;
+    const Map &near = maps[std::abs(age) / stride_], &far = maps[std::abs(age) / stride_ + 1];
+    const float part = static_cast<float>(std::abs(age) % stride_) / static_cast<float>(stride_);
+
+    // Where each place of the cell comes from.
+    const std::int32_t* first = map_x_.data() + cell.x;
+    const int columns = near.u.cols, samples = std::min(first[cell.width - 1] + 2, columns) - first[0];
+    for (int row = 0; row < cell.height; ++row) {
+      const int y0 = map_y_[cell.y + row], y1 = std::min(y0 + 1, near.u.rows - 1);
+      const float down = part_y_[cell.y + row];
+      const auto read = [&](const cv::Mat& a, const cv::Mat& b, int origin, int step, int limit,
+                            std::int32_t* to) {
+        mix_rows(a.ptr<float>(y0) + first[0], a.ptr<float>(y1) + first[0], b.ptr<float>(y0) + first[0],
+                 b.ptr<float>(y1) + first[0], part, down, samples, s.mixed.data());
+        s.mixed[samples] = s.mixed[samples - 1];
+        sources(s.mixed.data(), first, part_x_.data() + cell.x, origin, step, limit, cell.width, to);
+      };
+      read(near.u, far.u, cell.x, 1, size_.width, s.x.data() + row * cell.width);
+      read(near.v, far.v, cell.y + row, 0, size_.height, s.y.data() + row * cell.width);
+    }
+    const auto margin = static_cast<std::ptrdiff_t>(kMargin);
+    const auto stride = static_cast<std::ptrdiff_t>(fluid_.cols);
+    read_pairs(fluid_.ptr<float>(), margin * stride + margin, stride, s.x.data(), s.y.data(), cell.area(),
+               s.luma.data(), s.weight.data());
+    add_copy(s.luma.data(), s.weight.data(), weight, cell.area(), s.sum.data(), s.mass.data());
+
+    for (int row = 0; row < half.height; ++row) {
+      const int upper = 2 * row * cell.width, lower = std::min(2 * row + 1, cell.height - 1) * cell.width;
+      half_sources(s.x.data() + upper, s.x.data() + lower, cell.width / 2,
+                   s.half_x.data() + row * half.width);
+      half_sources(s.y.data() + upper, s.y.data() + lower, cell.width / 2,
+                   s.half_y.data() + row * half.width);
+      if (cell.width % 2 != 0) {
+        const int last = cell.width - 1, to = row * half.width + half.width - 1;
+        s.half_x[to] = ((s.x[upper + last] + kCubicSteps) >> 1) - kCubicSteps / 2;
+        s.half_y[to] =
+            ((((s.y[upper + last] + s.y[lower + last]) >> 1) + kCubicSteps / 2) >> 1) - kCubicSteps / 2;
+      }
+    }
+    const auto colour_stride = static_cast<std::ptrdiff_t>(colour_.cols);
+    add_colours(colour_.ptr<float>(), margin * colour_stride + margin, colour_stride, s.half_x.data(),
+                s.half_y.data(), weight, half.area(), s.colours.data());
+  }
+  for (int row = 0; row < cell.height; ++row)
+    pack_luma(s.sum.data() + row * cell.width, s.mass.data() + row * cell.width, cell.width,
+              out.luma.ptr<std::int16_t>(cell.y + row) + cell.x);
+  for (int row = 0; row < half.height; ++row) {
+    const int y = half.y + row;
+    pack_colours(s.colours.data() + 4 * row * half.width, share_.ptr<float>(y) + half.x,
+                 own_.ptr<float>(y) + half.x, half.width, out.blue.ptr<std::int16_t>(y) + half.x,
+                 out.red.ptr<std::int16_t>(y) + half.x, out.part.ptr<std::int16_t>(y) + half.x);
+  }
+}
+
+void colour_row(const CarriedFrame& frame, int y, int width, float* blue, float* red, float* part) {
+  const int rows = frame.part.rows, near = y / 2;
+  const int far = std::clamp(y % 2 == 0 ? near - 1 : near + 1, 0, rows - 1);
+  thread_local std::vector<float> line;
+  line.resize(static_cast<std::size_t>(frame.part.cols) + 2);
+  const auto read = [&](const cv::Mat& plane, float* out) {
+    twice(plane.ptr<std::int16_t>(near), plane.ptr<std::int16_t>(far), plane.cols, width, line.data(), out);
+  };
+  read(frame.part, part);
+  if (blue) read(frame.blue, blue);
+  if (red) read(frame.red, red);
+}
+
+void show_carried(const CarriedFrame& frame, const cv::Mat& exposure, cv::Mat& out) {
+  out.create(exposure.size(), CV_32F);
+  std::vector<float> part(exposure.cols);
+  for (int y = 0; y < out.rows; ++y) {
+    colour_row(frame, y, out.cols, nullptr, nullptr, part.data());
+    lay_over(frame.luma.ptr<std::int16_t>(y), part.data(), exposure.ptr<float>(y), out.cols,
+             out.ptr<float>(y));
+  }
+}
+
+}  // namespace freshet::synth::animate

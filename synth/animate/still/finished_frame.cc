@@ -1,0 +1,92 @@
+#include "synth/animate/still/finished_frame.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <vector>
+
+#include "platform/vectors.h"
+
+namespace freshet::synth::animate {
+namespace {
+
+// Luma keeps what the chroma of the other two gives it.
+FRESHET_WIDE void green_chroma(const float* blue, const float* red, int n, float* green) {
+  for (int i = 0; i < n; ++i) green[i] = -(kBlueLuma * blue[i] + kRedLuma * red[i]) / kGreenLuma;
+}
+
+// One channel of a row. What was carried keeps its colour, as far as its luminance does.
+FRESHET_WIDE void light(const float* luma, const float* slope, const float* rest, const float* still,
+                        const float* fluid, const std::int16_t* carried, const float* chroma,
+                        const float* part, int n, std::uint8_t* out) {
+  constexpr float kUnit = 1.0f / CarriedFrame::kOne;
+  for (int i = 0; i < n; ++i) {
+    const float fresh = luma[i] + slope[i] * luma[i] + rest[i];
+    const float brought = luma[i] + chroma[i] + slope[i] * (luma[i] - kUnit * static_cast<float>(carried[i]));
+    const float lit = fresh + part[i] * (brought - fresh);
+    const float shown = std::min(std::max(lit, 0.0f), 1.0f);
+    out[i] = static_cast<std::uint8_t>(255 * fluid[i] * shown + (1 - fluid[i]) * still[i] + 0.5f);
+  }
+}
+
+FRESHET_WIDE void light_alone(const float* luma, const float* slope, const float* rest, const float* still,
+                              const float* fluid, int n, std::uint8_t* out) {
+  for (int i = 0; i < n; ++i) {
+    const float shown = std::min(std::max(luma[i] + slope[i] * luma[i] + rest[i], 0.0f), 1.0f);
+    out[i] = static_cast<std::uint8_t>(255 * fluid[i] * shown + (1 - fluid[i]) * still[i] + 0.5f);
+  }
+}
+
+FRESHET_WIDE void interleave(const std::uint8_t* blue, const std::uint8_t* green, const std::uint8_t* red,
+                             int n, std::uint8_t* out) {
+  for (int i = 0; i < n; ++i) {
+    out[3 * i] = blue[i];
+    out[3 * i + 1] = green[i];
+    out[3 * i + 2] = red[i];
+  }
+}
+
+}  // namespace
+
+FrameFinisher::FrameFinisher(const ColourModel& model, const cv::Mat& own_colour, const cv::Mat& still) {
+  still.convertTo(ground_, CV_8U, 255);
+  cv::split(model.slope, slope_.data());
+  cv::split(model.offset + own_colour, rest_.data());
+  cv::split(still * 255, still_.data());
+}
+
+cv::Mat FrameFinisher::finish(const cv::Mat& luma, const cv::Mat& fluid, const CarriedFrame* carried) const {
+  cv::Mat frame = ground_.clone();
+  const std::size_t width = static_cast<std::size_t>(frame.cols);
+  std::array<std::vector<float>, 3> chroma;
+  std::vector<float> part;
+  if (carried) {
+    for (auto& row : chroma) row.resize(width);
+    part.resize(width);
+  }
+  std::array<std::vector<std::uint8_t>, 3> lit;
+  for (auto& row : lit) row.resize(width);
+  for (int y = 0; y < frame.rows; ++y) {
+    const float* b = fluid.ptr<float>(y);
+    int begin = 0, end = frame.cols;
+    while (begin < end && b[begin] <= 0) ++begin;
+    while (end > begin && b[end - 1] <= 0) --end;
+    if (begin == end) continue;
+    if (carried) {
+      colour_row(*carried, y, frame.cols, chroma[0].data(), chroma[2].data(), part.data());
+      green_chroma(chroma[0].data(), chroma[2].data(), frame.cols, chroma[1].data());
+    }
+    for (int k = 0; k < 3; ++k) {
+      const float *l = luma.ptr<float>(y) + begin, *slope = slope_[k].ptr<float>(y) + begin;
+      const float *rest = rest_[k].ptr<float>(y) + begin, *still = still_[k].ptr<float>(y) + begin;
+      if (carried)
+        light(l, slope, rest, still, b + begin, carried->luma.ptr<std::int16_t>(y) + begin,
+              chroma[k].data() + begin, part.data() + begin, end - begin, lit[k].data());
+      else
+        light_alone(l, slope, rest, still, b + begin, end - begin, lit[k].data());
+    }
+    interleave(lit[0].data(), lit[1].data(), lit[2].data(), end - begin, frame.ptr(y) + 3 * begin);
+  }
+  return frame;
+}
+
+}  // namespace freshet::synth::animate

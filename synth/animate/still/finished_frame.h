@@ -1,0 +1,32 @@
+// synth/animate/still/finished_frame.h — luminance coloured, and laid into the picture through the matte.
+#pragma once
+
+#include <array>
+
+#include <opencv2/core.hpp>
+
+#include "synth/animate/still/carried_base.h"
+#include "synth/animate/still/colour_model.h"
+
+namespace freshet::synth::animate {
+
+/// The last step of every frame. All that does not change from frame to frame is held as planes of its own,
+/// in the order in which it is read.
+class FrameFinisher {
+ public:
+  /// model        of the picture (fit_colour); own_colour CV_32FC3: what colour does beside it.
+  /// still        CV_32FC3, 0..1: what shows where the fluid does not; where a matte is 0 it comes out as it
+  /// is.
+  FrameFinisher(const ColourModel& model, const cv::Mat& own_colour, const cv::Mat& still);
+
+  /// luma     CV_32F. fluid CV_32F, 0..1: the matte. carried: null, or what brings its colour with it.
+  /// Returns  CV_8UC3. Safe from many threads.
+  cv::Mat finish(const cv::Mat& luma, const cv::Mat& fluid, const CarriedFrame* carried) const;
+
+ private:
+  cv::Mat ground_;  // CV_8UC3: still
+  // CV_32F, by channel: colour = luma + slope * luma + rest; still in grey levels.
+  std::array<cv::Mat, 3> slope_, rest_, still_;
+};
+
+}  // namespace freshet::synth::animate

@@ -1,0 +1,42 @@
+// synth/field/random.h — counter-based random numbers: a value is a function of (seed, stream, index)
+// alone.
+#pragma once
+
+#include <cstdint>
+
+namespace freshet::synth {
+
+/// The finaliser of SplitMix64 (Steele, Lea, Flood 2014): every input bit reaches every output bit.
+inline std::uint64_t scramble(std::uint64_t x) {
+  x += 0x9e3779b97f4a7c15ULL;
+  x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9ULL;
+  x = (x ^ (x >> 27)) * 0x94d049bb133111ebULL;
+  return x ^ (x >> 31);
+}
+
+/// One stream of draws. at(i) may be asked in any order from any thread; next draws walk i upwards.
+class Random {
+ public:
+  Random(std::uint64_t seed, std::uint64_t stream) : key_(scramble(scramble(seed) + stream)) {}
+
+  std::uint64_t bits(std::uint64_t index) const { return scramble(key_ + index); }
+  float at(std::uint64_t index) const { return static_cast<float>(bits(index) >> 40) * 0x1p-24f; }  // [0, 1)
+
+  float next() { return at(counter_++); }
+  float between(float low, float high) { return low + (high - low) * next(); }
+  int below(int n) { return static_cast<int>(next() * static_cast<float>(n)); }  // 0 .. n - 1
+  float sign() { return next() < 0.5f ? -1.0f : 1.0f; }
+
+ private:
+  std::uint64_t key_;
+  std::uint64_t counter_ = 0;
+};
+
+/// Cheap 32-bit hash for dither, where three multiplies a pixel would show in the profile.
+inline std::uint32_t scramble32(std::uint32_t x) {
+  x = (x ^ (x >> 16)) * 0x7feb352du;
+  x = (x ^ (x >> 15)) * 0x846ca68bu;
+  return x ^ (x >> 16);
+}
+
+}  // namespace freshet::synth

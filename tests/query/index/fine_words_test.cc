@@ -1,0 +1,48 @@
+#include "query/index/fine_words.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/query/index/random_words.h"
+
+namespace freshet::query {
+namespace {
+
+// Level 2 of vision::intersection, counted cell by cell.
+std::uint32_t obvious(const PieceQuery& query, const vision::WordMap& map) {
+  std::uint32_t sum = 0;
+  for (int cell = 5; cell < vision::kPyramidCells; ++cell)
+    for (int word = 0; word < 256; ++word) {
+      std::uint32_t asked = 0, held = 0;
+      for (int point = 0; point < 81; ++point) {
+        if (vision::cells_of(point % 9, point / 9)[2] != cell) continue;
+        asked += query.words[point] == word && query.mask[point] != 0;
+        held += map[point] == word;
+      }
+      sum += std::min(asked, held);
+    }
+  return sum;
+}
+
+TEST(FineWords, GiveTheIntersectionThatCountingGives) {
+  std::mt19937_64 random(12);
+  for (const int words : {1, 3, 20, 256}) {
+    const auto rows = random_words({.rows = 60, .words = words, .clusters = 4, .seed = 9});
+    for (std::size_t i = 0; i < 20; ++i) {
+      PieceQuery query = whole(rows[i]);
+      if (i % 3 != 0)
+        for (auto& counts : query.mask) counts = random() % (i % 3 + 1) != 0;
+      const FineWords fine(query, static_cast<std::size_t>(words));
+      for (const vision::WordMap& row : rows) ASSERT_EQ(fine.intersection(row), obvious(query, row));
+    }
+  }
+}
+
+TEST(FineWords, PassOverWordsThatTheCodebookLacks) {
+  const auto rows = random_words({.rows = 2, .words = 10});
+  PieceQuery query = whole(rows[0]);
+  query.words.fill(10);
+  EXPECT_EQ(FineWords(query, 10).intersection(rows[0]), 0u);
+}
+
+}  // namespace
+}  // namespace freshet::query

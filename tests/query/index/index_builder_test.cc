@@ -1,0 +1,207 @@
+#include "query/index/index_builder.h"
+
+#include <gtest/gtest.h>
+#include <oneapi/tbb/global_control.h>
+
+#include <algorithm>
+
+#include "freshet/error.h"
+#include "query/stored/average_image.h"
+#include "query/stored/patch_table.h"
+#include "query/stored/stored_codebook.h"
+#include "tests/query/made_store.h"
+#include "vision/dense_sift.h"
+
+namespace freshet::query {
+namespace {
+
+TEST(IndexBuilder, GivesEveryPatchTheWordsOfItsOwnPixels) {
+  const ScratchFolder folder;
+  const vision::Settings settings = made_settings();
+  store::Store store = made_store(folder.path() / "a.store", some_clips());
+  const IndexReport report = build_index(store);
+  EXPECT_TRUE(report.words_built);
+  EXPECT_EQ(report.words, 40);
+  const store::Snapshot snapshot = store.snapshot();
+  const PatchTable table = read_patch_table(snapshot);
+  const vision::Codebook codebook = read_codebook(snapshot);
+  EXPECT_EQ(report.patches, table.size());
+  const auto variants = settings.variants();
+  // The slow twin: each patch described by itself, flipped ones in the flipped frame.
+  std::size_t same = 0, points = 0, flipped_same = 0, flipped_points = 0;
+  for (Row row = 0; row < table.size(); row += 5) {
+    const vision::Variant& variant = variants[table.variant[row]];
+    const cv::Mat frame =
+        vision::warp_to_variant(average_image(snapshot, table.clips[table.clip[row]]), variant);
+    const auto grid =
+        vision::dense_sift(frame, {table.x[row], table.y[row]}, vision::kGridSide, vision::kGridSide);
+    vision::WordMap words;
+    vision::assign_words(codebook, grid.values, words);
+    for (std::size_t point = 0; point < words.size(); ++point) {
+      (variant.flip ? flipped_same : same) += words[point] == table.words[row][point];
+      ++(variant.flip ? flipped_points : points);
+    }
+  }
+  ASSERT_GT(points, 1000u);
+  ASSERT_GT(flipped_points, 1000u);
+  EXPECT_EQ(same, points);
+  // Mirrored descriptors may differ by a unit, which can tip a word that stands between two.
+  EXPECT_GT(static_cast<double>(flipped_same), 0.98 * static_cast<double>(flipped_points));
+}
+
+TEST(IndexBuilder, GivesTheSameDigestForAnyOrderAndAnyNumberOfThreads) {
+  const ScratchFolder folder;
+  std::vector<MadeClip> clips = some_clips();
+  std::vector<std::string> digests;
+  for (const int threads : {1, 2, 8}) {
+    const oneapi::tbb::global_control limit(oneapi::tbb::global_control::max_allowed_parallelism, threads);
+    store::Store store = made_store(folder.path() / fmt::format("{}.store", threads), clips);
+    // Half of them keep nothing from the first pass.
+    build_index(store, {.cache_bytes = threads == 1 ? std::size_t{0} : std::size_t{1} << 30});
+    digests.push_back(store.snapshot().digest());
+    std::rotate(clips.begin(), clips.begin() + 1, clips.end());
+  }
+  EXPECT_EQ(digests[0], digests[1]);
+  EXPECT_EQ(digests[0], digests[2]);
+}
+
+TEST(IndexBuilder, DependsOnTheClipsAndNotOnTheirHistory) {
+  const ScratchFolder folder;
+  const auto clips = some_clips();
+  store::Store at_once = made_store(folder.path() / "once.store", clips);
+  build_index(at_once);
+  store::Store in_steps = made_store(folder.path() / "steps.store", {clips[0], clips[1]});
+  build_index(in_steps, {.flann = {FlannKind::kKdTree}});
+  ASSERT_TRUE(in_steps.snapshot().blob("flann-kdtree"));
+  for (std::size_t i = 2; i < clips.size(); ++i) add_made_clip(in_steps, made_settings(), clips[i]);
+  try {
+    read_codebook(in_steps.snapshot());
+    FAIL() << "an index that lacks clips was taken for whole";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::kNotFound);
+  }
+  EXPECT_TRUE(build_index(in_steps).words_built);
+  EXPECT_FALSE(in_steps.snapshot().blob("flann-kdtree")) << "an index of words that are gone";
+  EXPECT_EQ(in_steps.snapshot().digest(), at_once.snapshot().digest());
+}
+
+TEST(IndexBuilder, DoesNothingWhenNoClipIsNew) {
+  const ScratchFolder folder;
+  store::Store store = made_store(folder.path() / "a.store", some_clips());
+  build_index(store);
+  const std::string digest = store.snapshot().digest();
+  EXPECT_FALSE(build_index(store).words_built);
+  const IndexReport with_flann = build_index(store, {.flann = {FlannKind::kHierarchical}});
+  EXPECT_FALSE(with_flann.words_built);
+  ASSERT_EQ(with_flann.flann_built.size(), 1U);
+  EXPECT_EQ(with_flann.flann_built[0].kind, FlannKind::kHierarchical);
+  EXPECT_GT(with_flann.flann_built[0].tuning.checks, 0U);
+  EXPECT_GE(with_flann.flann_built[0].tuning.recall, 0.9F);
+  EXPECT_TRUE(store.snapshot().blob("flann-hierarchical"));
+  EXPECT_EQ(store.snapshot().digest(), digest);
+  EXPECT_TRUE(build_index(store, {.rebuild = true}).words_built);
+  EXPECT_EQ(store.snapshot().digest(), digest);
+}
+
+TEST(IndexBuilder, LeavesTheStoreAsItWasWhenStopped) {
+  const ScratchFolder folder;
+  store::Store store = made_store(folder.path() / "a.store", some_clips());
+  const std::string digest = store.snapshot().digest();
+  std::stop_source source;
+  try {
+    build_index(
+        store, {},
+        [&](const IndexProgress& at) {
+          if (at.stage == IndexProgress::Stage::kAssign) source.request_stop();
+        },
+        source.get_token());
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::kCancelled);
+  }
+  EXPECT_EQ(store.snapshot().digest(), digest);
+}
+
+TEST(IndexBuilder, SaysThatThereIsNothingToIndex) {
+  const ScratchFolder folder;
+  store::Store store = made_store(folder.path() / "a.store", {{.name = "empty.mp4", .patches = false}});
+  for (auto&& work :
+       {+[](store::Store& s) { build_index(s); }, +[](store::Store& s) { read_patch_table(s.snapshot()); },
+        +[](store::Store& s) { read_codebook(s.snapshot()); }}) {
+    try {
+      work(store);
+      FAIL();
+    } catch (const Error& error) {
+      EXPECT_EQ(error.kind(), ErrorKind::kNotFound);
+    }
+  }
+}
+
+TEST(PatchTable, AsksForAnIndexWhenThereIsNone) {
+  const ScratchFolder folder;
+  store::Store store = made_store(folder.path() / "a.store", some_clips());
+  try {
+    read_patch_table(store.snapshot());
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::kNotFound);
+    EXPECT_NE(std::string(error.what()).find("freshet index"), std::string::npos);
+  }
+}
+
+TEST(PatchTable, RefusesPatchesBeyondTheirFrame) {
+  const ScratchFolder folder;
+  store::Store store = made_store(folder.path() / "a.store", some_clips());
+  build_index(store);
+  const store::ClipId clip = store.snapshot().clips()[1];
+  for (const auto& [name, value] :
+       {std::pair<const char*, std::uint16_t>{"patch.x", 150}, {"patch.y", 60000}}) {
+    auto column = store.snapshot().column<std::uint16_t>(clip, name);
+    const auto whole = column;
+    column[7] = value;
+    const auto write = [&](const std::vector<std::uint16_t>& values) {
+      const store::Store::Column replaced{clip, name, std::as_bytes(std::span(values)), 2};
+      store.write({}, std::span(&replaced, 1));
+    };
+    write(column);
+    try {
+      read_patch_table(store.snapshot());
+      FAIL() << name;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.kind(), ErrorKind::kDamaged);
+    }
+    write(whole);
+  }
+  EXPECT_GT(read_patch_table(store.snapshot()).size(), 0u);
+}
+
+TEST(StoredCodebook, RefusesBytesThatCannotBeOne) {
+  const ScratchFolder folder;
+  store::Store store = made_store(folder.path() / "a.store", some_clips());
+  build_index(store);
+  const std::vector<std::byte> whole = *store.snapshot().blob(kCodebookBlob);
+  const auto refused = [&](std::vector<std::byte> bytes) {
+    const store::Store::Blob blob{kCodebookBlob, bytes, true};
+    store.write(std::span(&blob, 1));
+    try {
+      find_codebook(store.snapshot());
+    } catch (const Error& error) {
+      return error.kind() == ErrorKind::kDamaged;
+    }
+    return false;
+  };
+  EXPECT_TRUE(refused({}));
+  EXPECT_TRUE(refused({whole.begin(), whole.begin() + 20}));
+  EXPECT_TRUE(refused({whole.begin(), whole.end() - 1}));
+  auto many = whole;
+  many[11] = std::byte{0x7f};  // words: 2^31 or so
+  EXPECT_TRUE(refused(many));
+  auto no_number = whole;
+  ASSERT_GT(no_number.size(), 28u);
+  std::fill_n(no_number.end() - 4, 4, std::byte{0xff});
+  EXPECT_TRUE(refused(no_number));
+  EXPECT_FALSE(refused(whole));
+}
+
+}  // namespace
+}  // namespace freshet::query

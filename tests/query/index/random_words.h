@@ -1,0 +1,68 @@
+// tests/query/index/random_words.h — word maps that resemble those of real patches, and the obvious search over
+// them.
+#pragma once
+
+#include <algorithm>
+#include <random>
+#include <vector>
+
+#include "query/index/candidate_index.h"
+
+namespace freshet::query {
+
+struct RandomWordsOptions {
+  std::size_t rows = 1000;
+  int words = 200;
+  int clusters = 0;    // 0: every map by itself; else noisy copies of so many maps
+  double noise = 0.3;  // share of points that differ from the cluster's map
+  std::uint64_t seed = 1;
+};
+
+inline std::vector<vision::WordMap> random_words(const RandomWordsOptions& options) {
+  std::mt19937_64 random(options.seed);
+  const auto random_map = [&] {
+    // A few words a map, as in textures.
+    vision::WordMap map;
+    std::array<std::uint8_t, 12> few;
+    for (auto& word : few) word = static_cast<std::uint8_t>(random() % options.words);
+    for (auto& word : map) word = few[random() % few.size()];
+    return map;
+  };
+  std::vector<vision::WordMap> centres(options.clusters);
+  for (auto& centre : centres) centre = random_map();
+  std::vector<vision::WordMap> maps(options.rows);
+  for (auto& map : maps) {
+    if (centres.empty()) {
+      map = random_map();
+      continue;
+    }
+    map = centres[random() % centres.size()];
+    for (auto& word : map) {
+      if (static_cast<double>(random() % 1000) < 1000 * options.noise) {
+        word = static_cast<std::uint8_t>(random() % options.words);
+      }
+    }
+  }
+  return maps;
+}
+
+inline PieceQuery whole(const vision::WordMap& words) {
+  PieceQuery query{words, {}};
+  query.mask.fill(1);
+  return query;
+}
+
+inline std::vector<Hit> brute_force(std::span<const vision::WordMap> rows, int words, const PieceQuery& query,
+                                    std::size_t k, const RowFilter* filter = nullptr) {
+  std::vector<Hit> hits;
+  for (std::size_t row = 0; row < rows.size(); ++row) {
+    if (filter != nullptr && !filter->allows(row)) continue;
+    hits.push_back({static_cast<Row>(row), static_cast<std::uint32_t>(vision::intersection(
+                                               query.words, rows[row], words, &query.mask))});
+  }
+  std::sort(hits.begin(), hits.end(), better);
+  if (hits.size() > k) hits.resize(k);
+  return hits;
+}
+
+}  // namespace freshet::query

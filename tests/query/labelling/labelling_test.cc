@@ -1,0 +1,356 @@
+#include "query/labelling/labelling.h"
+
+#include <gtest/gtest.h>
+#include <oneapi/tbb/global_control.h>
+
+#include <algorithm>
+#include <fstream>
+
+#include "freshet/error.h"
+#include "query/index/index_builder.h"
+#include "query/labelling/contact_sheet.h"
+#include "query/labelling/label_map.h"
+#include "tests/query/made_store.h"
+
+namespace freshet::query {
+namespace {
+
+// One indexed store for all tests here; none of them writes to it.
+class OnAStore : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    folder_ = new ScratchFolder;
+    store::Store store = made_store(folder_->path() / "a.store", some_clips());
+    build_index(store, {.flann = {FlannKind::kKdTree}});
+    snapshot_ = new store::Snapshot(store.snapshot());
+    base_ = new SearchBase(open_search(*snapshot_));
+    table_ = &base_->table;
+  }
+  static void TearDownTestSuite() {
+    delete base_;
+    delete snapshot_;
+    delete folder_;
+  }
+  static cv::Mat picture(std::uint64_t texture) {
+    cv::Mat bgr;
+    cv::cvtColor(made_texture(texture), bgr, cv::COLOR_GRAY2BGR);
+    return bgr;
+  }
+  static cv::Mat whole_matte() { return cv::Mat(144, 192, CV_8U, cv::Scalar(255)); }
+  static std::string clip_of(Row row) { return snapshot_->clip(table_->clips[table_->clip[row]]).name; }
+  static Error error_of(const CandidateOptions& options) {
+    try {
+      filter_rows(*snapshot_, *table_, base_->settings.variants(), options);
+    } catch (const Error& error) {
+      return error;
+    }
+    ADD_FAILURE() << "accepted";
+    return Error(ErrorKind::kIo, "", "");
+  }
+
+  static ScratchFolder* folder_;
+  static store::Snapshot* snapshot_;
+  static SearchBase* base_;
+  static const PatchTable* table_;
+};
+ScratchFolder* OnAStore::folder_ = nullptr;
+store::Snapshot* OnAStore::snapshot_ = nullptr;
+SearchBase* OnAStore::base_ = nullptr;
+const PatchTable* OnAStore::table_ = nullptr;
+
+using Filter = OnAStore;
+using Label = OnAStore;
+
+TEST_F(Filter, KeepsAllWithoutConditions) {
+  const Filtered filtered = filter_rows(*snapshot_, *table_, base_->settings.variants(), {});
+  EXPECT_EQ(filtered.rows.count(), table_->size());
+  ASSERT_EQ(filtered.steps.size(), 1u);
+  EXPECT_EQ(filtered.steps[0].clips, 4u);
+}
+
+TEST_F(Filter, KeepsTheClassAskedForAndNamesTheOthersWhenThereIsNone) {
+  const Filtered filtered =
+      filter_rows(*snapshot_, *table_, base_->settings.variants(), {.class_name = "fire"});
+  for (Row row = 0; row < table_->size(); ++row) {
+    EXPECT_EQ(filtered.rows.allows(row), clip_of(row) == "fire/camp.mp4");
+  }
+  const Error error = error_of({.class_name = "smoke"});
+  EXPECT_EQ(error.kind(), ErrorKind::kNotFound);
+  EXPECT_NE(std::string(error.what()).find("fire, water"), std::string::npos) << error.what();
+}
+
+TEST_F(Filter, KeepsPatchesThatMoveAsAskedOnTheScreen) {
+  // A rotated variant of the fall flows 22.5 degrees off: inside 30 degrees, outside 20.
+  for (const auto& [direction, clip] :
+       {std::pair{"down", "fall.mp4"}, {"right", "river.mp4"}, {"up", "fire/camp.mp4"}}) {
+    CandidateOptions options{.direction_deg = parse_direction(direction)};
+    const std::size_t wide =
+        filter_rows(*snapshot_, *table_, base_->settings.variants(), options).rows.count();
+    options.direction_tolerance_deg = 20;
+    const Filtered narrow = filter_rows(*snapshot_, *table_, base_->settings.variants(), options);
+    EXPECT_GT(wide, narrow.rows.count());
+    EXPECT_GT(narrow.rows.count(), 0u);
+    for (Row row = 0; row < table_->size(); ++row) {
+      if (narrow.rows.allows(row)) {
+        EXPECT_EQ(clip_of(row), clip) << direction;
+      }
+    }
+  }
+  EXPECT_EQ(error_of({.direction_deg = 45, .direction_tolerance_deg = 5}).kind(), ErrorKind::kNotFound);
+  EXPECT_EQ(error_of({.direction_deg = 1000}).kind(), ErrorKind::kUsage);
+}
+
+TEST_F(Filter, NamesTheClipsThatAreTooShort) {
+  const Filtered filtered = filter_rows(*snapshot_, *table_, base_->settings.variants(),
+                                        {.class_name = "water", .min_duration_s = 3.5});
+  EXPECT_EQ(filtered.too_short, std::vector<std::string>{"river.mp4"});
+  EXPECT_EQ(filtered.steps.back().clips, 2u);
+  EXPECT_NE(std::string(error_of({.min_duration_s = 60}).what()).find("6.00 s"), std::string::npos);
+}
+
+TEST(FilterByTimes, AClipLastsAsLongAsItsFramesSayWhateverItsRate) {
+  const ScratchFolder folder;
+  const vision::Settings settings = made_settings();
+  store::Store store =
+      made_store(folder.path() / "a.store",
+                 {{.name = "as its rate.mp4", .seconds = 2},
+                  {.name = "twice as fast.mp4", .seconds = 2, .texture = 2, .frame_s = 0.02}});
+  build_index(store);
+  const store::Snapshot snapshot = store.snapshot();
+  const Filtered filtered =
+      filter_rows(snapshot, read_patch_table(snapshot), made_settings().variants(), {.min_duration_s = 2});
+  EXPECT_EQ(filtered.too_short, std::vector<std::string>{"twice as fast.mp4"});
+  EXPECT_EQ(filtered.steps.back().clips, 1u);
+}
+
+TEST_F(Filter, LeavesOutClipsByNameAndKnowsWhichThereAre) {
+  const Filtered filtered = filter_rows(*snapshot_, *table_, base_->settings.variants(),
+                                        {.excluded_clips = {"fall.mp4", "river.mp4"}});
+  for (Row row = 0; row < table_->size(); ++row) {
+    EXPECT_EQ(filtered.rows.allows(row), clip_of(row) != "fall.mp4" && clip_of(row) != "river.mp4");
+  }
+  EXPECT_EQ(error_of({.excluded_clips = {"fal.mp4"}}).kind(), ErrorKind::kNotFound);
+}
+
+TEST(Direction, IsReadFromWordsAndDegrees) {
+  EXPECT_EQ(parse_direction("down"), 270);
+  EXPECT_EQ(parse_direction("up-left"), 135);
+  EXPECT_EQ(parse_direction("-22.5"), -22.5);
+  for (const char* bad : {"", "sideways", "12x", "nan", "1e9"})
+    EXPECT_THROW(parse_direction(bad), Error) << bad;
+}
+
+TEST_F(Label, FindsAPictureThatIsInTheStore) {
+  LabelOptions options;
+  options.candidates.k = 20;
+  options.costs.lambda = 0;
+  const Labelling found = label(*snapshot_, *base_, picture(1), whole_matte(), options);
+  ASSERT_EQ(found.assignment.clips.size(), 1u);
+  EXPECT_EQ(found.assignment.clips[0].name, "fall.mp4");
+  EXPECT_EQ(found.assignment.clips[0].licence, "CC0");
+  for (const AssignedPiece& piece : found.assignment.pieces) {
+    EXPECT_EQ(piece.patch, piece.corner);
+    EXPECT_EQ(piece.variant, vision::Variant{});
+    EXPECT_EQ(piece.score, 1);
+  }
+  EXPECT_NEAR(found.assignment.energy, 0, 1e-6);
+  EXPECT_NEAR(found.assignment.lower_bound, 0, 1e-6);
+}
+
+TEST_F(Label, TakesOnlyWhatTheConditionsAllow) {
+  LabelOptions options;
+  options.candidates.k = 30;
+  options.candidates.excluded_clips = {"fall.mp4"};
+  options.candidates.class_name = "water";
+  const Labelling found = label(*snapshot_, *base_, picture(1), whole_matte(), options);
+  EXPECT_LE(found.assignment.lower_bound, found.assignment.energy);
+  EXPECT_GE(found.assignment.gap(), 0);
+  for (const AssignedClip& clip : found.assignment.clips) {
+    EXPECT_NE(clip.name, "fall.mp4");
+    EXPECT_EQ(clip.class_name, "water");
+  }
+}
+
+TEST_F(Label, IsTheSameForAnyNumberOfThreadsAndEveryMinimizerRuns) {
+  for (const Minimizer minimizer : {Minimizer::kTrwS, Minimizer::kAlphaExpansion, Minimizer::kIcm}) {
+    LabelOptions options;
+    options.candidates.k = 30;
+    options.candidates.excluded_clips = {"river.mp4"};
+    options.minimizer = minimizer;
+    std::vector<Assignment> found;
+    for (const int threads : {1, 2, 8}) {
+      const oneapi::tbb::global_control limit(oneapi::tbb::global_control::max_allowed_parallelism, threads);
+      found.push_back(label(*snapshot_, *base_, picture(2), whole_matte(), options).assignment);
+    }
+    EXPECT_EQ(found[0], found[1]);
+    EXPECT_EQ(found[0], found[2]);
+    EXPECT_EQ(found[0].minimizer, name_of(minimizer));
+  }
+}
+
+TEST_F(Label, SaysWhenPiecesHaveFewerCandidatesThanAskedFor) {
+  LabelOptions options;
+  options.candidates.k = 5000;
+  const CandidateSearch search = search_candidates(*snapshot_, *base_, picture(3), whole_matte(), options);
+  EXPECT_EQ(search.candidates.counts[0], table_->size());
+  EXPECT_EQ(search.candidates.notes.size(), 1u);
+  options.candidates.k = 0;
+  EXPECT_THROW(search_candidates(*snapshot_, *base_, picture(3), whole_matte(), options), Error);
+}
+
+TEST_F(Label, SearchesThroughFlannWhenAsked) {
+  LabelOptions options;
+  options.candidates.k = 10;
+  const SearchBase approximate = open_search(*snapshot_, {.flann = FlannKind::kKdTree});
+  const CandidateSearch search =
+      search_candidates(*snapshot_, approximate, picture(4), whole_matte(), options);
+  for (std::size_t piece = 0; piece < search.target.size(); ++piece) {
+    EXPECT_EQ(search.candidates.scores_of(piece)[0], 1);
+  }
+  try {
+    open_search(*snapshot_, {.flann = FlannKind::kKMeans});
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::kNotFound);
+  }
+}
+
+TEST_F(Label, StopsWhenAsked) {
+  std::stop_source source;
+  try {
+    label(
+        *snapshot_, *base_, picture(1), whole_matte(), {},
+        [&](LabelStage stage) {
+          if (stage == LabelStage::kCosts) source.request_stop();
+        },
+        source.get_token());
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::kCancelled);
+  }
+}
+
+TEST_F(Label, IsShownAsSheetAndMap) {
+  LabelOptions options;
+  options.candidates.k = 12;
+  options.costs.lambda = 0;
+  const cv::Mat still = picture(1);
+  const Labelling found = label(*snapshot_, *base_, still, whole_matte(), options);
+  const cv::Mat sheet =
+      contact_sheet(*snapshot_, still, found.search, &found.labels, {.pieces = 5, .candidates = 3});
+  EXPECT_EQ(sheet.type(), CV_8UC3);
+  // The best candidate is the piece itself: the two stand side by side.
+  const cv::Mat piece = sheet(cv::Rect(6, 6, 48, 48)), best = sheet(cv::Rect(60, 6, 48, 48));
+  EXPECT_EQ(cv::norm(piece, still(cv::Rect(0, 0, 48, 48)), cv::NORM_INF), 0);
+  EXPECT_EQ(cv::norm(piece, best, cv::NORM_INF), 0);
+  const cv::Mat map = label_map(still, nullptr, found.assignment);
+  EXPECT_GT(map.rows, still.rows);
+  EXPECT_GE(map.cols, 480);
+}
+
+Assignment some_assignment() {
+  Assignment assignment;
+  assignment.picture = {100, 80};
+  assignment.clips = {{"a \"b\".mp4", "water", "CC BY 4.0", std::string(32, 'a')},
+                      {"c.mp4", "", "", std::string(32, '0')}};
+  assignment.pieces = {{{-4, -2}, 0, {0.75f, -22.5f, true}, {12, 13}, 0.123456f},
+                       {{20, -2}, 1, {1, 0, false}, {0, 0}, 1},
+                       {{-4, 46}, 1, {0.5f, 22.5f, false}, {700, 3}, 0}};
+  assignment.minimizer = "trw-s";
+  assignment.cost_form = "log";
+  assignment.energy = 1.0 / 3;
+  assignment.lower_bound = 0.25;
+  return assignment;
+}
+
+TEST(Assignment, IsReadBackAsItWasWritten) {
+  const ScratchFolder folder;
+  Assignment assignment = some_assignment();
+  write_assignment(folder.path() / "a.json", assignment);
+  EXPECT_EQ(read_assignment(folder.path() / "a.json"), assignment);
+  assignment.lower_bound = -std::numeric_limits<double>::infinity();
+  EXPECT_EQ(assignment_from_json(to_json(assignment), "a"), assignment);
+  EXPECT_THROW(write_assignment(folder.path() / "none" / "a.json", assignment), Error);
+  EXPECT_THROW(read_assignment(folder.path() / "b.json"), Error);
+  EXPECT_THROW(read_assignment(folder.path()), Error);
+}
+
+bool refused(const std::string& json) {
+  try {
+    assignment_from_json(json, "a");
+  } catch (const Error& error) {
+    return error.kind() == ErrorKind::kInput;
+  }
+  return false;
+}
+
+TEST(Assignment, RefusesWhatIsMissingOfAnotherTypeOrOutOfRange) {
+  const auto whole = nlohmann::json::parse(to_json(some_assignment()));
+  ASSERT_FALSE(refused(whole.dump()));
+  const std::vector<nlohmann::json> strange{
+      nullptr, "x", -1, 1e300, 3.5, 1ull << 63, true, nlohmann::json::array({1}), nlohmann::json::object()};
+  const auto attack = [&](const nlohmann::json::json_pointer& object) {
+    const nlohmann::json fields = whole.at(object);
+    for (const auto& [name, value] : fields.items()) {
+      auto without = whole;
+      without.at(object).erase(name);
+      EXPECT_TRUE(refused(without.dump())) << name;
+      for (const auto& odd : strange) {
+        if (odd.type() == value.type() || (odd.is_number() && value.is_number())) continue;
+        if (name == "lower_bound" && odd.is_null()) continue;
+        auto changed = whole;
+        changed.at(object)[name] = odd;
+        EXPECT_TRUE(refused(changed.dump())) << name << " " << odd;
+      }
+    }
+  };
+  attack(nlohmann::json::json_pointer(""));
+  attack(nlohmann::json::json_pointer("/clips/0"));
+  attack(nlohmann::json::json_pointer("/pieces/1"));
+  const auto with = [&](const char* where, const nlohmann::json& value) {
+    auto changed = whole;
+    changed.at(nlohmann::json::json_pointer(where)) = value;
+    return changed.dump();
+  };
+  for (const auto& [where, value] :
+       std::initializer_list<std::pair<const char*, nlohmann::json>>{{"/version", 2},
+                                                                     {"/width", 0},
+                                                                     {"/width", 1 << 30},
+                                                                     {"/side", 0},
+                                                                     {"/side", 1u << 31},
+                                                                     {"/stride", 49},
+                                                                     {"/stride", 0},
+                                                                     {"/pieces/0/clip", 2},
+                                                                     {"/pieces/0/clip", -1},
+                                                                     {"/pieces/1/x", 21},
+                                                                     {"/pieces/1/x", 20 + 24 * 4},
+                                                                     {"/pieces/2/y", -50},
+                                                                     {"/pieces/1/scale", 0},
+                                                                     {"/pieces/1/score", 2},
+                                                                     {"/pieces/1/patch_x", -1},
+                                                                     {"/clips/0/source_hash", "ABC"}}) {
+    EXPECT_TRUE(refused(with(where, value))) << where << " " << value;
+  }
+  EXPECT_TRUE(refused(""));
+  EXPECT_TRUE(refused("[]"));
+  EXPECT_TRUE(refused(std::string(100000, '[')));
+  const std::string text = to_json(some_assignment());
+  for (std::size_t cut = 0; cut + 2 < text.size(); cut += 7) EXPECT_TRUE(refused(text.substr(0, cut)));
+}
+
+TEST_F(Label, IsAppliedToTheClipsOfAStoreBySourceHash) {
+  Assignment assignment = some_assignment();
+  assignment.clips[0].source_hash = source_hash_of({.name = "river.mp4"});
+  assignment.clips[1].source_hash = source_hash_of({.name = "still.mp4"});
+  assignment.pieces[2].patch = {12, 3};
+  const auto ids = find_clips(assignment, *snapshot_);
+  EXPECT_EQ(snapshot_->clip(ids[0]).name, "river.mp4");
+  EXPECT_EQ(snapshot_->clip(ids[1]).name, "still.mp4");
+  assignment.pieces[1].patch = {150, 0};
+  EXPECT_THROW(find_clips(assignment, *snapshot_), Error);
+  assignment = some_assignment();
+  EXPECT_THROW(find_clips(assignment, *snapshot_), Error);
+}
+
+}  // namespace
+}  // namespace freshet::query

@@ -1,0 +1,192 @@
+#include "synth/animate/still/carried_base.h"
+
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <opencv2/imgproc.hpp>
+
+namespace freshet::synth::animate {
+namespace {
+
+constexpr int kWidth = 160, kHeight = 96;
+constexpr double kFps = 25;
+
+double stripes(double x, double y) { return 0.5 + 0.25 * std::sin(x / 5) + 0.15 * std::cos(y / 7); }
+
+cv::Mat picture() {
+  cv::Mat luma(kHeight, kWidth, CV_32F);
+  for (int y = 0; y < kHeight; ++y)
+    for (int x = 0; x < kWidth; ++x) luma.at<float>(y, x) = static_cast<float>(stripes(x, y));
+  return luma;
+}
+cv::Mat bgr_of(const cv::Mat& luma) {
+  cv::Mat bgr;
+  cv::merge(std::vector<cv::Mat>(3, luma), bgr);
+  return bgr;
+}
+cv::Mat whole() { return cv::Mat(kHeight, kWidth, CV_32F, cv::Scalar(1)); }
+cv::Mat motion(float u, float v) { return cv::Mat(kHeight, kWidth, CV_32FC2, cv::Scalar(u, v)); }
+cv::Mat grey(double level) { return cv::Mat(kHeight, kWidth, CV_32F, cv::Scalar(level)); }
+
+/// Luma of the base over an exposure.
+cv::Mat shown(const CarriedBase& base, int i, const cv::Mat& exposure) {
+  cv::Mat luma;
+  show_carried(base.frame(i), exposure, luma);
+  return luma;
+}
+cv::Mat shown(const CarriedBase& base, int i) { return shown(base, i, grey(0.1)); }
+
+const cv::Rect kMiddle(50, 30, 60, 36);
+
+TEST(CarriedBase, WithoutMotionIsThePicture) {
+  const CarriedBase base(bgr_of(picture()), picture(), whole(), motion(0, 0), kFps, {});
+  for (const int i : {0, 3, 25}) EXPECT_LT(cv::norm(shown(base, i), picture(), cv::NORM_INF), 1e-4);
+}
+
+TEST(CarriedBase, IsThreeCopiesEachCarriedByItsAge) {
+  const CarriedBaseOptions options{.share = 1, .life_s = 0.6, .max_px = 100, .edge_px = 1};
+  const CarriedBase base(bgr_of(picture()), picture(), whole(), motion(40, -20), kFps, options);
+  constexpr int kLife = 15;
+  for (int i = 0; i < 2 * kLife; ++i) {
+    const cv::Mat frame = shown(base, i);
+    double worst = 0;
+    for (int y = kMiddle.y; y < kMiddle.br().y; ++y)
+      for (int x = kMiddle.x; x < kMiddle.br().x; ++x) {
+        double expected = 0;
+        for (int copy = 0; copy < 3; ++copy) {
+          const int age = (i + copy * 5 + kLife / 2) % kLife - kLife / 2;  // frames from its own place
+          const double weight = (1 + std::cos(2 * std::numbers::pi * age / kLife)) / 3;
+          expected += weight * stripes(x - 40 * age / kFps, y + 20 * age / kFps);
+        }
+        worst = std::max(worst, std::abs(expected - frame.at<float>(y, x)));
+      }
+    EXPECT_LT(worst, 4e-3) << i;
+  }
+}
+
+TEST(CarriedBase, LongLivesAreSampledAndLookTheSame) {
+  // 240 frames a second, 450 frames of life: a map every five of them.
+  const CarriedBase fast(bgr_of(picture()), picture(), whole(), motion(20, 10), 240,
+                         {.share = 1, .life_s = 1.875});
+  const CarriedBase slow(bgr_of(picture()), picture(), whole(), motion(20, 10), 24,
+                         {.share = 1, .life_s = 1.875});
+  for (const int i : {0, 7, 20, 33})
+    EXPECT_LT(cv::norm(shown(fast, 10 * i)(kMiddle), shown(slow, i)(kMiddle), cv::NORM_INF), 0.02) << i;
+}
+
+TEST(CarriedBase, NeitherLevelNorContrastPulses) {
+  cv::Mat noise(kHeight, kWidth, CV_32F), coarse;
+  cv::RNG random(3);
+  random.fill(noise, cv::RNG::UNIFORM, 0.2, 0.8);
+  const CarriedBase base(bgr_of(noise), noise, whole(), motion(60, 0), kFps, {.share = 1, .life_s = 1.2});
+  double least = 1, most = 0;
+  for (int i = 0; i < 30; ++i) {
+    cv::Scalar mean, deviation;
+    cv::meanStdDev(shown(base, i)(kMiddle), mean, deviation);
+    EXPECT_NEAR(mean[0], 0.5, 0.02);
+    least = std::min(least, deviation[0]);
+    most = std::max(most, deviation[0]);
+  }
+  EXPECT_LT(most / least, 1.2);
+}
+
+TEST(CarriedBase, BringsTheColoursAlong) {
+  // Red on the left, blue on the right, equally bright, going right: the border passes the middle.
+  cv::Mat luma = grey(0.4), bgr(kHeight, kWidth, CV_32FC3);
+  const cv::Vec3f red(0.4f, 0.4f - 0.3f * 0.299f / 0.587f, 0.7f),
+      blue(0.7f, 0.4f - 0.3f * 0.114f / 0.587f, 0.4f);
+  bgr(cv::Rect(0, 0, 80, kHeight)).setTo(cv::Scalar(red[0], red[1], red[2]));
+  bgr(cv::Rect(80, 0, 80, kHeight)).setTo(cv::Scalar(blue[0], blue[1], blue[2]));
+  const CarriedBase base(bgr, luma, whole(), motion(25, 0), kFps, {.share = 1, .life_s = 1.2});
+  const CarriedFrame frame = base.frame(0);
+  struct Brought {
+    float luma, blue, red, part;
+  };
+  const auto at = [&](int x, int y) {
+    std::vector<float> b(kWidth), r(kWidth), part(kWidth);
+    colour_row(frame, y, kWidth, b.data(), r.data(), part.data());
+    return Brought{static_cast<float>(frame.luma.at<std::int16_t>(y, x)) / CarriedFrame::kOne, b[x], r[x],
+                   part[x]};
+  };
+  const Brought left = at(40, 48), right = at(120, 48);
+  EXPECT_NEAR(left.luma, 0.4, 1e-3);
+  EXPECT_NEAR(left.red, 0.3, 1e-3);  // less luma
+  EXPECT_NEAR(left.blue, 0, 1e-3);
+  EXPECT_NEAR(right.blue, 0.3, 1e-3);
+  EXPECT_NEAR(right.part, 1, 0.02);
+  // Some copies of the border have gone ten pixels on, others have yet to come: a mixture lies between.
+  const Brought middle = at(84, 48);
+  EXPECT_GT(middle.red, 0.02);
+  EXPECT_GT(middle.blue, 0.02);
+}
+
+TEST(CarriedBase, BringsNothingThatIsNotFluid) {
+  cv::Mat luma = picture(), matte = whole();
+  luma(cv::Rect(0, 0, kWidth, 30)).setTo(100);  // rock, and it would be seen
+  matte(cv::Rect(0, 0, kWidth, 30)).setTo(0);
+  const CarriedBase base(bgr_of(luma), luma, matte, motion(0, 100), kFps, {.share = 1, .life_s = 1});
+  for (int i = 0; i < 25; ++i) {
+    double most = 0;
+    cv::minMaxLoc(shown(base, i)(cv::Rect(0, 31, kWidth, kHeight - 31)), nullptr, &most);
+    EXPECT_LT(most, 1.5) << i;
+  }
+}
+
+TEST(CarriedBase, ThinWeightsBringNeitherLightNorDark) {
+  // Fluid of one level in a matte of hairs and haze: whatever its weights come to, no other level comes out.
+  cv::Mat matte = cv::Mat::zeros(kHeight, kWidth, CV_32F), luma = grey(100);
+  cv::RNG random(4);
+  for (int i = 0; i < 40; ++i)
+    cv::line(matte, {random.uniform(0, kWidth), random.uniform(0, kHeight)},
+             {random.uniform(0, kWidth), random.uniform(0, kHeight)}, cv::Scalar(random.uniform(0.2, 1.0)));
+  luma.setTo(0.5, matte > 0);
+  const CarriedBase base(bgr_of(luma), luma, matte, motion(30, 45), kFps, {.share = 1, .life_s = 1});
+  for (int i = 0; i < 8; ++i) {
+    const cv::Mat frame = shown(base, i, grey(0.5));
+    double least = 0, most = 0;
+    cv::minMaxLoc(frame, &least, &most, nullptr, nullptr, matte > 0.2);
+    EXPECT_GT(least, 0.45) << i;
+    EXPECT_LT(most, 0.55) << i;
+  }
+}
+
+TEST(CarriedBase, HoldsItsColoursAtTheEdgesOfOddSizes) {
+  const cv::Rect odd(0, 0, kWidth - 1, kHeight - 1);
+  cv::Mat bgr = bgr_of(grey(0.4)(odd).clone());
+  bgr += cv::Scalar(0.1, 0, 0);
+  cv::Mat luma = grey(0.4)(odd).clone();
+  const CarriedBase base(bgr, luma, whole()(odd).clone(), motion(0, 0)(odd).clone(), kFps,
+                         {.share = 1, .edge_px = 0});
+  const CarriedFrame frame = base.frame(3);
+  std::vector<float> blue(odd.width), red(odd.width), part(odd.width);
+  for (const int y : {0, 1, odd.height - 2, odd.height - 1}) {
+    colour_row(frame, y, odd.width, blue.data(), red.data(), part.data());
+    for (const int x : {0, 1, odd.width / 2, odd.width - 2, odd.width - 1}) {
+      EXPECT_NEAR(blue[x], 0.1, 1e-3) << x << ' ' << y;
+      EXPECT_NEAR(red[x], 0, 1e-3) << x << ' ' << y;
+      EXPECT_NEAR(part[x], 1, 1e-3) << x << ' ' << y;
+    }
+  }
+}
+
+TEST(CarriedBase, RepeatsInALoopOfAnyLengthAndIsCarriedInAll) {
+  for (const int loop : {50, 51, 97, 7, 500}) {
+    const CarriedBaseOptions options{
+        .share = 1, .life_s = 0.8, .max_px = 1000, .edge_px = 1, .loop_frames = loop};
+    const CarriedBase base(bgr_of(picture()), picture(), whole(), motion(30, 10), kFps, options);
+    for (const int i : {0, 1, 5})
+      EXPECT_EQ(cv::norm(shown(base, i), shown(base, i + loop), cv::NORM_INF), 0) << loop;
+    EXPECT_GT(cv::norm(shown(base, 0)(kMiddle), shown(base, 2)(kMiddle), cv::NORM_INF), 0.01) << loop;
+  }
+}
+
+TEST(CarriedBase, WhereItIsTooFastTheExposureShows) {
+  const CarriedBase base(bgr_of(picture()), picture(), whole(), motion(2000, 0), kFps,
+                         {.share = 1, .life_s = 1, .max_px = 50});
+  EXPECT_EQ(cv::norm(shown(base, 4, grey(0.25)), grey(0.25), cv::NORM_INF), 0);
+}
+
+}  // namespace
+}  // namespace freshet::synth::animate

@@ -1,0 +1,233 @@
+#include <algorithm>
+#include <memory>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "freshet/error.h"
+#include "media/picture/picture.h"
+#include "synth/animate/animate.h"
+#include "synth/animate/frame_sheet.h"
+#include "synth/animate/motion/motion_field.h"
+#include "synth/animate/placement/assigned.h"
+#include "tools/commands.h"
+#include "tools/console/output_names.h"
+#include "tools/console/picture_sink.h"
+#include "tools/console/progress.h"
+#include "tools/label_run.h"
+#include "tools/options/boundary_options.h"
+#include "tools/options/cache_options.h"
+#include "tools/options/motion_options.h"
+#include "tools/options/play_options.h"
+#include "tools/options/search_options.h"
+
+namespace freshet::tools {
+namespace {
+
+struct AnimateCommand {
+  TargetFiles target;
+  SearchOptions search;
+  MotionOptions motion;
+  Duration duration;
+  LabelOptions labelling;
+  CacheOptions cache;
+  PlayOptions play;
+  BoundaryOptions boundary;
+  std::string assignment, out, sheet;
+  std::string weights = "variance", low_band = "shared", matching = "sequence";
+  synth::animate::AnimateOptions options;
+  bool json = false;
+};
+
+synth::animate::AnimateOptions render_options(const AnimateCommand& command) {
+  synth::animate::AnimateOptions options = command.options;
+  options.frames = command.duration.frames;
+  options.fps = command.duration.fps;
+  command.play.apply(options);
+  options.blend.weights = command.weights == "paper" ? synth::animate::BlendWeights::kPaper
+                                                     : synth::animate::BlendWeights::kVariance;
+  options.blend.low_band = command.low_band == "keep"     ? synth::animate::LowBand::kKeep
+                           : command.low_band == "remove" ? synth::animate::LowBand::kRemove
+                                                          : synth::animate::LowBand::kShared;
+  options.matching = command.matching == "none"    ? synth::animate::AppearanceMatching::kNone
+                     : command.matching == "frame" ? synth::animate::AppearanceMatching::kFrame
+                                                   : synth::animate::AppearanceMatching::kSequence;
+  return options;
+}
+
+void run_animate(AnimateCommand& command, const RunContext& context) {
+  const store::Snapshot snapshot = store::Store::open_read(command.target.store).snapshot();
+  const TargetFiles::Loaded loaded = command.target.load();
+  synth::animate::AnimateOptions options = render_options(command);
+  command.boundary.apply(options, loaded.picture.size());
+  const AskedMotion asked = command.motion.read(loaded, command.search);
+  // The output first: a mistyped folder should not cost a labelling.
+  command.motion.check_outputs();
+  check_picture_output(command.sheet);
+  PictureSink sink(command.out, loaded.picture.size(), options.frames, options.fps);
+
+  query::Assignment assignment;
+  nlohmann::json labelled;  // null for an assignment from a file
+  if (command.assignment.empty()) {
+    const LabelRun run = label_with_progress(snapshot, loaded, command.search, asked, command.labelling,
+                                             command.duration, context, command.cache.open().get());
+    say(label_summary(run));
+    labelled = label_json(run);
+    assignment = run.labelling.assignment;
+  } else {
+    assignment = query::read_assignment(command.assignment);
+    if (assignment.picture != loaded.picture.size())
+      throw Error(ErrorKind::kInput, command.assignment,
+                  fmt::format("it was made for a picture of {} x {} px, and {} has {} x {}",
+                              assignment.picture.width, assignment.picture.height,
+                              command.target.picture.string(), loaded.picture.cols, loaded.picture.rows),
+                  "Label this picture with freshet query label");
+  }
+  synth::animate::Placement placement = synth::animate::place(assignment, snapshot);
+  command.play.apply(placement, loaded.picture.size());
+  options.guide = asked.guide;
+  // Speeds are asked of the clips as they were filmed; a retimed piece is carried as fast as it plays.
+  const auto retimed = [](const synth::animate::PlacedPatch& patch) { return patch.speed != 1; };
+  if (std::any_of(placement.patches.begin(), placement.patches.end(), retimed)) options.guide.speed.release();
+  const vision::Settings settings = vision::settings_from_json(snapshot.settings());
+  const cv::Mat motion =
+      command.motion.needs_motion(asked)
+          ? synth::animate::motion_field(snapshot, settings, placement, loaded.picture.size())
+          : cv::Mat();
+  command.motion.draw(loaded, asked, motion);
+  command.motion.write_maps(loaded, motion);
+
+  synth::animate::FrameSheet sheet(loaded.picture, options.frames);
+  Progress progress;
+  const synth::animate::AnimateReport report = synth::animate::animate(
+      snapshot, settings, loaded.picture, loaded.matte, placement, options,
+      [&](const cv::Mat& frame) {
+        sink.write(frame);
+        sheet.add(frame);
+      },
+      [&](const synth::animate::AnimateProgress& at) { progress.show(at.stage, at.done, at.of); },
+      context.stop);
+  sink.finish();
+  command.boundary.finish();
+  progress.finish();
+  if (!command.sheet.empty()) media::write_picture(command.sheet, sheet.draw());
+  say(fmt::format(
+      "{} frames of {} x {} from {} pieces of {} clips in {:.1f} s, {:.1f} frames/s (decode {:.1f}, blend "
+      "{:.1f}, base {:.1f}, match {:.1f}, render and write {:.1f})",
+      options.frames, loaded.picture.cols, loaded.picture.rows, report.pieces, report.clips, report.total_s,
+      options.frames / report.total_s, report.decode_s, report.blend_s, report.base_s, report.appearance_s,
+      report.render_s));
+  std::vector<std::string> files{command.out, command.sheet, command.boundary.output()};
+  for (const std::string& path : command.motion.outputs()) files.push_back(path);
+  std::erase(files, "");
+  if (!command.json) {
+    for (const std::string& path : files) fmt::print("{}\n", path);
+    return;
+  }
+  fmt::print("{}\n", nlohmann::json{{"files", files},
+                                    {"frames", options.frames},
+                                    {"width", loaded.picture.cols},
+                                    {"height", loaded.picture.rows},
+                                    {"fps", options.fps},
+                                    {"pieces", report.pieces},
+                                    {"clips", report.clips},
+                                    {"batches", report.batches},
+                                    {"labelling", labelled},
+                                    {"seconds",
+                                     {{"decode", report.decode_s},
+                                      {"blend", report.blend_s},
+                                      {"base", report.base_s},
+                                      {"match", report.appearance_s},
+                                      {"render", report.render_s},
+                                      {"total", report.total_s}}}}
+                         .dump(2));
+}
+
+void add_animate(CLI::App& synth_command, RunContext& context) {
+  auto command = std::make_shared<AnimateCommand>();
+  CLI::App* sub =
+      synth_command.add_subcommand("animate", "Animate a still picture with the patches of a store");
+  command->target.add_to(*sub);
+  sub->add_option("-o,--output", command->out,
+                  "The animation: .mp4, .mkv (lossless), .webp, .apng, or a sequence such as frames/%05d.png")
+      ->required();
+  sub->add_option("--sheet", command->sheet, "Write a contact sheet of the picture and frames (PNG, JPEG)");
+  sub->add_option("--assignment", command->assignment,
+                  "Use this assignment, from freshet query label, in place of searching and labelling");
+  sub->add_flag("--json", command->json, "Print files, labelling and seconds by stage as JSON");
+  command->duration.add_to(*sub);
+  command->search.add_to(*sub);
+  command->motion.add_to(*sub);
+  command->motion.add_outputs_to(*sub);
+  command->labelling.add_to(*sub);
+  command->cache.add_to(*sub);
+  command->play.add_to(*sub);
+  command->boundary.add_to(*sub);
+  const std::string group = "Rendering";
+  sub->add_option("--shutter", command->options.base.shutter_s,
+                  "Exposure of what stands still below, s: blurs it along the motion")
+      ->check(CLI::Range(0.0, 10.0))
+      ->capture_default_str()
+      ->group(group);
+  sub->add_option("--softness", command->options.base.gaussian_s,
+                  "Further blur in all directions: sigma in px for each px/s of speed")
+      ->check(CLI::Range(0.0, 10.0))
+      ->capture_default_str()
+      ->group(group);
+  sub->add_option(
+         "--carry", command->options.carry.share,
+         "How much of the picture's own detail is carried along by the motion, 0 to 1; the rest is the "
+         "long exposure (0: the paper's)")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str()
+      ->group(group);
+  sub->add_option("--carry-life", command->options.carry.life_s,
+                  "How long a carried copy lasts before a fresh one takes over, s")
+      ->check(CLI::Range(0.1, 60.0))
+      ->capture_default_str()
+      ->group(group);
+  sub->add_option("--blend", command->weights,
+                  "variance (keeps the contrast of overlapping pieces) or paper (averages)")
+      ->check(CLI::IsMember({"variance", "paper"}))
+      ->capture_default_str()
+      ->group(group);
+  sub->add_option("--low-band", command->low_band,
+                  "Level of each piece over time: shared with its neighbours, keep, or remove")
+      ->check(CLI::IsMember({"shared", "keep", "remove"}))
+      ->capture_default_str()
+      ->group(group);
+  sub->add_option("--matching", command->matching,
+                  "Contrast and levels matched to the picture: over the whole sequence, by frame (the "
+                  "paper's; pumps), or none")
+      ->check(CLI::IsMember({"sequence", "frame", "none"}))
+      ->capture_default_str()
+      ->group(group);
+  sub->add_option("--max-gain", command->options.appearance.max_gain, "Most that matching amplifies a band")
+      ->check(CLI::Range(1.0, 20.0))
+      ->capture_default_str()
+      ->group(group);
+  add_threads(*sub);
+  sub->callback([command, sub, &context] {
+    if (!command->assignment.empty())
+      for (const char* name : {"--class", "--direction", "--exclude", "--piece", "--piece-scale", "--solver",
+                               "--hint", "--strokes", "--orientation-map", "--speed-map", "--cache"})
+        if (sub->count(name) > 0)
+          say(fmt::format("{} has no effect: {} says which patches are used", name, command->assignment));
+    run_animate(*command, context);
+  });
+}
+
+}  // namespace
+
+void add_synth(CLI::App& app, RunContext& context) {
+  CLI::App* synth_command =
+      app.add_subcommand("synth", "Synthesise: animate a picture, simulate a fluid, or transfer a look");
+  synth_command->require_subcommand(1);
+  add_animate(*synth_command, context);
+  add_sweep(*synth_command, context);
+  add_matte(*synth_command, context);
+  add_simulate(*synth_command, context);
+  add_transfer(*synth_command, context);
+}
+
+}  // namespace freshet::tools

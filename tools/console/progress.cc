@@ -1,0 +1,76 @@
+#include "tools/console/progress.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdio>
+
+#include <fmt/format.h>
+
+namespace freshet::tools {
+namespace {
+
+bool on_terminal() {
+  static const bool answer = isatty(STDERR_FILENO) != 0;
+  return answer;
+}
+bool line_is_drawn = false;
+
+std::string time_left(double seconds) {
+  const int s = static_cast<int>(seconds + 0.5);
+  return s >= 3600 ? fmt::format("{}:{:02}:{:02}", s / 3600, s / 60 % 60, s % 60)
+                   : fmt::format("{}:{:02}", s / 60, s % 60);
+}
+
+}  // namespace
+
+void clear_progress_line() {
+  if (!line_is_drawn) return;
+  fmt::print(stderr, "\r\033[K");
+  line_is_drawn = false;
+}
+
+Progress::~Progress() { finish(); }
+
+void Progress::finish() {
+  clear_progress_line();
+  std::fflush(stderr);
+}
+
+void Progress::show(const std::string& stage, std::size_t done, std::size_t total, const std::string& unit) {
+  const Clock::time_point now = Clock::now();
+  const bool new_stage = stage != stage_;
+  if (new_stage) {
+    stage_ = stage;
+    stage_start_ = now;
+    first_done_ = done;
+  }
+  const auto since = now - last_shown_;
+  const bool due = on_terminal() ? since > std::chrono::milliseconds(100) || done == total
+                                 : since > std::chrono::seconds(30);
+  if (!new_stage && !due) return;
+  last_shown_ = now;
+
+  const double elapsed = std::chrono::duration<double>(now - stage_start_).count();
+  const double rate = elapsed > 0.2 ? static_cast<double>(done - std::min(done, first_done_)) / elapsed : 0;
+  std::string text = stage;
+  if (total > 0)
+    text += fmt::format(" {}/{}", done, total);
+  else if (done > 0)
+    text += fmt::format(" {}", done);
+  if (!unit.empty() && (total > 0 || done > 0)) text += " " + unit;
+  if (rate > 0) text += fmt::format(", {:.{}f}/s", rate, rate < 10 ? 1 : 0);
+  if (rate > 0 && total > done)
+    text += fmt::format(", {} left", time_left(static_cast<double>(total - done) / rate));
+  if (on_terminal()) {
+    constexpr std::size_t kWidth = 24;
+    const std::size_t full = total > 0 ? std::min(kWidth, kWidth * done / total) : 0;
+    fmt::print(stderr, "\r\033[K[{}{}] {}", std::string(full, '='), std::string(kWidth - full, ' '), text);
+    line_is_drawn = true;
+  } else {
+    fmt::print(stderr, "{}\n", text);
+  }
+  std::fflush(stderr);
+}
+
+}  // namespace freshet::tools

@@ -1,0 +1,31 @@
+// tools/console/progress.h — how far long work has come: a bar on a terminal, plain lines elsewhere.
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <string>
+
+namespace freshet::tools {
+
+/// Shows `done of total` with rate and time left, on stderr. On a terminal one line is redrawn at most ten
+/// times a second; elsewhere a line is printed when a stage begins and then every 30 s, so that logs stay
+/// short.
+class Progress {
+ public:
+  ~Progress();
+  /// unit   what is counted: "frames", "pieces", ...
+  void show(const std::string& stage, std::size_t done, std::size_t total, const std::string& unit = "");
+  /// Ends the line.
+  void finish();
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  std::string stage_;
+  Clock::time_point stage_start_{}, last_shown_{};
+  std::size_t first_done_ = 0;
+};
+
+/// Removes a half-drawn bar, before something else is written to stderr.
+void clear_progress_line();
+
+}  // namespace freshet::tools

@@ -1,0 +1,53 @@
+#include "tools/options/cache_options.h"
+
+#include <cstdlib>
+#include <filesystem>
+
+#include "freshet/error.h"
+#include "tools/console/run_context.h"
+
+namespace freshet::tools {
+namespace {
+
+// As the XDG Base Directory Specification has it; its paths count only when they are absolute.
+std::filesystem::path home_of_caches() {
+  for (const auto& [variable, below] : {std::pair{"XDG_CACHE_HOME", ""}, std::pair{"HOME", ".cache"}}) {
+    const char* value = std::getenv(variable);
+    if (value != nullptr && value[0] == '/') return std::filesystem::path(value) / below / "freshet";
+  }
+  throw Error(ErrorKind::kUsage, "--cache auto", "neither XDG_CACHE_HOME nor HOME is set", "Name a folder");
+}
+
+}  // namespace
+
+void CacheOptions::add_to(CLI::App& command) {
+  const std::string group = "Cache";
+  command
+      .add_option("--cache", folder_,
+                  "Keep candidates, tables and labels in this folder, and use what is there: after a changed "
+                  "stroke only the pieces it touches are searched again. auto: $XDG_CACHE_HOME/freshet or "
+                  "~/.cache/freshet [none]")
+      ->type_name("DIR")
+      ->group(group);
+  command
+      .add_option("--cache-size", megabytes_,
+                  "MB that the cache may hold; what was not used for longest goes")
+      ->check(CLI::Range(1, 1 << 20))
+      ->capture_default_str()
+      ->group(group);
+}
+
+std::unique_ptr<query::LabelCache> CacheOptions::open() const {
+  if (folder_.empty()) return nullptr;
+  return std::make_unique<query::LabelCache>(
+      folder_ == "auto" ? home_of_caches() : std::filesystem::path(folder_),
+      static_cast<std::uintmax_t>(megabytes_) << 20);
+}
+
+void finish_cache(query::LabelCache* cache) {
+  if (cache == nullptr) return;
+  cache->finish();
+  for (const std::string& notice : cache->take_notices()) say(notice);
+}
+
+}  // namespace freshet::tools

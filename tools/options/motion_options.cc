@@ -1,0 +1,171 @@
+#include "tools/options/motion_options.h"
+
+#include <cmath>
+
+#include <fmt/format.h>
+#include <opencv2/imgproc.hpp>
+
+#include "freshet/error.h"
+#include "media/picture/picture.h"
+#include "query/hints/field_drawing.h"
+#include "query/hints/motion_maps.h"
+#include "query/hints/stroke_field.h"
+#include "tools/console/output_names.h"
+#include "tools/console/run_context.h"
+
+namespace freshet::tools {
+namespace {
+
+constexpr const char* kGroup = "Motion";
+
+/// Does some of a stroke lie on fluid?
+bool on_fluid(const query::Stroke& stroke, const cv::Mat& matte) {
+  cv::Mat drawn = cv::Mat::zeros(matte.size(), CV_8U);
+  std::vector<cv::Point> points;
+  for (const cv::Point2f& point : stroke.points)
+    points.emplace_back(static_cast<int>(std::floor(point.x)), static_cast<int>(std::floor(point.y)));
+  cv::polylines(drawn, points, false, cv::Scalar(255), 1);
+  return cv::countNonZero(drawn & matte) > 0;
+}
+
+void say_all(const std::string& file, const std::vector<std::string>& notices) {
+  for (const std::string& notice : notices) say(file + ": " + notice);
+}
+
+}  // namespace
+
+void MotionOptions::add_to(CLI::App& command) {
+  speed_white_ = query::kSpeedWhite;
+  speed_ratio_ = query::MotionGuide{}.speed_ratio;
+  command
+      .add_option("--hint", hint_,
+                  "Where no direction is asked: auto (guess one from the candidates' classes and the "
+                  "picture's texture, and say so) or none")
+      ->check(CLI::IsMember({"auto", "none"}))
+      ->capture_default_str()
+      ->group(kGroup);
+  CLI::Option* strokes =
+      command
+          .add_option(
+              "--strokes", strokes_,
+              "Lines drawn over the picture in the direction of the flow: SVG (paths, lines, polylines; "
+              "attribute data-speed in px/s) or JSON {\"format\": \"freshet-strokes\", \"version\": 1, "
+              "\"strokes\": [{\"points\": [[x, y], ...], \"speed\": 80}]}")
+          ->group(kGroup);
+  command
+      .add_option(
+          "--orientation-map", orientation_map_,
+          "Directions as a picture of the same size: hue 0 (red) right, 90 up, 180 left, 270 down; grey or "
+          "transparent: any")
+      ->excludes(strokes)
+      ->group(kGroup);
+  command
+      .add_option(
+          "--speed-map", speed_map_,
+          "Speeds as a grey picture of the same size: black still, white --speed-white; transparent: any")
+      ->group(kGroup);
+  command
+      .add_option("--speed-white", speed_white_,
+                  "Speed that white stands for, px/s, in maps read and written")
+      ->check(CLI::Range(1.0, 100000.0))
+      ->capture_default_str()
+      ->group(kGroup);
+  command
+      .add_option("--speed-tolerance", speed_ratio_,
+                  "Ratio by which patches may be slower or faster than asked by strokes or a speed map")
+      ->check(CLI::Range(1.0, 16.0))
+      ->capture_default_str()
+      ->group(kGroup);
+  command
+      .add_option(
+          "--draw", drawing_,
+          "Write the picture with arrows of the motion that is asked, or else was assigned (PNG, JPEG)")
+      ->group(kGroup);
+}
+
+void MotionOptions::add_outputs_to(CLI::App& command) {
+  command
+      .add_option(
+          "--orientation-out", orientation_out_,
+          "Write the assigned directions, to be edited and given back with --orientation-map (PNG, 16 bits)")
+      ->group(kGroup);
+  command
+      .add_option("--speed-out", speed_out_,
+                  "Write the assigned speeds, to be edited and given back with --speed-map (PNG, 16 bits)")
+      ->group(kGroup);
+}
+
+void MotionOptions::check_outputs() const {
+  check_picture_output(drawing_);
+  for (const std::string& path : {orientation_out_, speed_out_}) {
+    check_output_folder(path);
+    if (!path.empty()) query::check_map_name(path);
+  }
+}
+
+AskedMotion MotionOptions::read(const TargetFiles::Loaded& loaded, const SearchOptions& search) const {
+  AskedMotion asked;
+  asked.guesses = hint_ == "auto";
+  asked.guide.tolerance_deg = search.options().direction_tolerance_deg;
+  asked.guide.speed_ratio = speed_ratio_;
+  const cv::Size picture = loaded.picture.size();
+  std::vector<std::string> notices;
+  if (!strokes_.empty()) {
+    asked.strokes = query::read_strokes(strokes_, picture, &notices);
+    say_all(strokes_, notices);
+    for (const query::Stroke& stroke : asked.strokes)
+      if (!on_fluid(stroke, loaded.matte))
+        say(fmt::format("{}: {} lies wholly outside the matte; is it meant for this picture?", strokes_,
+                        stroke.name.empty() ? "a stroke" : stroke.name));
+    query::StrokeField field = query::interpolate(asked.strokes, picture, strokes_);
+    asked.guide.direction = field.direction;
+    asked.guide.speed = field.speed;
+  }
+  notices.clear();
+  if (!orientation_map_.empty()) {
+    asked.guide.direction = query::read_orientation_map(orientation_map_, picture, &notices);
+    say_all(orientation_map_, notices);
+  }
+  notices.clear();
+  if (!speed_map_.empty()) {
+    if (!asked.guide.speed.empty()) say("the speed map is used, and not the strokes' speeds");
+    asked.guide.speed = query::read_speed_map(speed_map_, picture, speed_white_, &notices);
+    say_all(speed_map_, notices);
+  }
+  return asked;
+}
+
+query::CandidateOptions MotionOptions::beside(const AskedMotion& asked, const SearchOptions& search) {
+  query::CandidateOptions options = search.options();
+  if (options.direction_deg && asked.has_direction()) {
+    say("--direction has no effect: the strokes or the orientation map say where the fluid goes");
+    options.direction_deg.reset();
+  }
+  return options;
+}
+
+void MotionOptions::draw(const TargetFiles::Loaded& loaded, const AskedMotion& asked,
+                         const cv::Mat& motion) const {
+  if (drawing_.empty()) return;
+  cv::Mat direction = asked.guide.direction, speed = asked.guide.speed;
+  if (asked.guide.empty()) {
+    if (motion.empty())
+      throw Error(ErrorKind::kUsage, "--draw " + drawing_, "no motion is asked",
+                  "Give --strokes, --orientation-map or --speed-map");
+    query::split_motion(motion, loaded.matte, direction, speed);
+  }
+  media::write_picture(drawing_,
+                       query::draw_field(loaded.picture, loaded.matte, direction, speed, asked.strokes));
+}
+
+void MotionOptions::write_maps(const TargetFiles::Loaded& loaded, const cv::Mat& motion) const {
+  if (!orientation_out_.empty()) query::write_orientation_map(orientation_out_, motion, loaded.matte);
+  if (speed_out_.empty()) return;
+  const double cut = query::write_speed_map(speed_out_, motion, loaded.matte, speed_white_);
+  if (cut > 0)
+    say(fmt::format(
+        "{}: {:.1f} % of the moving pixels are faster than white; a greater --speed-white shows them",
+        speed_out_, 100 * cut));
+}
+
+}  // namespace freshet::tools

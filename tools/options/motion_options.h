@@ -1,0 +1,57 @@
+// tools/options/motion_options.h — the options with which a person says how the fluid is to move, and sees how it
+// does.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <opencv2/core.hpp>
+
+#include "query/hints/strokes.h"
+#include "query/search/motion_guide.h"
+#include "tools/options/search_options.h"
+
+namespace freshet::tools {
+
+/// What strokes and maps ask of one picture.
+struct AskedMotion {
+  query::MotionGuide guide;            // empty: nothing was asked
+  std::vector<query::Stroke> strokes;  // as read, for the drawing
+  bool guesses = true;                 // where nobody says a direction, one may be guessed (motion_hint.h)
+  bool has_direction() const { return !guide.direction.empty(); }
+};
+
+class MotionOptions {
+ public:
+  /// --hint, --strokes, --orientation-map, --speed-map, --speed-white, --speed-tolerance, --draw.
+  void add_to(CLI::App& command);
+  /// --orientation-out, --speed-out: for commands that assign patches.
+  void add_outputs_to(CLI::App& command);
+
+  /// Throws for outputs whose names are wrong, before anything is computed.
+  void check_outputs() const;
+  /// Reads what was given; says what was left out. The tolerance in degrees is that of --direction.
+  AskedMotion read(const TargetFiles::Loaded& loaded, const SearchOptions& search) const;
+  /// Search options beside a guide: strokes and orientation maps overrule --direction, which is said.
+  static query::CandidateOptions beside(const AskedMotion& asked, const SearchOptions& search);
+
+  /// Writes --draw: what was asked, or what was assigned where nothing was (motion   CV_32FC2, px/s; empty
+  /// when nothing was assigned yet).
+  void draw(const TargetFiles::Loaded& loaded, const AskedMotion& asked, const cv::Mat& motion) const;
+  /// Writes the maps of assigned motion; says when white is too dark for it.
+  void write_maps(const TargetFiles::Loaded& loaded, const cv::Mat& motion) const;
+  /// Whether draw() or write_maps() needs the assigned motion.
+  bool needs_motion(const AskedMotion& asked) const {
+    return !orientation_out_.empty() || !speed_out_.empty() || (!drawing_.empty() && asked.guide.empty());
+  }
+  /// Of the files written, for the command's last lines.
+  std::vector<std::string> outputs() const { return {drawing_, orientation_out_, speed_out_}; }
+
+ private:
+  std::string hint_ = "auto", strokes_, orientation_map_, speed_map_, drawing_, orientation_out_, speed_out_;
+  double speed_white_ = 0, speed_ratio_ = 0;
+};
+
+}  // namespace freshet::tools

@@ -1,0 +1,67 @@
+#include "tools/options/play_options.h"
+
+#include <fmt/format.h>
+
+#include "freshet/error.h"
+#include "media/picture/picture.h"
+#include "synth/animate/placement/retiming.h"
+#include "tools/console/run_context.h"
+
+namespace freshet::tools {
+
+void PlayOptions::add_to(CLI::App& command) {
+  const std::string group = "Time";
+  command
+      .add_flag("--loop", loop_,
+                "An animation without an end: the last frame runs into the first with no seam [off]")
+      ->group(group);
+  command
+      .add_option("--speed", speed_,
+                  "How fast everything plays: 1 as filmed, 0.5 slow motion, 2 twice as fast")
+      ->check(CLI::Range(0.05, 20.0))
+      ->capture_default_str()
+      ->group(group);
+  command
+      .add_option("--retiming-map", map_,
+                  "Grey picture of the same size, times --speed: black 0.5, mid-grey (128) 1, white 2 [none]")
+      ->group(group);
+  command
+      .add_option("--resampling", resampling_,
+                  "Moments between a clip's frames: flow (made along the motion) or nearest (frame)")
+      ->check(CLI::IsMember({"flow", "nearest"}))
+      ->capture_default_str()
+      ->group(group);
+  command
+      .add_option("--memory", memory_mb_,
+                  "MB that frames in the making may take; more of them are made in batches, the same to the "
+                  "bit. Large pictures need more by themselves (2.3 GB at 3840 x 2160)")
+      ->check(CLI::Range(1, 1 << 20))
+      ->capture_default_str();
+}
+
+void PlayOptions::apply(synth::animate::AnimateOptions& options) const {
+  if (loop_ && options.frames < 2)
+    throw Error(ErrorKind::kUsage, "--loop", "one frame is no animation to go round",
+                "Ask for 2 --frames or more");
+  options.loop = loop_;
+  options.resampling =
+      resampling_ == "nearest" ? synth::animate::Resampling::kNearest : synth::animate::Resampling::kFlow;
+  options.memory_bytes = static_cast<std::size_t>(memory_mb_) << 20;
+}
+
+void PlayOptions::apply(synth::animate::Placement& placement, cv::Size picture) const {
+  cv::Mat map;
+  if (!map_.empty()) {
+    const media::Picture read = media::read_picture(map_);
+    for (const std::string& notice : read.notices) say(map_.string() + ": " + notice);
+    if (read.bgr.size() != picture)
+      throw Error(ErrorKind::kInput, map_.string(),
+                  fmt::format("it has {} x {} px, the picture {} x {}", read.bgr.cols, read.bgr.rows,
+                              picture.width, picture.height),
+                  "Give a map of the picture's size");
+    map = read.bgr;
+  }
+  synth::animate::retime(placement, speed_, map, picture);
+}
+
+}  // namespace freshet::tools
