@@ -15,7 +15,7 @@ namespace {
 // Measured on 50 clips with the camera known: see screening.h.
 constexpr int kCellsAcross = 24;     // corner points: the best of each of 24 cells along the longer side
 constexpr double kMinCorner = 2e-4;  // smaller eigenvalue, cv::cornerMinEigenVal, block 5
-constexpr int kTemplate = 11;        // px, side of the pattern that must keep its looks
+constexpr int kTemplate = 11;        // px, side of the pattern that must keep its appearance
 constexpr int kMargin = kTemplate / 2 + 1;  // px from the frame's edge
 constexpr double kMinCorrelation = 0.8;
 constexpr double kInlier = 1.0;       // px
@@ -149,9 +149,10 @@ struct CameraTracker::Impl {
     for (std::size_t i = 0; !similarity.empty() && i < survivors.size(); ++i) {
       if (inlier[i]) agreeing.push_back(survivors[i]);
     }
-    const auto is_scene = [&](const std::vector<int>& group, double min_share, int min_cells) {
-      return group.size() >= std::max<std::size_t>(kMinGroup, static_cast<std::size_t>(
-                                                                  std::ceil(min_share * survivors.size()))) &&
+    const auto is_scene = [&](const std::vector<int>& group, double min_fraction, int min_cells) {
+      return group.size() >=
+                 std::max<std::size_t>(
+                     kMinGroup, static_cast<std::size_t>(std::ceil(min_fraction * survivors.size()))) &&
              cells_of(anchors, group, size) >= min_cells;
     };
     Corners place = places.back();

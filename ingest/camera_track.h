@@ -1,12 +1,12 @@
-// camera_track.h — how far the camera moved, as told by things that keep their looks.
+// camera_track.h — how far the camera moved, as seen from things that keep their appearance.
 //
 // Fluids change while they move, solid things do not. Corner points are followed by Lucas-Kanade for a window
 // of about a second and dropped as soon as they stop looking like what they were (normalised correlation with
 // the window's first frame below 0.8). What survives is judged as a group: most of the survivors agreeing on
 // one similarity transform, spread over the frame, are the scene, and their motion is the camera's. Drifting
-// clouds survive too, but badly agree: 9 to 52 in a hundred fit one similarity to within a pixel a second,
-// against 60 to 100 where a camera moves (clips: see screening.h). Clouds that creep agree better; where they
-// do, what stands still is taken for the scene.
+// clouds survive too, but badly agree: 9 to 52 in a hundred fit one similarity to within one pixel per
+// second, against 60 to 100 where a camera moves (clips: see screening.h). Clouds that creep agree better;
+// where they do, what stands still is taken for the scene.
 #pragma once
 
 #include <memory>
@@ -18,15 +18,16 @@ namespace freshet::ingest {
 struct CameraMotion {
   int windows = 0;             // looked at
   int referenced_windows = 0;  // in which something solid was found
-  double drift = 0;  // largest distance between the scene's places at any two moments, share of the diagonal
-  double shake = 0;  // rms of its motion faster than about 0.4 s, share of the diagonal
-  double reference_share() const {
+  double drift = 0;  // largest distance between the scene's places at any two moments, fraction of the
+                     // diagonal
+  double shake = 0;  // rms of its motion faster than about 0.4 s, fraction of the diagonal
+  double reference_fraction() const {
     return windows > 0 ? static_cast<double>(referenced_windows) / windows : 0;
   }
 };
 
 /// Takes a clip's frames one by one. Memory: two small frames and one window of point positions, and 80 bytes
-/// for each window. Cost: about 3 ms a frame on one thread, whatever the frame's size.
+/// for each window. Cost: about 3 ms per frame on one thread, whatever the frame's size.
 class CameraTracker {
  public:
   /// size   of the frames that will be added, px; best kWorkingSide on their longer side.

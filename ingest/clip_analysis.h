@@ -26,11 +26,11 @@ class LumaStatistics {
   std::vector<std::uint64_t> squares_;  // row-major
 };
 
-/// 255 where a clip moves, CV_8U at source size: mean speed of at least settings.min_motion_px (px a frame at
-/// 25 frames a second) and deviation of at least settings.min_change. Flow alone drags still scenery along
-/// beside a jet; change alone counts flicker and noise. Then closed and opened with a 5 px disc: holes and
-/// specks narrower than that are noise of either measure, patches of 48 px never depend on them.
-/// mean_speed_px   as vision::MotionAccumulator gives it: px a frame, possibly smaller than the source.
+/// 255 where a clip moves, CV_8U at source size: mean speed of at least settings.min_motion_px (px per frame
+/// at 25 frames per second) and deviation of at least settings.min_change. Flow alone drags still scenery
+/// along beside a jet; change alone counts flicker and noise. Then closed and opened with a 5 px disc: holes
+/// and specks narrower than that are noise of either measure, patches of 48 px never depend on them.
+/// mean_speed_px   as vision::MotionAccumulator gives it: px per frame, possibly smaller than the source.
 cv::Mat moving_mask(const cv::Mat& mean_speed_px, const cv::Mat& deviation, double fps,
                     const vision::Settings& settings);
 

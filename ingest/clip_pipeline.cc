@@ -76,7 +76,7 @@ store::PlaneView view_of(const cv::Mat& plane) {
 struct Pass {
   const vision::Settings& settings;
   store::ClipWriter& writer;
-  StageSeconds& seconds;
+  IngestSeconds& seconds;
   Screener screener;
   vision::LoopFinder loop;
   LumaStatistics statistics;
@@ -88,7 +88,7 @@ struct Pass {
   std::vector<store::PlaneView> views;
 
   Pass(cv::Size size, double fps, const vision::Settings& settings_, store::ClipWriter& writer_,
-       StageSeconds& seconds_)
+       IngestSeconds& seconds_)
       : settings(settings_),
         writer(writer_),
         seconds(seconds_),
@@ -168,7 +168,7 @@ struct Pass {
 ClipMeasures stream_clip(media::VideoReader& reader, double fps, const std::string& where,
                          const vision::Settings& settings, store::ClipWriter& writer,
                          const std::function<void(std::uint32_t)>& on_slab, const std::stop_token& stop,
-                         StageSeconds& seconds) {
+                         IngestSeconds& seconds) {
   Slab slab = decode_slab(reader, seconds.decode);
   if (slab.frames.empty()) {
     throw Error(
@@ -204,8 +204,8 @@ ClipMeasures stream_clip(media::VideoReader& reader, double fps, const std::stri
   measures.loop = pass.loop.finish();
   measures.average = pass.statistics.mean_u16();
   measures.moving = moving_mask(pass.motion.mean_speed_px(), pass.statistics.deviation(), fps, settings);
-  measures.screening.static_share = 1 - static_cast<double>(cv::countNonZero(measures.moving)) /
-                                            static_cast<double>(measures.moving.total());
+  measures.screening.static_fraction = 1 - static_cast<double>(cv::countNonZero(measures.moving)) /
+                                               static_cast<double>(measures.moving.total());
   measures.motion = pass.motion.finish();
   for (const auto& scale : pass.texture) measures.texture.push_back(scale->finish());
   return measures;

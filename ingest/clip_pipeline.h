@@ -21,7 +21,7 @@ namespace freshet::ingest {
 
 /// Frames in hand at a time: as many as a tile is deep.
 inline constexpr int kSlab = 16;
-/// Flow over a window of 8 pairs is the least that vision::MotionAccumulator takes.
+/// Flow over a window of 8 pairs is the minimum that vision::MotionAccumulator takes.
 inline constexpr std::uint32_t kMinAnalysedFrames = 9;
 
 /// What one pass leaves behind.
@@ -44,12 +44,12 @@ struct ClipMeasures {
 /// Throws   Error{kInput}: no frames, fewer than kMinAnalysedFrames, what the reader throws;
 ///          Error{kCancelled}.
 /// Memory   two slabs of frames with their luma, one slab of quantised flow and the accumulators' sums by
-///          pixel, whatever the clip's length; 40 bytes a frame of times and changes. Peak of a process:
+///          pixel, whatever the clip's length; 40 bytes per frame of times and changes. Peak of a process:
 ///          177 MB at 640 x 360, 430 MB at 1280 x 720; six times as many frames add 70 MB, pages that the
 ///          store's transaction has yet to write.
 ClipMeasures stream_clip(media::VideoReader& reader, double fps, const std::string& where,
                          const vision::Settings& settings, store::ClipWriter& writer,
                          const std::function<void(std::uint32_t)>& on_slab, const std::stop_token& stop,
-                         StageSeconds& seconds);
+                         IngestSeconds& seconds);
 
 }  // namespace freshet::ingest

@@ -44,8 +44,8 @@ json screening_json(const Screening& screening, const Verdict& verdict) {
             {"drift", screening.camera.drift},
             {"shake", screening.camera.shake}}},
           {"cuts", screening.cuts},
-          {"duplicated_share", screening.duplicated_share},
-          {"static_share", screening.static_share},
+          {"duplicated_share", screening.duplicated_fraction},
+          {"static_share", screening.static_fraction},
           {"truncated", screening.truncated},
           {"overridden", verdict.refusals}};
 }
@@ -98,18 +98,18 @@ void write_columns(store::ClipWriter& writer, const ClipMeasures& measures, cons
 void check_fit(const media::VideoInfo& info, const Source& source, const vision::Settings& settings) {
   const media::PixelLayout& layout = info.layout;
   const std::string where = source.path.string();
-  const int least = std::max(16, min_side(settings));  // 16: vision::optical_flow
-  if (std::min(layout.width, layout.height) < least) {
+  const int minimum = std::max(16, min_side(settings));  // 16: vision::optical_flow
+  if (std::min(layout.width, layout.height) < minimum) {
     throw Error(
         ErrorKind::kInput, where,
         fmt::format("{} x {} px is too small: no patch of {} px lies in it, even at the largest scale",
                     layout.width, layout.height, settings.grid.patch),
-        fmt::format("Give a clip of at least {} x {} px", least, least));
+        fmt::format("Give a clip of at least {} x {} px", minimum, minimum));
   }
   if (std::max(layout.width, layout.height) > kMaxSide) {
     throw Error(ErrorKind::kInput, where,
-                fmt::format("{} x {} px is too large, {} px a side is the limit", layout.width, layout.height,
-                            kMaxSide),
+                fmt::format("{} x {} px is too large, {} px per side is the limit", layout.width,
+                            layout.height, kMaxSide),
                 "Scale it down first");
   }
   if (layout.rotation != 0) {
@@ -207,8 +207,8 @@ class ClipIngest {
     record.fps_den = info.fps_den;
     const double claimed = info.fps_den > 0 ? static_cast<double>(info.fps_num) / info.fps_den : 0;
     if (!(claimed > 0.5 && claimed < 2000)) {
-      report.notes.push_back(
-          fmt::format("its header claims {} / {} frames a second; 25 are taken", info.fps_num, info.fps_den));
+      report.notes.push_back(fmt::format("its header claims {} / {} frames per second; 25 are taken",
+                                         info.fps_num, info.fps_den));
       record.fps_num = 25;
       record.fps_den = 1;
     }
@@ -250,7 +250,7 @@ class ClipIngest {
           ErrorKind::kInput, source.path.string(),
           fmt::format(
               "no patch is left: {:.1f} % of its pixels move, and no {} px square of it does by {:.0f} %",
-              100 * (1 - measures.screening.static_share), settings_.grid.patch,
+              100 * (1 - measures.screening.static_fraction), settings_.grid.patch,
               100 * settings_.min_coverage),
           "Give a clip with more motion, or a store with lower limits of motion and coverage");
     }
@@ -318,10 +318,10 @@ IngestReport ingest(store::Store& store, const vision::Settings& settings, std::
   ClipIngest clip(store, settings, options);
   for (std::size_t i = 0; i < sources.size(); ++i) {
     IngestProgress at{.clip = i, .clips = sources.size(), .source = &sources[i]};
-    const auto tell = [&] {
+    const auto notify = [&] {
       if (progress) progress(at);
     };
-    tell();
+    notify();
     try {
       if (stop.stop_requested())
         throw Error(ErrorKind::kCancelled, sources[i].path.string(), "stopped before it");
@@ -330,7 +330,7 @@ IngestReport ingest(store::Store& store, const vision::Settings& settings, std::
           [&](std::uint32_t frames, std::uint32_t claimed) {
             at.frames = frames;
             at.claimed_frames = claimed;
-            tell();
+            notify();
           },
           stop));
     } catch (const Error& error) {
@@ -338,7 +338,7 @@ IngestReport ingest(store::Store& store, const vision::Settings& settings, std::
       return report;
     }
     at.finished = &report.clips.back();
-    tell();
+    notify();
   }
   return report;
 }

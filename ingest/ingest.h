@@ -1,4 +1,4 @@
-// ingest.h — clips in, everything of them into a store: frames, flow, average, columns; one transaction a
+// ingest.h — clips in, everything of them into a store: frames, flow, average, columns; one transaction per
 // clip.
 #pragma once
 
@@ -40,7 +40,7 @@ const char* to_string(Outcome outcome);  // "added", "already there", "refused",
 
 /// Seconds by stage, of the calling thread except `decode`, which runs beside the others, and `screen`, which
 /// runs beside `flow`.
-struct StageSeconds {
+struct IngestSeconds {
   double hash = 0, decode = 0, screen = 0, flow = 0, motion = 0, texture = 0, store = 0, patches = 0,
          commit = 0;
   double total = 0;  // wall clock of the whole clip
@@ -59,13 +59,13 @@ struct ClipReport {
   std::uint64_t patches = 0;
   std::vector<std::uint64_t> patches_by_variant;
   Screening screening;
-  StageSeconds seconds;
+  IngestSeconds seconds;
   // By which the store's file grew. Free pages, and those that a dropped clip left behind, are used first.
   std::uint64_t stored_bytes = 0;
 };
 
 struct IngestReport {
-  std::vector<ClipReport> clips;  // one a source, in the order of the list; fewer when stopped
+  std::vector<ClipReport> clips;  // one per source, in the order of the list; fewer when stopped
   std::optional<Error> stopped;   // cancelled, disk full, store damaged: what ended the run early
   std::size_t count(Outcome outcome) const;
 };
@@ -85,9 +85,9 @@ struct IngestProgress {
 /// Streams   kFrames: native planes.
 ///           kFlow: u, v at 1 / settings.flow_step, frame t from t to t + 1, one frame fewer than the clip.
 ///           kAverage: one plane of 16 bits, mean luma over 0..65535, source size.
-/// Columns   "frame.time": double, s, a row a frame.
-///           "cells.motion": vision::motion_channels floats a row, cells row-major.
-///           "cells.texture.<i>": vision::kTextureLevels floats a row, for the i-th scale of the settings.
+/// Columns   "frame.time": double, s, a row per frame.
+///           "cells.motion": vision::motion_channels floats per row, cells row-major.
+///           "cells.texture.<i>": vision::kTextureLevels floats per row, for the i-th scale of the settings.
 ///           "patch.variant" u8, "patch.x", "patch.y" u16, "patch.motion" 2 floats, px/s, in the variant's
 ///           frame, "patch.coverage" float, 0..1.
 /// Metadata  JSON: "layout" (media::layout_from_json reads it), "codec", "container",

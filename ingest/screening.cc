@@ -67,7 +67,7 @@ std::vector<int> find_cuts(const std::vector<FrameChange>& changes) {
   return cuts;
 }
 
-double duplicated_share(const std::vector<FrameChange>& changes) {
+double duplicated_fraction(const std::vector<FrameChange>& changes) {
   if (changes.empty()) return 0;
   // A repeated frame, coded again, differs by a little; a frame of slow clouds may differ by as little, but
   // so do its neighbours.
@@ -105,7 +105,7 @@ Verdict judge(const Screening& screening, const ScreeningLimits& limits) {
   const CameraMotion& camera = screening.camera;
   // Half of the windows must show something solid, or a chance agreement among clouds would speak for the
   // camera.
-  const bool referenced = camera.windows > 0 && camera.reference_share() >= 0.5;
+  const bool referenced = camera.windows > 0 && camera.reference_fraction() >= 0.5;
   if (referenced && camera.drift > limits.max_drift) {
     verdict.refusals.push_back(fmt::format(
         "the camera moves: the scene shifts by {:.1f} % of the frame's diagonal, {:.1f} % is the limit",
@@ -122,13 +122,13 @@ Verdict judge(const Screening& screening, const ScreeningLimits& limits) {
         "still cannot be told",
         camera.referenced_windows, camera.windows));
   }
-  if (screening.duplicated_share > limits.max_duplicates) {
+  if (screening.duplicated_fraction > limits.max_duplicates) {
     verdict.refusals.push_back(
         fmt::format("{:.0f} % of the frames repeat the one before, {:.0f} % is the limit",
-                    100 * screening.duplicated_share, 100 * limits.max_duplicates));
-  } else if (screening.duplicated_share > 0.02) {
+                    100 * screening.duplicated_fraction, 100 * limits.max_duplicates));
+  } else if (screening.duplicated_fraction > 0.02) {
     verdict.notes.push_back(
-        fmt::format("{:.0f} % of the frames repeat the one before", 100 * screening.duplicated_share));
+        fmt::format("{:.0f} % of the frames repeat the one before", 100 * screening.duplicated_fraction));
   }
   return verdict;
 }
@@ -176,7 +176,7 @@ Screening Screener::finish() {
   screening.frames = impl_->frames;
   screening.camera = impl_->camera.finish();
   screening.cuts = find_cuts(impl_->changes);
-  screening.duplicated_share = duplicated_share(impl_->changes);
+  screening.duplicated_fraction = duplicated_fraction(impl_->changes);
   return screening;
 }
 

@@ -37,17 +37,17 @@ struct ScreeningLimits {
   int min_frames = 24;          // refused below: a second of motion is wanted
   double max_drift = 0.025;     // of the frame's diagonal, over the whole clip
   double max_shake = 0.004;     // of the frame's diagonal, rms
-  double max_duplicates = 0.5;  // share of frames that repeat the one before
+  double max_duplicates = 0.5;  // fraction of frames that repeat the one before
 };
 
-/// What was measured. Shares are 0..1.
+/// What was measured. Fractions are 0..1.
 struct Screening {
   int frames = 0;
   CameraMotion camera;
-  std::vector<int> cuts;        // frames that begin another take
-  double duplicated_share = 0;  // frames that repeat the one before
-  double static_share = 0;      // pixels that do not move; filled in by clip analysis
-  bool truncated = false;       // the file ended before its own header said
+  std::vector<int> cuts;           // frames that begin another take
+  double duplicated_fraction = 0;  // frames that repeat the one before
+  double static_fraction = 0;      // pixels that do not move; filled in by clip analysis
+  bool truncated = false;          // the file ended before its own header said
 };
 
 struct Verdict {
@@ -65,10 +65,10 @@ struct FrameChange {
   float histogram = 0;      // half the L1 distance of 32-bin histograms
 };
 std::vector<int> find_cuts(const std::vector<FrameChange>& changes);
-/// Share of frames that repeat the one before, among those that have one.
-double duplicated_share(const std::vector<FrameChange>& changes);
+/// Fraction of frames that repeat the one before, among those that have one.
+double duplicated_fraction(const std::vector<FrameChange>& changes);
 
-/// Takes a clip's frames in order. Memory: 12 bytes a frame and the camera tracker's.
+/// Takes a clip's frames in order. Memory: 12 bytes per frame and the camera tracker's.
 class Screener {
  public:
   Screener(cv::Size source, double fps);

@@ -53,20 +53,20 @@ struct Tick {
 class Scale {
  public:
   Scale(const ChartAxis& axis, const std::vector<double>& values) : logarithmic_(axis.logarithmic) {
-    double least = std::numeric_limits<double>::infinity(), greatest = -least;
+    double minimum = std::numeric_limits<double>::infinity(), maximum = -minimum;
     for (const double value : values) {
       if (!can_show(value)) continue;
-      least = std::min(least, value);
-      greatest = std::max(greatest, value);
+      minimum = std::min(minimum, value);
+      maximum = std::max(maximum, value);
     }
-    if (least > greatest) std::tie(least, greatest) = std::pair(1.0, 10.0);
-    if (axis.least && can_show(*axis.least)) least = *axis.least;
-    if (axis.greatest && can_show(*axis.greatest)) greatest = *axis.greatest;
-    low_ = on_axis(least);
-    high_ = on_axis(greatest);
+    if (minimum > maximum) std::tie(minimum, maximum) = std::pair(1.0, 10.0);
+    if (axis.min && can_show(*axis.min)) minimum = *axis.min;
+    if (axis.max && can_show(*axis.max)) maximum = *axis.max;
+    low_ = on_axis(minimum);
+    high_ = on_axis(maximum);
     const double room = high_ > low_ ? 0.06 * (high_ - low_) : 0.5;
-    if (!axis.least) low_ -= room;
-    if (!axis.greatest || high_ <= low_) high_ += room;
+    if (!axis.min) low_ -= room;
+    if (!axis.max || high_ <= low_) high_ += room;
   }
   bool can_show(double value) const { return std::isfinite(value) && (!logarithmic_ || value > 0); }
   double place(double value) const { return (on_axis(value) - low_) / (high_ - low_); }
@@ -311,14 +311,14 @@ class Drawing {
         continue;
       }
       const double width = width_of(curve.name), height = kText + 2;
-      double least = std::numeric_limits<double>::infinity();
+      double minimum = std::numeric_limits<double>::infinity();
       Box best{};
       std::pair<double, double> anchor;
       const auto offer = [&](std::pair<double, double> at, double x, double y, double price) {
         const Box box{x, y - height / 2, x + width, y + height / 2};
         const double cost = price + covers(box, taken);
-        if (cost < least) {
-          least = cost;
+        if (cost < minimum) {
+          minimum = cost;
           best = box;
           anchor = at;
         }

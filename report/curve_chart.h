@@ -8,9 +8,9 @@
 namespace freshet::report {
 
 struct ChartAxis {
-  std::string title;                          // what and in which unit: "recall@100", "ms a piece"
-  bool logarithmic = false;                   // values at or below 0 are then left out
-  std::optional<double> least{}, greatest{};  // where the axis begins and ends; nothing: round the points
+  std::string title;                   // what and in which unit: "recall@100", "ms per piece"
+  bool logarithmic = false;            // values at or below 0 are then left out
+  std::optional<double> min{}, max{};  // where the axis begins and ends; nothing: round the points
 };
 
 struct ChartPoint {

@@ -168,11 +168,11 @@ int Environment::try_open_map(std::size_t map_bytes, unsigned flags) {
 }
 
 void Environment::open_map() {
-  const std::size_t least = std::max<std::size_t>(2 * file_bytes(), std::size_t{1} << 26);
+  const std::size_t min_bytes = std::max<std::size_t>(2 * file_bytes(), std::size_t{1} << 26);
   unsigned flags = access_ == Access::kRead ? MDB_RDONLY : 0;
   std::size_t map_bytes = kFirstMapBytes;
   int code = try_open_map(map_bytes, flags);
-  while (code == ENOMEM && map_bytes / 2 >= least) code = try_open_map(map_bytes /= 2, flags);
+  while (code == ENOMEM && map_bytes / 2 >= min_bytes) code = try_open_map(map_bytes /= 2, flags);
   if ((code == EACCES || code == EPERM || code == EROFS) && access_ == Access::kRead) {
     // No lock file can be made here. Pages are safe as long as nobody writes, and the locks on the store say
     // so.
@@ -184,7 +184,7 @@ void Environment::open_map() {
     }
     flags |= MDB_NOLOCK;
     code = try_open_map(map_bytes, flags);
-    while (code == ENOMEM && map_bytes / 2 >= least) code = try_open_map(map_bytes /= 2, flags);
+    while (code == ENOMEM && map_bytes / 2 >= min_bytes) code = try_open_map(map_bytes /= 2, flags);
   }
   check_lmdb(file_, "cannot be opened", code);
   int dead = 0;

@@ -29,7 +29,7 @@ class ReadTransaction;
 class WriteTransaction;
 
 /// Names and sources of all clips in one committed state: what a writer compares a new clip with. Reading all
-/// records for it at every commit took 4.5 us a clip, and so grew with the square of their number.
+/// records for it at every commit took 4.5 us per clip, and so grew with the square of their number.
 struct KnownClips {
   std::size_t transaction = 0;  // number of the state; of any other, nothing is known
   std::map<std::string, std::string, std::less<>> named_by_source;

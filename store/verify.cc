@@ -14,9 +14,9 @@ namespace {
 // What LMDB spends on a value: a place in a page of keys, and whole pages for a value that does not fit
 // there.
 std::uint64_t bytes_on_disk(const ReadTransaction::Entry& entry) {
-  constexpr std::uint64_t kPage = 4096, kPageHeader = 16, kNode = 10, kLargestInside = 2038;
+  constexpr std::uint64_t kPage = 4096, kPageHeader = 16, kNode = 10, kMaxInside = 2038;
   const std::uint64_t node = kNode + entry.key.size() + entry.value.size();
-  if (node <= kLargestInside) return node;
+  if (node <= kMaxInside) return node;
   return kNode + entry.key.size() + 8 + (kPageHeader + entry.value.size() + kPage - 1) / kPage * kPage;
 }
 

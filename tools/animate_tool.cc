@@ -15,9 +15,9 @@
 #include "tools/console/picture_sink.h"
 #include "tools/console/progress.h"
 #include "tools/label_run.h"
-#include "tools/options/boundary_options.h"
 #include "tools/options/cache_options.h"
 #include "tools/options/motion_options.h"
+#include "tools/options/outline_options.h"
 #include "tools/options/play_options.h"
 #include "tools/options/search_options.h"
 
@@ -29,10 +29,10 @@ struct AnimateCommand {
   SearchOptions search;
   MotionOptions motion;
   Duration duration;
-  LabelOptions labelling;
+  SolverOptions labelling;
   CacheOptions cache;
   PlayOptions play;
-  BoundaryOptions boundary;
+  OutlineOptions boundary;
   std::string assignment, out, sheet;
   std::string weights = "variance", low_band = "shared", matching = "sequence";
   synth::animate::AnimateOptions options;
@@ -83,7 +83,7 @@ void run_animate(AnimateCommand& command, const RunContext& context) {
                               command.target.picture.string(), loaded.picture.cols, loaded.picture.rows),
                   "Label this picture with freshet query label");
   }
-  synth::animate::Placement placement = synth::animate::place(assignment, snapshot);
+  synth::animate::Placement placement = synth::animate::placement_from(assignment, snapshot);
   command.play.apply(placement, loaded.picture.size());
   options.guide = asked.guide;
   // Speeds are asked of the clips as they were filmed; a retimed piece is carried as fast as it plays.
@@ -175,7 +175,7 @@ void add_animate(CLI::App& synth_command, RunContext& context) {
       ->capture_default_str()
       ->group(group);
   sub->add_option(
-         "--carry", command->options.carry.share,
+         "--carry", command->options.carry.fraction,
          "How much of the picture's own detail is carried along by the motion, 0 to 1; the rest is the "
          "long exposure (0: the paper's)")
       ->check(CLI::Range(0.0, 1.0))

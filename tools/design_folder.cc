@@ -58,7 +58,7 @@ DesignFolder::DesignFolder(const fs::path& folder, const sim::SceneOptions& opti
   write_text(folder / "scene.toml", scene_text);
 
   const cv::Size cells = sim::cells_of(options.design, options.size);
-  const bool designed = options.preset == sim::Preset::kDesign;
+  const bool designed = options.kind == sim::SceneKind::kDesign;
   description_["size"] = {options.size.width, options.size.height};
   if (designed) {
     description_["grid"] = {cells.width, cells.height};

@@ -10,7 +10,7 @@
 
 namespace freshet::tools {
 
-/// alpha/, flow/ (.flo and .exr) and emitters/, one file a frame, numbered from 0; preview.mp4; the scene;
+/// alpha/, flow/ (.flo and .exr) and emitters/, one file per frame, numbered from 0; preview.mp4; the scene;
 /// and design.json, which says what the numbers mean.
 class DesignFolder {
  public:

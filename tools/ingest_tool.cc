@@ -54,8 +54,8 @@ nlohmann::json to_json(const ingest::ClipReport& clip) {
            {{"drift", s.camera.drift},
             {"shake", s.camera.shake},
             {"cuts", s.cuts},
-            {"duplicated_share", s.duplicated_share},
-            {"static_share", s.static_share},
+            {"duplicated_share", s.duplicated_fraction},
+            {"static_share", s.static_fraction},
             {"truncated", s.truncated}}},
           {"seconds",
            {{"hash", clip.seconds.hash},
@@ -79,7 +79,7 @@ void print_report(const ingest::IngestReport& report) {
     const auto shown = [&](const std::string& text) { return measured ? text : std::string("-"); };
     table.row({clip.name, clip.class_name, fmt::format("{}", clip.frames),
                shown(fmt::format("{}x{}", clip.width, clip.height)), shown(fmt::format("{:.2f}", clip.fps)),
-               fmt::format("{}", clip.patches), shown(fmt::format("{:.2f}", clip.screening.static_share)),
+               fmt::format("{}", clip.patches), shown(fmt::format("{:.2f}", clip.screening.static_fraction)),
                shown(fmt::format("{:.1f}%", 100 * clip.screening.camera.drift)),
                shown(fmt::format("{:.2f}%", 100 * clip.screening.camera.shake)),
                fmt::format("{:.1f}", clip.seconds.total),
@@ -91,7 +91,7 @@ void print_report(const ingest::IngestReport& report) {
              report.count(ingest::Outcome::kFailed));
 }
 
-/// What was found against a clip, as soon as it is found. That a clip is there already, the report tells.
+/// What was found against a clip, as soon as it is found. That a clip is there already, the report says.
 void say_reasons(const ingest::ClipReport& clip) {
   if (clip.outcome == ingest::Outcome::kAlreadyThere) return;
   for (const std::string& reason : clip.reasons)

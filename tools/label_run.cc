@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "query/labelling/label_recall.h"
+#include "query/labelling/labelling_memo.h"
 #include "tools/console/progress.h"
 #include "tools/motion_hint.h"
 #include "tools/options/cache_options.h"
@@ -26,7 +26,7 @@ std::unique_ptr<const query::SearchBase> open_with_progress(const store::Snapsho
 
 LabelRun label_with_progress(const store::Snapshot& snapshot, const TargetFiles::Loaded& loaded,
                              const SearchOptions& search, const AskedMotion& asked,
-                             const LabelOptions& labelling, const Duration& duration,
+                             const SolverOptions& labelling, const Duration& duration,
                              const RunContext& context, query::LabelCache* cache) {
   query::LabelOptions options;
   options.candidates = MotionOptions::beside(asked, search);
@@ -38,19 +38,19 @@ LabelRun label_with_progress(const store::Snapshot& snapshot, const TargetFiles:
   options.max_iterations = labelling.iterations();
   LabelRun run;
   run.base = open_with_progress(snapshot, search, cache != nullptr);
-  std::optional<query::LabelRecall> recall;
-  if (cache != nullptr) recall.emplace(*cache, snapshot, *run.base);
-  guess_where_unasked(snapshot, *run.base, loaded, asked, options, context.stop, recall ? &*recall : nullptr);
+  std::optional<query::LabellingMemo> memo;
+  if (cache != nullptr) memo.emplace(*cache, snapshot, *run.base);
+  guess_where_unasked(snapshot, *run.base, loaded, asked, options, context.stop, memo ? &*memo : nullptr);
   Progress progress;
   run.labelling = query::label(
       snapshot, *run.base, loaded.picture, loaded.matte, options,
       [&](query::LabelStage stage) { progress.show(query::to_string(stage), 0, 0); }, context.stop,
-      recall ? &*recall : nullptr);
+      memo ? &*memo : nullptr);
   progress.finish();
   finish_cache(cache);
   say_filters(run.labelling.search.filtered, duration);
   for (const std::string& note : run.labelling.search.candidates.notes) say(note);
-  if (recall) say(query::to_string(recall->reuse()));
+  if (memo) say(query::to_string(memo->reuse()));
   return run;
 }
 

@@ -27,10 +27,10 @@ std::unique_ptr<const query::SearchBase> open_with_progress(const store::Snapsho
 /// cache   may be null; what was reused of it is said.
 LabelRun label_with_progress(const store::Snapshot& snapshot, const TargetFiles::Loaded& loaded,
                              const SearchOptions& search, const AskedMotion& asked,
-                             const LabelOptions& labelling, const Duration& duration,
+                             const SolverOptions& labelling, const Duration& duration,
                              const RunContext& context, query::LabelCache* cache = nullptr);
 
-/// How far the energy can be above the least one, and whether that is within query::kGapAimed.
+/// How far the energy can be above the minimum, and whether that is within query::kGapAimed.
 std::string gap_text(const query::Assignment& assignment);
 
 /// Seconds by stage; patches and clips that were left by each condition.

@@ -124,14 +124,15 @@ void run_matte(MatteCommand command, const RunContext& context) {
   if (!command.sheet.empty())
     media::write_picture(command.sheet, matte::matte_sheet(picture.bgr, marks, made.alpha));
   say(fmt::format("{:.1f} % of {} x {} px is fluid; marks {:.2f} s, region {:.2f} s, edge {:.2f} s",
-                  100 * made.share, made.alpha.cols, made.alpha.rows, marks_s, made.region_s, made.edge_s));
+                  100 * made.fraction, made.alpha.cols, made.alpha.rows, marks_s, made.region_s,
+                  made.edge_s));
   if (command.json) {
     fmt::print(
         "{}\n",
         nlohmann::json{{"matte", command.out},
                        {"width", made.alpha.cols},
                        {"height", made.alpha.rows},
-                       {"share", made.share},
+                       {"share", made.fraction},
                        {"edge", command.edge},
                        {"notices", made.notices},
                        {"seconds", {{"marks", marks_s}, {"region", made.region_s}, {"edge", made.edge_s}}}}
@@ -201,7 +202,7 @@ void add_matte(CLI::App& synth_command, RunContext& context) {
       ->check(CLI::Range(0, 100))
       ->capture_default_str()
       ->group(edges);
-  sub->add_flag("--json", command->json, "Print share of fluid (0..1) and seconds by stage as JSON");
+  sub->add_flag("--json", command->json, "Print fraction of fluid (0..1) and seconds by stage as JSON");
   add_threads(*sub);
   sub->callback([command, &context] { run_matte(*command, context); });
 }

@@ -12,7 +12,7 @@ bool may_guess(const AskedMotion& asked, const query::CandidateOptions& options)
 
 void guess_where_unasked(const store::Snapshot& snapshot, const query::SearchBase& base,
                          const TargetFiles::Loaded& loaded, const AskedMotion& asked,
-                         query::LabelOptions& options, std::stop_token stop, query::LabelRecall* recall) {
+                         query::LabelOptions& options, std::stop_token stop, query::LabellingMemo* memo) {
   if (!may_guess(asked, options.candidates)) return;
   Progress progress;
   progress.show("guessing the motion", 0, 0);
@@ -20,7 +20,7 @@ void guess_where_unasked(const store::Snapshot& snapshot, const query::SearchBas
   unasked.guide = {};
   const query::MotionGuess guess = query::guess_motion(
       snapshot,
-      query::search_candidates(snapshot, base, loaded.picture, loaded.matte, unasked, {}, stop, recall),
+      query::search_candidates(snapshot, base, loaded.picture, loaded.matte, unasked, {}, stop, memo),
       loaded.picture, loaded.matte);
   progress.finish();
   say(guess.report + (options.candidates.class_name.empty() ? "; --class says what it is, " : "; ") +

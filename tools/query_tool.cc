@@ -42,7 +42,7 @@ struct LabelCommand {
   SearchOptions search;
   MotionOptions motion;
   Duration duration;
-  LabelOptions labelling;
+  SolverOptions labelling;
   CacheOptions cache;
   std::string assignment, map, sheet;
   bool json = false;
@@ -132,7 +132,7 @@ void run_candidates(const CandidatesCommand& command, const RunContext& context)
   for (const std::string& note : search.candidates.notes) say(note);
   const std::size_t pieces = search.candidates.pieces();
   const std::size_t total = search.filtered.rows.count();
-  say(fmt::format("{} pieces searched among {} patches in {:.2f} s ({:.2f} ms a piece)", pieces, total,
+  say(fmt::format("{} pieces searched among {} patches in {:.2f} s ({:.2f} ms per piece)", pieces, total,
                   search.seconds.search, 1e3 * search.seconds.search / static_cast<double>(pieces)));
   if (!command.sheet.empty())
     media::write_picture(command.sheet, query::contact_sheet(snapshot, loaded.picture, search));
@@ -167,7 +167,8 @@ void run_label(const LabelCommand& command, const RunContext& context) {
   const cv::Mat motion =
       command.motion.needs_motion(asked)
           ? synth::animate::motion_field(snapshot, run.base->settings,
-                                         synth::animate::place(assignment, snapshot), loaded.picture.size())
+                                         synth::animate::placement_from(assignment, snapshot),
+                                         loaded.picture.size())
           : cv::Mat();
   command.motion.draw(loaded, asked, motion);
   command.motion.write_maps(loaded, motion);

@@ -57,7 +57,7 @@ sim::SceneOptions scene_of(const SimulateCommand& command) {
   sim::SceneOptions scene = names_a_file(command.scene)
                                 ? sim::read_scene(command.scene)
                                 : sim::parse_scene(sim::preset_scene(command.scene), command.scene);
-  if ((command.rows || command.steps) && scene.preset != sim::Preset::kDesign)
+  if ((command.rows || command.steps) && scene.kind != sim::SceneKind::kDesign)
     throw Error(ErrorKind::kUsage, "--grid, --steps", "the ready-made clips choose their own",
                 "Leave them out, or take a design such as plume");
   scene.size = command.size.value_or(scene.size);
@@ -74,7 +74,7 @@ sim::SceneOptions scene_of(const SimulateCommand& command) {
 void check_pattern(const char* option, const std::string& name) {
   if (!name.empty() && !media::is_pattern(name))
     throw Error(ErrorKind::kUsage, fmt::format("{} {}", option, name),
-                "a numbered sequence is needed, one file a frame",
+                "a numbered sequence is needed, one file per frame",
                 fmt::format("For example {} {}/%05d{}", option, option + 2,
                             std::string(option) == "--motion" ? ".flo" : ".png"));
 }
@@ -176,11 +176,11 @@ void add_simulate(CLI::App& synth_command, RunContext& context) {
     return sub->add_option(name, value, help)->default_str("[the scene's]");
   };
   override("--frames", command->frames, "Frames")->check(CLI::Range(1, 100000));
-  override("--fps", command->fps, "Frames a second")->check(CLI::Range(1.0, 240.0));
+  override("--fps", command->fps, "Frames per second")->check(CLI::Range(1.0, 240.0));
   override("--seed", command->seed, "Another seed, another scene of the same kind");
   override("--grid", command->rows, "Cells of a design's simulation along the height, apart from the size")
       ->check(CLI::Range(16, 2048));
-  override("--steps", command->steps, "Steps of a design's simulation a frame")->check(CLI::Range(1, 32));
+  override("--steps", command->steps, "Steps of a design's simulation per frame")->check(CLI::Range(1, 32));
   sub->add_option("--alpha", command->alpha, "Also write how much of each pixel the fluid covers, in grey");
   sub->add_option("--alpha-bits", command->alpha_bits, "Bits of a design's alpha, 8 or 16")
       ->check(CLI::IsMember({8, 16}))

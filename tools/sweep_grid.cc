@@ -16,7 +16,7 @@ namespace {
 struct Sweepable {
   const char* name;
   std::vector<std::string> words;
-  double least = 0, most = 0;
+  double minimum = 0, maximum = 0;
 };
 
 const std::vector<Sweepable>& sweepables() {
@@ -119,8 +119,9 @@ SweepAxis parse_axis(const std::string& text) {
              fmt::format("It takes {}", fmt::join(known->words, ", ")));
     if (known->words.empty()) {
       const double number = number_of(value);
-      if (!(number >= known->least && number <= known->most))
-        refuse(text, fmt::format("\"{}\" is no number from {:g} to {:g}", value, known->least, known->most),
+      if (!(number >= known->minimum && number <= known->maximum))
+        refuse(text,
+               fmt::format("\"{}\" is no number from {:g} to {:g}", value, known->minimum, known->maximum),
                "Write numbers such as 0.5 or 1000, with a comma between two");
     }
     if (std::find(seen.begin(), seen.end(), plain(*known, value)) != seen.end())
@@ -137,7 +138,7 @@ std::string SweepPoint::title() const {
   return text;
 }
 
-std::vector<SweepPoint> make_grid(const std::vector<SweepAxis>& axes, const LabelOptions& labelling,
+std::vector<SweepPoint> make_grid(const std::vector<SweepAxis>& axes, const SolverOptions& labelling,
                                   const synth::animate::AnimateOptions& rendering) {
   std::size_t count = 1;
   for (std::size_t i = 0; i < axes.size(); ++i) {
@@ -145,9 +146,9 @@ std::vector<SweepPoint> make_grid(const std::vector<SweepAxis>& axes, const Labe
       if (axes[j].name == axes[i].name)
         refuse(axes[i].name, "given twice", "Give all of its values at once, with a comma between two");
     count *= axes[i].values.size();
-    if (count > kMostPoints)
+    if (count > kMaxPoints)
       refuse(axes[i].name,
-             fmt::format("that makes {} animations or more; {} at most are made at once", count, kMostPoints),
+             fmt::format("that makes {} animations or more; {} at most are made at once", count, kMaxPoints),
              "Sweep fewer values");
   }
   std::vector<SweepPoint> points;

@@ -33,11 +33,11 @@ struct SweepPoint {
   std::string title() const;
 };
 
-inline constexpr std::size_t kMostPoints = 64;
+inline constexpr std::size_t kMaxPoints = 64;
 
 /// The product of all axes, the last one changing fastest; what is not swept is as in labelling and
-/// rendering. Throws Error{kUsage} when an axis is given twice, or there are more than kMostPoints.
-std::vector<SweepPoint> make_grid(const std::vector<SweepAxis>& axes, const LabelOptions& labelling,
+/// rendering. Throws Error{kUsage} when an axis is given twice, or there are more than kMaxPoints.
+std::vector<SweepPoint> make_grid(const std::vector<SweepAxis>& axes, const SolverOptions& labelling,
                                   const synth::animate::AnimateOptions& rendering);
 
 }  // namespace freshet::tools

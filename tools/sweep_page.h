@@ -15,7 +15,7 @@ struct SweptAnimation {
   std::string title;              // "sigma=100 rho=2"
   std::string video, assignment;  // names of files in the page's folder
   double energy = 0, gap = 0;     // gap: infinite when no bound is known
-  double changed = 0;             // share of pieces whose patch is not the first combination's
+  double changed = 0;             // fraction of pieces whose patch is not the first combination's
   cv::Mat frame;                  // one of it, CV_8UC3
 };
 

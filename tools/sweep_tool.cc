@@ -15,8 +15,8 @@
 
 #include "freshet/error.h"
 #include "media/picture/picture.h"
-#include "query/labelling/label_recall.h"
 #include "query/labelling/label_sweep.h"
+#include "query/labelling/labelling_memo.h"
 #include "synth/animate/placement/assigned.h"
 #include "tools/commands.h"
 #include "tools/console/picture_sink.h"
@@ -39,7 +39,7 @@ struct SweepCommand {
   SearchOptions search;
   MotionOptions motion;
   Duration duration;
-  LabelOptions labelling;
+  SolverOptions labelling;
   PlayOptions play;
   CacheOptions cache;
   std::vector<std::string> sweeps;
@@ -126,11 +126,11 @@ void run_beside(std::size_t count, std::size_t at_once, const std::function<void
 
 /// How many animations fit beside each other: what a picture's own planes take, and room for 16 frames.
 std::size_t rendered_at_once(std::size_t memory_bytes, cv::Size picture) {
-  const std::size_t least =
+  const std::size_t min_bytes =
       (std::size_t{96} << 20) + static_cast<std::size_t>(picture.area()) * (280 + 16 * 8);
   const std::size_t threads =
       oneapi::tbb::global_control::active_value(oneapi::tbb::global_control::max_allowed_parallelism);
-  return std::clamp<std::size_t>(memory_bytes / least, 1, threads);
+  return std::clamp<std::size_t>(memory_bytes / min_bytes, 1, threads);
 }
 
 nlohmann::json report_of(const std::vector<SweepPoint>& points, const std::vector<SweptAnimation>& animations,
@@ -186,13 +186,13 @@ void run_sweep(const SweepCommand& command, const RunContext& context) {
   options.candidates.min_duration_s = command.duration.seconds();
   options.guide = asked.guide;
   options.piece_scale = command.search.piece_scale(loaded.picture.size());
-  std::unique_ptr<query::LabelRecall> recall;
-  if (cache) recall = std::make_unique<query::LabelRecall>(*cache, snapshot, *base);
-  guess_where_unasked(snapshot, *base, loaded, asked, options, context.stop, recall.get());
+  std::unique_ptr<query::LabellingMemo> memo;
+  if (cache) memo = std::make_unique<query::LabellingMemo>(*cache, snapshot, *base);
+  guess_where_unasked(snapshot, *base, loaded, asked, options, context.stop, memo.get());
   const query::CandidateSearch search = query::search_candidates(
       snapshot, *base, loaded.picture, loaded.matte, options,
       [&](query::LabelStage stage) { progress.show(query::to_string(stage), 0, 0); }, context.stop,
-      recall.get());
+      memo.get());
   finish_cache(cache.get());
   progress.finish();
   say_filters(search.filtered, command.duration);
@@ -234,7 +234,7 @@ void run_sweep(const SweepCommand& command, const RunContext& context) {
       unlike += first[piece] != labelling.labels[piece];
     animation.changed = static_cast<double>(unlike) / static_cast<double>(first.size());
     query::write_assignment(folder / animation.assignment, labelling.assignment);
-    synth::animate::Placement placement = synth::animate::place(labelling.assignment, snapshot);
+    synth::animate::Placement placement = synth::animate::placement_from(labelling.assignment, snapshot);
     {
       const std::lock_guard lock(guard);  // it may have something to say
       command.play.apply(placement, loaded.picture.size());
@@ -288,7 +288,7 @@ void add_sweep(CLI::App& synth_command, RunContext& context) {
   command->target.add_to(*sub);
   sub->add_option("--sweep", command->sweeps,
                   "NAME=VALUE,VALUE,...; may be given several times: all combinations are made, " +
-                      std::to_string(kMostPoints) + " at most. Names: " + sweepable_names())
+                      std::to_string(kMaxPoints) + " at most. Names: " + sweepable_names())
       ->required()
       ->type_name("NAME=VALUES");
   sub->add_option("-o,--output", command->folder,

@@ -82,7 +82,7 @@ class FrameFiles {
                   "Use frames/%05d.png, .mkv (lossless), .mov (ProRes 4444), .webp or .apng; "
                   "--over and --composite make an .mp4");
     if (bits_ == 16 && is({".webp", ".apng"}))
-      throw Error(ErrorKind::kUsage, "--bits 16", out_.string() + " holds 8 bits a channel",
+      throw Error(ErrorKind::kUsage, "--bits 16", out_.string() + " holds 8 bits per channel",
                   "Use .png, .mkv or .mov");
     deep_ = bits_ == 16 || ending == ".mov";
     if (sequence_ && !fs::is_directory(out_.has_parent_path() ? out_.parent_path() : fs::path(".")))
@@ -91,7 +91,7 @@ class FrameFiles {
     if (!sequence_) {
       check_output_folder(out_);
       PictureSink(out_, size, frames,
-                  fps_);  // made and removed: a folder that cannot be written to is told now
+                  fps_);  // made and removed: a folder that cannot be written to is reported now
     }
   }
   /// The folder is known once the inputs have been read.
@@ -184,13 +184,13 @@ nlohmann::json job_of(const TransferCommand& command, const transfer::DesignFile
 nlohmann::json note_of(const transfer::SegmentUse& use) {
   return {{"sources", use.sources},
           {"targets", use.targets},
-          {"least", use.least},
+          {"least", use.min_uses},
           {"remainder", use.remainder},
           {"uniform", use.uniform()}};
 }
 
 nlohmann::json note_of(const transfer::TransferredFrame& frame) {
-  const transfer::StageSeconds& s = frame.seconds;
+  const transfer::TransferSeconds& s = frame.seconds;
   return {{"frame", frame.index},
           {"boundary", note_of(frame.boundary)},
           {"interior", note_of(frame.interior)},
@@ -420,11 +420,12 @@ void add_inputs(CLI::App& sub, TransferCommand& command) {
          "ends in .resume beside the output")
       ->required()
       ->group(output);
-  sub.add_option("--bits", command.bits, "Bits a channel of .png, .tif and .mkv: 8 or 16; ProRes has its own")
+  sub.add_option("--bits", command.bits,
+                 "Bits per channel of .png, .tif and .mkv: 8 or 16; ProRes has its own")
       ->check(CLI::IsMember({8, 16}))
       ->capture_default_str()
       ->group(output);
-  sub.add_option("--fps", command.fps, "Frames a second of a video")
+  sub.add_option("--fps", command.fps, "Frames per second of a video")
       ->check(CLI::Range(1.0, 240.0))
       ->capture_default_str()
       ->group(output);
@@ -451,8 +452,11 @@ void add_transfer(CLI::App& synth_command, RunContext& context) {
   add_inputs(*sub, *command);
   transfer::TransferOptions& options = command->options;
   const std::string group = "Transfer";
-  const auto number = [&](const char* name, auto& value, const char* text, auto least, auto most) {
-    sub->add_option(name, value, text)->check(CLI::Range(least, most))->capture_default_str()->group(group);
+  const auto number = [&](const char* name, auto& value, const char* text, auto minimum, auto maximum) {
+    sub->add_option(name, value, text)
+        ->check(CLI::Range(minimum, maximum))
+        ->capture_default_str()
+        ->group(group);
   };
   const auto choice = [&](const char* name, std::string& value, const char* text,
                           std::vector<std::string> values) {
@@ -466,8 +470,8 @@ void add_transfer(CLI::App& synth_command, RunContext& context) {
   number("--lower", options.lower, "Blurred alpha from which on there is boundary, 0 to 1", 0.0, 1.0);
   number("--upper", options.upper, "Blurred alpha from which on there is interior, 0 to 1", 0.0, 1.0);
   number("--levels", options.levels, "Levels of the pyramid; 0: down to 24 px", 0, 10);
-  number("--iterations", options.iterations, "Of retrieval and vote, a level", 1, 100);
-  number("--passes", options.passes, "Of PatchMatch, a retrieval", 1, 100);
+  number("--iterations", options.iterations, "Of retrieval and vote, per level", 1, 100);
+  number("--passes", options.passes, "Of PatchMatch, per retrieval", 1, 100);
   number("--motion-blur", options.motion_blur, "Length of the blur along the motion, frames", 0.0, 4.0);
   choice("--rotations", command->rotations, "Quarter turns of the exemplar that are used: 1 (as it is) or 4",
          {"1", "4"});

@@ -8,7 +8,7 @@
 namespace freshet::vision {
 namespace {
 
-constexpr int kBinsASide = 4, kOrientations = 8;
+constexpr int kBinsPerSide = 4, kOrientations = 8;
 
 }  // namespace
 
@@ -24,10 +24,10 @@ Descriptor mirrored(const Descriptor& descriptor) {
   // Bins are rows x columns x orientations, orientation k standing at 45 k degrees, counter-clockwise from
   // right: a mirror turns columns round, and an angle a into 180 degrees - a.
   Descriptor mirror;
-  for (int row = 0; row < kBinsASide; ++row) {
-    for (int column = 0; column < kBinsASide; ++column) {
-      const int from = (row * kBinsASide + column) * kOrientations;
-      const int to = (row * kBinsASide + kBinsASide - 1 - column) * kOrientations;
+  for (int row = 0; row < kBinsPerSide; ++row) {
+    for (int column = 0; column < kBinsPerSide; ++column) {
+      const int from = (row * kBinsPerSide + column) * kOrientations;
+      const int to = (row * kBinsPerSide + kBinsPerSide - 1 - column) * kOrientations;
       for (int k = 0; k < kOrientations; ++k) {
         mirror[to + (kOrientations + kOrientations / 2 - k) % kOrientations] = descriptor[from + k];
       }

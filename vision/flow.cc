@@ -11,7 +11,7 @@
 namespace freshet::vision {
 namespace {
 
-constexpr int kSmallestSide = 16;
+constexpr int kMinSide = 16;
 // DIS has crashed on small and on oddly sized frames (opencv#14554, #20185, opencv_contrib#1476): it is given
 // frames of 64 px or more whose sides halve three times without a remainder.
 constexpr int kSafeSide = 64, kSafeMultiple = 8;
@@ -40,7 +40,7 @@ cv::Mat optical_flow(const cv::Mat& from, const cv::Mat& to, const FlowOptions& 
   if (from.type() != CV_8UC1 || to.type() != CV_8UC1 || from.size() != to.size()) {
     throw Error(ErrorKind::kUsage, "flow", "two 8-bit planes of one size expected");
   }
-  if (from.cols < kSmallestSide || from.rows < kSmallestSide) {
+  if (from.cols < kMinSide || from.rows < kMinSide) {
     throw Error(ErrorKind::kInput, "flow",
                 "frames of " + std::to_string(from.cols) + " x " + std::to_string(from.rows) +
                     " px, at least 16 x 16 expected");

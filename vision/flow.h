@@ -19,7 +19,7 @@ struct FlowOptions {
 FlowMethod parse_flow_method(const std::string& name);  // "dis", "tv-l1"; Error{kUsage}
 
 /// from, to   CV_8U, same size, at least 16 x 16 px.
-/// Returns    CV_32FC2, px a frame, x right, y down: what lies at p in `from` lies at p + flow(p) in `to`.
+/// Returns    CV_32FC2, px per frame, x right, y down: what lies at p in `from` lies at p + flow(p) in `to`.
 /// Frames are continued by reflection to a size that DIS survives (64 px, multiples of 8) and the flow is cut
 /// back. TV-L1 is ours (vision/tv_l1.h), never from an earlier flow. CPU seconds for 640 x 480: DIS 0.035,
 /// TV-L1 0.16.

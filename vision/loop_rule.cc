@@ -13,7 +13,7 @@ namespace {
 
 constexpr int kSide = 64;              // px of a reduced frame, at most
 constexpr std::uint32_t kKept = 1024;  // frames at either end of a clip
-constexpr std::uint32_t kLeastLoop = 12;
+constexpr std::uint32_t kMinLoop = 12;
 constexpr double kLengthWorth = 0.25;  // of the unrelated distance, for a loop as long as the clip
 constexpr int kReach = 2;              // of the filter, frames to either side
 constexpr std::array<std::int64_t, 2 * kReach + 1> kBinomial{1, 4, 6, 4, 1};
@@ -57,7 +57,7 @@ void LoopFinder::add(const cv::Mat& luma) {
 }
 
 std::optional<LoopRule> LoopFinder::finish() const {
-  if (frames_ < kLeastLoopFrames) return std::nullopt;
+  if (frames_ < kMinLoopFrames) return std::nullopt;
   const auto pixels = static_cast<std::size_t>(size_.area());
   // What two unrelated frames differ by: twice the variance over time, summed over pixels.
   double unrelated = 0;
@@ -69,9 +69,9 @@ std::optional<LoopRule> LoopFinder::finish() const {
 
   const std::uint32_t half = std::clamp(
       static_cast<std::uint32_t>(std::lround(0.25 * std::clamp(fps_, 1.0, 1000.0))),
-      static_cast<std::uint32_t>(kReach), std::min((frames_ - 1 - kLeastLoop) / 2, (frames_ - 1) / 4));
-  const std::uint32_t most = frames_ - 1 - 2 * half,
-                      least = std::min(most, std::max({kLeastLoop, 2 * half, frames_ / 2}));
+      static_cast<std::uint32_t>(kReach), std::min((frames_ - 1 - kMinLoop) / 2, (frames_ - 1) / 4));
+  const std::uint32_t maximum = frames_ - 1 - 2 * half,
+                      minimum = std::min(maximum, std::max({kMinLoop, 2 * half, frames_ / 2}));
   const std::uint32_t last_begin = frames_ > kKept ? frames_ - kKept : 0;  // oldest frame of the ring
   const auto from_first = [&](std::uint32_t t) { return first_.data() + t * pixels; };
   const auto from_last = [&](std::uint32_t t) { return last_.data() + t % kKept * pixels; };
@@ -81,8 +81,8 @@ std::optional<LoopRule> LoopFinder::finish() const {
     std::uint32_t to = 0;
     bool found = false;
   };
-  std::vector<Best> best(most + 1);  // by length
-  oneapi::tbb::parallel_for(least, most + 1, [&](std::uint32_t length) {
+  std::vector<Best> best(maximum + 1);  // by length
+  oneapi::tbb::parallel_for(minimum, maximum + 1, [&](std::uint32_t length) {
     // Middles whose neighbours are all kept: `to` among the first frames, `from` among the last.
     const std::uint32_t begin = std::max(half, last_begin > length ? last_begin - length + kReach : 0);
     const std::uint32_t end = std::min(frames_ - length - half, kKept - kReach);
@@ -102,7 +102,7 @@ std::optional<LoopRule> LoopFinder::finish() const {
   });
   LoopRule rule;
   double worth = 0;
-  for (std::uint32_t length = least; length <= most; ++length)
+  for (std::uint32_t length = minimum; length <= maximum; ++length)
     if (best[length].found && (rule.from == 0 || best[length].worth > worth)) {
       worth = best[length].worth;
       rule = {best[length].to + length, best[length].to, 2 * half, best[length].distance};

@@ -15,18 +15,18 @@
 namespace freshet::vision {
 namespace {
 
-constexpr int kLeastFlows = 8;
+constexpr int kMinFlows = 8;
 constexpr int kPanel = 128;  // pixels of one product: 32 flows of them are 16 KB, and stay in the first cache
-constexpr int kCellRowsATask = 4;  // fixed, so that threads change nothing
-constexpr double kLongestWindow_s = 60, kLargestFps = 1000;
+constexpr int kCellRowsPerTask = 4;  // fixed, so that threads change nothing
+constexpr double kLongestWindow_s = 60, kMaxFps = 1000;
 using Matrix = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
 int nominal_bins(const SpectrumOptions& o) {
   const double bins = o.window_s * o.max_hz;
-  if (!(o.window_s > 0 && o.window_s <= kLongestWindow_s) || !(bins >= 1 && bins < kMostBands + 1)) {
+  if (!(o.window_s > 0 && o.window_s <= kLongestWindow_s) || !(bins >= 1 && bins < kMaxBands + 1)) {
     throw Error(ErrorKind::kUsage, "spectrum",
                 "window " + std::to_string(o.window_s) + " s up to " + std::to_string(o.max_hz) +
-                    " Hz; 1 to " + std::to_string(kMostBands) + " frequencies expected");
+                    " Hz; 1 to " + std::to_string(kMaxBands) + " frequencies expected");
   }
   return static_cast<int>(std::floor(bins + 1e-6));
 }
@@ -50,7 +50,7 @@ int nominal_bin(double hz, const SpectrumOptions& options) {
 }
 
 int window_length(double fps, const SpectrumOptions& options) {
-  return std::max(kLeastFlows, static_cast<int>(std::lround(options.window_s * fps)));
+  return std::max(kMinFlows, static_cast<int>(std::lround(options.window_s * fps)));
 }
 
 int last_bin(int length, double fps, const SpectrumOptions& options) {
@@ -168,12 +168,12 @@ struct MotionAccumulator::Impl {
     ++windows;
     const int bins = static_cast<int>(dft.band.size());
     if (bins == 0) return;
-    const int tasks = (cells.rows + kCellRowsATask - 1) / kCellRowsATask;
+    const int tasks = (cells.rows + kCellRowsPerTask - 1) / kCellRowsPerTask;
     oneapi::tbb::parallel_for(0, tasks, [&](int task) {
       Matrix panel_u(dft.length, kPanel), panel_v(dft.length, kPanel), wave_u, wave_v;
       Matrix power(3 * bands, flow_size.width);  // of u, of v, crossed; of one row of cells
-      const int last_row = std::min(cells.rows, (task + 1) * kCellRowsATask);
-      for (int row = task * kCellRowsATask; row < last_row; ++row) {
+      const int last_row = std::min(cells.rows, (task + 1) * kCellRowsPerTask);
+      for (int row = task * kCellRowsPerTask; row < last_row; ++row) {
         power.setZero();
         const int bottom = std::min(flow_size.height, (row + 1) * cell_side);
         for (int y = row * cell_side; y < bottom; ++y) {
@@ -211,11 +211,11 @@ struct MotionAccumulator::Impl {
 
 MotionAccumulator::MotionAccumulator(cv::Size frame, int flow_step, double fps,
                                      const SpectrumOptions& options) {
-  if (frame.width < 1 || frame.height < 1 || flow_step < 1 || !(fps > 0 && fps <= kLargestFps)) {
+  if (frame.width < 1 || frame.height < 1 || flow_step < 1 || !(fps > 0 && fps <= kMaxFps)) {
     throw Error(ErrorKind::kInput, "motion",
                 "a frame of " + std::to_string(frame.width) + " x " + std::to_string(frame.height) +
                     " px at " + std::to_string(fps) +
-                    " frames a second; at least 1 x 1 px and 0..1000 frames a second expected");
+                    " frames per second; at least 1 x 1 px and 0..1000 frames per second expected");
   }
   if (options.cell < 1 || options.cell % flow_step != 0) {
     throw Error(ErrorKind::kUsage, "motion",
@@ -254,7 +254,7 @@ cv::Mat MotionAccumulator::mean_speed_px() const {
 
 CellMap MotionAccumulator::finish() {
   Impl& s = *impl_;
-  if (s.flows < kLeastFlows) {
+  if (s.flows < kMinFlows) {
     throw Error(ErrorKind::kInput, "motion", std::to_string(s.flows) + " flow maps, at least 8 expected",
                 "Use a clip of 9 frames or more");
   }
@@ -276,8 +276,8 @@ CellMap MotionAccumulator::finish() {
       float* cell = s.at(row, column);
       cell[0] = static_cast<float>(static_cast<double>(u) * px_per_s);
       cell[1] = static_cast<float>(static_cast<double>(v) * px_per_s);
-      const auto share = static_cast<float>(1 / (pixels * static_cast<double>(s.windows)));
-      for (int channel = 2; channel < s.cells.channels; ++channel) cell[channel] *= share;
+      const auto fraction = static_cast<float>(1 / (pixels * static_cast<double>(s.windows)));
+      for (int channel = 2; channel < s.cells.channels; ++channel) cell[channel] *= fraction;
     }
   }
   return std::move(s.cells);
@@ -287,7 +287,7 @@ std::vector<double> naive_power(std::span<const double> series, double fps, cons
   const int flows = static_cast<int>(series.size());
   const int length = std::min(flows, window_length(fps, options));
   std::vector<double> power(static_cast<std::size_t>(nominal_bins(options)) + 1);
-  if (flows < kLeastFlows) return power;
+  if (flows < kMinFlows) return power;
   int windows = 0;
   for (int first = 0; first + length <= flows; first += length / 2) ++windows;
   for (int first = 0; first + length <= flows; first += length / 2) {

@@ -28,9 +28,9 @@ int motion_channels(const SpectrumOptions& options);
 /// every band a bin: with the defaults, bins 1, 2, 3, 4, 5, 6-7, 8-11 and 12-16 of 0.78 Hz each. A clip's own
 /// frequency belongs to the nominal bin nearest to it in hertz. Bands above a slow clip's Nyquist frequency
 /// stay zero; so do bands between the frequencies of a clip shorter than a window. Throws Error{kUsage}
-/// unless 1 <= N <= kMostBands and 0 < window_s <= 60.
+/// unless 1 <= N <= kMaxBands and 0 < window_s <= 60.
 int motion_bands(const SpectrumOptions& options);
-inline constexpr int kMostBands = 512;
+inline constexpr int kMaxBands = 512;
 /// Where the bands meet: motion_bands + 1 values, Hz.
 std::vector<double> band_edges_hz(const SpectrumOptions& options);
 
@@ -63,8 +63,8 @@ class MotionAccumulator {
   /// u, v    CV_16S planes as quantize_flow made them. Work is shared by all threads; same result for any
   /// number.
   void add(const cv::Mat& u, const cv::Mat& v);
-  /// Mean over all frames of |flow|, px a frame at source scale, at flow resolution: CV_32F. What tells fluid
-  /// from what stands still.
+  /// Mean over all frames of |flow|, px per frame at source scale, at flow resolution: CV_32F. What tells
+  /// fluid from what stands still.
   cv::Mat mean_speed_px() const;
   /// Cells at the right and bottom edge may be partial: they average what there is. Once; the accumulator is
   /// spent. Throws Error{kInput} after fewer than 8 flows.

@@ -9,7 +9,7 @@
 namespace freshet::vision {
 namespace {
 
-constexpr int kMostChannels = 2 + 3 * kMostBands;
+constexpr int kMaxChannels = 2 + 3 * kMaxBands;
 
 // Bilinear readings of a cell map at points of the source, all channels at once. Beyond the centres of the
 // outermost cells the map goes on as they are.
@@ -90,7 +90,7 @@ void patch_features(const CellMap& motion, const CellMap& texture, const Variant
   const auto c = static_cast<float>(A(1, 0)), d = static_cast<float>(A(1, 1));
   const float aa = a * a, ab = 2 * a * b, bb = b * b, cc = c * c, cd = 2 * c * d, dd = d * d;
 
-  std::array<float, kMostChannels> here;
+  std::array<float, kMaxChannels> here;
   for_each_cell(frame, x, y, cells, options.cell, [&](int index, double sx, double sy) {
     float* to = out.data() + static_cast<std::size_t>(index) * channels;
     motion_at.read(sx, sy, motion.channels, here.data());

@@ -23,7 +23,7 @@ int feature_channels(const SpectrumOptions& options);
 /// between the clip's cells, read at the centre of each of the patch's; beyond the frame the outermost go on.
 /// Throws Error{kDamaged} for maps of other channels than options asks for, Error{kUsage} when out is short.
 /// Nothing is allocated; safe from many threads.
-/// Cost    170,000 patches a second on one core (12 x 12 cells of 22 values). Against spectra of the turned
+/// Cost    170,000 patches per second on one core (12 x 12 cells of 22 values). Against spectra of the turned
 ///         flow, pixel by pixel, powers differ by 0.06 % of a cell's whole power on smooth flow.
 /// Source  Okabe et al. 2011, Sec. 4 and 5 (they recompute flow for every variant).
 void patch_features(const CellMap& motion, const CellMap& texture, const VariantFrame& frame, int x, int y,

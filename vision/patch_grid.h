@@ -18,7 +18,7 @@ struct PatchGrid {
 ///            frame: the i-th patch of a row is the twin of the (n - 1 - i)-th.
 std::vector<cv::Point> patch_positions(cv::Size frame, const PatchGrid& grid, bool mirrored = false);
 
-/// Share of set pixels (non-zero) of mask (CV_8U) inside each patch, 0..1. One integral image a call.
+/// Fraction of set pixels (non-zero) of mask (CV_8U) inside each patch, 0..1. One integral image a call.
 /// Throws Error{kUsage} when a patch does not lie inside the mask.
 std::vector<float> patch_coverage(const cv::Mat& mask, const std::vector<cv::Point>& positions, int patch);
 

@@ -32,27 +32,27 @@ class Fields {
     ++taken_;
     return *found;
   }
-  double number(const char* key, double least, double most) {
-    return checked(take(key), path(key), least, most);
+  double number(const char* key, double minimum, double maximum) {
+    return checked(take(key), path(key), minimum, maximum);
   }
-  int integer(const char* key, int least, int most) {
+  int integer(const char* key, int minimum, int maximum) {
     const json& value = take(key);
     if (!value.is_number_integer()) damaged(path(key) + " is not a whole number");
-    return static_cast<int>(checked(value, path(key), least, most));
+    return static_cast<int>(checked(value, path(key), minimum, maximum));
   }
   bool boolean(const char* key) {
     const json& value = take(key);
     if (!value.is_boolean()) damaged(path(key) + " is neither true nor false");
     return value.get<bool>();
   }
-  std::vector<float> numbers(const char* key, double least, double most, std::size_t most_values) {
+  std::vector<float> numbers(const char* key, double minimum, double maximum, std::size_t max_values) {
     const json& list = take(key);
-    if (!list.is_array() || list.empty() || list.size() > most_values) {
-      damaged(path(key) + " is not a list of 1 to " + std::to_string(most_values) + " numbers");
+    if (!list.is_array() || list.empty() || list.size() > max_values) {
+      damaged(path(key) + " is not a list of 1 to " + std::to_string(max_values) + " numbers");
     }
     std::vector<float> values;
     for (const json& value : list)
-      values.push_back(static_cast<float>(checked(value, path(key), least, most)));
+      values.push_back(static_cast<float>(checked(value, path(key), minimum, maximum)));
     return values;
   }
   // What we do not know may change what a patch means, so it is not passed over.
@@ -62,11 +62,12 @@ class Fields {
 
  private:
   std::string path(const char* key) const { return where_ + "." + key; }
-  static double checked(const json& value, const std::string& name, double least, double most) {
+  static double checked(const json& value, const std::string& name, double minimum, double maximum) {
     if (!value.is_number()) damaged(name + " is not a number");
     const double number = value.get<double>();
-    if (!(number >= least && number <= most)) {
-      damaged(name + " is " + value.dump() + ", outside " + json(least).dump() + ".." + json(most).dump());
+    if (!(number >= minimum && number <= maximum)) {
+      damaged(name + " is " + value.dump() + ", outside " + json(minimum).dump() + ".." +
+              json(maximum).dump());
     }
     return number;
   }
@@ -148,7 +149,7 @@ Settings settings_from_json(const std::string& text) {
 
   Fields spectrum(all.take("spectrum"), "settings.spectrum");
   s.spectrum.cell = spectrum.integer("cell", 1, 64);
-  s.spectrum.bands = spectrum.integer("bands", 0, kMostBands);
+  s.spectrum.bands = spectrum.integer("bands", 0, kMaxBands);
   s.spectrum.window_s = spectrum.number("window_s", 0.1, 60);
   s.spectrum.max_hz = spectrum.number("max_hz", 0.1, 1000);
   spectrum.finish();
@@ -169,8 +170,8 @@ Settings settings_from_json(const std::string& text) {
     damaged("settings.spectrum.cell is not a multiple of settings.flow.step");
   if (s.grid.patch % s.spectrum.cell != 0)
     damaged("settings.patch is not a multiple of settings.spectrum.cell");
-  if (s.spectrum.window_s * s.spectrum.max_hz < 1 || motion_bands(s.spectrum) > kMostBands) {
-    damaged("settings.spectrum.window_s times max_hz is outside 1.." + std::to_string(kMostBands));
+  if (s.spectrum.window_s * s.spectrum.max_hz < 1 || motion_bands(s.spectrum) > kMaxBands) {
+    damaged("settings.spectrum.window_s times max_hz is outside 1.." + std::to_string(kMaxBands));
   }
   return s;
 }

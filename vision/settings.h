@@ -18,8 +18,8 @@ struct Settings {
   std::vector<float> rotations_deg{-22.5f, 0.0f, 22.5f};
   bool flips = true;
   PatchGrid grid;
-  double min_coverage = 0.5;      // share of a patch's pixels that must move
-  double min_motion_px = 0.2;     // mean |flow| that counts as moving, px a frame at 25 frames a second
+  double min_coverage = 0.5;      // fraction of a patch's pixels that must move
+  double min_motion_px = 0.2;     // mean |flow| that counts as moving, px per frame at 25 frames per second
   double min_change = 1.5 / 255;  // standard deviation over time that counts as moving, luma in 0..1
   FlowOptions flow;
   int flow_step = 2;  // flow is kept at 1 / flow_step of the frame's resolution

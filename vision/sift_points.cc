@@ -18,7 +18,7 @@ constexpr float kKeyPointSize = kBin / 1.5f;
 // kernel of 13) another 6. What lies farther cannot change it, so strips give the very bytes of the whole
 // frame.
 constexpr int kMargin = 24;
-constexpr int kRowsAStrip = 24;
+constexpr int kRowsPerStrip = 24;
 
 // Row `y` of the frame's 2 x 2 means: value x stands at the corner shared by the pixels x - 1 and x.
 void corner_row(const cv::Mat& frame, int y, const std::vector<int>& column, std::uint8_t* out) {
@@ -93,9 +93,9 @@ std::vector<Descriptor> sift_points(const cv::Mat& frame, cv::Point origin, int 
     }
   };
 
-  const int strips = (rows + kRowsAStrip - 1) / kRowsAStrip;
+  const int strips = (rows + kRowsPerStrip - 1) / kRowsPerStrip;
   oneapi::tbb::parallel_for(
-      0, strips, [&](int i) { strip(i * kRowsAStrip, std::min(kRowsAStrip, rows - i * kRowsAStrip)); });
+      0, strips, [&](int i) { strip(i * kRowsPerStrip, std::min(kRowsPerStrip, rows - i * kRowsPerStrip)); });
   return values;
 }
 

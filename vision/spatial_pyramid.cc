@@ -9,7 +9,7 @@ namespace freshet::vision {
 namespace {
 
 constexpr int kPoints = kGridSide * kGridSide;
-constexpr int kMostWords = 256;
+constexpr int kMaxWords = 256;
 
 constexpr std::array<std::array<std::uint8_t, 3>, kPoints> make_cells() {
   std::array<std::array<std::uint8_t, 3>, kPoints> cells{};
@@ -42,14 +42,14 @@ std::array<int, 3> cells_of(int column, int row) {
 
 int pyramid_bins(const WordMap& words, int word_count, std::vector<Bin>& bins, const WordMask* mask) {
   // Weights in a table, and a bit for each bin in use: walking the bits gives the bins sorted.
-  std::array<std::uint16_t, kPyramidCells * kMostWords> weights;
-  std::array<std::uint64_t, kPyramidCells * kMostWords / 64> used{};
+  std::array<std::uint16_t, kPyramidCells * kMaxWords> weights;
+  std::array<std::uint64_t, kPyramidCells * kMaxWords / 64> used{};
   int mass = 0;
   for (int i = 0; i < kPoints; ++i) {
     if (mask && !(*mask)[i]) continue;
     check_word(words[i], word_count);
     for (int level = 0; level < 3; ++level) {
-      const int slot = kCells[i][level] * kMostWords + words[i];
+      const int slot = kCells[i][level] * kMaxWords + words[i];
       const std::uint64_t bit = std::uint64_t{1} << (slot % 64);
       if (!(used[slot / 64] & bit)) weights[slot] = 0;
       used[slot / 64] |= bit;
@@ -62,7 +62,7 @@ int pyramid_bins(const WordMap& words, int word_count, std::vector<Bin>& bins, c
     for (std::uint64_t rest = used[block]; rest; rest &= rest - 1) {
       const int slot = static_cast<int>(block) * 64 + std::countr_zero(rest);
       bins.push_back(
-          {static_cast<std::uint16_t>(slot / kMostWords * word_count + slot % kMostWords), weights[slot]});
+          {static_cast<std::uint16_t>(slot / kMaxWords * word_count + slot % kMaxWords), weights[slot]});
     }
   }
   return mass;

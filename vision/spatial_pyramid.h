@@ -18,7 +18,7 @@ inline constexpr int kPyramidCells = 1 + 4 + 16;
 /// Weights of levels 0, 1, 2 as integers: Lazebnik et al. 2006 give 1/4, 1/4, 1/2.
 inline constexpr std::array<int, 3> kLevelWeights{1, 1, 2};
 
-/// The pyramid cells (one a level) of grid point (column, row), numbered 0..20: level 0 is 0, level 1
+/// The pyramid cells (one per level) of grid point (column, row), numbered 0..20: level 0 is 0, level 1
 /// is 1..4, level 2 is 5..20.
 std::array<int, 3> cells_of(int column, int row);
 

@@ -15,7 +15,7 @@ namespace {
 constexpr int kStripRows = 64;  // fixed, so that threads change nothing
 constexpr int kMultiple = 4;    // a frame's sides must halve twice
 
-// Sizes of the four sums: how often each is halved.
+// Sizes of the four sums: how many times each is halved.
 constexpr std::array<int, kTextureLevels> kHalvings{0, 1, 1, 2};
 
 // Strips of a filter read beyond themselves in the parent picture: the result is that of one call.
@@ -136,9 +136,9 @@ CellMap TexturenessAccumulator::finish() {
         const int left = column * s.cell, right = std::min(s.scaled.width, left + s.cell);
         const double sum = integral.at<double>(bottom, right) - integral.at<double>(top, right) -
                            integral.at<double>(bottom, left) + integral.at<double>(top, left);
-        const double share = 1.0 / (static_cast<double>(bottom - top) * (right - left) * s.frames);
+        const double fraction = 1.0 / (static_cast<double>(bottom - top) * (right - left) * s.frames);
         cells.values[(static_cast<std::size_t>(row) * cells.columns + column) * kTextureLevels + level] =
-            static_cast<float>(std::max(0.0, sum * share));
+            static_cast<float>(std::max(0.0, sum * fraction));
       }
     }
   }

@@ -19,7 +19,7 @@ inline constexpr int kTextureLevels = 4;
 /// 0..1 (luma in 0..1).
 /// The large Gaussians are taken of pictures halved once and twice, the halving's own blur accounted for:
 /// against Gaussians at full size cells differ by 0.0, 3.3, 0.9 and 1.4 % (root mean square, 4 px cells).
-/// Cost    6 ms of CPU a frame of 1280 x 720 at scales 1 and 0.75, 1.3 ms at 0.5.
+/// Cost    6 ms of CPU per frame of 1280 x 720 at scales 1 and 0.75, 1.3 ms at 0.5.
 class TexturenessAccumulator {
  public:
   /// cell   px of the scaled frame, side of a cell.

@@ -11,8 +11,8 @@
 namespace freshet::vision {
 namespace {
 
-constexpr float kTau = 0.25f;  // of the dual's ascent, the most that is known to converge
-constexpr int kLeastSide = 16;
+constexpr float kTau = 0.25f;  // of the dual's ascent, the maximum that is known to converge
+constexpr int kMinSide = 16;
 // Iterations of one sweep: their rows, 10 planes two rows apart, stay in the second cache (250 KB at 640 px).
 constexpr int kSweep = 5;
 constexpr float kFlat = 1e-7f;  // squared gradient below which the data say nothing
@@ -28,7 +28,7 @@ struct Planes {
 
 // One row of u or v: a step towards the data, then the divergence of the dual. Planes begin one column to the
 // right of a zero.
-FRESHET_WIDE void flow_row(const Planes& planes, std::ptrdiff_t at, std::ptrdiff_t pitch, float most,
+FRESHET_WIDE void flow_row(const Planes& planes, std::ptrdiff_t at, std::ptrdiff_t pitch, float maximum,
                            float theta) {
   const float *gx = planes.gx + at, *gy = planes.gy + at, *rho = planes.rho + at,
               *inverse = planes.inverse + at;
@@ -37,7 +37,7 @@ FRESHET_WIDE void flow_row(const Planes& planes, std::ptrdiff_t at, std::ptrdiff
 #pragma GCC ivdep
   for (int x = 0; x < planes.width; ++x) {
     const float off = rho[x] + gx[x] * u[x] + gy[x] * v[x];
-    const float step = std::min(most, std::max(-most, -off * inverse[x]));
+    const float step = std::min(maximum, std::max(-maximum, -off * inverse[x]));
     const float div_u = ux[x] - ux[x - 1] + uy[x] - (uy - pitch)[x];
     const float div_v = vx[x] - vx[x - 1] + vy[x] - (vy - pitch)[x];
     u[x] += step * gx[x] + theta * div_u;
@@ -65,11 +65,11 @@ FRESHET_WIDE void dual_row(const Planes& planes, std::ptrdiff_t at, std::ptrdiff
 
 // `count` iterations in one sweep, each two rows behind the one before it: no row is touched before the
 // iteration ahead is done with it and its neighbours.
-void sweep(const Planes& planes, std::ptrdiff_t pitch, int count, float most, float theta) {
+void sweep(const Planes& planes, std::ptrdiff_t pitch, int count, float maximum, float theta) {
   for (int front = 0; front < planes.height + 1 + 2 * (count - 1); ++front) {
     for (int i = 0; i < count; ++i) {
       const int y = front - 2 * i;
-      if (y >= 0 && y < planes.height) flow_row(planes, y * pitch, pitch, most, theta);
+      if (y >= 0 && y < planes.height) flow_row(planes, y * pitch, pitch, maximum, theta);
       if (y >= 1 && y <= planes.height)
         dual_row(planes, (y - 1) * pitch, y < planes.height ? pitch : 0, kTau / theta);
     }
@@ -139,7 +139,7 @@ void linearise(const cv::Mat& from, Scratch& s) {
 cv::Mat tv_l1_flow(const cv::Mat& from, const cv::Mat& to, const TvL1Options& options) {
   thread_local Scratch s;
   const auto theta = static_cast<float>(options.theta);
-  const auto most = static_cast<float>(options.lambda * options.theta);
+  const auto maximum = static_cast<float>(options.lambda * options.theta);
 
   // Pyramids.
   int scales = 1;
@@ -150,7 +150,7 @@ cv::Mat tv_l1_flow(const cv::Mat& from, const cv::Mat& to, const TvL1Options& op
     cv::Mat small_from, small_to;
     cv::resize(s.from[scales - 1], small_from, {}, options.step, options.step, cv::INTER_LINEAR);
     cv::resize(s.to[scales - 1], small_to, {}, options.step, options.step, cv::INTER_LINEAR);
-    if (small_from.cols < kLeastSide || small_from.rows < kLeastSide) break;
+    if (small_from.cols < kMinSide || small_from.rows < kMinSide) break;
     s.from.push_back(small_from);
     s.to.push_back(small_to);
   }
@@ -184,7 +184,7 @@ cv::Mat tv_l1_flow(const cv::Mat& from, const cv::Mat& to, const TvL1Options& op
         }
       }
       for (int left = options.iterations; left > 0; left -= kSweep) {
-        sweep(planes, pitch, std::min(left, kSweep), most, theta);
+        sweep(planes, pitch, std::min(left, kSweep), maximum, theta);
       }
     }
   }

@@ -11,7 +11,7 @@ struct TvL1Options {
   int iterations = 25;  // a warp, none left out
   int warps = 5;        // a scale
   // Of the pyramid, fewer for pictures that would fall below 16 px, each `step` of the one below. OpenCV's
-  // 0.8 loses what moves by 14 px a frame (end-point error 5.8 px, with 0.5 1.3), and takes twice the time.
+  // 0.8 loses what moves by 14 px per frame (end-point error 5.8 px, with 0.5 1.3), and takes twice the time.
   int scales = 5;
   double step = 0.5;
   int median = 5;  // px; the flow is filtered before each warp's iterations; 1: not
@@ -21,7 +21,8 @@ struct TvL1Options {
 ///
 /// from, to   CV_8U, same size, at least 16 x 16 px.
 /// Returns    CV_32FC2, px, x right, y down: what lies at p in `from` lies at p + flow(p) in `to`.
-/// Cost       0.16 s of CPU for 640 x 480. One thread, which keeps 100 bytes a pixel of memory until it ends.
+/// Cost       0.16 s of CPU for 640 x 480. One thread, which keeps 100 bytes per pixel of memory until it
+///            ends.
 /// Source     Zach, Pock, Bischof 2007, in the scheme of Sanchez, Meinhardt-Llopis, Facciolo 2013, with tau
 ///            0.25, and a median filter a warp. As OpenCV's DualTVL1OpticalFlow, whose flow it is to within
 ///            rounding, but that it stops no warp early, and takes five iterations in one sweep over the

@@ -12,7 +12,7 @@ namespace freshet::vision {
 namespace {
 
 // cv::warpAffine keeps coordinates in 16 bits.
-constexpr int kLargestSide = 32767;
+constexpr int kMaxSide = 32767;
 
 struct Turn {
   double cosine, sine;
@@ -77,10 +77,10 @@ std::vector<Variant> make_variants(const std::vector<float>& scales, const std::
 }
 
 VariantFrame variant_frame(cv::Size source, const Variant& variant) {
-  if (source.width < 1 || source.height < 1 || source.width > kLargestSide || source.height > kLargestSide) {
+  if (source.width < 1 || source.height < 1 || source.width > kMaxSide || source.height > kMaxSide) {
     throw Error(ErrorKind::kInput, "variant",
                 "a frame of " + std::to_string(source.width) + " x " + std::to_string(source.height) +
-                    " px; 1 to 32767 px a side expected");
+                    " px; 1 to 32767 px per side expected");
   }
   if (!(variant.scale > 0 && variant.scale <= 16) || !(std::abs(variant.rotation_deg) <= 360)) {
     throw Error(ErrorKind::kUsage, "variant",
@@ -94,7 +94,7 @@ VariantFrame variant_frame(cv::Size source, const Variant& variant) {
   VariantFrame frame;
   frame.size = {rounded_up(scale * (source.width * std::abs(c) + source.height * std::abs(s))),
                 rounded_up(scale * (source.width * std::abs(s) + source.height * std::abs(c)))};
-  if (frame.size.width > kLargestSide || frame.size.height > kLargestSide) {
+  if (frame.size.width > kMaxSide || frame.size.height > kMaxSide) {
     throw Error(ErrorKind::kInput, "variant", "the scaled and rotated frame is larger than 32767 px");
   }
 

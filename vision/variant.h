@@ -22,7 +22,7 @@ std::vector<Variant> make_variants(const std::vector<float>& scales, const std::
 
 /// The frame in which a variant's patches have their coordinates: the bounding box of the scaled, rotated
 /// source, rounded up to whole pixels, centre on centre. A flipped variant's frame is the mirror image of its
-/// twin's. Throws Error{kInput} for frames above 32767 px a side, Error{kUsage} for a scale outside 0..16.
+/// twin's. Throws Error{kInput} for frames above 32767 px per side, Error{kUsage} for a scale outside 0..16.
 struct VariantFrame {
   cv::Size size;                             // px
   cv::Matx23d source_from_variant;           // pixel centres: source px = M * (variant px, 1)

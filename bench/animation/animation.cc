@@ -5,9 +5,9 @@
 // Each picture is labelled once, then rendered (48 frames) with the defaults and with one choice changed at a
 // time. Measured inside the matte: contrast by pyramid level against the picture's own (log2 of the ratio of
 // mean magnitudes; 0 is right), flicker (standard deviation of the mean level over frames, in grey levels),
-// step (mean level of the animation less the picture's), dead (share of pixels whose deviation over time is
-// below one grey level), seam (mean temporal difference across the borders of pieces over that elsewhere; 1
-// is invisible), and frames a second.
+// step (mean level of the animation less the picture's), dead (fraction of pixels whose deviation over time
+// is below one grey level), seam (mean temporal difference across the borders of pieces over that elsewhere;
+// 1 is invisible), and frames per second.
 
 #include <algorithm>
 #include <cmath>
@@ -51,7 +51,7 @@ std::vector<Choice> choices() {
   add("low band removed", [](auto& o) { o.blend.low_band = synth::animate::LowBand::kRemove; });
   add("no matching", [](auto& o) { o.matching = synth::animate::AppearanceMatching::kNone; });
   add("matching by frame (paper)", [](auto& o) { o.matching = synth::animate::AppearanceMatching::kFrame; });
-  add("nothing carried (paper)", [](auto& o) { o.carry.share = 0; });
+  add("nothing carried (paper)", [](auto& o) { o.carry.fraction = 0; });
   return all;
 }
 
@@ -196,7 +196,8 @@ int run(int argc, char** argv) {
     speeds.push_back(fmt::format("| {} | {:.1f} | {:.1f} | {:.1f} |", target.name,
                                  mean_speed(labelling.search, looks), mean_speed(calm.search, calm.labels),
                                  mean_speed(labelling.search, labelling.labels)));
-    const synth::animate::Placement placement = synth::animate::place(labelling.assignment, snapshot);
+    const synth::animate::Placement placement =
+        synth::animate::placement_from(labelling.assignment, snapshot);
     for (const Choice& choice : choices()) {
       Watcher watcher(target.picture, target.matte, placement);
       const synth::animate::AnimateReport report =
@@ -218,7 +219,7 @@ int run(int argc, char** argv) {
     }
   }
   fmt::print(
-      "\nMean speed of the patches chosen, px/s\n\n| picture | best look alone | labelled, no vote | "
+      "\nMean speed of the patches chosen, px/s\n\n| picture | best likeness alone | labelled, no vote | "
       "labelled |\n| --- | --- | --- | --- |\n");
   for (const std::string& line : speeds) fmt::print("{}\n", line);
   if (!json_path.empty()) std::ofstream(json_path) << json.dump(2) << '\n';

@@ -5,7 +5,7 @@
 //                   [--json FILE]
 //
 // Each picture's middle, of a size's shape, is brought to that size, and labelled and rendered with the
-// defaults (appearance matching, what is carried, MP4). Seconds by stage and frames a second are wall clock
+// defaults (appearance matching, what is carried, MP4). Seconds by stage and frames per second are wall clock
 // on all cores, medians of the runs:
 // - rendered: frames made and dropped; with a file: made and written. The rest is what the encoder costs.
 // - encoder: the same frames, kept, written by the encoder with both cores to itself. No renderer that writes
@@ -121,7 +121,7 @@ class Rendering {
 
  private:
   synth::animate::Placement placed(const store::Snapshot& snapshot, const query::SearchBase& base) const {
-    return synth::animate::place(
+    return synth::animate::placement_from(
         query::label(snapshot, base, target_.picture, target_.matte, options_).assignment, snapshot);
   }
 
@@ -159,7 +159,7 @@ class Rendering {
 };
 
 int run(int argc, char** argv) {
-  CLI::App app("Frames a second of the renderer, by stage");
+  CLI::App app("Frames per second of the renderer, by stage");
   Command command;
   app.add_option("STORE", command.store, "The store")->required();
   app.add_option("PICTURE", command.pictures, "CLASS:PICTURE[:MATTE]")->required();

@@ -188,8 +188,8 @@ Agreement compare(const query::Mrf& exact, const query::Mrf& pooled) {
 
 /// Energies under the reference of one picture's labelling by another setting.
 struct Loss {
-  double of_energy = 0;  // above the reference's own labelling, as a share of its energy
-  double of_gain = 0;    // as a share of what that gains over each piece's best look alone
+  double of_energy = 0;  // above the reference's own labelling, as a fraction of its energy
+  double of_gain = 0;    // as a fraction of what that gains over each piece's best likeness alone
   double other_labels = 0;
 };
 
@@ -249,12 +249,12 @@ nlohmann::json print_row(const char* form, bool headings, const std::vector<Colu
 
 int main(int argc, char** argv) try {
   std::vector<fs::path> clips;
-  std::uint32_t most_frames = 100;
+  std::uint32_t max_frames = 100;
   std::string json_file = "cell_choice.json";
   for (int i = 1; i < argc; ++i) {
     const std::string argument = argv[i];
     if (argument == "--frames" && i + 1 < argc)
-      most_frames = static_cast<std::uint32_t>(std::stoul(argv[++i]));
+      max_frames = static_cast<std::uint32_t>(std::stoul(argv[++i]));
     else if (argument == "--json" && i + 1 < argc)
       json_file = argv[++i];
     else
@@ -281,7 +281,7 @@ int main(int argc, char** argv) try {
   for (const Setting& setting : kSettings) measured.push_back({with(setting), {}, {}});
   Footage first;
   for (const store::ClipId id : table.clips) {
-    const Footage footage = read_footage(snapshot, id, most_frames);
+    const Footage footage = read_footage(snapshot, id, max_frames);
     for (Measured& each : measured) measure(footage, snapshot.clip(id), folder, each);
     if (first.luma.empty()) first = footage;
   }
@@ -301,7 +301,7 @@ int main(int argc, char** argv) try {
 
   const auto pictures = search_all(snapshot, base);
 
-  fmt::print("{} clips of {} frames, {} patches; compiler {}\n", clips.size(), most_frames, table.size(),
+  fmt::print("{} clips of {} frames, {} patches; compiler {}\n", clips.size(), max_frames, table.size(),
              __VERSION__);
   nlohmann::json json{{"bench", "cell_choice"}, {"compiler", __VERSION__}, {"patches", 2 * kPatches}};
   for (const query::CostForm form : kForms) {
@@ -325,10 +325,10 @@ int main(int argc, char** argv) try {
           best.push_back(solution);
         }
         const Loss loss = loss_of(exact[i + 1], best[i], solution.labels);
-        const double share = 1.0 / static_cast<double>(pictures.size());
-        mean.of_energy += share * loss.of_energy;
-        mean.of_gain += share * loss.of_gain;
-        mean.other_labels += share * loss.other_labels;
+        const double fraction = 1.0 / static_cast<double>(pictures.size());
+        mean.of_energy += fraction * loss.of_energy;
+        mean.of_gain += fraction * loss.of_gain;
+        mean.other_labels += fraction * loss.other_labels;
         worst = std::max(worst, loss.of_energy);
       }
       const double of_clips = 1.0 / static_cast<double>(clips.size());
@@ -344,7 +344,7 @@ int main(int argc, char** argv) try {
                      {"best", 2, agreement.best_is_best},
                      {"rank", 0, agreement.best_rank_median},
                      {"energy %", 2, 100 * mean.of_energy},
-                     {"most %", 2, 100 * worst},
+                     {"max %", 2, 100 * worst},
                      {"gain %", 1, 100 * mean.of_gain},
                      {"other", 2, mean.other_labels},
                      {"cells MB", 2, measured[s].cells_mb * of_clips},

@@ -47,17 +47,17 @@ namespace fs = std::filesystem;
 
 constexpr vision::FlowMethod kMethods[] = {vision::FlowMethod::kDis, vision::FlowMethod::kTvL1};
 constexpr const char* kNames[] = {"DIS", "TV-L1"};
-constexpr double kLeastSpeed = 2.5;  // px/s; slower motion has no direction that counts
+constexpr double kMinSpeed = 2.5;  // px/s; slower motion has no direction that counts
 
 double cpu_seconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
 /// The clip's first frames at one width, lossless, in a folder of its class.
-fs::path reduced(const fs::path& clip, const fs::path& folder, int most_frames, int width) {
+fs::path reduced(const fs::path& clip, const fs::path& folder, int max_frames, int width) {
   media::VideoReader reader(clip);
   const fs::path to = folder / clip.parent_path().filename() / (clip.stem().string() + ".mkv");
   fs::create_directories(to.parent_path());
   std::optional<media::VideoWriter> writer;
-  for (int i = 0; i < most_frames; ++i) {
+  for (int i = 0; i < max_frames; ++i) {
     const auto frame = reader.next();
     if (!frame) break;
     const cv::Mat picture = media::to_bgr(*frame);
@@ -212,7 +212,7 @@ Misfit misfit(const std::vector<cv::Vec2f>& got, const std::vector<cv::Vec2f>& h
   Misfit sum;
   for (std::size_t i = 0; i < got.size(); ++i) {
     const double speed = cv::norm(had[i]);
-    if (speed < kLeastSpeed) continue;
+    if (speed < kMinSpeed) continue;
     const double turn = std::atan2(got[i][1], got[i][0]) - std::atan2(had[i][1], had[i][0]);
     const double ratio = std::log2(std::max(cv::norm(got[i]), 0.1) / speed);
     sum.add({std::abs(std::remainder(turn, 2 * std::numbers::pi)) * 180 / std::numbers::pi, ratio,
@@ -231,12 +231,12 @@ query::Mrf field_of(const Side& side, const query::CandidateSearch& search) {
 
 int main(int argc, char** argv) try {
   std::vector<fs::path> clips;
-  int most_frames = 60, width = 352;
+  int max_frames = 60, width = 352;
   std::string json_file = "flow_choice.json";
   for (int i = 1; i < argc; ++i) {
     const std::string argument = argv[i];
     if (argument == "--frames" && i + 1 < argc)
-      most_frames = std::stoi(argv[++i]);
+      max_frames = std::stoi(argv[++i]);
     else if (argument == "--width" && i + 1 < argc)
       width = std::stoi(argv[++i]);
     else if (argument == "--json" && i + 1 < argc)
@@ -251,10 +251,10 @@ int main(int argc, char** argv) try {
   cv::setNumThreads(1);
   std::string name = (fs::temp_directory_path() / "flow_choice_XXXXXX").string();
   const fs::path folder = mkdtemp(name.data());
-  for (fs::path& clip : clips) clip = reduced(fs::absolute(clip), folder, most_frames, width);
+  for (fs::path& clip : clips) clip = reduced(fs::absolute(clip), folder, max_frames, width);
   nlohmann::json json{
-      {"bench", "flow_choice"}, {"compiler", __VERSION__}, {"frames", most_frames}, {"width", width}};
-  fmt::print("{} clips of {} frames, {} px wide; compiler {}\n", clips.size(), most_frames, width,
+      {"bench", "flow_choice"}, {"compiler", __VERSION__}, {"frames", max_frames}, {"width", width}};
+  fmt::print("{} clips of {} frames, {} px wide; compiler {}\n", clips.size(), max_frames, width,
              __VERSION__);
 
   // Known motion, and time on real frames.
@@ -284,7 +284,7 @@ int main(int argc, char** argv) try {
       vga_seconds[m] = cpu_seconds() - start;
     }
   }
-  fmt::print("\nCPU seconds a frame: DIS {:.4f}, TV-L1 {:.3f}; of 640 x 480: {:.4f}, {:.3f}\n", seconds[0],
+  fmt::print("\nCPU seconds per frame: DIS {:.4f}, TV-L1 {:.3f}; of 640 x 480: {:.4f}, {:.3f}\n", seconds[0],
              seconds[1], vga_seconds[0], vga_seconds[1]);
   json["cpu_seconds_a_frame"] = seconds;
   json["cpu_seconds_a_frame_640x480"] = vga_seconds;
@@ -365,7 +365,7 @@ int main(int argc, char** argv) try {
         const query::Solution solution = minimize(own, query::Minimizer::kTrwS);
         for (std::size_t truth = 0; truth < 2; ++truth) {
           note(how, kNames[m], truth, motion_got(search, solution.labels));
-          note(how + ", best look alone", kNames[m], truth, motion_got(search, unary_minimum(own)));
+          note(how + ", best likeness alone", kNames[m], truth, motion_got(search, unary_minimum(own)));
         }
         if (hinted) continue;
         const double best = minimize(other, query::Minimizer::kTrwS).energy;

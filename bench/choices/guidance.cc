@@ -6,9 +6,9 @@
 // Of all pieces and of those whose tolerances did not have to open: the mean angle between the mean motion of
 // the patch chosen and what the strokes ask of its piece, and the mean distance of speeds, |log2|. Then the
 // assigned motion is written as orientation and speed map, both are read back as the only guide, and the
-// picture is labelled again: the share of pieces that get the very same patch, or one of the same clip, and
-// the angle and distance of speeds between both assignments. The maps themselves are checked first: read back
-// they must be within a degree and 1 % of what was written, else the bench ends with 1.
+// picture is labelled again: the fraction of pieces that get the very same patch, or one of the same clip,
+// and the angle and distance of speeds between both assignments. The maps themselves are checked first: read
+// back they must be within a degree and 1 % of what was written, else the bench ends with 1.
 
 #include <fmt/format.h>
 
@@ -160,7 +160,8 @@ bool measure(const store::Snapshot& snapshot, const query::SearchBase& base, con
   const Honoured without = honoured(base.table, free, asked), with = honoured(base.table, guided, asked);
 
   const cv::Mat motion = synth::animate::motion_field(
-      snapshot, base.settings, synth::animate::place(guided.assignment, snapshot), given.picture.size());
+      snapshot, base.settings, synth::animate::placement_from(guided.assignment, snapshot),
+      given.picture.size());
   bool right = true;
   options.guide = through_files(motion, given.matte, right);
   const query::Labelling again = query::label(snapshot, base, given.picture, given.matte, options);

@@ -4,8 +4,8 @@
 //
 // MARKS are scribbles (a picture) or marks (.json), TRUTH a grey picture. First it checks what a matte
 // promises: the marks hold, and outside of the band alpha is the region's. Then, by edge, width of the band
-// and iterations of GrabCut: SAD (sum of absolute differences, alpha 0..1) in thousands of px, as a share of
-// the truth's own area, and CPU seconds of all threads. --write leaves a sheet of each picture's default
+// and iterations of GrabCut: SAD (sum of absolute differences, alpha 0..1) in thousands of px, as a fraction
+// of the truth's own area, and CPU seconds of all threads. --write leaves a sheet of each picture's default
 // matte and the matte of each edge. Prints a table, and writes matting.json into the present folder.
 #include <cstdio>
 #include <filesystem>
@@ -80,8 +80,8 @@ std::vector<Row> rows() {
   };
   for (const int iterations : {0, 1, 2, 5})
     add_guided(fmt::format("{} iterations", iterations)).iterations = iterations;
-  for (const double least : {0.0, 0.002})
-    add_guided(fmt::format("islands from {:.1f} %", 100 * least)).least_island = least;
+  for (const double minimum : {0.0, 0.002})
+    add_guided(fmt::format("islands from {:.1f} %", 100 * minimum)).min_island = minimum;
   return all;
 }
 

@@ -26,12 +26,12 @@ std::uint64_t bytes_of(const store::Store& store, const std::string& what) {
 
 }  // namespace
 
-Footage read_footage(const store::Snapshot& snapshot, store::ClipId id, std::uint32_t most_frames) {
+Footage read_footage(const store::Snapshot& snapshot, store::ClipId id, std::uint32_t max_frames) {
   const query::ClipFrames frames(snapshot, id);
   const store::ClipRecord& record = snapshot.clip(id);
   Footage footage;
   footage.fps = static_cast<double>(record.fps_num) / static_cast<double>(record.fps_den);
-  for (const media::Frame& frame : frames.read(0, std::min(most_frames, frames.size()))) {
+  for (const media::Frame& frame : frames.read(0, std::min(max_frames, frames.size()))) {
     footage.luma.push_back(media::to_luma(frame));
   }
   footage.flow.resize(footage.luma.size() - 1);

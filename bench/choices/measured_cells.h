@@ -20,7 +20,7 @@ struct Footage {
   std::vector<cv::Mat> luma, flow;
   double fps = 25;
 };
-Footage read_footage(const store::Snapshot& snapshot, store::ClipId id, std::uint32_t most_frames);
+Footage read_footage(const store::Snapshot& snapshot, store::ClipId id, std::uint32_t max_frames);
 
 /// Cells of all clips under one setting.
 struct Measured {

@@ -6,9 +6,10 @@
 // of where it moves, is the question, and its mean flow, from the store's motion cells, the answer, at pieces
 // where that is at least 2.5 px/s. Guesses: the class's constant (fire and smoke up, water down, clouds
 // none), the candidates' votes alone, the classes' pull alone, pull and edges (the default), all three; once
-// with the class given and once without. Columns: share of moving pieces at which a direction is dared; mean
-// angle there, and shares within 30 and 60 degrees; net, the mean angle over all moving pieces with 90 where
-// nothing is dared. Texture's axis alone has no sign: its mean axial angle is given by class (45 is chance).
+// with the class given and once without. Columns: fraction of moving pieces at which a direction is dared;
+// mean angle there, and fractions within 30 and 60 degrees; net, the mean angle over all moving pieces with
+// 90 where nothing is dared. Texture's axis alone has no sign: its mean axial angle is given by class (45 is
+// chance).
 // Then the stills are labelled, class given: without a hint and with the guess; net is the mean angle of the
 // motion assigned, coherence the length of its mean direction, beside the truth's. Means over pieces, then
 // over clips; also by halves, the odd and the even clips, that a constant fitted to few shows itself.
@@ -40,9 +41,9 @@ namespace {
 
 using namespace freshet;
 
-constexpr double kLongest = 640;     // px
-constexpr double kLeastSpeed = 2.5;  // px/s
-constexpr double kLeastMoving = 0.01;
+constexpr double kLongest = 640;   // px
+constexpr double kMinSpeed = 2.5;  // px/s
+constexpr double kMinMoving = 0.01;
 constexpr double kDegrees = 180 / std::numbers::pi;
 
 struct Question {
@@ -86,7 +87,7 @@ std::optional<Question> ask(const store::Snapshot& snapshot, const vision::Setti
   parts.pop_back();
   cv::merge(parts, question.motion);
   question.motion *= scale;
-  if (cv::countNonZero(question.matte) < kLeastMoving * static_cast<double>(question.matte.total()))
+  if (cv::countNonZero(question.matte) < kMinMoving * static_cast<double>(question.matte.total()))
     return std::nullopt;
   return question;
 }
@@ -128,7 +129,7 @@ struct Score {
 Score score_of(const std::vector<cv::Vec2f>& guess, const std::vector<cv::Vec2f>& truth) {
   Score score;
   for (std::size_t piece = 0; piece < truth.size(); ++piece)
-    if (cv::norm(truth[piece]) >= kLeastSpeed) score.add(guess[piece], truth[piece]);
+    if (cv::norm(truth[piece]) >= kMinSpeed) score.add(guess[piece], truth[piece]);
   return score;
 }
 
@@ -278,13 +279,13 @@ int main(int argc, char** argv) try {
       // Edges alone, sharpened till the axis is what is left: without sign, so from a pull that is tiny.
       query::GuessOptions edges;
       edges.gravity = 1e-3;
-      edges.least_certainty = 0;
+      edges.min_certainty = 0;
       edges.edges = 100;
       const auto axis =
           directions(query::guess_motion(snapshot, search, question->still, question->matte, edges));
       double sum = 0, moving = 0;
       for (std::size_t piece = 0; piece < truth.size(); ++piece) {
-        if (cv::norm(truth[piece]) < kLeastSpeed) continue;
+        if (cv::norm(truth[piece]) < kMinSpeed) continue;
         const double angle = angle_between(axis[piece], truth[piece]);
         sum += std::min(angle, 180 - angle);
         ++moving;

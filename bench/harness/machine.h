@@ -18,7 +18,7 @@ using report::to_json;
 using report::to_string;
 using report::wall_seconds;
 
-/// The most memory that this process has held so far.
+/// The maximum memory that this process has held so far.
 inline std::size_t peak_bytes() {
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);

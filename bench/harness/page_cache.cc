@@ -11,7 +11,7 @@
 
 namespace freshet::bench {
 
-double cached_share(const std::filesystem::path& file) {
+double cached_fraction(const std::filesystem::path& file) {
   const std::size_t bytes = std::filesystem::file_size(file);
   const int fd = ::open(file.c_str(), O_RDONLY | O_CLOEXEC);
   if (fd < 0 || bytes == 0) return 0;

@@ -5,8 +5,8 @@
 
 namespace freshet::bench {
 
-/// Share of a file's pages in the system's cache, 0..1.
-double cached_share(const std::filesystem::path& file);
+/// Fraction of a file's pages in the system's cache, 0..1.
+double cached_fraction(const std::filesystem::path& file);
 
 /// Asks the system to forget the file's pages; those that another process maps stay.
 void drop_from_cache(const std::filesystem::path& file);

@@ -20,7 +20,7 @@ class SeededRandom {
   }
   /// In [0, 1).
   double uniform() { return static_cast<double>(next() >> 11) * 0x1p-53; }
-  double uniform(double least, double most) { return least + (most - least) * uniform(); }
+  double uniform(double minimum, double maximum) { return minimum + (maximum - minimum) * uniform(); }
   /// Mean 0, deviation 1: the sum of twelve uniform ones, which needs no logarithm.
   double normal() {
     double sum = -6;

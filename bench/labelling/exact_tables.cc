@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "bench/harness/machine.h"
-#include "bench/labelling/obvious_cost.h"
+#include "bench/labelling/reference_cost.h"
 #include "freshet/error.h"
 #include "query/costs/pairwise_parts.h"
 #include "query/costs/stored_features.h"

@@ -22,9 +22,9 @@ std::span<const Fusion::Choice> Fusion::choose(const Labels& labels, const Label
   }
   for (const Mrf::Edge& edge : mrf_.edges) add_term(edge, labels, proposal);
   for (std::uint32_t node = 0; node < nodes; ++node) {
-    const double least = std::min(keep_[node], take_[node]);
-    flow_.add_terminal(node, take_[node] - least, keep_[node] - least);
-    flow_.add_terminal(nodes + node, keep_[node] - least, take_[node] - least);
+    const double minimum = std::min(keep_[node], take_[node]);
+    flow_.add_terminal(node, take_[node] - minimum, keep_[node] - minimum);
+    flow_.add_terminal(nodes + node, keep_[node] - minimum, take_[node] - minimum);
   }
   flow_.solve();
   for (std::uint32_t node = 0; node < nodes; ++node) {

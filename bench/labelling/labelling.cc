@@ -6,10 +6,10 @@
 // First each is labelled N times with the store dropped from the system's cache and N times as it then is, a
 // new process each: medians from the start of the process to the assignment, by stage.
 // Then, for each picture and each form of costs: all tables are built, and ten of them, over all pairs of
-// labels, are compared with the obvious loops over cells and channels in double precision. Errors must stay
+// labels, are compared with the plain loops over cells and channels in double precision. Errors must stay
 // below 1.5e-3 of a cost, and below 4.5e-4 where a cost is less than .3 (a step of likeness is 3e-3); no
 // solver's energy may differ from that of its labels or lie below TRW-S's bound, else the bench ends with 1.
-// Each solver's energy, its gap to that bound and its seconds, with the labels of least unary cost as the
+// Each solver's energy, its gap to that bound and its seconds, with the labels of minimum unary cost as the
 // floor. The plain loops' own time on those ten edges stands for all tables, by the number of pairs: the
 // reference.
 //
@@ -32,7 +32,7 @@
 #include "bench/labelling/exact_tables.h"
 #include "bench/labelling/fusion_moves.h"
 #include "bench/labelling/labelling_run.h"
-#include "bench/labelling/obvious_cost.h"
+#include "bench/labelling/reference_cost.h"
 #include "freshet/error.h"
 #include "platform/allocation.h"
 #include "query/costs/stored_features.h"
@@ -118,7 +118,7 @@ bool measure(const store::Snapshot& snapshot, const bench::PictureArgument& read
     const double loops =
         error.loop_seconds * static_cast<double>(mrf.pairwise.size()) / static_cast<double>(error.pairs);
     fmt::print(
-        "  {}: tables {:.3f} s, {:.3f} s of CPU, {:.2f} ms an edge (plain loops would take {:.0f}); error "
+        "  {}: tables {:.3f} s, {:.3f} s of CPU, {:.2f} ms per edge (plain loops would take {:.0f}); error "
         "{:.1e} "
         "of {} pairs\n",
         query::name_of(form), tables_wall, tables_cpu, 1e3 * tables_cpu / edges, loops, error.relative,
@@ -217,7 +217,7 @@ int main(int argc, char** argv) try {
       ->check(CLI::NonNegativeNumber);
   app.add_option("--exact", command.exact,
                  "Compare with the tables of this store, of cells of 1 px; only that");
-  app.add_option("--exact-mb", command.exact_mb, "Memory for its looks");
+  app.add_option("--exact-mb", command.exact_mb, "Memory for its log features");
   app.add_flag("--log-only", command.log_only, "Costs of the default form alone");
   app.add_option("--json", command.json_file);
   CLI11_PARSE(app, argc, argv);
@@ -249,7 +249,7 @@ int main(int argc, char** argv) try {
   std::size_t patches = 0;
   for (const store::ClipId clip : snapshot.clips()) patches += snapshot.clip(clip).rows;
   report["patches"] = patches;
-  fmt::print("{} clips, {} patches, {} candidates a piece\n", snapshot.clips().size(), patches,
+  fmt::print("{} clips, {} patches, {} candidates per piece\n", snapshot.clips().size(), patches,
              query::CandidateOptions{}.k);
   std::vector<query::CostForm> forms{query::CostForm::kLog};
   if (!command.log_only) forms.push_back(query::CostForm::kPower);

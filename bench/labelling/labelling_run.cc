@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "bench/harness/machine.h"
-#include "bench/harness/own_process.h"
 #include "bench/harness/page_cache.h"
+#include "bench/harness/subprocess.h"
 #include "query/labelling/labelling.h"
 #include "store/store.h"
 
@@ -61,7 +61,7 @@ json run_apart(const LabellingCase& asked) {
                                      std::to_string(asked.size.height),
                                      answer.string(),
                                      fmt::format("{:.9f}", wall_seconds())};
-  run_anew(std::move(arguments), asked.picture, "labelling in a process of its own failed");
+  run_subprocess(std::move(arguments), asked.picture, "labelling in a process of its own failed");
   json run = json::parse(std::ifstream(answer));
   fs::remove(answer);
   return run;
@@ -85,7 +85,7 @@ json median_labelling(const LabellingCase& asked, int runs, Pages pages) {
       drop_from_cache(asked.store);
       drop_from_cache(asked.picture.substr(0, asked.picture.rfind(':')));
     }
-    cached = std::max(cached, cached_share(asked.store));
+    cached = std::max(cached, cached_fraction(asked.store));
     const json run = run_apart(asked);
     for (const auto& [name, value] : run.items()) values[name].push_back(value.get<double>());
   }

@@ -28,7 +28,7 @@ enum class Pages {
 /// Medians over runs of query::label with its defaults, a new process of this program each: "total" seconds
 /// from before the process is started to the assignment, of it "start", "picture", "store" (both indexes),
 /// "cut", "search", "tables" and "solver"; "cpu" seconds of all threads; "peak_mb"; "gap". With "runs", and
-/// "most_total"; "cached" is the greatest share of the store that was in the cache before a run.
+/// "most_total"; "cached" is the maximum fraction of the store that was in the cache before a run.
 nlohmann::json median_labelling(const LabellingCase& asked, int runs, Pages pages);
 
 /// The new process's part: true, and all done, when the command line is one that median_labelling gives.

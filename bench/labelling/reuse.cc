@@ -16,9 +16,9 @@
 #include "bench/harness/machine.h"
 #include "bench/harness/picture_argument.h"
 #include "query/hints/stroke_field.h"
-#include "query/labelling/label_recall.h"
 #include "query/labelling/label_sweep.h"
 #include "query/labelling/labelling.h"
+#include "query/labelling/labelling_memo.h"
 
 namespace {
 
@@ -54,12 +54,12 @@ query::Labelling run(const store::Snapshot& snapshot, const bench::PictureArgume
   const Seconds start;
   const query::SearchBase base = query::open_search(snapshot, {.built_late = !folder.empty()});
   std::optional<query::LabelCache> cache;
-  std::optional<query::LabelRecall> recall;
-  if (!folder.empty()) recall.emplace(cache.emplace(folder), snapshot, base);
+  std::optional<query::LabellingMemo> memo;
+  if (!folder.empty()) memo.emplace(cache.emplace(folder), snapshot, base);
   query::Labelling labelling =
-      query::label(snapshot, base, read.picture, read.matte, options, {}, {}, recall ? &*recall : nullptr);
+      query::label(snapshot, base, read.picture, read.matte, options, {}, {}, memo ? &*memo : nullptr);
   if (cache) cache->finish();
-  fmt::print("  {:<26}{}  {}\n", what, start.text(), recall ? query::to_string(recall->reuse()) : "");
+  fmt::print("  {:<26}{}  {}\n", what, start.text(), memo ? query::to_string(memo->reuse()) : "");
   std::fflush(stdout);
   return labelling;
 }

@@ -7,7 +7,7 @@
 // the bench's time) is taken for a still, its real motion gives the matte and the strokes that a person would
 // draw, and the still is animated from all other clips. What comes out is compared, inside the matte, with
 // what the clip did over as many frames (quality_measures.h). References in the same table: the clip's half
-// before the still against its half after it (ceiling), the still (floor), and labelling by looks alone.
+// before the still against its half after it (ceiling), the still (floor), and labelling by likeness alone.
 
 #include <algorithm>
 #include <cmath>
@@ -81,7 +81,7 @@ std::vector<bench::Method> methods_of(const Asked& asked) {
   return methods;
 }
 
-/// Measures that do not tell a film from itself, or a still from a film, would tell nothing.
+/// Measures that do not tell a film from itself, or a still from a film, would say nothing.
 void check_measures() {
   std::mt19937 random(7);
   std::vector<cv::Mat> film;
@@ -163,7 +163,8 @@ class Trial {
     if (hint.strokes && !case_.strokes.empty())
       bench::guide_by(case_.strokes, case_.still.size(), hint.speed, options.guide);
     const query::Labelling labelling = query::label(snapshot_, base_, case_.still, case_.matte, options);
-    return placements_.emplace(key, synth::animate::place(labelling.assignment, snapshot_)).first->second;
+    return placements_.emplace(key, synth::animate::placement_from(labelling.assignment, snapshot_))
+        .first->second;
   }
 
   const store::Snapshot& snapshot_;

@@ -16,11 +16,11 @@
 namespace freshet::bench {
 namespace {
 
-constexpr std::uint32_t kFewestFrames = 24;
-constexpr double kLeastMoving = 0.01;  // of the picture
-constexpr double kLeastPart = 0.02;    // of the matte: smaller parts of it are left out
-constexpr double kEdge = 2;            // px, sigma of the matte's soft edge
-constexpr double kSameScene = 0.97;    // correlation of two clips' average images
+constexpr std::uint32_t kMinFrames = 24;
+constexpr double kMinMoving = 0.01;        // of the picture
+constexpr double kMinPartFraction = 0.02;  // of the matte: smaller parts of it are left out
+constexpr double kEdge = 2;                // px, sigma of the matte's soft edge
+constexpr double kSameScene = 0.97;        // correlation of two clips' average images
 
 /// Frames of a clip, reduced and cropped.
 std::vector<cv::Mat> read_reduced(const store::Snapshot& snapshot, store::ClipId clip, std::uint32_t first,
@@ -77,9 +77,9 @@ void tidy(cv::Mat& matte) {
                    cv::getStructuringElement(cv::MORPH_ELLIPSE, {diameter, diameter}));
   cv::Mat labels, statistics, centres;
   const int count = cv::connectedComponentsWithStats(matte, labels, statistics, centres);
-  const double least = kLeastPart * cv::countNonZero(matte);
+  const double min_area = kMinPartFraction * cv::countNonZero(matte);
   for (int i = 1; i < count; ++i)
-    if (statistics.at<int>(i, cv::CC_STAT_AREA) < least) matte.setTo(0, labels == i);
+    if (statistics.at<int>(i, cv::CC_STAT_AREA) < min_area) matte.setTo(0, labels == i);
 }
 
 cv::Mat moving_matte(const std::vector<PairMotion>& motions, const std::vector<cv::Mat>& luma, double fps,
@@ -113,7 +113,7 @@ std::vector<cv::Mat> luma_of(const std::vector<cv::Mat>& frames) {
 std::optional<Case> make_case(const store::Snapshot& snapshot, const vision::Settings& settings,
                               store::ClipId clip, const CaseOptions& options, std::string& why) {
   const store::ClipRecord& record = snapshot.clip(clip);
-  if (record.frame_count < kFewestFrames) {
+  if (record.frame_count < kMinFrames) {
     why = fmt::format("{} frames are too few", record.frame_count);
     return std::nullopt;
   }
@@ -142,9 +142,9 @@ std::optional<Case> make_case(const store::Snapshot& snapshot, const vision::Set
   made.still = frames[middle - from].clone();
   const std::vector<PairMotion> own = part(motions, begin, count - 1);
   made.matte = moving_matte(own, made.luma, made.fps, settings);
-  const double share = cv::countNonZero(made.matte > 127) / static_cast<double>(made.matte.total());
-  if (share < kLeastMoving) {
-    why = fmt::format("only {:.1f} % of it moves", 100 * share);
+  const double fraction = cv::countNonZero(made.matte > 127) / static_cast<double>(made.matte.total());
+  if (fraction < kMinMoving) {
+    why = fmt::format("only {:.1f} % of it moves", 100 * fraction);
     return std::nullopt;
   }
   made.strokes = draw_strokes(mean_motion(own, made.fps), made.matte);
@@ -153,7 +153,7 @@ std::optional<Case> make_case(const store::Snapshot& snapshot, const vision::Set
   const int margin = (target.side - target.stride) / 2;
   made.region = {made.matte, target.origin + cv::Point(margin, margin), target.stride};
   made.film = measure(made.luma, own, made.fps, made.region);
-  if (half >= kFewestFrames) {
+  if (half >= kMinFrames) {
     const auto film_of = [&](std::uint32_t start) {
       return measure(part(luma, start, half), part(motions, start, half - 1), made.fps, made.region);
     };

@@ -27,9 +27,9 @@ double in_matte(const cv::Mat& values, const cv::Mat& mask) { return cv::mean(va
 
 /// 255 for blocks of which half lies in the matte.
 cv::Mat blocks_in(const cv::Mat& matte, int block) {
-  cv::Mat share;
-  cv::resize(matte > 127, share, {matte.cols / block, matte.rows / block}, 0, 0, cv::INTER_AREA);
-  return share > 127;
+  cv::Mat fraction;
+  cv::resize(matte > 127, fraction, {matte.cols / block, matte.rows / block}, 0, 0, cv::INTER_AREA);
+  return fraction > 127;
 }
 
 /// Power by block and band, as Film has it.
@@ -45,7 +45,7 @@ cv::Mat spectrum(std::span<const cv::Mat> luma) {
     window[t] = static_cast<float>(0.5 - 0.5 * std::cos(2 * std::numbers::pi * (t + 0.5) / length));
     squares += window[t] * window[t];
   }
-  const double share =
+  const double fraction =
       1 / (length * squares * kSpectrumBlock * kSpectrumBlock * static_cast<double>(starts.size()));
   cv::Mat power = cv::Mat::zeros(rows * columns, kSpectrumBands, CV_32F);
   oneapi::tbb::parallel_for(0, rows, [&](int block_row) {
@@ -80,7 +80,7 @@ cv::Mat spectrum(std::span<const cv::Mat> luma) {
     for (int column = 0; column < columns; ++column)
       for (int b = 0; b < kSpectrumBands; ++b)
         power.at<float>(block_row * columns + column, b) =
-            static_cast<float>(sums[static_cast<std::size_t>(column) * kSpectrumBands + b] * share);
+            static_cast<float>(sums[static_cast<std::size_t>(column) * kSpectrumBands + b] * fraction);
   });
   return power;
 }
@@ -279,7 +279,7 @@ Distance compare(const Film& film, const Film& truth, const Region& region) {
       ++in_all;
       const cv::Vec2f a = film.motion.at<cv::Vec2f>(y, x), b = truth.motion.at<cv::Vec2f>(y, x);
       const double speed_a = cv::norm(a), speed_b = cv::norm(b);
-      if (speed_b < kLeastSpeed) continue;
+      if (speed_b < kMinSpeed) continue;
       ++moving;
       angles += speed_a < kSpeedFloor
                     ? 90

@@ -11,14 +11,14 @@ namespace freshet::bench {
 
 inline constexpr int kSpectrumBlock = 16, kMotionBlock = 8, kMotionCell = 4;        // px
 inline constexpr int kSpectrumBands = 8, kSpectrumWindow = 32, kTextureLevels = 3;  // window in frames
-inline constexpr double kLeastSpeed = 2.5;  // px/s; slower motion has no direction that counts
+inline constexpr double kMinSpeed = 2.5;  // px/s; slower motion has no direction that counts
 
 /// How the fluid moved from one frame to the next, by cells of kMotionCell px.
 struct PairMotion {
-  cv::Mat flow;   // CV_32FC2, px a frame, x right, y down: the cell's mean
-  cv::Mat speed;  // CV_32F, px a frame: the cell's mean of |flow|
+  cv::Mat flow;   // CV_32FC2, px per frame, x right, y down: the cell's mean
+  cv::Mat speed;  // CV_32F, px per frame: the cell's mean of |flow|
 };
-/// luma   CV_8U, all of one size, sides multiples of kSpectrumBlock. One entry a pair of neighbours: one
+/// luma   CV_8U, all of one size, sides multiples of kSpectrumBlock. One entry per pair of neighbours: one
 /// fewer than frames. DIS. All threads.
 std::vector<PairMotion> pair_motions(std::span<const cv::Mat> luma);
 
@@ -32,13 +32,13 @@ struct Region {
 /// What is measured of one film by itself. Luma in grey levels, 0..255.
 struct Film {
   cv::Mat mean, deviation;  // CV_32F: over time, of each pixel
-  cv::Mat power;            // CV_32F, row a block of kSpectrumBlock px (row-major), kSpectrumBands columns:
+  cv::Mat power;            // CV_32F, row per block of kSpectrumBlock px (row-major), kSpectrumBands columns:
                             // power of luma's changes, grey levels squared, mean over the block's pixels
   cv::Mat motion;           // CV_32FC2, a block of kMotionBlock px: mean flow, px/s
   std::array<double, kTextureLevels> texture{};  // mean |Laplacian| by level, fine to coarse, in the matte
   double flicker = 0;                            // deviation over time of the matte's mean level
   double seam = 0;                               // see seam_of
-  double dead = 0;                               // share of the matte's pixels whose deviation is below 1
+  double dead = 0;                               // fraction of the matte's pixels whose deviation is below 1
 };
 
 /// First frames of the windows over which power is averaged (Welch, Hann, at least half overlapping, each
@@ -67,7 +67,7 @@ struct Distance {
                            // level) counts as that: a still is some 40 dB away, not infinitely far.
   double matte_db = 0;     // the same of the power of all blocks together: where in the matte does not matter
   double angle_deg = 0;  // mean over blocks of the angle between mean motions, where the truth's is at least
-                         // kLeastSpeed; 90 where nothing moves in the film
+                         // kMinSpeed; 90 where nothing moves in the film
   double speed = 0;      // log2 of the ratio of mean speeds over these blocks; signed
   double block_speed = 0;  // mean over these blocks of |log2 of the ratio of speeds|
   double texture = 0;      // mean over levels of |log2 of the ratio|
@@ -76,7 +76,7 @@ struct Distance {
   double flicker = 0;      // log2 of the ratio; signed
   double seam = 0;         // the film's own
   double dead = 0;         // the film's own
-  double moving = 0;       // share of the matte's blocks that angle and speed are measured over
+  double moving = 0;       // fraction of the matte's blocks that angle and speed are measured over
 };
 Distance compare(const Film& film, const Film& truth, const Region& region);
 

@@ -27,9 +27,10 @@ struct Figure {
 };
 const std::vector<Figure>& figures();
 
-/// Mean and median by method, over all clips and by class; a row a method, in the order of first appearance.
+/// Mean and median by method, over all clips and by class; a row per method, in the order of first
+/// appearance.
 std::string summary_table(const std::vector<Judged>& judged);
-/// A row a clip and method; signed.
+/// A row per clip and method; signed.
 std::string clip_table(const std::vector<Judged>& judged);
 nlohmann::json to_json(const std::vector<Judged>& judged);
 

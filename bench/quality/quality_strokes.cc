@@ -11,11 +11,11 @@
 namespace freshet::bench {
 namespace {
 
-constexpr double kFewest = 4, kMost = 12;
-constexpr float kStep = 4;        // px of a streamline between two looks at the flow
-constexpr int kStepsAPoint = 4;   // a polyline's point every so many
-constexpr double kEdge = 16;      // px; nearer to the fluid's end nobody begins a stroke
-constexpr double kShortest = 12;  // px; a dot says no direction
+constexpr double kMinStrokes = 4, kMaxStrokes = 12;
+constexpr float kStep = 4;         // px of a streamline between two readings of the flow
+constexpr int kStepsPerPoint = 4;  // a polyline's point every so many
+constexpr double kEdge = 16;       // px; nearer to the fluid's end nobody begins a stroke
+constexpr double kShortest = 12;   // px; a dot says no direction
 
 /// The motion as seen from some distance: mean over the fluid nearby.
 cv::Mat smoothed(const cv::Mat& motion, const cv::Mat& matte, double sigma) {
@@ -44,7 +44,7 @@ class Streamline {
     for (double gone = 0; gone < length; gone += kStep) {
       const cv::Vec2f now = at(seed);
       const double speed = cv::norm(now);
-      if (speed < kLeastSpeed || now.dot(before) <= 0) break;
+      if (speed < kMinSpeed || now.dot(before) <= 0) break;
       seed += sign * kStep / static_cast<float>(speed) * cv::Point2f(now[0], now[1]);
       if (!inside(seed)) break;
       points.push_back(seed);
@@ -72,8 +72,9 @@ double by_fifths(double speed) {
 std::vector<query::Stroke> draw_strokes(const cv::Mat& motion, const cv::Mat& matte) {
   const double diagonal = std::hypot(matte.cols, matte.rows), area = cv::countNonZero(matte > 127);
   const cv::Mat smooth = smoothed(motion, matte, diagonal / 80);
-  const double share = area / static_cast<double>(matte.total());
-  const int wanted = static_cast<int>(std::lround(kFewest + (kMost - kFewest) * std::min(1.0, share / 0.75)));
+  const double fraction = area / static_cast<double>(matte.total());
+  const int wanted = static_cast<int>(
+      std::lround(kMinStrokes + (kMaxStrokes - kMinStrokes) * std::min(1.0, fraction / 0.75)));
   const Streamline streamline(smooth, matte);
 
   // The strongest motion first, then what is far from all strokes, the stronger motion rather than the
@@ -83,7 +84,7 @@ std::vector<query::Stroke> draw_strokes(const cv::Mat& motion, const cv::Mat& ma
   cv::Mat speed, strength;
   cv::magnitude(parts[0], parts[1], speed);
   cv::pow(speed, 0.25, strength);
-  const cv::Mat flowing = (matte > 127) & (speed >= kLeastSpeed);
+  const cv::Mat flowing = (matte > 127) & (speed >= kMinSpeed);
   cv::Mat edge;  // px to what does not flow, the picture's end included
   cv::copyMakeBorder(flowing, edge, 1, 1, 1, 1, cv::BORDER_CONSTANT, 0);
   cv::distanceTransform(edge, edge, cv::DIST_L2, 3);
@@ -107,7 +108,7 @@ std::vector<query::Stroke> draw_strokes(const cv::Mat& motion, const cv::Mat& ma
     double sum = 0;
     for (std::size_t i = 0; i < line.size(); ++i) {
       sum += cv::norm(streamline.at(line[i]));
-      if (i % kStepsAPoint == 0 || i + 1 == line.size()) stroke.points.push_back(line[i]);
+      if (i % kStepsPerPoint == 0 || i + 1 == line.size()) stroke.points.push_back(line[i]);
       drawn.at<std::uint8_t>(cv::Point(line[i])) = 0;
     }
     cv::distanceTransform(drawn, distance, cv::DIST_L2, 3);

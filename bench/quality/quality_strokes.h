@@ -15,7 +15,7 @@ namespace freshet::bench {
 /// matte. Motion is smoothed first, over an eightieth of the diagonal: a person draws streams, not eddies.
 /// motion   CV_32FC2, px/s, x right, y down, of any size: stretched to the matte's.
 /// matte    CV_8U; fluid where above 127.
-/// Fewer, or none, where nothing flows at kLeastSpeed.
+/// Fewer, or none, where nothing flows at kMinSpeed.
 std::vector<query::Stroke> draw_strokes(const cv::Mat& motion, const cv::Mat& matte);
 
 /// What the strokes, at least one, ask of the picture's motion (query::interpolate): directions, and speeds

@@ -26,9 +26,9 @@
 #include <vector>
 
 #include "bench/harness/machine.h"
-#include "bench/harness/own_process.h"
 #include "bench/harness/page_cache.h"
 #include "bench/harness/seeded_random.h"
+#include "bench/harness/subprocess.h"
 #include "bench/scale/cost_measure.h"
 #include "bench/scale/cost_page.h"
 #include "bench/scale/scaled_store.h"
@@ -73,7 +73,7 @@ json measured_apart(const std::string& what, const fs::path& store, const Comman
   const fs::path answer = store.string() + ".measured";
   std::vector<std::string> arguments{"bench_cost_curves", "--measure", what, store.string(), answer.string()};
   arguments.insert(arguments.end(), command.pictures.begin(), command.pictures.end());
-  bench::run_anew(std::move(arguments), store.string(), "the measurement \"" + what + "\" failed");
+  bench::run_subprocess(std::move(arguments), store.string(), "the measurement \"" + what + "\" failed");
   json result = read_json(answer);
   fs::remove(answer);
   return result;
@@ -98,7 +98,7 @@ json measured_size(const store::Snapshot& source, const Command& command, std::u
   json size{{"patches", patches}};
   const fs::path path = made_store(source, command, patches, size);
   bench::drop_from_cache(path);
-  size["cached_before_cold"] = bench::cached_share(path);
+  size["cached_before_cold"] = bench::cached_fraction(path);
   size["cold"] = measured_apart("open", path, command);
   measured_apart("open", path, command);
   size["warm"] = measured_apart("open", path, command);

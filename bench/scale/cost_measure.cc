@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "bench/harness/machine.h"
-#include "bench/harness/own_process.h"
+#include "bench/harness/subprocess.h"
 #include "freshet/error.h"
 #include "query/index/index_builder.h"
 #include "query/index/search_base.h"
@@ -79,7 +79,7 @@ json measure_search(const std::filesystem::path& path, const std::vector<std::st
     all.insert(all.end(), pieces.begin(), pieces.end());
   }
   // Of small pictures, some pieces are asked twice.
-  for (std::size_t i = 0; i < kPiecesABatch; ++i) queries.push_back(all[i * all.size() / kPiecesABatch]);
+  for (std::size_t i = 0; i < kPiecesPerBatch; ++i) queries.push_back(all[i * all.size() / kPiecesPerBatch]);
 
   const std::span<const query::PieceQuery> batch(queries);
   base.index->search(batch.first(1), kCandidates);  // whatever is built or mapped late
@@ -100,7 +100,7 @@ json measure_search(const std::filesystem::path& path, const std::vector<std::st
   return {{"median_ms", quantile(ms, 0.5)},
           {"p99_ms", quantile(ms, 0.99)},
           {"batch_s", quantile(batches, 0.5)},
-          {"distinct_pieces", std::min(all.size(), kPiecesABatch)},
+          {"distinct_pieces", std::min(all.size(), kPiecesPerBatch)},
           {"memory", memory_now()}};
 }
 

@@ -15,12 +15,12 @@ namespace freshet::bench {
 /// the next one's peak.
 enum class Measurement {
   kOpen,    // from nothing to the candidates of the first picture: "seconds" by phase, "memory"
-  kSearch,  // "median_ms" and "p99_ms" a piece on one thread, "batch_s" of kPiecesABatch on all; "memory"
+  kSearch,  // "median_ms" and "p99_ms" a piece on one thread, "batch_s" of kPiecesPerBatch on all; "memory"
   kLabel,   // the first picture labelled, opening aside: "seconds" by stage
   kKeep,    // "bytes" by part; "usage_s" to list and "verify_s" to read all of them; "clips", "patches"
   kIndex,   // "sample", "train", "assign", "write": `freshet index --rebuild`, which writes to the store
 };
-inline constexpr std::size_t kPiecesABatch = 500;
+inline constexpr std::size_t kPiecesPerBatch = 500;
 
 /// "open", "search", ...; Error{kUsage} for another.
 Measurement parse_measurement(const std::string& name);

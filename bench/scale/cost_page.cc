@@ -26,12 +26,12 @@ constexpr Figure kFigures[] = {
     {"bytes", "file", "MB", "/bytes/file", kMega},
     {"bytes", "columns", "MB", "/bytes/columns", kMega},
     {"bytes", "average images", "MB", "/bytes/average", kMega},
-    {"bytes", "frames (5 a clip)", "MB", "/bytes/frames", kMega},
-    {"bytes", "flow (4 a clip)", "MB", "/bytes/flow", kMega},
+    {"bytes", "frames (5 per clip)", "MB", "/bytes/frames", kMega},
+    {"bytes", "flow (4 per clip)", "MB", "/bytes/flow", kMega},
     {"bytes", "indexes", "MB", "/bytes/blobs", kMega},
-    {"search", "median", "ms a piece", "/search/median_ms"},
-    {"search", "99 of 100", "ms a piece", "/search/p99_ms"},
-    {"search", "500 together, a piece", "ms a piece", "/search/batch_s", 2},
+    {"search", "median", "ms per piece", "/search/median_ms"},
+    {"search", "99 of 100", "ms per piece", "/search/p99_ms"},
+    {"search", "500 together, per piece", "ms per piece", "/search/batch_s", 2},
     {"open", "cold", "s", "/cold/seconds/total"},
     {"open", "warm", "s", "/warm/seconds/total"},
     {"open", "warm: the store", "s", "/warm/seconds/store"},
@@ -57,7 +57,7 @@ struct Group {
 };
 constexpr Group kGroups[] = {
     {"bytes", "Bytes of a generated store",
-     "Frames and flow are those of five frames a clip, not of footage; what footage costs is below."},
+     "Frames and flow are those of five frames per clip, not of footage; what footage costs is below."},
     {"ingest", "Ingest of real footage",
      "Subsets of clips that were really ingested, in drawn orders: sums of recorded times and bytes, flow, "
      "frames and all. A clip is ingested by itself, so beyond the last point the line goes on: it is not "
@@ -69,7 +69,7 @@ constexpr Group kGroups[] = {
      "the system's cache before."},
     {"memory", "Memory of a process",
      "Mapped: pages of the store that it has touched; the system may take them back."},
-    {"label", "Labelling a picture of 640 x 480 px", "With the index open; 100 candidates a piece."},
+    {"label", "Labelling a picture of 640 x 480 px", "With the index open; 100 candidates per piece."},
     {"whole", "Passes over the whole store",
      "freshet index trains and assigns all words again; the bench's own making is drawn for comparison."},
 };

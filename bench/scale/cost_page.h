@@ -22,7 +22,7 @@ std::optional<CostFit> fit_costs(const std::vector<report::ChartPoint>& points, 
 
 /// One cost of one build over all sizes.
 struct CostCurve {
-  std::string group, name, unit;  // "search", "median", "ms a piece"
+  std::string group, name, unit;  // "search", "median", "ms per piece"
   std::vector<report::ChartPoint> points;
 };
 /// What bench_cost_curves measured, as curves. Sizes that lack a figure have no point.

@@ -132,7 +132,7 @@ struct Tone {
 
 template <class Sample>
 cv::Mat toned(const cv::Mat& picture, const Tone& tone, double noise, SeededRandom& random, int type) {
-  constexpr double kMost = std::numeric_limits<Sample>::max();
+  constexpr double kMax = std::numeric_limits<Sample>::max();
   constexpr int kSteps = 4096;
   std::array<float, kSteps + 1> table;
   for (int i = 0; i <= kSteps; ++i) table[i] = tone.of(static_cast<float>(i) / kSteps);
@@ -145,7 +145,7 @@ cv::Mat toned(const cv::Mat& picture, const Tone& tone, double noise, SeededRand
       const int i = std::min(static_cast<int>(at), kSteps - 1);
       double luma = table[i] + (table[i + 1] - table[i]) * (at - static_cast<float>(i));
       if (noise > 0) luma += noise * random.normal();
-      to[x] = static_cast<Sample>(std::lround(std::clamp(luma, 0.0, 1.0) * kMost));
+      to[x] = static_cast<Sample>(std::lround(std::clamp(luma, 0.0, 1.0) * kMax));
     }
   }
   return out;
@@ -221,8 +221,8 @@ vision::CellMap turned_texture(const vision::CellMap& source, const Placement& p
     for (int level = 0; level < vision::kTextureLevels; ++level) {
       const double at = std::clamp(level - shift, 0.0, vision::kTextureLevels - 1.0);
       const int below = std::min(static_cast<int>(at), vision::kTextureLevels - 2);
-      const auto share = static_cast<float>(at - below);
-      to[level] = slope * ((1 - share) * here[below] + share * here[below + 1]);
+      const auto fraction = static_cast<float>(at - below);
+      to[level] = slope * ((1 - fraction) * here[below] + fraction * here[below + 1]);
     }
   });
   return cells;

@@ -22,7 +22,8 @@ struct Jitter {
   bool mirrored = true;         // half of the copies
   double bend_px = 4;           // root mean square of a smooth displacement,
   double bend_length_px = 64;   // independent at this distance
-  double detail = 0.7;          // share of the amplitude below detail_px taken from another place of the clip
+  double detail = 0.7;          // fraction of the amplitude below detail_px taken from another place of the
+                                // clip
   double detail_px = 6;         // sigma of the blur that tells fine from coarse
   double gain = 0.3, gamma = 0.2;  // luma^g times 1 / 1.3 to 1, g = 1 / 1.2 to 1.2
   double noise = 0.5;              // grey levels of 255, of the average image
@@ -44,13 +45,13 @@ struct JitteredClip {
 /// The copy numbered `number` of those that `seed` makes.
 ///
 /// Average image and frames are resampled (bicubic) through one smooth map: turn, zoom, mirror, place of the
-/// window, and a bend. Detail of another place of the same clip, turned and mirrored by itself, takes a share
-/// of the amplitude of the clip's own, so that no patch is a copy of a source's. Words come from the average
-/// image as an index build has them, but with a codebook given. Spectra and textureness are the source's
-/// cells, read through the same map: velocities turned, zoomed and sped up, powers by the squares, cross
-/// power included; textureness moved between its levels by the zoom and steepened with the tone curve. The
-/// bend does not turn velocities. What moves goes through the map as well, and find_patches decides, as it
-/// does at ingest.
+/// window, and a bend. Detail of another place of the same clip, turned and mirrored by itself, takes a
+/// fraction of the amplitude of the clip's own, so that no patch is a copy of a source's. Words come from the
+/// average image as an index build has them, but with a codebook given. Spectra and textureness are the
+/// source's cells, read through the same map: velocities turned, zoomed and sped up, powers by the squares,
+/// cross power included; textureness moved between its levels by the zoom and steepened with the tone curve.
+/// The bend does not turn velocities. What moves goes through the map as well, and find_patches decides, as
+/// it does at ingest.
 ///
 /// window   px; smaller where the turned source does not hold it.
 /// Cost     0.3 s of CPU for 640 x 480 px and 2,000 patches, most of it descriptors. Same bytes for any

@@ -36,11 +36,11 @@ int run(int argc, char** argv) {
 
   const bench::Machine machine = bench::this_machine();
   const store::Store store = store::Store::open_read(source);
-  std::uint64_t told = 0;
+  std::uint64_t reported = 0;
   const bench::ScaleReport report =
       bench::write_scaled_store(store.snapshot(), out, options, [&](std::uint64_t patches) {
-        if (patches / 100'000 == told) return;
-        told = patches / 100'000;
+        if (patches / 100'000 == reported) return;
+        reported = patches / 100'000;
         fmt::print(stderr, "{} patches\n", patches);
       });
   fmt::print("{}\n{} patches in {} clips, {} bytes, {:.1f} s\n", bench::to_string(machine), report.patches,

@@ -5,8 +5,8 @@
 // The clips of SOURCE are split in two halves (class by class, by patches). A generator that sees one half
 // makes as many patches as the whole has, and they are held against the real ones, all with SOURCE's
 // codebook:
-//   words       total variation and divergence of the words' shares; the two real halves are the yardstick
-//   bins        distinct bins of a patch's pyramid
+//   words       total variation and divergence of the words' frequencies; the two real halves are the
+//   yardstick bins        distinct bins of a patch's pyramid
 //   neighbours  scores of ranks 1, 10 and 100 of pieces of the pictures, and of patches of the other half,
 //               against the number of patches: real subsets of whole clips, and generated ones
 //   copies      best score of a patch among its own source clip and among the others: a generated patch must
@@ -126,9 +126,9 @@ Generated generate(const store::Snapshot& snapshot, const Real& real, const benc
 }
 
 template <class T>
-std::vector<T> thinned(const std::vector<T>& values, std::size_t most) {
+std::vector<T> thinned(const std::vector<T>& values, std::size_t max_count) {
   std::vector<T> some;
-  const std::size_t count = std::min(most, values.size());
+  const std::size_t count = std::min(max_count, values.size());
   for (std::size_t i = 0; i < count; ++i) some.push_back(values[i * values.size() / count]);
   return some;
 }
@@ -168,7 +168,7 @@ struct Realism {
   }
 
   void compare_words(const std::string& what, const Words& a, const Words& b) {
-    const auto p = bench::word_shares(a, word_count), q = bench::word_shares(b, word_count);
+    const auto p = bench::word_fractions(a, word_count), q = bench::word_fractions(b, word_count);
     const double variation = bench::total_variation(p, q), bits = bench::divergence_bits(p, q);
     const double bins_a = bench::mean_bins(a, word_count), bins_b = bench::mean_bins(b, word_count);
     fmt::print("{:<40}{:>8.4f}{:>8.4f}{:>8.1f}{:>8.1f}\n", what, variation, bits, bins_a, bins_b);
@@ -240,11 +240,11 @@ int run(int argc, char** argv) {
   app.add_option("--json", json_file, "Write the figures to this file");
   app.add_option("--bend", options.jitter.bend_px, "px")->capture_default_str();
   app.add_option("--bend-length", options.jitter.bend_length_px, "px")->capture_default_str();
-  app.add_option("--detail", options.jitter.detail, "Share of foreign detail")->capture_default_str();
+  app.add_option("--detail", options.jitter.detail, "Fraction of foreign detail")->capture_default_str();
   app.add_option("--detail-px", options.jitter.detail_px, "px")->capture_default_str();
   app.add_option("--noise", options.jitter.noise, "grey levels")->capture_default_str();
   app.add_option("--rotation", options.jitter.rotation_deg, "degrees")->capture_default_str();
-  app.add_option("--zoom", options.jitter.zoom, "share")->capture_default_str();
+  app.add_option("--zoom", options.jitter.zoom, "fraction")->capture_default_str();
   CLI11_PARSE(app, argc, argv);
 
   const store::Store store = store::Store::open_read(source);

@@ -89,9 +89,9 @@ store::PlaneView view_of(const cv::Mat& plane) {
 }
 
 void write_stream(store::ClipWriter& writer, store::Stream stream, std::span<const cv::Mat> planes,
-                  std::size_t planes_a_frame) {
+                  std::size_t planes_per_frame) {
   std::vector<store::PlaneShape> shapes;
-  for (const cv::Mat& plane : planes.first(planes_a_frame)) {
+  for (const cv::Mat& plane : planes.first(planes_per_frame)) {
     shapes.push_back({static_cast<std::uint32_t>(plane.cols), static_cast<std::uint32_t>(plane.rows),
                       static_cast<std::uint8_t>(plane.elemSize1())});
   }

@@ -18,7 +18,7 @@ struct ScaleOptions {
   std::uint64_t patches = 246'477;  // exactly; rows of the last clip are left out to meet it
   std::uint64_t seed = 1;
   cv::Size window{640, 480};  // px: what the paper's clips measure
-  int frames = 5;             // a clip: the fewest that a loop rule can be given for
+  int frames = 5;             // a clip: the minimum that a loop rule can be given for
   Jitter jitter{};
   std::vector<std::string> clips{};  // of the source, by name; empty: all that have patches
 };
@@ -31,7 +31,7 @@ struct ScaleOptions {
 ///
 /// take     called from the calling thread, with the clip and how many patches were given before it.
 /// Throws   Error{kNotFound} when the source has no such clip, no patch or no index.
-/// Memory   20 MB a source clip of 1280 x 720 and 10 MB a copy in hand (eight a time).
+/// Memory   20 MB per source clip of 1280 x 720 and 10 MB per copy in hand (eight a time).
 void generate(const store::Snapshot& source, const ScaleOptions& options,
               const std::function<void(JitteredClip&&, std::uint64_t)>& take);
 
@@ -42,8 +42,8 @@ struct ScaleReport {
 };
 
 /// Writes what generate() gives to a new store with the source's settings and codebook, words included: it is
-/// searched, labelled, verified and animated as any other. It has only a few frames a clip, in grey; spectra
-/// and textureness stand for the source's whole length.
+/// searched, labelled, verified and animated as any other. It has only a few frames per clip, in grey;
+/// spectra and textureness stand for the source's whole length.
 /// progress   may be empty; patches written so far.
 /// Throws     as Store::create and generate.
 ScaleReport write_scaled_store(const store::Snapshot& source, const std::filesystem::path& path,

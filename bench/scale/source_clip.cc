@@ -16,7 +16,7 @@
 namespace freshet::bench {
 namespace {
 
-constexpr std::uint32_t kSlab = 16, kMostSlabs = 6;
+constexpr std::uint32_t kSlab = 16, kMaxSlabs = 6;
 
 /// One plane of the flow, frames [first, first + count), in flow units.
 std::vector<std::int16_t> flow_plane(const store::Snapshot& snapshot, store::ClipId clip, std::uint32_t plane,
@@ -39,9 +39,9 @@ std::vector<std::int16_t> flow_plane(const store::Snapshot& snapshot, store::Cli
   return all;
 }
 
-/// First frames of the slabs to measure on: all of them, or the most that may be, evenly spread.
+/// First frames of the slabs to measure on: all of them, or the maximum that may be, evenly spread.
 std::vector<std::uint32_t> spread_slabs(std::uint32_t frames) {
-  const std::uint32_t slabs = std::max(1u, (frames + kSlab - 1) / kSlab), taken = std::min(slabs, kMostSlabs);
+  const std::uint32_t slabs = std::max(1u, (frames + kSlab - 1) / kSlab), taken = std::min(slabs, kMaxSlabs);
   std::vector<std::uint32_t> firsts;
   for (std::uint32_t i = 0; i < taken; ++i) firsts.push_back(i * slabs / taken * kSlab);
   return firsts;

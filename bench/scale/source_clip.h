@@ -17,7 +17,7 @@ struct SourceClip {
   vision::CellMap motion;                // as the store keeps them
   std::vector<vision::CellMap> texture;  // a scale of the settings
   std::vector<cv::Mat> frames;           // CV_8U luma, the clip's first ones
-  std::vector<cv::Mat> flow;             // CV_32FC2 at 1 / flow_step, px a frame at source size; one fewer
+  std::vector<cv::Mat> flow;             // CV_32FC2 at 1 / flow_step, px per frame at source size; one fewer
 };
 
 /// frames   how many of the clip's first frames to keep; fewer where it is shorter.

@@ -8,14 +8,14 @@
 
 namespace freshet::bench {
 
-std::vector<double> word_shares(std::span<const vision::WordMap> words, int word_count) {
-  std::vector<double> shares(static_cast<std::size_t>(word_count), 0);
+std::vector<double> word_fractions(std::span<const vision::WordMap> words, int word_count) {
+  std::vector<double> fractions(static_cast<std::size_t>(word_count), 0);
   for (const vision::WordMap& map : words) {
-    for (const std::uint8_t word : map) ++shares[word];
+    for (const std::uint8_t word : map) ++fractions[word];
   }
   const double points = static_cast<double>(words.size()) * std::tuple_size_v<vision::WordMap>;
-  for (double& share : shares) share /= points;
-  return shares;
+  for (double& fraction : fractions) fraction /= points;
+  return fractions;
 }
 
 double total_variation(std::span<const double> p, std::span<const double> q) {
@@ -25,10 +25,10 @@ double total_variation(std::span<const double> p, std::span<const double> q) {
 }
 
 double divergence_bits(std::span<const double> p, std::span<const double> q) {
-  constexpr double kLeast = 1e-6;
+  constexpr double kMin = 1e-6;
   double sum = 0;
   for (std::size_t i = 0; i < p.size(); ++i) {
-    if (p[i] > 0) sum += p[i] * std::log2(p[i] / std::max(q[i], kLeast));
+    if (p[i] > 0) sum += p[i] * std::log2(p[i] / std::max(q[i], kMin));
   }
   return sum;
 }
@@ -52,7 +52,7 @@ NeighbourScores neighbour_scores(const query::CandidateIndex& index,
     if (answers[i].size() < kRanks)
       throw Error(ErrorKind::kUsage, "neighbours",
                   std::to_string(index.rows()) + " patches have no hundredth");
-    const double whole = query::mass(queries[i]) * static_cast<double>(queries.size());
+    const double whole = query::max_score(queries[i]) * static_cast<double>(queries.size());
     scores.first += answers[i][0].score / whole;
     scores.tenth += answers[i][9].score / whole;
     scores.hundredth += answers[i][99].score / whole;
@@ -65,8 +65,8 @@ std::vector<double> best_scores(const query::CandidateIndex& index,
   std::vector<double> best;
   const auto answers = index.search(queries, 1, {.rows = &allowed});
   for (std::size_t i = 0; i < queries.size(); ++i)
-    best.push_back(answers[i].empty() ? 0
-                                      : answers[i][0].score / static_cast<double>(query::mass(queries[i])));
+    best.push_back(
+        answers[i].empty() ? 0 : answers[i][0].score / static_cast<double>(query::max_score(queries[i])));
   return best;
 }
 

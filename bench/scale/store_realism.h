@@ -10,8 +10,8 @@
 
 namespace freshet::bench {
 
-/// Share of each word among all grid points; sums to 1. word_count values.
-std::vector<double> word_shares(std::span<const vision::WordMap> words, int word_count);
+/// Fraction of each word among all grid points; sums to 1. word_count values.
+std::vector<double> word_fractions(std::span<const vision::WordMap> words, int word_count);
 
 /// Half the sum of absolute differences: 0 the same, 1 nothing in common.
 double total_variation(std::span<const double> p, std::span<const double> q);
@@ -22,7 +22,7 @@ double divergence_bits(std::span<const double> p, std::span<const double> q);
 /// Distinct bins of a patch's spatial pyramid (cell and word), of at most 243: mean.
 double mean_bins(std::span<const vision::WordMap> words, int word_count);
 
-/// Scores over mass, 0..1, of the patches that stand at ranks 1, 10 and 100: means over the queries.
+/// Scores / max_score, 0..1, of the patches that stand at ranks 1, 10 and 100: means over the queries.
 struct NeighbourScores {
   double first = 0, tenth = 0, hundredth = 0;
 };
@@ -30,7 +30,7 @@ struct NeighbourScores {
 NeighbourScores neighbour_scores(const query::CandidateIndex& index,
                                  std::span<const query::PieceQuery> queries);
 
-/// The best score over mass of each query among the allowed rows.
+/// The best score / max_score of each query among the allowed rows.
 std::vector<double> best_scores(const query::CandidateIndex& index,
                                 std::span<const query::PieceQuery> queries, const query::RowFilter& allowed);
 

@@ -1,4 +1,4 @@
-// How many frames a second does ingest take in, stage by stage, and how long would the paper's 151 clips of
+// How many frames per second does ingest take in, stage by stage, and how long would the paper's 151 clips of
 // 100 frames at 640 x 480 take?
 //
 //   bench_ingest CLIP.. [--frames N] [--flow dis|tv-l1]... [--native] [--threads N] [--json FILE]
@@ -51,14 +51,14 @@ std::string quoted(const std::string& text) {
 }
 
 /// The clip's first frames at 640 x 480, 4:2:0, lossless, in a folder of its class.
-fs::path scaled(const fs::path& clip, const fs::path& folder, int most_frames) {
+fs::path scaled(const fs::path& clip, const fs::path& folder, int max_frames) {
   const fs::path to = folder / clip.parent_path().filename() / (clip.stem().string() + ".mkv");
   fs::create_directories(to.parent_path());
   const std::string command = fmt::format(
       "ffmpeg -v error -nostdin -y -noautorotate -i {} -frames:v {} -an -vf scale={}:{} -pix_fmt yuv420p "
       "-c:v ffv1 "
       "-level 3 -slices 4 {}",
-      quoted(clip.string()), most_frames, kWidth, kHeight, quoted(to.string()));
+      quoted(clip.string()), max_frames, kWidth, kHeight, quoted(to.string()));
   if (std::system(command.c_str()) != 0) throw Error(ErrorKind::kInput, command, "failed");
   return to;
 }
@@ -80,14 +80,14 @@ void check(const store::Snapshot& snapshot) {
 
 struct Stage {
   const char* name;
-  double ingest::StageSeconds::*seconds;
+  double ingest::IngestSeconds::*seconds;
 };
 constexpr Stage kStages[] = {
-    {"flow", &ingest::StageSeconds::flow},       {"store", &ingest::StageSeconds::store},
-    {"texture", &ingest::StageSeconds::texture}, {"motion", &ingest::StageSeconds::motion},
-    {"patches", &ingest::StageSeconds::patches}, {"commit", &ingest::StageSeconds::commit},
-    {"hash", &ingest::StageSeconds::hash},       {"decode", &ingest::StageSeconds::decode},
-    {"screen", &ingest::StageSeconds::screen}};
+    {"flow", &ingest::IngestSeconds::flow},       {"store", &ingest::IngestSeconds::store},
+    {"texture", &ingest::IngestSeconds::texture}, {"motion", &ingest::IngestSeconds::motion},
+    {"patches", &ingest::IngestSeconds::patches}, {"commit", &ingest::IngestSeconds::commit},
+    {"hash", &ingest::IngestSeconds::hash},       {"decode", &ingest::IngestSeconds::decode},
+    {"screen", &ingest::IngestSeconds::screen}};
 
 nlohmann::json measure(const std::vector<fs::path>& clips, const std::string& flow, const fs::path& file,
                        std::size_t threads) {
@@ -101,7 +101,7 @@ nlohmann::json measure(const std::vector<fs::path>& clips, const std::string& fl
   check(store.snapshot());
 
   double frames = 0, patches = 0;
-  ingest::StageSeconds sum;
+  ingest::IngestSeconds sum;
   nlohmann::json rows = nlohmann::json::array();
   for (const ingest::ClipReport& clip : report.clips) {
     if (clip.outcome != ingest::Outcome::kAdded) {
@@ -126,13 +126,13 @@ nlohmann::json measure(const std::vector<fs::path>& clips, const std::string& fl
   fmt::print(
       "\n{}: {} clips, {} frames, {} patches; {:.1f} s by the clock, {:.1f} s of CPU, busy {:.2f} of {}\n",
       flow, rows.size(), frames, patches, wall, cpu, cpu / (wall * static_cast<double>(threads)), threads);
-  fmt::print("  {:.1f} frames/s, {:.1f} frames a second of CPU, {:.0f} bytes a frame\n", frames / wall,
+  fmt::print("  {:.1f} frames/s, {:.1f} frames per second of CPU, {:.0f} bytes per frame\n", frames / wall,
              frames / cpu, bytes / frames);
   nlohmann::json stages;
   for (const Stage& stage : kStages) {
     const double seconds = sum.*stage.seconds;
     const bool beside = std::string_view(stage.name) == "decode" || std::string_view(stage.name) == "screen";
-    fmt::print("  {:<8} {:>7.2f} ms a frame {:>5.1f} %{}\n", stage.name, 1e3 * seconds / frames,
+    fmt::print("  {:<8} {:>7.2f} ms per frame {:>5.1f} %{}\n", stage.name, 1e3 * seconds / frames,
                100 * seconds / wall, beside ? "  beside the others" : "");
     stages[stage.name] = {{"ms_a_frame", 1e3 * seconds / frames}, {"share", seconds / wall}};
   }

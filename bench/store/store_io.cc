@@ -176,7 +176,7 @@ double read_all(const store::Snapshot& snapshot, const Video& video, bool compar
   return seconds;
 }
 
-/// Milliseconds a patch of 48 x 48 luma samples and the chroma that goes with it, over all frames: CPU time
+/// Milliseconds per patch of 48 x 48 luma samples and the chroma that goes with it, over all frames: CPU time
 /// from the page cache, where nothing is waited for, and by the clock when cold.
 double patch_ms(const std::filesystem::path& file, const Video& video, bool cold, int patches) {
   std::mt19937 random(5);

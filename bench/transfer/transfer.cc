@@ -88,8 +88,8 @@ cv::Mat bgra_of(const synth::simulate::SimulatedFrame& frame) {
 }
 
 bool is_simulated(const std::string& name) {
-  for (const synth::simulate::Preset preset : synth::simulate::all_presets())
-    if (name == synth::simulate::preset_name(preset)) return true;
+  for (const synth::simulate::SceneKind kind : synth::simulate::all_clip_kinds())
+    if (name == synth::simulate::scene_kind_name(kind)) return true;
   return false;
 }
 
@@ -116,7 +116,7 @@ Look read_look(const Asked& asked, int height, int frames, const std::filesystem
   if (is_simulated(asked.name)) {
     const cv::Size size(height * 8, height * 6);
     synth::simulate::Simulation scene(
-        {.preset = synth::simulate::parse_preset(asked.name), .size = size, .frames = frames, .seed = 5});
+        {.kind = synth::simulate::parse_scene_kind(asked.name), .size = size, .frames = frames, .seed = 5});
     for (synth::simulate::SimulatedFrame frame; scene.next(frame);)
       look.frames.push_back(scaled(bgra_of(frame), 1.0 / 6));
     return look;
@@ -139,7 +139,7 @@ Look read_look(const Asked& asked, int height, int frames, const std::filesystem
 }
 
 TargetFrame turning_disc(cv::Size size, int frame) {
-  constexpr double kTurn = 0.02;  // radians a frame
+  constexpr double kTurn = 0.02;  // radians per frame
   TargetFrame made{cv::Mat(size, CV_32F, cv::Scalar(0)), cv::Mat(size, CV_32FC2, cv::Scalar::all(0))};
   for (int y = 0; y < size.height; ++y)
     for (int x = 0; x < size.width; ++x) {
@@ -188,7 +188,7 @@ double sharpness(const cv::Mat& bgra) {
 /// 512 shares, of opaque pixels.
 std::vector<double> colours(const cv::Mat& bgra) {
   const cv::Mat whole = opaque_part(bgra);
-  std::vector<double> shares(512, 0);
+  std::vector<double> fractions(512, 0);
   for (int y = 0; y < bgra.rows; ++y)
     for (int x = 0; x < bgra.cols; ++x) {
       if (!whole.at<std::uint8_t>(y, x)) continue;
@@ -196,9 +196,9 @@ std::vector<double> colours(const cv::Mat& bgra) {
       std::size_t bin = 0;
       for (int c = 0; c < 3; ++c)
         bin = 8 * bin + static_cast<std::size_t>(std::clamp(static_cast<int>(pixel[c] * 8), 0, 7));
-      shares[bin] += 1.0 / std::max(1, cv::countNonZero(whole));
+      fractions[bin] += 1.0 / std::max(1, cv::countNonZero(whole));
     }
-  return shares;
+  return fractions;
 }
 
 double l1(const std::vector<double>& a, const std::vector<double>& b) {
@@ -216,7 +216,7 @@ double change(const cv::Mat& now, const cv::Mat& before, const TargetFrame& desi
       flow(x, y) = {by[0], by[1]};
     }
   const WarpedFrame warped = forward_warp(premultiplied(before), grid_of(design_before.alpha), flow);
-  const Picture shown = premultiplied(now);
+  const PixelGrid shown = premultiplied(now);
   double sum = 0, pixels = 0;
   for (std::size_t i = 0; i < shown.values.size(); ++i) {
     if (shown.values[i].c[3] < 0.9f || warped.picture.values[i].c[3] < 0.9f) continue;
@@ -291,7 +291,7 @@ void curve(const Look& look, const std::vector<double>& sizes, nlohmann::json& j
     const TransferredFrame made = transfer.next(target);
     const double cpu = bench::process_seconds() - start;
     const double wall = bench::wall_seconds() - clock;
-    const StageSeconds& s = made.seconds;
+    const TransferSeconds& s = made.seconds;
     fmt::print("| {:.2f} | {:.1f} | {:.1f} | {:.1f} | {:.1f} | {:.1f} | {:.1f} | {:.1f} |\n", megapixels,
                wall, cpu, s.prepare, s.search, s.assign, s.vote, cpu / megapixels);
     std::fflush(stdout);
@@ -374,7 +374,7 @@ int main(int argc, char** argv) try {
       {"machine", to_json(machine)}, {"runs", nlohmann::json::array()}, {"curve", nlohmann::json::array()}};
   fmt::print(
       "| exemplar | method | sharpness, frames 1-10 | last 30 | colours, 1-10 | last 30 | change | not "
-      "uniform | violations | CPU s a frame |\n"
+      "uniform | violations | CPU s per frame |\n"
       "| --- | --- | --: | --: | --: | --: | --: | --: | --: | --: |\n");
   int failed = 0;
   for (const std::string& name : settings.exemplars) {

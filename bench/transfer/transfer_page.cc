@@ -14,7 +14,7 @@ namespace {
 using nlohmann::json;
 using report::html_text;
 
-constexpr std::size_t kFramesAPoint = 5;  // every frame's own mark would make the page a megabyte
+constexpr std::size_t kFramesPerPoint = 5;  // every frame's own mark would make the page a megabyte
 
 struct Measure {
   const char *key, *title, *note;
@@ -39,7 +39,7 @@ std::string style() {
 std::string promises(const json& runs) {
   std::string out =
       "<table><tr><th>exemplar</th><th>design</th><th>px</th><th>method</th><th>frames</th>"
-      "<th>frames not uniform</th><th>violations</th><th>CPU s a frame</th></tr>\n";
+      "<th>frames not uniform</th><th>violations</th><th>CPU s per frame</th></tr>\n";
   for (const json& run : runs) {
     const std::size_t frames = run.at("sharpness").size();
     out += fmt::format(
@@ -57,14 +57,14 @@ std::string promises(const json& runs) {
 
 report::CurveChart chart_of(const json& runs, const std::string& exemplar, const Measure& measure) {
   report::CurveChart chart{
-      .title = "", .x = {"frame"}, .y = {.title = measure.title, .least = 0.0}, .series = {}, .height = 300};
+      .title = "", .x = {"frame"}, .y = {.title = measure.title, .min = 0.0}, .series = {}, .height = 300};
   for (const json& run : runs) {
     if (run.at("exemplar") != exemplar) continue;
     report::ChartSeries series{run.at("method").get<std::string>()};
     const json& values = run.at(measure.key);
-    for (std::size_t from = 0; from < values.size(); from += kFramesAPoint) {
+    for (std::size_t from = 0; from < values.size(); from += kFramesPerPoint) {
       double sum = 0, count = 0, frames = 0;
-      for (std::size_t t = from; t < std::min(from + kFramesAPoint, values.size()); ++t) {
+      for (std::size_t t = from; t < std::min(from + kFramesPerPoint, values.size()); ++t) {
         if (!values[t].is_number()) continue;
         sum += values[t].get<double>(), frames += static_cast<double>(t), ++count;
       }
@@ -77,7 +77,7 @@ report::CurveChart chart_of(const json& runs, const std::string& exemplar, const
 
 std::string cost_curve(const json& curve) {
   report::CurveChart chart{
-      .title = "", .x = {"Mpix", true}, .y = {"CPU s a frame", true}, .series = {}, .height = 380};
+      .title = "", .x = {"Mpix", true}, .y = {"CPU s per frame", true}, .series = {}, .height = 380};
   std::string table =
       "<table><tr><th>Mpix</th><th>CPU s</th><th>wall s</th><th>prepare</th><th>search</th><th>assign</th>"
       "<th>vote</th></tr>\n";

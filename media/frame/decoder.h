@@ -13,7 +13,7 @@ namespace freshet::media {
 
 struct DecoderOptions {
   bool strict = false;   // checksums are checked and the first fault ends the stream
-  int threads = 0;       // of the decoder; 0: one a core. Pixels are the same for any number
+  int threads = 0;       // of the decoder; 0: one per core. Pixels are the same for any number
   bool picture = false;  // a still picture: its header is not probed first, one thread decodes it
 };
 

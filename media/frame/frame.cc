@@ -17,7 +17,7 @@ constexpr std::size_t kAlignment = 64;  // a cache line; swscale's widest loads 
               fault);
 }
 
-// One or two bytes a sample: two where every component of the plane lies in a 16-bit word of its own.
+// One or two bytes per sample: two where every component of the plane lies in a 16-bit word of its own.
 int sample_bytes(const AVPixFmtDescriptor& description, int plane) {
   for (int i = 0; i < description.nb_components; ++i) {
     const AVComponentDescriptor& component = description.comp[i];

@@ -9,11 +9,11 @@ namespace freshet::media {
 /// The format in which frames of `format` are handed out: itself wherever its planes are plain bytes or
 /// little-endian words (alpha planes, semi-planar, packed and floating-point formats included), else the one
 /// into which it goes without loss:
-///   yuvj420p, yuvj422p, ...  the same planes named yuv420p, ... (the range is told by the layout)
+///   yuvj420p, yuvj422p, ...  the same planes named yuv420p, ... (the layout says the range)
 ///   pal8                     bgra, through the palette
 ///   monow, monob             gray, 0 and 255
 ///   big-endian 16 bit        the little-endian twin (16-bit PNG decodes to rgb48be)
-/// AV_PIX_FMT_NONE for anything else (frames on a GPU, 4 bits a pixel, 32-bit big endian).
+/// AV_PIX_FMT_NONE for anything else (frames on a GPU, 4 bits per pixel, 32-bit big endian).
 AVPixelFormat plain_format(AVPixelFormat format);
 
 /// Colours, size and aspect of a decoded frame; rotation is left 0.

@@ -168,7 +168,7 @@ cv::Mat decode_exr(const Bytes& bytes, const std::string& where) {
       for (auto at = channels.begin(); at != channels.end(); ++at)
         names += (names.empty() ? "" : ", ") + std::string(at.name());
       throw Error(ErrorKind::kInput, where, "none of its channels are motion; it has " + names,
-                  "Name them u and v, x and y, or R and G without B, px a frame");
+                  "Name them u and v, x and y, or R and G without B, px per frame");
     }
     for (const std::string& name : {pair->first, pair->second}) {
       const Imf::Channel& channel = channels[name.c_str()];
@@ -203,7 +203,7 @@ bool looks_like_motion(const fs::path& path) { return is_flo(path) || is_exr(pat
 
 void write_motion(const fs::path& path, const cv::Mat& motion) {
   if (motion.type() != CV_32FC2 || !in_range(motion.cols, motion.rows))
-    throw Error(ErrorKind::kUsage, path.string(), "a motion field is CV_32FC2, 1 to 32768 pixels a side");
+    throw Error(ErrorKind::kUsage, path.string(), "a motion field is CV_32FC2, 1 to 32768 pixels per side");
   if (!looks_like_motion(path))
     throw Error(ErrorKind::kUsage, path.string(), "the ending names no format of motion", "Use .flo or .exr");
   write_bytes(path, is_exr(path) ? encode_exr(motion, path.string()) : encode_flo(motion));

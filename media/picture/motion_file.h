@@ -11,12 +11,12 @@ namespace freshet::media {
 bool looks_like_motion(const std::filesystem::path& path);
 
 /// Writes one field.
-/// motion  CV_32FC2, 1 to 32768 px a side, px a frame, x right, y down, whatever the file's own axes.
+/// motion  CV_32FC2, 1 to 32768 px per side, px per frame, x right, y down, whatever the file's own axes.
 /// .flo    "PIEH", width and height as 32-bit integers, then u, v row by row as 32-bit floats, y down; all
 ///         little-endian. Source: Baker et al. 2011, "A database and evaluation methodology for optical
 ///         flow".
 /// .exr    half-float channels forward.u and forward.v, ZIP, y up: what Nuke and its like show as motion. A
-///         half has 11 bits: 1/128 px at speeds from 8 to 16 px a frame. Above 65504 it is infinite.
+///         half has 11 bits: 1/128 px at speeds from 8 to 16 px per frame. Above 65504 it is infinite.
 /// Throws  Error{kUsage} for another type, an empty field or another ending; Error{kIo} when the folder is
 ///         missing or the disk full: nothing is left behind under `path` then, the bytes go to a neighbour
 ///         that is renamed when whole.

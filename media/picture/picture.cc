@@ -96,7 +96,7 @@ Decoded decode(const fs::path& path) {
   decoded.colour = decode_with_opencv(path, bytes, cv::IMREAD_COLOR | cv::IMREAD_ANYDEPTH);
   if (decoded.colour.depth() == CV_16U) {
     decoded.colour.convertTo(decoded.colour, CV_8U, 1.0 / 257);
-    decoded.notices.emplace_back("16 bits a channel reduced to 8");
+    decoded.notices.emplace_back("16 bits per channel reduced to 8");
   } else if (decoded.colour.depth() != CV_8U) {
     decoded.colour.convertTo(decoded.colour, CV_8U, 255);
     decoded.notices.emplace_back("floating point reduced to 8 bits, values above 1 cut off");

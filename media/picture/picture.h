@@ -11,7 +11,7 @@ namespace freshet::media {
 
 struct Picture {
   cv::Mat bgr;  // CV_8UC3
-  // For a person: "16 bits a channel reduced to 8", "alpha channel ignored".
+  // For a person: "16 bits per channel reduced to 8", "alpha channel ignored".
   std::vector<std::string> notices;
 };
 

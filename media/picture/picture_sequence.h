@@ -10,7 +10,7 @@
 
 namespace freshet::media {
 
-/// One file a frame, in order. `number` is the file's own in a pattern, its rank in a folder.
+/// One file per frame, in order. `number` is the file's own in a pattern, its rank in a folder.
 struct PictureSequence {
   std::vector<std::filesystem::path> files;
   std::vector<std::int64_t> numbers;

@@ -23,7 +23,7 @@ enum class StreamKind {
   kApng,
 };
 
-/// Opened lazily by the first frame, which alone tells the pixel format; the file is made at once, under a
+/// Opened lazily by the first frame, which alone gives the pixel format; the file is made at once, under a
 /// temporary name. Faults of FFmpeg and of the disk become Error{kIo} naming the target.
 class StreamFile {
  public:

@@ -23,7 +23,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr AVRational kFallbackRate{25, 1};  // of sequences, and of files that tell none
+constexpr AVRational kFallbackRate{25, 1};  // of sequences, and of files that give none
 
 bool is_rate(AVRational rate) { return rate.num > 0 && rate.den > 0 && av_q2d(rate) <= 1000; }
 
@@ -70,7 +70,7 @@ struct VideoReader::Impl {
   std::size_t next_file = 0;
   std::vector<std::string> broken_files;
 
-  std::optional<Frame> first;  // decoded when opened, for only a frame tells its layout
+  std::optional<Frame> first;  // decoded when opened, for only a frame shows its layout
   std::int64_t delivered = 0;
   std::int64_t first_pts = AV_NOPTS_VALUE;
   double last_time_s = 0, frame_s = 0;
@@ -213,7 +213,7 @@ std::optional<Frame> VideoReader::Impl::decode_picture() {
     try {
       picture.emplace(file, DecoderOptions{.picture = true});
       frame = picture->next();
-    } catch (const Error&) {  // told at the end, with all others
+    } catch (const Error&) {  // reported at the end, with all others
     }
     if (!frame) {
       broken_files.push_back(file.filename().string());
@@ -251,7 +251,7 @@ void VideoReader::Impl::conclude() {
           " pictures could not be decoded, first " + broken_files.front());
     return;
   }
-  // A duration is a weaker claim than a list of frames: only a whole second and a tenth less is told.
+  // A duration is a weaker claim than a list of frames: only a whole second and a tenth less is reported.
   const double reached_s = last_time_s + frame_s;
   if (info.claimed_frames > delivered)
     say("file is truncated or damaged: " + of(delivered, info.claimed_frames) + " frames");

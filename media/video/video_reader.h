@@ -20,7 +20,7 @@ struct VideoInfo {
   std::int64_t fps_num = 0, fps_den = 1;  // average rate
   std::int64_t claimed_frames = 0;        // 0: unknown
   double claimed_duration_s = 0;          // 0: unknown
-  bool variable_frame_rate = false;       // as far as the header tells
+  bool variable_frame_rate = false;       // as far as the header says
 };
 
 /// One forward pass over the first video stream. Decodes with FFmpeg's libraries, bit exact for any number of
@@ -32,19 +32,19 @@ struct VideoInfo {
 ///          "yuvj" names become "yuv" with range 2.
 /// Times    are the stamps less the first; a missing or backward stamp counts as one frame of the average
 /// rate,
-///          so that times always grow. A sequence runs at 25 frames a second, by its numbers.
+///          so that times always grow. A sequence runs at 25 frames per second, by its numbers.
 /// Throws   Error{kInput} naming the file: missing, empty, not a video, no video stream (audio only),
 ///          unsupported codec, no decodable frame, a folder without pictures. Animated WebP is among what
-///          FFmpeg 5.1 cannot decode. Whatever else is wrong is told by complaint().
+///          FFmpeg 5.1 cannot decode. Whatever else is wrong is reported by complaint().
 /// Safety   opens no file but its own, whatever a playlist inside it says; frames above 2^26 pixels are
 /// refused. Logging  FFmpeg's log is kept in memory and goes into our messages; nothing is printed. Its
 /// callback is one
 ///          for the process.
-/// Cost     the first frame is decoded when opened, since only a frame tells its layout. 1280 x 720 H.264:
-///          about 270 frames a second on two cores.
+/// Cost     the first frame is decoded when opened, since only a frame shows its layout. 1280 x 720 H.264:
+///          about 270 frames per second on two cores.
 class VideoReader {
  public:
-  /// threads   of the decoder, 0: one a core.
+  /// threads   of the decoder, 0: one per core.
   /// repairs   made to each frame; of files, not of picture sequences (Error{kInput}).
   explicit VideoReader(const std::filesystem::path& path, int threads = 0, const Repairs& repairs = {});
   VideoReader(VideoReader&&) noexcept;

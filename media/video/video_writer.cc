@@ -109,7 +109,7 @@ void VideoWriter::write(const cv::Mat& picture) {
     throw Error(ErrorKind::kUsage, impl_->path.string(), "H.264 in MP4 holds no alpha channel",
                 "Use .mkv, .mov, .webp or .png");
   if (deep && *impl_->kind != StreamKind::kMatroska && *impl_->kind != StreamKind::kProRes)
-    throw Error(ErrorKind::kUsage, impl_->path.string(), "it holds 8 bits a channel, not 16",
+    throw Error(ErrorKind::kUsage, impl_->path.string(), "it holds 8 bits per channel, not 16",
                 "Use .mkv, .mov or a sequence");
   impl_->file->write(picture);
 }

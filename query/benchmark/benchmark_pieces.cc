@@ -33,7 +33,8 @@ std::vector<Row> evenly(std::span<const Row> rows, std::size_t count) {
 }
 
 BenchmarkPieces benchmark_pieces(const store::Snapshot& snapshot, const SearchBase& base,
-                                 std::vector<BenchmarkPicture> pictures, std::size_t most, std::size_t rows) {
+                                 std::vector<BenchmarkPicture> pictures, std::size_t max_pieces,
+                                 std::size_t rows) {
   BenchmarkPieces made;
   made.pictures = std::move(pictures);
   const PatchTable& table = base.table;
@@ -65,7 +66,7 @@ BenchmarkPieces benchmark_pieces(const store::Snapshot& snapshot, const SearchBa
     made.pieces.push_back(target.size());
     all.insert(all.end(), target.queries.begin(), target.queries.end());
   }
-  const std::size_t count = std::min(most, all.size());
+  const std::size_t count = std::min(max_pieces, all.size());
   for (std::size_t i = 0; i < count; ++i) made.queries.push_back(all[i * all.size() / count]);
   return made;
 }

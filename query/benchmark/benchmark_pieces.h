@@ -21,7 +21,7 @@ struct BenchmarkPieces {
   std::vector<BenchmarkPicture> pictures;
   std::string held_out;             // the clip whose average image is the picture; empty: pictures were given
   std::vector<Row> rows;            // of the table, ascending, that are searched: all, or all but that clip's
-  std::vector<PieceQuery> queries;  // `most` at most, evenly spread over all pictures' pieces
+  std::vector<PieceQuery> queries;  // `max_pieces` at most, evenly spread over all pictures' pieces
   std::vector<std::size_t> pieces;  // how many each picture has in all
 };
 
@@ -30,7 +30,8 @@ struct BenchmarkPieces {
 /// footage; the only clip of a store is not left out.
 /// rows   of those, this many evenly spread; 0: all. Throws Error{kUsage} when there are not so many.
 BenchmarkPieces benchmark_pieces(const store::Snapshot& snapshot, const SearchBase& base,
-                                 std::vector<BenchmarkPicture> pictures, std::size_t most, std::size_t rows);
+                                 std::vector<BenchmarkPicture> pictures, std::size_t max_pieces,
+                                 std::size_t rows);
 
 /// `count` of the rows, evenly spread, in their order; all when there are no more.
 std::vector<Row> evenly(std::span<const Row> rows, std::size_t count);

@@ -98,21 +98,22 @@ class AllBins final : public CandidateIndex {
   }
   std::size_t rows() const override { return static_cast<std::size_t>(index_.ntotal); }
 
-  std::vector<std::vector<Hit>> search(std::span<const PieceQuery> queries, std::size_t k,
-                                       const Admission& admission) const override {
+  std::vector<std::vector<ScoredPatch>> search(std::span<const PieceQuery> queries, std::size_t k,
+                                               const SearchFilter& search_filter) const override {
     return search_each(queries, [&](const PieceQuery& query, std::size_t number) {
       std::vector<unsigned char> bytes(histogram_bins(word_count_));
       fill_histogram(query, word_count_, bytes);
       const std::vector<float> asked(bytes.begin(), bytes.end());
-      const int query_mass = mass(query);
-      return search_widening(rows(), k, admission, number, [&](std::size_t count) {
+      const int query_max_score = max_score(query);
+      return search_widening(rows(), k, search_filter, number, [&](std::size_t count) {
         const Found found = of_faiss([&] { return ask(index_, asked, count); });
-        std::vector<Hit> hits;
+        std::vector<ScoredPatch> scored_patches;
         for (std::size_t i = 0; i < count; ++i)
           if (found.rows[i] >= 0)
-            hits.push_back({static_cast<Row>(found.rows[i]),
-                            score_of(query_mass, static_cast<std::uint32_t>(found.distances[i]))});
-        return hits;
+            scored_patches.push_back(
+                {static_cast<Row>(found.rows[i]),
+                 score_of(query_max_score, static_cast<std::uint32_t>(found.distances[i]))});
+        return scored_patches;
       });
     });
   }
@@ -164,29 +165,31 @@ class InvertedFile final : public CandidateIndex {
   void probe(std::size_t lists) { probed_ = lists; }
   std::size_t rows() const override { return rows_; }
 
-  std::vector<std::vector<Hit>> search(std::span<const PieceQuery> queries, std::size_t k,
-                                       const Admission& admission) const override {
+  std::vector<std::vector<ScoredPatch>> search(std::span<const PieceQuery> queries, std::size_t k,
+                                               const SearchFilter& search_filter) const override {
     return search_each(queries, [&](const PieceQuery& query, std::size_t number) {
       const std::size_t bins = histogram_bins(word_count_);
       std::vector<unsigned char> bytes(bins);
       fill_histogram(query, word_count_, bytes);
       std::vector<float> asked(kProjected);
       project(bytes, asked);
-      const int query_mass = mass(query);
+      const int query_max_score = max_score(query);
       const Found near = of_faiss([&] { return ask(quantizer_, asked, std::min(probed_, lists())); });
-      std::vector<Hit> hits;
+      std::vector<ScoredPatch> scored_patches;
       for (const auto list : near.rows) {
         if (list < 0) continue;
         const auto& rows = rows_of_[static_cast<std::size_t>(list)];
         const unsigned char* histogram = histograms_of_[static_cast<std::size_t>(list)].data();
         for (std::size_t i = 0; i < rows.size(); ++i, histogram += bins)
-          if (admission.admits(number, rows[i]))
-            hits.push_back({rows[i], score_of(query_mass, l1_distance(bytes.data(), histogram, bins))});
+          if (search_filter.admits(number, rows[i]))
+            scored_patches.push_back(
+                {rows[i], score_of(query_max_score, l1_distance(bytes.data(), histogram, bins))});
       }
-      const std::size_t kept = std::min(k, hits.size());
-      std::partial_sort(hits.begin(), hits.begin() + static_cast<std::ptrdiff_t>(kept), hits.end(), better);
-      hits.resize(kept);
-      return hits;
+      const std::size_t kept = std::min(k, scored_patches.size());
+      std::partial_sort(scored_patches.begin(), scored_patches.begin() + static_cast<std::ptrdiff_t>(kept),
+                        scored_patches.end(), better);
+      scored_patches.resize(kept);
+      return scored_patches;
     });
   }
 

@@ -54,19 +54,20 @@ class Graph final : public CandidateIndex {
   void set_ef(std::size_t ef) { graph_.setEf(ef); }
   std::size_t rows() const override { return graph_.cur_element_count; }
 
-  std::vector<std::vector<Hit>> search(std::span<const PieceQuery> queries, std::size_t k,
-                                       const Admission& admission) const override {
+  std::vector<std::vector<ScoredPatch>> search(std::span<const PieceQuery> queries, std::size_t k,
+                                               const SearchFilter& search_filter) const override {
     return search_each(queries, [&](const PieceQuery& query, std::size_t number) {
       std::vector<unsigned char> histogram(histogram_bins(word_count_));
       fill_histogram(query, word_count_, histogram);
-      const int query_mass = mass(query);
-      return search_widening(rows(), k, admission, number, [&](std::size_t count) {
+      const int query_max_score = max_score(query);
+      return search_widening(rows(), k, search_filter, number, [&](std::size_t count) {
         auto found = graph_.searchKnn(histogram.data(), count);
-        std::vector<Hit> hits;
+        std::vector<ScoredPatch> scored_patches;
         for (; !found.empty(); found.pop())
-          hits.push_back({static_cast<Row>(found.top().second),
-                          score_of(query_mass, static_cast<std::uint32_t>(found.top().first))});
-        return hits;
+          scored_patches.push_back(
+              {static_cast<Row>(found.top().second),
+               score_of(query_max_score, static_cast<std::uint32_t>(found.top().first))});
+        return scored_patches;
       });
     });
   }

@@ -6,27 +6,28 @@
 
 namespace freshet::query {
 
-std::vector<std::vector<Hit>> search_each(
+std::vector<std::vector<ScoredPatch>> search_each(
     std::span<const PieceQuery> queries,
-    const std::function<std::vector<Hit>(const PieceQuery&, std::size_t)>& one) {
-  std::vector<std::vector<Hit>> answers(queries.size());
+    const std::function<std::vector<ScoredPatch>(const PieceQuery&, std::size_t)>& one) {
+  std::vector<std::vector<ScoredPatch>> answers(queries.size());
   oneapi::tbb::parallel_for(std::size_t{0}, queries.size(),
                             [&](std::size_t i) { answers[i] = one(queries[i], i); });
   return answers;
 }
 
-std::vector<Hit> search_widening(std::size_t rows, std::size_t k, const Admission& admission,
-                                 std::size_t query_number,
-                                 const std::function<std::vector<Hit>(std::size_t)>& ask) {
+std::vector<ScoredPatch> search_widening(std::size_t rows, std::size_t k, const SearchFilter& search_filter,
+                                         std::size_t query_number,
+                                         const std::function<std::vector<ScoredPatch>(std::size_t)>& ask) {
   k = std::min(k, rows);
   if (k == 0) return {};
   for (std::size_t asked = k;; asked = std::min(rows, 4 * asked)) {
-    std::vector<Hit> hits = ask(asked);
-    std::erase_if(hits, [&](const Hit& hit) { return !admission.admits(query_number, hit.row); });
-    if (hits.size() < k && asked < rows) continue;
-    std::sort(hits.begin(), hits.end(), better);
-    if (hits.size() > k) hits.resize(k);
-    return hits;
+    std::vector<ScoredPatch> scored_patches = ask(asked);
+    std::erase_if(scored_patches,
+                  [&](const ScoredPatch& scored) { return !search_filter.admits(query_number, scored.row); });
+    if (scored_patches.size() < k && asked < rows) continue;
+    std::sort(scored_patches.begin(), scored_patches.end(), better);
+    if (scored_patches.size() > k) scored_patches.resize(k);
+    return scored_patches;
   }
 }
 

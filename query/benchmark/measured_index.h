@@ -51,15 +51,15 @@ struct MeasuredIndex {
 };
 
 /// Answers each query by `one(query, number)`, on all threads.
-std::vector<std::vector<Hit>> search_each(
+std::vector<std::vector<ScoredPatch>> search_each(
     std::span<const PieceQuery> queries,
-    const std::function<std::vector<Hit>(const PieceQuery&, std::size_t)>& one);
+    const std::function<std::vector<ScoredPatch>(const PieceQuery&, std::size_t)>& one);
 
 /// For an index that knows no conditions: asks it for more than k rows, then for four times as many, until k
 /// of what it gives are admitted or it has given all rows.
 /// ask    so many of the best rows of the query, any order, scored.
-std::vector<Hit> search_widening(std::size_t rows, std::size_t k, const Admission& admission,
-                                 std::size_t query_number,
-                                 const std::function<std::vector<Hit>(std::size_t count)>& ask);
+std::vector<ScoredPatch> search_widening(
+    std::size_t rows, std::size_t k, const SearchFilter& search_filter, std::size_t query_number,
+    const std::function<std::vector<ScoredPatch>(std::size_t count)>& ask);
 
 }  // namespace freshet::query

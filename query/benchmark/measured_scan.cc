@@ -18,22 +18,23 @@ class Scan final : public CandidateIndex {
 
   std::size_t rows() const override { return rows_; }
 
-  std::vector<std::vector<Hit>> search(std::span<const PieceQuery> queries, std::size_t k,
-                                       const Admission& admission) const override {
+  std::vector<std::vector<ScoredPatch>> search(std::span<const PieceQuery> queries, std::size_t k,
+                                               const SearchFilter& search_filter) const override {
     return search_each(queries, [&](const PieceQuery& query, std::size_t number) {
       const std::size_t bins = histogram_bins(word_count_);
       std::vector<unsigned char> asked(bins);
       fill_histogram(query, word_count_, asked);
-      std::vector<Hit> hits;
+      std::vector<ScoredPatch> scored_patches;
       for (std::size_t row = 0; row < rows_; ++row) {
-        if (!admission.admits(number, row)) continue;
+        if (!search_filter.admits(number, row)) continue;
         const std::uint32_t distance = l1_distance(asked.data(), histograms_.data() + row * bins, bins);
-        hits.push_back({static_cast<Row>(row), score_of(mass(query), distance)});
+        scored_patches.push_back({static_cast<Row>(row), score_of(max_score(query), distance)});
       }
-      const std::size_t kept = std::min(k, hits.size());
-      std::partial_sort(hits.begin(), hits.begin() + static_cast<std::ptrdiff_t>(kept), hits.end(), better);
-      hits.resize(kept);
-      return hits;
+      const std::size_t kept = std::min(k, scored_patches.size());
+      std::partial_sort(scored_patches.begin(), scored_patches.begin() + static_cast<std::ptrdiff_t>(kept),
+                        scored_patches.end(), better);
+      scored_patches.resize(kept);
+      return scored_patches;
     });
   }
 

@@ -25,7 +25,7 @@ namespace freshet::query {
 namespace {
 
 constexpr std::size_t kBest = 100;
-constexpr std::size_t kFewestPieces = 10, kFilteredPieces = 40;
+constexpr std::size_t kMinPieces = 10, kFilteredPieces = 40;
 
 using oneapi::tbb::global_control;
 
@@ -39,15 +39,17 @@ std::size_t free_memory() {
          static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
 }
 
-std::vector<Hit> brute_force(const SearchSpace& space, const PieceQuery& piece) {
-  std::vector<Hit> hits(space.words.size());
-  for (std::size_t row = 0; row < hits.size(); ++row)
-    hits[row] = {static_cast<Row>(row), static_cast<std::uint32_t>(vision::intersection(
-                                            piece.words, space.words[row], space.word_count, &piece.mask))};
-  const std::size_t k = std::min(kBest, hits.size());
-  std::partial_sort(hits.begin(), hits.begin() + static_cast<std::ptrdiff_t>(k), hits.end(), better);
-  hits.resize(k);
-  return hits;
+std::vector<ScoredPatch> brute_force(const SearchSpace& space, const PieceQuery& piece) {
+  std::vector<ScoredPatch> scored_patches(space.words.size());
+  for (std::size_t row = 0; row < scored_patches.size(); ++row)
+    scored_patches[row] = {static_cast<Row>(row),
+                           static_cast<std::uint32_t>(vision::intersection(piece.words, space.words[row],
+                                                                           space.word_count, &piece.mask))};
+  const std::size_t k = std::min(kBest, scored_patches.size());
+  std::partial_sort(scored_patches.begin(), scored_patches.begin() + static_cast<std::ptrdiff_t>(k),
+                    scored_patches.end(), better);
+  scored_patches.resize(k);
+  return scored_patches;
 }
 
 // Some rows of the table and what is true of them.
@@ -56,24 +58,24 @@ struct Ground {
   std::vector<vision::WordMap> words;
   SearchSpace space;
   std::unique_ptr<const ExactIndex> index;
-  std::vector<std::vector<Hit>> exact;  // of all queries
-  std::optional<double> energy;         // of the picture labelled with exact candidates
+  std::vector<std::vector<ScoredPatch>> exact;  // of all queries
+  std::optional<double> energy;                 // of the picture labelled with exact candidates
 };
 
 // One condition on patches, and what it is in a ground's own numbers.
 struct Condition {
   std::string name;
   std::optional<RowFilter> rows;      // of the table
-  std::vector<MotionWindow> windows;  // one a query
+  std::vector<MotionWindow> windows;  // one per query
 };
 
 class BorrowedIndex final : public CandidateIndex {
  public:
   explicit BorrowedIndex(const CandidateIndex& index) : index_(index) {}
   std::size_t rows() const override { return index_.rows(); }
-  std::vector<std::vector<Hit>> search(std::span<const PieceQuery> queries, std::size_t k,
-                                       const Admission& admission) const override {
-    return index_.search(queries, k, admission);
+  std::vector<std::vector<ScoredPatch>> search(std::span<const PieceQuery> queries, std::size_t k,
+                                               const SearchFilter& search_filter) const override {
+    return index_.search(queries, k, search_filter);
   }
 
  private:
@@ -169,7 +171,7 @@ class Benchmark {
       conditions_.push_back(std::move(condition));
     }
     struct Direction {
-      double degrees = 0, share = 0;
+      double degrees = 0, fraction = 0;
       MotionWindow window;
     };
     std::vector<Direction> directions;
@@ -178,17 +180,17 @@ class Benchmark {
       Direction direction{eighth * 45.0, 0, {}};
       direction.window.u = static_cast<float>(std::cos(angle));
       direction.window.v = static_cast<float>(-std::sin(angle));
-      direction.window.least_cosine = static_cast<float>(std::cos(std::numbers::pi / 6));
+      direction.window.min_cosine = static_cast<float>(std::cos(std::numbers::pi / 6));
       direction.window.min_speed = 2.5F;
       for (Row row = 0; row < table.size(); ++row)
-        direction.share += direction.window.admits(table.mean_u[row], table.mean_v[row]) / total;
+        direction.fraction += direction.window.admits(table.mean_u[row], table.mean_v[row]) / total;
       directions.push_back(direction);
     }
     const auto best =
         std::min_element(directions.begin(), directions.end(), [](const auto& a, const auto& b) {
-          return std::abs(a.share - 1.0 / 6) < std::abs(b.share - 1.0 / 6);
+          return std::abs(a.fraction - 1.0 / 6) < std::abs(b.fraction - 1.0 / 6);
         });
-    if (best->share > 0)
+    if (best->fraction > 0)
       conditions_.push_back({fmt::format("direction {:g} +- 30 degrees", best->degrees),
                              {},
                              std::vector(asked_.queries.size(), best->window)});
@@ -268,7 +270,7 @@ class Benchmark {
       return cost;
     };
     std::size_t rows = all;
-    if (all >= 8 * options_.fewest_rows) {
+    if (all >= 8 * options_.min_rows) {
       const std::size_t first = std::max<std::size_t>(1, all / 32), second = all / 8;
       const Cost small = try_part(first);
       double predicted = small.seconds * std::pow(32, 1.5), exponent = 1.5, bytes = 32 * small.bytes;
@@ -282,19 +284,19 @@ class Benchmark {
           bytes = 8 * larger.bytes;
         }
         if (predicted > options_.build_limit_s) {
-          const double share = std::pow(options_.build_limit_s / predicted, 1 / exponent);
-          rows = std::max(first, static_cast<std::size_t>(share * static_cast<double>(all)));
+          const double fraction = std::pow(options_.build_limit_s / predicted, 1 / exponent);
+          rows = std::max(first, static_cast<std::size_t>(fraction * static_cast<double>(all)));
           result.projected_build_seconds = predicted;
         }
       }
       // While it is built, an index may hold its input a second time.
-      if (const auto most = static_cast<double>(options_.max_bytes); 1.5 * bytes > most)
-        rows = std::min(rows, static_cast<std::size_t>(most / (1.5 * bytes) * static_cast<double>(all)));
+      if (const auto max_bytes = static_cast<double>(options_.max_bytes); 1.5 * bytes > max_bytes)
+        rows = std::min(rows, static_cast<std::size_t>(max_bytes / (1.5 * bytes) * static_cast<double>(all)));
       if (rows < all && result.projected_build_seconds == 0) result.projected_build_seconds = predicted;
-      if (rows < options_.fewest_rows)
+      if (rows < options_.min_rows)
         throw Error(
             ErrorKind::kUsage, kind.name,
-            fmt::format("even {} patches would pass the limits of {:g} s and {:.1f} GB", options_.fewest_rows,
+            fmt::format("even {} patches would pass the limits of {:g} s and {:.1f} GB", options_.min_rows,
                         options_.build_limit_s, static_cast<double>(options_.max_bytes) / 1e9));
     }
     say(fmt::format("{}: building from {} patches", kind.name, rows));
@@ -307,15 +309,15 @@ class Benchmark {
 
   // One by one on one core until the time is up; then those pieces again at once on all threads.
   SearchTimes time(const CandidateIndex& index, std::span<const PieceQuery> queries,
-                   const Admission& admission, std::vector<std::vector<Hit>>& answers) {
+                   const SearchFilter& search_filter, std::vector<std::vector<ScoredPatch>>& answers) {
     SearchTimes times;
     std::vector<double> ms;
     {
       const global_control one(global_control::max_allowed_parallelism, 1);
       double total = 0;
       for (std::size_t i = 0; i < queries.size(); ++i) {
-        if (i >= kFewestPieces && total > options_.setting_limit_s) break;
-        Admission own = admission;
+        if (i >= kMinPieces && total > options_.setting_limit_s) break;
+        SearchFilter own = search_filter;
         if (!own.windows.empty()) own.windows = own.windows.subspan(i, 1);
         // The first once more before: code and memory are warm.
         if (i == 0) index.search(queries.subspan(0, 1), kBest, own);
@@ -330,7 +332,7 @@ class Benchmark {
     }
     times.median_ms = quantile(ms, 0.5);
     times.p99_ms = quantile(ms, 0.99);
-    Admission own = admission;
+    SearchFilter own = search_filter;
     if (!own.windows.empty()) own.windows = own.windows.first(ms.size());
     std::vector<double> rounds;
     double spent = 0;
@@ -347,7 +349,7 @@ class Benchmark {
   SettingResult measure(const std::string& name, const CandidateIndex& index, const Ground& on) {
     SettingResult result;
     result.name = name;
-    std::vector<std::vector<Hit>> answers;
+    std::vector<std::vector<ScoredPatch>> answers;
     result.times = time(index, asked_.queries, {}, answers);
     result.pieces = answers.size();
     result.recall = recall_of(answers, std::span(on.exact).first(answers.size()),
@@ -358,13 +360,13 @@ class Benchmark {
   // Around the middle of the matte, so much of the picture that there are about as many pieces as wanted.
   void crop_labelled() {
     labelled_ = asked_.pictures[0];
-    const double share =
+    const double fraction =
         std::sqrt(static_cast<double>(options_.labelled_pieces) / static_cast<double>(asked_.pieces[0]));
-    if (share < 1) {
+    if (fraction < 1) {
       const cv::Size size = labelled_.picture.size();
       const cv::Moments moments = cv::moments(labelled_.matte);
-      const cv::Size part(std::max(1, cvRound(size.width * share)),
-                          std::max(1, cvRound(size.height * share)));
+      const cv::Size part(std::max(1, cvRound(size.width * fraction)),
+                          std::max(1, cvRound(size.height * fraction)));
       const cv::Point corner(
           std::clamp(cvRound(moments.m10 / moments.m00) - part.width / 2, 0, size.width - part.width),
           std::clamp(cvRound(moments.m01 / moments.m00) - part.height / 2, 0, size.height - part.height));
@@ -406,22 +408,22 @@ class Benchmark {
     const auto queries = std::span(asked_.queries).first(std::min(kFilteredPieces, asked_.queries.size()));
     for (const Condition& condition : conditions_) {
       say(fmt::format("{}: {}", result.name, condition.name));
-      Admission asked{
+      SearchFilter asked{
           .rows = condition.rows ? &*condition.rows : nullptr, .mean_u = {}, .mean_v = {}, .windows = {}};
       if (!condition.windows.empty()) {
         asked.mean_u = base_.table.mean_u;
         asked.mean_v = base_.table.mean_v;
         asked.windows = std::span(condition.windows).first(queries.size());
       }
-      const SubsetAdmission own(asked, on.rows);
-      const auto exact = on.index->search(queries, kBest, own.admission());
+      const SubsetFilter own(asked, on.rows);
+      const auto exact = on.index->search(queries, kBest, own.search_filter());
       FilterResult filtered{condition.name, built.settings[chosen].name, 0, {}, 0, 0};
       for (std::size_t row = 0; row < on.rows.size(); ++row)
-        filtered.admitted += own.admission().admits(0, row);
+        filtered.admitted += own.search_filter().admits(0, row);
       filtered.admitted /= static_cast<double>(on.rows.size());
       if (exact[0].empty()) continue;
-      std::vector<std::vector<Hit>> answers;
-      filtered.times = time(*built.index, queries, own.admission(), answers);
+      std::vector<std::vector<ScoredPatch>> answers;
+      filtered.times = time(*built.index, queries, own.search_filter(), answers);
       filtered.recall =
           recall_of(answers, std::span(exact).first(answers.size()), queries.first(answers.size()), on.space)
               .at_100;
@@ -446,19 +448,20 @@ class Benchmark {
 
 }  // namespace
 
-Recall recall_of(std::span<const std::vector<Hit>> found, std::span<const std::vector<Hit>> exact,
-                 std::span<const PieceQuery> queries, const SearchSpace& space) {
+Recall recall_of(std::span<const std::vector<ScoredPatch>> found,
+                 std::span<const std::vector<ScoredPatch>> exact, std::span<const PieceQuery> queries,
+                 const SearchSpace& space) {
   Recall recall{0, 0, 0, 1};
   std::vector<std::uint32_t> scores;
   for (std::size_t i = 0; i < found.size(); ++i) {
     scores.clear();
     std::set<Row> seen;
-    for (const Hit& hit : found[i]) {
-      if (hit.row >= space.words.size() || !seen.insert(hit.row).second) continue;
-      scores.push_back(static_cast<std::uint32_t>(
-          vision::intersection(queries[i].words, space.words[hit.row], space.word_count, &queries[i].mask)));
+    for (const ScoredPatch& scored : found[i]) {
+      if (scored.row >= space.words.size() || !seen.insert(scored.row).second) continue;
+      scores.push_back(static_cast<std::uint32_t>(vision::intersection(
+          queries[i].words, space.words[scored.row], space.word_count, &queries[i].mask)));
     }
-    const auto share = [&](std::size_t k) {
+    const auto fraction = [&](std::size_t k) {
       k = std::min(k, exact[i].size());
       if (k == 0) return 1.0;
       const auto end = scores.begin() + static_cast<std::ptrdiff_t>(std::min(k, scores.size()));
@@ -466,10 +469,10 @@ Recall recall_of(std::span<const std::vector<Hit>> found, std::span<const std::v
                                       [&](std::uint32_t score) { return score >= exact[i][k - 1].score; });
       return static_cast<double>(good) / static_cast<double>(k);
     };
-    recall.at_1 += share(1);
-    recall.at_10 += share(10);
-    recall.at_100 += share(kBest);
-    recall.worst = std::min(recall.worst, share(kBest));
+    recall.at_1 += fraction(1);
+    recall.at_10 += fraction(10);
+    recall.at_100 += fraction(kBest);
+    recall.worst = std::min(recall.worst, fraction(kBest));
   }
   const auto count = static_cast<double>(std::max<std::size_t>(1, found.size()));
   recall.at_1 /= count;

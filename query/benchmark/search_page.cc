@@ -23,14 +23,14 @@ std::string figure(double value) {
 
 report::CurveChart chart_of(const SearchReport& report, bool near_one) {
   report::CurveChart chart;
-  chart.title =
-      near_one ? "The same from a recall@100 of 0.9 up" : "Milliseconds a piece, one core, and what is found";
+  chart.title = near_one ? "The same from a recall@100 of 0.9 up"
+                         : "Milliseconds per piece, one core, and what is found";
   chart.x.title = "recall@100";
-  chart.y.title = "ms a piece, one core, median";
+  chart.y.title = "ms per piece, one core, median";
   chart.y.logarithmic = true;
   if (near_one) {
-    chart.x.least = 0.9;
-    chart.x.greatest = 1;
+    chart.x.min = 0.9;
+    chart.x.max = 1;
   }
   for (const IndexResult& index : report.indexes) {
     // Also those without a result, so that each index keeps its colour from page to page.
@@ -148,7 +148,7 @@ std::string search_page(const SearchReport& report) {
   page += fmt::format(
       "<p class=\"faint\">Build, median and p99: CPU time of one core, pieces asked one by one. All threads: "
       "wall "
-      "clock, a piece of a batch. MB: memory that the built index holds. Recall counts a patch that scores "
+      "clock, per piece of a batch. MB: memory that the built index holds. Recall counts a patch that scores "
       "as well "
       "as the last of the exact answer's; worst: recall@100 of one piece. {}Exact answers of {} pieces "
       "compared "

@@ -11,8 +11,8 @@
 
 namespace freshet::query {
 
-/// Shares of the best 1, 10, 100 that an answer holds, mean over pieces; a patch that scores as well as the
-/// last of them counts. `worst` is the least recall@100 of a piece.
+/// Fractions of the best 1, 10, 100 that an answer holds, mean over pieces; a patch that scores as well as
+/// the last of them counts. `worst` is the minimum recall@100 of a piece.
 struct Recall {
   double at_1 = 0, at_10 = 0, at_100 = 0, worst = 0;
 };
@@ -27,12 +27,12 @@ struct SettingResult {
   std::size_t pieces = 0;  // that were asked
   SearchTimes times;
   Recall recall;
-  std::optional<double> energy_loss;  // of labelling, above that with exact candidates; a share
+  std::optional<double> energy_loss;  // of labelling, above that with exact candidates; a fraction
 };
 
 struct FilterResult {
   std::string condition, setting;
-  double admitted = 0;  // share of rows, mean over pieces
+  double admitted = 0;  // fraction of rows, mean over pieces
   SearchTimes times;
   double recall = 0;         // @100
   std::size_t short_of = 0;  // pieces with fewer answers than there are
@@ -70,7 +70,7 @@ struct SearchReport {
 
 nlohmann::json to_json(const SearchReport& report);
 
-/// "On 246,477 patches hnswlib is nearest: recall@100 .992 in 2.6 ms a piece; exact takes 0.5 ms": of the
+/// "On 246,477 patches hnswlib is nearest: recall@100 .992 in 2.6 ms per piece; exact takes 0.5 ms": of the
 /// indexes that were built of all rows and reach a recall@100 of .9, the fastest beside the exact one. Empty
 /// without.
 std::string verdict(const SearchReport& report);

@@ -9,31 +9,31 @@ SubsetIndex::SubsetIndex(const CandidateIndex& inner, std::span<const Row> rows,
   assert(inner.rows() == rows.size());
 }
 
-std::vector<std::vector<Hit>> SubsetIndex::search(std::span<const PieceQuery> queries, std::size_t k,
-                                                  const Admission& admission) const {
-  check(admission, queries.size(), table_rows_);
-  const SubsetAdmission own(admission, rows_);
-  auto answers = inner_.search(queries, k, own.admission());
-  for (auto& hits : answers)
-    for (Hit& hit : hits) hit.row = rows_[hit.row];
+std::vector<std::vector<ScoredPatch>> SubsetIndex::search(std::span<const PieceQuery> queries, std::size_t k,
+                                                          const SearchFilter& search_filter) const {
+  check(search_filter, queries.size(), table_rows_);
+  const SubsetFilter own(search_filter, rows_);
+  auto answers = inner_.search(queries, k, own.search_filter());
+  for (auto& scored_patches : answers)
+    for (ScoredPatch& scored : scored_patches) scored.row = rows_[scored.row];
   return answers;
 }
 
-SubsetAdmission::SubsetAdmission(const Admission& admission, std::span<const Row> rows)
+SubsetFilter::SubsetFilter(const SearchFilter& search_filter, std::span<const Row> rows)
     : filter_(rows.size()) {
-  if (admission.rows != nullptr) {
+  if (search_filter.rows != nullptr) {
     for (std::size_t i = 0; i < rows.size(); ++i)
-      if (!admission.rows->allows(rows[i])) filter_.forbid(i);
-    admission_.rows = &filter_;
+      if (!search_filter.rows->allows(rows[i])) filter_.forbid(i);
+    search_filter_.rows = &filter_;
   }
-  if (admission.windows.empty()) return;
+  if (search_filter.windows.empty()) return;
   for (const Row row : rows) {
-    mean_u_.push_back(admission.mean_u[row]);
-    mean_v_.push_back(admission.mean_v[row]);
+    mean_u_.push_back(search_filter.mean_u[row]);
+    mean_v_.push_back(search_filter.mean_v[row]);
   }
-  admission_.mean_u = mean_u_;
-  admission_.mean_v = mean_v_;
-  admission_.windows = admission.windows;
+  search_filter_.mean_u = mean_u_;
+  search_filter_.mean_v = mean_v_;
+  search_filter_.windows = search_filter.windows;
 }
 
 }  // namespace freshet::query

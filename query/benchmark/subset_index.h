@@ -15,8 +15,8 @@ class SubsetIndex final : public CandidateIndex {
   /// table_rows   how many the table has.
   SubsetIndex(const CandidateIndex& inner, std::span<const Row> rows, std::size_t table_rows);
   std::size_t rows() const override { return table_rows_; }
-  std::vector<std::vector<Hit>> search(std::span<const PieceQuery> queries, std::size_t k,
-                                       const Admission& admission = {}) const override;
+  std::vector<std::vector<ScoredPatch>> search(std::span<const PieceQuery> queries, std::size_t k,
+                                               const SearchFilter& search_filter = {}) const override;
 
  private:
   const CandidateIndex& inner_;
@@ -24,19 +24,19 @@ class SubsetIndex final : public CandidateIndex {
   std::size_t table_rows_;
 };
 
-/// An admission in the numbers of a subset. Owns what it names, but for the windows.
-class SubsetAdmission {
+/// A search filter in the numbers of a subset. Owns what it names, but for the windows.
+class SubsetFilter {
  public:
-  SubsetAdmission(const Admission& admission, std::span<const Row> rows);
-  SubsetAdmission(const SubsetAdmission&) = delete;
-  SubsetAdmission& operator=(const SubsetAdmission&) = delete;
-  const Admission& admission() const& { return admission_; }
-  const Admission& admission() const&& = delete;
+  SubsetFilter(const SearchFilter& search_filter, std::span<const Row> rows);
+  SubsetFilter(const SubsetFilter&) = delete;
+  SubsetFilter& operator=(const SubsetFilter&) = delete;
+  const SearchFilter& search_filter() const& { return search_filter_; }
+  const SearchFilter& search_filter() const&& = delete;
 
  private:
   RowFilter filter_;
   std::vector<float> mean_u_, mean_v_;
-  Admission admission_;
+  SearchFilter search_filter_;
 };
 
 }  // namespace freshet::query

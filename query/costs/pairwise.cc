@@ -12,7 +12,7 @@
 namespace freshet::query {
 namespace {
 
-constexpr double kGreatestWeight = 1e9;  // beyond it single precision has no room for the costs
+constexpr double kMaxWeight = 1e9;  // beyond it single precision has no room for the costs
 
 }  // namespace
 
@@ -85,7 +85,7 @@ FeatureShape feature_shape(const vision::Settings& settings) {
 
 void check_weights(const PairwiseOptions& options) {
   for (const double weight : {options.lambda, options.sigma, options.rho, options.vote}) {
-    if (!(weight >= 0 && weight <= kGreatestWeight)) {
+    if (!(weight >= 0 && weight <= kMaxWeight)) {
       throw Error(ErrorKind::kUsage, "lambda, sigma, rho, vote",
                   "a weight that is negative, no number or above 1e9");
     }

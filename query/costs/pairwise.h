@@ -25,20 +25,21 @@ const char* name_of(CostForm form);
 /// W = lambda * (motion + sigma * dynamics + rho * textureness), each a mean over the cells of the overlap:
 /// squared distance of mean motion, of power by band (both components, all bands), of textureness by level.
 ///
-/// kPower, Eq. 2, 3, 6 of the paper: motion in px a frame at 25 frames a second, power in its square,
+/// kPower, Eq. 2, 3, 6 of the paper: motion in px per frame at 25 frames per second, power in its square,
 /// textureness in 0..1; the paper's parameters. Small between any two quiet patches, large between any two
 /// lively ones, so that a labelling drifts to faint, slow motion (speeds halved on water).
 ///
 /// kLog: log(1 + speed / 2.5 px/s) in the direction of motion, log of amplitude (half the log of power, above
-/// 1 px/s), log of textureness (above 1/512): zero where looks agree, whatever their strength. sigma and rho
-/// make means over 8 bands and 4 levels. lambda: on a waterfall of 274 pieces, with 0.01 84 % of neighbours
-/// share a clip (45 % by looks alone) at 3 % more unary cost; 0.05 makes it 86 % and nearly doubles that.
+/// 1 px/s), log of textureness (above 1/512): zero where features agree, whatever their strength. sigma and
+/// rho make means over 8 bands and 4 levels. lambda: on a waterfall of 274 pieces, with 0.01 84 % of
+/// neighbours share a clip (45 % by likeness alone) at 3 % more unary cost; 0.05 makes it 86 % and nearly
+/// doubles that.
 ///
-/// Both forms still drift to calm motion, as the quietest patches fit each other best (fire 98 px/s by looks
-/// alone, 43 when labelled). Against it the candidates vote: what looks like a piece tells how strongly it
-/// moves, and a candidate pays vote * (its strength - their median)^2, strength being the root of its W
-/// beside a patch that stands still. 4 brings that fire to 60 px/s (docs/measurements.md). Without lambda or
-/// overlap there is nothing that drifts, and no vote.
+/// Both forms still drift to calm motion, as the quietest patches fit each other best (fire 98 px/s by
+/// likeness alone, 43 when labelled). Against it the candidates vote: what looks like a piece tells how
+/// strongly it moves, and a candidate pays vote * (its strength - their median)^2, strength being the root of
+/// its W beside a patch that stands still. 4 brings that fire to 60 px/s (docs/measurements.md). Without
+/// lambda or overlap there is nothing that drifts, and no vote.
 struct PairwiseOptions {
   CostForm form = CostForm::kLog;
   double lambda = 0.01, sigma = 0.125, rho = 0.25;

@@ -11,7 +11,7 @@
 #include <numeric>
 
 #include "freshet/error.h"
-#include "query/costs/cell_looks.h"
+#include "query/costs/cell_log_features.h"
 #include "query/costs/squared_distances.h"
 
 namespace freshet::query {
@@ -84,18 +84,18 @@ class Comparison {
     return squares;
   }
 
-  /// Reads looks of all candidates of some rows of pieces, in place of those that were held.
+  /// Reads log features of all candidates of some rows of pieces, in place of those that were held.
   void read(std::vector<Row> rows, const std::vector<Square>& squares) {
     rows_ = std::move(rows);
     const std::size_t values = shape_.square_values();
-    looks_ = std::make_unique_for_overwrite<Value[]>(squares.size() * values);
+    log_features_ = std::make_unique_for_overwrite<Value[]>(squares.size() * values);
     strengths_.resize(squares.size());
     source_.read(squares, [&](std::size_t square, std::span<const float> features) {
-      const std::span<Value> looks(looks_.get() + square * values, values);
-      find_looks(shape_, features, looks);
+      const std::span<Value> log_features(log_features_.get() + square * values, values);
+      find_log_features(shape_, features, log_features);
       const std::size_t motion = cells_ * channels_[kMotion], dynamics = cells_ * channels_[kDynamics];
-      strengths_[square] = {sum_of_squares(looks.first(motion)),
-                            sum_of_squares(looks.subspan(motion, dynamics))};
+      strengths_[square] = {sum_of_squares(log_features.first(motion)),
+                            sum_of_squares(log_features.subspan(motion, dynamics))};
     });
     places_.resize(rows_.size() * across_ * across_);
     oneapi::tbb::parallel_for(std::size_t{0}, rows_.size(), [&](std::size_t i) {
@@ -137,16 +137,16 @@ class Comparison {
     find_squares(q, own.squares_q);
     const float unit =
         static_cast<float>(unit_of_square() / static_cast<double>(shape_.overlap * shape_.cells));
-    std::size_t first = 0;  // of the part in a square's looks
+    std::size_t first = 0;  // of the part in a square's log features
     for (std::size_t part = 0; part < kParts; ++part) {
       const std::size_t of_square = cells_ * channels_[part];
       const std::size_t whole =
           of_square * across_ * static_cast<std::size_t>(shape_.overlap / shape_.square());
       own.values[part].resize(own.squares_p.size() * own.squares_q.size());
       // In stretches that the second cache holds, and whose sums do not overflow.
-      const std::size_t most = most_values(static_cast<Part>(part));
-      for (std::size_t from = 0; from < whole; from += most) {
-        const Stretch stretch{first, of_square, from, std::min(most, whole - from)};
+      const std::size_t maximum = max_values(static_cast<Part>(part));
+      for (std::size_t from = 0; from < whole; from += maximum) {
+        const Stretch stretch{first, of_square, from, std::min(maximum, whole - from)};
         gather(own.squares_p, true, beside, stretch, own.p);
         gather(own.squares_q, false, beside, stretch, own.q);
         squared_distances(own.p, own.q, unit, from == 0 ? Into::kNew : Into::kSum, own.values[part].data());
@@ -159,18 +159,18 @@ class Comparison {
  private:
   // Values [from, from + length) of one part of a strip, the part's values of its squares in a row.
   struct Stretch {
-    std::size_t first, of_square;  // the part in a square's looks
+    std::size_t first, of_square;  // the part in a square's log features
     std::size_t from, length;
   };
 
   static double unit_of_square() {
-    return std::is_same_v<Value, float> ? 1.0 : 1.0 / (double{kLevels} * kLevels);
+    return std::is_same_v<Value, float> ? 1.0 : 1.0 / (double{kLogSteps} * kLogSteps);
   }
 
-  static double sum_of_squares(std::span<const Value> looks) {
+  static double sum_of_squares(std::span<const Value> log_features) {
     using Sum = std::conditional_t<std::is_same_v<Value, float>, double, std::int64_t>;
     Sum sum = 0;
-    for (const Value look : looks) sum += Sum{look} * look;
+    for (const Value feature : log_features) sum += Sum{feature} * feature;
     return static_cast<double>(sum);
   }
 
@@ -198,7 +198,7 @@ class Comparison {
       for (std::size_t k = stretch.from / stretch.of_square; left > 0; ++k, at = 0) {
         const std::size_t square = squares[label][corner + k / columns * across_ + k % columns];
         const std::size_t count = std::min(left, stretch.of_square - at);
-        std::memcpy(to, looks_.get() + square * shape_.square_values() + stretch.first + at,
+        std::memcpy(to, log_features_.get() + square * shape_.square_values() + stretch.first + at,
                     count * sizeof(Value));
         to += count;
         left -= count;
@@ -214,7 +214,7 @@ class Comparison {
   const std::size_t cells_, across_;              // of a square; squares on a patch's side
   std::vector<Row> rows_;                         // ascending
   std::vector<std::uint32_t> places_;             // of their squares
-  std::unique_ptr<Value[]> looks_;                // by square
+  std::unique_ptr<Value[]> log_features_;         // by square
   std::vector<std::array<double, 2>> strengths_;  // by square: sums of squares of motion and of dynamics
 };
 
@@ -222,7 +222,7 @@ template <class Value>
 void visit(const Target& target, const Candidates& candidates, const FeatureShape& shape,
            const FeatureSource& source, const PartsWanted& wanted, const PartsSink& sink,
            std::stop_token stop) {
-  const auto expect_wanted = [&] {
+  const auto throw_if_cancelled = [&] {
     if (stop.stop_requested()) throw Error(ErrorKind::kCancelled, "labelling", "stopped");
   };
   const Rows rows = lay_rows(target, candidates, wanted);
@@ -232,21 +232,21 @@ void visit(const Target& target, const Candidates& candidates, const FeatureShap
     squares_of[row] = comparison.squares_of(rows.candidates[row]);
   });
   oneapi::tbb::enumerable_thread_specific<typename Comparison<Value>::Scratch> scratch;
-  const std::size_t most_squares = wanted.memory_bytes / (shape.square_values() * sizeof(Value));
+  const std::size_t max_squares = wanted.memory_bytes / (shape.square_values() * sizeof(Value));
   for (std::size_t first = 0, end = 0; first < rows.pieces.size(); first = end) {
-    expect_wanted();
+    throw_if_cancelled();
     // As many rows as fit, and at least one, together with the one above them.
     std::vector<Square> squares;
     std::vector<Row> held;
     if (first > 0) squares = squares_of[first - 1], held = rows.candidates[first - 1];
     for (; end < rows.pieces.size(); ++end) {
       std::vector<Square> more = merged(squares, squares_of[end]);
-      if (end > first && more.size() > most_squares) break;
+      if (end > first && more.size() > max_squares) break;
       squares = std::move(more);
       held = merged(held, rows.candidates[end]);
     }
     comparison.read(std::move(held), squares);
-    expect_wanted();
+    throw_if_cancelled();
     std::vector<std::uint32_t> pieces;
     std::vector<std::size_t> edges;
     for (std::size_t row = first; row < end; ++row) {
@@ -261,7 +261,7 @@ void visit(const Target& target, const Candidates& candidates, const FeatureShap
       if (!stop.stop_requested()) sink.edge(edges[i], comparison.edge(edges[i], scratch.local()));
     });
   }
-  expect_wanted();
+  throw_if_cancelled();
 }
 
 }  // namespace

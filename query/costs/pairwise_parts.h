@@ -1,6 +1,6 @@
 // query/costs/pairwise_parts.h — what neighbours' unlikeness consists of, before it is weighed.
 //
-// W is linear in lambda, lambda * sigma and lambda * rho: three tables an edge serve all weights.
+// W is linear in lambda, lambda * sigma and lambda * rho: three tables per edge serve all weights.
 #pragma once
 
 #include <cstddef>
@@ -22,7 +22,7 @@ struct EdgeParts {
   std::span<const float> motion, dynamics, textureness;
 };
 
-/// Of one piece, a value a candidate: the same beside a patch that stands still, over all of its cells.
+/// Of one piece, a value per candidate: the same beside a patch that stands still, over all of its cells.
 struct PieceParts {
   std::span<const float> motion, dynamics;
 };
@@ -31,12 +31,12 @@ struct PieceParts {
 struct PartsWanted {
   std::vector<bool> pieces, edges;
   /// For features. Where those of all pieces do not fit, they are read in batches of rows of pieces, and what
-  /// two batches share is read twice; two rows are held in any case (half a megabyte a piece).
+  /// two batches share is read twice; two rows are held in any case (half a megabyte per piece).
   std::size_t memory_bytes = std::size_t{512} << 20;
 };
 
-/// Where parts go; what is handed over lasts for the call. Both are called from many threads, once a piece
-/// and once an edge.
+/// Where parts go; what is handed over lasts for the call. Both are called from many threads, once per piece
+/// and once per edge.
 struct PartsSink {
   std::function<void(std::uint32_t piece, const PieceParts&)> piece;
   std::function<void(std::size_t edge, const EdgeParts&)> edge;
@@ -53,7 +53,7 @@ void weigh(const EdgeParts& parts, const PairwiseOptions& options, std::span<Pai
 /// Adds each candidate's price for its distance from the median of their strengths (PairwiseOptions::vote).
 void add_votes(const PieceParts& parts, const PairwiseOptions& options, std::span<float> unary);
 
-/// The parts of a whole field, kept: 12 bytes a label pair (200 MB for 500 pieces of 120 candidates).
+/// The parts of a whole field, kept: 12 bytes per label pair (200 MB for 500 pieces of 120 candidates).
 struct PairwiseParts {
   CostForm form = CostForm::kLog;
   std::vector<float> still_motion, still_dynamics;   // as Mrf::unary

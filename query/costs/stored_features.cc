@@ -47,19 +47,19 @@ void StoredFeatures::read_clip(std::span<const Square> squares, std::size_t firs
   const cv::Size frame(static_cast<int>(record.width), static_cast<int>(record.height));
   const vision::CellMap motion = motion_cells(snapshot_, settings_, id);
   std::map<std::size_t, vision::CellMap> texture;  // by scale
-  struct Look {
+  struct VariantView {
     vision::VariantFrame frame;
     const vision::CellMap* texture;
   };
-  std::vector<std::optional<Look>> looks(variants_.size());
+  std::vector<std::optional<VariantView>> views(variants_.size());
   for (const Square& square : squares) {
     const vision::Variant& variant = variants_[square.variant];
-    if (looks[square.variant]) continue;
+    if (views[square.variant]) continue;
     const std::size_t scale = scale_index(settings_, variant);
     auto cells = texture.find(scale);
     if (cells == texture.end())
       cells = texture.emplace(scale, texture_cells(snapshot_, settings_, id, scale)).first;
-    looks[square.variant] = Look{vision::variant_frame(frame, variant), &cells->second};
+    views[square.variant] = VariantView{vision::variant_frame(frame, variant), &cells->second};
   }
   // Isolated: a thread that waits here takes no other clip, whose cells would come on top of these.
   const int side = shape_.square() * settings_.spectrum.cell;
@@ -69,8 +69,8 @@ void StoredFeatures::read_clip(std::span<const Square> squares, std::size_t firs
                                 std::vector<float> features(shape_.square_values());
                                 for (std::size_t i = range.begin(); i < range.end(); ++i) {
                                   const Square& square = squares[i];
-                                  const Look& look = *looks[square.variant];
-                                  vision::patch_features(motion, *look.texture, look.frame, square.x,
+                                  const VariantView& view = *views[square.variant];
+                                  vision::patch_features(motion, *view.texture, view.frame, square.x,
                                                          square.y, side, settings_.spectrum, features);
                                   sink(first + i, features);
                                 }

@@ -17,7 +17,7 @@ class StoredFeatures {
  public:
   /// Throws as feature_shape.
   StoredFeatures(const store::Snapshot& snapshot, const vision::Settings& settings, const PatchTable& table);
-  /// This, as build_mrf takes it; must not outlive it. Cost of reading: 20 million cells a second and core,
+  /// This, as build_mrf takes it; must not outlive it. Cost of reading: 20 million cells per second and core,
   /// and the decoding of each clip that is read from.
   FeatureSource source() const&;
   FeatureSource source() && = delete;

@@ -94,9 +94,9 @@ cv::Mat draw_field(const cv::Mat& picture, const cv::Mat& matte, const cv::Mat& 
   cv::Mat drawing = picture.clone();
   for (int y = 0; y < drawing.rows; ++y)
     for (int x = 0; x < drawing.cols; ++x) {
-      const int share = 110 + 145 * matte.at<std::uint8_t>(y, x) / 255;
+      const int fraction = 110 + 145 * matte.at<std::uint8_t>(y, x) / 255;
       cv::Vec3b& pixel = drawing.at<cv::Vec3b>(y, x);
-      for (int c = 0; c < 3; ++c) pixel[c] = static_cast<std::uint8_t>(pixel[c] * share / 255);
+      for (int c = 0; c < 3; ++c) pixel[c] = static_cast<std::uint8_t>(pixel[c] * fraction / 255);
     }
   const int longer = std::max(picture.cols, picture.rows), spacing = std::max(24, longer / 26);
   const int thickness = std::max(1, spacing / 14);
@@ -107,14 +107,14 @@ cv::Mat draw_field(const cv::Mat& picture, const cv::Mat& matte, const cv::Mat& 
       if (matte.at<std::uint8_t>(y, x) <= 127) continue;
       const cv::Vec2f way = direction.empty() ? cv::Vec2f(0, 0) : direction.at<cv::Vec2f>(y, x);
       const float here = speed.empty() ? -1 : speed.at<float>(y, x);
-      const float share = here < 0 ? 0.8f : std::min(1.0f, here / full);
+      const float fraction = here < 0 ? 0.8f : std::min(1.0f, here / full);
       Arrow arrow{cv::Point2f(static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f), {way[0], way[1]}};
       if (way != cv::Vec2f(0, 0)) {
-        arrow.length = std::max(0.2f, share) * longest;
+        arrow.length = std::max(0.2f, fraction) * longest;
         arrow.colour =
             cv::Scalar(colour_of_direction(way) * 165 + cv::Vec3f(90, 90, 90));  // blue alone is too dark
       } else if (here >= 0) {
-        arrow.radius = std::max(0.1f, share) * longest / 3;
+        arrow.radius = std::max(0.1f, fraction) * longest / 3;
         arrow.colour = cv::Scalar::all(230);
       } else {
         continue;

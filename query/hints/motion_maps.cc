@@ -13,7 +13,7 @@ namespace freshet::query {
 namespace {
 
 constexpr float kFull = 65535;
-constexpr float kLeastSaturation = 0.25f, kLeastValue = 0.1f;
+constexpr float kMinSaturation = 0.25f, kMinValue = 0.1f;
 
 media::DeepPicture read_map(const std::filesystem::path& path, cv::Size picture, const char* what) {
   media::DeepPicture read = media::read_deep_picture(path);
@@ -35,9 +35,9 @@ void check_white(double white_px_per_s) {
 }
 
 // Hue in degrees of a colour that is not grey.
-float hue_of(float blue, float green, float red, float most, float chroma) {
-  if (most == red) return 60 * (green - blue) / chroma;
-  if (most == green) return 60 * (blue - red) / chroma + 120;
+float hue_of(float blue, float green, float red, float maximum, float chroma) {
+  if (maximum == red) return 60 * (green - blue) / chroma;
+  if (maximum == green) return 60 * (blue - red) / chroma + 120;
   return 60 * (red - green) / chroma + 240;
 }
 
@@ -79,11 +79,11 @@ cv::Mat read_orientation_map(const std::filesystem::path& path, cv::Size picture
       const auto& value = read.values.at<cv::Vec<std::uint16_t, 4>>(y, x);
       const auto blue = static_cast<float>(value[0]), green = static_cast<float>(value[1]),
                  red = static_cast<float>(value[2]);
-      const float most = std::max({blue, green, red}), chroma = most - std::min({blue, green, red});
+      const float maximum = std::max({blue, green, red}), chroma = maximum - std::min({blue, green, red});
       cv::Vec2f& way = direction.at<cv::Vec2f>(y, x);
       way = {0, 0};
-      if (value[3] <= 32767 || most < kLeastValue * kFull || chroma < kLeastSaturation * most) continue;
-      const float angle = hue_of(blue, green, red, most, chroma) * std::numbers::pi_v<float> / 180;
+      if (value[3] <= 32767 || maximum < kMinValue * kFull || chroma < kMinSaturation * maximum) continue;
+      const float angle = hue_of(blue, green, red, maximum, chroma) * std::numbers::pi_v<float> / 180;
       way = {std::cos(angle), -std::sin(angle)};
       asked = true;
     }
@@ -102,7 +102,7 @@ void split_motion(const cv::Mat& motion, const cv::Mat& matte, cv::Mat& directio
       const cv::Vec2f& way = motion.at<cv::Vec2f>(y, x);
       const float length = matte.at<std::uint8_t>(y, x) > 0 ? std::hypot(way[0], way[1]) : 0;
       speed.at<float>(y, x) = length > 0 ? length : -1;
-      direction.at<cv::Vec2f>(y, x) = length < kLeastDirectedSpeed ? cv::Vec2f(0, 0) : way / length;
+      direction.at<cv::Vec2f>(y, x) = length < kMinDirectedSpeed ? cv::Vec2f(0, 0) : way / length;
     }
 }
 
@@ -127,10 +127,10 @@ double write_speed_map(const std::filesystem::path& path, const cv::Mat& motion,
   for (int y = 0; y < map.rows; ++y)
     for (int x = 0; x < map.cols; ++x) {
       if (speed.at<float>(y, x) < 0) continue;
-      const double share = speed.at<float>(y, x) / white_px_per_s;
+      const double fraction = speed.at<float>(y, x) / white_px_per_s;
       ++moving;
-      cut += share > 1;
-      const auto grey = cv::saturate_cast<std::uint16_t>(share * kFull);
+      cut += fraction > 1;
+      const auto grey = cv::saturate_cast<std::uint16_t>(fraction * kFull);
       map.at<cv::Vec<std::uint16_t, 4>>(y, x) = {grey, grey, grey, 65535};
     }
   media::write_picture(path, map);

@@ -14,7 +14,7 @@ namespace freshet::query {
 /// greater white would make black.
 constexpr double kSpeedWhite = 255;
 /// Slower motion has no direction worth a colour, px/s.
-constexpr double kLeastDirectedSpeed = 0.5;
+constexpr double kMinDirectedSpeed = 0.5;
 
 /// Speed map: grey, black stands still, white is `white_px_per_s`, even steps between; transparent: not
 /// asked. Returns  CV_32F of `picture`'s size, px/s, negative where not asked: MotionGuide::speed. notices
@@ -31,10 +31,10 @@ cv::Mat read_speed_map(const std::filesystem::path& path, cv::Size picture, doub
 cv::Mat read_orientation_map(const std::filesystem::path& path, cv::Size picture,
                              std::vector<std::string>* notices = nullptr);
 
-/// Speed and direction of a motion field as such maps, 16 bits a channel, PNG or TIFF.
+/// Speed and direction of a motion field as such maps, 16 bits per channel, PNG or TIFF.
 /// motion   CV_32FC2, px/s, x right, y down. matte   CV_8U of its size. Where the matte is 0 or the motion
 /// (0, 0) nothing is asked: transparent in a map of speeds, grey in one of directions (below
-/// kLeastDirectedSpeed too). Returns  of write_speed_map: the share of moving pixels above white, which are
+/// kMinDirectedSpeed too). Returns  of write_speed_map: the fraction of moving pixels above white, which are
 /// cut off to it. Throws   Error{kUsage} for another ending, Error{kIo}.
 double write_speed_map(const std::filesystem::path& path, const cv::Mat& motion, const cv::Mat& matte,
                        double white_px_per_s);
@@ -43,7 +43,7 @@ void write_orientation_map(const std::filesystem::path& path, const cv::Mat& mot
 /// Throws what the writers would for this name: for those who compute long before they write.
 void check_map_name(const std::filesystem::path& path);
 
-/// A motion field as a guide's maps: unit vectors, (0, 0) below kLeastDirectedSpeed, and speeds, negative
+/// A motion field as a guide's maps: unit vectors, (0, 0) below kMinDirectedSpeed, and speeds, negative
 /// where the field is (0, 0).
 void split_motion(const cv::Mat& motion, const cv::Mat& matte, cv::Mat& direction, cv::Mat& speed);
 

@@ -19,7 +19,7 @@ constexpr double kStep = 6;               // px between samples of a stroke
 constexpr double kTangent = 6;            // px to either side, over which a direction is taken
 constexpr double kClash = 12;             // px within which strokes must not run against each other
 constexpr double kClashCosine = -0.7071;  // of 135 degrees
-constexpr std::size_t kMostSamples = 600, kMostFine = 20000;
+constexpr std::size_t kMaxSamples = 600, kMaxFine = 20000;
 constexpr int kCell = 8;             // px of the picture to a node of the coarse field
 constexpr double kCancelled = 0.05;  // length of the interpolated vector below which it has no direction
 
@@ -69,8 +69,8 @@ class Course {
     way = std::clamp(way, 0.0, length());
     const auto above = std::upper_bound(along_.begin(), along_.end(), way);
     const std::size_t next = std::clamp<std::size_t>(above - along_.begin(), 1, points_.size() - 1);
-    const double share = (way - along_[next - 1]) / (along_[next] - along_[next - 1]);
-    return points_[next - 1] + (points_[next] - points_[next - 1]) * share;
+    const double fraction = (way - along_[next - 1]) / (along_[next] - along_[next - 1]);
+    return points_[next - 1] + (points_[next] - points_[next - 1]) * fraction;
   }
   // Over a stretch, so that a shaking hand's jags and the hook of a lifted pen do not count.
   cv::Vec2d way_at(double way) const {
@@ -102,7 +102,7 @@ std::vector<Sample> sampled(const std::vector<Stroke>& strokes, cv::Size picture
       if (from < to) inside += (to - from) * cv::norm(course.end_of(s) - course.start_of(s));
     }
   }
-  const double step = std::max(kStep, inside / static_cast<double>(kMostFine));
+  const double step = std::max(kStep, inside / static_cast<double>(kMaxFine));
   std::vector<Sample> samples;
   for (std::size_t i = 0; i < courses.size(); ++i) {
     const Course& course = courses[i];
@@ -157,7 +157,7 @@ void check_clashes(const std::vector<Sample>& samples, const std::vector<Stroke>
 
 // Samples of a cell made one, in cells that grow until few enough are left.
 std::vector<Sample> thinned(std::vector<Sample> samples) {
-  for (double cell = kStep; samples.size() > kMostSamples; cell *= 1.5) {
+  for (double cell = kStep; samples.size() > kMaxSamples; cell *= 1.5) {
     std::map<std::pair<int, int>, std::vector<Sample>> cells;
     for (const Sample& sample : samples)
       cells[{static_cast<int>(std::floor(sample.at.x / cell)),

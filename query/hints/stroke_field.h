@@ -32,7 +32,7 @@ struct StrokeFieldOptions {
 
 /// Interpolates cosine and sine of the strokes' directions, and the logarithm of their speeds, over the
 /// picture. Strokes are sampled every few pixels inside the picture and a quarter of its size around it, at
-/// most 600 samples; speeds stay between the least and the greatest given. Those strokes that have a speed
+/// most 600 samples; speeds stay between the minimum and the maximum given. Those strokes that have a speed
 /// decide it everywhere. where   names the strokes' file in errors. Throws Error{kInput}: no stroke, or
 /// strokes that run against each other (by more than 135 degrees) within 12 px, naming them and the place.
 /// Cost    a solve of 600 unknowns and a sum over the samples each 8 px of the picture: some 0.1 s. The same

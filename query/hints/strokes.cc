@@ -18,9 +18,9 @@ using Json = nlohmann::json;
 
 constexpr const char* kFormat = "freshet-strokes";
 constexpr int kVersion = 1;
-constexpr std::uintmax_t kMostSvgBytes = 128u << 20, kMostJsonBytes = 16u << 20;
-constexpr std::size_t kMostStrokes = 10000, kMostPoints = 1u << 20;
-constexpr double kMostSpeed = 1e5, kFurthest = 1e7, kShortest = 0.5;
+constexpr std::uintmax_t kMaxSvgBytes = 128u << 20, kMaxJsonBytes = 16u << 20;
+constexpr std::size_t kMaxStrokes = 10000, kMaxPoints = 1u << 20;
+constexpr double kMaxSpeed = 1e5, kFurthest = 1e7, kShortest = 0.5;
 constexpr const char* kJsonRemedy =
     R"(Expected: {"format": "freshet-strokes", "version": 1, "strokes": [{"points": [[x, y], ...]}]})";
 
@@ -31,9 +31,9 @@ std::string read_text(const std::filesystem::path& path) {
   if (!std::filesystem::is_regular_file(path, fault))
     throw Error(ErrorKind::kInput, path.string(), "it is no file", "Name a file of strokes, JSON or SVG");
   const std::uintmax_t size = std::filesystem::file_size(path, fault);
-  if (fault || size > kMostSvgBytes)
+  if (fault || size > kMaxSvgBytes)
     throw Error(ErrorKind::kInput, path.string(),
-                fmt::format("it has {} bytes, at most {} expected", size, kMostSvgBytes),
+                fmt::format("it has {} bytes, at most {} expected", size, kMaxSvgBytes),
                 "Link the picture in the drawing, do not embed it");
   std::ifstream file(path, std::ios::binary);
   std::string text(size, '\0');
@@ -74,7 +74,7 @@ std::vector<Stroke> read_json(const std::string& text, const std::string& where)
       fail(stroke.name + ": \"points\" is not a list");
     if (entry.contains("name") && entry["name"].is_string())
       stroke.name += " \"" + entry["name"].get<std::string>().substr(0, 60) + "\"";
-    if ((points += entry["points"].size()) > kMostPoints) fail("more than a million points");
+    if ((points += entry["points"].size()) > kMaxPoints) fail("more than a million points");
     for (const Json& point : entry["points"]) {
       if (!point.is_array() || point.size() != 2) fail(stroke.name + ": a point is two numbers of px");
       const float x = read_coordinate(point[0], where, stroke.name);
@@ -85,7 +85,7 @@ std::vector<Stroke> read_json(const std::string& text, const std::string& where)
       stroke.speed_px_per_s = static_cast<float>(entry["speed"].get<double>());
     }
     strokes.push_back(std::move(stroke));
-    if (strokes.size() > kMostStrokes) break;
+    if (strokes.size() > kMaxStrokes) break;
   }
   return strokes;
 }
@@ -115,8 +115,8 @@ void check(const std::vector<Stroke>& strokes, const std::string& where, cv::Siz
     throw Error(ErrorKind::kInput, where, fault, remedy);
   };
   if (strokes.empty()) fail("no stroke in it", "Draw at least one line, in the direction of the flow");
-  if (strokes.size() > kMostStrokes)
-    fail(fmt::format("more than {} strokes", kMostStrokes), "Draw fewer: a dozen do");
+  if (strokes.size() > kMaxStrokes)
+    fail(fmt::format("more than {} strokes", kMaxStrokes), "Draw fewer: a dozen do");
   for (const Stroke& stroke : strokes) {
     if (!(length_of(stroke) >= kShortest)) {
       const std::string place =
@@ -125,9 +125,9 @@ void check(const std::vector<Stroke>& strokes, const std::string& where, cv::Siz
       fail(fmt::format("{} {} has no length, and so no direction", stroke.name, place),
            "Remove it, or draw it as a line");
     }
-    if (stroke.speed_px_per_s && !(*stroke.speed_px_per_s >= 0 && *stroke.speed_px_per_s <= kMostSpeed))
+    if (stroke.speed_px_per_s && !(*stroke.speed_px_per_s >= 0 && *stroke.speed_px_per_s <= kMaxSpeed))
       fail(fmt::format("{} has a speed of {}, 0 to {} px/s expected", stroke.name, *stroke.speed_px_per_s,
-                       kMostSpeed),
+                       kMaxSpeed),
            "Mend its speed");
     bool inside = false;
     for (std::size_t i = 1; i < stroke.points.size() && !inside; ++i)
@@ -157,9 +157,9 @@ std::vector<Stroke> read_strokes(const std::filesystem::path& path, cv::Size pic
   // UTF-16 begins with its mark; pugixml knows it.
   const bool svg = first != std::string::npos &&
                    (text[first] == '<' || text.starts_with("\xff\xfe") || text.starts_with("\xfe\xff"));
-  if (!svg && text.size() > kMostJsonBytes)
+  if (!svg && text.size() > kMaxJsonBytes)
     throw Error(ErrorKind::kInput, where,
-                fmt::format("it has {} bytes, at most {} of JSON expected", text.size(), kMostJsonBytes),
+                fmt::format("it has {} bytes, at most {} of JSON expected", text.size(), kMaxJsonBytes),
                 "Draw fewer and simpler strokes");
   if (!svg && (first == std::string::npos || (text[first] != '{' && text[first] != '[')))
     throw Error(ErrorKind::kInput, where, "neither JSON nor SVG",

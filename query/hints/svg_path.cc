@@ -11,7 +11,7 @@ namespace {
 
 using Point = cv::Point2d;
 
-constexpr std::size_t kMostPoints = 3u << 20;
+constexpr std::size_t kMaxPoints = 3u << 20;
 
 // Builds subpaths as a pen that moves.
 class Pen {
@@ -28,7 +28,7 @@ class Pen {
     if (subpath_.points.empty()) subpath_.points.assign(1, at_);
     subpath_.points.insert(subpath_.points.end(), {first, second, to});
     at_ = to;
-    if ((total_ += 3) > kMostPoints) throw SvgFault("it has more than a million curves");
+    if ((total_ += 3) > kMaxPoints) throw SvgFault("it has more than a million curves");
   }
   void quadratic(Point control, Point to) {
     curve(at_ + (control - at_) * (2.0 / 3.0), to + (control - to) * (2.0 / 3.0), to);
@@ -181,7 +181,7 @@ std::vector<cv::Point2d> parse_svg_points(std::string_view points) {
     const double x = scanner.number();
     if (scanner.at_end()) throw SvgFault("a number without its pair");
     found.emplace_back(x, scanner.number());
-    if (found.size() > kMostPoints / 3) throw SvgFault("it has more than a million points");
+    if (found.size() > kMaxPoints / 3) throw SvgFault("it has more than a million points");
   }
   return found;
 }
@@ -201,7 +201,7 @@ std::vector<cv::Point2f> flatten(const SvgSubpath& subpath, double tolerance) {
       chain.emplace_back(a * (r * r * r) + b * (3 * r * r * t) + c * (3 * r * t * t) + d * (t * t * t));
     }
     chain.emplace_back(d);
-    if (chain.size() > kMostPoints) break;  // more than the caller takes
+    if (chain.size() > kMaxPoints) break;  // more than the caller takes
   }
   return chain;
 }

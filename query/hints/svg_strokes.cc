@@ -18,8 +18,8 @@
 namespace freshet::query {
 namespace {
 
-constexpr int kDeepest = 200;                  // elements in each other
-constexpr std::size_t kMostPoints = 3u << 20;  // of all curves together
+constexpr int kDeepest = 200;                 // elements in each other
+constexpr std::size_t kMaxPoints = 3u << 20;  // of all curves together
 constexpr double kSameProportions = 0.02;
 constexpr double kTolerance = 0.1;  // px of the picture, of a chain that stands for a curve
 
@@ -97,7 +97,7 @@ class Document {
   std::vector<Drawn> drawn_;
   std::size_t points_ = 0;
   std::set<std::string> left_out_;
-  double image_area_ = 0;  // px of the page; of the greatest image that may be the picture
+  double image_area_ = 0;  // px of the page; of the largest image that may be the picture
   cv::Matx33d page_from_picture_;
 };
 
@@ -201,7 +201,7 @@ void Document::enter_document(const pugi::xml_node& node, Context& context) cons
   context.user = box->size();
 }
 
-/// Remembers the greatest image of the picture's proportions: programs put strokes on top of the picture.
+/// Remembers the largest image of the picture's proportions: programs put strokes on top of the picture.
 void Document::note_image(const pugi::xml_node& node, const Context& context) {
   const cv::Size2d size(length(node, "width", context.user.width, picture_.width),
                         length(node, "height", context.user.height, picture_.height));
@@ -222,7 +222,7 @@ void Document::draw(const pugi::xml_node& node, const Context& context, std::vec
   if (!context.displayed || !context.visible) return;
   for (std::size_t i = 0; i < lines.size(); ++i) {
     points_ += lines[i].points.size();
-    if (points_ > kMostPoints) fail("it has more than a million curves", "Draw fewer and simpler strokes");
+    if (points_ > kMaxPoints) fail("it has more than a million curves", "Draw fewer and simpler strokes");
     for (cv::Point2d& point : lines[i].points) point = transformed(context.to_page, point);
     drawn_.push_back({std::move(lines[i]),
                       label(node) + (lines.size() > 1 ? fmt::format(", part {}", i + 1) : ""),
@@ -297,7 +297,7 @@ std::vector<Stroke> Document::strokes(std::vector<std::string>* notices) {
     }
     strokes.push_back({flatten(drawn.line, kTolerance), drawn.speed, std::move(drawn.name)});
     points += strokes.back().points.size();
-    if (points > kMostPoints) fail("it has more than a million points", "Draw fewer and simpler strokes");
+    if (points > kMaxPoints) fail("it has more than a million points", "Draw fewer and simpler strokes");
   }
   if (notices != nullptr && !left_out_.empty())
     notices->push_back(

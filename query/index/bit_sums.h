@@ -1,4 +1,4 @@
-// query/index/bit_sums.h — sums over many columns of one bit a row, 512 rows at a time.
+// query/index/bit_sums.h — sums over many columns of one bit per row, 512 rows at a time.
 //
 // A sum is kept across bit planes: plane p holds bit p of the sums of 512 rows. Adding a column is then a
 // handful of logical operations for all 512 rows (carry-save adders; Harley and Seal), where adding it row by
@@ -12,7 +12,7 @@
 
 namespace freshet::query {
 
-/// A bit a row; row r is bit r % 64 of word r / 64, as in RowFilter.
+/// A bit per row; row r is bit r % 64 of word r / 64, as in RowFilter.
 struct alignas(64) RowBits {
   static constexpr std::size_t kRows = 512;
   std::array<std::uint64_t, 8> words;

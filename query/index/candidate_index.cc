@@ -8,7 +8,7 @@
 
 namespace freshet::query {
 
-int mass(const PieceQuery& query) {
+int max_score(const PieceQuery& query) {
   int points = 0;
   for (const std::uint8_t counts : query.mask) points += counts != 0;
   int weight = 0;
@@ -33,20 +33,21 @@ bool RowFilter::empty(std::size_t first, std::size_t count) const {
   return std::all_of(from, to, [](std::uint64_t bits) { return bits == 0; });
 }
 
-void check([[maybe_unused]] const Admission& admission, [[maybe_unused]] std::size_t queries,
+void check([[maybe_unused]] const SearchFilter& search_filter, [[maybe_unused]] std::size_t queries,
            [[maybe_unused]] std::size_t rows) {
-  assert(admission.rows == nullptr || admission.rows->rows() == rows);
-  assert(admission.windows.empty() || (admission.windows.size() == queries &&
-                                       admission.mean_u.size() == rows && admission.mean_v.size() == rows));
+  assert(search_filter.rows == nullptr || search_filter.rows->rows() == rows);
+  assert(search_filter.windows.empty() ||
+         (search_filter.windows.size() == queries && search_filter.mean_u.size() == rows &&
+          search_filter.mean_v.size() == rows));
 }
 
 void check_words(std::span<const vision::WordMap> words, int word_count) {
   for (std::size_t row = 0; row < words.size(); ++row) {
-    const int greatest = *std::max_element(words[row].begin(), words[row].end());
-    if (greatest >= word_count) {
+    const int max_word = *std::max_element(words[row].begin(), words[row].end());
+    if (max_word >= word_count) {
       throw Error(
           ErrorKind::kDamaged, "column patch.words, row " + std::to_string(row),
-          "word " + std::to_string(greatest) + " where the codebook has " + std::to_string(word_count),
+          "word " + std::to_string(max_word) + " where the codebook has " + std::to_string(word_count),
           "Build the index again: freshet index --rebuild");
     }
   }

@@ -18,22 +18,22 @@ struct PieceQuery {
   vision::WordMask mask{};  // 1: counts; at least one point
 };
 
-/// A row and its weighted histogram intersection with the query, 0..mass of the query.
-struct Hit {
+/// A row and its weighted histogram intersection with the query, 0..max_score(query).
+struct ScoredPatch {
   Row row = kNoRow;
   std::uint32_t score = 0;
-  bool operator==(const Hit&) const = default;
+  bool operator==(const ScoredPatch&) const = default;
 };
 
 /// Falling score, then rising row: the order of every answer.
-inline bool better(const Hit& a, const Hit& b) {
+inline bool better(const ScoredPatch& a, const ScoredPatch& b) {
   return a.score != b.score ? a.score > b.score : a.row < b.row;
 }
 
-/// Weights of all points that count: the greatest intersection that there can be (324 without a mask).
-int mass(const PieceQuery& query);
+/// Weights of all points that count: the largest intersection that there can be (324 without a mask).
+int max_score(const PieceQuery& query);
 
-/// Rows that may be candidates, a bit each.
+/// Rows that may be candidates, one bit each.
 class RowFilter {
  public:
   explicit RowFilter(std::size_t rows, bool allowed = true);
@@ -42,7 +42,7 @@ class RowFilter {
   void forbid(std::size_t row) { bits_[row / 64] &= ~(std::uint64_t{1} << row % 64); }
   void allow(std::size_t row) { bits_[row / 64] |= std::uint64_t{1} << row % 64; }
   std::size_t count() const;
-  std::span<const std::uint64_t> words() const { return bits_; }  // row r is bit r % 64 of word r / 64
+  std::span<const std::uint64_t> bit_words() const { return bits_; }  // row r is bit r % 64 of word r / 64
   /// Bits of rows [first, first + count), first a multiple of 64: true when none is set.
   bool empty(std::size_t first, std::size_t count) const;
 
@@ -53,10 +53,10 @@ class RowFilter {
 
 /// Which rows may be answers: some for all queries, and for each query those whose mean motion it admits. The
 /// conditions hold inside the search, so that a query still gets its k. Borrows all that it names.
-struct Admission {
+struct SearchFilter {
   const RowFilter* rows = nullptr;            // null: all
-  std::span<const float> mean_u{}, mean_v{};  // px/s, a value a row; needed with windows
-  std::span<const MotionWindow> windows{};    // one a query; empty: any motion
+  std::span<const float> mean_u{}, mean_v{};  // px/s, a value per row; needed with windows
+  std::span<const MotionWindow> windows{};    // one per query; empty: any motion
 
   bool admits(std::size_t query, std::size_t row) const {
     return (rows == nullptr || rows->allows(row)) &&
@@ -70,12 +70,12 @@ class CandidateIndex {
   virtual std::size_t rows() const = 0;
   /// The k best admitted rows of each query, in the order of `better`; fewer where fewer are admitted.
   /// Pieces are shared by all threads; the answer is the same for any number of them. Safe from many threads.
-  virtual std::vector<std::vector<Hit>> search(std::span<const PieceQuery> queries, std::size_t k,
-                                               const Admission& admission = {}) const = 0;
+  virtual std::vector<std::vector<ScoredPatch>> search(std::span<const PieceQuery> queries, std::size_t k,
+                                                       const SearchFilter& search_filter = {}) const = 0;
 };
 
-/// That an admission's parts are as long as the queries and rows they speak of; only we can get that wrong.
-void check(const Admission& admission, std::size_t queries, std::size_t rows);
+/// That a filter's parts are as long as the queries and rows they speak of; only we can get that wrong.
+void check(const SearchFilter& search_filter, std::size_t queries, std::size_t rows);
 
 /// Throws Error{kDamaged} when a word is not below word_count.
 void check_words(std::span<const vision::WordMap> words, int word_count);

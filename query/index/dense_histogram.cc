@@ -45,10 +45,11 @@ FRESHET_WIDE std::uint32_t l1_distance(const unsigned char* a, const unsigned ch
   return sum;
 }
 
-std::uint32_t score_of(int query_mass, std::uint32_t distance) {
-  constexpr int kPatchMass = vision::kGridSide * vision::kGridSide *
-                             (vision::kLevelWeights[0] + vision::kLevelWeights[1] + vision::kLevelWeights[2]);
-  return (static_cast<std::uint32_t>(query_mass + kPatchMass) - distance) / 2;
+std::uint32_t score_of(int query_max_score, std::uint32_t distance) {
+  constexpr int kPatchMaxScore =
+      vision::kGridSide * vision::kGridSide *
+      (vision::kLevelWeights[0] + vision::kLevelWeights[1] + vision::kLevelWeights[2]);
+  return (static_cast<std::uint32_t>(query_max_score + kPatchMaxScore) - distance) / 2;
 }
 
 }  // namespace freshet::query

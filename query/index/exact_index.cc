@@ -18,32 +18,32 @@ constexpr std::size_t kQueriesAtOnce = 32;  // that share a block's lists while 
 // The k best seen so far.
 class Best {
  public:
-  explicit Best(std::size_t k) : k_(k) { hits_.reserve(2 * k + kSpare); }
+  explicit Best(std::size_t k) : k_(k) { scored_patches_.reserve(2 * k + kSpare); }
   /// No row of a lower score can be among the best; 0 until there are k.
-  std::uint32_t least() const { return least_; }
+  std::uint32_t min_score() const { return min_score_; }
   void offer(Row row, std::uint32_t score) {
-    if (score < least_) return;
-    hits_.push_back({row, score});
-    if (hits_.size() == 2 * k_ + kSpare) shrink();
+    if (score < min_score_) return;
+    scored_patches_.push_back({row, score});
+    if (scored_patches_.size() == 2 * k_ + kSpare) shrink();
   }
   void shrink() {
-    if (hits_.size() < k_) return;
-    const auto last = hits_.begin() + static_cast<std::ptrdiff_t>(k_ - 1);
-    std::nth_element(hits_.begin(), last, hits_.end(), better);
-    least_ = last->score;
-    hits_.resize(k_);
+    if (scored_patches_.size() < k_) return;
+    const auto last = scored_patches_.begin() + static_cast<std::ptrdiff_t>(k_ - 1);
+    std::nth_element(scored_patches_.begin(), last, scored_patches_.end(), better);
+    min_score_ = last->score;
+    scored_patches_.resize(k_);
   }
-  std::vector<Hit> take() {
+  std::vector<ScoredPatch> take() {
     shrink();
-    std::sort(hits_.begin(), hits_.end(), better);
-    return std::move(hits_);
+    std::sort(scored_patches_.begin(), scored_patches_.end(), better);
+    return std::move(scored_patches_);
   }
 
  private:
   static constexpr std::size_t kSpare = 64;
   std::size_t k_;
-  std::vector<Hit> hits_;
-  std::uint32_t least_ = 0;
+  std::vector<ScoredPatch> scored_patches_;
+  std::uint32_t min_score_ = 0;
 };
 
 // What a thread works in: sums of a block, the columns that went into them, some of them made here of
@@ -110,18 +110,18 @@ class Search {
     }
   }
 
-  void add_block(const Block& block, const Admission& admission, Scratch& scratch) {
+  void add_block(const Block& block, const SearchFilter& search_filter, Scratch& scratch) {
     std::size_t made = 0;
     level0_.columns(block.first_row, scratch, made, scratch.level0);
     level1_.columns(block.first_row, scratch, made, scratch.level1);
     const std::size_t groups = (block.words.size() + RowBits::kRows - 1) / RowBits::kRows;
     scratch.sums.add_up(scratch.level0, scratch.level1, groups);
 
-    const PyramidSums::Mask all = admitted(block, admission);
+    const PyramidSums::Mask all = admitted(block, search_filter);
     PyramidSums::Mask compared{};
     std::uint32_t reach = 0;
-    if (best_.least() > 0) {
-      reach = best_.least() + 1;  // of equal scores the lower row is the better, and it has come before
+    if (best_.min_score() > 0) {
+      reach = best_.min_score() + 1;  // of equal scores the lower row is the better, and it has come before
     } else {
       // The most promising rows first: they tell what the others must reach.
       std::uint32_t promising = 0;
@@ -132,23 +132,23 @@ class Search {
       if (promising > 0) {
         compared = all;
         scratch.sums.keep_reaching(promising, groups, compared);
-        compare(block, compared, admission, scratch);
-        reach = best_.least();
+        compare(block, compared, search_filter, scratch);
+        reach = best_.min_score();
       }
     }
     PyramidSums::Mask mask = all;
     if (scratch.sums.keep_reaching(reach, groups, mask) == 0) return;
     for (std::size_t i = 0; i < mask.size(); ++i) mask[i] &= ~compared[i];
-    compare(block, mask, admission, scratch);
+    compare(block, mask, search_filter, scratch);
   }
 
-  std::vector<Hit> take() { return best_.take(); }
+  std::vector<ScoredPatch> take() { return best_.take(); }
 
  private:
-  static PyramidSums::Mask admitted(const Block& block, const Admission& admission) {
+  static PyramidSums::Mask admitted(const Block& block, const SearchFilter& search_filter) {
     PyramidSums::Mask mask{};
-    if (admission.rows != nullptr) {
-      const auto words = admission.rows->words().subspan(block.first_row / 64);
+    if (search_filter.rows != nullptr) {
+      const auto words = search_filter.rows->bit_words().subspan(block.first_row / 64);
       std::copy_n(words.begin(), std::min(words.size(), mask.size()), mask.begin());
       return mask;
     }
@@ -159,7 +159,7 @@ class Search {
   }
 
   // Offers the rows of a mask with their scores, and learns what is to be reached from now on.
-  void compare(const Block& block, const PyramidSums::Mask& mask, const Admission& admission,
+  void compare(const Block& block, const PyramidSums::Mask& mask, const SearchFilter& search_filter,
                Scratch& scratch) {
     // Word maps lie anywhere in memory: all are asked for before the first is needed.
     std::size_t count = 0;
@@ -171,7 +171,7 @@ class Search {
         scratch.rows[count++] = static_cast<std::uint16_t>(row);
       }
     for (const std::uint16_t row : std::span(scratch.rows).first(count)) {
-      if (!admission.admits(number_, block.first_row + row)) continue;
+      if (!search_filter.admits(number_, block.first_row + row)) continue;
       best_.offer(static_cast<Row>(block.first_row + row),
                   scratch.sums.sum_of(row) + vision::kLevelWeights[2] * fine_.intersection(block.words[row]));
     }
@@ -196,10 +196,10 @@ ExactIndex::ExactIndex(std::span<const vision::WordMap> words, int word_count)
       word_count_(static_cast<std::size_t>(word_count)),
       lists_(words_, word_count_) {}
 
-std::vector<std::vector<Hit>> ExactIndex::search(std::span<const PieceQuery> queries, std::size_t k,
-                                                 const Admission& admission) const {
-  check(admission, queries.size(), rows());
-  std::vector<std::vector<Hit>> answers(queries.size());
+std::vector<std::vector<ScoredPatch>> ExactIndex::search(std::span<const PieceQuery> queries, std::size_t k,
+                                                         const SearchFilter& search_filter) const {
+  check(search_filter, queries.size(), rows());
+  std::vector<std::vector<ScoredPatch>> answers(queries.size());
   k = std::min(k, rows());
   if (k == 0) return answers;
   const std::size_t parts = (queries.size() + kQueriesAtOnce - 1) / kQueriesAtOnce;
@@ -211,8 +211,8 @@ std::vector<std::vector<Hit>> ExactIndex::search(std::span<const PieceQuery> que
     for (std::size_t i = first; i < last; ++i) searches.emplace_back(queries[i], lists_, word_count_, i, k);
     for (std::size_t row = 0; row < rows(); row += kBlockRows) {
       const Block block{row, words_.subspan(row, std::min(kBlockRows, rows() - row))};
-      if (admission.rows != nullptr && admission.rows->empty(row, block.words.size())) continue;
-      for (Search& search : searches) search.add_block(block, admission, scratch);
+      if (search_filter.rows != nullptr && search_filter.rows->empty(row, block.words.size())) continue;
+      for (Search& search : searches) search.add_block(block, search_filter, scratch);
     }
     for (std::size_t i = first; i < last; ++i) answers[i] = searches[i - first].take();
   });

@@ -17,7 +17,7 @@ namespace freshet::query {
 /// a time (row_lists.h, bit_sums.h). They bound what a row can reach on all levels, I0 + 3 I1; only rows that
 /// can still be among the best, one in fifty, are compared on level 2 by their word maps (fine_words.h).
 /// Blocks of 16384 rows are the outer loop, so that a block's lists come into the cache once for many pieces.
-/// Memory: 460 bytes a row.
+/// Memory: 460 bytes per row.
 class ExactIndex final : public CandidateIndex {
  public:
   /// words     borrowed: must live as long as the index. word_count 1..256.
@@ -25,8 +25,8 @@ class ExactIndex final : public CandidateIndex {
   ExactIndex(std::span<const vision::WordMap> words, int word_count);
   std::size_t rows() const override { return words_.size(); }
   std::size_t bytes() const { return lists_.bytes(); }
-  std::vector<std::vector<Hit>> search(std::span<const PieceQuery> queries, std::size_t k,
-                                       const Admission& admission = {}) const override;
+  std::vector<std::vector<ScoredPatch>> search(std::span<const PieceQuery> queries, std::size_t k,
+                                               const SearchFilter& search_filter = {}) const override;
 
  private:
   std::span<const vision::WordMap> words_;

@@ -8,7 +8,7 @@ namespace freshet::query {
 namespace {
 
 constexpr int kSide = vision::kGridSide, kPoints = kSide * kSide;
-constexpr std::size_t kPadded = 96, kMostInCell = 9;
+constexpr std::size_t kPadded = 96, kMaxInCell = 9;
 
 // The cell of level 2 that a point lies in.
 const std::array<int, kPoints> kFineCell = [] {
@@ -51,7 +51,7 @@ inline __attribute__((always_inline)) std::uint32_t count_shared(const std::uint
   for (std::size_t i = 0; i < kPadded; i += sizeof(Bytes)) {
     Bytes here, other, mask, wanted{}, before{};
     std::memcpy(&here, row + i, sizeof here);
-    for (std::size_t n = 0; n < kMostInCell; ++n) {
+    for (std::size_t n = 0; n < kMaxInCell; ++n) {
       std::memcpy(&other, words + n * kPadded + i, sizeof other);
       std::memcpy(&mask, is_there + n * kPadded + i, sizeof mask);
       wanted += (here == other) & mask;

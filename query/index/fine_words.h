@@ -21,9 +21,9 @@ class FineWords {
   std::uint32_t intersection(const vision::WordMap& map) const;
 
  private:
-  static constexpr std::size_t kPadded = 96, kMostInCell = 9;
+  static constexpr std::size_t kPadded = 96, kMaxInCell = 9;
   // For each point the query's words in its cell, one after another, and whether there are so many.
-  std::array<std::array<std::uint8_t, kPadded>, kMostInCell> words_{}, is_there_{};
+  std::array<std::array<std::uint8_t, kPadded>, kMaxInCell> words_{}, is_there_{};
 };
 
 }  // namespace freshet::query

@@ -18,7 +18,7 @@
 
 // FLANN 1.9.2 shuffles by std::random_device and draws from std::rand: two builds differ, whatever is given
 // to flann::seed_random. Inside namespace flann, "std" is looked up there first. So what FLANN calls
-// std::random_device and std::rand is found here, and draws from one seeded generator a thread; all else of
+// std::random_device and std::rand is found here, and draws from one seeded generator per thread; all else of
 // std is as it was.
 namespace flann::std {
 using namespace ::std;
@@ -279,8 +279,8 @@ namespace {
 // so that k come back whenever k are admitted.
 class AdmittedRows final : public flann::ResultSet<float> {
  public:
-  AdmittedRows(std::size_t k, const Admission& admission, std::size_t query)
-      : k_(k), admission_(admission), query_(query) {
+  AdmittedRows(std::size_t k, const SearchFilter& search_filter, std::size_t query)
+      : k_(k), search_filter_(search_filter), query_(query) {
     heap_.reserve(k);
   }
   bool full() const override { return heap_.size() == k_; }
@@ -288,7 +288,7 @@ class AdmittedRows final : public flann::ResultSet<float> {
     return full() ? heap_.front().first : std::numeric_limits<float>::max();
   }
   void addPoint(float distance, std::size_t row) override {
-    if (!admission_.admits(query_, row)) return;
+    if (!search_filter_.admits(query_, row)) return;
     const std::pair<float, std::size_t> found(distance, row);
     if (full()) {
       if (!(found < heap_.front())) return;
@@ -303,18 +303,18 @@ class AdmittedRows final : public flann::ResultSet<float> {
 
  private:
   std::size_t k_;
-  const Admission& admission_;
+  const SearchFilter& search_filter_;
   std::size_t query_;
   std::vector<std::pair<float, std::size_t>> heap_;  // the worst in front
 };
 
 }  // namespace
 
-std::vector<std::vector<Hit>> FlannIndex::search(std::span<const PieceQuery> queries, std::size_t k,
-                                                 const Admission& admission) const {
+std::vector<std::vector<ScoredPatch>> FlannIndex::search(std::span<const PieceQuery> queries, std::size_t k,
+                                                         const SearchFilter& search_filter) const {
   const Impl& impl = *impl_;
-  check(admission, queries.size(), impl.rows);
-  std::vector<std::vector<Hit>> answers(queries.size());
+  check(search_filter, queries.size(), impl.rows);
+  std::vector<std::vector<ScoredPatch>> answers(queries.size());
   if (k == 0 || impl.rows == 0) return answers;
   const int chosen = impl.options.checks > 0  ? impl.options.checks
                      : impl.tuning.checks > 0 ? static_cast<int>(impl.tuning.checks)
@@ -322,25 +322,26 @@ std::vector<std::vector<Hit>> FlannIndex::search(std::span<const PieceQuery> que
   oneapi::tbb::parallel_for(std::size_t{0}, queries.size(), [&](std::size_t i) {
     // Of rows that are not admitted the checks would be wasted: as many more.
     std::size_t allowed = impl.rows;
-    if (admission.rows != nullptr || !admission.windows.empty()) {
+    if (search_filter.rows != nullptr || !search_filter.windows.empty()) {
       allowed = 0;
-      for (std::size_t row = 0; row < impl.rows; ++row) allowed += admission.admits(i, row);
+      for (std::size_t row = 0; row < impl.rows; ++row) allowed += search_filter.admits(i, row);
       if (allowed == 0) return;
     }
-    const double share = static_cast<double>(allowed) / static_cast<double>(impl.rows);
-    const double most = static_cast<double>(std::min<std::size_t>(impl.rows, 1 << 30));
+    const double fraction = static_cast<double>(allowed) / static_cast<double>(impl.rows);
+    const double maximum = static_cast<double>(std::min<std::size_t>(impl.rows, 1 << 30));
     // At least k, as a result that is not full goes on until it is.
-    const double checks = std::min(std::max<double>(chosen, static_cast<double>(k)) / share, most);
+    const double checks = std::min(std::max<double>(chosen, static_cast<double>(k)) / fraction, maximum);
     const flann::SearchParams parameters(static_cast<int>(checks));
     std::vector<unsigned char> histogram(impl.bins);
     fill_histogram(queries[i], impl.word_count, histogram);
-    AdmittedRows found(std::min(k, allowed), admission, i);
+    AdmittedRows found(std::min(k, allowed), search_filter, i);
     impl.index->findNeighbors(found, histogram.data(), parameters);
-    const int query_mass = mass(queries[i]);
-    std::vector<Hit>& hits = answers[i];
+    const int query_max_score = max_score(queries[i]);
+    std::vector<ScoredPatch>& scored_patches = answers[i];
     for (const auto& [distance, row] : found.rows())
-      hits.push_back({static_cast<Row>(row), score_of(query_mass, static_cast<std::uint32_t>(distance))});
-    std::sort(hits.begin(), hits.end(), better);
+      scored_patches.push_back(
+          {static_cast<Row>(row), score_of(query_max_score, static_cast<std::uint32_t>(distance))});
+    std::sort(scored_patches.begin(), scored_patches.end(), better);
   });
   return answers;
 }

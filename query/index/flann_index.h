@@ -35,7 +35,7 @@ struct FlannTuning {
   float recall = 0;          // recall@100 that was reached with them
 };
 
-/// FLANN under L1 over dense histograms: a byte a bin, weighted 1, 1, 2 by level.
+/// FLANN under L1 over dense histograms: a byte per bin, weighted 1, 1, 2 by level.
 /// All histograms of a store have the mass 324, so that the nearest by L1 is the best by intersection
 /// (dense_histogram.h). FLANN's own HistIntersectionDistance finds the least alike: never used. Scores are
 /// exact; what is approximate is which rows are found. Conditions hold inside FLANN's search: it looks at as
@@ -62,8 +62,8 @@ class FlannIndex final : public CandidateIndex {
   /// As options.checks; not while a search runs.
   void set_checks(int checks);
   std::size_t rows() const override;
-  std::vector<std::vector<Hit>> search(std::span<const PieceQuery> queries, std::size_t k,
-                                       const Admission& admission = {}) const override;
+  std::vector<std::vector<ScoredPatch>> search(std::span<const PieceQuery> queries, std::size_t k,
+                                               const SearchFilter& search_filter = {}) const override;
 
  private:
   struct Impl;

@@ -17,7 +17,7 @@ constexpr std::size_t kBest = 100;
 struct Question {
   PieceQuery query;
   RowFilter others;
-  std::vector<Hit> exact;
+  std::vector<ScoredPatch> exact;
 };
 
 std::vector<Question> questions_of(std::span<const vision::WordMap> words, int word_count,
@@ -42,8 +42,9 @@ double recall(FlannIndex& index, const std::vector<Question>& questions, std::ui
   double sum = 0;
   for (const Question& question : questions) {
     const auto found = index.search(std::span(&question.query, 1), kBest, {.rows = &question.others})[0];
-    const auto good = std::count_if(found.begin(), found.end(),
-                                    [&](const Hit& hit) { return hit.score >= question.exact.back().score; });
+    const auto good = std::count_if(found.begin(), found.end(), [&](const ScoredPatch& scored) {
+      return scored.score >= question.exact.back().score;
+    });
     sum += std::min(1.0, static_cast<double>(good) / static_cast<double>(question.exact.size()));
   }
   return sum / static_cast<double>(questions.size());
@@ -56,12 +57,12 @@ void tune_flann(FlannIndex& index, std::span<const vision::WordMap> words, int w
   assert(index.rows() == words.size() && !clip_rows.empty() && clip_rows.back() == words.size());
   if (words.empty()) return;
   const auto questions = questions_of(words, word_count, clip_rows, std::min(options.queries, words.size()));
-  const auto most = static_cast<std::uint32_t>(std::min<std::size_t>(words.size(), 1 << 30));
-  std::uint32_t checks = std::min<std::uint32_t>(64, most), too_few = 0;
+  const auto maximum = static_cast<std::uint32_t>(std::min<std::size_t>(words.size(), 1 << 30));
+  std::uint32_t checks = std::min<std::uint32_t>(64, maximum), too_few = 0;
   double reached = recall(index, questions, checks);
-  while (reached < options.recall && checks < most) {
+  while (reached < options.recall && checks < maximum) {
     too_few = checks;
-    checks = static_cast<std::uint32_t>(std::min<std::uint64_t>(std::uint64_t{checks} * 2, most));
+    checks = static_cast<std::uint32_t>(std::min<std::uint64_t>(std::uint64_t{checks} * 2, maximum));
     reached = recall(index, questions, checks);
   }
   while (too_few > 0 && checks > too_few + std::max<std::uint32_t>(1, too_few / 5)) {

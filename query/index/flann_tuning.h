@@ -12,7 +12,7 @@ struct FlannTuningOptions {
   std::size_t queries = 40;
 };
 
-/// Finds the fewest checks that reach the recall, to a fifth, and keeps them in the index. Queries are
+/// Finds the minimum of checks that reach the recall, to a fifth, and keeps them in the index. Queries are
 /// patches of the store, evenly spread, each searched among the patches of all other clips, as a picture's
 /// pieces are like no clip exactly; with a single clip among all. Where no number of checks reaches it
 /// (kdtree, whose trees end before), all rows are checked. words       that the index was built for.

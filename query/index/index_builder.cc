@@ -144,15 +144,15 @@ class Build {
     Stopwatch watch;
     const auto with_patches = static_cast<std::size_t>(std::count_if(
         clips_.begin(), clips_.end(), [&](store::ClipId clip) { return snapshot_.clip(clip).rows > 0; }));
-    const std::size_t share = std::max<std::size_t>(1, options_.samples / with_patches);
+    const std::size_t samples_per_clip = std::max<std::size_t>(1, options_.samples / with_patches);
     Descriptors samples;
-    samples.reserve(share * with_patches);
+    samples.reserve(samples_per_clip * with_patches);
     std::size_t cached = 0;
     for (std::size_t c = 0; c < clips_.size(); ++c) {
       say(Stage::kSample, c, clips_.size());
       const PatchPoints points = points_of(clips_[c]);
       // Evenly spaced with a random start in each space, so that neighbours are not all alike.
-      const std::size_t total = points.points(), taken = std::min(share, total);
+      const std::size_t total = points.points(), taken = std::min(samples_per_clip, total);
       const std::uint64_t seed = seed_of(snapshot_.clip(clips_[c]));
       std::vector<std::size_t> chosen;
       for (std::size_t i = 0; i < taken; ++i) {

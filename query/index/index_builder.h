@@ -53,7 +53,7 @@ struct IndexReport {
 ///
 /// progress    called from the calling thread; may be empty.
 /// Throws      Error{kNotFound} when there is no patch, Error{kCancelled} when stopped, Error{kDamaged}.
-/// Memory      samples * 128 bytes and what training takes of it, cache_bytes, 81 bytes a patch.
+/// Memory      samples * 128 bytes and what training takes of it, cache_bytes, 81 bytes per patch.
 IndexReport build_index(store::Store& store, const IndexOptions& options = {},
                         const std::function<void(const IndexProgress&)>& progress = {},
                         std::stop_token stop = {});

@@ -38,13 +38,13 @@ class Occurrences {
 }  // namespace
 
 RowLists::RowLists(std::span<const vision::WordMap> words, std::size_t word_count)
-    : words_(word_count), places_(kCells * word_count * kMost) {
+    : words_(word_count), places_(kCells * word_count * kMaxCount) {
   const std::size_t blocks = (words.size() + kBlockRows - 1) / kBlockRows;
   const auto block = [&](std::size_t b) {
     return words.subspan(b * kBlockRows, std::min(kBlockRows, words.size() - b * kBlockRows));
   };
   const auto place_of = [&](std::size_t cell, std::size_t word, std::size_t n) {
-    return (cell * words_ + word) * kMost + n - 1;
+    return (cell * words_ + word) * kMaxCount + n - 1;
   };
   // How long each list is in each block; then, where it goes on in that block.
   std::vector<std::uint32_t> lengths(blocks * places_.size());

@@ -21,7 +21,7 @@ class RowLists {
   static constexpr std::size_t kFewOf = 64;  // a list of one row in so many, or fewer, is kept as numbers
 
   /// words   below word_count, which is at most 256.
-  /// Cost    1.3 us a row, shared by all threads; 460 bytes a row.
+  /// Cost    1.3 us per row, shared by all threads; 460 bytes per row.
   RowLists(std::span<const vision::WordMap> words, std::size_t word_count);
 
   /// A list: bits of all rows, or where that is null, numbers in rising order.
@@ -31,14 +31,14 @@ class RowLists {
   };
   /// Of the rows with at least n >= 1 of a word in a cell; empty when there is none.
   List list(std::size_t cell, std::size_t word, std::size_t n) const {
-    const Place& place = places_[(cell * words_ + word) * kMost + n - 1];
+    const Place& place = places_[(cell * words_ + word) * kMaxCount + n - 1];
     if (place.count == kColumn) return {bits_.data() + place.at, {}};
     return {nullptr, {rows_.data() + place.at, place.count}};
   }
   std::size_t bytes() const;
 
  private:
-  static constexpr std::size_t kMost = 81;  // of one word in a cell
+  static constexpr std::size_t kMaxCount = 81;  // of one word in a cell
   static constexpr std::uint32_t kColumn = 0xffffffff;
   struct Place {
     std::size_t at = 0;       // into bits_ or rows_

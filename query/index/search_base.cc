@@ -18,10 +18,10 @@ class LateIndex final : public CandidateIndex {
   LateIndex(std::span<const vision::WordMap> words, int word_count)
       : words_(words), word_count_(word_count) {}
   std::size_t rows() const override { return words_.size(); }
-  std::vector<std::vector<Hit>> search(std::span<const PieceQuery> queries, std::size_t k,
-                                       const Admission& admission) const override {
+  std::vector<std::vector<ScoredPatch>> search(std::span<const PieceQuery> queries, std::size_t k,
+                                               const SearchFilter& search_filter) const override {
     std::call_once(built_, [this] { index_ = std::make_unique<const ExactIndex>(words_, word_count_); });
-    return index_->search(queries, k, admission);
+    return index_->search(queries, k, search_filter);
   }
 
  private:

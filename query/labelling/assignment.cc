@@ -19,9 +19,9 @@ using Json = nlohmann::json;
 
 constexpr int kVersion = 1, kScaledVersion = 2;
 constexpr const char* kFormat = "freshet-assignment";
-constexpr std::int64_t kMostPx = 1 << 20;  // of a side
-constexpr std::size_t kMostPieces = 1 << 22, kMostClips = 1 << 20;
-constexpr std::uintmax_t kMostBytes = 256u << 20;
+constexpr std::int64_t kMaxPx = 1 << 20;  // of a side
+constexpr std::size_t kMaxPieces = 1 << 22, kMaxClips = 1 << 20;
+constexpr std::uintmax_t kMaxBytes = 256u << 20;
 
 // Reads fields and says which one is wrong.
 class Fields {
@@ -60,11 +60,11 @@ class Fields {
     if (!value.is_boolean()) fail(fmt::format("\"{}\" is not true or false", name));
     return value.get<bool>();
   }
-  const Json& list(const char* name, std::size_t most) const {
+  const Json& list(const char* name, std::size_t max_entries) const {
     const Json& value = at(name);
     if (!value.is_array()) fail(fmt::format("\"{}\" is not a list", name));
-    if (value.size() > most)
-      fail(fmt::format("\"{}\" has {} entries, at most {} expected", name, value.size(), most));
+    if (value.size() > max_entries)
+      fail(fmt::format("\"{}\" has {} entries, at most {} expected", name, value.size(), max_entries));
     return value;
   }
   bool null(const char* name) const { return at(name).is_null(); }
@@ -83,8 +83,7 @@ class Fields {
 };
 
 cv::Point point(const Fields& fields, const char* x, const char* y, std::int64_t low) {
-  return {static_cast<int>(fields.integer(x, low, kMostPx)),
-          static_cast<int>(fields.integer(y, low, kMostPx))};
+  return {static_cast<int>(fields.integer(x, low, kMaxPx)), static_cast<int>(fields.integer(y, low, kMaxPx))};
 }
 
 AssignedClip clip_from(const Fields& fields) {
@@ -173,25 +172,25 @@ Assignment assignment_from_json(const std::string& json, const std::string& wher
                 "Use the version of Freshet that wrote it");
   }
   Assignment assignment;
-  assignment.picture = {static_cast<int>(fields.integer("width", 1, kMostPx)),
-                        static_cast<int>(fields.integer("height", 1, kMostPx))};
+  assignment.picture = {static_cast<int>(fields.integer("width", 1, kMaxPx)),
+                        static_cast<int>(fields.integer("height", 1, kMaxPx))};
   if (std::int64_t{assignment.picture.width} * assignment.picture.height > 1 << 28) {
     fields.fail("a picture of more than 2^28 pixels");
   }
-  if (version == kScaledVersion) assignment.piece_scale = fields.number("piece_scale", 1, kMostPieceScale);
+  if (version == kScaledVersion) assignment.piece_scale = fields.number("piece_scale", 1, kMaxPieceScale);
   assignment.side = static_cast<int>(fields.integer("side", 8, 4096));
   assignment.stride = static_cast<int>(fields.integer("stride", 1, assignment.side));
   assignment.minimizer = fields.text("minimizer");
   assignment.cost_form = fields.text("cost_form");
-  constexpr double kMost = std::numeric_limits<double>::max();
-  assignment.energy = fields.number("energy", -kMost, kMost);
+  constexpr double kMax = std::numeric_limits<double>::max();
+  assignment.energy = fields.number("energy", -kMax, kMax);
   assignment.lower_bound = fields.null("lower_bound") ? -std::numeric_limits<double>::infinity()
-                                                      : fields.number("lower_bound", -kMost, kMost);
-  const Json& clips = fields.list("clips", kMostClips);
+                                                      : fields.number("lower_bound", -kMax, kMax);
+  const Json& clips = fields.list("clips", kMaxClips);
   for (std::size_t i = 0; i < clips.size(); ++i) {
     assignment.clips.push_back(clip_from(Fields(clips[i], fmt::format("{}, clip {}", where, i))));
   }
-  const Json& pieces = fields.list("pieces", kMostPieces);
+  const Json& pieces = fields.list("pieces", kMaxPieces);
   for (std::size_t i = 0; i < pieces.size(); ++i) {
     const Fields piece(pieces[i], fmt::format("{}, piece {}", where, i));
     assignment.pieces.push_back(piece_from(piece, assignment));
@@ -224,7 +223,7 @@ Assignment read_assignment(const std::filesystem::path& path) {
   std::error_code failure;
   const std::uintmax_t size = std::filesystem::file_size(path, failure);
   if (failure) throw Error(ErrorKind::kInput, path.string(), "no such file", "Name an assignment file");
-  if (size > kMostBytes) throw Error(ErrorKind::kInput, path.string(), "too long for an assignment");
+  if (size > kMaxBytes) throw Error(ErrorKind::kInput, path.string(), "too long for an assignment");
   std::string json(size, '\0');
   std::ifstream file(path, std::ios::binary);
   if (!file.read(json.data(), static_cast<std::streamsize>(size))) {

@@ -25,7 +25,7 @@ struct AssignedPiece {
   std::uint32_t clip = 0;   // index into Assignment::clips
   vision::Variant variant;  // by its parameters, so that a store of other variants is noticed, not misread
   cv::Point patch;          // px, upper left corner in the variant's frame
-  float score = 0;          // 0..1, intersection over mass
+  float score = 0;          // 0..1, intersection / max_score
   bool operator==(const AssignedPiece&) const = default;
 };
 

@@ -13,7 +13,7 @@ struct ContactSheetOptions {
   int candidates = 10;  // best ones of each
 };
 
-/// One row a piece: where it lies, the piece itself, then its best candidates' average images as their
+/// One row per piece: where it lies, the piece itself, then its best candidates' average images as their
 /// variants show them, each with its score in per cent and its clip's number (as in the store).
 /// labels   when given, the chosen candidate follows at the right end, framed in green.
 /// Returns  CV_8UC3. Reads the average images that it shows, one clip at a time.

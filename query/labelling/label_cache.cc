@@ -30,7 +30,7 @@ bool is_ours(const fs::path& path) {
   return path.extension() == kEnding && stem.size() == kNameDigits &&
          stem.find_first_not_of("0123456789abcdef") == std::string::npos;
 }
-constexpr std::size_t kMostPacks = 256;
+constexpr std::size_t kMaxPacks = 256;
 constexpr std::array<char, 8> kMagic{'F', 'R', 'E', 'L', 'A', 'B', 'E', 'L'};
 // Raised when what is kept, or how it is computed, changes: older packs are then as good as none.
 constexpr std::uint32_t kVersion = 3;
@@ -270,7 +270,7 @@ void LabelCache::evict() {
   std::sort(kept.begin(), kept.end(), [](const Kept& a, const Kept& b) { return a.time < b.time; });
   std::size_t count = kept.size();
   for (const Kept& oldest : kept) {
-    if (total <= max_bytes_ && count <= kMostPacks) break;
+    if (total <= max_bytes_ && count <= kMaxPacks) break;
     fs::remove(oldest.path, fault);
     total -= oldest.bytes;
     --count;

@@ -14,7 +14,7 @@ namespace freshet::query {
 namespace {
 
 constexpr int kLine = 20, kMinWidth = 480;  // px
-constexpr std::size_t kMostLines = 40;
+constexpr std::size_t kMaxLines = 40;
 
 // Hues a golden angle apart: neighbours in the list differ, however many there are.
 cv::Vec3b colour_of(std::size_t rank) {
@@ -68,7 +68,7 @@ cv::Mat label_map(const cv::Mat& picture, const cv::Mat* matte, const Assignment
                    [&](std::size_t a, std::size_t b) { return used[a] > used[b]; });
   for (std::size_t i = 0; i < order.size(); ++i) rank[order[i]] = i;
 
-  const std::size_t lines = std::min(order.size(), kMostLines) + (order.size() > kMostLines ? 1 : 0);
+  const std::size_t lines = std::min(order.size(), kMaxLines) + (order.size() > kMaxLines ? 1 : 0);
   const int legend = 10 + static_cast<int>(lines) * kLine;
   cv::Mat map(picture.rows + legend, std::max(picture.cols, kMinWidth), CV_8UC3, cv::Scalar(32, 32, 32));
   cv::Mat grey, body = map(cv::Rect({0, 0}, picture.size()));
@@ -92,8 +92,8 @@ cv::Mat label_map(const cv::Mat& picture, const cv::Mat* matte, const Assignment
 
   for (std::size_t i = 0; i < lines; ++i) {
     const int top = picture.rows + 8 + static_cast<int>(i) * kLine;
-    std::string text = fmt::format("and {} more clips", order.size() - kMostLines * (i == kMostLines));
-    if (i < kMostLines) {
+    std::string text = fmt::format("and {} more clips", order.size() - kMaxLines * (i == kMaxLines));
+    if (i < kMaxLines) {
       const AssignedClip& clip = assignment.clips[order[i]];
       cv::rectangle(map, cv::Rect(8, top, 14, 14), cv::Scalar(colour_of(i)), cv::FILLED);
       text = fmt::format(

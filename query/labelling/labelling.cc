@@ -58,7 +58,7 @@ const char* to_string(LabelStage stage) {
 CandidateSearch search_candidates(const store::Snapshot& snapshot, const SearchBase& base,
                                   const cv::Mat& picture, const cv::Mat& matte, const LabelOptions& options,
                                   const std::function<void(LabelStage)>& progress, std::stop_token stop,
-                                  LabelRecall* recall) {
+                                  LabellingMemo* memo) {
   if (picture.type() != CV_8UC3 || matte.type() != CV_8U || picture.size() != matte.size()) {
     throw Error(ErrorKind::kUsage, "picture and matte", "8-bit BGR and 8-bit grey of the same size expected");
   }
@@ -79,8 +79,8 @@ CandidateSearch search_candidates(const store::Snapshot& snapshot, const SearchB
   search.candidates = stages.run(LabelStage::kSearch, search.seconds.search, [&] {
     const auto k = static_cast<std::size_t>(options.candidates.k);
     const RowFilter& rows = search.filtered.rows;
-    Candidates found = recall != nullptr
-                           ? recall->find_candidates(search.target, fluid, k, rows, guide)
+    Candidates found = memo != nullptr
+                           ? memo->find_candidates(search.target, fluid, k, rows, guide)
                            : find_candidates(*base.index, base.table, search.target, fluid, k, rows, guide);
     add_coherent(base.table, base.codebook.words, search.target, search.filtered.rows, guide,
                  static_cast<std::size_t>(std::max(0, options.candidates.coherent)), found);
@@ -91,33 +91,33 @@ CandidateSearch search_candidates(const store::Snapshot& snapshot, const SearchB
 
 Labelling label(const store::Snapshot& snapshot, const SearchBase& base, const cv::Mat& picture,
                 const cv::Mat& matte, const LabelOptions& options,
-                const std::function<void(LabelStage)>& progress, std::stop_token stop, LabelRecall* recall) {
+                const std::function<void(LabelStage)>& progress, std::stop_token stop, LabellingMemo* memo) {
   Labelling labelling;
-  labelling.search = search_candidates(snapshot, base, picture, matte, options, progress, stop, recall);
+  labelling.search = search_candidates(snapshot, base, picture, matte, options, progress, stop, memo);
   labelling.seconds = labelling.search.seconds;
   const Target& target = labelling.search.target;
   const Candidates& candidates = labelling.search.candidates;
   Stages stages(progress, stop);
   CacheKey key;
   std::optional<Solution> known;
-  if (recall != nullptr) {
-    key = recall->solution_key(target, candidates, options.costs, options.guide_costs, options.minimizer,
-                               options.max_iterations);
-    known = recall->find_solution(key, target, candidates);
+  if (memo != nullptr) {
+    key = memo->solution_key(target, candidates, options.costs, options.guide_costs, options.minimizer,
+                             options.max_iterations);
+    known = memo->find_solution(key, target, candidates);
   }
   if (!known) {
     const Mrf mrf = stages.run(LabelStage::kCosts, labelling.seconds.costs, [&] {
       StoredFeatures features(snapshot, base.settings, base.table);
       const FeatureShape shape = feature_shape(base.settings);
-      Mrf costs = recall != nullptr
-                      ? recall->build_mrf(target, candidates, shape, options.costs, features.source(), stop)
+      Mrf costs = memo != nullptr
+                      ? memo->build_mrf(target, candidates, shape, options.costs, features.source(), stop)
                       : build_mrf(target, candidates, shape, options.costs, features.source(), stop);
       add_guide_costs(base.table, candidates, options.guide_costs, costs);
       return costs;
     });
     known = stages.run(LabelStage::kMinimize, labelling.seconds.minimize,
                        [&] { return minimize(mrf, options.minimizer, options.max_iterations); });
-    if (recall != nullptr) recall->keep_solution(key, *known);
+    if (memo != nullptr) memo->keep_solution(key, *known);
   }
   labelling.assignment =
       make_assignment(snapshot, labelling.search, *known, options.minimizer, options.costs.form);

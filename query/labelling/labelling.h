@@ -11,7 +11,7 @@
 #include "query/costs/pairwise.h"
 #include "query/index/search_base.h"
 #include "query/labelling/assignment.h"
-#include "query/labelling/label_recall.h"
+#include "query/labelling/labelling_memo.h"
 #include "query/mrf/minimizer.h"
 #include "query/search/candidates.h"
 #include "query/search/target.h"
@@ -20,7 +20,8 @@
 namespace freshet::query {
 
 struct LabelOptions {
-  double piece_scale = 1;  // the picture is reduced so often before it is cut into pieces (picture_scale.h)
+  double piece_scale = 1;  // the picture's sides are divided by this before it is cut into pieces
+                           // (picture_scale.h)
   TargetOptions target{};
   CandidateOptions candidates{};
   MotionGuide guide{};  // empty: any motion
@@ -54,13 +55,13 @@ struct CandidateSearch {
 /// The first half: pieces and their candidates.
 /// picture   CV_8UC3 BGR. matte   CV_8U of its size, 255 where the fluid is.
 /// progress  called from the calling thread before each stage; may be empty.
-/// recall    what earlier labellings have left, and where this one leaves its own; may be null. It changes
+/// memo      what earlier labellings have left, and where this one leaves its own; may be null. It changes
 ///           the time that is taken, and nothing else.
 /// Throws    as its stages, and Error{kCancelled}.
 CandidateSearch search_candidates(const store::Snapshot& snapshot, const SearchBase& base,
                                   const cv::Mat& picture, const cv::Mat& matte, const LabelOptions& options,
                                   const std::function<void(LabelStage)>& progress = {},
-                                  std::stop_token stop = {}, LabelRecall* recall = nullptr);
+                                  std::stop_token stop = {}, LabellingMemo* memo = nullptr);
 
 struct Labelling {
   Assignment assignment;
@@ -75,7 +76,7 @@ struct Labelling {
 Labelling label(const store::Snapshot& snapshot, const SearchBase& base, const cv::Mat& picture,
                 const cv::Mat& matte, const LabelOptions& options = {},
                 const std::function<void(LabelStage)>& progress = {}, std::stop_token stop = {},
-                LabelRecall* recall = nullptr);
+                LabellingMemo* memo = nullptr);
 
 /// The assignment that labels mean. Clips in order of their first piece.
 Assignment make_assignment(const store::Snapshot& snapshot, const CandidateSearch& search,

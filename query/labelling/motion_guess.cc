@@ -15,14 +15,14 @@ namespace freshet::query {
 namespace {
 
 constexpr int kDirections = 32;
-constexpr double kNarrowness = 4;      // of a vote's lobe: 30 degrees to either side
-constexpr double kVoteFloor = 0.05;    // share of votes that go anywhere: no vote forbids
-constexpr double kTextureSigma = 2.5;  // px; finer grain is codecs' and sensors'
-constexpr double kFaintTexture = 1;    // grey levels a px, squared: gradients of this power count half
-constexpr double kUnseenClips = 1;     // of a class, that would move anyhow: few clips prove little
-constexpr double kLeastPull = 0.2;     // below it a class is said to have no way of its own
-constexpr double kTellingShare = 0.1;  // of the candidates: lesser classes are not told of
-constexpr double kLeastTolerance = 45, kMostTolerance = 90;  // degrees
+constexpr double kNarrowness = 4;          // of a vote's lobe: 30 degrees to either side
+constexpr double kVoteFloor = 0.05;        // fraction of votes that go anywhere: no vote forbids
+constexpr double kTextureSigma = 2.5;      // px; finer grain is codecs' and sensors'
+constexpr double kFaintTexture = 1;        // grey levels a px, squared: gradients of this power count half
+constexpr double kUnseenClips = 1;         // of a class, that would move anyhow: few clips prove little
+constexpr double kMinPull = 0.2;           // below it a class is said to have no way of its own
+constexpr double kMinNamedFraction = 0.1;  // of the candidates: smaller classes are not named
+constexpr double kMinTolerance = 45, kMaxTolerance = 90;  // degrees
 constexpr double kDegrees = 180 / std::numbers::pi;
 
 using Directions = std::array<double, kDirections>;  // a value each; direction 0 is right, then clockwise
@@ -31,8 +31,8 @@ double angle_of(int direction) { return 2 * std::numbers::pi * direction / kDire
 
 // What is known of a class.
 struct ClassPull {
-  double share = 0;  // of the candidates' scores
-  double down = 0;   // concentration of its motion about straight down; negative: about up
+  double fraction = 0;  // of the candidates' scores
+  double down = 0;      // concentration of its motion about straight down; negative: about up
 };
 
 // Concentration of a von Mises distribution whose mean direction has this length (Banerjee et al. 2005,
@@ -70,11 +70,11 @@ std::map<std::string, ClassPull> pulls_of(const store::Snapshot& snapshot, const
   }
   for (std::size_t clip = 0; clip < clip_scores.size(); ++clip) {
     if (clip_scores[clip] <= 0) continue;
-    pulls[snapshot.clip(table.clips[clip]).class_name].share += clip_scores[clip];
+    pulls[snapshot.clip(table.clips[clip]).class_name].fraction += clip_scores[clip];
     total += clip_scores[clip];
   }
   for (auto& [name, pull] : pulls) {
-    pull.share /= total;
+    pull.fraction /= total;
     if (const auto found = clips_down.find(name); found != clips_down.end())
       pull.down = concentration(found->second.down / (found->second.count + kUnseenClips));
   }
@@ -165,18 +165,18 @@ std::vector<Directions> spread(const std::vector<Directions>& own, const Target&
   return all;
 }
 
-PieceGuess mean_direction(const Directions& evidence, double least_certainty) {
-  const double most = *std::max_element(evidence.begin(), evidence.end());
+PieceGuess mean_direction(const Directions& evidence, double min_certainty) {
+  const double maximum = *std::max_element(evidence.begin(), evidence.end());
   double u = 0, v = 0, total = 0;
   for (int d = 0; d < kDirections; ++d) {
-    const double likelihood = std::exp(evidence[d] - most);
+    const double likelihood = std::exp(evidence[d] - maximum);
     total += likelihood;
     u += likelihood * std::cos(angle_of(d));
     v += likelihood * std::sin(angle_of(d));
   }
   const double length = std::hypot(u, v);
   PieceGuess guess{{0, 0}, static_cast<float>(length / total)};
-  if (guess.certainty >= least_certainty && length > 0)
+  if (guess.certainty >= min_certainty && length > 0)
     guess.direction = {static_cast<float>(u / length), static_cast<float>(v / length)};
   return guess;
 }
@@ -208,15 +208,16 @@ cv::Mat direction_map(const Target& target, const std::vector<PieceGuess>& piece
 std::string describe(const std::map<std::string, ClassPull>& pulls) {
   std::vector<std::pair<std::string, ClassPull>> order(pulls.begin(), pulls.end());
   std::stable_sort(order.begin(), order.end(),
-                   [](const auto& a, const auto& b) { return a.second.share > b.second.share; });
+                   [](const auto& a, const auto& b) { return a.second.fraction > b.second.fraction; });
   std::string text = "candidates are";
-  for (std::size_t i = 0; i < order.size() && (i == 0 || order[i].second.share >= kTellingShare); ++i) {
+  for (std::size_t i = 0; i < order.size() && (i == 0 || order[i].second.fraction >= kMinNamedFraction);
+       ++i) {
     const auto& [name, pull] = order[i];
-    text += fmt::format("{} {:.0f} % {} ({}{})", i > 0 ? "," : "", 100 * pull.share,
+    text += fmt::format("{} {:.0f} % {} ({}{})", i > 0 ? "," : "", 100 * pull.fraction,
                         name.empty() ? "of no class" : name,
-                        pull.down > kLeastPull    ? "goes down"
-                        : pull.down < -kLeastPull ? "goes up"
-                                                  : "neither up nor down",
+                        pull.down > kMinPull    ? "goes down"
+                        : pull.down < -kMinPull ? "goes up"
+                                                : "neither up nor down",
                         i == 0 ? " in this store" : "");
   }
   return text;
@@ -253,7 +254,7 @@ MotionGuess guess_motion(const store::Snapshot& snapshot, const CandidateSearch&
   }
   const std::map<std::string, ClassPull> pulls = pulls_of(snapshot, search, options.min_speed_px_per_s);
   double down = 0;
-  for (const auto& [name, pull] : pulls) down += pull.share * pull.down;
+  for (const auto& [name, pull] : pulls) down += pull.fraction * pull.down;
 
   const TextureAxes axes(searched, fluid);
   std::vector<Directions> own(target.size());
@@ -272,7 +273,7 @@ MotionGuess guess_motion(const store::Snapshot& snapshot, const CandidateSearch&
   double certainty = 0;
   std::size_t daring = 0;
   for (const Directions& evidence : spread(own, target, options.reach_px)) {
-    guess.pieces.push_back(mean_direction(evidence, options.least_certainty));
+    guess.pieces.push_back(mean_direction(evidence, options.min_certainty));
     if (guess.pieces.back().direction == cv::Vec2f(0, 0)) continue;
     certainty += guess.pieces.back().certainty;
     ++daring;
@@ -285,7 +286,7 @@ MotionGuess guess_motion(const store::Snapshot& snapshot, const CandidateSearch&
     // Deviation of a wrapped normal distribution whose mean direction has this length.
     const double deviation =
         std::sqrt(-2 * std::log(std::min(certainty / static_cast<double>(daring), 1.0))) * kDegrees;
-    guess.guide.tolerance_deg = std::clamp(deviation, kLeastTolerance, kMostTolerance);
+    guess.guide.tolerance_deg = std::clamp(deviation, kMinTolerance, kMaxTolerance);
   }
   guess.report = report_of(guess, pulls);
   return guess;

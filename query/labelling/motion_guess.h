@@ -16,7 +16,7 @@ namespace freshet::query {
 /// neighbours. Figures: bench/choices/motion_guess.cc, docs/measurements.md.
 struct GuessOptions {
   /// Of the classes' pull: how far the clips of a class go up or down together, by the store's own patches;
-  /// each class counts by its share of the candidates.
+  /// each class counts by its fraction of the candidates.
   double gravity = 1;
   /// Of texture's axis, times its coherence 0..1: threads of a fall or a flame lie along their motion. Over
   /// 46 real stills the axis is 35 degrees off, where chance is 45, and 78 on glittering seas: it turns a
@@ -26,7 +26,7 @@ struct GuessOptions {
   /// tell left from right; with them a guess is 61 degrees off instead of 52.
   double votes = 0;
   double reach_px = 48;             // sigma over which neighbours speak for a piece: two pieces' stride
-  double least_certainty = 0.15;    // length of the mean direction, 0..1, from which a piece dares
+  double min_certainty = 0.15;      // length of the mean direction, 0..1, from which a piece dares
   double min_speed_px_per_s = 2.5;  // slower patches say nothing
 };
 

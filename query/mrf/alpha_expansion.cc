@@ -27,8 +27,8 @@ class Move {
     for (std::uint32_t node = 0; node < nodes; ++node) {
       if (!moves(node)) continue;
       // A cut through the source's arc puts the node on the sink's side, where it takes the rank.
-      const double least = std::min(keep_[node], take_[node]);
-      flow_.add_terminal(node, take_[node] - least, keep_[node] - least);
+      const double minimum = std::min(keep_[node], take_[node]);
+      flow_.add_terminal(node, take_[node] - minimum, keep_[node] - minimum);
     }
     flow_.solve();
     for (std::uint32_t node = 0; node < nodes; ++node) {

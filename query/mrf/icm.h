@@ -9,7 +9,7 @@ struct IcmOptions {
   int max_sweeps = 100;  // over all nodes, in order; ends earlier when a sweep changes nothing
 };
 
-/// A local minimum reached from the labels of least unary cost. Source: Besag 1986. Deterministic, one
+/// A local minimum reached from the labels of minimum unary cost. Source: Besag 1986. Deterministic, one
 /// thread.
 Solution icm(const Mrf& mrf, const IcmOptions& options = {});
 

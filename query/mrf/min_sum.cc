@@ -91,9 +91,9 @@ void min_over_columns(const PairCost* table, std::size_t rows, std::size_t colum
       best1 = minimum(best1, costs.second + load(a + j + kLanes));
     }
     const Lanes best = minimum(minimum(best0, best1), minimum(best2, best3));
-    float least = std::min(std::min(best[0], best[1]), std::min(best[2], best[3]));
-    for (; j < columns; ++j) least = std::min(least, row[j] + a[j]);
-    out[i] = least;
+    float smallest = std::min(std::min(best[0], best[1]), std::min(best[2], best[3]));
+    for (; j < columns; ++j) smallest = std::min(smallest, row[j] + a[j]);
+    out[i] = smallest;
   }
 }
 

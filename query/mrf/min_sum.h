@@ -8,7 +8,7 @@
 namespace freshet::query {
 
 /// out[j] = min over i of a[i] + table[i * columns + j]. A message along an edge, from p to q.
-/// Both directions read the table in memory order: with SSE2 0.13 ns a label pair
+/// Both directions read the table in memory order: with SSE2 0.13 ns per label pair
 /// from cache, 0.17 from memory.
 void min_over_rows(const PairCost* table, std::size_t rows, std::size_t columns, const float* a, float* out);
 

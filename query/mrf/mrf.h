@@ -11,11 +11,11 @@
 
 namespace freshet::query {
 
-/// A label a node: its place in the node's own list. Labels of different nodes are unrelated.
+/// A label per node: its place in the node's own list. Labels of different nodes are unrelated.
 using Labels = std::vector<std::uint32_t>;
 
 /// Nodes, each with its own number of labels, and edges, each with a full table of costs. All costs finite,
-/// those of pairs >= 0. Memory: 2 bytes a label pair; 500 pieces, 955 edges and 100 labels take 19 MB.
+/// those of pairs >= 0. Memory: 2 bytes per label pair; 500 pieces, 955 edges and 100 labels take 19 MB.
 struct Mrf {
   struct Edge {
     std::uint32_t p = 0, q = 0;  // p < q
@@ -43,7 +43,7 @@ struct Mrf {
 /// Eq. 4 of Okabe et al. 2011 (lambda is already inside the tables), summed in double precision.
 double energy(const Mrf& mrf, const Labels& labels);
 
-/// The label of least unary cost of each node, the smallest on ties.
+/// The label of minimum unary cost of each node, the smallest on ties.
 Labels unary_minimum(const Mrf& mrf);
 
 /// What a minimiser hands back.

@@ -7,7 +7,7 @@
 namespace freshet::query {
 
 /// 7 bits of exponent, 9 of mantissa, no sign: 0, and 2^-62 to 2^65 to a thousandth of the value; what is
-/// less counts as 0, what is more as the greatest. Minimising reads all tables again and again and waits for
+/// less counts as 0, what is more as the maximum. Minimising reads all tables again and again and waits for
 /// memory: half the bytes are more than twice the speed. Of real pictures' energies nothing is lost
 /// (docs/measurements.md). Another 16-bit float, IEEE's, ends at 65504, and wants instructions for it.
 class PairCost {
@@ -15,8 +15,8 @@ class PairCost {
   PairCost() = default;
   /// The nearest. cost   >= 0.
   PairCost(float cost) {
-    const float least = 0x1p-62f, most = 0x1.ff8p64f;
-    const float bounded = cost < least ? 0 : cost < most ? cost : most;
+    const float minimum = 0x1p-62f, maximum = 0x1.ff8p64f;
+    const float bounded = cost < minimum ? 0 : cost < maximum ? cost : maximum;
     const auto bits = std::bit_cast<std::uint32_t>(bounded * kIn);
     bits_ =
         static_cast<std::uint16_t>((bits + ((1u << (kShift - 1)) - 1) + ((bits >> kShift) & 1)) >> kShift);

@@ -17,9 +17,9 @@ namespace {
 constexpr int kPatience = 5;  // iterations over which the gap must shrink
 
 float subtract_minimum(std::span<float> values) {
-  const float least = *std::min_element(values.begin(), values.end());
-  for (float& value : values) value -= least;
-  return least;
+  const float minimum = *std::min_element(values.begin(), values.end());
+  for (float& value : values) value -= minimum;
+  return minimum;
 }
 
 // Nodes in their order or against it, each after the neighbours that come before it.
@@ -68,12 +68,12 @@ class NodeOrder {
   void wait_for(std::uint32_t node, bool backward) const {
     for (const std::uint32_t e : backward ? adjacency_.to_later(node) : adjacency_.to_earlier(node)) {
       const std::uint32_t other = backward ? mrf_.edges[e].q : mrf_.edges[e].p;
-      for (int looks = 0; done_[other].load(std::memory_order_acquire) != pass_; ++looks)
-        if (looks >= kPatientLooks) std::this_thread::yield();
+      for (int spins = 0; done_[other].load(std::memory_order_acquire) != pass_; ++spins)
+        if (spins >= kMaxSpins) std::this_thread::yield();
     }
   }
 
-  static constexpr int kPatientLooks = 1000;  // some microseconds: a node's work
+  static constexpr int kMaxSpins = 1000;  // some microseconds: a node's work
   const Mrf& mrf_;
   const Adjacency& adjacency_;
   std::vector<std::uint32_t> first_;              // of each run, and the end
@@ -89,27 +89,27 @@ class Passes {
         order_(mrf, adjacency_),
         message_of_(mrf.edges.size()),
         weight_(mrf.nodes()),
-        least_(mrf.nodes()) {
-    std::size_t length = 0, most_labels = 1;
+        minimum_(mrf.nodes()) {
+    std::size_t length = 0, max_labels = 1;
     for (std::size_t e = 0; e < mrf.edges.size(); ++e) {
       message_of_[e] = length;
       length += std::max(mrf.label_count[mrf.edges[e].p], mrf.label_count[mrf.edges[e].q]);
     }
     for (std::size_t node = 0; node < mrf.nodes(); ++node) {
-      most_labels = std::max<std::size_t>(most_labels, mrf.label_count[node]);
+      max_labels = std::max<std::size_t>(max_labels, mrf.label_count[node]);
       const std::size_t chains =
           std::max(adjacency_.to_earlier(node).size(), adjacency_.to_later(node).size());
       weight_[node] = chains == 0 ? 1.0f : 1.0f / static_cast<float>(chains);
     }
     messages_.resize(length);
     // Passes over tables of less than a megabyte are over before another thread has woken.
-    constexpr std::size_t kPairsWorthAThread = std::size_t{1} << 18;
+    constexpr std::size_t kMinPairsPerThread = std::size_t{1} << 18;
     const auto threads = static_cast<std::size_t>(oneapi::tbb::this_task_arena::max_concurrency());
     workers_.resize(std::max<std::size_t>(
-        1, std::min({threads, order_.runs() / 2, mrf.pairwise.size() / kPairsWorthAThread})));
+        1, std::min({threads, order_.runs() / 2, mrf.pairwise.size() / kMinPairsPerThread})));
     for (Worker& worker : workers_) {
-      worker.belief.resize(most_labels);
-      worker.outgoing.resize(most_labels);
+      worker.belief.resize(max_labels);
+      worker.outgoing.resize(max_labels);
     }
   }
 
@@ -133,19 +133,19 @@ class Passes {
     order_.each(workers_.size(), true, [&](std::size_t number, std::uint32_t node) {
       Worker& worker = workers_[number];
       const auto belief = gather(node, worker);
-      double least = subtract_minimum(belief);
+      double minimum = subtract_minimum(belief);
       for (const std::uint32_t e : adjacency_.to_earlier(node)) {
         const Mrf::Edge& edge = mrf_.edges[e];
         prepare(node, belief, e, worker);
         const std::span<float> message(messages_.data() + message_of_[e], mrf_.label_count[edge.p]);
         min_over_columns(mrf_.table(edge), message.size(), belief.size(), worker.outgoing.data(),
                          message.data());
-        least += subtract_minimum(message);
+        minimum += subtract_minimum(message);
       }
-      least_[node] = least;
+      minimum_[node] = minimum;
     });
     double bound = 0;
-    for (const double least : least_) bound += least;
+    for (const double minimum : minimum_) bound += minimum;
     return bound;
   }
 
@@ -185,7 +185,7 @@ class Passes {
     return belief;
   }
 
-  // What the node says along edge e: its share of its belief, less what the other end told it.
+  // What the node says along edge e: its fraction of its belief, less what the other end told it.
   void prepare(std::size_t node, std::span<const float> belief, std::uint32_t e, Worker& worker) const {
     const float* message = messages_.data() + message_of_[e];
     for (std::size_t l = 0; l < belief.size(); ++l)
@@ -198,7 +198,7 @@ class Passes {
   std::vector<std::size_t> message_of_;
   std::vector<float> weight_;
   std::vector<float> messages_;
-  std::vector<double> least_;  // of a node: what it adds to the bound
+  std::vector<double> minimum_;  // of a node: what it adds to the bound
   std::vector<Worker> workers_;
 };
 

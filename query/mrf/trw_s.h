@@ -15,8 +15,8 @@ struct TrwsOptions {
 /// Tables need be neither metric nor symmetric. Exact on trees. Deterministic: the same bits for any number
 /// of threads. A node waits for those before it that it has an edge with, and for nothing else, so that on a
 /// lattice a thread each goes along the rows, one behind the other.
-/// Cost     two passes over all tables an iteration: 5 ms of one thread for 943 edges of 124 x 124 labels.
-///          Messages are floats, one an edge and label, shared by both directions.
+/// Cost     two passes over all tables per iteration: 5 ms of one thread for 943 edges of 124 x 124 labels.
+///          Messages are floats, one per edge and label, shared by both directions.
 /// Source   Kolmogorov 2006, Sec. 3; our own implementation. Labels are read off the messages in node order,
 ///          each given its earlier neighbours' labels (ibid. Sec. 3.3), after every iteration; the best is
 ///          kept.

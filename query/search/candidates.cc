@@ -187,14 +187,14 @@ Filtered filter_rows(const store::Snapshot& snapshot, const PatchTable& table,
 
   if (options.direction_deg) {
     const double wanted = *options.direction_deg * std::numbers::pi / 180;
-    const double least_cosine = std::cos(options.direction_tolerance_deg * std::numbers::pi / 180) - 1e-9;
+    const double min_cosine = std::cos(options.direction_tolerance_deg * std::numbers::pi / 180) - 1e-9;
     const double to_u = std::cos(wanted), to_v = -std::sin(wanted);  // y points down in a frame
     narrowing.patches(fmt::format("direction {:g} +- {:g} degrees", *options.direction_deg,
                                   options.direction_tolerance_deg),
                       [&](Row row) {
                         const double u = table.mean_u[row], v = table.mean_v[row], speed = std::hypot(u, v);
                         return speed >= options.min_speed_px_per_s &&
-                               u * to_u + v * to_v >= least_cosine * speed;
+                               u * to_u + v * to_v >= min_cosine * speed;
                       });
     if (narrowing.none_left()) {
       throw Error(ErrorKind::kNotFound, snapshot.path().string(),
@@ -211,12 +211,12 @@ namespace {
 // What pieces' tolerances were opened for, in a sentence; empty when none was.
 std::string opening_note(const Candidates& candidates, const Target& target, const MotionGuide& guide) {
   std::size_t opened = 0;
-  int most = 0;
+  int maximum = 0;
   cv::Rect where;
   for (std::size_t piece = 0; piece < candidates.opened.size(); ++piece) {
     if (candidates.opened[piece] == 0) continue;
     ++opened;
-    most = std::max(most, candidates.opened[piece]);
+    maximum = std::max(maximum, candidates.opened[piece]);
     where |=
         cv::Rect(target.corners[piece], cv::Size(target.side, target.side)) & cv::Rect({}, target.picture);
   }
@@ -227,7 +227,7 @@ std::string opening_note(const Candidates& candidates, const Target& target, con
     if (!guide.direction.empty())
       text += window.u == 0
                   ? "any direction"
-                  : fmt::format("{:.0f} degrees", std::acos(window.least_cosine) * 180 / std::numbers::pi);
+                  : fmt::format("{:.0f} degrees", std::acos(window.min_cosine) * 180 / std::numbers::pi);
     if (!guide.speed.empty())
       text += (text.empty() ? "" : ", ") + (std::isinf(window.max_speed)
                                                 ? std::string("any speed")
@@ -237,7 +237,7 @@ std::string opening_note(const Candidates& candidates, const Target& target, con
   return fmt::format(
       "{} of {} pieces had too few candidates that move as asked; their tolerance was opened, at "
       "most to {} (within x {}..{}, y {}..{})",
-      opened, target.size(), text_of(most), where.x, where.br().x, where.y, where.br().y);
+      opened, target.size(), text_of(maximum), where.x, where.br().x, where.y, where.br().y);
 }
 
 // Searches the given pieces, opening the tolerances of those that find too few.
@@ -251,12 +251,12 @@ void search_pieces(const CandidateIndex& index, const PatchTable& table, const T
       queries.push_back(target.queries[piece]);
       if (!asked.empty()) windows.push_back(window_of(asked[piece], guide, steps));
     }
-    Admission admission{.rows = &filter, .mean_u = {}, .mean_v = {}, .windows = windows};
+    SearchFilter search_filter{.rows = &filter, .mean_u = {}, .mean_v = {}, .windows = windows};
     if (!windows.empty()) {
-      admission.mean_u = table.mean_u;
-      admission.mean_v = table.mean_v;
+      search_filter.mean_u = table.mean_u;
+      search_filter.mean_v = table.mean_v;
     }
-    auto found = index.search(queries, k, admission);
+    auto found = index.search(queries, k, search_filter);
     std::vector<std::size_t> short_of;
     for (std::size_t i = 0; i < open.size(); ++i) {
       if (found[i].size() < k && !windows.empty() && !windows[i].is_any()) short_of.push_back(open[i]);
@@ -295,18 +295,18 @@ Candidates find_candidates(const CandidateIndex& index, const PatchTable& table,
   candidates.scores.assign(pieces * k, 0);
   std::size_t short_of = 0;
   for (std::size_t piece = 0; piece < pieces; ++piece) {
-    const std::vector<Hit>& hits = (*answers)[piece]->hits;
-    if (hits.empty()) {
+    const std::vector<ScoredPatch>& scored_patches = (*answers)[piece]->scored_patches;
+    if (scored_patches.empty()) {
       throw Error(ErrorKind::kNotFound, "candidates", fmt::format("the index found none for piece {}", piece),
                   "Use exact search, more checks, or fewer conditions");
     }
-    const auto full = static_cast<float>(mass(target.queries[piece]));
-    for (std::size_t i = 0; i < hits.size(); ++i) {
-      candidates.rows[piece * k + i] = hits[i].row;
-      candidates.scores[piece * k + i] = static_cast<float>(hits[i].score) / full;
+    const auto full = static_cast<float>(max_score(target.queries[piece]));
+    for (std::size_t i = 0; i < scored_patches.size(); ++i) {
+      candidates.rows[piece * k + i] = scored_patches[i].row;
+      candidates.scores[piece * k + i] = static_cast<float>(scored_patches[i].score) / full;
     }
-    candidates.counts.push_back(static_cast<std::uint32_t>(hits.size()));
-    short_of += hits.size() < k;
+    candidates.counts.push_back(static_cast<std::uint32_t>(scored_patches.size()));
+    short_of += scored_patches.size() < k;
   }
   if (short_of > 0) {
     candidates.notes.push_back(
@@ -327,7 +327,7 @@ void add_guide_costs(const PatchTable& table, const Candidates& candidates, cons
       if (asked.direction != cv::Vec2f(0, 0) && speed > 0)
         cost += weights.direction * (1 - (u * asked.direction[0] + v * asked.direction[1]) / speed);
       if (asked.speed >= 0) {
-        // A tenth of a pixel a second is as slow as can be told.
+        // A tenth of a pixel per second is as slow as can be told.
         const double ratio = std::log2(std::max(speed, 0.1) / std::max<double>(asked.speed, 0.1));
         cost += weights.speed * ratio * ratio;
       }

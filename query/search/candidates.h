@@ -17,7 +17,7 @@
 namespace freshet::query {
 
 struct CandidateOptions {
-  int k = 100;               // candidates a piece
+  int k = 100;               // candidates per piece
   std::string class_name{};  // only clips of this class; empty: all
   std::optional<double>
       direction_deg{};  // mean motion, as seen on the screen: 0 right, 90 up, 180 left, 270 down
@@ -57,10 +57,11 @@ Filtered filter_rows(const store::Snapshot& snapshot, const PatchTable& table,
 struct Candidates {
   std::size_t k = 0;
   std::vector<Row> rows;              // pieces * k
-  std::vector<float> scores;          // pieces * k: intersection / mass of the piece, 0..1
+  std::vector<float> scores;          // pieces * k: intersection / max_score of the piece, 0..1
   std::vector<std::uint32_t> counts;  // of each piece, 1..k
   std::vector<PieceMotion> asked;     // of each piece, by a guide; empty: nothing was asked
-  std::vector<int> opened;            // of each piece: how often its tolerances were opened; with `asked`
+  std::vector<int> opened;            // of each piece: how many times its tolerances were opened; with
+                                      // `asked`
   std::vector<std::string> notes;     // for a person: "12 pieces have fewer than 100 candidates"
 
   std::size_t pieces() const { return counts.size(); }
@@ -74,8 +75,8 @@ struct Candidates {
 
 /// What the search found for one piece, before its neighbours' continuations join.
 struct PieceAnswer {
-  std::vector<Hit> hits;
-  int opened = 0;  // how often the piece's tolerances were
+  std::vector<ScoredPatch> scored_patches;
+  int opened = 0;  // how many times the piece's tolerances were opened
   bool operator==(const PieceAnswer&) const = default;
 };
 
@@ -83,7 +84,7 @@ struct PieceAnswer {
 /// guide's tolerances open step by step for that piece alone (window_of), until there are k or nothing of the
 /// guide is left; `opened` and a note say where.
 /// guide     may be empty. matte   see asked_motion.
-/// answers   one a piece, or null: those that are there are taken, the rest is searched and filled in.
+/// answers   one per piece, or null: those that are there are taken, the rest is searched and filled in.
 /// Throws    Error{kNotFound} when an approximate index finds nothing allowed for a piece.
 Candidates find_candidates(const CandidateIndex& index, const PatchTable& table, const Target& target,
                            const cv::Mat& matte, std::size_t k, const RowFilter& filter,

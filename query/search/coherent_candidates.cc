@@ -38,7 +38,7 @@ void add_coherent(const PatchTable& table, int word_count, const Target& target,
     neighbours[q].push_back(p);
   }
   const std::size_t k = candidates.k + 4 * each;
-  std::vector<std::vector<Hit>> lists(pieces);  // scores as intersections
+  std::vector<std::vector<ScoredPatch>> lists(pieces);  // scores as intersections
   oneapi::tbb::parallel_for(std::size_t{0}, pieces, [&](std::size_t piece) {
     const PieceQuery& query = target.queries[piece];
     const MotionWindow window = candidates.asked.empty()
@@ -70,11 +70,12 @@ void add_coherent(const PatchTable& table, int word_count, const Target& target,
   joined.rows.assign(pieces * k, kNoRow);
   joined.scores.assign(pieces * k, 0);
   for (std::size_t piece = 0; piece < pieces; ++piece) {
-    const auto full = static_cast<float>(mass(target.queries[piece]));
+    const auto full = static_cast<float>(max_score(target.queries[piece]));
     std::vector<std::pair<float, Row>> all;
     for (std::size_t i = 0; i < candidates.counts[piece]; ++i)
       all.emplace_back(candidates.scores_of(piece)[i], candidates.rows_of(piece)[i]);
-    for (const Hit& hit : lists[piece]) all.emplace_back(static_cast<float>(hit.score) / full, hit.row);
+    for (const ScoredPatch& scored : lists[piece])
+      all.emplace_back(static_cast<float>(scored.score) / full, scored.row);
     std::sort(all.begin(), all.end(), [](const auto& a, const auto& b) {
       return a.first != b.first ? a.first > b.first : a.second < b.second;
     });

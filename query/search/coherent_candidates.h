@@ -17,7 +17,7 @@ Row find_patch(const PatchTable& table, std::uint32_t clip, std::uint8_t variant
 /// guide asks; those already in the list are not added twice. The lists grow by 4 * each at most and stay in
 /// their order.
 /// each      of a neighbour's candidates, the best so many; 0 adds none.
-/// Cost      4 * each intersections a piece, of 1 to 3 microseconds; all threads.
+/// Cost      4 * each intersections per piece, of 1 to 3 microseconds; all threads.
 void add_coherent(const PatchTable& table, int word_count, const Target& target, const RowFilter& filter,
                   const MotionGuide& guide, std::size_t each, Candidates& candidates);
 

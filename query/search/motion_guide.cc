@@ -90,7 +90,7 @@ MotionWindow window_of(const PieceMotion& asked, const MotionGuide& guide, int s
                                        guide.tolerance_deg * std::numbers::pi / 180 / kWindowSteps);
     window.u = static_cast<float>(std::cos(middle));
     window.v = static_cast<float>(std::sin(middle));
-    window.least_cosine = static_cast<float>(std::cos(angle * std::numbers::pi / 180));
+    window.min_cosine = static_cast<float>(std::cos(angle * std::numbers::pi / 180));
     window.min_speed = static_cast<float>(guide.min_speed_px_per_s);
   }
   const double ratio = std::pow(std::max(guide.speed_ratio, steps > 0 ? 1.05 : 1.0), opened);

@@ -17,11 +17,11 @@ constexpr double kSearchedPx = 1280, kStep = 0.5;
 
 double auto_piece_scale(cv::Size picture) {
   const double scale = std::max(picture.width, picture.height) / kSearchedPx;
-  return std::clamp(std::round(scale / kStep) * kStep, 1.0, kMostPieceScale);
+  return std::clamp(std::round(scale / kStep) * kStep, 1.0, kMaxPieceScale);
 }
 
 cv::Size reduced_size(cv::Size picture, double scale) {
-  if (!(scale >= 1 && scale <= kMostPieceScale))
+  if (!(scale >= 1 && scale <= kMaxPieceScale))
     throw Error(ErrorKind::kUsage, "piece scale " + std::to_string(scale), "1 to 16 expected");
   return {std::max(1, static_cast<int>(std::lround(picture.width / scale))),
           std::max(1, static_cast<int>(std::lround(picture.height / scale)))};
@@ -48,11 +48,12 @@ MotionGuide reduce(const MotionGuide& guide, double scale) {
         }
   }
   if (!guide.speed.empty() && scale != 1) {
-    // Negative is no speed: only what is asked counts, and the share of it says whether anything is.
+    // Negative is no speed: only what is asked counts, and the fraction of it says whether anything is.
     const cv::Mat asked = guide.speed >= 0;
-    cv::Mat share;
-    asked.convertTo(share, CV_32F, 1.0 / 255);
-    const cv::Mat sum = reduce(cv::max(guide.speed, 0.0f).mul(share), scale), mass = reduce(share, scale);
+    cv::Mat fraction;
+    asked.convertTo(fraction, CV_32F, 1.0 / 255);
+    const cv::Mat sum = reduce(cv::max(guide.speed, 0.0f).mul(fraction), scale),
+                  mass = reduce(fraction, scale);
     out.speed.create(sum.size(), CV_32F);
     for (int y = 0; y < sum.rows; ++y)
       for (int x = 0; x < sum.cols; ++x) {

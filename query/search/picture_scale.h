@@ -7,11 +7,11 @@
 
 namespace freshet::query {
 
-/// How often a piece of `patch` px fits into a picture decides what it shows: at 1:1 a piece of a picture of
+/// How many pieces of `patch` px fit into a picture decides what it shows: at 1:1 a piece of a picture of
 /// 3840 px holds a ripple where one of 1280 px holds a wave, and there are nine times as many. So a large
 /// picture is reduced by the piece scale for search and labelling, and what is found is enlarged by it.
-/// A piece scale is 1 to kMostPieceScale.
-inline constexpr double kMostPieceScale = 16;
+/// A piece scale is 1 to kMaxPieceScale.
+inline constexpr double kMaxPieceScale = 16;
 
 /// The scale that brings the longer side nearest to 1280 px in steps of a half: 1 up to 1599 px, 1.5 for
 /// 1920, 2 for 2560, 3 for 3840. 1280 px is what most clips measure, so that a patch covers as much of the
@@ -25,7 +25,7 @@ cv::Size reduced_size(cv::Size picture, double scale);
 /// A picture or matte of reduced_size, by averages of areas; at scale 1 the same one, not copied.
 cv::Mat reduce(const cv::Mat& picture, double scale);
 
-/// What is asked of the reduced picture's motion: speeds are in px of the picture a second, and so less by
+/// What is asked of the reduced picture's motion: speeds are in px of the picture per second, and so less by
 /// the scale. Directions keep; what is asked nowhere in a pixel's area is not asked there.
 MotionGuide reduce(const MotionGuide& guide, double scale);
 

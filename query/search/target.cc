@@ -27,7 +27,7 @@ void cover_rest(const cv::Mat& matte, const std::vector<cv::Rect>& boxes, std::v
   for (std::size_t i = 0; i < boxes.size(); ++i) {
     if (kept[i]) left(boxes[i]).setTo(0);
   }
-  // Counts only fall, so that a count that still holds when it comes up is the greatest.
+  // Counts only fall, so that a count that still holds when it comes up is the maximum.
   using Entry = std::pair<int, std::size_t>;
   const auto less = [](const Entry& a, const Entry& b) {
     return a.first != b.first ? a.first < b.first : a.second > b.second;

@@ -14,7 +14,8 @@
 namespace freshet::query {
 
 struct TargetOptions {
-  double min_matte = 0.25;  // a piece is kept when the matte covers this share of its area inside the picture
+  double min_matte = 0.25;  // a piece is kept when the matte covers this fraction of its area inside the
+                            // picture
 };
 
 /// The pieces of a picture, in row-major order of one regular lattice: piece and patch have the same size,

@@ -42,8 +42,8 @@ vision::CellMap read_cells(const store::Snapshot& snapshot, store::ClipId clip, 
   } catch (const Json::exception&) {
     fail(record, column, "the clip's metadata do not give its shape");
   }
-  constexpr int kMostCells = 1 << 16;  // on a side; frames have at most 32767 px
-  if (cells.rows < 1 || cells.columns < 1 || cells.rows > kMostCells || cells.columns > kMostCells ||
+  constexpr int kMaxCells = 1 << 16;  // on a side; frames have at most 32767 px
+  if (cells.rows < 1 || cells.columns < 1 || cells.rows > kMaxCells || cells.columns > kMaxCells ||
       !(cells.cell > 0) || !std::isfinite(cells.cell) || cells.channels != channels) {
     fail(record, column, "the shape in the clip's metadata is impossible");
   }

@@ -14,7 +14,7 @@
 
 namespace freshet::store {
 
-inline constexpr std::uint32_t kBlock = 8;  // samples an edge of the blocks that choose their predictor
+inline constexpr std::uint32_t kBlock = 8;  // samples per edge of the blocks that choose their predictor
 
 /// How a sample is predicted from those before it: N above, W left, NW, and P, PN, PW, PNW in the frame
 /// before. docs/format.md has the formulas.

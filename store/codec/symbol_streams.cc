@@ -20,7 +20,7 @@ constexpr std::array<unsigned, 3> kBits = {8, 4, 2};
 // between.
 constexpr int kLevel = 1, kMinMatch = 7;
 
-/// How often each symbol occurs, up to the largest that does.
+/// How many times each symbol occurs, up to the largest that does.
 struct Histogram {
   std::array<std::uint32_t, 256> of{};
   std::size_t size = 0;  // one more than the largest symbol
@@ -184,12 +184,12 @@ std::vector<std::size_t> cut_contexts(const ContextHistograms& histograms) {
 }
 
 // Where more symbols than this are too large for a packing it is not tried: each costs a byte more.
-constexpr std::size_t kMostLarge = 4;  // one in so many
+constexpr std::size_t kMaxLarge = 4;  // one in so many
 
 bool worth_packing(const Histogram& histogram, std::size_t symbols, unsigned bits) {
   std::size_t fit = 0;
   for (std::size_t v = 0; v + 1 < std::size_t{1} << bits; ++v) fit += histogram.of[v];
-  return (symbols - fit) * kMostLarge <= symbols;
+  return (symbols - fit) * kMaxLarge <= symbols;
 }
 
 }  // namespace
@@ -298,7 +298,7 @@ bool decode_symbols(ByteSpan coded, std::size_t reads, std::size_t max_side_byte
 
   // A stream that is read beyond its end runs into the next ones and then into the slack, never out of
   // memory.
-  unpacked.resize(total + reads + kSymbolsALoad);
+  unpacked.resize(total + reads + kSymbolsPerLoad);
   std::uint8_t* to = unpacked.data();
   for (std::size_t s = 0; s < stream_count; ++s) {
     const StreamBytes& stream = streams[s];

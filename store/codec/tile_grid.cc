@@ -13,7 +13,7 @@ std::uint32_t tiles_along(std::uint32_t samples, std::uint8_t edge_log2) {
 
 [[noreturn]] void throw_shape(const std::string& fault) {
   throw Error(ErrorKind::kUsage, "stream shape", fault,
-              "Give planes of 1 to 65536 samples an edge, 1 or 2 bytes a sample");
+              "Give planes of 1 to 65536 samples per edge, 1 or 2 bytes per sample");
 }
 
 }  // namespace
@@ -32,7 +32,7 @@ TileGrid::TileGrid(StreamShape shape, std::vector<std::uint8_t> tile_edge_log2)
         plane.height > kMaxPlaneEdge) {
       throw_shape("plane of " + std::to_string(plane.width) + " x " + std::to_string(plane.height));
     }
-    if (plane.bytes_per_sample != 1 && plane.bytes_per_sample != 2) throw_shape("bytes a sample");
+    if (plane.bytes_per_sample != 1 && plane.bytes_per_sample != 2) throw_shape("bytes per sample");
     tiles += std::uint64_t{tiles_along(plane.width, edges_[p])} * tiles_along(plane.height, edges_[p]);
     if (tiles > UINT32_MAX) throw_shape("too many tiles");
     first_of_plane_.push_back(static_cast<std::uint32_t>(tiles));

@@ -1,4 +1,4 @@
-// store/codec/zstd_context.h — zstd frames with content size and checksum, through one context a thread.
+// store/codec/zstd_context.h — zstd frames with content size and checksum, through one context per thread.
 #pragma once
 
 #include <zstd.h>

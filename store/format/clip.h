@@ -40,7 +40,7 @@ struct ClipRecord {
   std::string pixel_format;             // FFmpeg's name of the frames' layout, e.g. "yuv420p"
   std::uint32_t width = 0, height = 0;  // px, of the frames as stored
   std::uint32_t frame_count = 0;
-  std::int64_t fps_num = 0, fps_den = 1;  // average frames a second
+  std::int64_t fps_num = 0, fps_den = 1;  // average frames per second
   std::string metadata;  // JSON: colour tags, rotation, screening report, ...; opaque to the store
   StreamShape frames, flow, average;
   std::uint64_t rows = 0;  // length of the clip's patch columns

@@ -20,7 +20,7 @@
 #include "synth/animate/motion/motion_field.h"
 #include "synth/animate/motion/motion_sequence.h"
 #include "synth/animate/sampling/enlarge.h"
-#include "synth/animate/sampling/outward.h"
+#include "synth/animate/sampling/pull_push.h"
 #include "synth/animate/still/colour_model.h"
 #include "synth/animate/still/finished_frame.h"
 
@@ -28,7 +28,7 @@ namespace freshet::synth::animate {
 namespace {
 
 constexpr int kSampledFrames = 12;  // that the appearance model is fitted to
-constexpr int kLeastSampledFrames = 4;
+constexpr int kMinSampledFrames = 4;
 constexpr int kSampledPixels = 32 << 20;  // in all of them
 constexpr int kRendered = 8;              // frames rendered at once before they are handed on in order
 
@@ -77,20 +77,20 @@ struct Budget {
 /// As many frames as fit into the memory that the picture's own planes leave.
 Budget budget_of(const std::vector<std::unique_ptr<ClipLayer>>& layers, cv::Size picture, cv::Size canvas,
                  const AnimateOptions& options) {
-  constexpr double kPlanes = 280;  // bytes a pixel of the picture: what is held, and what rendering needs
-  constexpr int kLeast = 32;       // frames a batch, before carried frames are kept: two slabs of tiles
+  constexpr double kPlanes = 280;  // bytes per pixel of the picture: what is held, and what rendering needs
+  constexpr int kMinBatch = 32;    // frames per batch, before carried frames are kept: two slabs of tiles
   double fixed = kPlanes * picture.area(), clip_bytes = 0;
   for (const auto& layer : layers) {
     fixed += static_cast<double>(layer->average_bytes());
-    clip_bytes = std::max(clip_bytes, static_cast<double>(layer->bytes_an_output()));
+    clip_bytes = std::max(clip_bytes, static_cast<double>(layer->bytes_per_output()));
   }
   const double a_frame = canvas.area() * sizeof(float) * 4 / 3.0 + clip_bytes;
   const double free = static_cast<double>(options.memory_bytes) - fixed;
   const int period = CarriedBase::period(options.fps, options.carry);
   const double carried = static_cast<double>(CarriedBase::frame_bytes(picture)) * period;
   Budget budget{.batch = options.frames,
-                .carried_kept =
-                    period < options.frames && free - carried >= a_frame * std::min(kLeast, options.frames)};
+                .carried_kept = period < options.frames &&
+                                free - carried >= a_frame * std::min(kMinBatch, options.frames)};
   const double fit = (free - (budget.carried_kept ? carried : 0)) / a_frame;
   // In slabs of 16: a tile is decoded for all of its frames.
   if (fit < options.frames)
@@ -178,10 +178,10 @@ BoundarySequence boundary_of(const store::Snapshot& snapshot, const vision::Sett
                              const AnimateOptions& options) {
   std::vector<PlayedPatches> played;
   for (const auto& layer : layers)
-    for (const ClipLayer::Played& voice : layer->played()) {
-      const PlacedPatch& one = placement.patches[voice.patches.front()];
-      played.push_back({.clip = one.clip, .patches = voice.patches, .shown = {}});
-      for (const Moment& moment : voice.moments) {
+    for (const ClipLayer::Played& group : layer->played()) {
+      const PlacedPatch& one = placement.patches[group.patches.front()];
+      played.push_back({.clip = one.clip, .patches = group.patches, .shown = {}});
+      for (const Moment& moment : group.moments) {
         // In a cross-fade the louder of the two moments moves the outline.
         const double at = moment.at[moment.weight[1] > moment.weight[0] ? 1 : 0];
         played.back().shown.push_back({.frame = static_cast<std::uint32_t>(at), .rate = one.speed});
@@ -222,7 +222,7 @@ AnimateReport animate(const store::Snapshot& snapshot, const vision::Settings& s
   Laps total, watch;
   AnimateReport report;
   report.pieces = placement.patches.size();
-  const auto tell = [&](const char* stage, std::size_t done, std::size_t of) {
+  const auto notify = [&](const char* stage, std::size_t done, std::size_t of) {
     if (progress) progress({stage, done, of});
   };
   const auto layers = layers_of(snapshot, settings, placement, options);
@@ -235,8 +235,8 @@ AnimateReport animate(const store::Snapshot& snapshot, const vision::Settings& s
   report.batches = (options.frames + batch - 1) / batch;
   // A region's histograms hold as many pixels whatever the picture's size; samples of a large picture would
   // not fit, and need not be as many.
-  const int sampled = std::min({options.frames, kSampledFrames,
-                                std::max(kLeastSampledFrames, kSampledPixels / picture.size().area())});
+  const int sampled = std::min(
+      {options.frames, kSampledFrames, std::max(kMinSampledFrames, kSampledPixels / picture.size().area())});
   std::vector<int> all(options.frames), samples;
   std::iota(all.begin(), all.end(), 0);
   for (int i = 0; i < sampled; ++i) samples.push_back(i * options.frames / sampled);
@@ -252,7 +252,7 @@ AnimateReport animate(const store::Snapshot& snapshot, const vision::Settings& s
   std::vector<double> change(options.frames, 0.0);
   for (std::size_t i = 0; i < layers.size(); ++i) {
     throw_if_stopped(stop);
-    tell("blend", i, layers.size());
+    notify("blend", i, layers.size());
     const std::vector<int>& first = in_one ? all : samples;
     layers[i]->measure(first, whole_loop ? &change : nullptr);
     // Samples are for the model alone: without one, they would be left in the blender.
@@ -261,7 +261,7 @@ AnimateReport animate(const store::Snapshot& snapshot, const vision::Settings& s
     else
       layers[i]->release();
   }
-  tell("blend", layers.size(), layers.size());
+  notify("blend", layers.size(), layers.size());
   report.blend_s = watch.lap();
 
   // The still part: the picture as a long exposure along the assigned motion.
@@ -272,20 +272,21 @@ AnimateReport animate(const store::Snapshot& snapshot, const vision::Settings& s
   cv::Mat motion;
   ColourModel colours;
   oneapi::tbb::parallel_invoke(
-      [&] { motion = steered(motion_field(snapshot, settings, placement, picture.size()), options.guide); },
+      [&] {
+        motion = apply_guide(motion_field(snapshot, settings, placement, picture.size()), options.guide);
+      },
       [&] {
         colours =
             fit_colour(target, target_luma, alpha, static_cast<int>(std::lround(12 * placement.piece_scale)));
       });
   auto [base_luma, own_colour] = exposed(target, target_luma, colours, alpha, motion, options.base);
   std::optional<CarriedFrames> carried;
-  if (options.carry.share > 0)
+  if (options.carry.fraction > 0)
     carried.emplace(CarriedBase(target, target_luma, alpha, motion, options.fps, options.carry),
                     budget.carried_kept);
   // The fluid's layers go on beyond the still matte, for a moving one to uncover.
   if (moving_boundary)
-    for (cv::Mat* layer : {&own_colour, &colours.slope, &colours.offset})
-      *layer = push_outward(*layer, alpha);
+    for (cv::Mat* layer : {&own_colour, &colours.slope, &colours.offset}) *layer = pull_push(*layer, alpha);
   const FrameFinisher finisher(colours, own_colour, moving_boundary ? behind : target);
   colours = {};
   own_colour.release();
@@ -300,7 +301,7 @@ AnimateReport animate(const store::Snapshot& snapshot, const vision::Settings& s
       show_carried(*brought, base_luma, luma);
     else
       base_luma.copyTo(luma);
-    if (moving_boundary) luma = push_outward(luma, alpha);
+    if (moving_boundary) luma = pull_push(luma, alpha);
     add_enlarged(field, canvas, placement.piece_scale, luma);
     return luma;
   };
@@ -314,7 +315,7 @@ AnimateReport animate(const store::Snapshot& snapshot, const vision::Settings& s
   };
   if (options.matching == AppearanceMatching::kSequence) {
     throw_if_stopped(stop);
-    tell("match", 0, 1);
+    notify("match", 0, 1);
     std::vector<cv::Mat> lumas(samples.size());
     oneapi::tbb::parallel_for(std::size_t{0}, samples.size(), [&](std::size_t i) {
       lumas[i] = merged(in_one ? samples[i] : static_cast<int>(i), carried_at(samples[i]));
@@ -322,7 +323,7 @@ AnimateReport animate(const store::Snapshot& snapshot, const vision::Settings& s
     model.emplace(model_of(lumas));
     if (in_one)
       for (std::size_t i = 0; i < samples.size(); ++i) ready[samples[i]] = lumas[i];
-    tell("match", 1, 1);
+    notify("match", 1, 1);
   }
   report.appearance_s = watch.lap();
 
@@ -373,7 +374,7 @@ AnimateReport animate(const store::Snapshot& snapshot, const vision::Settings& s
       });
       handover.take(std::move(finished));
       done += kRendered;
-      tell("render", first + std::min(done, count), options.frames);
+      notify("render", first + std::min(done, count), options.frames);
     }
     report.render_s += watch.lap();
   }

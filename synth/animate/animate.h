@@ -33,14 +33,14 @@ struct AnimateOptions {
   bool loop = false;  // the last frame is followed by the first, without a seam
   Resampling resampling = Resampling::kFlow;
   /// Frames are made in batches that fit into this, as far as the picture itself leaves room: beside the
-  /// batch some 280 bytes a pixel are needed (0.26 GB at 1280 x 720, 2.3 GB at 3840 x 2160). When all frames
-  /// fit, each clip is read once, else about three times.
+  /// batch some 280 bytes per pixel are needed (0.26 GB at 1280 x 720, 2.3 GB at 3840 x 2160). When all
+  /// frames fit, each clip is read once, else about three times.
   std::size_t memory_bytes = std::size_t{2000} << 20;
   BlendOptions blend;
   BaseImageOptions base;
   CarriedBaseOptions carry;
   query::MotionGuide
-      guide{};  // what was asked of the motion: the picture is blurred and carried so (steered)
+      guide{};  // what was asked of the motion: the picture is blurred and carried so (apply_guide)
   AppearanceMatching matching = AppearanceMatching::kSequence;
   AppearanceOptions appearance;
   BoundaryOptions boundary;

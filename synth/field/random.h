@@ -32,7 +32,7 @@ class Random {
   std::uint64_t counter_ = 0;
 };
 
-/// Cheap 32-bit hash for dither, where three multiplies a pixel would show in the profile.
+/// Cheap 32-bit hash for dither, where three multiplies per pixel would show in the profile.
 inline std::uint32_t scramble32(std::uint32_t x) {
   x = (x ^ (x >> 16)) * 0x7feb352du;
   x = (x ^ (x >> 15)) * 0x846ca68bu;

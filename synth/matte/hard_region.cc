@@ -10,7 +10,7 @@
 namespace freshet::synth::matte {
 namespace {
 
-constexpr int kFewestSamples = 16;  // of a side: OpenCV clusters each side's colours in five
+constexpr int kMinSamples = 16;  // of a side: OpenCV clusters each side's colours in five
 
 // Each pixel of the smaller picture is marked as any of the pixels that it stands for is, so that a thin
 // stroke survives; where both are, by the more.
@@ -29,7 +29,7 @@ Marks reduce(const Marks& marks, cv::Size size) {
 
 // The side's marks grow into what is unknown until there are enough of them to learn colours from.
 void grow(Marks& marks, Mark side) {
-  for (int count = cv::countNonZero(marks == side); count < kFewestSamples;) {
+  for (int count = cv::countNonZero(marks == side); count < kMinSamples;) {
     cv::Mat wider;
     cv::dilate(marks == side, wider, cv::Mat());
     marks.setTo(side, wider & (marks == kUnknown));
@@ -62,15 +62,15 @@ void learn_colours(const cv::Mat& picture, const Marks& marks, cv::Mat& backgrou
   cv::grabCut(row, labels, {}, background, fluid, 0, cv::GC_INIT_WITH_MASK);
 }
 
-// Islands smaller than `least` px that hold no mark of fluid, and holes without one of background.
-void drop_specks(cv::Mat& region, const Marks& marks, double least) {
+// Islands smaller than `min_area` px that hold no mark of fluid, and holes without one of background.
+void drop_specks(cv::Mat& region, const Marks& marks, double min_area) {
   for (const bool holes : {false, true}) {
     cv::Mat parts, statistics, centres;
     const int count = cv::connectedComponentsWithStats(holes ? cv::Mat(~region) : region, parts, statistics,
                                                        centres, 8, CV_32S);
     std::vector<char> keep(static_cast<std::size_t>(count), 0);
     for (int i = 0; i < count; ++i)
-      keep[static_cast<std::size_t>(i)] = statistics.at<int>(i, cv::CC_STAT_AREA) >= least;
+      keep[static_cast<std::size_t>(i)] = statistics.at<int>(i, cv::CC_STAT_AREA) >= min_area;
     const Mark own = holes ? kBackground : kFluid;
     for (int y = 0; y < region.rows; ++y)
       for (int x = 0; x < region.cols; ++x)
@@ -129,7 +129,7 @@ cv::Mat hard_region(const cv::Mat& picture, const Marks& marks, const RegionOpti
 
   // 1. A copy small enough to be cut in bounded time.
   const double scale = std::min(
-      1.0, std::sqrt(static_cast<double>(options.most_pixels) / static_cast<double>(picture.total())));
+      1.0, std::sqrt(static_cast<double>(options.max_pixels) / static_cast<double>(picture.total())));
   const cv::Size size(std::max(1, cvRound(picture.cols * scale)), std::max(1, cvRound(picture.rows * scale)));
   cv::Mat small;
   if (size == picture.size())
@@ -154,7 +154,7 @@ cv::Mat hard_region(const cv::Mat& picture, const Marks& marks, const RegionOpti
     cv::grabCut(small, labels, {}, background, fluid, std::max(3, options.iterations), cv::GC_INIT_WITH_MASK);
   }
   cv::Mat region = (labels == cv::GC_FGD) | (labels == cv::GC_PR_FGD);
-  drop_specks(region, small_marks, options.least_island * static_cast<double>(size.area()));
+  drop_specks(region, small_marks, options.min_island * static_cast<double>(size.area()));
 
   // 3. Back to the picture's size, where the marks hold to the pixel.
   if (size != picture.size()) {

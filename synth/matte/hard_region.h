@@ -11,9 +11,9 @@
 namespace freshet::synth::matte {
 
 struct RegionOptions {
-  int iterations = 1;            // of GrabCut, that adapt its colours to what it found; 0: those of the marks
-  int most_pixels = 300'000;     // of the copy that is cut: bounds time
-  double least_island = 0.0005;  // of the picture: smaller islands without a mark, and smaller holes, go
+  int iterations = 1;          // of GrabCut, that adapt its colours to what it found; 0: those of the marks
+  int max_pixels = 300'000;    // of the copy that is cut: bounds time
+  double min_island = 0.0005;  // of the picture: smaller islands without a mark, and smaller holes, go
 };
 
 /// Fluid is 255, CV_8U, the picture's size: the marks hold, and what is unknown goes to the side whose

@@ -14,8 +14,8 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr std::uintmax_t kMostBytes = 16u << 20;
-constexpr std::size_t kMostMarks = 10000, kMostPoints = 1u << 20;
+constexpr std::uintmax_t kMaxBytes = 16u << 20;
+constexpr std::size_t kMaxMarks = 10000, kMaxPoints = 1u << 20;
 constexpr double kUsualWidth = 7, kFurthest = 1e5, kWidest = 1000;
 constexpr const char* kRemedy =
     R"(Expected: {"format": "freshet-marks", "version": 1, "marks": [{"is": "fluid", "points": [[x, y]]}, {"is": "within", "box": [x, y, width, height]}]})";
@@ -26,8 +26,8 @@ Json parse(const std::filesystem::path& path) {
     throw Error(ErrorKind::kInput, path.string(), "there is no such file", "Check the name");
   const std::uintmax_t size =
       std::filesystem::is_regular_file(path, fault) ? std::filesystem::file_size(path, fault) : 0;
-  if (fault || size == 0 || size > kMostBytes)
-    throw Error(ErrorKind::kInput, path.string(), fmt::format("it is no file of 1 to {} bytes", kMostBytes),
+  if (fault || size == 0 || size > kMaxBytes)
+    throw Error(ErrorKind::kInput, path.string(), fmt::format("it is no file of 1 to {} bytes", kMaxBytes),
                 kRemedy);
   std::ifstream file(path, std::ios::binary);
   if (!file) throw Error(ErrorKind::kInput, path.string(), "it cannot be read", "Check its permissions");
@@ -60,7 +60,7 @@ Marks read_marks(const std::filesystem::path& path, cv::Size picture) {
   if (json.value("version", Json()) != 1) fail("\"version\" is not 1");
   if (!json.contains("marks") || !json["marks"].is_array()) fail("\"marks\" is not a list");
   if (json["marks"].empty()) fail("no mark in it");
-  if (json["marks"].size() > kMostMarks) fail(fmt::format("more than {} marks", kMostMarks));
+  if (json["marks"].size() > kMaxMarks) fail(fmt::format("more than {} marks", kMaxMarks));
 
   Marks marks(picture, CV_8U, cv::Scalar(kUnknown));
   std::vector<cv::Rect2d> within;
@@ -91,7 +91,7 @@ Marks read_marks(const std::filesystem::path& path, cv::Size picture) {
     }
     if (is == "within" || !entry.contains("points")) fail(name + ": \"box\" or \"points\" expected");
     if (!entry["points"].is_array() || entry["points"].empty()) fail(name + ": \"points\" is not a list");
-    if ((points_read += entry["points"].size()) > kMostPoints) fail("more than a million points");
+    if ((points_read += entry["points"].size()) > kMaxPoints) fail("more than a million points");
     const Json width_entry = entry.value("width", Json(kUsualWidth));
     const double width = width_entry.is_number() ? width_entry.get<double>() : NAN;
     if (!(width > 0 && width <= kWidest)) fail(name + ": \"width\" is not 0 to 1000 px");

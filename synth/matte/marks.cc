@@ -12,9 +12,9 @@
 namespace freshet::synth::matte {
 namespace {
 
-constexpr int kNearPicture = 24;             // of 255: what an editor's or a JPEG's rounding may change
-constexpr double kLeastPaintedOver = 0.8;    // of what has no mark's colour, that is the picture
-constexpr double kLeastLeftToJudge = 0.005;  // of the picture, that has no mark's colour
+constexpr int kNearPicture = 24;           // of 255: what an editor's or a JPEG's rounding may change
+constexpr double kMinPaintedOver = 0.8;    // of what has no mark's colour, that is the picture
+constexpr double kMinLeftToJudge = 0.005;  // of the picture, that has no mark's colour
 
 // White, green, black, red, as pure as an editor's brush leaves them.
 Mark mark_of(int blue, int green, int red) {
@@ -65,8 +65,8 @@ Marks read_scribbles(const std::filesystem::path& path, const cv::Mat& picture,
     }
   const bool painted_over =
       !transparent &&
-      static_cast<double>(colourless) >= kLeastLeftToJudge * static_cast<double>(picture.total()) &&
-      static_cast<double>(colourless_picture) >= kLeastPaintedOver * static_cast<double>(colourless);
+      static_cast<double>(colourless) >= kMinLeftToJudge * static_cast<double>(picture.total()) &&
+      static_cast<double>(colourless_picture) >= kMinPaintedOver * static_cast<double>(colourless);
   if (painted_over) marks.setTo(kUnknown, is_picture);
   if (cv::countNonZero(marks) == 0)
     throw Error(ErrorKind::kInput, path.string(), "no stroke in it",

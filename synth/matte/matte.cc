@@ -21,11 +21,11 @@ cv::Mat cut_out(const cv::Mat& picture, const cv::Mat& alpha) {
   for (int y = 0; y < out.rows; ++y)
     for (int x = 0; x < out.cols; ++x) {
       const int ground = (x / kCheck + y / kCheck) % 2 != 0 ? 110 : 70;
-      const int share = alpha.at<std::uint8_t>(y, x);
+      const int fraction = alpha.at<std::uint8_t>(y, x);
       const cv::Vec3b& colour = picture.at<cv::Vec3b>(y, x);
       for (int channel = 0; channel < 3; ++channel)
         out.at<cv::Vec3b>(y, x)[channel] =
-            static_cast<std::uint8_t>((colour[channel] * share + ground * (255 - share) + 127) / 255);
+            static_cast<std::uint8_t>((colour[channel] * fraction + ground * (255 - fraction) + 127) / 255);
     }
   return out;
 }
@@ -42,7 +42,7 @@ Matte make_matte(const cv::Mat& picture, const Marks& marks, const MatteOptions&
   if (stop.stop_requested()) throw Error(ErrorKind::kCancelled, "matte", "stopped");
   matte.alpha = soft_edge(picture, region, marks, options.edge);
   matte.edge_s = now() - cut;
-  matte.share = cv::mean(matte.alpha)[0] / 255;
+  matte.fraction = cv::mean(matte.alpha)[0] / 255;
   if (cv::countNonZero(matte.alpha) == 0)
     throw Error(ErrorKind::kInput, where, "no pixel came out as fluid: its colours are the background's",
                 "Mark more of the fluid, or fluid that looks unlike the background");
@@ -59,16 +59,16 @@ cv::Mat matte_sheet(const cv::Mat& picture, const Marks& marks, const cv::Mat& a
     cv::resize(image, out, size, 0, 0, how);
     return out;
   };
-  const cv::Mat small = reduced(picture, cv::INTER_AREA), share = reduced(alpha, cv::INTER_AREA);
+  const cv::Mat small = reduced(picture, cv::INTER_AREA), fraction = reduced(alpha, cv::INTER_AREA);
   cv::Mat grey, marked, matte;
-  cv::cvtColor(share, matte, cv::COLOR_GRAY2BGR);
+  cv::cvtColor(fraction, matte, cv::COLOR_GRAY2BGR);
   cv::cvtColor(small, grey, cv::COLOR_BGR2GRAY);
   cv::cvtColor(grey / 2 + 64, marked, cv::COLOR_GRAY2BGR);
   marked.setTo(cv::Scalar(40, 40, 230), reduced(marks == kBackground, cv::INTER_AREA) > 64);
   marked.setTo(cv::Scalar(40, 220, 40), reduced(marks == kFluid, cv::INTER_AREA) > 64);
   const cv::Mat gap(size.height, kGap, CV_8UC3, cv::Scalar::all(255));
   cv::Mat sheet;
-  cv::hconcat(std::vector<cv::Mat>{small, gap, marked, gap, matte, gap, cut_out(small, share)}, sheet);
+  cv::hconcat(std::vector<cv::Mat>{small, gap, marked, gap, matte, gap, cut_out(small, fraction)}, sheet);
   return sheet;
 }
 

@@ -18,8 +18,8 @@ struct MatteOptions {
 };
 
 struct Matte {
-  cv::Mat alpha;     // CV_8U, the picture's size; 255 where all is fluid
-  double share = 0;  // mean of alpha, 0..1
+  cv::Mat alpha;        // CV_8U, the picture's size; 255 where all is fluid
+  double fraction = 0;  // mean of alpha, 0..1
   double region_s = 0, edge_s = 0;
   std::vector<std::string> notices;  // for a person
 };

@@ -68,7 +68,7 @@ Proposal propose_marks(const query::Target& target, const query::Candidates& can
   }
   scores = smoothed(target, scores);
   const Split sides = split(scores);
-  if (!(sides.upper - sides.lower >= options.least_difference))
+  if (!(sides.upper - sides.lower >= options.min_difference))
     throw Error(ErrorKind::kNotFound, where,
                 fmt::format("no part of the picture stands out: mean scores {:.2f} and {:.2f}", sides.upper,
                             sides.lower),

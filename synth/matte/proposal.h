@@ -11,9 +11,8 @@
 namespace freshet::synth::matte {
 
 struct ProposalOptions {
-  int best = 10;  // candidates of a piece whose scores are averaged
-  double least_difference =
-      0.05;  // of mean score between fluid and background, below which nothing stands out
+  int best = 10;                 // candidates of a piece whose scores are averaged
+  double min_difference = 0.05;  // of mean score between fluid and background, below which nothing stands out
 };
 
 struct Proposal {

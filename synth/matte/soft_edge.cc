@@ -13,7 +13,7 @@ namespace freshet::synth::matte {
 namespace {
 
 constexpr std::uint8_t kUnsure = 128;
-constexpr int kFewestUnsure = 64;  // information flow looks for 20 neighbours among them
+constexpr int kMinUnsure = 64;  // information flow looks for 20 neighbours among them
 
 // Where the band is, with room for what lies beside it.
 cv::Rect around(const cv::Mat& trimap, int room) {
@@ -29,9 +29,9 @@ cv::Mat guided(const cv::Mat& picture, const cv::Mat& alpha, int radius, double 
   return out;
 }
 
-cv::Mat information_flow(const cv::Mat& picture, const cv::Mat& trimap, int most_pixels) {
+cv::Mat information_flow(const cv::Mat& picture, const cv::Mat& trimap, int max_pixels) {
   const double scale =
-      std::min(1.0, std::sqrt(static_cast<double>(most_pixels) / static_cast<double>(picture.total())));
+      std::min(1.0, std::sqrt(static_cast<double>(max_pixels) / static_cast<double>(picture.total())));
   const cv::Size size(std::max(1, cvRound(picture.cols * scale)), std::max(1, cvRound(picture.rows * scale)));
   cv::Mat small = picture.clone(), small_trimap = trimap.clone();  // it writes into the trimap
   if (size != picture.size()) {
@@ -95,8 +95,8 @@ cv::Mat soft_edge(const cv::Mat& picture, const cv::Mat& region, const Marks& ma
   const cv::Rect part = around(trimap, std::max(2 * radius, cvRound(width)));
 
   cv::Mat alpha;
-  if (options.edge == Edge::kInformationFlow && unsure >= kFewestUnsure) {
-    alpha = information_flow(picture(part), trimap(part), options.most_pixels);
+  if (options.edge == Edge::kInformationFlow && unsure >= kMinUnsure) {
+    alpha = information_flow(picture(part), trimap(part), options.max_pixels);
   } else {
     cv::Mat step;
     region(part).convertTo(step, CV_32F, 1 / 255.0);

@@ -24,7 +24,7 @@ struct EdgeOptions {
                                 // found; 0: of the picture's longer side 8 %, guided 2 %
   double guided_radius = 0.25;  // of the guided filter, in widths of the band
   double guided_eps = 1e-3;     // contrast (variance of 0..1) below which a guided edge is smoothed
-  int most_pixels = 100'000;    // of the copy that information flow works on: some 30 us a pixel
+  int max_pixels = 100'000;     // of the copy that information flow works on: some 30 us per pixel
 };
 
 /// The band's width, px, for a picture of this size.
@@ -35,7 +35,7 @@ cv::Mat trimap_of(const cv::Mat& region, const Marks& marks, double width_px);
 
 /// Alpha, CV_8U: the region's own values outside of the band, and the marks' where there are any.
 /// picture  CV_8UC3. region   CV_8U, 0 or 255.
-/// Information flow works on the part of the picture that holds the band, reduced to most_pixels; what comes
+/// Information flow works on the part of the picture that holds the band, reduced to max_pixels; what comes
 /// back is fitted to the picture's own edges by a guided filter.
 cv::Mat soft_edge(const cv::Mat& picture, const cv::Mat& region, const Marks& marks,
                   const EdgeOptions& options);

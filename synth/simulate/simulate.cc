@@ -1,27 +1,27 @@
 // synth/simulate/simulate.cc
 #include "synth/simulate/simulate.h"
 
-#include "synth/simulate/scene/scenes.h"
+#include "synth/simulate/scene/simulated_scene.h"
 
 namespace freshet::synth::simulate {
 namespace {
 
 std::unique_ptr<Scene> make_scene(const SceneOptions& options) {
   check(options);
-  switch (options.preset) {
-    case Preset::kSmoke:
+  switch (options.kind) {
+    case SceneKind::kSmoke:
       return make_smoke(options);
-    case Preset::kFire:
+    case SceneKind::kFire:
       return make_fire(options);
-    case Preset::kInk:
+    case SceneKind::kInk:
       return make_ink(options);
-    case Preset::kWaterfall:
+    case SceneKind::kWaterfall:
       return make_waterfall(options);
-    case Preset::kRiver:
+    case SceneKind::kRiver:
       return make_river(options);
-    case Preset::kClouds:
+    case SceneKind::kClouds:
       return make_clouds(options);
-    case Preset::kDesign:
+    case SceneKind::kDesign:
       return make_design(options);
   }
   return nullptr;

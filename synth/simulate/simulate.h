@@ -5,16 +5,17 @@
 
 #include <opencv2/core.hpp>
 
-#include "synth/simulate/scene/scene.h"
+#include "synth/simulate/scene/scene_options.h"
 
 namespace freshet::synth::simulate {
 
 struct SimulatedFrame {
-  cv::Mat picture;  // CV_8UC3 BGR, sRGB-like gamma, over the scene's own background, which never changes but
-                    // for grain
-  cv::Mat alpha;    // CV_8U, or CV_16U if asked for: how much of the pixel the fluid covers, straight
-  cv::Mat motion;  // CV_32FC2, px a frame, x right, y down: what lies at p now lies at p + motion in the next
-                   // frame; in clips 0 where alpha is 0
+  cv::Mat picture;   // CV_8UC3 BGR, sRGB-like gamma, over the scene's own background, which never changes but
+                     // for grain
+  cv::Mat alpha;     // CV_8U, or CV_16U if asked for: how much of the pixel the fluid covers, straight
+  cv::Mat motion;    // CV_32FC2, px per frame, x right, y down: what lies at p now lies at p + motion in the
+                     // next
+                     // frame; in clips 0 where alpha is 0
   cv::Mat emitters;  // CV_8U: 255 where a design's emitters hold the fluid they let in; black in clips
 };
 
@@ -24,7 +25,7 @@ struct SimulatedFrame {
 ///   SimulatedFrame frame;
 ///   while (clip.next(frame)) writer.write(frame.picture);
 ///
-/// Cost  processor time a frame of 640 x 360, ms (a busy 2-core machine, seed 5, 30 frames), and of the
+/// Cost  processor time per frame of 640 x 360, ms (a busy 2-core machine, seed 5, 30 frames), and of the
 /// warm-up, s; nearly
 ///       all of it runs on every core:
 ///         smoke 56, 2.6   fire 48, 1.3   ink 49, 4.2   waterfall 34, 0.1   river 89, 1.6   clouds 46, 0.1

@@ -16,11 +16,11 @@ void check_frame(const ExemplarFrame& frame, const TransferOptions& options) {
   if (frame.bgra.empty() || (type != CV_8UC4 && type != CV_16UC4 && type != CV_32FC4)) {
     throw Error(ErrorKind::kInput, "exemplar", "a frame is empty or not of 4 channels of 8, 16 or 32 bits");
   }
-  const int least = 2 * options.patch;
-  if (frame.bgra.cols < least || frame.bgra.rows < least) {
+  const int min_side = 2 * options.patch;
+  if (frame.bgra.cols < min_side || frame.bgra.rows < min_side) {
     throw Error(ErrorKind::kInput, "exemplar",
                 fmt::format("{} x {} px; at least {} x {} are needed for patches of {} px", frame.bgra.cols,
-                            frame.bgra.rows, least, least, options.patch),
+                            frame.bgra.rows, min_side, min_side, options.patch),
                 "Give a larger picture");
   }
   if (!frame.motion.empty() &&
@@ -30,9 +30,10 @@ void check_frame(const ExemplarFrame& frame, const TransferOptions& options) {
 }
 
 // Where there is motion, the previous frame is carried to this one along it; what it leaves bare is as now.
-Picture collocated_previous(const ExemplarFrame& frame, const ExemplarFrame& previous, const Picture& now) {
+PixelGrid collocated_previous(const ExemplarFrame& frame, const ExemplarFrame& previous,
+                              const PixelGrid& now) {
   if (previous.bgra.data == frame.bgra.data) return now;
-  const Picture before = premultiplied(previous.bgra);
+  const PixelGrid before = premultiplied(previous.bgra);
   if (previous.motion.empty()) return before;
   VectorGrid flow(before.width, before.height);
   for (int y = 0; y < flow.height; ++y)
@@ -48,7 +49,7 @@ Picture collocated_previous(const ExemplarFrame& frame, const ExemplarFrame& pre
 }
 
 struct Turned {
-  Picture now, previous;
+  PixelGrid now, previous;
   Grid blurred_alpha;
 };
 
@@ -63,10 +64,10 @@ ExemplarLevel make_level(const std::vector<Turned>& turned, const TransferOption
   level.block = turned.size() > 1 ? std::max(sides[0], sides[1]) : 0;
   const int turns = static_cast<int>(turned.size());
   const int width = turns > 1 ? level.block : sides[0], height = turns > 1 ? level.block * turns : sides[1];
-  level.now = Picture(width, height);
+  level.now = PixelGrid(width, height);
   level.features = Features(width, height);
   level.segments.of = GridOf<Segment>(width, height, Segment::kNone);
-  Picture previous(width, height);
+  PixelGrid previous(width, height);
   Grid blurred_alpha(width, height);
   for (int turn = 0; turn < turns; ++turn) {
     const Turned& one = turned[static_cast<std::size_t>(turn)];
@@ -102,8 +103,8 @@ PreparedExemplar prepare(const ExemplarFrame& frame, const ExemplarFrame& previo
   }
   PreparedExemplar prepared;
   prepared.size = frame.bgra.size();
-  const Picture now = premultiplied(frame.bgra);
-  const Picture before = collocated_previous(frame, previous, now);
+  const PixelGrid now = premultiplied(frame.bgra);
+  const PixelGrid before = collocated_previous(frame, previous, now);
   const Grid alpha = alpha_of(now);
   prepared.opaque = *std::min_element(alpha.values.begin(), alpha.values.end()) >= 254.5f / 255;
   const Grid blurred_alpha = blurred(alpha, options.radius);

@@ -11,7 +11,7 @@ namespace freshet::synth::transfer {
 
 /// With four turns, the turned pictures lie one below the other, each in a square of side `block`.
 struct ExemplarLevel {
-  Picture now;
+  PixelGrid now;
   Features features;
   Segments segments;
   int block = 0;                // 0 for one turn

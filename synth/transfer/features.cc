@@ -20,7 +20,7 @@ std::int16_t level(float value, float scale) {
   return static_cast<std::int16_t>((value > 0.0f ? (value < 1.0f ? value : 1.0f) : 0.0f) * scale + 0.5f);
 }
 
-void put_picture(const Picture& picture, int first, Features& to) {
+void put_picture(const PixelGrid& picture, int first, Features& to) {
   const float alpha_scale = kUnit * static_cast<float>(std::sqrt(kAlphaWeight));
   for_rows(picture.height, [&](int y) {
     std::int16_t* out = to.values.data() + static_cast<std::ptrdiff_t>(y) * to.width * kChannels + first;
@@ -46,7 +46,7 @@ Parts plain_parts(const std::int16_t* a, std::ptrdiff_t row_a, const std::int16_
 #if FRESHET_HAS_WIDE
 
 // Products of two neighbouring channels are added by one instruction, which the compiler finds only in sums
-// that it closes row by row: 115 instructions a patch of 5 x 5 against 62 here.
+// that it closes row by row: 115 instructions per patch of 5 x 5 against 62 here.
 // kept[lane]: all ones where the lane's two channels are of this frame, or of the one before.
 template <int kPatch, bool kNow>
 constexpr auto kept_lanes() {
@@ -165,8 +165,8 @@ Features::Features(int w, int h)
       height(h),
       values(static_cast<std::size_t>(w) * static_cast<std::size_t>(h) * kChannels + 64) {}
 
-void put_now(const Picture& now, Features& to) { put_picture(now, 0, to); }
-void put_previous(const Picture& previous, Features& to) { put_picture(previous, kNowChannels, to); }
+void put_now(const PixelGrid& now, Features& to) { put_picture(now, 0, to); }
+void put_previous(const PixelGrid& previous, Features& to) { put_picture(previous, kNowChannels, to); }
 
 void put_blurred_alpha(const Grid& blurred_alpha, double eta, Features& to) {
   const float scale = kUnit * static_cast<float>(std::sqrt(eta));

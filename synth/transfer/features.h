@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "synth/transfer/picture.h"
+#include "synth/transfer/pixel_grid.h"
 
 namespace freshet::synth::transfer {
 
@@ -25,14 +25,14 @@ struct Features {
   Features(int w, int h);
 };
 
-void put_now(const Picture& now, Features& to);
+void put_now(const PixelGrid& now, Features& to);
 void put_blurred_alpha(const Grid& blurred_alpha, double eta, Features& to);
-void put_previous(const Picture& previous, Features& to);
+void put_previous(const PixelGrid& previous, Features& to);
 
 /// D of Eq. 9.
 class PatchDistance {
  public:
-  /// lambda  one a target pixel: a patch has that of its centre. All outlive this.
+  /// lambda  one per target pixel: a patch has that of its centre. All outlive this.
   PatchDistance(const Features& source, const Features& target, const std::vector<float>& lambda, int patch);
 
   /// Indices of patch centres, y * width + x, no nearer to an edge than patch / 2. In colours of 0..1.

@@ -8,15 +8,15 @@ namespace freshet::synth::transfer {
 namespace {
 
 constexpr float kEmptyWeight = 1e-3f;  // of a pixel without fluid
-constexpr float kLeastWeight = 1e-6f;  // below, nothing has come
+constexpr float kMinWeight = 1e-6f;    // below, nothing has come
 
 }  // namespace
 
-WarpedFrame forward_warp(const Picture& picture, const Grid& mask, const VectorGrid& flow) {
+WarpedFrame forward_warp(const PixelGrid& picture, const Grid& mask, const VectorGrid& flow) {
   const int width = picture.width, height = picture.height;
-  WarpedFrame out{Picture(width, height), Grid(width, height)};
+  WarpedFrame out{PixelGrid(width, height), Grid(width, height)};
   Grid weights(width, height);
-  // One thread: pixels meet, and the order of a sum is its last bit. 20 ms a megapixel.
+  // One thread: pixels meet, and the order of a sum is its last bit. 20 ms per megapixel.
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) {
       const Vec2 by = flow(x, y);
@@ -39,8 +39,8 @@ WarpedFrame forward_warp(const Picture& picture, const Grid& mask, const VectorG
     }
   for (std::size_t i = 0; i < weights.values.size(); ++i) {
     const float weight = weights.values[i];
-    for (float& value : out.picture.values[i].c) value = weight > kLeastWeight ? value / weight : 0.0f;
-    out.mask.values[i] = weight > kLeastWeight ? out.mask.values[i] / weight : 0.0f;
+    for (float& value : out.picture.values[i].c) value = weight > kMinWeight ? value / weight : 0.0f;
+    out.mask.values[i] = weight > kMinWeight ? out.mask.values[i] / weight : 0.0f;
   }
   return out;
 }

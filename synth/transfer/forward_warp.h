@@ -1,12 +1,12 @@
 // synth/transfer/forward_warp.h — the previous frame where its fluid has gone.
 #pragma once
 
-#include "synth/transfer/picture.h"
+#include "synth/transfer/pixel_grid.h"
 
 namespace freshet::synth::transfer {
 
 struct WarpedFrame {
-  Picture picture;
+  PixelGrid picture;
   Grid mask;
 };
 
@@ -15,7 +15,7 @@ struct WarpedFrame {
 /// everything is 0.
 ///
 /// mask  the previous frame's target alpha, as large as picture and flow.
-WarpedFrame forward_warp(const Picture& picture, const Grid& mask, const VectorGrid& flow);
+WarpedFrame forward_warp(const PixelGrid& picture, const Grid& mask, const VectorGrid& flow);
 
 /// Eq. 6: lambda where there was fluid, less where it is new, 0 where an emitter has just made it.
 Grid local_lambda(const Grid& mask, const Grid& warped_mask, double lambda);

@@ -10,7 +10,7 @@ namespace {
 
 constexpr float kLongest = 256.0f;  // px: no frame is smeared further, whatever the flow says
 
-Pixel bilinear(const Picture& picture, float x, float y) {
+Pixel bilinear(const PixelGrid& picture, float x, float y) {
   const Tap tx = tap(x, picture.width), ty = tap(y, picture.height);
   const Pixel* a = picture.row(ty.index) + tx.index;
   const Pixel* b = picture.row(ty.index + ty.step) + tx.index;
@@ -25,8 +25,8 @@ Pixel bilinear(const Picture& picture, float x, float y) {
 
 }  // namespace
 
-Picture blurred_along(const Picture& picture, const VectorGrid& flow, double length) {
-  Picture out(picture.width, picture.height);
+PixelGrid blurred_along(const PixelGrid& picture, const VectorGrid& flow, double length) {
+  PixelGrid out(picture.width, picture.height);
   for_rows(picture.height, [&](int y) {
     for (int x = 0; x < picture.width; ++x) {
       const Vec2 by = flow(x, y);

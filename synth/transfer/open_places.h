@@ -25,7 +25,7 @@ class OpenPlaces {
  private:
   int width_, height_, count_;
   std::vector<std::uint8_t> open_;             // by place
-  std::vector<GridOf<std::int32_t>> squares_;  // [k]: of 2 << k px a side; the last one is one
+  std::vector<GridOf<std::int32_t>> squares_;  // [k]: of 2 << k px per side; the last one is one
 };
 
 }  // namespace freshet::synth::transfer

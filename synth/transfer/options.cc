@@ -45,8 +45,8 @@ bool SegmentUse::uniform() const {
   std::int64_t once_more = 0, sum = 0;
   for (std::size_t n = 0; n < sources_used.size(); ++n) {
     const std::int64_t patches = sources_used[n], uses = static_cast<std::int64_t>(n);
-    if (patches != 0 && uses != least && uses != least + 1) return false;
-    if (uses == least + 1) once_more += patches;
+    if (patches != 0 && uses != min_uses && uses != min_uses + 1) return false;
+    if (uses == min_uses + 1) once_more += patches;
     sum += patches * uses;
   }
   return once_more == remainder && sum == targets;

@@ -30,7 +30,7 @@ class Clock {
 };
 
 void refuse_too_many(std::size_t sources, std::size_t targets) {
-  if (static_cast<std::int64_t>(sources) * static_cast<std::int64_t>(targets) > kMostPairs) {
+  if (static_cast<std::int64_t>(sources) * static_cast<std::int64_t>(targets) > kMaxPairs) {
     throw Error(ErrorKind::kUsage, "search",
                 fmt::format("the exact search of {} source and {} target patches would take too long",
                             sources, targets),
@@ -57,24 +57,24 @@ class Uses {
  public:
   Uses(std::size_t places, std::size_t sources, std::size_t targets)
       : used_(places, 0),
-        least_(static_cast<std::int32_t>(targets / sources)),
+        min_uses_(static_cast<std::int32_t>(targets / sources)),
         left_over_(static_cast<std::int64_t>(targets % sources)) {}
 
   bool may(std::int32_t source) const {
     const std::int32_t used = used_[static_cast<std::size_t>(source)];
-    return used < least_ || (used == least_ && left_over_ > 0);
+    return used < min_uses_ || (used == min_uses_ && left_over_ > 0);
   }
   bool take(std::int32_t source) {
     if (!may(source)) return false;
     std::int32_t& used = used_[static_cast<std::size_t>(source)];
-    if (used == least_) --left_over_;
+    if (used == min_uses_) --left_over_;
     ++used;
     return true;
   }
 
  private:
   std::vector<std::int32_t> used_;  // c, by source place
-  std::int32_t least_;              // K
+  std::int32_t min_uses_;           // K
   std::int64_t left_over_;          // R
 };
 
@@ -301,7 +301,7 @@ void assign_nearest(const PatchDistance& distance, const std::vector<int>& sourc
     const std::int32_t source = field.source[static_cast<std::size_t>(target)];
     if (source >= 0 && open.has(source)) try_place(source);
   };
-  // Twice the passes: here a search is one a target, where the uniform retrieval has some three.
+  // Twice the passes: here a search is one per target, where the uniform retrieval has some three.
   for (int pass = 0; pass < 2 * options.passes; ++pass)
     patch_match_pass(targets, open, pass, options.seed, cost, first, match, seen);
   for (const int target : targets) {

@@ -47,10 +47,10 @@ struct RetrievalSeconds {
 /// sources, targets  places, in the order of Segments. sources is not empty.
 /// field      what it says of the targets is where PatchMatch looks first (-1: nowhere); overwritten.
 ///            Other places are left alone.
-/// PatchMatch needs some three searches a target. When the rest is small (kFewPairs), or for
+/// PatchMatch needs some three searches per target. When the rest is small (kFewPairs), or for
 /// Search::kExact from the beginning, the distances of all pairs are computed once, and the rounds look
 /// through them.
-/// Throws  Error{kUsage} when the exact search would need more than kMostPairs.
+/// Throws  Error{kUsage} when the exact search would need more than kMaxPairs.
 void assign_uniformly(const PatchDistance& distance, const std::vector<int>& sources,
                       const std::vector<int>& targets, const RetrievalOptions& options, NearestField& field,
                       RetrievalSeconds& seconds);
@@ -62,6 +62,6 @@ void assign_nearest(const PatchDistance& distance, const std::vector<int>& sourc
                     RetrievalSeconds& seconds);
 
 inline constexpr std::int64_t kFewPairs = 1 << 18;
-inline constexpr std::int64_t kMostPairs = std::int64_t{1} << 28;
+inline constexpr std::int64_t kMaxPairs = std::int64_t{1} << 28;
 
 }  // namespace freshet::synth::transfer

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "synth/transfer/picture.h"
+#include "synth/transfer/pixel_grid.h"
 
 namespace freshet::synth::transfer {
 

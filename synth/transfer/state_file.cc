@@ -22,7 +22,7 @@ struct Header {
   std::int32_t frame = 0, width = 0, height = 0, unused = 0;
 };
 constexpr std::uint64_t kPixelBytes = sizeof(Pixel) + sizeof(float) + sizeof(Vec2);
-constexpr std::int32_t kMostSide = 32768;
+constexpr std::int32_t kMaxSide = 32768;
 
 // Chained SplitMix64 over 8 bytes at a time: finds damage, keeps out nobody.
 std::uint64_t hash(const char* bytes, std::size_t count) {
@@ -105,7 +105,7 @@ State read_state(const std::filesystem::path& path, const TransferOptions& optio
   file.read(reinterpret_cast<char*>(&header), sizeof header);
   if (!file || std::memcmp(header.tag, expected.tag, sizeof header.tag) != 0)
     refuse("this is no transfer's state");
-  if (header.width < 0 || header.height < 0 || header.width > kMostSide || header.height > kMostSide ||
+  if (header.width < 0 || header.height < 0 || header.width > kMaxSide || header.height > kMaxSide ||
       header.frame < 0)
     refuse("its size or frame is out of range");
   const std::uintmax_t pixels =

@@ -3,15 +3,15 @@
 
 #include <filesystem>
 
-#include "synth/transfer/picture.h"
+#include "synth/transfer/pixel_grid.h"
 #include "synth/transfer/transfer.h"
 
 namespace freshet::synth::transfer {
 
 struct State {
-  int frame = 0;    // the next one's index
-  Picture picture;  // of the frame before, without motion blur; empty before frame 0, as the two below
-  Grid mask;        // its target alpha
+  int frame = 0;      // the next one's index
+  PixelGrid picture;  // of the frame before, without motion blur; empty before frame 0, as the two below
+  Grid mask;          // its target alpha
   VectorGrid flow;
 };
 

@@ -14,7 +14,7 @@
 #include "synth/transfer/features.h"
 #include "synth/transfer/forward_warp.h"
 #include "synth/transfer/motion_blur.h"
-#include "synth/transfer/picture.h"
+#include "synth/transfer/pixel_grid.h"
 #include "synth/transfer/retrieval.h"
 #include "synth/transfer/segments.h"
 #include "synth/transfer/state_file.h"
@@ -23,7 +23,7 @@
 namespace freshet::synth::transfer {
 namespace {
 
-constexpr int kLeastSide = 24;  // px, of the coarsest level when levels are chosen here
+constexpr int kMinSide = 24;  // px, of the coarsest level when levels are chosen here
 
 class Lap {
  public:
@@ -87,14 +87,14 @@ GridOf<T> without_margin(const GridOf<T>& grid, int margin) {
 // The target at one level. Everything has the margin.
 struct TargetLevel {
   Grid blurred_alpha, lambda;
-  Picture previous;
+  PixelGrid previous;
   Segments segments;
   Features features;  // all but the channels of the frame that is being made
 };
 
 // The frame before, as this frame sees it.
 struct Past {
-  Picture picture;
+  PixelGrid picture;
   Grid lambda;
 };
 
@@ -144,13 +144,13 @@ std::vector<Task> tasks_of(const Segments& source, const Segments& target) {
 
 // Squares of the exemplar, side by side: averages of patches that have nothing to do with each other would be
 // one grey.
-Picture random_picture(const ExemplarLevel& source, const TargetLevel& target, const TransferOptions& options,
-                       std::uint64_t seed) {
+PixelGrid random_picture(const ExemplarLevel& source, const TargetLevel& target,
+                         const TransferOptions& options, std::uint64_t seed) {
   const int side = options.patch, half = side / 2;
   const std::vector<int>&boundary = source.segments[Segment::kBoundary],
         &interior = source.segments[Segment::kInterior];
   const Random random(seed, 0);
-  Picture out(target.previous.width, target.previous.height);
+  PixelGrid out(target.previous.width, target.previous.height);
   const int squares = out.width / side + 1;
   for (int y = 0; y < out.height; ++y)
     for (int x = 0; x < out.width; ++x) {
@@ -168,7 +168,7 @@ Picture random_picture(const ExemplarLevel& source, const TargetLevel& target, c
 }
 
 // Where the previous frame's fluid is most of what is here.
-void start_from_past(const TargetLevel& target, double lambda, Picture& picture) {
+void start_from_past(const TargetLevel& target, double lambda, PixelGrid& picture) {
   for (std::size_t i = 0; i < picture.values.size(); ++i)
     if (static_cast<double>(target.lambda.values[i]) > 0.5 * lambda)
       picture.values[i] = target.previous.values[i];
@@ -193,8 +193,8 @@ NearestField refined(const NearestField& coarse, const ExemplarLevel& coarse_sou
   return fine;
 }
 
-Picture doubled(const Picture& coarse, int margin, const TargetLevel& target) {
-  Picture out(target.previous.width, target.previous.height);
+PixelGrid doubled(const PixelGrid& coarse, int margin, const TargetLevel& target) {
+  PixelGrid out(target.previous.width, target.previous.height);
   for (int y = 0; y < out.height; ++y)
     for (int x = 0; x < out.width; ++x)
       out(x, y) = coarse(std::clamp((x - margin) / 2 + margin, 0, coarse.width - 1),
@@ -203,7 +203,7 @@ Picture doubled(const Picture& coarse, int margin, const TargetLevel& target) {
 }
 
 // Where no patch reaches there is nothing.
-void clear_uncovered(const NearestField& field, int half, Picture& picture) {
+void clear_uncovered(const NearestField& field, int half, PixelGrid& picture) {
   GridOf<std::uint8_t> covered(picture.width, picture.height, 0);
   for (int y = half; y < picture.height - half; ++y)
     for (int x = half; x < picture.width - half; ++x)
@@ -220,7 +220,7 @@ SegmentUse use_of(const NearestField& field, const std::vector<int>& sources,
   use.sources = static_cast<std::int64_t>(sources.size());
   use.targets = static_cast<std::int64_t>(targets.size());
   if (use.sources == 0) return use;
-  use.least = use.targets / use.sources;
+  use.min_uses = use.targets / use.sources;
   use.remainder = use.targets % use.sources;
   std::vector<std::int32_t> used(field.source_places(), 0);
   for (const int target : targets) {
@@ -238,7 +238,7 @@ SegmentUse use_of(const NearestField& field, const std::vector<int>& sources,
 int levels_for(cv::Size exemplar, cv::Size target, const TransferOptions& options) {
   if (options.levels > 0) return options.levels;
   int side = std::min({exemplar.width, exemplar.height, target.width, target.height}), levels = 1;
-  for (; side / 2 >= kLeastSide && levels < 10; side /= 2) ++levels;
+  for (; side / 2 >= kMinSide && levels < 10; side /= 2) ++levels;
   return levels;
 }
 
@@ -283,7 +283,7 @@ TransferredFrame Transfer::Impl::next(const TargetFrame& target, const std::func
 
   // The past: none before the first frame, whose lambda is 0 (Sec. 4.4).
   const bool first = state.picture.values.empty();
-  Past past{Picture(mask.width, mask.height), Grid(mask.width, mask.height)};
+  Past past{PixelGrid(mask.width, mask.height), Grid(mask.width, mask.height)};
   if (!first) {
     WarpedFrame warped = forward_warp(state.picture, state.mask, state.flow);
     past.lambda = local_lambda(mask, warped.mask, options.lambda);
@@ -299,7 +299,7 @@ TransferredFrame Transfer::Impl::next(const TargetFrame& target, const std::func
   double work = 0, worked = 0;
   for (const TargetLevel& level : targets) work += static_cast<double>(level.lambda.values.size());
   const std::uint64_t frame_seed = scramble(options.seed ^ scramble(static_cast<std::uint64_t>(state.frame)));
-  Picture picture;
+  PixelGrid picture;
   NearestField field;
   for (std::size_t k = levels; k-- > 0;) {
     const ExemplarLevel& source = prepared.levels[k];
@@ -383,7 +383,7 @@ TransferredFrame Transfer::Impl::next(const TargetFrame& target, const std::func
   if (patches == 0) made.remarks.push_back("the target's mask is empty: the frame is transparent");
 
   picture = without_margin(picture, margin);
-  Picture shown = picture;
+  PixelGrid shown = picture;
   if (prepared.opaque) {
     made.remarks.push_back("the exemplar is opaque: the frame's alpha is the target's");
     for (std::size_t i = 0; i < shown.values.size(); ++i)
@@ -408,7 +408,7 @@ Transfer::~Transfer() = default;
 
 int Transfer::frame() const { return impl_->state.frame; }
 
-TransferredFrame Transfer::next(const TargetFrame& target, const std::function<void(double share)>& done) {
+TransferredFrame Transfer::next(const TargetFrame& target, const std::function<void(double fraction)>& done) {
   return impl_->next(target, done);
 }
 

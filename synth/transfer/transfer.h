@@ -31,15 +31,15 @@ enum class Search {
 };
 
 struct TransferOptions {
-  int patch = 5;        // px a side, odd, 3 to 9
+  int patch = 5;        // px per side, odd, 3 to 9
   double lambda = 0.2;  // 0 to 1: weight of temporal coherence
   double eta = 3;       // 0 to 16: weight of the blurred alpha; less: richer boundaries
   double radius = 3;    // px, 0.5 to 50: standard deviation of the blur of alpha
   double lower = 0.1;   // blurred alpha from here is the boundary
   double upper = 0.9;   // and from here the interior
   int levels = 0;       // of the pyramid, 1 to 10; 0: as many as leave the shorter side 24 px
-  int iterations = 4;   // of retrieval and vote, a level
-  int passes = 2;       // of PatchMatch, a retrieval
+  int iterations = 4;   // of retrieval and vote, per level
+  int passes = 2;       // of PatchMatch, per retrieval
   // 0 to 4: where patches overlap, one counts as (its distance)^-vote_power. 0.6 is Kwatra et al. 2005;
   // Wexler et al. 2007 weigh more steeply. At 0.6 a picture and a clip of fire kept 0.59 and 0.61 of their
   // sharpness (mean squared Laplacian), at 2 0.82 and 0.87.
@@ -61,7 +61,8 @@ void check(const TransferOptions& options);
 struct ExemplarFrame {
   cv::Mat bgra;    // CV_8UC4, CV_16UC4 or CV_32FC4 (0..1), straight alpha; the colour of what is transparent
                    // counts for nothing. Never written to
-  cv::Mat motion;  // empty, or CV_32FC2, px a frame, of bgra's size: what lies at p lies at p + motion in the
+  cv::Mat motion;  // empty, or CV_32FC2, px per frame, of bgra's size: what lies at p lies at p + motion in
+                   // the
                    // next frame. Temporal coherence then compares along it; without it, at the same pixel
                    // (Sec. 4.3)
 };
@@ -74,14 +75,14 @@ using Exemplar = std::function<ExemplarFrame(int t)>;
 /// One moment of the design. All frames have one size.
 struct TargetFrame {
   cv::Mat alpha;  // CV_8U, or CV_32F 0..1: where the fluid is
-  cv::Mat flow;   // CV_32FC2, px a frame, x right, y down: what lies at p now lies at p + flow in the next
+  cv::Mat flow;   // CV_32FC2, px per frame, x right, y down: what lies at p now lies at p + flow in the next
                   // frame, as synth/simulate writes it
 };
 
-/// How often source patches were used, by segment.
+/// How many times source patches were used, by segment.
 struct SegmentUse {
   std::int64_t sources = 0, targets = 0;
-  std::int64_t least = 0;                  // K = targets / sources
+  std::int64_t min_uses = 0;               // K = targets / sources
   std::int64_t remainder = 0;              // R = targets % sources: so many are used K + 1 times
   std::vector<std::int64_t> sources_used;  // [n]: how many source patches were used n times
 
@@ -89,10 +90,10 @@ struct SegmentUse {
   bool uniform() const;
 };
 
-struct StageSeconds {  // wall clock, all levels
-  double prepare = 0;  // exemplar, segments, warp, pyramids
-  double search = 0;   // nearest neighbours
-  double assign = 0;   // collisions, order, counts
+struct TransferSeconds {  // wall clock, all levels
+  double prepare = 0;     // exemplar, segments, warp, pyramids
+  double search = 0;      // nearest neighbours
+  double assign = 0;      // collisions, order, counts
   double vote = 0;
   double blur = 0;  // along the motion
 };
@@ -108,7 +109,7 @@ struct TransferredFrame {
   std::int64_t violations = 0;  // target patches whose source is of the other segment
   double mean_distance = 0;
   std::vector<std::string> remarks;  // what had to be done otherwise than asked, for a person
-  StageSeconds seconds;
+  TransferSeconds seconds;
 };
 
 /// The animation, one frame after the other. A frame depends on the one before: frames cannot be made out of
@@ -129,13 +130,13 @@ class Transfer {
   Transfer& operator=(Transfer&&) noexcept;
   ~Transfer();
 
-  /// The next frame. done(share) is called from this thread a few times, 0..1; what it throws ends the frame,
-  /// and the state is then what it was before.
+  /// The next frame. done(fraction) is called from this thread a few times, 0..1; what it throws ends the
+  /// frame, and the state is then what it was before.
   /// Throws  Error{kInput}: a type or a size other than said above or than the frame before, flow that is not
-  ///         finite, an exemplar smaller than 2 patches a side or with no fluid in it. An empty mask is a
+  ///         finite, an exemplar smaller than 2 patches per side or with no fluid in it. An empty mask is a
   ///         transparent frame.
   /// Cost    see docs/measurements.md
-  TransferredFrame next(const TargetFrame& target, const std::function<void(double share)>& done = {});
+  TransferredFrame next(const TargetFrame& target, const std::function<void(double fraction)>& done = {});
 
   /// Index of the frame that next() makes.
   int frame() const;

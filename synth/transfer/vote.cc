@@ -13,7 +13,7 @@ constexpr float kFloor = 25.0f * (2.0f / 255) * (2.0f / 255);
 
 // Pixels of a row from the patches centred in one row, dy above or below it.
 FRESHET_WIDE
-void add_row(const Picture& source, const std::int32_t* from, const float* weights, int dy, int half,
+void add_row(const PixelGrid& source, const std::int32_t* from, const float* weights, int dy, int half,
              int width, Pixel* sum, float* weight_sum) {
   for (int centre = half; centre < width - half; ++centre) {
     const std::int32_t place = from[centre];
@@ -30,7 +30,7 @@ void add_row(const Picture& source, const std::int32_t* from, const float* weigh
 
 }  // namespace
 
-void vote(const Picture& source, const NearestField& field, int patch, double power, Picture& into) {
+void vote(const PixelGrid& source, const NearestField& field, int patch, double power, PixelGrid& into) {
   const int width = field.target_width, height = field.target_height, half = patch / 2;
   Grid weights(width, height);
   for_rows(height, [&](int y) {

@@ -1,7 +1,7 @@
 // synth/transfer/vote.h — a picture from overlapping patches.
 #pragma once
 
-#include "synth/transfer/picture.h"
+#include "synth/transfer/pixel_grid.h"
 #include "synth/transfer/retrieval.h"
 
 namespace freshet::synth::transfer {
@@ -11,6 +11,6 @@ namespace freshet::synth::transfer {
 /// patch from speaking alone. Pixels that no patch covers are left as they are.
 ///
 /// source  the exemplar's colours, of field's source size; into: of its target size.
-void vote(const Picture& source, const NearestField& field, int patch, double power, Picture& into);
+void vote(const PixelGrid& source, const NearestField& field, int patch, double power, PixelGrid& into);
 
 }  // namespace freshet::synth::transfer

@@ -104,13 +104,13 @@ TEST(FindCuts, DoesNotTakeFlickerOrAFlashOfExposureForACut) {
   EXPECT_TRUE(find_cuts({}).empty());
 }
 
-TEST(DuplicatedShare, CountsRepeatedFramesButNotSlowOnes) {
+TEST(DuplicatedFraction, CountsRepeatedFramesButNotSlowOnes) {
   std::vector<FrameChange> changes(40, {0.01f, 0.02f, 0.02f});
   for (int i = 4; i < 40; i += 10) changes[i] = {0.0004f, 0, 0};
-  EXPECT_DOUBLE_EQ(duplicated_share(changes), 0.1);
-  EXPECT_EQ(duplicated_share(std::vector<FrameChange>(40, {0.0004f, 0, 0})), 0);
-  EXPECT_EQ(duplicated_share(std::vector<FrameChange>(40, {0, 0, 0})), 1) << "a still";
-  EXPECT_EQ(duplicated_share({}), 0);
+  EXPECT_DOUBLE_EQ(duplicated_fraction(changes), 0.1);
+  EXPECT_EQ(duplicated_fraction(std::vector<FrameChange>(40, {0.0004f, 0, 0})), 0);
+  EXPECT_EQ(duplicated_fraction(std::vector<FrameChange>(40, {0, 0, 0})), 1) << "a still";
+  EXPECT_EQ(duplicated_fraction({}), 0);
 }
 
 }  // namespace

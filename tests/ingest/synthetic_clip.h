@@ -14,8 +14,8 @@ struct SyntheticClip {
   int frames = 40;
   int fps = 25;
   cv::Rect moving{24, 24, 144, 96};  // in which a texture scrolls
-  cv::Vec2d velocity{1.0, 0.5};      // of the texture, px a frame
-  cv::Vec2d pan{0, 0};               // of the whole scene, px a frame
+  cv::Vec2d velocity{1.0, 0.5};      // of the texture, px per frame
+  cv::Vec2d pan{0, 0};               // of the whole scene, px per frame
   double jitter = 0;                 // px, uniform +-, of the whole scene
   int cut_at = 0;                    // frame at which another scene begins; 0: none
   bool changing = false;             // the texture turns into another all the time, as a fluid does

@@ -67,14 +67,14 @@ std::vector<cv::Mat> by_ffmpeg(const Scratch& scratch, const fs::path& path, int
 }
 
 double worst(const cv::Mat& a, const cv::Mat& b, int first_channel, int count) {
-  double most = 0;
+  double maximum = 0;
   std::vector<cv::Mat> of_a, of_b;
   cv::split(a, of_a);
   cv::split(b, of_b);
   for (int c = first_channel; c < first_channel + count; ++c)
-    most = std::max(
-        most, cv::norm(of_a[static_cast<std::size_t>(c)], of_b[static_cast<std::size_t>(c)], cv::NORM_INF));
-  return most;
+    maximum = std::max(maximum, cv::norm(of_a[static_cast<std::size_t>(c)], of_b[static_cast<std::size_t>(c)],
+                                         cv::NORM_INF));
+  return maximum;
 }
 
 TEST(Alpha, MatroskaAndPngAreExactForFfmpeg) {
@@ -145,7 +145,7 @@ TEST(Alpha, SixteenBitsAreRefusedWhereTheyWouldBeLost) {
     VideoWriter writer(scratch / name, {kWidth, kHeight});
     const std::string fault =
         fault_of(ErrorKind::kUsage, [&] { writer.write(cv::Mat(kHeight, kWidth, CV_16UC3, cv::Scalar(0))); });
-    EXPECT_NE(fault.find("8 bits a channel"), std::string::npos) << fault;
+    EXPECT_NE(fault.find("8 bits per channel"), std::string::npos) << fault;
   }
 }
 

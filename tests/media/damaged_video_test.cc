@@ -20,20 +20,20 @@ constexpr const char* kSource = "-f lavfi -i testsrc=s=48x32:r=10:d=2,noise=alls
 
 // Hashes of what decodes, then the complaint; or the error.
 std::vector<std::string> outcome(const fs::path& file, int threads) {
-  std::vector<std::string> told;
+  std::vector<std::string> digests;
   try {
     VideoReader reader(file, threads);
     while (const auto frame = reader.next()) {
-      told.push_back(frame_md5(*frame));
+      digests.push_back(frame_md5(*frame));
       to_bgr(*frame);
-      if (told.size() > 1000) break;
+      if (digests.size() > 1000) break;
     }
   } catch (const Error& error) {
     EXPECT_EQ(error.kind(), ErrorKind::kInput) << error.what();
     EXPECT_NE(std::string(error.what()).find(file.filename().string()), std::string::npos) << error.what();
-    told.emplace_back("error");
+    digests.emplace_back("error");
   }
-  return told;
+  return digests;
 }
 
 std::vector<char> mutant(std::vector<char> bytes, std::mt19937& random) {

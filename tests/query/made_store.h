@@ -27,7 +27,7 @@ struct MadeClip {
   double seconds = 4;
   std::uint64_t texture = 1;  // seed of the average image
   bool patches = true;
-  double frame_s = 0.04;  // between the times of its frames; the record says 25 frames a second in any case
+  double frame_s = 0.04;  // between the times of its frames; the record says 25 frames per second in any case
 };
 
 inline vision::Settings made_settings() {

@@ -14,7 +14,7 @@ namespace {
 CurveChart some_chart() {
   return {.title = "Time & recall",
           .x = {.title = "recall@100"},
-          .y = {.title = "ms a piece", .logarithmic = true},
+          .y = {.title = "ms per piece", .logarithmic = true},
           .series = {{"exact", {{1, 0.5, "none"}}, ChartLine::kLevel},
                      {"<peer>", {{0.4, 0.1}, {0.9, 1}, {0.99, 10}}}}};
 }
@@ -36,7 +36,7 @@ TEST(CurveChart, IsWellFormedAndNamesItsSeriesAndAxes) {
   const auto svg = parsed(to_svg(some_chart()));
   std::set<std::string> texts;
   for (const auto& text : found(svg, "//text")) texts.insert(text.text().get());
-  for (const char* expected : {"Time & recall", "recall@100", "ms a piece", "exact", "<peer>"})
+  for (const char* expected : {"Time & recall", "recall@100", "ms per piece", "exact", "<peer>"})
     EXPECT_TRUE(texts.contains(expected)) << expected;
 }
 
@@ -54,7 +54,7 @@ TEST(CurveChart, APlaceOnALogarithmicAxisGoesByRatios) {
 
 TEST(CurveChart, LeavesOutWhatCannotBeShownAndSaysWhoIsNotInRange) {
   CurveChart chart = some_chart();
-  chart.x.least = 0.95;
+  chart.x.min = 0.95;
   chart.series[1].points = {{0.2, 1}, {0.5, 2}};
   chart.series.push_back({"odd", {{0.97, 0}, {0.98, std::nan("")}, {0.99, -1}}});
   const auto svg = parsed(to_svg(chart));
@@ -86,8 +86,8 @@ TEST(CurveChart, NamesDoNotCoverEachOther) {
 
 TEST(CurveChart, TicksAreNamedInRoundNumbers) {
   CurveChart chart;
-  chart.x = {.title = "patches", .logarithmic = true, .least = 1e4, .greatest = 5e6};
-  chart.y = {.title = "s", .least = 0, .greatest = 1};
+  chart.x = {.title = "patches", .logarithmic = true, .min = 1e4, .max = 5e6};
+  chart.y = {.title = "s", .min = 0, .max = 1};
   chart.series = {{"a", {{1e4, 0.1}, {5e6, 0.9}}}};
   std::set<std::string> texts;
   const auto svg = parsed(to_svg(chart));

@@ -39,24 +39,24 @@ TEST(Durability, AKilledWriterLeavesTheClipsWhoseCommitReturned) {
   for (unsigned delay_ms : {5, 15, 30, 60, 90}) {
     const auto file = folder / ("a" + std::to_string(delay_ms));
     Store::create(file, "");
-    int told[2];
-    ASSERT_EQ(pipe(told), 0);
+    int pipe_ends[2];
+    ASSERT_EQ(pipe(pipe_ends), 0);
     const pid_t child = fork();
     if (child == 0) {
       Store store = Store::open_write(file);
       for (std::uint64_t i = 0;; ++i) {
         add_clip(store, numbered(i));
         const char one = 1;
-        if (write(told[1], &one, 1) != 1) _exit(1);
+        if (write(pipe_ends[1], &one, 1) != 1) _exit(1);
       }
     }
     usleep(delay_ms * 1000);
     kill(child, SIGKILL);
     waitpid(child, nullptr, 0);
-    close(told[1]);
+    close(pipe_ends[1]);
     std::size_t returned = 0;
-    for (char one; read(told[0], &one, 1) == 1;) ++returned;
-    close(told[0]);
+    for (char one; read(pipe_ends[0], &one, 1) == 1;) ++returned;
+    close(pipe_ends[0]);
 
     Store store = Store::open_write(file);
     const Snapshot snapshot = store.snapshot();

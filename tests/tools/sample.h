@@ -1,4 +1,4 @@
-// tests/tools/sample.h — simulated clips and their store, made once a process by the executable itself.
+// tests/tools/sample.h — simulated clips and their store, made once per process by the executable itself.
 #pragma once
 
 #include <filesystem>

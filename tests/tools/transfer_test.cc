@@ -46,7 +46,7 @@ cv::Mat disc(cv::Size size, double x, double y, double radius) {
   return mask;
 }
 
-/// A disc that goes to the right by 2 px a frame, and a blotched disc as exemplar.
+/// A disc that goes to the right by 2 px per frame, and a blotched disc as exemplar.
 class TransferTool : public testing::Test {
  protected:
   TransferTool() {

@@ -50,14 +50,14 @@ TEST(LoopRule, DoesNotJoinToAFrameThatLooksTheSameAndMovesTheOtherWay) {
 }
 
 TEST(LoopRule, IsNoneForAClipThatIsTooShort) {
-  EXPECT_FALSE(rule_of(kLeastLoopFrames - 1, 8));
+  EXPECT_FALSE(rule_of(kMinLoopFrames - 1, 8));
   EXPECT_FALSE(rule_of(0, 8));
   for (const double fps : {0.5, 25.0, 240.0}) {
-    const auto rule = rule_of(kLeastLoopFrames, 14, fps);
+    const auto rule = rule_of(kMinLoopFrames, 14, fps);
     ASSERT_TRUE(rule) << fps;
     EXPECT_GE(rule->length(), 12U);
     EXPECT_GE(rule->to, rule->fade / 2);
-    EXPECT_LT(rule->from + rule->fade / 2, kLeastLoopFrames);
+    EXPECT_LT(rule->from + rule->fade / 2, kMinLoopFrames);
   }
 }
 

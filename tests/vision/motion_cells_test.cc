@@ -158,7 +158,7 @@ TEST(MotionCells, AreTheSameOnAnyNumberOfThreads) {
   }
 }
 
-TEST(MotionCells, MeanSpeedIsInSourcePxAFrame) {
+TEST(MotionCells, MeanSpeedIsInSourcePxPerFrame) {
   const Motion m{.amplitude_u = 0, .amplitude_v = 0};
   MotionAccumulator accumulator(m.frame, m.step, m.fps, {});
   feed(accumulator, m);

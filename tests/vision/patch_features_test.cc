@@ -121,7 +121,7 @@ TEST(PatchFeatures, EqualSpectraOfTheTurnedFlow) {
   }
   RecordProperty("worst_mean_px_per_s", std::to_string(worst_mean));
   RecordProperty("worst_power_of_total", std::to_string(worst_power));
-  EXPECT_LT(worst_mean, 0.5);  // of some 70 px/s; 1/64 px a frame is 0.4 px/s
+  EXPECT_LT(worst_mean, 0.5);  // of some 70 px/s; 1/64 px per frame is 0.4 px/s
 }
 
 TEST(PatchFeatures, TextureIsReadAtTheMappedCentres) {

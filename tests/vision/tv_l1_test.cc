@@ -36,7 +36,7 @@ double mean_distance(const cv::Mat& a, const cv::Mat& b) {
   return sum / static_cast<double>(a.total());
 }
 
-// OpenCV's goes iteration by iteration over whole pictures. More warps would tell nothing: both read pictures
+// OpenCV's goes iteration by iteration over whole pictures. More warps would say nothing: both read pictures
 // at places rounded to 1/32 px, and what differs by a rounding there grows from warp to warp.
 TEST(TvL1, IsOpenCvsFlowOfTheSameOptions) {
   cv::setNumThreads(1);

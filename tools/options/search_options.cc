@@ -42,7 +42,7 @@ void SearchOptions::add_to(CLI::App& command) {
       .add_option("--tolerance", options_.direction_tolerance_deg, "Degrees to either side of --direction")
       ->check(CLI::Range(1.0, 180.0))
       ->capture_default_str();
-  command.add_option("-k,--candidates", options_.k, "Candidates a piece")
+  command.add_option("-k,--candidates", options_.k, "Candidates per piece")
       ->check(CLI::Range(1, 10000))
       ->capture_default_str();
   command
@@ -63,10 +63,11 @@ void SearchOptions::add_to(CLI::App& command) {
                   "ingest --patch), which is all that it can be; another is refused [the store's]")
       ->check(CLI::Range(8, 1024));
   command
-      .add_option("--piece-scale", piece_scale_,
-                  "How often the picture is reduced before it is cut, 1 to 16; patches are shown enlarged as "
-                  "much. auto brings the longer side near 1280 px: 1 below 1600 px, 1.5 at 1920, 3 at 3840")
-      ->check(CLI::IsMember({"auto"}) | CLI::Range(1.0, query::kMostPieceScale))
+      .add_option(
+          "--piece-scale", piece_scale_,
+          "What the picture's sides are divided by before it is cut, 1 to 16; patches are shown enlarged by "
+          "it. auto brings the longer side near 1280 px: 1 below 1600 px, 1.5 at 1920, 3 at 3840")
+      ->check(CLI::IsMember({"auto"}) | CLI::Range(1.0, query::kMaxPieceScale))
       ->capture_default_str();
   command.add_option("--index", index_, "exact, or one of FLANN's that freshet index --flann has built")
       ->check(CLI::IsMember({"exact", "flann-kdtree", "flann-kmeans", "flann-hierarchical"}))
@@ -113,12 +114,12 @@ void Duration::add_to(CLI::App& command) {
                   "Frames of the animation; clips that do not last as long play by their loop rules")
       ->check(CLI::Range(1, 100000))
       ->capture_default_str();
-  command.add_option("--fps", fps, "Frames a second of the animation")
+  command.add_option("--fps", fps, "Frames per second of the animation")
       ->check(CLI::Range(1.0, 240.0))
       ->capture_default_str();
 }
 
-void LabelOptions::add_to(CLI::App& command) {
+void SolverOptions::add_to(CLI::App& command) {
   command.add_option("--solver", solver_, "trw-s (with a lower bound), alpha-expansion (the paper's), icm")
       ->check(CLI::IsMember({"trw-s", "alpha-expansion", "icm"}))
       ->capture_default_str();
@@ -145,11 +146,11 @@ void LabelOptions::add_to(CLI::App& command) {
           ->check(CLI::NonNegativeNumber);
 }
 
-query::Minimizer LabelOptions::solver() const { return query::parse_minimizer(solver_); }
+query::Minimizer SolverOptions::solver() const { return query::parse_minimizer(solver_); }
 
-query::PairwiseOptions LabelOptions::costs() const { return costs(query::parse_cost_form(costs_)); }
+query::PairwiseOptions SolverOptions::costs() const { return costs(query::parse_cost_form(costs_)); }
 
-query::PairwiseOptions LabelOptions::costs(query::CostForm form) const {
+query::PairwiseOptions SolverOptions::costs(query::CostForm form) const {
   query::PairwiseOptions costs = query::default_costs(form);
   if (lambda_option_->count() > 0) costs.lambda = lambda_;
   if (sigma_option_->count() > 0) costs.sigma = sigma_;

@@ -54,8 +54,8 @@ struct Duration {
   double seconds() const { return frames / fps; }
 };
 
-/// How one candidate a piece is chosen.
-class LabelOptions {
+/// How one candidate per piece is chosen.
+class SolverOptions {
  public:
   void add_to(CLI::App& command);
   query::Minimizer solver() const;

@@ -37,12 +37,12 @@ void SettingsOptions::add_to(CLI::App& command) {
                                         "measuring"))
           ->check(CLI::Range(4, 96))
           ->default_str("half of the patch");
-  add("/min_coverage",
-      command.add_option("--min-coverage", settings_.min_coverage, "Share of a patch that must move, 0..1"))
+  add("/min_coverage", command.add_option("--min-coverage", settings_.min_coverage,
+                                          "Fraction of a patch that must move, 0..1"))
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();
   add("/min_motion_px", command.add_option("--min-motion", settings_.min_motion_px,
-                                           "Mean motion that counts, px a frame at 25 frames/s"))
+                                           "Mean motion that counts, px per frame at 25 frames/s"))
       ->check(CLI::Range(0.0, 100.0))
       ->capture_default_str();
   add("/flow/method",

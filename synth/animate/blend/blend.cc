@@ -33,9 +33,9 @@ FRESHET_WIDE void column_sums(const float* from, std::ptrdiff_t stride, int n, f
     for (int x = 0; x < n; ++x) sums[x] += from[y * stride + x];
 }
 
-FRESHET_WIDE void take_off(const float* from, std::ptrdiff_t stride, float level, int n, float* to) {
+FRESHET_WIDE void take_off(const float* from, std::ptrdiff_t stride, float mean, int n, float* to) {
   for (int y = 0; y < n; ++y)
-    for (int x = 0; x < n; ++x) to[y * n + x] = from[y * stride + x] - level;
+    for (int x = 0; x < n; ++x) to[y * n + x] = from[y * stride + x] - mean;
 }
 
 /// The weight of a piece at one level: its own square, softened over the level's wavelength. Never zero, so
@@ -66,10 +66,10 @@ struct Blender::Impl {
   std::vector<cv::Mat> weight;              // by level, side / 2^level
   std::vector<cv::Mat> gain;                // by level, canvas / 2^level
   std::vector<std::vector<cv::Mat>> bands;  // by frame, level
-  // Mean level of every piece in every frame, on the lattice of pieces.
+  // Mean luma of every piece in every frame, on the lattice of pieces.
   cv::Size lattice;
-  cv::Mat present;                      // lattice, CV_32F, 1 where a piece lies
-  std::vector<cv::Mat> level_of_piece;  // by frame, lattice
+  cv::Mat present;                          // lattice, CV_32F, 1 where a piece lies
+  std::vector<cv::Mat> mean_luma_of_piece;  // by frame, lattice
 
   struct Scratch {
     std::vector<float> current, low, wide, line;
@@ -92,14 +92,14 @@ struct Blender::Impl {
     // Pieces of one lattice parity do not overlap: with a stride of half the side four planes hold every
     // pixel's pieces.
     const int overlap = (placement.side + placement.stride - 1) / placement.stride;
-    std::vector<cv::Mat> owner(overlap * overlap), share(overlap * overlap);
+    std::vector<cv::Mat> owner(overlap * overlap), fraction(overlap * overlap);
     for (cv::Mat& plane : owner) plane = cv::Mat(size, CV_32S, cv::Scalar(-1));
-    for (cv::Mat& plane : share) plane = cv::Mat::zeros(size, CV_32F);
+    for (cv::Mat& plane : fraction) plane = cv::Mat::zeros(size, CV_32F);
     for (std::size_t p = 0; p < placement.patches.size(); ++p) {
       const cv::Point at = lattice_of(p);
       const int parity = (at.y % overlap) * overlap + at.x % overlap;
       owner[parity](at_level(p, level)).setTo(static_cast<int>(p));
-      weight[level].copyTo(share[parity](at_level(p, level)));
+      weight[level].copyTo(fraction[parity](at_level(p, level)));
     }
     cv::Mat out = cv::Mat::zeros(size, CV_32F);
     std::vector<int> who(owner.size());
@@ -112,7 +112,7 @@ struct Blender::Impl {
           const int p = owner[k].at<int>(y, x);
           if (p < 0) continue;
           who[n] = p;
-          w[n] = share[k].at<float>(y, x);
+          w[n] = fraction[k].at<float>(y, x);
           sum += w[n++];
         }
         if (n == 0) continue;
@@ -138,7 +138,7 @@ Blender::Blender(const Placement& placement, int frames, const BlendOptions& opt
   // A level whose samples fall between the lattice's would lay the pieces beside their places.
   const auto step = static_cast<unsigned>(common_step(placement, 1 << options.levels));
   int levels = std::countr_zero(step);
-  while (levels > 0 && placement.side >> (levels - 1) < kLeastSquare) --levels;
+  while (levels > 0 && placement.side >> (levels - 1) < kMinSquare) --levels;
   impl_->options.levels = levels;
   impl_->canvas = canvas_of(placement);
   const cv::Rect canvas = impl_->canvas;
@@ -151,7 +151,7 @@ Blender::Blender(const Placement& placement, int frames, const BlendOptions& opt
   for (std::size_t p = 0; p < placement.patches.size(); ++p)
     impl_->present.at<float>(impl_->lattice_of(p)) = 1;
   impl_->bands.resize(frames);
-  impl_->level_of_piece.resize(frames);
+  impl_->mean_luma_of_piece.resize(frames);
 }
 
 Blender::~Blender() = default;
@@ -163,7 +163,7 @@ void Blender::add(int frame, std::size_t patch, const cv::Mat& difference) {
   if (bands.empty()) {
     for (int level = 0; level <= levels; ++level)
       bands.push_back(cv::Mat::zeros(self.canvas.height >> level, self.canvas.width >> level, CV_32F));
-    self.level_of_piece[frame] = cv::Mat::zeros(self.lattice, CV_32F);
+    self.mean_luma_of_piece[frame] = cv::Mat::zeros(self.lattice, CV_32F);
   }
   Impl::Scratch& s = self.scratch.local();
   const int side = self.placement.side, area = side * side;
@@ -181,7 +181,7 @@ void Blender::add(int frame, std::size_t patch, const cv::Mat& difference) {
     double sum = 0;
     for (int x = 0; x < side; ++x) sum += s.line[x];
     mean = static_cast<float>(sum / area);
-    self.level_of_piece[frame].at<float>(self.lattice_of(patch)) = mean;
+    self.mean_luma_of_piece[frame].at<float>(self.lattice_of(patch)) = mean;
   }
   take_off(values, row, mean, side, s.current.data());
   for (int level = 0; level <= levels; ++level) {
@@ -213,7 +213,7 @@ cv::Mat Blender::take(int frame) {
     // A normalised Gaussian mean over neighbouring pieces, then back to pixels.
     cv::Mat sum, mass, shared;
     const double sigma = self.options.low_band_reach;
-    cv::GaussianBlur(self.level_of_piece[frame], sum, {}, sigma, sigma, cv::BORDER_CONSTANT);
+    cv::GaussianBlur(self.mean_luma_of_piece[frame], sum, {}, sigma, sigma, cv::BORDER_CONSTANT);
     cv::GaussianBlur(self.present, mass, {}, sigma, sigma, cv::BORDER_CONSTANT);
     cv::divide(sum, cv::max(mass, 1e-6), shared);
     const double stride = self.placement.stride;

@@ -67,9 +67,9 @@ template <class Use>
 void each_frame(const Moment& moment, const Use& use) {
   for (int i = 0; i < moment.count(); ++i) {
     const auto frame = static_cast<std::uint32_t>(moment.at[i]);
-    const double part = moment.at[i] - frame;
-    use(frame, moment.weight[i] * (1 - part));
-    if (part > 0) use(frame + 1, moment.weight[i] * part);
+    const double fraction = moment.at[i] - frame;
+    use(frame, moment.weight[i] * (1 - fraction));
+    if (fraction > 0) use(frame + 1, moment.weight[i] * fraction);
   }
 }
 
@@ -99,17 +99,17 @@ ClipLayer::ClipLayer(const store::Snapshot& snapshot, store::ClipId clip, int fl
     TimelineOptions own = options;
     own.speed = speed;
     own.whole = resampling == Resampling::kNearest;
-    Voice& voice = voices_.emplace_back();
-    voice.members = std::move(members);
-    voice.moments = timeline(times, interval, rule, record.name, own);
-    lay_out(voice);
+    SpeedGroup& group = groups_.emplace_back();
+    group.members = std::move(members);
+    group.moments = timeline(times, interval, rule, record.name, own);
+    lay_out(group);
   }
 }
 
-/// What of the clip's frames a voice's patches are made of, exactly.
-void ClipLayer::lay_out(Voice& voice) const {
+/// What of the clip's frames a speed group's patches are made of, exactly.
+void ClipLayer::lay_out(SpeedGroup& group) const {
   std::map<float, std::vector<std::size_t>> by_scale;
-  for (std::size_t i : voice.members) by_scale[placement_.patches[patches_[i]].variant.scale].push_back(i);
+  for (std::size_t i : group.members) by_scale[placement_.patches[patches_[i]].variant.scale].push_back(i);
   std::vector<cv::Rect> needed;
   for (auto& [scale, members] : by_scale) {
     const cv::Size size = reduced_to_scale(luma_.source(), scale);
@@ -117,42 +117,42 @@ void ClipLayer::lay_out(Voice& voice) const {
     for (std::size_t i : members) read.push_back(windows_[i].read());
     if (size == luma_.source()) {
       needed.insert(needed.end(), read.begin(), read.end());
-      voice.whole.insert(voice.whole.end(), members.begin(), members.end());
+      group.whole.insert(group.whole.end(), members.begin(), members.end());
       continue;
     }
     Reduced reduced{.reduction = AreaReduction(luma_.source(), size),
                     .cells = cells_touched(read, cv::Rect({}, size), kCell),
                     .members = std::move(members)};
     for (const cv::Rect& cell : reduced.cells) needed.push_back(reduced.reduction.source_of(cell));
-    voice.reduced.push_back(std::move(reduced));
+    group.reduced.push_back(std::move(reduced));
   }
-  voice.cells = cells_touched(needed, cv::Rect({}, luma_.source()), kCell);
-  for (cv::Rect& cell : voice.cells) cell &= luma_.region();
+  group.cells = cells_touched(needed, cv::Rect({}, luma_.source()), kCell);
+  for (cv::Rect& cell : group.cells) cell &= luma_.region();
 }
 
 std::vector<ClipLayer::Played> ClipLayer::played() const {
   std::vector<Played> played;
-  for (const Voice& voice : voices_) {
-    played.push_back({.patches = {}, .moments = voice.moments});
-    for (std::size_t member : voice.members) played.back().patches.push_back(patches_[member]);
+  for (const SpeedGroup& group : groups_) {
+    played.push_back({.patches = {}, .moments = group.moments});
+    for (std::size_t member : group.members) played.back().patches.push_back(patches_[member]);
   }
   return played;
 }
 
 std::size_t ClipLayer::average_bytes() const {
-  return voices_.size() * luma_.region().area() * sizeof(float);
+  return groups_.size() * luma_.region().area() * sizeof(float);
 }
 
-std::size_t ClipLayer::bytes_an_output() const {
+std::size_t ClipLayer::bytes_per_output() const {
   std::size_t bytes = 0;
-  for (const Voice& voice : voices_) {
+  for (const SpeedGroup& group : groups_) {
     std::set<std::uint32_t> distinct;
     bool flow = false;
-    for (const Moment& moment : voice.moments) {
+    for (const Moment& moment : group.moments) {
       each_frame(moment, [&](std::uint32_t frame, double) { distinct.insert(frame); });
       flow = flow || moment.at[0] != std::floor(moment.at[0]);
     }
-    const double frames = std::min(3.0, 1 + static_cast<double>(distinct.size()) / voice.moments.size());
+    const double frames = std::min(3.0, 1 + static_cast<double>(distinct.size()) / group.moments.size());
     bytes += static_cast<std::size_t>(frames * (luma_.frame_bytes() + (flow ? luma_.flow_bytes() : 0)));
   }
   return bytes;
@@ -161,9 +161,9 @@ std::size_t ClipLayer::bytes_an_output() const {
 void ClipLayer::load(std::span<const int> outputs, std::span<const std::uint32_t> more) {
   const auto begin = std::chrono::steady_clock::now();
   std::set<std::uint32_t> frames(more.begin(), more.end()), flows;
-  for (const Voice& voice : voices_)
+  for (const SpeedGroup& group : groups_)
     for (int output : outputs) {
-      const Moment& moment = voice.moments[output];
+      const Moment& moment = group.moments[output];
       each_frame(moment, [&](std::uint32_t frame, double) { frames.insert(frame); });
       for (int i = 0; i < moment.count(); ++i)
         if (moment.at[i] != std::floor(moment.at[i])) flows.insert(static_cast<std::uint32_t>(moment.at[i]));
@@ -173,24 +173,24 @@ void ClipLayer::load(std::span<const int> outputs, std::span<const std::uint32_t
 }
 
 void ClipLayer::measure(std::span<const int> kept, std::vector<double>* change) {
-  // How much each clip frame counts in each voice's average.
-  std::vector<std::map<std::uint32_t, double>> weights(voices_.size());
+  // How much each clip frame counts in each speed group's average.
+  std::vector<std::map<std::uint32_t, double>> weights(groups_.size());
   std::set<std::uint32_t> shown;
-  for (std::size_t v = 0; v < voices_.size(); ++v) {
+  for (std::size_t v = 0; v < groups_.size(); ++v) {
     double total = 0;
-    for (const Moment& moment : voices_[v].moments)
+    for (const Moment& moment : groups_[v].moments)
       each_frame(moment, [&](std::uint32_t frame, double weight) {
         weights[v][frame] += weight;
         total += weight;
         shown.insert(frame);
       });
     for (auto& [frame, weight] : weights[v]) weight /= total;
-    voices_[v].average = cv::Mat::zeros(luma_.region().size(), CV_32F);
+    groups_[v].average = cv::Mat::zeros(luma_.region().size(), CV_32F);
   }
 
   // Frame after frame, in the clip's order, whatever is in memory at once: the sums are the same.
   const std::vector<std::uint32_t> frames(shown.begin(), shown.end());
-  const bool all = kept.size() == voices_.front().moments.size();
+  const bool all = kept.size() == groups_.front().moments.size();
   std::vector<float> step(frames.size(), 0);  // from the frame before, mean |difference|
   const std::span<const cv::Rect> blocks = luma_.blocks();
   double pixels = 0;
@@ -207,8 +207,8 @@ void ClipLayer::measure(std::span<const int> kept, std::vector<double>* change) 
       std::vector<int> so_far;  // outputs that are to stay and whose frames have come by
       for (int output : kept) {
         bool past = true;
-        for (const Voice& voice : voices_)
-          each_frame(voice.moments[output],
+        for (const SpeedGroup& group : groups_)
+          each_frame(group.moments[output],
                      [&](std::uint32_t frame, double) { past = past && frame <= frames[end - 1]; });
         if (past) so_far.push_back(output);
       }
@@ -221,10 +221,10 @@ void ClipLayer::measure(std::span<const int> kept, std::vector<double>* change) 
       for (std::size_t i = first; i < end; ++i)
         for (int y = block.y; y < block.br().y; ++y) {
           luma_.row(frames[i], block.x, y, block.width, luma.data());
-          for (std::size_t v = 0; v < voices_.size(); ++v)
+          for (std::size_t v = 0; v < groups_.size(); ++v)
             if (const auto weight = weights[v].find(frames[i]); weight != weights[v].end())
               add_weighed(luma.data(), static_cast<float>(weight->second), block.width,
-                          voices_[v].average.ptr<float>(y - luma_.region().y) + block.x - luma_.region().x);
+                          groups_[v].average.ptr<float>(y - luma_.region().y) + block.x - luma_.region().x);
           if (!change || i == 0) continue;
           luma_.row(frames[i - 1], block.x, y, block.width, before.data());
           for (int x = 0; x < block.width; ++x) steps[b][i - first] += std::abs(luma[x] - before[x]);
@@ -245,33 +245,33 @@ void ClipLayer::measure(std::span<const int> kept, std::vector<double>* change) 
     const auto next = std::upper_bound(frames.begin(), frames.end(), static_cast<std::uint32_t>(at));
     return step[std::min<std::size_t>(next - frames.begin(), frames.size() - 1)];
   };
-  for (const Voice& voice : voices_) {
-    const std::size_t outputs = voice.moments.size();
+  for (const SpeedGroup& group : groups_) {
+    const std::size_t outputs = group.moments.size();
     for (std::size_t i = 0; i < outputs; ++i) {
-      const Moment &a = voice.moments[i], &b = voice.moments[(i + 1) % outputs];
+      const Moment &a = group.moments[i], &b = group.moments[(i + 1) % outputs];
       double power = 0;
       for (int k = 0; k < a.count(); ++k) {
         const double moved = k < b.count() ? std::min(1.5, std::abs(b.at[k] - a.at[k])) : 1;
         power += std::pow(a.weight[k] * moved * step_at(a.at[k]), 2);
       }
-      (*change)[i] += std::sqrt(power) * static_cast<double>(voice.members.size());
+      (*change)[i] += std::sqrt(power) * static_cast<double>(group.members.size());
     }
   }
 }
 
-/// What a voice's patches are made of, less its average, into scratch.difference; the rest of it may be
+/// What a speed group's patches are made of, less its average, into scratch.difference; the rest of it may be
 /// anything.
-void ClipLayer::difference(const Voice& voice, const Moment& moment, Scratch& s) const {
+void ClipLayer::difference(const SpeedGroup& group, const Moment& moment, Scratch& s) const {
   if (s.difference.empty()) s.difference = cv::Mat::zeros(luma_.source(), CV_32F);
   s.part.resize(static_cast<std::size_t>(kCell.area()));
-  for (const cv::Rect& cell : voice.cells)
+  for (const cv::Rect& cell : group.cells)
     for (int k = 0; k < moment.count(); ++k) {
       luma_.at(moment.at[k], cell, s.part.data(), s.luma);
       for (int y = 0; y < cell.height; ++y) {
         float* to = s.difference.ptr<float>(cell.y + y) + cell.x;
         const float* part = s.part.data() + y * cell.width;
         const float* average =
-            voice.average.ptr<float>(cell.y + y - luma_.region().y) + cell.x - luma_.region().x;
+            group.average.ptr<float>(cell.y + y - luma_.region().y) + cell.x - luma_.region().x;
         if (k == 0)
           weigh_difference(part, average, moment.weight[k], cell.width, to);
         else
@@ -291,10 +291,10 @@ void ClipLayer::add(std::span<const int> outputs, Blender& blender) {
         blender.add(static_cast<int>(slot), patches_[i], s.window);
       }
     };
-    for (const Voice& voice : voices_) {
-      difference(voice, voice.moments[outputs[slot]], s);
-      lay(s.difference, voice.whole);
-      for (const Reduced& reduced : voice.reduced) {
+    for (const SpeedGroup& group : groups_) {
+      difference(group, group.moments[outputs[slot]], s);
+      lay(s.difference, group.whole);
+      for (const Reduced& reduced : group.reduced) {
         s.reduced.create(reduced.reduction.reduced(), CV_32F);
         for (const cv::Rect& cell : reduced.cells)
           reduced.reduction.apply(s.difference, cell, s.reduced, s.line);

@@ -57,8 +57,8 @@ class ClipLayer {
   /// Seconds spent in reading from the store.
   double read_s() const { return read_s_; }
   std::size_t average_bytes() const;
-  /// The most that an output frame needs of the clip's frames.
-  std::size_t bytes_an_output() const;
+  /// The maximum that an output frame needs of the clip's frames.
+  std::size_t bytes_per_output() const;
 
  private:
   struct Reduced {  // what is shown at one scale
@@ -66,7 +66,7 @@ class ClipLayer {
     std::vector<cv::Rect> cells;       // of the reduced frame
     std::vector<std::size_t> members;  // into patches_
   };
-  struct Voice {                       // patches at one speed
+  struct SpeedGroup {                  // patches at one speed
     std::vector<std::size_t> members;  // into patches_
     std::vector<Moment> moments;
     std::vector<cv::Rect> cells;     // px of the source that its patches are made of
@@ -79,15 +79,15 @@ class ClipLayer {
     std::vector<float> part, line;
     ClipLuma::Scratch luma;
   };
-  void lay_out(Voice& voice) const;
+  void lay_out(SpeedGroup& group) const;
   void load(std::span<const int> outputs, std::span<const std::uint32_t> more = {});
-  void difference(const Voice& voice, const Moment& moment, Scratch& scratch) const;
+  void difference(const SpeedGroup& group, const Moment& moment, Scratch& scratch) const;
 
   const Placement& placement_;
   std::vector<std::size_t> patches_;
   std::vector<PatchWindow> windows_;
   ClipLuma luma_;
-  std::vector<Voice> voices_;
+  std::vector<SpeedGroup> groups_;
   double read_s_ = 0;
 };
 

@@ -13,7 +13,7 @@ namespace {
 
 std::optional<vision::LoopRule> measured(const store::Snapshot& snapshot, store::ClipId clip) {
   const store::ClipRecord& record = snapshot.clip(clip);
-  if (record.frame_count < vision::kLeastLoopFrames) return std::nullopt;
+  if (record.frame_count < vision::kMinLoopFrames) return std::nullopt;
   const query::ClipFrames frames(snapshot, clip);
   vision::LoopFinder finder(static_cast<double>(record.fps_num) / static_cast<double>(record.fps_den));
   constexpr std::uint32_t kSlab = 16;

@@ -42,12 +42,12 @@ FRESHET_WIDE void mix_flow(const short* upper, const short* lower, float down, i
 }
 
 /// Between its columns: `first` from begin on.
-FRESHET_WIDE void flow_of_row(const float* mixed, const std::int32_t* first, const float* part, int n,
+FRESHET_WIDE void flow_of_row(const float* mixed, const std::int32_t* first, const float* fraction, int n,
                               float* flow) {
   const int begin = first[0] - 1;
   for (int i = 0; i < n; ++i) {
     const float a = mixed[first[i] - begin], b = mixed[first[i] - begin + 1];
-    flow[i] = a + part[i] * (b - a);
+    flow[i] = a + fraction[i] * (b - a);
   }
 }
 
@@ -59,12 +59,12 @@ FRESHET_WIDE void flow_of_row_halved(const float* mixed, int n, float* flow) {
   }
 }
 
-/// Places in steps (cubic.h), `share` px for each unit of the flow from `origin` px on; not beyond -1 and
+/// Places in steps (cubic.h), `fraction` px for each unit of the flow from `origin` px on; not beyond -1 and
 /// limit, from where on the frame's edge goes on.
-FRESHET_WIDE void places_of_row(const float* flow, int origin, int step, float share, int limit, int n,
+FRESHET_WIDE void places_of_row(const float* flow, int origin, int step, float fraction, int limit, int n,
                                 std::int32_t* places) {
   for (int i = 0; i < n; ++i) {
-    const float at = static_cast<float>(origin + step * i) + share * flow[i];
+    const float at = static_cast<float>(origin + step * i) + fraction * flow[i];
     const float inside = std::min(std::max(at, -1.0f), static_cast<float>(limit));
     // Positive where it is cut off: rounded down.
     places[i] = static_cast<std::int32_t>(inside * kCubicSteps + (kCubicSteps + 0.5f)) - kCubicSteps;
@@ -72,15 +72,15 @@ FRESHET_WIDE void places_of_row(const float* flow, int origin, int step, float s
 }
 
 struct Range {
-  std::int32_t least, most;
+  std::int32_t minimum, maximum;
 };
 FRESHET_WIDE void range_of(const std::int32_t* values, int n, Range& range) {
-  std::int32_t least = values[0], most = values[0];
+  std::int32_t minimum = values[0], maximum = values[0];
   for (int i = 1; i < n; ++i) {
-    least = values[i] < least ? values[i] : least;
-    most = values[i] > most ? values[i] : most;
+    minimum = values[i] < minimum ? values[i] : minimum;
+    maximum = values[i] > maximum ? values[i] : maximum;
   }
-  range = {least, most};
+  range = {minimum, maximum};
 }
 
 FRESHET_WIDE void read_places(const float* plane, std::ptrdiff_t offset, std::ptrdiff_t stride,
@@ -89,12 +89,12 @@ FRESHET_WIDE void read_places(const float* plane, std::ptrdiff_t offset, std::pt
 }
 
 /// Two pictures of one moment mixed: kDisagreement of luma apart, the nearer one alone counts.
-FRESHET_WIDE void mix(const float* before, const float* after, float part, int n, float* out) {
+FRESHET_WIDE void mix(const float* before, const float* after, float fraction, int n, float* out) {
   constexpr float kDisagreement = 0.1f;
   for (int i = 0; i < n; ++i) {
     const float difference = after[i] - before[i];
     const float steep = 1 + std::abs(difference) / kDisagreement * 4;
-    const float w = std::min(std::max(0.5f + (part - 0.5f) * steep, 0.0f), 1.0f);
+    const float w = std::min(std::max(0.5f + (fraction - 0.5f) * steep, 0.0f), 1.0f);
     out[i] = before[i] + w * difference;
   }
 }
@@ -169,7 +169,7 @@ ClipLuma::ClipLuma(const store::Snapshot& snapshot, store::ClipId clip, std::spa
     for (int i = begin; i < begin + n; ++i) {
       const double at = std::clamp((i + 0.5) / flow_step_ - 0.5 - flow_begin, 0.0, flow_n - 1.0);
       places.first.push_back(static_cast<std::int32_t>(at));
-      places.part.push_back(static_cast<float>(at - std::floor(at)));
+      places.fraction.push_back(static_cast<float>(at - std::floor(at)));
     }
     return places;
   };
@@ -279,12 +279,13 @@ void ClipLuma::row(std::uint32_t frame, int x, int y, int n, float* out) const {
 
 void ClipLuma::at(double moment, const cv::Rect& cell, float* out, Scratch& scratch) const {
   const auto frame = static_cast<std::uint32_t>(moment);
-  const auto part = static_cast<float>(moment - frame);
-  if (part > 0) return between(frame, part, cell, out, scratch);
+  const auto fraction = static_cast<float>(moment - frame);
+  if (fraction > 0) return between(frame, fraction, cell, out, scratch);
   for (int y = 0; y < cell.height; ++y) row(frame, cell.x, cell.y + y, cell.width, out + y * cell.width);
 }
 
-void ClipLuma::between(std::uint32_t frame, float part, const cv::Rect& cell, float* out, Scratch& s) const {
+void ClipLuma::between(std::uint32_t frame, float fraction, const cv::Rect& cell, float* out,
+                       Scratch& s) const {
   // The flow of the cell, between its samples.
   const Flow& by = flows_.at(frame);
   const cv::Point corner = cell.tl() - region_.tl();
@@ -296,7 +297,7 @@ void ClipLuma::between(std::uint32_t frame, float part, const cv::Rect& cell, fl
   const int before = halved && (cell.x + 1) / 2 - flow_region_.x > begin ? 1 : 0;
   for (int row = 0; row < cell.height; ++row) {
     const int y0 = flow_down_.first[corner.y + row], y1 = std::min(y0 + 1, flow_region_.height - 1);
-    const float down = flow_down_.part[corner.y + row];
+    const float down = flow_down_.fraction[corner.y + row];
     const auto interpolate = [&](const cv::Mat& component, std::vector<float>& flow) {
       mix_flow(component.ptr<short>(y0) + begin, component.ptr<short>(y1) + begin, down, samples,
                s.mixed.data());
@@ -304,21 +305,22 @@ void ClipLuma::between(std::uint32_t frame, float part, const cv::Rect& cell, fl
       if (halved)
         flow_of_row_halved(s.mixed.data() + before, cell.width, to);
       else
-        flow_of_row(s.mixed.data(), first, flow_across_.part.data() + corner.x, cell.width, to);
+        flow_of_row(s.mixed.data(), first, flow_across_.fraction.data() + corner.x, cell.width, to);
     };
     interpolate(by.u, s.u);
     interpolate(by.v, s.v);
   }
   // Where `frame` comes from, and by the same flow the one after it.
-  carried(frame, -part, cell, s.from.data(), s);
-  carried(frame + 1, 1 - part, cell, s.to.data(), s);
-  mix(s.from.data(), s.to.data(), part, cell.area(), out);
+  carried(frame, -fraction, cell, s.from.data(), s);
+  carried(frame + 1, 1 - fraction, cell, s.to.data(), s);
+  mix(s.from.data(), s.to.data(), fraction, cell.area(), out);
 }
 
-/// A cell of a frame, read `share` of the flow in s.u and s.v away.
-void ClipLuma::carried(std::uint32_t frame, float share, const cv::Rect& cell, float* out, Scratch& s) const {
+/// A cell of a frame, read `fraction` of the flow in s.u and s.v away.
+void ClipLuma::carried(std::uint32_t frame, float fraction, const cv::Rect& cell, float* out,
+                       Scratch& s) const {
   const cv::Point corner = cell.tl() - region_.tl();
-  const float unit = share * vision::kFlowUnit;
+  const float unit = fraction * vision::kFlowUnit;
   for (int row = 0; row < cell.height; ++row) {
     const int at = row * cell.width;
     places_of_row(s.u.data() + at, corner.x, 1, unit, region_.width, cell.width, s.x.data() + at);
@@ -328,8 +330,8 @@ void ClipLuma::carried(std::uint32_t frame, float share, const cv::Rect& cell, f
   Range x, y;
   range_of(s.x.data(), cell.area(), x);
   range_of(s.y.data(), cell.area(), y);
-  const int left = (x.least >> kCubicShift) - 1, right = (x.most >> kCubicShift) + 3;
-  const int top = (y.least >> kCubicShift) - 1, bottom = (y.most >> kCubicShift) + 3;
+  const int left = (x.minimum >> kCubicShift) - 1, right = (x.maximum >> kCubicShift) + 3;
+  const int top = (y.minimum >> kCubicShift) - 1, bottom = (y.maximum >> kCubicShift) + 3;
   const int stride = right - left;
   s.window.resize(static_cast<std::size_t>(stride) * (bottom - top));
   const int from = std::max(left, 0), to = std::min(right, region_.width);

@@ -33,7 +33,7 @@ class ClipLuma {
   /// when the clip has no flow of the shape it should have.
   void load(std::span<const std::uint32_t> frames, std::span<const std::uint32_t> flows = {});
 
-  /// The most that at() makes at once: small, so that all it needs stays in the nearest cache.
+  /// The maximum that at() makes at once: small, so that all it needs stays in the nearest cache.
   static constexpr int kCellWidth = 32, kCellHeight = 16;
   class Scratch {
    public:
@@ -61,8 +61,8 @@ class ClipLuma {
  private:
   void read_frames(std::span<const std::uint32_t> missing);
   void read_flows(std::span<const std::uint32_t> missing);
-  void between(std::uint32_t frame, float part, const cv::Rect& cell, float* out, Scratch& scratch) const;
-  void carried(std::uint32_t frame, float share, const cv::Rect& cell, float* out, Scratch& scratch) const;
+  void between(std::uint32_t frame, float fraction, const cv::Rect& cell, float* out, Scratch& scratch) const;
+  void carried(std::uint32_t frame, float fraction, const cv::Rect& cell, float* out, Scratch& scratch) const;
   void check_flow() const;
 
   store::Snapshot snapshot_;
@@ -79,7 +79,7 @@ class ClipLuma {
   // Where a column and a row of the region lie between samples of the flow's region.
   struct Between {
     std::vector<std::int32_t> first;
-    std::vector<float> part;  // of the one after it
+    std::vector<float> fraction;  // of the one after it
   };
   Between flow_across_, flow_down_;
   std::map<std::uint32_t, cv::Mat> frames_;

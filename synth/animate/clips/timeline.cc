@@ -17,11 +17,11 @@ double position_of(std::span<const double> times, double t, bool whole) {
   const auto next = std::upper_bound(times.begin(), times.end(), t);
   if (next == times.end()) return static_cast<double>(times.size() - 1);
   const auto before = static_cast<double>(next - times.begin() - 1);
-  const double part = (t - next[-1]) / (next[0] - next[-1]);
-  if (whole) return before + (part >= 0.5 ? 1 : 0);
+  const double fraction = (t - next[-1]) / (next[0] - next[-1]);
+  if (whole) return before + (fraction >= 0.5 ? 1 : 0);
   // A frame missed by an error of rounding is that frame: between frames all is computed.
   constexpr double kRounding = 1e-6;
-  return part < kRounding ? before : part > 1 - kRounding ? before + 1 : before + part;
+  return fraction < kRounding ? before : fraction > 1 - kRounding ? before + 1 : before + fraction;
 }
 
 /// A clip as a loop: begin .. end in its own time, s, and half the fade.
@@ -74,12 +74,12 @@ std::vector<Moment> timeline(std::span<const double> times, double interval,
     if (options.loop)
       throw Error(ErrorKind::kInput, where,
                   fmt::format("{}, too short to make a loop of: {} frames are needed", length,
-                              vision::kLeastLoopFrames),
+                              vision::kMinLoopFrames),
                   "Leave it out with --exclude, or animate without --loop");
     throw Error(
         ErrorKind::kInput, where,
         fmt::format("{}, too short for an animation of {:.2f} s and to make a loop of: {} frames are needed",
-                    length, options.frames / options.fps, vision::kLeastLoopFrames),
+                    length, options.frames / options.fps, vision::kMinLoopFrames),
         "Ask for fewer frames, or leave it out with --exclude");
   }
 

@@ -21,7 +21,7 @@ struct Moment {
 struct TimelineOptions {
   int frames = 96;     // of the animation
   double fps = 25;     // of the animation
-  double speed = 1;    // clip seconds a second of the animation
+  double speed = 1;    // clip seconds per second of the animation
   bool loop = false;   // periodic: the last frame is followed by the first
   double phase = 0;    // 0..1, loop: where in the period the clip begins; so that not all clips fade at once
   bool whole = false;  // only whole frames, the nearest in time

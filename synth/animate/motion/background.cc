@@ -9,12 +9,12 @@
 #include <opencv2/xphoto/inpainting.hpp>
 
 #include "freshet/error.h"
-#include "synth/animate/sampling/outward.h"
+#include "synth/animate/sampling/pull_push.h"
 
 namespace freshet::synth::animate {
 namespace {
 
-constexpr double kLeastBackground = 0.01;  // share of the picture from which the rest can be guessed
+constexpr double kMinBackground = 0.01;  // fraction of the picture from which the rest can be guessed
 
 cv::Mat fill(const cv::Mat& picture, const cv::Mat& hole, const InpaintOptions& options) {
   cv::Mat out;
@@ -37,11 +37,11 @@ cv::Mat fill(const cv::Mat& picture, const cv::Mat& hole, const InpaintOptions& 
     case InpaintMethod::kFsrFast:
       cv::xphoto::inpaint(picture, ~hole, out, cv::xphoto::INPAINT_FSR_FAST);
       break;
-    case InpaintMethod::kOutward: {
+    case InpaintMethod::kPullPush: {
       cv::Mat values, trust;
       picture.convertTo(values, CV_32F);
       cv::Mat(~hole).convertTo(trust, CV_32F, 1.0 / 255);
-      push_outward(values, trust).convertTo(out, CV_8U);
+      pull_push(values, trust).convertTo(out, CV_8U);
       break;
     }
   }
@@ -55,7 +55,7 @@ InpaintMethod parse_inpaint_method(const std::string& name) {
                                                              {"navier-stokes", InpaintMethod::kNavierStokes},
                                                              {"shift-map", InpaintMethod::kShiftMap},
                                                              {"fsr", InpaintMethod::kFsrFast},
-                                                             {"outward", InpaintMethod::kOutward}};
+                                                             {"outward", InpaintMethod::kPullPush}};
   const auto found = kMethods.find(name);
   if (found == kMethods.end())
     throw Error(ErrorKind::kUsage, "inpainting by " + name, "no such method",
@@ -71,12 +71,12 @@ cv::Mat inpaint_background(const cv::Mat& picture, const cv::Mat& matte, const I
   }
   const auto hidden = static_cast<double>(cv::countNonZero(hole));
   if (hidden == 0) return picture.clone();
-  if (hidden > (1 - kLeastBackground) * static_cast<double>(hole.total()))
+  if (hidden > (1 - kMinBackground) * static_cast<double>(hole.total()))
     throw Error(ErrorKind::kInput, "matte", "it covers the picture: no background is to be seen",
                 "Give the picture behind the fluid with --background, or a matte of the fluid alone");
 
   cv::Mat filled;
-  const double scale = static_cast<double>(options.most_side_px) / std::max(picture.cols, picture.rows);
+  const double scale = static_cast<double>(options.max_side_px) / std::max(picture.cols, picture.rows);
   if (scale >= 1) {
     filled = fill(picture, hole, options);
   } else {
@@ -87,7 +87,7 @@ cv::Mat inpaint_background(const cv::Mat& picture, const cv::Mat& matte, const I
     cv::Mat values, trust, small, small_hole;
     picture.convertTo(values, CV_32F);
     cv::Mat(~hole).convertTo(trust, CV_32F, 1.0 / 255);
-    push_outward(values, trust).convertTo(values, CV_8U);
+    pull_push(values, trust).convertTo(values, CV_8U);
     cv::resize(values, small, size, 0, 0, cv::INTER_AREA);
     cv::resize(hole, small_hole, size, 0, 0, cv::INTER_AREA);
     filled = fill(small, small_hole > 0, options);

@@ -12,15 +12,15 @@ enum class InpaintMethod {
   kNavierStokes,  // cv::inpaint: isophotes continued (Bertalmio et al. 2001)
   kShiftMap,      // cv::xphoto: pieces of the picture shifted in (He and Sun 2012)
   kFsrFast,       // cv::xphoto: frequency selective reconstruction (Genser et al. 2018)
-  kOutward,       // push_outward: smooth, no structure
+  kPullPush,      // by pull_push: smooth, no structure
 };
 InpaintMethod parse_inpaint_method(const std::string& name);  // "telea", ...; Error{kUsage}
 
 struct InpaintOptions {
   InpaintMethod method = InpaintMethod::kNavierStokes;
-  int radius_px = 5;       // of the neighbourhood that Telea and Navier-Stokes look at
-  int margin_px = 2;       // the hole is the matte and this much around it: its rim still holds fluid's light
-  int most_side_px = 640;  // larger pictures are filled in on a reduced copy of this longer side
+  int radius_px = 5;      // of the neighbourhood that Telea and Navier-Stokes look at
+  int margin_px = 2;      // the hole is the matte and this much around it: its rim still holds fluid's light
+  int max_side_px = 640;  // larger pictures are filled in on a reduced copy of this longer side
 };
 
 /// The picture with the region of the matte filled in from around it; everywhere else the picture itself.

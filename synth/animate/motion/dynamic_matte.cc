@@ -17,7 +17,7 @@ namespace {
 constexpr double kNominalFps = 25;       // the rate that tau is given for
 constexpr float kEdge = 1e-4f;           // below it and above 1 - it a pixel is empty or full
 constexpr double kAreaTolerance = 2e-4;  // of the area
-constexpr double kMostSharpening = 3;    // more draws bright outlines around what is faint
+constexpr double kMaxSharpening = 3;     // more draws bright outlines around what is faint
 
 /// Pixels of a matte that are neither empty nor full, as odds b / (1 - b) to a power; and the area of the
 /// full ones.
@@ -88,7 +88,7 @@ void keep_area(cv::Mat& matte, double area) {
 void sharpen(cv::Mat& matte, double area, double softness) {
   const Edge edge = edge_of(matte);
   if (softness_of(edge.odds, 1) <= softness) return;
-  double low = 1, high = kMostSharpening, factor = 1;
+  double low = 1, high = kMaxSharpening, factor = 1;
   std::vector<double> odds = edge.odds;
   for (int i = 0; i < 10; ++i) {
     const double power = std::sqrt(low * high);
@@ -148,8 +148,8 @@ DynamicMatte::DynamicMatte(const cv::Mat& alpha, const cv::Mat& mean_motion, dou
       for (int x = 0; x < alpha.cols; ++x) {
         // Only fluid is held: empty places may always be entered. The square holds it for as long as it would
         // take to come from the foot, and lets it go soon after.
-        const double share = fluid.at<float>(y, x), a = alpha.at<float>(y, x);
-        const double own = trail * (1 - a * (1 - share * share));
+        const double fraction = fluid.at<float>(y, x), a = alpha.at<float>(y, x);
+        const double own = trail * (1 - a * (1 - fraction * fraction));
         keep_.at<float>(y, x) = static_cast<float>(own / (1 + own));
       }
   }

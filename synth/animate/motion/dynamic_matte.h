@@ -6,9 +6,10 @@
 namespace freshet::synth::animate {
 
 struct DynamicMatteOptions {
-  double tau = 0.95;  // 0..1: share of the moved matte that is kept each 1/25 s; 0: the matte stands still
+  double tau = 0.95;  // 0..1: fraction of the moved matte that is kept each 1/25 s; 0: the matte stands still
   bool held_foot = true;  // fluid stays where it enters: at the foot of a flame, the mouth of a chimney. The
-                          // paper has no such rule, and a flame that goes 4 px a frame leaves its logs by 50
+                          // paper has no such rule, and a flame that goes 4 px per frame leaves its logs by
+                          // 50
   bool keep_softness = true;  // edges stay as soft as the still matte's; else they spread along the motion
 };
 

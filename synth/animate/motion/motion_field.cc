@@ -55,7 +55,7 @@ cv::Mat motion_field(const store::Snapshot& snapshot, const vision::Settings& se
   return field;
 }
 
-cv::Mat steered(const cv::Mat& motion, const query::MotionGuide& guide) {
+cv::Mat apply_guide(const cv::Mat& motion, const query::MotionGuide& guide) {
   cv::Mat out = motion.clone();
   for (int y = 0; y < out.rows; ++y)
     for (int x = 0; x < out.cols; ++x) {

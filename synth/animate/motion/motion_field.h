@@ -18,6 +18,6 @@ cv::Mat motion_field(const store::Snapshot& snapshot, const vision::Settings& se
 /// An assigned field turned to where a guide asks it to go and, where speeds are asked, as fast: a patch goes
 /// only about as asked, and with its own eddies. Where the guide says nothing the field stays.
 /// motion   CV_32FC2, px/s; guide of the same size, or empty.
-cv::Mat steered(const cv::Mat& motion, const query::MotionGuide& guide);
+cv::Mat apply_guide(const cv::Mat& motion, const query::MotionGuide& guide);
 
 }  // namespace freshet::synth::animate

@@ -13,8 +13,8 @@
 #include "freshet/error.h"
 #include "query/search/picture_scale.h"
 #include "synth/animate/sampling/bilinear.h"
-#include "synth/animate/sampling/outward.h"
 #include "synth/animate/sampling/patch_window.h"
+#include "synth/animate/sampling/pull_push.h"
 #include "vision/flow.h"
 
 namespace freshet::synth::animate {
@@ -72,7 +72,7 @@ void spread(cv::Mat& squares, const cv::Mat& mass) {
   cv::Mat trust = speed / (mean / 2);
   cv::min(trust, 1.0, trust);
   trust = trust.mul(trust);
-  squares = push_outward(squares, trust);
+  squares = pull_push(squares, trust);
   cv::GaussianBlur(squares, squares, {}, kSmoothing, kSmoothing, cv::BORDER_REPLICATE);
 }
 
@@ -97,8 +97,8 @@ MotionSequence::MotionSequence(const store::Snapshot& snapshot, const vision::Se
   cv::Mat tent(per_side, per_side, CV_32F);
   for (int row = 0; row < per_side; ++row)
     for (int column = 0; column < per_side; ++column) {
-      const auto share = [&](int i) { return 1 - std::abs((2.0 * i + 1) / per_side - 1); };
-      tent.at<float>(row, column) = static_cast<float>(share(row) * share(column));
+      const auto fraction = [&](int i) { return 1 - std::abs((2.0 * i + 1) / per_side - 1); };
+      tent.at<float>(row, column) = static_cast<float>(fraction(row) * fraction(column));
     }
 
   cv::Mat mass = cv::Mat::zeros(grid, CV_32F);

@@ -42,7 +42,7 @@ class MotionSequence {
                  const Placement& placement, std::span<const PlayedPatches> played, cv::Size picture,
                  int frames);
 
-  /// Velocity in output frame i: CV_32FC2 of the picture's size, px a second of the animation, x right,
+  /// Velocity in output frame i: CV_32FC2 of the picture's size, px per second of the animation, x right,
   /// y down. Safe from many threads.
   cv::Mat at(int i) const;
 

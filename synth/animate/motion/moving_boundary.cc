@@ -27,10 +27,11 @@ cv::Mat behind_fluid(const cv::Mat& picture, const cv::Mat& matte, const Boundar
     const auto* a = matte.ptr<std::uint8_t>(y);
     auto* to = out.ptr<cv::Vec3f>(y);
     for (int x = 0; x < picture.cols; ++x) {
-      const float share = std::min(1.0f, 8 * static_cast<float>(a[x]) / 255);
+      const float fraction = std::min(1.0f, 8 * static_cast<float>(a[x]) / 255);
       for (int k = 0; k < 3; ++k)
         to[x][k] =
-            (share * static_cast<float>(behind[x][k]) + (1 - share) * static_cast<float>(still[x][k])) / 255;
+            (fraction * static_cast<float>(behind[x][k]) + (1 - fraction) * static_cast<float>(still[x][k])) /
+            255;
     }
   }
   return out;

@@ -1,4 +1,5 @@
-// synth/animate/motion/moving_boundary.h — the fluid's outline in motion: a matte a frame, and what lies behind it.
+// synth/animate/motion/moving_boundary.h — the fluid's outline in motion: a matte per frame, and what lies
+// behind it.
 #pragma once
 
 #include <functional>

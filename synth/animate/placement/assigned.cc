@@ -2,7 +2,7 @@
 
 namespace freshet::synth::animate {
 
-Placement place(const query::Assignment& assignment, const store::Snapshot& snapshot) {
+Placement placement_from(const query::Assignment& assignment, const store::Snapshot& snapshot) {
   const std::vector<store::ClipId> clips = query::find_clips(assignment, snapshot);
   Placement placement{.side = assignment.side,
                       .stride = assignment.stride,

@@ -7,6 +7,6 @@
 namespace freshet::synth::animate {
 
 /// Finds the assignment's clips in the store. Throws as query::find_clips.
-Placement place(const query::Assignment& assignment, const store::Snapshot& snapshot);
+Placement placement_from(const query::Assignment& assignment, const store::Snapshot& snapshot);
 
 }  // namespace freshet::synth::animate

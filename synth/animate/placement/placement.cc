@@ -21,9 +21,9 @@ void check(const Placement& placement) {
                 "Label the picture again: freshet query label");
 }
 
-int common_step(const Placement& placement, int most) {
+int common_step(const Placement& placement, int max_step) {
   int step = 1;
-  while (2 * step <= most && placement.side % (2 * step) == 0 && placement.stride % (2 * step) == 0)
+  while (2 * step <= max_step && placement.side % (2 * step) == 0 && placement.stride % (2 * step) == 0)
     step *= 2;
   return step;
 }

@@ -23,14 +23,14 @@ AreaReduction::AreaReduction(cv::Size source, cv::Size reduced)
       down_(taps(source.height, reduced.height, weights_)) {}
 
 std::vector<AreaReduction::Taps> AreaReduction::taps(int source, int reduced, std::vector<float>& weights) {
-  constexpr double kLeast = 1e-3;  // of a sample: less is an error of rounding
+  constexpr double kRounding = 1e-3;  // of a sample: less is an error of rounding
   const double scale = static_cast<double>(source) / reduced;
   std::vector<Taps> all(reduced);
   for (int i = 0; i < reduced; ++i) {
     const double begin = i * scale, end = std::min<double>((i + 1) * scale, source);
     Taps& own = all[i];
-    own.first = std::min(source - 1, static_cast<int>(std::floor(begin + kLeast)));
-    const int last = std::max(own.first, std::min(source, static_cast<int>(std::ceil(end - kLeast))) - 1);
+    own.first = std::min(source - 1, static_cast<int>(std::floor(begin + kRounding)));
+    const int last = std::max(own.first, std::min(source, static_cast<int>(std::ceil(end - kRounding))) - 1);
     own.count = last - own.first + 1;
     own.weights = weights.size();
     for (int k = own.first; k <= last; ++k)

@@ -7,8 +7,8 @@ namespace freshet::synth::animate {
 
 // As cv::pyrDown and cv::pyrUp make them (Burt and Adelson 1983), which for pictures of 48 px and less spend
 // most of their time on being called. Squares of n x n samples, rows one after another; n even, at least
-// kLeastSquare. Inlined, so that they are compiled for the widths of a FRESHET_WIDE caller.
-inline constexpr int kLeastSquare = 4;
+// kMinSquare. Inlined, so that they are compiled for the widths of a FRESHET_WIDE caller.
+inline constexpr int kMinSquare = 4;
 
 // The pyramid of a piece, as cv::pyrDown and cv::pyrUp make it: they spend most of their time on being called
 // for pictures of 48 px and less. Squares of n x n samples, rows one after another; n even.
@@ -31,7 +31,7 @@ inline constexpr int kLeastSquare = 4;
   }
 }
 
-/// Columns of n / 2 samples a row to n; line: n / 2 samples and one on either side.
+/// Columns of n / 2 samples per row to n; line: n / 2 samples and one on either side.
 [[gnu::always_inline]] inline void widen_square(const float* from, int n, float* line, float* to) {
   const int half = n / 2;
   for (int y = 0; y < half; ++y) {

@@ -15,10 +15,10 @@ namespace {
 constexpr int kBins = 512;
 constexpr double kPrior = 24;  // pixels' worth of "leave it as it is" in each region
 
-/// The regions around a sample and their shares.
+/// The regions around a sample and their weights.
 struct Mixture {
   int first = 0, second = 0;
-  float part = 0;  // of the second
+  float fraction = 0;  // of the second
 };
 
 std::vector<Mixture> mixtures(int samples, double region, int regions) {
@@ -27,24 +27,24 @@ std::vector<Mixture> mixtures(int samples, double region, int regions) {
     const double at = std::clamp((i + 0.5) / region - 0.5, 0.0, static_cast<double>(regions - 1));
     out[i].first = std::min(static_cast<int>(at), regions - 1);
     out[i].second = std::min(out[i].first + 1, regions - 1);
-    out[i].part = static_cast<float>(at - out[i].first);
+    out[i].fraction = static_cast<float>(at - out[i].first);
   }
   return out;
 }
 
 /// How far along the bins each value lies.
 FRESHET_WIDE void find_bins(const float* values, float low, float scale, int n, std::int32_t* bin,
-                            float* part) {
+                            float* bin_fraction) {
   for (int i = 0; i < n; ++i) {
     const float at = std::min(std::max((values[i] - low) * scale, 0.0f), kBins - 1e-3f);
     bin[i] = static_cast<std::int32_t>(at);
-    part[i] = at - static_cast<float>(bin[i]);
+    bin_fraction[i] = at - static_cast<float>(bin[i]);
   }
 }
 
 /// A run of pixels that lie between the same four regions: their maps' values, mixed.
-FRESHET_WIDE void map_run(const float* map, const std::int32_t* bin, const float* part, const float* across,
-                          float down, int n, float* out) {
+FRESHET_WIDE void map_run(const float* map, const std::int32_t* bin, const float* bin_fraction,
+                          const float* across, float down, int n, float* out) {
   typedef float Quad __attribute__((vector_size(16)));
   typedef float UnalignedQuad __attribute__((vector_size(16), aligned(4), may_alias));
   constexpr int kRun = 64;
@@ -53,7 +53,7 @@ FRESHET_WIDE void map_run(const float* map, const std::int32_t* bin, const float
     const int count = std::min(kRun, n - first);
     for (int i = 0; i < count; ++i) {
       const auto* at = reinterpret_cast<const UnalignedQuad*>(map) + bin[first + i];
-      *reinterpret_cast<Quad*>(found + 4 * i) = at[0] + part[first + i] * (at[1] - at[0]);
+      *reinterpret_cast<Quad*>(found + 4 * i) = at[0] + bin_fraction[first + i] * (at[1] - at[0]);
     }
     for (int i = 0; i < count; ++i) {
       const float *f = found + 4 * i, h = across[first + i];
@@ -74,13 +74,13 @@ void accumulate(const cv::Mat& values, const cv::Mat& weight, float low, float r
       if (w[x] <= 0) continue;
       const int bin = std::clamp(static_cast<int>((value[x] - low) * scale), 0, kBins - 1);
       const Mixture &h = across[x], &v = down[y];
-      const auto add = [&](int row, int column, float share) {
-        histograms[(static_cast<std::size_t>(row) * columns + column) * kBins + bin] += share * w[x];
+      const auto add = [&](int row, int column, float fraction) {
+        histograms[(static_cast<std::size_t>(row) * columns + column) * kBins + bin] += fraction * w[x];
       };
-      add(v.first, h.first, (1 - v.part) * (1 - h.part));
-      add(v.first, h.second, (1 - v.part) * h.part);
-      add(v.second, h.first, v.part * (1 - h.part));
-      add(v.second, h.second, v.part * h.part);
+      add(v.first, h.first, (1 - v.fraction) * (1 - h.fraction));
+      add(v.first, h.second, (1 - v.fraction) * h.fraction);
+      add(v.second, h.first, v.fraction * (1 - h.fraction));
+      add(v.second, h.second, v.fraction * h.fraction);
     }
   }
 }
@@ -141,20 +141,20 @@ AppearanceModel::Band AppearanceModel::fit(const cv::Mat& target, const cv::Mat&
     const double found_middle = around_zero ? 0 : median(f, found_mass);
     const double wanted_middle = around_zero ? 0 : median(w, wanted_mass);
     const double trust = wanted_mass / (wanted_mass + kPrior);
-    // For each edge of a bin, the value below which the target holds the same share.
+    // For each edge of a bin, the value below which the target holds the same fraction.
     double below = 0, target_below = 0;
     int j = 0;
     for (int i = 0; i <= kBins; ++i) {
       const double identity = band.low + i * step;
       double value = identity;
       if (found_mass > 0 && wanted_mass > 0) {
-        const double share = below / found_mass * wanted_mass;
-        while (j < kBins - 1 && target_below + w[j] < share) target_below += w[j++];
+        const double fraction = below / found_mass * wanted_mass;
+        while (j < kBins - 1 && target_below + w[j] < fraction) target_below += w[j++];
         value =
-            band.low + (j + (w[j] > 0 ? std::clamp((share - target_below) / w[j], 0.0, 1.0) : 0.0)) * step;
+            band.low + (j + (w[j] > 0 ? std::clamp((fraction - target_below) / w[j], 0.0, 1.0) : 0.0)) * step;
         // No further from the middle than the gain allows; the middle of a band is zero.
-        const double most = std::abs(identity - found_middle) * max_gain + step;
-        value = std::clamp(value, wanted_middle - most, wanted_middle + most);
+        const double maximum = std::abs(identity - found_middle) * max_gain + step;
+        value = std::clamp(value, wanted_middle - maximum, wanted_middle + maximum);
         value = identity + trust * (value - identity);
       }
       map[i] = static_cast<float>(value);
@@ -184,19 +184,20 @@ void AppearanceModel::apply_band(const Band& band, cv::Mat& values) {
       mixtures(values.cols, static_cast<double>(values.cols) / band.columns, band.columns);
   const std::vector<Mixture> down =
       mixtures(values.rows, static_cast<double>(values.rows) / band.rows, band.rows);
-  std::vector<float> share(across.size()), part(across.size());
-  for (std::size_t x = 0; x < across.size(); ++x) share[x] = across[x].part;
+  std::vector<float> fraction(across.size()), bin_fraction(across.size());
+  for (std::size_t x = 0; x < across.size(); ++x) fraction[x] = across[x].fraction;
   std::vector<std::int32_t> bin(across.size());
   const float scale = kBins / band.reach;
   for (int y = 0; y < values.rows; ++y) {
     float* value = values.ptr<float>(y);
-    find_bins(value, band.low, scale, values.cols, bin.data(), part.data());
+    find_bins(value, band.low, scale, values.cols, bin.data(), bin_fraction.data());
     const float* row =
         band.map.data() + static_cast<std::size_t>(down[y].first) * band.columns * 4 * (kBins + 1);
     for (int begin = 0, end = 0; begin < values.cols; begin = end) {
       while (end < values.cols && across[end].first == across[begin].first) ++end;
       map_run(row + static_cast<std::size_t>(across[begin].first) * 4 * (kBins + 1), bin.data() + begin,
-              part.data() + begin, share.data() + begin, down[y].part, end - begin, value + begin);
+              bin_fraction.data() + begin, fraction.data() + begin, down[y].fraction, end - begin,
+              value + begin);
     }
   }
 }

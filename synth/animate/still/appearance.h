@@ -17,9 +17,10 @@ struct AppearanceOptions {
                                 // the matte's edge turned into dark specks that swim in the fall
 };
 
-/// Maps of values to values by region, one set a band, fitted once to the whole animation and then applied to
-/// each frame: fitted frame by frame they would make it pump, and a grid of separate regions would show. Here
-/// a pixel's value is the bilinear mixture of what its four nearest regions make of it. Source: Okabe et al.
+/// Maps of values to values by region, one set per band, fitted once to the whole animation and then applied
+/// to each frame: fitted frame by frame they would make it pump, and a grid of separate regions would show.
+/// Here a pixel's value is the bilinear mixture of what its four nearest regions make of it. Source: Okabe et
+/// al.
 /// 2011, Sec. 6, "Appearance Matching"; Heeger and Bergen 1995 (with a Laplacian pyramid, and one pass:
 /// bands, then the picture); the mixture after Zuiderveld 1994 (CLAHE).
 class AppearanceModel {

@@ -15,9 +15,9 @@ namespace {
 
 constexpr double kTapSpacing = 1.5;  // px between samples of the line integral
 constexpr int kMaxColours = 3;
-constexpr int kRows = 16;              // swept together
-constexpr float kLeastWeight = 1e-3f;  // below it the picture stays as it is
-constexpr double kLeastReduced = 2;    // sigma, px of a reduced plane: below it the reduction would show
+constexpr int kRows = 16;            // swept together
+constexpr float kMinWeight = 1e-3f;  // below it the picture stays as it is
+constexpr double kMinReduced = 2;    // sigma, px of a reduced plane: below it the reduction would show
 
 typedef float Quad __attribute__((vector_size(16)));
 
@@ -78,7 +78,7 @@ Quad blurred_at(const Blurred& blurred, cv::Size size, int x, int y) {
 /// A wide blur shows nothing that half the resolution would not hold.
 cv::Mat blur(const cv::Mat& plane, double sigma) {
   int factor = 1;
-  while (sigma / (2 * factor) >= kLeastReduced) factor *= 2;
+  while (sigma / (2 * factor) >= kMinReduced) factor *= 2;
   cv::Mat reduced = plane, out;
   double left = sigma;
   if (factor > 1) {
@@ -136,9 +136,9 @@ cv::Mat base_image(const cv::Mat& picture, const cv::Mat& matte, const cv::Mat& 
   weighted.release();
 
   // The Gaussian: interpolated between a few fixed widths, as its width changes from pixel to pixel.
-  const double most = *std::max_element(widest.begin(), widest.end());
+  const double maximum = *std::max_element(widest.begin(), widest.end());
   std::vector<Blurred> blurred{{0, swept}};
-  for (double next = 1; blurred.size() < 2 || blurred.back().sigma < most; next *= 1.6)
+  for (double next = 1; blurred.size() < 2 || blurred.back().sigma < maximum; next *= 1.6)
     blurred.push_back({next, {}});
   oneapi::tbb::parallel_for(std::size_t{1}, blurred.size(),
                             [&](std::size_t i) { blurred[i].values = blur(swept, blurred[i].sigma); });
@@ -148,11 +148,11 @@ cv::Mat base_image(const cv::Mat& picture, const cv::Mat& matte, const cv::Mat& 
       const double own = sigma.at<float>(y, x);
       std::size_t i = 0;
       while (i + 2 < blurred.size() && blurred[i + 1].sigma < own) ++i;
-      const float part = static_cast<float>(
+      const float fraction = static_cast<float>(
           std::clamp((own - blurred[i].sigma) / (blurred[i + 1].sigma - blurred[i].sigma), 0.0, 1.0));
       Quad value = blurred_at(blurred[i], size, x, y);
-      if (part > 0) value += part * (blurred_at(blurred[i + 1], size, x, y) - value);
-      if (value[3] <= kLeastWeight) continue;
+      if (fraction > 0) value += fraction * (blurred_at(blurred[i + 1], size, x, y) - value);
+      if (value[3] <= kMinWeight) continue;
       for (int k = 0; k < colours; ++k) to[x * colours + k] = value[k] / value[3];
     }
   });

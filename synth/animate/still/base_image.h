@@ -20,8 +20,8 @@ struct BaseImageOptions {
 /// proportion to
 ///           speed, which removes the edges that the line integral leaves. Unblurred where nothing moves.
 /// A still is an instant: its flames and splashes, left sharp, would stand frozen under the differences.
-/// Cost      O(pixels of the fluid * blur length); all threads. Memory: 16 bytes a pixel for each of up to 8
-///           widths, less for wide ones.
+/// Cost      O(pixels of the fluid * blur length); all threads. Memory: 16 bytes per pixel for each of up to
+///           8 widths, less for wide ones.
 /// Source    Okabe et al. 2011, Sec. 6, "Recovery of Color Appearance"; Brostow and Essa 2001.
 cv::Mat base_image(const cv::Mat& picture, const cv::Mat& matte, const cv::Mat& motion,
                    const BaseImageOptions& options);

@@ -11,17 +11,17 @@
 #include "platform/vectors.h"
 #include "synth/animate/sampling/cells.h"
 #include "synth/animate/sampling/cubic.h"
-#include "synth/animate/sampling/outward.h"
+#include "synth/animate/sampling/pull_push.h"
 
 namespace freshet::synth::animate {
 namespace {
 
 constexpr int kCopies = 3;
-constexpr double kLeastDepth = 0.02;
-constexpr int kMostMaps = 96;
-constexpr int kStep = 4;               // px of the picture a sample of the displacement
-constexpr float kLeastWeight = 1e-3f;  // of a place that anything is carried to
-constexpr float kLeastMass = 1e-4f;    // so that values are there also where none of it is fluid
+constexpr double kMinDepth = 0.02;
+constexpr int kMaxMaps = 96;
+constexpr int kStep = 4;             // px of the picture a sample of the displacement
+constexpr float kMinWeight = 1e-3f;  // of a place that anything is carried to
+constexpr float kMinMass = 1e-4f;    // so that values are there also where none of it is fluid
 const cv::Size kCell(32, 16);
 constexpr int kCellArea = 32 * 16;
 constexpr int kMargin = 4;  // samples around the planes: of what is read at once, two beyond a picture's edge
@@ -53,28 +53,30 @@ cv::Mat step_on(const cv::Mat& displacement, const cv::Mat& velocity, float dt) 
 // hardly live jitter in their places. `whole` itself is one.
 int nearest_divisor(int whole, int wanted) {
   int best = whole;
-  const auto distance = [&](int part) { return std::abs(std::log(static_cast<double>(part) / wanted)); };
-  for (int part = (wanted + 1) / 2; part <= whole; ++part)
-    if (whole % part == 0 && distance(part) < distance(best)) best = part;
+  const auto distance = [&](int divisor) {
+    return std::abs(std::log(static_cast<double>(divisor) / wanted));
+  };
+  for (int divisor = (wanted + 1) / 2; divisor <= whole; ++divisor)
+    if (whole % divisor == 0 && distance(divisor) < distance(best)) best = divisor;
   return best;
 }
 
 // Where a row's places lie on the coarse maps: a row of one component between two maps and two of their rows.
-FRESHET_WIDE void mix_rows(const float* a0, const float* a1, const float* b0, const float* b1, float part,
+FRESHET_WIDE void mix_rows(const float* a0, const float* a1, const float* b0, const float* b1, float fraction,
                            float down, int n, float* out) {
   for (int i = 0; i < n; ++i) {
     const float a = a0[i] + down * (a1[i] - a0[i]), b = b0[i] + down * (b1[i] - b0[i]);
-    out[i] = a + part * (b - a);
+    out[i] = a + fraction * (b - a);
   }
 }
 
 // Sources of a row's places, in steps (cubic.h), at most two samples beyond a side of `limit` samples.
-FRESHET_WIDE void sources(const float* mixed, const std::int32_t* first, const float* part, int origin,
+FRESHET_WIDE void sources(const float* mixed, const std::int32_t* first, const float* fraction, int origin,
                           int step, int limit, int n, std::int32_t* out) {
   const int begin = first[0];
   for (int i = 0; i < n; ++i) {
     const float a = mixed[first[i] - begin], b = mixed[first[i] - begin + 1];
-    const float at = static_cast<float>(origin + step * i) + (a + part[i] * (b - a));
+    const float at = static_cast<float>(origin + step * i) + (a + fraction[i] * (b - a));
     const float inside = std::min(std::max(at, -2.0f), static_cast<float>(limit + 1));
     out[i] = static_cast<std::int32_t>(inside * kCubicSteps + (2 * kCubicSteps + 0.5f)) - 2 * kCubicSteps;
   }
@@ -95,10 +97,10 @@ FRESHET_WIDE void read_pairs(const float* plane, std::ptrdiff_t offset, std::ptr
   cubic_pairs(plane, offset, stride, x, y, n, luma, weight);
 }
 
-FRESHET_WIDE void add_copy(const float* luma, const float* weight, float part, int n, float* sum,
+FRESHET_WIDE void add_copy(const float* luma, const float* weight, float fraction, int n, float* sum,
                            float* mass) {
   for (int i = 0; i < n; ++i) {
-    const float own = part * std::max(weight[i], kLeastMass);
+    const float own = fraction * std::max(weight[i], kMinMass);
     sum[i] += own * luma[i];
     mass[i] += own;
   }
@@ -106,7 +108,8 @@ FRESHET_WIDE void add_copy(const float* luma, const float* weight, float part, i
 
 // Fours read bilinearly: sums of blue, red and weight, the first two each times its weight.
 FRESHET_WIDE void add_colours(const float* plane, std::ptrdiff_t offset, std::ptrdiff_t stride,
-                              const std::int32_t* x, const std::int32_t* y, float part, int n, float* sums) {
+                              const std::int32_t* x, const std::int32_t* y, float fraction, int n,
+                              float* sums) {
   typedef float Quad __attribute__((vector_size(16)));
   for (int i = 0; i < n; ++i) {
     const auto* from = reinterpret_cast<const Quad*>(plane) + offset + (y[i] >> kCubicShift) * stride +
@@ -116,8 +119,8 @@ FRESHET_WIDE void add_colours(const float* plane, std::ptrdiff_t offset, std::pt
     const Quad upper = from[0] + fx * (from[1] - from[0]);
     const Quad lower = from[stride] + fx * (from[stride + 1] - from[stride]);
     const Quad own = upper + fy * (lower - upper);
-    const float weight = part * own[2];
-    const Quad times{weight, weight, part, 0};
+    const float weight = fraction * own[2];
+    const Quad times{weight, weight, fraction, 0};
     *reinterpret_cast<Quad*>(sums + 4 * i) += own * times;
   }
 }
@@ -132,14 +135,14 @@ FRESHET_WIDE void pack_luma(const float* sum, const float* mass, int n, std::int
   for (int i = 0; i < n; ++i) out[i] = packed(sum[i] / mass[i]);
 }
 
-FRESHET_WIDE void pack_colours(const float* sums, const float* share, const float* own, int n,
-                               std::int16_t* blue, std::int16_t* red, std::int16_t* part) {
+FRESHET_WIDE void pack_colours(const float* sums, const float* max_fraction, const float* own, int n,
+                               std::int16_t* blue, std::int16_t* red, std::int16_t* fraction) {
   for (int i = 0; i < n; ++i) {
     const float mass = sums[4 * i + 2], whole = mass > 0 ? 1 / mass : 0.0f;
     blue[i] = packed(sums[4 * i] * whole);
     red[i] = packed(sums[4 * i + 1] * whole);
     // What is brought is fluid as far as this place itself is.
-    part[i] = packed(own[i] > kLeastWeight ? share[i] * std::min(mass / own[i], 1.0f) : 0.0f);
+    fraction[i] = packed(own[i] > kMinWeight ? max_fraction[i] * std::min(mass / own[i], 1.0f) : 0.0f);
   }
 }
 
@@ -160,10 +163,11 @@ FRESHET_WIDE void twice(const std::int16_t* near, const std::int16_t* far, int n
   if (width % 2 != 0) out[width - 1] = 0.25f * line[pairs] + 0.75f * line[pairs + 1];
 }
 
-FRESHET_WIDE void lay_over(const std::int16_t* luma, const float* part, const float* still, int n,
+FRESHET_WIDE void lay_over(const std::int16_t* luma, const float* fraction, const float* still, int n,
                            float* out) {
   constexpr float kUnit = 1.0f / CarriedFrame::kOne;
-  for (int i = 0; i < n; ++i) out[i] = still[i] + part[i] * (kUnit * static_cast<float>(luma[i]) - still[i]);
+  for (int i = 0; i < n; ++i)
+    out[i] = still[i] + fraction[i] * (kUnit * static_cast<float>(luma[i]) - still[i]);
 }
 
 }  // namespace
@@ -187,33 +191,33 @@ CarriedBase::CarriedBase(const cv::Mat& picture, const cv::Mat& luma, const cv::
   cv::copyMakeBorder(matte > 0.5, inside, 1, 1, 1, 1, cv::BORDER_CONSTANT, cv::Scalar(0));
   cv::distanceTransform(inside, depth, cv::DIST_L2, cv::DIST_MASK_5);
   depth = depth(cv::Rect({1, 1}, size_)) / std::max(options.edge_px, 1.0);
-  const cv::Mat weight = matte.mul(cv::min(cv::max(depth, kLeastDepth), 1.0));
+  const cv::Mat weight = matte.mul(cv::min(cv::max(depth, kMinDepth), 1.0));
 
-  // Where the fluid would be carried too far, the share of what is carried falls off.
-  cv::Mat share(size_, CV_32F);
+  // Where the fluid would be carried too far, the fraction of what is carried falls off.
+  cv::Mat max_fraction(size_, CV_32F);
   const double reach_s = life / fps / 2;
   for (int y = 0; y < size_.height; ++y)
     for (int x = 0; x < size_.width; ++x) {
       const cv::Vec2f& v = motion.at<cv::Vec2f>(y, x);
       const double reach = std::hypot(v[0], v[1]) * reach_s;
-      share.at<float>(y, x) =
-          static_cast<float>(options.share * std::clamp(2 - reach / options.max_px, 0.0, 1.0));
+      max_fraction.at<float>(y, x) =
+          static_cast<float>(options.fraction * std::clamp(2 - reach / options.max_px, 0.0, 1.0));
     }
   std::vector<cv::Rect> carried;
   for (const cv::Rect& cell : cells_touched(std::vector{cv::Rect({}, size_)}, cv::Rect({}, size_), kCell)) {
     // Shares are read between samples: what is next to a cell reaches into it.
     const cv::Rect around =
         cv::Rect(cell.x - 2, cell.y - 2, cell.width + 4, cell.height + 4) & cv::Rect({}, size_);
-    double most = 0;
-    cv::minMaxLoc(share(around).mul(weight(around)), nullptr, &most);
-    if (most > 0) cells_.push_back(cell);
+    double maximum = 0;
+    cv::minMaxLoc(max_fraction(around).mul(weight(around)), nullptr, &maximum);
+    if (maximum > 0) cells_.push_back(cell);
   }
 
   std::array<cv::Mat, 3> bgr;
   cv::split(picture, bgr.data());
   cv::Mat values;
   cv::merge(std::vector<cv::Mat>{luma, bgr[0] - luma, bgr[2] - luma}, values);
-  values = push_outward(values, cv::min(kTrusted * matte, 1.0));
+  values = pull_push(values, cv::min(kTrusted * matte, 1.0));
   std::array<cv::Mat, 3> plane;
   cv::split(values, plane.data());
   const auto with_margin = [](const cv::Mat& of, int after, int kind) {
@@ -232,7 +236,7 @@ CarriedBase::CarriedBase(const cv::Mat& picture, const cv::Mat& luma, const cv::
     cv::resize(even, out, half_, 0, 0, cv::INTER_AREA);
     return out;
   };
-  share_ = halved(share);
+  max_fraction_ = halved(max_fraction);
   own_ = halved(weight);
   const cv::Mat none = cv::Mat::zeros(half_, CV_32F);
   cv::merge(std::vector<cv::Mat>{with_margin(halved(plane[1]), 1, cv::BORDER_REPLICATE),
@@ -245,7 +249,7 @@ CarriedBase::CarriedBase(const cv::Mat& picture, const cv::Mat& luma, const cv::
   const cv::Size coarse((size_.width + kStep - 1) / kStep, (size_.height + kStep - 1) / kStep);
   cv::resize(motion, velocity, coarse, 0, 0, cv::INTER_AREA);
   // Before its time a copy shows what is yet to come. Long lives are sampled, and interpolated between.
-  stride_ = life / kMostMaps + 1;
+  stride_ = life / kMaxMaps + 1;
   const auto dt = static_cast<float>(stride_ / fps);
   const int steps = (life - life / 2) / stride_ + 2;
   const auto keep = [](const cv::Mat& displacement, std::vector<Map>& maps) {
@@ -260,15 +264,16 @@ CarriedBase::CarriedBase(const cv::Mat& picture, const cv::Mat& luma, const cv::
     past = step_on(past, velocity, -dt);
     future = step_on(future, velocity, dt);
   }
-  const auto lay_out = [](int n, int samples, std::vector<std::int32_t>& first, std::vector<float>& part) {
+  const auto lay_out = [](int n, int samples, std::vector<std::int32_t>& first,
+                          std::vector<float>& fraction) {
     for (int i = 0; i < n; ++i) {
       const double at = std::clamp((i + 0.5) / kStep - 0.5, 0.0, samples - 1.0);
       first.push_back(static_cast<std::int32_t>(at));
-      part.push_back(static_cast<float>(at - std::floor(at)));
+      fraction.push_back(static_cast<float>(at - std::floor(at)));
     }
   };
-  lay_out(size_.width, coarse.width, map_x_, part_x_);
-  lay_out(size_.height, coarse.height, map_y_, part_y_);
+  lay_out(size_.width, coarse.width, map_x_, fraction_x_);
+  lay_out(size_.height, coarse.height, map_y_, fraction_y_);
 }
 
 int CarriedBase::period(double fps, const CarriedBaseOptions& options) {
@@ -287,7 +292,7 @@ CarriedFrame CarriedBase::frame(int i) const {
   CarriedFrame out{.luma = cv::Mat::zeros(size_, CV_16S),
                    .blue = cv::Mat::zeros(half_, CV_16S),
                    .red = cv::Mat::zeros(half_, CV_16S),
-                   .part = cv::Mat::zeros(half_, CV_16S)};
+                   .fraction = cv::Mat::zeros(half_, CV_16S)};
   Scratch scratch;
   for (const cv::Rect& cell : cells_) carry(cell, i % period_, out, scratch);
   return out;
@@ -304,20 +309,20 @@ void CarriedBase::carry(const cv::Rect& cell, int i, CarriedFrame& out, Scratch&
         static_cast<float>((1 + std::cos(2 * std::numbers::pi * age / static_cast<double>(life_))) / kCopies);
     const std::vector<Map>& maps = age >= 0 ? past_ : future_;
     const Map &near = maps[std::abs(age) / stride_], &far = maps[std::abs(age) / stride_ + 1];
-    const float part = static_cast<float>(std::abs(age) % stride_) / static_cast<float>(stride_);
+    const float fraction = static_cast<float>(std::abs(age) % stride_) / static_cast<float>(stride_);
 
     // Where each place of the cell comes from.
     const std::int32_t* first = map_x_.data() + cell.x;
     const int columns = near.u.cols, samples = std::min(first[cell.width - 1] + 2, columns) - first[0];
     for (int row = 0; row < cell.height; ++row) {
       const int y0 = map_y_[cell.y + row], y1 = std::min(y0 + 1, near.u.rows - 1);
-      const float down = part_y_[cell.y + row];
+      const float down = fraction_y_[cell.y + row];
       const auto read = [&](const cv::Mat& a, const cv::Mat& b, int origin, int step, int limit,
                             std::int32_t* to) {
         mix_rows(a.ptr<float>(y0) + first[0], a.ptr<float>(y1) + first[0], b.ptr<float>(y0) + first[0],
-                 b.ptr<float>(y1) + first[0], part, down, samples, s.mixed.data());
+                 b.ptr<float>(y1) + first[0], fraction, down, samples, s.mixed.data());
         s.mixed[samples] = s.mixed[samples - 1];
-        sources(s.mixed.data(), first, part_x_.data() + cell.x, origin, step, limit, cell.width, to);
+        sources(s.mixed.data(), first, fraction_x_.data() + cell.x, origin, step, limit, cell.width, to);
       };
       read(near.u, far.u, cell.x, 1, size_.width, s.x.data() + row * cell.width);
       read(near.v, far.v, cell.y + row, 0, size_.height, s.y.data() + row * cell.width);
@@ -350,31 +355,31 @@ void CarriedBase::carry(const cv::Rect& cell, int i, CarriedFrame& out, Scratch&
               out.luma.ptr<std::int16_t>(cell.y + row) + cell.x);
   for (int row = 0; row < half.height; ++row) {
     const int y = half.y + row;
-    pack_colours(s.colours.data() + 4 * row * half.width, share_.ptr<float>(y) + half.x,
+    pack_colours(s.colours.data() + 4 * row * half.width, max_fraction_.ptr<float>(y) + half.x,
                  own_.ptr<float>(y) + half.x, half.width, out.blue.ptr<std::int16_t>(y) + half.x,
-                 out.red.ptr<std::int16_t>(y) + half.x, out.part.ptr<std::int16_t>(y) + half.x);
+                 out.red.ptr<std::int16_t>(y) + half.x, out.fraction.ptr<std::int16_t>(y) + half.x);
   }
 }
 
-void colour_row(const CarriedFrame& frame, int y, int width, float* blue, float* red, float* part) {
-  const int rows = frame.part.rows, near = y / 2;
+void colour_row(const CarriedFrame& frame, int y, int width, float* blue, float* red, float* fraction) {
+  const int rows = frame.fraction.rows, near = y / 2;
   const int far = std::clamp(y % 2 == 0 ? near - 1 : near + 1, 0, rows - 1);
   thread_local std::vector<float> line;
-  line.resize(static_cast<std::size_t>(frame.part.cols) + 2);
+  line.resize(static_cast<std::size_t>(frame.fraction.cols) + 2);
   const auto read = [&](const cv::Mat& plane, float* out) {
     twice(plane.ptr<std::int16_t>(near), plane.ptr<std::int16_t>(far), plane.cols, width, line.data(), out);
   };
-  read(frame.part, part);
+  read(frame.fraction, fraction);
   if (blue) read(frame.blue, blue);
   if (red) read(frame.red, red);
 }
 
 void show_carried(const CarriedFrame& frame, const cv::Mat& exposure, cv::Mat& out) {
   out.create(exposure.size(), CV_32F);
-  std::vector<float> part(exposure.cols);
+  std::vector<float> fraction(exposure.cols);
   for (int y = 0; y < out.rows; ++y) {
-    colour_row(frame, y, out.cols, nullptr, nullptr, part.data());
-    lay_over(frame.luma.ptr<std::int16_t>(y), part.data(), exposure.ptr<float>(y), out.cols,
+    colour_row(frame, y, out.cols, nullptr, nullptr, fraction.data());
+    lay_over(frame.luma.ptr<std::int16_t>(y), fraction.data(), exposure.ptr<float>(y), out.cols,
              out.ptr<float>(y));
   }
 }

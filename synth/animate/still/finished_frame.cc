@@ -17,12 +17,12 @@ FRESHET_WIDE void green_chroma(const float* blue, const float* red, int n, float
 // One channel of a row. What was carried keeps its colour, as far as its luminance does.
 FRESHET_WIDE void light(const float* luma, const float* slope, const float* rest, const float* still,
                         const float* fluid, const std::int16_t* carried, const float* chroma,
-                        const float* part, int n, std::uint8_t* out) {
+                        const float* fraction, int n, std::uint8_t* out) {
   constexpr float kUnit = 1.0f / CarriedFrame::kOne;
   for (int i = 0; i < n; ++i) {
     const float fresh = luma[i] + slope[i] * luma[i] + rest[i];
     const float brought = luma[i] + chroma[i] + slope[i] * (luma[i] - kUnit * static_cast<float>(carried[i]));
-    const float lit = fresh + part[i] * (brought - fresh);
+    const float lit = fresh + fraction[i] * (brought - fresh);
     const float shown = std::min(std::max(lit, 0.0f), 1.0f);
     out[i] = static_cast<std::uint8_t>(255 * fluid[i] * shown + (1 - fluid[i]) * still[i] + 0.5f);
   }
@@ -58,10 +58,10 @@ cv::Mat FrameFinisher::finish(const cv::Mat& luma, const cv::Mat& fluid, const C
   cv::Mat frame = ground_.clone();
   const std::size_t width = static_cast<std::size_t>(frame.cols);
   std::array<std::vector<float>, 3> chroma;
-  std::vector<float> part;
+  std::vector<float> fraction;
   if (carried) {
     for (auto& row : chroma) row.resize(width);
-    part.resize(width);
+    fraction.resize(width);
   }
   std::array<std::vector<std::uint8_t>, 3> lit;
   for (auto& row : lit) row.resize(width);
@@ -72,7 +72,7 @@ cv::Mat FrameFinisher::finish(const cv::Mat& luma, const cv::Mat& fluid, const C
     while (end > begin && b[end - 1] <= 0) --end;
     if (begin == end) continue;
     if (carried) {
-      colour_row(*carried, y, frame.cols, chroma[0].data(), chroma[2].data(), part.data());
+      colour_row(*carried, y, frame.cols, chroma[0].data(), chroma[2].data(), fraction.data());
       green_chroma(chroma[0].data(), chroma[2].data(), frame.cols, chroma[1].data());
     }
     for (int k = 0; k < 3; ++k) {
@@ -80,7 +80,7 @@ cv::Mat FrameFinisher::finish(const cv::Mat& luma, const cv::Mat& fluid, const C
       const float *rest = rest_[k].ptr<float>(y) + begin, *still = still_[k].ptr<float>(y) + begin;
       if (carried)
         light(l, slope, rest, still, b + begin, carried->luma.ptr<std::int16_t>(y) + begin,
-              chroma[k].data() + begin, part.data() + begin, end - begin, lit[k].data());
+              chroma[k].data() + begin, fraction.data() + begin, end - begin, lit[k].data());
       else
         light_alone(l, slope, rest, still, b + begin, end - begin, lit[k].data());
     }

@@ -9,7 +9,7 @@
 #include "synth/field/grid.h"
 #include "synth/field/portable_math.h"
 #include "synth/field/random.h"
-#include "synth/simulate/scene/scenes.h"
+#include "synth/simulate/scene/simulated_scene.h"
 #include "synth/simulate/solver/noise.h"
 
 namespace freshet::synth::simulate {
@@ -25,7 +25,7 @@ class Clouds final : public Scene {
         coarse_((options.size.width + 3) / 4 + 1, (options.size.height + 3) / 4 + 1) {
     Random random(options.seed, 106);
     horizon_ = random.between(1.35f, 2.6f);
-    // 2 to 4.5 px a frame of 360 rows at a third of the height.
+    // 2 to 4.5 px per frame of 360 rows at a third of the height.
     const float speed = random.between(0.0055f, 0.0125f) * 1.4f / (horizon_ - 0.33f),
                 turn = random.between(-0.09f, 0.09f);
     wind_ = {random.sign() * speed * cos_turns(turn) * rate_, speed * sin_turns(turn) * rate_};
@@ -85,8 +85,8 @@ class Clouds final : public Scene {
       std::uint8_t* a = alpha.ptr<std::uint8_t>(y);
       Vec2* m = reinterpret_cast<Vec2*>(motion.ptr<float>(y));
       Rgb* out = film.light.row(y);
-      const float share = (static_cast<float>(y) + 0.5f) / h;
-      const float low = smoothstep(horizon_ - 1.7f, horizon_ + 0.1f, share);
+      const float fraction = (static_cast<float>(y) + 0.5f) / h;
+      const float low = smoothstep(horizon_ - 1.7f, horizon_ + 0.1f, fraction);
       const Rgb sky = mix(zenith_, haze_, 0.05f + 0.8f * low);
       const float distance = depth(static_cast<float>(y));
       const float far = smoothstep(1.0f, 6.0f, distance) * 0.75f;
@@ -117,7 +117,7 @@ class Clouds final : public Scene {
     return {(x - 0.5f * static_cast<float>(size_.width)) / static_cast<float>(size_.height) * d * 1.4f,
             d * 1.4f * horizon_};
   }
-  /// px a frame: a point fixed in the layer, seen a frame later.
+  /// px per frame: a point fixed in the layer, seen a frame later.
   Vec2 drift(float x, float y) const {
     const float h = static_cast<float>(size_.height);
     const Vec2 p = plane(x, y);

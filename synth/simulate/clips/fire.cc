@@ -6,7 +6,7 @@
 #include "synth/field/portable_math.h"
 #include "synth/field/random.h"
 #include "synth/simulate/clips/gas.h"
-#include "synth/simulate/scene/scenes.h"
+#include "synth/simulate/scene/simulated_scene.h"
 
 namespace freshet::synth::simulate {
 namespace {
@@ -35,9 +35,9 @@ class Fire final : public Scene {
     const float w = static_cast<float>(options.size.width), h = static_cast<float>(options.size.height);
     const int beds = 1 + random.below(3);
     for (int i = 0; i < beds; ++i) {
-      const float share = (static_cast<float>(i) + random.between(0.3f, 0.7f)) / static_cast<float>(beds);
+      const float fraction = (static_cast<float>(i) + random.between(0.3f, 0.7f)) / static_cast<float>(beds);
       beds_.push_back(
-          {.x = static_cast<float>(d.left) + (0.08f + 0.84f * share) * w,
+          {.x = static_cast<float>(d.left) + (0.08f + 0.84f * fraction) * w,
            .y = static_cast<float>(d.top) + random.between(0.93f, 1.0f) * h,
            .half_width = random.between(0.13f, 0.26f) * w / (0.6f + 0.4f * static_cast<float>(beds)),
            .strength = random.between(0.85f, 1.15f),

@@ -14,8 +14,8 @@ int cell_step(cv::Size picture) { return std::clamp(std::min(picture.width, pict
 
 Domain::Domain(cv::Size size, float margin_x, float margin_top, float margin_bottom)
     : picture(size), step(cell_step(size)) {
-  const auto margin = [&](float share, int side) {
-    return static_cast<int>(share * static_cast<float>(side)) / step * step;
+  const auto margin = [&](float fraction, int side) {
+    return static_cast<int>(fraction * static_cast<float>(side)) / step * step;
   };
   left = margin(margin_x, size.width);
   top = margin(margin_top, size.height);
@@ -86,7 +86,7 @@ void Gas::hold_back(float terminal, float push) {
 }
 
 void Gas::reduce(const Grid& field, Grid& cells) const {
-  const float share = 1.0f / static_cast<float>(domain.step * domain.step);
+  const float fraction = 1.0f / static_cast<float>(domain.step * domain.step);
   for_rows(cells.height, [&](int y) {
     for (int x = 0; x < cells.width; ++x) {
       float sum = 0.0f;
@@ -94,7 +94,7 @@ void Gas::reduce(const Grid& field, Grid& cells) const {
         const float* p = field.row(y * domain.step + j) + x * domain.step;
         for (int i = 0; i < domain.step; ++i) sum += p[i];
       }
-      cells(x, y) = sum * share;
+      cells(x, y) = sum * fraction;
     }
   });
 }

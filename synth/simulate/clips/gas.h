@@ -17,10 +17,10 @@ namespace freshet::synth::simulate {
 /// so that no rim shows.
 struct Domain {
   Domain(cv::Size picture, float margin_x, float margin_top,
-         float margin_bottom);  // margins in shares of the picture
+         float margin_bottom);  // margins in fractions of the picture
 
   cv::Size picture;
-  int step;           // px a cell
+  int step;           // px per cell
   int width, height;  // cells
   int left, top;      // px of the domain left of and above the picture
   float scale;        // picture px per px of a 640 x 360 design
@@ -39,7 +39,7 @@ class Gas {
   StableFluids flow;
   CarriedTexture texture;
   std::vector<Grid> fields;  // px of the domain
-  VectorGrid force;          // cells, cells a frame per frame
+  VectorGrid force;          // cells, cells per frame per frame
 
   /// One frame: the flow under `force`, then every field along it.
   /// kSoft reads fields linearly, so that edges melt away as those of thin smoke do; kSharp keeps filaments.
@@ -50,7 +50,7 @@ class Gas {
   /// solver's grid and its smoothing lose.
   void stir(const Noise& noise, float time, float size_cells, float strength, const Grid& amount);
 
-  /// Drag that grows with the square of the speed: nothing goes much faster than `terminal` (cells a frame)
+  /// Drag that grows with the square of the speed: nothing goes much faster than `terminal` (cells per frame)
   /// under a push of `push`. Without it, wide plumes in two dimensions run away: nothing drags at them from
   /// the front and the back.
   void hold_back(float terminal, float push);
@@ -58,7 +58,7 @@ class Gas {
   /// Mean of a field over each cell.
   void reduce(const Grid& field, Grid& cells) const;
 
-  /// Flow at a picture pixel, px a frame.
+  /// Flow at a picture pixel, px per frame.
   Vec2 motion_at(int x, int y) const;
 
  private:

@@ -6,7 +6,7 @@
 #include "synth/field/portable_math.h"
 #include "synth/field/random.h"
 #include "synth/simulate/clips/gas.h"
-#include "synth/simulate/scene/scenes.h"
+#include "synth/simulate/scene/simulated_scene.h"
 
 namespace freshet::synth::simulate {
 namespace {
@@ -29,15 +29,15 @@ class Ink final : public Scene {
     const Domain& d = gas_.domain;
     const int nozzles = 2 + random.below(3);
     for (int i = 0; i < nozzles; ++i) {
-      const float share =
+      const float fraction =
           (static_cast<float>(i) + random.between(0.25f, 0.75f)) / static_cast<float>(nozzles);
-      nozzles_.push_back(
-          {.x = static_cast<float>(d.left) + (0.06f + 0.88f * share) * static_cast<float>(options.size.width),
-           .y = static_cast<float>(d.top) +
-                random.between(-0.05f, 0.03f) * static_cast<float>(options.size.height),
-           .radius = d.scale * random.between(11.0f, 24.0f),
-           .phase = random.between(0.0f, 60.0f),
-           .dye = static_cast<std::size_t>(i % 2)});
+      nozzles_.push_back({.x = static_cast<float>(d.left) +
+                               (0.06f + 0.88f * fraction) * static_cast<float>(options.size.width),
+                          .y = static_cast<float>(d.top) +
+                               random.between(-0.05f, 0.03f) * static_cast<float>(options.size.height),
+                          .radius = d.scale * random.between(11.0f, 24.0f),
+                          .phase = random.between(0.0f, 60.0f),
+                          .dye = static_cast<std::size_t>(i % 2)});
     }
     weight_[0] = random.between(0.3f, 0.42f) * rate_ * rate_ * speed_unit();
     weight_[1] = random.between(0.24f, 0.36f) * rate_ * rate_ * speed_unit();

@@ -6,12 +6,12 @@
 #include "synth/field/portable_math.h"
 #include "synth/field/random.h"
 #include "synth/simulate/clips/gas.h"
-#include "synth/simulate/scene/scenes.h"
+#include "synth/simulate/scene/simulated_scene.h"
 
 namespace freshet::synth::simulate {
 namespace {
 
-/// Where the water meets land, and the stones in it. Shares of the picture; the flow runs to the right, a
+/// Where the water meets land, and the stones in it. Fractions of the picture; the flow runs to the right, a
 /// mirrored scene is turned round when it is drawn.
 struct Stone {
   float x, y, rx, ry, phase;
@@ -32,7 +32,7 @@ struct Course {
           {random.between(0.08f, 0.92f), y, 0.085f * size, 0.075f * size, random.between(0.0f, 30.0f)});
     }
   }
-  /// Above 0 on land, in shares of the height or so.
+  /// Above 0 on land, in fractions of the height or so.
   float land(const Noise& noise, float x, float y, float aspect) const {
     float land = shore + 0.03f * noise.fractal(x * 5.0f + shore_phase, shore_phase, 3) - y;
     for (const Stone& s : stones) {
@@ -160,7 +160,7 @@ class River final : public Scene {
   float nearness(float py) const {
     return (py / static_cast<float>(domain_.picture.height) - horizon_) / (1.0f - horizon_);
   }
-  /// Wanted speed in a row of cells, cells a frame.
+  /// Wanted speed in a row of cells, cells per frame.
   float pace(int y) const {
     return speed_ *
            std::max(0.1f, nearness((static_cast<float>(y) + 0.5f) * static_cast<float>(domain_.step) -

@@ -6,7 +6,7 @@
 #include "synth/field/portable_math.h"
 #include "synth/field/random.h"
 #include "synth/simulate/clips/gas.h"
-#include "synth/simulate/scene/scenes.h"
+#include "synth/simulate/scene/simulated_scene.h"
 
 namespace freshet::synth::simulate {
 namespace {
@@ -30,15 +30,16 @@ class Smoke final : public Scene {
     const Domain& d = gas_.domain;
     const int vents = 1 + random.below(3);
     for (int i = 0; i < vents; ++i) {
-      const float share = (static_cast<float>(i) + random.between(0.25f, 0.75f)) / static_cast<float>(vents);
-      vents_.push_back(
-          {.x = static_cast<float>(d.left) + (0.1f + 0.8f * share) * static_cast<float>(options.size.width),
-           .y = static_cast<float>(d.top) +
-                random.between(0.93f, 1.02f) * static_cast<float>(options.size.height),
-           .radius = d.scale * random.between(14.0f, 30.0f),
-           .strength = random.between(0.75f, 1.1f),
-           .pulse = random.between(0.03f, 0.09f),
-           .phase = random.between(0.0f, 50.0f)});
+      const float fraction =
+          (static_cast<float>(i) + random.between(0.25f, 0.75f)) / static_cast<float>(vents);
+      vents_.push_back({.x = static_cast<float>(d.left) +
+                             (0.1f + 0.8f * fraction) * static_cast<float>(options.size.width),
+                        .y = static_cast<float>(d.top) +
+                             random.between(0.93f, 1.02f) * static_cast<float>(options.size.height),
+                        .radius = d.scale * random.between(14.0f, 30.0f),
+                        .strength = random.between(0.75f, 1.1f),
+                        .pulse = random.between(0.03f, 0.09f),
+                        .phase = random.between(0.0f, 50.0f)});
     }
     buoyancy_ = random.between(0.24f, 0.36f) * rate_ * rate_ * speed_unit();
     terminal_ = random.between(4.4f, 6.4f) * rate_ * speed_unit();
@@ -66,12 +67,12 @@ class Smoke final : public Scene {
     gas_.reduce(density, cells_);
     const float breeze = wind_ * (1.0f + gust_ * noise_(0.013f * time, 5.5f) * 2.0f);
     for_rows(gas_.force.height, [&](int y) {
-      const float height_share = 1.0f - static_cast<float>(y) / static_cast<float>(gas_.force.height);
+      const float height_fraction = 1.0f - static_cast<float>(y) / static_cast<float>(gas_.force.height);
       for (int x = 0; x < gas_.force.width; ++x) {
         const Vec2 v = gas_.flow.velocity()(x, y);
         // Drag towards a wind that grows with height; still air beside the plume damps stray eddies.
         const float drag = 0.02f * rate_;
-        gas_.force(x, y) = {drag * (breeze * (0.3f + 1.4f * height_share) - v.x),
+        gas_.force(x, y) = {drag * (breeze * (0.3f + 1.4f * height_fraction) - v.x),
                             -buoyancy_ * std::min(cells_(x, y) * 1.5f, 1.0f) - 0.008f * rate_ * v.y};
       }
     });
@@ -117,7 +118,7 @@ class Smoke final : public Scene {
 
  private:
   static StableFluidsOptions flow_options() { return {.confinement = 0.03f, .max_speed = 16.0f}; }
-  /// Cells a frame for one design px (a 640 x 360 picture's) a frame.
+  /// Cells per frame for one design px (a 640 x 360 picture's) per frame.
   float speed_unit() const { return gas_.domain.scale / static_cast<float>(gas_.domain.step); }
 
   void feed(Grid& density, float time) const {

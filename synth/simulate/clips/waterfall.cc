@@ -10,16 +10,16 @@
 #include "synth/field/grid.h"
 #include "synth/field/portable_math.h"
 #include "synth/field/random.h"
-#include "synth/simulate/scene/scenes.h"
+#include "synth/simulate/scene/simulated_scene.h"
 #include "synth/simulate/solver/noise.h"
 
 namespace freshet::synth::simulate {
 namespace {
 
 struct Ledge {
-  float y;      // share of the height where a new drop begins
-  float start;  // speed there, design px a frame
-  float lip;    // unevenness, share of the height
+  float y;      // fraction of the height where a new drop begins
+  float start;  // speed there, design px per frame
+  float lip;    // unevenness, fraction of the height
   float phase;
 };
 
@@ -124,12 +124,13 @@ class Waterfall final : public Scene {
   void lay_out() {
     const float h = static_cast<float>(size_.height), w = static_cast<float>(size_.width);
     for_rows(size_.height, [&](int y) {
-      const float share_y = (static_cast<float>(y) + 0.5f) / h;
+      const float fraction_y = (static_cast<float>(y) + 0.5f) / h;
       for (int x = 0; x < size_.width; ++x) {
-        const float share_x = (static_cast<float>(x) + 0.5f) / w;
-        const float drop = std::max(0.0f, share_y - ledges_.front().y);
+        const float fraction_x = (static_cast<float>(x) + 0.5f) / w;
+        const float drop = std::max(0.0f, fraction_y - ledges_.front().y);
         const float widen = 1.0f + spread_ * drop;
-        const float across = (share_x - middle_ - lean_ * drop) / widen;  // 0 in the middle, as at the brink
+        const float across = (fraction_x - middle_ - lean_ * drop) / widen;  // 0 in the middle, as at the
+                                                                             // brink
         const float strand = across * w / (strand_px_ * scale_);
         // Time adds up from ledge to ledge; each lip is uneven from strand to strand.
         float time = 0.0f;
@@ -137,36 +138,36 @@ class Waterfall final : public Scene {
         float above_lip = 0.0f;
         for (const Ledge& ledge : ledges_) {
           const float lip = ledge.y + ledge.lip * noise_.fractal(strand * 0.11f + ledge.phase, 2.5f, 3);
-          if (share_y < lip) break;
+          if (fraction_y < lip) break;
           if (above != nullptr) time += fall(std::max(0.0f, lip - above_lip) * h / scale_, above->start).time;
           above = &ledge, above_lip = lip;
         }
         if (above == nullptr) continue;
-        const Drop here = fall((share_y - above_lip) * h / scale_, above->start);
+        const Drop here = fall((fraction_y - above_lip) * h / scale_, above->start);
         fall_time_(x, y) = time + here.time;
         strand_(x, y) = strand;
         const float v = here.speed * rate_ * scale_;
         speed_(x, y) = {v * (across * spread_ + lean_) * w / h, v};
         const float ragged =
-            0.05f * noise_.fractal(share_y * 5.0f + ledges_.front().phase, across < 0 ? 1.5f : 9.5f, 3);
+            0.05f * noise_.fractal(fraction_y * 5.0f + ledges_.front().phase, across < 0 ? 1.5f : 9.5f, 3);
         const float inside = half_width_ + ragged - std::fabs(across);
-        const float ridges = 0.45f * noise_.fractal(strand * 0.16f, share_y * 3.0f, 3);
+        const float ridges = 0.45f * noise_.fractal(strand * 0.16f, fraction_y * 3.0f, 3);
         cover_(x, y) = smoothstep(-0.01f, 0.06f, inside) * std::clamp(0.42f + ridges, 0.02f, 1.0f);
         if (inside < -0.06f) cover_(x, y) = 0.0f;
       }
     });
     for_rows(size_.height, [&](int y) {
-      const float share_y = (static_cast<float>(y) + 0.5f) / h;
+      const float fraction_y = (static_cast<float>(y) + 0.5f) / h;
       for (int x = 0; x < size_.width; ++x) {
-        const float share_x = (static_cast<float>(x) + 0.5f) / w;
-        const float drop = std::max(0.0f, share_y - ledges_.front().y);
-        const float across = std::fabs((share_x - middle_ - lean_ * drop) / (1.0f + spread_ * drop));
+        const float fraction_x = (static_cast<float>(x) + 0.5f) / w;
+        const float drop = std::max(0.0f, fraction_y - ledges_.front().y);
+        const float across = std::fabs((fraction_x - middle_ - lean_ * drop) / (1.0f + spread_ * drop));
         float mist = 0.0f;
         for (std::size_t i = 1; i < ledges_.size(); ++i) {
-          const float dy = (share_y - ledges_[i].y) / 0.05f;
+          const float dy = (fraction_y - ledges_[i].y) / 0.05f;
           mist = std::max(mist, 0.45f * exp_portable(-dy * dy));
         }
-        mist = std::max(mist, 0.95f * smoothstep(pool_ - 0.22f, pool_ + 0.06f, share_y));
+        mist = std::max(mist, 0.95f * smoothstep(pool_ - 0.22f, pool_ + 0.06f, fraction_y));
         splash_(x, y) = mist * smoothstep(half_width_ + 0.2f, half_width_ - 0.02f, across);
         if (splash_(x, y) > 0.0f && speed_(x, y).y <= 0.0f) speed_(x, y) = {0.0f, -0.4f * rate_ * scale_};
       }
@@ -174,7 +175,7 @@ class Waterfall final : public Scene {
   }
 
   struct Drop {
-    float time, speed;  // frames, design px a frame
+    float time, speed;  // frames, design px per frame
   };
   Drop fall(float distance, float start) const {
     const float speed = std::sqrt(start * start + 2.0f * gravity_ * distance);
@@ -214,7 +215,7 @@ class Waterfall final : public Scene {
   float rate_, scale_;
   GridOf<Rgb> rock_;
   Grid fall_time_, strand_, cover_, splash_;  // frames; strands; 0..1; 0..1
-  VectorGrid speed_;                          // px a frame
+  VectorGrid speed_;                          // px per frame
   std::vector<Ledge> ledges_;
   float pool_, gravity_, middle_, half_width_, spread_, lean_, fullness_, strand_px_;
   Rgb white_, shade_, stone_;

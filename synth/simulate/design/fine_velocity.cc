@@ -24,8 +24,8 @@ FRESHET_WIDE void blend_rows(const float* const* u, const float* wu, float scale
 }  // namespace
 
 FineVelocity::FineVelocity(cv::Size cells, cv::Size picture)
-    : px_a_cell_x_(static_cast<float>(picture.width) / static_cast<float>(cells.width)),
-      px_a_cell_y_(static_cast<float>(picture.height) / static_cast<float>(cells.height)),
+    : px_per_cell_x_(static_cast<float>(picture.width) / static_cast<float>(cells.width)),
+      px_per_cell_y_(static_cast<float>(picture.height) / static_cast<float>(cells.height)),
       u_across_(taps(cells.width + 1, cells.width, picture.width, 0.0f)),
       u_down_(taps(cells.height, cells.height, picture.height, 0.5f)),
       v_across_(taps(cells.width, cells.width, picture.width, 0.5f)),
@@ -70,7 +70,7 @@ void FineVelocity::read(const Grid& u, const Grid& v, VectorGrid& velocity) {
     const CubicTap &tu = u_down_[static_cast<std::size_t>(y)], &tv = v_down_[static_cast<std::size_t>(y)];
     const float *rows_u[4], *rows_v[4];
     for (int k = 0; k < 4; ++k) rows_u[k] = wide_u_.row(tu.index[k]), rows_v[k] = wide_v_.row(tv.index[k]);
-    blend_rows(rows_u, tu.weight, px_a_cell_x_, rows_v, tv.weight, px_a_cell_y_, velocity.width,
+    blend_rows(rows_u, tu.weight, px_per_cell_x_, rows_v, tv.weight, px_per_cell_y_, velocity.width,
                velocity.row(y));
   });
 }

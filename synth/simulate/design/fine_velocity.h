@@ -17,8 +17,8 @@ class FineVelocity {
   /// cells, picture  both cover the same area, with any ratio of sizes.
   FineVelocity(cv::Size cells, cv::Size picture);
 
-  /// u: (cells.width + 1) x cells.height, v: cells.width x (cells.height + 1), cells a step.
-  /// velocity  of the picture's size, px a step, at the pixels' centres; overwritten.
+  /// u: (cells.width + 1) x cells.height, v: cells.width x (cells.height + 1), cells per step.
+  /// velocity  of the picture's size, px per step, at the pixels' centres; overwritten.
   /// Cost  O(pixels).
   void read(const Grid& u, const Grid& v, VectorGrid& velocity);
 
@@ -30,7 +30,7 @@ class FineVelocity {
   static std::vector<CubicTap> taps(int samples, int cells, int pixels, float first);
   void widen(const Grid& in, const std::vector<CubicTap>& across, Grid& out) const;
 
-  float px_a_cell_x_, px_a_cell_y_;
+  float px_per_cell_x_, px_per_cell_y_;
   std::vector<CubicTap> u_across_, u_down_, v_across_, v_down_;
   Grid wide_u_, wide_v_;
 };

@@ -19,15 +19,15 @@ frames = 150
 fps = 25
 seed = 1
 grid = 192         # cells of the simulation along the height, apart from the size
-steps = 2          # of the simulation a frame
+steps = 2          # of the simulation per frame
 warm_up = 2.0      # seconds simulated before frame 0
 
 [fluid]
 buoyancy = 1.6     # heights/s^2 upwards for heat 1
 top_speed = 0.75   # heights/s
 vorticity = 1.2    # 1/s
-dissipation = 0.15 # share of the density lost a second
-cooling = 0.2      # share of the heat lost a second
+dissipation = 0.15 # fraction of the density lost per second
+cooling = 0.2      # fraction of the heat lost per second
 
 [sides]
 bottom = "closed"
@@ -269,21 +269,21 @@ velocity = [0.7, -0.05]
 strength = 0.5
 )"}};
 
-std::string clip_summary(Preset preset) {
-  switch (preset) {
-    case Preset::kSmoke:
+std::string clip_summary(SceneKind kind) {
+  switch (kind) {
+    case SceneKind::kSmoke:
       return "a clip of smoke, lit, from a few vents";
-    case Preset::kFire:
+    case SceneKind::kFire:
       return "a clip of flames with sparks";
-    case Preset::kInk:
+    case SceneKind::kInk:
       return "a clip of ink in water";
-    case Preset::kWaterfall:
+    case SceneKind::kWaterfall:
       return "a clip of a waterfall over rock, from the front";
-    case Preset::kRiver:
+    case SceneKind::kRiver:
       return "a clip of a river with rocks";
-    case Preset::kClouds:
+    case SceneKind::kClouds:
       return "a clip of clouds in the wind";
-    case Preset::kDesign:
+    case SceneKind::kDesign:
       break;
   }
   return {};
@@ -294,8 +294,8 @@ std::string clip_summary(Preset preset) {
 std::vector<PresetScene> preset_scenes() {
   std::vector<PresetScene> result;
   for (const Named& each : kDesigns) result.push_back({each.name, each.summary});
-  for (const Preset preset : all_presets())
-    result.push_back({std::string(preset_name(preset)), clip_summary(preset)});
+  for (const SceneKind kind : all_clip_kinds())
+    result.push_back({std::string(scene_kind_name(kind)), clip_summary(kind)});
   return result;
 }
 
@@ -304,13 +304,13 @@ std::string preset_scene(std::string_view name) {
     if (name == each.name) return fmt::format("# {}: {}\n{}", each.name, each.summary, each.text);
   std::string names;
   for (const PresetScene& each : preset_scenes()) names += (names.empty() ? "" : ", ") + each.name;
-  for (const Preset preset : all_presets()) {
-    if (name != preset_name(preset)) continue;
+  for (const SceneKind kind : all_clip_kinds()) {
+    if (name != scene_kind_name(kind)) continue;
     const SceneOptions scene;
     return fmt::format(
         "# {}: {}. The seed decides its sources, winds, speeds and colours\nclip = \"{}\"\nsize = [{}, {}]\n"
         "frames = {}\nfps = {}\nseed = {}\n",
-        name, clip_summary(preset), name, scene.size.width, scene.size.height, scene.frames, scene.fps,
+        name, clip_summary(kind), name, scene.size.width, scene.size.height, scene.frames, scene.fps,
         scene.seed);
   }
   throw Error(ErrorKind::kUsage, "preset", fmt::format("'{}' is not known", name),
@@ -318,14 +318,14 @@ std::string preset_scene(std::string_view name) {
 }
 
 std::string scene_keys() {
-  return R"(Keys of a scene file (TOML). A place is [share of the width, share of the height] of the picture,
-y down; lengths are shares of its height, speeds heights a second, seconds count from frame 0.
+  return R"(Keys of a scene file (TOML). A place is [fraction of the width, fraction of the height] of the picture,
+y down; lengths are fractions of its height, speeds heights per second, seconds count from frame 0.
 
 size = [640, 360]   px of what is written, 16 to 4096 a side
 frames = 120        fps = 25         seed = 1
 clip = "smoke"      a ready-made clip (smoke, fire, ink, waterfall, river, clouds): nothing below then
 grid = 192          cells of the simulation along the height, 16 to 2048, whatever the size
-steps = 2           of the simulation a frame, 1 to 32: more for fast fluid
+steps = 2           of the simulation per frame, 1 to 32: more for fast fluid
 warm_up = 0         seconds simulated before frame 0
 
 [fluid]
@@ -334,11 +334,11 @@ gravity = 0         heights/s^2 downwards for density 1
 weight = 1          times heavier than the air, to 100: falls and shoots on as water does
 top_speed = 0       heights/s at which drag holds against them; 0: none
 vorticity = 1       vorticity confinement, 1/s: curls
-dissipation = 0     share of the density lost a second
-burning = 0         density lost a second, whatever there is: tongues
-cooling = 0         share of the heat lost a second
+dissipation = 0     fraction of the density lost per second
+burning = 0         density lost per second, whatever there is: tongues
+cooling = 0         fraction of the heat lost per second
 viscosity = 0       heights^2/s, to 0.01
-drag = 0            share of the velocity lost a second
+drag = 0            fraction of the velocity lost per second
 still_air = 0       the same where there is no fluid
 
 [sides]
@@ -361,17 +361,17 @@ from, to            seconds; all the time without them
 rate = 1            density that the shape is held filled with, or [[second, rate], ...]
 velocity = [0, 0]   [right, down], heights/s; [0, 0] does not drive the fluid
 heat = 0            what buoyancy acts on
-expansion = 0       growth of the area inside, a share a second: a blast
+expansion = 0       growth of the area inside, a fraction per second: a blast
 jitter = 0.3        0: even, 1: gusts and lumps
 lump = 0.05         size of the lumps
 
 [[obstacle]]        name, shape and its keys, softness, move, from, to
 
 [[force]]           from, to, strength (1), and
-kind = "wind"       velocity; strength is the share made up a second
+kind = "wind"       velocity; strength is the fraction made up per second
 kind = "point"      position, radius (0.2) where it is strongest; heights/s^2, below 0 pushes away
 kind = "vortex"     position, radius; heights/s^2, anticlockwise
-kind = "turbulence" size (0.1), change (1 a second), everywhere = false (only in fluid); heights/s^2
+kind = "turbulence" size (0.1), change (1 per second), everywhere = false (only in fluid); heights/s^2
 )";
 }
 

@@ -182,7 +182,7 @@ class Section {
       refuse(*node, key, fmt::format("tables are expected, each below [[{}]]", key));
     if (list->size() > kMaxThings)
       refuse(*node, key, fmt::format("there are {}", list->size()),
-             fmt::format("{} is the most", kMaxThings));
+             fmt::format("{} is the maximum", kMaxThings));
     for (std::size_t i = 0; i < list->size(); ++i)
       result.emplace_back(file_, *(*list)[i].as_table(), fmt::format("{} {}", key, i + 1));
     return result;
@@ -245,7 +245,7 @@ Shape read_shape(Section& section, cv::Size size) {
     const toml::node* node = section.find(key);
     if (node == nullptr)
       section.refuse_whole(fmt::format("a {} needs {}", kNames[*kind], key),
-                           "Places are [share of the width, share of the height]");
+                           "Places are [fraction of the width, fraction of the height]");
     return *node;
   };
   switch (shape.kind) {
@@ -285,7 +285,7 @@ Shape read_shape(Section& section, cv::Size size) {
   Grid coverage(std::clamp(size.width / 2, 1, 512), std::clamp(size.height / 2, 1, 512));
   if (shape.move.empty() && draw_shape(shape, {}, coverage).empty())
     section.refuse_whole("it lies outside the picture",
-                         "Places are shares: [0, 0] is the upper left corner, [1, 1] the lower right one");
+                         "Places are fractions: [0, 0] is the upper left corner, [1, 1] the lower right one");
   return shape;
 }
 
@@ -333,13 +333,13 @@ Force read_force(Section& section) {
   switch (force.kind) {
     case Force::Kind::kWind:
       if (!section.read("velocity", force.velocity, {-20.0, 20.0}))
-        section.refuse_whole("a wind needs a velocity", "Give velocity = [right, down], heights a second");
+        section.refuse_whole("a wind needs a velocity", "Give velocity = [right, down], heights per second");
       break;
     case Force::Kind::kPoint:
     case Force::Kind::kVortex:
       if (!section.read("position", force.position, {-2.0, 3.0}))
         section.refuse_whole("it needs a position",
-                             "Give position = [share of the width, share of the height]");
+                             "Give position = [fraction of the width, fraction of the height]");
       section.read("radius", force.radius, {1e-2, 10.0});
       break;
     case Force::Kind::kTurbulence:
@@ -397,13 +397,13 @@ SceneOptions read_file(Section& file) {
   file.read("seed", seed, {0.0, 9e15});
   scene.seed = static_cast<std::uint64_t>(seed);
   std::vector<std::string> clips;
-  for (const Preset preset : all_presets()) clips.emplace_back(preset_name(preset));
+  for (const SceneKind kind : all_clip_kinds()) clips.emplace_back(scene_kind_name(kind));
   if (const auto clip = file.word("clip", clips)) {
-    scene.preset = all_presets()[*clip];
+    scene.kind = all_clip_kinds()[*clip];
     file.done();
     return scene;
   }
-  scene.preset = Preset::kDesign;
+  scene.kind = SceneKind::kDesign;
   file.read("warm_up", design.warm_up_s, {0.0, 600.0});
   file.read("grid", design.rows, {kMinRows, kMaxRows});
   file.read("steps", design.steps, {1.0, kMaxSteps});

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "synth/simulate/scene/scene.h"
+#include "synth/simulate/scene/scene_options.h"
 
 namespace freshet::synth::simulate {
 

@@ -9,7 +9,7 @@ namespace freshet::synth::simulate {
 
 /// A value on a line of (seconds, value) knots: straight between them, level outside. At least one knot.
 float value_at(const std::vector<std::pair<float, float>>& knots, double time_s);
-/// How far a shape has moved, shares of width and height; (0, 0) without knots.
+/// How far a shape has moved, fractions of width and height; (0, 0) without knots.
 Vec2 shift_at(const Shape& shape, double time_s);
 
 /// How much of each pixel the shape covers, 0..1, with its centre moved by `shift`.

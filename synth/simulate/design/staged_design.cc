@@ -12,7 +12,7 @@
 #include "synth/field/random.h"
 #include "synth/simulate/design/fine_velocity.h"
 #include "synth/simulate/design/shape.h"
-#include "synth/simulate/scene/scenes.h"
+#include "synth/simulate/scene/simulated_scene.h"
 #include "synth/simulate/solver/noise.h"
 #include "synth/simulate/solver/stable_fluids.h"
 
@@ -132,7 +132,7 @@ class StagedDesign final : public Scene {
             // Pressure travels slowly between heavy and light.
             .projection = {.max_iterations = design_.fluid.weight != 1.0f ? 30 : 12}};
   }
-  /// Cells a step for one height a second.
+  /// Cells per step for one height per second.
   float speed_unit() const { return static_cast<float>(cells_.height) * step_s_; }
 
   void step() {
@@ -348,7 +348,7 @@ class StagedDesign final : public Scene {
 
   void push() {
     const FluidOptions& f = design_.fluid;
-    const float pull = speed_unit() * step_s_;  // cells a step per step, for 1 height/s^2
+    const float pull = speed_unit() * step_s_;  // cells per step per step, for 1 height/s^2
     const float still = std::min(1.0f, f.still_air * step_s_), light = 1.0f / f.weight;
     const float brake = f.top_speed > 0.0f
                             ? std::max(f.buoyancy, f.gravity) /
@@ -388,14 +388,14 @@ class StagedDesign final : public Scene {
       const float growth = e.expansion * step_s_ * std::min(rate, 1.0f);
       for_rows(cells_.height, [&](int y) {
         for (int x = 0; x < cells_.width; ++x) {
-          const float share = placed.cells(x, y);
-          if (share <= 0.0f) continue;
+          const float fraction = placed.cells(x, y);
+          if (fraction <= 0.0f) continue;
           const Vec2 v = flow_.velocity()(x, y);
           if (driven) {
-            force_(x, y).x += share * (asked.x - v.x);
-            force_(x, y).y += share * (asked.y - v.y);
+            force_(x, y).x += fraction * (asked.x - v.x);
+            force_(x, y).y += fraction * (asked.y - v.y);
           }
-          if (growth > 0.0f && solid_(x, y) == 0) source_(x, y) += growth * share;
+          if (growth > 0.0f && solid_(x, y) == 0) source_(x, y) += growth * fraction;
         }
       });
     }
@@ -405,11 +405,11 @@ class StagedDesign final : public Scene {
     const float rows = static_cast<float>(cells_.height);
     if (force.kind == Force::Kind::kWind) {
       const Vec2 wind{force.velocity.x * speed_unit(), force.velocity.y * speed_unit()};
-      const float share = std::min(1.0f, force.strength * step_s_);
+      const float fraction = std::min(1.0f, force.strength * step_s_);
       for_rows(cells_.height, [&](int y) {
         for (int x = 0; x < cells_.width; ++x) {
           const Vec2 v = flow_.velocity()(x, y);
-          force_(x, y).x += share * (wind.x - v.x), force_(x, y).y += share * (wind.y - v.y);
+          force_(x, y).x += fraction * (wind.x - v.x), force_(x, y).y += fraction * (wind.y - v.y);
         }
       });
       return;
@@ -456,7 +456,7 @@ class StagedDesign final : public Scene {
   Noise noise_;
   StableFluids flow_;
   FineVelocity fine_velocity_;
-  VectorGrid velocity_;  // px a step
+  VectorGrid velocity_;  // px per step
   Grid density_, next_density_, shown_;
   VectorGrid carried_;
   Grid thick_;  // density, mean of each cell

@@ -1,8 +1,8 @@
 // synth/simulate/scene/design.h — a designed motion: what lets fluid in, what stands in its way, what drives
 // it.
 //
-// Places are shares of the picture: x of its width, y of its height, y down. Lengths are shares of its
-// height, speeds picture heights a second, times seconds from frame 0. So a design means the same at every
+// Places are fractions of the picture: x of its width, y of its height, y down. Lengths are fractions of its
+// height, speeds picture heights per second, times seconds from frame 0. So a design means the same at every
 // size of picture, on every grid and at every rate of frames.
 #pragma once
 
@@ -33,7 +33,8 @@ struct Shape {
   float radius = 0.05f;        // of a disc; half the width of a line
   float softness = 0.0f;       // how far the rim fades, outwards and inwards; at least a pixel
   cv::Mat picture{};           // CV_8U, white inside; laid over the whole picture
-  /// (seconds, shift): where the shape is moved to over time, straight between; shares of width and height.
+  /// (seconds, shift): where the shape is moved to over time, straight between; fractions of width and
+  /// height.
   std::vector<std::pair<float, Vec2>> move{};
 };
 
@@ -46,7 +47,7 @@ struct Emitter {
   std::vector<std::pair<float, float>> rate{{0.0f, 1.0f}};
   Vec2 velocity;           // that fluid comes out with, heights/s; (0, 0): it is not driven
   float heat = 0.0f;       // given to the fluid: what buoyancy acts on
-  float expansion = 0.0f;  // growth of the fluid's area inside, a share a second: a blast
+  float expansion = 0.0f;  // growth of the fluid's area inside, a fraction per second: a blast
   float jitter = 0.3f;     // 0: even; 1: density and velocity come in gusts and lumps
   float lump = 0.05f;      // size of these lumps, heights
 };
@@ -65,8 +66,9 @@ struct Force {
   Vec2 position;        // point, vortex
   float radius = 0.2f;  // point, vortex: how far from the middle it is strongest
   float size = 0.1f;    // turbulence: of its eddies
-  float change = 1.0f;  // turbulence: fresh patterns a second
-  /// wind: share of the difference made up a second. point: heights/s^2, towards the place (below 0: away).
+  float change = 1.0f;  // turbulence: fresh patterns per second
+  /// wind: fraction of the difference made up per second. point: heights/s^2, towards the place (below 0:
+  /// away).
   /// vortex: heights/s^2, anticlockwise as seen. turbulence: heights/s^2.
   float strength = 1.0f;
   bool in_fluid_only = true;  // turbulence: nothing where there is no fluid
@@ -78,11 +80,11 @@ struct FluidOptions {
   float weight = 1.0f;  // how many times heavier than air fluid of density 1 is: water falls as it is, a jet
                         // shoots through
   float vorticity = 1.0f;    // vorticity confinement, 1/s: brings back curls that the grid loses
-  float dissipation = 0.0f;  // share of the density lost a second
-  float burning = 0.0f;      // density lost a second, whatever there is: flames end in sharp tongues
-  float cooling = 0.0f;      // share of the heat lost a second
+  float dissipation = 0.0f;  // fraction of the density lost per second
+  float burning = 0.0f;      // density lost per second, whatever there is: flames end in sharp tongues
+  float cooling = 0.0f;      // fraction of the heat lost per second
   float viscosity = 0.0f;    // heights^2/s
-  float drag = 0.0f;         // share of the velocity lost a second
+  float drag = 0.0f;         // fraction of the velocity lost per second
   float still_air = 0.0f;    // the same, where there is no fluid
   float top_speed = 0.0f;    // heights/s at which drag holds against buoyancy; 0: none
 };
@@ -98,7 +100,7 @@ struct Look {
 
 struct Design {
   int rows = 192;          // cells of the simulation along the picture's height; cells are square
-  int steps = 2;           // of the simulation a frame
+  int steps = 2;           // of the simulation per frame
   double warm_up_s = 0.0;  // simulated before frame 0
   FluidOptions fluid;
   Side left = Side::kOpen, right = Side::kOpen, top = Side::kOpen, bottom = Side::kOpen;

@@ -12,7 +12,7 @@ namespace freshet::synth::simulate {
 
 struct FilmOptions {
   float exposure = 1.0f;
-  float bloom = 0.0f;  // share of the light that spreads, radius about a fortieth of the picture's height
+  float bloom = 0.0f;  // fraction of the light that spreads, radius about a fortieth of the picture's height
   float grain = 1.1f;  // triangular noise, levels of 8 bits: below what the eye sees, enough that slow
                        // gradients do not band
 };

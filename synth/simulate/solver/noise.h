@@ -9,7 +9,7 @@
 namespace freshet::synth::simulate {
 
 /// Gradient noise (Perlin 2002), one octave, drawn once and read back: a direct evaluation costs three times
-/// as much. Zero mean, about -1..1, one feature a unit; repeats every 32 units, which sums of octaves with
+/// as much. Zero mean, about -1..1, one feature per unit; repeats every 32 units, which sums of octaves with
 /// unrelated scales and turns hide. 1 MB.
 class Noise {
  public:

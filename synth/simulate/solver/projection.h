@@ -35,9 +35,9 @@ class Projection {
   Projection(Projection&&) noexcept;
   ~Projection();
 
-  /// Makes (u, v) free of divergence: u on face_x's points, v on face_y's, cells a frame. Faces of weight 0
+  /// Makes (u, v) free of divergence: u on face_x's points, v on face_y's, cells per frame. Faces of weight 0
   /// keep their velocity. The pressure found last is the first guess of the next call.
-  /// source  the divergence that is to remain, 1/frame, a value a cell; null: none. The report counts what
+  /// source  the divergence that is to remain, 1/frame, a value per cell; null: none. The report counts what
   ///         differs from it.
   ProjectionReport apply(Grid& u, Grid& v, const ProjectionOptions& options = {},
                          const Grid* source = nullptr);

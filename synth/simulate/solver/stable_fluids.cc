@@ -171,7 +171,7 @@ void StableFluids::diffuse() {
   if (!(options_.viscosity > 0.0f)) return;
   // A fifth of a cell^2 a sweep is stable, and damps what alternates from cell to cell.
   const int sweeps = static_cast<int>(options_.viscosity * 5.0f) + 1;
-  const float share = options_.viscosity / static_cast<float>(sweeps);
+  const float fraction = options_.viscosity / static_cast<float>(sweeps);
   const auto sweep = [&](Grid& now, Grid& next, const Grid& face) {
     for_rows(now.height, [&](int y) {
       const int above = std::max(y - 1, 0), below = std::min(y + 1, now.height - 1);
@@ -179,7 +179,7 @@ void StableFluids::diffuse() {
         const int left = std::max(x - 1, 0), right = std::min(x + 1, now.width - 1);
         const float here = now(x, y);
         const float around = now(left, y) + now(right, y) + now(x, above) + now(x, below);
-        next(x, y) = face(x, y) > 0.0f ? here + share * (around - 4.0f * here) : here;
+        next(x, y) = face(x, y) > 0.0f ? here + fraction * (around - 4.0f * here) : here;
       }
     });
     std::swap(now, next);

@@ -16,10 +16,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-template <class Pixel, int kMost>
+template <class Pixel, int kMax>
 void blend(const cv::Mat& over, cv::Mat& under) {
-  constexpr std::int64_t kUnit = kMost / 255;  // of an 8-bit code
-  constexpr std::int64_t kWhole = std::int64_t{kMost} * kUnit;
+  constexpr std::int64_t kUnit = kMax / 255;  // of an 8-bit code
+  constexpr std::int64_t kWhole = std::int64_t{kMax} * kUnit;
   for (int y = 0; y < over.rows; ++y) {
     const auto* from = over.ptr<Pixel>(y);
     auto* to = under.ptr<cv::Vec3b>(y);
@@ -27,7 +27,7 @@ void blend(const cv::Mat& over, cv::Mat& under) {
       const std::int64_t alpha = from[x][3];
       for (int c = 0; c < 3; ++c)
         to[x][c] = static_cast<std::uint8_t>(
-            (alpha * from[x][c] + (kMost - alpha) * to[x][c] * kUnit + kWhole / 2) / kWhole);
+            (alpha * from[x][c] + (kMax - alpha) * to[x][c] * kUnit + kWhole / 2) / kWhole);
     }
   }
 }

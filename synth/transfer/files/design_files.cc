@@ -195,10 +195,10 @@ void DesignFiles::check(const std::function<void(std::size_t, std::size_t)>& pro
                          design.mask_name(0), design.size.width, design.size.height),
              "All masks are of one size");
     const auto look = [](const cv::Mat& mask, int& empty, bool& full, ContentHash& hash) {
-      double least = 0, most = 0;
-      cv::minMaxLoc(mask, &least, &most);
-      empty += most <= 0;
-      full = full && least > 1 - 1e-6;
+      double minimum = 0, maximum = 0;
+      cv::minMaxLoc(mask, &minimum, &maximum);
+      empty += maximum <= 0;
+      full = full && minimum > 1 - 1e-6;
       hash.add(mask);
     };
     look(masks->luma, luma_empty, luma_full, of_luma);

@@ -1,4 +1,4 @@
-// synth/transfer/files/design_files.h — a designed animation from files: a mask and a motion field a frame.
+// synth/transfer/files/design_files.h — a designed animation from files: a mask and a motion field per frame.
 #pragma once
 
 #include <cstddef>
@@ -20,8 +20,8 @@ namespace freshet::synth::transfer {
 /// alpha  a folder or a pattern (%05d, ####) of pictures, or a video. Where any frame is transparent
 /// anywhere,
 ///        the mask is the alpha channel; else it is the luminance.
-/// flow   a folder or a pattern of .flo or .exr fields, px a frame (media/picture/motion_file.h). Of a folder that
-/// holds
+/// flow   a folder or a pattern of .flo or .exr fields, px per frame (media/picture/motion_file.h). Of a
+/// folder that holds
 ///        both, the .flo.
 class DesignFiles {
  public:

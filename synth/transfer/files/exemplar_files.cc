@@ -26,7 +26,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kMost = 65535;
+constexpr int kMax = 65535;
 constexpr std::size_t kRemembered = 4;  // moments: this one, the one before, and those of a frame begun again
 
 [[noreturn]] void refuse(const std::string& where, const std::string& fault, const std::string& remedy) {
@@ -49,7 +49,7 @@ cv::Mat deep(const media::Frame& frame) {
 }
 
 std::optional<vision::LoopRule> measured_loop(const Frames& frames) {
-  if (frames.count < static_cast<int>(vision::kLeastLoopFrames)) return std::nullopt;
+  if (frames.count < static_cast<int>(vision::kMinLoopFrames)) return std::nullopt;
   vision::LoopFinder finder(1);
   for (int i = 0; i < frames.count; ++i) {
     cv::Mat grey;
@@ -81,7 +81,7 @@ Frames pictures(const fs::path& path) {
       .loop = {}};
 }
 
-/// Its frames are kept as the decoder gives them: 1.5 bytes a pixel of 4:2:0.
+/// Its frames are kept as the decoder gives them: 1.5 bytes per pixel of 4:2:0.
 Frames video(const fs::path& path, std::vector<std::string>& notices) {
   media::VideoReader reader(path);
   auto frames = std::make_shared<std::vector<media::Frame>>();
@@ -124,7 +124,7 @@ Frames stored(const store::Snapshot& snapshot, const std::string& name) {
 
 cv::Mat premultiplied(const cv::Mat& bgra) {
   cv::Mat out;
-  bgra.convertTo(out, CV_32F, 1.0 / kMost);
+  bgra.convertTo(out, CV_32F, 1.0 / kMax);
   out.forEach<cv::Vec4f>([](cv::Vec4f& at, const int*) {
     for (int c = 0; c < 3; ++c) at[c] *= at[3];
   });
@@ -140,9 +140,9 @@ cv::Mat straight(const cv::Mat& premultiplied) {
       const float alpha = std::clamp(from[3], 0.0f, 1.0f);
       for (int c = 0; c < 3; ++c)
         to[c] = alpha > 0
-                    ? static_cast<std::uint16_t>(std::lround(kMost * std::clamp(from[c] / alpha, 0.0f, 1.0f)))
+                    ? static_cast<std::uint16_t>(std::lround(kMax * std::clamp(from[c] / alpha, 0.0f, 1.0f)))
                     : std::uint16_t{0};
-      to[3] = static_cast<std::uint16_t>(std::lround(kMost * alpha));
+      to[3] = static_cast<std::uint16_t>(std::lround(kMax * alpha));
     }
   return out;
 }
@@ -154,12 +154,11 @@ void take_off_ground(cv::Mat& bgra, Ground ground) {
   const bool black = ground == Ground::kBlack;
   bgra.forEach<cv::Vec4w>([black](cv::Vec4w& at, const int*) {
     int light[3];  // of light on black, or of the negative
-    for (int c = 0; c < 3; ++c) light[c] = black ? at[c] : kMost - at[c];
+    for (int c = 0; c < 3; ++c) light[c] = black ? at[c] : kMax - at[c];
     const int alpha = std::max({light[0], light[1], light[2]});
     for (int c = 0; c < 3; ++c) {
-      const auto full =
-          alpha > 0 ? static_cast<int>((std::int64_t{light[c]} * kMost + alpha / 2) / alpha) : 0;
-      at[c] = static_cast<std::uint16_t>(black ? full : kMost - full);
+      const auto full = alpha > 0 ? static_cast<int>((std::int64_t{light[c]} * kMax + alpha / 2) / alpha) : 0;
+      at[c] = static_cast<std::uint16_t>(black ? full : kMax - full);
     }
     at[3] = static_cast<std::uint16_t>(alpha);
   });
@@ -193,9 +192,9 @@ struct ExemplarFiles::Impl {
              "Give a mask of the exemplar's size");
     cv::Mat mask, own_alpha;
     cv::extractChannel(picture, own_alpha, 3);
-    double least = 0, most = 0;
-    cv::minMaxLoc(own_alpha, &least, &most);
-    if (least < kMost)
+    double minimum = 0, maximum = 0;
+    cv::minMaxLoc(own_alpha, &minimum, &maximum);
+    if (minimum < kMax)
       mask = own_alpha;  // transparent somewhere: that is the mask
     else
       cv::cvtColor(picture, mask, cv::COLOR_BGRA2GRAY);
@@ -230,7 +229,7 @@ struct ExemplarFiles::Impl {
         refuse(frames.name,
                fmt::format(
                    "it has {} frames, too few for an animation of {} and to make a loop of: {} are needed",
-                   frames.count, options.frames, vision::kLeastLoopFrames),
+                   frames.count, options.frames, vision::kMinLoopFrames),
                "Give a longer one, a single picture, or ask for fewer with --frames");
     }
     std::vector<double> times(static_cast<std::size_t>(frames.count));
@@ -265,18 +264,18 @@ void ExemplarFiles::check(const std::function<void(std::size_t, std::size_t)>& p
   exemplar.find_moments();
   const int used = std::min(exemplar.frames.count, std::max(1, exemplar.options.frames));
   ContentHash hash;
-  double most_alpha = 0;
+  double max_alpha = 0;
   for (int i = 0; i < used; ++i) {
     if (stop.stop_requested()) throw Error(ErrorKind::kCancelled, "transfer", "stopped");
     const cv::Mat bgra = exemplar.own(i);
     const std::string name = exemplar.frames.name_of(i);
     if (i == 0) {
       exemplar.size = bgra.size();
-      const int least = 2 * exemplar.options.patch;
-      if (bgra.cols < least || bgra.rows < least)
+      const int minimum = 2 * exemplar.options.patch;
+      if (bgra.cols < minimum || bgra.rows < minimum)
         refuse(name,
                fmt::format("the exemplar is {} x {} px; two patches of {} px need {}", bgra.cols, bgra.rows,
-                           exemplar.options.patch, least),
+                           exemplar.options.patch, minimum),
                "Give a larger one, or a smaller --patch");
     }
     if (bgra.size() != exemplar.size)
@@ -286,11 +285,11 @@ void ExemplarFiles::check(const std::function<void(std::size_t, std::size_t)>& p
              "Make all frames equal in size");
     cv::Mat alpha;
     cv::extractChannel(bgra, alpha, 3);
-    double least = 0, most = 0;
-    cv::minMaxLoc(alpha, &least, &most);
-    exemplar.opaque = exemplar.opaque && least == kMost;
-    most_alpha = std::max(most_alpha, most);
-    if (most == 0 && used > 1 && i == 0)
+    double minimum = 0, maximum = 0;
+    cv::minMaxLoc(alpha, &minimum, &maximum);
+    exemplar.opaque = exemplar.opaque && minimum == kMax;
+    max_alpha = std::max(max_alpha, maximum);
+    if (maximum == 0 && used > 1 && i == 0)
       refuse(name,
              "the exemplar's first frame is transparent everywhere: there is no fluid in it to begin with",
              "Cut off the frames before the fluid");
@@ -301,7 +300,7 @@ void ExemplarFiles::check(const std::function<void(std::size_t, std::size_t)>& p
     }
     if (progress) progress(static_cast<std::size_t>(i) + 1, static_cast<std::size_t>(used));
   }
-  if (most_alpha == 0)
+  if (max_alpha == 0)
     refuse(exemplar.options.alpha.empty() ? exemplar.frames.name : exemplar.options.alpha.string(),
            "the exemplar is transparent everywhere: there is no fluid in it",
            "Give a mask that is white where the fluid is with --exemplar-alpha");

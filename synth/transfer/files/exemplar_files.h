@@ -30,7 +30,7 @@ struct ExemplarOptions {
   std::filesystem::path alpha = {};  // masks in place of the exemplar's alpha: a picture for all of its
                                      // frames, or a folder, pattern or video of as many; empty: none
   Ground ground = Ground::kNone;
-  int patch = 5;   // px a side, of the transfer: an exemplar has room for two each way
+  int patch = 5;   // px per side, of the transfer: an exemplar has room for two each way
   int frames = 1;  // of the animation
 };
 
@@ -47,8 +47,8 @@ class ExemplarFiles {
   ~ExemplarFiles();
 
   /// Reads once all that the animation will use, and finds the loop. Throws Error{kInput}: unreadable, frames
-  /// of unequal size, smaller than two patches a side, transparent everywhere, masks of another size or
-  /// number, too short for the animation and for a loop (vision::kLeastLoopFrames); Error{kCancelled}.
+  /// of unequal size, smaller than two patches per side, transparent everywhere, masks of another size or
+  /// number, too short for the animation and for a loop (vision::kMinLoopFrames); Error{kCancelled}.
   void check(const std::function<void(std::size_t done, std::size_t of)>& progress = {},
              const std::stop_token& stop = {});
 

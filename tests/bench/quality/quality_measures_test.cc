@@ -37,7 +37,7 @@ std::vector<cv::Mat> film_of(const Shade& shade, int frames = 40, cv::Size size 
   return film;
 }
 
-/// Grain that slides by (dx, dy) px a frame.
+/// Grain that slides by (dx, dy) px per frame.
 std::vector<cv::Mat> sliding(int dx, int dy, int frames = 40) {
   cv::Mat grain(600, 600, CV_8U), smooth;
   cv::RNG random(5);
@@ -50,10 +50,10 @@ std::vector<cv::Mat> sliding(int dx, int dy, int frames = 40) {
   return film;
 }
 
-std::vector<PairMotion> motions_of(cv::Vec2f px_a_frame, int frames = 40, cv::Size size = kSize) {
+std::vector<PairMotion> motions_of(cv::Vec2f px_per_frame, int frames = 40, cv::Size size = kSize) {
   const cv::Size cells(size.width / kMotionCell, size.height / kMotionCell);
-  const PairMotion motion{cv::Mat(cells, CV_32FC2, cv::Scalar(px_a_frame[0], px_a_frame[1])),
-                          cv::Mat(cells, CV_32F, cv::Scalar(cv::norm(px_a_frame)))};
+  const PairMotion motion{cv::Mat(cells, CV_32FC2, cv::Scalar(px_per_frame[0], px_per_frame[1])),
+                          cv::Mat(cells, CV_32F, cv::Scalar(cv::norm(px_per_frame)))};
   return std::vector<PairMotion>(frames - 1, motion);
 }
 
@@ -112,7 +112,7 @@ TEST(QualityMeasures, PowerIsASinusoidsInItsBand) {
   EXPECT_NEAR(near, 450, 10);
 }
 
-// The slow, obvious twin: one complex sum a pixel, window and frequency.
+// The slow, obvious twin: one complex sum per pixel, window and frequency.
 TEST(QualityMeasures, PowerIsTheFourierTransforms) {
   for (const int frames : {27, 40, 75}) {
     std::mt19937 random(3);
@@ -198,7 +198,7 @@ TEST(QualityMeasures, AnglesAndSpeedsAreThoseOfTheFlow) {
   EXPECT_NEAR(compare(film_with(grain, {-1, 0}), truth, everywhere()).angle_deg, 180, 1e-3);
   EXPECT_NEAR(compare(film_with(grain, {0.5f, 0.5f}), truth, everywhere()).angle_deg, 45, 1e-3);
   EXPECT_NEAR(compare(film_with(grain, {0, 0}), truth, everywhere()).angle_deg, 90, 1e-3);
-  // 0.05 px a frame is 1.25 px/s: too slow to have a direction.
+  // 0.05 px per frame is 1.25 px/s: too slow to have a direction.
   EXPECT_EQ(compare(truth, film_with(grain, {0.05f, 0}), everywhere()).moving, 0);
 }
 

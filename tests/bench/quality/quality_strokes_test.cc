@@ -20,16 +20,16 @@ cv::Mat motion_of(const std::function<cv::Vec2f(float x, float y)>& flow) {
 }
 cv::Mat whole() { return cv::Mat(kPicture, CV_8U, cv::Scalar(255)); }
 
-/// Cosine of the angle between a stroke's parts and the flow where they lie; the least.
-double least_cosine(const query::Stroke& stroke, const std::function<cv::Vec2f(float x, float y)>& flow) {
-  double least = 1;
+/// Cosine of the angle between a stroke's parts and the flow where they lie; the minimum.
+double min_cosine(const query::Stroke& stroke, const std::function<cv::Vec2f(float x, float y)>& flow) {
+  double minimum = 1;
   for (std::size_t i = 1; i < stroke.points.size(); ++i) {
     const cv::Point2f along = stroke.points[i] - stroke.points[i - 1];
     const cv::Point2f middle = 0.5f * (stroke.points[i] + stroke.points[i - 1]);
     const cv::Vec2f here = flow(middle.x, middle.y);
-    least = std::min(least, (along.x * here[0] + along.y * here[1]) / (cv::norm(along) * cv::norm(here)));
+    minimum = std::min(minimum, (along.x * here[0] + along.y * here[1]) / (cv::norm(along) * cv::norm(here)));
   }
-  return least;
+  return minimum;
 }
 
 TEST(QualityStrokes, FollowTheFlow) {
@@ -39,7 +39,7 @@ TEST(QualityStrokes, FollowTheFlow) {
   EXPECT_LE(strokes.size(), 12u);
   for (const query::Stroke& stroke : strokes) {
     ASSERT_GE(stroke.points.size(), 2u);
-    EXPECT_GT(least_cosine(stroke, whirl), 0.9);
+    EXPECT_GT(min_cosine(stroke, whirl), 0.9);
   }
 }
 

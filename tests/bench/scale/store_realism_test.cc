@@ -26,12 +26,12 @@ TEST(StoreRealism, SharesAndTheirDistances) {
   std::vector<vision::WordMap> words(2);
   words[0].fill(0);
   words[1].fill(3);
-  const auto shares = word_shares(words, 4);
-  EXPECT_EQ(shares, (std::vector<double>{0.5, 0, 0, 0.5}));
+  const auto fractions = word_fractions(words, 4);
+  EXPECT_EQ(fractions, (std::vector<double>{0.5, 0, 0, 0.5}));
   const std::vector<double> other{0.25, 0.25, 0, 0.5};
-  EXPECT_DOUBLE_EQ(total_variation(shares, other), 0.25);
-  EXPECT_DOUBLE_EQ(divergence_bits(shares, other), 0.5);
-  EXPECT_DOUBLE_EQ(divergence_bits(shares, shares), 0);
+  EXPECT_DOUBLE_EQ(total_variation(fractions, other), 0.25);
+  EXPECT_DOUBLE_EQ(divergence_bits(fractions, other), 0.5);
+  EXPECT_DOUBLE_EQ(divergence_bits(fractions, fractions), 0);
 }
 
 TEST(StoreRealism, APatchOfOneWordHasABinACell) {

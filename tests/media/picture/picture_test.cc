@@ -42,7 +42,7 @@ TEST(Picture, SixteenBitsAreReducedByRoundingAndSaid) {
     for (int x = 0; x < deep.cols; ++x)
       EXPECT_NEAR(back.bgr.at<cv::Vec3b>(y, x)[1], deep.at<cv::Vec3w>(y, x)[1] / 257.0, 0.501);
   ASSERT_EQ(back.notices.size(), 1u);
-  EXPECT_EQ(back.notices[0], "16 bits a channel reduced to 8");
+  EXPECT_EQ(back.notices[0], "16 bits per channel reduced to 8");
 }
 
 TEST(Picture, AlphaIsIgnoredAndSaidAndGreyIsSpread) {
@@ -97,7 +97,7 @@ TEST(Picture, AHeaderThatClaimsGigabytesIsRefusedBeforeAllocation) {
   const Scratch scratch;
   write_picture(scratch / "a.png", noise(CV_8UC3));
   std::vector<char> bytes = bytes_of(scratch / "a.png");
-  bytes[16] = bytes[20] = 0x01;  // 16 million pixels a side
+  bytes[16] = bytes[20] = 0x01;  // 16 million pixels per side
   put_bytes(scratch / "huge.png", bytes);
   EXPECT_NE(fault_of(ErrorKind::kInput, [&] { read_picture(scratch / "huge.png"); }).find("pixels large"),
             std::string::npos);
@@ -156,7 +156,7 @@ TEST(Picture, WritingFaultsNameTheFile) {
             std::string::npos);
   EXPECT_NE(fault_of(ErrorKind::kUsage, [&] { write_picture(scratch / "a.png", cv::Mat()); }).find("empty"),
             std::string::npos);
-  // JPEG ends at 65535 pixels a side.
+  // JPEG ends at 65535 pixels per side.
   fault_of(ErrorKind::kUsage, [&] { write_picture(scratch / "a.jpg", cv::Mat(1, 70000, CV_8UC3)); });
 }
 

@@ -146,10 +146,10 @@ TEST(SearchBenchmark, RefusesMoreRowsThanThereAre) {
 }
 
 // An index that is exact, but takes its time to build, or fails.
-MeasuredIndex slow(double seconds_a_row) {
+MeasuredIndex slow(double seconds_per_row) {
   return {.name = "slow", .what = "", .build = [=](const SearchSpace& space) -> BuiltIndex {
             const double until =
-                report::thread_seconds() + seconds_a_row * static_cast<double>(space.words.size());
+                report::thread_seconds() + seconds_per_row * static_cast<double>(space.words.size());
             while (report::thread_seconds() < until) continue;
             return {std::make_shared<ExactIndex>(space.words, space.word_count), {{"", [] {}}}};
           }};
@@ -159,7 +159,7 @@ TEST(SearchBenchmark, AnIndexThatWouldPassTheLimitIsBuiltOfFewerRowsAndJudgedByT
   Opened opened;
   const double all = static_cast<double>(opened.base.table.size());
   const SearchBenchmarkOptions options{
-      .pieces = 12, .build_limit_s = 0.2, .fewest_rows = 20, .setting_limit_s = 0.01, .label = false};
+      .pieces = 12, .build_limit_s = 0.2, .min_rows = 20, .setting_limit_s = 0.01, .label = false};
   const auto measure = [&](double seconds) {
     const auto indexes = std::vector{slow(seconds / all)};
     return benchmark_search(opened.snapshot, opened.base, {a_picture()}, indexes, options).indexes[0];
@@ -194,11 +194,11 @@ TEST(Recall, CountsWhatScoresAsWellAndNothingTwice) {
   const auto words = random_words({.rows = 300, .words = 50, .clusters = 3});
   const SearchSpace space{words, 50};
   const std::vector queries{whole(words[0])};
-  const std::vector<std::vector<Hit>> exact{brute_force(words, 50, queries[0], 100)};
+  const std::vector<std::vector<ScoredPatch>> exact{brute_force(words, 50, queries[0], 100)};
   EXPECT_EQ(recall_of(exact, exact, queries, space).at_100, 1);
   auto answer = exact;
   // Claimed scores are not believed, a row given twice counts once, rows that there are not count nothing.
-  for (Hit& hit : answer[0]) hit.score = 324;
+  for (ScoredPatch& scored : answer[0]) scored.score = 324;
   EXPECT_EQ(recall_of(answer, exact, queries, space).at_100, 1);
   for (std::size_t i = 50; i < 100; ++i) answer[0][i] = answer[0][0];
   EXPECT_DOUBLE_EQ(recall_of(answer, exact, queries, space).at_100, 0.5);
@@ -209,7 +209,7 @@ TEST(Recall, CountsWhatScoresAsWellAndNothingTwice) {
   EXPECT_EQ(recall.at_10, 1);
   std::reverse(answer[0].begin(), answer[0].begin() + 49);
   EXPECT_LT(recall_of(answer, exact, queries, space).at_1, 1);
-  EXPECT_EQ(recall_of(std::vector<std::vector<Hit>>(1), exact, queries, space).at_1, 0);
+  EXPECT_EQ(recall_of(std::vector<std::vector<ScoredPatch>>(1), exact, queries, space).at_1, 0);
 }
 
 TEST(Recall, ATieAtTheEndIsAsGood) {
@@ -217,8 +217,8 @@ TEST(Recall, ATieAtTheEndIsAsGood) {
   for (auto& map : words) map.fill(3);
   const SearchSpace space{words, 50};
   const std::vector queries{whole(words[0])};
-  const std::vector<std::vector<Hit>> exact{brute_force(words, 50, queries[0], 100)};
-  std::vector<std::vector<Hit>> other(1);
+  const std::vector<std::vector<ScoredPatch>> exact{brute_force(words, 50, queries[0], 100)};
+  std::vector<std::vector<ScoredPatch>> other(1);
   for (Row row = 100; row < 200; ++row) other[0].push_back({row, 324});
   EXPECT_EQ(recall_of(other, exact, queries, space).at_100, 1);
   EXPECT_EQ(recall_of(other, exact, queries, space).at_1, 1);
@@ -252,11 +252,12 @@ TEST(SearchWidening, GivesAllAdmittedRowsThatThereAre) {
   std::vector<std::size_t> asked;
   const auto ask = [&](std::size_t count) {
     asked.push_back(count);
-    std::vector<Hit> hits;
-    for (Row row = 0; row < count; ++row) hits.push_back({row, 1000 - row});
-    return hits;
+    std::vector<ScoredPatch> scored_patches;
+    for (Row row = 0; row < count; ++row) scored_patches.push_back({row, 1000 - row});
+    return scored_patches;
   };
-  EXPECT_EQ(search_widening(1000, 2, {.rows = &filter}, 0, ask), (std::vector<Hit>{{5, 995}, {500, 500}}));
+  EXPECT_EQ(search_widening(1000, 2, {.rows = &filter}, 0, ask),
+            (std::vector<ScoredPatch>{{5, 995}, {500, 500}}));
   EXPECT_EQ(asked, (std::vector<std::size_t>{2, 8, 32, 128, 512}));
   EXPECT_EQ(search_widening(1000, 100, {.rows = &filter}, 0, ask).size(), 3U);
   EXPECT_EQ(search_widening(1000, 7, {}, 0, ask).size(), 7U);

@@ -20,10 +20,10 @@ TEST(DenseHistogram, NearestByL1IsBestByIntersectionMaskedOrNot) {
     std::fill_n(query.mask.begin(), masked, std::uint8_t{0});
     std::vector<unsigned char> histogram(bins);
     fill_histogram(query, kWords, histogram);
-    EXPECT_EQ(std::accumulate(histogram.begin(), histogram.end(), 0), mass(query));
+    EXPECT_EQ(std::accumulate(histogram.begin(), histogram.end(), 0), max_score(query));
     for (std::size_t row = 0; row < rows.size(); ++row) {
       const auto distance = l1_distance(histogram.data(), histograms.data() + row * bins, bins);
-      EXPECT_EQ(static_cast<int>(score_of(mass(query), distance)),
+      EXPECT_EQ(static_cast<int>(score_of(max_score(query), distance)),
                 vision::intersection(query.words, rows[row], kWords, &query.mask));
     }
   }

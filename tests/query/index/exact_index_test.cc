@@ -62,7 +62,7 @@ TEST(ExactIndex, GivesEachQueryTheRowsThatMoveAsItsWindowSays) {
     if (i % 2 == 0) continue;
     windows[i].u = std::cos(static_cast<float>(i));
     windows[i].v = std::sin(static_cast<float>(i));
-    windows[i].least_cosine = 0.9f;
+    windows[i].min_cosine = 0.9f;
   }
   const auto answers =
       index.search(queries, 100, {.rows = &filter, .mean_u = u, .mean_v = v, .windows = windows});
@@ -98,7 +98,7 @@ TEST(ExactIndex, CrossesTheBordersOfBlocks) {
 TEST(ExactIndex, AnswersTheSameForAnyNumberOfThreads) {
   const auto rows = random_words({.rows = 40000, .words = 50, .clusters = 20});
   const auto queries = some_queries(rows, 50);
-  std::vector<std::vector<Hit>> reference;
+  std::vector<std::vector<ScoredPatch>> reference;
   for (const int threads : {1, 2, 8}) {
     const oneapi::tbb::global_control limit(oneapi::tbb::global_control::max_allowed_parallelism, threads);
     const auto answers = ExactIndex(rows, 50).search(queries, 100);
@@ -111,7 +111,7 @@ TEST(ExactIndex, GivesTheFullMassToARowItself) {
   const auto rows = random_words({.rows = 500});
   const auto answers = ExactIndex(rows, 200).search(std::vector{whole(rows[0])}, 1);
   ASSERT_EQ(answers[0].size(), 1u);
-  EXPECT_EQ(answers[0][0], (Hit{0, 324}));
+  EXPECT_EQ(answers[0][0], (ScoredPatch{0, 324}));
 }
 
 TEST(ExactIndex, AcceptsNoRowsNoQueriesAndNothingAllowed) {

@@ -13,10 +13,10 @@ namespace {
 constexpr int kWords = 100;
 constexpr std::array kKinds{FlannKind::kKdTree, FlannKind::kKMeans, FlannKind::kHierarchical};
 
-// Share of the true k best that were found; rows as good as the worst true one count as found.
-double recall(const std::vector<Hit>& found, const std::vector<Hit>& truth) {
+// Fraction of the true k best that were found; rows as good as the worst true one count as found.
+double recall(const std::vector<ScoredPatch>& found, const std::vector<ScoredPatch>& truth) {
   std::size_t good = 0;
-  for (const Hit& hit : found) good += hit.score >= truth.back().score;
+  for (const ScoredPatch& scored : found) good += scored.score >= truth.back().score;
   return static_cast<double>(good) / static_cast<double>(truth.size());
 }
 
@@ -40,9 +40,9 @@ TEST(FlannIndex, FindsMostOfTheBestAmongClusteredPatches) {
       if (!masked(i)) {
         EXPECT_EQ(answers[i][0], truth[i][0]) << name_of(kind);
       }
-      for (const Hit& hit : answers[i]) {
-        EXPECT_EQ(static_cast<int>(hit.score),
-                  vision::intersection(queries[i].words, rows[hit.row], kWords, &queries[i].mask));
+      for (const ScoredPatch& scored : answers[i]) {
+        EXPECT_EQ(static_cast<int>(scored.score),
+                  vision::intersection(queries[i].words, rows[scored.row], kWords, &queries[i].mask));
       }
       sum += recall(answers[i], truth[i]);
     }
@@ -70,7 +70,7 @@ TEST(FlannIndex, IsTheSameWhenBuiltAgainAndAnotherWithAnotherSeed) {
   for (std::size_t i = 0; i < 30; ++i) queries.push_back(whole(rows[i * 20]));
   struct Built {
     std::vector<std::byte> bytes;
-    std::vector<std::vector<Hit>> answers;
+    std::vector<std::vector<ScoredPatch>> answers;
   };
   const auto build = [&](FlannKind kind, std::uint32_t seed) {
     const FlannIndex index(rows, kWords, {.kind = kind, .seed = seed, .checks = 100});
@@ -99,16 +99,16 @@ TEST(FlannIndex, LooksAtMorePatchesWithMoreChecks) {
   const auto truth = ExactIndex(rows, kWords).search(queries, 50);
   for (const FlannKind kind : kKinds) {
     FlannIndex index(rows, kWords, {.kind = kind});
-    std::vector<double> shares;
+    std::vector<double> fractions;
     for (const int checks : {50, 400, 2000}) {
       index.set_checks(checks);
       const auto answers = index.search(queries, 50);
       double sum = 0;
       for (std::size_t i = 0; i < queries.size(); ++i) sum += recall(answers[i], truth[i]);
-      shares.push_back(sum / static_cast<double>(queries.size()));
+      fractions.push_back(sum / static_cast<double>(queries.size()));
     }
-    EXPECT_LT(shares[0], shares[1]) << name_of(kind);
-    EXPECT_LT(shares[1], shares[2]) << name_of(kind);
+    EXPECT_LT(fractions[0], fractions[1]) << name_of(kind);
+    EXPECT_LT(fractions[1], fractions[2]) << name_of(kind);
   }
 }
 
@@ -120,7 +120,7 @@ TEST(FlannIndex, AsksForNoMoreRowsThanThereAre) {
       const auto answer = index.search(std::vector{whole(rows[0])}, k)[0];
       EXPECT_LE(answer.size(), std::min<std::size_t>(k, 300));
       EXPECT_GT(answer.size(), 250u) << name_of(kind);
-      for (const Hit& hit : answer) EXPECT_LT(hit.row, 300u);
+      for (const ScoredPatch& scored : answer) EXPECT_LT(scored.row, 300u);
     }
   }
 }
@@ -134,15 +134,15 @@ TEST(FlannIndex, GivesAllKAdmittedRowsHoweverFewTheyAre) {
     for (const std::size_t every : {2u, 10u, 100u, 200u}) {
       RowFilter filter(rows.size(), false);
       for (std::size_t row = 0; row < rows.size(); row += every) filter.allow(row);
-      const Admission admission{.rows = &filter};
+      const SearchFilter search_filter{.rows = &filter};
       const std::size_t allowed = filter.count();
-      const auto truth = ExactIndex(rows, kWords).search(queries, 50, admission);
-      const auto answers = index.search(queries, 50, admission);
+      const auto truth = ExactIndex(rows, kWords).search(queries, 50, search_filter);
+      const auto answers = index.search(queries, 50, search_filter);
       double sum = 0;
       for (std::size_t i = 0; i < queries.size(); ++i) {
         EXPECT_EQ(answers[i].size(), truth[i].size()) << name_of(kind) << ", one row in " << every;
         EXPECT_EQ(answers[i][0], truth[i][0]) << name_of(kind) << ", one row in " << every;
-        for (const Hit& hit : answers[i]) EXPECT_TRUE(filter.allows(hit.row));
+        for (const ScoredPatch& scored : answers[i]) EXPECT_TRUE(filter.allows(scored.row));
         sum += recall(answers[i], truth[i]);
       }
       EXPECT_GT(sum / 3, allowed <= 50 ? 0.99 : 0.3) << name_of(kind) << ", one row in " << every;
@@ -155,15 +155,15 @@ TEST(FlannIndex, KeepsAPiecesWindowOfMotion) {
   std::vector<float> u(rows.size()), v(rows.size());
   for (std::size_t row = 0; row < rows.size(); ++row) (row % 5 == 0 ? u : v)[row] = 10;
   const std::vector<PieceQuery> queries{whole(rows[5]), whole(rows[5])};
-  const std::vector<MotionWindow> windows{{.u = 1, .least_cosine = 0.9F}, {}};
+  const std::vector<MotionWindow> windows{{.u = 1, .min_cosine = 0.9F}, {}};
   const FlannIndex index(rows, kWords);
   const auto answers =
       index.search(queries, 60, {.rows = nullptr, .mean_u = u, .mean_v = v, .windows = windows});
   ASSERT_EQ(answers[0].size(), 60u);
-  for (const Hit& hit : answers[0]) EXPECT_EQ(hit.row % 5, 0u);
+  for (const ScoredPatch& scored : answers[0]) EXPECT_EQ(scored.row % 5, 0u);
   EXPECT_EQ(answers[1].size(), 60u);
-  EXPECT_TRUE(
-      std::any_of(answers[1].begin(), answers[1].end(), [](const Hit& hit) { return hit.row % 5 != 0; }));
+  EXPECT_TRUE(std::any_of(answers[1].begin(), answers[1].end(),
+                          [](const ScoredPatch& scored) { return scored.row % 5 != 0; }));
 }
 
 TEST(FlannTuning, FindsChecksThatReachTheRecallAmongOtherClipsAndKeepsThem) {
@@ -180,10 +180,10 @@ TEST(FlannTuning, FindsChecksThatReachTheRecallAmongOtherClipsAndKeepsThem) {
     EXPECT_EQ(loaded.tuning().checks, index.tuning().checks);
     EXPECT_EQ(loaded.tuning().recall, index.tuning().recall);
     // With no checks given, it answers as with those it was tuned to.
-    const FlannIndex told(rows, kWords, index.serialize(),
-                          {.kind = kind, .checks = static_cast<int>(index.tuning().checks)});
+    const FlannIndex tuned(rows, kWords, index.serialize(),
+                           {.kind = kind, .checks = static_cast<int>(index.tuning().checks)});
     const std::vector<PieceQuery> queries{whole(rows[7]), whole(rows[1700])};
-    EXPECT_EQ(loaded.search(queries, 100), told.search(queries, 100));
+    EXPECT_EQ(loaded.search(queries, 100), tuned.search(queries, 100));
   }
 }
 

@@ -14,14 +14,14 @@ struct RandomWordsOptions {
   std::size_t rows = 1000;
   int words = 200;
   int clusters = 0;    // 0: every map by itself; else noisy copies of so many maps
-  double noise = 0.3;  // share of points that differ from the cluster's map
+  double noise = 0.3;  // fraction of points that differ from the cluster's map
   std::uint64_t seed = 1;
 };
 
 inline std::vector<vision::WordMap> random_words(const RandomWordsOptions& options) {
   std::mt19937_64 random(options.seed);
   const auto random_map = [&] {
-    // A few words a map, as in textures.
+    // A few words per map, as in textures.
     vision::WordMap map;
     std::array<std::uint8_t, 12> few;
     for (auto& word : few) word = static_cast<std::uint8_t>(random() % options.words);
@@ -52,17 +52,18 @@ inline PieceQuery whole(const vision::WordMap& words) {
   return query;
 }
 
-inline std::vector<Hit> brute_force(std::span<const vision::WordMap> rows, int words, const PieceQuery& query,
-                                    std::size_t k, const RowFilter* filter = nullptr) {
-  std::vector<Hit> hits;
+inline std::vector<ScoredPatch> brute_force(std::span<const vision::WordMap> rows, int words,
+                                            const PieceQuery& query, std::size_t k,
+                                            const RowFilter* filter = nullptr) {
+  std::vector<ScoredPatch> scored_patches;
   for (std::size_t row = 0; row < rows.size(); ++row) {
     if (filter != nullptr && !filter->allows(row)) continue;
-    hits.push_back({static_cast<Row>(row), static_cast<std::uint32_t>(vision::intersection(
-                                               query.words, rows[row], words, &query.mask))});
+    scored_patches.push_back({static_cast<Row>(row), static_cast<std::uint32_t>(vision::intersection(
+                                                         query.words, rows[row], words, &query.mask))});
   }
-  std::sort(hits.begin(), hits.end(), better);
-  if (hits.size() > k) hits.resize(k);
-  return hits;
+  std::sort(scored_patches.begin(), scored_patches.end(), better);
+  if (scored_patches.size() > k) scored_patches.resize(k);
+  return scored_patches;
 }
 
 }  // namespace freshet::query

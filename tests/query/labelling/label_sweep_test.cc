@@ -56,14 +56,14 @@ class Sweep : public testing::Test {
 };
 
 TEST_F(Sweep, EachLabellingIsThatOfItsOptionsAlone) {
-  std::atomic<std::size_t> most = 0, calls = 0;
+  std::atomic<std::size_t> maximum = 0, calls = 0;
   expect_as_alone(label_variations(*snapshot_, search_, variations_, {}, [&](std::size_t done) {
     ++calls;
-    for (std::size_t seen = most; done > seen && !most.compare_exchange_weak(seen, done);) {
+    for (std::size_t seen = maximum; done > seen && !maximum.compare_exchange_weak(seen, done);) {
     }
   }));
   EXPECT_EQ(calls, variations_.size());
-  EXPECT_EQ(most, variations_.size());
+  EXPECT_EQ(maximum, variations_.size());
 }
 
 TEST_F(Sweep, NeitherMemoryNorThreadsChangeIt) {

@@ -67,12 +67,12 @@ const GuessOptions kPullAlone{.edges = 0};
 
 void expect_everywhere(const MotionGuess& guess, cv::Vec2f direction, double tolerance_deg) {
   ASSERT_FALSE(guess.guide.empty()) << guess.report;
-  const double least = std::cos(tolerance_deg * std::numbers::pi / 180);
-  for (const PieceGuess& piece : guess.pieces) EXPECT_GE(piece.direction.dot(direction), least);
+  const double minimum = std::cos(tolerance_deg * std::numbers::pi / 180);
+  for (const PieceGuess& piece : guess.pieces) EXPECT_GE(piece.direction.dot(direction), minimum);
   for (int y = 0; y < guess.guide.direction.rows; ++y)
     for (int x = 0; x < guess.guide.direction.cols; ++x) {
       const cv::Vec2f& way = guess.guide.direction.at<cv::Vec2f>(y, x);
-      ASSERT_GE(way.dot(direction), least - 1e-5) << x << " " << y;
+      ASSERT_GE(way.dot(direction), minimum - 1e-5) << x << " " << y;
       ASSERT_NEAR(cv::norm(way), 1, 1e-5);
     }
 }
@@ -119,7 +119,7 @@ TEST_F(GuessedMotion, TextureAloneMakesNoSign) {
 }
 
 TEST_F(GuessedMotion, VotesSayWhatLooksLikeWhat) {
-  const GuessOptions votes{.gravity = 0, .edges = 0, .votes = 1, .least_certainty = 0.5};
+  const GuessOptions votes{.gravity = 0, .edges = 0, .votes = 1, .min_certainty = 0.5};
   expect_everywhere(guess(grey(made_texture(1)), "", votes), {0, 1}, 45);
   expect_everywhere(guess(grey(made_texture(3)), "", votes), {0, -1}, 45);
   // As like to each patch as to its mirror image, which goes the other way.
@@ -132,7 +132,7 @@ TEST_F(GuessedMotion, IsTheSameForAnyNumberOfThreads) {
   for (const std::size_t threads : {1, 2, 8}) {
     const oneapi::tbb::global_control limit(oneapi::tbb::global_control::max_allowed_parallelism, threads);
     cv::setNumThreads(static_cast<int>(threads));
-    MotionGuess found = guess(picture, "", {.votes = 0.5, .least_certainty = 0.05});
+    MotionGuess found = guess(picture, "", {.votes = 0.5, .min_certainty = 0.05});
     if (!first) {
       EXPECT_FALSE(found.guide.empty());
       first = std::move(found);

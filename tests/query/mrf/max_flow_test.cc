@@ -40,12 +40,12 @@ TEST(MaxFlow, FindsTheSmallestOfAllCuts) {
       }
       return sum;
     };
-    double least = 1e9;
+    double minimum = 1e9;
     for (std::uint32_t side = 0; side < 1u << kNodes; ++side) {
-      least = std::min(least, cut([&](std::uint32_t node) { return (side >> node & 1) != 0; }));
+      minimum = std::min(minimum, cut([&](std::uint32_t node) { return (side >> node & 1) != 0; }));
     }
-    EXPECT_NEAR(flow.solve(), least, 1e-9);
-    EXPECT_NEAR(cut([&](std::uint32_t node) { return flow.on_source_side(node); }), least, 1e-9);
+    EXPECT_NEAR(flow.solve(), minimum, 1e-9);
+    EXPECT_NEAR(cut([&](std::uint32_t node) { return flow.on_source_side(node); }), minimum, 1e-9);
   }
 }
 

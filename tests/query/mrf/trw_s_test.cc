@@ -25,14 +25,14 @@ TEST(MinSum, AgreesWithThePlainLoopsForEveryShape) {
       min_over_rows(table.data(), rows, columns, a.data(), over_rows.data());
       min_over_columns(table.data(), rows, columns, b.data(), over_columns.data());
       for (std::size_t j = 0; j < columns; ++j) {
-        float least = table[j] + a[0];
-        for (std::size_t i = 1; i < rows; ++i) least = std::min(least, table[i * columns + j] + a[i]);
-        EXPECT_EQ(over_rows[j], least);
+        float minimum = table[j] + a[0];
+        for (std::size_t i = 1; i < rows; ++i) minimum = std::min(minimum, table[i * columns + j] + a[i]);
+        EXPECT_EQ(over_rows[j], minimum);
       }
       for (std::size_t i = 0; i < rows; ++i) {
-        float least = table[i * columns] + b[0];
-        for (std::size_t j = 1; j < columns; ++j) least = std::min(least, table[i * columns + j] + b[j]);
-        EXPECT_EQ(over_columns[i], least);
+        float minimum = table[i * columns] + b[0];
+        for (std::size_t j = 1; j < columns; ++j) minimum = std::min(minimum, table[i * columns + j] + b[j]);
+        EXPECT_EQ(over_columns[i], minimum);
       }
     }
   }

@@ -75,7 +75,7 @@ TEST_F(CoherentCandidates, AreExactlyTheContinuationsOfTheNeighboursBest) {
       EXPECT_FLOAT_EQ(scores[i], static_cast<float>(vision::intersection(
                                      plain.target.queries[p].words, table.words[found[i]],
                                      base_.codebook.words, &plain.target.queries[p].mask)) /
-                                     static_cast<float>(mass(plain.target.queries[p])));
+                                     static_cast<float>(max_score(plain.target.queries[p])));
     added += found.size() - own.size();
   }
   EXPECT_GT(added, plain.target.size());

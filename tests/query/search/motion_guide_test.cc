@@ -59,7 +59,7 @@ TEST(MotionGuide, OpensStepByStepUntilNothingIsAsked) {
   int steps = 0;
   while (!last.is_any()) {
     const MotionWindow wider = window_of(asked, guide, ++steps);
-    EXPECT_LE(wider.least_cosine, last.least_cosine);
+    EXPECT_LE(wider.min_cosine, last.min_cosine);
     EXPECT_LE(wider.min_speed, last.min_speed);
     EXPECT_GE(wider.max_speed, last.max_speed);
     last = wider;

@@ -18,7 +18,7 @@ TEST(PictureScale, IsOneForMostPicturesAndGrowsInHalves) {
   EXPECT_EQ(auto_piece_scale({1080, 1920}), 1.5);
   EXPECT_EQ(auto_piece_scale({2560, 1440}), 2);
   EXPECT_EQ(auto_piece_scale({3840, 2160}), 3);
-  EXPECT_EQ(auto_piece_scale({100000, 10}), kMostPieceScale);
+  EXPECT_EQ(auto_piece_scale({100000, 10}), kMaxPieceScale);
   for (int side = 1600; side < 16000; side += 7)
     EXPECT_LE(std::abs(side / auto_piece_scale({side, 100}) - 1280), 220) << side;
 }

@@ -58,7 +58,7 @@ TEST(Target, LiesOnOneLatticeWithNeighboursAsEdges) {
 TEST(Target, KeepsPiecesByTheirShareAndCoversEverySpeck) {
   cv::Mat matte = blob({240, 240}, {96, 96, 48, 48});
   const std::size_t without = lay_out(matte, {}).size();
-  EXPECT_EQ(without, 9u);  // shares: 1, 4 x 1/2, 4 x 1/4
+  EXPECT_EQ(without, 9u);  // fractions: 1, 4 x 1/2, 4 x 1/4
   matte.at<std::uint8_t>(3, 3) = 1;
   matte.at<std::uint8_t>(200, 230) = 1;
   const Target target = lay_out(matte, {});

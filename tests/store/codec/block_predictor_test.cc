@@ -54,7 +54,9 @@ struct Tile {
 // Noise, extremes, or waves with a part that stands still.
 template <class Sample>
 Tile<Sample> random_tile(std::mt19937& random) {
-  const auto up_to = [&](std::uint32_t most) { return 1 + static_cast<std::uint32_t>(random()) % most; };
+  const auto up_to = [&](std::uint32_t maximum) {
+    return 1 + static_cast<std::uint32_t>(random()) % maximum;
+  };
   Tile<Sample> tile{up_to(70), up_to(40), up_to(4), {}};
   const unsigned content = up_to(3) - 1;
   for (std::uint32_t f = 0; f < tile.frames; ++f) {

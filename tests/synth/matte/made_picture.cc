@@ -33,7 +33,7 @@ MadePicture made_picture(cv::Size size, double softness) {
   return made;
 }
 
-double sad_share(const cv::Mat& alpha, const cv::Mat& truth) {
+double sad_fraction(const cv::Mat& alpha, const cv::Mat& truth) {
   return cv::norm(alpha, truth, cv::NORM_L1) / cv::sum(truth)[0];
 }
 

@@ -19,8 +19,8 @@ struct MadePicture {
 };
 MadePicture made_picture(cv::Size size = {160, 120}, double softness = 6);
 
-/// Sum of absolute differences, alpha 0..1, as a share of the truth's own area.
-double sad_share(const cv::Mat& alpha, const cv::Mat& truth);
+/// Sum of absolute differences, alpha 0..1, as a fraction of the truth's own area.
+double sad_fraction(const cv::Mat& alpha, const cv::Mat& truth);
 
 /// A folder that is removed with the test.
 class Folder {

@@ -20,16 +20,16 @@ Matte matte_of(const MadePicture& made, Edge edge) {
 // A region without a soft edge cannot come nearer than some 0.083: the edge is 6 px wide, the radius 36.
 TEST(Matte, ComesNearAKnownAlpha) {
   const MadePicture made = made_picture();
-  EXPECT_LT(sad_share(matte_of(made, Edge::kNone).alpha, made.alpha), 0.11);
-  EXPECT_LT(sad_share(matte_of(made, Edge::kGuided).alpha, made.alpha), 0.075);
-  EXPECT_LT(sad_share(matte_of(made, Edge::kInformationFlow).alpha, made.alpha), 0.04);
+  EXPECT_LT(sad_fraction(matte_of(made, Edge::kNone).alpha, made.alpha), 0.11);
+  EXPECT_LT(sad_fraction(matte_of(made, Edge::kGuided).alpha, made.alpha), 0.075);
+  EXPECT_LT(sad_fraction(matte_of(made, Edge::kInformationFlow).alpha, made.alpha), 0.04);
 }
 
 // A wide soft edge is what matting is for.
 TEST(Matte, InformationFlowFindsAWideEdgeThatARegionCannotHave) {
   const MadePicture made = made_picture({320, 240}, 24);
-  const double hard = sad_share(matte_of(made, Edge::kNone).alpha, made.alpha);
-  const double soft = sad_share(matte_of(made, Edge::kInformationFlow).alpha, made.alpha);
+  const double hard = sad_fraction(matte_of(made, Edge::kNone).alpha, made.alpha);
+  const double soft = sad_fraction(matte_of(made, Edge::kInformationFlow).alpha, made.alpha);
   EXPECT_LT(soft, 0.6 * hard) << hard;
 }
 
@@ -37,7 +37,7 @@ TEST(Matte, OfALargePictureComesFromReducedCopiesAndIsAsGood) {
   const MadePicture made = made_picture({1600, 1200}, 12);
   const Matte guided = matte_of(made, Edge::kGuided);
   EXPECT_EQ(guided.alpha.size(), made.picture.size());
-  EXPECT_LT(sad_share(guided.alpha, made.alpha), 0.03);
+  EXPECT_LT(sad_fraction(guided.alpha, made.alpha), 0.03);
 }
 
 TEST(Matte, KeepsTheMarksAndTheRegionOutsideOfTheBand) {
@@ -75,14 +75,14 @@ TEST(Matte, OneKindOfMarkIsEnoughAndIsSaid) {
   const Marks both = made.marks.clone();
   made.marks.setTo(kUnknown, both == kBackground);
   const Matte of_fluid = matte_of(made, Edge::kNone);
-  EXPECT_LT(sad_share(of_fluid.alpha, made.alpha), 0.12);
+  EXPECT_LT(sad_fraction(of_fluid.alpha, made.alpha), 0.12);
   ASSERT_EQ(of_fluid.notices.size(), 1u);
   EXPECT_NE(of_fluid.notices[0].find("border is taken for it"), std::string::npos);
 
   made.marks = both.clone();
   made.marks.setTo(kUnknown, both == kFluid);
   const Matte of_background = matte_of(made, Edge::kNone);
-  EXPECT_LT(sad_share(of_background.alpha, made.alpha), 0.16);
+  EXPECT_LT(sad_fraction(of_background.alpha, made.alpha), 0.16);
   ASSERT_EQ(of_background.notices.size(), 1u);
   EXPECT_NE(of_background.notices[0].find("may be fluid"), std::string::npos);
 }
@@ -93,7 +93,7 @@ TEST(Matte, TheSmallestMarksDo) {
   made.marks.setTo(kUnknown);
   made.marks.at<std::uint8_t>(60, 80) = kFluid;
   made.marks.at<std::uint8_t>(5, 5) = kBackground;
-  EXPECT_LT(sad_share(matte_of(made, Edge::kNone).alpha, made.alpha), 0.15);
+  EXPECT_LT(sad_fraction(matte_of(made, Edge::kNone).alpha, made.alpha), 0.15);
 }
 
 TEST(Matte, PicturesWithoutContrastOrSizeDoNotFail) {
@@ -108,7 +108,7 @@ TEST(Matte, PicturesWithoutContrastOrSizeDoNotFail) {
       if (size.width == 1) {
         EXPECT_NE(message_of([&] { make_matte(flat, marks, options, "marks"); }), "");
       } else {
-        EXPECT_GT(make_matte(flat, marks, options, "marks").share, 0) << size;
+        EXPECT_GT(make_matte(flat, marks, options, "marks").fraction, 0) << size;
       }
     }
   }

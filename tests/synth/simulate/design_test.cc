@@ -149,7 +149,7 @@ strength = 6.0
     alpha = frame.alpha.clone(), motion = frame.motion.clone();
   }
   carried /= pixels, still /= pixels, back_to_front /= pixels, speed /= pixels;
-  EXPECT_GT(speed, 0.8) << "px a frame";
+  EXPECT_GT(speed, 0.8) << "px per frame";
   EXPECT_LT(carried, 0.01);
   EXPECT_LT(carried, 0.2 * still) << still;
   EXPECT_LT(carried, 0.1 * back_to_front) << back_to_front;
@@ -184,7 +184,7 @@ TEST(Design, HeavyFluidFallsFreelyAndLightFluidIsHeldUpByTheAir) {
 }
 
 /// The fluid of an emitter goes where it is driven to. Driving it after it had been carried on made gusts of
-/// one cell grow in every step, to 12 px a frame, and specks of air in the fluid.
+/// one cell grow in every step, to 12 px per frame, and specks of air in the fluid.
 TEST(Design, AnEmittersFlowStaysEven) {
   const SceneOptions scene = parse_scene(R"(size = [160, 120]
 frames = 40
@@ -257,7 +257,7 @@ to = 0.24
 }
 
 TEST(Design, LooksTheSameAtAnotherSizeOfPicture) {
-  const auto share = [](cv::Size size) {
+  const auto fraction = [](cv::Size size) {
     SceneOptions scene = drop("[fluid]\ngravity = 2.0\n");
     scene.size = size;
     Simulation design(scene);
@@ -265,7 +265,7 @@ TEST(Design, LooksTheSameAtAnotherSizeOfPicture) {
     while (design.next(frame)) continue;
     return std::pair(cv::mean(frame.alpha)[0], middle_row(frame.alpha) / size.height);
   };
-  const auto small = share({160, 120}), large = share({400, 300});
+  const auto small = fraction({160, 120}), large = fraction({400, 300});
   EXPECT_NEAR(small.first, large.first, 0.03 * large.first);
   EXPECT_NEAR(small.second, large.second, 0.01);
 }
@@ -304,7 +304,7 @@ TEST(SceneFile, EveryPresetIsAScene) {
   for (const PresetScene& each : preset_scenes()) {
     const SceneOptions scene = parse_scene(preset_scene(each.name), each.name);
     check(scene);
-    EXPECT_EQ(scene.design.emitters.empty(), scene.preset != Preset::kDesign) << each.name;
+    EXPECT_EQ(scene.design.emitters.empty(), scene.kind != SceneKind::kDesign) << each.name;
     EXPECT_FALSE(each.summary.empty());
     names.insert(each.name);
   }
@@ -365,8 +365,8 @@ TEST(SceneFile, FaultsNameLineKeyAndWhatWasExpected) {
 }
 
 TEST(SceneFile, OnlyDesignsHaveSixteenBits) {
-  EXPECT_NO_THROW(check({.preset = Preset::kDesign, .alpha_bits = 16}));
-  EXPECT_THROW(check({.preset = Preset::kFire, .alpha_bits = 16}), Error);
+  EXPECT_NO_THROW(check({.kind = SceneKind::kDesign, .alpha_bits = 16}));
+  EXPECT_THROW(check({.kind = SceneKind::kFire, .alpha_bits = 16}), Error);
 }
 
 }  // namespace

@@ -36,13 +36,13 @@ std::uint64_t hash_of(const SceneOptions& options, int threads) {
   return hash;
 }
 
-class EveryPreset : public ::testing::TestWithParam<Preset> {};
+class EveryPreset : public ::testing::TestWithParam<SceneKind> {};
 INSTANTIATE_TEST_SUITE_P(Presets, EveryPreset,
-                         ::testing::ValuesIn(all_presets().begin(), all_presets().end()),
-                         [](const auto& tested) { return std::string(preset_name(tested.param)); });
+                         ::testing::ValuesIn(all_clip_kinds().begin(), all_clip_kinds().end()),
+                         [](const auto& tested) { return std::string(scene_kind_name(tested.param)); });
 
 TEST_P(EveryPreset, GivesTheSameBytesForAnyNumberOfThreads) {
-  const SceneOptions options{.preset = GetParam(), .size = {210, 134}, .frames = 3, .warm_up_frames = 12};
+  const SceneOptions options{.kind = GetParam(), .size = {210, 134}, .frames = 3, .warm_up_frames = 12};
   const std::uint64_t one = hash_of(options, 1);
   EXPECT_EQ(one, hash_of(options, 2));
   EXPECT_EQ(one, hash_of(options, 8));
@@ -52,7 +52,7 @@ TEST_P(EveryPreset, ChangesWithTheSeed) {
   std::map<std::uint64_t, std::uint64_t> seen;
   for (const std::uint64_t seed : {0ULL, 1ULL, 2ULL, ~0ULL}) {
     SceneOptions options{
-        .preset = GetParam(), .size = {96, 64}, .frames = 1, .seed = seed, .warm_up_frames = 10};
+        .kind = GetParam(), .size = {96, 64}, .frames = 1, .seed = seed, .warm_up_frames = 10};
     EXPECT_TRUE(seen.emplace(hash_of(options, 2), seed).second) << seed;
   }
 }
@@ -60,7 +60,7 @@ TEST_P(EveryPreset, ChangesWithTheSeed) {
 TEST_P(EveryPreset, YieldsAsManyFramesAsAskedOfTheRightShape) {
   const cv::Size sizes[] = {{16, 16}, {17, 301}, {333, 16}, {101, 77}};
   for (const cv::Size size : sizes) {
-    Simulation clip({.preset = GetParam(), .size = size, .frames = 4, .warm_up_frames = 20});
+    Simulation clip({.kind = GetParam(), .size = size, .frames = 4, .warm_up_frames = 20});
     SimulatedFrame frame;
     int frames = 0;
     for (; clip.next(frame); ++frames) {
@@ -88,8 +88,8 @@ TEST_P(EveryPreset, YieldsAsManyFramesAsAskedOfTheRightShape) {
 struct Agreement {
   double speed = 0.0, error = 0.0, still_error = 0.0, covered = 0.0;
 };
-Agreement agreement(Preset preset, std::uint64_t seed) {
-  Simulation clip({.preset = preset, .size = {320, 180}, .frames = 7, .seed = seed});
+Agreement agreement(SceneKind kind, std::uint64_t seed) {
+  Simulation clip({.kind = kind, .size = {320, 180}, .frames = 7, .seed = seed});
   SimulatedFrame frame;
   clip.next(frame);
   cv::Mat before, after, motion, alpha, flow, gx, gy;
@@ -123,18 +123,18 @@ Agreement agreement(Preset preset, std::uint64_t seed) {
 
 TEST_P(EveryPreset, MovesAsItsMotionFieldSays) {
   const Agreement a = agreement(GetParam(), 3);
-  EXPECT_GT(a.speed, 0.5) << "px a frame at 320 x 180: it hardly moves";
+  EXPECT_GT(a.speed, 0.5) << "px per frame at 320 x 180: it hardly moves";
   EXPECT_LT(a.speed, 8.0);
   EXPECT_GT(a.covered, 0.02) << "hardly any fluid in the picture";
   // Against a field of zeros the error would be the speed itself.
   // Flames are lit and burn out while they rise, which an estimator of motion takes for motion.
-  const double share = GetParam() == Preset::kFire ? 0.8 : 0.6;
-  EXPECT_LT(a.error, share * a.speed) << a.speed << " px a frame";
+  const double fraction = GetParam() == SceneKind::kFire ? 0.8 : 0.6;
+  EXPECT_LT(a.error, fraction * a.speed) << a.speed << " px per frame";
 }
 
 TEST(Simulation, KeepsItsBackgroundStill) {
   Simulation clip(
-      {.preset = Preset::kRiver, .size = {240, 136}, .frames = 6, .seed = 3, .warm_up_frames = 5});
+      {.kind = SceneKind::kRiver, .size = {240, 136}, .frames = 6, .seed = 3, .warm_up_frames = 5});
   SimulatedFrame first, later;
   ASSERT_TRUE(clip.next(first));
   first = {first.picture.clone(), first.alpha.clone(), first.motion.clone(), {}};
@@ -167,14 +167,14 @@ TEST(SceneOptions, RefuseWhatIsOutOfRangeAndSayWhatIsAllowed) {
 }
 
 TEST(SceneOptions, AnUnknownPresetIsAnsweredWithTheList) {
-  for (const Preset preset : all_presets()) EXPECT_EQ(parse_preset(preset_name(preset)), preset);
+  for (const SceneKind kind : all_clip_kinds()) EXPECT_EQ(parse_scene_kind(scene_kind_name(kind)), kind);
   try {
-    parse_preset("lava");
+    parse_scene_kind("lava");
     FAIL();
   } catch (const Error& error) {
     EXPECT_EQ(error.kind(), ErrorKind::kUsage);
-    for (const Preset preset : all_presets())
-      EXPECT_NE(std::string(error.what()).find(preset_name(preset)), std::string::npos);
+    for (const SceneKind kind : all_clip_kinds())
+      EXPECT_NE(std::string(error.what()).find(scene_kind_name(kind)), std::string::npos);
   }
 }
 

@@ -11,7 +11,7 @@ namespace {
 Features random_features(int width, int height, std::uint64_t seed) {
   const Random random(seed, 0);
   Features out(width, height);
-  Picture now(width, height), previous(width, height);
+  PixelGrid now(width, height), previous(width, height);
   Grid alpha(width, height);
   std::uint64_t at = 0;
   for (Pixel& pixel : now.values)
@@ -43,7 +43,7 @@ TEST(TransferFeatures, VectorsOfAnyWidthGiveTheSameSums) {
 }
 
 TEST(TransferFeatures, DistanceIsEquationNine) {
-  Picture one(5, 5), other(5, 5), before(5, 5);
+  PixelGrid one(5, 5), other(5, 5), before(5, 5);
   Grid alpha(5, 5);
   for (Pixel& pixel : one.values) pixel = {{0.5f, 0.25f, 0.75f, 1.0f}};
   Features source(5, 5), target(5, 5);
@@ -60,7 +60,7 @@ TEST(TransferFeatures, DistanceIsEquationNine) {
 }
 
 TEST(TransferFeatures, TheLargestSumFits) {
-  Picture white(9, 9), black(9, 9);
+  PixelGrid white(9, 9), black(9, 9);
   for (Pixel& pixel : white.values) pixel = {{1, 1, 1, 1}};
   Features source(9, 9), target(9, 9);
   put_now(white, source);

@@ -8,7 +8,7 @@ namespace freshet::synth::transfer {
 namespace {
 
 struct Moved {
-  Picture picture{20, 10};
+  PixelGrid picture{20, 10};
   Grid mask{20, 10};
   VectorGrid flow{20, 10};
 
@@ -52,13 +52,13 @@ TEST(LocalLambda, IsZeroWhereAnEmitterMakesFluid) {
 }
 
 TEST(MotionBlur, SmearsAlongTheFlowOnly) {
-  Picture picture(41, 41);
+  PixelGrid picture(41, 41);
   VectorGrid flow(41, 41, {8, 0});
   for (int x = 0; x < 41; ++x) picture(x, 20) = {{1, 1, 1, 1}};
   EXPECT_NEAR(blurred_along(picture, flow, 1)(20, 20).c[0], 1, 1e-6);  // a line along the flow stays
   EXPECT_EQ(blurred_along(picture, flow, 1)(20, 21).c[0], 0);
   for (Vec2& by : flow.values) by = {0, 8};
-  const Picture across = blurred_along(picture, flow, 1);
+  const PixelGrid across = blurred_along(picture, flow, 1);
   EXPECT_LT(across(20, 20).c[0], 0.3);
   EXPECT_GT(across(20, 24).c[0], 0);  // half of 8 px to each side
   EXPECT_EQ(across(20, 25).c[0], 0);

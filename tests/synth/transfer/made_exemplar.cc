@@ -43,18 +43,18 @@ cv::Mat blot(cv::Size size, std::uint64_t seed) {
   return out;
 }
 
-TargetFrame turning_disc(cv::Size size, int frame, double radians_a_frame) {
+TargetFrame turning_disc(cv::Size size, int frame, double radians_per_frame) {
   TargetFrame made{cv::Mat(size, CV_32F, cv::Scalar(0)), cv::Mat(size, CV_32FC2, cv::Scalar::all(0))};
   const double radius = 0.36 * std::min(size.width, size.height);
   for (int y = 0; y < size.height; ++y)
     for (int x = 0; x < size.width; ++x) {
       const double dx = x - 0.5 * size.width, dy = y - 0.5 * size.height;
-      const double angle = std::atan2(dy, dx) - radians_a_frame * frame;
+      const double angle = std::atan2(dy, dx) - radians_per_frame * frame;
       const double alpha = std::clamp((radius * lobed(angle) - std::hypot(dx, dy)) / 3 + 0.5, 0.0, 1.0);
       made.alpha.at<float>(y, x) = static_cast<float>(alpha);
       if (alpha > 0)
-        made.flow.at<cv::Vec2f>(y, x) = {static_cast<float>(-dy * radians_a_frame),
-                                         static_cast<float>(dx * radians_a_frame)};
+        made.flow.at<cv::Vec2f>(y, x) = {static_cast<float>(-dy * radians_per_frame),
+                                         static_cast<float>(dx * radians_per_frame)};
     }
   return made;
 }

@@ -27,7 +27,7 @@ struct Pictures {
     lambda.assign(target.values.size() / kChannels, 0.2f);
   }
   static void fill(const cv::Mat& bgra, Features& features, Segments& segments) {
-    const Picture picture = premultiplied(bgra);
+    const PixelGrid picture = premultiplied(bgra);
     put_now(picture, features);
     put_previous(picture, features);
     const Grid alpha = blurred(alpha_of(picture), 2);
@@ -53,12 +53,12 @@ void expect_uniform(const NearestField& field, const std::vector<int>& sources,
     ASSERT_GE(source, 0);
     ++used[static_cast<std::size_t>(source)];
   }
-  const std::size_t least = targets.size() / sources.size();
+  const std::size_t min_uses = targets.size() / sources.size();
   std::size_t once_more = 0;
   for (const int source : sources) {
     const std::size_t uses = used[static_cast<std::size_t>(source)];
-    ASSERT_TRUE(uses == least || uses == least + 1) << uses;
-    once_more += uses == least + 1;
+    ASSERT_TRUE(uses == min_uses || uses == min_uses + 1) << uses;
+    once_more += uses == min_uses + 1;
   }
   EXPECT_EQ(once_more, targets.size() % sources.size());
   EXPECT_EQ(std::accumulate(used.begin(), used.end(), std::size_t{0}), targets.size());  // no other source
@@ -101,7 +101,7 @@ NearestField obvious(const Pictures& pictures, const std::vector<int>& sources,
   NearestField field = pictures.field();
   const PatchDistance distance = pictures.distance();
   std::vector<int> used(field.source_places(), 0);
-  const int least = static_cast<int>(targets.size() / sources.size());
+  const int min_uses = static_cast<int>(targets.size() / sources.size());
   int left_over = static_cast<int>(targets.size() % sources.size());
   for (std::size_t left = targets.size(); left > 0;) {
     struct Candidate {
@@ -114,7 +114,7 @@ NearestField obvious(const Pictures& pictures, const std::vector<int>& sources,
     std::vector<Candidate> candidates;
     for (const int source : sources) {
       const int uses = used[static_cast<std::size_t>(source)];
-      if (!(uses < least || (uses == least && left_over > 0))) continue;
+      if (!(uses < min_uses || (uses == min_uses && left_over > 0))) continue;
       Candidate best{1e30f, 0, source};
       for (const int target : targets)
         if (field.source[static_cast<std::size_t>(target)] < 0)
@@ -129,8 +129,8 @@ NearestField obvious(const Pictures& pictures, const std::vector<int>& sources,
         return other.target == one.target && other < one;
       });
       int& uses = used[static_cast<std::size_t>(one.source)];
-      if (!nearest || !(uses < least || (uses == least && left_over > 0))) continue;
-      left_over -= uses == least;
+      if (!nearest || !(uses < min_uses || (uses == min_uses && left_over > 0))) continue;
+      left_over -= uses == min_uses;
       ++uses;
       field.source[static_cast<std::size_t>(one.target)] = one.source;
       field.distance[static_cast<std::size_t>(one.target)] = one.distance;

@@ -17,7 +17,7 @@ class StateFile : public ::testing::Test {
   StateFile() {
     std::filesystem::create_directories(folder);
     state.frame = 7;
-    state.picture = Picture(3, 2, {{0.1f, 0.2f, 0.3f, 0.4f}});
+    state.picture = PixelGrid(3, 2, {{0.1f, 0.2f, 0.3f, 0.4f}});
     state.mask = Grid(3, 2, 0.5f);
     state.flow = VectorGrid(3, 2, {1, -2});
   }

@@ -35,7 +35,7 @@ TEST(Transfer, UsesPatchesUniformlyAndKeepsSegmentsInEveryFrame) {
       EXPECT_EQ(made.index, t);
       EXPECT_TRUE(made.boundary.uniform());
       EXPECT_TRUE(made.interior.uniform());
-      EXPECT_GT(made.interior.least, 0);
+      EXPECT_GT(made.interior.min_uses, 0);
       EXPECT_EQ(made.violations, 0);
       EXPECT_TRUE(made.remarks.empty());
     }
@@ -104,7 +104,7 @@ TEST(Transfer, CoherenceHoldsFramesTogether) {
       before = bgra;
     }
   }
-  std::printf("[ measured ] change a frame with lambda / without: %.3f\n", difference[1] / difference[0]);
+  std::printf("[ measured ] change per frame with lambda / without: %.3f\n", difference[1] / difference[0]);
   EXPECT_LT(difference[1], 0.5 * difference[0]);
 }
 
@@ -144,9 +144,9 @@ TEST(Transfer, NamesSourcesOfTurnedExemplarsAsTheyWereGiven) {
       ++seen;
       const cv::Vec4f pixel = made.bgra.at<cv::Vec4f>(y, x);
       const cv::Vec4b there = look.at<cv::Vec4b>(of[1], of[0]);
-      int most = 0;
-      for (int c = 1; c < 3; ++c) most = pixel[c] > pixel[most] ? c : most;
-      alike += there[most] == 255;
+      int largest = 0;
+      for (int c = 1; c < 3; ++c) largest = pixel[c] > pixel[largest] ? c : largest;
+      alike += there[largest] == 255;
     }
   EXPECT_GT(turned, 60 * 72 / 2);
   EXPECT_GT(seen, 60 * 72 / 4);
@@ -231,8 +231,8 @@ TEST(Transfer, AFrameThatIsStoppedLeavesTheStateAsItWas) {
   const cv::Mat look = blot({48, 44}, 1);
   Transfer stopped(still(look), {.iterations = 2}), whole(still(look), {.iterations = 2});
   EXPECT_THROW(stopped.next(turning_disc(kFrame, 0),
-                            [](double share) {
-                              if (share > 0.5) throw std::runtime_error("stop");
+                            [](double fraction) {
+                              if (fraction > 0.5) throw std::runtime_error("stop");
                             }),
                std::runtime_error);
   for (int t = 0; t < 2; ++t)

@@ -7,7 +7,7 @@ namespace {
 
 // Two overlapping patches in a row: columns 1 to 3 from the first, 2 to 4 from the second.
 struct Overlap {
-  Picture source{12, 3}, into{6, 3, {{-1, -1, -1, -1}}};
+  PixelGrid source{12, 3}, into{6, 3, {{-1, -1, -1, -1}}};
   NearestField field{12, 3, 6, 3};
 
   Overlap(float first, float second) {

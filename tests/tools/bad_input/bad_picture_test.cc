@@ -49,7 +49,7 @@ TEST_F(BadPicture, SixteenBitsAndAlphaAreReducedAndSaid) {
   ASSERT_EQ(plain.exit_code, 0) << plain.err;
   EXPECT_EQ(of_deep.out, plain.out);
   EXPECT_EQ(of_alpha.out, plain.out);
-  EXPECT_NE(of_deep.err.find("deep.png: 16 bits a channel reduced to 8"), std::string::npos) << of_deep.err;
+  EXPECT_NE(of_deep.err.find("deep.png: 16 bits per channel reduced to 8"), std::string::npos) << of_deep.err;
   EXPECT_NE(of_alpha.err.find("alpha.png: alpha channel ignored"), std::string::npos) << of_alpha.err;
 }
 

@@ -42,7 +42,7 @@ TEST(Background, EveryMethodFindsASmoothSkyBehindAFlame) {
 TEST(Background, IsFoundOnAReducedCopyOfALargePicture) {
   const Scene s = scene({640, 480});
   InpaintOptions options;
-  options.most_side_px = 160;
+  options.max_side_px = 160;
   const cv::Mat found = inpaint_background(s.picture, s.matte, options);
   EXPECT_EQ(found.size(), s.picture.size());
   EXPECT_LT(cv::norm(found, s.sky, cv::NORM_L1) / (3.0 * cv::countNonZero(s.matte)), 12);

@@ -46,7 +46,7 @@ TEST(CarriedBase, WithoutMotionIsThePicture) {
 }
 
 TEST(CarriedBase, IsThreeCopiesEachCarriedByItsAge) {
-  const CarriedBaseOptions options{.share = 1, .life_s = 0.6, .max_px = 100, .edge_px = 1};
+  const CarriedBaseOptions options{.fraction = 1, .life_s = 0.6, .max_px = 100, .edge_px = 1};
   const CarriedBase base(bgr_of(picture()), picture(), whole(), motion(40, -20), kFps, options);
   constexpr int kLife = 15;
   for (int i = 0; i < 2 * kLife; ++i) {
@@ -67,11 +67,11 @@ TEST(CarriedBase, IsThreeCopiesEachCarriedByItsAge) {
 }
 
 TEST(CarriedBase, LongLivesAreSampledAndLookTheSame) {
-  // 240 frames a second, 450 frames of life: a map every five of them.
+  // 240 frames per second, 450 frames of life: a map every five of them.
   const CarriedBase fast(bgr_of(picture()), picture(), whole(), motion(20, 10), 240,
-                         {.share = 1, .life_s = 1.875});
+                         {.fraction = 1, .life_s = 1.875});
   const CarriedBase slow(bgr_of(picture()), picture(), whole(), motion(20, 10), 24,
-                         {.share = 1, .life_s = 1.875});
+                         {.fraction = 1, .life_s = 1.875});
   for (const int i : {0, 7, 20, 33})
     EXPECT_LT(cv::norm(shown(fast, 10 * i)(kMiddle), shown(slow, i)(kMiddle), cv::NORM_INF), 0.02) << i;
 }
@@ -80,16 +80,16 @@ TEST(CarriedBase, NeitherLevelNorContrastPulses) {
   cv::Mat noise(kHeight, kWidth, CV_32F), coarse;
   cv::RNG random(3);
   random.fill(noise, cv::RNG::UNIFORM, 0.2, 0.8);
-  const CarriedBase base(bgr_of(noise), noise, whole(), motion(60, 0), kFps, {.share = 1, .life_s = 1.2});
-  double least = 1, most = 0;
+  const CarriedBase base(bgr_of(noise), noise, whole(), motion(60, 0), kFps, {.fraction = 1, .life_s = 1.2});
+  double minimum = 1, maximum = 0;
   for (int i = 0; i < 30; ++i) {
     cv::Scalar mean, deviation;
     cv::meanStdDev(shown(base, i)(kMiddle), mean, deviation);
     EXPECT_NEAR(mean[0], 0.5, 0.02);
-    least = std::min(least, deviation[0]);
-    most = std::max(most, deviation[0]);
+    minimum = std::min(minimum, deviation[0]);
+    maximum = std::max(maximum, deviation[0]);
   }
-  EXPECT_LT(most / least, 1.2);
+  EXPECT_LT(maximum / minimum, 1.2);
 }
 
 TEST(CarriedBase, BringsTheColoursAlong) {
@@ -99,23 +99,23 @@ TEST(CarriedBase, BringsTheColoursAlong) {
       blue(0.7f, 0.4f - 0.3f * 0.114f / 0.587f, 0.4f);
   bgr(cv::Rect(0, 0, 80, kHeight)).setTo(cv::Scalar(red[0], red[1], red[2]));
   bgr(cv::Rect(80, 0, 80, kHeight)).setTo(cv::Scalar(blue[0], blue[1], blue[2]));
-  const CarriedBase base(bgr, luma, whole(), motion(25, 0), kFps, {.share = 1, .life_s = 1.2});
+  const CarriedBase base(bgr, luma, whole(), motion(25, 0), kFps, {.fraction = 1, .life_s = 1.2});
   const CarriedFrame frame = base.frame(0);
   struct Brought {
-    float luma, blue, red, part;
+    float luma, blue, red, fraction;
   };
   const auto at = [&](int x, int y) {
-    std::vector<float> b(kWidth), r(kWidth), part(kWidth);
-    colour_row(frame, y, kWidth, b.data(), r.data(), part.data());
+    std::vector<float> b(kWidth), r(kWidth), fraction(kWidth);
+    colour_row(frame, y, kWidth, b.data(), r.data(), fraction.data());
     return Brought{static_cast<float>(frame.luma.at<std::int16_t>(y, x)) / CarriedFrame::kOne, b[x], r[x],
-                   part[x]};
+                   fraction[x]};
   };
   const Brought left = at(40, 48), right = at(120, 48);
   EXPECT_NEAR(left.luma, 0.4, 1e-3);
   EXPECT_NEAR(left.red, 0.3, 1e-3);  // less luma
   EXPECT_NEAR(left.blue, 0, 1e-3);
   EXPECT_NEAR(right.blue, 0.3, 1e-3);
-  EXPECT_NEAR(right.part, 1, 0.02);
+  EXPECT_NEAR(right.fraction, 1, 0.02);
   // Some copies of the border have gone ten pixels on, others have yet to come: a mixture lies between.
   const Brought middle = at(84, 48);
   EXPECT_GT(middle.red, 0.02);
@@ -126,11 +126,11 @@ TEST(CarriedBase, BringsNothingThatIsNotFluid) {
   cv::Mat luma = picture(), matte = whole();
   luma(cv::Rect(0, 0, kWidth, 30)).setTo(100);  // rock, and it would be seen
   matte(cv::Rect(0, 0, kWidth, 30)).setTo(0);
-  const CarriedBase base(bgr_of(luma), luma, matte, motion(0, 100), kFps, {.share = 1, .life_s = 1});
+  const CarriedBase base(bgr_of(luma), luma, matte, motion(0, 100), kFps, {.fraction = 1, .life_s = 1});
   for (int i = 0; i < 25; ++i) {
-    double most = 0;
-    cv::minMaxLoc(shown(base, i)(cv::Rect(0, 31, kWidth, kHeight - 31)), nullptr, &most);
-    EXPECT_LT(most, 1.5) << i;
+    double maximum = 0;
+    cv::minMaxLoc(shown(base, i)(cv::Rect(0, 31, kWidth, kHeight - 31)), nullptr, &maximum);
+    EXPECT_LT(maximum, 1.5) << i;
   }
 }
 
@@ -142,13 +142,13 @@ TEST(CarriedBase, ThinWeightsBringNeitherLightNorDark) {
     cv::line(matte, {random.uniform(0, kWidth), random.uniform(0, kHeight)},
              {random.uniform(0, kWidth), random.uniform(0, kHeight)}, cv::Scalar(random.uniform(0.2, 1.0)));
   luma.setTo(0.5, matte > 0);
-  const CarriedBase base(bgr_of(luma), luma, matte, motion(30, 45), kFps, {.share = 1, .life_s = 1});
+  const CarriedBase base(bgr_of(luma), luma, matte, motion(30, 45), kFps, {.fraction = 1, .life_s = 1});
   for (int i = 0; i < 8; ++i) {
     const cv::Mat frame = shown(base, i, grey(0.5));
-    double least = 0, most = 0;
-    cv::minMaxLoc(frame, &least, &most, nullptr, nullptr, matte > 0.2);
-    EXPECT_GT(least, 0.45) << i;
-    EXPECT_LT(most, 0.55) << i;
+    double minimum = 0, maximum = 0;
+    cv::minMaxLoc(frame, &minimum, &maximum, nullptr, nullptr, matte > 0.2);
+    EXPECT_GT(minimum, 0.45) << i;
+    EXPECT_LT(maximum, 0.55) << i;
   }
 }
 
@@ -158,15 +158,15 @@ TEST(CarriedBase, HoldsItsColoursAtTheEdgesOfOddSizes) {
   bgr += cv::Scalar(0.1, 0, 0);
   cv::Mat luma = grey(0.4)(odd).clone();
   const CarriedBase base(bgr, luma, whole()(odd).clone(), motion(0, 0)(odd).clone(), kFps,
-                         {.share = 1, .edge_px = 0});
+                         {.fraction = 1, .edge_px = 0});
   const CarriedFrame frame = base.frame(3);
-  std::vector<float> blue(odd.width), red(odd.width), part(odd.width);
+  std::vector<float> blue(odd.width), red(odd.width), fraction(odd.width);
   for (const int y : {0, 1, odd.height - 2, odd.height - 1}) {
-    colour_row(frame, y, odd.width, blue.data(), red.data(), part.data());
+    colour_row(frame, y, odd.width, blue.data(), red.data(), fraction.data());
     for (const int x : {0, 1, odd.width / 2, odd.width - 2, odd.width - 1}) {
       EXPECT_NEAR(blue[x], 0.1, 1e-3) << x << ' ' << y;
       EXPECT_NEAR(red[x], 0, 1e-3) << x << ' ' << y;
-      EXPECT_NEAR(part[x], 1, 1e-3) << x << ' ' << y;
+      EXPECT_NEAR(fraction[x], 1, 1e-3) << x << ' ' << y;
     }
   }
 }
@@ -174,7 +174,7 @@ TEST(CarriedBase, HoldsItsColoursAtTheEdgesOfOddSizes) {
 TEST(CarriedBase, RepeatsInALoopOfAnyLengthAndIsCarriedInAll) {
   for (const int loop : {50, 51, 97, 7, 500}) {
     const CarriedBaseOptions options{
-        .share = 1, .life_s = 0.8, .max_px = 1000, .edge_px = 1, .loop_frames = loop};
+        .fraction = 1, .life_s = 0.8, .max_px = 1000, .edge_px = 1, .loop_frames = loop};
     const CarriedBase base(bgr_of(picture()), picture(), whole(), motion(30, 10), kFps, options);
     for (const int i : {0, 1, 5})
       EXPECT_EQ(cv::norm(shown(base, i), shown(base, i + loop), cv::NORM_INF), 0) << loop;
@@ -184,7 +184,7 @@ TEST(CarriedBase, RepeatsInALoopOfAnyLengthAndIsCarriedInAll) {
 
 TEST(CarriedBase, WhereItIsTooFastTheExposureShows) {
   const CarriedBase base(bgr_of(picture()), picture(), whole(), motion(2000, 0), kFps,
-                         {.share = 1, .life_s = 1, .max_px = 50});
+                         {.fraction = 1, .life_s = 1, .max_px = 50});
   EXPECT_EQ(cv::norm(shown(base, 4, grey(0.25)), grey(0.25), cv::NORM_INF), 0);
 }
 

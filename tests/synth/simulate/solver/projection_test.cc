@@ -11,8 +11,8 @@ struct Flow {
   Grid u, v, face_x, face_y;
 };
 
-/// Random velocities, at most 2 cells a frame, on faces that are open but for round obstacles and, if asked,
-/// the rim.
+/// Random velocities, at most 2 cells per frame, on faces that are open but for round obstacles and, if
+/// asked, the rim.
 Flow random_flow(int width, int height, bool closed, std::uint64_t seed) {
   Random random(seed, 1);
   Flow f{Grid(width + 1, height), Grid(width, height + 1), Grid(width + 1, height, 1.0f),

@@ -63,7 +63,7 @@ TEST(StableFluids, FlowsRoundASolidAndNotThroughIt) {
 }
 
 struct Carried {
-  float least = 1e9f, most = -1e9f;
+  float minimum = 1e9f, maximum = -1e9f;
   double mass_before = 0.0, mass_after = 0.0;
 };
 Carried carry(Gas::Edges edges, float inside, float outside) {
@@ -87,7 +87,7 @@ Carried carry(Gas::Edges edges, float inside, float outside) {
     gas.advance(edges);
   }
   for (const float value : gas.fields[0].values) {
-    result.least = std::min(result.least, value), result.most = std::max(result.most, value);
+    result.minimum = std::min(result.minimum, value), result.maximum = std::max(result.maximum, value);
     result.mass_after += static_cast<double>(value);
   }
   return result;
@@ -96,22 +96,23 @@ Carried carry(Gas::Edges edges, float inside, float outside) {
 TEST(Advection, KeepsAConstantFieldConstant) {
   for (const Gas::Edges edges : {Gas::Edges::kSoft, Gas::Edges::kSharp}) {
     const Carried c = carry(edges, 0.625f, 0.625f);
-    EXPECT_NEAR(c.least, 0.625f, 1e-5f);
-    EXPECT_NEAR(c.most, 0.625f, 1e-5f);
+    EXPECT_NEAR(c.minimum, 0.625f, 1e-5f);
+    EXPECT_NEAR(c.maximum, 0.625f, 1e-5f);
   }
 }
 
 TEST(Advection, MakesNoNewExtremesAndKeepsMassWithinATenth) {
   for (const Gas::Edges edges : {Gas::Edges::kSoft, Gas::Edges::kSharp}) {
     const Carried c = carry(edges, 1.0f, 0.0f);
-    EXPECT_GE(c.least, -1e-6f);
-    EXPECT_LE(c.most, 1.0f + 1e-6f);
+    EXPECT_GE(c.minimum, -1e-6f);
+    EXPECT_LE(c.maximum, 1.0f + 1e-6f);
     EXPECT_NEAR(c.mass_after / c.mass_before, 1.0, 0.1);
   }
 }
 
 TEST(Advection, SharpEdgesKeepMoreOfAFieldThanSoftOnes) {
-  EXPECT_GT(carry(Gas::Edges::kSharp, 1.0f, 0.0f).most, carry(Gas::Edges::kSoft, 1.0f, 0.0f).most - 1e-6f);
+  EXPECT_GT(carry(Gas::Edges::kSharp, 1.0f, 0.0f).maximum,
+            carry(Gas::Edges::kSoft, 1.0f, 0.0f).maximum - 1e-6f);
 }
 
 }  // namespace

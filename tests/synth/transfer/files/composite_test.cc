@@ -17,7 +17,7 @@ cv::Mat noise(cv::Size size, int type, std::uint64_t seed) {
 TEST(Composite, IsTheNearestCodeOfOver) {
   const cv::Mat under = noise({31, 17}, CV_8UC3, 1);
   for (const int type : {CV_8UC4, CV_16UC4}) {
-    const double most = type == CV_8UC4 ? 255 : 65535;
+    const double maximum = type == CV_8UC4 ? 255 : 65535;
     const cv::Mat over = noise({31, 17}, type, 2);
     const cv::Mat both = lay_over(over, under);
     for (int y = 0; y < 17; ++y)
@@ -25,7 +25,7 @@ TEST(Composite, IsTheNearestCodeOfOver) {
         for (int c = 0; c < 3; ++c) {
           const auto sample = [&](int channel) {
             return (type == CV_8UC4 ? over.at<cv::Vec4b>(y, x)[channel] : over.at<cv::Vec4w>(y, x)[channel]) /
-                   most;
+                   maximum;
           };
           const double expected =
               255 * sample(c) * sample(3) + under.at<cv::Vec3b>(y, x)[c] * (1 - sample(3));

@@ -1,4 +1,4 @@
-#include "tools/options/boundary_options.h"
+#include "tools/options/outline_options.h"
 
 #include <vector>
 
@@ -10,7 +10,7 @@
 
 namespace freshet::tools {
 
-void BoundaryOptions::add_to(CLI::App& command) {
+void OutlineOptions::add_to(CLI::App& command) {
   command_ = &command;
   const std::string group = "Outline of the fluid", moving = " (with --boundary moving)";
   command
@@ -21,7 +21,7 @@ void BoundaryOptions::add_to(CLI::App& command) {
       ->group(group);
   command
       .add_option("--tau", matte_.tau,
-                  "Share of the moved matte that is kept each 1/25 s, 0 to 1: with more the outline goes "
+                  "Fraction of the moved matte that is kept each 1/25 s, 0 to 1: with more the outline goes "
                   "further" +
                       moving)
       ->check(CLI::Range(0.0, 1.0))
@@ -48,14 +48,14 @@ void BoundaryOptions::add_to(CLI::App& command) {
       ->group(group);
 }
 
-void BoundaryOptions::check() const {
+void OutlineOptions::check() const {
   if (kind_ == "moving") return;
   for (const char* name : {"--tau", "--background", "--inpaint", "--matte-out"})
     if (command_->count(name) > 0)
       throw Error(ErrorKind::kUsage, name, "it belongs to a moving outline", "Add --boundary moving");
 }
 
-void BoundaryOptions::apply(synth::animate::AnimateOptions& options, cv::Size picture) {
+void OutlineOptions::apply(synth::animate::AnimateOptions& options, cv::Size picture) {
   check();
   if (kind_ == "static") return;
   options.boundary.boundary = synth::animate::Boundary::kMoving;
@@ -81,7 +81,7 @@ void BoundaryOptions::apply(synth::animate::AnimateOptions& options, cv::Size pi
   };
 }
 
-void BoundaryOptions::finish() {
+void OutlineOptions::finish() {
   if (sink_) sink_->finish();
 }
 

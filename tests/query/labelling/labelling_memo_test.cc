@@ -1,4 +1,4 @@
-#include "query/labelling/label_recall.h"
+#include "query/labelling/labelling_memo.h"
 
 #include <gtest/gtest.h>
 
@@ -46,10 +46,10 @@ class Recall : public testing::Test {
   /// With what is in the folder; reuse_ and notices_ say what was.
   Labelling warm(const LabelOptions& options, const SearchBase& base = *base_) {
     LabelCache cache(folder_.path());
-    LabelRecall recall(cache, *snapshot_, base);
-    Labelling labelling = label(*snapshot_, base, picture_, matte_, options, {}, {}, &recall);
+    LabellingMemo memo(cache, *snapshot_, base);
+    Labelling labelling = label(*snapshot_, base, picture_, matte_, options, {}, {}, &memo);
     cache.finish();
-    reuse_ = recall.reuse();
+    reuse_ = memo.reuse();
     notices_ = cache.take_notices();
     return labelling;
   }
@@ -100,8 +100,8 @@ TEST_F(Recall, TheSameAgainNeedsNoIndexNoTableAndNoSolver) {
   base.index.reset();  // a search would end the test
   class NoIndex final : public CandidateIndex {
     std::size_t rows() const override { return 0; }
-    std::vector<std::vector<Hit>> search(std::span<const PieceQuery> queries, std::size_t,
-                                         const Admission&) const override {
+    std::vector<std::vector<ScoredPatch>> search(std::span<const PieceQuery> queries, std::size_t,
+                                                 const SearchFilter&) const override {
       EXPECT_TRUE(queries.empty());
       return {};
     }
@@ -151,14 +151,14 @@ TEST_F(Recall, EntriesThatCannotBeAreComputedAgain) {
   const LabelOptions asked = options();
   const Labelling fresh = cold(asked);
   LabelCache cache(folder_.path());
-  LabelRecall recall(cache, *snapshot_, *base_);
-  const CacheKey key = recall.solution_key(fresh.search.target, fresh.search.candidates, asked.costs,
-                                           asked.guide_costs, asked.minimizer, asked.max_iterations);
+  LabellingMemo memo(cache, *snapshot_, *base_);
+  const CacheKey key = memo.solution_key(fresh.search.target, fresh.search.candidates, asked.costs,
+                                         asked.guide_costs, asked.minimizer, asked.max_iterations);
   Solution wrong{fresh.labels, 1, 0, 3};
   wrong.labels[2] = 1000;
-  recall.keep_solution(key, wrong);
-  expect_same(label(*snapshot_, *base_, picture_, matte_, asked, {}, {}, &recall), fresh);
-  EXPECT_FALSE(recall.reuse().labels);
+  memo.keep_solution(key, wrong);
+  expect_same(label(*snapshot_, *base_, picture_, matte_, asked, {}, {}, &memo), fresh);
+  EXPECT_FALSE(memo.reuse().labels);
 }
 
 TEST_F(Recall, AnotherStoreHasNothingInCommon) {
@@ -171,10 +171,10 @@ TEST_F(Recall, AnotherStoreHasNothingInCommon) {
   const store::Snapshot snapshot = store.snapshot();
   const SearchBase base = open_search(snapshot);
   LabelCache cache(folder_.path());
-  LabelRecall recall(cache, snapshot, base);
-  label(snapshot, base, picture_, matte_, options(), {}, {}, &recall);
-  EXPECT_EQ(recall.reuse().reused_pieces, 0u);
-  EXPECT_EQ(recall.reuse().reused_edges, 0u);
+  LabellingMemo memo(cache, snapshot, base);
+  label(snapshot, base, picture_, matte_, options(), {}, {}, &memo);
+  EXPECT_EQ(memo.reuse().reused_pieces, 0u);
+  EXPECT_EQ(memo.reuse().reused_edges, 0u);
 }
 
 TEST_F(Recall, AnswersOfAnApproximateIndexAreNotKept) {

@@ -1,4 +1,4 @@
-// tools/options/boundary_options.h — whether the fluid's outline moves, and what lies behind it.
+// tools/options/outline_options.h — whether the fluid's outline moves, and what lies behind it.
 #pragma once
 
 #include <memory>
@@ -11,7 +11,7 @@
 
 namespace freshet::tools {
 
-class BoundaryOptions {
+class OutlineOptions {
  public:
   void add_to(CLI::App& command);
   /// Throws Error{kUsage} for options of a moving outline with a still one.

@@ -1,4 +1,4 @@
-// bench/labelling/obvious_cost.h — pairwise tables against the plain loops of Eq. 2, 3 and 6.
+// bench/labelling/reference_cost.h — pairwise tables against the plain loops of Eq. 2, 3 and 6.
 #pragma once
 
 #include <cstddef>
@@ -10,7 +10,7 @@ namespace freshet::bench {
 
 struct TableError {
   std::size_t edges = 0, pairs = 0;
-  double relative = 0, absolute = 0;  // greatest
+  double relative = 0, absolute = 0;  // largest
   double loop_seconds = 0;            // CPU, of the plain loops alone
 };
 

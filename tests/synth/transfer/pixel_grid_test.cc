@@ -1,4 +1,4 @@
-#include "synth/transfer/picture.h"
+#include "synth/transfer/pixel_grid.h"
 
 #include <gtest/gtest.h>
 

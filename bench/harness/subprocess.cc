@@ -1,4 +1,4 @@
-#include "bench/harness/own_process.h"
+#include "bench/harness/subprocess.h"
 
 #include <sys/wait.h>
 #include <unistd.h>
@@ -10,7 +10,8 @@
 
 namespace freshet::bench {
 
-void run_anew(std::vector<std::string> arguments, const std::string& subject, const std::string& fault) {
+void run_subprocess(std::vector<std::string> arguments, const std::string& subject,
+                    const std::string& fault) {
   std::vector<char*> argv;
   for (std::string& argument : arguments) argv.push_back(argument.data());
   argv.push_back(nullptr);

@@ -1,4 +1,4 @@
-#include "query/labelling/label_recall.h"
+#include "query/labelling/labelling_memo.h"
 
 #include <algorithm>
 #include <cassert>
@@ -59,34 +59,35 @@ class Reading {
   std::span<const std::byte> left_;
 };
 
-constexpr int kMostOpenings = 100;
+constexpr int kMaxOpenings = 100;
 
 std::vector<std::byte> bytes_of(const PieceAnswer& answer) {
   Bytes bytes;
   bytes.put(static_cast<std::int32_t>(answer.opened));
-  for (const Hit& hit : answer.hits) {
-    bytes.put(hit.row);
-    bytes.put(hit.score);
+  for (const ScoredPatch& scored : answer.scored_patches) {
+    bytes.put(scored.row);
+    bytes.put(scored.score);
   }
   return {bytes.bytes().begin(), bytes.bytes().end()};
 }
 
 // Nothing when the bytes cannot be an answer: never trusted, whatever their hash.
 std::optional<PieceAnswer> answer_of(std::span<const std::byte> bytes, std::size_t k, std::size_t rows,
-                                     int mass) {
+                                     int max_score) {
   Reading reading(bytes);
   std::int32_t opened = 0;
-  if (!reading.get(opened) || opened < 0 || opened > kMostOpenings || reading.left() % 8 != 0)
+  if (!reading.get(opened) || opened < 0 || opened > kMaxOpenings || reading.left() % 8 != 0)
     return std::nullopt;
   PieceAnswer answer;
   answer.opened = opened;
-  answer.hits.resize(reading.left() / 8);
-  if (answer.hits.empty() || answer.hits.size() > k) return std::nullopt;
-  for (Hit& hit : answer.hits) {
-    if (!reading.get(hit.row) || !reading.get(hit.score)) return std::nullopt;
-    if (hit.row >= rows || hit.score > static_cast<std::uint32_t>(mass)) return std::nullopt;
+  answer.scored_patches.resize(reading.left() / 8);
+  if (answer.scored_patches.empty() || answer.scored_patches.size() > k) return std::nullopt;
+  for (ScoredPatch& scored : answer.scored_patches) {
+    if (!reading.get(scored.row) || !reading.get(scored.score)) return std::nullopt;
+    if (scored.row >= rows || scored.score > static_cast<std::uint32_t>(max_score)) return std::nullopt;
   }
-  if (!std::is_sorted(answer.hits.begin(), answer.hits.end(), better)) return std::nullopt;
+  if (!std::is_sorted(answer.scored_patches.begin(), answer.scored_patches.end(), better))
+    return std::nullopt;
   return answer;
 }
 
@@ -104,7 +105,7 @@ std::string to_string(const Reuse& reuse) {
                      reuse.pieces, reuse.reused_edges, reuse.edges);
 }
 
-LabelRecall::LabelRecall(LabelCache& cache, const store::Snapshot& snapshot, const SearchBase& base)
+LabellingMemo::LabellingMemo(LabelCache& cache, const store::Snapshot& snapshot, const SearchBase& base)
     : cache_(cache), base_(base) {
   KeyHash hash = hash_of(Kind::kIdentity);
   hash.add(snapshot.settings());
@@ -127,15 +128,15 @@ LabelRecall::LabelRecall(LabelCache& cache, const store::Snapshot& snapshot, con
   identity_ = hash.key();
 }
 
-Candidates LabelRecall::find_candidates(const Target& target, const cv::Mat& matte, std::size_t k,
-                                        const RowFilter& filter, const MotionGuide& guide) {
+Candidates LabellingMemo::find_candidates(const Target& target, const cv::Mat& matte, std::size_t k,
+                                          const RowFilter& filter, const MotionGuide& guide) {
   reuse_ = {};
   reuse_.pieces = target.size();
   reuse_.edges = target.edges.size();
   if (!base_.is_exact)
     return query::find_candidates(*base_.index, base_.table, target, matte, k, filter, guide);
   KeyHash filtered = hash_of(Kind::kFilter);
-  filtered.add(filter.words());
+  filtered.add(filter.bit_words());
   const CacheKey rows = filtered.key();
   std::vector<PieceMotion> asked;
   if (!guide.empty()) asked = asked_motion(guide, target, matte);
@@ -150,15 +151,15 @@ Candidates LabelRecall::find_candidates(const Target& target, const cv::Mat& mat
     hash.add(std::span<const std::uint8_t>(query.words));
     hash.add(std::span<const std::uint8_t>(query.mask));
     // Every window that may be asked, one after another, up to the one that asks nothing.
-    for (int steps = 0; !asked.empty() && steps < kMostOpenings; ++steps) {
+    for (int steps = 0; !asked.empty() && steps < kMaxOpenings; ++steps) {
       const MotionWindow window = window_of(asked[piece], guide, steps);
       if (window.is_any()) break;
-      for (const float value : {window.u, window.v, window.least_cosine, window.min_speed, window.max_speed})
+      for (const float value : {window.u, window.v, window.min_cosine, window.min_speed, window.max_speed})
         hash.add(value);
     }
     keys.push_back(hash.key());
     if (const auto bytes = cache_.find(keys.back()))
-      answers[piece] = answer_of(*bytes, k, base_.table.size(), mass(query));
+      answers[piece] = answer_of(*bytes, k, base_.table.size(), max_score(query));
     reuse_.reused_pieces += answers[piece].has_value();
   }
   std::vector<bool> known;
@@ -170,16 +171,16 @@ Candidates LabelRecall::find_candidates(const Target& target, const cv::Mat& mat
   return candidates;
 }
 
-CacheKey LabelRecall::key_of_candidates(std::span<const Row> rows) const {
+CacheKey LabellingMemo::key_of_candidates(std::span<const Row> rows) const {
   KeyHash hash = hash_of(Kind::kRows);
   hash.add(identity_);
   hash.add(rows);
   return hash.key();
 }
 
-Mrf LabelRecall::build_mrf(const Target& target, const Candidates& candidates, const FeatureShape& shape,
-                           const PairwiseOptions& options, const FeatureSource& source,
-                           std::stop_token stop) {
+Mrf LabellingMemo::build_mrf(const Target& target, const Candidates& candidates, const FeatureShape& shape,
+                             const PairwiseOptions& options, const FeatureSource& source,
+                             std::stop_token stop) {
   check_weights(options);
   Mrf mrf = unconnected_field(target, candidates);
   if (shape.overlap == 0 || options.lambda == 0) return mrf;
@@ -243,9 +244,9 @@ Mrf LabelRecall::build_mrf(const Target& target, const Candidates& candidates, c
   return mrf;
 }
 
-CacheKey LabelRecall::solution_key(const Target& target, const Candidates& candidates,
-                                   const PairwiseOptions& options, const GuideCosts& guide_costs,
-                                   Minimizer minimizer, int max_iterations) const {
+CacheKey LabellingMemo::solution_key(const Target& target, const Candidates& candidates,
+                                     const PairwiseOptions& options, const GuideCosts& guide_costs,
+                                     Minimizer minimizer, int max_iterations) const {
   KeyHash hash = hash_of(Kind::kSolution);
   hash.add(identity_);
   for (const cv::Point place : target.places) {
@@ -268,8 +269,8 @@ CacheKey LabelRecall::solution_key(const Target& target, const Candidates& candi
   return hash.key();
 }
 
-std::optional<Solution> LabelRecall::find_solution(const CacheKey& key, const Target& target,
-                                                   const Candidates& candidates) {
+std::optional<Solution> LabellingMemo::find_solution(const CacheKey& key, const Target& target,
+                                                     const Candidates& candidates) {
   const auto bytes = cache_.find(key);
   if (!bytes) return std::nullopt;
   Reading reading(*bytes);
@@ -286,7 +287,7 @@ std::optional<Solution> LabelRecall::find_solution(const CacheKey& key, const Ta
   return solution;
 }
 
-void LabelRecall::keep_solution(const CacheKey& key, const Solution& solution) {
+void LabellingMemo::keep_solution(const CacheKey& key, const Solution& solution) {
   Bytes bytes;
   bytes.put(solution.energy);
   bytes.put(solution.lower_bound);

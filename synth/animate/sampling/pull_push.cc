@@ -1,4 +1,4 @@
-#include "synth/animate/sampling/outward.h"
+#include "synth/animate/sampling/pull_push.h"
 
 #include <algorithm>
 #include <vector>
@@ -8,7 +8,7 @@
 namespace freshet::synth::animate {
 namespace {
 
-constexpr float kLeast = 1e-6f;  // weight below which a sample counts as unknown
+constexpr float kMinWeight = 1e-6f;  // weight below which a sample counts as unknown
 
 /// values * weight, channel by channel.
 cv::Mat weighted(const cv::Mat& values, const cv::Mat& weight) {
@@ -25,13 +25,13 @@ void divide_by(cv::Mat& values, const cv::Mat& weight) {
     const float* w = weight.ptr<float>(y);
     for (int x = 0; x < values.cols; ++x)
       for (int k = 0; k < channels; ++k)
-        v[x * channels + k] = w[x] > kLeast ? v[x * channels + k] / w[x] : 0.0f;
+        v[x * channels + k] = w[x] > kMinWeight ? v[x * channels + k] / w[x] : 0.0f;
   }
 }
 
 }  // namespace
 
-cv::Mat push_outward(const cv::Mat& values, const cv::Mat& weight) {
+cv::Mat pull_push(const cv::Mat& values, const cv::Mat& weight) {
   // Pull: each level halves the picture, and half of what is known in a neighbourhood makes it known.
   std::vector<cv::Mat> level{values}, trust{weight};
   while (std::max(level.back().cols, level.back().rows) > 1) {

@@ -1,4 +1,4 @@
-#include "synth/transfer/picture.h"
+#include "synth/transfer/pixel_grid.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,13 +9,13 @@
 namespace freshet::synth::transfer {
 namespace {
 
-constexpr float kLeastAlpha = 1.0f / 4096;
+constexpr float kMinAlpha = 1.0f / 4096;
 
 float clamped(float value) { return value > 0.0f ? (value < 1.0f ? value : 1.0f) : 0.0f; }
 
 template <typename Sample>
-Picture premultiplied_of(const cv::Mat& bgra, float scale) {
-  Picture out(bgra.cols, bgra.rows);
+PixelGrid premultiplied_of(const cv::Mat& bgra, float scale) {
+  PixelGrid out(bgra.cols, bgra.rows);
   for_rows(out.height, [&](int y) {
     const Sample* in = bgra.ptr<Sample>(y);
     for (int x = 0; x < out.width; ++x) {
@@ -51,19 +51,19 @@ GridOf<T> halved_of(const GridOf<T>& grid) {
 
 }  // namespace
 
-Picture premultiplied(const cv::Mat& bgra) {
+PixelGrid premultiplied(const cv::Mat& bgra) {
   if (bgra.depth() == CV_8U) return premultiplied_of<std::uint8_t>(bgra, 1.0f / 255);
   if (bgra.depth() == CV_16U) return premultiplied_of<std::uint16_t>(bgra, 1.0f / 65535);
   return premultiplied_of<float>(bgra, 1.0f);
 }
 
-cv::Mat straight(const Picture& picture) {
+cv::Mat straight(const PixelGrid& picture) {
   cv::Mat out(picture.height, picture.width, CV_32FC4);
   for_rows(picture.height, [&](int y) {
     float* to = out.ptr<float>(y);
     for (int x = 0; x < picture.width; ++x) {
       const Pixel& pixel = picture(x, y);
-      const bool seen = pixel.c[3] >= kLeastAlpha;
+      const bool seen = pixel.c[3] >= kMinAlpha;
       for (int c = 0; c < 3; ++c) to[4 * x + c] = seen ? clamped(pixel.c[c] / pixel.c[3]) : 0.0f;
       to[4 * x + 3] = seen ? clamped(pixel.c[3]) : 0.0f;
     }
@@ -80,13 +80,13 @@ Grid grid_of(const cv::Mat& alpha) {
   return out;
 }
 
-Grid alpha_of(const Picture& picture) {
+Grid alpha_of(const PixelGrid& picture) {
   Grid out(picture.width, picture.height);
   for (std::size_t i = 0; i < out.values.size(); ++i) out.values[i] = picture.values[i].c[3];
   return out;
 }
 
-Picture halved(const Picture& picture) { return halved_of(picture); }
+PixelGrid halved(const PixelGrid& picture) { return halved_of(picture); }
 Grid halved(const Grid& grid) { return halved_of(grid); }
 
 Grid blurred(const Grid& grid, double sigma) {

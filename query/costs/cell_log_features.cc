@@ -1,4 +1,4 @@
-#include "query/costs/cell_looks.h"
+#include "query/costs/cell_log_features.h"
 
 #include <algorithm>
 #include <bit>
@@ -11,7 +11,7 @@
 namespace freshet::query {
 namespace {
 
-constexpr float kFrameRate = 25;             // frames a second, of the paper's px a frame
+constexpr float kFrameRate = 25;             // frames per second, of the paper's px per frame
 constexpr float kSpeedFloor = 2.5f;          // px/s; slower motion is as good as none
 constexpr float kPowerFloor = 1;             // (px/s)^2
 constexpr float kTextureFloor = 1.0f / 512;  // half a grey level of 8 bits
@@ -33,9 +33,9 @@ inline float or_zero(float value) { return value > 0 ? value : 0; }
 
 // The nearest level, of a value in either direction.
 inline std::int16_t level_of(float value) {
-  constexpr float kMost = kGreatestLevel;
-  const float levels = value < -kMost ? -kMost : value > kMost ? kMost : value;
-  return static_cast<std::int16_t>(static_cast<std::int32_t>(levels + (kMost + 0.5f)) - kGreatestLevel);
+  constexpr float kMax = kMaxLogStep;
+  const float levels = value < -kMax ? -kMax : value > kMax ? kMax : value;
+  return static_cast<std::int16_t>(static_cast<std::int32_t>(levels + (kMax + 0.5f)) - kMaxLogStep);
 }
 
 // out[i] = level of scale * log(1 + in[i] / floor), for each cell.
@@ -51,9 +51,9 @@ FRESHET_WIDE void motion_levels(const float* in, std::size_t cells, std::size_t 
   for (std::size_t cell = 0; cell < cells; ++cell) {
     const float u = in[cell * step], v = in[cell * step + 1];
     const float speed = std::sqrt(u * u + v * v);
-    const float levels = kLevels * log_1_plus(speed / kSpeedFloor);
-    const float bounded = levels < kGreatestLevel ? levels : kGreatestLevel;
-    const float shrink = speed > 1e-6f ? bounded / speed : kLevels / kSpeedFloor;
+    const float levels = kLogSteps * log_1_plus(speed / kSpeedFloor);
+    const float bounded = levels < kMaxLogStep ? levels : kMaxLogStep;
+    const float shrink = speed > 1e-6f ? bounded / speed : kLogSteps / kSpeedFloor;
     out[2 * cell] = level_of(u * shrink);
     out[2 * cell + 1] = level_of(v * shrink);
   }
@@ -65,26 +65,28 @@ std::array<std::size_t, kParts> part_channels(const FeatureShape& shape) {
   return {2, 2 * static_cast<std::size_t>(shape.bands), vision::kTextureLevels};
 }
 
-void find_looks(const FeatureShape& shape, std::span<const float> features, std::span<std::int16_t> looks) {
+void find_log_features(const FeatureShape& shape, std::span<const float> features,
+                       std::span<std::int16_t> log_features) {
   const auto channels = part_channels(shape);
   const auto step = static_cast<std::size_t>(shape.channels()), cells = features.size() / step;
-  assert(features.size() == cells * step && looks.size() == features.size());
+  assert(features.size() == cells * step && log_features.size() == features.size());
   const float *bands = features.data() + channels[kMotion], *levels = bands + channels[kDynamics];
-  std::int16_t* out = looks.data();
+  std::int16_t* out = log_features.data();
   motion_levels(features.data(), cells, step, out);
-  log_levels(bands, cells, step, channels[kDynamics], 1 / kPowerFloor, kLevels / 2,
+  log_levels(bands, cells, step, channels[kDynamics], 1 / kPowerFloor, kLogSteps / 2,
              out += cells * channels[kMotion]);
-  log_levels(levels, cells, step, channels[kTextureness], 1 / kTextureFloor, kLevels,
+  log_levels(levels, cells, step, channels[kTextureness], 1 / kTextureFloor, kLogSteps,
              out += cells * channels[kDynamics]);
 }
 
-void find_looks(const FeatureShape& shape, std::span<const float> features, std::span<float> looks) {
+void find_log_features(const FeatureShape& shape, std::span<const float> features,
+                       std::span<float> log_features) {
   const auto channels = part_channels(shape);
   const auto step = static_cast<std::size_t>(shape.channels()), cells = features.size() / step;
-  assert(features.size() == cells * step && looks.size() == features.size());
+  assert(features.size() == cells * step && log_features.size() == features.size());
   constexpr float kScales[] = {1 / kFrameRate, 1 / (kFrameRate * kFrameRate), 1};
   const float* from = features.data();
-  float* out = looks.data();
+  float* out = log_features.data();
   for (std::size_t part = 0; part < kParts; from += channels[part++])
     for (std::size_t cell = 0; cell < cells; ++cell)
       for (std::size_t i = 0; i < channels[part]; ++i) *out++ = kScales[part] * from[cell * step + i];

@@ -1,5 +1,5 @@
-// synth/simulate/scene/scene.cc
-#include "synth/simulate/scene/scene.h"
+// synth/simulate/scene/scene_options.cc
+#include "synth/simulate/scene/scene_options.h"
 
 #include <array>
 
@@ -10,25 +10,25 @@
 namespace freshet::synth::simulate {
 namespace {
 
-constexpr std::array<Preset, 6> kPresets{Preset::kSmoke,     Preset::kFire,  Preset::kInk,
-                                         Preset::kWaterfall, Preset::kRiver, Preset::kClouds};
+constexpr std::array<SceneKind, 6> kClipKinds{SceneKind::kSmoke,     SceneKind::kFire,  SceneKind::kInk,
+                                              SceneKind::kWaterfall, SceneKind::kRiver, SceneKind::kClouds};
 constexpr std::array<std::string_view, 6> kNames{"smoke", "fire", "ink", "waterfall", "river", "clouds"};
 constexpr int kMinSide = 16, kMaxSide = 4096;
 constexpr int kMaxFrames = 1'000'000, kMaxWarmUp = 100'000;
 
 }  // namespace
 
-Preset parse_preset(std::string_view name) {
+SceneKind parse_scene_kind(std::string_view name) {
   for (std::size_t i = 0; i < kNames.size(); ++i) {
-    if (kNames[i] == name) return kPresets[i];
+    if (kNames[i] == name) return kClipKinds[i];
   }
   throw Error(ErrorKind::kUsage, "preset", fmt::format("'{}' is not known", name),
               fmt::format("Choose one of {}", fmt::join(kNames, ", ")));
 }
 
-std::string_view preset_name(Preset preset) { return kNames[static_cast<std::size_t>(preset)]; }
+std::string_view scene_kind_name(SceneKind kind) { return kNames[static_cast<std::size_t>(kind)]; }
 
-std::span<const Preset> all_presets() { return kPresets; }
+std::span<const SceneKind> all_clip_kinds() { return kClipKinds; }
 
 void check(const SceneOptions& options) {
   const auto refuse = [](const char* option, const std::string& fault, const std::string& remedy) {
@@ -44,13 +44,13 @@ void check(const SceneOptions& options) {
            fmt::format("Ask for 1 to {} frames", kMaxFrames));
   }
   if (!(options.fps >= 1.0 && options.fps <= 240.0)) {
-    refuse("fps", fmt::format("{} is out of range", options.fps), "Give 1 to 240 frames a second");
+    refuse("fps", fmt::format("{} is out of range", options.fps), "Give 1 to 240 frames per second");
   }
   if (options.warm_up_frames < -1 || options.warm_up_frames > kMaxWarmUp) {
     refuse("warm-up", fmt::format("{} is out of range", options.warm_up_frames),
            fmt::format("Give 0 to {} frames, or -1 for the preset's own", kMaxWarmUp));
   }
-  if (options.alpha_bits != 8 && !(options.alpha_bits == 16 && options.preset == Preset::kDesign)) {
+  if (options.alpha_bits != 8 && !(options.alpha_bits == 16 && options.kind == SceneKind::kDesign)) {
     refuse("alpha-bits", fmt::format("{} cannot be had", options.alpha_bits),
            "Give 8, or 16 for a design; the ready-made clips have 8");
   }

@@ -1,4 +1,4 @@
-#include "bench/labelling/obvious_cost.h"
+#include "bench/labelling/reference_cost.h"
 
 #include <algorithm>
 #include <cmath>
@@ -15,7 +15,7 @@ constexpr std::size_t kCheckedEdges = 10;
 double square(double value) { return value * value; }
 
 /// What a cell's value counts as, channel by channel, before weights.
-std::vector<double> looks(const query::FeatureShape& shape, query::CostForm form, const float* cell) {
+std::vector<double> log_features(const query::FeatureShape& shape, query::CostForm form, const float* cell) {
   std::vector<double> values(cell, cell + shape.channels());
   const int first_level = 2 + 2 * shape.bands;
   if (form == query::CostForm::kPower) {
@@ -31,18 +31,18 @@ std::vector<double> looks(const query::FeatureShape& shape, query::CostForm form
 }
 
 /// Eq. 2, 3 and 6 for two patches: b beside a, or below it.
-class ObviousCost {
+class ReferenceCost {
  public:
-  ObviousCost(const query::FeatureShape& shape, const query::PairwiseOptions& options)
+  ReferenceCost(const query::FeatureShape& shape, const query::PairwiseOptions& options)
       : shape_(shape), options_(options) {}
-  using Patch = std::vector<std::vector<double>>;  // looks of its cells, row-major
+  using Patch = std::vector<std::vector<double>>;  // log features of its cells, row-major
   std::vector<Patch> patches(const query::FeatureSource& source, std::span<const query::Row> rows) const {
     const std::vector<float> features = query::features_of_patches(source, shape_, rows);
     const float* from = features.data();
     std::vector<Patch> patches(rows.size());
     for (Patch& patch : patches) {
       for (int cell = 0; cell < shape_.cells * shape_.cells; ++cell, from += shape_.channels())
-        patch.push_back(looks(shape_, options_.form, from));
+        patch.push_back(log_features(shape_, options_.form, from));
     }
     return patches;
   }
@@ -73,7 +73,7 @@ class ObviousCost {
 TableError check_tables(const query::Mrf& mrf, const query::CandidateSearch& search,
                         const query::FeatureShape& shape, const query::PairwiseOptions& options,
                         const query::FeatureSource& source) {
-  const ObviousCost cost(shape, options);
+  const ReferenceCost cost(shape, options);
   TableError error;
   error.edges = std::min(kCheckedEdges, mrf.edges.size());
   for (std::size_t e = 0; e < error.edges; ++e) {

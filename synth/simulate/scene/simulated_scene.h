@@ -1,11 +1,12 @@
-// synth/simulate/scene/scenes.h — the interface of what can be simulated, the six clips, and designs.
+// synth/simulate/scene/simulated_scene.h — the interface of what can be simulated, the six clips, and
+// designs.
 #pragma once
 
 #include <memory>
 
 #include <opencv2/core.hpp>
 
-#include "synth/simulate/scene/scene.h"
+#include "synth/simulate/scene/scene_options.h"
 #include "synth/simulate/solver/film.h"
 
 namespace freshet::synth::simulate {
@@ -18,7 +19,7 @@ class Scene {
   /// Moves on by one frame.
   virtual void advance() = 0;
   /// The present instant. All of film.light, alpha (CV_8U; CV_16U when the options ask for 16 bits) and
-  /// motion (CV_32FC2, from this instant to the next, px a frame) is overwritten. emitters (CV_8U) comes in
+  /// motion (CV_32FC2, from this instant to the next, px per frame) is overwritten. emitters (CV_8U) comes in
   /// black: designs draw in it where fluid enters. All have the picture's size.
   virtual void render(Film& film, cv::Mat& alpha, cv::Mat& motion, cv::Mat& emitters) = 0;
 };

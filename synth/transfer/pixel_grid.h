@@ -1,4 +1,4 @@
-// synth/transfer/picture.h — pictures as the method computes with them, halved, blurred and turned.
+// synth/transfer/pixel_grid.h — pictures as the method computes with them, halved, blurred and turned.
 #pragma once
 
 #include <opencv2/core.hpp>
@@ -13,19 +13,19 @@ namespace freshet::synth::transfer {
 struct alignas(16) Pixel {
   float c[4] = {0, 0, 0, 0};
 };
-using Picture = GridOf<Pixel>;
+using PixelGrid = GridOf<Pixel>;
 
 /// bgra  CV_8UC4, CV_16UC4 or CV_32FC4, straight. Values are clamped to 0..1, not-a-number to 0.
-Picture premultiplied(const cv::Mat& bgra);
+PixelGrid premultiplied(const cv::Mat& bgra);
 /// CV_32FC4; 0 where alpha is below 1/4096, where a quotient of rounding errors would be seen as colour.
-cv::Mat straight(const Picture& picture);
+cv::Mat straight(const PixelGrid& picture);
 
 /// alpha  CV_8U or CV_32F. As above.
 Grid grid_of(const cv::Mat& alpha);
-Grid alpha_of(const Picture& picture);
+Grid alpha_of(const PixelGrid& picture);
 
 /// Mean of blocks of 2 x 2; sizes are rounded up, what a block lacks is repeated from its own edge.
-Picture halved(const Picture& picture);
+PixelGrid halved(const PixelGrid& picture);
 Grid halved(const Grid& grid);
 
 /// Gaussian of standard deviation sigma px, cut at 3 sigma, edges repeated. Own loops: OpenCV's differ in the

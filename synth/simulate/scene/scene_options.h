@@ -1,4 +1,5 @@
-// synth/simulate/scene/scene.h — what to simulate: a ready-made clip or a design, a size, a length and a seed.
+// synth/simulate/scene/scene_options.h — what to simulate: a ready-made clip or a design, a size, a length
+// and a seed.
 #pragma once
 
 #include <cstdint>
@@ -13,13 +14,14 @@
 namespace freshet::synth::simulate {
 
 /// The ready-made clips, and a design of one's own.
-enum class Preset { kSmoke, kFire, kInk, kWaterfall, kRiver, kClouds, kDesign };
+enum class SceneKind { kSmoke, kFire, kInk, kWaterfall, kRiver, kClouds, kDesign };
 
 struct SceneOptions {
-  Preset preset = Preset::kSmoke;
+  SceneKind kind = SceneKind::kSmoke;
   cv::Size size{640, 360};  // px, 16..4096 each way, odd sizes allowed
   int frames = 120;         // at least 1
-  double fps = 25.0;  // 1..240; speeds are set in picture heights a second, so motion a frame shrinks with it
+  double fps = 25.0;  // 1..240; speeds are set in picture heights per second, so motion per frame shrinks
+                      // with it
   std::uint64_t seed = 1;   // moves sources, winds, speeds, rocks and palette; any value
   int warm_up_frames = -1;  // simulated before frame 0; -1: as many as the preset needs to be developed
   Design design{};          // of Preset::kDesign
@@ -27,9 +29,9 @@ struct SceneOptions {
 };
 
 /// The clips: "smoke", "fire", "ink", "waterfall", "river", "clouds". Throws Error{kUsage} that lists them.
-Preset parse_preset(std::string_view name);
-std::string_view preset_name(Preset preset);
-std::span<const Preset> all_presets();
+SceneKind parse_scene_kind(std::string_view name);
+std::string_view scene_kind_name(SceneKind kind);
+std::span<const SceneKind> all_clip_kinds();
 
 /// Throws Error{kUsage} naming the option that is out of range.
 void check(const SceneOptions& options);

@@ -1,4 +1,4 @@
-// query/labelling/label_recall.h — what of a labelling an earlier one has computed already.
+// query/labelling/labelling_memo.h — the memo of labellings: what an earlier one has computed already.
 //
 // After a changed stroke only the pieces whose candidates it changes are searched, and only their edges are
 // compared again; the rest comes from a LabelCache. Each result is found by a hash of everything that it
@@ -36,11 +36,11 @@ struct Reuse {
 std::string to_string(const Reuse& reuse);
 
 /// The view that labellings of one snapshot have of a cache. Borrows all that it is made of. One thread.
-class LabelRecall {
+class LabellingMemo {
  public:
   /// Cost: 10 ms for 357,650 patches. Answers of an approximate index are neither looked up nor kept: its
   /// bytes are not part of what is hashed.
-  LabelRecall(LabelCache& cache, const store::Snapshot& snapshot, const SearchBase& base);
+  LabellingMemo(LabelCache& cache, const store::Snapshot& snapshot, const SearchBase& base);
 
   /// As query::find_candidates.
   Candidates find_candidates(const Target& target, const cv::Mat& matte, std::size_t k,

@@ -1,4 +1,4 @@
-// synth/animate/sampling/outward.h — values continued beyond the region in which they are known.
+// synth/animate/sampling/pull_push.h — pull-push: values continued beyond the region in which they are known.
 #pragma once
 
 #include <opencv2/core.hpp>
@@ -10,6 +10,6 @@ namespace freshet::synth::animate {
 /// Returns  values where they are trusted, and beyond a smooth continuation of the nearest trusted ones,
 ///          coarser with distance. All zero when no weight is above 0.
 /// Cost     O(pixels). Source     Gortler, Grzeszczuk, Szeliski, Cohen 1996, Sec. 3.4 (pull-push).
-cv::Mat push_outward(const cv::Mat& values, const cv::Mat& weight);
+cv::Mat pull_push(const cv::Mat& values, const cv::Mat& weight);
 
 }  // namespace freshet::synth::animate
