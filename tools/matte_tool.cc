@@ -63,9 +63,9 @@ matte::Marks propose(const MatteCommand& command, const cv::Mat& picture, const 
   options.candidates.k = matte::ProposalOptions{}.best;
   options.candidates.coherent = 0;
   Progress progress;
-  const query::CandidateSearch search = query::search_candidates(
-      snapshot, *base, small, cv::Mat(small.size(), CV_8U, cv::Scalar(255)), options,
-      [&](query::LabelStage stage) { progress.show(query::to_string(stage), 0, 0); }, context.stop);
+  const query::CandidateSearch search =
+      query::search_candidates(snapshot, *base, small, cv::Mat(small.size(), CV_8U, cv::Scalar(255)), options,
+                               progress.callback(), context.stop);
   progress.finish();
   const matte::Proposal proposal = matte::propose_marks(search.target, search.candidates, {}, command.store);
   say(fmt::format(

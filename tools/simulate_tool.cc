@@ -10,10 +10,10 @@
 #include "freshet/error.h"
 #include "media/picture/motion_file.h"
 #include "media/picture/picture_sequence.h"
+#include "media/video/picture_sink.h"
 #include "synth/simulate/design/scene_file.h"
 #include "synth/simulate/simulate.h"
 #include "tools/commands.h"
-#include "tools/console/picture_sink.h"
 #include "tools/console/progress.h"
 #include "tools/design_folder.h"
 
@@ -103,10 +103,11 @@ void run_simulate(const SimulateCommand& command, const RunContext& context) {
   check_pattern("--emitters", command.emitters);
   std::optional<DesignFolder> folder;
   if (names_a_folder(command.out)) folder.emplace(command.out, scene, text_of(command.scene));
-  PictureSink sink(folder ? folder->preview() : fs::path(command.out), scene.size, scene.frames, scene.fps);
+  media::PictureSink sink(folder ? folder->preview() : fs::path(command.out), scene.size, scene.frames,
+                          scene.fps);
   const bool deep = scene.alpha_bits == 16 && !command.alpha.empty();
   if (deep) check_pattern("--alpha", command.alpha);
-  std::optional<PictureSink> alpha;
+  std::optional<media::PictureSink> alpha;
   if (!command.alpha.empty() && !deep) alpha.emplace(command.alpha, scene.size, scene.frames, scene.fps);
 
   sim::Simulation simulation(scene);

@@ -17,6 +17,7 @@
 #include "freshet/error.h"
 #include "media/picture/picture.h"
 #include "media/picture/picture_sequence.h"
+#include "media/video/picture_sink.h"
 #include "media/video/video_writer.h"
 #include "store/store.h"
 #include "synth/transfer/files/composite.h"
@@ -26,7 +27,6 @@
 #include "synth/transfer/transfer.h"
 #include "tools/commands.h"
 #include "tools/console/output_names.h"
-#include "tools/console/picture_sink.h"
 #include "tools/console/progress.h"
 
 namespace freshet::tools {
@@ -90,8 +90,7 @@ class FrameFiles {
                   "the folder " + out_.parent_path().string() + " does not exist", "Make it first");
     if (!sequence_) {
       check_output_folder(out_);
-      PictureSink(out_, size, frames,
-                  fps_);  // made and removed: a folder that cannot be written to is reported now
+      media::PictureSink::check(out_, size, frames, fps_);
     }
   }
   /// The folder is known once the inputs have been read.
@@ -150,7 +149,7 @@ std::optional<Composite> open_composite(const TransferCommand& command, cv::Size
                     size.height, composite.background.size().width, composite.background.size().height),
         "Give its top left corner in the background, px");
   if (media::is_pattern(composite.out)) check_output_folder(composite.out);
-  PictureSink(composite.out, composite.background.size(), frames, command.fps);
+  media::PictureSink::check(composite.out, composite.background.size(), frames, command.fps);
   return composite;
 }
 
@@ -326,7 +325,7 @@ void run_transfer(TransferCommand command, RunContext& context) {
     write_s += std::chrono::duration<double>(std::chrono::steady_clock::now() - written).count();
   }
 
-  std::optional<PictureSink> sink, composed;
+  std::optional<media::PictureSink> sink, composed;
   if (!files.is_sequence()) sink.emplace(command.out, design.size(), design.frames(), command.fps);
   if (composite) composed.emplace(composite->out, composite->background.size(), design.frames(), command.fps);
   for (int i = 0; (sink || composed) && i < design.frames(); ++i) {

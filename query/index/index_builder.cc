@@ -15,7 +15,11 @@
 namespace freshet::query {
 namespace {
 
-using Stage = IndexProgress::Stage;
+// What a person reads of where the build stands.
+namespace stage {
+constexpr const char *kSample = "sampling descriptors", *kTrain = "training the codebook",
+                     *kAssign = "assigning words", *kFlann = "building FLANN indexes", *kWrite = "writing";
+}
 using Descriptors = std::vector<vision::Descriptor>;
 
 class Stopwatch {
@@ -46,8 +50,8 @@ std::uint64_t seed_of(const store::ClipRecord& clip) {
 
 class Build {
  public:
-  Build(store::Store& store, const IndexOptions& options,
-        const std::function<void(const IndexProgress&)>& progress, std::stop_token stop)
+  Build(store::Store& store, const IndexOptions& options, const ProgressFunction& progress,
+        std::stop_token stop)
       : store_(store),
         options_(options),
         progress_(progress),
@@ -94,7 +98,7 @@ class Build {
   }
 
  private:
-  void say(Stage stage, std::size_t done, std::size_t total) {
+  void say(const char* stage, std::size_t done, std::size_t total) {
     if (stop_.stop_requested()) {
       throw Error(ErrorKind::kCancelled, store_.path().string(), "stopped; its index is as it was before");
     }
@@ -149,7 +153,7 @@ class Build {
     samples.reserve(samples_per_clip * with_patches);
     std::size_t cached = 0;
     for (std::size_t c = 0; c < clips_.size(); ++c) {
-      say(Stage::kSample, c, clips_.size());
+      say(stage::kSample, c, clips_.size());
       const PatchPoints points = points_of(clips_[c]);
       // Evenly spaced with a random start in each space, so that neighbours are not all alike.
       const std::size_t total = points.points(), taken = std::min(samples_per_clip, total);
@@ -183,7 +187,7 @@ class Build {
   }
 
   vision::Codebook train(const Descriptors& samples) {
-    say(Stage::kTrain, 0, 1);
+    say(stage::kTrain, 0, 1);
     Stopwatch watch;
     vision::Codebook codebook = vision::train_codebook(samples, settings_.codebook);
     report_.train_s = watch.lap();
@@ -194,7 +198,7 @@ class Build {
     Stopwatch watch;
     words_.resize(clips_.size());
     for (std::size_t c = 0; c < clips_.size(); ++c) {
-      say(Stage::kAssign, c, clips_.size());
+      say(stage::kAssign, c, clips_.size());
       const PatchPoints points = points_of(clips_[c]);
       if (!descriptors_[c]) descriptors_[c] = describe(clips_[c], points);
       words_[c] = points.words(codebook, *descriptors_[c]);
@@ -222,7 +226,7 @@ class Build {
     std::vector<vision::WordMap> rows;
     std::vector<Row> clip_rows{0};
     for (std::size_t i = 0; i < options_.flann.size(); ++i) {
-      say(Stage::kFlann, i, options_.flann.size());
+      say(stage::kFlann, i, options_.flann.size());
       if (rows.empty()) {
         for (const std::size_t c : by_id) {
           rows.insert(rows.end(), words_[c].begin(), words_[c].end());
@@ -240,7 +244,7 @@ class Build {
   }
 
   void write() {
-    say(Stage::kWrite, 0, 1);
+    say(stage::kWrite, 0, 1);
     Stopwatch watch;
     std::vector<store::Store::Blob> blobs;
     for (const Blob& blob : blobs_) {
@@ -264,7 +268,7 @@ class Build {
   };
   store::Store& store_;
   const IndexOptions& options_;
-  const std::function<void(const IndexProgress&)>& progress_;
+  const ProgressFunction& progress_;
   std::stop_token stop_;
   store::Snapshot snapshot_;
   vision::Settings settings_;
@@ -279,24 +283,8 @@ class Build {
 
 }  // namespace
 
-const char* to_string(IndexProgress::Stage stage) {
-  switch (stage) {
-    case Stage::kSample:
-      return "sampling descriptors";
-    case Stage::kTrain:
-      return "training the codebook";
-    case Stage::kAssign:
-      return "assigning words";
-    case Stage::kFlann:
-      return "building FLANN indexes";
-    case Stage::kWrite:
-      return "writing";
-  }
-  return "";
-}
-
-IndexReport build_index(store::Store& store, const IndexOptions& options,
-                        const std::function<void(const IndexProgress&)>& progress, std::stop_token stop) {
+IndexReport build_index(store::Store& store, const IndexOptions& options, const ProgressFunction& progress,
+                        std::stop_token stop) {
   return Build(store, options, progress, std::move(stop)).run();
 }
 

@@ -220,8 +220,8 @@ TEST_F(Label, StopsWhenAsked) {
   try {
     label(
         *snapshot_, *base_, picture(1), whole_matte(), {},
-        [&](LabelStage stage) {
-          if (stage == LabelStage::kCosts) source.request_stop();
+        [&](const Progress& at) {
+          if (at.stage == "comparing neighbours") source.request_stop();
         },
         source.get_token());
     FAIL();
