@@ -43,10 +43,8 @@ cv::Size parse_size(const std::string& text) {
   return {width, height};
 }
 
-bool names_a_file(const std::string& scene) { return fs::path(scene).extension() == ".toml"; }
-
 std::string text_of(const std::string& scene) {
-  if (!names_a_file(scene)) return sim::preset_scene(scene);
+  if (!sim::names_scene_file(scene)) return sim::preset_scene(scene);
   std::ifstream file(scene, std::ios::binary);
   std::ostringstream text;
   text << file.rdbuf();
@@ -54,9 +52,7 @@ std::string text_of(const std::string& scene) {
 }
 
 sim::SceneOptions scene_of(const SimulateCommand& command) {
-  sim::SceneOptions scene = names_a_file(command.scene)
-                                ? sim::read_scene(command.scene)
-                                : sim::parse_scene(sim::preset_scene(command.scene), command.scene);
+  sim::SceneOptions scene = sim::named_scene(command.scene);
   if ((command.rows || command.steps) && scene.kind != sim::SceneKind::kDesign)
     throw Error(ErrorKind::kUsage, "--grid, --steps", "the ready-made clips choose their own",
                 "Leave them out, or take a design such as plume");

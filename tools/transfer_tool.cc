@@ -252,11 +252,7 @@ void say_what_was_found(const TransferCommand& command, const transfer::DesignFi
     say(command.exemplar +
         ": it has no transparency and is taken to be opaque: its look has no boundary. Give a mask with "
         "--exemplar-alpha, or --ground black where it is light on black");
-  else if (design.full())
-    throw Error(
-        ErrorKind::kInput, command.alpha.string(),
-        "the masks are white everywhere in all frames, so the fluid has no outline to give the exemplar's to",
-        "Paint what is no fluid black, or give an opaque exemplar");
+  transfer::check_outline(design, exemplar, command.alpha);
   if (design.empty_frames() > 0)
     say(fmt::format("{}: {} of {} masks are black everywhere; those frames are transparent",
                     command.alpha.string(), design.empty_frames(), design.frames()));
