@@ -12,7 +12,7 @@ namespace freshet {
 AnimateReport animate(const Labelling& labelling, const std::function<void(const cv::Mat&)>& sink,
                       const AnimateOptions& options, const Job& job) {
   const OneOpenCvThread one;
-  const Search::Impl& search = labelling.search().impl();
+  const Search::Impl& search = labelling.impl().search.impl();
   if (options.loop && search.frames < 2)
     throw Error(ErrorKind::kUsage, "loop", "one frame is no animation to go round", "Search for 2 or more");
   synth::animate::AnimateOptions rendering;
@@ -36,7 +36,7 @@ AnimateReport animate(const Labelling& labelling, const std::function<void(const
 
 AnimateReport animate(const Labelling& labelling, const std::filesystem::path& video,
                       const AnimateOptions& options, const Job& job) {
-  const Search::Impl& search = labelling.search().impl();
+  const Search::Impl& search = labelling.impl().search.impl();
   VideoWriter writer(video, search.picture.size(), {.frames = search.frames, .fps = search.fps});
   const AnimateReport report = animate(
       labelling, [&](const cv::Mat& frame) { writer.write(frame); }, options, job);

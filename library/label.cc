@@ -2,12 +2,16 @@
 
 #include <utility>
 
+#include "freshet/error.h"
 #include "library/opencv_threads.h"
 #include "library/states.h"
 
 namespace freshet {
 
 Labelling label(const Search& search, const LabelOptions& options, const Job& job) {
+  if (options.max_iterations < 1)
+    throw Error(ErrorKind::kUsage, "passes of the solver",
+                std::to_string(options.max_iterations) + ", and at least 1 is expected");
   const OneOpenCvThread one;
   query::LabelOptions chosen = search.impl().options;
   chosen.costs.lambda = options.lambda;
@@ -19,7 +23,7 @@ Labelling label(const Search& search, const LabelOptions& options, const Job& jo
       Labelling::Impl{.search = search, .assignment = std::move(found.assignment)}));
 }
 
-const Search& Labelling::search() const { return impl_->search; }
+Search Labelling::search() const { return impl_->search; }
 
 Candidate Labelling::chosen(std::size_t piece) const {
   const query::AssignedPiece& assigned = impl_->assignment.pieces.at(piece);

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "freshet/error.h"
 #include "library/opencv_threads.h"
 #include "library/states.h"
 #include "query/hints/stroke_field.h"
@@ -21,6 +22,10 @@ MotionGuide read_strokes(const std::filesystem::path& path, cv::Size picture,
 
 Search search(const Store& store, const cv::Mat& picture, const cv::Mat& matte, const SearchOptions& options,
               const Job& job) {
+  if (options.frames < 1 || !(options.fps >= 1 && options.fps <= 240))
+    throw Error(ErrorKind::kUsage, "length of the animation",
+                fmt::format("{} frames at {:g} per second, and at least 1 at 1 to 240 are expected",
+                            options.frames, options.fps));
   const OneOpenCvThread one;
   Search::Impl state{.store = store,
                      .base = nullptr,
@@ -81,6 +86,6 @@ std::vector<Candidate> Search::candidates(std::size_t piece) const {
   return candidates;
 }
 
-const std::vector<std::string>& Search::notices() const { return impl_->notices; }
+std::vector<std::string> Search::notices() const { return impl_->notices; }
 
 }  // namespace freshet

@@ -1,6 +1,5 @@
 #include "freshet/store.h"
 
-#include "library/opencv_threads.h"
 #include "library/states.h"
 #include "store/store.h"
 
@@ -15,7 +14,7 @@ std::shared_ptr<const query::SearchBase> Store::Impl::search_base() const {
 Store::Store(const std::filesystem::path& path)
     : impl_(std::make_shared<const Impl>(store::Store::open_read(path).snapshot())) {}
 
-const std::filesystem::path& Store::path() const { return impl_->snapshot.path(); }
+std::filesystem::path Store::path() const { return impl_->snapshot.path(); }
 
 std::vector<Clip> Store::clips() const {
   std::vector<Clip> clips;

@@ -37,7 +37,7 @@ grep -q '^fall/1.mkv [1-9]' listing && grep -q '^fall/2.mkv [1-9]' listing
 
 # The same animation as the program's, to the byte.
 build/animate my.store still.png matte.png out.mp4
-"$prefix/bin/freshet" synth animate my.store still.png --matte matte.png --class fall --frames 8 -o same.mp4 2> log
+"$prefix/bin/freshet" synth animate my.store still.png --matte matte.png --class fall --frames 8 -o same.mp4 > log 2>&1
 cmp out.mp4 same.mp4
 
 "$prefix/bin/freshet" synth simulate plume --size 96x80 --frames 4 -o design > log 2>&1

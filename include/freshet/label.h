@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "freshet/job.h"
@@ -15,7 +16,7 @@ namespace freshet {
 struct LabelOptions {
   /// Weight of neighbours against likeness; 0: each piece takes what it is most like.
   double lambda = 0.01;
-  /// Passes of the solver (TRW-S), at most.
+  /// Passes of the solver (TRW-S), at most; 1 or more.
   int max_iterations = 100;
 };
 
@@ -28,7 +29,7 @@ struct UsedClip {
 /// A labelling, with the search that it chose from. Copies share; there is no empty one.
 class Labelling {
  public:
-  const Search& search() const;
+  Search search() const;
   /// The candidate chosen for a piece.
   Candidate chosen(std::size_t piece) const;
   /// In order of their first piece.
@@ -45,7 +46,8 @@ class Labelling {
   explicit Labelling(std::shared_ptr<const Impl> impl) : impl_(std::move(impl)) {}
   Labelling(const Labelling&) = default;  // and no moves: they would leave an empty one
   Labelling& operator=(const Labelling&) = default;
-  const Impl& impl() const { return *impl_; }
+  const Impl& impl() const& { return *impl_; }
+  const Impl& impl() && = delete;
 
  private:
   std::shared_ptr<const Impl> impl_;

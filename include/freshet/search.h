@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <opencv2/core.hpp>
@@ -33,7 +34,7 @@ struct SearchOptions {
   /// What the picture's sides are divided by before it is cut into pieces, 1 to 16; patches are shown enlarged
   /// by it. Nothing: what brings the longer side near 1280 px.
   std::optional<double> piece_scale{};
-  /// Length of the animation, in frames, and frames per second. Clips that do not last as long and have no
+  /// Length of the animation, in frames, at least 1, and frames per second, 1 to 240. Clips that do not last as long and have no
   /// loop rule are no candidates.
   int frames = 96;
   double fps = 25;
@@ -56,14 +57,15 @@ class Search {
   /// Best first, at least one.
   std::vector<Candidate> candidates(std::size_t piece) const;
   /// For a person: what was guessed, which clips are too short, where candidates were few.
-  const std::vector<std::string>& notices() const;
+  std::vector<std::string> notices() const;
 
   /// For the library's own use.
   struct Impl;
   explicit Search(std::shared_ptr<const Impl> impl) : impl_(std::move(impl)) {}
   Search(const Search&) = default;  // and no moves: they would leave an empty one
   Search& operator=(const Search&) = default;
-  const Impl& impl() const { return *impl_; }
+  const Impl& impl() const& { return *impl_; }
+  const Impl& impl() && = delete;
 
  private:
   std::shared_ptr<const Impl> impl_;

@@ -29,7 +29,7 @@ class Store {
   Store(const Store&) = default;  // and no moves: they would leave an empty one
   Store& operator=(const Store&) = default;
 
-  const std::filesystem::path& path() const;
+  std::filesystem::path path() const;
   /// In the order in which they were added.
   std::vector<Clip> clips() const;
   /// One hash (32 hex digits) of all content, whatever the order of the clips. Reads everything.
@@ -39,7 +39,8 @@ class Store {
 
   /// For the library's own use.
   struct Impl;
-  const Impl& impl() const { return *impl_; }
+  const Impl& impl() const& { return *impl_; }
+  const Impl& impl() && = delete;
 
  private:
   std::shared_ptr<const Impl> impl_;
