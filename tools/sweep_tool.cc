@@ -15,6 +15,7 @@
 
 #include "freshet/error.h"
 #include "media/picture/picture.h"
+#include "platform/stopwatch.h"
 #include "query/labelling/label_sweep.h"
 #include "query/labelling/labelling_memo.h"
 #include "synth/animate/placement/assigned.h"
@@ -49,17 +50,6 @@ struct SweepCommand {
 
 struct SweepSeconds {
   double open = 0, search = 0, label = 0, render = 0;
-};
-
-class Watch {
- public:
-  double lap() {
-    const auto now = std::chrono::steady_clock::now();
-    return std::chrono::duration<double>(now - std::exchange(last_, now)).count();
-  }
-
- private:
-  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
 };
 
 void write_text(const fs::path& path, const std::string& text) {
@@ -180,7 +170,7 @@ void run_sweep(const SweepCommand& command, const RunContext& context) {
   const auto cache = command.cache.open();
   const auto base = open_with_progress(snapshot, command.search, cache != nullptr);
   seconds.open = base->seconds;
-  Watch watch;
+  Stopwatch watch;
   query::LabelOptions options;
   options.candidates = MotionOptions::beside(asked, command.search);
   options.candidates.min_duration_s = command.duration.seconds();

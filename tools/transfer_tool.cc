@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <memory>
@@ -18,6 +17,7 @@
 #include "media/picture/picture.h"
 #include "media/picture/picture_sequence.h"
 #include "media/video/video_writer.h"
+#include "platform/stopwatch.h"
 #include "store/store.h"
 #include "synth/transfer/files/composite.h"
 #include "synth/transfer/files/design_files.h"
@@ -268,7 +268,7 @@ void say_what_was_found(const TransferCommand& command, const transfer::DesignFi
 }
 
 void run_transfer(TransferCommand command, RunContext& context) {
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch total;
   const transfer::TransferOptions options = engine_options(command);
   transfer::check(options);
   if (!command.design.empty()) {
@@ -318,12 +318,11 @@ void run_transfer(TransferCommand command, RunContext& context) {
     const transfer::TransferredFrame frame = engine.next(design.read(i), stop_or_show);
     for (const std::string& remark : frame.remarks)
       if (said.insert(remark).second) say(fmt::format("frame {}: {}", i, remark));
-    const auto written = std::chrono::steady_clock::now();
+    const TimedScope writing(write_s);
     files.write(i, frame.bgra);
     notes.push_back(note_of(frame));
     kept.keep(engine, notes);
     what_is_kept(i + 1);
-    write_s += std::chrono::duration<double>(std::chrono::steady_clock::now() - written).count();
   }
 
   std::optional<PictureSink> sink, composed;
@@ -343,7 +342,7 @@ void run_transfer(TransferCommand command, RunContext& context) {
   kept.remove();
   context.kept.clear();
 
-  const double total_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  const double total_s = total.seconds();
   const nlohmann::json summary = summary_of(notes);
   if (command.json) {
     nlohmann::json report = summary;

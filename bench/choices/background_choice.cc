@@ -7,7 +7,6 @@
 // inside the matte, and its seconds. First it checks that nothing outside the matte changes. Prints a table,
 // and writes background_choice.json into the present folder.
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
@@ -18,6 +17,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "media/picture/picture.h"
+#include "platform/stopwatch.h"
 #include "synth/animate/motion/background.h"
 
 namespace {
@@ -87,9 +87,9 @@ int main(int argc, char** argv) {
           synth::animate::InpaintOptions options;
           options.method = synth::animate::parse_inpaint_method(method);
           options.margin_px = 0;
-          const auto start = std::chrono::steady_clock::now();
+          const Stopwatch watch;
           const cv::Mat guess = synth::animate::inpaint_background(spoiled, matte, options);
-          seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+          seconds += watch.seconds();
           if (cv::norm(guess, picture, cv::NORM_INF, ~matte) > 0) {
             fmt::print(stderr, "{} changed the picture outside the matte\n", method);
             return 1;

@@ -15,7 +15,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <ctime>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -24,6 +23,7 @@
 #include <random>
 
 #include "bench/choices/measured_cells.h"
+#include "bench/harness/machine.h"
 #include "freshet/error.h"
 #include "ingest/ingest.h"
 #include "media/frame/frame.h"
@@ -65,8 +65,6 @@ constexpr Setting kSettings[] = {{1, 1, 0},  // the reference
                                  {4, 8, 8}};
 constexpr std::size_t kPatches = 200;  // on either side of the edge
 constexpr query::CostForm kForms[] = {query::CostForm::kLog, query::CostForm::kPower};
-
-double cpu_seconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
 vision::Settings with(const Setting& setting) {
   vision::Settings settings;
@@ -309,9 +307,9 @@ int main(int argc, char** argv) try {
     std::vector<query::Solution> best;
     for (std::size_t s = 0; s < measured.size(); ++s) {
       const auto shape = query::feature_shape(measured[s].settings);
-      const double start = cpu_seconds();
+      const double start = bench::process_seconds();
       query::Mrf edge = edge_between(rows, measured[s], form, sources[s]);
-      const double seconds = cpu_seconds() - start;
+      const double seconds = bench::process_seconds() - start;
       if (s == 0) exact.push_back(edge);
       const Agreement agreement = compare(exact[0], edge);
       Loss mean;

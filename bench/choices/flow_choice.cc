@@ -16,7 +16,6 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
-#include <ctime>
 #include <filesystem>
 #include <fstream>
 #include <map>
@@ -26,6 +25,7 @@
 #include <opencv2/imgproc.hpp>
 #include <optional>
 
+#include "bench/harness/machine.h"
 #include "freshet/error.h"
 #include "ingest/clip_analysis.h"
 #include "ingest/ingest.h"
@@ -48,8 +48,6 @@ namespace fs = std::filesystem;
 constexpr vision::FlowMethod kMethods[] = {vision::FlowMethod::kDis, vision::FlowMethod::kTvL1};
 constexpr const char* kNames[] = {"DIS", "TV-L1"};
 constexpr double kMinSpeed = 2.5;  // px/s; slower motion has no direction that counts
-
-double cpu_seconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
 /// The clip's first frames at one width, lossless, in a folder of its class.
 fs::path reduced(const fs::path& clip, const fs::path& folder, int max_frames, int width) {
@@ -265,9 +263,9 @@ int main(int argc, char** argv) try {
     const cv::Mat first = media::to_luma(*reader.next()), second = media::to_luma(*reader.next());
     for (std::size_t m = 0; m < 2; ++m) {
       const vision::FlowOptions options{kMethods[m]};
-      double start = cpu_seconds();
+      double start = bench::process_seconds();
       vision::optical_flow(first, second, options);
-      seconds[m] += (cpu_seconds() - start) / static_cast<double>(clips.size());
+      seconds[m] += (bench::process_seconds() - start) / static_cast<double>(clips.size());
       for (const double speed : {0.5, 2.0, 6.0}) {
         for (const double noise : {1.0, 4.0}) {
           const KnownMotion motion = known_motion(first, speed, noise, 1.0 + 2.4 * static_cast<double>(c));
@@ -279,9 +277,9 @@ int main(int argc, char** argv) try {
       if (c > 0) continue;
       cv::Mat from, to;
       cv::resize(first, from, {640, 480}), cv::resize(second, to, {640, 480});
-      start = cpu_seconds();
+      start = bench::process_seconds();
       vision::optical_flow(from, to, options);
-      vga_seconds[m] = cpu_seconds() - start;
+      vga_seconds[m] = bench::process_seconds() - start;
     }
   }
   fmt::print("\nCPU seconds per frame: DIS {:.4f}, TV-L1 {:.3f}; of 640 x 480: {:.4f}, {:.3f}\n", seconds[0],

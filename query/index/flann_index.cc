@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <cassert>
-#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <cstring>
@@ -13,6 +12,7 @@
 #include <random>
 
 #include "freshet/error.h"
+#include "platform/stopwatch.h"
 #include "platform/vectors.h"
 #include "query/index/dense_histogram.h"
 
@@ -187,15 +187,14 @@ struct FlannIndex::Impl {
 FlannIndex::FlannIndex(std::span<const vision::WordMap> words, int word_count, const FlannOptions& options)
     : impl_(std::make_unique<Impl>(words, word_count, options)) {
   if (!impl_->index) return;
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   flann::std::seeded().seed(options.seed);
   try {
     impl_->index->buildIndex();
   } catch (const flann::FLANNException& error) {
     throw Error(ErrorKind::kUsage, std::string("FLANN index ") + name_of(options.kind), error.what());
   }
-  impl_->tuning.build_seconds =
-      std::chrono::duration<float>(std::chrono::steady_clock::now() - start).count();
+  impl_->tuning.build_seconds = static_cast<float>(watch.seconds());
 }
 
 FlannIndex::FlannIndex(std::span<const vision::WordMap> words, int word_count,

@@ -1,11 +1,11 @@
 #include "query/index/index_builder.h"
 
 #include <algorithm>
-#include <chrono>
 #include <optional>
 #include <string>
 
 #include "freshet/error.h"
+#include "platform/stopwatch.h"
 #include "query/index/flann_tuning.h"
 #include "query/index/patch_descriptors.h"
 #include "query/stored/average_image.h"
@@ -17,19 +17,6 @@ namespace {
 
 using Stage = IndexProgress::Stage;
 using Descriptors = std::vector<vision::Descriptor>;
-
-class Stopwatch {
- public:
-  double lap() {
-    const auto now = std::chrono::steady_clock::now();
-    const double seconds = std::chrono::duration<double>(now - since_).count();
-    since_ = now;
-    return seconds;
-  }
-
- private:
-  std::chrono::steady_clock::time_point since_ = std::chrono::steady_clock::now();
-};
 
 std::uint64_t mix(std::uint64_t value) {  // splitmix64
   value += 0x9e3779b97f4a7c15ull;
