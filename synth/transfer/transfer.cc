@@ -8,8 +8,8 @@
 #include <fmt/format.h>
 
 #include "freshet/error.h"
+#include "platform/random.h"
 #include "platform/stopwatch.h"
-#include "synth/field/random.h"
 #include "synth/transfer/exemplar.h"
 #include "synth/transfer/features.h"
 #include "synth/transfer/forward_warp.h"

@@ -6,7 +6,7 @@
 #include <oneapi/tbb/global_control.h>
 
 #include "freshet/error.h"
-#include "synth/field/random.h"
+#include "platform/random.h"
 #include "synth/simulate/design/scene_file.h"
 #include "synth/simulate/design/shape.h"
 #include "synth/simulate/simulate.h"

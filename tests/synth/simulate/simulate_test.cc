@@ -12,7 +12,7 @@
 #include <opencv2/video.hpp>
 
 #include "freshet/error.h"
-#include "synth/field/random.h"
+#include "platform/random.h"
 
 namespace freshet::synth::simulate {
 namespace {
