@@ -18,6 +18,7 @@
 #include "media/picture/picture_sequence.h"
 #include "media/video/video_writer.h"
 #include "platform/stopwatch.h"
+#include "platform/text.h"
 #include "store/store.h"
 #include "synth/transfer/files/composite.h"
 #include "synth/transfer/files/design_files.h"
@@ -48,13 +49,6 @@ struct TransferCommand {
   transfer::TransferOptions options;
   bool restart = false, json = false;
 };
-
-std::string lower_ending(const fs::path& path) {
-  std::string ending = path.extension().string();
-  std::transform(ending.begin(), ending.end(), ending.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return ending;
-}
 
 cv::Point parse_place(const std::string& text) {
   cv::Point at;
