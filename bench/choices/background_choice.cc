@@ -1,11 +1,11 @@
 // Which inpainting should guess what lies behind a fluid?
 //
-//   bench_background_choice PICTURE... [--method NAME].. [--write FOLDER]
+//   bench_background_choice PICTURE... [--method NAME].. [--write FOLDER] [--json FILE]
 //
 // Mattes of known scenery: an upright flame-like blob of 8, 16 and 32 % of the picture's height as its
 // radius, at four fixed places of each picture. What is guessed is compared with what was there: dB of PSNR
-// inside the matte, and its seconds. First it checks that nothing outside the matte changes. Prints a table,
-// and writes background_choice.json into the present folder.
+// inside the matte, and its seconds. First it checks that nothing outside the matte changes. Prints a table.
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -48,18 +48,13 @@ int main(int argc, char** argv) {
   cv::setNumThreads(1);
   std::vector<std::string> paths, methods;
   std::filesystem::path write;
-  for (int i = 1; i < argc; ++i) {
-    if (std::string(argv[i]) == "--write" && i + 1 < argc)
-      write = argv[++i];
-    else if (std::string(argv[i]) == "--method" && i + 1 < argc)
-      methods.emplace_back(argv[++i]);
-    else
-      paths.emplace_back(argv[i]);
-  }
-  if (paths.empty()) {
-    fmt::print(stderr, "usage: bench_background_choice PICTURE... [--method NAME].. [--write FOLDER]\n");
-    return 2;
-  }
+  std::string json_file;
+  CLI::App app("Which inpainting should guess what lies behind a fluid?");
+  app.add_option("PICTURE", paths)->required();
+  app.add_option("--method", methods, "May be repeated [all]")->allow_extra_args(false);
+  app.add_option("--write", write, "Folder for what was guessed");
+  app.add_option("--json", json_file, "Write the figures here");
+  CLI11_PARSE(app, argc, argv);
   if (methods.empty()) methods = {"telea", "navier-stokes", "outward", "fsr", "shift-map"};
   const std::vector<double> radii{0.08, 0.16, 0.32};
   const std::vector<cv::Point2d> places{{0.3, 0.4}, {0.7, 0.4}, {0.35, 0.65}, {0.65, 0.6}};
@@ -107,5 +102,5 @@ int main(int argc, char** argv) {
     }
     fmt::print("\n");
   }
-  std::ofstream("background_choice.json") << json.dump(2) << "\n";
+  if (!json_file.empty()) std::ofstream(json_file) << json.dump(2) << "\n";
 }

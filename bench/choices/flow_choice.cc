@@ -11,6 +11,7 @@
 
 #include <fmt/format.h>
 #include <stdlib.h>
+#include <CLI/CLI.hpp>
 
 #include <algorithm>
 #include <array>
@@ -230,22 +231,13 @@ query::Mrf field_of(const Side& side, const query::CandidateSearch& search) {
 int main(int argc, char** argv) try {
   std::vector<fs::path> clips;
   int max_frames = 60, width = 352;
-  std::string json_file = "flow_choice.json";
-  for (int i = 1; i < argc; ++i) {
-    const std::string argument = argv[i];
-    if (argument == "--frames" && i + 1 < argc)
-      max_frames = std::stoi(argv[++i]);
-    else if (argument == "--width" && i + 1 < argc)
-      width = std::stoi(argv[++i]);
-    else if (argument == "--json" && i + 1 < argc)
-      json_file = argv[++i];
-    else
-      clips.push_back(argument);
-  }
-  if (clips.size() < 2) {
-    fmt::print(stderr, "bench_flow_choice CLIP CLIP.. [--frames N] [--width PX] [--json FILE]\n");
-    return 2;
-  }
+  std::string json_file;
+  CLI::App app("Does TV-L1 label better than DIS, for the time that it takes?");
+  app.add_option("CLIP", clips, "At least two")->required()->expected(2, -1);
+  app.add_option("--frames", max_frames, "The first frames of each clip")->capture_default_str();
+  app.add_option("--width", width, "That each clip is reduced to, px")->capture_default_str();
+  app.add_option("--json", json_file, "Write the figures here");
+  CLI11_PARSE(app, argc, argv);
   cv::setNumThreads(1);
   std::string name = (fs::temp_directory_path() / "flow_choice_XXXXXX").string();
   const fs::path folder = mkdtemp(name.data());
@@ -385,7 +377,7 @@ int main(int argc, char** argv) try {
       "\nenergy above the other method's optimum: DIS's labels {:.2f} % (worst {:.2f}), TV-L1's {:.2f} % "
       "(worst {:.2f})\n",
       100 * loss[0] / held_out, 100 * worst_loss[0], 100 * loss[1] / held_out, 100 * worst_loss[1]);
-  std::ofstream(json_file) << json.dump(1) << '\n';
+  if (!json_file.empty()) std::ofstream(json_file) << json.dump(1) << '\n';
   for (Side& side : sides) side = {};
   fs::remove_all(folder);
   return 0;

@@ -12,6 +12,7 @@
 #include <oneapi/tbb/global_control.h>
 #include <sys/resource.h>
 #include <unistd.h>
+#include <CLI/CLI.hpp>
 
 #include <cstdio>
 #include <fstream>
@@ -205,20 +206,12 @@ double patch_ms(const std::filesystem::path& file, const Video& video, bool cold
 int main(int argc, char** argv) try {
   std::vector<std::string> clips;
   int frames = 1 << 20;
-  std::string json_file = "store_io.json";
-  for (int i = 1; i < argc; ++i) {
-    const std::string argument = argv[i];
-    if (argument == "--frames" && i + 1 < argc)
-      frames = std::stoi(argv[++i]);
-    else if (argument == "--json" && i + 1 < argc)
-      json_file = argv[++i];
-    else
-      clips.push_back(argument);
-  }
-  if (clips.empty()) {
-    fmt::print(stderr, "bench_store_io CLIP.. [--frames N] [--json FILE]\n");
-    return 2;
-  }
+  std::string json_file;
+  CLI::App app("What do the store's tiles cost in bytes and time, beside FFV1?");
+  app.add_option("CLIP", clips, "Any video that the ffmpeg program decodes")->required();
+  app.add_option("--frames", frames, "The first frames of each clip [all]");
+  app.add_option("--json", json_file, "Write the figures here");
+  CLI11_PARSE(app, argc, argv);
   std::string name = (std::filesystem::temp_directory_path() / "store_io_XXXXXX").string();
   const std::filesystem::path folder = mkdtemp(name.data());
   const tbb::global_control one_thread(tbb::global_control::max_allowed_parallelism, 1);
@@ -271,12 +264,13 @@ int main(int argc, char** argv) try {
              raw_sum / 1e6, raw_sum / store_sum, store_sum / ffv1_sum, store_sum / ffv1_16_sum,
              raw_sum / encode_sum / 1e6, raw_sum / ffv1_encode / 1e6, raw_sum / decode_sum / 1e6,
              raw_sum / ffv1_decode / 1e6);
-  std::ofstream(json_file) << nlohmann::json{{"bench", "store_io"},
-                                             {"compiler", __VERSION__},
-                                             {"threads", 1},
-                                             {"clips", rows}}
-                                  .dump(1)
-                           << '\n';
+  if (!json_file.empty())
+    std::ofstream(json_file) << nlohmann::json{{"bench", "store_io"},
+                                               {"compiler", __VERSION__},
+                                               {"threads", 1},
+                                               {"clips", rows}}
+                                    .dump(1)
+                             << '\n';
   std::filesystem::remove_all(folder);
   return 0;
 } catch (const std::exception& error) {
