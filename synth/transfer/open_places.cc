@@ -4,7 +4,6 @@
 
 #include "platform/random.h"
 
-
 namespace freshet::synth::transfer {
 
 OpenPlaces::OpenPlaces(int width, int height, const std::vector<int>& places)

@@ -8,7 +8,6 @@
 
 #include "platform/random.h"
 
-
 namespace freshet::synth::transfer {
 namespace {
 

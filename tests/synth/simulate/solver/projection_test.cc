@@ -4,7 +4,6 @@
 
 #include "platform/random.h"
 
-
 namespace freshet::synth::simulate {
 namespace {
 
