@@ -15,6 +15,7 @@
 #include "freshet/error.h"
 #include "media/picture/picture.h"
 #include "media/video/picture_sink.h"
+#include "platform/stopwatch.h"
 #include "query/labelling/label_sweep.h"
 #include "query/labelling/labelling_memo.h"
 #include "synth/animate/staging.h"
@@ -47,17 +48,6 @@ struct SweepCommand {
 
 struct SweepSeconds {
   double open = 0, search = 0, label = 0, render = 0;
-};
-
-class Watch {
- public:
-  double lap() {
-    const auto now = std::chrono::steady_clock::now();
-    return std::chrono::duration<double>(now - std::exchange(last_, now)).count();
-  }
-
- private:
-  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
 };
 
 void write_text(const fs::path& path, const std::string& text) {
@@ -171,7 +161,7 @@ void run_sweep(const SweepCommand& command, const RunContext& context) {
   const auto cache = command.cache.open();
   const auto base = open_with_progress(snapshot, command.search, cache != nullptr);
   seconds.open = base->seconds;
-  Watch watch;
+  Stopwatch watch;
   std::unique_ptr<query::LabellingMemo> memo;
   if (cache) memo = std::make_unique<query::LabellingMemo>(*cache, snapshot, *base);
   const query::LabelOptions options =

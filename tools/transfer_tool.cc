@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <memory>
@@ -19,6 +18,8 @@
 #include "media/picture/picture_sequence.h"
 #include "media/video/picture_sink.h"
 #include "media/video/video_writer.h"
+#include "platform/stopwatch.h"
+#include "platform/text.h"
 #include "store/store.h"
 #include "synth/transfer/files/composite.h"
 #include "synth/transfer/files/design_files.h"
@@ -48,13 +49,6 @@ struct TransferCommand {
   transfer::TransferOptions options;
   bool restart = false, json = false;
 };
-
-std::string lower_ending(const fs::path& path) {
-  std::string ending = path.extension().string();
-  std::transform(ending.begin(), ending.end(), ending.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return ending;
-}
 
 cv::Point parse_place(const std::string& text) {
   cv::Point at;
@@ -263,7 +257,7 @@ void say_what_was_found(const TransferCommand& command, const transfer::DesignFi
 }
 
 void run_transfer(TransferCommand command, RunContext& context) {
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch total;
   const transfer::TransferOptions options = engine_options(command);
   transfer::check(options);
   if (!command.design.empty()) {
@@ -313,12 +307,11 @@ void run_transfer(TransferCommand command, RunContext& context) {
     const transfer::TransferredFrame frame = engine.next(design.read(i), stop_or_show);
     for (const std::string& remark : frame.remarks)
       if (said.insert(remark).second) say(fmt::format("frame {}: {}", i, remark));
-    const auto written = std::chrono::steady_clock::now();
+    const TimedScope writing(write_s);
     files.write(i, frame.bgra);
     notes.push_back(note_of(frame));
     kept.keep(engine, notes);
     what_is_kept(i + 1);
-    write_s += std::chrono::duration<double>(std::chrono::steady_clock::now() - written).count();
   }
 
   std::optional<media::PictureSink> sink, composed;
@@ -338,7 +331,7 @@ void run_transfer(TransferCommand command, RunContext& context) {
   kept.remove();
   context.kept.clear();
 
-  const double total_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  const double total_s = total.seconds();
   const nlohmann::json summary = summary_of(notes);
   if (command.json) {
     nlohmann::json report = summary;

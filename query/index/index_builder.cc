@@ -1,11 +1,12 @@
 #include "query/index/index_builder.h"
 
 #include <algorithm>
-#include <chrono>
 #include <optional>
 #include <string>
 
 #include "freshet/error.h"
+#include "platform/random.h"
+#include "platform/stopwatch.h"
 #include "query/index/flann_tuning.h"
 #include "query/index/patch_descriptors.h"
 #include "query/stored/average_image.h"
@@ -22,29 +23,9 @@ constexpr const char *kSample = "sampling descriptors", *kTrain = "training the 
 }
 using Descriptors = std::vector<vision::Descriptor>;
 
-class Stopwatch {
- public:
-  double lap() {
-    const auto now = std::chrono::steady_clock::now();
-    const double seconds = std::chrono::duration<double>(now - since_).count();
-    since_ = now;
-    return seconds;
-  }
-
- private:
-  std::chrono::steady_clock::time_point since_ = std::chrono::steady_clock::now();
-};
-
-std::uint64_t mix(std::uint64_t value) {  // splitmix64
-  value += 0x9e3779b97f4a7c15ull;
-  value = (value ^ (value >> 30)) * 0xbf58476d1ce4e5b9ull;
-  value = (value ^ (value >> 27)) * 0x94d049bb133111ebull;
-  return value ^ (value >> 31);
-}
-
 std::uint64_t seed_of(const store::ClipRecord& clip) {
   std::uint64_t seed = 0;
-  for (const char c : clip.source_hash) seed = mix(seed ^ static_cast<unsigned char>(c));
+  for (const char c : clip.source_hash) seed = scramble(seed ^ static_cast<unsigned char>(c));
   return seed;
 }
 
@@ -161,7 +142,7 @@ class Build {
       std::vector<std::size_t> chosen;
       for (std::size_t i = 0; i < taken; ++i) {
         const std::size_t from = i * total / taken, to = (i + 1) * total / taken;
-        chosen.push_back(from + (mix(seed + i) >> 1) % (to - from));
+        chosen.push_back(from + (scramble(seed + i) >> 1) % (to - from));
       }
       Descriptors described;
       cached += total * sizeof(vision::Descriptor);
@@ -177,7 +158,7 @@ class Build {
         described = describe_some(clips_[c], points, chosen);
       }
       for (std::size_t i = 0; i < taken; ++i) {
-        const bool turned = settings_.flips && (mix(seed + i) & 1) != 0;
+        const bool turned = settings_.flips && (scramble(seed + i) & 1) != 0;
         samples.push_back(turned ? vision::mirrored(described[i]) : described[i]);
       }
     }

@@ -1,10 +1,10 @@
 #include "query/labelling/labelling.h"
 
 #include <algorithm>
-#include <chrono>
 #include <map>
 
 #include "freshet/error.h"
+#include "platform/stopwatch.h"
 #include "query/costs/stored_features.h"
 #include "query/search/coherent_candidates.h"
 #include "query/search/picture_scale.h"
@@ -21,20 +21,11 @@ class Stages {
   auto run(const char* stage, double& seconds, Work&& work) {
     if (stop_.stop_requested()) throw Error(ErrorKind::kCancelled, "labelling", "stopped");
     if (progress_) progress_({stage, 0, 0});
-    const Timer timer(seconds);
+    const TimedScope timer(seconds);
     return work();
   }
 
  private:
-  class Timer {
-   public:
-    explicit Timer(double& seconds) : seconds_(seconds) {}
-    ~Timer() { seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
-
-   private:
-    double& seconds_;
-    std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-  };
   const ProgressFunction& progress_;
   std::stop_token stop_;
 };
