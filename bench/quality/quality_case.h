@@ -36,7 +36,7 @@ struct Case {
 
 /// Nothing when the clip is shorter than 24 frames or moves in less than 1 % of the picture; `why` says
 /// which. settings   of the store: what counts as moving, and the lattice.
-/// Cost   flow once, and the measures of the clip and its two halves: 12 CPU s for 150 frames of 640 x 352.
+/// Cost   flow once over all frames, and the measures of the clip and of its two halves.
 std::optional<Case> make_case(Footage footage, const vision::Settings& settings, std::string& why);
 
 /// Unit vectors of the clip's mean motion, CV_32FC2; (0, 0) where it does not move, or outside the matte.

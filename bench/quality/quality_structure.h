@@ -1,4 +1,4 @@
-// quality_structure.h — whether single frames look like the clip's, at every size: patches by level, and how
+// quality_structure.h — whether single frames look like the clip's at every size: patches by level, ribbons.
 // far structure runs one way.
 #pragma once
 
@@ -24,7 +24,7 @@ std::vector<std::size_t> spread_frames(std::size_t frames);
 /// Laplacian pyramids; the coarsest level is the low-pass rest. Places depend on the matte, the frame's place
 /// in the sample and the level alone: a film sampled twice is the same.
 /// luma   CV_8U, all of one size. matte CV_8U of it, counted where above 127.
-/// Cost   0.8 CPU s. All threads; the same for any number.
+/// Cost   kPatchProjections sorts of up to 6400 values a level. All threads; the same for any number.
 /// Source Rabin et al. 2011 (sliced Wasserstein), Karras et al. 2018 (of patches by level).
 PatchSample sample_patches(std::span<const cv::Mat> luma, const cv::Mat& matte);
 /// Mean |difference| of quantiles over the projections, grey levels; NaN for an empty level.

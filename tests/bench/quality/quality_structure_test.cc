@@ -45,7 +45,7 @@ TEST(QualityStructure, DistanceOfGrainIsThatOfGaussians) {
   for (int l = 0; l < kPatchLevels - 1; ++l) {
     cv::Scalar mean, deviation;
     cv::meanStdDev(bands[l], mean, deviation);
-    // On projections of correlated pixels the deviation differs from one to the next; its mean square does not.
+    // Projections of correlated pixels differ in deviation; its mean square is the pixels' own.
     const double expected = deviation[0] / 2 * std::sqrt(2 / std::numbers::pi);
     EXPECT_NEAR(distances[l], expected, 0.12 * expected) << l;
   }
