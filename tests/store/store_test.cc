@@ -183,6 +183,43 @@ TEST(Store, ReadsOfRegionsAgreeWithReadsOfWholePlanes) {
   }
 }
 
+/// Samples of whole numbers alone: drifting ramps, and a generator's noise.
+Samples whole_number_plane(const PlaneShape& shape, std::uint32_t frames, std::uint32_t seed) {
+  Samples samples;
+  std::uint32_t noise = seed;
+  for (std::uint32_t f = 0; f < frames; ++f)
+    for (std::uint32_t y = 0; y < shape.height; ++y)
+      for (std::uint32_t x = 0; x < shape.width * shape.bytes_per_sample; ++x) {
+        noise = noise * 1664525 + 1013904223;
+        samples.push_back(static_cast<std::byte>(3 * x + 2 * y + 5 * f + (noise >> 29)));
+      }
+  return samples;
+}
+
+// The digest names a store's content wherever it was made: a clip of whole numbers has this one on every machine.
+TEST(Store, DigestIsTheOneThatItWasOnOtherMachines) {
+  const TestFolder folder;
+  Store store = Store::create(folder / "a.store", R"({"settings": 1})");
+  const TestClip clip;
+  ClipWriter writer = store.add_clip();
+  writer.begin_stream(Stream::kFrames, clip.planes);
+  std::vector<Samples> planes;
+  for (std::uint32_t p = 0; p < clip.planes.size(); ++p)
+    planes.push_back(whole_number_plane(clip.planes[p], clip.frames, p));
+  append_planes(writer, Stream::kFrames, clip.planes, planes, 0, clip.frames);
+  const std::vector<PlaneShape> flow_shapes(2, clip.flow_shape());
+  writer.begin_stream(Stream::kFlow, flow_shapes);
+  const std::vector<Samples> flow{whole_number_plane(flow_shapes[0], clip.frames - 1, 10),
+                                  whole_number_plane(flow_shapes[1], clip.frames - 1, 11)};
+  append_planes(writer, Stream::kFlow, flow_shapes, flow, 0, clip.frames - 1);
+  const std::vector<float> column = clip.column();
+  writer.column<float>("patch.mean_u", column);
+  writer.commit(clip.record());
+  const Store::Blob blob{"codebook", std::as_bytes(std::span(column))};
+  store.write({&blob, 1});
+  EXPECT_EQ(store.snapshot().digest(), "d5f1dabc71fc28335b630d12c094eb08");
+}
+
 TEST(Store, CompactionKeepsTheDigestAndDropsFreePages) {
   const TestFolder folder;
   Store store = Store::create(folder / "a", "");

@@ -1,4 +1,5 @@
 #include <cmath>
+#include <map>
 #include <set>
 #include <string>
 
@@ -51,6 +52,94 @@ TEST_P(EveryDesign, GivesTheSameBytesForAnyNumberOfThreads) {
   EXPECT_EQ(one, hash_of(scene, 8));
   scene.seed = 77;
   EXPECT_NE(one, hash_of(scene, 2));
+}
+
+TEST_P(EveryDesign, GivesTheBytesThatItGaveOnOtherMachines) {
+  const std::map<std::string, std::uint64_t> expected{{"plume", 0x37551fa919c3fd0dULL},
+                                                      {"fireball", 0xa5a595127b1b907bULL},
+                                                      {"firepit", 0xd59f7314604a304cULL},
+                                                      {"waterfall-pool", 0x6d075c03f7b1707aULL},
+                                                      {"dragon-breath", 0xd09d8c9ab314ed20ULL}};
+  SceneOptions scene = small_preset(GetParam());
+  scene.frames = 6, scene.warm_up_frames = 10, scene.seed = 5;
+  EXPECT_EQ(hash_of(scene, 2), expected.at(GetParam()));
+}
+
+// Every kind of drawn shape, of force and of side, and 16 bits of alpha, in one scene.
+TEST(Design, OfEverythingThereIsGivesTheBytesThatItGaveOnOtherMachines) {
+  SceneOptions scene = parse_scene(R"(
+size = [101, 77]
+frames = 8
+seed = 3
+grid = 40
+steps = 3
+[fluid]
+buoyancy = 1.4
+gravity = 0.6
+weight = 3.0
+viscosity = 0.0001
+drag = 0.1
+burning = 0.05
+cooling = 0.3
+still_air = 0.4
+top_speed = 1.5
+[sides]
+left = "closed"
+top = "open"
+[look]
+glow = 0.5
+[[emitter]]
+name = "line"
+shape = "line"
+start = [0.2, 0.8]
+end = [0.6, 0.9]
+width = 0.08
+velocity = [0.1, -0.6]
+heat = 1.0
+jitter = 0.8
+to = 0.2
+[[emitter]]
+name = "blast"
+shape = "polygon"
+corners = [[0.6, 0.5], [0.8, 0.5], [0.7, 0.7]]
+expansion = 2.0
+rate = [[0.0, 0.0], [0.1, 1.5]]
+jitter = 0.0
+[[obstacle]]
+name = "ball"
+shape = "disc"
+position = [0.5, 0.5]
+radius = 0.08
+move = [[0.0, 0.0, 0.0], [0.2, 0.2, -0.1]]
+[[obstacle]]
+name = "gate"
+shape = "line"
+start = [0.1, 0.3]
+end = [0.3, 0.3]
+width = 0.04
+from = 0.1
+[[force]]
+kind = "wind"
+velocity = [0.2, 0.0]
+strength = 0.5
+[[force]]
+kind = "point"
+position = [0.3, 0.3]
+radius = 0.2
+strength = 2.0
+[[force]]
+kind = "vortex"
+position = [0.7, 0.4]
+radius = 0.15
+strength = 3.0
+[[force]]
+kind = "turbulence"
+size = 0.1
+strength = 2.0
+)",
+                                   "everything.toml");
+  scene.alpha_bits = 16;
+  EXPECT_EQ(hash_of(scene, 2), 0x766e09a139009e1aULL);
 }
 
 TEST_P(EveryDesign, MovesInEveryFrameAndStaysFinite) {
