@@ -34,4 +34,13 @@ void segment(const Grid& blurred_alpha, double lower, double upper, int margin, 
 /// Makes the lists from `of`.
 void list_segments(Segments& segments);
 
+/// Sources and targets that are matched with each other.
+struct Task {
+  const std::vector<int>* sources;  // in the source's Segments
+  std::vector<int> targets;
+};
+
+/// Boundary with boundary, interior with interior; where the exemplar lacks one, everything with the other.
+std::vector<Task> tasks_of(const Segments& source, const Segments& target);
+
 }  // namespace freshet::synth::transfer

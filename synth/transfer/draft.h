@@ -1,0 +1,35 @@
+// synth/transfer/draft.h — a frame in the making, from the coarsest level to the finest.
+#pragma once
+
+#include <cstdint>
+
+#include "synth/transfer/exemplar.h"
+#include "synth/transfer/pixel_grid.h"
+#include "synth/transfer/retrieval.h"
+#include "synth/transfer/target_level.h"
+
+namespace freshet::synth::transfer {
+
+/// The picture as far as it is made, and the source patches that it is made of. Both of one level's size, with its
+/// margin.
+struct Draft {
+  PixelGrid picture;
+  NearestField field;
+};
+
+/// What the coarsest level begins from: patches of the exemplar, drawn by `seed`. They are laid out as squares side
+/// by side: averages of patches that have nothing to do with each other would be one grey. Nothing is retrieved yet.
+Draft random_draft(const ExemplarLevel& source, const TargetLevel& target, const TransferOptions& options,
+                   std::uint64_t seed);
+
+/// Puts the frame before where its fluid is most of what is here.
+void start_from_past(const TargetLevel& target, double lambda, PixelGrid& picture);
+
+/// What the coarser level found, one level finer: patches keep their neighbours, and the picture is voted from them.
+Draft refined(const Draft& coarse, const ExemplarLevel& coarse_source, const ExemplarLevel& source,
+              const TargetLevel& target, const TransferOptions& options);
+
+/// Makes transparent what no patch of `field` reaches. half: of a patch, px.
+void clear_uncovered(const NearestField& field, int half, PixelGrid& picture);
+
+}  // namespace freshet::synth::transfer
