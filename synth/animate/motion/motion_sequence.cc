@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <map>
+#include <optional>
 #include <span>
 
 #include <oneapi/tbb/parallel_for.h>
@@ -25,16 +26,43 @@ constexpr double kSmoothing = 1.25;  // squares
 constexpr int kSquare = 8;           // px: finer than flow is true, fine enough for a flame's edge
 constexpr std::uint32_t kSlab = 16;  // flow frames decoded together, as the store keeps them
 
-/// One placed patch: where its squares lie in its clip's flow, and how velocities turn.
-struct Probe {
-  cv::Point corner;                // on the grid of squares
-  std::size_t blur = 0;            // which of the clip's blurred flows it reads
-  std::vector<cv::Point2f> spots;  // samples of the clip's flow, row-major over the patch's squares
-  cv::Matx22d turn;
+/// The grid of squares on which motion is summed. It coincides with the pieces' and holds the whole picture, reduced
+/// as they are.
+struct SquareGrid {
+  int square = 0;    // px per side
+  int per_side = 0;  // squares on a patch's side
+  cv::Point corner;  // px, of the first square
+  cv::Size size;     // squares
+  cv::Mat tent;      // per_side x per_side, CV_32F: a patch's weights, which fall from its middle
 };
 
+cv::Mat tent_of(int per_side) {
+  cv::Mat tent(per_side, per_side, CV_32F);
+  for (int row = 0; row < per_side; ++row)
+    for (int column = 0; column < per_side; ++column) {
+      const auto fraction = [&](int i) { return 1 - std::abs((2.0 * i + 1) / per_side - 1); };
+      tent.at<float>(row, column) = static_cast<float>(fraction(row) * fraction(column));
+    }
+  return tent;
+}
+
+SquareGrid grid_of(const Placement& placement, cv::Size picture) {
+  SquareGrid grid;
+  const int square = grid.square = common_step(placement, kSquare);
+  grid.per_side = placement.side / square;
+  const cv::Size reduced = query::reduced_size(picture, placement.piece_scale);
+  const cv::Rect canvas = canvas_of(placement);
+  const auto whole = [&](int length) { return (std::max(length, 0) + square - 1) / square; };
+  const cv::Point before(whole(canvas.x), whole(canvas.y));
+  grid.corner = canvas.tl() - before * square;
+  grid.size = {before.x + std::max(canvas.width / square, whole(reduced.width - canvas.x)),
+               before.y + std::max(canvas.height / square, whole(reduced.height - canvas.y))};
+  grid.tent = tent_of(grid.per_side);
+  return grid;
+}
+
 /// The flow of one clip, checked against its record.
-store::StreamShape checked_flow(const store::ClipRecord& record, int step) {
+const store::StreamShape& checked_flow(const store::ClipRecord& record, int step) {
   const store::StreamShape& flow = record.flow;
   const auto reduced = [&](std::uint32_t length) {
     return (length + static_cast<std::uint32_t>(step) - 1) / static_cast<std::uint32_t>(step);
@@ -45,6 +73,159 @@ store::StreamShape checked_flow(const store::ClipRecord& record, int step) {
     throw Error(ErrorKind::kDamaged, record.name, "its flow does not fit its frames",
                 "Run freshet store verify, and ingest the clip again");
   return flow;
+}
+
+/// The part of one clip's flow that its patches need.
+struct NeededFlow {
+  const store::Snapshot& snapshot;
+  store::ClipId clip;
+  int step = 0;  // px of the clip between samples
+  std::uint32_t frames = 0;
+  double px_per_s = 0;  // for one unit of what is stored
+  cv::Rect samples;
+};
+
+NeededFlow needed_flow(const store::Snapshot& snapshot, int step, const Placement& placement,
+                       const PlayedPatches& group) {
+  const store::ClipRecord& record = snapshot.clip(group.clip);
+  const store::StreamShape& flow = checked_flow(record, step);
+  const cv::Size source(static_cast<int>(record.width), static_cast<int>(record.height));
+  cv::Rect needed;
+  for (const std::size_t p : group.patches)
+    needed |= PatchWindow(source, placement.patches[p].variant, placement.patches[p].patch, placement.side)
+                  .needed();
+  cv::Rect samples(cv::Point(needed.x / step - kSquare, needed.y / step - kSquare),
+                   cv::Point(needed.br().x / step + kSquare, needed.br().y / step + kSquare));
+  samples &= cv::Rect(0, 0, static_cast<int>(flow.planes[0].width), static_cast<int>(flow.planes[0].height));
+  const double fps = static_cast<double>(record.fps_num) / static_cast<double>(record.fps_den);
+  return {snapshot, group.clip, step, flow.frames, vision::kFlowUnit * fps, samples};
+}
+
+/// One placed patch: where its squares lie in its clip's flow, and how velocities turn.
+struct Probe {
+  cv::Point corner;                // on the grid of squares
+  std::size_t blur = 0;            // which of the clip's blurred flows it reads
+  std::vector<cv::Point2f> spots;  // among the samples of the clip's flow, row-major over the patch's squares
+  cv::Matx22d turn;
+};
+
+/// How the patches of one clip read its flow: averaged over squares as large as theirs are in it, once per scale.
+struct Reading {
+  std::vector<float> scales;
+  std::vector<Probe> probes;
+};
+
+Reading reading_of(const PlayedPatches& group, const Placement& placement, const SquareGrid& grid,
+                   const NeededFlow& flow) {
+  const store::ClipRecord& record = flow.snapshot.clip(group.clip);
+  const cv::Size source(static_cast<int>(record.width), static_cast<int>(record.height));
+  Reading reading;
+  for (const std::size_t number : group.patches) {
+    const PlacedPatch& placed = placement.patches[number];
+    const vision::VariantFrame frame = vision::variant_frame(source, placed.variant);
+    Probe probe;
+    probe.corner = (placed.piece - grid.corner) / grid.square;
+    probe.turn = frame.variant_from_source_velocity;
+    const auto scale = std::find(reading.scales.begin(), reading.scales.end(), placed.variant.scale);
+    probe.blur = static_cast<std::size_t>(scale - reading.scales.begin());
+    if (scale == reading.scales.end()) reading.scales.push_back(placed.variant.scale);
+    const double middle = (grid.square - 1) / 2.0;
+    for (int row = 0; row < grid.per_side; ++row)
+      for (int column = 0; column < grid.per_side; ++column) {
+        const cv::Vec2d at =
+            frame.source_from_variant * cv::Vec3d(placed.patch.x + column * grid.square + middle,
+                                                  placed.patch.y + row * grid.square + middle, 1);
+        probe.spots.emplace_back(static_cast<float>((at[0] + 0.5) / flow.step - 0.5 - flow.samples.x),
+                                 static_cast<float>((at[1] + 0.5) / flow.step - 0.5 - flow.samples.y));
+      }
+    reading.probes.push_back(std::move(probe));
+  }
+  return reading;
+}
+
+/// An output frame, and the flow frame that moves what it shows.
+struct ShownFlow {
+  std::uint32_t at = 0;
+  int output = 0;
+  double rate = 1;
+};
+
+/// What is shown, by slab of the clip's flow, each in the order of flow frames.
+std::vector<std::vector<ShownFlow>> slabs_of(std::span<const ShownFrame> shown, std::uint32_t flow_frames) {
+  std::map<std::uint32_t, std::vector<ShownFlow>> slabs;
+  for (int i = 0; i < static_cast<int>(shown.size()); ++i) {
+    // From the last frame no flow leads on: the one before it stands for it.
+    const std::uint32_t at = std::min(shown[i].frame, flow_frames - 1);
+    slabs[at / kSlab].push_back({at, i, shown[i].rate});
+  }
+  std::vector<std::vector<ShownFlow>> sorted;
+  for (auto& [number, outputs] : slabs) {
+    std::ranges::stable_sort(outputs, {}, &ShownFlow::at);
+    sorted.push_back(std::move(outputs));
+  }
+  return sorted;
+}
+
+/// The needed samples of some frames of a clip's flow, decoded once.
+class FlowFrames {
+ public:
+  FlowFrames(const NeededFlow& flow, std::uint32_t first, std::uint32_t count) : flow_(flow), first_(first) {
+    const cv::Rect& s = flow.samples;
+    for (std::uint32_t p = 0; p < 2; ++p) {
+      planes_[p].resize(static_cast<std::size_t>(s.area()) * count);
+      flow.snapshot.read(flow.clip, store::Stream::kFlow, p,
+                         {static_cast<std::uint32_t>(s.x), static_cast<std::uint32_t>(s.y),
+                          static_cast<std::uint32_t>(s.width), static_cast<std::uint32_t>(s.height)},
+                         first, count, std::as_writable_bytes(std::span(planes_[p])));
+    }
+  }
+
+  /// Frame `at` of the clip, averaged as each scale's squares want it: CV_32FC2, px/s of the clip.
+  void blur(std::uint32_t at, int square, std::span<const float> scales, std::vector<cv::Mat>& blurred) {
+    const std::size_t offset = static_cast<std::size_t>(flow_.samples.area()) * (at - first_);
+    cv::Mat field;
+    cv::merge(std::vector<cv::Mat>{cv::Mat(flow_.samples.size(), CV_16S, planes_[0].data() + offset),
+                                   cv::Mat(flow_.samples.size(), CV_16S, planes_[1].data() + offset)},
+              field);
+    field.convertTo(field, CV_32F, flow_.px_per_s);
+    blurred.resize(scales.size());
+    for (std::size_t s = 0; s < scales.size(); ++s) {
+      const int reach = std::max(1, static_cast<int>(std::lround(square / scales[s] / flow_.step))) | 1;
+      cv::blur(field, blurred[s], {reach, reach}, {-1, -1}, cv::BORDER_REPLICATE);
+    }
+  }
+
+ private:
+  const NeededFlow& flow_;
+  std::uint32_t first_ = 0;
+  std::vector<std::int16_t> planes_[2];
+};
+
+/// Adds a patch's motion, weighted by its tent, to the squares that it lies on.
+void add_patch(const Probe& probe, const cv::Mat& flow, double rate, const cv::Mat& tent, cv::Mat& squares) {
+  const cv::Point2f* spot = probe.spots.data();
+  for (int row = 0; row < tent.rows; ++row)
+    for (int column = 0; column < tent.cols; ++column, ++spot) {
+      const cv::Vec2d v = bilinear<cv::Vec2f>(flow, spot->x, spot->y);
+      const cv::Vec2d turned = probe.turn * v * (rate * tent.at<float>(row, column));
+      squares.at<cv::Vec2f>(probe.corner.y + row, probe.corner.x + column) +=
+          cv::Vec2f(static_cast<float>(turned[0]), static_cast<float>(turned[1]));
+    }
+}
+
+/// Adds the patches' motion in every output frame of one slab.
+void add_slab(std::span<const ShownFlow> slab, const NeededFlow& flow, const Reading& reading,
+              const SquareGrid& grid, std::vector<cv::Mat>& squares) {
+  const std::uint32_t first = slab.front().at;
+  FlowFrames frames(flow, first, slab.back().at - first + 1);
+  std::vector<cv::Mat> blurred;
+  std::optional<std::uint32_t> in_hand;
+  for (const ShownFlow& shown : slab) {
+    if (in_hand != shown.at) frames.blur(shown.at, grid.square, reading.scales, blurred);
+    in_hand = shown.at;
+    for (const Probe& probe : reading.probes)
+      add_patch(probe, blurred[probe.blur], shown.rate, grid.tent, squares[shown.output]);
+  }
 }
 
 /// From sums to means; then the motion of what moves goes on over what hardly does, and beyond the pieces. A
@@ -82,124 +263,23 @@ MotionSequence::MotionSequence(const store::Snapshot& snapshot, const vision::Se
                                const Placement& placement, std::span<const PlayedPatches> played,
                                cv::Size picture, int frames)
     : picture_(picture), piece_scale_(placement.piece_scale), squares_(frames) {
-  const int square = common_step(placement, kSquare), per_side = placement.side / square;
-  const int step = settings.flow_step;
-  // The grid of squares coincides with the pieces' and holds the whole picture, reduced as they are.
-  const cv::Size reduced = query::reduced_size(picture, placement.piece_scale);
-  const cv::Rect canvas = canvas_of(placement);
-  const auto whole = [&](int length) { return (std::max(length, 0) + square - 1) / square; };
-  const cv::Point before(whole(canvas.x), whole(canvas.y));
-  const cv::Point corner = canvas.tl() - before * square;
-  const cv::Size grid(before.x + std::max(canvas.width / square, whole(reduced.width - canvas.x)),
-                      before.y + std::max(canvas.height / square, whole(reduced.height - canvas.y)));
-  squares_from_picture_ = squares_from_picture(placement, corner, square, picture);
-
-  cv::Mat tent(per_side, per_side, CV_32F);
-  for (int row = 0; row < per_side; ++row)
-    for (int column = 0; column < per_side; ++column) {
-      const auto fraction = [&](int i) { return 1 - std::abs((2.0 * i + 1) / per_side - 1); };
-      tent.at<float>(row, column) = static_cast<float>(fraction(row) * fraction(column));
-    }
-
-  cv::Mat mass = cv::Mat::zeros(grid, CV_32F);
-  for (cv::Mat& sum : squares_) sum = cv::Mat::zeros(grid, CV_32FC2);
+  const SquareGrid grid = grid_of(placement, picture);
+  squares_from_picture_ = squares_from_picture(placement, grid.corner, grid.square, picture);
+  cv::Mat mass = cv::Mat::zeros(grid.size, CV_32F);
+  for (cv::Mat& sum : squares_) sum = cv::Mat::zeros(grid.size, CV_32FC2);
 
   // One group after another, so that sums do not depend on threads.
   for (const PlayedPatches& group : played) {
-    const store::ClipId clip = group.clip;
-    const std::vector<std::size_t>& patches = group.patches;
-    const std::vector<ShownFrame>& frames_of = group.shown;
-    assert(frames_of.size() == squares_.size());
-    const store::ClipRecord& record = snapshot.clip(clip);
-    const store::StreamShape flow = checked_flow(record, step);
-    const cv::Size source(static_cast<int>(record.width), static_cast<int>(record.height));
-
-    // What of the flow is needed.
-    cv::Rect needed;
-    for (const std::size_t p : patches)
-      needed |= PatchWindow(source, placement.patches[p].variant, placement.patches[p].patch, placement.side)
-                    .needed();
-    cv::Rect samples(cv::Point(needed.x / step - kSquare, needed.y / step - kSquare),
-                     cv::Point(needed.br().x / step + kSquare, needed.br().y / step + kSquare));
-    samples &=
-        cv::Rect(0, 0, static_cast<int>(flow.planes[0].width), static_cast<int>(flow.planes[0].height));
-
-    // Where each patch reads it.
-    std::vector<float> scales;
-    std::vector<Probe> probes;
-    for (const std::size_t number : patches) {
-      const PlacedPatch* placed = &placement.patches[number];
-      const vision::VariantFrame frame = vision::variant_frame(source, placed->variant);
-      Probe probe;
-      probe.corner = (placed->piece - corner) / square;
-      probe.turn = frame.variant_from_source_velocity;
-      const auto scale = std::find(scales.begin(), scales.end(), placed->variant.scale);
-      probe.blur = static_cast<std::size_t>(scale - scales.begin());
-      if (scale == scales.end()) scales.push_back(placed->variant.scale);
-      for (int row = 0; row < per_side; ++row)
-        for (int column = 0; column < per_side; ++column) {
-          const cv::Vec2d at =
-              frame.source_from_variant * cv::Vec3d(placed->patch.x + column * square + (square - 1) / 2.0,
-                                                    placed->patch.y + row * square + (square - 1) / 2.0, 1);
-          probe.spots.emplace_back(static_cast<float>((at[0] + 0.5) / step - 0.5 - samples.x),
-                                   static_cast<float>((at[1] + 0.5) / step - 0.5 - samples.y));
-        }
-      probes.push_back(std::move(probe));
-      cv::Mat covered = mass(cv::Rect(probes.back().corner, tent.size()));
-      covered += tent;
+    assert(group.shown.size() == squares_.size());
+    const NeededFlow flow = needed_flow(snapshot, settings.flow_step, placement, group);
+    const Reading reading = reading_of(group, placement, grid, flow);
+    for (const Probe& probe : reading.probes) {
+      cv::Mat covered = mass(cv::Rect(probe.corner, grid.tent.size()));
+      covered += grid.tent;
     }
-
-    // The output frames that show each frame of the clip, by slab.
-    std::map<std::uint32_t, std::vector<std::pair<std::uint32_t, int>>> slabs;
-    for (int i = 0; i < frames; ++i) {
-      // From the last frame no flow leads on: the one before it stands for it.
-      const std::uint32_t at = std::min(frames_of[i].frame, flow.frames - 1);
-      slabs[at / kSlab].emplace_back(at, i);
-    }
-    std::vector<std::pair<std::uint32_t, std::vector<std::pair<std::uint32_t, int>>>> work(slabs.begin(),
-                                                                                           slabs.end());
-    const double fps = static_cast<double>(record.fps_num) / static_cast<double>(record.fps_den);
-    oneapi::tbb::parallel_for(std::size_t{0}, work.size(), [&](std::size_t w) {
-      auto& outputs = work[w].second;
-      std::sort(outputs.begin(), outputs.end());
-      const std::uint32_t first = outputs.front().first, count = outputs.back().first - first + 1;
-      const std::size_t area = static_cast<std::size_t>(samples.area());
-      std::vector<std::int16_t> planes[2];
-      for (std::uint32_t p = 0; p < 2; ++p) {
-        planes[p].resize(area * count);
-        snapshot.read(clip, store::Stream::kFlow, p,
-                      {static_cast<std::uint32_t>(samples.x), static_cast<std::uint32_t>(samples.y),
-                       static_cast<std::uint32_t>(samples.width), static_cast<std::uint32_t>(samples.height)},
-                      first, count, std::as_writable_bytes(std::span(planes[p])));
-      }
-      cv::Mat field;
-      std::vector<cv::Mat> blurred(scales.size());
-      std::uint32_t in_hand = record.frame_count;
-      for (const auto& [at, output] : outputs) {
-        if (at != in_hand) {
-          const std::size_t offset = area * (at - first);
-          cv::merge(std::vector<cv::Mat>{cv::Mat(samples.size(), CV_16S, planes[0].data() + offset),
-                                         cv::Mat(samples.size(), CV_16S, planes[1].data() + offset)},
-                    field);
-          field.convertTo(field, CV_32F, vision::kFlowUnit * fps);
-          for (std::size_t s = 0; s < scales.size(); ++s) {
-            const int reach = std::max(1, static_cast<int>(std::lround(square / scales[s] / step))) | 1;
-            cv::blur(field, blurred[s], {reach, reach}, {-1, -1}, cv::BORDER_REPLICATE);
-          }
-          in_hand = at;
-        }
-        const double rate = frames_of[output].rate;
-        for (const Probe& probe : probes)
-          for (int row = 0; row < per_side; ++row)
-            for (int column = 0; column < per_side; ++column) {
-              const cv::Point2f& spot = probe.spots[row * per_side + column];
-              const cv::Vec2d v = bilinear<cv::Vec2f>(blurred[probe.blur], spot.x, spot.y);
-              const cv::Vec2d turned = probe.turn * v * (rate * tent.at<float>(row, column));
-              squares_[output].at<cv::Vec2f>(probe.corner.y + row, probe.corner.x + column) +=
-                  cv::Vec2f(static_cast<float>(turned[0]), static_cast<float>(turned[1]));
-            }
-      }
-    });
+    const std::vector<std::vector<ShownFlow>> slabs = slabs_of(group.shown, flow.frames);
+    oneapi::tbb::parallel_for(std::size_t{0}, slabs.size(),
+                              [&](std::size_t i) { add_slab(slabs[i], flow, reading, grid, squares_); });
   }
 
   oneapi::tbb::parallel_for(0, frames, [&](int i) { spread(squares_[i], mass); });
