@@ -38,65 +38,89 @@ class Hasher {
 
 ByteSpan as_bytes(const XXH128_canonical_t& hash) { return std::as_bytes(std::span(hash.digest)); }
 
+std::string hex(const XXH128_canonical_t& hash) {
+  static constexpr char kHex[] = "0123456789abcdef";
+  std::string text;
+  for (const std::uint8_t byte : hash.digest) {
+    text += kHex[byte >> 4];
+    text += kHex[byte & 15];
+  }
+  return text;
+}
+
 }  // namespace
+
+struct Snapshot::Impl::Digest {
+  const Impl& impl;
+
+  XXH128_canonical_t clip(ClipId id) const;
+  void stream(ClipId id, Stream stream, Hasher& hasher) const;
+  Bytes array(Table table, const Chunks& chunks) const;
+};
+
+XXH128_canonical_t Snapshot::Impl::Digest::clip(ClipId id) const {
+  const ClipRecord& record = impl.stored(id).record;
+  Hasher hasher;
+  for (const std::string* text : {&record.name, &record.class_name, &record.licence, &record.source_hash,
+                                  &record.pixel_format, &record.metadata}) {
+    hasher.text(*text);
+  }
+  hasher.number(record.width);
+  hasher.number(record.height);
+  hasher.number(record.frame_count);
+  hasher.number(static_cast<std::uint64_t>(record.fps_num));
+  hasher.number(static_cast<std::uint64_t>(record.fps_den));
+  hasher.number(record.rows);
+  for (std::size_t s = 0; s < kStreams; ++s) stream(id, static_cast<Stream>(s), hasher);
+  for (const std::string& name : impl.column_names(id)) {
+    const auto chunks = impl.chunks(Table::kColumns, column_prefix(id, name));
+    const Bytes bytes = array(Table::kColumns, *chunks);
+    hasher.text(name);
+    hasher.number(chunks->element_bytes);
+    hasher.number(bytes.size());
+    hasher.bytes(bytes);
+  }
+  return hasher.result();
+}
+
+// Decoded, slab by slab.
+void Snapshot::Impl::Digest::stream(ClipId id, Stream stream, Hasher& hasher) const {
+  const StreamShape& shape = impl.grid(id, stream).shape();
+  hasher.number(shape.planes.size());
+  hasher.number(shape.frames);
+  for (std::uint32_t p = 0; p < shape.planes.size(); ++p) {
+    const PlaneShape& plane = shape.planes[p];
+    hasher.number(plane.width);
+    hasher.number(plane.height);
+    hasher.number(plane.bytes_per_sample);
+    Bytes slab;
+    for (std::uint32_t f = 0; f < shape.frames; f += kSlabFrames) {
+      const std::uint32_t count = std::min(kSlabFrames, shape.frames - f);
+      slab.resize(std::size_t{plane.width} * plane.height * plane.bytes_per_sample * count);
+      impl.read(id, stream, p, {0, 0, plane.width, plane.height}, f, count, slab);
+      hasher.bytes(slab);
+    }
+  }
+}
+
+Bytes Snapshot::Impl::Digest::array(Table table, const Chunks& chunks) const {
+  Bytes bytes(chunks.total_bytes);
+  impl.decode_chunks(table, chunks, bytes);
+  return bytes;
+}
 
 std::string Snapshot::digest() const {
   const Impl& impl = *impl_;
   impl.expect_whole();
+  const Impl::Digest digest{impl};
   std::vector<ClipId> order = impl.clips;
   std::ranges::sort(order, {}, [&](ClipId id) {
     const ClipRecord& record = impl.stored(id).record;
     return std::tie(record.source_hash, record.name);
   });
-
-  const auto hash_stream = [&](ClipId id, Stream stream, Hasher& hasher) {
-    const StreamShape& shape = impl.grid(id, stream).shape();
-    hasher.number(shape.planes.size());
-    hasher.number(shape.frames);
-    for (std::uint32_t p = 0; p < shape.planes.size(); ++p) {
-      const PlaneShape& plane = shape.planes[p];
-      hasher.number(plane.width);
-      hasher.number(plane.height);
-      hasher.number(plane.bytes_per_sample);
-      Bytes slab;
-      for (std::uint32_t f = 0; f < shape.frames; f += kSlabFrames) {
-        const std::uint32_t count = std::min(kSlabFrames, shape.frames - f);
-        slab.resize(std::size_t{plane.width} * plane.height * plane.bytes_per_sample * count);
-        impl.read(id, stream, p, {0, 0, plane.width, plane.height}, f, count, slab);
-        hasher.bytes(slab);
-      }
-    }
-  };
-  const auto hash_clip = [&](ClipId id) {
-    const ClipRecord& record = impl.stored(id).record;
-    Hasher hasher;
-    for (const std::string* text : {&record.name, &record.class_name, &record.licence, &record.source_hash,
-                                    &record.pixel_format, &record.metadata}) {
-      hasher.text(*text);
-    }
-    hasher.number(record.width);
-    hasher.number(record.height);
-    hasher.number(record.frame_count);
-    hasher.number(static_cast<std::uint64_t>(record.fps_num));
-    hasher.number(static_cast<std::uint64_t>(record.fps_den));
-    hasher.number(record.rows);
-    for (std::size_t s = 0; s < kStreams; ++s) hash_stream(id, static_cast<Stream>(s), hasher);
-    for (const std::string& name : impl.column_names(id)) {
-      const Bytes prefix = column_prefix(id, name);
-      const auto chunks = impl.chunks(Table::kColumns, prefix);
-      Bytes bytes(chunks->total_bytes);
-      impl.decode_chunks(Table::kColumns, *chunks, bytes);
-      hasher.text(name);
-      hasher.number(chunks->element_bytes);
-      hasher.number(bytes.size());
-      hasher.bytes(bytes);
-    }
-    return hasher.result();
-  };
-
   std::vector<XXH128_canonical_t> clip_hashes(order.size());
   tbb::parallel_for(std::size_t{0}, order.size(),
-                    [&](std::size_t i) { clip_hashes[i] = hash_clip(order[i]); });
+                    [&](std::size_t i) { clip_hashes[i] = digest.clip(order[i]); });
 
   Hasher whole;
   whole.text("freshet digest 1");
@@ -104,16 +128,14 @@ std::string Snapshot::digest() const {
   whole.number(order.size());
   for (const XXH128_canonical_t& hash : clip_hashes) whole.bytes(as_bytes(hash));
   for (const std::string& name : impl.blob_names()) {
-    const Bytes prefix = blob_prefix(name);
-    const auto chunks = impl.chunks(Table::kBlobs, prefix);
+    const auto chunks = impl.chunks(Table::kBlobs, blob_prefix(name));
     if ((chunks->flags & kOutsideDigest) != 0) continue;
-    Bytes bytes(chunks->total_bytes);
-    impl.decode_chunks(Table::kBlobs, *chunks, bytes);
+    const Bytes bytes = digest.array(Table::kBlobs, *chunks);
     whole.text(name);
     whole.number(bytes.size());
     whole.bytes(bytes);
   }
-  return hex(whole.result().digest);
+  return hex(whole.result());
 }
 
 }  // namespace freshet::store

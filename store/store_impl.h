@@ -40,6 +40,9 @@ struct Snapshot::Impl {
   std::vector<std::string> column_names(ClipId id) const;
   std::vector<std::string> blob_names() const;
 
+  struct Digest;        // digest.cc
+  struct Verification;  // verify.cc
+
   ReadTransaction txn;
   std::string settings;
   std::vector<ClipId> clips;
