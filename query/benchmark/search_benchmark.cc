@@ -10,6 +10,7 @@
 #include <map>
 #include <numbers>
 #include <set>
+#include <utility>
 
 #include <fmt/format.h>
 #include <opencv2/imgproc.hpp>
@@ -80,6 +81,20 @@ class BorrowedIndex final : public CandidateIndex {
 
  private:
   const CandidateIndex& index_;
+};
+
+// A search base answers from another index for a while; its own comes back, whatever is thrown meanwhile.
+class LentIndex {
+ public:
+  LentIndex(SearchBase& base, const CandidateIndex& index)
+      : base_(base), own_(std::exchange(base.index, std::make_unique<BorrowedIndex>(index))) {}
+  ~LentIndex() { base_.index = std::move(own_); }
+  LentIndex(const LentIndex&) = delete;
+  LentIndex& operator=(const LentIndex&) = delete;
+
+ private:
+  SearchBase& base_;
+  std::unique_ptr<const CandidateIndex> own_;
 };
 
 class Benchmark {
@@ -383,14 +398,11 @@ class Benchmark {
 
   double energy(const CandidateIndex& index, const Ground& on) {
     const SubsetIndex in_table(index, on.rows, base_.table.size());
-    base_.index = std::make_unique<BorrowedIndex>(in_table);
+    const LentIndex lent(base_, in_table);
     query::LabelOptions options;
     options.piece_scale = piece_scale_;
     options.costs.vote = 0;
-    const double energy =
-        label(snapshot_, base_, labelled_.picture, labelled_.matte, options, {}, stop_).assignment.energy;
-    base_.index.reset();
-    return energy;
+    return label(snapshot_, base_, labelled_.picture, labelled_.matte, options, {}, stop_).assignment.energy;
   }
 
   std::optional<double> loss_of(const CandidateIndex& index, Ground& on, const SettingResult& measured) {

@@ -34,11 +34,11 @@ struct SearchBenchmarkOptions {
 /// pass the limits is estimated by building it of a 32nd and an 8th of the rows. Loss of energy: the picture
 /// is labelled with the index's candidates as query::label does it, but without the candidates' vote, which
 /// is a cost that depends on the candidates; so one energy judges all.
-/// base       its index is replaced while a picture is labelled.
+/// base       its index is replaced while a picture is labelled, and back in its place afterwards, also when this
+///            throws.
 /// progress   called from the calling thread; may be empty.
 /// Throws     Error{kCancelled} when stopped, Error{kUsage} for more rows than there are. What an index
-/// throws
-///            is the reason why it has no result.
+///            throws is the reason why it has no result.
 SearchReport benchmark_search(const store::Snapshot& snapshot, SearchBase& base,
                               std::vector<BenchmarkPicture> pictures, std::span<const MeasuredIndex> indexes,
                               const SearchBenchmarkOptions& options = {},

@@ -190,6 +190,40 @@ TEST(SearchBenchmark, WhatAnIndexThrowsIsWhyItHasNoResult) {
   EXPECT_NE(search_page(report).find("it broke"), std::string::npos);
 }
 
+// Exact, but stopped in the middle of a labelling, which is the only one to ask for more pieces than are measured.
+class StoppedInLabelling final : public CandidateIndex {
+ public:
+  explicit StoppedInLabelling(const SearchSpace& space) : exact_(space.words, space.word_count) {}
+  std::size_t rows() const override { return exact_.rows(); }
+  std::vector<std::vector<ScoredPatch>> search(std::span<const PieceQuery> queries, std::size_t k,
+                                               const SearchFilter& search_filter) const override {
+    if (queries.size() > kFew.pieces) throw Error(ErrorKind::kCancelled, "labelling", "stopped");
+    return exact_.search(queries, k, search_filter);
+  }
+  static constexpr SearchBenchmarkOptions kFew{.pieces = 2, .setting_limit_s = 0.01, .checked = 2};
+
+ private:
+  ExactIndex exact_;
+};
+
+TEST(SearchBenchmark, LeavesTheBaseItsIndexWhateverIsThrown) {
+  Opened opened;
+  opened.base.index = std::make_unique<ExactIndex>(opened.base.table.words, opened.base.codebook.words);
+  const CandidateIndex* const own = opened.base.index.get();
+  const auto exact = std::vector{measured_indexes()[0], slow(0)};
+  const SearchReport report = benchmark_search(opened.snapshot, opened.base, {a_picture()}, exact, kQuick);
+  ASSERT_TRUE(report.indexes[1].settings[0].energy_loss.has_value());
+  EXPECT_EQ(opened.base.index.get(), own);
+  const auto stopped = std::vector{
+      MeasuredIndex{.name = "stopped", .what = "", .build = [](const SearchSpace& space) -> BuiltIndex {
+                      return {std::make_shared<StoppedInLabelling>(space), {{"", [] {}}}};
+                    }}};
+  EXPECT_THROW(
+      benchmark_search(opened.snapshot, opened.base, {a_picture()}, stopped, StoppedInLabelling::kFew),
+      Error);
+  EXPECT_EQ(opened.base.index.get(), own);
+}
+
 TEST(Recall, CountsWhatScoresAsWellAndNothingTwice) {
   const auto words = random_words({.rows = 300, .words = 50, .clusters = 3});
   const SearchSpace space{words, 50};
