@@ -1,0 +1,121 @@
+// tests/synth/animate/flowing_clip.h — a clip whose every frame and flow a test can look into, in a store.
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <opencv2/core.hpp>
+
+#include "media/frame/layout_json.h"
+#include "store/store.h"
+#include "vision/settings.h"
+
+namespace freshet::synth::animate {
+
+struct FlowingClip {
+  cv::Size size{150, 110};
+  int frames = 20;
+  int flow_step = 2;
+  cv::Vec2f steady{0, 0};  // px per frame, everywhere; the rest of the flow varies about it
+  float varying = 1;       // px per frame: how far
+  int range = 2;           // of its samples, as media::PixelLayout has it: 1 limited, 2 full
+  std::uint64_t seed = 1;
+
+  /// CV_8U: waves that go their way, and noise that stays.
+  cv::Mat frame(int i) const {
+    cv::Mat grain(size, CV_8U), out(size, CV_8U);
+    cv::RNG(seed + 7).fill(grain, cv::RNG::UNIFORM, 0, 30);
+    for (int y = 0; y < size.height; ++y)
+      for (int x = 0; x < size.width; ++x)
+        out.at<std::uint8_t>(y, x) = static_cast<std::uint8_t>(
+            110 + 50 * std::sin(0.13 * x + 0.09 * y + 0.5 * i) +
+            30 * std::sin(0.05 * x - 0.11 * y - 0.3 * i) + grain.at<std::uint8_t>(y, x));
+    return out;
+  }
+  cv::Size flow_size() const {
+    return {(size.width + flow_step - 1) / flow_step, (size.height + flow_step - 1) / flow_step};
+  }
+  /// From frame i to the next, x and y: CV_16S, 1/64 px.
+  std::array<cv::Mat, 2> flow(int i) const {
+    std::array<cv::Mat, 2> flow{cv::Mat(flow_size(), CV_16S), cv::Mat(flow_size(), CV_16S)};
+    for (int y = 0; y < flow_size().height; ++y)
+      for (int x = 0; x < flow_size().width; ++x) {
+        const double u = steady[0] + varying * std::sin(0.11 * x + 0.07 * y + 0.4 * i);
+        const double v = steady[1] + varying * std::cos(0.06 * x - 0.12 * y + 0.2 * i);
+        flow[0].at<std::int16_t>(y, x) = static_cast<std::int16_t>(std::lround(64 * u));
+        flow[1].at<std::int16_t>(y, x) = static_cast<std::int16_t>(std::lround(64 * v));
+      }
+    return flow;
+  }
+
+  store::ClipId add_to(store::Store& store, const std::string& name) const {
+    const auto shape = [](cv::Size s, int bytes) {
+      return store::PlaneShape{static_cast<std::uint32_t>(s.width), static_cast<std::uint32_t>(s.height),
+                               static_cast<std::uint8_t>(bytes)};
+    };
+    const auto view = [](const cv::Mat& plane) {
+      return store::PlaneView{reinterpret_cast<const std::byte*>(plane.data),
+                              static_cast<std::ptrdiff_t>(plane.step)};
+    };
+    store::ClipWriter writer = store.add_clip();
+    const std::vector<store::PlaneShape> frame_planes{shape(size, 1)}, flow_planes(2, shape(flow_size(), 2));
+    writer.begin_stream(store::Stream::kFrames, frame_planes);
+    writer.begin_stream(store::Stream::kFlow, flow_planes);
+    std::vector<double> times;
+    for (int i = 0; i < frames; ++i) {
+      const cv::Mat picture = frame(i);
+      const std::vector<store::PlaneView> views{view(picture)};
+      writer.append(store::Stream::kFrames, views);
+      times.push_back(i / 25.0);
+      if (i + 1 == frames) continue;
+      const auto by = flow(i);
+      const std::vector<store::PlaneView> flow_views{view(by[0]), view(by[1])};
+      writer.append(store::Stream::kFlow, flow_views);
+    }
+    writer.column<double>("frame.time", times);
+    store::ClipRecord record;
+    record.name = name;
+    record.class_name = "water";
+    record.source_hash = "hash of " + name;
+    record.pixel_format = "gray";
+    record.width = static_cast<std::uint32_t>(size.width);
+    record.height = static_cast<std::uint32_t>(size.height);
+    record.fps_num = 25;
+    const media::PixelLayout layout{
+        .format = "gray", .width = size.width, .height = size.height, .range = range};
+    record.metadata = R"({"layout": )" + media::to_json(layout) + "}";
+    return writer.commit(record);
+  }
+};
+
+/// A store of such clips in a folder of its own, which goes when the test does.
+class FlowingStore {
+ public:
+  explicit FlowingStore(const std::vector<FlowingClip>& clips = {{}}) {
+    std::string name = (std::filesystem::temp_directory_path() / "freshet-flowing-XXXXXX").string();
+    folder_ = mkdtemp(name.data());
+    settings_.flow_step = clips.front().flow_step;
+    store::Store store = store::Store::create(folder_ / "a.store", vision::to_json(settings_));
+    for (const FlowingClip& clip : clips)
+      ids_.push_back(clip.add_to(store, std::to_string(ids_.size()) + ".mkv"));
+    snapshot_ = store.snapshot();
+  }
+  ~FlowingStore() { std::filesystem::remove_all(folder_); }
+  FlowingStore(const FlowingStore&) = delete;
+  FlowingStore& operator=(const FlowingStore&) = delete;
+
+  const store::Snapshot& snapshot() const { return snapshot_; }
+  const vision::Settings& settings() const { return settings_; }
+  store::ClipId id(std::size_t i = 0) const { return ids_[i]; }
+
+ private:
+  std::filesystem::path folder_;
+  vision::Settings settings_;
+  store::Snapshot snapshot_;
+  std::vector<store::ClipId> ids_;
+};
+
+}  // namespace freshet::synth::animate

@@ -1,0 +1,125 @@
+#include "synth/animate/still/finished_frame.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+namespace freshet::synth::animate {
+namespace {
+
+const cv::Size kSize(77, 41);  // odd: rows end in the middle of a vector
+
+cv::Mat random_planes(int type, double low, double high, std::uint64_t seed) {
+  cv::Mat out(kSize, type);
+  cv::RNG(seed).fill(out, cv::RNG::UNIFORM, low, high);
+  return out;
+}
+
+struct Parts {
+  ColourModel model{random_planes(CV_32FC3, -0.4, 0.4, 1), random_planes(CV_32FC3, -0.1, 0.1, 2)};
+  cv::Mat own_colour = random_planes(CV_32FC3, -0.1, 0.1, 3), still = random_planes(CV_32FC3, 0, 1, 4);
+  cv::Mat luma = random_planes(CV_32F, -0.2, 1.2, 5), fluid = random_planes(CV_32F, 0, 1, 6);
+  FrameFinisher finisher{model, own_colour, still};
+
+  Parts() {
+    // A matte with whole fluid, holes, margins, and rows without any.
+    for (int y = 0; y < kSize.height; ++y)
+      for (int x = 0; x < kSize.width; ++x) {
+        float& f = fluid.at<float>(y, x);
+        if (x < 5 + y % 7 || x > 70 || y % 10 == 9) f = 0;
+        if ((x / 8 + y / 8) % 5 == 0) f = 0;
+        if ((x / 8 + y / 8) % 5 == 1 && f > 0) f = 1;
+      }
+  }
+};
+
+/// A carried frame of the picture in motion.
+CarriedFrame carried_frame() {
+  const cv::Mat picture = random_planes(CV_32FC3, 0, 1, 7);
+  const CarriedBase base(picture, luma_of(picture), cv::Mat(kSize, CV_32F, cv::Scalar(1)),
+                         cv::Mat(kSize, CV_32FC2, cv::Scalar(20, -9)), 25, {.edge_px = 4});
+  return base.frame(5);
+}
+
+/// One pixel in doubles, as the header says it. carried: null, or blue, green and red less luma, the carried luma, and
+/// the fraction of it.
+struct Brought {
+  double chroma[3], luma, fraction;
+};
+cv::Vec3d finished(const Parts& parts, int y, int x, const Brought* brought) {
+  cv::Vec3d out;
+  const double luma = parts.luma.at<float>(y, x), fluid = parts.fluid.at<float>(y, x);
+  for (int k = 0; k < 3; ++k) {
+    const double slope = parts.model.slope.at<cv::Vec3f>(y, x)[k];
+    const double rest = static_cast<double>(parts.model.offset.at<cv::Vec3f>(y, x)[k]) +
+                        parts.own_colour.at<cv::Vec3f>(y, x)[k];
+    double lit = luma + slope * luma + rest;
+    if (brought) {
+      // It keeps its colour, and changes it as the model has it where its luminance is another now.
+      const double carried = luma + brought->chroma[k] + slope * (luma - brought->luma);
+      lit += brought->fraction * (carried - lit);
+    }
+    out[k] = 255 * (fluid * std::clamp(lit, 0.0, 1.0) + (1 - fluid) * parts.still.at<cv::Vec3f>(y, x)[k]);
+  }
+  return out;
+}
+
+void expect_near(const cv::Mat& frame, const cv::Vec3d& expected, int y, int x) {
+  for (int k = 0; k < 3; ++k)
+    ASSERT_LE(std::abs(frame.at<cv::Vec3b>(y, x)[k] - expected[k]), 0.5 + 1e-3) << x << " " << y << " " << k;
+}
+
+TEST(FrameFinisher, ColoursLuminanceAndLaysItIntoTheStillPicture) {
+  const Parts parts;
+  const cv::Mat frame = parts.finisher.finish(parts.luma, parts.fluid, nullptr);
+  ASSERT_EQ(frame.type(), CV_8UC3);
+  ASSERT_EQ(frame.size(), kSize);
+  for (int y = 0; y < kSize.height; ++y)
+    for (int x = 0; x < kSize.width; ++x) expect_near(frame, finished(parts, y, x, nullptr), y, x);
+}
+
+TEST(FrameFinisher, WhatWasCarriedBringsItsColour) {
+  const Parts parts;
+  const CarriedFrame carried = carried_frame();
+  const cv::Mat frame = parts.finisher.finish(parts.luma, parts.fluid, &carried);
+  std::vector<float> blue(kSize.width), red(kSize.width), fraction(kSize.width);
+  double most = 0;
+  for (int y = 0; y < kSize.height; ++y) {
+    colour_row(carried, y, kSize.width, blue.data(), red.data(), fraction.data());
+    for (int x = 0; x < kSize.width; ++x) {
+      // Green is what keeps luma.
+      const double green = -(0.114 * blue[x] + 0.299 * red[x]) / 0.587;
+      const Brought brought{{blue[x], green, red[x]},
+                            carried.luma.at<std::int16_t>(y, x) / static_cast<double>(CarriedFrame::kOne),
+                            fraction[x]};
+      most = std::max(most, brought.fraction);
+      expect_near(frame, finished(parts, y, x, &brought), y, x);
+    }
+  }
+  EXPECT_GT(most, 0.5) << "hardly anything was carried";
+}
+
+TEST(FrameFinisher, LeavesTheStillPictureAsItIsWhereThereIsNoFluid) {
+  Parts parts;
+  cv::Mat bytes(kSize, CV_8UC3);
+  cv::RNG(8).fill(bytes, cv::RNG::UNIFORM, 0, 256);
+  cv::Mat still;
+  bytes.convertTo(still, CV_32F, 1.0 / 255);
+  const FrameFinisher finisher(parts.model, parts.own_colour, still);
+  const CarriedFrame carried = carried_frame();
+  for (const CarriedFrame* brought : {static_cast<const CarriedFrame*>(nullptr), &carried}) {
+    const cv::Mat frame = finisher.finish(parts.luma, parts.fluid, brought);
+    for (int y = 0; y < kSize.height; ++y)
+      for (int x = 0; x < kSize.width; ++x)
+        if (parts.fluid.at<float>(y, x) == 0) {
+          ASSERT_EQ(frame.at<cv::Vec3b>(y, x), bytes.at<cv::Vec3b>(y, x)) << x << " " << y;
+        }
+    const cv::Mat none = finisher.finish(parts.luma, cv::Mat::zeros(kSize, CV_32F), brought);
+    EXPECT_EQ(cv::norm(none, bytes, cv::NORM_INF), 0);
+  }
+}
+
+}  // namespace
+}  // namespace freshet::synth::animate
