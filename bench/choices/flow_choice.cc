@@ -1,4 +1,4 @@
-// Does TV-L1 label better than DIS, for its 65 times the time?
+// Does TV-L1 label better than DIS, for its four to five times the time?
 //
 //   bench_flow_choice CLIP.. [--frames N] [--width PX] [--json FILE]
 //   bench_flow_choice $FRESHET_FOOTAGE/clips/{water/brook_mossy_rocks.mp4,fire/flames_wall_black.mp4,...}
@@ -226,66 +226,84 @@ query::Mrf field_of(const Side& side, const query::CandidateSearch& search) {
                    features.source());
 }
 
-}  // namespace
+// ---- What is measured, step by step -------------------------------------------------------------------
 
-int main(int argc, char** argv) try {
+struct Asked {
   std::vector<fs::path> clips;
   int max_frames = 60, width = 352;
-  std::string json_file;
-  CLI::App app("Does TV-L1 label better than DIS, for the time that it takes?");
-  app.add_option("CLIP", clips, "At least two")->required()->expected(2, -1);
-  app.add_option("--frames", max_frames, "The first frames of each clip")->capture_default_str();
-  app.add_option("--width", width, "That each clip is reduced to, px")->capture_default_str();
-  app.add_option("--json", json_file, "Write the figures here");
-  CLI11_PARSE(app, argc, argv);
-  cv::setNumThreads(1);
-  std::string name = (fs::temp_directory_path() / "flow_choice_XXXXXX").string();
-  const fs::path folder = mkdtemp(name.data());
-  for (fs::path& clip : clips) clip = reduced(fs::absolute(clip), folder, max_frames, width);
-  nlohmann::json json{
-      {"bench", "flow_choice"}, {"compiler", __VERSION__}, {"frames", max_frames}, {"width", width}};
-  fmt::print("{} clips of {} frames, {} px wide; compiler {}\n", clips.size(), max_frames, width,
-             __VERSION__);
+  std::string json_file = "flow_choice.json";
+};
 
-  // Known motion, and time on real frames.
-  std::array<double, 2> seconds{}, vga_seconds{};
-  std::map<std::pair<double, double>, std::array<double, 2>> errors;  // speed, noise
+/// Nothing when the command line asks for nothing that can be done.
+std::optional<Asked> parse(int argc, char** argv) {
+  Asked asked;
+  for (int i = 1; i < argc; ++i) {
+    const std::string argument = argv[i];
+    if (argument == "--frames" && i + 1 < argc)
+      asked.max_frames = std::stoi(argv[++i]);
+    else if (argument == "--width" && i + 1 < argc)
+      asked.width = std::stoi(argv[++i]);
+    else if (argument == "--json" && i + 1 < argc)
+      asked.json_file = argv[++i];
+    else
+      asked.clips.push_back(argument);
+  }
+  if (asked.clips.size() < 2) return std::nullopt;
+  return asked;
+}
+
+double seconds_of_flow(const cv::Mat& from, const cv::Mat& to, const vision::FlowOptions& options) {
+  const double start = cpu_seconds();
+  vision::optical_flow(from, to, options);
+  return cpu_seconds() - start;
+}
+
+/// How far each method is off where motion is known, and what a real frame costs it. By method.
+struct KnownErrors {
+  std::array<double, 2> seconds{}, vga_seconds{};                     // CPU, per frame
+  std::map<std::pair<double, double>, std::array<double, 2>> errors;  // px, by speed and noise
+};
+
+KnownErrors known_errors(const std::vector<fs::path>& clips) {
+  KnownErrors known;
+  const auto count = static_cast<double>(clips.size());
   for (std::size_t c = 0; c < clips.size(); ++c) {
     media::VideoReader reader(clips[c]);
     const cv::Mat first = media::to_luma(*reader.next()), second = media::to_luma(*reader.next());
+    const double angle = 1.0 + 2.4 * static_cast<double>(c);
     for (std::size_t m = 0; m < 2; ++m) {
       const vision::FlowOptions options{kMethods[m]};
-      double start = bench::process_seconds();
-      vision::optical_flow(first, second, options);
-      seconds[m] += (bench::process_seconds() - start) / static_cast<double>(clips.size());
-      for (const double speed : {0.5, 2.0, 6.0}) {
+      known.seconds[m] += seconds_of_flow(first, second, options) / count;
+      for (const double speed : {0.5, 2.0, 6.0})
         for (const double noise : {1.0, 4.0}) {
-          const KnownMotion motion = known_motion(first, speed, noise, 1.0 + 2.4 * static_cast<double>(c));
-          errors[{speed, noise}][m] +=
-              end_point_error(vision::optical_flow(motion.from, motion.to, options), motion.flow) /
-              static_cast<double>(clips.size());
+          const KnownMotion motion = known_motion(first, speed, noise, angle);
+          const cv::Mat flow = vision::optical_flow(motion.from, motion.to, options);
+          known.errors[{speed, noise}][m] += end_point_error(flow, motion.flow) / count;
         }
-      }
       if (c > 0) continue;
       cv::Mat from, to;
       cv::resize(first, from, {640, 480}), cv::resize(second, to, {640, 480});
-      start = bench::process_seconds();
-      vision::optical_flow(from, to, options);
-      vga_seconds[m] = bench::process_seconds() - start;
+      known.vga_seconds[m] = seconds_of_flow(from, to, options);
     }
   }
-  fmt::print("\nCPU seconds per frame: DIS {:.4f}, TV-L1 {:.3f}; of 640 x 480: {:.4f}, {:.3f}\n", seconds[0],
-             seconds[1], vga_seconds[0], vga_seconds[1]);
-  json["cpu_seconds_a_frame"] = seconds;
-  json["cpu_seconds_a_frame_640x480"] = vga_seconds;
+  return known;
+}
+
+void print(const KnownErrors& known, nlohmann::json& json) {
+  fmt::print("\nCPU seconds per frame: DIS {:.4f}, TV-L1 {:.3f}; of 640 x 480: {:.4f}, {:.3f}\n",
+             known.seconds[0], known.seconds[1], known.vga_seconds[0], known.vga_seconds[1]);
+  json["cpu_seconds_a_frame"] = known.seconds;
+  json["cpu_seconds_a_frame_640x480"] = known.vga_seconds;
   fmt::print("\n{:>9}{:>7}{:>12}{:>12}   end-point error, px\n", "speed px", "noise", kNames[0], kNames[1]);
-  for (const auto& [of, error] : errors) {
+  for (const auto& [of, error] : known.errors) {
     fmt::print("{:>9}{:>7}{:>12.3f}{:>12.3f}\n", of.first, of.second, error[0], error[1]);
     json["known_motion"].push_back(
         {{"speed_px", of.first}, {"noise", of.second}, {"dis_px", error[0]}, {"tvl1_px", error[1]}});
   }
   std::fflush(stdout);
+}
 
+std::array<Side, 2> make_sides(const std::vector<fs::path>& clips, const fs::path& folder) {
   std::array<Side, 2> sides;
   for (std::size_t m = 0; m < 2; ++m) {
     sides[m] = make_side(kMethods[m], clips, folder / fmt::format("{}.freshet", m));
@@ -293,82 +311,119 @@ int main(int argc, char** argv) try {
                query::read_patch_table(*sides[m].snapshot).size());
     std::fflush(stdout);
   }
+  return sides;
+}
 
-  // Each clip once held out. Rows of the table: how labelled, with which store, measured by which.
-  std::map<std::array<std::string, 3>, Misfit> misfits;
-  std::array<double, 2> loss{}, worst_loss{};  // labels of DIS under TV-L1's costs; the reverse
-  int held_out = 0;
-  const auto ids = sides[0].snapshot->clips();
-  for (std::size_t c = 0; c < clips.size(); ++c) {
-    const store::ClipId id = ids[c];
-    const store::ClipRecord& record = sides[0].snapshot->clip(id);
-    const query::ClipFrames frames(*sides[0].snapshot, id);
-    const cv::Mat picture = media::to_bgr(frames.read(frames.size() / 2));
-    const cv::Mat matte = moving_mask(sides[0], id) & moving_mask(sides[1], id);
-    if (cv::countNonZero(matte) == 0) {
-      fmt::print("{}: nothing moves\n", record.name);
-      continue;
-    }
-    ++held_out;
-    std::optional<double> direction;
-    for (const bool hinted : {false, true}) {
-      for (std::size_t m = 0; m < 2; ++m) {
-        query::LabelOptions options;
-        options.candidates.class_name = record.class_name;
-        options.candidates.excluded_clips = {record.name};
-        if (hinted) options.candidates.direction_deg = direction;
-        query::CandidateSearch search;
-        try {
-          search = query::search_candidates(*sides[m].snapshot, sides[m].base, picture, matte, options);
-        } catch (const Error& error) {
-          if (error.kind() != ErrorKind::kNotFound) throw;
-          fmt::print("{}, {}: {}\n", record.name, kNames[m], error.what());
-          continue;
-        }
-        const std::array had{motion_had(sides[0], id, search.target),
-                             motion_had(sides[1], id, search.target)};
-        const std::string how = hinted ? "direction given" : "no hint";
-        const auto note = [&](const std::string& row, const std::string& store, std::size_t truth,
-                              const std::vector<cv::Vec2f>& got) {
-          const Misfit of = misfit(got, had[truth]);
-          misfits[{row, store, kNames[truth]}].add(of);
-          json["held_out"].push_back({{"clip", record.name},
-                                      {"how", row},
-                                      {"store", store},
-                                      {"measured_by", kNames[truth]},
-                                      {"pieces", got.size()},
-                                      {"angle_deg", of.angle_deg},
-                                      {"log2_speed", of.log2_speed},
-                                      {"abs_log2_speed", of.abs_log2_speed}});
-        };
-        if (!direction) {
-          cv::Vec2f sum;
-          for (const auto& motion : had) {
-            for (const cv::Vec2f& each : motion) sum += each;
-          }
-          direction = std::atan2(-sum[1], sum[0]) * 180 / std::numbers::pi;
-          if (*direction < 0) *direction += 360;
-          note("the clip itself", kNames[0], 1, had[0]);
-          note("the clip itself", kNames[1], 0, had[1]);
-        }
-        const query::Mrf own = field_of(sides[m], search), other = field_of(sides[1 - m], search);
-        const query::Solution solution = minimize(own, query::Minimizer::kTrwS);
-        for (std::size_t truth = 0; truth < 2; ++truth) {
-          note(how, kNames[m], truth, motion_got(search, solution.labels));
-          note(how + ", best likeness alone", kNames[m], truth, motion_got(search, unary_minimum(own)));
-        }
-        if (hinted) continue;
-        const double best = minimize(other, query::Minimizer::kTrwS).energy;
-        const double above = energy(other, solution.labels) / best - 1;
-        loss[m] += above;
-        worst_loss[m] = std::max(worst_loss[m], above);
-        json["cross_energy"].push_back({{"clip", record.name}, {"labels_of", kNames[m]}, {"loss", above}});
-      }
-    }
+/// Each clip once held out, labelled from the others of its class in either store.
+class HeldOut {
+ public:
+  HeldOut(const std::array<Side, 2>& sides, nlohmann::json& json) : sides_(sides), json_(json) {}
+
+  void label(store::ClipId id);
+  void print() const;
+
+ private:
+  struct Still {  // of the clip held out
+    store::ClipId id;
+    const store::ClipRecord& record;
+    cv::Mat picture, matte;
+    std::optional<double> direction_deg;  // its mean motion's, once it is known
+  };
+  std::optional<query::CandidateSearch> search(const Still& still, std::size_t method, bool hinted) const;
+  void judge(Still& still, std::size_t method, bool hinted, const query::CandidateSearch& search);
+  void note(const Still& still, const std::array<std::string, 3>& row, const std::vector<cv::Vec2f>& got,
+            const std::vector<cv::Vec2f>& had);
+
+  const std::array<Side, 2>& sides_;
+  nlohmann::json& json_;
+  std::map<std::array<std::string, 3>, Misfit>
+      misfits_;                                  // by how labelled, with which store, measured by which
+  std::array<double, 2> loss_{}, worst_loss_{};  // labels of DIS under TV-L1's costs; the reverse
+  int clips_ = 0;
+};
+
+void HeldOut::label(store::ClipId id) {
+  const store::ClipRecord& record = sides_[0].snapshot->clip(id);
+  const query::ClipFrames frames(*sides_[0].snapshot, id);
+  Still still{id, record, media::to_bgr(frames.read(frames.size() / 2)),
+              moving_mask(sides_[0], id) & moving_mask(sides_[1], id), std::nullopt};
+  if (cv::countNonZero(still.matte) == 0) {
+    fmt::print("{}: nothing moves\n", record.name);
+    return;
   }
+  ++clips_;
+  for (const bool hinted : {false, true})
+    for (std::size_t m = 0; m < 2; ++m)
+      if (const auto found = search(still, m, hinted)) judge(still, m, hinted, *found);
+}
+
+std::optional<query::CandidateSearch> HeldOut::search(const Still& still, std::size_t method,
+                                                      bool hinted) const {
+  const Side& side = sides_[method];
+  query::LabelOptions options;
+  options.candidates.class_name = still.record.class_name;
+  options.candidates.excluded_clips = {still.record.name};
+  if (hinted) options.candidates.direction_deg = still.direction_deg;
+  try {
+    return query::search_candidates(*side.snapshot, side.base, still.picture, still.matte, options);
+  } catch (const Error& error) {
+    if (error.kind() != ErrorKind::kNotFound) throw;
+    fmt::print("{}, {}: {}\n", still.record.name, kNames[method], error.what());
+    return std::nullopt;
+  }
+}
+
+void HeldOut::judge(Still& still, std::size_t method, bool hinted, const query::CandidateSearch& search) {
+  const std::array had{motion_had(sides_[0], still.id, search.target),
+                       motion_had(sides_[1], still.id, search.target)};
+  if (!still.direction_deg) {
+    cv::Vec2f sum;
+    for (const auto& motion : had)
+      for (const cv::Vec2f& each : motion) sum += each;
+    still.direction_deg = std::atan2(-sum[1], sum[0]) * 180 / std::numbers::pi;
+    if (*still.direction_deg < 0) *still.direction_deg += 360;
+    note(still, {"the clip itself", kNames[0], kNames[1]}, had[0], had[1]);
+    note(still, {"the clip itself", kNames[1], kNames[0]}, had[1], had[0]);
+  }
+
+  // The labels' motion against what either method measured.
+  const std::string how = hinted ? "direction given" : "no hint";
+  const query::Mrf own = field_of(sides_[method], search), other = field_of(sides_[1 - method], search);
+  const query::Solution solution = minimize(own, query::Minimizer::kTrwS);
+  for (std::size_t truth = 0; truth < 2; ++truth) {
+    note(still, {how, kNames[method], kNames[truth]}, motion_got(search, solution.labels), had[truth]);
+    note(still, {how + ", best likeness alone", kNames[method], kNames[truth]},
+         motion_got(search, unary_minimum(own)), had[truth]);
+  }
+  if (hinted) return;
+
+  // The labels by the other method's costs.
+  const double best = minimize(other, query::Minimizer::kTrwS).energy;
+  const double above = energy(other, solution.labels) / best - 1;
+  loss_[method] += above;
+  worst_loss_[method] = std::max(worst_loss_[method], above);
+  json_["cross_energy"].push_back(
+      {{"clip", still.record.name}, {"labels_of", kNames[method]}, {"loss", above}});
+}
+
+void HeldOut::note(const Still& still, const std::array<std::string, 3>& row,
+                   const std::vector<cv::Vec2f>& got, const std::vector<cv::Vec2f>& had) {
+  const Misfit of = misfit(got, had);
+  misfits_[row].add(of);
+  json_["held_out"].push_back({{"clip", still.record.name},
+                               {"how", row[0]},
+                               {"store", row[1]},
+                               {"measured_by", row[2]},
+                               {"pieces", got.size()},
+                               {"angle_deg", of.angle_deg},
+                               {"log2_speed", of.log2_speed},
+                               {"abs_log2_speed", of.abs_log2_speed}});
+}
+
+void HeldOut::print() const {
   fmt::print("\n{:<34}{:<8}{:<12}{:>10}{:>12}{:>14}{:>7}\n", "labelled", "store", "measured by", "angle deg",
              "log2 speed", "|log2 speed|", "clips");
-  for (const auto& [row, sum] : misfits) {
+  for (const auto& [row, sum] : misfits_) {
     const Misfit mean = sum.mean();
     fmt::print("{:<34}{:<8}{:<12}{:>10.1f}{:>12.2f}{:>14.2f}{:>7}\n", row[0], row[1], row[2], mean.angle_deg,
                mean.log2_speed, mean.abs_log2_speed, sum.count);
@@ -376,9 +431,37 @@ int main(int argc, char** argv) try {
   fmt::print(
       "\nenergy above the other method's optimum: DIS's labels {:.2f} % (worst {:.2f}), TV-L1's {:.2f} % "
       "(worst {:.2f})\n",
-      100 * loss[0] / held_out, 100 * worst_loss[0], 100 * loss[1] / held_out, 100 * worst_loss[1]);
-  if (!json_file.empty()) std::ofstream(json_file) << json.dump(1) << '\n';
-  for (Side& side : sides) side = {};
+      100 * loss_[0] / clips_, 100 * worst_loss_[0], 100 * loss_[1] / clips_, 100 * worst_loss_[1]);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) try {
+  std::optional<Asked> asked = parse(argc, argv);
+  if (!asked) {
+    fmt::print(stderr, "bench_flow_choice CLIP CLIP.. [--frames N] [--width PX] [--json FILE]\n");
+    return 2;
+  }
+  cv::setNumThreads(1);
+  std::string name = (fs::temp_directory_path() / "flow_choice_XXXXXX").string();
+  const fs::path folder = mkdtemp(name.data());
+  std::vector<fs::path>& clips = asked->clips;
+  for (fs::path& clip : clips) clip = reduced(fs::absolute(clip), folder, asked->max_frames, asked->width);
+  nlohmann::json json{{"bench", "flow_choice"},
+                      {"compiler", __VERSION__},
+                      {"frames", asked->max_frames},
+                      {"width", asked->width}};
+  fmt::print("{} clips of {} frames, {} px wide; compiler {}\n", clips.size(), asked->max_frames,
+             asked->width, __VERSION__);
+
+  print(known_errors(clips), json);
+  {
+    const std::array<Side, 2> sides = make_sides(clips, folder);
+    HeldOut held_out(sides, json);
+    for (const store::ClipId id : sides[0].snapshot->clips()) held_out.label(id);
+    held_out.print();
+  }
+  std::ofstream(asked->json_file) << json.dump(1) << '\n';
   fs::remove_all(folder);
   return 0;
 } catch (const std::exception& error) {
