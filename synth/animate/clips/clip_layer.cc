@@ -167,78 +167,105 @@ void ClipLayer::load(std::span<const int> outputs, std::span<const std::uint32_t
   luma_.load(std::vector(frames.begin(), frames.end()), std::vector(flows.begin(), flows.end()));
 }
 
-void ClipLayer::measure(std::span<const int> kept, std::vector<double>* change) {
-  // How much each clip frame counts in each speed group's average.
-  std::vector<std::map<std::uint32_t, double>> weights(groups_.size());
-  std::set<std::uint32_t> shown;
+/// How much each clip frame counts in each speed group's average.
+std::vector<ClipLayer::FrameWeights> ClipLayer::frame_weights() const {
+  std::vector<FrameWeights> weights(groups_.size());
   for (std::size_t v = 0; v < groups_.size(); ++v) {
     double total = 0;
     for (const Moment& moment : groups_[v].moments)
       each_frame(moment, [&](std::uint32_t frame, double weight) {
         weights[v][frame] += weight;
         total += weight;
-        shown.insert(frame);
       });
     for (auto& [frame, weight] : weights[v]) weight /= total;
-    groups_[v].average = cv::Mat::zeros(luma_.region().size(), CV_32F);
   }
+  return weights;
+}
+
+/// Those of the outputs that need no clip frame after this one.
+std::vector<int> ClipLayer::shown_by(std::uint32_t frame, std::span<const int> outputs) const {
+  std::vector<int> shown;
+  for (int output : outputs) {
+    bool past = true;
+    for (const SpeedGroup& group : groups_)
+      each_frame(group.moments[output],
+                 [&](std::uint32_t needed, double) { past = past && needed <= frame; });
+    if (past) shown.push_back(output);
+  }
+  return shown;
+}
+
+void ClipLayer::measure(std::span<const int> kept, std::vector<double>* change) {
+  const std::vector<FrameWeights> weights = frame_weights();
+  std::set<std::uint32_t> shown;
+  for (const FrameWeights& of_group : weights)
+    for (const auto& [frame, weight] : of_group) shown.insert(frame);
+  for (SpeedGroup& group : groups_) group.average = cv::Mat::zeros(luma_.region().size(), CV_32F);
 
   // Frame after frame, in the clip's order, whatever is in memory at once: the sums are the same.
   const std::vector<std::uint32_t> frames(shown.begin(), shown.end());
   const bool all = kept.size() == groups_.front().moments.size();
-  std::vector<float> step(frames.size(), 0);  // from the frame before, mean |difference|
-  const std::span<const cv::Rect> blocks = luma_.blocks();
-  double pixels = 0;
-  for (const cv::Rect& block : blocks) pixels += block.area();
+  std::vector<float> steps(frames.size(), 0);  // from the frame before, mean |difference|
   for (std::size_t first = 0; first < frames.size();) {
     std::size_t end = first + 1;
     while (end < frames.size() && (all || frames[end] / kChunk == frames[first] / kChunk)) ++end;
-    if (all) {
+    if (all)
       load(kept);
-    } else {
-      std::vector<std::uint32_t> chunk(
-          frames.begin() + static_cast<std::ptrdiff_t>(first > 0 ? first - 1 : 0),
-          frames.begin() + static_cast<std::ptrdiff_t>(end));
-      std::vector<int> so_far;  // outputs that are to stay and whose frames have come by
-      for (int output : kept) {
-        bool past = true;
-        for (const SpeedGroup& group : groups_)
-          each_frame(group.moments[output],
-                     [&](std::uint32_t frame, double) { past = past && frame <= frames[end - 1]; });
-        if (past) so_far.push_back(output);
-      }
-      load(so_far, chunk);
-    }
-    std::vector<std::vector<double>> steps(blocks.size(), std::vector<double>(end - first, 0));
-    oneapi::tbb::parallel_for(std::size_t{0}, blocks.size(), [&](std::size_t b) {
-      const cv::Rect& block = blocks[b];
-      std::vector<float> luma(block.width), before(block.width);
-      for (std::size_t i = first; i < end; ++i)
-        for (int y = block.y; y < block.br().y; ++y) {
-          luma_.row(frames[i], block.x, y, block.width, luma.data());
-          for (std::size_t v = 0; v < groups_.size(); ++v)
-            if (const auto weight = weights[v].find(frames[i]); weight != weights[v].end())
-              add_weighed(luma.data(), static_cast<float>(weight->second), block.width,
-                          groups_[v].average.ptr<float>(y - luma_.region().y) + block.x - luma_.region().x);
-          if (!change || i == 0) continue;
-          luma_.row(frames[i - 1], block.x, y, block.width, before.data());
-          for (int x = 0; x < block.width; ++x) steps[b][i - first] += std::abs(luma[x] - before[x]);
-        }
-    });
-    for (std::size_t i = first; i < end; ++i) {
-      double sum = 0;
-      for (const std::vector<double>& of_block : steps) sum += of_block[i - first];
-      step[i] = static_cast<float>(sum / std::max(1.0, pixels));
-    }
+    else  // the chunk, the frame before it, and what is to stay and has come by
+      load(shown_by(frames[end - 1], kept),
+           std::span(frames).subspan(first > 0 ? first - 1 : 0, end - (first > 0 ? first - 1 : 0)));
+    add_to_averages({frames, first, end}, weights, change ? &steps : nullptr);
     first = end;
   }
   load(kept);
-  if (!change) return;
+  if (change) add_change(frames, steps, *change);
+}
 
-  // From output to output: by how far the clip goes on.
+/// Adds a stretch to the averages. steps: if not null, by frame, how far each of them is from the one before.
+void ClipLayer::add_to_averages(const Stretch& stretch, std::span<const FrameWeights> weights,
+                                std::vector<float>* steps) {
+  const std::span<const cv::Rect> blocks = luma_.blocks();
+  const std::size_t count = stretch.end - stretch.first;
+  std::vector<std::vector<double>> of_blocks(blocks.size(), std::vector<double>(steps ? count : 0, 0));
+  oneapi::tbb::parallel_for(std::size_t{0}, blocks.size(),
+                            [&](std::size_t b) { add_block(blocks[b], stretch, weights, of_blocks[b]); });
+  if (!steps) return;
+  double pixels = 0;
+  for (const cv::Rect& block : blocks) pixels += block.area();
+  for (std::size_t i = 0; i < count; ++i) {
+    double sum = 0;
+    for (const std::vector<double>& of_block : of_blocks) sum += of_block[i];
+    (*steps)[stretch.first + i] = static_cast<float>(sum / std::max(1.0, pixels));
+  }
+}
+
+/// The same of one block. steps: by frame of the stretch, sums of |difference|; empty when nobody asks.
+void ClipLayer::add_block(const cv::Rect& block, const Stretch& stretch,
+                          std::span<const FrameWeights> weights, std::span<double> steps) {
+  std::vector<float> luma(block.width), before(block.width);
+  const cv::Point corner = block.tl() - luma_.region().tl();
+  for (std::size_t i = stretch.first; i < stretch.end; ++i) {
+    const std::uint32_t frame = stretch.frames[i];
+    for (int y = 0; y < block.height; ++y) {
+      luma_.row(frame, block.x, block.y + y, block.width, luma.data());
+      for (std::size_t v = 0; v < groups_.size(); ++v)
+        if (const auto weight = weights[v].find(frame); weight != weights[v].end())
+          add_weighed(luma.data(), static_cast<float>(weight->second), block.width,
+                      groups_[v].average.ptr<float>(corner.y + y) + corner.x);
+      if (steps.empty() || i == 0) continue;
+      luma_.row(stretch.frames[i - 1], block.x, block.y + y, block.width, before.data());
+      double& step = steps[i - stretch.first];
+      for (int x = 0; x < block.width; ++x) step += std::abs(luma[x] - before[x]);
+    }
+  }
+}
+
+/// From output to output: by how far the clip goes on.
+void ClipLayer::add_change(std::span<const std::uint32_t> frames, std::span<const float> steps,
+                           std::vector<double>& change) const {
   const auto step_at = [&](double at) {
     const auto next = std::upper_bound(frames.begin(), frames.end(), static_cast<std::uint32_t>(at));
-    return step[std::min<std::size_t>(next - frames.begin(), frames.size() - 1)];
+    return steps[std::min<std::size_t>(next - frames.begin(), frames.size() - 1)];
   };
   for (const SpeedGroup& group : groups_) {
     const std::size_t outputs = group.moments.size();
@@ -249,7 +276,7 @@ void ClipLayer::measure(std::span<const int> kept, std::vector<double>* change) 
         const double moved = k < b.count() ? std::min(1.5, std::abs(b.at[k] - a.at[k])) : 1;
         power += std::pow(a.weight[k] * moved * step_at(a.at[k]), 2);
       }
-      (*change)[i] += std::sqrt(power) * static_cast<double>(group.members.size());
+      change[i] += std::sqrt(power) * static_cast<double>(group.members.size());
     }
   }
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <span>
 #include <string>
 #include <vector>
@@ -79,7 +80,20 @@ class ClipLayer {
     std::vector<float> part, line;
     ClipLuma::Scratch luma;
   };
+  using FrameWeights = std::map<std::uint32_t, double>;  // by clip frame, of a sum of 1
+  struct Stretch {                                       // frames[first, end), which are in memory
+    std::span<const std::uint32_t> frames;
+    std::size_t first = 0, end = 0;
+  };
   void lay_out(SpeedGroup& group) const;
+  std::vector<FrameWeights> frame_weights() const;
+  std::vector<int> shown_by(std::uint32_t frame, std::span<const int> outputs) const;
+  void add_to_averages(const Stretch& stretch, std::span<const FrameWeights> weights,
+                       std::vector<float>* steps);
+  void add_block(const cv::Rect& block, const Stretch& stretch, std::span<const FrameWeights> weights,
+                 std::span<double> steps);
+  void add_change(std::span<const std::uint32_t> frames, std::span<const float> steps,
+                  std::vector<double>& change) const;
   void load(std::span<const int> outputs, std::span<const std::uint32_t> more = {});
   void difference(const SpeedGroup& group, const Moment& moment, Scratch& scratch) const;
 
