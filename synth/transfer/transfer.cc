@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 
 #include "freshet/error.h"
-#include "synth/field/random.h"
+#include "platform/random.h"
 #include "synth/transfer/draft.h"
 #include "synth/transfer/exemplar.h"
 #include "synth/transfer/features.h"

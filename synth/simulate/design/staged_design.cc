@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "synth/field/random.h"
+#include "platform/random.h"
 #include "synth/simulate/design/carried_fluid.h"
 #include "synth/simulate/design/emitters.h"
 #include "synth/simulate/design/fine_velocity.h"
