@@ -228,32 +228,8 @@ query::Mrf field_of(const Side& side, const query::CandidateSearch& search) {
 
 // ---- What is measured, step by step -------------------------------------------------------------------
 
-struct Asked {
-  std::vector<fs::path> clips;
-  int max_frames = 60, width = 352;
-  std::string json_file = "flow_choice.json";
-};
-
-/// Nothing when the command line asks for nothing that can be done.
-std::optional<Asked> parse(int argc, char** argv) {
-  Asked asked;
-  for (int i = 1; i < argc; ++i) {
-    const std::string argument = argv[i];
-    if (argument == "--frames" && i + 1 < argc)
-      asked.max_frames = std::stoi(argv[++i]);
-    else if (argument == "--width" && i + 1 < argc)
-      asked.width = std::stoi(argv[++i]);
-    else if (argument == "--json" && i + 1 < argc)
-      asked.json_file = argv[++i];
-    else
-      asked.clips.push_back(argument);
-  }
-  if (asked.clips.size() < 2) return std::nullopt;
-  return asked;
-}
-
 double seconds_of_flow(const cv::Mat& from, const cv::Mat& to, const vision::FlowOptions& options) {
-  const double start = cpu_seconds();
+  const double start = bench::process_seconds();
   vision::optical_flow(from, to, options);
   return cpu_seconds() - start;
 }
@@ -437,22 +413,23 @@ void HeldOut::print() const {
 }  // namespace
 
 int main(int argc, char** argv) try {
-  std::optional<Asked> asked = parse(argc, argv);
-  if (!asked) {
-    fmt::print(stderr, "bench_flow_choice CLIP CLIP.. [--frames N] [--width PX] [--json FILE]\n");
-    return 2;
-  }
+  std::vector<fs::path> clips;
+  int max_frames = 60, width = 352;
+  std::string json_file;
+  CLI::App app("Does TV-L1 label better than DIS, for the time that it takes?");
+  app.add_option("CLIP", clips, "At least two")->required()->expected(2, -1);
+  app.add_option("--frames", max_frames, "The first frames of each clip")->capture_default_str();
+  app.add_option("--width", width, "That each clip is reduced to, px")->capture_default_str();
+  app.add_option("--json", json_file, "Write the figures here");
+  CLI11_PARSE(app, argc, argv);
   cv::setNumThreads(1);
   std::string name = (fs::temp_directory_path() / "flow_choice_XXXXXX").string();
   const fs::path folder = mkdtemp(name.data());
-  std::vector<fs::path>& clips = asked->clips;
-  for (fs::path& clip : clips) clip = reduced(fs::absolute(clip), folder, asked->max_frames, asked->width);
-  nlohmann::json json{{"bench", "flow_choice"},
-                      {"compiler", __VERSION__},
-                      {"frames", asked->max_frames},
-                      {"width", asked->width}};
-  fmt::print("{} clips of {} frames, {} px wide; compiler {}\n", clips.size(), asked->max_frames,
-             asked->width, __VERSION__);
+  for (fs::path& clip : clips) clip = reduced(fs::absolute(clip), folder, max_frames, width);
+  nlohmann::json json{
+      {"bench", "flow_choice"}, {"compiler", __VERSION__}, {"frames", max_frames}, {"width", width}};
+  fmt::print("{} clips of {} frames, {} px wide; compiler {}\n", clips.size(), max_frames, width,
+             __VERSION__);
 
   print(known_errors(clips), json);
   {
@@ -461,7 +438,7 @@ int main(int argc, char** argv) try {
     for (const store::ClipId id : sides[0].snapshot->clips()) held_out.label(id);
     held_out.print();
   }
-  std::ofstream(asked->json_file) << json.dump(1) << '\n';
+  if (!json_file.empty()) std::ofstream(json_file) << json.dump(1) << '\n';
   fs::remove_all(folder);
   return 0;
 } catch (const std::exception& error) {
