@@ -32,8 +32,8 @@ class VideoWriter {
   /// A frame in native planes, written unchanged with its colour tags, aspect and rotation (.mkv only): the
   /// lossless way back out of a store. Layouts that FFV1 lacks hold the same samples in another order (rgb24
   /// and gbrp in bgr0, rgb48le in gbrp16le, nv12 in yuv420p), else Error{kUsage}. In a sequence gray16le and
-  /// rgb48le keep their 16 bits, the rest is to_bgr(). Frames follow each other at the given rate; time_s is
-  /// not used.
+  /// rgb48le keep their 16 bits, the rest is to_bgr(). Frames follow each other at the given rate,
+  /// whatever their time_s.
   void write(const Frame& frame);
   void finish();
 

@@ -1,9 +1,8 @@
 // store/codec/symbol_streams.h — the entropy stage of a tile: symbols sorted by context, then one zstd frame.
 //
 // zstd's entropy coder knows no contexts: one Huffman table per block. So symbols that are expected to be
-// alike are brought together into streams, each of which ends a block of one and the same frame and gets a
-// table of its own. Where most symbols cost less than a bit, two or four of them are packed into a byte
-// first.
+// alike are brought together into streams. Each stream ends a block of one and the same frame and gets a
+// table of its own. Where most symbols cost less than a bit, two or four of them share a byte.
 #pragma once
 
 #include <array>
