@@ -18,8 +18,8 @@ namespace freshet::ingest {
 struct CameraMotion {
   int windows = 0;             // looked at
   int referenced_windows = 0;  // in which something solid was found
-  double drift = 0;  // largest distance between the scene's places at any two moments, fraction of the
-                     // diagonal
+  /// Largest distance between the scene's places at any two moments, fraction of the diagonal.
+  double drift = 0;
   double shake = 0;  // rms of its motion faster than about 0.4 s, fraction of the diagonal
   double reference_fraction() const {
     return windows > 0 ? static_cast<double>(referenced_windows) / windows : 0;

@@ -9,10 +9,11 @@
 
 namespace freshet::vision {
 
-/// Cells on a patch's side: patch / options.cell, for the cells of a variant are `cell` px of ITS frame (at
-/// scale 1 as large as the clip's, at scale 1/2 as two of them a side); feature values of one cell: 2 + 2 *
-/// bands + kTextureLevels: mean u, mean v (px/s), power of u by band, power of v by band ((px/s)^2),
-/// textureness by level (0..1).
+/// Feature values of one cell, 2 + 2 * bands + kTextureLevels: mean u, mean v (px/s), power of u by band,
+/// power of v by band ((px/s)^2), textureness by level (0..1).
+///
+/// A patch has patch / options.cell cells on a side: the cells of a variant are `cell` px of ITS frame. At
+/// scale 1 they are as large as the clip's, at scale 1/2 as two of them a side.
 int feature_channels(const SpectrumOptions& options);
 
 /// Features of one patch of a variant, cell by cell, row-major, channel fastest.
