@@ -20,7 +20,7 @@ struct BenchmarkPicture {
 struct BenchmarkPieces {
   std::vector<BenchmarkPicture> pictures;
   std::string held_out;             // the clip whose average image is the picture; empty: pictures were given
-  std::vector<Row> rows;            // of the table, ascending, that are searched: all, or all but that clip's
+  std::vector<Row> rows;            // that are searched, ascending: the table's, without that clip's
   std::vector<PieceQuery> queries;  // `max_pieces` at most, evenly spread over all pictures' pieces
   std::vector<std::size_t> pieces;  // how many each picture has in all
 };

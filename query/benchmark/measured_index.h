@@ -23,8 +23,8 @@ struct SearchSpace {
   int word_count = 0;
 };
 
-/// A name for the table ("ef 200") and what makes the index search so from then on. Never called while a
-/// search runs.
+/// A name for the table ("ef 200") and what makes the index search so from then on. Never called
+/// while a search runs.
 struct IndexSetting {
   std::string name;
   std::function<void()> apply;

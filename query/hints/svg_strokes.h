@@ -22,9 +22,12 @@ namespace freshet::query {
 /// picture, wherever it lies; else the page (width, height, viewBox) is; a drawing without any page is in px.
 ///
 /// Curves become chains no further than 0.1 px from them. The document type and its entities are not read.
-/// text      the whole document. Throws Error{kInput} naming `where`, the element and the fault: not XML, not
-/// SVG, a page of other proportions (by more than 2 %), a path, number, transform or length that is
-/// malformed, elements nested deeper than 200. Strokes outside the picture are the caller's to judge.
+/// Strokes outside the picture are the caller's to judge.
+///
+/// text      the whole document.
+/// Throws    Error{kInput} naming `where`, the element and the fault: not XML, not SVG, a page of other
+///           proportions (by more than 2 %), a path, number, transform or length that is malformed, elements
+///           nested deeper than 200.
 std::vector<Stroke> read_svg_strokes(std::string_view text, const std::string& where, cv::Size picture,
                                      std::vector<std::string>* notices);
 

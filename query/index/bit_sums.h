@@ -34,8 +34,8 @@ class PyramidSums {
   void add_up(std::span<const RowBits* const> level0, std::span<const RowBits* const> level1,
               std::size_t groups);
 
-  /// Rows whose bound reaches `score`. mask: the rows to look at in, those that reach it out. Returns how
-  /// many.
+  /// Rows whose bound reaches `score`. mask: the rows to look at in, those that reach it out.
+  /// Returns   how many.
   std::size_t keep_reaching(std::uint32_t score, std::size_t groups, Mask& mask) const;
 
   /// I0 + I1 of a row of the block.

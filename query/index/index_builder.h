@@ -17,8 +17,9 @@ struct IndexOptions {
   FlannOptions flann_options{};    // trees, branching, ...; `kind` is taken from the list
   bool rebuild = false;            // even when nothing has changed
   std::size_t samples = 200'000;  // descriptors that the codebook is trained on, spread evenly over the clips
-  std::size_t cache_bytes = std::size_t{1} << 30;  // descriptors kept from the first pass over the clips for
-      // the second; of the others, only the samples are made twice
+  /// For descriptors, kept from the first pass over the clips for the second. Of clips that do not fit, only
+  /// the samples are made twice.
+  std::size_t cache_bytes = std::size_t{1} << 30;
 };
 
 /// Where a build stands.
@@ -47,9 +48,11 @@ struct IndexReport {
 /// The representative image of each unflipped variant is described on one grid that all of its patches share;
 /// flipped patches take the mirrored descriptors. Samples are taken clip by clip in order of source hash, as
 /// many from each, half of them mirrored, so that neither the order of ingest nor the number of threads has a
-/// part. When clips are new, everything is trained again: the words of a store depend on its clips, not on
-/// its history. Does nothing but the FLANN indexes asked for when no clip is new. Each is tuned (tune_flann).
-/// FLANN indexes are erased when words change.
+/// part.
+///
+/// When clips are new, everything is trained again: the words of a store depend on its clips, not on its
+/// history. FLANN indexes are erased when words change. When no clip is new, only the FLANN indexes asked for
+/// are built. Each is tuned (tune_flann).
 ///
 /// progress    called from the calling thread; may be empty.
 /// Throws      Error{kNotFound} when there is no patch, Error{kCancelled} when stopped, Error{kDamaged}.

@@ -13,7 +13,7 @@
 namespace freshet::query {
 
 /// Three things speak for a direction, each as a logarithm of likelihood: their sum, averaged over
-/// neighbours. Figures: bench/choices/motion_guess.cc, docs/measurements.md.
+/// neighbours. Figures: bench/choices/motion_guess.cc, docs/measurements/motion.md.
 struct GuessOptions {
   /// Of the classes' pull: how far the clips of a class go up or down together, by the store's own patches;
   /// each class counts by its fraction of the candidates.
@@ -37,8 +37,9 @@ struct PieceGuess {
 };
 
 struct MotionGuess {
-  MotionGuide guide;  // directions, (0, 0) where nothing is dared; empty when nowhere. Its tolerance is the
-                      // spread that goes with the mean certainty, 45 to 90 degrees
+  /// Directions, (0, 0) where nothing is dared; empty when nowhere. Its tolerance is the spread that goes
+  /// with the mean certainty, 45 to 90 degrees.
+  MotionGuide guide;
   std::vector<PieceGuess> pieces;
   std::string report;  // what was guessed and what it rests on, for a person; without a full stop
 };
