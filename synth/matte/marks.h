@@ -36,7 +36,7 @@ Marks read_scribbles(const std::filesystem::path& path, const cv::Mat& picture,
 ///   {"is": "within",     "box": [x, y, width, height]}]}         no fluid outside; several: outside of all
 ///
 /// Throws   Error{kInput} naming the file, the mark and the remedy: malformed, no mark, a mark outside the
-/// picture or without area, above 16 MB, 10,000 marks or a million points.
+///          picture or without area, above 16 MB, 10,000 marks or a million points.
 Marks read_marks(const std::filesystem::path& path, cv::Size picture);
 
 /// No fluid outside of these boxes (px): background wherever nothing was said. Throws Error{kUsage} naming

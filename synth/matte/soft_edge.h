@@ -20,8 +20,9 @@ const char* to_string(Edge edge);
 
 struct EdgeOptions {
   Edge edge = Edge::kInformationFlow;
-  double width_px = 0;          // the band, half of it to either side of the region's edge, in which alpha is
-                                // found; 0: of the picture's longer side 8 %, guided 2 %
+  /// The band in which alpha is found, half of it to either side of the region's edge. 0: of the picture's
+  /// longer side 8 %, guided 2 %.
+  double width_px = 0;
   double guided_radius = 0.25;  // of the guided filter, in widths of the band
   double guided_eps = 1e-3;     // contrast (variance of 0..1) below which a guided edge is smoothed
   int max_pixels = 100'000;     // of the copy that information flow works on: some 30 us per pixel

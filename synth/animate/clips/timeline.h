@@ -36,11 +36,12 @@ struct TimelineOptions {
 /// plain cross-fade of unrelated frames would lose half of their power. They are weights of differences to
 /// the average.
 ///
-/// times      of the clip's frames, s, ascending; at least one. interval: of the last frame, s.
+/// times      of the clip's frames, s, ascending; at least one.
+/// interval   of the last frame, s.
 /// rule       of the clip; where it has none, a clip that is long enough still plays once.
 /// where      names the clip in messages.
 /// Throws     Error{kInput} when the clip is shorter than the animation, or a loop is asked, and it has no
-/// rule.
+///            rule.
 std::vector<Moment> timeline(std::span<const double> times, double interval,
                              const std::optional<vision::LoopRule>& rule, const std::string& where,
                              const TimelineOptions& options);

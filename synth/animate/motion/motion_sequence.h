@@ -35,8 +35,7 @@ class MotionSequence {
   /// played   each patch of the placement once; `frames` frames shown of each.
   /// Throws   Error{kDamaged} when a clip's flow does not fit its frames.
   /// Cost     one pass over the flow of the frames shown, all threads; memory frames x picture / 64 x 8
-  /// bytes,
-  ///          and a slab of one clip's flow a thread.
+  ///          bytes, and a slab of one clip's flow a thread.
   /// Source   Okabe et al. 2011, Sec. 6, "Dynamic Boundaries of Fluid".
   MotionSequence(const store::Snapshot& snapshot, const vision::Settings& settings,
                  const Placement& placement, std::span<const PlayedPatches> played, cv::Size picture,

@@ -21,10 +21,11 @@ struct PlacedPatch {
 
 /// Pieces on one regular lattice: every piece.x differs from another's by a multiple of `stride`; so does y.
 struct Placement {
-  int side = 48;           // px, of a piece
-  int stride = 24;         // px
-  double piece_scale = 1;  // pieces lie on the picture reduced by this, and are shown enlarged by it: all px
-                           // here are of the reduced picture (query/search/picture_scale.h)
+  int side = 48;    // px, of a piece
+  int stride = 24;  // px
+  /// Pieces lie on the picture reduced by this, and are shown enlarged by it: all px here are of the reduced
+  /// picture (query/search/picture_scale.h).
+  double piece_scale = 1;
   std::vector<PlacedPatch> patches;
 };
 
@@ -44,8 +45,8 @@ bool coherent(const PlacedPatch& a, const PlacedPatch& b);
 /// corner lies on the lattice.
 cv::Rect canvas_of(const Placement& placement);
 
-/// From pixels of the picture to squares of `square` px, middles on middles. corner   of the first square, on
-/// the reduced picture.
+/// From pixels of the picture to squares of `square` px, middles on middles.
+/// corner   of the first square, on the reduced picture.
 cv::Matx23d squares_from_picture(const Placement& placement, cv::Point corner, int square, cv::Size picture);
 
 }  // namespace freshet::synth::animate

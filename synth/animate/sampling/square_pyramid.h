@@ -5,13 +5,10 @@
 
 namespace freshet::synth::animate {
 
-// As cv::pyrDown and cv::pyrUp make them (Burt and Adelson 1983), which for pictures of 48 px and less spend
-// most of their time on being called. Squares of n x n samples, rows one after another; n even, at least
-// kMinSquare. Inlined, so that they are compiled for the widths of a FRESHET_WIDE caller.
+// The pyramid of a piece, as cv::pyrDown and cv::pyrUp make it (Burt and Adelson 1983): for pictures of 48 px
+// and less these spend most of their time on being called. Squares of n x n samples, rows one after another;
+// n even, at least kMinSquare. Inlined, so that they are compiled for the widths of a FRESHET_WIDE caller.
 inline constexpr int kMinSquare = 4;
-
-// The pyramid of a piece, as cv::pyrDown and cv::pyrUp make it: they spend most of their time on being called
-// for pictures of 48 px and less. Squares of n x n samples, rows one after another; n even.
 
 /// Rows to half as many. line: n samples and two on either side.
 [[gnu::always_inline]] inline void reduce_square(const float* from, int n, float* line, float* to) {

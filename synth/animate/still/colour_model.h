@@ -15,8 +15,11 @@ struct ColourModel {
   cv::Mat slope, offset;  // CV_32FC3, BGR
 };
 
-/// bgr CV_32FC3, luma CV_32F, both 0..1; matte CV_32F. radius px of the window; ridge the variance of luma
-/// below which colour is taken as constant.
+/// bgr     CV_32FC3, 0..1.
+/// luma    CV_32F, 0..1.
+/// matte   CV_32F.
+/// radius  px, of the window.
+/// ridge   the variance of luma below which colour is taken as constant.
 ColourModel fit_colour(const cv::Mat& bgr, const cv::Mat& luma, const cv::Mat& matte, int radius = 12,
                        double ridge = 4e-4);
 

@@ -15,8 +15,7 @@ namespace freshet::synth::animate {
 class FrameFinisher {
  public:
   /// model        of the picture (fit_colour); own_colour CV_32FC3: what colour does beside it.
-  /// still        CV_32FC3, 0..1: what shows where the fluid does not; where a matte is 0 it comes out as it
-  /// is.
+  /// still        CV_32FC3, 0..1: what shows where the fluid does not; unchanged where a matte is 0.
   FrameFinisher(const ColourModel& model, const cv::Mat& own_colour, const cv::Mat& still);
 
   /// luma     CV_32F. fluid CV_32F, 0..1: the matte. carried: null, or what brings its colour with it.

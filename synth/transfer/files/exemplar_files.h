@@ -1,5 +1,4 @@
-// synth/transfer/files/exemplar_files.h — the look from a picture, a sequence, a video or a stored clip, for
-// as long as it is needed.
+// synth/transfer/files/exemplar_files.h — the look from a picture, sequence, video or stored clip, for any length.
 #pragma once
 
 #include <cstddef>
@@ -27,8 +26,9 @@ enum class Ground {
 };
 
 struct ExemplarOptions {
-  std::filesystem::path alpha = {};  // masks in place of the exemplar's alpha: a picture for all of its
-                                     // frames, or a folder, pattern or video of as many; empty: none
+  /// Masks in place of the exemplar's alpha: a picture for all of its frames, or a folder, pattern or video
+  /// of as many; empty: none.
+  std::filesystem::path alpha = {};
   Ground ground = Ground::kNone;
   int patch = 5;   // px per side, of the transfer: an exemplar has room for two each way
   int frames = 1;  // of the animation
@@ -68,8 +68,8 @@ class ExemplarFiles {
   std::unique_ptr<Impl> impl_;
 };
 
-/// Straight alpha and colours of light on black, or of what is dark on white. bgra CV_16UC4, in place; its
-/// alpha is replaced.
+/// Straight alpha and colours of light on black, or of what is dark on white.
+/// bgra   CV_16UC4, in place; its alpha is replaced.
 void take_off_ground(cv::Mat& bgra, Ground ground);
 
 }  // namespace freshet::synth::transfer
