@@ -1,5 +1,4 @@
-// quality_case.h — one clip as a question: a still of it, what is known of its motion, and what it really
-// did.
+// quality_case.h — one clip as a question: a still of it, its known motion, and what it really did.
 #pragma once
 
 #include <optional>
@@ -16,15 +15,15 @@
 namespace freshet::bench {
 
 struct CaseOptions {
-  int width =
-      640;  // px; clips whose longer side is greater are reduced to it, and all cropped to whole blocks
+  /// px. Clips whose longer side is greater are reduced to it. All are cropped to whole blocks.
+  int width = 640;
   int frames = 75;  // at most
 };
 
 struct Case {
   std::string name, class_name;
-  std::vector<std::string>
-      same_scene;  // clips that show the same place, itself among them: left out together
+  /// Clips that show the same place, itself among them: left out together.
+  std::vector<std::string> same_scene;
   double fps = 25;
   std::vector<cv::Mat> truth;          // CV_8UC3: what the clip did around the still
   std::vector<cv::Mat> luma;           // CV_8U, of `truth`

@@ -1,5 +1,4 @@
-// bench/scale/scaled_store.h — stores of any size without more footage: jittered repetitions of a real store's
-// clips.
+// bench/scale/scaled_store.h — stores of any size without more footage: jittered copies of a real store's clips.
 #pragma once
 
 #include <cstdint>
