@@ -1,7 +1,6 @@
 // tests/query/costs/made_tables.h — tables of a made field, from code for wide vectors and from the same without.
 //
-// made_tables.cc and what it calls are compiled twice: as they are, and as freshet_plain, without wide
-// vectors.
+// made_tables.cc and what it calls are compiled twice: once without wide vectors, as freshet_plain.
 #pragma once
 
 #include <vector>
