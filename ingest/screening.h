@@ -61,10 +61,10 @@ struct FrameChange {
   float decorrelation = 0;  // 1 - correlation with the frame before
   float histogram = 0;      // half the L1 distance of 32-bin histograms
 };
-/// The frames that begin another take: where the picture changes at once and for good. Against the four
-/// frames on either side such a frame differs several times more in all of mean absolute difference,
-/// correlation and histogram. Flames flicker, but every frame; a flash or a flicker of exposure keeps the
-/// correlation.
+/// The frames that begin another take: where the picture changes at once and for good. Against the
+/// four frames on either side such a frame differs several times more in all of mean absolute
+/// difference, correlation and histogram. Flames flicker, but every frame; a flash or a flicker of
+/// exposure keeps the correlation.
 std::vector<int> find_cuts(const std::vector<FrameChange>& changes);
 /// Fraction of frames that repeat the one before, among those that have one.
 double duplicated_fraction(const std::vector<FrameChange>& changes);

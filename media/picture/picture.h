@@ -24,9 +24,9 @@ struct Matte {
   cv::Mat alpha;
   std::vector<std::string> notices;
 };
-/// Reads a matte: CV_8U, 255 where the fluid is. Colour is reduced to grey, 16 bits to 8, alpha is ignored;
-/// notices say so. Throws as read_picture, and Error{kInput} when its size is not `size` or nothing in it is
-/// above 0.
+/// Reads a matte: CV_8U, 255 where the fluid is. Colour is reduced to grey, 16 bits to 8, alpha is
+/// ignored; notices say so. Throws as read_picture, and Error{kInput} when its size is not `size`
+/// or nothing in it is above 0.
 Matte read_matte(const std::filesystem::path& path, cv::Size size);
 
 /// A picture whose samples are numbers: all of its bits, and its alpha.

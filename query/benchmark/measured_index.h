@@ -1,8 +1,8 @@
 // query/benchmark/measured_index.h — what freshet query bench asks of an index that it measures.
 //
-// To add one: write a file beside this one with a function that returns a MeasuredIndex, and name it in
-// measured_indexes.cc and CMakeLists.txt. measured_scan.cc is a whole example; docs/benchmark.md walks
-// through it.
+// To add one: write a file beside this one with a function that returns a MeasuredIndex, and name
+// it in measured_indexes.cc and CMakeLists.txt. measured_scan.cc is a whole example;
+// docs/benchmark.md walks through it.
 #pragma once
 
 #include <functional>

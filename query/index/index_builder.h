@@ -45,10 +45,10 @@ struct IndexReport {
 /// Builds the index of all clips: blob "codebook", column "patch.words" of every clip, and blobs "flann-..."
 /// as asked for, in one transaction: a build that is stopped leaves the store as it was.
 ///
-/// The representative image of each unflipped variant is described on one grid that all of its patches share;
-/// flipped patches take the mirrored descriptors. Samples are taken clip by clip in order of source hash, as
-/// many from each, half of them mirrored, so that neither the order of ingest nor the number of threads has a
-/// part.
+/// The representative image of each unflipped variant is described on one grid that all of its patches
+/// share; flipped patches take the mirrored descriptors. Samples are taken clip by clip in order of
+/// source hash, as many from each, half of them mirrored, so that neither the order of ingest nor the
+/// number of threads has a part.
 ///
 /// When clips are new, everything is trained again: the words of a store depend on its clips, not on its
 /// history. FLANN indexes are erased when words change. When no clip is new, only the FLANN indexes asked for

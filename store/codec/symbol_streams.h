@@ -21,8 +21,8 @@ inline constexpr std::size_t kSymbolsPerLoad = 8;
 /// contexts are merged where a table of their own would cost more than it saves.
 void encode_symbols(const ContextSymbols& symbols, ByteSpan side, Bytes& out);
 
-/// What encode_symbols wrote, ready to be read without checks, up to kSymbolsPerLoad symbols at a time, at
-/// next[context].
+/// What encode_symbols wrote, ready to be read without checks, up to kSymbolsPerLoad symbols
+/// at a time, at next[context].
 struct DecodedSymbols {
   std::array<const std::uint8_t*, kContexts> next{}, end{};  // of each context
   ByteSpan side;

@@ -33,8 +33,8 @@ struct Placement {
 /// four pieces overlap across: an assignment file can say so.
 void check(const Placement& placement);
 
-/// The largest power of two, at most `max_step`, that divides side and stride: in steps of it pieces and
-/// canvas coincide.
+/// The largest power of two, at most `max_step`, that divides side and stride: in steps of
+/// it pieces and canvas coincide.
 int common_step(const Placement& placement, int max_step);
 
 /// True when b's patch continues a's in its own clip and variant, at the same speed: laid beside each other

@@ -57,8 +57,8 @@ inline constexpr CubicWeights kCubic = cubic_weights();
   }
 }
 
-/// The same of a plane of pairs, whose offset and stride count pairs: firsts into `out`, seconds into
-/// `second`.
+/// The same of a plane of pairs, whose offset and stride count pairs: firsts into
+/// `out`, seconds into `second`.
 [[gnu::always_inline]] inline void cubic_pairs(const float* plane, std::ptrdiff_t offset,
                                                std::ptrdiff_t stride, const std::int32_t* x,
                                                const std::int32_t* y, int n, float* out, float* second) {

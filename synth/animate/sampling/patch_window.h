@@ -11,9 +11,9 @@
 namespace freshet::synth::animate {
 
 /// Cuts side x side windows out of frames that have already been reduced to the variant's scale
-/// (area_reduction.h), so that all patches of one clip share the reduction. Upright windows are copied or
-/// mirrored, turned ones are interpolated bicubically: bilinear interpolation costs a third of the finest
-/// band's contrast.
+/// (area_reduction.h), so that all patches of one clip share the reduction. Upright windows are
+/// copied or mirrored, turned ones are interpolated bicubically: bilinear interpolation costs a third
+/// of the finest band's contrast.
 class PatchWindow {
  public:
   /// source   size of the clip's frames. patch: px, top-left corner in the variant's frame.

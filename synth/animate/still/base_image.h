@@ -18,8 +18,8 @@ struct BaseImageOptions {
 /// matte     CV_32F, 0..1: only fluid is blurred into fluid; what is outside neither changes nor bleeds in.
 /// motion    CV_32FC2, px/s.
 /// Returns   the picture blurred along its motion (a line integral, centred), then by a Gaussian in
-///           proportion to speed, which removes the edges that the line integral leaves. Unblurred where
-///           nothing moves.
+///           proportion to speed, which removes the edges that the line integral leaves.
+///           Unblurred where nothing moves.
 /// Cost      O(pixels of the fluid * blur length); all threads. Memory: 16 bytes per pixel for each of up to
 ///           8 widths, less for wide ones.
 /// Source    Okabe et al. 2011, Sec. 6, "Recovery of Color Appearance"; Brostow and Essa 2001.

@@ -5,9 +5,9 @@
 
 namespace freshet::synth::animate {
 
-/// Differences carry their own clip's colours: laid on as they are they made pink casts on grey cascades. So
-/// only luminance is transferred, and each place is coloured by the picture's local relation of colour to
-/// luminance.
+/// Differences carry their own clip's colours: laid on as they are they made pink casts on grey
+/// cascades. So only luminance is transferred, and each place is coloured by the picture's local
+/// relation of colour to luminance.
 ///
 /// colour - luma = slope * luma + offset, by least squares in a window around each pixel, weighted by the
 /// matte (He, Sun, Tang 2010: the guided filter, its guide the luminance). Adding luma back keeps it exactly.
