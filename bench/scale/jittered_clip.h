@@ -46,12 +46,13 @@ struct JitteredClip {
 ///
 /// Average image and frames are resampled (bicubic) through one smooth map: turn, zoom, mirror, place of the
 /// window, and a bend. Detail of another place of the same clip, turned and mirrored by itself, takes a
-/// fraction of the amplitude of the clip's own, so that no patch is a copy of a source's. Words come from the
-/// average image as an index build has them, but with a codebook given. Spectra and textureness are the
-/// source's cells, read through the same map: velocities turned, zoomed and sped up, powers by the squares,
-/// cross power included; textureness moved between its levels by the zoom and steepened with the tone curve.
-/// The bend does not turn velocities. What moves goes through the map as well, and find_patches decides, as
-/// it does at ingest.
+/// fraction of the amplitude of the clip's own, so that no patch is a copy of a source's.
+///
+/// Words come from the average image as an index build has them, but with a codebook given. Spectra and
+/// textureness are the source's cells, read through the same map. Velocities are turned, zoomed and sped up,
+/// powers by the squares, cross power included. Textureness is moved between its levels by the zoom and
+/// steepened with the tone curve. The bend does not turn velocities. What moves goes through the map as well,
+/// and find_patches decides, as it does at ingest.
 ///
 /// window   px; smaller where the turned source does not hold it.
 /// Cost     0.3 s of CPU for 640 x 480 px and 2,000 patches, most of it descriptors. Same bytes for any

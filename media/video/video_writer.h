@@ -15,12 +15,17 @@ struct VideoWriterOptions {
   int crf = 16;  // H.264 quality, 0 (lossless) .. 51; lower is better and larger
 };
 
-/// .mp4 (H.264 High, yuv420p, BT.709 tagged, faststart: plays in a browser; odd sizes are padded by repeating
-/// the last column or row), .mkv (FFV1 level 3, lossless), .mov (ProRes 4444, 10 bits, alpha 16, BT.709
-/// tagged), .webp and .png/.apng (animated), or a pattern holding %05d (or another %0Nd, or ####) with a
-/// picture ending: one file per frame, numbered from 0. Written beside the target and renamed on finish, so
-/// that a broken run leaves no half file; a sequence is written frame by frame. Throws Error{kUsage} for an
-/// ending it does not know, Error{kIo} for a folder that does not exist or a full disk.
+/// The ending says what is written:
+///   .mp4           H.264 High, yuv420p, BT.709 tagged, faststart: plays in a browser. Odd sizes are padded
+///                  by repeating the last column or row.
+///   .mkv           FFV1 level 3, lossless
+///   .mov           ProRes 4444, 10 bits, alpha 16, BT.709 tagged
+///   .webp, .png or .apng: animated
+///   a pattern      holding %05d (or another %0Nd, or ####), with a picture ending: one file per frame
+/// A file is written beside the target and renamed on finish, so that a broken run leaves no half file; a
+/// sequence is written frame by frame.
+/// Throws   Error{kUsage} for an ending it does not know, Error{kIo} for a folder that does not exist or
+///          a full disk.
 class VideoWriter {
  public:
   VideoWriter(const std::filesystem::path& path, cv::Size size, const VideoWriterOptions& options = {});

@@ -26,9 +26,10 @@ struct BenchmarkPieces {
 };
 
 /// Of the pictures, cut as labelling cuts them. Without any: of the average image of the clip with the median
-/// number of patches, whose own patches are then left out, so that nothing is found because it is the same
-/// footage; the only clip of a store is not left out.
-/// rows   of those, this many evenly spread; 0: all. Throws Error{kUsage} when there are not so many.
+/// number of patches. That clip's own patches are then left out, so that nothing is found because it is the
+/// same footage; the only clip of a store is not left out.
+/// rows     of those, this many evenly spread; 0: all.
+/// Throws   Error{kUsage} when there are fewer.
 BenchmarkPieces benchmark_pieces(const store::Snapshot& snapshot, const SearchBase& base,
                                  std::vector<BenchmarkPicture> pictures, std::size_t max_pieces,
                                  std::size_t rows);

@@ -57,7 +57,7 @@ std::vector<std::vector<ScoredPatch>> search_each(
 
 /// For an index that knows no conditions: asks it for more than k rows, then for four times as many, until k
 /// of what it gives are admitted or it has given all rows.
-/// ask    so many of the best rows of the query, any order, scored.
+/// ask    the best `count` rows of the query, any order, scored.
 std::vector<ScoredPatch> search_widening(
     std::size_t rows, std::size_t k, const SearchFilter& search_filter, std::size_t query_number,
     const std::function<std::vector<ScoredPatch>(std::size_t count)>& ask);

@@ -11,7 +11,7 @@ namespace freshet::query {
 /// The 16 cells of level 2, of 4 to 9 points each.
 ///
 /// A point of a row counts when its word is in the query's cell more often than it was at earlier points of
-/// the row's cell: that adds up to the histogram intersection, and all 81 points are looked at side by side.
+/// the row's cell. That adds up to the histogram intersection, and all 81 points are looked at side by side.
 class FineWords {
  public:
   /// Words from word_count on are in no row and do not count.

@@ -91,9 +91,9 @@ Candidates find_candidates(const CandidateIndex& index, const PatchTable& table,
                            const MotionGuide& guide = {},
                            std::vector<std::optional<PieceAnswer>>* answers = nullptr);
 
-/// What it costs a candidate not to move quite as asked: inside its window one still has to choose.
-/// direction * (1 - cos of the angle) + speed * (log2 of the ratio)^2; pieces of which nothing is asked pay
-/// nothing. Added to the unary costs, which are 1 - score.
+/// What it costs a candidate not to move quite as asked: inside its window one still has to choose. Pieces of
+/// which nothing is asked pay nothing. Added to the unary costs, which are 1 - score:
+///   direction * (1 - cos of the angle) + speed * (log2 of the ratio)^2
 struct GuideCosts {
   double direction = 0.3, speed = 0.05;
 };

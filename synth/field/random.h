@@ -1,4 +1,5 @@
-// synth/field/random.h — counter-based random numbers: a value depends on (seed, stream, index) alone.
+// synth/field/random.h — counter-based random numbers: a value is a function of (seed, stream, index)
+// alone.
 #pragma once
 
 #include <cstdint>

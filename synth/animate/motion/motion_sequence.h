@@ -26,16 +26,16 @@ struct PlayedPatches {
   std::vector<ShownFrame> shown;     // by output frame
 };
 
-/// The motion M_i of the synthesised animation: the flow of the assigned patches' clips at the frames
-/// that are shown, turned and scaled into their variants, averaged over squares of some 8 px, and
-/// mixed where pieces overlap by weights that fall from each piece's middle. Beyond the pieces the
-/// motion of the nearest goes on.
+/// The motion M_i of the synthesised animation. It is the flow of the assigned patches' clips at the frames
+/// that are shown, turned and scaled into their variants and averaged over squares of some 8 px. Where pieces
+/// overlap it is mixed by weights that fall from each piece's middle. Beyond the pieces the motion of the
+/// nearest goes on.
 class MotionSequence {
  public:
   /// played   each patch of the placement once; `frames` frames shown of each.
   /// Throws   Error{kDamaged} when a clip's flow does not fit its frames.
-  /// Cost     one pass over the flow of the frames shown, all threads; memory frames x picture / 64 x 8
-  ///          bytes, and a slab of one clip's flow a thread.
+  /// Cost     one pass over the flow of the frames shown, all threads; memory frames x picture / 64 x 8 bytes,
+  ///          and per thread a slab of one clip's flow.
   /// Source   Okabe et al. 2011, Sec. 6, "Dynamic Boundaries of Fluid".
   MotionSequence(const store::Snapshot& snapshot, const vision::Settings& settings,
                  const Placement& placement, std::span<const PlayedPatches> played, cv::Size picture,

@@ -34,7 +34,7 @@ cv::Mat behind_fluid(const cv::Mat& picture, const cv::Mat& matte, const Boundar
 class BoundarySequence {
  public:
   /// motion   velocity in frame i, CV_32FC2, px/s, as MotionSequence::at.
-  /// ring     0, or the number of frames after which the motion begins again: then the matte is brought to
+  /// ring     0, or the number of frames after which the motion begins again. The matte is then brought to
   ///          its own period first, and so has no seam; it no longer begins as the still one.
   BoundarySequence(const cv::Mat& alpha, const cv::Mat& mean_motion, double fps,
                    const DynamicMatteOptions& options, std::function<cv::Mat(int)> motion, int ring = 0);

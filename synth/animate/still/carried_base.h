@@ -65,9 +65,9 @@ class CarriedBase {
   struct Scratch;
   void carry(const cv::Rect& cell, int i, CarriedFrame& out, Scratch& scratch) const;
 
-  // The picture as pairs of luma and weight (how far it is fluid, faded towards the matte's edge), and at
-  // half its width and height as fours of blue - luma, red - luma, weight and 0; each with a margin. Beyond
-  // the matte the fluid's own values go on: what a copy brings from there counts little, and it is not rock.
+  // The picture as pairs of luma and weight: how far it is fluid, faded towards the matte's edge. At half its
+  // width and height, fours of blue - luma, red - luma, weight and 0. Each has a margin. Beyond the matte the
+  // fluid's own values go on: what a copy brings from there counts little, and it is not rock.
   cv::Mat fluid_, colour_;  // CV_32FC2, CV_32FC4
   /// CV_32F, at half size: the maximum that the carried picture counts; the place's own weight.
   cv::Mat max_fraction_, own_;
