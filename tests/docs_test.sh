@@ -1,5 +1,6 @@
 #!/bin/sh
-# Fails when README.md, a document or a comment names a file, folder, command, option or bench that does not exist.
+# Fails when README.md, a document or a comment names a file, folder, command, option or bench that does not exist, or
+# when docs/architecture.md leaves out a folder.
 # usage: tests/docs_test.sh ROOT
 set -eu
 cd "$1"
@@ -36,6 +37,12 @@ done >> "$missing"
 # Files that a document names without their folder.
 grep -oE '`[a-z0-9_]+\.(h|cc|sh|cmake)`' $documents | tr -d '`' | sort -u | tr ':' ' ' | while read -r document name; do
   find . -path ./build -prune -o -name "$name" -print | grep -q . || echo "$document: $name"
+done >> "$missing"
+
+# The architecture has a line for every folder of the engine.
+find include platform report store media vision ingest query synth tools -name '*.h' | sed 's|/[^/]*$||' | sort -u |
+  while read -r folder; do
+  grep -q "\`$folder/\`" docs/architecture.md || echo "docs/architecture.md: a line for $folder/"
 done >> "$missing"
 
 # Commands: freshet A, or freshet A B where A has commands below it.
