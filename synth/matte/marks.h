@@ -23,7 +23,8 @@ using Marks = cv::Mat;
 ///              painted differs from it by 24 of 255 or less and is unknown, whatever its colour.
 /// plain        otherwise: strokes on grey, as a trimap.
 ///
-/// picture  CV_8UC3. notices   for a person, when not null.
+/// picture  CV_8UC3.
+/// notices  for a person, when not null.
 /// Throws   Error{kInput} naming the file: unreadable, another size, no stroke in it.
 Marks read_scribbles(const std::filesystem::path& path, const cv::Mat& picture,
                      std::vector<std::string>* notices = nullptr);

@@ -31,7 +31,8 @@ class DynamicMatte {
   DynamicMatte(const cv::Mat& alpha, const cv::Mat& mean_motion, double fps,
                const DynamicMatteOptions& options = {});
 
-  /// Moves on by one frame. motion CV_32FC2, px/s, finite. All threads; the same for any number of them.
+  /// Moves on by one frame. All threads; the same for any number of them.
+  /// motion   CV_32FC2, px/s, finite.
   void step(const cv::Mat& motion);
 
   /// The matte of the present frame: CV_32F, 0..1. Its area differs from alpha's by at most a thousandth,

@@ -16,13 +16,15 @@ namespace freshet::synth::animate {
 /// of the finest band's contrast.
 class PatchWindow {
  public:
-  /// source   size of the clip's frames. patch: px, top-left corner in the variant's frame.
+  /// source   size of the clip's frames.
+  /// patch    px, top-left corner in the variant's frame.
   PatchWindow(cv::Size source, const vision::Variant& variant, cv::Point patch, int side);
   /// Pixels of the source frame that a window needs, with the interpolation's margin; inside the frame.
   cv::Rect needed() const { return needed_; }
   /// Pixels of the reduced frame that cut() reads.
   cv::Rect read() const { return read_; }
-  /// reduced   CV_32F, of the size reduced_to_scale. out CV_32F, side x side.
+  /// reduced   CV_32F, of the size reduced_to_scale.
+  /// out       CV_32F, side x side.
   void cut(const cv::Mat& reduced, cv::Mat& out) const;
 
  private:

@@ -10,7 +10,8 @@ namespace freshet::synth::animate {
 // n even, at least kMinSquare. Inlined, so that they are compiled for the widths of a FRESHET_WIDE caller.
 inline constexpr int kMinSquare = 4;
 
-/// Rows to half as many. line: n samples and two on either side.
+/// Rows to half as many.
+/// line   scratch: n samples and two on either side.
 [[gnu::always_inline]] inline void reduce_square(const float* from, int n, float* line, float* to) {
   // Mirrored at the edge samples.
   const auto row = [from, n](int y) { return from + n * (y < 0 ? -y : y < n ? y : 2 * n - 2 - y); };
@@ -28,7 +29,8 @@ inline constexpr int kMinSquare = 4;
   }
 }
 
-/// Columns of n / 2 samples per row to n; line: n / 2 samples and one on either side.
+/// Columns of n / 2 samples per row to n.
+/// line   scratch: n / 2 samples and one on either side.
 [[gnu::always_inline]] inline void widen_square(const float* from, int n, float* line, float* to) {
   const int half = n / 2;
   for (int y = 0; y < half; ++y) {
@@ -43,7 +45,8 @@ inline constexpr int kMinSquare = 4;
   }
 }
 
-/// sum += (current - what `low` becomes at twice the size) * weight, row by row; wide: low, widened.
+/// sum += (current - what `low` becomes at twice the size) * weight, row by row.
+/// wide   low, widened.
 [[gnu::always_inline]] inline void add_band(const float* current, const float* wide, const float* weight,
                                             int n, float* sum, std::ptrdiff_t stride) {
   constexpr float kUnit = 1.0f / 64;

@@ -40,8 +40,9 @@ class StableFluids {
   /// Prescribes the velocity through the left edge and fills the field with it; Edge::kFixed keeps it.
   void set_inflow_left(const std::vector<float>& speed_by_row);
 
-  /// Other obstacles, of the constructor's kind. velocity: theirs, a vector per cell, cells per frame: what
-  /// touches a face of one takes its velocity through it.
+  /// Other obstacles, of the constructor's kind.
+  /// velocity   theirs, a vector per cell, cells per frame: what touches a face of one takes its velocity
+  ///            through it.
   void set_solid(const GridOf<std::uint8_t>& solid, const VectorGrid& velocity);
 
   /// lightness  1 / density of what is in each cell, (0, 1], 1 the lightest: pressure moves heavy cells less.
