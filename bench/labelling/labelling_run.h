@@ -1,4 +1,4 @@
-// bench/labelling/labelling_run.h — a picture labelled in a process of its own, from its start to the assignment.
+// bench/labelling/labelling_run.h — a picture labelled in a process of its own, from start to assignment.
 #pragma once
 
 #include <filesystem>

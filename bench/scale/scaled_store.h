@@ -1,4 +1,4 @@
-// bench/scale/scaled_store.h — stores of any size without more footage: jittered copies of a real store's clips.
+// bench/scale/scaled_store.h — stores of any size without more footage: jittered copies of real clips.
 #pragma once
 
 #include <cstdint>

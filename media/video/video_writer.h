@@ -1,4 +1,4 @@
-// media/video/video_writer.h — a video, an animated picture or a numbered sequence, chosen by the name's ending.
+// media/video/video_writer.h — a video, an animated picture or a numbered sequence, by the name's ending.
 #pragma once
 
 #include <filesystem>

@@ -1,4 +1,4 @@
-// query/benchmark/subset_index.h — an index of some rows of a table, asked and answering in the table's numbers.
+// query/benchmark/subset_index.h — an index of some rows of a table, that speaks in the table's numbers.
 #pragma once
 
 #include <span>

@@ -1,4 +1,4 @@
-// query/costs/pairwise.h — how well the patches of neighbouring pieces go together: the energy of a labelling.
+// query/costs/pairwise.h — how well patches of neighbouring pieces go together: the energy of a labelling.
 #pragma once
 
 #include <compare>

@@ -1,4 +1,4 @@
-// query/index/dense_histogram.h — spatial pyramids as vectors of bytes, for indexes that know nothing of words.
+// query/index/dense_histogram.h — spatial pyramids as vectors of bytes, for indexes that know no words.
 #pragma once
 
 #include <cstddef>

@@ -1,4 +1,4 @@
-// query/index/fine_words.h — what a query holds on the finest level of the pyramid, to be compared with word maps.
+// query/index/fine_words.h — a query's words on the pyramid's finest level, to be compared with word maps.
 #pragma once
 
 #include <array>

@@ -1,4 +1,4 @@
-// query/labelling/assignment.h — which patch lies on which piece of a picture, as a file that can be applied again.
+// query/labelling/assignment.h — which patch lies on which piece of a picture, as a file.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// query/labelling/label_sweep.h — one picture labelled with many weights at the price of little more than one.
+// query/labelling/label_sweep.h — one picture labelled with many weights, for little more than one.
 #pragma once
 
 #include <cstddef>

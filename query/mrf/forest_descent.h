@@ -1,4 +1,4 @@
-// query/mrf/forest_descent.h — large exact moves: the best labels of a forest of nodes while the rest is held.
+// query/mrf/forest_descent.h — large exact moves: the best labels of a forest while the rest is held.
 #pragma once
 
 #include "query/mrf/mrf.h"
