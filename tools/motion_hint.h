@@ -12,7 +12,8 @@
 
 namespace freshet::tools {
 
-/// Whether nobody says a direction: neither strokes nor an orientation map nor --direction, nor --hint none.
+/// Whether nobody says a direction: neither strokes nor an orientation map nor --direction, and not --hint
+/// none.
 bool may_guess(const AskedMotion& asked, const query::CandidateOptions& options);
 
 /// Gives options.guide a direction, and its tolerance, where one may be guessed and the guess dares. What was

@@ -1,4 +1,4 @@
-// tools/sweep_page.h — the animations of a sweep beside each other: one picture, and one page that plays them.
+// tools/sweep_page.h — the animations of a sweep beside each other: one picture, and one page.
 #pragma once
 
 #include <filesystem>

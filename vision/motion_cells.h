@@ -1,4 +1,4 @@
-// vision/motion_cells.h — how a clip moves, place by place: signed mean motion, and power by temporal frequency.
+// vision/motion_cells.h — how a clip moves, place by place: mean motion, and power by frequency.
 #pragma once
 
 #include <cstdint>
@@ -29,8 +29,8 @@ int motion_channels(const SpectrumOptions& options);
 /// Nominal bins n = 1..N stand at n / window_s hertz, N = floor(window_s * max_hz). Of B bands, band 0 starts
 /// at bin 1 and band b at round((N + 1)^(b / B)), moved as little as gives every band a bin: with the
 /// defaults, bins 1, 2, 3, 4, 5, 6-7, 8-11 and 12-16 of 0.78 Hz each. A clip's own
-/// frequency belongs to the nominal bin nearest to it in hertz. Bands above a slow clip's Nyquist frequency stay zero; so do bands between the
-/// frequencies of a clip shorter than a window.
+/// frequency belongs to the nominal bin nearest to it in hertz. Bands above a slow clip's Nyquist frequency
+/// stay zero; so do bands between the frequencies of a clip shorter than a window.
 int motion_bands(const SpectrumOptions& options);
 inline constexpr int kMaxBands = 512;
 /// Where the bands meet: motion_bands + 1 values, Hz.

@@ -53,8 +53,7 @@ struct CandidateSearch {
 };
 
 /// The first half: pieces and their candidates.
-/// picture   CV_8UC3 BGR.
-/// matte     CV_8U of its size, 255 where the fluid is.
+/// picture   CV_8UC3 BGR. matte   CV_8U of its size, 255 where the fluid is.
 /// progress  called from the calling thread before each stage; may be empty.
 /// memo      what earlier labellings have left, and where this one leaves its own; may be null. It changes
 ///           the time that is taken, and nothing else.

@@ -1,4 +1,4 @@
-// synth/animate/motion/moving_boundary.h — the fluid's moving outline: a matte per frame, and what is behind it.
+// synth/animate/motion/moving_boundary.h — the fluid's moving outline: a matte per frame, and its background.
 #pragma once
 
 #include <functional>

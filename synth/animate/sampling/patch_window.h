@@ -1,4 +1,4 @@
-// synth/animate/sampling/patch_window.h — how one patch is cut out of a frame of its clip, as its variant shows it.
+// synth/animate/sampling/patch_window.h — a patch cut out of a frame of its clip, as its variant shows it.
 #pragma once
 
 #include <cstdint>

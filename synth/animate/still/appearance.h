@@ -1,4 +1,4 @@
-// synth/animate/still/appearance.h — the animation's contrast and levels matched, place by place, to the picture's.
+// synth/animate/still/appearance.h — contrast and levels matched, place by place, to the picture's.
 #pragma once
 
 #include <span>

@@ -1,4 +1,4 @@
-// synth/simulate/clips/gas.h — what smoke, fire and ink share: a flow, what it carries, and the picture in it.
+// synth/simulate/clips/gas.h — what smoke, fire and ink share: a flow, what it carries, the picture in it.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// synth/simulate/scene/design.h — a designed motion: what lets fluid in, what stands in its way, what drives it.
+// synth/simulate/scene/design.h — a designed motion: what lets fluid in, what stops it, what drives it.
 //
 // Places are fractions of the picture: x of its width, y of its height, y down. Lengths are fractions of its
 // height, speeds picture heights per second, times seconds from frame 0. So a design means the same at every

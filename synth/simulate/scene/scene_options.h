@@ -1,4 +1,4 @@
-// synth/simulate/scene/scene_options.h — what to simulate: a ready-made clip or a design; its size, length and seed.
+// synth/simulate/scene/scene_options.h — what to simulate: a clip or a design; its size, length and seed.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// synth/transfer/files/exemplar_files.h — the look from a picture, sequence, video or stored clip, for any length.
+// synth/transfer/files/exemplar_files.h — the look from a picture, sequence, video or stored clip.
 #pragma once
 
 #include <cstddef>

@@ -1,4 +1,4 @@
-// tests/query/costs/made_tables.h — tables of a made field, from code for wide vectors and from the same without.
+// tests/query/costs/made_tables.h — tables of a made field, by code for wide vectors and by plain code.
 //
 // made_tables.cc and what it calls are compiled twice: once without wide vectors, as freshet_plain.
 #pragma once
