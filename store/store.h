@@ -54,9 +54,12 @@ class Store {
     std::span<const std::byte> bytes;
     std::uint32_t element_size = 1;  // bytes
   };
-  /// Writes or replaces blobs and columns, and erases the blobs named last, all in one transaction. Values
+  /// Erases the blobs named last, then writes or replaces blobs and columns, all in one transaction. Values
   /// are checksummed, and compressed where that makes them smaller. Nothing is borrowed beyond the call.
-  /// Throws Error{kIo} on a full disk: the store is then as before.
+  ///
+  /// Throws   Error{kNotFound} for a clip that is not in the store, Error{kUsage} for a name that is empty or
+  ///          too long (kMaxBlobName, kMaxColumnName) and for bytes that are no whole number of elements,
+  ///          Error{kIo} on a full disk. The store is then as before.
   void write(std::span<const Blob> blobs, std::span<const Column> columns = {},
              std::span<const std::string> erased_blobs = {});
 
