@@ -15,15 +15,15 @@
 namespace freshet::bench {
 
 struct CaseOptions {
-  /// px. Clips whose longer side is greater are reduced to it. All are cropped to whole blocks.
-  int width = 640;
+  int width =
+      640;  // px; clips whose longer side is greater are reduced to it, and all cropped to whole blocks
   int frames = 75;  // at most
 };
 
 struct Case {
   std::string name, class_name;
-  /// Clips that show the same place, itself among them: left out together.
-  std::vector<std::string> same_scene;
+  std::vector<std::string>
+      same_scene;  // clips that show the same place, itself among them: left out together
   double fps = 25;
   std::vector<cv::Mat> truth;          // CV_8UC3: what the clip did around the still
   std::vector<cv::Mat> luma;           // CV_8U, of `truth`

@@ -68,16 +68,14 @@ double seam_of(std::span<const cv::Mat> luma, const Region& region);
 Film measure(std::span<const cv::Mat> luma, std::span<const PairMotion> motions, double fps,
              const Region& region);
 
-/// One film against another of as many frames. 0 where they agree; ssim is then 1.
+/// One film against another of as many frames. 0 where they agree, but for ssim.
 struct Distance {
-  /// Mean |difference| over blocks and bands. Power below 1e-3 (30 dB below one grey level) counts as that:
-  /// a still is some 40 dB away, not infinitely far.
-  double spectrum_db = 0;
-  double matte_db = 0;  // the same of the power of all blocks together: where in the matte does not matter
-  /// Mean over blocks of the angle between mean motions, where the truth's is at least kMinSpeed; 90 where
-  /// nothing moves in the film.
-  double angle_deg = 0;
-  double speed = 0;        // log2 of the ratio of mean speeds over these blocks; signed
+  double spectrum_db = 0;  // mean |difference| over blocks and bands. Power below 1e-3 (30 dB below one grey
+                           // level) counts as that: a still is some 40 dB away, not infinitely far.
+  double matte_db = 0;     // the same of the power of all blocks together: where in the matte does not matter
+  double angle_deg = 0;  // mean over blocks of the angle between mean motions, where the truth's is at least
+                         // kMinSpeed; 90 where nothing moves in the film
+  double speed = 0;      // log2 of the ratio of mean speeds over these blocks; signed
   double block_speed = 0;  // mean over these blocks of |log2 of the ratio of speeds|
   double texture = 0;      // mean over levels of |log2 of the ratio|
   double contrast = 0;     // the same, signed: below 0 detail was lost

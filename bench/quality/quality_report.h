@@ -27,7 +27,8 @@ struct Figure {
 };
 const std::vector<Figure>& figures();
 
-/// Mean and median by method, over all clips and by class. A row per method, in order of first appearance.
+/// Mean and median by method, over all clips and by class; a row per method, in the order of first
+/// appearance.
 std::string summary_table(const std::vector<Judged>& judged);
 /// A row per clip and method; signed.
 std::string clip_table(const std::vector<Judged>& judged);

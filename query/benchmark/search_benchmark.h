@@ -33,11 +33,9 @@ struct SearchBenchmarkOptions {
 /// Measures the indexes in turn; each is gone before the next is built.
 ///
 /// Recall is against ExactIndex over the same rows, itself compared with brute force. Whether an index would
-/// pass the limits is estimated by building it of a 32nd and an 8th of the rows.
-///
-/// Loss of energy: the picture is labelled with the index's candidates as query::label does it, without the
-/// candidates' vote. The vote is a cost that depends on the candidates; without it one energy judges all.
-///
+/// pass the limits is estimated by building it of a 32nd and an 8th of the rows. Loss of energy: the picture
+/// is labelled with the index's candidates as query::label does it, but without the candidates' vote, which
+/// is a cost that depends on the candidates; so one energy judges all.
 /// base       its index is replaced while a picture is labelled.
 /// progress   called from the calling thread; may be empty.
 /// Throws     Error{kCancelled} when stopped, Error{kUsage} for more rows than there are. What an index

@@ -14,10 +14,9 @@ namespace freshet::query {
 
 /// What is asked of the motion, pixel by pixel; either map alone, or both.
 struct MotionGuide {
-  /// CV_32FC2, the picture's size: unit vectors, x right, y down; (0, 0): not asked there. Empty: nowhere.
-  cv::Mat direction{};
-  /// CV_32F, the picture's size: px/s; negative: not asked there. Empty: nowhere.
-  cv::Mat speed{};
+  cv::Mat direction{};  // CV_32FC2, the picture's size: unit vectors, x right, y down; (0, 0): not asked
+                        // there. Empty: nowhere.
+  cv::Mat speed{};      // CV_32F, the picture's size: px/s; negative: not asked there. Empty: nowhere.
   double tolerance_deg = 30;        // to either side of the direction
   double speed_ratio = 1.5;         // speeds from asked / ratio to asked * ratio
   double min_speed_px_per_s = 2.5;  // slower patches have no direction that counts

@@ -68,8 +68,8 @@ class ExemplarFiles {
   std::unique_ptr<Impl> impl_;
 };
 
-/// Straight alpha and colours of light on black, or of what is dark on white.
-/// bgra   CV_16UC4, in place; its alpha is replaced.
+/// Straight alpha and colours of light on black, or of what is dark on white. bgra CV_16UC4, in place; its
+/// alpha is replaced.
 void take_off_ground(cv::Mat& bgra, Ground ground);
 
 }  // namespace freshet::synth::transfer
