@@ -4,10 +4,11 @@
 # usage: tests/docs_test.sh ROOT
 set -eu
 cd "$1"
-rooms="include platform report store media vision ingest query synth tools tests bench docs cmake"
+engine=$(sed -n 's/^rooms="\(.*\)"$/\1/p' tests/arrows_test.sh)
+[ -n "$engine" ]
+rooms="$engine tests bench docs cmake"
 documents="README.md $(find docs -name '*.md' | sort)"
-sources=$(find include platform report store media vision ingest query synth tools tests bench \
-               -name '*.h' -o -name '*.cc' -o -name '*.sh' -o -name 'CMakeLists.txt')
+sources=$(find $engine tests bench -name '*.h' -o -name '*.cc' -o -name '*.sh' -o -name 'CMakeLists.txt')
 scratch=$(mktemp -d)
 trap 'rm -rf "$scratch"' EXIT
 missing=$scratch/missing
@@ -40,7 +41,7 @@ grep -oE '`[a-z0-9_]+\.(h|cc|sh|cmake)`' $documents | tr -d '`' | sort -u | tr '
 done >> "$missing"
 
 # The architecture has a line for every folder of the engine.
-find include platform report store media vision ingest query synth tools -name '*.h' | sed 's|/[^/]*$||' | sort -u |
+find $engine -name '*.h' | sed 's|/[^/]*$||' | sort -u |
   while read -r folder; do
   grep -q "\`$folder/\`" docs/architecture.md || echo "docs/architecture.md: a line for $folder/"
 done >> "$missing"
