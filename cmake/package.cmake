@@ -1,17 +1,17 @@
-# What `cmake --install` puts where, so that find_package(freshet) gives freshet::store, freshet::query, ...
+# What `cmake --install` puts where, so that find_package(freshet) gives freshet::freshet and the headers of
+# include/freshet. The rooms behind it are installed as archives alone: no header of theirs.
 include(CMakePackageConfigHelpers)
 
-set(rooms store media vision ingest query field animate matte simulate transfer transfer_files)
+set(rooms store media vision ingest query field animate simulate transfer transfer_files)
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/freshet)
 foreach(room ${rooms})
   set_target_properties(freshet_${room} PROPERTIES EXPORT_NAME ${room})
   install(TARGETS freshet_${room} EXPORT freshet-targets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
 endforeach()
+set_target_properties(freshet_library PROPERTIES EXPORT_NAME freshet)
+install(TARGETS freshet_library EXPORT freshet-targets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} FILE_SET HEADERS)
 install(TARGETS freshet_flags EXPORT freshet-targets)
 install(EXPORT freshet-targets NAMESPACE freshet:: DESTINATION ${package_dir})
-
-install(DIRECTORY include/freshet platform store media vision ingest query synth DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/freshet
-        FILES_MATCHING PATTERN "*.h" PATTERN query/benchmark EXCLUDE)
 
 write_basic_package_version_file(${CMAKE_CURRENT_BINARY_DIR}/freshetConfigVersion.cmake
                                  COMPATIBILITY SameMinorVersion)

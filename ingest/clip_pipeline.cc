@@ -1,7 +1,6 @@
 #include "ingest/clip_pipeline.h"
 
 #include <algorithm>
-#include <chrono>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -12,8 +11,8 @@
 
 #include "freshet/error.h"
 #include "ingest/clip_analysis.h"
-#include "ingest/stopwatch.h"
 #include "media/frame/frame.h"
+#include "platform/stopwatch.h"
 #include "vision/flow.h"
 #include "vision/textureness.h"
 
@@ -26,7 +25,7 @@ struct Slab {
 };
 
 Slab decode_slab(media::VideoReader& reader, double& seconds) {
-  const Stopwatch watch(seconds);
+  const TimedScope watch(seconds);
   Slab slab;
   slab.frames.reserve(kSlab);
   slab.luma.reserve(kSlab);
@@ -105,7 +104,7 @@ struct Pass {
     {
       // Screening and the loop take frames one after another: one thread, beside the flow of the same frames.
       Aside screening([&] {
-        const Stopwatch watch(seconds.screen);
+        const TimedScope watch(seconds.screen);
         for (const cv::Mat& luma : slab.luma) {
           screener.add(luma);
           loop.add(luma);
@@ -115,14 +114,14 @@ struct Pass {
       screening.wait();
     }
     {
-      const Stopwatch watch(seconds.texture);
+      const TimedScope watch(seconds.texture);
       for (const cv::Mat& luma : slab.luma) {
         statistics.add(luma);
         for (const auto& scale : texture) scale->add(luma);
       }
     }
     {
-      const Stopwatch watch(seconds.store);
+      const TimedScope watch(seconds.store);
       views.clear();
       for (const media::Frame& frame : slab.frames) {
         for (const media::Plane& plane : frame.planes) views.push_back({plane.data, plane.stride});
@@ -137,7 +136,7 @@ struct Pass {
     const int last = static_cast<int>(slab.luma.size());
     if (first >= last) return;
     {
-      const Stopwatch watch(seconds.flow);
+      const TimedScope watch(seconds.flow);
       tbb::parallel_for(first, last, [&](int i) {
         const cv::Mat& from = i == 0 ? previous : slab.luma[i - 1];
         const cv::Mat flow = vision::optical_flow(from, slab.luma[i], settings.flow);
@@ -145,10 +144,10 @@ struct Pass {
       });
     }
     {
-      const Stopwatch watch(seconds.motion);
+      const TimedScope watch(seconds.motion);
       for (int i = first; i < last; ++i) motion.add(u[i], v[i]);
     }
-    const Stopwatch watch(seconds.store);
+    const TimedScope watch(seconds.store);
     if (!std::exchange(flow_begun, true)) {
       const store::PlaneShape shape{static_cast<std::uint32_t>(u[first].cols),
                                     static_cast<std::uint32_t>(u[first].rows), 2};
@@ -199,7 +198,7 @@ ClipMeasures stream_clip(media::VideoReader& reader, double fps, const std::stri
                 "Give a longer clip");
   }
 
-  const Stopwatch watch(seconds.patches);
+  const TimedScope watch(seconds.patches);
   measures.screening = pass.screener.finish();
   measures.loop = pass.loop.finish();
   measures.average = pass.statistics.mean_u16();

@@ -12,9 +12,9 @@
 
 #include "ingest/clip_analysis.h"
 #include "ingest/clip_pipeline.h"
-#include "ingest/stopwatch.h"
 #include "media/frame/layout_json.h"
 #include "media/video/video_reader.h"
+#include "platform/stopwatch.h"
 #include "vision/textureness.h"
 
 namespace freshet::ingest {
@@ -136,7 +136,7 @@ class ClipIngest {
     report.path = source.path;
     report.class_name = options_.class_name.empty() ? source.class_name : options_.class_name;
     try {
-      const Stopwatch total(report.seconds.total);
+      const TimedScope total(report.seconds.total);
       add(source, on_slab, stop, report);
     } catch (const Error& error) {
       if (error.kind() != ErrorKind::kInput) throw;
@@ -168,7 +168,7 @@ class ClipIngest {
       return true;
     }
     {
-      const Stopwatch watch(report.seconds.hash);
+      const TimedScope watch(report.seconds.hash);
       hash_ = source_hash(source.path);
     }
     if (const auto seen = seen_.find(hash_); seen != seen_.end()) {
@@ -235,7 +235,7 @@ class ClipIngest {
 
     PatchColumns patches;
     {
-      const Stopwatch watch(report.seconds.patches);
+      const TimedScope watch(report.seconds.patches);
       patches = find_patches(measures.moving, measures.motion, settings_);
     }
     Verdict verdict = judge(measures.screening, options_.limits);
@@ -267,7 +267,7 @@ class ClipIngest {
     record.height = report.height;
     record.metadata = metadata_of(info, measures, verdict, report, options_.repairs);
     {
-      const Stopwatch watch(report.seconds.commit);
+      const TimedScope watch(report.seconds.commit);
       write_columns(writer, measures, patches);
       writer.commit(std::move(record));
     }

@@ -15,6 +15,7 @@
 #include "media/picture/picture.h"
 #include "media/picture/picture_sequence.h"
 #include "media/video/video_reader.h"
+#include "platform/text.h"
 
 namespace freshet::ingest {
 namespace {
@@ -124,7 +125,7 @@ struct HashState {
   }
   std::string hex() const {
     const XXH128_hash_t hash = XXH3_128bits_digest(state.get());
-    return fmt::format("{:016x}{:016x}", hash.high64, hash.low64);
+    return freshet::hex(hash.high64) + freshet::hex(hash.low64);
   }
 };
 
@@ -181,7 +182,7 @@ std::string source_hash(const fs::path& path) {
     if (!media::looks_like_picture(file)) continue;
     const std::string name = file.filename().string();
     hash.add({name.c_str(), name.size() + 1});  // with its zero: "a1","2" is not "a12",""
-    hash.add(fmt::format("{:016x}", fs::file_size(file, error)));
+    hash.add(hex(fs::file_size(file, error)));
     hash.add_file(file);
   }
   return hash.hex();

@@ -11,6 +11,8 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "platform/vectors.h"
+
 namespace freshet::report {
 
 struct Machine {
@@ -20,11 +22,8 @@ struct Machine {
 };
 
 inline std::string vectors_in_use() {
-#if defined(FRESHET_WIDE_VECTORS) && defined(__x86_64__)
-  if (__builtin_cpu_supports("x86-64-v4")) return "AVX-512";
-  if (__builtin_cpu_supports("x86-64-v3")) return "AVX2";
-#endif
-  return "plain";
+  const int bytes = vector_bytes();
+  return bytes == 64 ? "AVX-512" : bytes == 32 ? "AVX2" : "plain";
 }
 
 inline Machine this_machine() {

@@ -8,6 +8,7 @@
 #include <memory>
 #include <tuple>
 
+#include "platform/text.h"
 #include "store/store_impl.h"
 
 namespace freshet::store {
@@ -112,13 +113,7 @@ std::string Snapshot::digest() const {
     whole.number(bytes.size());
     whole.bytes(bytes);
   }
-  static constexpr char kHex[] = "0123456789abcdef";
-  std::string text;
-  for (const std::uint8_t byte : whole.result().digest) {
-    text += kHex[byte >> 4];
-    text += kHex[byte & 15];
-  }
-  return text;
+  return hex(whole.result().digest);
 }
 
 }  // namespace freshet::store

@@ -1,16 +1,45 @@
 #!/bin/sh
-# Installs the build into a scratch folder and builds a program outside the tree against it.
+# Installs the build into a scratch folder, builds programs outside the tree against it, and runs them on clips that
+# they simulate.
 # usage: tests/install_test.sh ROOT BUILD
 set -eu
 root=$1 build=$2
 scratch=$(mktemp -d)
 trap 'rm -rf "$scratch"' EXIT
-cmake --install "$build" --prefix "$scratch/prefix" > "$scratch/log"
-cmake -S "$root/tests/install" -B "$scratch/build" -G Ninja -DCMAKE_PREFIX_PATH="$scratch/prefix" > "$scratch/log"
-cmake --build "$scratch/build" > "$scratch/log" || { cat "$scratch/log"; exit 1; }
+prefix=$scratch/prefix
+cmake --install "$build" --prefix "$prefix" > "$scratch/log"
 
-# It must run, and its message must name the file that is not there.
+# The public headers and no other, which include nothing but each other, the standard library and OpenCV's core.
+(cd "$root/include" && find . -name '*.h' | sort) > "$scratch/public"
+(cd "$prefix/include" && find . -type f | sort) > "$scratch/installed"
+diff "$scratch/public" "$scratch/installed"
+if grep -rhE '^ *# *include' "$prefix/include" | grep -vE '<[a-z_]+>|<opencv2/core.hpp>|"freshet/[a-z]+\.h"'; then
+  echo "a public header includes what is not installed"
+  exit 1
+fi
+
+cmake -S "$root/tests/install" -B "$scratch/build" -G Ninja -DCMAKE_PREFIX_PATH="$prefix" > "$scratch/log"
+cmake --build "$scratch/build" > "$scratch/log" || { cat "$scratch/log"; exit 1; }
+"$prefix/bin/freshet" --version | grep -q '^freshet [0-9]'
+
+# A message names the file that is not there.
+cd "$scratch"
 status=0
-"$scratch/build/uses_freshet" "$scratch/no.store" 2> "$scratch/message" || status=$?
-[ $status -eq 1 ] && grep -q no.store "$scratch/message"
-"$scratch/prefix/bin/freshet" --version | grep -q '^freshet [0-9]'
+build/animate no.store still.png matte.png out.mp4 2> message || status=$?
+[ $status -eq 1 ] && grep -q no.store message
+
+mkdir -p clips/fall
+build/simulate 1 clips/fall/1.mkv still.png matte.png
+build/simulate 2 clips/fall/2.mkv still.png matte.png
+build/simulate 7 out.mkv still.png matte.png
+build/ingest my.store clips > listing 2> log || { cat log; exit 1; }
+grep -q '^fall/1.mkv [1-9]' listing && grep -q '^fall/2.mkv [1-9]' listing
+
+# The same animation as the program's, to the byte.
+build/animate my.store still.png matte.png out.mp4
+"$prefix/bin/freshet" synth animate my.store still.png --matte matte.png --class fall --frames 8 -o same.mp4 > log 2>&1
+cmp out.mp4 same.mp4
+
+"$prefix/bin/freshet" synth simulate plume --size 96x80 --frames 4 -o design > log 2>&1
+build/transfer design still.png matte.png look.mkv
+[ -s look.mkv ]

@@ -1,4 +1,3 @@
-#include <algorithm>
 #include <memory>
 
 #include <fmt/format.h>
@@ -6,13 +5,13 @@
 
 #include "freshet/error.h"
 #include "media/picture/picture.h"
+#include "media/video/picture_sink.h"
 #include "synth/animate/animate.h"
 #include "synth/animate/frame_sheet.h"
 #include "synth/animate/motion/motion_field.h"
-#include "synth/animate/placement/assigned.h"
+#include "synth/animate/staging.h"
 #include "tools/commands.h"
 #include "tools/console/output_names.h"
-#include "tools/console/picture_sink.h"
 #include "tools/console/progress.h"
 #include "tools/label_run.h"
 #include "tools/options/cache_options.h"
@@ -61,16 +60,19 @@ void run_animate(AnimateCommand& command, const RunContext& context) {
   synth::animate::AnimateOptions options = render_options(command);
   command.boundary.apply(options, loaded.picture.size());
   const AskedMotion asked = command.motion.read(loaded, command.search);
+  const synth::animate::Playing playing = command.play.read(loaded.picture.size());
   // The output first: a mistyped folder should not cost a labelling.
   command.motion.check_outputs();
   check_picture_output(command.sheet);
-  PictureSink sink(command.out, loaded.picture.size(), options.frames, options.fps);
+  media::PictureSink sink(command.out, loaded.picture.size(), options.frames, options.fps);
 
   query::Assignment assignment;
   nlohmann::json labelled;  // null for an assignment from a file
   if (command.assignment.empty()) {
-    const LabelRun run = label_with_progress(snapshot, loaded, command.search, asked, command.labelling,
-                                             command.duration, context, command.cache.open().get());
+    const LabelRun run =
+        label_with_progress(snapshot, loaded, command.search,
+                            request_of(command.search, asked, command.duration, &command.labelling),
+                            command.duration, context, command.cache.open().get());
     say(label_summary(run));
     labelled = label_json(run);
     assignment = run.labelling.assignment;
@@ -83,16 +85,12 @@ void run_animate(AnimateCommand& command, const RunContext& context) {
                               command.target.picture.string(), loaded.picture.cols, loaded.picture.rows),
                   "Label this picture with freshet query label");
   }
-  synth::animate::Placement placement = synth::animate::placement_from(assignment, snapshot);
-  command.play.apply(placement, loaded.picture.size());
-  options.guide = asked.guide;
-  // Speeds are asked of the clips as they were filmed; a retimed piece is carried as fast as it plays.
-  const auto retimed = [](const synth::animate::PlacedPatch& patch) { return patch.speed != 1; };
-  if (std::any_of(placement.patches.begin(), placement.patches.end(), retimed)) options.guide.speed.release();
+  const synth::animate::Staging staging =
+      synth::animate::stage(snapshot, assignment, loaded.picture.size(), asked.guide, playing, options);
   const vision::Settings settings = vision::settings_from_json(snapshot.settings());
   const cv::Mat motion =
       command.motion.needs_motion(asked)
-          ? synth::animate::motion_field(snapshot, settings, placement, loaded.picture.size())
+          ? synth::animate::motion_field(snapshot, settings, staging.placement, loaded.picture.size())
           : cv::Mat();
   command.motion.draw(loaded, asked, motion);
   command.motion.write_maps(loaded, motion);
@@ -100,13 +98,12 @@ void run_animate(AnimateCommand& command, const RunContext& context) {
   synth::animate::FrameSheet sheet(loaded.picture, options.frames);
   Progress progress;
   const synth::animate::AnimateReport report = synth::animate::animate(
-      snapshot, settings, loaded.picture, loaded.matte, placement, options,
+      snapshot, settings, loaded.picture, loaded.matte, staging.placement, staging.options,
       [&](const cv::Mat& frame) {
         sink.write(frame);
         sheet.add(frame);
       },
-      [&](const synth::animate::AnimateProgress& at) { progress.show(at.stage, at.done, at.of); },
-      context.stop);
+      progress.callback(), context.stop);
   sink.finish();
   command.boundary.finish();
   progress.finish();

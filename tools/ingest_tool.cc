@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "freshet/error.h"
+#include "ingest/growing_store.h"
 #include "ingest/ingest.h"
 #include "query/index/index_builder.h"
 #include "tools/commands.h"
@@ -102,19 +103,13 @@ void say_reasons(const ingest::ClipReport& clip) {
 void run(const IngestCommand& command, RunContext& context) {
   ingest::IngestOptions options = command.options;
   options.shard = parse_shard(command.shard);
-  // Sources first: a mistyped folder must not leave an empty store behind.
-  ingest::list_sources(command.paths, options.shard);
-
-  const bool fresh = !std::filesystem::exists(command.store);
-  store::Store store =
-      fresh ? store::Store::create(command.store, vision::to_json(command.settings.for_new_store()))
-            : store::Store::open_write(command.store);
-  const vision::Settings settings = vision::settings_from_json(store.snapshot().settings());
-  if (!fresh) command.settings.check_against(settings, command.store);
+  ingest::GrowingStore growing(command.store, command.paths, options.shard,
+                               [&] { return command.settings.for_new_store(); });
+  if (!growing.is_new()) command.settings.check_against(growing.settings(), command.store);
 
   Progress progress;
   const ingest::IngestReport report = ingest::ingest(
-      store, settings, command.paths, options,
+      growing.store(), growing.settings(), command.paths, options,
       [&](const ingest::IngestProgress& at) {
         const std::string stage =
             fmt::format("[{}/{}] {}", at.clip + 1, at.clips, at.source ? at.source->name : "");
@@ -131,19 +126,13 @@ void run(const IngestCommand& command, RunContext& context) {
   } else if (!report.clips.empty()) {
     print_report(report);
   }
-  const bool empty = store.snapshot().clips().empty();
-  if (empty && fresh) {
-    // An empty store is of no use, and would only surprise the next run.
-    store = {};
-    std::filesystem::remove(command.store);
-    std::filesystem::remove(command.store + "-lock");
-  }
+  const bool empty = growing.remove_if_empty();
   if (report.stopped) throw *report.stopped;
   if (empty) {
     throw Error(ErrorKind::kInput, command.store, "no clip was taken, for the reasons above",
-                fresh ? "The store was not made" : "");
+                growing.is_new() ? "The store was not made" : "");
   }
-  if (!command.no_index) update_index(store, {}, context);
+  if (!command.no_index) update_index(growing.store(), {}, context);
   if (report.count(ingest::Outcome::kFailed) + report.count(ingest::Outcome::kRefused) > 0 &&
       report.count(ingest::Outcome::kAdded) + report.count(ingest::Outcome::kAlreadyThere) == 0)
     context.exit_code = 1;

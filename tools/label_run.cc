@@ -7,7 +7,6 @@
 
 #include "query/labelling/labelling_memo.h"
 #include "tools/console/progress.h"
-#include "tools/motion_hint.h"
 #include "tools/options/cache_options.h"
 
 namespace freshet::tools {
@@ -24,28 +23,50 @@ std::unique_ptr<const query::SearchBase> open_with_progress(const store::Snapsho
   return base;
 }
 
+query::LabelRequest request_of(const SearchOptions& search, const AskedMotion& asked,
+                               const Duration& duration, const SolverOptions* labelling) {
+  query::LabelRequest request{
+      .piece_scale = search.piece_scale(), .duration_s = duration.seconds(), .guesses = asked.guesses};
+  request.options.candidates = search.options();
+  request.options.guide = asked.guide;
+  if (labelling != nullptr) {
+    request.options.costs = labelling->costs();
+    request.options.minimizer = labelling->solver();
+    request.options.max_iterations = labelling->iterations();
+  }
+  if (query::guide_overrules_direction(request))
+    say("--direction has no effect: the strokes or the orientation map say where the fluid goes");
+  return request;
+}
+
+query::LabelOptions prepare_with_progress(const store::Snapshot& snapshot, const query::SearchBase& base,
+                                          const TargetFiles::Loaded& loaded,
+                                          const query::LabelRequest& request, const RunContext& context,
+                                          query::LabellingMemo* memo) {
+  Progress progress;
+  const query::PreparedLabelling prepared = query::prepare(snapshot, base, loaded.picture, loaded.matte,
+                                                           request, progress.callback(), context.stop, memo);
+  progress.finish();
+  if (!prepared.guess.empty())
+    say(prepared.guess +
+        (request.options.candidates.class_name.empty() ? "; --class says what it is, " : "; ") +
+        "--direction or --strokes where it goes, --hint none asks nothing");
+  return prepared.options;
+}
+
 LabelRun label_with_progress(const store::Snapshot& snapshot, const TargetFiles::Loaded& loaded,
-                             const SearchOptions& search, const AskedMotion& asked,
-                             const SolverOptions& labelling, const Duration& duration,
-                             const RunContext& context, query::LabelCache* cache) {
-  query::LabelOptions options;
-  options.candidates = MotionOptions::beside(asked, search);
-  options.guide = asked.guide;
-  options.piece_scale = search.piece_scale(loaded.picture.size());
-  options.candidates.min_duration_s = duration.seconds();
-  options.costs = labelling.costs();
-  options.minimizer = labelling.solver();
-  options.max_iterations = labelling.iterations();
+                             const SearchOptions& search, const query::LabelRequest& request,
+                             const Duration& duration, const RunContext& context, query::LabelCache* cache) {
   LabelRun run;
   run.base = open_with_progress(snapshot, search, cache != nullptr);
   std::optional<query::LabellingMemo> memo;
   if (cache != nullptr) memo.emplace(*cache, snapshot, *run.base);
-  guess_where_unasked(snapshot, *run.base, loaded, asked, options, context.stop, memo ? &*memo : nullptr);
+  query::LabellingMemo* const known = memo ? &*memo : nullptr;
+  const query::LabelOptions options =
+      prepare_with_progress(snapshot, *run.base, loaded, request, context, known);
   Progress progress;
-  run.labelling = query::label(
-      snapshot, *run.base, loaded.picture, loaded.matte, options,
-      [&](query::LabelStage stage) { progress.show(query::to_string(stage), 0, 0); }, context.stop,
-      memo ? &*memo : nullptr);
+  run.labelling = query::label(snapshot, *run.base, loaded.picture, loaded.matte, options,
+                               progress.callback(), context.stop, known);
   progress.finish();
   finish_cache(cache);
   say_filters(run.labelling.search.filtered, duration);

@@ -6,6 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "query/labelling/label_request.h"
 #include "query/labelling/labelling.h"
 #include "tools/console/run_context.h"
 #include "tools/options/motion_options.h"
@@ -25,11 +26,22 @@ std::unique_ptr<const query::SearchBase> open_with_progress(const store::Snapsho
                                                             const SearchOptions& search,
                                                             bool built_late = false);
 
+/// What the options ask of a picture; says which of them have no effect. labelling   may be null: nothing is
+/// labelled.
+query::LabelRequest request_of(const SearchOptions& search, const AskedMotion& asked,
+                               const Duration& duration, const SolverOptions* labelling = nullptr);
+
+/// query::prepare with its progress shown. What was guessed is said, and how to overrule it.
+query::LabelOptions prepare_with_progress(const store::Snapshot& snapshot, const query::SearchBase& base,
+                                          const TargetFiles::Loaded& loaded,
+                                          const query::LabelRequest& request, const RunContext& context,
+                                          query::LabellingMemo* memo = nullptr);
+
 /// cache   may be null; what was reused of it is said.
 LabelRun label_with_progress(const store::Snapshot& snapshot, const TargetFiles::Loaded& loaded,
-                             const SearchOptions& search, const AskedMotion& asked,
-                             const SolverOptions& labelling, const Duration& duration,
-                             const RunContext& context, query::LabelCache* cache = nullptr);
+                             const SearchOptions& search, const query::LabelRequest& request,
+                             const Duration& duration, const RunContext& context,
+                             query::LabelCache* cache = nullptr);
 
 /// How far the energy can be above the minimum, and whether that is within query::kGapAimed.
 std::string gap_text(const query::Assignment& assignment);

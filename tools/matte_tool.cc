@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <chrono>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -12,6 +11,7 @@
 
 #include "freshet/error.h"
 #include "media/picture/picture.h"
+#include "platform/stopwatch.h"
 #include "query/labelling/labelling.h"
 #include "synth/matte/matte.h"
 #include "synth/matte/proposal.h"
@@ -63,9 +63,9 @@ matte::Marks propose(const MatteCommand& command, const cv::Mat& picture, const 
   options.candidates.k = matte::ProposalOptions{}.best;
   options.candidates.coherent = 0;
   Progress progress;
-  const query::CandidateSearch search = query::search_candidates(
-      snapshot, *base, small, cv::Mat(small.size(), CV_8U, cv::Scalar(255)), options,
-      [&](query::LabelStage stage) { progress.show(query::to_string(stage), 0, 0); }, context.stop);
+  const query::CandidateSearch search =
+      query::search_candidates(snapshot, *base, small, cv::Mat(small.size(), CV_8U, cv::Scalar(255)), options,
+                               progress.callback(), context.stop);
   progress.finish();
   const matte::Proposal proposal = matte::propose_marks(search.target, search.candidates, {}, command.store);
   say(fmt::format(
@@ -109,11 +109,11 @@ void run_matte(MatteCommand command, const RunContext& context) {
   check_picture_output(command.out);
   check_picture_output(command.sheet);
   command.options.edge.edge = matte::parse_edge(command.edge);
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   const media::Picture picture = media::read_picture(command.picture);
   for (const std::string& notice : picture.notices) say(command.picture.string() + ": " + notice);
   const matte::Marks marks = read_all_marks(command, picture.bgr, context);
-  const double marks_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  const double marks_s = watch.seconds();
   const std::string where = !command.scribbles.empty() ? command.scribbles.string()
                             : !command.marks.empty()   ? command.marks.string()
                             : !command.boxes.empty()   ? "--box"

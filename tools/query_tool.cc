@@ -20,7 +20,6 @@
 #include "tools/console/progress.h"
 #include "tools/console/table.h"
 #include "tools/label_run.h"
-#include "tools/motion_hint.h"
 #include "tools/options/cache_options.h"
 #include "tools/options/motion_options.h"
 #include "tools/options/search_options.h"
@@ -110,23 +109,18 @@ void run_candidates(const CandidatesCommand& command, const RunContext& context)
   const store::Snapshot snapshot = store::Store::open_read(command.target.store).snapshot();
   const TargetFiles::Loaded loaded = command.target.load();
   AskedMotion asked = command.motion.read(loaded, command.search);
-  query::LabelOptions options;
-  options.candidates = MotionOptions::beside(asked, command.search);
-  options.guide = asked.guide;
-  options.piece_scale = command.search.piece_scale(loaded.picture.size());
-  options.candidates.min_duration_s = command.duration.seconds();
-  const bool guesses = may_guess(asked, options.candidates);
+  const query::LabelRequest request = request_of(command.search, asked, command.duration);
+  const bool guesses = query::may_guess(request);
   if (!guesses) command.motion.draw(loaded, asked, {});
   const auto base = open_with_progress(snapshot, command.search);
+  const query::LabelOptions options = prepare_with_progress(snapshot, *base, loaded, request, context);
   if (guesses) {
-    guess_where_unasked(snapshot, *base, loaded, asked, options, context.stop);
     asked.guide = options.guide;
     command.motion.draw(loaded, asked, {});
   }
   Progress progress;
   const query::CandidateSearch search = query::search_candidates(
-      snapshot, *base, loaded.picture, loaded.matte, options,
-      [&](query::LabelStage stage) { progress.show(query::to_string(stage), 0, 0); }, context.stop);
+      snapshot, *base, loaded.picture, loaded.matte, options, progress.callback(), context.stop);
   progress.finish();
   say_filters(search.filtered, command.duration);
   for (const std::string& note : search.candidates.notes) say(note);
@@ -159,8 +153,10 @@ void run_label(const LabelCommand& command, const RunContext& context) {
   const store::Snapshot snapshot = store::Store::open_read(command.target.store).snapshot();
   const TargetFiles::Loaded loaded = command.target.load();
   const AskedMotion asked = command.motion.read(loaded, command.search);
-  const LabelRun run = label_with_progress(snapshot, loaded, command.search, asked, command.labelling,
-                                           command.duration, context, command.cache.open().get());
+  const LabelRun run =
+      label_with_progress(snapshot, loaded, command.search,
+                          request_of(command.search, asked, command.duration, &command.labelling),
+                          command.duration, context, command.cache.open().get());
   const query::Labelling& labelling = run.labelling;
   const query::Assignment& assignment = labelling.assignment;
   if (!command.assignment.empty()) query::write_assignment(command.assignment, assignment);

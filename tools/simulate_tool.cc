@@ -10,10 +10,10 @@
 #include "freshet/error.h"
 #include "media/picture/motion_file.h"
 #include "media/picture/picture_sequence.h"
+#include "media/video/picture_sink.h"
 #include "synth/simulate/design/scene_file.h"
 #include "synth/simulate/simulate.h"
 #include "tools/commands.h"
-#include "tools/console/picture_sink.h"
 #include "tools/console/progress.h"
 #include "tools/design_folder.h"
 
@@ -43,10 +43,8 @@ cv::Size parse_size(const std::string& text) {
   return {width, height};
 }
 
-bool names_a_file(const std::string& scene) { return fs::path(scene).extension() == ".toml"; }
-
 std::string text_of(const std::string& scene) {
-  if (!names_a_file(scene)) return sim::preset_scene(scene);
+  if (!sim::names_scene_file(scene)) return sim::preset_scene(scene);
   std::ifstream file(scene, std::ios::binary);
   std::ostringstream text;
   text << file.rdbuf();
@@ -54,9 +52,7 @@ std::string text_of(const std::string& scene) {
 }
 
 sim::SceneOptions scene_of(const SimulateCommand& command) {
-  sim::SceneOptions scene = names_a_file(command.scene)
-                                ? sim::read_scene(command.scene)
-                                : sim::parse_scene(sim::preset_scene(command.scene), command.scene);
+  sim::SceneOptions scene = sim::named_scene(command.scene);
   if ((command.rows || command.steps) && scene.kind != sim::SceneKind::kDesign)
     throw Error(ErrorKind::kUsage, "--grid, --steps", "the ready-made clips choose their own",
                 "Leave them out, or take a design such as plume");
@@ -103,10 +99,11 @@ void run_simulate(const SimulateCommand& command, const RunContext& context) {
   check_pattern("--emitters", command.emitters);
   std::optional<DesignFolder> folder;
   if (names_a_folder(command.out)) folder.emplace(command.out, scene, text_of(command.scene));
-  PictureSink sink(folder ? folder->preview() : fs::path(command.out), scene.size, scene.frames, scene.fps);
+  media::PictureSink sink(folder ? folder->preview() : fs::path(command.out), scene.size, scene.frames,
+                          scene.fps);
   const bool deep = scene.alpha_bits == 16 && !command.alpha.empty();
   if (deep) check_pattern("--alpha", command.alpha);
-  std::optional<PictureSink> alpha;
+  std::optional<media::PictureSink> alpha;
   if (!command.alpha.empty() && !deep) alpha.emplace(command.alpha, scene.size, scene.frames, scene.fps);
 
   sim::Simulation simulation(scene);

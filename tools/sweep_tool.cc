@@ -10,19 +10,18 @@
 #include <thread>
 
 #include <fmt/format.h>
-#include <oneapi/tbb/global_control.h>
 #include <nlohmann/json.hpp>
 
 #include "freshet/error.h"
 #include "media/picture/picture.h"
+#include "media/video/picture_sink.h"
+#include "platform/stopwatch.h"
 #include "query/labelling/label_sweep.h"
 #include "query/labelling/labelling_memo.h"
-#include "synth/animate/placement/assigned.h"
+#include "synth/animate/staging.h"
 #include "tools/commands.h"
-#include "tools/console/picture_sink.h"
 #include "tools/console/progress.h"
 #include "tools/label_run.h"
-#include "tools/motion_hint.h"
 #include "tools/options/cache_options.h"
 #include "tools/options/motion_options.h"
 #include "tools/options/play_options.h"
@@ -49,17 +48,6 @@ struct SweepCommand {
 
 struct SweepSeconds {
   double open = 0, search = 0, label = 0, render = 0;
-};
-
-class Watch {
- public:
-  double lap() {
-    const auto now = std::chrono::steady_clock::now();
-    return std::chrono::duration<double>(now - std::exchange(last_, now)).count();
-  }
-
- private:
-  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
 };
 
 void write_text(const fs::path& path, const std::string& text) {
@@ -124,15 +112,6 @@ void run_beside(std::size_t count, std::size_t at_once, const std::function<void
   if (fault) std::rethrow_exception(fault);
 }
 
-/// How many animations fit beside each other: what a picture's own planes take, and room for 16 frames.
-std::size_t rendered_at_once(std::size_t memory_bytes, cv::Size picture) {
-  const std::size_t min_bytes =
-      (std::size_t{96} << 20) + static_cast<std::size_t>(picture.area()) * (280 + 16 * 8);
-  const std::size_t threads =
-      oneapi::tbb::global_control::active_value(oneapi::tbb::global_control::max_allowed_parallelism);
-  return std::clamp<std::size_t>(memory_bytes / min_bytes, 1, threads);
-}
-
 nlohmann::json report_of(const std::vector<SweepPoint>& points, const std::vector<SweptAnimation>& animations,
                          const query::CandidateSearch& search, std::size_t labellings,
                          const SweepSeconds& seconds) {
@@ -172,6 +151,8 @@ void run_sweep(const SweepCommand& command, const RunContext& context) {
   const store::Snapshot snapshot = store::Store::open_read(command.target.store).snapshot();
   const TargetFiles::Loaded loaded = command.target.load();
   const AskedMotion asked = command.motion.read(loaded, command.search);
+  const synth::animate::Playing playing = command.play.read(loaded.picture.size());
+  const query::LabelRequest request = request_of(command.search, asked, command.duration);
   command.motion.draw(loaded, asked, {});
   const fs::path folder = made_folder(command.folder);
 
@@ -180,19 +161,13 @@ void run_sweep(const SweepCommand& command, const RunContext& context) {
   const auto cache = command.cache.open();
   const auto base = open_with_progress(snapshot, command.search, cache != nullptr);
   seconds.open = base->seconds;
-  Watch watch;
-  query::LabelOptions options;
-  options.candidates = MotionOptions::beside(asked, command.search);
-  options.candidates.min_duration_s = command.duration.seconds();
-  options.guide = asked.guide;
-  options.piece_scale = command.search.piece_scale(loaded.picture.size());
+  Stopwatch watch;
   std::unique_ptr<query::LabellingMemo> memo;
   if (cache) memo = std::make_unique<query::LabellingMemo>(*cache, snapshot, *base);
-  guess_where_unasked(snapshot, *base, loaded, asked, options, context.stop, memo.get());
+  const query::LabelOptions options =
+      prepare_with_progress(snapshot, *base, loaded, request, context, memo.get());
   const query::CandidateSearch search = query::search_candidates(
-      snapshot, *base, loaded.picture, loaded.matte, options,
-      [&](query::LabelStage stage) { progress.show(query::to_string(stage), 0, 0); }, context.stop,
-      memo.get());
+      snapshot, *base, loaded.picture, loaded.matte, options, progress.callback(), context.stop, memo.get());
   finish_cache(cache.get());
   progress.finish();
   say_filters(search.filtered, command.duration);
@@ -215,8 +190,8 @@ void run_sweep(const SweepCommand& command, const RunContext& context) {
 
   std::vector<SweptAnimation> animations(points.size());
   const vision::Settings& settings = base->settings;
-  const std::size_t at_once =
-      std::min(points.size(), rendered_at_once(rendering.memory_bytes, loaded.picture.size()));
+  const std::size_t at_once = std::min(
+      points.size(), synth::animate::animations_at_once(rendering.memory_bytes, loaded.picture.size()));
   std::size_t rendered = 0;
   progress.show("rendering", 0, points.size(), "animations");
   run_beside(points.size(), at_once, [&](std::size_t i) {
@@ -234,17 +209,14 @@ void run_sweep(const SweepCommand& command, const RunContext& context) {
       unlike += first[piece] != labelling.labels[piece];
     animation.changed = static_cast<double>(unlike) / static_cast<double>(first.size());
     query::write_assignment(folder / animation.assignment, labelling.assignment);
-    synth::animate::Placement placement = synth::animate::placement_from(labelling.assignment, snapshot);
-    {
-      const std::lock_guard lock(guard);  // it may have something to say
-      command.play.apply(placement, loaded.picture.size());
-    }
-    synth::animate::AnimateOptions one = points[i].rendering;
+    synth::animate::Staging staging = synth::animate::stage(
+        snapshot, labelling.assignment, loaded.picture.size(), asked.guide, playing, points[i].rendering);
+    synth::animate::AnimateOptions& one = staging.options;
     one.memory_bytes /= at_once;
-    PictureSink sink(folder / animation.video, loaded.picture.size(), one.frames, one.fps);
+    media::PictureSink sink(folder / animation.video, loaded.picture.size(), one.frames, one.fps);
     int frame = 0;
     synth::animate::animate(
-        snapshot, settings, loaded.picture, loaded.matte, placement, one,
+        snapshot, settings, loaded.picture, loaded.matte, staging.placement, one,
         [&](const cv::Mat& picture) {
           sink.write(picture);
           if (frame++ == one.frames / 2) animation.frame = picture.clone();

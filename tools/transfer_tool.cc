@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <memory>
@@ -17,7 +16,10 @@
 #include "freshet/error.h"
 #include "media/picture/picture.h"
 #include "media/picture/picture_sequence.h"
+#include "media/video/picture_sink.h"
 #include "media/video/video_writer.h"
+#include "platform/stopwatch.h"
+#include "platform/text.h"
 #include "store/store.h"
 #include "synth/transfer/files/composite.h"
 #include "synth/transfer/files/design_files.h"
@@ -26,7 +28,6 @@
 #include "synth/transfer/transfer.h"
 #include "tools/commands.h"
 #include "tools/console/output_names.h"
-#include "tools/console/picture_sink.h"
 #include "tools/console/progress.h"
 
 namespace freshet::tools {
@@ -48,13 +49,6 @@ struct TransferCommand {
   transfer::TransferOptions options;
   bool restart = false, json = false;
 };
-
-std::string lower_ending(const fs::path& path) {
-  std::string ending = path.extension().string();
-  std::transform(ending.begin(), ending.end(), ending.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return ending;
-}
 
 cv::Point parse_place(const std::string& text) {
   cv::Point at;
@@ -90,8 +84,7 @@ class FrameFiles {
                   "the folder " + out_.parent_path().string() + " does not exist", "Make it first");
     if (!sequence_) {
       check_output_folder(out_);
-      PictureSink(out_, size, frames,
-                  fps_);  // made and removed: a folder that cannot be written to is reported now
+      media::PictureSink::check(out_, size, frames, fps_);
     }
   }
   /// The folder is known once the inputs have been read.
@@ -150,7 +143,7 @@ std::optional<Composite> open_composite(const TransferCommand& command, cv::Size
                     size.height, composite.background.size().width, composite.background.size().height),
         "Give its top left corner in the background, px");
   if (media::is_pattern(composite.out)) check_output_folder(composite.out);
-  PictureSink(composite.out, composite.background.size(), frames, command.fps);
+  media::PictureSink::check(composite.out, composite.background.size(), frames, command.fps);
   return composite;
 }
 
@@ -253,11 +246,7 @@ void say_what_was_found(const TransferCommand& command, const transfer::DesignFi
     say(command.exemplar +
         ": it has no transparency and is taken to be opaque: its look has no boundary. Give a mask with "
         "--exemplar-alpha, or --ground black where it is light on black");
-  else if (design.full())
-    throw Error(
-        ErrorKind::kInput, command.alpha.string(),
-        "the masks are white everywhere in all frames, so the fluid has no outline to give the exemplar's to",
-        "Paint what is no fluid black, or give an opaque exemplar");
+  transfer::check_outline(design, exemplar, command.alpha);
   if (design.empty_frames() > 0)
     say(fmt::format("{}: {} of {} masks are black everywhere; those frames are transparent",
                     command.alpha.string(), design.empty_frames(), design.frames()));
@@ -268,7 +257,7 @@ void say_what_was_found(const TransferCommand& command, const transfer::DesignFi
 }
 
 void run_transfer(TransferCommand command, RunContext& context) {
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch total;
   const transfer::TransferOptions options = engine_options(command);
   transfer::check(options);
   if (!command.design.empty()) {
@@ -318,15 +307,14 @@ void run_transfer(TransferCommand command, RunContext& context) {
     const transfer::TransferredFrame frame = engine.next(design.read(i), stop_or_show);
     for (const std::string& remark : frame.remarks)
       if (said.insert(remark).second) say(fmt::format("frame {}: {}", i, remark));
-    const auto written = std::chrono::steady_clock::now();
+    const TimedScope writing(write_s);
     files.write(i, frame.bgra);
     notes.push_back(note_of(frame));
     kept.keep(engine, notes);
     what_is_kept(i + 1);
-    write_s += std::chrono::duration<double>(std::chrono::steady_clock::now() - written).count();
   }
 
-  std::optional<PictureSink> sink, composed;
+  std::optional<media::PictureSink> sink, composed;
   if (!files.is_sequence()) sink.emplace(command.out, design.size(), design.frames(), command.fps);
   if (composite) composed.emplace(composite->out, composite->background.size(), design.frames(), command.fps);
   for (int i = 0; (sink || composed) && i < design.frames(); ++i) {
@@ -343,7 +331,7 @@ void run_transfer(TransferCommand command, RunContext& context) {
   kept.remove();
   context.kept.clear();
 
-  const double total_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  const double total_s = total.seconds();
   const nlohmann::json summary = summary_of(notes);
   if (command.json) {
     nlohmann::json report = summary;

@@ -10,6 +10,7 @@
 #include <Eigen/Core>
 
 #include "freshet/error.h"
+#include "platform/random.h"
 
 namespace freshet::vision {
 namespace {
@@ -142,22 +143,15 @@ struct Cluster {
   double error = 0;  // 0: cannot be divided
 };
 
-std::uint64_t next_random(std::uint64_t& state) {  // splitmix64
-  std::uint64_t z = state += 0x9e3779b97f4a7c15;
-  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9;
-  z = (z ^ (z >> 27)) * 0x94d049bb133111eb;
-  return z ^ (z >> 31);
-}
-
 // Divides clusters[which]; its members are permuted so that each half is a range again, in their old order.
 bool bisect(std::vector<Descriptor>& samples, std::vector<Cluster>& clusters, std::size_t which,
-            int iterations, std::uint64_t& random) {
+            int iterations, SplitMix64& random) {
   Cluster& cluster = clusters[which];
   const std::span<Descriptor> members(samples.data() + cluster.first, cluster.count);
   Bisection bisection(members, cluster.moments);
   bool divided = false;
   for (int attempt = 0; attempt < 8 && !divided; ++attempt) {
-    divided = bisection.run(members[next_random(random) % members.size()], iterations);
+    divided = bisection.run(members[random.next() % members.size()], iterations);
   }
   for (std::size_t i = 0; i < members.size() && !divided; ++i) {
     // Nearly all alike: what differs from the first has the mean between them.
@@ -262,7 +256,7 @@ Codebook train_codebook(std::span<const Descriptor> samples, const CodebookOptio
   }
   all.error = all.moments.error();
   std::vector<Cluster> clusters{all};
-  std::uint64_t random = options.seed;
+  SplitMix64 random(options.seed);
   while (static_cast<int>(clusters.size()) < options.words) {
     const auto worst = std::max_element(clusters.begin(), clusters.end(),
                                         [](const Cluster& a, const Cluster& b) { return a.error < b.error; });

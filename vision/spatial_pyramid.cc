@@ -1,7 +1,6 @@
 #include "vision/spatial_pyramid.h"
 
 #include <algorithm>
-#include <bit>
 
 #include "freshet/error.h"
 
@@ -9,7 +8,6 @@ namespace freshet::vision {
 namespace {
 
 constexpr int kPoints = kGridSide * kGridSide;
-constexpr int kMaxWords = 256;
 
 constexpr std::array<std::array<std::uint8_t, 3>, kPoints> make_cells() {
   std::array<std::array<std::uint8_t, 3>, kPoints> cells{};
@@ -38,34 +36,6 @@ void check_word(int word, int word_count) {
 std::array<int, 3> cells_of(int column, int row) {
   const auto& cell = kCells[row * kGridSide + column];
   return {cell[0], cell[1], cell[2]};
-}
-
-int pyramid_bins(const WordMap& words, int word_count, std::vector<Bin>& bins, const WordMask* mask) {
-  // Weights in a table, and a bit for each bin in use: walking the bits gives the bins sorted.
-  std::array<std::uint16_t, kPyramidCells * kMaxWords> weights;
-  std::array<std::uint64_t, kPyramidCells * kMaxWords / 64> used{};
-  int mass = 0;
-  for (int i = 0; i < kPoints; ++i) {
-    if (mask && !(*mask)[i]) continue;
-    check_word(words[i], word_count);
-    for (int level = 0; level < 3; ++level) {
-      const int slot = kCells[i][level] * kMaxWords + words[i];
-      const std::uint64_t bit = std::uint64_t{1} << (slot % 64);
-      if (!(used[slot / 64] & bit)) weights[slot] = 0;
-      used[slot / 64] |= bit;
-      weights[slot] = static_cast<std::uint16_t>(weights[slot] + kLevelWeights[level]);
-      mass += kLevelWeights[level];
-    }
-  }
-  bins.clear();
-  for (std::size_t block = 0; block < used.size(); ++block) {
-    for (std::uint64_t rest = used[block]; rest; rest &= rest - 1) {
-      const int slot = static_cast<int>(block) * 64 + std::countr_zero(rest);
-      bins.push_back(
-          {static_cast<std::uint16_t>(slot / kMaxWords * word_count + slot % kMaxWords), weights[slot]});
-    }
-  }
-  return mass;
 }
 
 int intersection(const WordMap& a, const WordMap& b, int word_count, const WordMask* mask_of_a) {

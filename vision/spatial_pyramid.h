@@ -22,16 +22,7 @@ inline constexpr std::array<int, 3> kLevelWeights{1, 1, 2};
 /// is 1..4, level 2 is 5..20.
 std::array<int, 3> cells_of(int column, int row);
 
-/// Non-zero bins of a word map: bin = cell * words + word; weight = level weight * count. Sorted by bin.
-struct Bin {
-  std::uint16_t bin;
-  std::uint16_t weight;
-};
-/// bins are replaced. mask null: all points count. Returns the sum of weights (324 without a mask).
-int pyramid_bins(const WordMap& words, int word_count, std::vector<Bin>& bins,
-                 const WordMask* mask = nullptr);
-
-/// Weighted histogram intersection of two word maps, counted the slow and obvious way: 0 .. the weights of a.
+/// Weighted histogram intersection of two word maps, counted the slow and obvious way: 0..mass of a.
 /// Source: Okabe et al. 2011, Eq. 1; Lazebnik, Schmid, Ponce 2006, Eq. 3.
 int intersection(const WordMap& a, const WordMap& b, int word_count, const WordMask* mask_of_a = nullptr);
 

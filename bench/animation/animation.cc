@@ -9,6 +9,7 @@
 // is below one grey level), seam (mean temporal difference across the borders of pieces over that elsewhere;
 // 1 is invisible), and frames per second.
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
 #include <fstream>
@@ -155,21 +156,16 @@ double mean_speed(const query::CandidateSearch& search, const query::Labels& lab
 }
 
 int run(int argc, char** argv) {
-  std::string json_path;
-  std::vector<std::string> arguments;
-  for (int i = 1; i < argc; ++i) {
-    if (std::string(argv[i]) == "--json" && i + 1 < argc)
-      json_path = argv[++i];
-    else
-      arguments.emplace_back(argv[i]);
-  }
-  if (arguments.size() < 2) {
-    fmt::print(stderr, "usage: bench_animation STORE CLASS:DIRECTION:PICTURE[:MATTE]... [--json FILE]\n");
-    return 2;
-  }
+  std::string store, json_path;
+  std::vector<std::string> pictures;
+  CLI::App app("Do the renderer's choices keep contrast, level and liveliness, and what do they cost?");
+  app.add_option("STORE", store)->required();
+  app.add_option("PICTURE", pictures, "CLASS:DIRECTION:PICTURE[:MATTE]")->required();
+  app.add_option("--json", json_path, "Write the figures here");
+  CLI11_PARSE(app, argc, argv);
   const bench::Machine machine = bench::this_machine();
   fmt::print("{}\n{} frames a rendering\n\n", bench::to_string(machine), kFrames);
-  const store::Snapshot snapshot = store::Store::open_read(arguments[0]).snapshot();
+  const store::Snapshot snapshot = store::Store::open_read(store).snapshot();
   const vision::Settings settings = vision::settings_from_json(snapshot.settings());
   nlohmann::json json{
       {"machine", bench::to_json(machine)}, {"frames", kFrames}, {"rows", nlohmann::json::array()}};
@@ -178,14 +174,14 @@ int run(int argc, char** argv) {
       "| --- | --- | --- | --- | --- | --- | --- | --- |\n");
   std::vector<std::string> speeds;
   const query::SearchBase base = query::open_search(snapshot);
-  for (std::size_t i = 1; i < arguments.size(); ++i) {
-    const std::size_t first = arguments[i].find(':'), second = arguments[i].find(':', first + 1);
+  for (const std::string& argument : pictures) {
+    const std::size_t first = argument.find(':'), second = argument.find(':', first + 1);
     if (second == std::string::npos)
-      throw Error(ErrorKind::kUsage, arguments[i], "expected CLASS:DIRECTION:PICTURE[:MATTE]");
-    const std::string direction = arguments[i].substr(first + 1, second - first - 1);
-    const bench::PictureArgument target = bench::read_picture_argument(arguments[i].substr(second + 1));
+      throw Error(ErrorKind::kUsage, argument, "expected CLASS:DIRECTION:PICTURE[:MATTE]");
+    const std::string direction = argument.substr(first + 1, second - first - 1);
+    const bench::PictureArgument target = bench::read_picture_argument(argument.substr(second + 1));
     query::LabelOptions options;
-    options.candidates.class_name = arguments[i].substr(0, first);
+    options.candidates.class_name = argument.substr(0, first);
     options.candidates.min_duration_s = kFrames / 25.0;
     if (!direction.empty()) options.candidates.direction_deg = query::parse_direction(direction);
     options.costs.vote = 0;

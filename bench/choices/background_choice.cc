@@ -1,13 +1,12 @@
 // Which inpainting should guess what lies behind a fluid?
 //
-//   bench_background_choice PICTURE... [--method NAME].. [--write FOLDER]
+//   bench_background_choice PICTURE... [--method NAME].. [--write FOLDER] [--json FILE]
 //
 // Mattes of known scenery: an upright flame-like blob of 8, 16 and 32 % of the picture's height as its
 // radius, at four fixed places of each picture. What is guessed is compared with what was there: dB of PSNR
-// inside the matte, and its seconds. First it checks that nothing outside the matte changes. Prints a table,
-// and writes background_choice.json into the present folder.
+// inside the matte, and its seconds. First it checks that nothing outside the matte changes. Prints a table.
+#include <CLI/CLI.hpp>
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
@@ -18,6 +17,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "media/picture/picture.h"
+#include "platform/stopwatch.h"
 #include "synth/animate/motion/background.h"
 
 namespace {
@@ -48,18 +48,13 @@ int main(int argc, char** argv) {
   cv::setNumThreads(1);
   std::vector<std::string> paths, methods;
   std::filesystem::path write;
-  for (int i = 1; i < argc; ++i) {
-    if (std::string(argv[i]) == "--write" && i + 1 < argc)
-      write = argv[++i];
-    else if (std::string(argv[i]) == "--method" && i + 1 < argc)
-      methods.emplace_back(argv[++i]);
-    else
-      paths.emplace_back(argv[i]);
-  }
-  if (paths.empty()) {
-    fmt::print(stderr, "usage: bench_background_choice PICTURE... [--method NAME].. [--write FOLDER]\n");
-    return 2;
-  }
+  std::string json_file;
+  CLI::App app("Which inpainting should guess what lies behind a fluid?");
+  app.add_option("PICTURE", paths)->required();
+  app.add_option("--method", methods, "May be repeated [all]")->allow_extra_args(false);
+  app.add_option("--write", write, "Folder for what was guessed");
+  app.add_option("--json", json_file, "Write the figures here");
+  CLI11_PARSE(app, argc, argv);
   if (methods.empty()) methods = {"telea", "navier-stokes", "outward", "fsr", "shift-map"};
   const std::vector<double> radii{0.08, 0.16, 0.32};
   const std::vector<cv::Point2d> places{{0.3, 0.4}, {0.7, 0.4}, {0.35, 0.65}, {0.65, 0.6}};
@@ -87,9 +82,9 @@ int main(int argc, char** argv) {
           synth::animate::InpaintOptions options;
           options.method = synth::animate::parse_inpaint_method(method);
           options.margin_px = 0;
-          const auto start = std::chrono::steady_clock::now();
+          const Stopwatch watch;
           const cv::Mat guess = synth::animate::inpaint_background(spoiled, matte, options);
-          seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+          seconds += watch.seconds();
           if (cv::norm(guess, picture, cv::NORM_INF, ~matte) > 0) {
             fmt::print(stderr, "{} changed the picture outside the matte\n", method);
             return 1;
@@ -107,5 +102,5 @@ int main(int argc, char** argv) {
     }
     fmt::print("\n");
   }
-  std::ofstream("background_choice.json") << json.dump(2) << "\n";
+  if (!json_file.empty()) std::ofstream(json_file) << json.dump(2) << "\n";
 }

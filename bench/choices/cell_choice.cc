@@ -11,11 +11,11 @@
 // table take. Each clip is once the picture, without its own patches.
 
 #include <fmt/format.h>
+#include <CLI/CLI.hpp>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <ctime>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -24,6 +24,8 @@
 #include <random>
 
 #include "bench/choices/measured_cells.h"
+#include "bench/harness/features_of_patches.h"
+#include "bench/harness/machine.h"
 #include "freshet/error.h"
 #include "ingest/ingest.h"
 #include "media/frame/frame.h"
@@ -65,8 +67,6 @@ constexpr Setting kSettings[] = {{1, 1, 0},  // the reference
                                  {4, 8, 8}};
 constexpr std::size_t kPatches = 200;  // on either side of the edge
 constexpr query::CostForm kForms[] = {query::CostForm::kLog, query::CostForm::kPower};
-
-double cpu_seconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
 vision::Settings with(const Setting& setting) {
   vision::Settings settings;
@@ -124,8 +124,8 @@ void check_reference(const Measured& exact, const Footage& footage, const std::v
   const query::FeatureShape shape = query::feature_shape(exact.settings);
   const auto mrf = edge_between(rows, exact, query::CostForm::kPower, source);
   for (std::size_t i = 0; i < kPatches; i += 23) {
-    const std::vector<float> p = query::features_of_patches(source, shape, {{rows[i]}});
-    const std::vector<float> q = query::features_of_patches(source, shape, {{rows[kPatches + i]}});
+    const std::vector<float> p = bench::features_of_patches(source, shape, {{rows[i]}});
+    const std::vector<float> q = bench::features_of_patches(source, shape, {{rows[kPatches + i]}});
     double cost = 0;
     for (int y = 0; y < 48; ++y) {
       for (int x = 0; x < 24; ++x) {
@@ -250,20 +250,12 @@ nlohmann::json print_row(const char* form, bool headings, const std::vector<Colu
 int main(int argc, char** argv) try {
   std::vector<fs::path> clips;
   std::uint32_t max_frames = 100;
-  std::string json_file = "cell_choice.json";
-  for (int i = 1; i < argc; ++i) {
-    const std::string argument = argv[i];
-    if (argument == "--frames" && i + 1 < argc)
-      max_frames = static_cast<std::uint32_t>(std::stoul(argv[++i]));
-    else if (argument == "--json" && i + 1 < argc)
-      json_file = argv[++i];
-    else
-      clips.push_back(argument);
-  }
-  if (clips.size() < 2) {
-    fmt::print(stderr, "bench_cell_choice CLIP CLIP.. [--frames N] [--json FILE]\n");
-    return 2;
-  }
+  std::string json_file;
+  CLI::App app("How coarse may motion spectra and textureness be kept before labelling notices?");
+  app.add_option("CLIP", clips, "At least two")->required()->expected(2, -1);
+  app.add_option("--frames", max_frames, "The first frames of each clip")->capture_default_str();
+  app.add_option("--json", json_file, "Write the figures here");
+  CLI11_PARSE(app, argc, argv);
   cv::setNumThreads(1);
   std::string name = (fs::temp_directory_path() / "cell_choice_XXXXXX").string();
   const fs::path folder = mkdtemp(name.data());
@@ -309,9 +301,9 @@ int main(int argc, char** argv) try {
     std::vector<query::Solution> best;
     for (std::size_t s = 0; s < measured.size(); ++s) {
       const auto shape = query::feature_shape(measured[s].settings);
-      const double start = cpu_seconds();
+      const double start = bench::process_seconds();
       query::Mrf edge = edge_between(rows, measured[s], form, sources[s]);
-      const double seconds = cpu_seconds() - start;
+      const double seconds = bench::process_seconds() - start;
       if (s == 0) exact.push_back(edge);
       const Agreement agreement = compare(exact[0], edge);
       Loss mean;
@@ -353,7 +345,7 @@ int main(int argc, char** argv) try {
                      {"CPU s", 3, seconds}}));
     }
   }
-  std::ofstream(json_file) << json.dump(1) << '\n';
+  if (!json_file.empty()) std::ofstream(json_file) << json.dump(1) << '\n';
   store = {};
   fs::remove_all(folder);
   return 0;

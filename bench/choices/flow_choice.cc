@@ -11,12 +11,12 @@
 
 #include <fmt/format.h>
 #include <stdlib.h>
+#include <CLI/CLI.hpp>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
-#include <ctime>
 #include <filesystem>
 #include <fstream>
 #include <map>
@@ -26,6 +26,7 @@
 #include <opencv2/imgproc.hpp>
 #include <optional>
 
+#include "bench/harness/machine.h"
 #include "freshet/error.h"
 #include "ingest/clip_analysis.h"
 #include "ingest/ingest.h"
@@ -48,8 +49,6 @@ namespace fs = std::filesystem;
 constexpr vision::FlowMethod kMethods[] = {vision::FlowMethod::kDis, vision::FlowMethod::kTvL1};
 constexpr const char* kNames[] = {"DIS", "TV-L1"};
 constexpr double kMinSpeed = 2.5;  // px/s; slower motion has no direction that counts
-
-double cpu_seconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
 /// The clip's first frames at one width, lossless, in a folder of its class.
 fs::path reduced(const fs::path& clip, const fs::path& folder, int max_frames, int width) {
@@ -232,22 +231,13 @@ query::Mrf field_of(const Side& side, const query::CandidateSearch& search) {
 int main(int argc, char** argv) try {
   std::vector<fs::path> clips;
   int max_frames = 60, width = 352;
-  std::string json_file = "flow_choice.json";
-  for (int i = 1; i < argc; ++i) {
-    const std::string argument = argv[i];
-    if (argument == "--frames" && i + 1 < argc)
-      max_frames = std::stoi(argv[++i]);
-    else if (argument == "--width" && i + 1 < argc)
-      width = std::stoi(argv[++i]);
-    else if (argument == "--json" && i + 1 < argc)
-      json_file = argv[++i];
-    else
-      clips.push_back(argument);
-  }
-  if (clips.size() < 2) {
-    fmt::print(stderr, "bench_flow_choice CLIP CLIP.. [--frames N] [--width PX] [--json FILE]\n");
-    return 2;
-  }
+  std::string json_file;
+  CLI::App app("Does TV-L1 label better than DIS, for the time that it takes?");
+  app.add_option("CLIP", clips, "At least two")->required()->expected(2, -1);
+  app.add_option("--frames", max_frames, "The first frames of each clip")->capture_default_str();
+  app.add_option("--width", width, "That each clip is reduced to, px")->capture_default_str();
+  app.add_option("--json", json_file, "Write the figures here");
+  CLI11_PARSE(app, argc, argv);
   cv::setNumThreads(1);
   std::string name = (fs::temp_directory_path() / "flow_choice_XXXXXX").string();
   const fs::path folder = mkdtemp(name.data());
@@ -265,9 +255,9 @@ int main(int argc, char** argv) try {
     const cv::Mat first = media::to_luma(*reader.next()), second = media::to_luma(*reader.next());
     for (std::size_t m = 0; m < 2; ++m) {
       const vision::FlowOptions options{kMethods[m]};
-      double start = cpu_seconds();
+      double start = bench::process_seconds();
       vision::optical_flow(first, second, options);
-      seconds[m] += (cpu_seconds() - start) / static_cast<double>(clips.size());
+      seconds[m] += (bench::process_seconds() - start) / static_cast<double>(clips.size());
       for (const double speed : {0.5, 2.0, 6.0}) {
         for (const double noise : {1.0, 4.0}) {
           const KnownMotion motion = known_motion(first, speed, noise, 1.0 + 2.4 * static_cast<double>(c));
@@ -279,9 +269,9 @@ int main(int argc, char** argv) try {
       if (c > 0) continue;
       cv::Mat from, to;
       cv::resize(first, from, {640, 480}), cv::resize(second, to, {640, 480});
-      start = cpu_seconds();
+      start = bench::process_seconds();
       vision::optical_flow(from, to, options);
-      vga_seconds[m] = cpu_seconds() - start;
+      vga_seconds[m] = bench::process_seconds() - start;
     }
   }
   fmt::print("\nCPU seconds per frame: DIS {:.4f}, TV-L1 {:.3f}; of 640 x 480: {:.4f}, {:.3f}\n", seconds[0],
@@ -387,7 +377,7 @@ int main(int argc, char** argv) try {
       "\nenergy above the other method's optimum: DIS's labels {:.2f} % (worst {:.2f}), TV-L1's {:.2f} % "
       "(worst {:.2f})\n",
       100 * loss[0] / held_out, 100 * worst_loss[0], 100 * loss[1] / held_out, 100 * worst_loss[1]);
-  std::ofstream(json_file) << json.dump(1) << '\n';
+  if (!json_file.empty()) std::ofstream(json_file) << json.dump(1) << '\n';
   for (Side& side : sides) side = {};
   fs::remove_all(folder);
   return 0;

@@ -11,6 +11,7 @@
 // back they must be within a degree and 1 % of what was written, else the bench ends with 1.
 
 #include <fmt/format.h>
+#include <CLI/CLI.hpp>
 
 #include <unistd.h>
 #include <cmath>
@@ -201,20 +202,14 @@ bool measure(const store::Snapshot& snapshot, const query::SearchBase& base, con
 }  // namespace
 
 int main(int argc, char** argv) try {
-  std::vector<std::string> arguments;
-  std::string json_file = "guidance.json";
-  for (int i = 1; i < argc; ++i) {
-    const std::string argument = argv[i];
-    if (argument == "--json" && i + 1 < argc)
-      json_file = argv[++i];
-    else
-      arguments.push_back(argument);
-  }
-  if (arguments.size() < 2) {
-    fmt::print(stderr, "bench_guidance STORE PICTURE:MATTE:STROKES[:CLASS].. [--json FILE]\n");
-    return 2;
-  }
-  const store::Snapshot snapshot = store::Store::open_read(arguments[0]).snapshot();
+  std::string store, json_file;
+  std::vector<std::string> cases;
+  CLI::App app("Does the motion that is assigned go as strokes ask?");
+  app.add_option("STORE", store)->required();
+  app.add_option("CASE", cases, "PICTURE:MATTE:STROKES[:CLASS]")->required();
+  app.add_option("--json", json_file, "Write the figures here");
+  CLI11_PARSE(app, argc, argv);
+  const store::Snapshot snapshot = store::Store::open_read(store).snapshot();
   const query::SearchBase base = query::open_search(snapshot);
   const bench::Machine machine = bench::this_machine();
   fmt::print("{}\n{} clips, {} patches\n\n", bench::to_string(machine), snapshot.clips().size(),
@@ -226,10 +221,9 @@ int main(int argc, char** argv) try {
   nlohmann::json report{
       {"bench", "guidance"}, {"machine", bench::to_json(machine)}, {"patches", base.table.size()}};
   bool right = true;
-  for (std::size_t i = 1; i < arguments.size(); ++i)
-    right = measure(snapshot, base, read_case(arguments[i]), report) && right;
+  for (const std::string& one : cases) right = measure(snapshot, base, read_case(one), report) && right;
   report["right"] = right;
-  std::ofstream(json_file) << report.dump(1) << '\n';
+  if (!json_file.empty()) std::ofstream(json_file) << report.dump(1) << '\n';
   if (!right) fmt::print(stderr, "wrong: a map did not come back as it was written\n");
   return right ? 0 : 1;
 } catch (const std::exception& error) {

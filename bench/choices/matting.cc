@@ -1,12 +1,13 @@
 // How near to a drawn or thresholded truth do mattes from scribbles come, by which edge, in what time?
 //
-//   bench_matting PICTURE:MARKS:TRUTH... [--write FOLDER]
+//   bench_matting PICTURE:MARKS:TRUTH... [--write FOLDER] [--json FILE]
 //
 // MARKS are scribbles (a picture) or marks (.json), TRUTH a grey picture. First it checks what a matte
 // promises: the marks hold, and outside of the band alpha is the region's. Then, by edge, width of the band
 // and iterations of GrabCut: SAD (sum of absolute differences, alpha 0..1) in thousands of px, as a fraction
 // of the truth's own area, and CPU seconds of all threads. --write leaves a sheet of each picture's default
-// matte and the matte of each edge. Prints a table, and writes matting.json into the present folder.
+// matte and the matte of each edge. Prints a table.
+#include <CLI/CLI.hpp>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
@@ -88,18 +89,16 @@ std::vector<Row> rows() {
 }  // namespace
 
 int main(int argc, char** argv) try {
-  std::vector<Case> cases;
+  std::vector<std::string> arguments;
   std::filesystem::path write;
-  for (int i = 1; i < argc; ++i) {
-    if (std::string(argv[i]) == "--write" && i + 1 < argc)
-      write = argv[++i];
-    else
-      cases.push_back(read_case(argv[i]));
-  }
-  if (cases.empty()) {
-    fmt::print(stderr, "usage: bench_matting PICTURE:MARKS:TRUTH... [--write FOLDER]\n");
-    return 2;
-  }
+  std::string json_file;
+  CLI::App app("How near to a drawn or thresholded truth do mattes from scribbles come?");
+  app.add_option("CASE", arguments, "PICTURE:MARKS:TRUTH")->required();
+  app.add_option("--write", write, "Folder for mattes and sheets");
+  app.add_option("--json", json_file, "Write the figures here");
+  CLI11_PARSE(app, argc, argv);
+  std::vector<Case> cases;
+  for (const std::string& argument : arguments) cases.push_back(read_case(argument));
   const bench::Machine machine = bench::this_machine();
   fmt::print("{}\n", to_string(machine));
   for (const Case& one : cases)
@@ -147,7 +146,7 @@ int main(int argc, char** argv) try {
   for (const Row& row : rows())
     fmt::print("| mean of {} | {} | | {:.1f} % | | |\n", cases.size(), row.what,
                100 * sums[index++] / static_cast<double>(cases.size()));
-  std::ofstream("matting.json") << json.dump(2) << '\n';
+  if (!json_file.empty()) std::ofstream(json_file) << json.dump(2) << '\n';
   return 0;
 } catch (const std::exception& fault) {
   fmt::print(stderr, "bench_matting: {}\n", fault.what());

@@ -195,7 +195,7 @@ nlohmann::json measure_runs(const std::vector<bench::LabellingCase>& cases, int 
 }
 
 struct Command {
-  std::string store, json_file = "labelling.json";
+  std::string store, json_file;
   std::vector<std::string> pictures, sizes;
   std::string exact;
   std::size_t exact_mb = 2048;
@@ -239,7 +239,7 @@ int main(int argc, char** argv) try {
           bench::measure_exact(pooled, exact, bench::picture_of(asked), command.exact_mb << 20));
       right = right && report["exact"].back()["right"].get<bool>();
     }
-    std::ofstream(command.json_file) << report.dump(1) << '\n';
+    if (!command.json_file.empty()) std::ofstream(command.json_file) << report.dump(1) << '\n';
     if (!right) fmt::print(stderr, "wrong: a table (see above)\n");
     return right ? 0 : 1;
   }
@@ -257,7 +257,7 @@ int main(int argc, char** argv) try {
   for (const bench::LabellingCase& asked : cases)
     right = measure(snapshot, bench::picture_of(asked), forms, report) && right;
   report["right"] = right;
-  std::ofstream(command.json_file) << report.dump(1) << '\n';
+  if (!command.json_file.empty()) std::ofstream(command.json_file) << report.dump(1) << '\n';
   if (!right) fmt::print(stderr, "wrong: a table, an energy or a bound (see above)\n");
   return right ? 0 : 1;
 } catch (const std::exception& error) {

@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "bench/harness/features_of_patches.h"
 #include "bench/harness/machine.h"
 
 namespace freshet::bench {
@@ -37,7 +38,7 @@ class ReferenceCost {
       : shape_(shape), options_(options) {}
   using Patch = std::vector<std::vector<double>>;  // log features of its cells, row-major
   std::vector<Patch> patches(const query::FeatureSource& source, std::span<const query::Row> rows) const {
-    const std::vector<float> features = query::features_of_patches(source, shape_, rows);
+    const std::vector<float> features = features_of_patches(source, shape_, rows);
     const float* from = features.data();
     std::vector<Patch> patches(rows.size());
     for (Patch& patch : patches) {

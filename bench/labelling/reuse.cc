@@ -8,6 +8,7 @@
 // are labelled by label_variations and one by one, again to the same labels. CPU seconds of all threads,
 // opening the store included; wall seconds beside them. Rendering is in neither.
 
+#include <CLI/CLI.hpp>
 #include <filesystem>
 
 #include <fmt/format.h>
@@ -106,16 +107,17 @@ bool sweep(const store::Snapshot& snapshot, const bench::PictureArgument& read, 
 }  // namespace
 
 int main(int argc, char** argv) try {
-  if (argc != 3 && argc != 4) {
-    fmt::print(stderr, "bench_reuse STORE PICTURE[:MATTE] [CLASS]\n");
-    return 2;
-  }
-  const store::Snapshot snapshot = store::Store::open_read(argv[1]).snapshot();
-  const auto read = bench::read_picture_argument(argv[2]);
+  std::string store, picture;
+  query::LabelOptions options;
+  CLI::App app("What does a warm edit save, and a sweep?");
+  app.add_option("STORE", store)->required();
+  app.add_option("PICTURE", picture, "PICTURE[:MATTE]")->required();
+  app.add_option("CLASS", options.candidates.class_name, "Only clips of this class [all]");
+  CLI11_PARSE(app, argc, argv);
+  const store::Snapshot snapshot = store::Store::open_read(store).snapshot();
+  const auto read = bench::read_picture_argument(picture);
   fmt::print("{}\n{}: {} x {} px\n", bench::to_string(bench::this_machine()), read.name, read.picture.cols,
              read.picture.rows);
-  query::LabelOptions options;
-  if (argc == 4) options.candidates.class_name = argv[3];
   const bool edits = warm_edit(snapshot, read, options), sweeps = sweep(snapshot, read, options);
   if (!edits || !sweeps)
     fmt::print(stderr, "wrong: labels differ from those of a single run without a cache\n");

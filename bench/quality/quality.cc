@@ -1,20 +1,24 @@
 // bench/quality/quality.cc — how far is an animated still from what the fluid really did, and which choices bring it
 // nearer?
 //
-//   bench_quality STORE [--clips fall --clips fire/] [--hints none,strokes] [--ablate all] [--html DIR]
+//   bench_quality STORE [--clips fall,fire/] [--limit 8] [--hints guess,maps] [--methods all] [--html DIR]
+//   bench_quality STORE --held-out FOLDER ...
 //
 // Leaves one clip out: each clip of the store is decoded from it, its middle frame (reduced to 640 px, for
-// the bench's time) is taken for a still, its real motion gives the matte and the strokes that a person would
-// draw, and the still is animated from all other clips. What comes out is compared, inside the matte, with
-// what the clip did over as many frames (quality_measures.h). References in the same table: the clip's half
-// before the still against its half after it (ceiling), the still (floor), and labelling by likeness alone.
+// the bench's time) is taken for a still, its real motion gives the matte and the hints that a person would
+// give (quality_hints.h), and the still is animated from all other clips, in our way and in our rivals'
+// (quality_method.h). With --held-out the clips are files that the store does not know. What comes out is
+// compared, inside the matte, with what the clip did over as many frames (quality_measures.h). References in
+// the same tables: the clip's half before the still against its half after it (ceiling), the still (floor).
 
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <map>
 #include <random>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -24,10 +28,14 @@
 #include <opencv2/core/utility.hpp>
 
 #include "bench/harness/machine.h"
+#include "bench/quality/quality_asked.h"
 #include "bench/quality/quality_case.h"
+#include "bench/quality/quality_footage.h"
+#include "bench/quality/quality_hints.h"
 #include "bench/quality/quality_method.h"
 #include "bench/quality/quality_page.h"
 #include "bench/quality/quality_report.h"
+#include "bench/quality/quality_rivals.h"
 #include "freshet/error.h"
 #include "query/index/search_base.h"
 #include "synth/animate/placement/assigned.h"
@@ -40,44 +48,44 @@ struct Asked {
   std::string store;
   std::vector<std::string> clips;
   std::string class_name;
+  std::vector<std::filesystem::path> held_out;
+  std::size_t limit = 0;  // of clips; 0: none
   bench::CaseOptions sizes;
-  std::vector<std::string> hints{"none", "strokes"}, ablate{"looks"}, tries;
+  int frames_made = 0;  // at least; beyond the truth's only reversals are measured
+  bool loop = false;
+  std::vector<std::string> hints{"guess", "direction", "strokes+speed", "maps"};
+  std::vector<std::string> methods{"ours", "paper", "eulerian", "eulerian-varying"}, ablate{"nothing"}, tries;
   std::string set, json_path, html;
 };
 
-struct Hint {
-  std::string name;
-  bool strokes = false, speed = false;
-};
-
-Hint hint_named(const std::string& name) {
-  if (name == "none") return {name, false, false};
-  if (name == "strokes") return {name, true, false};
-  if (name == "strokes+speed") return {name, true, true};
-  throw Error(ErrorKind::kUsage, "hint \"" + name + "\"", "none, strokes or strokes+speed expected");
+/// Of a table of settings, those named (or all), each on top of `plain`.
+void add_named(const std::vector<std::string>& names, const std::vector<bench::NamedSettings>& table,
+               const char* option, const bench::Method& plain, std::vector<bench::Method>& methods) {
+  for (const std::string& name : names) {
+    bool known = name == "all" || name == "nothing";
+    for (const bench::NamedSettings& one : table) {
+      if (name != "all" && name != one.name) continue;
+      known = true;
+      methods.push_back(plain);
+      methods.back().name = one.name;
+      bench::apply_settings(one.settings, methods.back());
+    }
+    if (!known)
+      throw Error(ErrorKind::kUsage, fmt::format("{} {}", option, name), "no such name", "See --help");
+  }
 }
 
-/// The defaults with --set, and each variation of them.
 std::vector<bench::Method> methods_of(const Asked& asked) {
   bench::Method plain;
   bench::apply_settings(asked.set, plain);
-  std::vector<bench::Method> methods{plain};
-  const auto add = [&](const std::string& name, const std::string& settings) {
+  std::vector<bench::Method> methods;
+  add_named(asked.methods, bench::methods(), "--methods", plain, methods);
+  add_named(asked.ablate, bench::ablations(), "--ablate", plain, methods);
+  for (const std::string& settings : asked.tries) {
     methods.push_back(plain);
-    methods.back().name = name;
+    methods.back().name = settings;
     bench::apply_settings(settings, methods.back());
-  };
-  for (const std::string& name : asked.ablate) {
-    if (name == "nothing") continue;
-    bool known = name == "all";
-    for (const bench::NamedSettings& ablation : bench::ablations()) {
-      if (name != "all" && name != ablation.name) continue;
-      known = true;
-      add(ablation.name, ablation.settings);
-    }
-    if (!known) throw Error(ErrorKind::kUsage, "--ablate " + name, "no such ablation", "See --help");
   }
-  for (const std::string& settings : asked.tries) add(settings, settings);
   return methods;
 }
 
@@ -87,38 +95,56 @@ void check_measures() {
   std::vector<cv::Mat> film;
   cv::Mat grain(128, 192, CV_8U);
   for (int i = 0; i < grain.rows * grain.cols; ++i) grain.data[i] = static_cast<std::uint8_t>(random() % 256);
-  for (int t = 0; t < 24; ++t) film.push_back(grain(cv::Rect(t, 0, 128, 128)).clone());
+  for (int t = 0; t < 32; ++t) film.push_back(grain(cv::Rect(t, 0, 128, 128)).clone());
   const bench::Region region{cv::Mat(128, 128, CV_8U, cv::Scalar(255)), {0, 0}, 24};
-  const bench::Film truth = bench::measure(film, bench::pair_motions(film), 25, region);
+  bench::Film truth = bench::measure(film, bench::pair_motions(film), 25, region);
+  truth.halves_apart.fill(1);
   const bench::Distance same = bench::compare(truth, truth, region);
   const std::vector<cv::Mat> still(film.size(), film[12]);
   const bench::Distance floor =
       bench::compare(bench::measure(still, bench::pair_motions(still), 25, region), truth, region);
   if (same.spectrum_db != 0 || same.angle_deg > 1e-3 || same.speed != 0 || same.texture != 0 ||
-      same.flicker != 0 || std::abs(same.ssim - 1) > 1e-4 || floor.spectrum_db < 30 || floor.dead != 1)
+      same.flicker != 0 || std::abs(same.ssim - 1) > 1e-4 || same.lifetime != 0 || same.ribbon != 0 ||
+      same.patches[0] != 0 || floor.spectrum_db < 30 || floor.dead != 1 || !(floor.lifetime > 0.1))
     throw Error(ErrorKind::kInput, "the bench itself",
                 "a film is not 0 away from itself, or a still not far");
 }
 
-/// Class by class in turn, so that what a run has shown when it is broken off is of all classes.
-std::vector<store::ClipId> chosen_clips(const store::Snapshot& snapshot, const Asked& asked) {
-  std::map<std::string, std::map<std::string, store::ClipId>> by_class;
-  for (const store::ClipId id : snapshot.clips()) {
-    const store::ClipRecord& clip = snapshot.clip(id);
+/// A clip to be judged, by where it comes from.
+struct Chosen {
+  std::string name, class_name;
+  std::function<bench::Footage()> read;
+};
+
+/// Class by class in turn, so that what a run has shown when it is broken off, or limited, is of all classes.
+std::vector<Chosen> chosen_clips(const store::Snapshot& snapshot, const Asked& asked) {
+  std::map<std::string, std::map<std::string, Chosen>> by_class;
+  const auto add = [&](const std::string& name, const std::string& class_name,
+                       std::function<bench::Footage()> read) {
     const bool wanted = std::any_of(asked.clips.begin(), asked.clips.end(), [&](const std::string& part) {
-      return clip.name.find(part) != std::string::npos;
+      return name.find(part) != std::string::npos;
     });
-    if ((asked.clips.empty() || wanted) && (asked.class_name.empty() || clip.class_name == asked.class_name))
-      by_class[clip.class_name][clip.name] = id;
+    if ((asked.clips.empty() || wanted) && (asked.class_name.empty() || class_name == asked.class_name))
+      by_class[class_name][name] = {name, class_name, std::move(read)};
+  };
+  if (asked.held_out.empty()) {
+    for (const store::ClipId id : snapshot.clips())
+      add(snapshot.clip(id).name, snapshot.clip(id).class_name,
+          [&snapshot, &asked, id] { return bench::stored_footage(snapshot, id, asked.sizes); });
+  } else {
+    for (const ingest::Source& source : ingest::list_sources(asked.held_out))
+      add(source.name, source.class_name,
+          [&snapshot, &asked, source] { return bench::held_out_footage(snapshot, source, asked.sizes); });
   }
-  std::vector<store::ClipId> clips;
+  std::vector<Chosen> clips;
   while (!by_class.empty()) {
     for (auto group = by_class.begin(); group != by_class.end();) {
       clips.push_back(group->second.extract(group->second.begin()).mapped());
       group = group->second.empty() ? by_class.erase(group) : std::next(group);
     }
   }
-  if (clips.empty()) throw Error(ErrorKind::kUsage, asked.store, "no clip of it is chosen");
+  if (clips.empty()) throw Error(ErrorKind::kUsage, asked.store, "no clip is chosen");
+  if (asked.limit > 0 && clips.size() > asked.limit) clips.resize(asked.limit);
   return clips;
 }
 
@@ -129,49 +155,95 @@ class Trial {
         const bench::Case& clip)
       : snapshot_(snapshot), base_(base), asked_(asked), case_(clip) {}
 
-  bench::Judged judge(const Hint& hint, const bench::Method& method) {
-    bench::Judged judged{case_.name, case_.class_name,
-                         hint.name + (method.name.empty() ? "" : ", " + method.name)};
+  /// A rival that needs no labels, carried along what the clip did.
+  bench::Judged judge_carried(const bench::Method& method) {
     const double start = bench::wall_seconds();
-    const synth::animate::Placement& placement = placed(hint, method);
+    std::vector<cv::Mat> flow;
+    if (method.renderer == bench::Renderer::kCarried)
+      flow.push_back(case_.motion / case_.fps);
+    else
+      for (const bench::PairMotion& motion : case_.motions) flow.push_back(motion.fine);
+    const std::vector<cv::Mat> made =
+        bench::carry_still(case_.still, case_.matte, flow, static_cast<int>(case_.truth.size()));
+    bench::Judged judged{case_.name, case_.class_name, "true motion, " + method.name};
+    judged.render_s = bench::wall_seconds() - start;
+    compare(made, bench::true_direction(case_), false, judged);
+    return judged;
+  }
+
+  bench::Judged judge(const bench::NamedHint& hint, const bench::Method& method) {
+    bench::Judged judged{case_.name, case_.class_name, fmt::format("{}, {}", hint.name, method.name)};
+    const double start = bench::wall_seconds();
+    const Labelled& labels = labelled(hint, method);
     judged.label_s = bench::wall_seconds() - start;
     synth::animate::AnimateOptions options = method.animate;
-    options.frames = static_cast<int>(case_.truth.size());
+    options.frames = std::max(static_cast<int>(case_.truth.size()), asked_.loop ? 0 : asked_.frames_made);
     options.fps = case_.fps;
-    if (hint.strokes && !case_.strokes.empty())
-      bench::guide_by(case_.strokes, case_.still.size(), hint.speed, options.guide);
+    options.loop = asked_.loop;
+    options.guide = labels.asked.rendering;
     std::vector<cv::Mat> made;
-    synth::animate::animate(snapshot_, base_.settings, case_.still, case_.matte, placement, options,
+    synth::animate::animate(snapshot_, base_.settings, case_.still, case_.matte, labels.placement, options,
                             [&](const cv::Mat& frame) { made.push_back(frame.clone()); });
     judged.render_s = bench::wall_seconds() - start - judged.label_s;
-    const std::vector<cv::Mat> luma = bench::luma_of(made);
-    judged.distance = bench::compare(bench::measure(luma, bench::pair_motions(luma), case_.fps, case_.region),
-                                     case_.film, case_.region);
-    if (!asked_.html.empty())
-      judged.video = bench::write_panels(asked_.html, case_, made, judged.method, hint.strokes);
+    const bool strokes = hint.hint == bench::Hint::kStrokes || hint.hint == bench::Hint::kStrokesSpeed;
+    compare(made, labels.asked.direction, strokes, judged);
+    judged.distance.clip_share = labels.shares.clip;
+    judged.distance.patch_share = labels.shares.patch;
     return judged;
   }
 
  private:
-  const synth::animate::Placement& placed(const Hint& hint, const bench::Method& method) {
-    const std::string key = hint.name + "/" + method.labels_settings;
-    if (const auto known = placements_.find(key); known != placements_.end()) return known->second;
+  struct Labelled {
+    bench::AskedOf asked;
+    synth::animate::Placement placement;
+    bench::LargestShares shares;
+  };
+
+  const Labelled& labelled(const bench::NamedHint& hint, const bench::Method& method) {
+    const std::string key = fmt::format("{}/{}", hint.name, method.labels_settings);
+    if (const auto known = labelled_.find(key); known != labelled_.end()) return known->second;
     query::LabelOptions options = method.label;
     options.candidates.excluded_clips = case_.same_scene;
     options.candidates.min_duration_s = static_cast<double>(case_.truth.size()) / case_.fps;
     if (method.same_class) options.candidates.class_name = case_.class_name;
-    if (hint.strokes && !case_.strokes.empty())
-      bench::guide_by(case_.strokes, case_.still.size(), hint.speed, options.guide);
+    bench::AskedOf asked = bench::ask(hint.hint, case_, snapshot_, base_, options);
+    options.guide = asked.labels;
+    options.candidates.direction_deg = asked.direction_deg;
     const query::Labelling labelling = query::label(snapshot_, base_, case_.still, case_.matte, options);
-    return placements_.emplace(key, synth::animate::placement_from(labelling.assignment, snapshot_))
+    return labelled_
+        .emplace(key,
+                 Labelled{std::move(asked), synth::animate::placement_from(labelling.assignment, snapshot_),
+                          bench::largest_shares(labelling.assignment)})
         .first->second;
+  }
+
+  /// All measures of what was made, and its place on the page.
+  void compare(std::vector<cv::Mat> made, const cv::Mat& asked_direction, bool strokes,
+               bench::Judged& judged) const {
+    const std::vector<cv::Mat> luma = bench::luma_of(made);
+    const std::vector<bench::PairMotion> motions = bench::pair_motions(luma);
+    const std::size_t frames = case_.truth.size();
+    const bench::Film film = bench::measure(std::span(luma).first(frames),
+                                            std::span(motions).first(frames - 1), case_.fps, case_.region);
+    judged.distance = bench::compare(film, case_.film, case_.region);
+    judged.lifetime = film.lifetime;
+    judged.distance.start = bench::detail_correlation(luma[0], bench::luma_of({case_.still})[0], case_.matte);
+    const bench::Reversals back =
+        bench::reversals(bench::motion_by_second(motions, case_.fps), asked_direction, case_.matte);
+    judged.distance.back_seconds = back.seconds;
+    judged.distance.back_blocks = back.blocks;
+    if (asked_.loop)
+      judged.distance.loop = bench::motion_after_loop(luma, static_cast<int>(frames), case_.matte);
+    made.resize(frames);
+    if (!asked_.html.empty())
+      judged.video = bench::write_panels(asked_.html, case_, made, judged.method, strokes);
   }
 
   const store::Snapshot& snapshot_;
   const query::SearchBase& base_;
   const Asked& asked_;
   const bench::Case& case_;
-  std::map<std::string, synth::animate::Placement> placements_;  // by all that labels depend on
+  std::map<std::string, Labelled> labelled_;  // by all that labels depend on
 };
 
 void write_json(const Asked& asked, const std::vector<bench::Judged>& judged) {
@@ -183,45 +255,68 @@ void write_json(const Asked& asked, const std::vector<bench::Judged>& judged) {
   std::ofstream(asked.json_path) << json.dump(1) << '\n';
 }
 
+/// The rows of a clip that nobody animates.
+void add_references(const bench::Case& clip, std::vector<bench::Judged>& judged) {
+  const auto add = [&](const char* name, const bench::Distance& distance, const bench::LifetimeCurve& curve) {
+    judged.push_back({.clip = clip.name,
+                      .class_name = clip.class_name,
+                      .method = name,
+                      .distance = distance,
+                      .lifetime = curve});
+  };
+  bench::Distance real = bench::compare(clip.film, clip.film, clip.region);
+  const bench::Reversals back =
+      bench::reversals(clip.film.by_second, bench::true_direction(clip), clip.matte);
+  real.back_seconds = back.seconds;
+  real.back_blocks = back.blocks;
+  add("real", real, clip.film.lifetime);
+  if (clip.half) add("ceiling", *clip.half, clip.half_lifetime);
+  bench::LifetimeCurve whole;
+  whole.fill(1);
+  add("floor", clip.frozen, whole);
+}
+
 int run(const Asked& asked) {
   check_measures();
-  std::vector<Hint> hints;
+  std::vector<bench::NamedHint> hints;
   for (const std::string& name : asked.hints)
-    if (name != "nothing") hints.push_back(hint_named(name));
+    if (name != "nothing") hints.push_back(bench::hint_named(name));
   const std::vector<bench::Method> methods = methods_of(asked);
   if (!asked.html.empty()) std::filesystem::create_directories(asked.html);
 
   const double start = bench::wall_seconds();
   const store::Snapshot snapshot = store::Store::open_read(asked.store).snapshot();
   const query::SearchBase base = query::open_search(snapshot);
-  const std::vector<store::ClipId> clips = chosen_clips(snapshot, asked);
-  fmt::print("{}\n{} clips; stills of {} px, {} frames at most{}\n\n",
-             bench::to_string(bench::this_machine()), clips.size(), asked.sizes.width, asked.sizes.frames,
-             asked.set.empty() ? "" : "; " + asked.set);
+  const std::vector<Chosen> clips = chosen_clips(snapshot, asked);
+  fmt::print("{}\n{} {}clips; stills of {} px, {} frames at most{}\n\n",
+             bench::to_string(bench::this_machine()), clips.size(), asked.held_out.empty() ? "" : "held-out ",
+             asked.sizes.width, asked.sizes.frames, asked.set.empty() ? "" : "; " + asked.set);
   std::vector<bench::Judged> judged;
   for (std::size_t c = 0; c < clips.size(); ++c) {
-    const std::string& name = snapshot.clip(clips[c]).name;
     std::string why;
-    const auto clip = bench::make_case(snapshot, base.settings, clips[c], asked.sizes, why);
-    fmt::print(stderr, "[{}/{}] {}, {:.0f} s{}\n", c + 1, clips.size(), name, bench::wall_seconds() - start,
-               clip ? "" : ": left out, " + why);
+    const auto clip = bench::make_case(clips[c].read(), base.settings, why);
+    fmt::print(stderr, "[{}/{}] {}, {:.0f} s{}\n", c + 1, clips.size(), clips[c].name,
+               bench::wall_seconds() - start, clip ? "" : ": left out, " + why);
     if (!clip) continue;
-    if (clip->same_scene.size() > 1)
+    if (!clip->same_scene.empty() && clip->same_scene != std::vector{clip->name})
       fmt::print(stderr, "  left out together: {}\n", fmt::join(clip->same_scene, ", "));
     if (clip->strokes.empty()) fmt::print(stderr, "  nothing flows: no strokes\n");
-    judged.push_back({name, clip->class_name, "real", bench::compare(clip->film, clip->film, clip->region)});
-    if (clip->half) judged.push_back({name, clip->class_name, "ceiling", *clip->half});
-    judged.push_back({name, clip->class_name, "floor", clip->frozen});
+    add_references(*clip, judged);
     Trial trial(snapshot, base, asked, *clip);
-    for (const Hint& hint : hints) {
-      for (const bench::Method& method : methods) {
-        try {
-          judged.push_back(trial.judge(hint, method));
-        } catch (const Error& fault) {
-          fmt::print(stderr, "  {} {}: {}\n", hint.name, method.name, fault.what());
-        }
+    const auto attempt = [&](const std::string& what, const auto& judge) {
+      try {
+        judged.push_back(judge());
+      } catch (const Error& fault) {
+        fmt::print(stderr, "  {}: {}\n", what, fault.what());
       }
-    }
+    };
+    for (const bench::Method& method : methods)
+      if (method.renderer != bench::Renderer::kAnimate)
+        attempt(method.name, [&] { return trial.judge_carried(method); });
+    for (const bench::NamedHint& hint : hints)
+      for (const bench::Method& method : methods)
+        if (method.renderer == bench::Renderer::kAnimate)
+          attempt(fmt::format("{} {}", hint.name, method.name), [&] { return trial.judge(hint, method); });
     // After each clip: a run that is broken off has shown something.
     if (!asked.html.empty()) bench::write_page(asked.html, judged, "Animated stills beside what was filmed");
     if (!asked.json_path.empty()) write_json(asked, judged);
@@ -239,23 +334,38 @@ int main(int argc, char** argv) {
   CLI::App app(
       "Animates a still of each clip of a store from the other clips, and measures how far the result is "
       "from what the clip did");
-  std::string ablations = "Rows with one choice changed, of all or nothing or:";
-  for (const bench::NamedSettings& ablation : bench::ablations())
-    ablations += fmt::format("\n{} ({}): {}", ablation.name, ablation.settings, ablation.what);
+  const auto listed = [](std::string text, const std::vector<bench::NamedSettings>& table) {
+    for (const bench::NamedSettings& one : table)
+      text += fmt::format("\n{} ({}): {}", one.name, one.settings, one.what);
+    return text;
+  };
+  std::string hints = "What is said of the motion; nothing: no row of ours. Of:";
+  for (const bench::NamedHint& one : bench::hints()) hints += fmt::format("\n{}: {}", one.name, one.what);
   app.add_option("store", asked.store, "Store of the clips, indexed")->required();
   app.add_option("--clips", asked.clips, "Only clips whose names contain one of these [all]")->delimiter(',');
   app.add_option("--class", asked.class_name, "Only clips of this class [all]");
+  app.add_option("--held-out", asked.held_out,
+                 "Judge these videos or folders of videos, not the store's clips");
+  app.add_option("--limit", asked.limit, "Only so many clips, class by class in turn [all]");
   app.add_option("--width", asked.sizes.width, "Longer side that a clip is reduced to, px")
       ->check(CLI::Range(64, 8192))
       ->capture_default_str();
   app.add_option("--frames", asked.sizes.frames, "Frames to animate; no more than the clip has")
       ->check(CLI::Range(24, 1000))
       ->capture_default_str();
-  app.add_option("--hints", asked.hints,
-                 "none, strokes (direction alone), strokes+speed; nothing: the references alone")
+  app.add_option("--frames-made", asked.frames_made,
+                 "Frames to animate at least; those beyond --frames tell of reversals alone")
+      ->check(CLI::Range(1, 10000));
+  app.add_flag("--loop", asked.loop, "Animate loops, and measure MALF");
+  app.add_option("--hints", asked.hints, hints)->delimiter(',')->capture_default_str();
+  app.add_option("--methods", asked.methods,
+                 listed("Ways to animate, each a row for each hint, of all or nothing or:", bench::methods()))
       ->delimiter(',')
       ->capture_default_str();
-  app.add_option("--ablate", asked.ablate, ablations)->delimiter(',')->capture_default_str();
+  app.add_option("--ablate", asked.ablate,
+                 listed("Rows with one choice changed, of all or nothing or:", bench::ablations()))
+      ->delimiter(',')
+      ->capture_default_str();
   app.add_option("--try", asked.tries, "One more row, with settings as in --set; may be repeated");
   app.add_option("--set", asked.set, "Settings of all rows, key=value key=value:\n" + bench::setting_keys());
   app.add_option("--json", asked.json_path, "Figures as JSON");

@@ -4,71 +4,19 @@
 #include <cmath>
 
 #include <fmt/format.h>
-#include <oneapi/tbb/parallel_for.h>
 #include <opencv2/imgproc.hpp>
 
 #include "ingest/clip_analysis.h"
-#include "media/frame/frame.h"
+#include "query/hints/motion_maps.h"
 #include "query/search/target.h"
-#include "query/stored/average_image.h"
-#include "query/stored/clip_frames.h"
 
 namespace freshet::bench {
 namespace {
 
-constexpr std::uint32_t kMinFrames = 24;
+constexpr int kMinFrames = 24;
 constexpr double kMinMoving = 0.01;        // of the picture
 constexpr double kMinPartFraction = 0.02;  // of the matte: smaller parts of it are left out
 constexpr double kEdge = 2;                // px, sigma of the matte's soft edge
-constexpr double kSameScene = 0.97;        // correlation of two clips' average images
-
-/// Frames of a clip, reduced and cropped.
-std::vector<cv::Mat> read_reduced(const store::Snapshot& snapshot, store::ClipId clip, std::uint32_t first,
-                                  std::uint32_t count, int longest) {
-  const query::ClipFrames frames(snapshot, clip);
-  const double scale = std::min(1.0, 1.0 * longest / std::max(frames.layout().width, frames.layout().height));
-  const cv::Size size(static_cast<int>(std::lround(frames.layout().width * scale)),
-                      static_cast<int>(std::lround(frames.layout().height * scale)));
-  const cv::Rect whole(0, 0, size.width / kSpectrumBlock * kSpectrumBlock,
-                       size.height / kSpectrumBlock * kSpectrumBlock);
-  std::vector<cv::Mat> reduced(count);
-  constexpr std::uint32_t kSlab = 16;
-  for (std::uint32_t at = first; at < first + count;) {
-    // By the slabs in which they are stored: each is decoded once.
-    const std::uint32_t end = std::min((at / kSlab + 1) * kSlab, first + count);
-    const std::vector<media::Frame> slab = frames.read(at, end - at);
-    oneapi::tbb::parallel_for(std::size_t{0}, slab.size(), [&](std::size_t i) {
-      cv::Mat picture = media::to_bgr(slab[i]);
-      if (picture.size() != size) cv::resize(picture, picture, size, 0, 0, cv::INTER_AREA);
-      reduced[at - first + i] = picture(whole).clone();
-    });
-    at = end;
-  }
-  return reduced;
-}
-
-cv::Mat thumbnail(const store::Snapshot& snapshot, store::ClipId clip) {
-  cv::Mat small, values;
-  cv::resize(query::average_image(snapshot, clip), small, {48, 32}, 0, 0, cv::INTER_AREA);
-  small.convertTo(values, CV_32F);
-  return values - cv::mean(values)[0];
-}
-
-/// Clips of the same class and shape whose average images agree: two takes of one place.
-std::vector<std::string> clips_of_scene(const store::Snapshot& snapshot, store::ClipId clip) {
-  const store::ClipRecord& record = snapshot.clip(clip);
-  const cv::Mat own = thumbnail(snapshot, clip);
-  std::vector<std::string> names{record.name};
-  for (const store::ClipId other : snapshot.clips()) {
-    const store::ClipRecord& others = snapshot.clip(other);
-    if (other == clip || others.class_name != record.class_name ||
-        others.width * record.height != record.width * others.height)
-      continue;
-    const cv::Mat theirs = thumbnail(snapshot, other);
-    if (own.dot(theirs) > kSameScene * cv::norm(own) * cv::norm(theirs)) names.push_back(others.name);
-  }
-  return names;
-}
 
 /// As a person outlines what moves: without the measure's holes and specks.
 void tidy(cv::Mat& matte) {
@@ -103,68 +51,67 @@ cv::Mat mean_motion(const std::vector<PairMotion>& motions, double fps) {
 
 }  // namespace
 
-std::vector<cv::Mat> luma_of(const std::vector<cv::Mat>& frames) {
-  std::vector<cv::Mat> luma(frames.size());
-  oneapi::tbb::parallel_for(std::size_t{0}, frames.size(),
-                            [&](std::size_t i) { cv::cvtColor(frames[i], luma[i], cv::COLOR_BGR2GRAY); });
-  return luma;
-}
-
-std::optional<Case> make_case(const store::Snapshot& snapshot, const vision::Settings& settings,
-                              store::ClipId clip, const CaseOptions& options, std::string& why) {
-  const store::ClipRecord& record = snapshot.clip(clip);
-  if (record.frame_count < kMinFrames) {
-    why = fmt::format("{} frames are too few", record.frame_count);
+std::optional<Case> make_case(Footage footage, const vision::Settings& settings, std::string& why) {
+  const int count = footage.truth_size, half = footage.half, middle = footage.middle;
+  if (count < kMinFrames) {
+    why = fmt::format("{} frames are too few", count);
     return std::nullopt;
   }
   Case made;
-  made.name = record.name;
-  made.class_name = record.class_name;
-  made.same_scene = clips_of_scene(snapshot, clip);
-  made.fps = static_cast<double>(record.fps_num) / static_cast<double>(record.fps_den);
+  made.name = std::move(footage.name);
+  made.class_name = std::move(footage.class_name);
+  made.same_scene = std::move(footage.same_scene);
+  made.fps = footage.fps;
 
-  // Around the middle: the frames to be matched, and as many before and after it as there are.
-  const auto wanted = static_cast<std::uint32_t>(options.frames);
-  const std::uint32_t count = std::min(wanted, record.frame_count),
-                      half = std::min(wanted, record.frame_count / 2);
-  const std::uint32_t middle = record.frame_count / 2, first = middle - half;
-  const std::uint32_t begin = std::min(middle - count / 2, record.frame_count - count);
-  const std::uint32_t from = std::min(first, begin), to = std::max(first + 2 * half, begin + count);
-  std::vector<cv::Mat> frames = read_reduced(snapshot, clip, from, to - from, options.width);
+  const std::vector<cv::Mat>& frames = footage.frames;
   const std::vector<cv::Mat> luma = luma_of(frames);
   const std::vector<PairMotion> motions = pair_motions(luma);
-  const auto part = [&](const auto& all, std::uint32_t start, std::uint32_t length) {
-    return std::vector(all.begin() + (start - from), all.begin() + (start - from) + length);
+  const auto part = [](const auto& all, int start, int length) {
+    return std::vector(all.begin() + start, all.begin() + start + length);
   };
-
-  made.truth = part(frames, begin, count);
-  made.luma = part(luma, begin, count);
-  made.still = frames[middle - from].clone();
-  const std::vector<PairMotion> own = part(motions, begin, count - 1);
-  made.matte = moving_matte(own, made.luma, made.fps, settings);
+  made.truth = part(frames, footage.truth_begin, count);
+  made.luma = part(luma, footage.truth_begin, count);
+  made.motions = part(motions, footage.truth_begin, count - 1);
+  made.still = frames[middle].clone();
+  made.matte = moving_matte(made.motions, made.luma, made.fps, settings);
   const double fraction = cv::countNonZero(made.matte > 127) / static_cast<double>(made.matte.total());
   if (fraction < kMinMoving) {
     why = fmt::format("only {:.1f} % of it moves", 100 * fraction);
     return std::nullopt;
   }
-  made.strokes = draw_strokes(mean_motion(own, made.fps), made.matte);
+  const cv::Mat motion = mean_motion(made.motions, made.fps);
+  made.strokes = draw_strokes(motion, made.matte);
+  cv::resize(motion, made.motion, made.still.size(), 0, 0, cv::INTER_LINEAR);
 
   const query::Target target = query::lay_out(made.matte, settings.grid);
   const int margin = (target.side - target.stride) / 2;
   made.region = {made.matte, target.origin + cv::Point(margin, margin), target.stride};
-  made.film = measure(made.luma, own, made.fps, made.region);
+  made.film = measure(made.luma, made.motions, made.fps, made.region);
+  const std::vector<cv::Mat> before = part(luma, middle - half, half), after = part(luma, middle, half);
   if (half >= kMinFrames) {
-    const auto film_of = [&](std::uint32_t start) {
-      return measure(part(luma, start, half), part(motions, start, half - 1), made.fps, made.region);
-    };
-    made.half = compare(film_of(first), film_of(middle), made.region);
+    const Film first = measure(before, part(motions, middle - half, half - 1), made.fps, made.region);
+    Film second = measure(after, part(motions, middle, half - 1), made.fps, made.region);
+    second.halves_apart = made.film.halves_apart = patch_distances(first.patches, second.patches);
+    made.half = compare(first, second, made.region);
+    made.half_lifetime = first.lifetime;
+  } else {
+    made.film.halves_apart =
+        patch_distances(sample_patches(before, made.matte), sample_patches(after, made.matte));
   }
-  const std::vector<cv::Mat> frozen(count, luma[middle - from]);
-  const PairMotion none{cv::Mat::zeros(own[0].flow.size(), CV_32FC2),
-                        cv::Mat::zeros(own[0].speed.size(), CV_32F)};
+  const std::vector<cv::Mat> frozen(count, luma[middle]);
+  const PairMotion& any = made.motions[0];
+  const PairMotion none{cv::Mat::zeros(any.flow.size(), CV_32FC2), cv::Mat::zeros(any.speed.size(), CV_32F),
+                        cv::Mat::zeros(any.fine.size(), CV_32FC2)};
   made.frozen = compare(measure(frozen, std::vector<PairMotion>(count - 1, none), made.fps, made.region),
                         made.film, made.region);
+  made.frozen.start = 1;
   return made;
+}
+
+cv::Mat true_direction(const Case& clip) {
+  cv::Mat direction, speed;
+  query::split_motion(clip.motion, clip.matte, direction, speed);
+  return direction;
 }
 
 }  // namespace freshet::bench

@@ -18,6 +18,9 @@ constexpr double kPowerFloor = 1e-3;    // grey levels squared, a band
 constexpr double kSpeedFloor = 1e-6;    // px/s
 constexpr double kTextureFloor = 1e-3;  // grey levels
 constexpr double kFlickerFloor = 5e-3;  // grey levels
+constexpr double kPatchFloor = 1e-4;    // grey levels
+constexpr double kCoherenceFloor = 1e-6;
+constexpr int kFineCell = 2;  // px
 
 double log2_ratio(double a, double b, double floor) {
   return std::log2(std::max(a, floor) / std::max(b, floor));
@@ -85,6 +88,18 @@ cv::Mat spectrum(std::span<const cv::Mat> luma) {
   return power;
 }
 
+/// By blocks of kMotionBlock px, px/s.
+cv::Mat mean_motion(std::span<const PairMotion> motions, double fps) {
+  cv::Mat flow = cv::Mat::zeros(motions[0].flow.size(), CV_32FC2), blocks;
+  for (const PairMotion& motion : motions) flow += motion.flow;
+  flow *= fps / static_cast<double>(motions.size());
+  cv::resize(flow, blocks, {flow.cols * kMotionCell / kMotionBlock, flow.rows * kMotionCell / kMotionBlock},
+             0, 0, cv::INTER_AREA);
+  return blocks;
+}
+
+}  // namespace
+
 cv::Mat ssim_map(const cv::Mat& a, const cv::Mat& b) {
   const auto blur = [](const cv::Mat& values) {
     cv::Mat out;
@@ -101,14 +116,13 @@ cv::Mat ssim_map(const cv::Mat& a, const cv::Mat& b) {
   return ssim;
 }
 
-}  // namespace
-
 std::vector<PairMotion> pair_motions(std::span<const cv::Mat> luma) {
   std::vector<PairMotion> motions(luma.empty() ? 0 : luma.size() - 1);
   oneapi::tbb::parallel_for(std::size_t{0}, motions.size(), [&](std::size_t i) {
     const cv::Mat flow = vision::optical_flow(luma[i], luma[i + 1]);
     const cv::Size cells(flow.cols / kMotionCell, flow.rows / kMotionCell);
     cv::resize(flow, motions[i].flow, cells, 0, 0, cv::INTER_AREA);
+    cv::resize(flow, motions[i].fine, {flow.cols / kFineCell, flow.rows / kFineCell}, 0, 0, cv::INTER_AREA);
     std::vector<cv::Mat> parts;
     cv::split(flow, parts);
     cv::Mat speed;
@@ -194,6 +208,14 @@ double seam_of(std::span<const cv::Mat> luma, const Region& region) {
   return mean(kBorder) / mean(kBeside) - 1;
 }
 
+std::vector<cv::Mat> motion_by_second(std::span<const PairMotion> motions, double fps) {
+  const auto second = std::max(std::size_t{1}, static_cast<std::size_t>(std::lround(fps)));
+  std::vector<cv::Mat> seconds;
+  for (std::size_t from = 0; from + second / 2 < motions.size(); from += second)
+    seconds.push_back(mean_motion(motions.subspan(from, std::min(second, motions.size() - from)), fps));
+  return seconds;
+}
+
 Film measure(std::span<const cv::Mat> luma, std::span<const PairMotion> motions, double fps,
              const Region& region) {
   CV_Assert(luma.size() >= 8 && motions.size() + 1 == luma.size() && luma[0].size() == region.matte.size() &&
@@ -223,12 +245,12 @@ Film measure(std::span<const cv::Mat> luma, std::span<const PairMotion> motions,
   film.flicker = std::sqrt(spread);
 
   film.power = spectrum(luma);
-  cv::Mat flow = cv::Mat::zeros(motions[0].flow.size(), CV_32FC2);
-  for (const PairMotion& motion : motions) flow += motion.flow;
-  flow *= fps / static_cast<double>(motions.size());
-  cv::resize(flow, film.motion,
-             {flow.cols * kMotionCell / kMotionBlock, flow.rows * kMotionCell / kMotionBlock}, 0, 0,
-             cv::INTER_AREA);
+  film.motion = mean_motion(motions, fps);
+  film.by_second = motion_by_second(motions, fps);
+  cv::Mat speed = cv::Mat::zeros(motions[0].speed.size(), CV_32F), fluid;
+  for (const PairMotion& motion : motions) speed += motion.speed;
+  cv::resize(mask, fluid, speed.size(), 0, 0, cv::INTER_AREA);
+  film.pace = in_matte(speed, fluid > 127) * fps / static_cast<double>(motions.size());
 
   std::vector<std::array<double, kTextureLevels>> textures(luma.size());
   oneapi::tbb::parallel_for(std::size_t{0}, luma.size(), [&](std::size_t i) {
@@ -244,6 +266,16 @@ Film measure(std::span<const cv::Mat> luma, std::span<const PairMotion> motions,
   for (const auto& texture : textures)
     for (int l = 0; l < kTextureLevels; ++l) film.texture[l] += texture[l] / n;
   film.seam = seam_of(luma, region);
+
+  film.lifetime.fill(kNotMeasured);
+  if (!motions[0].fine.empty()) {
+    std::vector<cv::Mat> fine;
+    for (const PairMotion& motion : motions) fine.push_back(motion.fine);
+    film.lifetime = lifetime_curve(luma, fine, region.matte);
+  }
+  film.half_life_s = half_life_s(film.lifetime, fps);
+  film.patches = sample_patches(luma, region.matte);
+  film.coherence = mean_coherence(luma, region.matte);
   return film;
 }
 
@@ -305,6 +337,14 @@ Distance compare(const Film& film, const Film& truth, const Region& region) {
   distance.flicker = log2_ratio(film.flicker, truth.flicker, kFlickerFloor);
   distance.seam = film.seam;
   distance.dead = film.dead;
+
+  distance.pace = log2_ratio(film.pace, truth.pace, kSpeedFloor);
+  distance.ribbon = log2_ratio(film.coherence, truth.coherence, kCoherenceFloor);
+  distance.lifetime = curve_distance(film.lifetime, truth.lifetime);
+  distance.half_life_s = film.half_life_s;
+  const auto patches_apart = patch_distances(film.patches, truth.patches);
+  for (int l = 0; l < kPatchLevels; ++l)
+    distance.patches[l] = patches_apart[l] / std::max(truth.halves_apart[l], kPatchFloor);
   return distance;
 }
 

@@ -48,6 +48,12 @@ std::function<void(Method&, const std::string&)> to(Field&& field) {
 const std::vector<Setting>& all_settings() {
   using synth::animate::AppearanceMatching, synth::animate::BlendWeights, synth::animate::LowBand;
   static const std::vector<Setting> settings{
+      {"renderer", "animate, eulerian or eulerian-varying (see --methods)", false,
+       [](Method& m, const std::string& text) {
+         m.renderer = one_of<Renderer>(text, {{"animate", Renderer::kAnimate},
+                                              {"eulerian", Renderer::kCarried},
+                                              {"eulerian-varying", Renderer::kCarriedVarying}});
+       }},
       {"costs", "log or power; resets the four weights that follow", true,
        [](Method& m, const std::string& text) {
          m.label.costs = query::default_costs(query::parse_cost_form(text));
@@ -112,6 +118,24 @@ const std::vector<Setting>& all_settings() {
 }
 
 }  // namespace
+
+const std::vector<NamedSettings>& methods() {
+  static const std::vector<NamedSettings> all{
+      {"ours", "", "the defaults"},
+      // Spelled out, so that it stays what it is when the defaults move on.
+      {"last",
+       "carry=1 carry-life=3 carry-max=160 weights=variance low-band=shared low-band-reach=3 "
+       "matching=sequence shutter=0.35 gaussian=0.035",
+       "differences on the picture carried along its mean motion: the defaults of November 2026"},
+      {"paper", "carry=0 weights=paper low-band=keep matching=frame",
+       "Okabe et al. 2011: averaged differences on the long exposure, matched frame by frame"},
+      {"eulerian", "renderer=eulerian",
+       "two copies of the still carried along the clip's true mean motion; no hint, no labels"},
+      {"eulerian-varying", "renderer=eulerian-varying",
+       "two copies of the still carried along the clip's own flow, frame by frame"},
+  };
+  return all;
+}
 
 const std::vector<NamedSettings>& ablations() {
   static const std::vector<NamedSettings> all{

@@ -9,18 +9,30 @@
 
 namespace freshet::bench {
 
+/// Who makes the frames.
+enum class Renderer {
+  kAnimate,        // synth::animate, from labels
+  kCarried,        // carry_still along the clip's true mean motion: no labels, no hint
+  kCarriedVarying  // carry_still along the clip's own flow, frame by frame
+};
+
 struct Method {
   std::string name;
+  Renderer renderer = Renderer::kAnimate;
   query::LabelOptions label;
   synth::animate::AnimateOptions animate;
   bool same_class = false;  // candidates of the clip's class alone, as one who knows what is to be seen asks
   std::string labels_settings;  // what of its settings labels depend on: methods that agree share labels
 };
 
-/// An ablation or reference by name, and the settings that make it.
+/// A method or an ablation by name, and the settings that make it.
 struct NamedSettings {
   const char *name, *settings, *what;
 };
+/// Ways to animate that stand beside each other in every table: ours, and its rivals. A new way of rendering
+/// is a row here, and a key of its own in quality_method.cc.
+const std::vector<NamedSettings>& methods();
+/// Variations of ours, one choice changed in each.
 const std::vector<NamedSettings>& ablations();
 
 /// Applies "key=value key=value ..." (or with commas), in order. Throws Error{kUsage} for an unknown key, or

@@ -64,7 +64,7 @@ constexpr const char* kScript = R"(
 const cards = [...document.querySelectorAll('.card')], box = document.getElementById('cards');
 const keys = document.getElementById('keys'), method = document.getElementById('method');
 function sort(key, better) {
-  const size = c => Math.abs(+c.dataset[key]) * (better ? -1 : 1);
+  const size = c => (Math.abs(+c.dataset[key]) || 0) * (better ? -1 : 1);
   cards.sort((a, b) => size(b) - size(a)).forEach(c => box.append(c));
   [...keys.children].forEach(k => k.classList.toggle('on', k.dataset.key === key));
 }
@@ -124,13 +124,16 @@ void write_page(const std::filesystem::path& folder, const std::vector<Judged>& 
     if (one.video.empty()) continue;
     page << fmt::format("<div class=\"card\" data-method=\"{}\"", html_text(one.method));
     for (const Figure& figure : figures())
-      page << fmt::format(" data-{}=\"{:.4f}\"", figure.key, one.distance.*figure.value);
+      page << fmt::format(" data-{}=\"{:.4f}\"", figure.key, figure.value(one.distance));
     page << fmt::format(
         "><b>{}</b>, {}<video src=\"{}\" loop muted playsinline preload=\"metadata\"></video>",
         html_text(one.clip), html_text(one.method), one.video);
-    for (const Figure& figure : figures())
-      page << fmt::format("<span class=\"figure\"><i>{}</i> {:.{}f}</span>", figure.head,
-                          one.distance.*figure.value, figure.digits);
+    for (const Figure& figure : figures()) {
+      const double value = figure.value(one.distance);
+      if (!std::isnan(value))
+        page << fmt::format("<span class=\"figure\"><i>{}</i> {}</span>", figure.head,
+                            to_string(figure, value));
+    }
     page << "</div>\n";
   }
   page << "</div>\n<h1>Means and medians</h1>\n<pre>" << html_text(summary_table(judged))

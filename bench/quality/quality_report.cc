@@ -16,7 +16,7 @@ std::vector<std::string> in_order(const std::vector<Judged>& judged, std::string
 }
 
 struct Average {
-  double mean = 0, median = 0;
+  double mean = kNotMeasured, median = kNotMeasured;
 };
 Average average(std::vector<double> values) {
   if (values.empty()) return {};
@@ -27,10 +27,13 @@ Average average(std::vector<double> values) {
   return {sum / static_cast<double>(n), (values[(n - 1) / 2] + values[n / 2]) / 2};
 }
 
-std::string header(const std::vector<const char*>& first) {
+constexpr FigureGroup kParts[] = {FigureGroup::kMotion, FigureGroup::kLook, FigureGroup::kAsked};
+
+std::string header(const std::vector<const char*>& first, FigureGroup part) {
   std::string heads = "|", rule = "|";
   for (const char* name : first) heads += fmt::format(" {} |", name), rule += " --- |";
-  for (const Figure& figure : figures()) heads += fmt::format(" {} |", figure.head), rule += " --- |";
+  for (const Figure& figure : figures())
+    if (figure.group == part) heads += fmt::format(" {} |", figure.head), rule += " --- |";
   return heads + "\n" + rule + "\n";
 }
 
@@ -50,10 +53,13 @@ std::vector<Group> groups_of(const std::vector<Judged>& judged) {
       Group group{class_name, method, 0, {}};
       for (const Figure& figure : figures()) {
         std::vector<double> values;
-        for (const Judged& one : judged)
-          if (one.method == method && (class_name == "all" || one.class_name == class_name))
-            values.push_back(std::abs(one.distance.*figure.value));
-        group.clips = values.size();
+        group.clips = 0;
+        for (const Judged& one : judged) {
+          if (one.method != method || (class_name != "all" && one.class_name != class_name)) continue;
+          ++group.clips;
+          const double value = figure.value(one.distance);
+          if (!std::isnan(value)) values.push_back(figure.is_signed ? value : std::abs(value));
+        }
         group.averages.push_back(average(values));
       }
       if (group.clips > 0) groups.push_back(std::move(group));
@@ -64,56 +70,104 @@ std::vector<Group> groups_of(const std::vector<Judged>& judged) {
 
 }  // namespace
 
+const char* to_string(FigureGroup group) {
+  switch (group) {
+    case FigureGroup::kMotion:
+      return "motion and level";
+    case FigureGroup::kLook:
+      return "look";
+    case FigureGroup::kAsked:
+      return "what was asked";
+  }
+  return "";
+}
+
 const std::vector<Figure>& figures() {
-  static const std::vector<Figure> all{{"spectrum_db", "spectrum dB", &Distance::spectrum_db, 1},
-                                       {"matte_db", "of matte dB", &Distance::matte_db, 1},
-                                       {"angle_deg", "angle deg", &Distance::angle_deg, 1},
-                                       {"speed", "speed log2", &Distance::speed, 2},
-                                       {"block_speed", "speed by block", &Distance::block_speed, 2},
-                                       {"texture", "texture log2", &Distance::texture, 2},
-                                       {"contrast", "contrast log2", &Distance::contrast, 2},
-                                       {"ssim", "SSIM", &Distance::ssim, 2, true},
-                                       {"flicker", "flicker log2", &Distance::flicker, 2},
-                                       {"seam", "seam", &Distance::seam, 2},
-                                       {"dead", "dead", &Distance::dead, 2}};
+  using enum FigureGroup;
+  using D = const Distance&;
+  static const std::vector<Figure> all{
+      {"spectrum_db", "spectrum dB", [](D d) { return d.spectrum_db; }, 1},
+      {"matte_db", "of matte dB", [](D d) { return d.matte_db; }, 1},
+      {"angle_deg", "angle deg", [](D d) { return d.angle_deg; }, 1},
+      {"speed", "speed log2", [](D d) { return std::abs(d.speed); }, 2},
+      {"speed_signed", "speed +-", [](D d) { return d.speed; }, 2, kMotion, false, true},
+      {"block_speed", "speed by block", [](D d) { return d.block_speed; }, 2},
+      {"pace", "pace log2", [](D d) { return std::abs(d.pace); }, 2},
+      {"pace_signed", "pace +-", [](D d) { return d.pace; }, 2, kMotion, false, true},
+      {"flicker", "flicker log2", [](D d) { return d.flicker; }, 2},
+      {"dead", "dead", [](D d) { return d.dead; }, 2},
+      {"texture", "texture log2", [](D d) { return d.texture; }, 2, kLook},
+      {"contrast", "contrast log2", [](D d) { return d.contrast; }, 2, kLook},
+      {"ssim", "SSIM", [](D d) { return d.ssim; }, 2, kLook, true},
+      {"seam", "seam", [](D d) { return d.seam; }, 2, kLook},
+      {"lifetime", "lifetime", [](D d) { return d.lifetime; }, 3, kLook},
+      {"half_life_s", "half-life s", [](D d) { return d.half_life_s; }, 2, kLook},
+      {"swd0", "SWD 0", [](D d) { return d.patches[0]; }, 2, kLook},
+      {"swd1", "SWD 1", [](D d) { return d.patches[1]; }, 2, kLook},
+      {"swd2", "SWD 2", [](D d) { return d.patches[2]; }, 2, kLook},
+      {"swd3", "SWD 3", [](D d) { return d.patches[3]; }, 2, kLook},
+      {"swd4", "SWD 4", [](D d) { return d.patches[4]; }, 2, kLook},
+      {"ribbon", "ribbon log2", [](D d) { return std::abs(d.ribbon); }, 2, kLook},
+      {"ribbon_signed", "ribbon +-", [](D d) { return d.ribbon; }, 2, kLook, false, true},
+      {"start", "start", [](D d) { return d.start; }, 2, kAsked, true},
+      {"back_seconds", "seconds back", [](D d) { return d.back_seconds; }, 2, kAsked},
+      {"back_blocks", "blocks back", [](D d) { return d.back_blocks; }, 2, kAsked},
+      {"clip_share", "one clip", [](D d) { return d.clip_share; }, 2, kAsked},
+      {"patch_share", "one patch", [](D d) { return d.patch_share; }, 3, kAsked},
+      {"malf", "MALF", [](D d) { return d.loop; }, 2, kAsked, true}};
   return all;
+}
+
+std::string to_string(const Figure& figure, double value) {
+  return std::isnan(value) ? "-" : fmt::format("{:.{}f}", value, figure.digits);
 }
 
 std::string summary_table(const std::vector<Judged>& judged) {
   std::string text;
-  std::string class_name;
-  for (const Group& group : groups_of(judged)) {
-    if (group.class_name != class_name) {
-      class_name = group.class_name;
-      text += fmt::format("\n{}: mean / median of sizes\n\n{}", class_name, header({"method", "clips"}));
+  const std::vector<Group> groups = groups_of(judged);
+  for (std::size_t first = 0; first < groups.size();) {
+    std::size_t end = first;
+    while (end < groups.size() && groups[end].class_name == groups[first].class_name) ++end;
+    for (const FigureGroup part : kParts) {
+      text += fmt::format("\n{}, {}: mean / median of sizes (+-: signed)\n\n{}", groups[first].class_name,
+                          to_string(part), header({"method", "clips"}, part));
+      for (std::size_t g = first; g < end; ++g) {
+        text += fmt::format("| {} | {} |", groups[g].method, groups[g].clips);
+        for (std::size_t f = 0; f < figures().size(); ++f)
+          if (figures()[f].group == part)
+            text += fmt::format(" {} / {} |", to_string(figures()[f], groups[g].averages[f].mean),
+                                to_string(figures()[f], groups[g].averages[f].median));
+        text += "\n";
+      }
     }
-    text += fmt::format("| {} | {} |", group.method, group.clips);
-    for (std::size_t f = 0; f < figures().size(); ++f)
-      text += fmt::format(" {0:.{2}f} / {1:.{2}f} |", group.averages[f].mean, group.averages[f].median,
-                          figures()[f].digits);
-    text += "\n";
+    first = end;
   }
   return text;
 }
 
 std::string clip_table(const std::vector<Judged>& judged) {
-  std::string text = header({"clip", "method"});
-  for (const Judged& one : judged) {
-    text += fmt::format("| {} | {} |", one.clip, one.method);
-    for (const Figure& figure : figures())
-      text += fmt::format(" {:.{}f} |", one.distance.*figure.value, figure.digits);
-    text += "\n";
+  std::string text;
+  for (const FigureGroup part : kParts) {
+    text += fmt::format("\nby clip, {}\n\n{}", to_string(part), header({"clip", "method"}, part));
+    for (const Judged& one : judged) {
+      text += fmt::format("| {} | {} |", one.clip, one.method);
+      for (const Figure& figure : figures())
+        if (figure.group == part) text += fmt::format(" {} |", to_string(figure, figure.value(one.distance)));
+      text += "\n";
+    }
   }
   return text;
 }
 
 nlohmann::json to_json(const std::vector<Judged>& judged) {
+  // NaN is written as null.
   nlohmann::json rows = nlohmann::json::array(), summary = nlohmann::json::array();
   for (const Judged& one : judged) {
     nlohmann::json row{{"clip", one.clip},       {"class", one.class_name},
                        {"method", one.method},   {"moving", one.distance.moving},
                        {"label_s", one.label_s}, {"render_s", one.render_s}};
-    for (const Figure& figure : figures()) row[figure.key] = one.distance.*figure.value;
+    for (const Figure& figure : figures()) row[figure.key] = figure.value(one.distance);
+    row["lifetime_curve"] = one.lifetime;
     rows.push_back(std::move(row));
   }
   for (const Group& group : groups_of(judged)) {

@@ -5,11 +5,11 @@
 #include <algorithm>
 #include <opencv2/imgproc.hpp>
 #include <span>
-#include <utility>
 
 #include "bench/harness/machine.h"
 #include "bench/harness/subprocess.h"
 #include "freshet/error.h"
+#include "platform/stopwatch.h"
 #include "query/index/index_builder.h"
 #include "query/index/search_base.h"
 #include "query/labelling/labelling.h"
@@ -25,18 +25,6 @@ using nlohmann::json;
 constexpr std::size_t kCandidates = 100;
 constexpr int kRounds = 5;  // of the batch; the median counts
 
-/// Time from one lap to the next.
-class Laps {
- public:
-  double lap() {
-    const double now = wall_seconds();
-    return now - std::exchange(since_, now);
-  }
-
- private:
-  double since_ = wall_seconds();
-};
-
 double quantile(std::vector<double> values, double q) {
   std::sort(values.begin(), values.end());
   return values[static_cast<std::size_t>(q * static_cast<double>(values.size() - 1) + 0.5)];
@@ -50,16 +38,16 @@ json measure_open(const std::filesystem::path& path, const std::vector<std::stri
   const PictureArgument picture = small_picture(pictures.at(0));
   json result;
   json& seconds = result["seconds"];
-  Laps laps;
+  Stopwatch watch;
   const store::Snapshot snapshot = store::Store::open_read(path).snapshot();
-  seconds["store"] = laps.lap();
+  seconds["store"] = watch.lap();
   const query::SearchBase base = query::open_search(snapshot);
-  seconds["base"] = laps.lap();
+  seconds["base"] = watch.lap();
   const query::Target target =
       query::make_target(picture.picture, picture.matte, base.settings.grid, base.codebook);
-  seconds["picture"] = laps.lap();
+  seconds["picture"] = watch.lap();
   const auto answers = base.index->search(target.queries, kCandidates);
-  seconds["search"] = laps.lap();
+  seconds["search"] = watch.lap();
   double total = 0;
   for (const auto& [phase, time] : seconds.items()) total += time.get<double>();
   seconds["total"] = total;
@@ -127,11 +115,11 @@ json measure_keep(const std::filesystem::path& path) {
   std::uint64_t patches = 0;
   for (const store::ClipId clip : snapshot.clips()) patches += snapshot.clip(clip).rows;
   result["patches"] = patches;
-  Laps laps;
+  Stopwatch watch;
   for (const auto& part : snapshot.usage()) result["bytes"][part.what] = part.stored_bytes;
-  result["usage_s"] = laps.lap();
+  result["usage_s"] = watch.lap();
   const auto faults = snapshot.verify();
-  result["verify_s"] = laps.lap();
+  result["verify_s"] = watch.lap();
   if (!faults.empty()) throw Error(ErrorKind::kDamaged, path.string(), faults.front());
   return result;
 }

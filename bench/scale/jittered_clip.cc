@@ -12,6 +12,7 @@
 
 #include "bench/harness/seeded_random.h"
 #include "media/frame/layout_json.h"
+#include "platform/text.h"
 #include "query/index/patch_descriptors.h"
 #include "vision/flow.h"
 #include "vision/textureness.h"
@@ -259,7 +260,7 @@ nlohmann::json cells_json(const vision::CellMap& cells) {
 
 std::string hash_text(const std::string& text) {
   const XXH128_hash_t hash = XXH3_128bits(text.data(), text.size());
-  return fmt::format("{:016x}{:016x}", hash.high64, hash.low64);
+  return hex(hash.high64) + hex(hash.low64);
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "freshet/error.h"
+#include "query/index/dense_histogram.h"
 
 namespace freshet::bench {
 
@@ -34,11 +35,11 @@ double divergence_bits(std::span<const double> p, std::span<const double> q) {
 }
 
 double mean_bins(std::span<const vision::WordMap> words, int word_count) {
-  std::vector<vision::Bin> bins;
+  std::vector<unsigned char> histogram(query::histogram_bins(word_count));
   double sum = 0;
   for (const vision::WordMap& map : words) {
-    vision::pyramid_bins(map, word_count, bins);
-    sum += static_cast<double>(bins.size());
+    query::fill_histogram(query::whole_query(map), word_count, histogram);
+    sum += static_cast<double>(histogram.size() - std::ranges::count(histogram, 0));
   }
   return sum / static_cast<double>(words.size());
 }

@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 #include <oneapi/tbb/global_control.h>
 #include <stdlib.h>
+#include <CLI/CLI.hpp>
 
 #include <cstdio>
 #include <cstdlib>
@@ -41,7 +42,7 @@ struct Arguments {
   int frames = 100;
   bool native = false;
   std::size_t threads = 0;
-  std::string json_file = "ingest.json";
+  std::string json_file;
 };
 
 std::string quoted(const std::string& text) {
@@ -140,37 +141,19 @@ nlohmann::json measure(const std::vector<fs::path>& clips, const std::string& fl
           {"cpu_seconds", cpu}, {"bytes", bytes},   {"stages", stages},   {"clips", rows}};
 }
 
-Arguments parse(int argc, char** argv) {
-  Arguments arguments;
-  for (int i = 1; i < argc; ++i) {
-    const std::string argument = argv[i];
-    if (argument == "--frames" && i + 1 < argc)
-      arguments.frames = std::stoi(argv[++i]);
-    else if (argument == "--flow" && i + 1 < argc)
-      arguments.flows.emplace_back(argv[++i]);
-    else if (argument == "--native")
-      arguments.native = true;
-    else if (argument == "--threads" && i + 1 < argc)
-      arguments.threads = std::stoul(argv[++i]);
-    else if (argument == "--json" && i + 1 < argc)
-      arguments.json_file = argv[++i];
-    else
-      arguments.clips.emplace_back(argument);
-  }
-  if (arguments.flows.empty()) arguments.flows = {"dis", "tv-l1"};
-  return arguments;
-}
-
 }  // namespace
 
 int main(int argc, char** argv) try {
-  Arguments arguments = parse(argc, argv);
-  if (arguments.clips.empty()) {
-    fmt::print(
-        stderr,
-        "bench_ingest CLIP.. [--frames N] [--flow dis|tv-l1]... [--native] [--threads N] [--json FILE]\n");
-    return 2;
-  }
+  Arguments arguments;
+  CLI::App app("How many frames per second does ingest take in, stage by stage?");
+  app.add_option("CLIP", arguments.clips)->required();
+  app.add_option("--frames", arguments.frames, "The first frames of each clip")->capture_default_str();
+  app.add_option("--flow", arguments.flows, "dis or tv-l1; may be repeated [both]")->allow_extra_args(false);
+  app.add_flag("--native", arguments.native, "The clips as they are, not at 640 x 480");
+  app.add_option("--threads", arguments.threads, "[all]");
+  app.add_option("--json", arguments.json_file, "Write the figures here");
+  CLI11_PARSE(app, argc, argv);
+  if (arguments.flows.empty()) arguments.flows = {"dis", "tv-l1"};
   cv::setNumThreads(1);  // as the program does
   const bench::Machine machine = bench::this_machine();
   const std::size_t threads =
@@ -197,12 +180,13 @@ int main(int argc, char** argv) try {
     runs.push_back(run);
     std::fflush(stdout);
   }
-  std::ofstream(arguments.json_file) << nlohmann::json{{"bench", "ingest"},
-                                                       {"machine", to_json(machine)},
-                                                       {"threads", threads},
-                                                       {"runs", runs}}
-                                            .dump(1)
-                                     << '\n';
+  if (!arguments.json_file.empty())
+    std::ofstream(arguments.json_file) << nlohmann::json{{"bench", "ingest"},
+                                                         {"machine", to_json(machine)},
+                                                         {"threads", threads},
+                                                         {"runs", runs}}
+                                              .dump(1)
+                                       << '\n';
   fs::remove_all(folder);
   return 0;
 } catch (const std::exception& error) {

@@ -12,30 +12,22 @@
 #include <oneapi/tbb/global_control.h>
 #include <sys/resource.h>
 #include <unistd.h>
+#include <CLI/CLI.hpp>
 
-#include <chrono>
 #include <cstdio>
-#include <ctime>
 #include <fstream>
 #include <iterator>
 #include <nlohmann/json.hpp>
 #include <random>
 
+#include "bench/harness/machine.h"
 #include "freshet/error.h"
+#include "platform/stopwatch.h"
 #include "store/store.h"
 
 namespace {
 
 using namespace freshet;
-using Clock = std::chrono::steady_clock;
-
-double seconds_since(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
-
-/// CPU time of the process: with one thread, the figure of a core whatever else the machine does.
-double cpu_seconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
-
 /// CPU time of the programs that were run and have ended.
 double children_seconds() {
   rusage usage{};
@@ -159,10 +151,10 @@ double read_all(const store::Snapshot& snapshot, const Video& video, bool compar
     const auto& plane = video.planes[p];
     const std::size_t bytes = std::size_t{plane.width} * plane.height * plane.bytes_per_sample;
     std::vector<std::byte> out(bytes * video.frames);
-    const double start = cpu_seconds();
+    const double start = bench::process_seconds();
     snapshot.read(snapshot.clips()[0], store::Stream::kFrames, p, {0, 0, plane.width, plane.height}, 0,
                   video.frames, out);
-    seconds += cpu_seconds() - start;
+    seconds += bench::process_seconds() - start;
     for (std::uint32_t f = 0; compare && f < video.frames; ++f) {
       if (!std::equal(out.begin() + static_cast<std::ptrdiff_t>(f * bytes),
                       out.begin() + static_cast<std::ptrdiff_t>((f + 1) * bytes),
@@ -194,8 +186,8 @@ double patch_ms(const std::filesystem::path& file, const Video& video, bool cold
     const store::Snapshot snapshot = store->snapshot();
     const std::uint32_t x = static_cast<std::uint32_t>(random()) % (video.width - 47);
     const std::uint32_t y = static_cast<std::uint32_t>(random()) % (video.height - 47);
-    const auto start = Clock::now();
-    const double cpu_start = cpu_seconds();
+    const Stopwatch watch;
+    const double cpu_start = bench::process_seconds();
     for (std::uint32_t p = 0; p < video.planes.size(); ++p) {
       const auto& plane = video.planes[p];
       const std::uint32_t sx = (video.width + plane.width - 1) / plane.width,
@@ -204,7 +196,7 @@ double patch_ms(const std::filesystem::path& file, const Video& video, bool cold
       out.resize(std::size_t{region.width} * region.height * plane.bytes_per_sample * video.frames);
       snapshot.read(snapshot.clips()[0], store::Stream::kFrames, p, region, 0, video.frames, out);
     }
-    seconds += cold ? seconds_since(start) : cpu_seconds() - cpu_start;
+    seconds += cold ? watch.seconds() : bench::process_seconds() - cpu_start;
   }
   return 1e3 * seconds / patches;
 }
@@ -214,20 +206,12 @@ double patch_ms(const std::filesystem::path& file, const Video& video, bool cold
 int main(int argc, char** argv) try {
   std::vector<std::string> clips;
   int frames = 1 << 20;
-  std::string json_file = "store_io.json";
-  for (int i = 1; i < argc; ++i) {
-    const std::string argument = argv[i];
-    if (argument == "--frames" && i + 1 < argc)
-      frames = std::stoi(argv[++i]);
-    else if (argument == "--json" && i + 1 < argc)
-      json_file = argv[++i];
-    else
-      clips.push_back(argument);
-  }
-  if (clips.empty()) {
-    fmt::print(stderr, "bench_store_io CLIP.. [--frames N] [--json FILE]\n");
-    return 2;
-  }
+  std::string json_file;
+  CLI::App app("What do the store's tiles cost in bytes and time, beside FFV1?");
+  app.add_option("CLIP", clips, "Any video that the ffmpeg program decodes")->required();
+  app.add_option("--frames", frames, "The first frames of each clip [all]");
+  app.add_option("--json", json_file, "Write the figures here");
+  CLI11_PARSE(app, argc, argv);
   std::string name = (std::filesystem::temp_directory_path() / "store_io_XXXXXX").string();
   const std::filesystem::path folder = mkdtemp(name.data());
   const tbb::global_control one_thread(tbb::global_control::max_allowed_parallelism, 1);
@@ -241,9 +225,9 @@ int main(int argc, char** argv) try {
     const Video video = decode(path, frames);
     const auto file = folder / "clip.freshet";
     store::Store store = store::Store::create(file, "");
-    const double start = cpu_seconds();
+    const double start = bench::process_seconds();
     add(store, video);
-    const double encode = cpu_seconds() - start;
+    const double encode = bench::process_seconds() - start;
     read_all(store.snapshot(), video, true);
     const double decode_seconds = read_all(store.snapshot(), video, false);
     store.compact();
@@ -280,12 +264,13 @@ int main(int argc, char** argv) try {
              raw_sum / 1e6, raw_sum / store_sum, store_sum / ffv1_sum, store_sum / ffv1_16_sum,
              raw_sum / encode_sum / 1e6, raw_sum / ffv1_encode / 1e6, raw_sum / decode_sum / 1e6,
              raw_sum / ffv1_decode / 1e6);
-  std::ofstream(json_file) << nlohmann::json{{"bench", "store_io"},
-                                             {"compiler", __VERSION__},
-                                             {"threads", 1},
-                                             {"clips", rows}}
-                                  .dump(1)
-                           << '\n';
+  if (!json_file.empty())
+    std::ofstream(json_file) << nlohmann::json{{"bench", "store_io"},
+                                               {"compiler", __VERSION__},
+                                               {"threads", 1},
+                                               {"clips", rows}}
+                                    .dump(1)
+                             << '\n';
   std::filesystem::remove_all(folder);
   return 0;
 } catch (const std::exception& error) {

@@ -1,7 +1,8 @@
 // Does appearance transfer keep the exemplar's look for 180 frames, does it hold together, what does it cost?
 //
-//   bench_transfer EXEMPLAR... [--frames 180] [--width 160] [--store STORE] [--write FOLDER] [--curve
-//   MPIX,...] bench_transfer --page RESULT.json...
+//   bench_transfer EXEMPLAR... [--frames 180] [--width 160] [--store STORE] [--write FOLDER]
+//                  [--curve MPIX,...] [--json FILE] [--html FILE]
+//   bench_transfer --page RESULT.json... [--json FILE] [--html FILE]
 //
 // EXEMPLAR is NAME[:GROUND][@DESIGN]. NAME: a picture, a folder of pictures, a video, a clip of the store, or
 // a ready-made clip of synth/simulate (fire, waterfall, ...). GROUND: black or white, on which it stands.
@@ -15,8 +16,9 @@
 //   change     mean difference between a frame and the previous one carried along the flow, levels of 255
 // --curve 0.1,0.5,1 also makes frames of so many megapixels, all fluid, from the first exemplar, 360 px high,
 // and prints seconds by stage, wall clock and processor time; of the second frame, which has a past, and
-// above 1 megapixel of the first. Prints tables, and writes transfer.json, with every frame's numbers, and
-// transfer.html, which draws them, into the present folder. --page puts several such files into one.
+// above 1 megapixel of the first. Prints tables; --json has every frame's numbers, --html draws them. --page
+// puts several such JSON files into one.
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -47,7 +49,7 @@ using namespace freshet::synth::transfer;
 struct Settings {
   std::vector<std::string> exemplars;
   int frames = 180, width = 160;
-  std::filesystem::path store, write;
+  std::filesystem::path store, write, json_file, html_file;
   std::vector<double> curve;  // megapixels
   bool page = false;
   cv::Size size() const { return {width, width * 3 / 4}; }
@@ -305,29 +307,6 @@ void curve(const Look& look, const std::vector<double>& sizes, nlohmann::json& j
   }
 }
 
-Settings parse(int argc, char** argv) {
-  Settings settings;
-  for (int i = 1; i < argc; ++i) {
-    const std::string word = argv[i];
-    if (word == "--curve" && i + 1 < argc) {
-      std::istringstream list(argv[++i]);
-      for (std::string one; std::getline(list, one, ',');) settings.curve.push_back(std::stod(one));
-    } else if (word == "--frames" && i + 1 < argc)
-      settings.frames = std::stoi(argv[++i]);
-    else if (word == "--width" && i + 1 < argc)
-      settings.width = std::stoi(argv[++i]);
-    else if (word == "--page")
-      settings.page = true;
-    else if (word == "--store" && i + 1 < argc)
-      settings.store = argv[++i];
-    else if (word == "--write" && i + 1 < argc)
-      settings.write = argv[++i];
-    else
-      settings.exemplars.push_back(word);
-  }
-  return settings;
-}
-
 /// Four places are enough, and a quarter of the bytes.
 void shorten(nlohmann::json& json) {
   if (json.is_number_float()) json = std::round(json.get<double>() * 1e4) / 1e4;
@@ -335,15 +314,15 @@ void shorten(nlohmann::json& json) {
     for (nlohmann::json& each : json) shorten(each);
 }
 
-void write_result(nlohmann::json json) {
+void write_result(const Settings& settings, nlohmann::json json) {
   shorten(json);
-  std::ofstream("transfer.json") << json.dump() << '\n';
-  std::ofstream("transfer.html") << bench::transfer_page(json);
+  if (!settings.json_file.empty()) std::ofstream(settings.json_file) << json.dump() << '\n';
+  if (!settings.html_file.empty()) std::ofstream(settings.html_file) << bench::transfer_page(json);
 }
 
-int write_page(const std::vector<std::string>& files) {
+int write_page(const Settings& settings) {
   nlohmann::json all;
-  for (const std::string& file : files) {
+  for (const std::string& file : settings.exemplars) {
     const nlohmann::json one = nlohmann::json::parse(std::ifstream(file));
     if (all.is_null()) {
       all = one;
@@ -352,21 +331,29 @@ int write_page(const std::vector<std::string>& files) {
     for (const char* part : {"runs", "curve"})
       for (const nlohmann::json& each : one.at(part)) all[part].push_back(each);
   }
-  write_result(all);
+  write_result(settings, all);
   return 0;
 }
 
 }  // namespace
 
 int main(int argc, char** argv) try {
-  const Settings settings = parse(argc, argv);
-  if (settings.exemplars.empty()) {
-    fmt::print(stderr,
-               "usage: bench_transfer EXEMPLAR... [--frames N] [--width PX] [--store STORE] [--write FOLDER] "
-               "[--curve MPIX,...]\n       bench_transfer --page RESULT.json...\n");
-    return 2;
-  }
-  if (settings.page) return write_page(settings.exemplars);
+  Settings settings;
+  CLI::App app("Does appearance transfer keep the exemplar's look, hold together, and at what cost?");
+  app.add_option("EXEMPLAR", settings.exemplars, "NAME[:GROUND][@DESIGN]; with --page: RESULT.json")
+      ->required();
+  app.add_option("--frames", settings.frames, "Of each run; 0: only the curve")->capture_default_str();
+  app.add_option("--width", settings.width, "Of a frame, px")->capture_default_str();
+  app.add_option("--store", settings.store, "Store of the clips that are named");
+  app.add_option("--write", settings.write, "Folder for frames");
+  app.add_option("--curve", settings.curve, "Sizes of one frame that are timed, Mpx")
+      ->delimiter(',')
+      ->allow_extra_args(false);
+  app.add_flag("--page", settings.page, "Only the figures of earlier runs, together");
+  app.add_option("--json", settings.json_file, "Write the figures here");
+  app.add_option("--html", settings.html_file, "Write a page of them here");
+  CLI11_PARSE(app, argc, argv);
+  if (settings.page) return write_page(settings);
   const bench::Machine machine = bench::this_machine();
   fmt::print("{}; {} x {} px, {} frames\n\n", to_string(machine), settings.width, settings.size().height,
              settings.frames);
@@ -409,7 +396,7 @@ int main(int argc, char** argv) try {
   if (!settings.curve.empty())
     curve(read_look(parse_exemplar(settings.exemplars[0]), 360, 1, settings.store), settings.curve,
           json["curve"]);
-  write_result(json);
+  write_result(settings, json);
   if (failed > 0) fmt::print(stderr, "{} runs broke the promise of uniform use\n", failed);
   return failed > 0;
 } catch (const std::exception& error) {

@@ -106,7 +106,7 @@ std::string transfer_page(const json& result) {
       "and "
       "vote of Kwatra et al. 2005, \"no coherence\" the first with &lambda; = 0. A mark is the mean of five "
       "frames; "
-      "transfer.json has each.</p>\n",
+      "the JSON file has each.</p>\n",
       style(), html_text(result.at("machine").at("processor").get<std::string>()),
       result.at("machine").at("threads").dump(),
       html_text(result.at("machine").at("compiler").get<std::string>()));

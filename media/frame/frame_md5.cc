@@ -11,6 +11,8 @@ extern "C" {
 #include <memory>
 #include <new>
 
+#include "platform/text.h"
+
 namespace freshet::media {
 
 std::string frame_md5(const Frame& frame) {
@@ -24,13 +26,7 @@ std::string frame_md5(const Frame& frame) {
                     static_cast<std::size_t>(plane.width) * static_cast<std::size_t>(plane.bytes_per_sample));
   std::array<std::uint8_t, 16> digest{};
   av_md5_final(md5.get(), digest.data());
-  std::string text;
-  for (const std::uint8_t byte : digest) {
-    constexpr char kDigits[] = "0123456789abcdef";
-    text += kDigits[byte >> 4];
-    text += kDigits[byte & 15];
-  }
-  return text;
+  return hex(digest);
 }
 
 std::int64_t packed_size(const PixelLayout& layout) {

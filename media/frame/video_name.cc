@@ -2,9 +2,10 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <string>
 #include <string_view>
+
+#include "platform/text.h"
 
 namespace freshet::media {
 
@@ -13,9 +14,7 @@ bool looks_like_video(const std::filesystem::path& path) {
       ".mp4",  ".m4v", ".mov",  ".mkv", ".webm", ".avi",  ".mpg", ".mpeg", ".m2v",  ".ts",   ".mts",
       ".m2ts", ".wmv", ".asf",  ".flv", ".ogv",  ".ogg",  ".3gp", ".3g2",  ".mxf",  ".vob",  ".dv",
       ".y4m",  ".gif", ".apng", ".ivf", ".nut",  ".h264", ".264", ".h265", ".hevc", ".mjpeg"};
-  std::string ending = path.extension().string();
-  std::transform(ending.begin(), ending.end(), ending.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const std::string ending = lower_ending(path);
   return std::find(kEndings.begin(), kEndings.end(), ending) != kEndings.end();
 }
 

@@ -1,9 +1,7 @@
 #include "media/picture/motion_file.h"
 
-#include <algorithm>
 #include <array>
 #include <bit>
-#include <cctype>
 #include <cstdint>
 #include <cstring>
 #include <optional>
@@ -21,6 +19,7 @@
 
 #include "freshet/error.h"
 #include "media/picture/picture_file.h"
+#include "platform/text.h"
 
 namespace freshet::media {
 namespace {
@@ -37,14 +36,8 @@ constexpr std::size_t kHeaderBytes = 12, kPixelBytes = 8;
 constexpr const char* kChannelX = "forward.u";
 constexpr const char* kChannelY = "forward.v";
 
-std::string lower(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return text;
-}
-
-bool is_exr(const fs::path& path) { return lower(path.extension().string()) == ".exr"; }
-bool is_flo(const fs::path& path) { return lower(path.extension().string()) == ".flo"; }
+bool is_exr(const fs::path& path) { return lower_ending(path) == ".exr"; }
+bool is_flo(const fs::path& path) { return lower_ending(path) == ".flo"; }
 
 bool in_range(std::int64_t width, std::int64_t height) {
   return width >= 1 && height >= 1 && width <= kMaxSide && height <= kMaxSide;
@@ -121,7 +114,7 @@ using ChannelPair = std::pair<std::string, std::string>;
 std::optional<ChannelPair> motion_channels(const Imf::ChannelList& channels) {
   static constexpr std::array<std::pair<const char*, const char*>, 3> kPairs{
       {{"u", "v"}, {"x", "y"}, {"r", "g"}}};
-  const auto last_part = [](const std::string& name) { return lower(name.substr(name.rfind('.') + 1)); };
+  const auto last_part = [](const std::string& name) { return lower_case(name.substr(name.rfind('.') + 1)); };
   const auto layer = [](const std::string& name) {
     return name.substr(0, name.rfind('.') == std::string::npos ? 0 : name.rfind('.') + 1);
   };
@@ -137,7 +130,7 @@ std::optional<ChannelPair> motion_channels(const Imf::ChannelList& channels) {
       if (last_part(at.name()) != first) continue;
       const std::optional<std::string> other = find(of_layer, second);
       if (!other || (*first == 'r' && find(of_layer, "b"))) continue;
-      if (lower(of_layer) == "forward.") return ChannelPair{at.name(), *other};
+      if (lower_case(of_layer) == "forward.") return ChannelPair{at.name(), *other};
       if (!best) best = ChannelPair{at.name(), *other};
     }
   return best;

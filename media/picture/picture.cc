@@ -1,7 +1,6 @@
 #include "media/picture/picture.h"
 
 #include <algorithm>
-#include <cctype>
 #include <cerrno>
 #include <cmath>
 #include <cstdint>
@@ -37,23 +36,28 @@ bool ffmpeg_can_judge(const std::vector<std::uint8_t>& bytes) {
   return starts("\x89PNG") || starts("\xFF\xD8") || starts("BM") || starts("RIFF");
 }
 
-// Decodes the picture once with FFmpeg, for two things that OpenCV does not give: a fault as an error instead
-// of a line on stderr, and whether there is alpha (OpenCV keeps alpha only where it ignores the EXIF
-// orientation).
-bool has_alpha(const fs::path& path, const std::vector<std::uint8_t>& bytes) {
-  if (!ffmpeg_can_judge(bytes)) {
+// The picture as FFmpeg decodes it. Throws where it is damaged: OpenCV fills what a damaged file lacks and says so
+// on stderr alone. Null for a format that FFmpeg cannot judge.
+AvOwner<AVFrame> decode_strictly(const fs::path& path, const std::vector<std::uint8_t>& bytes) {
+  if (!ffmpeg_can_judge(bytes)) return {};
+  Decoder decoder(path, {.strict = true, .picture = true});
+  AvOwner<AVFrame> frame = decoder.next();
+  if (!frame || !decoder.fault().empty())
+    throw Error(ErrorKind::kInput, path.string(),
+                "the picture is damaged" + (decoder.fault().empty() ? "" : " (" + decoder.fault() + ")"),
+                "Copy or download it again, or save it as PNG");
+  return frame;
+}
+
+// Whether the file has alpha. OpenCV keeps alpha only where it ignores the EXIF orientation.
+bool has_alpha(const AVFrame* frame, const std::vector<std::uint8_t>& bytes) {
+  if (frame == nullptr) {
     try {
       return cv::imdecode(bytes, cv::IMREAD_UNCHANGED).channels() == 4;
     } catch (const cv::Exception&) {
       return false;
     }
   }
-  Decoder decoder(path, {.strict = true, .picture = true});
-  const AvOwner<AVFrame> frame = decoder.next();
-  if (!frame || !decoder.fault().empty())
-    throw Error(ErrorKind::kInput, path.string(),
-                "the picture is damaged" + (decoder.fault().empty() ? "" : " (" + decoder.fault() + ")"),
-                "Copy or download it again, or save it as PNG");
   if (frame->format == AV_PIX_FMT_PAL8) {  // alpha lies in the palette
     for (int i = 0; i < 256; ++i)
       if (frame->data[1][4 * i + 3] != 255) return true;
@@ -92,7 +96,8 @@ cv::Mat decode_with_opencv(const fs::path& path, const std::vector<std::uint8_t>
 Decoded decode(const fs::path& path) {
   const std::vector<std::uint8_t> bytes = bytes_of(path);
   Decoded decoded;
-  if (has_alpha(path, bytes)) decoded.notices.emplace_back("alpha channel ignored");
+  if (has_alpha(decode_strictly(path, bytes).get(), bytes))
+    decoded.notices.emplace_back("alpha channel ignored");
   decoded.colour = decode_with_opencv(path, bytes, cv::IMREAD_COLOR | cv::IMREAD_ANYDEPTH);
   if (decoded.colour.depth() == CV_16U) {
     decoded.colour.convertTo(decoded.colour, CV_8U, 1.0 / 257);
@@ -113,7 +118,7 @@ Picture read_picture(const fs::path& path) {
 
 DeepPicture read_deep_picture(const fs::path& path) {
   const std::vector<std::uint8_t> bytes = bytes_of(path);
-  has_alpha(path, bytes);  // decodes strictly: OpenCV fills what a damaged file lacks
+  decode_strictly(path, bytes);
   cv::Mat samples = decode_with_opencv(path, bytes, cv::IMREAD_UNCHANGED);
   DeepPicture read;
   if (samples.depth() == CV_8U) {

@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <numeric>
 #include <optional>
 #include <string_view>
 
 #include "freshet/error.h"
+#include "platform/text.h"
 
 namespace freshet::media {
 namespace {
@@ -182,9 +182,7 @@ bool looks_like_picture(const fs::path& path) {
   static constexpr std::array<std::string_view, 14> kEndings = {".png", ".jpg",  ".jpeg", ".tif", ".tiff",
                                                                 ".bmp", ".webp", ".ppm",  ".pgm", ".pnm",
                                                                 ".exr", ".dpx",  ".jp2",  ".sgi"};
-  std::string ending = path.extension().string();
-  std::transform(ending.begin(), ending.end(), ending.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const std::string ending = lower_ending(path);
   return std::find(kEndings.begin(), kEndings.end(), ending) != kEndings.end();
 }
 

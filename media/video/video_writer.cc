@@ -1,7 +1,5 @@
 #include "media/video/video_writer.h"
 
-#include <algorithm>
-#include <cctype>
 #include <optional>
 #include <string>
 
@@ -12,6 +10,7 @@
 #include "media/picture/picture_file.h"
 #include "media/picture/picture_sequence.h"
 #include "media/video/stream_file.h"
+#include "platform/text.h"
 
 namespace freshet::media {
 namespace {
@@ -19,9 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 
 std::optional<StreamKind> kind_of(const fs::path& path) {
-  std::string ending = path.extension().string();
-  std::transform(ending.begin(), ending.end(), ending.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const std::string ending = lower_ending(path);
   if (ending == ".mp4") return StreamKind::kMp4;
   if (ending == ".mkv") return StreamKind::kMatroska;
   if (ending == ".mov") return StreamKind::kProRes;

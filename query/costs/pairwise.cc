@@ -1,6 +1,5 @@
 #include "query/costs/pairwise.h"
 
-#include <algorithm>
 #include <cassert>
 #include <cmath>
 #include <numeric>
@@ -39,32 +38,6 @@ int FeatureShape::square() const { return overlap > 0 ? std::gcd(cells, overlap)
 
 std::size_t FeatureShape::square_values() const {
   return static_cast<std::size_t>(square()) * square() * channels();
-}
-
-std::vector<float> features_of_patches(const FeatureSource& source, const FeatureShape& shape,
-                                       std::span<const Row> rows) {
-  const auto across = static_cast<std::size_t>(shape.squares()),
-             side = static_cast<std::size_t>(shape.square());
-  std::vector<Square> squares(rows.size() * across * across);
-  for (std::size_t i = 0; i < rows.size(); ++i)
-    source.squares(rows[i], std::span(squares).subspan(i * across * across, across * across));
-  std::vector<Square> distinct = squares;
-  std::sort(distinct.begin(), distinct.end());
-  distinct.erase(std::unique(distinct.begin(), distinct.end()), distinct.end());
-  std::vector<float> of_squares(distinct.size() * shape.square_values());
-  source.read(distinct, [&](std::size_t place, std::span<const float> values) {
-    std::copy(values.begin(), values.end(), of_squares.data() + place * shape.square_values());
-  });
-  std::vector<float> features(rows.size() * shape.values());
-  const std::size_t line = side * static_cast<std::size_t>(shape.channels());
-  for (std::size_t i = 0; i < squares.size(); ++i) {
-    const auto place = std::lower_bound(distinct.begin(), distinct.end(), squares[i]) - distinct.begin();
-    const float* from = of_squares.data() + static_cast<std::size_t>(place) * shape.square_values();
-    const std::size_t k = i % (across * across), corner = k / across * side * across + k % across;
-    float* to = features.data() + i / (across * across) * shape.values() + corner * line;
-    for (std::size_t y = 0; y < side; ++y) std::copy_n(from + y * line, line, to + y * across * line);
-  }
-  return features;
 }
 
 FeatureShape feature_shape(const vision::Settings& settings) {

@@ -86,10 +86,6 @@ struct FeatureSource {
   std::function<void(std::span<const Square>, const SquareSink&)> read;
 };
 
-/// All features of patches, shape.values() each, as vision::patch_features lays them out: for checks.
-std::vector<float> features_of_patches(const FeatureSource& source, const FeatureShape& shape,
-                                       std::span<const Row> rows);
-
 /// Throws Error{kUsage} when a weight is negative, no number or above 1e9.
 void check_weights(const PairwiseOptions& options);
 

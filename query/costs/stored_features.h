@@ -12,11 +12,14 @@
 namespace freshet::query {
 
 /// A source of features that decodes the cells of each clip once a reading and keeps none: a thread at work
-/// holds those of one clip (1280 x 720: 9 MB). Borrows all that it is made of.
+/// holds those of one clip (1280 x 720: 9 MB). Borrows the settings and the table.
 class StoredFeatures {
  public:
   /// Throws as feature_shape.
   StoredFeatures(const store::Snapshot& snapshot, const vision::Settings& settings, const PatchTable& table);
+  StoredFeatures(const store::Snapshot&, const vision::Settings&&, const PatchTable&) = delete;
+  StoredFeatures(const store::Snapshot&, const vision::Settings&, const PatchTable&&) = delete;
+  StoredFeatures(const store::Snapshot&, const vision::Settings&&, const PatchTable&&) = delete;
   /// This, as build_mrf takes it; must not outlive it. Cost of reading: 20 million cells per second and core,
   /// and the decoding of each clip that is read from.
   FeatureSource source() const&;
@@ -27,7 +30,7 @@ class StoredFeatures {
   void read(std::span<const Square> squares, const SquareSink& sink) const;
   void read_clip(std::span<const Square> squares, std::size_t first, const SquareSink& sink) const;
 
-  const store::Snapshot& snapshot_;
+  store::Snapshot snapshot_;
   const vision::Settings& settings_;
   const PatchTable& table_;
   FeatureShape shape_;

@@ -170,19 +170,4 @@ std::vector<Stroke> read_strokes(const std::filesystem::path& path, cv::Size pic
   return strokes;
 }
 
-void write_strokes(const std::filesystem::path& path, const std::vector<Stroke>& strokes) {
-  Json list = Json::array();
-  for (const Stroke& stroke : strokes) {
-    Json entry{{"points", Json::array()}};
-    for (const cv::Point2f& point : stroke.points) entry["points"].push_back({point.x, point.y});
-    if (stroke.speed_px_per_s) entry["speed"] = *stroke.speed_px_per_s;
-    list.push_back(std::move(entry));
-  }
-  std::ofstream file(path, std::ios::binary);
-  file << Json{{"format", kFormat}, {"version", kVersion}, {"strokes", std::move(list)}}.dump(1) << '\n';
-  file.close();
-  if (!file)
-    throw Error(ErrorKind::kIo, path.string(), "it cannot be written", "Check folder and free space");
-}
-
 }  // namespace freshet::query

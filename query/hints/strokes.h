@@ -34,7 +34,4 @@ struct Stroke {
 std::vector<Stroke> read_strokes(const std::filesystem::path& path, cv::Size picture,
                                  std::vector<std::string>* notices = nullptr);
 
-/// Writes the JSON. Throws Error{kIo}.
-void write_strokes(const std::filesystem::path& path, const std::vector<Stroke>& strokes);
-
 }  // namespace freshet::query

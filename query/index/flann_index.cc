@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <cassert>
-#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <cstring>
@@ -13,13 +12,17 @@
 #include <random>
 
 #include "freshet/error.h"
+#include "platform/stopwatch.h"
 #include "platform/vectors.h"
 #include "query/index/dense_histogram.h"
 
-// FLANN 1.9.2 shuffles by std::random_device and draws from std::rand: two builds differ, whatever is given
-// to flann::seed_random. Inside namespace flann, "std" is looked up there first. So what FLANN calls
-// std::random_device and std::rand is found here, and draws from one seeded generator per thread; all else of
-// std is as it was.
+// FLANN 1.9.2 shuffles by std::random_device inside its kd-trees and draws from std::rand: two builds differ,
+// whatever is given to flann::seed_random, and no public parameter or override reaches either. FLANN is all
+// templates, so this file has a copy of its own: compiled in namespace seeded_flann, where no other file's FLANN
+// and no library's can be mistaken for it. There "std" is looked up first in the namespace below, and what FLANN
+// calls std::random_device and std::rand draws from one seeded generator per thread; all else of std is as it
+// was.
+#define flann seeded_flann
 namespace flann::std {
 using namespace ::std;
 
@@ -39,6 +42,7 @@ inline int rand() { return static_cast<int>(seeded()() % (static_cast<unsigned>(
 #include <flann/algorithms/kmeans_index.h>
 
 #include <flann/algorithms/hierarchical_clustering_index.h>
+#undef flann
 #include <oneapi/tbb/parallel_for.h>
 
 namespace freshet::query {
@@ -88,7 +92,7 @@ struct Distance {
     return std::abs(static_cast<float>(a) - static_cast<float>(b));
   }
 };
-using Index = flann::NNIndex<Distance>;
+using Index = seeded_flann::NNIndex<Distance>;
 
 // What stands before FLANN's own bytes. FLANN's loader ends the process on damage, so it sees only bytes
 // whose hash is right and that were written for these very words.
@@ -161,19 +165,20 @@ struct FlannIndex::Impl {
     }
     histograms = dense_histograms(words, word_count);
     if (rows == 0) return;
-    const flann::Matrix<unsigned char> data(histograms.data(), rows, bins);
+    const seeded_flann::Matrix<unsigned char> data(histograms.data(), rows, bins);
     switch (options.kind) {
       case FlannKind::kKdTree:
-        index = std::make_unique<flann::KDTreeIndex<Distance>>(data, flann::KDTreeIndexParams(options.trees));
+        index = std::make_unique<seeded_flann::KDTreeIndex<Distance>>(
+            data, seeded_flann::KDTreeIndexParams(options.trees));
         break;
       case FlannKind::kKMeans:
-        index = std::make_unique<flann::KMeansIndex<Distance>>(
-            data, flann::KMeansIndexParams(options.branching, options.iterations));
+        index = std::make_unique<seeded_flann::KMeansIndex<Distance>>(
+            data, seeded_flann::KMeansIndexParams(options.branching, options.iterations));
         break;
       case FlannKind::kHierarchical:
-        index = std::make_unique<flann::HierarchicalClusteringIndex<Distance>>(
-            data, flann::HierarchicalClusteringIndexParams(options.branching, flann::FLANN_CENTERS_RANDOM,
-                                                           std::max(1, options.trees / 2)));
+        index = std::make_unique<seeded_flann::HierarchicalClusteringIndex<Distance>>(
+            data, seeded_flann::HierarchicalClusteringIndexParams(
+                      options.branching, seeded_flann::FLANN_CENTERS_RANDOM, std::max(1, options.trees / 2)));
         break;
     }
   }
@@ -187,15 +192,14 @@ struct FlannIndex::Impl {
 FlannIndex::FlannIndex(std::span<const vision::WordMap> words, int word_count, const FlannOptions& options)
     : impl_(std::make_unique<Impl>(words, word_count, options)) {
   if (!impl_->index) return;
-  const auto start = std::chrono::steady_clock::now();
-  flann::std::seeded().seed(options.seed);
+  const Stopwatch watch;
+  seeded_flann::std::seeded().seed(options.seed);
   try {
     impl_->index->buildIndex();
-  } catch (const flann::FLANNException& error) {
+  } catch (const seeded_flann::FLANNException& error) {
     throw Error(ErrorKind::kUsage, std::string("FLANN index ") + name_of(options.kind), error.what());
   }
-  impl_->tuning.build_seconds =
-      std::chrono::duration<float>(std::chrono::steady_clock::now() - start).count();
+  impl_->tuning.build_seconds = static_cast<float>(watch.seconds());
 }
 
 FlannIndex::FlannIndex(std::span<const vision::WordMap> words, int word_count,
@@ -223,7 +227,7 @@ FlannIndex::FlannIndex(std::span<const vision::WordMap> words, int word_count,
   if (!file) impl_->fail("cannot be opened in memory");
   try {
     impl_->index->loadIndex(file.get());
-  } catch (const flann::FLANNException& error) {
+  } catch (const seeded_flann::FLANNException& error) {
     impl_->fail(error.what());
   }
 }
@@ -250,7 +254,7 @@ std::vector<std::byte> FlannIndex::serialize() const {
   std::unique_ptr<char, decltype(&std::free)> owner(nullptr, &std::free);
   try {
     if (impl_->index) impl_->index->saveIndex(file.get());
-  } catch (const flann::FLANNException& error) {
+  } catch (const seeded_flann::FLANNException& error) {
     file.reset();
     owner.reset(memory);
     throw Error(ErrorKind::kIo, where, error.what());
@@ -277,7 +281,7 @@ namespace {
 
 // The best k admitted rows that FLANN comes upon. While it is not full FLANN looks on, whatever its checks,
 // so that k come back whenever k are admitted.
-class AdmittedRows final : public flann::ResultSet<float> {
+class AdmittedRows final : public seeded_flann::ResultSet<float> {
  public:
   AdmittedRows(std::size_t k, const SearchFilter& search_filter, std::size_t query)
       : k_(k), search_filter_(search_filter), query_(query) {
@@ -331,7 +335,7 @@ std::vector<std::vector<ScoredPatch>> FlannIndex::search(std::span<const PieceQu
     const double maximum = static_cast<double>(std::min<std::size_t>(impl.rows, 1 << 30));
     // At least k, as a result that is not full goes on until it is.
     const double checks = std::min(std::max<double>(chosen, static_cast<double>(k)) / fraction, maximum);
-    const flann::SearchParams parameters(static_cast<int>(checks));
+    const seeded_flann::SearchParams parameters(static_cast<int>(checks));
     std::vector<unsigned char> histogram(impl.bins);
     fill_histogram(queries[i], impl.word_count, histogram);
     AdmittedRows found(std::min(k, allowed), search_filter, i);

@@ -1,11 +1,12 @@
 #include "query/index/index_builder.h"
 
 #include <algorithm>
-#include <chrono>
 #include <optional>
 #include <string>
 
 #include "freshet/error.h"
+#include "platform/random.h"
+#include "platform/stopwatch.h"
 #include "query/index/flann_tuning.h"
 #include "query/index/patch_descriptors.h"
 #include "query/stored/average_image.h"
@@ -15,39 +16,23 @@
 namespace freshet::query {
 namespace {
 
-using Stage = IndexProgress::Stage;
-using Descriptors = std::vector<vision::Descriptor>;
-
-class Stopwatch {
- public:
-  double lap() {
-    const auto now = std::chrono::steady_clock::now();
-    const double seconds = std::chrono::duration<double>(now - since_).count();
-    since_ = now;
-    return seconds;
-  }
-
- private:
-  std::chrono::steady_clock::time_point since_ = std::chrono::steady_clock::now();
-};
-
-std::uint64_t mix(std::uint64_t value) {  // splitmix64
-  value += 0x9e3779b97f4a7c15ull;
-  value = (value ^ (value >> 30)) * 0xbf58476d1ce4e5b9ull;
-  value = (value ^ (value >> 27)) * 0x94d049bb133111ebull;
-  return value ^ (value >> 31);
+// What a person reads of where the build stands.
+namespace stage {
+constexpr const char *kSample = "sampling descriptors", *kTrain = "training the codebook",
+                     *kAssign = "assigning words", *kFlann = "building FLANN indexes", *kWrite = "writing";
 }
+using Descriptors = std::vector<vision::Descriptor>;
 
 std::uint64_t seed_of(const store::ClipRecord& clip) {
   std::uint64_t seed = 0;
-  for (const char c : clip.source_hash) seed = mix(seed ^ static_cast<unsigned char>(c));
+  for (const char c : clip.source_hash) seed = scramble(seed ^ static_cast<unsigned char>(c));
   return seed;
 }
 
 class Build {
  public:
-  Build(store::Store& store, const IndexOptions& options,
-        const std::function<void(const IndexProgress&)>& progress, std::stop_token stop)
+  Build(store::Store& store, const IndexOptions& options, const ProgressFunction& progress,
+        std::stop_token stop)
       : store_(store),
         options_(options),
         progress_(progress),
@@ -94,7 +79,7 @@ class Build {
   }
 
  private:
-  void say(Stage stage, std::size_t done, std::size_t total) {
+  void say(const char* stage, std::size_t done, std::size_t total) {
     if (stop_.stop_requested()) {
       throw Error(ErrorKind::kCancelled, store_.path().string(), "stopped; its index is as it was before");
     }
@@ -149,7 +134,7 @@ class Build {
     samples.reserve(samples_per_clip * with_patches);
     std::size_t cached = 0;
     for (std::size_t c = 0; c < clips_.size(); ++c) {
-      say(Stage::kSample, c, clips_.size());
+      say(stage::kSample, c, clips_.size());
       const PatchPoints points = points_of(clips_[c]);
       // Evenly spaced with a random start in each space, so that neighbours are not all alike.
       const std::size_t total = points.points(), taken = std::min(samples_per_clip, total);
@@ -157,7 +142,7 @@ class Build {
       std::vector<std::size_t> chosen;
       for (std::size_t i = 0; i < taken; ++i) {
         const std::size_t from = i * total / taken, to = (i + 1) * total / taken;
-        chosen.push_back(from + (mix(seed + i) >> 1) % (to - from));
+        chosen.push_back(from + (scramble(seed + i) >> 1) % (to - from));
       }
       Descriptors described;
       cached += total * sizeof(vision::Descriptor);
@@ -173,7 +158,7 @@ class Build {
         described = describe_some(clips_[c], points, chosen);
       }
       for (std::size_t i = 0; i < taken; ++i) {
-        const bool turned = settings_.flips && (mix(seed + i) & 1) != 0;
+        const bool turned = settings_.flips && (scramble(seed + i) & 1) != 0;
         samples.push_back(turned ? vision::mirrored(described[i]) : described[i]);
       }
     }
@@ -183,7 +168,7 @@ class Build {
   }
 
   vision::Codebook train(const Descriptors& samples) {
-    say(Stage::kTrain, 0, 1);
+    say(stage::kTrain, 0, 1);
     Stopwatch watch;
     vision::Codebook codebook = vision::train_codebook(samples, settings_.codebook);
     report_.train_s = watch.lap();
@@ -194,7 +179,7 @@ class Build {
     Stopwatch watch;
     words_.resize(clips_.size());
     for (std::size_t c = 0; c < clips_.size(); ++c) {
-      say(Stage::kAssign, c, clips_.size());
+      say(stage::kAssign, c, clips_.size());
       const PatchPoints points = points_of(clips_[c]);
       if (!descriptors_[c]) descriptors_[c] = describe(clips_[c], points);
       words_[c] = points.words(codebook, *descriptors_[c]);
@@ -222,7 +207,7 @@ class Build {
     std::vector<vision::WordMap> rows;
     std::vector<Row> clip_rows{0};
     for (std::size_t i = 0; i < options_.flann.size(); ++i) {
-      say(Stage::kFlann, i, options_.flann.size());
+      say(stage::kFlann, i, options_.flann.size());
       if (rows.empty()) {
         for (const std::size_t c : by_id) {
           rows.insert(rows.end(), words_[c].begin(), words_[c].end());
@@ -240,7 +225,7 @@ class Build {
   }
 
   void write() {
-    say(Stage::kWrite, 0, 1);
+    say(stage::kWrite, 0, 1);
     Stopwatch watch;
     std::vector<store::Store::Blob> blobs;
     for (const Blob& blob : blobs_) {
@@ -264,7 +249,7 @@ class Build {
   };
   store::Store& store_;
   const IndexOptions& options_;
-  const std::function<void(const IndexProgress&)>& progress_;
+  const ProgressFunction& progress_;
   std::stop_token stop_;
   store::Snapshot snapshot_;
   vision::Settings settings_;
@@ -279,24 +264,8 @@ class Build {
 
 }  // namespace
 
-const char* to_string(IndexProgress::Stage stage) {
-  switch (stage) {
-    case Stage::kSample:
-      return "sampling descriptors";
-    case Stage::kTrain:
-      return "training the codebook";
-    case Stage::kAssign:
-      return "assigning words";
-    case Stage::kFlann:
-      return "building FLANN indexes";
-    case Stage::kWrite:
-      return "writing";
-  }
-  return "";
-}
-
-IndexReport build_index(store::Store& store, const IndexOptions& options,
-                        const std::function<void(const IndexProgress&)>& progress, std::stop_token stop) {
+IndexReport build_index(store::Store& store, const IndexOptions& options, const ProgressFunction& progress,
+                        std::stop_token stop) {
   return Build(store, options, progress, std::move(stop)).run();
 }
 

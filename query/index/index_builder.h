@@ -3,10 +3,10 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <functional>
 #include <stop_token>
 #include <vector>
 
+#include "freshet/job.h"
 #include "query/index/flann_index.h"
 #include "store/store.h"
 
@@ -21,13 +21,6 @@ struct IndexOptions {
   /// the samples are made twice.
   std::size_t cache_bytes = std::size_t{1} << 30;
 };
-
-/// Where a build stands.
-struct IndexProgress {
-  enum class Stage { kSample, kTrain, kAssign, kFlann, kWrite } stage = Stage::kSample;
-  std::size_t done = 0, total = 0;  // clips, or indexes; 1 where there is nothing to count
-};
-const char* to_string(IndexProgress::Stage stage);  // "sampling descriptors", ...
 
 struct IndexReport {
   bool words_built = false;  // false: the index was up to date
@@ -54,11 +47,11 @@ struct IndexReport {
 /// history. FLANN indexes are erased when words change. When no clip is new, only the FLANN indexes asked for
 /// are built. Each is tuned (tune_flann).
 ///
-/// progress    called from the calling thread; may be empty.
+/// progress    "sampling descriptors", "training the codebook", "assigning words", "building FLANN indexes",
+///             "writing"; counts clips, or indexes. Called from the calling thread; may be empty.
 /// Throws      Error{kNotFound} when there is no patch, Error{kCancelled} when stopped, Error{kDamaged}.
 /// Memory      samples * 128 bytes and what training takes of it, cache_bytes, 81 bytes per patch.
 IndexReport build_index(store::Store& store, const IndexOptions& options = {},
-                        const std::function<void(const IndexProgress&)>& progress = {},
-                        std::stop_token stop = {});
+                        const ProgressFunction& progress = {}, std::stop_token stop = {});
 
 }  // namespace freshet::query

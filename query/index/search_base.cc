@@ -1,10 +1,10 @@
 #include "query/index/search_base.h"
 
-#include <chrono>
 #include <mutex>
 #include <string>
 
 #include "freshet/error.h"
+#include "platform/stopwatch.h"
 #include "query/index/exact_index.h"
 #include "query/stored/stored_codebook.h"
 
@@ -50,14 +50,14 @@ std::unique_ptr<const CandidateIndex> open_index(const store::Snapshot& snapshot
 }  // namespace
 
 SearchBase open_search(const store::Snapshot& snapshot, const IndexChoice& choice) {
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   SearchBase base;
   base.settings = vision::settings_from_json(snapshot.settings());
   base.codebook = read_codebook(snapshot);
   base.table = read_patch_table(snapshot);
   base.index = open_index(snapshot, base, choice);
   base.is_exact = !choice.flann;
-  base.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  base.seconds = watch.seconds();
   return base;
 }
 

@@ -14,6 +14,7 @@
 #include <fmt/format.h>
 
 #include "freshet/error.h"
+#include "platform/text.h"
 
 namespace freshet::query {
 namespace {
@@ -219,8 +220,7 @@ void LabelCache::finish() {
     header.entries = static_cast<std::uint32_t>(directory.size());
     header.directory = own_->size;
     header.directory_hash = XXH3_64bits(bytes.data(), bytes.size());
-    const fs::path name =
-        folder_ / fmt::format("{:016x}{:016x}{}", header.directory_hash, own_->size, kEnding);
+    const fs::path name = folder_ / (hex(header.directory_hash) + hex(own_->size) + kEnding);
     std::error_code fault;
     bool written = !directory.empty() && write_at(own_->file, own_->size, bytes) &&
                    write_at(own_->file, 0, std::as_bytes(std::span(&header, 1)));

@@ -1,10 +1,10 @@
 #include "query/labelling/labelling.h"
 
 #include <algorithm>
-#include <chrono>
 #include <map>
 
 #include "freshet/error.h"
+#include "platform/stopwatch.h"
 #include "query/costs/stored_features.h"
 #include "query/search/coherent_candidates.h"
 #include "query/search/picture_scale.h"
@@ -15,49 +15,26 @@ namespace {
 // Says where the work stands, times it, and stops it.
 class Stages {
  public:
-  Stages(const std::function<void(LabelStage)>& progress, std::stop_token stop)
+  Stages(const ProgressFunction& progress, std::stop_token stop)
       : progress_(progress), stop_(std::move(stop)) {}
   template <class Work>
-  auto run(LabelStage stage, double& seconds, Work&& work) {
+  auto run(const char* stage, double& seconds, Work&& work) {
     if (stop_.stop_requested()) throw Error(ErrorKind::kCancelled, "labelling", "stopped");
-    if (progress_) progress_(stage);
-    const Timer timer(seconds);
+    if (progress_) progress_({stage, 0, 0});
+    const TimedScope timer(seconds);
     return work();
   }
 
  private:
-  class Timer {
-   public:
-    explicit Timer(double& seconds) : seconds_(seconds) {}
-    ~Timer() { seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
-
-   private:
-    double& seconds_;
-    std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-  };
-  const std::function<void(LabelStage)>& progress_;
+  const ProgressFunction& progress_;
   std::stop_token stop_;
 };
 
 }  // namespace
 
-const char* to_string(LabelStage stage) {
-  switch (stage) {
-    case LabelStage::kCut:
-      return "describing the picture";
-    case LabelStage::kSearch:
-      return "searching candidates";
-    case LabelStage::kCosts:
-      return "comparing neighbours";
-    case LabelStage::kMinimize:
-      return "choosing patches";
-  }
-  return "";
-}
-
 CandidateSearch search_candidates(const store::Snapshot& snapshot, const SearchBase& base,
                                   const cv::Mat& picture, const cv::Mat& matte, const LabelOptions& options,
-                                  const std::function<void(LabelStage)>& progress, std::stop_token stop,
+                                  const ProgressFunction& progress, std::stop_token stop,
                                   LabellingMemo* memo) {
   if (picture.type() != CV_8UC3 || matte.type() != CV_8U || picture.size() != matte.size()) {
     throw Error(ErrorKind::kUsage, "picture and matte", "8-bit BGR and 8-bit grey of the same size expected");
@@ -73,10 +50,10 @@ CandidateSearch search_candidates(const store::Snapshot& snapshot, const SearchB
   const cv::Mat searched = reduce(picture, options.piece_scale), fluid = reduce(matte, options.piece_scale);
   const MotionGuide guide = reduce(options.guide, options.piece_scale);
   search.filtered = filter_rows(snapshot, base.table, base.settings.variants(), options.candidates);
-  search.target = stages.run(LabelStage::kCut, search.seconds.cut, [&] {
+  search.target = stages.run("describing the picture", search.seconds.cut, [&] {
     return make_target(searched, fluid, base.settings.grid, base.codebook, options.target);
   });
-  search.candidates = stages.run(LabelStage::kSearch, search.seconds.search, [&] {
+  search.candidates = stages.run("searching candidates", search.seconds.search, [&] {
     const auto k = static_cast<std::size_t>(options.candidates.k);
     const RowFilter& rows = search.filtered.rows;
     Candidates found = memo != nullptr
@@ -89,11 +66,11 @@ CandidateSearch search_candidates(const store::Snapshot& snapshot, const SearchB
   return search;
 }
 
-Labelling label(const store::Snapshot& snapshot, const SearchBase& base, const cv::Mat& picture,
-                const cv::Mat& matte, const LabelOptions& options,
-                const std::function<void(LabelStage)>& progress, std::stop_token stop, LabellingMemo* memo) {
+Labelling label(const store::Snapshot& snapshot, CandidateSearch search, const LabelOptions& options,
+                const ProgressFunction& progress, std::stop_token stop, LabellingMemo* memo) {
+  const SearchBase& base = *search.base;
   Labelling labelling;
-  labelling.search = search_candidates(snapshot, base, picture, matte, options, progress, stop, memo);
+  labelling.search = std::move(search);
   labelling.seconds = labelling.search.seconds;
   const Target& target = labelling.search.target;
   const Candidates& candidates = labelling.search.candidates;
@@ -106,7 +83,7 @@ Labelling label(const store::Snapshot& snapshot, const SearchBase& base, const c
     known = memo->find_solution(key, target, candidates);
   }
   if (!known) {
-    const Mrf mrf = stages.run(LabelStage::kCosts, labelling.seconds.costs, [&] {
+    const Mrf mrf = stages.run("comparing neighbours", labelling.seconds.costs, [&] {
       StoredFeatures features(snapshot, base.settings, base.table);
       const FeatureShape shape = feature_shape(base.settings);
       Mrf costs = memo != nullptr
@@ -115,7 +92,7 @@ Labelling label(const store::Snapshot& snapshot, const SearchBase& base, const c
       add_guide_costs(base.table, candidates, options.guide_costs, costs);
       return costs;
     });
-    known = stages.run(LabelStage::kMinimize, labelling.seconds.minimize,
+    known = stages.run("choosing patches", labelling.seconds.minimize,
                        [&] { return minimize(mrf, options.minimizer, options.max_iterations); });
     if (memo != nullptr) memo->keep_solution(key, *known);
   }
@@ -124,6 +101,13 @@ Labelling label(const store::Snapshot& snapshot, const SearchBase& base, const c
   labelling.labels = std::move(known->labels);
   labelling.iterations = known->iterations;
   return labelling;
+}
+
+Labelling label(const store::Snapshot& snapshot, const SearchBase& base, const cv::Mat& picture,
+                const cv::Mat& matte, const LabelOptions& options, const ProgressFunction& progress,
+                std::stop_token stop, LabellingMemo* memo) {
+  return label(snapshot, search_candidates(snapshot, base, picture, matte, options, progress, stop, memo),
+               options, progress, stop, memo);
 }
 
 Assignment make_assignment(const store::Snapshot& snapshot, const CandidateSearch& search,

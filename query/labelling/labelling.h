@@ -1,13 +1,12 @@
 // query/labelling/labelling.h — a picture in, the patches that will animate it out.
 #pragma once
 
-#include <functional>
 #include <stop_token>
-#include <string>
 #include <vector>
 
 #include <opencv2/core.hpp>
 
+#include "freshet/job.h"
 #include "query/costs/pairwise.h"
 #include "query/index/search_base.h"
 #include "query/labelling/assignment.h"
@@ -31,15 +30,12 @@ struct LabelOptions {
   int max_iterations = 100;  // of TRW-S
 };
 
-enum class LabelStage { kCut, kSearch, kCosts, kMinimize };
-const char* to_string(LabelStage stage);  // "describing the picture", ...
-
 /// Seconds, wall clock.
 struct LabelSeconds {
   double cut = 0, search = 0, costs = 0, minimize = 0;
 };
 
-/// What a search for candidates found. Borrows the base that it searched.
+/// What a search for candidates found. Borrows the base that it searched, which must stay where it is.
 struct CandidateSearch {
   const SearchBase* base = nullptr;
   cv::Size picture;        // px, as it was given
@@ -54,14 +50,18 @@ struct CandidateSearch {
 
 /// The first half: pieces and their candidates.
 /// picture   CV_8UC3 BGR. matte   CV_8U of its size, 255 where the fluid is.
-/// progress  called from the calling thread before each stage; may be empty.
+/// progress  called from the calling thread before each stage ("describing the picture", "searching
+///           candidates"); may be empty.
 /// memo      what earlier labellings have left, and where this one leaves its own; may be null. It changes
 ///           the time that is taken, and nothing else.
 /// Throws    as its stages, and Error{kCancelled}.
 CandidateSearch search_candidates(const store::Snapshot& snapshot, const SearchBase& base,
                                   const cv::Mat& picture, const cv::Mat& matte, const LabelOptions& options,
-                                  const std::function<void(LabelStage)>& progress = {},
-                                  std::stop_token stop = {}, LabellingMemo* memo = nullptr);
+                                  const ProgressFunction& progress = {}, std::stop_token stop = {},
+                                  LabellingMemo* memo = nullptr);
+CandidateSearch search_candidates(const store::Snapshot&, const SearchBase&&, const cv::Mat&, const cv::Mat&,
+                                  const LabelOptions&, const ProgressFunction& = {}, std::stop_token = {},
+                                  LabellingMemo* = nullptr) = delete;
 
 struct Labelling {
   Assignment assignment;
@@ -71,12 +71,24 @@ struct Labelling {
   int iterations = 0;
 };
 
-/// Cuts the picture into pieces, finds each piece's candidates and chooses among them: Eq. 4 of Okabe et al.
-/// 2011. The same labels for any number of threads.
-Labelling label(const store::Snapshot& snapshot, const SearchBase& base, const cv::Mat& picture,
-                const cv::Mat& matte, const LabelOptions& options = {},
-                const std::function<void(LabelStage)>& progress = {}, std::stop_token stop = {},
+/// The second half: chooses among each piece's candidates, Eq. 4 of Okabe et al. 2011. The same labels for any
+/// number of threads.
+/// search    kept in the answer: move it in where it is not needed any more.
+/// options   of which costs, guide_costs, minimizer and max_iterations are read; as many labellings with others
+///           as one likes may follow one search.
+/// progress  as above: "comparing neighbours", "choosing patches".
+/// memo      as above, of the same base.
+Labelling label(const store::Snapshot& snapshot, CandidateSearch search, const LabelOptions& options = {},
+                const ProgressFunction& progress = {}, std::stop_token stop = {},
                 LabellingMemo* memo = nullptr);
+
+/// Both halves.
+Labelling label(const store::Snapshot& snapshot, const SearchBase& base, const cv::Mat& picture,
+                const cv::Mat& matte, const LabelOptions& options = {}, const ProgressFunction& progress = {},
+                std::stop_token stop = {}, LabellingMemo* memo = nullptr);
+Labelling label(const store::Snapshot&, const SearchBase&&, const cv::Mat&, const cv::Mat&,
+                const LabelOptions& = {}, const ProgressFunction& = {}, std::stop_token = {},
+                LabellingMemo* = nullptr) = delete;
 
 /// The assignment that labels mean. Clips in order of their first piece.
 Assignment make_assignment(const store::Snapshot& snapshot, const CandidateSearch& search,

@@ -35,12 +35,13 @@ struct Reuse {
 /// "487 of 512 pieces' candidates and 890 of 955 edges reused", for a person.
 std::string to_string(const Reuse& reuse);
 
-/// The view that labellings of one snapshot have of a cache. Borrows all that it is made of. One thread.
+/// The view that labellings of one snapshot have of a cache. Borrows the cache and the base. One thread.
 class LabellingMemo {
  public:
   /// Cost: 10 ms for 357,650 patches. Answers of an approximate index are neither looked up nor kept: its
   /// bytes are not part of what is hashed.
   LabellingMemo(LabelCache& cache, const store::Snapshot& snapshot, const SearchBase& base);
+  LabellingMemo(LabelCache&, const store::Snapshot&, const SearchBase&&) = delete;
 
   /// As query::find_candidates.
   Candidates find_candidates(const Target& target, const cv::Mat& matte, std::size_t k,

@@ -3,19 +3,13 @@
 #include <algorithm>
 #include <numeric>
 
+#include "platform/random.h"
 #include "query/mrf/min_sum.h"
 
 namespace freshet::query {
 namespace {
 
 constexpr std::uint32_t kNone = 0xffffffff;
-
-std::uint64_t splitmix(std::uint64_t value) {
-  value += 0x9e3779b97f4a7c15ull;
-  value = (value ^ (value >> 30)) * 0xbf58476d1ce4e5b9ull;
-  value = (value ^ (value >> 27)) * 0x94d049bb133111ebull;
-  return value ^ (value >> 31);
-}
 
 class Forests {
  public:
@@ -140,7 +134,7 @@ void forest_descent(const Mrf& mrf, Solution& solution, const ForestDescentOptio
       // Nodes that no forest of this cycle has held come first. The first forests grow in node order and
       // back, which on a grid gives combs of long rows; later ones in random order.
       for (std::size_t node = 0; node < mrf.nodes(); ++node) {
-        std::uint64_t key = splitmix(options.seed + forest * mrf.nodes() + node) >> 1;
+        std::uint64_t key = scramble(options.seed + forest * mrf.nodes() + node) >> 1;
         if (forest == 0) key = node;
         if (forest == 1) key = mrf.nodes() - node;
         rank[node] = key | (covered[node] ? std::uint64_t{1} << 63 : 0);

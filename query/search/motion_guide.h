@@ -7,22 +7,13 @@
 
 #include <opencv2/core.hpp>
 
+#include "freshet/motion.h"
 #include "query/index/motion_window.h"
 #include "query/search/target.h"
 
 namespace freshet::query {
 
-/// What is asked of the motion, pixel by pixel; either map alone, or both.
-struct MotionGuide {
-  cv::Mat direction{};  // CV_32FC2, the picture's size: unit vectors, x right, y down; (0, 0): not asked
-                        // there. Empty: nowhere.
-  cv::Mat speed{};      // CV_32F, the picture's size: px/s; negative: not asked there. Empty: nowhere.
-  double tolerance_deg = 30;        // to either side of the direction
-  double speed_ratio = 1.5;         // speeds from asked / ratio to asked * ratio
-  double min_speed_px_per_s = 2.5;  // slower patches have no direction that counts
-
-  bool empty() const { return direction.empty() && speed.empty(); }
-};
+using freshet::MotionGuide;
 
 /// What a guide asks of each piece: the mean direction and the geometric mean of the speeds over its fluid.
 struct PieceMotion {

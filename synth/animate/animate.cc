@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <cmath>
 #include <map>
 #include <memory>
@@ -17,6 +16,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "freshet/error.h"
+#include "platform/stopwatch.h"
 #include "synth/animate/motion/motion_field.h"
 #include "synth/animate/motion/motion_sequence.h"
 #include "synth/animate/sampling/enlarge.h"
@@ -31,19 +31,6 @@ constexpr int kSampledFrames = 12;  // that the appearance model is fitted to
 constexpr int kMinSampledFrames = 4;
 constexpr int kSampledPixels = 32 << 20;  // in all of them
 constexpr int kRendered = 8;              // frames rendered at once before they are handed on in order
-
-class Laps {
- public:
-  double lap() {
-    const auto now = std::chrono::steady_clock::now();
-    const double seconds = std::chrono::duration<double>(now - last_).count();
-    last_ = now;
-    return seconds;
-  }
-
- private:
-  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
-};
 
 void throw_if_stopped(const std::stop_token& stop) {
   if (stop.stop_requested()) throw Error(ErrorKind::kCancelled, "animate", "stopped");
@@ -219,7 +206,7 @@ AnimateReport animate(const store::Snapshot& snapshot, const vision::Settings& s
   // What is wrong with the background is said before the work.
   const bool moving_boundary = options.boundary.boundary == Boundary::kMoving;
   const cv::Mat behind = moving_boundary ? behind_fluid(picture, matte, options.boundary) : cv::Mat();
-  Laps total, watch;
+  Stopwatch total, watch;
   AnimateReport report;
   report.pieces = placement.patches.size();
   const auto notify = [&](const char* stage, std::size_t done, std::size_t of) {
@@ -382,7 +369,7 @@ AnimateReport animate(const store::Snapshot& snapshot, const vision::Settings& s
   report.render_s += watch.lap();
   for (const auto& layer : layers) report.decode_s += layer->read_s();
   report.blend_s -= report.decode_s;
-  report.total_s = total.lap();
+  report.total_s = total.seconds();
   return report;
 }
 

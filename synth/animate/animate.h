@@ -8,6 +8,7 @@
 
 #include <opencv2/core.hpp>
 
+#include "freshet/job.h"
 #include "query/search/motion_guide.h"
 #include "store/store.h"
 #include "synth/animate/blend/blend.h"
@@ -54,10 +55,7 @@ struct AnimateReport {
   double decode_s = 0, blend_s = 0, base_s = 0, appearance_s = 0, render_s = 0, total_s = 0;
 };
 
-struct AnimateProgress {
-  std::string stage;
-  std::size_t done = 0, of = 0;
-};
+using AnimateProgress = Progress;
 
 /// Renders the animation frame by frame into `sink`: CV_8UC3, the picture's size, in order, one at a time,
 /// while the next ones are made.
@@ -73,7 +71,6 @@ struct AnimateProgress {
 AnimateReport animate(const store::Snapshot& snapshot, const vision::Settings& settings,
                       const cv::Mat& picture, const cv::Mat& matte, const Placement& placement,
                       const AnimateOptions& options, const std::function<void(const cv::Mat&)>& sink,
-                      const std::function<void(const AnimateProgress&)>& progress = {},
-                      std::stop_token stop = {});
+                      const ProgressFunction& progress = {}, std::stop_token stop = {});
 
 }  // namespace freshet::synth::animate

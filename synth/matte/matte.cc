@@ -1,20 +1,16 @@
 #include "synth/matte/matte.h"
 
 #include <algorithm>
-#include <chrono>
 
 #include <opencv2/imgproc.hpp>
 
 #include "freshet/error.h"
+#include "platform/stopwatch.h"
 
 namespace freshet::synth::matte {
 namespace {
 
 constexpr int kSheetWidth = 640, kGap = 8, kCheck = 16;
-
-double now() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
 
 cv::Mat cut_out(const cv::Mat& picture, const cv::Mat& alpha) {
   cv::Mat out(picture.size(), CV_8UC3);
@@ -35,13 +31,12 @@ cv::Mat cut_out(const cv::Mat& picture, const cv::Mat& alpha) {
 Matte make_matte(const cv::Mat& picture, const Marks& marks, const MatteOptions& options,
                  const std::string& where, std::stop_token stop) {
   Matte matte;
-  const double start = now();
+  Stopwatch watch;
   const cv::Mat region = hard_region(picture, marks, options.region, where, &matte.notices);
-  const double cut = now();
-  matte.region_s = cut - start;
+  matte.region_s = watch.lap();
   if (stop.stop_requested()) throw Error(ErrorKind::kCancelled, "matte", "stopped");
   matte.alpha = soft_edge(picture, region, marks, options.edge);
-  matte.edge_s = now() - cut;
+  matte.edge_s = watch.lap();
   matte.fraction = cv::mean(matte.alpha)[0] / 255;
   if (cv::countNonZero(matte.alpha) == 0)
     throw Error(ErrorKind::kInput, where, "no pixel came out as fluid: its colours are the background's",

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "synth/field/random.h"
+#include "platform/random.h"
 
 namespace freshet::synth::transfer {
 

@@ -10,7 +10,7 @@
 
 #include <oneapi/tbb/parallel_for.h>
 
-#include "synth/field/random.h"
+#include "platform/random.h"
 #include "synth/transfer/open_places.h"
 #include "synth/transfer/segments.h"
 

@@ -3,31 +3,17 @@
 #include <algorithm>
 #include <bit>
 #include <cassert>
-#include <chrono>
 
 #include <fmt/format.h>
 #include <oneapi/tbb/parallel_for.h>
 #include <oneapi/tbb/parallel_sort.h>
 
 #include "freshet/error.h"
+#include "platform/stopwatch.h"
 #include "synth/transfer/patch_match.h"
 
 namespace freshet::synth::transfer {
 namespace {
-
-class Clock {
- public:
-  /// Seconds since the last call.
-  double lap() {
-    const auto now = std::chrono::steady_clock::now();
-    const double seconds = std::chrono::duration<double>(now - last_).count();
-    last_ = now;
-    return seconds;
-  }
-
- private:
-  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
-};
 
 void refuse_too_many(std::size_t sources, std::size_t targets) {
   if (static_cast<std::int64_t>(sources) * static_cast<std::int64_t>(targets) > kMaxPairs) {
@@ -104,13 +90,13 @@ void settle(std::vector<Pair>& pairs, std::vector<std::int32_t>& claims) {
 void exact_rounds(const PatchDistance& distance, std::vector<int> sources, const std::vector<int>& targets,
                   Uses& uses, NearestField& field, std::vector<std::int32_t>& claims,
                   RetrievalSeconds& seconds) {
-  Clock clock;
+  Stopwatch watch;
   const std::size_t columns = targets.size();
   std::vector<float> table(sources.size() * columns);
   oneapi::tbb::parallel_for(std::size_t{0}, sources.size(), [&](std::size_t i) {
     for (std::size_t k = 0; k < columns; ++k) table[i * columns + k] = distance(sources[i], targets[k]);
   });
-  seconds.search += clock.lap();
+  seconds.search += watch.lap();
   // By target place while it is open: its column. open: columns still open, in order of place.
   std::vector<std::int32_t> column_of(field.source.size(), -1), open(columns);
   for (std::size_t k = 0; k < columns; ++k) {
@@ -134,7 +120,7 @@ void exact_rounds(const PatchDistance& distance, std::vector<int> sources, const
         if (of[k] < of[nearest] || (of[k] == of[nearest] && place(k) < place(nearest))) nearest = k;
       best[i] = nearest;
     });
-    seconds.search += clock.lap();
+    seconds.search += watch.lap();
     pairs.clear();
     for (const std::int32_t i : row) {
       const std::size_t at = static_cast<std::size_t>(i), column = static_cast<std::size_t>(best[at]);
@@ -153,7 +139,7 @@ void exact_rounds(const PatchDistance& distance, std::vector<int> sources, const
                          return column_of[static_cast<std::size_t>(targets[static_cast<std::size_t>(k)])] < 0;
                        }),
         open.end());
-    seconds.assign += clock.lap();
+    seconds.assign += watch.lap();
   }
 }
 
@@ -227,7 +213,7 @@ void assign_uniformly(const PatchDistance& distance, const std::vector<int>& sou
     exact_rounds(distance, sources, targets, uses, field, claims, seconds);
     return;
   }
-  Clock clock;
+  Stopwatch watch;
   Known known(distance, sources, targets, field);
   OpenPlaces open(field.target_width, field.target_height, targets);
   MatchField match(field.source_width, field.source_height, field.target_width, field.target_height);
@@ -247,14 +233,14 @@ void assign_uniformly(const PatchDistance& distance, const std::vector<int>& sou
       std::vector<int> rest;
       for (const int target : targets)
         if (open.has(target)) rest.push_back(target);
-      seconds.assign += clock.lap();
+      seconds.assign += watch.lap();
       exact_rounds(distance, active, rest, uses, field, claims, seconds);
       return;
     }
-    seconds.assign += clock.lap();
+    seconds.assign += watch.lap();
     for (int left = options.passes; left > 0; --left, ++pass)
       patch_match_pass(active, open, pass, options.seed, distance, first, match, seen);
-    seconds.search += clock.lap();
+    seconds.search += watch.lap();
     pairs.clear();
     for (const int source : active) {
       const Match& nearest = match.nearest(source);
@@ -268,14 +254,14 @@ void assign_uniformly(const PatchDistance& distance, const std::vector<int>& sou
       open.remove(pair.target);
     }
   }
-  seconds.assign += clock.lap();
+  seconds.assign += watch.lap();
 }
 
 void assign_nearest(const PatchDistance& distance, const std::vector<int>& sources,
                     const std::vector<int>& targets, const RetrievalOptions& options, NearestField& field,
                     RetrievalSeconds& seconds) {
   assert(!sources.empty());
-  Clock clock;
+  Stopwatch watch;
   if (options.search == Search::kExact) {
     refuse_too_many(sources.size(), targets.size());
     oneapi::tbb::parallel_for(std::size_t{0}, targets.size(), [&](std::size_t i) {
@@ -290,7 +276,7 @@ void assign_nearest(const PatchDistance& distance, const std::vector<int>& sourc
         field.distance[at] = d;
       }
     });
-    seconds.search += clock.lap();
+    seconds.search += watch.lap();
     return;
   }
   const OpenPlaces open(field.source_width, field.source_height, sources);
@@ -309,7 +295,7 @@ void assign_nearest(const PatchDistance& distance, const std::vector<int>& sourc
     field.source[at] = match.nearest(target).to;
     field.distance[at] = match.nearest(target).distance;
   }
-  seconds.search += clock.lap();
+  seconds.search += watch.lap();
 }
 
 }  // namespace freshet::synth::transfer

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "freshet/error.h"
-#include "synth/field/random.h"
+#include "platform/random.h"
 
 namespace freshet::synth::transfer {
 namespace {

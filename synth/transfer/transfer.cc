@@ -2,14 +2,14 @@
 
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <cmath>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "freshet/error.h"
-#include "synth/field/random.h"
+#include "platform/random.h"
+#include "platform/stopwatch.h"
 #include "synth/transfer/exemplar.h"
 #include "synth/transfer/features.h"
 #include "synth/transfer/forward_warp.h"
@@ -24,18 +24,6 @@ namespace freshet::synth::transfer {
 namespace {
 
 constexpr int kMinSide = 24;  // px, of the coarsest level when levels are chosen here
-
-class Lap {
- public:
-  void add_to(double& seconds) {
-    const auto now = std::chrono::steady_clock::now();
-    seconds += std::chrono::duration<double>(now - last_).count();
-    last_ = now;
-  }
-
- private:
-  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
-};
 
 void check_target(const TargetFrame& target, const State& state) {
   const std::string where = fmt::format("target frame {}", state.frame);
@@ -272,7 +260,7 @@ void Transfer::Impl::prepare_exemplar(cv::Size target) {
 }
 
 TransferredFrame Transfer::Impl::next(const TargetFrame& target, const std::function<void(double)>& done) {
-  Lap lap;
+  Stopwatch watch;
   TransferredFrame made;
   made.index = state.frame;
   check_target(target, state);
@@ -294,7 +282,7 @@ TransferredFrame Transfer::Impl::next(const TargetFrame& target, const std::func
   const std::size_t levels = prepared.levels.size();
   std::vector<TargetLevel> targets =
       target_levels(blurred(mask, options.radius), std::move(past), levels, options);
-  lap.add_to(made.seconds.prepare);
+  made.seconds.prepare += watch.lap();
 
   double work = 0, worked = 0;
   for (const TargetLevel& level : targets) work += static_cast<double>(level.lambda.values.size());
@@ -321,7 +309,7 @@ TransferredFrame Transfer::Impl::next(const TargetFrame& target, const std::func
       if (iteration == 0)
         for (std::size_t i = 0; i < field.source.size(); ++i)
           if (level.segments.of.values[i] == Segment::kNone) field.source[i] = -1;
-      lap.add_to(made.seconds.prepare);
+      made.seconds.prepare += watch.lap();
       RetrievalOptions retrieval{options.search, options.passes,
                                  scramble(frame_seed + 100 * k + static_cast<std::size_t>(iteration))};
       RetrievalSeconds seconds;
@@ -333,10 +321,10 @@ TransferredFrame Transfer::Impl::next(const TargetFrame& target, const std::func
       }
       made.seconds.search += seconds.search;
       made.seconds.assign += seconds.assign;
-      lap = Lap();
+      watch.lap();
       vote(source.now, field, options.patch, options.vote_power, picture);
       if (iteration + 1 == options.iterations) clear_uncovered(field, margin, picture);
-      lap.add_to(made.seconds.vote);
+      made.seconds.vote += watch.lap();
       worked += static_cast<double>(level.lambda.values.size()) / options.iterations;
       if (done) done(worked / work);
     }
@@ -389,10 +377,10 @@ TransferredFrame Transfer::Impl::next(const TargetFrame& target, const std::func
     for (std::size_t i = 0; i < shown.values.size(); ++i)
       for (float& value : shown.values[i].c) value *= mask.values[i];
   }
-  lap.add_to(made.seconds.prepare);
+  made.seconds.prepare += watch.lap();
   if (options.motion_blur > 0) shown = blurred_along(shown, flow, options.motion_blur);
   made.bgra = straight(shown);
-  lap.add_to(made.seconds.blur);
+  made.seconds.blur += watch.lap();
   state = {state.frame + 1, std::move(picture), mask, flow};
   return made;
 }

@@ -64,6 +64,20 @@ TEST(Sweep, ACombinationIsTheSingleRunWithItsOptions) {
   }
 }
 
+TEST(Sweep, StrokesSteerItsFramesAsTheySteerTheSingleRuns) {
+  const WorkFolder folder;
+  // Across the fall: what is not turned to the strokes is carried down.
+  folder.file("lines.svg", "<svg viewBox='0 0 192 144'><path d='M60 40L140 100'/></svg>");
+  const Outcome outcome =
+      sweep(folder, {"--sweep", "blend=variance,paper", "--strokes", "lines.svg", "--tolerance", "90"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const Outcome alone = folder.freshet({"synth", "animate", sample().store, sample().still, "--matte",
+                                        sample().matte, "--frames", "8", "--strokes", "lines.svg",
+                                        "--tolerance", "90", "--blend", "paper", "-o", "alone.mp4"});
+  ASSERT_EQ(alone.exit_code, 0) << alone.err;
+  EXPECT_TRUE(text_of(folder / "out/02.mp4") == text_of(folder / "alone.mp4"));
+}
+
 TEST(Sweep, SaysWhatIsWrongWithItsText) {
   const WorkFolder folder;
   for (const auto& [text, message] :

@@ -11,6 +11,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "freshet/error.h"
+#include "tests/vision/made_texture.h"
 
 namespace freshet::vision {
 namespace {
@@ -20,14 +21,6 @@ class DenseSift : public testing::Test {
   void SetUp() override { cv::setNumThreads(1); }  // as the executable does
 };
 
-cv::Mat texture(cv::Size size) {
-  cv::Mat noise(size, CV_8U);
-  cv::RNG(7).fill(noise, cv::RNG::UNIFORM, 0, 255);
-  cv::GaussianBlur(noise, noise, {}, 2);
-  cv::normalize(noise, noise, 0, 255, cv::NORM_MINMAX);
-  return noise;
-}
-
 double distance(const Descriptor& a, const Descriptor& b) {
   double sum = 0;
   for (int i = 0; i < kDescriptorSize; ++i) sum += (a[i] - b[i]) * (a[i] - b[i]);
@@ -35,7 +28,7 @@ double distance(const Descriptor& a, const Descriptor& b) {
 }
 
 TEST_F(DenseSift, GivesEveryPointOfTheGridEvenOutsideTheFrame) {
-  const cv::Mat frame = texture({70, 50});
+  const cv::Mat frame = made_texture({70, 50});
   const DescriptorGrid grid = dense_sift(frame, {-40, -30}, 25, 31);
   ASSERT_EQ(grid.values.size(), 25u * 31u);
   for (const Descriptor& d : grid.values) {
@@ -48,7 +41,7 @@ TEST_F(DenseSift, GivesEveryPointOfTheGridEvenOutsideTheFrame) {
 
 TEST_F(DenseSift, EqualsSiftOfTheWholeFrameInOnePiece) {
   // The slow twin: corners by a filter over the whole frame, one key point after the other.
-  const cv::Mat frame = texture({260, 420});
+  const cv::Mat frame = made_texture({260, 420});
   const int columns = 20, rows = 55, pitch = 6;
   const cv::Point origin(60, 40);
   cv::Mat corners;
@@ -73,14 +66,14 @@ TEST_F(DenseSift, EqualsSiftOfTheWholeFrameInOnePiece) {
 }
 
 TEST_F(DenseSift, DoesNotDependOnWhatElseTheGridHolds) {
-  const cv::Mat frame = texture({300, 400});
+  const cv::Mat frame = made_texture({300, 400});
   const DescriptorGrid whole = dense_sift(frame, {0, 0}, 50, 66);
   const DescriptorGrid part = dense_sift(frame, {0, 6 * 30}, 50, 10);
   for (int i = 0; i < 50 * 10; ++i) EXPECT_EQ(part.values[i], whole.values[30 * 50 + i]);
 }
 
 TEST_F(DenseSift, IsTheSameOnAnyNumberOfThreads) {
-  const cv::Mat frame = texture({300, 400});
+  const cv::Mat frame = made_texture({300, 400});
   std::vector<Descriptor> first;
   for (const std::size_t threads : {1, 2, 8}) {
     const oneapi::tbb::global_control limit(oneapi::tbb::global_control::max_allowed_parallelism, threads);
@@ -91,7 +84,7 @@ TEST_F(DenseSift, IsTheSameOnAnyNumberOfThreads) {
 }
 
 TEST_F(DenseSift, MirroredDescriptorIsTheMirroredPicturesOwn) {
-  const cv::Mat frame = texture({211, 180});
+  const cv::Mat frame = made_texture({211, 180});
   cv::Mat mirror;
   cv::flip(frame, mirror, 1);
   const int columns = 25, rows = 20;
@@ -119,7 +112,7 @@ TEST_F(DenseSift, MirroredDescriptorIsTheMirroredPicturesOwn) {
 }
 
 TEST_F(DenseSift, MirroringTwiceIsTheIdentity) {
-  const Descriptor descriptor = dense_sift(texture({60, 60}), {20, 30}, 1, 1).values[0];
+  const Descriptor descriptor = dense_sift(made_texture({60, 60}), {20, 30}, 1, 1).values[0];
   EXPECT_EQ(mirrored(mirrored(descriptor)), descriptor);
   EXPECT_NE(mirrored(descriptor), descriptor);
 }

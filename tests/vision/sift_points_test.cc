@@ -4,19 +4,13 @@
 #include <opencv2/imgproc.hpp>
 
 #include "freshet/error.h"
+#include "tests/vision/made_texture.h"
 
 namespace freshet::vision {
 namespace {
 
-cv::Mat noise(cv::Size size) {
-  cv::Mat frame(size, CV_8U);
-  cv::RNG(7).fill(frame, cv::RNG::UNIFORM, 0, 255);
-  cv::GaussianBlur(frame, frame, {}, 2);
-  return frame;
-}
-
 TEST(SiftPoints, AreTheDenseGridsOwn) {
-  const cv::Mat frame = noise({300, 400});
+  const cv::Mat frame = made_noise({300, 400});
   const int columns = 40, rows = 60;
   const DescriptorGrid whole = dense_sift(frame, {-6, 12}, columns, rows);
   // Of the second strip of 24 rows no point, of the others the first, the last and some.
@@ -30,7 +24,7 @@ TEST(SiftPoints, AreTheDenseGridsOwn) {
 }
 
 TEST(SiftPoints, NoneIsNothingAndOneBeyondTheGridAnError) {
-  const cv::Mat frame = noise({60, 60});
+  const cv::Mat frame = made_noise({60, 60});
   EXPECT_TRUE(sift_points(frame, {0, 0}, 9, 9, 6, {}).empty());
   const std::uint32_t beyond[] = {3, 81};
   EXPECT_THROW(sift_points(frame, {0, 0}, 9, 9, 6, beyond), Error);

@@ -18,9 +18,13 @@ WordMap random_words(std::uint64_t seed, int word_count) {
   return words;
 }
 
-std::map<int, int> dense(const std::vector<Bin>& bins) {
+std::map<int, int> histogram_of(const WordMap& words, int word_count) {
   std::map<int, int> histogram;
-  for (const Bin& bin : bins) histogram[bin.bin] += bin.weight;
+  for (int i = 0; i < 81; ++i) {
+    const auto cells = cells_of(i % 9, i / 9);
+    for (int level = 0; level < 3; ++level)
+      histogram[cells[level] * word_count + words[i]] += kLevelWeights[level];
+  }
   return histogram;
 }
 
@@ -32,38 +36,11 @@ TEST(SpatialPyramid, CellsAreNumberedLevelByLevel) {
   EXPECT_EQ(cells_of(4, 5), (std::array<int, 3>{0, 3, 14}));
 }
 
-TEST(SpatialPyramid, BinsAreSortedAndHoldAMassOf324) {
-  for (const int word_count : {1, 7, 200, 256}) {
-    const WordMap words = random_words(11, word_count);
-    std::vector<Bin> bins;
-    EXPECT_EQ(pyramid_bins(words, word_count, bins), 324);
-    int mass = 0;
-    for (std::size_t i = 0; i < bins.size(); ++i) {
-      mass += bins[i].weight;
-      EXPECT_LT(bins[i].bin, kPyramidCells * word_count);
-      if (i) {
-        EXPECT_LT(bins[i - 1].bin, bins[i].bin);
-      }
-    }
-    EXPECT_EQ(mass, 324);
-    std::map<int, int> expected;
-    for (int i = 0; i < 81; ++i) {
-      const auto cells = cells_of(i % 9, i / 9);
-      for (int level = 0; level < 3; ++level)
-        expected[cells[level] * word_count + words[i]] += kLevelWeights[level];
-    }
-    EXPECT_EQ(dense(bins), expected);
-  }
-}
-
 TEST(SpatialPyramid, L1IsTwiceTheMassLeftByTheIntersection) {
   for (std::uint64_t seed = 0; seed < 50; ++seed) {
     const int word_count = 20;
     const WordMap a = random_words(seed, word_count), b = random_words(seed + 1000, word_count);
-    std::vector<Bin> bins_a, bins_b;
-    pyramid_bins(a, word_count, bins_a);
-    pyramid_bins(b, word_count, bins_b);
-    auto ha = dense(bins_a), hb = dense(bins_b);
+    auto ha = histogram_of(a, word_count), hb = histogram_of(b, word_count);
     int l1 = 0, shared = 0;
     for (int bin = 0; bin < kPyramidCells * word_count; ++bin) {
       l1 += std::abs(ha[bin] - hb[bin]);
@@ -79,20 +56,15 @@ TEST(SpatialPyramid, MaskedPointsDoNotCount) {
   const WordMap a = random_words(1, 50), b = random_words(2, 50);
   WordMask mask{};
   for (int i = 0; i < 81; i += 3) mask[i] = 1;
-  std::vector<Bin> bins;
-  EXPECT_EQ(pyramid_bins(a, 50, bins, &mask), 27 * 4);
   EXPECT_EQ(intersection(a, a, 50, &mask), 27 * 4);
   EXPECT_LE(intersection(a, b, 50, &mask), intersection(a, b, 50));
   mask.fill(0);
-  EXPECT_EQ(pyramid_bins(a, 50, bins, &mask), 0);
-  EXPECT_TRUE(bins.empty());
+  EXPECT_EQ(intersection(a, a, 50, &mask), 0);
 }
 
 TEST(SpatialPyramid, RefusesAWordThatTheCodebookLacks) {
   WordMap words{};
   words[40] = 200;
-  std::vector<Bin> bins;
-  EXPECT_THROW(pyramid_bins(words, 200, bins), Error);
   EXPECT_THROW(intersection(words, words, 200), Error);
 }
 

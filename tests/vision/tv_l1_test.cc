@@ -4,16 +4,10 @@
 #include <opencv2/imgproc.hpp>
 #include <opencv2/optflow.hpp>
 
+#include "tests/vision/made_texture.h"
+
 namespace freshet::vision {
 namespace {
-
-cv::Mat texture(cv::Size size) {
-  cv::Mat noise(size, CV_8U);
-  cv::RNG(7).fill(noise, cv::RNG::UNIFORM, 0, 255);
-  cv::GaussianBlur(noise, noise, {}, 2);
-  cv::normalize(noise, noise, 0, 255, cv::NORM_MINMAX);
-  return noise;
-}
 
 // The content of `picture` moved by a swirl of up to `speed` px.
 cv::Mat moved(const cv::Mat& picture, float speed) {
@@ -41,7 +35,7 @@ double mean_distance(const cv::Mat& a, const cv::Mat& b) {
 TEST(TvL1, IsOpenCvsFlowOfTheSameOptions) {
   cv::setNumThreads(1);
   for (const cv::Size size : {cv::Size(160, 120), cv::Size(61, 97)}) {
-    const cv::Mat to = texture(size), from = moved(to, 2);
+    const cv::Mat to = made_texture(size), from = moved(to, 2);
     for (const int iterations : {1, 4, 13}) {
       for (const int median : {1, 5}) {
         const TvL1Options options{
@@ -67,7 +61,7 @@ TEST(TvL1, IsOpenCvsFlowOfTheSameOptions) {
 }
 
 TEST(TvL1, FollowsMotionOfManyPixels) {
-  const cv::Mat picture = texture({240, 200});
+  const cv::Mat picture = made_texture({240, 200});
   const cv::Mat to = picture(cv::Rect(20, 20, 200, 160)), from = picture(cv::Rect(32, 20, 200, 160));
   const cv::Scalar mean = cv::mean(tv_l1_flow(from.clone(), to.clone())(cv::Rect(40, 40, 120, 80)));
   EXPECT_NEAR(mean[0], 12, 0.3);

@@ -10,10 +10,7 @@ namespace freshet::tools {
 query::IndexReport update_index(store::Store& store, const query::IndexOptions& options,
                                 const RunContext& context) {
   Progress progress;
-  const query::IndexReport report = query::build_index(
-      store, options,
-      [&](const query::IndexProgress& at) { progress.show(query::to_string(at.stage), at.done, at.total); },
-      context.stop);
+  const query::IndexReport report = query::build_index(store, options, progress.callback(), context.stop);
   progress.finish();
   if (report.words_built)
     say(fmt::format("index: {} words from {} descriptors, {} patches of {} clips, {:.1f} s", report.words,

@@ -5,6 +5,8 @@
 #include <cstddef>
 #include <string>
 
+#include "freshet/job.h"
+
 namespace freshet::tools {
 
 /// Shows `done of total` with rate and time left, on stderr. On a terminal one line is redrawn at most ten
@@ -15,6 +17,10 @@ class Progress {
   ~Progress();
   /// unit   what is counted: "frames", "pieces", ...
   void show(const std::string& stage, std::size_t done, std::size_t total, const std::string& unit = "");
+  /// As the libraries take it; must not outlive this.
+  ProgressFunction callback() & {
+    return [this](const freshet::Progress& at) { show(at.stage, at.done, at.of); };
+  }
   /// Ends the line.
   void finish();
 

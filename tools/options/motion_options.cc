@@ -135,15 +135,6 @@ AskedMotion MotionOptions::read(const TargetFiles::Loaded& loaded, const SearchO
   return asked;
 }
 
-query::CandidateOptions MotionOptions::beside(const AskedMotion& asked, const SearchOptions& search) {
-  query::CandidateOptions options = search.options();
-  if (options.direction_deg && asked.has_direction()) {
-    say("--direction has no effect: the strokes or the orientation map say where the fluid goes");
-    options.direction_deg.reset();
-  }
-  return options;
-}
-
 void MotionOptions::draw(const TargetFiles::Loaded& loaded, const AskedMotion& asked,
                          const cv::Mat& motion) const {
   if (drawing_.empty()) return;

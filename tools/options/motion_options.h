@@ -18,8 +18,7 @@ namespace freshet::tools {
 struct AskedMotion {
   query::MotionGuide guide;            // empty: nothing was asked
   std::vector<query::Stroke> strokes;  // as read, for the drawing
-  bool guesses = true;                 // where nobody says a direction, one may be guessed (motion_hint.h)
-  bool has_direction() const { return !guide.direction.empty(); }
+  bool guesses = true;                 // where nobody says a direction, one may be guessed
 };
 
 class MotionOptions {
@@ -33,8 +32,6 @@ class MotionOptions {
   void check_outputs() const;
   /// Reads what was given; says what was left out. The tolerance in degrees is that of --direction.
   AskedMotion read(const TargetFiles::Loaded& loaded, const SearchOptions& search) const;
-  /// Search options beside a guide: strokes and orientation maps overrule --direction, which is said.
-  static query::CandidateOptions beside(const AskedMotion& asked, const SearchOptions& search);
 
   /// Writes --draw: what was asked, or what was assigned where nothing was.
   /// motion   the assigned motion, CV_32FC2, px/s; empty when nothing was assigned yet.

@@ -72,7 +72,7 @@ void OutlineOptions::apply(synth::animate::AnimateOptions& options, cv::Size pic
     options.boundary.background = background.bgr;
   }
   if (matte_out_.empty()) return;
-  sink_ = std::make_unique<PictureSink>(matte_out_, picture, options.frames, options.fps);
+  sink_ = std::make_unique<media::PictureSink>(matte_out_, picture, options.frames, options.fps);
   options.matte_sink = [sink = sink_.get(), grey = cv::Mat(),
                         colour = cv::Mat()](const cv::Mat& matte) mutable {
     matte.convertTo(grey, CV_8U, 255);

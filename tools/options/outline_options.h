@@ -6,8 +6,8 @@
 
 #include <CLI/CLI.hpp>
 
+#include "media/video/picture_sink.h"
 #include "synth/animate/animate.h"
-#include "tools/console/picture_sink.h"
 
 namespace freshet::tools {
 
@@ -26,7 +26,7 @@ class OutlineOptions {
   std::string kind_ = "static", background_, inpaint_ = "navier-stokes", matte_out_;
   synth::animate::DynamicMatteOptions matte_;
   const CLI::App* command_ = nullptr;
-  std::unique_ptr<PictureSink> sink_;
+  std::unique_ptr<media::PictureSink> sink_;
 };
 
 }  // namespace freshet::tools

@@ -4,7 +4,6 @@
 
 #include "freshet/error.h"
 #include "media/picture/picture.h"
-#include "synth/animate/placement/retiming.h"
 #include "tools/console/run_context.h"
 
 namespace freshet::tools {
@@ -49,8 +48,8 @@ void PlayOptions::apply(synth::animate::AnimateOptions& options) const {
   options.memory_bytes = static_cast<std::size_t>(memory_mb_) << 20;
 }
 
-void PlayOptions::apply(synth::animate::Placement& placement, cv::Size picture) const {
-  cv::Mat map;
+synth::animate::Playing PlayOptions::read(cv::Size picture) const {
+  synth::animate::Playing playing{.factor = speed_};
   if (!map_.empty()) {
     const media::Picture read = media::read_picture(map_);
     for (const std::string& notice : read.notices) say(map_.string() + ": " + notice);
@@ -59,9 +58,9 @@ void PlayOptions::apply(synth::animate::Placement& placement, cv::Size picture) 
                   fmt::format("it has {} x {} px, the picture {} x {}", read.bgr.cols, read.bgr.rows,
                               picture.width, picture.height),
                   "Give a map of the picture's size");
-    map = read.bgr;
+    playing.map = read.bgr;
   }
-  synth::animate::retime(placement, speed_, map, picture);
+  return playing;
 }
 
 }  // namespace freshet::tools

@@ -7,7 +7,7 @@
 #include <CLI/CLI.hpp>
 
 #include "synth/animate/animate.h"
-#include "synth/animate/placement/placement.h"
+#include "synth/animate/staging.h"
 
 namespace freshet::tools {
 
@@ -16,8 +16,8 @@ class PlayOptions {
   void add_to(CLI::App& command);
   /// Sets loop, resampling and memory.
   void apply(synth::animate::AnimateOptions& options) const;
-  /// Sets the patches' speeds. Reads the map and says what had to be changed about it.
-  void apply(synth::animate::Placement& placement, cv::Size picture) const;
+  /// Reads the map and says what had to be changed about it.
+  synth::animate::Playing read(cv::Size picture) const;
 
  private:
   bool loop_ = false;

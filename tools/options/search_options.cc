@@ -87,8 +87,9 @@ query::CandidateOptions SearchOptions::options() const {
   return options;
 }
 
-double SearchOptions::piece_scale(cv::Size picture) const {
-  return piece_scale_ == "auto" ? query::auto_piece_scale(picture) : std::stod(piece_scale_);
+std::optional<double> SearchOptions::piece_scale() const {
+  if (piece_scale_ == "auto") return std::nullopt;
+  return std::stod(piece_scale_);
 }
 
 void SearchOptions::check_piece(const store::Snapshot& snapshot) const {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 
 #include <CLI/CLI.hpp>
@@ -33,8 +34,8 @@ class SearchOptions {
   void add_to(CLI::App& command);
   query::CandidateOptions options() const;
   query::IndexChoice index() const;
-  /// The asked one, or the one that suits the picture.
-  double piece_scale(cv::Size picture) const;
+  /// Nothing for auto.
+  std::optional<double> piece_scale() const;
   /// Throws Error{kUsage} when pieces of another size were asked for than the store was made for.
   void check_piece(const store::Snapshot& snapshot) const;
 

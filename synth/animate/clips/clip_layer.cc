@@ -1,7 +1,6 @@
 #include "synth/animate/clips/clip_layer.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <map>
 #include <set>
@@ -10,6 +9,7 @@
 #include <oneapi/tbb/parallel_for.h>
 
 #include "freshet/error.h"
+#include "platform/stopwatch.h"
 #include "platform/vectors.h"
 #include "synth/animate/clips/clip_loop.h"
 #include "synth/animate/sampling/cells.h"
@@ -20,10 +20,6 @@ namespace {
 constexpr std::uint32_t kChunk = 32;  // frames read at once in the first pass: two slabs of tiles
 constexpr int kFlowMargin = 16;       // px around a patch that flow may reach for
 const cv::Size kCell(ClipLuma::kCellWidth, ClipLuma::kCellHeight);
-
-double seconds_since(std::chrono::steady_clock::time_point begin) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-}
 
 std::vector<PatchWindow> windows_of(cv::Size source, const Placement& placement,
                                     std::span<const std::size_t> patches) {
@@ -159,7 +155,7 @@ std::size_t ClipLayer::bytes_per_output() const {
 }
 
 void ClipLayer::load(std::span<const int> outputs, std::span<const std::uint32_t> more) {
-  const auto begin = std::chrono::steady_clock::now();
+  const TimedScope reading(read_s_);
   std::set<std::uint32_t> frames(more.begin(), more.end()), flows;
   for (const SpeedGroup& group : groups_)
     for (int output : outputs) {
@@ -169,7 +165,6 @@ void ClipLayer::load(std::span<const int> outputs, std::span<const std::uint32_t
         if (moment.at[i] != std::floor(moment.at[i])) flows.insert(static_cast<std::uint32_t>(moment.at[i]));
     }
   luma_.load(std::vector(frames.begin(), frames.end()), std::vector(flows.begin(), flows.end()));
-  read_s_ += seconds_since(begin);
 }
 
 void ClipLayer::measure(std::span<const int> kept, std::vector<double>* change) {

@@ -6,9 +6,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "platform/random.h"
 #include "synth/field/grid.h"
 #include "synth/field/portable_math.h"
-#include "synth/field/random.h"
 #include "synth/simulate/scene/simulated_scene.h"
 #include "synth/simulate/solver/noise.h"
 

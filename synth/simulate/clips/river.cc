@@ -3,8 +3,8 @@
 #include <cmath>
 #include <vector>
 
+#include "platform/random.h"
 #include "synth/field/portable_math.h"
-#include "synth/field/random.h"
 #include "synth/simulate/clips/gas.h"
 #include "synth/simulate/scene/simulated_scene.h"
 

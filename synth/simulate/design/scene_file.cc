@@ -423,6 +423,12 @@ SceneOptions read_file(Section& file) {
 
 }  // namespace
 
+bool names_scene_file(const std::filesystem::path& scene) { return scene.extension() == ".toml"; }
+
+SceneOptions named_scene(const std::filesystem::path& scene) {
+  return names_scene_file(scene) ? read_scene(scene) : parse_scene(preset_scene(scene.string()), scene);
+}
+
 SceneOptions parse_scene(std::string_view text, const fs::path& name) {
   toml::table table;
   try {

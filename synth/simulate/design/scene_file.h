@@ -18,6 +18,11 @@ SceneOptions read_scene(const std::filesystem::path& path);
 /// name   stands for the file in messages.
 SceneOptions parse_scene(std::string_view text, const std::filesystem::path& name);
 
+/// Whether a name is that of a scene file, and not of a preset: it ends in .toml.
+bool names_scene_file(const std::filesystem::path& scene);
+/// The scene file, or the preset. Throws as read_scene and preset_scene.
+SceneOptions named_scene(const std::filesystem::path& scene);
+
 /// Every key with unit, range and default, for a person.
 std::string scene_keys();
 

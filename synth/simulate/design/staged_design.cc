@@ -8,8 +8,8 @@
 #include <cmath>
 #include <vector>
 
+#include "platform/random.h"
 #include "synth/field/portable_math.h"
-#include "synth/field/random.h"
 #include "synth/simulate/design/fine_velocity.h"
 #include "synth/simulate/design/shape.h"
 #include "synth/simulate/scene/simulated_scene.h"

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "platform/random.h"
 #include "synth/field/portable_math.h"
-#include "synth/field/random.h"
 
 namespace freshet::synth::simulate {
 namespace {

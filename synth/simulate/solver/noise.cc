@@ -3,8 +3,8 @@
 
 #include <cmath>
 
+#include "platform/random.h"
 #include "synth/field/portable_math.h"
-#include "synth/field/random.h"
 
 namespace freshet::synth::simulate {
 

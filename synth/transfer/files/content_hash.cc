@@ -1,7 +1,8 @@
 #include "synth/transfer/files/content_hash.h"
 
-#include <fmt/format.h>
 #include <xxhash.h>
+
+#include "platform/text.h"
 
 namespace freshet::synth::transfer {
 
@@ -13,6 +14,6 @@ void ContentHash::add(const cv::Mat& samples) {
                                  hash_);
 }
 
-std::string ContentHash::text() const { return fmt::format("{:016x}", hash_); }
+std::string ContentHash::text() const { return hex(hash_); }
 
 }  // namespace freshet::synth::transfer

@@ -149,6 +149,15 @@ cv::Mat straight(const cv::Mat& premultiplied) {
 
 }  // namespace
 
+void check_outline(const DesignFiles& design, const ExemplarFiles& exemplar,
+                   const std::filesystem::path& masks) {
+  if (!exemplar.opaque() && design.full())
+    throw Error(
+        ErrorKind::kInput, masks.string(),
+        "the masks are white everywhere in all frames, so the fluid has no outline to give the exemplar's to",
+        "Paint what is no fluid black, or give an opaque exemplar");
+}
+
 void take_off_ground(cv::Mat& bgra, Ground ground) {
   if (ground == Ground::kNone) return;
   const bool black = ground == Ground::kBlack;

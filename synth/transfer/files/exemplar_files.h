@@ -13,6 +13,7 @@
 #include <opencv2/core.hpp>
 
 #include "store/store.h"
+#include "synth/transfer/files/design_files.h"
 #include "synth/transfer/transfer.h"
 #include "vision/loop_rule.h"
 
@@ -67,6 +68,11 @@ class ExemplarFiles {
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };
+
+/// Throws Error{kInput} naming the masks when they have no outline to give the exemplar's to: a design that is
+/// fluid everywhere takes an opaque exemplar. Both have been checked.
+void check_outline(const DesignFiles& design, const ExemplarFiles& exemplar,
+                   const std::filesystem::path& masks);
 
 /// Straight alpha and colours of light on black, or of what is dark on white. bgra CV_16UC4, in place; its
 /// alpha is replaced.

@@ -202,6 +202,66 @@ TEST(QualityMeasures, AnglesAndSpeedsAreThoseOfTheFlow) {
   EXPECT_EQ(compare(truth, film_with(grain, {0.05f, 0}), everywhere()).moving, 0);
 }
 
+TEST(QualityMeasures, PaceCountsWhatTheMeanMotionLoses) {
+  // To and fro: no mean motion, a pace of 2 px per frame.
+  std::vector<PairMotion> swaying = motions_of({2, 0});
+  for (std::size_t i = 0; i < swaying.size(); i += 2) swaying[i] = motions_of({-2, 0}, 2)[0];
+  const std::vector<cv::Mat> luma = film_of([](int x, int y, int) { return (x * 7 + y * 13) % 200; });
+  const Film film = measure(luma, swaying, kFps, everywhere());
+  EXPECT_NEAR(film.pace, 2 * kFps, 1e-3);
+  EXPECT_LT(cv::norm(film.motion.at<cv::Vec2f>(3, 3)), 2 * kFps / 30);
+  EXPECT_NEAR(compare(film, measure(luma, motions_of({0, 4}), kFps, everywhere()), everywhere()).pace, -1,
+              1e-5);
+}
+
+TEST(QualityMeasures, SecondsFollowEachOther) {
+  std::vector<PairMotion> turning =
+      motions_of({1, 0}, 64);  // 63 pairs: 25, 25 and 13, more than half a second
+  for (std::size_t i = 25; i < turning.size(); ++i) turning[i] = motions_of({0, -1}, 2)[0];
+  const std::vector<cv::Mat> seconds = motion_by_second(turning, kFps);
+  ASSERT_EQ(seconds.size(), 3u);
+  EXPECT_NEAR(seconds[0].at<cv::Vec2f>(2, 2)[0], kFps, 1e-3);
+  EXPECT_NEAR(seconds[1].at<cv::Vec2f>(2, 2)[1], -kFps, 1e-3);
+  EXPECT_NEAR(seconds[2].at<cv::Vec2f>(2, 2)[1], -kFps, 1e-3);
+  turning.resize(62);
+  EXPECT_EQ(motion_by_second(turning, kFps).size(), 2u);
+}
+
+TEST(QualityMeasures, PatchesAreComparedWithTheHalvesOfTheTruth) {
+  const auto shade = [](unsigned seed) {
+    return [seed](int x, int y, int t) { return grain_at(x, y, t + seed) % 200; };
+  };
+  Film truth = film_with(shade(0));
+  const Film other = film_with([&](int x, int y, int t) { return shade(999)(x, y, t) / 2; });
+  EXPECT_TRUE(std::isnan(compare(other, truth, everywhere()).patches[0]));
+  truth.halves_apart.fill(1);
+  const Distance apart = compare(other, truth, everywhere());
+  truth.halves_apart.fill(2);
+  const Distance half_as_far = compare(other, truth, everywhere());
+  EXPECT_GT(apart.patches[0], 1);
+  EXPECT_NEAR(half_as_far.patches[0], apart.patches[0] / 2, 1e-9);
+  EXPECT_EQ(compare(truth, truth, everywhere()).patches[0], 0);
+}
+
+TEST(QualityMeasures, RibbonIsTheRatioOfCoherence) {
+  const Film stripes = film_with([](int x, int, int t) { return 128 + 80 * std::sin(0.4 * x + 0.3 * t); });
+  const Film grain = film_with([](int x, int y, int t) { return grain_at(x, y, t) % 200; });
+  EXPECT_LT(compare(grain, stripes, everywhere()).ribbon, -1.5);
+  EXPECT_NEAR(compare(grain, stripes, everywhere()).ribbon, -compare(stripes, grain, everywhere()).ribbon,
+              1e-9);
+}
+
+TEST(QualityMeasures, LifetimeIsThatOfTheFilmsOwnFlow) {
+  const std::vector<cv::Mat> film = sliding(2, 1), still(film.size(), film[20]);
+  const Film truth = measure(film, pair_motions(film), kFps, everywhere());
+  EXPECT_GT(truth.lifetime[10], 0.9);
+  const std::vector<cv::Mat> new_each = film_of([](int x, int y, int t) { return grain_at(x, y, t) % 200; });
+  const Film renewed = measure(new_each, pair_motions(new_each), kFps, everywhere());
+  EXPECT_LT(renewed.half_life_s, 0.1);
+  EXPECT_GT(compare(renewed, truth, everywhere()).lifetime, 0.6);
+  EXPECT_TRUE(std::isnan(film_with([](int, int, int) { return 0; }).half_life_s));  // no fine flow
+}
+
 TEST(QualityMeasures, TextureIsContrast) {
   const auto grain = [](double contrast) {
     return [contrast](int x, int y, int t) { return 128 + contrast * ((x * 31 + y * 17 + 3 * t) % 64 - 32); };

@@ -111,8 +111,8 @@ TEST(IndexBuilder, LeavesTheStoreAsItWasWhenStopped) {
   try {
     build_index(
         store, {},
-        [&](const IndexProgress& at) {
-          if (at.stage == IndexProgress::Stage::kAssign) source.request_stop();
+        [&](const Progress& at) {
+          if (at.stage == "assigning words") source.request_stop();
         },
         source.get_token());
     FAIL();

@@ -5,8 +5,11 @@
 
 #include <algorithm>
 #include <fstream>
+#include <type_traits>
+#include <utility>
 
 #include "freshet/error.h"
+#include "query/costs/stored_features.h"
 #include "query/index/index_builder.h"
 #include "query/labelling/contact_sheet.h"
 #include "query/labelling/label_map.h"
@@ -14,6 +17,23 @@
 
 namespace freshet::query {
 namespace {
+
+// What borrows a base must not be given a temporary one.
+template <class Base>
+concept Searchable = requires(const store::Snapshot& snapshot, Base&& base, const cv::Mat& picture) {
+  search_candidates(snapshot, std::forward<Base>(base), picture, picture, LabelOptions{});
+};
+template <class Base>
+concept Labellable = requires(const store::Snapshot& snapshot, Base&& base, const cv::Mat& picture) {
+  label(snapshot, std::forward<Base>(base), picture, picture);
+};
+static_assert(Searchable<const SearchBase&> && !Searchable<SearchBase>);
+static_assert(Labellable<const SearchBase&> && !Labellable<SearchBase>);
+static_assert(!std::is_constructible_v<LabellingMemo, LabelCache&, const store::Snapshot&, SearchBase>);
+static_assert(
+    !std::is_constructible_v<StoredFeatures, const store::Snapshot&, vision::Settings, const PatchTable&>);
+static_assert(
+    !std::is_constructible_v<StoredFeatures, const store::Snapshot&, const vision::Settings&, PatchTable>);
 
 // One indexed store for all tests here; none of them writes to it.
 class OnAStore : public testing::Test {
@@ -220,8 +240,8 @@ TEST_F(Label, StopsWhenAsked) {
   try {
     label(
         *snapshot_, *base_, picture(1), whole_matte(), {},
-        [&](LabelStage stage) {
-          if (stage == LabelStage::kCosts) source.request_stop();
+        [&](const Progress& at) {
+          if (at.stage == "comparing neighbours") source.request_stop();
         },
         source.get_token());
     FAIL();

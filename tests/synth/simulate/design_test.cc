@@ -6,22 +6,13 @@
 #include <oneapi/tbb/global_control.h>
 
 #include "freshet/error.h"
-#include "synth/field/random.h"
 #include "synth/simulate/design/scene_file.h"
 #include "synth/simulate/design/shape.h"
 #include "synth/simulate/simulate.h"
+#include "tests/synth/simulate/sample_hash.h"
 
 namespace freshet::synth::simulate {
 namespace {
-
-std::uint64_t hash_of(const cv::Mat& mat, std::uint64_t hash) {
-  for (int y = 0; y < mat.rows; ++y) {
-    const std::uint8_t* p = mat.ptr<std::uint8_t>(y);
-    for (std::size_t i = 0; i < static_cast<std::size_t>(mat.cols) * mat.elemSize(); ++i)
-      hash = scramble(hash ^ p[i]);
-  }
-  return hash;
-}
 
 SceneOptions small_preset(const std::string& name) {
   SceneOptions scene = parse_scene(preset_scene(name), name);
@@ -38,7 +29,7 @@ std::uint64_t hash_of(const SceneOptions& scene, int threads) {
   std::uint64_t hash = 1;
   while (design.next(frame)) {
     for (const cv::Mat& mat : {frame.picture, frame.alpha, frame.motion, frame.emitters})
-      hash = hash_of(mat, hash);
+      hash = hash_of_samples(mat, hash);
   }
   return hash;
 }

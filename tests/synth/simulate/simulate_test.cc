@@ -12,19 +12,10 @@
 #include <opencv2/video.hpp>
 
 #include "freshet/error.h"
-#include "synth/field/random.h"
+#include "tests/synth/simulate/sample_hash.h"
 
 namespace freshet::synth::simulate {
 namespace {
-
-std::uint64_t hash_of(const cv::Mat& mat, std::uint64_t hash) {
-  for (int y = 0; y < mat.rows; ++y) {
-    const std::uint8_t* p = mat.ptr<std::uint8_t>(y);
-    for (std::size_t i = 0; i < static_cast<std::size_t>(mat.cols) * mat.elemSize(); ++i)
-      hash = scramble(hash ^ p[i]);
-  }
-  return hash;
-}
 
 std::uint64_t hash_of(const SceneOptions& options, int threads) {
   const oneapi::tbb::global_control limit(oneapi::tbb::global_control::max_allowed_parallelism,
@@ -32,7 +23,8 @@ std::uint64_t hash_of(const SceneOptions& options, int threads) {
   Simulation clip(options);
   SimulatedFrame frame;
   std::uint64_t hash = 1;
-  while (clip.next(frame)) hash = hash_of(frame.motion, hash_of(frame.alpha, hash_of(frame.picture, hash)));
+  while (clip.next(frame))
+    for (const cv::Mat& mat : {frame.picture, frame.alpha, frame.motion}) hash = hash_of_samples(mat, hash);
   return hash;
 }
 

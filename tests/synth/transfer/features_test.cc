@@ -2,8 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "platform/random.h"
 #include "platform/vectors.h"
-#include "synth/field/random.h"
 
 namespace freshet::synth::transfer {
 namespace {

@@ -6,7 +6,7 @@
 
 #include <opencv2/imgproc.hpp>
 
-#include "synth/field/random.h"
+#include "platform/random.h"
 
 namespace freshet::synth::transfer {
 namespace {

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "synth/field/random.h"
+#include "platform/random.h"
 
 namespace freshet::synth::transfer {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "synth/field/random.h"
+#include "platform/random.h"
 
 namespace freshet::synth::simulate {
 namespace {

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "synth/field/random.h"
+#include "platform/random.h"
 #include "synth/simulate/clips/gas.h"
 
 namespace freshet::synth::simulate {

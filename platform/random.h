@@ -1,20 +1,36 @@
-// synth/field/random.h — counter-based random numbers: a value is a function of (seed, stream, index)
-// alone.
+// platform/random.h — random numbers that are the same on every machine and for any number of threads.
 #pragma once
 
 #include <cstdint>
 
-namespace freshet::synth {
+namespace freshet {
 
-/// The finaliser of SplitMix64 (Steele, Lea, Flood 2014): every input bit reaches every output bit.
+constexpr std::uint64_t kSplitMixStep = 0x9e3779b97f4a7c15ULL;
+
+/// One draw of SplitMix64 (Steele, Lea, Flood 2014), which is also a hash of 64 bits: every input bit reaches every output bit.
 inline std::uint64_t scramble(std::uint64_t x) {
-  x += 0x9e3779b97f4a7c15ULL;
+  x += kSplitMixStep;
   x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9ULL;
   x = (x ^ (x >> 27)) * 0x94d049bb133111ebULL;
   return x ^ (x >> 31);
 }
 
-/// One stream of draws. at(i) may be asked in any order from any thread; next draws walk i upwards.
+/// SplitMix64: one draw after the other. Every seed is a good one.
+class SplitMix64 {
+ public:
+  explicit SplitMix64(std::uint64_t seed) : state_(seed) {}
+
+  std::uint64_t next() {
+    const std::uint64_t drawn = scramble(state_);
+    state_ += kSplitMixStep;
+    return drawn;
+  }
+
+ private:
+  std::uint64_t state_;
+};
+
+/// One stream of draws, where a value is a function of (seed, stream, index) alone. at(i) may be asked in any order from any thread; next draws walk i upwards.
 class Random {
  public:
   Random(std::uint64_t seed, std::uint64_t stream) : key_(scramble(scramble(seed) + stream)) {}
@@ -39,4 +55,4 @@ inline std::uint32_t scramble32(std::uint32_t x) {
   return x ^ (x >> 16);
 }
 
-}  // namespace freshet::synth
+}  // namespace freshet

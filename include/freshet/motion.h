@@ -1,0 +1,35 @@
+// include/freshet/motion.h — where and how fast a person wants the fluid of a picture to go.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <opencv2/core.hpp>
+
+namespace freshet {
+
+/// What is asked of the motion, pixel by pixel; either map alone, or both.
+struct MotionGuide {
+  /// CV_32FC2, the picture's size: unit vectors, x right, y down; (0, 0): not asked there. Empty: nowhere.
+  cv::Mat direction{};
+  /// CV_32F, the picture's size: px/s; negative: not asked there. Empty: nowhere.
+  cv::Mat speed{};
+  /// Degrees to either side of the direction, 0 to 180.
+  double tolerance_deg = 30;
+  /// Speeds from asked / ratio to asked * ratio; at least 1.
+  double speed_ratio = 1.5;
+  /// Slower patches have no direction that counts.
+  double min_speed_px_per_s = 2.5;
+
+  bool empty() const { return direction.empty() && speed.empty(); }
+};
+
+/// The guide that lines drawn over a picture make: SVG (paths, lines, polylines; data-speed in px/s) or the
+/// JSON of `freshet --strokes`. picture   px.
+/// notices   for a person, when not null: what was left out.
+/// Throws    Error{kInput} naming the file, the stroke and the remedy.
+MotionGuide read_strokes(const std::filesystem::path& path, cv::Size picture,
+                         std::vector<std::string>* notices = nullptr);
+
+}  // namespace freshet

@@ -1,0 +1,84 @@
+// include/freshet/search.h — the patches of a store that look like the pieces of a picture.
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <opencv2/core.hpp>
+
+#include "freshet/job.h"
+#include "freshet/motion.h"
+#include "freshet/store.h"
+
+namespace freshet {
+
+struct SearchOptions {
+  /// Only clips of this class; empty: all.
+  std::string class_name{};
+  /// Only patches that go there, degrees as seen on the screen: 0 right, 90 up, 180 left, 270 down. Without
+  /// effect beside a guide that has directions. Nothing: any.
+  std::optional<double> direction_deg{};
+  /// Degrees to either side of direction_deg.
+  double direction_tolerance_deg = 30;
+  /// Where and how fast the fluid is to go (read_strokes); empty: any motion.
+  MotionGuide guide{};
+  /// Whether a direction is guessed, from the candidates' classes and the picture's texture, where neither
+  /// direction_deg nor the guide says one.
+  bool guess = true;
+  /// Candidates per piece, 1 to 10000.
+  int candidates = 100;
+  /// What the picture's sides are divided by before it is cut into pieces, 1 to 16; patches are shown enlarged
+  /// by it. Nothing: what brings the longer side near 1280 px.
+  std::optional<double> piece_scale{};
+  /// Length of the animation, in frames, at least 1, and frames per second, 1 to 240. Clips that do not last as long and have no
+  /// loop rule are no candidates.
+  int frames = 96;
+  double fps = 25;
+  /// Names of clips that are left out.
+  std::vector<std::string> excluded_clips{};
+};
+
+struct Candidate {
+  std::string clip;  // its name
+  double score = 0;  // likeness, 0 to 1; above 0.2 is good
+};
+
+/// What a search found: pieces and their candidates, with the picture, the store and the options. Copies
+/// share; there is no empty one. Safe from many threads.
+class Search {
+ public:
+  std::size_t pieces() const;
+  /// Where a piece lies, px of the picture; may stand over its border.
+  cv::Rect2d area(std::size_t piece) const;
+  /// Best first, at least one.
+  std::vector<Candidate> candidates(std::size_t piece) const;
+  /// For a person: what was guessed, which clips are too short, where candidates were few.
+  std::vector<std::string> notices() const;
+
+  /// For the library's own use.
+  struct Impl;
+  explicit Search(std::shared_ptr<const Impl> impl) : impl_(std::move(impl)) {}
+  Search(const Search&) = default;  // and no moves: they would leave an empty one
+  Search& operator=(const Search&) = default;
+  const Impl& impl() const& { return *impl_; }
+  const Impl& impl() && = delete;
+
+ private:
+  std::shared_ptr<const Impl> impl_;
+};
+
+/// Cuts a picture into pieces and finds each piece's candidates.
+/// picture  CV_8UC3 BGR; copied.
+/// matte    CV_8U of its size, 255 where the fluid is; empty: everywhere.
+/// Throws   Error{kNotFound} when no patch is left that the options allow, or the store has no index;
+///          Error{kUsage} for an option out of range, Error{kCancelled}.
+/// Cost     the first search opens the store's index (1.6 us and 620 bytes per patch), which others share.
+///          The same answer for any number of threads.
+Search search(const Store& store, const cv::Mat& picture, const cv::Mat& matte = {},
+              const SearchOptions& options = {}, const Job& job = {});
+
+}  // namespace freshet

@@ -1,0 +1,24 @@
+#include "ingest/growing_store.h"
+
+namespace freshet::ingest {
+
+GrowingStore::GrowingStore(const std::filesystem::path& path, std::span<const std::filesystem::path> sources,
+                           Shard shard, const std::function<vision::Settings()>& for_new)
+    : path_(path) {
+  list_sources(sources, shard);
+  is_new_ = !std::filesystem::exists(path);
+  store_ = is_new_ ? store::Store::create(path, vision::to_json(for_new())) : store::Store::open_write(path);
+  settings_ = vision::settings_from_json(store_->snapshot().settings());
+}
+
+bool GrowingStore::remove_if_empty() {
+  if (!store_->snapshot().clips().empty()) return false;
+  if (is_new_) {
+    store_.reset();
+    std::filesystem::remove(path_);
+    std::filesystem::remove(path_.string() + "-lock");
+  }
+  return true;
+}
+
+}  // namespace freshet::ingest

@@ -1,0 +1,91 @@
+#include "freshet/search.h"
+
+#include <utility>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "freshet/error.h"
+#include "library/opencv_threads.h"
+#include "library/states.h"
+#include "query/hints/stroke_field.h"
+#include "query/hints/strokes.h"
+
+namespace freshet {
+
+MotionGuide read_strokes(const std::filesystem::path& path, cv::Size picture,
+                         std::vector<std::string>* notices) {
+  const query::StrokeField field =
+      query::interpolate(query::read_strokes(path, picture, notices), picture, path.string());
+  return {.direction = field.direction, .speed = field.speed};
+}
+
+Search search(const Store& store, const cv::Mat& picture, const cv::Mat& matte, const SearchOptions& options,
+              const Job& job) {
+  if (options.frames < 1 || !(options.fps >= 1 && options.fps <= 240))
+    throw Error(ErrorKind::kUsage, "length of the animation",
+                fmt::format("{} frames at {:g} per second, and at least 1 at 1 to 240 are expected",
+                            options.frames, options.fps));
+  const OneOpenCvThread one;
+  Search::Impl state{.store = store,
+                     .base = nullptr,
+                     .picture = picture.clone(),
+                     .matte = matte.empty() ? cv::Mat(picture.size(), CV_8U, cv::Scalar(255)) : matte.clone(),
+                     .frames = options.frames,
+                     .fps = options.fps,
+                     .request = {.options = {},
+                                 .piece_scale = options.piece_scale,
+                                 .duration_s = options.frames / options.fps,
+                                 .guesses = options.guess},
+                     .options = {},
+                     .found = {},
+                     .notices = {}};
+  query::CandidateOptions& candidates = state.request.options.candidates;
+  candidates.k = options.candidates;
+  candidates.class_name = options.class_name;
+  candidates.direction_deg = options.direction_deg;
+  candidates.direction_tolerance_deg = options.direction_tolerance_deg;
+  candidates.excluded_clips = options.excluded_clips;
+  state.request.options.guide = options.guide;
+
+  const store::Snapshot& snapshot = store.impl().snapshot;
+  if (job.progress) job.progress({"reading the index", 0, 0});
+  state.base = store.impl().search_base();
+  query::PreparedLabelling prepared = query::prepare(snapshot, *state.base, state.picture, state.matte,
+                                                     state.request, job.progress, job.stop);
+  state.options = prepared.options;
+  state.found = query::search_candidates(snapshot, *state.base, state.picture, state.matte, state.options,
+                                         job.progress, job.stop);
+  if (!prepared.guess.empty()) state.notices.push_back(std::move(prepared.guess));
+  if (const auto& short_ones = state.found.filtered.too_short; !short_ones.empty())
+    state.notices.push_back(fmt::format("left out, as they do not last {:.2f} s and have no loop rule: {}",
+                                        state.request.duration_s, fmt::join(short_ones, ", ")));
+  const std::vector<std::string>& notes = state.found.candidates.notes;
+  state.notices.insert(state.notices.end(), notes.begin(), notes.end());
+  return Search(std::make_shared<const Search::Impl>(std::move(state)));
+}
+
+std::size_t Search::pieces() const { return impl_->found.target.size(); }
+
+cv::Rect2d Search::area(std::size_t piece) const {
+  const query::Target& target = impl_->found.target;
+  const cv::Point corner = target.corners.at(piece);
+  const double scale = impl_->found.piece_scale;
+  return {corner.x * scale, corner.y * scale, target.side * scale, target.side * scale};
+}
+
+std::vector<Candidate> Search::candidates(std::size_t piece) const {
+  const query::CandidateSearch& found = impl_->found;
+  const store::Snapshot& snapshot = impl_->store.impl().snapshot;
+  const auto rows = found.candidates.rows_of(piece);
+  const auto scores = found.candidates.scores_of(piece);
+  std::vector<Candidate> candidates;
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    candidates.push_back(
+        {.clip = snapshot.clip(found.table().clips[found.table().clip[rows[i]]]).name, .score = scores[i]});
+  return candidates;
+}
+
+std::vector<std::string> Search::notices() const { return impl_->notices; }
+
+}  // namespace freshet

@@ -1,0 +1,51 @@
+// query/labelling/label_request.h — what a person asks of a picture, and the options of a labelling that follow.
+#pragma once
+
+#include <optional>
+#include <stop_token>
+#include <string>
+
+#include <opencv2/core.hpp>
+
+#include "freshet/job.h"
+#include "query/index/search_base.h"
+#include "query/labelling/labelling.h"
+#include "query/labelling/labelling_memo.h"
+#include "store/store.h"
+
+namespace freshet::query {
+
+/// Every program that labels for an animation asks in this form, so that all of them keep the same rules.
+struct LabelRequest {
+  /// piece_scale and candidates.min_duration_s are not read: they follow from what stands below.
+  LabelOptions options{};
+  /// What the picture's sides are divided by before it is cut; nothing: what suits its size (auto_piece_scale).
+  std::optional<double> piece_scale{};
+  /// Of the animation, s: clips that do not last as long and have no loop rule are no candidates.
+  double duration_s = 0;
+  /// Whether a direction may be guessed where nobody says one.
+  bool guesses = true;
+};
+
+/// Whether both a direction for the whole picture and a guide with directions are asked: the guide holds.
+bool guide_overrules_direction(const LabelRequest& request);
+/// Whether nobody says a direction, neither one nor a guide, and one may be guessed.
+bool may_guess(const LabelRequest& request);
+
+struct PreparedLabelling {
+  LabelOptions options;  // complete; guide holds what is guessed where it said no direction
+  std::string guess;     // what was guessed and why, for a person; empty: nothing was to be guessed
+};
+
+/// The options with which a picture is searched and labelled. Where may_guess, a search without a hint comes
+/// first (stage "guessing the motion"), and options.guide is given the guessed directions and their tolerance;
+/// a speed that was asked stays. What is asked of the animation's motion is request.options.guide all the
+/// same: a guess chooses patches and turns nothing.
+/// picture, matte   as search_candidates takes them. memo   may be null.
+/// Throws           as search_candidates.
+PreparedLabelling prepare(const store::Snapshot& snapshot, const SearchBase& base, const cv::Mat& picture,
+                          const cv::Mat& matte, const LabelRequest& request,
+                          const ProgressFunction& progress = {}, std::stop_token stop = {},
+                          LabellingMemo* memo = nullptr);
+
+}  // namespace freshet::query

@@ -1,0 +1,53 @@
+// What the public classes promise by their types alone: none is null, none is emptied by a move.
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <stop_token>
+#include <string>
+#include <type_traits>
+
+#include "freshet/animate.h"
+#include "freshet/error.h"
+#include "freshet/ingest.h"
+#include "freshet/picture.h"
+#include "freshet/simulate.h"
+#include "freshet/transfer.h"
+
+namespace freshet {
+namespace {
+
+template <class T>
+constexpr bool never_null = !std::is_default_constructible_v<T>;
+static_assert(never_null<Store> && never_null<Search> && never_null<Labelling>);
+static_assert(never_null<VideoWriter> && never_null<Simulation>);
+static_assert(!std::is_move_constructible_v<VideoWriter> && !std::is_move_constructible_v<Simulation>);
+
+ErrorKind kind_of(const auto& work) {
+  try {
+    work();
+  } catch (const Error& fault) {
+    return fault.kind();
+  }
+  ADD_FAILURE() << "nothing was thrown";
+  return ErrorKind::kUsage;
+}
+
+TEST(PublicTypes, WhatIsMissingIsNamedByAnError) {
+  EXPECT_EQ(kind_of([] { Store("/no/such.store"); }), ErrorKind::kInput);
+  EXPECT_EQ(kind_of([] { read_picture("/no/such.png"); }), ErrorKind::kInput);
+  EXPECT_EQ(kind_of([] { VideoWriter("/no/such/folder/a.mp4", {64, 64}); }), ErrorKind::kIo);
+  EXPECT_EQ(kind_of([] { VideoWriter("a.unknown", {64, 64}); }), ErrorKind::kUsage);
+  EXPECT_EQ(kind_of([] { Simulation({.scene = "no such scene"}); }), ErrorKind::kUsage);
+  EXPECT_EQ(kind_of([] {
+              transfer({.alpha = "/no/alpha", .flow = "/no/flow"}, {.exemplar = "/no.png"},
+                       [](const cv::Mat&) {});
+            }),
+            ErrorKind::kInput);
+  const std::filesystem::path clips[] = {"/no/such/clips"};
+  EXPECT_EQ(kind_of([&] { add_clips("/tmp/never-made.store", clips); }), ErrorKind::kInput);
+  EXPECT_FALSE(std::filesystem::exists("/tmp/never-made.store"));
+}
+
+}  // namespace
+}  // namespace freshet
