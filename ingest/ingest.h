@@ -1,5 +1,4 @@
-// ingest.h — clips in, everything of them into a store: frames, flow, average, columns; one transaction per
-// clip.
+// ingest.h — clips into a store: frames, flow, average, columns; one transaction per clip.
 #pragma once
 
 #include <cstdint>
@@ -92,8 +91,8 @@ struct IngestProgress {
 ///           frame, "patch.coverage" float, 0..1.
 /// Metadata  JSON: "layout" (media::layout_from_json reads it), "codec", "container",
 ///           "variable_frame_rate", "repairs" (filters that changed the frames; empty: none), "screening",
-///           "notices", "cells" (rows, columns, channels, cell),
-///           "patches" (by variant), "loop" (vision::LoopRule; null: too short).
+///           "notices", "cells" (rows, columns, channels, cell), "patches" (by variant), "loop"
+///           (vision::LoopRule; null: too short).
 ///
 /// What is wrong with a clip ends up in its row, and the run goes on. What is wrong with the store or the
 /// machine, and a stop request, ends the run: the clip in hand leaves no trace, those before are kept, and

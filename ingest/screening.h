@@ -1,8 +1,7 @@
 // screening.h — whether a clip meets the method's condition: one take of a fluid, filmed with a fixed camera.
 //
 // Measured in the same pass that stores the clip. Everything is a number, and every verdict a sentence with
-// the number and its limit. On 50 real clips whose cameras were judged beforehand (features tracked, or by
-// eye):
+// the number and its limit. 50 real clips, whose cameras were judged beforehand (by features or by eye):
 //
 //   camera                     clips   taken   taken, "no static reference"   refused
 //   fixed                         38      17                             21         0
@@ -17,8 +16,8 @@
 //                              found at their frame (the two missed join candles on black)
 //
 // The limits lie between those figures, and were chosen on the very clips that they are shown with; 2.5 % of
-// drift parts a slow pan (2.6) from a slow drift (2.2) narrowly. What cannot be told: a frame filled by water
-// that the camera follows, or rides on, looks like water flowing by; such clips are taken with a note. A slow
+// drift parts a slow pan (2.6) from a slow drift (2.2) narrowly. A frame filled by water that the camera
+// follows, or rides on, cannot be told from water that flows by: such clips are taken with a note. A slow
 // flight above far clouds is taken without one.
 #pragma once
 
@@ -56,14 +55,16 @@ struct Verdict {
 };
 Verdict judge(const Screening& screening, const ScreeningLimits& limits = {});
 
-/// A frame begins another take when the picture changes at once and for good: against the four frames on
-/// either side it differs several times more in all of mean absolute difference, correlation and histogram.
-/// Flames flicker, but every frame; a flash or a flicker of exposure keeps the correlation.
+/// How a frame differs from the one before.
 struct FrameChange {
   float difference = 0;     // mean |difference| to the frame before, luma in 0..1
   float decorrelation = 0;  // 1 - correlation with the frame before
   float histogram = 0;      // half the L1 distance of 32-bin histograms
 };
+/// The frames that begin another take: where the picture changes at once and for good. Against the
+/// four frames on either side such a frame differs several times more in all of mean absolute
+/// difference, correlation and histogram. Flames flicker, but every frame; a flash or a flicker of
+/// exposure keeps the correlation.
 std::vector<int> find_cuts(const std::vector<FrameChange>& changes);
 /// Fraction of frames that repeat the one before, among those that have one.
 double duplicated_fraction(const std::vector<FrameChange>& changes);

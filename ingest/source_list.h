@@ -11,8 +11,8 @@ namespace freshet::ingest {
 /// One clip to be: a video file, or a folder of numbered pictures.
 struct Source {
   std::filesystem::path path;
-  std::string name;        // in the store: path relative to the folder given, '/' between parts; a file given
-                           // directly goes by its file name
+  /// In the store: path relative to the folder given, '/' between parts; of a file given directly, its name.
+  std::string name;
   std::string class_name;  // the folder that it lies in
   bool operator==(const Source&) const = default;
 };

@@ -1,5 +1,4 @@
-// platform/vectors.h — functions compiled once for each width of vectors, the widest chosen when the program
-// starts.
+// platform/vectors.h — functions compiled for each width of vectors; the widest is chosen at the start.
 //
 // FRESHET_WIDE stands before a function whose loops the compiler vectorises. One binary then holds the
 // function for AVX-512, for AVX2 and for plain x86-64. All give the same bits: nothing is contracted to fused

@@ -34,16 +34,16 @@ struct ChartSeries {
 struct CurveChart {
   std::string title;
   ChartAxis x, y;
-  std::vector<ChartSeries>
-      series;                     // the place in this list decides colour and marker; one may have no points
+  /// The place in this list decides colour and marker; one may have no points.
+  std::vector<ChartSeries> series;
   int width = 880, height = 520;  // px before the page scales it
 };
 
 /// An <svg> element, nothing outside itself needed but the colours of chart_style(). Every series has a
 /// colour, a marker and its name beside the curve, placed so that names cover neither each other nor, where
 /// there is room, a curve. Points beyond an axis are cut off; a series of which nothing is left is named
-/// below the chart. Points that are not finite are left out. Colours and markers together repeat beyond 40
-/// series.
+/// below the chart. Points that are not finite are left out. Beyond 40 series
+/// colours and markers together repeat.
 std::string to_svg(const CurveChart& chart);
 
 /// Rules for a page's <style>: the colours of all charts in it, for light and dark screens.

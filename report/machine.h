@@ -1,4 +1,4 @@
-// report/machine.h — what a measurement was made on, and clocks that stand a busy machine.
+// report/machine.h — what a measurement was made on, and clocks for it.
 #pragma once
 
 #include <fmt/format.h>

@@ -91,8 +91,7 @@ class Environment : public std::enable_shared_from_this<Environment> {
   KnownClips known_clips_;  // the writer's alone
 };
 
-/// A consistent view. Its values stay valid and in place as long as it lives. Calls are safe from many
-/// threads.
+/// A consistent view. Its values stay valid and in place as long as it lives. Safe from many threads.
 class ReadTransaction {
  public:
   explicit ReadTransaction(std::shared_ptr<Environment> environment);

@@ -41,20 +41,25 @@ class Store {
   /// Starts adding a clip: one write transaction, owned by the calling thread until commit or destruction.
   ClipWriter add_clip();
 
-  /// Writes or replaces named blobs in one transaction (codebook, indexes). They are checksummed, compressed
-  /// unless `raw`, and readable through Snapshot::blob.
+  /// A named value of the whole store (codebook, indexes), read by Snapshot::blob.
   struct Blob {
     std::string name;
     std::span<const std::byte> bytes;
     bool in_digest = true;  // false for what cannot be reproduced bit for bit, such as a FLANN index
   };
-  /// Also writes, in the same transaction, replacement column chunks: {clip, name, bytes, element size}.
+  /// A column of one clip.
   struct Column {
     ClipId clip;
     std::string name;
     std::span<const std::byte> bytes;
-    std::uint32_t element_size = 1;
+    std::uint32_t element_size = 1;  // bytes
   };
+  /// Erases the blobs named last, then writes or replaces blobs and columns, all in one transaction. Values
+  /// are checksummed, and compressed where that makes them smaller. Nothing is borrowed beyond the call.
+  ///
+  /// Throws   Error{kNotFound} for a clip that is not in the store, Error{kUsage} for a name that is empty or
+  ///          too long (kMaxBlobName, kMaxColumnName) and for bytes that are no whole number of elements,
+  ///          Error{kIo} on a full disk. The store is then as before.
   void write(std::span<const Blob> blobs, std::span<const Column> columns = {},
              std::span<const std::string> erased_blobs = {});
 
@@ -102,8 +107,8 @@ class ClipWriter {
 };
 
 /// The store as it was at one moment. Cheap to copy; all calls are safe from many threads.
-/// Every read checks its record's header, its place and its hash, and throws Error{kDamaged} naming the
-/// record.
+/// Every read checks its record's header, its place and its hash, and throws Error{kDamaged}
+/// naming the record.
 class Snapshot {
  public:
   const std::filesystem::path& path() const;  // of the store's file, as it was opened
@@ -119,8 +124,7 @@ class Snapshot {
   void read(ClipId id, Stream stream, std::uint32_t plane, Rect region, std::uint32_t first,
             std::uint32_t count, std::span<std::byte> out) const;
 
-  /// A column of one clip; empty vector when the clip has no rows. Error{kNotFound} when it has no such
-  /// column.
+  /// A column of one clip; empty when the clip has no rows. Error{kNotFound} when it has no such column.
   template <class T>
   std::vector<T> column(ClipId id, std::string_view name) const {
     static_assert(std::is_trivially_copyable_v<T>);

@@ -20,7 +20,8 @@ struct LabelRun {
   query::Labelling labelling;
 };
 
-/// The base of all searches in a store, opened with its progress shown. built_late   see query::IndexChoice.
+/// The base of all searches in a store, opened with its progress shown.
+/// built_late   see query::IndexChoice.
 std::unique_ptr<const query::SearchBase> open_with_progress(const store::Snapshot& snapshot,
                                                             const SearchOptions& search,
                                                             bool built_late = false);

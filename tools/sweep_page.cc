@@ -29,7 +29,7 @@ void caption(cv::Mat& sheet, std::string text, cv::Point at, int width, const cv
   cv::putText(sheet, text, at, cv::FONT_HERSHEY_SIMPLEX, size, colour, 1, cv::LINE_AA);
 }
 
-// In an address, all but the plainest characters in hexadecimal.
+// In an address, all characters except the plainest in hexadecimal.
 std::string address_of(const std::string& name) {
   std::string out;
   for (const char c : name) {

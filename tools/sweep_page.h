@@ -1,5 +1,4 @@
-// tools/sweep_page.h — the animations of a sweep beside each other: one picture, and one page that plays
-// them.
+// tools/sweep_page.h — the animations of a sweep beside each other: one picture, and one page.
 #pragma once
 
 #include <filesystem>
@@ -26,7 +25,9 @@ std::string energy_text(const SweptAnimation& animation);
 /// 480 px, in a grid that is about as wide as high.
 cv::Mat sweep_sheet(const cv::Mat& still, const std::vector<SweptAnimation>& animations);
 
-/// A page of its own: all that it names lies beside it. still   its file's name. size   of the videos, px.
+/// A page of its own: all that it names lies beside it.
+/// still   its file's name.
+/// size    of the videos, px.
 std::string sweep_page(const std::string& title, const std::string& still, cv::Size size,
                        const std::vector<SweptAnimation>& animations);
 

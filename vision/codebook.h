@@ -23,8 +23,8 @@ struct Codebook {
 
 /// Splits the cluster of largest total squared error in two, until there are `words` of them; then a few
 /// rounds of k-means over all. Fewer distinct descriptors than words give fewer words. Deterministic for a
-/// given order of samples. Products through Eigen, vectors centred first. Source: Zhao, Karypis, Fayyad 2005
-/// (as cited by Okabe et al. 2011, Sec. 4).
+/// given order of samples. Products through Eigen, vectors centred first.
+/// Source   Zhao, Karypis, Fayyad 2005 (as cited by Okabe et al. 2011, Sec. 4).
 Codebook train_codebook(std::span<const Descriptor> samples, const CodebookOptions& options = {});
 
 /// Nearest word (smallest index on ties) of each descriptor. All threads; same for any number.

@@ -14,10 +14,12 @@ inline constexpr int kGridSide = 9;  // descriptors on a patch's side
 using Descriptor = std::array<std::uint8_t, kDescriptorSize>;
 
 /// Descriptors of a frame at all points origin + (i * pitch, j * pitch), upright, bins of 4 px (16 px
-/// windows). A point (x, y) is the upper left CORNER of pixel (x, y), not its centre: the 9 points of a patch
-/// at x then stand at both of its edges and evenly between, and the mirrored frame has its points at the
-/// mirror images of these. With centres they would be a pixel apart, and a flipped patch could not share its
-/// twin's descriptors.
+/// windows).
+///
+/// A point (x, y) is the upper left CORNER of pixel (x, y), not its centre. The 9 points of a patch at x then
+/// stand at both of its edges and evenly between, and the mirrored frame has its points at the mirror images
+/// of these. With centres they would be a pixel apart, and a flipped patch could not share its twin's
+/// descriptors.
 struct DescriptorGrid {
   int columns = 0, rows = 0, pitch = 6;
   cv::Point origin;

@@ -26,15 +26,15 @@ inline constexpr std::uint32_t kMinLoopFrames = 20;
 
 /// Takes a clip's frames in order, and finds the best place to join its end to its beginning.
 ///
-/// Distances are between frames reduced to at most 64 px per side; what stands still adds nothing to them, so
-/// no mask is needed. They are filtered along the diagonal by binomial weights over five neighbours: two
-/// frames are alike when what comes before and after them is, hence a wave that rises is not joined to one
-/// that falls.
+/// Distances are between frames reduced to at most 64 px per side; what stands still adds nothing to
+/// them, so no mask is needed. They are filtered along the diagonal by binomial weights over five
+/// neighbours: two frames are alike when what comes before and after them is, hence a wave that rises is
+/// not joined to one that falls.
 ///
-/// A loop is at least half as long as the clip, and longer ones are preferred: a shorter one must be nearer
-/// by a quarter of the unrelated distance for each clip's length that it lacks. Of six clips of water, 3 s
-/// each, without that floor three had loops of about half a second, whose repetition shows, at a distance of
-/// 0.7.
+/// A loop is at least half as long as the clip, and longer ones are preferred: a shorter one must be
+/// nearer by a quarter of the unrelated distance for each clip's length that it lacks. Of six clips
+/// of water, 3 s each, without that floor three had loops of about half a second, whose repetition
+/// shows, at a distance of 0.7.
 ///
 /// Source   Schoedl, Szeliski, Salesin, Essa 2000, "Video Textures", Sec. 3.1 (distance, preserved dynamics)
 ///          and 4.1 (loops); their random play and Q-learning are for a player, not for a file.

@@ -9,19 +9,21 @@
 
 namespace freshet::vision {
 
-/// Cells on a patch's side: patch / options.cell, for the cells of a variant are `cell` px of ITS frame (at
-/// scale 1 as large as the clip's, at scale 1/2 as two of them a side); feature values of one cell: 2 + 2 *
-/// bands + kTextureLevels: mean u, mean v (px/s), power of u by band, power of v by band ((px/s)^2),
-/// textureness by level (0..1).
+/// Feature values of one cell, 2 + 2 * bands + kTextureLevels: mean u, mean v (px/s), power of u by band,
+/// power of v by band ((px/s)^2), textureness by level (0..1).
+///
+/// A patch has patch / options.cell cells on a side: the cells of a variant are `cell` px of ITS frame. At
+/// scale 1 they are as large as the clip's, at scale 1/2 as two of them a side.
 int feature_channels(const SpectrumOptions& options);
 
-/// Features of one patch of a variant, cell by cell, row-major, channel fastest.
+/// Features of one patch of a variant, cell by cell, row-major, channel fastest. Velocities are scaled and
+/// turned with the variant; powers by its square, using the cross power. Bilinear between the clip's cells,
+/// read at the centre of each of the patch's; beyond the frame the outermost go on.
+///
 /// motion, texture   the clip's cells; texture the one of the variant's scale.
 /// x, y              px, top-left corner in the variant's frame.
 /// out               (patch / cell)^2 * feature_channels values; overwritten.
-/// Velocities are scaled and turned with the variant; powers by its square, using the cross power. Bilinear
-/// between the clip's cells, read at the centre of each of the patch's; beyond the frame the outermost go on.
-/// Throws Error{kDamaged} for maps of other channels than options asks for, Error{kUsage} when out is short.
+/// Throws  Error{kDamaged} for maps of other channels than options asks for, Error{kUsage} when out is short.
 /// Nothing is allocated; safe from many threads.
 /// Cost    170,000 patches per second on one core (12 x 12 cells of 22 values). Against spectra of the turned
 ///         flow, pixel by pixel, powers differ by 0.06 % of a cell's whole power on smooth flow.

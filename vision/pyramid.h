@@ -7,8 +7,7 @@
 
 namespace freshet::vision {
 
-/// levels band-pass pictures, finest first, then the low-pass rest: levels + 1 entries, CV_32F, decimated by
-/// two.
+/// levels band-pass pictures, finest first, then the low-pass rest: levels + 1, CV_32F, halved each time.
 void laplacian_pyramid(const cv::Mat& picture, int levels, std::vector<cv::Mat>& bands);
 /// The picture whose pyramid it is; exact up to rounding.
 cv::Mat collapse(const std::vector<cv::Mat>& bands);

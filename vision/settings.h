@@ -33,8 +33,7 @@ struct Settings {
 std::string to_json(const Settings& settings);
 /// Throws Error{kDamaged} when a field is missing or out of range, and when there is one that we do not know:
 /// it could change what a patch means. Also refused: a patch that is not a multiple of 8 px (the descriptor
-/// grid) or of spectrum.cell, a spectrum.cell that is not a multiple of flow_step, and more than 256
-/// variants.
+/// grid) or of spectrum.cell, a spectrum.cell that is not a multiple of flow_step, more than 256 variants.
 Settings settings_from_json(const std::string& json);
 
 }  // namespace freshet::vision

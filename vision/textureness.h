@@ -12,13 +12,15 @@ namespace freshet::vision {
 
 inline constexpr int kTextureLevels = 4;
 
-/// Accumulates |Laplacian| by level over a clip's frames at one scale of the clip.
-/// The four-level scale-space Laplacian of Okabe et al. 2011, Sec. 5: level l is |G(2^l) - G(2^(l+1))|, a
-/// difference of Gaussians of sigma 1, 2, 4, 8 and 16 px of the variant's scale; magnitudes are averaged
-/// over frames (the paper sums: the average lets clips of different length be compared). Values are in
-/// 0..1 (luma in 0..1).
+/// Accumulates |Laplacian| by level over a clip's frames at one scale of the clip: 0..1, for luma in 0..1.
+///
+/// It is the four-level scale-space Laplacian of Okabe et al. 2011, Sec. 5. Level l is |G(2^l) - G(2^(l+1))|,
+/// a difference of Gaussians of sigma 1, 2, 4, 8 and 16 px of the variant's scale. Magnitudes are averaged
+/// over frames (the paper sums: the average lets clips of different length be compared).
+///
 /// The large Gaussians are taken of pictures halved once and twice, the halving's own blur accounted for:
 /// against Gaussians at full size cells differ by 0.0, 3.3, 0.9 and 1.4 % (root mean square, 4 px cells).
+///
 /// Cost    6 ms of CPU per frame of 1280 x 720 at scales 1 and 0.75, 1.3 ms at 0.5.
 class TexturenessAccumulator {
  public:

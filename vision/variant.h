@@ -15,8 +15,9 @@ struct Variant {
   bool operator==(const Variant&) const = default;
 };
 
-/// All combinations, scale-major, then rotation, then flip: a variant's place in the list is its number on
-/// disk. Source: Okabe et al. 2011, Sec. 4: 3 scales x 3 rotations x flip = 18.
+/// All combinations, scale-major, then rotation, then flip: a variant's place in
+/// the list is its number on disk.
+/// Source   Okabe et al. 2011, Sec. 4: 3 scales x 3 rotations x flip = 18.
 std::vector<Variant> make_variants(const std::vector<float>& scales, const std::vector<float>& rotations_deg,
                                    bool flips);
 

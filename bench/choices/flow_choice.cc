@@ -1,4 +1,4 @@
-// Does TV-L1 label better than DIS, for its four to five times the time?
+// Does TV-L1 label better than DIS, for the 4.3 to 5 times that it takes?
 //
 //   bench_flow_choice CLIP.. [--frames N] [--width PX] [--json FILE]
 //   bench_flow_choice $FRESHET_FOOTAGE/clips/{water/brook_mossy_rocks.mp4,fire/flames_wall_black.mp4,...}
@@ -105,7 +105,7 @@ KnownMotion known_motion(const cv::Mat& texture, double speed, double noise, dou
   return motion;
 }
 
-/// Mean distance between two flows, px, but for a margin that sees beyond the picture's edge.
+/// Mean distance between two flows, px, except in a margin that sees beyond the picture's edge.
 double end_point_error(const cv::Mat& flow, const cv::Mat& truth) {
   constexpr int kMargin = 24;
   double sum = 0;

@@ -1,4 +1,4 @@
-// bench/harness/machine.h — what a measurement was made on, and clocks that stand a busy machine.
+// bench/harness/machine.h — what a measurement was made on, and its clocks.
 #pragma once
 
 #include <sys/resource.h>

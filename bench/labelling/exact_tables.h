@@ -1,4 +1,4 @@
-// bench/labelling/exact_tables.h — pairwise tables pixel by pixel, with every frequency, beside the pooled ones.
+// bench/labelling/exact_tables.h — pairwise tables pixel by pixel, with every frequency, beside pooled ones.
 #pragma once
 
 #include <cstddef>

@@ -1,4 +1,4 @@
-// bench/labelling/labelling_run.h — a picture labelled in a process of its own, from its start to the assignment.
+// bench/labelling/labelling_run.h — a picture labelled in a process of its own, from start to assignment.
 #pragma once
 
 #include <filesystem>
@@ -25,10 +25,12 @@ enum class Pages {
   kDropped,  // the store's and the picture's are asked out of the system's cache before each run
 };
 
-/// Medians over runs of query::label with its defaults, a new process of this program each: "total" seconds
-/// from before the process is started to the assignment, of it "start", "picture", "store" (both indexes),
-/// "cut", "search", "tables" and "solver"; "cpu" seconds of all threads; "peak_mb"; "gap". With "runs", and
-/// "most_total"; "cached" is the maximum fraction of the store that was in the cache before a run.
+/// Medians over runs of query::label with its defaults, a new process of this program each:
+///   "total"     seconds from before the process is started to the assignment; of it "start", "picture",
+///               "store" (both indexes), "cut", "search", "tables" and "solver"
+///   "cpu"       seconds of all threads
+///   "peak_mb", "gap", "runs", "most_total"
+///   "cached"    the maximum fraction of the store that was in the cache before a run
 nlohmann::json median_labelling(const LabellingCase& asked, int runs, Pages pages);
 
 /// The new process's part: true, and all done, when the command line is one that median_labelling gives.

@@ -1,5 +1,4 @@
-// quality_case.h — one clip as a question: a still of it, what is known of its motion, and what it really
-// did.
+// quality_case.h — one clip as a question: a still of it, its known motion, and what it really did.
 #pragma once
 
 #include <optional>

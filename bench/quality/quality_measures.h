@@ -42,9 +42,10 @@ struct Region {
 /// What is measured of one film by itself. Luma in grey levels, 0..255.
 struct Film {
   cv::Mat mean, deviation;  // CV_32F: over time, of each pixel
-  cv::Mat power;            // CV_32F, row per block of kSpectrumBlock px (row-major), kSpectrumBands columns:
-                            // power of luma's changes, grey levels squared, mean over the block's pixels
-  cv::Mat motion;           // CV_32FC2, a block of kMotionBlock px: mean flow, px/s
+  /// CV_32F, a row per block of kSpectrumBlock px (row-major), kSpectrumBands columns: power of luma's
+  /// changes, grey levels squared, mean over the block's pixels.
+  cv::Mat power;
+  cv::Mat motion;                                // CV_32FC2, a block of kMotionBlock px: mean flow, px/s
   std::array<double, kTextureLevels> texture{};  // mean |Laplacian| by level, fine to coarse, in the matte
   double flicker = 0;                            // deviation over time of the matte's mean level
   double seam = 0;                               // see seam_of
@@ -62,18 +63,24 @@ struct Film {
                                                 kNotMeasured};
 };
 
-/// First frames of the windows over which power is averaged (Welch, Hann, at least half overlapping, each
-/// pixel's mean in a window taken away), and the bands' first bins: kSpectrumBands + 1 of them, log-spaced
-/// over 1 .. window / 2, as vision::motion_bands spaces them; some may be empty when frames are few. In one
-/// window over all frames a block of smooth cloud is one sample a bin: two halves of a clip of fast clouds
-/// lie 8.1 dB apart so, and 7.1 dB with windows. The rest is no error: other clouds pass in the second half.
+/// First frames of the windows over which power is averaged, and the bands' first bins.
+///
+/// Windows are Welch's: Hann, at least half overlapping, each pixel's mean in a window taken away. The bands
+/// are kSpectrumBands + 1 bins, log-spaced over 1 .. window / 2 as vision::motion_bands spaces them; some may
+/// be empty when frames are few.
+///
+/// One window over all frames would give one sample a bin for a block of smooth cloud. Two halves of a clip
+/// of fast clouds lie 8.1 dB apart so, and 7.1 dB with windows. The rest is no error: other clouds pass in
+/// the second half.
 std::vector<int> spectrum_windows(int frames);
 std::array<int, kSpectrumBands + 1> spectrum_bands(int frames);
 
-/// How much more luma's change from frame to frame jumps where pieces meet than beside it, as a ratio less
-/// one: 0 when the lattice cannot be seen, whatever the picture. Beside it are the other lines whose distance
-/// is a multiple of 8 px: footage that is shown at its own size has its codec's blocks there, as has the
-/// lattice, and against all lines the real brook of 640 px had a seam of 0.39.
+/// How much more luma's change from frame to frame jumps where pieces meet than beside it: the ratio less
+/// one. 0 when the lattice cannot be seen, whatever the picture.
+///
+/// "Beside it" are the other lines whose distance is a multiple of 8 px. Footage that is shown at its own
+/// size has its codec's blocks there, and so has the lattice: against all lines the real brook of 640 px had
+/// a seam of 0.39.
 double seam_of(std::span<const cv::Mat> luma, const Region& region);
 
 /// luma     at least 8 frames, CV_8U, sides multiples of kSpectrumBlock.

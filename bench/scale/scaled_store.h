@@ -1,5 +1,4 @@
-// bench/scale/scaled_store.h — stores of any size without more footage: jittered repetitions of a real store's
-// clips.
+// bench/scale/scaled_store.h — stores of any size without more footage: jittered copies of real clips.
 #pragma once
 
 #include <cstdint>
@@ -25,9 +24,9 @@ struct ScaleOptions {
 
 /// Gives copies in order until their patches are as many as asked for; the last one's rows are cut to fit.
 ///
-/// Every source clip takes part as often as windows fit into its frame, in an order drawn anew for every
-/// round over all of them, so that a store's first clips are those of a smaller one with the same seed, and
-/// large clips weigh as they do in the source. Copies in which nothing moves are passed over.
+/// Every source clip takes part as often as windows fit into its frame: large clips weigh as they do in the
+/// source. The order is drawn anew for every round over all of them. So a store's first clips are those of a
+/// smaller one with the same seed. Copies in which nothing moves are passed over.
 ///
 /// take     called from the calling thread, with the clip and how many patches were given before it.
 /// Throws   Error{kNotFound} when the source has no such clip, no patch or no index.

@@ -6,9 +6,9 @@
 
 namespace freshet::media {
 
-/// The format in which frames of `format` are handed out: itself wherever its planes are plain bytes or
-/// little-endian words (alpha planes, semi-planar, packed and floating-point formats included), else the one
-/// into which it goes without loss:
+/// The format in which frames of `format` are handed out. It is `format` itself wherever its planes are plain
+/// bytes or little-endian words (alpha planes, semi-planar, packed and floating-point formats included).
+/// Otherwise it is the one into which it goes without loss:
 ///   yuvj420p, yuvj422p, ...  the same planes named yuv420p, ... (the layout says the range)
 ///   pal8                     bgra, through the palette
 ///   monow, monob             gray, 0 and 255

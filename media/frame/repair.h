@@ -14,8 +14,8 @@ struct Repairs {
   bool operator==(const Repairs&) const = default;
 };
 
-/// FFmpeg's filters that do it, as its -vf takes them: "bwdif=mode=send_frame,deblock=filter=strong"; empty
-/// without repairs.
+/// FFmpeg's filters that do it, as its -vf takes them: "bwdif=mode=send_frame,deblock=filter=strong";
+/// empty without repairs.
 std::string filter_text(const Repairs& repairs);
 
 }  // namespace freshet::media

@@ -19,12 +19,14 @@ struct Picture {
 /// above 1 << 28 pixels. EXIF orientation is honoured.
 Picture read_picture(const std::filesystem::path& path);
 
-/// Reads a matte: CV_8U, 255 where the fluid is. Colour is reduced to grey, 16 bits to 8, alpha ignored (said
-/// in notices). Throws Error{kInput} when its size is not `size` or nothing in it is above 0.
+/// A matte and what was done to the file's picture to get it.
 struct Matte {
   cv::Mat alpha;
   std::vector<std::string> notices;
 };
+/// Reads a matte: CV_8U, 255 where the fluid is. Colour is reduced to grey, 16 bits to 8, alpha is
+/// ignored; notices say so. Throws as read_picture, and Error{kInput} when its size is not `size`
+/// or nothing in it is above 0.
 Matte read_matte(const std::filesystem::path& path, cv::Size size);
 
 /// A picture whose samples are numbers: all of its bits, and its alpha.
@@ -37,8 +39,8 @@ struct DeepPicture {
 };
 DeepPicture read_deep_picture(const std::filesystem::path& path);
 
-/// By extension (.png, .jpg, ...). Throws Error{kIo}: folder missing, disk full; Error{kUsage}: unknown
-/// ending.
+/// By extension (.png, .jpg, ...).
+/// Throws   Error{kIo}: folder missing, disk full; Error{kUsage}: unknown ending.
 void write_picture(const std::filesystem::path& path, const cv::Mat& picture);
 /// Throws what write_picture would for this name: for those who compute long before they write.
 void check_picture_name(const std::filesystem::path& path);

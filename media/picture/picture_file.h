@@ -1,5 +1,4 @@
-// media/picture/picture_file.h — the bytes of a picture file: read, sized, encoded, written whole. Private to this
-// room.
+// media/picture/picture_file.h — a picture file's bytes: read, sized, encoded, written. Private to this room.
 #pragma once
 
 #include <cstdint>

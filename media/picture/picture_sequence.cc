@@ -175,7 +175,7 @@ bool natural_less(std::string_view a, std::string_view b) {
     if (left != right) return left < right;
   }
   if (i < a.size() || j < b.size()) return j < b.size();
-  return a < b;  // equal but for leading zeros
+  return a < b;  // equal except for leading zeros
 }
 
 bool looks_like_picture(const fs::path& path) {

@@ -1,5 +1,4 @@
-// media/video/stream_file.h — one encoded stream muxed into one file, put in place when whole. Private to this
-// room.
+// media/video/stream_file.h — one encoded stream muxed into one file. Private to this room.
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,4 @@
-// media/video/video_reader.h — frames of any video, animated picture or numbered picture sequence, one forward
-// pass.
+// media/video/video_reader.h — frames of a video, animated picture or numbered sequence, in one forward pass.
 #pragma once
 
 #include <cstdint>
@@ -30,16 +29,14 @@ struct VideoInfo {
 /// Planes   are shared with the decoder: read only. Formats without plain little-endian planes are converted
 ///          without loss: pal8 to bgra, monow and monob to gray, big-endian words to little-endian ones; the
 ///          "yuvj" names become "yuv" with range 2.
-/// Times    are the stamps less the first; a missing or backward stamp counts as one frame of the average
-/// rate,
-///          so that times always grow. A sequence runs at 25 frames per second, by its numbers.
+/// Times    are the stamps less the first. A missing or backward stamp counts as one frame of the average
+///          rate, so that times always grow. A sequence runs at 25 frames per second, by its numbers.
 /// Throws   Error{kInput} naming the file: missing, empty, not a video, no video stream (audio only),
 ///          unsupported codec, no decodable frame, a folder without pictures. Animated WebP is among what
 ///          FFmpeg 5.1 cannot decode. Whatever else is wrong is reported by complaint().
-/// Safety   opens no file but its own, whatever a playlist inside it says; frames above 2^26 pixels are
-/// refused. Logging  FFmpeg's log is kept in memory and goes into our messages; nothing is printed. Its
-/// callback is one
-///          for the process.
+/// Safety   opens no file but its own, whatever a playlist inside it says; refuses frames above 2^26 pixels.
+/// Logging  FFmpeg's log is kept in memory and goes into our messages; nothing is printed. Its callback is
+///          one for the process.
 /// Cost     the first frame is decoded when opened, since only a frame shows its layout. 1280 x 720 H.264:
 ///          about 270 frames per second on two cores.
 class VideoReader {
@@ -52,8 +49,7 @@ class VideoReader {
   const VideoInfo& info() const;
   /// The next frame, or nothing at the end. Throws Error{kInput} when size or format change mid-stream.
   std::optional<Frame> next();
-  /// After the end: what was lost, for a person ("file is truncated: 11 of 50 frames"); empty when nothing
-  /// was.
+  /// After the end: what was lost, for a person ("file is truncated: 11 of 50 frames"), or empty.
   const std::string& complaint() const;
 
  private:

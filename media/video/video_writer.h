@@ -1,4 +1,4 @@
-// media/video/video_writer.h — a video, an animated picture or a numbered sequence, chosen by the name's ending.
+// media/video/video_writer.h — a video, an animated picture or a numbered sequence, by the name's ending.
 #pragma once
 
 #include <filesystem>
@@ -15,12 +15,17 @@ struct VideoWriterOptions {
   int crf = 16;  // H.264 quality, 0 (lossless) .. 51; lower is better and larger
 };
 
-/// .mp4 (H.264 High, yuv420p, BT.709 tagged, faststart: plays in a browser; odd sizes are padded by repeating
-/// the last column or row), .mkv (FFV1 level 3, lossless), .mov (ProRes 4444, 10 bits, alpha 16, BT.709
-/// tagged), .webp and .png/.apng (animated), or a pattern holding %05d (or another %0Nd, or ####) with a
-/// picture ending: one file per frame, numbered from 0. Written beside the target and renamed on finish, so
-/// that a broken run leaves no half file; a sequence is written frame by frame. Throws Error{kUsage} for an
-/// ending it does not know, Error{kIo} for a folder that does not exist or a full disk.
+/// The ending says what is written:
+///   .mp4           H.264 High, yuv420p, BT.709 tagged, faststart: plays in a browser. Odd sizes are padded
+///                  by repeating the last column or row.
+///   .mkv           FFV1 level 3, lossless
+///   .mov           ProRes 4444, 10 bits, alpha 16, BT.709 tagged
+///   .webp, .png or .apng: animated
+///   a pattern      holding %05d (or another %0Nd, or ####), with a picture ending: one file per frame
+/// A file is written beside the target and renamed on finish, so that a broken run leaves no half file; a
+/// sequence is written frame by frame.
+/// Throws   Error{kUsage} for an ending it does not know, Error{kIo} for a folder that does not exist or
+///          a full disk.
 class VideoWriter {
  public:
   VideoWriter(const std::filesystem::path& path, cv::Size size, const VideoWriterOptions& options = {});
@@ -32,8 +37,8 @@ class VideoWriter {
   /// A frame in native planes, written unchanged with its colour tags, aspect and rotation (.mkv only): the
   /// lossless way back out of a store. Layouts that FFV1 lacks hold the same samples in another order (rgb24
   /// and gbrp in bgr0, rgb48le in gbrp16le, nv12 in yuv420p), else Error{kUsage}. In a sequence gray16le and
-  /// rgb48le keep their 16 bits, the rest is to_bgr(). Frames follow each other at the given rate; time_s is
-  /// not used.
+  /// rgb48le keep their 16 bits, the rest is to_bgr(). Frames follow each other at the given rate,
+  /// whatever their time_s.
   void write(const Frame& frame);
   void finish();
 

@@ -20,15 +20,16 @@ struct BenchmarkPicture {
 struct BenchmarkPieces {
   std::vector<BenchmarkPicture> pictures;
   std::string held_out;             // the clip whose average image is the picture; empty: pictures were given
-  std::vector<Row> rows;            // of the table, ascending, that are searched: all, or all but that clip's
+  std::vector<Row> rows;            // that are searched, ascending: the table's, without that clip's
   std::vector<PieceQuery> queries;  // `max_pieces` at most, evenly spread over all pictures' pieces
   std::vector<std::size_t> pieces;  // how many each picture has in all
 };
 
 /// Of the pictures, cut as labelling cuts them. Without any: of the average image of the clip with the median
-/// number of patches, whose own patches are then left out, so that nothing is found because it is the same
-/// footage; the only clip of a store is not left out.
-/// rows   of those, this many evenly spread; 0: all. Throws Error{kUsage} when there are not so many.
+/// number of patches. That clip's own patches are then left out, so that nothing is found because it is the
+/// same footage; the only clip of a store is not left out.
+/// rows     of those, this many evenly spread; 0: all.
+/// Throws   Error{kUsage} when there are fewer.
 BenchmarkPieces benchmark_pieces(const store::Snapshot& snapshot, const SearchBase& base,
                                  std::vector<BenchmarkPicture> pictures, std::size_t max_pieces,
                                  std::size_t rows);

@@ -1,8 +1,8 @@
 // query/benchmark/measured_index.h — what freshet query bench asks of an index that it measures.
 //
-// To add one: write a file beside this one with a function that returns a MeasuredIndex, and name it in
-// measured_indexes.cc and CMakeLists.txt. measured_scan.cc is a whole example; docs/benchmark.md walks
-// through it.
+// To add one: write a file beside this one with a function that returns a MeasuredIndex, and name
+// it in measured_indexes.cc and CMakeLists.txt. measured_scan.cc is a whole example;
+// docs/benchmark.md walks through it.
 #pragma once
 
 #include <functional>
@@ -23,8 +23,8 @@ struct SearchSpace {
   int word_count = 0;
 };
 
-/// A name for the table ("ef 200") and what makes the index search so from then on. Never called while a
-/// search runs.
+/// A name for the table ("ef 200") and what makes the index search so from then on. Never called
+/// while a search runs.
 struct IndexSetting {
   std::string name;
   std::function<void()> apply;
@@ -57,7 +57,7 @@ std::vector<std::vector<ScoredPatch>> search_each(
 
 /// For an index that knows no conditions: asks it for more than k rows, then for four times as many, until k
 /// of what it gives are admitted or it has given all rows.
-/// ask    so many of the best rows of the query, any order, scored.
+/// ask    the best `count` rows of the query, any order, scored.
 std::vector<ScoredPatch> search_widening(
     std::size_t rows, std::size_t k, const SearchFilter& search_filter, std::size_t query_number,
     const std::function<std::vector<ScoredPatch>(std::size_t count)>& ask);

@@ -14,18 +14,20 @@
 namespace freshet::query {
 
 struct SearchBenchmarkOptions {
-  std::size_t rows = 0;       // searched among, evenly spread over the store; 0: all
-  std::size_t pieces = 200;   // asked, at most
-  double build_limit_s = 60;  // of one core, for one index: one that would take longer is built of fewer rows
+  std::size_t rows = 0;      // searched among, evenly spread over the store; 0: all
+  std::size_t pieces = 200;  // asked, at most
+  /// Of one core, for one index. An index that would take longer is built of fewer rows.
+  double build_limit_s = 60;
   std::size_t min_rows = 1000;  // that an index is built of; limits hold for eight times as many and more
-  double setting_limit_s = 5;   // of one core, for one setting: then no more pieces are asked, but 10 are
-  std::size_t checked = 3;      // pieces whose exact answer is compared with brute force
-  bool label = true;            // the first picture, with the candidates of every setting
-  std::size_t labelled_pieces = 250;  // some so many of its pieces, around the middle of its matte
+  /// Of one core, for one setting: then no more pieces are asked, but 10 are in any case.
+  double setting_limit_s = 5;
+  std::size_t checked = 3;            // pieces whose exact answer is compared with brute force
+  bool label = true;                  // the first picture, with the candidates of every setting
+  std::size_t labelled_pieces = 250;  // of that picture, around the middle of its matte
   double label_limit_s = 30;  // for its search alone; a setting that would take longer is not labelled
   bool filters = true;
-  std::size_t max_bytes =
-      0;  // of an index and while it is built; 0: four fifths of what the machine has free
+  /// Of an index, and while it is built. 0: four fifths of what the machine has free.
+  std::size_t max_bytes = 0;
 };
 
 /// Measures the indexes in turn; each is gone before the next is built.

@@ -71,8 +71,8 @@ struct SearchReport {
 nlohmann::json to_json(const SearchReport& report);
 
 /// "On 246,477 patches hnswlib is nearest: recall@100 .992 in 2.6 ms per piece; exact takes 0.5 ms": of the
-/// indexes that were built of all rows and reach a recall@100 of .9, the fastest beside the exact one. Empty
-/// without.
+/// indexes that were built of all rows and reach a recall@100 of .9, the fastest beside the exact one.
+/// Empty when there is none.
 std::string verdict(const SearchReport& report);
 
 }  // namespace freshet::query

@@ -1,5 +1,4 @@
-// query/benchmark/subset_index.h — an index of some rows of a table, asked and answering in the table's
-// numbers.
+// query/benchmark/subset_index.h — an index of some rows of a table, that speaks in the table's numbers.
 #pragma once
 
 #include <span>
@@ -24,7 +23,7 @@ class SubsetIndex final : public CandidateIndex {
   std::size_t table_rows_;
 };
 
-/// A search filter in the numbers of a subset. Owns what it names, but for the windows.
+/// A search filter in the numbers of a subset. Owns what it names, except the windows.
 class SubsetFilter {
  public:
   SubsetFilter(const SearchFilter& search_filter, std::span<const Row> rows);

@@ -1,4 +1,4 @@
-// query/costs/pairwise.h — how well the patches of neighbouring pieces go together: the energy of a labelling.
+// query/costs/pairwise.h — how well patches of neighbouring pieces go together: the energy of a labelling.
 #pragma once
 
 #include <compare>
@@ -25,21 +25,23 @@ const char* name_of(CostForm form);
 /// W = lambda * (motion + sigma * dynamics + rho * textureness), each a mean over the cells of the overlap:
 /// squared distance of mean motion, of power by band (both components, all bands), of textureness by level.
 ///
-/// kPower, Eq. 2, 3, 6 of the paper: motion in px per frame at 25 frames per second, power in its square,
-/// textureness in 0..1; the paper's parameters. Small between any two quiet patches, large between any two
-/// lively ones, so that a labelling drifts to faint, slow motion (speeds halved on water).
+/// kPower is Eq. 2, 3 and 6 of the paper: motion in px per frame at 25 frames per second, power in its
+/// square, textureness in 0..1, with the paper's parameters. It is small between any two quiet patches and
+/// large between any two lively ones. So a labelling drifts to faint, slow motion: speeds halve on water.
 ///
-/// kLog: log(1 + speed / 2.5 px/s) in the direction of motion, log of amplitude (half the log of power, above
-/// 1 px/s), log of textureness (above 1/512): zero where features agree, whatever their strength. sigma and
-/// rho make means over 8 bands and 4 levels. lambda: on a waterfall of 274 pieces, with 0.01 84 % of
-/// neighbours share a clip (45 % by likeness alone) at 3 % more unary cost; 0.05 makes it 86 % and nearly
-/// doubles that.
+/// kLog compares logarithms, which are zero where features agree, whatever their strength:
+///   motion        log(1 + speed / 2.5 px/s), in the direction of motion
+///   dynamics      log of amplitude: half the log of power, above 1 px/s
+///   textureness   its log, above 1/512
+/// sigma and rho make means over 8 bands and 4 levels. lambda was set on a waterfall of 274 pieces: by
+/// likeness alone 45 % of neighbours share a clip. With 0.01 it is 84 %, at 3 % more unary cost; with 0.05 it
+/// is 86 %, at nearly twice that.
 ///
-/// Both forms still drift to calm motion, as the quietest patches fit each other best (fire 98 px/s by
-/// likeness alone, 43 when labelled). Against it the candidates vote: what looks like a piece tells how
-/// strongly it moves, and a candidate pays vote * (its strength - their median)^2, strength being the root of
-/// its W beside a patch that stands still. 4 brings that fire to 60 px/s (docs/measurements.md). Without
-/// lambda or overlap there is nothing that drifts, and no vote.
+/// Both forms still drift to calm motion, as the quietest patches fit each other best: a fire of 98 px/s by
+/// likeness alone had 43 when labelled. The vote works against it. What looks like a piece tells how strongly
+/// the piece moves. A candidate's strength is the root of its W beside a patch that stands still; it pays
+/// vote * (its strength - the median of the piece's candidates)^2. A vote of 4 brings that fire to 60 px/s
+/// (docs/measurements/animation.md). Without lambda or overlap nothing drifts, and there is no vote.
 struct PairwiseOptions {
   CostForm form = CostForm::kLog;
   double lambda = 0.01, sigma = 0.125, rho = 0.25;
@@ -55,8 +57,7 @@ struct FeatureShape {
   int overlap = 6;  // cells that neighbours share, across
   int channels() const;
   std::size_t values() const;  // of a patch
-  /// Cells on the side of the largest squares of which both a patch and an overlap consist, squares on a
-  /// patch's side, and values of one.
+  /// Cells on the side of a square: of the largest squares of which both a patch and an overlap consist.
   int square() const;
   int squares() const { return cells / square(); }
   std::size_t square_values() const;
@@ -88,15 +89,18 @@ struct FeatureSource {
 /// Throws Error{kUsage} when a weight is negative, no number or above 1e9.
 void check_weights(const PairwiseOptions& options);
 
-/// A field's nodes in the order of the pieces, V = 1 - score, and its edges in that of target.edges, their
-/// tables all zero.
+/// A field's nodes in the order of the pieces, V = 1 - score, and its edges in that of target.edges. The
+/// tables are all zero.
 Mrf unconnected_field(const Target& target, const Candidates& candidates);
 
 /// The field of a picture: nodes in the order of its pieces, V = 1 - score; edges in the order of
-/// target.edges. The candidates' features are read once, in batches of rows of pieces where they do not fit
-/// 512 MB. All threads; the same bits for any number. Cost, 500 pieces of 120 candidates: 1.0 to 1.7 s of
-/// CPU. Throws Error{kCancelled} when stopped, and as check_weights. The parts that it weighs and adds are
-/// those of pairwise_parts.h: the same bits as when they are kept and combined.
+/// target.edges. The parts that it weighs and adds are those of pairwise_parts.h: the same bits as when they
+/// are kept and combined. All threads; the same bits for any number.
+///
+/// Memory   512 MB for the candidates' features: where they do not fit, they are read in batches of rows of
+///          pieces.
+/// Cost     500 pieces of 120 candidates: 1.0 to 1.7 s of CPU.
+/// Throws   Error{kCancelled} when stopped, and as check_weights.
 Mrf build_mrf(const Target& target, const Candidates& candidates, const FeatureShape& shape,
               const PairwiseOptions& options, const FeatureSource& source, std::stop_token stop = {});
 

@@ -12,8 +12,9 @@ namespace freshet::query {
 
 /// One line drawn in the direction of the flow.
 struct Stroke {
-  std::vector<cv::Point2f> points;  // px, from first to last as the fluid goes; (0, 0) is the outer corner
-                                    // of the picture's upper left pixel, whose middle is (0.5, 0.5)
+  /// px, from first to last as the fluid goes. (0, 0) is the outer corner of the picture's upper left pixel,
+  /// whose middle is (0.5, 0.5).
+  std::vector<cv::Point2f> points;
   std::optional<float> speed_px_per_s{};  // along all of it
   std::string name{};                     // for messages: "stroke 2", "path \"fall\""; may be empty
 };
@@ -25,10 +26,11 @@ struct Stroke {
 ///        Points in px of the picture as in Stroke; "speed" in px/s and "name" may be left out.
 /// SVG    as drawing programs write it: see read_svg_strokes.
 ///
-/// notices   for a person, when not null: what was left out. Throws Error{kInput} naming the file, the stroke
-/// and the remedy: no such file, neither format, malformed, no stroke at all, a stroke of no length (below
-/// half a pixel) or wholly outside the picture, a speed that is not 0 to 100,000 px/s, above 128 MB of SVG or
-/// 16 MB of JSON, above 10,000 strokes or a million points.
+/// notices   for a person, when not null: what was left out.
+/// Throws    Error{kInput} naming the file, the stroke and the remedy: no such file, neither format,
+///           malformed, no stroke at all, a stroke of no length (below half a pixel) or wholly outside the
+///           picture, a speed that is not 0 to 100,000 px/s, above 128 MB of SVG or 16 MB of JSON, above
+///           10,000 strokes or a million points.
 std::vector<Stroke> read_strokes(const std::filesystem::path& path, cv::Size picture,
                                  std::vector<std::string>* notices = nullptr);
 

@@ -1,8 +1,8 @@
 // query/index/bit_sums.h — sums over many columns of one bit per row, 512 rows at a time.
 //
 // A sum is kept across bit planes: plane p holds bit p of the sums of 512 rows. Adding a column is then a
-// handful of logical operations for all 512 rows (carry-save adders; Harley and Seal), where adding it row by
-// row would be a load, an addition and a store for each row that is set.
+// handful of logical operations for all 512 rows (carry-save adders; Harley and Seal). Row by row it would be
+// a load, an addition and a store for each row that is set.
 #pragma once
 
 #include <array>
@@ -21,8 +21,8 @@ struct alignas(64) RowBits {
 /// For the rows of one block: how much of a query's words they hold in the first two levels of the pyramid,
 /// and how much they can hold in all three.
 ///
-/// Points that meet in a cell of level 2 also meet in the cell of level 1 around it, so that I2 <= I1 and
-/// with the levels' weights (1, 1, 2) the whole intersection is at most I0 + 3 I1.
+/// Points that meet in a cell of level 2 also meet in the cell of level 1 around it: I2 <= I1. The levels'
+/// weights are 1, 1 and 2, so that the whole intersection is at most I0 + 3 I1.
 class PyramidSums {
  public:
   static constexpr std::size_t kGroups = 32;  // of 512 rows: 35 KB of planes
@@ -34,8 +34,8 @@ class PyramidSums {
   void add_up(std::span<const RowBits* const> level0, std::span<const RowBits* const> level1,
               std::size_t groups);
 
-  /// Rows whose bound reaches `score`. mask: the rows to look at in, those that reach it out. Returns how
-  /// many.
+  /// Rows whose bound reaches `score`. mask: the rows to look at in, those that reach it out.
+  /// Returns   how many.
   std::size_t keep_reaching(std::uint32_t score, std::size_t groups, Mask& mask) const;
 
   /// I0 + I1 of a row of the block.

@@ -10,8 +10,8 @@
 
 namespace freshet::query {
 
-/// Finds exactly what comparing the query with every row by vision::intersection would find, in the same
-/// order.
+/// Finds exactly what comparing the query with every row by vision::intersection would find,
+/// in the same order.
 ///
 /// Levels 0 and 1 of the pyramid are inverted lists, most of them columns of bits, and 512 rows' sums grow at
 /// a time (row_lists.h, bit_sums.h). They bound what a row can reach on all levels, I0 + 3 I1; only rows that

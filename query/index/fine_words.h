@@ -1,4 +1,4 @@
-// query/index/fine_words.h — what a query holds on the finest level of the pyramid, to be compared with word maps.
+// query/index/fine_words.h — a query's words on the pyramid's finest level, to be compared with word maps.
 #pragma once
 
 #include <array>
@@ -11,7 +11,7 @@ namespace freshet::query {
 /// The 16 cells of level 2, of 4 to 9 points each.
 ///
 /// A point of a row counts when its word is in the query's cell more often than it was at earlier points of
-/// the row's cell: that adds up to the histogram intersection, and all 81 points are looked at side by side.
+/// the row's cell. That adds up to the histogram intersection, and all 81 points are looked at side by side.
 class FineWords {
  public:
   /// Words from word_count on are in no row and do not count.

@@ -23,7 +23,7 @@ struct FlannOptions {
   int branching = 32;      // of kmeans and hierarchical
   int iterations = 5;      // of kmeans
   std::uint32_t seed = 1;  // the same seed, words and options: the same trees
-  int checks = 0;          // patches looked at a query: recall for time. 0: what the index was tuned to
+  int checks = 0;  // patches looked at for a query: more find more, slower. 0: what the index was tuned to
   std::size_t max_bytes = std::size_t{4} << 30;  // of the dense histograms: rows * 21 * words bytes
 };
 inline constexpr int kUntunedChecks = 4096;
@@ -36,21 +36,23 @@ struct FlannTuning {
 };
 
 /// FLANN under L1 over dense histograms: a byte per bin, weighted 1, 1, 2 by level.
-/// All histograms of a store have the mass 324, so that the nearest by L1 is the best by intersection
+///
+/// All patches of a store have the max_score 324, so that the nearest by L1 is the best by intersection
 /// (dense_histogram.h). FLANN's own HistIntersectionDistance finds the least alike: never used. Scores are
 /// exact; what is approximate is which rows are found. Conditions hold inside FLANN's search: it looks at as
 /// many more patches as are not admitted, and goes on until k admitted ones are found or none is left.
-/// One thread builds. FLANN 1.9.2 by itself draws its trees from std::random_device, so that seeding it does
-/// not make it reproducible; here it draws from `seed`. The bytes are then the same too, but for kdtree, of
-/// whose leaves FLANN writes a number that it neither sets nor reads.
+///
+/// One thread builds. FLANN 1.9.2 by itself draws its trees from std::random_device: seeding it does not make
+/// it reproducible. Here it draws from `seed`, so that the bytes are the same too, except for kdtree: FLANN
+/// writes a number of its leaves that it neither sets nor reads.
 class FlannIndex final : public CandidateIndex {
  public:
-  /// Builds. Throws Error{kUsage} when the histograms exceed max_bytes, Error{kDamaged} for words out of
-  /// range.
+  /// Builds. Throws Error{kUsage} when the histograms exceed max_bytes, Error{kDamaged} for words
+  /// out of range.
   FlannIndex(std::span<const vision::WordMap> words, int word_count, const FlannOptions& options = {});
-  /// Loads what serialize() gave, for the same words: histograms are derived from them again. FLANN trusts
-  /// what it reads, so the bytes are hashed first: Error{kDamaged} when they, or the words they were built
-  /// for, differ.
+  /// Loads what serialize() gave, for the same words: histograms are derived from them again. FLANN
+  /// trusts what it reads, so the bytes are hashed first: Error{kDamaged} when they, or the words
+  /// they were built for, differ.
   FlannIndex(std::span<const vision::WordMap> words, int word_count, std::span<const std::byte> bytes,
              const FlannOptions& options = {});
   ~FlannIndex() override;

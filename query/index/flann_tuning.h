@@ -12,10 +12,13 @@ struct FlannTuningOptions {
   std::size_t queries = 40;
 };
 
-/// Finds the minimum of checks that reach the recall, to a fifth, and keeps them in the index. Queries are
-/// patches of the store, evenly spread, each searched among the patches of all other clips, as a picture's
-/// pieces are like no clip exactly; with a single clip among all. Where no number of checks reaches it
-/// (kdtree, whose trees end before), all rows are checked. words       that the index was built for.
+/// Finds the minimum of checks that reach the recall, to a fifth, and keeps them in the index. Where no
+/// number of checks reaches it (kdtree, whose trees end before), all rows are checked.
+///
+/// Queries are patches of the store, evenly spread. Each is searched among the patches of all other clips, as
+/// a picture's pieces are like no clip exactly; with a single clip, among all.
+///
+/// words       that the index was built for.
 /// clip_rows   first row of each clip, and the number of rows at the end.
 /// Cost        the queries some ten times; 246,477 patches: seconds.
 void tune_flann(FlannIndex& index, std::span<const vision::WordMap> words, int word_count,

@@ -17,8 +17,9 @@ struct IndexOptions {
   FlannOptions flann_options{};    // trees, branching, ...; `kind` is taken from the list
   bool rebuild = false;            // even when nothing has changed
   std::size_t samples = 200'000;  // descriptors that the codebook is trained on, spread evenly over the clips
-  std::size_t cache_bytes = std::size_t{1} << 30;  // descriptors kept from the first pass over the clips for
-      // the second; of the others, only the samples are made twice
+  /// For descriptors, kept from the first pass over the clips for the second. Of clips that do not fit, only
+  /// the samples are made twice.
+  std::size_t cache_bytes = std::size_t{1} << 30;
 };
 
 struct IndexReport {
@@ -37,12 +38,14 @@ struct IndexReport {
 /// Builds the index of all clips: blob "codebook", column "patch.words" of every clip, and blobs "flann-..."
 /// as asked for, in one transaction: a build that is stopped leaves the store as it was.
 ///
-/// The representative image of each unflipped variant is described on one grid that all of its patches share;
-/// flipped patches take the mirrored descriptors. Samples are taken clip by clip in order of source hash, as
-/// many from each, half of them mirrored, so that neither the order of ingest nor the number of threads has a
-/// part. When clips are new, everything is trained again: the words of a store depend on its clips, not on
-/// its history. Does nothing but the FLANN indexes asked for when no clip is new. Each is tuned (tune_flann).
-/// FLANN indexes are erased when words change.
+/// The representative image of each unflipped variant is described on one grid that all of its patches
+/// share; flipped patches take the mirrored descriptors. Samples are taken clip by clip in order of
+/// source hash, as many from each, half of them mirrored, so that neither the order of ingest nor the
+/// number of threads has a part.
+///
+/// When clips are new, everything is trained again: the words of a store depend on its clips, not on its
+/// history. FLANN indexes are erased when words change. When no clip is new, only the FLANN indexes asked for
+/// are built. Each is tuned (tune_flann).
 ///
 /// progress    "sampling descriptors", "training the codebook", "assigning words", "building FLANN indexes",
 ///             "writing"; counts clips, or indexes. Called from the calling thread; may be empty.

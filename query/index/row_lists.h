@@ -12,9 +12,9 @@ namespace freshet::query {
 
 /// Inverted lists over the bins of the pyramid's levels 0 and 1 (cells 0 to 4).
 ///
-/// For each bin and each n from 1 on there is a list of the rows whose bin holds at least n, so that a query
-/// whose bin holds m takes the lists 1..m: min(a, b) without a comparison. A list of many rows is a column of
-/// bits, a row after the other; a list of few is those rows' numbers.
+/// For each bin and each n from 1 on there is a list of the rows whose bin holds at least n. A query whose
+/// bin holds m takes the lists 1..m: that is min(a, b) without a comparison. A list of many rows is a column
+/// of bits, a row after the other; a list of few is those rows' numbers.
 class RowLists {
  public:
   static constexpr std::size_t kCells = 5;

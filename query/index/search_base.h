@@ -19,7 +19,7 @@ struct SearchBase {
   vision::Codebook codebook;
   PatchTable table;
   std::unique_ptr<const CandidateIndex> index;
-  bool is_exact = true;  // the index: its answers depend on nothing but words and rows
+  bool is_exact = true;  // the index: its answers depend on words and rows alone
   double seconds = 0;    // that opening took
 };
 

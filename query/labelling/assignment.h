@@ -1,4 +1,4 @@
-// query/labelling/assignment.h — which patch lies on which piece of a picture, as a file that can be applied again.
+// query/labelling/assignment.h — which patch lies on which piece of a picture, as a file.
 #pragma once
 
 #include <cstdint>
@@ -33,9 +33,9 @@ struct AssignedPiece {
 inline constexpr double kGapAimed = 0.01;
 
 struct Assignment {
-  cv::Size picture;        // px
-  double piece_scale = 1;  // pieces lie on the picture reduced by this (picture_scale.h), and all px below
-                           // are of that
+  cv::Size picture;  // px
+  /// Pieces lie on the picture reduced by this (picture_scale.h), and all px below are of that.
+  double piece_scale = 1;
   int side = 48, stride = 24;         // px
   std::vector<AssignedClip> clips;    // each used at least once when made by label()
   std::vector<AssignedPiece> pieces;  // on one lattice of `stride`

@@ -1,5 +1,4 @@
-// query/labelling/label_cache.h — bytes kept on disk from one run to the next, found by the hash of what they depend
-// on.
+// query/labelling/label_cache.h — bytes kept on disk between runs, found by the hash of what they depend on.
 #pragma once
 
 #include <cstddef>
@@ -57,8 +56,10 @@ class KeyHash {
 /// and removed by finish(). Several processes may use one folder at once.
 class LabelCache {
  public:
-  /// Makes the folder when there is none. max_bytes   of all packs together: those that were not used for the
-  /// longest go first; at most 256 are kept. Throws Error{kIo} when the folder cannot be made or read.
+  /// Makes the folder when there is none.
+  /// max_bytes   of all packs together: those that were not used for the longest go first; at most 256 are
+  ///             kept.
+  /// Throws      Error{kIo} when the folder cannot be made or read.
   explicit LabelCache(const std::filesystem::path& folder,
                       std::uintmax_t max_bytes = std::uintmax_t{2} << 30);
   LabelCache(const LabelCache&) = delete;

@@ -1,4 +1,4 @@
-// query/labelling/label_sweep.h — one picture labelled with many weights at the price of little more than one.
+// query/labelling/label_sweep.h — one picture labelled with many weights, for little more than one.
 #pragma once
 
 #include <cstddef>
@@ -26,9 +26,9 @@ struct SweptLabelling {
 
 struct SweepOptions {
   GuideCosts guide_costs{};
-  /// For parts, 12 bytes per label pair, and a table of 2 for each labelling at work. Where the parts do not
-  /// fit (a field of more than some 7000 pieces), each labelling compares neighbours by itself, one after
-  /// another.
+  /// For parts, 12 bytes per label pair, and a table of 2 for each labelling at work. Where the
+  /// parts do not fit (a field of more than some 7000 pieces), each labelling compares neighbours
+  /// by itself, one after another.
   std::size_t memory_bytes = std::size_t{1500} << 20;
 };
 

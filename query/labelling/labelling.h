@@ -19,8 +19,8 @@
 namespace freshet::query {
 
 struct LabelOptions {
-  double piece_scale = 1;  // the picture's sides are divided by this before it is cut into pieces
-                           // (picture_scale.h)
+  /// The picture's sides are divided by this before it is cut into pieces (picture_scale.h).
+  double piece_scale = 1;
   TargetOptions target{};
   CandidateOptions candidates{};
   MotionGuide guide{};  // empty: any motion

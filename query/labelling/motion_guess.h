@@ -13,7 +13,7 @@
 namespace freshet::query {
 
 /// Three things speak for a direction, each as a logarithm of likelihood: their sum, averaged over
-/// neighbours. Figures: bench/choices/motion_guess.cc, docs/measurements.md.
+/// neighbours. Figures: bench/choices/motion_guess.cc, docs/measurements/motion.md.
 struct GuessOptions {
   /// Of the classes' pull: how far the clips of a class go up or down together, by the store's own patches;
   /// each class counts by its fraction of the candidates.
@@ -37,8 +37,9 @@ struct PieceGuess {
 };
 
 struct MotionGuess {
-  MotionGuide guide;  // directions, (0, 0) where nothing is dared; empty when nowhere. Its tolerance is the
-                      // spread that goes with the mean certainty, 45 to 90 degrees
+  /// Directions, (0, 0) where nothing is dared; empty when nowhere. Its tolerance is the spread that goes
+  /// with the mean certainty, 45 to 90 degrees.
+  MotionGuide guide;
   std::vector<PieceGuess> pieces;
   std::string report;  // what was guessed and what it rests on, for a person; without a full stop
 };
@@ -46,8 +47,8 @@ struct MotionGuess {
 /// A hint for a picture that has none.
 /// search    of this picture, asked for any motion: its candidates say what the picture shows, and the rows
 ///           that its filter allows say how such fluids move.
-/// picture   CV_8UC3. matte   CV_8U, its size: texture counts where it is above 127. Of any size: they are
-///           brought to that which was searched, and the guide to theirs.
+/// picture   CV_8UC3, of any size: brought to the size that was searched; the guide has the picture's.
+/// matte     CV_8U, the picture's size: texture counts where it is above 127.
 /// The same guess for any number of threads. Throws Error{kUsage} for other types or unlike sizes.
 /// Cost      0.1 s for 640 x 360 px and 357,650 patches, one thread.
 /// Source    our own; structure tensor after Bigun and Granlund 1987. Left and right cannot be told from a

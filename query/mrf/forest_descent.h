@@ -1,5 +1,4 @@
-// query/mrf/forest_descent.h — large exact moves: the best labels of a whole forest of nodes while the rest is
-// held.
+// query/mrf/forest_descent.h — large exact moves: the best labels of a forest while the rest is held.
 #pragma once
 
 #include "query/mrf/mrf.h"
@@ -12,10 +11,11 @@ struct ForestDescentOptions {
 };
 
 /// Lowers solution.energy, never raises it; labels only change when it falls. Bound and iterations are kept.
-/// A forest takes as many nodes as it can without closing a cycle (on a grid about two thirds of them), and
-/// its minimum is found by dynamic programming, so that the result is a local minimum of every such move, and
-/// of ICM's. Takes the place of sweeps over rows and columns, whose chains are special cases of these trees.
-/// Deterministic for a seed, one thread. Cost: less than an iteration of TRW-S a forest.
+///
+/// A forest takes as many nodes as it can without closing a cycle: on a grid about two thirds of them. Its
+/// minimum is found by dynamic programming. The result is a local minimum of every such move, and of ICM's.
+/// Sweeps over rows and columns are special cases of these trees. Deterministic for a seed, one thread.
+/// Cost     less than an iteration of TRW-S a forest.
 /// Source   Hamze and de Freitas 2004, Sec. 3 (there for sampling).
 void forest_descent(const Mrf& mrf, Solution& solution, const ForestDescentOptions& options = {});
 

@@ -9,8 +9,8 @@ struct IcmOptions {
   int max_sweeps = 100;  // over all nodes, in order; ends earlier when a sweep changes nothing
 };
 
-/// A local minimum reached from the labels of minimum unary cost. Source: Besag 1986. Deterministic, one
-/// thread.
+/// A local minimum reached from the labels of minimum unary cost. Deterministic, one thread.
+/// Source   Besag 1986.
 Solution icm(const Mrf& mrf, const IcmOptions& options = {});
 
 }  // namespace freshet::query

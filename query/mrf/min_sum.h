@@ -8,8 +8,8 @@
 namespace freshet::query {
 
 /// out[j] = min over i of a[i] + table[i * columns + j]. A message along an edge, from p to q.
-/// Both directions read the table in memory order: with SSE2 0.13 ns per label pair
-/// from cache, 0.17 from memory.
+/// Both directions read the table in memory order: per label pair 0.13 ns from cache, 0.17 from memory
+/// (SSE2).
 void min_over_rows(const PairCost* table, std::size_t rows, std::size_t columns, const float* a, float* out);
 
 /// out[i] = min over j of a[j] + table[i * columns + j]. A message back, from q to p.

@@ -6,10 +6,10 @@
 
 namespace freshet::query {
 
-/// 7 bits of exponent, 9 of mantissa, no sign: 0, and 2^-62 to 2^65 to a thousandth of the value; what is
-/// less counts as 0, what is more as the maximum. Minimising reads all tables again and again and waits for
-/// memory: half the bytes are more than twice the speed. Of real pictures' energies nothing is lost
-/// (docs/measurements.md). Another 16-bit float, IEEE's, ends at 65504, and wants instructions for it.
+/// 7 bits of exponent, 9 of mantissa, no sign: 0, and 2^-62 to 2^65 to a thousandth of the value. Smaller
+/// values count as 0, larger ones as the maximum. Minimising reads all tables again and again and waits for
+/// memory: half the bytes are more than twice the speed. Energies of real pictures lose nothing by it
+/// (docs/measurements/labelling.md). IEEE's 16-bit float ends at 65504, and wants instructions for it.
 class PairCost {
  public:
   PairCost() = default;

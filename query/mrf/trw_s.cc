@@ -44,8 +44,8 @@ class NodeOrder {
   void each(std::size_t workers, bool backward, Visit&& visit) {
     ++pass_;
     std::atomic<std::size_t> next = 0;
-    // A run is taken up after all that it may wait for, so that there is always one which waits for nothing,
-    // however few of the workers there are in truth.
+    // Runs are taken up in order, and a run waits only for runs before it. So the first of those in hand
+    // waits for nothing, even when fewer workers run than were asked for.
     const auto work = [&](std::size_t worker) {
       for (std::size_t run; (run = next.fetch_add(1, std::memory_order_relaxed)) < runs();) {
         const std::size_t place = backward ? runs() - 1 - run : run;

@@ -19,15 +19,15 @@ namespace freshet::query {
 struct CandidateOptions {
   int k = 100;               // candidates per piece
   std::string class_name{};  // only clips of this class; empty: all
-  std::optional<double>
-      direction_deg{};  // mean motion, as seen on the screen: 0 right, 90 up, 180 left, 270 down
+  /// Mean motion, as seen on the screen: 0 right, 90 up, 180 left, 270 down. Nothing: any.
+  std::optional<double> direction_deg{};
   double direction_tolerance_deg = 30;           // to either side
   double min_speed_px_per_s = 2.5;               // with a direction: slower patches have none that counts
   double min_duration_s = 0;                     // of a clip
   double min_scale = 0, max_rotation_deg = 180;  // of a variant
   std::vector<std::string> excluded_clips{};     // by name
-  int coherent =
-      10;  // of each neighbour's best, whose continuations join a piece's candidates (add_coherent)
+  /// The best so many of each neighbour, whose continuations join a piece's candidates (add_coherent).
+  int coherent = 10;
 };
 
 /// "right", "up", "left", "down", "up-left", ... or degrees. Error{kUsage}.
@@ -42,8 +42,8 @@ struct FilterStep {
 struct Filtered {
   RowFilter rows{0};
   std::vector<FilterStep> steps;  // in the order in which they were applied; the first is the whole store
-  std::vector<std::string>
-      too_short;  // names of clips left out by min_duration_s, of those that were still in
+  /// Names of clips left out by min_duration_s, of those that were still in.
+  std::vector<std::string> too_short;
 };
 
 /// Which rows the options allow, before any search.
@@ -60,9 +60,8 @@ struct Candidates {
   std::vector<float> scores;          // pieces * k: intersection / max_score of the piece, 0..1
   std::vector<std::uint32_t> counts;  // of each piece, 1..k
   std::vector<PieceMotion> asked;     // of each piece, by a guide; empty: nothing was asked
-  std::vector<int> opened;            // of each piece: how many times its tolerances were opened; with
-                                      // `asked`
-  std::vector<std::string> notes;     // for a person: "12 pieces have fewer than 100 candidates"
+  std::vector<int> opened;         // of each piece, with `asked`: how many times its tolerances were opened
+  std::vector<std::string> notes;  // for a person: "12 pieces have fewer than 100 candidates"
 
   std::size_t pieces() const { return counts.size(); }
   std::span<const Row> rows_of(std::size_t piece) const {
@@ -83,7 +82,8 @@ struct PieceAnswer {
 /// The k best of each piece among the allowed rows that move as its guide asks. Where fewer than k do, the
 /// guide's tolerances open step by step for that piece alone (window_of), until there are k or nothing of the
 /// guide is left; `opened` and a note say where.
-/// guide     may be empty. matte   see asked_motion.
+/// guide     may be empty.
+/// matte     see asked_motion.
 /// answers   one per piece, or null: those that are there are taken, the rest is searched and filled in.
 /// Throws    Error{kNotFound} when an approximate index finds nothing allowed for a piece.
 Candidates find_candidates(const CandidateIndex& index, const PatchTable& table, const Target& target,
@@ -91,9 +91,9 @@ Candidates find_candidates(const CandidateIndex& index, const PatchTable& table,
                            const MotionGuide& guide = {},
                            std::vector<std::optional<PieceAnswer>>* answers = nullptr);
 
-/// What it costs a candidate not to move quite as asked: inside its window one still has to choose.
-/// direction * (1 - cos of the angle) + speed * (log2 of the ratio)^2; pieces of which nothing is asked pay
-/// nothing. Added to the unary costs, which are 1 - score.
+/// What it costs a candidate not to move quite as asked: inside its window one still has to choose. Pieces of
+/// which nothing is asked pay nothing. Added to the unary costs, which are 1 - score:
+///   direction * (1 - cos of the angle) + speed * (log2 of the ratio)^2
 struct GuideCosts {
   double direction = 0.3, speed = 0.05;
 };

@@ -12,11 +12,13 @@ namespace freshet::query {
 Row find_patch(const PatchTable& table, std::uint32_t clip, std::uint8_t variant, int x, int y);
 
 /// Adds to each piece's candidates the patches that continue its neighbours' best ones in their own clip and
-/// variant: laid beside each other they show what the clip showed there, without a seam and at no pairwise
-/// cost, but a piece by itself rarely finds them among its k best. Only allowed rows that move as the piece's
-/// guide asks; those already in the list are not added twice. The lists grow by 4 * each at most and stay in
-/// their order.
-/// each      of a neighbour's candidates, the best so many; 0 adds none.
+/// variant. Laid beside each other these show what the clip showed there, without a seam and at no pairwise
+/// cost. A piece by itself rarely finds them among its k best.
+///
+/// Only allowed rows that move as the piece's guide asks are added; those already in the list are not added
+/// twice. The lists grow by 4 * each at most and stay in their order.
+///
+/// each      how many of a neighbour's candidates, from the best on; 0 adds none.
 /// Cost      4 * each intersections per piece, of 1 to 3 microseconds; all threads.
 void add_coherent(const PatchTable& table, int word_count, const Target& target, const RowFilter& filter,
                   const MotionGuide& guide, std::size_t each, Candidates& candidates);

@@ -14,8 +14,8 @@
 namespace freshet::query {
 
 struct TargetOptions {
-  double min_matte = 0.25;  // a piece is kept when the matte covers this fraction of its area inside the
-                            // picture
+  /// A piece is kept when the matte covers this fraction of its area inside the picture.
+  double min_matte = 0.25;
 };
 
 /// The pieces of a picture, in row-major order of one regular lattice: piece and patch have the same size,
@@ -23,9 +23,10 @@ struct TargetOptions {
 struct Target {
   cv::Size picture;
   int side = 48, stride = 24;  // px
-  cv::Point origin;            // px, upper left corner of the lattice; may be negative: pieces at the border
-                               // overhang, evenly on both sides, and see the picture reflected there
-  int columns = 0, rows = 0;   // of the lattice
+  /// px, upper left corner of the lattice; may be negative: pieces at the border overhang, evenly on both
+  /// sides, and see the picture reflected there.
+  cv::Point origin;
+  int columns = 0, rows = 0;       // of the lattice
   std::vector<cv::Point> places;   // column and row of each piece
   std::vector<cv::Point> corners;  // px, upper left corner of each piece
   std::vector<PieceQuery> queries;
@@ -42,8 +43,7 @@ Target lay_out(const cv::Mat& matte, const vision::PatchGrid& grid, const Target
 /// Pieces with their words, by the code that patches go through.
 /// picture   CV_8UC3, BGR; its luma is BT.601's, as media::to_luma has it.
 /// matte     CV_8U, same size; 255 where the fluid is. A grid point counts when the matte is above 127 there,
-/// and
-///           all inside the picture when that leaves fewer than 9.
+///           and all inside the picture when that leaves fewer than 9.
 Target make_target(const cv::Mat& picture, const cv::Mat& matte, const vision::PatchGrid& grid,
                    const vision::Codebook& codebook, const TargetOptions& options = {});
 

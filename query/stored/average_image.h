@@ -8,8 +8,8 @@
 namespace freshet::query {
 
 /// The average over time of a clip's luma: CV_8U, source size. Kept with 16 bits, rounded to 8 here:
-/// descriptors are computed on 8 bits, of clips as of a target picture. Throws Error{kDamaged} when the
-/// stream is not one plane of 16 bits of the clip's size.
+/// descriptors are computed on 8 bits, of clips as of a target picture.
+/// Throws   Error{kDamaged} when the stream is not one plane of 16 bits of the clip's size.
 cv::Mat average_image(const store::Snapshot& snapshot, store::ClipId clip);
 
 }  // namespace freshet::query

@@ -8,8 +8,8 @@
 namespace freshet::query {
 
 /// Columns "cells.motion" and "cells.texture.<scale>": rows and columns of cells are derived from the clip's
-/// size (a cell at the right or lower edge may overhang), as vision's accumulators make them. Throws
-/// Error{kDamaged} when a column does not hold that many cells, Error{kNotFound} when it is missing.
+/// size (a cell at the right or lower edge may overhang), as vision's accumulators make them.
+/// Throws   Error{kDamaged} when a column does not hold that many cells, Error{kNotFound} when it is missing.
 vision::CellMap motion_cells(const store::Snapshot& snapshot, const vision::Settings& settings,
                              store::ClipId clip);
 /// scale   index into settings.scales.

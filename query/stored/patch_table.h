@@ -29,9 +29,10 @@ struct PatchTable {
   std::size_t size() const { return clip.size(); }
 };
 
-/// Reads all patch columns: 110 bytes per patch. Throws Error{kNotFound} "has no index; run freshet index"
-/// when words are missing, and when there is no patch at all; Error{kDamaged} when a column is not as long as
-/// its clip has rows, a variant is not in the settings or a patch reaches beyond its frame.
+/// Reads all patch columns: 110 bytes per patch.
+/// Throws   Error{kNotFound} "has no index; run freshet index" when words are missing, and when there is no
+///          patch at all; Error{kDamaged} when a column is not as long as its clip has rows, a variant is not
+///          in the settings or a patch reaches beyond its frame.
 PatchTable read_patch_table(const store::Snapshot& snapshot);
 
 /// Where one clip's patches lie: what is known of them before there is an index.

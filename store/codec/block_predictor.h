@@ -1,8 +1,8 @@
 // store/codec/block_predictor.h — samples of a tile from their neighbours, a strip of 8 rows at a time.
 //
 // All arithmetic is vectors of 8 lanes. The encoder has every sample at hand and goes along the rows. In the
-// decoder a sample waits for the one to its left and for those above: a lane is a row there, and each stands
-// one sample behind the row above it, so that 8 samples of a diagonal are restored at a time.
+// decoder a sample waits for the one to its left and for those above. So a lane is a row there, one sample
+// behind the row above it, and 8 samples of a diagonal are restored at a time.
 #pragma once
 
 #include <array>

@@ -1,9 +1,8 @@
 // store/codec/symbol_streams.h — the entropy stage of a tile: symbols sorted by context, then one zstd frame.
 //
 // zstd's entropy coder knows no contexts: one Huffman table per block. So symbols that are expected to be
-// alike are brought together into streams, each of which ends a block of one and the same frame and gets a
-// table of its own. Where most symbols cost less than a bit, two or four of them are packed into a byte
-// first.
+// alike are brought together into streams. Each stream ends a block of one and the same frame and gets a
+// table of its own. Where most symbols cost less than a bit, two or four of them share a byte.
 #pragma once
 
 #include <array>
@@ -22,8 +21,8 @@ inline constexpr std::size_t kSymbolsPerLoad = 8;
 /// contexts are merged where a table of their own would cost more than it saves.
 void encode_symbols(const ContextSymbols& symbols, ByteSpan side, Bytes& out);
 
-/// What encode_symbols wrote, ready to be read without checks, up to kSymbolsPerLoad symbols at a time, at
-/// next[context].
+/// What encode_symbols wrote, ready to be read without checks, up to kSymbolsPerLoad symbols
+/// at a time, at next[context].
 struct DecodedSymbols {
   std::array<const std::uint8_t*, kContexts> next{}, end{};  // of each context
   ByteSpan side;

@@ -18,8 +18,8 @@ void check_zstd(std::size_t code);
 /// One frame. Throws Error{kIo} when memory is out.
 Bytes zstd_compress(ByteSpan raw, int level);
 
-/// False unless `stored` is one whole frame that says that it holds out.size() bytes, does, and fits its
-/// checksum.
+/// False unless `stored` is one whole frame that says that it holds out.size() bytes,
+/// does, and fits its checksum.
 bool zstd_expand(ByteSpan stored, std::span<std::byte> out);
 
 }  // namespace freshet::store

@@ -37,10 +37,10 @@ enum class Codec : std::uint8_t {
 };
 
 inline constexpr std::uint32_t kSlabFrames = 16;  // frames of a tile
-inline constexpr std::size_t kTileRecordBytes = 128
-                                                << 10;  // a tile record is closed when it has reached this
-inline constexpr std::size_t kChunkBytes = 1 << 20;     // raw bytes of a record of a column or a blob
-inline constexpr std::size_t kTileEntryBytes = 12;      // of a tile record's directory: size and hash
+/// A tile record is closed when it has reached this.
+inline constexpr std::size_t kTileRecordBytes = 128 << 10;
+inline constexpr std::size_t kChunkBytes = 1 << 20;  // raw bytes of a record of a column or a blob
+inline constexpr std::size_t kTileEntryBytes = 12;   // of a tile record's directory: size and hash
 inline constexpr std::uint32_t kMaxPlanes = 8;
 inline constexpr std::uint32_t kMaxPlaneEdge = 1 << 16;  // samples
 inline constexpr std::uint32_t kMaxFrames = 1 << 24;

@@ -1,4 +1,4 @@
-// store/records/column.h — the codec of columns, blobs and other plain bytes: shuffle where it pays, then zstd.
+// store/records/column.h — the codec of columns, blobs and other plain bytes: shuffle, then zstd.
 #pragma once
 
 #include "store/format/format.h"

@@ -51,7 +51,7 @@ Record open_record(const RecordPlace& place, ByteSpan value);
 Bytes encode_record(const RecordPlace& place, ByteSpan raw, std::uint32_t element_bytes,
                     std::uint64_t total_bytes, std::uint8_t flags = 0);
 
-/// The raw bytes of a record of any codec but kTiles. out.size() must be header.raw_bytes.
+/// The raw bytes of a record of any codec except kTiles. out.size() must be header.raw_bytes.
 void decode_record(const RecordPlace& place, const Record& record, std::span<std::byte> out);
 /// The same into fresh memory, refused above max_bytes.
 Bytes decode_record(const RecordPlace& place, ByteSpan value, std::size_t max_bytes);

@@ -40,8 +40,8 @@ struct AnimateOptions {
   BlendOptions blend;
   BaseImageOptions base;
   CarriedBaseOptions carry;
-  query::MotionGuide
-      guide{};  // what was asked of the motion: the picture is blurred and carried so (apply_guide)
+  /// What was asked of the motion: the picture is blurred and carried so (apply_guide).
+  query::MotionGuide guide{};
   AppearanceMatching matching = AppearanceMatching::kSequence;
   AppearanceOptions appearance;
   BoundaryOptions boundary;
@@ -60,13 +60,13 @@ using AnimateProgress = Progress;
 /// Renders the animation frame by frame into `sink`: CV_8UC3, the picture's size, in order, one at a time,
 /// while the next ones are made.
 ///
-/// picture    CV_8UC3 BGR. matte CV_8U, same size; where it is 0 every output pixel equals the picture's.
+/// picture    CV_8UC3 BGR.
+/// matte      CV_8U, same size; where it is 0 every output pixel equals the picture's.
 /// placement  clips that do not last frames / fps seconds are played again by their loop rules (timeline.h).
+///            With `loop`, clips play whole numbers of their loops, each beginning at another moment.
 /// Throws     Error{kInput} when the placement does not pass check(), or a clip is too short for the
-/// animation
-///            and for a loop rule; Error{kCancelled} when stopped.
+///            animation and for a loop rule; Error{kCancelled} when stopped.
 /// Memory     see AnimateOptions::memory_bytes. The same frames for any of it, and any number of threads.
-/// With `loop`, clips play whole numbers of their loops, each beginning at another moment (timeline.h).
 /// Source     Okabe et al. 2011, Sec. 6.
 AnimateReport animate(const store::Snapshot& snapshot, const vision::Settings& settings,
                       const cv::Mat& picture, const cv::Mat& matte, const Placement& placement,

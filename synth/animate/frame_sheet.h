@@ -10,7 +10,8 @@ namespace freshet::synth::animate {
 /// Collects frames as they are rendered and lays them out in a grid.
 class FrameSheet {
  public:
-  /// frames   of the animation; shown: how many of them the sheet shows, beside the picture itself.
+  /// frames   of the animation.
+  /// shown    how many of them the sheet shows, beside the picture itself.
   FrameSheet(const cv::Mat& picture, int frames, int shown = 8, int width_px = 480);
   void add(const cv::Mat& frame);  // in order; CV_8UC3
   /// CV_8UC3, three columns.

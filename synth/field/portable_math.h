@@ -1,9 +1,8 @@
-// synth/field/portable_math.h — the few transcendental functions that the scenes need, same bits
-// everywhere.
+// synth/field/portable_math.h — the few transcendental functions that the scenes need, same bits everywhere.
 //
-// The C library picks its exp, pow and sin by CPU (with or without fused multiply-add), so the last bit
-// differs between machines; these use only + - * / and are built without contraction. Relative error below
-// 1e-5.
+// The C library picks its exp, pow and sin by CPU (with or without fused multiply-add), so
+// the last bit differs between machines; these use only + - * / and are built without
+// contraction. Relative error below 1e-5.
 #pragma once
 
 #include <algorithm>

@@ -11,15 +11,17 @@
 namespace freshet::synth::matte {
 
 struct RegionOptions {
-  int iterations = 1;          // of GrabCut, that adapt its colours to what it found; 0: those of the marks
+  int iterations = 1;  // of GrabCut, each of which adapts its colours to what it found; 0: the marks' own
   int max_pixels = 300'000;    // of the copy that is cut: bounds time
   double min_island = 0.0005;  // of the picture: smaller islands without a mark, and smaller holes, go
 };
 
 /// Fluid is 255, CV_8U, the picture's size: the marks hold, and what is unknown goes to the side whose
 /// colours it has, with boundaries where the picture has edges.
-/// Without a mark of fluid, all that is unknown is taken as probably fluid; without one of background, the
+///
+/// Without a mark of fluid, all that is unknown is taken as probably fluid. Without one of background, the
 /// picture's border is background where nothing is said (a notice).
+///
 /// Throws   Error{kInput} when nothing is marked, or all is marked as fluid, or as background.
 /// where    what was marked, for messages.
 /// Cost     0.5 s at 300,000 pixels, one thread. The same for any number of threads.

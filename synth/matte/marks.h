@@ -23,20 +23,24 @@ using Marks = cv::Mat;
 ///              painted differs from it by 24 of 255 or less and is unknown, whatever its colour.
 /// plain        otherwise: strokes on grey, as a trimap.
 ///
-/// picture  CV_8UC3. notices   for a person, when not null.
+/// picture  CV_8UC3.
+/// notices  for a person, when not null.
 /// Throws   Error{kInput} naming the file: unreadable, another size, no stroke in it.
 Marks read_scribbles(const std::filesystem::path& path, const cv::Mat& picture,
                      std::vector<std::string>* notices = nullptr);
 
-/// Reads marks from JSON, px of the picture as in query/hints/strokes.h; later entries lie over earlier ones:
+/// Reads marks from JSON, px of the picture as in query/hints/strokes.h. Later entries lie over earlier ones.
 ///
 /// {"format": "freshet-marks", "version": 1, "marks": [
-///   {"is": "fluid",      "points": [[x, y], ...], "width": 9},   a line, 7 px wide unless said; one point: a
-///   {"is": "background", "box": [x, y, width, height]},          dot
-///   {"is": "within",     "box": [x, y, width, height]}]}         no fluid outside; several: outside of all
+///   {"is": "fluid",      "points": [[x, y], ...], "width": 9},
+///   {"is": "background", "box": [x, y, width, height]},
+///   {"is": "within",     "box": [x, y, width, height]}]}
+///
+/// points   a line, 7 px wide unless said; one point: a dot.
+/// within   no fluid outside of it; several: outside of all.
 ///
 /// Throws   Error{kInput} naming the file, the mark and the remedy: malformed, no mark, a mark outside the
-/// picture or without area, above 16 MB, 10,000 marks or a million points.
+///          picture or without area, above 16 MB, 10,000 marks or a million points.
 Marks read_marks(const std::filesystem::path& path, cv::Size picture);
 
 /// No fluid outside of these boxes (px): background wherever nothing was said. Throws Error{kUsage} naming

@@ -22,11 +22,13 @@ struct Proposal {
 };
 
 /// Marks the pieces whose best candidates are good. Scores are smoothed over each piece and its eight
-/// neighbours and split in two where that explains most of their variance (Otsu 1979); pieces at or above the
+/// neighbours and split in two where that explains most of their variance (Otsu 1979). Pieces at or above the
 /// upper side's mean are fluid, at or below the lower side's mean background, the rest is left to GrabCut.
-/// target, candidates   of the whole picture.
-/// where    for messages. Throws Error{kNotFound} when the two sides differ by too little.
 /// It is a guess: descriptors are blind to colour, and smooth sky or steel looks like a calm fluid.
+///
+/// target, candidates   of the whole picture.
+/// where                for messages.
+/// Throws               Error{kNotFound} when the two sides differ by too little.
 Proposal propose_marks(const query::Target& target, const query::Candidates& candidates,
                        const ProposalOptions& options, const std::string& where);
 

@@ -20,8 +20,9 @@ const char* to_string(Edge edge);
 
 struct EdgeOptions {
   Edge edge = Edge::kInformationFlow;
-  double width_px = 0;          // the band, half of it to either side of the region's edge, in which alpha is
-                                // found; 0: of the picture's longer side 8 %, guided 2 %
+  /// The band in which alpha is found, half of it to either side of the region's edge. 0: of the picture's
+  /// longer side 8 %, guided 2 %.
+  double width_px = 0;
   double guided_radius = 0.25;  // of the guided filter, in widths of the band
   double guided_eps = 1e-3;     // contrast (variance of 0..1) below which a guided edge is smoothed
   int max_pixels = 100'000;     // of the copy that information flow works on: some 30 us per pixel
@@ -33,10 +34,11 @@ double band_width(const EdgeOptions& options, cv::Size size);
 /// The trimap: 0 and 255 where region or marks are sure, 128 in the band.
 cv::Mat trimap_of(const cv::Mat& region, const Marks& marks, double width_px);
 
-/// Alpha, CV_8U: the region's own values outside of the band, and the marks' where there are any.
-/// picture  CV_8UC3. region   CV_8U, 0 or 255.
-/// Information flow works on the part of the picture that holds the band, reduced to max_pixels; what comes
-/// back is fitted to the picture's own edges by a guided filter.
+/// Alpha, CV_8U: the region's own values outside of the band, and the marks' where there are any. Information
+/// flow works on the part of the picture that holds the band, reduced to max_pixels; what comes back is
+/// fitted to the picture's own edges by a guided filter.
+/// picture  CV_8UC3.
+/// region   CV_8U, 0 or 255.
 cv::Mat soft_edge(const cv::Mat& picture, const cv::Mat& region, const Marks& marks,
                   const EdgeOptions& options);
 

@@ -31,8 +31,9 @@ struct PreparedExemplar {
   bool opaque = false;  // no pixel is transparent
 };
 
-/// previous is the frame before; it may be the same. levels: at most; fewer where a level would have no
-/// patch. Throws  Error{kInput} as Transfer::next says.
+/// previous   the frame before; it may be the same.
+/// levels     at most; fewer where a level would have no patch.
+/// Throws     Error{kInput} as Transfer::next says.
 PreparedExemplar prepare(const ExemplarFrame& frame, const ExemplarFrame& previous, int levels,
                          const TransferOptions& options);
 

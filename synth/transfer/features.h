@@ -10,10 +10,11 @@
 namespace freshet::synth::transfer {
 
 /// Channels of Eq. 8, times the roots of their weights of Eq. 9 and 1023, as 16-bit integers: blue, green,
-/// red, alpha, blurred alpha, 0, then blue, green, red and alpha of the frame before. Integers because their
-/// sums are the same in any order, so that vectors of any width give the same bits, and because half the
-/// bytes of floats are fetched: a patch of 5 x 5 is five runs of 100 bytes. 1023 leaves 10-bit pictures
-/// whole, and the largest sum (patch 9, eta 16) is 1.9e9.
+/// red, alpha, blurred alpha, 0, then blue, green, red and alpha of the frame before.
+///
+/// Integers, because their sums are the same in any order: vectors of any width give the same bits. And
+/// because they are half the bytes of floats: a patch of 5 x 5 is five runs of 100 bytes. 1023 leaves 10-bit
+/// pictures whole, and the largest sum (patch 9, eta 16) is 1.9e9.
 inline constexpr int kChannels = 10;
 inline constexpr float kUnit = 1023.0f;
 

@@ -28,16 +28,17 @@ struct Match {
   }
 };
 
-/// For places of one picture (from), the places of another (to) that are the nearest found so far: when the
-/// nearest is closed, the next one is at hand. Of one alone, the same two passes a round found pairs of 1.26
-/// times the exact search's sum of distances where eight found 1.17 (three pairs of pictures).
+/// For places of one picture (from), the places of another (to) that are the nearest found so far, kKept of
+/// them: when the nearest is closed, the next one is at hand. With the same two passes a round, one kept
+/// found pairs of 1.26 times the exact search's sum of distances, eight 1.17 (three pairs of pictures).
 struct MatchField {
   static constexpr std::size_t kKept = 8;
 
   int from_width = 0, from_height = 0, to_width = 0, to_height = 0;
-  std::vector<std::int32_t> last;  // by place of from: the nearest as it was after the last search, closed
-                                   // meanwhile or not, for neighbours to begin at; -1: none yet
-  std::vector<Match> kept;         // kKept a place, in order
+  /// By place of from: the nearest as it was after the last search, closed meanwhile or not, for neighbours
+  /// to begin at; -1: none yet.
+  std::vector<std::int32_t> last;
+  std::vector<Match> kept;  // kKept a place, in order
 
   MatchField(int from_w, int from_h, int to_w, int to_h)
       : from_width(from_w),
@@ -55,10 +56,11 @@ struct MatchField {
 /// that shrink from the whole picture. A tile reads its own values as they become, those of other tiles as
 /// they were before the pass: tiles may run on any thread, in any order.
 ///
-/// cost(from, to)    the distance.
-/// first(from, try_place)  calls try_place(to) with what the caller knows better.
-/// seen              scratch, as large as match.last.
-/// Ties go to the lower index. Source: Barnes et al. 2009, 2010.
+/// cost(from, to)           the distance.
+/// first(from, try_place)   calls try_place(to) with what the caller knows better.
+/// seen                     scratch, as large as match.last.
+/// Ties go to the lower index.
+/// Source   Barnes et al. 2009, 2010.
 template <class Cost, class First>
 void patch_match_pass(std::span<const int> places, const OpenPlaces& open, int pass, std::uint64_t seed,
                       const Cost& cost, const First& first, MatchField& match,

@@ -39,10 +39,13 @@ struct RetrievalSeconds {
   double search = 0, assign = 0;
 };
 
-/// Uniform patch use, Eq. 5, by the reversed retrieval of Sec. 4.1: every source patch looks for its nearest
-/// unassigned target patch; of those that found the same one the nearest keeps it; the pairs, in order of
-/// distance, are assigned where the source has been used fewer than K times, or K times while R lasts; and
-/// again until all targets have a source. Every source is then used K or K + 1 times, R of them K + 1.
+/// Uniform patch use, Eq. 5, by the reversed retrieval of Sec. 4.1. Rounds go on until all targets have a
+/// source:
+///   Every source patch looks for its nearest unassigned target patch.
+///   Of those that found the same one the nearest keeps it.
+///   The pairs, in order of distance, are assigned where the source has been used fewer than K times, or K
+///   times while R lasts.
+/// Every source is then used K or K + 1 times, R of them K + 1.
 ///
 /// sources, targets  places, in the order of Segments. sources is not empty.
 /// field      what it says of the targets is where PatchMatch looks first (-1: nowhere); overwritten.
@@ -55,8 +58,7 @@ void assign_uniformly(const PatchDistance& distance, const std::vector<int>& sou
                       const std::vector<int>& targets, const RetrievalOptions& options, NearestField& field,
                       RetrievalSeconds& seconds);
 
-/// The nearest source of every target, however often it is used: Kwatra et al. 2005, Eq. 2. As above
-/// otherwise.
+/// The nearest source of every target, however often it is used: Kwatra et al. 2005, Eq. 2. Else as above.
 void assign_nearest(const PatchDistance& distance, const std::vector<int>& sources,
                     const std::vector<int>& targets, const RetrievalOptions& options, NearestField& field,
                     RetrievalSeconds& seconds);

@@ -27,8 +27,8 @@ inline int tile_of(int index, int width) {
   return (y / kTile) * ((width + kTile - 1) / kTile) + x / kTile;
 }
 
-/// Boundary where lower < blurred alpha < upper, interior from upper on (Sec. 4.2). margin: how near to the
-/// picture's edge a patch's centre may be.
+/// Boundary where lower < blurred alpha < upper, interior from upper on (Sec. 4.2).
+/// margin   how near to the picture's edge a patch's centre may be.
 void segment(const Grid& blurred_alpha, double lower, double upper, int margin, Segments& out);
 
 /// Makes the lists from `of`.

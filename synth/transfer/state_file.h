@@ -16,8 +16,7 @@ struct State {
 };
 
 /// File    "FRTRANS1", a digest of the options, frame, width, height, the three fields row by row as 32-bit
-///         floats, and a hash of all before it; little-endian. Written to a neighbour that is renamed when
-///         whole.
+///         floats, and a hash of all before it; little-endian. Written to a neighbour, renamed when whole.
 /// Throws  Error{kIo}.
 void write_state(const std::filesystem::path& path, const State& state, const TransferOptions& options);
 

@@ -40,15 +40,15 @@ struct TransferOptions {
   int levels = 0;       // of the pyramid, 1 to 10; 0: as many as leave the shorter side 24 px
   int iterations = 4;   // of retrieval and vote, per level
   int passes = 2;       // of PatchMatch, per retrieval
-  // 0 to 4: where patches overlap, one counts as (its distance)^-vote_power. 0.6 is Kwatra et al. 2005;
-  // Wexler et al. 2007 weigh more steeply. At 0.6 a picture and a clip of fire kept 0.59 and 0.61 of their
-  // sharpness (mean squared Laplacian), at 2 0.82 and 0.87.
+  /// 0 to 4: where patches overlap, one counts as (its distance)^-vote_power. 0.6 is Kwatra et al. 2005;
+  /// Wexler et al. 2007 weigh more steeply. At 0.6 a picture and a clip of fire kept 0.59 and 0.61 of their
+  /// sharpness (mean squared Laplacian), at 2 0.82 and 0.87.
   double vote_power = 2;
   Retrieval retrieval = Retrieval::kUniform;
   Start start = Start::kWarped;
   Search search = Search::kPatchMatch;
-  // 4: the exemplar also turned by 90, 180 and 270 degrees (Fig. 8). Sec. 4.5 names a search over all angles
-  // for each patch too, and leaves it for its cost: what its authors used is this.
+  /// 4: the exemplar also turned by 90, 180 and 270 degrees (Fig. 8). Sec. 4.5 names a search over all angles
+  /// for each patch too, and leaves it for its cost: what its authors used is this.
   int quarter_turns = 1;
   double motion_blur = 0;  // 0 to 4: length of the blur along the flow, in frames' motions (Fig. 9)
   std::uint64_t seed = 1;
@@ -59,24 +59,25 @@ void check(const TransferOptions& options);
 
 /// One moment of the look.
 struct ExemplarFrame {
-  cv::Mat bgra;    // CV_8UC4, CV_16UC4 or CV_32FC4 (0..1), straight alpha; the colour of what is transparent
-                   // counts for nothing. Never written to
-  cv::Mat motion;  // empty, or CV_32FC2, px per frame, of bgra's size: what lies at p lies at p + motion in
-                   // the
-                   // next frame. Temporal coherence then compares along it; without it, at the same pixel
-                   // (Sec. 4.3)
+  /// CV_8UC4, CV_16UC4 or CV_32FC4 (0..1), straight alpha; the colour of what is transparent counts for
+  /// nothing. Never written to.
+  cv::Mat bgra;
+  /// Empty, or CV_32FC2, px per frame, of bgra's size: what lies at p lies at p + motion in the next frame.
+  /// Temporal coherence then compares along it; without it, at the same pixel (Sec. 4.3).
+  cv::Mat motion;
 };
 
-/// The look at frame t, from -1 on (asked for where frame 0 is looked at for its past: give frame 0 again, or
-/// the loop's last). A picture gives the same Mat for every t, and is prepared once. All of one size. It is
-/// called from the thread that calls Transfer::next, for t and t - 1.
+/// The look at frame t, called from the thread that calls Transfer::next, for t and t - 1. t begins at -1,
+/// frame 0's past: give frame 0 again, or the loop's last. A picture gives the same Mat for every t, and is
+/// prepared once. All of one size.
 using Exemplar = std::function<ExemplarFrame(int t)>;
 
 /// One moment of the design. All frames have one size.
 struct TargetFrame {
   cv::Mat alpha;  // CV_8U, or CV_32F 0..1: where the fluid is
-  cv::Mat flow;   // CV_32FC2, px per frame, x right, y down: what lies at p now lies at p + flow in the next
-                  // frame, as synth/simulate writes it
+  /// CV_32FC2, px per frame, x right, y down: what lies at p now lies at p + flow in the next frame, as
+  /// synth/simulate writes it.
+  cv::Mat flow;
 };
 
 /// How many times source patches were used, by segment.
@@ -100,9 +101,10 @@ struct TransferSeconds {  // wall clock, all levels
 
 struct TransferredFrame {
   int index = 0;
-  cv::Mat bgra;      // CV_32FC4, 0..1, straight alpha, motion blur applied; 0 where alpha is 0
-  cv::Mat nearest;   // CV_32SC3: the source patch of the patch centred here: x, y of its centre in the
-                     // exemplar, and quarter turns of the exemplar, anticlockwise; -1 where there is no patch
+  cv::Mat bgra;  // CV_32FC4, 0..1, straight alpha, motion blur applied; 0 where alpha is 0
+  /// CV_32SC3: the source patch of the patch centred here: x, y of its centre in the exemplar, and quarter
+  /// turns of the exemplar, anticlockwise; -1 where there is no patch.
+  cv::Mat nearest;
   cv::Mat distance;  // CV_32F: D of Eq. 9 of that pair, colours 0..1; 0 where there is no patch
   cv::Mat lambda;    // CV_32F: Eq. 6
   SegmentUse boundary, interior;
@@ -135,14 +137,14 @@ class Transfer {
   /// Throws  Error{kInput}: a type or a size other than said above or than the frame before, flow that is not
   ///         finite, an exemplar smaller than 2 patches per side or with no fluid in it. An empty mask is a
   ///         transparent frame.
-  /// Cost    see docs/measurements.md
+  /// Cost    docs/measurements/transfer.md.
   TransferredFrame next(const TargetFrame& target, const std::function<void(double fraction)>& done = {});
 
   /// Index of the frame that next() makes.
   int frame() const;
 
-  /// Everything that the next frame depends on but the exemplar and the target. Throws Error{kIo}; nothing
-  /// is left under `path` then.
+  /// Writes everything that the next frame depends on, except the exemplar and the target. Throws Error{kIo};
+  /// nothing is left under `path` then.
   void save_state(const std::filesystem::path& path) const;
 
   /// Throws Error{kInput}: missing, cut, damaged, or written with other options. The state stays as it was.

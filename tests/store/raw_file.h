@@ -22,8 +22,8 @@ inline void write_file(const std::filesystem::path& file, const std::vector<char
       .write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
 }
 
-/// Visits every record of the named tables. What visit leaves in the value is written back when it returns
-/// true.
+/// Visits every record of the named tables. When visit returns true, the value is written
+/// back as visit left it.
 inline void each_record(
     const std::filesystem::path& file,
     const std::function<bool(const std::string& table, const std::string& key, std::string& value)>& visit) {

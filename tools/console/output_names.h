@@ -1,4 +1,4 @@
-// tools/console/output_names.h — outputs whose names are wrong are refused before anything is computed for them.
+// tools/console/output_names.h — outputs whose names are wrong are refused before anything is computed.
 #pragma once
 
 #include <filesystem>

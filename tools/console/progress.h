@@ -10,8 +10,8 @@
 namespace freshet::tools {
 
 /// Shows `done of total` with rate and time left, on stderr. On a terminal one line is redrawn at most ten
-/// times a second; elsewhere a line is printed when a stage begins and then every 30 s, so that logs stay
-/// short.
+/// times a second; elsewhere a line is printed when a stage begins and then every 30 s: logs
+/// stay short.
 class Progress {
  public:
   ~Progress();

@@ -6,8 +6,7 @@
 
 namespace freshet::tools {
 
-/// Rows of cells under a header. Columns whose cells all begin with a digit, a sign or "-" are set flush
-/// right.
+/// Rows of cells under a header. Columns whose cells all begin with a digit, a sign or "-" are flush right.
 class Table {
  public:
   explicit Table(std::vector<std::string> header);

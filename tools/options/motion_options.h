@@ -1,5 +1,4 @@
-// tools/options/motion_options.h — the options with which a person says how the fluid is to move, and sees how it
-// does.
+// tools/options/motion_options.h — the options that say how the fluid is to move, and show how it does.
 #pragma once
 
 #include <filesystem>
@@ -34,8 +33,8 @@ class MotionOptions {
   /// Reads what was given; says what was left out. The tolerance in degrees is that of --direction.
   AskedMotion read(const TargetFiles::Loaded& loaded, const SearchOptions& search) const;
 
-  /// Writes --draw: what was asked, or what was assigned where nothing was (motion   CV_32FC2, px/s; empty
-  /// when nothing was assigned yet).
+  /// Writes --draw: what was asked, or what was assigned where nothing was.
+  /// motion   the assigned motion, CV_32FC2, px/s; empty when nothing was assigned yet.
   void draw(const TargetFiles::Loaded& loaded, const AskedMotion& asked, const cv::Mat& motion) const;
   /// Writes the maps of assigned motion; says when white is too dark for it.
   void write_maps(const TargetFiles::Loaded& loaded, const cv::Mat& motion) const;

@@ -21,26 +21,28 @@ enum class BlendWeights {
 enum class LowBand {
   kKeep,    // as it is: neighbouring pieces of different clips beat against each other
   kRemove,  // gone: right for water, but a fire no longer breathes
-  kShared,  // averaged over a wide neighbourhood: what neighbours do together stays, what each does alone
-            // goes
+  kShared,  // averaged over a wide neighbourhood: only what neighbours do together stays
 };
 
 struct BlendOptions {
   BlendWeights weights = BlendWeights::kVariance;
   LowBand low_band = LowBand::kShared;
-  int levels = 3;             // band-pass levels, fewer where side and stride are no multiples of 2^levels
-                              // px; the rest of a 48 px piece is then 6 x 6
+  /// Band-pass levels; fewer where side and stride are no multiples of 2^levels px. The rest of a 48 px piece
+  /// is then 6 x 6.
+  int levels = 3;
   double low_band_reach = 3;  // kShared: sigma of the neighbourhood, in pieces
 };
 
 /// Collects the pieces' differences frame by frame, and gives the merged field.
 ///
 /// A piece owns the square of one stride at its middle. At each level the owner's weight falls off over a
-/// width in proportion to the level's wavelength: fine detail changes hands within a few pixels, so that two
-/// unrelated textures are never shown on top of each other, coarse detail over the whole overlap. Source:
-/// Okabe et al. 2011, Sec. 6; Burt and Adelson 1983. Weights divided by the root of w' C w, C the correlation
-/// of the pieces (1 for coherent neighbours, else 0), keep the variance: with plain averages two unrelated
-/// pieces lose 3 dB at their border.
+/// width in proportion to the level's wavelength. Fine detail changes hands within a few pixels, so that two
+/// unrelated textures are never shown on top of each other; coarse detail over the whole overlap.
+///
+/// Weights are divided by the root of w' C w, C the correlation of the pieces (1 for coherent neighbours,
+/// else 0). That keeps the variance: with plain averages two unrelated pieces lose 3 dB at their border.
+///
+/// Source   Okabe et al. 2011, Sec. 6; Burt and Adelson 1983.
 class Blender {
  public:
   /// Memory: frames x canvas x 4/3 floats.
@@ -51,8 +53,7 @@ class Blender {
   /// different threads; the pieces of one frame in a fixed order, for results that do not depend on threads.
   void add(int frame, std::size_t patch, const cv::Mat& difference);
 
-  /// The merged field of one frame on the canvas (canvas_of): CV_32F. Frees the frame's memory. After all
-  /// adds.
+  /// The merged field of one frame on the canvas (canvas_of): CV_32F. Frees its memory. After all adds.
   cv::Mat take(int frame);
 
  private:

@@ -20,9 +20,12 @@
 namespace freshet::synth::animate {
 
 /// What is shown of a moment between two frames of a clip. Measured on 75 frames at 25/s of clips at 30/s,
-/// the picture's sharpness unmatched: from frame to frame the change varies by 30 % of its mean by the
-/// nearest frame and by 12 % along the flow (at half speed by 127 % and 11 %), Laplacian energy by 11.4 %
-/// and 9.4 %; the mean energy is 2.4 % less along the flow.
+/// the picture's sharpness unmatched:
+///                                              nearest   flow
+///   change from frame to frame varies by          30 %   12 %   of its mean
+///   the same at half speed                       127 %   11 %
+///   Laplacian energy varies by                  11.4 %  9.4 %
+/// The mean energy is 2.4 % less along the flow.
 enum class Resampling {
   kNearest,  // the frame nearest in time
   kFlow,     // both frames, brought together along the flow kept in the store
@@ -31,7 +34,7 @@ enum class Resampling {
 /// Patches of one clip. Those that play at one speed share one timeline, so that neighbours stay in step.
 class ClipLayer {
  public:
-  /// patches   of the placement that lie in this clip. options.speed and .phase and .whole are set here.
+  /// patches   of the placement that lie in this clip. options.speed, .phase and .whole are set here.
   /// Throws    as timeline().
   ClipLayer(const store::Snapshot& snapshot, store::ClipId clip, int flow_step, const Placement& placement,
             std::vector<std::size_t> patches, const TimelineOptions& options, Resampling resampling);

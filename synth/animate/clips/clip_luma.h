@@ -18,9 +18,9 @@ namespace freshet::synth::animate {
 /// flow between them where moments between frames are asked for.
 ///
 /// A moment between two frames is made of both, each brought there along the flow kept in the store, and
-/// mixed by their distance in time; where the two disagree the nearer one counts more, because a mixture of
-/// what does not match halves its contrast. The flow of a pixel is taken where the pixel is, not where it
-/// came from: the flow of fluids is smooth, and the motion between frames is a few pixels.
+/// mixed by their distance in time. Where the two disagree the nearer one counts more: a mixture of what does
+/// not match halves its contrast. The flow of a pixel is taken where the pixel is, not where it came from:
+/// the flow of fluids is smooth, and the motion between frames is a few pixels.
 class ClipLuma {
  public:
   /// needed     px of the source frame; beyond them luminance may be anything.

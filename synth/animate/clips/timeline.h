@@ -31,16 +31,17 @@ struct TimelineOptions {
 /// rule as often as needed. With `loop` it runs through a whole number of loops of equal length, as near to
 /// the rule's as fits.
 ///
-/// Cross-fades keep the variance: the weights of the two moments are cos and sin of a quarter turn, divided
-/// by the root of 1 + 2 cos sin (1 - rule.distance), since frames at distance d have the correlation 1 - d; a
-/// plain cross-fade of unrelated frames would lose half of their power. They are weights of differences to
-/// the average.
+/// Cross-fades keep the variance: a plain cross-fade of unrelated frames would lose half of their power. The
+/// weights of the two moments are cos and sin of a quarter turn, divided by the root of
+/// 1 + 2 cos sin (1 - rule.distance): frames at distance d have the correlation 1 - d. They are weights of
+/// differences to the average.
 ///
-/// times      of the clip's frames, s, ascending; at least one. interval: of the last frame, s.
+/// times      of the clip's frames, s, ascending; at least one.
+/// interval   of the last frame, s.
 /// rule       of the clip; where it has none, a clip that is long enough still plays once.
 /// where      names the clip in messages.
 /// Throws     Error{kInput} when the clip is shorter than the animation, or a loop is asked, and it has no
-/// rule.
+///            rule.
 std::vector<Moment> timeline(std::span<const double> times, double interval,
                              const std::optional<vision::LoopRule>& rule, const std::string& where,
                              const TimelineOptions& options);

@@ -24,9 +24,10 @@ struct InpaintOptions {
 };
 
 /// The picture with the region of the matte filled in from around it; everywhere else the picture itself.
-/// picture  CV_8UC3. matte CV_8U, same size: a pixel above 0 is not background.
+/// picture  CV_8UC3.
+/// matte    CV_8U, same size: a pixel above 0 is not background.
 /// Throws   Error{kInput} when the matte leaves no background to be seen.
-/// Cost     bench/background_choice.
+/// Cost     bench/choices/background_choice.cc.
 cv::Mat inpaint_background(const cv::Mat& picture, const cv::Mat& matte, const InpaintOptions& options = {});
 
 }  // namespace freshet::synth::animate

@@ -7,9 +7,9 @@ namespace freshet::synth::animate {
 
 struct DynamicMatteOptions {
   double tau = 0.95;  // 0..1: fraction of the moved matte that is kept each 1/25 s; 0: the matte stands still
-  bool held_foot = true;  // fluid stays where it enters: at the foot of a flame, the mouth of a chimney. The
-                          // paper has no such rule, and a flame that goes 4 px per frame leaves its logs by
-                          // 50
+  /// Fluid stays where it enters: at the foot of a flame, the mouth of a chimney. The paper has no such rule,
+  /// and a flame that goes 4 px per frame leaves its logs by frame 50.
+  bool held_foot = true;
   bool keep_softness = true;  // edges stay as soft as the still matte's; else they spread along the motion
 };
 
@@ -17,9 +17,9 @@ struct DynamicMatteOptions {
 ///
 /// The area is the sum of all pixels. It is kept by a shift of the logit of B, which leaves 0 and 1 where
 /// they are: fluid appears only beside fluid. Edges are then sharpened, by a factor on the logit, until they
-/// are as soft as alpha's, sum B (1 - B) the same. Both make the matte that is shown, and the recursion goes
-/// on with B as it was: fed back, a shift a frame added up, and holes in the flames wandered through them for
-/// seconds.
+/// are as soft as alpha's, sum B (1 - B) the same. Both make the matte that is shown; the recursion goes on
+/// with B as it was. When it was fed back, a shift a frame added up, and holes in the flames wandered through
+/// them for seconds.
 ///
 /// Source  Okabe et al. 2011, Sec. 6, "Dynamic Boundaries of Fluid" (their adjustment is not described, and
 ///         made each time B is computed); the warp is semi-Lagrangian, Stam 1999.
@@ -31,7 +31,8 @@ class DynamicMatte {
   DynamicMatte(const cv::Mat& alpha, const cv::Mat& mean_motion, double fps,
                const DynamicMatteOptions& options = {});
 
-  /// Moves on by one frame. motion CV_32FC2, px/s, finite. All threads; the same for any number of them.
+  /// Moves on by one frame. All threads; the same for any number of them.
+  /// motion   CV_32FC2, px/s, finite.
   void step(const cv::Mat& motion);
 
   /// The matte of the present frame: CV_32F, 0..1. Its area differs from alpha's by at most a thousandth,

@@ -1,4 +1,4 @@
-// synth/animate/motion/motion_field.h — the mean motion that an assignment gives to every pixel of the picture.
+// synth/animate/motion/motion_field.h — the mean motion that an assignment gives to every pixel.
 #pragma once
 
 #include <opencv2/core.hpp>

@@ -26,10 +26,10 @@ struct PlayedPatches {
   std::vector<ShownFrame> shown;     // by output frame
 };
 
-/// The motion M_i of the synthesised animation: the flow of the assigned patches' clips at the frames that
-/// are shown, turned and scaled into their variants, averaged over squares of some 8 px, and mixed where
-/// pieces overlap by weights that fall from each piece's middle. Beyond the pieces the motion of the nearest
-/// goes on.
+/// The motion M_i of the synthesised animation. It is the flow of the assigned patches' clips at the frames
+/// that are shown, turned and scaled into their variants and averaged over squares of some 8 px. Where pieces
+/// overlap it is mixed by weights that fall from each piece's middle. Beyond the pieces the motion of the
+/// nearest goes on.
 class MotionSequence {
  public:
   /// played   each patch of the placement once; `frames` frames shown of each.

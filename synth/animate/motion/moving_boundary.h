@@ -1,5 +1,4 @@
-// synth/animate/motion/moving_boundary.h — the fluid's outline in motion: a matte per frame, and what lies
-// behind it.
+// synth/animate/motion/moving_boundary.h — the fluid's moving outline: a matte per frame, and its background.
 #pragma once
 
 #include <functional>
@@ -24,17 +23,18 @@ struct BoundaryOptions {
 };
 
 /// What a frame is laid on where the fluid was. CV_32FC3, 0..1: the background inside the matte, and the
-/// picture itself outside; where the matte is fractional the picture is already a mixture, so the background
+/// picture itself outside. Where the matte is fractional the picture is already a mixture, so the background
 /// takes over early, in full from a matte of 1/8.
-/// picture CV_8UC3; matte CV_8U. Throws Error{kInput} for a background of another size, or a matte that
-/// leaves none to be seen.
+/// picture  CV_8UC3.
+/// matte    CV_8U.
+/// Throws   Error{kInput} for a background of another size, or a matte that leaves none to be seen.
 cv::Mat behind_fluid(const cv::Mat& picture, const cv::Mat& matte, const BoundaryOptions& options);
 
 /// Mattes of the frames one after the other, first the still one; asked for in order.
 class BoundarySequence {
  public:
   /// motion   velocity in frame i, CV_32FC2, px/s, as MotionSequence::at.
-  /// ring     0, or the number of frames after which the motion begins again: then the matte is brought to
+  /// ring     0, or the number of frames after which the motion begins again. The matte is then brought to
   ///          its own period first, and so has no seam; it no longer begins as the still one.
   BoundarySequence(const cv::Mat& alpha, const cv::Mat& mean_motion, double fps,
                    const DynamicMatteOptions& options, std::function<cv::Mat(int)> motion, int ring = 0);

@@ -21,10 +21,11 @@ struct PlacedPatch {
 
 /// Pieces on one regular lattice: every piece.x differs from another's by a multiple of `stride`; so does y.
 struct Placement {
-  int side = 48;           // px, of a piece
-  int stride = 24;         // px
-  double piece_scale = 1;  // pieces lie on the picture reduced by this, and are shown enlarged by it: all px
-                           // here are of the reduced picture (query/search/picture_scale.h)
+  int side = 48;    // px, of a piece
+  int stride = 24;  // px
+  /// Pieces lie on the picture reduced by this, and are shown enlarged by it: all px here are of the reduced
+  /// picture (query/search/picture_scale.h).
+  double piece_scale = 1;
   std::vector<PlacedPatch> patches;
 };
 
@@ -32,8 +33,8 @@ struct Placement {
 /// four pieces overlap across: an assignment file can say so.
 void check(const Placement& placement);
 
-/// The largest power of two, at most `max_step`, that divides side and stride: in steps of it pieces and
-/// canvas coincide.
+/// The largest power of two, at most `max_step`, that divides side and stride: in steps of
+/// it pieces and canvas coincide.
 int common_step(const Placement& placement, int max_step);
 
 /// True when b's patch continues a's in its own clip and variant, at the same speed: laid beside each other
@@ -44,8 +45,8 @@ bool coherent(const PlacedPatch& a, const PlacedPatch& b);
 /// corner lies on the lattice.
 cv::Rect canvas_of(const Placement& placement);
 
-/// From pixels of the picture to squares of `square` px, middles on middles. corner   of the first square, on
-/// the reduced picture.
+/// From pixels of the picture to squares of `square` px, middles on middles.
+/// corner   of the first square, on the reduced picture.
 cv::Matx23d squares_from_picture(const Placement& placement, cv::Point corner, int square, cv::Size picture);
 
 }  // namespace freshet::synth::animate

@@ -29,8 +29,8 @@ constexpr CubicWeights cubic_weights() {
 }
 inline constexpr CubicWeights kCubic = cubic_weights();
 
-/// out[i] = the plane at the place (x[i], y[i]), in steps; its 4 x 4 samples lie at
-/// plane[offset + (row - 1 .. row + 2) * stride + column - 1 .. column + 2], and must exist.
+/// out[i] = the plane at the place (x[i], y[i]), in steps. Its 4 x 4 samples must exist; they lie at
+/// plane[offset + (row - 1 .. row + 2) * stride + column - 1 .. column + 2].
 /// Inlined, so that it is compiled for the widths of a FRESHET_WIDE caller. One row of four samples is one
 /// vector: gathering 16 samples a place into wider ones is slower.
 [[gnu::always_inline]] inline void cubic(const float* plane, std::ptrdiff_t offset, std::ptrdiff_t stride,
@@ -57,8 +57,8 @@ inline constexpr CubicWeights kCubic = cubic_weights();
   }
 }
 
-/// The same of a plane of pairs, whose offset and stride count pairs: firsts into `out`, seconds into
-/// `second`.
+/// The same of a plane of pairs, whose offset and stride count pairs: firsts into
+/// `out`, seconds into `second`.
 [[gnu::always_inline]] inline void cubic_pairs(const float* plane, std::ptrdiff_t offset,
                                                std::ptrdiff_t stride, const std::int32_t* x,
                                                const std::int32_t* y, int n, float* out, float* second) {

@@ -1,4 +1,4 @@
-// synth/animate/sampling/patch_window.h — how one patch is cut out of a frame of its clip, as its variant shows it.
+// synth/animate/sampling/patch_window.h — a patch cut out of a frame of its clip, as its variant shows it.
 #pragma once
 
 #include <cstdint>
@@ -11,18 +11,20 @@
 namespace freshet::synth::animate {
 
 /// Cuts side x side windows out of frames that have already been reduced to the variant's scale
-/// (area_reduction.h), so that all patches of one clip share the reduction. Upright windows are copied or
-/// mirrored, turned ones are interpolated bicubically: bilinear interpolation costs a third of the finest
-/// band's contrast.
+/// (area_reduction.h), so that all patches of one clip share the reduction. Upright windows are
+/// copied or mirrored, turned ones are interpolated bicubically: bilinear interpolation costs a third
+/// of the finest band's contrast.
 class PatchWindow {
  public:
-  /// source   size of the clip's frames. patch: px, top-left corner in the variant's frame.
+  /// source   size of the clip's frames.
+  /// patch    px, top-left corner in the variant's frame.
   PatchWindow(cv::Size source, const vision::Variant& variant, cv::Point patch, int side);
   /// Pixels of the source frame that a window needs, with the interpolation's margin; inside the frame.
   cv::Rect needed() const { return needed_; }
   /// Pixels of the reduced frame that cut() reads.
   cv::Rect read() const { return read_; }
-  /// reduced   CV_32F, of the size reduced_to_scale. out CV_32F, side x side.
+  /// reduced   CV_32F, of the size reduced_to_scale.
+  /// out       CV_32F, side x side.
   void cut(const cv::Mat& reduced, cv::Mat& out) const;
 
  private:

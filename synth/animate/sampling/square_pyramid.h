@@ -5,15 +5,13 @@
 
 namespace freshet::synth::animate {
 
-// As cv::pyrDown and cv::pyrUp make them (Burt and Adelson 1983), which for pictures of 48 px and less spend
-// most of their time on being called. Squares of n x n samples, rows one after another; n even, at least
-// kMinSquare. Inlined, so that they are compiled for the widths of a FRESHET_WIDE caller.
+// The pyramid of a piece, as cv::pyrDown and cv::pyrUp make it (Burt and Adelson 1983): for pictures of 48 px
+// and less these spend most of their time on being called. Squares of n x n samples, rows one after another;
+// n even, at least kMinSquare. Inlined, so that they are compiled for the widths of a FRESHET_WIDE caller.
 inline constexpr int kMinSquare = 4;
 
-// The pyramid of a piece, as cv::pyrDown and cv::pyrUp make it: they spend most of their time on being called
-// for pictures of 48 px and less. Squares of n x n samples, rows one after another; n even.
-
-/// Rows to half as many. line: n samples and two on either side.
+/// Rows to half as many.
+/// line   scratch: n samples and two on either side.
 [[gnu::always_inline]] inline void reduce_square(const float* from, int n, float* line, float* to) {
   // Mirrored at the edge samples.
   const auto row = [from, n](int y) { return from + n * (y < 0 ? -y : y < n ? y : 2 * n - 2 - y); };
@@ -31,7 +29,8 @@ inline constexpr int kMinSquare = 4;
   }
 }
 
-/// Columns of n / 2 samples per row to n; line: n / 2 samples and one on either side.
+/// Columns of n / 2 samples per row to n.
+/// line   scratch: n / 2 samples and one on either side.
 [[gnu::always_inline]] inline void widen_square(const float* from, int n, float* line, float* to) {
   const int half = n / 2;
   for (int y = 0; y < half; ++y) {
@@ -46,7 +45,8 @@ inline constexpr int kMinSquare = 4;
   }
 }
 
-/// sum += (current - what `low` becomes at twice the size) * weight, row by row; wide: low, widened.
+/// sum += (current - what `low` becomes at twice the size) * weight, row by row.
+/// wide   low, widened.
 [[gnu::always_inline]] inline void add_band(const float* current, const float* wide, const float* weight,
                                             int n, float* sum, std::ptrdiff_t stride) {
   constexpr float kUnit = 1.0f / 64;

@@ -1,4 +1,4 @@
-// synth/animate/still/appearance.h — the animation's contrast and levels matched, place by place, to the picture's.
+// synth/animate/still/appearance.h — contrast and levels matched, place by place, to the picture's.
 #pragma once
 
 #include <span>
@@ -9,20 +9,22 @@
 namespace freshet::synth::animate {
 
 struct AppearanceOptions {
-  int levels = 5;       // band-pass levels matched, up to detail of 32 px; then the picture itself
-  int region_px = 64;   // distance between the middles of neighbouring regions
-  double max_gain = 2;  // a band is not amplified beyond this: at 3, the grain of an old photograph brought
-                        // out the block noise of the smoke laid on it
-  double max_level_gain = 1.5;  // nor the picture's own levels: with more, the few dark pixels of a rock at
-                                // the matte's edge turned into dark specks that swim in the fall
+  int levels = 5;      // band-pass levels matched, up to detail of 32 px; then the picture itself
+  int region_px = 64;  // distance between the middles of neighbouring regions
+  /// A band is not amplified beyond this. At 3, the grain of an old photograph brought out the block noise of
+  /// the smoke laid on it.
+  double max_gain = 2;
+  /// Nor are the picture's own levels. With more, the few dark pixels of a rock at the matte's edge turned
+  /// into dark specks that swim in the fall.
+  double max_level_gain = 1.5;
 };
 
 /// Maps of values to values by region, one set per band, fitted once to the whole animation and then applied
-/// to each frame: fitted frame by frame they would make it pump, and a grid of separate regions would show.
-/// Here a pixel's value is the bilinear mixture of what its four nearest regions make of it. Source: Okabe et
-/// al.
-/// 2011, Sec. 6, "Appearance Matching"; Heeger and Bergen 1995 (with a Laplacian pyramid, and one pass:
-/// bands, then the picture); the mixture after Zuiderveld 1994 (CLAHE).
+/// to each frame. Fitted frame by frame they would make it pump. A grid of separate regions would show: so a
+/// pixel's value is the bilinear mixture of what its four nearest regions make of it.
+///
+/// Source   Okabe et al. 2011, Sec. 6, "Appearance Matching"; Heeger and Bergen 1995 (with a Laplacian
+///          pyramid, and one pass: bands, then the picture); the mixture after Zuiderveld 1994 (CLAHE).
 class AppearanceModel {
  public:
   /// target   CV_32F luma of the picture, 0..1.

@@ -1,5 +1,4 @@
-// synth/animate/still/base_image.h — the picture as a long exposure: what stands still under the moving
-// differences.
+// synth/animate/still/base_image.h — the picture as a long exposure: the still ground of moving differences.
 #pragma once
 
 #include <opencv2/core.hpp>
@@ -13,13 +12,14 @@ struct BaseImageOptions {
   double max_sigma_px = 12;
 };
 
+/// A still is an instant: its flames and splashes, left sharp, would stand frozen under the differences.
+///
 /// picture   CV_32F or CV_32FC3, 0..1.
 /// matte     CV_32F, 0..1: only fluid is blurred into fluid; what is outside neither changes nor bleeds in.
 /// motion    CV_32FC2, px/s.
 /// Returns   the picture blurred along its motion (a line integral, centred), then by a Gaussian in
-/// proportion to
-///           speed, which removes the edges that the line integral leaves. Unblurred where nothing moves.
-/// A still is an instant: its flames and splashes, left sharp, would stand frozen under the differences.
+///           proportion to speed, which removes the edges that the line integral leaves.
+///           Unblurred where nothing moves.
 /// Cost      O(pixels of the fluid * blur length); all threads. Memory: 16 bytes per pixel for each of up to
 ///           8 widths, less for wide ones.
 /// Source    Okabe et al. 2011, Sec. 6, "Recovery of Color Appearance"; Brostow and Essa 2001.

@@ -11,8 +11,9 @@ namespace freshet::synth::animate {
 struct CarriedBaseOptions {
   double fraction = 1;  // of the picture that is carried, 0..1; the rest is the long exposure
   double life_s = 3;    // how long one copy of the picture is carried before a fresh one takes over
-  double max_px = 160;  // and no copy is carried further than this to either side: where the fluid is faster
-                        // than that allows, less of the picture is carried
+  /// No copy is carried further than this to either side: where the fluid is faster than that allows, less of
+  /// the picture is carried.
+  double max_px = 160;
   double edge_px = 32;  // over which a copy fades towards the matte's edge
   int loop_frames = 0;  // > 0: the sequence repeats after so many frames
 };
@@ -20,11 +21,10 @@ struct CarriedBaseOptions {
 /// What was carried to each place of the picture in one frame, compact: it is kept for as long as it repeats.
 struct CarriedFrame {
   static constexpr int kOne = 1 << 14;
-  cv::Mat luma;                 // CV_16S, 1 / kOne, the picture's size
-  cv::Mat blue, red, fraction;  // CV_16S, 1 / kOne, of half the width and height, rounded up: blue and red
-                                // less luma; fraction: of the base there, 0..1, against the long exposure. A
-                                // flame brings
-                                // its own colour with it
+  cv::Mat luma;  // CV_16S, 1 / kOne, the picture's size
+  /// CV_16S, 1 / kOne, of half the width and height, rounded up. blue and red: less luma; a flame brings its
+  /// own colour with it. fraction: of the base there, 0..1, against the long exposure.
+  cv::Mat blue, red, fraction;
 };
 
 /// What lies still below the moving differences, made to move. The paper's long exposure blurs away the
@@ -32,18 +32,20 @@ struct CarriedFrame {
 ///
 /// Three copies of the picture are carried along the motion field, each from half a life before its place to
 /// half a life beyond, a third of a life apart. Their weights (1 + cos) / 3 always sum to 1 and their squares
-/// to 1/2, so that neither the level nor the contrast pulses. What is shown repeats every third of a life, or
-/// of what comes nearest to it and divides a loop. A copy brings only what is fluid; where it
-/// would bring what is not, the long exposure shows. Source: the carrying of textures by flow with
-/// regeneration, after Max and Becker 1995 and Neyret 2003
-/// ("advected textures"); not in Okabe et al. 2011.
+/// to 1/2, so that neither the level nor the contrast pulses. What is shown repeats every third of a life. In
+/// a loop that period is changed to the nearest one that divides the loop. A copy brings only what is fluid;
+/// where it would bring what is not, the long exposure shows.
+///
+/// Source   the carrying of textures by flow with regeneration, after Max and Becker 1995 and Neyret 2003
+///          ("advected textures"); not in Okabe et al. 2011.
 class CarriedBase {
  public:
-  /// picture   CV_32FC3, BGR, 0..1; luma CV_32F, its luma_of; matte CV_32F, 0..1.
+  /// picture   CV_32FC3, BGR, 0..1.
+  /// luma      CV_32F, its luma_of.
+  /// matte     CV_32F, 0..1.
   /// motion    CV_32FC2, px/s, all of one size.
   /// Memory    at most 98 maps at a quarter of the picture's width and height, and a few planes: 65 bytes per
-  /// pixel with the
-  ///           defaults at 25 frames per second (60 MB at 1280 x 720).
+  ///           pixel with the defaults at 25 frames per second (60 MB at 1280 x 720).
   CarriedBase(const cv::Mat& picture, const cv::Mat& luma, const cv::Mat& matte, const cv::Mat& motion,
               double fps, const CarriedBaseOptions& options);
 
@@ -63,12 +65,12 @@ class CarriedBase {
   struct Scratch;
   void carry(const cv::Rect& cell, int i, CarriedFrame& out, Scratch& scratch) const;
 
-  // The picture as pairs of luma and weight (how far it is fluid, faded towards the matte's edge), and at
-  // half its width and height as fours of blue - luma, red - luma, weight and 0; each with a margin. Beyond
-  // the matte the fluid's own values go on: what a copy brings from there counts little, and it is not rock.
-  cv::Mat fluid_, colour_;       // CV_32FC2, CV_32FC4
-  cv::Mat max_fraction_, own_;   // CV_32F, at half: the maximum that the carried picture counts; the
-                                 // place's own weight
+  // The picture as pairs of luma and weight: how far it is fluid, faded towards the matte's edge. At half its
+  // width and height, fours of blue - luma, red - luma, weight and 0. Each has a margin. Beyond the matte the
+  // fluid's own values go on: what a copy brings from there counts little, and it is not rock.
+  cv::Mat fluid_, colour_;  // CV_32FC2, CV_32FC4
+  /// CV_32F, at half size: the maximum that the carried picture counts; the place's own weight.
+  cv::Mat max_fraction_, own_;
   std::vector<cv::Rect> cells_;  // px, where anything is carried
   // Every stride_ frames from a copy's own time on: fluid that has come, and fluid that is yet to come.
   std::vector<Map> past_, future_;
@@ -81,8 +83,9 @@ class CarriedBase {
 /// Row y of a frame's values at half size, between their samples: width floats each.
 void colour_row(const CarriedFrame& frame, int y, int width, float* blue, float* red, float* fraction);
 
-/// Luma of the base: the carried picture over the long exposure. exposure CV_32F: base_image of the picture;
-/// out CV_32F.
+/// Luma of the base: the carried picture over the long exposure.
+/// exposure   CV_32F: base_image of the picture.
+/// out        CV_32F.
 void show_carried(const CarriedFrame& frame, const cv::Mat& exposure, cv::Mat& out);
 
 }  // namespace freshet::synth::animate

@@ -5,9 +5,9 @@
 
 namespace freshet::synth::animate {
 
-/// Differences carry their own clip's colours: laid on as they are they made pink casts on grey cascades. So
-/// only luminance is transferred, and each place is coloured by the picture's local relation of colour to
-/// luminance.
+/// Differences carry their own clip's colours: laid on as they are they made pink casts on grey
+/// cascades. So only luminance is transferred, and each place is coloured by the picture's local
+/// relation of colour to luminance.
 ///
 /// colour - luma = slope * luma + offset, by least squares in a window around each pixel, weighted by the
 /// matte (He, Sun, Tang 2010: the guided filter, its guide the luminance). Adding luma back keeps it exactly.
@@ -15,8 +15,11 @@ struct ColourModel {
   cv::Mat slope, offset;  // CV_32FC3, BGR
 };
 
-/// bgr CV_32FC3, luma CV_32F, both 0..1; matte CV_32F. radius px of the window; ridge the variance of luma
-/// below which colour is taken as constant.
+/// bgr     CV_32FC3, 0..1.
+/// luma    CV_32F, 0..1.
+/// matte   CV_32F.
+/// radius  px, of the window.
+/// ridge   the variance of luma below which colour is taken as constant.
 ColourModel fit_colour(const cv::Mat& bgr, const cv::Mat& luma, const cv::Mat& matte, int radius = 12,
                        double ridge = 4e-4);
 

@@ -14,12 +14,14 @@ namespace freshet::synth::animate {
 /// in the order in which it is read.
 class FrameFinisher {
  public:
-  /// model        of the picture (fit_colour); own_colour CV_32FC3: what colour does beside it.
-  /// still        CV_32FC3, 0..1: what shows where the fluid does not; where a matte is 0 it comes out as it
-  /// is.
+  /// model        of the picture (fit_colour).
+  /// own_colour   CV_32FC3: what colour does beside the model.
+  /// still        CV_32FC3, 0..1: what shows where the fluid does not; unchanged where a matte is 0.
   FrameFinisher(const ColourModel& model, const cv::Mat& own_colour, const cv::Mat& still);
 
-  /// luma     CV_32F. fluid CV_32F, 0..1: the matte. carried: null, or what brings its colour with it.
+  /// luma     CV_32F.
+  /// fluid    CV_32F, 0..1: the matte.
+  /// carried  null, or what brings its colour with it.
   /// Returns  CV_8UC3. Safe from many threads.
   cv::Mat finish(const cv::Mat& luma, const cv::Mat& fluid, const CarriedFrame* carried) const;
 

@@ -14,8 +14,9 @@ class CarriedTexture {
  public:
   static constexpr int kMaps = 2;
 
-  /// width, height  of the flow's grid. life: frames between resets, at least 2. phase: shifts the resets,
-  /// frames.
+  /// width, height   of the flow's grid.
+  /// life            frames between resets, at least 2.
+  /// phase           shifts the resets, frames.
   CarriedTexture(int width, int height, int life, int phase);
 
   /// back  where each cell's content was a frame ago, less its place, cells.

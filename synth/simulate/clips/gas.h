@@ -1,5 +1,4 @@
-// synth/simulate/clips/gas.h — what smoke, fire and ink share: a flow, what it carries, and where the picture
-// lies in it.
+// synth/simulate/clips/gas.h — what smoke, fire and ink share: a flow, what it carries, the picture in it.
 #pragma once
 
 #include <cstdint>
@@ -16,8 +15,8 @@ namespace freshet::synth::simulate {
 /// The flow is solved on cells of several pixels, what it carries on pixels; both reach beyond the picture,
 /// so that no rim shows.
 struct Domain {
-  Domain(cv::Size picture, float margin_x, float margin_top,
-         float margin_bottom);  // margins in fractions of the picture
+  /// Margins in fractions of the picture.
+  Domain(cv::Size picture, float margin_x, float margin_top, float margin_bottom);
 
   cv::Size picture;
   int step;           // px per cell

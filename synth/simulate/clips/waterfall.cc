@@ -129,8 +129,8 @@ class Waterfall final : public Scene {
         const float fraction_x = (static_cast<float>(x) + 0.5f) / w;
         const float drop = std::max(0.0f, fraction_y - ledges_.front().y);
         const float widen = 1.0f + spread_ * drop;
-        const float across = (fraction_x - middle_ - lean_ * drop) / widen;  // 0 in the middle, as at the
-                                                                             // brink
+        // 0 in the middle, as at the brink.
+        const float across = (fraction_x - middle_ - lean_ * drop) / widen;
         const float strand = across * w / (strand_px_ * scale_);
         // Time adds up from ledge to ledge; each lip is uneven from strand to strand.
         float time = 0.0f;

@@ -14,7 +14,8 @@ namespace freshet::synth::simulate {
 /// Throws Error{kInput} naming file, line and key: no TOML, an unknown key (and those there are), a value of
 /// another kind or out of range, a shape outside the picture, a picture that cannot be read.
 SceneOptions read_scene(const std::filesystem::path& path);
-/// The same from text. name: stands for the file in messages.
+/// The same from text.
+/// name   stands for the file in messages.
 SceneOptions parse_scene(std::string_view text, const std::filesystem::path& name);
 
 /// Whether a name is that of a scene file, and not of a preset: it ends in .toml.

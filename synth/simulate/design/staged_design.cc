@@ -3,7 +3,7 @@
 // The flow lives on cells, the fluid's density on the picture's pixels: its edges stay as sharp as the
 // picture, however coarse the flow. An instant is shown before the steps that lead to the next one, and the
 // way that those steps carry every pixel is its motion: what carries the alpha is what is written, to the
-// last bit but for the rounding of alpha.
+// last bit, except for the rounding of alpha.
 #include <algorithm>
 #include <vector>
 

@@ -1,5 +1,4 @@
-// synth/simulate/scene/design.h — a designed motion: what lets fluid in, what stands in its way, what drives
-// it.
+// synth/simulate/scene/design.h — a designed motion: what lets fluid in, what stops it, what drives it.
 //
 // Places are fractions of the picture: x of its width, y of its height, y down. Lengths are fractions of its
 // height, speeds picture heights per second, times seconds from frame 0. So a design means the same at every
@@ -33,8 +32,7 @@ struct Shape {
   float radius = 0.05f;        // of a disc; half the width of a line
   float softness = 0.0f;       // how far the rim fades, outwards and inwards; at least a pixel
   cv::Mat picture{};           // CV_8U, white inside; laid over the whole picture
-  /// (seconds, shift): where the shape is moved to over time, straight between; fractions of width and
-  /// height.
+  /// (seconds, shift): how far the shape is moved over time, straight between; fractions of width and height.
   std::vector<std::pair<float, Vec2>> move{};
 };
 
@@ -67,9 +65,10 @@ struct Force {
   float radius = 0.2f;  // point, vortex: how far from the middle it is strongest
   float size = 0.1f;    // turbulence: of its eddies
   float change = 1.0f;  // turbulence: fresh patterns per second
-  /// wind: fraction of the difference made up per second. point: heights/s^2, towards the place (below 0:
-  /// away).
-  /// vortex: heights/s^2, anticlockwise as seen. turbulence: heights/s^2.
+  /// wind:        fraction of the difference made up per second.
+  /// point:       heights/s^2, towards the place (below 0: away).
+  /// vortex:      heights/s^2, anticlockwise as seen.
+  /// turbulence:  heights/s^2.
   float strength = 1.0f;
   bool in_fluid_only = true;  // turbulence: nothing where there is no fluid
 };
@@ -77,8 +76,8 @@ struct Force {
 struct FluidOptions {
   float buoyancy = 0.0f;  // heights/s^2 upwards for heat 1
   float gravity = 0.0f;   // heights/s^2 downwards for density 1
-  float weight = 1.0f;  // how many times heavier than air fluid of density 1 is: water falls as it is, a jet
-                        // shoots through
+  /// How many times heavier than air fluid of density 1 is: water falls as it is, a jet shoots through.
+  float weight = 1.0f;
   float vorticity = 1.0f;    // vorticity confinement, 1/s: brings back curls that the grid loses
   float dissipation = 0.0f;  // fraction of the density lost per second
   float burning = 0.0f;      // density lost per second, whatever there is: flames end in sharp tongues

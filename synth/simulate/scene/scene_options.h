@@ -1,5 +1,4 @@
-// synth/simulate/scene/scene_options.h — what to simulate: a ready-made clip or a design, a size, a length
-// and a seed.
+// synth/simulate/scene/scene_options.h — what to simulate: a clip or a design; its size, length and seed.
 #pragma once
 
 #include <cstdint>
@@ -20,11 +19,11 @@ struct SceneOptions {
   SceneKind kind = SceneKind::kSmoke;
   cv::Size size{640, 360};  // px, 16..4096 each way, odd sizes allowed
   int frames = 120;         // at least 1
-  double fps = 25.0;  // 1..240; speeds are set in picture heights per second, so motion per frame shrinks
-                      // with it
+  /// 1..240. Speeds are set in picture heights per second, so motion per frame shrinks with it.
+  double fps = 25.0;
   std::uint64_t seed = 1;   // moves sources, winds, speeds, rocks and palette; any value
   int warm_up_frames = -1;  // simulated before frame 0; -1: as many as the preset needs to be developed
-  Design design{};          // of Preset::kDesign
+  Design design{};          // of SceneKind::kDesign
   int alpha_bits = 8;       // or 16, which only designs have
 };
 

@@ -1,5 +1,4 @@
-// synth/simulate/scene/simulated_scene.h — the interface of what can be simulated, the six clips, and
-// designs.
+// synth/simulate/scene/simulated_scene.h — the interface of what can be simulated: six clips, and designs.
 #pragma once
 
 #include <memory>

@@ -27,8 +27,7 @@ class Noise {
     return top + (bottom - top) * fy;
   }
 
-  /// Sum of `octaves`, each `lacunarity` finer, turned, shifted and `gain` as strong as the last. About
-  /// -1..1.
+  /// Sum of `octaves`, each `lacunarity` finer, turned, shifted and `gain` as strong as the last: in -1..1.
   float fractal(float x, float y, int octaves, float gain = 0.5f, float lacunarity = 2.03f) const;
 
   /// A field that also changes with time: two unrelated cuts faded into each other, one unit of time apiece,

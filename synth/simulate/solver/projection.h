@@ -14,14 +14,17 @@ struct ProjectionOptions {
 };
 struct ProjectionReport {
   int iterations = 0;
-  double divergence_before = 0.0,
-         divergence_after = 0.0;  // root mean square over cells that are not solid, 1/frame
+  /// Root mean square over cells that are not solid, 1/frame.
+  double divergence_before = 0.0, divergence_after = 0.0;
 };
 
-/// Faces between cells: face_x is (width + 1) x height, face_y is width x (height + 1); 1 where fluid may
-/// pass, 0 at a wall or where the velocity is prescribed, between them where heavy fluid lies: how far
-/// pressure moves it. A passable face on the rim leads to open air of
-/// pressure 0.
+/// Makes velocity fields free of divergence.
+///
+/// face_x   faces between cells: (width + 1) x height. 1 where fluid may pass, 0 at a wall or where the
+///          velocity is prescribed. Between them where heavy fluid lies: how far pressure moves it. A
+///          passable face on the rim leads to open air of pressure 0.
+/// face_y   width x (height + 1), likewise.
+///
 ///
 /// Conjugate gradients preconditioned by one multigrid V-cycle (McAdams, Sifakis, Teran 2010): plain
 /// multigrid alone stalls around small obstacles. Coarse cells gather 2 x 2 fine ones; red-black Gauss-Seidel

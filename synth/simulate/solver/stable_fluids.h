@@ -16,8 +16,8 @@ enum class Edge {
 
 struct StableFluidsOptions {
   Edge left = Edge::kOpen, right = Edge::kOpen, top = Edge::kOpen, bottom = Edge::kOpen;
-  float confinement =
-      0.1f;  // vorticity confinement (Fedkiw, Stam, Jensen 2001), cells; 0: none. Above 0.5: noise
+  /// Vorticity confinement (Fedkiw, Stam, Jensen 2001), cells; 0: none. Above 0.5: noise.
+  float confinement = 0.1f;
   float damping = 0.0f;     // fraction of the velocity lost per frame
   float viscosity = 0.0f;   // cells^2 per frame; solved in explicit sweeps, 5 for each unit
   float max_speed = 24.0f;  // cells per frame; forces cannot push beyond it
@@ -40,8 +40,9 @@ class StableFluids {
   /// Prescribes the velocity through the left edge and fills the field with it; Edge::kFixed keeps it.
   void set_inflow_left(const std::vector<float>& speed_by_row);
 
-  /// Other obstacles, of the constructor's kind. velocity: theirs, a vector per cell, cells per frame: what
-  /// touches a face of one takes its velocity through it.
+  /// Other obstacles, of the constructor's kind.
+  /// velocity   theirs, a vector per cell, cells per frame: what touches a face of one takes its velocity
+  ///            through it.
   void set_solid(const GridOf<std::uint8_t>& solid, const VectorGrid& velocity);
 
   /// lightness  1 / density of what is in each cell, (0, 1], 1 the lightest: pressure moves heavy cells less.
@@ -49,9 +50,8 @@ class StableFluids {
   void set_lightness(const Grid& lightness);
 
   /// Adds a force (a vector per cell, cells per frame per frame) at once, before the next step carries
-  /// anything.
-  /// What follows from velocity(), as drag does, belongs here: in step() it would meet what another cell had
-  /// sent by then, and gusts of one cell would grow in every step.
+  /// anything. What follows from velocity(), as drag does, belongs here: in step() it would meet what another
+  /// cell had sent by then, and gusts of one cell would grow in every step.
   void push(const VectorGrid& force);
 
   /// force   acts on what has been carried; null: none.
@@ -61,9 +61,8 @@ class StableFluids {
   int width() const { return width_; }
   int height() const { return height_; }
   const VectorGrid& velocity() const { return centred_; }  // at cell centres, cells per frame
-  const VectorGrid& backtrace() const {
-    return backtrace_;
-  }  // where a cell's content was one frame ago, less its place
+  /// Where a cell's content was one frame ago, less its place.
+  const VectorGrid& backtrace() const { return backtrace_; }
   const Grid& u() const { return u_; }
   const Grid& v() const { return v_; }
   const Grid& face_x() const { return face_x_; }

@@ -8,9 +8,11 @@
 
 namespace freshet::synth::transfer {
 
-/// over + (1 - alpha) under, on the values as they are coded, as compositing programs do unless told
-/// otherwise. over   CV_8UC4 or CV_16UC4 BGRA, straight alpha; its top left corner lies at `at`, in or out of
-/// `under`. under  CV_8UC3 BGR; returned with the picture on it, of its size.
+/// over + (1 - alpha) under, on the values as they are coded, as compositing programs do unless told not
+/// to.
+/// over     CV_8UC4 or CV_16UC4 BGRA, straight alpha; its top left corner lies at `at`, in or out of `under`.
+/// under    CV_8UC3 BGR.
+/// Returns  `under` with the picture on it.
 cv::Mat lay_over(const cv::Mat& over, const cv::Mat& under, cv::Point at = {0, 0});
 
 /// A background: one picture for all frames, or a folder, pattern or video of as many.

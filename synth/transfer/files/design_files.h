@@ -18,11 +18,9 @@ namespace freshet::synth::transfer {
 /// Masks and motion fields, paired in order, whatever their numbers.
 ///
 /// alpha  a folder or a pattern (%05d, ####) of pictures, or a video. Where any frame is transparent
-/// anywhere,
-///        the mask is the alpha channel; else it is the luminance.
+///        anywhere, the mask is the alpha channel; else it is the luminance.
 /// flow   a folder or a pattern of .flo or .exr fields, px per frame (media/picture/motion_file.h). Of a
-/// folder that holds
-///        both, the .flo.
+///        folder that holds both, the .flo.
 class DesignFiles {
  public:
   /// Lists what there is. frames: only so many of the first, 0 for all.

@@ -1,5 +1,4 @@
-// synth/transfer/files/exemplar_files.h — the look from a picture, a sequence, a video or a stored clip, for
-// as long as it is needed.
+// synth/transfer/files/exemplar_files.h — the look from a picture, sequence, video or stored clip.
 #pragma once
 
 #include <cstddef>
@@ -28,8 +27,9 @@ enum class Ground {
 };
 
 struct ExemplarOptions {
-  std::filesystem::path alpha = {};  // masks in place of the exemplar's alpha: a picture for all of its
-                                     // frames, or a folder, pattern or video of as many; empty: none
+  /// Masks in place of the exemplar's alpha: a picture for all of its frames, or a folder, pattern or video
+  /// of as many; empty: none.
+  std::filesystem::path alpha = {};
   Ground ground = Ground::kNone;
   int patch = 5;   // px per side, of the transfer: an exemplar has room for two each way
   int frames = 1;  // of the animation

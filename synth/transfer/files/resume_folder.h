@@ -10,10 +10,13 @@
 
 namespace freshet::synth::transfer {
 
-/// A folder beside an output: job.json (what is being made, and of what), frames.json (what was found out
-/// about each frame), state (of the transfer after the last whole frame) and, for outputs that are one file,
-/// the frames as frame_00000.png, 16 bits. A frame counts when the state after it has been written; each file
-/// is written beside itself and renamed, so that a kill at any moment leaves the frame before it.
+/// A folder beside an output:
+///   job.json          what is being made, and of what
+///   frames.json       what was found out about each frame
+///   state             of the transfer after the last whole frame
+///   frame_00000.png   the frames, 16 bits, for outputs that are one file
+/// A frame counts when the state after it has been written. Each file is written beside itself and renamed,
+/// so that a kill at any moment leaves the frame before it.
 class ResumeFolder {
  public:
   /// OUT.resume; for a pattern what stands before the number, and frames.resume: shot/f.%05d.png has

@@ -36,7 +36,7 @@ TEST(FlannIndex, FindsMostOfTheBestAmongClusteredPatches) {
     for (std::size_t i = 0; i < queries.size(); ++i) {
       ASSERT_EQ(answers[i].size(), 20u);
       // A whole query is a row itself, and the first descent of every tree ends there. A masked one lies
-      // elsewhere: FLANN may miss the best row, and as its trees differ from run to run, sometimes does.
+      // elsewhere: FLANN may miss the best row.
       if (!masked(i)) {
         EXPECT_EQ(answers[i][0], truth[i][0]) << name_of(kind);
       }

@@ -1,5 +1,4 @@
-// tests/query/index/random_words.h — word maps that resemble those of real patches, and the obvious search over
-// them.
+// tests/query/index/random_words.h — word maps that resemble those of real patches, and an obvious search.
 #pragma once
 
 #include <algorithm>

@@ -16,7 +16,7 @@ cv::Mat blot(cv::Size size, std::uint64_t seed);
 /// A lobed disc in the middle of the frame that turns.
 TargetFrame turning_disc(cv::Size size, int frame, double radians_per_frame = 0.03);
 
-/// Mean square of the Laplacian of green where the frame is all but opaque.
+/// Mean square of the Laplacian of green where the frame is nearly opaque.
 double laplacian_energy(const cv::Mat& bgra);
 
 }  // namespace freshet::synth::transfer

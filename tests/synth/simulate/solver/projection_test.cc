@@ -11,7 +11,7 @@ struct Flow {
   Grid u, v, face_x, face_y;
 };
 
-/// Random velocities, at most 2 cells per frame, on faces that are open but for round obstacles and, if
+/// Random velocities, at most 2 cells per frame, on faces that are open except for round obstacles and, if
 /// asked, the rim.
 Flow random_flow(int width, int height, bool closed, std::uint64_t seed) {
   Random random(seed, 1);

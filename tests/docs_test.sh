@@ -1,0 +1,72 @@
+#!/bin/sh
+# Fails when README.md, a document or a comment names a file, folder, command, option or bench that does not exist, or
+# when docs/architecture.md leaves out a folder.
+# usage: tests/docs_test.sh ROOT
+set -eu
+cd "$1"
+engine=$(sed -n 's/^rooms="\(.*\)"$/\1/p' tests/arrows_test.sh)
+[ -n "$engine" ]
+rooms="$engine tests bench docs cmake"
+documents="README.md $(find docs -name '*.md' | sort)"
+sources=$(find $engine tests bench -name '*.h' -o -name '*.cc' -o -name '*.sh' -o -name 'CMakeLists.txt')
+scratch=$(mktemp -d)
+trap 'rm -rf "$scratch"' EXIT
+missing=$scratch/missing
+: > "$missing"
+cat $(find tools -name '*.cc') > "$scratch/tools"
+any=$(echo $rooms | tr ' ' '|')
+path="($any)/[A-Za-z0-9_./*-]*"
+
+# Links, relative to the document that holds them.
+for document in $documents; do
+  awk '/^```/ { code = !code } !code' "$document" | grep -oE '\]\([^)]+\)' | sed -E 's/^\]\(//; s/\)$//; s/#.*$//' | grep -vE '^(https?:|$)' |
+    while read -r target; do
+      [ -e "$(dirname "$document")/$target" ] || echo "$document: a link to $target"
+    done || true
+done >> "$missing"
+
+# Paths from the root of the tree: in a document anywhere, in sources where they end like a file.
+{
+  grep -oE "(^|[^A-Za-z0-9_./-])$path" $documents || true
+  grep -HE '(//|^ *#)' $sources | grep -v '#include' | grep -oE "^[^:]*:|(^|[^A-Za-z0-9_./-])$path\.(h|cc|md|sh|html|txt)" |
+    awk '/^[^ ]*:$/ { file = $0; next } { print file $0 }'
+} | sed -E "s|^([^:]*):[^A-Za-z]*|\1 |" | sort -u | while read -r document name; do
+  name=$(echo "$name" | sed -E 's/[.*-]+$//; s|/$||')
+  [ -e "$name" ] || ls -d "$name"* > "$scratch/found" 2>&1 || echo "$document: $name"
+done >> "$missing"
+
+# Files that a document names without their folder.
+grep -oE '`[a-z0-9_]+\.(h|cc|sh|cmake)`' $documents | tr -d '`' | sort -u | tr ':' ' ' | while read -r document name; do
+  find . -path ./build -prune -o -name "$name" -print | grep -q . || echo "$document: $name"
+done >> "$missing"
+
+# The architecture has a line for every folder of the engine.
+find $engine -name '*.h' | sed 's|/[^/]*$||' | sort -u |
+  while read -r folder; do
+  grep -q "\`$folder/\`" docs/architecture.md || echo "docs/architecture.md: a line for $folder/"
+done >> "$missing"
+
+# Commands: freshet A, or freshet A B where A has commands below it.
+commands=$(grep -oE 'add(_subcommand)?\("[a-z0-9]+"' "$scratch/tools" | grep -oE '[a-z0-9]+"' | tr -d '"'
+           grep -A1 -E 'add(_subcommand)?\($' "$scratch/tools" | grep -oE '^ *"[a-z0-9]+",' | tr -d ' ",')
+grep -oE '(^|[`(" ])freshet (store|query|synth) [a-z|\\0-9]+|(^|`)freshet [a-z]+' $documents |
+  sed -E 's/^([^:]*):.*freshet /\1 /' | sort -u | while read -r document words; do
+  for word in $(echo "$words" | tr '|\\' '  '); do
+    echo "$commands" | grep -qx "$word" || echo "$document: the command freshet $words"
+  done
+done >> "$missing"
+
+# Options of these commands, where a document is about nothing else.
+grep -vE 'cmake|ffmpeg|ctest' README.md docs/manual.md docs/benchmark.md | sed -E 's/^([^:]*):/\1 /' |
+  grep -oE '^[^ ]+|[^a-z-]--[a-z][a-z-]+' | awk '!/--/ { file = $0; next } { sub(/^[^-]/, ""); print file, $0 }' |
+  sort -u | while read -r document option; do
+  grep -qE -- "$option([\",]|$)" "$scratch/tools" || echo "$document: the option $option"
+done >> "$missing"
+
+# Benches.
+grep -oE 'bench_[a-z_]+' $documents | sort -u | tr ':' ' ' | while read -r document bench; do
+  grep -q "add_executable($bench " bench/CMakeLists.txt || echo "$document: $bench"
+done >> "$missing"
+
+sed 's/$/, which does not exist/' "$missing"
+[ ! -s "$missing" ]
