@@ -33,7 +33,7 @@ struct AnimateCommand {
   PlayOptions play;
   OutlineOptions boundary;
   std::string assignment, out, sheet;
-  std::string weights = "variance", low_band = "shared", matching = "sequence";
+  std::string method = "carried", weights = "variance", low_band = "shared", matching = "sequence";
   synth::animate::AnimateOptions options;
   bool json = false;
 };
@@ -43,6 +43,8 @@ synth::animate::AnimateOptions render_options(const AnimateCommand& command) {
   options.frames = command.duration.frames;
   options.fps = command.duration.fps;
   command.play.apply(options);
+  options.method =
+      command.method == "paper" ? synth::animate::Method::kPaper : synth::animate::Method::kCarried;
   options.blend.weights = command.weights == "paper" ? synth::animate::BlendWeights::kPaper
                                                      : synth::animate::BlendWeights::kVariance;
   options.blend.low_band = command.low_band == "keep"     ? synth::animate::LowBand::kKeep
@@ -114,6 +116,9 @@ void run_animate(AnimateCommand& command, const RunContext& context) {
       options.frames, loaded.picture.cols, loaded.picture.rows, report.pieces, report.clips, report.total_s,
       options.frames / report.total_s, report.decode_s, report.blend_s, report.base_s, report.appearance_s,
       report.render_s));
+  if (report.life_s > 0)
+    say(fmt::format("the picture is carried along in copies that live {:.1f} s (--carry-life)",
+                    report.life_s));
   std::vector<std::string> files{command.out, command.sheet, command.boundary.output()};
   for (const std::string& path : command.motion.outputs()) files.push_back(path);
   std::erase(files, "");
@@ -129,6 +134,7 @@ void run_animate(AnimateCommand& command, const RunContext& context) {
                                     {"pieces", report.pieces},
                                     {"clips", report.clips},
                                     {"batches", report.batches},
+                                    {"life_s", report.life_s},
                                     {"labelling", labelled},
                                     {"seconds",
                                      {{"decode", report.decode_s},
@@ -172,15 +178,30 @@ void add_animate(CLI::App& synth_command, RunContext& context) {
       ->capture_default_str()
       ->group(group);
   sub->add_option(
-         "--carry", command->options.carry.fraction,
-         "How much of the picture's own detail is carried along by the motion, 0 to 1; the rest is the "
-         "long exposure (0: the paper's)")
+         "--method", command->method,
+         "carried (the picture, carried along the patches' motion) or paper (the patches' differences "
+         "on a long exposure of the picture: Okabe et al. 2011)")
+      ->check(CLI::IsMember({"carried", "paper"}))
+      ->capture_default_str()
+      ->group(group);
+  sub->add_option(
+         "--variation", command->options.carrying.variation,
+         "How much of the patches' own flow, beside its mean, carries the picture (0: a steady field)")
+      ->check(CLI::Range(0.0, 4.0))
+      ->capture_default_str()
+      ->group(group);
+  sub->add_option(
+         "--renewal", command->options.renewal,
+         "Of each band's contrast (variance), how much comes anew from the patches, 0 to 1; the rest is "
+         "the picture's own, carried along")
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str()
       ->group(group);
-  sub->add_option("--carry-life", command->options.carry.life_s,
-                  "How long a carried copy lasts before a fresh one takes over, s")
-      ->check(CLI::Range(0.1, 60.0))
+  sub->add_option(
+         "--carry-life", command->options.carry.life_s,
+         "How long a carried copy of the picture lasts before fresh ones have taken over, s; 0: as long as "
+         "detail lives in the clips that are shown")
+      ->check(CLI::Range(0.0, 60.0))
       ->capture_default_str()
       ->group(group);
   sub->add_option("--blend", command->weights,

@@ -45,6 +45,7 @@ std::vector<Choice> choices() {
   std::vector<Choice> all{{"defaults", defaults}};
   const auto add = [&](const char* name, auto&& change) {
     all.push_back({name, defaults});
+    all.back().options.method = synth::animate::Method::kPaper;
     change(all.back().options);
   };
   add("plain averaging (paper)", [](auto& o) { o.blend.weights = synth::animate::BlendWeights::kPaper; });
@@ -52,7 +53,7 @@ std::vector<Choice> choices() {
   add("low band removed", [](auto& o) { o.blend.low_band = synth::animate::LowBand::kRemove; });
   add("no matching", [](auto& o) { o.matching = synth::animate::AppearanceMatching::kNone; });
   add("matching by frame (paper)", [](auto& o) { o.matching = synth::animate::AppearanceMatching::kFrame; });
-  add("nothing carried (paper)", [](auto& o) { o.carry.fraction = 0; });
+  add("differences on the exposure", [](auto&) {});
   return all;
 }
 

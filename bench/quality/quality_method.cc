@@ -103,12 +103,20 @@ const std::vector<Setting>& all_settings() {
        to([](Method & m) -> auto& { return m.animate.appearance.max_gain; })},
       {"max-level-gain", "of the picture's own levels", false,
        to([](Method & m) -> auto& { return m.animate.appearance.max_level_gain; })},
-      {"carry", "fraction of the picture that is carried along", false,
-       to([](Method & m) -> auto& { return m.animate.carry.fraction; })},
-      {"carry-life", "of one carried copy, s", false,
+      {"method", "of making frames: carried or paper", false,
+       [](Method& m, const std::string& text) {
+         using FrameMethod = synth::animate::Method;
+         m.animate.method =
+             one_of<FrameMethod>(text, {{"carried", FrameMethod::kCarried}, {"paper", FrameMethod::kPaper}});
+       }},
+      {"variation", "of the patches' flow about its mean, that carries the picture", false,
+       to([](Method & m) -> auto& { return m.animate.carrying.variation; })},
+      {"renewal", "fraction of the contrast that comes from the patches", false,
+       to([](Method & m) -> auto& { return m.animate.renewal; })},
+      {"carry-life", "of one carried copy, s; 0: as long as detail lives", false,
        to([](Method & m) -> auto& { return m.animate.carry.life_s; })},
-      {"carry-max", "way of one carried copy, px", false,
-       to([](Method & m) -> auto& { return m.animate.carry.max_px; })},
+      {"contrast-gain", "most that lost contrast is brought back by", false,
+       to([](Method & m) -> auto& { return m.animate.contrast.max_gain; })},
       {"shutter", "of the base image, s", false,
        to([](Method & m) -> auto& { return m.animate.base.shutter_s; })},
       {"gaussian", "of the base image, s", false,
@@ -122,12 +130,7 @@ const std::vector<Setting>& all_settings() {
 const std::vector<NamedSettings>& methods() {
   static const std::vector<NamedSettings> all{
       {"ours", "", "the defaults"},
-      // Spelled out, so that it stays what it is when the defaults move on.
-      {"last",
-       "carry=1 carry-life=3 carry-max=160 weights=variance low-band=shared low-band-reach=3 "
-       "matching=sequence shutter=0.35 gaussian=0.035",
-       "differences on the picture carried along its mean motion: the defaults of November 2026"},
-      {"paper", "carry=0 weights=paper low-band=keep matching=frame",
+      {"paper", "method=paper weights=paper low-band=keep matching=frame",
        "Okabe et al. 2011: averaged differences on the long exposure, matched frame by frame"},
       {"eulerian", "renderer=eulerian",
        "two copies of the still carried along the clip's true mean motion; no hint, no labels"},
@@ -147,9 +150,12 @@ const std::vector<NamedSettings>& ablations() {
       {"no-coherent", "coherent=0", "no continuations of neighbours' candidates"},
       {"one-scale", "min-scale=1", "clips at whole size only"},
       {"no-rotation", "max-rotation=0", "upright clips only"},
-      {"paper-blend", "weights=paper", "overlaps are averaged"},
-      {"frame-matching", "matching=frame", "appearance matched frame by frame"},
-      {"no-matching", "matching=none", "appearance not matched"},
+      {"paper-blend", "weights=paper", "innovations are averaged where pieces overlap"},
+      {"steady", "variation=0", "the picture is carried along a field that does not change"},
+      {"no-renewal", "renewal=0", "nothing comes anew from the patches but their level"},
+      {"no-contrast", "contrast-gain=1", "contrast that mixing loses is not brought back"},
+      {"short-life", "carry-life=1", "copies live a second"},
+      {"long-life", "carry-life=6", "copies live six seconds"},
   };
   return all;
 }

@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <map>
 #include <memory>
 #include <mutex>
 #include <numeric>
 #include <optional>
+#include <tuple>
 #include <utility>
 
 #include <oneapi/tbb/parallel_for.h>
@@ -17,10 +19,15 @@
 
 #include "freshet/error.h"
 #include "platform/stopwatch.h"
+#include "query/search/picture_scale.h"
+#include "synth/animate/clips/detail_life.h"
+#include "synth/animate/motion/carried_detail.h"
+#include "synth/animate/motion/copy_maps.h"
 #include "synth/animate/motion/motion_field.h"
 #include "synth/animate/motion/motion_sequence.h"
 #include "synth/animate/sampling/enlarge.h"
 #include "synth/animate/sampling/pull_push.h"
+#include "synth/animate/staging.h"
 #include "synth/animate/still/colour_model.h"
 #include "synth/animate/still/finished_frame.h"
 
@@ -30,7 +37,12 @@ namespace {
 constexpr int kSampledFrames = 12;  // that the appearance model is fitted to
 constexpr int kMinSampledFrames = 4;
 constexpr int kSampledPixels = 32 << 20;  // in all of them
-constexpr int kRendered = 8;              // frames rendered at once before they are handed on in order
+constexpr double kNoise = 0.003;          // luma: of what is fainter, the more is coding noise
+constexpr double kHalfOfLife = 0.37;
+constexpr double kMinLife_s = 2;   // shorter-lived copies of flames only tremble around the still
+constexpr double kMaxLife_s = 16;  // longer ones are stretched to streaks
+constexpr int kMeasuredClips = 2;
+constexpr int kRendered = 8;  // frames rendered at once before they are handed on in order
 
 void throw_if_stopped(const std::stop_token& stop) {
   if (stop.stop_requested()) throw Error(ErrorKind::kCancelled, "animate", "stopped");
@@ -50,61 +62,26 @@ std::vector<std::unique_ptr<ClipLayer>> layers_of(const store::Snapshot& snapsho
     layers.push_back(std::make_unique<ClipLayer>(
         snapshot, clip, settings.flow_step, placement, std::move(patches),
         TimelineOptions{.frames = options.frames, .fps = options.fps, .loop = options.loop, .phase = phase},
-        options.resampling));
+        options.resampling,
+        options.method == Method::kCarried ? ClipDetail::kInnovation : ClipDetail::kDifference));
   }
   return layers;
 }
 
-/// What is held at once.
-struct Budget {
-  int batch = 0;              // output frames
-  bool carried_kept = false;  // a period of the carried picture, made once
-};
-
-/// As many frames as fit into the memory that the picture's own planes leave.
-Budget budget_of(const std::vector<std::unique_ptr<ClipLayer>>& layers, cv::Size picture, cv::Size canvas,
-                 const AnimateOptions& options) {
-  constexpr double kPlanes = 280;  // bytes per pixel of the picture: what is held, and what rendering needs
-  constexpr int kMinBatch = 32;    // frames per batch, before carried frames are kept: two slabs of tiles
-  double fixed = kPlanes * picture.area(), clip_bytes = 0;
+/// As many output frames as fit into the memory that the picture's own planes leave.
+int batch_of(const std::vector<std::unique_ptr<ClipLayer>>& layers, cv::Size picture, cv::Size canvas,
+             const AnimateOptions& options) {
+  double fixed = static_cast<double>(kPictureBytesPerPixel) * picture.area(), clip_bytes = 0;
   for (const auto& layer : layers) {
     fixed += static_cast<double>(layer->average_bytes());
     clip_bytes = std::max(clip_bytes, static_cast<double>(layer->bytes_per_output()));
   }
-  const double a_frame = canvas.area() * sizeof(float) * 4 / 3.0 + clip_bytes;
-  const double free = static_cast<double>(options.memory_bytes) - fixed;
-  const int period = CarriedBase::period(options.fps, options.carry);
-  const double carried = static_cast<double>(CarriedBase::frame_bytes(picture)) * period;
-  Budget budget{.batch = options.frames,
-                .carried_kept = period < options.frames &&
-                                free - carried >= a_frame * std::min(kMinBatch, options.frames)};
-  const double fit = (free - (budget.carried_kept ? carried : 0)) / a_frame;
+  const double per_frame = canvas.area() * sizeof(float) * 4 / 3.0 + clip_bytes;
+  const double fit = (static_cast<double>(options.memory_bytes) - fixed) / per_frame;
+  if (fit >= options.frames) return options.frames;
   // In slabs of 16: a tile is decoded for all of its frames.
-  if (fit < options.frames)
-    budget.batch = std::min(options.frames, std::max(16, static_cast<int>(fit) / 16 * 16));
-  return budget;
+  return std::min(options.frames, std::max(16, static_cast<int>(fit) / 16 * 16));
 }
-
-/// The carried picture, frame by frame: it repeats, so where there is memory for a period it is made once.
-class CarriedFrames {
- public:
-  CarriedFrames(CarriedBase base, bool kept) : base_(std::move(base)) {
-    if (!kept) return;
-    made_ = std::vector<std::once_flag>(base_.period());
-    frames_.resize(base_.period());
-  }
-  CarriedFrame at(int output) {
-    if (frames_.empty()) return base_.frame(output);
-    const int i = output % base_.period();
-    std::call_once(made_[i], [&] { frames_[i] = base_.frame(i); });
-    return frames_[i];
-  }
-
- private:
-  CarriedBase base_;
-  std::vector<std::once_flag> made_;
-  std::vector<CarriedFrame> frames_;
-};
 
 /// Hands finished frames on, in order, while others are made.
 class Handover {
@@ -157,29 +134,24 @@ std::pair<cv::Mat, cv::Mat> exposed(const cv::Mat& target, const cv::Mat& luma, 
   return {blurred[0], own_colour};
 }
 
-/// The outline carried along by the motion of what is shown, output frame by output frame in `order`.
-BoundarySequence boundary_of(const store::Snapshot& snapshot, const vision::Settings& settings,
-                             const Placement& placement,
-                             const std::vector<std::unique_ptr<ClipLayer>>& layers, const cv::Mat& alpha,
-                             const cv::Mat& mean_motion, const std::vector<int>& order,
-                             const AnimateOptions& options) {
+/// How what is shown moves, output frame by output frame.
+std::shared_ptr<const MotionSequence> sequence_of(const store::Snapshot& snapshot,
+                                                  const vision::Settings& settings,
+                                                  const Placement& placement,
+                                                  const std::vector<std::unique_ptr<ClipLayer>>& layers,
+                                                  cv::Size picture, int frames) {
   std::vector<PlayedPatches> played;
   for (const auto& layer : layers)
     for (const ClipLayer::Played& group : layer->played()) {
       const PlacedPatch& one = placement.patches[group.patches.front()];
       played.push_back({.clip = one.clip, .patches = group.patches, .shown = {}});
       for (const Moment& moment : group.moments) {
-        // In a cross-fade the louder of the two moments moves the outline.
+        // In a cross-fade the louder of the two moments moves the fluid.
         const double at = moment.at[moment.weight[1] > moment.weight[0] ? 1 : 0];
         played.back().shown.push_back({.frame = static_cast<std::uint32_t>(at), .rate = one.speed});
       }
     }
-  const auto sequence = std::make_shared<const MotionSequence>(snapshot, settings, placement, played,
-                                                               alpha.size(), options.frames);
-  return BoundarySequence(
-      alpha, mean_motion, options.fps, options.boundary.matte,
-      [sequence, order](int i) { return sequence->at(order[static_cast<std::size_t>(i) % order.size()]); },
-      options.loop ? options.frames : 0);
+  return std::make_shared<const MotionSequence>(snapshot, settings, placement, played, picture, frames);
 }
 
 /// Lengths in px are meant for pieces of their own size: enlarged ones are blurred, carried and matched as
@@ -187,190 +159,354 @@ BoundarySequence boundary_of(const store::Snapshot& snapshot, const vision::Sett
 AnimateOptions enlarged(AnimateOptions options, double scale) {
   options.base.max_length_px *= scale;
   options.base.max_sigma_px *= scale;
-  options.carry.max_px *= scale;
   options.carry.edge_px *= scale;
   options.appearance.region_px = static_cast<int>(std::lround(options.appearance.region_px * scale));
   options.appearance.levels += static_cast<int>(std::lround(std::log2(scale)));
-  if (options.loop) options.carry.loop_frames = options.frames;
   return options;
 }
+
+/// One animation, step by step: what stands still, what moves, and frames of both.
+class Animation {
+ public:
+  Animation(const store::Snapshot& snapshot, const vision::Settings& settings, const cv::Mat& picture,
+            const cv::Mat& matte, const Placement& placement, const AnimateOptions& asked,
+            const ProgressFunction& progress, std::stop_token stop)
+      : snapshot_(snapshot),
+        settings_(settings),
+        picture_(picture),
+        matte_(matte),
+        placement_(placement),
+        options_(enlarged(asked, placement.piece_scale)),
+        carried_(options_.method == Method::kCarried),
+        moving_(options_.boundary.boundary == Boundary::kMoving),
+        canvas_(canvas_of(placement)),
+        progress_(progress),
+        stop_(std::move(stop)) {
+    if (carried_) {
+      options_.blend.low_band = LowBand::kShared;
+      options_.matching = AppearanceMatching::kNone;
+    }
+  }
+
+  AnimateReport run(const std::function<void(const cv::Mat&)>& sink) {
+    // What is wrong with the background is said before the work.
+    if (moving_) behind_ = behind_fluid(picture_, matte_, options_.boundary);
+    lay_out();
+    merge_differences();
+    expose();
+    if (options_.matching == AppearanceMatching::kSequence) match();
+    render(sink);
+    for (const auto& layer : layers_) report_.decode_s += layer->read_s();
+    report_.blend_s -= report_.decode_s;
+    report_.total_s = total_.seconds();
+    return report_;
+  }
+
+ private:
+  void tell(const char* stage, std::size_t done, std::size_t of) const {
+    if (progress_) progress_({stage, done, of});
+  }
+
+  /// The clips, how many frames are in hand at once, and which ones the appearance model is fitted to.
+  void lay_out() {
+    layers_ = layers_of(snapshot_, settings_, placement_, options_);
+    batch_ = batch_of(layers_, picture_.size(), canvas_.size(), options_);
+    in_one_ = batch_ == options_.frames;
+    report_.pieces = placement_.patches.size();
+    report_.clips = layers_.size();
+    report_.batches = (options_.frames + batch_ - 1) / batch_;
+    order_.resize(options_.frames);
+    std::iota(order_.begin(), order_.end(), 0);
+    // A region's histograms hold as many pixels whatever the picture's size; samples of a large picture would
+    // not fit, and need not be as many.
+    const int sampled = std::min({options_.frames, kSampledFrames,
+                                  std::max(kMinSampledFrames, kSampledPixels / picture_.size().area())});
+    for (int i = 0; i < sampled; ++i) samples_.push_back(i * options_.frames / sampled);
+    blender_.emplace(placement_, std::max(batch_, sampled), options_.blend);
+  }
+
+  void blend(ClipLayer& layer, std::span<const int> outputs) {
+    throw_if_stopped(stop_);
+    layer.add(outputs, *blender_);
+    layer.release();
+  }
+
+  /// Innovations get the share of the picture's contrast, place by place and band by band, that is theirs.
+  void scale_innovations(ClipLayer& layer) {
+    if (still_power_.empty()) measure_still();
+    const double kept = kept_per_frame();
+    for (const auto& [patch, power] : layer.detail_power(samples_, *blender_)) {
+      std::vector<float> gains(power.size());
+      for (std::size_t level = 0; level < power.size(); ++level) {
+        const double share = options_.renewal * std::min(1.0, 0.25 * (1 << level));
+        const double wanted = share * (1 - kept * kept) * still_power_[patch][level];
+        const double found = power[level] + kNoise * kNoise;
+        gains[level] = static_cast<float>(std::min(std::sqrt(wanted / found), options_.max_renewal_gain));
+      }
+      blender_->scale(patch, gains);
+    }
+  }
+  double kept_per_frame() const { return std::pow(0.5, 1 / (options_.renewal_life_s * options_.fps)); }
+
+  /// Power of the picture by piece and band.
+  void measure_still() {
+    cv::Mat reduced, wide;
+    picture_.convertTo(reduced, CV_32F, 1.0 / 255);
+    reduced = luma_of(reduced);
+    cv::resize(reduced, reduced, query::reduced_size(picture_.size(), placement_.piece_scale), 0, 0,
+               cv::INTER_AREA);
+    const cv::Rect seen({}, reduced.size()), all = canvas_ | seen;
+    cv::copyMakeBorder(reduced, wide, -all.y, all.br().y - seen.height, -all.x, all.br().x - seen.width,
+                       cv::BORDER_REFLECT_101);
+    still_power_.resize(placement_.patches.size());
+    oneapi::tbb::parallel_for(std::size_t{0}, placement_.patches.size(), [&](std::size_t p) {
+      const cv::Point at = placement_.patches[p].piece - all.tl();
+      still_power_[p] = blender_->band_power(wide(cv::Rect(at, cv::Size(placement_.side, placement_.side))));
+    });
+  }
+
+  /// The moving part: the averages of every clip's patches, then their differences, merged band by band.
+  void merge_differences() {
+    const bool whole_loop = options_.loop && options_.resampling == Resampling::kNearest && !carried_;
+    std::vector<double> change(options_.frames, 0.0);
+    for (std::size_t i = 0; i < layers_.size(); ++i) {
+      throw_if_stopped(stop_);
+      tell("blend", i, layers_.size());
+      const std::vector<int>& first = in_one_ ? order_ : samples_;
+      layers_[i]->measure(first, whole_loop ? &change : nullptr);
+      if (carried_) scale_innovations(*layers_[i]);
+      // Samples are for the model alone: without one, they would be left in the blender.
+      if (in_one_ || options_.matching == AppearanceMatching::kSequence)
+        blend(*layers_[i], first);
+      else
+        layers_[i]->release();
+    }
+    tell("blend", layers_.size(), layers_.size());
+    // Made of whole frames, a loop begins after the transition that changes the picture least (else its
+    // timelines see to the seam).
+    if (whole_loop)
+      first_ = static_cast<int>((std::min_element(change.begin(), change.end()) - change.begin() + 1) %
+                                options_.frames);
+    report_.blend_s = watch_.lap();
+  }
+
+  /// The still part: the picture as a long exposure along the assigned motion, and what is carried over it.
+  void expose() {
+    cv::Mat target;
+    picture_.convertTo(target, CV_32F, 1.0 / 255);
+    matte_.convertTo(alpha_, CV_32F, 1.0 / 255);
+    target_luma_ = luma_of(target);
+    ColourModel colours;
+    oneapi::tbb::parallel_invoke(
+        [&] {
+          mean_motion_ =
+              apply_guide(motion_field(snapshot_, settings_, placement_, picture_.size()), options_.guide);
+        },
+        [&] {
+          colours = fit_colour(target, target_luma_, alpha_,
+                               static_cast<int>(std::lround(12 * placement_.piece_scale)));
+        });
+    cv::Mat own_colour;
+    std::tie(base_luma_, own_colour) =
+        exposed(target, target_luma_, colours, alpha_, mean_motion_, options_.base);
+    if (carried_ || moving_)
+      sequence_ = sequence_of(snapshot_, settings_, placement_, layers_, picture_.size(), options_.frames);
+    if (carried_) {
+      const int loop_frames = options_.loop ? options_.frames : 0;
+      field_ = std::make_shared<const CarryingField>(sequence_, mean_motion_, options_.frames, options_.fps,
+                                                     CarriedBase::kStep, options_.loop, options_.carrying);
+      const double life_s = options_.carry.life_s > 0 ? options_.carry.life_s : life_of_copies();
+      report_.life_s = life_s;
+      copies_.emplace([field = field_](int i) { return field->at(i); }, field_->size(), field_->step(),
+                      CopyMaps::third_of(life_s, options_.fps, loop_frames), loop_frames,
+                      /*start_still=*/!options_.loop);
+      carried_base_.emplace(target, target_luma_, alpha_, options_.carry);
+      renewed_.emplace(canvas_, placement_.piece_scale, kept_per_frame());
+    }
+    // The fluid's layers go on beyond the still matte, for a moving one to uncover.
+    if (moving_)
+      for (cv::Mat* layer : {&own_colour, &colours.slope, &colours.offset})
+        *layer = pull_push(*layer, alpha_);
+    finisher_.emplace(colours, own_colour, moving_ ? behind_ : target);
+    report_.base_s = watch_.lap();
+  }
+
+  /// As long as detail lives in the clips that show most: a copy's weight over its life keeps half of its
+  /// correlation with itself for .37 of that life.
+  double life_of_copies() const {
+    std::map<store::ClipId, std::size_t> pieces;
+    for (const PlacedPatch& patch : placement_.patches) ++pieces[patch.clip];
+    std::vector<std::pair<std::size_t, store::ClipId>> largest;
+    for (const auto& [clip, count] : pieces) largest.emplace_back(count, clip);
+    std::sort(largest.begin(), largest.end(), std::greater<>());
+    largest.resize(std::min<std::size_t>(largest.size(), kMeasuredClips));
+    std::vector<double> lives(largest.size());
+    oneapi::tbb::parallel_for(std::size_t{0}, largest.size(), [&](std::size_t i) {
+      lives[i] = detail_half_life_s(snapshot_, largest[i].second);
+    });
+    double sum = 0, mass = 0;
+    for (std::size_t i = 0; i < lives.size(); ++i) {
+      sum += static_cast<double>(largest[i].first) * std::log(lives[i]);
+      mass += static_cast<double>(largest[i].first);
+    }
+    return std::clamp(std::exp(sum / mass) / kHalfOfLife, kMinLife_s, kMaxLife_s);
+  }
+
+  /// One output frame before it is coloured.
+  struct Made {
+    cv::Mat luma;
+    std::optional<CarriedFrame> brought;
+  };
+
+  /// Luminance of an output frame, whose differences lie in a slot of the blender; once.
+  Made make(int output, int slot, const cv::Mat& renewed) {
+    Made made;
+    std::array<CopyMap, CopyMaps::kCopies> copies;
+    if (carried_) {
+      copies = copies_->at(output);
+      made.brought = carried_base_->frame(copies);
+      show_carried(*made.brought, base_luma_, made.luma);
+    } else {
+      base_luma_.copyTo(made.luma);
+    }
+    if (moving_) made.luma = pull_push(made.luma, alpha_);
+    cv::Mat field;
+    if (carried_) {
+      // At the beginning the picture is all, then what is new comes in. It begins from nothing, so that in a loop
+      // it has to go before the end; the level goes round by itself.
+      const double anew = 1 - copies_->beginning(output);
+      restore_contrast(made.luma, copies, CarriedBase::kStep,
+                       1 - (1 - copies_->still(output)) * options_.renewal, options_.contrast);
+      field = std::sqrt(anew) * renewed + (1 - copies_->still(output)) * blender_->take_level(slot);
+    } else {
+      field = blender_->take(slot);
+    }
+    add_enlarged(field, canvas_, placement_.piece_scale, made.luma);
+    return made;
+  }
+
+  /// The innovations of successive output frames, which lie in the blender from `slot` on, carried on.
+  void renew(std::span<const int> outputs, int slot, std::vector<cv::Mat>& renewed) {
+    oneapi::tbb::parallel_for(std::size_t{0}, outputs.size(), [&](std::size_t i) {
+      renewed[i] = blender_->take_detail(slot + static_cast<int>(i));
+    });
+    for (std::size_t i = 0; i < outputs.size(); ++i)
+      renewed[i] = renewed_->advance(field_->at(outputs[i] - 1), CarriedBase::kStep, renewed[i]).clone();
+  }
+
+  AppearanceModel model_of(std::span<const cv::Mat> frames) const {
+    return AppearanceModel(target_luma_, alpha_, frames, options_.appearance);
+  }
+
+  /// One model of contrast and levels for the whole animation.
+  void match() {
+    throw_if_stopped(stop_);
+    tell("match", 0, 1);
+    std::vector<cv::Mat> lumas(samples_.size());
+    oneapi::tbb::parallel_for(std::size_t{0}, samples_.size(), [&](std::size_t i) {
+      lumas[i] = make(samples_[i], in_one_ ? samples_[i] : static_cast<int>(i), {}).luma;
+    });
+    model_.emplace(model_of(lumas));
+    if (in_one_)
+      for (std::size_t i = 0; i < samples_.size(); ++i) ready_[samples_[i]] = lumas[i];
+    tell("match", 1, 1);
+    report_.appearance_s = watch_.lap();
+  }
+
+  /// Matched, coloured, laid into the picture through the matte.
+  cv::Mat finish(Made made, const cv::Mat& fluid) const {
+    if (model_)
+      made.luma = model_->apply(made.luma);
+    else if (options_.matching == AppearanceMatching::kFrame)
+      made.luma = model_of(std::span(&made.luma, 1)).apply(made.luma);
+    return finisher_->finish(made.luma, fluid, made.brought ? &*made.brought : nullptr);
+  }
+
+  /// Frames, in order, some made at once while those before are handed on.
+  void render(const std::function<void(const cv::Mat&)>& sink) {
+    std::rotate(order_.begin(), order_.begin() + first_, order_.end());
+    std::optional<BoundarySequence> boundary;
+    if (moving_)
+      boundary.emplace(
+          alpha_, mean_motion_, options_.fps, options_.boundary.matte,
+          [this](int i) { return sequence_->at(order_[static_cast<std::size_t>(i) % order_.size()]); },
+          options_.loop ? options_.frames : 0);
+    Handover handover(sink);
+    for (int first = 0; first < options_.frames; first += batch_) {
+      const int count = std::min(batch_, options_.frames - first);
+      const std::span<const int> outputs = std::span(order_).subspan(first, count);
+      if (!in_one_) {
+        for (const auto& layer : layers_) blend(*layer, outputs);
+        report_.blend_s += watch_.lap();
+      }
+      for (int done = 0; done < count; done += kRendered) {
+        throw_if_stopped(stop_);
+        std::vector<cv::Mat> finished(std::min(kRendered, count - done)), mattes(finished.size(), alpha_);
+        if (boundary)
+          for (cv::Mat& fluid : mattes) {
+            fluid = boundary->next();
+            if (options_.matte_sink) options_.matte_sink(fluid);
+          }
+        std::vector<cv::Mat> renewed(finished.size());
+        if (carried_) {
+          copies_->prepare(outputs[done], static_cast<int>(finished.size()));
+          renew(outputs.subspan(done, finished.size()), in_one_ ? outputs[done] : done, renewed);
+        }
+        oneapi::tbb::parallel_for(std::size_t{0}, finished.size(), [&](std::size_t i) {
+          const int output = outputs[done + i];
+          const auto found = ready_.find(output);
+          Made made = found != ready_.end()
+                          ? Made{std::exchange(found->second, {}), std::nullopt}
+                          : make(output, in_one_ ? output : done + static_cast<int>(i), renewed[i]);
+          finished[i] = finish(std::move(made), mattes[i]);
+        });
+        handover.take(std::move(finished));
+        tell("render", std::min(first + done + kRendered, options_.frames), options_.frames);
+      }
+      report_.render_s += watch_.lap();
+    }
+    handover.wait();
+    report_.render_s += watch_.lap();
+  }
+
+  const store::Snapshot& snapshot_;
+  const vision::Settings& settings_;
+  const cv::Mat &picture_, &matte_;
+  const Placement& placement_;
+  AnimateOptions options_;
+  const bool carried_, moving_;
+  const cv::Rect canvas_;
+  const ProgressFunction& progress_;
+  std::stop_token stop_;
+  Stopwatch total_, watch_;
+  AnimateReport report_;
+
+  std::vector<std::unique_ptr<ClipLayer>> layers_;
+  std::optional<Blender> blender_;
+  int batch_ = 0, first_ = 0;  // frames in hand; the frame that a loop begins with
+  bool in_one_ = false;
+  std::vector<int> order_, samples_;  // output frames
+  cv::Mat behind_, alpha_, target_luma_, base_luma_, mean_motion_;
+  std::shared_ptr<const MotionSequence> sequence_;
+  std::vector<std::vector<double>> still_power_;  // by patch, band
+  std::shared_ptr<const CarryingField> field_;
+  std::optional<CopyMaps> copies_;
+  std::optional<CarriedDetail> renewed_;
+  std::optional<CarriedBase> carried_base_;
+  std::optional<FrameFinisher> finisher_;
+  std::optional<AppearanceModel> model_;
+  std::map<int, cv::Mat> ready_;  // by output frame: luminance made already, for the model
+};
 
 }  // namespace
 
 AnimateReport animate(const store::Snapshot& snapshot, const vision::Settings& settings,
                       const cv::Mat& picture, const cv::Mat& matte, const Placement& placement,
-                      const AnimateOptions& asked, const std::function<void(const cv::Mat&)>& sink,
-                      const std::function<void(const AnimateProgress&)>& progress, std::stop_token stop) {
+                      const AnimateOptions& options, const std::function<void(const cv::Mat&)>& sink,
+                      const ProgressFunction& progress, std::stop_token stop) {
   check(placement);
-  const AnimateOptions options = enlarged(asked, placement.piece_scale);
-  // What is wrong with the background is said before the work.
-  const bool moving_boundary = options.boundary.boundary == Boundary::kMoving;
-  const cv::Mat behind = moving_boundary ? behind_fluid(picture, matte, options.boundary) : cv::Mat();
-  Stopwatch total, watch;
-  AnimateReport report;
-  report.pieces = placement.patches.size();
-  const auto notify = [&](const char* stage, std::size_t done, std::size_t of) {
-    if (progress) progress({stage, done, of});
-  };
-  const auto layers = layers_of(snapshot, settings, placement, options);
-  report.clips = layers.size();
-
-  const cv::Rect canvas = canvas_of(placement);
-  const Budget budget = budget_of(layers, picture.size(), canvas.size(), options);
-  const int batch = budget.batch;
-  const bool in_one = batch == options.frames;
-  report.batches = (options.frames + batch - 1) / batch;
-  // A region's histograms hold as many pixels whatever the picture's size; samples of a large picture would
-  // not fit, and need not be as many.
-  const int sampled = std::min(
-      {options.frames, kSampledFrames, std::max(kMinSampledFrames, kSampledPixels / picture.size().area())});
-  std::vector<int> all(options.frames), samples;
-  std::iota(all.begin(), all.end(), 0);
-  for (int i = 0; i < sampled; ++i) samples.push_back(i * options.frames / sampled);
-
-  // The moving part: the averages of every clip's patches, then their differences, merged band by band.
-  Blender blender(placement, std::max(batch, sampled), options.blend);
-  const auto blend = [&](ClipLayer& layer, std::span<const int> outputs) {
-    throw_if_stopped(stop);
-    layer.add(outputs, blender);
-    layer.release();
-  };
-  const bool whole_loop = options.loop && options.resampling == Resampling::kNearest;
-  std::vector<double> change(options.frames, 0.0);
-  for (std::size_t i = 0; i < layers.size(); ++i) {
-    throw_if_stopped(stop);
-    notify("blend", i, layers.size());
-    const std::vector<int>& first = in_one ? all : samples;
-    layers[i]->measure(first, whole_loop ? &change : nullptr);
-    // Samples are for the model alone: without one, they would be left in the blender.
-    if (in_one || options.matching == AppearanceMatching::kSequence)
-      blend(*layers[i], first);
-    else
-      layers[i]->release();
-  }
-  notify("blend", layers.size(), layers.size());
-  report.blend_s = watch.lap();
-
-  // The still part: the picture as a long exposure along the assigned motion.
-  cv::Mat target, alpha;
-  picture.convertTo(target, CV_32F, 1.0 / 255);
-  matte.convertTo(alpha, CV_32F, 1.0 / 255);
-  const cv::Mat target_luma = luma_of(target);
-  cv::Mat motion;
-  ColourModel colours;
-  oneapi::tbb::parallel_invoke(
-      [&] {
-        motion = apply_guide(motion_field(snapshot, settings, placement, picture.size()), options.guide);
-      },
-      [&] {
-        colours =
-            fit_colour(target, target_luma, alpha, static_cast<int>(std::lround(12 * placement.piece_scale)));
-      });
-  auto [base_luma, own_colour] = exposed(target, target_luma, colours, alpha, motion, options.base);
-  std::optional<CarriedFrames> carried;
-  if (options.carry.fraction > 0)
-    carried.emplace(CarriedBase(target, target_luma, alpha, motion, options.fps, options.carry),
-                    budget.carried_kept);
-  // The fluid's layers go on beyond the still matte, for a moving one to uncover.
-  if (moving_boundary)
-    for (cv::Mat* layer : {&own_colour, &colours.slope, &colours.offset}) *layer = pull_push(*layer, alpha);
-  const FrameFinisher finisher(colours, own_colour, moving_boundary ? behind : target);
-  colours = {};
-  own_colour.release();
-  target.release();
-  report.base_s = watch.lap();
-
-  // Luminance of an output frame, which lies in a slot of the blender; once.
-  const auto merged = [&](int slot, const std::optional<CarriedFrame>& brought) {
-    const cv::Mat field = blender.take(slot);
-    cv::Mat luma;
-    if (brought)
-      show_carried(*brought, base_luma, luma);
-    else
-      base_luma.copyTo(luma);
-    if (moving_boundary) luma = pull_push(luma, alpha);
-    add_enlarged(field, canvas, placement.piece_scale, luma);
-    return luma;
-  };
-  const auto carried_at = [&](int output) {
-    return carried ? std::optional(carried->at(output)) : std::nullopt;
-  };
-  std::map<int, cv::Mat> ready;  // by output frame: merged already, for the model
-  std::optional<AppearanceModel> model;
-  const auto model_of = [&](std::span<const cv::Mat> frames) {
-    return AppearanceModel(target_luma, alpha, frames, options.appearance);
-  };
-  if (options.matching == AppearanceMatching::kSequence) {
-    throw_if_stopped(stop);
-    notify("match", 0, 1);
-    std::vector<cv::Mat> lumas(samples.size());
-    oneapi::tbb::parallel_for(std::size_t{0}, samples.size(), [&](std::size_t i) {
-      lumas[i] = merged(in_one ? samples[i] : static_cast<int>(i), carried_at(samples[i]));
-    });
-    model.emplace(model_of(lumas));
-    if (in_one)
-      for (std::size_t i = 0; i < samples.size(); ++i) ready[samples[i]] = lumas[i];
-    notify("match", 1, 1);
-  }
-  report.appearance_s = watch.lap();
-
-  // Frames: matched, coloured, laid into the picture through the matte.
-  const auto render = [&](cv::Mat luma, const cv::Mat& fluid, const std::optional<CarriedFrame>& brought) {
-    if (model)
-      luma = model->apply(luma);
-    else if (options.matching == AppearanceMatching::kFrame)
-      luma = model_of(std::span(&luma, 1)).apply(luma);
-    return finisher.finish(luma, fluid, brought ? &*brought : nullptr);
-  };
-
-  // Made of whole frames, a loop begins after the transition that changes the picture least (else its
-  // timelines see to the seam).
-  std::vector<int> order = all;
-  if (whole_loop)
-    std::rotate(order.begin(),
-                order.begin() +
-                    (std::min_element(change.begin(), change.end()) - change.begin() + 1) % options.frames,
-                order.end());
-  std::optional<BoundarySequence> boundary;
-  if (moving_boundary)
-    boundary.emplace(boundary_of(snapshot, settings, placement, layers, alpha, motion, order, options));
-  Handover handover(sink);
-  for (int first = 0; first < options.frames; first += batch) {
-    const int count = std::min(batch, options.frames - first);
-    const std::span<const int> outputs = std::span(order).subspan(first, count);
-    if (!in_one) {
-      for (const auto& layer : layers) blend(*layer, outputs);
-      report.blend_s += watch.lap();
-    }
-    for (int done = 0; done < count;) {
-      throw_if_stopped(stop);
-      std::vector<cv::Mat> finished(std::min(kRendered, count - done)), mattes(finished.size(), alpha);
-      if (boundary)
-        for (cv::Mat& fluid : mattes) {
-          fluid = boundary->next();
-          if (options.matte_sink) options.matte_sink(fluid);
-        }
-      oneapi::tbb::parallel_for(std::size_t{0}, finished.size(), [&](std::size_t i) {
-        const int output = outputs[done + i];
-        const auto found = ready.find(output);
-        const std::optional<CarriedFrame> brought = carried_at(output);
-        const cv::Mat luma = found != ready.end()
-                                 ? std::exchange(found->second, {})
-                                 : merged(in_one ? output : done + static_cast<int>(i), brought);
-        finished[i] = render(luma, mattes[i], brought);
-      });
-      handover.take(std::move(finished));
-      done += kRendered;
-      notify("render", first + std::min(done, count), options.frames);
-    }
-    report.render_s += watch.lap();
-  }
-  handover.wait();
-  report.render_s += watch.lap();
-  for (const auto& layer : layers) report.decode_s += layer->read_s();
-  report.blend_s -= report.decode_s;
-  report.total_s = total.seconds();
-  return report;
+  return Animation(snapshot, settings, picture, matte, placement, options, progress, std::move(stop))
+      .run(sink);
 }
 
 }  // namespace freshet::synth::animate

@@ -13,14 +13,22 @@
 #include "store/store.h"
 #include "synth/animate/blend/blend.h"
 #include "synth/animate/clips/clip_layer.h"
+#include "synth/animate/motion/carrying_field.h"
 #include "synth/animate/motion/moving_boundary.h"
 #include "synth/animate/placement/placement.h"
 #include "synth/animate/still/appearance.h"
 #include "synth/animate/still/base_image.h"
 #include "synth/animate/still/carried_base.h"
+#include "synth/animate/still/lost_contrast.h"
 #include "vision/settings.h"
 
 namespace freshet::synth::animate {
+
+/// How frames are made.
+enum class Method {
+  kCarried,  // motion from the patches, look from the picture: the picture is carried along the patches' motion
+  kPaper,    // Okabe et al. 2011, Sec. 6: the patches' differences on a long exposure of the picture
+};
 
 enum class AppearanceMatching {
   kNone,
@@ -39,9 +47,22 @@ struct AnimateOptions {
   std::size_t memory_bytes = std::size_t{2000} << 20;
   BlendOptions blend;
   BaseImageOptions base;
+  Method method = Method::kCarried;
+  /// kCarried: the motion, and the copies of the picture that it carries.
+  CarryingOptions carrying;
   CarriedBaseOptions carry;
+  LostContrastOptions contrast;
+  /// kCarried: of each band's variance, how much comes anew from the patches' innovations, 0..1; the rest is the
+  /// picture's own. Of the finest band a quarter of that, of the next a half: what flow does not explain of the
+  /// finest detail is mostly the clip's noise, and at .35 of all bands flames looked like sandpaper.
+  double renewal = 0.15;
+  /// How long an innovation lives while it is carried along, s: until half of it is left.
+  double renewal_life_s = 0.4;
+  /// An innovation is not amplified by more: what is fainter is coding noise.
+  double max_renewal_gain = 3;
   /// What was asked of the motion: the picture is blurred and carried so (apply_guide).
   query::MotionGuide guide{};
+  /// kPaper: contrast and levels brought to the picture's.
   AppearanceMatching matching = AppearanceMatching::kSequence;
   AppearanceOptions appearance;
   BoundaryOptions boundary;
@@ -51,7 +72,8 @@ struct AnimateOptions {
 /// Where the time went, and with what.
 struct AnimateReport {
   std::size_t clips = 0, pieces = 0;
-  int batches = 1;  // of frames
+  int batches = 1;    // of frames
+  double life_s = 0;  // of a carried copy of the picture; 0: none was carried
   double decode_s = 0, blend_s = 0, base_s = 0, appearance_s = 0, render_s = 0, total_s = 0;
 };
 

@@ -22,6 +22,10 @@ FRESHET_WIDE void add_level(const float* current, const float* weight, int n, fl
   add_band(current, wide, weight, n, sum, stride);
 }
 
+FRESHET_WIDE void scale_weights(const float* weight, float gain, int n, float* to) {
+  for (int i = 0; i < n; ++i) to[i] = gain * weight[i];
+}
+
 FRESHET_WIDE void add_rest(const float* current, const float* weight, int n, float* sum,
                            std::ptrdiff_t stride) {
   for (int y = 0; y < n; ++y)
@@ -57,6 +61,15 @@ cv::Mat level_weight(int side, int stride, int level) {
   return weight;
 }
 
+float mean_of(const cv::Mat& window, std::vector<float>& line) {
+  CV_Assert(window.type() == CV_32F && window.rows == window.cols);
+  line.assign(static_cast<std::size_t>(window.cols), 0.0f);
+  column_sums(window.ptr<float>(), static_cast<std::ptrdiff_t>(window.step1()), window.cols, line.data());
+  double sum = 0;
+  for (int x = 0; x < window.cols; ++x) sum += line[x];
+  return static_cast<float>(sum / window.cols / window.cols);
+}
+
 }  // namespace
 
 struct Blender::Impl {
@@ -66,16 +79,18 @@ struct Blender::Impl {
   std::vector<cv::Mat> weight;              // by level, side / 2^level
   std::vector<cv::Mat> gain;                // by level, canvas / 2^level
   std::vector<std::vector<cv::Mat>> bands;  // by frame, level
+  std::vector<float> scales;                // by patch, level; empty: 1
   // Mean luma of every piece in every frame, on the lattice of pieces.
   cv::Size lattice;
   cv::Mat present;                          // lattice, CV_32F, 1 where a piece lies
   std::vector<cv::Mat> mean_luma_of_piece;  // by frame, lattice
 
   struct Scratch {
-    std::vector<float> current, low, wide, line;
+    std::vector<float> current, low, wide, line, weight;
   };
   oneapi::tbb::enumerable_thread_specific<Scratch> scratch;
 
+  void add(int frame, std::size_t patch, const cv::Mat& detail, float less, float level_of_piece);
   cv::Point lattice_of(std::size_t patch) const {
     return (placement.patches[patch].piece - canvas.tl()) / placement.stride;
   }
@@ -157,12 +172,24 @@ Blender::Blender(const Placement& placement, int frames, const BlendOptions& opt
 Blender::~Blender() = default;
 
 void Blender::add(int frame, std::size_t patch, const cv::Mat& difference) {
-  Impl& self = *impl_;
-  std::vector<cv::Mat>& bands = self.bands[frame];
+  if (impl_->options.low_band == LowBand::kKeep) return impl_->add(frame, patch, difference, 0, 0);
+  const float mean = mean_of(difference, impl_->scratch.local().line);
+  impl_->add(frame, patch, difference, mean, mean);
+}
+
+void Blender::add(int frame, std::size_t patch, const cv::Mat& detail, float level) {
+  impl_->add(frame, patch, detail, mean_of(detail, impl_->scratch.local().line), level);
+}
+
+/// A piece's bands, less a mean; and its level.
+void Blender::Impl::add(int frame, std::size_t patch, const cv::Mat& detail, float less,
+                        float level_of_piece) {
+  Impl& self = *this;
+  std::vector<cv::Mat>& sums = self.bands[frame];
   const int levels = self.options.levels;
-  if (bands.empty()) {
+  if (self.mean_luma_of_piece[frame].empty()) {
     for (int level = 0; level <= levels; ++level)
-      bands.push_back(cv::Mat::zeros(self.canvas.height >> level, self.canvas.width >> level, CV_32F));
+      sums.push_back(cv::Mat::zeros(self.canvas.height >> level, self.canvas.width >> level, CV_32F));
     self.mean_luma_of_piece[frame] = cv::Mat::zeros(self.lattice, CV_32F);
   }
   Impl::Scratch& s = self.scratch.local();
@@ -171,34 +198,55 @@ void Blender::add(int frame, std::size_t patch, const cv::Mat& difference) {
   s.low.resize(area);
   s.wide.resize(area);
   s.line.resize(side + 4);
-  CV_Assert(difference.type() == CV_32F && difference.size() == cv::Size(side, side));
-  const auto* values = difference.ptr<float>();
-  const auto row = static_cast<std::ptrdiff_t>(difference.step1());
-  float mean = 0;
-  if (self.options.low_band != LowBand::kKeep) {
-    std::fill(s.line.begin(), s.line.end(), 0.0f);
-    column_sums(values, row, side, s.line.data());
-    double sum = 0;
-    for (int x = 0; x < side; ++x) sum += s.line[x];
-    mean = static_cast<float>(sum / area);
-    self.mean_luma_of_piece[frame].at<float>(self.lattice_of(patch)) = mean;
-  }
-  take_off(values, row, mean, side, s.current.data());
+  s.weight.resize(area);
+  self.mean_luma_of_piece[frame].at<float>(self.lattice_of(patch)) = level_of_piece;
+  const auto* values = detail.ptr<float>();
+  const auto row = static_cast<std::ptrdiff_t>(detail.step1());
+  take_off(values, row, less, side, s.current.data());
   for (int level = 0; level <= levels; ++level) {
     const cv::Rect at = self.at_level(patch, level);
-    float* sum = bands[level].ptr<float>(at.y) + at.x;
-    const auto stride = static_cast<std::ptrdiff_t>(bands[level].step1());
-    const auto* weight = self.weight[level].ptr<float>();
+    float* sum = sums[level].ptr<float>(at.y) + at.x;
+    const auto stride = static_cast<std::ptrdiff_t>(sums[level].step1());
+    const auto* weights = self.weight[level].ptr<float>();
+    if (!self.scales.empty()) {
+      scale_weights(weights, self.scales[patch * (levels + 1) + level], at.area(), s.weight.data());
+      weights = s.weight.data();
+    }
     if (level == levels) {
-      add_rest(s.current.data(), weight, at.width, sum, stride);
+      add_rest(s.current.data(), weights, at.width, sum, stride);
     } else {
-      add_level(s.current.data(), weight, at.width, s.line.data(), s.low.data(), s.wide.data(), sum, stride);
+      add_level(s.current.data(), weights, at.width, s.line.data(), s.low.data(), s.wide.data(), sum, stride);
       std::swap(s.current, s.low);
     }
   }
 }
 
-cv::Mat Blender::take(int frame) {
+int Blender::levels() const { return impl_->options.levels + 1; }
+
+void Blender::scale(std::size_t patch, std::span<const float> gains) {
+  const auto levels = static_cast<std::size_t>(this->levels());
+  CV_Assert(gains.size() == levels);
+  impl_->scales.resize(impl_->placement.patches.size() * levels, 1.0f);
+  std::copy(gains.begin(), gains.end(), impl_->scales.begin() + static_cast<std::ptrdiff_t>(patch * levels));
+}
+
+std::vector<double> Blender::band_power(const cv::Mat& window) {
+  std::vector<double> power;
+  cv::Mat current = window - cv::mean(window)[0], low, wide;
+  for (int level = 0; level < levels(); ++level) {
+    const bool last = level + 1 == levels();
+    if (!last) {
+      cv::pyrDown(current, low);
+      cv::pyrUp(low, wide, current.size());
+    }
+    const cv::Mat band = last ? current : cv::Mat(current - wide);
+    power.push_back(band.dot(band) / static_cast<double>(band.total()));
+    std::swap(current, low);
+  }
+  return power;
+}
+
+cv::Mat Blender::take_detail(int frame) {
   Impl& self = *impl_;
   std::vector<cv::Mat>& bands = self.bands[frame];
   if (bands.empty()) return cv::Mat::zeros(self.canvas.size(), CV_32F);
@@ -209,22 +257,27 @@ cv::Mat Blender::take(int frame) {
     cv::pyrUp(field, up, bands[level].size());
     cv::add(up, bands[level], field);
   }
-  if (self.options.low_band == LowBand::kShared) {
-    // A normalised Gaussian mean over neighbouring pieces, then back to pixels.
-    cv::Mat sum, mass, shared;
-    const double sigma = self.options.low_band_reach;
-    cv::GaussianBlur(self.mean_luma_of_piece[frame], sum, {}, sigma, sigma, cv::BORDER_CONSTANT);
-    cv::GaussianBlur(self.present, mass, {}, sigma, sigma, cv::BORDER_CONSTANT);
-    cv::divide(sum, cv::max(mass, 1e-6), shared);
-    const double stride = self.placement.stride;
-    // Piece (i, j)'s middle lies at i * stride + (side - 1) / 2.
-    const double offset = (self.placement.side - 1) / 2.0;
-    const cv::Matx23d lattice_from_canvas(1 / stride, 0, -offset / stride, 0, 1 / stride, -offset / stride);
-    cv::warpAffine(shared, up, lattice_from_canvas, field.size(), cv::INTER_LINEAR | cv::WARP_INVERSE_MAP,
-                   cv::BORDER_REPLICATE);
-    cv::add(field, up, field);
-  }
   bands.clear();
+  return field;
+}
+
+cv::Mat Blender::take_level(int frame) {
+  Impl& self = *impl_;
+  if (self.options.low_band != LowBand::kShared || self.mean_luma_of_piece[frame].empty())
+    return cv::Mat::zeros(self.canvas.size(), CV_32F);
+  // A normalised Gaussian mean over neighbouring pieces, then back to pixels.
+  cv::Mat sum, mass, shared, field;
+  const double sigma = self.options.low_band_reach;
+  cv::GaussianBlur(self.mean_luma_of_piece[frame], sum, {}, sigma, sigma, cv::BORDER_CONSTANT);
+  cv::GaussianBlur(self.present, mass, {}, sigma, sigma, cv::BORDER_CONSTANT);
+  cv::divide(sum, cv::max(mass, 1e-6), shared);
+  const double stride = self.placement.stride;
+  // Piece (i, j)'s middle lies at i * stride + (side - 1) / 2.
+  const double offset = (self.placement.side - 1) / 2.0;
+  const cv::Matx23d lattice_from_canvas(1 / stride, 0, -offset / stride, 0, 1 / stride, -offset / stride);
+  cv::warpAffine(shared, field, lattice_from_canvas, self.canvas.size(),
+                 cv::INTER_LINEAR | cv::WARP_INVERSE_MAP, cv::BORDER_REPLICATE);
+  self.mean_luma_of_piece[frame].release();
   return field;
 }
 

@@ -49,12 +49,25 @@ class Blender {
   Blender(const Placement& placement, int frames, const BlendOptions& options);
   ~Blender();
 
-  /// Adds one piece's difference in one frame: CV_32F, side x side, luma. Different frames may be added from
-  /// different threads; the pieces of one frame in a fixed order, for results that do not depend on threads.
+  /// Adds one piece's difference in one frame: CV_32F, side x side, luma. Or its detail from elsewhere, whose
+  /// own mean is left out, and its level.
+  /// Different frames may be added from different threads; the pieces of one frame in a fixed order, for results
+  /// that do not depend on threads.
   void add(int frame, std::size_t patch, const cv::Mat& difference);
+  void add(int frame, std::size_t patch, const cv::Mat& detail, float level);
 
-  /// The merged field of one frame on the canvas (canvas_of): CV_32F. Frees its memory. After all adds.
-  cv::Mat take(int frame);
+  /// How much of each band of a piece is taken from now on; 1 by default. gains: levels() values, finest first.
+  void scale(std::size_t patch, std::span<const float> gains);
+  /// Mean squares of a window's bands, levels() values, finest first. Safe from many threads.
+  std::vector<double> band_power(const cv::Mat& window);
+  int levels() const;
+
+  /// The merged detail of one frame on the canvas (canvas_of), and what LowBand makes of the pieces' levels:
+  /// CV_32F. Each once; they free the frame's memory. After all adds. kKeep: levels are part of the detail.
+  cv::Mat take_detail(int frame);
+  cv::Mat take_level(int frame);
+  /// Both together.
+  cv::Mat take(int frame) { return take_detail(frame) + take_level(frame); }
 
  private:
   struct Impl;

@@ -58,6 +58,8 @@ FRESHET_WIDE void add_difference(const float* from, const float* less, float wei
   for (int i = 0; i < n; ++i) to[i] += weight * (from[i] - less[i]);
 }
 
+std::uint32_t nearest_frame(double moment) { return static_cast<std::uint32_t>(std::lround(moment)); }
+
 /// Calls with each clip frame that a moment needs, and its weight.
 template <class Use>
 void each_frame(const Moment& moment, const Use& use) {
@@ -73,12 +75,17 @@ void each_frame(const Moment& moment, const Use& use) {
 
 ClipLayer::ClipLayer(const store::Snapshot& snapshot, store::ClipId clip, int flow_step,
                      const Placement& placement, std::vector<std::size_t> patches,
-                     const TimelineOptions& options, Resampling resampling)
+                     const TimelineOptions& options, Resampling resampling, ClipDetail detail)
     : placement_(placement),
       patches_(std::move(patches)),
       windows_(windows_of(size_of(snapshot.clip(clip)), placement, patches_)),
-      luma_(snapshot, clip, needed_by(windows_, resampling, size_of(snapshot.clip(clip))), flow_step) {
+      luma_(snapshot, clip,
+            needed_by(windows_, detail == ClipDetail::kInnovation ? Resampling::kFlow : resampling,
+                      size_of(snapshot.clip(clip))),
+            flow_step),
+      detail_(detail) {
   const store::ClipRecord& record = snapshot.clip(clip);
+  frame_count_ = record.frame_count;
   const std::vector<double> times = snapshot.column<double>(clip, "frame.time");
   if (times.empty() || !std::is_sorted(times.begin(), times.end()))
     throw Error(ErrorKind::kDamaged, record.name, "its frame times are not in order",
@@ -163,6 +170,12 @@ void ClipLayer::load(std::span<const int> outputs, std::span<const std::uint32_t
       each_frame(moment, [&](std::uint32_t frame, double) { frames.insert(frame); });
       for (int i = 0; i < moment.count(); ++i)
         if (moment.at[i] != std::floor(moment.at[i])) flows.insert(static_cast<std::uint32_t>(moment.at[i]));
+      for (int i = 0; detail_ == ClipDetail::kInnovation && i < moment.count(); ++i) {
+        const std::uint32_t frame = nearest_frame(moment.at[i]);
+        frames.insert(frame);
+        if (frame > 0) frames.insert(frame - 1), flows.insert(frame - 1);
+        if (frame + 1 < frame_count_) frames.insert(frame + 1), flows.insert(frame);
+      }
     }
   luma_.load(std::vector(frames.begin(), frames.end()), std::vector(flows.begin(), flows.end()));
 }
@@ -302,28 +315,92 @@ void ClipLayer::difference(const SpeedGroup& group, const Moment& moment, Scratc
     }
 }
 
+/// The innovations of what a speed group's patches are made of, into scratch.innovation.
+void ClipLayer::innovation(const SpeedGroup& group, const Moment& moment, Scratch& s) const {
+  if (s.innovation.empty()) s.innovation = cv::Mat::zeros(luma_.source(), CV_32F);
+  s.part.resize(static_cast<std::size_t>(kCell.area()));
+  for (const cv::Rect& cell : group.cells)
+    for (int k = 0; k < moment.count(); ++k) {
+      luma_.innovation(nearest_frame(moment.at[k]), cell, s.part.data(), s.luma);
+      for (int y = 0; y < cell.height; ++y) {
+        float* to = s.innovation.ptr<float>(cell.y + y) + cell.x;
+        if (k == 0) std::fill(to, to + cell.width, 0.0f);
+        add_weighed(s.part.data() + y * cell.width, moment.weight[k], cell.width, to);
+      }
+    }
+}
+
+/// Calls with each patch of a speed group and its window of `shown`, of the source's size.
+template <class Use>
+void ClipLayer::each_window(const SpeedGroup& group, const cv::Mat& shown, Scratch& s, const Use& use) {
+  for (std::size_t i : group.whole) {
+    windows_[i].cut(shown, s.window);
+    use(patches_[i], s.window);
+  }
+  for (const Reduced& reduced : group.reduced) {
+    s.reduced.create(reduced.reduction.reduced(), CV_32F);
+    for (const cv::Rect& cell : reduced.cells) reduced.reduction.apply(shown, cell, s.reduced, s.line);
+    for (std::size_t i : reduced.members) {
+      windows_[i].cut(s.reduced, s.window);
+      use(patches_[i], s.window);
+    }
+  }
+}
+
 void ClipLayer::add(std::span<const int> outputs, Blender& blender) {
   load(outputs);
   oneapi::tbb::enumerable_thread_specific<Scratch> scratches;
   oneapi::tbb::parallel_for(std::size_t{0}, outputs.size(), [&](std::size_t slot) {
     Scratch& s = scratches.local();
-    const auto lay = [&](const cv::Mat& shown, std::span<const std::size_t> members) {
-      for (std::size_t i : members) {
-        windows_[i].cut(shown, s.window);
-        blender.add(static_cast<int>(slot), patches_[i], s.window);
-      }
-    };
+    const int frame = static_cast<int>(slot);
     for (const SpeedGroup& group : groups_) {
       difference(group, group.moments[outputs[slot]], s);
-      lay(s.difference, group.whole);
-      for (const Reduced& reduced : group.reduced) {
-        s.reduced.create(reduced.reduction.reduced(), CV_32F);
-        for (const cv::Rect& cell : reduced.cells)
-          reduced.reduction.apply(s.difference, cell, s.reduced, s.line);
-        lay(s.reduced, reduced.members);
+      if (detail_ == ClipDetail::kDifference) {
+        each_window(group, s.difference, s,
+                    [&](std::size_t patch, const cv::Mat& window) { blender.add(frame, patch, window); });
+        continue;
       }
+      std::map<std::size_t, float> level;
+      each_window(group, s.difference, s, [&](std::size_t patch, const cv::Mat& window) {
+        level[patch] = static_cast<float>(cv::mean(window)[0]);
+      });
+      innovation(group, group.moments[outputs[slot]], s);
+      each_window(group, s.innovation, s, [&](std::size_t patch, const cv::Mat& window) {
+        blender.add(frame, patch, window, level.at(patch));
+      });
     }
   });
+}
+
+std::map<std::size_t, std::vector<double>> ClipLayer::detail_power(std::span<const int> outputs,
+                                                                   Blender& blender) {
+  load(outputs);
+  std::vector<std::map<std::size_t, std::vector<double>>> by_output(outputs.size());
+  oneapi::tbb::enumerable_thread_specific<Scratch> scratches;
+  oneapi::tbb::parallel_for(std::size_t{0}, outputs.size(), [&](std::size_t slot) {
+    Scratch& s = scratches.local();
+    for (const SpeedGroup& group : groups_) {
+      const Moment& moment = group.moments[outputs[slot]];
+      const bool innovations = detail_ == ClipDetail::kInnovation;
+      if (innovations)
+        innovation(group, moment, s);
+      else
+        difference(group, moment, s);
+      each_window(group, innovations ? s.innovation : s.difference, s,
+                  [&](std::size_t patch, const cv::Mat& window) {
+                    by_output[slot][patch] = blender.band_power(window);
+                  });
+    }
+  });
+  std::map<std::size_t, std::vector<double>> mean;
+  for (const auto& powers : by_output)
+    for (const auto& [patch, power] : powers) {
+      std::vector<double>& sum = mean[patch];
+      sum.resize(power.size());
+      for (std::size_t level = 0; level < power.size(); ++level)
+        sum[level] += power[level] / static_cast<double>(outputs.size());
+    }
+  return mean;
 }
 
 void ClipLayer::release() { luma_.load({}); }

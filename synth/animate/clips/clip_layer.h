@@ -31,13 +31,20 @@ enum class Resampling {
   kFlow,     // both frames, brought together along the flow kept in the store
 };
 
+/// What detail the patches give.
+enum class ClipDetail {
+  kDifference,  // to the average of what is shown
+  kInnovation,  // what carrying the neighbouring frames along their flow does not explain (clip_luma.h)
+};
+
 /// Patches of one clip. Those that play at one speed share one timeline, so that neighbours stay in step.
 class ClipLayer {
  public:
   /// patches   of the placement that lie in this clip. options.speed, .phase and .whole are set here.
   /// Throws    as timeline().
   ClipLayer(const store::Snapshot& snapshot, store::ClipId clip, int flow_step, const Placement& placement,
-            std::vector<std::size_t> patches, const TimelineOptions& options, Resampling resampling);
+            std::vector<std::size_t> patches, const TimelineOptions& options, Resampling resampling,
+            ClipDetail detail = ClipDetail::kDifference);
 
   /// The averages over all output frames, which every difference needs, in one pass through the clip.
   /// kept     output frames whose clip frames stay in memory afterwards.
@@ -48,6 +55,9 @@ class ClipLayer {
   /// Differences of the output frames `outputs` to the average, cut out patch by patch, into the blender's
   /// frames 0, 1, ... Reads what is not in memory. All threads; the same for any number.
   void add(std::span<const int> outputs, Blender& blender);
+  /// By patch of the placement that lies in this clip: mean power of its detail by the blender's bands, over
+  /// these output frames. All threads; the same for any number.
+  std::map<std::size_t, std::vector<double>> detail_power(std::span<const int> outputs, Blender& blender);
   /// Forgets the clip's frames, not the averages.
   void release();
 
@@ -79,7 +89,7 @@ class ClipLayer {
     cv::Mat average;  // luma_.region(), CV_32F
   };
   struct Scratch {
-    cv::Mat difference, reduced, window;
+    cv::Mat difference, innovation, reduced, window;
     std::vector<float> part, line;
     ClipLuma::Scratch luma;
   };
@@ -99,12 +109,17 @@ class ClipLayer {
                   std::vector<double>& change) const;
   void load(std::span<const int> outputs, std::span<const std::uint32_t> more = {});
   void difference(const SpeedGroup& group, const Moment& moment, Scratch& scratch) const;
+  void innovation(const SpeedGroup& group, const Moment& moment, Scratch& scratch) const;
+  template <class Use>
+  void each_window(const SpeedGroup& group, const cv::Mat& shown, Scratch& scratch, const Use& use);
 
   const Placement& placement_;
   std::vector<std::size_t> patches_;
   std::vector<PatchWindow> windows_;
   ClipLuma luma_;
   std::vector<SpeedGroup> groups_;
+  ClipDetail detail_ = ClipDetail::kDifference;
+  std::uint32_t frame_count_ = 0;  // of the clip
   double read_s_ = 0;
 };
 

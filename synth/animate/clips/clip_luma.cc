@@ -145,6 +145,10 @@ std::vector<std::uint32_t> keep_only(Held& held, std::span<const std::uint32_t> 
   return missing;
 }
 
+FRESHET_WIDE void less_mean(const float* a, const float* b, int n, float* out) {
+  for (int i = 0; i < n; ++i) out[i] -= 0.5f * (a[i] + b[i]);
+}
+
 }  // namespace
 
 ClipLuma::ClipLuma(const store::Snapshot& snapshot, store::ClipId clip, std::span<const cv::Rect> needed,
@@ -284,9 +288,8 @@ void ClipLuma::at(double moment, const cv::Rect& cell, float* out, Scratch& scra
   for (int y = 0; y < cell.height; ++y) row(frame, cell.x, cell.y + y, cell.width, out + y * cell.width);
 }
 
-void ClipLuma::between(std::uint32_t frame, float fraction, const cv::Rect& cell, float* out,
-                       Scratch& s) const {
-  // The flow of the cell, between its samples.
+/// The flow of a cell from `frame` to the next, between its samples, px / kFlowUnit: s.u and s.v.
+void ClipLuma::flow_of_cell(std::uint32_t frame, const cv::Rect& cell, Scratch& s) const {
   const Flow& by = flows_.at(frame);
   const cv::Point corner = cell.tl() - region_.tl();
   const std::int32_t* first = flow_across_.first.data() + corner.x;
@@ -310,10 +313,34 @@ void ClipLuma::between(std::uint32_t frame, float fraction, const cv::Rect& cell
     interpolate(by.u, s.u);
     interpolate(by.v, s.v);
   }
+}
+
+void ClipLuma::between(std::uint32_t frame, float fraction, const cv::Rect& cell, float* out,
+                       Scratch& s) const {
+  flow_of_cell(frame, cell, s);
   // Where `frame` comes from, and by the same flow the one after it.
   carried(frame, -fraction, cell, s.from.data(), s);
   carried(frame + 1, 1 - fraction, cell, s.to.data(), s);
   mix(s.from.data(), s.to.data(), fraction, cell.area(), out);
+}
+
+void ClipLuma::innovation(std::uint32_t frame, const cv::Rect& cell, float* out, Scratch& s) const {
+  for (int y = 0; y < cell.height; ++y) row(frame, cell.x, cell.y + y, cell.width, out + y * cell.width);
+  const bool before = frame > 0 && frames_.contains(frame - 1) && flows_.contains(frame - 1);
+  const bool after = frames_.contains(frame + 1) && flows_.contains(frame);
+  if (before) {
+    flow_of_cell(frame - 1, cell, s);
+    carried(frame - 1, -1, cell, s.from.data(), s);
+  }
+  if (after) {
+    flow_of_cell(frame, cell, s);
+    carried(frame + 1, 1, cell, s.to.data(), s);
+  }
+  const std::vector<float>&first = before ? s.from : s.to, &second = after ? s.to : s.from;
+  if (before || after)
+    less_mean(first.data(), second.data(), cell.area(), out);
+  else
+    std::fill(out, out + cell.area(), 0.0f);
 }
 
 /// A cell of a frame, read `fraction` of the flow in s.u and s.v away.

@@ -47,6 +47,10 @@ class ClipLuma {
   /// Luma at a moment of frames that are loaded, 0..1, in a rectangle of source() within region(), no larger
   /// than a cell: out holds its rows one after another. Safe from many threads.
   void at(double moment, const cv::Rect& cell, float* out, Scratch& scratch) const;
+  /// What of a frame carrying its neighbours in time does not explain: the frame less the mean of the one before
+  /// and the one after, each brought to it along the flow kept in the store. The neighbours that there are, and
+  /// the flows from `frame` and from the one before it, are loaded. Else as at().
+  void innovation(std::uint32_t frame, const cv::Rect& cell, float* out, Scratch& scratch) const;
   /// Luma of a loaded frame at row y, columns x .. x + n - 1 of source(), within region().
   void row(std::uint32_t frame, int x, int y, int n, float* out) const;
 
@@ -62,6 +66,7 @@ class ClipLuma {
   void read_frames(std::span<const std::uint32_t> missing);
   void read_flows(std::span<const std::uint32_t> missing);
   void between(std::uint32_t frame, float fraction, const cv::Rect& cell, float* out, Scratch& scratch) const;
+  void flow_of_cell(std::uint32_t frame, const cv::Rect& cell, Scratch& scratch) const;
   void carried(std::uint32_t frame, float fraction, const cv::Rect& cell, float* out, Scratch& scratch) const;
   void check_flow() const;
 

@@ -285,9 +285,14 @@ MotionSequence::MotionSequence(const store::Snapshot& snapshot, const vision::Se
   oneapi::tbb::parallel_for(0, frames, [&](int i) { spread(squares_[i], mass); });
 }
 
-cv::Mat MotionSequence::at(int i) const {
+cv::Mat MotionSequence::at(int i) const { return at(i, 1, picture_); }
+
+cv::Mat MotionSequence::at(int i, int step, cv::Size size) const {
+  // Sample (x, y) lies in the middle of its square.
+  const double middle = (step - 1) / 2.0;
+  const cv::Matx33d picture_from_samples(step, 0, middle, 0, step, middle, 0, 0, 1);
   cv::Mat field;
-  cv::warpAffine(squares_[i] * piece_scale_, field, squares_from_picture_, picture_,
+  cv::warpAffine(squares_[i] * piece_scale_, field, squares_from_picture_ * picture_from_samples, size,
                  cv::INTER_LINEAR | cv::WARP_INVERSE_MAP, cv::BORDER_REPLICATE);
   return field;
 }

@@ -44,6 +44,8 @@ class MotionSequence {
   /// Velocity in output frame i: CV_32FC2 of the picture's size, px per second of the animation, x right,
   /// y down. Safe from many threads.
   cv::Mat at(int i) const;
+  /// The same, sampled in the middles of squares of `step` px of the picture: CV_32FC2 of `size`.
+  cv::Mat at(int i, int step, cv::Size size) const;
 
  private:
   cv::Size picture_;

@@ -16,10 +16,7 @@
 namespace freshet::synth::animate {
 namespace {
 
-constexpr int kCopies = 3;
 constexpr double kMinDepth = 0.02;
-constexpr int kMaxMaps = 96;
-constexpr int kStep = 4;             // px of the picture a sample of the displacement
 constexpr float kMinWeight = 1e-3f;  // of a place that anything is carried to
 constexpr float kMinMass = 1e-4f;    // so that values are there also where none of it is fluid
 const cv::Size kCell(32, 16);
@@ -27,47 +24,9 @@ constexpr int kCellArea = 32 * 16;
 constexpr int kMargin = 4;  // samples around the planes: of what is read at once, two beyond a picture's edge
 constexpr float kTrusted = 8;  // from a matte of 1 / 8 on the picture's values are the fluid's
 
-// How far to where the fluid at each place was (or will be) one step of `dt` seconds further on: mid-point
-// rule along the steady field. From displacements for some age to those for the next.
-cv::Mat step_on(const cv::Mat& displacement, const cv::Mat& velocity, float dt) {
-  cv::Mat where(displacement.size(), CV_32FC2), further;
-  for (int y = 0; y < where.rows; ++y)
-    for (int x = 0; x < where.cols; ++x) {
-      const cv::Vec2f& d = displacement.at<cv::Vec2f>(y, x);
-      where.at<cv::Vec2f>(y, x) = {static_cast<float>(x) + d[0] / kStep,
-                                   static_cast<float>(y) + d[1] / kStep};
-    }
-  cv::remap(velocity, further, where, cv::noArray(), cv::INTER_LINEAR, cv::BORDER_REPLICATE);
-  cv::Mat middle = displacement + further * (dt / 2);
-  for (int y = 0; y < where.rows; ++y)
-    for (int x = 0; x < where.cols; ++x) {
-      const cv::Vec2f& d = middle.at<cv::Vec2f>(y, x);
-      where.at<cv::Vec2f>(y, x) = {static_cast<float>(x) + d[0] / kStep,
-                                   static_cast<float>(y) + d[1] / kStep};
-    }
-  cv::remap(velocity, further, where, cv::noArray(), cv::INTER_LINEAR, cv::BORDER_REPLICATE);
-  return displacement + further * dt;
-}
-
-// The divisor of `whole` nearest to `wanted`, on a scale of ratios, and not below half of it: copies that
-// hardly live jitter in their places. `whole` itself is one.
-int nearest_divisor(int whole, int wanted) {
-  int best = whole;
-  const auto distance = [&](int divisor) {
-    return std::abs(std::log(static_cast<double>(divisor) / wanted));
-  };
-  for (int divisor = (wanted + 1) / 2; divisor <= whole; ++divisor)
-    if (whole % divisor == 0 && distance(divisor) < distance(best)) best = divisor;
-  return best;
-}
-
-// Where a row's places lie on the coarse maps: a row of one component between two maps and two of their rows.
-FRESHET_WIDE void mix_rows(const float* a0, const float* a1, const float* b0, const float* b1, float fraction,
-                           float down, int n, float* out) {
-  for (int i = 0; i < n; ++i) {
-    const float a = a0[i] + down * (a1[i] - a0[i]), b = b0[i] + down * (b1[i] - b0[i]);
-    out[i] = a + fraction * (b - a);
-  }
+// Where a row's places lie on the coarse maps: a row of one component between two of their rows.
+FRESHET_WIDE void mix_rows(const float* upper, const float* lower, float down, int n, float* out) {
+  for (int i = 0; i < n; ++i) out[i] = upper[i] + down * (lower[i] - upper[i]);
 }
 
 // Sources of a row's places, in steps (cubic.h), at most two samples beyond a side of `limit` samples.
@@ -135,14 +94,14 @@ FRESHET_WIDE void pack_luma(const float* sum, const float* mass, int n, std::int
   for (int i = 0; i < n; ++i) out[i] = packed(sum[i] / mass[i]);
 }
 
-FRESHET_WIDE void pack_colours(const float* sums, const float* max_fraction, const float* own, int n,
+FRESHET_WIDE void pack_colours(const float* sums, float max_fraction, const float* own, int n,
                                std::int16_t* blue, std::int16_t* red, std::int16_t* fraction) {
   for (int i = 0; i < n; ++i) {
     const float mass = sums[4 * i + 2], whole = mass > 0 ? 1 / mass : 0.0f;
     blue[i] = packed(sums[4 * i] * whole);
     red[i] = packed(sums[4 * i + 1] * whole);
     // What is brought is fluid as far as this place itself is.
-    fraction[i] = packed(own[i] > kMinWeight ? max_fraction[i] * std::min(mass / own[i], 1.0f) : 0.0f);
+    fraction[i] = packed(own[i] > kMinWeight ? max_fraction * std::min(mass / own[i], 1.0f) : 0.0f);
   }
 }
 
@@ -180,11 +139,10 @@ struct CarriedBase::Scratch {
 };
 
 CarriedBase::CarriedBase(const cv::Mat& picture, const cv::Mat& luma, const cv::Mat& matte,
-                         const cv::Mat& motion, double fps, const CarriedBaseOptions& options)
-    : size_(picture.size()), half_((size_.width + 1) / 2, (size_.height + 1) / 2) {
-  period_ = period(fps, options);
-  const int life = life_ = kCopies * period_;
-
+                         const CarriedBaseOptions& options)
+    : fraction_(static_cast<float>(options.fraction)),
+      size_(picture.size()),
+      half_((size_.width + 1) / 2, (size_.height + 1) / 2) {
   // Copies fade towards the matte's edge and the picture's: carried on, an edge would go through the fluid as
   // a line.
   cv::Mat inside, depth;
@@ -193,23 +151,12 @@ CarriedBase::CarriedBase(const cv::Mat& picture, const cv::Mat& luma, const cv::
   depth = depth(cv::Rect({1, 1}, size_)) / std::max(options.edge_px, 1.0);
   const cv::Mat weight = matte.mul(cv::min(cv::max(depth, kMinDepth), 1.0));
 
-  // Where the fluid would be carried too far, the fraction of what is carried falls off.
-  cv::Mat max_fraction(size_, CV_32F);
-  const double reach_s = life / fps / 2;
-  for (int y = 0; y < size_.height; ++y)
-    for (int x = 0; x < size_.width; ++x) {
-      const cv::Vec2f& v = motion.at<cv::Vec2f>(y, x);
-      const double reach = std::hypot(v[0], v[1]) * reach_s;
-      max_fraction.at<float>(y, x) =
-          static_cast<float>(options.fraction * std::clamp(2 - reach / options.max_px, 0.0, 1.0));
-    }
-  std::vector<cv::Rect> carried;
   for (const cv::Rect& cell : cells_touched(std::vector{cv::Rect({}, size_)}, cv::Rect({}, size_), kCell)) {
-    // Shares are read between samples: what is next to a cell reaches into it.
+    // Fractions are read between samples: what is next to a cell reaches into it.
     const cv::Rect around =
         cv::Rect(cell.x - 2, cell.y - 2, cell.width + 4, cell.height + 4) & cv::Rect({}, size_);
     double maximum = 0;
-    cv::minMaxLoc(max_fraction(around).mul(weight(around)), nullptr, &maximum);
+    cv::minMaxLoc(weight(around), nullptr, &maximum);
     if (maximum > 0) cells_.push_back(cell);
   }
 
@@ -236,7 +183,6 @@ CarriedBase::CarriedBase(const cv::Mat& picture, const cv::Mat& luma, const cv::
     cv::resize(even, out, half_, 0, 0, cv::INTER_AREA);
     return out;
   };
-  max_fraction_ = halved(max_fraction);
   own_ = halved(weight);
   const cv::Mat none = cv::Mat::zeros(half_, CV_32F);
   cv::merge(std::vector<cv::Mat>{with_margin(halved(plane[1]), 1, cv::BORDER_REPLICATE),
@@ -245,25 +191,7 @@ CarriedBase::CarriedBase(const cv::Mat& picture, const cv::Mat& luma, const cv::
                                  with_margin(none, 1, cv::BORDER_CONSTANT)},
             colour_);
 
-  cv::Mat velocity;
   const cv::Size coarse((size_.width + kStep - 1) / kStep, (size_.height + kStep - 1) / kStep);
-  cv::resize(motion, velocity, coarse, 0, 0, cv::INTER_AREA);
-  // Before its time a copy shows what is yet to come. Long lives are sampled, and interpolated between.
-  stride_ = life / kMaxMaps + 1;
-  const auto dt = static_cast<float>(stride_ / fps);
-  const int steps = (life - life / 2) / stride_ + 2;
-  const auto keep = [](const cv::Mat& displacement, std::vector<Map>& maps) {
-    std::array<cv::Mat, 2> parts;
-    cv::split(displacement, parts.data());
-    maps.push_back({parts[0], parts[1]});
-  };
-  cv::Mat past = cv::Mat::zeros(coarse, CV_32FC2), future = past;
-  for (int i = 0; i < steps; ++i) {
-    keep(past, past_);
-    keep(future, future_);
-    past = step_on(past, velocity, -dt);
-    future = step_on(future, velocity, dt);
-  }
   const auto lay_out = [](int n, int samples, std::vector<std::int32_t>& first,
                           std::vector<float>& fraction) {
     for (int i = 0; i < n; ++i) {
@@ -276,56 +204,44 @@ CarriedBase::CarriedBase(const cv::Mat& picture, const cv::Mat& luma, const cv::
   lay_out(size_.height, coarse.height, map_y_, fraction_y_);
 }
 
-int CarriedBase::period(double fps, const CarriedBaseOptions& options) {
-  // What is shown repeats after a third of a life, when each copy has come to the next one's age: a loop
-  // holds whole thirds.
-  const int third = std::max(1, static_cast<int>(std::lround(options.life_s * fps / kCopies)));
-  return options.loop_frames > 0 ? nearest_divisor(options.loop_frames, third) : third;
-}
-
-std::size_t CarriedBase::frame_bytes(cv::Size picture) {
-  const std::size_t half = static_cast<std::size_t>((picture.width + 1) / 2) * ((picture.height + 1) / 2);
-  return sizeof(std::int16_t) * (static_cast<std::size_t>(picture.area()) + 3 * half);
-}
-
-CarriedFrame CarriedBase::frame(int i) const {
+CarriedFrame CarriedBase::frame(std::span<const CopyMap> copies) const {
   CarriedFrame out{.luma = cv::Mat::zeros(size_, CV_16S),
                    .blue = cv::Mat::zeros(half_, CV_16S),
                    .red = cv::Mat::zeros(half_, CV_16S),
                    .fraction = cv::Mat::zeros(half_, CV_16S)};
+  std::vector<Copy> shown;
+  for (const CopyMap& copy : copies) {
+    if (copy.weight <= 0) continue;
+    std::array<cv::Mat, 2> parts;
+    cv::split(copy.source, parts.data());
+    shown.push_back({copy.weight, parts[0], parts[1]});
+  }
   Scratch scratch;
-  for (const cv::Rect& cell : cells_) carry(cell, i % period_, out, scratch);
+  for (const cv::Rect& cell : cells_) carry(cell, shown, out, scratch);
   return out;
 }
 
-void CarriedBase::carry(const cv::Rect& cell, int i, CarriedFrame& out, Scratch& s) const {
+void CarriedBase::carry(const cv::Rect& cell, std::span<const Copy> copies, CarriedFrame& out,
+                        Scratch& s) const {
   const cv::Rect half(cell.x / 2, cell.y / 2, (cell.width + 1) / 2, (cell.height + 1) / 2);
   s.sum.fill(0);
   s.mass.fill(0);
   s.colours.fill(0);
-  for (int copy = 0; copy < kCopies; ++copy) {
-    const int age = (i + copy * period_ + life_ / 2) % life_ - life_ / 2;  // frames from its own time
-    const auto weight =
-        static_cast<float>((1 + std::cos(2 * std::numbers::pi * age / static_cast<double>(life_))) / kCopies);
-    const std::vector<Map>& maps = age >= 0 ? past_ : future_;
-    const Map &near = maps[std::abs(age) / stride_], &far = maps[std::abs(age) / stride_ + 1];
-    const float fraction = static_cast<float>(std::abs(age) % stride_) / static_cast<float>(stride_);
-
+  for (const Copy& copy : copies) {
+    const float weight = copy.weight;
     // Where each place of the cell comes from.
     const std::int32_t* first = map_x_.data() + cell.x;
-    const int columns = near.u.cols, samples = std::min(first[cell.width - 1] + 2, columns) - first[0];
+    const int columns = copy.u.cols, samples = std::min(first[cell.width - 1] + 2, columns) - first[0];
     for (int row = 0; row < cell.height; ++row) {
-      const int y0 = map_y_[cell.y + row], y1 = std::min(y0 + 1, near.u.rows - 1);
+      const int y0 = map_y_[cell.y + row], y1 = std::min(y0 + 1, copy.u.rows - 1);
       const float down = fraction_y_[cell.y + row];
-      const auto read = [&](const cv::Mat& a, const cv::Mat& b, int origin, int step, int limit,
-                            std::int32_t* to) {
-        mix_rows(a.ptr<float>(y0) + first[0], a.ptr<float>(y1) + first[0], b.ptr<float>(y0) + first[0],
-                 b.ptr<float>(y1) + first[0], fraction, down, samples, s.mixed.data());
+      const auto read = [&](const cv::Mat& map, int origin, int step, int limit, std::int32_t* to) {
+        mix_rows(map.ptr<float>(y0) + first[0], map.ptr<float>(y1) + first[0], down, samples, s.mixed.data());
         s.mixed[samples] = s.mixed[samples - 1];
         sources(s.mixed.data(), first, fraction_x_.data() + cell.x, origin, step, limit, cell.width, to);
       };
-      read(near.u, far.u, cell.x, 1, size_.width, s.x.data() + row * cell.width);
-      read(near.v, far.v, cell.y + row, 0, size_.height, s.y.data() + row * cell.width);
+      read(copy.u, cell.x, 1, size_.width, s.x.data() + row * cell.width);
+      read(copy.v, cell.y + row, 0, size_.height, s.y.data() + row * cell.width);
     }
     const auto margin = static_cast<std::ptrdiff_t>(kMargin);
     const auto stride = static_cast<std::ptrdiff_t>(fluid_.cols);
@@ -355,9 +271,9 @@ void CarriedBase::carry(const cv::Rect& cell, int i, CarriedFrame& out, Scratch&
               out.luma.ptr<std::int16_t>(cell.y + row) + cell.x);
   for (int row = 0; row < half.height; ++row) {
     const int y = half.y + row;
-    pack_colours(s.colours.data() + 4 * row * half.width, max_fraction_.ptr<float>(y) + half.x,
-                 own_.ptr<float>(y) + half.x, half.width, out.blue.ptr<std::int16_t>(y) + half.x,
-                 out.red.ptr<std::int16_t>(y) + half.x, out.fraction.ptr<std::int16_t>(y) + half.x);
+    pack_colours(s.colours.data() + 4 * row * half.width, fraction_, own_.ptr<float>(y) + half.x, half.width,
+                 out.blue.ptr<std::int16_t>(y) + half.x, out.red.ptr<std::int16_t>(y) + half.x,
+                 out.fraction.ptr<std::int16_t>(y) + half.x);
   }
 }
 

@@ -38,9 +38,12 @@ struct Parts {
 /// A carried frame of the picture in motion.
 CarriedFrame carried_frame() {
   const cv::Mat picture = random_planes(CV_32FC3, 0, 1, 7);
-  const CarriedBase base(picture, luma_of(picture), cv::Mat(kSize, CV_32F, cv::Scalar(1)),
-                         cv::Mat(kSize, CV_32FC2, cv::Scalar(20, -9)), 25, {.edge_px = 4});
-  return base.frame(5);
+  const CarriedBase base(picture, luma_of(picture), cv::Mat(kSize, CV_32F, cv::Scalar(1)), {.edge_px = 4});
+  const cv::Size samples((kSize.width + CarriedBase::kStep - 1) / CarriedBase::kStep,
+                         (kSize.height + CarriedBase::kStep - 1) / CarriedBase::kStep);
+  const std::vector<CopyMap> copies{{0.6f, cv::Mat(samples, CV_32FC2, cv::Scalar(-4, 2))},
+                                    {0.4f, cv::Mat(samples, CV_32FC2, cv::Scalar(7, -3))}};
+  return base.frame(copies);
 }
 
 /// One pixel in doubles, as the header says it. carried: null, or blue, green and red less luma, the carried luma, and

@@ -1,0 +1,137 @@
+#include "synth/animate/motion/carrying_field.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <oneapi/tbb/parallel_for.h>
+#include <opencv2/imgproc.hpp>
+
+namespace freshet::synth::animate {
+namespace {
+
+constexpr double kMaxTurnScale = 4;    // fluctuations are scaled by at most this, and at least its inverse
+constexpr double kSlowFraction = 0.2;  // of the mean speed: slower places have no direction of their own
+constexpr double kSmoothing = 4;       // samples: the turn is smooth, where strokes meet slow places
+constexpr int kMeasured = 64;          // frames that means and limits are measured on
+
+float length(const cv::Vec2f& v) { return std::hypot(v[0], v[1]); }
+
+cv::Vec2f product(const cv::Vec2f& a, const cv::Vec2f& b) {
+  return {a[0] * b[0] - a[1] * b[1], a[0] * b[1] + a[1] * b[0]};
+}
+
+double mean_speed(const cv::Mat& field) {
+  double sum = 0;
+  for (int y = 0; y < field.rows; ++y)
+    for (int x = 0; x < field.cols; ++x) sum += length(field.at<cv::Vec2f>(y, x));
+  return sum / static_cast<double>(field.total());
+}
+
+/// The complex number that turns and scales the assigned mean to the asked one, smoothed over slow places.
+cv::Mat turn_between(const cv::Mat& assigned, const cv::Mat& asked) {
+  const auto slow = static_cast<float>(kSlowFraction * mean_speed(assigned));
+  cv::Mat sum(assigned.size(), CV_32FC2), mass(assigned.size(), CV_32F);
+  for (int y = 0; y < assigned.rows; ++y)
+    for (int x = 0; x < assigned.cols; ++x) {
+      const cv::Vec2f a = assigned.at<cv::Vec2f>(y, x), b = asked.at<cv::Vec2f>(y, x);
+      const float speed = length(a);
+      // asked = turn * assigned; weighted by the assigned power, so that slow places follow fast ones.
+      const float power = speed * speed + slow * slow;
+      sum.at<cv::Vec2f>(y, x) = cv::Vec2f(a[0] * b[0] + a[1] * b[1], a[0] * b[1] - a[1] * b[0]);
+      mass.at<float>(y, x) = std::max(power, 1e-12f);
+    }
+  cv::GaussianBlur(sum, sum, {}, kSmoothing, kSmoothing, cv::BORDER_REPLICATE);
+  cv::GaussianBlur(mass, mass, {}, kSmoothing, kSmoothing, cv::BORDER_REPLICATE);
+  for (int y = 0; y < sum.rows; ++y)
+    for (int x = 0; x < sum.cols; ++x) {
+      cv::Vec2f turn = sum.at<cv::Vec2f>(y, x) / mass.at<float>(y, x);
+      const float scale = length(turn);
+      const float wanted =
+          std::clamp(scale, static_cast<float>(1 / kMaxTurnScale), static_cast<float>(kMaxTurnScale));
+      turn = scale > 1e-6f ? cv::Vec2f(turn * (wanted / scale)) : cv::Vec2f(wanted, 0);
+      sum.at<cv::Vec2f>(y, x) = turn;
+    }
+  return sum;
+}
+
+}  // namespace
+
+CarryingField::CarryingField(std::shared_ptr<const MotionSequence> sequence, const cv::Mat& asked, int frames,
+                             double fps, int step, bool loop, const CarryingOptions& options)
+    : sequence_(std::move(sequence)), frames_(frames), step_(step), loop_(loop), fps_(fps) {
+  const cv::Size size((asked.cols + step - 1) / step, (asked.rows + step - 1) / step);
+  cv::resize(asked, mean_, size, 0, 0, cv::INTER_AREA);
+
+  // What is measured on an even selection of frames.
+  const int measured = std::min(frames, kMeasured);
+  std::vector<cv::Mat> fields(measured);
+  oneapi::tbb::parallel_for(0, measured,
+                            [&](int i) { fields[i] = sequence_->at(i * frames / measured, step_, size); });
+  assigned_ = cv::Mat::zeros(size, CV_32FC2);
+  for (const cv::Mat& field : fields) assigned_ += field;
+  assigned_ /= measured;
+  turn_ = turn_between(assigned_, mean_) * (options.variation / fps);
+  mean_ /= fps;
+  cv::Mat power = cv::Mat::zeros(size, CV_32F);
+  for (const cv::Mat& field : fields)
+    for (int y = 0; y < size.height; ++y)
+      for (int x = 0; x < size.width; ++x) {
+        const cv::Vec2f d =
+            product(field.at<cv::Vec2f>(y, x) - assigned_.at<cv::Vec2f>(y, x), turn_.at<cv::Vec2f>(y, x));
+        power.at<float>(y, x) += d.dot(d) / static_cast<float>(measured);
+      }
+  cv::sqrt(power, limit_);
+  limit_ *= options.max_deviation;
+
+  // Frames whose flow failed as a whole.
+  std::vector<double> speed(frames);
+  oneapi::tbb::parallel_for(0, frames, [&](int i) {
+    speed[i] = mean_speed(sequence_->at(i, 4 * step_, {(size.width + 3) / 4, (size.height + 3) / 4}));
+  });
+  std::vector<double> sorted = speed;
+  std::nth_element(sorted.begin(), sorted.begin() + frames / 2, sorted.end());
+  const double most = options.max_jump * sorted[frames / 2];
+  stands_for_.resize(frames);
+  stands_after_.resize(frames);
+  fraction_.assign(frames, 0);
+  for (int i = 0; i < frames; ++i) stands_for_[i] = stands_after_[i] = i;
+  for (int i = 0; i < frames; ++i) {
+    if (speed[i] <= most) continue;
+    int before = i - 1, after = i + 1;
+    while (before >= 0 && speed[before] > most) --before;
+    while (after < frames && speed[after] > most) ++after;
+    if (before < 0 && after >= frames) break;
+    stands_for_[i] = before < 0 ? after : before;
+    stands_after_[i] = after >= frames ? before : after;
+    if (before >= 0 && after < frames)
+      fraction_[i] = static_cast<float>(i - before) / static_cast<float>(after - before);
+  }
+}
+
+int CarryingField::inside(int i) const {
+  if (loop_) return ((i % frames_) + frames_) % frames_;
+  return std::clamp(i, 0, frames_ - 1);
+}
+
+cv::Mat CarryingField::at(int i) const {
+  const int frame = inside(i);
+  cv::Mat field = sequence_->at(stands_for_[frame], step_, size());
+  if (stands_after_[frame] != stands_for_[frame])
+    cv::addWeighted(field, 1 - fraction_[frame], sequence_->at(stands_after_[frame], step_, size()),
+                    fraction_[frame], 0, field);
+  for (int y = 0; y < field.rows; ++y) {
+    auto* v = field.ptr<cv::Vec2f>(y);
+    const auto *assigned = assigned_.ptr<cv::Vec2f>(y), *turn = turn_.ptr<cv::Vec2f>(y),
+               *mean = mean_.ptr<cv::Vec2f>(y);
+    const auto* limit = limit_.ptr<float>(y);
+    for (int x = 0; x < field.cols; ++x) {
+      cv::Vec2f d = product(v[x] - assigned[x], turn[x]);
+      const float size_of = length(d);
+      if (size_of > limit[x]) d *= limit[x] / size_of;
+      v[x] = mean[x] + d;
+    }
+  }
+  return field;
+}
+
+}  // namespace freshet::synth::animate

@@ -1,0 +1,58 @@
+// synth/animate/motion/carrying_field.h — the motion along which the picture is carried, frame by frame.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include <opencv2/core.hpp>
+
+#include "synth/animate/motion/motion_sequence.h"
+
+namespace freshet::synth::animate {
+
+struct CarryingOptions {
+  /// Of the patches' own flow about its mean, how much the carrying motion follows: 0 is a steady field.
+  double variation = 1;
+  /// Fluctuations are limited to this many times their root mean square at the place: where flow fails, it
+  /// fails by much, and one wrong place would tear the picture.
+  double max_deviation = 2.5;
+  /// A frame whose mean speed is this many times the median frame's is bridged by its neighbours: cuts,
+  /// flashes and repeated frames.
+  double max_jump = 2.5;
+};
+
+/// Mean motion as it is asked for (or assigned), plus what the patches' flow does beside its own mean: turned
+/// by the angle, and scaled by the ratio, from the assigned mean to the asked one. So the patches say how the
+/// fluid moves, and whoever draws says where to. Sampled every step() px of the picture.
+class CarryingField {
+ public:
+  /// sequence   of the assigned patches as they play.
+  /// asked      CV_32FC2, px/s, the picture's size: the mean motion that is wanted (apply_guide).
+  /// step       px of the picture between samples, >= 1.
+  /// loop       the frames repeat: frame i is frame i + frames. Else the first and the last go on.
+  CarryingField(std::shared_ptr<const MotionSequence> sequence, const cv::Mat& asked, int frames, double fps,
+                int step, bool loop, const CarryingOptions& options);
+
+  /// Displacement from output frame i to the next, px of the picture: CV_32FC2, size(). Any i. Safe from many
+  /// threads; one warp of the coarse field.
+  cv::Mat at(int i) const;
+  cv::Size size() const { return mean_.size(); }
+  int step() const { return step_; }
+
+ private:
+  int inside(int i) const;
+
+  std::shared_ptr<const MotionSequence> sequence_;
+  int frames_ = 1, step_ = 4;
+  bool loop_ = false;
+  double fps_ = 25;
+  cv::Mat mean_;      // CV_32FC2, px a frame: asked
+  cv::Mat assigned_;  // CV_32FC2, px/s: the sequence's own mean
+  cv::Mat turn_;      // CV_32FC2: fluctuations are multiplied by this complex number, frames a px/s
+  cv::Mat limit_;     // CV_32F, px a frame
+  std::vector<int> stands_for_;    // by frame: the frame whose flow is used before it ...
+  std::vector<int> stands_after_;  // ... and after it; equal where it is its own
+  std::vector<float> fraction_;    // of the second
+};
+
+}  // namespace freshet::synth::animate

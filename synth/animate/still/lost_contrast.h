@@ -1,0 +1,33 @@
+// synth/animate/still/lost_contrast.h — the contrast that mixed copies of a picture lose, brought back.
+#pragma once
+
+#include <span>
+
+#include <opencv2/core.hpp>
+
+#include "synth/animate/motion/copy_maps.h"
+
+namespace freshet::synth::animate {
+
+struct LostContrastOptions {
+  /// Band-pass levels whose contrast is brought back: detail up to 2^levels px.
+  int levels = 5;
+  /// Copies agree in detail of 1 px (the finest band) where their sources lie this far apart, px, or nearer.
+  double agreement_px = 0.9;
+  /// No band is amplified by more: three copies that agree in nothing lose 1.73.
+  double max_gain = 1.75;
+};
+
+/// A mixture of n copies of one texture that do not agree has less contrast than the texture: weights a_k give it
+/// the variance a' C a, C the copies' correlations. How far two copies agree is known from their maps: where their
+/// sources lie d apart, a band of wavelength in proportion to l agrees by exp(-d^2 / (2 l^2)). Each band is divided
+/// by the root of a' C a, place by place, so that slow places, where all copies agree, stay as they are. Nothing is
+/// fitted: no frame depends on another.
+/// kept_variance   of each band that is brought back, 0..1: the rest is left for what comes anew.
+/// luma     CV_32F, the picture's size; changed in place.
+/// copies   of this frame; step px of the picture between samples of their maps.
+/// Cost     one Laplacian pyramid of the picture. Safe from many threads.
+void restore_contrast(cv::Mat& luma, std::span<const CopyMap> copies, int step, double kept_variance,
+                      const LostContrastOptions& options);
+
+}  // namespace freshet::synth::animate

@@ -1,0 +1,87 @@
+#include "synth/animate/motion/carrying_field.h"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "tests/synth/animate/flowing_clip.h"
+
+namespace freshet::synth::animate {
+namespace {
+
+constexpr double kFps = 25;
+constexpr int kStep = 4, kFrames = 19;
+const cv::Size kPicture(100, 70);
+
+/// A clip that flows by (2, -1) px a frame and varies about it, laid over the whole picture.
+std::shared_ptr<const MotionSequence> sequence_of(const FlowingStore& store, int frames = kFrames) {
+  Placement placement{.side = 48, .stride = 24, .patches = {}};
+  PlayedPatches played{.clip = store.id(), .patches = {}, .shown = {}};
+  for (int row = 0; row < 3; ++row)
+    for (int column = 0; column < 5; ++column) {
+      played.patches.push_back(placement.patches.size());
+      placement.patches.push_back({.piece = {24 * column - 8, 24 * row - 8},
+                                   .clip = store.id(),
+                                   .variant = {},
+                                   .patch = cv::Point(24 * column + 8, 24 * row + 8)});
+    }
+  for (int i = 0; i < frames; ++i)
+    played.shown.push_back({.frame = static_cast<std::uint32_t>(i), .rate = 1});
+  return std::make_shared<const MotionSequence>(store.snapshot(), store.settings(), placement,
+                                                std::vector{played}, kPicture, frames);
+}
+
+const FlowingClip kClip{.size = {220, 180}, .steady = {2.0f, -1.0f}, .varying = 0.6f};
+
+cv::Mat asked(float u, float v) { return cv::Mat(kPicture, CV_32FC2, cv::Scalar(u, v)); }
+
+TEST(CarryingField, GoesOnAverageAsAsked) {
+  const FlowingStore store({kClip});
+  const CarryingField field(sequence_of(store), asked(-10, 60), kFrames, kFps, kStep, false, {});
+  cv::Mat mean = cv::Mat::zeros(field.size(), CV_32FC2);
+  for (int i = 0; i < kFrames; ++i) mean += field.at(i) / kFrames;
+  for (int y = 0; y < mean.rows; ++y)
+    for (int x = 0; x < mean.cols; ++x) {
+      EXPECT_NEAR(mean.at<cv::Vec2f>(y, x)[0], -10 / kFps, 0.1);
+      EXPECT_NEAR(mean.at<cv::Vec2f>(y, x)[1], 60 / kFps, 0.1);
+    }
+}
+
+TEST(CarryingField, VariesAsThePatchesDoTurnedAndScaledAsTheirMeanIs) {
+  const FlowingStore store({kClip});
+  const auto sequence = sequence_of(store);
+  // The assigned mean is (50, -25) px/s: asked is it turned by a quarter and doubled, so fluctuations are too.
+  const CarryingField field(sequence, asked(50, 100), kFrames, kFps, kStep, false, {});
+  cv::Mat mean = cv::Mat::zeros(field.size(), CV_32FC2);
+  for (int i = 0; i < kFrames; ++i) mean += sequence->at(i, kStep, field.size()) / kFrames;
+  const cv::Point middle(field.size().width / 2, field.size().height / 2);
+  for (const int i : {0, 7, 18}) {
+    const cv::Vec2f d =
+        sequence->at(i, kStep, field.size()).at<cv::Vec2f>(middle) - mean.at<cv::Vec2f>(middle);
+    const cv::Vec2f expected = cv::Vec2f(50 - 2 * d[1], 100 + 2 * d[0]) / static_cast<float>(kFps);
+    const cv::Vec2f found = field.at(i).at<cv::Vec2f>(middle);
+    EXPECT_LT(cv::norm(found - expected), 0.1) << i;
+  }
+}
+
+TEST(CarryingField, WithoutVariationIsSteady) {
+  const FlowingStore store({kClip});
+  const CarryingField field(sequence_of(store), asked(30, 0), kFrames, kFps, kStep, false, {.variation = 0});
+  EXPECT_LT(cv::norm(field.at(0), field.at(9), cv::NORM_INF), 1e-6);
+}
+
+TEST(CarryingField, ALoopGoesRoundAndOtherwiseTheEndsGoOn) {
+  const FlowingStore store({kClip});
+  const auto sequence = sequence_of(store);
+  const CarryingField round(sequence, asked(30, 0), kFrames, kFps, kStep, true, {});
+  const CarryingField open(sequence, asked(30, 0), kFrames, kFps, kStep, false, {});
+  EXPECT_EQ(cv::norm(round.at(-1), round.at(kFrames - 1), cv::NORM_INF), 0);
+  EXPECT_EQ(cv::norm(round.at(kFrames + 2), round.at(2), cv::NORM_INF), 0);
+  EXPECT_EQ(cv::norm(open.at(-3), open.at(0), cv::NORM_INF), 0);
+}
+
+}  // namespace
+}  // namespace freshet::synth::animate
