@@ -238,13 +238,16 @@ class Animation {
     for (const auto& [patch, power] : layer.detail_power(samples_, *blender_)) {
       std::vector<float> gains(power.size());
       for (std::size_t level = 0; level < power.size(); ++level) {
-        const double share = options_.renewal * std::min(1.0, 0.25 * (1 << level));
-        const double wanted = share * (1 - kept * kept) * still_power_[patch][level];
+        const double wanted = renewed_share(level) * (1 - kept * kept) * still_power_[patch][level];
         const double found = power[level] + kNoise * kNoise;
         gains[level] = static_cast<float>(std::min(std::sqrt(wanted / found), options_.max_renewal_gain));
       }
       blender_->scale(patch, gains);
     }
+  }
+  /// Of a band's variance, what comes anew.
+  double renewed_share(std::size_t level) const {
+    return options_.renewal * std::min(1.0, 0.25 * static_cast<double>(1 << level));
   }
   double kept_per_frame() const { return std::pow(0.5, 1 / (options_.renewal_life_s * options_.fps)); }
 
@@ -375,8 +378,10 @@ class Animation {
       // At the beginning the picture is all, then what is new comes in. It begins from nothing, so that in a loop
       // it has to go before the end; the level goes round by itself.
       const double anew = 1 - copies_->beginning(output);
-      restore_contrast(made.luma, copies, CarriedBase::kStep,
-                       1 - (1 - copies_->still(output)) * options_.renewal, options_.contrast);
+      std::vector<double> renewed_shares(static_cast<std::size_t>(blender_->levels()));
+      for (std::size_t level = 0; level < renewed_shares.size(); ++level)
+        renewed_shares[level] = (1 - copies_->still(output)) * renewed_share(level);
+      restore_contrast(made.luma, copies, CarriedBase::kStep, renewed_shares, options_.contrast);
       field = std::sqrt(anew) * renewed + (1 - copies_->still(output)) * blender_->take_level(slot);
     } else {
       field = blender_->take(slot);

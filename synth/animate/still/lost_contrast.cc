@@ -27,8 +27,8 @@ cv::Mat squared_distances(const cv::Mat& a, const cv::Mat& b) {
 
 }  // namespace
 
-void restore_contrast(cv::Mat& luma, std::span<const CopyMap> copies, int step, double kept_variance,
-                      const LostContrastOptions& options) {
+void restore_contrast(cv::Mat& luma, std::span<const CopyMap> copies, int step,
+                      std::span<const double> renewed, const LostContrastOptions& options) {
   int levels = 0;
   while (levels < options.levels && (std::min(luma.cols, luma.rows) >> (levels + 1)) >= 4) ++levels;
   double own = 0;
@@ -43,12 +43,13 @@ void restore_contrast(cv::Mat& luma, std::span<const CopyMap> copies, int step, 
       if (const float weight = 2 * copies[i].weight * copies[j].weight; weight > 0)
         pairs.push_back({weight, squared_distances(copies[i].source, copies[j].source)});
   }
-  if (levels == 0 || (pairs.empty() && kept_variance >= 1)) return;
+  if (levels == 0 || (pairs.empty() && renewed.empty())) return;
   std::vector<cv::Mat> bands;
   vision::laplacian_pyramid(luma, levels, bands);
-  const auto kept = static_cast<float>(std::sqrt(kept_variance));
   cv::Mat gain(copies.front().source.size(), CV_32F), wide;
   for (int level = 0; level < levels; ++level) {
+    const auto at = static_cast<std::size_t>(level);
+    const auto kept = static_cast<float>(std::sqrt(at < renewed.size() ? 1 - renewed[at] : 1.0));
     const double agreement = options.agreement_px * (1 << level);
     const auto unit = static_cast<float>(1 / (2 * agreement * agreement));
     for (int y = 0; y < gain.rows; ++y) {

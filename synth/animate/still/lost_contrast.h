@@ -23,11 +23,12 @@ struct LostContrastOptions {
 /// sources lie d apart, a band of wavelength in proportion to l agrees by exp(-d^2 / (2 l^2)). Each band is divided
 /// by the root of a' C a, place by place, so that slow places, where all copies agree, stay as they are. Nothing is
 /// fitted: no frame depends on another.
-/// kept_variance   of each band that is brought back, 0..1: the rest is left for what comes anew.
+/// renewed  by level, finest first: the fraction of the band's variance that is left for what comes anew, 0..1;
+///          beyond its end 0.
 /// luma     CV_32F, the picture's size; changed in place.
 /// copies   of this frame; step px of the picture between samples of their maps.
 /// Cost     one Laplacian pyramid of the picture. Safe from many threads.
-void restore_contrast(cv::Mat& luma, std::span<const CopyMap> copies, int step, double kept_variance,
-                      const LostContrastOptions& options);
+void restore_contrast(cv::Mat& luma, std::span<const CopyMap> copies, int step,
+                      std::span<const double> renewed, const LostContrastOptions& options);
 
 }  // namespace freshet::synth::animate
