@@ -138,6 +138,90 @@ nlohmann::json report_of(const std::vector<SweepPoint>& points, const std::vecto
             {"render", seconds.render}}}};
 }
 
+/// What all animations of a sweep share.
+struct SweepStage {
+  const store::Snapshot& snapshot;
+  const vision::Settings& settings;
+  const TargetFiles::Loaded& loaded;
+  const query::MotionGuide& guide;
+  const synth::animate::Playing& playing;
+  const fs::path& folder;
+  std::stop_token stop;
+};
+
+/// Of pieces, how many are labelled otherwise than the first labelling does.
+double fraction_unlike(const query::Labels& labels, const query::Labels& first) {
+  std::size_t unlike = 0;
+  for (std::size_t piece = 0; piece < first.size(); ++piece) unlike += first[piece] != labels[piece];
+  return static_cast<double>(unlike) / static_cast<double>(first.size());
+}
+
+/// Stages and renders one animation into its file and keeps its middle frame.
+/// at_once   animations that share the memory.
+void render_point(const SweepStage& stage, const SweepPoint& point, const query::Assignment& assignment,
+                  std::size_t at_once, SweptAnimation& animation) {
+  synth::animate::Staging staging = synth::animate::stage(
+      stage.snapshot, assignment, stage.loaded.picture.size(), stage.guide, stage.playing, point.rendering);
+  synth::animate::AnimateOptions& options = staging.options;
+  options.memory_bytes /= at_once;
+  media::PictureSink sink(stage.folder / animation.video, stage.loaded.picture.size(), options.frames,
+                          options.fps);
+  int frame = 0;
+  synth::animate::animate(
+      stage.snapshot, stage.settings, stage.loaded.picture, stage.loaded.matte, staging.placement, options,
+      [&](const cv::Mat& picture) {
+        sink.write(picture);
+        if (frame++ == options.frames / 2) animation.frame = picture.clone();
+      },
+      {}, stage.stop);
+  sink.finish();
+}
+
+/// All animations, as many beside each other as the memory allows.
+std::vector<SweptAnimation> render_points(const SweepStage& stage, std::span<const SweepPoint> points,
+                                          const DistinctLabellings& distinct,
+                                          std::span<const query::SweptLabelling> labellings,
+                                          const std::string& video, std::size_t memory_bytes,
+                                          Progress& progress) {
+  std::vector<SweptAnimation> animations(points.size());
+  const std::size_t at_once =
+      std::min(points.size(), synth::animate::animations_at_once(memory_bytes, stage.loaded.picture.size()));
+  std::mutex guard;
+  std::size_t rendered = 0;
+  progress.show("rendering", 0, points.size(), "animations");
+  run_beside(points.size(), at_once, [&](std::size_t i) {
+    if (stage.stop.stop_requested()) throw Error(ErrorKind::kCancelled, "sweep", "stopped");
+    const query::SweptLabelling& labelling = labellings[distinct.of_point[i]];
+    SweptAnimation& animation = animations[i];
+    animation.title = points[i].title();
+    animation.video = fmt::format("{:02}.{}", i + 1, video);
+    animation.assignment = fmt::format("{:02}.json", i + 1);
+    animation.energy = labelling.assignment.energy;
+    animation.gap = labelling.assignment.gap();
+    animation.changed = fraction_unlike(labelling.labels, labellings[distinct.of_point[0]].labels);
+    query::write_assignment(stage.folder / animation.assignment, labelling.assignment);
+    render_point(stage, points[i], labelling.assignment, at_once, animation);
+    const std::lock_guard lock(guard);
+    progress.show("rendering", ++rendered, points.size(), "animations");
+  });
+  progress.finish();
+  return animations;
+}
+
+/// The table for people.
+void print_sweep(std::span<const SweptAnimation> animations, std::size_t labellings, std::size_t pieces,
+                 const SweepSeconds& seconds, const fs::path& folder) {
+  for (const SweptAnimation& animation : animations)
+    fmt::print("{}  {}  {}, {:.0f}% of pieces unlike the first's\n", animation.video, animation.title,
+               energy_text(animation), 100 * animation.changed);
+  say(fmt::format(
+      "{} animations of {} labellings of {} pieces in {:.1f} s (index {:.1f}, search {:.1f}, label "
+      "{:.1f}, render {:.1f})",
+      animations.size(), labellings, pieces, seconds.open + seconds.search + seconds.label + seconds.render,
+      seconds.open, seconds.search, seconds.label, seconds.render));
+  fmt::print("{}\n{}\n", (folder / "sheet.png").string(), (folder / "index.html").string());
+}
+
 void run_sweep(const SweepCommand& command, const RunContext& context) {
   std::vector<SweepAxis> axes;
   for (const std::string& text : command.sweeps) axes.push_back(parse_axis(text));
@@ -188,45 +272,9 @@ void run_sweep(const SweepCommand& command, const RunContext& context) {
   progress.finish();
   seconds.label = watch.lap();
 
-  std::vector<SweptAnimation> animations(points.size());
-  const vision::Settings& settings = base->settings;
-  const std::size_t at_once = std::min(
-      points.size(), synth::animate::animations_at_once(rendering.memory_bytes, loaded.picture.size()));
-  std::size_t rendered = 0;
-  progress.show("rendering", 0, points.size(), "animations");
-  run_beside(points.size(), at_once, [&](std::size_t i) {
-    if (context.stop.stop_requested()) throw Error(ErrorKind::kCancelled, "sweep", "stopped");
-    const query::SweptLabelling& labelling = labellings[distinct.of_point[i]];
-    SweptAnimation& animation = animations[i];
-    animation.title = points[i].title();
-    animation.video = fmt::format("{:02}.{}", i + 1, command.video);
-    animation.assignment = fmt::format("{:02}.json", i + 1);
-    animation.energy = labelling.assignment.energy;
-    animation.gap = labelling.assignment.gap();
-    const query::Labels& first = labellings[distinct.of_point[0]].labels;
-    std::size_t unlike = 0;
-    for (std::size_t piece = 0; piece < first.size(); ++piece)
-      unlike += first[piece] != labelling.labels[piece];
-    animation.changed = static_cast<double>(unlike) / static_cast<double>(first.size());
-    query::write_assignment(folder / animation.assignment, labelling.assignment);
-    synth::animate::Staging staging = synth::animate::stage(
-        snapshot, labelling.assignment, loaded.picture.size(), asked.guide, playing, points[i].rendering);
-    synth::animate::AnimateOptions& one = staging.options;
-    one.memory_bytes /= at_once;
-    media::PictureSink sink(folder / animation.video, loaded.picture.size(), one.frames, one.fps);
-    int frame = 0;
-    synth::animate::animate(
-        snapshot, settings, loaded.picture, loaded.matte, staging.placement, one,
-        [&](const cv::Mat& picture) {
-          sink.write(picture);
-          if (frame++ == one.frames / 2) animation.frame = picture.clone();
-        },
-        {}, context.stop);
-    sink.finish();
-    const std::lock_guard lock(guard);
-    progress.show("rendering", ++rendered, points.size(), "animations");
-  });
-  progress.finish();
+  const SweepStage stage{snapshot, base->settings, loaded, asked.guide, playing, folder, context.stop};
+  const std::vector<SweptAnimation> animations =
+      render_points(stage, points, distinct, labellings, command.video, rendering.memory_bytes, progress);
   seconds.render = watch.lap();
 
   media::write_picture(folder / "still.png", loaded.picture);
@@ -239,16 +287,7 @@ void run_sweep(const SweepCommand& command, const RunContext& context) {
     fmt::print("{}\n", report.dump(2));
     return;
   }
-  for (const SweptAnimation& animation : animations)
-    fmt::print("{}  {}  {}, {:.0f}% of pieces unlike the first's\n", animation.video, animation.title,
-               energy_text(animation), 100 * animation.changed);
-  say(fmt::format(
-      "{} animations of {} labellings of {} pieces in {:.1f} s (index {:.1f}, search {:.1f}, label "
-      "{:.1f}, render {:.1f})",
-      points.size(), labellings.size(), search.target.size(),
-      seconds.open + seconds.search + seconds.label + seconds.render, seconds.open, seconds.search,
-      seconds.label, seconds.render));
-  fmt::print("{}\n{}\n", (folder / "sheet.png").string(), (folder / "index.html").string());
+  print_sweep(animations, labellings.size(), search.target.size(), seconds, folder);
 }
 
 }  // namespace
