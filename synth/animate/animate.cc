@@ -276,8 +276,9 @@ class Animation {
       throw_if_stopped(stop_);
       tell("blend", i, layers_.size());
       const std::vector<int>& first = in_one_ ? order_ : samples_;
-      layers_[i]->measure(first, whole_loop ? &change : nullptr);
+      // Before all frames are held: it needs the samples alone, and what it holds is kept for the next step.
       if (carried_) scale_innovations(*layers_[i]);
+      layers_[i]->measure(first, whole_loop ? &change : nullptr);
       // Samples are for the model alone: without one, they would be left in the blender.
       if (in_one_ || options_.matching == AppearanceMatching::kSequence)
         blend(*layers_[i], first);
