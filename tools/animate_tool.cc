@@ -116,9 +116,9 @@ void run_animate(AnimateCommand& command, const RunContext& context) {
       options.frames, loaded.picture.cols, loaded.picture.rows, report.pieces, report.clips, report.total_s,
       options.frames / report.total_s, report.decode_s, report.blend_s, report.base_s, report.appearance_s,
       report.render_s));
-  if (report.life_s > 0)
-    say(fmt::format("the picture is carried along in copies that live {:.1f} s (--carry-life)",
-                    report.life_s));
+  if (report.half_life_s > 0)
+    say(fmt::format("half of the detail that is carried along is new after {:.2f} s (--detail-life)",
+                    report.half_life_s));
   std::vector<std::string> files{command.out, command.sheet, command.boundary.output()};
   for (const std::string& path : command.motion.outputs()) files.push_back(path);
   std::erase(files, "");
@@ -134,7 +134,7 @@ void run_animate(AnimateCommand& command, const RunContext& context) {
                                     {"pieces", report.pieces},
                                     {"clips", report.clips},
                                     {"batches", report.batches},
-                                    {"life_s", report.life_s},
+                                    {"half_life_s", report.half_life_s},
                                     {"labelling", labelled},
                                     {"seconds",
                                      {{"decode", report.decode_s},
@@ -197,10 +197,10 @@ void add_animate(CLI::App& synth_command, RunContext& context) {
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str()
       ->group(group);
-  sub->add_option(
-         "--carry-life", command->options.carry.life_s,
-         "How long a carried copy of the picture lasts before fresh ones have taken over, s; 0: as long as "
-         "detail lives in the clips that are shown")
+  sub->add_option("--detail-life", command->options.half_life_s,
+                  "After how long half of the detail that is carried along is new, s: .2 for rapids and "
+                  "flames, several for "
+                  "clouds; 0: as in the clips that are shown")
       ->check(CLI::Range(0.0, 60.0))
       ->capture_default_str()
       ->group(group);

@@ -113,8 +113,8 @@ const std::vector<Setting>& all_settings() {
        to([](Method & m) -> auto& { return m.animate.carrying.variation; })},
       {"renewal", "fraction of the contrast that comes from the patches", false,
        to([](Method & m) -> auto& { return m.animate.renewal; })},
-      {"carry-life", "of one carried copy, s; 0: as long as detail lives", false,
-       to([](Method & m) -> auto& { return m.animate.carry.life_s; })},
+      {"detail-life", "until half of carried detail is new, s; 0: as in the clips", false,
+       to([](Method & m) -> auto& { return m.animate.half_life_s; })},
       {"contrast-gain", "most that lost contrast is brought back by", false,
        to([](Method & m) -> auto& { return m.animate.contrast.max_gain; })},
       {"shutter", "of the base image, s", false,
@@ -154,8 +154,8 @@ const std::vector<NamedSettings>& ablations() {
       {"steady", "variation=0", "the picture is carried along a field that does not change"},
       {"no-renewal", "renewal=0", "nothing comes anew from the patches but their level"},
       {"no-contrast", "contrast-gain=1", "contrast that mixing loses is not brought back"},
-      {"short-life", "carry-life=1", "copies live a second"},
-      {"long-life", "carry-life=6", "copies live six seconds"},
+      {"short-life", "detail-life=.2", "half of carried detail is new after a fifth of a second"},
+      {"long-life", "detail-life=2", "half of it is new after two seconds"},
   };
   return all;
 }

@@ -28,6 +28,7 @@
 #include "synth/animate/sampling/enlarge.h"
 #include "synth/animate/sampling/pull_push.h"
 #include "synth/animate/staging.h"
+#include "synth/animate/still/band_contrast.h"
 #include "synth/animate/still/colour_model.h"
 #include "synth/animate/still/finished_frame.h"
 
@@ -38,9 +39,14 @@ constexpr int kSampledFrames = 12;  // that the appearance model is fitted to
 constexpr int kMinSampledFrames = 4;
 constexpr int kSampledPixels = 32 << 20;  // in all of them
 constexpr double kNoise = 0.003;          // luma: of what is fainter, the more is coding noise
-constexpr double kHalfOfLife = 0.37;
-constexpr double kMinLife_s = 2;   // shorter-lived copies of flames only tremble around the still
-constexpr double kMaxLife_s = 16;  // longer ones are stretched to streaks
+constexpr double kMinHalfLife_s = 0.1, kMaxHalfLife_s = 6;
+// Innovations live as long as the picture's detail does, but for these limits.
+constexpr double kMinInnovation_s = 0.1, kMaxInnovation_s = 1;
+// How far copies go from their own frames: flames should have left their place, and nothing be worn by stretching.
+constexpr double kMinWander_s = 2, kMaxWander_s = 6, kWanderOfHalfLife = 4;
+constexpr double kContrastReach = 24;  // px: sigma of the neighbourhoods that innovations' contrast is set in
+constexpr int kContrastLevels = 5;
+constexpr double kLifePatch_px = 48;  // over which the picture's detail lives and goes together
 constexpr int kMeasuredClips = 2;
 constexpr int kRendered = 8;  // frames rendered at once before they are handed on in order
 
@@ -222,6 +228,10 @@ class Animation {
     const int sampled = std::min({options_.frames, kSampledFrames,
                                   std::max(kMinSampledFrames, kSampledPixels / picture_.size().area())});
     for (int i = 0; i < sampled; ++i) samples_.push_back(i * options_.frames / sampled);
+    if (carried_) {
+      half_life_s_ = options_.half_life_s > 0 ? options_.half_life_s : measured_half_life_s();
+      report_.half_life_s = half_life_s_;
+    }
     blender_.emplace(placement_, std::max(batch_, sampled), options_.blend);
   }
 
@@ -247,9 +257,11 @@ class Animation {
   }
   /// Of a band's variance, what comes anew.
   double renewed_share(std::size_t level) const {
-    return options_.renewal * std::min(1.0, 0.25 * static_cast<double>(1 << level));
+    return options_.renewal * std::min(1.0, static_cast<double>(1 << level) / 3);
   }
-  double kept_per_frame() const { return std::pow(0.5, 1 / (options_.renewal_life_s * options_.fps)); }
+  double kept_per_frame() const {
+    return std::pow(0.5, 1 / (std::clamp(half_life_s_, kMinInnovation_s, kMaxInnovation_s) * options_.fps));
+  }
 
   /// Power of the picture by piece and band.
   void measure_still() {
@@ -261,6 +273,7 @@ class Animation {
     const cv::Rect seen({}, reduced.size()), all = canvas_ | seen;
     cv::copyMakeBorder(reduced, wide, -all.y, all.br().y - seen.height, -all.x, all.br().x - seen.width,
                        cv::BORDER_REFLECT_101);
+    still_contrast_.emplace(wide, kContrastLevels, kContrastReach);
     still_power_.resize(placement_.patches.size());
     oneapi::tbb::parallel_for(std::size_t{0}, placement_.patches.size(), [&](std::size_t p) {
       const cv::Point at = placement_.patches[p].piece - all.tl();
@@ -319,12 +332,14 @@ class Animation {
       const int loop_frames = options_.loop ? options_.frames : 0;
       field_ = std::make_shared<const CarryingField>(sequence_, mean_motion_, options_.frames, options_.fps,
                                                      CarriedBase::kStep, options_.loop, options_.carrying);
-      const double life_s = options_.carry.life_s > 0 ? options_.carry.life_s : life_of_copies();
-      report_.life_s = life_s;
-      copies_.emplace([field = field_](int i) { return field->at(i); }, field_->size(), field_->step(),
-                      CopyMaps::third_of(life_s, options_.fps, loop_frames), loop_frames,
-                      /*start_still=*/!options_.loop);
+      const double wander_s = std::clamp(kWanderOfHalfLife * half_life_s_, kMinWander_s, kMaxWander_s);
       carried_base_.emplace(target, target_luma_, alpha_, options_.carry);
+      copies_.emplace([field = field_](int i) { return field->at(i); }, carried_base_->fluid(),
+                      field_->step(),
+                      CopyOptions{.interval = CopyMaps::interval_of(half_life_s_, options_.fps, loop_frames),
+                                  .loop_frames = loop_frames,
+                                  .wander = static_cast<int>(std::lround(wander_s * options_.fps)),
+                                  .patch = kLifePatch_px * placement_.piece_scale / CarriedBase::kStep});
       renewed_.emplace(canvas_, placement_.piece_scale, kept_per_frame());
     }
     // The fluid's layers go on beyond the still matte, for a moving one to uncover.
@@ -335,9 +350,8 @@ class Animation {
     report_.base_s = watch_.lap();
   }
 
-  /// As long as detail lives in the clips that show most: a copy's weight over its life keeps half of its
-  /// correlation with itself for .37 of that life.
-  double life_of_copies() const {
+  /// As long as detail lives in the clips that show most.
+  double measured_half_life_s() const {
     std::map<store::ClipId, std::size_t> pieces;
     for (const PlacedPatch& patch : placement_.patches) ++pieces[patch.clip];
     std::vector<std::pair<std::size_t, store::ClipId>> largest;
@@ -353,7 +367,7 @@ class Animation {
       sum += static_cast<double>(largest[i].first) * std::log(lives[i]);
       mass += static_cast<double>(largest[i].first);
     }
-    return std::clamp(std::exp(sum / mass) / kHalfOfLife, kMinLife_s, kMaxLife_s);
+    return std::clamp(std::exp(sum / mass), kMinHalfLife_s, kMaxHalfLife_s);
   }
 
   /// One output frame before it is coloured.
@@ -365,7 +379,7 @@ class Animation {
   /// Luminance of an output frame, whose differences lie in a slot of the blender; once.
   Made make(int output, int slot, const cv::Mat& renewed) {
     Made made;
-    std::array<CopyMap, CopyMaps::kCopies> copies;
+    std::vector<CopyMap> copies;
     if (carried_) {
       copies = copies_->at(output);
       made.brought = carried_base_->frame(copies);
@@ -376,14 +390,14 @@ class Animation {
     if (moving_) made.luma = pull_push(made.luma, alpha_);
     cv::Mat field;
     if (carried_) {
-      // At the beginning the picture is all, then what is new comes in. It begins from nothing, so that in a loop
-      // it has to go before the end; the level goes round by itself.
-      const double anew = 1 - copies_->beginning(output);
-      std::vector<double> renewed_shares(static_cast<std::size_t>(blender_->levels()));
-      for (std::size_t level = 0; level < renewed_shares.size(); ++level)
-        renewed_shares[level] = (1 - copies_->still(output)) * renewed_share(level);
-      restore_contrast(made.luma, copies, CarriedBase::kStep, renewed_shares, options_.contrast);
-      field = std::sqrt(anew) * renewed + (1 - copies_->still(output)) * blender_->take_level(slot);
+      // At the beginning the picture is all, then what is new comes in; in a loop it has gone before the end.
+      const double anew = 1 - copies_->still(output);
+      std::vector<double> shares(kContrastLevels);
+      for (std::size_t level = 0; level < shares.size(); ++level) shares[level] = anew * renewed_share(level);
+      restore_contrast(made.luma, copies, CarriedBase::kStep, shares, options_.contrast);
+      field = renewed;
+      still_contrast_->take_share(field, shares, options_.max_renewal_gain, kNoise);
+      field += anew * blender_->take_level(slot);
     } else {
       field = blender_->take(slot);
     }
@@ -495,6 +509,8 @@ class Animation {
   cv::Mat behind_, alpha_, target_luma_, base_luma_, mean_motion_;
   std::shared_ptr<const MotionSequence> sequence_;
   std::vector<std::vector<double>> still_power_;  // by patch, band
+  std::optional<BandContrast> still_contrast_;
+  double half_life_s_ = 0;  // of carried detail
   std::shared_ptr<const CarryingField> field_;
   std::optional<CopyMaps> copies_;
   std::optional<CarriedDetail> renewed_;

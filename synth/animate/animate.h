@@ -52,14 +52,15 @@ struct AnimateOptions {
   CarryingOptions carrying;
   CarriedBaseOptions carry;
   LostContrastOptions contrast;
+  /// kCarried: how long detail lives that is carried along, s, until half of it is left; 0: as long as in the clips
+  /// that are shown.
+  double half_life_s = 0;
   /// kCarried: of each band's variance, how much comes anew from the patches' innovations, 0..1; the rest is the
-  /// picture's own. Of the finest band a quarter of that, of the next a half: what flow does not explain of the
-  /// finest detail is mostly the clip's noise, and at .35 of all bands flames looked like sandpaper.
-  double renewal = 0.15;
-  /// How long an innovation lives while it is carried along, s: until half of it is left.
-  double renewal_life_s = 0.4;
+  /// picture's own. Of the finest band a third of that, of the next two thirds: what flow does not explain of the
+  /// finest detail is mostly the clip's noise, and with .4 of all bands rapids looked like sandpaper.
+  double renewal = 0.25;
   /// An innovation is not amplified by more: what is fainter is coding noise.
-  double max_renewal_gain = 3;
+  double max_renewal_gain = 4;
   /// What was asked of the motion: the picture is blurred and carried so (apply_guide).
   query::MotionGuide guide{};
   /// kPaper: contrast and levels brought to the picture's.
@@ -72,8 +73,8 @@ struct AnimateOptions {
 /// Where the time went, and with what.
 struct AnimateReport {
   std::size_t clips = 0, pieces = 0;
-  int batches = 1;    // of frames
-  double life_s = 0;  // of a carried copy of the picture; 0: none was carried
+  int batches = 1;         // of frames
+  double half_life_s = 0;  // of carried detail; 0: none was carried
   double decode_s = 0, blend_s = 0, base_s = 0, appearance_s = 0, render_s = 0, total_s = 0;
 };
 

@@ -8,8 +8,16 @@
 #include <oneapi/tbb/parallel_for.h>
 #include <opencv2/imgproc.hpp>
 
+#include "platform/random.h"
+
 namespace freshet::synth::animate {
 namespace {
+
+constexpr float kReach = 1.5f;           // intervals that a place shows a copy for, at most, either way
+constexpr double kHalfOfInterval = 0.6;  // of an interval: after this, half of the places show another copy
+constexpr float kFluidEnough = 8;        // an eighth of a matte is fluid enough: plumes are thin
+constexpr float kLeastFluid = 1e-4f;     // so that some copy shows everywhere
+constexpr std::uint64_t kSeed = 0x636f70696573;
 
 /// Places `displacement` px away from each sample's own, in samples.
 cv::Mat places(const cv::Mat& displacement, float sign, int step) {
@@ -37,8 +45,7 @@ cv::Mat step_on(const cv::Mat& sources, const cv::Mat& velocity, float sign, int
   return sign * middle + read_at(sources, places(middle, sign, step));
 }
 
-/// The divisor of `whole` nearest to `wanted`, on a scale of ratios, and not below half of it: copies that
-/// hardly live jitter in their places. `whole` itself is one.
+/// The divisor of `whole` nearest to `wanted`, on a scale of ratios, and not below half of it. `whole` itself is one.
 int nearest_divisor(int whole, int wanted) {
   int best = whole;
   const auto distance = [&](int part) { return std::abs(std::log(static_cast<double>(part) / wanted)); };
@@ -47,88 +54,141 @@ int nearest_divisor(int whole, int wanted) {
   return best;
 }
 
+/// Smooth noise in -1..1 that is level over `patch` samples; evenly spread, so that as many places live early as late.
+cv::Mat smooth_noise(cv::Size size, double patch, std::uint64_t stream) {
+  // Drawn on a coarse grid that goes beyond the field by one cell.
+  const auto cells = [&](int n) { return static_cast<int>(std::ceil(n / patch)) + 3; };
+  cv::Mat coarse(cells(size.height), cells(size.width), CV_32F), out;
+  const Random random(kSeed, stream);
+  for (int y = 0; y < coarse.rows; ++y)
+    for (int x = 0; x < coarse.cols; ++x)
+      coarse.at<float>(y, x) =
+          2 * random.at(static_cast<std::uint64_t>(y) * 65536 + static_cast<std::uint64_t>(x)) - 1;
+  const double unit = 1 / patch;
+  cv::warpAffine(coarse, out, cv::Matx23d(unit, 0, 1, 0, unit, 1), size,
+                 cv::INTER_LINEAR | cv::WARP_INVERSE_MAP, cv::BORDER_REPLICATE);
+  return out;
+}
+
 int floor_div(int a, int b) { return a >= 0 ? a / b : -((-a + b - 1) / b); }
 
 }  // namespace
 
-int CopyMaps::third_of(double life_s, double fps, int loop_frames) {
-  const int third = std::max(1, static_cast<int>(std::lround(life_s * fps / kCopies)));
-  return loop_frames > 0 ? nearest_divisor(loop_frames, third) : third;
+int CopyMaps::interval_of(double half_life_s, double fps, int loop_frames) {
+  const int interval = std::max(1, static_cast<int>(std::lround(half_life_s * fps / kHalfOfInterval)));
+  return loop_frames > 0 ? nearest_divisor(loop_frames, interval) : interval;
 }
 
-CopyMaps::CopyMaps(std::function<cv::Mat(int)> displacement, cv::Size size, int step, int third,
-                   int loop_frames, bool start_still)
+CopyMaps::CopyMaps(std::function<cv::Mat(int)> displacement, const cv::Mat& fluid, int step,
+                   const CopyOptions& options)
     : displacement_(std::move(displacement)),
-      size_(size),
+      fluid_(fluid),
       step_(step),
-      third_(third),
-      loop_frames_(loop_frames),
-      reach_(kCopies * third / 2),
-      phase_(loop_frames > 0 && !start_still ? third / 2 : 0),
-      start_still_(start_still) {}
-
-/// The first of the three copies that are alive in frame i.
-int CopyMaps::first_copy(int i) const {
-  // Copy j is alive for 2 |i - j third| <= 3 third.
-  const int after = 2 * (i - phase_) - kCopies * third_;  // j >= after / (2 third)
-  return -floor_div(-after, 2 * third_);
+      options_(options),
+      reach_(static_cast<int>(std::ceil((kReach + options.stagger) * options.interval))) {
+  options_.wander = std::max(options_.wander, 2 * options_.interval);
 }
 
-/// In which a copy is as the picture. Steps of the golden ratio: neighbours differ, and so do theirs.
+// A copy is alive reach_ frames around its middle.
+int CopyMaps::first_copy(int i) const { return -floor_div(reach_ - i, options_.interval); }
+int CopyMaps::last_copy(int i) const { return floor_div(i + reach_, options_.interval); }
+
+int CopyMaps::number(int copy) const {
+  if (options_.loop_frames == 0) return copy;
+  const int copies = options_.loop_frames / options_.interval;
+  return copy - floor_div(copy, copies) * copies;
+}
+
+/// Before and after in turn, so that at any border every other copy has something to bring. By steps of the golden
+/// ratio: neighbours differ, and so do theirs.
 int CopyMaps::own_frame(int copy) const {
-  const int number =
-      loop_frames_ > 0 ? copy - floor_div(copy, loop_frames_ / third_) * (loop_frames_ / third_) : copy;
-  if (number == 0) return middle(copy);
-  const double turn = 0.6180339887 * number;
-  return middle(copy) + static_cast<int>(std::lround((turn - std::floor(turn) - 0.5) * third_));
+  const int n = number(copy);
+  if (n == 0) return middle(copy);
+  const double turn = 0.6180339887 * n, away = 0.25 + 0.25 * (turn - std::floor(turn));
+  return middle(copy) + static_cast<int>(std::lround((n % 2 == 0 ? -away : away) * options_.wander));
 }
 
-void CopyMaps::carry_copy(int copy) {
-  const int own = own_frame(copy);
-  const int first = middle(copy) - reach_, last = middle(copy) + reach_;
-  std::vector<cv::Mat>& maps = maps_.at(copy);
-  maps.resize(2 * reach_ + 1);
-  const cv::Mat itself = cv::Mat::zeros(size_, CV_32FC2);
-  cv::Mat map = itself;
-  for (int frame = own; frame <= last; ++frame) {
-    if (frame > own) map = step_on(map, displacement_(frame - 1), -1, step_);
-    maps[frame - first] = map;
+CopyMaps::Copy CopyMaps::carried(int copy, int from) const {
+  const int own = own_frame(copy), begin = middle(copy) - reach_, end = middle(copy) + reach_ + 1;
+  Copy out;
+  out.later = smooth_noise(fluid_.size(), options_.patch, static_cast<std::uint64_t>(number(copy)));
+  out.later *= options_.stagger;
+  out.sources.resize(end - begin);
+  const int first = std::max(begin, from);
+  cv::Mat source = cv::Mat::zeros(fluid_.size(), CV_32FC2);
+  for (int frame = own; frame < end; ++frame) {
+    if (frame > own) source = step_on(source, displacement_(frame - 1), -1, step_);
+    if (frame >= first) out.sources[frame - begin] = source;
   }
-  map = itself;
+  source = cv::Mat::zeros(fluid_.size(), CV_32FC2);
   for (int frame = own - 1; frame >= first; --frame) {
-    map = step_on(map, displacement_(frame), 1, step_);
-    maps[frame - first] = map;
+    source = step_on(source, displacement_(frame), 1, step_);
+    if (frame < end) out.sources[frame - begin] = source;
   }
+  return out;
 }
 
 void CopyMaps::prepare(int first, int count) {
-  const int from = first_copy(first), to = first_copy(first + count - 1) + kCopies - 1;
-  std::erase_if(maps_, [&](const auto& entry) { return entry.first < from; });
-  std::vector<int> missing;
+  const int from = first_copy(first), to = last_copy(first + count - 1);
+  std::erase_if(copies_, [&](const auto& entry) { return entry.first < from; });
+  for (auto& [copy, maps] : copies_)
+    for (int frame = middle(copy) - reach_; frame < std::min(first, middle(copy) + reach_ + 1); ++frame)
+      maps.sources[frame - (middle(copy) - reach_)].release();
+  std::vector<std::pair<int, Copy*>> missing;
   for (int copy = from; copy <= to; ++copy)
-    if (maps_.try_emplace(copy).second) missing.push_back(copy);
-  oneapi::tbb::parallel_for(std::size_t{0}, missing.size(), [&](std::size_t i) { carry_copy(missing[i]); });
+    if (const auto [at, made] = copies_.try_emplace(copy); made) missing.emplace_back(copy, &at->second);
+  oneapi::tbb::parallel_for(std::size_t{0}, missing.size(),
+                            [&](std::size_t i) { *missing[i].second = carried(missing[i].first, first); });
 }
 
-double CopyMaps::beginning(int i) const {
-  const int away = loop_frames_ > 0 ? std::min(i % loop_frames_, loop_frames_ - i % loop_frames_) : i;
-  const double t = std::clamp(1 - static_cast<double>(away) / third_, 0.0, 1.0);
+double CopyMaps::still(int i) const {
+  const int loop = options_.loop_frames;
+  const int away = loop > 0 ? std::min(i % loop, loop - i % loop) : i;
+  const double t = std::clamp(1 - static_cast<double>(away) / options_.interval, 0.0, 1.0);
   return t * t * (3 - 2 * t);
 }
 
-std::array<CopyMap, CopyMaps::kCopies> CopyMaps::at(int i) const {
-  std::array<CopyMap, kCopies> out;
-  const int from = first_copy(i);
-  const double life = kCopies * third_, still_here = still(i);
-  for (int k = 0; k < kCopies; ++k) {
-    const int copy = from + k, age = i - middle(copy);
-    const double weight = (1 + std::cos(2 * std::numbers::pi * age / life)) / kCopies;
-    // Around a still frame its own copy takes over.
-    const bool own = loop_frames_ > 0 ? (copy * third_) % loop_frames_ == 0 : copy == 0;
-    out[k].weight =
-        static_cast<float>((1 - still_here) * weight + (own && std::abs(age) < third_ ? still_here : 0));
-    out[k].source = std::abs(age) <= reach_ ? maps_.at(copy)[reach_ + age] : cv::Mat::zeros(size_, CV_32FC2);
+/// How far the places that a copy brings show, before all copies' weights are brought to a sum of 1.
+cv::Mat CopyMaps::weights(const Copy& copy, const cv::Mat& source, int age) const {
+  cv::Mat out, brought;
+  const cv::Mat from = places(source, 1, step_);
+  cv::remap(copy.later, out, from, cv::noArray(), cv::INTER_LINEAR, cv::BORDER_REPLICATE);
+  cv::remap(fluid_, brought, from, cv::noArray(), cv::INTER_LINEAR, cv::BORDER_CONSTANT, cv::Scalar(0));
+  const float unit = 1 / static_cast<float>(options_.interval), now = static_cast<float>(age) * unit;
+  for (int y = 0; y < out.rows; ++y) {
+    auto* to = out.ptr<float>(y);
+    const auto* fluid = brought.ptr<float>(y);
+    for (int x = 0; x < out.cols; ++x) {
+      const float intervals = std::min(std::abs(now - to[x]), kReach);
+      const float c = 0.5f + 0.5f * std::cos(std::numbers::pi_v<float> / kReach * intervals);
+      to[x] = c * c * c * c * std::clamp(kFluidEnough * fluid[x], kLeastFluid, 1.0f);
+    }
   }
+  return out;
+}
+
+std::vector<CopyMap> CopyMaps::at(int i) const {
+  std::vector<CopyMap> out;
+  const auto still_here = static_cast<float>(still(i));
+  cv::Mat sum = cv::Mat::zeros(fluid_.size(), CV_32F);
+  for (int copy = first_copy(i); copy <= last_copy(i); ++copy) {
+    const int age = i - middle(copy);
+    const Copy& maps = copies_.at(copy);
+    const cv::Mat& source = maps.sources[reach_ + age];
+    out.push_back({weights(maps, source, age), source});
+    sum += out.back().weight;
+  }
+  std::size_t k = 0;
+  for (int copy = first_copy(i); copy <= last_copy(i); ++copy, ++k) {
+    cv::divide(out[k].weight, sum, out[k].weight, 1 - still_here);
+    // Around a still frame its own copy takes over.
+    if (number(copy) == 0 && std::abs(i - middle(copy)) < options_.interval) out[k].weight += still_here;
+  }
+  std::erase_if(out, [](const CopyMap& copy) {
+    double most = 0;
+    cv::minMaxLoc(copy.weight, nullptr, &most);
+    return most <= 0;
+  });
   return out;
 }
 

@@ -1,7 +1,6 @@
 // synth/animate/motion/copy_maps.h — where each copy of the carried picture comes from, frame by frame.
 #pragma once
 
-#include <array>
 #include <functional>
 #include <map>
 #include <vector>
@@ -10,57 +9,79 @@
 
 namespace freshet::synth::animate {
 
-/// One copy of the picture in one frame.
+/// One copy of the picture in one frame, sampled as the field.
 struct CopyMap {
-  float weight = 0;  // the weights of a frame's copies sum to 1
-  cv::Mat source;    // CV_32FC2, sampled as the field: from a place to where the copy has it from, px
+  cv::Mat weight;  // CV_32F: how far the copy shows; the weights of a place's copies sum to 1
+  cv::Mat source;  // CV_32FC2: from a place to where the copy has it from, px
 };
 
-/// Three copies of the picture are carried along a field that changes from frame to frame. Each stands as it is
-/// in its own frame, is carried on for half a life after it, and shows for half a life before it what is yet to
-/// come: so fluid comes in and goes out at borders, and no copy is stretched for longer than half a life. Their
-/// own frames lie a third of a life apart, weights are (1 + cos) / 3. Around output frame 0 the weights go over
-/// to its copy alone: there the picture is itself.
+struct CopyOptions {
+  /// Frames from a copy to the next, >= 1: for about as long each place shows one copy, before it goes over to
+  /// another (CopyMaps::interval_of).
+  int interval = 12;
+  /// > 0, a multiple of interval: the period of a loop.
+  int loop_frames = 0;
+  /// The frame in which a copy is as the picture lies a quarter to a half of this before or after the middle of its
+  /// life, and may be beyond its life: else copies would show what stands in the picture at a place, and it would
+  /// come again with every one of them. Frames; at least two intervals are taken.
+  int wander = 48;
+  /// The places of a copy live up to this many intervals earlier or later than its middle, 0..1.
+  double stagger = 1;
+  /// Over which places live and go together, samples.
+  double patch = 12;
+};
+
+/// Copies of the picture are carried along a field that changes from frame to frame: to where what the picture
+/// shows in a copy's own frame has gone since, or will have come from. So fluid comes in and goes out at borders.
+///
+/// A place of the fluid shows one copy for most of the time and then goes over to the next: a copy weighs
+/// ((1 + cos) / 2)^4 over three intervals, as two unlike copies that show at once are a double exposure. The places
+/// of a copy do so at times of their own, which are carried along with it: the picture never changes over as a
+/// whole, and the fluid's correlation with itself falls steadily.
+///
+/// Output frame 0 is the picture, and a loop goes through it: around it the weights go over to its own copy.
 /// Source: textures carried and regenerated, Max and Becker 1995, Neyret 2003; here along unsteady flow, both
-/// ways in time. The frame in which a copy is as the picture lies up to a sixth of a life beside the middle of its
-/// life, another for each copy: else what is shown would come again every third of a life. Not in Okabe et al. 2011.
+/// ways in time, each part in its own time. Not in Okabe et al. 2011.
 class CopyMaps {
  public:
-  static constexpr int kCopies = 3;
-
-  /// third        frames between the copies' own times, >= 1. loop_frames: > 0, a multiple of third: the period.
-  /// start_still  frame 0 is the picture.
-  /// displacement  from output frame i to the next, any i: px of the picture, CV_32FC2 of `size`, sampled every
-  ///               `step` px (CarryingField::at). Called from many threads.
-  CopyMaps(std::function<cv::Mat(int)> displacement, cv::Size size, int step, int third, int loop_frames,
-           bool start_still);
+  /// displacement  from output frame i to the next, any i: px of the picture, CV_32FC2 of the size of `fluid`,
+  ///               sampled every `step` px (CarryingField::at). Called from many threads.
+  /// fluid         CV_32F, 0..1, sampled as that: how far a place of the picture is fluid that can be brought. A
+  ///               copy that would bring rock, or what lies beyond the picture, leaves the place to the others.
+  CopyMaps(std::function<cv::Mat(int)> displacement, const cv::Mat& fluid, int step,
+           const CopyOptions& options);
 
   /// Makes what at() needs of output frames [first, first + count), and forgets what lies before. In ascending
   /// order. All threads.
   void prepare(int first, int count);
-  /// Of a prepared frame. Safe from many threads.
-  std::array<CopyMap, kCopies> at(int i) const;
+  /// The copies that show in a prepared frame. Safe from many threads.
+  std::vector<CopyMap> at(int i) const;
   /// The output frame in which a copy is as the picture.
   int own_frame(int copy) const;
-  /// 1 in frame 0, falling to 0 within a third of a life; around it from both sides in a loop.
-  double beginning(int i) const;
-  /// How far frame i is the picture itself, 0..1: as far as it is the beginning, where that is asked.
-  double still(int i) const { return start_still_ ? beginning(i) : 0; }
-  /// A third of a life in frames that fits: as asked, or the divisor of a loop nearest to it.
-  static int third_of(double life_s, double fps, int loop_frames);
+  /// How far frame i is the picture itself: 1 in frame 0, falling to 0 within an interval, in a loop to both sides.
+  double still(int i) const;
+  /// After half_life_s half of the detail that is carried along has gone over to another copy. Frames, >= 1; in a
+  /// loop its divisor that is nearest.
+  static int interval_of(double half_life_s, double fps, int loop_frames);
 
  private:
+  struct Copy {
+    cv::Mat later;  // CV_32F: intervals by which a place of the picture lives later than the copy
+    std::vector<cv::Mat> sources;  // CV_32FC2, frames -reach_ .. reach_ from the middle of its life
+  };
   int first_copy(int i) const;
-  int middle(int copy) const { return copy * third_ + phase_; }
-  void carry_copy(int copy);
+  int last_copy(int i) const;
+  int number(int copy) const;  // the same for copies a loop apart
+  int middle(int copy) const { return copy * options_.interval; }
+  Copy carried(int copy, int from) const;
+  cv::Mat weights(const Copy& copy, const cv::Mat& source, int age) const;
 
   std::function<cv::Mat(int)> displacement_;
-  cv::Size size_;
+  cv::Mat fluid_;
   int step_ = 1;
-  int third_ = 1, loop_frames_ = 0, reach_ = 1;
-  int phase_ = 0;  // of the middles of lives: a loop that does not begin as the still begins between two
-  bool start_still_ = true;
-  std::map<int, std::vector<cv::Mat>> maps_;  // by copy: frames -reach_ .. reach_ from the middle of its life
+  CopyOptions options_;
+  int reach_ = 1;  // frames from the middle of a copy's life to its last place's end
+  std::map<int, Copy> copies_;
 };
 
 }  // namespace freshet::synth::animate

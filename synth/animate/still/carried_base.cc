@@ -18,7 +18,9 @@ namespace {
 
 constexpr double kMinDepth = 0.02;
 constexpr float kMinWeight = 1e-3f;  // of a place that anything is carried to
-constexpr float kMinMass = 1e-4f;    // so that values are there also where none of it is fluid
+constexpr float kEnough = 4;         // of a place's weight, a quarter may be brought: from near an edge, say
+constexpr float kMinShare = 1.0f / 8192;  // of a copy, anywhere in a cell
+constexpr float kMinMass = 1e-4f;         // so that values are there also where none of it is fluid
 const cv::Size kCell(32, 16);
 constexpr int kCellArea = 32 * 16;
 constexpr int kMargin = 4;  // samples around the planes: of what is read at once, two beyond a picture's edge
@@ -41,6 +43,16 @@ FRESHET_WIDE void sources(const float* mixed, const std::int32_t* first, const f
   }
 }
 
+// Values of a row's places.
+FRESHET_WIDE void values(const float* mixed, const std::int32_t* first, const float* fraction, int n,
+                         float* out) {
+  const int begin = first[0];
+  for (int i = 0; i < n; ++i) {
+    const float a = mixed[first[i] - begin], b = mixed[first[i] - begin + 1];
+    out[i] = a + fraction[i] * (b - a);
+  }
+}
+
 // The same for squares of two by two places, in steps of a plane at half size.
 FRESHET_WIDE void half_sources(const std::int32_t* upper, const std::int32_t* lower, int n,
                                std::int32_t* out) {
@@ -56,10 +68,10 @@ FRESHET_WIDE void read_pairs(const float* plane, std::ptrdiff_t offset, std::ptr
   cubic_pairs(plane, offset, stride, x, y, n, luma, weight);
 }
 
-FRESHET_WIDE void add_copy(const float* luma, const float* weight, float fraction, int n, float* sum,
+FRESHET_WIDE void add_copy(const float* luma, const float* weight, const float* share, int n, float* sum,
                            float* mass) {
   for (int i = 0; i < n; ++i) {
-    const float own = fraction * std::max(weight[i], kMinMass);
+    const float own = share[i] * std::max(weight[i], kMinMass);
     sum[i] += own * luma[i];
     mass[i] += own;
   }
@@ -67,7 +79,7 @@ FRESHET_WIDE void add_copy(const float* luma, const float* weight, float fractio
 
 // Fours read bilinearly: sums of blue, red and weight, the first two each times its weight.
 FRESHET_WIDE void add_colours(const float* plane, std::ptrdiff_t offset, std::ptrdiff_t stride,
-                              const std::int32_t* x, const std::int32_t* y, float fraction, int n,
+                              const std::int32_t* x, const std::int32_t* y, const float* share, int n,
                               float* sums) {
   typedef float Quad __attribute__((vector_size(16)));
   for (int i = 0; i < n; ++i) {
@@ -78,8 +90,8 @@ FRESHET_WIDE void add_colours(const float* plane, std::ptrdiff_t offset, std::pt
     const Quad upper = from[0] + fx * (from[1] - from[0]);
     const Quad lower = from[stride] + fx * (from[stride + 1] - from[stride]);
     const Quad own = upper + fy * (lower - upper);
-    const float weight = fraction * own[2];
-    const Quad times{weight, weight, fraction, 0};
+    const float weight = share[i] * own[2];
+    const Quad times{weight, weight, share[i], 0};
     *reinterpret_cast<Quad*>(sums + 4 * i) += own * times;
   }
 }
@@ -101,7 +113,7 @@ FRESHET_WIDE void pack_colours(const float* sums, float max_fraction, const floa
     blue[i] = packed(sums[4 * i] * whole);
     red[i] = packed(sums[4 * i + 1] * whole);
     // What is brought is fluid as far as this place itself is.
-    fraction[i] = packed(own[i] > kMinWeight ? max_fraction * std::min(mass / own[i], 1.0f) : 0.0f);
+    fraction[i] = packed(own[i] > kMinWeight ? max_fraction * std::min(kEnough * mass / own[i], 1.0f) : 0.0f);
   }
 }
 
@@ -133,7 +145,7 @@ FRESHET_WIDE void lay_over(const std::int16_t* luma, const float* fraction, cons
 
 struct CarriedBase::Scratch {
   std::array<std::int32_t, kCellArea> x, y, half_x, half_y;
-  std::array<float, kCellArea> luma, weight, sum, mass;
+  std::array<float, kCellArea> luma, weight, share, half_share, sum, mass;
   alignas(16) std::array<float, kCellArea> colours;  // fours, of a quarter as many places
   std::array<float, 32> mixed;
 };
@@ -192,6 +204,7 @@ CarriedBase::CarriedBase(const cv::Mat& picture, const cv::Mat& luma, const cv::
             colour_);
 
   const cv::Size coarse((size_.width + kStep - 1) / kStep, (size_.height + kStep - 1) / kStep);
+  cv::resize(weight, fluid_samples_, coarse, 0, 0, cv::INTER_AREA);
   const auto lay_out = [](int n, int samples, std::vector<std::int32_t>& first,
                           std::vector<float>& fraction) {
     for (int i = 0; i < n; ++i) {
@@ -211,7 +224,6 @@ CarriedFrame CarriedBase::frame(std::span<const CopyMap> copies) const {
                    .fraction = cv::Mat::zeros(half_, CV_16S)};
   std::vector<Copy> shown;
   for (const CopyMap& copy : copies) {
-    if (copy.weight <= 0) continue;
     std::array<cv::Mat, 2> parts;
     cv::split(copy.source, parts.data());
     shown.push_back({copy.weight, parts[0], parts[1]});
@@ -228,26 +240,35 @@ void CarriedBase::carry(const cv::Rect& cell, std::span<const Copy> copies, Carr
   s.mass.fill(0);
   s.colours.fill(0);
   for (const Copy& copy : copies) {
-    const float weight = copy.weight;
-    // Where each place of the cell comes from.
+    // Where each place of the cell comes from, and how far it shows.
     const std::int32_t* first = map_x_.data() + cell.x;
     const int columns = copy.u.cols, samples = std::min(first[cell.width - 1] + 2, columns) - first[0];
+    double most = 0;
+    const int top = map_y_[cell.y], bottom = std::min(map_y_[cell.y + cell.height - 1] + 2, copy.u.rows);
+    cv::minMaxLoc(copy.weight(cv::Rect(first[0], top, samples, bottom - top)), nullptr, &most);
+    if (most < kMinShare) continue;
     for (int row = 0; row < cell.height; ++row) {
       const int y0 = map_y_[cell.y + row], y1 = std::min(y0 + 1, copy.u.rows - 1);
       const float down = fraction_y_[cell.y + row];
-      const auto read = [&](const cv::Mat& map, int origin, int step, int limit, std::int32_t* to) {
+      const auto mix = [&](const cv::Mat& map) {
         mix_rows(map.ptr<float>(y0) + first[0], map.ptr<float>(y1) + first[0], down, samples, s.mixed.data());
         s.mixed[samples] = s.mixed[samples - 1];
+      };
+      const auto read = [&](const cv::Mat& map, int origin, int step, int limit, std::int32_t* to) {
+        mix(map);
         sources(s.mixed.data(), first, fraction_x_.data() + cell.x, origin, step, limit, cell.width, to);
       };
       read(copy.u, cell.x, 1, size_.width, s.x.data() + row * cell.width);
       read(copy.v, cell.y + row, 0, size_.height, s.y.data() + row * cell.width);
+      mix(copy.weight);
+      values(s.mixed.data(), first, fraction_x_.data() + cell.x, cell.width,
+             s.share.data() + row * cell.width);
     }
     const auto margin = static_cast<std::ptrdiff_t>(kMargin);
     const auto stride = static_cast<std::ptrdiff_t>(fluid_.cols);
     read_pairs(fluid_.ptr<float>(), margin * stride + margin, stride, s.x.data(), s.y.data(), cell.area(),
                s.luma.data(), s.weight.data());
-    add_copy(s.luma.data(), s.weight.data(), weight, cell.area(), s.sum.data(), s.mass.data());
+    add_copy(s.luma.data(), s.weight.data(), s.share.data(), cell.area(), s.sum.data(), s.mass.data());
 
     for (int row = 0; row < half.height; ++row) {
       const int upper = 2 * row * cell.width, lower = std::min(2 * row + 1, cell.height - 1) * cell.width;
@@ -255,6 +276,7 @@ void CarriedBase::carry(const cv::Rect& cell, std::span<const Copy> copies, Carr
                    s.half_x.data() + row * half.width);
       half_sources(s.y.data() + upper, s.y.data() + lower, cell.width / 2,
                    s.half_y.data() + row * half.width);
+      for (int i = 0; i < half.width; ++i) s.half_share[row * half.width + i] = s.share[upper + 2 * i];
       if (cell.width % 2 != 0) {
         const int last = cell.width - 1, to = row * half.width + half.width - 1;
         s.half_x[to] = ((s.x[upper + last] + kCubicSteps) >> 1) - kCubicSteps / 2;
@@ -264,7 +286,7 @@ void CarriedBase::carry(const cv::Rect& cell, std::span<const Copy> copies, Carr
     }
     const auto colour_stride = static_cast<std::ptrdiff_t>(colour_.cols);
     add_colours(colour_.ptr<float>(), margin * colour_stride + margin, colour_stride, s.half_x.data(),
-                s.half_y.data(), weight, half.area(), s.colours.data());
+                s.half_y.data(), s.half_share.data(), half.area(), s.colours.data());
   }
   for (int row = 0; row < cell.height; ++row)
     pack_luma(s.sum.data() + row * cell.width, s.mass.data() + row * cell.width, cell.width,

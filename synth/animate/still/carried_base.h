@@ -14,9 +14,6 @@ namespace freshet::synth::animate {
 struct CarriedBaseOptions {
   /// Of the picture that is carried, 0..1; the rest is the long exposure.
   double fraction = 1;
-  /// How long one copy of the picture is carried before fresh ones have taken over, s; 0: as long as detail
-  /// lives in the clips that are shown.
-  double life_s = 0;
   /// Over which a copy fades towards the matte's edge, px.
   double edge_px = 32;
 };
@@ -45,12 +42,13 @@ class CarriedBase {
   CarriedFrame frame(std::span<const CopyMap> copies) const;
   /// px of the picture between samples of the copies' maps.
   static constexpr int kStep = 4;
+  /// How far each sample's place is fluid that copies can bring, 0..1: CV_32F, sampled as the maps.
+  const cv::Mat& fluid() const { return fluid_samples_; }
 
  private:
   struct Scratch;
-  struct Copy {  // of one frame
-    float weight = 0;
-    cv::Mat u, v;  // CV_32F
+  struct Copy {            // of one frame
+    cv::Mat weight, u, v;  // CV_32F
   };
   void carry(const cv::Rect& cell, std::span<const Copy> copies, CarriedFrame& out, Scratch& scratch) const;
 
@@ -58,7 +56,8 @@ class CarriedBase {
   // half its width and height as fours of blue - luma, red - luma, weight and 0; each with a margin. Beyond
   // the matte the fluid's own values go on: what a copy brings from there counts little, and it is not rock.
   cv::Mat fluid_, colour_;  // CV_32FC2, CV_32FC4
-  cv::Mat own_;             // CV_32F, at half: the place's own weight
+  cv::Mat fluid_samples_;
+  cv::Mat own_;  // CV_32F, at half: the place's own weight
   float fraction_ = 1;
   std::vector<cv::Rect> cells_;                 // px, where anything is carried
   std::vector<std::int32_t> map_x_, map_y_;     // by column, row: the sample of a map before it

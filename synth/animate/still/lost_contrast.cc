@@ -31,19 +31,23 @@ void restore_contrast(cv::Mat& luma, std::span<const CopyMap> copies, int step,
                       std::span<const double> renewed, const LostContrastOptions& options) {
   int levels = 0;
   while (levels < options.levels && (std::min(luma.cols, luma.rows) >> (levels + 1)) >= 4) ++levels;
-  double own = 0;
   struct Pair {
-    float weight;  // 2 a_i a_j
+    cv::Mat weight;  // 2 a_i a_j
     cv::Mat squared;
   };
+  if (levels == 0 || copies.empty()) return;
+  cv::Mat own = cv::Mat::zeros(copies.front().weight.size(), CV_32F);
   std::vector<Pair> pairs;
   for (std::size_t i = 0; i < copies.size(); ++i) {
-    own += copies[i].weight * copies[i].weight;
-    for (std::size_t j = i + 1; j < copies.size(); ++j)
-      if (const float weight = 2 * copies[i].weight * copies[j].weight; weight > 0)
-        pairs.push_back({weight, squared_distances(copies[i].source, copies[j].source)});
+    cv::accumulateSquare(copies[i].weight, own);
+    for (std::size_t j = i + 1; j < copies.size(); ++j) {
+      const cv::Mat weight = copies[i].weight.mul(copies[j].weight, 2);
+      double most = 0;
+      cv::minMaxLoc(weight, nullptr, &most);
+      if (most > 0) pairs.push_back({weight, squared_distances(copies[i].source, copies[j].source)});
+    }
   }
-  if (levels == 0 || (pairs.empty() && renewed.empty())) return;
+  if (pairs.empty() && renewed.empty()) return;
   std::vector<cv::Mat> bands;
   vision::laplacian_pyramid(luma, levels, bands);
   cv::Mat gain(copies.front().source.size(), CV_32F), wide;
@@ -54,13 +58,13 @@ void restore_contrast(cv::Mat& luma, std::span<const CopyMap> copies, int step,
     const auto unit = static_cast<float>(1 / (2 * agreement * agreement));
     for (int y = 0; y < gain.rows; ++y) {
       auto* to = gain.ptr<float>(y);
-      std::fill(to, to + gain.cols, static_cast<float>(own));
+      std::copy_n(own.ptr<float>(y), gain.cols, to);
       for (const Pair& pair : pairs) {
-        const auto* squared = pair.squared.ptr<float>(y);
+        const auto *squared = pair.squared.ptr<float>(y), *weight = pair.weight.ptr<float>(y);
         // 1 / (1 + q + q^2 / 2) in place of exp(-q).
         for (int x = 0; x < gain.cols; ++x) {
           const float q = squared[x] * unit;
-          to[x] += pair.weight / (1 + q * (1 + 0.5f * q));
+          to[x] += weight[x] / (1 + q * (1 + 0.5f * q));
         }
       }
       for (int x = 0; x < gain.cols; ++x)

@@ -34,24 +34,32 @@ cv::Mat grey(double level) { return cv::Mat(kHeight, kWidth, CV_32F, cv::Scalar(
 /// A picture and its copies, carried along a steady motion.
 class Carried {
  public:
-  /// motion   CV_32FC2, px/s. life_s of a copy.
-  Carried(const cv::Mat& bgr, const cv::Mat& luma, const cv::Mat& matte, const cv::Mat& motion, double life_s,
-          double edge_px = 32, bool start_still = false, int loop = 0)
-      : base_(bgr, luma, matte, {.edge_px = edge_px}), maps_(steady(motion, life_s, start_still, loop)) {}
+  /// motion   CV_32FC2, px/s. half_life_s of detail.
+  Carried(const cv::Mat& bgr, const cv::Mat& luma, const cv::Mat& matte, const cv::Mat& motion,
+          double half_life_s, double edge_px = 32, int loop = 0)
+      : base_(bgr, luma, matte, {.edge_px = edge_px}),
+        maps_(steady(motion, half_life_s, loop, base_.fluid())) {}
   CarriedFrame frame(int i) {
     maps_.prepare(i, 1);
     return base_.frame(maps_.at(i));
   }
-  const CopyMaps& maps() const { return maps_; }
+  std::vector<CopyMap> maps(int i) {
+    maps_.prepare(i, 1);
+    return maps_.at(i);
+  }
+  int own_frame(int copy) const { return maps_.own_frame(copy); }
 
  private:
-  static CopyMaps steady(const cv::Mat& motion, double life_s, bool start_still, int loop) {
+  static CopyMaps steady(const cv::Mat& motion, double half_life_s, int loop, const cv::Mat& fluid) {
     constexpr int kStep = CarriedBase::kStep;
     cv::Mat coarse;
     cv::resize(motion / kFps, coarse, {(motion.cols + kStep - 1) / kStep, (motion.rows + kStep - 1) / kStep},
                0, 0, cv::INTER_AREA);
-    return CopyMaps([coarse](int) { return coarse; }, coarse.size(), kStep,
-                    CopyMaps::third_of(life_s, kFps, loop), loop, start_still);
+    return CopyMaps([coarse](int) { return coarse; }, fluid, kStep,
+                    {.interval = CopyMaps::interval_of(half_life_s, kFps, loop),
+                     .loop_frames = loop,
+                     .wander = 20,
+                     .patch = 3});
   }
   CarriedBase base_;
   CopyMaps maps_;
@@ -68,33 +76,39 @@ cv::Mat shown(Carried& carried, int i) { return shown(carried, i, grey(0.1)); }
 const cv::Rect kMiddle(50, 30, 60, 36);
 
 TEST(CarriedBase, WithoutMotionIsThePicture) {
-  Carried base(bgr_of(picture()), picture(), whole(), motion(0, 0), 3);
+  Carried base(bgr_of(picture()), picture(), whole(), motion(0, 0), 1);
   for (const int i : {0, 3, 25}) EXPECT_LT(cv::norm(shown(base, i), picture(), cv::NORM_INF), 1e-4);
 }
 
-TEST(CarriedBase, IsThreeCopiesEachCarriedByItsAge) {
-  Carried carried(bgr_of(picture()), picture(), whole(), motion(40, -20), 0.6, 1);
-  constexpr int kThird = 5, kLife = 3 * kThird;
-  for (int i = 0; i < 2 * kLife; ++i) {
+TEST(CarriedBase, IsCopiesReadWhereTheirMapsSay) {
+  Carried carried(bgr_of(picture()), picture(), whole(), motion(40, -20), 0.15, 1);
+  for (int i = 0; i < 30; ++i) {
+    const std::vector<CopyMap> copies = carried.maps(i);
     const cv::Mat frame = shown(carried, i);
     double worst = 0;
+    // Between the samples of weights: in the middle of two by two of them.
     for (int y = kMiddle.y; y < kMiddle.br().y; ++y)
       for (int x = kMiddle.x; x < kMiddle.br().x; ++x) {
+        const double at_x = (x + 0.5) / CarriedBase::kStep - 0.5, at_y = (y + 0.5) / CarriedBase::kStep - 0.5;
+        const int x0 = static_cast<int>(at_x), y0 = static_cast<int>(at_y);
         double expected = 0;
-        for (int copy = -2; copy < 9; ++copy) {
-          const int age = i - copy * kThird, from_own = i - carried.maps().own_frame(copy);
-          if (2 * std::abs(age) > kLife) continue;
-          const double weight = (1 + std::cos(2 * std::numbers::pi * age / kLife)) / 3;
-          expected += weight * stripes(x - 40 * from_own / kFps, y + 20 * from_own / kFps);
+        for (const CopyMap& copy : copies) {
+          const auto weight = [&](int column, int row) { return copy.weight.at<float>(row, column); };
+          const double fx = at_x - x0, fy = at_y - y0;
+          const double upper = (1 - fx) * weight(x0, y0) + fx * weight(x0 + 1, y0);
+          const double lower = (1 - fx) * weight(x0, y0 + 1) + fx * weight(x0 + 1, y0 + 1);
+          const auto source = copy.source.at<cv::Vec2f>(y0, x0);  // the same everywhere
+          expected += ((1 - fy) * upper + fy * lower) * stripes(x + source[0], y + source[1]);
         }
+        // Where all comes from beyond the picture, the exposure shows.
         worst = std::max(worst, std::abs(expected - frame.at<float>(y, x)));
       }
-    EXPECT_LT(worst, 4e-3) << i;
+    EXPECT_LT(worst, 6e-3) << i;
   }
 }
 
 TEST(CarriedBase, BeginsAsThePicture) {
-  Carried carried(bgr_of(picture()), picture(), whole(), motion(40, -20), 1.2, 1, /*start_still=*/true);
+  Carried carried(bgr_of(picture()), picture(), whole(), motion(40, -20), 0.3, 1);
   EXPECT_LT(cv::norm(shown(carried, 0), picture(), cv::NORM_INF), 1e-3);
   EXPECT_GT(cv::norm(shown(carried, 3)(kMiddle), picture()(kMiddle), cv::NORM_INF), 0.02);
 }
@@ -103,7 +117,7 @@ TEST(CarriedBase, NeitherLevelNorContrastPulses) {
   cv::Mat noise(kHeight, kWidth, CV_32F), coarse;
   cv::RNG random(3);
   random.fill(noise, cv::RNG::UNIFORM, 0.2, 0.8);
-  Carried base(bgr_of(noise), noise, whole(), motion(60, 0), 1.2);
+  Carried base(bgr_of(noise), noise, whole(), motion(60, 0), 0.3);
   double minimum = 1, maximum = 0;
   for (int i = 0; i < 30; ++i) {
     cv::Scalar mean, deviation;
@@ -112,7 +126,7 @@ TEST(CarriedBase, NeitherLevelNorContrastPulses) {
     minimum = std::min(minimum, deviation[0]);
     maximum = std::max(maximum, deviation[0]);
   }
-  EXPECT_LT(maximum / minimum, 1.2);
+  EXPECT_LT(maximum / minimum, 1.5);  // two unlike copies lose 1.41; restore_contrast brings it back
 }
 
 TEST(CarriedBase, BringsTheColoursAlong) {
@@ -122,34 +136,39 @@ TEST(CarriedBase, BringsTheColoursAlong) {
       blue(0.7f, 0.4f - 0.3f * 0.114f / 0.587f, 0.4f);
   bgr(cv::Rect(0, 0, 80, kHeight)).setTo(cv::Scalar(red[0], red[1], red[2]));
   bgr(cv::Rect(80, 0, 80, kHeight)).setTo(cv::Scalar(blue[0], blue[1], blue[2]));
-  Carried base(bgr, luma, whole(), motion(25, 0), 1.2);
-  const CarriedFrame frame = base.frame(0);
+  Carried base(bgr, luma, whole(), motion(25, 0), 0.3);
   struct Brought {
     float luma, blue, red, fraction;
   };
-  const auto at = [&](int x, int y) {
+  const auto at = [&](const CarriedFrame& frame, int x, int y) {
     std::vector<float> b(kWidth), r(kWidth), fraction(kWidth);
     colour_row(frame, y, kWidth, b.data(), r.data(), fraction.data());
     return Brought{static_cast<float>(frame.luma.at<std::int16_t>(y, x)) / CarriedFrame::kOne, b[x], r[x],
                    fraction[x]};
   };
-  const Brought left = at(40, 48), right = at(120, 48);
+  // Some copies of the border have gone ten pixels on, others have yet to come.
+  float reddest = 0, bluest = 0;
+  for (int i = 20; i < 60; ++i) {
+    const Brought middle = at(base.frame(i), 84, 48);
+    reddest = std::max(reddest, middle.red);
+    bluest = std::max(bluest, middle.blue);
+  }
+  EXPECT_GT(reddest, 0.2);
+  EXPECT_GT(bluest, 0.2);
+  const CarriedFrame frame = base.frame(60);
+  const Brought left = at(frame, 40, 48), right = at(frame, 120, 48);
   EXPECT_NEAR(left.luma, 0.4, 1e-3);
   EXPECT_NEAR(left.red, 0.3, 1e-3);  // less luma
   EXPECT_NEAR(left.blue, 0, 1e-3);
   EXPECT_NEAR(right.blue, 0.3, 1e-3);
   EXPECT_NEAR(right.fraction, 1, 0.02);
-  // Some copies of the border have gone ten pixels on, others have yet to come: a mixture lies between.
-  const Brought middle = at(84, 48);
-  EXPECT_GT(middle.red, 0.02);
-  EXPECT_GT(middle.blue, 0.02);
 }
 
 TEST(CarriedBase, BringsNothingThatIsNotFluid) {
   cv::Mat luma = picture(), matte = whole();
   luma(cv::Rect(0, 0, kWidth, 30)).setTo(100);  // rock, and it would be seen
   matte(cv::Rect(0, 0, kWidth, 30)).setTo(0);
-  Carried base(bgr_of(luma), luma, matte, motion(0, 100), 1);
+  Carried base(bgr_of(luma), luma, matte, motion(0, 100), 0.3);
   for (int i = 0; i < 25; ++i) {
     double maximum = 0;
     cv::minMaxLoc(shown(base, i)(cv::Rect(0, 31, kWidth, kHeight - 31)), nullptr, &maximum);
@@ -165,7 +184,7 @@ TEST(CarriedBase, ThinWeightsBringNeitherLightNorDark) {
     cv::line(matte, {random.uniform(0, kWidth), random.uniform(0, kHeight)},
              {random.uniform(0, kWidth), random.uniform(0, kHeight)}, cv::Scalar(random.uniform(0.2, 1.0)));
   luma.setTo(0.5, matte > 0);
-  Carried base(bgr_of(luma), luma, matte, motion(30, 45), 1);
+  Carried base(bgr_of(luma), luma, matte, motion(30, 45), 0.3);
   for (int i = 0; i < 8; ++i) {
     const cv::Mat frame = shown(base, i, grey(0.5));
     double minimum = 0, maximum = 0;
@@ -180,7 +199,7 @@ TEST(CarriedBase, HoldsItsColoursAtTheEdgesOfOddSizes) {
   cv::Mat bgr = bgr_of(grey(0.4)(odd).clone());
   bgr += cv::Scalar(0.1, 0, 0);
   cv::Mat luma = grey(0.4)(odd).clone();
-  Carried base(bgr, luma, whole()(odd).clone(), motion(0, 0)(odd).clone(), 3, 0);
+  Carried base(bgr, luma, whole()(odd).clone(), motion(0, 0)(odd).clone(), 1, 0);
   const CarriedFrame frame = base.frame(3);
   std::vector<float> blue(odd.width), red(odd.width), fraction(odd.width);
   for (const int y : {0, 1, odd.height - 2, odd.height - 1}) {
@@ -195,7 +214,7 @@ TEST(CarriedBase, HoldsItsColoursAtTheEdgesOfOddSizes) {
 
 TEST(CarriedBase, RepeatsInALoopOfAnyLengthAndIsCarriedInAll) {
   for (const int loop : {50, 51, 97, 7, 500}) {
-    Carried base(bgr_of(picture()), picture(), whole(), motion(30, 10), 0.8, 1, /*start_still=*/true, loop);
+    Carried base(bgr_of(picture()), picture(), whole(), motion(30, 10), 0.2, 1, loop);
     std::vector<cv::Mat> first;
     for (const int i : {0, 1, 5}) first.push_back(shown(base, i));
     EXPECT_LT(cv::norm(first[0], picture(), cv::NORM_INF), 1e-3) << loop;
@@ -207,11 +226,11 @@ TEST(CarriedBase, RepeatsInALoopOfAnyLengthAndIsCarriedInAll) {
 }
 
 TEST(CarriedBase, WhereAllComesFromBeyondThePictureTheExposureShows) {
-  Carried base(bgr_of(picture()), picture(), whole(), motion(6000, 0), 1);
-  int frame = 1;
+  Carried base(bgr_of(picture()), picture(), whole(), motion(6000, 0), 0.3);
+  int frame = 20;
   const auto is_own = [&](int i) {
-    for (int copy = -2; copy < 6; ++copy)
-      if (base.maps().own_frame(copy) == i) return true;
+    for (int copy = -2; copy < 12; ++copy)
+      if (base.own_frame(copy) == i) return true;
     return false;
   };
   while (is_own(frame)) ++frame;

@@ -41,8 +41,9 @@ CarriedFrame carried_frame() {
   const CarriedBase base(picture, luma_of(picture), cv::Mat(kSize, CV_32F, cv::Scalar(1)), {.edge_px = 4});
   const cv::Size samples((kSize.width + CarriedBase::kStep - 1) / CarriedBase::kStep,
                          (kSize.height + CarriedBase::kStep - 1) / CarriedBase::kStep);
-  const std::vector<CopyMap> copies{{0.6f, cv::Mat(samples, CV_32FC2, cv::Scalar(-4, 2))},
-                                    {0.4f, cv::Mat(samples, CV_32FC2, cv::Scalar(7, -3))}};
+  const cv::Mat whole(samples, CV_32F, cv::Scalar(1));
+  const std::vector<CopyMap> copies{{0.6 * whole, cv::Mat(samples, CV_32FC2, cv::Scalar(-4, 2))},
+                                    {0.4 * whole, cv::Mat(samples, CV_32FC2, cv::Scalar(7, -3))}};
   return base.frame(copies);
 }
 

@@ -20,8 +20,9 @@ cv::Mat noise(int seed) {
 /// Two copies of equal weight whose sources lie `apart` px from each other.
 std::vector<CopyMap> two_copies(float apart) {
   const cv::Size size(kWidth / kStep, kHeight / kStep);
-  return {{0.5f, cv::Mat(size, CV_32FC2, cv::Scalar(0, 0))},
-          {0.5f, cv::Mat(size, CV_32FC2, cv::Scalar(apart, 0))}};
+  const cv::Mat half(size, CV_32F, cv::Scalar(0.5));
+  return {{half, cv::Mat(size, CV_32FC2, cv::Scalar(0, 0))},
+          {half, cv::Mat(size, CV_32FC2, cv::Scalar(apart, 0))}};
 }
 
 double deviation(const cv::Mat& luma) {

@@ -1,0 +1,71 @@
+#include "synth/animate/still/band_contrast.h"
+
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <opencv2/imgproc.hpp>
+
+#include "vision/pyramid.h"
+
+namespace freshet::synth::animate {
+namespace {
+
+const cv::Size kSize(512, 320);
+constexpr int kLevels = 4;
+
+cv::Mat noise(int seed, double deviation) {
+  cv::Mat out(kSize, CV_32F);
+  cv::RNG random(seed);
+  random.fill(out, cv::RNG::NORMAL, 0, deviation);
+  return out;
+}
+
+/// Mean squares of the bands of a part of a picture.
+std::vector<double> powers(const cv::Mat& of, const cv::Rect& part) {
+  std::vector<cv::Mat> bands;
+  vision::laplacian_pyramid(of, kLevels, bands);
+  std::vector<double> out;
+  for (int level = 0; level < kLevels; ++level) {
+    const cv::Mat band =
+        bands[level](cv::Rect(part.x >> level, part.y >> level, part.width >> level, part.height >> level));
+    out.push_back(cv::norm(band, cv::NORM_L2SQR) / static_cast<double>(band.total()));
+  }
+  return out;
+}
+
+TEST(BandContrast, DetailGetsItsShareOfEachBandPlaceByPlace) {
+  // Twice as much contrast on the right.
+  cv::Mat picture = noise(1, 0.05);
+  picture(cv::Rect(256, 0, 256, 320)) *= 2;
+  const BandContrast contrast(picture, kLevels, 24);
+  cv::Mat detail = noise(2, 0.01);
+  const std::vector<double> shares{0.1, 0.2, 0.4, 0.4};
+  contrast.take_share(detail, shares, 1000, 1e-6);
+  for (const cv::Rect part : {cv::Rect(16, 16, 160, 288), cv::Rect(336, 16, 160, 288)}) {
+    // The pyramid's bands overlap: a band with more than its finer neighbour loses some to it.
+    const std::vector<double> whole = powers(picture, part), own = powers(detail, part);
+    for (int level = 0; level < kLevels; ++level)
+      EXPECT_NEAR(own[level] / whole[level] / shares[level], 1, 0.5) << level;
+  }
+}
+
+TEST(BandContrast, NoiseIsNotAmplified) {
+  const BandContrast contrast(noise(1, 0.05), kLevels, 24);
+  const std::vector<double> shares(kLevels, 0.25);
+  cv::Mat faint = noise(2, 0.0005), limited = noise(2, 0.001);
+  const double before = cv::norm(faint), of_limited = cv::norm(limited);
+  contrast.take_share(faint, shares, 1000, 0.003);
+  EXPECT_LT(cv::norm(faint), 10 * before);  // to the full share it would be 50 times
+  contrast.take_share(limited, shares, 4, 1e-6);
+  EXPECT_LE(cv::norm(limited), 4.2 * of_limited);
+}
+
+TEST(BandContrast, WithoutAShareNothingIsLeft) {
+  const BandContrast contrast(noise(1, 0.05), kLevels, 24);
+  cv::Mat detail = noise(2, 0.05);
+  contrast.take_share(detail, std::vector<double>(kLevels, 0.0), 4, 0.003);
+  EXPECT_EQ(cv::norm(detail, cv::NORM_INF), 0);
+}
+
+}  // namespace
+}  // namespace freshet::synth::animate
