@@ -29,12 +29,14 @@ FRESHET_WIDE bool all_finite(const float* values, std::size_t count) {
   return bad == 0;
 }
 
-vision::CellMap read_cells(const store::Snapshot& snapshot, store::ClipId clip, const std::string& column,
-                           const Json::json_pointer& where, int channels) {
+}  // namespace
+
+vision::CellMap clip_cells(const store::Snapshot& snapshot, store::ClipId clip, const std::string& column,
+                           const std::string& where, int channels) {
   const store::ClipRecord& record = snapshot.clip(clip);
   vision::CellMap cells;
   try {
-    const Json shape = Json::parse(record.metadata).at(where);
+    const Json shape = Json::parse(record.metadata).at(Json::json_pointer(where));
     cells.rows = shape.at("rows").get<int>();
     cells.columns = shape.at("columns").get<int>();
     cells.channels = shape.at("channels").get<int>();
@@ -60,11 +62,9 @@ vision::CellMap read_cells(const store::Snapshot& snapshot, store::ClipId clip, 
   return cells;
 }
 
-}  // namespace
-
 vision::CellMap motion_cells(const store::Snapshot& snapshot, const vision::Settings& settings,
                              store::ClipId clip) {
-  return read_cells(snapshot, clip, "cells.motion", Json::json_pointer("/cells/motion"),
+  return clip_cells(snapshot, clip, "cells.motion", "/cells/motion",
                     vision::motion_channels(settings.spectrum));
 }
 
@@ -74,7 +74,7 @@ vision::CellMap texture_cells(const store::Snapshot& snapshot, const vision::Set
     throw Error(ErrorKind::kUsage, "scale " + std::to_string(scale), "the store has no such scale");
   }
   const std::string number = std::to_string(scale);
-  return read_cells(snapshot, clip, "cells.texture." + number, Json::json_pointer("/cells/texture/" + number),
+  return clip_cells(snapshot, clip, "cells.texture." + number, "/cells/texture/" + number,
                     vision::kTextureLevels);
 }
 

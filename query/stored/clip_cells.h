@@ -1,11 +1,20 @@
 // query/stored/clip_cells.h — a clip's motion and textureness cells out of a store.
 #pragma once
 
+#include <string>
+
 #include "store/store.h"
 #include "vision/motion_cells.h"
 #include "vision/settings.h"
 
 namespace freshet::query {
+
+/// A column of cells whose shape (rows, columns, channels, cell) stands in the clip's metadata.
+/// where    JSON pointer to the shape.
+/// Throws   Error{kDamaged} when the column is of another length or has a value that is no number, and when the shape
+///          is missing, impossible, or not of as many channels; Error{kNotFound} when the column is missing.
+vision::CellMap clip_cells(const store::Snapshot& snapshot, store::ClipId clip, const std::string& column,
+                           const std::string& where, int channels);
 
 /// Columns "cells.motion" and "cells.texture.<scale>": rows and columns of cells are derived from the clip's
 /// size (a cell at the right or lower edge may overhang), as vision's accumulators make them.
