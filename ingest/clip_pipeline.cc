@@ -13,6 +13,7 @@
 #include "ingest/clip_analysis.h"
 #include "media/frame/frame.h"
 #include "platform/stopwatch.h"
+#include "vision/detail_lifetime.h"
 #include "vision/flow.h"
 #include "vision/textureness.h"
 
@@ -80,6 +81,7 @@ struct Pass {
   vision::LoopFinder loop;
   LumaStatistics statistics;
   vision::MotionAccumulator motion;
+  vision::DetailLifetimeAccumulator life;
   std::vector<std::unique_ptr<vision::TexturenessAccumulator>> texture;
   cv::Mat previous;  // the last luma of the slab before
   bool flow_begun = false;
@@ -94,7 +96,8 @@ struct Pass {
         screener(size, fps),
         loop(fps),
         statistics(size),
-        motion(size, settings_.flow_step, fps, settings_.spectrum) {
+        motion(size, settings_.flow_step, fps, settings_.spectrum),
+        life(size, settings_.flow_step, fps) {
     for (const float scale : settings.scales) {
       texture.push_back(std::make_unique<vision::TexturenessAccumulator>(size, scale, settings.texture_cell));
     }
@@ -114,11 +117,17 @@ struct Pass {
       screening.wait();
     }
     {
+      // Tracks go from frame to frame: one thread, beside the textureness of the same frames.
+      Aside lives([&] {
+        const TimedScope watch(seconds.life);
+        add_life(slab);
+      });
       const TimedScope watch(seconds.texture);
       for (const cv::Mat& luma : slab.luma) {
         statistics.add(luma);
         for (const auto& scale : texture) scale->add(luma);
       }
+      lives.wait();
     }
     {
       const TimedScope watch(seconds.store);
@@ -129,6 +138,15 @@ struct Pass {
       writer.append(store::Stream::kFrames, views);
     }
     previous = slab.luma.back();
+  }
+
+  void add_life(const Slab& slab) {
+    for (std::size_t i = 0; i < slab.luma.size(); ++i) {
+      if (i == 0 && previous.empty())
+        life.begin(slab.luma[i]);
+      else
+        life.add(u[i], v[i], slab.luma[i]);
+    }
   }
 
   void add_flow(const Slab& slab) {
@@ -206,6 +224,7 @@ ClipMeasures stream_clip(media::VideoReader& reader, double fps, const std::stri
   measures.screening.static_fraction = 1 - static_cast<double>(cv::countNonZero(measures.moving)) /
                                                static_cast<double>(measures.moving.total());
   measures.motion = pass.motion.finish();
+  measures.life = pass.life.finish(measures.moving);
   for (const auto& scale : pass.texture) measures.texture.push_back(scale->finish());
   return measures;
 }

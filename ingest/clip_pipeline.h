@@ -13,6 +13,7 @@
 #include "ingest/screening.h"
 #include "media/video/video_reader.h"
 #include "store/store.h"
+#include "vision/detail_lifetime.h"
 #include "vision/loop_rule.h"
 #include "vision/motion_cells.h"
 #include "vision/settings.h"
@@ -33,6 +34,7 @@ struct ClipMeasures {
   cv::Mat moving;   // CV_8U, see moving_mask
   vision::CellMap motion;
   std::vector<vision::CellMap> texture;  // a scale of the settings
+  vision::DetailLifetimes life;
   std::optional<vision::LoopRule> loop;  // none: too short to have one
 };
 

@@ -54,7 +54,9 @@ json screening_json(const Screening& screening, const Verdict& verdict) {
 /// has the same metadata wherever and however fast it was read.
 std::string metadata_of(const media::VideoInfo& info, const ClipMeasures& measures, const Verdict& verdict,
                         const ClipReport& report, const media::Repairs& repairs) {
-  json cells{{"motion", cells_json(measures.motion)}, {"texture", json::array()}};
+  json cells{{"motion", cells_json(measures.motion)},
+             {"texture", json::array()},
+             {"life", cells_json(measures.life.cells)}};
   for (const vision::CellMap& scale : measures.texture) cells["texture"].push_back(cells_json(scale));
   const json metadata{{"layout", json::parse(media::to_json(info.layout))},
                       {"codec", info.codec},
@@ -65,6 +67,7 @@ std::string metadata_of(const media::VideoInfo& info, const ClipMeasures& measur
                       {"notices", report.notes},
                       {"cells", cells},
                       {"loop", loop_json(measures.loop)},
+                      {"half_life_s", measures.life.clip},
                       {"patches", report.patches_by_variant}};
   return metadata.dump(-1, ' ', false, json::error_handler_t::replace);
 }
@@ -87,6 +90,8 @@ void write_columns(store::ClipWriter& writer, const ClipMeasures& measures, cons
   for (std::size_t i = 0; i < measures.texture.size(); ++i) {
     write_cells(fmt::format("cells.texture.{}", i), measures.texture[i]);
   }
+  write_cells("cells.life", measures.life.cells);
+  writer.column<vision::FlowOutlier>("flow.outlier", measures.life.flow_outliers);
   writer.column<std::uint8_t>("patch.variant", patches.variant);
   writer.column<std::uint16_t>("patch.x", patches.x);
   writer.column<std::uint16_t>("patch.y", patches.y);

@@ -37,11 +37,11 @@ enum class Outcome {
 };
 const char* to_string(Outcome outcome);  // "added", "already there", "refused", "failed"
 
-/// Seconds by stage, of the calling thread except `decode`, which runs beside the others, and `screen`, which
-/// runs beside `flow`.
+/// Seconds by stage, of the calling thread except `decode`, which runs beside the others, `screen`, which
+/// runs beside `flow`, and `life`, which runs beside `texture`.
 struct IngestSeconds {
-  double hash = 0, decode = 0, screen = 0, flow = 0, motion = 0, texture = 0, store = 0, patches = 0,
-         commit = 0;
+  double hash = 0, decode = 0, screen = 0, flow = 0, motion = 0, texture = 0, life = 0, store = 0,
+         patches = 0, commit = 0;
   double total = 0;  // wall clock of the whole clip
 };
 
@@ -87,12 +87,15 @@ struct IngestProgress {
 /// Columns   "frame.time": double, s, a row per frame.
 ///           "cells.motion": vision::motion_channels floats per row, cells row-major.
 ///           "cells.texture.<i>": vision::kTextureLevels floats per row, for the i-th scale of the settings.
+///           "cells.life": vision::kLifeBands floats per row, s: half-lives of detail along the flow, finest band
+///           first; 0: not known.
+///           "flow.outlier": u8, vision::FlowOutlier, a row per flow frame.
 ///           "patch.variant" u8, "patch.x", "patch.y" u16, "patch.motion" 2 floats, px/s, in the variant's
 ///           frame, "patch.coverage" float, 0..1.
 /// Metadata  JSON: "layout" (media::layout_from_json reads it), "codec", "container",
 ///           "variable_frame_rate", "repairs" (filters that changed the frames; empty: none), "screening",
 ///           "notices", "cells" (rows, columns, channels, cell), "patches" (by variant), "loop"
-///           (vision::LoopRule; null: too short).
+///           (vision::LoopRule; null: too short), "half_life_s" (of the whole clip, by band).
 ///
 /// What is wrong with a clip ends up in its row, and the run goes on. What is wrong with the store or the
 /// machine, and a stop request, ends the run: the clip in hand leaves no trace, those before are kept, and

@@ -65,6 +65,7 @@ nlohmann::json to_json(const ingest::ClipReport& clip) {
             {"flow", clip.seconds.flow},
             {"motion", clip.seconds.motion},
             {"texture", clip.seconds.texture},
+            {"life", clip.seconds.life},
             {"store", clip.seconds.store},
             {"patches", clip.seconds.patches},
             {"commit", clip.seconds.commit},

@@ -37,6 +37,16 @@ store::ClipId find_clip(const store::Snapshot& snapshot, const std::string& stor
               "Its clips are:" + names);
 }
 
+/// Half-lives of a clip's finest and coarsest detail, s.
+std::string half_lives_of(const store::ClipRecord& clip) {
+  const nlohmann::json metadata = nlohmann::json::parse(clip.metadata, nullptr, /*allow_exceptions=*/false);
+  const nlohmann::json lives =
+      metadata.is_object() ? metadata.value("half_life_s", nlohmann::json()) : nlohmann::json();
+  if (!lives.is_array() || lives.empty() || !lives.front().is_number() || !lives.back().is_number())
+    return "-";
+  return fmt::format("{:.2f}-{:.2f}", lives.front().get<double>(), lives.back().get<double>());
+}
+
 void info(const StoreCommand& command) {
   const store::Snapshot snapshot = store::Store::open_read(command.store).snapshot();
   const nlohmann::json settings = nlohmann::json::parse(snapshot.settings());
@@ -64,15 +74,16 @@ void info(const StoreCommand& command) {
     fmt::print("{}\n", json.dump(2));
     return;
   }
-  Table clips({"clip", "class", "format", "size", "fps", "frames", "seconds", "patches", "licence"});
+  Table clips(
+      {"clip", "class", "format", "size", "fps", "frames", "seconds", "half-life s", "patches", "licence"});
   std::uint64_t patches = 0;
   for (store::ClipId id : snapshot.clips()) {
     const store::ClipRecord& clip = snapshot.clip(id);
     patches += clip.rows;
     clips.row({clip.name, clip.class_name, clip.pixel_format, fmt::format("{}x{}", clip.width, clip.height),
                fmt::format("{:.2f}", fps_of(clip)), fmt::format("{}", clip.frame_count),
-               fmt::format("{:.1f}", clip.frame_count / fps_of(clip)), fmt::format("{}", clip.rows),
-               clip.licence});
+               fmt::format("{:.1f}", clip.frame_count / fps_of(clip)), half_lives_of(clip),
+               fmt::format("{}", clip.rows), clip.licence});
   }
   Table usage({"what", "records", "stored", "raw", "ratio"});
   for (const auto& use : snapshot.usage())

@@ -85,10 +85,10 @@ struct Stage {
 };
 constexpr Stage kStages[] = {
     {"flow", &ingest::IngestSeconds::flow},       {"store", &ingest::IngestSeconds::store},
-    {"texture", &ingest::IngestSeconds::texture}, {"motion", &ingest::IngestSeconds::motion},
-    {"patches", &ingest::IngestSeconds::patches}, {"commit", &ingest::IngestSeconds::commit},
-    {"hash", &ingest::IngestSeconds::hash},       {"decode", &ingest::IngestSeconds::decode},
-    {"screen", &ingest::IngestSeconds::screen}};
+    {"texture", &ingest::IngestSeconds::texture}, {"life", &ingest::IngestSeconds::life},
+    {"motion", &ingest::IngestSeconds::motion},   {"patches", &ingest::IngestSeconds::patches},
+    {"commit", &ingest::IngestSeconds::commit},   {"hash", &ingest::IngestSeconds::hash},
+    {"decode", &ingest::IngestSeconds::decode},   {"screen", &ingest::IngestSeconds::screen}};
 
 nlohmann::json measure(const std::vector<fs::path>& clips, const std::string& flow, const fs::path& file,
                        std::size_t threads) {

@@ -12,11 +12,13 @@
 #include <nlohmann/json.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "ingest/clip_analysis.h"
 #include "media/frame/layout_json.h"
 #include "media/video/video_reader.h"
 #include "media/video/video_writer.h"
 #include "tests/ingest/synthetic_clip.h"
 #include "tests/ingest/temporary_folder.h"
+#include "vision/detail_lifetime.h"
 #include "vision/flow.h"
 #include "vision/loop_rule.h"
 #include "vision/textureness.h"
@@ -245,6 +247,45 @@ TEST(Ingest, KeepsCellsAndTheirShapes) {
   EXPECT_EQ(cells.size(), shape.at("rows").get<std::size_t>() * shape.at("columns").get<std::size_t>());
   EXPECT_EQ(media::layout_from_json(snapshot.clip(id).metadata).width, 192);
   EXPECT_EQ(metadata.at("screening").at("frames"), 40);
+}
+
+TEST(Ingest, KeepsHowLongDetailLivesAlongTheFlowThatIsKept) {
+  const SyntheticClip clip{.changing = true};
+  const OneClip one(clip);
+  const store::Snapshot snapshot = one.snapshot();
+  const store::ClipId id = one.id();
+  const store::PlaneShape shape = snapshot.clip(id).flow.planes[0];
+  vision::DetailLifetimeAccumulator life(clip.size, kSettings.flow_step, clip.fps);
+  vision::MotionAccumulator motion(clip.size, kSettings.flow_step, clip.fps, kSettings.spectrum);
+  LumaStatistics statistics(clip.size);
+  const std::vector<cv::Mat> frames = render(clip);
+  for (std::uint32_t i = 0; i < frames.size(); ++i) {
+    statistics.add(frames[i]);
+    if (i == 0) {
+      life.begin(frames[i]);
+      continue;
+    }
+    std::array<cv::Mat, 2> flow;
+    for (std::uint32_t p = 0; p < 2; ++p) {
+      flow[p].create(static_cast<int>(shape.height), static_cast<int>(shape.width), CV_16S);
+      snapshot.read(id, store::Stream::kFlow, p, {0, 0, shape.width, shape.height}, i - 1, 1,
+                    {reinterpret_cast<std::byte*>(flow[p].data), flow[p].total() * 2});
+    }
+    motion.add(flow[0], flow[1]);
+    life.add(flow[0], flow[1], frames[i]);
+  }
+  const vision::DetailLifetimes expected =
+      life.finish(moving_mask(motion.mean_speed_px(), statistics.deviation(), clip.fps, kSettings));
+  EXPECT_GT(expected.clip[1], 0);
+  EXPECT_EQ(snapshot.records<float>(id, "cells.life", vision::kLifeChannels), expected.cells.values);
+  EXPECT_EQ(snapshot.column<vision::FlowOutlier>(id, "flow.outlier"), expected.flow_outliers);
+  const nlohmann::json metadata = nlohmann::json::parse(snapshot.clip(id).metadata);
+  EXPECT_EQ(metadata.at("half_life_s"), nlohmann::json(expected.clip));
+  const nlohmann::json& cells = metadata.at("cells").at("life");
+  EXPECT_EQ(cells.at("rows"), 5);
+  EXPECT_EQ(cells.at("columns"), 6);
+  EXPECT_EQ(cells.at("channels"), vision::kLifeChannels);
+  EXPECT_EQ(cells.at("cell"), vision::kLifeCell);
 }
 
 TEST(Ingest, TakesColouredAndTransparentClips) {
