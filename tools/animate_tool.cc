@@ -200,7 +200,7 @@ void add_animate(CLI::App& synth_command, RunContext& context) {
   sub->add_option("--detail-life", command->options.half_life_s,
                   "After how long half of the detail that is carried along is new, s: .2 for rapids and "
                   "flames, several for "
-                  "clouds; 0: as in the clips that are shown")
+                  "clouds; 0: as in the patches that are shown")
       ->check(CLI::Range(0.0, 60.0))
       ->capture_default_str()
       ->group(group);

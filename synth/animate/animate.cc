@@ -20,7 +20,7 @@
 #include "freshet/error.h"
 #include "platform/stopwatch.h"
 #include "query/search/picture_scale.h"
-#include "synth/animate/clips/detail_life.h"
+#include "synth/animate/clips/piece_lives.h"
 #include "synth/animate/motion/carried_detail.h"
 #include "synth/animate/motion/copy_maps.h"
 #include "synth/animate/motion/motion_field.h"
@@ -47,8 +47,7 @@ constexpr double kMinWander_s = 2, kMaxWander_s = 6, kWanderOfHalfLife = 4;
 constexpr double kContrastReach = 24;  // px: sigma of the neighbourhoods that innovations' contrast is set in
 constexpr int kContrastLevels = 5;
 constexpr double kLifePatch_px = 48;  // over which the picture's detail lives and goes together
-constexpr int kMeasuredClips = 2;
-constexpr int kRendered = 8;  // frames rendered at once before they are handed on in order
+constexpr int kRendered = 8;          // frames rendered at once before they are handed on in order
 
 void throw_if_stopped(const std::stop_token& stop) {
   if (stop.stop_requested()) throw Error(ErrorKind::kCancelled, "animate", "stopped");
@@ -350,24 +349,9 @@ class Animation {
     report_.base_s = watch_.lap();
   }
 
-  /// As long as detail lives in the clips that show most.
+  /// As long as detail does in the patches that are shown.
   double measured_half_life_s() const {
-    std::map<store::ClipId, std::size_t> pieces;
-    for (const PlacedPatch& patch : placement_.patches) ++pieces[patch.clip];
-    std::vector<std::pair<std::size_t, store::ClipId>> largest;
-    for (const auto& [clip, count] : pieces) largest.emplace_back(count, clip);
-    std::sort(largest.begin(), largest.end(), std::greater<>());
-    largest.resize(std::min<std::size_t>(largest.size(), kMeasuredClips));
-    std::vector<double> lives(largest.size());
-    oneapi::tbb::parallel_for(std::size_t{0}, largest.size(), [&](std::size_t i) {
-      lives[i] = detail_half_life_s(snapshot_, largest[i].second);
-    });
-    double sum = 0, mass = 0;
-    for (std::size_t i = 0; i < lives.size(); ++i) {
-      sum += static_cast<double>(largest[i].first) * std::log(lives[i]);
-      mass += static_cast<double>(largest[i].first);
-    }
-    return std::clamp(std::exp(sum / mass), kMinHalfLife_s, kMaxHalfLife_s);
+    return std::clamp(piece_lives(snapshot_, placement_).overall_s, kMinHalfLife_s, kMaxHalfLife_s);
   }
 
   /// One output frame before it is coloured.

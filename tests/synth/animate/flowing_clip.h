@@ -4,9 +4,12 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
+#include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
+#include <nlohmann/json.hpp>
 #include <opencv2/core.hpp>
 
 #include "media/frame/layout_json.h"
@@ -23,6 +26,7 @@ struct FlowingClip {
   float varying = 1;       // px per frame: how far
   int range = 2;           // of its samples, as media::PixelLayout has it: 1 limited, 2 full
   std::uint64_t seed = 1;
+  std::optional<vision::CellMap> life{};  // column "cells.life", as ingest writes it
 
   /// CV_8U: waves that go their way, and noise that stays.
   cv::Mat frame(int i) const {
@@ -86,7 +90,16 @@ struct FlowingClip {
     record.fps_num = 25;
     const media::PixelLayout layout{
         .format = "gray", .width = size.width, .height = size.height, .range = range};
-    record.metadata = R"({"layout": )" + media::to_json(layout) + "}";
+    nlohmann::json metadata{{"layout", nlohmann::json::parse(media::to_json(layout))}};
+    if (life) {
+      metadata["cells"]["life"] = {{"rows", life->rows},
+                                   {"columns", life->columns},
+                                   {"channels", life->channels},
+                                   {"cell", life->cell}};
+      writer.column_bytes("cells.life", std::as_bytes(std::span(life->values)),
+                          static_cast<std::uint32_t>(life->channels * sizeof(float)));
+    }
+    record.metadata = metadata.dump();
     return writer.commit(record);
   }
 };

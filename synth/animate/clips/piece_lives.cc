@@ -1,0 +1,79 @@
+#include "synth/animate/clips/piece_lives.h"
+
+#include <cmath>
+#include <cstddef>
+#include <map>
+#include <optional>
+
+#include "query/stored/patch_life.h"
+#include "vision/variant.h"
+
+namespace freshet::synth::animate {
+namespace {
+
+constexpr std::size_t kBands = vision::kLifeBands;
+constexpr double kUnknown_s = 1;
+constexpr double kLeastPower = 1e-12;  // bands of patches without any detail count alike
+
+/// A band's half-life where a piece does not know it.
+LifeBands usual_lives(const std::vector<LifeBands>& half_life_s) {
+  LifeBands usual{};
+  for (std::size_t b = 0; b < kBands; ++b) {
+    double sum = 0;
+    int known = 0;
+    for (const LifeBands& life : half_life_s)
+      if (life[b] > 0) sum += std::log(life[b]), ++known;
+    if (known > 0) usual[b] = std::exp(sum / known);
+  }
+  for (std::size_t b = 1; b < kBands; ++b)
+    if (usual[b] <= 0) usual[b] = usual[b - 1];
+  for (std::size_t b = kBands - 1; b-- > 0;)
+    if (usual[b] <= 0) usual[b] = usual[b + 1];
+  for (double& life : usual)
+    if (life <= 0) life = kUnknown_s;
+  return usual;
+}
+
+double overall(const PieceLives& lives) {
+  double sum = 0;
+  for (std::size_t p = 0; p < lives.half_life_s.size(); ++p) {
+    double logs = 0, power = 0;
+    for (std::size_t b = 0; b < kBands; ++b) {
+      const double weight = lives.power[p][b] + kLeastPower;
+      logs += weight * std::log(lives.half_life_s[p][b]);
+      power += weight;
+    }
+    sum += logs / power;
+  }
+  return lives.half_life_s.empty() ? kUnknown_s
+                                   : std::exp(sum / static_cast<double>(lives.half_life_s.size()));
+}
+
+}  // namespace
+
+PieceLives piece_lives(const store::Snapshot& snapshot, const Placement& placement) {
+  PieceLives lives;
+  std::map<store::ClipId, std::optional<vision::CellMap>> cells_of;
+  for (const PlacedPatch& patch : placement.patches) {
+    const auto [cells, first] = cells_of.try_emplace(patch.clip);
+    if (first) cells->second = query::life_cells(snapshot, patch.clip);
+    query::PatchLife life;
+    if (cells->second) {
+      const store::ClipRecord& record = snapshot.clip(patch.clip);
+      const cv::Size source(static_cast<int>(record.width), static_cast<int>(record.height));
+      life = query::patch_life(*cells->second, vision::variant_frame(source, patch.variant),
+                               patch.variant.scale, patch.patch, placement.side);
+    }
+    for (double& half_life : life.half_life_s) half_life /= patch.speed;
+    lives.half_life_s.push_back(life.half_life_s);
+    lives.power.push_back(life.power);
+  }
+  const LifeBands usual = usual_lives(lives.half_life_s);
+  for (LifeBands& life : lives.half_life_s)
+    for (std::size_t b = 0; b < kBands; ++b)
+      if (life[b] <= 0) life[b] = usual[b];
+  lives.overall_s = overall(lives);
+  return lives;
+}
+
+}  // namespace freshet::synth::animate
