@@ -46,6 +46,7 @@ constexpr double kMinInnovation_s = 0.1, kMaxInnovation_s = 1;
 constexpr double kMinWander_s = 2, kMaxWander_s = 6, kWanderOfHalfLife = 4;
 constexpr double kContrastReach = 24;  // px: sigma of the neighbourhoods that innovations' contrast is set in
 constexpr int kContrastLevels = 5;
+constexpr float kLively = 0.25f;      // of the fastest places' speed: what is slower is renewed less
 constexpr double kLifePatch_px = 48;  // over which the picture's detail lives and goes together
 constexpr int kRendered = 8;          // frames rendered at once before they are handed on in order
 
@@ -272,7 +273,7 @@ class Animation {
     const cv::Rect seen({}, reduced.size()), all = canvas_ | seen;
     cv::copyMakeBorder(reduced, wide, -all.y, all.br().y - seen.height, -all.x, all.br().x - seen.width,
                        cv::BORDER_REFLECT_101);
-    still_contrast_.emplace(wide, kContrastLevels, kContrastReach);
+    still_luma_ = wide(canvas_ - all.tl());
     still_power_.resize(placement_.patches.size());
     oneapi::tbb::parallel_for(std::size_t{0}, placement_.patches.size(), [&](std::size_t p) {
       const cv::Point at = placement_.patches[p].piece - all.tl();
@@ -339,6 +340,8 @@ class Animation {
                                   .loop_frames = loop_frames,
                                   .wander = static_cast<int>(std::lround(wander_s * options_.fps)),
                                   .patch = kLifePatch_px * placement_.piece_scale / CarriedBase::kStep});
+      renewing_ = renewing_places();
+      still_contrast_.emplace(still_luma_, kContrastLevels, kContrastReach, on_canvas(renewing_));
       renewed_.emplace(canvas_, placement_.piece_scale, kept_per_frame());
     }
     // The fluid's layers go on beyond the still matte, for a moving one to uncover.
@@ -347,6 +350,30 @@ class Animation {
         *layer = pull_push(*layer, alpha_);
     finisher_.emplace(colours, own_colour, moving_ ? behind_ : target);
     report_.base_s = watch_.lap();
+  }
+
+  /// What stands is not renewed: a rock in the matte, or what an artist holds still.
+  cv::Mat renewing_places() const {
+    const cv::Mat& activity = field_->activity();
+    std::vector<float> within;
+    for (int y = 0; y < activity.rows; ++y)
+      for (int x = 0; x < activity.cols; ++x)
+        if (carried_base_->fluid().at<float>(y, x) > 0.5f) within.push_back(activity.at<float>(y, x));
+    if (within.empty()) return cv::Mat(activity.size(), CV_32F, cv::Scalar(1));
+    const auto fast = within.begin() + static_cast<std::ptrdiff_t>(within.size() * 19 / 20);
+    std::nth_element(within.begin(), fast, within.end());
+    cv::Mat out = activity / std::max(kLively * *fast, 1e-6f);
+    cv::multiply(out, out, out);
+    return cv::min(out, 1.0);
+  }
+  /// What is sampled as the field, on the canvas.
+  cv::Mat on_canvas(const cv::Mat& samples) const {
+    const double unit = placement_.piece_scale / field_->step(), shift = 0.5 * unit - 0.5;
+    cv::Mat out;
+    cv::warpAffine(samples, out,
+                   cv::Matx23d(unit, 0, canvas_.x * unit + shift, 0, unit, canvas_.y * unit + shift),
+                   canvas_.size(), cv::INTER_LINEAR | cv::WARP_INVERSE_MAP, cv::BORDER_REPLICATE);
+    return out;
   }
 
   /// As long as detail does in the patches that are shown.
@@ -378,7 +405,7 @@ class Animation {
       const double anew = 1 - copies_->still(output);
       std::vector<double> shares(kContrastLevels);
       for (std::size_t level = 0; level < shares.size(); ++level) shares[level] = anew * renewed_share(level);
-      restore_contrast(made.luma, copies, CarriedBase::kStep, shares, options_.contrast);
+      restore_contrast(made.luma, copies, CarriedBase::kStep, shares, renewing_, options_.contrast);
       field = renewed;
       still_contrast_->take_share(field, shares, options_.max_renewal_gain, kNoise);
       field += anew * blender_->take_level(slot);
@@ -493,6 +520,8 @@ class Animation {
   cv::Mat behind_, alpha_, target_luma_, base_luma_, mean_motion_;
   std::shared_ptr<const MotionSequence> sequence_;
   std::vector<std::vector<double>> still_power_;  // by patch, band
+  cv::Mat still_luma_;                            // of the canvas
+  cv::Mat renewing_;  // CV_32F, sampled as the field: how much of what comes anew is for a place, 0..1
   std::optional<BandContrast> still_contrast_;
   double half_life_s_ = 0;  // of carried detail
   std::shared_ptr<const CarryingField> field_;

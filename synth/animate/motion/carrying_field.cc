@@ -9,7 +9,9 @@
 namespace freshet::synth::animate {
 namespace {
 
-constexpr double kMaxTurnScale = 4;    // fluctuations are scaled by at most this, and at least its inverse
+constexpr double kMaxTurnScale = 4;  // fluctuations are scaled by at most this
+constexpr float kMinTurnScale =
+    0.25;  // and by at least this, where the patches have no mean motion to speak of
 constexpr double kSlowFraction = 0.2;  // of the mean speed: slower places have no direction of their own
 constexpr double kSmoothing = 4;       // samples: the turn is smooth, where strokes meet slow places
 constexpr int kMeasured = 64;          // frames that means and limits are measured on
@@ -46,8 +48,9 @@ cv::Mat turn_between(const cv::Mat& assigned, const cv::Mat& asked) {
     for (int x = 0; x < sum.cols; ++x) {
       cv::Vec2f turn = sum.at<cv::Vec2f>(y, x) / mass.at<float>(y, x);
       const float scale = length(turn);
-      const float wanted =
-          std::clamp(scale, static_cast<float>(1 / kMaxTurnScale), static_cast<float>(kMaxTurnScale));
+      // Where patches that go are asked to stand, nothing is left of what they do.
+      const bool goes = mass.at<float>(y, x) >= 2 * slow * slow;
+      const float wanted = std::clamp(scale, goes ? 0.0f : kMinTurnScale, static_cast<float>(kMaxTurnScale));
       turn = scale > 1e-6f ? cv::Vec2f(turn * (wanted / scale)) : cv::Vec2f(wanted, 0);
       sum.at<cv::Vec2f>(y, x) = turn;
     }
@@ -80,6 +83,12 @@ CarryingField::CarryingField(std::shared_ptr<const MotionSequence> sequence, con
             product(field.at<cv::Vec2f>(y, x) - assigned_.at<cv::Vec2f>(y, x), turn_.at<cv::Vec2f>(y, x));
         power.at<float>(y, x) += d.dot(d) / static_cast<float>(measured);
       }
+  activity_.create(size, CV_32F);
+  for (int y = 0; y < size.height; ++y)
+    for (int x = 0; x < size.width; ++x) {
+      const cv::Vec2f mean = mean_.at<cv::Vec2f>(y, x);
+      activity_.at<float>(y, x) = std::sqrt(mean.dot(mean) + power.at<float>(y, x));
+    }
   cv::sqrt(power, limit_);
   limit_ *= options.max_deviation;
 

@@ -36,6 +36,8 @@ class CarryingField {
   /// Displacement from output frame i to the next, px of the picture: CV_32FC2, size(). Any i. Safe from many
   /// threads; one warp of the coarse field.
   cv::Mat at(int i) const;
+  /// Root mean square speed of each place, px a frame: CV_32F, size().
+  const cv::Mat& activity() const { return activity_; }
   cv::Size size() const { return mean_.size(); }
   int step() const { return step_; }
 
@@ -49,6 +51,7 @@ class CarryingField {
   cv::Mat mean_;      // CV_32FC2, px a frame: asked
   cv::Mat assigned_;  // CV_32FC2, px/s: the sequence's own mean
   cv::Mat turn_;      // CV_32FC2: fluctuations are multiplied by this complex number, frames a px/s
+  cv::Mat activity_;  // CV_32F
   cv::Mat limit_;     // CV_32F, px a frame
   std::vector<int> stands_for_;    // by frame: the frame whose flow is used before it ...
   std::vector<int> stands_after_;  // ... and after it; equal where it is its own

@@ -24,11 +24,18 @@ cv::Mat BandContrast::power_of(const cv::Mat& band, int level) const {
   return cells;
 }
 
-BandContrast::BandContrast(const cv::Mat& luma, int levels, double reach) : reach_(reach) {
+BandContrast::BandContrast(const cv::Mat& luma, int levels, double reach, const cv::Mat& where)
+    : reach_(reach) {
   while (levels > 0 && (std::min(luma.cols, luma.rows) >> levels) < 4) --levels;
   std::vector<cv::Mat> bands;
   vision::laplacian_pyramid(luma, levels, bands);
-  for (int level = 0; level < levels; ++level) power_.push_back(power_of(bands[level], level));
+  for (int level = 0; level < levels; ++level) {
+    power_.push_back(power_of(bands[level], level));
+    if (where.empty()) continue;
+    cv::Mat counts;
+    cv::resize(where, counts, power_.back().size(), 0, 0, cv::INTER_AREA);
+    cv::multiply(power_.back(), counts, power_.back());
+  }
 }
 
 void BandContrast::take_share(cv::Mat& detail, std::span<const double> shares, double max_gain,

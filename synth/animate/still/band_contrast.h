@@ -14,7 +14,8 @@ class BandContrast {
   /// luma    CV_32F, 0..1.
   /// levels  band-pass levels, detail up to 2^levels px; fewer in a small picture.
   /// reach   sigma of the neighbourhoods, px.
-  BandContrast(const cv::Mat& luma, int levels, double reach);
+  /// where   CV_32F, luma's size: what its variance counts there, 0..1. Empty: 1.
+  BandContrast(const cv::Mat& luma, int levels, double reach, const cv::Mat& where = {});
 
   /// Gives each band of `detail` (CV_32F, the picture's size, changed in place) its share of the picture's variance
   /// there; what lies below the bands goes. Nothing is amplified by more than max_gain, nor what is below `noise`.

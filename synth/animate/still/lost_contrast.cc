@@ -28,7 +28,8 @@ cv::Mat squared_distances(const cv::Mat& a, const cv::Mat& b) {
 }  // namespace
 
 void restore_contrast(cv::Mat& luma, std::span<const CopyMap> copies, int step,
-                      std::span<const double> renewed, const LostContrastOptions& options) {
+                      std::span<const double> renewed, const cv::Mat& where,
+                      const LostContrastOptions& options) {
   int levels = 0;
   while (levels < options.levels && (std::min(luma.cols, luma.rows) >> (levels + 1)) >= 4) ++levels;
   struct Pair {
@@ -53,7 +54,7 @@ void restore_contrast(cv::Mat& luma, std::span<const CopyMap> copies, int step,
   cv::Mat gain(copies.front().source.size(), CV_32F), wide;
   for (int level = 0; level < levels; ++level) {
     const auto at = static_cast<std::size_t>(level);
-    const auto kept = static_cast<float>(std::sqrt(at < renewed.size() ? 1 - renewed[at] : 1.0));
+    const auto anew = static_cast<float>(at < renewed.size() ? renewed[at] : 0.0);
     const double agreement = options.agreement_px * (1 << level);
     const auto unit = static_cast<float>(1 / (2 * agreement * agreement));
     for (int y = 0; y < gain.rows; ++y) {
@@ -67,8 +68,11 @@ void restore_contrast(cv::Mat& luma, std::span<const CopyMap> copies, int step,
           to[x] += weight[x] / (1 + q * (1 + 0.5f * q));
         }
       }
-      for (int x = 0; x < gain.cols; ++x)
+      const auto* place = where.empty() ? nullptr : where.ptr<float>(y);
+      for (int x = 0; x < gain.cols; ++x) {
+        const float kept = std::sqrt(1 - anew * (place ? place[x] : 1.0f));
         to[x] = kept * std::min(1 / std::sqrt(to[x]), static_cast<float>(options.max_gain));
+      }
     }
     // Maps are sampled in the middles of squares of step px, as resize takes it.
     const cv::Size covered(gain.cols * step >> level, gain.rows * step >> level);

@@ -25,10 +25,12 @@ struct LostContrastOptions {
 /// fitted: no frame depends on another.
 /// renewed  by level, finest first: the fraction of the band's variance that is left for what comes anew, 0..1;
 ///          beyond its end 0.
+/// where    CV_32F, sampled as the maps: how much of that fraction a place leaves, 0..1. Empty: 1.
 /// luma     CV_32F, the picture's size; changed in place.
 /// copies   of this frame; step px of the picture between samples of their maps.
 /// Cost     one Laplacian pyramid of the picture. Safe from many threads.
 void restore_contrast(cv::Mat& luma, std::span<const CopyMap> copies, int step,
-                      std::span<const double> renewed, const LostContrastOptions& options);
+                      std::span<const double> renewed, const cv::Mat& where,
+                      const LostContrastOptions& options);
 
 }  // namespace freshet::synth::animate

@@ -34,13 +34,13 @@ double deviation(const cv::Mat& luma) {
 TEST(LostContrast, OfCopiesThatDoNotAgreeComesBack) {
   cv::Mat mixed = 0.5 * noise(1) + 0.5 * noise(2);
   EXPECT_NEAR(deviation(mixed), 0.1 / std::sqrt(2.0), 0.004);
-  restore_contrast(mixed, two_copies(100), kStep, {}, {});
+  restore_contrast(mixed, two_copies(100), kStep, {}, {}, {});
   EXPECT_NEAR(deviation(mixed), 0.1, 0.006);
 }
 
 TEST(LostContrast, OfCopiesThatAgreeThereIsNone) {
   cv::Mat same = noise(1);
-  restore_contrast(same, two_copies(0), kStep, {}, {});
+  restore_contrast(same, two_copies(0), kStep, {}, {}, {});
   EXPECT_LT(cv::norm(same, noise(1), cv::NORM_INF), 1e-5);
 }
 
@@ -50,8 +50,8 @@ TEST(LostContrast, CoarseDetailAgreesLongerThanFine) {
   cv::GaussianBlur(noise(2), coarse, {}, 12);
   coarse = 0.5 + 20 * (coarse - 0.5);
   const double before = deviation(coarse), finest = deviation(fine);
-  restore_contrast(fine, two_copies(3), kStep, {}, {});
-  restore_contrast(coarse, two_copies(3), kStep, {}, {});
+  restore_contrast(fine, two_copies(3), kStep, {}, {}, {});
+  restore_contrast(coarse, two_copies(3), kStep, {}, {}, {});
   EXPECT_GT(deviation(fine) / finest, 1.25);
   EXPECT_LT(deviation(coarse) / before, 1.06);
 }
@@ -59,8 +59,12 @@ TEST(LostContrast, CoarseDetailAgreesLongerThanFine) {
 TEST(LostContrast, LeavesRoomForWhatComesAnew) {
   cv::Mat luma = noise(1);
   const double before = deviation(luma);
-  restore_contrast(luma, two_copies(0), kStep, std::vector<double>(5, 0.36), {});
+  restore_contrast(luma, two_copies(0), kStep, std::vector<double>(5, 0.36), {}, {});
   EXPECT_NEAR(deviation(luma) / before, 0.8, 0.02);
+  cv::Mat standing = noise(1);
+  restore_contrast(standing, two_copies(0), kStep, std::vector<double>(5, 0.36),
+                   cv::Mat(kHeight / kStep, kWidth / kStep, CV_32F, cv::Scalar(0)), {});
+  EXPECT_NEAR(deviation(standing) / before, 1, 1e-3);
 }
 
 }  // namespace
