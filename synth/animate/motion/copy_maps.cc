@@ -17,6 +17,7 @@ constexpr float kReach = 1.5f;           // intervals that a place shows a copy 
 constexpr double kHalfOfInterval = 0.6;  // of an interval: after this, half of the places show another copy
 constexpr float kFluidEnough = 8;        // an eighth of a matte is fluid enough: plumes are thin
 constexpr float kLeastFluid = 1e-4f;     // so that some copy shows everywhere
+constexpr int kKeptEvery = 16;           // frames
 constexpr std::uint64_t kSeed = 0x636f70696573;
 
 /// Places `displacement` px away from each sample's own, in samples.
@@ -108,37 +109,54 @@ int CopyMaps::own_frame(int copy) const {
   return middle(copy) + static_cast<int>(std::lround((n % 2 == 0 ? -away : away) * options_.wander));
 }
 
-CopyMaps::Copy CopyMaps::carried(int copy, int from) const {
-  const int own = own_frame(copy), begin = middle(copy) - reach_, end = middle(copy) + reach_ + 1;
-  Copy out;
-  out.later = smooth_noise(fluid_.size(), options_.patch, static_cast<std::uint64_t>(number(copy)));
-  out.later *= options_.stagger;
-  out.sources.resize(end - begin);
-  const int first = std::max(begin, from);
-  cv::Mat source = cv::Mat::zeros(fluid_.size(), CV_32FC2);
-  for (int frame = own; frame < end; ++frame) {
-    if (frame > own) source = step_on(source, displacement_(frame - 1), -1, step_);
-    if (frame >= first) out.sources[frame - begin] = source;
+/// Sources of a copy's frames in [first, end), as far as it is alive.
+void CopyMaps::carry(int number, Copy& copy, int first, int end) const {
+  const int own = own_frame(number);
+  first = std::max(first, middle(number) - reach_);
+  end = std::min(end, middle(number) + reach_ + 1);
+  copy.sources.clear();
+  if (first >= end) return;
+  if (copy.later.empty()) {
+    copy.later =
+        smooth_noise(fluid_.size(), options_.patch, static_cast<std::uint64_t>(this->number(number)));
+    copy.later *= options_.stagger;
+    copy.latest = {own, cv::Mat::zeros(fluid_.size(), CV_32FC2)};
+    // Kept at fixed distances from its own frame: what is found again is the same to the bit.
+    cv::Mat source = copy.latest.second;
+    copy.earlier.emplace(own, source);
+    for (int frame = own - 1; frame >= first; --frame) {
+      source = step_on(source, displacement_(frame), 1, step_);
+      if ((own - frame) % kKeptEvery == 0) copy.earlier.emplace(frame, source);
+    }
   }
-  source = cv::Mat::zeros(fluid_.size(), CV_32FC2);
-  for (int frame = own - 1; frame >= first; --frame) {
-    source = step_on(source, displacement_(frame), 1, step_);
-    if (frame < end) out.sources[frame - begin] = source;
+  if (first < own) {
+    const int last = std::min(end, own) - 1;
+    const auto kept = copy.earlier.lower_bound(last);
+    int frame = kept->first;
+    cv::Mat source = kept->second;
+    if (frame <= last) copy.sources.emplace(frame, source);
+    while (frame > first) {
+      --frame;
+      source = step_on(source, displacement_(frame), 1, step_);
+      if (frame <= last) copy.sources.emplace(frame, source);
+    }
+    copy.earlier.erase(copy.earlier.begin(), copy.earlier.lower_bound(first));
   }
-  return out;
+  auto& [frame, source] = copy.latest;
+  for (int asked = std::max(first, own); asked < end; ++asked) {
+    for (; frame < asked; ++frame) source = step_on(source, displacement_(frame), -1, step_);
+    copy.sources.emplace(asked, source);
+  }
 }
 
 void CopyMaps::prepare(int first, int count) {
   const int from = first_copy(first), to = last_copy(first + count - 1);
   std::erase_if(copies_, [&](const auto& entry) { return entry.first < from; });
-  for (auto& [copy, maps] : copies_)
-    for (int frame = middle(copy) - reach_; frame < std::min(first, middle(copy) + reach_ + 1); ++frame)
-      maps.sources[frame - (middle(copy) - reach_)].release();
-  std::vector<std::pair<int, Copy*>> missing;
-  for (int copy = from; copy <= to; ++copy)
-    if (const auto [at, made] = copies_.try_emplace(copy); made) missing.emplace_back(copy, &at->second);
-  oneapi::tbb::parallel_for(std::size_t{0}, missing.size(),
-                            [&](std::size_t i) { *missing[i].second = carried(missing[i].first, first); });
+  std::vector<std::pair<int, Copy*>> alive;
+  for (int number = from; number <= to; ++number) alive.emplace_back(number, &copies_[number]);
+  oneapi::tbb::parallel_for(std::size_t{0}, alive.size(), [&](std::size_t i) {
+    carry(alive[i].first, *alive[i].second, first, first + count);
+  });
 }
 
 double CopyMaps::still(int i) const {
@@ -174,7 +192,7 @@ std::vector<CopyMap> CopyMaps::at(int i) const {
   for (int copy = first_copy(i); copy <= last_copy(i); ++copy) {
     const int age = i - middle(copy);
     const Copy& maps = copies_.at(copy);
-    const cv::Mat& source = maps.sources[reach_ + age];
+    const cv::Mat& source = maps.sources.at(i);
     out.push_back({weights(maps, source, age), source});
     sum += out.back().weight;
   }

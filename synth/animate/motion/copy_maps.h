@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <map>
+#include <utility>
 #include <vector>
 
 #include <opencv2/core.hpp>
@@ -52,7 +53,7 @@ class CopyMaps {
            const CopyOptions& options);
 
   /// Makes what at() needs of output frames [first, first + count), and forgets what lies before. In ascending
-  /// order. All threads.
+  /// order. All threads. Memory: of each copy one map in 16 frames that lie before its own, and `count`.
   void prepare(int first, int count);
   /// The copies that show in a prepared frame. Safe from many threads.
   std::vector<CopyMap> at(int i) const;
@@ -67,13 +68,17 @@ class CopyMaps {
  private:
   struct Copy {
     cv::Mat later;  // CV_32F: intervals by which a place of the picture lives later than the copy
-    std::vector<cv::Mat> sources;  // CV_32FC2, frames -reach_ .. reach_ from the middle of its life
+    // Of frames before the copy's own, which are reached from it backwards: some, from which those between are found
+    // again. By frame.
+    std::map<int, cv::Mat> earlier;
+    std::pair<int, cv::Mat> latest;  // the last frame from its own one on that was asked for
+    std::map<int, cv::Mat> sources;  // CV_32FC2, of the prepared frames
   };
   int first_copy(int i) const;
   int last_copy(int i) const;
   int number(int copy) const;  // the same for copies a loop apart
   int middle(int copy) const { return copy * options_.interval; }
-  Copy carried(int copy, int from) const;
+  void carry(int number, Copy& copy, int first, int end) const;
   cv::Mat weights(const Copy& copy, const cv::Mat& source, int age) const;
 
   std::function<cv::Mat(int)> displacement_;
