@@ -42,8 +42,8 @@ constexpr double kNoise = 0.003;          // luma: of what is fainter, the more 
 constexpr double kMinHalfLife_s = 0.1, kMaxHalfLife_s = 6;
 // Innovations live as long as the picture's detail does, but for these limits.
 constexpr double kMinInnovation_s = 0.1, kMaxInnovation_s = 1;
-// How far copies go from their own frames: flames should have left their place, and nothing be worn by stretching.
-constexpr double kMinWander_s = 2, kMaxWander_s = 6, kWanderOfHalfLife = 4;
+// How far copies go from their own frames: forms should have left their place, but a pool is not to climb its fall.
+constexpr double kMinWander_s = 0.4, kMaxWander_s = 6, kMaxWander_px = 220;
 constexpr double kContrastReach = 24;  // px: sigma of the neighbourhoods that innovations' contrast is set in
 constexpr int kContrastLevels = 5;
 constexpr float kLively = 0.25f;      // of the fastest places' speed: what is slower is renewed less
@@ -166,6 +166,7 @@ AnimateOptions enlarged(AnimateOptions options, double scale) {
   options.base.max_length_px *= scale;
   options.base.max_sigma_px *= scale;
   options.carry.edge_px *= scale;
+  options.carry.look_px *= scale;
   options.appearance.region_px = static_cast<int>(std::lround(options.appearance.region_px * scale));
   options.appearance.levels += static_cast<int>(std::lround(std::log2(scale)));
   return options;
@@ -332,9 +333,12 @@ class Animation {
       const int loop_frames = options_.loop ? options_.frames : 0;
       field_ = std::make_shared<const CarryingField>(sequence_, mean_motion_, options_.frames, options_.fps,
                                                      CarriedBase::kStep, options_.loop, options_.carrying);
-      const double wander_s = std::clamp(kWanderOfHalfLife * half_life_s_, kMinWander_s, kMaxWander_s);
       carried_base_.emplace(target, target_luma_, alpha_, options_.carry);
-      copies_.emplace([field = field_](int i) { return field->at(i); }, carried_base_->fluid(),
+      // As far as the fastest fluid goes in that time: what stands in the picture's order is not to be mixed up.
+      const double wander_s =
+          std::clamp(kMaxWander_px * placement_.piece_scale / (fast_per_frame() * options_.fps), kMinWander_s,
+                     kMaxWander_s);
+      copies_.emplace([field = field_](int i) { return field->at(i); }, carried_base_->places(),
                       field_->step(),
                       CopyOptions{.interval = CopyMaps::interval_of(half_life_s_, options_.fps, loop_frames),
                                   .loop_frames = loop_frames,
@@ -352,17 +356,21 @@ class Animation {
     report_.base_s = watch_.lap();
   }
 
-  /// What stands is not renewed: a rock in the matte, or what an artist holds still.
-  cv::Mat renewing_places() const {
-    const cv::Mat& activity = field_->activity();
+  /// Of the fluid, the speed that one place in twenty exceeds: px a frame, > 0.
+  float fast_per_frame() const {
+    const cv::Mat &activity = field_->activity(), &places = carried_base_->places();
     std::vector<float> within;
     for (int y = 0; y < activity.rows; ++y)
       for (int x = 0; x < activity.cols; ++x)
-        if (carried_base_->fluid().at<float>(y, x) > 0.5f) within.push_back(activity.at<float>(y, x));
-    if (within.empty()) return cv::Mat(activity.size(), CV_32F, cv::Scalar(1));
+        if (places.at<cv::Vec4f>(y, x)[0] > 0.5f) within.push_back(activity.at<float>(y, x));
+    if (within.empty()) return 1;
     const auto fast = within.begin() + static_cast<std::ptrdiff_t>(within.size() * 19 / 20);
     std::nth_element(within.begin(), fast, within.end());
-    cv::Mat out = activity / std::max(kLively * *fast, 1e-6f);
+    return std::max(*fast, 1e-3f);
+  }
+  /// What stands is not renewed: a rock in the matte, or what an artist holds still.
+  cv::Mat renewing_places() const {
+    cv::Mat out = field_->activity() / (kLively * fast_per_frame());
     cv::multiply(out, out, out);
     return cv::min(out, 1.0);
   }

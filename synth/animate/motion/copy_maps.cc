@@ -16,8 +16,9 @@ namespace {
 constexpr float kReach = 1.5f;           // intervals that a place shows a copy for, at most, either way
 constexpr double kHalfOfInterval = 0.6;  // of an interval: after this, half of the places show another copy
 constexpr float kFluidEnough = 8;        // an eighth of a matte is fluid enough: plumes are thin
-constexpr float kLeastFluid = 1e-4f;     // so that some copy shows everywhere
-constexpr int kKeptEvery = 16;           // frames
+constexpr float kLumaApart = 0.15f, kColourApart = 0.09f;  // surroundings that far apart look unlike
+constexpr float kLeast = 1e-4f;                            // so that some copy shows everywhere
+constexpr int kKeptEvery = 16;                             // frames
 constexpr std::uint64_t kSeed = 0x636f70696573;
 
 /// Places `displacement` px away from each sample's own, in samples.
@@ -71,6 +72,14 @@ cv::Mat smooth_noise(cv::Size size, double patch, std::uint64_t stream) {
   return out;
 }
 
+/// How well what a copy brings goes with the place that it is brought to, 0..1.
+float suits(const cv::Vec4f& brought, const cv::Vec4f& own) {
+  const float luma = (brought[1] - own[1]) / kLumaApart, blue = (brought[2] - own[2]) / kColourApart,
+              red = (brought[3] - own[3]) / kColourApart;
+  return std::min(kFluidEnough * brought[0], 1.0f) *
+         std::exp(-0.5f * (luma * luma + blue * blue + red * red));
+}
+
 int floor_div(int a, int b) { return a >= 0 ? a / b : -((-a + b - 1) / b); }
 
 }  // namespace
@@ -80,14 +89,14 @@ int CopyMaps::interval_of(double half_life_s, double fps, int loop_frames) {
   return loop_frames > 0 ? nearest_divisor(loop_frames, interval) : interval;
 }
 
-CopyMaps::CopyMaps(std::function<cv::Mat(int)> displacement, const cv::Mat& fluid, int step,
+CopyMaps::CopyMaps(std::function<cv::Mat(int)> displacement, const cv::Mat& places, int step,
                    const CopyOptions& options)
     : displacement_(std::move(displacement)),
-      fluid_(fluid),
+      places_(places),
       step_(step),
       options_(options),
       reach_(static_cast<int>(std::ceil((kReach + options.stagger) * options.interval))) {
-  options_.wander = std::max(options_.wander, 2 * options_.interval);
+  options_.wander = std::max(options_.wander, options_.interval);
 }
 
 // A copy is alive reach_ frames around its middle.
@@ -105,7 +114,7 @@ int CopyMaps::number(int copy) const {
 int CopyMaps::own_frame(int copy) const {
   const int n = number(copy);
   if (n == 0) return middle(copy);
-  const double turn = 0.6180339887 * n, away = 0.25 + 0.25 * (turn - std::floor(turn));
+  const double turn = 0.6180339887 * n, away = 0.1 + 0.4 * (turn - std::floor(turn));
   return middle(copy) + static_cast<int>(std::lround((n % 2 == 0 ? -away : away) * options_.wander));
 }
 
@@ -118,9 +127,9 @@ void CopyMaps::carry(int number, Copy& copy, int first, int end) const {
   if (first >= end) return;
   if (copy.later.empty()) {
     copy.later =
-        smooth_noise(fluid_.size(), options_.patch, static_cast<std::uint64_t>(this->number(number)));
+        smooth_noise(places_.size(), options_.patch, static_cast<std::uint64_t>(this->number(number)));
     copy.later *= options_.stagger;
-    copy.latest = {own, cv::Mat::zeros(fluid_.size(), CV_32FC2)};
+    copy.latest = {own, cv::Mat::zeros(places_.size(), CV_32FC2)};
     // Kept at fixed distances from its own frame: what is found again is the same to the bit.
     cv::Mat source = copy.latest.second;
     copy.earlier.emplace(own, source);
@@ -171,15 +180,15 @@ cv::Mat CopyMaps::weights(const Copy& copy, const cv::Mat& source, int age) cons
   cv::Mat out, brought;
   const cv::Mat from = places(source, 1, step_);
   cv::remap(copy.later, out, from, cv::noArray(), cv::INTER_LINEAR, cv::BORDER_REPLICATE);
-  cv::remap(fluid_, brought, from, cv::noArray(), cv::INTER_LINEAR, cv::BORDER_CONSTANT, cv::Scalar(0));
+  cv::remap(places_, brought, from, cv::noArray(), cv::INTER_LINEAR, cv::BORDER_CONSTANT, cv::Scalar::all(0));
   const float unit = 1 / static_cast<float>(options_.interval), now = static_cast<float>(age) * unit;
   for (int y = 0; y < out.rows; ++y) {
     auto* to = out.ptr<float>(y);
-    const auto* fluid = brought.ptr<float>(y);
+    const auto *theirs = brought.ptr<cv::Vec4f>(y), *own = places_.ptr<cv::Vec4f>(y);
     for (int x = 0; x < out.cols; ++x) {
       const float intervals = std::min(std::abs(now - to[x]), kReach);
       const float c = 0.5f + 0.5f * std::cos(std::numbers::pi_v<float> / kReach * intervals);
-      to[x] = c * c * c * c * std::clamp(kFluidEnough * fluid[x], kLeastFluid, 1.0f);
+      to[x] = c * c * c * c * std::max(suits(theirs[x], own[x]), kLeast);
     }
   }
   return out;
@@ -188,7 +197,7 @@ cv::Mat CopyMaps::weights(const Copy& copy, const cv::Mat& source, int age) cons
 std::vector<CopyMap> CopyMaps::at(int i) const {
   std::vector<CopyMap> out;
   const auto still_here = static_cast<float>(still(i));
-  cv::Mat sum = cv::Mat::zeros(fluid_.size(), CV_32F);
+  cv::Mat sum = cv::Mat::zeros(places_.size(), CV_32F);
   for (int copy = first_copy(i); copy <= last_copy(i); ++copy) {
     const int age = i - middle(copy);
     const Copy& maps = copies_.at(copy);

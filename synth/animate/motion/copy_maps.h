@@ -22,9 +22,9 @@ struct CopyOptions {
   int interval = 12;
   /// > 0, a multiple of interval: the period of a loop.
   int loop_frames = 0;
-  /// The frame in which a copy is as the picture lies a quarter to a half of this before or after the middle of its
+  /// The frame in which a copy is as the picture lies a tenth to a half of this before or after the middle of its
   /// life, and may be beyond its life: else copies would show what stands in the picture at a place, and it would
-  /// come again with every one of them. Frames; at least two intervals are taken.
+  /// come again with every one of them. Frames; at least an interval is taken.
   int wander = 48;
   /// The places of a copy live up to this many intervals earlier or later than its middle, 0..1.
   double stagger = 1;
@@ -45,10 +45,12 @@ struct CopyOptions {
 /// ways in time, each part in its own time. Not in Okabe et al. 2011.
 class CopyMaps {
  public:
-  /// displacement  from output frame i to the next, any i: px of the picture, CV_32FC2 of the size of `fluid`,
+  /// displacement  from output frame i to the next, any i: px of the picture, CV_32FC2 of the size of `places`,
   ///               sampled every `step` px (CarryingField::at). Called from many threads.
-  /// fluid         CV_32F, 0..1, sampled as that: how far a place of the picture is fluid that can be brought. A
-  ///               copy that would bring rock, or what lies beyond the picture, leaves the place to the others.
+  /// places        CV_32FC4, sampled as that: how far a place of the picture is fluid that can be brought, 0..1, and
+  ///               the look of its surroundings: luma, blue and red less luma. A copy that would bring rock, what
+  ///               lies beyond the picture or what looks unlike the place leaves the place to the others: foam stays
+  ///               where water breaks, and a pool at the foot of its fall.
   CopyMaps(std::function<cv::Mat(int)> displacement, const cv::Mat& fluid, int step,
            const CopyOptions& options);
 
@@ -82,7 +84,7 @@ class CopyMaps {
   cv::Mat weights(const Copy& copy, const cv::Mat& source, int age) const;
 
   std::function<cv::Mat(int)> displacement_;
-  cv::Mat fluid_;
+  cv::Mat places_;
   int step_ = 1;
   CopyOptions options_;
   int reach_ = 1;  // frames from the middle of a copy's life to its last place's end

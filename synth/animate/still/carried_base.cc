@@ -204,7 +204,14 @@ CarriedBase::CarriedBase(const cv::Mat& picture, const cv::Mat& luma, const cv::
             colour_);
 
   const cv::Size coarse((size_.width + kStep - 1) / kStep, (size_.height + kStep - 1) / kStep);
-  cv::resize(weight, fluid_samples_, coarse, 0, 0, cv::INTER_AREA);
+  std::array<cv::Mat, 4> place;
+  cv::resize(weight, place[0], coarse, 0, 0, cv::INTER_AREA);
+  for (std::size_t k = 0; k < plane.size(); ++k) {
+    cv::resize(plane[k], place[k + 1], coarse, 0, 0, cv::INTER_AREA);
+    cv::GaussianBlur(place[k + 1], place[k + 1], {}, options.look_px / kStep, options.look_px / kStep,
+                     cv::BORDER_REPLICATE);
+  }
+  cv::merge(place.data(), place.size(), places_);
   const auto lay_out = [](int n, int samples, std::vector<std::int32_t>& first,
                           std::vector<float>& fraction) {
     for (int i = 0; i < n; ++i) {

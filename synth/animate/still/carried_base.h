@@ -14,6 +14,8 @@ namespace freshet::synth::animate {
 struct CarriedBaseOptions {
   /// Of the picture that is carried, 0..1; the rest is the long exposure.
   double fraction = 1;
+  /// Of the surroundings that give a place its look: sigma, px.
+  double look_px = 20;
   /// Over which a copy fades towards the matte's edge, px.
   double edge_px = 32;
 };
@@ -42,8 +44,8 @@ class CarriedBase {
   CarriedFrame frame(std::span<const CopyMap> copies) const;
   /// px of the picture between samples of the copies' maps.
   static constexpr int kStep = 4;
-  /// How far each sample's place is fluid that copies can bring, 0..1: CV_32F, sampled as the maps.
-  const cv::Mat& fluid() const { return fluid_samples_; }
+  /// Each sample's place as CopyMaps takes it: CV_32FC4.
+  const cv::Mat& places() const { return places_; }
 
  private:
   struct Scratch;
@@ -56,7 +58,7 @@ class CarriedBase {
   // half its width and height as fours of blue - luma, red - luma, weight and 0; each with a margin. Beyond
   // the matte the fluid's own values go on: what a copy brings from there counts little, and it is not rock.
   cv::Mat fluid_, colour_;  // CV_32FC2, CV_32FC4
-  cv::Mat fluid_samples_;
+  cv::Mat places_;
   cv::Mat own_;  // CV_32F, at half: the place's own weight
   float fraction_ = 1;
   std::vector<cv::Rect> cells_;                 // px, where anything is carried
