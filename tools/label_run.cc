@@ -29,8 +29,11 @@ query::LabelRequest request_of(const SearchOptions& search, const AskedMotion& a
       .piece_scale = search.piece_scale(), .duration_s = duration.seconds(), .guesses = asked.guesses};
   request.options.candidates = search.options();
   request.options.guide = asked.guide;
+  request.options.hint_search = asked.search;
+  request.options.guide_costs = query::default_guide_costs(asked.search);
   if (labelling != nullptr) {
     request.options.costs = labelling->costs();
+    request.options.reuse = labelling->reuse();
     request.options.minimizer = labelling->solver();
     request.options.max_iterations = labelling->iterations();
   }
