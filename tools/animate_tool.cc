@@ -90,6 +90,7 @@ void run_animate(AnimateCommand& command, const RunContext& context) {
                               assignment.picture.width, assignment.picture.height,
                               command.target.picture.string(), loaded.picture.cols, loaded.picture.rows),
                   "Label this picture with freshet query label");
+    say_shares(assignment);
   }
   const synth::animate::Staging staging =
       synth::animate::stage(snapshot, assignment, loaded.picture.size(), asked.guide, playing, options);
@@ -140,6 +141,7 @@ void run_animate(AnimateCommand& command, const RunContext& context) {
                                     {"batches", report.batches},
                                     {"half_life_s", report.half_life_s},
                                     {"labelling", labelled},
+                                    {"shares", shares_json(assignment)},
                                     {"seconds",
                                      {{"decode", report.decode_s},
                                       {"blend", report.blend_s},

@@ -132,6 +132,8 @@ void set(query::LabelRequest& request, const std::string& name, const std::strin
     options.guide_costs.unsteady = number();
   else if (name == "reuse")
     options.reuse.overlap = number();
+  else if (name == "crowd")
+    options.reuse.crowd = number();
   else if (name == "vote")
     options.costs.vote = number();
   else if (name == "lambda")

@@ -27,6 +27,18 @@ MotionGuide guide_of_animation(const LabelRequest& request, cv::Size picture) {
   return guide;
 }
 
+void adopt_guess(const MotionGuide& guess, LabelOptions& options) {
+  if (options.hint_search == HintSearch::kWide) {
+    const double unsteady = options.guide_costs.unsteady;
+    options.hint_search = HintSearch::kNarrow;
+    options.guide_costs = default_guide_costs(HintSearch::kNarrow);
+    options.guide_costs.unsteady = unsteady;
+    options.guide = widened(options.guide);
+  }
+  options.guide.direction = guess.direction;
+  options.guide.tolerance_deg = guess.tolerance_deg;
+}
+
 PreparedLabelling prepare(const store::Snapshot& snapshot, const SearchBase& base, const cv::Mat& picture,
                           const cv::Mat& matte, const LabelRequest& request, const ProgressFunction& progress,
                           std::stop_token stop, LabellingMemo* memo) {
@@ -45,15 +57,7 @@ PreparedLabelling prepare(const store::Snapshot& snapshot, const SearchBase& bas
       snapshot, search_candidates(snapshot, base, picture, matte, unasked, {}, stop, memo), picture, matte);
   prepared.guess = guess.report;
   if (guess.guide.empty()) return prepared;
-  options.guide.direction = guess.guide.direction;
-  if (options.hint_search == HintSearch::kWide) {
-    options.guide = widened(options.guide);  // of the speed
-    const double unsteady = options.guide_costs.unsteady;
-    options.hint_search = HintSearch::kNarrow;
-    options.guide_costs = default_guide_costs(HintSearch::kNarrow);
-    options.guide_costs.unsteady = unsteady;
-  }
-  options.guide.tolerance_deg = guess.guide.tolerance_deg;
+  adopt_guess(guess.guide, options);
   return prepared;
 }
 

@@ -36,6 +36,10 @@ bool may_guess(const LabelRequest& request);
 /// one direction for the whole picture too. picture   px.
 MotionGuide guide_of_animation(const LabelRequest& request, cv::Size picture);
 
+/// Makes a guess the hint of a labelling; a speed that is asked stays. A guess turns nothing, so that a wide search
+/// becomes a narrow one, of directions alone.
+void adopt_guess(const MotionGuide& guess, LabelOptions& options);
+
 struct PreparedLabelling {
   LabelOptions options;  // complete; guide holds what is guessed where it said no direction
   std::string guess;     // what was guessed and why, for a person; empty: nothing was to be guessed

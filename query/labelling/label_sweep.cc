@@ -35,7 +35,8 @@ std::vector<SweptLabelling> label_variations(const store::Snapshot& snapshot, co
     add_guide_costs(base.table, search.candidates, options.guide_costs, mrf);
     add_reuse_costs(snapshot, base.settings, base.table, search.target, search.candidates, options.reuse,
                     mrf);
-    Solution solution = minimize(mrf, variation.minimizer, variation.max_iterations);
+    Solution solution = minimize_spread(base.table, search.candidates, options.reuse, variation.minimizer,
+                                        variation.max_iterations, mrf);
     labellings[i] = {make_assignment(snapshot, search, solution, variation.minimizer, variation.costs.form),
                      std::move(solution.labels), solution.iterations};
     if (progress) progress(++done);

@@ -95,7 +95,7 @@ Labelling label(const store::Snapshot& snapshot, CandidateSearch search, const L
     known = memo->find_solution(key, target, candidates);
   }
   if (!known) {
-    const Mrf mrf = stages.run("comparing neighbours", labelling.seconds.costs, [&] {
+    Mrf mrf = stages.run("comparing neighbours", labelling.seconds.costs, [&] {
       StoredFeatures features(snapshot, base.settings, base.table);
       const FeatureShape shape = feature_shape(base.settings);
       Mrf costs = memo != nullptr
@@ -105,8 +105,10 @@ Labelling label(const store::Snapshot& snapshot, CandidateSearch search, const L
       add_reuse_costs(snapshot, base.settings, base.table, target, candidates, options.reuse, costs);
       return costs;
     });
-    known = stages.run("choosing patches", labelling.seconds.minimize,
-                       [&] { return minimize(mrf, options.minimizer, options.max_iterations); });
+    known = stages.run("choosing patches", labelling.seconds.minimize, [&] {
+      return minimize_spread(base.table, candidates, options.reuse, options.minimizer, options.max_iterations,
+                             mrf);
+    });
     if (memo != nullptr) memo->keep_solution(key, *known);
   }
   labelling.assignment =

@@ -263,7 +263,7 @@ CacheKey LabellingMemo::solution_key(const Target& target, const Candidates& can
     for (const float value : {asked.direction[0], asked.direction[1], asked.speed}) hash.add(value);
   hash.add(options.form);
   for (const double weight : {options.lambda, options.sigma, options.rho, options.vote, guide_costs.direction,
-                              guide_costs.speed, guide_costs.unsteady, reuse.overlap})
+                              guide_costs.speed, guide_costs.unsteady, reuse.overlap, reuse.crowd})
     hash.add(weight);
   hash.add(minimizer);
   hash.add(max_iterations);

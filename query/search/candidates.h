@@ -110,7 +110,7 @@ Candidates find_candidates(const CandidateIndex& index, const PatchTable& table,
 /// motion a candidate is 0.313 alike where nothing else counts, 0.299 with these prices, 31 degrees and 1.2
 /// octaves off, and 0.217 when narrow (docs/measurements/labelling.md).
 struct GuideCosts {
-  double direction = 0.05, speed = 0.01, unsteady = 0.15;
+  double direction = 0.05, speed = 0.01, unsteady = 0.05;
 };
 GuideCosts default_guide_costs(HintSearch search);
 /// steadiness   0..1, see steadiness.h; 1 where it is not known.

@@ -145,6 +145,12 @@ void SolverOptions::add_to(CLI::App& command) {
   command.add_option("--reuse", reuse_.overlap, "Price of a clip's place shown twice by neighbours")
       ->check(CLI::Range(0.0, 1000.0))
       ->capture_default_str();
+  command
+      .add_option(
+          "--crowd", reuse_.crowd,
+          "Price of each patch of a clip that has more than half of the pieces; added up to four times")
+      ->check(CLI::Range(0.0, 1000.0))
+      ->capture_default_str();
   rho_option_ =
       command.add_option("--rho", rho_, "Weight of textureness against mean motion [log 0.25, power 10000]")
           ->check(CLI::NonNegativeNumber);

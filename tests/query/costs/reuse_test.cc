@@ -84,5 +84,33 @@ TEST_F(Neighbours, AnEvenPictureIsNotStamped) {
   EXPECT_EQ(equal_neighbours(0.5), 0);
 }
 
+TEST(Crowds, LeaveAClipThatHasMoreThanHalfWhereOthersAreNearlyAsGood) {
+  // 30 pieces, each between two clips; the first is the better one by a little, for ten of them by much.
+  PatchTable table;
+  table.clips.resize(2);
+  table.clip = {0, 1};
+  Candidates candidates;
+  candidates.k = 2;
+  Mrf mrf;
+  for (int piece = 0; piece < 30; ++piece) {
+    candidates.rows.insert(candidates.rows.end(), {0, 1});
+    candidates.scores.insert(candidates.scores.end(), {1, 1});
+    candidates.counts.push_back(2);
+    const float worse = piece < 10 ? 0.5f : 0.001f * static_cast<float>(piece);
+    mrf.add_node(std::vector<float>{0, worse});
+  }
+  const auto of_first = [&](double crowd, Mrf field) {
+    const Solution solution =
+        minimize_spread(table, candidates, {.overlap = 0, .crowd = crowd}, Minimizer::kTrwS, 20, field);
+    EXPECT_NEAR(solution.energy, energy(field, solution.labels), 1e-6) << "of the field with its prices";
+    EXPECT_LE(solution.lower_bound, solution.energy + 1e-6);
+    return std::count(solution.labels.begin(), solution.labels.end(), 0u);
+  };
+  EXPECT_EQ(of_first(0, mrf), 30);
+  EXPECT_LE(of_first(0.02, mrf), 15);
+  EXPECT_GE(of_first(0.02, mrf), 10);
+  EXPECT_EQ(of_first(0.001, mrf), 30) << "four rounds at most";
+}
+
 }  // namespace
 }  // namespace freshet::query

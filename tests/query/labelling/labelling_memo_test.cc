@@ -131,7 +131,7 @@ TEST_F(Recall, TheSameAgainNeedsNoIndexNoTableAndNoSolver) {
 
 TEST_F(Recall, EachOptionThatMattersMakesOtherLabels) {
   warm(options());
-  std::vector<LabelOptions> others(12, options());
+  std::vector<LabelOptions> others(13, options());
   others[0].candidates.k = 13;
   others[1].candidates.coherent = 4;
   others[2].candidates.excluded_clips = {"fall.mp4"};
@@ -144,6 +144,7 @@ TEST_F(Recall, EachOptionThatMattersMakesOtherLabels) {
   others[9].hint_search = HintSearch::kWide;
   others[10].guide_costs.unsteady = 3;
   others[11].reuse.overlap = 2;
+  others[12].reuse.crowd = 1;
   for (std::size_t i = 0; i < others.size(); ++i) {
     SCOPED_TRACE(i);
     expect_same(warm(others[i]), cold(others[i]));
