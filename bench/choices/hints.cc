@@ -4,10 +4,11 @@
 //
 // A case is a folder of a clip that the labels may not use: still.png, matte.png, its true mean motion as
 // speed.png (white is what the file `white` says, px/s) and way.png, and a file `class`. Each is labelled with each
-// hint and each set of options. Columns: pieces, mean likeness of the patches chosen, angle between their mean
-// motion and the truth, signed and absolute log2 of their speed over the truth's, largest share of a clip and of a
-// patch, neighbours that continue each other, fraction of half seconds in which a patch's flow goes against the
-// true direction (its clip's flow, in blocks), gap.
+// hint and each set of options. Columns: pieces; mean likeness of the patches chosen; angle between their mean
+// motion and the truth, degrees; signed and absolute log2 of their speed over the truth's, and of the median speed of
+// all candidates of all pieces over it; largest share of a clip, of so many, and of a patch; neighbours that
+// continue each other; half seconds in which a patch's flow goes against its mean; gap; seconds of search, tables
+// and solver.
 
 #include <fmt/format.h>
 
@@ -111,13 +112,15 @@ class SlowFlow {
 
 struct Figures {
   double pieces = 0, score = 0, angle = 0, log2 = 0, abs_log2 = 0, clip = 0, patch = 0, coherent = 0,
-         back = 0, gap = 0, clips = 0, mean_log2 = 0, seconds = 0;
+         back = 0, gap = 0, clips = 0, seconds = 0;
+  double looks_log2 = 0, looks_abs_log2 = 0;  // of the median speed of all candidates
 };
 
-struct Variation {
-  std::string name = "default";
-  query::LabelRequest request{};
-};
+double median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
 
 void set(query::LabelRequest& request, const std::string& name, const std::string& value) {
   query::LabelOptions& options = request.options;
@@ -160,7 +163,8 @@ Figures measure(const store::Snapshot& snapshot, const query::SearchBase& base, 
   std::map<std::uint32_t, double> clips;
   std::map<query::Row, double> rows;
   std::vector<query::Row> chosen;
-  double moving = 0, blocks = 0, back = 0, angle = 0, log2 = 0, abs_log2 = 0, all_ours = 0, all_true = 0;
+  double moving = 0, blocks = 0, back = 0, angle = 0, log2 = 0, abs_log2 = 0;
+  std::vector<double> truths, speeds;  // log2: of moving pieces, of all their candidates
   for (std::size_t i = 0; i < target.size(); ++i) {
     const query::Row row = labelling.search.candidates.rows_of(i)[labelling.labels[i]];
     chosen.push_back(row);
@@ -172,10 +176,13 @@ Figures measure(const store::Snapshot& snapshot, const query::SearchBase& base, 
     const cv::Scalar mean = cv::mean(given.motion(box), given.matte(box) > 127);
     const cv::Vec2f truth(static_cast<float>(mean[0]), static_cast<float>(mean[1]));
     const cv::Vec2f own(base.table.mean_u[row], base.table.mean_v[row]);
-    all_ours += cv::norm(own);
-    all_true += cv::norm(truth);
     if (cv::norm(truth) < kMoving) continue;
     ++moving;
+    truths.push_back(std::log2(cv::norm(truth)));
+    for (const query::Row candidate : labelling.search.candidates.rows_of(i))
+      speeds.push_back(
+          std::log2(std::max(0.1, std::hypot(static_cast<double>(base.table.mean_u[candidate]),
+                                             static_cast<double>(base.table.mean_v[candidate])))));
     angle +=
         cv::norm(own) > 0
             ? std::acos(std::clamp(own.dot(truth) / (cv::norm(own) * cv::norm(truth)), -1.0, 1.0)) * kDegrees
@@ -215,18 +222,23 @@ Figures measure(const store::Snapshot& snapshot, const query::SearchBase& base, 
     figures.log2 = log2 / moving;
     figures.abs_log2 = abs_log2 / moving;
     figures.back = back / std::max(1.0, blocks);
+    const double looks = median(speeds);
+    for (const double truth : truths) {
+      figures.looks_log2 += (looks - truth) / moving;
+      figures.looks_abs_log2 += std::abs(looks - truth) / moving;
+    }
   }
-  figures.mean_log2 = std::log2(std::max(all_ours, 0.1) / std::max(all_true, 0.1));
   if (!map.empty()) media::write_picture(map, query::label_map(given.still, &given.matte, assignment));
   return figures;
 }
 
 std::string row_of(const std::string& name, const Figures& f) {
   return fmt::format(
-      "| {} | {:.0f} | {:.3f} | {:.0f} | {:+.2f} {:.2f} {:+.2f} | {:.0f} % {:.1f} % of {:.0f} | {:.2f} | "
-      "{:.3f} | {:.2f} % | {:.1f} |",
-      name, f.pieces, f.score, f.angle, f.log2, f.abs_log2, f.mean_log2, 100 * f.clip, 100 * f.patch, f.clips,
-      f.coherent, f.back, 100 * f.gap, f.seconds);
+      "| {} | {:.0f} | {:.3f} | {:.0f} | {:+.2f}, {:.2f} | {:+.2f}, {:.2f} | {:.0f} of {:.1f} | {:.1f} | "
+      "{:.2f} | "
+      "{:.1f} | {:.2f} | {:.1f} |",
+      name, f.pieces, f.score, f.angle, f.log2, f.abs_log2, f.looks_log2, f.looks_abs_log2, 100 * f.clip,
+      f.clips, 100 * f.patch, f.coherent, 100 * f.back, 100 * f.gap, f.seconds);
 }
 
 }  // namespace
@@ -249,9 +261,12 @@ int main(int argc, char** argv) try {
   const query::SearchBase base = query::open_search(snapshot);
   SlowFlow flow(snapshot);
   if (tries.empty()) tries.push_back("");
+  fmt::print(
+      "{}\n\n| case, hint, options | pieces | likeness | angle | speed | by looks | clip % | patch % | "
+      "coherent | back % | gap % | s |\n",
+      bench::to_string(bench::this_machine()));
   nlohmann::json json{{"machine", bench::to_json(bench::this_machine())}};
   std::map<std::string, std::vector<Figures>> all;
-  std::vector<std::string> order;
   for (const std::string& folder : folders) {
     const Case given = read_case(folder);
     for (const std::string& hint : hints)
@@ -283,7 +298,7 @@ int main(int argc, char** argv) try {
         const Figures figures = measure(snapshot, base, flow, given, request, map);
         if (!totals) fmt::print("{}\n", row_of(given.class_name + " " + given.name + ", " + name, figures));
         std::fflush(stdout);
-        for (const std::string& group : {given.class_name, std::string("zall")}) {
+        for (const std::string& group : {given.class_name, std::string("all")}) {
           auto& list = all[name + " | " + group];
           list.push_back(figures);
         }
@@ -293,13 +308,26 @@ int main(int argc, char** argv) try {
     Figures mean;
     for (const Figures& f : list) {
       const double n = static_cast<double>(list.size());
-      mean.pieces += f.pieces / n, mean.score += f.score / n, mean.angle += f.angle / n,
-          mean.log2 += f.log2 / n, mean.abs_log2 += f.abs_log2 / n, mean.clip += f.clip / n,
-          mean.patch += f.patch / n, mean.coherent += f.coherent / n, mean.back += f.back / n,
-          mean.gap += f.gap / n, mean.clips += f.clips / n, mean.mean_log2 += f.mean_log2 / n,
-          mean.seconds += f.seconds / n;
+      for (double Figures::*const of :
+           {&Figures::pieces, &Figures::score, &Figures::angle, &Figures::log2, &Figures::abs_log2,
+            &Figures::clip, &Figures::patch, &Figures::coherent, &Figures::back, &Figures::gap,
+            &Figures::clips, &Figures::seconds, &Figures::looks_log2, &Figures::looks_abs_log2})
+        mean.*of += f.*of / n;
     }
     fmt::print("{}\n", row_of(name, mean));
+    json["means"][name] = {{"clips", list.size()},
+                           {"likeness", mean.score},
+                           {"angle_deg", mean.angle},
+                           {"log2_speed", mean.log2},
+                           {"abs_log2_speed", mean.abs_log2},
+                           {"looks_log2_speed", mean.looks_log2},
+                           {"looks_abs_log2_speed", mean.looks_abs_log2},
+                           {"clip_share", mean.clip},
+                           {"patch_share", mean.patch},
+                           {"coherent", mean.coherent},
+                           {"back", mean.back},
+                           {"gap", mean.gap},
+                           {"seconds", mean.seconds}};
   }
   if (!json_path.empty()) std::ofstream(json_path) << json.dump(2) << '\n';
 } catch (const freshet::Error& error) {
