@@ -25,9 +25,10 @@ AnimateReport animate(const Labelling& labelling, const std::function<void(const
     rendering.boundary.background = options.background;
   }
   const store::Snapshot& snapshot = search.store.impl().snapshot;
-  const synth::animate::Staging staging = synth::animate::stage(
-      snapshot, labelling.impl().assignment, search.picture.size(), search.request.options.guide,
-      {.factor = options.speed, .map = options.retiming_map}, rendering);
+  const synth::animate::Staging staging =
+      synth::animate::stage(snapshot, labelling.impl().assignment, search.picture.size(),
+                            query::guide_of_animation(search.request, search.picture.size()),
+                            {.factor = options.speed, .map = options.retiming_map}, rendering);
   const synth::animate::AnimateReport report =
       synth::animate::animate(snapshot, search.base->settings, search.picture, search.matte,
                               staging.placement, staging.options, sink, job.progress, job.stop);

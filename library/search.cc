@@ -47,6 +47,8 @@ Search search(const Store& store, const cv::Mat& picture, const cv::Mat& matte, 
   candidates.direction_tolerance_deg = options.direction_tolerance_deg;
   candidates.excluded_clips = options.excluded_clips;
   state.request.options.guide = options.guide;
+  state.request.options.hint_search = options.narrow ? query::HintSearch::kNarrow : query::HintSearch::kWide;
+  state.request.options.guide_costs = query::default_guide_costs(state.request.options.hint_search);
 
   const store::Snapshot& snapshot = store.impl().snapshot;
   if (job.progress) job.progress({"reading the index", 0, 0});

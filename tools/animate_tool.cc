@@ -61,7 +61,10 @@ void run_animate(AnimateCommand& command, const RunContext& context) {
   const TargetFiles::Loaded loaded = command.target.load();
   synth::animate::AnimateOptions options = render_options(command);
   command.boundary.apply(options, loaded.picture.size());
-  const AskedMotion asked = command.motion.read(loaded, command.search);
+  AskedMotion asked =
+      command.motion.read(loaded, command.search,
+                          options.method == synth::animate::Method::kPaper ? query::HintSearch::kNarrow
+                                                                           : query::HintSearch::kWide);
   const synth::animate::Playing playing = command.play.read(loaded.picture.size());
   // The output first: a mistyped folder should not cost a labelling.
   command.motion.check_outputs();
@@ -71,10 +74,11 @@ void run_animate(AnimateCommand& command, const RunContext& context) {
   query::Assignment assignment;
   nlohmann::json labelled;  // null for an assignment from a file
   if (command.assignment.empty()) {
-    const LabelRun run =
-        label_with_progress(snapshot, loaded, command.search,
-                            request_of(command.search, asked, command.duration, &command.labelling),
-                            command.duration, context, command.cache.open().get());
+    const query::LabelRequest request =
+        request_of(command.search, asked, command.duration, &command.labelling);
+    const LabelRun run = label_with_progress(snapshot, loaded, command.search, request, command.duration,
+                                             context, command.cache.open().get());
+    asked.guide = query::guide_of_animation(request, loaded.picture.size());
     say(label_summary(run));
     labelled = label_json(run);
     assignment = run.labelling.assignment;
@@ -86,6 +90,7 @@ void run_animate(AnimateCommand& command, const RunContext& context) {
                               assignment.picture.width, assignment.picture.height,
                               command.target.picture.string(), loaded.picture.cols, loaded.picture.rows),
                   "Label this picture with freshet query label");
+    say_shares(assignment);
   }
   const synth::animate::Staging staging =
       synth::animate::stage(snapshot, assignment, loaded.picture.size(), asked.guide, playing, options);
@@ -136,6 +141,7 @@ void run_animate(AnimateCommand& command, const RunContext& context) {
                                     {"batches", report.batches},
                                     {"half_life_s", report.half_life_s},
                                     {"labelling", labelled},
+                                    {"shares", shares_json(assignment)},
                                     {"seconds",
                                      {{"decode", report.decode_s},
                                       {"blend", report.blend_s},
@@ -227,8 +233,9 @@ void add_animate(CLI::App& synth_command, RunContext& context) {
   add_threads(*sub);
   sub->callback([command, sub, &context] {
     if (!command->assignment.empty())
-      for (const char* name : {"--class", "--direction", "--exclude", "--piece", "--piece-scale", "--solver",
-                               "--hint", "--strokes", "--orientation-map", "--speed-map", "--cache"})
+      for (const char* name :
+           {"--class", "--direction", "--exclude", "--piece", "--piece-scale", "--solver", "--hint",
+            "--hint-search", "--strokes", "--orientation-map", "--speed-map", "--cache"})
         if (sub->count(name) > 0)
           say(fmt::format("{} has no effect: {} says which patches are used", name, command->assignment));
     run_animate(*command, context);

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "query/labelling/labelling_memo.h"
+#include "query/labelling/shares.h"
 #include "tools/console/progress.h"
 #include "tools/options/cache_options.h"
 
@@ -29,8 +30,11 @@ query::LabelRequest request_of(const SearchOptions& search, const AskedMotion& a
       .piece_scale = search.piece_scale(), .duration_s = duration.seconds(), .guesses = asked.guesses};
   request.options.candidates = search.options();
   request.options.guide = asked.guide;
+  request.options.hint_search = asked.search;
+  request.options.guide_costs = query::default_guide_costs(asked.search);
   if (labelling != nullptr) {
     request.options.costs = labelling->costs();
+    request.options.reuse = labelling->reuse();
     request.options.minimizer = labelling->solver();
     request.options.max_iterations = labelling->iterations();
   }
@@ -72,6 +76,7 @@ LabelRun label_with_progress(const store::Snapshot& snapshot, const TargetFiles:
   say_filters(run.labelling.search.filtered, duration);
   for (const std::string& note : run.labelling.search.candidates.notes) say(note);
   if (memo) say(query::to_string(memo->reuse()));
+  say_shares(run.labelling.assignment);
   return run;
 }
 
@@ -90,6 +95,20 @@ nlohmann::json to_json(const query::Filtered& filtered) {
   return {{"steps", steps}, {"too_short", filtered.too_short}};
 }
 
+nlohmann::json shares_json(const query::Assignment& assignment) {
+  const query::LargestShares shares = query::largest_shares(assignment);
+  const std::string warning = query::shares_warning(assignment, shares);
+  return {{"largest_clip", shares.clip},
+          {"largest_patch", shares.patch},
+          {"clip", assignment.clips.empty() ? "" : assignment.clips[shares.most_used].name},
+          {"warning", warning.empty() ? nlohmann::json() : nlohmann::json(warning)}};
+}
+
+void say_shares(const query::Assignment& assignment) {
+  const std::string warning = query::shares_warning(assignment, query::largest_shares(assignment));
+  if (!warning.empty()) say(warning);
+}
+
 nlohmann::json label_json(const LabelRun& run) {
   const query::Assignment& assignment = run.labelling.assignment;
   nlohmann::json json{{"pieces", assignment.pieces.size()},
@@ -98,6 +117,7 @@ nlohmann::json label_json(const LabelRun& run) {
                       {"costs", assignment.cost_form},
                       {"energy", assignment.energy},
                       {"iterations", run.labelling.iterations},
+                      {"shares", shares_json(assignment)},
                       {"filters", to_json(run.labelling.search.filtered)},
                       {"seconds", to_json(*run.base, run.labelling.seconds)}};
   if (std::isfinite(assignment.lower_bound)) {
@@ -123,7 +143,7 @@ std::string label_summary(const LabelRun& run) {
   std::string text = fmt::format("{} pieces from {} clips, {}, energy {:.4f}", a.pieces.size(),
                                  a.clips.size(), a.minimizer, a.energy);
   if (std::isfinite(a.lower_bound)) text += fmt::format(", bound {:.4f}", a.lower_bound);
-  text += ", " + gap_text(a);
+  text += ", " + gap_text(a) + ", " + query::to_string(query::largest_shares(a));
   return text +
          fmt::format(", {:.1f} s (index {:.1f}, pieces {:.1f}, search {:.1f}, costs {:.1f}, solver {:.1f})",
                      open + s.cut + s.search + s.costs + s.minimize, open, s.cut, s.search, s.costs,

@@ -50,10 +50,14 @@ std::string gap_text(const query::Assignment& assignment);
 nlohmann::json to_json(const query::SearchBase& base, const query::LabelSeconds& seconds);
 nlohmann::json to_json(const query::Filtered& filtered);
 
-/// Pieces, edges, solver, energy, bound, gap, conditions, seconds.
+/// Largest shares of a clip and a patch, for programs; to `say` what is wrong with them.
+nlohmann::json shares_json(const query::Assignment& assignment);
+void say_shares(const query::Assignment& assignment);
+
+/// Pieces, edges, solver, energy, bound, gap, largest shares, conditions, seconds.
 nlohmann::json label_json(const LabelRun& run);
 
-/// One line: pieces, energy, bound, gap, seconds by stage.
+/// One line: pieces, energy, bound, gap, largest shares, seconds by stage.
 std::string label_summary(const LabelRun& run);
 
 }  // namespace freshet::tools

@@ -111,6 +111,7 @@ void run_candidates(const CandidatesCommand& command, const RunContext& context)
   AskedMotion asked = command.motion.read(loaded, command.search);
   const query::LabelRequest request = request_of(command.search, asked, command.duration);
   const bool guesses = query::may_guess(request);
+  asked.guide = query::guide_of_animation(request, loaded.picture.size());
   if (!guesses) command.motion.draw(loaded, asked, {});
   const auto base = open_with_progress(snapshot, command.search);
   const query::LabelOptions options = prepare_with_progress(snapshot, *base, loaded, request, context);
@@ -152,11 +153,11 @@ void run_label(const LabelCommand& command, const RunContext& context) {
   command.motion.check_outputs();
   const store::Snapshot snapshot = store::Store::open_read(command.target.store).snapshot();
   const TargetFiles::Loaded loaded = command.target.load();
-  const AskedMotion asked = command.motion.read(loaded, command.search);
-  const LabelRun run =
-      label_with_progress(snapshot, loaded, command.search,
-                          request_of(command.search, asked, command.duration, &command.labelling),
-                          command.duration, context, command.cache.open().get());
+  AskedMotion asked = command.motion.read(loaded, command.search);
+  const query::LabelRequest request = request_of(command.search, asked, command.duration, &command.labelling);
+  const LabelRun run = label_with_progress(snapshot, loaded, command.search, request, command.duration,
+                                           context, command.cache.open().get());
+  asked.guide = query::guide_of_animation(request, loaded.picture.size());
   const query::Labelling& labelling = run.labelling;
   const query::Assignment& assignment = labelling.assignment;
   if (!command.assignment.empty()) query::write_assignment(command.assignment, assignment);

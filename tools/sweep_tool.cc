@@ -234,9 +234,10 @@ void run_sweep(const SweepCommand& command, const RunContext& context) {
   command.motion.check_outputs();
   const store::Snapshot snapshot = store::Store::open_read(command.target.store).snapshot();
   const TargetFiles::Loaded loaded = command.target.load();
-  const AskedMotion asked = command.motion.read(loaded, command.search);
+  AskedMotion asked = command.motion.read(loaded, command.search);
   const synth::animate::Playing playing = command.play.read(loaded.picture.size());
   const query::LabelRequest request = request_of(command.search, asked, command.duration);
+  asked.guide = query::guide_of_animation(request, loaded.picture.size());
   command.motion.draw(loaded, asked, {});
   const fs::path folder = made_folder(command.folder);
 
@@ -263,7 +264,7 @@ void run_sweep(const SweepCommand& command, const RunContext& context) {
   progress.show("labelling", 0, distinct.variations.size(), "combinations");
   const std::vector<query::SweptLabelling> labellings = query::label_variations(
       snapshot, search, distinct.variations,
-      {.guide_costs = options.guide_costs, .memory_bytes = rendering.memory_bytes},
+      {.guide_costs = options.guide_costs, .reuse = options.reuse, .memory_bytes = rendering.memory_bytes},
       [&](std::size_t done) {
         const std::lock_guard lock(guard);
         progress.show("labelling", done, distinct.variations.size(), "combinations");

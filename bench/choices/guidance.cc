@@ -2,7 +2,7 @@
 //
 //   bench_guidance STORE PICTURE:MATTE:STROKES[:CLASS].. [--json FILE]
 //
-// For each picture: labelled without and with its strokes (default tolerances, clips of 96 frames at 25/s).
+// For each picture: labelled without and with its strokes (default tolerances, narrow search, clips of 96 frames at 25/s).
 // Of all pieces and of those whose tolerances did not have to open: the mean angle between the mean motion of
 // the patch chosen and what the strokes ask of its piece, and the mean distance of speeds, |log2|. Then the
 // assigned motion is written as orientation and speed map, both are read back as the only guide, and the
@@ -150,6 +150,8 @@ bool measure(const store::Snapshot& snapshot, const query::SearchBase& base, con
   query::LabelOptions options;
   options.candidates.class_name = given.class_name;
   options.candidates.min_duration_s = kSeconds;
+  options.hint_search = query::HintSearch::kNarrow;
+  options.guide_costs = query::default_guide_costs(options.hint_search);
   const query::Labelling free = query::label(snapshot, base, given.picture, given.matte, options);
 
   const query::StrokeField field = query::interpolate(

@@ -32,6 +32,7 @@
 #include "bench/harness/machine.h"
 #include "freshet/error.h"
 #include "media/frame/frame.h"
+#include "query/labelling/label_request.h"
 #include "query/labelling/labelling.h"
 #include "query/labelling/motion_guess.h"
 #include "query/stored/clip_cells.h"
@@ -300,7 +301,7 @@ int main(int argc, char** argv) try {
       const query::Labelling plain = query::label(snapshot, base, question->still, question->matte, options);
       const Score without = score_of(assigned(plain), truth);
       table.add("labelled, no hint", question->class_name, number, without);
-      options.guide = guide;
+      if (!guide.empty()) query::adopt_guess(guide, options);
       const query::Labelling hinted =
           guide.empty() ? plain : query::label(snapshot, base, question->still, question->matte, options);
       const Score with = score_of(assigned(hinted), truth);

@@ -38,6 +38,8 @@
 #include "bench/quality/quality_rivals.h"
 #include "freshet/error.h"
 #include "query/index/search_base.h"
+#include "query/labelling/label_request.h"
+#include "query/labelling/shares.h"
 #include "synth/animate/placement/assigned.h"
 
 namespace {
@@ -196,7 +198,7 @@ class Trial {
   struct Labelled {
     bench::AskedOf asked;
     synth::animate::Placement placement;
-    bench::LargestShares shares;
+    query::LargestShares shares;
   };
 
   const Labelled& labelled(const bench::NamedHint& hint, const bench::Method& method) {
@@ -207,13 +209,16 @@ class Trial {
     options.candidates.min_duration_s = static_cast<double>(case_.truth.size()) / case_.fps;
     if (method.same_class) options.candidates.class_name = case_.class_name;
     bench::AskedOf asked = bench::ask(hint.hint, case_, snapshot_, base_, options);
-    options.guide = asked.labels;
+    if (hint.hint == bench::Hint::kGuess && !asked.labels.direction.empty())
+      query::adopt_guess(asked.labels, options);
+    else
+      options.guide = asked.labels;
     options.candidates.direction_deg = asked.direction_deg;
     const query::Labelling labelling = query::label(snapshot_, base_, case_.still, case_.matte, options);
     return labelled_
         .emplace(key,
                  Labelled{std::move(asked), synth::animate::placement_from(labelling.assignment, snapshot_),
-                          bench::largest_shares(labelling.assignment)})
+                          query::largest_shares(labelling.assignment)})
         .first->second;
   }
 

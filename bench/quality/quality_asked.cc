@@ -4,8 +4,6 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <map>
-#include <tuple>
 #include <vector>
 
 #include <oneapi/tbb/parallel_for.h>
@@ -88,24 +86,6 @@ double motion_after_loop(std::span<const cv::Mat> luma, int period, const cv::Ma
   double returned = 0;
   for (std::size_t i = 0; i < phases; ++i) returned += (same[i] - other[i]) / static_cast<double>(phases);
   return returned;
-}
-
-LargestShares largest_shares(const query::Assignment& assignment) {
-  std::map<std::uint32_t, std::size_t> clips;
-  std::map<std::tuple<std::uint32_t, double, double, bool, int, int>, std::size_t> patches;
-  for (const query::AssignedPiece& piece : assignment.pieces) {
-    ++clips[piece.clip];
-    ++patches[{piece.clip, piece.variant.scale, piece.variant.rotation_deg, piece.variant.flip, piece.patch.x,
-               piece.patch.y}];
-  }
-  const auto largest = [&](const auto& counts) {
-    std::size_t most = 0;
-    for (const auto& [key, count] : counts) most = std::max(most, count);
-    return assignment.pieces.empty()
-               ? 0.0
-               : static_cast<double>(most) / static_cast<double>(assignment.pieces.size());
-  };
-  return {largest(clips), largest(patches)};
 }
 
 }  // namespace freshet::bench

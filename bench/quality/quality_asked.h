@@ -6,8 +6,6 @@
 
 #include <opencv2/core.hpp>
 
-#include "query/labelling/assignment.h"
-
 namespace freshet::bench {
 
 /// Correlation of fine detail (luma less its blur, sigma 4 px) of a frame with the still's, inside the matte:
@@ -30,12 +28,5 @@ Reversals reversals(std::span<const cv::Mat> motion, const cv::Mat& asked, const
 ///          period is taken to repeat exactly.
 /// Source   MALF, of the evaluations of Holynski et al. 2021 and after.
 double motion_after_loop(std::span<const cv::Mat> luma, int period, const cv::Mat& matte);
-
-/// Of the pieces of an assignment, 0..1: which part of them the most used clip, and the most used patch (its
-/// clip, variant and place), has.
-struct LargestShares {
-  double clip = 0, patch = 0;
-};
-LargestShares largest_shares(const query::Assignment& assignment);
 
 }  // namespace freshet::bench

@@ -49,9 +49,13 @@ AskedOf ask(Hint hint, const Case& clip, const store::Snapshot& snapshot, const 
       const cv::Scalar mean = cv::mean(clip.motion, clip.matte > 127);
       const double speed = std::hypot(mean[0], mean[1]);
       if (speed <= 0) break;
+      asked.direction = cv::Mat(clip.still.size(), CV_32FC2, cv::Scalar(mean[0] / speed, mean[1] / speed));
+      if (options.hint_search == query::HintSearch::kWide) {
+        asked.labels.direction = asked.rendering.direction = asked.direction;
+        break;
+      }
       asked.direction_deg = std::atan2(-mean[1], mean[0]) * 180 / std::numbers::pi;
       if (*asked.direction_deg < 0) *asked.direction_deg += 360;
-      asked.direction = cv::Mat(clip.still.size(), CV_32FC2, cv::Scalar(mean[0] / speed, mean[1] / speed));
       break;
     }
     case Hint::kStrokes:

@@ -77,6 +77,15 @@ const std::vector<Setting>& all_settings() {
        to([](Method & m) -> auto& { return m.label.guide.tolerance_deg; })},
       {"speed-ratio", "tolerance of the hint's speed", true,
        to([](Method & m) -> auto& { return m.label.guide.speed_ratio; })},
+      {"hint-search", "wide or narrow; resets the three prices that follow", true,
+       [](Method& m, const std::string& text) {
+         m.label.hint_search = query::parse_hint_search(text);
+         m.label.guide_costs = query::default_guide_costs(m.label.hint_search);
+       }},
+      {"guide-unsteady", "cost of going to and fro where a direction is asked", true,
+       to([](Method & m) -> auto& { return m.label.guide_costs.unsteady; })},
+      {"reuse", "cost of a place shown twice by neighbours", true,
+       to([](Method & m) -> auto& { return m.label.reuse.overlap; })},
       {"guide-direction", "cost of an angle to the hint", true,
        to([](Method & m) -> auto& { return m.label.guide_costs.direction; })},
       {"guide-speed", "cost of another speed than the hint's", true,

@@ -9,7 +9,7 @@
 
 namespace freshet {
 
-/// What is asked of the motion, pixel by pixel; either map alone, or both.
+/// What is asked of the motion, pixel by pixel; either map alone, or both. Tolerances: SearchOptions::narrow.
 struct MotionGuide {
   /// CV_32FC2, the picture's size: unit vectors, x right, y down; (0, 0): not asked there. Empty: nowhere.
   cv::Mat direction{};

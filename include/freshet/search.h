@@ -19,10 +19,12 @@ namespace freshet {
 struct SearchOptions {
   /// Only clips of this class; empty: all.
   std::string class_name{};
-  /// Only patches that go there, degrees as seen on the screen: 0 right, 90 up, 180 left, 270 down. Without
-  /// effect beside a guide that has directions. Nothing: any.
+  /// Where the fluid goes, degrees as seen on the screen: 0 right, 90 up, 180 left, 270 down: patches that go
+  /// elsewhere pay for it, and are turned. Without effect beside a guide that has directions. Nothing: any.
   std::optional<double> direction_deg{};
-  /// Degrees to either side of direction_deg.
+  /// Only patches that move about as asked, by direction_deg or the guide, are candidates, within the tolerances.
+  bool narrow = false;
+  /// Degrees to either side of direction_deg in a narrow search.
   double direction_tolerance_deg = 30;
   /// Where and how fast the fluid is to go (read_strokes); empty: any motion.
   MotionGuide guide{};

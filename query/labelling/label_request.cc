@@ -1,5 +1,8 @@
 #include "query/labelling/label_request.h"
 
+#include <cmath>
+#include <numbers>
+
 #include "query/labelling/motion_guess.h"
 #include "query/search/picture_scale.h"
 
@@ -14,6 +17,28 @@ bool may_guess(const LabelRequest& request) {
          !request.options.candidates.direction_deg;
 }
 
+MotionGuide guide_of_animation(const LabelRequest& request, cv::Size picture) {
+  MotionGuide guide = request.options.guide;
+  const std::optional<double>& degrees = request.options.candidates.direction_deg;
+  if (request.options.hint_search == HintSearch::kWide && degrees && guide.direction.empty()) {
+    const double angle = *degrees * std::numbers::pi / 180;
+    guide.direction = cv::Mat(picture, CV_32FC2, cv::Scalar(std::cos(angle), -std::sin(angle)));
+  }
+  return guide;
+}
+
+void adopt_guess(const MotionGuide& guess, LabelOptions& options) {
+  if (options.hint_search == HintSearch::kWide) {
+    const double unsteady = options.guide_costs.unsteady;
+    options.hint_search = HintSearch::kNarrow;
+    options.guide_costs = default_guide_costs(HintSearch::kNarrow);
+    options.guide_costs.unsteady = unsteady;
+    options.guide = widened(options.guide);
+  }
+  options.guide.direction = guess.direction;
+  options.guide.tolerance_deg = guess.tolerance_deg;
+}
+
 PreparedLabelling prepare(const store::Snapshot& snapshot, const SearchBase& base, const cv::Mat& picture,
                           const cv::Mat& matte, const LabelRequest& request, const ProgressFunction& progress,
                           std::stop_token stop, LabellingMemo* memo) {
@@ -21,7 +46,8 @@ PreparedLabelling prepare(const store::Snapshot& snapshot, const SearchBase& bas
   LabelOptions& options = prepared.options;
   options.piece_scale = request.piece_scale.value_or(auto_piece_scale(picture.size()));
   options.candidates.min_duration_s = request.duration_s;
-  if (guide_overrules_direction(request)) options.candidates.direction_deg.reset();
+  options.guide = guide_of_animation(request, picture.size());
+  if (!options.guide.direction.empty()) options.candidates.direction_deg.reset();
   if (!may_guess(request)) return prepared;
 
   if (progress) progress({"guessing the motion", 0, 0});
@@ -31,8 +57,7 @@ PreparedLabelling prepare(const store::Snapshot& snapshot, const SearchBase& bas
       snapshot, search_candidates(snapshot, base, picture, matte, unasked, {}, stop, memo), picture, matte);
   prepared.guess = guess.report;
   if (guess.guide.empty()) return prepared;
-  options.guide.direction = guess.guide.direction;
-  options.guide.tolerance_deg = guess.guide.tolerance_deg;
+  adopt_guess(guess.guide, options);
   return prepared;
 }
 

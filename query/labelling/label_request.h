@@ -32,6 +32,14 @@ bool guide_overrules_direction(const LabelRequest& request);
 /// Whether nobody says a direction, neither one nor a guide, and one may be guessed.
 bool may_guess(const LabelRequest& request);
 
+/// What the animation's motion is turned to: the guide; and in a wide search, which lets in what goes elsewhere,
+/// one direction for the whole picture too. picture   px.
+MotionGuide guide_of_animation(const LabelRequest& request, cv::Size picture);
+
+/// Makes a guess the hint of a labelling; a speed that is asked stays. A guess turns nothing, so that a wide search
+/// becomes a narrow one, of directions alone.
+void adopt_guess(const MotionGuide& guess, LabelOptions& options);
+
 struct PreparedLabelling {
   LabelOptions options;  // complete; guide holds what is guessed where it said no direction
   std::string guess;     // what was guessed and why, for a person; empty: nothing was to be guessed
@@ -39,8 +47,8 @@ struct PreparedLabelling {
 
 /// The options with which a picture is searched and labelled. Where may_guess, a search without a hint comes
 /// first (stage "guessing the motion"), and options.guide is given the guessed directions and their tolerance;
-/// a speed that was asked stays. What is asked of the animation's motion is request.options.guide all the
-/// same: a guess chooses patches and turns nothing.
+/// a speed that was asked stays. What is asked of the animation's motion is guide_of_animation all the same: a
+/// guess chooses patches and turns nothing, so that the search is narrow where it says a direction.
 /// picture, matte   as search_candidates takes them. memo   may be null.
 /// Throws           as search_candidates.
 PreparedLabelling prepare(const store::Snapshot& snapshot, const SearchBase& base, const cv::Mat& picture,

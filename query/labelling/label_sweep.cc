@@ -33,7 +33,10 @@ std::vector<SweptLabelling> label_variations(const store::Snapshot& snapshot, co
     if (stop.stop_requested()) throw Error(ErrorKind::kCancelled, "labelling", "stopped");
     const LabelVariation& variation = variations[i];
     add_guide_costs(base.table, search.candidates, options.guide_costs, mrf);
-    Solution solution = minimize(mrf, variation.minimizer, variation.max_iterations);
+    add_reuse_costs(snapshot, base.settings, base.table, search.target, search.candidates, options.reuse,
+                    mrf);
+    Solution solution = minimize_spread(base.table, search.candidates, options.reuse, variation.minimizer,
+                                        variation.max_iterations, mrf);
     labellings[i] = {make_assignment(snapshot, search, solution, variation.minimizer, variation.costs.form),
                      std::move(solution.labels), solution.iterations};
     if (progress) progress(++done);

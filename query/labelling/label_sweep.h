@@ -26,6 +26,7 @@ struct SweptLabelling {
 
 struct SweepOptions {
   GuideCosts guide_costs{};
+  ReuseCosts reuse{};
   /// For parts, 12 bytes per label pair, and a table of 2 for each labelling at work. Where the
   /// parts do not fit (a field of more than some 7000 pieces), each labelling compares neighbours
   /// by itself, one after another.

@@ -5,6 +5,7 @@
 
 #include "freshet/error.h"
 #include "platform/stopwatch.h"
+#include "query/costs/steadiness.h"
 #include "query/costs/stored_features.h"
 #include "query/search/coherent_candidates.h"
 #include "query/search/picture_scale.h"
@@ -48,19 +49,30 @@ CandidateSearch search_candidates(const store::Snapshot& snapshot, const SearchB
   search.picture = picture.size();
   search.piece_scale = options.piece_scale;
   const cv::Mat searched = reduce(picture, options.piece_scale), fluid = reduce(matte, options.piece_scale);
-  const MotionGuide guide = reduce(options.guide, options.piece_scale);
+  const bool wide = options.hint_search == HintSearch::kWide;
+  const MotionGuide guide = reduce(wide ? widened(options.guide) : options.guide, options.piece_scale);
   search.filtered = filter_rows(snapshot, base.table, base.settings.variants(), options.candidates);
   search.target = stages.run("describing the picture", search.seconds.cut, [&] {
     return make_target(searched, fluid, base.settings.grid, base.codebook, options.target);
   });
   search.candidates = stages.run("searching candidates", search.seconds.search, [&] {
     const auto k = static_cast<std::size_t>(options.candidates.k);
+    const std::size_t considered =
+        wide && !guide.empty() ? k * static_cast<std::size_t>(std::max(1, options.candidates.considered)) : k;
     const RowFilter& rows = search.filtered.rows;
-    Candidates found = memo != nullptr
-                           ? memo->find_candidates(search.target, fluid, k, rows, guide)
-                           : find_candidates(*base.index, base.table, search.target, fluid, k, rows, guide);
+    Candidates found = memo != nullptr ? memo->find_candidates(search.target, fluid, considered, rows, guide)
+                                       : find_candidates(*base.index, base.table, search.target, fluid,
+                                                         considered, rows, guide);
+    const auto measure = [&] {
+      if (!guide.direction.empty())
+        found.steadiness = steadiness(snapshot, base.settings, base.table, found.rows);
+    };
+    measure();
+    if (wide) keep_best_paid(base.table, options.guide_costs, k, found);
     add_coherent(base.table, base.codebook.words, search.target, search.filtered.rows, guide,
                  static_cast<std::size_t>(std::max(0, options.candidates.coherent)), found);
+    measure();
+    if (wide) keep_best_paid(base.table, options.guide_costs, found.k, found);
     return found;
   });
   return search;
@@ -78,22 +90,25 @@ Labelling label(const store::Snapshot& snapshot, CandidateSearch search, const L
   CacheKey key;
   std::optional<Solution> known;
   if (memo != nullptr) {
-    key = memo->solution_key(target, candidates, options.costs, options.guide_costs, options.minimizer,
-                             options.max_iterations);
+    key = memo->solution_key(target, candidates, options.costs, options.guide_costs, options.reuse,
+                             options.minimizer, options.max_iterations);
     known = memo->find_solution(key, target, candidates);
   }
   if (!known) {
-    const Mrf mrf = stages.run("comparing neighbours", labelling.seconds.costs, [&] {
+    Mrf mrf = stages.run("comparing neighbours", labelling.seconds.costs, [&] {
       StoredFeatures features(snapshot, base.settings, base.table);
       const FeatureShape shape = feature_shape(base.settings);
       Mrf costs = memo != nullptr
                       ? memo->build_mrf(target, candidates, shape, options.costs, features.source(), stop)
                       : build_mrf(target, candidates, shape, options.costs, features.source(), stop);
       add_guide_costs(base.table, candidates, options.guide_costs, costs);
+      add_reuse_costs(snapshot, base.settings, base.table, target, candidates, options.reuse, costs);
       return costs;
     });
-    known = stages.run("choosing patches", labelling.seconds.minimize,
-                       [&] { return minimize(mrf, options.minimizer, options.max_iterations); });
+    known = stages.run("choosing patches", labelling.seconds.minimize, [&] {
+      return minimize_spread(base.table, candidates, options.reuse, options.minimizer, options.max_iterations,
+                             mrf);
+    });
     if (memo != nullptr) memo->keep_solution(key, *known);
   }
   labelling.assignment =

@@ -8,6 +8,7 @@
 
 #include "freshet/job.h"
 #include "query/costs/pairwise.h"
+#include "query/costs/reuse.h"
 #include "query/index/search_base.h"
 #include "query/labelling/assignment.h"
 #include "query/labelling/labelling_memo.h"
@@ -24,7 +25,9 @@ struct LabelOptions {
   TargetOptions target{};
   CandidateOptions candidates{};
   MotionGuide guide{};  // empty: any motion
+  HintSearch hint_search = HintSearch::kWide;
   GuideCosts guide_costs{};
+  ReuseCosts reuse{};
   PairwiseOptions costs{};
   Minimizer minimizer = Minimizer::kTrwS;
   int max_iterations = 100;  // of TRW-S

@@ -246,7 +246,7 @@ Mrf LabellingMemo::build_mrf(const Target& target, const Candidates& candidates,
 
 CacheKey LabellingMemo::solution_key(const Target& target, const Candidates& candidates,
                                      const PairwiseOptions& options, const GuideCosts& guide_costs,
-                                     Minimizer minimizer, int max_iterations) const {
+                                     const ReuseCosts& reuse, Minimizer minimizer, int max_iterations) const {
   KeyHash hash = hash_of(Kind::kSolution);
   hash.add(identity_);
   for (const cv::Point place : target.places) {
@@ -256,13 +256,14 @@ CacheKey LabellingMemo::solution_key(const Target& target, const Candidates& can
   for (std::size_t piece = 0; piece < target.size(); ++piece) {
     hash.add(candidates.rows_of(piece));
     hash.add(candidates.scores_of(piece));
+    hash.add(candidates.steadiness_of(piece));
   }
   hash.add(std::uint64_t{candidates.asked.size()});
   for (const PieceMotion& asked : candidates.asked)
     for (const float value : {asked.direction[0], asked.direction[1], asked.speed}) hash.add(value);
   hash.add(options.form);
-  for (const double weight :
-       {options.lambda, options.sigma, options.rho, options.vote, guide_costs.direction, guide_costs.speed})
+  for (const double weight : {options.lambda, options.sigma, options.rho, options.vote, guide_costs.direction,
+                              guide_costs.speed, guide_costs.unsteady, reuse.overlap, reuse.crowd})
     hash.add(weight);
   hash.add(minimizer);
   hash.add(max_iterations);

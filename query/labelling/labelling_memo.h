@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "query/costs/pairwise.h"
+#include "query/costs/reuse.h"
 #include "query/index/search_base.h"
 #include "query/labelling/label_cache.h"
 #include "query/mrf/minimizer.h"
@@ -52,7 +53,8 @@ class LabellingMemo {
 
   /// Of everything that a solution of this field depends on.
   CacheKey solution_key(const Target& target, const Candidates& candidates, const PairwiseOptions& options,
-                        const GuideCosts& guide_costs, Minimizer minimizer, int max_iterations) const;
+                        const GuideCosts& guide_costs, const ReuseCosts& reuse, Minimizer minimizer,
+                        int max_iterations) const;
   std::optional<Solution> find_solution(const CacheKey& key, const Target& target,
                                         const Candidates& candidates);
   void keep_solution(const CacheKey& key, const Solution& solution);

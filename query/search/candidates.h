@@ -28,6 +28,9 @@ struct CandidateOptions {
   std::vector<std::string> excluded_clips{};     // by name
   /// The best so many of each neighbour, whose continuations join a piece's candidates (add_coherent).
   int coherent = 10;
+  /// Where a guide's demands are a price (GuideCosts), so many times k patches are found by their looks, and the k
+  /// stay that are best when they have paid.
+  int considered = 3;
 };
 
 /// "right", "up", "left", "down", "up-left", ... or degrees. Error{kUsage}.
@@ -60,7 +63,9 @@ struct Candidates {
   std::vector<float> scores;          // pieces * k: intersection / max_score of the piece, 0..1
   std::vector<std::uint32_t> counts;  // of each piece, 1..k
   std::vector<PieceMotion> asked;     // of each piece, by a guide; empty: nothing was asked
-  std::vector<int> opened;         // of each piece, with `asked`: how many times its tolerances were opened
+  std::vector<int> opened;  // of each piece, with `asked`: how many times its tolerances were opened
+  /// Of each candidate (steadiness.h), as scores; empty: no direction is asked.
+  std::vector<float> steadiness;
   std::vector<std::string> notes;  // for a person: "12 pieces have fewer than 100 candidates"
 
   std::size_t pieces() const { return counts.size(); }
@@ -69,6 +74,10 @@ struct Candidates {
   }
   std::span<const float> scores_of(std::size_t piece) const {
     return std::span(scores).subspan(piece * k, counts[piece]);
+  }
+  std::span<const float> steadiness_of(std::size_t piece) const {
+    return steadiness.empty() ? std::span<const float>()
+                              : std::span(steadiness).subspan(piece * k, counts[piece]);
   }
 };
 
@@ -91,13 +100,27 @@ Candidates find_candidates(const CandidateIndex& index, const PatchTable& table,
                            const MotionGuide& guide = {},
                            std::vector<std::optional<PieceAnswer>>* answers = nullptr);
 
-/// What it costs a candidate not to move quite as asked: inside its window one still has to choose. Pieces of
-/// which nothing is asked pay nothing. Added to the unary costs, which are 1 - score:
-///   direction * (1 - cos of the angle) + speed * (log2 of the ratio)^2
+/// What it costs a candidate not to move quite as asked. Pieces of which nothing is asked pay nothing. Added to
+/// the unary costs, which are 1 - score:
+///   direction * (1 - cos of the angle) + speed * (log2 of the ratio)^2 + unsteady * (1 - steadiness)
+/// the last where a direction is asked.
+///
+/// Where the search is narrow, patches move about as asked already, and are shown as they are: what is left costs
+/// much. Where it is wide the animation turns and scales them, and looks decide: over 23 clips and their true
+/// motion a candidate is 0.313 alike where nothing else counts, 0.299 with these prices, 31 degrees and 1.2
+/// octaves off, and 0.217 when narrow (docs/measurements/labelling.md).
 struct GuideCosts {
-  double direction = 0.3, speed = 0.05;
+  double direction = 0.05, speed = 0.01, unsteady = 0.05;
 };
+GuideCosts default_guide_costs(HintSearch search);
+/// steadiness   0..1, see steadiness.h; 1 where it is not known.
+double guide_price(const PieceMotion& asked, float mean_u, float mean_v, float steadiness,
+                   const GuideCosts& weights);
 void add_guide_costs(const PatchTable& table, const Candidates& candidates, const GuideCosts& weights,
                      Mrf& mrf);
+
+/// Sorts each piece's candidates by score less the price of what is asked in_steps, and keeps the first `keep`.
+void keep_best_paid(const PatchTable& table, const GuideCosts& weights, std::size_t keep,
+                    Candidates& candidates);
 
 }  // namespace freshet::query

@@ -69,6 +69,7 @@ void add_coherent(const PatchTable& table, int word_count, const Target& target,
   joined.k = k;
   joined.rows.assign(pieces * k, kNoRow);
   joined.scores.assign(pieces * k, 0);
+  joined.steadiness.clear();
   for (std::size_t piece = 0; piece < pieces; ++piece) {
     const auto full = static_cast<float>(max_score(target.queries[piece]));
     std::vector<std::pair<float, Row>> all;

@@ -56,6 +56,19 @@ struct Sums {
 
 }  // namespace
 
+HintSearch parse_hint_search(const std::string& name) {
+  if (name == "wide") return HintSearch::kWide;
+  if (name == "narrow") return HintSearch::kNarrow;
+  throw Error(ErrorKind::kUsage, "search with hints \"" + name + "\"", "no such search",
+              "Use wide or narrow");
+}
+
+MotionGuide widened(MotionGuide guide) {
+  guide.tolerance_deg = 180;
+  guide.speed_ratio = kWidestRatio;
+  return guide;
+}
+
 std::vector<PieceMotion> asked_motion(const MotionGuide& guide, const Target& target, const cv::Mat& matte) {
   check(guide, target.picture);
   std::vector<PieceMotion> asked(target.size());
@@ -79,6 +92,18 @@ std::vector<PieceMotion> asked_motion(const MotionGuide& guide, const Target& ta
     if (sums.speeds > 0) asked[piece].speed = static_cast<float>(std::exp(sums.log_speed / sums.speeds));
   }
   return asked;
+}
+
+PieceMotion in_steps(const PieceMotion& asked) {
+  PieceMotion rounded = asked;
+  if (asked.direction != cv::Vec2f(0, 0)) {
+    const double angle =
+        nearest_step(std::atan2(asked.direction[1], asked.direction[0]), 5 * std::numbers::pi / 180);
+    rounded.direction = {static_cast<float>(std::cos(angle)), static_cast<float>(std::sin(angle))};
+  }
+  if (asked.speed > 0)
+    rounded.speed = static_cast<float>(std::exp2(nearest_step(std::log2(asked.speed), 0.1)));
+  return rounded;
 }
 
 MotionWindow window_of(const PieceMotion& asked, const MotionGuide& guide, int steps) {

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <span>
+#include <string>
 #include <vector>
 
 #include <opencv2/core.hpp>
@@ -14,6 +15,20 @@
 namespace freshet::query {
 
 using freshet::MotionGuide;
+
+/// What a direction or a speed that is asked does to the search.
+enum class HintSearch {
+  /// It forbids no patch: who does not move so pays for it (GuideCosts). The animation turns a patch's motion to
+  /// what is asked, and scales it, so that looks may choose: a window on the speed of a mountain stream left three
+  /// clips of 46.
+  kWide,
+  /// Only patches that move about so are candidates, as in the paper, which shows patches as they are.
+  kNarrow,
+};
+HintSearch parse_hint_search(const std::string& name);  // "wide", "narrow"; Error{kUsage}
+
+/// The guide with tolerances that admit any motion.
+MotionGuide widened(MotionGuide guide);
 
 /// What a guide asks of each piece: the mean direction and the geometric mean of the speeds over its fluid.
 struct PieceMotion {
@@ -27,6 +42,10 @@ struct PieceMotion {
 /// Throws   Error{kUsage} when a map has another size or type than the picture's, or a number is out of range
 ///          (tolerance 0..180 degrees, ratio at least 1).
 std::vector<PieceMotion> asked_motion(const MotionGuide& guide, const Target& target, const cv::Mat& matte);
+
+/// What is asked in steps of 5 degrees and a tenth of an octave: what is chosen by it stays as it is where a stroke
+/// bends the directions of the whole picture a little.
+PieceMotion in_steps(const PieceMotion& asked);
 
 /// The window of a piece whose tolerances were opened `steps` times. Each step takes half as much again of
 /// the angle and of the ratio's logarithm; at 180 degrees and a ratio of 16 nothing of the condition is left.

@@ -27,6 +27,7 @@ struct MadeClip {
   double seconds = 4;
   std::uint64_t texture = 1;  // seed of the average image
   bool patches = true;
+  float surge = -1;       // power of u and of v in each of the two lowest bands, (px/s)^2; negative: chance
   double frame_s = 0.04;  // between the times of its frames; the record says 25 frames per second in any case
 };
 
@@ -102,7 +103,10 @@ inline void add_made_clip(store::Store& store, const vision::Settings& settings,
                                       values.push_back(made.motion[1]);
                                       for (int b = 0; b < bands; ++b) {
                                         const auto power = static_cast<float>(random() % 1000);
-                                        values.insert(values.end(), {power, power / 2, 0});
+                                        if (made.surge >= 0 && b < 2)
+                                          values.insert(values.end(), {made.surge, made.surge, 0});
+                                        else
+                                          values.insert(values.end(), {power, power / 2, 0});
                                       }
                                     });
   for (std::size_t s = 0; s < settings.scales.size(); ++s) {

@@ -173,18 +173,39 @@ TEST(MainJob, AClassAndADirectionNarrowWhatIsSearched) {
     EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
     return json::parse(outcome.out);
   };
-  const json all = patches({}), fall = patches({"--class", "fall"}), down = patches({"--direction", "down"});
+  const json all = patches({}), fall = patches({"--class", "fall"}),
+             down = patches({"--direction", "down", "--hint-search", "narrow"}),
+             wide = patches({"--direction", "down"});
   const auto last = [](const json& found) { return found["filters"]["steps"].back(); };
   EXPECT_EQ(last(all)["clips"], 3);
   EXPECT_EQ(last(fall)["clips"], 2);
   EXPECT_LT(last(fall)["patches"], last(all)["patches"]);
   EXPECT_LT(last(down)["patches"], last(all)["patches"]);
+  EXPECT_EQ(last(wide)["patches"], last(all)["patches"]) << "a direction is a price";
   for (const json& piece : fall["pieces"])
     for (const json& candidate : piece["candidates"])
       EXPECT_EQ(candidate["clip"].get<std::string>().substr(0, 5), "fall/");
   for (const json& piece : down["pieces"])
     for (const json& candidate : piece["candidates"])
       EXPECT_EQ(candidate["clip"].get<std::string>().substr(0, 5), "fall/") << "rivers do not fall";
+}
+
+TEST(MainJob, SharesAreToldAndOneClipEverywhereIsWarnedOf) {
+  const WorkFolder folder;
+  const Outcome text = label(folder, {"--class", "river", "-o", "assignment.json"});
+  ASSERT_EQ(text.exit_code, 0) << text.err;
+  EXPECT_NE(text.out.find("largest share of a clip 100%"), std::string::npos) << text.out;
+  EXPECT_NE(text.err.find("100% of the pieces come from one clip, river/"), std::string::npos) << text.err;
+  EXPECT_NE(text.err.find("--exclude river/"), std::string::npos) << text.err;
+  const json told = json::parse(label(folder, {"--class", "river", "--json"}).out);
+  EXPECT_EQ(told["shares"]["largest_clip"], 1);
+  EXPECT_GT(told["shares"]["largest_patch"], 0);
+  EXPECT_TRUE(told["shares"]["warning"].is_string());
+  const Outcome rendered = folder.freshet({"synth", "animate", sample().store, sample().still, "--assignment",
+                                           "assignment.json", "--frames", "8", "-o", "out.mkv", "--json"});
+  ASSERT_EQ(rendered.exit_code, 0) << rendered.err;
+  EXPECT_EQ(json::parse(rendered.out)["shares"]["largest_clip"], 1);
+  EXPECT_NE(rendered.err.find("--exclude river/"), std::string::npos) << rendered.err;
 }
 
 TEST(MainJob, AConditionThatAnAssignmentOverridesIsSaidToHaveNoEffect) {

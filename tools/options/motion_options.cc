@@ -44,6 +44,15 @@ void MotionOptions::add_to(CLI::App& command) {
       ->check(CLI::IsMember({"auto", "none"}))
       ->capture_default_str()
       ->group(kGroup);
+  command
+      .add_option(
+          "--hint-search", hint_search_,
+          "What a direction or speed that is asked does to the search: wide (looks choose, and the "
+          "animation turns and scales what a patch does), narrow (only patches that move so, as in the "
+          "paper), or auto: wide, but for --method paper narrow")
+      ->check(CLI::IsMember({"auto", "wide", "narrow"}))
+      ->capture_default_str()
+      ->group(kGroup);
   CLI::Option* strokes =
       command
           .add_option(
@@ -71,8 +80,10 @@ void MotionOptions::add_to(CLI::App& command) {
       ->capture_default_str()
       ->group(kGroup);
   command
-      .add_option("--speed-tolerance", speed_ratio_,
-                  "Ratio by which patches may be slower or faster than asked by strokes or a speed map")
+      .add_option(
+          "--speed-tolerance", speed_ratio_,
+          "Ratio by which patches may be slower or faster than asked by strokes or a speed map, in a narrow "
+          "search")
       ->check(CLI::Range(1.0, 16.0))
       ->capture_default_str()
       ->group(kGroup);
@@ -103,8 +114,10 @@ void MotionOptions::check_outputs() const {
   }
 }
 
-AskedMotion MotionOptions::read(const TargetFiles::Loaded& loaded, const SearchOptions& search) const {
+AskedMotion MotionOptions::read(const TargetFiles::Loaded& loaded, const SearchOptions& search,
+                                query::HintSearch automatic) const {
   AskedMotion asked;
+  asked.search = hint_search_ == "auto" ? automatic : query::parse_hint_search(hint_search_);
   asked.guesses = hint_ == "auto";
   asked.guide.tolerance_deg = search.options().direction_tolerance_deg;
   asked.guide.speed_ratio = speed_ratio_;

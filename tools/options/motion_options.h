@@ -19,11 +19,12 @@ struct AskedMotion {
   query::MotionGuide guide;            // empty: nothing was asked
   std::vector<query::Stroke> strokes;  // as read, for the drawing
   bool guesses = true;                 // where nobody says a direction, one may be guessed
+  query::HintSearch search = query::HintSearch::kWide;
 };
 
 class MotionOptions {
  public:
-  /// --hint, --strokes, --orientation-map, --speed-map, --speed-white, --speed-tolerance, --draw.
+  /// --hint, --hint-search, --strokes, --orientation-map, --speed-map, --speed-white, --speed-tolerance, --draw.
   void add_to(CLI::App& command);
   /// --orientation-out, --speed-out: for commands that assign patches.
   void add_outputs_to(CLI::App& command);
@@ -31,7 +32,9 @@ class MotionOptions {
   /// Throws for outputs whose names are wrong, before anything is computed.
   void check_outputs() const;
   /// Reads what was given; says what was left out. The tolerance in degrees is that of --direction.
-  AskedMotion read(const TargetFiles::Loaded& loaded, const SearchOptions& search) const;
+  /// automatic   what --hint-search auto means.
+  AskedMotion read(const TargetFiles::Loaded& loaded, const SearchOptions& search,
+                   query::HintSearch automatic = query::HintSearch::kWide) const;
 
   /// Writes --draw: what was asked, or what was assigned where nothing was.
   /// motion   the assigned motion, CV_32FC2, px/s; empty when nothing was assigned yet.
@@ -46,7 +49,8 @@ class MotionOptions {
   std::vector<std::string> outputs() const { return {drawing_, orientation_out_, speed_out_}; }
 
  private:
-  std::string hint_ = "auto", strokes_, orientation_map_, speed_map_, drawing_, orientation_out_, speed_out_;
+  std::string hint_ = "auto", hint_search_ = "auto", strokes_, orientation_map_, speed_map_, drawing_,
+              orientation_out_, speed_out_;
   double speed_white_ = 0, speed_ratio_ = 0;
 };
 

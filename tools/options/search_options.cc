@@ -36,10 +36,10 @@ void SearchOptions::add_to(CLI::App& command) {
                      "Only clips of this class (see freshet store info) [all]");
   command.add_option(
       "--direction", direction_,
-      "Where the fluid goes: up, down, left, right, up-left, ..., or degrees (0 right, 90 up). Only "
-      "patches that go there are candidates [any]");
+      "Where the fluid goes: up, down, left, right, up-left, ..., or degrees (0 right, 90 up) [any]");
   command
-      .add_option("--tolerance", options_.direction_tolerance_deg, "Degrees to either side of --direction")
+      .add_option("--tolerance", options_.direction_tolerance_deg,
+                  "Degrees to either side of what is asked, in a narrow search (--hint-search)")
       ->check(CLI::Range(1.0, 180.0))
       ->capture_default_str();
   command.add_option("-k,--candidates", options_.k, "Candidates per piece")
@@ -142,6 +142,15 @@ void SolverOptions::add_to(CLI::App& command) {
           .add_option("--vote", vote_,
                       "Weight of the candidates' vote on how strongly a piece moves [log 4, power 0]")
           ->check(CLI::NonNegativeNumber);
+  command.add_option("--reuse", reuse_.overlap, "Price of a clip's place shown twice by neighbours")
+      ->check(CLI::Range(0.0, 1000.0))
+      ->capture_default_str();
+  command
+      .add_option(
+          "--crowd", reuse_.crowd,
+          "Price of each patch of a clip that has more than half of the pieces; added up to four times")
+      ->check(CLI::Range(0.0, 1000.0))
+      ->capture_default_str();
   rho_option_ =
       command.add_option("--rho", rho_, "Weight of textureness against mean motion [log 0.25, power 10000]")
           ->check(CLI::NonNegativeNumber);

@@ -99,22 +99,5 @@ TEST(QualityAsked, ALoopThatReturnsHasWhatAStillHasNot) {
   EXPECT_NEAR(motion_after_loop(std::vector<cv::Mat>(16, loop[0]), 16, everywhere()), 0, 1e-9);
 }
 
-TEST(QualityAsked, SharesAreThoseOfTheMostUsed) {
-  query::Assignment assignment;
-  assignment.clips.resize(2);
-  const auto add = [&](std::uint32_t clip, vision::Variant variant, cv::Point patch, int times) {
-    for (int i = 0; i < times; ++i)
-      assignment.pieces.push_back({.corner = {24 * i, 0}, .clip = clip, .variant = variant, .patch = patch});
-  };
-  add(0, {1, 0, false}, {24, 24}, 3);
-  add(0, {1, 0, true}, {24, 24}, 2);  // mirrored: another patch
-  add(0, {0.5f, 0, false}, {24, 24}, 1);
-  add(1, {1, 0, false}, {24, 24}, 4);  // of another clip
-  const LargestShares shares = largest_shares(assignment);
-  EXPECT_NEAR(shares.clip, 0.6, 1e-12);
-  EXPECT_NEAR(shares.patch, 0.4, 1e-12);
-  EXPECT_EQ(largest_shares({}).clip, 0);
-}
-
 }  // namespace
 }  // namespace freshet::bench

@@ -51,6 +51,20 @@ TEST(LabelRequest, SaysScaleAndDurationAndGuessesOnlyWhereNobodySays) {
   EXPECT_FALSE(asked.options.candidates.direction_deg);
   EXPECT_EQ(asked.guess, "");
 
+  // One direction is a price in a wide search, and a condition in a narrow one.
+  request.options.guide = {};
+  const PreparedLabelling wide = prepare(snapshot, base, picture, matte, request);
+  EXPECT_FALSE(wide.options.candidates.direction_deg);
+  ASSERT_FALSE(wide.options.guide.direction.empty());
+  EXPECT_LT(cv::norm(wide.options.guide.direction.at<cv::Vec2f>(3, 5) - cv::Vec2f(0, -1)), 1e-6);
+  EXPECT_FALSE(guide_of_animation(request, picture.size()).direction.empty());
+  request.options.hint_search = HintSearch::kNarrow;
+  const PreparedLabelling narrow = prepare(snapshot, base, picture, matte, request);
+  EXPECT_EQ(narrow.options.candidates.direction_deg, 90);
+  EXPECT_TRUE(narrow.options.guide.direction.empty());
+  EXPECT_TRUE(guide_of_animation(request, picture.size()).empty());
+  request.options.hint_search = HintSearch::kWide;
+
   request.options.candidates.direction_deg.reset();
   request.options.guide = {.speed = cv::Mat(picture.size(), CV_32F, cv::Scalar(40))};
   request.piece_scale = 2;
@@ -58,6 +72,9 @@ TEST(LabelRequest, SaysScaleAndDurationAndGuessesOnlyWhereNobodySays) {
   EXPECT_EQ(guessed.options.piece_scale, 2);
   EXPECT_NE(guessed.guess, "");
   EXPECT_FALSE(guessed.options.guide.speed.empty()) << "a speed that was asked stays";
+  EXPECT_EQ(guessed.options.hint_search, HintSearch::kNarrow) << "what is guessed turns nothing";
+  EXPECT_TRUE(window_of({{0, 0}, 40}, guessed.options.guide, 0).is_any()) << "and a speed narrows nothing";
+  EXPECT_TRUE(guide_of_animation(request, picture.size()).direction.empty());
 }
 
 }  // namespace

@@ -33,6 +33,7 @@ class Recall : public testing::Test {
   /// Down on the whole picture; in its lower right corner as given.
   static LabelOptions options(double corner_deg = 270) {
     LabelOptions options;
+    options.hint_search = HintSearch::kNarrow;
     options.candidates.k = 12;
     options.candidates.coherent = 3;
     options.guide.direction = cv::Mat(picture_.size(), CV_32FC2, cv::Scalar(0, 1));
@@ -94,6 +95,20 @@ TEST_F(Recall, AChangedCornerIsLabelledAsIfNothingWereKnown) {
             "4 of 9 pieces' candidates and 3 of 12 edges reused");
 }
 
+TEST_F(Recall, InAWideSearchAStrokeChangesPricesAndNothingIsSearchedAgain) {
+  LabelOptions asked = options();
+  asked.hint_search = HintSearch::kWide;
+  expect_same(warm(asked), cold(asked));
+  LabelOptions changed = options(90);
+  changed.hint_search = HintSearch::kWide;
+  const Labelling fresh = cold(changed);
+  expect_same(warm(changed), fresh);
+  EXPECT_FALSE(reuse_.labels);
+  EXPECT_EQ(reuse_.reused_pieces, reuse_.pieces);
+  EXPECT_GT(reuse_.reused_edges, reuse_.edges / 3);
+  EXPECT_LT(reuse_.reused_edges, reuse_.edges);
+}
+
 TEST_F(Recall, TheSameAgainNeedsNoIndexNoTableAndNoSolver) {
   const Labelling first = warm(options());
   SearchBase base = open_search(*snapshot_);
@@ -116,7 +131,7 @@ TEST_F(Recall, TheSameAgainNeedsNoIndexNoTableAndNoSolver) {
 
 TEST_F(Recall, EachOptionThatMattersMakesOtherLabels) {
   warm(options());
-  std::vector<LabelOptions> others(9, options());
+  std::vector<LabelOptions> others(13, options());
   others[0].candidates.k = 13;
   others[1].candidates.coherent = 4;
   others[2].candidates.excluded_clips = {"fall.mp4"};
@@ -126,6 +141,10 @@ TEST_F(Recall, EachOptionThatMattersMakesOtherLabels) {
   others[6].minimizer = Minimizer::kIcm;
   others[7].costs.form = CostForm::kPower;
   others[8].guide.tolerance_deg = 120;
+  others[9].hint_search = HintSearch::kWide;
+  others[10].guide_costs.unsteady = 3;
+  others[11].reuse.overlap = 2;
+  others[12].reuse.crowd = 1;
   for (std::size_t i = 0; i < others.size(); ++i) {
     SCOPED_TRACE(i);
     expect_same(warm(others[i]), cold(others[i]));
@@ -153,7 +172,7 @@ TEST_F(Recall, EntriesThatCannotBeAreComputedAgain) {
   LabelCache cache(folder_.path());
   LabellingMemo memo(cache, *snapshot_, *base_);
   const CacheKey key = memo.solution_key(fresh.search.target, fresh.search.candidates, asked.costs,
-                                         asked.guide_costs, asked.minimizer, asked.max_iterations);
+                                         asked.guide_costs, {}, asked.minimizer, asked.max_iterations);
   Solution wrong{fresh.labels, 1, 0, 3};
   wrong.labels[2] = 1000;
   memo.keep_solution(key, wrong);

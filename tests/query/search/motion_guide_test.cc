@@ -119,8 +119,44 @@ ScratchFolder* Guided::folder_ = nullptr;
 store::Snapshot* Guided::snapshot_ = nullptr;
 SearchBase* Guided::base_ = nullptr;
 
+TEST_F(Guided, AWideSearchForbidsNothingAndPutsFirstWhatIsBestWhenItHasPaid) {
+  LabelOptions options;
+  options.candidates.k = 10;
+  options.candidates.coherent = 0;
+  options.guide = asking({0, 1}, 30);
+  options.guide_costs = {.direction = 0, .speed = 0, .unsteady = 0};
+  const CandidateSearch free = search(options);
+  options.guide_costs = {.direction = 0.1, .speed = 0.02, .unsteady = 0};
+  const CandidateSearch priced = search(options);
+  options.guide_costs = {.direction = 100, .speed = 0, .unsteady = 0};
+  options.candidates.considered = 1000;
+  const CandidateSearch dear = search(options);
+  options.guide = {};
+  const CandidateSearch unasked = search(options);
+  EXPECT_EQ(free.candidates.rows, unasked.candidates.rows) << "what costs nothing changes nothing";
+  bool other = false;
+  for (std::size_t piece = 0; piece < priced.target.size(); ++piece) {
+    const auto rows = priced.candidates.rows_of(piece);
+    const auto scores = priced.candidates.scores_of(piece);
+    EXPECT_EQ(rows.size(), 10u);
+    double last = 2;
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      const double paid = scores[i] - guide_price({{0, 1}, 30}, priced.table().mean_u[rows[i]],
+                                                  priced.table().mean_v[rows[i]], 1,
+                                                  {.direction = 0.1, .speed = 0.02, .unsteady = 0});
+      EXPECT_LE(paid, last + 0.01);  // asked in steps: 30 px/s is not one of them
+      last = paid;
+    }
+    other = other || !std::equal(rows.begin(), rows.end(), free.candidates.rows_of(piece).begin());
+    for (const Row row : dear.candidates.rows_of(piece))
+      EXPECT_GT(dear.table().mean_v[row], 0) << "there are enough that fall";
+  }
+  EXPECT_TRUE(other);
+}
+
 TEST_F(Guided, PiecesGetOnlyWhatMovesAsAsked) {
   LabelOptions options;
+  options.hint_search = HintSearch::kNarrow;
   options.candidates.k = 10;
   options.guide = asking({0, 1}, 30);  // down: the fall at half its size
   const CandidateSearch found = search(options);
@@ -137,6 +173,7 @@ TEST_F(Guided, PiecesGetOnlyWhatMovesAsAsked) {
 
 TEST_F(Guided, TolerancesOpenWhereTooFewMoveAsAskedAndANoteSaysSo) {
   LabelOptions options;
+  options.hint_search = HintSearch::kNarrow;
   options.candidates.k = 10;
   options.guide = asking({-1, 0}, -1);  // nothing goes left but mirrored rivers
   options.guide.tolerance_deg = 5;
@@ -170,10 +207,17 @@ TEST_F(Guided, CandidatesPayForNotMovingQuiteAsAsked) {
   candidates.opened = {0};
   Mrf mrf;
   mrf.add_node(std::vector<float>{0, 0, 0});
-  add_guide_costs(table, candidates, {.direction = 2, .speed = 0.5}, mrf);
+  add_guide_costs(table, candidates, {.direction = 2, .speed = 0.5, .unsteady = 0}, mrf);
   EXPECT_NEAR(mrf.unary[0], 0.5, 1e-6);      // half the speed
   EXPECT_NEAR(mrf.unary[1], 2 + 0.5, 1e-6);  // and a right angle
   EXPECT_NEAR(mrf.unary[2], 0.5, 1e-6);      // twice the speed
+  candidates.steadiness = {1, 0.25, 0};
+  mrf.unary = {0, 0, 0};
+  add_guide_costs(table, candidates, {.direction = 0, .speed = 0, .unsteady = 2}, mrf);
+  EXPECT_EQ(mrf.unary, (std::vector<float>{0, 1.5, 2}));
+  candidates.asked[0].direction = {0, 0};
+  add_guide_costs(table, candidates, {.direction = 0, .speed = 0, .unsteady = 2}, mrf);
+  EXPECT_EQ(mrf.unary, (std::vector<float>{0, 1.5, 2})) << "nobody asked where to";
 }
 
 }  // namespace
