@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "freshet/error.h"
+#include "platform/standard_descriptors.h"
 #include "store/lmdb_error.h"
 #include "store/page_check.h"
 
@@ -65,6 +66,7 @@ std::pair<dev_t, ino_t> file_identity(int fd) {
 std::shared_ptr<Environment> Environment::create(const std::filesystem::path& file,
                                                  const std::string& settings,
                                                  std::optional<std::uint64_t> store_id) {
+  const StandardDescriptors standing_in;
   const std::shared_ptr<Environment> made(new Environment(file, Access::kWrite));
   made->fd_ = ::open(file.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
   if (made->fd_ < 0) {
@@ -91,6 +93,7 @@ std::shared_ptr<Environment> Environment::create(const std::filesystem::path& fi
 
 std::shared_ptr<Environment> Environment::open(const std::filesystem::path& file, Access access) {
   const std::lock_guard lock(open_files().mutex);
+  const StandardDescriptors standing_in;
   const int fd = ::open(file.c_str(), (access == Access::kWrite ? O_RDWR : O_RDONLY) | O_CLOEXEC);
   if (fd < 0 && errno == EISDIR) {
     throw Error(ErrorKind::kInput, file.string(), "is not a file", "Give a file made by freshet ingest");
@@ -301,6 +304,7 @@ void Environment::end_write(MDB_txn* txn) {
 }
 
 void Environment::copy_compact(const std::filesystem::path& to) const {
+  const StandardDescriptors standing_in;
   const int fd = ::open(to.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
   if (fd < 0) {
     throw Error(ErrorKind::kIo, to.string(), std::string("cannot be created (") + std::strerror(errno) + ")",

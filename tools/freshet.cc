@@ -1,13 +1,18 @@
 // freshet: one executable, a subcommand for each tool. Results go to stdout, everything else to stderr.
 
+#include <cerrno>
 #include <csignal>
+#include <cstdio>
+#include <cstring>
 #include <new>
+#include <optional>
 
 #include <fmt/format.h>
 #include <opencv2/core/utility.hpp>
 
 #include "freshet/error.h"
 #include "platform/allocation.h"
+#include "platform/standard_descriptors.h"
 #include "tools/commands.h"
 
 namespace {
@@ -51,6 +56,14 @@ std::string usage_fault(const CLI::App& app, const CLI::ParseError& fault) {
   return fmt::format("{}. See {} --help", text, name);
 }
 
+/// A result that did not reach its reader is no success: 0 would say that it had.
+void finish_output() {
+  if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return;
+  throw freshet::Error(freshet::ErrorKind::kIo, "standard output",
+                       fmt::format("cannot be written ({})", std::strerror(errno)),
+                       "Free space on the disk, or send it elsewhere, and run again");
+}
+
 int exit_code(freshet::ErrorKind kind) {
   switch (kind) {
     case freshet::ErrorKind::kUsage:
@@ -66,6 +79,12 @@ int exit_code(freshet::ErrorKind kind) {
 
 int main(int argc, char** argv) {
   using namespace freshet;
+  std::optional<StandardDescriptors> standing_in;
+  try {
+    standing_in.emplace();
+  } catch (const Error&) {
+    return 1;  // there is nowhere to say why
+  }
   keep_freed_memory();
   // OpenCV's own threads would compete with ours, which share out whole frames.
   cv::setNumThreads(1);
@@ -87,6 +106,7 @@ int main(int argc, char** argv) {
 
   try {
     app.parse(argc, argv);
+    finish_output();
     return context.exit_code;
   } catch (const CLI::ParseError& fault) {
     if (fault.get_exit_code() == 0) return app.exit(fault);  // --help, --version
@@ -114,6 +134,10 @@ int main(int argc, char** argv) {
     const auto* const opencv = dynamic_cast<const cv::Exception*>(&fault);
     if (opencv != nullptr && opencv->code == cv::Error::StsNoMem) {
       tools::say(kNoMemory);
+      return 1;
+    }
+    if (std::ferror(stdout) != 0) {
+      tools::say(fmt::format("standard output: cannot be written ({})", fault.what()));
       return 1;
     }
     tools::say(fmt::format("unexpected failure: {}. Please report it with the command line", fault.what()));

@@ -129,6 +129,23 @@ TEST(Durability, AFileThatCannotBeWrittenInAFolderThatCannotCanBeRead) {
   EXPECT_FALSE(std::filesystem::exists(file.string() + "-lock"));
 }
 
+TEST(Durability, AStoreIsNeverStandardErrorWhereThatIsClosed) {
+  const TestFolder folder;
+  const int code = in_child([&] {
+    close(STDERR_FILENO);
+    Store store = Store::create(folder / "a", "");
+    add_clip(store, numbered(0));
+    // A library of the host program says something.
+    if (write(STDERR_FILENO, "a message\n", 10) == 10) return 1;
+    return store.snapshot().verify().empty() &&
+                   Store::open_read(folder / "a").snapshot().digest().size() == 32
+               ? 0
+               : 2;
+  });
+  EXPECT_EQ(code, 0);
+  EXPECT_EQ(Store::open_read(folder / "a").snapshot().clips().size(), 1u);
+}
+
 TEST(Durability, OneWriterAtATimeAndReadersInOtherProcesses) {
   const TestFolder folder;
   const auto file = folder / "a";
