@@ -15,6 +15,7 @@
 #include "platform/standard_descriptors.h"
 #include "store/lmdb_error.h"
 #include "store/page_check.h"
+#include "store/records/account.h"
 
 namespace freshet::store {
 namespace {
@@ -22,7 +23,6 @@ namespace {
 constexpr std::size_t kFirstMapBytes = std::size_t{1} << 40;  // reserved address space, no memory and no disk
 constexpr unsigned kMaxReaders = 1024;
 constexpr std::size_t kIdentityBytes = 32;
-constexpr std::string_view kIdentityKey = "store", kSettingsKey = "settings";
 
 // Bytes of the store, far beyond its end, whose locks tell who has it open.
 constexpr off_t kUserByte = off_t{1} << 62, kWriterByte = kUserByte + 1, kUnlockedReaderByte = kUserByte + 2;
@@ -230,6 +230,7 @@ void Environment::write_identity(const std::string& settings, std::optional<std:
   txn.put(Table::kMeta, bytes_of(kIdentityKey), identity);
   const RecordPlace at = place(Table::kMeta, bytes_of(kSettingsKey));
   txn.put(Table::kMeta, at.key, encode_record(at, bytes_of(settings), 1, settings.size()));
+  put_account(txn, {});
   txn.commit();
 }
 

@@ -19,6 +19,7 @@
 #include <thread>
 #include <vector>
 
+#include "store/records/account.h"
 #include "store/records/record.h"
 
 namespace freshet::store {
@@ -132,7 +133,6 @@ class WriteTransaction {
   void put(Table table, ByteSpan key, ByteSpan value);
   void erase(Table table, ByteSpan prefix);
   std::optional<Bytes> get(Table table, ByteSpan key) const;
-  std::optional<Bytes> last_key(Table table) const;
   /// Calls visit(key, value) for every entry of the table.
   void each(Table table, const std::function<void(ByteSpan, ByteSpan)>& visit) const;
   void commit();
@@ -145,5 +145,9 @@ class WriteTransaction {
   std::shared_ptr<Environment> environment_;
   MDB_txn* txn_ = nullptr;
 };
+
+/// The account of clips and blobs as the transaction sees it. Throws Error{kDamaged}.
+StoreAccount read_account(const WriteTransaction& txn);
+void put_account(WriteTransaction& txn, const StoreAccount& account);
 
 }  // namespace freshet::store

@@ -10,10 +10,11 @@
 
 namespace freshet::store {
 
-Store Store::create(const std::filesystem::path& path, const std::string& settings) {
+Store Store::create(const std::filesystem::path& path, const std::string& settings,
+                    std::optional<std::uint64_t> store_id) {
   Store store;
   store.impl_ = std::make_shared<Impl>();
-  store.impl_->environment = Environment::create(path, settings);
+  store.impl_->environment = Environment::create(path, settings, store_id);
   return store;
 }
 

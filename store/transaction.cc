@@ -132,15 +132,6 @@ std::optional<Bytes> WriteTransaction::get(Table table, ByteSpan key) const {
   return Bytes(bytes.begin(), bytes.end());
 }
 
-std::optional<Bytes> WriteTransaction::last_key(Table table) const {
-  const auto& file = environment_->file();
-  const Cursor cursor = open_cursor(file, txn_, environment_->tables_[static_cast<std::size_t>(table)]);
-  MDB_val key{}, value{};
-  if (!move(file, cursor, key, value, MDB_LAST)) return std::nullopt;
-  const ByteSpan bytes = from_val(key);
-  return Bytes(bytes.begin(), bytes.end());
-}
-
 void WriteTransaction::each(Table table, const std::function<void(ByteSpan, ByteSpan)>& visit) const {
   const auto& file = environment_->file();
   const Cursor cursor = open_cursor(file, txn_, environment_->tables_[static_cast<std::size_t>(table)]);
@@ -156,6 +147,21 @@ void WriteTransaction::commit() {
   txn_ = nullptr;
   environment_->end_write(nullptr);
   check_lmdb(environment_->file(), "cannot be committed", code);
+}
+
+StoreAccount read_account(const WriteTransaction& txn) {
+  const RecordPlace at = txn.place(Table::kMeta, bytes_of(kAccountKey));
+  const auto value = txn.get(Table::kMeta, at.key);
+  if (!value) throw_damaged(at, "the record is missing");
+  auto account = parse_account(decode_record(at, *value, kMaxAccountBytes));
+  if (!account) throw_damaged(at, "the store's account of its records is garbled");
+  return std::move(*account);
+}
+
+void put_account(WriteTransaction& txn, const StoreAccount& account) {
+  const RecordPlace at = txn.place(Table::kMeta, bytes_of(kAccountKey));
+  const Bytes bytes = serialise_account(account);
+  txn.put(Table::kMeta, at.key, encode_record(at, bytes, 1, bytes.size()));
 }
 
 }  // namespace freshet::store
