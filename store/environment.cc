@@ -138,6 +138,12 @@ std::uint64_t Environment::file_bytes() const {
   return static_cast<std::uint64_t>(status.st_size);
 }
 
+std::size_t Environment::page_bytes() const {
+  MDB_stat status{};
+  mdb_env_stat(env_, &status);
+  return status.ms_psize;
+}
+
 void Environment::take_locks() {
   if (!lock_byte(fd_, kUserByte, F_RDLCK)) {
     throw Error(ErrorKind::kIo, file_.string(), "is being compacted by another process",

@@ -53,6 +53,7 @@ class Environment : public std::enable_shared_from_this<Environment> {
   Access access() const { return access_; }
   int descriptor() const { return fd_; }
   std::uint64_t file_bytes() const;
+  std::size_t page_bytes() const;
   RecordPlace place(Table table, ByteSpan key) const { return {file_, store_id_, table, key}; }
 
   /// Writes a copy without free pages to a new file, synced. Throws Error{kIo}.
@@ -129,7 +130,8 @@ class WriteTransaction {
   const Environment& environment() const { return *environment_; }
   RecordPlace place(Table table, ByteSpan key) const { return environment_->place(table, key); }
 
-  /// Keys that come in ascending order are appended: pages are filled instead of split.
+  /// Keys that come in ascending order are appended: pages are filled instead of split. A value that is there
+  /// already is erased first, so that no value has more pages than it needs.
   void put(Table table, ByteSpan key, ByteSpan value);
   void erase(Table table, ByteSpan prefix);
   std::optional<Bytes> get(Table table, ByteSpan key) const;
@@ -142,6 +144,8 @@ class WriteTransaction {
   KnownClips& known_clips() { return environment_->known_clips_; }
 
  private:
+  void expect_freeable(Table table, ByteSpan key, ByteSpan value) const;
+
   std::shared_ptr<Environment> environment_;
   MDB_txn* txn_ = nullptr;
 };

@@ -6,6 +6,7 @@
 #include <cerrno>
 
 #include "freshet/error.h"
+#include "store/page_check.h"
 #include "store/store_impl.h"
 
 namespace freshet::store {
@@ -54,6 +55,8 @@ void Store::compact() {
   if (!environment->lock_alone()) {
     throw Error(ErrorKind::kIo, file.string(), "is open in another process", "Close it there and run again");
   }
+  // LMDB copies as many pages as each value's first one names.
+  check_pages(environment->descriptor(), file, PageCheck::kAll);
   std::filesystem::remove(fresh);
   try {
     environment->copy_compact(fresh);

@@ -4,6 +4,7 @@
 #include "freshet/error.h"
 #include "store/environment.h"
 #include "store/lmdb_error.h"
+#include "store/page_check.h"
 
 namespace freshet::store {
 namespace {
@@ -99,11 +100,23 @@ WriteTransaction::~WriteTransaction() {
   if (txn_ != nullptr) environment_->end_write(txn_);
 }
 
+// LMDB frees as many pages as the value's first one names, be they another's.
+void WriteTransaction::expect_freeable(Table table, ByteSpan key, ByteSpan value) const {
+  if (!can_be_freed(environment_->page_bytes(), key.size(), value))
+    throw_damaged(place(table, key), "the header of the record's pages is garbled");
+}
+
 void WriteTransaction::put(Table table, ByteSpan key, ByteSpan value) {
   const MDB_dbi dbi = environment_->tables_[static_cast<std::size_t>(table)];
   MDB_val at = to_val(key), bytes = to_val(value);
   int code = mdb_put(txn_, dbi, &at, &bytes, MDB_APPEND);
   if (code == MDB_KEYEXIST) {  // not the last key: it belongs further up
+    at = to_val(key);
+    if (mdb_get(txn_, dbi, &at, &bytes) == 0) {
+      expect_freeable(table, key, from_val(bytes));
+      code = mdb_del(txn_, dbi, &at, nullptr);
+      check_lmdb(environment_->file(), "cannot be written", code);
+    }
     at = to_val(key);
     bytes = to_val(value);
     code = mdb_put(txn_, dbi, &at, &bytes, 0);
@@ -117,6 +130,7 @@ void WriteTransaction::erase(Table table, ByteSpan prefix) {
   MDB_val key = to_val(prefix), value{};
   bool more = move(file, cursor, key, value, MDB_SET_RANGE);
   while (more && begins_with(from_val(key), prefix)) {
+    expect_freeable(table, from_val(key), from_val(value));
     check_lmdb(file, "cannot be written", mdb_cursor_del(cursor.get(), 0));
     key = to_val(prefix);
     more = move(file, cursor, key, value, MDB_SET_RANGE);

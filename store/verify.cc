@@ -4,6 +4,7 @@
 
 #include "freshet/error.h"
 #include "store/codec/tile_codec.h"
+#include "store/page_check.h"
 #include "store/records/tile_record.h"
 #include "store/store_impl.h"
 
@@ -146,6 +147,9 @@ void Snapshot::Impl::Verification::check_array(Table table, const Bytes& prefix,
 
 std::vector<std::string> Snapshot::verify() const {
   Impl::Verification verification(*impl_);
+  const Environment& environment = impl_->txn.environment();
+  note(verification.faults,
+       [&] { check_pages(environment.descriptor(), environment.file(), PageCheck::kAll); });
   verification.tiles();
   verification.coverage();
   verification.columns_and_blobs();
