@@ -94,7 +94,8 @@ std::shared_ptr<Environment> Environment::create(const std::filesystem::path& fi
 std::shared_ptr<Environment> Environment::open(const std::filesystem::path& file, Access access) {
   const std::lock_guard lock(open_files().mutex);
   const StandardDescriptors standing_in;
-  const int fd = ::open(file.c_str(), (access == Access::kWrite ? O_RDWR : O_RDONLY) | O_CLOEXEC);
+  const int fd = ::open(file.c_str(), (access == Access::kWrite ? O_RDWR : O_RDONLY) | O_NONBLOCK |
+                                          O_CLOEXEC);  // nor wait for a pipe
   if (fd < 0 && errno == EISDIR) {
     throw Error(ErrorKind::kInput, file.string(), "is not a file", "Give a file made by freshet ingest");
   }

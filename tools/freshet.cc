@@ -4,6 +4,7 @@
 #include <csignal>
 #include <cstdio>
 #include <cstring>
+#include <filesystem>
 #include <new>
 #include <optional>
 
@@ -13,6 +14,7 @@
 #include "freshet/error.h"
 #include "platform/allocation.h"
 #include "platform/standard_descriptors.h"
+#include "platform/text_file.h"
 #include "tools/commands.h"
 
 namespace {
@@ -64,6 +66,21 @@ void finish_output() {
                        "Free space on the disk, or send it elsewhere, and run again");
 }
 
+/// Throws Error{kUsage} for a file of options that is none. One that is not there, CLI11 names itself.
+void check_options_file(const std::string& file) {
+  constexpr std::size_t kMaxBytes = 1 << 20, kDeepest = 16;
+  if (!std::filesystem::exists(file)) return;
+  try {
+    const std::string remedy = "Give a TOML file with a table for each command";
+    const std::string text = freshet::read_text_file(file, kMaxBytes, remedy);
+    freshet::expect_nesting(freshet::toml_nesting(text), kDeepest, file, remedy);
+  } catch (const freshet::Error& fault) {
+    std::string text = fault.what();
+    text.pop_back();  // its full stop
+    throw freshet::Error(freshet::ErrorKind::kUsage, "--config", text);
+  }
+}
+
 int exit_code(freshet::ErrorKind kind) {
   switch (kind) {
     case freshet::ErrorKind::kUsage:
@@ -94,7 +111,14 @@ int main(int argc, char** argv) {
   CLI::App app("Freshet: a patch database of fluid video, and still pictures animated with it.", "freshet");
   app.footer(kFooter);
   app.set_version_flag("--version", "freshet " FRESHET_VERSION);
-  app.set_config("--config", "", "Read options from a TOML file")->type_name("FILE");
+  app.set_config("--config", "", "Read options from a TOML file")
+      ->type_name("FILE")
+      ->check(CLI::Validator(
+          [](const std::string& file) {
+            check_options_file(file);
+            return std::string();
+          },
+          ""));
   app.require_subcommand(1);
   app.allow_config_extras(CLI::config_extras_mode::error);  // a misspelt name must not be passed over
   app.fallthrough();                                        // --config may also stand behind a command
