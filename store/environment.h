@@ -29,6 +29,9 @@ enum class Access { kRead, kWrite };
 class ReadTransaction;
 class WriteTransaction;
 
+/// Makes a file's name durable: its folder is synced, where that can be done.
+void sync_folder_of(const std::filesystem::path& file);
+
 /// Names and sources of all clips in one committed state: what a writer compares a new clip with. Reading all
 /// records for it at every commit took 4.5 us per clip, and so grew with the square of their number.
 struct KnownClips {
@@ -65,9 +68,10 @@ class Environment : public std::enable_shared_from_this<Environment> {
   friend class ReadTransaction;
   friend class WriteTransaction;
   Environment(std::filesystem::path file, Access access) : file_(std::move(file)), access_(access) {}
-  void take_locks();
-  void open_map();
-  int try_open_map(std::size_t map_bytes, unsigned flags);
+  /// at   the name that the file has while it is made; messages name file().
+  void take_locks(const std::filesystem::path& at);
+  void open_map(const std::filesystem::path& at);
+  int try_open_map(const std::filesystem::path& at, std::size_t map_bytes, unsigned flags);
   void open_tables(bool create);
   void read_identity();
   void write_identity(const std::string& settings, std::optional<std::uint64_t> store_id);

@@ -61,12 +61,7 @@ void Store::compact() {
   try {
     environment->copy_compact(fresh);
     std::filesystem::rename(fresh, file);
-    const int folder =
-        ::open(file.has_parent_path() ? file.parent_path().c_str() : ".", O_RDONLY | O_DIRECTORY);
-    if (folder >= 0) {
-      fsync(folder);
-      ::close(folder);
-    }
+    sync_folder_of(file);
   } catch (const std::filesystem::filesystem_error& error) {
     throw Error(ErrorKind::kIo, file.string(), error.what(), "The store is as before; check its folder");
   } catch (...) {
