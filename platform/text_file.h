@@ -28,6 +28,7 @@ inline std::string read_text_file(const std::filesystem::path& path, std::size_t
     throw Error(ErrorKind::kInput, path.string(), fault, remedy);
   };
   const int fd = ::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
+  if (fd < 0 && errno == ENOENT) fail("there is no such file");
   if (fd < 0) fail(std::string("cannot be opened (") + std::strerror(errno) + ")");
   struct Close {
     int fd;
