@@ -27,7 +27,9 @@ bool names_output(const CLI::Option& option) {
 // Whether writing `output`, a file or a numbered sequence, would write over `input`.
 bool writes_over(const fs::path& output, const fs::path& input) {
   std::error_code fault;
-  if (!media::is_pattern(output)) return fs::equivalent(output, input, fault);
+  // A folder is written into; its name may also be that of a preset scene.
+  if (!media::is_pattern(output))
+    return !fs::is_directory(output, fault) && fs::equivalent(output, input, fault);
   const fs::path folder = output.has_parent_path() ? output.parent_path() : ".";
   const auto is_frame = [&](const fs::path& file) {
     const std::string pattern = output.filename().string(), name = file.filename().string();
