@@ -1,6 +1,11 @@
 #!/bin/sh
 # Installs what is needed, builds, and runs every test. Works from nothing but a checkout on Debian 12.
+# ./test.sh --long: the campaigns of kills, failing calls and damages alone, at full length (hours).
 set -eu
 cd "$(dirname "$0")"
 cmake/prepare.sh release
+if [ "${1:-}" = --long ]; then
+  shift
+  FRESHET_LONG=1 exec ctest --preset release --timeout 86400 -R '^Faults\.' "$@"
+fi
 exec ctest --preset release --parallel "$(nproc)" "$@"

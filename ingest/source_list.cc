@@ -146,8 +146,11 @@ std::vector<Source> list_sources(std::span<const fs::path> paths, Shard shard) {
     }
     if (fs::is_directory(status)) {
       walk(path, path, all);
-    } else {
+    } else if (fs::is_regular_file(status)) {
       all.push_back(make_source(path, path.filename().string()));
+    } else {
+      throw Error(ErrorKind::kInput, given.string(), "is neither a regular file nor a folder",
+                  "Give video files, or folders that hold some");
     }
   }
   if (all.empty()) {

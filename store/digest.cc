@@ -8,6 +8,7 @@
 #include <memory>
 #include <tuple>
 
+#include "freshet/error.h"
 #include "platform/text.h"
 #include "store/store_impl.h"
 
@@ -55,7 +56,7 @@ struct Snapshot::Impl::Digest {
 
   XXH128_canonical_t clip(ClipId id) const;
   void stream(ClipId id, Stream stream, Hasher& hasher) const;
-  Bytes array(Table table, const Chunks& chunks) const;
+  Bytes array(Table table, ByteSpan prefix, const ArrayAccount& account) const;
 };
 
 XXH128_canonical_t Snapshot::Impl::Digest::clip(ClipId id) const {
@@ -72,11 +73,10 @@ XXH128_canonical_t Snapshot::Impl::Digest::clip(ClipId id) const {
   hasher.number(static_cast<std::uint64_t>(record.fps_den));
   hasher.number(record.rows);
   for (std::size_t s = 0; s < kStreams; ++s) stream(id, static_cast<Stream>(s), hasher);
-  for (const std::string& name : impl.column_names(id)) {
-    const auto chunks = impl.chunks(Table::kColumns, column_prefix(id, name));
-    const Bytes bytes = array(Table::kColumns, *chunks);
+  for (const auto& [name, account] : impl.stored(id).columns) {
+    const Bytes bytes = array(Table::kColumns, column_prefix(id, name), account);
     hasher.text(name);
-    hasher.number(chunks->element_bytes);
+    hasher.number(account.element_bytes);
     hasher.number(bytes.size());
     hasher.bytes(bytes);
   }
@@ -103,7 +103,8 @@ void Snapshot::Impl::Digest::stream(ClipId id, Stream stream, Hasher& hasher) co
   }
 }
 
-Bytes Snapshot::Impl::Digest::array(Table table, const Chunks& chunks) const {
+Bytes Snapshot::Impl::Digest::array(Table table, ByteSpan prefix, const ArrayAccount& account) const {
+  const Chunks chunks = impl.chunks(table, prefix, account);
   Bytes bytes(chunks.total_bytes);
   impl.decode_chunks(table, chunks, bytes);
   return bytes;
@@ -111,7 +112,11 @@ Bytes Snapshot::Impl::Digest::array(Table table, const Chunks& chunks) const {
 
 std::string Snapshot::digest() const {
   const Impl& impl = *impl_;
-  impl.expect_whole();
+  if (const std::vector<std::string> faults = check_account(); !faults.empty()) {
+    throw Error(
+        ErrorKind::kDamaged, path().string(),
+        "is damaged, in " + std::to_string(faults.size()) + " places at least. The first: " + faults.front());
+  }
   const Impl::Digest digest{impl};
   std::vector<ClipId> order = impl.clips;
   std::ranges::sort(order, {}, [&](ClipId id) {
@@ -127,10 +132,9 @@ std::string Snapshot::digest() const {
   whole.text(impl.settings);
   whole.number(order.size());
   for (const XXH128_canonical_t& hash : clip_hashes) whole.bytes(as_bytes(hash));
-  for (const std::string& name : impl.blob_names()) {
-    const auto chunks = impl.chunks(Table::kBlobs, blob_prefix(name));
-    if ((chunks->flags & kOutsideDigest) != 0) continue;
-    const Bytes bytes = digest.array(Table::kBlobs, *chunks);
+  for (const auto& [name, account] : impl.accounted().blobs) {
+    if ((account.flags & kOutsideDigest) != 0) continue;
+    const Bytes bytes = digest.array(Table::kBlobs, blob_prefix(name), account);
     whole.text(name);
     whole.number(bytes.size());
     whole.bytes(bytes);

@@ -7,13 +7,16 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <cstdio>
 #include <map>
 #include <random>
 #include <utility>
 
 #include "freshet/error.h"
+#include "platform/standard_descriptors.h"
 #include "store/lmdb_error.h"
 #include "store/page_check.h"
+#include "store/records/account.h"
 
 namespace freshet::store {
 namespace {
@@ -21,7 +24,6 @@ namespace {
 constexpr std::size_t kFirstMapBytes = std::size_t{1} << 40;  // reserved address space, no memory and no disk
 constexpr unsigned kMaxReaders = 1024;
 constexpr std::size_t kIdentityBytes = 32;
-constexpr std::string_view kIdentityKey = "store", kSettingsKey = "settings";
 
 // Bytes of the store, far beyond its end, whose locks tell who has it open.
 constexpr off_t kUserByte = off_t{1} << 62, kWriterByte = kUserByte + 1, kUnlockedReaderByte = kUserByte + 2;
@@ -60,30 +62,62 @@ std::pair<dev_t, ino_t> file_identity(int fd) {
   return {status.st_dev, status.st_ino};
 }
 
+[[noreturn]] void throw_not_created(const std::filesystem::path& file, int code) {
+  throw Error(ErrorKind::kIo, file.string(), std::string("cannot be created (") + std::strerror(code) + ")",
+              code == EEXIST                     ? "Choose another name, or remove it first"
+              : code == ENOSPC || code == EDQUOT ? "Free space on the disk and run again"
+                                                 : "Make its folder, and check that it can be written");
+}
+
+// False, with errno, when it cannot be done; EEXIST when there is something already.
+bool rename_to_new(const std::filesystem::path& from, const std::filesystem::path& to) {
+  if (renameat2(AT_FDCWD, from.c_str(), AT_FDCWD, to.c_str(), RENAME_NOREPLACE) == 0) return true;
+  if (errno != EINVAL && errno != ENOSYS) return false;  // else: this file system cannot
+  if (::access(to.c_str(), F_OK) == 0) {
+    errno = EEXIST;
+    return false;
+  }
+  return std::rename(from.c_str(), to.c_str()) == 0;
+}
+
 }  // namespace
+
+void sync_folder_of(const std::filesystem::path& file) {
+  const int folder =
+      ::open(file.has_parent_path() ? file.parent_path().c_str() : ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (folder < 0) return;
+  fsync(folder);
+  ::close(folder);
+}
 
 std::shared_ptr<Environment> Environment::create(const std::filesystem::path& file,
                                                  const std::string& settings,
                                                  std::optional<std::uint64_t> store_id) {
+  const StandardDescriptors standing_in;
   const std::shared_ptr<Environment> made(new Environment(file, Access::kWrite));
-  made->fd_ = ::open(file.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-  if (made->fd_ < 0) {
-    const bool exists = errno == EEXIST;
-    throw Error(ErrorKind::kIo, file.string(),
-                std::string("cannot be created (") + std::strerror(errno) + ")",
-                exists ? "Choose another name, or remove it first"
-                       : "Make its folder, and check that it can be written");
-  }
+  // Made beside, and given its name when it is a store: killed at any instant, there is one or there is none.
+  const std::filesystem::path fresh = file.string() + ".making";
+  std::error_code unknown;
+  const bool exists = std::filesystem::exists(file, unknown);
+  if (!exists) made->fd_ = ::open(fresh.c_str(), O_RDWR | O_CREAT | O_NONBLOCK | O_CLOEXEC, 0666);
+  if (made->fd_ < 0) throw_not_created(file, exists ? EEXIST : errno);
+  made->take_locks(fresh);
   try {
-    made->take_locks();
-    made->open_map();
+    if (ftruncate(made->fd_, 0) != 0) throw_not_created(file, errno);  // what a killed run has left
+    made->open_map(fresh);
     made->open_tables(true);
     made->write_identity(settings, store_id);
+    mdb_env_close(std::exchange(made->env_, nullptr));
+    if (!rename_to_new(fresh, file)) throw_not_created(file, errno);
+    sync_folder_of(file);
+    made->open_map(file);
+    made->open_tables(false);
   } catch (...) {
-    ::unlink(file.c_str());
-    ::unlink((file.string() + "-lock").c_str());
+    if (made->env_ != nullptr) mdb_env_close(std::exchange(made->env_, nullptr));
+    for (const char* ending : {"", "-lock"}) ::unlink((fresh.string() + ending).c_str());
     throw;
   }
+  ::unlink((fresh.string() + "-lock").c_str());
   const std::lock_guard lock(open_files().mutex);
   open_files().files[file_identity(made->fd_)] = made;
   return made;
@@ -91,7 +125,9 @@ std::shared_ptr<Environment> Environment::create(const std::filesystem::path& fi
 
 std::shared_ptr<Environment> Environment::open(const std::filesystem::path& file, Access access) {
   const std::lock_guard lock(open_files().mutex);
-  const int fd = ::open(file.c_str(), (access == Access::kWrite ? O_RDWR : O_RDONLY) | O_CLOEXEC);
+  const StandardDescriptors standing_in;
+  const int fd = ::open(file.c_str(), (access == Access::kWrite ? O_RDWR : O_RDONLY) | O_NONBLOCK |
+                                          O_CLOEXEC);  // nor wait for a pipe
   if (fd < 0 && errno == EISDIR) {
     throw Error(ErrorKind::kInput, file.string(), "is not a file", "Give a file made by freshet ingest");
   }
@@ -115,9 +151,9 @@ std::shared_ptr<Environment> Environment::open(const std::filesystem::path& file
       throw Error(ErrorKind::kIo, file.string(), "is already open in this process", "Close it there first");
     }
   }
-  made->take_locks();
+  made->take_locks(file);
   check_pages(fd, file);
-  made->open_map();
+  made->open_map(file);
   made->open_tables(false);
   made->read_identity();
   open_files().files[identity] = made;
@@ -135,14 +171,20 @@ std::uint64_t Environment::file_bytes() const {
   return static_cast<std::uint64_t>(status.st_size);
 }
 
-void Environment::take_locks() {
+std::size_t Environment::page_bytes() const {
+  MDB_stat status{};
+  mdb_env_stat(env_, &status);
+  return status.ms_psize;
+}
+
+void Environment::take_locks(const std::filesystem::path& at) {
   if (!lock_byte(fd_, kUserByte, F_RDLCK)) {
     throw Error(ErrorKind::kIo, file_.string(), "is being compacted by another process",
                 "Wait for it and run again");
   }
   struct stat here {
   }, named{};
-  if (fstat(fd_, &here) != 0 || ::stat(file_.c_str(), &named) != 0 || here.st_ino != named.st_ino) {
+  if (fstat(fd_, &here) != 0 || ::stat(at.c_str(), &named) != 0 || here.st_ino != named.st_ino) {
     throw Error(ErrorKind::kIo, file_.string(), "has been replaced while it was opened", "Run again");
   }
   if (access_ != Access::kWrite) return;
@@ -156,23 +198,23 @@ void Environment::take_locks() {
   }
 }
 
-int Environment::try_open_map(std::size_t map_bytes, unsigned flags) {
+int Environment::try_open_map(const std::filesystem::path& at, std::size_t map_bytes, unsigned flags) {
   check_lmdb(file_, "cannot make an environment", mdb_env_create(&env_));
   mdb_env_set_maxdbs(env_, kTables + 3);
   mdb_env_set_maxreaders(env_, kMaxReaders);
   mdb_env_set_mapsize(env_, map_bytes);
   map_bytes_ = map_bytes;
-  const int code = mdb_env_open(env_, file_.c_str(), MDB_NOSUBDIR | MDB_NOTLS | flags, 0666);
+  const int code = mdb_env_open(env_, at.c_str(), MDB_NOSUBDIR | MDB_NOTLS | flags, 0666);
   if (code != 0) mdb_env_close(std::exchange(env_, nullptr));
   return code;
 }
 
-void Environment::open_map() {
+void Environment::open_map(const std::filesystem::path& at) {
   const std::size_t min_bytes = std::max<std::size_t>(2 * file_bytes(), std::size_t{1} << 26);
   unsigned flags = access_ == Access::kRead ? MDB_RDONLY : 0;
   std::size_t map_bytes = kFirstMapBytes;
-  int code = try_open_map(map_bytes, flags);
-  while (code == ENOMEM && map_bytes / 2 >= min_bytes) code = try_open_map(map_bytes /= 2, flags);
+  int code = try_open_map(at, map_bytes, flags);
+  while (code == ENOMEM && map_bytes / 2 >= min_bytes) code = try_open_map(at, map_bytes /= 2, flags);
   if ((code == EACCES || code == EPERM || code == EROFS) && access_ == Access::kRead) {
     // No lock file can be made here. Pages are safe as long as nobody writes, and the locks on the store say
     // so.
@@ -183,8 +225,8 @@ void Environment::open_map() {
                   "Get permission to write to " + file_.string() + "-lock, or wait for the writer");
     }
     flags |= MDB_NOLOCK;
-    code = try_open_map(map_bytes, flags);
-    while (code == ENOMEM && map_bytes / 2 >= min_bytes) code = try_open_map(map_bytes /= 2, flags);
+    code = try_open_map(at, map_bytes, flags);
+    while (code == ENOMEM && map_bytes / 2 >= min_bytes) code = try_open_map(at, map_bytes /= 2, flags);
   }
   check_lmdb(file_, "cannot be opened", code);
   int dead = 0;
@@ -227,6 +269,7 @@ void Environment::write_identity(const std::string& settings, std::optional<std:
   txn.put(Table::kMeta, bytes_of(kIdentityKey), identity);
   const RecordPlace at = place(Table::kMeta, bytes_of(kSettingsKey));
   txn.put(Table::kMeta, at.key, encode_record(at, bytes_of(settings), 1, settings.size()));
+  put_account(txn, {});
   txn.commit();
 }
 
@@ -301,6 +344,7 @@ void Environment::end_write(MDB_txn* txn) {
 }
 
 void Environment::copy_compact(const std::filesystem::path& to) const {
+  const StandardDescriptors standing_in;
   const int fd = ::open(to.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
   if (fd < 0) {
     throw Error(ErrorKind::kIo, to.string(), std::string("cannot be created (") + std::strerror(errno) + ")",

@@ -19,6 +19,7 @@
 #include <thread>
 #include <vector>
 
+#include "store/records/account.h"
 #include "store/records/record.h"
 
 namespace freshet::store {
@@ -27,6 +28,9 @@ enum class Access { kRead, kWrite };
 
 class ReadTransaction;
 class WriteTransaction;
+
+/// Makes a file's name durable: its folder is synced, where that can be done.
+void sync_folder_of(const std::filesystem::path& file);
 
 /// Names and sources of all clips in one committed state: what a writer compares a new clip with. Reading all
 /// records for it at every commit took 4.5 us per clip, and so grew with the square of their number.
@@ -52,6 +56,7 @@ class Environment : public std::enable_shared_from_this<Environment> {
   Access access() const { return access_; }
   int descriptor() const { return fd_; }
   std::uint64_t file_bytes() const;
+  std::size_t page_bytes() const;
   RecordPlace place(Table table, ByteSpan key) const { return {file_, store_id_, table, key}; }
 
   /// Writes a copy without free pages to a new file, synced. Throws Error{kIo}.
@@ -63,9 +68,10 @@ class Environment : public std::enable_shared_from_this<Environment> {
   friend class ReadTransaction;
   friend class WriteTransaction;
   Environment(std::filesystem::path file, Access access) : file_(std::move(file)), access_(access) {}
-  void take_locks();
-  void open_map();
-  int try_open_map(std::size_t map_bytes, unsigned flags);
+  /// at   the name that the file has while it is made; messages name file().
+  void take_locks(const std::filesystem::path& at);
+  void open_map(const std::filesystem::path& at);
+  int try_open_map(const std::filesystem::path& at, std::size_t map_bytes, unsigned flags);
   void open_tables(bool create);
   void read_identity();
   void write_identity(const std::string& settings, std::optional<std::uint64_t> store_id);
@@ -128,11 +134,11 @@ class WriteTransaction {
   const Environment& environment() const { return *environment_; }
   RecordPlace place(Table table, ByteSpan key) const { return environment_->place(table, key); }
 
-  /// Keys that come in ascending order are appended: pages are filled instead of split.
+  /// Keys that come in ascending order are appended: pages are filled instead of split. A value that is there
+  /// already is erased first, so that no value has more pages than it needs.
   void put(Table table, ByteSpan key, ByteSpan value);
   void erase(Table table, ByteSpan prefix);
   std::optional<Bytes> get(Table table, ByteSpan key) const;
-  std::optional<Bytes> last_key(Table table) const;
   /// Calls visit(key, value) for every entry of the table.
   void each(Table table, const std::function<void(ByteSpan, ByteSpan)>& visit) const;
   void commit();
@@ -142,8 +148,14 @@ class WriteTransaction {
   KnownClips& known_clips() { return environment_->known_clips_; }
 
  private:
+  void expect_freeable(Table table, ByteSpan key, ByteSpan value) const;
+
   std::shared_ptr<Environment> environment_;
   MDB_txn* txn_ = nullptr;
 };
+
+/// The account of clips and blobs as the transaction sees it. Throws Error{kDamaged}.
+StoreAccount read_account(const WriteTransaction& txn);
+void put_account(WriteTransaction& txn, const StoreAccount& account);
 
 }  // namespace freshet::store

@@ -45,7 +45,19 @@ Snapshot::Impl::Impl(std::shared_ptr<Environment> environment) : txn(std::move(e
   const Bytes text = decode_record(at, *value, kMaxSettingsBytes);
   settings.assign(reinterpret_cast<const char*>(text.data()), text.size());
 
+  const RecordPlace account_at = txn.place(Table::kMeta, bytes_of(kAccountKey));
+  try {
+    const auto bytes = txn.get(Table::kMeta, account_at.key);
+    if (!bytes) throw_damaged(account_at, "the record is missing");
+    account = parse_account(decode_record(account_at, *bytes, kMaxAccountBytes));
+    if (!account) throw_damaged(account_at, "the store's account of its records is garbled");
+  } catch (const Error& error) {
+    account_fault = error.what();
+  }
+
+  RecordSum found;
   for (const auto& [key, bytes] : txn.entries(Table::kClips)) {
+    found.add(bytes);
     const RecordPlace place = txn.place(Table::kClips, key);
     if (key.size() != 4) throw_damaged(place, "the clip's key is garbled");
     const ClipId id{load_big_endian(key.data())};
@@ -60,6 +72,16 @@ Snapshot::Impl::Impl(std::shared_ptr<Environment> environment) : txn(std::move(e
       damaged.emplace(id, error.what());
     }
   }
+  if (account && (found != account->clips ||
+                  (!clips.empty() && static_cast<std::uint32_t>(clips.back()) >= account->next_clip))) {
+    try {
+      throw_damaged(account_at, "the store has written " + std::to_string(account->clips.records) +
+                                    " clips, and " + std::to_string(found.records) + " are there" +
+                                    (found.records == account->clips.records ? ", not the same" : ""));
+    } catch (const Error& error) {
+      account_fault = error.what();
+    }
+  }
 }
 
 const StoredClip& Snapshot::Impl::stored(ClipId id) const {
@@ -70,7 +92,15 @@ const StoredClip& Snapshot::Impl::stored(ClipId id) const {
               "has no clip " + std::to_string(static_cast<std::uint32_t>(id)));
 }
 
+const StoreAccount& Snapshot::Impl::accounted() const {
+  if (!account) throw_damaged(txn.place(Table::kMeta, bytes_of(kAccountKey)), "the record cannot be read");
+  return *account;
+}
+
 void Snapshot::Impl::expect_whole() const {
+  if (!account_fault.empty())
+    throw_damaged(txn.place(Table::kMeta, bytes_of(kAccountKey)),
+                  "the clips are not those that were written");
   if (damaged.empty()) return;
   const Bytes key = clip_key(damaged.begin()->first);
   throw_damaged(txn.place(Table::kClips, key), "the clip's record cannot be read");
@@ -106,12 +136,16 @@ void Snapshot::Impl::read(ClipId id, Stream stream, std::uint32_t plane, Rect re
   }
 }
 
-std::optional<Snapshot::Impl::Chunks> Snapshot::Impl::chunks(Table table, ByteSpan prefix) const {
+Snapshot::Impl::Chunks Snapshot::Impl::chunks(Table table, ByteSpan prefix,
+                                              const ArrayAccount& account_of) const {
   Chunks found;
   found.entries = txn.entries(table, prefix);
-  if (found.entries.empty()) return std::nullopt;
-  // Every chunk but the last is full and every chunk says how long the whole is: nothing can be missing.
+  if (found.entries.empty()) throw_damaged(txn.place(table, prefix), "the record is missing");
+  found.total_bytes = account_of.bytes;
+  found.element_bytes = account_of.element_bytes;
+  found.flags = account_of.flags;
   std::uint64_t bytes = 0;
+  RecordSum sum;
   for (std::size_t i = 0; i < found.entries.size(); ++i) {
     const auto& [key, value] = found.entries[i];
     const RecordPlace place = txn.place(table, key);
@@ -119,19 +153,18 @@ std::optional<Snapshot::Impl::Chunks> Snapshot::Impl::chunks(Table table, ByteSp
     if (key.size() != prefix.size() + 4 || load_big_endian(key.data() + prefix.size()) != i) {
       throw_damaged(place, "the chunk before it is missing");
     }
-    if (i == 0) {
-      found.total_bytes = header.total_bytes;
-      found.element_bytes = header.parameter;
-      found.flags = header.flags;
-    }
     if (header.total_bytes != found.total_bytes || header.parameter != found.element_bytes ||
-        header.parameter == 0 || header.raw_bytes > kChunkBytes) {
-      throw_damaged(place, "the chunk does not fit the first one");
+        header.flags != found.flags || header.raw_bytes > kChunkBytes ||
+        header.raw_bytes > found.total_bytes - bytes) {
+      throw_damaged(place, "the chunk is not of the array that was written");
     }
     bytes += header.raw_bytes;
+    sum.add(value);
   }
-  if (bytes != found.total_bytes) {
-    throw_damaged(txn.place(table, found.entries.back().key), "the chunks after it are missing");
+  if (bytes != found.total_bytes || sum != account_of.sum) {
+    throw_damaged(txn.place(table, found.entries.back().key),
+                  bytes != found.total_bytes ? "the chunks after it are missing"
+                                             : "the chunks are not those that were written last");
   }
   return found;
 }
@@ -144,28 +177,6 @@ void Snapshot::Impl::decode_chunks(Table table, const Chunks& chunks, std::span<
     out = out.subspan(record.header.raw_bytes);
   }
 }
-
-namespace {
-
-// The names among chunk keys, each once.
-std::vector<std::string> chunk_names(const ReadTransaction& txn, Table table, ByteSpan prefix) {
-  std::vector<std::string> names;
-  for (const auto& entry : txn.entries(table, prefix)) {
-    const ByteSpan rest = entry.key.subspan(prefix.size());
-    if (rest.size() < 6) throw_damaged(txn.place(table, entry.key), "the key is garbled");
-    std::string name(reinterpret_cast<const char*>(rest.data()), rest.size() - 5);
-    if (names.empty() || names.back() != name) names.push_back(std::move(name));
-  }
-  return names;
-}
-
-}  // namespace
-
-std::vector<std::string> Snapshot::Impl::column_names(ClipId id) const {
-  return chunk_names(txn, Table::kColumns, clip_key(id));
-}
-
-std::vector<std::string> Snapshot::Impl::blob_names() const { return chunk_names(txn, Table::kBlobs, {}); }
 
 const std::filesystem::path& Snapshot::path() const { return impl_->txn.environment().file(); }
 const std::string& Snapshot::settings() const { return impl_->settings; }
@@ -206,38 +217,43 @@ void Snapshot::read(ClipId id, Stream stream, std::uint32_t plane, Rect region, 
 }
 
 bool Snapshot::has_column(ClipId id, std::string_view name) const {
-  impl_->stored(id);
-  return name.size() <= kMaxColumnName &&
-         impl_->txn.get(Table::kColumns, column_key(id, name, 0)).has_value();
+  return impl_->stored(id).columns.contains(name);
 }
 
 void Snapshot::column_into(ClipId id, std::string_view name, std::uint32_t element_size,
                            std::span<std::byte> (*resize)(void*, std::size_t), void* context) const {
   const StoredClip& clip = impl_->stored(id);
-  const Bytes prefix = column_prefix(id, name);
-  const auto chunks = impl_->chunks(Table::kColumns, prefix);
-  if (!chunks) {
+  const auto column = clip.columns.find(name);
+  if (column == clip.columns.end()) {
     throw Error(ErrorKind::kNotFound, clip.record.name, "has no column \"" + std::string(name) + "\"",
                 "Ingest the clip again with this version of Freshet");
   }
-  if (chunks->element_bytes != element_size || chunks->total_bytes % element_size != 0) {
+  const ArrayAccount& account = column->second;
+  if (account.element_bytes != element_size || account.bytes % element_size != 0) {
     throw_usage("Snapshot::column", "column \"" + std::string(name) + "\" has elements of " +
-                                        std::to_string(chunks->element_bytes) + " bytes, asked for " +
+                                        std::to_string(account.element_bytes) + " bytes, asked for " +
                                         std::to_string(element_size));
   }
-  impl_->decode_chunks(Table::kColumns, *chunks, resize(context, chunks->total_bytes / element_size));
+  const Bytes prefix = column_prefix(id, name);
+  const auto chunks = impl_->chunks(Table::kColumns, prefix, account);
+  impl_->decode_chunks(Table::kColumns, chunks, resize(context, chunks.total_bytes / element_size));
 }
 
 std::optional<std::vector<std::byte>> Snapshot::blob(std::string_view name) const {
-  if (name.size() > kMaxBlobName) return std::nullopt;
+  const ArrayAccounts& blobs = impl_->accounted().blobs;
+  const auto account = blobs.find(name);
+  if (account == blobs.end()) return std::nullopt;
   const Bytes prefix = blob_prefix(name);
-  const auto chunks = impl_->chunks(Table::kBlobs, prefix);
-  if (!chunks) return std::nullopt;
-  Bytes bytes(chunks->total_bytes);
-  impl_->decode_chunks(Table::kBlobs, *chunks, bytes);
+  const auto chunks = impl_->chunks(Table::kBlobs, prefix, account->second);
+  Bytes bytes(chunks.total_bytes);
+  impl_->decode_chunks(Table::kBlobs, chunks, bytes);
   return bytes;
 }
 
-std::vector<std::string> Snapshot::blob_names() const { return impl_->blob_names(); }
+std::vector<std::string> Snapshot::blob_names() const {
+  std::vector<std::string> names;
+  for (const auto& [name, account] : impl_->accounted().blobs) names.push_back(name);
+  return names;
+}
 
 }  // namespace freshet::store

@@ -6,14 +6,16 @@
 #include <cerrno>
 
 #include "freshet/error.h"
+#include "store/page_check.h"
 #include "store/store_impl.h"
 
 namespace freshet::store {
 
-Store Store::create(const std::filesystem::path& path, const std::string& settings) {
+Store Store::create(const std::filesystem::path& path, const std::string& settings,
+                    std::optional<std::uint64_t> store_id) {
   Store store;
   store.impl_ = std::make_shared<Impl>();
-  store.impl_->environment = Environment::create(path, settings);
+  store.impl_->environment = Environment::create(path, settings, store_id);
   return store;
 }
 
@@ -53,16 +55,13 @@ void Store::compact() {
   if (!environment->lock_alone()) {
     throw Error(ErrorKind::kIo, file.string(), "is open in another process", "Close it there and run again");
   }
+  // LMDB copies as many pages as each value's first one names.
+  check_pages(environment->descriptor(), file, PageCheck::kAll);
   std::filesystem::remove(fresh);
   try {
     environment->copy_compact(fresh);
     std::filesystem::rename(fresh, file);
-    const int folder =
-        ::open(file.has_parent_path() ? file.parent_path().c_str() : ".", O_RDONLY | O_DIRECTORY);
-    if (folder >= 0) {
-      fsync(folder);
-      ::close(folder);
-    }
+    sync_folder_of(file);
   } catch (const std::filesystem::filesystem_error& error) {
     throw Error(ErrorKind::kIo, file.string(), error.what(), "The store is as before; check its folder");
   } catch (...) {

@@ -27,8 +27,11 @@ class ClipWriter;
 class Store {
  public:
   /// Creates a store file with the given settings (JSON, kept as they are; they take part in the digest).
+  /// store_id   binds records to this file; drawn at random, and given only where files are to be equal byte
+  ///            by byte.
   /// Throws Error{kIo} when the file exists or its folder does not.
-  static Store create(const std::filesystem::path& path, const std::string& settings);
+  static Store create(const std::filesystem::path& path, const std::string& settings,
+                      std::optional<std::uint64_t> store_id = {});
   /// Opens for reading. Needs no write permission, neither on the file nor on its folder.
   /// Throws Error{kInput} when there is no such file or it is no store, Error{kDamaged} when it was one.
   static Store open_read(const std::filesystem::path& path);
@@ -160,6 +163,11 @@ class Snapshot {
   /// One hash (32 hex digits) of all logical content: settings, clips in order of source hash with decoded
   /// streams and columns, and the blobs that take part. Independent of clip order, threads, zstd's version.
   std::string digest() const;
+
+  /// Compares the records that are there with those that the clips and the store say there are: keys, headers,
+  /// numbers, and the sums of the hashes. Reads no payload: some microseconds a record.
+  /// One line a fault; empty when all is well.
+  std::vector<std::string> check_account() const;
 
   /// Reads everything. Returns one line a damaged record; empty when all is well.
   std::vector<std::string> verify() const;

@@ -21,25 +21,28 @@ struct Snapshot::Impl {
   const TileGrid& grid(ClipId id, Stream stream) const {
     return stored(id).grids[static_cast<std::size_t>(stream)];
   }
-  /// Throws Error{kDamaged} when a clip's record cannot be read: an absent name may be that clip's.
+  /// Throws Error{kDamaged} when a clip's record cannot be read or one is lost: an absent name may be that
+  /// clip's.
   void expect_whole() const;
+  /// Throws Error{kDamaged} when the store's account of its records cannot be read.
+  const StoreAccount& accounted() const;
 
   /// One plane of frames [first, first + count), as Snapshot::read, without the check of arguments.
   void read(ClipId id, Stream stream, std::uint32_t plane, Rect region, std::uint32_t first,
             std::uint32_t count, std::span<std::byte> out) const;
 
-  /// The chunks of a column or blob put together. Empty when there is none.
+  /// The chunks of a column or blob put together.
   struct Chunks {
     std::uint64_t total_bytes = 0;
     std::uint32_t element_bytes = 0;
     std::uint8_t flags = 0;
     std::vector<ReadTransaction::Entry> entries;
   };
-  std::optional<Chunks> chunks(Table table, ByteSpan prefix) const;
+  /// Throws Error{kDamaged} when they are not those of the account.
+  Chunks chunks(Table table, ByteSpan prefix, const ArrayAccount& account) const;
   void decode_chunks(Table table, const Chunks& chunks, std::span<std::byte> out) const;
-  std::vector<std::string> column_names(ClipId id) const;
-  std::vector<std::string> blob_names() const;
 
+  struct AccountCheck;  // account_check.cc
   struct Digest;        // digest.cc
   struct Verification;  // verify.cc
 
@@ -48,6 +51,8 @@ struct Snapshot::Impl {
   std::vector<ClipId> clips;
   std::map<ClipId, StoredClip> records;
   std::map<ClipId, std::string> damaged;  // what is wrong with the clips that records lacks
+  std::optional<StoreAccount> account;    // empty when it cannot be read
+  std::string account_fault;  // what is wrong with it, or with the clips as a whole; empty: nothing
   std::map<std::string, ClipId, std::less<>> by_name, by_source;
 };
 

@@ -4,6 +4,7 @@
 #include "freshet/error.h"
 #include "store/environment.h"
 #include "store/lmdb_error.h"
+#include "store/page_check.h"
 
 namespace freshet::store {
 namespace {
@@ -99,11 +100,23 @@ WriteTransaction::~WriteTransaction() {
   if (txn_ != nullptr) environment_->end_write(txn_);
 }
 
+// LMDB frees as many pages as the value's first one names, be they another's.
+void WriteTransaction::expect_freeable(Table table, ByteSpan key, ByteSpan value) const {
+  if (!can_be_freed(environment_->page_bytes(), key.size(), value))
+    throw_damaged(place(table, key), "the header of the record's pages is garbled");
+}
+
 void WriteTransaction::put(Table table, ByteSpan key, ByteSpan value) {
   const MDB_dbi dbi = environment_->tables_[static_cast<std::size_t>(table)];
   MDB_val at = to_val(key), bytes = to_val(value);
   int code = mdb_put(txn_, dbi, &at, &bytes, MDB_APPEND);
   if (code == MDB_KEYEXIST) {  // not the last key: it belongs further up
+    at = to_val(key);
+    if (mdb_get(txn_, dbi, &at, &bytes) == 0) {
+      expect_freeable(table, key, from_val(bytes));
+      code = mdb_del(txn_, dbi, &at, nullptr);
+      check_lmdb(environment_->file(), "cannot be written", code);
+    }
     at = to_val(key);
     bytes = to_val(value);
     code = mdb_put(txn_, dbi, &at, &bytes, 0);
@@ -117,6 +130,7 @@ void WriteTransaction::erase(Table table, ByteSpan prefix) {
   MDB_val key = to_val(prefix), value{};
   bool more = move(file, cursor, key, value, MDB_SET_RANGE);
   while (more && begins_with(from_val(key), prefix)) {
+    expect_freeable(table, from_val(key), from_val(value));
     check_lmdb(file, "cannot be written", mdb_cursor_del(cursor.get(), 0));
     key = to_val(prefix);
     more = move(file, cursor, key, value, MDB_SET_RANGE);
@@ -129,15 +143,6 @@ std::optional<Bytes> WriteTransaction::get(Table table, ByteSpan key) const {
   if (code == MDB_NOTFOUND) return std::nullopt;
   check_lmdb(environment_->file(), "cannot be read", code);
   const ByteSpan bytes = from_val(value);
-  return Bytes(bytes.begin(), bytes.end());
-}
-
-std::optional<Bytes> WriteTransaction::last_key(Table table) const {
-  const auto& file = environment_->file();
-  const Cursor cursor = open_cursor(file, txn_, environment_->tables_[static_cast<std::size_t>(table)]);
-  MDB_val key{}, value{};
-  if (!move(file, cursor, key, value, MDB_LAST)) return std::nullopt;
-  const ByteSpan bytes = from_val(key);
   return Bytes(bytes.begin(), bytes.end());
 }
 
@@ -156,6 +161,21 @@ void WriteTransaction::commit() {
   txn_ = nullptr;
   environment_->end_write(nullptr);
   check_lmdb(environment_->file(), "cannot be committed", code);
+}
+
+StoreAccount read_account(const WriteTransaction& txn) {
+  const RecordPlace at = txn.place(Table::kMeta, bytes_of(kAccountKey));
+  const auto value = txn.get(Table::kMeta, at.key);
+  if (!value) throw_damaged(at, "the record is missing");
+  auto account = parse_account(decode_record(at, *value, kMaxAccountBytes));
+  if (!account) throw_damaged(at, "the store's account of its records is garbled");
+  return std::move(*account);
+}
+
+void put_account(WriteTransaction& txn, const StoreAccount& account) {
+  const RecordPlace at = txn.place(Table::kMeta, bytes_of(kAccountKey));
+  const Bytes bytes = serialise_account(account);
+  txn.put(Table::kMeta, at.key, encode_record(at, bytes, 1, bytes.size()));
 }
 
 }  // namespace freshet::store

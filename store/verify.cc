@@ -4,6 +4,7 @@
 
 #include "freshet/error.h"
 #include "store/codec/tile_codec.h"
+#include "store/page_check.h"
 #include "store/records/tile_record.h"
 #include "store/store_impl.h"
 
@@ -41,7 +42,7 @@ struct Snapshot::Impl::Verification {
   void check_tiles(const Entry& entry, const RecordPlace& place, const TileRecord& record,
                    Faults& found) const;
   void check_run(ClipId id, Stream stream, std::uint64_t tile_count, std::size_t& at);
-  void check_array(Table table, const Bytes& prefix);
+  void check_array(Table table, const Bytes& prefix, const ArrayAccount& account);
 
   const Impl& impl;
   const std::vector<Entry> entries;   // of tiles, by key
@@ -62,13 +63,11 @@ std::uint32_t Snapshot::Impl::Verification::check_record(const Entry& entry, Fau
   std::uint32_t count = 0;
   note(found, [&] {
     const RecordPlace place = impl.txn.place(Table::kTiles, entry.key);
-    if (entry.key.size() != kTileKeyBytes || static_cast<std::size_t>(entry.key[4]) >= kStreams)
-      throw_damaged(place, "the key is garbled");
+    if (entry.key.size() != kTileKeyBytes || static_cast<std::size_t>(entry.key[4]) >= kStreams) return;
     const TileRecord record(place, entry.value);
     count = record.count();
     const ClipId id{load_big_endian(entry.key.data())};
-    if (impl.damaged.contains(id)) return;
-    if (!impl.records.contains(id)) throw_damaged(place, "the record belongs to no clip");
+    if (!impl.records.contains(id)) return;  // check_account names it
     check_tiles(entry, place, record, found);
   });
   return count;
@@ -130,30 +129,34 @@ void Snapshot::Impl::Verification::check_run(ClipId id, Stream stream, std::uint
 // Whole.
 void Snapshot::Impl::Verification::columns_and_blobs() {
   for (const auto& [id, clip] : impl.records)
-    note(faults, [&] {
-      for (const std::string& name : impl.column_names(id))
-        check_array(Table::kColumns, column_prefix(id, name));
-    });
-  note(faults, [&] {
-    for (const std::string& name : impl.blob_names()) check_array(Table::kBlobs, blob_prefix(name));
-  });
+    for (const auto& [name, account] : clip.columns)
+      check_array(Table::kColumns, column_prefix(id, name), account);
+  if (impl.account)
+    for (const auto& [name, account] : impl.account->blobs)
+      check_array(Table::kBlobs, blob_prefix(name), account);
 }
 
-void Snapshot::Impl::Verification::check_array(Table table, const Bytes& prefix) {
+void Snapshot::Impl::Verification::check_array(Table table, const Bytes& prefix,
+                                               const ArrayAccount& account) {
   note(faults, [&] {
-    const auto chunks = impl.chunks(table, prefix);
-    if (!chunks) return;
-    Bytes bytes(chunks->total_bytes);
-    impl.decode_chunks(table, *chunks, bytes);
+    const Chunks chunks = impl.chunks(table, prefix, account);
+    Bytes bytes(chunks.total_bytes);
+    impl.decode_chunks(table, chunks, bytes);
   });
 }
 
 std::vector<std::string> Snapshot::verify() const {
   Impl::Verification verification(*impl_);
-  for (const auto& [id, fault] : impl_->damaged) verification.faults.push_back(fault);
+  const Environment& environment = impl_->txn.environment();
+  note(verification.faults,
+       [&] { check_pages(environment.descriptor(), environment.file(), PageCheck::kAll); });
   verification.tiles();
   verification.coverage();
   verification.columns_and_blobs();
+  // What has been named already, as one record that cannot be read, is not named again.
+  for (std::string& fault : check_account())
+    if (std::ranges::find(verification.faults, fault) == verification.faults.end())
+      verification.faults.push_back(std::move(fault));
   return std::move(verification.faults);
 }
 

@@ -14,7 +14,7 @@ namespace freshet::store {
 namespace {
 
 void check_name(std::string_view name, std::size_t longest) {
-  if (name.empty() || name.size() > longest || name.find('\0') != std::string_view::npos) {
+  if (!name_fits(name, longest)) {
     throw Error(
         ErrorKind::kUsage, "name \"" + std::string(name) + "\"",
         "a column's or blob's name has 1 to " + std::to_string(longest) + " bytes, none of them zero");
@@ -27,11 +27,12 @@ std::size_t chunk_bytes(std::uint32_t element_bytes) {
 
 // Chunks of a long array are coded on all threads and put in order.
 template <class KeyOf>
-void put_chunks(WriteTransaction& txn, Table table, ByteSpan bytes, std::uint32_t element_bytes,
-                std::uint8_t flags, KeyOf key_of) {
+ArrayAccount put_chunks(WriteTransaction& txn, Table table, ByteSpan bytes, std::uint32_t element_bytes,
+                        std::uint8_t flags, KeyOf key_of) {
   const std::size_t step = chunk_bytes(element_bytes);
   const std::size_t count = std::max<std::size_t>((bytes.size() + step - 1) / step, 1);
   constexpr std::size_t kBatch = 32;  // chunks in memory at once
+  ArrayAccount account{.element_bytes = element_bytes, .flags = flags, .bytes = bytes.size(), .sum = {}};
   for (std::size_t first = 0; first < count; first += kBatch) {
     std::array<Bytes, kBatch> keys, values;
     const std::size_t batch = std::min(kBatch, count - first);
@@ -42,21 +43,30 @@ void put_chunks(WriteTransaction& txn, Table table, ByteSpan bytes, std::uint32_
           encode_record(txn.place(table, keys[i]), bytes.subspan(start, std::min(step, bytes.size() - start)),
                         element_bytes, bytes.size(), flags);
     });
-    for (std::size_t i = 0; i < batch; ++i) txn.put(table, keys[i], values[i]);
+    for (std::size_t i = 0; i < batch; ++i) {
+      txn.put(table, keys[i], values[i]);
+      account.sum.add(values[i]);
+    }
   }
+  return account;
 }
 
-void put_column(WriteTransaction& txn, ClipId clip, std::string_view name, ByteSpan bytes,
-                std::uint32_t element_size) {
-  put_chunks(txn, Table::kColumns, bytes, element_size, 0,
-             [&](std::uint32_t chunk) { return column_key(clip, name, chunk); });
+ArrayAccount put_column(WriteTransaction& txn, ClipId clip, std::string_view name, ByteSpan bytes,
+                        std::uint32_t element_size) {
+  return put_chunks(txn, Table::kColumns, bytes, element_size, 0,
+                    [&](std::uint32_t chunk) { return column_key(clip, name, chunk); });
 }
 
-ClipId next_clip(const WriteTransaction& txn) {
-  const auto last = txn.last_key(Table::kClips);
-  if (!last) return ClipId{0};
-  if (last->size() != 4) throw_damaged(txn.place(Table::kClips, *last), "the clip's key is garbled");
-  return ClipId{load_big_endian(last->data()) + 1};
+Bytes encode_clip(const WriteTransaction& txn, ByteSpan key, const StoredClip& clip) {
+  const Bytes bytes = serialise_clip(clip);
+  return encode_record(txn.place(Table::kClips, key), bytes, 1, bytes.size());
+}
+
+StoredClip decode_clip(const WriteTransaction& txn, ByteSpan key, ByteSpan value) {
+  const RecordPlace at = txn.place(Table::kClips, key);
+  auto clip = parse_clip(decode_record(at, value, kMaxClipRecordBytes));
+  if (!clip) throw_damaged(at, "the clip's record is garbled");
+  return std::move(*clip);
 }
 
 std::uint64_t column_rows(std::string_view name, std::size_t bytes, std::uint32_t element_size) {
@@ -78,9 +88,11 @@ struct ClipWriter::Impl {
     std::array<Bytes, kMaxPlanes> slab;  // frames of the slab in hand, packed, frame-major
     std::uint32_t slab_frames = 0, next_tile = 0;
     TileRecordBuilder record;
+    RecordSum written;
   };
 
-  explicit Impl(const std::shared_ptr<Environment>& environment) : txn(environment), clip(next_clip(txn)) {}
+  explicit Impl(const std::shared_ptr<Environment>& environment)
+      : txn(environment), account(read_account(txn)), clip{account.next_clip} {}
 
   void take_frame(StreamState& state, std::span<const PlaneView> planes) {
     const auto& shapes = state.grid.shape().planes;
@@ -131,7 +143,9 @@ struct ClipWriter::Impl {
   void put_record(Stream stream, StreamState& state) {
     if (state.record.count() == 0) return;
     const Bytes key = tile_key(clip, stream, state.next_tile - state.record.count());
-    txn.put(Table::kTiles, key, state.record.take(txn.place(Table::kTiles, key)));
+    const Bytes value = state.record.take(txn.place(Table::kTiles, key));
+    txn.put(Table::kTiles, key, value);
+    state.written.add(value);
   }
 
   /// The clips of the state that this transaction began with; read where the last commit was not ours.
@@ -140,11 +154,9 @@ struct ClipWriter::Impl {
     if (known.transaction + 1 == txn.number()) return known;
     known = {};
     txn.each(Table::kClips, [&](ByteSpan key, ByteSpan value) {
-      const RecordPlace at = txn.place(Table::kClips, key);
-      auto other = parse_clip(decode_record(at, value, kMaxClipRecordBytes));
-      if (!other) throw_damaged(at, "the clip's record is garbled");
-      known.named_by_source.emplace(other->record.source_hash, other->record.name);
-      known.names.insert(std::move(other->record.name));
+      StoredClip other = decode_clip(txn, key, value);
+      known.named_by_source.emplace(other.record.source_hash, other.record.name);
+      known.names.insert(std::move(other.record.name));
     });
     known.transaction = txn.number() - 1;
     return known;
@@ -169,7 +181,9 @@ struct ClipWriter::Impl {
   }
 
   WriteTransaction txn;
+  StoreAccount account;
   ClipId clip;
+  ArrayAccounts columns;
   std::array<StreamState, kStreams> streams;
   std::optional<std::uint64_t> rows;
 };
@@ -203,6 +217,8 @@ void ClipWriter::append(Stream stream, std::span<const PlaneView> planes_of_fram
 void ClipWriter::column_bytes(std::string_view name, std::span<const std::byte> bytes,
                               std::uint32_t element_size) {
   const std::uint64_t rows = column_rows(name, bytes.size(), element_size);
+  if (impl_->columns.contains(name))
+    throw Error(ErrorKind::kUsage, "column \"" + std::string(name) + "\"", "the clip has it already");
   if (name.starts_with("patch.")) {
     if (impl_->rows && *impl_->rows != rows) {
       throw Error(ErrorKind::kUsage, "column \"" + std::string(name) + "\"",
@@ -211,7 +227,7 @@ void ClipWriter::column_bytes(std::string_view name, std::span<const std::byte> 
     }
     impl_->rows = rows;
   }
-  put_column(impl_->txn, impl_->clip, name, bytes, element_size);
+  impl_->columns.emplace(name, put_column(impl_->txn, impl_->clip, name, bytes, element_size));
 }
 
 ClipId ClipWriter::commit(ClipRecord record) {
@@ -224,12 +240,17 @@ ClipId ClipWriter::commit(ClipRecord record) {
     impl.put_record(static_cast<Stream>(s), state);
     stream_shape(record, s) = state.begun ? state.grid.shape() : StreamShape{};
     clip.grids[s] = state.grid;
+    clip.tiles[s] = state.written;
   }
   record.frame_count = record.frames.frames;
   record.rows = impl.rows.value_or(0);
   clip.record = std::move(record);
-  const Bytes key = clip_key(impl.clip), bytes = serialise_clip(clip);
-  impl.txn.put(Table::kClips, key, encode_record(impl.txn.place(Table::kClips, key), bytes, 1, bytes.size()));
+  clip.columns = std::move(impl.columns);
+  const Bytes key = clip_key(impl.clip), value = encode_clip(impl.txn, key, clip);
+  impl.txn.put(Table::kClips, key, value);
+  impl.account.clips.add(value);
+  ++impl.account.next_clip;
+  put_account(impl.txn, impl.account);
   impl.remember(clip.record);
   impl.txn.commit();
   return impl.clip;
@@ -238,27 +259,44 @@ ClipId ClipWriter::commit(ClipRecord record) {
 void Store::write(std::span<const Blob> blobs, std::span<const Column> columns,
                   std::span<const std::string> erased_blobs) {
   WriteTransaction txn(impl_->environment);
+  StoreAccount account = read_account(txn);
   const auto erase_blob = [&](std::string_view name) {
     check_name(name, kMaxBlobName);
     const Bytes prefix = blob_prefix(name);
     txn.erase(Table::kBlobs, prefix);
+    if (const auto found = account.blobs.find(name); found != account.blobs.end()) account.blobs.erase(found);
   };
   for (const std::string& name : erased_blobs) erase_blob(name);
   for (const Blob& blob : blobs) {
     erase_blob(blob.name);
-    put_chunks(txn, Table::kBlobs, blob.bytes, 1, blob.in_digest ? 0 : kOutsideDigest,
-               [&](std::uint32_t chunk) { return blob_key(blob.name, chunk); });
+    account.blobs.emplace(blob.name,
+                          put_chunks(txn, Table::kBlobs, blob.bytes, 1, blob.in_digest ? 0 : kOutsideDigest,
+                                     [&](std::uint32_t chunk) { return blob_key(blob.name, chunk); }));
   }
+  std::map<ClipId, StoredClip> changed;
   for (const Column& column : columns) {
     column_rows(column.name, column.bytes.size(), column.element_size);
-    if (!txn.get(Table::kClips, clip_key(column.clip))) {
-      throw Error(ErrorKind::kNotFound, "clip " + std::to_string(static_cast<std::uint32_t>(column.clip)),
-                  "is not in the store");
+    if (!changed.contains(column.clip)) {
+      const Bytes key = clip_key(column.clip);
+      const auto value = txn.get(Table::kClips, key);
+      if (!value) {
+        throw Error(ErrorKind::kNotFound, "clip " + std::to_string(static_cast<std::uint32_t>(column.clip)),
+                    "is not in the store");
+      }
+      changed.emplace(column.clip, decode_clip(txn, key, *value));
+      account.clips.subtract(*value);
     }
     const Bytes prefix = column_prefix(column.clip, column.name);
     txn.erase(Table::kColumns, prefix);
-    put_column(txn, column.clip, column.name, column.bytes, column.element_size);
+    changed.at(column.clip).columns[column.name] =
+        put_column(txn, column.clip, column.name, column.bytes, column.element_size);
   }
+  for (const auto& [id, clip] : changed) {
+    const Bytes key = clip_key(id), value = encode_clip(txn, key, clip);
+    txn.put(Table::kClips, key, value);
+    account.clips.add(value);
+  }
+  put_account(txn, account);
   txn.commit();
 }
 

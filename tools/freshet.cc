@@ -1,14 +1,22 @@
 // freshet: one executable, a subcommand for each tool. Results go to stdout, everything else to stderr.
 
+#include <cerrno>
 #include <csignal>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
 #include <new>
+#include <optional>
 
 #include <fmt/format.h>
 #include <opencv2/core/utility.hpp>
 
 #include "freshet/error.h"
 #include "platform/allocation.h"
+#include "platform/standard_descriptors.h"
+#include "platform/text_file.h"
 #include "tools/commands.h"
+#include "tools/console/output_names.h"
 
 namespace {
 
@@ -51,6 +59,29 @@ std::string usage_fault(const CLI::App& app, const CLI::ParseError& fault) {
   return fmt::format("{}. See {} --help", text, name);
 }
 
+/// A result that did not reach its reader is no success: 0 would say that it had.
+void finish_output() {
+  if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return;
+  throw freshet::Error(freshet::ErrorKind::kIo, "standard output",
+                       fmt::format("cannot be written ({})", std::strerror(errno)),
+                       "Free space on the disk, or send it elsewhere, and run again");
+}
+
+/// Throws Error{kUsage} for a file of options that is none. One that is not there, CLI11 names itself.
+void check_options_file(const std::string& file) {
+  constexpr std::size_t kMaxBytes = 1 << 20, kDeepest = 16;
+  if (!std::filesystem::exists(file)) return;
+  try {
+    const std::string remedy = "Give a TOML file with a table for each command";
+    const std::string text = freshet::read_text_file(file, kMaxBytes, remedy);
+    freshet::expect_nesting(freshet::toml_nesting(text), kDeepest, file, remedy);
+  } catch (const freshet::Error& fault) {
+    std::string text = fault.what();
+    text.pop_back();  // its full stop
+    throw freshet::Error(freshet::ErrorKind::kUsage, "--config", text);
+  }
+}
+
 int exit_code(freshet::ErrorKind kind) {
   switch (kind) {
     case freshet::ErrorKind::kUsage:
@@ -66,6 +97,12 @@ int exit_code(freshet::ErrorKind kind) {
 
 int main(int argc, char** argv) {
   using namespace freshet;
+  std::optional<StandardDescriptors> standing_in;
+  try {
+    standing_in.emplace();
+  } catch (const Error&) {
+    return 1;  // there is nowhere to say why
+  }
   keep_freed_memory();
   // OpenCV's own threads would compete with ours, which share out whole frames.
   cv::setNumThreads(1);
@@ -75,7 +112,15 @@ int main(int argc, char** argv) {
   CLI::App app("Freshet: a patch database of fluid video, and still pictures animated with it.", "freshet");
   app.footer(kFooter);
   app.set_version_flag("--version", "freshet " FRESHET_VERSION);
-  app.set_config("--config", "", "Read options from a TOML file")->type_name("FILE");
+  app.set_config("--config", "", "Read options from a TOML file")
+      ->type_name("FILE")
+      ->check(CLI::Validator(
+          [](const std::string& file) {
+            check_options_file(file);
+            return std::string();
+          },
+          ""));
+  app.parse_complete_callback([&app] { tools::refuse_overwriting(app); });
   app.require_subcommand(1);
   app.allow_config_extras(CLI::config_extras_mode::error);  // a misspelt name must not be passed over
   app.fallthrough();                                        // --config may also stand behind a command
@@ -87,6 +132,7 @@ int main(int argc, char** argv) {
 
   try {
     app.parse(argc, argv);
+    finish_output();
     return context.exit_code;
   } catch (const CLI::ParseError& fault) {
     if (fault.get_exit_code() == 0) return app.exit(fault);  // --help, --version
@@ -114,6 +160,10 @@ int main(int argc, char** argv) {
     const auto* const opencv = dynamic_cast<const cv::Exception*>(&fault);
     if (opencv != nullptr && opencv->code == cv::Error::StsNoMem) {
       tools::say(kNoMemory);
+      return 1;
+    }
+    if (std::ferror(stdout) != 0) {
+      tools::say(fmt::format("standard output: cannot be written ({})", fault.what()));
       return 1;
     }
     tools::say(fmt::format("unexpected failure: {}. Please report it with the command line", fault.what()));

@@ -1,8 +1,6 @@
 #include <cstdio>
-#include <fstream>
 #include <memory>
 #include <optional>
-#include <sstream>
 #include <vector>
 
 #include <fmt/format.h>
@@ -45,10 +43,7 @@ cv::Size parse_size(const std::string& text) {
 
 std::string text_of(const std::string& scene) {
   if (!sim::names_scene_file(scene)) return sim::preset_scene(scene);
-  std::ifstream file(scene, std::ios::binary);
-  std::ostringstream text;
-  text << file.rdbuf();
-  return text.str();
+  return sim::scene_text(scene);
 }
 
 sim::SceneOptions scene_of(const SimulateCommand& command) {

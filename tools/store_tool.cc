@@ -47,13 +47,38 @@ std::string half_lives_of(const store::ClipRecord& clip) {
   return fmt::format("{:.2f}-{:.2f}", lives.front().get<double>(), lives.back().get<double>());
 }
 
-void info(const StoreCommand& command) {
+/// The clips whose records can be read.
+std::vector<store::ClipRecord> readable_clips(const store::Snapshot& snapshot) {
+  std::vector<store::ClipRecord> clips;
+  for (const store::ClipId id : snapshot.clips()) {
+    try {
+      clips.push_back(snapshot.clip(id));
+    } catch (const Error& fault) {
+      if (fault.kind() != ErrorKind::kDamaged) throw;  // else check_account() names it
+    }
+  }
+  return clips;
+}
+
+/// Says what is wrong with a store, where something is.
+void report_faults(const std::string& store, const std::vector<std::string>& faults, RunContext& context) {
+  if (faults.empty()) return;
+  say(
+      fmt::format("{}: {} damaged records. Restore the file from a copy, or ingest the clips named again "
+                  "into a new store.",
+                  store, faults.size()));
+  context.exit_code = 3;
+}
+
+/// Numbers come from records' headers: these are compared with what the clips say of them.
+void info(const StoreCommand& command, RunContext& context) {
   const store::Snapshot snapshot = store::Store::open_read(command.store).snapshot();
+  const std::vector<std::string> faults = snapshot.check_account();
+  const std::vector<store::ClipRecord> readable = readable_clips(snapshot);
   const nlohmann::json settings = nlohmann::json::parse(snapshot.settings());
   if (command.json) {
     nlohmann::json json{{"store", command.store}, {"settings", settings}, {"blobs", snapshot.blob_names()}};
-    for (store::ClipId id : snapshot.clips()) {
-      const store::ClipRecord& clip = snapshot.clip(id);
+    for (const store::ClipRecord& clip : readable) {
       json["clips"].push_back({{"name", clip.name},
                                {"class", clip.class_name},
                                {"licence", clip.licence},
@@ -71,14 +96,15 @@ void info(const StoreCommand& command) {
                                {"records", use.records},
                                {"stored_bytes", use.stored_bytes},
                                {"raw_bytes", use.raw_bytes}});
+    if (!faults.empty()) json["damaged"] = faults;
     fmt::print("{}\n", json.dump(2));
+    report_faults(command.store, faults, context);
     return;
   }
   Table clips(
       {"clip", "class", "format", "size", "fps", "frames", "seconds", "half-life s", "patches", "licence"});
   std::uint64_t patches = 0;
-  for (store::ClipId id : snapshot.clips()) {
-    const store::ClipRecord& clip = snapshot.clip(id);
+  for (const store::ClipRecord& clip : readable) {
     patches += clip.rows;
     clips.row({clip.name, clip.class_name, clip.pixel_format, fmt::format("{}x{}", clip.width, clip.height),
                fmt::format("{:.2f}", fps_of(clip)), fmt::format("{}", clip.frame_count),
@@ -93,10 +119,11 @@ void info(const StoreCommand& command) {
                    ? fmt::format("{:.2f}",
                                  static_cast<double>(use.raw_bytes) / static_cast<double>(use.stored_bytes))
                    : "-"});
-  fmt::print("{}\n{} clips, {} patches, index: {}\n\n{}\nsettings {}\n", clips.text(),
-             snapshot.clips().size(), patches,
-             snapshot.blob("codebook") ? "ready" : "none (run freshet index)", usage.text(),
+  fmt::print("{}\n{} clips, {} patches, index: {}\n\n{}\nsettings {}\n", clips.text(), readable.size(),
+             patches, snapshot.blob("codebook") ? "ready" : "none (run freshet index)", usage.text(),
              settings.dump(2));
+  for (const std::string& fault : faults) fmt::print("damaged: {}\n", fault);
+  report_faults(command.store, faults, context);
 }
 
 void verify(const StoreCommand& command, RunContext& context) {
@@ -107,12 +134,7 @@ void verify(const StoreCommand& command, RunContext& context) {
     fmt::print("{}: every record is as it was written\n", command.store);
   else
     for (const std::string& fault : faults) fmt::print("{}\n", fault);
-  if (faults.empty()) return;
-  say(
-      fmt::format("{}: {} damaged records. Restore the file from a copy, or ingest the clips named again "
-                  "into a new store.",
-                  command.store, faults.size()));
-  context.exit_code = 3;
+  report_faults(command.store, faults, context);
 }
 
 void digest(const StoreCommand& command) {
@@ -178,8 +200,11 @@ void add_store(CLI::App& app, RunContext& context) {
     sub->callback([command, act] { act(*command); });
     return std::pair(sub, command);
   };
-  add("info", "Clips, patches, settings, and bytes by what they hold", false, true,
-      [](const StoreCommand& c) { info(c); });
+  add("info",
+      "Clips, patches, settings, and bytes by what they hold; exit code 3 when records are not those that "
+      "were "
+      "written, as far as their headers tell",
+      false, true, [&context](const StoreCommand& c) { info(c, context); });
   add("verify", "Read every record and check its place and its hash; exit code 3 when one is damaged", false,
       true, [&context](const StoreCommand& c) { verify(c, context); });
   add("digest",

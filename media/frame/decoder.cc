@@ -6,6 +6,7 @@
 #include <new>
 
 extern "C" {
+#include <libavutil/avstring.h>
 #include <libavutil/cpu.h>
 }
 
@@ -41,6 +42,19 @@ const AVCodec* decoder_for(const AVStream& stream) {
       return libvpx;
   return avcodec_find_decoder(id);
 }
+
+}  // namespace
+
+namespace {
+
+// Formats whose files hold what they show. Others are lists of what to fetch (concat, HLS, DASH), or calls to
+// listen on the network (SDP): FFmpeg knows them by their first bytes, whatever the file's name.
+constexpr const char* kOwnFormats =
+    "mov,matroska,avi,mpeg,mpegvideo,mpegts,asf,flv,ogg,mxf,dv,yuv4mpegpipe,gif,apng,ivf,nut,h264,hevc,m4v,"
+    "mjpeg,obu,av1,vc1,wav,mp3,flac,aac,"
+    "png_pipe,jpeg_pipe,bmp_pipe,webp_pipe,tiff_pipe";
+
+bool own_format(const AVInputFormat& format) { return av_match_list(format.name, kOwnFormats, ',') > 0; }
 
 }  // namespace
 
@@ -116,7 +130,22 @@ void Decoder::open_container(bool picture) {
   // or FFmpeg would take a % in it for a sequence; so is a picture's ending, for the content tells.
   const std::filesystem::path path(name_);
   const std::string hint = !picture && looks_like_video(path) ? "video" + path.extension().string() : "";
-  int code = avformat_open_input(&container, hint.c_str(), nullptr, nullptr);
+  const AVInputFormat* format = nullptr;
+  int code = av_probe_input_buffer2(container->pb, &format, hint.c_str(), nullptr, 0, 0);
+  if (code >= 0 && !own_format(*format)) {
+    avformat_free_context(container);
+    throw Error(ErrorKind::kInput, name_,
+                std::string("is of a format (") + (format->long_name ? format->long_name : format->name) +
+                    ") that clips and pictures are not read from",
+                "Convert it with ffmpeg, or leave it out");
+  }
+  // Whatever a file of an allowed format asks for inside, nothing else is opened.
+  container->protocol_whitelist = av_strdup("file");
+  container->format_whitelist = av_strdup(kOwnFormats);
+  if (code >= 0)
+    code = avformat_open_input(&container, hint.c_str(), format, nullptr);
+  else
+    avformat_free_context(container);
   if (code < 0)  // which has freed the container
     throw Error(ErrorKind::kInput, name_, "not a video that FFmpeg can read (" + libav_fault(code) + ")",
                 "Convert it with ffmpeg, or leave it out");

@@ -15,6 +15,7 @@
 #include "freshet/error.h"
 #include "media/frame/decoder.h"
 #include "media/picture/picture_sequence.h"
+#include "platform/standard_descriptors.h"
 
 namespace freshet::media {
 namespace {
@@ -168,6 +169,7 @@ void move_into_place(const fs::path& temporary, const fs::path& path) {
 void write_bytes(const fs::path& path, const Bytes& bytes) {
   require_folder_of(path);
   const fs::path temporary = temporary_beside(path);
+  const StandardDescriptors standing_in;
   std::FILE* file = std::fopen(temporary.c_str(), "wb");
   if (!file) fail_io(path, errno);
   int code = std::fwrite(bytes.data(), 1, bytes.size(), file) == bytes.size() ? 0 : errno;

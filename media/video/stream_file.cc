@@ -16,6 +16,7 @@ extern "C" {
 #include "freshet/error.h"
 #include "media/frame/scaler.h"
 #include "media/picture/picture_file.h"
+#include "platform/standard_descriptors.h"
 
 namespace freshet::media {
 namespace {
@@ -143,6 +144,7 @@ StreamFile::StreamFile(std::filesystem::path path, StreamKind kind, const VideoW
   if (code < 0) fail(code, "FFmpeg's muxer cannot be opened");
   container_.reset(container);
   container_->flags |= AVFMT_FLAG_BITEXACT;
+  const StandardDescriptors standing_in;
   code = avio_open(&container_->pb, url.c_str(), AVIO_FLAG_WRITE);
   if (code < 0) fail(code, "cannot be created");
 }

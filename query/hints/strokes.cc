@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "freshet/error.h"
+#include "platform/text_file.h"
 #include "query/hints/svg_strokes.h"
 
 namespace freshet::query {
@@ -19,6 +20,7 @@ using Json = nlohmann::json;
 constexpr const char* kFormat = "freshet-strokes";
 constexpr int kVersion = 1;
 constexpr std::uintmax_t kMaxSvgBytes = 128u << 20, kMaxJsonBytes = 16u << 20;
+constexpr std::size_t kDeepest = 32;
 constexpr std::size_t kMaxStrokes = 10000, kMaxPoints = 1u << 20;
 constexpr double kMaxSpeed = 1e5, kFurthest = 1e7, kShortest = 0.5;
 constexpr const char* kJsonRemedy =
@@ -53,6 +55,7 @@ std::vector<Stroke> read_json(const std::string& text, const std::string& where)
   const auto fail = [&](const std::string& fault) {
     throw Error(ErrorKind::kInput, where, fault, kJsonRemedy);
   };
+  expect_nesting(json_nesting(text), kDeepest, where, kJsonRemedy);
   Json json;
   try {
     json = Json::parse(text);

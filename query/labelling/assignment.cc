@@ -10,6 +10,7 @@
 #include <system_error>
 
 #include "freshet/error.h"
+#include "platform/text_file.h"
 #include "query/search/picture_scale.h"
 
 namespace freshet::query {
@@ -21,7 +22,7 @@ constexpr int kVersion = 1, kScaledVersion = 2;
 constexpr const char* kFormat = "freshet-assignment";
 constexpr std::int64_t kMaxPx = 1 << 20;  // of a side
 constexpr std::size_t kMaxPieces = 1 << 22, kMaxClips = 1 << 20;
-constexpr std::uintmax_t kMaxBytes = 256u << 20;
+constexpr std::size_t kMaxBytes = 256u << 20, kDeepest = 32;
 
 // Reads fields and says which one is wrong.
 class Fields {
@@ -158,6 +159,7 @@ std::string to_json(const Assignment& assignment) {
 }
 
 Assignment assignment_from_json(const std::string& json, const std::string& where) {
+  expect_nesting(json_nesting(json), kDeepest, where, "Name a file that freshet query label has written");
   const Json all = Json::parse(json, nullptr, false);
   if (all.is_discarded()) {
     throw Error(ErrorKind::kInput, where, "not a JSON file",
@@ -220,15 +222,8 @@ void write_assignment(const std::filesystem::path& path, const Assignment& assig
 }
 
 Assignment read_assignment(const std::filesystem::path& path) {
-  std::error_code failure;
-  const std::uintmax_t size = std::filesystem::file_size(path, failure);
-  if (failure) throw Error(ErrorKind::kInput, path.string(), "no such file", "Name an assignment file");
-  if (size > kMaxBytes) throw Error(ErrorKind::kInput, path.string(), "too long for an assignment");
-  std::string json(size, '\0');
-  std::ifstream file(path, std::ios::binary);
-  if (!file.read(json.data(), static_cast<std::streamsize>(size))) {
-    throw Error(ErrorKind::kInput, path.string(), "cannot be read");
-  }
+  const std::string json =
+      read_text_file(path, kMaxBytes, "Name a file that freshet query label has written");
   return assignment_from_json(json, path.string());
 }
 

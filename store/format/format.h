@@ -19,7 +19,7 @@ namespace freshet::store {
 static_assert(std::endian::native == std::endian::little,
               "the store's numbers are used as they lie in the file");
 
-inline constexpr std::uint32_t kFormatVersion = 2;
+inline constexpr std::uint32_t kFormatVersion = 3;
 inline constexpr std::string_view kStoreMagic = "FRESHET\n";
 inline constexpr std::uint32_t kRecordMagic = 0x31525246;  // "FRR1"
 

@@ -1,50 +1,9 @@
 #include "store/records/clip_record.h"
 
 #include "freshet/error.h"
+#include "store/records/byte_cursor.h"
 
 namespace freshet::store {
-namespace {
-
-// Takes values off the front of bytes; every length is compared with what is left.
-class Cursor {
- public:
-  explicit Cursor(ByteSpan bytes) : left_(bytes) {}
-  template <class T>
-  T take() {
-    if (left_.size() < sizeof(T)) {
-      good_ = false;
-      return T{};
-    }
-    const T value = load<T>(left_.data());
-    left_ = left_.subspan(sizeof(T));
-    return value;
-  }
-  std::string take_string() {
-    const auto size = take<std::uint32_t>();
-    if (size > left_.size()) {
-      good_ = false;
-      return {};
-    }
-    std::string text(reinterpret_cast<const char*>(left_.data()), size);
-    left_ = left_.subspan(size);
-    return text;
-  }
-  bool good() const { return good_; }
-  bool finished() const { return good_ && left_.empty(); }
-
- private:
-  ByteSpan left_;
-  bool good_ = true;
-};
-
-void append_string(Bytes& to, const std::string& text) {
-  append(to, static_cast<std::uint32_t>(text.size()));
-  const ByteSpan bytes = bytes_of(text);
-  to.insert(to.end(), bytes.begin(), bytes.end());
-}
-
-}  // namespace
-
 Bytes serialise_clip(const StoredClip& clip) {
   const ClipRecord& record = clip.record;
   Bytes bytes;
@@ -69,11 +28,13 @@ Bytes serialise_clip(const StoredClip& clip) {
       append(bytes, grid.edges_log2()[p]);
     }
   }
+  for (const RecordSum& sum : clip.tiles) append_sum(bytes, sum);
+  append_arrays(bytes, clip.columns);
   return bytes;
 }
 
 std::optional<StoredClip> parse_clip(ByteSpan bytes) {
-  Cursor cursor(bytes);
+  ByteCursor cursor(bytes);
   StoredClip clip;
   ClipRecord& record = clip.record;
   for (std::string* text : {&record.name, &record.class_name, &record.licence, &record.source_hash,
@@ -107,6 +68,8 @@ std::optional<StoredClip> parse_clip(ByteSpan bytes) {
     }
     stream_shape(record, s) = std::move(shape);
   }
+  for (RecordSum& sum : clip.tiles) sum = take_sum(cursor);
+  clip.columns = take_arrays(cursor, kMaxColumnName);
   if (!cursor.finished()) return std::nullopt;
   return clip;
 }

@@ -6,16 +6,19 @@
 #include <optional>
 
 #include "store/codec/tile_grid.h"
+#include "store/records/account.h"
 
 namespace freshet::store {
 
 inline constexpr std::size_t kStreams = 3;
 inline constexpr std::size_t kMaxClipRecordBytes = 64 << 20;
 
-/// A clip as the store keeps it: the record and the grids of its streams.
+/// A clip as the store keeps it: the record, the grids of its streams, and what records it has.
 struct StoredClip {
   ClipRecord record;
   std::array<TileGrid, kStreams> grids;
+  std::array<RecordSum, kStreams> tiles;
+  ArrayAccounts columns;
 };
 
 inline StreamShape& stream_shape(ClipRecord& record, std::size_t stream) {

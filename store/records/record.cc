@@ -53,7 +53,11 @@ void seal_record(const RecordPlace& place, RecordHeader header, std::size_t hash
   std::memcpy(at + kHashOffset, &hash, 8);
 }
 
-Record open_record(const RecordPlace& place, ByteSpan value) {
+std::uint64_t stated_hash(ByteSpan value) {
+  return value.size() < kRecordHeaderBytes ? 0 : load<std::uint64_t>(value.data() + kHashOffset);
+}
+
+Record open_header(const RecordPlace& place, ByteSpan value) {
   if (value.size() < kRecordHeaderBytes) throw_damaged(place, "the record is shorter than its header");
   const std::byte* at = value.data();
   if (load<std::uint32_t>(at) != kRecordMagic)
@@ -73,14 +77,18 @@ Record open_record(const RecordPlace& place, ByteSpan value) {
   if (static_cast<std::uint8_t>(at[4]) > static_cast<std::uint8_t>(Codec::kTiles)) {
     throw_damaged(place, "the record's codec " + std::to_string(static_cast<int>(at[4])) + " is unknown");
   }
+  return record;
+}
+
+Record open_record(const RecordPlace& place, ByteSpan value) {
+  Record record = open_header(place, value);
   std::size_t hashed = record.payload.size();
   if (record.header.codec == Codec::kTiles) {
     const std::uint64_t directory = std::uint64_t{record.header.parameter} * kTileEntryBytes;
     if (directory > record.payload.size()) throw_damaged(place, "the record is shorter than its directory");
     hashed = static_cast<std::size_t>(directory);
   }
-  if (record_hash(place, value.first(kHashOffset), record.payload.first(hashed)) !=
-      load<std::uint64_t>(at + kHashOffset)) {
+  if (record_hash(place, value.first(kHashOffset), record.payload.first(hashed)) != stated_hash(value)) {
     throw_damaged(place, "the record's hash does not fit its bytes and its place");
   }
   return record;

@@ -43,6 +43,12 @@ struct Record {
 void seal_record(const RecordPlace& place, RecordHeader header, std::size_t hashed_bytes,
                  std::span<std::byte> value);
 
+/// The hash that a record says it has; 0 where it is shorter than a header.
+std::uint64_t stated_hash(ByteSpan value);
+
+/// Checks what can be checked without reading the payload: header and length. Throws Error{kDamaged}.
+Record open_header(const RecordPlace& place, ByteSpan value);
+
 /// Checks header, length, place and hash. Throws Error{kDamaged}.
 Record open_record(const RecordPlace& place, ByteSpan value);
 

@@ -1,5 +1,4 @@
 #include <cmath>
-#include <fstream>
 #include <system_error>
 
 #include <fmt/format.h>
@@ -7,6 +6,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "freshet/error.h"
+#include "platform/text_file.h"
 #include "synth/matte/marks.h"
 
 namespace freshet::synth::matte {
@@ -17,6 +17,7 @@ using Json = nlohmann::json;
 constexpr std::uintmax_t kMaxBytes = 16u << 20;
 constexpr std::size_t kMaxMarks = 10000, kMaxPoints = 1u << 20;
 constexpr double kUsualWidth = 7, kFurthest = 1e5, kWidest = 1000;
+constexpr std::size_t kDeepest = 32;
 constexpr const char* kRemedy =
     R"(Expected: {"format": "freshet-marks", "version": 1, "marks": [{"is": "fluid", "points": [[x, y]]}, {"is": "within", "box": [x, y, width, height]}]})";
 
@@ -29,10 +30,10 @@ Json parse(const std::filesystem::path& path) {
   if (fault || size == 0 || size > kMaxBytes)
     throw Error(ErrorKind::kInput, path.string(), fmt::format("it is no file of 1 to {} bytes", kMaxBytes),
                 kRemedy);
-  std::ifstream file(path, std::ios::binary);
-  if (!file) throw Error(ErrorKind::kInput, path.string(), "it cannot be read", "Check its permissions");
+  const std::string text = read_text_file(path, kMaxBytes, kRemedy);
+  expect_nesting(json_nesting(text), kDeepest, path.string(), kRemedy);
   try {
-    return Json::parse(file);
+    return Json::parse(text);
   } catch (const Json::exception& reason) {
     throw Error(ErrorKind::kInput, path.string(), fmt::format("not a JSON file ({})", reason.what()),
                 kRemedy);

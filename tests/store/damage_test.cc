@@ -41,6 +41,25 @@ bool honest_apart(const std::filesystem::path& file, const std::string& digest) 
   return WIFEXITED(status) && WEXITSTATUS(status) == 0;
 }
 
+// What verify says of a store, in a process of its own; and that digest gives no other than the true one.
+bool noticed_apart(const std::filesystem::path& file, const std::string& digest) {
+  const pid_t child = fork();
+  if (child == 0) {
+    bool noticed = false, wrong = false;
+    try {
+      const Snapshot snapshot = Store::open_read(file).snapshot();
+      noticed = !snapshot.verify().empty() && !snapshot.check_account().empty();
+      wrong = snapshot.digest() == digest;  // it is damaged: there is no digest to give
+    } catch (const Error& error) {
+      noticed = noticed || error.kind() == ErrorKind::kDamaged || error.kind() == ErrorKind::kInput;
+    }
+    _exit(noticed && !wrong ? 0 : 1);
+  }
+  int status = 0;
+  waitpid(child, &status, 0);
+  return WIFEXITED(status) && WEXITSTATUS(status) == 0;
+}
+
 class Damage : public testing::Test {
  protected:
   void SetUp() override {
@@ -132,6 +151,149 @@ TEST_F(Damage, ARecordInAnothersPlaceIsFoundOut) {
   EXPECT_FALSE(store.snapshot().verify().empty());
 }
 
+// LMDB believes the flags of pages, entries and trees. Each bit of each, in every page of keys.
+TEST_F(Damage, AFlagThatLmdbWouldNotSetIsFoundBeforeTheFileIsMapped) {
+  const auto number_at = [&](std::size_t at) {
+    std::uint16_t number = 0;
+    std::memcpy(&number, &whole_[at], 2);
+    return number;
+  };
+  std::vector<std::size_t> flags{4096 * 0 + 44, 4096 * 0 + 92, 4096 * 1 + 44, 4096 * 1 + 92};  // of trees
+  for (std::size_t at = 0; at + 4096 <= whole_.size(); at += 4096) {
+    std::uint64_t number = 0;
+    std::memcpy(&number, &whole_[at], 8);
+    const bool leaf = number == at / 4096 && number_at(at + 10) == 2;
+    if (number == at / 4096 && number_at(at + 10) < 16) flags.push_back(at + 10);
+    for (std::size_t i = at + 16; leaf && i < at + number_at(at + 12); i += 2) {
+      const std::size_t node = at + number_at(i);
+      flags.push_back(node + 4);
+      if (number_at(node + 4) == 2) flags.push_back(node + 8 + number_at(node + 6) + 4);  // a table's tree
+    }
+  }
+  ASSERT_GT(flags.size(), 30u);
+  std::size_t noticed = 0;
+  for (const std::size_t at : flags)
+    for (int bit = 0; bit < 16; ++bit) {
+      std::vector<char> bytes = whole_;
+      bytes[at + bit / 8] = static_cast<char>(bytes[at + bit / 8] ^ (1 << bit % 8));
+      write_file(copy_, bytes);
+      const bool found = noticed_apart(copy_, digest_);
+      ASSERT_TRUE(found || honest_apart(copy_, digest_))
+          << "page " << at / 4096 << ", byte " << at % 4096 << ", bit " << bit;
+      noticed += found ? 1 : 0;
+    }
+  // The others lie in pages that are free, or in the meta page of the state before.
+  EXPECT_GE(noticed, 16 * flags.size() / 3);
+}
+
+// What a writer would allocate, were it believed.
+TEST_F(Damage, APageThatIsFreeAndInUseIsFoundOut) {
+  {
+    Store store = Store::open_write(file_);
+    store.write({}, {}, std::vector<std::string>{"codebook"});
+    add_clip(store, {.name = "second", .seed = 9});
+    digest_ = store.snapshot().digest();
+  }
+  whole_ = file_bytes(file_);
+  const auto number_at = [&](const std::vector<char>& bytes, std::size_t at) {
+    std::uint64_t number = 0;
+    std::memcpy(&number, &bytes[at], 8);
+    return number;
+  };
+  const std::size_t meta = number_at(whole_, 144) > number_at(whole_, 4096 + 144) ? 0 : 4096;
+  const std::size_t free_root = number_at(whole_, meta + 80), main_root = number_at(whole_, meta + 128);
+  ASSERT_LT(free_root, whole_.size() / 4096);
+  std::uint16_t node = 0, key_bytes = 0;
+  std::memcpy(&node, &whole_[free_root * 4096 + 16], 2);
+  std::memcpy(&key_bytes, &whole_[free_root * 4096 + node + 6], 2);
+  const std::size_t list = free_root * 4096 + node + 8 + key_bytes;
+  ASSERT_GE(number_at(whole_, list), 1u);
+  std::vector<char> bytes = whole_;
+  std::memcpy(&bytes[list], "\1\0\0\0\0\0\0", 8);
+  std::memcpy(&bytes[list + 8], &main_root, 8);
+  write_file(copy_, bytes);
+  EXPECT_EQ(error_of([&] { Store::open_write(copy_); }), ErrorKind::kDamaged);
+}
+
+struct RawRecord {
+  std::string table, key, value;
+};
+
+std::vector<RawRecord> records_of(const std::filesystem::path& file) {
+  std::vector<RawRecord> records;
+  each_record(file, [&](const std::string& table, const std::string& key, std::string& value) {
+    records.push_back({table, key, value});
+    return false;
+  });
+  return records;
+}
+
+// The pages stay as LMDB makes them: the records themselves must tell.
+TEST_F(Damage, ARecordUnderAKeyWithOneOtherBitIsFoundOut) {
+  std::mt19937_64 random(31);
+  for (const RawRecord& record : records_of(file_)) {
+    const std::size_t bits = 8 * record.key.size();
+    const bool every = record.table == "columns" || record.table == "clips";
+    for (std::size_t i = 0; i < (every ? bits : 12); ++i) {
+      const std::size_t bit = every ? i : random() % bits;
+      std::string key = record.key;
+      key[bit / 8] = static_cast<char>(key[bit / 8] ^ (1 << bit % 8));
+      write_file(copy_, whole_);
+      edit_table(copy_, record.table.c_str(), [&](MDB_txn* txn, MDB_dbi dbi) {
+        erase_raw(txn, dbi, record.key);
+        put_raw(txn, dbi, key, record.value);
+      });
+      ASSERT_TRUE(noticed_apart(copy_, digest_)) << record.table << ", key " << record.key << ", bit " << bit;
+    }
+  }
+}
+
+TEST_F(Damage, ARecordThatIsLostIsFoundOut) {
+  for (const RawRecord& record : records_of(file_)) {
+    write_file(copy_, whole_);
+    edit_table(copy_, record.table.c_str(),
+               [&](MDB_txn* txn, MDB_dbi dbi) { erase_raw(txn, dbi, record.key); });
+    ASSERT_TRUE(noticed_apart(copy_, digest_)) << record.table << ", key " << record.key;
+  }
+}
+
+TEST_F(Damage, AColumnOrBlobAsItOnceWasIsFoundOut) {
+  const std::vector<RawRecord> before = records_of(file_);
+  {
+    Store store = Store::open_write(file_);
+    const std::vector<float> values(kClip.rows, 7.f), book(300, 1.5f);
+    const Store::Column column{ClipId{0}, "patch.mean_u", std::as_bytes(std::span(values)), 4};
+    const Store::Blob blob{"codebook", std::as_bytes(std::span(book))};
+    store.write({&blob, 1}, {&column, 1});
+    EXPECT_TRUE(store.snapshot().verify().empty());
+    digest_ = store.snapshot().digest();
+  }
+  const std::vector<char> now = file_bytes(file_);
+  for (const RawRecord& old : before) {
+    if (old.table != "columns" && old.table != "blobs") continue;
+    write_file(copy_, now);
+    edit_table(copy_, old.table.c_str(),
+               [&](MDB_txn* txn, MDB_dbi dbi) { put_raw(txn, dbi, old.key, old.value); });
+    EXPECT_TRUE(noticed_apart(copy_, digest_)) << old.table;
+  }
+}
+
+TEST_F(Damage, ARecordThatNobodyWroteIsFoundOut) {
+  const std::vector<std::pair<std::string, std::string>> strays{
+      {"meta", "sort"},
+      {"tiles", std::string("\0\0\0\7\0\0\0\0\0", 9)},
+      {"columns", std::string("\0\0\0\0patch.mean_v\0\0\0\0\0", 21)},
+      {"blobs", std::string("codebooks\0\0\0\0\0", 14)}};
+  for (const auto& [table, key] : strays) {
+    write_file(copy_, whole_);
+    std::string value;
+    for (const RawRecord& record : records_of(file_))
+      if (record.table == table) value = record.value;
+    edit_table(copy_, table.c_str(), [&](MDB_txn* txn, MDB_dbi dbi) { put_raw(txn, dbi, key, value); });
+    EXPECT_TRUE(noticed_apart(copy_, digest_)) << table;
+  }
+}
+
 // The tiles that a read does not touch may be damaged: it does not decode them.
 TEST_F(Damage, AReadDecodesOnlyTheTilesItTouches) {
   write_file(copy_, whole_);
@@ -186,7 +348,7 @@ TEST(Open, AnotherFormatVersionIsNamed) {
     FAIL();
   } catch (const Error& error) {
     EXPECT_EQ(error.kind(), ErrorKind::kInput);
-    EXPECT_NE(std::string(error.what()).find("format version 9, expected 2"), std::string::npos)
+    EXPECT_NE(std::string(error.what()).find("format version 9, expected 3"), std::string::npos)
         << error.what();
   }
 }

@@ -22,6 +22,33 @@ inline void write_file(const std::filesystem::path& file, const std::vector<char
       .write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
 }
 
+/// Opens a store's table, lets `change` work on it, and commits.
+inline void edit_table(const std::filesystem::path& file, const char* table,
+                       const std::function<void(MDB_txn* txn, MDB_dbi dbi)>& change) {
+  MDB_env* env = nullptr;
+  mdb_env_create(&env);
+  mdb_env_set_maxdbs(env, 8);
+  mdb_env_set_mapsize(env, std::size_t{1} << 30);
+  ASSERT_EQ(mdb_env_open(env, file.c_str(), MDB_NOSUBDIR | MDB_NOLOCK | MDB_NOSYNC, 0666), 0);
+  MDB_txn* txn = nullptr;
+  ASSERT_EQ(mdb_txn_begin(env, nullptr, 0, &txn), 0);
+  MDB_dbi dbi = 0;
+  ASSERT_EQ(mdb_dbi_open(txn, table, 0, &dbi), 0);
+  change(txn, dbi);
+  ASSERT_EQ(mdb_txn_commit(txn), 0);
+  mdb_env_close(env);
+}
+
+inline void put_raw(MDB_txn* txn, MDB_dbi dbi, std::string key, std::string value) {
+  MDB_val k{key.size(), key.data()}, v{value.size(), value.data()};
+  ASSERT_EQ(mdb_put(txn, dbi, &k, &v, 0), 0);
+}
+
+inline void erase_raw(MDB_txn* txn, MDB_dbi dbi, std::string key) {
+  MDB_val k{key.size(), key.data()};
+  ASSERT_EQ(mdb_del(txn, dbi, &k, nullptr), 0);
+}
+
 /// Visits every record of the named tables. When visit returns true, the value is written
 /// back as visit left it.
 inline void each_record(

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <optional>
 #include <thread>
 
 #include "tests/store/clip_samples.h"
@@ -53,6 +54,49 @@ TEST(Store, KeepsClipsWhenClosedAndOpenedAgain) {
   EXPECT_TRUE(reads_back(store.snapshot(), ClipId{0}, clip));
   EXPECT_EQ(store.snapshot().clip(ClipId{0}).frame_count, clip.frames);
   EXPECT_EQ(store.snapshot().clip(ClipId{0}).rows, clip.rows);
+}
+
+// What is checked before a file is mapped must hold for whatever LMDB makes of a life of changes.
+TEST(Store, IsFoundWholeAfterAnyChanges) {
+  const TestFolder folder;
+  std::mt19937_64 random(41);
+  std::optional<Store> store = Store::create(folder / "a", "");
+  std::uint64_t clips = 0;
+  for (int round = 0; round < 240; ++round) {
+    const std::uint64_t what = random() % 8;
+    std::vector<std::byte> bytes(random() % 4 == 0 ? random() % 300000 : random() % 5000);
+    for (std::byte& byte : bytes) byte = static_cast<std::byte>(random());
+    const std::string name(1 + random() % 40, static_cast<char>('a' + random() % 20));
+    if (what == 0) {
+      TestClip clip{
+          .name = "clip " + std::to_string(clips), .frames = 3, .seed = clips, .rows = random() % 3000};
+      ClipWriter writer = write_clip(*store, clip);
+      ClipRecord record = clip.record();
+      record.metadata = std::string(random() % 6000, 'm');
+      if (random() % 3 != 0) {
+        writer.commit(record);
+        ++clips;
+      }
+    } else if (what < 3 && clips > 0) {
+      const ClipId id{static_cast<std::uint32_t>(random() % clips)};
+      const Store::Column column{id, name, bytes};
+      store->write({}, {&column, 1});
+    } else if (what == 3) {
+      const std::vector<std::string> names = store->snapshot().blob_names();
+      if (!names.empty()) store->write({}, {}, {&names[random() % names.size()], 1});
+    } else if (what < 7) {
+      const Store::Blob blob{name, bytes};
+      store->write({&blob, 1});
+    } else {
+      const std::string digest = store->snapshot().digest();
+      if (random() % 4 == 0) store->compact();
+      store.reset();
+      store = Store::open_write(folder / "a");
+      ASSERT_EQ(store->snapshot().digest(), digest) << round;
+    }
+    const std::vector<std::string> faults = store->snapshot().verify();
+    ASSERT_TRUE(faults.empty()) << round << ": " << faults.front();
+  }
 }
 
 TEST(Store, KeepsBlobsOfAnySizeAndReplacesThem) {

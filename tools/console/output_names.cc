@@ -1,9 +1,87 @@
 #include "tools/console/output_names.h"
 
+#include <algorithm>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
 #include "freshet/error.h"
 #include "media/picture/picture.h"
+#include "media/picture/picture_sequence.h"
 
 namespace freshet::tools {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Options that name files to be written. All others, and what stands without an option, may name inputs.
+constexpr std::string_view kOutputs[] = {
+    "--output", "--sheet",     "--map",  "--alpha",     "--emitters",  "--motion",         "--page",
+    "--json",   "--composite", "--draw", "--matte-out", "--speed-out", "--orientation-out"};
+
+bool names_output(const CLI::Option& option) {
+  return std::ranges::find(kOutputs, option.get_name()) != std::end(kOutputs);
+}
+
+// Whether writing `output`, a file or a numbered sequence, would write over `input`.
+bool writes_over(const fs::path& output, const fs::path& input) {
+  std::error_code fault;
+  // A folder is written into; its name may also be that of a preset scene.
+  if (!media::is_pattern(output))
+    return !fs::is_directory(output, fault) && fs::equivalent(output, input, fault);
+  const fs::path folder = output.has_parent_path() ? output.parent_path() : ".";
+  const auto is_frame = [&](const fs::path& file) {
+    const std::string pattern = output.filename().string(), name = file.filename().string();
+    const std::string before = pattern.substr(0, pattern.find('%')),
+                      after = pattern.substr(std::min(pattern.find('d') + 1, pattern.size()));
+    if (name.size() <= before.size() + after.size() || !name.starts_with(before) || !name.ends_with(after))
+      return false;
+    const std::string number = name.substr(before.size(), name.size() - before.size() - after.size());
+    return number.find_first_not_of("0123456789") == std::string::npos;
+  };
+  const bool pattern = media::is_pattern(input);
+  if (!pattern && !fs::is_directory(input, fault)) {
+    const fs::path beside = input.has_parent_path() ? input.parent_path() : ".";
+    return is_frame(input) && fs::equivalent(folder, beside, fault);
+  }
+  const fs::path source = !pattern ? input : input.has_parent_path() ? input.parent_path() : ".";
+  if (!fs::equivalent(folder, source, fault)) return false;
+  return std::ranges::any_of(fs::directory_iterator(folder, fault), is_frame, &fs::directory_entry::path);
+}
+
+}  // namespace
+
+void refuse_overwriting(const CLI::App& app) {
+  std::vector<std::string> inputs;
+  std::vector<std::pair<std::string, std::string>> outputs;  // option, file
+  for (const CLI::App* command = &app; command != nullptr;) {
+    for (const CLI::Option* option : command->get_options())
+      for (const std::string& value : option->results()) {
+        if (value.empty()) continue;
+        if (names_output(*option)) {
+          outputs.emplace_back(option->get_name(), value);
+          continue;
+        }
+        inputs.push_back(value);
+        // PICTURE:MATTE
+        if (const std::size_t colon = value.find(':'); colon != std::string::npos) {
+          inputs.push_back(value.substr(0, colon));
+          inputs.push_back(value.substr(colon + 1));
+        }
+      }
+    const auto below = command->get_subcommands();
+    command = below.empty() ? nullptr : below.front();
+  }
+  for (const auto& [option, output] : outputs)
+    for (const std::string& input : inputs)
+      if (writes_over(output, input)) {
+        throw Error(ErrorKind::kUsage, option + " " + output,
+                    "it would be written over " +
+                        (input == output ? "an input of the same name" : "the input " + input),
+                    "Choose another name");
+      }
+}
 
 void check_output_folder(const std::filesystem::path& path) {
   if (path.empty()) return;

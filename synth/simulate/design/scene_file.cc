@@ -3,20 +3,23 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <functional>
 #include <optional>
-#include <sstream>
 
 #include <fmt/format.h>
 #include <toml++/toml.h>
 
 #include "freshet/error.h"
 #include "media/picture/picture.h"
+#include "platform/text_file.h"
 #include "synth/simulate/design/shape.h"
 
 namespace freshet::synth::simulate {
 namespace {
+
+constexpr std::size_t kMaxSceneBytes = 4u << 20, kDeepest = 32;
+constexpr const char* kSceneRemedy =
+    "Give a TOML file; freshet synth simulate --print-scene plume prints one";
 
 namespace fs = std::filesystem;
 
@@ -430,6 +433,7 @@ SceneOptions named_scene(const std::filesystem::path& scene) {
 }
 
 SceneOptions parse_scene(std::string_view text, const fs::path& name) {
+  expect_nesting(toml_nesting(text), kDeepest, name.string(), kSceneRemedy);
   toml::table table;
   try {
     table = toml::parse(text);
@@ -441,13 +445,8 @@ SceneOptions parse_scene(std::string_view text, const fs::path& name) {
   return read_file(file);
 }
 
-SceneOptions read_scene(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::ostringstream text;
-  if (!file || fs::is_directory(path) || !(text << file.rdbuf()))
-    throw Error(ErrorKind::kInput, path.string(), "the scene cannot be read",
-                "Give a TOML file; freshet synth simulate --print-scene plume prints one");
-  return parse_scene(text.str(), path);
-}
+std::string scene_text(const fs::path& path) { return read_text_file(path, kMaxSceneBytes, kSceneRemedy); }
+
+SceneOptions read_scene(const fs::path& path) { return parse_scene(scene_text(path), path); }
 
 }  // namespace freshet::synth::simulate

@@ -10,6 +10,9 @@
 
 namespace freshet::synth::simulate {
 
+/// The text of a scene file. Throws Error{kInput} for what is no regular file of at most 4 MiB.
+std::string scene_text(const std::filesystem::path& path);
+
 /// Reads a scene. Pictures that it names are looked for beside it.
 /// Throws Error{kInput} naming file, line and key: no TOML, an unknown key (and those there are), a value of
 /// another kind or out of range, a shape outside the picture, a picture that cannot be read.

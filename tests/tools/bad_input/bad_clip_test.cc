@@ -1,6 +1,9 @@
 // Clips that cannot be taken: said by name, with a remedy, and the store is left as it was.
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
+
+#include <chrono>
 
 #include "tests/tools/sample.h"
 
@@ -85,6 +88,33 @@ TEST_F(BadClip, NoFrames) {
 TEST_F(BadClip, OneFrame) {
   encode("one.mkv", {"-frames:v", "1", "-c:v", "ffv1"});
   expect_refusal("one.mkv", "only 1 frame", "longer clip");
+}
+
+// FFmpeg knows formats by their first bytes, whatever the name, and opens what they refer to.
+TEST_F(BadClip, AListOfThingsToFetchIsNoClip) {
+  encode("whole.mkv", {"-c:v", "ffv1"});
+  const std::vector<std::pair<std::string, std::string>> lists{
+      {"sdp.mp4",
+       "v=0\no=- 0 0 IN IP4 127.0.0.1\ns=x\nc=IN IP4 127.0.0.1\nt=0 0\nm=video 54321 RTP/AVP 96\n"
+       "a=rtpmap:96 H264/90000\n"},
+      {"concat.mp4", "ffconcat version 1.0\nfile whole.mkv\n"},
+      {"hls.mp4", "#EXTM3U\n#EXT-X-TARGETDURATION:2\n#EXTINF:2,\nwhole.mkv\n#EXT-X-ENDLIST\n"},
+      {"dash.mp4",
+       "<?xml version=\"1.0\"?>\n<MPD xmlns=\"urn:mpeg:dash:schema:mpd:2011\" "
+       "profiles=\"urn:mpeg:dash:profile:isoff-on-demand:2011\" type=\"static\">"
+       "<Period><AdaptationSet mimeType=\"video/mp4\"><Representation><BaseURL>whole.mkv</BaseURL>"
+       "</Representation></AdaptationSet></Period></MPD>\n"}};
+  for (const auto& [name, text] : lists) {
+    folder_.file(name, text);
+    const auto start = std::chrono::steady_clock::now();
+    expect_refusal(name, "that clips and pictures are not read from", "leave it out");
+    EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(20)) << name;
+  }
+}
+
+TEST_F(BadClip, APipeIsNotWaitedFor) {
+  ASSERT_EQ(::mkfifo((folder_ / "pipe.mp4").c_str(), 0600), 0);
+  expect_refusal("pipe.mp4", "is neither a regular file nor a folder", "Give video files");
 }
 
 TEST_F(BadClip, SoundAlone) {

@@ -114,7 +114,7 @@ TEST_F(BadPicture, AnAssignmentThatDoesNotFit) {
   folder_.file("garbage.json", "{\"format\": ");
   folder_.file("list.json", "[1, 2]");
   folder_.file("other.json", "{}");
-  expect_failure(use("missing.json"), 1, {"missing.json: no such file"});
+  expect_failure(use("missing.json"), 1, {"missing.json: there is no such file"});
   expect_failure(use("garbage.json"), 1, {"garbage.json: not a JSON file", "freshet query label"});
   expect_failure(use("list.json"), 1, {"list.json: an object expected"});
   expect_failure(use("other.json"), 1, {"other.json: \"format\" is missing"});
