@@ -66,6 +66,7 @@ void run_animate(AnimateCommand& command, const RunContext& context) {
   // The output first: a mistyped folder should not cost a labelling.
   command.motion.check_outputs();
   check_picture_output(command.sheet);
+  check_frames_output(command.out, options.frames);
   media::PictureSink sink(command.out, loaded.picture.size(), options.frames, options.fps);
 
   query::Assignment assignment;
@@ -224,6 +225,7 @@ void add_animate(CLI::App& synth_command, RunContext& context) {
       ->check(CLI::Range(1.0, 20.0))
       ->capture_default_str()
       ->group(group);
+  add_overwrite(*sub);
   add_threads(*sub);
   sub->callback([command, sub, &context] {
     if (!command->assignment.empty())

@@ -203,6 +203,7 @@ void add_matte(CLI::App& synth_command, RunContext& context) {
       ->capture_default_str()
       ->group(edges);
   sub->add_flag("--json", command->json, "Print fraction of fluid (0..1) and seconds by stage as JSON");
+  add_overwrite(*sub);
   add_threads(*sub);
   sub->callback([command, &context] { run_matte(*command, context); });
 }

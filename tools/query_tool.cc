@@ -214,6 +214,7 @@ void add_query(CLI::App& app, RunContext& context) {
   sub->add_option("--sheet", candidates->sheet,
                   "Write a contact sheet: pieces, and their best candidates (PNG, JPEG)");
   sub->add_flag("--json", candidates->json, "Print all candidates as JSON");
+  add_overwrite(*sub);
   add_threads(*sub);
   sub->callback([candidates, &context] { run_candidates(*candidates, context); });
 
@@ -232,6 +233,7 @@ void add_query(CLI::App& app, RunContext& context) {
   sub->add_option("--sheet", label->sheet,
                   "Write a contact sheet that shows the chosen candidates (PNG, JPEG)");
   sub->add_flag("--json", label->json, "Print the result as JSON");
+  add_overwrite(*sub);
   add_threads(*sub);
   sub->callback([label, &context] { run_label(*label, context); });
 

@@ -87,7 +87,8 @@ TEST(Loop, AskedOfAClipTooShortToHaveOneIsRefusedByItsName) {
   const Outcome ingested = folder.freshet({"ingest", "short.store", "clips", "--force"});
   ASSERT_EQ(ingested.exit_code, 0) << ingested.err;
   const auto animated = [&](std::vector<std::string> more) {
-    std::vector<std::string> arguments{"synth", "animate", "short.store", sample().still, "-o", "out.mkv"};
+    std::vector<std::string> arguments{"synth", "animate", "short.store", sample().still,
+                                       "-o",    "out.mkv", "--overwrite"};
     arguments.insert(arguments.end(), more.begin(), more.end());
     return folder.freshet(arguments);
   };

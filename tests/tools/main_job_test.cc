@@ -130,7 +130,7 @@ TEST(MainJob, AnimatingPrintsWhatItDidAsJson) {
   // What an assignment from a file was labelled with is in that file.
   ASSERT_EQ(label(folder, {"-o", "assignment.json"}).exit_code, 0);
   std::vector<std::string> again = command;
-  again.insert(again.end(), {"--assignment", "assignment.json"});
+  again.insert(again.end(), {"--assignment", "assignment.json", "--overwrite"});
   const Outcome given = folder.freshet(again);
   ASSERT_EQ(given.exit_code, 0) << given.err;
   EXPECT_TRUE(json::parse(given.out)["labelling"].is_null());

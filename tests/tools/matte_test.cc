@@ -50,7 +50,7 @@ class MatteTool : public testing::Test {
 
 TEST_F(MatteTool, FromScribblesByEachEdge) {
   for (const char* edge : {"none", "guided", "information-flow"}) {
-    const Outcome made = matte({"--scribbles", "s.png", "--edge", edge, "-o", "m.png"});
+    const Outcome made = matte({"--scribbles", "s.png", "--edge", edge, "-o", "m.png", "--overwrite"});
     ASSERT_EQ(made.exit_code, 0) << made.err;
     EXPECT_EQ(made.out, "m.png\n");
     EXPECT_NE(made.err.find("of 160 x 120 px is fluid"), std::string::npos) << made.err;
@@ -127,7 +127,7 @@ TEST_F(MatteTool, BadInputIsRefusedBeforeAnythingIsWritten) {
     EXPECT_NE(outcome.err.find(one.message), std::string::npos) << outcome.err;
     EXPECT_FALSE(std::filesystem::exists(folder_ / "m.png")) << one.message;
   }
-  EXPECT_EQ(matte({"--scribbles", "s.png", "-o", "nowhere/m.png"}).exit_code, 1);
+  EXPECT_EQ(matte({"--scribbles", "s.png", "-o", "s.png/m.png"}).exit_code, 1);
   EXPECT_EQ(matte({"--scribbles", "s.png", "-o", "m.nosuch"}).exit_code, 2);
 }
 

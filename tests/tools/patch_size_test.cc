@@ -54,7 +54,7 @@ class PatchSize : public testing::TestWithParam<int> {
   }
   json label(const std::string& picture, const std::string& threads) const {
     must({"query", "label", "a.store", picture, "--hint", "none", "--frames", std::to_string(kAnimated), "-j",
-          threads, "-o", "assignment.json"});
+          threads, "-o", "assignment.json", "--overwrite"});
     return json::parse(text_of(folder_ / "assignment.json"));
   }
   std::vector<cv::Mat> animate(const std::string& picture, const std::string& threads) const {

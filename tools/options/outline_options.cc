@@ -6,6 +6,7 @@
 
 #include "freshet/error.h"
 #include "media/picture/picture.h"
+#include "tools/console/output_names.h"
 #include "tools/console/run_context.h"
 
 namespace freshet::tools {
@@ -72,6 +73,7 @@ void OutlineOptions::apply(synth::animate::AnimateOptions& options, cv::Size pic
     options.boundary.background = background.bgr;
   }
   if (matte_out_.empty()) return;
+  check_frames_output(matte_out_, options.frames);
   sink_ = std::make_unique<media::PictureSink>(matte_out_, picture, options.frames, options.fps);
   options.matte_sink = [sink = sink_.get(), grey = cv::Mat(),
                         colour = cv::Mat()](const cv::Mat& matte) mutable {

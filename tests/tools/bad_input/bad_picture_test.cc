@@ -81,26 +81,26 @@ TEST_F(BadPicture, AQuestionThatNoPatchAnswers) {
 }
 
 TEST_F(BadPicture, AnOutputThatCannotBeIsSaidBeforeTheWork) {
+  folder_.file("none", "");  // where a folder would have to be
   const auto expect_early = [](const Outcome& outcome, int exit_code, const char* part) {
     expect_failure(outcome, exit_code, {part});
     EXPECT_EQ(outcome.err.find("reading the index"), std::string::npos) << outcome.err;
   };
-  expect_early(animate({"-o", "none/%05d.png"}), 1,
-               "none/%05d.png: the folder none does not exist. Make it first");
-  expect_early(animate({"-o", "none/a.mp4"}), 1, "none/a.mp4: the folder none does not exist");
+  expect_early(animate({"-o", "none/%05d.png"}), 1, "none/%05d.png: the folder none cannot be made");
+  expect_early(animate({"-o", "none/a.mp4"}), 1, "none/a.mp4: the folder none cannot be made");
   expect_early(animate({"-o", "a.xyz"}), 2, "a.xyz: the ending \".xyz\" names no video format");
   expect_early(animate({"-o", "a.mp4", "--sheet", "none/a.png"}), 1,
-               "none/a.png: the folder none does not exist");
+               "none/a.png: the folder none cannot be made");
   EXPECT_FALSE(fs::exists(folder_ / "a.mp4"));
-  expect_early(query(sample().still, {"--sheet", "none/a.png"}), 1, "the folder none does not exist");
+  expect_early(query(sample().still, {"--sheet", "none/a.png"}), 1, "the folder none cannot be made");
   expect_early(query(sample().still, {"--sheet", "a.xyz"}), 2, "a.xyz: the ending \".xyz\"");
   const auto label = [&](const char* option, const char* name) {
     return folder_.freshet(
         {"query", "label", sample().store, sample().still, "--frames", "16", option, name});
   };
-  expect_early(label("-o", "none/a.json"), 1, "none/a.json: the folder none does not exist");
+  expect_early(label("-o", "none/a.json"), 1, "none/a.json: the folder none cannot be made");
   expect_early(label("-o", "."), 2, ".: it is a folder");
-  expect_early(label("--map", "none/a.png"), 1, "none/a.png: the folder none does not exist");
+  expect_early(label("--map", "none/a.png"), 1, "none/a.png: the folder none cannot be made");
   expect_early(label("--sheet", "a"), 2, "a: the ending");
 }
 
