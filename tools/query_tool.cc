@@ -108,6 +108,7 @@ void run_candidates(const CandidatesCommand& command, const RunContext& context)
   command.motion.check_outputs();
   const store::Snapshot snapshot = store::Store::open_read(command.target.store).snapshot();
   const TargetFiles::Loaded loaded = command.target.load();
+  say_reduction(command.target, loaded);
   AskedMotion asked = command.motion.read(loaded, command.search);
   const query::LabelRequest request = request_of(command.search, asked, command.duration);
   const bool guesses = query::may_guess(request);
@@ -152,6 +153,7 @@ void run_label(const LabelCommand& command, const RunContext& context) {
   command.motion.check_outputs();
   const store::Snapshot snapshot = store::Store::open_read(command.target.store).snapshot();
   const TargetFiles::Loaded loaded = command.target.load();
+  say_reduction(command.target, loaded);
   const AskedMotion asked = command.motion.read(loaded, command.search);
   const LabelRun run =
       label_with_progress(snapshot, loaded, command.search,

@@ -224,7 +224,8 @@ void run_sweep(const SweepCommand& command, const RunContext& context) {
   for (const SweepPoint& point : points) query::check_weights(point.labelling.costs);
   command.motion.check_outputs();
   const store::Snapshot snapshot = store::Store::open_read(command.target.store).snapshot();
-  const TargetFiles::Loaded loaded = command.target.load();
+  const TargetFiles::Loaded loaded = command.target.load_with_matte();
+  say_reduction(command.target, loaded);
   const AskedMotion asked = command.motion.read(loaded, command.search);
   const synth::animate::Playing playing = command.play.read(loaded.picture.size());
   const query::LabelRequest request = request_of(command.search, asked, command.duration);

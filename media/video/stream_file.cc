@@ -40,6 +40,8 @@ const char* muxer_of(StreamKind kind) {
       return "webp";
     case StreamKind::kApng:
       return "apng";
+    case StreamKind::kGif:
+      return "gif";
   }
   return "";
 }
@@ -56,6 +58,8 @@ const char* encoder_of(StreamKind kind) {
       return "libwebp_anim";
     case StreamKind::kApng:
       return "apng";
+    case StreamKind::kGif:
+      return "gif";
   }
   return "";
 }
@@ -76,13 +80,13 @@ PixelLayout layout_of_picture(const cv::Mat& picture) {
 }
 
 // How a BGR picture of `given` is coded in a file of `kind`.
-PixelLayout coded_picture(const PixelLayout& given, StreamKind kind) {
+PixelLayout coded_picture(const PixelLayout& given, StreamKind kind, int bits) {
   const bool deep = given.format == "bgra64le" || given.format == "bgr48le";
   const bool alpha = given.format == "bgra" || given.format == "bgra64le";
   PixelLayout coded = given;
   switch (kind) {
     case StreamKind::kMp4:
-      coded.format = "yuv420p";
+      coded.format = bits == 10 ? "yuv420p10le" : "yuv420p";
       coded.range = AVCOL_RANGE_MPEG;
       coded.matrix = AVCOL_SPC_BT709;
       coded.transfer = AVCOL_TRC_BT709;
@@ -101,6 +105,9 @@ PixelLayout coded_picture(const PixelLayout& given, StreamKind kind) {
       break;
     case StreamKind::kApng:
       coded.format = alpha ? "rgba" : "rgb24";
+      break;
+    case StreamKind::kGif:
+      coded.format = "pal8";
       break;
   }
   return coded;
@@ -196,7 +203,9 @@ void StreamFile::open(const PixelLayout& coded) {
       context_->flags |= AV_CODEC_FLAG_CLOSED_GOP;
       av_dict_set(&coding, "preset", kX264Preset, 0);
       av_dict_set_int(&coding, "crf", options_.crf, 0);
-      if (options_.crf > 0) av_dict_set(&coding, "profile", "high", 0);  // lossless is above High
+      if (options_.crf > 0)
+        av_dict_set(&coding, "profile", options_.bits == 10 ? "high10" : "high",
+                    0);  // lossless is above High
       av_dict_set(&muxing, "movflags", "+faststart", 0);
       break;
     case StreamKind::kMatroska:
@@ -216,6 +225,9 @@ void StreamFile::open(const PixelLayout& coded) {
       break;
     case StreamKind::kApng:
       av_dict_set(&muxing, "plays", "0", 0);
+      break;
+    case StreamKind::kGif:
+      av_dict_set(&muxing, "loop", "0", 0);
       break;
   }
 
@@ -300,7 +312,26 @@ void StreamFile::convert_and_encode(const PixelLayout& layout, const Frame& sour
   ++frames_;
 }
 
+void StreamFile::write_to_palette(const cv::Mat& picture) {
+  quiet_libav();
+  AvOwner<AVFrame> frame = new_frame();
+  frame->width = picture.cols;
+  frame->height = picture.rows;
+  frame->format = AV_PIX_FMT_BGRA;
+  frame->pts = frames_++;
+  if (const int code = av_frame_get_buffer(frame.get(), 0); code < 0) fail(code, "no memory for a frame");
+  cv::Mat to(picture.size(), CV_8UC4, frame->data[0], static_cast<std::size_t>(frame->linesize[0]));
+  cv::cvtColor(picture, to, cv::COLOR_BGR2BGRA);
+  // Ordered dither keeps still what stands still; error diffusion makes it tremble.
+  if (!palette_)
+    palette_.emplace("split[a][b];[a]palettegen[p];[b][p]paletteuse=dither=bayer:bayer_scale=3", *frame,
+                     AVRational{static_cast<int>(options_.fps_den), static_cast<int>(options_.fps_num)},
+                     path_.string(), AV_PIX_FMT_PAL8);
+  palette_->push(frame.get());
+}
+
 void StreamFile::write(const cv::Mat& picture) {
+  if (kind_ == StreamKind::kGif) return write_to_palette(picture);
   cv::Mat even = picture;
   // 4:2:0 has one chroma sample for two columns and rows.
   if (kind_ == StreamKind::kMp4 && (picture.cols % 2 != 0 || picture.rows % 2 != 0))
@@ -310,7 +341,7 @@ void StreamFile::write(const cv::Mat& picture) {
   source.planes = plane_shapes(source.layout);
   source.planes[0].data = reinterpret_cast<std::byte*>(even.data);
   source.planes[0].stride = static_cast<std::ptrdiff_t>(even.step[0]);
-  convert_and_encode(source.layout, source, coded_picture(source.layout, kind_));
+  convert_and_encode(source.layout, source, coded_picture(source.layout, kind_, options_.bits));
 }
 
 void StreamFile::write(const Frame& frame) {
@@ -322,6 +353,21 @@ void StreamFile::write(const Frame& frame) {
 
 void StreamFile::finish() {
   quiet_libav();
+  if (palette_) {
+    palette_->push(nullptr);
+    frames_ = 0;
+    while (const AvOwner<AVFrame> frame = palette_->pull()) {
+      if (!context_) {
+        PixelLayout coded;
+        coded.format = "pal8";
+        coded.width = frame->width;
+        coded.height = frame->height;
+        open(coded);
+      }
+      frame->pts = frames_++;
+      encode(frame.get());
+    }
+  }
   if (!context_)
     throw Error(ErrorKind::kUsage, path_.string(), "no frame was written to it", "Write at least one");
   encode(nullptr);

@@ -35,7 +35,7 @@ TEST(CommandLine, EveryCommandExplainsItselfAndItsDefaults) {
                                       {{"store", "framemd5"}, "[all cores]"},
                                       {{"store", "export"}, "[all cores]"},
                                       {{"query"}, "label"},
-                                      {{"query", "candidates"}, "[the whole picture]"},
+                                      {{"query", "candidates"}, "[the picture's own alpha]"},
                                       {{"query", "label"}, "=trw-s"},
                                       {{"synth"}, "simulate"},
                                       {{"synth", "animate"}, "=variance"},

@@ -100,8 +100,8 @@ TEST_F(BadClip, SmallerThanAPatch) {
 TEST_F(BadClip, OddSizesAreFine) {
   encode("odd.mkv", {"-vf", "scale=193:145", "-pix_fmt", "yuv444p", "-c:v", "ffv1"});
   ASSERT_EQ(folder_.freshet({"ingest", "odd.store", "odd.mkv"}).exit_code, 0);
-  const Outcome outcome =
-      folder_.freshet({"synth", "animate", "odd.store", sample().still, "--frames", "8", "-o", "out.mp4"});
+  const Outcome outcome = folder_.freshet(
+      {"synth", "animate", "odd.store", sample().still, "--whole", "--frames", "8", "-o", "out.mp4"});
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
 }
 
