@@ -98,6 +98,31 @@ TEST_F(MatteTool, FromTheStoreItself) {
   EXPECT_GT(inside / 255, 0.2 * middle.area()) << made.err;
 }
 
+TEST_F(MatteTool, WhatTheStoreCannotTellIsSaidAndNoAdviceIsGivenTwice) {
+  cv::imwrite(folder_ / "plain.png", cv::Mat(160, 240, CV_8UC3, cv::Scalar(90, 80, 70)));
+  const auto asked = [&](std::vector<std::string> more) {
+    std::vector<std::string> arguments{"synth",        "matte", "plain.png", "--auto",
+                                       sample().store, "-o",    "p.png"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return folder_.freshet(arguments);
+  };
+  const auto holds = [](const Outcome& outcome, const char* words) {
+    return outcome.err.find(words) != std::string::npos;
+  };
+  const Outcome bare = asked({});
+  EXPECT_EQ(bare.exit_code, 1);
+  EXPECT_TRUE(holds(bare, "it cannot tell the fluid in this picture from the rest")) << bare.err;
+  EXPECT_TRUE(holds(bare, "Try --class with the fluid's class, or mark the fluid")) << bare.err;
+  const Outcome of_class = asked({"--class", "fall"});
+  EXPECT_EQ(of_class.exit_code, 1);
+  EXPECT_FALSE(holds(of_class, "--class")) << of_class.err;
+  EXPECT_TRUE(holds(of_class, "Mark the fluid with a few --scribbles or a --box")) << of_class.err;
+  // Strokes are followed, whatever the store has to say.
+  const Outcome with_strokes = matte({"--auto", sample().store, "--scribbles", "s.png", "-o", "q.png"});
+  EXPECT_EQ(with_strokes.exit_code, 0) << with_strokes.err;
+  EXPECT_TRUE(holds(with_strokes, "Your own marks are used alone")) << with_strokes.err;
+}
+
 TEST_F(MatteTool, BadInputIsRefusedBeforeAnythingIsWritten) {
   cv::imwrite(folder_ / "small.png", cv::Mat(30, 40, CV_8UC3, cv::Scalar(0, 255, 0)));
   cv::imwrite(folder_ / "empty.png", cv::Mat(120, 160, CV_8UC4, cv::Scalar(0, 0, 0, 0)));
