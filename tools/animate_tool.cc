@@ -39,6 +39,15 @@ struct AnimateCommand {
   bool json = false;
 };
 
+/// What only --help-all explains: the search, the labelling and the rendering in their own words.
+const std::vector<std::string> kModelOptions{
+    "--assignment",  "--candidates", "--coherent",   "--min-scale",  "--max-rotation", "--piece",
+    "--piece-scale", "--index",      "--checks",     "--solver",     "--iterations",   "--costs",
+    "--lambda",      "--sigma",      "--vote",       "--rho",        "--tolerance",    "--speed-tolerance",
+    "--resampling",  "--tau",        "--inpaint",    "--shutter",    "--softness",     "--method",
+    "--variation",   "--renewal",    "--carry-life", "--blend",      "--low-band",     "--matching",
+    "--max-gain",    "--cache-size", "--hint",       "--speed-white"};
+
 synth::animate::AnimateOptions render_options(const AnimateCommand& command) {
   synth::animate::AnimateOptions options = command.options;
   options.frames = command.duration.frames;
@@ -57,7 +66,20 @@ synth::animate::AnimateOptions render_options(const AnimateCommand& command) {
   return options;
 }
 
+std::vector<PlannedStage> stages_of(const AnimateCommand& command) {
+  std::vector<PlannedStage> stages;
+  if (command.assignment.empty())
+    stages = {{"reading the index", ""},    {"guessing the motion", ""},  {"describing the picture", ""},
+              {"searching candidates", ""}, {"comparing neighbours", ""}, {"choosing patches", ""}};
+  stages.push_back({"blend", "reading the clips"});
+  stages.push_back({"base", "preparing the picture"});
+  if (command.method == "paper") stages.push_back({"match", "matching contrast"});
+  stages.push_back({"render", "rendering"});
+  return stages;
+}
+
 void run_animate(AnimateCommand& command, const RunContext& context) {
+  plan_stages(stages_of(command));
   const store::Snapshot snapshot = store::Store::open_read(command.target.store).snapshot();
   const TargetFiles::Loaded loaded = command.target.load_with_matte();
   synth::animate::AnimateOptions options = render_options(command);
@@ -98,7 +120,9 @@ void run_animate(AnimateCommand& command, const RunContext& context) {
   command.motion.draw(loaded, asked, motion);
   command.motion.write_maps(loaded, motion);
 
-  synth::animate::FrameSheet sheet(loaded.picture, options.frames);
+  synth::animate::FrameSheet sheet(
+      loaded.picture, loaded.matte, options.frames,
+      {.fps = options.fps, .first_number = command.output.first_number(), .shown = 8, .width_px = 480});
   Progress progress;
   const synth::animate::AnimateReport report = synth::animate::animate(
       snapshot, settings, output->picture(), loaded.matte, staging.placement, staging.options,
@@ -220,6 +244,7 @@ void add_animate(CLI::App& synth_command, RunContext& context) {
       ->capture_default_str()
       ->group(group);
   add_threads(*sub);
+  add_short_help(*sub, kModelOptions);
   sub->callback([command, sub, &context] {
     if (!command->assignment.empty())
       for (const char* name : {"--class", "--direction", "--exclude", "--piece", "--piece-scale", "--solver",

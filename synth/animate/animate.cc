@@ -324,6 +324,7 @@ class Animation {
 
   /// The still part: the picture as a long exposure along the assigned motion, and what is carried over it.
   void expose() {
+    tell("base", 0, 0);
     const cv::Mat target = in_units(picture_);
     matte_.convertTo(alpha_, CV_32F, 1.0 / 255);
     target_luma_ = luma_of(target);

@@ -57,6 +57,7 @@ class OutputOptions {
   /// options   with frames, fps and boundary; what they are given must not outlive the files.
   std::unique_ptr<AnimationFiles> open(const TargetFiles::Loaded& loaded,
                                        synth::animate::AnimateOptions& options);
+  std::int64_t first_number() const { return first_number_; }
   /// Of the files written, for the command's last lines.
   std::vector<std::string> files() const;
 
