@@ -262,6 +262,37 @@ TEST_F(Layers, LightIsWhatAMovingFluidAdds) {
   EXPECT_GT(cv::countNonZero(light.reshape(1)), 100);
 }
 
+TEST_F(Layers, PresetsChooseByPurpose) {
+  made("web.mp4", {"--preset", "web"});
+  made("social.mp4", {"--preset", "social"});
+  made("edit.mov", {"--preset", "edit"});
+  made("archive.mkv", {"--preset", "archive"});
+  made("a.gif");
+  EXPECT_LT(fs::file_size(*folder_ / "web.mp4"), fs::file_size(*folder_ / "social.mp4"));
+  for (const char* name : {"web.mp4", "social.mp4"}) {
+    const std::string stream =
+        probe(name, "codec_name,pix_fmt,color_range,color_space,color_transfer,color_primaries");
+    for (const char* words : {"codec_name=h264", "pix_fmt=yuv420p\n", "color_range=tv", "color_space=bt709",
+                              "color_transfer=bt709", "color_primaries=bt709"})
+      EXPECT_TRUE(holds(stream, words)) << stream;
+  }
+  EXPECT_TRUE(holds(probe("edit.mov", "codec_name,profile"), "codec_name=prores\nprofile=4444"));
+  EXPECT_TRUE(holds(probe("archive.mkv", "codec_name,pix_fmt"), "codec_name=ffv1\npix_fmt=gbrp16le"));
+  EXPECT_TRUE(holds(probe("a.gif", "codec_name,width,height"), "codec_name=gif\nwidth=192\nheight=144"));
+  EXPECT_EQ(lines_of(must({"identify", "a.gif"})).size(), std::size_t{kAnimated});
+}
+
+TEST_F(Layers, AnOddSizeIsSaidBeforeTheWork) {
+  const cv::Rect odd(0, 0, kWidth - 1, kHeight - 1);
+  cv::imwrite(*folder_ / "odd.png", cv::Mat(cv::imread(sample().still)(odd)));
+  cv::imwrite(*folder_ / "odd_matte.png", cv::Mat(cv::imread(sample().matte, cv::IMREAD_GRAYSCALE)(odd)));
+  const Outcome outcome = animate("odd.mp4", {}, "odd.png", "odd_matte.png");
+  EXPECT_EQ(outcome.exit_code, 1) << "the assignment is another picture's";
+  EXPECT_TRUE(holds(
+      outcome.err, "odd.mp4: H.264 takes even sides only: the video has 192 x 144 px, the picture 191 x 143"))
+      << outcome.err;
+}
+
 TEST_F(Layers, WhatDoesNotGoTogetherIsSaidBeforeTheWork) {
   struct Case {
     std::string out;

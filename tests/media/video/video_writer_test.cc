@@ -1,5 +1,6 @@
 #include "media/video/video_writer.h"
 
+#include <algorithm>
 #include <cctype>
 #include <csignal>
 #include <cstdlib>
@@ -13,6 +14,7 @@
 #include <gtest/gtest.h>
 
 #include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
 
 #include "media/frame/frame_md5.h"
 #include "media/video/video_reader.h"
@@ -227,6 +229,28 @@ TEST(VideoWriter, Mp4StartsWithItsIndexAndPadsOddSizes) {
   EXPECT_NEAR(corner[0], 40, 4);
   EXPECT_NEAR(corner[1], 90, 4);
   EXPECT_NEAR(corner[2], 160, 4);
+}
+
+TEST(VideoWriter, WhatStandsStillInAnMp4DoesNotPulse) {
+  const Scratch scratch;
+  cv::Mat ground;
+  cv::resize(noise({80, 60}, CV_8UC3, 1), ground, {320, 240}, 0, 0, cv::INTER_CUBIC);
+  std::vector<cv::Mat> pictures;
+  for (int i = 0; i < 120; ++i) {
+    pictures.push_back(ground.clone());
+    cv::Mat fluid;
+    cv::resize(noise({40, 15}, CV_8UC3, 100 + i), fluid, {320, 60}, 0, 0, cv::INTER_CUBIC);
+    fluid.copyTo(pictures.back()(cv::Rect(0, 180, 320, 60)));
+  }
+  write_all(scratch / "a.mp4", pictures);
+  const std::vector<Frame> frames = read_all(scratch / "a.mp4");
+  ASSERT_EQ(frames.size(), pictures.size());
+  const cv::Rect still(0, 0, 320, 150);
+  double most = 0;
+  for (std::size_t i = 1; i < frames.size(); ++i)
+    most = std::max(
+        most, cv::norm(to_luma(frames[i])(still), to_luma(frames[i - 1])(still), cv::NORM_L1) / still.area());
+  EXPECT_LT(most, 0.4) << "levels from one frame to the next";
 }
 
 TEST(VideoWriter, SaysWhatACodecMakesOfASize) {
