@@ -41,12 +41,12 @@ struct AnimateCommand {
 
 /// What only --help-all explains: the search, the labelling and the rendering in their own words.
 const std::vector<std::string> kModelOptions{
-    "--assignment",  "--candidates", "--coherent",   "--min-scale",  "--max-rotation", "--piece",
-    "--piece-scale", "--index",      "--checks",     "--solver",     "--iterations",   "--costs",
-    "--lambda",      "--sigma",      "--vote",       "--rho",        "--tolerance",    "--speed-tolerance",
-    "--resampling",  "--tau",        "--inpaint",    "--shutter",    "--softness",     "--method",
-    "--variation",   "--renewal",    "--carry-life", "--blend",      "--low-band",     "--matching",
-    "--max-gain",    "--cache-size", "--hint",       "--speed-white"};
+    "--assignment",  "--candidates", "--coherent",    "--min-scale",  "--max-rotation", "--piece",
+    "--piece-scale", "--index",      "--checks",      "--solver",     "--iterations",   "--costs",
+    "--lambda",      "--sigma",      "--vote",        "--rho",        "--tolerance",    "--speed-tolerance",
+    "--resampling",  "--tau",        "--inpaint",     "--shutter",    "--softness",     "--method",
+    "--variation",   "--renewal",    "--detail-life", "--blend",      "--low-band",     "--matching",
+    "--max-gain",    "--cache-size", "--hint",        "--speed-white"};
 
 synth::animate::AnimateOptions render_options(const AnimateCommand& command) {
   synth::animate::AnimateOptions options = command.options;

@@ -267,7 +267,7 @@ TEST_F(Layers, PresetsChooseByPurpose) {
   made("social.mp4", {"--preset", "social"});
   made("edit.mov", {"--preset", "edit"});
   made("archive.mkv", {"--preset", "archive"});
-  made("a.gif");
+  made("preset.gif");
   EXPECT_LT(fs::file_size(*folder_ / "web.mp4"), fs::file_size(*folder_ / "social.mp4"));
   for (const char* name : {"web.mp4", "social.mp4"}) {
     const std::string stream =
@@ -278,8 +278,8 @@ TEST_F(Layers, PresetsChooseByPurpose) {
   }
   EXPECT_TRUE(holds(probe("edit.mov", "codec_name,profile"), "codec_name=prores\nprofile=4444"));
   EXPECT_TRUE(holds(probe("archive.mkv", "codec_name,pix_fmt"), "codec_name=ffv1\npix_fmt=gbrp16le"));
-  EXPECT_TRUE(holds(probe("a.gif", "codec_name,width,height"), "codec_name=gif\nwidth=192\nheight=144"));
-  EXPECT_EQ(lines_of(must({"identify", "a.gif"})).size(), std::size_t{kAnimated});
+  EXPECT_TRUE(holds(probe("preset.gif", "codec_name,width,height"), "codec_name=gif\nwidth=192\nheight=144"));
+  EXPECT_EQ(lines_of(must({"identify", "preset.gif"})).size(), std::size_t{kAnimated});
 }
 
 TEST_F(Layers, AnOddSizeIsSaidBeforeTheWork) {

@@ -50,6 +50,14 @@ TEST_F(BadClip, TextNamedAsAVideo) {
   expect_refusal("text.mp4", "not a video that FFmpeg can read", "leave it out");
 }
 
+TEST_F(BadClip, HighDynamicRange) {
+  encode("pq.mkv", {"-pix_fmt", "yuv420p10le", "-c:v", "ffv1", "-color_trc", "smpte2084", "-color_primaries",
+                    "bt2020"});
+  expect_refusal("pq.mkv", "it is HDR (PQ)", "export it as SDR");
+  encode("hlg.mkv", {"-pix_fmt", "yuv420p10le", "-c:v", "ffv1", "-color_trc", "arib-std-b67"});
+  expect_refusal("hlg.mkv", "it is HDR (HLG)", "export it as SDR");
+}
+
 TEST_F(BadClip, AnEmptyFile) {
   folder_.file("empty.mp4", "");
   expect_refusal("empty.mp4", "the file is empty", "download it again");
