@@ -59,8 +59,8 @@ class PatchSize : public testing::TestWithParam<int> {
   }
   std::vector<cv::Mat> animate(const std::string& picture, const std::string& threads) const {
     fs::create_directories(folder_ / threads);
-    must({"synth", "animate", "a.store", picture, "--frames", std::to_string(kAnimated), "--assignment",
-          "assignment.json", "-j", threads, "-o", threads + "/%05d.png"});
+    must({"synth", "animate", "a.store", picture, "--whole", "--frames", std::to_string(kAnimated),
+          "--assignment", "assignment.json", "-j", threads, "-o", threads + "/%05d.png"});
     return read_frames(folder_ / threads);
   }
 
