@@ -32,14 +32,14 @@ if [ -z "$clips" ]; then
     mkdir -p "$clips/$kind"
     for seed in 1 2 3; do
       [ -s "$clips/$kind/$seed.mkv" ] ||
-        "$freshet" synth simulate $kind --size 480x270 --frames 100 --seed $seed -o "$clips/$kind/$seed.mkv"
+        "$freshet" synth simulate $kind --size 480x270 --frames 100 --seed $seed --overwrite -o "$clips/$kind/$seed.mkv"
     done
   done
   # The still: one frame of a waterfall that is not in the database, and the part of it that moves.
   picture=$out/still.png
   matte=$out/still_matte.png
   [ -s "$matte" ] ||
-    "$freshet" synth simulate waterfall --size 640x360 --frames 1 --seed 12 -o "$picture" --alpha "$matte"
+    "$freshet" synth simulate waterfall --size 640x360 --frames 1 --seed 12 --overwrite -o "$picture" --alpha "$matte"
   name=simulated
   set -- --class waterfall --direction down
 else
@@ -49,11 +49,12 @@ fi
 store=$out/$(basename "$clips").freshet
 
 "$freshet" ingest "$store" "$clips"
-"$freshet" query candidates "$store" "$picture" ${matte:+--matte "$matte"} "$@" --sheet "$out/$name-candidates.png"
+"$freshet" query candidates "$store" "$picture" ${matte:+--matte "$matte"} "$@" --overwrite \
+  --sheet "$out/$name-candidates.png"
 "$freshet" query label "$store" "$picture" ${matte:+--matte "$matte"} "$@" \
-  -o "$out/$name-assignment.json" --map "$out/$name-labels.png"
+  --overwrite -o "$out/$name-assignment.json" --map "$out/$name-labels.png"
 "$freshet" synth animate "$store" "$picture" ${matte:+--matte "$matte"} --assignment "$out/$name-assignment.json" \
-  -o "$out/$name.mp4"
+  --overwrite -o "$out/$name.mp4"
 
 cat <<END
 

@@ -117,6 +117,13 @@ void check_fit(const media::VideoInfo& info, const Source& source, const vision:
                             layout.height, kMaxSide),
                 "Scale it down first");
   }
+  constexpr int kPq = 16, kHlg = 18;  // ITU-T H.273, transfer characteristics
+  if (layout.transfer == kPq || layout.transfer == kHlg)
+    throw Error(
+        ErrorKind::kInput, where,
+        fmt::format("it is HDR ({}): read as the sRGB that we work in, its colours would be pale and wrong",
+                    layout.transfer == kPq ? "PQ" : "HLG"),
+        "Film in SDR, or export it as SDR (BT.709) from your editing program");
   if (layout.rotation != 0) {
     throw Error(
         ErrorKind::kInput, where,

@@ -5,7 +5,6 @@
 
 #include "freshet/error.h"
 #include "media/picture/picture.h"
-#include "media/video/picture_sink.h"
 #include "synth/animate/animate.h"
 #include "synth/animate/frame_sheet.h"
 #include "synth/animate/motion/motion_field.h"
@@ -17,6 +16,7 @@
 #include "tools/options/cache_options.h"
 #include "tools/options/motion_options.h"
 #include "tools/options/outline_options.h"
+#include "tools/options/output_options.h"
 #include "tools/options/play_options.h"
 #include "tools/options/search_options.h"
 
@@ -32,11 +32,21 @@ struct AnimateCommand {
   CacheOptions cache;
   PlayOptions play;
   OutlineOptions boundary;
-  std::string assignment, out, sheet;
+  OutputOptions output;
+  std::string assignment, sheet;
   std::string method = "carried", weights = "variance", low_band = "shared", matching = "sequence";
   synth::animate::AnimateOptions options;
   bool json = false;
 };
+
+/// What only --help-all explains: the search, the labelling and the rendering in their own words.
+const std::vector<std::string> kModelOptions{
+    "--assignment",  "--candidates", "--coherent",    "--min-scale",  "--max-rotation", "--piece",
+    "--piece-scale", "--index",      "--checks",      "--solver",     "--iterations",   "--costs",
+    "--lambda",      "--sigma",      "--vote",        "--rho",        "--tolerance",    "--speed-tolerance",
+    "--resampling",  "--tau",        "--inpaint",     "--shutter",    "--softness",     "--method",
+    "--variation",   "--renewal",    "--detail-life", "--blend",      "--low-band",     "--matching",
+    "--max-gain",    "--cache-size", "--hint",        "--speed-white"};
 
 synth::animate::AnimateOptions render_options(const AnimateCommand& command) {
   synth::animate::AnimateOptions options = command.options;
@@ -56,9 +66,22 @@ synth::animate::AnimateOptions render_options(const AnimateCommand& command) {
   return options;
 }
 
+std::vector<PlannedStage> stages_of(const AnimateCommand& command) {
+  std::vector<PlannedStage> stages;
+  if (command.assignment.empty())
+    stages = {{"reading the index", ""},    {"guessing the motion", ""},  {"describing the picture", ""},
+              {"searching candidates", ""}, {"comparing neighbours", ""}, {"choosing patches", ""}};
+  stages.push_back({"blend", "reading the clips"});
+  stages.push_back({"base", "preparing the picture"});
+  if (command.method == "paper") stages.push_back({"match", "matching contrast"});
+  stages.push_back({"render", "rendering"});
+  return stages;
+}
+
 void run_animate(AnimateCommand& command, const RunContext& context) {
+  plan_stages(stages_of(command));
   const store::Snapshot snapshot = store::Store::open_read(command.target.store).snapshot();
-  const TargetFiles::Loaded loaded = command.target.load();
+  const TargetFiles::Loaded loaded = command.target.load_with_matte();
   synth::animate::AnimateOptions options = render_options(command);
   command.boundary.apply(options, loaded.picture.size());
   AskedMotion asked =
@@ -69,7 +92,7 @@ void run_animate(AnimateCommand& command, const RunContext& context) {
   // The output first: a mistyped folder should not cost a labelling.
   command.motion.check_outputs();
   check_picture_output(command.sheet);
-  media::PictureSink sink(command.out, loaded.picture.size(), options.frames, options.fps);
+  const std::unique_ptr<AnimationFiles> output = command.output.open(loaded, options);
 
   query::Assignment assignment;
   nlohmann::json labelled;  // null for an assignment from a file
@@ -102,17 +125,14 @@ void run_animate(AnimateCommand& command, const RunContext& context) {
   command.motion.draw(loaded, asked, motion);
   command.motion.write_maps(loaded, motion);
 
-  synth::animate::FrameSheet sheet(loaded.picture, options.frames);
+  synth::animate::FrameSheet sheet(
+      loaded.picture, loaded.matte, options.frames,
+      {.fps = options.fps, .first_number = command.output.first_number(), .shown = 8, .width_px = 480});
   Progress progress;
   const synth::animate::AnimateReport report = synth::animate::animate(
-      snapshot, settings, loaded.picture, loaded.matte, staging.placement, staging.options,
-      [&](const cv::Mat& frame) {
-        sink.write(frame);
-        sheet.add(frame);
-      },
-      progress.callback(), context.stop);
-  sink.finish();
-  command.boundary.finish();
+      snapshot, settings, output->picture(), loaded.matte, staging.placement, staging.options,
+      [&](const cv::Mat& frame) { sheet.add(output->write(frame)); }, progress.callback(), context.stop);
+  output->finish();
   progress.finish();
   if (!command.sheet.empty()) media::write_picture(command.sheet, sheet.draw());
   say(fmt::format(
@@ -124,7 +144,8 @@ void run_animate(AnimateCommand& command, const RunContext& context) {
   if (report.half_life_s > 0)
     say(fmt::format("half of the detail that is carried along is new after {:.2f} s (--detail-life)",
                     report.half_life_s));
-  std::vector<std::string> files{command.out, command.sheet, command.boundary.output()};
+  std::vector<std::string> files = command.output.files();
+  files.push_back(command.sheet);
   for (const std::string& path : command.motion.outputs()) files.push_back(path);
   std::erase(files, "");
   if (!command.json) {
@@ -157,9 +178,7 @@ void add_animate(CLI::App& synth_command, RunContext& context) {
   CLI::App* sub =
       synth_command.add_subcommand("animate", "Animate a still picture with the patches of a store");
   command->target.add_to(*sub);
-  sub->add_option("-o,--output", command->out,
-                  "The animation: .mp4, .mkv (lossless), .webp, .apng, or a sequence such as frames/%05d.png")
-      ->required();
+  command->output.add_to(*sub);
   sub->add_option("--sheet", command->sheet, "Write a contact sheet of the picture and frames (PNG, JPEG)");
   sub->add_option("--assignment", command->assignment,
                   "Use this assignment, from freshet query label, in place of searching and labelling");
@@ -231,6 +250,7 @@ void add_animate(CLI::App& synth_command, RunContext& context) {
       ->capture_default_str()
       ->group(group);
   add_threads(*sub);
+  add_short_help(*sub, kModelOptions);
   sub->callback([command, sub, &context] {
     if (!command->assignment.empty())
       for (const char* name :

@@ -196,6 +196,7 @@ void add_bench(CLI::App& query_command, RunContext& context) {
           ->expected(0, 1)
           ->type_name("[FILE]");
   sub->add_option("--page", command->page, "Write one HTML page with the curves drawn");
+  add_overwrite(*sub);
   add_threads(*sub);
   sub->callback([command, &context] { run(*command, context); });
 }

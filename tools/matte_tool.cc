@@ -48,6 +48,24 @@ cv::Rect2d parse_box(const std::string& text) {
   return {x, y, width, height};
 }
 
+/// Where the person's own marks say enough they are used alone; else throws, and advises what was not done yet.
+void say_nothing_stands_out(const MatteCommand& command, const matte::Proposal& proposal) {
+  const std::string fault = fmt::format(
+      "it cannot tell the fluid in this picture from the rest: by their texture both are as like its clips "
+      "(mean "
+      "scores {:.2f} and {:.2f})",
+      proposal.fluid_score, proposal.background_score);
+  if (!command.scribbles.empty() || !command.marks.empty() || !command.boxes.empty()) {
+    say(command.store + ": " + fault + ". Your own marks are used alone");
+    return;
+  }
+  throw Error(
+      ErrorKind::kNotFound, command.store, fault,
+      std::string(command.candidates.class_name.empty() ? "Try --class with the fluid's class, or mark"
+                                                        : "Mark") +
+          " the fluid with a few --scribbles or a --box, which need no store");
+}
+
 /// What the store proposes, for a copy of the picture of at most kProposalSide px: 3 s with 350,000 patches.
 matte::Marks propose(const MatteCommand& command, const cv::Mat& picture, const RunContext& context) {
   const store::Snapshot snapshot = store::Store::open_read(command.store).snapshot();
@@ -67,7 +85,11 @@ matte::Marks propose(const MatteCommand& command, const cv::Mat& picture, const 
       query::search_candidates(snapshot, *base, small, cv::Mat(small.size(), CV_8U, cv::Scalar(255)), options,
                                progress.callback(), context.stop);
   progress.finish();
-  const matte::Proposal proposal = matte::propose_marks(search.target, search.candidates, {}, command.store);
+  const matte::Proposal proposal = matte::propose_marks(search.target, search.candidates, {});
+  if (!proposal.stands_out) {
+    say_nothing_stands_out(command, proposal);
+    return matte::Marks(picture.size(), CV_8U, cv::Scalar(matte::kUnknown));
+  }
   say(fmt::format(
       "{}: of {} pieces {} look like fluid (mean score {:.2f}), {} do not ({:.2f}). This is a guess: "
       "look at the matte",
@@ -203,6 +225,7 @@ void add_matte(CLI::App& synth_command, RunContext& context) {
       ->capture_default_str()
       ->group(edges);
   sub->add_flag("--json", command->json, "Print fraction of fluid (0..1) and seconds by stage as JSON");
+  add_overwrite(*sub);
   add_threads(*sub);
   sub->callback([command, &context] { run_matte(*command, context); });
 }

@@ -108,6 +108,7 @@ void run_candidates(const CandidatesCommand& command, const RunContext& context)
   command.motion.check_outputs();
   const store::Snapshot snapshot = store::Store::open_read(command.target.store).snapshot();
   const TargetFiles::Loaded loaded = command.target.load();
+  say_reduction(command.target, loaded);
   AskedMotion asked = command.motion.read(loaded, command.search);
   const query::LabelRequest request = request_of(command.search, asked, command.duration);
   const bool guesses = query::may_guess(request);
@@ -153,6 +154,7 @@ void run_label(const LabelCommand& command, const RunContext& context) {
   command.motion.check_outputs();
   const store::Snapshot snapshot = store::Store::open_read(command.target.store).snapshot();
   const TargetFiles::Loaded loaded = command.target.load();
+  say_reduction(command.target, loaded);
   AskedMotion asked = command.motion.read(loaded, command.search);
   const query::LabelRequest request = request_of(command.search, asked, command.duration, &command.labelling);
   const LabelRun run = label_with_progress(snapshot, loaded, command.search, request, command.duration,
@@ -215,6 +217,7 @@ void add_query(CLI::App& app, RunContext& context) {
   sub->add_option("--sheet", candidates->sheet,
                   "Write a contact sheet: pieces, and their best candidates (PNG, JPEG)");
   sub->add_flag("--json", candidates->json, "Print all candidates as JSON");
+  add_overwrite(*sub);
   add_threads(*sub);
   sub->callback([candidates, &context] { run_candidates(*candidates, context); });
 
@@ -233,6 +236,7 @@ void add_query(CLI::App& app, RunContext& context) {
   sub->add_option("--sheet", label->sheet,
                   "Write a contact sheet that shows the chosen candidates (PNG, JPEG)");
   sub->add_flag("--json", label->json, "Print the result as JSON");
+  add_overwrite(*sub);
   add_threads(*sub);
   sub->callback([label, &context] { run_label(*label, context); });
 

@@ -12,6 +12,7 @@
 #include "synth/simulate/design/scene_file.h"
 #include "synth/simulate/simulate.h"
 #include "tools/commands.h"
+#include "tools/console/output_names.h"
 #include "tools/console/progress.h"
 #include "tools/design_folder.h"
 
@@ -92,7 +93,12 @@ void run_simulate(const SimulateCommand& command, const RunContext& context) {
                   "Give .flo or .exr");
   }
   check_pattern("--emitters", command.emitters);
+  if (!names_a_folder(command.out)) check_frames_output(command.out, scene.frames);
+  check_frames_output(command.alpha, scene.frames);
+  check_frames_output(command.emitters, scene.frames);
+  for (const std::string& pattern : command.motion) check_frames_output(pattern, scene.frames);
   std::optional<DesignFolder> folder;
+  if (names_a_folder(command.out)) check_folder_output(command.out);
   if (names_a_folder(command.out)) folder.emplace(command.out, scene, text_of(command.scene));
   media::PictureSink sink(folder ? folder->preview() : fs::path(command.out), scene.size, scene.frames,
                           scene.fps);
@@ -182,6 +188,7 @@ void add_simulate(CLI::App& synth_command, RunContext& context) {
       "Also write motion fields: motion/%05d.flo (Middlebury) or motion/%05d.exr; may be given twice");
   sub->add_option("--emitters", command->emitters,
                   "Also write where a design's emitters held fluid: emitters/%05d.png");
+  add_overwrite(*sub);
   add_threads(*sub);
   sub->callback([command, &context] { run_simulate(*command, context); });
 }

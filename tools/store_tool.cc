@@ -12,6 +12,7 @@
 #include "query/stored/clip_frames.h"
 #include "store/store.h"
 #include "tools/commands.h"
+#include "tools/console/output_names.h"
 #include "tools/console/progress.h"
 #include "tools/console/table.h"
 
@@ -163,6 +164,7 @@ void export_clip(const StoreCommand& command, const RunContext& context) {
   const store::ClipId id = find_clip(snapshot, command.store, command.clip);
   const store::ClipRecord& clip = snapshot.clip(id);
   const query::ClipFrames frames(snapshot, id);
+  check_frames_output(command.out, static_cast<int>(frames.size()));
   media::VideoWriter writer(command.out,
                             cv::Size(static_cast<int>(clip.width), static_cast<int>(clip.height)),
                             {.fps_num = clip.fps_num, .fps_den = clip.fps_den});
@@ -217,6 +219,7 @@ void add_store(CLI::App& app, RunContext& context) {
           false, [&context](const StoreCommand& c) { export_clip(c, context); });
   sub->add_option("-o,--output", command->out, "NAME.mkv, or a numbered sequence such as frames/%05d.png")
       ->required();
+  add_overwrite(*sub);
 }
 
 }  // namespace freshet::tools

@@ -20,6 +20,7 @@
 #include "query/labelling/labelling_memo.h"
 #include "synth/animate/staging.h"
 #include "tools/commands.h"
+#include "tools/console/output_names.h"
 #include "tools/console/progress.h"
 #include "tools/label_run.h"
 #include "tools/options/cache_options.h"
@@ -55,16 +56,6 @@ void write_text(const fs::path& path, const std::string& text) {
   file << text;
   file.close();
   if (!file) throw Error(ErrorKind::kIo, path.string(), "it cannot be written");
-}
-
-/// The folder, made when it is not there. Files of ours in it are replaced, others left.
-fs::path made_folder(const std::string& name) {
-  std::error_code fault;
-  fs::create_directories(name, fault);
-  if (fault || !fs::is_directory(name))
-    throw Error(ErrorKind::kIo, name, "no folder can be made here" + (fault ? ": " + fault.message() : ""),
-                "Name a folder for the page, its videos and assignments");
-  return name;
 }
 
 /// Of the points, those whose labelling is another than that of each point before; and for each point, which.
@@ -233,13 +224,15 @@ void run_sweep(const SweepCommand& command, const RunContext& context) {
   for (const SweepPoint& point : points) query::check_weights(point.labelling.costs);
   command.motion.check_outputs();
   const store::Snapshot snapshot = store::Store::open_read(command.target.store).snapshot();
-  const TargetFiles::Loaded loaded = command.target.load();
+  const TargetFiles::Loaded loaded = command.target.load_with_matte();
+  say_reduction(command.target, loaded);
   AskedMotion asked = command.motion.read(loaded, command.search);
   const synth::animate::Playing playing = command.play.read(loaded.picture.size());
   const query::LabelRequest request = request_of(command.search, asked, command.duration);
   asked.guide = query::guide_of_animation(request, loaded.picture.size());
   command.motion.draw(loaded, asked, {});
-  const fs::path folder = made_folder(command.folder);
+  const fs::path folder = command.folder;
+  check_folder_output(folder);
 
   Progress progress;
   SweepSeconds seconds;
@@ -318,6 +311,7 @@ void add_sweep(CLI::App& synth_command, RunContext& context) {
   command->labelling.add_to(*sub);
   command->play.add_to(*sub);
   command->cache.add_to(*sub);
+  add_overwrite(*sub);
   add_threads(*sub);
   sub->callback([command, &context] { run_sweep(*command, context); });
 }

@@ -79,13 +79,9 @@ class FrameFiles {
       throw Error(ErrorKind::kUsage, "--bits 16", out_.string() + " holds 8 bits per channel",
                   "Use .png, .mkv or .mov");
     deep_ = bits_ == 16 || ending == ".mov";
-    if (sequence_ && !fs::is_directory(out_.has_parent_path() ? out_.parent_path() : fs::path(".")))
-      throw Error(ErrorKind::kIo, out_.string(),
-                  "the folder " + out_.parent_path().string() + " does not exist", "Make it first");
-    if (!sequence_) {
-      check_output_folder(out_);
-      media::PictureSink::check(out_, size, frames, fps_);
-    }
+    // The frames of a run that was stopped are its own.
+    if (!sequence_ || !fs::exists(transfer::ResumeFolder::beside(out_))) check_frames_output(out_, frames);
+    if (!sequence_) media::PictureSink::check(out_, size, frames, fps_);
   }
   /// The folder is known once the inputs have been read.
   void keep_in(const fs::path& folder) { kept_ = sequence_ ? out_ : folder / kFrameName; }
@@ -142,7 +138,7 @@ std::optional<Composite> open_composite(const TransferCommand& command, cv::Size
         fmt::format("the animation of {} x {} px lies beside the background of {} x {}", size.width,
                     size.height, composite.background.size().width, composite.background.size().height),
         "Give its top left corner in the background, px");
-  if (media::is_pattern(composite.out)) check_output_folder(composite.out);
+  check_frames_output(composite.out, frames);
   media::PictureSink::check(composite.out, composite.background.size(), frames, command.fps);
   return composite;
 }
@@ -477,6 +473,7 @@ void add_transfer(CLI::App& synth_command, RunContext& context) {
       ->group(group);
   sub->add_flag("--json", command->json,
                 "Print a report as JSON: uniformity, violations, distance and seconds by stage, by frame");
+  add_overwrite(*sub);
   add_threads(*sub);
   sub->callback([command, &context] { run_transfer(*command, context); });
 }

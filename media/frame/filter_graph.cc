@@ -24,7 +24,7 @@ std::string filter_text(const Repairs& repairs) {
 void FilterGraph::Close::operator()(AVFilterGraph* graph) const { avfilter_graph_free(&graph); }
 
 FilterGraph::FilterGraph(const std::string& text, const AVFrame& first, AVRational time_base,
-                         std::string where)
+                         std::string where, AVPixelFormat out)
     : graph_(avfilter_graph_alloc()), where_(std::move(where)) {
   quiet_libav();
   if (!graph_) throw std::bad_alloc();
@@ -38,7 +38,8 @@ FilterGraph::FilterGraph(const std::string& text, const AVFrame& first, AVRation
   // Never a conversion to another format and back unseen: what a filter cannot take is refused.
   avfilter_graph_set_auto_convert(graph_.get(), AVFILTER_AUTO_CONVERT_NONE);
   const char* name = av_get_pix_fmt_name(format);
-  const std::string chain = text + ",format=pix_fmts=" + (name ? name : "none");
+  const char* given = out == AV_PIX_FMT_NONE ? name : av_get_pix_fmt_name(out);
+  const std::string chain = text + ",format=pix_fmts=" + (given ? given : "none");
   AVFilterInOut* open_inputs = avfilter_inout_alloc();
   AVFilterInOut* open_outputs = avfilter_inout_alloc();
   int code = open_inputs && open_outputs ? 0 : AVERROR(ENOMEM);

@@ -11,12 +11,14 @@ struct AVFilterContext;
 
 namespace freshet::media {
 
-/// A chain of filters that takes frames of one format and size and gives frames of the same.
+/// A chain of filters that takes frames of one format and size and gives frames of the same, or of another format.
 class FilterGraph {
  public:
   /// text   as ffmpeg -vf takes it. first   a frame like all that will come. time_base   of their stamps.
   /// where  names the file in messages. Throws Error{kInput} when the filters cannot take such frames.
-  FilterGraph(const std::string& text, const AVFrame& first, AVRational time_base, std::string where);
+  /// out    format of the frames given; none: that of the frames taken.
+  FilterGraph(const std::string& text, const AVFrame& first, AVRational time_base, std::string where,
+              AVPixelFormat out = AV_PIX_FMT_NONE);
 
   /// Gives a frame in, null at the end. Takes its contents.
   void push(AVFrame* frame);

@@ -1,11 +1,13 @@
 #include "media/picture/picture.h"
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
 #include <cstring>
+#include <numeric>
 #include <optional>
 #include <string_view>
 
@@ -14,6 +16,9 @@
 
 #include "freshet/error.h"
 #include "media/frame/decoder.h"
+#include "media/picture/colour_profile.h"
+#include "media/picture/exr_picture.h"
+#include "media/picture/light.h"
 #include "media/picture/picture_file.h"
 
 namespace freshet::media {
@@ -22,11 +27,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::int64_t kMaxPixels = std::int64_t{1} << 28;
-
-struct Decoded {
-  cv::Mat colour;  // 3 channels of any depth, turned upright
-  std::vector<std::string> notices;
-};
 
 // Formats that FFmpeg knows as well as OpenCV does.
 bool ffmpeg_can_judge(const std::vector<std::uint8_t>& bytes) {
@@ -93,27 +93,210 @@ cv::Mat decode_with_opencv(const fs::path& path, const std::vector<std::uint8_t>
   return samples;
 }
 
+bool is_exr(const std::vector<std::uint8_t>& bytes) {
+  return bytes.size() > 4 && std::memcmp(bytes.data(), "\x76\x2f\x31\x01", 4) == 0;
+}
+
+std::vector<std::uint8_t> profile_of(const AVFrame* frame, const std::vector<std::uint8_t>& bytes) {
+  if (frame == nullptr) return tiff_profile(bytes);
+  const AVFrameSideData* data = av_frame_get_side_data(frame, AV_FRAME_DATA_ICC_PROFILE);
+  if (data == nullptr) return {};
+  return {data->data, data->data + data->size};
+}
+
+// The way up that makes `from` the upright picture: OpenCV turns a picture by its EXIF data only where it drops alpha.
+cv::Mat turned(const cv::Mat& from, int way) {
+  cv::Mat out = from.clone();
+  if (way & 4) cv::transpose(out, out);
+  if (way & 1) cv::flip(out, out, 1);
+  if (way & 2) cv::flip(out, out, 0);
+  return out;
+}
+
+// CV_8U, upright; empty where it is opaque everywhere. colour   of the same file, upright.
+cv::Mat alpha_of(const std::vector<std::uint8_t>& bytes, const fs::path& path, const cv::Mat& colour) {
+  cv::Mat whole = decode_with_opencv(path, bytes, cv::IMREAD_UNCHANGED);
+  if (whole.channels() != 4) return {};
+  cv::Mat alpha, bgr;
+  cv::extractChannel(whole, alpha, 3);
+  cv::cvtColor(whole, bgr, cv::COLOR_BGRA2BGR);
+  int way = bgr.size() == colour.size() ? 0 : 4;
+  for (int each = 0; each < 8; ++each)
+    if (const cv::Mat upright = turned(bgr, each); upright.size() == colour.size() &&
+                                                   upright.type() == colour.type() &&
+                                                   cv::norm(upright, colour, cv::NORM_INF) == 0) {
+      way = each;
+      break;
+    }
+  alpha = turned(alpha, way);
+  if (alpha.depth() == CV_16U)
+    alpha.convertTo(alpha, CV_8U, 1.0 / 257);
+  else if (alpha.depth() != CV_8U)
+    alpha.convertTo(alpha, CV_8U, 255);
+  return cv::countNonZero(alpha != 255) == 0 ? cv::Mat() : alpha;
+}
+
+// Values as the file has them, without a look at its colour profile.
+struct Decoded {
+  cv::Mat colour;  // CV_8UC3, CV_16UC3, or CV_32FC3: linear light of an EXR, sRGB code else
+  cv::Mat alpha;   // CV_8U; empty: opaque
+  std::vector<std::uint8_t> profile;
+  bool light = false;
+};
+
 Decoded decode(const fs::path& path) {
   const std::vector<std::uint8_t> bytes = bytes_of(path);
   Decoded decoded;
-  if (has_alpha(decode_strictly(path, bytes).get(), bytes))
-    decoded.notices.emplace_back("alpha channel ignored");
-  decoded.colour = decode_with_opencv(path, bytes, cv::IMREAD_COLOR | cv::IMREAD_ANYDEPTH);
-  if (decoded.colour.depth() == CV_16U) {
-    decoded.colour.convertTo(decoded.colour, CV_8U, 1.0 / 257);
-    decoded.notices.emplace_back("16 bits per channel reduced to 8");
-  } else if (decoded.colour.depth() != CV_8U) {
-    decoded.colour.convertTo(decoded.colour, CV_8U, 255);
-    decoded.notices.emplace_back("floating point reduced to 8 bits, values above 1 cut off");
+  if (is_exr(bytes)) {
+    ExrPicture exr = decode_exr_picture(bytes, path);
+    decoded.colour = exr.light;
+    decoded.light = true;
+    if (!exr.alpha.empty()) {
+      exr.alpha.convertTo(decoded.alpha, CV_8U, 255);
+      if (cv::countNonZero(decoded.alpha != 255) == 0) decoded.alpha.release();
+    }
+    return decoded;
   }
+  const AvOwner<AVFrame> frame = decode_strictly(path, bytes);
+  decoded.colour = decode_with_opencv(path, bytes, cv::IMREAD_COLOR | cv::IMREAD_ANYDEPTH);
+  if (has_alpha(frame.get(), bytes)) decoded.alpha = alpha_of(bytes, path, decoded.colour);
+  decoded.profile = profile_of(frame.get(), bytes);
   return decoded;
+}
+
+// 8 bits of sRGB code.
+cv::Mat reduced(const Decoded& decoded) {
+  cv::Mat bgr;
+  if (decoded.colour.depth() == CV_8U) return decoded.colour;
+  if (decoded.colour.depth() == CV_16U)
+    decoded.colour.convertTo(bgr, CV_8U, 1.0 / 257);
+  else
+    cv::Mat(decoded.light ? to_coded(decoded.colour) : decoded.colour).convertTo(bgr, CV_8U, 255);
+  return bgr;
+}
+
+std::string reduction_of(const Decoded& decoded) {
+  if (decoded.colour.depth() == CV_8U) return {};
+  if (decoded.colour.depth() == CV_16U) return "16 bits per channel reduced to 8";
+  return "floating point reduced to 8 bits, values above 1 cut off";
+}
+
+// A matte of grey; what is coloured is told.
+cv::Mat grey_of(const Decoded& decoded, const fs::path& path, std::vector<std::string>& notices) {
+  constexpr int kTint = 24;              // of what is a little off grey
+  constexpr double kMaxColoured = 0.02;  // of the pixels: a matte saved as JPEG has less
+  // A matte's numbers are how much is fluid, whatever curve its kind of file has.
+  Decoded plain = decoded;
+  plain.light = false;
+  const cv::Mat bgr = reduced(plain);
+  if (std::string said = reduction_of(decoded); !said.empty()) notices.push_back(std::move(said));
+  std::vector<cv::Mat> channels;
+  cv::split(bgr, channels);
+  const cv::Mat most = cv::max(cv::max(channels[0], channels[1]), channels[2]);
+  const cv::Mat least = cv::min(cv::min(channels[0], channels[1]), channels[2]);
+  if (cv::countNonZero(most != least) == 0) return channels[0];
+  const double coloured = cv::countNonZero(most - least > kTint) / static_cast<double>(bgr.total());
+  if (coloured > kMaxColoured)
+    throw Error(ErrorKind::kInput, path.string(),
+                std::to_string(std::lround(100 * coloured)) + " % of it is in colour: a picture, not a matte",
+                "Give a grey one, white where the fluid is and black elsewhere");
+  cv::Mat grey;
+  cv::cvtColor(bgr, grey, cv::COLOR_BGR2GRAY);
+  notices.emplace_back("colour reduced to grey");
+  return grey;
+}
+
+std::string percent(double fraction) {
+  const double value = 100 * fraction;
+  return (value < 1 ? std::string("less than 1") : std::to_string(std::lround(value))) + " %";
+}
+
+// Brought to the picture's size; nothing in it below kLeast; what cannot be meant is told.
+Matte fitted_matte(Matte matte, cv::Size size, const fs::path& path) {
+  constexpr int kLeast =
+      8;  // of 255: below it is what JPEG or a soft brush leaves around; no eye would see it move
+  constexpr double kSameShape = 0.01;
+  constexpr int kGreyNothing = 128;
+  constexpr double kFlat = 0.2, kHardly = 0.01;  // of the pixels
+  const auto refuse = [&](const std::string& fault, const std::string& remedy) {
+    throw Error(ErrorKind::kInput, path.string(), fault, remedy);
+  };
+  cv::Mat& alpha = matte.alpha;
+  if (alpha.size() != size) {
+    const auto text = [](cv::Size of) {
+      return std::to_string(of.width) + " x " + std::to_string(of.height);
+    };
+    const double shape =
+        static_cast<double>(alpha.cols) * size.height / (static_cast<double>(alpha.rows) * size.width);
+    if (std::abs(shape - 1) > kSameShape)
+      refuse("the matte is " + text(alpha.size()) + ", the picture " + text(size) + ": another shape",
+             "Crop them alike");
+    matte.notices.push_back("the matte is " + text(alpha.size()) + ", and is scaled to the picture's " +
+                            text(size));
+    cv::resize(alpha, alpha, size, 0, 0, alpha.cols > size.width ? cv::INTER_AREA : cv::INTER_LINEAR);
+  }
+  std::array<int, 256> count{};
+  for (int y = 0; y < alpha.rows; ++y)
+    for (int x = 0; x < alpha.cols; ++x) ++count[alpha.at<std::uint8_t>(y, x)];
+  const double all = static_cast<double>(alpha.total());
+  if (count[0] == static_cast<int>(alpha.total()))
+    refuse("the matte is black everywhere, so nothing in it is fluid", "Paint the fluid white");
+  const int black = std::accumulate(count.begin(), count.begin() + kLeast, 0);
+  if (count[255] == static_cast<int>(alpha.total()))
+    refuse("the matte is white everywhere", "Paint black what stands still, or say --whole instead of it");
+  const int flattest = static_cast<int>(
+      std::max_element(count.begin() + kLeast, count.begin() + kGreyNothing) - count.begin());
+  if (black == 0 || (black < kHardly * all && count[flattest] > kFlat * all)) {
+    const int darkest = static_cast<int>(
+        std::find_if(count.begin(), count.end(), [](int n) { return n > 0; }) - count.begin());
+    const int grey = count[flattest] > kFlat * all ? flattest : darkest;
+    refuse((black == 0 ? "the matte has no black" : "the matte has hardly any black") + std::string(": ") +
+               percent(count[grey] / all) + " of it is the grey " + std::to_string(grey) +
+               " of 255, and would move",
+           "Paint black what stands still");
+  }
+  if (const int faint = black - count[0]; faint > kHardly * all)
+    matte.notices.push_back(percent(faint / all) + " of it is nearly black (below " + std::to_string(kLeast) +
+                            " of 255) and stands still");
+  alpha.setTo(0, alpha < kLeast);
+  if (cv::countNonZero(alpha) == 0)
+    refuse("the matte is black everywhere, so nothing in it is fluid", "Paint the fluid white");
+  return matte;
 }
 
 }  // namespace
 
-Picture read_picture(const fs::path& path) {
+Still read_still(const fs::path& path) {
   Decoded decoded = decode(path);
-  return {.bgr = std::move(decoded.colour), .notices = std::move(decoded.notices)};
+  Still still;
+  if (!decoded.profile.empty() && decoded.colour.depth() != CV_32F)
+    if (std::string done = bring_to_srgb(decoded.profile, decoded.colour, path); !done.empty())
+      still.notices.push_back(std::move(done));
+  if (decoded.light) still.notices.emplace_back("taken as linear light, Rec. 709 (sRGB) primaries");
+  still.bgr = reduced(decoded);
+  still.reduction = reduction_of(decoded);
+  still.alpha = decoded.alpha;
+  if (decoded.colour.depth() == CV_16U || decoded.light) still.deep = decoded.colour;
+  if (decoded.colour.depth() == CV_32F && !decoded.light) still.deep = to_linear(decoded.colour);
+  return still;
+}
+
+cv::Mat coded_picture(const Still& still) {
+  cv::Mat coded;
+  if (still.deep.empty())
+    still.bgr.convertTo(coded, CV_32F, 1.0 / 255);
+  else if (still.deep.depth() == CV_16U)
+    still.deep.convertTo(coded, CV_32F, 1.0 / 65535);
+  else
+    coded = to_coded(still.deep);
+  return coded;
+}
+
+Picture read_picture(const fs::path& path) {
+  Still still = read_still(path);
+  if (!still.alpha.empty()) still.notices.emplace_back("alpha channel ignored");
+  if (!still.reduction.empty()) still.notices.push_back(still.reduction);
+  return {.bgr = std::move(still.bgr), .notices = std::move(still.notices)};
 }
 
 DeepPicture read_deep_picture(const fs::path& path) {
@@ -141,29 +324,19 @@ DeepPicture read_deep_picture(const fs::path& path) {
 }
 
 Matte read_matte(const fs::path& path, cv::Size size) {
-  Decoded decoded = decode(path);
+  const Decoded decoded = decode(path);
   Matte matte;
-  matte.notices = std::move(decoded.notices);
-  if (decoded.colour.size() != size)
-    throw Error(ErrorKind::kInput, path.string(),
-                "the matte is " + std::to_string(decoded.colour.cols) + " x " +
-                    std::to_string(decoded.colour.rows) + ", the picture " + std::to_string(size.width) +
-                    " x " + std::to_string(size.height),
-                "Make them equal in size");
-  std::vector<cv::Mat> channels;
-  cv::split(decoded.colour, channels);
-  const bool grey = cv::norm(channels[0], channels[1], cv::NORM_INF) == 0 &&
-                    cv::norm(channels[1], channels[2], cv::NORM_INF) == 0;
-  if (grey) {
-    matte.alpha = channels[0];
+  if (!decoded.alpha.empty()) {
+    matte.alpha = decoded.alpha;
+    matte.notices.emplace_back("its alpha channel is the matte");
   } else {
-    cv::cvtColor(decoded.colour, matte.alpha, cv::COLOR_BGR2GRAY);
-    matte.notices.emplace_back("colour reduced to grey");
+    matte.alpha = grey_of(decoded, path, matte.notices);
   }
-  if (cv::countNonZero(matte.alpha) == 0)
-    throw Error(ErrorKind::kInput, path.string(), "the matte is black everywhere, so nothing in it is fluid",
-                "Paint the fluid white");
-  return matte;
+  return fitted_matte(std::move(matte), size, path);
+}
+
+Matte matte_of_alpha(const cv::Mat& alpha, const fs::path& path) {
+  return fitted_matte({.alpha = alpha.clone(), .notices = {}}, alpha.size(), path);
 }
 
 void write_picture(const fs::path& path, const cv::Mat& picture) {

@@ -77,9 +77,11 @@ fs::path numbered(const fs::path& path, std::int64_t number) {
   return path.parent_path() / (pattern.before + digits + pattern.after);
 }
 
-PictureSequence list_pattern(const fs::path& path) {
+PictureSequence find_pattern(const fs::path& path) {
   const Pattern pattern = parse(path.filename().string()).value();
   const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
+  std::error_code fault;
+  if (!fs::is_directory(folder, fault)) return {};
   std::vector<std::pair<std::int64_t, fs::path>> found;
   for (const fs::path& file : files_in(folder)) {
     const std::string name = file.filename().string();
@@ -91,15 +93,22 @@ PictureSequence list_pattern(const fs::path& path) {
     const std::int64_t number = std::stoll(digits);
     if (numbered(path, number).filename() == name) found.emplace_back(number, path.parent_path() / name);
   }
-  if (found.empty())
-    throw Error(ErrorKind::kInput, path.string(), "no file in " + folder.string() + " matches this pattern",
-                "Name the files as in " + numbered(path, 1).filename().string());
   std::sort(found.begin(), found.end());
   PictureSequence sequence;
   for (auto& [number, file] : found) {
     sequence.numbers.push_back(number);
     sequence.files.push_back(std::move(file));
   }
+  return sequence;
+}
+
+PictureSequence list_pattern(const fs::path& path) {
+  const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
+  if (!fs::is_directory(folder)) files_in(folder);  // which says why
+  PictureSequence sequence = find_pattern(path);
+  if (sequence.files.empty())
+    throw Error(ErrorKind::kInput, path.string(), "no file in " + folder.string() + " matches this pattern",
+                "Name the files as in " + numbered(path, 1).filename().string());
   return sequence;
 }
 

@@ -25,6 +25,8 @@ std::filesystem::path numbered(const std::filesystem::path& pattern, std::int64_
 /// Files that match the pattern, by number, wherever it starts (film shots start at 1001).
 /// Throws Error{kInput} when there are none.
 PictureSequence list_pattern(const std::filesystem::path& pattern);
+/// The same; empty when there are none, or no folder.
+PictureSequence find_pattern(const std::filesystem::path& pattern);
 /// Pictures of a folder in natural order ("f9.png" before "f10.png"); other files and folders are passed
 /// over, and so are names that begin with a dot: some systems leave one beside each picture. Throws
 /// Error{kInput} when there are none.

@@ -12,18 +12,21 @@ namespace freshet::media {
 namespace {
 
 bool is_one_picture(const std::filesystem::path& path, int frames) {
-  static constexpr std::array kEndings{".png", ".jpg", ".jpeg", ".tif", ".tiff", ".bmp"};
+  static constexpr std::array kEndings{".png", ".jpg", ".jpeg", ".tif", ".tiff", ".bmp", ".exr"};
   return frames == 1 && !is_pattern(path) &&
          std::find(kEndings.begin(), kEndings.end(), path.extension()) != kEndings.end();
 }
 
 }  // namespace
 
-PictureSink::PictureSink(const std::filesystem::path& path, cv::Size size, int frames, double fps)
-    : path_(path) {
+PictureSink::PictureSink(const std::filesystem::path& path, cv::Size size, int frames, double fps,
+                         const VideoWriterOptions& options)
+    : path_(path), exr_(options.exr) {
   // Rates such as 29.97 to a thousandth: exact enough for a player, and small enough for every container.
-  if (!is_one_picture(path, frames))
-    writer_.emplace(path, size, VideoWriterOptions{.fps_num = std::llround(fps * 1000), .fps_den = 1000});
+  VideoWriterOptions timed = options;
+  timed.fps_num = std::llround(fps * 1000);
+  timed.fps_den = 1000;
+  if (!is_one_picture(path, frames)) writer_.emplace(path, size, timed);
 }
 
 void PictureSink::check(const std::filesystem::path& path, cv::Size size, int frames, double fps) {
@@ -33,6 +36,8 @@ void PictureSink::check(const std::filesystem::path& path, cv::Size size, int fr
 void PictureSink::write(const cv::Mat& picture) {
   if (writer_)
     writer_->write(picture);
+  else if (picture.depth() == CV_32F)
+    write_exr_picture(path_, picture, exr_);
   else
     write_picture(path_, picture);
 }

@@ -4,9 +4,11 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <optional>
 
 #include <opencv2/core.hpp>
 
+#include "media/frame/filter_graph.h"
 #include "media/frame/frame.h"
 #include "media/frame/libav.h"
 #include "media/video/video_writer.h"
@@ -20,6 +22,7 @@ enum class StreamKind {
   kProRes,    // 4444 in QuickTime
   kWebp,      // animated
   kApng,
+  kGif,  // one palette for all frames
 };
 
 /// Opened lazily by the first frame, which alone gives the pixel format; the file is made at once, under a
@@ -31,7 +34,7 @@ class StreamFile {
   StreamFile(const StreamFile&) = delete;
   StreamFile& operator=(const StreamFile&) = delete;
 
-  /// CV_8UC3 or CV_8UC4, all alike; FFV1 and ProRes also CV_16UC3 and CV_16UC4.
+  /// CV_8UC3 or CV_8UC4, all alike; FFV1, ProRes and H.264 of 10 bits also CV_16UC3 and CV_16UC4.
   void write(const cv::Mat& picture);
   /// Native planes (FFV1). Formats that FFV1 lacks are repacked without loss where that is possible.
   void write(const Frame& frame);
@@ -45,6 +48,7 @@ class StreamFile {
   void open(const PixelLayout& coded);
   void convert_and_encode(const PixelLayout& layout, const Frame& source, const PixelLayout& coded);
   void encode(const AVFrame* frame);
+  void write_to_palette(const cv::Mat& picture);
   [[noreturn]] void fail(int code, const std::string& doing);
 
   std::filesystem::path path_, temporary_;
@@ -56,6 +60,7 @@ class StreamFile {
   AvOwner<AVPacket> packet_;
   PixelLayout first_;  // of the first picture or frame as given
   std::int64_t frames_ = 0;
+  std::optional<FilterGraph> palette_;  // of a GIF: holds all frames until the colours of all are known
 };
 
 }  // namespace freshet::media

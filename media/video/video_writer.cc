@@ -23,8 +23,30 @@ std::optional<StreamKind> kind_of(const fs::path& path) {
   if (ending == ".mkv") return StreamKind::kMatroska;
   if (ending == ".mov") return StreamKind::kProRes;
   if (ending == ".webp") return StreamKind::kWebp;
+  if (ending == ".gif") return StreamKind::kGif;
   if (ending == ".png" || ending == ".apng") return StreamKind::kApng;
   return std::nullopt;
+}
+
+// Longest side that a format takes, px.
+int longest_side(StreamKind kind) {
+  switch (kind) {
+    case StreamKind::kMp4:
+      return 16384;  // libx264's own
+    case StreamKind::kWebp:
+      return 16383;
+    default:
+      return 65535;
+  }
+}
+
+void require_size(const fs::path& path, StreamKind kind, cv::Size size) {
+  const int longest = longest_side(kind);
+  if (size.width > longest || size.height > longest)
+    throw Error(ErrorKind::kUsage, path.string(),
+                "frames of " + std::to_string(size.width) + " x " + std::to_string(size.height) +
+                    " px, and its format takes " + std::to_string(longest) + " a side",
+                "Choose .mkv or a sequence such as frames/%05d.png, or reduce the picture");
 }
 
 // A native frame as a picture file can hold it: 16-bit grey and RGB as they are, the rest as 8-bit BGR.
@@ -42,9 +64,23 @@ cv::Mat picture_of(const Frame& frame) {
 
 }  // namespace
 
+std::string size_notice(const fs::path& path, cv::Size size) {
+  if (is_pattern(path) || kind_of(path) != StreamKind::kMp4) return {};
+  std::string text;
+  if (const cv::Size even(size.width + size.width % 2, size.height + size.height % 2); even != size)
+    text = "H.264 takes even sides only: the video has " + std::to_string(even.width) + " x " +
+           std::to_string(even.height) + " px, the picture " + std::to_string(size.width) + " x " +
+           std::to_string(size.height) + "; its last column or row is repeated";
+  if (std::int64_t{size.width} * size.height > std::int64_t{4096} * 2304)
+    text +=
+        std::string(text.empty() ? "" : ". ") + "Above 4096 x 2304 px many players and phones show no H.264";
+  return text;
+}
+
 struct VideoWriter::Impl {
   fs::path path;
   cv::Size size;
+  VideoWriterOptions options;
   std::optional<StreamKind> kind;  // nothing: a sequence
   std::optional<StreamFile> file;
   std::int64_t pictures = 0;
@@ -59,13 +95,20 @@ struct VideoWriter::Impl {
                       std::to_string(size.height),
                   "Write frames that are all alike");
   }
-  void write_next(const cv::Mat& picture) { write_picture(numbered(path, pictures++), picture); }
+  void write_next(const cv::Mat& picture) {
+    const fs::path name = numbered(path, options.first_number + pictures++);
+    if (picture.depth() == CV_32F)
+      write_exr_picture(name, picture, options.exr);
+    else
+      write_picture(name, picture);
+  }
 };
 
 VideoWriter::VideoWriter(const fs::path& path, cv::Size size, const VideoWriterOptions& options)
     : impl_(std::make_unique<Impl>()) {
   impl_->path = path;
   impl_->size = size;
+  impl_->options = options;
   constexpr std::int64_t kMaxRate = 1 << 30;
   if (size.width < 1 || size.height < 1 || size.width > (1 << 16) || size.height > (1 << 16))
     throw Error(ErrorKind::kUsage, path.string(),
@@ -88,7 +131,8 @@ VideoWriter::VideoWriter(const fs::path& path, cv::Size size, const VideoWriterO
   if (!impl_->kind)
     throw Error(ErrorKind::kUsage, path.string(),
                 "the ending \"" + path.extension().string() + "\" names no video format that is written",
-                "Use .mp4, .mkv, .mov, .webp, .apng or a pattern such as frame%05d.png");
+                "Use .mp4, .mkv, .mov, .webp, .apng, .gif or a pattern such as frame%05d.png");
+  require_size(path, *impl_->kind, size);
   impl_->file.emplace(path, *impl_->kind, options);
 }
 
@@ -97,15 +141,21 @@ VideoWriter::~VideoWriter() = default;
 
 void VideoWriter::write(const cv::Mat& picture) {
   impl_->require_open(picture.size());
-  const bool deep = picture.depth() == CV_16U;
-  if ((picture.depth() != CV_8U && !deep) || (picture.channels() != 3 && picture.channels() != 4))
+  const bool deep = picture.depth() == CV_16U, light = picture.depth() == CV_32F;
+  if (light != (!impl_->kind && lower_ending(impl_->path) == ".exr"))
+    throw Error(ErrorKind::kUsage, impl_->path.string(),
+                light ? "linear light goes into sequences of .exr alone" : "it holds linear light, CV_32F");
+  if ((picture.depth() != CV_8U && !deep && !light) || (picture.channels() != 3 && picture.channels() != 4))
     throw Error(ErrorKind::kUsage, impl_->path.string(),
                 "a picture that is not BGR or BGRA of 8 or 16 bits was given");
   if (!impl_->kind) return impl_->write_next(picture);
-  if (*impl_->kind == StreamKind::kMp4 && picture.channels() == 4)
-    throw Error(ErrorKind::kUsage, impl_->path.string(), "H.264 in MP4 holds no alpha channel",
+  if ((*impl_->kind == StreamKind::kMp4 || *impl_->kind == StreamKind::kGif) && picture.channels() == 4)
+    throw Error(ErrorKind::kUsage, impl_->path.string(),
+                *impl_->kind == StreamKind::kMp4 ? "H.264 in MP4 holds no alpha channel"
+                                                 : "GIF holds no alpha channel",
                 "Use .mkv, .mov, .webp or .png");
-  if (deep && *impl_->kind != StreamKind::kMatroska && *impl_->kind != StreamKind::kProRes)
+  if (deep && *impl_->kind != StreamKind::kMatroska && *impl_->kind != StreamKind::kProRes &&
+      !(*impl_->kind == StreamKind::kMp4 && impl_->options.bits == 10))
     throw Error(ErrorKind::kUsage, impl_->path.string(), "it holds 8 bits per channel, not 16",
                 "Use .mkv, .mov or a sequence");
   impl_->file->write(picture);

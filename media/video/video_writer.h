@@ -3,17 +3,26 @@
 
 #include <filesystem>
 #include <memory>
+#include <string>
 
 #include <opencv2/core.hpp>
 
 #include "media/frame/frame.h"
+#include "media/picture/exr_picture.h"
 
 namespace freshet::media {
 
 struct VideoWriterOptions {
   std::int64_t fps_num = 25, fps_den = 1;
-  int crf = 16;  // H.264 quality, 0 (lossless) .. 51; lower is better and larger
+  int crf = 16;                   // H.264 quality, 0 (lossless) .. 51; lower is better and larger
+  int bits = 8;                   // of H.264: 8, or 10 (High 10, which browsers do not play)
+  std::int64_t first_number = 0;  // of a sequence
+  ExrSamples exr = ExrSamples::kHalf;
 };
+
+/// What a file of this name makes of frames of this size, for a person: padding to even sides, sides that many
+/// players do not show. Empty: nothing to say, or a name that VideoWriter refuses.
+std::string size_notice(const std::filesystem::path& path, cv::Size size);
 
 /// The ending says what is written:
 ///   .mp4           H.264 High, yuv420p, BT.709 tagged, faststart: plays in a browser. Odd sizes are padded
@@ -21,10 +30,12 @@ struct VideoWriterOptions {
 ///   .mkv           FFV1 level 3, lossless
 ///   .mov           ProRes 4444, 10 bits, alpha 16, BT.709 tagged
 ///   .webp, .png or .apng: animated
+///   .gif           animated, 256 colours for all frames, which are held until the last (4 bytes a pixel); times in
+///                  1/100 s
 ///   a pattern      holding %05d (or another %0Nd, or ####), with a picture ending: one file per frame
 /// A file is written beside the target and renamed on finish, so that a broken run leaves no half file; a
 /// sequence is written frame by frame.
-/// Throws   Error{kUsage} for an ending it does not know, Error{kIo} for a folder that does not exist or
+/// Throws   Error{kUsage} for an ending it does not know, or a size that the codec cannot take, Error{kIo} for a folder that does not exist or
 ///          a full disk.
 class VideoWriter {
  public:
@@ -32,7 +43,8 @@ class VideoWriter {
   VideoWriter(VideoWriter&&) noexcept;
   ~VideoWriter();
   /// CV_8UC3 BGR or CV_8UC4 BGRA (straight alpha; kept by .mkv, .mov, .webp, .png; refused by .mp4), or
-  /// CV_16UC3 and CV_16UC4, 0..65535 (.mkv, .mov, and sequences of .png and .tif).
+  /// CV_16UC3 and CV_16UC4, 0..65535 (.mkv, .mov, .mp4 of 10 bits, and sequences of .png and .tif), or CV_32FC3 and
+  /// CV_32FC4: linear light, colours times alpha (sequences of .exr, which take nothing else).
   void write(const cv::Mat& picture);
   /// A frame in native planes, written unchanged with its colour tags, aspect and rotation (.mkv only): the
   /// lossless way back out of a store. Layouts that FFV1 lacks hold the same samples in another order (rgb24

@@ -54,6 +54,22 @@ void throw_if_stopped(const std::stop_token& stop) {
   if (stop.stop_requested()) throw Error(ErrorKind::kCancelled, "animate", "stopped");
 }
 
+/// CV_32FC3, 1 is white.
+cv::Mat in_units(const cv::Mat& picture) {
+  cv::Mat out = picture;
+  if (picture.depth() == CV_8U) picture.convertTo(out, CV_32F, 1.0 / 255);
+  return out;
+}
+
+/// A field that is sampled every few px, for every pixel; 0 where nothing is fluid.
+cv::Mat for_every_pixel(const cv::Mat& field, int step, const cv::Mat& alpha) {
+  cv::Mat out;
+  cv::warpAffine(field, out, cv::Matx23d(1.0 / step, 0, 0, 0, 1.0 / step, 0), alpha.size(),
+                 cv::INTER_LINEAR | cv::WARP_INVERSE_MAP, cv::BORDER_REPLICATE);
+  out.setTo(cv::Scalar::all(0), alpha <= 0);
+  return out;
+}
+
 /// One layer a clip, in the clips' order.
 std::vector<std::unique_ptr<ClipLayer>> layers_of(const store::Snapshot& snapshot,
                                                   const vision::Settings& settings,
@@ -267,8 +283,7 @@ class Animation {
   /// Power of the picture by piece and band.
   void measure_still() {
     cv::Mat reduced, wide;
-    picture_.convertTo(reduced, CV_32F, 1.0 / 255);
-    reduced = luma_of(reduced);
+    reduced = luma_of(in_units(picture_));
     cv::resize(reduced, reduced, query::reduced_size(picture_.size(), placement_.piece_scale), 0, 0,
                cv::INTER_AREA);
     const cv::Rect seen({}, reduced.size()), all = canvas_ | seen;
@@ -310,8 +325,8 @@ class Animation {
 
   /// The still part: the picture as a long exposure along the assigned motion, and what is carried over it.
   void expose() {
-    cv::Mat target;
-    picture_.convertTo(target, CV_32F, 1.0 / 255);
+    tell("base", 0, 0);
+    const cv::Mat target = in_units(picture_);
     matte_.convertTo(alpha_, CV_32F, 1.0 / 255);
     target_luma_ = luma_of(target);
     ColourModel colours;
@@ -458,7 +473,9 @@ class Animation {
       made.luma = model_->apply(made.luma);
     else if (options_.matching == AppearanceMatching::kFrame)
       made.luma = model_of(std::span(&made.luma, 1)).apply(made.luma);
-    return finisher_->finish(made.luma, fluid, made.brought ? &*made.brought : nullptr);
+    const CarriedFrame* const brought = made.brought ? &*made.brought : nullptr;
+    return options_.form == FrameForm::kFluid ? finisher_->finish_fluid(made.luma, fluid, brought)
+                                              : finisher_->finish(made.luma, fluid, brought);
   }
 
   /// Frames, in order, some made at once while those before are handed on.
@@ -471,8 +488,9 @@ class Animation {
           [this](int i) { return sequence_->at(order_[static_cast<std::size_t>(i) % order_.size()]); },
           options_.loop ? options_.frames : 0);
     Handover handover(sink);
-    for (int first = 0; first < options_.frames; first += batch_) {
-      const int count = std::min(batch_, options_.frames - first);
+    const int until = options_.until > 0 ? std::min(options_.until, options_.frames) : options_.frames;
+    for (int first = 0; first < until; first += batch_) {
+      const int count = std::min(batch_, until - first);
       const std::span<const int> outputs = std::span(order_).subspan(first, count);
       if (!in_one_) {
         for (const auto& layer : layers_) blend(*layer, outputs);
@@ -482,10 +500,12 @@ class Animation {
         throw_if_stopped(stop_);
         std::vector<cv::Mat> finished(std::min(kRendered, count - done)), mattes(finished.size(), alpha_);
         if (boundary)
-          for (cv::Mat& fluid : mattes) {
-            fluid = boundary->next();
-            if (options_.matte_sink) options_.matte_sink(fluid);
-          }
+          for (cv::Mat& fluid : mattes) fluid = boundary->next();
+        if (options_.matte_sink)
+          for (const cv::Mat& fluid : mattes) options_.matte_sink(fluid);
+        if (options_.motion_sink && carried_)
+          for (std::size_t i = 0; i < mattes.size(); ++i)
+            options_.motion_sink(for_every_pixel(field_->at(outputs[done + i]), field_->step(), mattes[i]));
         std::vector<cv::Mat> renewed(finished.size());
         if (carried_) {
           copies_->prepare(outputs[done], static_cast<int>(finished.size()));
@@ -500,7 +520,7 @@ class Animation {
           finished[i] = finish(std::move(made), mattes[i]);
         });
         handover.take(std::move(finished));
-        tell("render", std::min(first + done + kRendered, options_.frames), options_.frames);
+        tell("render", std::min(first + done + kRendered, until), until);
       }
       report_.render_s += watch_.lap();
     }

@@ -36,8 +36,17 @@ enum class AppearanceMatching {
   kSequence,  // one model for the whole animation
 };
 
+/// What the sink is given.
+enum class FrameForm {
+  kWhole,  // CV_8UC3: the picture with the fluid in it
+  kFluid,  // CV_32FC4: the fluid alone, its colour (1 is white) times its matte, and the matte; nothing rounded.
+           // Over the picture, or what lies behind a moving outline (behind_fluid), it is the whole
+};
+
 struct AnimateOptions {
   int frames = 96;
+  int until = 0;  // only the frames before this one are made; 0: all
+  FrameForm form = FrameForm::kWhole;
   double fps = 25;
   bool loop = false;  // the last frame is followed by the first, without a seam
   Resampling resampling = Resampling::kFlow;
@@ -67,7 +76,10 @@ struct AnimateOptions {
   AppearanceMatching matching = AppearanceMatching::kSequence;
   AppearanceOptions appearance;
   BoundaryOptions boundary;
-  std::function<void(const cv::Mat&)> matte_sink;  // of a moving boundary: each frame's matte, CV_32F 0..1
+  std::function<void(const cv::Mat&)> matte_sink;  // each frame's matte, CV_32F 0..1
+  /// kCarried: where what lies at a pixel goes until the next frame, CV_32FC2, px, the picture's size; 0 beside the
+  /// matte.
+  std::function<void(const cv::Mat&)> motion_sink;
 };
 
 /// Where the time went, and with what.
@@ -80,10 +92,10 @@ struct AnimateReport {
 
 using AnimateProgress = Progress;
 
-/// Renders the animation frame by frame into `sink`: CV_8UC3, the picture's size, in order, one at a time,
-/// while the next ones are made.
+/// Renders the animation frame by frame into `sink`: the picture's size, in order, one at a time, while the next
+/// ones are made. The sinks of mattes and motion are called in order too, from another thread.
 ///
-/// picture    CV_8UC3 BGR.
+/// picture    CV_8UC3 BGR, or CV_32FC3: sRGB code, 1 is white.
 /// matte      CV_8U, same size; where it is 0 every output pixel equals the picture's.
 /// placement  clips that do not last frames / fps seconds are played again by their loop rules (timeline.h).
 ///            With `loop`, clips play whole numbers of their loops, each beginning at another moment.

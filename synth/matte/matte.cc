@@ -1,6 +1,7 @@
 #include "synth/matte/matte.h"
 
 #include <algorithm>
+#include <array>
 
 #include <opencv2/imgproc.hpp>
 
@@ -10,7 +11,7 @@
 namespace freshet::synth::matte {
 namespace {
 
-constexpr int kSheetWidth = 640, kGap = 8, kCheck = 16;
+constexpr int kSheetWidth = 640, kGap = 8, kCheck = 16, kLegend = 20;
 
 cv::Mat cut_out(const cv::Mat& picture, const cv::Mat& alpha) {
   cv::Mat out(picture.size(), CV_8UC3);
@@ -64,6 +65,13 @@ cv::Mat matte_sheet(const cv::Mat& picture, const Marks& marks, const cv::Mat& a
   const cv::Mat gap(size.height, kGap, CV_8UC3, cv::Scalar::all(255));
   cv::Mat sheet;
   cv::hconcat(std::vector<cv::Mat>{small, gap, marked, gap, matte, gap, cut_out(small, fraction)}, sheet);
+  cv::copyMakeBorder(sheet, sheet, 0, kLegend, 0, 0, cv::BORDER_CONSTANT, cv::Scalar::all(255));
+  const std::array kLegends{"the picture", "marks: green fluid, red background", "the matte",
+                            "the fluid, cut out"};
+  for (int i = 0; i < static_cast<int>(kLegends.size()); ++i)
+    cv::putText(sheet, kLegends[static_cast<std::size_t>(i)],
+                {i * (size.width + kGap) + 2, size.height + kLegend - 6}, cv::FONT_HERSHEY_SIMPLEX, 0.4,
+                cv::Scalar::all(0), 1, cv::LINE_AA);
   return sheet;
 }
 

@@ -31,7 +31,7 @@ Matte make_matte(const cv::Mat& picture, const Marks& marks, const MatteOptions&
                  const std::string& where, std::stop_token stop = {});
 
 /// For the eye, side by side: picture, marks (green fluid, red background), matte, cut-out on a chequered
-/// ground; each at most 640 px wide. CV_8UC3.
+/// ground; each at most 640 px wide, with a word below it. CV_8UC3.
 cv::Mat matte_sheet(const cv::Mat& picture, const Marks& marks, const cv::Mat& alpha);
 
 }  // namespace freshet::synth::matte

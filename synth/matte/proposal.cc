@@ -3,10 +3,6 @@
 #include <algorithm>
 #include <vector>
 
-#include <fmt/format.h>
-
-#include "freshet/error.h"
-
 namespace freshet::synth::matte {
 namespace {
 
@@ -59,7 +55,7 @@ Split split(std::vector<double> values) {
 }  // namespace
 
 Proposal propose_marks(const query::Target& target, const query::Candidates& candidates,
-                       const ProposalOptions& options, const std::string& where) {
+                       const ProposalOptions& options) {
   std::vector<double> scores(target.size(), 0);
   for (std::size_t piece = 0; piece < target.size(); ++piece) {
     const auto found = candidates.scores_of(piece);
@@ -68,15 +64,12 @@ Proposal propose_marks(const query::Target& target, const query::Candidates& can
   }
   scores = smoothed(target, scores);
   const Split sides = split(scores);
-  if (!(sides.upper - sides.lower >= options.min_difference))
-    throw Error(ErrorKind::kNotFound, where,
-                fmt::format("no part of the picture stands out: mean scores {:.2f} and {:.2f}", sides.upper,
-                            sides.lower),
-                "Name the fluid's class with --class, or mark the fluid with --scribbles or --box");
   Proposal proposal;
   proposal.fluid_score = sides.upper;
   proposal.background_score = sides.lower;
   proposal.marks = Marks(target.picture, CV_8U, cv::Scalar(kUnknown));
+  proposal.stands_out = sides.upper - sides.lower >= options.min_difference;
+  if (!proposal.stands_out) return proposal;
   const cv::Rect picture({}, target.picture);
   for (std::size_t piece = 0; piece < target.size(); ++piece) {
     const bool fluid = scores[piece] >= sides.upper;

@@ -19,6 +19,7 @@ struct Proposal {
   Marks marks;  // of the target's size: the middles of sure pieces, half a piece wide
   std::size_t fluid_pieces = 0, background_pieces = 0;
   double fluid_score = 0, background_score = 0;  // means on either side of the threshold, 0..1
+  bool stands_out = true;  // false: the two differ by too little, and no piece is marked
 };
 
 /// Marks the pieces whose best candidates are good. Scores are smoothed over each piece and its eight
@@ -27,9 +28,7 @@ struct Proposal {
 /// It is a guess: descriptors are blind to colour, and smooth sky or steel looks like a calm fluid.
 ///
 /// target, candidates   of the whole picture.
-/// where                for messages.
-/// Throws               Error{kNotFound} when the two sides differ by too little.
 Proposal propose_marks(const query::Target& target, const query::Candidates& candidates,
-                       const ProposalOptions& options, const std::string& where);
+                       const ProposalOptions& options);
 
 }  // namespace freshet::synth::matte

@@ -68,7 +68,8 @@ TEST(ClipsOut, FramesOfEveryKindHashAsFfmpegHashesTheirSource) {
     EXPECT_EQ(ours.size(), 12U);
     EXPECT_EQ(ours, ffmpegs_lines(folder, folder / encoding.name)) << encoding.name;
     // Exported, it is still the same, in the same planes.
-    const Outcome exported = folder.freshet({"store", "export", "a.store", encoding.name, "-o", "out.mkv"});
+    const Outcome exported =
+        folder.freshet({"store", "export", "a.store", encoding.name, "-o", "out.mkv", "--overwrite"});
     ASSERT_EQ(exported.exit_code, 0) << exported.err;
     EXPECT_EQ(exported.out, "out.mkv\n");
     EXPECT_EQ(ffmpegs_lines(folder, folder / "out.mkv"), ours) << encoding.name;

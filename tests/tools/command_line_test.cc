@@ -35,10 +35,10 @@ TEST(CommandLine, EveryCommandExplainsItselfAndItsDefaults) {
                                       {{"store", "framemd5"}, "[all cores]"},
                                       {{"store", "export"}, "[all cores]"},
                                       {{"query"}, "label"},
-                                      {{"query", "candidates"}, "[the whole picture]"},
+                                      {{"query", "candidates"}, "[the picture's own alpha]"},
                                       {{"query", "label"}, "=trw-s"},
                                       {{"synth"}, "simulate"},
-                                      {{"synth", "animate"}, "=variance"},
+                                      {{"synth", "animate"}, "--help-all"},
                                       {{"synth", "simulate"}, "[the scene's]"}};
   for (const Command& command : commands) {
     std::vector<std::string> arguments = command.words;
@@ -49,6 +49,22 @@ TEST(CommandLine, EveryCommandExplainsItselfAndItsDefaults) {
     EXPECT_EQ(outcome.err, "") << name;
     EXPECT_TRUE(holds(outcome.out, command.a_default)) << name << "\n" << outcome.out;
   }
+}
+
+TEST(CommandLine, TheShortHelpOfAnimateIsInTheWordsOfTheTradeAndAllOfItIsBehindHelpAll) {
+  const WorkFolder folder;
+  const Outcome brief = folder.freshet({"synth", "animate", "--help"});
+  const Outcome all = folder.freshet({"synth", "animate", "--help-all"});
+  EXPECT_EQ(brief.exit_code, 0);
+  EXPECT_EQ(all.exit_code, 0) << all.err;
+  for (const char* word :
+       {"--matte", "--layer", "--alpha", "--depth", "--preset", "--range", "--strokes", "--loop"})
+    EXPECT_TRUE(holds(brief.out, word)) << word;
+  for (const char* word : {"--rho", "--vote", "--lambda", "--solver", "--renewal", "--candidates", "trw-s"}) {
+    EXPECT_FALSE(holds(brief.out, word)) << word;
+    EXPECT_TRUE(holds(all.out, word)) << word;
+  }
+  EXPECT_LT(lines_of(brief.out).size(), 90U);
 }
 
 TEST(CommandLine, WrongUsageIsSaidInOneLine) {

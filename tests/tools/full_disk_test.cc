@@ -51,9 +51,9 @@ TEST(FullDisk, AnAnimationThatFindsNoRoomLeavesNothing) {
           .exit_code,
       0);
   for (const char* name : {"out/a.mkv", "out/a.mp4", "out/a.webp", "out/a.apng", "out/%05d.png"}) {
-    const Outcome outcome =
-        folder.freshet_after(at_most(10 << 10), {"synth", "animate", sample().store, sample().still,
-                                                 "--frames", "16", "--assignment", "a.json", "-o", name});
+    const Outcome outcome = folder.freshet_after(
+        at_most(10 << 10), {"synth", "animate", sample().store, sample().still, "--whole", "--frames", "16",
+                            "--assignment", "a.json", "-o", name});
     EXPECT_EQ(outcome.exit_code, 1) << name << ": " << outcome.err;
     EXPECT_EQ(outcome.out, "");
     EXPECT_NE(outcome.err.find("Make room on the disk"), std::string::npos) << outcome.err;

@@ -59,8 +59,8 @@ TEST(Interrupt, BeforeTheFirstClipIsWholeNoStoreIsLeft) {
 TEST(Interrupt, AnAnimationLeavesNoHalfVideo) {
   const WorkFolder folder;
   const Started started = folder.start({executable(), "synth", "animate", sample().store, sample().still,
-                                        "--frames", "32", "-o", "out.mkv", "-j", "1"});
-  ASSERT_TRUE(has_said(started, "blend"));
+                                        "--whole", "--frames", "32", "-o", "out.mkv", "-j", "1"});
+  ASSERT_TRUE(has_said(started, "reading the clips"));
   ::kill(started.process, SIGINT);
   const Outcome outcome = WorkFolder::wait(started);
   EXPECT_EQ(outcome.signal, SIGINT) << outcome.exit_code;

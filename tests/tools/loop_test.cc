@@ -87,7 +87,8 @@ TEST(Loop, AskedOfAClipTooShortToHaveOneIsRefusedByItsName) {
   const Outcome ingested = folder.freshet({"ingest", "short.store", "clips", "--force"});
   ASSERT_EQ(ingested.exit_code, 0) << ingested.err;
   const auto animated = [&](std::vector<std::string> more) {
-    std::vector<std::string> arguments{"synth", "animate", "short.store", sample().still, "-o", "out.mkv"};
+    std::vector<std::string> arguments{"synth",   "animate", "short.store", sample().still,
+                                       "--whole", "-o",      "out.mkv",     "--overwrite"};
     arguments.insert(arguments.end(), more.begin(), more.end());
     return folder.freshet(arguments);
   };
@@ -120,8 +121,8 @@ TEST(Loop, OfOneFrameIsRefused) {
 TEST(Loop, ARetimingMapOfAnotherSizeIsRefused) {
   const WorkFolder folder;
   cv::imwrite(folder / "map.png", cv::Mat(20, 30, CV_8U, cv::Scalar(90)));
-  const Outcome outcome = folder.freshet({"synth", "animate", sample().store, sample().still, "--frames", "8",
-                                          "--retiming-map", "map.png", "-o", "out.mkv"});
+  const Outcome outcome = folder.freshet({"synth", "animate", sample().store, sample().still, "--whole",
+                                          "--frames", "8", "--retiming-map", "map.png", "-o", "out.mkv"});
   EXPECT_EQ(outcome.exit_code, 1);
   EXPECT_NE(outcome.err.find("30 x 20 px, the picture 192 x 144"), std::string::npos) << outcome.err;
 }

@@ -130,7 +130,7 @@ TEST(MainJob, AnimatingPrintsWhatItDidAsJson) {
   // What an assignment from a file was labelled with is in that file.
   ASSERT_EQ(label(folder, {"-o", "assignment.json"}).exit_code, 0);
   std::vector<std::string> again = command;
-  again.insert(again.end(), {"--assignment", "assignment.json"});
+  again.insert(again.end(), {"--assignment", "assignment.json", "--overwrite"});
   const Outcome given = folder.freshet(again);
   ASSERT_EQ(given.exit_code, 0) << given.err;
   EXPECT_TRUE(json::parse(given.out)["labelling"].is_null());
@@ -211,18 +211,25 @@ TEST(MainJob, SharesAreToldAndOneClipEverywhereIsWarnedOf) {
 TEST(MainJob, AConditionThatAnAssignmentOverridesIsSaidToHaveNoEffect) {
   const WorkFolder folder;
   ASSERT_EQ(label(folder, {"-o", "assignment.json"}).exit_code, 0);
-  const Outcome outcome =
-      folder.freshet({"synth", "animate", sample().store, sample().still, "--assignment", "assignment.json",
-                      "--direction", "up", "--frames", "8", "-o", "out.mkv"});
+  const Outcome outcome = folder.freshet({"synth", "animate", sample().store, sample().still, "--matte",
+                                          sample().matte, "--assignment", "assignment.json", "--direction",
+                                          "up", "--frames", "8", "-o", "out.mkv"});
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
   EXPECT_NE(outcome.err.find("--direction has no effect: assignment.json says"), std::string::npos)
       << outcome.err;
 }
 
-TEST(MainJob, TheMatteMayBeLeftOutAndThenAllOfThePictureMoves) {
+TEST(MainJob, WithoutAMatteOneIsAskedForAndWholeMeansAllOfThePicture) {
   const WorkFolder folder;
-  const Outcome outcome = folder.freshet({"synth", "animate", sample().store, sample().still, "--frames",
-                                          "16", "-o", "all.mkv", "--sheet", "sheet.png"});
+  const Outcome asked =
+      folder.freshet({"synth", "animate", sample().store, sample().still, "--frames", "16", "-o", "all.mkv"});
+  EXPECT_EQ(asked.exit_code, 2);
+  EXPECT_NE(asked.err.find("nothing says where its fluid is. Give --matte (freshet synth matte makes one"),
+            std::string::npos)
+      << asked.err;
+  EXPECT_FALSE(fs::exists(folder / "all.mkv"));
+  const Outcome outcome = folder.freshet({"synth", "animate", sample().store, sample().still, "--whole",
+                                          "--frames", "16", "-o", "all.mkv", "--sheet", "sheet.png"});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   EXPECT_EQ(outcome.out, "all.mkv\nsheet.png\n");
   EXPECT_FALSE(cv::imread(folder / "sheet.png").empty());

@@ -50,7 +50,7 @@ class MatteTool : public testing::Test {
 
 TEST_F(MatteTool, FromScribblesByEachEdge) {
   for (const char* edge : {"none", "guided", "information-flow"}) {
-    const Outcome made = matte({"--scribbles", "s.png", "--edge", edge, "-o", "m.png"});
+    const Outcome made = matte({"--scribbles", "s.png", "--edge", edge, "-o", "m.png", "--overwrite"});
     ASSERT_EQ(made.exit_code, 0) << made.err;
     EXPECT_EQ(made.out, "m.png\n");
     EXPECT_NE(made.err.find("of 160 x 120 px is fluid"), std::string::npos) << made.err;
@@ -74,7 +74,7 @@ TEST_F(MatteTool, JsonAndSheet) {
   EXPECT_NEAR(json["share"].get<double>(), kFluid.area() / (160.0 * 120), 0.02);
   EXPECT_EQ(json["matte"], "m.png");
   for (const char* stage : {"marks", "region", "edge"}) EXPECT_GE(json["seconds"][stage].get<double>(), 0);
-  EXPECT_EQ(cv::imread(folder_ / "sheet.png").size(), cv::Size(4 * 160 + 3 * 8, 120));
+  EXPECT_EQ(cv::imread(folder_ / "sheet.png").size(), cv::Size(4 * 160 + 3 * 8, 120 + 20));
 }
 
 // A still of the store's kind of fluid in the middle of a chequered wall.
@@ -96,6 +96,31 @@ TEST_F(MatteTool, FromTheStoreItself) {
   const double inside = cv::sum(matte(middle))[0], all = cv::sum(matte)[0];
   EXPECT_GT(inside, 0.9 * all) << made.err;
   EXPECT_GT(inside / 255, 0.2 * middle.area()) << made.err;
+}
+
+TEST_F(MatteTool, WhatTheStoreCannotTellIsSaidAndNoAdviceIsGivenTwice) {
+  cv::imwrite(folder_ / "plain.png", cv::Mat(160, 240, CV_8UC3, cv::Scalar(90, 80, 70)));
+  const auto asked = [&](std::vector<std::string> more) {
+    std::vector<std::string> arguments{"synth",        "matte", "plain.png", "--auto",
+                                       sample().store, "-o",    "p.png"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return folder_.freshet(arguments);
+  };
+  const auto holds = [](const Outcome& outcome, const char* words) {
+    return outcome.err.find(words) != std::string::npos;
+  };
+  const Outcome bare = asked({});
+  EXPECT_EQ(bare.exit_code, 1);
+  EXPECT_TRUE(holds(bare, "it cannot tell the fluid in this picture from the rest")) << bare.err;
+  EXPECT_TRUE(holds(bare, "Try --class with the fluid's class, or mark the fluid")) << bare.err;
+  const Outcome of_class = asked({"--class", "fall"});
+  EXPECT_EQ(of_class.exit_code, 1);
+  EXPECT_FALSE(holds(of_class, "--class")) << of_class.err;
+  EXPECT_TRUE(holds(of_class, "Mark the fluid with a few --scribbles or a --box")) << of_class.err;
+  // Strokes are followed, whatever the store has to say.
+  const Outcome with_strokes = matte({"--auto", sample().store, "--scribbles", "s.png", "-o", "q.png"});
+  EXPECT_EQ(with_strokes.exit_code, 0) << with_strokes.err;
+  EXPECT_TRUE(holds(with_strokes, "Your own marks are used alone")) << with_strokes.err;
 }
 
 TEST_F(MatteTool, BadInputIsRefusedBeforeAnythingIsWritten) {
@@ -127,7 +152,7 @@ TEST_F(MatteTool, BadInputIsRefusedBeforeAnythingIsWritten) {
     EXPECT_NE(outcome.err.find(one.message), std::string::npos) << outcome.err;
     EXPECT_FALSE(std::filesystem::exists(folder_ / "m.png")) << one.message;
   }
-  EXPECT_EQ(matte({"--scribbles", "s.png", "-o", "nowhere/m.png"}).exit_code, 1);
+  EXPECT_EQ(matte({"--scribbles", "s.png", "-o", "s.png/m.png"}).exit_code, 1);
   EXPECT_EQ(matte({"--scribbles", "s.png", "-o", "m.nosuch"}).exit_code, 2);
 }
 

@@ -54,13 +54,13 @@ class PatchSize : public testing::TestWithParam<int> {
   }
   json label(const std::string& picture, const std::string& threads) const {
     must({"query", "label", "a.store", picture, "--hint", "none", "--frames", std::to_string(kAnimated), "-j",
-          threads, "-o", "assignment.json"});
+          threads, "-o", "assignment.json", "--overwrite"});
     return json::parse(text_of(folder_ / "assignment.json"));
   }
   std::vector<cv::Mat> animate(const std::string& picture, const std::string& threads) const {
     fs::create_directories(folder_ / threads);
-    must({"synth", "animate", "a.store", picture, "--frames", std::to_string(kAnimated), "--assignment",
-          "assignment.json", "-j", threads, "-o", threads + "/%05d.png"});
+    must({"synth", "animate", "a.store", picture, "--whole", "--frames", std::to_string(kAnimated),
+          "--assignment", "assignment.json", "-j", threads, "-o", threads + "/%05d.png"});
     return read_frames(folder_ / threads);
   }
 

@@ -19,8 +19,8 @@ std::vector<std::string> with(std::vector<std::string> arguments, const std::vec
 
 TEST(SimulateTool, LeavesAFolderThatSaysWhatItsNumbersMean) {
   const WorkFolder folder;
-  const auto run = [&] {
-    return folder.freshet(with({"synth", "simulate", "plume", "-o", "plume"}, kSmall));
+  const auto run = [&](std::vector<std::string> more = {}) {
+    return folder.freshet(with(with({"synth", "simulate", "plume", "-o", "plume"}, kSmall), more));
   };
   Outcome outcome = run();
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
@@ -39,8 +39,9 @@ TEST(SimulateTool, LeavesAFolderThatSaysWhatItsNumbersMean) {
 
   // Made again, it holds the same, and nothing of the longer one before it.
   folder.file("plume/alpha/00003.png", "old");
+  EXPECT_NE(run().err.find("plume: something lies in this folder, and is kept"), std::string::npos);
   const std::string before = text_of(folder / "plume/flow/00002.flo");
-  outcome = run();
+  outcome = run({"--overwrite"});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   EXPECT_FALSE(fs::exists(folder / "plume/alpha/00003.png"));
   EXPECT_EQ(text_of(folder / "plume/flow/00002.flo"), before);
@@ -50,7 +51,8 @@ TEST(SimulateTool, LeavesAFolderOfSomethingElseAlone) {
   const WorkFolder folder;
   fs::create_directory(folder / "mine");
   folder.file("mine/letter.txt", "dear");
-  const Outcome outcome = folder.freshet(with({"synth", "simulate", "plume", "-o", "mine"}, kSmall));
+  const Outcome outcome =
+      folder.freshet(with({"synth", "simulate", "plume", "-o", "mine", "--overwrite"}, kSmall));
   EXPECT_EQ(outcome.exit_code, 2);
   EXPECT_NE(outcome.err.find("something else than a design"), std::string::npos) << outcome.err;
   EXPECT_EQ(text_of(folder / "mine/letter.txt"), "dear");

@@ -56,9 +56,10 @@ TEST(Sweep, ACombinationIsTheSingleRunWithItsOptions) {
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   const json combinations = json::parse(outcome.out)["combinations"];
   for (const json& one : combinations) {
-    const Outcome alone = folder.freshet(
-        {"query", "label", sample().store, sample().still, "--matte", sample().matte, "--frames", "8",
-         "--sigma", one["settings"]["sigma"], "--costs", one["settings"]["costs"], "-o", "alone.json"});
+    const Outcome alone =
+        folder.freshet({"query", "label", sample().store, sample().still, "--matte", sample().matte,
+                        "--frames", "8", "--sigma", one["settings"]["sigma"], "--costs",
+                        one["settings"]["costs"], "-o", "alone.json", "--overwrite"});
     ASSERT_EQ(alone.exit_code, 0) << alone.err;
     EXPECT_EQ(text_of(folder / "alone.json"), text_of(folder / "out" / one["assignment"].get<std::string>()));
   }

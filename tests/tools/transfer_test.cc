@@ -340,8 +340,8 @@ TEST_F(TransferTool, BadInputIsRefusedBeforeTheWorkStarts) {
       {{"--lower", "0.9", "--upper", "0.2"}, 2, "lower: 0.9 is not below upper"},
       {{"--lambda", "-1"}, 2, "--lambda"},
       {{"--uniformity", "perhaps"}, 2, "--uniformity"},
-      {{"-o", "nowhere/%03d.png"}, 1, "nowhere/%03d.png: the folder nowhere does not exist"},
-      {{"-o", "nowhere/a.mkv"}, 1, "nowhere"},
+      {{"-o", "look.png/%03d.png"}, 1, "look.png/%03d.png: the folder look.png cannot be made"},
+      {{"-o", "look.png/a.mkv"}, 1, "look.png"},
       {{"-o", "a.mp4"}, 2, "a.mp4: the ending \".mp4\" names no format with alpha"},
       {{"-o", "out/%03d.jpg"}, 2, "names no format with alpha"},
       {{"--over", "wall.png"}, 2, "Give both --over BACKGROUND and --composite FILE"},
@@ -350,7 +350,7 @@ TEST_F(TransferTool, BadInputIsRefusedBeforeTheWorkStarts) {
        2,
        "lies beside the background of 80 x 60"},
       {{"--over", "wall.png", "--composite", "c.mp4", "--at", "left"}, 2, "--at left: it is not X,Y in px"},
-      {{"--over", "masks/m.%04d.png", "--frames", "6", "--composite", "nowhere/c.mp4"}, 1, "nowhere"},
+      {{"--over", "masks/m.%04d.png", "--frames", "6", "--composite", "look.png/c.mp4"}, 1, "look.png"},
       {{"--over", "few", "--composite", "c.mp4"}, 1, "few: the background has 3 frames, the animation 6"}};
   for (const Case& one : cases) {
     // Each option once: the case's own, or what is right.

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -15,6 +16,15 @@ bool on_terminal() {
   return answer;
 }
 bool line_is_drawn = false;
+std::vector<PlannedStage> planned;
+
+std::string numbered(const std::string& stage) {
+  for (std::size_t i = 0; i < planned.size(); ++i)
+    if (planned[i].name == stage)
+      return fmt::format("[{}/{}] {}", i + 1, planned.size(),
+                         planned[i].words.empty() ? stage : planned[i].words);
+  return stage;
+}
 
 std::string time_left(double seconds) {
   const int s = static_cast<int>(seconds + 0.5);
@@ -23,6 +33,8 @@ std::string time_left(double seconds) {
 }
 
 }  // namespace
+
+void plan_stages(std::vector<PlannedStage> stages) { planned = std::move(stages); }
 
 void clear_progress_line() {
   if (!line_is_drawn) return;
@@ -53,7 +65,7 @@ void Progress::show(const std::string& stage, std::size_t done, std::size_t tota
 
   const double elapsed = std::chrono::duration<double>(now - stage_start_).count();
   const double rate = elapsed > 0.2 ? static_cast<double>(done - std::min(done, first_done_)) / elapsed : 0;
-  std::string text = stage;
+  std::string text = numbered(stage);
   if (total > 0)
     text += fmt::format(" {}/{}", done, total);
   else if (done > 0)

@@ -4,10 +4,19 @@
 #include <chrono>
 #include <cstddef>
 #include <string>
+#include <vector>
 
 #include "freshet/job.h"
 
 namespace freshet::tools {
+
+/// What a command will go through, by the names that the libraries give their stages. From then on Progress shows
+/// their numbers, and these words instead of a name where there are some: "[3/7] searching candidates". Stages that
+/// are passed over keep their numbers.
+struct PlannedStage {
+  std::string name, words;
+};
+void plan_stages(std::vector<PlannedStage> stages);
 
 /// Shows `done of total` with rate and time left, on stderr. On a terminal one line is redrawn at most ten
 /// times a second; elsewhere a line is printed when a stage begins and then every 30 s: logs

@@ -56,6 +56,24 @@ void add_threads(CLI::App& command) {
       ->type_name("N");
 }
 
+void add_short_help(CLI::App& command, const std::vector<std::string>& hidden) {
+  std::vector<std::pair<CLI::Option*, std::string>> groups;
+  for (const std::string& name : hidden)
+    if (CLI::Option* const option = command.get_option_no_throw(name)) {
+      groups.emplace_back(option, option->get_group());
+      option->group("");
+    }
+  command
+      .add_flag_callback(
+          "--help-all",
+          [groups] {
+            for (const auto& [option, group] : groups) option->group(group);
+            throw CLI::CallForHelp();
+          },
+          "Print all options: how patches are searched and chosen, and how frames are rendered, too")
+      ->configurable(false);
+}
+
 void say(const std::string& message) {
   clear_progress_line();
   fmt::print(stderr, "freshet: {}\n", message);

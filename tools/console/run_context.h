@@ -3,6 +3,7 @@
 
 #include <stop_token>
 #include <string>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 
@@ -31,6 +32,10 @@ struct RunContext {
 void add_threads(CLI::App& command);
 /// Limits all work to n threads; 0 means all cores.
 void use_threads(int n);
+
+/// Leaves these options out of --help, and adds --help-all, which explains them too. Called when all options are
+/// there.
+void add_short_help(CLI::App& command, const std::vector<std::string>& hidden);
 
 /// A message for a person, on stderr, prefixed with the program's name.
 void say(const std::string& message);

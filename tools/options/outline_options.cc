@@ -1,7 +1,5 @@
 #include "tools/options/outline_options.h"
 
-#include <vector>
-
 #include <fmt/format.h>
 
 #include "freshet/error.h"
@@ -42,47 +40,31 @@ void OutlineOptions::add_to(CLI::App& command) {
       ->check(CLI::IsMember({"navier-stokes", "telea", "shift-map", "fsr", "outward"}))
       ->capture_default_str()
       ->group(group);
-  command
-      .add_option("--matte-out", matte_out_,
-                  "Also write every frame's matte, in grey: mattes/%05d.png, or a video" + moving)
-      ->group(group);
 }
 
 void OutlineOptions::check() const {
   if (kind_ == "moving") return;
-  for (const char* name : {"--tau", "--background", "--inpaint", "--matte-out"})
+  for (const char* name : {"--tau", "--background", "--inpaint"})
     if (command_->count(name) > 0)
       throw Error(ErrorKind::kUsage, name, "it belongs to a moving outline", "Add --boundary moving");
 }
 
-void OutlineOptions::apply(synth::animate::AnimateOptions& options, cv::Size picture) {
+void OutlineOptions::apply(synth::animate::AnimateOptions& options, cv::Size picture) const {
   check();
   if (kind_ == "static") return;
   options.boundary.boundary = synth::animate::Boundary::kMoving;
   options.boundary.matte = matte_;
   options.boundary.inpaint.method = synth::animate::parse_inpaint_method(inpaint_);
   if (!background_.empty()) {
-    const media::Picture background = media::read_picture(background_);
+    const media::Still background = media::read_still(background_);
     for (const std::string& notice : background.notices) say(background_ + ": " + notice);
     if (background.bgr.size() != picture)
       throw Error(ErrorKind::kInput, background_,
                   fmt::format("a background of {} x {} px, and the target has {} x {}", background.bgr.cols,
                               background.bgr.rows, picture.width, picture.height),
                   "Scale or crop it to the target's size");
-    options.boundary.background = background.bgr;
+    options.boundary.background = background.deep.empty() ? background.bgr : media::coded_picture(background);
   }
-  if (matte_out_.empty()) return;
-  sink_ = std::make_unique<media::PictureSink>(matte_out_, picture, options.frames, options.fps);
-  options.matte_sink = [sink = sink_.get(), grey = cv::Mat(),
-                        colour = cv::Mat()](const cv::Mat& matte) mutable {
-    matte.convertTo(grey, CV_8U, 255);
-    cv::merge(std::vector<cv::Mat>(3, grey), colour);
-    sink->write(colour);
-  };
-}
-
-void OutlineOptions::finish() {
-  if (sink_) sink_->finish();
 }
 
 }  // namespace freshet::tools

@@ -8,6 +8,7 @@
 #include <CLI/CLI.hpp>
 #include <opencv2/core.hpp>
 
+#include "media/picture/picture.h"
 #include "query/costs/pairwise.h"
 #include "query/costs/reuse.h"
 #include "query/index/search_base.h"
@@ -21,13 +22,24 @@ struct TargetFiles {
   std::string store;
   std::filesystem::path picture, matte;
 
+  bool whole = false;  // the whole picture is fluid, whatever its alpha says
+
+  /// STORE, PICTURE, --matte, --whole.
   void add_to(CLI::App& command);
-  /// Reads both; says what had to be changed about them. Without a matte the whole picture is fluid.
   struct Loaded {
-    cv::Mat picture, matte;
+    cv::Mat picture, matte;  // CV_8UC3, CV_8U
+    media::Still still;      // with all that the file holds
+    bool matte_known = false;
   };
+  /// Reads both; says what had to be changed about them. Without a matte the picture's alpha is it; without that
+  /// the whole picture is fluid.
   Loaded load() const;
+  /// The same for what is rendered: throws Error{kUsage} where nobody says where the fluid is.
+  Loaded load_with_matte() const;
 };
+
+/// Says that bits were lost, for commands that use eight of them.
+void say_reduction(const TargetFiles& target, const TargetFiles::Loaded& loaded);
 
 /// Which patches may be candidates.
 class SearchOptions {

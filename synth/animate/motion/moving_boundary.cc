@@ -7,6 +7,22 @@
 #include "freshet/error.h"
 
 namespace freshet::synth::animate {
+namespace {
+
+/// CV_32FC3, 255 is white.
+cv::Mat in_levels(const cv::Mat& picture) {
+  cv::Mat out;
+  picture.convertTo(out, CV_32F, picture.depth() == CV_8U ? 1 : 255);
+  return out;
+}
+
+cv::Mat in_8_bits(const cv::Mat& picture) {
+  cv::Mat out = picture;
+  if (picture.depth() != CV_8U) picture.convertTo(out, CV_8U, 255);
+  return out;
+}
+
+}  // namespace
 
 cv::Mat behind_fluid(const cv::Mat& picture, const cv::Mat& matte, const BoundaryOptions& options) {
   if (!options.background.empty() && options.background.size() != picture.size()) {
@@ -18,20 +34,19 @@ cv::Mat behind_fluid(const cv::Mat& picture, const cv::Mat& matte, const Boundar
                     "; the same size expected",
                 "Scale or crop it to the picture's size");
   }
-  const cv::Mat background =
-      options.background.empty() ? inpaint_background(picture, matte, options.inpaint) : options.background;
+  const cv::Mat background = options.background.empty()
+                                 ? inpaint_background(in_8_bits(picture), matte, options.inpaint)
+                                 : options.background;
+  const cv::Mat stills = in_levels(picture), behinds = in_levels(background);
   cv::Mat out(picture.size(), CV_32FC3);
   for (int y = 0; y < picture.rows; ++y) {
-    const auto* still = picture.ptr<cv::Vec3b>(y);
-    const auto* behind = background.ptr<cv::Vec3b>(y);
+    const auto* still = stills.ptr<cv::Vec3f>(y);
+    const auto* behind = behinds.ptr<cv::Vec3f>(y);
     const auto* a = matte.ptr<std::uint8_t>(y);
     auto* to = out.ptr<cv::Vec3f>(y);
     for (int x = 0; x < picture.cols; ++x) {
       const float fraction = std::min(1.0f, 8 * static_cast<float>(a[x]) / 255);
-      for (int k = 0; k < 3; ++k)
-        to[x][k] =
-            (fraction * static_cast<float>(behind[x][k]) + (1 - fraction) * static_cast<float>(still[x][k])) /
-            255;
+      for (int k = 0; k < 3; ++k) to[x][k] = (fraction * behind[x][k] + (1 - fraction) * still[x][k]) / 255;
     }
   }
   return out;

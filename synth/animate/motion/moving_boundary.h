@@ -18,14 +18,15 @@ enum class Boundary {
 struct BoundaryOptions {
   Boundary boundary = Boundary::kStatic;
   DynamicMatteOptions matte;
-  cv::Mat background;  // CV_8UC3, the picture's size: what lies behind the fluid; empty: inpainted
+  /// CV_8UC3 or CV_32FC3 (1 is white), the picture's size: what lies behind the fluid; empty: inpainted.
+  cv::Mat background;
   InpaintOptions inpaint;
 };
 
 /// What a frame is laid on where the fluid was. CV_32FC3, 0..1: the background inside the matte, and the
 /// picture itself outside. Where the matte is fractional the picture is already a mixture, so the background
 /// takes over early, in full from a matte of 1/8.
-/// picture  CV_8UC3.
+/// picture  CV_8UC3, or CV_32FC3: 1 is white.
 /// matte    CV_8U.
 /// Throws   Error{kInput} for a background of another size, or a matte that leaves none to be seen.
 cv::Mat behind_fluid(const cv::Mat& picture, const cv::Mat& matte, const BoundaryOptions& options);

@@ -36,6 +36,25 @@ FRESHET_WIDE void light_alone(const float* luma, const float* slope, const float
   }
 }
 
+// The same without what lies below: colour times matte.
+FRESHET_WIDE void light_fluid(const float* luma, const float* slope, const float* rest, const float* fluid,
+                              float brightest, int n, float* out) {
+  for (int i = 0; i < n; ++i)
+    out[i] = fluid[i] * std::min(std::max(luma[i] + slope[i] * luma[i] + rest[i], 0.0f), brightest);
+}
+
+FRESHET_WIDE void light_carried_fluid(const float* luma, const float* slope, const float* rest,
+                                      const float* fluid, const std::int16_t* carried, const float* chroma,
+                                      const float* fraction, float brightest, int n, float* out) {
+  constexpr float kUnit = 1.0f / CarriedFrame::kOne;
+  for (int i = 0; i < n; ++i) {
+    const float fresh = luma[i] + slope[i] * luma[i] + rest[i];
+    const float brought = luma[i] + chroma[i] + slope[i] * (luma[i] - kUnit * static_cast<float>(carried[i]));
+    const float lit = fresh + fraction[i] * (brought - fresh);
+    out[i] = fluid[i] * std::min(std::max(lit, 0.0f), brightest);
+  }
+}
+
 FRESHET_WIDE void interleave(const std::uint8_t* blue, const std::uint8_t* green, const std::uint8_t* red,
                              int n, std::uint8_t* out) {
   for (int i = 0; i < n; ++i) {
@@ -52,6 +71,9 @@ FrameFinisher::FrameFinisher(const ColourModel& model, const cv::Mat& own_colour
   cv::split(model.slope, slope_.data());
   cv::split(model.offset + own_colour, rest_.data());
   cv::split(still * 255, still_.data());
+  double brightest = 1;
+  cv::minMaxLoc(still.reshape(1), nullptr, &brightest);
+  brightest_ = std::max(1.0f, static_cast<float>(brightest));
 }
 
 cv::Mat FrameFinisher::finish(const cv::Mat& luma, const cv::Mat& fluid, const CarriedFrame* carried) const {
@@ -85,6 +107,39 @@ cv::Mat FrameFinisher::finish(const cv::Mat& luma, const cv::Mat& fluid, const C
         light_alone(l, slope, rest, still, b + begin, end - begin, lit[k].data());
     }
     interleave(lit[0].data(), lit[1].data(), lit[2].data(), end - begin, frame.ptr(y) + 3 * begin);
+  }
+  return frame;
+}
+
+cv::Mat FrameFinisher::finish_fluid(const cv::Mat& luma, const cv::Mat& fluid,
+                                    const CarriedFrame* carried) const {
+  const int width = luma.cols;
+  cv::Mat frame(luma.size(), CV_32FC4);
+  std::array<std::vector<float>, 3> chroma, lit;
+  for (int k = 0; k < 3; ++k) {
+    chroma[k].resize(static_cast<std::size_t>(width));
+    lit[k].resize(static_cast<std::size_t>(width));
+  }
+  std::vector<float> fraction(static_cast<std::size_t>(width));
+  for (int y = 0; y < frame.rows; ++y) {
+    const float *l = luma.ptr<float>(y), *a = fluid.ptr<float>(y);
+    if (carried) {
+      colour_row(*carried, y, width, chroma[0].data(), chroma[2].data(), fraction.data());
+      green_chroma(chroma[0].data(), chroma[2].data(), width, chroma[1].data());
+    }
+    for (int k = 0; k < 3; ++k) {
+      const float *slope = slope_[k].ptr<float>(y), *rest = rest_[k].ptr<float>(y);
+      if (carried)
+        light_carried_fluid(l, slope, rest, a, carried->luma.ptr<std::int16_t>(y), chroma[k].data(),
+                            fraction.data(), brightest_, width, lit[k].data());
+      else
+        light_fluid(l, slope, rest, a, brightest_, width, lit[k].data());
+    }
+    float* out = frame.ptr<float>(y);
+    for (int x = 0; x < width; ++x) {
+      for (int k = 0; k < 3; ++k) out[4 * x + k] = lit[k][static_cast<std::size_t>(x)];
+      out[4 * x + 3] = std::clamp(a[x], 0.0f, 1.0f);
+    }
   }
   return frame;
 }

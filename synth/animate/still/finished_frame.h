@@ -24,8 +24,12 @@ class FrameFinisher {
   /// carried  null, or what brings its colour with it.
   /// Returns  CV_8UC3. Safe from many threads.
   cv::Mat finish(const cv::Mat& luma, const cv::Mat& fluid, const CarriedFrame* carried) const;
+  /// The fluid by itself, nothing rounded: CV_32FC4, colour times matte, and the matte. Over `still` it is what
+  /// finish() gives. Colours end at 0 and at the brightest of `still`, 1 at least.
+  cv::Mat finish_fluid(const cv::Mat& luma, const cv::Mat& fluid, const CarriedFrame* carried) const;
 
  private:
+  float brightest_ = 1;
   cv::Mat ground_;  // CV_8UC3: still
   // CV_32F, by channel: colour = luma + slope * luma + rest; still in grey levels.
   std::array<cv::Mat, 3> slope_, rest_, still_;

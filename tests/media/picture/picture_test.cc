@@ -1,12 +1,18 @@
 #include "media/picture/picture.h"
 
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <limits>
 #include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
+#include <lcms2.h>
 
 #include <opencv2/imgcodecs.hpp>
 
+#include "media/picture/exr_picture.h"
 #include "tests/media/generated_clip.h"
 
 namespace freshet::media {
@@ -112,38 +118,178 @@ TEST(Picture, AHeaderThatClaimsGigabytesIsRefusedBeforeAllocation) {
             std::string::npos);
 }
 
+/// A matte of the picture's size: `nothing` to the left, a ramp, and white.
+cv::Mat ramp(int type, int nothing = 0) {
+  const int most = CV_MAT_DEPTH(type) == CV_16U ? 65535 : 255;
+  cv::Mat matte(17, 33, type, cv::Scalar::all(nothing));
+  for (int x = 12; x < 33; ++x) matte.col(x).setTo(cv::Scalar::all(std::min(most, (x - 11) * most / 12)));
+  return matte;
+}
+
+std::string matte_fault(const fs::path& path, cv::Size size = {33, 17}) {
+  const std::string text = fault_of(ErrorKind::kInput, [&] { read_matte(path, size); });
+  EXPECT_EQ(text.find(path.string() + ": "), 0u) << text;
+  return text;
+}
+
+bool holds(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
 TEST(Matte, IsGreyOfThePicturesSize) {
   const Scratch scratch;
-  const cv::Mat grey = noise(CV_8UC1), deep = noise(CV_16UC1, 65536), colour = noise(CV_8UC3);
+  const cv::Mat grey = ramp(CV_8UC1);
+  cv::Mat tinted = ramp(CV_8UC3);
+  tinted.at<cv::Vec3b>(3, 30)[1] = 200;
   write_picture(scratch / "grey.png", grey);
-  write_picture(scratch / "deep.png", deep);
-  write_picture(scratch / "colour.png", colour);
+  write_picture(scratch / "deep.png", ramp(CV_16UC1));
+  write_picture(scratch / "tinted.png", tinted);
   const Matte plain = read_matte(scratch / "grey.png", {33, 17});
   EXPECT_EQ(cv::norm(plain.alpha, grey, cv::NORM_INF), 0);
   EXPECT_TRUE(plain.notices.empty());
-  EXPECT_NEAR(read_matte(scratch / "deep.png", {33, 17}).alpha.at<std::uint8_t>(2, 2),
-              deep.at<std::uint16_t>(2, 2) / 257.0, 0.501);
-  const Matte reduced = read_matte(scratch / "colour.png", {33, 17});
+  EXPECT_LE(cv::norm(read_matte(scratch / "deep.png", {33, 17}).alpha, grey, cv::NORM_INF), 1);
+  const Matte reduced = read_matte(scratch / "tinted.png", {33, 17});
   EXPECT_EQ(reduced.alpha.type(), CV_8UC1);
   ASSERT_EQ(reduced.notices.size(), 1u);
   EXPECT_EQ(reduced.notices[0], "colour reduced to grey");
 }
 
-TEST(Matte, OfAnotherSizeOrAllBlackIsRefused) {
+TEST(Matte, IsTheAlphaOfAFileThatHasOne) {
   const Scratch scratch;
-  write_picture(scratch / "black.png", cv::Mat(17, 33, CV_8UC1, cv::Scalar(0)));
-  EXPECT_NE(fault_of(ErrorKind::kInput,
-                     [&] {
-                       read_matte(scratch / "black.png", {33, 17});
-                     })
-                .find("black.png"),
-            std::string::npos);
-  EXPECT_NE(fault_of(ErrorKind::kInput,
-                     [&] {
-                       read_matte(scratch / "black.png", {40, 20});
-                     })
-                .find("the matte is 33 x 17, the picture 40 x 20"),
-            std::string::npos);
+  cv::Mat cut_out = noise(CV_8UC4), alpha = ramp(CV_8UC1);
+  cv::insertChannel(alpha, cut_out, 3);
+  write_picture(scratch / "a.png", cut_out);
+  const Matte matte = read_matte(scratch / "a.png", {33, 17});
+  EXPECT_EQ(cv::norm(matte.alpha, alpha, cv::NORM_INF), 0);
+  ASSERT_EQ(matte.notices.size(), 1u);
+  EXPECT_EQ(matte.notices[0], "its alpha channel is the matte");
+  const Still still = read_still(scratch / "a.png");
+  EXPECT_EQ(cv::norm(still.alpha, alpha, cv::NORM_INF), 0);
+  EXPECT_EQ(cv::norm(matte_of_alpha(still.alpha, "a.png").alpha, alpha, cv::NORM_INF), 0);
+}
+
+TEST(Matte, OfAnotherSizeIsScaledAndSaidAndOfAnotherShapeRefused) {
+  const Scratch scratch;
+  write_picture(scratch / "a.png", ramp(CV_8UC1));
+  const Matte matte = read_matte(scratch / "a.png", {66, 34});
+  EXPECT_EQ(matte.alpha.size(), cv::Size(66, 34));
+  ASSERT_FALSE(matte.notices.empty());
+  EXPECT_EQ(matte.notices[0], "the matte is 33 x 17, and is scaled to the picture's 66 x 34");
+  EXPECT_TRUE(holds(matte_fault(scratch / "a.png", {40, 20}),
+                    "the matte is 33 x 17, the picture 40 x 20: another shape. Crop them alike"));
+}
+
+TEST(Matte, FaintGreyLeavesThePictureAsItIs) {
+  const Scratch scratch;
+  write_picture(scratch / "faint.png", ramp(CV_8UC1, 5));
+  const cv::Mat black(17, 33, CV_8UC1, cv::Scalar(0));
+  const Matte matte = read_matte(scratch / "faint.png", {33, 17});
+  EXPECT_EQ(cv::norm(matte.alpha, ramp(CV_8UC1), cv::NORM_INF), 0);
+  ASSERT_EQ(matte.notices.size(), 1u);
+  EXPECT_TRUE(holds(matte.notices[0], "36 % of it is nearly black (below 8 of 255) and stands still"));
+}
+
+TEST(Matte, WhatCannotBeMeantIsTold) {
+  const Scratch scratch;
+  const auto told = [&](const cv::Mat& matte) {
+    write_picture(scratch / "m.png", matte);
+    return matte_fault(scratch / "m.png");
+  };
+  EXPECT_TRUE(holds(told(cv::Mat(17, 33, CV_8UC1, cv::Scalar(0))), "black everywhere"));
+  EXPECT_TRUE(holds(told(cv::Mat(17, 33, CV_8UC1, cv::Scalar(255))), "white everywhere"));
+  EXPECT_TRUE(holds(told(noise(CV_8UC3)), "of it is in colour: a picture, not a matte"));
+  EXPECT_TRUE(holds(told(ramp(CV_8UC1, 64)),
+                    "the matte has no black: 36 % of it is the grey 64 of 255, and would move"));
+  cv::Mat hardly = ramp(CV_8UC1, 64);
+  hardly.at<std::uint8_t>(0, 0) = 0;
+  EXPECT_TRUE(holds(told(hardly), "the matte has hardly any black: 36 % of it is the grey 64"));
+}
+
+TEST(Picture, ADeepOneKeepsItsBits) {
+  const Scratch scratch;
+  const cv::Mat deep = noise(CV_16UC3, 65536);
+  write_picture(scratch / "a.png", deep);
+  const Still still = read_still(scratch / "a.png");
+  EXPECT_EQ(cv::norm(still.deep, deep, cv::NORM_INF), 0);
+  EXPECT_TRUE(still.notices.empty());
+  EXPECT_EQ(still.reduction, "16 bits per channel reduced to 8");
+  cv::Mat back;
+  coded_picture(still).convertTo(back, CV_16U, 65535);
+  EXPECT_EQ(cv::norm(back, deep, cv::NORM_INF), 0);
+  EXPECT_TRUE(read_still(scratch / "a.png").alpha.empty());
+}
+
+TEST(Picture, ALinearOneIsCodedAndAboveWhiteKept) {
+  const Scratch scratch;
+  cv::Mat light(4, 5, CV_32FC4, cv::Scalar(0.25, 0.5, 4, 1));
+  light.at<cv::Vec4f>(1, 1) = {0, 0, 0, 0};
+  write_exr_picture(scratch / "a.exr", light, ExrSamples::kFloat);
+  const Still still = read_still(scratch / "a.exr");
+  EXPECT_EQ(still.deep.at<cv::Vec3f>(0, 0), cv::Vec3f(0.25f, 0.5f, 4));
+  EXPECT_EQ(still.bgr.at<cv::Vec3b>(0, 0), cv::Vec3b(137, 188, 255));  // sRGB's code of .25 and .5
+  EXPECT_EQ(still.alpha.at<std::uint8_t>(1, 1), 0);
+  EXPECT_EQ(still.alpha.at<std::uint8_t>(1, 2), 255);
+  EXPECT_NEAR(coded_picture(still).at<cv::Vec3f>(0, 0)[2], 1.055 * std::pow(4, 1 / 2.4) - 0.055, 1e-5);
+  std::vector<char> bytes = bytes_of(scratch / "a.exr");
+  bytes.resize(bytes.size() - 40);
+  put_bytes(scratch / "cut.exr", bytes);
+  EXPECT_TRUE(
+      holds(fault_of(ErrorKind::kInput, [&] { read_still(scratch / "cut.exr"); }), "OpenEXR cannot read it"));
+  light.setTo(std::numeric_limits<float>::infinity());
+  write_exr_picture(scratch / "inf.exr", light, ExrSamples::kFloat);
+  EXPECT_TRUE(holds(fault_of(ErrorKind::kInput, [&] { read_still(scratch / "inf.exr"); }), "infinite"));
+}
+
+void run(const std::string& command) { ASSERT_EQ(std::system(command.c_str()), 0) << command; }
+
+/// An ICC profile of an RGB space with sRGB's curve.
+void save_profile(const fs::path& path, const cmsCIExyYTRIPLE& primaries) {
+  cmsCIExyY white{0.3127, 0.3290, 1};
+  cmsFloat64Number curve[5] = {2.4, 1 / 1.055, 0.055 / 1.055, 1 / 12.92, 0.04045};
+  cmsToneCurve* const tone = cmsBuildParametricToneCurve(nullptr, 4, curve);
+  cmsToneCurve* tones[3] = {tone, tone, tone};
+  cmsHPROFILE profile = cmsCreateRGBProfile(&white, &primaries, tones);
+  ASSERT_TRUE(cmsSaveProfileToFile(profile, path.c_str()));
+  cmsCloseProfile(profile);
+  cmsFreeToneCurve(tone);
+}
+
+TEST(Picture, AWideGamutIsBroughtToSrgbAndSaid) {
+  const Scratch scratch;
+  save_profile(scratch / "p3.icc",
+               {{0.680, 0.320, 1}, {0.265, 0.690, 1}, {0.150, 0.060, 1}});  // Display P3's
+  save_profile(scratch / "srgb.icc", {{0.64, 0.33, 1}, {0.30, 0.60, 1}, {0.15, 0.06, 1}});
+  cv::Mat picture(20, 30, CV_8UC3, cv::Scalar(60, 120, 180));
+  picture.colRange(0, 3).setTo(cv::Scalar(0, 0, 255));  // P3's red, which sRGB lacks
+  write_picture(scratch / "plain.png", picture);
+  for (const char* name : {"a.png", "a.tif", "a.jpg"}) {
+    const std::string out = (scratch / name).string();
+    run("convert " + (scratch / "plain.png").string() + " -quality 100 -profile " +
+        (scratch / "p3.icc").string() + " " + out);
+    const Still still = read_still(out);
+    ASSERT_EQ(still.notices.size(), 1u) << name;
+    EXPECT_TRUE(holds(still.notices[0], "brought from the profile ")) << still.notices[0];
+    EXPECT_TRUE(holds(still.notices[0], "to sRGB; 10.0 % of the pixels lie outside")) << still.notices[0];
+    const cv::Vec3b inside = still.bgr.at<cv::Vec3b>(10, 20);
+    // By hand: P3 (180, 120, 60) is sRGB (188, 119, 47).
+    EXPECT_NEAR(inside[2], 188, 2);
+    EXPECT_NEAR(inside[1], 119, 2);
+    EXPECT_NEAR(inside[0], 47, 3);
+  }
+  run("convert " + (scratch / "plain.png").string() + " -profile " + (scratch / "srgb.icc").string() + " " +
+      (scratch / "s.png").string());
+  const Still same = read_still(scratch / "s.png");
+  EXPECT_TRUE(same.notices.empty());
+  EXPECT_EQ(cv::norm(same.bgr, picture, cv::NORM_INF), 0);
+}
+
+TEST(Picture, PrimariesOfAnotherSpaceInAnExrAreRefused) {
+  const Scratch scratch;
+  write_exr_picture(scratch / "a.exr", cv::Mat(4, 5, CV_32FC3, cv::Scalar::all(0.5)), ExrSamples::kHalf);
+  run("oiiotool " + (scratch / "a.exr").string() +
+      " --attrib:type=float[8] chromaticities "
+      "0.713,0.293,0.165,0.830,0.128,0.044,0.32168,0.33767 -o " +
+      (scratch / "aces.exr").string());
+  EXPECT_TRUE(holds(fault_of(ErrorKind::kInput, [&] { read_still(scratch / "aces.exr"); }),
+                    "its primaries are not those of Rec. 709 (sRGB)"));
 }
 
 TEST(Picture, WritingFaultsNameTheFile) {

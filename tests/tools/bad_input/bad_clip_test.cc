@@ -53,6 +53,14 @@ TEST_F(BadClip, TextNamedAsAVideo) {
   expect_refusal("text.mp4", "not a video that FFmpeg can read", "leave it out");
 }
 
+TEST_F(BadClip, HighDynamicRange) {
+  encode("pq.mkv", {"-pix_fmt", "yuv420p10le", "-c:v", "ffv1", "-color_trc", "smpte2084", "-color_primaries",
+                    "bt2020"});
+  expect_refusal("pq.mkv", "it is HDR (PQ)", "export it as SDR");
+  encode("hlg.mkv", {"-pix_fmt", "yuv420p10le", "-c:v", "ffv1", "-color_trc", "arib-std-b67"});
+  expect_refusal("hlg.mkv", "it is HDR (HLG)", "export it as SDR");
+}
+
 TEST_F(BadClip, AnEmptyFile) {
   folder_.file("empty.mp4", "");
   expect_refusal("empty.mp4", "the file is empty", "download it again");
@@ -130,8 +138,8 @@ TEST_F(BadClip, SmallerThanAPatch) {
 TEST_F(BadClip, OddSizesAreFine) {
   encode("odd.mkv", {"-vf", "scale=193:145", "-pix_fmt", "yuv444p", "-c:v", "ffv1"});
   ASSERT_EQ(folder_.freshet({"ingest", "odd.store", "odd.mkv"}).exit_code, 0);
-  const Outcome outcome =
-      folder_.freshet({"synth", "animate", "odd.store", sample().still, "--frames", "8", "-o", "out.mp4"});
+  const Outcome outcome = folder_.freshet(
+      {"synth", "animate", "odd.store", sample().still, "--whole", "--frames", "8", "-o", "out.mp4"});
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
 }
 

@@ -23,7 +23,7 @@ class BadStore : public testing::Test {
         {"store", "verify", name},
         {"index", name},
         {"query", "label", name, sample().still},
-        {"synth", "animate", name, sample().still, "-o", "out.mkv"},
+        {"synth", "animate", name, sample().still, "--whole", "-o", "out.mkv"},
         {"ingest", name, sample().clips}};
     for (const auto& command : commands) {
       const Outcome outcome = folder_.freshet(command);

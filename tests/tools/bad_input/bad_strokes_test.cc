@@ -121,14 +121,15 @@ TEST_F(BadStrokes, MapsThatDoNotFit) {
 }
 
 TEST_F(BadStrokes, OptionsThatCannotBe) {
+  folder_.file("none", "");
   folder_.file("down.json", strokes(R"({"points": [[80, 20], [80, 120]]})"));
   cv::imwrite(folder_ / "red.png", cv::Mat(kHeight, kWidth, CV_8UC3, cv::Scalar(0, 0, 255)));
   expect_failure({"--strokes", "down.json", "--orientation-map", "red.png"}, 2, {"excludes"});
   expect_failure({"--speed-map", "red.png", "--speed-white", "0"}, 2, {"--speed-white"});
   expect_failure({"--strokes", "down.json", "--speed-tolerance", "0.5"}, 2, {"--speed-tolerance"});
   expect_failure({"--speed-out", "speed.jpg"}, 2, {"speed.jpg: a map needs a format that keeps 16 bits"});
-  expect_failure({"--orientation-out", "none/a.png"}, 1, {"the folder none does not exist"});
-  expect_failure({"--draw", "none/a.png"}, 1, {"the folder none does not exist"});
+  expect_failure({"--orientation-out", "none/a.png"}, 1, {"the folder none cannot be made"});
+  expect_failure({"--draw", "none/a.png"}, 1, {"the folder none cannot be made"});
   const Outcome nothing = folder_.freshet(
       {"query", "candidates", sample().store, sample().still, "--hint", "none", "--draw", "a.png"});
   EXPECT_EQ(nothing.exit_code, 2);

@@ -125,5 +125,34 @@ TEST(FrameFinisher, LeavesTheStillPictureAsItIsWhereThereIsNoFluid) {
   }
 }
 
+TEST(FinishedFrame, TheFluidAloneOverTheStillIsTheWholeFrame) {
+  const Parts parts;
+  const CarriedFrame carried = carried_frame();
+  for (const CarriedFrame* brought : {static_cast<const CarriedFrame*>(nullptr), &carried}) {
+    const cv::Mat whole = parts.finisher.finish(parts.luma, parts.fluid, brought);
+    const cv::Mat fluid = parts.finisher.finish_fluid(parts.luma, parts.fluid, brought);
+    ASSERT_EQ(fluid.type(), CV_32FC4);
+    for (int y = 0; y < kSize.height; ++y)
+      for (int x = 0; x < kSize.width; ++x) {
+        const cv::Vec4f& f = fluid.at<cv::Vec4f>(y, x);
+        EXPECT_EQ(f[3], parts.fluid.at<float>(y, x));
+        for (int k = 0; k < 3; ++k)
+          ASSERT_NEAR(255 * (f[k] + (1 - f[3]) * parts.still.at<cv::Vec3f>(y, x)[k]),
+                      whole.at<cv::Vec3b>(y, x)[k], 0.501);
+      }
+  }
+}
+
+TEST(FinishedFrame, TheFluidAloneGoesAboveWhiteWhereTheStillDoes) {
+  const Parts parts;
+  cv::Mat bright = parts.still.clone();
+  bright.at<cv::Vec3f>(3, 3)[2] = 1.15f;
+  const FrameFinisher finisher(parts.model, parts.own_colour, bright);
+  double most = 0;
+  cv::minMaxLoc(finisher.finish_fluid(parts.luma, parts.fluid, nullptr).reshape(1), nullptr, &most);
+  EXPECT_GT(most, 1.0);
+  EXPECT_LE(most, 1.15f);
+}
+
 }  // namespace
 }  // namespace freshet::synth::animate

@@ -1,0 +1,277 @@
+#include "tools/options/output_options.h"
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+
+#include <fmt/format.h>
+#include <opencv2/imgproc.hpp>
+
+#include "freshet/error.h"
+#include "media/picture/motion_file.h"
+#include "media/picture/picture_sequence.h"
+#include "platform/text.h"
+#include "synth/animate/motion/moving_boundary.h"
+#include "tools/console/run_context.h"
+
+namespace freshet::tools {
+namespace {
+
+constexpr int kSocialSide = 1920;
+
+[[noreturn]] void refuse(const std::string& option, const std::string& fault, const std::string& remedy) {
+  throw Error(ErrorKind::kUsage, option, fault, remedy);
+}
+
+bool is_one_of(const std::string& text, std::initializer_list<const char*> of) {
+  return std::find(of.begin(), of.end(), text) != of.end();
+}
+
+}  // namespace
+
+/// What a name's ending can hold.
+struct OutputOptions::Kind {
+  std::string ending;
+  bool alpha = false, deep = false, light = false;
+};
+
+OutputOptions::Kind OutputOptions::kind_of_output(bool one_frame) const {
+  Kind kind{.ending = lower_ending(out_)};
+  kind.light = kind.ending == ".exr";
+  kind.alpha =
+      kind.light || is_one_of(kind.ending, {".mov", ".mkv", ".webp", ".png", ".apng", ".tif", ".tiff"});
+  const bool picture = media::is_pattern(out_) || one_frame;
+  kind.deep = is_one_of(kind.ending, {".mov", ".mkv", ".tif", ".tiff"}) || (kind.ending == ".png" && picture);
+  return kind;
+}
+
+void OutputOptions::add_to(CLI::App& command) {
+  const std::string group = "Output";
+  command
+      .add_option(
+          "-o,--output", out_,
+          "The animation: .mp4 (H.264), .mov (ProRes 4444), .mkv (FFV1, lossless), .webp, .apng or .gif "
+          "(animated), or a sequence of .png, .tif or .exr such as shot/f.%04d.exr or shot/f.####.png")
+      ->required();
+  command
+      .add_option(
+          "--layer", layer_,
+          "whole (the picture with the fluid in it), fluid (the fluid alone with alpha, to lie over the "
+          "picture), light (what a moving fluid adds to its background, on black: for add)")
+      ->check(CLI::IsMember({"whole", "fluid", "light"}))
+      ->capture_default_str()
+      ->group(group);
+  command
+      .add_option(
+          "--alpha", alpha_,
+          "Colours of --layer fluid: straight, or premultiplied (times alpha) [.exr premultiplied, else "
+          "straight]")
+      ->check(CLI::IsMember({"straight", "premultiplied"}))
+      ->group(group);
+  command
+      .add_option(
+          "--depth", depth_,
+          "Bits per channel: 8, 10 (.mp4, .mov), 16 (.png, .tif, .mkv), half or float (.exr: linear light); "
+          "auto: the picture's, where the format holds them")
+      ->check(CLI::IsMember({"auto", "8", "10", "16", "half", "float"}))
+      ->capture_default_str()
+      ->group(group);
+  command
+      .add_option("--preset", preset_,
+                  "By purpose: web (.mp4, small), social (.mp4, longest side 1920 px, to be coded again by "
+                  "the site), "
+                  "edit (.mov: ProRes 4444), archive (.mkv: FFV1, 16 bits) [none]")
+      ->check(CLI::IsMember({"web", "social", "edit", "archive"}))
+      ->group(group);
+  command.add_option("--start-number", first_number_, "Number of the first frame (film shots: 1001)")
+      ->check(CLI::Range(0, 100000000))
+      ->capture_default_str()
+      ->group(group);
+  command
+      .add_option(
+          "--range", range_,
+          "Write only these frames, by their numbers; those before are computed and not written [all]")
+      ->type_name("A-B")
+      ->group(group);
+  command
+      .add_option("--matte-out", matte_out_,
+                  "Also write every frame's matte, in grey: mattes/%05d.png, or a video")
+      ->group(group);
+  command
+      .add_option(
+          "--motion-out", motion_out_,
+          "Also write the motion, px to the next frame: motion/%05d.flo (y down), or motion/%05d.exr (y up); "
+          "may be given twice")
+      ->group(group);
+  add_overwrite(command);
+}
+
+FrameNumbers OutputOptions::numbers(int frames) const {
+  FrameNumbers all{.first = first_number_, .last = first_number_ + frames - 1, .from = 0, .to = 0};
+  all.from = all.first;
+  all.to = all.last;
+  if (range_.empty()) return all;
+  long long from = 0, to = 0;
+  char rest = 0;
+  const int read = std::sscanf(range_.c_str(), "%lld-%lld%c", &from, &to, &rest);
+  if (read == 1 && range_.find('-') == std::string::npos) to = from;
+  if (read != 2 && !(read == 1 && to == from))
+    refuse("--range " + range_, "it is not A-B", "For example --range 1010-1020");
+  if (from > to || from < all.first || to > all.last)
+    refuse("--range " + range_, fmt::format("the frames are numbered {} to {}", all.first, all.last),
+           "Name some of these, or say another --start-number or more --frames");
+  all.from = from;
+  all.to = to;
+  return all;
+}
+
+cv::Size OutputOptions::apply_preset(const Kind& kind, cv::Size size) {
+  if (preset_.empty()) return size;
+  const std::string ending = preset_ == "edit" ? ".mov" : preset_ == "archive" ? ".mkv" : ".mp4";
+  if (kind.ending != ending)
+    refuse("--preset " + preset_, fmt::format("it makes {} files, and {} is none", ending, out_),
+           "Name the output so, or leave the preset out");
+  if (preset_ == "web") file_options_.crf = 20;
+  if (preset_ == "social") {
+    file_options_.crf = 14;
+    if (const int longest = std::max(size.width, size.height); longest > kSocialSide) {
+      const double by = static_cast<double>(kSocialSide) / longest;
+      const cv::Size smaller(2 * cvRound(size.width * by / 2), 2 * cvRound(size.height * by / 2));
+      say(fmt::format("{}: reduced from {} x {} to {} x {} px for --preset social", out_, size.width,
+                      size.height, smaller.width, smaller.height));
+      size = smaller;
+    }
+  }
+  if (preset_ == "archive" && depth_ == "auto") depth_ = "16";
+  return size;
+}
+
+media::Samples OutputOptions::choose_samples(const Kind& kind, bool deep) {
+  media::Samples samples = media::Samples::k8;
+  const auto holds = [&](const char* what) {
+    refuse("--depth " + depth_, fmt::format("{} does not hold it: {}", out_, what),
+           "Leave --depth out, or name another format");
+  };
+  if (kind.light) {
+    if (!is_one_of(depth_, {"auto", "half", "float"})) holds("EXR has half or float");
+    samples = media::Samples::kLight;
+    file_options_.exr = depth_ == "float" ? media::ExrSamples::kFloat : media::ExrSamples::kHalf;
+    return samples;
+  }
+  if (is_one_of(depth_, {"half", "float"})) holds("linear light goes into .exr");
+  if (depth_ == "10") {
+    if (!is_one_of(kind.ending, {".mp4", ".mov"})) holds("10 bits go into .mp4 or .mov");
+    samples = media::Samples::k16;
+    file_options_.bits = 10;
+    if (kind.ending == ".mp4") say(out_ + ": H.264 of 10 bits, which browsers and most phones do not show");
+  }
+  if (depth_ == "16") {
+    if (!kind.deep || kind.ending == ".mov")
+      holds(kind.ending == ".mov" ? "ProRes 4444 has 10 bits"
+                                  : "16 bits go into .png or .tif sequences and .mkv");
+    samples = media::Samples::k16;
+  }
+  if (depth_ == "8" && kind.ending == ".mov") holds("ProRes 4444 has 10 bits");
+  // ProRes has more than 8 bits, and 16 of alpha: for what is blended they are not wasted.
+  if (depth_ == "auto" && kind.deep && (deep || kind.ending == ".mov")) samples = media::Samples::k16;
+  return samples;
+}
+
+std::unique_ptr<AnimationFiles> OutputOptions::open(const TargetFiles::Loaded& loaded,
+                                                    synth::animate::AnimateOptions& options) {
+  using synth::animate::Boundary;
+  auto files = std::make_unique<AnimationFiles>();
+  const FrameNumbers numbered = numbers(options.frames);
+  const Kind kind = kind_of_output(numbered.from == numbered.to);
+  const cv::Size size = apply_preset(kind, loaded.picture.size());
+  const bool deep = !loaded.still.deep.empty();
+  const media::Samples samples = choose_samples(kind, deep);
+  const bool moving = options.boundary.boundary == Boundary::kMoving;
+  if (layer_ == "fluid" && !kind.alpha)
+    refuse("--layer fluid", out_ + " holds no alpha", "Use .mov, .webp, or a sequence of .exr or .png");
+  if (layer_ == "light" && !moving)
+    refuse("--layer light", "only a fluid with a moving outline has a background that it adds to",
+           "Add --boundary moving, or ask for --layer fluid");
+  if (!alpha_.empty() && layer_ != "fluid")
+    refuse("--alpha", "the whole picture has none", "Add --layer fluid");
+  const media::AlphaForm alpha = alpha_ == "premultiplied" || (alpha_.empty() && kind.light)
+                                     ? media::AlphaForm::kPremultiplied
+                                     : media::AlphaForm::kStraight;
+  for (const std::string& pattern : motion_out_)
+    if (!media::is_pattern(pattern) || !media::looks_like_motion(pattern))
+      refuse("--motion-out " + pattern, "it is no numbered sequence of .flo or .exr",
+             "For example --motion-out motion/%05d.exr");
+  if (!motion_out_.empty() && options.method != synth::animate::Method::kCarried)
+    refuse("--motion-out", "--method paper carries nothing", "Leave one of them out");
+
+  check_frames_output(out_, numbered);
+  check_frames_output(matte_out_, numbered);
+  for (const std::string& pattern : motion_out_) check_frames_output(pattern, numbered);
+  if (const std::string notice = media::size_notice(out_, size); !notice.empty()) say(out_ + ": " + notice);
+  const int count = static_cast<int>(numbered.to - numbered.from + 1);
+  file_options_.first_number = numbered.from;
+  files->numbers_ = numbered;
+  files->frame_ = files->matte_frame_ = files->motion_frame_ = numbered.first;
+  files->size_ = size;
+  files->motion_out_ = motion_out_;
+  files->sink_.emplace(out_, size, count, options.fps, file_options_);
+  if (!matte_out_.empty()) {
+    media::VideoWriterOptions mattes;
+    mattes.first_number = numbered.from;
+    files->matte_sink_.emplace(matte_out_, loaded.picture.size(), count, options.fps, mattes);
+    options.matte_sink = [to = files.get()](const cv::Mat& matte) { to->write_matte(matte); };
+  }
+  if (!motion_out_.empty())
+    options.motion_sink = [to = files.get()](const cv::Mat& motion) { to->write_motion(motion); };
+
+  options.until = static_cast<int>(numbered.to - numbered.first + 1);
+  files->picture_ = loaded.picture;
+  if (layer_ == "whole" && samples == media::Samples::k8 && !deep) return files;
+  files->picture_ = media::coded_picture(loaded.still);
+  options.form = synth::animate::FrameForm::kFluid;
+  const cv::Mat below = moving ? synth::animate::behind_fluid(files->picture_, loaded.matte, options.boundary)
+                               : files->picture_;
+  const media::Layer layer = layer_ == "fluid"   ? media::Layer::kFluid
+                             : layer_ == "light" ? media::Layer::kLight
+                                                 : media::Layer::kWhole;
+  files->layers_.emplace(below, deep ? loaded.still.deep : loaded.picture, loaded.matte, layer, alpha,
+                         samples);
+  return files;
+}
+
+std::vector<std::string> OutputOptions::files() const {
+  std::vector<std::string> files{out_, matte_out_};
+  files.insert(files.end(), motion_out_.begin(), motion_out_.end());
+  std::erase(files, "");
+  return files;
+}
+
+cv::Mat AnimationFiles::write(const cv::Mat& frame) {
+  if (wanted(frame_++)) {
+    cv::Mat out = layers_ ? layers_->frame(frame) : frame;
+    if (out.size() != size_) cv::resize(out, out, size_, 0, 0, cv::INTER_AREA);
+    sink_->write(out);
+  }
+  return layers_ ? layers_->shown(frame) : frame;
+}
+
+void AnimationFiles::write_matte(const cv::Mat& matte) {
+  if (!wanted(matte_frame_++)) return;
+  cv::Mat grey, colour;
+  matte.convertTo(grey, CV_8U, 255);
+  cv::merge(std::vector<cv::Mat>(3, grey), colour);
+  matte_sink_->write(colour);
+}
+
+void AnimationFiles::write_motion(const cv::Mat& motion) {
+  const std::int64_t number = motion_frame_++;
+  for (const std::string& pattern : motion_out_)
+    if (wanted(number)) media::write_motion(media::numbered(pattern, number), motion);
+}
+
+void AnimationFiles::finish() {
+  sink_->finish();
+  if (matte_sink_) matte_sink_->finish();
+}
+
+}  // namespace freshet::tools

@@ -1,0 +1,77 @@
+// tools/options/output_options.h — what of an animation goes into which files, in what form.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+
+#include "media/picture/layers.h"
+#include "media/video/picture_sink.h"
+#include "synth/animate/animate.h"
+#include "tools/console/output_names.h"
+#include "tools/options/search_options.h"
+
+namespace freshet::tools {
+
+/// The files of one animation, open: none is left where they are destroyed before finish(), but for the frames of
+/// sequences.
+class AnimationFiles {
+ public:
+  AnimationFiles() = default;
+  AnimationFiles(const AnimationFiles&) = delete;
+  AnimationFiles& operator=(const AnimationFiles&) = delete;
+
+  /// The picture that is to be animated, as deep as the output asks: CV_8UC3, or CV_32FC3.
+  const cv::Mat& picture() const { return picture_; }
+  /// The next frame as animate() hands it on; frames outside --range are passed over. Returns it for a person to look
+  /// at, CV_8UC3.
+  cv::Mat write(const cv::Mat& frame);
+  void finish();
+
+ private:
+  friend class OutputOptions;
+  void write_matte(const cv::Mat& matte);
+  void write_motion(const cv::Mat& motion);
+  bool wanted(std::int64_t number) const { return number >= numbers_.from && number <= numbers_.to; }
+
+  FrameNumbers numbers_;
+  std::int64_t frame_ = 0, matte_frame_ = 0, motion_frame_ = 0;  // numbers of the next ones
+  cv::Size size_;                                                // of what is written
+  cv::Mat picture_;
+  std::optional<media::Layers> layers_;  // nothing: frames are written as they come
+  std::optional<media::PictureSink> sink_, matte_sink_;
+  std::vector<std::string> motion_out_;
+};
+
+/// What is written of an animation: itself, its mattes and its motion, frame by frame.
+class OutputOptions {
+ public:
+  /// --output, --layer, --alpha, --depth, --preset, --start-number, --range, --matte-out, --motion-out, --overwrite.
+  void add_to(CLI::App& command);
+
+  /// Opens all files, and asks the options for frames in the form that they need. Says what a codec makes of the
+  /// picture's size. Throws for whatever names, forms and formats do not go together: before the work.
+  /// options   with frames, fps and boundary; what they are given must not outlive the files.
+  std::unique_ptr<AnimationFiles> open(const TargetFiles::Loaded& loaded,
+                                       synth::animate::AnimateOptions& options);
+  std::int64_t first_number() const { return first_number_; }
+  /// Of the files written, for the command's last lines.
+  std::vector<std::string> files() const;
+
+ private:
+  struct Kind;
+  Kind kind_of_output(bool one_frame) const;
+  cv::Size apply_preset(const Kind& kind, cv::Size size);
+  media::Samples choose_samples(const Kind& kind, bool deep);
+  FrameNumbers numbers(int frames) const;
+
+  std::string out_, layer_ = "whole", alpha_, depth_ = "auto", preset_, range_, matte_out_;
+  std::vector<std::string> motion_out_;
+  std::int64_t first_number_ = 0;
+  media::VideoWriterOptions file_options_;
+};
+
+}  // namespace freshet::tools
