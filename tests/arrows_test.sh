@@ -46,7 +46,7 @@ synth/transfer: synth/field
 synth/transfer/files: store media/* vision query/stored synth/transfer synth/animate/clips
 library: store media/* vision ingest query/* synth/*
 tools/console: store media/* vision query/*
-tools/options: vision media/picture media/video query/* synth/animate/* tools/console
+tools/options: vision media/picture media/video query/* synth/animate/* synth/matte tools/console
 tools: report store media/* vision ingest query/* synth/* tools/*
 '
 rooms="include platform report store media vision ingest query synth library tools"

@@ -14,6 +14,7 @@
 #include "tools/console/progress.h"
 #include "tools/label_run.h"
 #include "tools/options/cache_options.h"
+#include "tools/options/hold_options.h"
 #include "tools/options/motion_options.h"
 #include "tools/options/outline_options.h"
 #include "tools/options/output_options.h"
@@ -25,6 +26,7 @@ namespace {
 
 struct AnimateCommand {
   TargetFiles target;
+  HoldOptions hold;
   SearchOptions search;
   MotionOptions motion;
   Duration duration;
@@ -81,9 +83,11 @@ std::vector<PlannedStage> stages_of(const AnimateCommand& command) {
 void run_animate(AnimateCommand& command, const RunContext& context) {
   plan_stages(stages_of(command));
   const store::Snapshot snapshot = store::Store::open_read(command.target.store).snapshot();
-  const TargetFiles::Loaded loaded = command.target.load_with_matte();
+  TargetFiles::Loaded loaded = command.target.load_with_matte();
+  const cv::Mat held = command.hold.take_out(loaded);
   synth::animate::AnimateOptions options = render_options(command);
   command.boundary.apply(options, loaded.picture.size());
+  options.boundary.held = held;
   AskedMotion asked =
       command.motion.read(loaded, command.search,
                           options.method == synth::animate::Method::kPaper ? query::HintSearch::kNarrow
@@ -178,6 +182,7 @@ void add_animate(CLI::App& synth_command, RunContext& context) {
   CLI::App* sub =
       synth_command.add_subcommand("animate", "Animate a still picture with the patches of a store");
   command->target.add_to(*sub);
+  command->hold.add_to(*sub);
   command->output.add_to(*sub);
   sub->add_option("--sheet", command->sheet, "Write a contact sheet of the picture and frames (PNG, JPEG)");
   sub->add_option("--assignment", command->assignment,

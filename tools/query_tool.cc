@@ -21,6 +21,7 @@
 #include "tools/console/table.h"
 #include "tools/label_run.h"
 #include "tools/options/cache_options.h"
+#include "tools/options/hold_options.h"
 #include "tools/options/motion_options.h"
 #include "tools/options/search_options.h"
 
@@ -29,6 +30,7 @@ namespace {
 
 struct CandidatesCommand {
   TargetFiles target;
+  HoldOptions hold;
   SearchOptions search;
   MotionOptions motion;
   Duration duration;
@@ -38,6 +40,7 @@ struct CandidatesCommand {
 
 struct LabelCommand {
   TargetFiles target;
+  HoldOptions hold;
   SearchOptions search;
   MotionOptions motion;
   Duration duration;
@@ -107,7 +110,8 @@ void run_candidates(const CandidatesCommand& command, const RunContext& context)
   check_picture_output(command.sheet);
   command.motion.check_outputs();
   const store::Snapshot snapshot = store::Store::open_read(command.target.store).snapshot();
-  const TargetFiles::Loaded loaded = command.target.load();
+  TargetFiles::Loaded loaded = command.target.load();
+  command.hold.take_out(loaded);
   say_reduction(command.target, loaded);
   AskedMotion asked = command.motion.read(loaded, command.search);
   const query::LabelRequest request = request_of(command.search, asked, command.duration);
@@ -153,7 +157,8 @@ void run_label(const LabelCommand& command, const RunContext& context) {
   check_picture_output(command.sheet);
   command.motion.check_outputs();
   const store::Snapshot snapshot = store::Store::open_read(command.target.store).snapshot();
-  const TargetFiles::Loaded loaded = command.target.load();
+  TargetFiles::Loaded loaded = command.target.load();
+  command.hold.take_out(loaded);
   say_reduction(command.target, loaded);
   AskedMotion asked = command.motion.read(loaded, command.search);
   const query::LabelRequest request = request_of(command.search, asked, command.duration, &command.labelling);
@@ -211,6 +216,7 @@ void add_query(CLI::App& app, RunContext& context) {
   CLI::App* sub =
       query->add_subcommand("candidates", "The patches that look most like each piece of a picture");
   candidates->target.add_to(*sub);
+  candidates->hold.add_to(*sub);
   candidates->search.add_to(*sub);
   candidates->motion.add_to(*sub);
   candidates->duration.add_to(*sub);
@@ -224,6 +230,7 @@ void add_query(CLI::App& app, RunContext& context) {
   auto label = std::make_shared<LabelCommand>();
   sub = query->add_subcommand("label", "Choose one patch for each piece, so that neighbours go together");
   label->target.add_to(*sub);
+  label->hold.add_to(*sub);
   label->search.add_to(*sub);
   label->motion.add_to(*sub);
   label->motion.add_outputs_to(*sub);

@@ -24,6 +24,7 @@
 #include "tools/console/progress.h"
 #include "tools/label_run.h"
 #include "tools/options/cache_options.h"
+#include "tools/options/hold_options.h"
 #include "tools/options/motion_options.h"
 #include "tools/options/play_options.h"
 #include "tools/sweep_grid.h"
@@ -36,6 +37,7 @@ namespace fs = std::filesystem;
 
 struct SweepCommand {
   TargetFiles target;
+  HoldOptions hold;
   SearchOptions search;
   MotionOptions motion;
   Duration duration;
@@ -224,7 +226,8 @@ void run_sweep(const SweepCommand& command, const RunContext& context) {
   for (const SweepPoint& point : points) query::check_weights(point.labelling.costs);
   command.motion.check_outputs();
   const store::Snapshot snapshot = store::Store::open_read(command.target.store).snapshot();
-  const TargetFiles::Loaded loaded = command.target.load_with_matte();
+  TargetFiles::Loaded loaded = command.target.load_with_matte();
+  command.hold.take_out(loaded);
   say_reduction(command.target, loaded);
   AskedMotion asked = command.motion.read(loaded, command.search);
   const synth::animate::Playing playing = command.play.read(loaded.picture.size());
@@ -291,6 +294,7 @@ void add_sweep(CLI::App& synth_command, RunContext& context) {
   CLI::App* sub = synth_command.add_subcommand(
       "sweep", "Animate a still picture with all combinations of some settings, side by side");
   command->target.add_to(*sub);
+  command->hold.add_to(*sub);
   sub->add_option("--sweep", command->sweeps,
                   "NAME=VALUE,VALUE,...; may be given several times: all combinations are made, " +
                       std::to_string(kMaxPoints) + " at most. Names: " + sweepable_names())

@@ -486,7 +486,7 @@ class Animation {
       boundary.emplace(
           alpha_, mean_motion_, options_.fps, options_.boundary.matte,
           [this](int i) { return sequence_->at(order_[static_cast<std::size_t>(i) % order_.size()]); },
-          options_.loop ? options_.frames : 0);
+          options_.loop ? options_.frames : 0, options_.boundary.held);
     Handover handover(sink);
     const int until = options_.until > 0 ? std::min(options_.until, options_.frames) : options_.frames;
     for (int first = 0; first < until; first += batch_) {

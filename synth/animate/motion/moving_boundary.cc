@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "freshet/error.h"
+#include "synth/animate/sampling/pull_push.h"
 
 namespace freshet::synth::animate {
 namespace {
@@ -20,6 +21,22 @@ cv::Mat in_8_bits(const cv::Mat& picture) {
   cv::Mat out = picture;
   if (picture.depth() != CV_8U) picture.convertTo(out, CV_8U, 255);
   return out;
+}
+
+cv::Mat seen_of(const cv::Mat& held) {
+  cv::Mat seen;
+  if (!held.empty()) cv::Mat(~held).convertTo(seen, CV_32F, 1 / 255.0);  // so that 255 leaves 0, to the bit
+  return seen;
+}
+
+// The fluid's matte as if nothing stood before it: it goes on behind what is held as it is beside it. Else
+// the hole would be carried along, and a log would rise with the flames.
+cv::Mat behind_held(const cv::Mat& alpha, const cv::Mat& seen) {
+  if (seen.empty()) return alpha;
+  constexpr double kLeastSeen = 1 / 16.0;  // below, the matte's rounding says more than its values
+  cv::Mat whole = cv::min(alpha / cv::max(seen, kLeastSeen), 1.0), trusted = seen.clone();
+  trusted.setTo(0, seen < kLeastSeen);
+  return pull_push(whole, trusted);
 }
 
 }  // namespace
@@ -54,8 +71,10 @@ cv::Mat behind_fluid(const cv::Mat& picture, const cv::Mat& matte, const Boundar
 
 BoundarySequence::BoundarySequence(const cv::Mat& alpha, const cv::Mat& mean_motion, double fps,
                                    const DynamicMatteOptions& options, std::function<cv::Mat(int)> motion,
-                                   int ring)
-    : matte_(alpha, mean_motion, fps, options), motion_(std::move(motion)) {
+                                   int ring, const cv::Mat& held)
+    : seen_(seen_of(held)),
+      matte_(behind_held(alpha, seen_), mean_motion, fps, options),
+      motion_(std::move(motion)) {
   for (int i = 0; i < ring; ++i) matte_.step(motion_(i));
 }
 
@@ -63,7 +82,7 @@ cv::Mat BoundarySequence::next() {
   // Frame i's motion leads to frame i + 1.
   if (frame_ > 0) matte_.step(motion_(frame_ - 1));
   ++frame_;
-  return matte_.matte().clone();
+  return seen_.empty() ? matte_.matte().clone() : cv::Mat(matte_.matte().mul(seen_));
 }
 
 }  // namespace freshet::synth::animate

@@ -18,6 +18,7 @@ enum class Boundary {
 struct BoundaryOptions {
   Boundary boundary = Boundary::kStatic;
   DynamicMatteOptions matte;
+  cv::Mat held;  // CV_8U, the picture's size, 255 where something stands before the fluid; or empty
   /// CV_8UC3 or CV_32FC3 (1 is white), the picture's size: what lies behind the fluid; empty: inpainted.
   cv::Mat background;
   InpaintOptions inpaint;
@@ -37,12 +38,16 @@ class BoundarySequence {
   /// motion   velocity in frame i, CV_32FC2, px/s, as MotionSequence::at.
   /// ring     0, or the number of frames after which the motion begins again. The matte is then brought to
   ///          its own period first, and so has no seam; it no longer begins as the still one.
+  /// held     BoundaryOptions::held: alpha is less that already. The fluid goes on behind it, as it is beside
+  ///          it, and comes out on the other side.
   BoundarySequence(const cv::Mat& alpha, const cv::Mat& mean_motion, double fps,
-                   const DynamicMatteOptions& options, std::function<cv::Mat(int)> motion, int ring = 0);
+                   const DynamicMatteOptions& options, std::function<cv::Mat(int)> motion, int ring = 0,
+                   const cv::Mat& held = {});
   /// CV_32F, 0..1; shares nothing with later ones.
   cv::Mat next();
 
  private:
+  cv::Mat seen_;  // CV_32F, 0..1: 1 less what is held; empty: all is seen
   DynamicMatte matte_;
   std::function<cv::Mat(int)> motion_;
   int frame_ = 0;

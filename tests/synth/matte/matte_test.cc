@@ -138,7 +138,7 @@ TEST(Matte, MarksThatLeaveNothingToFindAreRefused) {
 TEST(Matte, ASheetShowsAllFour) {
   const MadePicture made = made_picture();
   const cv::Mat sheet = matte_sheet(made.picture, made.marks, made.alpha);
-  EXPECT_EQ(sheet.size(), cv::Size(4 * 160 + 3 * 8, 120));
+  EXPECT_EQ(sheet.size(), cv::Size(4 * 160 + 3 * 8, 120 + 20)) << "with a line of text below";
   EXPECT_EQ(sheet.at<cv::Vec3b>(60, 2 * 168 + 80), cv::Vec3b(255, 255, 255));
   EXPECT_EQ(sheet.at<cv::Vec3b>(60, 168 + 80), cv::Vec3b(40, 220, 40));
 }
