@@ -70,7 +70,9 @@ TEST(Bench, SaysWhatIsWrong) {
            {{"query", "bench", sample().store, "--rows", "100000000"}, 2, "patches to search among"},
            {{"query", "bench", sample().store, "--rows", "0"}, 2, "--rows"},
            {{"query", "bench", sample().store, "--index", "best"}, 2, "There are exact, scan"},
-           {{"query", "bench", sample().store, "--page", "no/p.html"}, 1, "no"},
+           {{"query", "bench", sample().store, "--page", (sample().still / "p.html").string()},
+            1,
+            "cannot be made"},
            {{"query", "bench", sample().still}, 1, "still.png"}}) {
     const Outcome outcome = folder.freshet(wrong.arguments);
     EXPECT_EQ(outcome.exit_code, wrong.exit_code) << wrong.message << ": " << outcome.err;

@@ -201,8 +201,9 @@ TEST(MainJob, SharesAreToldAndOneClipEverywhereIsWarnedOf) {
   EXPECT_EQ(told["shares"]["largest_clip"], 1);
   EXPECT_GT(told["shares"]["largest_patch"], 0);
   EXPECT_TRUE(told["shares"]["warning"].is_string());
-  const Outcome rendered = folder.freshet({"synth", "animate", sample().store, sample().still, "--assignment",
-                                           "assignment.json", "--frames", "8", "-o", "out.mkv", "--json"});
+  const Outcome rendered =
+      folder.freshet({"synth", "animate", sample().store, sample().still, "--whole", "--assignment",
+                      "assignment.json", "--frames", "8", "-o", "out.mkv", "--json"});
   ASSERT_EQ(rendered.exit_code, 0) << rendered.err;
   EXPECT_EQ(json::parse(rendered.out)["shares"]["largest_clip"], 1);
   EXPECT_NE(rendered.err.find("--exclude river/"), std::string::npos) << rendered.err;

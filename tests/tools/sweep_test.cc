@@ -138,7 +138,7 @@ TEST(Cache, AnotherBlendOnlyRenders) {
   const auto animate = [&](const char* blend) {
     return folder
         .freshet({"synth", "animate", sample().store, sample().still, "--matte", sample().matte, "--frames",
-                  "8", "--cache", "c", "--blend", blend, "-o", "a.mkv"})
+                  "8", "--cache", "c", "--blend", blend, "-o", "a.mkv", "--overwrite"})
         .err;
   };
   EXPECT_EQ(animate("variance").find("whole labelling"), std::string::npos);

@@ -18,7 +18,7 @@ class BadText : public testing::Test {
             {"synth", "simulate", toml, "-o", "out.mkv"},
             {"query", "label", store, still, "--strokes", json},
             {"query", "label", store, still, "--strokes", drawing},
-            {"synth", "animate", store, still, "--assignment", json, "-o", "out.mkv"},
+            {"synth", "animate", store, still, "--whole", "--assignment", json, "-o", "out.mkv"},
             {"synth", "matte", still, "--marks", json, "-o", "matte.png"}};
   }
   void expect_refusals(const std::vector<std::vector<std::string>>& all, const std::string& fault) {
