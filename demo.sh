@@ -53,7 +53,8 @@ store=$out/$(basename "$clips").freshet
   --sheet "$out/$name-candidates.png"
 "$freshet" query label "$store" "$picture" ${matte:+--matte "$matte"} "$@" \
   --overwrite -o "$out/$name-assignment.json" --map "$out/$name-labels.png"
-"$freshet" synth animate "$store" "$picture" ${matte:+--matte "$matte"} --assignment "$out/$name-assignment.json" \
+[ -n "$matte" ] && set -- --matte "$matte" || set -- --whole
+"$freshet" synth animate "$store" "$picture" "$@" --assignment "$out/$name-assignment.json" \
   --overwrite -o "$out/$name.mp4"
 
 cat <<END
