@@ -246,15 +246,13 @@ Matte fitted_matte(Matte matte, cv::Size size, const fs::path& path) {
     refuse("the matte is white everywhere", "Paint black what stands still, or say --whole instead of it");
   const int flattest = static_cast<int>(
       std::max_element(count.begin() + kLeast, count.begin() + kGreyNothing) - count.begin());
-  if (black == 0 || (black < kHardly * all && count[flattest] > kFlat * all)) {
-    const int darkest = static_cast<int>(
-        std::find_if(count.begin(), count.end(), [](int n) { return n > 0; }) - count.begin());
-    const int grey = count[flattest] > kFlat * all ? flattest : darkest;
+  if (black < kHardly * all && count[flattest] > kFlat * all)
     refuse((black == 0 ? "the matte has no black" : "the matte has hardly any black") + std::string(": ") +
-               percent(count[grey] / all) + " of it is the grey " + std::to_string(grey) +
+               percent(count[flattest] / all) + " of it is the grey " + std::to_string(flattest) +
                " of 255, and would move",
            "Paint black what stands still");
-  }
+  // A soft matte that goes on beyond the picture's edge may well have none.
+  if (black == 0) matte.notices.push_back("the matte has no black: nothing stands quite still");
   if (const int faint = black - count[0]; faint > kHardly * all)
     matte.notices.push_back(percent(faint / all) + " of it is nearly black (below " + std::to_string(kLeast) +
                             " of 255) and stands still");

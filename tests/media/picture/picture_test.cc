@@ -203,6 +203,17 @@ TEST(Matte, WhatCannotBeMeantIsTold) {
   EXPECT_TRUE(holds(told(hardly), "the matte has hardly any black: 36 % of it is the grey 64"));
 }
 
+TEST(Matte, ASoftOneWithoutBlackIsTakenAndSaid) {
+  const Scratch scratch;
+  cv::Mat soft(17, 33, CV_8UC1, cv::Scalar(255));
+  for (int x = 0; x < 8; ++x) soft.col(x).setTo(21 + 29 * x);
+  write_picture(scratch / "soft.png", soft);
+  const Matte matte = read_matte(scratch / "soft.png", {33, 17});
+  EXPECT_EQ(cv::norm(matte.alpha, soft, cv::NORM_INF), 0);
+  ASSERT_EQ(matte.notices.size(), 1u);
+  EXPECT_TRUE(holds(matte.notices[0], "no black"));
+}
+
 TEST(Picture, ADeepOneKeepsItsBits) {
   const Scratch scratch;
   const cv::Mat deep = noise(CV_16UC3, 65536);
