@@ -38,6 +38,7 @@ synth/animate/still: vision synth/animate/sampling synth/animate/motion
 synth/animate/motion: store vision query/stored query/search synth/animate/sampling synth/animate/placement
 synth/animate: store vision query/* synth/animate/*
 synth/matte: media/picture query/search
+synth/scene/layers: media/picture synth/animate/motion synth/matte
 synth/simulate/solver: synth/field
 synth/simulate/scene: synth/field synth/simulate/solver
 synth/simulate/clips: synth/field synth/simulate/solver synth/simulate/scene
