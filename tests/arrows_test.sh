@@ -48,7 +48,7 @@ synth/scene: query/hints synth/field synth/toml
 synth/scene/wind: synth/scene
 synth/scene/water: synth/scene synth/scene/wind
 synth/scene/motion: synth/scene synth/scene/wind synth/scene/water
-synth/scene/rendering: synth/scene synth/scene/* synth/animate/sampling
+synth/scene/rendering: media/* synth/scene synth/scene/* synth/animate/sampling synth/matte
 synth/transfer: synth/field
 synth/transfer/files: store media/* vision query/stored synth/transfer synth/animate/clips
 library: store media/* vision ingest query/* synth/*

@@ -207,7 +207,7 @@ SceneLayer read_layer(Section& section, int place) {
 /// What layers ask of each other.
 void check_layers(const Scene& scene, const std::vector<Section>& sections,
                   std::vector<std::size_t> section_of) {
-  std::set<std::string> names;
+  std::set<std::string> names{};
   const SceneLayer* rest = nullptr;
   for (std::size_t i = 0; i < scene.layers.size(); ++i) {
     const SceneLayer& layer = scene.layers[i];
@@ -272,6 +272,16 @@ Scene read_file(Section& file, const std::filesystem::path& name) {
                    [&](std::size_t a, std::size_t b) { return layers[a].order < layers[b].order; });
   for (const std::size_t i : order) scene.layers.push_back(layers[i]);
   check_layers(scene, sections, order);
+  const bool rest = std::any_of(scene.layers.begin(), scene.layers.end(), [](const SceneLayer& layer) {
+    return layer.is_cut() && layer.matte.kind == MatteFrom::Kind::kRest;
+  });
+  // What nobody speaks of stays where it is.
+  if (!rest && scene.cut.empty())
+    scene.layers.push_back({.name = "(rest)",
+                            .order = scene.layers.back().order + 1,
+                            .matte = {},
+                            .kind = MotionKind::kStill,
+                            .seed = 0});
   return scene;
 }
 
