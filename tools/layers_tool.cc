@@ -133,11 +133,10 @@ void add_layers(CLI::App& synth_command, RunContext& context) {
       ->group(edges);
   const std::string filling = "What lies behind";
   sub->add_option(
-         "--uncover", command->options.uncover_px,
+         "--uncover", command->uncover_px,
          "How far, px, a layer's motion can uncover what lies behind it: so wide a stripe is filled with "
-         "patches of the picture, what lies deeper smoothly")
+         "patches of the picture, what lies deeper smoothly [as far as each layer's motion goes]")
       ->check(CLI::Range(0.0, 10000.0))
-      ->capture_default_str()
       ->group(filling);
   sub->add_option("--search", command->options.fill.search_px,
                   "How far from its place a patch is searched, px")

@@ -93,13 +93,6 @@ struct AlphaRow {
 Matting by(AlphaMethod method, const bench::KnownLayers& known, bool copied) {
   CutOptions options{.alpha = method};
   options.uncover_px = 0;
-  if (const char* v = std::getenv("SM")) options.matting.smoothing = std::atof(v);
-  if (const char* v = std::getenv("LS")) options.matting.like_sigma = std::atof(v);
-  if (const char* v = std::getenv("CS")) options.matting.camera_sigma = std::atof(v);
-  if (const char* v = std::getenv("MC")) options.matting.clusters.max_clusters = std::atoi(v);
-  if (const char* v = std::getenv("LG")) options.matting.clusters.least_sigma = std::atof(v);
-  if (const char* v = std::getenv("MN")) options.matting.min_samples = std::atoi(v);
-  if (const char* v = std::getenv("MS")) options.matting.clusters.min_split = std::atof(v);
   const std::vector<LayerMatte> mattes{{.name = "front", .matte = known.trimap, .kind = MatteKind::kTrimap},
                                        {.name = "rest", .matte = {}, .kind = MatteKind::kRest}};
   std::vector<CutLayer> layers = cut_layers(known.picture, mattes, options);
@@ -121,7 +114,6 @@ void measure_alpha(const std::vector<bench::KnownLayers>& cases, const std::file
       "| picture | method | SAD, 1000 px | of the unsure | colour x alpha | over grey | s |\n"
       "| --- | --- | --: | --: | --: | --: | --: |\n");
   for (const AlphaRow& row : rows) {
-    if (std::getenv("ROW") && row.method != std::getenv("ROW")) continue;
     std::map<std::string, std::array<double, 5>> sums;
     for (std::size_t i = 0; i < cases.size(); ++i) {
       const bench::KnownLayers& known = cases[i];
