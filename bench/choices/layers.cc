@@ -222,6 +222,8 @@ void measure_fill(const std::vector<bench::KnownLayers>& cases, const std::files
       cv::Mat a, b;
       cv::cvtColor(guess, a, cv::COLOR_BGR2GRAY);
       cv::cvtColor(truth, b, cv::COLOR_BGR2GRAY);
+      a.convertTo(a, CV_32F);
+      b.convertTo(b, CV_32F);
       ssim += cv::mean(bench::ssim_map(a, b), stripe)[0];
       gradients += gradient_energy(guess, stripe) / gradient_energy(truth, stripe);
       ++count;
