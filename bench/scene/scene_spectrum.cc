@@ -9,7 +9,7 @@
 // and of its flow (DIS), averaged over the pixels; log-spectral distance in dB (root of the mean squared difference of
 // decibels over all frequencies above 0), the slope of decibels over decades above half a hertz, and the peak. Beside it:
 // the clip's other half (no model can be expected to be nearer), a plain sum of three sinusoids on the same armature or
-// plane (the baseline), and the still itself. What a person sets by eye, the amplitude, is the best of five for the model and
+// plane (the baseline), and the still itself. What a person sets by eye, the amplitude, is the best of six for the model and
 // for the baseline alike; all else is the scene's.
 
 #include <algorithm>
@@ -40,7 +40,7 @@ namespace {
 
 namespace scene = freshet::synth::scene;
 constexpr double kTurn = 2 * std::numbers::pi;
-constexpr std::array kAmplitudes{0.25, 0.5, 1.0, 2.0, 4.0};
+constexpr std::array kAmplitudes{0.25, 0.5, 1.0, 2.0, 4.0, 8.0};
 
 struct Case {
   std::string clip, motion, keys;
@@ -234,7 +234,7 @@ std::vector<cv::Mat> model(const Case& of, const cv::Mat& still, int frames, dou
                                             of.line[0] * h);
   scene::Scene asked = scene::parse_scene(text, "case.toml");
   asked.layers[0].tree.mass /= amplitude;
-  asked.layers[0].water.amplitude *= amplitude;
+  asked.layers[0].water.amplitude = amplitude * asked.layers[0].water.amplitude_or_usual();
   cv::Mat coded, alpha(still.size(), CV_32F, cv::Scalar(1));
   still.convertTo(coded, CV_32F, 1 / 255.0);
   if (of.motion == "water") alpha.rowRange(0, static_cast<int>(of.line[0] * h)).setTo(0);
