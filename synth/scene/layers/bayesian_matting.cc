@@ -17,7 +17,7 @@ namespace freshet::synth::scene {
 namespace {
 
 constexpr float kSure = 0.98f;  // of a given alpha from which on the picture's colour is the foreground's
-constexpr std::size_t kMostSamples = 320;
+constexpr std::size_t kMostSamples = 480;
 constexpr float kLeastWeight = 1e-4f;
 
 // A pixel's sides: how far each may be drawn from it.

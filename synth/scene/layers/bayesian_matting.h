@@ -11,9 +11,9 @@ struct MattingOptions {
   ClusterOptions clusters{};
   float camera_sigma = 0.008f;  // of a pixel's colour, 0..1
   double falloff_px = 8;        // of a neighbour's weight (a Gaussian's sigma)
-  int min_samples = 60;         // of either side: the window grows until it has so many
+  int min_samples = 150;        // of either side: the window grows until it has so many
   int max_window_px = 96;       // half its side
-  float smoothing = 20;         // of uncertain alpha towards like neighbours; 0: none, as in the paper
+  float smoothing = 100;        // of uncertain alpha towards like neighbours; 0: none, as in the paper
   float like_sigma = 0.05f;     // of neighbours' colours, 0..1, by which they are like
 };
 
@@ -32,7 +32,8 @@ struct Matting {
 ///          explained by a pair of Gaussians, one of the foreground's colours nearby and one of the background's,
 ///          known or found before (weights as theirs), and of all pairs the likeliest is taken (unmix.h, with what
 ///          differs there). Pixels are taken contour by contour, as theirs, but those of one contour do not see each
-///          other: they can be found at once, and in any order.
+///          other: they can be found at once, and in any order. Last, alpha that the posterior leaves open goes over
+///          to that of neighbours of like colour (smoothing; theirs has none).
 Matting bayesian_matting(const cv::Mat& picture, const cv::Mat& trimap, const MattingOptions& options = {});
 
 /// The two colours where alpha is known, in the same way.

@@ -184,17 +184,18 @@ Behind filled_behind(const LayerMatte& layer, const cv::Mat& picture, const cv::
   return {filled.picture, filled.source};
 }
 
-/// Moves two colours by as little as can be so that alpha F + (1 - alpha) B is the picture's. B gives way more: it is
-/// guessed, and hidden until something moves.
+/// Moves two colours by little so that alpha F + (1 - alpha) B is the picture's. B gives way more, for it is guessed
+/// and hidden until something moves; but not far, or where alpha is nearly 1 a small error of F would make it any
+/// colour: single bright pixels that show when the rim moves away.
 void explain(float picture, float alpha, float& front, float& behind) {
   constexpr float kYield = 4;  // variance of B's guess, in F's
-  const float beta = 1 - alpha;
+  const float beta = 1 - alpha, far = 0.04f + 0.3f * beta * beta;
   const float r = (picture - alpha * front - beta * behind) / (alpha * alpha + kYield * beta * beta);
   const float top = std::max(1.0f, picture);
-  front = std::clamp(front + r * alpha, 0.0f, top);
-  behind = std::clamp(behind + kYield * r * beta, 0.0f, top);
-  // What one could not take, the other does; at last F, which alone can where there is nearly no B.
-  if (beta > 1e-3f) behind = std::clamp((picture - alpha * front) / beta, 0.0f, top);
+  behind = std::clamp(behind + std::clamp(kYield * r * beta, -far, far), 0.0f, top);
+  front = std::clamp((picture - beta * behind) / alpha, 0.0f, top);
+  // What F cannot be, B is after all; and F where there is nearly no B.
+  behind = std::clamp((picture - alpha * front) / beta, 0.0f, top);
   front = std::clamp((picture - beta * behind) / alpha, 0.0f, top);
 }
 
@@ -213,7 +214,7 @@ void settle(const cv::Mat& picture, Matting& matting, cv::Mat& behind) {
         f = c;
       } else {
         // Where much of what is behind is seen, it is what was seen; the more is hidden, the more it is the copy.
-        const float t = std::clamp(2 * a - 1, 0.0f, 1.0f), copy = t * t * (3 - 2 * t);
+        const float t = std::clamp((a - 0.1f) / 0.6f, 0.0f, 1.0f), copy = t * t * (3 - 2 * t);
         b = b * copy + matting.background.at<cv::Vec3f>(y, x) * (1 - copy);
         for (int i = 0; i < 3; ++i) explain(c[i], a, f[i], b[i]);
       }
