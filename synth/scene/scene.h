@@ -70,11 +70,16 @@ struct WaterMotion {
   double camera_height_m = 2;        // above the water
   int tile = 256;                    // samples along a tile's side, N; a power of 2, 32..1024
   std::optional<double> tile_m{};    // its side at roughness 1; nothing: 25 L, L = speed^2 / 9.81 m/s^2
-  double roughness = 8;              // beta: waves are so many times shorter
-  double amplitude = 1;              // a; 1: as high as those of a fully developed sea of this roughness
-  double against = 0.3;              // amplitude of waves against the wind, fractions; 1 as printed
+  double roughness = 20;             // beta: waves are so many times shorter than the sea's
+  /// a; 1: as high as those of a fully developed sea of this roughness. Nothing: 5 for displacement, .25 for normals,
+  /// with which stills of lakes come nearest to their clips (bench/scene/scene_spectrum.cc).
+  std::optional<double> amplitude{};
+  double against = 0.3;  // amplitude of waves against the wind, fractions; 1 as printed
   WaterMapping mapping = WaterMapping::kDisplacement;
   bool edge_moves = false;  // true: the matte moves with the water (the paper); else only what lies in it
+  double amplitude_or_usual() const {
+    return amplitude.value_or(mapping == WaterMapping::kNormals ? 0.25 : 5.0);
+  }
   double gust_darkening = 0.15;  // of the light, under a gust of one standard deviation; with gustiness alone
 };
 

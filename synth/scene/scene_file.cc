@@ -62,14 +62,14 @@ void read_water(Section& section, WaterMotion& water) {
     section.refuse("tile", fmt::format("{} is no power of 2", water.tile), "Give 64, 128, 256 or 512");
   if (section.has("tile_size")) section.read("tile_size", value, {0.01, 1e6}), water.tile_m = value;
   section.read("roughness", water.roughness, {0.01, 1e5});
-  section.read("amplitude", water.amplitude, {0.0, 1000.0});
+  if (section.has("amplitude")) section.read("amplitude", value, {0.0, 1000.0}), water.amplitude = value;
   section.read("against", water.against, {0.0, 1.0});
   if (const auto mapping = section.word("mapping", {"displacement", "normals"}))
     water.mapping = *mapping == 1 ? WaterMapping::kNormals : WaterMapping::kDisplacement;
   if (const auto edge = section.word("edge", {"held", "moving"})) water.edge_moves = *edge == 1;
   section.read("gust_darkening", water.gust_darkening, {0.0, 1.0});
   // What was asked for only to be read must be known all the same.
-  section.find("focal"), section.find("tile_size");
+  section.find("focal"), section.find("tile_size"), section.find("amplitude");
 }
 
 void read_boat(Section& section, BoatMotion& boat) {
@@ -345,8 +345,8 @@ focal          [1.2 times the picture's longer side]   px
 camera_height  2     m above the water, .01 to 10000
 tile           256   samples a side, a power of 2, 32 to 1024
 tile_size      [25 speed^2 / g]   m, a tile's side at roughness 1
-roughness      8     waves are so many times shorter than those of a sea, .01 to 100000
-amplitude      1     1: as high as a sea's of this roughness, 0 to 1000
+roughness      20    waves are so many times shorter than those of a sea, .01 to 100000
+amplitude      [5; with normals .25]   1: as high as a sea's of this roughness, 0 to 1000
 against        .3    amplitude of waves against the wind, 0 to 1; 1 as in the paper
 mapping        "displacement"   or "normals": what is mirrored moves as the surface tilts
 edge           "held"           or "moving": the outline moves with the water (the paper)
@@ -416,7 +416,7 @@ seed = 1
 # matte = "lake.png"
 # motion = "water"
 # horizon = [0, {8}, {0}, {8}]
-# roughness = 8                     # greater: shorter waves
+# roughness = 20                    # greater: shorter waves
 
 [[layer]]
 name = "rest"

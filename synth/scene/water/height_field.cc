@@ -37,7 +37,7 @@ HeightField::HeightField(const WaterMotion& water, const Wind& wind, const Cycle
   const double length = wind.speed_m_per_s * wind.speed_m_per_s / kGravity;
   const double side = water.tile_m.value_or(kUsualSide * std::max(length, 1e-3)) / water.roughness;
   side_m_ = {side, kSecondSide * side};
-  deviation_m_ = water.amplitude * kSeaHeight * length / water.roughness;
+  deviation_m_ = water.amplitude_or_usual() * kSeaHeight * length / water.roughness;
   phasor_.resize(static_cast<std::size_t>(cycle.frames));
   for (int t = 0; t < cycle.frames; ++t)
     phasor_[static_cast<std::size_t>(t)] = std::polar(1.0, kTurn * t / cycle.frames);

@@ -14,7 +14,7 @@ namespace freshet::synth::scene {
 namespace {
 
 const Cycle kCycle{.frames = 60, .fps = 20};
-constexpr cv::Rect kBox(0, 0, 200, 240);
+const cv::Rect kBox(0, 0, 200, 240);
 
 TreeMotion one_tree() {
   return {.armatures = {{{100, 220}, {100, 40}}}, .frequency_hz = 0.7, .damping_per_s = 0.6, .mass = 4};
@@ -29,7 +29,8 @@ cv::Point2f moved(const Motion& motion, int x, int y) {
 TEST(TreeSway, BendsAsEquation3Says) {
   EXPECT_EQ(bend(0), 0);
   EXPECT_DOUBLE_EQ(bend(1), 1);
-  for (double u = 0.05; u < 2; u += 0.05) EXPECT_NEAR(bend_by_distance(static_cast<float>(u)), bend(u) / u, 1e-6);
+  for (double u = 0.05; u < 2; u += 0.05)
+    EXPECT_NEAR(bend_by_distance(static_cast<float>(u)), bend(u) / u, 1e-6);
   const double u = 0.3;
   EXPECT_DOUBLE_EQ(bend(u), u * u * u * u / 3 - 4 * u * u * u / 3 + 2 * u * u);
   // It goes on straight beyond the tip.
@@ -49,7 +50,8 @@ TEST(TreeSway, TurnsEachPointAboutTheRootAndBackAgain) {
         // The source that the row gives, turned by its own angle, comes back to the pixel.
         const cv::Point2d p(x + 0.5, y + 0.5), source = p + cv::Point2d(moved(sway, x, y));
         const cv::Point2d from = source - root;
-        const double distance = std::hypot(from.x, from.y), angle = bend(distance / 180) / (distance / 180) * tip;
+        const double distance = std::hypot(from.x, from.y),
+                     angle = bend(distance / 180) / (distance / 180) * tip;
         const cv::Point2d forward(from.x * std::cos(angle) - from.y * std::sin(angle),
                                   from.x * std::sin(angle) + from.y * std::cos(angle));
         EXPECT_NEAR(root.x + forward.x, p.x, 0.03);
@@ -129,7 +131,8 @@ TEST(BoatRide, FindsARigidMotionWhateverTheHullsAngle) {
   for (const double angle : {0.0, 0.7, 2.6}) {
     std::vector<cv::Point2d> hull, displaced;
     const double roll = 0.05;
-    const cv::Point2d way(std::cos(angle), std::sin(angle)), turned(std::cos(angle + roll), std::sin(angle + roll));
+    const cv::Point2d way(std::cos(angle), std::sin(angle)),
+        turned(std::cos(angle + roll), std::sin(angle + roll));
     for (int i = -20; i <= 20; ++i) {
       hull.push_back(cv::Point2d(50, 60) + way * i);
       displaced.push_back(cv::Point2d(50, 57) + turned * i);

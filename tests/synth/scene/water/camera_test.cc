@@ -7,14 +7,15 @@
 namespace freshet::synth::scene {
 namespace {
 
-constexpr cv::Size kPicture(900, 675);
+const cv::Size kPicture(900, 675);
 
 /// A pinhole camera by its matrix, in the picture's frame: x right, y down, z into the picture; the plane lies `height`
 /// below it. Slow and obvious: it turns the world, and knows nothing of rows.
 class Pinhole {
  public:
   Pinhole(double roll, double pitch, double focal) : focal_(focal) {
-    const cv::Matx33d tilt(1, 0, 0, 0, std::cos(pitch), -std::sin(pitch), 0, std::sin(pitch), std::cos(pitch));
+    const cv::Matx33d tilt(1, 0, 0, 0, std::cos(pitch), -std::sin(pitch), 0, std::sin(pitch),
+                           std::cos(pitch));
     const cv::Matx33d turn(std::cos(roll), -std::sin(roll), 0, std::sin(roll), std::cos(roll), 0, 0, 0, 1);
     camera_from_world_ = turn * tilt;
   }
@@ -80,7 +81,8 @@ TEST(WaterCamera, TellsHowMuchWaterAPixelCovers) {
 }
 
 TEST(WaterCamera, DoesNotMindWhichWayTheHorizonWasDrawn) {
-  const WaterCamera forth({{0, 200}, {900, 260}}, 1000, 2, kPicture), back({{900, 260}, {0, 200}}, 1000, 2, kPicture);
+  const WaterCamera forth({{0, 200}, {900, 260}}, 1000, 2, kPicture),
+      back({{900, 260}, {0, 200}}, 1000, 2, kPicture);
   EXPECT_DOUBLE_EQ(forth.horizon(), back.horizon());
   EXPECT_DOUBLE_EQ(forth.rolled(10, 500).y, back.rolled(10, 500).y);
 }

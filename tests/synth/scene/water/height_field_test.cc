@@ -15,7 +15,9 @@ namespace {
 constexpr double kTurn = 2 * std::numbers::pi;
 const Cycle kCycle{.frames = 64, .fps = 16};
 
-WaterMotion small_water() { return {.tile = 32, .tile_m = 40, .roughness = 4, .amplitude = 1, .against = 0.3}; }
+WaterMotion small_water() {
+  return {.tile = 32, .tile_m = 40, .roughness = 4, .amplitude = 1, .against = 0.3};
+}
 
 /// The field's transform over space and time: [frame's harmonic](column, row), of one tile.
 std::vector<cv::Mat> transformed(HeightField& field, int plane) {
@@ -69,7 +71,8 @@ TEST(HeightField, WavesGoAsFastAsTheDispersionSays) {
         const double found = kTurn * harmonic / kCycle.seconds();
         EXPECT_NEAR(found, omega, kTurn / kCycle.seconds() / 2 + 1e-6) << kx << " " << ky;
         // All the rest of it goes the other way at the same pace.
-        const cv::Vec2d other = spectrum[static_cast<std::size_t>((kCycle.frames - at) % kCycle.frames)].at<cv::Vec2d>(y, x);
+        const cv::Vec2d other =
+            spectrum[static_cast<std::size_t>((kCycle.frames - at) % kCycle.frames)].at<cv::Vec2d>(y, x);
         EXPECT_NEAR((strongest + other.dot(other)) / all, 1, 1e-4);
       }
     }
@@ -103,7 +106,8 @@ TEST(HeightField, IsAsHighAsItSays) {
     HeightField field(small_water(), {}, kCycle, seed);
     expected = field.deviation_m() * field.deviation_m();
     field.go_to(5);
-    for (const int plane : {0, 1}) variance += field.plane(plane).dot(field.plane(plane)) / field.plane(plane).total() / kTimes;
+    for (const int plane : {0, 1})
+      variance += field.plane(plane).dot(field.plane(plane)) / field.plane(plane).total() / kTimes;
   }
   EXPECT_NEAR(variance / expected, 1, 0.15);
 }
@@ -128,7 +132,8 @@ TEST(HeightField, SlopesAreTheHeightsDerivatives) {
         }
       cv::Mat expected;
       cv::dft(turned, expected, cv::DFT_INVERSE | cv::DFT_REAL_OUTPUT);
-      EXPECT_LT(cv::norm(expected, slopes.plane(2 * tile + (away ? 1 : 0)), cv::NORM_INF), 1e-4 * cv::norm(expected, cv::NORM_INF));
+      EXPECT_LT(cv::norm(expected, slopes.plane(2 * tile + (away ? 1 : 0)), cv::NORM_INF),
+                1e-4 * cv::norm(expected, cv::NORM_INF));
     }
   }
 }
@@ -157,7 +162,8 @@ TEST(HeightField, WithoutWindThereIsNoWave) {
 cv::Mat one_wave(int n, int across, int down) {
   cv::Mat tile(n, n, CV_32F);
   for (int y = 0; y < n; ++y)
-    for (int x = 0; x < n; ++x) tile.at<float>(y, x) = static_cast<float>(std::cos(kTurn * (across * x + down * y) / n));
+    for (int x = 0; x < n; ++x)
+      tile.at<float>(y, x) = static_cast<float>(std::cos(kTurn * (across * x + down * y) / n));
   return tile;
 }
 

@@ -44,7 +44,8 @@ TEST(WindSpectrum, RealisationsHaveThePowerAndItsSlope) {
   constexpr int kTimes = 400;
   for (std::uint64_t stream = 0; stream < kTimes; ++stream) {
     const Harmonics one = wind_harmonics(wind, cycle, stream);
-    for (std::size_t k = 1; k < power.size(); ++k) power[k] += std::norm(one[k]) / 2 / kTimes * cycle.seconds();
+    for (std::size_t k = 1; k < power.size(); ++k)
+      power[k] += std::norm(one[k]) / 2 / kTimes * cycle.seconds();
   }
   // Least squares of log power over log frequency, 4 to 31 Hz.
   double n = 0, sx = 0, sy = 0, sxx = 0, sxy = 0, ratio = 0;
