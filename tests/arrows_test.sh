@@ -29,6 +29,7 @@ query/costs: store vision query/stored query/mrf query/search
 query/labelling: store vision query/stored query/index query/mrf query/search query/costs
 query/benchmark: report store query/stored query/index query/search query/labelling
 synth/field:
+synth/toml: synth/field
 synth/animate/sampling: vision query/search
 synth/animate/placement: store vision query/search query/labelling
 synth/animate/blend: synth/animate/sampling synth/animate/placement
@@ -37,11 +38,17 @@ synth/animate/still: vision synth/animate/sampling synth/animate/motion
 synth/animate/motion: store vision query/stored query/search synth/animate/sampling synth/animate/placement
 synth/animate: store vision query/* synth/animate/*
 synth/matte: media/picture query/search
+synth/scene/layers: media/picture synth/animate/motion synth/matte
 synth/simulate/solver: synth/field
 synth/simulate/scene: synth/field synth/simulate/solver
 synth/simulate/clips: synth/field synth/simulate/solver synth/simulate/scene
-synth/simulate/design: media/picture synth/field synth/simulate/solver synth/simulate/scene
+synth/simulate/design: media/picture synth/field synth/toml synth/simulate/solver synth/simulate/scene
 synth/simulate: synth/simulate/*
+synth/scene: query/hints synth/field synth/toml
+synth/scene/wind: synth/scene
+synth/scene/water: synth/scene synth/scene/wind
+synth/scene/motion: synth/scene synth/scene/wind synth/scene/water
+synth/scene/rendering: media/* synth/scene synth/scene/* synth/animate/sampling synth/matte
 synth/transfer: synth/field
 synth/transfer/files: store media/* vision query/stored synth/transfer synth/animate/clips
 library: store media/* vision ingest query/* synth/*

@@ -5,10 +5,12 @@
 
 #include "freshet/error.h"
 #include "media/picture/picture.h"
+#include "query/hints/stroke_field.h"
 #include "synth/animate/animate.h"
 #include "synth/animate/frame_sheet.h"
 #include "synth/animate/motion/motion_field.h"
 #include "synth/animate/staging.h"
+#include "tools/animate_run.h"
 #include "tools/commands.h"
 #include "tools/console/output_names.h"
 #include "tools/console/progress.h"
@@ -80,6 +82,37 @@ std::vector<PlannedStage> stages_of(const AnimateCommand& command) {
   return stages;
 }
 
+struct Chosen {
+  query::Assignment assignment;
+  nlohmann::json labelled;  // null for an assignment from a file
+};
+
+/// One patch for each piece, searched and labelled or read; what was guessed becomes part of what is asked.
+Chosen choose_patches(const AnimateCommand& command, const store::Snapshot& snapshot,
+                      const TargetFiles::Loaded& loaded, AskedMotion& asked, const RunContext& context) {
+  Chosen chosen;
+  if (command.assignment.empty()) {
+    const query::LabelRequest request =
+        request_of(command.search, asked, command.duration, &command.labelling);
+    const LabelRun run = label_with_progress(snapshot, loaded, command.search, request, command.duration,
+                                             context, command.cache.open().get());
+    asked.guide = query::guide_of_animation(request, loaded.picture.size());
+    say(label_summary(run));
+    chosen.labelled = label_json(run);
+    chosen.assignment = run.labelling.assignment;
+    return chosen;
+  }
+  chosen.assignment = query::read_assignment(command.assignment);
+  if (chosen.assignment.picture != loaded.picture.size())
+    throw Error(ErrorKind::kInput, command.assignment,
+                fmt::format("it was made for a picture of {} x {} px, and {} has {} x {}",
+                            chosen.assignment.picture.width, chosen.assignment.picture.height,
+                            command.target.picture.string(), loaded.picture.cols, loaded.picture.rows),
+                "Label this picture with freshet query label");
+  say_shares(chosen.assignment);
+  return chosen;
+}
+
 void run_animate(AnimateCommand& command, const RunContext& context) {
   plan_stages(stages_of(command));
   const store::Snapshot snapshot = store::Store::open_read(command.target.store).snapshot();
@@ -98,27 +131,8 @@ void run_animate(AnimateCommand& command, const RunContext& context) {
   check_picture_output(command.sheet);
   const std::unique_ptr<AnimationFiles> output = command.output.open(loaded, options);
 
-  query::Assignment assignment;
-  nlohmann::json labelled;  // null for an assignment from a file
-  if (command.assignment.empty()) {
-    const query::LabelRequest request =
-        request_of(command.search, asked, command.duration, &command.labelling);
-    const LabelRun run = label_with_progress(snapshot, loaded, command.search, request, command.duration,
-                                             context, command.cache.open().get());
-    asked.guide = query::guide_of_animation(request, loaded.picture.size());
-    say(label_summary(run));
-    labelled = label_json(run);
-    assignment = run.labelling.assignment;
-  } else {
-    assignment = query::read_assignment(command.assignment);
-    if (assignment.picture != loaded.picture.size())
-      throw Error(ErrorKind::kInput, command.assignment,
-                  fmt::format("it was made for a picture of {} x {} px, and {} has {} x {}",
-                              assignment.picture.width, assignment.picture.height,
-                              command.target.picture.string(), loaded.picture.cols, loaded.picture.rows),
-                  "Label this picture with freshet query label");
-    say_shares(assignment);
-  }
+  const Chosen chosen = choose_patches(command, snapshot, loaded, asked, context);
+  const query::Assignment& assignment = chosen.assignment;
   const synth::animate::Staging staging =
       synth::animate::stage(snapshot, assignment, loaded.picture.size(), asked.guide, playing, options);
   const vision::Settings settings = vision::settings_from_json(snapshot.settings());
@@ -165,7 +179,7 @@ void run_animate(AnimateCommand& command, const RunContext& context) {
                                     {"clips", report.clips},
                                     {"batches", report.batches},
                                     {"half_life_s", report.half_life_s},
-                                    {"labelling", labelled},
+                                    {"labelling", chosen.labelled},
                                     {"shares", shares_json(assignment)},
                                     {"seconds",
                                      {{"decode", report.decode_s},
@@ -175,6 +189,74 @@ void run_animate(AnimateCommand& command, const RunContext& context) {
                                       {"render", report.render_s},
                                       {"total", report.total_s}}}}
                          .dump(2));
+}
+
+/// The options that say how an animation is made, whoever asks for it and wherever it goes.
+void add_making(CLI::App& app, AnimateCommand& command) {
+  command.search.add_to(app);
+  command.motion.add_to(app);
+  command.labelling.add_to(app);
+  command.cache.add_to(app);
+  command.play.add_to(app);
+  command.boundary.add_to(app);
+  const std::string group = "Rendering";
+  app.add_option("--shutter", command.options.base.shutter_s,
+                 "Exposure of what stands still below, s: blurs it along the motion")
+      ->check(CLI::Range(0.0, 10.0))
+      ->capture_default_str()
+      ->group(group);
+  app.add_option("--softness", command.options.base.gaussian_s,
+                 "Further blur in all directions: sigma in px for each px/s of speed")
+      ->check(CLI::Range(0.0, 10.0))
+      ->capture_default_str()
+      ->group(group);
+  app.add_option(
+         "--method", command.method,
+         "carried (the picture, carried along the patches' motion) or paper (the patches' differences "
+         "on a long exposure of the picture: Okabe et al. 2011)")
+      ->check(CLI::IsMember({"carried", "paper"}))
+      ->capture_default_str()
+      ->group(group);
+  app.add_option(
+         "--variation", command.options.carrying.variation,
+         "How much of the patches' own flow, beside its mean, carries the picture (0: a steady field)")
+      ->check(CLI::Range(0.0, 4.0))
+      ->capture_default_str()
+      ->group(group);
+  app.add_option(
+         "--renewal", command.options.renewal,
+         "Of each band's contrast (variance), how much comes anew from the patches, 0 to 1; the rest is "
+         "the picture's own, carried along")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str()
+      ->group(group);
+  app.add_option("--detail-life", command.options.half_life_s,
+                 "After how long half of the detail that is carried along is new, s: .2 for rapids and "
+                 "flames, several for "
+                 "clouds; 0: as in the patches that are shown")
+      ->check(CLI::Range(0.0, 60.0))
+      ->capture_default_str()
+      ->group(group);
+  app.add_option("--blend", command.weights,
+                 "variance (keeps the contrast of overlapping pieces) or paper (averages)")
+      ->check(CLI::IsMember({"variance", "paper"}))
+      ->capture_default_str()
+      ->group(group);
+  app.add_option("--low-band", command.low_band,
+                 "Level of each piece over time: shared with its neighbours, keep, or remove")
+      ->check(CLI::IsMember({"shared", "keep", "remove"}))
+      ->capture_default_str()
+      ->group(group);
+  app.add_option("--matching", command.matching,
+                 "Contrast and levels matched to the picture: over the whole sequence, by frame (the "
+                 "paper's; pumps), or none")
+      ->check(CLI::IsMember({"sequence", "frame", "none"}))
+      ->capture_default_str()
+      ->group(group);
+  app.add_option("--max-gain", command.options.appearance.max_gain, "Most that matching amplifies a band")
+      ->check(CLI::Range(1.0, 20.0))
+      ->capture_default_str()
+      ->group(group);
 }
 
 void add_animate(CLI::App& synth_command, RunContext& context) {
@@ -189,71 +271,8 @@ void add_animate(CLI::App& synth_command, RunContext& context) {
                   "Use this assignment, from freshet query label, in place of searching and labelling");
   sub->add_flag("--json", command->json, "Print files, labelling and seconds by stage as JSON");
   command->duration.add_to(*sub);
-  command->search.add_to(*sub);
-  command->motion.add_to(*sub);
   command->motion.add_outputs_to(*sub);
-  command->labelling.add_to(*sub);
-  command->cache.add_to(*sub);
-  command->play.add_to(*sub);
-  command->boundary.add_to(*sub);
-  const std::string group = "Rendering";
-  sub->add_option("--shutter", command->options.base.shutter_s,
-                  "Exposure of what stands still below, s: blurs it along the motion")
-      ->check(CLI::Range(0.0, 10.0))
-      ->capture_default_str()
-      ->group(group);
-  sub->add_option("--softness", command->options.base.gaussian_s,
-                  "Further blur in all directions: sigma in px for each px/s of speed")
-      ->check(CLI::Range(0.0, 10.0))
-      ->capture_default_str()
-      ->group(group);
-  sub->add_option(
-         "--method", command->method,
-         "carried (the picture, carried along the patches' motion) or paper (the patches' differences "
-         "on a long exposure of the picture: Okabe et al. 2011)")
-      ->check(CLI::IsMember({"carried", "paper"}))
-      ->capture_default_str()
-      ->group(group);
-  sub->add_option(
-         "--variation", command->options.carrying.variation,
-         "How much of the patches' own flow, beside its mean, carries the picture (0: a steady field)")
-      ->check(CLI::Range(0.0, 4.0))
-      ->capture_default_str()
-      ->group(group);
-  sub->add_option(
-         "--renewal", command->options.renewal,
-         "Of each band's contrast (variance), how much comes anew from the patches, 0 to 1; the rest is "
-         "the picture's own, carried along")
-      ->check(CLI::Range(0.0, 1.0))
-      ->capture_default_str()
-      ->group(group);
-  sub->add_option("--detail-life", command->options.half_life_s,
-                  "After how long half of the detail that is carried along is new, s: .2 for rapids and "
-                  "flames, several for "
-                  "clouds; 0: as in the patches that are shown")
-      ->check(CLI::Range(0.0, 60.0))
-      ->capture_default_str()
-      ->group(group);
-  sub->add_option("--blend", command->weights,
-                  "variance (keeps the contrast of overlapping pieces) or paper (averages)")
-      ->check(CLI::IsMember({"variance", "paper"}))
-      ->capture_default_str()
-      ->group(group);
-  sub->add_option("--low-band", command->low_band,
-                  "Level of each piece over time: shared with its neighbours, keep, or remove")
-      ->check(CLI::IsMember({"shared", "keep", "remove"}))
-      ->capture_default_str()
-      ->group(group);
-  sub->add_option("--matching", command->matching,
-                  "Contrast and levels matched to the picture: over the whole sequence, by frame (the "
-                  "paper's; pumps), or none")
-      ->check(CLI::IsMember({"sequence", "frame", "none"}))
-      ->capture_default_str()
-      ->group(group);
-  sub->add_option("--max-gain", command->options.appearance.max_gain, "Most that matching amplifies a band")
-      ->check(CLI::Range(1.0, 20.0))
-      ->capture_default_str()
-      ->group(group);
+  add_making(*sub, *command);
   add_threads(*sub);
   add_short_help(*sub, kModelOptions);
   sub->callback([command, sub, &context] {
@@ -269,6 +288,39 @@ void add_animate(CLI::App& synth_command, RunContext& context) {
 
 }  // namespace
 
+void animate_layer(const AnimateRequest& request, const std::function<void(const cv::Mat&)>& sink,
+                   const RunContext& context) {
+  AnimateCommand command;
+  CLI::App app("options of freshet synth animate", "options");
+  add_making(app, command);
+  try {
+    app.parse(std::vector<std::string>(request.words.rbegin(), request.words.rend()));
+  } catch (const CLI::ParseError& fault) {
+    throw Error(ErrorKind::kUsage, request.where, fmt::format("options: {}", fault.what()),
+                "freshet synth animate --help-all explains those that there are, but for files and length");
+  }
+  command.target.store = request.store;
+  command.duration = {.frames = request.frames, .fps = request.fps};
+  const store::Snapshot snapshot = store::Store::open_read(request.store).snapshot();
+  synth::animate::AnimateOptions options = render_options(command);
+  options.loop = request.loop;
+  options.form = synth::animate::FrameForm::kFluid;
+  command.boundary.apply(options, request.loaded.picture.size());
+  AskedMotion asked = command.motion.read(request.loaded, command.search);
+  if (!request.strokes.empty() && asked.strokes.empty()) {
+    const query::StrokeField field =
+        query::interpolate(request.strokes, request.loaded.picture.size(), request.where);
+    asked.guide.direction = field.direction;
+    asked.guide.speed = field.speed;
+  }
+  const Chosen chosen = choose_patches(command, snapshot, request.loaded, asked, context);
+  const synth::animate::Staging staging =
+      synth::animate::stage(snapshot, chosen.assignment, request.loaded.picture.size(), asked.guide,
+                            command.play.read(request.loaded.picture.size()), options);
+  synth::animate::animate(snapshot, vision::settings_from_json(snapshot.settings()), request.loaded.picture,
+                          request.loaded.matte, staging.placement, staging.options, sink, {}, context.stop);
+}
+
 void add_synth(CLI::App& app, RunContext& context) {
   CLI::App* synth_command =
       app.add_subcommand("synth", "Synthesise: animate a picture, simulate a fluid, or transfer a look");
@@ -278,6 +330,8 @@ void add_synth(CLI::App& app, RunContext& context) {
   add_matte(*synth_command, context);
   add_simulate(*synth_command, context);
   add_transfer(*synth_command, context);
+  add_scene(*synth_command, context);
+  add_layers(*synth_command, context);
 }
 
 }  // namespace freshet::tools

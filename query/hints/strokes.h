@@ -17,6 +17,9 @@ struct Stroke {
   std::vector<cv::Point2f> points;
   std::optional<float> speed_px_per_s{};  // along all of it
   std::string name{};                     // for messages: "stroke 2", "path \"fall\""; may be empty
+  /// Of SVG: the element's and its groups' labels and ids, outermost first, and the innermost data-layer.
+  std::vector<std::string> names{};
+  std::string layer{};
 };
 
 /// Reads strokes drawn over a picture of this size, in one of two formats, told apart by their content:

@@ -33,6 +33,8 @@ struct Context {
   cv::Matx33d to_page = cv::Matx33d::eye();  // from user units to px of the page
   cv::Size2d user;                           // size of the viewport in user units, for per cent
   std::optional<float> speed;
+  std::vector<std::string> names;  // of groups and the element, outermost first
+  std::string layer;
   bool displayed = true, visible = true;
   int depth = 0;
 };
@@ -42,6 +44,8 @@ struct Drawn {
   SvgSubpath line;  // px of the page
   std::string name;
   std::optional<float> speed;
+  std::vector<std::string> names;
+  std::string layer;
 };
 
 class Document {
@@ -176,6 +180,10 @@ Context Document::context_of(const pugi::xml_node& node, const Context& parent) 
       if (!scanner.at_end()) throw SvgFault("a number of px/s is expected, without a unit");
       return speed;
     }));
+  // Drawing programs write the name that a person gave as a label, as the id, or as both.
+  for (const char* attribute : {"inkscape:label", "id"})
+    if (const char* text = node.attribute(attribute).value(); *text != '\0') context.names.emplace_back(text);
+  if (const char* text = node.attribute("data-layer").value(); *text != '\0') context.layer = text;
   SvgShowing showing;
   for (const char* name : {"display", "visibility", "opacity"}) {
     const pugi::xml_attribute attribute = node.attribute(name);
@@ -225,8 +233,8 @@ void Document::draw(const pugi::xml_node& node, const Context& context, std::vec
     if (points_ > kMaxPoints) fail("it has more than a million curves", "Draw fewer and simpler strokes");
     for (cv::Point2d& point : lines[i].points) point = transformed(context.to_page, point);
     drawn_.push_back({std::move(lines[i]),
-                      label(node) + (lines.size() > 1 ? fmt::format(", part {}", i + 1) : ""),
-                      context.speed});
+                      label(node) + (lines.size() > 1 ? fmt::format(", part {}", i + 1) : ""), context.speed,
+                      context.names, context.layer});
   }
 }
 
@@ -295,7 +303,8 @@ std::vector<Stroke> Document::strokes(std::vector<std::string>* notices) {
       if (!(std::abs(point.x) < 1e7 && std::abs(point.y) < 1e7))
         fail(drawn.name + " lies far outside the picture", "Remove it");
     }
-    strokes.push_back({flatten(drawn.line, kTolerance), drawn.speed, std::move(drawn.name)});
+    strokes.push_back({flatten(drawn.line, kTolerance), drawn.speed, std::move(drawn.name),
+                       std::move(drawn.names), std::move(drawn.layer)});
     points += strokes.back().points.size();
     if (points > kMaxPoints) fail("it has more than a million points", "Draw fewer and simpler strokes");
   }

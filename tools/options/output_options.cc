@@ -18,6 +18,7 @@ namespace freshet::tools {
 namespace {
 
 constexpr int kSocialSide = 1920;
+constexpr const char* kGroup = "Output";
 
 [[noreturn]] void refuse(const std::string& option, const std::string& fault, const std::string& remedy) {
   throw Error(ErrorKind::kUsage, option, fault, remedy);
@@ -45,29 +46,11 @@ OutputOptions::Kind OutputOptions::kind_of_output(bool one_frame) const {
   return kind;
 }
 
-void OutputOptions::add_to(CLI::App& command) {
-  const std::string group = "Output";
-  command
-      .add_option(
-          "-o,--output", out_,
-          "The animation: .mp4 (H.264), .mov (ProRes 4444), .mkv (FFV1, lossless), .webp, .apng or .gif "
-          "(animated), or a sequence of .png, .tif or .exr such as shot/f.%04d.exr or shot/f.####.png")
-      ->required();
-  command
-      .add_option(
-          "--layer", layer_,
-          "whole (the picture with the fluid in it), fluid (the fluid alone with alpha, to lie over the "
-          "picture), light (what a moving fluid adds to its background, on black: for add)")
-      ->check(CLI::IsMember({"whole", "fluid", "light"}))
-      ->capture_default_str()
-      ->group(group);
-  command
-      .add_option(
-          "--alpha", alpha_,
-          "Colours of --layer fluid: straight, or premultiplied (times alpha) [.exr premultiplied, else "
-          "straight]")
-      ->check(CLI::IsMember({"straight", "premultiplied"}))
-      ->group(group);
+void OutputOptions::add_frames_to(CLI::App& command) {
+  command.add_option(
+      "-o,--output", out_,
+      "The animation: .mp4 (H.264), .mov (ProRes 4444), .mkv (FFV1, lossless), .webp, .apng or .gif "
+      "(animated), or a sequence of .png, .tif or .exr such as shot/f.%04d.exr or shot/f.####.png");
   command
       .add_option(
           "--depth", depth_,
@@ -75,35 +58,55 @@ void OutputOptions::add_to(CLI::App& command) {
           "auto: the picture's, where the format holds them")
       ->check(CLI::IsMember({"auto", "8", "10", "16", "half", "float"}))
       ->capture_default_str()
-      ->group(group);
+      ->group(kGroup);
   command
       .add_option("--preset", preset_,
                   "By purpose: web (.mp4, small), social (.mp4, longest side 1920 px, to be coded again by "
                   "the site), "
                   "edit (.mov: ProRes 4444), archive (.mkv: FFV1, 16 bits) [none]")
       ->check(CLI::IsMember({"web", "social", "edit", "archive"}))
-      ->group(group);
+      ->group(kGroup);
   command.add_option("--start-number", first_number_, "Number of the first frame (film shots: 1001)")
       ->check(CLI::Range(0, 100000000))
       ->capture_default_str()
-      ->group(group);
+      ->group(kGroup);
   command
       .add_option(
           "--range", range_,
           "Write only these frames, by their numbers; those before are computed and not written [all]")
       ->type_name("A-B")
-      ->group(group);
+      ->group(kGroup);
+  add_overwrite(command);
+}
+
+void OutputOptions::add_to(CLI::App& command) {
+  add_frames_to(command);
+  command.get_option("--output")->required();
+  command
+      .add_option(
+          "--layer", layer_,
+          "whole (the picture with the fluid in it), fluid (the fluid alone with alpha, to lie over the "
+          "picture), light (what a moving fluid adds to its background, on black: for add)")
+      ->check(CLI::IsMember({"whole", "fluid", "light"}))
+      ->capture_default_str()
+      ->group(kGroup);
+  command
+      .add_option(
+          "--alpha", alpha_,
+          "Colours of --layer fluid: straight, or premultiplied (times alpha) [.exr premultiplied, else "
+          "straight]")
+      ->check(CLI::IsMember({"straight", "premultiplied"}))
+      ->group(kGroup);
   command
       .add_option("--matte-out", matte_out_,
                   "Also write every frame's matte, in grey: mattes/%05d.png, or a video")
-      ->group(group);
+      ->group(kGroup);
   command
       .add_option(
           "--motion-out", motion_out_,
           "Also write the motion, px to the next frame: motion/%05d.flo (y down), or motion/%05d.exr (y up); "
           "may be given twice")
-      ->group(group);
-  add_overwrite(command);
+      ->group(kGroup);
 }
 
 FrameNumbers OutputOptions::numbers(int frames) const {
@@ -180,6 +183,7 @@ media::Samples OutputOptions::choose_samples(const Kind& kind, bool deep) {
 std::unique_ptr<AnimationFiles> OutputOptions::open(const TargetFiles::Loaded& loaded,
                                                     synth::animate::AnimateOptions& options) {
   using synth::animate::Boundary;
+  if (out_.empty()) throw CLI::RequiredError("--output");
   auto files = std::make_unique<AnimationFiles>();
   const FrameNumbers numbered = numbers(options.frames);
   const Kind kind = kind_of_output(numbered.from == numbered.to);

@@ -51,6 +51,9 @@ class OutputOptions {
  public:
   /// --output, --layer, --alpha, --depth, --preset, --start-number, --range, --matte-out, --motion-out, --overwrite.
   void add_to(CLI::App& command);
+  /// Of these, what any frames need: --output (which open() asks for), --depth, --preset, --start-number, --range,
+  /// --overwrite.
+  void add_frames_to(CLI::App& command);
 
   /// Opens all files, and asks the options for frames in the form that they need. Says what a codec makes of the
   /// picture's size. Throws for whatever names, forms and formats do not go together: before the work.
@@ -58,6 +61,7 @@ class OutputOptions {
   std::unique_ptr<AnimationFiles> open(const TargetFiles::Loaded& loaded,
                                        synth::animate::AnimateOptions& options);
   std::int64_t first_number() const { return first_number_; }
+  const std::string& name() const { return out_; }
   /// Of the files written, for the command's last lines.
   std::vector<std::string> files() const;
 

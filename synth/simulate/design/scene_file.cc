@@ -7,207 +7,23 @@
 #include <optional>
 
 #include <fmt/format.h>
-#include <toml++/toml.h>
 
 #include "freshet/error.h"
 #include "media/picture/picture.h"
-#include "platform/text_file.h"
 #include "synth/simulate/design/shape.h"
+#include "synth/toml/section.h"
 
 namespace freshet::synth::simulate {
 namespace {
 
-constexpr std::size_t kMaxSceneBytes = 4u << 20, kDeepest = 32;
 constexpr const char* kSceneRemedy =
     "Give a TOML file; freshet synth simulate --print-scene plume prints one";
 
 namespace fs = std::filesystem;
 
 constexpr int kMaxRows = 2048, kMinRows = 16, kMaxSteps = 32;
-constexpr std::size_t kMaxThings = 64, kMaxKnots = 10000;
+constexpr std::size_t kMaxCorners = 10000;
 constexpr double kFar = 1e6;
-
-struct Range {
-  double low, high;
-};
-
-std::string kind_of(const toml::node& node) {
-  switch (node.type()) {
-    case toml::node_type::table:
-      return "a table";
-    case toml::node_type::array:
-      return "a list";
-    case toml::node_type::string:
-      return "the text \"" + node.ref<std::string>() + "\"";
-    case toml::node_type::integer:
-      return fmt::format("{}", node.ref<std::int64_t>());
-    case toml::node_type::floating_point:
-      return fmt::format("{}", node.ref<double>());
-    case toml::node_type::boolean:
-      return node.ref<bool>() ? "true" : "false";
-    default:
-      return "a date";
-  }
-}
-
-/// One table of the file. Keys are asked for by name; done() refuses those that nobody asked for.
-class Section {
- public:
-  Section(const fs::path& file, const toml::table& table, std::string name)
-      : file_(file), table_(table), name_(std::move(name)) {}
-
-  [[noreturn]] void refuse(const toml::node& at, const std::string& key, const std::string& fault,
-                           const std::string& remedy = {}) const {
-    throw Error(ErrorKind::kInput, fmt::format("{}:{}", file_.string(), at.source().begin.line),
-                (name_.empty() ? key
-                 : key.empty() ? name_
-                               : name_ + "." + key) +
-                    ": " + fault,
-                remedy);
-  }
-  [[noreturn]] void refuse_whole(const std::string& fault, const std::string& remedy = {}) const {
-    refuse(table_, "", fault, remedy);
-  }
-
-  const toml::node* find(const std::string& key) {
-    known_.push_back(key);
-    return table_.get(key);
-  }
-
-  double number(const toml::node& node, const std::string& key, Range range) const {
-    const std::optional<double> value = node.is_number() ? node.value<double>() : std::nullopt;
-    if (!value) refuse(node, key, fmt::format("a number is expected, not {}", kind_of(node)));
-    if (!(*value >= range.low && *value <= range.high))
-      refuse(node, key, fmt::format("{} is out of range", *value),
-             fmt::format("Give {} to {}", range.low, range.high));
-    return *value;
-  }
-
-  template <typename T>
-  void read(const std::string& key, T& value, Range range) {
-    const toml::node* node = find(key);
-    if (node == nullptr) return;
-    if (std::is_integral_v<T> && !node->is_integer())
-      refuse(*node, key, fmt::format("a whole number is expected, not {}", kind_of(*node)));
-    value = static_cast<T>(number(*node, key, range));
-  }
-
-  std::optional<std::string> text(const std::string& key) {
-    const toml::node* node = find(key);
-    if (node == nullptr) return std::nullopt;
-    if (!node->is_string())
-      refuse(*node, key, fmt::format("text in quotes is expected, not {}", kind_of(*node)));
-    return node->ref<std::string>();
-  }
-
-  /// One of several words; its place among them.
-  std::optional<std::size_t> word(const std::string& key, const std::vector<std::string>& words) {
-    const std::optional<std::string> given = text(key);
-    if (!given) return std::nullopt;
-    const auto at = std::find(words.begin(), words.end(), *given);
-    if (at == words.end())
-      refuse(*table_.get(key), key, fmt::format("\"{}\" is not known", *given),
-             fmt::format("Choose one of {}", fmt::join(words, ", ")));
-    return static_cast<std::size_t>(at - words.begin());
-  }
-
-  bool flag(const std::string& key, bool otherwise) {
-    const toml::node* node = find(key);
-    if (node == nullptr) return otherwise;
-    if (!node->is_boolean())
-      refuse(*node, key, fmt::format("true or false is expected, not {}", kind_of(*node)));
-    return node->ref<bool>();
-  }
-
-  std::vector<double> numbers(const toml::node& node, const std::string& key, std::size_t count,
-                              Range range) const {
-    const toml::array* list = node.as_array();
-    if (list == nullptr || list->size() != count)
-      refuse(node, key,
-             fmt::format("a list of {} numbers is expected, not {}", count,
-                         list != nullptr ? fmt::format("one of {}", list->size()) : kind_of(node)));
-    std::vector<double> values;
-    for (const toml::node& each : *list) values.push_back(number(each, key, range));
-    return values;
-  }
-  Vec2 pair(const toml::node& node, const std::string& key, Range range) const {
-    const std::vector<double> values = numbers(node, key, 2, range);
-    return {static_cast<float>(values[0]), static_cast<float>(values[1])};
-  }
-  bool read(const std::string& key, Vec2& value, Range range) {
-    const toml::node* node = find(key);
-    if (node != nullptr) value = pair(*node, key, range);
-    return node != nullptr;
-  }
-  void read(const std::string& key, Rgb& value) {
-    const toml::node* node = find(key);
-    if (node == nullptr) return;
-    const std::vector<double> v = numbers(*node, key, 3, {0.0, 4.0});
-    value = {static_cast<float>(v[0]), static_cast<float>(v[1]), static_cast<float>(v[2])};
-  }
-
-  /// A list of lists, each of a time and `width` values; times must grow.
-  std::vector<std::vector<double>> knots(const toml::node& node, const std::string& key, std::size_t width,
-                                         Range range) const {
-    const toml::array* list = node.as_array();
-    if (list == nullptr || list->empty() || list->size() > kMaxKnots)
-      refuse(node, key,
-             fmt::format("a list of 1 to {} lists [second, ...] is expected, not {}", kMaxKnots,
-                         list != nullptr ? fmt::format("one of {}", list->size()) : kind_of(node)));
-    std::vector<std::vector<double>> result;
-    for (const toml::node& each : *list) {
-      const toml::array* knot = each.as_array();
-      if (knot == nullptr || knot->size() != width + 1)
-        refuse(each, key, fmt::format("each knot is a list of {} numbers, the first its second", width + 1));
-      std::vector<double> values{number((*knot)[0], key, {-kFar, kFar})};
-      for (std::size_t i = 0; i < width; ++i) values.push_back(number((*knot)[i + 1], key, range));
-      if (!result.empty() && !(values[0] > result.back()[0]))
-        refuse(each, key, fmt::format("second {} does not come after {}", values[0], result.back()[0]));
-      result.push_back(std::move(values));
-    }
-    return result;
-  }
-
-  std::optional<Section> table(const std::string& key) {
-    const toml::node* node = find(key);
-    if (node == nullptr) return std::nullopt;
-    if (!node->is_table())
-      refuse(*node, key, fmt::format("a table [{}] is expected, not {}", key, kind_of(*node)));
-    return Section(file_, *node->as_table(), key);
-  }
-  std::vector<Section> tables(const std::string& key) {
-    std::vector<Section> result;
-    const toml::node* node = find(key);
-    if (node == nullptr) return result;
-    const toml::array* list = node->as_array();
-    const auto is_table = [](const toml::node& each) { return each.is_table(); };
-    if (list == nullptr || !std::all_of(list->begin(), list->end(), is_table))
-      refuse(*node, key, fmt::format("tables are expected, each below [[{}]]", key));
-    if (list->size() > kMaxThings)
-      refuse(*node, key, fmt::format("there are {}", list->size()),
-             fmt::format("{} is the maximum", kMaxThings));
-    for (std::size_t i = 0; i < list->size(); ++i)
-      result.emplace_back(file_, *(*list)[i].as_table(), fmt::format("{} {}", key, i + 1));
-    return result;
-  }
-
-  void done() const {
-    for (const auto& [key, node] : table_) {
-      const std::string name(key.str());
-      if (std::find(known_.begin(), known_.end(), name) != known_.end()) continue;
-      refuse(node, name, "no such key", fmt::format("There are {}", fmt::join(known_, ", ")));
-    }
-  }
-
-  const fs::path& file() const { return file_; }
-  void rename(const std::string& name) { name_ += " (" + name + ")"; }
-
- private:
-  const fs::path& file_;
-  const toml::table& table_;
-  std::string name_;
-  std::vector<std::string> known_;
-};
 
 void read_span(Section& section, Span& span) {
   section.read("from", span.from_s, {-kFar, kFar});
@@ -218,8 +34,7 @@ void read_span(Section& section, Span& span) {
 }
 
 cv::Mat read_mask(Section& section, const std::string& name) {
-  fs::path path(name);
-  if (path.is_relative()) path = section.file().parent_path() / path;
+  const fs::path path = section.beside(name);
   cv::Mat bgr;
   try {
     bgr = media::read_picture(path).bgr;
@@ -266,7 +81,7 @@ Shape read_shape(Section& section, cv::Size size) {
     case Shape::Kind::kPolygon: {
       const toml::node& corners = need("corners");
       const toml::array* list = corners.as_array();
-      if (list == nullptr || list->size() < 3 || list->size() > kMaxKnots)
+      if (list == nullptr || list->size() < 3 || list->size() > kMaxCorners)
         section.refuse(corners, "corners", "a list of at least three places [x, y] is expected");
       for (const toml::node& corner : *list) shape.points.push_back(section.pair(corner, "corners", place));
       break;
@@ -433,19 +248,12 @@ SceneOptions named_scene(const std::filesystem::path& scene) {
 }
 
 SceneOptions parse_scene(std::string_view text, const fs::path& name) {
-  expect_nesting(toml_nesting(text), kDeepest, name.string(), kSceneRemedy);
-  toml::table table;
-  try {
-    table = toml::parse(text);
-  } catch (const toml::parse_error& fault) {
-    throw Error(ErrorKind::kInput, fmt::format("{}:{}", name.string(), fault.source().begin.line),
-                fmt::format("it is not TOML: {}", fault.description()));
-  }
-  Section file(name, table, "");
+  const TomlText parsed(text, name, kSceneRemedy);
+  Section file = parsed.root();
   return read_file(file);
 }
 
-std::string scene_text(const fs::path& path) { return read_text_file(path, kMaxSceneBytes, kSceneRemedy); }
+std::string scene_text(const fs::path& path) { return toml_file_text(path, kSceneRemedy); }
 
 SceneOptions read_scene(const fs::path& path) { return parse_scene(scene_text(path), path); }
 

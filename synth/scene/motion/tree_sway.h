@@ -1,0 +1,63 @@
+// synth/scene/motion/tree_sway.h — branches and plants that sway about their roots (Chuang et al. 2005, Sec. 3.2).
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include <opencv2/core.hpp>
+
+#include "synth/scene/cycle.h"
+#include "synth/scene/motion/leaf_shimmer.h"
+#include "synth/scene/motion/motion.h"
+#include "synth/scene/scene.h"
+#include "synth/scene/wind/gusts.h"
+
+namespace freshet::synth::scene {
+
+/// How far a point of the armature is moved to its side, for 1 at the tip; u from the root (0) to the tip (1) (Eq. 3).
+/// Beyond the tip, where leaves are, it goes on straight.
+double bend(double u);
+/// The same divided by u: finite at the root.
+float bend_by_distance(float u);
+
+/// Each point turns about the root of its armature, by the displacement of the armature's point at the same distance.
+/// A turn keeps the distance, so that the turn back is the true inverse (Eq. 2). Of several armatures
+/// each point follows the near ones, by the inverse fourth power of distances to the lines. Foreshortening scales along
+/// the armature with the sway out of the picture.
+class TreeSway : public Motion {
+ public:
+  /// region   px in which rows will be asked, at most; the armatures' reach follows from the series.
+  /// picture_width   px, for gusts.
+  TreeSway(const TreeMotion& tree, const Gusts& gusts, const Cycle& cycle, std::uint64_t seed,
+           const cv::Rect& region);
+
+  void go_to(int frame) override;
+  float reach() const override { return reach_; }
+  void row(int copy, int x, int y, int n, float* dx, float* dy) const override;
+
+  /// The tip's displacement at every frame of the cycle, in lengths of the armature, to the right of the way from
+  /// root to tip.
+  const std::vector<float>& tip(std::size_t armature) const { return branches_[armature].tip; }
+
+  /// Rows are interpolated between displacements at this distance, px.
+  static constexpr int kStep = 8;
+
+ private:
+  struct Branch {
+    cv::Point2f root, tip_at, way;  // way: unit, root to tip
+    float length = 1;
+    std::vector<float> tip, towards;
+  };
+  cv::Point2f source(const Branch& branch, cv::Point2f p, int frame) const;
+
+  TreeMotion tree_;
+  Cycle cycle_;
+  cv::Rect region_;
+  std::vector<Branch> branches_;
+  LeafShimmer shimmer_;
+  cv::Mat grid_;     // CV_32FC2, d' at region_.tl() + kStep (column, row)
+  cv::Mat weights_;  // CV_32F, rows of the grid x (columns * branches)
+  float reach_ = 0;
+};
+
+}  // namespace freshet::synth::scene

@@ -1,0 +1,244 @@
+#include "synth/scene/motion/water_surface.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <oneapi/tbb/blocked_range.h>
+#include <oneapi/tbb/parallel_for.h>
+
+#include "platform/vectors.h"
+
+namespace freshet::synth::scene {
+namespace {
+
+constexpr double kMinBelow = 0.5;   // px: no pixel's middle on the horizon
+constexpr double kCalm = 0.35;      // of a tile's samples: a pixel that covers more sees no wave
+constexpr float kHighest = 0.4f;    // of the camera's height: no wave reaches the lens
+constexpr float kSteepest = 0.35f;  // slope
+constexpr double kGain = 2;         // of waves' heights by the wind's speed, at the mean: H ~ v^2
+
+/// Linear between samples and periodic; n a power of 2.
+inline float sampled(const float* row, float place, int n) {
+  const float whole = std::floor(place);
+  const int i = static_cast<int>(whole) & (n - 1);
+  const float a = row[i], b = row[(i + 1) & (n - 1)];
+  return a + (b - a) * (place - whole);
+}
+
+struct HeightRow {
+  const float *first, *second;  // profiles of both tiles
+  float place_first, step_first, place_second, step_second;
+  int n;
+  float along, down, depth, lean, highest;
+};
+
+/// d' of a row of pixels under heights, rolled frame: minus Eq. 10.
+FRESHET_WIDE void lift_row(const HeightRow& row, const float* gain, int n, float* dx, float* dy) {
+  for (int i = 0; i < n; ++i) {
+    const float at = static_cast<float>(i);
+    float h = (sampled(row.first, row.place_first + at * row.step_first, row.n) +
+               sampled(row.second, row.place_second + at * row.step_second, row.n)) *
+              gain[i];
+    h = h < row.highest ? (h > -row.highest ? h : -row.highest) : row.highest;
+    const float over = h / (row.depth - h * row.lean);
+    dx[i] = -(row.along + at) * (over * row.lean);
+    dy[i] = -over * row.down;
+  }
+}
+
+}  // namespace
+
+WaterSurface::WaterSurface(const WaterMotion& water, const Gusts& gusts, const Cycle& cycle,
+                           std::uint64_t seed, const cv::Rect& region, cv::Size picture)
+    : water_(water),
+      gusts_(&gusts),
+      cycle_(cycle),
+      camera_(*water.horizon, *water.focal_px, water.camera_height_m, picture),
+      focal_(*water.focal_px),
+      picture_(picture),
+      field_(
+          water, gusts.wind(), cycle, seed,
+          water.mapping == WaterMapping::kNormals ? HeightField::What::kSlopes : HeightField::What::kHeights),
+      reduced_(static_cast<std::size_t>(field_.planes()), ReducedTile(field_.samples())) {
+  double top = 1e9, bottom = -1e9;
+  for (const cv::Point corner :
+       {region.tl(), cv::Point(region.br().x, region.y), cv::Point(region.x, region.br().y), region.br()}) {
+    const double below = camera_.rolled(corner.x, corner.y).y;
+    top = std::min(top, below), bottom = std::max(bottom, below);
+  }
+  // Without roll lines are the pictures' rows: their middles lie at whole lines.
+  const double shift = camera_.rolled(0, 0).y - std::floor(camera_.rolled(0, 0).y);
+  first_line_ = static_cast<int>(std::floor(top)) - 2;
+  const int count = static_cast<int>(std::ceil(bottom)) + 3 - first_line_;
+  lines_.resize(static_cast<std::size_t>(count));
+  for (int i = 0; i < count; ++i) {
+    Line& line = lines_[static_cast<std::size_t>(i)];
+    line.below = first_line_ + i + shift;
+    if (line.below < camera_.horizon() + kMinBelow) continue;
+    line.camera = camera_.row(line.below);
+    for (int p = 0; p < field_.planes(); ++p) {
+      const double per_m = field_.samples() / field_.side_m(field_.tile_of(p));
+      if (line.camera.deep * per_m > kCalm * field_.samples()) continue;
+      line.calm = false;
+      need_row(reduced_[static_cast<std::size_t>(p)], line.camera.scale * per_m, line.camera.deep * per_m);
+    }
+  }
+  profiles_.assign(
+      static_cast<std::size_t>(count) * static_cast<std::size_t>(field_.planes() * field_.samples()), 0);
+  const auto columns = static_cast<std::size_t>(picture.width / kUnit + 2);
+  gain_.assign(columns, 1);
+  shade_.assign(columns, 1);
+}
+
+void WaterSurface::go_to(int frame) {
+  field_.go_to(frame);
+  const int planes = field_.planes(), n = field_.samples();
+  using oneapi::tbb::blocked_range;
+  oneapi::tbb::parallel_for(0, planes,
+                            [&](int p) { reduced_[static_cast<std::size_t>(p)].set(field_.plane(p)); });
+  if (gusts_->any()) {
+    for (std::size_t i = 0; i < gain_.size(); ++i) {
+      const float faster = gusts_->strength(static_cast<double>(i * kUnit), frame);
+      gain_[i] = std::max(0.0f, 1 + static_cast<float>(kGain) * faster);
+      const auto deviation = static_cast<float>(std::max(gusts_->wind().turbulence, 1e-6));
+      shade_[i] = 1 - static_cast<float>(water_.gust_darkening) * std::clamp(faster / deviation, -1.0f, 2.0f);
+    }
+  }
+  std::vector<float> reach(lines_.size(), 0);
+  oneapi::tbb::parallel_for(
+      blocked_range<std::size_t>(0, lines_.size(), 16), [&](const blocked_range<std::size_t>& range) {
+        std::vector<float> scratch(static_cast<std::size_t>(2 * n));
+        for (std::size_t i = range.begin(); i < range.end(); ++i) {
+          const Line& line = lines_[i];
+          if (line.calm) continue;
+          float sum = 0;
+          for (int p = 0; p < planes; ++p) {
+            const double per_m = n / field_.side_m(field_.tile_of(p));
+            float* out = profile(i, p);
+            sample_row(reduced_[static_cast<std::size_t>(p)], line.camera.forward * per_m,
+                       line.camera.scale * per_m, line.camera.deep * per_m, n, out, scratch.data());
+            const auto [low, high] = std::minmax_element(out, out + n);
+            sum += std::max(-*low, *high);
+          }
+          const double gain = *std::max_element(gain_.begin(), gain_.end());
+          if (water_.mapping == WaterMapping::kNormals) {
+            reach[i] = static_cast<float>(2 * focal_ * std::min<double>(kSteepest, sum * gain));
+          } else {
+            const double h = std::min<double>(kHighest * water_.camera_height_m, sum * gain);
+            const double over = h / std::max(1e-6, line.camera.depth - h * std::abs(line.camera.lean));
+            reach[i] = static_cast<float>(
+                over * std::max(std::abs(line.camera.down), std::abs(line.camera.lean) * picture_.width));
+          }
+        }
+      });
+  reach_ = *std::max_element(reach.begin(), reach.end()) + 1;
+}
+
+float WaterSurface::gain_at(double x) const {
+  const double at = std::clamp(x / kUnit, 0.0, static_cast<double>(gain_.size()) - 1.001);
+  const auto i = static_cast<std::size_t>(at);
+  const auto part = static_cast<float>(at - static_cast<double>(i));
+  return gain_[i] + (gain_[i + 1] - gain_[i]) * part;
+}
+
+WaterSurface::Surface WaterSurface::at(double below, double along) const {
+  const double place = below - lines_[0].below;
+  if (!(place >= 0) || place > static_cast<double>(lines_.size()) - 1) return {};
+  const auto line = std::min(static_cast<std::size_t>(place), lines_.size() - 2);
+  const auto part = static_cast<float>(place - static_cast<double>(line));
+  Surface sum;
+  const int n = field_.samples();
+  for (std::size_t i = 0; i < 2; ++i) {
+    const float weight = i == 0 ? 1 - part : part;
+    if (weight == 0 || lines_[line + i].calm) continue;
+    for (int p = 0; p < field_.planes(); ++p) {
+      const double per_m = n / field_.side_m(field_.tile_of(p));
+      const float value =
+          weight *
+          sampled(profile(line + i, p), static_cast<float>(along * lines_[line + i].camera.scale * per_m), n);
+      (water_.mapping == WaterMapping::kNormals && p % 2 == 1 ? sum.second : sum.first) += value;
+    }
+  }
+  return sum;
+}
+
+cv::Point2d WaterSurface::rolled_displacement(double below, double along, float gain) const {
+  if (below < camera_.horizon() + kMinBelow) return {};
+  const Surface surface = at(below, along);
+  const WaterCamera::Row row = camera_.row(below);
+  if (water_.mapping == WaterMapping::kNormals) {
+    const float right = std::clamp(surface.first * gain, -kSteepest, kSteepest);
+    const float away = std::clamp(surface.second * gain, -kSteepest, kSteepest);
+    const double grazing = water_.camera_height_m / std::hypot(row.forward, water_.camera_height_m);
+    return {2 * focal_ * right * grazing, 2 * focal_ * away};
+  }
+  const double most = kHighest * water_.camera_height_m;
+  const double h = std::clamp<double>(surface.first * gain, -most, most);
+  const double over = h / (row.depth - h * row.lean);
+  return {along * over * row.lean, over * row.down};
+}
+
+cv::Point2d WaterSurface::displacement(double x, double y) const {
+  const cv::Point2d p = camera_.rolled(x, y);
+  return camera_.upright(rolled_displacement(p.y, p.x, gain_at(x)));
+}
+
+void WaterSurface::row(int, int x, int y, int n, float* dx, float* dy) const {
+  // Along an unrolled horizon a row lies on one line: the case that must be fast.
+  const cv::Point2d first = camera_.rolled(x, y);
+  if (camera_.roll_sin() == 0 && water_.mapping == WaterMapping::kDisplacement) {
+    const double place = first.y - lines_[0].below;
+    const auto line =
+        static_cast<std::size_t>(std::clamp(std::round(place), 0.0, static_cast<double>(lines_.size() - 1)));
+    if (lines_[line].calm) {
+      std::fill(dx, dx + n, 0.0f);
+      std::fill(dy, dy + n, 0.0f);
+      return;
+    }
+    const WaterCamera::Row& camera = lines_[line].camera;
+    HeightRow row{.first = profile(line, 0),
+                  .second = profile(line, 1),
+                  .place_first = 0,
+                  .step_first = 0,
+                  .place_second = 0,
+                  .step_second = 0,
+                  .n = field_.samples(),
+                  .along = static_cast<float>(first.x),
+                  .down = static_cast<float>(camera.down),
+                  .depth = static_cast<float>(camera.depth),
+                  .lean = static_cast<float>(camera.lean),
+                  .highest = static_cast<float>(kHighest * water_.camera_height_m)};
+    const double per_px[] = {camera.scale * row.n / field_.side_m(0),
+                             camera.scale * row.n / field_.side_m(1)};
+    // From 0 on: a float keeps fractions of what is small.
+    row.place_first = static_cast<float>(std::fmod(first.x * per_px[0], row.n));
+    row.place_second = static_cast<float>(std::fmod(first.x * per_px[1], row.n));
+    row.step_first = static_cast<float>(per_px[0]);
+    row.step_second = static_cast<float>(per_px[1]);
+    for (int i = 0; i < n; ++i) dx[i] = gusts_->any() ? gain_at(x + i) : 1.0f;
+    lift_row(row, dx, n, dx, dy);
+    return;
+  }
+  for (int i = 0; i < n; ++i) {
+    const cv::Point2d p = camera_.rolled(x + i, y);
+    const cv::Point2d d =
+        camera_.upright(rolled_displacement(p.y, p.x, gusts_->any() ? gain_at(x + i) : 1.0f));
+    dx[i] = static_cast<float>(-d.x);
+    dy[i] = static_cast<float>(-d.y);
+  }
+}
+
+bool WaterSurface::light(int x, int y, int n, float* factor) const {
+  if (!gusts_->any() || water_.gust_darkening == 0) return false;
+  for (int i = 0; i < n; ++i) {
+    const double at =
+        std::clamp(static_cast<double>(x + i) / kUnit, 0.0, static_cast<double>(shade_.size()) - 1.001);
+    const auto column = static_cast<std::size_t>(at);
+    const auto part = static_cast<float>(at - static_cast<double>(column));
+    factor[i] = shade_[column] + (shade_[column + 1] - shade_[column]) * part;
+  }
+  static_cast<void>(y);
+  return true;
+}
+
+}  // namespace freshet::synth::scene

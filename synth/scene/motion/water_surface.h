@@ -1,0 +1,81 @@
+// synth/scene/motion/water_surface.h — how waves move what a picture shows of the water (Chuang et al. 2005, Sec. 3.3).
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include <opencv2/core.hpp>
+
+#include "synth/scene/cycle.h"
+#include "synth/scene/motion/motion.h"
+#include "synth/scene/scene.h"
+#include "synth/scene/water/camera.h"
+#include "synth/scene/water/height_field.h"
+#include "synth/scene/water/reduced_tile.h"
+#include "synth/scene/wind/gusts.h"
+
+namespace freshet::synth::scene {
+
+/// Displacement as printed (Eq. 10): what lies on the plane is lifted by the height above it. The inverse is the
+/// negative of the displacement at the pixel itself, as in the paper: it is continuous, so that nothing tears; the true
+/// inverse folds where waves are steep, and would show water from behind a crest twice.
+///
+/// Normals, the option: a mirror image moves by what the reflected ray turns, twice the surface's slope: 2 f
+/// slope_away up or down, and to the side 2 f slope_right times the sine of the angle at which the plane is
+/// seen. Slopes of what is smaller than a pixel do not move it, they would blur it.
+class WaterSurface : public Motion {
+ public:
+  /// region    px of the picture in which rows will be asked, and where boats lie.
+  /// water     with horizon and focal length.
+  WaterSurface(const WaterMotion& water, const Gusts& gusts, const Cycle& cycle, std::uint64_t seed,
+               const cv::Rect& region, cv::Size picture);
+
+  void go_to(int frame) override;
+  float reach() const override { return reach_; }
+  void row(int copy, int x, int y, int n, float* dx, float* dy) const override;
+  bool light(int x, int y, int n, float* factor) const override;
+
+  /// d of Eq. 10, px, of the point at the middle of pixel (x, y), which may lie between pixels: for boats.
+  cv::Point2d displacement(double x, double y) const;
+
+ private:
+  static constexpr int kUnit = 16;  // px between the columns at which gusts are asked
+
+  struct Line {
+    double below = 0;
+    WaterCamera::Row camera{};
+    bool calm = true;  // at or above the horizon, or too far for any wave
+  };
+  /// The planes' rows at one line of the rolled frame.
+  float* profile(std::size_t line, int plane) {
+    return profiles_.data() +
+           (line * static_cast<std::size_t>(field_.planes()) + static_cast<std::size_t>(plane)) *
+               static_cast<std::size_t>(field_.samples());
+  }
+  const float* profile(std::size_t line, int plane) const {
+    return const_cast<WaterSurface*>(this)->profile(line, plane);
+  }
+  /// A plane pair's value between lines and samples: heights h, or slopes to the right and away.
+  struct Surface {
+    float first = 0, second = 0;
+  };
+  Surface at(double below, double along) const;
+  cv::Point2d rolled_displacement(double below, double along, float gain) const;
+  float gain_at(double x) const;
+
+  WaterMotion water_;
+  const Gusts* gusts_;
+  Cycle cycle_;
+  WaterCamera camera_;
+  double focal_;
+  cv::Size picture_;
+  HeightField field_;
+  std::vector<ReducedTile> reduced_;
+  int first_line_ = 0;
+  std::vector<Line> lines_;
+  std::vector<float> profiles_;
+  std::vector<float> gain_, shade_;  // at columns 0, kUnit, ...
+  float reach_ = 0;
+};
+
+}  // namespace freshet::synth::scene

@@ -1,0 +1,138 @@
+#include "synth/scene/rendering/scene_animation.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+#include <oneapi/tbb/parallel_for.h>
+
+#include "freshet/error.h"
+#include "platform/stopwatch.h"
+#include "synth/scene/motion/boat_ride.h"
+#include "synth/scene/motion/cloud_drift.h"
+#include "synth/scene/motion/stillness.h"
+#include "synth/scene/motion/tree_sway.h"
+#include "synth/scene/motion/water_surface.h"
+#include "synth/scene/scene_marks.h"
+
+namespace freshet::synth::scene {
+namespace {
+
+/// Rows are asked beyond a layer's box, as far as it may move.
+cv::Rect around(const cv::Rect& box, cv::Size picture) {
+  const int more = std::max(8, std::max(box.width, box.height) / 4);
+  return cv::Rect(box.x - more, box.y - more, box.width + 2 * more, box.height + 2 * more) &
+         cv::Rect({0, 0}, picture);
+}
+
+Outline outline_of(const SceneLayer& layer) {
+  if (layer.kind == MotionKind::kWater && !layer.water.edge_moves) return Outline::kHeld;
+  if (layer.kind == MotionKind::kClouds) return Outline::kCyclic;
+  return Outline::kMoves;
+}
+
+}  // namespace
+
+SceneAnimation::SceneAnimation(const Scene& scene, std::span<const LayerPixels> pixels, cv::Size picture,
+                               const FramesOf& frames, std::vector<std::string>* notices)
+    : cycle_(cycle_of(scene)), gusts_(scene.wind, cycle_, picture.width), picture_(picture) {
+  for (std::size_t i = 0; i < scene.layers.size(); ++i)
+    if (scene.layers[i].is_cut()) check_marks(scene, scene.layers[i], pixels[i].alpha, notices);
+  placed_.resize(scene.layers.size());
+  oneapi::tbb::parallel_for(std::size_t{0}, placed_.size(), [&](std::size_t i) {
+    const SceneLayer& layer = scene.layers[i];
+    if (layer.is_cut() && layer.kind != MotionKind::kPatches)
+      placed_[i].sprite = make_sprite(pixels[i].colour, pixels[i].alpha, outline_of(layer));
+  });
+  // Boats ride on water: their motions come last.
+  for (const bool rides : {false, true}) {
+    for (std::size_t i = 0; i < placed_.size(); ++i) {
+      Placed& placed = placed_[i];
+      const SceneLayer& layer = scene.layers[i];
+      if ((layer.kind == MotionKind::kBoat) != rides) continue;
+      placed.rides = rides;
+      placed.motion = motion_of(scene, layer, placed.sprite, picture);
+      const bool brings = layer.kind == MotionKind::kPatches || !layer.is_cut();
+      if (brings) placed.frames = frames(layer, pixels[i]);
+    }
+  }
+  for (const Placed& placed : placed_) moved_.push_back({&placed.sprite, placed.motion.get()});
+}
+
+std::unique_ptr<Motion> SceneAnimation::motion_of(const Scene& scene, const SceneLayer& layer,
+                                                  const Sprite& sprite, cv::Size picture) {
+  if (sprite.box.empty()) return std::make_unique<Stillness>();
+  switch (layer.kind) {
+    case MotionKind::kTree:
+      return std::make_unique<TreeSway>(layer.tree, gusts_, cycle_, layer.seed, around(sprite.box, picture));
+    case MotionKind::kWater: {
+      WaterMotion water = layer.water;
+      if (!water.focal_px) water.focal_px = 1.2 * std::max(picture.width, picture.height);
+      // Boats ask about the water beside the layer too, for it lies behind them.
+      const cv::Rect region(0, sprite.box.y, picture.width, picture.height - sprite.box.y);
+      return std::make_unique<WaterSurface>(water, gusts_, cycle_, scene.wind.seed * 64 + layer.seed, region,
+                                            picture);
+    }
+    case MotionKind::kBoat: {
+      const auto water = std::find_if(scene.layers.begin(), scene.layers.end(), [&](const SceneLayer& other) {
+        return other.kind == MotionKind::kWater &&
+               (layer.boat.water.empty() || other.name == layer.boat.water);
+      });
+      const auto* surface = dynamic_cast<const WaterSurface*>(
+          placed_[static_cast<std::size_t>(water - scene.layers.begin())].motion.get());
+      if (surface == nullptr)
+        throw Error(
+            ErrorKind::kInput, scene.file.string(),
+            fmt::format("nothing of the water {} on which {} floats is to be seen", water->name, layer.name),
+            "Give that layer a matte that shows some of it");
+      BoatMotion boat = layer.boat;
+      const bool reflection = !boat.reflection_of.empty();
+      if (!boat.hull)
+        for (const SceneLayer& other : scene.layers)
+          if (other.name == boat.reflection_of) boat.hull = other.boat.hull;
+      return std::make_unique<BoatRide>(boat, *surface, reflection, around(sprite.box, picture));
+    }
+    case MotionKind::kClouds:
+      return std::make_unique<CloudDrift>(layer.clouds, scene.wind, cycle_, scene.loop, sprite.period(),
+                                          cv::Range(sprite.box.y, sprite.box.br().y), picture.width);
+    default:
+      return std::make_unique<Stillness>();
+  }
+}
+
+void SceneAnimation::go_to(int frame) {
+  for (const bool rides : {false, true})
+    oneapi::tbb::parallel_for(std::size_t{0}, placed_.size(), [&](std::size_t i) {
+      if (placed_[i].rides == rides) placed_[i].motion->go_to(frame);
+    });
+}
+
+void SceneAnimation::render(int frame, cv::Mat& out) {
+  if (out.empty()) out.create(picture_, CV_8UC3);
+  Stopwatch watch;
+  for (Placed& placed : placed_)
+    if (placed.frames != nullptr)
+      set_frame(placed.sprite, placed.frames->next(), placed.frames->at(), picture_);
+  seconds_.frames += watch.seconds();
+  watch = {};
+  go_to(frame);
+  seconds_.motion += watch.seconds();
+  watch = {};
+  composite(moved_, out);
+  seconds_.composite += watch.seconds();
+}
+
+void SceneAnimation::layer(std::size_t i, cv::Mat& out) const {
+  out.create(picture_, CV_32FC4);
+  composite(std::span(moved_).subspan(i, 1), out);
+}
+
+std::size_t SceneAnimation::bytes() const {
+  std::size_t sum = 0;
+  for (const Placed& placed : placed_)
+    sum += placed.sprite.texture.total() * placed.sprite.texture.elemSize() +
+           placed.sprite.held.total() * sizeof(float);
+  return sum;
+}
+
+}  // namespace freshet::synth::scene

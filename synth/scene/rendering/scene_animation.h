@@ -1,0 +1,81 @@
+// synth/scene/rendering/scene_animation.h — a scene, ready to be rendered frame by frame.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <opencv2/core.hpp>
+
+#include "synth/scene/cycle.h"
+#include "synth/scene/motion/motion.h"
+#include "synth/scene/rendering/composite.h"
+#include "synth/scene/rendering/layer_frames.h"
+#include "synth/scene/rendering/sprite.h"
+#include "synth/scene/scene.h"
+#include "synth/scene/wind/gusts.h"
+
+namespace freshet::synth::scene {
+
+/// A layer's pixels: what cutting gave. Both empty for layers that bring their own.
+struct LayerPixels {
+  cv::Mat colour;  // CV_32FC3, sRGB code, straight
+  cv::Mat alpha;   // CV_32F, 0..1
+};
+
+/// Where the time went, s.
+struct SceneSeconds {
+  double motion = 0, composite = 0, frames = 0;
+};
+
+/// Holds all motions and sprites. Frames may be rendered in any order where no layer brings frames of its own; with
+/// those, from 0 on.
+class SceneAnimation {
+ public:
+  /// Makes the frames of a layer of patches, transfer or footage.
+  using FramesOf =
+      std::function<std::unique_ptr<LayerFrames>(const SceneLayer& layer, const LayerPixels& pixels)>;
+
+  /// scene    with its marks (read_marks). pixels   one a layer, of the picture's size.
+  /// frames   may be empty where no layer needs it.
+  /// notices  for a person, when not null.
+  /// Throws   Error{kInput} naming scene, layer and remedy: an armature outside its layer, a horizon below its water, a
+  ///          hull outside its boat.
+  SceneAnimation(const Scene& scene, std::span<const LayerPixels> pixels, cv::Size picture,
+                 const FramesOf& frames = {}, std::vector<std::string>* notices = nullptr);
+  SceneAnimation(const SceneAnimation&) = delete;
+  SceneAnimation& operator=(const SceneAnimation&) = delete;
+
+  /// out   CV_8UC3 or CV_32FC4 of the picture's size (composite.h); created as the former when empty.
+  void render(int frame, cv::Mat& out);
+  /// One layer of the frame that was rendered last, alone: CV_32FC4, colours times alpha.
+  void layer(std::size_t i, cv::Mat& out) const;
+
+  const Cycle& cycle() const { return cycle_; }
+  const SceneSeconds& seconds() const { return seconds_; }
+  /// Bytes that sprites hold.
+  std::size_t bytes() const;
+  const Motion& motion(std::size_t i) const { return *placed_[i].motion; }
+
+ private:
+  struct Placed {
+    Sprite sprite;
+    std::unique_ptr<Motion> motion;
+    std::unique_ptr<LayerFrames> frames;
+    bool rides = false;  // on another layer's motion, which goes first
+  };
+  std::unique_ptr<Motion> motion_of(const Scene& scene, const SceneLayer& layer, const Sprite& sprite,
+                                    cv::Size picture);
+  void go_to(int frame);
+
+  Cycle cycle_;
+  Gusts gusts_;
+  cv::Size picture_;
+  std::vector<Placed> placed_;  // nearest first
+  std::vector<MovedSprite> moved_;
+  SceneSeconds seconds_;
+};
+
+}  // namespace freshet::synth::scene

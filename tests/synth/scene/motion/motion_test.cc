@@ -1,0 +1,235 @@
+// Trees, boats and clouds, each against what it is defined by.
+#include <cmath>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <opencv2/core.hpp>
+
+#include "synth/scene/motion/boat_ride.h"
+#include "synth/scene/motion/cloud_drift.h"
+#include "synth/scene/motion/tree_sway.h"
+#include "synth/scene/motion/water_surface.h"
+
+namespace freshet::synth::scene {
+namespace {
+
+const Cycle kCycle{.frames = 60, .fps = 20};
+const cv::Rect kBox(0, 0, 200, 240);
+
+TreeMotion one_tree() {
+  return {.armatures = {{{100, 220}, {100, 40}}}, .frequency_hz = 0.7, .damping_per_s = 0.6, .mass = 4};
+}
+
+cv::Point2f moved(const Motion& motion, int x, int y) {
+  float dx = 0, dy = 0;
+  motion.row(0, x, y, 1, &dx, &dy);
+  return {dx, dy};
+}
+
+TEST(TreeSway, BendsAsEquation3Says) {
+  EXPECT_EQ(bend(0), 0);
+  EXPECT_DOUBLE_EQ(bend(1), 1);
+  for (double u = 0.05; u < 2; u += 0.05)
+    EXPECT_NEAR(bend_by_distance(static_cast<float>(u)), bend(u) / u, 1e-6);
+  const double u = 0.3;
+  EXPECT_DOUBLE_EQ(bend(u), u * u * u * u / 3 - 4 * u * u * u / 3 + 2 * u * u);
+  // It goes on straight beyond the tip.
+  EXPECT_NEAR(bend(1 + 1e-6) - bend(1), bend(1) - bend(1 - 1e-6), 1e-10);
+}
+
+TEST(TreeSway, TurnsEachPointAboutTheRootAndBackAgain) {
+  const Gusts gusts({.speed_m_per_s = 8}, kCycle, 200);
+  TreeSway sway(one_tree(), gusts, kCycle, 1, kBox);
+  const cv::Point2d root(100, 220);
+  double most = 0;
+  for (int frame = 0; frame < kCycle.frames; frame += 7) {
+    sway.go_to(frame);
+    const double tip = sway.tip(0)[static_cast<std::size_t>(frame)];
+    for (int y = 8; y < 200; y += 16) {
+      for (int x = 56; x < 150; x += 16) {
+        // The source that the row gives, turned by its own angle, comes back to the pixel.
+        const cv::Point2d p(x + 0.5, y + 0.5), source = p + cv::Point2d(moved(sway, x, y));
+        const cv::Point2d from = source - root;
+        const double distance = std::hypot(from.x, from.y),
+                     angle = bend(distance / 180) / (distance / 180) * tip;
+        const cv::Point2d forward(from.x * std::cos(angle) - from.y * std::sin(angle),
+                                  from.x * std::sin(angle) + from.y * std::cos(angle));
+        EXPECT_NEAR(root.x + forward.x, p.x, 0.03);
+        EXPECT_NEAR(root.y + forward.y, p.y, 0.03);
+        EXPECT_NEAR(distance, std::hypot(p.x - root.x, p.y - root.y), 0.03);
+        most = std::max({most, std::abs(source.x - p.x), std::abs(source.y - p.y)});
+        EXPECT_LE(std::max(std::abs(source.x - p.x), std::abs(source.y - p.y)), sway.reach() + 1e-3);
+      }
+    }
+  }
+  EXPECT_GT(most, 2);
+}
+
+TEST(TreeSway, TipGoesToItsSideByItsDisplacement) {
+  const Gusts gusts({.speed_m_per_s = 3}, kCycle, 200);
+  TreeSway sway(one_tree(), gusts, kCycle, 1, kBox);
+  sway.go_to(11);
+  // The armature points up: to the right of its way is to the right in the picture.
+  const double tip = 180 * sway.tip(0)[11];
+  EXPECT_GT(std::abs(tip), 0.3);
+  EXPECT_NEAR(-moved(sway, 100, 40).x, tip, 0.03 * std::abs(tip) + 0.05);
+}
+
+TEST(TreeSway, SeveralArmaturesEachMoveWhatIsNear) {
+  TreeMotion tree = one_tree();
+  tree.armatures = {{{40, 220}, {40, 60}}, {{160, 220}, {160, 60}}};
+  const Gusts gusts({.speed_m_per_s = 8}, kCycle, 200);
+  TreeSway both(tree, gusts, kCycle, 1, kBox);
+  both.go_to(5);
+  EXPECT_NE(both.tip(0)[5], both.tip(1)[5]);
+  EXPECT_NEAR(-moved(both, 40, 60).x, 160 * both.tip(0)[5], 0.4);
+  EXPECT_NEAR(-moved(both, 160, 60).x, 160 * both.tip(1)[5], 0.4);
+}
+
+TEST(TreeSway, ShimmerMovesWhatTheWindAloneWouldNot) {
+  TreeMotion tree = one_tree();
+  tree.mass = 1e5;
+  tree.shimmer_px = 1.5;
+  const Gusts gusts({}, kCycle, 200);
+  TreeSway sway(tree, gusts, kCycle, 1, kBox);
+  double square = 0;
+  int count = 0;
+  for (int frame = 0; frame < kCycle.frames; frame += 5) {
+    sway.go_to(frame);
+    for (int y = 10; y < 220; y += 10)
+      for (int x = 10; x < 190; x += 10) {
+        const cv::Point2f d = moved(sway, x, y);
+        square += d.x * d.x, ++count;
+        EXPECT_LE(std::abs(d.x), sway.reach());
+      }
+  }
+  // A spline through independent nodes keeps less than their own deviation.
+  EXPECT_GT(std::sqrt(square / count), 0.4);
+  EXPECT_LT(std::sqrt(square / count), 1.5);
+}
+
+TEST(BoatRide, IsTheLeastSquaresLine) {
+  std::vector<cv::Point2d> hull, displaced;
+  for (int i = 0; i < 30; ++i) {
+    hull.emplace_back(100 + 5 * i, 300);
+    displaced.emplace_back(100 + 5 * i + 0.2 * std::sin(i), 297 + 0.1 * i + std::cos(1.7 * i));
+  }
+  const Ride ride = ride_of(hull, displaced);
+  cv::Mat a(30, 2, CV_64F), b(30, 1, CV_64F), x;
+  for (int i = 0; i < 30; ++i) {
+    a.at<double>(i, 0) = 1, a.at<double>(i, 1) = displaced[static_cast<std::size_t>(i)].x;
+    b.at<double>(i) = displaced[static_cast<std::size_t>(i)].y;
+  }
+  cv::solve(a, b, x, cv::DECOMP_SVD);
+  EXPECT_NEAR(std::tan(ride.roll), x.at<double>(1), 1e-9);
+  double mean = 0;
+  for (const cv::Point2d& p : displaced) mean += p.y / 30;
+  EXPECT_NEAR(ride.heave.y, mean - 300, 1e-9);
+}
+
+TEST(BoatRide, FindsARigidMotionWhateverTheHullsAngle) {
+  for (const double angle : {0.0, 0.7, 2.6}) {
+    std::vector<cv::Point2d> hull, displaced;
+    const double roll = 0.05;
+    const cv::Point2d way(std::cos(angle), std::sin(angle)),
+        turned(std::cos(angle + roll), std::sin(angle + roll));
+    for (int i = -20; i <= 20; ++i) {
+      hull.push_back(cv::Point2d(50, 60) + way * i);
+      displaced.push_back(cv::Point2d(50, 57) + turned * i);
+    }
+    const Ride ride = ride_of(hull, displaced);
+    EXPECT_NEAR(ride.roll, roll, 1e-9);
+    EXPECT_NEAR(ride.heave.y, -3, 1e-9);
+    EXPECT_NEAR(ride.heave.x, 0, 1e-9);
+  }
+}
+
+WaterMotion lake() {
+  return {.horizon = Line{{0, 40}, {200, 40}}, .focal_px = 240.0, .tile = 64, .roughness = 8, .amplitude = 2};
+}
+
+TEST(WaterSurface, RowsAreMinusTheDisplacementOfTheirPoints) {
+  for (const double tilt : {0.0, 12.0}) {
+    for (const WaterMapping mapping : {WaterMapping::kDisplacement, WaterMapping::kNormals}) {
+      WaterMotion water = lake();
+      water.horizon->to.y += tilt;
+      water.mapping = mapping;
+      const Gusts gusts({.gustiness = 0.5}, kCycle, 200);
+      WaterSurface surface(water, gusts, kCycle, 3, {0, 41, 200, 199}, {200, 240});
+      surface.go_to(9);
+      std::vector<float> dx(200), dy(200);
+      double most = 0;
+      for (int y = 60; y < 240; y += 20) {
+        surface.row(0, 0, y, 200, dx.data(), dy.data());
+        for (int x = 0; x < 200; x += 9) {
+          const cv::Point2d d = surface.displacement(x, y);
+          EXPECT_NEAR(dx[static_cast<std::size_t>(x)], -d.x, 2e-3);
+          EXPECT_NEAR(dy[static_cast<std::size_t>(x)], -d.y, 2e-3);
+          EXPECT_LE(std::max(std::abs(d.x), std::abs(d.y)), surface.reach());
+          most = std::max(most, std::abs(d.y));
+        }
+      }
+      EXPECT_GT(most, 0.2);
+    }
+  }
+}
+
+TEST(WaterSurface, IsStillAtTheHorizonAndAbove) {
+  const Gusts gusts({}, kCycle, 200);
+  WaterSurface surface(lake(), gusts, kCycle, 3, {0, 20, 200, 220}, {200, 240});
+  surface.go_to(4);
+  std::vector<float> dx(200), dy(200);
+  for (const int y : {20, 39, 41}) {
+    surface.row(0, 0, y, 200, dx.data(), dy.data());
+    for (int x = 0; x < 200; ++x) EXPECT_LT(std::abs(dy[static_cast<std::size_t>(x)]), 0.05) << y;
+  }
+}
+
+TEST(WaterSurface, GustsCrossThePictureWithTheWind) {
+  // A picture of 40 m under 8 m/s: what is at the left comes to the right five seconds later.
+  const Cycle cycle{.frames = 400, .fps = 20};
+  const Gusts gusts({.speed_m_per_s = 8, .gustiness = 1, .width_m = 40}, cycle, 200);
+  for (int frame = 0; frame < 300; frame += 30)
+    EXPECT_NEAR(gusts.strength(0, frame), gusts.strength(200, frame + 100), 1e-4);
+  const Gusts none({.speed_m_per_s = 8, .gustiness = 0}, cycle, 200);
+  EXPECT_EQ(none.strength(0, 50), 0);
+}
+
+TEST(BoatRide, ReflectionRollsTheOtherWay) {
+  const Gusts gusts({}, kCycle, 200);
+  WaterSurface surface(lake(), gusts, kCycle, 3, {0, 41, 200, 199}, {200, 240});
+  surface.go_to(9);
+  BoatMotion boat{.hull = Line{{60, 150}, {140, 150}}};
+  BoatRide ride(boat, surface, false, kBox), reflection(boat, surface, true, kBox);
+  ride.go_to(9), reflection.go_to(9);
+  const cv::Point2f up = moved(ride, 60, 149), down = moved(reflection, 60, 149);
+  // What the water itself does to the reflection, taken away.
+  const cv::Point2f wave(-surface.displacement(60, 149));
+  EXPECT_GT(std::abs(up.y), 0.02);
+  EXPECT_NEAR(down.y - wave.y, -up.y, 0.02);
+}
+
+TEST(CloudDrift, BeginsAndEndsAtTheStill) {
+  const CloudMotion clouds{.speed_px_per_s = 10.0};
+  CloudDrift drift(clouds, {}, kCycle, true, 300, {0, 100}, 200);
+  EXPECT_TRUE(drift.mixes());
+  float dx = 1, dy = 1;
+  drift.go_to(0);
+  drift.row(0, 5, 5, 1, &dx, &dy);
+  EXPECT_EQ(dx, 0);
+  EXPECT_EQ(drift.second(), 0);
+  drift.go_to(59);
+  EXPECT_NEAR(drift.second(), 59.0 / 60, 1e-6);
+  drift.row(1, 5, 5, 1, &dx, &dy);
+  EXPECT_NEAR(dx, 10.0 / 20, 1e-5);  // one frame before its place
+}
+
+TEST(CloudDrift, ComesRoundAWholeNumberOfTimesWhereItCan) {
+  const CloudMotion clouds{.speed_px_per_s = 110.0};
+  CloudDrift drift(clouds, {}, kCycle, true, 300, {0, 100}, 200);
+  EXPECT_FALSE(drift.mixes());
+  EXPECT_DOUBLE_EQ(drift.speed_px_per_s(), 100);
+}
+
+}  // namespace
+}  // namespace freshet::synth::scene

@@ -1,0 +1,173 @@
+#include "synth/scene/rendering/composite.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+#include <oneapi/tbb/global_control.h>
+#include <opencv2/imgproc.hpp>
+
+#include "platform/random.h"
+#include "synth/scene/motion/stillness.h"
+#include "synth/scene/rendering/scene_animation.h"
+#include "synth/scene/scene_file.h"
+#include "tests/synth/scene/made_scene.h"
+
+namespace freshet::synth::scene {
+namespace {
+
+/// Moves everything by one vector.
+class Shift : public Motion {
+ public:
+  Shift(float x, float y) : x_(x), y_(y) {}
+  void go_to(int) override {}
+  float reach() const override { return std::max(std::abs(x_), std::abs(y_)); }
+  void row(int, int, int, int n, float* dx, float* dy) const override {
+    std::fill(dx, dx + n, x_);
+    std::fill(dy, dy + n, y_);
+  }
+
+ private:
+  float x_, y_;
+};
+
+cv::Mat noise(cv::Size size, int type, std::uint64_t seed) {
+  cv::Mat out(size, type);
+  const Random random(seed, 0);
+  auto* values = out.ptr<float>();
+  for (std::size_t i = 0; i < out.total() * static_cast<std::size_t>(out.channels()); ++i)
+    values[i] = random.at(i);
+  return out;
+}
+
+TEST(Composite, IsPorterAndDuffFromBackToFront) {
+  const cv::Size kSize(67, 41);
+  std::vector<Sprite> sprites;
+  std::vector<cv::Mat> colours, alphas;
+  for (std::uint64_t i = 0; i < 4; ++i) {
+    colours.push_back(noise(kSize, CV_32FC3, 10 + i));
+    cv::Mat alpha = noise(kSize, CV_32F, 20 + i);
+    if (i == 3) alpha.setTo(1);
+    alpha.setTo(0, alpha < 0.3f);
+    alpha.setTo(1, alpha > 0.8f);
+    alphas.push_back(alpha);
+    sprites.push_back(make_sprite(colours.back(), alpha, Outline::kMoves));
+  }
+  Stillness still;
+  std::vector<MovedSprite> layers;
+  for (const Sprite& sprite : sprites) layers.push_back({&sprite, &still});
+  cv::Mat found(kSize, CV_32FC4);
+  composite(layers, found);
+  for (int y = 0; y < kSize.height; ++y) {
+    for (int x = 0; x < kSize.width; ++x) {
+      cv::Vec4f sum(0, 0, 0, 0);
+      for (std::size_t i = 4; i-- > 0;) {
+        const float a = alphas[i].at<float>(y, x);
+        const cv::Vec3f c = colours[i].at<cv::Vec3f>(y, x);
+        sum = cv::Vec4f(c[0] * a, c[1] * a, c[2] * a, a) + sum * (1 - a);
+      }
+      for (int c = 0; c < 4; ++c) ASSERT_NEAR(found.at<cv::Vec4f>(y, x)[c], sum[c], 1e-5);
+    }
+  }
+}
+
+TEST(Composite, MovesByWholePixelsWithoutAChange) {
+  const cv::Size size(40, 30);
+  const cv::Mat colour = noise(size, CV_32FC3, 1);
+  cv::Mat alpha(size, CV_32F, cv::Scalar(0));
+  alpha(cv::Rect(10, 8, 15, 12)).setTo(1);
+  const Sprite sprite = make_sprite(colour, alpha, Outline::kMoves);
+  const Shift shift(-4, 3);  // what is shown at p was at p + (-4, 3): it went right and up
+  const MovedSprite layer{&sprite, &shift};
+  cv::Mat found(size, CV_32FC4);
+  composite(std::span(&layer, 1), found);
+  for (int y = 0; y < 30; ++y)
+    for (int x = 0; x < 40; ++x) {
+      const bool there = cv::Rect(14, 5, 15, 12).contains({x, y});
+      ASSERT_EQ(found.at<cv::Vec4f>(y, x)[3], there ? 1 : 0) << x << " " << y;
+      if (there) {
+        ASSERT_EQ(found.at<cv::Vec4f>(y, x)[1], colour.at<cv::Vec3f>(y + 3, x - 4)[1]);
+      }
+    }
+}
+
+TEST(Composite, BetweenPixelsItIsTheCubicThatOpenCvHas) {
+  const cv::Size size(60, 50);
+  cv::Mat colour;
+  cv::GaussianBlur(noise(size, CV_32FC3, 2), colour, {}, 1.5);
+  const cv::Mat alpha(size, CV_32F, cv::Scalar(1));
+  const Sprite sprite = make_sprite(colour, alpha, Outline::kMoves);
+  const float dx = 21 / 32.0f, dy = -10 / 32.0f;
+  const Shift shift(dx, dy);
+  const MovedSprite layer{&sprite, &shift};
+  cv::Mat found(size, CV_32FC4), expected;
+  composite(std::span(&layer, 1), found);
+  cv::Mat map_x(size, CV_32F), map_y(size, CV_32F);
+  for (int y = 0; y < size.height; ++y)
+    for (int x = 0; x < size.width; ++x) map_x.at<float>(y, x) = x + dx, map_y.at<float>(y, x) = y + dy;
+  cv::remap(colour, expected, map_x, map_y, cv::INTER_CUBIC, cv::BORDER_REPLICATE);
+  for (int y = 4; y < 46; ++y)
+    for (int x = 4; x < 56; ++x)
+      for (int c = 0; c < 3; ++c)
+        ASSERT_NEAR(found.at<cv::Vec4f>(y, x)[c], expected.at<cv::Vec3f>(y, x)[c], 1e-4);
+}
+
+TEST(Composite, WhatIsHeldKeepsItsOutlineAndShowsNoEdgeInside) {
+  const cv::Size size(60, 50);
+  const cv::Mat colour(size, CV_32FC3, cv::Scalar::all(0.5));
+  cv::Mat alpha(size, CV_32F, cv::Scalar(0));
+  alpha(cv::Rect(5, 20, 50, 25)).setTo(1);
+  for (const Outline outline : {Outline::kHeld, Outline::kCyclic}) {
+    const Sprite sprite = make_sprite(colour, alpha, outline);
+    const Shift shift(6.3f, -5.6f);
+    const MovedSprite layer{&sprite, &shift};
+    cv::Mat found(size, CV_32FC4);
+    composite(std::span(&layer, 1), found);
+    for (int y = 0; y < 50; ++y)
+      for (int x = 0; x < 60; ++x) {
+        ASSERT_EQ(found.at<cv::Vec4f>(y, x)[3], alpha.at<float>(y, x));
+        ASSERT_NEAR(found.at<cv::Vec4f>(y, x)[0], 0.5f * alpha.at<float>(y, x), 1e-4);
+      }
+  }
+}
+
+TEST(SceneAnimation, UnmovedLayersGiveTheStill) {
+  MadeScene made(made_scene_text("speed = 0"));
+  cv::Mat frame;
+  made.animation().render(3, frame);
+  cv::Mat still;
+  made.picture().convertTo(still, CV_8U, 255);
+  EXPECT_LE(cv::norm(frame, still, cv::NORM_INF), 1);
+}
+
+TEST(SceneAnimation, ALoopEndsWhereItBeganToTheBit) {
+  MadeScene made(made_scene_text("speed = 7\ngustiness = 0.6"));
+  cv::Mat first, other, again;
+  made.animation().render(0, first);
+  made.animation().render(7, other);
+  made.animation().render(made.scene().frames, again);
+  EXPECT_GT(cv::norm(first, other, cv::NORM_INF), 8);
+  EXPECT_EQ(cv::norm(first, again, cv::NORM_INF), 0);
+}
+
+TEST(SceneAnimation, IsTheSameForAnyNumberOfThreads) {
+  cv::Mat frames[3];
+  int i = 0;
+  for (const int threads : {1, 2, 8}) {
+    const oneapi::tbb::global_control limit(oneapi::tbb::global_control::max_allowed_parallelism, threads);
+    MadeScene made(made_scene_text("speed = 7\ngustiness = 0.6"));
+    made.animation().render(9, frames[i++]);
+  }
+  EXPECT_EQ(cv::norm(frames[0], frames[1], cv::NORM_INF), 0);
+  EXPECT_EQ(cv::norm(frames[0], frames[2], cv::NORM_INF), 0);
+}
+
+TEST(SceneAnimation, FramesMoveAndAreNotTheStill) {
+  MadeScene made(made_scene_text("speed = 7"));
+  cv::Mat a, b;
+  made.animation().render(2, a);
+  made.animation().render(3, b);
+  EXPECT_GT(cv::norm(a, b, cv::NORM_L1) / static_cast<double>(a.total()), 0.05);
+}
+
+}  // namespace
+}  // namespace freshet::synth::scene

@@ -1,0 +1,212 @@
+#include "synth/scene/scene_file.h"
+
+#include <filesystem>
+#include <fstream>
+
+#include <unistd.h>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "freshet/error.h"
+#include "synth/scene/scene_marks.h"
+#include "tests/synth/scene/made_scene.h"
+
+namespace freshet::synth::scene {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+
+template <class Work>
+std::string fault_of(Work&& work) {
+  try {
+    work();
+  } catch (const Error& fault) {
+    return fault.what();
+  }
+  return "no fault";
+}
+std::string parse_fault(const std::string& text) {
+  return fault_of([&] { parse_scene(text, "folder/a.toml"); });
+}
+const std::string kTop = "picture = \"p.png\"\n";
+
+TEST(SceneFile, ReadsWhatStandsInIt) {
+  const Scene scene = parse_scene(made_scene_text("speed = 7\ndirection = 30\nseed = 5"), "folder/made.toml");
+  EXPECT_EQ(scene.picture, "folder/still.png");
+  EXPECT_TRUE(scene.loop);
+  EXPECT_EQ(scene.wind.direction_deg, 30);
+  ASSERT_EQ(scene.layers.size(), 5u);
+  EXPECT_EQ(scene.layers[0].tree.armatures.at(0).to, cv::Point2d(30, 20));
+  EXPECT_EQ(scene.layers[2].kind, MotionKind::kWater);
+  EXPECT_EQ(scene.layers[2].water.amplitude, 6);
+  // What nobody speaks of stays where it is.
+  EXPECT_EQ(scene.layers[4].matte.kind, MatteFrom::Kind::kRest);
+  EXPECT_EQ(scene.layers[4].kind, MotionKind::kStill);
+}
+
+TEST(SceneFile, LayersStandInTheirOrder) {
+  const Scene scene = parse_scene(kTop + R"(
+[[layer]]
+name = "far"
+matte = "rest"
+order = 9
+motion = "still"
+[[layer]]
+name = "near"
+matte = "m.png"
+order = 3
+motion = "still"
+)",
+                                  "a.toml");
+  EXPECT_EQ(scene.layers[0].name, "near");
+  EXPECT_EQ(scene.layers[1].name, "far");
+}
+
+TEST(SceneFile, TheSceneToStartFromIsOne) {
+  const Scene scene = parse_scene(first_scene("p.png", {640, 480}), "a.toml");
+  EXPECT_EQ(scene.layers.size(), 1u);
+  std::string all = first_scene("p.png", {640, 480});
+  // With its signs taken away, what it proposes is understood too.
+  for (const char* line : {"[[layer]]", "name", "scribbles", "motion", "armature", "frequency", "matte",
+                           "hull", "horizon", "roughness"})
+    for (std::size_t at = 0; (at = all.find(std::string("\n# ") + line, at)) != std::string::npos;)
+      all.erase(at + 1, 2);
+  const Scene whole = parse_scene(all, "a.toml");
+  EXPECT_EQ(whole.layers.size(), 4u);
+  EXPECT_EQ(whole.layers[2].water.horizon->from.y, 240);
+}
+
+TEST(SceneFile, EveryKeyIsExplained) {
+  const std::string keys = scene_keys();
+  for (const char* key :
+       {"picture",   "marks",         "paint",        "cut",           "frames",   "fps",
+        "loop",      "speed",         "kappa",        "gustiness",     "armature", "horizon",
+        "focal",     "camera_height", "roughness",    "against",       "hull",     "reflection_of",
+        "far_speed", "store",         "design_alpha", "exemplar_alpha"})
+    EXPECT_THAT(keys, HasSubstr(std::string("\n") + key)) << key;
+}
+
+TEST(SceneFile, MistakesNameLineKeyAndRemedy) {
+  EXPECT_THAT(
+      parse_fault(kTop + "[[layer]]\nname=\"a\"\nmatte=\"rest\"\nmotion=\"dance\"\n"),
+      AllOf(HasSubstr("a.toml:5"), HasSubstr("layer 1 (a).motion"), HasSubstr("dance"), HasSubstr("tree")));
+  EXPECT_THAT(parse_fault(kTop + "[[layer]]\nname=\"a\"\nmatte=\"rest\"\nmotion=\"still\"\nroughness=3\n"),
+              AllOf(HasSubstr("a.toml:6"), HasSubstr("no such key")));
+  EXPECT_THAT(parse_fault(kTop + "[wind]\nspeed = 99\n"),
+              AllOf(HasSubstr("a.toml:3"), HasSubstr("wind.speed"), HasSubstr("0 to 60")));
+  EXPECT_THAT(parse_fault(kTop), HasSubstr("[[layer]]"));
+  EXPECT_THAT(parse_fault("frames = 3"), HasSubstr("picture"));
+  EXPECT_THAT(parse_fault(kTop + "[[layer]]\nname=\"a\"\nmotion=\"still\"\n"),
+              HasSubstr("nothing says where it is"));
+  EXPECT_THAT(parse_fault(kTop + "[[layer]]\nname=\"a/b\"\nmatte=\"m.png\"\nmotion=\"still\"\n"),
+              HasSubstr("no name of a layer"));
+  EXPECT_THAT(parse_fault(kTop + "[[layer]]\nname=\"a\"\nmatte=\"m.png\"\nmotion=\"water\"\ntile=100\n"),
+              HasSubstr("no power of 2"));
+  EXPECT_THAT(parse_fault(kTop + "[[layer]]\nname=\"a\"\nmatte=\"paint\"\nmotion=\"still\"\n"),
+              HasSubstr("paint = "));
+}
+
+TEST(SceneFile, TwoLayersOfOneOrderAreRefused) {
+  EXPECT_THAT(parse_fault(kTop + "[[layer]]\nname=\"a\"\nmatte=\"m.png\"\norder=2\nmotion=\"still\"\n"
+                                 "[[layer]]\nname=\"b\"\nmatte=\"n.png\"\nmotion=\"still\"\n"),
+              AllOf(HasSubstr("a and b have one order, 2"), HasSubstr("nearest")));
+  EXPECT_THAT(parse_fault(kTop + "[[layer]]\nname=\"a\"\nmatte=\"rest\"\nmotion=\"still\"\n"
+                                 "[[layer]]\nname=\"b\"\nmatte=\"n.png\"\nmotion=\"still\"\n"),
+              HasSubstr("behind a, which is the rest"));
+}
+
+TEST(SceneFile, ABoatNeedsWater) {
+  EXPECT_THAT(parse_fault(kTop + "[[layer]]\nname=\"a\"\nmatte=\"m.png\"\nmotion=\"boat\"\n"),
+              AllOf(HasSubstr("no layer of the scene is water"), HasSubstr("motion = \"water\"")));
+  EXPECT_THAT(parse_fault(kTop + "[[layer]]\nname=\"a\"\nmatte=\"m.png\"\nmotion=\"boat\"\nwater=\"sea\"\n"
+                                 "[[layer]]\nname=\"lake\"\nmatte=\"n.png\"\nmotion=\"water\"\n"),
+              HasSubstr("\"sea\" is no layer of water"));
+}
+
+std::string animation_fault(const std::string& text) {
+  return fault_of([&] {
+    MadeScene made(text);
+    made.animation();
+  });
+}
+std::string replaced(std::string text, const std::string& from, const std::string& to) {
+  const std::size_t at = text.find(from);
+  EXPECT_NE(at, std::string::npos) << from;
+  return text.replace(at, from.size(), to);
+}
+
+TEST(SceneMarks, AHorizonBelowItsWaterIsRefused) {
+  const std::string text = made_scene_text("speed = 5");
+  EXPECT_THAT(animation_fault(replaced(text, "[0, 58, 160, 58]", "[0, 90, 160, 90]")),
+              AllOf(HasSubstr("layer lake"), HasSubstr("horizon lies below 50 %"),
+                    HasSubstr("at or above its far shore")));
+  EXPECT_THAT(animation_fault(replaced(text, "[0, 58, 160, 58]", "[50, 0, 50, 90]")),
+              HasSubstr("stands upright"));
+}
+
+TEST(SceneMarks, AnArmatureOutsideItsLayerIsRefused) {
+  const std::string text = made_scene_text("speed = 5");
+  EXPECT_THAT(animation_fault(replaced(text, "[30, 80, 30, 20]", "[130, 80, 130, 20]")),
+              AllOf(HasSubstr("layer tree"), HasSubstr("lies outside of it"), HasSubstr("x 15 to 45")));
+  EXPECT_THAT(animation_fault(replaced(text, "[30, 80, 30, 20]", "[30, 80, 30, 80.2]")),
+              HasSubstr("no length"));
+  EXPECT_THAT(animation_fault(replaced(text, "armature = [30, 80, 30, 20]\n", "")),
+              AllOf(HasSubstr("layer tree: it has no armature"), HasSubstr("SVG")));
+  EXPECT_THAT(animation_fault(replaced(text, "[80, 90, 120, 90]", "[20, 20, 60, 20]")),
+              HasSubstr("layer boat: its hull line"));
+}
+
+/// A drawing in a file that goes away.
+class Drawing {
+ public:
+  explicit Drawing(const std::string& body)
+      : path_(std::filesystem::temp_directory_path() /
+              ("scene_marks_" + std::to_string(::getpid()) + ".svg")) {
+    std::ofstream(path_) << "<svg xmlns='http://www.w3.org/2000/svg' "
+                            "xmlns:inkscape='http://www.inkscape.org/namespaces/inkscape' "
+                            "width='160' height='120'>"
+                         << body << "</svg>";
+  }
+  ~Drawing() { std::filesystem::remove(path_); }
+  Scene scene() const {
+    std::string text = made_scene_text("speed = 5");
+    text = replaced(text, "armature = [30, 80, 30, 20]\n", "");
+    text = replaced(text, "hull = [80, 90, 120, 90]\n", "");
+    text = replaced(text, "horizon = [0, 58, 160, 58]\n", "");
+    Scene scene = parse_scene(text, "made.toml");
+    scene.marks = path_;
+    return scene;
+  }
+
+ private:
+  std::filesystem::path path_;
+};
+
+TEST(SceneMarks, LinesBelongToTheLayerThatNamesThem) {
+  const Drawing drawing(
+      R"(<g inkscape:label='Tree'><path id='path12' d='M30,80 L31,20'/><path d='M20,80 L12,30'/></g>
+<line id='boat-1' x1='80' y1='90' x2='120' y2='91'/>
+<g transform='translate(0,8)'><polyline data-layer='lake' points='0,50 160,52'/></g>
+<line id='line7' x1='1' y1='2' x2='3' y2='4'/>)");
+  Scene scene = drawing.scene();
+  std::vector<std::string> notices;
+  read_marks(scene, kMadeSize, &notices);
+  ASSERT_EQ(scene.layers[0].tree.armatures.size(), 2u);
+  EXPECT_EQ(scene.layers[0].tree.armatures[0].to, cv::Point2d(31, 20));
+  EXPECT_EQ(scene.layers[1].boat.hull->to, cv::Point2d(120, 91));
+  EXPECT_EQ(scene.layers[2].water.horizon->from, cv::Point2d(0, 58));
+  ASSERT_EQ(notices.size(), 1u);
+  EXPECT_THAT(notices[0], AllOf(HasSubstr("line7"), HasSubstr("names no layer")));
+}
+
+TEST(SceneMarks, ALineForNoLayerIsAnError) {
+  const Drawing drawing("<line data-layer='oak' x1='1' y1='2' x2='3' y2='4'/>");
+  Scene scene = drawing.scene();
+  EXPECT_THAT(fault_of([&] { read_marks(scene, kMadeSize); }),
+              AllOf(HasSubstr("\"oak\" is no layer"), HasSubstr(".svg")));
+}
+
+}  // namespace
+}  // namespace freshet::synth::scene

@@ -1,0 +1,156 @@
+// freshet synth scene: what a scene gives, and what a wrong one leaves behind.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "tests/tools/sample.h"
+#include "tests/tools/work_folder.h"
+
+namespace freshet::tools {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A folder with a picture of a lake, a tree beside it, and their mattes.
+class Landscape : public WorkFolder {
+ public:
+  Landscape() {
+    const cv::Size size(160, 120);
+    cv::Mat picture(size, CV_8UC3), tree(size, CV_8U, cv::Scalar(0)), lake = tree.clone();
+    cv::RNG(3).fill(picture, cv::RNG::UNIFORM, 60, 190);
+    cv::GaussianBlur(picture, picture, {}, 1.2);
+    cv::ellipse(tree, {40, 40}, {14, 22}, 0, 0, 360, 255, -1, cv::LINE_AA);
+    tree(cv::Rect(36, 50, 8, 32)).setTo(255);
+    lake.rowRange(60, 120).setTo(255);
+    picture.setTo(cv::Scalar(30, 120, 40), tree > 127);
+    cv::imwrite((*this / "still.png").string(), picture);
+    cv::imwrite((*this / "tree.png").string(), tree);
+    cv::imwrite((*this / "lake.png").string(), lake);
+  }
+  void scene(const std::string& tree = "armature = [40, 80, 40, 20]", const std::string& top = {},
+             const std::string& more = {}) const {
+    file("scene.toml",
+         "picture = \"still.png\"\nframes = 6\nfps = 6\nloop = true\n" + top +
+             "\n[wind]\nspeed = 8\n[[layer]]\nname = \"tree\"\nmatte = \"tree.png\"\nmotion = "
+             "\"tree\"\nmass = 1\n" +
+             tree + "\n" + more +
+             "\n[[layer]]\nname = \"lake\"\nmatte = \"lake.png\"\nmotion = \"water\"\nhorizon = "
+             "[0, 55, 160, 55]\ntile = 64\n");
+  }
+  Outcome render(const std::vector<std::string>& more) const {
+    std::vector<std::string> words{"synth", "scene", "scene.toml"};
+    words.insert(words.end(), more.begin(), more.end());
+    return freshet(words);
+  }
+};
+
+TEST(SceneTool, GivesFramesLayersAndADrawing) {
+  const Landscape folder;
+  folder.scene();
+  const Outcome outcome = folder.render({"-o", "f/%02d.png", "--layers-out", "l/{layer}.%02d.png", "--draw",
+                                         "d.png", "--sheet", "s.png", "--json"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const cv::Mat whole = cv::imread((folder / "f/03.png").string());
+  ASSERT_EQ(whole.size(), cv::Size(160, 120));
+  EXPECT_GT(cv::norm(whole, cv::imread((folder / "f/00.png").string()), cv::NORM_INF), 5);
+  // The layers over each other are the frame.
+  cv::Mat sum(whole.size(), CV_32FC3, cv::Scalar::all(0));
+  for (const char* layer : {"(rest)", "lake", "tree"}) {
+    const cv::Mat one =
+        cv::imread((folder / fmt::format("l/{}.03.png", layer)).string(), cv::IMREAD_UNCHANGED);
+    ASSERT_EQ(one.type(), CV_8UC4) << layer;
+    for (int y = 0; y < sum.rows; ++y)
+      for (int x = 0; x < sum.cols; ++x) {
+        const cv::Vec4b v = one.at<cv::Vec4b>(y, x);
+        for (int c = 0; c < 3; ++c)
+          sum.at<cv::Vec3f>(y, x)[c] += (v[c] - sum.at<cv::Vec3f>(y, x)[c]) * v[3] / 255.0f;
+      }
+  }
+  cv::Mat expected;
+  whole.convertTo(expected, CV_32F);
+  EXPECT_LE(cv::norm(sum, expected, cv::NORM_INF), 2.5);
+  EXPECT_EQ(cv::imread((folder / "d.png").string()).size(), whole.size());
+  EXPECT_FALSE(cv::imread((folder / "s.png").string()).empty());
+}
+
+TEST(SceneTool, IsTheSameForAnyNumberOfThreads) {
+  const Landscape folder;
+  folder.scene();
+  ASSERT_EQ(folder.render({"-o", "a.mkv", "-j", "1"}).exit_code, 0);
+  ASSERT_EQ(folder.render({"-o", "b.mkv", "-j", "4"}).exit_code, 0);
+  EXPECT_EQ(text_of(folder / "a.mkv"), text_of(folder / "b.mkv"));
+}
+
+TEST(SceneTool, LeavesASceneToStartFrom) {
+  const Landscape folder;
+  Outcome outcome = folder.freshet({"synth", "scene", "--init", "still.png", "-o", "new.toml"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  outcome = folder.freshet({"synth", "scene", "new.toml", "-o", "new.mkv"});
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_EQ(folder.freshet({"synth", "scene", "--init", "still.png", "-o", "new.toml"}).exit_code, 2);
+  outcome = folder.freshet({"synth", "scene", "--keys"});
+  EXPECT_EQ(outcome.exit_code, 0);
+  EXPECT_NE(outcome.out.find("roughness"), std::string::npos);
+}
+
+TEST(SceneTool, MixesPatchesAndFootage) {
+  const Landscape folder;
+  folder.scene();
+  ASSERT_EQ(folder.render({"-o", "f/%02d.png", "--layers-out", "l/{layer}.%02d.png"}).exit_code, 0);
+  // The tree that was written comes in again as footage, 20 px further right.
+  folder.scene("armature = [40, 80, 40, 20]", {},
+               "[[layer]]\nname = \"copy\"\nmotion = \"footage\"\nfile = \"l/tree.%02d.png\"\nat = [20, 0]");
+  Outcome outcome = folder.render({"-o", "g/%02d.png"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const cv::Vec3b green = cv::imread((folder / "g/00.png").string()).at<cv::Vec3b>(40, 66);
+  EXPECT_NEAR(green[1], 120, 12);
+  EXPECT_LT(green[2], 60);
+
+  folder.file(
+      "lake_patches.toml",
+      fmt::format("picture = \"{}\"\nframes = 6\nfps = 6\n[[layer]]\nname = \"fall\"\nmatte = \"{}\"\nmotion "
+                  "= \"patches\"\nstore = \"{}\"\nclass = \"fall\"\noptions = [\"--direction\", \"down\"]\n",
+                  sample().still.string(), sample().matte.string(), sample().store.string()));
+  outcome = folder.freshet({"synth", "scene", "lake_patches.toml", "-o", "p/%02d.png"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_GT(cv::norm(cv::imread((folder / "p/01.png").string()), cv::imread((folder / "p/04.png").string()),
+                     cv::NORM_INF),
+            8);
+}
+
+TEST(SceneTool, WhatIsWrongIsNamedAndNothingIsLeft) {
+  const Landscape folder;
+  const auto refused = [&](const std::string& expected) {
+    const Outcome outcome = folder.render({"-o", "out.mkv"});
+    EXPECT_NE(outcome.exit_code, 0);
+    EXPECT_EQ(outcome.signal, 0);
+    EXPECT_NE(outcome.err.find(expected), std::string::npos) << outcome.err;
+    EXPECT_FALSE(fs::exists(folder / "out.mkv"));
+  };
+  folder.scene("armature = [140, 80, 140, 20]");
+  refused("lies outside of it");
+  folder.scene("armature = [40, 80, 40]");
+  refused("scene.toml:");
+  folder.scene("armature = [40, 80, 40, 20]", "marks = \"none.svg\"");
+  refused("none.svg");
+  folder.scene("armature = [40, 80, 40, 20]", {}, "order = 2");
+  refused("one order");
+  cv::imwrite((folder / "small.png").string(), cv::Mat(50, 70, CV_8U, cv::Scalar(0)));
+  folder.scene("armature = [40, 80, 40, 20]", {},
+               "[[layer]]\nname = \"b\"\nmatte = \"small.png\"\nmotion = \"still\"");
+  refused("small.png");
+  folder.scene("armature = [40, 80, 40, 20]", {},
+               "[[layer]]\nname = \"b\"\nmotion = \"footage\"\nfile = \"none.%04d.png\"");
+  refused("none.%04d.png");
+  folder.file("cut.ora", "PK\x03\x04 and no more");
+  folder.scene("armature = [40, 80, 40, 20]", "cut = \"cut.ora\"");
+  refused("cut.ora");
+  folder.scene();
+  const Outcome outcome = folder.render({"-o", "out.mkv", "--layers-out", "layers.mov"});
+  EXPECT_EQ(outcome.exit_code, 2);
+  EXPECT_NE(outcome.err.find("{layer}"), std::string::npos) << outcome.err;
+}
+
+}  // namespace
+}  // namespace freshet::tools
