@@ -37,8 +37,11 @@ struct LayersCommand {
   bool json = false;
 };
 
-// The widest error that laying the layers over each other leaves, in levels of the picture's own bits.
-double error_of(const std::vector<scene::CutLayer>& layers, const cv::Mat& picture, double levels) {
+// The widest error that laying the layers over each other as they are written leaves, in levels of their bits.
+double error_of(const media::OpenRaster& paint, const cv::Mat& picture, double levels) {
+  std::vector<scene::CutLayer> layers;
+  for (const media::RasterLayer& layer : paint.layers)
+    if (layer.visible) layers.push_back(scene::from_paint(layer, paint.canvas));
   return levels * cv::norm(scene::composited(layers), picture, cv::NORM_INF);
 }
 
@@ -87,9 +90,10 @@ void run_layers(LayersCommand& command, const RunContext& context) {
   progress.finish();
   const double seconds = watch.seconds();
   const bool deep = command.bits == 16 || (command.bits == 0 && !still.deep.empty());
-  media::write_openraster(command.out,
-                          scene::to_paint(layers, deep ? scene::PaintBits::k16 : scene::PaintBits::k8));
-  const double error = error_of(layers, media::coded_picture(still), deep ? 65535 : 255);
+  const media::OpenRaster paint =
+      scene::to_paint(layers, deep ? scene::PaintBits::k16 : scene::PaintBits::k8);
+  media::write_openraster(command.out, paint);
+  const double error = error_of(paint, media::coded_picture(still), deep ? 65535 : 255);
   say(fmt::format(
       "{} layers of {} x {} px in {:.1f} s; laid over each other they are within {:.2f} levels of the "
       "picture",

@@ -184,12 +184,29 @@ Behind filled_behind(const LayerMatte& layer, const cv::Mat& picture, const cv::
   return {filled.picture, filled.source};
 }
 
+/// How far the colour behind may be moved from its guess.
+float reach_of(float alpha) { return 0.04f + 0.3f * (1 - alpha) * (1 - alpha); }
+
+/// The least alpha, in steps of 1/255, at which a colour of 0..1 over one near the guess gives the picture: white over
+/// sky is no half white that only a whiter sky behind it could explain.
+float possible_alpha(const cv::Vec3f& picture, float alpha, const cv::Vec3f& behind) {
+  const float far = reach_of(alpha);
+  float least = alpha;
+  for (int c = 0; c < 3; ++c) {
+    const float top = std::max(1.0f, picture[c]);
+    const float high = std::min(top, behind[c] + far), low = std::max(0.0f, behind[c] - far);
+    if (picture[c] > high) least = std::max(least, (picture[c] - high) / (top - high));
+    if (picture[c] < low) least = std::max(least, 1 - picture[c] / low);
+  }
+  return least <= alpha ? alpha : std::min(1.0f, std::ceil(least * 255) / 255);
+}
+
 /// Moves two colours by little so that alpha F + (1 - alpha) B is the picture's. B gives way more, for it is guessed
 /// and hidden until something moves; but not far, or where alpha is nearly 1 a small error of F would make it any
 /// colour: single bright pixels that show when the rim moves away.
 void explain(float picture, float alpha, float& front, float& behind) {
   constexpr float kYield = 4;  // variance of B's guess, in F's
-  const float beta = 1 - alpha, far = 0.04f + 0.3f * beta * beta;
+  const float beta = 1 - alpha, far = reach_of(alpha);
   const float r = (picture - alpha * front - beta * behind) / (alpha * alpha + kYield * beta * beta);
   const float top = std::max(1.0f, picture);
   behind = std::clamp(behind + std::clamp(kYield * r * beta, -far, far), 0.0f, top);
@@ -200,10 +217,11 @@ void explain(float picture, float alpha, float& front, float& behind) {
 }
 
 // Colours of the layer and of what is behind it that give the picture, pixel by pixel.
-void settle(const cv::Mat& picture, Matting& matting, cv::Mat& behind) {
+// alpha_stands   it was given, and is not found out to be impossible.
+void settle(const cv::Mat& picture, Matting& matting, cv::Mat& behind, bool alpha_stands) {
   for (int y = 0; y < picture.rows; ++y)
     for (int x = 0; x < picture.cols; ++x) {
-      const float a = matting.alpha.at<float>(y, x);
+      float& a = matting.alpha.at<float>(y, x);
       const cv::Vec3f c = picture.at<cv::Vec3f>(y, x);
       cv::Vec3f& f = matting.foreground.at<cv::Vec3f>(y, x);
       cv::Vec3f& b = behind.at<cv::Vec3f>(y, x);
@@ -216,7 +234,11 @@ void settle(const cv::Mat& picture, Matting& matting, cv::Mat& behind) {
         // Where much of what is behind is seen, it is what was seen; the more is hidden, the more it is the copy.
         const float t = std::clamp((a - 0.1f) / 0.6f, 0.0f, 1.0f), copy = t * t * (3 - 2 * t);
         b = b * copy + matting.background.at<cv::Vec3f>(y, x) * (1 - copy);
-        for (int i = 0; i < 3; ++i) explain(c[i], a, f[i], b[i]);
+        if (!alpha_stands) a = possible_alpha(c, a, b);
+        if (a >= 1)
+          f = c;
+        else
+          for (int i = 0; i < 3; ++i) explain(c[i], a, f[i], b[i]);
       }
     }
 }
@@ -271,7 +293,7 @@ class Cutter {
     const cv::Mat covered = matting.alpha > 0, rim = widened(covered, kRim_px);
     Behind behind = filled_behind(layer, picture_, rim, filled_ == 0, options_);
     if (layer.paint.empty())
-      settle(picture_, matting, behind.picture);
+      settle(picture_, matting, behind.picture, layer.kind == MatteKind::kAlpha);
     else
       picture_.copyTo(behind.picture, ~covered);
     for (std::size_t further = at + 1; further < layers_.size(); ++further)
