@@ -17,6 +17,7 @@
 #include "platform/text_file.h"
 #include "tools/commands.h"
 #include "tools/console/output_names.h"
+#include "tools/console/progress.h"
 
 namespace {
 
@@ -120,6 +121,7 @@ int main(int argc, char** argv) {
             return std::string();
           },
           ""));
+  tools::add_progress(app);
   app.parse_complete_callback([&app] { tools::refuse_overwriting(app); });
   app.require_subcommand(1);
   app.allow_config_extras(CLI::config_extras_mode::error);  // a misspelt name must not be passed over
@@ -129,6 +131,7 @@ int main(int argc, char** argv) {
   tools::add_store(app, context);
   tools::add_query(app, context);
   tools::add_synth(app, context);
+  tools::add_studio(app, context);
 
   try {
     app.parse(argc, argv);
