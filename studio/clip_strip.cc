@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
+#include <iterator>
 #include <vector>
 
 #include <opencv2/imgcodecs.hpp>
@@ -18,9 +18,7 @@ namespace {
 constexpr std::uint32_t kSlab = 16;  // frames that a store decodes together
 constexpr double kShown = 2;         // s
 
-/// What `small` makes of evenly spread frames, side by side.
-cv::Mat strip_of(const store::Snapshot& snapshot, store::ClipId clip,
-                 const std::function<cv::Mat(const cv::Mat&)>& small) {
+std::vector<cv::Mat> read_frames(const store::Snapshot& snapshot, store::ClipId clip) {
   const query::ClipFrames frames(snapshot, clip);
   const store::ClipRecord& record = snapshot.clip(clip);
   const double fps =
@@ -28,7 +26,7 @@ cv::Mat strip_of(const store::Snapshot& snapshot, store::ClipId clip,
   const auto shown = static_cast<std::uint32_t>(
       std::clamp(kShown * fps, 1.0, static_cast<double>(std::max(1u, frames.size()))));
   const std::uint32_t count = std::min<std::uint32_t>(kStripFrames, shown);
-  std::vector<cv::Mat> parts;
+  std::vector<cv::Mat> read;
   std::vector<media::Frame> slab;
   std::uint32_t first = 0;
   for (std::uint32_t i = 0; i < count; ++i) {
@@ -37,8 +35,12 @@ cv::Mat strip_of(const store::Snapshot& snapshot, store::ClipId clip,
       first = frame / kSlab * kSlab;
       slab = frames.read(first, std::min(kSlab, frames.size() - first));
     }
-    parts.push_back(small(media::to_bgr(slab[frame - first])));
+    read.push_back(media::to_bgr(slab[frame - first]));
   }
+  return read;
+}
+
+cv::Mat side_by_side(const std::vector<cv::Mat>& parts) {
   cv::Mat strip;
   cv::hconcat(parts, strip);
   return strip;
@@ -46,29 +48,49 @@ cv::Mat strip_of(const store::Snapshot& snapshot, store::ClipId clip,
 
 }  // namespace
 
-cv::Mat clip_strip(const store::Snapshot& snapshot, store::ClipId clip, int width) {
-  return strip_of(snapshot, clip, [width](const cv::Mat& frame) {
-    const double scale = std::min(1.0, static_cast<double>(width) / frame.cols);
-    cv::Mat small;
-    cv::resize(frame, small,
-               {std::max(1, cvRound(frame.cols * scale)), std::max(1, cvRound(frame.rows * scale))}, 0, 0,
-               cv::INTER_AREA);
-    return small;
-  });
+ClipSamples::Frames ClipSamples::frames(store::ClipId clip) {
+  const std::lock_guard lock(guard_);
+  const auto known =
+      std::find_if(kept_.begin(), kept_.end(), [&](const Kept& kept) { return kept.clip == clip; });
+  if (known != kept_.end()) {
+    kept_.splice(kept_.begin(), kept_, known);
+    return kept_.front().frames;
+  }
+  Kept read{.clip = clip,
+            .frames = std::make_shared<const std::vector<cv::Mat>>(read_frames(snapshot_, clip))};
+  for (const cv::Mat& frame : *read.frames) read.bytes += frame.total() * frame.elemSize();
+  kept_.push_front(read);
+  std::size_t bytes = 0;
+  for (auto kept = kept_.begin(); kept != kept_.end();) {
+    bytes += kept->bytes;
+    kept = bytes > kMostBytes ? kept_.erase(kept) : std::next(kept);
+  }
+  return read.frames;
 }
 
-cv::Mat patch_strip(const store::Snapshot& snapshot, store::ClipId clip, const vision::Variant& variant,
-                    const cv::Rect& patch, int side) {
-  const store::ClipRecord& record = snapshot.clip(clip);
-  const cv::Size source(static_cast<int>(record.width), static_cast<int>(record.height));
-  const cv::Size frame = vision::variant_frame(source, variant).size;
-  if ((patch & cv::Rect({}, frame)) != patch || patch.empty())
-    throw Error(ErrorKind::kInput, record.name, "the patch lies outside of its frame");
-  return strip_of(snapshot, clip, [&](const cv::Mat& picture) {
-    cv::Mat shown;
-    cv::resize(vision::warp_to_variant(picture, variant)(patch), shown, {side, side}, 0, 0, cv::INTER_LINEAR);
-    return shown;
-  });
+cv::Mat clip_strip(const std::vector<cv::Mat>& frames, int width) {
+  std::vector<cv::Mat> parts;
+  for (const cv::Mat& frame : frames) {
+    const double scale = std::min(1.0, static_cast<double>(width) / frame.cols);
+    const cv::Size size(std::max(1, cvRound(frame.cols * scale)), std::max(1, cvRound(frame.rows * scale)));
+    cv::resize(frame, parts.emplace_back(), size, 0, 0, cv::INTER_AREA);
+  }
+  return side_by_side(parts);
+}
+
+cv::Mat patch_strip(const std::vector<cv::Mat>& frames, const vision::Variant& variant, const cv::Rect& patch,
+                    int side) {
+  // Straight from the source to what is shown: a whole frame turned for each of 24 patches would be waited for.
+  const cv::Matx23d to_source = vision::variant_frame(frames.at(0).size(), variant).source_from_variant;
+  const double step = static_cast<double>(patch.width) / side;
+  const cv::Vec2d corner = to_source * cv::Vec3d(patch.x + 0.5 * step - 0.5, patch.y + 0.5 * step - 0.5, 1);
+  const cv::Matx23d from_shown(to_source(0, 0) * step, to_source(0, 1) * step, corner[0],  //
+                               to_source(1, 0) * step, to_source(1, 1) * step, corner[1]);
+  std::vector<cv::Mat> parts;
+  for (const cv::Mat& frame : frames)
+    cv::warpAffine(frame, parts.emplace_back(), from_shown, {side, side},
+                   cv::INTER_LINEAR | cv::WARP_INVERSE_MAP, cv::BORDER_REPLICATE);
+  return side_by_side(parts);
 }
 
 std::array<cv::Point2d, 4> patch_in_clip(const store::ClipRecord& clip, const vision::Variant& variant,

@@ -2,7 +2,12 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
+#include <list>
+#include <memory>
+#include <mutex>
 #include <string>
+#include <vector>
 
 #include <opencv2/core.hpp>
 
@@ -13,13 +18,33 @@ namespace freshet::studio {
 
 inline constexpr int kStripFrames = 24;  // at most; spread evenly over the clip's first two seconds
 
-/// Frames side by side, CV_8UC3: each at most `width` px wide, with the clip's shape. Throws Error{kDamaged}.
-cv::Mat clip_strip(const store::Snapshot& snapshot, store::ClipId clip, int width);
+/// Frames of clips as they are shown, kept for the next who asks. Safe from many threads.
+class ClipSamples {
+ public:
+  explicit ClipSamples(store::Snapshot snapshot) : snapshot_(std::move(snapshot)) {}
+  using Frames = std::shared_ptr<const std::vector<cv::Mat>>;  // CV_8UC3, whole
+  /// Throws Error{kDamaged}.
+  Frames frames(store::ClipId clip);
+
+  static constexpr std::size_t kMostBytes = std::size_t{256} << 20;
+
+ private:
+  struct Kept {
+    store::ClipId clip;
+    Frames frames;
+    std::size_t bytes = 0;
+  };
+  store::Snapshot snapshot_;
+  std::mutex guard_;      // held while a clip is read: who asks for the same one waits
+  std::list<Kept> kept_;  // last used first
+};
+
+/// Frames side by side, CV_8UC3: each at most `width` px wide, with the clip's shape.
+cv::Mat clip_strip(const std::vector<cv::Mat>& frames, int width);
 
 /// The same of a patch alone, as its variant shows it: `side` px wide and high. patch   px, in the variant's frame.
-/// Throws Error{kInput} when the patch lies outside of it.
-cv::Mat patch_strip(const store::Snapshot& snapshot, store::ClipId clip, const vision::Variant& variant,
-                    const cv::Rect& patch, int side);
+cv::Mat patch_strip(const std::vector<cv::Mat>& frames, const vision::Variant& variant, const cv::Rect& patch,
+                    int side);
 
 /// Where a patch's corners lie in its clip's frame, 0..1 of its width and height; from upper left, clockwise as the
 /// patch is seen.

@@ -8,6 +8,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <chrono>
@@ -176,9 +177,15 @@ CommandAnswer run(const Command& command, const Job& job) {
   int status = 0;
   while (::waitpid(process, &status, 0) < 0 && errno == EINTR) continue;
   if (job.stop.stop_requested()) throw Error(ErrorKind::kCancelled, "freshet", "stopped");
-  if (!WIFEXITED(status) || WEXITSTATUS(status) != 0)
+  if (!WIFEXITED(status) || WEXITSTATUS(status) != 0) {
+    constexpr std::size_t kTold = 4;  // of its last messages
+    std::string told;
+    const std::size_t first = answer.messages.size() - std::min(kTold, answer.messages.size());
+    for (std::size_t i = first; i < answer.messages.size(); ++i)
+      told += (told.empty() ? "" : " ") + answer.messages[i];
     throw Error(ErrorKind::kIo, "freshet " + command.arguments.front(),
-                answer.messages.empty() ? "ended without a word" : answer.messages.back());
+                told.empty() ? "ended without a word" : told);
+  }
   return answer;
 }
 

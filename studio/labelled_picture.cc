@@ -196,8 +196,8 @@ std::string candidate_strip(const LabelledPicture& labelled, std::size_t piece, 
     throw Error(ErrorKind::kNotFound, "candidate", "there is no such candidate");
   const query::Row row = search.candidates.rows_of(piece)[candidate];
   const query::PatchTable& table = labelled.store->base.table;
-  return encoded(patch_strip(labelled.store->snapshot, table.clips[table.clip[row]],
-                             labelled.store->base.settings.variants()[table.variant[row]],
+  const ClipSamples::Frames frames = labelled.store->samples->frames(table.clips[table.clip[row]]);
+  return encoded(patch_strip(*frames, labelled.store->base.settings.variants()[table.variant[row]],
                              patch_of(labelled, row), kPatchSide));
 }
 

@@ -7,7 +7,6 @@
 #include <nlohmann/json.hpp>
 
 #include "freshet/error.h"
-#include "studio/clip_strip.h"
 
 namespace freshet::studio {
 namespace {
@@ -37,12 +36,19 @@ store::Snapshot OpenedStore::snapshot() const {
   return *snapshot_;
 }
 
+std::shared_ptr<ClipSamples> OpenedStore::samples() const {
+  const store::Snapshot seen = snapshot();
+  const std::lock_guard lock(guard_);
+  if (!samples_) samples_ = std::make_shared<ClipSamples>(seen);
+  return samples_;
+}
+
 std::shared_ptr<const StoreBase> OpenedStore::base(const ProgressFunction& progress) const {
   const store::Snapshot snapshot = this->snapshot();
   const std::lock_guard lock(base_guard_);
   if (!base_) {
     if (progress) progress({"reading the index", 0, 0});
-    base_ = std::make_shared<const StoreBase>(StoreBase{snapshot, query::open_search(snapshot)});
+    base_ = std::make_shared<const StoreBase>(StoreBase{snapshot, query::open_search(snapshot), samples()});
   }
   return base_;
 }
@@ -51,6 +57,7 @@ void OpenedStore::refresh() {
   {
     const std::scoped_lock lock(guard_, base_guard_);
     snapshot_.reset();
+    samples_.reset();
     base_.reset();
   }
   const std::lock_guard lock(strips_guard_);
@@ -93,7 +100,7 @@ std::string OpenedStore::strip(std::size_t clip, int width) const {
   const store::Snapshot seen = snapshot();
   if (clip >= seen.clips().size())
     throw Error(ErrorKind::kNotFound, path_.string(), fmt::format("there is no clip {}", clip));
-  std::string strip = encoded(clip_strip(seen, seen.clips()[clip], width));
+  std::string strip = encoded(clip_strip(*samples()->frames(seen.clips()[clip]), width));
   const std::lock_guard lock(strips_guard_);
   if (strips_.size() >= kMostStrips) strips_.clear();
   strips_[{clip, width}] = strip;

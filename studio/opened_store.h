@@ -12,6 +12,7 @@
 #include "freshet/job.h"
 #include "query/index/search_base.h"
 #include "store/store.h"
+#include "studio/clip_strip.h"
 
 namespace freshet::studio {
 
@@ -19,6 +20,7 @@ namespace freshet::studio {
 struct StoreBase {
   store::Snapshot snapshot;
   query::SearchBase base;
+  std::shared_ptr<ClipSamples> samples;
 };
 
 /// Opened once, and shared by all that is done with it. Safe from many threads.
@@ -43,11 +45,14 @@ class OpenedStore {
   std::string strip(std::size_t clip, int width) const;
 
  private:
+  std::shared_ptr<ClipSamples> samples() const;
+
   std::filesystem::path path_;
   std::string id_;
   mutable std::mutex guard_;
   mutable std::optional<store::Store> store_;
   mutable std::optional<store::Snapshot> snapshot_;
+  mutable std::shared_ptr<ClipSamples> samples_;
   mutable std::mutex base_guard_;  // held while the base is opened
   mutable std::shared_ptr<const StoreBase> base_;
   mutable std::mutex strips_guard_;

@@ -11,6 +11,7 @@
 
 #include <fmt/format.h>
 #include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
 
 #include "freshet/error.h"
 #include "platform/text_file.h"
@@ -22,6 +23,8 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t kMaxDocument = 16u << 20;
 constexpr const char* kDocument = "document.json";
+constexpr const char* kThumbnail = "thumbnail.jpg";
+constexpr int kThumbnailSide = 480;  // px
 
 [[noreturn]] void fail_writing(const fs::path& path, int fault) {
   throw Error(ErrorKind::kIo, path.string(), fmt::format("cannot be written ({})", std::strerror(fault)),
@@ -54,6 +57,18 @@ std::string png(const cv::Mat& grey) {
   return {bytes.begin(), bytes.end()};
 }
 
+std::string small_jpeg(const cv::Mat& picture) {
+  const double scale =
+      std::min(1.0, kThumbnailSide / static_cast<double>(std::max(picture.cols, picture.rows)));
+  cv::Mat small;
+  cv::resize(picture, small,
+             {std::max(1, cvRound(picture.cols * scale)), std::max(1, cvRound(picture.rows * scale))}, 0, 0,
+             cv::INTER_AREA);
+  std::vector<std::uint8_t> bytes;
+  cv::imencode(".jpg", small, bytes);
+  return {bytes.begin(), bytes.end()};
+}
+
 std::string picture_in(const fs::path& folder) {
   std::error_code fault;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder, fault))
@@ -80,7 +95,7 @@ std::shared_ptr<Project> Project::create(const fs::path& folder, const fs::path&
     fs::rename(bytes, picture, fault);
     if (fault) fs::copy_file(bytes, picture);
     auto project = std::make_shared<Project>(folder);
-    project->picture();
+    project->write(kThumbnail, small_jpeg(project->picture()->bgr));
     project->write(kDocument, to_json({}));
     return project;
   } catch (...) {
@@ -195,6 +210,14 @@ bool Project::holds(const std::string& name) const {
   std::error_code fault;
   const fs::file_status status = fs::symlink_status(folder_ / name, fault);
   return fs::is_regular_file(status);
+}
+
+std::string thumbnail(const fs::path& folder) {
+  constexpr std::size_t kMost = 4u << 20;
+  const fs::path path = folder / kThumbnail;
+  if (fs::is_symlink(fs::symlink_status(folder)) || !fs::is_regular_file(fs::symlink_status(path)))
+    throw Error(ErrorKind::kNotFound, folder.filename().string(), "it has no thumbnail");
+  return read_text_file(path, kMost, "");
 }
 
 std::string project_name(const std::string& file) {

@@ -22,6 +22,7 @@ namespace freshet::studio {
 ///   document.json    what was drawn and chosen
 ///   project.toml     the same for the command line, with strokes.svg, matte.png, hold.png, assignment.json beside it
 ///   marks.json       the scribbles, for `synth matte --marks`
+///   thumbnail.jpg    the picture, small
 ///   exports/         what was made
 /// Each is written beside its place and renamed. Safe from many threads.
 class Project {
@@ -76,6 +77,9 @@ class Project {
   mutable std::mutex picture_guard_;
   mutable std::shared_ptr<const media::Still> picture_;
 };
+
+/// The bytes of a project's thumbnail, without opening it. Throws Error{kNotFound}.
+std::string thumbnail(const std::filesystem::path& folder);
 
 /// "A fall, 3.JPG" becomes "a-fall-3".
 std::string project_name(const std::string& file);

@@ -2,17 +2,17 @@
 
 #include <fmt/format.h>
 
-#include "freshet/error.h"
-
 namespace freshet::studio {
 namespace {
 
-/// The command line's reader knows both quotes, and escapes in neither.
+/// A basic string of TOML.
 std::string quoted(const std::string& text) {
-  const char quote = text.find('"') == std::string::npos ? '"' : '\'';
-  if (text.find(quote) != std::string::npos)
-    throw Error(ErrorKind::kUsage, text, "its name holds both kinds of quotes", "Give it another name");
-  return quote + text + quote;
+  std::string escaped = "\"";
+  for (const char c : text) {
+    if (c == '"' || c == '\\') escaped += '\\';
+    escaped += c;
+  }
+  return escaped + '"';
 }
 
 }  // namespace

@@ -17,7 +17,6 @@ struct RecipeFiles {
 };
 
 /// For `freshet synth animate --config project.toml`, run in the project's folder.
-/// Throws Error{kUsage} for a name that such a file cannot hold (both kinds of quotes).
 std::string recipe_toml(const Document& document, const RecipeFiles& files);
 
 }  // namespace freshet::studio

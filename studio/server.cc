@@ -281,6 +281,7 @@ void Server::Impl::get_project(const Words& words, const httplib::Request& reque
   if (words.size() == 3) return answer(response, studio.project_json(id));
   if (what == "exports" && words.size() == 4) return answer(response, studio.exports_json(id));
   if (what == "exports" && words.size() == 5) return send_export(id, words[4], response);
+  if (what == "thumbnail") return answer(response, studio.thumbnail_of(id), "image/jpeg");
   const std::shared_ptr<Easel> easel = studio.easel(id);
   if (what == "picture") {
     const std::string asked = request.get_param_value("longest");

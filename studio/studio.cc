@@ -143,10 +143,7 @@ std::string Studio::open_picture(const fs::path& file, const std::string& name, 
       Document document;
       const bool transparent = !project->picture()->alpha.empty();
       if (transparent) document.matte_base = MatteBase::kAlpha;
-      if (!store.empty())
-        document.store = store;
-      else if (stores_.size() == 1)
-        document.store = stores_.begin()->second->path();
+      document.store = store.empty() ? likely_store() : store;
       project->save(document, 0);
       return id;
     }
@@ -157,6 +154,19 @@ std::string Studio::open_picture(const fs::path& file, const std::string& name, 
     }
   }
   throw Error(ErrorKind::kUsage, name, "there are very many projects of this name", "Give it another name");
+}
+
+std::string Studio::likely_store() const {
+  if (!options_.stores.empty()) return fs::weakly_canonical(options_.stores.front());
+  std::string likely;
+  std::size_t most = 0;
+  for (const auto& [id, store] : stores_) {
+    const std::size_t clips = store->exists() ? store->snapshot().clips().size() : 0;
+    if (clips <= most) continue;
+    most = clips;
+    likely = store->path();
+  }
+  return likely;
 }
 
 void Studio::remove_project(const std::string& id) {

@@ -48,6 +48,7 @@ class Studio {
                            const std::string& store = {});
   void remove_project(const std::string& id);
 
+  std::string thumbnail_of(const std::string& project) const { return thumbnail(project_folder(project)); }
   std::shared_ptr<Easel> easel(const std::string& project);
   /// Document, version, size and what has been computed; brings it up to date where it is not.
   std::string project_json(const std::string& project);
@@ -85,6 +86,7 @@ class Studio {
  private:
   void add_store(const std::filesystem::path& path);
   std::shared_ptr<OpenedStore> store_of(const Document& document) const;
+  std::string likely_store() const;  // its path, for a new document; the guard is held
   std::filesystem::path project_folder(const std::string& id) const;
   JobQueue::Watcher watcher(const char* lane);
 

@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
+#include <memory>
 #include <new>
 #include <optional>
 
@@ -18,6 +19,7 @@
 #include "tools/commands.h"
 #include "tools/console/output_names.h"
 #include "tools/console/progress.h"
+#include "tools/console/toml_options.h"
 
 namespace {
 
@@ -121,6 +123,7 @@ int main(int argc, char** argv) {
             return std::string();
           },
           ""));
+  app.config_formatter(std::make_shared<tools::TomlOptions>());
   tools::add_progress(app);
   app.parse_complete_callback([&app] { tools::refuse_overwriting(app); });
   app.require_subcommand(1);

@@ -33,6 +33,7 @@ const at = (project: string): string => `api/projects/${name(project)}`;
 
 export const address = {
   picture: (project: string, longest: number): string => `${at(project)}/picture?longest=${longest}`,
+  thumbnail: (project: string): string => `${at(project)}/thumbnail`,
   matte: (project: string, number: number, which: "alpha" | "held"): string =>
     `${at(project)}/mattes/${number}/${which}`,
   frame: (project: string, reel: number, frame: number): string => `${at(project)}/reels/${reel}/${frame}`,

@@ -114,6 +114,7 @@ function Work(): JSX.Element {
     canvas.current = made;
     return () => made.end();
   }, []);
+  useEffect(() => canvas.current?.refit(), [panel]);
   useShortcuts(canvas, () => setExporting(true));
   const zoom = view.zoom.value;
   return (
@@ -140,7 +141,7 @@ function Work(): JSX.Element {
         <IconButton icon={Redo2} label="Redo" shortcut="Ctrl+Shift+Z" disabled={!state.canRedo.value} onClick={state.redo} />
         <ThemeButton />
         <IconButton icon={SlidersHorizontal} label="Show or hide the settings" pressed={panel} class="panel-toggle" onClick={() => setPanel(!panel)} />
-        <button type="button" class="primary" onClick={() => setExporting(true)}>
+        <button type="button" class="primary" aria-label="Export" title="Export  (Ctrl+E)" onClick={() => setExporting(true)}>
           <Download size={16} aria-hidden /> <span>Export</span>
         </button>
       </header>
@@ -159,13 +160,24 @@ function Work(): JSX.Element {
   );
 }
 
+const kStages: Record<string, string> = {
+  blend: "Reading the clips",
+  base: "Preparing the picture",
+  match: "Matching contrast",
+  render: "Rendering",
+};
+export function stageWords(stage: string): string {
+  const words = kStages[stage] ?? stage;
+  return words.charAt(0).toUpperCase() + words.slice(1);
+}
+
 function statusWords(): string {
   if (state.problem.value) return state.problem.value;
   const job = state.previewJob.value;
   if (!state.doc.value?.store) return "Choose a store under Look, and it moves.";
   if (!state.matte.value && !job) return "Scribble on what flows.";
   if (job && job.state === "running" && job.stage)
-    return job.of > 0 ? `${job.stage} ${Math.round((100 * job.done) / job.of)} %` : `${job.stage}…`;
+    return job.of > 0 ? `${stageWords(job.stage)} ${Math.round((100 * job.done) / job.of)} %` : `${stageWords(job.stage)}…`;
   return "";
 }
 
@@ -177,7 +189,7 @@ function Transport(): JSX.Element {
   const busy = !!state.previewJob.value;
   const made = coming ? coming.loaded / Math.max(1, coming.news.total) : 0;
   return (
-    <footer class="transport">
+    <footer class="transport" data-state={busy || coming || state.saving.value !== "saved" ? "busy" : (reel?.news.stage ?? "none")}>
       <div class="row">
         <IconButton icon={player.playing.value ? Pause : Play} label={player.playing.value ? "Pause" : "Play"} shortcut="Space" disabled={!reel} onClick={() => player.toggle()} class="play" />
         <input

@@ -308,11 +308,16 @@ export class Canvas {
     if (!chosen) return;
     stroke.points.forEach((point, k) => {
       if (k !== 0 && k !== stroke.points.length - 1 && stroke.points.length > 8 && k % 3 !== 0) return;
-      const handle = new Circle({ x: point[0], y: point[1], radius: 6 / scale, fill: "#fff", stroke: accent(), strokeWidth: 2 / scale, draggable: true, hitStrokeWidth: 14 / scale });
+      // The last one stands beyond the arrow's tip, which it would cover.
+      const before = stroke.points[k - 1] ?? point;
+      const length = Math.hypot(point[0] - before[0], point[1] - before[1]) || 1;
+      const beyond = k === stroke.points.length - 1 ? 13 / scale / length : 0;
+      const [dx, dy] = [(point[0] - before[0]) * beyond, (point[1] - before[1]) * beyond];
+      const handle = new Circle({ x: point[0] + dx, y: point[1] + dy, radius: 5 / scale, fill: "#fff", stroke: accent(), strokeWidth: 2 / scale, draggable: true, hitStrokeWidth: 14 / scale });
       handle.on("pointerdown", (event) => (event.cancelBubble = true));
       handle.on("dragend", () => {
         const strokes = state.doc.value?.strokes ?? [];
-        const points = stroke.points.map((each, i): Point => (i === k ? [rounded(handle.x()), rounded(handle.y())] : each));
+        const points = stroke.points.map((each, i): Point => (i === k ? [rounded(handle.x() - dx), rounded(handle.y() - dy)] : each));
         state.edit({ strokes: strokes.map((each, i) => (i === index ? { ...each, points } : each)) });
       });
       this.drawing.add(handle);
@@ -374,17 +379,23 @@ export class Canvas {
   /** All of the picture, as large as it goes beside the panels that float over the canvas. */
   fit(): void {
     const { width, height } = this.size();
-    const style = getComputedStyle(this.box);
-    const inset = (name: string): number => parseFloat(style.getPropertyValue(name)) || 24;
-    const left = inset("--inset-left");
-    const right = inset("--inset-right");
-    const top = inset("--inset-top");
-    const bottom = inset("--inset-bottom");
+    // Beside the panel where there is room for it, above it on a narrow screen.
+    const narrow = this.stage.width() < 720;
+    const panel = this.box.parentElement?.querySelector(".panel");
+    const left = narrow ? 10 : 24;
+    const right = narrow ? 10 : panel ? 344 : 24;
+    const top = narrow ? 108 : 80;
+    const bottom = narrow ? 100 + (panel ? 0.36 * this.stage.height() : 0) : 112;
     const across = Math.max(40, this.stage.width() - left - right);
     const down = Math.max(40, this.stage.height() - top - bottom);
     const scale = Math.min(across / width, down / height);
     this.place(scale, left + (across - width * scale) / 2, top + (down - height * scale) / 2);
     this.fitted = true;
+  }
+
+  /** Again, where nobody has zoomed or panned since. */
+  refit(): void {
+    if (this.fitted) this.fit();
   }
 
   zoomBy(factor: number, centre = { x: this.stage.width() / 2, y: this.stage.height() / 2 }): void {
@@ -407,6 +418,7 @@ export class Canvas {
     // Pixels are seen as pixels where one looks closely.
     for (const layer of [this.below, this.over]) layer.imageSmoothingEnabled(scale < 4);
     view.zoom.value = scale;
+    this.box.dataset["view"] = JSON.stringify({ x, y, scale });
     this.stage.batchDraw();
   }
 

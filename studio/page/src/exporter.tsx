@@ -3,6 +3,7 @@ import type { JSX } from "preact";
 import { useEffect, useState } from "preact/hooks";
 import { Check, Copy } from "lucide-preact";
 import * as api from "./api";
+import { stageWords } from "./app";
 import { Dialog } from "./parts";
 import * as state from "./state";
 
@@ -87,7 +88,7 @@ export function Exporter(props: { open: boolean; onClose: () => void }): JSX.Ele
       {job && running && (
         <div class="running">
           <progress aria-label="Export" max={job.of || 1} value={job.of ? job.done : undefined} />
-          <span class="hint">{job.stage || "starting"}</span>
+          <span class="hint">{stageWords(job.stage) || "Starting"}</span>
         </div>
       )}
       {(fault || job?.state === "failed") && <p class="problem">{fault || job?.fault}</p>}

@@ -69,7 +69,7 @@ export function HomePage(): JSX.Element {
             {home.projects.map((each) => (
               <li key={each.id} class="card">
                 <a href={`#/${encodeURIComponent(each.id)}`}>
-                  <img src={api.address.picture(each.id, 400)} alt="" loading="lazy" />
+                  <img src={api.address.thumbnail(each.id)} alt="" loading="lazy" />
                   <span class="name">
                     {each.id}
                     <small>{ago(each.seconds_ago)}</small>
@@ -92,6 +92,7 @@ export function HomePage(): JSX.Element {
         {home?.stores.map((store) => <StoreSection key={store.id} store={store} />)}
       </section>
       <Jobs />
+      <OutcomeDialog />
       <ClipsDialog files={clips} onClose={() => setClips(null)} />
     </main>
   );
@@ -174,6 +175,29 @@ export function Jobs(): JSX.Element {
         </li>
       ))}
     </ul>
+  );
+}
+
+/** What became of the clips that were added, with the reasons against those that were not. */
+function OutcomeDialog(): JSX.Element {
+  const report = state.ingested.value;
+  const clips = report?.clips ?? [];
+  const added = clips.filter((clip) => clip.outcome === "added").length;
+  return (
+    <Dialog title={`${added} of ${clips.length} clips added`} open={report !== null} onClose={() => (state.ingested.value = null)}>
+      <ul class="outcome">
+        {clips.map((clip) => (
+          <li key={clip.name}>
+            <span class={clip.outcome === "added" ? "" : "refused"}>
+              {clip.name}: {clip.outcome}
+            </span>
+            {[...clip.reasons, ...clip.notes].map((reason) => (
+              <small key={reason}>{reason}</small>
+            ))}
+          </li>
+        ))}
+      </ul>
+    </Dialog>
   );
 }
 

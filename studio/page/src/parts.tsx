@@ -82,10 +82,11 @@ export function Slider(props: {
     <label class="slider">
       <span class="row">
         <span>{props.label}</span>
-        <output>{props.shown ?? props.value}</output>
+        <span class="value">{props.shown ?? props.value}</span>
       </span>
       <input
         type="range"
+        aria-label={props.label}
         min={curve(props.min)}
         max={curve(props.max)}
         step={step}

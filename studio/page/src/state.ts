@@ -4,6 +4,9 @@ import * as api from "./api";
 import { Player } from "./player";
 import type { Document, Field, Home, Job, MatteNews, Pieces, Project, ReelNews } from "./types";
 
+export interface IngestReport {
+  clips: { name: string; outcome: string; reasons: string[]; notes: string[] }[];
+}
 export type Mode = "fluid" | "flow" | "look" | "why";
 
 export const pageId = Math.random().toString(36).slice(2, 12);
@@ -20,7 +23,7 @@ export const problem = signal("");
 export const toast = signal("");
 export const connected = signal(true);
 export const saving = signal<"saved" | "saving" | "offline">("saved");
-export const ingested = signal(0);
+export const ingested = signal<IngestReport | null>(null);
 export const exported = signal(0);
 export const player = new Player();
 
@@ -80,9 +83,19 @@ export function redo(): void {
   keep();
 }
 
+/** The same text for the same document, whoever wrote it: the server keeps single floats, and sorts names. */
+function canonical(value: unknown): string {
+  if (typeof value === "number") return String(Math.fround(value));
+  if (Array.isArray(value)) return `[${value.map(canonical).join()}]`;
+  if (value === null || typeof value !== "object") return JSON.stringify(value);
+  const entries = Object.entries(value).sort(([a], [b]) => (a < b ? -1 : 1));
+  return `{${entries.map(([name, each]) => `${name}:${canonical(each)}`).join()}}`;
+}
+
 // ---- keeping it: one request at a time, the newest document always last
 
 let version = 0;
+let keptText = ""; // of the document that the server has from us, or gave us
 let dirty = false;
 let busy = false;
 let timer = 0;
@@ -104,7 +117,14 @@ async function send(): Promise<void> {
     const saved = await api.save(id, document, version, pageId);
     if (project.value?.id !== id) return;
     version = saved.version;
-    if (!saved.taken) adopt(saved.document, "Changed in another window: what it has is shown here.");
+    if (saved.taken) {
+      keptText = canonical(document);
+    } else if (canonical(saved.document) === keptText) {
+      dirty = true; // a server that was started again counts anew, and nobody else has changed anything
+    } else {
+      keptText = canonical(saved.document);
+      adopt(saved.document, "Changed in another window: what it has is shown here.");
+    }
     saving.value = dirty ? "saving" : "saved";
   } catch (fault) {
     if (fault instanceof api.Fault && fault.status < 500) {
@@ -164,6 +184,7 @@ export async function openProject(id: string): Promise<void> {
 
 function take(opened: Project): void {
   version = opened.version;
+  keptText = canonical(opened.document);
   dirty = false;
   batch(() => {
     project.value = opened;
@@ -178,8 +199,8 @@ function take(opened: Project): void {
   });
   const reel = opened.made.full ?? opened.made.small;
   if (reel) player.follow(opened.id, reel);
-  if (opened.made.field) void loadField(opened.id);
-  if (opened.made.labels) void loadPieces(opened.id);
+  if (opened.made.field) loadField(opened.id).catch(() => undefined);
+  if (opened.made.labels) loadPieces(opened.id).catch(() => undefined);
 }
 
 async function loadField(id: string): Promise<void> {
@@ -197,7 +218,7 @@ async function loadPieces(id: string): Promise<void> {
 }
 
 function hear(after: number): void {
-  endListening = api.listen(after, (type, data) => void heard(type, data), (yes) => {
+  endListening = api.listen(after, (type, data) => void heard(type, data).catch(() => undefined), (yes) => {
     // A server that was started again knows nothing of what it had made: ask for all.
     if (yes && !connected.value && project.value) void reload();
     connected.value = yes;
@@ -209,9 +230,13 @@ async function reload(): Promise<void> {
   if (!id) return;
   try {
     const opened = await api.project(id);
-    version = opened.version;
-    if (dirty) void send();
-    else if (JSON.stringify(opened.document) !== JSON.stringify(doc.value)) adopt(opened.document);
+    if (dirty) {
+      void send();
+    } else {
+      version = opened.version;
+      if (canonical(opened.document) !== canonical(doc.value)) adopt(opened.document);
+      keptText = canonical(opened.document);
+    }
     matte.value = opened.made.matte;
   } catch {
     connected.value = false;
@@ -228,7 +253,7 @@ async function heard(type: string, data: unknown): Promise<void> {
   }
   if (type === "ingested") {
     home.value = await api.home();
-    ingested.value += 1;
+    ingested.value = (data as { report: IngestReport | null }).report;
     return;
   }
   if (!id || news.project !== id) return;
@@ -239,6 +264,7 @@ async function heard(type: string, data: unknown): Promise<void> {
       const opened = await api.project(id);
       if (dirty || busy) return; // our own change will be told what is there
       version = opened.version;
+      keptText = canonical(opened.document);
       adopt(opened.document);
       return;
     }

@@ -1,7 +1,7 @@
 // The motion as it was understood, drawn as streaks that go with it.
 import type { Field } from "./types";
 
-const kStreaks = 700;
+const kStreaks = 420;
 const kLife = 2.2; // s
 const kTrail = 14; // points
 
@@ -66,7 +66,6 @@ export class Streaks {
   /** Moves all by so many seconds, and draws them; the context is in px of the picture. */
   draw(context: CanvasRenderingContext2D, seconds: number, scale: number): void {
     context.lineCap = "round";
-    context.lineWidth = 1.4 / scale;
     for (let i = 0; i < this.streaks.length; ++i) {
       const streak = this.streaks[i] as Streak;
       const x = streak.x[streak.x.length - 1] ?? 0;
@@ -90,8 +89,14 @@ export class Streaks {
         for (let k = 1; k < streak.x.length; ++k) context.lineTo(streak.x[k] ?? x, streak.y[k] ?? y);
         context.stroke();
       };
-      context.globalAlpha = 0.75 * Math.max(0, fade);
-      context.strokeStyle = "#fff";
+      // Light on dark, so that they are seen on white water and on night alike.
+      context.globalAlpha = 0.4 * Math.max(0, fade);
+      context.strokeStyle = "#00252b";
+      context.lineWidth = 3.4 / scale;
+      stroke();
+      context.globalAlpha = 0.95 * Math.max(0, fade);
+      context.strokeStyle = "#b9fbff";
+      context.lineWidth = 1.5 / scale;
       stroke();
     }
     context.globalAlpha = 1;
