@@ -48,21 +48,24 @@ JobQueue::~JobQueue() {
 
 JobId JobQueue::submit(const std::string& key, const std::string& title, Work work) {
   stop_key(key);
-  JobView view;
+  auto entry = std::make_shared<Entry>();
   {
     const std::lock_guard lock(guard_);
-    const auto waiting = std::count_if(entries_.begin(), entries_.end(), [](const EntryPointer& entry) {
-      return entry->view.state == JobState::kWaiting;
+    const auto waiting = std::count_if(entries_.begin(), entries_.end(), [](const EntryPointer& each) {
+      return each->view.state == JobState::kWaiting;
     });
     if (static_cast<std::size_t>(waiting) >= kMostWaiting)
       throw Error(ErrorKind::kUsage, title, "too much waits already", "Stop some of it");
-    auto entry = std::make_shared<Entry>();
     entry->view = {.id = ++last_, .key = key, .title = title, .state = {}, .progress = {}, .fault = {}};
     entry->work = std::move(work);
-    view = entry->view;
+  }
+  const JobView view = entry->view;
+  // Before it can begin: "waiting" that is told after "done" would wait for ever.
+  if (watcher_) watcher_(view);
+  {
+    const std::lock_guard lock(guard_);
     entries_.push_back(std::move(entry));
   }
-  if (watcher_) watcher_(view);
   changed_.notify_all();
   return view.id;
 }

@@ -3,6 +3,9 @@
 #include <atomic>
 #include <chrono>
 #include <future>
+#include <map>
+#include <mutex>
+#include <thread>
 
 #include <gtest/gtest.h>
 
@@ -95,6 +98,29 @@ TEST(JobQueue, RefusesMoreThanCanWait) {
       queue.submit("job " + std::to_string(i), "", [](const Job&) {});
   };
   EXPECT_THROW(fill(), Error);
+}
+
+TEST(JobQueue, TellsTheEndLast) {
+  std::mutex guard;
+  std::map<JobId, JobState> told;
+  JobQueue queue([&](const JobView& view) {
+    const std::lock_guard lock(guard);
+    told[view.id] = view.state;
+  });
+  for (int i = 0; i < 300; ++i) queue.submit("job " + std::to_string(i % 40), "", [](const Job&) {});
+  queue.wait();
+  // wait() is over when the last one's state is set, and that is told a moment later.
+  for (int patience = 0; patience < 1000; ++patience) {
+    {
+      const std::lock_guard lock(guard);
+      if (told[300] == JobState::kDone) break;
+    }
+    std::this_thread::sleep_for(1ms);
+  }
+  const std::lock_guard lock(guard);
+  EXPECT_EQ(told.size(), 300u);
+  for (const auto& [id, state] : told)
+    EXPECT_TRUE(state == JobState::kDone || state == JobState::kStopped) << id;
 }
 
 TEST(JobQueue, EndsInTheMiddleOfAJob) {
