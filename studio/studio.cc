@@ -9,6 +9,7 @@
 #include <fstream>
 #include <optional>
 #include <system_error>
+#include <thread>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -276,19 +277,26 @@ JobId Studio::export_animation(const std::string& project, const std::string& na
   if (!store) throw Error(ErrorKind::kUsage, project, "no store is chosen", "Choose one");
   std::vector<std::string> words = options;
   words.emplace_back("--overwrite");
-  return commands_->submit(
-      "export " + project + "/" + name, "Export " + name,
-      [this, easel, project, name, words](const Job& job) {
-        const Project& from = easel->project();
-        const Document now = from.state().document;
-        const std::shared_ptr<const FoundMatte> matte = easel->matte();
-        if (!matte || matte->key != matte_key(now) || matte->alpha.empty())
-          throw Error(ErrorKind::kUsage, project, "its matte is not there yet", "Wait for the preview");
-        if (!now.pins.empty() && !easel->is_labelled(now))
-          throw Error(ErrorKind::kUsage, project, "its pieces are not there yet", "Wait for the preview");
-        run(export_command(options_.program, from, "exports/" + name, words), job);
-        feed_.publish("export", text({{"project", project}, {"name", name}}));
-      });
+  return commands_->submit("export " + project + "/" + name, "Export " + name,
+                           [this, easel, project, name, words](const Job& job) {
+                             // What was drawn last is exported, not what was there before it: the matte and pinned pieces are made by previews.
+                             while (previews_->is_busy_with(project)) {
+                               if (job.stop.stop_requested())
+                                 throw Error(ErrorKind::kCancelled, "export", "stopped");
+                               if (job.progress) job.progress({"waiting for the preview", 0, 0});
+                               std::this_thread::sleep_for(std::chrono::milliseconds(50));
+                             }
+                             const Project& from = easel->project();
+                             const Document now = from.state().document;
+                             const std::shared_ptr<const FoundMatte> matte = easel->matte();
+                             if (!matte || matte->key != matte_key(now) || matte->alpha.empty())
+                               throw Error(ErrorKind::kUsage, project, "it has no matte", "Say what flows");
+                             if (!now.pins.empty() && !easel->is_labelled(now))
+                               throw Error(ErrorKind::kUsage, project, "its pieces were not chosen",
+                                           "See what the preview says");
+                             run(export_command(options_.program, from, "exports/" + name, words), job);
+                             feed_.publish("export", text({{"project", project}, {"name", name}}));
+                           });
 }
 
 std::string Studio::exports_json(const std::string& project) {

@@ -88,12 +88,12 @@ export class Canvas {
     box.append(holder);
     this.overlay = document.createElement("canvas");
     this.overlay.className = "streaks";
-    box.append(this.overlay);
     this.stage = new Konva.Stage({ container: holder, width: box.clientWidth || 10, height: box.clientHeight || 10 });
     this.below.add(this.picture, this.moving, this.original, this.divider);
     this.over.add(this.tint, this.held);
     this.cursorLayer.add(this.cursor);
     this.stage.add(this.below, this.over, this.drawing, this.cursorLayer);
+    this.drawing.getNativeCanvasElement().before(this.overlay); // below the lines that were drawn
     this.resizer = new ResizeObserver(() => this.resize());
     this.resizer.observe(box);
     this.listenToPointers();

@@ -6,7 +6,7 @@ import * as api from "./api";
 import { go, ThemeButton } from "./app";
 import { Dialog, IconButton, Strip } from "./parts";
 import * as state from "./state";
-import type { Store } from "./types";
+import type { Job, Store } from "./types";
 
 function ago(seconds: number): string {
   if (seconds < 90) return "just now";
@@ -164,7 +164,11 @@ export function Jobs(): JSX.Element {
             {job.title}
             <small>{job.state === "failed" ? job.fault : job.stage || job.state}</small>
           </span>
-          {job.state !== "failed" && (
+          {job.state === "failed" ? (
+            <button type="button" class="quiet small" onClick={() => forget(job)}>
+              Dismiss
+            </button>
+          ) : (
             <>
               <progress aria-label={job.title} max={job.of || 1} value={job.of ? job.done : undefined} />
               <button type="button" class="quiet small" onClick={() => void api.stopJob(job.lane, job.id)}>
@@ -199,6 +203,10 @@ function OutcomeDialog(): JSX.Element {
       </ul>
     </Dialog>
   );
+}
+
+function forget(job: Job): void {
+  state.jobs.value = Object.fromEntries(Object.entries(state.jobs.value).filter(([, each]) => each !== job));
 }
 
 function ClipsDialog(props: { files: File[] | null; onClose: () => void }): JSX.Element {

@@ -1,13 +1,14 @@
 // The motion as it was understood, drawn as streaks that go with it.
 import type { Field } from "./types";
 
-const kStreaks = 420;
+const kStreaks = 240;
 const kLife = 2.2; // s
-const kTrail = 14; // points
+const kTrail = 30; // px of the screen, at most
+const kShown = 0.3; // s of its way that a streak shows
 
 interface Streak {
-  x: number[];
-  y: number[];
+  x: number;
+  y: number;
   age: number;
 }
 
@@ -47,7 +48,7 @@ export class Streaks {
     const place = this.places[Math.floor(Math.random() * this.places.length)] ?? 0;
     const x = (((place % field.columns) + Math.random()) / field.columns) * field.width;
     const y = ((Math.floor(place / field.columns) + Math.random()) / field.rows) * field.height;
-    return { x: [x], y: [y], age };
+    return { x, y, age };
   }
 
   private velocity(x: number, y: number): [number, number, boolean] {
@@ -68,36 +69,29 @@ export class Streaks {
     context.lineCap = "round";
     for (let i = 0; i < this.streaks.length; ++i) {
       const streak = this.streaks[i] as Streak;
-      const x = streak.x[streak.x.length - 1] ?? 0;
-      const y = streak.y[streak.y.length - 1] ?? 0;
-      const [u, v, inside] = this.velocity(x, y);
+      const [u, v, inside] = this.velocity(streak.x, streak.y);
       streak.age += seconds;
       if (!inside || streak.age > kLife) {
         this.streaks[i] = this.born(Math.random() * 0.6);
         continue;
       }
-      streak.x.push(x + u * seconds);
-      streak.y.push(y + v * seconds);
-      if (streak.x.length > kTrail) {
-        streak.x.shift();
-        streak.y.shift();
-      }
-      const fade = Math.min(1, streak.age * 3, (kLife - streak.age) * 2);
-      const stroke = (): void => {
-        context.beginPath();
-        context.moveTo(streak.x[0] ?? x, streak.y[0] ?? y);
-        for (let k = 1; k < streak.x.length; ++k) context.lineTo(streak.x[k] ?? x, streak.y[k] ?? y);
-        context.stroke();
-      };
+      streak.x += u * seconds;
+      streak.y += v * seconds;
+      const speed = Math.hypot(u, v) || 1;
+      const length = Math.min(speed * kShown, kTrail / scale) / speed;
+      const fade = Math.max(0, Math.min(1, streak.age * 3, (kLife - streak.age) * 2));
+      context.beginPath();
+      context.moveTo(streak.x - u * length, streak.y - v * length);
+      context.lineTo(streak.x, streak.y);
       // Light on dark, so that they are seen on white water and on night alike.
-      context.globalAlpha = 0.4 * Math.max(0, fade);
+      context.globalAlpha = 0.35 * fade;
       context.strokeStyle = "#00252b";
-      context.lineWidth = 3.4 / scale;
-      stroke();
-      context.globalAlpha = 0.95 * Math.max(0, fade);
-      context.strokeStyle = "#b9fbff";
-      context.lineWidth = 1.5 / scale;
-      stroke();
+      context.lineWidth = 3 / scale;
+      context.stroke();
+      context.globalAlpha = 0.9 * fade;
+      context.strokeStyle = "#c8fcff";
+      context.lineWidth = 1.4 / scale;
+      context.stroke();
     }
     context.globalAlpha = 1;
   }
