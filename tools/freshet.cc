@@ -123,7 +123,7 @@ int main(int argc, char** argv) {
             return std::string();
           },
           ""));
-  app.config_formatter(std::make_shared<tools::TomlOptions>());
+  app.config_formatter(std::make_shared<tools::TomlOptions>(app));
   tools::add_progress(app);
   app.parse_complete_callback([&app] { tools::refuse_overwriting(app); });
   app.require_subcommand(1);

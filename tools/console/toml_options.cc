@@ -48,7 +48,8 @@ std::vector<CLI::ConfigItem> TomlOptions::from_config(std::istream& stream) cons
   try {
     take(toml::parse(stream), {}, found);
   } catch (const toml::parse_error& fault) {
-    refuse(fmt::format("line {}: {}", fault.source().begin.line, fault.description()));
+    refuse(fmt::format("{}, line {}: {}", app_.get_config_ptr()->as<std::string>(), fault.source().begin.line,
+                       fault.description()));
   }
   return found;
 }

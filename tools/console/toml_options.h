@@ -12,9 +12,14 @@ namespace freshet::tools {
 /// are files, have both.
 class TomlOptions : public CLI::ConfigBase {
  public:
+  /// app   whose --config is read; outlives this.
+  explicit TomlOptions(const CLI::App& app) : app_(app) {}
   /// A table for each command, below it a value, or a list of values, for each option.
-  /// Throws Error{kUsage} naming the line of what is no TOML, and the key of what is no value of an option.
+  /// Throws Error{kUsage} naming the file, the line of what is no TOML, and the key of what is no value of an option.
   std::vector<CLI::ConfigItem> from_config(std::istream& stream) const override;
+
+ private:
+  const CLI::App& app_;
 };
 
 }  // namespace freshet::tools
