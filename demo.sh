@@ -4,13 +4,17 @@
 #   ./demo.sh                                    with clips that Freshet simulates itself
 #   ./demo.sh CLIPS_FOLDER PICTURE [MATTE]       with your own clips (folders in it name the classes) and picture;
 #                                                MATTE is grey, white where the fluid is
+#   ./demo.sh --studio [STORE] [PICTURE]         opens the studio in the browser: with the simulated clips, or your own
 #
 # Everything that it makes lies in demo/ (or $FRESHET_DEMO). What is there already is used again.
 set -eu
-clips= picture= matte=
-if [ $# -gt 0 ]; then
+clips= picture= matte= studio=
+if [ "${1:-}" = --studio ]; then
+  studio=yes
+  shift
+elif [ $# -gt 0 ]; then
   if [ $# -lt 2 ] || [ $# -gt 3 ]; then
-    sed -n '2,9p' "$0" | sed 's/^# \{0,1\}//' >&2
+    sed -n '2,10p' "$0" | sed 's/^# \{0,1\}//' >&2
     exit 2
   fi
   clips=$(realpath -e "$1") || { echo "demo.sh: $1: no such folder" >&2; exit 1; }
@@ -19,11 +23,20 @@ if [ $# -gt 0 ]; then
     matte=$(realpath -e "$3") || { echo "demo.sh: $3: no such matte" >&2; exit 1; }
   fi
 fi
+here=$PWD
 cd "$(dirname "$0")"
-cmake/prepare.sh release freshet
+if [ -n "$studio" ]; then
+  cmake/prepare.sh release freshet studio_page
+else
+  cmake/prepare.sh release freshet
+fi
 freshet=$PWD/build/release/tools/freshet
 out=${FRESHET_DEMO:-$PWD/demo}
 mkdir -p "$out"
+if [ -n "$studio" ] && [ $# -gt 0 ]; then
+  cd "$here"
+  exec "$freshet" studio "$@"
+fi
 
 if [ -z "$clips" ]; then
   # A small database of our own: several clips of each kind of fluid, each from its own seed.
@@ -49,6 +62,7 @@ fi
 store=$out/$(basename "$clips").freshet
 
 "$freshet" ingest "$store" "$clips"
+[ -z "$studio" ] || exec "$freshet" studio "$store" "$picture"
 "$freshet" query candidates "$store" "$picture" ${matte:+--matte "$matte"} "$@" --overwrite \
   --sheet "$out/$name-candidates.png"
 "$freshet" query label "$store" "$picture" ${matte:+--matte "$matte"} "$@" \

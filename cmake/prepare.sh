@@ -8,6 +8,8 @@ shift
 
 missing=
 while read -r package; do
+  # Other makers' packages of node bring npm along, and cannot stand beside Debian's.
+  [ "$package" = npm ] && command -v npm > /dev/null && continue
   dpkg-query -W -f='${Status}' "$package" 2>/dev/null | grep -q '^install ok installed' || missing="$missing $package"
 done < cmake/debian-packages.txt
 if [ -n "$missing" ]; then

@@ -51,12 +51,13 @@ synth/scene/motion: synth/scene synth/scene/wind synth/scene/water
 synth/scene/rendering: media/* synth/scene synth/scene/* synth/animate/sampling synth/matte
 synth/transfer: synth/field
 synth/transfer/files: store media/* vision query/stored synth/transfer synth/animate/clips
+studio: store media/frame media/picture vision query/* synth/animate/* synth/matte
 library: store media/* vision ingest query/* synth/*
 tools/console: store media/* vision query/*
 tools/options: vision media/picture media/video query/* synth/animate/* synth/matte tools/console
-tools: report store media/* vision ingest query/* synth/* tools/*
+tools: report store media/* vision ingest query/* synth/* studio tools/*
 '
-rooms="include platform report store media vision ingest query synth library tools"
+rooms="include platform report store media vision ingest query synth studio library tools"
 max_units=16  # headers, with or without a source file, in one folder
 
 find $rooms -name '*.h' -o -name '*.cc' | sort | xargs awk -v arrows="$arrows" -v max_units="$max_units" '

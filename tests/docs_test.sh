@@ -57,7 +57,7 @@ grep -oE '(^|[`(" ])freshet (store|query|synth) [a-z|\\0-9]+|(^|`)freshet [a-z]+
 done >> "$missing"
 
 # Options of these commands, where a document is about nothing else.
-grep -vE 'cmake|ffmpeg|ctest' README.md docs/manual.md docs/benchmark.md | sed -E 's/^([^:]*):/\1 /' |
+grep -vE 'cmake|ffmpeg|ctest|demo\.sh' README.md docs/manual.md docs/benchmark.md | sed -E 's/^([^:]*):/\1 /' |
   grep -oE '^[^ ]+|[^a-z-]--[a-z][a-z-]+' | awk '!/--/ { file = $0; next } { sub(/^[^-]/, ""); print file, $0 }' |
   sort -u | while read -r document option; do
   grep -qE -- "$option([\",]|$)" "$scratch/tools" || echo "$document: the option $option"

@@ -11,6 +11,7 @@ void add_store(CLI::App& app, RunContext& context);
 void add_query(CLI::App& app, RunContext& context);
 void add_bench(CLI::App& query_command, RunContext& context);  // freshet query bench
 void add_synth(CLI::App& app, RunContext& context);
+void add_studio(CLI::App& app, RunContext& context);
 void add_matte(CLI::App& synth_command, RunContext& context);  // freshet synth matte
 void add_simulate(CLI::App& synth_command, RunContext& context);
 void add_scene(CLI::App& synth_command, RunContext& context);

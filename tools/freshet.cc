@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
+#include <memory>
 #include <new>
 #include <optional>
 
@@ -17,6 +18,8 @@
 #include "platform/text_file.h"
 #include "tools/commands.h"
 #include "tools/console/output_names.h"
+#include "tools/console/progress.h"
+#include "tools/console/toml_options.h"
 
 namespace {
 
@@ -120,6 +123,8 @@ int main(int argc, char** argv) {
             return std::string();
           },
           ""));
+  app.config_formatter(std::make_shared<tools::TomlOptions>(app));
+  tools::add_progress(app);
   app.parse_complete_callback([&app] { tools::refuse_overwriting(app); });
   app.require_subcommand(1);
   app.allow_config_extras(CLI::config_extras_mode::error);  // a misspelt name must not be passed over
@@ -129,6 +134,7 @@ int main(int argc, char** argv) {
   tools::add_store(app, context);
   tools::add_query(app, context);
   tools::add_synth(app, context);
+  tools::add_studio(app, context);
 
   try {
     app.parse(argc, argv);

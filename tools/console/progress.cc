@@ -7,6 +7,7 @@
 #include <utility>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 namespace freshet::tools {
 namespace {
@@ -16,6 +17,7 @@ bool on_terminal() {
   return answer;
 }
 bool line_is_drawn = false;
+bool as_json = false;
 std::vector<PlannedStage> planned;
 
 std::string numbered(const std::string& stage) {
@@ -32,7 +34,27 @@ std::string time_left(double seconds) {
                    : fmt::format("{}:{:02}", s / 60, s % 60);
 }
 
+void print_json(const std::string& stage, std::size_t done, std::size_t total) {
+  nlohmann::json json{{"stage", stage}, {"done", done}, {"of", total}};
+  for (std::size_t i = 0; i < planned.size(); ++i) {
+    if (planned[i].name != stage) continue;
+    if (!planned[i].words.empty()) json["stage"] = planned[i].words;
+    json["step"] = i + 1;
+    json["steps"] = planned.size();
+  }
+  fmt::print(stderr, "{}\n", json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
+  std::fflush(stderr);
+}
+
 }  // namespace
+
+void add_progress(CLI::App& app) {
+  app.add_option_function<std::string>(
+         "--progress", [](const std::string& form) { as_json = form == "json"; },
+         "How progress is told on stderr: text, or json, a line for each step: {\"stage\", \"done\", \"of\"} "
+         "[text]")
+      ->check(CLI::IsMember({"text", "json"}));
+}
 
 void plan_stages(std::vector<PlannedStage> stages) { planned = std::move(stages); }
 
@@ -58,10 +80,11 @@ void Progress::show(const std::string& stage, std::size_t done, std::size_t tota
     first_done_ = done;
   }
   const auto since = now - last_shown_;
-  const bool due = on_terminal() ? since > std::chrono::milliseconds(100) || done == total
-                                 : since > std::chrono::seconds(30);
+  const bool due = on_terminal() || as_json ? since > std::chrono::milliseconds(100) || done == total
+                                            : since > std::chrono::seconds(30);
   if (!new_stage && !due) return;
   last_shown_ = now;
+  if (as_json) return print_json(stage, done, total);
 
   const double elapsed = std::chrono::duration<double>(now - stage_start_).count();
   const double rate = elapsed > 0.2 ? static_cast<double>(done - std::min(done, first_done_)) / elapsed : 0;

@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include <CLI/CLI.hpp>
+
 #include "freshet/job.h"
 
 namespace freshet::tools {
@@ -18,9 +20,12 @@ struct PlannedStage {
 };
 void plan_stages(std::vector<PlannedStage> stages);
 
+/// The option --progress of all commands: for programs that run them. Applied when the option is parsed.
+void add_progress(CLI::App& app);
+
 /// Shows `done of total` with rate and time left, on stderr. On a terminal one line is redrawn at most ten
 /// times a second; elsewhere a line is printed when a stage begins and then every 30 s: logs
-/// stay short.
+/// stay short. With --progress json a line of JSON is printed at most ten times a second.
 class Progress {
  public:
   ~Progress();

@@ -1,0 +1,31 @@
+// studio/command_run.h — a command of freshet, run beside the studio: what takes minutes, or reads what a stranger made,
+// takes nothing with it when it fails.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "freshet/job.h"
+
+namespace freshet::studio {
+
+struct Command {
+  std::filesystem::path program;
+  std::vector<std::string> arguments;  // without the program's name and --progress
+  std::filesystem::path folder;        // in which it runs
+};
+
+/// As one would type it in that folder: "freshet synth animate --config project.toml -o 'a film.mp4'".
+std::string to_text(const Command& command);
+
+struct CommandAnswer {
+  std::string output;                 // of its stdout, at most 4 MB
+  std::vector<std::string> messages;  // of its stderr, without its name; the last 200
+};
+
+/// Waits for it, at a lower priority than ours. A stop request interrupts it, so that it removes what it has begun.
+/// Throws Error{kIo} with its last message when it fails; Error{kCancelled}.
+CommandAnswer run(const Command& command, const Job& job);
+
+}  // namespace freshet::studio

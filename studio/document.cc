@@ -1,0 +1,290 @@
+#include "studio/document.h"
+
+#include <cmath>
+#include <functional>
+#include <set>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "freshet/error.h"
+#include "platform/text_file.h"
+
+namespace freshet::studio {
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr std::size_t kMaxBytes = 16u << 20, kDeepest = 16;
+constexpr std::size_t kMaxLines = 20000, kMaxPoints = 1u << 20, kMaxText = 4096, kMaxNames = 10000;
+constexpr double kFurthest = 1e6;  // px
+constexpr double kMaxSpeed = 1e5;  // px/s
+
+const char* to_string(MatteBase base) {
+  switch (base) {
+    case MatteBase::kAlpha:
+      return "alpha";
+    case MatteBase::kWhole:
+      return "whole";
+    case MatteBase::kFile:
+      return "file";
+    case MatteBase::kScribbles:
+      break;
+  }
+  return "scribbles";
+}
+
+Json points_json(const std::vector<cv::Point2f>& points) {
+  Json json = Json::array();
+  for (const cv::Point2f& point : points) json.push_back({point.x, point.y});
+  return json;
+}
+
+Json drawn_json(const std::vector<Drawn>& lines) {
+  Json json = Json::array();
+  for (const Drawn& line : lines)
+    json.push_back({{"points", points_json(line.points)},
+                    {"width", line.width},
+                    {"adds", line.adds},
+                    {"area", line.is_area}});
+  return json;
+}
+
+/// Takes fields out of an object and says which one is wrong.
+class Fields {
+ public:
+  Fields(const Json& object, std::string where, std::size_t& points)
+      : object_(object), where_(std::move(where)), points_(points) {
+    if (!object_.is_object()) fail("an object expected");
+  }
+
+  [[noreturn]] void fail(const std::string& fault) const {
+    throw Error(ErrorKind::kInput, where_, fault, "Reload the page");
+  }
+  void only(const std::set<std::string>& names) const {
+    for (const auto& [name, value] : object_.items())
+      if (!names.contains(name)) fail(fmt::format("there is no \"{}\"", name));
+  }
+  bool has(const char* name) const { return object_.contains(name); }
+  const Json& at(const char* name) const {
+    const auto found = object_.find(name);
+    if (found == object_.end()) fail(fmt::format("\"{}\" is missing", name));
+    return *found;
+  }
+  double number(const char* name, double low, double high) const {
+    const Json& value = at(name);
+    const double found = value.is_number() ? value.get<double>() : NAN;
+    if (!(found >= low && found <= high))
+      fail(fmt::format("\"{}\" is no number from {} to {}", name, low, high));
+    return found;
+  }
+  int integer(const char* name, int low, int high) const {
+    const double found = number(name, low, high);
+    if (found != std::floor(found)) fail(fmt::format("\"{}\" is no whole number", name));
+    return static_cast<int>(found);
+  }
+  bool flag(const char* name) const {
+    if (!at(name).is_boolean()) fail(fmt::format("\"{}\" is neither true nor false", name));
+    return at(name).get<bool>();
+  }
+  std::string text(const char* name) const {
+    const Json& value = at(name);
+    if (!value.is_string()) fail(fmt::format("\"{}\" is no text", name));
+    const auto& found = value.get_ref<const std::string&>();
+    if (found.size() > kMaxText) fail(fmt::format("\"{}\" is longer than {} bytes", name, kMaxText));
+    // What cannot stand in a line of a TOML file, or end a C string, is no name of anything.
+    for (const char c : found)
+      if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f)
+        fail(fmt::format("\"{}\" holds a control character", name));
+    return found;
+  }
+  const Json& list(const char* name, std::size_t most) const {
+    const Json& value = at(name);
+    if (!value.is_array()) fail(fmt::format("\"{}\" is no list", name));
+    if (value.size() > most) fail(fmt::format("\"{}\" has more than {} entries", name, most));
+    return value;
+  }
+  Fields below(const Json& item, const char* name, std::size_t index) const {
+    return {item, fmt::format("{}, {} {}", where_, name, index + 1), points_};
+  }
+  std::vector<cv::Point2f> points() const {
+    std::vector<cv::Point2f> points;
+    for (const Json& item : list("points", kMaxPoints)) {
+      if (!item.is_array() || item.size() != 2 || !item[0].is_number() || !item[1].is_number())
+        fail("a point is two numbers of px");
+      const double x = item[0].get<double>(), y = item[1].get<double>();
+      if (!(std::abs(x) <= kFurthest && std::abs(y) <= kFurthest)) fail("a point lies far outside");
+      points.emplace_back(static_cast<float>(x), static_cast<float>(y));
+    }
+    if (points.empty()) fail("it has no point");
+    points_ += points.size();
+    if (points_ > kMaxPoints) fail(fmt::format("there are more than {} points", kMaxPoints));
+    return points;
+  }
+  std::vector<Drawn> drawn(const char* name) const {
+    std::vector<Drawn> lines;
+    for (const Json& item : list(name, kMaxLines)) {
+      const Fields line = below(item, name, lines.size());
+      line.only({"points", "width", "adds", "area"});
+      lines.push_back({.points = line.points(),
+                       .width = static_cast<float>(line.number("width", 0, 10000)),
+                       .adds = line.flag("adds"),
+                       .is_area = line.flag("area")});
+    }
+    return lines;
+  }
+
+ private:
+  const Json& object_;
+  std::string where_;
+  std::size_t& points_;
+};
+
+std::vector<DrawnStroke> read_strokes(const Fields& fields) {
+  std::vector<DrawnStroke> strokes;
+  for (const Json& item : fields.list("strokes", kMaxLines)) {
+    const Fields stroke = fields.below(item, "strokes", strokes.size());
+    stroke.only({"points", "speed"});
+    strokes.push_back({.points = stroke.points(), .speed = {}});
+    if (stroke.has("speed") && !stroke.at("speed").is_null())
+      strokes.back().speed = static_cast<float>(stroke.number("speed", 0, kMaxSpeed));
+  }
+  return strokes;
+}
+
+std::vector<Pin> read_pins(const Fields& fields) {
+  std::vector<Pin> pins;
+  for (const Json& item : fields.list("pins", kMaxLines)) {
+    const Fields pin = fields.below(item, "pins", pins.size());
+    pin.only({"x", "y", "clip", "variant", "patch_x", "patch_y"});
+    constexpr int kFar = 1 << 20;
+    pins.push_back({.corner = {pin.integer("x", -kFar, kFar), pin.integer("y", -kFar, kFar)},
+                    .clip = pin.text("clip"),
+                    .variant = pin.integer("variant", 0, 255),
+                    .patch = {pin.integer("patch_x", 0, kFar), pin.integer("patch_y", 0, kFar)}});
+  }
+  return pins;
+}
+
+MatteBase read_base(const Fields& fields) {
+  const std::string name = fields.text("matte_base");
+  for (const MatteBase base : {MatteBase::kScribbles, MatteBase::kAlpha, MatteBase::kWhole, MatteBase::kFile})
+    if (name == to_string(base)) return base;
+  fields.fail("\"matte_base\" is none of scribbles, alpha, whole, file");
+}
+
+Json matte_json(const Document& document) {
+  return {{"matte_base", to_string(document.matte_base)},
+          {"edge", document.edge},
+          {"scribbles", drawn_json(document.scribbles)},
+          {"paint", drawn_json(document.paint)},
+          {"held", drawn_json(document.held)}};
+}
+
+Json labels_json(const Document& document) {
+  Json json = matte_json(document);
+  json["store"] = document.store;
+  json["class"] = document.class_name;
+  json["excluded_clips"] = document.excluded_clips;
+  json["frames"] = document.frames;
+  json["fps"] = document.fps;
+  json["strokes"] = Json::array();
+  for (const DrawnStroke& stroke : document.strokes)
+    json["strokes"].push_back(
+        {{"points", points_json(stroke.points)}, {"speed", stroke.speed ? Json(*stroke.speed) : Json()}});
+  json["pins"] = Json::array();
+  for (const Pin& pin : document.pins)
+    json["pins"].push_back({{"x", pin.corner.x},
+                            {"y", pin.corner.y},
+                            {"clip", pin.clip},
+                            {"variant", pin.variant},
+                            {"patch_x", pin.patch.x},
+                            {"patch_y", pin.patch.y}});
+  return json;
+}
+
+Json frames_json(const Document& document) {
+  Json json = labels_json(document);
+  json["loop"] = document.loop;
+  json["speed"] = document.speed;
+  json["moving_outline"] = document.moving_outline;
+  return json;
+}
+
+std::uint64_t hash_of(const Json& json) { return std::hash<std::string>()(json.dump()); }
+
+}  // namespace
+
+std::string to_json(const Document& document) {
+  return frames_json(document).dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+Document document_from_json(std::string_view json, const std::string& where) {
+  const auto refuse = [&](const std::string& fault) {
+    throw Error(ErrorKind::kInput, where, fault, "Reload the page");
+  };
+  if (json.size() > kMaxBytes) refuse("it has more than 16 MB");
+  expect_nesting(json_nesting(json), kDeepest, where, "Reload the page");
+  Json parsed;
+  try {
+    parsed = Json::parse(json);
+  } catch (const Json::exception& fault) {
+    refuse(fmt::format("it is no JSON ({})", fault.what()));
+  }
+  std::size_t points = 0;
+  const Fields fields(parsed, where, points);
+  fields.only({"matte_base", "edge", "scribbles", "paint", "held", "store", "class", "excluded_clips",
+               "frames", "fps", "strokes", "pins", "loop", "speed", "moving_outline"});
+  Document document{.store = fields.text("store"),
+                    .matte_base = read_base(fields),
+                    .edge = fields.text("edge"),
+                    .scribbles = fields.drawn("scribbles"),
+                    .paint = fields.drawn("paint"),
+                    .held = fields.drawn("held"),
+                    .strokes = read_strokes(fields),
+                    .class_name = fields.text("class"),
+                    .excluded_clips = {},
+                    .pins = read_pins(fields),
+                    .frames = fields.integer("frames", 1, 2000),
+                    .fps = fields.number("fps", 1, 240),
+                    .loop = fields.flag("loop"),
+                    .speed = fields.number("speed", 0.05, 20),
+                    .moving_outline = fields.flag("moving_outline")};
+  if (document.edge != "guided" && document.edge != "information-flow" && document.edge != "none")
+    fields.fail("\"edge\" is none of guided, information-flow, none");
+  for (const Json& name : fields.list("excluded_clips", kMaxNames)) {
+    const Json holder{{"name", name}};
+    document.excluded_clips.push_back(Fields(holder, where, points).text("name"));
+  }
+  return document;
+}
+
+std::string strokes_svg(const Document& document, cv::Size picture) {
+  std::string svg = fmt::format(
+      "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0}\" height=\"{1}\" viewBox=\"0 0 {0} {1}\">\n",
+      picture.width, picture.height);
+  for (const DrawnStroke& stroke : document.strokes) {
+    svg += "  <polyline fill=\"none\" stroke=\"#fff\" stroke-width=\"2\"";
+    if (stroke.speed) svg += fmt::format(" data-speed=\"{:g}\"", *stroke.speed);
+    svg += " points=\"";
+    for (std::size_t i = 0; i < stroke.points.size(); ++i)
+      svg += fmt::format("{}{:.2f},{:.2f}", i == 0 ? "" : " ", stroke.points[i].x, stroke.points[i].y);
+    svg += "\"/>\n";
+  }
+  return svg + "</svg>\n";
+}
+
+std::string marks_json(const Document& document) {
+  Json marks = Json::array();
+  for (const Drawn& line : document.scribbles)
+    marks.push_back({{"is", line.adds ? "fluid" : "background"},
+                     {"points", points_json(line.points)},
+                     {"width", line.width}});
+  return Json{{"format", "freshet-marks"}, {"version", 1}, {"marks", marks}}.dump() + "\n";
+}
+
+std::uint64_t matte_key(const Document& document) { return hash_of(matte_json(document)); }
+std::uint64_t labels_key(const Document& document) { return hash_of(labels_json(document)); }
+std::uint64_t frames_key(const Document& document) { return hash_of(frames_json(document)); }
+
+}  // namespace freshet::studio

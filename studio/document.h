@@ -1,0 +1,76 @@
+// studio/document.h — what a person has drawn over a picture and chosen for it: all that a project holds of them.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <opencv2/core.hpp>
+
+namespace freshet::studio {
+
+/// A line or an area that was drawn, px of the picture; (0, 0) is the outer corner of its first pixel.
+struct Drawn {
+  std::vector<cv::Point2f> points;
+  float width = 0;       // px; 0 of an area
+  bool adds = true;      // false: it takes away (paint), or says that there is no fluid (scribbles)
+  bool is_area = false;  // closed and filled
+  bool operator==(const Drawn&) const = default;
+};
+
+struct DrawnStroke {
+  std::vector<cv::Point2f> points;  // as the fluid goes
+  std::optional<float> speed{};     // px/s; nothing: not said
+  bool operator==(const DrawnStroke&) const = default;
+};
+
+/// A piece that was given its patch by hand.
+struct Pin {
+  cv::Point corner;  // px, of the picture that was cut (Assignment::piece_scale)
+  std::string clip;  // its name
+  int variant = 0;   // index into the store's
+  cv::Point patch;   // px, in the variant's frame
+  bool operator==(const Pin&) const = default;
+};
+
+enum class MatteBase { kScribbles, kAlpha, kWhole, kFile };
+
+/// Every field has a default, so that an empty document is a picture just opened.
+struct Document {
+  std::string store;  // its path; empty: none yet
+  MatteBase matte_base = MatteBase::kScribbles;
+  std::string edge = "guided";   // as `synth matte --edge`
+  std::vector<Drawn> scribbles;  // from which the matte is found
+  std::vector<Drawn> paint;      // laid over it as it is
+  std::vector<Drawn> held;       // what stands still in front of the fluid, painted
+  std::vector<DrawnStroke> strokes;
+  std::string class_name;  // empty: all
+  std::vector<std::string> excluded_clips;
+  std::vector<Pin> pins;
+  int frames = 96;  // 1..2000
+  double fps = 25;  // 1..240
+  bool loop = true;
+  double speed = 1;  // 0.05..20
+  bool moving_outline = false;
+  bool operator==(const Document&) const = default;
+};
+
+/// The smallest text that says all of it, one line.
+std::string to_json(const Document& document);
+/// Checks everything: types, ranges, lengths, and that there is no field it does not know.
+/// Throws Error{kInput} naming `where` and the field; above 16 MB, 20,000 lines or a million points too.
+Document document_from_json(std::string_view json, const std::string& where);
+
+/// The strokes as the SVG that `--strokes` reads. picture   px.
+std::string strokes_svg(const Document& document, cv::Size picture);
+/// The scribbles as the JSON that `synth matte --marks` reads.
+std::string marks_json(const Document& document);
+
+/// Hashes of what a result depends on, so that one that is unchanged is not made again.
+std::uint64_t matte_key(const Document& document);
+std::uint64_t labels_key(const Document& document);
+std::uint64_t frames_key(const Document& document);
+
+}  // namespace freshet::studio

@@ -1,0 +1,328 @@
+#include "studio/easel.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <nlohmann/json.hpp>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "freshet/error.h"
+#include "query/labelling/assignment.h"
+#include "query/search/picture_scale.h"
+#include "synth/matte/held.h"
+
+namespace freshet::studio {
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr int kSmallSide = 320;   // px: a first preview's longer side
+constexpr int kSmallFrames = 48;  // at most
+constexpr int kFullSide = 1280;   // px: a full preview's longer side, at most
+constexpr int kFieldSide = 64;    // cells of the field that a page draws, along its longer side
+
+std::string text(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
+
+double reduction(cv::Size size, int side) {
+  return std::max(1.0, std::max(size.width, size.height) / static_cast<double>(side));
+}
+
+cv::Mat reduced(const cv::Mat& picture, double factor) {
+  if (factor <= 1 || picture.empty()) return picture;
+  cv::Mat small;
+  cv::resize(picture, small,
+             {std::max(1, cvRound(picture.cols / factor)), std::max(1, cvRound(picture.rows / factor))}, 0, 0,
+             cv::INTER_AREA);
+  return small;
+}
+
+/// The same drawing over a picture reduced by a factor.
+Document reduced(const Document& document, double factor) {
+  Document small = document;
+  small.pins.clear();
+  const auto scale = static_cast<float>(1 / factor);
+  for (DrawnStroke& stroke : small.strokes) {
+    for (cv::Point2f& point : stroke.points) point *= scale;
+    if (stroke.speed) *stroke.speed *= scale;
+  }
+  return small;
+}
+
+/// The matte that an animation is given.
+cv::Mat fluid_of(const FoundMatte& matte) {
+  return matte.held.empty() ? matte.alpha
+                            : synth::matte::less_held(matte.alpha, matte.held, "what is held still");
+}
+
+Json matte_json(const FoundMatte& matte) {
+  return {{"number", matte.number},
+          {"share", cv::mean(matte.alpha)[0] / 255},
+          {"held", !matte.held.empty()},
+          {"notices", matte.notices}};
+}
+
+Json reel_json(const FrameReel& reel) {
+  return {{"number", reel.number},      {"stage", reel.stage}, {"width", reel.size.width},
+          {"height", reel.size.height}, {"fps", reel.fps},     {"total", reel.total},
+          {"ready", reel.ready()}};
+}
+
+/// Velocities of a motion, px/s, as rows of u and v in tenths.
+std::string field_text(const cv::Mat& motion, cv::Size picture, const char* source) {
+  Json json{{"columns", motion.cols},   {"rows", motion.rows}, {"width", picture.width},
+            {"height", picture.height}, {"source", source},    {"u", Json::array()},
+            {"v", Json::array()}};
+  for (int y = 0; y < motion.rows; ++y)
+    for (int x = 0; x < motion.cols; ++x) {
+      const cv::Vec2f at = motion.at<cv::Vec2f>(y, x);
+      json["u"].push_back(std::round(at[0] * 10) / 10);
+      json["v"].push_back(std::round(at[1] * 10) / 10);
+    }
+  return text(json);
+}
+
+cv::Size coarse(cv::Size picture) {
+  const double factor = reduction(picture, kFieldSide);
+  return {std::max(1, cvRound(picture.width / factor)), std::max(1, cvRound(picture.height / factor))};
+}
+
+/// The field that strokes ask, by a small copy: the full one takes a tenth of a second and more.
+cv::Mat asked_motion(const Document& document, cv::Size picture) {
+  constexpr int kSide = 256;     // px
+  constexpr float kUnsaid = 60;  // px/s that are shown where nobody says how fast
+  const double factor = reduction(picture, kSide);
+  const cv::Size size(std::max(1, cvRound(picture.width / factor)),
+                      std::max(1, cvRound(picture.height / factor)));
+  const query::MotionGuide guide = request_of(reduced(document, factor), size).options.guide;
+  cv::Mat motion(size, CV_32FC2, cv::Scalar(0, 0));
+  for (int y = 0; y < size.height && !guide.direction.empty(); ++y)
+    for (int x = 0; x < size.width; ++x) {
+      const float asked = guide.speed.empty() ? -1 : guide.speed.at<float>(y, x);
+      const float speed = asked < 0 ? kUnsaid : asked * static_cast<float>(factor);
+      motion.at<cv::Vec2f>(y, x) = guide.direction.at<cv::Vec2f>(y, x) * speed;
+    }
+  cv::resize(motion, motion, coarse(picture), 0, 0, cv::INTER_AREA);
+  return motion;
+}
+
+void stop_if_asked(const Job& job) {
+  if (job.stop.stop_requested()) throw Error(ErrorKind::kCancelled, "preview", "stopped");
+}
+
+}  // namespace
+
+std::uint64_t next_number() {
+  static std::atomic<std::uint64_t> last{0};
+  return ++last;
+}
+
+Easel::Easel(std::shared_ptr<Project> project, Tell tell)
+    : project_(std::move(project)), tell_(std::move(tell)) {}
+
+Easel::Results Easel::results() const {
+  const std::lock_guard lock(guard_);
+  return results_;
+}
+
+std::shared_ptr<const FoundMatte> Easel::matte() const { return results().matte; }
+std::shared_ptr<const LabelledPicture> Easel::labelled() const { return results().labelled; }
+bool Easel::is_labelled(const Document& document) const {
+  return results().labels_key == labels_key(document);
+}
+std::string Easel::field_json() const { return results().field; }
+
+std::shared_ptr<const FrameReel> Easel::reel(std::uint64_t number) const {
+  const Results now = results();
+  if (now.small && now.small->number == number) return now.small;
+  if (now.full && now.full->number == number) return now.full;
+  return nullptr;
+}
+
+void Easel::bring_up_to_date(OpenedStore* store, query::LabelCache* cache, const Job& job) {
+  const Document document = project_->state().document;
+  tell_problem("");
+  try {
+    work(document, store, cache, job);
+  } catch (const Error& fault) {
+    if (fault.kind() == ErrorKind::kCancelled) throw;
+    tell_problem(fault.what());
+  }
+}
+
+void Easel::work(const Document& document, OpenedStore* store, query::LabelCache* cache, const Job& job) {
+  const std::shared_ptr<const FoundMatte> matte = find_matte(document, job);
+  stop_if_asked(job);
+  if (!document.strokes.empty() || document.store.empty() || store == nullptr) tell_field(document);
+  stop_if_asked(job);
+  project_->write_recipe(document);
+  if (!matte || matte->alpha.empty() || store == nullptr || !store->exists()) return;
+  if (results().frames_key == frames_key(document)) return;
+  const std::shared_ptr<const StoreBase> base = store->base(job.progress);
+  render_small(document, *matte, base, job);
+  const std::shared_ptr<const LabelledPicture> labelled = find_labels(document, *matte, base, cache, job);
+  render_full(document, *matte, *labelled, job);
+  const std::lock_guard lock(guard_);
+  results_.frames_key = frames_key(document);
+}
+
+std::shared_ptr<const FoundMatte> Easel::find_matte(const Document& document, const Job& job) {
+  const std::shared_ptr<const FoundMatte> before = results().matte;
+  if (before && before->key == matte_key(document)) return before;
+  const std::shared_ptr<const media::Still> still = project_->picture();
+  const cv::Mat given = document.matte_base == MatteBase::kFile ? project_->given_matte() : cv::Mat();
+  const bool slow = document.matte_base == MatteBase::kScribbles && !document.scribbles.empty();
+  if (slow && job.progress) job.progress({"finding the matte", 0, 0});
+  for (const Care care : {Care::kDraft, Care::kFull}) {
+    if (care == Care::kDraft && !slow) continue;
+    stop_if_asked(job);
+    std::optional<DrawnMatte> drawn = draw_matte(document, still->bgr, still->alpha, given, care, job.stop);
+    stop_if_asked(job);
+    keep_matte(document, drawn ? std::move(*drawn) : DrawnMatte(), care);
+  }
+  return results().matte;
+}
+
+void Easel::keep_matte(const Document& document, DrawnMatte drawn, Care care) {
+  auto found = std::make_shared<FoundMatte>();
+  found->key = care == Care::kFull ? matte_key(document) : 0;
+  found->number = next_number();
+  found->alpha = std::move(drawn.alpha);
+  found->held = draw_held(document, project_->size());
+  found->notices = std::move(drawn.notices);
+  if (care == Care::kFull) project_->write_mattes(found->alpha, found->held);
+  {
+    const std::lock_guard lock(guard_);
+    results_.matte = found;
+    results_.frames_key = 0;
+  }
+  tell_("matte",
+        text({{"project", project_->id()}, {"matte", found->alpha.empty() ? Json() : matte_json(*found)}}));
+}
+
+void Easel::tell_field(const Document& document) {
+  const cv::Size size = project_->size();
+  const std::string field =
+      document.strokes.empty() ? "null" : field_text(asked_motion(document, size), size, "strokes");
+  {
+    const std::lock_guard lock(guard_);
+    if (results_.field == field) return;
+    results_.field = field;
+  }
+  tell_("field", text({{"project", project_->id()}}));
+}
+
+void Easel::render_small(const Document& document, const FoundMatte& matte,
+                         const std::shared_ptr<const StoreBase>& base, const Job& job) {
+  const std::shared_ptr<const media::Still> still = project_->picture();
+  const double factor = reduction(still->bgr.size(), kSmallSide);
+  const cv::Mat picture = reduced(still->bgr, factor), fluid = reduced(fluid_of(matte), factor);
+  if (cv::countNonZero(fluid) == 0) return;
+  const LabelledPicture labelled =
+      label_picture(base, picture, fluid, reduced(document, factor), nullptr, job);
+  stop_if_asked(job);
+  const int frames = std::min(document.frames, kSmallFrames);
+  const auto reel = std::make_shared<FrameReel>(next_number(), "small", picture.size(), frames, document.fps);
+  roll(reel, [&](const std::function<void()>& told) {
+    render(labelled, document, picture, fluid, reduced(matte.held, factor), 1, *reel, told, job);
+  });
+}
+
+std::shared_ptr<const LabelledPicture> Easel::find_labels(const Document& document, const FoundMatte& matte,
+                                                          const std::shared_ptr<const StoreBase>& base,
+                                                          query::LabelCache* cache, const Job& job) {
+  {
+    const Results now = results();
+    if (now.labelled && now.labels_key == labels_key(document) && now.labelled->store == base)
+      return now.labelled;
+  }
+  const std::shared_ptr<const media::Still> still = project_->picture();
+  auto labelled = std::make_shared<const LabelledPicture>(
+      label_picture(base, still->bgr, fluid_of(matte), document, cache, job));
+  project_->write_assignment(query::to_json(labelled->labelling.assignment));
+  project_->write_recipe(document);
+  std::string field;
+  if (document.strokes.empty()) {
+    cv::Mat motion = assigned_motion(*labelled, still->bgr.size());
+    cv::resize(motion, motion, coarse(still->bgr.size()), 0, 0, cv::INTER_AREA);
+    field = field_text(motion, still->bgr.size(), "patches");
+  }
+  {
+    const std::lock_guard lock(guard_);
+    results_.labelled = labelled;
+    results_.labels_key = labels_key(document);
+    if (!field.empty()) results_.field = field;
+  }
+  if (!field.empty()) tell_("field", text({{"project", project_->id()}}));
+  tell_("labels", text({{"project", project_->id()}, {"number", next_number()}}));
+  return labelled;
+}
+
+void Easel::render_full(const Document& document, const FoundMatte& matte, const LabelledPicture& labelled,
+                        const Job& job) {
+  const std::shared_ptr<const media::Still> still = project_->picture();
+  // Never below the size at which it was cut into pieces.
+  const double factor =
+      std::min(reduction(still->bgr.size(), kFullSide), labelled.labelling.assignment.piece_scale);
+  const cv::Mat picture = reduced(still->bgr, factor);
+  const auto reel =
+      std::make_shared<FrameReel>(next_number(), "full", picture.size(), document.frames, document.fps);
+  roll(reel, [&](const std::function<void()>& told) {
+    render(labelled, document, picture, reduced(fluid_of(matte), factor), reduced(matte.held, factor), factor,
+           *reel, told, job);
+  });
+}
+
+void Easel::roll(const std::shared_ptr<FrameReel>& reel,
+                 const std::function<void(const std::function<void()>&)>& frames) {
+  {
+    const std::lock_guard lock(guard_);
+    (reel->stage == "small" ? results_.small : results_.full) = reel;
+  }
+  const auto tell = [&] { tell_("reel", text({{"project", project_->id()}, {"reel", reel_json(*reel)}})); };
+  frames([&] {
+    const int ready = reel->ready();
+    if (ready == 1 || ready == reel->total || ready % 4 == 0) tell();
+  });
+}
+
+void Easel::tell_problem(const std::string& problem) {
+  {
+    const std::lock_guard lock(guard_);
+    if (results_.problem == problem) return;
+    results_.problem = problem;
+  }
+  tell_("problem", text({{"project", project_->id()}, {"text", problem}}));
+}
+
+std::string Easel::overview_json() const {
+  const Results now = results();
+  Json json{{"matte", nullptr},       {"small", nullptr},
+            {"full", nullptr},        {"labels", now.labelled != nullptr},
+            {"problem", now.problem}, {"field", now.field != "null"}};
+  if (now.matte && !now.matte->alpha.empty()) json["matte"] = matte_json(*now.matte);
+  if (now.small) json["small"] = reel_json(*now.small);
+  if (now.full) json["full"] = reel_json(*now.full);
+  return text(json);
+}
+
+std::string Easel::picture_jpeg(int longest) const {
+  const std::shared_ptr<const media::Still> still = project_->picture();
+  std::vector<std::uint8_t> bytes;
+  cv::imencode(".jpg", reduced(still->bgr, reduction(still->bgr.size(), longest)), bytes,
+               {cv::IMWRITE_JPEG_QUALITY, 92});
+  return {bytes.begin(), bytes.end()};
+}
+
+std::string Easel::matte_png(const cv::Mat& alpha, int longest) const {
+  const cv::Mat small = reduced(alpha, reduction(alpha.size(), longest));
+  const cv::Mat white(small.size(), CV_8U, cv::Scalar(255));
+  cv::Mat layered;
+  cv::merge(std::vector<cv::Mat>{white, white, white, small}, layered);
+  std::vector<std::uint8_t> bytes;
+  cv::imencode(".png", layered, bytes, {cv::IMWRITE_PNG_COMPRESSION, 1});
+  return {bytes.begin(), bytes.end()};
+}
+
+}  // namespace freshet::studio

@@ -1,0 +1,97 @@
+// studio/easel.h — a project that is being worked on, with all that was computed for it.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <opencv2/core.hpp>
+
+#include "freshet/job.h"
+#include "query/labelling/label_cache.h"
+#include "studio/document.h"
+#include "studio/drawn_matte.h"
+#include "studio/frame_reel.h"
+#include "studio/labelled_picture.h"
+#include "studio/opened_store.h"
+#include "studio/project.h"
+
+namespace freshet::studio {
+
+/// Where a matte stands, and the matte.
+struct FoundMatte {
+  std::uint64_t key = 0;     // matte_key of what it was made from
+  std::uint64_t number = 0;  // no other matte of this run has it
+  cv::Mat alpha, held;       // CV_8U; empty: none
+  std::vector<std::string> notices;
+};
+
+/// Safe from many threads; bring_up_to_date from one at a time.
+class Easel {
+ public:
+  /// tell   is given news for the page: a type and JSON.
+  using Tell = std::function<void(const std::string& type, const std::string& data)>;
+  Easel(std::shared_ptr<Project> project, Tell tell);
+
+  Project& project() const { return *project_; }
+
+  /// Matte, field, first preview, labels, full preview: what the document has changed is made anew, in this order, and
+  /// told as it is there. store   null: none is chosen. cache   may be null.
+  /// Throws Error{kCancelled}; whatever else is wrong is told as "problem", and kept in overview_json().
+  void bring_up_to_date(OpenedStore* store, query::LabelCache* cache, const Job& job);
+
+  std::shared_ptr<const FoundMatte> matte() const;
+  std::shared_ptr<const LabelledPicture> labelled() const;
+  /// Whether the labels are those of this document.
+  bool is_labelled(const Document& document) const;
+  /// By its number, of the two that are kept.
+  std::shared_ptr<const FrameReel> reel(std::uint64_t number) const;
+
+  /// The motion that the strokes ask, or else that was assigned, on a coarse grid, for the page; "null" before there is
+  /// any.
+  std::string field_json() const;
+  /// What there is: matte, reels, labels, problem.
+  std::string overview_json() const;
+  /// JPEG of the picture, its longer side at most so many px. PNG, white, with the matte as its alpha.
+  std::string picture_jpeg(int longest) const;
+  std::string matte_png(const cv::Mat& alpha, int longest) const;
+
+ private:
+  struct Results {
+    std::shared_ptr<const FoundMatte> matte;
+    std::shared_ptr<const LabelledPicture> labelled;
+    std::uint64_t labels_key = 0, frames_key = 0;  // of what is there; 0: nothing
+    std::shared_ptr<FrameReel> small, full;
+    std::string field = "null", problem;
+  };
+  void work(const Document& document, OpenedStore* store, query::LabelCache* cache, const Job& job);
+  std::shared_ptr<const FoundMatte> find_matte(const Document& document, const Job& job);
+  void keep_matte(const Document& document, DrawnMatte drawn, Care care);
+  void tell_field(const Document& document);
+  void render_small(const Document& document, const FoundMatte& matte,
+                    const std::shared_ptr<const StoreBase>& base, const Job& job);
+  std::shared_ptr<const LabelledPicture> find_labels(const Document& document, const FoundMatte& matte,
+                                                     const std::shared_ptr<const StoreBase>& base,
+                                                     query::LabelCache* cache, const Job& job);
+  void render_full(const Document& document, const FoundMatte& matte, const LabelledPicture& labelled,
+                   const Job& job);
+  void roll(const std::shared_ptr<FrameReel>& reel,
+            const std::function<void(const std::function<void()>&)>& frames);
+  void tell_problem(const std::string& text);
+  Results results() const;
+
+  std::shared_ptr<Project> project_;
+  Tell tell_;
+  mutable std::mutex guard_;
+  Results results_;
+};
+
+/// The next of numbers that no other result of this run has.
+std::uint64_t next_number();
+
+}  // namespace freshet::studio

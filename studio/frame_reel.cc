@@ -1,0 +1,91 @@
+#include "studio/frame_reel.h"
+
+#include <utility>
+
+#include <opencv2/imgproc.hpp>
+
+#include "query/search/picture_scale.h"
+#include "studio/clip_strip.h"
+#include "synth/animate/animate.h"
+#include "synth/animate/motion/motion_field.h"
+#include "synth/animate/staging.h"
+
+namespace freshet::studio {
+namespace {
+
+constexpr std::size_t kMemory = std::size_t{800} << 20;
+
+/// The request's guide, of a picture reduced by `factor`.
+query::MotionGuide guide_of(const query::LabelRequest& request, cv::Size labelled, double factor,
+                            cv::Size picture) {
+  query::MotionGuide guide = query::guide_of_animation(request, labelled);
+  if (factor == 1 || guide.empty()) return guide;
+  guide = query::reduce(guide, factor);
+  const auto fit = [&](cv::Mat& map) {
+    if (!map.empty() && map.size() != picture) cv::resize(map, map, picture, 0, 0, cv::INTER_NEAREST);
+  };
+  fit(guide.direction);
+  fit(guide.speed);
+  return guide;
+}
+
+}  // namespace
+
+FrameReel::FrameReel(std::uint64_t reel_number, std::string reel_stage, cv::Size reel_size, int frames,
+                     double rate)
+    : number(reel_number), stage(std::move(reel_stage)), size(reel_size), total(frames), fps(rate) {}
+
+void FrameReel::add(const cv::Mat& frame) {
+  std::string bytes = encoded(frame);
+  const std::lock_guard lock(guard_);
+  frames_.push_back(std::move(bytes));
+}
+
+int FrameReel::ready() const {
+  const std::lock_guard lock(guard_);
+  return static_cast<int>(frames_.size());
+}
+
+std::optional<std::string> FrameReel::frame(int index) const {
+  const std::lock_guard lock(guard_);
+  if (index < 0 || static_cast<std::size_t>(index) >= frames_.size()) return std::nullopt;
+  return frames_[static_cast<std::size_t>(index)];
+}
+
+void render(const LabelledPicture& labelled, const Document& document, const cv::Mat& picture,
+            const cv::Mat& matte, const cv::Mat& held, double factor, FrameReel& reel,
+            const std::function<void()>& told, const Job& job) {
+  namespace animate = synth::animate;
+  animate::AnimateOptions options;
+  options.frames = reel.total;
+  options.fps = reel.fps;
+  options.loop = document.loop && reel.total > 1;
+  options.memory_bytes = kMemory;
+  if (document.moving_outline) options.boundary.boundary = animate::Boundary::kMoving;
+  options.boundary.held = held;
+  query::Assignment assignment = labelled.labelling.assignment;
+  const cv::Size labelled_size = assignment.picture;
+  assignment.picture = picture.size();
+  assignment.piece_scale /= factor;
+  const animate::Staging staging =
+      animate::stage(labelled.store->snapshot, assignment, picture.size(),
+                     guide_of(labelled.request, labelled_size, factor, picture.size()),
+                     {.factor = document.speed, .map = {}}, options);
+  animate::animate(
+      labelled.store->snapshot, labelled.store->base.settings, picture, matte, staging.placement,
+      staging.options,
+      [&](const cv::Mat& frame) {
+        reel.add(frame);
+        told();
+      },
+      job.progress, job.stop);
+}
+
+cv::Mat assigned_motion(const LabelledPicture& labelled, cv::Size picture) {
+  namespace animate = synth::animate;
+  const animate::Placement placement =
+      animate::stage(labelled.store->snapshot, labelled.labelling.assignment, picture, {}, {}, {}).placement;
+  return animate::motion_field(labelled.store->snapshot, labelled.store->base.settings, placement, picture);
+}
+
+}  // namespace freshet::studio

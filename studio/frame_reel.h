@@ -1,0 +1,49 @@
+// studio/frame_reel.h — an animation's frames for the page, as they are made.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <opencv2/core.hpp>
+
+#include "freshet/job.h"
+#include "studio/document.h"
+#include "studio/labelled_picture.h"
+
+namespace freshet::studio {
+
+/// JPEGs of one animation. Written by one thread, read by many.
+class FrameReel {
+ public:
+  FrameReel(std::uint64_t number, std::string stage, cv::Size size, int total, double fps);
+
+  const std::uint64_t number;  // no other reel of this run has it
+  const std::string stage;     // "small", "full"
+  const cv::Size size;
+  const int total;
+  const double fps;
+
+  void add(const cv::Mat& frame);
+  int ready() const;
+  std::optional<std::string> frame(int index) const;
+
+ private:
+  mutable std::mutex guard_;
+  std::vector<std::string> frames_;
+};
+
+/// Renders what a labelling of a picture assigned into a reel.
+/// picture, matte, held   of one size, which may be smaller than the labelled picture: then a copy reduced by `factor`.
+/// told     called after each frame. Throws as synth::animate::animate.
+void render(const LabelledPicture& labelled, const Document& document, const cv::Mat& picture,
+            const cv::Mat& matte, const cv::Mat& held, double factor, FrameReel& reel,
+            const std::function<void()>& told, const Job& job);
+
+/// The mean motion that a labelling's animation has, CV_32FC2, px/s of the picture, of its size.
+cv::Mat assigned_motion(const LabelledPicture& labelled, cv::Size picture);
+
+}  // namespace freshet::studio

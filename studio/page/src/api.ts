@@ -1,0 +1,121 @@
+// The server, as functions. Addresses are relative: the token stands in the page's own.
+import type { Candidates, Document, Field, Home, Job, Pieces, Project } from "./types";
+
+export class Fault extends Error {
+  constructor(readonly status: number, text: string) {
+    super(text);
+  }
+}
+
+async function ask(path: string, init?: RequestInit): Promise<Response> {
+  const response = await fetch(path, init);
+  if (response.ok || response.status === 409) return response;
+  const text = await response.text();
+  let fault = text;
+  try {
+    fault = (JSON.parse(text) as { fault: string }).fault;
+  } catch {
+    // plain text is a fault too
+  }
+  throw new Fault(response.status, fault || response.statusText);
+}
+
+async function get<T>(path: string): Promise<T> {
+  return (await (await ask(path)).json()) as T;
+}
+
+async function post<T>(path: string, body: unknown): Promise<T> {
+  return (await (await ask(path, { method: "POST", body: JSON.stringify(body) })).json()) as T;
+}
+
+const name = encodeURIComponent;
+const at = (project: string): string => `api/projects/${name(project)}`;
+
+export const address = {
+  picture: (project: string, longest: number): string => `${at(project)}/picture?longest=${longest}`,
+  thumbnail: (project: string): string => `${at(project)}/thumbnail`,
+  matte: (project: string, number: number, which: "alpha" | "held"): string =>
+    `${at(project)}/mattes/${number}/${which}`,
+  frame: (project: string, reel: number, frame: number): string => `${at(project)}/reels/${reel}/${frame}`,
+  patch: (project: string, piece: number, candidate: number, version: number): string =>
+    `${at(project)}/pieces/${piece}/${candidate}?v=${version}`,
+  clip: (store: string, clip: number): string => `api/stores/${name(store)}/clips/${clip}`,
+  exported: (project: string, file: string): string => `${at(project)}/exports/${name(file)}`,
+  credits: (project: string): string => `${at(project)}/credits`,
+};
+
+export const home = (): Promise<Home> => get("api/home");
+export const jobs = (): Promise<Job[]> => get("api/jobs");
+export const project = (id: string): Promise<Project> => get(at(id));
+export const field = (id: string): Promise<Field | null> => get(`${at(id)}/field`);
+export const pieces = (id: string): Promise<Pieces> => get(`${at(id)}/pieces`);
+export const candidates = (id: string, piece: number): Promise<Candidates> => get(`${at(id)}/pieces/${piece}`);
+export const credits = async (id: string): Promise<string> => (await ask(address.credits(id))).text();
+
+export async function openPicture(file: File): Promise<string> {
+  const answer = await ask(`api/projects?name=${name(file.name)}`, { method: "POST", body: file });
+  return ((await answer.json()) as { id: string }).id;
+}
+
+export async function removeProject(id: string): Promise<void> {
+  await ask(at(id), { method: "DELETE" });
+}
+
+export async function giveMatte(id: string, file: File): Promise<void> {
+  await ask(`${at(id)}/matte`, { method: "POST", body: file });
+}
+
+export type Saved =
+  | { taken: true; version: number }
+  | { taken: false; version: number; document: Document };
+
+export async function save(id: string, document: Document, base: number, page: string): Promise<Saved> {
+  const answer = await ask(`${at(id)}/document?base=${base}&page=${page}`, {
+    method: "PUT",
+    body: JSON.stringify(document),
+  });
+  const json = (await answer.json()) as { version: number; document: Document };
+  return answer.status === 409 ? { taken: false, ...json } : { taken: true, version: json.version };
+}
+
+export interface ExportRequest {
+  name: string;
+  layer?: string;
+  preset?: string;
+  depth?: string;
+  range?: string;
+  "start-number"?: string;
+}
+export const startExport = (
+  id: string,
+  request: ExportRequest,
+): Promise<{ job: number; folder: string; command: string }> => post(`${at(id)}/exports`, request);
+
+export const newStore = (title: string): Promise<{ id: string }> => post("api/stores", { name: title });
+export async function sendClip(store: string, kind: string, file: File): Promise<void> {
+  await ask(`api/stores/${name(store)}/clips?class=${name(kind)}&name=${name(file.name)}`, {
+    method: "POST",
+    body: file,
+  });
+}
+export const ingest = (store: string, licence: string): Promise<{ job: number }> =>
+  post(`api/stores/${name(store)}/ingest`, { licence });
+
+export async function stopJob(lane: string, id: number): Promise<void> {
+  await ask(`api/jobs/${lane}/${id}`, { method: "DELETE" });
+}
+
+export type Listener = (type: string, data: unknown) => void;
+
+/** Hears what happens, and goes on after interruptions. Returns how to end it. */
+export function listen(after: number, listener: Listener, connected: (yes: boolean) => void): () => void {
+  const source = new EventSource(`api/events?after=${after}`);
+  for (const type of ["job", "document", "matte", "field", "labels", "reel", "problem", "export", "ingested"])
+    source.addEventListener(type, (event) => listener(type, JSON.parse((event as MessageEvent<string>).data)));
+  source.onopen = () => connected(true);
+  source.onerror = () => connected(false);
+  return () => source.close();
+}
+
+export const exports = (id: string): Promise<{ folder: string; files: { name: string; bytes: number }[] }> =>
+  get(`${at(id)}/exports`);

@@ -1,0 +1,583 @@
+// The picture on its canvas: zoomed and panned, drawn on, with what is known of it laid over.
+import { effect } from "@preact/signals";
+import Konva from "konva/lib/Core";
+import { Arrow } from "konva/lib/shapes/Arrow";
+import { Circle } from "konva/lib/shapes/Circle";
+import { Image as KonvaImage } from "konva/lib/shapes/Image";
+import { Line } from "konva/lib/shapes/Line";
+import { Rect } from "konva/lib/shapes/Rect";
+import { address } from "./api";
+import * as state from "./state";
+import { Streaks } from "./streaks";
+import type { Drawn, Point, Stroke } from "./types";
+import * as view from "./view";
+
+const kLongest = 2048;
+const accent = (): string => getComputedStyle(document.documentElement).getPropertyValue("--accent").trim() || "#4fc3c7";
+
+/** Leaves out points that lie on the way (Ramer, Douglas and Peucker). */
+export function simplified(points: Point[], tolerance: number): Point[] {
+  const first = points[0];
+  const last = points[points.length - 1];
+  if (points.length < 3 || !first || !last) return points;
+  let far = 0;
+  let index = 0;
+  const dx = last[0] - first[0];
+  const dy = last[1] - first[1];
+  const length = Math.hypot(dx, dy) || 1;
+  for (let i = 1; i < points.length - 1; ++i) {
+    const [x, y] = points[i] as Point;
+    const distance =
+      dx === 0 && dy === 0
+        ? Math.hypot(x - first[0], y - first[1])
+        : Math.abs(dy * (x - first[0]) - dx * (y - first[1])) / length;
+    if (distance > far) [far, index] = [distance, i];
+  }
+  if (far <= tolerance) return [first, last];
+  return [...simplified(points.slice(0, index + 1), tolerance).slice(0, -1), ...simplified(points.slice(index), tolerance)];
+}
+
+const flat = (points: Point[]): number[] => points.flat();
+const rounded = (value: number): number => Math.round(value * 10) / 10;
+export const lengthOf = (points: Point[]): number =>
+  points.reduce((sum, [x, y], i) => {
+    const before = points[i - 1];
+    return before ? sum + Math.hypot(x - before[0], y - before[1]) : 0;
+  }, 0);
+
+function loadImage(source: string): Promise<HTMLImageElement> {
+  return new Promise((resolve, reject) => {
+    const image = new Image();
+    image.onload = () => resolve(image);
+    image.onerror = () => reject(new Error("a picture did not arrive"));
+    image.src = source;
+  });
+}
+
+export class Canvas {
+  private readonly stage: Konva.Stage;
+  private readonly below = new Konva.Layer({ listening: false });
+  private readonly over = new Konva.Layer({ listening: false });
+  private readonly drawing = new Konva.Layer();
+  private readonly cursorLayer = new Konva.Layer({ listening: false });
+  private readonly picture = new KonvaImage({ image: undefined });
+  private readonly moving = new KonvaImage({ image: undefined });
+  private readonly original = new KonvaImage({ image: undefined, visible: false });
+  private readonly divider = new Line({ points: [], stroke: "#fff", strokeWidth: 2, visible: false });
+  private readonly tint = new KonvaImage({ image: undefined });
+  private readonly held = new KonvaImage({ image: undefined });
+  private readonly cursor = new Circle({ stroke: "#fff", strokeWidth: 1.5, visible: false, shadowColor: "#000", shadowBlur: 3 });
+  private readonly overlay: HTMLCanvasElement;
+  private readonly flowing = new Streaks();
+  private readonly ends: (() => void)[] = [];
+  private readonly resizer: ResizeObserver;
+  private matteImage: HTMLImageElement | null = null;
+  private heldImage: HTMLImageElement | null = null;
+  private fitted = true;
+  private line: Point[] | null = null; // being drawn
+  private pen = 1; // pressure of the pen that draws
+  private erasing = false;
+  private live: Line | Arrow | null = null;
+  private panFrom: { x: number; y: number; at: { x: number; y: number } } | null = null;
+  private pinch: { distance: number; centre: { x: number; y: number } } | null = null;
+  private last = 0;
+
+  constructor(private readonly box: HTMLDivElement) {
+    const holder = document.createElement("div");
+    holder.className = "stage";
+    box.append(holder);
+    this.overlay = document.createElement("canvas");
+    this.overlay.className = "streaks";
+    this.stage = new Konva.Stage({ container: holder, width: box.clientWidth || 10, height: box.clientHeight || 10 });
+    this.below.add(this.picture, this.moving, this.original, this.divider);
+    this.over.add(this.tint, this.held);
+    this.cursorLayer.add(this.cursor);
+    this.stage.add(this.below, this.over, this.drawing, this.cursorLayer);
+    this.drawing.getNativeCanvasElement().before(this.overlay); // below the lines that were drawn
+    this.resizer = new ResizeObserver(() => this.resize());
+    this.resizer.observe(box);
+    this.listenToPointers();
+    this.listenToState();
+    this.last = performance.now();
+    const tick = (now: number): void => {
+      if (!this.box.isConnected) return;
+      this.drawStreaks(now);
+      requestAnimationFrame(tick);
+    };
+    requestAnimationFrame(tick);
+  }
+
+  end(): void {
+    for (const end of this.ends) end();
+    this.resizer.disconnect();
+    this.stage.destroy();
+    this.overlay.remove();
+  }
+
+  private size(): { width: number; height: number } {
+    const open = state.project.value;
+    return open ? { width: open.width, height: open.height } : { width: 1, height: 1 };
+  }
+
+  // ---- what is shown
+
+  private listenToState(): void {
+    let shownProject = "";
+    this.ends.push(
+      effect(() => {
+        const open = state.project.value;
+        if (!open || open.id === shownProject) return;
+        shownProject = open.id;
+        void loadImage(address.picture(open.id, kLongest)).then((image) => {
+          if (state.project.value?.id !== open.id) return;
+          for (const node of [this.picture, this.original]) node.setAttrs({ image, width: open.width, height: open.height });
+          this.below.batchDraw();
+        });
+        this.fitted = true;
+        queueMicrotask(() => this.resize());
+      }),
+      effect(() => {
+        const player = state.player;
+        const frame = player.frame.value;
+        const reel = player.reel.value;
+        const split = view.compare.value;
+        const { width, height } = this.size();
+        void frame;
+        const bitmap = player.bitmap();
+        this.moving.setAttrs({ image: bitmap ?? undefined, width, height, visible: !!reel && !!bitmap });
+        const shown = split !== null;
+        this.original.visible(shown);
+        this.divider.visible(shown);
+        if (shown) {
+          const image = this.picture.image() as HTMLImageElement | undefined;
+          const at = split * width;
+          if (image) {
+            this.original.crop({ x: 0, y: 0, width: Math.max(1, split * image.width), height: image.height });
+            this.original.size({ width: Math.max(0.01, at), height });
+          }
+          this.divider.points([at, 0, at, height]);
+          this.divider.strokeWidth(2 / this.stage.scaleX());
+        }
+        this.below.batchDraw();
+      }),
+      effect(() => {
+        const open = state.project.value;
+        const made = state.matte.value;
+        if (!open || !made) {
+          this.matteImage = this.heldImage = null;
+          this.redrawMatte();
+          return;
+        }
+        void Promise.all([
+          loadImage(address.matte(open.id, made.number, "alpha")),
+          made.held ? loadImage(address.matte(open.id, made.number, "held")) : Promise.resolve(null),
+        ])
+          .then(([alpha, stands]) => {
+            if (state.matte.value?.number !== made.number) return;
+            this.matteImage = alpha;
+            this.heldImage = stands;
+            this.redrawMatte();
+            this.flowing.set(state.field.value, this.matteImage);
+          })
+          .catch(() => undefined); // a newer one is on its way
+      }),
+      effect(() => {
+        void view.matteLook.value;
+        void state.mode.value;
+        this.redrawMatte();
+      }),
+      effect(() => this.flowing.set(state.field.value, this.matteImage)),
+      effect(() => {
+        void state.doc.value;
+        void state.mode.value;
+        void view.selected.value;
+        void view.piece.value;
+        void view.pieceMap.value;
+        void state.pieces.value;
+        void view.zoom.value;
+        this.redrawDrawing();
+      }),
+      effect(() => {
+        const drags = view.panning.value;
+        const mode = state.mode.value;
+        this.box.style.cursor = drags ? "grab" : mode === "fluid" || mode === "flow" ? "crosshair" : "default";
+      }),
+    );
+  }
+
+  /** The matte in one colour, with what lies outside of it darkened, or as an outline. */
+  private redrawMatte(): void {
+    const { width, height } = this.size();
+    const look = state.mode.value === "fluid" ? view.matteLook.value : "off";
+    const image = this.matteImage;
+    this.held.visible(false);
+    if (!image || look === "off") {
+      this.tint.visible(false);
+      this.over.batchDraw();
+      return;
+    }
+    const canvas = document.createElement("canvas");
+    canvas.width = image.width;
+    canvas.height = image.height;
+    const context = canvas.getContext("2d");
+    if (!context) return;
+    if (look === "tint") {
+      context.drawImage(image, 0, 0);
+      context.globalCompositeOperation = "source-in";
+      context.globalAlpha = 0.42;
+      context.fillStyle = accent();
+      context.fillRect(0, 0, canvas.width, canvas.height);
+    } else if (look === "cutout") {
+      context.fillStyle = "rgba(8, 12, 14, 0.86)";
+      context.fillRect(0, 0, canvas.width, canvas.height);
+      context.globalCompositeOperation = "destination-out";
+      context.drawImage(image, 0, 0);
+    } else {
+      const reach = Math.max(1, Math.round(canvas.width / 700));
+      for (let angle = 0; angle < 8; ++angle)
+        context.drawImage(image, reach * Math.cos((angle * Math.PI) / 4), reach * Math.sin((angle * Math.PI) / 4));
+      context.globalCompositeOperation = "destination-out";
+      context.drawImage(image, 0, 0);
+      context.globalCompositeOperation = "source-in";
+      context.fillStyle = accent();
+      context.fillRect(0, 0, canvas.width, canvas.height);
+    }
+    this.tint.setAttrs({ image: canvas, width, height, visible: true });
+    if (this.heldImage) {
+      const stands = document.createElement("canvas");
+      stands.width = this.heldImage.width;
+      stands.height = this.heldImage.height;
+      const paint = stands.getContext("2d");
+      if (paint) {
+        paint.drawImage(this.heldImage, 0, 0);
+        paint.globalCompositeOperation = "source-in";
+        paint.fillStyle = "rgba(233, 180, 76, 0.6)";
+        paint.fillRect(0, 0, stands.width, stands.height);
+        this.held.setAttrs({ image: stands, width, height, visible: true });
+      }
+    }
+    this.over.batchDraw();
+  }
+
+  private redrawDrawing(): void {
+    this.drawing.destroyChildren();
+    const document = state.doc.value;
+    if (document) {
+      if (state.mode.value === "fluid") this.addScribbles(document.scribbles);
+      if (state.mode.value === "flow") document.strokes.forEach((stroke, i) => this.addStroke(stroke, i));
+      if (state.mode.value === "why") this.addPieces();
+    }
+    this.drawing.batchDraw();
+  }
+
+  private addScribbles(lines: Drawn[]): void {
+    for (const line of lines)
+      this.drawing.add(
+        new Line({
+          points: line.points.length === 1 ? [...flat(line.points), ...flat(line.points)] : flat(line.points),
+          stroke: line.adds ? "#e8fffb" : "#e5484d",
+          strokeWidth: line.width,
+          lineCap: "round",
+          lineJoin: "round",
+          opacity: line.adds ? 0.55 : 0.6,
+          listening: false,
+        }),
+      );
+  }
+
+  private addStroke(stroke: Stroke, index: number): void {
+    const chosen = view.selected.value === index;
+    const scale = this.stage.scaleX();
+    const shape = {
+      points: flat(stroke.points),
+      tension: stroke.points.length > 2 ? 0.35 : 0,
+      pointerLength: 11 / scale,
+      pointerWidth: 10 / scale,
+      lineCap: "round" as const,
+      lineJoin: "round" as const,
+    };
+    this.drawing.add(new Arrow({ ...shape, stroke: "#00171a", fill: "#00171a", strokeWidth: 6 / scale, opacity: 0.55, listening: false }));
+    const colour = chosen ? accent() : "#fff";
+    const arrow = new Arrow({ ...shape, stroke: colour, fill: colour, strokeWidth: 2.6 / scale, hitStrokeWidth: 18 / scale });
+    arrow.on("pointerdown", (event) => {
+      if (view.panning.value || event.evt.button !== 0) return;
+      event.cancelBubble = true;
+      view.selected.value = index;
+    });
+    this.drawing.add(arrow);
+    if (!chosen) return;
+    stroke.points.forEach((point, k) => {
+      if (k !== 0 && k !== stroke.points.length - 1 && stroke.points.length > 8 && k % 3 !== 0) return;
+      // The last one stands beyond the arrow's tip, which it would cover.
+      const before = stroke.points[k - 1] ?? point;
+      const length = Math.hypot(point[0] - before[0], point[1] - before[1]) || 1;
+      const beyond = k === stroke.points.length - 1 ? 13 / scale / length : 0;
+      const [dx, dy] = [(point[0] - before[0]) * beyond, (point[1] - before[1]) * beyond];
+      const handle = new Circle({ x: point[0] + dx, y: point[1] + dy, radius: 5 / scale, fill: "#fff", stroke: accent(), strokeWidth: 2 / scale, draggable: true, hitStrokeWidth: 14 / scale });
+      handle.on("pointerdown", (event) => (event.cancelBubble = true));
+      handle.on("dragend", () => {
+        const strokes = state.doc.value?.strokes ?? [];
+        const points = stroke.points.map((each, i): Point => (i === k ? [rounded(handle.x() - dx), rounded(handle.y() - dy)] : each));
+        state.edit({ strokes: strokes.map((each, i) => (i === index ? { ...each, points } : each)) });
+      });
+      this.drawing.add(handle);
+    });
+  }
+
+  private addPieces(): void {
+    const found = state.pieces.value;
+    if (!found) return;
+    const map = view.pieceMap.value;
+    if (map !== "none")
+      for (const [x, y, clip, score] of found.pieces)
+        this.drawing.add(
+          new Rect({
+            x: x + found.side / 4,
+            y: y + found.side / 4,
+            width: found.side / 2,
+            height: found.side / 2,
+            fill: map === "clip" ? view.clipColour(clip) : `hsl(${Math.min(150, score * 360)} 65% 50%)`,
+            opacity: 0.55,
+            listening: false,
+          }),
+        );
+    for (const [x, y, , , pinned] of found.pieces)
+      if (pinned) this.drawing.add(new Circle({ x: x + found.side / 2, y: y + found.side / 2, radius: 5 / this.stage.scaleX(), fill: accent(), stroke: "#fff", strokeWidth: 1.5 / this.stage.scaleX(), listening: false }));
+    const chosen = view.piece.value === null ? undefined : found.pieces[view.piece.value];
+    if (chosen)
+      for (const [colour, width] of [["#00171a", 5], [accent(), 2.5]] as const)
+        this.drawing.add(new Rect({ x: chosen[0], y: chosen[1], width: found.side, height: found.side, stroke: colour, strokeWidth: width / this.stage.scaleX(), cornerRadius: 3 / this.stage.scaleX(), listening: false }));
+  }
+
+  private drawStreaks(now: number): void {
+    const seconds = Math.min(0.05, (now - this.last) / 1000);
+    this.last = now;
+    const context = this.overlay.getContext("2d");
+    if (!context) return;
+    const ratio = window.devicePixelRatio || 1;
+    context.setTransform(1, 0, 0, 1, 0, 0);
+    context.clearRect(0, 0, this.overlay.width, this.overlay.height);
+    if (!view.streaks.value || state.mode.value !== "flow" || this.flowing.empty) return;
+    const scale = this.stage.scaleX();
+    context.setTransform(ratio * scale, 0, 0, ratio * scale, ratio * this.stage.x(), ratio * this.stage.y());
+    this.flowing.draw(context, seconds, scale);
+  }
+
+  // ---- zoom and pan
+
+  private resize(): void {
+    const width = this.box.clientWidth;
+    const height = this.box.clientHeight;
+    if (width < 2 || height < 2) return;
+    this.stage.size({ width, height });
+    const ratio = window.devicePixelRatio || 1;
+    this.overlay.width = Math.round(width * ratio);
+    this.overlay.height = Math.round(height * ratio);
+    if (this.fitted) this.fit();
+  }
+
+  /** All of the picture, as large as it goes beside the panels that float over the canvas. */
+  fit(): void {
+    const { width, height } = this.size();
+    // Beside the panel where there is room for it, above it on a narrow screen.
+    const narrow = this.stage.width() < 720;
+    const panel = this.box.parentElement?.querySelector(".panel");
+    const left = narrow ? 10 : 24;
+    const right = narrow ? 10 : panel ? 344 : 24;
+    const top = narrow ? 108 : 80;
+    const bottom = narrow ? 100 + (panel ? 0.36 * this.stage.height() : 0) : 112;
+    const across = Math.max(40, this.stage.width() - left - right);
+    const down = Math.max(40, this.stage.height() - top - bottom);
+    const scale = Math.min(across / width, down / height);
+    this.place(scale, left + (across - width * scale) / 2, top + (down - height * scale) / 2);
+    this.fitted = true;
+  }
+
+  /** Again, where nobody has zoomed or panned since. */
+  refit(): void {
+    if (this.fitted) this.fit();
+  }
+
+  zoomBy(factor: number, centre = { x: this.stage.width() / 2, y: this.stage.height() / 2 }): void {
+    const before = this.stage.scaleX();
+    const scale = Math.max(0.01, Math.min(64, before * factor));
+    const x = centre.x - ((centre.x - this.stage.x()) * scale) / before;
+    const y = centre.y - ((centre.y - this.stage.y()) * scale) / before;
+    this.place(scale, x, y);
+    this.fitted = false;
+  }
+
+  zoomTo(scale: number): void {
+    this.zoomBy(scale / this.stage.scaleX());
+  }
+
+  private place(scale: number, x: number, y: number): void {
+    this.stage.scale({ x: scale, y: scale });
+    this.stage.position({ x, y });
+    this.picture.getLayer()?.batchDraw();
+    // Pixels are seen as pixels where one looks closely.
+    for (const layer of [this.below, this.over]) layer.imageSmoothingEnabled(scale < 4);
+    view.zoom.value = scale;
+    this.box.dataset["view"] = JSON.stringify({ x, y, scale });
+    this.stage.batchDraw();
+  }
+
+  // ---- pointers
+
+  private at(): Point | null {
+    const point = this.stage.getRelativePointerPosition();
+    return point ? [rounded(point.x), rounded(point.y)] : null;
+  }
+
+  private listenToPointers(): void {
+    this.stage.on("wheel", (event) => {
+      event.evt.preventDefault();
+      const centre = this.stage.getPointerPosition() ?? undefined;
+      if (event.evt.ctrlKey || !event.evt.shiftKey) this.zoomBy(Math.exp(-event.evt.deltaY * (event.evt.ctrlKey ? 0.01 : 0.0015)), centre);
+      else this.panBy(-event.evt.deltaY, 0);
+    });
+    this.stage.on("pointerdown", (event) => this.begin(event.evt));
+    this.stage.on("pointermove", (event) => this.go(event.evt));
+    this.stage.on("pointerup pointercancel", () => this.finish());
+    this.stage.on("mouseleave", () => {
+      this.cursor.visible(false);
+      this.cursorLayer.batchDraw();
+    });
+    this.stage.on("touchmove", (event) => this.twoFingers(event.evt));
+    this.stage.on("touchend", () => (this.pinch = null));
+    this.stage.on("dblclick dbltap", () => {
+      if (state.mode.value === "look") this.fit();
+    });
+    const letGo = (): void => this.finish();
+    window.addEventListener("pointerup", letGo);
+    this.ends.push(() => window.removeEventListener("pointerup", letGo));
+  }
+
+  private panBy(dx: number, dy: number): void {
+    this.place(this.stage.scaleX(), this.stage.x() + dx, this.stage.y() + dy);
+    this.fitted = false;
+  }
+
+  private twoFingers(event: TouchEvent): void {
+    const [a, b] = [event.touches[0], event.touches[1]];
+    if (!a || !b) return;
+    event.preventDefault();
+    this.cancel();
+    const corner = this.box.getBoundingClientRect();
+    const centre = { x: (a.clientX + b.clientX) / 2 - corner.left, y: (a.clientY + b.clientY) / 2 - corner.top };
+    const distance = Math.hypot(a.clientX - b.clientX, a.clientY - b.clientY);
+    if (this.pinch) {
+      this.zoomBy(distance / this.pinch.distance, centre);
+      this.panBy(centre.x - this.pinch.centre.x, centre.y - this.pinch.centre.y);
+    }
+    this.pinch = { distance, centre };
+  }
+
+  private cancel(): void {
+    this.line = null;
+    this.live?.destroy();
+    this.live = null;
+    this.cursorLayer.batchDraw();
+  }
+
+  private begin(event: PointerEvent): void {
+    const point = this.at();
+    if (!point) return;
+    const mode = state.mode.value;
+    if (event.button === 1 || view.panning.value || mode === "look") {
+      const from = this.stage.getPointerPosition();
+      if (from) this.panFrom = { x: from.x, y: from.y, at: { x: this.stage.x(), y: this.stage.y() } };
+      this.box.style.cursor = "grabbing";
+      return;
+    }
+    if (event.button !== 0 && event.button !== 2) return;
+    if (mode === "why") return this.choosePiece(point);
+    this.pen = event.pointerType === "pen" && event.pressure > 0 ? 0.4 + 1.2 * event.pressure : 1;
+    this.erasing = event.button === 2 || event.altKey;
+    this.line = [point];
+    if (mode === "flow") {
+      view.selected.value = null;
+      const scale = this.stage.scaleX();
+      this.live = new Arrow({ points: [...point, ...point], stroke: accent(), fill: accent(), strokeWidth: 3 / scale, pointerLength: 11 / scale, pointerWidth: 10 / scale, lineCap: "round", lineJoin: "round" });
+    } else {
+      const area = view.fluidTool.value === "area";
+      this.live = new Line({
+        points: [...point, ...point],
+        stroke: this.penColour(),
+        fill: area ? this.penColour() : undefined,
+        closed: area,
+        strokeWidth: area ? 1.5 / this.stage.scaleX() : view.brush.value * this.pen,
+        opacity: 0.6,
+        lineCap: "round",
+        lineJoin: "round",
+      });
+    }
+    this.cursorLayer.add(this.live);
+    this.cursorLayer.batchDraw();
+  }
+
+  private penColour(): string {
+    const tool = view.fluidTool.value;
+    const takes = tool === "still" || tool === "erase";
+    if (tool === "hold") return this.erasing ? "#555" : "#e9b44c";
+    return takes !== this.erasing ? "#e5484d" : accent();
+  }
+
+  private go(event: PointerEvent): void {
+    const point = this.at();
+    if (!point) return;
+    if (this.panFrom) {
+      const now = this.stage.getPointerPosition();
+      if (now) this.place(this.stage.scaleX(), this.panFrom.at.x + now.x - this.panFrom.x, this.panFrom.at.y + now.y - this.panFrom.y);
+      this.fitted = false;
+      return;
+    }
+    const brushes = state.mode.value === "fluid" && view.fluidTool.value !== "area" && event.pointerType !== "touch";
+    this.cursor.setAttrs({ x: point[0], y: point[1], radius: view.brush.value / 2, strokeWidth: 1.5 / this.stage.scaleX(), visible: brushes && !view.panning.value });
+    if (this.line && this.live) {
+      const before = this.line[this.line.length - 1] as Point;
+      if (Math.hypot(point[0] - before[0], point[1] - before[1]) * this.stage.scaleX() >= 2) this.line.push(point);
+      this.live.points(flat(this.line.length > 1 ? this.line : [before, point]));
+    }
+    this.cursorLayer.batchDraw();
+  }
+
+  private finish(): void {
+    if (this.panFrom) {
+      this.panFrom = null;
+      this.box.style.cursor = view.panning.value ? "grab" : "";
+    }
+    const line = this.line;
+    this.cancel();
+    const document = state.doc.value;
+    if (!line || !document) return;
+    const scale = this.stage.scaleX();
+    const points = simplified(line, 0.7 / scale).map(([x, y]): Point => [rounded(x), rounded(y)]);
+    if (state.mode.value === "flow") {
+      if (lengthOf(points) * scale < 8) return; // a click
+      const speed = view.fastByLength.value ? Math.round(lengthOf(points)) : null;
+      state.edit({ strokes: [...document.strokes, { points, speed }] });
+      view.selected.value = document.strokes.length;
+      return;
+    }
+    const tool = view.fluidTool.value;
+    const area = tool === "area";
+    if (area && points.length < 3) return;
+    const drawn: Drawn = { points, width: area ? 0 : rounded(view.brush.value * this.pen), adds: (tool !== "still" && tool !== "erase") !== this.erasing, area };
+    if (tool === "fluid" || tool === "still") state.edit({ scribbles: [...document.scribbles, drawn], ...(document.matte_base === "whole" ? { matte_base: "scribbles" as const } : {}) });
+    else if (tool === "hold") state.edit({ held: [...document.held, drawn] });
+    else state.edit({ paint: [...document.paint, drawn] });
+  }
+
+  private choosePiece(point: Point): void {
+    const found = state.pieces.value;
+    if (!found) return;
+    let best = -1;
+    let nearest = found.side / 2;
+    found.pieces.forEach(([x, y], i) => {
+      const distance = Math.max(Math.abs(x + found.side / 2 - point[0]), Math.abs(y + found.side / 2 - point[1]));
+      if (distance < nearest) [nearest, best] = [distance, i];
+    });
+    view.piece.value = best >= 0 ? best : null;
+  }
+}

@@ -1,0 +1,283 @@
+// The way in: pictures, projects, stores.
+import type { JSX } from "preact";
+import { useState } from "preact/hooks";
+import { ImagePlus, Plus, Trash2 } from "lucide-preact";
+import * as api from "./api";
+import { go, ThemeButton } from "./app";
+import { Dialog, IconButton, Strip } from "./parts";
+import * as state from "./state";
+import type { Job, Store } from "./types";
+
+function ago(seconds: number): string {
+  if (seconds < 90) return "just now";
+  if (seconds < 5400) return `${Math.round(seconds / 60)} minutes ago`;
+  if (seconds < 129600) return `${Math.round(seconds / 3600)} hours ago`;
+  return `${Math.round(seconds / 86400)} days ago`;
+}
+
+const isVideo = (file: File): boolean => /\.(mp4|mov|mkv|avi|webm|m4v|mpe?g|mxf)$/i.test(file.name);
+
+export function HomePage(): JSX.Element {
+  const [over, setOver] = useState(false);
+  const [busy, setBusy] = useState("");
+  const [clips, setClips] = useState<File[] | null>(null);
+  const home = state.home.value;
+  const take = async (files: File[]): Promise<void> => {
+    const videos = files.filter(isVideo);
+    const picture = files.find((file) => !isVideo(file));
+    if (videos.length > 0) setClips(videos);
+    else if (picture) {
+      setBusy(picture.name);
+      try {
+        go(await api.openPicture(picture));
+      } catch (fault) {
+        state.toast.value = (fault as Error).message;
+      }
+      setBusy("");
+    }
+  };
+  return (
+    <main
+      class={`home ${over ? "over" : ""}`}
+      onDragOver={(event) => {
+        event.preventDefault();
+        setOver(true);
+      }}
+      onDragLeave={(event) => event.currentTarget === event.target && setOver(false)}
+      onDrop={(event) => {
+        event.preventDefault();
+        setOver(false);
+        void take([...(event.dataTransfer?.files ?? [])]);
+      }}
+    >
+      <header class="home-bar">
+        <img src="icon.svg" alt="" width={28} height={28} />
+        <h1>Freshet</h1>
+        <span class="spread" />
+        <ThemeButton />
+      </header>
+      <label class="drop">
+        <ImagePlus size={30} strokeWidth={1.4} aria-hidden />
+        <strong>{busy ? `Opening ${busy}` : "Drop a picture of water, fire, smoke or clouds"}</strong>
+        <span>or choose one. PNG, JPEG, TIFF, WebP, EXR</span>
+        <input type="file" class="unseen" aria-label="Choose a picture" accept="image/*,.exr,.tif,.tiff" onChange={(event) => void take([...(event.currentTarget.files ?? [])])} />
+      </label>
+      {home && home.projects.length > 0 && (
+        <section>
+          <h2>Projects</h2>
+          <ul class="cards">
+            {home.projects.map((each) => (
+              <li key={each.id} class="card">
+                <a href={`#/${encodeURIComponent(each.id)}`}>
+                  <img src={api.address.thumbnail(each.id)} alt="" loading="lazy" />
+                  <span class="name">
+                    {each.id}
+                    <small>{ago(each.seconds_ago)}</small>
+                  </span>
+                </a>
+                <Remove id={each.id} />
+              </li>
+            ))}
+          </ul>
+        </section>
+      )}
+      <section>
+        <header class="row">
+          <h2>Stores of clips</h2>
+          <button type="button" class="quiet" onClick={() => setClips([])}>
+            <Plus size={16} aria-hidden /> Add clips
+          </button>
+        </header>
+        {home?.stores.length === 0 && <p class="hint">There is no store yet. Add clips of water, fire, smoke or clouds, filmed with a camera that stands still.</p>}
+        {home?.stores.map((store) => <StoreSection key={store.id} store={store} />)}
+      </section>
+      <Jobs />
+      <OutcomeDialog />
+      <ClipsDialog files={clips} onClose={() => setClips(null)} />
+    </main>
+  );
+}
+
+function Remove({ id }: { id: string }): JSX.Element {
+  const [sure, setSure] = useState(false);
+  return sure ? (
+    <button
+      type="button"
+      class="danger small"
+      onBlur={() => setSure(false)}
+      onClick={() => void api.removeProject(id).then(async () => (state.home.value = await api.home()))}
+    >
+      Remove {id}?
+    </button>
+  ) : (
+    <IconButton icon={Trash2} label={`Remove ${id}`} onClick={() => setSure(true)} />
+  );
+}
+
+function StoreSection({ store }: { store: Store }): JSX.Element {
+  const kinds = [...new Set(store.clips.map((clip) => clip.class))].sort();
+  const [kind, setKind] = useState("");
+  const shown = store.clips.map((clip, index) => ({ clip, index })).filter(({ clip }) => !kind || clip.class === kind);
+  return (
+    <article class="store">
+      <header class="row">
+        <h3 title={store.path}>{store.name}</h3>
+        <span class="hint">
+          {store.clips.length} clips · {store.patches.toLocaleString("en")} patches
+        </span>
+        <span class="spread" />
+        <div class="chips" role="group" aria-label="Kinds">
+          {kinds.length > 1 &&
+            ["", ...kinds].map((each) => (
+              <button key={each} type="button" aria-pressed={kind === each} onClick={() => setKind(each)}>
+                {each || "all"}
+              </button>
+            ))}
+        </div>
+      </header>
+      {store.fault && <p class="problem">{store.fault}</p>}
+      <ul class="cards clips">
+        {shown.slice(0, 60).map(({ clip, index }) => (
+          <li key={clip.name} class="card" tabIndex={0}>
+            <Strip source={api.address.clip(store.id, index)} aspect={clip.width / clip.height} label={`${clip.name}, playing`} plays={false} />
+            <span class="name">
+              {clip.name}
+              <small>
+                {(clip.frames / clip.fps).toFixed(1)} s · {clip.licence || "no licence"}
+              </small>
+            </span>
+          </li>
+        ))}
+      </ul>
+      {shown.length > 60 && <p class="hint">and {shown.length - 60} more</p>}
+    </article>
+  );
+}
+
+export function Jobs(): JSX.Element {
+  const running = Object.values(state.jobs.value).filter((job) => job.lane === "command" && (job.state === "running" || job.state === "waiting" || job.state === "failed"));
+  return (
+    <ul class="jobs" aria-label="What is running">
+      {running.map((job) => (
+        <li key={job.id}>
+          <span class="name">
+            {job.title}
+            <small>{job.state === "failed" ? job.fault : job.stage || job.state}</small>
+          </span>
+          {job.state === "failed" ? (
+            <button type="button" class="quiet small" onClick={() => forget(job)}>
+              Dismiss
+            </button>
+          ) : (
+            <>
+              <progress aria-label={job.title} max={job.of || 1} value={job.of ? job.done : undefined} />
+              <button type="button" class="quiet small" onClick={() => void api.stopJob(job.lane, job.id)}>
+                Stop
+              </button>
+            </>
+          )}
+        </li>
+      ))}
+    </ul>
+  );
+}
+
+/** What became of the clips that were added, with the reasons against those that were not. */
+function OutcomeDialog(): JSX.Element {
+  const report = state.ingested.value;
+  const clips = report?.clips ?? [];
+  const added = clips.filter((clip) => clip.outcome === "added").length;
+  return (
+    <Dialog title={`${added} of ${clips.length} clips added`} open={report !== null} onClose={() => (state.ingested.value = null)}>
+      <ul class="outcome">
+        {clips.map((clip) => (
+          <li key={clip.name}>
+            <span class={clip.outcome === "added" ? "" : "refused"}>
+              {clip.name}: {clip.outcome}
+            </span>
+            {[...clip.reasons, ...clip.notes].map((reason) => (
+              <small key={reason}>{reason}</small>
+            ))}
+          </li>
+        ))}
+      </ul>
+    </Dialog>
+  );
+}
+
+function forget(job: Job): void {
+  state.jobs.value = Object.fromEntries(Object.entries(state.jobs.value).filter(([, each]) => each !== job));
+}
+
+function ClipsDialog(props: { files: File[] | null; onClose: () => void }): JSX.Element {
+  const stores = state.home.value?.stores ?? [];
+  const [more, setMore] = useState<File[]>([]);
+  const [target, setTarget] = useState("");
+  const [title, setTitle] = useState("my clips");
+  const [kind, setKind] = useState("water");
+  const [licence, setLicence] = useState("");
+  const [sent, setSent] = useState(-1);
+  const files = [...(props.files ?? []), ...more];
+  const start = async (): Promise<void> => {
+    try {
+      const store = target || (await api.newStore(title)).id;
+      for (const [i, file] of files.entries()) {
+        setSent(i);
+        await api.sendClip(store, kind, file);
+      }
+      await api.ingest(store, licence);
+      setMore([]);
+      props.onClose();
+    } catch (fault) {
+      state.toast.value = (fault as Error).message;
+    }
+    setSent(-1);
+  };
+  return (
+    <Dialog title="Add clips to a store" open={props.files !== null} onClose={props.onClose}>
+      <p class="hint">A clip wants a camera that stands still, one take, and nothing moving but the fluid; four seconds or more.</p>
+      <label class="drop small">
+        <strong>{files.length === 0 ? "Choose clips" : `${files.length} clip${files.length === 1 ? "" : "s"}`}</strong>
+        <span>{files.slice(0, 4).map((file) => file.name).join(", ")}</span>
+        <input type="file" multiple class="unseen" aria-label="Choose clips" accept="video/*,.mkv" onChange={(event) => setMore([...(event.currentTarget.files ?? [])])} />
+      </label>
+      <label class="field">
+        <span>Store</span>
+        <select value={target} onChange={(event) => setTarget(event.currentTarget.value)}>
+          <option value="">A new one</option>
+          {stores.map((store) => (
+            <option key={store.id} value={store.id}>
+              {store.name}
+            </option>
+          ))}
+        </select>
+      </label>
+      {!target && (
+        <label class="field">
+          <span>Its name</span>
+          <input value={title} onInput={(event) => setTitle(event.currentTarget.value)} />
+        </label>
+      )}
+      <label class="field">
+        <span>Kind of fluid</span>
+        <input value={kind} list="kinds" onInput={(event) => setKind(event.currentTarget.value)} />
+        <datalist id="kinds">
+          {["water", "waterfall", "river", "sea", "fire", "smoke", "clouds"].map((each) => (
+            <option key={each} value={each} />
+          ))}
+        </datalist>
+      </label>
+      <label class="field">
+        <span>Licence</span>
+        <input value={licence} placeholder="kept with every use" onInput={(event) => setLicence(event.currentTarget.value)} />
+      </label>
+      <footer class="row">
+        <span class="hint">{sent >= 0 ? `Sending ${sent + 1} of ${files.length}` : ""}</span>
+        <span class="spread" />
+        <button type="button" class="primary" disabled={files.length === 0 || sent >= 0 || !kind} onClick={() => void start()}>
+          Add {files.length || ""}
+        </button>
+      </footer>
+    </Dialog>
+  );
+}

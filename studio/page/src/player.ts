@@ -1,0 +1,130 @@
+// The animation's frames: fetched as they are made, and played.
+import { signal } from "@preact/signals";
+import { address } from "./api";
+import type { ReelNews } from "./types";
+
+const kAtOnce = 4; // requests
+const kEnough = 6; // frames with which a first preview begins
+
+export interface Reel {
+  news: ReelNews;
+  frames: (ImageBitmap | undefined)[];
+  loaded: number; // frames without a gap
+}
+
+export class Player {
+  readonly reel = signal<Reel | null>(null);
+  readonly coming = signal<Reel | null>(null);
+  readonly playing = signal(true);
+  readonly loop = signal(true);
+  readonly frame = signal(0);
+  readonly rate = signal(1);
+  private project = "";
+  private next = 0; // of the coming reel, to be asked for
+  private asking = 0;
+  private time = 0;
+
+  constructor() {
+    const tick = (now: number): void => {
+      this.advance(now);
+      requestAnimationFrame(tick);
+    };
+    requestAnimationFrame(tick);
+  }
+
+  clear(): void {
+    this.free(this.reel.value);
+    this.free(this.coming.value);
+    this.reel.value = null;
+    this.coming.value = null;
+    this.frame.value = 0;
+  }
+
+  /** Takes news of a reel: a new one is fetched beside the one that plays. */
+  follow(project: string, news: ReelNews): void {
+    const coming = this.coming.value;
+    if (this.reel.value?.news.number === news.number && coming?.news.number !== news.number) return;
+    this.project = project;
+    if (!coming || coming.news.number !== news.number) {
+      if (coming && coming.news.number > news.number) return;
+      if (coming && coming !== this.reel.value) this.free(coming);
+      this.coming.value = { news, frames: new Array<ImageBitmap | undefined>(news.total), loaded: 0 };
+      this.next = 0;
+    } else {
+      coming.news = news;
+    }
+    this.fetchMore();
+  }
+
+  private fetchMore(): void {
+    const reel = this.coming.value;
+    while (reel && this.asking < kAtOnce && this.next < reel.news.ready) void this.fetchOne(reel, this.next++);
+  }
+
+  private async fetchOne(reel: Reel, index: number): Promise<void> {
+    this.asking += 1;
+    try {
+      const answer = await fetch(address.frame(this.project, reel.news.number, index));
+      if (answer.ok && this.coming.value === reel) {
+        reel.frames[index] = await createImageBitmap(await answer.blob());
+        while (reel.frames[reel.loaded]) reel.loaded += 1;
+        this.consider(reel);
+      }
+    } catch {
+      // the server is away; another reel follows when it is back
+    } finally {
+      this.asking -= 1;
+      this.fetchMore();
+    }
+  }
+
+  /** A first look begins at once; what is better takes over when it is whole. */
+  private consider(reel: Reel): void {
+    if (this.coming.value !== reel) return;
+    const whole = reel.loaded === reel.news.total;
+    const begins = reel.news.stage === "small" || !this.reel.value;
+    if (this.reel.value !== reel && (whole || (begins && reel.loaded >= Math.min(kEnough, reel.news.total)))) {
+      this.free(this.reel.value);
+      this.reel.value = reel;
+      this.frame.value = Math.min(this.frame.value, reel.loaded - 1);
+    }
+    if (whole) this.coming.value = null;
+  }
+
+  private free(reel: Reel | null): void {
+    for (const frame of reel?.frames ?? []) frame?.close();
+    if (reel) reel.frames = [];
+  }
+
+  bitmap(): ImageBitmap | null {
+    const reel = this.reel.value;
+    return reel?.frames[Math.min(this.frame.value, reel.loaded - 1)] ?? null;
+  }
+
+  private advance(now: number): void {
+    const reel = this.reel.value;
+    if (!reel || !this.playing.value) {
+      this.time = now;
+      return;
+    }
+    const step = 1000 / (reel.news.fps * this.rate.value);
+    if (now - this.time < step) return;
+    this.time = now - this.time > 4 * step ? now : this.time + step;
+    const last = reel.loaded - 1;
+    if (this.frame.value < last) this.frame.value += 1;
+    else if (reel.loaded < reel.news.total) return; // it is still being made
+    else if (this.loop.value) this.frame.value = 0;
+    else this.playing.value = false;
+  }
+
+  seek(frame: number): void {
+    const reel = this.reel.value;
+    if (reel) this.frame.value = Math.max(0, Math.min(frame, reel.loaded - 1));
+  }
+
+  toggle(): void {
+    const reel = this.reel.value;
+    if (reel && !this.playing.value && this.frame.value >= reel.loaded - 1) this.frame.value = 0;
+    this.playing.value = !this.playing.value;
+  }
+}

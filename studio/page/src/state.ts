@@ -1,0 +1,288 @@
+// What the page knows: the project that is open, its document with all earlier ones, and what the server has made of it.
+import { batch, computed, signal } from "@preact/signals";
+import * as api from "./api";
+import { Player } from "./player";
+import type { Document, Field, Home, Job, MatteNews, Pieces, Project, ReelNews } from "./types";
+
+export interface IngestReport {
+  clips: { name: string; outcome: string; reasons: string[]; notes: string[] }[];
+}
+export type Mode = "fluid" | "flow" | "look" | "why";
+
+export const pageId = Math.random().toString(36).slice(2, 12);
+export const home = signal<Home | null>(null);
+export const project = signal<Project | null>(null);
+export const doc = signal<Document | null>(null);
+export const mode = signal<Mode>("fluid");
+export const jobs = signal<Record<string, Job>>({});
+export const matte = signal<MatteNews | null>(null);
+export const field = signal<Field | null>(null);
+export const pieces = signal<Pieces | null>(null);
+export const labelsNumber = signal(0);
+export const problem = signal("");
+export const toast = signal("");
+export const connected = signal(true);
+export const saving = signal<"saved" | "saving" | "offline">("saved");
+export const ingested = signal<IngestReport | null>(null);
+export const exported = signal(0);
+export const player = new Player();
+
+export const store = computed(() => home.value?.stores.find((each) => each.path === doc.value?.store) ?? null);
+export const previewJob = computed(() =>
+  Object.values(jobs.value).find(
+    (job) => job.lane === "preview" && job.key === project.value?.id && (job.state === "running" || job.state === "waiting"),
+  ),
+);
+
+// ---- the document, and going back and forth in it
+
+let past: Document[] = [];
+let future: Document[] = [];
+let lastKey = "";
+let lastTime = 0;
+export const canUndo = signal(false);
+export const canRedo = signal(false);
+
+function told(): void {
+  canUndo.value = past.length > 0;
+  canRedo.value = future.length > 0;
+}
+
+/** Changes the document. Changes of one key that follow each other closely, as of a slider, are one step back. */
+export function edit(change: Partial<Document>, key = ""): void {
+  const before = doc.value;
+  if (!before) return;
+  const now = performance.now();
+  if (key === "" || key !== lastKey || now - lastTime > 1000) past.push(before);
+  if (past.length > 500) past.shift();
+  lastKey = key;
+  lastTime = now;
+  future = [];
+  doc.value = { ...before, ...change };
+  told();
+  keep();
+}
+
+export function undo(): void {
+  const before = past.pop();
+  if (!before || !doc.value) return;
+  future.push(doc.value);
+  doc.value = before;
+  lastKey = "";
+  told();
+  keep();
+}
+
+export function redo(): void {
+  const after = future.pop();
+  if (!after || !doc.value) return;
+  past.push(doc.value);
+  doc.value = after;
+  lastKey = "";
+  told();
+  keep();
+}
+
+/** The same text for the same document, whoever wrote it: the server keeps single floats, and sorts names. */
+function canonical(value: unknown): string {
+  if (typeof value === "number") return String(Math.fround(value));
+  if (Array.isArray(value)) return `[${value.map(canonical).join()}]`;
+  if (value === null || typeof value !== "object") return JSON.stringify(value);
+  const entries = Object.entries(value).sort(([a], [b]) => (a < b ? -1 : 1));
+  return `{${entries.map(([name, each]) => `${name}:${canonical(each)}`).join()}}`;
+}
+
+// ---- keeping it: one request at a time, the newest document always last
+
+let version = 0;
+let keptText = ""; // of the document that the server has from us, or gave us
+let dirty = false;
+let busy = false;
+let timer = 0;
+
+function keep(): void {
+  dirty = true;
+  saving.value = "saving";
+  window.clearTimeout(timer);
+  timer = window.setTimeout(() => void send(), 40);
+}
+
+async function send(): Promise<void> {
+  const id = project.value?.id;
+  const document = doc.value;
+  if (busy || !dirty || !id || !document) return;
+  busy = true;
+  dirty = false;
+  try {
+    const saved = await api.save(id, document, version, pageId);
+    if (project.value?.id !== id) return;
+    version = saved.version;
+    if (saved.taken) {
+      keptText = canonical(document);
+    } else if (canonical(saved.document) === keptText) {
+      dirty = true; // a server that was started again counts anew, and nobody else has changed anything
+    } else {
+      keptText = canonical(saved.document);
+      adopt(saved.document, "Changed in another window: what it has is shown here.");
+    }
+    saving.value = dirty ? "saving" : "saved";
+  } catch (fault) {
+    if (fault instanceof api.Fault && fault.status < 500) {
+      toast.value = fault.message;
+      saving.value = "saved";
+    } else {
+      dirty = true;
+      saving.value = "offline";
+      window.clearTimeout(timer);
+      timer = window.setTimeout(() => void send(), 1000);
+    }
+  } finally {
+    busy = false;
+  }
+  if (dirty && saving.value !== "offline") void send();
+}
+
+function adopt(document: Document, word = ""): void {
+  past = [];
+  future = [];
+  doc.value = document;
+  told();
+  if (word) toast.value = word;
+}
+
+// ---- opening
+
+let endListening: (() => void) | null = null;
+
+export async function showHome(): Promise<void> {
+  leave();
+  home.value = await api.home();
+  hear(0);
+}
+
+function leave(): void {
+  endListening?.();
+  endListening = null;
+  player.clear();
+  batch(() => {
+    project.value = null;
+    doc.value = null;
+    matte.value = null;
+    field.value = null;
+    pieces.value = null;
+    problem.value = "";
+  });
+}
+
+export async function openProject(id: string): Promise<void> {
+  leave();
+  const [opened, house] = await Promise.all([api.project(id), api.home()]);
+  home.value = house;
+  take(opened);
+  hear(opened.event);
+}
+
+function take(opened: Project): void {
+  version = opened.version;
+  keptText = canonical(opened.document);
+  dirty = false;
+  batch(() => {
+    project.value = opened;
+    adopt(opened.document);
+    matte.value = opened.made.matte;
+    problem.value = opened.made.problem;
+    saving.value = "saved";
+    if (opened.notice) toast.value = opened.notice;
+    const document = opened.document;
+    const drawn = document.scribbles.length + document.paint.length > 0 || document.matte_base !== "scribbles";
+    mode.value = drawn ? "flow" : "fluid";
+  });
+  const reel = opened.made.full ?? opened.made.small;
+  if (reel) player.follow(opened.id, reel);
+  if (opened.made.field) loadField(opened.id).catch(() => undefined);
+  if (opened.made.labels) loadPieces(opened.id).catch(() => undefined);
+}
+
+async function loadField(id: string): Promise<void> {
+  const found = await api.field(id);
+  if (project.value?.id === id) field.value = found;
+}
+
+async function loadPieces(id: string): Promise<void> {
+  const found = await api.pieces(id);
+  if (project.value?.id === id)
+    batch(() => {
+      pieces.value = found;
+      labelsNumber.value += 1;
+    });
+}
+
+function hear(after: number): void {
+  endListening = api.listen(after, (type, data) => void heard(type, data).catch(() => undefined), (yes) => {
+    // A server that was started again knows nothing of what it had made: ask for all.
+    if (yes && !connected.value && project.value) void reload();
+    connected.value = yes;
+  });
+}
+
+async function reload(): Promise<void> {
+  const id = project.value?.id;
+  if (!id) return;
+  try {
+    const opened = await api.project(id);
+    if (dirty) {
+      void send();
+    } else {
+      version = opened.version;
+      if (canonical(opened.document) !== canonical(doc.value)) adopt(opened.document);
+      keptText = canonical(opened.document);
+    }
+    matte.value = opened.made.matte;
+  } catch {
+    connected.value = false;
+  }
+}
+
+async function heard(type: string, data: unknown): Promise<void> {
+  const news = data as { project?: string };
+  const id = project.value?.id;
+  if (type === "job") {
+    const job = data as Job;
+    jobs.value = { ...jobs.value, [`${job.lane} ${job.id}`]: job };
+    return;
+  }
+  if (type === "ingested") {
+    home.value = await api.home();
+    ingested.value = (data as { report: IngestReport | null }).report;
+    return;
+  }
+  if (!id || news.project !== id) return;
+  switch (type) {
+    case "document": {
+      const change = data as { version: number; page: string };
+      if (change.page === pageId || change.version <= version) return;
+      const opened = await api.project(id);
+      if (dirty || busy) return; // our own change will be told what is there
+      version = opened.version;
+      keptText = canonical(opened.document);
+      adopt(opened.document);
+      return;
+    }
+    case "matte":
+      matte.value = (data as { matte: MatteNews | null }).matte;
+      return;
+    case "field":
+      return loadField(id);
+    case "labels":
+      return loadPieces(id);
+    case "reel":
+      player.follow(id, (data as { reel: ReelNews }).reel);
+      return;
+    case "problem":
+      problem.value = (data as { text: string }).text;
+      return;
+    case "export":
+      exported.value += 1;
+      return;
+  }
+}

@@ -1,0 +1,171 @@
+// What the server and the page say to each other.
+
+export type Point = [number, number];
+
+/** A line or an area, px of the picture. */
+export interface Drawn {
+  points: Point[];
+  width: number;
+  adds: boolean;
+  area: boolean;
+}
+
+export interface Stroke {
+  points: Point[];
+  speed: number | null; // px/s
+}
+
+export interface Pin {
+  x: number;
+  y: number;
+  clip: string;
+  variant: number;
+  patch_x: number;
+  patch_y: number;
+}
+
+export type MatteBase = "scribbles" | "alpha" | "whole" | "file";
+export type Edge = "guided" | "information-flow" | "none";
+
+export interface Document {
+  store: string;
+  matte_base: MatteBase;
+  edge: Edge;
+  scribbles: Drawn[];
+  paint: Drawn[];
+  held: Drawn[];
+  strokes: Stroke[];
+  class: string;
+  excluded_clips: string[];
+  pins: Pin[];
+  frames: number;
+  fps: number;
+  loop: boolean;
+  speed: number;
+  moving_outline: boolean;
+}
+
+export interface Clip {
+  name: string;
+  class: string;
+  licence: string;
+  width: number;
+  height: number;
+  frames: number;
+  fps: number;
+  patches: number;
+}
+
+export interface Store {
+  id: string;
+  name: string;
+  path: string;
+  clips: Clip[];
+  patches: number;
+  fault?: string;
+}
+
+export interface Home {
+  projects: { id: string; seconds_ago: number }[];
+  stores: Store[];
+  folder: string;
+}
+
+export interface MatteNews {
+  number: number;
+  share: number;
+  held: boolean;
+  notices: string[];
+}
+
+export interface ReelNews {
+  number: number;
+  stage: "small" | "full";
+  width: number;
+  height: number;
+  fps: number;
+  total: number;
+  ready: number;
+}
+
+export interface Made {
+  matte: MatteNews | null;
+  small: ReelNews | null;
+  full: ReelNews | null;
+  labels: boolean;
+  problem: string;
+  field: boolean;
+}
+
+export interface Project {
+  id: string;
+  folder: string;
+  width: number;
+  height: number;
+  alpha: boolean;
+  notices: string[];
+  notice: string;
+  document: Document;
+  version: number;
+  event: number;
+  made: Made;
+}
+
+export interface Field {
+  columns: number;
+  rows: number;
+  width: number;
+  height: number;
+  source: "strokes" | "patches";
+  u: number[];
+  v: number[];
+}
+
+/** x, y, clip, score, pinned */
+export type Piece = [number, number, number, number, boolean];
+
+export interface Pieces {
+  side: number;
+  energy: number;
+  gap?: number;
+  notices: string[];
+  clips: { name: string; class: string; licence: string; pieces: number }[];
+  pieces: Piece[];
+}
+
+export interface Candidate {
+  place: number;
+  clip: string;
+  clip_index: number;
+  class: string;
+  licence: string;
+  score: number;
+  variant: number;
+  scale: number;
+  rotation: number;
+  flip: boolean;
+  x: number;
+  y: number;
+  corners: Point[];
+}
+
+export interface Candidates {
+  piece: number;
+  x: number;
+  y: number;
+  chosen: number;
+  pinned: boolean;
+  candidates: Candidate[];
+}
+
+export interface Job {
+  lane: "preview" | "command";
+  id: number;
+  key: string;
+  title: string;
+  state: "waiting" | "running" | "done" | "failed" | "stopped";
+  stage: string;
+  done: number;
+  of: number;
+  fault: string;
+}

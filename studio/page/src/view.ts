@@ -1,0 +1,23 @@
+// What of the work area is shown, and with which tool the pointer draws.
+import { signal } from "@preact/signals";
+
+export type FluidTool = "fluid" | "still" | "paint" | "erase" | "area" | "hold";
+export const fluidTool = signal<FluidTool>("fluid");
+export const brush = signal(24); // px of the picture
+export const matteLook = signal<"tint" | "edge" | "cutout" | "off">("tint");
+export const streaks = signal(true);
+export const flowTool = signal<"draw" | "select">("draw");
+export const selected = signal<number | null>(null); // a stroke
+export const fastByLength = signal(false);
+export const pieceMap = signal<"none" | "clip" | "score">("none");
+export const piece = signal<number | null>(null);
+export const compare = signal<number | null>(null); // 0..1 of the picture's width that shows the original; null: none
+export const zoom = signal(1);
+export const panning = signal(false); // the space bar is held
+
+/** Colours of clips in maps: told apart by eye, and by those who see fewer hues by their lightness. */
+export const clipColours = [
+  "#4fb3bf", "#e9b44c", "#d1495b", "#7a77b9", "#8fb339", "#f28f3b", "#5b8e7d", "#c8553d", "#a1c6ea", "#bc96e6",
+  "#e5d4ce", "#587b7f",
+];
+export const clipColour = (index: number): string => clipColours[index % clipColours.length] ?? "#888";

@@ -1,0 +1,248 @@
+#include "studio/project.h"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cerrno>
+#include <cstring>
+#include <system_error>
+
+#include <fmt/format.h>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "freshet/error.h"
+#include "platform/text_file.h"
+
+namespace freshet::studio {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kMaxDocument = 16u << 20;
+constexpr const char* kDocument = "document.json";
+constexpr const char* kThumbnail = "thumbnail.jpg";
+constexpr int kThumbnailSide = 480;  // px
+
+[[noreturn]] void fail_writing(const fs::path& path, int fault) {
+  throw Error(ErrorKind::kIo, path.string(), fmt::format("cannot be written ({})", std::strerror(fault)),
+              "Free space on the disk");
+}
+
+/// Beside its place, and renamed: who reads it finds the old or the new, whenever we are killed.
+void write_whole(const fs::path& path, std::string_view bytes) {
+  const fs::path beside = path.string() + ".new";
+  const int fd = ::open(beside.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_NOFOLLOW, 0644);
+  if (fd < 0) fail_writing(beside, errno);
+  for (std::size_t done = 0; done < bytes.size();) {
+    const ssize_t put = ::write(fd, bytes.data() + done, bytes.size() - done);
+    if (put < 0 && errno == EINTR) continue;
+    if (put < 0) {
+      const int fault = errno;
+      ::close(fd);
+      ::unlink(beside.c_str());
+      fail_writing(beside, fault);
+    }
+    done += static_cast<std::size_t>(put);
+  }
+  ::close(fd);
+  if (::rename(beside.c_str(), path.c_str()) != 0) fail_writing(path, errno);
+}
+
+std::string png(const cv::Mat& grey) {
+  std::vector<std::uint8_t> bytes;
+  cv::imencode(".png", grey, bytes);
+  return {bytes.begin(), bytes.end()};
+}
+
+std::string small_jpeg(const cv::Mat& picture) {
+  const double scale =
+      std::min(1.0, kThumbnailSide / static_cast<double>(std::max(picture.cols, picture.rows)));
+  cv::Mat small;
+  cv::resize(picture, small,
+             {std::max(1, cvRound(picture.cols * scale)), std::max(1, cvRound(picture.rows * scale))}, 0, 0,
+             cv::INTER_AREA);
+  std::vector<std::uint8_t> bytes;
+  cv::imencode(".jpg", small, bytes);
+  return {bytes.begin(), bytes.end()};
+}
+
+std::string picture_in(const fs::path& folder) {
+  std::error_code fault;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, fault))
+    if (entry.path().stem() == "picture" && !entry.is_symlink() && entry.is_regular_file())
+      return entry.path().filename();
+  throw Error(ErrorKind::kInput, folder.string(), "it is no project: there is no picture in it");
+}
+
+}  // namespace
+
+std::shared_ptr<Project> Project::create(const fs::path& folder, const fs::path& bytes,
+                                         const std::string& ending) {
+  static const std::vector<std::string> kEndings{".png",  ".jpg",  ".jpeg", ".tif",
+                                                 ".tiff", ".webp", ".exr",  ".bmp"};
+  if (std::find(kEndings.begin(), kEndings.end(), ending) == kEndings.end())
+    throw Error(ErrorKind::kInput, "a file ending in \"" + ending + "\"",
+                "it is no picture that can be opened", "Give a PNG, JPEG, TIFF, WebP or EXR");
+  std::error_code fault;
+  fs::create_directories(folder.parent_path(), fault);
+  if (!fs::create_directory(folder, fault))
+    throw Error(ErrorKind::kIo, folder.string(), "the folder cannot be made", "Check its permissions");
+  try {
+    const fs::path picture = folder / ("picture" + ending);
+    fs::rename(bytes, picture, fault);
+    if (fault) fs::copy_file(bytes, picture);
+    auto project = std::make_shared<Project>(folder);
+    project->write(kThumbnail, small_jpeg(project->picture()->bgr));
+    project->write(kDocument, to_json({}));
+    return project;
+  } catch (...) {
+    fs::remove_all(folder, fault);
+    throw;
+  }
+}
+
+Project::Project(fs::path folder) : folder_(std::move(folder)) {
+  std::error_code fault;
+  if (fs::is_symlink(folder_, fault) || !fs::is_directory(folder_, fault))
+    throw Error(ErrorKind::kInput, folder_.string(), "it is no project's folder");
+  picture_file_ = picture_in(folder_);
+  read_document();
+}
+
+void Project::read_document() {
+  const fs::path path = folder_ / kDocument;
+  if (!holds(kDocument)) return;
+  try {
+    state_.document = document_from_json(read_text_file(path, kMaxDocument, ""), path.string());
+  } catch (const Error& fault) {
+    std::error_code ignored;
+    fs::rename(path, folder_ / "document.damaged", ignored);
+    notice_ = std::string(fault.what()) + " What was drawn is in document.damaged.";
+  }
+}
+
+Project::State Project::state() const {
+  const std::lock_guard lock(guard_);
+  return state_;
+}
+
+std::optional<std::uint64_t> Project::save(const Document& document, std::uint64_t base) {
+  const std::lock_guard lock(guard_);
+  if (base != state_.version) return std::nullopt;
+  write(kDocument, to_json(document));
+  write("strokes.svg", strokes_svg(document, size()));
+  write("marks.json", marks_json(document));
+  state_.document = document;
+  return ++state_.version;
+}
+
+std::shared_ptr<const media::Still> Project::picture() const {
+  const std::lock_guard lock(picture_guard_);
+  if (!picture_) picture_ = std::make_shared<const media::Still>(media::read_still(folder_ / picture_file_));
+  return picture_;
+}
+
+cv::Size Project::size() const { return picture()->bgr.size(); }
+
+cv::Mat Project::given_matte() const {
+  if (!holds("given_matte.png")) return {};
+  return media::read_matte(folder_ / "given_matte.png", size()).alpha;
+}
+
+void Project::give_matte(const fs::path& bytes) {
+  write("given_matte.png", png(media::read_matte(bytes, size()).alpha));
+}
+
+void Project::write_mattes(const cv::Mat& alpha, const cv::Mat& held) {
+  const std::lock_guard lock(guard_);
+  const auto put = [&](const char* name, const cv::Mat& matte) {
+    std::error_code ignored;
+    if (matte.empty())
+      fs::remove(folder_ / name, ignored);
+    else
+      write(name, png(matte));
+  };
+  whole_ = !alpha.empty() && cv::countNonZero(alpha != 255) == 0;
+  put("matte.png", whole_ ? cv::Mat() : alpha);
+  put("hold.png", held);
+}
+
+void Project::write_assignment(const std::string& json) {
+  const std::lock_guard lock(guard_);
+  std::error_code ignored;
+  if (json.empty())
+    fs::remove(folder_ / "assignment.json", ignored);
+  else
+    write("assignment.json", json);
+}
+
+void Project::write_recipe(const Document& document) {
+  const std::lock_guard lock(guard_);
+  const auto present = [&](const char* name) { return holds(name) ? std::string(name) : std::string(); };
+  write("project.toml",
+        recipe_toml(document, {.picture = picture_file_,
+                               .matte = present("matte.png"),
+                               .held = present("hold.png"),
+                               .whole = whole_,
+                               .strokes = document.strokes.empty() ? "" : present("strokes.svg"),
+                               .assignment = document.pins.empty() ? "" : present("assignment.json")}));
+}
+
+fs::path Project::export_path(const std::string& name) const {
+  if (!is_plain_file_name(name))
+    throw Error(ErrorKind::kUsage, name, "it is no plain file name", "Use letters, digits, dots and dashes");
+  const fs::path folder = folder_ / "exports";
+  std::error_code fault;
+  fs::create_directory(folder, fault);
+  if (fs::is_symlink(folder, fault) || !fs::is_directory(folder, fault))
+    throw Error(ErrorKind::kIo, folder.string(), "is no folder");
+  return folder / name;
+}
+
+void Project::write(const std::string& name, std::string_view bytes) const {
+  write_whole(folder_ / name, bytes);
+}
+
+bool Project::holds(const std::string& name) const {
+  std::error_code fault;
+  const fs::file_status status = fs::symlink_status(folder_ / name, fault);
+  return fs::is_regular_file(status);
+}
+
+std::string thumbnail(const fs::path& folder) {
+  constexpr std::size_t kMost = 4u << 20;
+  const fs::path path = folder / kThumbnail;
+  if (fs::is_symlink(fs::symlink_status(folder)) || !fs::is_regular_file(fs::symlink_status(path)))
+    throw Error(ErrorKind::kNotFound, folder.filename().string(), "it has no thumbnail");
+  return read_text_file(path, kMost, "");
+}
+
+std::string project_name(const std::string& file) {
+  std::string name;
+  for (const char c : fs::path(file).stem().string()) {
+    const auto letter = static_cast<unsigned char>(c);
+    if (letter < 128 && std::isalnum(letter) != 0)
+      name += static_cast<char>(std::tolower(letter));
+    else if (!name.empty() && name.back() != '-')
+      name += '-';
+  }
+  name = name.substr(0, 48);
+  while (!name.empty() && name.back() == '-') name.pop_back();
+  return name.empty() ? "picture" : name;
+}
+
+bool is_project_name(std::string_view name) {
+  return !name.empty() && name.size() <= 64 && name.front() != '-' &&
+         name.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789-") == std::string_view::npos;
+}
+
+bool is_plain_file_name(std::string_view name) {
+  return !name.empty() && name.size() <= 128 && name.front() != '.' && name.front() != '-' &&
+         name.find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789._-") ==
+             std::string_view::npos;
+}
+
+}  // namespace freshet::studio

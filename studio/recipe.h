@@ -1,0 +1,22 @@
+// studio/recipe.h — a project as the file of options with which the command line makes the same animation.
+#pragma once
+
+#include <string>
+
+#include "studio/document.h"
+
+namespace freshet::studio {
+
+/// What of a project's folder there is for an animation.
+struct RecipeFiles {
+  std::string picture;      // "picture.png"
+  std::string matte, held;  // "": none
+  bool whole = false;       // all of the picture is fluid
+  std::string strokes;      // "": none
+  std::string assignment;   // "": patches are chosen anew; they are the same
+};
+
+/// For `freshet synth animate --config project.toml`, run in the project's folder.
+std::string recipe_toml(const Document& document, const RecipeFiles& files);
+
+}  // namespace freshet::studio

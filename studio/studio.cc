@@ -1,0 +1,377 @@
+#include "studio/studio.h"
+
+#include <sys/statvfs.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cctype>
+#include <chrono>
+#include <fstream>
+#include <optional>
+#include <system_error>
+#include <thread>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "freshet/error.h"
+
+namespace freshet::studio {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+constexpr std::size_t kMostEasels = 2;  // each holds a picture, its mattes and its frames
+constexpr std::uintmax_t kCacheBytes = std::uintmax_t{1} << 30;
+
+std::string text(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
+
+bool same_bytes(const fs::path& a, const fs::path& b) {
+  std::error_code fault;
+  if (fs::file_size(a, fault) != fs::file_size(b, fault) || fault) return false;
+  std::ifstream first(a, std::ios::binary), second(b, std::ios::binary);
+  return std::equal(std::istreambuf_iterator<char>(first), {}, std::istreambuf_iterator<char>(second));
+}
+
+std::string lower_ending(const std::string& name) {
+  std::string ending = fs::path(name).extension();
+  for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return ending;
+}
+
+/// A name for a folder or file that says what a person called it, and nothing more.
+std::string tame(const std::string& name, std::size_t most) {
+  std::string tamed;
+  for (const char c : name) {
+    const auto letter = static_cast<unsigned char>(c);
+    tamed += letter < 128 && (std::isalnum(letter) != 0 || c == '.' || c == '-' || c == '_') ? c : '_';
+  }
+  tamed = tamed.substr(0, most);
+  if (tamed.empty() || tamed.front() == '.' || tamed.front() == '-') tamed = "_" + tamed;
+  return tamed;
+}
+
+void make_folder(const fs::path& folder) {
+  std::error_code fault;
+  fs::create_directories(folder, fault);
+  if (!fs::is_directory(folder))
+    throw Error(ErrorKind::kIo, folder.string(), "the studio's folder cannot be made",
+                "Choose another with --folder");
+}
+
+Json view_json(const JobView& view, const char* lane) {
+  return {{"lane", lane},
+          {"id", view.id},
+          {"key", view.key},
+          {"title", view.title},
+          {"state", to_string(view.state)},
+          {"stage", view.progress.stage},
+          {"done", view.progress.done},
+          {"of", view.progress.of},
+          {"fault", view.fault}};
+}
+
+}  // namespace
+
+Studio::Studio(StudioOptions options) : options_(std::move(options)) {
+  for (const char* name : {"projects", "stores", "incoming", "cache"}) make_folder(options_.folder / name);
+  options_.folder = fs::canonical(options_.folder);
+  std::error_code fault;
+  for (const fs::directory_entry& entry : fs::directory_iterator(options_.folder / "stores", fault))
+    if (entry.path().extension() == ".freshet" && entry.is_regular_file()) add_store(entry.path());
+  for (const fs::path& path : options_.stores) add_store(path);
+  cache_ = std::make_unique<query::LabelCache>(options_.folder / "cache", kCacheBytes);
+  previews_ = std::make_unique<JobQueue>(watcher("preview"));
+  commands_ = std::make_unique<JobQueue>(watcher("command"));
+}
+
+Studio::~Studio() { feed_.close(); }
+
+JobQueue::Watcher Studio::watcher(const char* lane) {
+  return [this, lane](const JobView& view) { feed_.publish("job", text(view_json(view, lane))); };
+}
+
+void Studio::add_store(const fs::path& path) {
+  auto store = std::make_shared<OpenedStore>(fs::weakly_canonical(path));
+  if (store->exists()) store->snapshot();  // what is wrong with it is said when it is opened
+  stores_.emplace(store->id(), store);
+}
+
+fs::path Studio::incoming_file() {
+  const std::lock_guard lock(guard_);
+  return options_.folder / "incoming" / fmt::format("{}-{}.part", ::getpid(), ++incoming_);
+}
+
+fs::path Studio::project_folder(const std::string& id) const {
+  if (!is_project_name(id)) throw Error(ErrorKind::kNotFound, "project", "there is no such project");
+  return options_.folder / "projects" / id;
+}
+
+std::string Studio::home_json() const {
+  std::vector<std::pair<fs::file_time_type, std::string>> found;
+  std::error_code fault;
+  for (const fs::directory_entry& entry : fs::directory_iterator(options_.folder / "projects", fault)) {
+    const std::string id = entry.path().filename();
+    if (!is_project_name(id) || entry.is_symlink() || !entry.is_directory()) continue;
+    const fs::file_time_type changed = fs::last_write_time(entry.path() / "document.json", fault);
+    if (!fault) found.emplace_back(changed, id);
+  }
+  std::sort(found.rbegin(), found.rend());
+  Json json{{"projects", Json::array()}, {"stores", Json::array()}, {"folder", options_.folder.string()}};
+  for (const auto& [changed, id] : found) {
+    const auto ago =
+        std::chrono::duration_cast<std::chrono::seconds>(fs::file_time_type::clock::now() - changed);
+    json["projects"].push_back({{"id", id}, {"seconds_ago", ago.count()}});
+  }
+  std::map<std::string, std::shared_ptr<OpenedStore>> stores;
+  {
+    const std::lock_guard lock(guard_);
+    stores = stores_;
+  }
+  for (const auto& [id, store] : stores) json["stores"].push_back(Json::parse(store->to_json()));
+  return text(json);
+}
+
+std::string Studio::open_picture(const fs::path& file, const std::string& name, const std::string& store) {
+  const std::string stem = project_name(name), ending = lower_ending(name);
+  const std::lock_guard lock(guard_);
+  for (int number = 1; number < 1000; ++number) {
+    const std::string id = number == 1 ? stem : fmt::format("{}-{}", stem, number);
+    const fs::path folder = project_folder(id);
+    if (!fs::exists(fs::symlink_status(folder))) {
+      const std::shared_ptr<Project> project = Project::create(folder, file, ending);
+      Document document;
+      const bool transparent = !project->picture()->alpha.empty();
+      if (transparent) document.matte_base = MatteBase::kAlpha;
+      document.store = store.empty() ? likely_store() : store;
+      project->save(document, 0);
+      return id;
+    }
+    try {
+      if (same_bytes(folder / Project(folder).picture_file(), file)) return id;
+    } catch (const Error&) {
+      continue;  // something else of this name lies there
+    }
+  }
+  throw Error(ErrorKind::kUsage, name, "there are very many projects of this name", "Give it another name");
+}
+
+std::string Studio::likely_store() const {
+  if (!options_.stores.empty()) return fs::weakly_canonical(options_.stores.front());
+  std::string likely;
+  std::size_t most = 0;
+  for (const auto& [id, store] : stores_) {
+    const std::size_t clips = store->exists() ? store->snapshot().clips().size() : 0;
+    if (clips <= most) continue;
+    most = clips;
+    likely = store->path();
+  }
+  return likely;
+}
+
+void Studio::remove_project(const std::string& id) {
+  const fs::path folder = project_folder(id);
+  previews_->stop_key(id);
+  const std::lock_guard lock(guard_);
+  easels_.erase(id);
+  if (fs::is_symlink(fs::symlink_status(folder)) || !fs::is_directory(folder))
+    throw Error(ErrorKind::kNotFound, id, "there is no such project");
+  std::error_code fault;
+  fs::remove_all(folder, fault);
+}
+
+std::shared_ptr<Easel> Studio::easel(const std::string& project) {
+  const std::lock_guard lock(guard_);
+  const fs::path folder = project_folder(project);
+  std::erase(recently_, project);
+  recently_.push_back(project);
+  const auto found = easels_.find(project);
+  if (found != easels_.end()) return found->second;
+  if (!fs::exists(fs::symlink_status(folder))) {
+    std::erase(recently_, project);
+    throw Error(ErrorKind::kNotFound, project, "there is no such project");
+  }
+  auto opened = std::make_shared<Easel>(
+      std::make_shared<Project>(folder),
+      [this](const std::string& type, const std::string& data) { feed_.publish(type, data); });
+  while (recently_.size() > kMostEasels) {
+    easels_.erase(recently_.front());
+    recently_.erase(recently_.begin());
+  }
+  easels_[project] = opened;
+  return opened;
+}
+
+std::string Studio::project_json(const std::string& project) {
+  const std::shared_ptr<Easel> easel = this->easel(project);
+  const Project::State state = easel->project().state();
+  const cv::Size size = easel->project().size();
+  if (!previews_->is_busy_with(project)) update(project);
+  return text({{"id", project},
+               {"folder", easel->project().folder().string()},
+               {"width", size.width},
+               {"height", size.height},
+               {"alpha", !easel->project().picture()->alpha.empty()},
+               {"notices", easel->project().picture()->notices},
+               {"notice", easel->project().notice()},
+               {"document", Json::parse(to_json(state.document))},
+               {"version", state.version},
+               {"event", feed_.last()},
+               {"made", Json::parse(easel->overview_json())}});
+}
+
+std::shared_ptr<OpenedStore> Studio::store_of(const Document& document) const {
+  const std::lock_guard lock(guard_);
+  for (const auto& [id, store] : stores_)
+    if (store->path() == document.store) return store;
+  return nullptr;
+}
+
+Studio::Saved Studio::save_document(const std::string& project, std::string_view json, std::uint64_t base,
+                                    const std::string& page) {
+  const std::shared_ptr<Easel> easel = this->easel(project);
+  const Document document = document_from_json(json, "document");
+  // A page may name only what is open here: a store's path is one of the disk.
+  if (!document.store.empty() && !store_of(document) &&
+      document.store != easel->project().state().document.store)
+    throw Error(ErrorKind::kUsage, document.store, "this store is not open", "Give it to freshet studio");
+  const std::optional<std::uint64_t> version = easel->project().save(document, base);
+  if (!version) {
+    const Project::State now = easel->project().state();
+    return {.taken = false,
+            .json = text({{"version", now.version}, {"document", Json::parse(to_json(now.document))}})};
+  }
+  feed_.publish("document", text({{"project", project}, {"version", *version}, {"page", page}}));
+  update(project);
+  return {.taken = true, .json = text({{"version", *version}})};
+}
+
+void Studio::give_matte(const std::string& project, const fs::path& file) {
+  easel(project)->project().give_matte(file);
+}
+
+void Studio::update(const std::string& project) {
+  const std::shared_ptr<Easel> easel = this->easel(project);
+  const std::shared_ptr<OpenedStore> store = store_of(easel->project().state().document);
+  previews_->submit(project, "Preview", [this, easel, store](const Job& job) {
+    easel->bring_up_to_date(store.get(), cache_.get(), job);
+  });
+}
+
+Command Studio::export_command(const std::string& program, const Project& project, const std::string& output,
+                               const std::vector<std::string>& options) {
+  Command command{.program = program,
+                  .arguments = {"synth", "animate", "--config", "project.toml", "-o", output},
+                  .folder = project.folder()};
+  command.arguments.insert(command.arguments.end(), options.begin(), options.end());
+  return command;
+}
+
+JobId Studio::export_animation(const std::string& project, const std::string& name,
+                               const std::vector<std::string>& options) {
+  const std::shared_ptr<Easel> easel = this->easel(project);
+  easel->project().export_path(name);  // refused here, not minutes later
+  const Document document = easel->project().state().document;
+  const std::shared_ptr<OpenedStore> store = store_of(document);
+  if (!store) throw Error(ErrorKind::kUsage, project, "no store is chosen", "Choose one");
+  std::vector<std::string> words = options;
+  words.emplace_back("--overwrite");
+  return commands_->submit("export " + project + "/" + name, "Export " + name,
+                           [this, easel, project, name, words](const Job& job) {
+                             // What was drawn last is exported, not what was there before it: the matte and pinned pieces are made by previews.
+                             while (previews_->is_busy_with(project)) {
+                               if (job.stop.stop_requested())
+                                 throw Error(ErrorKind::kCancelled, "export", "stopped");
+                               if (job.progress) job.progress({"waiting for the preview", 0, 0});
+                               std::this_thread::sleep_for(std::chrono::milliseconds(50));
+                             }
+                             const Project& from = easel->project();
+                             const Document now = from.state().document;
+                             const std::shared_ptr<const FoundMatte> matte = easel->matte();
+                             if (!matte || matte->key != matte_key(now) || matte->alpha.empty())
+                               throw Error(ErrorKind::kUsage, project, "it has no matte", "Say what flows");
+                             if (!now.pins.empty() && !easel->is_labelled(now))
+                               throw Error(ErrorKind::kUsage, project, "its pieces were not chosen",
+                                           "See what the preview says");
+                             run(export_command(options_.program, from, "exports/" + name, words), job);
+                             feed_.publish("export", text({{"project", project}, {"name", name}}));
+                           });
+}
+
+std::string Studio::exports_json(const std::string& project) {
+  const std::shared_ptr<Easel> easel = this->easel(project);
+  Json json{{"files", Json::array()}, {"folder", easel->project().folder().string()}};
+  std::error_code fault;
+  for (const fs::directory_entry& entry :
+       fs::directory_iterator(easel->project().folder() / "exports", fault)) {
+    const std::string name = entry.path().filename();
+    if (is_plain_file_name(name) && !entry.is_symlink() && entry.is_regular_file())
+      json["files"].push_back({{"name", name}, {"bytes", entry.file_size()}});
+  }
+  return text(json);
+}
+
+std::shared_ptr<OpenedStore> Studio::store(const std::string& id) const {
+  const std::lock_guard lock(guard_);
+  const auto found = stores_.find(id);
+  if (found == stores_.end()) throw Error(ErrorKind::kNotFound, "store", "there is no such store");
+  return found->second;
+}
+
+std::string Studio::new_store(const std::string& name) {
+  const fs::path path = options_.folder / "stores" / (tame(name, 60) + ".freshet");
+  const std::lock_guard lock(guard_);
+  auto store = std::make_shared<OpenedStore>(path);
+  stores_.emplace(store->id(), store);
+  return store->id();
+}
+
+fs::path Studio::clip_path(const std::string& store, const std::string& class_name, const std::string& file) {
+  static const std::vector<std::string> kEndings{".mp4", ".mov", ".mkv",  ".avi", ".webm",
+                                                 ".m4v", ".mpg", ".mpeg", ".mxf"};
+  const std::string ending = lower_ending(file);
+  if (std::find(kEndings.begin(), kEndings.end(), ending) == kEndings.end())
+    throw Error(ErrorKind::kUsage, file, "its ending names no video", "Give MP4, MOV, MKV, AVI or WebM");
+  const fs::path folder = options_.folder / "incoming" / this->store(store)->id() /
+                          tame(class_name.empty() ? "unsorted" : class_name, 40);
+  make_folder(folder);
+  return folder / tame(fs::path(file).filename(), 100);
+}
+
+JobId Studio::ingest(const std::string& id, const std::string& licence) {
+  const std::shared_ptr<OpenedStore> store = this->store(id);
+  const fs::path clips = options_.folder / "incoming" / id;
+  return commands_->submit(
+      "ingest " + id, "Ingest into " + store->path().stem().string(),
+      [this, store, clips, licence, id](const Job& job) {
+        Command command{.program = options_.program,
+                        .arguments = {"ingest", store->path(), clips, "--json"},
+                        .folder = options_.folder};
+        if (!licence.empty()) command.arguments.push_back("--licence=" + licence);
+        const CommandAnswer answer = run(command, job);
+        std::error_code fault;
+        fs::remove_all(clips, fault);
+        store->refresh();
+        const Json report = Json::parse(answer.output, nullptr, false);
+        feed_.publish("ingested", text({{"store", id}, {"report", report.is_discarded() ? Json() : report}}));
+      });
+}
+
+std::string Studio::jobs_json() const {
+  Json json = Json::array();
+  for (const JobView& view : previews_->jobs()) json.push_back(view_json(view, "preview"));
+  for (const JobView& view : commands_->jobs()) json.push_back(view_json(view, "command"));
+  return text(json);
+}
+
+bool Studio::stop_job(const std::string& lane, JobId id) {
+  return lane == "preview" ? previews_->stop(id) : commands_->stop(id);
+}
+
+void Studio::wait() {
+  previews_->wait();
+  commands_->wait();
+}
+
+}  // namespace freshet::studio

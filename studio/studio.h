@@ -1,0 +1,104 @@
+// studio/studio.h — the studio without its server: projects, stores, and the work that is done for them.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "query/labelling/label_cache.h"
+#include "studio/command_run.h"
+#include "studio/easel.h"
+#include "studio/event_feed.h"
+#include "studio/job_queue.h"
+#include "studio/opened_store.h"
+#include "studio/project.h"
+
+namespace freshet::studio {
+
+struct StudioOptions {
+  std::filesystem::path folder;               // projects/, stores/, incoming/, cache/ are made in it
+  std::vector<std::filesystem::path> stores;  // opened beside those of the folder
+  std::filesystem::path program;              // the executable that exports and ingests
+};
+
+/// What a page may ask for; texts are JSON. Safe from many threads.
+/// Errors: Error{kNotFound} for what is not there, Error{kUsage} for what cannot be asked, Error{kInput} for what is
+/// wrong with something that was sent.
+class Studio {
+ public:
+  /// Throws Error{kIo} when the folder cannot be made.
+  explicit Studio(StudioOptions options);
+  Studio(const Studio&) = delete;
+  Studio& operator=(const Studio&) = delete;
+  ~Studio();
+
+  EventFeed& feed() { return feed_; }
+  /// A new file's path, for what is being sent; the caller removes it.
+  std::filesystem::path incoming_file();
+
+  std::string home_json() const;
+  /// Projects that hold the same picture already are opened again. file   moved.
+  /// store   of the new document; "" : the only one that is open, or none. Returns its id.
+  std::string open_picture(const std::filesystem::path& file, const std::string& name,
+                           const std::string& store = {});
+  void remove_project(const std::string& id);
+
+  std::string thumbnail_of(const std::string& project) const { return thumbnail(project_folder(project)); }
+  std::shared_ptr<Easel> easel(const std::string& project);
+  /// Document, version, size and what has been computed; brings it up to date where it is not.
+  std::string project_json(const std::string& project);
+  /// Takes a changed document. Returns JSON with "version", or with the document of somebody else where `base` is old.
+  struct Saved {
+    bool taken = false;
+    std::string json;
+  };
+  Saved save_document(const std::string& project, std::string_view json, std::uint64_t base,
+                      const std::string& page);
+  void give_matte(const std::string& project, const std::filesystem::path& file);
+  void update(const std::string& project);
+
+  /// name   of the file in exports/. options   further words for `synth animate`: "--layer", "fluid".
+  JobId export_animation(const std::string& project, const std::string& name,
+                         const std::vector<std::string>& options);
+  std::string exports_json(const std::string& project);
+  /// The command line that makes the same.
+  static Command export_command(const std::string& program, const Project& project, const std::string& output,
+                                const std::vector<std::string>& options);
+
+  std::shared_ptr<OpenedStore> store(const std::string& id) const;
+  /// A new, empty one in the studio's folder. Returns its id.
+  std::string new_store(const std::string& name);
+  /// Where a clip for a store is to be put before ingest. Throws Error{kUsage} for a name that is no video's.
+  std::filesystem::path clip_path(const std::string& store, const std::string& class_name,
+                                  const std::string& file);
+  JobId ingest(const std::string& store, const std::string& licence);
+
+  std::string jobs_json() const;
+  bool stop_job(const std::string& lane, JobId id);
+  /// Until no job waits or runs.
+  void wait();
+
+ private:
+  void add_store(const std::filesystem::path& path);
+  std::shared_ptr<OpenedStore> store_of(const Document& document) const;
+  std::string likely_store() const;  // its path, for a new document; the guard is held
+  std::filesystem::path project_folder(const std::string& id) const;
+  JobQueue::Watcher watcher(const char* lane);
+
+  StudioOptions options_;
+  EventFeed feed_;
+  mutable std::mutex guard_;
+  std::map<std::string, std::shared_ptr<OpenedStore>> stores_;  // by id
+  std::map<std::string, std::shared_ptr<Easel>> easels_;        // by project; at most kMostEasels
+  std::vector<std::string> recently_;                           // projects of easels_, last used last
+  std::unique_ptr<query::LabelCache> cache_;
+  std::uint64_t incoming_ = 0;
+  std::unique_ptr<JobQueue> previews_, commands_;  // last: they use all of the above
+};
+
+}  // namespace freshet::studio

@@ -1,0 +1,267 @@
+// The studio in a real browser, from a picture to its animation. Environment: FRESHET (the executable), PAGE (the built
+// page), MODULES (node_modules of its build); SHOTS, a folder that is given screenshots of every page, if it is set.
+import assert from "node:assert/strict";
+import { spawn, spawnSync } from "node:child_process";
+import { createHash } from "node:crypto";
+import { copyFileSync, mkdirSync, mkdtempSync, readFileSync, rmSync } from "node:fs";
+import { createRequire } from "node:module";
+import { tmpdir } from "node:os";
+import { join } from "node:path";
+import { after, before, test } from "node:test";
+
+const { FRESHET, PAGE, MODULES, SHOTS } = process.env;
+const require = createRequire(join(MODULES, "x.js"));
+const { chromium } = require("playwright-core");
+const axe = readFileSync(require.resolve("axe-core/axe.min.js"), "utf8");
+const kToken = "0123456789abcdef0123456789abcdef";
+
+const folder = mkdtempSync(join(tmpdir(), "freshet_studio_"));
+const at = (...parts) => join(folder, ...parts);
+let server, url, browser;
+
+function freshet(...words) {
+  const answer = spawnSync(FRESHET, words, { cwd: folder, encoding: "utf8" });
+  assert.equal(answer.status, 0, answer.stderr);
+  return answer;
+}
+
+/** Starts the server; on the same port and with the same token as the one before, as a person's page expects. */
+async function serve(port = 0, ...given) {
+  server = spawn(FRESHET, ["studio", ...given, "--folder", at("room"), "--page", PAGE, "--no-browser", "--port", String(port)], {
+    cwd: folder,
+    env: { ...process.env, FRESHET_STUDIO_TOKEN: kToken },
+    stdio: ["ignore", "pipe", "inherit"],
+  });
+  const line = await new Promise((resolve, reject) => {
+    server.stdout.once("data", (data) => resolve(String(data).trim()));
+    server.once("exit", () => reject(new Error("the server ended")));
+  });
+  return line;
+}
+
+function end(signal = "SIGINT") {
+  return new Promise((resolve) => {
+    server.once("exit", resolve);
+    server.kill(signal);
+  });
+}
+
+before(async () => {
+  // A clip whose name is a page's source: it must be shown as text.
+  const odd = "<img src=x onerror=window.broken=1>.mkv";
+  mkdirSync(at("clips/fall"), { recursive: true });
+  for (const seed of ["1", "2"])
+    freshet("synth", "simulate", "waterfall", "--size", "192x144", "--frames", "40", "--seed", seed, "-o", `clips/fall/${seed}.mkv`);
+  freshet("synth", "simulate", "waterfall", "--size", "320x200", "--frames", "1", "--seed", "12", "-o", "still.png");
+  copyFileSync(at("clips/fall/2.mkv"), at("clips/fall", odd));
+  rmSync(at("clips/fall/2.mkv"));
+  freshet("ingest", "demo.freshet", "clips");
+  url = await serve(0, "demo.freshet");
+  browser = await chromium.launch({ executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium", args: ["--no-sandbox"] });
+});
+
+after(async () => {
+  await browser?.close();
+  if (server) await end();
+  rmSync(folder, { recursive: true, force: true });
+});
+
+/** A page that fails its test for any error of its own, and for any request that leaves this machine. */
+async function open(address, options = {}) {
+  const context = await browser.newContext({ viewport: { width: 1280, height: 800 }, ...options });
+  const page = await context.newPage();
+  page.faults = [];
+  page.on("pageerror", (error) => page.faults.push(error.message));
+  page.on("request", (request) => {
+    const { hostname, protocol } = new URL(request.url());
+    if (!["blob:", "data:"].includes(protocol) && hostname !== "127.0.0.1") page.faults.push(`asked ${request.url()}`);
+  });
+  await page.goto(address);
+  return page;
+}
+
+async function shot(page, name) {
+  if (SHOTS) await page.screenshot({ path: join(SHOTS, `${name}.png`) });
+}
+
+async function expectAccessible(page, where) {
+  await page.evaluate(axe);
+  const found = await page.evaluate(() => globalThis.axe.run(document, { resultTypes: ["violations"] }));
+  const serious = found.violations.filter(({ impact }) => impact === "serious" || impact === "critical");
+  assert.deepEqual(
+    serious.map(({ id, nodes }) => `${where}: ${id}: ${nodes.map(({ html, failureSummary }) => html.slice(0, 160) + " " + failureSummary).join("; ")}`),
+    [],
+  );
+}
+
+/** The middle of the picture as it is shown, and its size on the screen. */
+async function shown(page) {
+  return page.evaluate(() => {
+    const box = document.querySelector(".canvas").getBoundingClientRect();
+    const { x, y, scale } = JSON.parse(document.querySelector(".canvas").dataset.view);
+    return { left: box.left + x, top: box.top + y, scale };
+  });
+}
+
+async function drag(page, points) {
+  const { left, top, scale } = await shown(page);
+  const places = points.map(([x, y]) => [left + x * scale, top + y * scale]);
+  await page.mouse.move(...places[0]);
+  await page.mouse.down();
+  for (const place of places.slice(1)) await page.mouse.move(...place, { steps: 5 });
+  await page.mouse.up();
+}
+
+const api = async (rest, init) => fetch(`${url.split("#")[0]}api/${rest}`, init);
+const document = async (id) => (await (await api(`projects/${id}`)).json()).document;
+
+/** Waits for what is true a little later. */
+async function until(holds, patience = 20000) {
+  for (const end = Date.now() + patience; Date.now() < end; await new Promise((resolve) => setTimeout(resolve, 50)))
+    if (await holds()) return;
+  assert.fail(`it never came: ${holds}`);
+}
+
+/** Until the full preview of all that was drawn is there. */
+async function settled(page, timeout = 60000) {
+  await page.waitForFunction(
+    () => globalThis.document.querySelector("[data-state]")?.dataset.state === "full",
+    null,
+    { timeout },
+  );
+}
+
+test("a picture becomes an animation in nine clicks, and its export is the command line's", async () => {
+  const page = await open(url);
+  await page.getByText("Drop a picture").waitFor();
+  await page.setInputFiles("input[type=file][accept^='image']", at("still.png")); // 1: choose a picture
+  await page.locator(".bar").waitFor();
+  await drag(page, [[160, 30], [165, 100], [160, 170]]); // 2: scribble on the fluid
+  await page.locator(".panel .figure", { hasText: "%" }).waitFor({ timeout: 30000 });
+  await shot(page, "fluid-wide");
+  await page.getByRole("button", { name: "Flow", exact: true }).click(); // 3
+  await drag(page, [[150, 40], [150, 160]]); // 4: a line
+  await drag(page, [[180, 40], [185, 160]]); // 5: another one
+  await settled(page);
+  await shot(page, "flow-wide");
+
+  // Change one line's speed, and take it back.
+  await page.getByRole("switch", { name: "As fast as its clips" }).click();
+  await page.getByRole("slider", { name: "Speed" }).press("End");
+  await until(async () => (await document("still")).strokes[1].speed === 1000);
+  await page.keyboard.press("Control+z");
+  await until(async () => (await document("still")).strokes[1].speed === null);
+
+  // Ask why, and take another patch.
+  await settled(page);
+  await page.getByRole("button", { name: "Why", exact: true }).click();
+  const { left, top, scale } = await shown(page);
+  await page.mouse.click(left + 160 * scale, top + 100 * scale);
+  const others = page.locator(".candidate[aria-pressed=false]");
+  await others.nth(2).click({ timeout: 20000 });
+  await page.getByRole("button", { name: "Let go" }).waitFor({ timeout: 30000 });
+  await settled(page);
+  await shot(page, "why-wide");
+  assert.equal((await document("still")).pins.length, 1);
+  await page.keyboard.press("Control+z");
+  await until(async () => (await document("still")).pins.length === 0);
+  await page.keyboard.press("Control+Shift+z");
+  await until(async () => (await document("still")).pins.length === 1);
+  await settled(page);
+
+  await page.getByRole("button", { name: "Export" }).click(); // 6
+  await page.getByText("Lossless").click(); // 7
+  await shot(page, "export-wide");
+  await page.getByRole("button", { name: "Make it" }).click(); // 8
+  const save = page.getByRole("link", { name: "Save" });
+  await save.waitFor({ timeout: 60000 });
+  const line = await page.locator(".command code").textContent();
+  assert.match(line, /freshet synth animate --config project\.toml -o exports\/still\.mkv/);
+  const [download] = await Promise.all([page.waitForEvent("download"), save.click()]); // 9
+  const bytes = readFileSync(await download.path());
+  const project = at("room/projects/still");
+  const again = spawnSync(FRESHET, ["synth", "animate", "--config", "project.toml", "-o", at("again.mkv")], { cwd: project, encoding: "utf8" });
+  assert.equal(again.status, 0, again.stderr);
+  const hash = (data) => createHash("sha256").update(data).digest("hex");
+  assert.equal(hash(bytes), hash(readFileSync(at("again.mkv"))));
+  assert.deepEqual(page.faults, []);
+  await page.context().close();
+});
+
+test("nothing is lost by a reload, nor by the end of the server", async () => {
+  const page = await open(`${url}#/still`);
+  await page.locator(".bar").waitFor();
+  await page.keyboard.press("2");
+  await drag(page, [[120, 50], [120, 150]]);
+  await until(async () => (await document("still")).strokes.length === 3);
+  const drawn = await document("still");
+  await page.reload();
+  await page.locator(".bar").waitFor();
+  assert.deepEqual(await document("still"), drawn);
+
+  await page.keyboard.press("2");
+  await drag(page, [[200, 50], [200, 150]]);
+  await page.waitForTimeout(900); // a second is what may be lost
+  await end("SIGKILL");
+  await page.getByText("server is away").waitFor();
+  await drag(page, [[220, 50], [220, 150]]); // drawn on while it is away
+  await serve(Number(new URL(url).port), "demo.freshet");
+  await page.getByText("server is away").waitFor({ state: "detached", timeout: 20000 });
+  await until(async () => (await document("still")).strokes.length === 5);
+  assert.deepEqual(page.faults, []);
+  await page.context().close();
+});
+
+test("two pages show the same project, and a render is stopped", async () => {
+  const [one, two] = [await open(`${url}#/still`), await open(`${url}#/still`)];
+  for (const page of [one, two]) {
+    await page.locator(".bar").waitFor();
+    await page.keyboard.press("2");
+  }
+  await one.getByRole("button", { name: "Clear all lines" }).click();
+  await two.getByText("Draw a line along the flow").waitFor();
+  await drag(two, [[150, 40], [150, 160]]);
+  await one.getByText("Click a line to change it").waitFor();
+  await one.getByRole("button", { name: "Export" }).click();
+  await one.getByRole("button", { name: "Make it" }).click();
+  await one.getByRole("button", { name: "Stop" }).click();
+  await one.getByRole("button", { name: "Make it" }).waitFor();
+  const jobs = await (await api("jobs")).json();
+  assert.ok(jobs.every(({ state, lane }) => lane !== "command" || state === "stopped" || state === "done"), JSON.stringify(jobs));
+  assert.deepEqual([...one.faults, ...two.faults], []);
+  for (const page of [one, two]) await page.context().close();
+});
+
+for (const [theme, size, width, height] of [
+  ["dark", "wide", 1440, 900],
+  ["light", "wide", 1440, 900],
+  ["dark", "narrow", 390, 844],
+  ["light", "narrow", 390, 844],
+  ["light", "middle", 1024, 700],
+])
+  test(`every page can be read and used: ${theme}, ${size}`, async () => {
+    const page = await open(url, { viewport: { width, height }, colorScheme: theme, reducedMotion: "reduce" });
+    const look = async (name) => {
+      await page.waitForTimeout(SHOTS ? 1500 : 100);
+      await shot(page, `${name}-${theme}-${size}`);
+      if (size !== "middle") await expectAccessible(page, name);
+      const beyond = await page.evaluate(() => globalThis.document.documentElement.scrollWidth - globalThis.innerWidth);
+      assert.ok(beyond <= 0, `${name} is ${beyond} px wider than the window`);
+    };
+    await page.getByText("Drop a picture").waitFor();
+    await page.locator(".strip").first().waitFor();
+    await look("home");
+    // A name that is a page's source is text.
+    assert.ok((await page.locator(".cards.clips").textContent()).includes("<img src=x"));
+    assert.equal(await page.evaluate(() => globalThis.broken), undefined);
+    await page.goto(`${url}#/still`);
+    await page.locator(".bar").waitFor();
+    for (const [key, name] of [["1", "fluid"], ["2", "flow"], ["3", "look"], ["4", "why"]]) {
+      await page.keyboard.press(key);
+      await look(name);
+    }
+    await page.getByRole("button", { name: "Export" }).click();
+    await look("export");
+    assert.deepEqual(page.faults, []);
+    await page.context().close();
+  });

@@ -1,0 +1,18 @@
+#!/bin/sh
+# A real browser goes through the studio: builds the page, and runs browser_test.mjs with Debian's Chromium.
+# usage: tests/studio/browser_test.sh FRESHET PAGE_SCRATCH PAGE
+# Ends with 77, and says so, where there is no browser or node, or the npm registry cannot be reached.
+set -eu
+here=$(cd "$(dirname "$0")" && pwd)
+skip() {
+  echo "SKIPPED: the studio was not tried in a browser: $*" >&2
+  exit 77
+}
+for program in node npm chromium; do
+  command -v "$program" > /dev/null || skip "$program is not installed"
+done
+if ! cmp -s "$here/../../studio/page/package-lock.json" "$2/installed.json"; then
+  npm ping --loglevel=error > /dev/null 2>&1 || skip "the npm registry cannot be reached"
+fi
+"$here/../../studio/page/build.sh" "$2" "$3"
+exec env FRESHET="$1" PAGE="$3" MODULES="$2/node_modules" node --test --test-reporter=spec "$here/browser_test.mjs"

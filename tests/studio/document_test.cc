@@ -1,0 +1,109 @@
+#include "studio/document.h"
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "freshet/error.h"
+#include "query/hints/svg_strokes.h"
+
+namespace freshet::studio {
+namespace {
+
+using Json = nlohmann::json;
+
+Document full() {
+  Document document;
+  document.store = "/a/water.freshet";
+  document.matte_base = MatteBase::kAlpha;
+  document.edge = "none";
+  document.scribbles = {{.points = {{1, 2}, {3.5f, 4}}, .width = 7, .adds = false, .is_area = false}};
+  document.paint = {{.points = {{1, 2}, {9, 2}, {9, 9}}, .width = 0, .adds = true, .is_area = true}};
+  document.held = {{.points = {{5, 5}}, .width = 3, .adds = true, .is_area = false}};
+  document.strokes = {{.points = {{10, 10}, {10, 40}}, .speed = 80.0f},
+                      {.points = {{20, 10}, {30, 40}}, .speed = {}}};
+  document.class_name = "water";
+  document.excluded_clips = {"water/<b>1</b>.mp4"};
+  document.pins = {{.corner = {-8, 16}, .clip = "water/2.mp4", .variant = 3, .patch = {40, 50}}};
+  document.frames = 48;
+  document.fps = 24;
+  document.loop = false;
+  document.speed = 0.5;
+  document.moving_outline = true;
+  return document;
+}
+
+void expect_refused(const Json& json, const std::string& word) {
+  try {
+    document_from_json(json.dump(), "document");
+    FAIL() << "taken: " << json.dump().substr(0, 200);
+  } catch (const Error& fault) {
+    EXPECT_EQ(fault.kind(), ErrorKind::kInput);
+    EXPECT_NE(std::string(fault.what()).find(word), std::string::npos) << fault.what();
+  }
+}
+
+TEST(Document, ComesBackFromItsText) {
+  EXPECT_EQ(document_from_json(to_json(full()), "document"), full());
+  EXPECT_EQ(document_from_json(to_json({}), "document"), Document());
+}
+
+TEST(Document, RefusesWhatItDoesNotKnow) {
+  const Json good = Json::parse(to_json(full()));
+  const auto with = [&](const char* name, const Json& value) {
+    Json json = good;
+    json[name] = value;
+    return json;
+  };
+  expect_refused(with("colour", 1), "colour");
+  expect_refused(with("frames", 0), "frames");
+  expect_refused(with("frames", 2.5), "frames");
+  expect_refused(with("frames", 1e9), "frames");
+  expect_refused(with("fps", "25"), "fps");
+  expect_refused(with("class", "a\nassignment = \"/etc/passwd\""), "class");
+  expect_refused(with("store", std::string(5000, 'a')), "store");
+  expect_refused(with("matte_base", "magic"), "matte_base");
+  expect_refused(with("edge", "soft"), "edge");
+  expect_refused(with("strokes", Json::array({{{"points", {{1, "2"}}}}})), "strokes 1");
+  expect_refused(with("strokes", Json::array({{{"points", {{1, 1e30}}}}})), "strokes 1");
+  expect_refused(with("strokes", Json::array({{{"points", Json::array()}}})), "strokes 1");
+  expect_refused(with("excluded_clips", {1}), "name");
+  Json lacking = good;
+  lacking.erase("paint");
+  expect_refused(lacking, "paint");
+  expect_refused(Json::array(), "object");
+}
+
+TEST(Document, RefusesWhatWouldEndTheProcess) {
+  EXPECT_THROW(document_from_json(std::string(100000, '['), "document"), Error);
+  EXPECT_THROW(document_from_json("", "document"), Error);
+  EXPECT_THROW(document_from_json(std::string(17u << 20, ' '), "document"), Error);
+}
+
+TEST(Document, StrokesAreReadAsTheyWereDrawn) {
+  const auto strokes =
+      query::read_svg_strokes(strokes_svg(full(), {640, 360}), "strokes", {640, 360}, nullptr);
+  ASSERT_EQ(strokes.size(), 2u);
+  EXPECT_EQ(strokes[0].points.front(), cv::Point2f(10, 10));
+  EXPECT_EQ(strokes[0].points.back(), cv::Point2f(10, 40));
+  EXPECT_EQ(strokes[0].speed_px_per_s, 80.0f);
+  EXPECT_FALSE(strokes[1].speed_px_per_s.has_value());
+}
+
+TEST(Document, KeysChangeWithWhatTheyStandFor) {
+  const Document before = full();
+  Document after = before;
+  after.speed = 2;
+  EXPECT_EQ(matte_key(after), matte_key(before));
+  EXPECT_EQ(labels_key(after), labels_key(before));
+  EXPECT_NE(frames_key(after), frames_key(before));
+  after = before;
+  after.strokes[0].points[0].x += 1;
+  EXPECT_EQ(matte_key(after), matte_key(before));
+  EXPECT_NE(labels_key(after), labels_key(before));
+  after = before;
+  after.held.clear();
+  EXPECT_NE(matte_key(after), matte_key(before));
+}
+
+}  // namespace
+}  // namespace freshet::studio

@@ -1,0 +1,275 @@
+#include "studio/server.h"
+
+#include <fstream>
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include "tests/studio/running_studio.h"
+#include "tests/tools/sample.h"
+
+namespace freshet::studio {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+/// One for all of them: what each leaves behind does not matter to the others.
+class Server : public testing::Test {
+ protected:
+  static void SetUpTestSuite() { running_ = new RunningStudio; }
+  static void TearDownTestSuite() {
+    delete running_;
+    running_ = nullptr;
+  }
+  static RunningStudio& running() { return *running_; }
+  static int status(const httplib::Result& answer) { return answer ? answer->status : 0; }
+  static inline RunningStudio* running_ = nullptr;
+};
+
+/// A scribble down the middle of the still, and a line along it.
+Json drawing() {
+  return {
+      {"scribbles", {{{"points", {{96, 20}, {96, 120}}}, {"width", 12}, {"adds", true}, {"area", false}}}},
+      {"strokes", {{{"points", {{96, 20}, {100, 120}}}, {"speed", nullptr}}}},
+      {"class", "fall"},
+      {"frames", 12}};
+}
+
+TEST_F(Server, ServesItsPageToWhoKnowsTheToken) {
+  const httplib::Result page = running().get("");
+  ASSERT_TRUE(page);
+  EXPECT_EQ(page->status, 200);
+  EXPECT_NE(page->body.find("<title>page"), std::string::npos);
+  EXPECT_NE(page->get_header_value("Content-Security-Policy").find("default-src 'none'"), std::string::npos);
+  httplib::Client client("127.0.0.1", running().port());
+  EXPECT_EQ(status(client.Get("/")), 403);
+  EXPECT_EQ(status(client.Get("/api/home")), 403);
+}
+
+TEST_F(Server, RefusesForeignHostsAndPages) {
+  EXPECT_EQ(status(running().get("api/home")), 200);
+  EXPECT_EQ(status(running().get("api/home", {{"Host", "evil.example"}})), 403);
+  EXPECT_EQ(status(running().get("api/home", {{"Origin", "http://evil.example"}})), 403);
+  EXPECT_EQ(status(running().get("api/home", {{"Origin", "http://" + running().host()}})), 200);
+  EXPECT_EQ(status(running().get("api/home", {{"Sec-Fetch-Site", "cross-site"}})), 403);
+  EXPECT_EQ(status(running().send("POST", "api/stores", "{\"name\":\"a\"}", {{"Origin", "null"}})), 403);
+}
+
+TEST_F(Server, LeadsNowhereOutside) {
+  const std::string id = running().open_still("outside.png");
+  running().folder().file("secret.mp4", "secret");
+  fs::create_directories(running().room() / "projects" / id / "exports");
+  fs::create_symlink(running().folder() / "secret.mp4",
+                     running().room() / "projects" / id / "exports/link.mp4");
+  fs::create_directory_symlink(running().folder().path(), running().room() / "projects/linked");
+  for (const char* rest :
+       {"../../etc/passwd", "page/../../../etc/passwd", "..%2f..%2fetc%2fpasswd",
+        "api/projects/../../secret.mp4", "api/projects/%2e%2e/picture", "api/projects/linked",
+        "api/projects/linked/picture", "api/projects/outside/exports/..%2fpicture.png",
+        "api/projects/outside/exports/link.mp4", "api/projects/outside/exports/%2e%2e",
+        "api/stores/..%2f..%2f/clips/0", "index.html/../..", "%00", "//etc/passwd"}) {
+    const httplib::Result answer = running().get(rest);
+    EXPECT_GE(status(answer), 400) << rest;
+    EXPECT_LT(status(answer), 500) << rest;
+    EXPECT_TRUE(!answer || answer->body.find("secret\n") == std::string::npos) << rest;
+  }
+  EXPECT_EQ(
+      status(running().send("POST", "api/projects/" + id + "/exports", R"({"name": "../../../x.mp4"})")),
+      400);
+  EXPECT_EQ(status(running().send("POST", "api/projects/" + id + "/exports",
+                                  R"({"name": "x.mp4", "layer": "a --o"})")),
+            400);
+  Json document = running().json("api/projects/" + id)["document"];
+  document["store"] = "/etc/passwd";
+  EXPECT_EQ(status(running().send("PUT", "api/projects/" + id + "/document?base=0", document.dump())), 400);
+}
+
+/// The answer to a head that announces a body and never sends it.
+std::string answer_to(int port, const std::string& head) {
+  const int fd = ::socket(AF_INET, SOCK_STREAM, 0);
+  sockaddr_in to{};
+  to.sin_family = AF_INET;
+  to.sin_port = htons(static_cast<std::uint16_t>(port));
+  to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  std::string answer;
+  if (::connect(fd, reinterpret_cast<const sockaddr*>(&to), sizeof to) == 0 &&
+      ::send(fd, head.data(), head.size(), MSG_NOSIGNAL) > 0) {
+    char buffer[4096];
+    for (ssize_t got = 0; (got = ::recv(fd, buffer, sizeof buffer, 0)) > 0;)
+      answer.append(buffer, static_cast<std::size_t>(got));
+  }
+  ::close(fd);
+  return answer;
+}
+
+TEST_F(Server, RefusesTooMuchBeforeItIsSent) {
+  const auto head = [&](const std::string& rest, const std::string& more) {
+    return "POST " + running().path(rest) + " HTTP/1.1\r\nHost: " + running().host() + "\r\n" + more + "\r\n";
+  };
+  const std::string five_gb = "Content-Length: 5368709120\r\n";
+  EXPECT_NE(answer_to(running().port(), head("api/projects?name=a.png", five_gb)).find(" 413 "),
+            std::string::npos);
+  EXPECT_NE(answer_to(running().port(), head("api/stores/x/clips", five_gb)).find(" 413 "),
+            std::string::npos);
+  EXPECT_NE(answer_to(running().port(), head("api/stores", "Content-Length: 20000000\r\n")).find(" 413 "),
+            std::string::npos);
+  EXPECT_NE(answer_to(running().port(), head("nowhere", "Content-Length: 20000000\r\n")).find(" 413 "),
+            std::string::npos);
+  EXPECT_NE(answer_to(running().port(), head("api/stores", "Transfer-Encoding: chunked\r\n")).find(" 411 "),
+            std::string::npos);
+}
+
+TEST_F(Server, RefusesWhatIsNoPicture) {
+  EXPECT_EQ(status(running().send("POST", "api/projects?name=a.png", "no picture")), 400);
+  EXPECT_EQ(status(running().send("POST", "api/projects?name=a.sh", "#!/bin/sh")), 400);
+  EXPECT_TRUE(fs::is_empty(running().room() / "incoming"));
+}
+
+TEST_F(Server, GivesNamesAsTheyAre) {
+  // A store whose clip's name is a page: the answer is JSON, and never taken for anything else.
+  const std::string store = Json::parse(
+      running().send("POST", "api/stores", R"({"name": "<script>alert(1)</script>"})")->body)["id"];
+  const httplib::Result home = running().get("api/home");
+  EXPECT_EQ(home->get_header_value("Content-Type"), "application/json");
+  EXPECT_EQ(home->get_header_value("X-Content-Type-Options"), "nosniff");
+  EXPECT_EQ(home->body.find("<script>"), std::string::npos);  // of its name a file was to be made
+  EXPECT_EQ(
+      status(running().send("POST", "api/stores/" + store + "/clips?class=..&name=..%2f..%2fa.mp4", "x")),
+      200);
+  EXPECT_FALSE(fs::exists(running().room() / "a.mp4"));
+  EXPECT_EQ(status(running().send("POST", "api/stores/" + store + "/clips?class=a&name=a.sh", "x")), 400);
+}
+
+TEST_F(Server, ShowsItMovingAndWhy) {
+  const std::string id = running().open_still("moving.png");
+  running().draw(id, drawing());
+  const Json made = running().json("api/projects/" + id)["made"];
+  EXPECT_EQ(made["problem"], "");
+  ASSERT_TRUE(made["matte"].is_object()) << made;
+  ASSERT_TRUE(made["full"].is_object()) << made;
+  EXPECT_EQ(made["full"]["ready"], 12);
+  EXPECT_EQ(made["full"]["width"], tools::kWidth);
+  const httplib::Result frame =
+      running().get(fmt::format("api/projects/{}/reels/{}/11", id, made["full"]["number"].get<int>()));
+  EXPECT_EQ(status(frame), 200);
+  EXPECT_EQ(frame->get_header_value("Content-Type"), "image/jpeg");
+  EXPECT_EQ(running().json("api/projects/" + id + "/field")["source"], "strokes");
+  const Json pieces = running().json("api/projects/" + id + "/pieces");
+  ASSERT_GT(pieces["pieces"].size(), 4u);
+  EXPECT_EQ(status(running().get("api/projects/" + id + "/pieces/0/0")), 200);
+  EXPECT_EQ(status(running().get("api/projects/" + id + "/pieces/100000")), 404);
+}
+
+TEST_F(Server, APinnedPieceHasItsPatch) {
+  const std::string id = running().open_still("pinned.png");
+  running().draw(id, drawing());
+  const Json before = running().json("api/projects/" + id + "/pieces/3");
+  const Json& other = before["candidates"][before["chosen"] == 5 ? 6 : 5];
+  running().draw(id, {{"pins",
+                       {{{"x", before["x"]},
+                         {"y", before["y"]},
+                         {"clip", other["clip"]},
+                         {"variant", other["variant"]},
+                         {"patch_x", other["x"]},
+                         {"patch_y", other["y"]}}}}});
+  const Json after = running().json("api/projects/" + id + "/pieces/3");
+  EXPECT_TRUE(after["pinned"]);
+  ASSERT_EQ(after["candidates"].size(), 1u);
+  for (const char* what : {"clip", "variant", "x", "y", "score"})
+    EXPECT_EQ(after["candidates"][0][what], other[what]) << what;
+}
+
+/// Exports, and makes the same by the command line that the answer names.
+void expect_same_bytes(RunningStudio& running, const std::string& id, const std::string& name,
+                       const Json& asked) {
+  Json request = asked;
+  request["name"] = name;
+  const httplib::Result answer = running.send("POST", "api/projects/" + id + "/exports", request.dump());
+  ASSERT_TRUE(answer);
+  ASSERT_EQ(answer->status, 200) << answer->body;
+  running.studio().wait();
+  const Json told = Json::parse(answer->body);
+  for (const Json& job : running.json("api/jobs")) EXPECT_NE(job["state"], "failed") << job;
+  const fs::path folder = told["folder"].get<std::string>();
+  const std::string made = tools::text_of(folder / "exports" / name);
+  ASSERT_FALSE(made.empty());
+  fs::rename(folder / "exports" / name, folder / "exports" / ("studio-" + name));
+  std::string line = told["command"];
+  line.replace(0, std::string("freshet").size(), tools::executable());
+  const tools::Outcome outcome =
+      running.folder().run({"sh", "-c", "cd '" + folder.string() + "' && " + line});
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_EQ(tools::text_of(folder / "exports" / name) == made, true) << "the bytes of " << name << " differ";
+}
+
+TEST_F(Server, WhatItExportsTheCommandLineMakesAgain) {
+  const std::string id = running().open_still("exported.png");
+  running().draw(id, drawing());
+  expect_same_bytes(running(), id, "whole.mkv", Json::object());
+  expect_same_bytes(running(), id, "fluid.mov", {{"layer", "fluid"}});
+  // Held back, slower, and with a piece pinned.
+  const Json piece = running().json("api/projects/" + id + "/pieces/2");
+  const Json& other = piece["candidates"][piece["chosen"] == 4 ? 3 : 4];
+  running().draw(id, {{"held", {{{"points", {{90, 60}}}, {"width", 20}, {"adds", true}, {"area", false}}}},
+                      {"speed", 0.5},
+                      {"pins",
+                       {{{"x", piece["x"]},
+                         {"y", piece["y"]},
+                         {"clip", other["clip"]},
+                         {"variant", other["variant"]},
+                         {"patch_x", other["x"]},
+                         {"patch_y", other["y"]}}}}});
+  expect_same_bytes(running(), id, "pinned.mkv", Json::object());
+  EXPECT_NE(tools::text_of(running().room() / "projects" / id / "project.toml").find("assignment.json"),
+            std::string::npos);
+}
+
+TEST_F(Server, AStoreGrowsByWhatIsSent) {
+  const std::string store =
+      Json::parse(running().send("POST", "api/stores", R"({"name": "sent"})")->body)["id"];
+  const std::string clip = tools::text_of(tools::sample().clips / "fall/1.mkv");
+  ASSERT_EQ(status(running().send("POST", "api/stores/" + store + "/clips?class=fall&name=one.mkv", clip)),
+            200);
+  ASSERT_EQ(
+      status(running().send("POST", "api/stores/" + store + "/ingest", R"({"licence": "ours; -o /x"})")),
+      200);
+  running().studio().wait();
+  const Json found = running().json("api/stores/" + store);
+  ASSERT_EQ(found["clips"].size(), 1u) << found << running().json("api/jobs");
+  EXPECT_EQ(found["clips"][0]["licence"], "ours; -o /x");
+  EXPECT_EQ(status(running().get("api/stores/" + store + "/clips/0")), 200);
+}
+
+TEST_F(Server, AJobIsStopped) {
+  const std::string id = running().open_still("stopped.png");
+  Json long_one = drawing();
+  long_one["frames"] = 1500;
+  const Json opened = running().json("api/projects/" + id);
+  Json document = opened["document"];
+  document.update(long_one);
+  ASSERT_EQ(status(running().send(
+                "PUT", fmt::format("api/projects/{}/document?base={}", id, opened["version"].get<int>()),
+                document.dump())),
+            200);
+  std::uint64_t job = 0;
+  for (const Json& each : running().json("api/jobs"))
+    if (each["lane"] == "preview" && each["key"] == id &&
+        (each["state"] == "running" || each["state"] == "waiting"))
+      job = each["id"];
+  ASSERT_NE(job, 0u);
+  EXPECT_EQ(
+      Json::parse(running().send("DELETE", fmt::format("api/jobs/preview/{}", job), "")->body)["stopped"],
+      true);
+  running().studio().wait();
+  for (const Json& each : running().json("api/jobs")) {
+    if (each["lane"] != "preview" || each["id"] != job) continue;
+    EXPECT_EQ(each["state"], "stopped");
+  }
+}
+
+}  // namespace
+}  // namespace freshet::studio
