@@ -174,7 +174,7 @@ void run_animate(AnimateCommand& command, const RunContext& context) {
                                       {"match", report.appearance_s},
                                       {"render", report.render_s},
                                       {"total", report.total_s}}}}
-                         .dump(2));
+                         .dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
 }
 
 void add_animate(CLI::App& synth_command, RunContext& context) {

@@ -16,6 +16,7 @@
 #include "platform/standard_descriptors.h"
 #include "platform/text_file.h"
 #include "tools/commands.h"
+#include "tools/console/numbers.h"
 #include "tools/console/output_names.h"
 
 namespace {
@@ -120,7 +121,10 @@ int main(int argc, char** argv) {
             return std::string();
           },
           ""));
-  app.parse_complete_callback([&app] { tools::refuse_overwriting(app); });
+  app.parse_complete_callback([&app] {
+    tools::refuse_non_numbers(app);
+    tools::refuse_overwriting(app);
+  });
   app.require_subcommand(1);
   app.allow_config_extras(CLI::config_extras_mode::error);  // a misspelt name must not be passed over
   app.fallthrough();                                        // --config may also stand behind a command
