@@ -185,6 +185,7 @@ TEST(BrokenMedia, PicturesAreTakenOrRefused) {
 
 TEST(BrokenMedia, AbsurdClipsAreTakenOrRefused) {
   const Campaign& c = campaign();
+  seeds();  // some of the clips below are made of them
   const auto make = [&](std::vector<std::string> arguments) {
     arguments.insert(arguments.begin(), {"ffmpeg", "-v", "error", "-y"});
     return c.folder.run(arguments).exit_code == 0;
@@ -196,9 +197,9 @@ TEST(BrokenMedia, AbsurdClipsAreTakenOrRefused) {
     all.push_back(name);
     if (make(all)) files.push_back(name);
   };
-  add("one.mkv", {"-f", "lavfi", "-i", "color=gray:size=1x1" + rate, "-c:v", "ffv1"});
+  add("one.mkv", {"-i", "clip1.mkv", "-vf", "scale=1:1", "-pix_fmt", "gray", "-c:v", "ffv1"});
   add("black.mkv", {"-f", "lavfi", "-i", "color=black:size=96x96" + rate, "-c:v", "ffv1"});
-  add("huge.mkv", {"-f", "lavfi", "-i", "color=gray:size=16384x16384:rate=25", "-frames:v", "1", "-c:v",
+  add("huge.mkv", {"-f", "lavfi", "-i", "color=gray:size=16384x16000:rate=25", "-frames:v", "1", "-c:v",
                    "ffv1", "-pix_fmt", "gray"});
   add("long.mkv", {"-f", "lavfi", "-i", "color=gray:size=16384x16" + rate, "-c:v", "ffv1"});
   add("sound.mp4", {"-f", "lavfi", "-i", "sine=duration=1", "-c:a", "aac"});
@@ -215,7 +216,7 @@ TEST(BrokenMedia, AbsurdClipsAreTakenOrRefused) {
   c.folder.file("zero.y4m", "YUV4MPEG2 W96 H96 F0:0 C420\nFRAME\n" + std::string(96 * 96 * 3 / 2, 'x'));
   c.folder.file("empty.mp4", "");
   for (const char* name : {"claims.y4m", "zero.y4m", "empty.mp4"}) files.emplace_back(name);
-  EXPECT_GE(files.size(), 10u);
+  EXPECT_GE(files.size(), 13u);
   for (const std::string& name : files) {
     const Outcome outcome = ingest(c, name);
     EXPECT_EQ(judge_file(outcome), "") << name;
@@ -238,7 +239,7 @@ TEST(BrokenMedia, NamesAreNothingButNames) {
                                        "\x1b[31mred\x1b]0;title\a.mkv",
                                        "--overwrite.mkv",
                                        "-j.mkv",
-                                       "<script>alert(1)</script>.mkv",
+                                       "<img src=x onerror=alert(1)>.mkv",
                                        "%s%n%05d.mkv",
                                        "$(touch made).mkv",
                                        std::string(200, 'n') + ".mkv",

@@ -12,6 +12,11 @@ void refuse_non_numbers(const CLI::App& app) {
   for (const CLI::App* command = &app; command != nullptr;) {
     for (const CLI::Option* option : command->get_options()) {
       const std::string type = option->get_type_name();
+      if (type.find("UINT") != std::string::npos)
+        for (const std::string& value : option->results())
+          if (value.starts_with('-'))
+            throw Error(ErrorKind::kUsage, option->get_name() + " " + value, "it is below 0",
+                        "Give a number from 0 on");
       if (type.find("FLOAT") == std::string::npos && type.find("NUMBER") == std::string::npos) continue;
       for (const std::string& value : option->results()) {
         char* end = nullptr;

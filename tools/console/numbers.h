@@ -5,8 +5,9 @@
 
 namespace freshet::tools {
 
-/// "nan" is a number to the C library and lies outside no range: every comparison with it is false. Throws
-/// Error{kUsage} where an option that takes a number was given that, or infinity. Call it when all has been parsed.
+/// "nan" is a number to the C library and lies outside no range: every comparison with it is false; and -1, where no
+/// sign is wanted, wraps to the largest. Throws Error{kUsage} where an option that takes a number was given one of
+/// these, or infinity. Call it when all has been parsed.
 void refuse_non_numbers(const CLI::App& app);
 
 }  // namespace freshet::tools
