@@ -1,6 +1,6 @@
 #!/bin/sh
 # Installs what is needed, builds, and runs every test. Works from nothing but a checkout on Debian 12.
-# ./test.sh --long: the campaigns of kills, failing calls and damages alone, at full length (hours).
+# ./test.sh --long: the campaigns of tests/faults alone, at full length (hours).
 set -eu
 cd "$(dirname "$0")"
 cmake/prepare.sh release

@@ -7,7 +7,13 @@ GrowingStore::GrowingStore(const std::filesystem::path& path, std::span<const st
     : path_(path) {
   list_sources(sources, shard);
   is_new_ = !std::filesystem::exists(path);
-  store_ = is_new_ ? store::Store::create(path, vision::to_json(for_new())) : store::Store::open_write(path);
+  if (is_new_) {
+    const std::string text = vision::to_json(for_new());
+    vision::settings_from_json(text);  // what could not be read again is not written
+    store_ = store::Store::create(path, text);
+  } else {
+    store_ = store::Store::open_write(path);
+  }
   settings_ = vision::settings_from_json(store_->snapshot().settings());
 }
 

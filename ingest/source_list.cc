@@ -15,6 +15,7 @@
 #include "media/picture/picture.h"
 #include "media/picture/picture_sequence.h"
 #include "media/video/video_reader.h"
+#include "platform/printable.h"
 #include "platform/text.h"
 
 namespace freshet::ingest {
@@ -81,8 +82,9 @@ std::string name_in(const fs::path& root, const fs::path& path) {
 }
 
 /// `path` is absolute and normal, without a trailing '/'.
-Source make_source(const fs::path& path, std::string name) {
-  return {path, std::move(name), path.parent_path().filename().string()};
+// A clip's name goes into tables, JSON and pages: it is text, whatever bytes the file's has.
+Source make_source(const fs::path& path, const std::string& name) {
+  return {path, printable(name), printable(path.parent_path().filename().string())};
 }
 
 void walk(const fs::path& root, const fs::path& folder, std::vector<Source>& sources) {

@@ -1,50 +1,28 @@
 #include "store/environment.h"
 
-#include <fcntl.h>
 #include <sys/stat.h>
 #include <unistd.h>
-#include <xxhash.h>
 
 #include <algorithm>
 #include <cerrno>
 #include <cstdio>
 #include <map>
-#include <random>
 #include <utility>
 
 #include "freshet/error.h"
 #include "platform/standard_descriptors.h"
+#include "store/file_locks.h"
 #include "store/lmdb_error.h"
+#include "store/new_file.h"
 #include "store/page_check.h"
 #include "store/records/account.h"
+#include "store/records/identity.h"
 
 namespace freshet::store {
 namespace {
 
 constexpr std::size_t kFirstMapBytes = std::size_t{1} << 40;  // reserved address space, no memory and no disk
 constexpr unsigned kMaxReaders = 1024;
-constexpr std::size_t kIdentityBytes = 32;
-
-// Bytes of the store, far beyond its end, whose locks tell who has it open.
-constexpr off_t kUserByte = off_t{1} << 62, kWriterByte = kUserByte + 1, kUnlockedReaderByte = kUserByte + 2;
-
-bool lock_byte(int fd, off_t byte, short type) {
-  struct flock lock {};
-  lock.l_type = type;
-  lock.l_whence = SEEK_SET;
-  lock.l_start = byte;
-  lock.l_len = 1;
-  return fcntl(fd, F_OFD_SETLK, &lock) == 0;
-}
-
-bool others_hold(int fd, off_t byte) {
-  struct flock lock {};
-  lock.l_type = F_WRLCK;
-  lock.l_whence = SEEK_SET;
-  lock.l_start = byte;
-  lock.l_len = 1;
-  return fcntl(fd, F_OFD_GETLK, &lock) == 0 && lock.l_type != F_UNLCK;
-}
 
 // The files this process has open. LMDB forbids a second environment on one file in one process.
 struct OpenFiles {
@@ -69,26 +47,7 @@ std::pair<dev_t, ino_t> file_identity(int fd) {
                                                  : "Make its folder, and check that it can be written");
 }
 
-// False, with errno, when it cannot be done; EEXIST when there is something already.
-bool rename_to_new(const std::filesystem::path& from, const std::filesystem::path& to) {
-  if (renameat2(AT_FDCWD, from.c_str(), AT_FDCWD, to.c_str(), RENAME_NOREPLACE) == 0) return true;
-  if (errno != EINVAL && errno != ENOSYS) return false;  // else: this file system cannot
-  if (::access(to.c_str(), F_OK) == 0) {
-    errno = EEXIST;
-    return false;
-  }
-  return std::rename(from.c_str(), to.c_str()) == 0;
-}
-
 }  // namespace
-
-void sync_folder_of(const std::filesystem::path& file) {
-  const int folder =
-      ::open(file.has_parent_path() ? file.parent_path().c_str() : ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (folder < 0) return;
-  fsync(folder);
-  ::close(folder);
-}
 
 std::shared_ptr<Environment> Environment::create(const std::filesystem::path& file,
                                                  const std::string& settings,
@@ -96,7 +55,7 @@ std::shared_ptr<Environment> Environment::create(const std::filesystem::path& fi
   const StandardDescriptors standing_in;
   const std::shared_ptr<Environment> made(new Environment(file, Access::kWrite));
   // Made beside, and given its name when it is a store: killed at any instant, there is one or there is none.
-  const std::filesystem::path fresh = file.string() + ".making";
+  const std::filesystem::path fresh = unfinished_name(file);
   std::error_code unknown;
   const bool exists = std::filesystem::exists(file, unknown);
   if (!exists) made->fd_ = ::open(fresh.c_str(), O_RDWR | O_CREAT | O_NONBLOCK | O_CLOEXEC, 0666);
@@ -256,17 +215,9 @@ void Environment::open_tables(bool create) {
 }
 
 void Environment::write_identity(const std::string& settings, std::optional<std::uint64_t> store_id) {
-  std::random_device random;
-  store_id_ = store_id.value_or(std::uint64_t{random()} << 32 | random());
-  Bytes identity;
-  const ByteSpan magic = bytes_of(kStoreMagic);
-  identity.insert(identity.end(), magic.begin(), magic.end());
-  append(identity, kFormatVersion);
-  append(identity, std::uint32_t{0});
-  append(identity, store_id_);
-  append(identity, XXH3_64bits(identity.data(), identity.size()));
+  store_id_ = store_id ? *store_id : draw_store_id();
   WriteTransaction txn(shared_from_this());
-  txn.put(Table::kMeta, bytes_of(kIdentityKey), identity);
+  txn.put(Table::kMeta, bytes_of(kIdentityKey), encode_identity(store_id_));
   const RecordPlace at = place(Table::kMeta, bytes_of(kSettingsKey));
   txn.put(Table::kMeta, at.key, encode_record(at, bytes_of(settings), 1, settings.size()));
   put_account(txn, {});
@@ -289,11 +240,9 @@ void Environment::read_identity() {
         "has format version " + std::to_string(version) + ", expected " + std::to_string(kFormatVersion),
         version > kFormatVersion ? "Use a newer Freshet" : "Ingest its clips again with this Freshet");
   }
-  if (value->size() != kIdentityBytes ||
-      load<std::uint64_t>(value->data() + 24) != XXH3_64bits(value->data(), 24)) {
-    throw_damaged(at, "the store's identity is garbled");
-  }
-  store_id_ = load<std::uint64_t>(value->data() + 16);
+  const auto id = parse_identity(*value);
+  if (!id) throw_damaged(at, "the store's identity is garbled");
+  store_id_ = *id;
 }
 
 MDB_txn* Environment::begin(unsigned flags) {
@@ -341,19 +290,6 @@ void Environment::end_write(MDB_txn* txn) {
   end(txn);
   writer_thread_ = std::thread::id();
   writer_mutex_.unlock();
-}
-
-void Environment::copy_compact(const std::filesystem::path& to) const {
-  const StandardDescriptors standing_in;
-  const int fd = ::open(to.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-  if (fd < 0) {
-    throw Error(ErrorKind::kIo, to.string(), std::string("cannot be created (") + std::strerror(errno) + ")",
-                "Remove it where it is left over, and check that its folder can be written");
-  }
-  int code = mdb_env_copyfd2(env_, fd, MDB_CP_COMPACT);
-  if (code == 0 && fsync(fd) != 0) code = errno;
-  if (::close(fd) != 0 && code == 0) code = errno;
-  check_lmdb(to, "cannot be written", code);
 }
 
 bool Environment::lock_alone() { return lock_byte(fd_, kUserByte, F_WRLCK); }

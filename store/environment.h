@@ -1,8 +1,7 @@
 // store/environment.h — the LMDB file: opening, locking, transactions.
 //
-// Locks. LMDB's own lock file guards readers against the reuse of their pages. Beside it,
-// open-file-description locks on the store itself, far beyond its end, tell the roles apart: they survive
-// that LMDB or anyone else in the process opens and closes the same file (ordinary POSIX locks do not).
+// LMDB's own lock file guards readers against the reuse of their pages. Beside it, locks on the store itself tell
+// the roles apart (file_locks.h).
 #pragma once
 
 #include <lmdb.h>
@@ -28,9 +27,6 @@ enum class Access { kRead, kWrite };
 
 class ReadTransaction;
 class WriteTransaction;
-
-/// Makes a file's name durable: its folder is synced, where that can be done.
-void sync_folder_of(const std::filesystem::path& file);
 
 /// Names and sources of all clips in one committed state: what a writer compares a new clip with. Reading all
 /// records for it at every commit took 4.5 us per clip, and so grew with the square of their number.
@@ -59,8 +55,6 @@ class Environment : public std::enable_shared_from_this<Environment> {
   std::size_t page_bytes() const;
   RecordPlace place(Table table, ByteSpan key) const { return {file_, store_id_, table, key}; }
 
-  /// Writes a copy without free pages to a new file, synced. Throws Error{kIo}.
-  void copy_compact(const std::filesystem::path& to) const;
   /// True when no other process has the store open; keeps others from opening it until this object goes.
   bool lock_alone();
 

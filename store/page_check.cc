@@ -11,29 +11,12 @@
 #include <vector>
 
 #include "freshet/error.h"
+#include "store/format/lmdb_layout.h"
 
 namespace freshet::store {
 namespace {
 
-// LMDB's layout on 64-bit machines (mdb.c, 0.9.x).
-constexpr std::uint32_t kLmdbMagic = 0xBEEFC0DE, kLmdbVersion = 1;
-constexpr std::size_t kPageHeader = 16, kNodeHeader = 8, kTreeBytes = 48, kMetaBytes = kPageHeader + 136;
-constexpr std::uint16_t kBranch = 1, kLeaf = 2, kOverflow = 4, kMeta = 8;  // of pages
-constexpr std::uint16_t kDirty = 16;                                       // in memory only
-constexpr std::uint16_t kBigData = 1, kSubTree = 2;                        // of nodes
-constexpr std::uint16_t kIntegerKey = 8, kNoSubdir = 0x4000;               // of trees
-constexpr std::uint64_t kNoPage = ~std::uint64_t{0};
-constexpr int kMaxDepth = 32;  // of LMDB's cursors
-constexpr std::size_t kMaxKey = 511;
-
-// What fits into a page of keys; longer values get pages of their own.
-constexpr std::size_t max_node(std::size_t page_bytes) {
-  return (((page_bytes - kPageHeader) / 2) & ~std::size_t{1}) - sizeof(std::uint16_t);
-}
-constexpr std::size_t even(std::size_t bytes) { return (bytes + 1) & ~std::size_t{1}; }
-std::uint64_t pages_of(std::uint64_t value_bytes, std::size_t page_bytes) {
-  return (kPageHeader + value_bytes + page_bytes - 1) / page_bytes;
-}
+using namespace lmdb;
 
 // A tree's record, in a meta page or as a value of the main tree.
 struct Tree {
@@ -141,8 +124,8 @@ class PageWalk {
     };
     if (first && file_bytes_ < kMetaBytes) reject("too short");
     const Bytes page = read_at(offset, kMetaBytes);
-    if (load<std::uint32_t>(&page[16]) != kLmdbMagic) reject("no LMDB mark");
-    if (load<std::uint32_t>(&page[20]) != kLmdbVersion) reject("another version of LMDB");
+    if (load<std::uint32_t>(&page[16]) != kMagic) reject("no LMDB mark");
+    if (load<std::uint32_t>(&page[20]) != kVersion) reject("another version of LMDB");
     if (load<std::uint16_t>(&page[10]) != kMeta || load<std::uint64_t>(&page[0]) != (first ? 0u : 1u))
       reject("no meta page");
     const auto page_bytes = load<std::uint32_t>(&page[40]);

@@ -66,9 +66,6 @@ class Store {
   void write(std::span<const Blob> blobs, std::span<const Column> columns = {},
              std::span<const std::string> erased_blobs = {});
 
-  /// Rewrites the file without free pages, into place, atomically. Nobody else may have it open.
-  void compact();
-
  private:
   struct Impl;
   std::shared_ptr<Impl> impl_;

@@ -15,13 +15,14 @@ store/format:
 store/codec: store/format
 store/records: store/format store/codec
 store: store/format store/codec store/records
+store/rewrite: store store/format store/records
 media/frame:
 media/picture: media/frame
 media/video: media/frame media/picture
 vision:
 ingest: store media/* vision
 query/stored: store media/frame vision
-query/index: store vision query/stored
+query/index: store store/rewrite vision query/stored
 query/hints: media/picture
 query/mrf:
 query/search: store vision query/stored query/index query/mrf
@@ -55,7 +56,7 @@ studio: store media/frame media/picture vision query/* synth/animate/* synth/mat
 library: store media/* vision ingest query/* synth/*
 tools/console: store media/* vision query/*
 tools/options: vision media/picture media/video query/* synth/animate/* synth/matte tools/console
-tools: report store media/* vision ingest query/* synth/* studio tools/*
+tools: report store/* media/* vision ingest query/* synth/* studio tools/*
 '
 rooms="include platform report store media vision ingest query synth studio library tools"
 max_units=16  # headers, with or without a source file, in one folder

@@ -6,7 +6,7 @@ set -eu
 cd "$1"
 engine=$(sed -n 's/^rooms="\(.*\)"$/\1/p' tests/arrows_test.sh)
 [ -n "$engine" ]
-rooms="$engine tests bench docs cmake"
+rooms="$engine tests bench docs cmake contrib"
 documents="README.md $(find docs -name '*.md' | sort)"
 sources=$(find $engine tests bench -name '*.h' -o -name '*.cc' -o -name '*.sh' -o -name 'CMakeLists.txt')
 scratch=$(mktemp -d)

@@ -188,7 +188,7 @@ void run_animate(AnimateCommand& command, const RunContext& context) {
                                       {"match", report.appearance_s},
                                       {"render", report.render_s},
                                       {"total", report.total_s}}}}
-                         .dump(2));
+                         .dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
 }
 
 /// The options that say how an animation is made, whoever asks for it and wherever it goes.

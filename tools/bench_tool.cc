@@ -138,9 +138,11 @@ void run(const BenchCommand& command, const RunContext& context) {
   const bool to_stdout = command.json_option->count() > 0 && command.json.empty();
   if (!command.page.empty()) write_text(command.page, query::search_page(report));
   if (to_stdout) {
-    fmt::print("{}\n", query::to_json(report).dump(2));
+    fmt::print("{}\n", query::to_json(report).dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
   } else {
-    if (!command.json.empty()) write_text(command.json, query::to_json(report).dump(1) + "\n");
+    if (!command.json.empty())
+      write_text(command.json,
+                 query::to_json(report).dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
     print(report);
     for (const std::string& path : {command.json, command.page})
       if (!path.empty()) fmt::print("{}\n", path);

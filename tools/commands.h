@@ -8,6 +8,7 @@ namespace freshet::tools {
 void add_ingest(CLI::App& app, RunContext& context);
 void add_index(CLI::App& app, RunContext& context);
 void add_store(CLI::App& app, RunContext& context);
+void add_store_rewrites(CLI::App& store_command, RunContext& context);  // repair, compact, remove, merge
 void add_query(CLI::App& app, RunContext& context);
 void add_bench(CLI::App& query_command, RunContext& context);  // freshet query bench
 void add_synth(CLI::App& app, RunContext& context);

@@ -97,7 +97,10 @@ void DesignFolder::write(int number, const sim::SimulatedFrame& frame) {
   }
 }
 
-void DesignFolder::finish() { write_text(folder_ / kDescription, description_.dump(2) + "\n"); }
+void DesignFolder::finish() {
+  write_text(folder_ / kDescription,
+             description_.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
+}
 
 void write_grey(const fs::path& pattern, int number, const cv::Mat& grey) {
   media::write_picture(media::numbered(pattern, number), grey);

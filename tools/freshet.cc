@@ -17,6 +17,7 @@
 #include "platform/standard_descriptors.h"
 #include "platform/text_file.h"
 #include "tools/commands.h"
+#include "tools/console/numbers.h"
 #include "tools/console/output_names.h"
 #include "tools/console/progress.h"
 #include "tools/console/toml_options.h"
@@ -125,7 +126,10 @@ int main(int argc, char** argv) {
           ""));
   app.config_formatter(std::make_shared<tools::TomlOptions>(app));
   tools::add_progress(app);
-  app.parse_complete_callback([&app] { tools::refuse_overwriting(app); });
+  app.parse_complete_callback([&app] {
+    tools::refuse_non_numbers(app);
+    tools::refuse_overwriting(app);
+  });
   app.require_subcommand(1);
   app.allow_config_extras(CLI::config_extras_mode::error);  // a misspelt name must not be passed over
   app.fallthrough();                                        // --config may also stand behind a command

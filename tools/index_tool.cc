@@ -42,7 +42,7 @@ void run(const IndexCommand& command, const RunContext& context) {
                                         {"assign", report.assign_s},
                                         {"flann", report.flann_s},
                                         {"write", report.write_s}}}}
-                           .dump(2));
+                           .dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
 }
 
 }  // namespace

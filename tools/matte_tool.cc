@@ -158,7 +158,7 @@ void run_matte(MatteCommand command, const RunContext& context) {
                        {"edge", command.edge},
                        {"notices", made.notices},
                        {"seconds", {{"marks", marks_s}, {"region", made.region_s}, {"edge", made.edge_s}}}}
-            .dump());
+            .dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
     return;
   }
   fmt::print("{}\n", command.out);

@@ -141,7 +141,7 @@ void run_candidates(const CandidatesCommand& command, const RunContext& context)
                nlohmann::json{{"filters", to_json(search.filtered)},
                               {"seconds", to_json(*base, search.seconds)},
                               {"pieces", candidates_json(snapshot, search, base->settings.variants())}}
-                   .dump());
+                   .dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
   } else {
     print_candidates(snapshot, search);
   }
@@ -184,7 +184,7 @@ void run_label(const LabelCommand& command, const RunContext& context) {
   if (command.json) {
     nlohmann::json json = label_json(run);
     json["assignment"] = nlohmann::json::parse(query::to_json(assignment));
-    fmt::print("{}\n", json.dump(2));
+    fmt::print("{}\n", json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
     return;
   }
   std::map<std::uint32_t, std::size_t> pieces_of;

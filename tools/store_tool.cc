@@ -10,6 +10,7 @@
 #include "media/frame/layout_json.h"
 #include "media/video/video_writer.h"
 #include "query/stored/clip_frames.h"
+#include "store/rewrite/rewrite.h"
 #include "store/store.h"
 #include "tools/commands.h"
 #include "tools/console/output_names.h"
@@ -64,11 +65,20 @@ std::vector<store::ClipRecord> readable_clips(const store::Snapshot& snapshot) {
 /// Says what is wrong with a store, where something is.
 void report_faults(const std::string& store, const std::vector<std::string>& faults, RunContext& context) {
   if (faults.empty()) return;
-  say(
-      fmt::format("{}: {} damaged records. Restore the file from a copy, or ingest the clips named again "
-                  "into a new store.",
-                  store, faults.size()));
+  say(fmt::format(
+      "{}: {} damaged records. Restore the file from a copy, or save the clips that are whole: freshet "
+      "store repair",
+      store, faults.size()));
   context.exit_code = 3;
+}
+
+/// What compacting would give back.
+std::string gain_text(const std::string& file) {
+  const store::FileSizes sizes = store::compacted_size(file);
+  if (sizes.after + 4096 * 4 >= sizes.before) return "compact\n";
+  return fmt::format("freshet store compact would make it {}, {} less\n",
+                     bytes_text(static_cast<double>(sizes.after)),
+                     bytes_text(static_cast<double>(sizes.before - sizes.after)));
 }
 
 /// Numbers come from records' headers: these are compared with what the clips say of them.
@@ -97,8 +107,11 @@ void info(const StoreCommand& command, RunContext& context) {
                                {"records", use.records},
                                {"stored_bytes", use.stored_bytes},
                                {"raw_bytes", use.raw_bytes}});
-    if (!faults.empty()) json["damaged"] = faults;
-    fmt::print("{}\n", json.dump(2));
+    if (!faults.empty())
+      json["damaged"] = faults;
+    else
+      json["compacted_bytes"] = store::compacted_size(command.store).after;
+    fmt::print("{}\n", json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
     report_faults(command.store, faults, context);
     return;
   }
@@ -120,9 +133,10 @@ void info(const StoreCommand& command, RunContext& context) {
                    ? fmt::format("{:.2f}",
                                  static_cast<double>(use.raw_bytes) / static_cast<double>(use.stored_bytes))
                    : "-"});
-  fmt::print("{}\n{} clips, {} patches, index: {}\n\n{}\nsettings {}\n", clips.text(), readable.size(),
+  fmt::print("{}\n{} clips, {} patches, index: {}\n\n{}{}\nsettings {}\n", clips.text(), readable.size(),
              patches, snapshot.blob("codebook") ? "ready" : "none (run freshet index)", usage.text(),
-             settings.dump(2));
+             faults.empty() ? gain_text(command.store) : "",
+             settings.dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
   for (const std::string& fault : faults) fmt::print("damaged: {}\n", fault);
   report_faults(command.store, faults, context);
 }
@@ -130,7 +144,8 @@ void info(const StoreCommand& command, RunContext& context) {
 void verify(const StoreCommand& command, RunContext& context) {
   const std::vector<std::string> faults = store::Store::open_read(command.store).snapshot().verify();
   if (command.json)
-    fmt::print("{}\n", nlohmann::json{{"store", command.store}, {"damaged", faults}}.dump(2));
+    fmt::print("{}\n", nlohmann::json{{"store", command.store}, {"damaged", faults}}.dump(
+                           2, ' ', false, nlohmann::json::error_handler_t::replace));
   else if (faults.empty())
     fmt::print("{}: every record is as it was written\n", command.store);
   else
@@ -141,7 +156,8 @@ void verify(const StoreCommand& command, RunContext& context) {
 void digest(const StoreCommand& command) {
   const std::string hash = store::Store::open_read(command.store).snapshot().digest();
   if (command.json)
-    fmt::print("{}\n", nlohmann::json{{"store", command.store}, {"digest", hash}}.dump(2));
+    fmt::print("{}\n", nlohmann::json{{"store", command.store}, {"digest", hash}}.dump(
+                           2, ' ', false, nlohmann::json::error_handler_t::replace));
   else
     fmt::print("{}\n", hash);
 }
@@ -189,7 +205,8 @@ void export_clip(const StoreCommand& command, const RunContext& context) {
 }  // namespace
 
 void add_store(CLI::App& app, RunContext& context) {
-  CLI::App* store = app.add_subcommand("store", "Look into a store, check it, and take clips out again");
+  CLI::App* store =
+      app.add_subcommand("store", "Look into a store, check it, repair it, and take clips out again");
   store->require_subcommand(1);
   const auto add = [&](const char* name, const char* text, bool takes_clip, bool takes_json, auto&& act) {
     auto command = std::make_shared<StoreCommand>();
@@ -220,6 +237,7 @@ void add_store(CLI::App& app, RunContext& context) {
   sub->add_option("-o,--output", command->out, "NAME.mkv, or a numbered sequence such as frames/%05d.png")
       ->required();
   add_overwrite(*sub);
+  add_store_rewrites(*store, context);
 }
 
 }  // namespace freshet::tools

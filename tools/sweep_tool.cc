@@ -279,9 +279,10 @@ void run_sweep(const SweepCommand& command, const RunContext& context) {
   write_text(folder / "index.html", sweep_page("Sweep of " + command.target.picture.filename().string(),
                                                "still.png", loaded.picture.size(), animations));
   const nlohmann::json report = report_of(points, animations, search, labellings.size(), seconds);
-  write_text(folder / "sweep.json", report.dump(2) + "\n");
+  write_text(folder / "sweep.json",
+             report.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
   if (command.json) {
-    fmt::print("{}\n", report.dump(2));
+    fmt::print("{}\n", report.dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
     return;
   }
   print_sweep(animations, labellings.size(), search.target.size(), seconds, folder);

@@ -346,7 +346,7 @@ void run_transfer(TransferCommand command, RunContext& context) {
     report["seconds"]["write"] = write_s;
     report["seconds"]["total"] = total_s;
     report["by_frame"] = notes;
-    fmt::print("{}\n", report.dump(2));
+    fmt::print("{}\n", report.dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
     return;
   }
   const auto stage = [&](const char* name) { return summary["seconds"].value(name, 0.0); };

@@ -23,6 +23,7 @@
 #include "bench/harness/machine.h"
 #include "freshet/error.h"
 #include "platform/stopwatch.h"
+#include "store/rewrite/rewrite.h"
 #include "store/store.h"
 
 namespace {
@@ -230,9 +231,8 @@ int main(int argc, char** argv) try {
     const double encode = bench::process_seconds() - start;
     read_all(store.snapshot(), video, true);
     const double decode_seconds = read_all(store.snapshot(), video, false);
-    store.compact();
-    const double stored = static_cast<double>(std::filesystem::file_size(file));
     store = {};
+    const auto stored = static_cast<double>(store::compact(file).after);
     const Ffv1 plain = ffv1(video, "", folder), keyed = ffv1(video, "-g 16", folder);
     const double warm = patch_ms(file, video, false, 20), cold = patch_ms(file, video, true, 20);
     const double raw = static_cast<double>(video.bytes.size());

@@ -21,6 +21,9 @@ namespace stage {
 constexpr const char *kSample = "sampling descriptors", *kTrain = "training the codebook",
                      *kAssign = "assigning words", *kFlann = "building FLANN indexes", *kWrite = "writing";
 }
+constexpr FlannKind kFlannKinds[] = {FlannKind::kKdTree, FlannKind::kKMeans, FlannKind::kHierarchical};
+constexpr const char* kWords = "patch.words";
+
 using Descriptors = std::vector<vision::Descriptor>;
 
 std::uint64_t seed_of(const store::ClipRecord& clip) {
@@ -70,7 +73,7 @@ class Build {
     report_.words = trained.codebook.words;
     assign(trained.codebook);
     blobs_.push_back({kCodebookBlob, to_bytes(trained), true});
-    for (const FlannKind kind : {FlannKind::kKdTree, FlannKind::kKMeans, FlannKind::kHierarchical}) {
+    for (const FlannKind kind : kFlannKinds) {
       if (snapshot_.blob(blob_name(kind))) erased_.push_back(blob_name(kind));
     }
     add_flann();
@@ -89,7 +92,7 @@ class Build {
   bool up_to_date(const StoredCodebook& known) const {
     if (known.clips_hash != hash_of_clips(snapshot_)) return false;
     return std::all_of(clips_.begin(), clips_.end(), [&](store::ClipId clip) {
-      return snapshot_.clip(clip).rows == 0 || snapshot_.has_column(clip, "patch.words");
+      return snapshot_.clip(clip).rows == 0 || snapshot_.has_column(clip, kWords);
     });
   }
 
@@ -192,7 +195,7 @@ class Build {
     words_.resize(clips_.size());
     for (std::size_t c = 0; c < clips_.size(); ++c) {
       if (snapshot_.clip(clips_[c]).rows > 0) {
-        words_[c] = snapshot_.column<vision::WordMap>(clips_[c], "patch.words");
+        words_[c] = snapshot_.column<vision::WordMap>(clips_[c], kWords);
       }
     }
   }
@@ -235,8 +238,7 @@ class Build {
     std::vector<store::Store::Column> columns;
     for (std::size_t c = 0; report_.words_built && c < clips_.size(); ++c) {
       if (words_[c].empty()) continue;
-      columns.push_back(
-          {clips_[c], "patch.words", std::as_bytes(std::span(words_[c])), sizeof(vision::WordMap)});
+      columns.push_back({clips_[c], kWords, std::as_bytes(std::span(words_[c])), sizeof(vision::WordMap)});
     }
     store_.write(blobs, columns, erased_);
     report_.write_s = watch.lap();
@@ -267,6 +269,12 @@ class Build {
 IndexReport build_index(store::Store& store, const IndexOptions& options, const ProgressFunction& progress,
                         std::stop_token stop) {
   return Build(store, options, progress, std::move(stop)).run();
+}
+
+store::Rebuildable rebuildable() {
+  store::Rebuildable index{.columns = {kWords}, .blobs = {kCodebookBlob}};
+  for (const FlannKind kind : kFlannKinds) index.blobs.insert(blob_name(kind));
+  return index;
 }
 
 }  // namespace freshet::query

@@ -8,6 +8,7 @@
 
 #include "freshet/job.h"
 #include "query/index/flann_index.h"
+#include "store/rewrite/contents.h"
 #include "store/store.h"
 
 namespace freshet::query {
@@ -53,5 +54,8 @@ struct IndexReport {
 /// Memory      samples * 128 bytes and what training takes of it, cache_bytes, 81 bytes per patch.
 IndexReport build_index(store::Store& store, const IndexOptions& options = {},
                         const ProgressFunction& progress = {}, std::stop_token stop = {});
+
+/// What of a store build_index makes, by name: a store whose clips change is better without it.
+store::Rebuildable rebuildable();
 
 }  // namespace freshet::query

@@ -134,6 +134,23 @@ ssize_t pwritev(int fd, const iovec* parts, int count, off_t at) {
 }
 ssize_t pwritev64(int fd, const iovec* parts, int count, off_t at) { return pwritev(fd, parts, count, at); }
 
+// What LMDB writes runs of pages with.
+ssize_t writev(int fd, const iovec* parts, int count) {
+  static auto* const go = real<ssize_t(int, const iovec*, int)>("writev");
+  ssize_t all = 0;
+  for (int i = 0; i < count; ++i) all += static_cast<ssize_t>(parts[i].iov_len);
+  switch (fate(watched(fd), true)) {
+    case Fate::kFail:
+      return -1;
+    case Fate::kShort:
+      return go(fd, parts, (count + 1) / 2);
+    case Fate::kLost:
+      return all;
+    default:
+      return go(fd, parts, count);
+  }
+}
+
 int fsync(int fd) {
   static auto* const go = real<int(int)>("fsync");
   return fate(watched(fd), false) == Fate::kFail ? -1 : go(fd);

@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <spawn.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -56,7 +57,9 @@ Started WorkFolder::start(const std::vector<std::string>& command) const {
 Outcome WorkFolder::wait(const Started& started) {
   Outcome outcome;
   int status = 0;
-  if (started.process > 0 && ::waitpid(started.process, &status, 0) == started.process) {
+  rusage usage{};
+  if (started.process > 0 && ::wait4(started.process, &status, 0, &usage) == started.process) {
+    outcome.peak_kib = usage.ru_maxrss;
     if (WIFEXITED(status)) outcome.exit_code = WEXITSTATUS(status);
     if (WIFSIGNALED(status)) outcome.signal = WTERMSIG(status);
     outcome.out = text_of(started.out);

@@ -16,6 +16,7 @@ struct Outcome {
   int exit_code = -1;  // -1 when a signal ended it
   int signal = 0;
   std::string out, err;
+  long peak_kib = 0;  // resident memory of the largest process of it
 };
 
 /// A command that has been started and not yet been waited for.

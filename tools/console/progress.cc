@@ -9,6 +9,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "platform/printable.h"
+
 namespace freshet::tools {
 namespace {
 
@@ -88,7 +90,7 @@ void Progress::show(const std::string& stage, std::size_t done, std::size_t tota
 
   const double elapsed = std::chrono::duration<double>(now - stage_start_).count();
   const double rate = elapsed > 0.2 ? static_cast<double>(done - std::min(done, first_done_)) / elapsed : 0;
-  std::string text = numbered(stage);
+  std::string text = printable(numbered(stage));
   if (total > 0)
     text += fmt::format(" {}/{}", done, total);
   else if (done > 0)

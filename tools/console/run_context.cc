@@ -1,22 +1,43 @@
 #include "tools/console/run_context.h"
 
+#include <algorithm>
 #include <atomic>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <memory>
 #include <thread>
+#include <utility>
 
 #include <fmt/format.h>
 #include <oneapi/tbb/global_control.h>
 #include <opencv2/core/utility.hpp>
 
+#include "platform/printable.h"
 #include "tools/console/progress.h"
 
 namespace freshet::tools {
 namespace {
 
 std::atomic<int> caught{0};
+
+/// Some options are left out of the help, not of the command: CLI11's own way, a group without a name, takes their
+/// names too, from messages and from whoever looks for outputs among the options.
+class ShortHelp : public CLI::Formatter {
+ public:
+  explicit ShortHelp(std::vector<std::string> hidden) : hidden_(std::move(hidden)) {}
+  void show_all() { hidden_.clear(); }
+  std::string make_group(std::string group, bool is_positional,
+                         std::vector<const CLI::Option*> options) const override {
+    std::erase_if(options, [&](const CLI::Option* option) {
+      return std::ranges::any_of(hidden_, [&](const std::string& name) { return option->check_name(name); });
+    });
+    return options.empty() ? "" : CLI::Formatter::make_group(std::move(group), is_positional, options);
+  }
+
+ private:
+  std::vector<std::string> hidden_;
+};
 
 }  // namespace
 
@@ -57,17 +78,13 @@ void add_threads(CLI::App& command) {
 }
 
 void add_short_help(CLI::App& command, const std::vector<std::string>& hidden) {
-  std::vector<std::pair<CLI::Option*, std::string>> groups;
-  for (const std::string& name : hidden)
-    if (CLI::Option* const option = command.get_option_no_throw(name)) {
-      groups.emplace_back(option, option->get_group());
-      option->group("");
-    }
+  const auto formatter = std::make_shared<ShortHelp>(hidden);
+  command.formatter(formatter);
   command
       .add_flag_callback(
           "--help-all",
-          [groups] {
-            for (const auto& [option, group] : groups) option->group(group);
+          [formatter] {
+            formatter->show_all();
             throw CLI::CallForHelp();
           },
           "Print all options: how patches are searched and chosen, and how frames are rendered, too")
@@ -76,7 +93,7 @@ void add_short_help(CLI::App& command, const std::vector<std::string>& hidden) {
 
 void say(const std::string& message) {
   clear_progress_line();
-  fmt::print(stderr, "freshet: {}\n", message);
+  fmt::print(stderr, "freshet: {}\n", printable_lines(message));
 }
 
 }  // namespace freshet::tools

@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "platform/printable.h"
+
 namespace freshet::tools {
 namespace {
 
@@ -25,6 +27,7 @@ Table::Table(std::vector<std::string> header) { rows_.push_back(std::move(header
 
 void Table::row(std::vector<std::string> cells) {
   cells.resize(rows_[0].size());
+  for (std::string& cell : cells) cell = printable(cell);
   rows_.push_back(std::move(cells));
 }
 

@@ -62,7 +62,7 @@ ResumeFolder::ResumeFolder(const fs::path& folder, const nlohmann::json& job, bo
         ErrorKind::kIo, folder_.string(),
         "no folder can be made here to keep an unfinished run in" + (fault ? ": " + fault.message() : ""),
         "Choose another place for the output");
-  write_whole(of_job, job.dump(2) + "\n");
+  write_whole(of_job, job.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
 }
 
 nlohmann::json ResumeFolder::resume(Transfer& transfer) const {
@@ -79,7 +79,7 @@ nlohmann::json ResumeFolder::resume(Transfer& transfer) const {
 }
 
 void ResumeFolder::keep(const Transfer& transfer, const nlohmann::json& notes) const {
-  write_whole(folder_ / "frames.json", notes.dump());
+  write_whole(folder_ / "frames.json", notes.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
   transfer.save_state(folder_ / "state.part");
   std::error_code fault;
   fs::rename(folder_ / "state.part", folder_ / "state", fault);

@@ -1,0 +1,51 @@
+// store/rewrite/contents.h — all that a store's file holds, as plain lists of records.
+#pragma once
+
+#include <array>
+#include <map>
+#include <memory>
+#include <optional>
+#include <set>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "store/environment.h"
+#include "store/records/clip_record.h"
+
+namespace freshet::store {
+
+/// Tables as lists, ascending by key. Borrowed from the map that `held` keeps.
+struct Contents {
+  using Entry = ReadTransaction::Entry;
+
+  std::filesystem::path file;
+  std::uint64_t store_id = 0;
+  std::string settings = {};
+  std::uint32_t next_clip = 0;  // the number of the clip that would be added next
+  std::map<ClipId, StoredClip> clips = {};
+  ArrayAccounts blobs = {};
+  std::array<std::vector<Entry>, kTables> tables = {};
+  std::shared_ptr<const void> held = {};
+
+  const std::vector<Entry>& table(Table which) const { return tables[static_cast<std::size_t>(which)]; }
+  RecordPlace place(Table which, ByteSpan key) const { return {file, store_id, which, key}; }
+  /// Those whose keys begin with `prefix`.
+  std::span<const Entry> entries(Table which, ByteSpan prefix) const;
+};
+
+/// Of an open store. Throws Error{kDamaged} where settings, account or a clip's record cannot be read, or are not
+/// all there; tiles and columns are not looked at.
+Contents read_contents(const std::shared_ptr<Environment>& environment);
+
+/// Columns and blobs that can be made anew from all else in a store, by name.
+struct Rebuildable {
+  std::set<std::string, std::less<>> columns, blobs;
+};
+
+/// Reads what the array has and compares it with its account. Throws Error{kDamaged}.
+void check_array(const Contents& contents, Table table, ByteSpan prefix, const ArrayAccount& account);
+/// The same of one stream's tiles: every record is whole, and they are those that were written.
+void check_stream(const Contents& contents, ClipId id, Stream stream, const RecordSum& written);
+
+}  // namespace freshet::store

@@ -1,0 +1,241 @@
+#include "store/rewrite/rewrite.h"
+
+#include <sys/stat.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "freshet/error.h"
+#include "store/new_file.h"
+#include "store/records/identity.h"
+#include "store/rewrite/salvage.h"
+#include "store/rewrite/store_copy.h"
+
+namespace freshet::store {
+namespace {
+
+/// All of a store, under its own id and numbers.
+StoreCopy whole(const Contents& contents) {
+  StoreCopy copy{.store_id = contents.store_id,
+                 .settings = contents.settings,
+                 .next_clip = contents.next_clip,
+                 .blobs_from = &contents};
+  for (const auto& [id, clip] : contents.clips) copy.clips.push_back({&contents, id, id});
+  return copy;
+}
+
+void leave_out(StoreCopy& copy, const Rebuildable& index) {
+  copy.without = index.columns;
+  copy.without.insert(index.blobs.begin(), index.blobs.end());
+}
+
+/// Whether anything of an index is there to be left out.
+bool has_index(const Contents& contents, const Rebuildable& index) {
+  return std::ranges::any_of(contents.blobs, [&](const auto& b) { return index.blobs.contains(b.first); }) ||
+         std::ranges::any_of(contents.clips, [&](const auto& clip) {
+           return std::ranges::any_of(clip.second.columns,
+                                      [&](const auto& c) { return index.columns.contains(c.first); });
+         });
+}
+
+/// A store that is about to be replaced, and that nobody else has open.
+class Replaced {
+ public:
+  explicit Replaced(const std::filesystem::path& file)
+      : file_(std::filesystem::exists(file) ? std::filesystem::canonical(file) : file),  // a link stays one
+        environment_(Environment::open(file, Access::kWrite)) {
+    if (!environment_->lock_alone())
+      throw Error(ErrorKind::kIo, file.string(), "is open in another process",
+                  "Close it there and run again");
+    contents_ = read_contents(environment_);
+  }
+  const Contents& contents() const { return contents_; }
+
+  FileSizes by(const StoreCopy& copy, const Job& job) const {
+    FileSizes sizes{.before = environment_->file_bytes()};
+    NewFile fresh(file_, Existing::kReplaced);
+    sizes.after = write_copy(copy, fresh.descriptor(), environment_->file(), job);
+    struct stat opened {
+    }, named{};
+    if (fstat(environment_->descriptor(), &opened) != 0 || ::stat(file_.c_str(), &named) != 0 ||
+        opened.st_ino != named.st_ino || opened.st_dev != named.st_dev)
+      throw Error(ErrorKind::kIo, environment_->file().string(), "has been moved away or replaced meanwhile",
+                  "Run again");
+    fresh.commit();
+    return sizes;
+  }
+
+ private:
+  std::filesystem::path file_;
+  std::shared_ptr<Environment> environment_;
+  Contents contents_;
+};
+
+void expect_settings(const Contents& first, const Contents& other) {
+  if (first.settings == other.settings) return;
+  throw Error(ErrorKind::kInput, other.file.string(), "has other settings than " + first.file.string(),
+              "Merge stores that were made with the same settings (freshet store info shows them)");
+}
+
+/// Which clips of several stores are to be in one.
+void choose_clips(const std::vector<Contents>& stores, StoreCopy& copy, MergeReport& report) {
+  struct Taken {
+    std::string name, store;
+  };
+  std::map<std::string, Taken, std::less<>> by_source;
+  std::map<std::string, std::string, std::less<>> store_of_name;
+  for (const Contents& store : stores)
+    for (const auto& [id, clip] : store.clips) {
+      const std::string& name = clip.record.name;
+      const auto same = by_source.find(clip.record.source_hash);
+      if (same != by_source.end()) {
+        report.doubles.push_back({name, store.file.string(), same->second.name});
+        continue;
+      }
+      if (const auto taken = store_of_name.find(name); taken != store_of_name.end())
+        throw Error(ErrorKind::kInput, store.file.string(),
+                    "its clip \"" + name + "\" comes from another source than that of " + taken->second,
+                    "Ingest one of them under another name, or remove it first (freshet store remove)");
+      by_source.emplace(clip.record.source_hash, Taken{name, store.file.string()});
+      store_of_name.emplace(name, store.file.string());
+      copy.clips.push_back({&store, id, ClipId{copy.next_clip++}});
+    }
+}
+
+std::uint64_t write_new(const StoreCopy& copy, const std::filesystem::path& out, const Job& job) {
+  NewFile fresh(out, Existing::kKept);
+  const std::uint64_t bytes = write_copy(copy, fresh.descriptor(), out, job);
+  fresh.commit();
+  return bytes;
+}
+
+/// Without what is rebuildable. Empty when the clip is whole, else what is wrong with it.
+std::string fault_of(const Contents& contents, ClipId id, const Rebuildable& index) {
+  const StoredClip& clip = contents.clips.at(id);
+  try {
+    for (std::size_t s = 0; s < kStreams; ++s)
+      check_stream(contents, id, static_cast<Stream>(s), clip.tiles[s]);
+    for (const auto& [name, account] : clip.columns)
+      if (!index.columns.contains(name))
+        check_array(contents, Table::kColumns, column_prefix(id, name), account);
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return {};
+}
+
+/// Whether all that is rebuildable is there, and is what was built of just these clips.
+bool index_is_whole(const Contents& contents, const Rebuildable& index) {
+  try {
+    for (const auto& [id, clip] : contents.clips)
+      for (const auto& [name, account] : clip.columns)
+        if (index.columns.contains(name))
+          check_array(contents, Table::kColumns, column_prefix(id, name), account);
+    for (const auto& [name, account] : contents.blobs)
+      if (index.blobs.contains(name)) check_array(contents, Table::kBlobs, blob_prefix(name), account);
+  } catch (const Error&) {
+    return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+FileSizes compacted_size(const std::filesystem::path& file) {
+  const auto environment = Environment::open(file, Access::kRead);
+  const Contents contents = read_contents(environment);
+  return {environment->file_bytes(), write_copy(whole(contents), -1, file)};
+}
+
+FileSizes compact(const std::filesystem::path& file, const Job& job) {
+  const Replaced store(file);
+  return store.by(whole(store.contents()), job);
+}
+
+FileSizes remove_clips(const std::filesystem::path& file, std::span<const std::string> names,
+                       const Rebuildable& index, const Job& job) {
+  const Replaced store(file);
+  StoreCopy copy = whole(store.contents());
+  leave_out(copy, index);
+  for (const std::string& name : names) {
+    const auto named = [&](const StoreCopy::Clip& clip) {
+      return store.contents().clips.at(clip.id).record.name == name;
+    };
+    if (std::erase_if(copy.clips, named) > 0) continue;
+    std::string there;
+    for (const auto& [id, clip] : store.contents().clips) there += "\n  " + clip.record.name;
+    throw Error(ErrorKind::kNotFound, file.string(), "it holds no clip named \"" + name + "\"",
+                "Nothing was removed. Its clips are:" + there);
+  }
+  return store.by(copy, job);
+}
+
+MergeReport merge(std::span<const std::filesystem::path> files, const std::filesystem::path& out,
+                  const Rebuildable& index, const Job& job) {
+  std::vector<Contents> stores;
+  for (const std::filesystem::path& file : files) {
+    stores.push_back(read_contents(Environment::open(file, Access::kRead)));
+    expect_settings(stores.front(), stores.back());
+  }
+  MergeReport report;
+  StoreCopy copy{.store_id = draw_store_id(), .settings = stores.front().settings};
+  leave_out(copy, index);
+  choose_clips(stores, copy, report);
+  for (const Contents& store : stores) {
+    for (const auto& [name, blob] : store.blobs)
+      if (!index.blobs.contains(name))
+        throw Error(ErrorKind::kInput, store.file.string(),
+                    "holds \"" + name + "\", which belongs to no clip and has no meaning in another store",
+                    "Erase it first");
+    report.index_left_out |= has_index(store, index);
+  }
+  report.clips = copy.clips.size();
+  report.bytes = write_new(copy, out, job);
+  return report;
+}
+
+RepairReport repair(const std::filesystem::path& file, const std::filesystem::path& out,
+                    const Rebuildable& index, const Job& job) {
+  Salvage found = salvage(file, job);
+  Contents& contents = found.contents;
+  RepairReport report;
+  const std::size_t clips_found = contents.clips.size();
+  for (auto clip = contents.clips.begin(); clip != contents.clips.end();) {
+    const std::string fault = fault_of(contents, clip->first, index);
+    const auto here = clip++;
+    if (fault.empty()) continue;
+    const ClipRecord& record = here->second.record;
+    report.lost.push_back({here->first, record.name, record.source_hash, fault});
+    contents.clips.erase(here);
+  }
+  const std::uint32_t expected = found.clips ? found.clips->records : 0;
+  const auto known = static_cast<std::uint32_t>(clips_found);
+  std::uint32_t missing = expected > known ? expected - known : 0;
+  for (const ClipId id : found.nameless) {
+    if (static_cast<std::uint32_t>(id) >= contents.next_clip || (found.clips && missing == 0)) continue;
+    report.lost.push_back({id, "", "", "its record, and with it its name and source, is lost"});
+    if (missing > 0) --missing;
+  }
+  report.unknown = missing;
+
+  StoreCopy copy = whole(contents);
+  const bool had_index = has_index(contents, index);
+  if (!report.lost.empty() || report.unknown > 0 || !found.clips || !index_is_whole(contents, index)) {
+    leave_out(copy, index);
+    report.index_left_out = had_index || !found.clips;
+  }
+  for (const auto& [name, account] : contents.blobs) {
+    if (index.blobs.contains(name)) continue;
+    try {
+      check_array(contents, Table::kBlobs, blob_prefix(name), account);
+    } catch (const Error&) {
+      report.lost_blobs.push_back(name);
+      copy.without.insert(name);
+    }
+  }
+  report.clips = copy.clips.size();
+  report.bytes = write_new(copy, out, job);
+  return report;
+}
+
+}  // namespace freshet::store

@@ -1,0 +1,124 @@
+#include "tests/faults/campaign.h"
+
+#include <cstdlib>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+
+namespace freshet::tools {
+
+namespace fs = std::filesystem;
+
+bool at_full_length() { return std::getenv("FRESHET_LONG") != nullptr; }
+
+Campaign::Campaign() {
+  for (int i = 1; i <= 3; ++i) {
+    const std::string number = std::to_string(i);
+    must({"synth", "simulate", "river", "--size", "96x96", "--frames", "16", "--seed", number, "-o",
+          "clip" + number + ".mkv"});
+  }
+  must(ingest("one.store", {"clip1.mkv"}));
+  fs::copy_file(folder / "one.store", folder / "all.store");
+  must(ingest("all.store", {"clip2.mkv", "clip3.mkv"}));
+  fs::copy_file(folder / "all.store", folder / "indexed.store");
+  must({"index", "indexed.store"});
+  must(ingest("rest.store", {"clip2.mkv", "clip3.mkv"}));
+  fs::copy_file(folder / "rest.store", folder / "loose.store");  // with free pages, and an index
+  must(ingest("loose.store", {"clip1.mkv"}));
+  must({"index", "loose.store"});
+  one = digest(folder / "one.store");
+  rest = digest(folder / "rest.store");
+  all = digest(folder / "all.store");
+  indexed = digest(folder / "indexed.store");
+}
+
+void Campaign::must(const std::vector<std::string>& arguments) const {
+  const Outcome outcome = folder.freshet(arguments);
+  if (outcome.exit_code != 0)
+    throw std::runtime_error("the campaign's stores cannot be made: " + outcome.err);
+}
+
+std::vector<std::string> Campaign::ingest(const std::string& store, const std::vector<std::string>& clips) {
+  std::vector<std::string> arguments{"ingest", store, "--no-index", "--force"};
+  arguments.insert(arguments.end(), clips.begin(), clips.end());
+  return arguments;
+}
+
+void Campaign::begin_with(const std::string& store, const std::string& name) const {
+  for (const char* ending : {"", "-lock", ".making", ".making-lock"}) fs::remove(folder / (name + ending));
+  if (!store.empty()) fs::copy_file(folder / store, folder / name);
+}
+
+std::string Campaign::judge(const std::string& store, const std::set<std::string>& digests) const {
+  if (!fs::exists(folder / store)) return digests.contains("") ? "" : "the store is gone";
+  const Outcome hash = run({"store", "digest", store});  // it too reads every clip, and the account
+  if (at_full_length() || hash.exit_code != 0) {
+    const Outcome verify = run({"store", "verify", store});
+    if (verify.exit_code != 0) return "verify: " + verify.out + verify.err;
+  }
+  if (hash.exit_code != 0) return "digest: " + hash.err;
+  if (!digests.contains(hash.out)) return "it is another store";
+  return "";
+}
+
+Outcome Campaign::run(const std::vector<std::string>& arguments) const {
+  std::vector<std::string> command{"timeout", "-s", "KILL", "120", executable()};
+  command.insert(command.end(), arguments.begin(), arguments.end());
+  return folder.run(command);
+}
+
+std::size_t Campaign::clips_in(const std::string& store) const {
+  const Outcome info = run({"store", "info", store, "--json"});
+  if (info.exit_code != 0) return 0;
+  const nlohmann::json json = nlohmann::json::parse(info.out);
+  return json.contains("clips") ? json["clips"].size() : 0;
+}
+
+const Campaign& campaign() {
+  static const Campaign made;
+  return made;
+}
+
+std::vector<Job> rewrites() {
+  const Campaign& c = campaign();
+  return {{"compact", "loose.store", {"store", "compact", "f.store"}, c.indexed, c.indexed},
+          {.name = "remove",
+           .begins_with = "loose.store",
+           .arguments = {"store", "remove", "f.store", "clip1.mkv"},
+           .before = c.indexed,
+           .after = c.rest,
+           .once = true},
+          {.name = "merge",
+           .begins_with = "",
+           .arguments = {"store", "merge", "one.store", "rest.store", "-o", "f.store"},
+           .before = "",
+           .after = c.all,
+           .once = true},
+          {.name = "repair",
+           .begins_with = "",
+           .arguments = {"store", "repair", "loose.store", "-o", "f.store"},
+           .before = "",
+           .after = c.indexed,
+           .once = true}};
+}
+
+std::vector<Job> jobs() {
+  const Campaign& c = campaign();
+  std::vector<Job> all{{"ingest into a new store", "", c.ingest("f.store", {"clip1.mkv"}), "", c.one, true},
+                       {"ingest into a store", "one.store", c.ingest("f.store", {"clip2.mkv", "clip3.mkv"}),
+                        c.one, c.all, true},
+                       {"index", "all.store", {"index", "f.store"}, c.all, c.indexed}};
+  for (Job& job : rewrites()) all.push_back(std::move(job));
+  return all;
+}
+
+std::string judge_again(const Campaign& c, const Job& job) {
+  if (!job.once || !c.judge("f.store", {job.after}).empty()) {
+    const Outcome again = c.run(job.arguments);
+    if (again.exit_code != 0) return "run again: " + again.err;
+  }
+  if (const std::string wrong = c.judge("f.store", {job.after}); !wrong.empty()) return wrong;
+  return fs::exists(c.folder / "f.store.making") ? "f.store.making was left" : "";
+}
+
+}  // namespace freshet::tools

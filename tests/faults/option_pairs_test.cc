@@ -1,0 +1,272 @@
+// Every option with nonsense and extremes, alone and in pairs: a message that names it, never a crash and never silence.
+// The options are those that each command's own --help lists, with the types and ranges that it gives.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <csignal>
+#include <iostream>
+#include <optional>
+#include <random>
+#include <regex>
+
+#include "tests/faults/campaign.h"
+
+namespace freshet::tools {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Option {
+  std::string name;                    // "--frames"
+  bool is_flag = false;                // takes no value
+  std::vector<std::string> good = {};  // at the ends of what is allowed; empty where only a person knows
+  std::vector<std::string> bad = {};   // must be refused
+};
+
+struct Command {
+  std::vector<std::string> words;  // that run it, with what it cannot do without
+  std::string help;                // "synth animate"
+};
+
+const std::vector<Command>& commands() {
+  static const std::vector<Command> all{
+      {{"ingest", "new.store", "clip1.mkv"}, "ingest"},
+      {{"index", "f.store"}, "index"},
+      {{"store", "info", "f.store"}, "store info"},
+      {{"store", "verify", "f.store"}, "store verify"},
+      {{"store", "digest", "f.store"}, "store digest"},
+      {{"store", "framemd5", "f.store", "clip1.mkv"}, "store framemd5"},
+      {{"store", "export", "f.store", "clip1.mkv", "-o", "out.mkv"}, "store export"},
+      {{"store", "compact", "f.store"}, "store compact"},
+      {{"store", "remove", "f.store", "clip1.mkv"}, "store remove"},
+      {{"store", "merge", "one.store", "rest.store", "-o", "new.store"}, "store merge"},
+      {{"store", "repair", "f.store", "-o", "new.store"}, "store repair"},
+      {{"query", "candidates", "f.store", "still.png", "--whole"}, "query candidates"},
+      {{"query", "label", "f.store", "still.png", "--whole"}, "query label"},
+      {{"query", "bench", "f.store"}, "query bench"},
+      {{"synth", "animate", "f.store", "still.png", "--whole", "-o", "out.mkv"}, "synth animate"},
+      {{"synth", "sweep", "f.store", "still.png", "--whole", "--sweep", "tau=0,1", "-o", "sweep"},
+       "synth sweep"},
+      {{"synth", "matte", "still.png", "-o", "matte.png"}, "synth matte"},
+      {{"synth", "simulate", "river", "-o", "out.mkv"}, "synth simulate"},
+      {{"synth", "transfer", "--exemplar", "still.png", "-o", "out.mkv"}, "synth transfer"}};
+  return all;
+}
+
+/// The text between brackets that follows a type, split at commas.
+std::vector<std::string> choices_of(const std::string& text) {
+  std::vector<std::string> choices(1);
+  for (const char c : text)
+    if (c == ',')
+      choices.emplace_back();
+    else
+      choices.back() += c;
+  return choices;
+}
+
+/// What a line of --help says of an option: "  --fps FLOAT:FLOAT in [1 - 240]=25   Frames ...".
+std::optional<Option> parse_option(const std::string& line) {
+  static const std::regex kOption(R"(^  (?:-\w,)?(--[a-z][a-z-]*)( (.*))?$)"),
+      kRange(R"((INT|FLOAT|UINT) in \[([-+.\de]+) - ([-+.\de]+)\])"), kChoice(R"(^[A-Z]+:\{([^}]*)\})");
+  std::smatch found;
+  if (!std::regex_match(line, found, kOption)) return std::nullopt;
+  Option option{.name = found[1]};
+  const std::string rest = found[3];
+  const std::string type = rest.substr(0, rest.find("   "));
+  if (option.name.starts_with("--help") || option.name == "--overwrite") return std::nullopt;
+  if (std::smatch range; std::regex_search(type, range, kRange)) {
+    const bool whole = range[1] != "FLOAT";
+    option.good = {range[2], range[3]};
+    option.bad = {
+        "nan", "x", "1e999", "-1e18", whole ? "1.5" : "inf", whole ? "99999999999999999999" : "-inf"};
+    if (type.find("OR") != std::string::npos) option.good.clear();
+  } else if (std::smatch choice; std::regex_search(type, choice, kChoice)) {
+    option.good = choices_of(choice[1]);
+    option.bad = {"nonsense", "nan", "-1"};
+  } else if (type.starts_with("FLOAT") || type.starts_with("INT") || type.starts_with("UINT")) {
+    option.good = {"0", "1"};
+    option.bad = {"nan", "x", "-1"};
+  } else if (rest.empty() || rest[0] == ' ' || type.starts_with("Excludes")) {
+    option.is_flag = true;
+  }  // else a text: what is right, only the command knows
+  return option;
+}
+
+std::vector<Option> options_of(const Campaign& c, const Command& command) {
+  std::vector<std::string> words;
+  for (const std::string& word : choices_of(std::regex_replace(command.help, std::regex(" "), ",")))
+    words.push_back(word);
+  std::vector<std::string> all = words;
+  all.emplace_back("--help-all");
+  words.emplace_back("--help");
+  Outcome help = c.run(all);
+  if (help.exit_code != 0) help = c.run(words);
+  EXPECT_EQ(help.exit_code, 0) << command.help;
+  std::vector<Option> options;
+  for (const std::string& line : lines_of(help.out))
+    if (auto option = parse_option(line)) options.push_back(std::move(*option));
+  return options;
+}
+
+/// One case: some options and their values.
+struct Case {
+  const Command* command;
+  std::vector<std::pair<std::string, std::string>> options;
+  std::vector<std::string> refused;  // one of these options must be named; empty: whatever the command says
+};
+
+std::string text_of_case(const Case& one) {
+  std::string text = one.command->help;
+  for (const auto& [name, value] : one.options) text.append(" ").append(name).append(" ").append(value);
+  return text;
+}
+
+/// What is wrong with the answer; empty when it is right.
+std::string judge_case(const Campaign& c, const Case& one, int seconds) {
+  c.begin_with("indexed.store", "f.store");
+  for (const char* name : {"new.store", "new.store-lock", "out.mkv", "matte.png", "sweep", "nonsense"})
+    fs::remove_all(c.folder / name);
+  // SIGINT first: a run of valid options may take its time, and is then stopped in order.
+  std::vector<std::string> words{"timeout", "-s", "INT", "-k", "20", std::to_string(seconds), executable()};
+  words.insert(words.end(), one.command->words.begin(), one.command->words.end());
+  for (const auto& [name, value] : one.options) words.push_back(value.empty() ? name : name + "=" + value);
+  const Outcome outcome = c.folder.run(words);
+  if (outcome.exit_code == 137 || outcome.signal == SIGKILL) return "it hung";
+  if (outcome.exit_code == 124 || outcome.exit_code == 130)
+    return one.refused.empty() ? "" : "it was not refused";
+  if (outcome.signal != 0 || outcome.exit_code < 0 || outcome.exit_code > 3)
+    return "it died, " + std::to_string(outcome.exit_code) + ": " + outcome.err;
+  if (outcome.err.find("unexpected") != std::string::npos) return outcome.err;
+  if (outcome.exit_code != 0 && outcome.err.find("freshet: ") == std::string::npos) return "it says nothing";
+  if (outcome.err.find("freshet: : ") != std::string::npos) return "it names nothing: " + outcome.err;
+  if (one.refused.empty()) return "";
+  if (outcome.exit_code != 2)
+    return "it was not refused, " + std::to_string(outcome.exit_code) + ": " + outcome.err;
+  const bool named = std::ranges::any_of(
+      one.refused, [&](const std::string& name) { return outcome.err.find(name) != std::string::npos; });
+  return named ? "" : "it does not name the option: " + outcome.err;
+}
+
+/// Each option alone with each of its bad values, or with one of them.
+std::vector<Case> single_cases(const Command& command, const std::vector<Option>& options, bool all,
+                               std::mt19937& random) {
+  std::vector<Case> cases;
+  for (const Option& option : options) {
+    if (option.bad.empty()) continue;
+    const std::size_t first = random() % option.bad.size();
+    for (std::size_t i = 0; i < (all ? option.bad.size() : 1); ++i)
+      cases.push_back(
+          {&command, {{option.name, option.bad[(first + i) % option.bad.size()]}}, {option.name}});
+  }
+  return cases;
+}
+
+/// Cases that hold every pair of two options' values at least once, as few as a greedy choice finds. A value is the
+/// low end, the high end, or "-" for an option that is not given; a text is nonsense.
+std::vector<Case> pair_cases(const Command& command, const std::vector<Option>& options,
+                             std::mt19937& random) {
+  std::vector<std::vector<std::string>> values;  // "-": not given
+  for (const Option& option : options) {
+    values.push_back({"-"});
+    if (option.is_flag)
+      values.back().emplace_back("");
+    else if (!option.good.empty()) {
+      values.back().push_back(option.good.front());
+      if (option.good.size() > 1) values.back().push_back(option.good.back());
+    } else {
+      values.back().emplace_back("nonsense");
+    }
+  }
+  const std::size_t n = values.size();
+  std::set<std::array<std::size_t, 4>> open;  // option, value, option, value
+  for (std::size_t a = 0; a < n; ++a)
+    for (std::size_t b = a + 1; b < n; ++b)
+      for (std::size_t i = 0; i < values[a].size(); ++i)
+        for (std::size_t j = 0; j < values[b].size(); ++j) open.insert({a, i, b, j});
+  std::vector<Case> cases;
+  while (!open.empty()) {
+    std::vector<std::size_t> chosen(n), best;
+    std::size_t most = 0;
+    for (int attempt = 0; attempt < 12; ++attempt) {
+      for (std::size_t a = 0; a < n; ++a) chosen[a] = random() % values[a].size();
+      if (attempt % 2 == 0) {  // around a pair that is still open
+        const auto& [a, i, b, j] = *open.begin();
+        chosen[a] = i;
+        chosen[b] = j;
+      }
+      std::size_t covers = 0;
+      for (std::size_t a = 0; a < n; ++a)
+        for (std::size_t b = a + 1; b < n; ++b) covers += open.contains({a, chosen[a], b, chosen[b]}) ? 1 : 0;
+      if (covers > most) {
+        most = covers;
+        best = chosen;
+      }
+    }
+    Case one{&command, {}, {}};
+    for (std::size_t a = 0; a < n; ++a) {
+      if (values[a][best[a]] != "-") one.options.emplace_back(options[a].name, values[a][best[a]]);
+      for (std::size_t b = a + 1; b < n; ++b) open.erase({a, best[a], b, best[b]});
+    }
+    cases.push_back(std::move(one));
+  }
+  return cases;
+}
+
+void make_still(const Campaign& c) {
+  cv::Mat still(96, 96, CV_8UC3);
+  cv::randu(still, 0, 255);
+  cv::imwrite((c.folder / "still.png").string(), still);
+}
+
+TEST(OptionPairs, NonsenseIsRefusedByName) {
+  const Campaign& c = campaign();
+  make_still(c);
+  std::mt19937 random(19);
+  std::size_t cases = 0;
+  for (const Command& command : commands()) {
+    const std::vector<Option> options = options_of(c, command);
+    ASSERT_FALSE(options.empty()) << command.help;
+    std::vector<Case> all = single_cases(command, options, at_full_length(), random);
+    if (!at_full_length()) {  // of options that several commands share, each command tries others
+      std::ranges::shuffle(all, random);
+      all.resize(std::min<std::size_t>(all.size(), 7));
+    }
+    for (const Case& one : all) {
+      EXPECT_EQ(judge_case(c, one, 60), "") << text_of_case(one);
+      ++cases;
+    }
+  }
+  std::cout << cases << " cases\n";
+  EXPECT_GT(cases, 50u);
+}
+
+TEST(OptionPairs, ExtremesInPairsAreDoneOrRefused) {
+  const Campaign& c = campaign();
+  make_still(c);
+  std::mt19937 random(23);
+  std::size_t tried = 0, all = 0;
+  for (const Command& command : commands()) {
+    std::vector<Case> cases = pair_cases(command, options_of(c, command), random);
+    all += cases.size();
+    if (!at_full_length()) cases.resize(std::min<std::size_t>(cases.size(), 2));
+    for (const Case& one : cases) {
+      EXPECT_EQ(judge_case(c, one, at_full_length() ? 20 : 2), "") << text_of_case(one);
+      ++tried;
+    }
+  }
+  std::cout << tried << " of " << all << " cases\n";
+}
+
+TEST(OptionPairs, AnOptionThatIsIgnoredIsSeen) {
+  const Campaign& c = campaign();
+  make_still(c);
+  // Planted: a value that is right is said to be wrong, and one that nobody knows not to be named.
+  EXPECT_NE(judge_case(c, {&commands()[3], {{"--threads", "1"}}, {"--threads"}}, 20), "");
+  EXPECT_NE(judge_case(c, {&commands()[3], {{"--threads", "nan"}}, {"--nothing"}}, 20), "");
+  EXPECT_EQ(judge_case(c, {&commands()[3], {{"--threads", "nan"}}, {"--threads"}}, 20), "");
+}
+
+}  // namespace
+}  // namespace freshet::tools
