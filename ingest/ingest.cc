@@ -124,14 +124,6 @@ void check_fit(const media::VideoInfo& info, const Source& source, const vision:
         fmt::format("it is HDR ({}): read as the sRGB that we work in, its colours would be pale and wrong",
                     layout.transfer == kPq ? "PQ" : "HLG"),
         "Film in SDR, or export it as SDR (BT.709) from your editing program");
-  if (layout.rotation != 0) {
-    throw Error(
-        ErrorKind::kInput, where,
-        fmt::format("its frames are stored lying and turned by {} degrees when played; flow and patches "
-                    "would lie on their sides",
-                    layout.rotation),
-        fmt::format("Turn it without loss: ffmpeg -i '{}' -c:v ffv1 upright.mkv", where));
-  }
 }
 
 /// One source, from path to row.
@@ -209,7 +201,10 @@ class ClipIngest {
   void add(const Source& source, const std::function<void(std::uint32_t, std::uint32_t)>& on_slab,
            const std::stop_token& stop, ClipReport& report) {
     if (settled(source, report)) return;
-    media::VideoReader reader(source.path, 0, options_.repairs);
+    // A picture turned by a quarter is the same picture: what lies is set upright, unasked.
+    media::Repairs repairs = options_.repairs;
+    repairs.upright = true;
+    media::VideoReader reader(source.path, 0, repairs);
     const media::VideoInfo info = reader.info();
     report.width = static_cast<std::uint32_t>(info.layout.width);
     report.height = static_cast<std::uint32_t>(info.layout.height);
@@ -225,6 +220,10 @@ class ClipIngest {
       record.fps_den = 1;
     }
     report.fps = static_cast<double>(record.fps_num) / static_cast<double>(record.fps_den);
+    if (info.turned != 0)
+      report.notes.push_back(fmt::format(
+          "its frames are stored lying; they are kept upright, turned by {} degrees as players do",
+          info.turned));
     if (info.variable_frame_rate)
       report.notes.push_back("its frame rate varies; speeds are by the average rate");
 

@@ -26,6 +26,7 @@
 #include <vector>
 
 #include "bench/harness/machine.h"
+#include "bench/harness/median.h"
 #include "bench/harness/page_cache.h"
 #include "bench/harness/picture_argument.h"
 #include "freshet/error.h"
@@ -47,11 +48,6 @@ struct Command {
   std::vector<std::string> pictures, sizes{"640x480", "1920x1080"};
   int frames = 96, runs = 3;
 };
-
-double median(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  return values[values.size() / 2];
-}
 
 class Rendering {
  public:
@@ -109,12 +105,12 @@ class Rendering {
       kept.clear();
       written.push_back(animated(snapshot, placement));
     }
-    for (const auto& [stage, seconds] : stages) result["seconds"][stage] = median(seconds);
-    result["fps"] = {{"rendered", command_.frames / median(rendered)},
-                     {"written", command_.frames / median(written)},
-                     {"encoder", command_.frames / median(encoded)}};
-    result["end_to_end_s"] = median(whole);
-    result["cold_s"] = median(cold);
+    for (const auto& [stage, seconds] : stages) result["seconds"][stage] = bench::median(seconds);
+    result["fps"] = {{"rendered", command_.frames / bench::median(rendered)},
+                     {"written", command_.frames / bench::median(written)},
+                     {"encoder", command_.frames / bench::median(encoded)}};
+    result["end_to_end_s"] = bench::median(whole);
+    result["cold_s"] = bench::median(cold);
     result["peak_bytes"] = bench::peak_bytes();
     return result;
   }

@@ -26,6 +26,7 @@
 #include "bench/choices/measured_cells.h"
 #include "bench/harness/features_of_patches.h"
 #include "bench/harness/machine.h"
+#include "bench/harness/median.h"
 #include "freshet/error.h"
 #include "ingest/ingest.h"
 #include "media/frame/frame.h"
@@ -155,11 +156,6 @@ std::vector<double> ranks(std::span<const query::PairCost> costs) {
   return rank;
 }
 
-double median(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  return values[values.size() / 2];
-}
-
 struct Agreement {
   double spearman_median = 0, spearman_worst = 1, top10 = 0, best_is_best = 0, best_rank_median = 0;
 };
@@ -180,9 +176,9 @@ Agreement compare(const query::Mrf& exact, const query::Mrf& pooled) {
     spearman.push_back(1 - 6 * squares / (n * (n * n - 1)));
     result.best_is_best += (best_rank.back() == 1) / n;
   }
-  result.spearman_median = median(spearman);
+  result.spearman_median = bench::median(spearman);
   result.spearman_worst = *std::min_element(spearman.begin(), spearman.end());
-  result.best_rank_median = median(best_rank);
+  result.best_rank_median = bench::median(best_rank);
   return result;
 }
 

@@ -25,6 +25,7 @@
 #include <vector>
 
 #include "bench/harness/machine.h"
+#include "bench/harness/median.h"
 #include "freshet/error.h"
 #include "media/picture/picture.h"
 #include "query/hints/motion_maps.h"
@@ -115,12 +116,6 @@ struct Figures {
          back = 0, gap = 0, clips = 0, seconds = 0;
   double looks_log2 = 0, looks_abs_log2 = 0;  // of the median speed of all candidates
 };
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 void set(query::LabelRequest& request, const std::string& name, const std::string& value) {
   query::LabelOptions& options = request.options;
@@ -222,7 +217,7 @@ Figures measure(const store::Snapshot& snapshot, const query::SearchBase& base, 
     figures.log2 = log2 / moving;
     figures.abs_log2 = abs_log2 / moving;
     figures.back = back / std::max(1.0, blocks);
-    const double looks = median(speeds);
+    const double looks = bench::median(speeds);
     for (const double truth : truths) {
       figures.looks_log2 += (looks - truth) / moving;
       figures.looks_abs_log2 += std::abs(looks - truth) / moving;

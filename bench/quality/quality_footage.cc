@@ -120,7 +120,7 @@ Footage held_out_footage(const store::Snapshot& snapshot, const ingest::Source& 
 }
 
 std::vector<cv::Mat> read_video(const std::filesystem::path& path, int longest, double* fps) {
-  media::VideoReader reader(path);
+  media::VideoReader reader(path, 0, {.upright = true});
   if (fps) *fps = static_cast<double>(reader.info().fps_num) / static_cast<double>(reader.info().fps_den);
   std::vector<cv::Mat> frames;
   while (const auto frame = reader.next()) frames.push_back(reduced(*frame, longest));

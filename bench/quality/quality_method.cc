@@ -124,6 +124,8 @@ const std::vector<Setting>& all_settings() {
        to([](Method & m) -> auto& { return m.animate.renewal; })},
       {"detail-life", "until half of carried detail is new, s; 0: as in the clips", false,
        to([](Method & m) -> auto& { return m.animate.half_life_s; })},
+      {"life-pace", "power of the pace that lives are divided by", false,
+       to([](Method & m) -> auto& { return m.animate.life_pace; })},
       {"contrast-gain", "most that lost contrast is brought back by", false,
        to([](Method & m) -> auto& { return m.animate.contrast.max_gain; })},
       {"shutter", "of the base image, s", false,

@@ -19,9 +19,8 @@ namespace {
 
 constexpr int kWindow = 1 << 16;                            // bytes read ahead
 constexpr std::int64_t kMaxPixels = std::int64_t{1} << 26;  // 8192 x 8192; a hostile header asks for more
-constexpr std::int64_t kMaxPicturePixels = std::int64_t{1} << 28;
-constexpr int kMaxThreads = 16;         // FFmpeg's own limit for frame threads
-constexpr int kMaxFaultsInARow = 1000;  // then the rest of the file is noise
+constexpr int kMaxThreads = 16;                             // FFmpeg's own limit for frame threads
+constexpr int kMaxFaultsInARow = 1000;                      // then the rest of the file is noise
 
 // Files that FFmpeg would draw as text art are not videos to anybody here.
 bool draws_text(AVCodecID codec) {

@@ -11,6 +11,9 @@
 
 namespace freshet::media {
 
+/// Of a still picture, in any format: a hostile header asks for more.
+inline constexpr std::int64_t kMaxPicturePixels = std::int64_t{1} << 28;
+
 struct DecoderOptions {
   bool strict = false;   // checksums are checked and the first fault ends the stream
   int threads = 0;       // of the decoder; 0: one per core. Pixels are the same for any number

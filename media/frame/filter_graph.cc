@@ -14,10 +14,16 @@ extern "C" {
 
 namespace freshet::media {
 
-std::string filter_text(const Repairs& repairs) {
+std::string filter_text(const Repairs& repairs, int rotation) {
   std::string text;
-  if (repairs.deinterlace) text = "bwdif=mode=send_frame";
-  if (repairs.deblock) text += std::string(text.empty() ? "" : ",") + "deblock=filter=strong";
+  const auto add = [&text](const char* filter) { text += std::string(text.empty() ? "" : ",") + filter; };
+  // Fields and blocks lie along the frame's own rows: they are mended before it is turned.
+  if (repairs.deinterlace) add("bwdif=mode=send_frame");
+  if (repairs.deblock) add("deblock=filter=strong");
+  if (!repairs.upright) return text;
+  if (rotation == 90) add("transpose=clock");
+  if (rotation == 180) add("hflip,vflip");
+  if (rotation == 270) add("transpose=cclock");
   return text;
 }
 
@@ -59,9 +65,9 @@ FilterGraph::FilterGraph(const std::string& text, const AVFrame& first, AVRation
   avfilter_inout_free(&open_outputs);
   if (code < 0)
     throw Error(ErrorKind::kInput, where_,
-                "its frames (" + std::string(name ? name : "unknown format") + ") cannot be repaired by " +
-                    text + " (" + libav_fault(code) + ")",
-                "Ingest it without repairs, or convert it with ffmpeg first");
+                "its frames (" + std::string(name ? name : "unknown format") + ") cannot go through " + text +
+                    " (" + libav_fault(code) + ")",
+                "Ingest it without repairs, or convert it first: ffmpeg -i FILE -c:v ffv1 -pix_fmt yuv420p");
 }
 
 void FilterGraph::push(AVFrame* frame) {

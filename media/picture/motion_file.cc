@@ -12,12 +12,10 @@
 #include <ImfChannelList.h>
 #include <ImfFrameBuffer.h>
 #include <ImfHeader.h>
-#include <ImfInputFile.h>
-#include <ImfOutputFile.h>
-#include <ImfStdIO.h>
 #include <fmt/format.h>
 
 #include "freshet/error.h"
+#include "media/picture/exr_stream.h"
 #include "media/picture/picture_file.h"
 #include "platform/text.h"
 
@@ -74,7 +72,7 @@ cv::Mat decode_flo(const Bytes& bytes, const std::string& where) {
   return motion;
 }
 
-Bytes encode_exr(const cv::Mat& motion, const std::string& where) {
+Bytes encode_motion(const cv::Mat& motion, const std::string& where) {
   std::vector<half> x(motion.total()), y(motion.total());
   for (int row = 0; row < motion.rows; ++row)
     for (int column = 0; column < motion.cols; ++column) {
@@ -84,28 +82,15 @@ Bytes encode_exr(const cv::Mat& motion, const std::string& where) {
       x[i] = at[0];
       y[i] = -at[1];
     }
-  try {
-    Imf::Header header(motion.cols, motion.rows);
-    header.compression() = Imf::ZIP_COMPRESSION;
-    header.channels().insert(kChannelX, Imf::Channel(Imf::HALF));
-    header.channels().insert(kChannelY, Imf::Channel(Imf::HALF));
-    Imf::FrameBuffer buffer;
-    const std::size_t row_bytes = sizeof(half) * static_cast<std::size_t>(motion.cols);
-    buffer.insert(kChannelX,
-                  Imf::Slice(Imf::HALF, reinterpret_cast<char*>(x.data()), sizeof(half), row_bytes));
-    buffer.insert(kChannelY,
-                  Imf::Slice(Imf::HALF, reinterpret_cast<char*>(y.data()), sizeof(half), row_bytes));
-    Imf::StdOSStream stream;
-    {
-      Imf::OutputFile file(stream, header, 0);
-      file.setFrameBuffer(buffer);
-      file.writePixels(motion.rows);
-    }
-    const std::string text = stream.str();
-    return {text.begin(), text.end()};
-  } catch (const std::exception& fault) {
-    throw Error(ErrorKind::kIo, where, std::string("OpenEXR cannot encode it (") + fault.what() + ")");
-  }
+  Imf::Header header(motion.cols, motion.rows);
+  header.compression() = Imf::ZIP_COMPRESSION;
+  header.channels().insert(kChannelX, Imf::Channel(Imf::HALF));
+  header.channels().insert(kChannelY, Imf::Channel(Imf::HALF));
+  Imf::FrameBuffer buffer;
+  const std::size_t row_bytes = sizeof(half) * static_cast<std::size_t>(motion.cols);
+  buffer.insert(kChannelX, Imf::Slice(Imf::HALF, reinterpret_cast<char*>(x.data()), sizeof(half), row_bytes));
+  buffer.insert(kChannelY, Imf::Slice(Imf::HALF, reinterpret_cast<char*>(y.data()), sizeof(half), row_bytes));
+  return encode_exr(header, buffer, where);
 }
 
 // The pair of channels that holds the motion, x first.
@@ -136,58 +121,50 @@ std::optional<ChannelPair> motion_channels(const Imf::ChannelList& channels) {
   return best;
 }
 
-cv::Mat decode_exr(const Bytes& bytes, const std::string& where) {
-  try {
-    Imf::StdISStream stream;
-    stream.str({bytes.begin(), bytes.end()});
-    Imf::InputFile file(stream, 0);
-    const Imath::Box2i window = file.header().dataWindow();
-    const std::int64_t width = std::int64_t{window.max.x} - window.min.x + 1;
-    const std::int64_t height = std::int64_t{window.max.y} - window.min.y + 1;
-    if (!in_range(width, height))
-      throw Error(ErrorKind::kInput, where, fmt::format("a size of {} x {} is out of range", width, height));
-    // No coding of OpenEXR's packs a thousand samples into a byte; a few bytes can claim gigabytes.
-    if (width * height > 1024 * static_cast<std::int64_t>(bytes.size()))
-      throw Error(ErrorKind::kInput, where,
-                  fmt::format("it claims {} x {} pixels, and has {} bytes", width, height, bytes.size()),
-                  "Write it again");
-    if (window != file.header().displayWindow())
-      throw Error(ErrorKind::kInput, where, "its data window is not its display window",
-                  "Write the whole picture, not only the part that moves");
-    const Imf::ChannelList& channels = file.header().channels();
-    const std::optional<ChannelPair> pair = motion_channels(channels);
-    if (!pair) {
-      std::string names;
-      for (auto at = channels.begin(); at != channels.end(); ++at)
-        names += (names.empty() ? "" : ", ") + std::string(at.name());
-      throw Error(ErrorKind::kInput, where, "none of its channels are motion; it has " + names,
-                  "Name them u and v, x and y, or R and G without B, px per frame");
-    }
-    for (const std::string& name : {pair->first, pair->second}) {
-      const Imf::Channel& channel = channels[name.c_str()];
-      if (channel.type == Imf::UINT || channel.xSampling != 1 || channel.ySampling != 1)
-        throw Error(ErrorKind::kInput, where, "channel " + name + " is no half or float for every pixel");
-    }
-    cv::Mat motion(static_cast<int>(height), static_cast<int>(width), CV_32FC2, cv::Scalar(0, 0));
-    // OpenEXR counts from the data window's origin.
-    char* const origin = reinterpret_cast<char*>(motion.data) -
-                         std::int64_t{window.min.y} * static_cast<std::int64_t>(motion.step[0]) -
-                         std::int64_t{window.min.x} * static_cast<std::int64_t>(sizeof(cv::Vec2f));
-    Imf::FrameBuffer buffer;
-    buffer.insert(pair->first, Imf::Slice(Imf::FLOAT, origin, sizeof(cv::Vec2f), motion.step[0]));
-    buffer.insert(pair->second,
-                  Imf::Slice(Imf::FLOAT, origin + sizeof(float), sizeof(cv::Vec2f), motion.step[0]));
-    file.setFrameBuffer(buffer);
-    file.readPixels(window.min.y, window.max.y);
-    for (int y = 0; y < motion.rows; ++y)
-      for (int x = 0; x < motion.cols; ++x) motion.at<cv::Vec2f>(y, x)[1] *= -1;
-    return motion;
-  } catch (const Error&) {
-    throw;
-  } catch (const std::exception& fault) {
-    throw Error(ErrorKind::kInput, where, std::string("OpenEXR cannot read it (") + fault.what() + ")",
-                "Write it again");
+std::string names_of(const Imf::ChannelList& channels) {
+  std::string names;
+  for (auto at = channels.begin(); at != channels.end(); ++at)
+    names += (names.empty() ? "" : ", ") + std::string(at.name());
+  return names;
+}
+
+cv::Mat read_pair(Imf::InputFile& file, const std::string& where) {
+  const Imath::Box2i window = file.header().dataWindow();
+  const std::int64_t width = std::int64_t{window.max.x} - window.min.x + 1;
+  const std::int64_t height = std::int64_t{window.max.y} - window.min.y + 1;
+  if (!in_range(width, height))
+    throw Error(ErrorKind::kInput, where, fmt::format("a size of {} x {} is out of range", width, height));
+  if (window != file.header().displayWindow())
+    throw Error(ErrorKind::kInput, where, "its data window is not its display window",
+                "Write the whole picture, not only the part that moves");
+  const Imf::ChannelList& channels = file.header().channels();
+  const std::optional<ChannelPair> pair = motion_channels(channels);
+  if (!pair)
+    throw Error(ErrorKind::kInput, where, "none of its channels are motion; it has " + names_of(channels),
+                "Name them u and v, x and y, or R and G without B, px per frame");
+  for (const std::string& name : {pair->first, pair->second}) {
+    const Imf::Channel& channel = channels[name.c_str()];
+    if (channel.type == Imf::UINT || channel.xSampling != 1 || channel.ySampling != 1)
+      throw Error(ErrorKind::kInput, where, "channel " + name + " is no half or float for every pixel");
   }
+  cv::Mat motion(static_cast<int>(height), static_cast<int>(width), CV_32FC2, cv::Scalar(0, 0));
+  char* const origin = exr_origin(motion, file);
+  Imf::FrameBuffer buffer;
+  buffer.insert(pair->first, Imf::Slice(Imf::FLOAT, origin, sizeof(cv::Vec2f), motion.step[0]));
+  buffer.insert(pair->second,
+                Imf::Slice(Imf::FLOAT, origin + sizeof(float), sizeof(cv::Vec2f), motion.step[0]));
+  file.setFrameBuffer(buffer);
+  file.readPixels(window.min.y, window.max.y);
+  return motion;
+}
+
+cv::Mat decode_motion(const Bytes& bytes, const std::string& where) {
+  cv::Mat motion;
+  read_exr(bytes, where, std::int64_t{kMaxSide} * kMaxSide,
+           [&](Imf::InputFile& file) { motion = read_pair(file, where); });
+  for (int y = 0; y < motion.rows; ++y)
+    for (int x = 0; x < motion.cols; ++x) motion.at<cv::Vec2f>(y, x)[1] *= -1;
+  return motion;
 }
 
 }  // namespace
@@ -199,12 +176,12 @@ void write_motion(const fs::path& path, const cv::Mat& motion) {
     throw Error(ErrorKind::kUsage, path.string(), "a motion field is CV_32FC2, 1 to 32768 pixels per side");
   if (!looks_like_motion(path))
     throw Error(ErrorKind::kUsage, path.string(), "the ending names no format of motion", "Use .flo or .exr");
-  write_bytes(path, is_exr(path) ? encode_exr(motion, path.string()) : encode_flo(motion));
+  write_bytes(path, is_exr(path) ? encode_motion(motion, path.string()) : encode_flo(motion));
 }
 
 cv::Mat read_motion(const fs::path& path) {
   const Bytes bytes = read_bytes(path);
-  return is_exr(path) ? decode_exr(bytes, path.string()) : decode_flo(bytes, path.string());
+  return is_exr(path) ? decode_motion(bytes, path.string()) : decode_flo(bytes, path.string());
 }
 
 }  // namespace freshet::media

@@ -26,8 +26,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::int64_t kMaxPixels = std::int64_t{1} << 28;
-
 // Formats that FFmpeg knows as well as OpenCV does.
 bool ffmpeg_can_judge(const std::vector<std::uint8_t>& bytes) {
   const auto starts = [&](std::string_view magic) {
@@ -70,7 +68,7 @@ bool has_alpha(const AVFrame* frame, const std::vector<std::uint8_t>& bytes) {
 std::vector<std::uint8_t> bytes_of(const fs::path& path) {
   std::vector<std::uint8_t> bytes = read_bytes(path);
   if (const std::optional<cv::Size> size = claimed_size(bytes);
-      size && std::int64_t{size->width} * size->height > kMaxPixels)
+      size && std::int64_t{size->width} * size->height > kMaxPicturePixels)
     throw Error(ErrorKind::kInput, path.string(),
                 "is " + std::to_string(size->width) + " x " + std::to_string(size->height) + " pixels large",
                 "Reduce it below 2^28 pixels");
@@ -88,7 +86,7 @@ cv::Mat decode_with_opencv(const fs::path& path, const std::vector<std::uint8_t>
   if (samples.empty())
     throw Error(ErrorKind::kInput, name, "not a picture that OpenCV can read",
                 "Save it as PNG, JPEG or TIFF");
-  if (std::int64_t{samples.cols} * samples.rows > kMaxPixels)
+  if (std::int64_t{samples.cols} * samples.rows > kMaxPicturePixels)
     throw Error(ErrorKind::kInput, name, "is above 2^28 pixels", "Reduce it");
   return samples;
 }
@@ -213,8 +211,8 @@ std::string percent(double fraction) {
 
 // Brought to the picture's size; nothing in it below kLeast; what cannot be meant is told.
 Matte fitted_matte(Matte matte, cv::Size size, const fs::path& path) {
-  constexpr int kLeast =
-      8;  // of 255: below it is what JPEG or a soft brush leaves around; no eye would see it move
+  // Of 255: below it is what JPEG or a soft brush leaves around; no eye would see it move.
+  constexpr int kLeast = 8;
   constexpr double kSameShape = 0.01;
   constexpr int kGreyNothing = 128;
   constexpr double kFlat = 0.2, kHardly = 0.01;  // of the pixels
@@ -239,9 +237,9 @@ Matte fitted_matte(Matte matte, cv::Size size, const fs::path& path) {
   for (int y = 0; y < alpha.rows; ++y)
     for (int x = 0; x < alpha.cols; ++x) ++count[alpha.at<std::uint8_t>(y, x)];
   const double all = static_cast<double>(alpha.total());
-  if (count[0] == static_cast<int>(alpha.total()))
-    refuse("the matte is black everywhere, so nothing in it is fluid", "Paint the fluid white");
   const int black = std::accumulate(count.begin(), count.begin() + kLeast, 0);
+  if (black == static_cast<int>(alpha.total()))
+    refuse("the matte is black everywhere, so nothing in it is fluid", "Paint the fluid white");
   if (count[255] == static_cast<int>(alpha.total()))
     refuse("the matte is white everywhere", "Paint black what stands still, or say --whole instead of it");
   const int flattest = static_cast<int>(
@@ -257,8 +255,6 @@ Matte fitted_matte(Matte matte, cv::Size size, const fs::path& path) {
     matte.notices.push_back(percent(faint / all) + " of it is nearly black (below " + std::to_string(kLeast) +
                             " of 255) and stands still");
   alpha.setTo(0, alpha < kLeast);
-  if (cv::countNonZero(alpha) == 0)
-    refuse("the matte is black everywhere, so nothing in it is fluid", "Paint the fluid white");
   return matte;
 }
 

@@ -42,7 +42,8 @@ struct Matte {
 /// leaves the picture as it is. The file's alpha where it is not opaque, else its grey; 16 bits are reduced to 8, and
 /// a matte of another size but the picture's shape is scaled: notices say so.
 /// Throws as read_picture, and Error{kInput} when it has another shape, is a picture in colour, is black or white
-/// everywhere, or has no black: some grey then stands for nothing, and all of it would move.
+/// everywhere, or has hardly any black but one grey over much of it: that stands for nothing, and all would move. A
+/// soft matte without black is taken, with a notice.
 Matte read_matte(const std::filesystem::path& path, cv::Size size);
 /// The same of a picture's own alpha. path   names it in messages.
 Matte matte_of_alpha(const cv::Mat& alpha, const std::filesystem::path& path);

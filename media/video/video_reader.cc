@@ -61,6 +61,8 @@ struct VideoReader::Impl {
   std::optional<Decoder> decoder;  // of a file
   Repairs repairs;
   std::optional<FilterGraph> graph;  // that makes them
+  bool looked_at = false;            // whether the first frame was, for what has to be done
+  AVRational aspect{0, 1};           // of that frame, as it was stored
   bool all_pushed = false;
   struct {
     int width = 0, height = 0, format = -1;
@@ -78,6 +80,7 @@ struct VideoReader::Impl {
   void open_file();
   void open_sequence();
   std::optional<Frame> decode();
+  void set_up_filters(const AVFrame& frame);
   AvOwner<AVFrame> next_repaired();
   std::optional<Frame> decode_file();
   std::optional<Frame> decode_picture();
@@ -143,13 +146,14 @@ Frame VideoReader::Impl::accept(AvOwner<AVFrame> frame, const AVStream& stream, 
                 "Convert it to FFV1 with ffmpeg -pix_fmt yuv420p or rgb24");
   PixelLayout layout = layout_of(*frame);
   if (delivered == 0) {
-    const AVRational aspect =
-        av_guess_sample_aspect_ratio(nullptr, const_cast<AVStream*>(&stream), frame.get());
+    if (!looked_at)
+      aspect = av_guess_sample_aspect_ratio(nullptr, const_cast<AVStream*>(&stream), frame.get());
     if (aspect.num > 0 && aspect.den > 0) {
       layout.sar_num = aspect.num;
       layout.sar_den = aspect.den;
+      if (info.turned % 180 != 0) std::swap(layout.sar_num, layout.sar_den);
     }
-    layout.rotation = rotation_of(*frame, stream);
+    layout.rotation = info.turned != 0 ? 0 : rotation_of(*frame, stream);
     info.layout = layout;
   } else if (layout.width != info.layout.width || layout.height != info.layout.height ||
              layout.format != info.layout.format) {
@@ -164,19 +168,26 @@ Frame VideoReader::Impl::accept(AvOwner<AVFrame> frame, const AVStream& stream, 
   return plain_frame(std::move(frame), info.layout);
 }
 
+// Only a frame shows which way it lies.
+void VideoReader::Impl::set_up_filters(const AVFrame& frame) {
+  looked_at = true;
+  AVStream& stream = const_cast<AVStream&>(decoder->stream());
+  aspect = av_guess_sample_aspect_ratio(nullptr, &stream, const_cast<AVFrame*>(&frame));
+  if (repairs.upright) info.turned = rotation_of(frame, stream);
+  if (const std::string text = filter_text(repairs, info.turned); !text.empty())
+    graph.emplace(text, frame, stream.time_base, path.string());
+}
+
 // The next frame of the file, repaired when that is asked for: repairs look at neighbours, and so come later.
 AvOwner<AVFrame> VideoReader::Impl::next_repaired() {
-  if (!repairs.any()) return decoder->next();
   for (;;) {
     if (graph)
       if (AvOwner<AVFrame> done = graph->pull()) return done;
     if (all_pushed) return nullptr;
     AvOwner<AVFrame> frame = decoder->next();
     all_pushed = frame == nullptr;
-    if (!graph) {
-      if (!frame) return nullptr;
-      graph.emplace(filter_text(repairs), *frame, decoder->stream().time_base, path.string());
-    }
+    if (!looked_at && frame) set_up_filters(*frame);
+    if (!graph) return frame;
     if (frame) {
       // The filters were set up for the first frame's size, and do not look again.
       if (repaired_format.width == 0)

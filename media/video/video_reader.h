@@ -20,6 +20,7 @@ struct VideoInfo {
   std::int64_t claimed_frames = 0;        // 0: unknown
   double claimed_duration_s = 0;          // 0: unknown
   bool variable_frame_rate = false;       // as far as the header says
+  int turned = 0;                         // degrees clockwise, to stand upright (Repairs::upright)
 };
 
 /// One forward pass over the first video stream. Decodes with FFmpeg's libraries, bit exact for any number of

@@ -22,9 +22,7 @@ double of_patch(const vision::CellMap& cells, const vision::VariantFrame& frame,
     for (int column = 0; column < across; ++column) {
       const cv::Vec2d at = frame.source_from_variant * cv::Vec3d(x + (column + 0.5) * cells.cell - 0.5,
                                                                  y + (row + 0.5) * cells.cell - 0.5, 1);
-      const auto cell =
-          cells.at(std::clamp(static_cast<int>((at[1] + 0.5) / cells.cell), 0, cells.rows - 1),
-                   std::clamp(static_cast<int>((at[0] + 0.5) / cells.cell), 0, cells.columns - 1));
+      const std::span<const float> cell = covering_cell(cells, at);
       u += cell[0];
       v += cell[1];
       for (int band = 0; band < bands; ++band) {

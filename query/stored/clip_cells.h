@@ -1,7 +1,12 @@
 // query/stored/clip_cells.h — a clip's motion and textureness cells out of a store.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
+#include <span>
 #include <string>
+
+#include <opencv2/core.hpp>
 
 #include "store/store.h"
 #include "vision/motion_cells.h"
@@ -24,6 +29,13 @@ vision::CellMap motion_cells(const store::Snapshot& snapshot, const vision::Sett
 /// scale   index into settings.scales.
 vision::CellMap texture_cells(const store::Snapshot& snapshot, const vision::Settings& settings,
                               store::ClipId clip, std::size_t scale);
+/// The cell that covers a place of the source (px; a pixel's middle is whole), outside the nearest one.
+inline std::span<const float> covering_cell(const vision::CellMap& cells, const cv::Vec2d& source) {
+  const auto index = [&](double px, int count) {
+    return std::clamp(static_cast<int>(std::floor((px + 0.5) / cells.cell)), 0, count - 1);
+  };
+  return cells.at(index(source[1], cells.rows), index(source[0], cells.columns));
+}
 /// Index into settings.scales of a variant's scale.
 std::size_t scale_index(const vision::Settings& settings, const vision::Variant& variant);
 

@@ -55,10 +55,7 @@ PatchLife patch_life(const vision::CellMap& life, const vision::VariantFrame& fr
       const auto along = [&](int i) { return (i + 0.5) * side / kSpots - 0.5; };
       const cv::Vec2d at =
           frame.source_from_variant * cv::Vec3d(patch.x + along(column), patch.y + along(row), 1);
-      const auto cell = [&](double px, int cells) {
-        return std::clamp(static_cast<int>(std::floor((px + 0.5) / life.cell)), 0, cells - 1);
-      };
-      const std::span<const float> values = life.at(cell(at[1], life.rows), cell(at[0], life.columns));
+      const std::span<const float> values = covering_cell(life, at);
       for (std::size_t b = 0; b < vision::kLifeBands; ++b) {
         const double contrast = values[vision::kLifeBands + b], power = contrast * contrast;
         source[b].power += power / (kSpots * kSpots);

@@ -25,6 +25,7 @@
 #include "synth/animate/motion/copy_maps.h"
 #include "synth/animate/motion/motion_field.h"
 #include "synth/animate/motion/motion_sequence.h"
+#include "synth/animate/sampling/coarse_samples.h"
 #include "synth/animate/sampling/enlarge.h"
 #include "synth/animate/sampling/pull_push.h"
 #include "synth/animate/staging.h"
@@ -46,6 +47,7 @@ constexpr double kMinInnovation_s = 0.1, kMaxInnovation_s = 1;
 constexpr double kMinWander_s = 0.4, kMaxWander_s = 6, kMaxWander_px = 220;
 constexpr double kContrastReach = 24;  // px: sigma of the neighbourhoods that innovations' contrast is set in
 constexpr int kContrastLevels = 5;
+constexpr float kMostLevel = 0.08f;   // luma
 constexpr float kLively = 0.25f;      // of the fastest places' speed: what is slower is renewed less
 constexpr double kLifePatch_px = 48;  // over which the picture's detail lives and goes together
 constexpr int kRendered = 8;          // frames rendered at once before they are handed on in order
@@ -61,11 +63,20 @@ cv::Mat in_units(const cv::Mat& picture) {
   return out;
 }
 
+/// A picture has one light: fires breathe by less than kMostLevel, and what goes beyond it is a clip's flash, or a puff
+/// that crosses it.
+void limit_level(cv::Mat& level) {
+  for (int y = 0; y < level.rows; ++y) {
+    auto* at = level.ptr<float>(y);
+    for (int x = 0; x < level.cols; ++x) at[x] = kMostLevel * std::tanh(at[x] / kMostLevel);
+  }
+}
+
 /// A field that is sampled every few px, for every pixel; 0 where nothing is fluid.
 cv::Mat for_every_pixel(const cv::Mat& field, int step, const cv::Mat& alpha) {
   cv::Mat out;
-  cv::warpAffine(field, out, cv::Matx23d(1.0 / step, 0, 0, 0, 1.0 / step, 0), alpha.size(),
-                 cv::INTER_LINEAR | cv::WARP_INVERSE_MAP, cv::BORDER_REPLICATE);
+  cv::warpAffine(field, out, samples_from_pixels(step), alpha.size(), cv::INTER_LINEAR | cv::WARP_INVERSE_MAP,
+                 cv::BORDER_REPLICATE);
   out.setTo(cv::Scalar::all(0), alpha <= 0);
   return out;
 }
@@ -214,6 +225,7 @@ class Animation {
   AnimateReport run(const std::function<void(const cv::Mat&)>& sink) {
     // What is wrong with the background is said before the work.
     if (moving_) behind_ = behind_fluid(picture_, matte_, options_.boundary);
+    read_still();
     lay_out();
     merge_differences();
     expose();
@@ -228,6 +240,23 @@ class Animation {
  private:
   void tell(const char* stage, std::size_t done, std::size_t of) const {
     if (progress_) progress_({stage, done, of});
+  }
+
+  /// The picture's luma and colours, and how its fluid is to go.
+  void read_still() {
+    target_ = in_units(picture_);
+    target_luma_ = luma_of(target_);
+    matte_.convertTo(alpha_, CV_32F, 1.0 / 255);
+    oneapi::tbb::parallel_invoke(
+        [&] {
+          assigned_motion_ = motion_field(snapshot_, settings_, placement_, picture_.size());
+          mean_motion_ = apply_guide(assigned_motion_, options_.guide);
+        },
+        [&] {
+          colours_ = fit_colour(target_, target_luma_, alpha_,
+                                static_cast<int>(std::lround(12 * placement_.piece_scale)));
+        });
+    report_.base_s = watch_.lap();
   }
 
   /// The clips, how many frames are in hand at once, and which ones the appearance model is fitted to.
@@ -283,8 +312,7 @@ class Animation {
   /// Power of the picture by piece and band.
   void measure_still() {
     cv::Mat reduced, wide;
-    reduced = luma_of(in_units(picture_));
-    cv::resize(reduced, reduced, query::reduced_size(picture_.size(), placement_.piece_scale), 0, 0,
+    cv::resize(target_luma_, reduced, query::reduced_size(picture_.size(), placement_.piece_scale), 0, 0,
                cv::INTER_AREA);
     const cv::Rect seen({}, reduced.size()), all = canvas_ | seen;
     cv::copyMakeBorder(reduced, wide, -all.y, all.br().y - seen.height, -all.x, all.br().x - seen.width,
@@ -326,29 +354,16 @@ class Animation {
   /// The still part: the picture as a long exposure along the assigned motion, and what is carried over it.
   void expose() {
     tell("base", 0, 0);
-    const cv::Mat target = in_units(picture_);
-    matte_.convertTo(alpha_, CV_32F, 1.0 / 255);
-    target_luma_ = luma_of(target);
-    ColourModel colours;
-    oneapi::tbb::parallel_invoke(
-        [&] {
-          mean_motion_ =
-              apply_guide(motion_field(snapshot_, settings_, placement_, picture_.size()), options_.guide);
-        },
-        [&] {
-          colours = fit_colour(target, target_luma_, alpha_,
-                               static_cast<int>(std::lround(12 * placement_.piece_scale)));
-        });
     cv::Mat own_colour;
     std::tie(base_luma_, own_colour) =
-        exposed(target, target_luma_, colours, alpha_, mean_motion_, options_.base);
+        exposed(target_, target_luma_, colours_, alpha_, mean_motion_, options_.base);
     if (carried_ || moving_)
       sequence_ = sequence_of(snapshot_, settings_, placement_, layers_, picture_.size(), options_.frames);
     if (carried_) {
       const int loop_frames = options_.loop ? options_.frames : 0;
       field_ = std::make_shared<const CarryingField>(sequence_, mean_motion_, options_.frames, options_.fps,
                                                      CarriedBase::kStep, options_.loop, options_.carrying);
-      carried_base_.emplace(target, target_luma_, alpha_, options_.carry);
+      carried_base_.emplace(target_, target_luma_, alpha_, options_.carry);
       // As far as the fastest fluid goes in that time: what stands in the picture's order is not to be mixed up.
       const double wander_s =
           std::clamp(kMaxWander_px * placement_.piece_scale / (fast_per_frame() * options_.fps), kMinWander_s,
@@ -365,10 +380,10 @@ class Animation {
     }
     // The fluid's layers go on beyond the still matte, for a moving one to uncover.
     if (moving_)
-      for (cv::Mat* layer : {&own_colour, &colours.slope, &colours.offset})
+      for (cv::Mat* layer : {&own_colour, &colours_.slope, &colours_.offset})
         *layer = pull_push(*layer, alpha_);
-    finisher_.emplace(colours, own_colour, moving_ ? behind_ : target);
-    report_.base_s = watch_.lap();
+    finisher_.emplace(colours_, own_colour, moving_ ? behind_ : target_);
+    report_.base_s += watch_.lap();
   }
 
   /// Of the fluid, the speed that one place in twenty exceeds: px a frame, > 0.
@@ -391,17 +406,18 @@ class Animation {
   }
   /// What is sampled as the field, on the canvas.
   cv::Mat on_canvas(const cv::Mat& samples) const {
-    const double unit = placement_.piece_scale / field_->step(), shift = 0.5 * unit - 0.5;
     cv::Mat out;
-    cv::warpAffine(samples, out,
-                   cv::Matx23d(unit, 0, canvas_.x * unit + shift, 0, unit, canvas_.y * unit + shift),
+    cv::warpAffine(samples, out, samples_from_pixels(field_->step(), placement_.piece_scale, canvas_.tl()),
                    canvas_.size(), cv::INTER_LINEAR | cv::WARP_INVERSE_MAP, cv::BORDER_REPLICATE);
     return out;
   }
 
-  /// As long as detail does in the patches that are shown.
+  /// As long as detail does in the patches that are shown, but shorter where they are made to go faster: eddies of
+  /// one size turn over in a time that falls as their speed rises.
   double measured_half_life_s() const {
-    return std::clamp(piece_lives(snapshot_, placement_).overall_s, kMinHalfLife_s, kMaxHalfLife_s);
+    const double patches_s = piece_lives(snapshot_, placement_).overall_s;
+    const double faster = pace(assigned_motion_, mean_motion_, matte_);
+    return std::clamp(patches_s / std::pow(faster, options_.life_pace), kMinHalfLife_s, kMaxHalfLife_s);
   }
 
   /// One output frame before it is coloured.
@@ -431,7 +447,9 @@ class Animation {
       restore_contrast(made.luma, copies, CarriedBase::kStep, shares, renewing_, options_.contrast);
       field = renewed;
       still_contrast_->take_share(field, shares, options_.max_renewal_gain, kNoise);
-      field += anew * blender_->take_level(slot);
+      cv::Mat level = blender_->take_level(slot);
+      limit_level(level);
+      cv::scaleAdd(level, anew, field, field);
     } else {
       field = blender_->take(slot);
     }
@@ -544,8 +562,11 @@ class Animation {
   std::optional<Blender> blender_;
   int batch_ = 0, first_ = 0;  // frames in hand; the frame that a loop begins with
   bool in_one_ = false;
-  std::vector<int> order_, samples_;  // output frames
-  cv::Mat behind_, alpha_, target_luma_, base_luma_, mean_motion_;
+  std::vector<int> order_, samples_;       // output frames
+  cv::Mat target_, target_luma_;           // the picture, CV_32FC3, and its luma, CV_32F; 1 is white
+  cv::Mat assigned_motion_, mean_motion_;  // CV_32FC2, px/s: the patches' own, and as it is asked
+  cv::Mat behind_, alpha_, base_luma_;
+  ColourModel colours_;
   std::shared_ptr<const MotionSequence> sequence_;
   std::vector<std::vector<double>> still_power_;  // by patch, band
   cv::Mat still_luma_;                            // of the canvas

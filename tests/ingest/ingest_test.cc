@@ -470,7 +470,7 @@ TEST(Ingest, FailsEvenWhenForcedWhereThereIsNothingToKeep) {
   EXPECT_TRUE(still.snapshot().clips().empty());
 }
 
-TEST(Ingest, FailsOnAClipThatAPlayerTurnsAndSaysHowToTurnIt) {
+TEST(Ingest, KeepsAClipUprightThatIsStoredLying) {
   const TemporaryFolder folder;
   write_clip(folder / "lying.mp4", {});
   std::fstream file(folder / "lying.mp4", std::ios::binary | std::ios::in | std::ios::out);
@@ -485,9 +485,13 @@ TEST(Ingest, FailsOnAClipThatAPlayerTurnsAndSaysHowToTurnIt) {
   file.close();
   store::Store store = new_store(folder / "test.freshet");
   const ClipReport row = run(store, folder / "lying.mp4", {.force = true}).clips.at(0);
-  EXPECT_EQ(row.outcome, Outcome::kFailed);
-  EXPECT_TRUE(says(row.reasons, "turned by 90 degrees")) << reason(row);
-  EXPECT_TRUE(says(row.reasons, "-c:v ffv1")) << reason(row);
+  ASSERT_EQ(row.outcome, Outcome::kAdded) << reason(row);
+  EXPECT_TRUE(says(row.notes, "turned by 90 degrees"));
+  const store::Snapshot snapshot = store.snapshot();
+  const store::ClipRecord& kept = snapshot.clip(snapshot.clips().front());
+  const media::VideoReader stored(folder / "lying.mp4");
+  EXPECT_EQ(kept.width, static_cast<std::uint32_t>(stored.info().layout.height));
+  EXPECT_EQ(kept.height, static_cast<std::uint32_t>(stored.info().layout.width));
 }
 
 TEST(Ingest, TakesTheSmallestFrameThatHoldsAPatch) {

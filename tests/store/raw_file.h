@@ -54,34 +54,20 @@ inline void erase_raw(MDB_txn* txn, MDB_dbi dbi, std::string key) {
 inline void each_record(
     const std::filesystem::path& file,
     const std::function<bool(const std::string& table, const std::string& key, std::string& value)>& visit) {
-  MDB_env* env = nullptr;
-  mdb_env_create(&env);
-  mdb_env_set_maxdbs(env, 8);
-  mdb_env_set_mapsize(env, std::size_t{1} << 30);
-  ASSERT_EQ(mdb_env_open(env, file.c_str(), MDB_NOSUBDIR | MDB_NOLOCK | MDB_NOSYNC, 0666), 0);
-  MDB_txn* txn = nullptr;
-  ASSERT_EQ(mdb_txn_begin(env, nullptr, 0, &txn), 0);
-  for (const char* table : {"meta", "clips", "tiles", "columns", "blobs"}) {
-    MDB_dbi dbi = 0;
-    ASSERT_EQ(mdb_dbi_open(txn, table, 0, &dbi), 0);
-    MDB_cursor* cursor = nullptr;
-    ASSERT_EQ(mdb_cursor_open(txn, dbi, &cursor), 0);
-    MDB_val key{}, value{};
-    std::vector<std::pair<std::string, std::string>> changed;
-    while (mdb_cursor_get(cursor, &key, &value, MDB_NEXT) == 0) {
-      std::string name(static_cast<char*>(key.mv_data), key.mv_size),
-          bytes(static_cast<char*>(value.mv_data), value.mv_size);
-      if (visit(table, name, bytes)) changed.emplace_back(name, bytes);
-    }
-    mdb_cursor_close(cursor);
-    for (auto& [name, bytes] : changed) {
-      key = {name.size(), name.data()};
-      value = {bytes.size(), bytes.data()};
-      ASSERT_EQ(mdb_put(txn, dbi, &key, &value, 0), 0);
-    }
-  }
-  ASSERT_EQ(mdb_txn_commit(txn), 0);
-  mdb_env_close(env);
+  for (const char* table : {"meta", "clips", "tiles", "columns", "blobs"})
+    edit_table(file, table, [&](MDB_txn* txn, MDB_dbi dbi) {
+      MDB_cursor* cursor = nullptr;
+      ASSERT_EQ(mdb_cursor_open(txn, dbi, &cursor), 0);
+      MDB_val key{}, value{};
+      std::vector<std::pair<std::string, std::string>> changed;
+      while (mdb_cursor_get(cursor, &key, &value, MDB_NEXT) == 0) {
+        const std::string name(static_cast<char*>(key.mv_data), key.mv_size);
+        std::string bytes(static_cast<char*>(value.mv_data), value.mv_size);
+        if (visit(table, name, bytes)) changed.emplace_back(name, bytes);
+      }
+      mdb_cursor_close(cursor);
+      for (auto& [name, bytes] : changed) put_raw(txn, dbi, name, bytes);
+    });
 }
 
 }  // namespace freshet::store

@@ -5,6 +5,8 @@
 #include <oneapi/tbb/parallel_for.h>
 #include <opencv2/imgproc.hpp>
 
+#include "synth/animate/sampling/coarse_samples.h"
+
 namespace freshet::synth::animate {
 namespace {
 
@@ -20,19 +22,14 @@ const cv::Mat& CarriedDetail::advance(const cv::Mat& displacement, int step, con
     detail_ = fresh.clone();
     return detail_;
   }
-  // Where each place of the canvas was a frame ago: px of the canvas. A sample of the field lies in the middle of
-  // `step` px of the picture, a pixel of the canvas is `scale` px of it wide.
-  const double unit = scale_ / step, shift = (0.5 * scale_) / step - 0.5;
-  const cv::Matx23d samples_from_canvas(unit, 0, canvas_.x * unit + shift, 0, unit, canvas_.y * unit + shift);
+  // Where each place of the canvas was a frame ago: px of the canvas.
   cv::Mat carried(canvas_.size(), CV_32F);
   const int strips = (canvas_.height + kStrip - 1) / kStrip;
   oneapi::tbb::parallel_for(0, strips, [&](int strip) {
     const int top = strip * kStrip, rows = std::min(kStrip, canvas_.height - top);
-    cv::Matx23d from_strip = samples_from_canvas;
-    from_strip(1, 2) += unit * top;
     cv::Mat where;
-    cv::warpAffine(displacement, where, from_strip, {canvas_.width, rows},
-                   cv::INTER_LINEAR | cv::WARP_INVERSE_MAP, cv::BORDER_REPLICATE);
+    cv::warpAffine(displacement, where, samples_from_pixels(step, scale_, canvas_.tl() + cv::Point(0, top)),
+                   {canvas_.width, rows}, cv::INTER_LINEAR | cv::WARP_INVERSE_MAP, cv::BORDER_REPLICATE);
     const auto per_px = static_cast<float>(1 / scale_);
     for (int y = 0; y < rows; ++y) {
       auto* to = where.ptr<cv::Vec2f>(y);

@@ -15,9 +15,13 @@ namespace {
 
 constexpr float kReach = 1.5f;           // intervals that a place shows a copy for, at most, either way
 constexpr double kHalfOfInterval = 0.6;  // of an interval: after this, half of the places show another copy
-constexpr float kFluidEnough = 8;        // an eighth of a matte is fluid enough: plumes are thin
 constexpr float kLumaApart = 0.15f, kColourApart = 0.09f;  // surroundings that far apart look unlike
-constexpr float kLeast = 1e-4f;                            // so that some copy shows everywhere
+// A copy past its time still shows where those whose time it is have nothing to bring: below a brink what the water
+// brings from above it would be sky, and what it will be further down is water.
+constexpr float kPast = 5e-3f;
+constexpr float kLeast = 1e-6f;  // so that some copy shows everywhere
+constexpr float kShallow = 1e-3f;
+constexpr float kTooShallow = 0.25f, kDeepEnough = 0.75f;  // of the place's own depth
 constexpr int kKeptEvery = 16;                             // frames
 constexpr std::uint64_t kSeed = 0x636f70696573;
 
@@ -76,8 +80,10 @@ cv::Mat smooth_noise(cv::Size size, double patch, std::uint64_t stream) {
 float suits(const cv::Vec4f& brought, const cv::Vec4f& own) {
   const float luma = (brought[1] - own[1]) / kLumaApart, blue = (brought[2] - own[2]) / kColourApart,
               red = (brought[3] - own[3]) / kColourApart;
-  return std::min(kFluidEnough * brought[0], 1.0f) *
-         std::exp(-0.5f * (luma * luma + blue * blue + red * red));
+  // From nearer to an edge than the place itself: the edge would come along.
+  const float ratio = brought[0] / std::max(own[0], kShallow);
+  const float deep = std::clamp((ratio - kTooShallow) / (kDeepEnough - kTooShallow), 0.0f, 1.0f);
+  return deep * deep * std::exp(-0.5f * (luma * luma + blue * blue + red * red));
 }
 
 int floor_div(int a, int b) { return a >= 0 ? a / b : -((-a + b - 1) / b); }
@@ -188,7 +194,7 @@ cv::Mat CopyMaps::weights(const Copy& copy, const cv::Mat& source, int age) cons
     for (int x = 0; x < out.cols; ++x) {
       const float intervals = std::min(std::abs(now - to[x]), kReach);
       const float c = 0.5f + 0.5f * std::cos(std::numbers::pi_v<float> / kReach * intervals);
-      to[x] = c * c * c * c * std::max(suits(theirs[x], own[x]), kLeast);
+      to[x] = std::max(c * c * c * c, kPast) * std::max(suits(theirs[x], own[x]), kLeast);
     }
   }
   return out;

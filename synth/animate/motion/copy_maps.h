@@ -47,7 +47,7 @@ class CopyMaps {
  public:
   /// displacement  from output frame i to the next, any i: px of the picture, CV_32FC2 of the size of `places`,
   ///               sampled every `step` px (CarryingField::at). Called from many threads.
-  /// places        CV_32FC4, sampled as that: how far a place of the picture is fluid that can be brought, 0..1, and
+  /// places        CV_32FC4, sampled as that: how deep in the fluid a place of the picture lies, 0 (outside) .. 1, and
   ///               the look of its surroundings: luma, blue and red less luma. A copy that would bring rock, what
   ///               lies beyond the picture or what looks unlike the place leaves the place to the others: foam stays
   ///               where water breaks, and a pool at the foot of its fall.

@@ -1,6 +1,8 @@
 #include "synth/animate/motion/motion_field.h"
 
+#include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <map>
 
 #include <opencv2/imgproc.hpp>
@@ -69,6 +71,21 @@ cv::Mat apply_guide(const cv::Mat& motion, const query::MotionGuide& guide) {
         v = guide.direction.at<cv::Vec2f>(y, x) * speed;
     }
   return out;
+}
+
+double pace(const cv::Mat& assigned, const cv::Mat& asked, const cv::Mat& matte) {
+  constexpr float kLeast = 1e-3f;  // px/s
+  constexpr double kMost = 4;
+  double sum = 0, mass = 0;
+  for (int y = 0; y < matte.rows; ++y)
+    for (int x = 0; x < matte.cols; ++x) {
+      if (matte.at<std::uint8_t>(y, x) == 0) continue;
+      const double had = cv::norm(assigned.at<cv::Vec2f>(y, x)), goes = cv::norm(asked.at<cv::Vec2f>(y, x));
+      if (had < kLeast || goes < kLeast) continue;
+      sum += goes * std::log(std::clamp(goes / had, 1 / kMost, kMost));
+      mass += goes;
+    }
+  return mass > 0 ? std::exp(sum / mass) : 1;
 }
 
 }  // namespace freshet::synth::animate

@@ -20,4 +20,9 @@ cv::Mat motion_field(const store::Snapshot& snapshot, const vision::Settings& se
 /// motion   CV_32FC2, px/s; guide of the same size, or empty.
 cv::Mat apply_guide(const cv::Mat& motion, const query::MotionGuide& guide);
 
+/// How many times as fast the fluid goes as the patches that were assigned to it, in 1/4..4: the mean of the logarithm
+/// over the matte, faster places by their speed. 1 where nothing moves.
+/// assigned, asked   CV_32FC2, px/s, of one size; matte CV_8U, > 0 where the fluid is.
+double pace(const cv::Mat& assigned, const cv::Mat& asked, const cv::Mat& matte);
+
 }  // namespace freshet::synth::animate

@@ -17,6 +17,7 @@ namespace freshet::synth::animate {
 namespace {
 
 constexpr double kMinDepth = 0.02;
+constexpr double kDeep = 3;          // times the width that copies fade over: from there on no edge is near
 constexpr float kMinWeight = 1e-3f;  // of a place that anything is carried to
 constexpr float kEnough = 4;         // of a place's weight, a quarter may be brought: from near an edge, say
 constexpr float kMinShare = 1.0f / 8192;  // of a copy, anywhere in a cell
@@ -205,7 +206,9 @@ CarriedBase::CarriedBase(const cv::Mat& picture, const cv::Mat& luma, const cv::
 
   const cv::Size coarse((size_.width + kStep - 1) / kStep, (size_.height + kStep - 1) / kStep);
   std::array<cv::Mat, 4> place;
-  cv::resize(weight, place[0], coarse, 0, 0, cv::INTER_AREA);
+  // Thin smoke is as good as dense one: what counts is how far the edge is.
+  const cv::Mat deep = cv::min(kTrusted * matte, 1.0).mul(cv::min(depth / kDeep, 1.0));
+  cv::resize(deep, place[0], coarse, 0, 0, cv::INTER_AREA);
   for (std::size_t k = 0; k < plane.size(); ++k) {
     cv::resize(plane[k], place[k + 1], coarse, 0, 0, cv::INTER_AREA);
     cv::GaussianBlur(place[k + 1], place[k + 1], {}, options.look_px / kStep, options.look_px / kStep,

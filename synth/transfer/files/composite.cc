@@ -64,7 +64,7 @@ Background::Background(const fs::path& path, int frames) : impl_(std::make_uniqu
     return;
   }
   int count = 0;
-  media::VideoReader reader(path);
+  media::VideoReader reader(path, 0, {.upright = true});
   while (const std::optional<media::Frame> frame = reader.next())
     if (count++ == 0) impl_->first = media::to_bgr(*frame);
   if (count < frames)

@@ -83,7 +83,7 @@ Frames pictures(const fs::path& path) {
 
 /// Its frames are kept as the decoder gives them: 1.5 bytes per pixel of 4:2:0.
 Frames video(const fs::path& path, std::vector<std::string>& notices) {
-  media::VideoReader reader(path);
+  media::VideoReader reader(path, 0, {.upright = true});
   auto frames = std::make_shared<std::vector<media::Frame>>();
   while (std::optional<media::Frame> frame = reader.next()) frames->push_back(std::move(*frame));
   if (!reader.complaint().empty()) notices.push_back(path.string() + ": " + reader.complaint());

@@ -164,6 +164,29 @@ TEST(VideoReader, ReportsRotationRangeColourAndAspectWithoutApplyingThem) {
   EXPECT_EQ(cv::norm(upright_luma, to_luma(shown), cv::NORM_INF), 0);
 }
 
+TEST(VideoReader, SetsUprightWhatLiesAsFfmpegDoes) {
+  NEEDS_FFMPEG();
+  const Scratch scratch;
+  const fs::path plain = scratch / "plain.mp4";
+  make_clip(std::string(kSource) + "-vf scale=64:36,setsar=4/3 -c:v libx264 -pix_fmt yuv420p", plain);
+  for (const int turn : {90, 180, 270}) {
+    const fs::path turned = scratch / (std::to_string(turn) + ".mp4"), shown = scratch / "shown.mkv";
+    make_clip("-i '" + plain.string() + "' -c copy -metadata:s:v:0 rotate=" + std::to_string(turn), turned);
+    make_clip("-y -i '" + turned.string() + "' -c:v ffv1 -pix_fmt yuv420p", shown);
+    VideoReader reader(turned, 0, {.upright = true}), player(shown);
+    EXPECT_NE(reader.info().turned, 0);
+    EXPECT_EQ(reader.info().layout.rotation, 0);
+    EXPECT_EQ(reader.info().layout.sar_num, turn == 180 ? 4 : 3);
+    EXPECT_EQ(reader.info().layout.sar_den, turn == 180 ? 3 : 4);
+    while (const auto theirs = player.next()) {
+      const auto ours = reader.next();
+      ASSERT_TRUE(ours);
+      EXPECT_EQ(frame_md5(*ours), frame_md5(*theirs)) << turn;
+    }
+    EXPECT_FALSE(reader.next());
+  }
+}
+
 TEST(VideoReader, JpegVideoIsFullRange) {
   NEEDS_FFMPEG();
   const Scratch scratch;

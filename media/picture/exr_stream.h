@@ -1,0 +1,31 @@
+// media/picture/exr_stream.h — OpenEXR on bytes in memory, its faults as ours.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include <ImfFrameBuffer.h>
+#include <ImfHeader.h>
+#include <ImfInputFile.h>
+#include <opencv2/core.hpp>
+
+namespace freshet::media {
+
+/// Opens the bytes and hands the file on. A header that claims more pixels than `most`, or than its bytes can hold, is
+/// refused before anything is allocated.
+/// where    names the file in messages.
+/// Throws   Error{kInput} for what OpenEXR cannot read; what `read` throws.
+void read_exr(const std::vector<std::uint8_t>& bytes, const std::string& where, std::int64_t most,
+              const std::function<void(Imf::InputFile&)>& read);
+
+/// The address that OpenEXR counts from, for a slice that begins at the data window's first sample in `plane`:
+/// window's origin is not (0, 0) in every file.
+char* exr_origin(const cv::Mat& plane, const Imf::InputFile& file);
+
+/// All rows of the buffer under the header. Throws Error{kIo} for what OpenEXR cannot encode.
+std::vector<std::uint8_t> encode_exr(const Imf::Header& header, const Imf::FrameBuffer& buffer,
+                                     const std::string& where);
+
+}  // namespace freshet::media
