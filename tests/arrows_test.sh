@@ -42,6 +42,8 @@ synth/simulate/scene: synth/field synth/simulate/solver
 synth/simulate/clips: synth/field synth/simulate/solver synth/simulate/scene
 synth/simulate/design: media/picture synth/field synth/simulate/solver synth/simulate/scene
 synth/simulate: synth/simulate/*
+synth/flowlines: vision query/hints query/mrf synth/animate/sampling synth/animate/motion
+synth/flowlines/files: media/* store query/stored query/hints synth/flowlines
 synth/transfer: synth/field
 synth/transfer/files: store media/* vision query/stored synth/transfer synth/animate/clips
 library: store media/* vision ingest query/* synth/*

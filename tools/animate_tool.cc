@@ -278,6 +278,7 @@ void add_synth(CLI::App& app, RunContext& context) {
   add_matte(*synth_command, context);
   add_simulate(*synth_command, context);
   add_transfer(*synth_command, context);
+  add_flowlines(*synth_command, context);
 }
 
 }  // namespace freshet::tools

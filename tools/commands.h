@@ -14,6 +14,7 @@ void add_synth(CLI::App& app, RunContext& context);
 void add_matte(CLI::App& synth_command, RunContext& context);  // freshet synth matte
 void add_simulate(CLI::App& synth_command, RunContext& context);
 void add_sweep(CLI::App& synth_command, RunContext& context);
+void add_flowlines(CLI::App& synth_command, RunContext& context);
 void add_transfer(CLI::App& synth_command, RunContext& context);
 
 }  // namespace freshet::tools

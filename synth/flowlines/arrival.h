@@ -1,0 +1,48 @@
+// synth/flowlines/arrival.h — when a front that enters with the fluid reaches each place of the picture.
+#pragma once
+
+#include <vector>
+
+#include <opencv2/core.hpp>
+
+#include "synth/flowlines/flow_line.h"
+#include "synth/flowlines/rides.h"
+
+namespace freshet::synth::flowlines {
+
+/// Lines that lie beside each other and run the same way are one stream: a front goes through them together. Each has
+/// its own order of repeats.
+struct Stream {
+  /// CV_32F, the picture's size: frames from the front's entry to its arrival, 0 .. duration. Beyond the lines it goes
+  /// on smoothly.
+  cv::Mat arrival;
+  /// The same by the frame in which the front enters, reduced by kEntryStep; empty when the dynamics are stationary.
+  std::vector<cv::Mat> arrival_of_entry{};
+  static constexpr int kEntryStep = 4;
+  float duration = 0;  // frames
+};
+
+struct Arrivals {
+  std::vector<Stream> streams;
+  cv::Mat stream;             // CV_8U, the picture's size: to which stream a place belongs
+  cv::Mat speed;              // CV_32F, px a frame along the nearest lines
+  std::vector<int> of_line;   // by line: its stream
+  std::vector<float> offset;  // by line: frames until the front reaches the line's beginning, >= 0
+};
+
+inline constexpr int kMaxStreams = 12;  // the smallest beyond these join their neighbours
+
+/// Lines begin anywhere, a streamline where room was left for it; a front that entered all of them at once would jump
+/// from line to line. So each line is given an offset: over all places where two lines lie side by side, arrivals
+/// differ least (least squares).
+///
+/// spacing_px  between neighbouring lines.
+/// Throws      nothing; lines must not be empty.
+/// Source      ours. Bhat et al. 2004, Fig. 3, have the ladder of one line, and leave its neighbours to feathering.
+Arrivals arrivals(const std::vector<FlowLine>& lines, const Rides& rides, cv::Size picture,
+                  double spacing_px);
+
+/// All arrivals of a stream times `by`, below 1: the front goes faster than the fluid.
+void hasten(Stream& stream, float by);
+
+}  // namespace freshet::synth::flowlines

@@ -1,0 +1,131 @@
+#include "synth/flowlines/repeats.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace freshet::synth::flowlines {
+namespace {
+
+/// 0..1 from numbers: splitmix64.
+double drawn(std::uint64_t value) {
+  value += 0x9e3779b97f4a7c15u;
+  value = (value ^ (value >> 30)) * 0xbf58476d1ce4e5b9u;
+  value = (value ^ (value >> 27)) * 0x94d049bb133111ebu;
+  return static_cast<double>((value ^ (value >> 31)) >> 11) * 0x1p-53;
+}
+
+/// Mean cost of jumps that are jumps: the unit of freshness and chance.
+double unit_of(const cv::Mat& cost) {
+  double sum = 0;
+  int count = 0;
+  for (int a = 0; a < cost.rows; ++a)
+    for (int b = 0; b < cost.cols; ++b)
+      if (std::abs(a - b) > 2) {
+        sum += static_cast<double>(cost.at<float>(a, b));
+        ++count;
+      }
+  return count > 0 && sum > 0 ? sum / count : 1;
+}
+
+constexpr double kForgotten = 0.985;  // a frame: a half-life of 46 frames
+
+}  // namespace
+
+Repeats::Repeats(const cv::Mat& cost, const RepeatOptions& options)
+    : cost_(cost),
+      options_(options),
+      unit_(unit_of(cost)),
+      shown_(static_cast<std::size_t>(cost.cols), 0.0),
+      random_(options.seed * 0x100000001b3u) {}
+
+double Repeats::chance() { return drawn(random_++); }
+
+Run Repeats::next() {
+  const int entries = cost_.cols;
+  Run run{.start = start_, .first = first_, .length = 0};
+  double least = std::numeric_limits<double>::max();
+  int next = 0;
+  // How fresh a run would be that begins at b: by what it shows at least.
+  std::vector<double> stale(static_cast<std::size_t>(entries), 0.0);
+  for (int b = 0; b + options_.min_run <= entries; ++b) {
+    for (int k = 0; k < options_.min_run; ++k)
+      stale[static_cast<std::size_t>(b)] += shown_[static_cast<std::size_t>(b + k)];
+    stale[static_cast<std::size_t>(b)] /= options_.min_run;
+  }
+  double jump = 0;
+  for (int end = first_ + options_.min_run; end <= entries; ++end)
+    for (int b = 0; b + options_.min_run <= entries; ++b) {
+      if (b == first_ || std::abs(b - end) < 2) continue;
+      // A longer run puts the jump off, and has its cost for more frames.
+      const auto cost = static_cast<double>(cost_.at<float>(end, b));
+      const double price = (cost + unit_ * (options_.freshness * stale[static_cast<std::size_t>(b)] +
+                                            options_.chance * chance())) *
+                           entries / static_cast<double>(end - first_ + options_.min_run);
+      if (price >= least) continue;
+      least = price;
+      run.length = end - first_;
+      next = b;
+      jump = cost;
+    }
+  const double faded = std::pow(kForgotten, run.length);
+  for (double& value : shown_) value *= faded;
+  for (int k = 0; k < run.length; ++k) shown_[static_cast<std::size_t>(first_ + k)] += 1;
+  start_ += run.length;
+  first_ = next;
+  jump_ = jump_to_come_;
+  jump_to_come_ = jump;
+  return run;
+}
+
+std::vector<Run> cyclic(const cv::Mat& cost, int frames, const RepeatOptions& options) {
+  const int entries = cost.cols, least = options.min_run;
+  constexpr float kNever = std::numeric_limits<float>::max();
+  const auto unit = static_cast<float>(unit_of(cost));
+  const int firsts = entries - least + 1;  // entries at which a run can begin
+  if (firsts < 2 || frames < 2 * least) return {};
+  // best(t, b): the least cost of runs that fill frames [0, t) and go on with entry b, when they began with entry
+  // `origin`; which run came before. The origin is where jumps back are cheapest.
+  int origin = 0;
+  float cheapest = kNever;
+  for (int b = 0; b < firsts; ++b)
+    for (int a = b + least; a <= entries; ++a)
+      if (cost.at<float>(a, b) < cheapest && std::abs(a - b) >= 2) {
+        cheapest = cost.at<float>(a, b);
+        origin = b;
+      }
+  cv::Mat best(frames + 1, firsts, CV_32F, cv::Scalar(kNever));
+  cv::Mat before(frames + 1, firsts, CV_32SC2,
+                 cv::Scalar::all(-1));  // first entry and length of the run before
+  best.at<float>(0, origin) = 0;
+  for (int t = 0; t < frames; ++t)
+    for (int first = 0; first < firsts; ++first) {
+      const float until = best.at<float>(t, first);
+      if (until == kNever) continue;
+      for (int length = least; first + length <= entries && t + length <= frames; ++length)
+        for (int b = 0; b < firsts; ++b) {
+          if (b == first || std::abs(b - first - length) < 2) continue;
+          if (t + length == frames && b != origin) continue;
+          const auto by_chance = static_cast<float>(
+              options.chance *
+              drawn(options.seed * 1000003u + static_cast<std::uint64_t>(t + length) * 4099u +
+                    static_cast<std::uint64_t>(first + length) * 64u * 61u + static_cast<std::uint64_t>(b)));
+          const float price = until + cost.at<float>(first + length, b) + unit * by_chance;
+          if (price >= best.at<float>(t + length, b)) continue;
+          best.at<float>(t + length, b) = price;
+          before.at<cv::Vec2i>(t + length, b) = cv::Vec2i(first, length);
+        }
+    }
+  if (best.at<float>(frames, origin) == kNever) return {};
+  std::vector<Run> runs;
+  for (int t = frames, b = origin; t > 0;) {
+    const cv::Vec2i run = before.at<cv::Vec2i>(t, b);
+    t -= run[1];
+    b = run[0];
+    runs.push_back({.start = t, .first = run[0], .length = run[1]});
+  }
+  std::reverse(runs.begin(), runs.end());
+  return runs;
+}
+
+}  // namespace freshet::synth::flowlines
