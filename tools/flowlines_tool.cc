@@ -29,10 +29,10 @@ namespace flowlines = synth::flowlines;
 
 struct FlowlinesCommand {
   std::string clip, store, stored_clip;
-  fs::path lines, matte, draw, lines_out, sheet;
+  fs::path lines, edited, background, matte, draw, lines_out, sheet;
   flowlines::FootageOptions footage;
   flowlines::FlowlinesOptions options;
-  std::string dynamics = "auto", blend = "contrast";
+  std::string dynamics = "auto", blend = "contrast", correspondence = "equal", ground = "none";
   int frames = 500, memory_mb = 1200;
   double fps = 0;
   bool loop = false, json = false;
@@ -74,6 +74,27 @@ flowlines::FlowlinesOptions options_of(const FlowlinesCommand& command, const fl
     options.lines = flowlines::read_lines(command.lines, footage.size(), patch, &notices);
     for (const std::string& notice : notices) say(command.lines.string() + ": " + notice);
   }
+  if (!command.edited.empty()) {
+    std::vector<std::string> notices;
+    options.edited = flowlines::read_lines(command.edited, footage.size(), 4, &notices);
+    options.edited_name = command.edited.string();
+    for (const std::string& notice : notices) say(command.edited.string() + ": " + notice);
+  }
+  options.view.correspondence = command.correspondence == "stretched" ? flowlines::Correspondence::kStretched
+                                                                      : flowlines::Correspondence::kEqual;
+  options.view.ground = command.ground == "black"   ? flowlines::Ground::kBlack
+                        : command.ground == "white" ? flowlines::Ground::kWhite
+                                                    : flowlines::Ground::kNone;
+  if (!command.background.empty()) {
+    const media::Picture picture = media::read_picture(command.background);
+    for (const std::string& notice : picture.notices) say(command.background.string() + ": " + notice);
+    if (picture.bgr.size() != footage.size())
+      throw Error(ErrorKind::kInput, command.background.string(),
+                  fmt::format("it has {} x {} px, and the clip {} x {}", picture.bgr.cols, picture.bgr.rows,
+                              footage.size().width, footage.size().height),
+                  "Give a picture of the clip's size");
+    options.view.background = picture.bgr;
+  }
   return options;
 }
 
@@ -85,7 +106,9 @@ std::string summary(const flowlines::FlowlinesReport& report, double fps) {
       report.lines, report.streams, report.streams == 1 ? "" : "s",
       report.stationary ? "stationary" : "non-stationary", 100 * report.gain, report.entries,
       report.way / fps,
-      report.hastened < 1 ? fmt::format(", and rungs pass {:.1f} times as fast", 1 / report.hastened) : "",
+      report.cut_share > 0 ? fmt::format(", slower than {:.1f} px a frame ({:.0f} %) not to the end",
+                                         report.floor_px, 100 * report.cut_share)
+                           : "",
       report.patch_px);
 }
 
@@ -100,7 +123,8 @@ nlohmann::json report_json(const flowlines::FlowlinesReport& report, const std::
           {"spacing_px", report.spacing_px},
           {"entries", report.entries},
           {"way_frames", report.way},
-          {"hastened", report.hastened},
+          {"floor_px", report.floor_px},
+          {"cut_share", report.cut_share},
           {"jump_cost", report.jump_cost},
           {"seconds",
            {{"motion", report.motion_s},
@@ -205,6 +229,35 @@ void add_flowlines(CLI::App& synth_command, RunContext& context) {
       ->group(lines);
   sub->add_option("--lines-out", command->lines_out, "Write the lines as SVG, to be changed and given back")
       ->group(lines);
+  const std::string editing = "Editing";
+  sub->add_option("--edited", command->edited,
+                  "Where the fluid shall go: SVG lines with the ids of the input lines whose texture they "
+                  "show (fall, or "
+                  "fall-2 for another copy); input lines without one are taken away [as in the clip]")
+      ->group(editing);
+  sub->add_option("--correspondence", command->correspondence,
+                  "equal (texture keeps its size along the line) or stretched (the whole input line onto the "
+                  "edited one)")
+      ->check(CLI::IsMember({"equal", "stretched"}))
+      ->capture_default_str()
+      ->group(editing);
+  sub->add_option("--join", command->options.join_px,
+                  "Consecutive edited lines no further apart than this are joined by interpolated ones, px "
+                  "[4 patches]")
+      ->check(CLI::Range(1.0, 100000.0))
+      ->group(editing);
+  sub->add_option(
+         "--ground", command->ground,
+         "What the fluid stands on and is seen through to: black (fire), white (smoke), or none (opaque)")
+      ->check(CLI::IsMember({"none", "black", "white"}))
+      ->capture_default_str()
+      ->group(editing);
+  sub->add_option("--background", command->background,
+                  "Picture of what lies behind fluid that is taken away [guessed]")
+      ->group(editing);
+  sub->add_flag("--on-background", command->options.view.on_background,
+                "Show the edited fluid on the background alone, without the rest of the clip [off]")
+      ->group(editing);
   const std::string particles = "Particles";
   sub->add_option(
          "--patch", command->options.patch_px,

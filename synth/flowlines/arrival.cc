@@ -19,13 +19,31 @@ constexpr double kReach = 1.7;    // spacings within which lines lie side by sid
 constexpr float kSameWay = 0.6f;  // cosine
 constexpr double kWhole = 0.98;   // of a stream's places: the rest are eddies that a front would never leave
 
-/// Two lines side by side: the first's arrival here is the second's plus `later`, if their offsets are right.
-struct Neighbours {
+/// Ages of a front that passes at once over what is slower than the floor: between .7 of it and it, gradually.
+std::vector<float> floored(const std::vector<float>& age, float floor) {
+  if (floor <= 0) return age;
+  std::vector<float> out(age.size(), 0.0f);
+  for (std::size_t s = 1; s < age.size(); ++s) {
+    const float took = age[s] - age[s - 1];
+    const float share = std::clamp((1 / (took * floor) - 0.7f) / 0.3f, 0.0f, 1.0f);
+    out[s] = out[s - 1] + took * share * share * (3 - 2 * share);
+  }
+  return out;
+}
+
+std::vector<std::vector<float>> floored(const Rides& rides, float floor) {
+  std::vector<std::vector<float>> out;
+  for (const Ride& ride : rides.lines) out.push_back(floored(ride.age, floor));
+  return out;
+}
+
+/// Where two lines lie side by side: a sample of each.
+struct Beside {
   std::size_t a, b;
-  float later;
+  std::size_t at_a, at_b;
 };
 
-std::vector<Neighbours> side_by_side(const std::vector<FlowLine>& lines, const Rides& rides, double spacing) {
+std::vector<Beside> side_by_side(const std::vector<FlowLine>& lines, double spacing) {
   struct Sample {
     std::size_t line;
     int at;
@@ -38,7 +56,7 @@ std::vector<Neighbours> side_by_side(const std::vector<FlowLine>& lines, const R
   for (std::size_t i = 0; i < lines.size(); ++i)
     for (int s = 0; s < lines[i].samples(); s += 2)
       cells[cell(lines[i].points[static_cast<std::size_t>(s)])].push_back({i, s});
-  std::vector<Neighbours> found;
+  std::vector<Beside> found;
   std::map<std::size_t, std::pair<float, int>> nearest;  // by line: squared distance and sample
   for (std::size_t i = 0; i < lines.size(); ++i)
     for (int s = 0; s < lines[i].samples(); s += kStride) {
@@ -60,9 +78,7 @@ std::vector<Neighbours> side_by_side(const std::vector<FlowLine>& lines, const R
         }
       for (const auto& [line, best] : nearest)
         if (tangent(lines[i], s).dot(tangent(lines[line], best.second)) > kSameWay)
-          found.push_back({i, line,
-                           rides.lines[line].age[static_cast<std::size_t>(best.second)] -
-                               rides.lines[i].age[static_cast<std::size_t>(s)]});
+          found.push_back({i, line, static_cast<std::size_t>(s), static_cast<std::size_t>(best.second)});
     }
   return found;
 }
@@ -73,11 +89,10 @@ std::size_t root(std::vector<std::size_t>& parent, std::size_t i) {
 }
 
 /// Streams by what touches; the largest first, small ones beyond the limit into the largest.
-std::vector<int> grouped(const std::vector<FlowLine>& lines, const std::vector<Neighbours>& pairs,
-                         int& count) {
+std::vector<int> grouped(const std::vector<FlowLine>& lines, const std::vector<Beside>& pairs, int& count) {
   std::vector<std::size_t> parent(lines.size());
   std::iota(parent.begin(), parent.end(), std::size_t{0});
-  for (const Neighbours& pair : pairs) parent[root(parent, pair.a)] = root(parent, pair.b);
+  for (const Beside& pair : pairs) parent[root(parent, pair.a)] = root(parent, pair.b);
   std::map<std::size_t, int> weight;
   for (std::size_t i = 0; i < lines.size(); ++i) weight[root(parent, i)] += lines[i].samples();
   std::vector<std::pair<int, std::size_t>> order;
@@ -93,18 +108,20 @@ std::vector<int> grouped(const std::vector<FlowLine>& lines, const std::vector<N
 }
 
 /// Least squares over all neighbours; a line without any keeps 0.
-std::vector<float> offsets_of(std::size_t lines, const std::vector<Neighbours>& pairs) {
+std::vector<float> offsets_of(const std::vector<std::vector<float>>& ages, const std::vector<Beside>& pairs) {
+  const std::size_t lines = ages.size();
   const auto n = static_cast<Eigen::Index>(lines);
   Eigen::MatrixXd normal = Eigen::MatrixXd::Identity(n, n) * 1e-3;
   Eigen::VectorXd right = Eigen::VectorXd::Zero(n);
-  for (const Neighbours& pair : pairs) {
+  for (const Beside& pair : pairs) {
     const auto a = static_cast<Eigen::Index>(pair.a), b = static_cast<Eigen::Index>(pair.b);
     normal(a, a) += 1;
     normal(b, b) += 1;
     normal(a, b) -= 1;
     normal(b, a) -= 1;
-    right(a) += pair.later;
-    right(b) -= pair.later;
+    const auto later = static_cast<double>(ages[pair.b][pair.at_b] - ages[pair.a][pair.at_a]);
+    right(a) += later;
+    right(b) -= later;
   }
   const Eigen::VectorXd solved = normal.ldlt().solve(right);
   std::vector<float> out(lines);
@@ -179,28 +196,77 @@ float quantile(std::vector<float> values, double share) {
 
 /// A front that enters in frame `entry` is followed from each line's own entry.
 cv::Mat of_entry(const std::vector<FlowLine>& lines, const Rides& rides, const Arrivals& all, int stream,
-                 std::size_t entry, cv::Size cells, double sigma) {
+                 std::size_t entry, cv::Size cells, double sigma, float floor) {
   Spread spread(cells, Stream::kEntryStep, sigma);
   for (std::size_t i = 0; i < lines.size(); ++i) {
     if (all.of_line[i] != stream) continue;
     const Ride& ride = rides.lines[i];
     const std::size_t last = ride.age_of_entry.size() - 1;
     const std::size_t enters = std::min(last, entry + static_cast<std::size_t>(std::lround(all.offset[i])));
-    for (std::size_t s = 0; s < lines[i].points.size(); s += 2)
-      spread.add(lines[i].points[s], all.offset[i] + ride.age_of_entry[enters][s]);
+    const std::vector<float> age = floored(ride.age_of_entry[enters], floor);
+    for (std::size_t s = 0; s < age.size(); s += 2) spread.add(lines[i].points[s], all.offset[i] + age[s]);
   }
   return spread.field();
 }
 
+/// By stream: frames until its last places are reached. Offsets are made to begin at 0.
+std::vector<float> durations(const std::vector<std::vector<float>>& ages, const std::vector<int>& of_line,
+                             int count, std::vector<float>& offset) {
+  std::vector<float> first(static_cast<std::size_t>(count), 1e9f), out(static_cast<std::size_t>(count), 1.0f);
+  for (std::size_t i = 0; i < ages.size(); ++i) {
+    float& begins = first[static_cast<std::size_t>(of_line[i])];
+    begins = std::min(begins, offset[i]);
+  }
+  std::vector<std::vector<float>> reached(static_cast<std::size_t>(count));
+  for (std::size_t i = 0; i < ages.size(); ++i) {
+    const auto k = static_cast<std::size_t>(of_line[i]);
+    offset[i] -= first[k];
+    for (const float age : ages[i]) reached[k].push_back(offset[i] + age);
+  }
+  for (std::size_t k = 0; k < reached.size(); ++k) out[k] = std::max(1.0f, quantile(reached[k], kWhole));
+  return out;
+}
+
 }  // namespace
 
-Arrivals arrivals(const std::vector<FlowLine>& lines, const Rides& rides, cv::Size picture,
-                  double spacing_px) {
+float floor_for(const std::vector<FlowLine>& lines, const Rides& rides, double spacing_px, float way) {
+  const std::vector<Beside> pairs = side_by_side(lines, spacing_px);
+  int count = 0;
+  const std::vector<int> of_line = grouped(lines, pairs, count);
+  const auto longest = [&](float floor) {
+    const std::vector<std::vector<float>> ages = floored(rides, floor);
+    std::vector<float> offset = offsets_of(ages, pairs);
+    const std::vector<float> all = durations(ages, of_line, count, offset);
+    return *std::max_element(all.begin(), all.end());
+  };
+  if (longest(0) <= way) return 0;
+  float low = 0.01f, high = 1000;
+  for (int i = 0; i < 14; ++i) {
+    const float middle = std::sqrt(low * high);
+    (longest(middle) <= way ? high : low) = middle;
+  }
+  return high;
+}
+
+double share_below(const Rides& rides, float floor) {
+  std::size_t below = 0, all = 0;
+  for (const Ride& ride : rides.lines)
+    for (const float speed : ride.speed) {
+      below += speed < floor;
+      ++all;
+    }
+  return all > 0 ? static_cast<double>(below) / static_cast<double>(all) : 0;
+}
+
+Arrivals arrivals(const std::vector<FlowLine>& lines, const Rides& rides, cv::Size picture, double spacing_px,
+                  float floor, bool by_entry) {
   Arrivals out;
-  const std::vector<Neighbours> pairs = side_by_side(lines, rides, spacing_px);
+  const std::vector<Beside> pairs = side_by_side(lines, spacing_px);
+  const std::vector<std::vector<float>> ages = floored(rides, floor);
   int count = 0;
   out.of_line = grouped(lines, pairs, count);
-  out.offset = offsets_of(lines.size(), pairs);
+  out.offset = offsets_of(ages, pairs);
+  const std::vector<float> duration = durations(ages, out.of_line, count, out.offset);
   out.streams.resize(static_cast<std::size_t>(count));
   out.stream = nearest_stream(lines, out.of_line, picture);
   const double sigma = 0.6 * spacing_px;
@@ -211,37 +277,24 @@ Arrivals arrivals(const std::vector<FlowLine>& lines, const Rides& rides, cv::Si
   out.speed = speed.field();
   for (int k = 0; k < count; ++k) {
     Stream& stream = out.streams[static_cast<std::size_t>(k)];
-    float first = 1e9f;
-    for (std::size_t i = 0; i < lines.size(); ++i)
-      if (out.of_line[i] == k) first = std::min(first, out.offset[i]);
-    std::vector<float> reached;
+    stream.duration = duration[static_cast<std::size_t>(k)];
     Spread spread(picture, 1, sigma);
     for (std::size_t i = 0; i < lines.size(); ++i) {
       if (out.of_line[i] != k) continue;
-      out.offset[i] -= first;
-      for (std::size_t s = 0; s < lines[i].points.size(); ++s) {
-        reached.push_back(out.offset[i] + rides.lines[i].age[s]);
-        spread.add(lines[i].points[s], reached.back());
-      }
+      for (std::size_t s = 0; s < lines[i].points.size(); ++s)
+        spread.add(lines[i].points[s], out.offset[i] + ages[i][s]);
     }
-    stream.duration = std::max(1.0f, quantile(reached, kWhole));
     stream.arrival = cv::max(cv::min(spread.field(), stream.duration), 0.0f);
-    if (rides.stationary) continue;
+    if (rides.stationary || !by_entry) continue;
     const cv::Size cells((picture.width + Stream::kEntryStep - 1) / Stream::kEntryStep,
                          (picture.height + Stream::kEntryStep - 1) / Stream::kEntryStep);
     stream.arrival_of_entry.resize(rides.lines.front().age_of_entry.size());
     tbb::parallel_for(std::size_t{0}, stream.arrival_of_entry.size(), [&](std::size_t entry) {
       stream.arrival_of_entry[entry] =
-          cv::max(cv::min(of_entry(lines, rides, out, k, entry, cells, sigma), stream.duration), 0.0f);
+          cv::max(cv::min(of_entry(lines, rides, out, k, entry, cells, sigma, floor), stream.duration), 0.0f);
     });
   }
   return out;
-}
-
-void hasten(Stream& stream, float by) {
-  stream.arrival *= by;
-  for (cv::Mat& arrival : stream.arrival_of_entry) arrival *= by;
-  stream.duration *= by;
 }
 
 }  // namespace freshet::synth::flowlines

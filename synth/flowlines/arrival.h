@@ -36,13 +36,22 @@ inline constexpr int kMaxStreams = 12;  // the smallest beyond these join their 
 /// from line to line. So each line is given an offset: over all places where two lines lie side by side, arrivals
 /// differ least (least squares).
 ///
+/// A particle can be followed for as long as the clip lasts, and slow ones do not get far in it. So what is slower than
+/// a floor is passed over at once: there one run fades into the next in its place, and only the faster fluid rides.
+/// (A front that sped up over the slow fluid swept through the picture faster than anything in it, and was seen to.)
+///
 /// spacing_px  between neighbouring lines.
+/// floor       px a frame; 0: none.
+/// by_entry    whether arrival_of_entry is filled in, where the rides have entries.
 /// Throws      nothing; lines must not be empty.
 /// Source      ours. Bhat et al. 2004, Fig. 3, have the ladder of one line, and leave its neighbours to feathering.
-Arrivals arrivals(const std::vector<FlowLine>& lines, const Rides& rides, cv::Size picture,
-                  double spacing_px);
+Arrivals arrivals(const std::vector<FlowLine>& lines, const Rides& rides, cv::Size picture, double spacing_px,
+                  float floor, bool by_entry);
 
-/// All arrivals of a stream times `by`, below 1: the front goes faster than the fluid.
-void hasten(Stream& stream, float by);
+/// The least floor with which no stream takes longer than `way` frames; 0 when none does as it is.
+float floor_for(const std::vector<FlowLine>& lines, const Rides& rides, double spacing_px, float way);
+
+/// Of all places of the lines, the share that is slower than the floor.
+double share_below(const Rides& rides, float floor);
 
 }  // namespace freshet::synth::flowlines

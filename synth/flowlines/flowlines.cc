@@ -1,6 +1,7 @@
 #include "synth/flowlines/flowlines.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -18,10 +19,11 @@ namespace {
 
 constexpr int kWorkingSide = 480;  // px: longer pictures are looked at reduced
 constexpr int kMinFrames = 16;
-constexpr float kMinFade = 1.5f;    // frames
-constexpr double kCameraPx = 0.35;  // px a frame of what stands still
-constexpr double kMinStill = 0.02;  // of the picture, for the camera to be judged by
-constexpr double kAgainst = 0.5;    // share of a drawn line that may run against the flow
+constexpr float kMinFade = 1.5f;                            // frames
+constexpr double kCameraPx = 0.35;                          // px a frame of what stands still
+constexpr double kMinStill = 0.02;                          // of the picture, for the camera to be judged by
+constexpr std::array<double, 4> kWays{0.5, 0.4, 0.3, 0.2};  // shares of the frames for particles' ways
+constexpr double kAgainst = 0.5;  // share of a drawn line that may run against the flow
 
 double working_scale(cv::Size size) {
   return std::min(1.0, static_cast<double>(kWorkingSide) / std::max(size.width, size.height));
@@ -47,11 +49,12 @@ struct Flowlines::Impl {
     watch = Stopwatch();
     rides = follow(luma, working_lines, motion, {.dynamics = options.dynamics, .patch_px = patch()}, job);
     judge_lines();
-    arrived = arrivals(working_lines, rides, luma.front().size(), spacing());
     report.ride_s = watch.seconds();
     watch = Stopwatch();
     plan(job);
-    report.plan_s = watch.seconds();
+    report.plan_s = watch.lap();
+    if (!options.edited.empty()) edit();
+    report.edit_s = watch.seconds();
   }
 
   double patch() const { return report.patch_px * scale; }  // px of the working picture
@@ -76,7 +79,9 @@ struct Flowlines::Impl {
         working[i] = footage.frames[i];
       else
         cv::resize(footage.frames[i], working[i], size, 0, 0, cv::INTER_AREA);
+      // Local contrast is evened out: flow sees little of a fall at dusk, and half of what it sees too slow.
       cv::cvtColor(working[i], luma[i], cv::COLOR_BGR2GRAY);
+      cv::createCLAHE(3.0, cv::Size(8, 8))->apply(luma[i], luma[i]);
     });
   }
 
@@ -140,41 +145,108 @@ struct Flowlines::Impl {
     return cv::max(cv::min(fade, static_cast<float>(margin)), kMinFade);
   }
 
+  /// K and the particles' way share the clip's frames: some divisions are tried, and the cheapest is taken.
   void plan(const Job& job) {
-    LadderOptions ladder_options{.margin = std::clamp(footage.count() / 10, 2, 8),
-                                 .entries = options.entries};
-    const cv::Mat fade = fade_of(ladder_options.margin);
+    const int margin = std::clamp(footage.count() / 10, 2, 8);
+    const int room = footage.count() - 2 * margin;
+    if (options.entries > room - 2)
+      throw Error(
+          ErrorKind::kUsage, fmt::format("--entries {}", options.entries),
+          fmt::format("of the clip's {} frames at most {} can be repeated", footage.count(), room - 2),
+          "Ask for fewer, or give a longer clip");
+    const Ladders ladders(working);
+    std::vector<int> ways{room - options.entries};
+    if (options.entries == 0) {
+      ways.clear();
+      for (const double share : kWays) ways.push_back(cvRound(share * room));
+    }
+    std::vector<Ladder> best;
+    double least = 0;
+    for (std::size_t w = 0; w < ways.size(); ++w) {
+      if (job.stop.stop_requested()) throw Error(ErrorKind::kCancelled, "repeats", "stopped");
+      if (job.progress) job.progress({"planning repeats", w, ways.size()});
+      const float floor = floor_for(working_lines, rides, spacing(), static_cast<float>(ways[w]));
+      Arrivals tried = arrivals(working_lines, rides, luma.front().size(), spacing(), floor, false);
+      double price = 0;
+      std::vector<Ladder> made = ladders_of(ladders, tried, margin, share_below(rides, floor), price);
+      if (!best.empty() && price >= least) continue;
+      least = price;
+      best = std::move(made);
+      arrived = std::move(tried);
+      working_floor = floor;
+    }
+    if (!rides.stationary)
+      arrived = arrivals(working_lines, rides, luma.front().size(), spacing(), working_floor, true);
+    report.floor_px = static_cast<double>(working_floor) / scale;
+    report.cut_share = share_below(rides, working_floor);
+    report.streams = static_cast<int>(arrived.streams.size());
+    report.entries = best.front().entries();
+    report.way = static_cast<double>(arrived.streams.front().duration);
+    report.jump_cost = best.front().jump;
+    moments.emplace(arrived, fade_of(margin), orders_of(best, margin), footage.count());
+    renderer.emplace(footage.frames, luma.front().size(), options.render);
+  }
+
+  /// All streams' ladders; price: what their discontinuities weigh together, by area.
+  std::vector<Ladder> ladders_of(const Ladders& ladders, const Arrivals& tried, int margin, double cut,
+                                 double& price) const {
+    float longest = 0;
+    for (const Stream& stream : tried.streams) longest = std::max(longest, stream.duration);
+    const int entries = options.entries > 0
+                            ? options.entries
+                            : footage.count() - 2 * margin - static_cast<int>(std::ceil(longest));
+    std::vector<Ladder> made;
+    for (std::size_t k = 0; k < tried.streams.size(); ++k) {
+      const cv::Mat where = tried.stream == static_cast<double>(k);
+      made.push_back(ladders.of(tried.streams[k], where, margin, entries, repeats_of(k)));
+      // Particles that a rung cuts are discontinuities too; and a rung that is through soon is seen all at once.
+      const double together = made[k].jump / (static_cast<double>(tried.streams[k].duration) + 2 * margin);
+      price += cv::countNonZero(where) * (made[k].per_frame * (1 + cut) + 0.5 * together);
+    }
+    return made;
+  }
+
+  RepeatOptions repeats_of(std::size_t stream) const { return {.seed = options.seed * 1000 + stream}; }
+
+  std::vector<Order> orders_of(const std::vector<Ladder>& ladders, int margin) const {
     std::vector<Order> orders;
-    for (std::size_t k = 0; k < arrived.streams.size(); ++k) {
-      if (job.progress) job.progress({"planning repeats", k, arrived.streams.size()});
-      Stream& stream = arrived.streams[k];
-      RepeatOptions repeats{.seed = options.seed * 1000 + k};
-      ladder_options.repeats = repeats;
-      const Ladder ladder = plan_ladder(working, stream, arrived.stream == static_cast<double>(k),
-                                        footage.name, ladder_options, job);
-      if (k == 0) {
-        report.entries = ladder.entries();
-        report.way = static_cast<double>(stream.duration);
-        report.hastened = ladder.hastened;
-        report.jump_cost = ladder.per_frame;
-      }
-      hasten(stream, static_cast<float>(ladder.hastened));
-      repeats.min_run = ladder.min_run;
+    for (std::size_t k = 0; k < ladders.size(); ++k) {
+      RepeatOptions repeats = repeats_of(k);
+      repeats.min_run = ladders[k].min_run;
       if (options.loop_frames == 0) {
-        orders.emplace_back(ladder, repeats,
-                            static_cast<int>(stream.duration) + 2 * ladder_options.margin + 4);
+        orders.emplace_back(ladders[k], repeats,
+                            static_cast<int>(arrived.streams[k].duration) + 2 * margin + 4);
         continue;
       }
-      std::vector<Run> period = cyclic(ladder.cost, options.loop_frames, repeats);
+      std::vector<Run> period = cyclic(ladders[k].cost, options.loop_frames, repeats);
       if (period.empty())
-        throw Error(ErrorKind::kUsage, fmt::format("--frames {} --loop", options.loop_frames),
-                    "no order of repeats is that long",
-                    fmt::format("A loop of this clip has at least {} frames", 2 * ladder.min_run + 2));
-      orders.emplace_back(ladder, std::move(period), options.loop_frames);
+        throw Error(ErrorKind::kUsage, fmt::format("--loop --frames {}", options.loop_frames),
+                    "no order of repeats is that short",
+                    fmt::format("Ask for {} frames or more", 2 * ladders[k].min_run + 2));
+      orders.emplace_back(ladders[k], std::move(period), options.loop_frames);
     }
-    report.streams = static_cast<int>(arrived.streams.size());
-    moments.emplace(arrived, fade, std::move(orders), footage.count());
-    renderer.emplace(footage.frames, luma.front().size(), options.render);
+    return orders;
+  }
+
+  /// Edited lines take their textures from the input lines, and the clip from what those leave.
+  void edit() {
+    const EditOptions edits{.correspondence = options.view.correspondence,
+                            .patch_px = report.patch_px,
+                            .spacing_px = report.spacing_px,
+                            .join_px = options.join_px};
+    const std::vector<int> partner = partners(lines, options.edited, options.edited_name);
+    std::vector<bool> used(lines.size(), false);
+    for (const int input : partner) used[static_cast<std::size_t>(input)] = true;
+    edited = densify(lines, options.edited, partner, footage.frames, edits);
+    report.drawn = static_cast<int>(options.edited.size());
+    report.interpolated = static_cast<int>(edited.size()) - report.drawn;
+    if (const auto without = std::count(used.begin(), used.end(), false); without > 0)
+      report.notices.push_back(fmt::format(
+          "{} of {} input lines have no edited one: their fluid is taken away", without, lines.size()));
+    EditedViewOptions view_options = options.view;
+    view_options.patch_px = report.patch_px;
+    view_options.render = options.render;
+    view.emplace(footage.frames, luma.front().size(), lines, edited, matte, renderer->mean(), view_options);
   }
 
   const Footage& footage;
@@ -187,8 +259,11 @@ struct Flowlines::Impl {
   std::vector<FlowLine> lines, working_lines;
   Rides rides;
   Arrivals arrived;
+  float working_floor = 0;  // px of the working picture a frame
   std::optional<Moments> moments;
   std::optional<Renderer> renderer;
+  std::vector<EditedLine> edited;
+  std::optional<EditedView> view;
   std::vector<Moment> moment;
   cv::Mat out;
   std::int64_t frame = 0;
@@ -200,11 +275,13 @@ Flowlines::~Flowlines() = default;
 
 const FlowlinesReport& Flowlines::report() const { return impl_->report; }
 const std::vector<FlowLine>& Flowlines::lines() const { return impl_->lines; }
+const std::vector<EditedLine>& Flowlines::edited() const { return impl_->edited; }
 const cv::Mat& Flowlines::matte() const { return impl_->matte; }
 
 const cv::Mat& Flowlines::next() {
   impl_->moments->at(impl_->frame++, impl_->moment);
   impl_->renderer->render(impl_->moment, impl_->out);
+  if (impl_->view) impl_->view->render(impl_->moment, impl_->out);
   return impl_->out;
 }
 

@@ -11,6 +11,8 @@
 
 #include "freshet/job.h"
 #include "synth/flowlines/clip_motion.h"
+#include "synth/flowlines/edit.h"
+#include "synth/flowlines/edited_view.h"
 #include "synth/flowlines/flow_line.h"
 #include "synth/flowlines/footage.h"
 #include "synth/flowlines/ladder.h"
@@ -22,6 +24,11 @@ namespace freshet::synth::flowlines {
 struct FlowlinesOptions {
   /// Flow lines over the clip, px of its frames; empty: found.
   std::vector<FlowLine> lines{};
+  /// Where the fluid is to go, px; each named after the line that it is an edited copy of. Empty: as in the clip.
+  std::vector<FlowLine> edited{};
+  std::string edited_name{};  // their file, for errors
+  EditedViewOptions view{};   // patch_px and render are those below
+  double join_px = 0;         // EditOptions
   /// CV_8U, 255 where the fluid is, of the clip's size: lines are found there. Empty: found from what moves.
   cv::Mat matte{};
   double spacing_px = 0;  // between lines that are found; 0: half a patch
@@ -40,14 +47,16 @@ double default_patch(cv::Size picture);
 /// What was found out about a clip.
 struct FlowlinesReport {
   int lines = 0, streams = 0;
+  int drawn = 0, interpolated = 0;  // edited lines
   bool stationary = true;
   double gain = 0;  // Rides::gain
   double patch_px = 0, spacing_px = 0;
   int entries = 0;       // K of the largest stream
   double way = 0;        // frames that its particles take, entry to end
-  double hastened = 1;   // its Ladder::hastened
-  double jump_cost = 0;  // its Ladder::per_frame
-  double motion_s = 0, ride_s = 0, plan_s = 0;
+  double floor_px = 0;   // px a frame: rungs go no slower, and cut slower particles
+  double cut_share = 0;  // of the lines' places: where that is so
+  double jump_cost = 0;  // of a jump; 1: as unlike as any two moments
+  double motion_s = 0, ride_s = 0, plan_s = 0, edit_s = 0;
   std::vector<std::string> notices{};  // for a person
 };
 
@@ -66,6 +75,8 @@ class Flowlines {
   const FlowlinesReport& report() const;
   /// The lines, px of the clip's frames.
   const std::vector<FlowLine>& lines() const;
+  /// The dense edited lines, with the input lines that they show; none where nothing is edited.
+  const std::vector<EditedLine>& edited() const;
   /// CV_8U, 255 where the clip flows.
   const cv::Mat& matte() const;
   /// The next frame, CV_8UC3, valid until the next call.

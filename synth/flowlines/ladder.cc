@@ -3,13 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <optional>
 
-#include <fmt/format.h>
 #include <tbb/parallel_for.h>
 #include <opencv2/imgproc.hpp>
-
-#include "freshet/error.h"
 
 namespace freshet::synth::flowlines {
 namespace {
@@ -17,8 +13,7 @@ namespace {
 constexpr int kReduced = 4;
 constexpr int kTaps = 2;  // sheared frames to either side that a comparison looks at
 constexpr std::array<double, 2 * kTaps + 1> kBinomial{1.0 / 16, 4.0 / 16, 6.0 / 16, 4.0 / 16, 1.0 / 16};
-constexpr std::array<double, 5> kShares{1, 0.85, 0.7, 0.5, 0.35};  // of the way, that are tried
-constexpr int kTrial = 400;                                        // frames of an order that is tried
+constexpr int kTrial = 400;  // frames of an order that is tried
 
 /// The stream's places of reduced frames, with their arrivals.
 struct Places {
@@ -41,12 +36,11 @@ Places places_of(const Stream& stream, const cv::Mat& where, cv::Size reduced) {
 }
 
 /// Frame e of the sheared clip: a row of the stream's places.
-cv::Mat sheared(const std::vector<cv::Mat>& frames, const Places& places, float share, int entry) {
+cv::Mat sheared(const std::vector<cv::Mat>& frames, const Places& places, int entry) {
   cv::Mat row(1, static_cast<int>(places.at.size()), CV_8UC3);
   const int last = static_cast<int>(frames.size()) - 1;
   for (int i = 0; i < row.cols; ++i) {
-    const int frame =
-        std::clamp(entry + cvRound(share * places.arrival[static_cast<std::size_t>(i)]), 0, last);
+    const int frame = std::clamp(entry + cvRound(places.arrival[static_cast<std::size_t>(i)]), 0, last);
     row.at<cv::Vec3b>(i) =
         frames[static_cast<std::size_t>(frame)].at<cv::Vec3b>(places.at[static_cast<std::size_t>(i)]);
   }
@@ -54,13 +48,12 @@ cv::Mat sheared(const std::vector<cv::Mat>& frames, const Places& places, float 
 }
 
 /// cost(a, b) for entries of the plan, 1 for what unrelated ones differ by.
-cv::Mat jump_costs(const std::vector<cv::Mat>& frames, const Places& places, float share, int first,
-                   int entries) {
+cv::Mat jump_costs(const std::vector<cv::Mat>& frames, const Places& places, int first, int entries) {
   const int rows = entries + 1 + 2 * kTaps;
   std::vector<cv::Mat> shown(static_cast<std::size_t>(rows));
   cv::Mat plain(rows, rows, CV_64F, cv::Scalar(0));
   tbb::parallel_for(0, rows, [&](int i) {
-    shown[static_cast<std::size_t>(i)] = sheared(frames, places, share, first - kTaps + i);
+    shown[static_cast<std::size_t>(i)] = sheared(frames, places, first - kTaps + i);
   });
   tbb::parallel_for(0, rows, [&](int i) {
     for (int j = 0; j < i; ++j)
@@ -86,67 +79,41 @@ cv::Mat jump_costs(const std::vector<cv::Mat>& frames, const Places& places, flo
   return cost;
 }
 
-/// Cost by frame of the order that would be made.
-double tried(const cv::Mat& cost, const RepeatOptions& options) {
-  Repeats repeats(cost, options);
+/// What an order as it would be made costs.
+void try_out(Ladder& ladder, const RepeatOptions& options) {
+  Repeats repeats(ladder.cost, options);
   double sum = 0;
+  int jumps = 0;
   std::int64_t end = 0;
-  while (end < kTrial) {
+  for (; end < kTrial; ++jumps) {
     end = repeats.next().end();
     sum += repeats.jump();
   }
-  return sum / static_cast<double>(end);
+  ladder.per_frame = sum / static_cast<double>(end);
+  ladder.jump = sum / jumps;
 }
 
 }  // namespace
 
-Ladder plan_ladder(const std::vector<cv::Mat>& frames, const Stream& stream, const cv::Mat& where,
-                   const std::string& name, const LadderOptions& options, const Job& job) {
-  const int count = static_cast<int>(frames.size());
-  const int room = count - 2 * options.margin;  // for entries and the way together
-  const int fewest = options.entries > 0 ? options.entries : std::min(options.min_entries, room / 2);
-  if (room < 8 || (options.entries == 0 && fewest < 4))
-    throw Error(
-        ErrorKind::kInput, name, fmt::format("it has {} frames, too few to repeat any", count),
-        fmt::format("Give a clip of {} frames or more, two seconds are good", 2 * options.margin + 24));
-  if (options.entries > room - 1)
-    throw Error(ErrorKind::kUsage, fmt::format("--entries {}", options.entries),
-                fmt::format("of the clip's {} frames at most {} can be repeated", count, room - 1),
-                "Ask for fewer, or give a longer clip");
+Ladders::Ladders(const std::vector<cv::Mat>& frames) : small_(frames.size()) {
   const cv::Size reduced(std::max(1, frames.front().cols / kReduced),
                          std::max(1, frames.front().rows / kReduced));
-  std::vector<cv::Mat> small(frames.size());
   tbb::parallel_for(std::size_t{0}, frames.size(),
-                    [&](std::size_t i) { cv::resize(frames[i], small[i], reduced, 0, 0, cv::INTER_AREA); });
-  const Places places = places_of(stream, where, reduced);
-  std::optional<Ladder> best;
-  double least = 0;
-  for (const double share : kShares) {
-    if (job.stop.stop_requested()) throw Error(ErrorKind::kCancelled, "repeats", "stopped");
-    // The front gets as far as the clip's frames leave room for beside the entries.
-    const double longest = room - fewest;
-    const double by = std::min(share, longest / static_cast<double>(stream.duration));
-    const int way = static_cast<int>(std::ceil(by * static_cast<double>(stream.duration)));
-    const int entries = options.entries > 0 ? options.entries : room - way;
-    if (entries < 4) continue;
-    Ladder ladder{.first = options.margin, .cost = {}, .hastened = by, .per_frame = 0, .min_run = 6};
-    ladder.cost = places.at.empty()
-                      ? cv::Mat(entries + 1, entries, CV_32F, cv::Scalar(0))
-                      : jump_costs(small, places, static_cast<float>(by), ladder.first, entries);
-    // Two rungs stay further apart than feathering is wide, as far as there is room.
-    ladder.min_run = std::clamp(entries / 3, 2, 2 * options.margin + 2);
-    RepeatOptions repeats = options.repeats;
-    repeats.min_run = ladder.min_run;
-    ladder.per_frame = tried(ladder.cost, repeats);
-    // A front that outruns the fluid passes over each particle that it cuts: as much as a rung along the whole way.
-    const double price = ladder.per_frame * (1 + (1 - by));
-    if (!best || price < least) {
-      least = price;
-      best = std::move(ladder);
-    }
-    if (options.entries > 0) break;
-  }
-  return *best;
+                    [&](std::size_t i) { cv::resize(frames[i], small_[i], reduced, 0, 0, cv::INTER_AREA); });
+}
+
+Ladder Ladders::of(const Stream& stream, const cv::Mat& where, int margin, int entries,
+                   const RepeatOptions& options) const {
+  const Places places = places_of(stream, where, small_.front().size());
+  Ladder ladder{.first = margin, .cost = {}};
+  ladder.cost = places.at.empty() ? cv::Mat(entries + 1, entries, CV_32F, cv::Scalar(0))
+                                  : jump_costs(small_, places, margin, entries);
+  // Two rungs stay further apart than feathering is wide, as far as there is room.
+  ladder.min_run = std::clamp(entries / 3, 2, 2 * margin + 2);
+  RepeatOptions repeats = options;
+  repeats.min_run = ladder.min_run;
+  try_out(ladder, repeats);
+  return ladder;
 }
 
 }  // namespace freshet::synth::flowlines

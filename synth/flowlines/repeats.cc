@@ -54,14 +54,17 @@ Run Repeats::next() {
     stale[static_cast<std::size_t>(b)] /= options_.min_run;
   }
   double jump = 0;
+  // Runs that begin all but together are the same to the eye.
+  const int apart = std::max(1, std::min(entries / 8, entries - 2 * options_.min_run));
   for (int end = first_ + options_.min_run; end <= entries; ++end)
     for (int b = 0; b + options_.min_run <= entries; ++b) {
-      if (b == first_ || std::abs(b - end) < 2) continue;
-      // A longer run puts the jump off, and has its cost for more frames.
+      if (std::abs(b - first_) < apart || std::abs(b - end) < 2) continue;
+      // A longer run puts the jump off, and has its cost for more frames; but the longest one again and again is a
+      // loop: the root.
       const auto cost = static_cast<double>(cost_.at<float>(end, b));
       const double price = (cost + unit_ * (options_.freshness * stale[static_cast<std::size_t>(b)] +
                                             options_.chance * chance())) *
-                           entries / static_cast<double>(end - first_ + options_.min_run);
+                           std::sqrt(entries / static_cast<double>(end - first_));
       if (price >= least) continue;
       least = price;
       run.length = end - first_;

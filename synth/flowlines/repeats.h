@@ -19,8 +19,8 @@ struct Run {
 struct RepeatOptions {
   int min_run = 6;  // frames: a run is at least as long
   double freshness =
-      0.5;  // weight of what was not shown of late, in units of a mean jump's cost; 0: cost alone
-  double chance = 0.25;  // weight of chance, in the same units: so that the order does not come again
+      0.5;              // weight of what was not shown of late, in units of a mean jump's cost; 0: cost alone
+  double chance = 0.5;  // weight of chance, in the same units: so that the order does not come again
   std::uint64_t seed = 1;
 };
 
