@@ -70,8 +70,9 @@ flowlines::FlowlinesOptions options_of(const FlowlinesCommand& command, const fl
   }
   if (!command.lines.empty()) {
     std::vector<std::string> notices;
-    const double patch = options.patch_px > 0 ? options.patch_px : flowlines::default_patch(footage.size());
-    options.lines = flowlines::read_lines(command.lines, footage.size(), patch, &notices);
+    const double shortest =
+        0.5 * (options.patch_px > 0 ? options.patch_px : flowlines::default_patch(footage.size()));
+    options.lines = flowlines::read_lines(command.lines, footage.size(), shortest, &notices);
     for (const std::string& notice : notices) say(command.lines.string() + ": " + notice);
   }
   if (!command.edited.empty()) {

@@ -134,12 +134,44 @@ cv::Mat errors(const cv::Mat& of_a, const cv::Mat& of_b) {
   return out;
 }
 
+/// Lines with those that join consecutive ones, in their order.
+std::vector<EditedLine> joined(const std::vector<FlowLine>& drawn, const EditOptions& options,
+                               std::vector<std::size_t>* chain_begins) {
+  const double join = options.join_px > 0 ? options.join_px : 4 * options.patch_px;
+  std::vector<EditedLine> dense;
+  for (std::size_t i = 0; i < drawn.size(); ++i) {
+    double most = 0;
+    const double apart = i == 0 ? 0 : mean_distance(drawn[i - 1], drawn[i], &most);
+    if (i == 0 || most > join) {
+      if (chain_begins != nullptr) chain_begins->push_back(dense.size());
+    } else {
+      const int missing = std::max(0, cvRound(apart / options.spacing_px) - 1);
+      for (int k = 1; k <= missing; ++k) {
+        FlowLine line =
+            between(drawn[i - 1], drawn[i], static_cast<float>(k) / static_cast<float>(missing + 1));
+        line.speed = drawn[i].speed;
+        if (line.points.empty() || is_taken(line, drawn, i - 1, i, 0.6 * options.spacing_px)) continue;
+        dense.push_back({std::move(line), -1, false});
+      }
+    }
+    dense.push_back({drawn[i], -1, true});
+  }
+  return dense;
+}
+
 }  // namespace
 
 float input_arc(const EditedLine& edited, const FlowLine& input, float arc, Correspondence correspondence) {
   const auto speed = static_cast<float>(edited.line.speed);
   if (correspondence == Correspondence::kStretched) return arc * input.length() / edited.line.length();
   return arc / speed;
+}
+
+std::vector<FlowLine> dense_inputs(const std::vector<FlowLine>& inputs, const EditOptions& options) {
+  std::vector<FlowLine> out = inputs;
+  for (EditedLine& line : joined(inputs, options, nullptr))
+    if (!line.drawn) out.push_back(std::move(line.line));
+  return out;
 }
 
 std::vector<int> partners(const std::vector<FlowLine>& inputs, const std::vector<FlowLine>& edited,
@@ -173,26 +205,10 @@ std::vector<int> partners(const std::vector<FlowLine>& inputs, const std::vector
 std::vector<EditedLine> densify(const std::vector<FlowLine>& inputs, const std::vector<FlowLine>& drawn,
                                 const std::vector<int>& partner, const std::vector<cv::Mat>& frames,
                                 const EditOptions& options) {
-  const double join = options.join_px > 0 ? options.join_px : 4 * options.patch_px;
-  std::vector<EditedLine> dense;
   std::vector<std::size_t> chain_begins;  // lines of a chain lie beside each other
-  for (std::size_t i = 0; i < drawn.size(); ++i) {
-    double most = 0;
-    const double apart = i == 0 ? 0 : mean_distance(drawn[i - 1], drawn[i], &most);
-    if (i == 0 || most > join)
-      chain_begins.push_back(dense.size());
-    else {
-      const int missing = std::max(0, cvRound(apart / options.spacing_px) - 1);
-      for (int k = 1; k <= missing; ++k) {
-        FlowLine line =
-            between(drawn[i - 1], drawn[i], static_cast<float>(k) / static_cast<float>(missing + 1));
-        line.speed = drawn[i].speed;
-        if (line.points.empty() || is_taken(line, drawn, i - 1, i, 0.6 * options.spacing_px)) continue;
-        dense.push_back({std::move(line), -1, false});
-      }
-    }
-    dense.push_back({drawn[i], partner[i], true});
-  }
+  std::vector<EditedLine> dense = joined(drawn, options, &chain_begins);
+  for (std::size_t i = 0, given = 0; i < dense.size(); ++i)
+    if (dense[i].drawn) dense[i].input = partner[given++];
   chain_begins.push_back(dense.size());
   const Shown shown(frames, options.frames);
   for (std::size_t c = 0; c + 1 < chain_begins.size(); ++c) {

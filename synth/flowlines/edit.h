@@ -42,8 +42,12 @@ float input_arc(const EditedLine& edited, const FlowLine& input, float arc, Corr
 std::vector<int> partners(const std::vector<FlowLine>& inputs, const std::vector<FlowLine>& edited,
                           const std::string& where);
 
+/// The input lines, and behind them those that join consecutive ones: what interpolated edited lines choose from.
+std::vector<FlowLine> dense_inputs(const std::vector<FlowLine>& inputs, const EditOptions& options);
+
 /// The dense set: drawn lines with those interpolated between consecutive ones, and input lines for the latter by
 /// pair_lines.
+/// inputs   dense. partner   of the drawn ones.
 /// frames   CV_8UC3, at least one: of which some are compared.
 /// Source   Bhat et al. 2004, Sec. 4, Figs. 6 and 7.
 /// Cost     inputs^2 x samples of a line / 9 x frames for each interpolated line. All threads, same result.

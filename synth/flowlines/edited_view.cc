@@ -139,8 +139,9 @@ void EditedView::cover(const std::vector<FlowLine>& inputs, const std::vector<Ed
       if (beside.squared > 1e17f) continue;
       const int x = region.x + i % region.width, y = region.y + i / region.width;
       const float arc = input_arc(edited, input, beside.arc, options_.correspondence);
-      float weight = tent(beside.across, half) * tent(beyond(beside.arc, edited.line.length()), half) *
-                     tent(beyond(arc, input.length()), half);
+      const float weight =
+          tent(beside.across, half) *
+          tent(std::max(beyond(beside.arc, edited.line.length()), beyond(arc, input.length())), half);
       cv::Point2f from(static_cast<float>(x), static_cast<float>(y));
       if (!unchanged) {
         const cv::Point2f way = tangent(input, cvRound(arc));
@@ -162,6 +163,8 @@ void EditedView::cover(const std::vector<FlowLine>& inputs, const std::vector<Ed
     std::vector<Source>& of = of_pixel[p];
     std::stable_sort(of.begin(), of.end(),
                      [](const Source& a, const Source& b) { return a.weight > b.weight; });
+    float all = 0;
+    for (const Source& source : of) all += source.weight;
     if (of.size() > kMostSources) of.resize(kMostSources);
     float sum = 0, fluid = 0;
     for (const Source& source : of) {
@@ -172,7 +175,7 @@ void EditedView::cover(const std::vector<FlowLine>& inputs, const std::vector<Ed
     }
     if (sum > 0)
       alpha_.at<float>(static_cast<int>(p) / size.width, static_cast<int>(p) % size.width) =
-          covered(sum) * fluid / sum;
+          covered(all) * fluid / sum;
     for (Source& source : of) source.weight /= sum;
     sources_.insert(sources_.end(), of.begin(), of.end());
     first_.push_back(static_cast<std::uint32_t>(sources_.size()));

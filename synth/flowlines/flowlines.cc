@@ -237,7 +237,8 @@ struct Flowlines::Impl {
     const std::vector<int> partner = partners(lines, options.edited, options.edited_name);
     std::vector<bool> used(lines.size(), false);
     for (const int input : partner) used[static_cast<std::size_t>(input)] = true;
-    edited = densify(lines, options.edited, partner, footage.frames, edits);
+    const std::vector<FlowLine> inputs = dense_inputs(lines, edits);
+    edited = densify(inputs, options.edited, partner, footage.frames, edits);
     report.drawn = static_cast<int>(options.edited.size());
     report.interpolated = static_cast<int>(edited.size()) - report.drawn;
     if (const auto without = std::count(used.begin(), used.end(), false); without > 0)
@@ -246,7 +247,7 @@ struct Flowlines::Impl {
     EditedViewOptions view_options = options.view;
     view_options.patch_px = report.patch_px;
     view_options.render = options.render;
-    view.emplace(footage.frames, luma.front().size(), lines, edited, matte, renderer->mean(), view_options);
+    view.emplace(footage.frames, luma.front().size(), inputs, edited, matte, renderer->mean(), view_options);
   }
 
   const Footage& footage;

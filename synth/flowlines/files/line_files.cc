@@ -66,10 +66,12 @@ std::vector<FlowLine> read_lines(const std::filesystem::path& path, cv::Size pic
     const FlowLine whole = evenly(chain, name);
     FlowLine line = evenly(inside_of(whole.points, picture, where), name);
     if (line.points.empty() || static_cast<double>(line.length()) < shortest_px)
-      throw Error(ErrorKind::kInput, where,
-                  fmt::format("inside the picture this line is {:.0f} px long, and a patch is {:.0f}",
-                              line.points.empty() ? 0.0f : line.length(), shortest_px),
-                  "Draw it longer, or lower --patch");
+      throw Error(
+          ErrorKind::kInput, where,
+          fmt::format(
+              "inside the picture this line is {:.0f} px long, at least {:.0f} (half a patch) are needed",
+              line.points.empty() ? 0.0f : line.length(), shortest_px),
+          "Draw it longer, or lower --patch");
     if (line.samples() + 2 < whole.samples() && notices != nullptr)
       notices->push_back(fmt::format("\"{}\" leaves the picture: {:.0f} of its {:.0f} px were cut off", name,
                                      whole.length() - line.length(), whole.length()));
