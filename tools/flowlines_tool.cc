@@ -275,6 +275,11 @@ void add_flowlines(CLI::App& synth_command, RunContext& context) {
                   "Frames whose entering particles are repeated (K) [chosen for the least discontinuity]")
       ->check(CLI::Range(8, 100000))
       ->group(particles);
+  sub->add_option("--strand", command->options.strand_px,
+                  "Strands of the fluid so wide repeat in an order of their own, px; 0: all of it together "
+                  "[3 patches]")
+      ->check(CLI::Range(0.0, 100000.0))
+      ->group(particles);
   sub->add_option("--blend", command->blend,
                   "Where particles of two runs overlap: feather (averages, as printed) or contrast (keeps "
                   "their contrast)")

@@ -19,6 +19,13 @@ constexpr double kReach = 1.7;    // spacings within which lines lie side by sid
 constexpr float kSameWay = 0.6f;  // cosine
 constexpr double kWhole = 0.98;   // of a stream's places: the rest are eddies that a front would never leave
 
+float quantile(std::vector<float> values, double share) {
+  const auto nth =
+      values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), nth, values.end());
+  return *nth;
+}
+
 /// Ages of a front that passes at once over what is slower than the floor: between .7 of it and it, gradually.
 std::vector<float> floored(const std::vector<float>& age, float floor) {
   if (floor <= 0) return age;
@@ -83,37 +90,92 @@ std::vector<Beside> side_by_side(const std::vector<FlowLine>& lines, double spac
   return found;
 }
 
-std::size_t root(std::vector<std::size_t>& parent, std::size_t i) {
-  while (parent[i] != i) i = parent[i] = parent[parent[i]];
-  return i;
+/// How far across the flow a line lies from another, which is thought to go on straight: the median over its samples.
+double across(const FlowLine& line, const FlowLine& from) {
+  std::vector<float> distances;
+  for (int s = 0; s < line.samples(); s += 2 * kStride) {
+    const cv::Point2f here = line.points[static_cast<std::size_t>(s)];
+    int nearest = 0;
+    float least = 1e18f;
+    for (int t = 0; t < from.samples(); t += kStride) {
+      const cv::Point2f way = from.points[static_cast<std::size_t>(t)] - here;
+      if (way.dot(way) < least) {
+        least = way.dot(way);
+        nearest = t;
+      }
+    }
+    const cv::Point2f along = tangent(from, nearest);
+    distances.push_back(
+        std::abs((here - from.points[static_cast<std::size_t>(nearest)]).dot({-along.y, along.x})));
+  }
+  return static_cast<double>(quantile(distances, 0.5));
 }
 
-/// Streams by what touches; the largest first, small ones beyond the limit into the largest.
-std::vector<int> grouped(const std::vector<FlowLine>& lines, const std::vector<Beside>& pairs, int& count) {
-  std::vector<std::size_t> parent(lines.size());
-  std::iota(parent.begin(), parent.end(), std::size_t{0});
-  for (const Beside& pair : pairs) parent[root(parent, pair.a)] = root(parent, pair.b);
-  std::map<std::size_t, int> weight;
-  for (std::size_t i = 0; i < lines.size(); ++i) weight[root(parent, i)] += lines[i].samples();
-  std::vector<std::pair<int, std::size_t>> order;
-  for (const auto& [of, samples] : weight) order.emplace_back(-samples, of);
+/// Streams: from the longest line that has none yet outwards, by what touches, up to half a width to either side. The
+/// largest first; small ones, and those beyond the limit, go to the neighbour that they touch most.
+std::vector<int> grouped(const std::vector<FlowLine>& lines, const std::vector<Beside>& pairs,
+                         const StrandOptions& options, int& count) {
+  const double reach = options.width_px > 0 ? options.width_px / 2 : 1e18;
+  std::vector<std::map<std::size_t, int>> touching(lines.size());
+  for (const Beside& pair : pairs) {
+    ++touching[pair.a][pair.b];
+    ++touching[pair.b][pair.a];
+  }
+  std::vector<std::size_t> longest(lines.size());
+  std::iota(longest.begin(), longest.end(), std::size_t{0});
+  std::stable_sort(longest.begin(), longest.end(),
+                   [&](std::size_t a, std::size_t b) { return lines[a].samples() > lines[b].samples(); });
+  std::vector<int> of(lines.size(), -1);
+  std::vector<int> samples;  // by stream
+  for (const std::size_t seed : longest) {
+    if (of[seed] >= 0) continue;
+    const int stream = static_cast<int>(samples.size());
+    samples.push_back(0);
+    std::vector<std::size_t> open{seed};
+    of[seed] = stream;
+    while (!open.empty()) {
+      const std::size_t line = open.back();
+      open.pop_back();
+      samples.back() += lines[line].samples();
+      for (const auto& [other, times] : touching[line])
+        if (of[other] < 0 && across(lines[other], lines[seed]) <= reach) {
+          of[other] = stream;
+          open.push_back(other);
+        }
+    }
+  }
+  std::vector<std::pair<int, int>> order;
+  for (std::size_t i = 0; i < samples.size(); ++i) order.emplace_back(-samples[i], static_cast<int>(i));
   std::sort(order.begin(), order.end());
-  count = std::min(kMaxStreams, static_cast<int>(order.size()));
-  std::map<std::size_t, int> number;
-  for (std::size_t i = 0; i < order.size(); ++i)
-    number[order[i].second] = static_cast<int>(i) < count ? static_cast<int>(i) : 0;
+  std::vector<int> number(samples.size(), -1);
+  count = 0;
+  for (const auto& [less, stream] : order)
+    if (count == 0 || (count < kMaxStreams && -less >= -order.front().first / 6))
+      number[static_cast<std::size_t>(stream)] = count++;
   std::vector<int> out(lines.size());
-  for (std::size_t i = 0; i < lines.size(); ++i) out[i] = number[root(parent, i)];
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    out[i] = number[static_cast<std::size_t>(of[i])];
+    if (out[i] >= 0) continue;
+    int most = 0;
+    out[i] = 0;
+    for (const auto& [other, times] : touching[i])
+      if (number[static_cast<std::size_t>(of[other])] >= 0 && times > most) {
+        most = times;
+        out[i] = number[static_cast<std::size_t>(of[other])];
+      }
+  }
   return out;
 }
 
-/// Least squares over all neighbours; a line without any keeps 0.
-std::vector<float> offsets_of(const std::vector<std::vector<float>>& ages, const std::vector<Beside>& pairs) {
+/// Least squares over all neighbours of one stream; a line without any keeps 0.
+std::vector<float> offsets_of(const std::vector<std::vector<float>>& ages, const std::vector<Beside>& pairs,
+                              const std::vector<int>& of_line) {
   const std::size_t lines = ages.size();
   const auto n = static_cast<Eigen::Index>(lines);
   Eigen::MatrixXd normal = Eigen::MatrixXd::Identity(n, n) * 1e-3;
   Eigen::VectorXd right = Eigen::VectorXd::Zero(n);
   for (const Beside& pair : pairs) {
+    if (of_line[pair.a] != of_line[pair.b]) continue;
     const auto a = static_cast<Eigen::Index>(pair.a), b = static_cast<Eigen::Index>(pair.b);
     normal(a, a) += 1;
     normal(b, b) += 1;
@@ -159,39 +221,30 @@ class Spread {
   double sigma_;
 };
 
-/// To which stream each place belongs: its nearest line's.
-cv::Mat nearest_stream(const std::vector<FlowLine>& lines, const std::vector<int>& of_line,
-                       cv::Size picture) {
-  cv::Mat background(picture, CV_8U, cv::Scalar(255)), owner(picture, CV_8U, cv::Scalar(0));
+/// To which stream each place belongs: its nearest line's; and where another's is all but as near.
+void share_places(const std::vector<FlowLine>& lines, cv::Size picture, double blend, Arrivals& out) {
+  out.stream = cv::Mat(picture, CV_8U, cv::Scalar(0));
+  out.neighbour = cv::Mat(picture, CV_8U, cv::Scalar(0));
+  out.share = cv::Mat(picture, CV_32F, cv::Scalar(0));
+  cv::Mat nearest(picture, CV_32F, cv::Scalar(1e6)), second(picture, CV_32F, cv::Scalar(1e6)), distance;
   const cv::Rect inside({0, 0}, picture);
-  for (std::size_t i = 0; i < lines.size(); ++i)
-    for (const cv::Point2f& point : lines[i].points) {
-      const cv::Point at(cvRound(point.x), cvRound(point.y));
-      if (!inside.contains(at)) continue;
-      background.at<std::uint8_t>(at) = 0;
-      owner.at<std::uint8_t>(at) = static_cast<std::uint8_t>(of_line[i]);
-    }
-  cv::Mat distance, labels;
-  cv::distanceTransform(background, distance, labels, cv::DIST_L2, cv::DIST_MASK_5, cv::DIST_LABEL_PIXEL);
-  std::map<int, std::uint8_t> stream_of;
-  for (int y = 0; y < labels.rows; ++y)
-    for (int x = 0; x < labels.cols; ++x)
-      if (background.at<std::uint8_t>(y, x) == 0)
-        stream_of[labels.at<int>(y, x)] = owner.at<std::uint8_t>(y, x);
-  cv::Mat out(picture, CV_8U, cv::Scalar(0));
-  for (int y = 0; y < labels.rows; ++y)
-    for (int x = 0; x < labels.cols; ++x) {
-      const auto found = stream_of.find(labels.at<int>(y, x));
-      if (found != stream_of.end()) out.at<std::uint8_t>(y, x) = found->second;
-    }
-  return out;
-}
-
-float quantile(std::vector<float> values, double share) {
-  const auto nth =
-      values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), nth, values.end());
-  return *nth;
+  for (std::size_t k = 0; k < out.streams.size(); ++k) {
+    cv::Mat away(picture, CV_8U, cv::Scalar(255));
+    for (std::size_t i = 0; i < lines.size(); ++i)
+      if (out.of_line[i] == static_cast<int>(k))
+        for (const cv::Point2f& point : lines[i].points)
+          if (const cv::Point at(cvRound(point.x), cvRound(point.y)); inside.contains(at))
+            away.at<std::uint8_t>(at) = 0;
+    cv::distanceTransform(away, distance, cv::DIST_L2, cv::DIST_MASK_5);
+    const cv::Mat first = distance < nearest, then = (distance < second) & ~first;
+    nearest.copyTo(second, first);
+    out.stream.copyTo(out.neighbour, first);
+    distance.copyTo(nearest, first);
+    out.stream.setTo(static_cast<double>(k), first);
+    distance.copyTo(second, then);
+    out.neighbour.setTo(static_cast<double>(k), then);
+  }
+  out.share = cv::max(0.5 - (second - nearest) * (0.5 / blend), 0.0);
 }
 
 /// A front that enters in frame `entry` is followed from each line's own entry.
@@ -229,13 +282,14 @@ std::vector<float> durations(const std::vector<std::vector<float>>& ages, const 
 
 }  // namespace
 
-float floor_for(const std::vector<FlowLine>& lines, const Rides& rides, double spacing_px, float way) {
-  const std::vector<Beside> pairs = side_by_side(lines, spacing_px);
+float floor_for(const std::vector<FlowLine>& lines, const Rides& rides, const StrandOptions& strands,
+                float way) {
+  const std::vector<Beside> pairs = side_by_side(lines, strands.spacing_px);
   int count = 0;
-  const std::vector<int> of_line = grouped(lines, pairs, count);
+  const std::vector<int> of_line = grouped(lines, pairs, strands, count);
   const auto longest = [&](float floor) {
     const std::vector<std::vector<float>> ages = floored(rides, floor);
-    std::vector<float> offset = offsets_of(ages, pairs);
+    std::vector<float> offset = offsets_of(ages, pairs, of_line);
     const std::vector<float> all = durations(ages, of_line, count, offset);
     return *std::max_element(all.begin(), all.end());
   };
@@ -258,18 +312,18 @@ double share_below(const Rides& rides, float floor) {
   return all > 0 ? static_cast<double>(below) / static_cast<double>(all) : 0;
 }
 
-Arrivals arrivals(const std::vector<FlowLine>& lines, const Rides& rides, cv::Size picture, double spacing_px,
-                  float floor, bool by_entry) {
+Arrivals arrivals(const std::vector<FlowLine>& lines, const Rides& rides, cv::Size picture,
+                  const StrandOptions& strands, float floor, bool by_entry) {
   Arrivals out;
-  const std::vector<Beside> pairs = side_by_side(lines, spacing_px);
+  const std::vector<Beside> pairs = side_by_side(lines, strands.spacing_px);
   const std::vector<std::vector<float>> ages = floored(rides, floor);
   int count = 0;
-  out.of_line = grouped(lines, pairs, count);
-  out.offset = offsets_of(ages, pairs);
+  out.of_line = grouped(lines, pairs, strands, count);
+  out.offset = offsets_of(ages, pairs, out.of_line);
   const std::vector<float> duration = durations(ages, out.of_line, count, out.offset);
   out.streams.resize(static_cast<std::size_t>(count));
-  out.stream = nearest_stream(lines, out.of_line, picture);
-  const double sigma = 0.6 * spacing_px;
+  share_places(lines, picture, strands.blend_px, out);
+  const double sigma = 0.6 * strands.spacing_px;
   Spread speed(picture, 1, sigma);
   for (std::size_t i = 0; i < lines.size(); ++i)
     for (std::size_t s = 0; s < lines[i].points.size(); ++s)

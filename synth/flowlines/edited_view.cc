@@ -192,15 +192,12 @@ cv::Vec4f EditedView::fluid(const std::vector<Moment>& moments, std::size_t firs
     const int wy = std::clamp(cvRound((source.y + 0.5f) * down - 0.5f), 0, working_.height - 1);
     const Moment& moment = moments[static_cast<std::size_t>(wy) * static_cast<std::size_t>(working_.width) +
                                    static_cast<std::size_t>(wx)];
-    const cv::Vec3f later = sampled((*frames_)[moment.to], source.x, source.y);
-    if (moment.weight >= 1 || moment.from == moment.to) {
-      sum += later * source.weight;
-      continue;
-    }
-    const cv::Vec3f before = sampled((*frames_)[moment.from], source.x, source.y);
+    std::array<cv::Vec3f, 4> values;
+    for (std::size_t k = 0; k < static_cast<std::size_t>(moment.count); ++k)
+      values[k] = sampled((*frames_)[moment.frame[k]], source.x, source.y);
     const cv::Vec3f mean = mean_.at<cv::Vec3f>(std::clamp(cvRound(source.y), 0, mean_.rows - 1),
                                                std::clamp(cvRound(source.x), 0, mean_.cols - 1));
-    sum += mixed(before, later, moment.weight, mean, options_.render) * source.weight;
+    sum += mixed(values, moment, mean, options_.render) * source.weight;
   }
   float alpha = 1;
   const float brightest = std::max({sum[0], sum[1], sum[2]}), darkest = std::min({sum[0], sum[1], sum[2]});

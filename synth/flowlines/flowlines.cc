@@ -60,6 +60,11 @@ struct Flowlines::Impl {
   double patch() const { return report.patch_px * scale; }  // px of the working picture
   double spacing() const { return report.spacing_px * scale; }
 
+  StrandOptions strands() const {
+    const double width = options.strand_px < 0 ? 3 * report.patch_px : options.strand_px;
+    return {.spacing_px = spacing(), .width_px = width * scale, .blend_px = std::max(2.0, patch() / 2)};
+  }
+
   void check() {
     if (footage.count() < kMinFrames)
       throw Error(ErrorKind::kInput, footage.name,
@@ -165,8 +170,8 @@ struct Flowlines::Impl {
     for (std::size_t w = 0; w < ways.size(); ++w) {
       if (job.stop.stop_requested()) throw Error(ErrorKind::kCancelled, "repeats", "stopped");
       if (job.progress) job.progress({"planning repeats", w, ways.size()});
-      const float floor = floor_for(working_lines, rides, spacing(), static_cast<float>(ways[w]));
-      Arrivals tried = arrivals(working_lines, rides, luma.front().size(), spacing(), floor, false);
+      const float floor = floor_for(working_lines, rides, strands(), static_cast<float>(ways[w]));
+      Arrivals tried = arrivals(working_lines, rides, luma.front().size(), strands(), floor, false);
       double price = 0;
       std::vector<Ladder> made = ladders_of(ladders, tried, margin, share_below(rides, floor), price);
       if (!best.empty() && price >= least) continue;
@@ -176,7 +181,7 @@ struct Flowlines::Impl {
       working_floor = floor;
     }
     if (!rides.stationary)
-      arrived = arrivals(working_lines, rides, luma.front().size(), spacing(), working_floor, true);
+      arrived = arrivals(working_lines, rides, luma.front().size(), strands(), working_floor, true);
     report.floor_px = static_cast<double>(working_floor) / scale;
     report.cut_share = share_below(rides, working_floor);
     report.streams = static_cast<int>(arrived.streams.size());

@@ -34,6 +34,8 @@ struct FlowlinesOptions {
   double spacing_px = 0;  // between lines that are found; 0: half a patch
   double patch_px = 0;    // side of a particle's texture; 0: 24 for 320 px of the longer side
   Dynamics dynamics = Dynamics::kMeasured;
+  /// Strands of the fluid so wide, px, repeat in an order of their own; 0: all together; below 0: 3 patches.
+  double strand_px = -1;
   int entries = 0;      // K; 0: chosen
   int loop_frames = 0;  // > 0: the output repeats after so many frames, without a seam
   std::uint64_t seed = 1;

@@ -86,28 +86,36 @@ void Moments::rungs_of(std::size_t stream, std::int64_t frame) {
   }
 }
 
-void Moments::at(std::int64_t frame, std::vector<Moment>& out) {
-  for (std::size_t i = 0; i < orders_.size(); ++i) rungs_of(i, frame);
-  out.resize(fade_.total());
+void Moments::add(std::size_t stream, cv::Point at, std::int64_t frame, float share, Moment& moment) const {
+  const std::vector<Rung>& rungs = rungs_[stream];
+  const float fade = fade_.at<float>(at);
   const auto frame_of = [&](std::int64_t shift) {
     return static_cast<std::uint16_t>(std::clamp<std::int64_t>(frame + shift, 0, clip_frames_ - 1));
   };
+  // The last rung that has come near; what lies before the window's first is that rung's own run.
+  std::size_t k = rungs.size() - 1;
+  float since = 0;
+  for (;; --k) {
+    since = static_cast<float>(frame - rungs[k].start) - rungs[k].arrival.at<float>(at);
+    if (since > -fade || k == 0) break;
+  }
+  const float later = k == 0 ? 1.0f : tents(since / fade);
+  moment.add(frame_of(rungs[k].to), share * later);
+  moment.add(frame_of(rungs[k].from), share * (1 - later));
+}
+
+void Moments::at(std::int64_t frame, std::vector<Moment>& out) {
+  for (std::size_t i = 0; i < orders_.size(); ++i) rungs_of(i, frame);
+  out.resize(fade_.total());
   tbb::parallel_for(0, fade_.rows, [&](int y) {
     for (int x = 0; x < fade_.cols; ++x) {
-      const std::vector<Rung>& rungs = rungs_[arrivals_->stream.at<std::uint8_t>(y, x)];
-      const float fade = fade_.at<float>(y, x);
+      const cv::Point at(x, y);
       Moment& moment = out[static_cast<std::size_t>(y) * static_cast<std::size_t>(fade_.cols) +
                            static_cast<std::size_t>(x)];
-      // The last rung that has come near; what lies before the window's first is that rung's own run.
-      std::size_t k = rungs.size() - 1;
-      float since = 0;
-      for (;; --k) {
-        since = static_cast<float>(frame - rungs[k].start) - rungs[k].arrival.at<float>(y, x);
-        if (since > -fade || k == 0) break;
-      }
-      moment.from = frame_of(rungs[k].from);
-      moment.to = frame_of(rungs[k].to);
-      moment.weight = k == 0 ? 1.0f : tents(since / fade);
+      moment = Moment{};
+      const float share = arrivals_->share.at<float>(at);
+      add(arrivals_->stream.at<std::uint8_t>(at), at, frame, 1 - share, moment);
+      if (share > 0) add(arrivals_->neighbour.at<std::uint8_t>(at), at, frame, share, moment);
     }
   });
 }

@@ -1,6 +1,7 @@
 // synth/flowlines/moments.h — which frames of the clip each place of an output frame shows.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <deque>
 #include <optional>
@@ -14,10 +15,24 @@
 
 namespace freshet::synth::flowlines {
 
-/// A place shows frame `from`, and behind a rung `to`, between them both.
+/// What a place shows: frames of the clip and their weights, which sum to 1. One between rungs; two where a rung goes
+/// by; as many of a neighbouring stream where the two meet.
 struct Moment {
-  std::uint16_t from = 0, to = 0;  // frames of the clip
-  float weight = 0;                // of `to`, 0..1
+  std::array<std::uint16_t, 4> frame{};
+  std::array<float, 4> weight{};
+  int count = 0;
+
+  void add(std::uint16_t of, float share) {
+    if (share <= 0) return;
+    for (int i = 0; i < count; ++i)
+      if (frame[static_cast<std::size_t>(i)] == of) {
+        weight[static_cast<std::size_t>(i)] += share;
+        return;
+      }
+    frame[static_cast<std::size_t>(count)] = of;
+    weight[static_cast<std::size_t>(count++)] = share;
+  }
+  bool same_frames(const Moment& other) const { return count == other.count && frame == other.frame; }
 };
 
 /// The runs of one stream, in a window that moves on: no memory of what is over.
@@ -62,6 +77,7 @@ class Moments {
     cv::Mat arrival;                // CV_32F, of that run
   };
   void rungs_of(std::size_t stream, std::int64_t frame);
+  void add(std::size_t stream, cv::Point at, std::int64_t frame, float share, Moment& moment) const;
 
   const Arrivals* arrivals_;
   cv::Mat fade_;

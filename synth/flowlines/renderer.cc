@@ -8,13 +8,21 @@
 
 namespace freshet::synth::flowlines {
 
-cv::Vec3f mixed(const cv::Vec3f& a, const cv::Vec3f& b, float weight, const cv::Vec3f& mean,
+cv::Vec3f mixed(const std::array<cv::Vec3f, 4>& values, const Moment& moment, const cv::Vec3f& mean,
                 const RenderOptions& options) {
-  const float of_a = 1 - weight;
-  if (options.mixing == Mixing::kFeather) return a * of_a + b * weight;
+  if (moment.count == 1) return values[0];
+  const bool keeps = options.mixing == Mixing::kContrast;
+  cv::Vec3f sum(0, 0, 0);
+  float squares = 0;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(moment.count); ++i) {
+    const float weight = moment.weight[i];
+    sum += (keeps ? values[i] - mean : values[i]) * weight;
+    squares += weight * weight;
+  }
+  if (!keeps) return sum;
   const auto like = static_cast<float>(options.likeness);
-  const float gain = 1 / std::sqrt(of_a * of_a + weight * weight + 2 * like * of_a * weight);
-  return mean + ((a - mean) * of_a + (b - mean) * weight) * gain;
+  // Weights sum to 1: so 1 - squares is what the pairs of unlike frames have.
+  return mean + sum * (1 / std::sqrt(squares + like * (1 - squares)));
 }
 
 Renderer::Renderer(const std::vector<cv::Mat>& frames, cv::Size working, const RenderOptions& options)
@@ -40,32 +48,32 @@ void Renderer::row(const std::vector<Moment>& moments, int y, cv::Mat& out) cons
   const Moment* low = &moments[static_cast<std::size_t>(y1) * static_cast<std::size_t>(working_.width)];
   auto* to = out.ptr<cv::Vec3b>(y);
   const auto* mean = mean_.ptr<cv::Vec3f>(y);
+  std::array<cv::Vec3f, 4> values;
   for (int x = 0; x < out.cols; ++x) {
     const float wx = std::clamp((static_cast<float>(x) + 0.5f) * along - 0.5f, 0.0f,
                                 static_cast<float>(working_.width - 1));
     const int x0 = static_cast<int>(wx), x1 = std::min(x0 + 1, working_.width - 1);
     const Moment& near =
         (wy - static_cast<float>(y0) < 0.5f ? top : low)[wx - static_cast<float>(x0) < 0.5f ? x0 : x1];
-    float weight = near.weight;
+    if (near.count == 1) {
+      to[x] = (*frames_)[near.frame[0]].at<cv::Vec3b>(y, x);
+      continue;
+    }
+    Moment moment = near;
     if (!same) {
-      // Weights lie smoothly between the working picture's pixels, where those speak of the same two frames.
+      // Weights lie smoothly between the working picture's pixels, where those speak of the same frames.
       const float fx = wx - static_cast<float>(x0), fy = wy - static_cast<float>(y0);
-      const auto of = [&](const Moment& other) {
-        return other.from == near.from && other.to == near.to ? other.weight : near.weight;
+      const auto of = [&](const Moment& other, std::size_t i) {
+        return other.same_frames(near) ? other.weight[i] : near.weight[i];
       };
-      weight = (of(top[x0]) * (1 - fx) + of(top[x1]) * fx) * (1 - fy) +
-               (of(low[x0]) * (1 - fx) + of(low[x1]) * fx) * fy;
+      for (std::size_t i = 0; i < static_cast<std::size_t>(near.count); ++i)
+        moment.weight[i] = (of(top[x0], i) * (1 - fx) + of(top[x1], i) * fx) * (1 - fy) +
+                           (of(low[x0], i) * (1 - fx) + of(low[x1], i) * fx) * fy;
     }
-    if (weight >= 1 || near.from == near.to) {
-      to[x] = (*frames_)[near.to].at<cv::Vec3b>(y, x);
-    } else if (weight <= 0) {
-      to[x] = (*frames_)[near.from].at<cv::Vec3b>(y, x);
-    } else {
-      const cv::Vec3b a = (*frames_)[near.from].at<cv::Vec3b>(y, x);
-      const cv::Vec3b b = (*frames_)[near.to].at<cv::Vec3b>(y, x);
-      const cv::Vec3f value = mixed(a, b, weight, mean[x], options_);
-      for (int c = 0; c < 3; ++c) to[x][c] = cv::saturate_cast<std::uint8_t>(value[c]);
-    }
+    for (std::size_t i = 0; i < static_cast<std::size_t>(near.count); ++i)
+      values[i] = (*frames_)[near.frame[i]].at<cv::Vec3b>(y, x);
+    const cv::Vec3f value = mixed(values, moment, mean[x], options_);
+    for (int c = 0; c < 3; ++c) to[x][c] = cv::saturate_cast<std::uint8_t>(value[c]);
   }
 }
 

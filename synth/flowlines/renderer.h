@@ -1,6 +1,7 @@
 // synth/flowlines/renderer.h — output frames from a clip's frames and the moments that each place shows.
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include <opencv2/core.hpp>
@@ -41,8 +42,8 @@ class Renderer {
   cv::Mat mean_;
 };
 
-/// One pixel of two moments, BGR 0..255. weight: of b.
-cv::Vec3f mixed(const cv::Vec3f& a, const cv::Vec3f& b, float weight, const cv::Vec3f& mean,
+/// Values of a moment's frames, BGR 0..255, mixed.
+cv::Vec3f mixed(const std::array<cv::Vec3f, 4>& values, const Moment& moment, const cv::Vec3f& mean,
                 const RenderOptions& options);
 
 }  // namespace freshet::synth::flowlines

@@ -28,7 +28,8 @@ double unit_of(const cv::Mat& cost) {
   return count > 0 && sum > 0 ? sum / count : 1;
 }
 
-constexpr double kForgotten = 0.985;  // a frame: a half-life of 46 frames
+constexpr double kForgotten = 0.75;  // a jump's use, by each jump after it
+constexpr int kLike = 2;             // frames between jumps that look the same
 
 }  // namespace
 
@@ -36,7 +37,7 @@ Repeats::Repeats(const cv::Mat& cost, const RepeatOptions& options)
     : cost_(cost),
       options_(options),
       unit_(unit_of(cost)),
-      shown_(static_cast<std::size_t>(cost.cols), 0.0),
+      used_(cost.size(), CV_32F, cv::Scalar(0)),
       random_(options.seed * 0x100000001b3u) {}
 
 double Repeats::chance() { return drawn(random_++); }
@@ -46,13 +47,6 @@ Run Repeats::next() {
   Run run{.start = start_, .first = first_, .length = 0};
   double least = std::numeric_limits<double>::max();
   int next = 0;
-  // How fresh a run would be that begins at b: by what it shows at least.
-  std::vector<double> stale(static_cast<std::size_t>(entries), 0.0);
-  for (int b = 0; b + options_.min_run <= entries; ++b) {
-    for (int k = 0; k < options_.min_run; ++k)
-      stale[static_cast<std::size_t>(b)] += shown_[static_cast<std::size_t>(b + k)];
-    stale[static_cast<std::size_t>(b)] /= options_.min_run;
-  }
   double jump = 0;
   // Runs that begin all but together are the same to the eye.
   const int apart = std::max(1, std::min(entries / 8, entries - 2 * options_.min_run));
@@ -60,20 +54,23 @@ Run Repeats::next() {
     for (int b = 0; b + options_.min_run <= entries; ++b) {
       if (std::abs(b - first_) < apart || std::abs(b - end) < 2) continue;
       // A longer run puts the jump off, and has its cost for more frames; but the longest one again and again is a
-      // loop: the root.
+      // loop: a small power.
       const auto cost = static_cast<double>(cost_.at<float>(end, b));
-      const double price = (cost + unit_ * (options_.freshness * stale[static_cast<std::size_t>(b)] +
-                                            options_.chance * chance())) *
-                           std::sqrt(entries / static_cast<double>(end - first_));
+      const double price =
+          (cost + unit_ * (options_.freshness * static_cast<double>(used_.at<float>(end, b)) +
+                           options_.chance * chance())) *
+          std::pow(entries / static_cast<double>(end - first_), 0.3);
       if (price >= least) continue;
       least = price;
       run.length = end - first_;
       next = b;
       jump = cost;
     }
-  const double faded = std::pow(kForgotten, run.length);
-  for (double& value : shown_) value *= faded;
-  for (int k = 0; k < run.length; ++k) shown_[static_cast<std::size_t>(first_ + k)] += 1;
+  used_ *= kForgotten;
+  for (int a = std::max(0, first_ + run.length - kLike); a <= std::min(entries, first_ + run.length + kLike);
+       ++a)
+    for (int b = std::max(0, next - kLike); b <= std::min(entries - 1, next + kLike); ++b)
+      used_.at<float>(a, b) += 1;
   start_ += run.length;
   first_ = next;
   jump_ = jump_to_come_;

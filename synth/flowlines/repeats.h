@@ -20,7 +20,7 @@ struct RepeatOptions {
   int min_run = 6;  // frames: a run is at least as long
   double freshness =
       0.5;              // weight of what was not shown of late, in units of a mean jump's cost; 0: cost alone
-  double chance = 0.5;  // weight of chance, in the same units: so that the order does not come again
+  double chance = 0.3;  // weight of chance, in the same units: so that the order does not come again
   std::uint64_t seed = 1;
 };
 
@@ -44,7 +44,7 @@ class Repeats {
   cv::Mat cost_;
   RepeatOptions options_;
   double unit_ = 1;
-  std::vector<double> shown_;  // by entry: how much of late
+  cv::Mat used_;  // as cost: how often of late a jump like this was made
   std::uint64_t random_;
   std::int64_t start_ = 0;
   int first_ = 0;  // of the run to come
