@@ -99,6 +99,19 @@ flowlines::FlowlinesOptions options_of(const FlowlinesCommand& command, const fl
   return options;
 }
 
+/// A frame in the form that the output asks for. alpha   CV_32F: what of it is fluid.
+cv::Mat formed(const cv::Mat& frame, const cv::Mat& alpha, synth::animate::FrameForm form, bool alone) {
+  if (form == synth::animate::FrameForm::kWhole) return frame;
+  cv::Mat out(frame.size(), CV_32FC4);
+  for (int y = 0; y < frame.rows; ++y)
+    for (int x = 0; x < frame.cols; ++x) {
+      const float covered = alone ? alpha.at<float>(y, x) : 1.0f;
+      const cv::Vec3f colour = cv::Vec3f(frame.at<cv::Vec3b>(y, x)) * (covered / 255);
+      out.at<cv::Vec4f>(y, x) = {colour[0], colour[1], colour[2], covered};
+    }
+  return out;
+}
+
 std::string summary(const flowlines::FlowlinesReport& report, double fps) {
   return fmt::format(
       "{} lines in {} stream{}, {} dynamics (speeds of their own explain {:.0f} % more); {} entries repeat, "
@@ -151,6 +164,10 @@ void run_flowlines(FlowlinesCommand& command, RunContext& context) {
   frame_options.fps = fps;
   // The output first: a mistyped folder should not cost the preparation.
   const std::unique_ptr<AnimationFiles> output = command.output.open(loaded, frame_options);
+  if (frame_options.motion_sink)
+    throw Error(ErrorKind::kUsage, "--motion-out",
+                "flow lines play the clip's own frames, whose motion is not kept",
+                "Leave it out, or ingest the result: a store keeps its flow");
 
   Progress progress;
   flowlines::Flowlines engine(footage, options_of(command, footage), {progress.callback(), context.stop});
@@ -165,6 +182,7 @@ void run_flowlines(FlowlinesCommand& command, RunContext& context) {
   synth::animate::FrameSheet sheet(
       loaded.picture, loaded.matte, command.frames,
       {.fps = fps, .first_number = command.output.first_number(), .shown = 8, .width_px = 480});
+  const cv::Mat fluid = engine.fluid();
   double render_s = 0;
   for (int i = 0; i < command.frames; ++i) {
     if (context.stop.stop_requested()) throw Error(ErrorKind::kCancelled, "flowlines", "stopped");
@@ -173,7 +191,8 @@ void run_flowlines(FlowlinesCommand& command, RunContext& context) {
     const Stopwatch watch;
     const cv::Mat& frame = engine.next();
     render_s += watch.seconds();
-    sheet.add(output->write(frame));
+    if (frame_options.matte_sink) frame_options.matte_sink(fluid);
+    sheet.add(output->write(formed(frame, fluid, frame_options.form, command.output.fluid_alone())));
   }
   output->finish();
   progress.finish();

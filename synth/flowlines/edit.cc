@@ -102,6 +102,7 @@ class Shown {
                const std::vector<Overlap>& at_places, bool first, Correspondence correspondence) const {
     const int width = static_cast<int>(at_places.size());
     cv::Mat out(static_cast<int>(inputs.size()), width * static_cast<int>(frames_.size()), CV_8UC3);
+    if (width == 0) return out;  // the two lines lie apart
     tbb::parallel_for(0, out.rows, [&](int y) {
       const FlowLine& input = inputs[static_cast<std::size_t>(y)];
       cv::Mat map(1, width, CV_32FC2), shown;

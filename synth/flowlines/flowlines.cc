@@ -284,6 +284,14 @@ const std::vector<FlowLine>& Flowlines::lines() const { return impl_->lines; }
 const std::vector<EditedLine>& Flowlines::edited() const { return impl_->edited; }
 const cv::Mat& Flowlines::matte() const { return impl_->matte; }
 
+cv::Mat Flowlines::fluid() const {
+  if (impl_->view) return impl_->view->alpha();
+  cv::Mat soft;
+  cv::GaussianBlur(impl_->matte, soft, cv::Size(), std::max(1.0, impl_->report.patch_px / 12));
+  soft.convertTo(soft, CV_32F, 1.0 / 255);
+  return soft;
+}
+
 const cv::Mat& Flowlines::next() {
   impl_->moments->at(impl_->frame++, impl_->moment);
   impl_->renderer->render(impl_->moment, impl_->out);

@@ -81,6 +81,8 @@ class Flowlines {
   const std::vector<EditedLine>& edited() const;
   /// CV_8U, 255 where the clip flows.
   const cv::Mat& matte() const;
+  /// CV_32F, 0..1: what of the output is fluid, softly: the matte, or what the edited lines' patches cover.
+  cv::Mat fluid() const;
   /// The next frame, CV_8UC3, valid until the next call.
   const cv::Mat& next();
 

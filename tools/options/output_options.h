@@ -58,6 +58,8 @@ class OutputOptions {
   std::unique_ptr<AnimationFiles> open(const TargetFiles::Loaded& loaded,
                                        synth::animate::AnimateOptions& options);
   std::int64_t first_number() const { return first_number_; }
+  /// Whether the fluid alone is written, with its alpha.
+  bool fluid_alone() const { return layer_ == "fluid"; }
   /// Of the files written, for the command's last lines.
   std::vector<std::string> files() const;
 
