@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <utility>
 
 #include <tbb/parallel_for.h>
 #include <opencv2/imgproc.hpp>
@@ -72,6 +74,30 @@ void measure_camera(ClipMotion& motion, const cv::Mat& calm) {
   motion.camera_px = sum / static_cast<double>(motion.flows.size());
 }
 
+/// The commonest steady motion: bins of .25 px, three by three together.
+void measure_alike(ClipMotion& motion) {
+  constexpr float kBin = 0.25f, kSteady = 0.8f;
+  std::map<std::pair<int, int>, int> bins;
+  for (int y = 0; y < motion.mean.rows; y += 2)
+    for (int x = 0; x < motion.mean.cols; x += 2) {
+      if (motion.steady.at<float>(y, x) < kSteady) continue;
+      const cv::Vec2f v = motion.mean.at<cv::Vec2f>(y, x);
+      ++bins[{cvRound(v[0] / kBin), cvRound(v[1] / kBin)}];
+    }
+  int most = 0;
+  for (const auto& [bin, own] : bins) {
+    int together = 0;
+    for (int v = -1; v <= 1; ++v)
+      for (int u = -1; u <= 1; ++u)
+        if (const auto found = bins.find({bin.first + u, bin.second + v}); found != bins.end())
+          together += found->second;
+    if (together <= most) continue;
+    most = together;
+    motion.alike_px = kBin * std::hypot(bin.first, bin.second);
+  }
+  motion.alike_share = 4.0 * most / static_cast<double>(motion.mean.total());
+}
+
 }  // namespace
 
 ClipMotion measure_motion(const std::vector<cv::Mat>& luma, const MotionOptions& options, const Job& job) {
@@ -110,6 +136,7 @@ ClipMotion measure_motion(const std::vector<cv::Mat>& luma, const MotionOptions&
   const cv::Mat calm = (motion.speed < 0.5 * percentile(motion.speed, 0.95)) & (motion.matte == 0);
   motion.still_share = cv::countNonZero(calm) / static_cast<double>(calm.total());
   measure_camera(motion, calm);
+  measure_alike(motion);
   return motion;
 }
 

@@ -17,6 +17,9 @@ struct ClipMotion {
   /// What stands still moves so far from a frame to the next, px: mean and largest. A camera on a tripod has less than
   /// .1. Of a picture without anything that stands still: 0.
   double camera_px = 0, camera_max_px = 0;
+  /// Of the picture, the share that goes the same way as fast, steadily, and how fast, px a frame: where nothing stands
+  /// still, a camera that pans.
+  double alike_share = 0, alike_px = 0;
   double still_share = 0;      // of the picture
   std::vector<cv::Mat> flows;  // CV_32FC2, reduced by kFlowStep, frame i to i + 1: first guesses
   static constexpr int kFlowStep = 4;

@@ -21,6 +21,7 @@ constexpr int kWorkingSide = 480;  // px: longer pictures are looked at reduced
 constexpr int kMinFrames = 16;
 constexpr float kMinFade = 1.5f;                            // frames
 constexpr double kCameraPx = 0.35;                          // px a frame of what stands still
+constexpr double kMaxAlike = 0.25;                          // of the picture
 constexpr double kMinStill = 0.02;                          // of the picture, for the camera to be judged by
 constexpr std::array<double, 4> kWays{0.5, 0.4, 0.3, 0.2};  // shares of the frames for particles' ways
 constexpr double kAgainst = 0.5;  // share of a drawn line that may run against the flow
@@ -98,6 +99,14 @@ struct Flowlines::Impl {
                               motion.camera_px / scale, motion.camera_max_px / scale),
                   "Steady the clip first, choose a part in which the camera stands still with --from and "
                   "--input-frames, or go on regardless with --moving-camera");
+    if (motion.still_share < kMinStill && motion.alike_share > kMaxAlike &&
+        motion.alike_px / scale > kCameraPx)
+      throw Error(ErrorKind::kInput, footage.name,
+                  fmt::format("the camera moves: nothing stands still, and {:.0f} % of the picture goes "
+                              "{:.1f} px a frame alike",
+                              100 * motion.alike_share, motion.alike_px / scale),
+                  "Steady the clip first; or go on regardless with --moving-camera, where it is a sky that "
+                  "drifts as one");
     if (motion.still_share < kMinStill)
       report.notices.push_back(
           "nothing in the picture stands still: if that is the camera's motion, steady the clip first");
