@@ -21,6 +21,7 @@ constexpr int kWorkingSide = 480;  // px: longer pictures are looked at reduced
 constexpr int kMinFrames = 16;
 constexpr float kMinFade = 1.5f;                            // frames
 constexpr double kCameraPx = 0.35;                          // px a frame of what stands still
+constexpr double kAllCut = 0.95;                            // share of places too slow to be ridden
 constexpr double kMaxAlike = 0.25;                          // of the picture
 constexpr double kMinStill = 0.02;                          // of the picture, for the camera to be judged by
 constexpr std::array<double, 4> kWays{0.5, 0.4, 0.3, 0.2};  // shares of the frames for particles' ways
@@ -193,6 +194,13 @@ struct Flowlines::Impl {
       arrived = arrivals(working_lines, rides, luma.front().size(), strands(), working_floor, true);
     report.floor_px = static_cast<double>(working_floor) / scale;
     report.cut_share = share_below(rides, working_floor);
+    if (report.cut_share > kAllCut)
+      report.notices.push_back(
+          fmt::format("hardly anything rides to its end: particles would take longer than the {} frames, and "
+                      "runs fade into each "
+                      "other in place. Give more frames of it; what flickers in its place, such as a candle, "
+                      "is no case for flow lines",
+                      footage.count()));
     report.streams = static_cast<int>(arrived.streams.size());
     report.entries = best.front().entries();
     report.way = static_cast<double>(arrived.streams.front().duration);
