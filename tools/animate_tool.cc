@@ -332,6 +332,7 @@ void add_synth(CLI::App& app, RunContext& context) {
   add_transfer(*synth_command, context);
   add_scene(*synth_command, context);
   add_layers(*synth_command, context);
+  add_flowlines(*synth_command, context);
 }
 
 }  // namespace freshet::tools

@@ -18,6 +18,7 @@ void add_simulate(CLI::App& synth_command, RunContext& context);
 void add_scene(CLI::App& synth_command, RunContext& context);
 void add_layers(CLI::App& synth_command, RunContext& context);
 void add_sweep(CLI::App& synth_command, RunContext& context);
+void add_flowlines(CLI::App& synth_command, RunContext& context);
 void add_transfer(CLI::App& synth_command, RunContext& context);
 
 }  // namespace freshet::tools

@@ -62,6 +62,8 @@ class OutputOptions {
                                        synth::animate::AnimateOptions& options);
   std::int64_t first_number() const { return first_number_; }
   const std::string& name() const { return out_; }
+  /// Whether the fluid alone is written, with its alpha.
+  bool fluid_alone() const { return layer_ == "fluid"; }
   /// Of the files written, for the command's last lines.
   std::vector<std::string> files() const;
 

@@ -1,0 +1,325 @@
+// Is a short clip made endless along its flow lines without a seam, without repeating itself and without losing texture;
+// do edited lines lead the fluid where they are drawn; and what does it cost?
+//
+//   bench_flowlines CLIP.. [--seconds 2] [--output-seconds 20] [--width 320] [--json FILE]
+//   bench_flowlines $FRESHET_FOOTAGE/clips/water/{waterfall_dusk_pool,brook_mossy_rocks}.mp4 ...
+//
+// The first seconds of each clip are made 20 s long: by flow lines (feathered as printed, and with contrast kept), by a
+// loop with a cross-fade, by video textures (Schoedl et al. 2000). Columns:
+//   jump max, mean   how much more a 16 px block changes from frame to frame than in 19 of 20 frames of the clip, mean
+//                    over blocks that move: the worst frame, and all of them. 0 is none.
+//   repeats          correlation of frames (less their mean) a lag apart: of all lags from a third of a second to three
+//                    seconds the most alike. 1: it is a loop. The clip's own further frames have what its kind has.
+//   then bench/quality's measures against the clip's further frames, as many again of those being the ceiling.
+// Edits: all lines turned about where they enter, more and more, up to 35 degrees. The flow of what was made is compared
+// with the drawn lines, and its speed with the clip's at the corresponding places, where patches cover all.
+
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+#include <opencv2/core/utility.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "bench/flowlines/video_texture.h"
+#include "bench/harness/machine.h"
+#include "bench/quality/quality_footage.h"
+#include "bench/quality/quality_measures.h"
+#include "freshet/error.h"
+#include "platform/stopwatch.h"
+#include "synth/flowlines/flowlines.h"
+#include "vision/flow.h"
+
+namespace {
+
+using namespace freshet;
+namespace fs = std::filesystem;
+namespace flowlines = synth::flowlines;
+
+constexpr int kBlock = 16;
+
+/// Changes from frame to frame by block: a row a pair.
+cv::Mat changes(const std::vector<cv::Mat>& luma) {
+  const cv::Size blocks(luma.front().cols / kBlock, luma.front().rows / kBlock);
+  cv::Mat out(static_cast<int>(luma.size()) - 1, blocks.area(), CV_32F), difference, reduced;
+  for (int t = 0; t < out.rows; ++t) {
+    cv::absdiff(luma[static_cast<std::size_t>(t)], luma[static_cast<std::size_t>(t) + 1], difference);
+    difference.convertTo(difference, CV_32F);
+    cv::resize(difference, reduced, blocks, 0, 0, cv::INTER_AREA);
+    reduced.reshape(1, 1).copyTo(out.row(t));
+  }
+  return out;
+}
+
+struct Jumps {
+  double worst = 0, mean = 0;
+};
+
+/// Beyond what 19 of 20 changes of the block are in the clip.
+Jumps jumps_of(const cv::Mat& film, const cv::Mat& clip) {
+  std::vector<float> usual(static_cast<std::size_t>(clip.cols));
+  for (int b = 0; b < clip.cols; ++b) {
+    std::vector<float> column;
+    for (int t = 0; t < clip.rows; ++t) column.push_back(clip.at<float>(t, b));
+    std::sort(column.begin(), column.end());
+    usual[static_cast<std::size_t>(b)] = column[column.size() * 19 / 20];
+  }
+  Jumps jumps{};
+  for (int t = 0; t < film.rows; ++t) {
+    double sum = 0;
+    int moving = 0;
+    for (int b = 0; b < film.cols; ++b) {
+      const float most = usual[static_cast<std::size_t>(b)];
+      if (most < 2) continue;  // grey levels: coding noise
+      sum += std::max(0.0f, film.at<float>(t, b) / most - 1);
+      ++moving;
+    }
+    const double here = sum / std::max(1, moving);
+    jumps.worst = std::max(jumps.worst, here);
+    jumps.mean += here / film.rows;
+  }
+  return jumps;
+}
+
+double repetition(const std::vector<cv::Mat>& luma, double fps) {
+  std::vector<cv::Mat> small;
+  cv::Mat mean;
+  for (const cv::Mat& frame : luma) {
+    cv::Mat reduced;
+    cv::resize(frame, reduced, cv::Size(frame.cols / 4, frame.rows / 4), 0, 0, cv::INTER_AREA);
+    reduced.convertTo(reduced, CV_32F);
+    small.push_back(reduced);
+    mean = mean.empty() ? reduced.clone() : cv::Mat(mean + reduced);
+  }
+  mean *= 1.0 / static_cast<double>(small.size());
+  for (cv::Mat& frame : small) frame -= mean;
+  double most = -1;
+  const int last = std::min(static_cast<int>(3 * fps), static_cast<int>(small.size()) / 2);
+  for (int lag = static_cast<int>(fps / 3); lag <= last; ++lag) {
+    double product = 0, squares = 0;
+    for (std::size_t t = 0; t + static_cast<std::size_t>(lag) < small.size(); ++t) {
+      const cv::Mat &a = small[t], &b = small[t + static_cast<std::size_t>(lag)];
+      product += a.dot(b);
+      squares += 0.5 * (a.dot(a) + b.dot(b));
+    }
+    most = std::max(most, product / std::max(1e-9, squares));
+  }
+  return most;
+}
+
+struct Row {
+  std::string name;
+  Jumps jumps{};
+  double repeats = 0;
+  bench::Distance distance{};
+  double prepare_s = 0, frames_per_s = 0;
+};
+
+bench::Film film_of(const std::vector<cv::Mat>& frames, double fps, const bench::Region& region) {
+  const std::vector<cv::Mat> luma = bench::luma_of(frames);
+  return bench::measure(luma, bench::pair_motions(luma), fps, region);
+}
+
+Row judged(const std::string& name, const std::vector<cv::Mat>& frames, const std::vector<cv::Mat>& clip,
+           const bench::Film* truth, std::size_t truth_frames, double fps, const bench::Region& region) {
+  Row row{.name = name};
+  const std::vector<cv::Mat> luma = bench::luma_of(frames);
+  row.jumps = jumps_of(changes(luma), changes(bench::luma_of(clip)));
+  row.repeats = repetition(luma, fps);
+  if (truth != nullptr) {
+    // From the middle: rungs of every kind have gone by.
+    const std::size_t from = (frames.size() - truth_frames) / 2;
+    const std::vector<cv::Mat> part(frames.begin() + static_cast<std::ptrdiff_t>(from),
+                                    frames.begin() + static_cast<std::ptrdiff_t>(from + truth_frames));
+    row.distance = bench::compare(film_of(part, fps, region), *truth, region);
+  }
+  return row;
+}
+
+std::vector<cv::Mat> endless(const flowlines::Footage& footage, const flowlines::FlowlinesOptions& options,
+                             int frames, Row& cost) {
+  const Stopwatch watch;
+  flowlines::Flowlines engine(footage, options);
+  cost.prepare_s = watch.seconds();
+  std::vector<cv::Mat> out;
+  double seconds = 0;
+  for (int t = 0; t < frames; ++t) {
+    const Stopwatch one;
+    const cv::Mat& frame = engine.next();
+    seconds += one.seconds();
+    out.push_back(frame.clone());
+  }
+  cost.frames_per_s = frames / seconds;
+  return out;
+}
+
+/// How well the fluid follows turned lines: degrees, and |log2| of the ratio of speeds.
+struct Followed {
+  double degrees = 0, speed = 0;
+  int places = 0;
+};
+
+cv::Mat mean_flow(const std::vector<cv::Mat>& frames) {
+  const std::vector<cv::Mat> luma = bench::luma_of(frames);
+  cv::Mat sum(luma.front().size(), CV_32FC2, cv::Scalar::all(0));
+  for (std::size_t t = 0; t + 1 < luma.size(); ++t) sum += vision::optical_flow(luma[t], luma[t + 1]);
+  sum *= 1.0 / static_cast<double>(luma.size() - 1);
+  return sum;
+}
+
+Followed followed(const flowlines::Footage& footage, const flowlines::FlowlinesOptions& found) {
+  flowlines::FlowlinesOptions options = found;
+  flowlines::Flowlines as_it_is(footage, options);
+  options.lines = as_it_is.lines();
+  for (const flowlines::FlowLine& line : options.lines) {
+    std::vector<cv::Point2f> chain;
+    const cv::Point2f first = line.points.front();
+    for (int s = 0; s < line.samples(); ++s) {
+      const double angle = 35 * std::numbers::pi / 180 * s / std::max(60, line.samples());
+      const cv::Point2f way = line.points[static_cast<std::size_t>(s)] - first;
+      const auto c = static_cast<float>(std::cos(angle)), n = static_cast<float>(std::sin(angle));
+      chain.push_back(first + cv::Point2f(c * way.x - n * way.y, n * way.x + c * way.y));
+    }
+    options.edited.push_back(flowlines::evenly(chain, line.name));
+  }
+  flowlines::Flowlines engine(footage, options);
+  std::vector<cv::Mat> out;
+  for (int t = 0; t < 100; ++t) out.push_back(engine.next().clone());
+  const cv::Mat made = mean_flow(out), was = mean_flow(footage.frames);
+  Followed result;
+  const cv::Rect inside(8, 8, made.cols - 16, made.rows - 16);
+  double weight = 0;
+  for (std::size_t i = 0; i < options.edited.size(); ++i) {
+    const flowlines::FlowLine &edited = options.edited[i], &input = options.lines[i];
+    for (int s = 12; s + 12 < edited.samples(); s += 4) {
+      const cv::Point here(edited.points[static_cast<std::size_t>(s)]);
+      const cv::Point there(flowlines::at(input, static_cast<float>(s)));
+      if (!inside.contains(here) || !inside.contains(there)) continue;
+      const cv::Point2f way = flowlines::tangent(edited, s), before = flowlines::tangent(input, s);
+      const cv::Vec2f v = made.at<cv::Vec2f>(here), u = was.at<cv::Vec2f>(there);
+      const double along = cv::Point2f(u[0], u[1]).dot(before), speed = std::hypot(v[0], v[1]);
+      if (along < 0.5) continue;  // px a frame: slower has no direction worth measuring
+      const double cosine = cv::Point2f(v[0], v[1]).dot(way) / std::max(1e-6, speed);
+      result.degrees += along * std::acos(std::clamp(cosine, -1.0, 1.0)) * 180 / std::numbers::pi;
+      result.speed += along * std::abs(std::log2(std::max(0.05, speed) / std::hypot(u[0], u[1])));
+      weight += along;
+      ++result.places;
+    }
+  }
+  result.degrees /= std::max(1e-9, weight);
+  result.speed /= std::max(1e-9, weight);
+  return result;
+}
+
+void print(const Row& row) {
+  const bench::Distance& d = row.distance;
+  fmt::print("  {:<22}{:9.2f}{:9.3f}{:9.2f} |{:8.2f}{:9.2f}{:8.1f}{:8.2f}{:8.2f}{:8.3f}", row.name,
+             row.jumps.worst, row.jumps.mean, row.repeats, d.texture, d.contrast, d.spectrum_db, d.angle_deg,
+             d.pace, d.ssim);
+  if (row.frames_per_s > 0)
+    fmt::print(" | prepared {:.1f} s, {:.0f} frames/s", row.prepare_s, row.frames_per_s);
+  fmt::print("\n");
+}
+
+nlohmann::json json_of(const Row& row) {
+  const bench::Distance& d = row.distance;
+  return {{"name", row.name},
+          {"jump_max", row.jumps.worst},
+          {"jump_mean", row.jumps.mean},
+          {"repeats", row.repeats},
+          {"texture", d.texture},
+          {"contrast", d.contrast},
+          {"spectrum_db", d.spectrum_db},
+          {"angle_deg", d.angle_deg},
+          {"pace", d.pace},
+          {"ssim", d.ssim},
+          {"prepare_s", row.prepare_s},
+          {"frames_per_s", row.frames_per_s}};
+}
+
+nlohmann::json run(const std::string& path, double seconds, double output_seconds, int width) {
+  double fps = 25;
+  const std::vector<cv::Mat> all = bench::read_video(path, width, &fps);
+  const auto count = std::min(all.size(), static_cast<std::size_t>(std::lround(seconds * fps)));
+  flowlines::Footage footage{
+      .name = path, .frames = {all.begin(), all.begin() + static_cast<std::ptrdiff_t>(count)}, .fps = fps};
+  const int frames = static_cast<int>(output_seconds * fps);
+  const std::size_t further = std::min<std::size_t>(count, (all.size() - count) / 2);
+  fmt::print("{} ({} x {}, {} frames of {:.1f} s)\n", fs::path(path).stem().string(), all.front().cols,
+             all.front().rows, count, static_cast<double>(count) / fps);
+  fmt::print("  {:<22}{:>9}{:>9}{:>9} |{:>8}{:>9}{:>8}{:>8}{:>8}{:>8}\n", "", "jump max", "mean", "repeats",
+             "texture", "contrast", "dB", "angle", "pace", "ssim");
+  nlohmann::json rows = nlohmann::json::array();
+  flowlines::FlowlinesOptions options;
+  Row cost;
+  const std::vector<cv::Mat> kept = endless(footage, options, frames, cost);
+  flowlines::Flowlines once(footage, options);
+  const bench::Region region{.matte = once.matte(), .border = {0, 0}};
+  bench::Film truth, other;
+  const bool judges = further >= 16;
+  const auto part = [&](std::size_t from) {
+    return std::vector<cv::Mat>(all.begin() + static_cast<std::ptrdiff_t>(from),
+                                all.begin() + static_cast<std::ptrdiff_t>(from + further));
+  };
+  if (judges) truth = film_of(part(count), fps, region);
+  const auto add = [&](const std::string& name, const std::vector<cv::Mat>& film, const Row& costs) {
+    Row row = judged(name, film, footage.frames, judges ? &truth : nullptr, further, fps, region);
+    row.prepare_s = costs.prepare_s;
+    row.frames_per_s = costs.frames_per_s;
+    print(row);
+    rows.push_back(json_of(row));
+  };
+  add("flow lines", kept, cost);
+  options.render.mixing = flowlines::Mixing::kFeather;
+  const std::vector<cv::Mat> feathered = endless(footage, options, frames, cost);
+  add("flow lines, as printed", feathered, cost);
+  add("loop with a cross-fade", bench::fading_loop(footage.frames, 8, frames), {});
+  add("video textures", bench::video_texture(footage.frames, frames), {});
+  if (judges) add("the clip goes on", part(count + further), {});
+  const Followed led = followed(footage, {});
+  fmt::print("  turned by up to 35 degrees: {:.1f} degrees, {:.2f} log2 of speed, over {} places\n",
+             led.degrees, led.speed, led.places);
+  return {{"clip", path},
+          {"rows", rows},
+          {"edited", {{"degrees", led.degrees}, {"speed_log2", led.speed}, {"places", led.places}}}};
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app("Endless and edited clips along flow lines, beside a loop and video textures");
+  std::vector<std::string> clips;
+  double seconds = 2, output_seconds = 20;
+  int width = 320;
+  std::string json;
+  app.add_option("CLIP", clips, "Clips from a camera that stands still")
+      ->required()
+      ->check(CLI::ExistingFile);
+  app.add_option("--seconds", seconds, "Of the clip that are made endless")->capture_default_str();
+  app.add_option("--output-seconds", output_seconds, "That are made")->capture_default_str();
+  app.add_option("--width", width, "Longer side to which clips are reduced, px")->capture_default_str();
+  app.add_option("--json", json, "Also write the figures here");
+  CLI11_PARSE(app, argc, argv);
+  cv::setNumThreads(1);
+  fmt::print("{}\n", bench::to_string(bench::this_machine()));
+  nlohmann::json report{{"machine", bench::to_json(bench::this_machine())},
+                        {"clips", nlohmann::json::array()}};
+  for (const std::string& clip : clips) {
+    try {
+      report["clips"].push_back(run(clip, seconds, output_seconds, width));
+    } catch (const freshet::Error& error) {
+      fmt::print("  refused: {}\n", error.what());
+    }
+  }
+  fmt::print("peak memory {} MB\n", bench::peak_bytes() >> 20);
+  if (!json.empty()) std::ofstream(json) << report.dump(2) << "\n";
+  return 0;
+}

@@ -1,0 +1,58 @@
+// synth/flowlines/edit.h — edited lines made dense, and each given the input line whose texture it shows.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <opencv2/core.hpp>
+
+#include "synth/flowlines/flow_line.h"
+
+namespace freshet::synth::flowlines {
+
+enum class Correspondence {
+  kEqual,      // points at equal arc lengths correspond: texture keeps its size, and its speed
+  kStretched,  // the input line's whole length goes onto the edited line's
+};
+
+struct EditOptions {
+  Correspondence correspondence = Correspondence::kEqual;
+  double patch_px = 24, spacing_px = 12;
+  /// Consecutive lines are joined by interpolated ones where they are nowhere further apart, px; 0: 4 patches.
+  double join_px = 0;
+  int frames = 30;  // over which overlap errors are averaged (Sec. 4: 30)
+};
+
+/// One of the dense edited lines.
+struct EditedLine {
+  FlowLine line;      // px of the clip's frames
+  int input = -1;     // index of the input line
+  bool drawn = true;  // not interpolated
+};
+
+/// Input's arc length at an edited line's.
+float input_arc(const EditedLine& edited, const FlowLine& input, float arc, Correspondence correspondence);
+
+/// An edited line is a copy of the input line that it is named after: "fall", or "fall-2" where there are several
+/// (what a drawing program makes of the id of a copied path).
+/// inputs    their names.
+/// where     names the file in errors.
+/// Returns   by edited line the input's index.
+/// Throws    Error{kInput} naming the first edited line that has no partner, and some of the names there are.
+std::vector<int> partners(const std::vector<FlowLine>& inputs, const std::vector<FlowLine>& edited,
+                          const std::string& where);
+
+/// The input lines, and behind them those that join consecutive ones: what interpolated edited lines choose from.
+std::vector<FlowLine> dense_inputs(const std::vector<FlowLine>& inputs, const EditOptions& options);
+
+/// The dense set: drawn lines with those interpolated between consecutive ones, and input lines for the latter by
+/// pair_lines.
+/// inputs   dense. partner   of the drawn ones.
+/// frames   CV_8UC3, at least one: of which some are compared.
+/// Source   Bhat et al. 2004, Sec. 4, Figs. 6 and 7.
+/// Cost     inputs^2 x samples of a line / 9 x frames for each interpolated line. All threads, same result.
+std::vector<EditedLine> densify(const std::vector<FlowLine>& inputs, const std::vector<FlowLine>& drawn,
+                                const std::vector<int>& partner, const std::vector<cv::Mat>& frames,
+                                const EditOptions& options);
+
+}  // namespace freshet::synth::flowlines

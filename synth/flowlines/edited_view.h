@@ -1,0 +1,73 @@
+// synth/flowlines/edited_view.h — the fluid along edited lines, over what lies behind it.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include <opencv2/core.hpp>
+
+#include "synth/flowlines/edit.h"
+#include "synth/flowlines/moments.h"
+#include "synth/flowlines/renderer.h"
+
+namespace freshet::synth::flowlines {
+
+/// What the fluid stands on, where it is seen through.
+enum class Ground {
+  kNone,   // it is opaque
+  kBlack,  // fire, light on black: alpha is the brightest channel
+  kWhite,  // smoke, dark on white
+};
+
+struct EditedViewOptions {
+  Correspondence correspondence = Correspondence::kEqual;
+  double patch_px = 24;
+  Ground ground = Ground::kNone;
+  /// CV_8UC3, the frames' size: what lies behind fluid that is taken away. Empty: guessed; on a ground the darkest (or
+  /// the brightest) that each place ever was, else filled in from around.
+  cv::Mat background{};
+  /// Everything but the edited fluid is the background, not the clip.
+  bool on_background = false;
+  RenderOptions render{};
+};
+
+/// Pixels that edited lines' patches cover show the clip at corresponding places: at the same arc length, or the share
+/// of it, and as far across; so textures turn with the tangent. Neighbouring lines' patches overlap and are feathered:
+/// a pixel's weight falls from a patch's middle to 0 at its edges. (The paper's words, "inversely proportional to its
+/// distance to the edges of the overlapping region", taken literally, would be greatest at the edge, where the
+/// patch ends.)
+///
+/// Where the clip's fluid was and no edited line leads, it is taken away; where neither was, the clip goes on.
+///
+/// Source  Bhat et al. 2004, Sec. 4, Fig. 4; the paper draws over the clip and takes nothing away.
+class EditedView {
+ public:
+  /// frames    CV_8UC3; kept by reference.
+  /// working   px of the picture that moments are given for.
+  /// matte     CV_8U, the frames' size: what of the clip is fluid.
+  EditedView(const std::vector<cv::Mat>& frames, cv::Size working, const std::vector<FlowLine>& inputs,
+             const std::vector<EditedLine>& lines, const cv::Mat& matte, const cv::Mat& mean,
+             const EditedViewOptions& options);
+
+  /// Draws over a frame of the endless clip, CV_8UC3. All threads; the same for any number.
+  void render(const std::vector<Moment>& moments, cv::Mat& frame) const;
+  /// CV_32F, 0..1: how far each pixel shows edited fluid.
+  const cv::Mat& alpha() const { return alpha_; }
+
+ private:
+  struct Source {
+    float x, y;  // px of the clip
+    float weight;
+  };
+  void cover(const std::vector<FlowLine>& inputs, const std::vector<EditedLine>& lines, const cv::Mat& matte);
+  cv::Vec4f fluid(const std::vector<Moment>& moments, std::size_t first, std::size_t last) const;
+
+  const std::vector<cv::Mat>* frames_;
+  cv::Size working_;
+  EditedViewOptions options_;
+  cv::Mat mean_, alpha_, removed_, behind_;
+  std::vector<std::uint32_t> first_;  // by pixel, and one more
+  std::vector<Source> sources_;
+};
+
+}  // namespace freshet::synth::flowlines

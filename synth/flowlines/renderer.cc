@@ -1,0 +1,80 @@
+#include "synth/flowlines/renderer.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <tbb/parallel_for.h>
+#include <opencv2/imgproc.hpp>
+
+namespace freshet::synth::flowlines {
+
+cv::Vec3f mixed(const std::array<cv::Vec3f, 4>& values, const Moment& moment, const cv::Vec3f& mean,
+                const RenderOptions& options) {
+  if (moment.count == 1) return values[0];
+  const bool keeps = options.mixing == Mixing::kContrast;
+  cv::Vec3f sum(0, 0, 0);
+  float squares = 0;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(moment.count); ++i) {
+    const float weight = moment.weight[i];
+    sum += (keeps ? values[i] - mean : values[i]) * weight;
+    squares += weight * weight;
+  }
+  if (!keeps) return sum;
+  const auto like = static_cast<float>(options.likeness);
+  // Weights sum to 1: so 1 - squares is what the pairs of unlike frames have.
+  return mean + sum * (1 / std::sqrt(squares + like * (1 - squares)));
+}
+
+Renderer::Renderer(const std::vector<cv::Mat>& frames, cv::Size working, const RenderOptions& options)
+    : frames_(&frames), working_(working), options_(options) {
+  mean_ = cv::Mat(frames.front().size(), CV_32FC3, cv::Scalar::all(0));
+  for (const cv::Mat& frame : frames) cv::accumulate(frame, mean_);
+  mean_ *= 1.0 / static_cast<double>(frames.size());
+}
+
+void Renderer::render(const std::vector<Moment>& moments, cv::Mat& out) const {
+  out.create(frames_->front().size(), CV_8UC3);
+  tbb::parallel_for(0, out.rows, [&](int y) { row(moments, y, out); });
+}
+
+void Renderer::row(const std::vector<Moment>& moments, int y, cv::Mat& out) const {
+  const float down = static_cast<float>(working_.height) / static_cast<float>(out.rows);
+  const float along = static_cast<float>(working_.width) / static_cast<float>(out.cols);
+  const bool same = working_ == out.size();
+  const float wy =
+      std::clamp((static_cast<float>(y) + 0.5f) * down - 0.5f, 0.0f, static_cast<float>(working_.height - 1));
+  const int y0 = static_cast<int>(wy), y1 = std::min(y0 + 1, working_.height - 1);
+  const Moment* top = &moments[static_cast<std::size_t>(y0) * static_cast<std::size_t>(working_.width)];
+  const Moment* low = &moments[static_cast<std::size_t>(y1) * static_cast<std::size_t>(working_.width)];
+  auto* to = out.ptr<cv::Vec3b>(y);
+  const auto* mean = mean_.ptr<cv::Vec3f>(y);
+  std::array<cv::Vec3f, 4> values;
+  for (int x = 0; x < out.cols; ++x) {
+    const float wx = std::clamp((static_cast<float>(x) + 0.5f) * along - 0.5f, 0.0f,
+                                static_cast<float>(working_.width - 1));
+    const int x0 = static_cast<int>(wx), x1 = std::min(x0 + 1, working_.width - 1);
+    const Moment& near =
+        (wy - static_cast<float>(y0) < 0.5f ? top : low)[wx - static_cast<float>(x0) < 0.5f ? x0 : x1];
+    if (near.count == 1) {
+      to[x] = (*frames_)[near.frame[0]].at<cv::Vec3b>(y, x);
+      continue;
+    }
+    Moment moment = near;
+    if (!same) {
+      // Weights lie smoothly between the working picture's pixels, where those speak of the same frames.
+      const float fx = wx - static_cast<float>(x0), fy = wy - static_cast<float>(y0);
+      const auto of = [&](const Moment& other, std::size_t i) {
+        return other.same_frames(near) ? other.weight[i] : near.weight[i];
+      };
+      for (std::size_t i = 0; i < static_cast<std::size_t>(near.count); ++i)
+        moment.weight[i] = (of(top[x0], i) * (1 - fx) + of(top[x1], i) * fx) * (1 - fy) +
+                           (of(low[x0], i) * (1 - fx) + of(low[x1], i) * fx) * fy;
+    }
+    for (std::size_t i = 0; i < static_cast<std::size_t>(near.count); ++i)
+      values[i] = (*frames_)[near.frame[i]].at<cv::Vec3b>(y, x);
+    const cv::Vec3f value = mixed(values, moment, mean[x], options_);
+    for (int c = 0; c < 3; ++c) to[x][c] = cv::saturate_cast<std::uint8_t>(value[c]);
+  }
+}
+
+}  // namespace freshet::synth::flowlines

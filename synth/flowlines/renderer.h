@@ -1,0 +1,49 @@
+// synth/flowlines/renderer.h — output frames from a clip's frames and the moments that each place shows.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include <opencv2/core.hpp>
+
+#include "synth/flowlines/moments.h"
+
+namespace freshet::synth::flowlines {
+
+enum class Mixing {
+  kFeather,   // as printed: textures averaged by their weights, which washes out where they are unlike
+  kContrast,  // the same with the contrast about the clip's mean kept
+};
+
+struct RenderOptions {
+  Mixing mixing = Mixing::kContrast;
+  /// How alike two unrelated moments are taken to be where they are mixed, 0..1: what stands still is alike, and would
+  /// gain contrast that it never had.
+  double likeness = 0.2;
+};
+
+/// Renders what stays where it was: every place shows itself at other moments.
+class Renderer {
+ public:
+  /// frames    CV_8UC3; kept by reference.
+  /// working   px of the picture that moments are given for: the frames' size, or smaller.
+  Renderer(const std::vector<cv::Mat>& frames, cv::Size working, const RenderOptions& options = {});
+  /// The moments of one frame as a picture, CV_8UC3. All threads, any number gives the same.
+  void render(const std::vector<Moment>& moments, cv::Mat& out) const;
+  /// The clip's mean, CV_32FC3.
+  const cv::Mat& mean() const { return mean_; }
+
+ private:
+  void row(const std::vector<Moment>& moments, int y, cv::Mat& out) const;
+
+  const std::vector<cv::Mat>* frames_;
+  cv::Size working_;
+  RenderOptions options_;
+  cv::Mat mean_;
+};
+
+/// Values of a moment's frames, BGR 0..255, mixed.
+cv::Vec3f mixed(const std::array<cv::Vec3f, 4>& values, const Moment& moment, const cv::Vec3f& mean,
+                const RenderOptions& options);
+
+}  // namespace freshet::synth::flowlines

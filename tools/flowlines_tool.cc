@@ -1,0 +1,319 @@
+// freshet synth flowlines: endless video from a short clip, along the lines that its fluid flows on.
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "freshet/error.h"
+#include "media/picture/picture.h"
+#include "platform/stopwatch.h"
+#include "store/store.h"
+#include "synth/animate/frame_sheet.h"
+#include "synth/flowlines/files/footage_files.h"
+#include "synth/flowlines/files/line_files.h"
+#include "synth/flowlines/flowlines.h"
+#include "tools/commands.h"
+#include "tools/console/output_names.h"
+#include "tools/console/progress.h"
+#include "tools/options/output_options.h"
+
+namespace freshet::tools {
+namespace {
+
+namespace fs = std::filesystem;
+namespace flowlines = synth::flowlines;
+
+struct FlowlinesCommand {
+  std::string clip, store, stored_clip;
+  fs::path lines, edited, background, matte, draw, lines_out, sheet;
+  flowlines::FootageOptions footage;
+  flowlines::FlowlinesOptions options;
+  std::string dynamics = "auto", blend = "contrast", correspondence = "equal", ground = "none";
+  int frames = 500, memory_mb = 1200;
+  double fps = 0;
+  bool loop = false, json = false;
+  OutputOptions output;
+};
+
+flowlines::Footage read_clip(const FlowlinesCommand& command) {
+  const bool stored = !command.store.empty() || !command.stored_clip.empty();
+  if (stored == !command.clip.empty() || command.store.empty() != command.stored_clip.empty())
+    throw Error(ErrorKind::kUsage, "synth flowlines",
+                stored && !command.clip.empty() ? "two clips are given" : "nothing says which clip",
+                "Give a video file, or --store STORE with --clip NAME");
+  flowlines::FootageOptions options = command.footage;
+  options.memory_bytes = static_cast<std::size_t>(command.memory_mb) << 20;
+  flowlines::Footage footage =
+      stored ? flowlines::read_footage(store::Store::open_read(command.store).snapshot(), command.stored_clip,
+                                       options)
+             : flowlines::read_footage(command.clip, options);
+  for (const std::string& notice : footage.notices) say(footage.name + ": " + notice);
+  return footage;
+}
+
+flowlines::FlowlinesOptions options_of(const FlowlinesCommand& command, const flowlines::Footage& footage) {
+  flowlines::FlowlinesOptions options = command.options;
+  options.dynamics = command.dynamics == "stationary"       ? flowlines::Dynamics::kStationary
+                     : command.dynamics == "non-stationary" ? flowlines::Dynamics::kNonStationary
+                                                            : flowlines::Dynamics::kMeasured;
+  options.render.mixing =
+      command.blend == "feather" ? flowlines::Mixing::kFeather : flowlines::Mixing::kContrast;
+  if (command.loop) options.loop_frames = command.frames;
+  if (!command.matte.empty()) {
+    const media::Matte matte = media::read_matte(command.matte, footage.size());
+    for (const std::string& notice : matte.notices) say(command.matte.string() + ": " + notice);
+    options.matte = matte.alpha;
+  }
+  if (!command.lines.empty()) {
+    std::vector<std::string> notices;
+    const double shortest =
+        0.5 * (options.patch_px > 0 ? options.patch_px : flowlines::default_patch(footage.size()));
+    options.lines = flowlines::read_lines(command.lines, footage.size(), shortest, &notices);
+    for (const std::string& notice : notices) say(command.lines.string() + ": " + notice);
+  }
+  if (!command.edited.empty()) {
+    std::vector<std::string> notices;
+    options.edited = flowlines::read_lines(command.edited, footage.size(), 4, &notices);
+    options.edited_name = command.edited.string();
+    for (const std::string& notice : notices) say(command.edited.string() + ": " + notice);
+  }
+  options.view.correspondence = command.correspondence == "stretched" ? flowlines::Correspondence::kStretched
+                                                                      : flowlines::Correspondence::kEqual;
+  options.view.ground = command.ground == "black"   ? flowlines::Ground::kBlack
+                        : command.ground == "white" ? flowlines::Ground::kWhite
+                                                    : flowlines::Ground::kNone;
+  if (!command.background.empty()) {
+    const media::Picture picture = media::read_picture(command.background);
+    for (const std::string& notice : picture.notices) say(command.background.string() + ": " + notice);
+    if (picture.bgr.size() != footage.size())
+      throw Error(ErrorKind::kInput, command.background.string(),
+                  fmt::format("it has {} x {} px, and the clip {} x {}", picture.bgr.cols, picture.bgr.rows,
+                              footage.size().width, footage.size().height),
+                  "Give a picture of the clip's size");
+    options.view.background = picture.bgr;
+  }
+  return options;
+}
+
+/// A frame in the form that the output asks for. alpha   CV_32F: what of it is fluid.
+cv::Mat formed(const cv::Mat& frame, const cv::Mat& alpha, synth::animate::FrameForm form, bool alone) {
+  if (form == synth::animate::FrameForm::kWhole) return frame;
+  cv::Mat out(frame.size(), CV_32FC4);
+  for (int y = 0; y < frame.rows; ++y)
+    for (int x = 0; x < frame.cols; ++x) {
+      const float covered = alone ? alpha.at<float>(y, x) : 1.0f;
+      const cv::Vec3f colour = cv::Vec3f(frame.at<cv::Vec3b>(y, x)) * (covered / 255);
+      out.at<cv::Vec4f>(y, x) = {colour[0], colour[1], colour[2], covered};
+    }
+  return out;
+}
+
+std::string summary(const flowlines::FlowlinesReport& report, double fps) {
+  return fmt::format(
+      "{} lines in {} stream{}, {} dynamics (speeds of their own explain {:.0f} % more); {} entries repeat, "
+      "particles "
+      "ride {:.1f} s{}; patch {:.0f} px",
+      report.lines, report.streams, report.streams == 1 ? "" : "s",
+      report.stationary ? "stationary" : "non-stationary", 100 * report.gain, report.entries,
+      report.way / fps,
+      report.cut_share > 0 ? fmt::format(", slower than {:.1f} px a frame ({:.0f} %) not to the end",
+                                         report.floor_px, 100 * report.cut_share)
+                           : "",
+      report.patch_px);
+}
+
+nlohmann::json report_json(const flowlines::FlowlinesReport& report, const std::vector<std::string>& files,
+                           double render_s) {
+  return {{"files", files},
+          {"lines", report.lines},
+          {"streams", report.streams},
+          {"stationary", report.stationary},
+          {"gain", report.gain},
+          {"patch_px", report.patch_px},
+          {"spacing_px", report.spacing_px},
+          {"entries", report.entries},
+          {"way_frames", report.way},
+          {"floor_px", report.floor_px},
+          {"cut_share", report.cut_share},
+          {"jump_cost", report.jump_cost},
+          {"seconds",
+           {{"motion", report.motion_s},
+            {"rides", report.ride_s},
+            {"plan", report.plan_s},
+            {"render", render_s}}}};
+}
+
+void run_flowlines(FlowlinesCommand& command, RunContext& context) {
+  plan_stages(
+      {{"measuring flow", ""}, {"following particles", ""}, {"planning repeats", ""}, {"rendering", ""}});
+  check_picture_output(command.draw.string());
+  check_output_folder(command.lines_out);
+  check_picture_output(command.sheet.string());
+  const flowlines::Footage footage = read_clip(command);
+  const double fps = command.fps > 0 ? command.fps : footage.fps;
+  TargetFiles::Loaded loaded;
+  loaded.picture = footage.frames.front();
+  loaded.still.bgr = loaded.picture;
+  loaded.matte = cv::Mat(footage.size(), CV_8U, cv::Scalar(255));
+  synth::animate::AnimateOptions frame_options;
+  frame_options.frames = command.frames;
+  frame_options.fps = fps;
+  // The output first: a mistyped folder should not cost the preparation.
+  const std::unique_ptr<AnimationFiles> output = command.output.open(loaded, frame_options);
+  if (frame_options.motion_sink)
+    throw Error(ErrorKind::kUsage, "--motion-out",
+                "flow lines play the clip's own frames, whose motion is not kept",
+                "Leave it out, or ingest the result: a store keeps its flow");
+
+  Progress progress;
+  flowlines::Flowlines engine(footage, options_of(command, footage), {progress.callback(), context.stop});
+  const flowlines::FlowlinesReport& report = engine.report();
+  progress.finish();
+  for (const std::string& notice : report.notices) say(footage.name + ": " + notice);
+  say(summary(report, footage.fps));
+  if (!command.draw.empty())
+    media::write_picture(command.draw, flowlines::draw_lines(loaded.picture, engine.matte(), engine.lines()));
+  if (!command.lines_out.empty()) flowlines::write_lines(command.lines_out, engine.lines(), footage.size());
+
+  synth::animate::FrameSheet sheet(
+      loaded.picture, loaded.matte, command.frames,
+      {.fps = fps, .first_number = command.output.first_number(), .shown = 8, .width_px = 480});
+  const cv::Mat fluid = engine.fluid();
+  double render_s = 0;
+  for (int i = 0; i < command.frames; ++i) {
+    if (context.stop.stop_requested()) throw Error(ErrorKind::kCancelled, "flowlines", "stopped");
+    progress.show("rendering", static_cast<std::size_t>(i), static_cast<std::size_t>(command.frames),
+                  "frames");
+    const Stopwatch watch;
+    const cv::Mat& frame = engine.next();
+    render_s += watch.seconds();
+    if (frame_options.matte_sink) frame_options.matte_sink(fluid);
+    sheet.add(output->write(formed(frame, fluid, frame_options.form, command.output.fluid_alone())));
+  }
+  output->finish();
+  progress.finish();
+  if (!command.sheet.empty()) media::write_picture(command.sheet, sheet.draw());
+  say(fmt::format("{} frames of {} x {} from {}: prepared in {:.1f} s, rendered at {:.0f} frames/s",
+                  command.frames, footage.size().width, footage.size().height, footage.count(),
+                  report.motion_s + report.ride_s + report.plan_s,
+                  command.frames / std::max(1e-9, render_s)));
+  std::vector<std::string> files = command.output.files();
+  for (const fs::path& path : {command.draw, command.lines_out, command.sheet})
+    if (!path.empty()) files.push_back(path.string());
+  if (command.json)
+    fmt::print("{}\n", report_json(report, files, render_s).dump(2));
+  else
+    for (const std::string& path : files) fmt::print("{}\n", path);
+}
+
+}  // namespace
+
+void add_flowlines(CLI::App& synth_command, RunContext& context) {
+  auto command = std::make_shared<FlowlinesCommand>();
+  CLI::App* sub = synth_command.add_subcommand(
+      "flowlines",
+      "Make a short clip of flowing water, fire or smoke go on for ever (after Bhat et al. 2004)");
+  sub->add_option("CLIP", command->clip, "The clip: a video file, a folder or a pattern of pictures");
+  sub->add_option("--store", command->store, "The store that holds the clip, in place of CLIP [none]");
+  sub->add_option("--clip", command->stored_clip, "Name of the clip in --store");
+  sub->add_option("--from", command->footage.from, "First frame of the clip that is used")
+      ->check(CLI::Range(0, 1000000))
+      ->capture_default_str();
+  sub->add_option("--input-frames", command->footage.frames,
+                  "Frames of the clip that are used [all that fit]")
+      ->check(CLI::Range(16, 100000));
+  sub->add_option("--memory", command->memory_mb, "For the clip's frames, MB (3 bytes a pixel)")
+      ->check(CLI::Range(16, 1000000))
+      ->capture_default_str();
+  sub->add_option("--frames", command->frames, "Frames of the output")
+      ->check(CLI::Range(1, 10000000))
+      ->capture_default_str();
+  sub->add_option("--fps", command->fps, "Frames per second of the output [the clip's]")
+      ->check(CLI::Range(1.0, 240.0));
+  sub->add_flag("--loop", command->loop, "The last frame is followed by the first, without a seam [off]");
+  command->output.add_to(*sub);
+  const std::string lines = "Lines";
+  sub->add_option("--lines", command->lines,
+                  "Flow lines over the clip, drawn as SVG in the direction of the flow [found from the clip]")
+      ->group(lines);
+  sub->add_option("--matte", command->matte, "Grey picture, white where lines may lie [what moves]")
+      ->group(lines);
+  sub->add_option("--spacing", command->options.spacing_px, "Between lines that are found, px [half a patch]")
+      ->check(CLI::Range(2.0, 1000.0))
+      ->group(lines);
+  sub->add_option("--draw", command->draw, "Write a picture of the clip with its lines (PNG, JPEG)")
+      ->group(lines);
+  sub->add_option("--lines-out", command->lines_out, "Write the lines as SVG, to be changed and given back")
+      ->group(lines);
+  const std::string editing = "Editing";
+  sub->add_option("--edited", command->edited,
+                  "Where the fluid shall go: SVG lines with the ids of the input lines whose texture they "
+                  "show (fall, or "
+                  "fall-2 for another copy); input lines without one are taken away [as in the clip]")
+      ->group(editing);
+  sub->add_option("--correspondence", command->correspondence,
+                  "equal (texture keeps its size along the line) or stretched (the whole input line onto the "
+                  "edited one)")
+      ->check(CLI::IsMember({"equal", "stretched"}))
+      ->capture_default_str()
+      ->group(editing);
+  sub->add_option("--join", command->options.join_px,
+                  "Consecutive edited lines no further apart than this are joined by interpolated ones, px "
+                  "[4 patches]")
+      ->check(CLI::Range(1.0, 100000.0))
+      ->group(editing);
+  sub->add_option(
+         "--ground", command->ground,
+         "What the fluid stands on and is seen through to: black (fire), white (smoke), or none (opaque)")
+      ->check(CLI::IsMember({"none", "black", "white"}))
+      ->capture_default_str()
+      ->group(editing);
+  sub->add_option("--background", command->background,
+                  "Picture of what lies behind fluid that is taken away [guessed]")
+      ->group(editing);
+  sub->add_flag("--on-background", command->options.view.on_background,
+                "Show the edited fluid on the background alone, without the rest of the clip [off]")
+      ->group(editing);
+  const std::string particles = "Particles";
+  sub->add_option(
+         "--patch", command->options.patch_px,
+         "Side of a particle's texture, px; flames want larger ones, 100 at 320 px of width [24 at 320 px "
+         "of the longer side, and in proportion]")
+      ->check(CLI::Range(4.0, 1000.0))
+      ->group(particles);
+  sub->add_option("--dynamics", command->dynamics,
+                  "stationary (one speed a place), non-stationary (a speed a particle), or auto (measured)")
+      ->check(CLI::IsMember({"auto", "stationary", "non-stationary"}))
+      ->capture_default_str()
+      ->group(particles);
+  sub->add_option("--entries", command->options.entries,
+                  "Frames whose entering particles are repeated (K) [chosen for the least discontinuity]")
+      ->check(CLI::Range(8, 100000))
+      ->group(particles);
+  sub->add_option("--strand", command->options.strand_px,
+                  "Strands of the fluid so wide repeat in an order of their own, px; 0: all of it together "
+                  "[3 patches]")
+      ->check(CLI::Range(0.0, 100000.0))
+      ->group(particles);
+  sub->add_option("--blend", command->blend,
+                  "Where particles of two runs overlap: feather (averages, as printed) or contrast (keeps "
+                  "their contrast)")
+      ->check(CLI::IsMember({"feather", "contrast"}))
+      ->capture_default_str()
+      ->group(particles);
+  sub->add_option("--seed", command->options.seed, "Another seed, another order of repeats")
+      ->capture_default_str()
+      ->group(particles);
+  sub->add_flag("--moving-camera", command->options.moving_camera,
+                "Take a clip whose camera moves, too [off]");
+  sub->add_option("--sheet", command->sheet, "Write a contact sheet of frames (PNG, JPEG)");
+  sub->add_flag("--json", command->json, "Print what was found, and seconds by stage, as JSON");
+  add_threads(*sub);
+  sub->callback([command, &context] { run_flowlines(*command, context); });
+}
+
+}  // namespace freshet::tools
