@@ -42,6 +42,7 @@ synth/simulate/scene: synth/field synth/simulate/solver
 synth/simulate/clips: synth/field synth/simulate/solver synth/simulate/scene
 synth/simulate/design: media/picture synth/field synth/simulate/solver synth/simulate/scene
 synth/simulate: synth/simulate/*
+synth/stills: media/picture vision query/hints synth/matte
 synth/transfer: synth/field
 synth/transfer/files: store media/* vision query/stored synth/transfer synth/animate/clips
 library: store media/* vision ingest query/* synth/*

@@ -271,12 +271,13 @@ void add_animate(CLI::App& synth_command, RunContext& context) {
 
 void add_synth(CLI::App& app, RunContext& context) {
   CLI::App* synth_command =
-      app.add_subcommand("synth", "Synthesise: animate a picture, simulate a fluid, or transfer a look");
+      app.add_subcommand("synth", "Synthesise: animate a picture or some stills, simulate a fluid, or transfer a look");
   synth_command->require_subcommand(1);
   add_animate(*synth_command, context);
   add_sweep(*synth_command, context);
   add_matte(*synth_command, context);
   add_simulate(*synth_command, context);
+  add_stills(*synth_command, context);
   add_transfer(*synth_command, context);
 }
 

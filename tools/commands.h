@@ -13,6 +13,7 @@ void add_bench(CLI::App& query_command, RunContext& context);  // freshet query 
 void add_synth(CLI::App& app, RunContext& context);
 void add_matte(CLI::App& synth_command, RunContext& context);  // freshet synth matte
 void add_simulate(CLI::App& synth_command, RunContext& context);
+void add_stills(CLI::App& synth_command, RunContext& context);  // freshet synth stills
 void add_sweep(CLI::App& synth_command, RunContext& context);
 void add_transfer(CLI::App& synth_command, RunContext& context);
 
