@@ -29,6 +29,7 @@ query/costs: store vision query/stored query/mrf query/search
 query/labelling: store vision query/stored query/index query/mrf query/search query/costs
 query/benchmark: report store query/stored query/index query/search query/labelling
 synth/field:
+synth/toml: synth/field
 synth/animate/sampling: vision query/search
 synth/animate/placement: store vision query/search query/labelling
 synth/animate/blend: synth/animate/sampling synth/animate/placement
@@ -42,7 +43,7 @@ synth/simulate/scene: synth/field synth/simulate/solver
 synth/simulate/clips: synth/field synth/simulate/solver synth/simulate/scene
 synth/simulate/design: media/picture synth/field synth/simulate/solver synth/simulate/scene
 synth/simulate: synth/simulate/*
-synth/stills: media/picture vision query/hints synth/matte
+synth/stills: media/picture vision query/hints query/labelling synth/matte synth/toml report
 synth/transfer: synth/field
 synth/transfer/files: store media/* vision query/stored synth/transfer synth/animate/clips
 library: store media/* vision ingest query/* synth/*

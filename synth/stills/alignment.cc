@@ -18,10 +18,10 @@
 namespace freshet::synth::stills {
 namespace {
 
-constexpr int kFeatures = 3000;
+constexpr int kFeatures = 2000;
 constexpr double kMatchRatio = 0.8;  // of the best match's distance to the second's (Lowe)
-constexpr int kMinMatches = 12;
-constexpr double kRansacPx = 2;
+constexpr int kMinMatches = 20;
+constexpr double kRansacPx = 1;
 constexpr double kStandingShare = 0.5;  // of the pixels, those that differ least, on which ECC looks
 
 struct Seen {
@@ -41,21 +41,61 @@ Seen look(const cv::Mat& picture, int side) {
   return seen;
 }
 
-// Empty: too few features agree.
-cv::Mat homography(const Seen& reference, const Seen& still) {
+/// A map that was found, and with how many numbers it is free.
+struct Found {
+  cv::Mat map;  // 3 x 3, CV_64F; empty: none that could be relied on
+  bool projective = false;
+};
+
+// The camera's turn and shift, or a homography where that explains clearly more: features in one corner
+// alone would leave its far corners to chance.
+Found map_of(const std::vector<cv::Point2f>& from, const std::vector<cv::Point2f>& to, cv::Mat& inliers) {
+  constexpr double kProjectiveGain = 1.2;
+  Found found;
+  const cv::Mat similar = cv::estimateAffinePartial2D(from, to, inliers, cv::RANSAC, kRansacPx, 2000, .995);
+  if (!similar.empty()) {
+    found.map = cv::Mat::eye(3, 3, CV_64F);
+    similar.copyTo(found.map(cv::Rect(0, 0, 3, 2)));
+  }
+  cv::Mat more;
+  const cv::Mat homography = cv::findHomography(from, to, cv::RANSAC, kRansacPx, more, 2000, .995);
+  const int similar_count = similar.empty() ? 0 : cv::countNonZero(inliers);
+  if (!homography.empty() && cv::countNonZero(more) > kProjectiveGain * similar_count) {
+    found = {homography, true};
+    inliers = more;
+  }
+  return found;
+}
+
+// A map is relied on where many features follow it, all over the picture, and clearly more than stay where
+// they are: on a tripod what is matched stands still, or is fluid that looks like itself elsewhere.
+Found camera_motion(const Seen& reference, const Seen& still) {
+  constexpr int kCells = 4, kMinCells = 5;
+  constexpr double kMoreThanStay = 1.25;
   if (reference.descriptors.empty() || still.descriptors.empty()) return {};
   std::vector<std::vector<cv::DMatch>> matches;
   cv::BFMatcher(cv::NORM_HAMMING).knnMatch(reference.descriptors, still.descriptors, matches, 2);
   std::vector<cv::Point2f> from, to;
+  int staying = 0;
   for (const auto& match : matches)
     if (match.size() == 2 && match[0].distance < kMatchRatio * match[1].distance) {
       from.push_back(reference.points[match[0].queryIdx].pt);
       to.push_back(still.points[match[0].trainIdx].pt);
+      staying += cv::norm(from.back() - to.back()) < kRansacPx;
     }
   if (from.size() < kMinMatches) return {};
   cv::Mat inliers;
-  const cv::Mat found = cv::findHomography(from, to, cv::RANSAC, kRansacPx, inliers, 2000, .995);
-  return found.empty() || cv::countNonZero(inliers) < kMinMatches ? cv::Mat() : found;
+  const Found found = map_of(from, to, inliers);
+  const int following = found.map.empty() ? 0 : cv::countNonZero(inliers);
+  if (following < kMinMatches || following < kMoreThanStay * staying) return {};
+  bool seen[kCells * kCells] = {};
+  for (std::size_t i = 0; i < from.size(); ++i)
+    if (inliers.at<std::uint8_t>(static_cast<int>(i)) != 0) {
+      const int x = static_cast<int>(from[i].x * kCells / static_cast<float>(reference.grey.cols));
+      const int y = static_cast<int>(from[i].y * kCells / static_cast<float>(reference.grey.rows));
+      seen[std::clamp(y, 0, kCells - 1) * kCells + std::clamp(x, 0, kCells - 1)] = true;
+    }
+  return std::count(std::begin(seen), std::end(seen), true) < kMinCells ? Found() : found;
 }
 
 double corner_motion(const cv::Mat& map, cv::Size size) {
@@ -109,27 +149,31 @@ struct Fit {
 };
 
 Fit fit(const Seen& reference, const Seen& still) {
-  const cv::Mat still_put = cv::Mat::eye(3, 3, CV_64F);
+  constexpr double kFurther = 3;  // px, that ECC may move a corner from where the features have it
   const auto judged = [&](const cv::Mat& map) {
     return Fit{map, correlation(reference.grey, seen_from_reference(still.grey, map),
                                 standing(reference.grey, still.grey, map))};
   };
-  Fit best = judged(still_put);
-  if (const cv::Mat found = homography(reference, still); !found.empty())
-    if (Fit other = judged(found); other.agreement > best.agreement + 1e-4) best = std::move(other);
+  const Fit none = judged(cv::Mat::eye(3, 3, CV_64F));
+  const Found found = camera_motion(reference, still);
+  if (found.map.empty()) return none;
+  Fit best = judged(found.map);
   cv::Mat refined;
-  best.map.convertTo(refined, CV_32F);
+  found.map.convertTo(refined, CV_32F);
+  if (!found.projective) refined = refined.rowRange(0, 2).clone();
   try {
-    cv::findTransformECC(reference.grey, still.grey, refined, cv::MOTION_HOMOGRAPHY,
-                         {cv::TermCriteria::COUNT | cv::TermCriteria::EPS, 40, 1e-5},
-                         standing(reference.grey, still.grey, best.map), 5);
-    cv::Mat as_double;
-    refined.convertTo(as_double, CV_64F);
-    if (Fit other = judged(as_double); other.agreement > best.agreement) best = std::move(other);
+    cv::findTransformECC(reference.grey, still.grey, refined,
+                         found.projective ? cv::MOTION_HOMOGRAPHY : cv::MOTION_AFFINE,
+                         {cv::TermCriteria::COUNT | cv::TermCriteria::EPS, 25, 1e-4},
+                         standing(reference.grey, still.grey, found.map), 5);
+    cv::Mat as_double = cv::Mat::eye(3, 3, CV_64F), part = as_double.rowRange(0, refined.rows);
+    refined.convertTo(part, CV_64F);
+    if (corner_motion(as_double * found.map.inv(), reference.grey.size()) < kFurther)
+      if (Fit other = judged(as_double); other.agreement > best.agreement) best = std::move(other);
   } catch (const cv::Exception&) {
     // ECC did not converge: what the features said stands, and is judged by its agreement.
   }
-  return best;
+  return best.agreement > none.agreement ? best : none;
 }
 
 // The largest box about the middle that every still covers, found by shrinking.
@@ -177,6 +221,14 @@ Alignment find_alignment(const std::vector<cv::Mat>& pictures, const std::vector
 
   Alignment alignment;
   const cv::Size full = pictures[0].size(), small = seen[0].grey.size();
+  const auto fitting = std::count_if(
+      fits.begin() + 1, fits.end(), [&](const Fit& each) { return each.agreement >= options.min_agreement; });
+  if (2 * fitting < n - 1) {
+    // Open sea: nothing stands still by which anything could be said of the camera.
+    alignment.tripod = alignment.unsure = true;
+    alignment.common = cv::Rect({}, full);
+    return alignment;
+  }
   double most = 0;
   for (int i = 0; i < n; ++i) {
     if (fits[i].agreement < options.min_agreement)
@@ -185,8 +237,8 @@ Alignment find_alignment(const std::vector<cv::Mat>& pictures, const std::vector
           fmt::format("it does not fit onto {}: what stands still agrees to {:.2f} of 1, at least {:.2f} is "
                       "needed",
                       names[0], fits[i].agreement, options.min_agreement),
-          "Take it out of the folder if it shows another view; if the camera stood on a tripod, say "
-          "--tripod");
+          "Take it out of the folder if it shows another view; if the camera stood still, say --camera "
+          "tripod");
     most = std::max(most, corner_motion(fits[i].map, small));
     const cv::Mat up = cv::Mat(
         cv::Matx33d(1.0 * full.width / small.width, 0, 0, 0, 1.0 * full.height / small.height, 0, 0, 0, 1));
@@ -202,7 +254,7 @@ Alignment find_alignment(const std::vector<cv::Mat>& pictures, const std::vector
     throw Error(ErrorKind::kInput, names[0],
                 fmt::format("the stills have too little in common: {} x {} of {} x {} px",
                             alignment.common.width, alignment.common.height, full.width, full.height),
-                "Take out those from another place; if the camera stood on a tripod, say --tripod");
+                "Take out those from another place; if the camera stood still, say --camera tripod");
   return alignment;
 }
 

@@ -23,22 +23,24 @@ struct Alignment {
   std::vector<cv::Mat> maps;
   cv::Rect common;        // px of the reference: what all stills show
   bool tripod = false;    // nothing moved: the maps are not to be applied
+  bool unsure = false;    // too few stills agree in anything: taken as from a tripod
   double largest_px = 0;  // how far a corner moves, px of the stills
 };
 
-/// Features and a homography by RANSAC, then ECC refines it; both look at what stands still: features that move with
-/// the fluid are outliers, and places where the first round's stills differ are masked out of the second.
+/// Features, a similarity or, where it explains clearly more, a homography by RANSAC, then ECC refines it.
+/// Features that move with the fluid are outliers, and ECC sees the half of the places that differ least.
 /// pictures   of one size, CV_8UC3 or CV_16UC3. names   for messages.
 /// Throws     Error{kInput} naming the still and the reason: nothing fits, no overlap; Error{kCancelled}.
 /// Cost       .2 CPU seconds a still.
 Alignment find_alignment(const std::vector<cv::Mat>& pictures, const std::vector<std::string>& names,
                          const AlignmentOptions& options = {}, const Job& job = {});
 
-/// The stills as the reference sees them, cut to what is common; of cubic interpolation. Replaces them one by one.
+/// The stills as the reference sees them, cut to what is common; of cubic interpolation. Replaces them one
+/// by one.
 void align(std::vector<cv::Mat>& pictures, const Alignment& alignment);
 
-/// Factors of blue, green and red by which each still comes to the level of the middle one, found where the stills
-/// hardly differ otherwise. small   CV_8UC3 of one size, aligned.
+/// Factors of blue, green and red by which each still comes to the level of the middle one, found where the
+/// stills hardly differ otherwise. small   CV_8UC3 of one size, aligned.
 /// All 1 where less than 2 % of the picture stands still.
 std::vector<cv::Vec3d> find_levels(const std::vector<cv::Mat>& small);
 /// Applies them where one is off 1 by more than 0.4 %; returns how many stills were changed.

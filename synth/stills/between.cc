@@ -15,7 +15,8 @@ namespace {
 using Source = Moment::Source;
 
 constexpr int kCoarse = 4;          // the first flow is found at 1 / kCoarse of the size
-constexpr int kTurns = 5;           // of the iteration that finds what will have come to a place
+constexpr int kFieldStep = 2;       // px of the flow, between places at which a moment is decided
+constexpr int kTurns = 4;           // of the iteration that finds what will have come to a place
 constexpr double kBlurPart = .012;  // of the longer side: over what likeness is judged
 constexpr float kNoise = 8;         // variance, of 255^2: below it nothing is told from noise
 // Forth and back may miss each other by kMiss px and by kMissPart of the way before they are doubted.
@@ -82,6 +83,12 @@ float squared_difference(const float* a, const float* b) {
   return sum / 3;
 }
 
+// Of a field's place, px of the flow.
+float place_of(int at) { return kFieldStep * static_cast<float>(at) + .5f * (kFieldStep - 1); }
+cv::Size field_size(cv::Size flow) {
+  return {(flow.width + kFieldStep - 1) / kFieldStep, (flow.height + kFieldStep - 1) / kFieldStep};
+}
+
 void blur(cv::Mat& plane) {
   const int side = 2 * static_cast<int>(std::lround(kBlurPart * std::max(plane.cols, plane.rows))) + 3;
   cv::blur(plane, plane, {side, side}, {-1, -1}, cv::BORDER_REFLECT_101);
@@ -95,10 +102,9 @@ struct Guess {
   cv::Mat trust;       // CV_32F, 0..1: forth and back agree
 };
 
-// What of `picture`, going along `flow`, has come to each place after `part` of the way.
+// What of `picture`, going along `flow`, has come to each place of a field after `part` of the way.
 Guess follow(const cv::Mat& picture, const cv::Mat& other, const cv::Mat& flow, const cv::Mat& back,
-             float part) {
-  const cv::Size size = picture.size();
+             float part, cv::Size size) {
   Guess guess{cv::Mat(size, CV_32FC2), cv::Mat(size, CV_32FC2), cv::Mat(size, CV_32F), cv::Mat(size, CV_32F)};
   for (int y = 0; y < size.height; ++y) {
     auto* here = guess.here.ptr<cv::Vec2f>(y);
@@ -106,8 +112,8 @@ Guess follow(const cv::Mat& picture, const cv::Mat& other, const cv::Mat& flow, 
     float* unlikeness = guess.unlikeness.ptr<float>(y);
     float* trust = guess.trust.ptr<float>(y);
     for (int x = 0; x < size.width; ++x) {
-      const auto fx = static_cast<float>(x), fy = static_cast<float>(y);
-      cv::Vec2f move = flow.at<cv::Vec2f>(y, x);
+      const float fx = place_of(x), fy = place_of(y);
+      cv::Vec2f move = read(flow, fx, fy);
       for (int turn = 0; turn < kTurns; ++turn) move = read(flow, fx - part * move[0], fy - part * move[1]);
       here[x] = -part * move;
       there[x] = here[x] + move;
@@ -129,8 +135,8 @@ template <class T>
 void mix_row(const Moment& moment, const cv::Mat& a, const cv::Mat& b, const cv::Rect& box, int y,
              float* out) {
   constexpr float kNothing = .02f;  // of a weight: not worth its samples
-  const float scale_x = static_cast<float>(moment.size.width) / static_cast<float>(box.width);
-  const float scale_y = static_cast<float>(moment.size.height) / static_cast<float>(box.height);
+  const float scale_x = static_cast<float>(moment.flow.width) / static_cast<float>(box.width) / kFieldStep;
+  const float scale_y = static_cast<float>(moment.flow.height) / static_cast<float>(box.height) / kFieldStep;
   const float t = moment.phase;
   const T* row_a = a.ptr<T>(box.y + y) + 3 * box.x;
   const T* row_b = b.ptr<T>(box.y + y) + 3 * box.x;
@@ -145,7 +151,7 @@ void mix_row(const Moment& moment, const cv::Mat& a, const cv::Mat& b, const cv:
   const float fv = v - static_cast<float>(v0);
   const Source* top = moment.source.data() + static_cast<std::size_t>(v0) * moment.size.width;
   const Source* low = moment.source.data() + static_cast<std::size_t>(v1) * moment.size.width;
-  const cv::Vec2f to_full(1 / scale_x, 1 / scale_y);
+  const cv::Vec2f to_full(1 / (scale_x * kFieldStep), 1 / (scale_y * kFieldStep));
   const auto py = static_cast<float>(box.y + y);
   for (int x = 0; x < box.width; ++x) {
     const float u = std::clamp((static_cast<float>(x) + .5f) * scale_x - .5f, 0.0f,
@@ -187,28 +193,29 @@ FlowPair flow_between(const cv::Mat& from, const cv::Mat& to) {
 }
 
 Between::Between(const cv::Mat& from, const cv::Mat& to, const FlowPair& flow)
-    : from_(from), to_(to), unlikeness_(from.size(), CV_32F) {
+    : from_(from), to_(to), unlikeness_(field_size(from.size()), CV_32F) {
   flow.forth.convertTo(forth_, CV_32F, FlowPair::kUnit);
   flow.back.convertTo(back_, CV_32F, FlowPair::kUnit);
-  for (int y = 0; y < from_.rows; ++y)
-    for (int x = 0; x < from_.cols; ++x) {
-      const auto &a = from_.at<cv::Vec3b>(y, x), &b = to_.at<cv::Vec3b>(y, x);
-      const float one[3] = {float(a[0]), float(a[1]), float(a[2])};
-      const float two[3] = {float(b[0]), float(b[1]), float(b[2])};
+  for (int y = 0; y < unlikeness_.rows; ++y)
+    for (int x = 0; x < unlikeness_.cols; ++x) {
+      float one[3] = {0, 0, 0}, two[3] = {0, 0, 0};
+      read_colour<std::uint8_t>(from, place_of(x), place_of(y), 1, one);
+      read_colour<std::uint8_t>(to, place_of(x), place_of(y), 1, two);
       unlikeness_.at<float>(y, x) = squared_difference(one, two);
     }
   blur(unlikeness_);
 }
 
 Moment Between::at(double phase) const {
-  Moment moment{.size = from_.size(), .source = {}, .phase = static_cast<float>(phase)};
+  const cv::Size size = unlikeness_.size();
+  Moment moment{.size = size, .flow = from_.size(), .source = {}, .phase = static_cast<float>(phase)};
   if (phase <= 0 || phase >= 1) return moment;
-  const Guess forth = follow(from_, to_, forth_, back_, moment.phase);
-  const Guess back = follow(to_, from_, back_, forth_, 1 - moment.phase);
-  moment.source.resize(from_.total());
-  for (int y = 0; y < from_.rows; ++y) {
-    Source* row = moment.source.data() + static_cast<std::size_t>(y) * from_.cols;
-    for (int x = 0; x < from_.cols; ++x) {
+  const Guess forth = follow(from_, to_, forth_, back_, moment.phase, size);
+  const Guess back = follow(to_, from_, back_, forth_, 1 - moment.phase, size);
+  moment.source.resize(static_cast<std::size_t>(size.area()));
+  for (int y = 0; y < size.height; ++y) {
+    Source* row = moment.source.data() + static_cast<std::size_t>(y) * size.width;
+    for (int x = 0; x < size.width; ++x) {
       const auto worth = [](float unlikeness) { return 1 / ((unlikeness + kNoise) * (unlikeness + kNoise)); };
       const float w1 = forth.trust.at<float>(y, x) * worth(forth.unlikeness.at<float>(y, x));
       const float w2 = back.trust.at<float>(y, x) * worth(back.unlikeness.at<float>(y, x));

@@ -10,9 +10,9 @@ namespace freshet::synth::stills {
 /// Stills as they follow each other, at least two.
 using Path = std::vector<int>;
 
-/// From every still the shortest way to the one farthest from it, forth and back; of equal ones the first. Ways that
-/// are part of another are left out. Among equally far stills the one with the lowest number is taken.
-/// Where the graph falls apart, of its largest part alone.
+/// From every still the shortest way to the one farthest from it, forth and back; of equal ones the first.
+/// Ways that are part of another are left out. Among equally far stills the one with the lowest number is
+/// taken. Where the graph falls apart, of its largest part alone.
 /// Source   Lin et al. 2007, Sec. 3.2.
 std::vector<Path> extremal_paths(const StillGraph& graph);
 

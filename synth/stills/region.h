@@ -22,9 +22,9 @@ struct Region {
   std::string parent;  // of a part that a large region was split into; empty: of none
 };
 
-/// How much of each pixel is whose: CV_32F of the masks' size, a plane a region, none for standing ones. What their sum
-/// leaves to 1 is the standing still's. Each mask is grown by `grown` px, then falls off to nothing over `feather` px;
-/// where several meet they share.
+/// How much of each pixel is whose: CV_32F of the masks' size, a plane a region, none for standing ones.
+/// What their sum leaves to 1 is the standing still's. Each mask is grown by `grown` px, then falls off to
+/// nothing over `feather` px; where several meet they share.
 /// Source   Lin et al. 2007, Sec. 4 (regions dilated by a few pixels, feathered linearly).
 std::vector<cv::Mat> region_weights(const std::vector<Region>& regions, double grown, double feather);
 

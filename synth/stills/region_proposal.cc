@@ -45,6 +45,15 @@ double agreement(const Square<double>& a, const Square<double>& b) {
   return va > 0 && vb > 0 ? (sab - sa * sb / count) / std::sqrt(va * vb) : 0;
 }
 
+// What a thing surrounds is its own: the middle of a flame is white in every still.
+cv::Mat without_holes(const cv::Mat& mask) {
+  std::vector<std::vector<cv::Point>> outlines;
+  cv::findContours(mask, outlines, cv::RETR_EXTERNAL, cv::CHAIN_APPROX_NONE);
+  cv::Mat filled(mask.size(), CV_8U, cv::Scalar(0));
+  cv::drawContours(filled, outlines, -1, cv::Scalar(255), cv::FILLED);
+  return filled;
+}
+
 struct Piece {
   cv::Mat mask;  // CV_8U
   double energy = 0;
@@ -215,6 +224,7 @@ Proposal propose_regions(const std::vector<cv::Mat>& small, const ProposalOption
   for (std::size_t i = 0; i < pieces.size(); ++i) {
     cv::Mat mask = pieces[i].mask;
     cv::dilate(mask, mask, disc(.008 * longer));
+    mask = without_holes(mask);
     mask &= ~taken;
     taken |= mask;
     if (pieces.size() == 1 && cv::countNonZero(mask) > kWhole * static_cast<double>(mask.total()))
@@ -225,7 +235,9 @@ Proposal propose_regions(const std::vector<cv::Mat>& small, const ProposalOption
                                 .parent = {}});
   }
   cv::Mat slow = (variation > 2 * noise + .7) & ~taken;
-  cv::morphologyEx(slow, slow, cv::MORPH_OPEN, disc(.004 * longer));
+  cv::morphologyEx(slow, slow, cv::MORPH_CLOSE, disc(.01 * longer));
+  cv::morphologyEx(slow, slow, cv::MORPH_OPEN, disc(.008 * longer));
+  slow &= ~taken;
   if (cv::countNonZero(slow) > kSlowArea * static_cast<double>(slow.total()))
     proposal.regions.push_back(
         {.name = "slow", .kind = RegionKind::kSlow, .mask = enlarged(slow, small[0].size()), .parent = {}});
@@ -257,8 +269,13 @@ cv::Mat region_sheet(const cv::Mat& still, const std::vector<Region>& regions, c
   for (const Region& region : regions) {
     cv::Mat mask;
     cv::resize(region.mask, mask, size, 0, 0, cv::INTER_NEAREST);
-    const cv::Rect box = cv::boundingRect(mask);
-    if (region.kind != RegionKind::kSlow) write(left, region.name, {box.x + 4, box.y + 18});
+    if (region.kind == RegionKind::kSlow) continue;
+    // Where the region is widest, so that its name lies in it.
+    cv::Mat depth;
+    cv::Point deepest;
+    cv::distanceTransform(mask, depth, cv::DIST_L2, 3);
+    cv::minMaxLoc(depth, nullptr, nullptr, nullptr, &deepest);
+    write(left, region.name, deepest + cv::Point(-5, 5));
   }
   cv::Mat sheet(size.height + kLine, 2 * size.width + 6, CV_8UC3, cv::Scalar::all(32));
   left.copyTo(sheet(cv::Rect({0, 0}, size)));

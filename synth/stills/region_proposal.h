@@ -28,11 +28,12 @@ struct Proposal {
 };
 
 /// small   the stills at work size, CV_8UC3, aligned and levelled.
-/// What varies by more than `moves` of the strongest is cut into pieces that hang together; a piece in which two peaks of
-/// variation have a valley between them and tables of distances of their own becomes two; pieces whose tables agree
-/// become one region, wherever they lie.
+/// What varies by more than `moves` of the strongest is cut into pieces that hang together; a piece in which
+/// two peaks of variation have a valley between them and tables of distances of their own becomes two;
+/// pieces whose tables agree become one region, wherever they lie.
 /// Throws   Error{kInput} when nothing moves.
-/// Source   ours. Lin et al. 2007, Sec. 4 leave it to the user: stills so far apart show no motion to segment by. Which
+/// Source   ours. Lin et al. 2007, Sec. 4 leave it to the user: stills so far apart show no motion to
+///          segment by. Which
 ///          stills are alike they do show, place by place. (Agreement of tables: Mantel 1967.)
 /// Cost     .3 s for 14 stills.
 Proposal propose_regions(const std::vector<cv::Mat>& small, const ProposalOptions& options = {});

@@ -230,7 +230,8 @@ std::vector<TreePath> crossing_paths(const JunctionGraph& graph, const std::vect
   return found;
 }
 
-/// Labels 1, 2, ... of what 4-connected areas the cuts leave of the mask; areas below `least` px count for nothing.
+/// Labels 1, 2, ... of what 4-connected areas the cuts leave of the mask; areas below `least` px count for
+/// nothing.
 int label_parts(const cv::Mat& mask, const cv::Mat& cuts, double least, cv::Mat& labels) {
   cv::Mat stats, centroids, raw;
   const int count = cv::connectedComponentsWithStats(mask & ~cuts, raw, stats, centroids, 4, CV_32S);

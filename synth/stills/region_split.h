@@ -19,9 +19,12 @@ struct SplitOptions {
 
 /// The parts, named NAME.1, NAME.2, ...; the region itself where it cannot be cut.
 /// small    the stills at work size, CV_8UC3.
-/// Source   Lin et al. 2007, Sec. 4.1.1: the area of low frequency common to all stills, its skeleton (thinned after
-///          Zhang and Suen), a graph of its junctions weighed by the gradients along it, that graph's minimum spanning
-///          tree, and the longest path inside a part again and again. Ours: the region's border joins the skeleton as a
+/// Source   Lin et al. 2007, Sec. 4.1.1: the area of low frequency common to all stills, its skeleton
+///          (thinned after
+///          Zhang and Suen), a graph of its junctions weighed by the gradients along it, that graph's
+///          minimum spanning
+///          tree, and the longest path inside a part again and again. Ours: the region's border joins the
+///          skeleton as a
 ///          ring without weight, so that a path can end there, as theirs do in their figure 5d.
 std::vector<Region> split_region(const Region& region, const std::vector<cv::Mat>& small,
                                  const SplitOptions& options = {});

@@ -1,17 +1,22 @@
 #include "synth/stills/rendering.h"
 
 #include <algorithm>
-#include <atomic>
+#include <cstddef>
 #include <cstdint>
+#include <cstring>
+#include <map>
 #include <mutex>
 #include <set>
+#include <span>
+#include <string>
 #include <utility>
 
-#include <oneapi/tbb/info.h>
 #include <oneapi/tbb/parallel_for.h>
+#include <oneapi/tbb/task_arena.h>
 #include <opencv2/imgproc.hpp>
 
 #include "freshet/error.h"
+#include "synth/stills/still_set.h"
 
 namespace freshet::synth::stills {
 namespace {
@@ -169,6 +174,30 @@ class Renderer {
     }
   }
 
+  // The flow's two planes one after the other are what is kept.
+  FlowPair found_or_kept(const cv::Mat& from, const cv::Mat& to) const {
+    if (options_.cache == nullptr) return flow_between(from, to);
+    query::KeyHash hash;
+    hash.add(std::string("stills flow 1"));
+    hash.add(std::int32_t{from.cols});
+    hash.add(std::int32_t{from.rows});
+    for (const cv::Mat& each : {from, to})
+      hash.add(std::span<const std::uint8_t>(each.data, each.total() * each.elemSize()));
+    const std::size_t plane = 2 * sizeof(std::int16_t) * from.total();
+    if (const auto kept = options_.cache->find(hash.key()); kept && kept->size() == 2 * plane) {
+      FlowPair flow{cv::Mat(from.size(), CV_16SC2), cv::Mat(from.size(), CV_16SC2)};
+      std::memcpy(flow.forth.data, kept->data(), plane);
+      std::memcpy(flow.back.data, kept->data() + plane, plane);
+      return flow;
+    }
+    const FlowPair flow = flow_between(from, to);
+    std::vector<std::byte> bytes(2 * plane);
+    std::memcpy(bytes.data(), flow.forth.data, plane);
+    std::memcpy(bytes.data() + plane, flow.back.data, plane);
+    options_.cache->keep(hash.key(), bytes);
+    return flow;
+  }
+
   void find_flow(const Job& job) {
     struct Task {
       Layer* layer;
@@ -192,7 +221,7 @@ class Renderer {
     oneapi::tbb::parallel_for(std::size_t{0}, tasks.size(), [&](std::size_t i) {
       if (job.stop.stop_requested()) return;
       const Task& task = tasks[i];
-      flows[i] = flow_between(task.layer->small[task.pair.first], task.layer->small[task.pair.second]);
+      flows[i] = found_or_kept(task.layer->small[task.pair.first], task.layer->small[task.pair.second]);
       const std::lock_guard lock(reporting);
       if (job.progress) job.progress({"flow between stills", ++done, tasks.size()});
     });

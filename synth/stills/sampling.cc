@@ -57,8 +57,10 @@ class Walk {
     double all = 0;
     for (const double each : chance_) all += each;
     int next = draw(all);
-    // A turn is taken back as often as the person says, within reason: there may be nothing else.
-    for (int tries = 0; tries < 16 && next == before && turns_within_path(before, now); ++tries) {
+    // A turn is taken back as often as the person says, within reason: there may be nothing else. The way to a still
+    // farther off may turn as well.
+    for (int tries = 0; tries < 64 && graph_.next(now, next) == before && turns_within_path(before, now);
+         ++tries) {
       if (random_.next() < options_.irregularity) break;
       next = draw(all);
     }

@@ -93,7 +93,7 @@ Square<double> still_distances(std::span<const cv::Mat> stills, const cv::Mat& m
   if (sigma > 0) return distances_at(cropped, weight, sigma);
   Square<double> best;
   double best_nearness = kInfinity;
-  for (const double part : {.01, .02, .03}) {
+  for (const double part : {.01, .02, .03, .06, .1}) {
     const double blur = std::max(.6, part * std::max(box.width, box.height));
     Square<double> rms = distances_at(cropped, weight, blur);
     const double found = nearness(rms);
@@ -121,15 +121,20 @@ StillGraph make_graph(const Square<double>& rms, const GraphOptions& options) {
   for (int i = 0; i < n; ++i)
     for (int j = 0; j < n; ++j) sum += graph.weight(i, j) = i == j ? 0 : std::pow(rms(i, j), options.power);
   const double mean = n > 1 ? sum / (static_cast<double>(n) * (n - 1)) : 0;
-  const auto is_cut = [&](int i, int j) {
-    return std::any_of(options.cut.begin(), options.cut.end(),
+  const auto is_among = [](const std::vector<std::pair<int, int>>& pairs, int i, int j) {
+    return std::any_of(pairs.begin(), pairs.end(),
                        [&](const auto& each) { return each == std::pair(i, j) || each == std::pair(j, i); });
   };
+  double lightest = kInfinity;
+  for (const double each : graph.weight.values)
+    if (each > 0) lightest = std::min(lightest, each);
+  for (const auto& [i, j] : options.join)
+    if (i != j) graph.weight(i, j) = graph.weight(j, i) = std::min(graph.weight(i, j), lightest);
   double kept = 0;
   int edges = 0;
   for (int i = 0; i < n; ++i)
     for (int j = 0; j < n; ++j) {
-      if (i != j && (graph.weight(i, j) > options.cut_above * mean || is_cut(i, j))) continue;
+      if (i != j && (graph.weight(i, j) > options.cut_above * mean || is_among(options.cut, i, j))) continue;
       graph.distance(i, j) = graph.weight(i, j);
       graph.next(i, j) = j;
       graph.edge(i, j) = i != j;

@@ -24,24 +24,26 @@ struct Square {
 /// Root mean square difference between stills, of 255, all channels, where the mask is.
 ///
 /// stills   CV_8UC3 of one size. mask   CV_8U: above 0 counts; empty: all counts.
-/// Before it the stills are blurred within the mask. Of the blurs of 1, 2 and 3 % of the mask's longer side the one is
-/// taken under which a still's nearest neighbour is nearest beside the mean of all: fine detail moves on by more than
-/// its own size between two stills, and adds the same to every distance.
+/// Before it the stills are blurred within the mask. Of the blurs of 1, 2, 3, 6 and 10 % of its longer side
+/// the one is taken under which a still's nearest neighbour is nearest beside the mean of all: fine detail
+/// moves on by more than its own size between two stills, and adds the same to every distance.
 /// sigma    px; where above 0 this blur and no other.
-/// Cost     O(stills^2 pixels): of 20 stills of 320 x 240 px 60 ms.
+/// Cost     O(stills^2 pixels).
 Square<double> still_distances(std::span<const cv::Mat> stills, const cv::Mat& mask, double sigma = 0);
 
 struct GraphOptions {
-  /// A step weighs its distance to this power. Lin et al. 2007, Sec. 3.1 take the L2 norm itself (1). That is a metric:
-  /// no way over other stills is ever shorter than the direct step, Floyd's algorithm changes nothing while that step
-  /// is there, and paths have two stills (in 26 of 28 sets of frames from real clips). From 2 on a way of small steps
-  /// is shorter than one leap, the more the higher the power (power-weighted shortest paths follow where the stills
-  /// lie densely); above 4 nothing changed but noise: docs/stills.md.
+  /// A step weighs its distance to this power. Lin et al. 2007, Sec. 3.1 take the L2 norm itself (1). That
+  /// is a metric: no way over other stills is ever shorter than the direct step, Floyd's algorithm changes
+  /// nothing while that step is there, and paths have two stills (in 26 of 28 sets of frames from real
+  /// clips). From 2 on a way of small steps is shorter than one leap, the more the higher the power
+  /// (power-weighted shortest paths follow where the stills lie densely); above 4 nothing changed but noise:
+  /// docs/stills.md.
   double power = 4;
   /// Steps above so many times the mean weight are no edges (theirs: 2).
   double cut_above = 2;
-  bool floyd = true;                          // false: edges' own weights alone, for measuring
-  std::vector<std::pair<int, int>> cut = {};  // edges that a person takes out
+  bool floyd = true;                           // false: edges' own weights alone, for measuring
+  std::vector<std::pair<int, int>> cut = {};   // edges that a person takes out
+  std::vector<std::pair<int, int>> join = {};  // edges that a person puts in, as light as the lightest
 };
 
 struct StillGraph {

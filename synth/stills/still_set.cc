@@ -110,7 +110,7 @@ void leave_out_twins(StillSet& set) {
 
 }  // namespace
 
-StillSet read_stills(const fs::path& folder, const Job& job) {
+StillSet read_stills(const fs::path& folder, int max_side, const Job& job) {
   StillSet set;
   const std::vector<fs::path> files = picture_files(folder, set.notices);
   std::vector<Loaded> loaded(files.size());
@@ -149,6 +149,9 @@ StillSet read_stills(const fs::path& folder, const Job& job) {
                 : set.count() == 1 ? std::string("there is one still in it: nothing moves between one")
                                    : "there is no still in it" + (fault.empty() ? "" : " (" + fault + ")"),
                 "Give ten to twenty stills of the scene (PNG, JPEG, TIFF), taken from one place");
+  if (max_side > 0)
+    for (cv::Mat& picture : set.pictures)
+      cv::resize(picture.clone(), picture, reduced_size(picture.size(), max_side), 0, 0, cv::INTER_AREA);
   return set;
 }
 

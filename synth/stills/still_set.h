@@ -23,11 +23,13 @@ struct StillSet {
 
 inline constexpr int kMinSide = 64, kMaxStills = 200;
 
-/// Reads the pictures of a folder. EXIF orientation is honoured. What is no picture, a picture that is damaged and a
-/// picture equal to an earlier one are left out, and told; where one has 16 bits, all have.
-/// Throws   Error{kInput}: no folder, fewer than two stills left, above kMaxStills, unlike sizes, a side below kMinSide.
+/// Reads the pictures of a folder. EXIF orientation is honoured. What is no picture, a picture that is
+/// damaged and a picture equal to an earlier one are left out, and told; where one has 16 bits, all have.
+/// Throws   Error{kInput}: no folder, fewer than two stills left, above kMaxStills, unlike sizes, a side
+///          below kMinSide.
 /// Cost     the stills are held: 3 bytes a pixel, 6 of 16 bits. Decoded on all threads.
-StillSet read_stills(const std::filesystem::path& folder, const Job& job = {});
+/// max_side   px: larger stills are reduced by area; 0: none are.
+StillSet read_stills(const std::filesystem::path& folder, int max_side = 0, const Job& job = {});
 
 /// Each as CV_8UC3 of at most max_side px, by area; larger never.
 std::vector<cv::Mat> reduced(const std::vector<cv::Mat>& pictures, int max_side);

@@ -16,8 +16,8 @@ struct Instant {
 struct TimingOptions {
   double step_s = 0.5;  // of the mean step, s
   double speed = 1;     // a region's own
-  /// A step takes as long as its stills are unlike beside the mean step, within these limits: what moves, moves
-  /// evenly.
+  /// A step takes as long as its stills are unlike beside the mean step, within these limits: what moves,
+  /// moves evenly.
   double shortest = 0.6, longest = 1.6;
   bool slow_turns = true;  // slows down before a turn, and gathers speed after it (Lin et al. 2007, Sec. 5.2)
   double exactly_s = 0;    // above 0: all steps together take so long, of a loop
