@@ -270,8 +270,8 @@ void add_animate(CLI::App& synth_command, RunContext& context) {
 }  // namespace
 
 void add_synth(CLI::App& app, RunContext& context) {
-  CLI::App* synth_command =
-      app.add_subcommand("synth", "Synthesise: animate a picture or some stills, simulate a fluid, or transfer a look");
+  CLI::App* synth_command = app.add_subcommand(
+      "synth", "Synthesise: animate a picture or some stills, simulate a fluid, or transfer a look");
   synth_command->require_subcommand(1);
   add_animate(*synth_command, context);
   add_sweep(*synth_command, context);
