@@ -1,6 +1,6 @@
 # Everything Freshet stands on: distribution packages only, found here once.
 find_package(PkgConfig REQUIRED)
-find_package(OpenCV 4.5 REQUIRED COMPONENTS core imgproc imgcodecs video features2d optflow photo xphoto alphamat ximgproc)
+find_package(OpenCV 4.5 REQUIRED COMPONENTS core imgproc imgcodecs video calib3d features2d optflow photo xphoto alphamat ximgproc)
 find_package(Eigen3 REQUIRED NO_MODULE)
 find_package(TBB REQUIRED)
 find_package(fmt REQUIRED)

@@ -17,6 +17,7 @@ void add_matte(CLI::App& synth_command, RunContext& context);  // freshet synth 
 void add_simulate(CLI::App& synth_command, RunContext& context);
 void add_scene(CLI::App& synth_command, RunContext& context);
 void add_layers(CLI::App& synth_command, RunContext& context);
+void add_stills(CLI::App& synth_command, RunContext& context);  // freshet synth stills
 void add_sweep(CLI::App& synth_command, RunContext& context);
 void add_flowlines(CLI::App& synth_command, RunContext& context);
 void add_transfer(CLI::App& synth_command, RunContext& context);

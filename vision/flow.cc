@@ -28,6 +28,23 @@ cv::Mat extended(const cv::Mat& picture, cv::Size size) {
   return larger;
 }
 
+void expect_frames(const cv::Mat& from, const cv::Mat& to) {
+  if (from.type() != CV_8UC1 || to.type() != CV_8UC1 || from.size() != to.size()) {
+    throw Error(ErrorKind::kUsage, "flow", "two 8-bit planes of one size expected");
+  }
+  if (from.cols < kMinSide || from.rows < kMinSide) {
+    throw Error(ErrorKind::kInput, "flow",
+                "frames of " + std::to_string(from.cols) + " x " + std::to_string(from.rows) +
+                    " px, at least 16 x 16 expected");
+  }
+}
+
+[[noreturn]] void refuse(const cv::Mat& from, const cv::Exception& fault) {
+  throw Error(ErrorKind::kInput, "flow",
+              "OpenCV refused frames of " + std::to_string(from.cols) + " x " + std::to_string(from.rows) +
+                  " px (" + fault.err + ")");
+}
+
 }  // namespace
 
 FlowMethod parse_flow_method(const std::string& name) {
@@ -37,14 +54,7 @@ FlowMethod parse_flow_method(const std::string& name) {
 }
 
 cv::Mat optical_flow(const cv::Mat& from, const cv::Mat& to, const FlowOptions& options) {
-  if (from.type() != CV_8UC1 || to.type() != CV_8UC1 || from.size() != to.size()) {
-    throw Error(ErrorKind::kUsage, "flow", "two 8-bit planes of one size expected");
-  }
-  if (from.cols < kMinSide || from.rows < kMinSide) {
-    throw Error(ErrorKind::kInput, "flow",
-                "frames of " + std::to_string(from.cols) + " x " + std::to_string(from.rows) +
-                    " px, at least 16 x 16 expected");
-  }
+  expect_frames(from, to);
   const cv::Size safe(safe_side(from.cols), safe_side(from.rows));
   cv::Mat flow;
   try {
@@ -57,10 +67,25 @@ cv::Mat optical_flow(const cv::Mat& from, const cv::Mat& to, const FlowOptions& 
     }
     cv::DISOpticalFlow::create(cv::DISOpticalFlow::PRESET_MEDIUM)
         ->calc(extended(from, safe), extended(to, safe), flow);
-  } catch (const cv::Exception& e) {
-    throw Error(ErrorKind::kInput, "flow",
-                "OpenCV refused frames of " + std::to_string(from.cols) + " x " + std::to_string(from.rows) +
-                    " px (" + e.err + ")");
+  } catch (const cv::Exception& fault) {
+    refuse(from, fault);
+  }
+  return flow.size() == from.size() ? flow : flow(cv::Rect(cv::Point(), from.size())).clone();
+}
+
+cv::Mat refined_flow(const cv::Mat& from, const cv::Mat& to, const cv::Mat& initial) {
+  expect_frames(from, to);
+  if (initial.type() != CV_32FC2 || initial.size() != from.size())
+    throw Error(ErrorKind::kUsage, "flow", "an earlier flow of the frames' size expected");
+  const cv::Size safe(safe_side(from.cols), safe_side(from.rows));
+  cv::Mat flow;
+  cv::copyMakeBorder(initial, flow, 0, safe.height - from.rows, 0, safe.width - from.cols,
+                     cv::BORDER_REPLICATE);
+  try {
+    cv::DISOpticalFlow::create(cv::DISOpticalFlow::PRESET_MEDIUM)
+        ->calc(extended(from, safe), extended(to, safe), flow);
+  } catch (const cv::Exception& fault) {
+    refuse(from, fault);
   }
   return flow.size() == from.size() ? flow : flow(cv::Rect(cv::Point(), from.size())).clone();
 }

@@ -30,6 +30,10 @@ FlowMethod parse_flow_method(const std::string& name);  // "dis", "tv-l1"; Error
 /// Cost       CPU seconds for 640 x 480: DIS 0.035, TV-L1 0.16.
 cv::Mat optical_flow(const cv::Mat& from, const cv::Mat& to, const FlowOptions& options = {});
 
+/// DIS again, from an earlier flow of the two: CV_32FC2, of their size. For frames that lie far apart, whose coarse
+/// flow was found on reduced ones.
+cv::Mat refined_flow(const cv::Mat& from, const cv::Mat& to, const cv::Mat& initial);
+
 /// Flow as kept in a store: CV_16SC1 planes of 1/64 px (of the source, whatever the step), reduced by `step`
 /// (area average; 1 keeps every pixel) to ceil(side / step); blocks over the edge repeat the last pixel.
 /// Saturates at +-511 px.

@@ -20,13 +20,11 @@ std::filesystem::path home_of_caches() {
 
 }  // namespace
 
-void CacheOptions::add_to(CLI::App& command) {
+void CacheOptions::add_to(CLI::App& command, const std::string& kept) {
   const std::string group = "Cache";
   command
       .add_option("--cache", folder_,
-                  "Keep candidates, tables and labels in this folder, and use what is there: after a changed "
-                  "stroke only the pieces it touches are searched again. auto: $XDG_CACHE_HOME/freshet or "
-                  "~/.cache/freshet [none]")
+                  "Keep " + kept + ". auto: $XDG_CACHE_HOME/freshet or ~/.cache/freshet [none]")
       ->type_name("DIR")
       ->group(group);
   command

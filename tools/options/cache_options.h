@@ -13,7 +13,11 @@ namespace freshet::tools {
 class CacheOptions {
  public:
   /// --cache, --cache-size.
-  void add_to(CLI::App& command);
+  /// kept   what the folder will hold, and what that is good for.
+  void add_to(CLI::App& command,
+              const std::string& kept =
+                  "candidates, tables and labels in this folder, and use what is there: after a "
+                  "changed stroke only the pieces it touches are searched again");
   /// Null when none was asked for. Throws Error{kIo}, and Error{kUsage} for "auto" without a home.
   std::unique_ptr<query::LabelCache> open() const;
 

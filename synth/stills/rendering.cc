@@ -1,0 +1,260 @@
+#include "synth/stills/rendering.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <map>
+#include <mutex>
+#include <set>
+#include <span>
+#include <string>
+#include <utility>
+
+#include <oneapi/tbb/parallel_for.h>
+#include <oneapi/tbb/task_arena.h>
+#include <opencv2/imgproc.hpp>
+
+#include "freshet/error.h"
+#include "synth/stills/still_set.h"
+
+namespace freshet::synth::stills {
+namespace {
+
+constexpr int kMargin = 24;  // px of the work size around a region: motion comes in from there
+
+using Pair = std::pair<int, int>;  // of stills, the lower number first
+
+/// A region as it is rendered.
+struct Layer {
+  const PlannedRegion* planned = nullptr;
+  cv::Mat weight;              // CV_32F, work size
+  cv::Rect box;                // px of the stills; all that has weight, and a margin
+  std::vector<cv::Mat> small;  // the stills' boxes as flow sees them; empty where not needed
+  std::map<Pair, FlowPair> flows;
+  bool fades = false;
+};
+
+cv::Rect full_box(const cv::Mat& weight, cv::Size full) {
+  const cv::Rect box = cv::boundingRect(weight > 0);
+  const double sx = static_cast<double>(full.width) / weight.cols,
+               sy = static_cast<double>(full.height) / weight.rows;
+  const auto span = [](int from, int length, double scale, int limit) {
+    int low = std::max(0, static_cast<int>((from - kMargin) * scale));
+    int high = std::min(limit, static_cast<int>((from + length + kMargin) * scale) + 1);
+    if (high - low < kMinSide) {
+      low = std::clamp((low + high - kMinSide) / 2, 0, limit - kMinSide);
+      high = low + kMinSide;
+    }
+    return Pair(low, high - low);
+  };
+  const auto [x, width] = span(box.x, box.width, sx, full.width);
+  const auto [y, height] = span(box.y, box.height, sy, full.height);
+  return {x, y, width, height};
+}
+
+std::set<Pair> pairs_shown(const Timeline& timeline, double seconds) {
+  std::set<Pair> pairs;
+  const std::vector<int>& stills = timeline.sequence();
+  const std::vector<double>& times = timeline.times();
+  for (std::size_t i = 0; i + 1 < stills.size() && times[i] < seconds; ++i)
+    if (stills[i] != stills[i + 1]) pairs.insert(std::minmax(stills[i], stills[i + 1]));
+  return pairs;
+}
+
+/// A weight of the work size as a row of the stills has it.
+class WeightRow {
+ public:
+  WeightRow(const cv::Mat& weight, cv::Size full)
+      : weight_(weight),
+        scale_x_(static_cast<float>(weight.cols) / static_cast<float>(full.width)),
+        scale_y_(static_cast<float>(weight.rows) / static_cast<float>(full.height)) {}
+
+  void read(int y, const cv::Rect& box, float* out) const {
+    const float v = place(y, scale_y_, weight_.rows);
+    const int v0 = static_cast<int>(v), v1 = std::min(v0 + 1, weight_.rows - 1);
+    const float fv = v - static_cast<float>(v0);
+    const float *top = weight_.ptr<float>(v0), *low = weight_.ptr<float>(v1);
+    for (int x = 0; x < box.width; ++x) {
+      const float u = place(box.x + x, scale_x_, weight_.cols);
+      const int u0 = static_cast<int>(u), u1 = std::min(u0 + 1, weight_.cols - 1);
+      const float fu = u - static_cast<float>(u0);
+      out[x] = (1 - fv) * ((1 - fu) * top[u0] + fu * top[u1]) + fv * ((1 - fu) * low[u0] + fu * low[u1]);
+    }
+  }
+
+ private:
+  static float place(int at, float scale, int side) {
+    return std::clamp((static_cast<float>(at) + .5f) * scale - .5f, 0.0f, static_cast<float>(side - 1));
+  }
+  const cv::Mat& weight_;
+  float scale_x_, scale_y_;
+};
+
+class Renderer {
+ public:
+  Renderer(const Plan& plan, const std::vector<cv::Mat>& pictures, const RenderOptions& options,
+           const Job& job)
+      : plan_(plan), pictures_(pictures), options_(options) {
+    std::vector<Region> regions;
+    for (const PlannedRegion& each : plan.regions) regions.push_back(each.region);
+    const std::vector<cv::Mat> weights = region_weights(regions, options.grown_px, options.feather_px);
+    for (std::size_t i = 0; i < plan.regions.size(); ++i) {
+      if (cv::countNonZero(weights[i]) == 0) continue;
+      layers_.push_back({.planned = &plan.regions[i],
+                         .weight = weights[i],
+                         .box = full_box(weights[i], pictures[0].size()),
+                         .small = {},
+                         .flows = {},
+                         .fades = !options.flow || plan.regions[i].region.kind == RegionKind::kSlow});
+    }
+    find_flow(job);
+  }
+
+  cv::Mat frame(double seconds) const {
+    std::vector<Shown> shown;
+    for (const Layer& layer : layers_) shown.push_back(show(layer, seconds));
+    cv::Mat out = pictures_[plan_.standing].clone();
+    if (out.depth() == CV_16U)
+      compose<std::uint16_t>(shown, out);
+    else
+      compose<std::uint8_t>(shown, out);
+    return out;
+  }
+
+ private:
+  struct Shown {
+    const Layer* layer;
+    const cv::Mat *a, *b;
+    Moment moment;
+  };
+
+  Shown show(const Layer& layer, double seconds) const {
+    const Instant instant = layer.planned->timeline.at(seconds);
+    Shown shown{&layer, &pictures_[instant.from], &pictures_[instant.to], {}};
+    shown.moment.phase = static_cast<float>(instant.phase);
+    const Pair pair = std::minmax(instant.from, instant.to);
+    const auto found = layer.flows.find(pair);
+    if (found == layer.flows.end()) return shown;
+    shown.a = &pictures_[pair.first];
+    shown.b = &pictures_[pair.second];
+    const double phase = instant.from < instant.to ? instant.phase : 1 - instant.phase;
+    shown.moment = Between(layer.small[pair.first], layer.small[pair.second], found->second).at(phase);
+    return shown;
+  }
+
+  template <class T>
+  void compose(const std::vector<Shown>& shown, cv::Mat& out) const {
+    const std::size_t width = static_cast<std::size_t>(out.cols);
+    std::vector<float> sum(3 * width), left(width), colour(3 * width), weight(width);
+    for (int y = 0; y < out.rows; ++y) {
+      std::fill(left.begin(), left.end(), 1.0f);
+      std::fill(sum.begin(), sum.end(), 0.0f);
+      bool any = false;
+      for (const Shown& each : shown) {
+        const cv::Rect& box = each.layer->box;
+        if (y < box.y || y >= box.y + box.height) continue;
+        WeightRow(each.layer->weight, out.size()).read(y, box, weight.data());
+        if (std::all_of(weight.begin(), weight.begin() + box.width, [](float w) { return w <= 0; })) continue;
+        moment_row(each.moment, *each.a, *each.b, box, y - box.y, colour.data());
+        any = true;
+        for (int x = 0; x < box.width; ++x) {
+          left[box.x + x] -= weight[x];
+          for (int c = 0; c < 3; ++c) sum[3 * (box.x + x) + c] += weight[x] * colour[3 * x + c];
+        }
+      }
+      if (!any) continue;
+      T* row = out.ptr<T>(y);
+      for (int x = 0; x < out.cols; ++x) {
+        if (left[x] >= 1) continue;
+        const float rest = std::max(0.0f, left[x]);
+        for (int c = 0; c < 3; ++c)
+          row[3 * x + c] = cv::saturate_cast<T>(sum[3 * x + c] + rest * static_cast<float>(row[3 * x + c]));
+      }
+    }
+  }
+
+  // The flow's two planes one after the other are what is kept.
+  FlowPair found_or_kept(const cv::Mat& from, const cv::Mat& to) const {
+    if (options_.cache == nullptr) return flow_between(from, to);
+    query::KeyHash hash;
+    hash.add(std::string("stills flow 1"));
+    hash.add(std::int32_t{from.cols});
+    hash.add(std::int32_t{from.rows});
+    for (const cv::Mat& each : {from, to})
+      hash.add(std::span<const std::uint8_t>(each.data, each.total() * each.elemSize()));
+    const std::size_t plane = 2 * sizeof(std::int16_t) * from.total();
+    if (const auto kept = options_.cache->find(hash.key()); kept && kept->size() == 2 * plane) {
+      FlowPair flow{cv::Mat(from.size(), CV_16SC2), cv::Mat(from.size(), CV_16SC2)};
+      std::memcpy(flow.forth.data, kept->data(), plane);
+      std::memcpy(flow.back.data, kept->data() + plane, plane);
+      return flow;
+    }
+    const FlowPair flow = flow_between(from, to);
+    std::vector<std::byte> bytes(2 * plane);
+    std::memcpy(bytes.data(), flow.forth.data, plane);
+    std::memcpy(bytes.data() + plane, flow.back.data, plane);
+    options_.cache->keep(hash.key(), bytes);
+    return flow;
+  }
+
+  void find_flow(const Job& job) {
+    struct Task {
+      Layer* layer;
+      Pair pair;
+    };
+    std::vector<Task> tasks;
+    const double seconds = options_.frames / options_.fps;
+    for (Layer& layer : layers_) {
+      if (layer.fades) continue;
+      layer.small.resize(pictures_.size());
+      for (const Pair& pair : pairs_shown(layer.planned->timeline, seconds)) {
+        tasks.push_back({&layer, pair});
+        for (const int still : {pair.first, pair.second})
+          if (layer.small[still].empty())
+            layer.small[still] = reduced({pictures_[still](layer.box)}, options_.flow_side)[0];
+      }
+    }
+    std::vector<FlowPair> flows(tasks.size());
+    std::mutex reporting;
+    std::size_t done = 0;
+    oneapi::tbb::parallel_for(std::size_t{0}, tasks.size(), [&](std::size_t i) {
+      if (job.stop.stop_requested()) return;
+      const Task& task = tasks[i];
+      flows[i] = found_or_kept(task.layer->small[task.pair.first], task.layer->small[task.pair.second]);
+      const std::lock_guard lock(reporting);
+      if (job.progress) job.progress({"flow between stills", ++done, tasks.size()});
+    });
+    if (job.stop.stop_requested()) throw Error(ErrorKind::kCancelled, "stills", "stopped");
+    for (std::size_t i = 0; i < tasks.size(); ++i) {
+      const Task& task = tasks[i];
+      task.layer->flows.emplace(task.pair, std::move(flows[i]));
+    }
+  }
+
+  const Plan& plan_;
+  const std::vector<cv::Mat>& pictures_;
+  RenderOptions options_;
+  std::vector<Layer> layers_;
+};
+
+}  // namespace
+
+void render_frames(const Plan& plan, const std::vector<cv::Mat>& pictures, const RenderOptions& options,
+                   const FrameSink& sink, const Job& job) {
+  const Renderer renderer(plan, pictures, options, job);
+  const int batch = 2 * std::max(1, oneapi::tbb::this_task_arena::max_concurrency());
+  std::vector<cv::Mat> frames(static_cast<std::size_t>(batch));
+  for (int first = 0; first < options.frames; first += batch) {
+    if (job.stop.stop_requested()) throw Error(ErrorKind::kCancelled, "stills", "stopped");
+    const int count = std::min(batch, options.frames - first);
+    oneapi::tbb::parallel_for(0, count,
+                              [&](int i) { frames[i] = renderer.frame((first + i) / options.fps); });
+    for (int i = 0; i < count; ++i) sink(frames[i]);
+    if (job.progress)
+      job.progress(
+          {"frames", static_cast<std::size_t>(first + count), static_cast<std::size_t>(options.frames)});
+  }
+}
+
+}  // namespace freshet::synth::stills

@@ -1,0 +1,38 @@
+// synth/stills/rendering.h — the frames of an animation, at the stills' full size.
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include <opencv2/core.hpp>
+
+#include "freshet/job.h"
+#include "query/labelling/label_cache.h"
+#include "synth/stills/between.h"
+#include "synth/stills/plan.h"
+
+namespace freshet::synth::stills {
+
+struct RenderOptions {
+  double fps = 25;
+  int frames = 200;
+  int flow_side = 960;                 // px, the longer side of a region's box on which flow is found
+  double grown_px = 3;                 // of the work size: regions are grown by it
+  double feather_px = 12;              // of the work size
+  bool flow = true;                    // false: cross-fades alone
+  query::LabelCache* cache = nullptr;  // flow that lies in it is not found again; may be null
+};
+
+using FrameSink = std::function<void(const cv::Mat&)>;
+
+/// Frames 0 .. frames - 1, in order, of the stills' type, handed to the sink one by one.
+/// pictures   the stills at full size. Where no region has any weight, a frame is the standing still, to the
+///            bit.
+/// Cost       memory beside the stills: a frame a thread, and 8 bytes a pixel of flow for each pair of
+///            stills that
+///            follow each other.
+/// Throws     Error{kCancelled}.
+void render_frames(const Plan& plan, const std::vector<cv::Mat>& pictures, const RenderOptions& options,
+                   const FrameSink& sink, const Job& job = {});
+
+}  // namespace freshet::synth::stills
