@@ -222,6 +222,9 @@ test("two pages show the same project, and a render is stopped", async () => {
   await two.getByText("Draw a line along the flow").waitFor();
   await drag(two, [[150, 40], [150, 160]]);
   await one.getByText("Click a line to change it").waitFor();
+  await one.keyboard.press("3");
+  await one.getByLabel("Length").fill("20"); // long enough to be stopped in the middle
+  await until(async () => (await document("still")).frames > 300);
   await one.getByRole("button", { name: "Export" }).click();
   await one.getByRole("button", { name: "Make it" }).click();
   await one.getByRole("button", { name: "Stop" }).click();
