@@ -70,6 +70,7 @@ after(async () => {
 async function open(address, options = {}) {
   const context = await browser.newContext({ viewport: { width: 1280, height: 800 }, ...options });
   const page = await context.newPage();
+  page.setDefaultTimeout(120000); // a busy machine is no fault
   page.faults = [];
   page.on("pageerror", (error) => page.faults.push(error.message));
   page.on("request", (request) => {
@@ -116,7 +117,7 @@ const api = async (rest, init) => fetch(`${url.split("#")[0]}api/${rest}`, init)
 const document = async (id) => (await (await api(`projects/${id}`)).json()).document;
 
 /** Waits for what is true a little later. */
-async function until(holds, patience = 20000) {
+async function until(holds, patience = 120000) {
   for (const end = Date.now() + patience; Date.now() < end; await new Promise((resolve) => setTimeout(resolve, 50)))
     if (await holds()) return;
   assert.fail(`it never came: ${holds}`);
@@ -206,7 +207,7 @@ test("nothing is lost by a reload, nor by the end of the server", async () => {
   await page.getByText("server is away").waitFor();
   await drag(page, [[220, 50], [220, 150]]); // drawn on while it is away
   await serve(Number(new URL(url).port), "demo.freshet");
-  await page.getByText("server is away").waitFor({ state: "detached", timeout: 20000 });
+  await page.getByText("server is away").waitFor({ state: "detached", timeout: 120000 });
   await until(async () => (await document("still")).strokes.length === 5);
   assert.deepEqual(page.faults, []);
   await page.context().close();
