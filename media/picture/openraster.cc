@@ -16,6 +16,7 @@
 #include <pugixml.hpp>
 
 #include "freshet/error.h"
+#include "media/frame/decoder.h"
 #include "media/picture/picture_file.h"
 
 namespace freshet::media {
@@ -25,7 +26,7 @@ namespace fs = std::filesystem;
 using Bytes = std::vector<std::uint8_t>;
 
 constexpr const char* kMime = "image/openraster";
-constexpr std::int64_t kMaxPixels = std::int64_t{1} << 28, kMaxAllPixels = std::int64_t{1} << 29;
+constexpr std::int64_t kMaxAllPixels = 2 * kMaxPicturePixels;
 constexpr std::uint64_t kMaxXmlBytes = 4u << 20, kMaxPartBytes = std::uint64_t{1} << 30;
 constexpr zip_int64_t kMaxParts = 10'000;
 constexpr std::size_t kMaxLayers = 1000, kMaxName = 200;
@@ -163,7 +164,7 @@ class Reader {
     const pugi::xml_node stack = image.child("stack");
     if (!stack) archive_.refuse("stack.xml has no stack of layers", kSaveAgain);
     const double width = number(archive_, image, "w", 0), height = number(archive_, image, "h", 0);
-    if (width < 1 || height < 1 || width * height > static_cast<double>(kMaxPixels))
+    if (width < 1 || height < 1 || width * height > static_cast<double>(kMaxPicturePixels))
       archive_.refuse(fmt::format("its canvas is {} x {} px, 1 to 2^28 in all are expected", width, height),
                       "Give the image w and h, or reduce it");
     out_.canvas = cv::Size(static_cast<int>(width), static_cast<int>(height));
@@ -227,7 +228,7 @@ class Reader {
     if (!size || png[0] != 0x89)
       archive_.refuse(what + " is no PNG", "Save raster layers alone, as OpenRaster");
     const std::int64_t pixels = std::int64_t{size->width} * size->height;
-    if (pixels < 1 || pixels > kMaxPixels || (pixels_ += pixels) > kMaxAllPixels)
+    if (pixels < 1 || pixels > kMaxPicturePixels || (pixels_ += pixels) > kMaxAllPixels)
       archive_.refuse(fmt::format("{} is {} x {} px: too large, alone or with those before it", what,
                                   size->width, size->height),
                       "Reduce it: 2^28 px in a layer, 2^29 in all");
