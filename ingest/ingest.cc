@@ -56,7 +56,8 @@ std::string metadata_of(const media::VideoInfo& info, const ClipMeasures& measur
                         const ClipReport& report, const media::Repairs& repairs) {
   json cells{{"motion", cells_json(measures.motion)},
              {"texture", json::array()},
-             {"life", cells_json(measures.life.cells)}};
+             {"life", cells_json(measures.life.cells)},
+             {"standing", cells_json(measures.life.standing)}};
   for (const vision::CellMap& scale : measures.texture) cells["texture"].push_back(cells_json(scale));
   const json metadata{{"layout", json::parse(media::to_json(info.layout))},
                       {"codec", info.codec},
@@ -68,6 +69,7 @@ std::string metadata_of(const media::VideoInfo& info, const ClipMeasures& measur
                       {"cells", cells},
                       {"loop", loop_json(measures.loop)},
                       {"half_life_s", measures.life.clip},
+                      {"standing", measures.life.clip_standing},
                       {"patches", report.patches_by_variant}};
   return metadata.dump(-1, ' ', false, json::error_handler_t::replace);
 }
@@ -91,6 +93,7 @@ void write_columns(store::ClipWriter& writer, const ClipMeasures& measures, cons
     write_cells(fmt::format("cells.texture.{}", i), measures.texture[i]);
   }
   write_cells("cells.life", measures.life.cells);
+  write_cells("cells.standing", measures.life.standing);
   writer.column<vision::FlowOutlier>("flow.outlier", measures.life.flow_outliers);
   writer.column<std::uint8_t>("patch.variant", patches.variant);
   writer.column<std::uint16_t>("patch.x", patches.x);

@@ -89,13 +89,15 @@ struct IngestProgress {
 ///           "cells.texture.<i>": vision::kTextureLevels floats per row, for the i-th scale of the settings.
 ///           "cells.life": vision::kLifeBands floats per row, s: half-lives of detail along the flow, finest band
 ///           first; 0: not known.
+///           "cells.standing": vision::kStandingChannels floats per row, 0..1: how much of a band's variance stays where
+///           it is while the flow goes by.
 ///           "flow.outlier": u8, vision::FlowOutlier, a row per flow frame.
 ///           "patch.variant" u8, "patch.x", "patch.y" u16, "patch.motion" 2 floats, px/s, in the variant's
 ///           frame, "patch.coverage" float, 0..1.
 /// Metadata  JSON: "layout" (media::layout_from_json reads it), "codec", "container",
 ///           "variable_frame_rate", "repairs" (filters that changed the frames; empty: none), "screening",
 ///           "notices", "cells" (rows, columns, channels, cell), "patches" (by variant), "loop"
-///           (vision::LoopRule; null: too short), "half_life_s" (of the whole clip, by band).
+///           (vision::LoopRule; null: too short), "half_life_s", "standing" (of the whole clip, by band).
 ///
 /// What is wrong with a clip ends up in its row, and the run goes on. What is wrong with the store or the
 /// machine, and a stop request, ends the run: the clip in hand leaves no trace, those before are kept, and

@@ -45,12 +45,12 @@ struct AnimateCommand {
 
 /// What only --help-all explains: the search, the labelling and the rendering in their own words.
 const std::vector<std::string> kModelOptions{
-    "--assignment",  "--candidates", "--coherent",    "--min-scale",  "--max-rotation", "--piece",
-    "--piece-scale", "--index",      "--checks",      "--solver",     "--iterations",   "--costs",
-    "--lambda",      "--sigma",      "--vote",        "--rho",        "--tolerance",    "--speed-tolerance",
-    "--resampling",  "--tau",        "--inpaint",     "--shutter",    "--softness",     "--method",
-    "--variation",   "--renewal",    "--detail-life", "--blend",      "--low-band",     "--matching",
-    "--max-gain",    "--cache-size", "--hint",        "--speed-white"};
+    "--assignment",  "--candidates", "--coherent",   "--min-scale",   "--max-rotation", "--piece",
+    "--piece-scale", "--index",      "--checks",     "--solver",      "--iterations",   "--costs",
+    "--lambda",      "--sigma",      "--vote",       "--rho",         "--tolerance",    "--speed-tolerance",
+    "--resampling",  "--tau",        "--inpaint",    "--shutter",     "--softness",     "--method",
+    "--variation",   "--renewal",    "--standing",   "--detail-life", "--blend",        "--low-band",
+    "--matching",    "--max-gain",   "--cache-size", "--hint",        "--speed-white"};
 
 synth::animate::AnimateOptions render_options(const AnimateCommand& command) {
   synth::animate::AnimateOptions options = command.options;
@@ -227,6 +227,13 @@ void add_making(CLI::App& app, AnimateCommand& command) {
          "--renewal", command.options.renewal,
          "Of each band's contrast (variance), how much comes anew from the patches, 0 to 1; the rest is "
          "the picture's own, carried along")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str()
+      ->group(group);
+  app.add_option(
+         "--standing", command.options.standing,
+         "Of the light and dark that stays in its place in the patches while the fluid goes by, how much "
+         "the picture keeps, 0 to 1; 0: all goes along")
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str()
       ->group(group);

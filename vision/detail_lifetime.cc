@@ -28,6 +28,9 @@ constexpr double kLeast = 0.01;            // a correlation below is noise
 
 using Bands = std::array<float, kLifeBands>;
 
+/// px of the frame.
+constexpr float wavelength_px(int band) { return static_cast<float>(4 << band); }
+
 /// A band at a place, bilinear; the place is inside the frame.
 inline float sample(const cv::Mat& band, float x, float y) {
   const int left = static_cast<int>(x), top = static_cast<int>(y);
@@ -80,6 +83,19 @@ template <class Real>
 struct LagSums {
   Real count = 0;
   std::array<Real, kLifeBands> product{}, first{}, second{};
+  // Of detail whose place has been left by the flow, there.
+  std::array<Real, kLifeBands> left{}, stood{}, left_first{}, left_second{};
+
+  template <class Other>
+  void add(const LagSums<Other>& from) {
+    count += from.count;
+    const auto gather = [](std::array<Real, kLifeBands>& to, const std::array<Other, kLifeBands>& more) {
+      for (std::size_t b = 0; b < kLifeBands; ++b) to[b] += more[b];
+    };
+    gather(product, from.product), gather(first, from.first), gather(second, from.second);
+    gather(left, from.left), gather(stood, from.stood);
+    gather(left_first, from.left_first), gather(left_second, from.left_second);
+  }
 };
 
 /// All tracks that began in one frame, and what they compared. Tracks that end are taken out, the others keep their
@@ -88,6 +104,7 @@ struct Beginning {
   std::uint32_t frame = 0;
   std::uint32_t lag = 0;
   std::vector<float> x, y;
+  std::vector<cv::Vec2f> from;  // where each began, px
   std::vector<std::uint32_t> cell;
   std::vector<Bands> bands;          // at the beginning
   std::vector<LagSums<float>> sums;  // lag by lag, cell by cell
@@ -138,6 +155,33 @@ Curve curve_of(std::span<const LagSums<double>> sums, std::size_t band) {
     curve.weight[i] = sum.count * per_sample;
   }
   return curve;
+}
+
+/// Of a band, what stood where the flow had left, with its weight in independent samples.
+struct Stood {
+  double share = 0, weight = 0;
+
+  void add(const Stood& other, double factor) {
+    const double more = factor * other.weight;
+    if (more <= 0) return;
+    share = (weight * share + more * other.share) / (weight + more);
+    weight += more;
+  }
+  Stood limited(double most) const { return {share, std::min(weight, most)}; }
+};
+
+Stood stood_of(std::span<const LagSums<double>> sums, std::size_t band) {
+  double count = 0, product = 0, first = 0, second = 0;
+  for (const LagSums<double>& sum : sums) {
+    count += sum.left[band];
+    product += sum.stood[band];
+    first += sum.left_first[band];
+    second += sum.left_second[band];
+  }
+  const double noise = kDetailNoise * kDetailNoise * count, powers = (first - noise) * (second - noise);
+  if (first <= noise || second <= noise) return {};
+  const double per_sample = std::min(1.0, kSpacing * kSpacing / std::pow(2 << band, 2));
+  return {std::clamp(product / std::sqrt(powers), 0.0, 1.0), count * per_sample / kLagCount};
 }
 
 /// Frames until half of the correlation is left; 0: not known.
@@ -229,7 +273,8 @@ struct DetailLifetimeAccumulator::Impl {
     }
     beginning.frame = at;
     beginning.lag = 0;
-    beginning.x.clear(), beginning.y.clear(), beginning.cell.clear(), beginning.bands.clear();
+    beginning.x.clear(), beginning.y.clear(), beginning.from.clear();
+    beginning.cell.clear(), beginning.bands.clear();
     beginning.sums.assign(cells() * kLagCount, {});
     const int shift_x = static_cast<int>(begun % kSpacing),
               shift_y = static_cast<int>((3 * begun + begun / 4) % kSpacing);
@@ -242,6 +287,7 @@ struct DetailLifetimeAccumulator::Impl {
         if (v.dot(v) < moving_px * moving_px) continue;
         beginning.x.push_back(px);
         beginning.y.push_back(py);
+        beginning.from.emplace_back(px, py);
         beginning.cell.push_back(static_cast<std::uint32_t>(y / kLifeCell * columns + x / kLifeCell));
         beginning.bands.push_back(bands_at(px, py));
       }
@@ -258,11 +304,13 @@ struct DetailLifetimeAccumulator::Impl {
       if (!inside(x, y)) continue;
       tracks.x[kept] = x;
       tracks.y[kept] = y;
+      tracks.from[kept] = tracks.from[i];
       tracks.cell[kept] = tracks.cell[i];
       tracks.bands[kept] = tracks.bands[i];
       ++kept;
     }
-    tracks.x.resize(kept), tracks.y.resize(kept), tracks.cell.resize(kept), tracks.bands.resize(kept);
+    tracks.x.resize(kept), tracks.y.resize(kept), tracks.from.resize(kept);
+    tracks.cell.resize(kept), tracks.bands.resize(kept);
   }
 
   void compare(Beginning& tracks) const {
@@ -278,6 +326,21 @@ struct DetailLifetimeAccumulator::Impl {
         sum.first[b] += then[b] * then[b];
         sum.second[b] += now[b] * now[b];
       }
+      compare_place(tracks, i, sum);
+    }
+  }
+
+  /// The same place, where the flow has taken away what was there.
+  void compare_place(const Beginning& tracks, std::size_t i, LagSums<float>& sum) const {
+    const cv::Vec2f way = cv::Vec2f(tracks.x[i], tracks.y[i]) - tracks.from[i];
+    const float gone = way.dot(way);
+    if (gone < wavelength_px(0) * wavelength_px(0)) return;
+    const Bands here = bands_at(tracks.from[i][0], tracks.from[i][1]), &then = tracks.bands[i];
+    for (int b = 0; b < kLifeBands && gone >= wavelength_px(b) * wavelength_px(b); ++b) {
+      sum.left[b] += 1;
+      sum.stood[b] += then[b] * here[b];
+      sum.left_first[b] += then[b] * then[b];
+      sum.left_second[b] += here[b] * here[b];
     }
   }
 
@@ -288,16 +351,8 @@ struct DetailLifetimeAccumulator::Impl {
     std::uint32_t good = 0;
     while (good < tracks.lag && outliers[tracks.frame + good - first] != FlowOutlier::kFast) ++good;
     for (std::size_t lag = 0; lag < kLagCount && kLags[lag] <= good; ++lag)
-      for (std::size_t cell = 0; cell < cells(); ++cell) {
-        const LagSums<float>& from = tracks.sums[lag * cells() + cell];
-        LagSums<double>& to = totals[cell * kLagCount + lag];
-        to.count += from.count;
-        for (std::size_t b = 0; b < kLifeBands; ++b) {
-          to.product[b] += from.product[b];
-          to.first[b] += from.first[b];
-          to.second[b] += from.second[b];
-        }
-      }
+      for (std::size_t cell = 0; cell < cells(); ++cell)
+        totals[cell * kLagCount + lag].add(tracks.sums[lag * cells() + cell]);
   }
 
   bool moves(const cv::Mat& moving, std::size_t cell) const {
@@ -313,6 +368,31 @@ struct DetailLifetimeAccumulator::Impl {
     for (int r = std::max(0, row - 1); r <= std::min(rows - 1, row + 1); ++r)
       for (int c = std::max(0, column - 1); c <= std::min(columns - 1, column + 1); ++c)
         if (r != row || c != column) use(static_cast<std::size_t>(r) * columns + c);
+  }
+
+  /// Of one band, after the finer ones. own: what each cell says of it.
+  void find_standing(std::size_t band, std::span<const Curve> own, DetailLifetimes& lifetimes) const {
+    std::vector<Stood> stood(cells());
+    Stood clip;
+    for (std::size_t cell = 0; cell < stood.size(); ++cell) {
+      if (own[cell].power <= 0) continue;
+      stood[cell] = stood_of(std::span(totals).subspan(cell * kLagCount, kLagCount), band);
+      clip.add(stood[cell], own[cell].power);
+    }
+    const auto or_finer = [band](const Stood& found, float finer) {
+      return found.weight > 0 || band == 0 ? static_cast<float>(found.share) : finer;
+    };
+    lifetimes.clip_standing[band] = or_finer(clip, band > 0 ? lifetimes.clip_standing[band - 1] : 0);
+    // Weighed by power, its samples do not count as such.
+    clip.weight = clip.weight > 0 ? kPoolSamples : 0;
+    for (std::size_t cell = 0; cell < stood.size(); ++cell) {
+      Stood around = clip;
+      each_neighbour(cell, [&](std::size_t neighbour) { around.add(stood[neighbour], 1); });
+      Stood pooled = around.limited(kPoolSamples);
+      pooled.add(stood[cell], 1);
+      float* values = lifetimes.standing.values.data() + cell * kStandingChannels;
+      values[band] = or_finer(pooled, band > 0 ? values[band - 1] : 0);
+    }
   }
 
   bool needs_bands() const {
@@ -369,6 +449,9 @@ DetailLifetimes DetailLifetimeAccumulator::finish(const cv::Mat& moving) {
   lifetimes.cells = {
       .rows = s.rows, .columns = s.columns, .channels = kLifeChannels, .cell = kLifeCell, .values = {}};
   lifetimes.cells.values.resize(s.cells() * kLifeChannels);
+  lifetimes.standing = lifetimes.cells;
+  lifetimes.standing.channels = kStandingChannels;
+  lifetimes.standing.values.resize(s.cells() * kStandingChannels);
   const auto seconds = [&](const Curve& curve) {
     return static_cast<float>(std::min(kLongestLife_s, half_life_frames(curve) / s.fps));
   };
@@ -393,6 +476,7 @@ DetailLifetimes DetailLifetimeAccumulator::finish(const cv::Mat& moving) {
       values[band] = seconds(pooled);
       values[kLifeBands + band] = static_cast<float>(std::sqrt(own[cell].power));
     }
+    s.find_standing(band, own, lifetimes);
   }
   return lifetimes;
 }

@@ -205,7 +205,7 @@ class Trial {
     const std::string key = fmt::format("{}/{}", hint.name, method.labels_settings);
     if (const auto known = labelled_.find(key); known != labelled_.end()) return known->second;
     query::LabelOptions options = method.label;
-    options.candidates.excluded_clips = case_.same_scene;
+    if (!method.own) options.candidates.excluded_clips = case_.same_scene;
     options.candidates.min_duration_s = static_cast<double>(case_.truth.size()) / case_.fps;
     if (method.same_class) options.candidates.class_name = case_.class_name;
     bench::AskedOf asked = bench::ask(hint.hint, case_, snapshot_, base_, options);

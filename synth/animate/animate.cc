@@ -21,6 +21,7 @@
 #include "platform/stopwatch.h"
 #include "query/search/picture_scale.h"
 #include "synth/animate/clips/piece_lives.h"
+#include "synth/animate/clips/piece_standing.h"
 #include "synth/animate/motion/carried_detail.h"
 #include "synth/animate/motion/copy_maps.h"
 #include "synth/animate/motion/motion_field.h"
@@ -32,6 +33,7 @@
 #include "synth/animate/still/band_contrast.h"
 #include "synth/animate/still/colour_model.h"
 #include "synth/animate/still/finished_frame.h"
+#include "synth/animate/still/standing_detail.h"
 
 namespace freshet::synth::animate {
 namespace {
@@ -45,7 +47,6 @@ constexpr double kMinHalfLife_s = 0.1, kMaxHalfLife_s = 6;
 constexpr double kMinInnovation_s = 0.1, kMaxInnovation_s = 1;
 // How far copies go from their own frames: forms should have left their place, but a pool is not to climb its fall.
 constexpr double kMinWander_s = 0.4, kMaxWander_s = 6, kMaxWander_px = 220;
-constexpr double kContrastReach = 24;  // px: sigma of the neighbourhoods that innovations' contrast is set in
 constexpr int kContrastLevels = 5;
 constexpr float kMostLevel = 0.08f;   // luma
 constexpr float kLively = 0.25f;      // of the fastest places' speed: what is slower is renewed less
@@ -309,15 +310,28 @@ class Animation {
     return std::pow(0.5, 1 / (std::clamp(half_life_s_, kMinInnovation_s, kMaxInnovation_s) * options_.fps));
   }
 
-  /// Power of the picture by piece and band.
-  void measure_still() {
-    cv::Mat reduced, wide;
-    cv::resize(target_luma_, reduced, query::reduced_size(picture_.size(), placement_.piece_scale), 0, 0,
-               cv::INTER_AREA);
-    const cv::Rect seen({}, reduced.size()), all = canvas_ | seen;
+  /// What the pieces and the picture cover together, px of the reduced picture.
+  cv::Rect seen_and_canvas() const {
+    return canvas_ | cv::Rect({}, query::reduced_size(picture_.size(), placement_.piece_scale));
+  }
+  /// The picture's luma as the pieces lie on it, of seen_and_canvas().
+  cv::Mat around_pieces(const cv::Mat& luma) const {
+    const cv::Rect seen({}, query::reduced_size(picture_.size(), placement_.piece_scale)),
+        all = seen_and_canvas();
+    cv::Mat reduced = luma, wide;
+    if (seen.size() != luma.size()) cv::resize(luma, reduced, seen.size(), 0, 0, cv::INTER_AREA);
     cv::copyMakeBorder(reduced, wide, -all.y, all.br().y - seen.height, -all.x, all.br().x - seen.width,
                        cv::BORDER_REFLECT_101);
-    still_luma_ = wide(canvas_ - all.tl());
+    return wide;
+  }
+  cv::Mat on_pieces_canvas(const cv::Mat& luma) const {
+    return around_pieces(luma)(canvas_ - seen_and_canvas().tl());
+  }
+
+  /// Power of the picture by piece and band.
+  void measure_still() {
+    const cv::Rect all = seen_and_canvas();
+    const cv::Mat wide = around_pieces(target_luma_);
     still_power_.resize(placement_.patches.size());
     oneapi::tbb::parallel_for(std::size_t{0}, placement_.patches.size(), [&](std::size_t p) {
       const cv::Point at = placement_.patches[p].piece - all.tl();
@@ -375,7 +389,7 @@ class Animation {
                                   .wander = static_cast<int>(std::lround(wander_s * options_.fps)),
                                   .patch = kLifePatch_px * placement_.piece_scale / CarriedBase::kStep});
       renewing_ = renewing_places();
-      still_contrast_.emplace(still_luma_, kContrastLevels, kContrastReach, on_canvas(renewing_));
+      standing_.emplace(standing());
       renewed_.emplace(canvas_, placement_.piece_scale, kept_per_frame());
     }
     // The fluid's layers go on beyond the still matte, for a moving one to uncover.
@@ -384,6 +398,15 @@ class Animation {
         *layer = pull_push(*layer, alpha_);
     finisher_.emplace(colours_, own_colour, moving_ ? behind_ : target_);
     report_.base_s += watch_.lap();
+  }
+
+  /// What of the picture keeps its place.
+  StandingDetail standing() const {
+    int levels = options_.contrast.levels;
+    while (levels > 0 && (std::min(target_.cols, target_.rows) >> levels) < 4) --levels;
+    std::vector<double> shares = standing_shares(snapshot_, placement_, levels);
+    for (double& share : shares) share *= options_.standing;
+    return {target_, target_luma_, alpha_, std::move(shares)};
   }
 
   /// Of the fluid, the speed that one place in twenty exceeds: px a frame, > 0.
@@ -444,9 +467,13 @@ class Animation {
       const double anew = 1 - copies_->still(output);
       std::vector<double> shares(kContrastLevels);
       for (std::size_t level = 0; level < shares.size(); ++level) shares[level] = anew * renewed_share(level);
-      restore_contrast(made.luma, copies, CarriedBase::kStep, shares, renewing_, options_.contrast);
+      restore_contrast(made.luma, copies, CarriedBase::kStep, shares, renewing_, *standing_,
+                       options_.contrast);
+      standing_->colour(*made.brought);
       field = renewed;
-      still_contrast_->take_share(field, shares, options_.max_renewal_gain, kNoise);
+      // What is new comes where there is detail: what lies smooth between edges stays smooth.
+      BandContrast(on_pieces_canvas(made.luma), kContrastLevels, Neighbourhood::kClose, on_canvas(renewing_))
+          .take_share(field, shares, options_.max_renewal_gain, kNoise);
       cv::Mat level = blender_->take_level(slot);
       limit_level(level);
       cv::scaleAdd(level, anew, field, field);
@@ -569,9 +596,8 @@ class Animation {
   ColourModel colours_;
   std::shared_ptr<const MotionSequence> sequence_;
   std::vector<std::vector<double>> still_power_;  // by patch, band
-  cv::Mat still_luma_;                            // of the canvas
   cv::Mat renewing_;  // CV_32F, sampled as the field: how much of what comes anew is for a place, 0..1
-  std::optional<BandContrast> still_contrast_;
+  std::optional<StandingDetail> standing_;
   double half_life_s_ = 0;  // of carried detail
   std::shared_ptr<const CarryingField> field_;
   std::optional<CopyMaps> copies_;

@@ -68,6 +68,9 @@ struct AnimateOptions {
   /// divided by pace to this power. Eddies of one size turn over in a time that falls as their speed rises. .5 and 1
   /// bring clouds' spectrum from 4.2 to 4.0 and 3.8 dB and all kinds nearer in detail; at 1 fire's lives are too short.
   double life_pace = 0.5;
+  /// kCarried: of what stays in its place in the patches (standing_shares), how much the picture keeps, 0..1; 0: all
+  /// that is fluid goes.
+  double standing = 1;
   /// kCarried: of each band's variance, how much comes anew from the patches' innovations, 0..1; the rest is the
   /// picture's own. Of the finest band a third of that, of the next two thirds: what flow does not explain of the
   /// finest detail is mostly the clip's noise, and with .4 of all bands rapids looked like sandpaper.

@@ -107,6 +107,60 @@ TEST(DetailLifetime, OfWhatIsOnlyCarriedIsTheLongest) {
   for (const float life : measured(carried({})).clip) EXPECT_EQ(life, kLongestLife_s);
 }
 
+/// A texture that goes by over one that stays; `share` of the variance stays, left and right of the middle.
+Clip over_standing(double left, double right, cv::Vec2i step) {
+  const cv::Size size(320, 192);
+  constexpr int kFrames = 80;
+  cv::RNG random(5);
+  const cv::Mat going = rich({size.width + step[0] * (kFrames - 1), size.height}, random),
+                standing = rich(size, random);
+  Clip clip;
+  for (int i = 0; i < kFrames; ++i) {
+    const cv::Mat fluid = going(cv::Rect({step[0] * (kFrames - 1 - i), 0}, size));
+    cv::Mat luma(size, CV_32F);
+    for (int x = 0; x < size.width; ++x) {
+      const double share = x < size.width / 2 ? left : right;
+      luma.col(x) = 20 * (std::sqrt(1 - share) * fluid.col(x) + std::sqrt(share) * standing.col(x)) + 128;
+    }
+    append(clip, luma, {static_cast<double>(step[0]), 0});
+  }
+  return clip;
+}
+
+TEST(DetailStanding, IsTheShareOfTheVarianceThatTheFlowLeavesBehind) {
+  for (const double share : {0.0, 0.3, 0.7}) {
+    const DetailLifetimes life = measured(over_standing(share, share, {3, 0}));
+    for (int b = 0; b < kLifeBands; ++b) EXPECT_NEAR(life.clip_standing[b], share, b < 3 ? 0.07 : 0.12) << b;
+  }
+}
+
+TEST(DetailStanding, IsKnownCellByCell) {
+  const DetailLifetimes life = measured(over_standing(0, 0.8, {3, 0}));
+  ASSERT_EQ(life.standing.values.size(), 60u * kStandingChannels);
+  for (int row = 0; row < 6; ++row) {
+    EXPECT_LT(life.standing.at(row, 1)[1], 0.2f) << row;
+    EXPECT_NEAR(life.standing.at(row, 8)[1], 0.8f, 0.15f) << row;
+  }
+}
+
+TEST(DetailStanding, OfBandsThatAreNotCarriedAwayIsTheFinerOnes) {
+  // 32 frames of .4 px: the finest two wavelengths are left behind, the others never.
+  Clip clip = over_standing(0.5, 0.5, {0, 0});
+  for (cv::Mat& u : clip.u) u.setTo(cv::Scalar(0.4 * 64));
+  const DetailLifetimes life = measured(clip);
+  // What flow is said to have carried away and is all there: it stands.
+  EXPECT_GT(life.clip_standing[0], 0.95f);
+  EXPECT_GT(life.clip_standing[1], 0.95f);
+  EXPECT_EQ(life.clip_standing[2], life.clip_standing[1]);
+  EXPECT_EQ(life.clip_standing[3], life.clip_standing[1]);
+}
+
+TEST(DetailStanding, OfNothingThatMovesIsNone) {
+  const DetailLifetimes life = measured(over_standing(0.5, 0.5, {0, 0}));
+  EXPECT_EQ(life.clip_standing, (std::array<float, kLifeBands>{}));
+  for (const float share : life.standing.values) EXPECT_EQ(share, 0);
+}
+
 TEST(DetailLifetime, OfNoiseIsLessThanAFrame) {
   Clip clip;
   cv::RNG random(3);

@@ -181,23 +181,33 @@ double CopyMaps::still(int i) const {
   return t * t * (3 - 2 * t);
 }
 
-/// How far the places that a copy brings show, before all copies' weights are brought to a sum of 1.
-cv::Mat CopyMaps::weights(const Copy& copy, const cv::Mat& source, int age) const {
-  cv::Mat out, brought;
-  const cv::Mat from = places(source, 1, step_);
-  cv::remap(copy.later, out, from, cv::noArray(), cv::INTER_LINEAR, cv::BORDER_REPLICATE);
-  cv::remap(places_, brought, from, cv::noArray(), cv::INTER_LINEAR, cv::BORDER_CONSTANT, cv::Scalar::all(0));
-  const float unit = 1 / static_cast<float>(options_.interval), now = static_cast<float>(age) * unit;
+/// How well what a copy brings goes with each place, > 0.
+cv::Mat CopyMaps::suitability(const cv::Mat& source) const {
+  cv::Mat out(places_.size(), CV_32F), brought;
+  cv::remap(places_, brought, places(source, 1, step_), cv::noArray(), cv::INTER_LINEAR, cv::BORDER_CONSTANT,
+            cv::Scalar::all(0));
   for (int y = 0; y < out.rows; ++y) {
     auto* to = out.ptr<float>(y);
     const auto *theirs = brought.ptr<cv::Vec4f>(y), *own = places_.ptr<cv::Vec4f>(y);
+    for (int x = 0; x < out.cols; ++x) to[x] = std::max(suits(theirs[x], own[x]), kLeast);
+  }
+  return out;
+}
+
+/// How far the places that a copy brings show, before all copies' weights are brought to a sum of 1.
+cv::Mat CopyMaps::weights(const Copy& copy, const cv::Mat& source, int age) const {
+  cv::Mat out;
+  cv::remap(copy.later, out, places(source, 1, step_), cv::noArray(), cv::INTER_LINEAR, cv::BORDER_REPLICATE);
+  const float unit = 1 / static_cast<float>(options_.interval), now = static_cast<float>(age) * unit;
+  for (int y = 0; y < out.rows; ++y) {
+    auto* to = out.ptr<float>(y);
     for (int x = 0; x < out.cols; ++x) {
       const float intervals = std::min(std::abs(now - to[x]), kReach);
       const float c = 0.5f + 0.5f * std::cos(std::numbers::pi_v<float> / kReach * intervals);
-      to[x] = std::max(c * c * c * c, kPast) * std::max(suits(theirs[x], own[x]), kLeast);
+      to[x] = std::max(c * c * c * c, kPast);
     }
   }
-  return out;
+  return out.mul(suitability(source));
 }
 
 std::vector<CopyMap> CopyMaps::at(int i) const {
@@ -212,10 +222,16 @@ std::vector<CopyMap> CopyMaps::at(int i) const {
     sum += out.back().weight;
   }
   std::size_t k = 0;
+  int own = -1;
   for (int copy = first_copy(i); copy <= last_copy(i); ++copy, ++k) {
-    cv::divide(out[k].weight, sum, out[k].weight, 1 - still_here);
-    // Around a still frame its own copy takes over.
-    if (number(copy) == 0 && std::abs(i - middle(copy)) < options_.interval) out[k].weight += still_here;
+    cv::divide(out[k].weight, sum, out[k].weight);
+    if (number(copy) == 0 && std::abs(i - middle(copy)) < options_.interval) own = static_cast<int>(k);
+  }
+  if (still_here > 0 && own >= 0) {
+    // Around a still frame its own copy takes over, but where what it has to bring lay beside the fluid.
+    const cv::Mat taken = still_here * suitability(out[own].source);
+    for (CopyMap& copy : out) cv::multiply(copy.weight, 1 - taken, copy.weight);
+    out[own].weight += taken;
   }
   std::erase_if(out, [](const CopyMap& copy) {
     double most = 0;

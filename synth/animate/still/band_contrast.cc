@@ -10,31 +10,45 @@
 namespace freshet::synth::animate {
 namespace {
 
-constexpr int kCell = 16;  // px between samples of powers
+constexpr int kWideCell = 16;       // px
+constexpr double kWideReach = 1.5;  // sigma, cells
+constexpr int kCloseCell = 2;       // samples of the level
+constexpr double kCloseReach = 1;   // sigma, cells
+
+/// Larger, to a band's size.
+cv::Mat enlarged(const cv::Mat& cells, cv::Size size) {
+  cv::Mat wide;
+  cv::resize(cells, wide, size, 0, 0, cv::INTER_LINEAR);
+  return wide;
+}
 
 }  // namespace
 
-cv::Mat BandContrast::power_of(const cv::Mat& band, int level) const {
-  const int cell = std::max(1, kCell >> level);
+cv::Mat local_power(const cv::Mat& band, int level, Neighbourhood neighbourhood) {
+  const bool wide = neighbourhood == Neighbourhood::kWide;
+  const int cell = wide ? std::max(1, kWideCell >> level) : kCloseCell;
+  const double reach = wide ? kWideReach * (kWideCell >> level) / cell : kCloseReach;
   cv::Mat squares, cells;
   cv::multiply(band, band, squares);
   cv::resize(squares, cells, {(band.cols + cell - 1) / cell, (band.rows + cell - 1) / cell}, 0, 0,
              cv::INTER_AREA);
-  cv::GaussianBlur(cells, cells, {}, reach_ / kCell, reach_ / kCell, cv::BORDER_REFLECT_101);
+  if (reach > 0) cv::GaussianBlur(cells, cells, {}, reach, reach, cv::BORDER_REFLECT_101);
   return cells;
 }
 
-BandContrast::BandContrast(const cv::Mat& luma, int levels, double reach, const cv::Mat& where)
-    : reach_(reach) {
+BandContrast::BandContrast(const cv::Mat& luma, int levels, Neighbourhood neighbourhood,
+                           const cv::Mat& where) {
   while (levels > 0 && (std::min(luma.cols, luma.rows) >> levels) < 4) --levels;
   std::vector<cv::Mat> bands;
   vision::laplacian_pyramid(luma, levels, bands);
   for (int level = 0; level < levels; ++level) {
-    power_.push_back(power_of(bands[level], level));
-    if (where.empty()) continue;
-    cv::Mat counts;
-    cv::resize(where, counts, power_.back().size(), 0, 0, cv::INTER_AREA);
-    cv::multiply(power_.back(), counts, power_.back());
+    cv::Mat power = local_power(bands[level], level, neighbourhood), counts;
+    if (!where.empty()) {
+      cv::resize(where, counts, power.size(), 0, 0, cv::INTER_AREA);
+      cv::multiply(power, counts, power);
+    }
+    cv::sqrt(power, power);
+    amplitude_.push_back(power);
   }
 }
 
@@ -43,17 +57,13 @@ void BandContrast::take_share(cv::Mat& detail, std::span<const double> shares, d
   std::vector<cv::Mat> bands;
   vision::laplacian_pyramid(detail, levels(), bands);
   for (int level = 0; level < levels(); ++level) {
-    cv::Mat gain = power_of(bands[level], level), wide;
+    cv::Mat found = local_power(bands[level], level, Neighbourhood::kWide);
     const double share = static_cast<std::size_t>(level) < shares.size() ? shares[level] : shares.back();
-    for (int y = 0; y < gain.rows; ++y) {
-      auto* to = gain.ptr<float>(y);
-      const auto* wanted = power_[level].ptr<float>(y);
-      for (int x = 0; x < gain.cols; ++x)
-        to[x] =
-            static_cast<float>(std::min(max_gain, std::sqrt(share * wanted[x] / (to[x] + noise * noise))));
-    }
-    cv::resize(gain, wide, bands[level].size(), 0, 0, cv::INTER_LINEAR);
-    cv::multiply(bands[level], wide, bands[level]);
+    cv::sqrt(found + noise * noise, found);
+    const cv::Size size = bands[level].size();
+    cv::Mat gain = enlarged(amplitude_[level], size);
+    cv::divide(gain, enlarged(found, size), gain, std::sqrt(share));
+    cv::multiply(bands[level], cv::min(gain, max_gain), bands[level]);
   }
   bands.back().setTo(0);
   detail = vision::collapse(bands);

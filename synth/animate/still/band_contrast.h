@@ -8,26 +8,33 @@
 
 namespace freshet::synth::animate {
 
-/// How much contrast a picture has in each band, place by place: mean squares over neighbourhoods of some pieces.
+/// Over which powers are measured: Gaussian neighbourhoods.
+enum class Neighbourhood {
+  kWide,   // 24 px at every level, some pieces
+  kClose,  // as wide as a level's own detail: where there is an edge, and where it is smooth beside it
+};
+
+/// Mean squares of a band, CV_32F, sampled in its own cells: squares of 16 px, or of two samples of the level.
+/// level  0 for the finest.
+cv::Mat local_power(const cv::Mat& band, int level, Neighbourhood neighbourhood);
+
+/// How much contrast a picture has in each band, place by place.
 class BandContrast {
  public:
   /// luma    CV_32F, 0..1.
   /// levels  band-pass levels, detail up to 2^levels px; fewer in a small picture.
-  /// reach   sigma of the neighbourhoods, px.
-  /// where   CV_32F, luma's size: what its variance counts there, 0..1. Empty: 1.
-  BandContrast(const cv::Mat& luma, int levels, double reach, const cv::Mat& where = {});
+  /// where   CV_32F, luma's shape: what its variance counts there, 0..1. Empty: 1.
+  BandContrast(const cv::Mat& luma, int levels, Neighbourhood neighbourhood, const cv::Mat& where = {});
 
   /// Gives each band of `detail` (CV_32F, the picture's size, changed in place) its share of the picture's variance
   /// there; what lies below the bands goes. Nothing is amplified by more than max_gain, nor what is below `noise`.
+  /// The detail's own power is measured widely: it stays as restless as it is.
   /// shares  by level, finest first, 0..1. Cost: a Laplacian pyramid. Safe from many threads.
   void take_share(cv::Mat& detail, std::span<const double> shares, double max_gain, double noise) const;
-  int levels() const { return static_cast<int>(power_.size()); }
+  int levels() const { return static_cast<int>(amplitude_.size()); }
 
  private:
-  cv::Mat power_of(const cv::Mat& band, int level) const;
-
-  double reach_ = 48;
-  std::vector<cv::Mat> power_;  // by level, CV_32F, sampled as power_of
+  std::vector<cv::Mat> amplitude_;  // by level, CV_32F, sampled as local_power
 };
 
 }  // namespace freshet::synth::animate

@@ -6,11 +6,12 @@
 #include <opencv2/core.hpp>
 
 #include "synth/animate/motion/copy_maps.h"
+#include "synth/animate/still/standing_detail.h"
 
 namespace freshet::synth::animate {
 
 struct LostContrastOptions {
-  /// Band-pass levels whose contrast is brought back: detail up to 2^levels px.
+  /// Band-pass levels whose contrast is brought back, as many as the picture has: detail up to 2^levels px.
   int levels = 5;
   /// Copies agree in detail of 1 px (the finest band) where their sources lie this far apart, px, or nearer.
   double agreement_px = 0.9;
@@ -28,11 +29,15 @@ struct LostContrastOptions {
 /// renewed  by level, finest first: the fraction of the band's variance that is left for what comes anew, 0..1;
 ///          beyond its end 0.
 /// where    CV_32F, sampled as the maps: how much of that fraction a place leaves, 0..1. Empty: 1.
+/// standing what of each level is the picture's own, in its place. What is carried gives way to it: with c the
+///          correlation of both, s and a their weights, s^2 + a^2 + 2 s a c = 1, so that contrast stays as it is and a
+///          place that has not moved is as before. The low-pass rest has a mean, and is mixed as s and 1 - s. Then the
+///          level as a whole takes the picture's magnitude (StandingDetail::match).
 /// luma     CV_32F, the picture's size; changed in place.
 /// copies   of this frame; step px of the picture between samples of their maps.
 /// Cost     one Laplacian pyramid of the picture. Safe from many threads.
 void restore_contrast(cv::Mat& luma, std::span<const CopyMap> copies, int step,
-                      std::span<const double> renewed, const cv::Mat& where,
+                      std::span<const double> renewed, const cv::Mat& where, const StandingDetail& standing,
                       const LostContrastOptions& options);
 
 }  // namespace freshet::synth::animate

@@ -26,7 +26,8 @@ struct FlowingClip {
   float varying = 1;       // px per frame: how far
   int range = 2;           // of its samples, as media::PixelLayout has it: 1 limited, 2 full
   std::uint64_t seed = 1;
-  std::optional<vision::CellMap> life{};  // column "cells.life", as ingest writes it
+  std::optional<vision::CellMap> life{},
+      standing{};  // columns "cells.life" and "cells.standing", as ingest writes them
 
   /// CV_8U: waves that go their way, and noise that stays.
   cv::Mat frame(int i) const {
@@ -91,14 +92,17 @@ struct FlowingClip {
     const media::PixelLayout layout{
         .format = "gray", .width = size.width, .height = size.height, .range = range};
     nlohmann::json metadata{{"layout", nlohmann::json::parse(media::to_json(layout))}};
-    if (life) {
-      metadata["cells"]["life"] = {{"rows", life->rows},
-                                   {"columns", life->columns},
-                                   {"channels", life->channels},
-                                   {"cell", life->cell}};
-      writer.column_bytes("cells.life", std::as_bytes(std::span(life->values)),
-                          static_cast<std::uint32_t>(life->channels * sizeof(float)));
-    }
+    const auto add_cells = [&](const std::string& column, const std::optional<vision::CellMap>& cells) {
+      if (!cells) return;
+      metadata["cells"][column] = {{"rows", cells->rows},
+                                   {"columns", cells->columns},
+                                   {"channels", cells->channels},
+                                   {"cell", cells->cell}};
+      writer.column_bytes("cells." + column, std::as_bytes(std::span(cells->values)),
+                          static_cast<std::uint32_t>(cells->channels * sizeof(float)));
+    };
+    add_cells("life", life);
+    add_cells("standing", standing);
     record.metadata = metadata.dump();
     return writer.commit(record);
   }

@@ -1,5 +1,6 @@
 #include "synth/animate/still/band_contrast.h"
 
+#include <algorithm>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -37,7 +38,7 @@ TEST(BandContrast, DetailGetsItsShareOfEachBandPlaceByPlace) {
   // Twice as much contrast on the right.
   cv::Mat picture = noise(1, 0.05);
   picture(cv::Rect(256, 0, 256, 320)) *= 2;
-  const BandContrast contrast(picture, kLevels, 24);
+  const BandContrast contrast(picture, kLevels, Neighbourhood::kClose);
   cv::Mat detail = noise(2, 0.01);
   const std::vector<double> shares{0.1, 0.2, 0.4, 0.4};
   contrast.take_share(detail, shares, 1000, 1e-6);
@@ -49,8 +50,25 @@ TEST(BandContrast, DetailGetsItsShareOfEachBandPlaceByPlace) {
   }
 }
 
+TEST(BandContrast, DetailComesWhereThePictureHasItAndNotBesideIt) {
+  // Stripes of 24 px with detail, as wide ones without.
+  cv::Mat picture = noise(1, 0.05);
+  for (int x = 0; x < kSize.width; x += 48) picture.colRange(x, std::min(x + 24, kSize.width)).setTo(0);
+  const BandContrast close(picture, kLevels, Neighbourhood::kClose),
+      wide(picture, kLevels, Neighbourhood::kWide);
+  const auto smooth_of_lively = [&](const BandContrast& contrast) {
+    cv::Mat detail = noise(2, 0.01);
+    contrast.take_share(detail, std::vector<double>{0.25, 0, 0, 0}, 1000, 1e-6);
+    // Fourteen pixels in the middle of a stripe.
+    return cv::norm(detail.colRange(48 * 5 + 5, 48 * 5 + 19)) /
+           cv::norm(detail.colRange(48 * 5 + 29, 48 * 5 + 43));
+  };
+  EXPECT_LT(smooth_of_lively(close), 0.1);
+  EXPECT_GT(smooth_of_lively(wide), 0.7);
+}
+
 TEST(BandContrast, NoiseIsNotAmplified) {
-  const BandContrast contrast(noise(1, 0.05), kLevels, 24);
+  const BandContrast contrast(noise(1, 0.05), kLevels, Neighbourhood::kClose);
   const std::vector<double> shares(kLevels, 0.25);
   cv::Mat faint = noise(2, 0.0005), limited = noise(2, 0.001);
   const double before = cv::norm(faint), of_limited = cv::norm(limited);
@@ -61,7 +79,7 @@ TEST(BandContrast, NoiseIsNotAmplified) {
 }
 
 TEST(BandContrast, WithoutAShareNothingIsLeft) {
-  const BandContrast contrast(noise(1, 0.05), kLevels, 24);
+  const BandContrast contrast(noise(1, 0.05), kLevels, Neighbourhood::kClose);
   cv::Mat detail = noise(2, 0.05);
   contrast.take_share(detail, std::vector<double>(kLevels, 0.0), 4, 0.003);
   EXPECT_EQ(cv::norm(detail, cv::NORM_INF), 0);

@@ -18,30 +18,57 @@ cv::Mat noise(int seed) {
   return luma;
 }
 
-/// Two copies of equal weight whose sources lie `apart` px from each other.
+/// Two copies whose sources lie `apart` px from each other: both show in the left half, one in the right.
 std::vector<CopyMap> two_copies(float apart) {
   const cv::Size size(kWidth / kStep, kHeight / kStep);
-  const cv::Mat half(size, CV_32F, cv::Scalar(0.5));
-  return {{half, cv::Mat(size, CV_32FC2, cv::Scalar(0, 0))},
-          {half, cv::Mat(size, CV_32FC2, cv::Scalar(apart, 0))}};
+  std::vector<CopyMap> copies{
+      {cv::Mat(size, CV_32F, cv::Scalar(1)), cv::Mat(size, CV_32FC2, cv::Scalar(300, 0))},
+      {cv::Mat(size, CV_32F, cv::Scalar(0)), cv::Mat(size, CV_32FC2, cv::Scalar(300 + apart, 0))}};
+  for (CopyMap& copy : copies) copy.weight.colRange(0, size.width / 2).setTo(0.5);
+  return copies;
+}
+/// One copy whose source lies `away` px from every place.
+std::vector<CopyMap> one_copy(float away) {
+  const cv::Size size(kWidth / kStep, kHeight / kStep);
+  return {{cv::Mat(size, CV_32F, cv::Scalar(1)), cv::Mat(size, CV_32FC2, cv::Scalar(away, 0))}};
+}
+/// What such copies show of two textures.
+cv::Mat half_mixed(const cv::Mat& one, const cv::Mat& other) {
+  cv::Mat out = one.clone(), left = out.colRange(0, kWidth / 2);
+  left = 0.5 * left + 0.5 * other.colRange(0, kWidth / 2);
+  return out;
 }
 
-double deviation(const cv::Mat& luma) {
+double deviation_of(const cv::Mat& luma) {
   cv::Scalar mean, deviation;
-  cv::meanStdDev(luma(cv::Rect(20, 20, 120, 56)), mean, deviation);
+  cv::meanStdDev(luma, mean, deviation);
   return deviation[0];
 }
+double deviation(const cv::Mat& luma) { return deviation_of(luma(cv::Rect(20, 20, 120, 56))); }
+/// Of the half where two copies show, in that of the other.
+double left_of_right(const cv::Mat& luma) {
+  return deviation_of(luma(cv::Rect(10, 10, 60, 76))) / deviation_of(luma(cv::Rect(90, 10, 60, 76)));
+}
 
-TEST(LostContrast, OfCopiesThatDoNotAgreeComesBack) {
-  cv::Mat mixed = 0.5 * noise(1) + 0.5 * noise(2);
-  EXPECT_NEAR(deviation(mixed), 0.1 / std::sqrt(2.0), 0.004);
-  restore_contrast(mixed, two_copies(100), kStep, {}, {}, kWhole);
+/// By level what stands of a picture, all of it fluid.
+StandingDetail standing_of(const cv::Mat& luma,
+                           const std::vector<double>& shares = std::vector<double>(6, 0.0)) {
+  cv::Mat picture;
+  cv::merge(std::vector<cv::Mat>{luma, luma, luma}, picture);
+  return {picture, luma, cv::Mat(luma.size(), CV_32F, cv::Scalar(1)), shares};
+}
+
+TEST(LostContrast, OfCopiesThatDoNotAgreeComesBackWhereItWasLost) {
+  cv::Mat mixed = half_mixed(noise(1), noise(2));
+  EXPECT_NEAR(left_of_right(mixed), 1 / std::sqrt(2.0), 0.03);
+  restore_contrast(mixed, two_copies(100), kStep, {}, {}, standing_of(noise(1)), kWhole);
+  EXPECT_NEAR(left_of_right(mixed), 1, 0.06);
   EXPECT_NEAR(deviation(mixed), 0.1, 0.006);
 }
 
 TEST(LostContrast, OfCopiesThatAgreeThereIsNone) {
   cv::Mat same = noise(1);
-  restore_contrast(same, two_copies(0), kStep, {}, {}, {});
+  restore_contrast(same, two_copies(0), kStep, {}, {}, standing_of(same), {});
   EXPECT_LT(cv::norm(same, noise(1), cv::NORM_INF), 1e-5);
 }
 
@@ -50,22 +77,89 @@ TEST(LostContrast, CoarseDetailAgreesLongerThanFine) {
   cv::Mat fine = noise(1), coarse;
   cv::GaussianBlur(noise(2), coarse, {}, 12);
   coarse = 0.5 + 20 * (coarse - 0.5);
-  const double before = deviation(coarse), finest = deviation(fine);
-  restore_contrast(fine, two_copies(3), kStep, {}, {}, kWhole);
-  restore_contrast(coarse, two_copies(3), kStep, {}, {}, kWhole);
-  EXPECT_GT(deviation(fine) / finest, 1.25);
-  EXPECT_LT(deviation(coarse) / before, 1.06);
+  const double before_fine = left_of_right(fine), before = left_of_right(coarse);
+  restore_contrast(fine, two_copies(3), kStep, {}, {}, standing_of(fine), kWhole);
+  restore_contrast(coarse, two_copies(3), kStep, {}, {}, standing_of(coarse), kWhole);
+  EXPECT_GT(left_of_right(fine) / before_fine, 1.25);
+  EXPECT_NEAR(left_of_right(coarse) / before, 1, 0.06);
+}
+
+TEST(LostContrast, AsAWholeIsThePictures) {
+  // Half as strong again, everywhere: what comes out has the picture's contrast, and its level.
+  const cv::Mat still = noise(1);
+  cv::Mat strong = 0.5 + 1.35 * (noise(2) - 0.5);
+  restore_contrast(strong, one_copy(100), kStep, {}, {}, standing_of(still), {});
+  EXPECT_NEAR(deviation(strong), 0.1, 0.004);
+  EXPECT_NEAR(cv::mean(strong)[0], 0.5, 0.004);
 }
 
 TEST(LostContrast, LeavesRoomForWhatComesAnew) {
   cv::Mat luma = noise(1);
   const double before = deviation(luma);
-  restore_contrast(luma, two_copies(0), kStep, std::vector<double>(5, 0.36), {}, {});
+  restore_contrast(luma, two_copies(0), kStep, std::vector<double>(5, 0.36), {}, standing_of(noise(1)), {});
   EXPECT_NEAR(deviation(luma) / before, 0.8, 0.02);
-  cv::Mat standing = noise(1);
-  restore_contrast(standing, two_copies(0), kStep, std::vector<double>(5, 0.36),
-                   cv::Mat(kHeight / kStep, kWidth / kStep, CV_32F, cv::Scalar(0)), {});
-  EXPECT_NEAR(deviation(standing) / before, 1, 1e-3);
+  cv::Mat calm = noise(1);
+  restore_contrast(calm, two_copies(0), kStep, std::vector<double>(5, 0.36),
+                   cv::Mat(kHeight / kStep, kWidth / kStep, CV_32F, cv::Scalar(0)), standing_of(noise(1)),
+                   {});
+  EXPECT_NEAR(deviation(calm) / before, 1, 1e-3);
+}
+
+double correlation(const cv::Mat& a, const cv::Mat& b) {
+  const cv::Rect inside(20, 20, 120, 56);
+  const cv::Mat from = a(inside) - cv::mean(a(inside))[0], to = b(inside) - cv::mean(b(inside))[0];
+  return from.dot(to) / std::sqrt(from.dot(from) * to.dot(to));
+}
+
+TEST(StandingDetail, TakesItsPlaceAndLeavesTheContrast) {
+  for (const double share : {0.3, 0.7}) {
+    const cv::Mat still = noise(1);
+    const StandingDetail standing = standing_of(still, std::vector<double>(6, share));
+    cv::Mat luma = noise(2);  // what a copy from far away brings
+    restore_contrast(luma, one_copy(100), kStep, {}, {}, standing, {});
+    EXPECT_NEAR(correlation(luma, still), share, 0.06);
+    EXPECT_NEAR(deviation(luma), 0.1, 0.006);
+  }
+}
+
+TEST(StandingDetail, OfWhatHasNotMovedIsAllThere) {
+  const cv::Mat still = noise(1);
+  const StandingDetail standing = standing_of(still, {0.1, 0.3, 0.5, 0.7, 0.9, 1});
+  cv::Mat luma = still.clone();
+  restore_contrast(luma, one_copy(0), kStep, {}, {}, standing, {});
+  EXPECT_LT(cv::norm(luma, still, cv::NORM_INF), 1e-5);
+}
+
+TEST(StandingDetail, HoldsTheCoarseAloneWhereThatIsWhatStands) {
+  cv::Mat coarse, other;
+  cv::GaussianBlur(noise(3), coarse, {}, 16);
+  cv::GaussianBlur(noise(4), other, {}, 16);
+  const cv::Mat light = 0.5 + 40 * (coarse - 0.5), still = light + noise(1) - 0.5;
+  const StandingDetail standing = standing_of(still, {0, 0, 0, 1, 1, 1});
+  cv::Mat luma = 0.5 + 40 * (other - 0.5) + noise(2) - 0.5, low;
+  restore_contrast(luma, one_copy(100), kStep, {}, {}, standing, {});
+  cv::GaussianBlur(luma, low, {}, 8);
+  EXPECT_GT(correlation(low, light), 0.95);
+  EXPECT_LT(std::abs(correlation(luma - low, noise(1))), 0.15);
+}
+
+TEST(StandingDetail, KeepsTheColourOfAPlaceAndNotItsDetail) {
+  cv::Mat picture(kHeight, kWidth, CV_32FC3, cv::Scalar(0.2, 0.5, 0.8)),
+      luma(kHeight, kWidth, CV_32F, cv::Scalar(0.5));
+  const StandingDetail standing(picture, luma, cv::Mat(luma.size(), CV_32F, cv::Scalar(1)),
+                                {0, 0, 0, 0, 0.5, 0.9});
+  const cv::Size half(kWidth / 2, kHeight / 2);
+  CarriedFrame frame{
+      .luma = {}, .blue = cv::Mat(half, CV_16S, cv::Scalar(0)), .red = cv::Mat(half, CV_16S), .fraction = {}};
+  for (int y = 0; y < half.height; ++y)  // checks of 1 px about .3
+    for (int x = 0; x < half.width; ++x)
+      frame.red.at<std::int16_t>(y, x) =
+          static_cast<std::int16_t>(CarriedFrame::kOne * ((x + y) % 2 ? 0.4 : 0.2));
+  standing.colour(frame);
+  EXPECT_NEAR(frame.blue.at<std::int16_t>(20, 30), -0.15 * CarriedFrame::kOne, 8);
+  const double a = frame.red.at<std::int16_t>(20, 30), b = frame.red.at<std::int16_t>(20, 31);
+  EXPECT_NEAR(a + b, 0.6 * CarriedFrame::kOne, 16);
+  EXPECT_NEAR(b - a, 0.2 * CarriedFrame::kOne, 16);
 }
 
 }  // namespace

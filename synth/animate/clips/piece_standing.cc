@@ -1,0 +1,69 @@
+#include "synth/animate/clips/piece_standing.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <map>
+#include <optional>
+
+#include "query/stored/patch_standing.h"
+#include "vision/variant.h"
+
+namespace freshet::synth::animate {
+namespace {
+
+constexpr std::size_t kBands = vision::kLifeBands;
+constexpr double kCertain = 0.99;
+
+double logit(double share) {
+  const double inside = std::clamp(share, 1 - kCertain, kCertain);
+  return std::log(inside / (1 - inside));
+}
+
+/// By band of a piece; nothing where no clip knows.
+std::optional<std::array<double, kBands>> mean_standing(const store::Snapshot& snapshot,
+                                                        const Placement& placement) {
+  std::map<store::ClipId, std::optional<vision::CellMap>> cells_of;
+  std::array<double, kBands> sum{};
+  int known = 0;
+  for (const PlacedPatch& patch : placement.patches) {
+    const auto [cells, first] = cells_of.try_emplace(patch.clip);
+    if (first) cells->second = query::standing_cells(snapshot, patch.clip);
+    if (!cells->second) continue;
+    const store::ClipRecord& record = snapshot.clip(patch.clip);
+    const cv::Size source(static_cast<int>(record.width), static_cast<int>(record.height));
+    const std::array<double, kBands> own =
+        query::patch_standing(*cells->second, vision::variant_frame(source, patch.variant),
+                              patch.variant.scale, patch.patch, placement.side);
+    for (std::size_t b = 0; b < kBands; ++b) sum[b] += own[b];
+    ++known;
+  }
+  if (known == 0) return std::nullopt;
+  for (double& share : sum) share /= known;
+  return sum;
+}
+
+}  // namespace
+
+std::vector<double> standing_shares(const store::Snapshot& snapshot, const Placement& placement, int levels) {
+  std::vector<double> shares(static_cast<std::size_t>(levels) + 1, 0.0);
+  const auto bands = mean_standing(snapshot, placement);
+  if (!bands) return shares;
+  // Of the reduced picture that the pieces lie on, a level is a finer one.
+  const double finer = std::log2(placement.piece_scale);
+  const double coarsest = logit((*bands)[kBands - 1]);
+  const double step = std::max(0.0, coarsest - logit((*bands)[kBands - 2]));
+  for (std::size_t level = 0; level < shares.size(); ++level) {
+    const double at = std::max(0.0, static_cast<double>(level) - finer), beyond = at - (kBands - 1);
+    if (beyond > 0) {
+      shares[level] = 1 / (1 + std::exp(-(coarsest + beyond * step)));
+      continue;
+    }
+    const auto below = std::min(static_cast<std::size_t>(at), kBands - 2);
+    shares[level] = std::lerp((*bands)[below], (*bands)[below + 1], at - static_cast<double>(below));
+  }
+  return shares;
+}
+
+}  // namespace freshet::synth::animate

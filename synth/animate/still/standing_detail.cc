@@ -1,0 +1,63 @@
+#include "synth/animate/still/standing_detail.h"
+
+#include <algorithm>
+#include <utility>
+
+#include <opencv2/imgproc.hpp>
+
+#include "synth/animate/sampling/pull_push.h"
+#include "vision/pyramid.h"
+
+namespace freshet::synth::animate {
+namespace {
+
+constexpr int kColourStep = 8;  // of half the picture: what is finer goes with the fluid
+constexpr double kMatchedBy = 1.4;
+constexpr float kTrusted = 8;  // from a matte of 1 / 8 on the picture's values are the fluid's
+
+cv::Size coarse_size(cv::Size half) {
+  return {(half.width + kColourStep - 1) / kColourStep, (half.height + kColourStep - 1) / kColourStep};
+}
+
+}  // namespace
+
+StandingDetail::StandingDetail(const cv::Mat& picture, const cv::Mat& luma, const cv::Mat& matte,
+                               std::vector<double> shares)
+    : shares_(std::move(shares)) {
+  const cv::Mat trusted = cv::min(kTrusted * matte, 1.0);
+  vision::laplacian_pyramid(pull_push(luma, trusted), levels(), bands_);
+  for (int level = 0; level < levels(); ++level) {
+    cv::Mat within;
+    cv::resize(matte, within, band(level).size(), 0, 0, cv::INTER_AREA);
+    within_.push_back(within);
+    magnitude_.push_back(cv::Mat(cv::abs(band(level))).dot(within));
+  }
+  std::array<cv::Mat, 3> bgr;
+  cv::split(picture, bgr.data());
+  const cv::Size half((picture.cols + 1) / 2, (picture.rows + 1) / 2);
+  for (std::size_t k = 0; k < colour_.size(); ++k) {
+    cv::Mat reduced;
+    cv::resize(pull_push(bgr[2 * k] - luma, trusted), reduced, coarse_size(half), 0, 0, cv::INTER_AREA);
+    reduced.convertTo(colour_[k], CV_16S, CarriedFrame::kOne);
+  }
+}
+
+void StandingDetail::match(cv::Mat& band, int level, double kept) const {
+  const auto at = static_cast<std::size_t>(level);
+  const double found = cv::Mat(cv::abs(band)).dot(within_[at]);
+  if (found > 0) band *= std::clamp(kept * magnitude_[at] / found, 1 / kMatchedBy, kMatchedBy);
+}
+
+void StandingDetail::colour(CarriedFrame& frame) const {
+  const double share = this->share(levels() - 1);
+  if (share <= 0) return;
+  const std::array<cv::Mat*, 2> planes{&frame.blue, &frame.red};
+  cv::Mat own, wide;
+  for (std::size_t k = 0; k < colour_.size(); ++k) {
+    cv::resize(*planes[k], own, colour_[k].size(), 0, 0, cv::INTER_AREA);
+    cv::resize(cv::Mat(colour_[k] - own), wide, planes[k]->size(), 0, 0, cv::INTER_LINEAR);
+    cv::scaleAdd(wide, share, *planes[k], *planes[k]);
+  }
+}
+
+}  // namespace freshet::synth::animate

@@ -1,0 +1,45 @@
+// synth/animate/still/standing_detail.h — what of the picture stays in its place while the fluid goes by.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include <opencv2/core.hpp>
+
+#include "synth/animate/still/carried_base.h"
+
+namespace freshet::synth::animate {
+
+/// Not all that is seen of a fluid goes with it: the light and dark of a fall lie on its rock, a fire is bright at its
+/// foot. Of the footage's bands of some 4, 8, 16, 32 px, what the flow leaves behind is (medians by class) 1 to 4, 2 to
+/// 13, 4 to 18, 8 to 23 % of the variance, and of some falls and brooks 60 to 90 % of the coarsest. A still does not tell
+/// apart what stands and what goes, but of a band X of which a share s of the variance stands, s X is the best guess (of
+/// least squares) of what does. So each level shows s X where it lies, and what is carried by as much less that the
+/// contrast stays the picture's.
+class StandingDetail {
+ public:
+  /// picture, luma, matte  as CarriedBase takes them.
+  /// shares   by level of luma, finest first, then the low-pass rest, 0..1 (standing_shares).
+  /// Memory   10 bytes a pixel.
+  StandingDetail(const cv::Mat& picture, const cv::Mat& luma, const cv::Mat& matte,
+                 std::vector<double> shares);
+
+  int levels() const { return static_cast<int>(shares_.size()) - 1; }
+  double share(int level) const { return shares_[static_cast<std::size_t>(level)]; }
+  /// The picture's band, CV_32F (vision::laplacian_pyramid); beyond the matte the fluid's own values go on.
+  const cv::Mat& band(int level) const { return bands_[static_cast<std::size_t>(level)]; }
+  /// Brings a band, changed in place, to `kept` of the picture's mean magnitude over the whole matte, by a factor of at
+  /// most 1.4: mixed, stretched and renewed it neither gains nor loses. Magnitudes, not squares: an edge that is spread
+  /// into grain has as much power, and looks like more.
+  void match(cv::Mat& band, int level, double kept) const;
+  /// Brings the colour of what is carried to the picture's as far as the coarsest level stands, and no finer than that.
+  void colour(CarriedFrame& frame) const;
+
+ private:
+  std::vector<double> shares_;
+  std::vector<cv::Mat> bands_, within_;  // within: the matte by level, CV_32F
+  std::vector<double> magnitude_;        // of the bands, summed over the matte
+  std::array<cv::Mat, 2> colour_;        // CV_16S, blue and red less luma as CarriedFrame has them, reduced
+};
+
+}  // namespace freshet::synth::animate
