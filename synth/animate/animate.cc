@@ -375,8 +375,10 @@ class Animation {
       sequence_ = sequence_of(snapshot_, settings_, placement_, layers_, picture_.size(), options_.frames);
     if (carried_) {
       const int loop_frames = options_.loop ? options_.frames : 0;
+      CarryingOptions carrying = options_.carrying;
+      if (options_.guide.direction.empty() && options_.guide.speed.empty()) carrying.max_of_asked = 0;
       field_ = std::make_shared<const CarryingField>(sequence_, mean_motion_, options_.frames, options_.fps,
-                                                     CarriedBase::kStep, options_.loop, options_.carrying);
+                                                     CarriedBase::kStep, options_.loop, carrying);
       carried_base_.emplace(target_, target_luma_, alpha_, options_.carry);
       // As far as the fastest fluid goes in that time: what stands in the picture's order is not to be mixed up.
       const double wander_s =

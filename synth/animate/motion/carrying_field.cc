@@ -91,6 +91,11 @@ CarryingField::CarryingField(std::shared_ptr<const MotionSequence> sequence, con
     }
   cv::sqrt(power, limit_);
   limit_ *= options.max_deviation;
+  if (options.max_of_asked > 0)
+    for (int y = 0; y < size.height; ++y)
+      for (int x = 0; x < size.width; ++x)
+        limit_.at<float>(y, x) = std::min(limit_.at<float>(y, x), static_cast<float>(options.max_of_asked) *
+                                                                      length(mean_.at<cv::Vec2f>(y, x)));
 
   // Frames whose flow failed as a whole.
   std::vector<double> speed(frames);

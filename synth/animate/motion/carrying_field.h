@@ -16,6 +16,10 @@ struct CarryingOptions {
   /// Fluctuations are limited to this many times their root mean square at the place: where flow fails, it
   /// fails by much, and one wrong place would tear the picture.
   double max_deviation = 2.5;
+  /// And to this many times the mean speed of the place; 0: not so. For motion that is asked: surf goes to and fro more
+  /// than on, and where a slow drift is asked it folded a beach's waves. At .5 rapids come from 4.2 to 3.7 dB, other
+  /// clips stay as they were.
+  double max_of_asked = 0.5;
   /// A frame whose mean speed is this many times the median frame's is bridged by its neighbours: cuts,
   /// flashes and repeated frames.
   double max_jump = 2.5;

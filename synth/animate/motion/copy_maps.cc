@@ -81,7 +81,7 @@ float suits(const cv::Vec4f& brought, const cv::Vec4f& own) {
   const float luma = (brought[1] - own[1]) / kLumaApart, blue = (brought[2] - own[2]) / kColourApart,
               red = (brought[3] - own[3]) / kColourApart;
   // From nearer to an edge than the place itself: the edge would come along.
-  const float ratio = brought[0] / std::max(own[0], kShallow);
+  const float ratio = (brought[0] + kShallow) / (own[0] + kShallow);
   const float deep = std::clamp((ratio - kTooShallow) / (kDeepEnough - kTooShallow), 0.0f, 1.0f);
   return deep * deep * std::exp(-0.5f * (luma * luma + blue * blue + red * red));
 }
