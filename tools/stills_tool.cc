@@ -194,6 +194,10 @@ void run_stills(StillsCommand command, RunContext& context) {
   std::vector<std::string> said = straighten(command, set, job);
   const double align_s = watch.lap();
   const std::vector<cv::Mat> small = stills::reduced(set.pictures, kWorkSide);
+  // Widths are said for a picture of the work side; smaller ones are not enlarged to it.
+  const double scale = std::max(small[0].cols, small[0].rows) / static_cast<double>(kWorkSide);
+  command.render.feather_px *= scale;
+  command.render.grown_px *= scale;
   const std::vector<stills::Region> regions = choose_regions(command, set, small, said);
   const stills::Plan plan = stills::make_plan(small, set.names, regions, command.plan, job);
   const double plan_s = watch.lap();

@@ -279,8 +279,8 @@ Json run_between(const fs::path& footage, int samples) {
                       &truth = clip.frames[first + apart / 2];
         cv::Mat fade;
         cv::addWeighted(a, .5, b, .5, 0, fade);
-        const cv::Mat ours = stills::moment_picture(stills::Between(a, b, stills::flow_between(a, b)).at(.5),
-                                                    a, b, cv::Rect({}, a.size()));
+        const cv::Mat ours = stills::moment_picture(stills::Between(stills::flow_between(a, b)).at(.5), a, b,
+                                                    cv::Rect({}, a.size()));
         const std::vector<std::pair<std::string, cv::Mat>> made{
             {"fade", fade},
             {"ours", ours},
@@ -443,9 +443,9 @@ void check() {
     cv::circle(frames.back(), {24 + 10 * i, 48}, 20, cv::Scalar::all(220), cv::FILLED, cv::LINE_AA);
   }
   const Order order = judge(stills::extremal_paths(stills::make_graph(stills::still_distances(frames, {}))));
-  const cv::Mat same = stills::moment_picture(
-      stills::Between(frames[0], frames[0], stills::flow_between(frames[0], frames[0])).at(.5), frames[0],
-      frames[0], cv::Rect({}, frames[0].size()));
+  const cv::Mat same =
+      stills::moment_picture(stills::Between(stills::flow_between(frames[0], frames[0])).at(.5), frames[0],
+                             frames[0], cv::Rect({}, frames[0].size()));
   cv::Mat truth;
   frames[0].convertTo(truth, CV_32F);
   if (order.tau != 1 || order.neighbours != 1 || cv::norm(same, truth, cv::NORM_INF) > .01) {

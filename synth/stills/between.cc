@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <utility>
+#include <span>
 
 #include <opencv2/imgproc.hpp>
 
@@ -14,14 +14,13 @@ namespace {
 
 using Source = Moment::Source;
 
-constexpr int kCoarse = 4;          // the first flow is found at 1 / kCoarse of the size
-constexpr int kFieldStep = 2;       // px of the flow, between places at which a moment is decided
-constexpr int kTurns = 4;           // of the iteration that finds what will have come to a place
-constexpr double kBlurPart = .012;  // of the longer side: over what likeness is judged
-constexpr float kNoise = 8;         // variance, of 255^2: below it nothing is told from noise
-// Forth and back may miss each other by kMiss px and by kMissPart of the way before they are doubted.
-constexpr float kMiss = 1, kMissPart = .3f;
-constexpr float kFadeWeight = .8f;  // of the cross-fade beside a guess of the same likeness
+constexpr int kCoarse = 4;     // the first flow is found at 1 / kCoarse of the size
+constexpr int kFieldStep = 2;  // px of the flow, between places at which a moment is decided
+constexpr int kTurns = 4;      // of the iteration that finds what will have come to a place
+// How far forth and back miss each other beside the way that they go, at which half is trusted.
+constexpr float kMissPart = .3f;
+constexpr float kLeastWay = .5f;     // px: nothing is less sure for standing still
+constexpr double kTrustPart = .053;  // of the longer side: half the window over which trust is judged
 
 cv::Mat grey(const cv::Mat& bgr) {
   cv::Mat out;
@@ -49,38 +48,20 @@ cv::Mat as_integers(const cv::Mat& flow) {
   return out;
 }
 
-cv::Vec2f read(const cv::Mat& field, float x, float y) {
-  x = std::clamp(x, 0.0f, static_cast<float>(field.cols - 1));
-  y = std::clamp(y, 0.0f, static_cast<float>(field.rows - 1));
+cv::Vec2f read(const cv::Mat& flow, float x, float y) {
+  x = std::clamp(x, 0.0f, static_cast<float>(flow.cols - 1));
+  y = std::clamp(y, 0.0f, static_cast<float>(flow.rows - 1));
   const int x0 = static_cast<int>(x), y0 = static_cast<int>(y);
-  const int x1 = std::min(x0 + 1, field.cols - 1), y1 = std::min(y0 + 1, field.rows - 1);
+  const int x1 = std::min(x0 + 1, flow.cols - 1), y1 = std::min(y0 + 1, flow.rows - 1);
   const float fx = x - static_cast<float>(x0), fy = y - static_cast<float>(y0);
-  const auto* top = field.ptr<cv::Vec2f>(y0);
-  const auto* low = field.ptr<cv::Vec2f>(y1);
-  return (1 - fy) * ((1 - fx) * top[x0] + fx * top[x1]) + fy * ((1 - fx) * low[x0] + fx * low[x1]);
-}
-
-// Samples of a picture of three channels at a place, bilinear, the border going on.
-template <class T>
-void read_colour(const cv::Mat& picture, float x, float y, float weight, float* sum) {
-  x = std::clamp(x, 0.0f, static_cast<float>(picture.cols - 1));
-  y = std::clamp(y, 0.0f, static_cast<float>(picture.rows - 1));
-  const int x0 = static_cast<int>(x), y0 = static_cast<int>(y);
-  const int x1 = x0 + 1 < picture.cols ? 3 : 0;
-  const float fx = x - static_cast<float>(x0), fy = y - static_cast<float>(y0);
-  const T* top = picture.ptr<T>(y0) + 3 * x0;
-  const T* low = picture.ptr<T>(y0 + 1 < picture.rows ? y0 + 1 : y0) + 3 * x0;
-  const float w00 = (1 - fy) * (1 - fx) * weight, w01 = (1 - fy) * fx * weight;
-  const float w10 = fy * (1 - fx) * weight, w11 = fy * fx * weight;
-  for (int c = 0; c < 3; ++c)
-    sum[c] += w00 * static_cast<float>(top[c]) + w01 * static_cast<float>(top[x1 + c]) +
-              w10 * static_cast<float>(low[c]) + w11 * static_cast<float>(low[x1 + c]);
-}
-
-float squared_difference(const float* a, const float* b) {
-  float sum = 0;
-  for (int c = 0; c < 3; ++c) sum += (a[c] - b[c]) * (a[c] - b[c]);
-  return sum / 3;
+  const auto* top = flow.ptr<cv::Vec2s>(y0);
+  const auto* low = flow.ptr<cv::Vec2s>(y1);
+  cv::Vec2f out;
+  for (int c = 0; c < 2; ++c)
+    out[c] = FlowPair::kUnit *
+             ((1 - fy) * ((1 - fx) * static_cast<float>(top[x0][c]) + fx * static_cast<float>(top[x1][c])) +
+              fy * ((1 - fx) * static_cast<float>(low[x0][c]) + fx * static_cast<float>(low[x1][c])));
+  return out;
 }
 
 // Of a field's place, px of the flow.
@@ -89,99 +70,71 @@ cv::Size field_size(cv::Size flow) {
   return {(flow.width + kFieldStep - 1) / kFieldStep, (flow.height + kFieldStep - 1) / kFieldStep};
 }
 
-void blur(cv::Mat& plane) {
-  const int side = 2 * static_cast<int>(std::lround(kBlurPart * std::max(plane.cols, plane.rows))) + 3;
-  cv::blur(plane, plane, {side, side}, {-1, -1}, cv::BORDER_REFLECT_101);
+// Catmull-Rom's weights of four samples, for a place a part of the way from the second to the third.
+void cubic_weights(float part, float* out) {
+  const float p2 = part * part, p3 = p2 * part;
+  out[0] = .5f * (-p3 + 2 * p2 - part);
+  out[1] = .5f * (3 * p3 - 5 * p2 + 2);
+  out[2] = .5f * (-3 * p3 + 4 * p2 + part);
+  out[3] = .5f * (p3 - p2);
 }
 
-// One guess, over the whole picture.
-struct Guess {
-  cv::Mat here,
-      there;  // CV_32FC2: from a place to its sources in the still whose flow is followed, and in the other
-  cv::Mat unlikeness;  // CV_32F: of the two sources
-  cv::Mat trust;       // CV_32F, 0..1: forth and back agree
-};
-
-// What of `picture`, going along `flow`, has come to each place of a field after `part` of the way.
-Guess follow(const cv::Mat& picture, const cv::Mat& other, const cv::Mat& flow, const cv::Mat& back,
-             float part, cv::Size size) {
-  Guess guess{cv::Mat(size, CV_32FC2), cv::Mat(size, CV_32FC2), cv::Mat(size, CV_32F), cv::Mat(size, CV_32F)};
-  for (int y = 0; y < size.height; ++y) {
-    auto* here = guess.here.ptr<cv::Vec2f>(y);
-    auto* there = guess.there.ptr<cv::Vec2f>(y);
-    float* unlikeness = guess.unlikeness.ptr<float>(y);
-    float* trust = guess.trust.ptr<float>(y);
-    for (int x = 0; x < size.width; ++x) {
-      const float fx = place_of(x), fy = place_of(y);
-      cv::Vec2f move = read(flow, fx, fy);
-      for (int turn = 0; turn < kTurns; ++turn) move = read(flow, fx - part * move[0], fy - part * move[1]);
-      here[x] = -part * move;
-      there[x] = here[x] + move;
-      const cv::Vec2f miss = read(back, fx + there[x][0], fy + there[x][1]) + move;
-      const float allowed = kMiss + kMissPart * std::hypot(move[0], move[1]);
-      trust[x] = std::exp(-miss.dot(miss) / (allowed * allowed));
-      float one[3] = {0, 0, 0}, two[3] = {0, 0, 0};
-      read_colour<std::uint8_t>(picture, fx + here[x][0], fy + here[x][1], 1, one);
-      read_colour<std::uint8_t>(other, fx + there[x][0], fy + there[x][1], 1, two);
-      unlikeness[x] = squared_difference(one, two);
-    }
-  }
-  blur(guess.unlikeness);
-  blur(guess.trust);
-  return guess;
-}
-
+// A sample of a picture of three channels, the border going on.
 template <class T>
-void mix_row(const Moment& moment, const cv::Mat& a, const cv::Mat& b, const cv::Rect& box, int y,
-             float* out) {
-  constexpr float kNothing = .02f;  // of a weight: not worth its samples
-  const float scale_x = static_cast<float>(moment.flow.width) / static_cast<float>(box.width) / kFieldStep;
-  const float scale_y = static_cast<float>(moment.flow.height) / static_cast<float>(box.height) / kFieldStep;
-  const float t = moment.phase;
-  const T* row_a = a.ptr<T>(box.y + y) + 3 * box.x;
-  const T* row_b = b.ptr<T>(box.y + y) + 3 * box.x;
-  if (moment.source.empty()) {
-    for (int i = 0; i < 3 * box.width; ++i)
-      out[i] = (1 - t) * static_cast<float>(row_a[i]) + t * static_cast<float>(row_b[i]);
-    return;
+void add_sample(const cv::Mat& picture, float x, float y, float weight, float* sum) {
+  constexpr int kFour = 12;  // values of four pixels
+  x = std::clamp(x, 0.0f, static_cast<float>(picture.cols - 1));
+  y = std::clamp(y, 0.0f, static_cast<float>(picture.rows - 1));
+  const int x0 = static_cast<int>(x) - 1, y0 = static_cast<int>(y) - 1;
+  float wx[4], wy[4], column[kFour] = {};
+  cubic_weights(x - static_cast<float>(x0 + 1), wx);
+  cubic_weights(y - static_cast<float>(y0 + 1), wy);
+  const bool inside = x0 >= 0 && x0 + 3 < picture.cols;
+  for (int k = 0; k < 4; ++k) {
+    const T* row = picture.ptr<T>(std::clamp(y0 + k, 0, picture.rows - 1));
+    if (inside) {
+      for (int i = 0; i < kFour; ++i) column[i] += wy[k] * static_cast<float>(row[3 * x0 + i]);
+    } else {
+      for (int i = 0; i < kFour; ++i)
+        column[i] += wy[k] * static_cast<float>(row[3 * std::clamp(x0 + i / 3, 0, picture.cols - 1) + i % 3]);
+    }
   }
-  const float v = std::clamp((static_cast<float>(y) + .5f) * scale_y - .5f, 0.0f,
-                             static_cast<float>(moment.size.height - 1));
-  const int v0 = static_cast<int>(v), v1 = std::min(v0 + 1, moment.size.height - 1);
-  const float fv = v - static_cast<float>(v0);
-  const Source* top = moment.source.data() + static_cast<std::size_t>(v0) * moment.size.width;
-  const Source* low = moment.source.data() + static_cast<std::size_t>(v1) * moment.size.width;
-  const cv::Vec2f to_full(1 / (scale_x * kFieldStep), 1 / (scale_y * kFieldStep));
-  const auto py = static_cast<float>(box.y + y);
+  for (int c = 0; c < 3; ++c)
+    sum[c] +=
+        weight * (wx[0] * column[c] + wx[1] * column[3 + c] + wx[2] * column[6 + c] + wx[3] * column[9 + c]);
+}
+
+Source mixed(const Source& one, const Source& two, float part) {
+  return {(1 - part) * one.a + part * two.a, (1 - part) * one.b + part * two.b,
+          (1 - part) * one.trust + part * two.trust};
+}
+
+// The stills' samples along the row, `line` being the field at its height.
+template <class T>
+void mix_row(const Moment& moment, std::span<const Source> line, const cv::Mat& a, const cv::Mat& b,
+             const cv::Rect& box, int y, float* out) {
+  constexpr float kNothing = .02f;  // of trust: not worth its samples
+  const float t = moment.phase;
+  const T* row_a = a.ptr<T>(y) + 3 * box.x;
+  const T* row_b = b.ptr<T>(y) + 3 * box.x;
+  for (int i = 0; i < 3 * box.width; ++i)
+    out[i] = (1 - t) * static_cast<float>(row_a[i]) + t * static_cast<float>(row_b[i]);
+  if (line.empty()) return;
+  const float to_field = static_cast<float>(moment.flow.width) / static_cast<float>(box.width) / kFieldStep;
+  const float full_x = static_cast<float>(box.width) / static_cast<float>(moment.flow.width);
+  const float full_y = static_cast<float>(box.height) / static_cast<float>(moment.flow.height);
+  const auto last = static_cast<int>(line.size()) - 1;
   for (int x = 0; x < box.width; ++x) {
-    const float u = std::clamp((static_cast<float>(x) + .5f) * scale_x - .5f, 0.0f,
-                               static_cast<float>(moment.size.width - 1));
-    const int u0 = static_cast<int>(u), u1 = std::min(u0 + 1, moment.size.width - 1);
-    const float fu = u - static_cast<float>(u0);
-    const float c00 = (1 - fv) * (1 - fu), c01 = (1 - fv) * fu, c10 = fv * (1 - fu), c11 = fv * fu;
-    const auto mixed = [&](auto Source::*what) {
-      return c00 * top[u0].*what + c01 * top[u1].*what + c10 * low[u0].*what + c11 * low[u1].*what;
-    };
-    float w1 = mixed(&Source::w1), w2 = mixed(&Source::w2);
-    const auto px = static_cast<float>(box.x + x);
-    float* sum = out + 3 * x;
-    if (w1 < kNothing) w1 = 0;
-    if (w2 < kNothing) w2 = 0;
-    const float fade = 1 - w1 - w2;
-    for (int c = 0; c < 3; ++c)
-      sum[c] =
-          fade * ((1 - t) * static_cast<float>(row_a[3 * x + c]) + t * static_cast<float>(row_b[3 * x + c]));
-    const auto add = [&](const cv::Mat& picture, const cv::Vec2f& by, float weight) {
-      read_colour<T>(picture, px + by[0] * to_full[0], py + by[1] * to_full[1], weight, sum);
-    };
-    if (w1 > 0) {
-      add(a, mixed(&Source::a1), w1 * (1 - t));
-      add(b, mixed(&Source::b1), w1 * t);
-    }
-    if (w2 > 0) {
-      add(a, mixed(&Source::a2), w2 * (1 - t));
-      add(b, mixed(&Source::b2), w2 * t);
-    }
+    const float u =
+        std::clamp((static_cast<float>(x) + .5f) * to_field - .5f, 0.0f, static_cast<float>(last));
+    const int u0 = static_cast<int>(u);
+    const Source at = mixed(line[u0], line[std::min(u0 + 1, last)], u - static_cast<float>(u0));
+    if (at.trust < kNothing) continue;
+    float* value = out + 3 * x;
+    for (int c = 0; c < 3; ++c) value[c] *= 1 - at.trust;
+    const auto px = static_cast<float>(box.x + x), py = static_cast<float>(y);
+    add_sample<T>(a, px + at.a[0] * full_x, py + at.a[1] * full_y, at.trust * (1 - t), value);
+    add_sample<T>(b, px + at.b[0] * full_x, py + at.b[1] * full_y, at.trust * t, value);
   }
 }
 
@@ -192,56 +145,82 @@ FlowPair flow_between(const cv::Mat& from, const cv::Mat& to) {
   return {as_integers(flow_one_way(one, two)), as_integers(flow_one_way(two, one))};
 }
 
-Between::Between(const cv::Mat& from, const cv::Mat& to, const FlowPair& flow)
-    : from_(from), to_(to), unlikeness_(field_size(from.size()), CV_32F) {
-  flow.forth.convertTo(forth_, CV_32F, FlowPair::kUnit);
-  flow.back.convertTo(back_, CV_32F, FlowPair::kUnit);
-  for (int y = 0; y < unlikeness_.rows; ++y)
-    for (int x = 0; x < unlikeness_.cols; ++x) {
-      float one[3] = {0, 0, 0}, two[3] = {0, 0, 0};
-      read_colour<std::uint8_t>(from, place_of(x), place_of(y), 1, one);
-      read_colour<std::uint8_t>(to, place_of(x), place_of(y), 1, two);
-      unlikeness_.at<float>(y, x) = squared_difference(one, two);
+Between::Between(const FlowPair& flow) : flow_(flow), trust_(field_size(flow.forth.size()), CV_32F) {
+  cv::Mat way(trust_.size(), CV_32F);
+  const auto add = [](const cv::Mat& one, const cv::Mat& other, float x, float y, float& gone, float& miss) {
+    const cv::Vec2f move = read(one, x, y), missed = read(other, x + move[0], y + move[1]) + move;
+    gone += .5f * std::hypot(move[0], move[1]);
+    miss += .5f * std::hypot(missed[0], missed[1]);
+  };
+  for (int y = 0; y < way.rows; ++y)
+    for (int x = 0; x < way.cols; ++x) {
+      float &gone = way.at<float>(y, x) = 0, &miss = trust_.at<float>(y, x) = 0;
+      add(flow.forth, flow.back, place_of(x), place_of(y), gone, miss);
+      add(flow.back, flow.forth, place_of(x), place_of(y), gone, miss);
     }
-  blur(unlikeness_);
+  const int side = 2 * static_cast<int>(std::lround(kTrustPart * std::max(way.cols, way.rows))) + 1;
+  for (cv::Mat* each : {&way, &trust_})
+    cv::blur(*each, *each, {side, side}, {-1, -1}, cv::BORDER_REFLECT_101);
+  for (int y = 0; y < way.rows; ++y)
+    for (int x = 0; x < way.cols; ++x) {
+      float& miss = trust_.at<float>(y, x);
+      const float part = miss / (way.at<float>(y, x) + kLeastWay) / kMissPart;
+      miss = 1 / (1 + part * part);
+    }
 }
 
 Moment Between::at(double phase) const {
-  const cv::Size size = unlikeness_.size();
-  Moment moment{.size = size, .flow = from_.size(), .source = {}, .phase = static_cast<float>(phase)};
+  const cv::Size size = trust_.size();
+  const auto t = static_cast<float>(phase);
+  Moment moment{.size = size, .flow = flow_.forth.size(), .source = {}, .phase = t};
   if (phase <= 0 || phase >= 1) return moment;
-  const Guess forth = follow(from_, to_, forth_, back_, moment.phase, size);
-  const Guess back = follow(to_, from_, back_, forth_, 1 - moment.phase, size);
+  // What of a still, going along its flow, has come to the place after a part of the way.
+  const auto arrived = [](const cv::Mat& along, float x, float y, float part) {
+    cv::Vec2f move = read(along, x, y);
+    for (int turn = 0; turn < kTurns; ++turn) move = read(along, x - part * move[0], y - part * move[1]);
+    return move;
+  };
   moment.source.resize(static_cast<std::size_t>(size.area()));
   for (int y = 0; y < size.height; ++y) {
     Source* row = moment.source.data() + static_cast<std::size_t>(y) * size.width;
     for (int x = 0; x < size.width; ++x) {
-      const auto worth = [](float unlikeness) { return 1 / ((unlikeness + kNoise) * (unlikeness + kNoise)); };
-      const float w1 = forth.trust.at<float>(y, x) * worth(forth.unlikeness.at<float>(y, x));
-      const float w2 = back.trust.at<float>(y, x) * worth(back.unlikeness.at<float>(y, x));
-      const float all = w1 + w2 + kFadeWeight * worth(unlikeness_.at<float>(y, x));
-      row[x] = {.a1 = forth.here.at<cv::Vec2f>(y, x),
-                .b1 = forth.there.at<cv::Vec2f>(y, x),
-                .a2 = back.there.at<cv::Vec2f>(y, x),
-                .b2 = back.here.at<cv::Vec2f>(y, x),
-                .w1 = w1 / all,
-                .w2 = w2 / all};
+      const cv::Vec2f forth = arrived(flow_.forth, place_of(x), place_of(y), t);
+      const cv::Vec2f back = arrived(flow_.back, place_of(x), place_of(y), 1 - t);
+      row[x] = {.a = .5f * t * (back - forth),
+                .b = .5f * (1 - t) * (forth - back),
+                .trust = trust_.at<float>(y, x)};
     }
   }
   return moment;
 }
 
-void moment_row(const Moment& moment, const cv::Mat& a, const cv::Mat& b, const cv::Rect& box, int y,
-                float* out) {
-  if (a.depth() == CV_16U)
-    mix_row<std::uint16_t>(moment, a, b, box, y, out);
+MomentReader::MomentReader(const Moment& moment, const cv::Mat& a, const cv::Mat& b, const cv::Rect& box)
+    : moment_(moment), a_(a), b_(b), box_(box) {
+  if (!moment.source.empty()) line_.resize(static_cast<std::size_t>(moment.size.width));
+}
+
+void MomentReader::row(int y, float* out) {
+  if (!line_.empty()) {
+    const float to_field =
+        static_cast<float>(moment_.flow.height) / static_cast<float>(box_.height) / kFieldStep;
+    const float v = std::clamp((static_cast<float>(y) + .5f) * to_field - .5f, 0.0f,
+                               static_cast<float>(moment_.size.height - 1));
+    const int v0 = static_cast<int>(v), v1 = std::min(v0 + 1, moment_.size.height - 1);
+    const Source* top = moment_.source.data() + static_cast<std::size_t>(v0) * line_.size();
+    const Source* low = moment_.source.data() + static_cast<std::size_t>(v1) * line_.size();
+    for (std::size_t x = 0; x < line_.size(); ++x)
+      line_[x] = mixed(top[x], low[x], v - static_cast<float>(v0));
+  }
+  if (a_.depth() == CV_16U)
+    mix_row<std::uint16_t>(moment_, line_, a_, b_, box_, box_.y + y, out);
   else
-    mix_row<std::uint8_t>(moment, a, b, box, y, out);
+    mix_row<std::uint8_t>(moment_, line_, a_, b_, box_, box_.y + y, out);
 }
 
 cv::Mat moment_picture(const Moment& moment, const cv::Mat& a, const cv::Mat& b, const cv::Rect& box) {
   cv::Mat out(box.size(), CV_32FC3);
-  for (int y = 0; y < box.height; ++y) moment_row(moment, a, b, box, y, out.ptr<float>(y));
+  MomentReader reader(moment, a, b, box);
+  for (int y = 0; y < box.height; ++y) reader.row(y, out.ptr<float>(y));
   return out;
 }
 

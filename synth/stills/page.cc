@@ -127,7 +127,11 @@ class RegionPart {
   }
 
   std::string strip(const std::vector<int>& stills, const std::vector<std::string>& words) const {
-    const int step_x = thumbs_[0].cols + 4, height = thumbs_[0].rows + 16;
+    constexpr int kLetter = 6;  // px, about the mean width of one
+    std::size_t longest = 0;
+    for (const std::string& word : words) longest = std::max(longest, word.size());
+    const int step_x = std::max(thumbs_[0].cols + 4, kLetter * static_cast<int>(longest));
+    const int height = thumbs_[0].rows + 16;
     std::string out = fmt::format("<div class=\"strip\"><svg width=\"{}\" height=\"{}\">\n",
                                   step_x * static_cast<int>(stills.size()), height);
     for (std::size_t k = 0; k < stills.size(); ++k)

@@ -28,11 +28,16 @@ std::vector<cv::Mat> region_weights(const std::vector<Region>& regions, double g
     cv::Mat weight = 1 - (away - grown) / (feather + 1);
     weight = cv::min(cv::max(weight, 0), 1);
     weights[i] = weight;
-    sum += weight;
+    if (regions[i].kind == RegionKind::kIndependent) sum += weight;
   }
+  // A slow region takes what is left: its stills have in them what moves beside it, and would show it as a ghost.
+  const cv::Mat left = cv::max(1 - sum, 0);
   sum = cv::max(sum, 1);
-  for (cv::Mat& weight : weights)
-    if (!weight.empty()) cv::divide(weight, sum, weight);
+  for (std::size_t i = 0; i < regions.size(); ++i)
+    if (regions[i].kind == RegionKind::kIndependent)
+      cv::divide(weights[i], sum, weights[i]);
+    else if (!weights[i].empty())
+      weights[i] = cv::min(weights[i], left);
   return weights;
 }
 

@@ -24,7 +24,7 @@ struct Region {
 
 /// How much of each pixel is whose: CV_32F of the masks' size, a plane a region, none for standing ones.
 /// What their sum leaves to 1 is the standing still's. Each mask is grown by `grown` px, then falls off to
-/// nothing over `feather` px; where several meet they share.
+/// nothing over `feather` px; where several meet they share, but a slow one takes what the others leave.
 /// Source   Lin et al. 2007, Sec. 4 (regions dilated by a few pixels, feathered linearly).
 std::vector<cv::Mat> region_weights(const std::vector<Region>& regions, double grown, double feather);
 

@@ -165,9 +165,15 @@ cv::Scalar tint(std::size_t number) {
   return kTints[number % std::size(kTints)];
 }
 
-void write(cv::Mat& sheet, const std::string& text, cv::Point at) {
-  cv::putText(sheet, text, at, cv::FONT_HERSHEY_SIMPLEX, 0.5, cv::Scalar::all(0), 3, cv::LINE_AA);
-  cv::putText(sheet, text, at, cv::FONT_HERSHEY_SIMPLEX, 0.5, cv::Scalar::all(255), 1, cv::LINE_AA);
+// width   px that the text may take: it is written smaller where it would be longer.
+void write(cv::Mat& sheet, const std::string& text, cv::Point at, int width) {
+  constexpr int kFont = cv::FONT_HERSHEY_SIMPLEX;
+  constexpr double kScale = .5;
+  int baseline = 0;
+  const int needed = cv::getTextSize(text, kFont, kScale, 1, &baseline).width;
+  const double scale = kScale * std::min(1.0, static_cast<double>(width) / std::max(1, needed));
+  cv::putText(sheet, text, at, kFont, scale, cv::Scalar::all(0), 3, cv::LINE_AA);
+  cv::putText(sheet, text, at, kFont, scale, cv::Scalar::all(255), 1, cv::LINE_AA);
 }
 
 cv::Mat enlarged(const cv::Mat& mask, cv::Size size) {
@@ -275,14 +281,14 @@ cv::Mat region_sheet(const cv::Mat& still, const std::vector<Region>& regions, c
     cv::Point deepest;
     cv::distanceTransform(mask, depth, cv::DIST_L2, 3);
     cv::minMaxLoc(depth, nullptr, nullptr, nullptr, &deepest);
-    write(left, region.name, deepest + cv::Point(-5, 5));
+    write(left, region.name, deepest + cv::Point(-5, 5), size.width);
   }
   cv::Mat sheet(size.height + kLine, 2 * size.width + 6, CV_8UC3, cv::Scalar::all(32));
   left.copyTo(sheet(cv::Rect({0, 0}, size)));
   right.copyTo(sheet(cv::Rect({size.width + 6, 0}, size)));
-  write(sheet, "Regions. Grey outline: slow. No tint: stands still.", {6, size.height + 18});
+  write(sheet, "Regions. Grey outline: slow. No tint: stands still.", {6, size.height + 18}, size.width - 12);
   write(sheet, fmt::format("Variation over the stills; white is {:.0f} of 255.", most),
-        {size.width + 12, size.height + 18});
+        {size.width + 12, size.height + 18}, size.width - 12);
   return sheet;
 }
 

@@ -6,6 +6,7 @@
 #include <cstring>
 #include <map>
 #include <mutex>
+#include <optional>
 #include <set>
 #include <span>
 #include <string>
@@ -28,10 +29,9 @@ using Pair = std::pair<int, int>;  // of stills, the lower number first
 /// A region as it is rendered.
 struct Layer {
   const PlannedRegion* planned = nullptr;
-  cv::Mat weight;              // CV_32F, work size
-  cv::Rect box;                // px of the stills; all that has weight, and a margin
-  std::vector<cv::Mat> small;  // the stills' boxes as flow sees them; empty where not needed
-  std::map<Pair, FlowPair> flows;
+  cv::Mat weight;  // CV_32F, work size
+  cv::Rect box;    // px of the stills; all that has weight, and a margin
+  std::map<Pair, Between> flows;
   bool fades = false;
 };
 
@@ -104,7 +104,6 @@ class Renderer {
       layers_.push_back({.planned = &plan.regions[i],
                          .weight = weights[i],
                          .box = full_box(weights[i], pictures[0].size()),
-                         .small = {},
                          .flows = {},
                          .fades = !options.flow || plan.regions[i].region.kind == RegionKind::kSlow});
     }
@@ -139,7 +138,7 @@ class Renderer {
     shown.a = &pictures_[pair.first];
     shown.b = &pictures_[pair.second];
     const double phase = instant.from < instant.to ? instant.phase : 1 - instant.phase;
-    shown.moment = Between(layer.small[pair.first], layer.small[pair.second], found->second).at(phase);
+    shown.moment = found->second.at(phase);
     return shown;
   }
 
@@ -147,16 +146,18 @@ class Renderer {
   void compose(const std::vector<Shown>& shown, cv::Mat& out) const {
     const std::size_t width = static_cast<std::size_t>(out.cols);
     std::vector<float> sum(3 * width), left(width), colour(3 * width), weight(width);
+    std::vector<MomentReader> readers;
+    for (const Shown& each : shown) readers.emplace_back(each.moment, *each.a, *each.b, each.layer->box);
     for (int y = 0; y < out.rows; ++y) {
       std::fill(left.begin(), left.end(), 1.0f);
       std::fill(sum.begin(), sum.end(), 0.0f);
       bool any = false;
-      for (const Shown& each : shown) {
-        const cv::Rect& box = each.layer->box;
+      for (std::size_t k = 0; k < shown.size(); ++k) {
+        const cv::Rect& box = shown[k].layer->box;
         if (y < box.y || y >= box.y + box.height) continue;
-        WeightRow(each.layer->weight, out.size()).read(y, box, weight.data());
+        WeightRow(shown[k].layer->weight, out.size()).read(y, box, weight.data());
         if (std::all_of(weight.begin(), weight.begin() + box.width, [](float w) { return w <= 0; })) continue;
-        moment_row(each.moment, *each.a, *each.b, box, y - box.y, colour.data());
+        readers[k].row(y - box.y, colour.data());
         any = true;
         for (int x = 0; x < box.width; ++x) {
           left[box.x + x] -= weight[x];
@@ -202,34 +203,35 @@ class Renderer {
     struct Task {
       Layer* layer;
       Pair pair;
+      const std::vector<cv::Mat>* small;
     };
     std::vector<Task> tasks;
+    // By layer the stills' boxes as flow sees them; empty where not needed.
+    std::vector<std::vector<cv::Mat>> small(layers_.size(), std::vector<cv::Mat>(pictures_.size()));
     const double seconds = options_.frames / options_.fps;
-    for (Layer& layer : layers_) {
+    for (std::size_t k = 0; k < layers_.size(); ++k) {
+      Layer& layer = layers_[k];
       if (layer.fades) continue;
-      layer.small.resize(pictures_.size());
       for (const Pair& pair : pairs_shown(layer.planned->timeline, seconds)) {
-        tasks.push_back({&layer, pair});
+        tasks.push_back({&layer, pair, &small[k]});
         for (const int still : {pair.first, pair.second})
-          if (layer.small[still].empty())
-            layer.small[still] = reduced({pictures_[still](layer.box)}, options_.flow_side)[0];
+          if (small[k][still].empty())
+            small[k][still] = reduced({pictures_[still](layer.box)}, options_.flow_side)[0];
       }
     }
-    std::vector<FlowPair> flows(tasks.size());
+    std::vector<std::optional<Between>> found(tasks.size());
     std::mutex reporting;
     std::size_t done = 0;
     oneapi::tbb::parallel_for(std::size_t{0}, tasks.size(), [&](std::size_t i) {
       if (job.stop.stop_requested()) return;
       const Task& task = tasks[i];
-      flows[i] = found_or_kept(task.layer->small[task.pair.first], task.layer->small[task.pair.second]);
+      found[i].emplace(found_or_kept((*task.small)[task.pair.first], (*task.small)[task.pair.second]));
       const std::lock_guard lock(reporting);
       if (job.progress) job.progress({"flow between stills", ++done, tasks.size()});
     });
     if (job.stop.stop_requested()) throw Error(ErrorKind::kCancelled, "stills", "stopped");
-    for (std::size_t i = 0; i < tasks.size(); ++i) {
-      const Task& task = tasks[i];
-      task.layer->flows.emplace(task.pair, std::move(flows[i]));
-    }
+    for (std::size_t i = 0; i < tasks.size(); ++i)
+      tasks[i].layer->flows.emplace(tasks[i].pair, std::move(*found[i]));
   }
 
   const Plan& plan_;

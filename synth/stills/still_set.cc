@@ -1,15 +1,19 @@
 #include "synth/stills/still_set.h"
 
 #include <algorithm>
+#include <chrono>
 #include <map>
 #include <mutex>
+#include <optional>
 #include <utility>
 
+#include <fmt/chrono.h>
 #include <fmt/format.h>
 #include <oneapi/tbb/parallel_for.h>
 #include <opencv2/imgproc.hpp>
 
 #include "freshet/error.h"
+#include "media/picture/capture_time.h"
 #include "media/picture/picture.h"
 #include "media/picture/picture_sequence.h"
 
@@ -22,6 +26,7 @@ struct Loaded {
   cv::Mat picture;
   std::vector<std::string> notices;
   std::string fault;  // empty: none
+  std::optional<std::chrono::sys_seconds> taken;
 };
 
 Loaded load(const fs::path& file) {
@@ -29,6 +34,7 @@ Loaded load(const fs::path& file) {
   try {
     media::Still still = media::read_still(file);
     loaded.notices = std::move(still.notices);
+    loaded.taken = media::capture_time(file);
     if (!still.alpha.empty()) loaded.notices.emplace_back("alpha channel ignored");
     if (still.deep.empty()) {
       loaded.picture = still.bgr;
@@ -45,6 +51,19 @@ Loaded load(const fs::path& file) {
 }
 
 std::string size_text(cv::Size size) { return fmt::format("{} x {} px", size.width, size.height); }
+
+// What the camera's clock says, for a person: no order is taken from it. Empty where fewer than two stills say
+// when they were taken.
+std::string time_span(const std::vector<Loaded>& loaded) {
+  std::vector<std::chrono::sys_seconds> times;
+  for (const Loaded& each : loaded)
+    if (each.fault.empty() && each.taken) times.push_back(*each.taken);
+  if (times.size() < 2) return {};
+  const auto [first, last] = std::minmax_element(times.begin(), times.end());
+  return fmt::format(
+      "by the camera's clock {} stills were taken within {} s, from {:%Y-%m-%d %H:%M:%S} to {:%H:%M:%S}",
+      times.size(), (*last - *first).count(), *first, *last);
+}
 
 // The files of the folder that may be stills; the rest is told.
 std::vector<fs::path> picture_files(const fs::path& folder, std::vector<std::string>& notices) {
@@ -125,6 +144,7 @@ StillSet read_stills(const fs::path& folder, int max_side, const Job& job) {
   if (job.stop.stop_requested()) throw Error(ErrorKind::kCancelled, "stills", "stopped");
   bool deep = false;
   std::string fault;
+  if (const std::string span = time_span(loaded); !span.empty()) set.notices.push_back(span);
   for (std::size_t i = 0; i < files.size(); ++i) {
     const std::string name = files[i].filename().string();
     for (const std::string& notice : loaded[i].notices) set.notices.push_back(name + ": " + notice);

@@ -61,6 +61,19 @@ TEST(RegionProposal, SaysWhenNothingMoves) {
   }
 }
 
+TEST(RegionWeights, ASlowRegionDoesNotReachIntoWhatMoves) {
+  cv::Mat moves(60, 80, CV_8U, cv::Scalar(0)), slow = moves.clone();
+  moves(cv::Rect(0, 0, 40, 60)).setTo(255);
+  slow(cv::Rect(40, 0, 40, 60)).setTo(255);
+  const std::vector<cv::Mat> weights =
+      region_weights({{.name = "1", .mask = moves, .parent = {}},
+                      {.name = "slow", .kind = RegionKind::kSlow, .mask = slow, .parent = {}}},
+                     3, 12);
+  EXPECT_EQ(cv::norm(weights[1](cv::Rect(0, 0, 40, 60)), cv::NORM_INF), 0);
+  EXPECT_EQ(weights[0].at<float>(30, 39), 1);
+  EXPECT_NEAR(weights[0].at<float>(30, 50) + weights[1].at<float>(30, 50), 1, 1e-6) << "no gap between them";
+}
+
 TEST(RegionWeights, AreWholeInsideAndShareTheEdge) {
   Region left{.name = "1", .mask = cv::Mat(60, 100, CV_8U, cv::Scalar(0)), .parent = {}};
   Region right = left;

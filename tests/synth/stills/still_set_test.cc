@@ -8,8 +8,10 @@
 
 #include <unistd.h>
 #include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
 
 #include "freshet/error.h"
+#include "media/picture/capture_time.h"
 #include "synth/stills/region_file.h"
 #include "tests/synth/stills/made_stills.h"
 
@@ -89,6 +91,67 @@ TEST_F(StillFolder, SixteenBitsAreKept) {
   ASSERT_EQ(set.count(), 4);
   for (const cv::Mat& each : set.pictures) EXPECT_EQ(each.type(), CV_16UC3);
   EXPECT_EQ(cv::norm(set.pictures[3], deep, cv::NORM_INF), 0);
+}
+
+// As a camera writes it: an APP1 segment after the JPEG's first two bytes, here little endian.
+std::vector<std::uint8_t> with_exif(const std::vector<std::uint8_t>& jpeg, int orientation,
+                                    const std::string& date) {
+  std::string tiff("II*\0\x08\0\0\0\x02\0", 10);
+  const auto entry = [&](int tag, int type, int count, int value) {
+    for (const auto& [number, bytes] : {std::pair(tag, 2), {type, 2}, {count, 4}, {value, 4}})
+      for (int i = 0; i < bytes; ++i) tiff += static_cast<char>(number >> 8 * i);
+  };
+  entry(0x0112, 3, 1, orientation);
+  entry(0x8769, 4, 1, 38);
+  tiff += std::string(4, '\0') + std::string("\x01\0", 2);
+  entry(0x9003, 2, 20, 56);
+  tiff += std::string(4, '\0') + date + '\0';
+  const std::size_t length = tiff.size() + 8;
+  std::string segment("\xFF\xE1");
+  segment += static_cast<char>(length >> 8);
+  segment += static_cast<char>(length & 255);
+  segment += std::string("Exif\0\0", 6) + tiff;
+  std::vector<std::uint8_t> out = jpeg;
+  out.insert(out.begin() + 2, segment.begin(), segment.end());
+  return out;
+}
+
+TEST_F(StillFolder, ExifTurnsAStillAndItsTimeIsToldButOrdersNothing) {
+  const char* dates[] = {"2026:05:01 12:00:40", "2026:05:01 12:00:00", "2026:05:01 12:01:10"};
+  const std::vector<cv::Mat> stills = made_pendulum({0, .5, 1});
+  for (int i = 0; i < 3; ++i) {
+    cv::Mat lying;  // orientation 6: turn it clockwise to see it upright
+    cv::rotate(stills[i], lying, cv::ROTATE_90_COUNTERCLOCKWISE);
+    std::vector<std::uint8_t> jpeg;
+    cv::imencode(".jpg", lying, jpeg, {cv::IMWRITE_JPEG_QUALITY, 98});
+    const std::vector<std::uint8_t> bytes = with_exif(jpeg, 6, dates[i]);
+    std::ofstream(folder_ / (std::string(1, static_cast<char>('a' + i)) + ".jpg"), std::ios::binary)
+        .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+  }
+  const StillSet set = read_stills(folder_);
+  EXPECT_EQ(set.names, (std::vector<std::string>{"a.jpg", "b.jpg", "c.jpg"}));
+  for (int i = 0; i < 3; ++i) {
+    ASSERT_EQ(set.pictures[i].size(), stills[i].size());
+    EXPECT_LT(cv::norm(set.pictures[i], stills[i], cv::NORM_L1) / (3.0 * stills[i].total()), 4);
+  }
+  ASSERT_EQ(set.notices.size(), 1u);
+  EXPECT_NE(set.notices[0].find("within 70 s, from 2026-05-01 12:00:00 to 12:01:10"), std::string::npos)
+      << set.notices[0];
+}
+
+TEST_F(StillFolder, BrokenExifIsNoReasonToRefuse) {
+  write_pendulum();
+  std::vector<std::uint8_t> jpeg;
+  cv::imencode(".jpg", made_pendulum({.7})[0], jpeg);
+  const std::vector<std::uint8_t> whole = with_exif(jpeg, 1, "2026:05:01 12:00:40");
+  for (std::size_t at = 4; at < 100; ++at) {
+    std::vector<std::uint8_t> bytes = whole;
+    bytes[at] = 0xFE;
+    std::ofstream(folder_ / "exif.jpg", std::ios::binary | std::ios::trunc)
+        .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+    EXPECT_NO_THROW(media::capture_time(folder_ / "exif.jpg")) << at;
+  }
+  EXPECT_FALSE(media::capture_time(folder_ / "a.png"));
 }
 
 TEST_F(StillFolder, MasksSayWhatMovesBySelf) {
