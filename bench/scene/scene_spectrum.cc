@@ -1,7 +1,8 @@
 // bench/scene/scene_spectrum.cc — does a still, animated as a tree or as water, move in time as the real clip does?
 //
 //   bench_scene_spectrum CASE [CASE..] [--frames 90] [--width 480] [--json FILE]
-//   CASE   CLIP:tree:LEFT,TOP,RIGHT,BOTTOM:ROOT_X,ROOT_Y,TIP_X,TIP_Y[:KEYS]
+//   CASE   CLIP:tree:LEFT,TOP,RIGHT,BOTTOM:ROOT_X,ROOT_Y,TIP_X,TIP_Y[,ROOT_X..][:KEYS]   several armatures one after
+//          the other; the baseline sways on the first
 //          CLIP:water:LEFT,TOP,RIGHT,BOTTOM:HORIZON_Y[:KEYS]     places in fractions of the picture
 //          KEYS   of the layer, as scene files have them, separated by ';': "frequency = 1.2;mass = 3"
 //
@@ -48,11 +49,12 @@ struct Case {
   std::vector<double> line;
 };
 
-std::vector<double> numbers(const std::string& text, std::size_t count) {
+/// As many as `count`, or several times as many.
+std::vector<double> numbers(const std::string& text, std::size_t count, bool several = false) {
   std::vector<double> out;
   std::stringstream stream(text);
   for (std::string part; std::getline(stream, part, ',');) out.push_back(std::stod(part));
-  if (out.size() != count)
+  if (out.empty() || out.size() % count != 0 || (!several && out.size() != count))
     throw CLI::ValidationError("CASE", fmt::format("{}: {} numbers expected", text, count));
   return out;
 }
@@ -70,7 +72,7 @@ Case parse_case(const std::string& text) {
            .line = {}};
   const std::vector<double> box = numbers(parts[2], 4);
   one.region = {box[0], box[1], box[2] - box[0], box[3] - box[1]};
-  one.line = numbers(parts[3], one.motion == "tree" ? 4 : 1);
+  one.line = numbers(parts[3], one.motion == "tree" ? 4 : 1, one.motion == "tree");
   std::replace(one.keys.begin(), one.keys.end(), ';', '\n');
   return one;
 }
@@ -222,14 +224,21 @@ std::vector<cv::Mat> baseline(const Case& of, const cv::Mat& still, int frames, 
   return out;
 }
 
+std::string armatures(const Case& of, cv::Size size) {
+  std::string rows;
+  for (std::size_t i = 0; i < of.line.size(); i += 2)
+    rows += fmt::format("{}{}, {}{}", i % 4 == 0 ? "[" : ", ", of.line[i] * size.width,
+                        of.line[i + 1] * size.height, i % 4 == 0 ? "" : "], ");
+  return fmt::format("armature = [{}]\n", rows);
+}
+
 std::vector<cv::Mat> model(const Case& of, const cv::Mat& still, int frames, double fps, double amplitude) {
   const double w = still.cols, h = still.rows;
   std::string text = fmt::format(
       "picture = \"p\"\nframes = {}\nfps = {}\n[[layer]]\nname = \"all\"\nmatte = \"rest\"\nmotion = "
       "\"{}\"\n{}\n",
       frames, fps, of.motion, of.keys);
-  text += of.motion == "tree" ? fmt::format("armature = [{}, {}, {}, {}]\n", of.line[0] * w, of.line[1] * h,
-                                            of.line[2] * w, of.line[3] * h)
+  text += of.motion == "tree" ? armatures(of, still.size())
                               : fmt::format("horizon = [0, {}, {}, {}]\nedge = \"held\"\n", of.line[0] * h, w,
                                             of.line[0] * h);
   scene::Scene asked = scene::parse_scene(text, "case.toml");

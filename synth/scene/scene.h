@@ -39,6 +39,7 @@ struct MatteFrom {
     kPaint,      // the layer of this name in the scene's .ora: paint is the layer
   };
   Kind kind = Kind::kRest;
+  bool painted = false;          // of kPaint: its colours are the paint's, and not the picture's below it
   std::filesystem::path file{};  // of kFile, kScribbles, kTrimap
 };
 

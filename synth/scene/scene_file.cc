@@ -130,13 +130,15 @@ MatteFrom read_matte(Section& section, bool needed) {
     matte = {.kind = kind, .file = section.beside(*name)};
     if (kind != MatteFrom::Kind::kFile) return;
     if (*name == "rest") matte = {.kind = MatteFrom::Kind::kRest};
-    if (*name == "paint") matte = {.kind = MatteFrom::Kind::kPaint};
+    if (*name == "paint" || *name == "painted")
+      matte = {.kind = MatteFrom::Kind::kPaint, .painted = *name == "painted"};
   };
   take("matte", MatteFrom::Kind::kFile);
   take("scribbles", MatteFrom::Kind::kScribbles);
   take("trimap", MatteFrom::Kind::kTrimap);
   const char* const kRemedyOfMatte =
-      "Give one of matte = \"FILE\", matte = \"paint\", scribbles = \"FILE\" and trimap = \"FILE\"; matte = "
+      "Give one of matte = \"FILE\", matte = \"paint\", matte = \"painted\", scribbles = \"FILE\" and trimap "
+      "= \"FILE\"; matte = "
       "\"rest\" is what "
       "all others leave";
   if (given > 1) section.refuse_whole("it has more than one matte", kRemedyOfMatte);
@@ -307,6 +309,7 @@ picture    the still (PNG, JPEG, TIFF, EXR); needed
 marks      SVG over it: a line whose group, label, id or data-layer is a layer's name. It is an armature (from root
            to tip) of a tree, the horizon of water, the hull line of a boat, a stroke of patches
 paint      OpenRaster (.ora: Krita, GIMP, MyPaint) with a layer of paint for each layer whose matte is "paint"
+           or "painted"
 cut        OpenRaster that freshet synth layers wrote, maybe painted over: these layers are moved, none is cut
 frames     96       1 to 100000
 fps        25       frames per second, 1 to 240
@@ -325,7 +328,8 @@ seed       1        another seed, another wind
 [[layer]]  nearest first, or by order
 name       letters, digits, '-', '_', spaces; needed
 order      [place in the file]   1 is nearest
-matte      a grey picture, white where the layer is, or one with alpha; "paint"; "rest": what all others leave.
+matte      a grey picture, white where the layer is, or one with alpha; "paint": where its paint is; "painted": and
+           its colours are the paint's too; "rest": what all others leave.
 scribbles, trimap   instead: strokes on the layer (white, green) and beside it (black, red); white, black and grey
 seed       [place in the file]   of this layer's own randomness
 motion     still, tree, water, boat, clouds, patches, transfer or footage; needed

@@ -64,6 +64,15 @@ void check(const cv::Mat& picture, std::span<const LayerMatte> layers) {
   }
 }
 
+// The middle of what is thinner than the band, of which nothing would be sure: masts, ropes, twigs.
+cv::Mat spine_of_thin(const cv::Mat& region, double band_px) {
+  cv::Mat depth, deepest;
+  cv::distanceTransform(region, depth, cv::DIST_L2, 5);
+  const cv::Mat wide = widened(depth > 0.5 * band_px, 0.5 * band_px + kRim_px);
+  cv::dilate(depth, deepest, cv::Mat::ones(3, 3, CV_8U));
+  return region & ~wide & (depth >= deepest);
+}
+
 cv::Mat trimap_of(const LayerMatte& layer, const cv::Mat& matte, double band_px) {
   if (layer.kind == MatteKind::kTrimap) {
     cv::Mat trimap(matte.size(), CV_8U, cv::Scalar(128));
@@ -71,7 +80,9 @@ cv::Mat trimap_of(const LayerMatte& layer, const cv::Mat& matte, double band_px)
     trimap.setTo(0, matte == 0);
     return trimap;
   }
-  return matte::trimap_of(matte >= 128, cv::Mat::zeros(matte.size(), CV_8U), band_px);
+  cv::Mat trimap = matte::trimap_of(matte >= 128, cv::Mat::zeros(matte.size(), CV_8U), band_px);
+  trimap.setTo(255, spine_of_thin(matte >= 128, band_px));
+  return trimap;
 }
 
 // Alpha of the trimap's unsure pixels by the other methods that the house has.

@@ -1,6 +1,9 @@
 // synth/scene/motion/cloud_drift.h — clouds go along with the wind (Chuang et al. 2005, Sec. 3.5).
 #pragma once
 
+#include <cstdint>
+#include <vector>
+
 #include <opencv2/core.hpp>
 
 #include "synth/scene/cycle.h"
@@ -9,30 +12,43 @@
 
 namespace freshet::synth::scene {
 
-/// A translation over a texture that is cyclic along x. In a loop that lasts about as long as the clouds need to
-/// come round, they come round a whole number of times. In a shorter one that would be a storm: there the frame is a
-/// mixture of two copies, one that leaves the still's place at the loop's beginning, and one that reaches it at its
-/// end; the first fades into the second.
+/// How fast clouds go, and after how many pixels they come round.
+struct CloudCourse {
+  double speed_px_per_s = 0;
+  int period_px = 0;       // of their texture
+  bool dissolves = false;  // the loop is too short for them to come round
+};
+/// width_px   of the layer's box.
+CloudCourse course_of(const CloudMotion& clouds, const Wind& wind, const Cycle& cycle, bool loop,
+                      int width_px, int picture_width);
+
+/// A translation over a texture that is cyclic along x. In a loop that lasts long enough for the clouds to cross the
+/// picture, they come round a whole number of times, the speed changed by little. In a shorter one that would be a
+/// storm: there each cloud dissolves where it has gone, at a time of its own, and forms again where it was. At any
+/// time most of the sky is one copy alone, the whole of it at the loop's ends.
 class CloudDrift : public Motion {
  public:
-  /// period_px   of the texture. rows   of the layer, px: far_speed holds at the last.
-  CloudDrift(const CloudMotion& clouds, const Wind& wind, const Cycle& cycle, bool loop, double period_px,
-             const cv::Range& rows, int picture_width);
+  /// box    of the layer, px: far_speed holds at its last row.
+  CloudDrift(const CloudCourse& course, const CloudMotion& clouds, const Cycle& cycle, const cv::Rect& box,
+             std::uint64_t seed);
 
   void go_to(int frame) override;
   float reach() const override { return reach_; }
   void row(int copy, int x, int y, int n, float* dx, float* dy) const override;
-  float second() const override { return second_; }
-  double speed_px_per_s() const { return speed_; }
-  bool mixes() const { return mixes_; }
+  bool second(int x, int y, int n, float* part) const override;
 
  private:
+  double speed_at(int y) const;
+
+  CloudCourse course_;
   Cycle cycle_;
-  cv::Range rows_;
-  double speed_ = 0, far_speed_ = 1;
-  bool mixes_ = false;
-  double gone_[2] = {0, 0};  // px at full speed, of both copies
-  float second_ = 0, reach_ = 0;
+  cv::Rect box_;
+  double far_speed_ = 1;
+  double gone_[2] = {0, 0};     // px at full speed, of both copies
+  float reach_ = 0, time_ = 0;  // time: of the loop, 0..1
+  double cell_px_ = 1;
+  cv::Mat turns_;  // CV_32F: when the cloud at a node dissolves, of the loop; nodes from -margin_ cells on
+  int margin_ = 0;
 };
 
 }  // namespace freshet::synth::scene

@@ -17,8 +17,8 @@ class Motion {
   /// d' of n pixels from (x, y) on, px. Pixels may lie anywhere; (0, 0) is the picture's first, at its middle.
   /// copy   0, or 1 where the frame is a mixture of two.
   virtual void row(int copy, int x, int y, int n, float* dx, float* dy) const = 0;
-  /// Of copy 1 in the mixture, 0..1; 0: there is one copy.
-  virtual float second() const { return 0; }
+  /// Of copy 1 in the mixture at n pixels, 0..1; false: copy 0 is all there is, and nothing was written.
+  virtual bool second(int /*x*/, int /*y*/, int /*n*/, float* /*part*/) const { return false; }
   /// Factors of the light at n pixels; false: it is 1 everywhere, and nothing was written.
   virtual bool light(int /*x*/, int /*y*/, int /*n*/, float* /*factor*/) const { return false; }
 };

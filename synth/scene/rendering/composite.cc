@@ -36,16 +36,21 @@ struct Scratch {
         dx(static_cast<std::size_t>(width)),
         dy(dx),
         light(dx),
+        part(dx),
         place_x(static_cast<std::size_t>(width)),
         place_y(place_x) {}
   std::vector<Sample> seen, sample;  // what shows so far, and of one layer
-  std::vector<float> through;        // how much of what lies behind shows
-  std::vector<float> dx, dy, light;
+  std::vector<Sample> other;         // its second copy; empty until one is asked for
+  std::vector<float> wanted[2];
+  std::vector<float> through;              // how much of what lies behind shows
+  std::vector<float> dx, dy, light, part;  // part: of the second copy
   std::vector<std::int32_t> place_x, place_y;
 };
 
-/// Places in steps of the texture, kept inside it.
-FRESHET_WIDE void places(const float* d, int from, int step, int n, int most, std::int32_t* out) {
+/// Places in steps of the texture, kept inside it. mirrored   1: what lies beyond an end is its mirror image; 0: the end
+/// itself.
+FRESHET_WIDE void places(const float* d, int from, int step, int n, int most, int mirrored,
+                         std::int32_t* out) {
   for (int i = 0; i < n; ++i) {
     float v = d[i] < kFurthest ? d[i] : kFurthest;
     v = v > -kFurthest ? v : -kFurthest;
@@ -53,6 +58,8 @@ FRESHET_WIDE void places(const float* d, int from, int step, int n, int most, st
     const int moved = static_cast<int>(v * kCubicSteps + (kFurthest * kCubicSteps + 0.5f)) -
                       static_cast<int>(kFurthest) * kCubicSteps;
     int at = (from + i * step) * kCubicSteps + moved;
+    at = at > 0 ? at : -at * mirrored;
+    at = at < most ? at : most - (at - most) * mirrored;
     at = at > 0 ? at : 0;
     out[i] = at < most ? at : most;
   }
@@ -102,8 +109,19 @@ FRESHET_WIDE void lay_behind(const Sample* sample, const float* held, const floa
   }
 }
 
-FRESHET_WIDE void mix_samples(const Sample* other, float part, int n, Sample* sample) {
-  for (int i = 0; i < n; ++i) sample[i].of += (other[i].of - sample[i].of) * part;
+/// Of what is to be seen of two copies, how much is the first's and how much the second's; `part` of the second.
+FRESHET_WIDE void share(const float* through, const float* part, int n, float* first, float* second) {
+  for (int i = 0; i < n; ++i) {
+    first[i] = part[i] < 1 ? through[i] : 0;
+    second[i] = part[i] > 0 ? through[i] : 0;
+  }
+}
+
+FRESHET_WIDE void mix_samples(const Sample* other, const float* part, int n, Sample* sample) {
+  for (int i = 0; i < n; ++i) {
+    if (!(part[i] > 0)) continue;
+    sample[i].of = part[i] < 1 ? sample[i].of + (other[i].of - sample[i].of) * part[i] : other[i].of;
+  }
 }
 
 FRESHET_WIDE void write_bytes(const Sample* seen, int n, std::uint8_t* out) {
@@ -139,12 +157,15 @@ cv::Range columns_of(const MovedSprite& moved, int y, int width) {
   return {std::max(0, all.start), std::max(std::max(0, all.start), std::min(width, all.end))};
 }
 
-/// Samples one copy of the layer in columns of row y; into scratch.sample, or into `to`.
-void sample_copy(const MovedSprite& moved, int copy, int y, cv::Range columns, Scratch& scratch, Sample* to) {
+/// Samples one copy of the layer in columns of row y, where something of it is wanted.
+void sample_copy(const MovedSprite& moved, int copy, int y, cv::Range columns, Scratch& scratch,
+                 const float* wanted, Sample* to) {
   const Sprite& sprite = *moved.sprite;
   const auto n = columns.size();
   moved.motion->row(copy, columns.start, y, n, scratch.dx.data(), scratch.dy.data());
   const int width = sprite.period(), height = sprite.texture.rows - 2 * Sprite::kBorder;
+  // What moves has nothing at its ends; what is held would be smeared from them.
+  const int mirrored = sprite.outline == Outline::kMoves ? 0 : 1;
   if (sprite.outline == Outline::kCyclic) {
     const auto period = static_cast<float>(width);
     for (int i = 0; i < n; ++i) {
@@ -155,27 +176,36 @@ void sample_copy(const MovedSprite& moved, int copy, int y, cv::Range columns, S
           std::clamp(static_cast<int>(around * kCubicSteps + 0.5f), 0, width * kCubicSteps - 1);
     }
   } else {
-    places(scratch.dx.data(), columns.start - sprite.box.x, 1, n, (width - 1) * kCubicSteps,
+    places(scratch.dx.data(), columns.start - sprite.box.x, 1, n, (width - 1) * kCubicSteps, mirrored,
            scratch.place_x.data());
   }
-  places(scratch.dy.data(), y - sprite.box.y, 0, n, (height - 1) * kCubicSteps, scratch.place_y.data());
+  places(scratch.dy.data(), y - sprite.box.y, 0, n, (height - 1) * kCubicSteps, mirrored,
+         scratch.place_y.data());
   const std::ptrdiff_t stride = static_cast<std::ptrdiff_t>(sprite.texture.step1());
   sample_places(sprite.texture.ptr<float>(Sprite::kBorder) + 4 * Sprite::kBorder, stride,
-                scratch.place_x.data(), scratch.place_y.data(), scratch.through.data() + columns.start, n,
-                to);
+                scratch.place_x.data(), scratch.place_y.data(), wanted, n, to);
 }
 
-void add_layer(const MovedSprite& moved, int y, cv::Range columns, Scratch& scratch,
-               std::vector<Sample>& other) {
+/// Both copies, each only where it is seen.
+void sample_mixture(const MovedSprite& moved, int y, cv::Range columns, Scratch& scratch) {
+  const int n = columns.size();
+  const float* through = scratch.through.data() + columns.start;
+  scratch.other.resize(scratch.sample.size());
+  for (std::vector<float>& wanted : scratch.wanted) wanted.resize(scratch.dx.size());
+  share(through, scratch.part.data(), n, scratch.wanted[0].data(), scratch.wanted[1].data());
+  sample_copy(moved, 0, y, columns, scratch, scratch.wanted[0].data(), scratch.sample.data());
+  sample_copy(moved, 1, y, columns, scratch, scratch.wanted[1].data(), scratch.other.data());
+  mix_samples(scratch.other.data(), scratch.part.data(), n, scratch.sample.data());
+}
+
+void add_layer(const MovedSprite& moved, int y, cv::Range columns, Scratch& scratch) {
   const Sprite& sprite = *moved.sprite;
   const int n = columns.size();
   Sample* const sample = scratch.sample.data();
-  sample_copy(moved, 0, y, columns, scratch, sample);
-  if (const float second = moved.motion->second(); second > 0) {
-    other.resize(scratch.sample.size());
-    sample_copy(moved, 1, y, columns, scratch, other.data());
-    mix_samples(other.data(), second, n, sample);
-  }
+  if (moved.motion->second(columns.start, y, n, scratch.part.data()))
+    sample_mixture(moved, y, columns, scratch);
+  else
+    sample_copy(moved, 0, y, columns, scratch, scratch.through.data() + columns.start, sample);
   const float* held = sprite.held.empty()
                           ? nullptr
                           : sprite.held.ptr<float>(y - sprite.box.y) + (columns.start - sprite.box.x);
@@ -184,8 +214,7 @@ void add_layer(const MovedSprite& moved, int y, cv::Range columns, Scratch& scra
              scratch.through.data() + columns.start);
 }
 
-void composite_row(std::span<const MovedSprite> layers, int y, cv::Mat& out, Scratch& scratch,
-                   std::vector<Sample>& other) {
+void composite_row(std::span<const MovedSprite> layers, int y, cv::Mat& out, Scratch& scratch) {
   const int width = out.cols;
   std::fill(scratch.seen.begin(), scratch.seen.end(), Sample{});
   std::fill(scratch.through.begin(), scratch.through.end(), 1.0f);
@@ -193,7 +222,7 @@ void composite_row(std::span<const MovedSprite> layers, int y, cv::Mat& out, Scr
   for (const MovedSprite& layer : layers) {
     const cv::Range columns = columns_of(layer, y, width) & open;
     if (columns.empty()) continue;
-    add_layer(layer, y, columns, scratch, other);
+    add_layer(layer, y, columns, scratch);
     while (open.start < open.end && !(scratch.through[static_cast<std::size_t>(open.start)] > 0))
       ++open.start;
     while (open.end > open.start && !(scratch.through[static_cast<std::size_t>(open.end - 1)] > 0))
@@ -214,18 +243,13 @@ void composite_row(std::span<const MovedSprite> layers, int y, cv::Mat& out, Scr
 }  // namespace
 
 void composite(std::span<const MovedSprite> nearest_first, cv::Mat& out) {
-  struct Own {
-    explicit Own(int width) : scratch(width) {}
-    Scratch scratch;
-    std::vector<Sample> other;
-  };
-  oneapi::tbb::enumerable_thread_specific<Own> owns([&] { return Own(out.cols); });
+  oneapi::tbb::enumerable_thread_specific<Scratch> scratches([&] { return Scratch(out.cols); });
   using oneapi::tbb::blocked_range;
   oneapi::tbb::parallel_for(blocked_range<int>(0, out.rows, kRowsAtOnce),
                             [&](const blocked_range<int>& rows) {
-                              Own& own = owns.local();
+                              Scratch& scratch = scratches.local();
                               for (int y = rows.begin(); y < rows.end(); ++y)
-                                composite_row(nearest_first, y, out, own.scratch, own.other);
+                                composite_row(nearest_first, y, out, scratch);
                             });
 }
 

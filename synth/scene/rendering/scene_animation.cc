@@ -31,6 +31,18 @@ Outline outline_of(const SceneLayer& layer) {
   return Outline::kMoves;
 }
 
+/// box   of the layer, px.
+CloudCourse course_of(const Scene& scene, const SceneLayer& layer, const cv::Rect& box, cv::Size picture) {
+  return course_of(layer.clouds, scene.wind, cycle_of(scene), scene.loop, box.width, picture.width);
+}
+
+Sprite sprite_of(const Scene& scene, const SceneLayer& layer, const LayerPixels& pixels) {
+  const cv::Mat& alpha = pixels.alpha;
+  const int period =
+      layer.kind == MotionKind::kClouds ? course_of(scene, layer, box_of(alpha), alpha.size()).period_px : 0;
+  return make_sprite(pixels.colour, alpha, outline_of(layer), period);
+}
+
 }  // namespace
 
 SceneAnimation::SceneAnimation(const Scene& scene, std::span<const LayerPixels> pixels, cv::Size picture,
@@ -42,7 +54,7 @@ SceneAnimation::SceneAnimation(const Scene& scene, std::span<const LayerPixels> 
   oneapi::tbb::parallel_for(std::size_t{0}, placed_.size(), [&](std::size_t i) {
     const SceneLayer& layer = scene.layers[i];
     if (layer.is_cut() && layer.kind != MotionKind::kPatches)
-      placed_[i].sprite = make_sprite(pixels[i].colour, pixels[i].alpha, outline_of(layer));
+      placed_[i].sprite = sprite_of(scene, layer, pixels[i]);
   });
   // Boats ride on water: their motions come last.
   for (const bool rides : {false, true}) {
@@ -93,8 +105,8 @@ std::unique_ptr<Motion> SceneAnimation::motion_of(const Scene& scene, const Scen
       return std::make_unique<BoatRide>(boat, *surface, reflection, around(sprite.box, picture));
     }
     case MotionKind::kClouds:
-      return std::make_unique<CloudDrift>(layer.clouds, scene.wind, cycle_, scene.loop, sprite.period(),
-                                          cv::Range(sprite.box.y, sprite.box.br().y), picture.width);
+      return std::make_unique<CloudDrift>(course_of(scene, layer, sprite.box, picture), layer.clouds, cycle_,
+                                          sprite.box, scene.wind.seed * 64 + layer.seed);
     default:
       return std::make_unique<Stillness>();
   }

@@ -13,6 +13,7 @@
 #include "synth/matte/matte.h"
 #include "synth/scene/cycle.h"
 #include "synth/scene/layers/layer_paint.h"
+#include "synth/scene/motion/cloud_drift.h"
 #include "synth/scene/motion/tree_sway.h"
 
 namespace freshet::synth::scene {
@@ -20,8 +21,11 @@ namespace {
 
 constexpr double kUnmoved = 2;  // px of a stripe behind what stays where it is: its soft rim
 constexpr double kSafety = 1.5;
+constexpr double kFurthest = 0.25;  // of the picture's width
+constexpr double kWaves =
+    0.015;  // of the picture's longer side: waves bring out what lies so far behind an edge
 
-/// How far the layer's motion can uncover what lies behind it, px; negative: as usual.
+/// How far the layer's own motion can uncover what lies behind it, px; negative: as usual.
 double uncovers(const Scene& scene, const SceneLayer& layer, cv::Size picture) {
   if (layer.kind == MotionKind::kStill || layer.kind == MotionKind::kClouds ||
       layer.kind == MotionKind::kPatches || (layer.kind == MotionKind::kWater && !layer.water.edge_moves))
@@ -37,7 +41,23 @@ double uncovers(const Scene& scene, const SceneLayer& layer, cv::Size picture) {
     for (const float tip : sway.tip(i)) most = std::max(most, std::abs(tip));
     furthest = std::max(furthest, kSafety * most * std::hypot(way.x, way.y));
   }
-  return std::min(furthest + 4 * layer.tree.shimmer_px, 0.25 * picture.width);
+  return std::min(furthest + 4 * layer.tree.shimmer_px, kFurthest * picture.width);
+}
+
+/// How far what moves behind the layer at `at` comes out from behind it, px.
+double comes_out(const Scene& scene, std::size_t at, cv::Size picture) {
+  double furthest = 0;
+  for (std::size_t i = at + 1; i < scene.layers.size(); ++i) {
+    const SceneLayer& layer = scene.layers[i];
+    if (layer.kind == MotionKind::kWater)
+      furthest = std::max(furthest, kWaves * std::max(picture.width, picture.height));
+    if (layer.kind != MotionKind::kClouds) continue;
+    const Cycle shown{.frames = scene.frames, .fps = scene.fps};
+    const CloudCourse course =
+        course_of(layer.clouds, scene.wind, shown, scene.loop, picture.width, picture.width);
+    furthest = std::max(furthest, std::abs(course.speed_px_per_s) * shown.seconds() + kUnmoved);
+  }
+  return std::min(furthest, kFurthest * picture.width);
 }
 
 cv::Mat read_trimap(const std::filesystem::path& path, cv::Size size) {
@@ -66,10 +86,13 @@ std::vector<LayerMatte> layer_mattes(const Scene& scene, const media::Still& sti
     for (const std::string& notice : said)
       if (notices != nullptr) notices->push_back(file.string() + ": " + notice);
   };
-  for (const SceneLayer& layer : scene.layers) {
+  for (std::size_t i = 0; i < scene.layers.size(); ++i) {
+    const SceneLayer& layer = scene.layers[i];
     if (!layer.is_cut()) continue;
     LayerMatte matte{.name = layer.name};
     matte.uncover_px = uncovers(scene, layer, still.bgr.size());
+    if (matte.uncover_px >= 0)
+      matte.uncover_px = std::max(matte.uncover_px, comes_out(scene, i, still.bgr.size()));
     switch (layer.matte.kind) {
       case MatteFrom::Kind::kRest:
         matte.kind = MatteKind::kRest;
@@ -97,11 +120,15 @@ std::vector<LayerMatte> layer_mattes(const Scene& scene, const media::Still& sti
         matte.kind = MatteKind::kTrimap;
         break;
       case MatteFrom::Kind::kPaint: {
-        if (!paint) paint = media::read_openraster(scene.paint);
+        if (!paint) {
+          paint = media::read_openraster(scene.paint);
+          tell(scene.paint, paint->notices);
+        }
         const std::vector<CutLayer> painted =
             from_paint(*paint, std::vector<std::string>{layer.name}, still.bgr.size(), scene.paint.string());
         painted[0].alpha.convertTo(matte.matte, CV_8U, 255);
-        matte.kind = kind_of_matte(matte.matte);
+        matte.kind = layer.matte.painted ? MatteKind::kAlpha : kind_of_matte(matte.matte);
+        if (layer.matte.painted) matte.paint = painted[0].colour;
         break;
       }
     }
@@ -118,7 +145,10 @@ std::vector<LayerPixels> cut_scene(const Scene& scene, const media::Still& still
     std::vector<std::string> names;
     for (const SceneLayer& layer : scene.layers)
       if (layer.is_cut()) names.push_back(layer.name);
-    cut = from_paint(media::read_openraster(scene.cut), names, still.bgr.size(), scene.cut.string(), notices);
+    const media::OpenRaster paint = media::read_openraster(scene.cut);
+    if (notices != nullptr)
+      for (const std::string& notice : paint.notices) notices->push_back(scene.cut.string() + ": " + notice);
+    cut = from_paint(paint, names, still.bgr.size(), scene.cut.string(), notices);
   } else {
     cut =
         cut_layers(media::coded_picture(still), layer_mattes(scene, still, notices), options, progress, stop);

@@ -5,15 +5,12 @@
 #include <opencv2/imgproc.hpp>
 
 #include "synth/animate/sampling/pull_push.h"
+#include "synth/scene/rendering/cyclic_texture.h"
 
 namespace freshet::synth::scene {
 namespace {
 
-/// The smallest box of what is above 0; empty when nothing is.
-cv::Rect box_of(const cv::Mat& alpha) {
-  const cv::Mat some = alpha > 0;
-  return cv::boundingRect(some);
-}
+constexpr float kStands = 0.02f;  // alpha below which a colour is noise
 
 std::vector<cv::Range> spans_of(const cv::Mat& alpha) {
   std::vector<cv::Range> spans;
@@ -38,27 +35,14 @@ cv::Mat premultiplied(const cv::Mat& colour, const cv::Mat& alpha) {
   return out;
 }
 
-/// Wider by half, so that it comes round: the new part goes from the right end, mirrored, over to the left
-/// end, mirrored.
-cv::Mat come_round(const cv::Mat& colour) {
-  const int width = colour.cols, more = std::max(1, width / 2);
-  cv::Mat wide(colour.rows, width + more, colour.type());
-  colour.copyTo(wide.colRange(0, width));
-  for (int y = 0; y < colour.rows; ++y) {
-    const auto* from = colour.ptr<cv::Vec3f>(y);
-    auto* to = wide.ptr<cv::Vec3f>(y);
-    for (int i = 0; i < more; ++i) {
-      const float part = (static_cast<float>(i) + 0.5f) / static_cast<float>(more);
-      const float late = part * part * (3 - 2 * part);
-      to[width + i] = from[width - 1 - i] * (1 - late) + from[more - 1 - i] * late;
-    }
-  }
-  return wide;
-}
-
 }  // namespace
 
-Sprite make_sprite(const cv::Mat& colour, const cv::Mat& alpha, Outline outline) {
+cv::Rect box_of(const cv::Mat& alpha) {
+  const cv::Mat some = alpha > 0;
+  return cv::boundingRect(some);
+}
+
+Sprite make_sprite(const cv::Mat& colour, const cv::Mat& alpha, Outline outline, int period) {
   Sprite sprite;
   sprite.outline = outline;
   const cv::Rect inside = box_of(alpha), picture({0, 0}, alpha.size());
@@ -74,13 +58,13 @@ Sprite make_sprite(const cv::Mat& colour, const cv::Mat& alpha, Outline outline)
   } else {
     sprite.box = inside;
     alpha(inside).copyTo(sprite.held);
-    cv::Mat whole = animate::pull_push(colour(inside), alpha(inside));
-    if (outline == Outline::kCyclic) whole = come_round(whole);
+    const cv::Mat whole = outline == Outline::kCyclic
+                              ? cyclic_texture(colour(inside), alpha(inside) > kStands, period)
+                              : animate::pull_push(colour(inside), alpha(inside));
     const cv::Mat opaque(whole.size(), CV_32F, cv::Scalar(1));
     cv::copyMakeBorder(premultiplied(whole, opaque), sprite.texture, kBorder, kBorder, kBorder, kBorder,
                        cv::BORDER_REPLICATE);
     if (outline == Outline::kCyclic) {
-      const int period = sprite.period();
       sprite.texture.colRange(period, period + kBorder).copyTo(sprite.texture.colRange(0, kBorder));
       sprite.texture.colRange(kBorder, 2 * kBorder)
           .copyTo(sprite.texture.colRange(period + kBorder, period + 2 * kBorder));

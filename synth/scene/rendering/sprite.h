@@ -30,9 +30,14 @@ struct Sprite {
   int period() const { return texture.cols - 2 * kBorder; }
 };
 
+/// The smallest box of what is not transparent; empty when nothing is.
+cv::Rect box_of(const cv::Mat& alpha);
+
 /// colour   CV_32FC3, straight; alpha   CV_32F, 0..1; both of the picture's size.
-/// Beyond its outline, and beyond the picture, what is held goes on smoothly.
-Sprite make_sprite(const cv::Mat& colour, const cv::Mat& alpha, Outline outline);
+/// Beyond its outline, and beyond the picture, what is held goes on smoothly; what is cyclic with copies of itself
+/// (cyclic_texture.h).
+/// period   px, of what is cyclic: wider by 2 at least than the box of what is not transparent.
+Sprite make_sprite(const cv::Mat& colour, const cv::Mat& alpha, Outline outline, int period = 0);
 
 /// Of a frame that comes as it is: CV_32FC4, colours times alpha, of any size; its upper left corner lies at `at`.
 /// picture   size; what lies outside is cut off. A sprite of this size and place is written anew without allocation.

@@ -118,6 +118,20 @@ TEST(CutLayers, RefillChangesNothingOutsideOfItsRegionButWhatLiesBehind) {
   EXPECT_LT(cv::norm(composited(after), made.picture, cv::NORM_INF), 1e-4);
 }
 
+TEST(CutLayers, AMastThinnerThanTheBandIsKept) {
+  const cv::Size size(kWide, kHigh);
+  cv::Mat picture = made_texture(size, {0.8, 0.6, 0.5}, 0.15f, 1), matte(size, CV_8U, cv::Scalar(0));
+  matte(cv::Rect(40, 60, 40, 20)).setTo(255);  // a hull
+  matte(cv::Rect(59, 10, 2, 50)).setTo(255);   // its mast
+  picture.setTo(cv::Scalar(0.1, 0.15, 0.2), matte);
+  const std::vector<CutLayer> layers = cut_layers(
+      picture,
+      std::vector<LayerMatte>{{.name = "boat", .matte = matte}, {.name = "lake", .kind = MatteKind::kRest}},
+      {.band_px = 14});
+  EXPECT_GT(cv::mean(layers[0].alpha(cv::Rect(59, 12, 2, 40)))[0], 0.9);
+  EXPECT_LT(cv::mean(layers[0].alpha(cv::Rect(64, 12, 10, 40)))[0], 0.1);
+}
+
 TEST(CutLayers, PaintIsTakenAsItIs) {
   Made made = disc_before_lake();
   cv::Mat alpha = made_disc({kWide, kHigh}, {60, 46}, 20, 2);

@@ -209,26 +209,72 @@ TEST(BoatRide, ReflectionRollsTheOtherWay) {
   EXPECT_NEAR(down.y - wave.y, -up.y, 0.02);
 }
 
-TEST(CloudDrift, BeginsAndEndsAtTheStill) {
-  const CloudMotion clouds{.speed_px_per_s = 10.0};
-  CloudDrift drift(clouds, {}, kCycle, true, 300, {0, 100}, 200);
-  EXPECT_TRUE(drift.mixes());
-  float dx = 1, dy = 1;
+CloudDrift drifting(const CloudMotion& clouds, CloudCourse& course) {
+  course = course_of(clouds, {}, kCycle, true, 200, 200);
+  return CloudDrift(course, clouds, kCycle, {0, 0, 200, 100}, 3);
+}
+
+TEST(CloudDrift, InAShortLoopEachPlaceDissolvesAtATimeOfItsOwn) {
+  CloudCourse course;
+  CloudDrift drift = drifting({.speed_px_per_s = 10.0}, course);
+  EXPECT_TRUE(course.dissolves);
+  EXPECT_DOUBLE_EQ(course.speed_px_per_s, 10);
+  std::vector<float> part(200), dx(200), dy(200);
   drift.go_to(0);
-  drift.row(0, 5, 5, 1, &dx, &dy);
-  EXPECT_EQ(dx, 0);
-  EXPECT_EQ(drift.second(), 0);
-  drift.go_to(59);
-  EXPECT_NEAR(drift.second(), 59.0 / 60, 1e-6);
-  drift.row(1, 5, 5, 1, &dx, &dy);
-  EXPECT_NEAR(dx, 10.0 / 20, 1e-5);  // one frame before its place
+  drift.row(0, 0, 5, 200, dx.data(), dy.data());
+  EXPECT_EQ(dx[5], 0);
+  EXPECT_FALSE(drift.second(0, 5, 200, part.data()));
+  double halves = 0, alone = 0, count = 0;
+  for (int frame = 1; frame < kCycle.frames; ++frame) {
+    drift.go_to(frame);
+    double mean = 0;
+    for (int y = 0; y < 100; y += 10) {
+      ASSERT_TRUE(drift.second(0, y, 200, part.data()));
+      for (const float p : part) {
+        ASSERT_GE(p, 0);
+        ASSERT_LE(p, 1);
+        mean += p / 2000;
+        alone += p == 0 || p == 1, halves += p > 0.25 && p < 0.75, ++count;
+      }
+    }
+    if (frame == 1) {
+      EXPECT_LT(mean, 0.01);
+    }
+    if (frame == kCycle.frames - 1) {
+      EXPECT_GT(mean, 0.99);
+    }
+  }
+  EXPECT_GT(alone / count, 0.55);
+  EXPECT_LT(halves / count, 0.2);
+  drift.row(1, 0, 5, 200, dx.data(), dy.data());
+  EXPECT_NEAR(dx[5], 10.0 / 20, 1e-5);  // one frame before its place
+}
+
+TEST(CloudDrift, WhenACloudDissolvesGoesAlongWithIt) {
+  CloudCourse course;
+  CloudDrift drift = drifting({.speed_px_per_s = 20.0}, course);
+  std::vector<float> before(200), after(200);
+  drift.go_to(20);
+  drift.second(0, 50, 200, before.data());
+  drift.go_to(30);
+  drift.second(10, 50, 200, after.data());  // it went 10 px in these frames
+  for (std::size_t i = 0; i < 190; ++i) EXPECT_GE(after[i], before[i] - 1e-5f);
 }
 
 TEST(CloudDrift, ComesRoundAWholeNumberOfTimesWhereItCan) {
-  const CloudMotion clouds{.speed_px_per_s = 110.0};
-  CloudDrift drift(clouds, {}, kCycle, true, 300, {0, 100}, 200);
-  EXPECT_FALSE(drift.mixes());
-  EXPECT_DOUBLE_EQ(drift.speed_px_per_s(), 100);
+  for (const double asked : {-60.0, 70.0, 110.0, 300.0}) {
+    CloudCourse course;
+    CloudDrift drift = drifting({.speed_px_per_s = asked}, course);
+    EXPECT_FALSE(course.dissolves);
+    const double rounds = course.speed_px_per_s * kCycle.seconds() / course.period_px;
+    EXPECT_NEAR(rounds, std::round(rounds), 1e-9);
+    EXPECT_GE(std::abs(rounds), 1);
+    EXPECT_GT(course.period_px, 200);
+    EXPECT_NEAR(course.speed_px_per_s, asked, 0.25 * std::abs(asked));
+    std::vector<float> part(200);
+    drift.go_to(7);
+    EXPECT_FALSE(drift.second(0, 5, 200, part.data()));
+  }
 }
 
 }  // namespace

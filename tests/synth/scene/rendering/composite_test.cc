@@ -117,7 +117,7 @@ TEST(Composite, WhatIsHeldKeepsItsOutlineAndShowsNoEdgeInside) {
   cv::Mat alpha(size, CV_32F, cv::Scalar(0));
   alpha(cv::Rect(5, 20, 50, 25)).setTo(1);
   for (const Outline outline : {Outline::kHeld, Outline::kCyclic}) {
-    const Sprite sprite = make_sprite(colour, alpha, outline);
+    const Sprite sprite = make_sprite(colour, alpha, outline, 70);
     const Shift shift(6.3f, -5.6f);
     const MovedSprite layer{&sprite, &shift};
     cv::Mat found(size, CV_32FC4);
@@ -128,6 +128,20 @@ TEST(Composite, WhatIsHeldKeepsItsOutlineAndShowsNoEdgeInside) {
         ASSERT_NEAR(found.at<cv::Vec4f>(y, x)[0], 0.5f * alpha.at<float>(y, x), 1e-4);
       }
   }
+}
+
+TEST(Composite, BeyondThePicturesEdgeIsTheMirrorImageOfWhatIsHeld) {
+  const cv::Size size(30, 20);
+  const cv::Mat colour = noise(size, CV_32FC3, 3), alpha(size, CV_32F, cv::Scalar(1));
+  const Sprite sprite = make_sprite(colour, alpha, Outline::kHeld);
+  const Shift shift(-4, 3);
+  const MovedSprite layer{&sprite, &shift};
+  cv::Mat found(size, CV_32FC4);
+  composite(std::span(&layer, 1), found);
+  for (int y = 0; y < 20; ++y)
+    for (int x = 0; x < 30; ++x)
+      ASSERT_EQ(found.at<cv::Vec4f>(y, x)[2],
+                colour.at<cv::Vec3f>(y + 3 < 20 ? y + 3 : 38 - (y + 3), std::abs(x - 4))[2]);
 }
 
 TEST(SceneAnimation, UnmovedLayersGiveTheStill) {
