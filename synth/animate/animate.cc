@@ -469,7 +469,7 @@ class Animation {
       const double anew = 1 - copies_->still(output);
       std::vector<double> shares(kContrastLevels);
       for (std::size_t level = 0; level < shares.size(); ++level) shares[level] = anew * renewed_share(level);
-      restore_contrast(made.luma, copies, CarriedBase::kStep, shares, renewing_, *standing_,
+      restore_contrast(made.luma, copies, CarriedBase::kStep, shares, renewing_, *standing_, anew,
                        options_.contrast);
       standing_->colour(*made.brought);
       field = renewed;

@@ -83,9 +83,10 @@ class Mixture {
         const float kept = std::sqrt(1 - anew * (place ? place[x] : 1.0f));
         const float gain = std::min(1 / std::sqrt(variance[x]), most);
         const float alike = std::min(1.0f, covariance[x] * gain);
-        const float left = std::sqrt(1 - share * share * (1 - alike * alike)) - share * alike;
+        const float own = share * (1 - alike);
+        const float left = std::sqrt(1 - own * own * (1 - alike * alike)) - own * alike;
         of_copies[x] = kept * gain * left;
-        of_picture[x] = kept * share;
+        of_picture[x] = kept * own;
       }
     }
   }
@@ -110,7 +111,7 @@ void multiply_by(const cv::Mat& gain, int step, int level, cv::Mat& band) {
 
 void restore_contrast(cv::Mat& luma, std::span<const CopyMap> copies, int step,
                       std::span<const double> renewed, const cv::Mat& where, const StandingDetail& standing,
-                      const LostContrastOptions& options) {
+                      double begun, const LostContrastOptions& options) {
   const int levels = standing.levels();
   if (levels == 0 || copies.empty()) return;
   const Mixture mixture(copies);
@@ -129,7 +130,7 @@ void restore_contrast(cv::Mat& luma, std::span<const CopyMap> copies, int step,
     standing.band(level).copyTo(own);
     multiply_by(stands, step, level, own);
     bands[at] += own;
-    standing.match(bands[at], level, std::sqrt(1 - shares.anew * mean_place));
+    standing.match(bands[at], level, std::sqrt(1 - shares.anew * mean_place), begun);
   }
   const double share = standing.share(levels);
   cv::addWeighted(bands.back(), 1 - share, standing.band(levels), share, 0, bands.back());

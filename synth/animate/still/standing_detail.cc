@@ -1,6 +1,7 @@
 #include "synth/animate/still/standing_detail.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include <opencv2/imgproc.hpp>
@@ -42,10 +43,11 @@ StandingDetail::StandingDetail(const cv::Mat& picture, const cv::Mat& luma, cons
   }
 }
 
-void StandingDetail::match(cv::Mat& band, int level, double kept) const {
+void StandingDetail::match(cv::Mat& band, int level, double kept, double strength) const {
   const auto at = static_cast<std::size_t>(level);
   const double found = cv::Mat(cv::abs(band)).dot(within_[at]);
-  if (found > 0) band *= std::clamp(kept * magnitude_[at] / found, 1 / kMatchedBy, kMatchedBy);
+  if (found > 0)
+    band *= std::pow(std::clamp(kept * magnitude_[at] / found, 1 / kMatchedBy, kMatchedBy), strength);
 }
 
 void StandingDetail::colour(CarriedFrame& frame) const {
