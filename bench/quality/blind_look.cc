@@ -43,8 +43,8 @@ constexpr const char* kHead = R"(<!doctype html>
 <title>Which of these is most like the real thing?</title>
 <style>
 body { font: 16px/1.5 sans-serif; background: #16181c; color: #ddd; margin: 1rem auto; max-width: 1320px; padding: 0 1rem; }
-section { margin: 2rem 0; } .films { display: flex; flex-wrap: wrap; gap: 10px; }
-figure { margin: 0; flex: 1 1 400px; max-width: 640px; } video { width: 100%; display: block; background: #000; }
+section { margin: 2rem 0; } .films { display: grid; gap: 10px; grid-template-columns: repeat(auto-fill, minmax(min(400px, 100%), 1fr)); }
+figure { margin: 0; } video { width: 100%; display: block; background: #000; }
 figcaption { display: flex; gap: 1.2em; padding: .3em 0; } textarea { width: 100%; font: inherit; }
 button { font: inherit; padding: .4em 1em; } label { white-space: nowrap; }
 </style>
