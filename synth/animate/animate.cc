@@ -469,9 +469,9 @@ class Animation {
       const double anew = 1 - copies_->still(output);
       std::vector<double> shares(kContrastLevels);
       for (std::size_t level = 0; level < shares.size(); ++level) shares[level] = anew * renewed_share(level);
-      restore_contrast(made.luma, copies, CarriedBase::kStep, shares, renewing_, *standing_, anew,
-                       options_.contrast);
-      standing_->colour(*made.brought);
+      const cv::Mat stands = restore_contrast(made.luma, copies, CarriedBase::kStep, shares, renewing_,
+                                              *standing_, anew, options_.contrast);
+      standing_->colour(*made.brought, stands);
       field = renewed;
       // What is new comes where there is detail: what lies smooth between edges stays smooth.
       BandContrast(on_pieces_canvas(made.luma), kContrastLevels, Neighbourhood::kClose, on_canvas(renewing_))

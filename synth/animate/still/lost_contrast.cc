@@ -109,11 +109,10 @@ void multiply_by(const cv::Mat& gain, int step, int level, cv::Mat& band) {
 
 }  // namespace
 
-void restore_contrast(cv::Mat& luma, std::span<const CopyMap> copies, int step,
-                      std::span<const double> renewed, const cv::Mat& where, const StandingDetail& standing,
-                      double begun, const LostContrastOptions& options) {
+cv::Mat restore_contrast(cv::Mat& luma, std::span<const CopyMap> copies, int step,
+                         std::span<const double> renewed, const cv::Mat& where,
+                         const StandingDetail& standing, double begun, const LostContrastOptions& options) {
   const int levels = standing.levels();
-  if (levels == 0 || copies.empty()) return;
   const Mixture mixture(copies);
   std::vector<cv::Mat> bands;
   vision::laplacian_pyramid(luma, levels, bands);
@@ -132,9 +131,16 @@ void restore_contrast(cv::Mat& luma, std::span<const CopyMap> copies, int step,
     bands[at] += own;
     standing.match(bands[at], level, std::sqrt(1 - shares.anew * mean_place), begun);
   }
-  const double share = standing.share(levels);
-  cv::addWeighted(bands.back(), 1 - share, standing.band(levels), share, 0, bands.back());
+  mixture.gains({.anew = 0,
+                 .standing = standing.share(levels),
+                 .most = 1,
+                 .agreement_px = options.agreement_px * (1 << levels)},
+                {}, carried, stands);
+  cv::subtract(standing.band(levels), bands.back(), own);
+  multiply_by(stands, step, levels, own);
+  bands.back() += own;
   luma = vision::collapse(bands);
+  return stands;
 }
 
 }  // namespace freshet::synth::animate

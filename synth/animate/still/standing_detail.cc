@@ -38,7 +38,7 @@ StandingDetail::StandingDetail(const cv::Mat& picture, const cv::Mat& luma, cons
   const cv::Size half((picture.cols + 1) / 2, (picture.rows + 1) / 2);
   for (std::size_t k = 0; k < colour_.size(); ++k) {
     cv::Mat reduced;
-    cv::resize(pull_push(bgr[2 * k] - luma, trusted), reduced, coarse_size(half), 0, 0, cv::INTER_AREA);
+    cv::resize(pull_push(bgr[2 * k] - luma, trusted), reduced, half, 0, 0, cv::INTER_AREA);
     reduced.convertTo(colour_[k], CV_16S, CarriedFrame::kOne);
   }
 }
@@ -50,15 +50,18 @@ void StandingDetail::match(cv::Mat& band, int level, double kept, double strengt
     band *= std::pow(std::clamp(kept * magnitude_[at] / found, 1 / kMatchedBy, kMatchedBy), strength);
 }
 
-void StandingDetail::colour(CarriedFrame& frame) const {
-  const double share = this->share(levels() - 1);
-  if (share <= 0) return;
+void StandingDetail::colour(CarriedFrame& frame, const cv::Mat& stands) const {
+  const cv::Size half = frame.blue.size(), coarse = coarse_size(half);
+  const cv::Mat empty = frame.fraction <= 0;
   const std::array<cv::Mat*, 2> planes{&frame.blue, &frame.red};
-  cv::Mat own, wide;
-  for (std::size_t k = 0; k < colour_.size(); ++k) {
-    cv::resize(*planes[k], own, colour_[k].size(), 0, 0, cv::INTER_AREA);
-    cv::resize(cv::Mat(colour_[k] - own), wide, planes[k]->size(), 0, 0, cv::INTER_LINEAR);
-    cv::scaleAdd(wide, share, *planes[k], *planes[k]);
+  cv::Mat share, away, wide;
+  cv::resize(stands, share, coarse, 0, 0, cv::INTER_LINEAR);
+  for (std::size_t k = 0; k < planes.size(); ++k) {
+    cv::subtract(colour_[k], *planes[k], away, cv::noArray(), CV_32F);
+    away.setTo(0, empty);
+    cv::resize(away, wide, coarse, 0, 0, cv::INTER_AREA);
+    cv::resize(wide.mul(share), away, half, 0, 0, cv::INTER_LINEAR);
+    cv::add(*planes[k], away, *planes[k], cv::noArray(), CV_16S);
   }
 }
 

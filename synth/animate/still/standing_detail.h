@@ -33,14 +33,15 @@ class StandingDetail {
   /// into grain has as much power, and looks like more.
   /// strength: the power of that factor, 0..1.
   void match(cv::Mat& band, int level, double kept, double strength) const;
-  /// Brings the colour of what is carried to the picture's as far as the coarsest level stands, and no finer than that.
-  void colour(CarriedFrame& frame) const;
+  /// Brings the colour of what is carried to the picture's as far as the low-pass rest stands, and no finer than that.
+  /// stands   CV_32F: the rest's share, sampled in even squares of the picture.
+  void colour(CarriedFrame& frame, const cv::Mat& stands) const;
 
  private:
   std::vector<double> shares_;
   std::vector<cv::Mat> bands_, within_;  // within: the matte by level, CV_32F
   std::vector<double> magnitude_;        // of the bands, summed over the matte
-  std::array<cv::Mat, 2> colour_;        // CV_16S, blue and red less luma as CarriedFrame has them, reduced
+  std::array<cv::Mat, 2> colour_;        // blue and red less luma, as CarriedFrame has them
 };
 
 }  // namespace freshet::synth::animate

@@ -177,7 +177,8 @@ TEST(StandingDetail, KeepsTheColourOfAPlaceAndNotItsDetail) {
     for (int x = 0; x < half.width; ++x)
       frame.red.at<std::int16_t>(y, x) =
           static_cast<std::int16_t>(CarriedFrame::kOne * ((x + y) % 2 ? 0.4 : 0.2));
-  standing.colour(frame);
+  frame.fraction = cv::Mat(half, CV_16S, cv::Scalar(CarriedFrame::kOne));
+  standing.colour(frame, cv::Mat(kHeight / kStep, kWidth / kStep, CV_32F, cv::Scalar(0.5)));
   EXPECT_NEAR(frame.blue.at<std::int16_t>(20, 30), -0.15 * CarriedFrame::kOne, 8);
   const double a = frame.red.at<std::int16_t>(20, 30), b = frame.red.at<std::int16_t>(20, 31);
   EXPECT_NEAR(a + b, 0.6 * CarriedFrame::kOne, 16);
