@@ -241,8 +241,12 @@ void check_layers(const Scene& scene, const std::vector<Section>& sections,
                      layer.boat.water.empty() ? "no layer of the scene is water, and a boat rides its waves"
                                               : fmt::format("\"{}\" is no layer of water", layer.boat.water),
                      "Add a layer with motion = \"water\", or let this one be still");
-    if (!layer.boat.reflection_of.empty() &&
-        (layer.boat.reflection_of == layer.name || !find(layer.boat.reflection_of, MotionKind::kBoat)))
+    const bool mirrors_boat =
+        std::any_of(scene.layers.begin(), scene.layers.end(), [&](const SceneLayer& other) {
+          return other.kind == MotionKind::kBoat && other.name == layer.boat.reflection_of &&
+                 other.boat.reflection_of.empty();
+        });
+    if (!layer.boat.reflection_of.empty() && !mirrors_boat)
       section.refuse("reflection_of", fmt::format("\"{}\" is no other boat", layer.boat.reflection_of),
                      "Name the layer of the boat that is mirrored");
   }
