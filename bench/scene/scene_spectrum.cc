@@ -1,6 +1,6 @@
 // bench/scene/scene_spectrum.cc — does a still, animated as a tree or as water, move in time as the real clip does?
 //
-//   bench_scene_spectrum CASE [CASE..] [--frames 90] [--width 480] [--json FILE]
+//   bench_scene_spectrum CASE [CASE..] [--frames 90] [--width 480] [--amplitudes .25,.5,1,2,4,8] [--json FILE]
 //   CASE   CLIP:tree:LEFT,TOP,RIGHT,BOTTOM:ROOT_X,ROOT_Y,TIP_X,TIP_Y[,ROOT_X..][:KEYS]   several armatures one after
 //          the other; the baseline sways on the first
 //          CLIP:water:LEFT,TOP,RIGHT,BOTTOM:HORIZON_Y[:KEYS]     places in fractions of the picture
@@ -10,7 +10,7 @@
 // and of its flow (DIS), averaged over the pixels; log-spectral distance in dB (root of the mean squared difference of
 // decibels over all frequencies above 0), the slope of decibels over decades above half a hertz, and the peak. Beside it:
 // the clip's other half (no model can be expected to be nearer), a plain sum of three sinusoids on the same armature or
-// plane (the baseline), and the still itself. What a person sets by eye, the amplitude, is the best of six for the model and
+// plane (the baseline), and the still itself. What a person sets by eye, the amplitude, is the best of several for the model and
 // for the baseline alike; all else is the scene's.
 
 #include <algorithm>
@@ -41,7 +41,6 @@ namespace {
 
 namespace scene = freshet::synth::scene;
 constexpr double kTurn = 2 * std::numbers::pi;
-constexpr std::array kAmplitudes{0.25, 0.5, 1.0, 2.0, 4.0, 8.0};
 
 struct Case {
   std::string clip, motion, keys;
@@ -265,7 +264,8 @@ struct Judged {
   double amplitude = 1;
 };
 
-void judge(const Case& of, int frames, int width, nlohmann::json& rows) {
+void judge(const Case& of, int frames, int width, const std::vector<double>& amplitudes,
+           nlohmann::json& rows) {
   const Clip clip = read_clip(of.clip, 2 * frames, width);
   const int half = static_cast<int>(clip.bgr.size()) / 2;
   if (half < 16) throw std::runtime_error(of.clip + ": too short");
@@ -281,7 +281,7 @@ void judge(const Case& of, int frames, int width, nlohmann::json& rows) {
   for (const bool ours : {true, false}) {
     Judged best{ours ? "scene" : "3 sinusoids", {}, 0};
     double nearest = 1e9;
-    for (const double amplitude : kAmplitudes) {
+    for (const double amplitude : amplitudes) {
       const Spectrum found = spectrum_of(
           ours ? model(of, still, half, clip.fps, amplitude) : baseline(of, still, half, clip.fps, amplitude),
           region);
@@ -320,6 +320,7 @@ int main(int argc, char** argv) {
   CLI::App app("Whether animated stills move in time as real clips do");
   std::vector<std::string> cases;
   int frames = 90, width = 480;
+  std::vector<double> amplitudes{0.25, 0.5, 1, 2, 4, 8};
   std::string json_file;
   app.add_option("CASE", cases, "CLIP:MOTION:REGION:LINE[:KEYS]")->required();
   app.add_option("--frames", frames, "Frames of each half, at most")
@@ -328,10 +329,15 @@ int main(int argc, char** argv) {
   app.add_option("--width", width, "Clips are reduced to it, px")
       ->check(CLI::Range(64, 4096))
       ->capture_default_str();
+  app.add_option("--amplitudes", amplitudes,
+                 "Factors of the amplitude; the best counts, of 1 alone the default")
+      ->delimiter(',')
+      ->check(CLI::Range(1e-3, 1e3))
+      ->capture_default_str();
   app.add_option("--json", json_file, "Write figures and spectra here too");
   CLI11_PARSE(app, argc, argv);
   cv::setNumThreads(1);
   nlohmann::json rows = nlohmann::json::array();
-  for (const std::string& text : cases) judge(parse_case(text), frames, width, rows);
+  for (const std::string& text : cases) judge(parse_case(text), frames, width, amplitudes, rows);
   if (!json_file.empty()) std::ofstream(json_file) << rows.dump(1) << "\n";
 }

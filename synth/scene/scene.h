@@ -71,15 +71,15 @@ struct WaterMotion {
   double camera_height_m = 2;        // above the water
   int tile = 256;                    // samples along a tile's side, N; a power of 2, 32..1024
   std::optional<double> tile_m{};    // its side at roughness 1; nothing: 25 L, L = speed^2 / 9.81 m/s^2
-  double roughness = 20;             // beta: waves are so many times shorter than the sea's
-  /// a; 1: as high as those of a fully developed sea of this roughness. Nothing: 2.5 for displacement, .25 for normals:
+  double roughness = 10;             // beta: waves are so many times shorter than the sea's
+  /// a; 1: as high as those of a fully developed sea of this roughness. Nothing: 2.5 for displacement, .12 for normals:
   /// stills of lakes come nearer to their clips with more of the former, and waves then break (docs/scene.md).
   std::optional<double> amplitude{};
   double against = 0.3;  // amplitude of waves against the wind, fractions; 1 as printed
   WaterMapping mapping = WaterMapping::kDisplacement;
   bool edge_moves = false;  // true: the matte moves with the water (the paper); else only what lies in it
   double amplitude_or_usual() const {
-    return amplitude.value_or(mapping == WaterMapping::kNormals ? 0.25 : 2.5);
+    return amplitude.value_or(mapping == WaterMapping::kNormals ? 0.12 : 2.5);
   }
   double gust_darkening = 0.15;  // of the light, under a gust of one standard deviation; with gustiness alone
 };

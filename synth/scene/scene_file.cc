@@ -241,8 +241,12 @@ void check_layers(const Scene& scene, const std::vector<Section>& sections,
                      layer.boat.water.empty() ? "no layer of the scene is water, and a boat rides its waves"
                                               : fmt::format("\"{}\" is no layer of water", layer.boat.water),
                      "Add a layer with motion = \"water\", or let this one be still");
-    if (!layer.boat.reflection_of.empty() &&
-        (layer.boat.reflection_of == layer.name || !find(layer.boat.reflection_of, MotionKind::kBoat)))
+    const bool mirrors_boat =
+        std::any_of(scene.layers.begin(), scene.layers.end(), [&](const SceneLayer& other) {
+          return other.kind == MotionKind::kBoat && other.name == layer.boat.reflection_of &&
+                 other.boat.reflection_of.empty();
+        });
+    if (!layer.boat.reflection_of.empty() && !mirrors_boat)
       section.refuse("reflection_of", fmt::format("\"{}\" is no other boat", layer.boat.reflection_of),
                      "Name the layer of the boat that is mirrored");
   }
@@ -349,8 +353,8 @@ focal          [1.2 times the picture's longer side]   px
 camera_height  2     m above the water, .01 to 10000
 tile           256   samples a side, a power of 2, 32 to 1024
 tile_size      [25 speed^2 / g]   m, a tile's side at roughness 1
-roughness      20    waves are so many times shorter than those of a sea, .01 to 100000
-amplitude      [2.5; with normals .25]   1: as high as a sea's of this roughness, 0 to 1000
+roughness      10    waves are so many times shorter than those of a sea, .01 to 100000
+amplitude      [2.5; with normals .12]   1: as high as a sea's of this roughness, 0 to 1000
 against        .3    amplitude of waves against the wind, 0 to 1; 1 as in the paper
 mapping        "displacement"   or "normals": what is mirrored moves as the surface tilts
 edge           "held"           or "moving": the outline moves with the water (the paper)
@@ -420,7 +424,8 @@ seed = 1
 # matte = "lake.png"
 # motion = "water"
 # horizon = [0, {8}, {0}, {8}]
-# roughness = 20                    # greater: shorter waves
+# mapping = "normals"               # for a lake that mirrors its shore
+# roughness = 10                    # greater: shorter waves
 
 [[layer]]
 name = "rest"

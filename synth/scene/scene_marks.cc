@@ -98,11 +98,22 @@ void check_length(const Scene& scene, const SceneLayer& layer, const Line& line,
               "Draw it from one end to the other");
 }
 
-/// Of `count` points on the part of the line that lies in the picture, how many have something of the layer within
-/// `near` px.
+/// Whether something of the layer is within `near` px.
+bool is_near(cv::Point at, const cv::Mat& alpha, int near) {
+  if (alpha.at<float>(at) > kThere) return true;
+  const cv::Rect square =
+      cv::Rect(at.x - near, at.y - near, 2 * near + 1, 2 * near + 1) & cv::Rect({}, alpha.size());
+  for (int y = square.y; y < square.br().y; ++y) {
+    const auto* row = alpha.ptr<float>(y);
+    const int wide = cvFloor(std::sqrt(static_cast<double>(near * near - (y - at.y) * (y - at.y))));
+    const int first = std::max(square.x, at.x - wide), last = std::min(square.br().x, at.x + wide + 1);
+    if (std::any_of(row + first, row + last, [](float a) { return a > kThere; })) return true;
+  }
+  return false;
+}
+
+/// Of points on the part of the line that lies in the picture, how many have something of the layer within `near` px.
 double part_on(const Line& line, const cv::Mat& alpha, int near) {
-  cv::Mat region;
-  cv::dilate(alpha, region, cv::getStructuringElement(cv::MORPH_ELLIPSE, {2 * near + 1, 2 * near + 1}));
   int inside = 0, on = 0;
   constexpr int kPoints = 64;
   for (int i = 0; i < kPoints; ++i) {
@@ -110,7 +121,7 @@ double part_on(const Line& line, const cv::Mat& alpha, int near) {
     const cv::Point at(static_cast<int>(std::floor(p.x)), static_cast<int>(std::floor(p.y)));
     if (!cv::Rect({0, 0}, alpha.size()).contains(at)) continue;
     ++inside;
-    if (region.at<float>(at) > kThere) ++on;
+    if (is_near(at, alpha, near)) ++on;
   }
   return inside == 0 ? 0 : static_cast<double>(on) / inside;
 }

@@ -1,6 +1,7 @@
 #include "synth/scene/motion/water_surface.h"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 
 #include <oneapi/tbb/blocked_range.h>
@@ -32,6 +33,13 @@ struct HeightRow {
   float along, down, depth, lean, highest;
 };
 
+/// The same waves, as high, by what lifts boats.
+WaterMotion lifting(WaterMotion water) {
+  water.amplitude = water.amplitude_or_usual();
+  water.mapping = WaterMapping::kDisplacement;
+  return water;
+}
+
 /// d' of a row of pixels under heights, rolled frame: minus Eq. 10.
 FRESHET_WIDE void lift_row(const HeightRow& row, const float* gain, int n, float* dx, float* dy) {
   for (int i = 0; i < n; ++i) {
@@ -49,7 +57,8 @@ FRESHET_WIDE void lift_row(const HeightRow& row, const float* gain, int n, float
 }  // namespace
 
 WaterSurface::WaterSurface(const WaterMotion& water, const Gusts& gusts, const Cycle& cycle,
-                           std::uint64_t seed, const cv::Rect& region, cv::Size picture)
+                           std::uint64_t seed, const cv::Rect& region, cv::Size picture,
+                           const cv::Rect& boats)
     : water_(water),
       gusts_(&gusts),
       cycle_(cycle),
@@ -60,9 +69,12 @@ WaterSurface::WaterSurface(const WaterMotion& water, const Gusts& gusts, const C
           water, gusts.wind(), cycle, seed,
           water.mapping == WaterMapping::kNormals ? HeightField::What::kSlopes : HeightField::What::kHeights),
       reduced_(static_cast<std::size_t>(field_.planes()), ReducedTile(field_.samples())) {
+  if (water.mapping == WaterMapping::kNormals && !boats.empty())
+    heights_ = std::make_unique<WaterSurface>(lifting(water), gusts, cycle, seed, boats, picture);
+  const cv::Rect asked = region | boats;
   double top = 1e9, bottom = -1e9;
   for (const cv::Point corner :
-       {region.tl(), cv::Point(region.br().x, region.y), cv::Point(region.x, region.br().y), region.br()}) {
+       {asked.tl(), cv::Point(asked.br().x, asked.y), cv::Point(asked.x, asked.br().y), asked.br()}) {
     const double below = camera_.rolled(corner.x, corner.y).y;
     top = std::min(top, below), bottom = std::max(bottom, below);
   }
@@ -91,6 +103,7 @@ WaterSurface::WaterSurface(const WaterMotion& water, const Gusts& gusts, const C
 }
 
 void WaterSurface::go_to(int frame) {
+  if (heights_ != nullptr) heights_->go_to(frame);
   field_.go_to(frame);
   const int planes = field_.planes(), n = field_.samples();
   using oneapi::tbb::blocked_range;
@@ -179,6 +192,8 @@ cv::Point2d WaterSurface::rolled_displacement(double below, double along, float 
 }
 
 cv::Point2d WaterSurface::displacement(double x, double y) const {
+  if (heights_ != nullptr) return heights_->displacement(x, y);
+  assert(water_.mapping == WaterMapping::kDisplacement);
   const cv::Point2d p = camera_.rolled(x, y);
   return camera_.upright(rolled_displacement(p.y, p.x, gain_at(x)));
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include <opencv2/core.hpp>
@@ -25,17 +26,19 @@ namespace freshet::synth::scene {
 /// seen. Slopes of what is smaller than a pixel do not move it, they would blur it.
 class WaterSurface : public Motion {
  public:
-  /// region    px of the picture in which rows will be asked, and where boats lie.
+  /// region    px of the picture in which rows will be asked.
+  /// boats     px, where displacement() will be; empty: nowhere.
   /// water     with horizon and focal length.
   WaterSurface(const WaterMotion& water, const Gusts& gusts, const Cycle& cycle, std::uint64_t seed,
-               const cv::Rect& region, cv::Size picture);
+               const cv::Rect& region, cv::Size picture, const cv::Rect& boats = {});
 
   void go_to(int frame) override;
   float reach() const override { return reach_; }
   void row(int copy, int x, int y, int n, float* dx, float* dy) const override;
   bool light(int x, int y, int n, float* factor) const override;
 
-  /// d of Eq. 10, px, of the point at the middle of pixel (x, y), which may lie between pixels: for boats.
+  /// d of Eq. 10, px, of the point at the middle of pixel (x, y), which may lie between pixels: for boats. It is the
+  /// surface's own, also where the mapping moves mirror images, which go many times as far.
   cv::Point2d displacement(double x, double y) const;
 
  private:
@@ -76,6 +79,7 @@ class WaterSurface : public Motion {
   std::vector<float> profiles_;
   std::vector<float> gain_, shade_;  // at columns 0, kUnit, ...
   float reach_ = 0;
+  std::unique_ptr<WaterSurface> heights_;  // of the same waves, where boats lie; when the rows are of slopes
 };
 
 }  // namespace freshet::synth::scene

@@ -43,6 +43,35 @@ Sprite sprite_of(const Scene& scene, const SceneLayer& layer, const LayerPixels&
   return make_sprite(pixels.colour, alpha, outline_of(layer), period);
 }
 
+/// The layer that a boat floats on; there is one (read_scene).
+const SceneLayer& water_under(const Scene& scene, const SceneLayer& boat) {
+  return *std::find_if(scene.layers.begin(), scene.layers.end(), [&](const SceneLayer& other) {
+    return other.kind == MotionKind::kWater && (boat.boat.water.empty() || other.name == boat.boat.water);
+  });
+}
+
+/// A reflection without a hull line has that of its boat.
+Line hull_of(const Scene& scene, const SceneLayer& boat) {
+  if (boat.boat.hull) return *boat.boat.hull;
+  return *std::find_if(scene.layers.begin(), scene.layers.end(), [&](const SceneLayer& other) {
+            return other.name == boat.boat.reflection_of;
+          })->boat.hull;
+}
+
+/// px, where boats lie on this water.
+cv::Rect boats_on(const Scene& scene, const SceneLayer& water) {
+  cv::Rect all;
+  for (const SceneLayer& layer : scene.layers) {
+    if (layer.kind != MotionKind::kBoat || &water_under(scene, layer) != &water) continue;
+    const Line hull = hull_of(scene, layer);
+    const cv::Point from(cvFloor(std::min(hull.from.x, hull.to.x)),
+                         cvFloor(std::min(hull.from.y, hull.to.y)));
+    const cv::Point to(cvCeil(std::max(hull.from.x, hull.to.x)), cvCeil(std::max(hull.from.y, hull.to.y)));
+    all |= cv::Rect(from, to + cv::Point(1, 1));
+  }
+  return all;
+}
+
 }  // namespace
 
 SceneAnimation::SceneAnimation(const Scene& scene, std::span<const LayerPixels> pixels, cv::Size picture,
@@ -80,29 +109,24 @@ std::unique_ptr<Motion> SceneAnimation::motion_of(const Scene& scene, const Scen
     case MotionKind::kWater: {
       WaterMotion water = layer.water;
       if (!water.focal_px) water.focal_px = 1.2 * std::max(picture.width, picture.height);
-      // Boats ask about the water beside the layer too, for it lies behind them.
+      // Reflections ask about the water beside the layer too, for it lies behind them.
       const cv::Rect region(0, sprite.box.y, picture.width, picture.height - sprite.box.y);
       return std::make_unique<WaterSurface>(water, gusts_, cycle_, scene.wind.seed * 64 + layer.seed, region,
-                                            picture);
+                                            picture, boats_on(scene, layer));
     }
     case MotionKind::kBoat: {
-      const auto water = std::find_if(scene.layers.begin(), scene.layers.end(), [&](const SceneLayer& other) {
-        return other.kind == MotionKind::kWater &&
-               (layer.boat.water.empty() || other.name == layer.boat.water);
-      });
+      const SceneLayer& water = water_under(scene, layer);
       const auto* surface = dynamic_cast<const WaterSurface*>(
-          placed_[static_cast<std::size_t>(water - scene.layers.begin())].motion.get());
+          placed_[static_cast<std::size_t>(&water - scene.layers.data())].motion.get());
       if (surface == nullptr)
         throw Error(
             ErrorKind::kInput, scene.file.string(),
-            fmt::format("nothing of the water {} on which {} floats is to be seen", water->name, layer.name),
+            fmt::format("nothing of the water {} on which {} floats is to be seen", water.name, layer.name),
             "Give that layer a matte that shows some of it");
       BoatMotion boat = layer.boat;
-      const bool reflection = !boat.reflection_of.empty();
-      if (!boat.hull)
-        for (const SceneLayer& other : scene.layers)
-          if (other.name == boat.reflection_of) boat.hull = other.boat.hull;
-      return std::make_unique<BoatRide>(boat, *surface, reflection, around(sprite.box, picture));
+      boat.hull = hull_of(scene, layer);
+      return std::make_unique<BoatRide>(boat, *surface, !boat.reflection_of.empty(),
+                                        around(sprite.box, picture));
     }
     case MotionKind::kClouds:
       return std::make_unique<CloudDrift>(course_of(scene, layer, sprite.box, picture), layer.clouds, cycle_,

@@ -9,6 +9,7 @@
 #include "synth/scene/motion/cloud_drift.h"
 #include "synth/scene/motion/tree_sway.h"
 #include "synth/scene/motion/water_surface.h"
+#include "synth/scene/water/camera.h"
 
 namespace freshet::synth::scene {
 namespace {
@@ -150,28 +151,56 @@ WaterMotion lake() {
 
 TEST(WaterSurface, RowsAreMinusTheDisplacementOfTheirPoints) {
   for (const double tilt : {0.0, 12.0}) {
-    for (const WaterMapping mapping : {WaterMapping::kDisplacement, WaterMapping::kNormals}) {
-      WaterMotion water = lake();
-      water.horizon->to.y += tilt;
-      water.mapping = mapping;
-      const Gusts gusts({.gustiness = 0.5}, kCycle, 200);
-      WaterSurface surface(water, gusts, kCycle, 3, {0, 41, 200, 199}, {200, 240});
-      surface.go_to(9);
-      std::vector<float> dx(200), dy(200);
-      double most = 0;
-      for (int y = 60; y < 240; y += 20) {
-        surface.row(0, 0, y, 200, dx.data(), dy.data());
-        for (int x = 0; x < 200; x += 9) {
-          const cv::Point2d d = surface.displacement(x, y);
-          EXPECT_NEAR(dx[static_cast<std::size_t>(x)], -d.x, 2e-3);
-          EXPECT_NEAR(dy[static_cast<std::size_t>(x)], -d.y, 2e-3);
-          EXPECT_LE(std::max(std::abs(d.x), std::abs(d.y)), surface.reach());
-          most = std::max(most, std::abs(d.y));
-        }
+    WaterMotion water = lake();
+    water.horizon->to.y += tilt;
+    const Gusts gusts({.gustiness = 0.5}, kCycle, 200);
+    WaterSurface surface(water, gusts, kCycle, 3, {0, 41, 200, 199}, {200, 240});
+    surface.go_to(9);
+    std::vector<float> dx(200), dy(200);
+    double most = 0;
+    for (int y = 60; y < 240; y += 20) {
+      surface.row(0, 0, y, 200, dx.data(), dy.data());
+      for (int x = 0; x < 200; x += 9) {
+        const cv::Point2d d = surface.displacement(x, y);
+        EXPECT_NEAR(dx[static_cast<std::size_t>(x)], -d.x, 2e-3);
+        EXPECT_NEAR(dy[static_cast<std::size_t>(x)], -d.y, 2e-3);
+        EXPECT_LE(std::max(std::abs(d.x), std::abs(d.y)), surface.reach());
+        most = std::max(most, std::abs(d.y));
       }
-      EXPECT_GT(most, 0.2);
+    }
+    EXPECT_GT(most, 0.2);
+  }
+}
+
+TEST(WaterSurface, MirrorImagesMoveByTheSlopesOfTheHeightsThatBoatsRide) {
+  WaterMotion water = lake();
+  water.mapping = WaterMapping::kNormals;
+  water.amplitude = 0.4;
+  water.roughness = 2;  // waves that pixels do not blur
+  const Gusts gusts({}, kCycle, 200);
+  const cv::Rect all(0, 41, 200, 199);
+  WaterSurface surface(water, gusts, kCycle, 3, all, {200, 240}, all);
+  surface.go_to(9);
+  const WaterCamera camera(*water.horizon, *water.focal_px, water.camera_height_m, {200, 240});
+  // Eq. 10 the other way: the height that lifts a pixel's point so far.
+  const auto height = [&](double x, double y) {
+    const WaterCamera::Row row = camera.row(camera.rolled(x, y).y);
+    const double lift = surface.displacement(x, y).y / row.down;
+    return lift * row.depth / (1 + lift * row.lean);
+  };
+  double square = 0, off = 0;
+  for (int y = 150; y < 236; y += 5) {
+    const WaterCamera::Row row = camera.row(camera.rolled(0, y).y);
+    const double grazing = water.camera_height_m / std::hypot(row.forward, water.camera_height_m);
+    for (int x = 10; x < 190; x += 9) {
+      const double right = (height(x + 1, y) - height(x - 1, y)) / (2 * row.scale);
+      const double away = -(height(x, y + 1) - height(x, y - 1)) / (2 * row.deep);
+      const cv::Point2d shown(moved(surface, x, y)), expected(-480 * right * grazing, -480 * away);
+      square += expected.dot(expected), off += (shown - expected).dot(shown - expected);
     }
   }
+  EXPECT_GT(square, 100);
+  EXPECT_LT(off, 0.3 * square);  // heights are linear between samples, and so are slopes
 }
 
 TEST(WaterSurface, IsStillAtTheHorizonAndAbove) {

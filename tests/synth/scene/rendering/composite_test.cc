@@ -144,6 +144,27 @@ TEST(Composite, BeyondThePicturesEdgeIsTheMirrorImageOfWhatIsHeld) {
                 colour.at<cv::Vec3f>(y + 3 < 20 ? y + 3 : 38 - (y + 3), std::abs(x - 4))[2]);
 }
 
+std::vector<float> boat_rows(const std::string& mapping) {
+  std::string text = made_scene_text("speed = 6\ngustiness = 0.4");
+  const std::string usual = "amplitude = 6";
+  text.replace(text.find(usual), usual.size(), usual + "\nmapping = \"" + mapping + "\"");
+  MadeScene made(text);
+  cv::Mat frame(kMadeSize, CV_8UC3);
+  std::vector<float> all, dx(40), dy(40);
+  for (const int at : {3, 11, 17}) {
+    made.animation().render(at, frame);
+    made.animation().motion(1).row(0, 80, 90, 40, dx.data(), dy.data());
+    all.insert(all.end(), dy.begin(), dy.end());
+  }
+  return all;
+}
+
+TEST(SceneAnimation, BoatsRideTheSurfaceItselfWhereItMirrors) {
+  const std::vector<float> lifted = boat_rows("displacement"), mirrored = boat_rows("normals");
+  EXPECT_GT(cv::norm(lifted, cv::NORM_INF), 0.1);
+  for (std::size_t i = 0; i < lifted.size(); ++i) EXPECT_NEAR(mirrored[i], lifted[i], 0.01) << i;
+}
+
 TEST(SceneAnimation, UnmovedLayersGiveTheStill) {
   MadeScene made(made_scene_text("speed = 0"));
   cv::Mat frame;
