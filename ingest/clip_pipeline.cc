@@ -75,6 +75,7 @@ store::PlaneView view_of(const cv::Mat& plane) {
 /// All that is kept of a clip while its frames go by.
 struct Pass {
   const vision::Settings& settings;
+  const double fps;
   store::ClipWriter& writer;
   IngestSeconds& seconds;
   Screener screener;
@@ -83,14 +84,17 @@ struct Pass {
   vision::MotionAccumulator motion;
   vision::DetailLifetimeAccumulator life;
   std::vector<std::unique_ptr<vision::TexturenessAccumulator>> texture;
-  cv::Mat previous;  // the last luma of the slab before
+  cv::Mat previous;  // the last luma of the slab before, and its time
+  double previous_s = 0;
+  std::vector<double> rates;  // of all pairs
   bool flow_begun = false;
   std::vector<cv::Mat> u = std::vector<cv::Mat>(kSlab), v = std::vector<cv::Mat>(kSlab);
   std::vector<store::PlaneView> views;
 
-  Pass(cv::Size size, double fps, const vision::Settings& settings_, store::ClipWriter& writer_,
+  Pass(cv::Size size, double fps_, const vision::Settings& settings_, store::ClipWriter& writer_,
        IngestSeconds& seconds_)
       : settings(settings_),
+        fps(fps_),
         writer(writer_),
         seconds(seconds_),
         screener(size, fps),
@@ -138,6 +142,7 @@ struct Pass {
       writer.append(store::Stream::kFrames, views);
     }
     previous = slab.luma.back();
+    previous_s = slab.frames.back().time_s;
   }
 
   void add_life(const Slab& slab) {
@@ -147,6 +152,15 @@ struct Pass {
       else
         life.add(u[i], v[i], slab.luma[i]);
     }
+  }
+
+  /// The flow of frames that lie further apart, or less far, than the clip's others, as it would be at the clip's rate.
+  void add_motion(const cv::Mat& along, const cv::Mat& down, double times) {
+    if (times == 1) return motion.add(along, down);
+    cv::Mat scaled_u, scaled_v;
+    along.convertTo(scaled_u, along.type(), times);
+    down.convertTo(scaled_v, down.type(), times);
+    motion.add(scaled_u, scaled_v);
   }
 
   void add_flow(const Slab& slab) {
@@ -163,7 +177,11 @@ struct Pass {
     }
     {
       const TimedScope watch(seconds.motion);
-      for (int i = first; i < last; ++i) motion.add(u[i], v[i]);
+      for (int i = first; i < last; ++i) {
+        const double before_s = i == 0 ? previous_s : slab.frames[i - 1].time_s;
+        rates.push_back(pair_rate(slab.frames[i].time_s - before_s, fps));
+        add_motion(u[i], v[i], rates.back() / fps);
+      }
     }
     const TimedScope watch(seconds.store);
     if (!std::exchange(flow_begun, true)) {
@@ -218,6 +236,8 @@ ClipMeasures stream_clip(media::VideoReader& reader, double fps, const std::stri
 
   const TimedScope watch(seconds.patches);
   measures.screening = pass.screener.finish();
+  measures.screening.timing = timing_of(measures.times_s);
+  measures.rates = std::move(pass.rates);
   measures.loop = pass.loop.finish();
   measures.average = pass.statistics.mean_u16();
   measures.moving = moving_mask(pass.motion.mean_speed_px(), pass.statistics.deviation(), fps, settings);

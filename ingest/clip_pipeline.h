@@ -29,6 +29,7 @@ inline constexpr std::uint32_t kMinAnalysedFrames = 9;
 struct ClipMeasures {
   std::uint32_t frames = 0;
   std::vector<double> times_s;  // a frame
+  std::vector<double> rates;    // a pair of frames one after another: how many such lie in a second
   Screening screening;
   cv::Mat average;  // CV_16U, luma over 0..65535
   cv::Mat moving;   // CV_8U, see moving_mask

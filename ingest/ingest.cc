@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <map>
 #include <new>
 #include <system_error>
@@ -12,7 +13,9 @@
 
 #include "ingest/clip_analysis.h"
 #include "ingest/clip_pipeline.h"
+#include "ingest/frame_timing.h"
 #include "media/frame/layout_json.h"
+#include "media/video/frame_stamps.h"
 #include "media/video/video_reader.h"
 #include "platform/stopwatch.h"
 #include "vision/textureness.h"
@@ -62,7 +65,7 @@ std::string metadata_of(const media::VideoInfo& info, const ClipMeasures& measur
   const json metadata{{"layout", json::parse(media::to_json(info.layout))},
                       {"codec", info.codec},
                       {"container", info.container},
-                      {"variable_frame_rate", info.variable_frame_rate},
+                      {"variable_frame_rate", !measures.screening.timing.steady},
                       {"repairs", media::filter_text(repairs)},
                       {"screening", screening_json(measures.screening, verdict)},
                       {"notices", report.notes},
@@ -88,6 +91,7 @@ void write_columns(store::ClipWriter& writer, const ClipMeasures& measures, cons
                         static_cast<std::uint32_t>(cells.channels * sizeof(float)));
   };
   writer.column<double>("frame.time", measures.times_s);
+  if (!measures.screening.timing.steady) writer.column<double>("flow.rate", measures.rates);
   write_cells("cells.motion", measures.motion);
   for (std::size_t i = 0; i < measures.texture.size(); ++i) {
     write_cells(fmt::format("cells.texture.{}", i), measures.texture[i]);
@@ -127,6 +131,16 @@ void check_fit(const media::VideoInfo& info, const Source& source, const vision:
         fmt::format("it is HDR ({}): read as the sRGB that we work in, its colours would be pale and wrong",
                     layout.transfer == kPq ? "PQ" : "HLG"),
         "Film in SDR, or export it as SDR (BT.709) from your editing program");
+}
+
+/// Where a file's stamps tell another mean rate than its header, they are right.
+void take_stamped_rate(const fs::path& path, store::ClipRecord& record) {
+  constexpr double kWrong = 0.01;
+  const double claimed = static_cast<double>(record.fps_num) / static_cast<double>(record.fps_den);
+  const double stamped = timing_of(media::frame_stamps(path)).fps;
+  if (!(stamped > 0.5 && stamped < 2000) || std::abs(stamped / claimed - 1) <= kWrong) return;
+  record.fps_num = std::llround(stamped * 1000);
+  record.fps_den = 1000;
 }
 
 /// One source, from path to row.
@@ -222,13 +236,12 @@ class ClipIngest {
       record.fps_num = 25;
       record.fps_den = 1;
     }
+    take_stamped_rate(source.path, record);
     report.fps = static_cast<double>(record.fps_num) / static_cast<double>(record.fps_den);
     if (info.turned != 0)
       report.notes.push_back(fmt::format(
           "its frames are stored lying; they are kept upright, turned by {} degrees as players do",
           info.turned));
-    if (info.variable_frame_rate)
-      report.notes.push_back("its frame rate varies; speeds are by the average rate");
 
     const std::uint64_t bytes_before = file_size();
     store::ClipWriter writer = store_.add_clip();

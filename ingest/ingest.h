@@ -85,6 +85,8 @@ struct IngestProgress {
 ///           kFlow: u, v at 1 / settings.flow_step, frame t from t to t + 1, one frame fewer than the clip.
 ///           kAverage: one plane of 16 bits, mean luma over 0..65535, source size.
 /// Columns   "frame.time": double, s, a row per frame.
+///           "flow.rate": double, a row per flow frame, only of clips whose frame rate varies: so many of its pairs
+///           of frames lie in a second. Of other clips that is fps.
 ///           "cells.motion": vision::motion_channels floats per row, cells row-major.
 ///           "cells.texture.<i>": vision::kTextureLevels floats per row, for the i-th scale of the settings.
 ///           "cells.life": vision::kLifeBands floats per row, s: half-lives of detail along the flow, finest band

@@ -102,6 +102,16 @@ Verdict judge(const Screening& screening, const ScreeningLimits& limits) {
                                    : fmt::format("{} takes begin, the first", screening.cuts.size()),
         screening.cuts.front()));
   }
+  const FrameTiming& timing = screening.timing;
+  if (timing.longest_gap_s > limits.max_gap_s && timing.longest_gap_s * timing.fps > 3)
+    verdict.refusals.push_back(fmt::format(
+        "frames are missing: none for {:.2f} s after {:.2f} s, {:.2f} s is the limit; cut it there",
+        timing.longest_gap_s, timing.gap_after_s, limits.max_gap_s));
+  else if (!timing.steady)
+    verdict.notes.push_back(fmt::format(
+        "its frame rate varies from {:.1f} to {:.1f} frames/s, {:.1f} on average: each frame keeps "
+        "its own time, and speeds go by it",
+        timing.slowest_fps, timing.fastest_fps, timing.fps));
   const CameraMotion& camera = screening.camera;
   // Half of the windows must show something solid, or a chance agreement among clouds would speak for the
   // camera.

@@ -29,6 +29,7 @@
 #include <opencv2/core.hpp>
 
 #include "ingest/camera_track.h"
+#include "ingest/frame_timing.h"
 
 namespace freshet::ingest {
 
@@ -37,6 +38,7 @@ struct ScreeningLimits {
   double max_drift = 0.025;     // of the frame's diagonal, over the whole clip
   double max_shake = 0.004;     // of the frame's diagonal, rms
   double max_duplicates = 0.5;  // fraction of frames that repeat the one before
+  double max_gap_s = 0.25;      // without a frame, where that is more than three times the mean interval
 };
 
 /// What was measured. Fractions are 0..1.
@@ -47,6 +49,7 @@ struct Screening {
   double duplicated_fraction = 0;  // frames that repeat the one before
   double static_fraction = 0;      // pixels that do not move; filled in by clip analysis
   bool truncated = false;          // the file ended before its own header said
+  FrameTiming timing;              // filled in by the pass over the clip
 };
 
 struct Verdict {

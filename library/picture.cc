@@ -8,8 +8,8 @@
 namespace freshet {
 
 Picture read_picture(const std::filesystem::path& path) {
-  media::Picture read = media::read_picture(path);
-  return {.bgr = read.bgr, .notices = std::move(read.notices)};
+  media::Still read = media::read_still(path);
+  return {.bgr = read.bgr, .deep = read.deep, .notices = std::move(read.notices)};
 }
 
 Matte read_matte(const std::filesystem::path& path, cv::Size size) {

@@ -10,6 +10,7 @@
 #include "library/states.h"
 #include "query/hints/stroke_field.h"
 #include "query/hints/strokes.h"
+#include "synth/matte/held.h"
 
 namespace freshet {
 
@@ -31,6 +32,7 @@ Search search(const Store& store, const cv::Mat& picture, const cv::Mat& matte, 
                      .base = nullptr,
                      .picture = picture.clone(),
                      .matte = matte.empty() ? cv::Mat(picture.size(), CV_8U, cv::Scalar(255)) : matte.clone(),
+                     .held = options.held.clone(),
                      .frames = options.frames,
                      .fps = options.fps,
                      .request = {.options = {},
@@ -40,6 +42,11 @@ Search search(const Store& store, const cv::Mat& picture, const cv::Mat& matte, 
                      .options = {},
                      .found = {},
                      .notices = {}};
+  if (!state.held.empty()) {
+    if (state.held.size() != state.matte.size() || state.held.type() != CV_8U)
+      throw Error(ErrorKind::kUsage, "what is held", "CV_8U of the picture's size is expected");
+    state.matte = synth::matte::less_held(state.matte, state.held, "what is held");
+  }
   query::CandidateOptions& candidates = state.request.options.candidates;
   candidates.k = options.candidates;
   candidates.class_name = options.class_name;

@@ -34,7 +34,8 @@ struct Store::Impl {
 struct Search::Impl {
   Store store;
   std::shared_ptr<const query::SearchBase> base;  // that `found` borrows
-  cv::Mat picture, matte;
+  cv::Mat picture, matte;                         // less what is held
+  cv::Mat held;
   int frames;
   double fps;
   query::LabelRequest request;

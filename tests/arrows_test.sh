@@ -27,7 +27,7 @@ query/hints: media/picture
 query/mrf:
 query/search: store vision query/stored query/index query/mrf
 query/costs: store vision query/stored query/mrf query/search
-query/labelling: store vision query/stored query/index query/mrf query/search query/costs
+query/labelling: report store vision query/stored query/index query/mrf query/search query/costs
 query/benchmark: report store query/stored query/index query/search query/labelling
 synth/field:
 synth/toml: synth/field
@@ -37,8 +37,8 @@ synth/animate/blend: synth/animate/sampling synth/animate/placement
 synth/animate/clips: store media/frame vision query/stored synth/animate/sampling synth/animate/placement synth/animate/blend
 synth/animate/still: vision synth/animate/sampling synth/animate/motion
 synth/animate/motion: store vision query/stored query/search synth/animate/sampling synth/animate/placement
-synth/animate: store vision query/* synth/animate/*
-synth/matte: media/picture query/search
+synth/animate: report store vision query/* synth/animate/*
+synth/matte: report media/picture query/search
 synth/scene/layers: media/picture synth/animate/motion synth/matte
 synth/simulate/solver: synth/field
 synth/simulate/scene: synth/field synth/simulate/solver

@@ -40,6 +40,14 @@ build/animate my.store still.png matte.png out.mp4
 "$prefix/bin/freshet" synth animate my.store still.png --matte matte.png --class fall --frames 8 -o same.mp4 > log 2>&1
 cmp out.mp4 same.mp4
 
+# The same with something held back and an outline that stays, from a picture of 16 bits into a file of 16 bits.
+ffmpeg -v error -i still.png -pix_fmt rgb48be deep.png
+ffmpeg -v error -f lavfi -i color=black:size=192x144,drawbox=80:60:30:30:white:fill -frames:v 1 -pix_fmt gray held.png
+build/animate my.store deep.png matte.png deep.mkv held.png
+"$prefix/bin/freshet" synth animate my.store deep.png --matte matte.png --hold held.png --class fall --frames 8 \
+    -o same.mkv > log 2>&1
+cmp deep.mkv same.mkv
+
 "$prefix/bin/freshet" synth simulate plume --size 96x80 --frames 4 -o design > log 2>&1
 build/transfer design still.png matte.png look.mkv
 [ -s look.mkv ]

@@ -9,6 +9,7 @@
 #include "freshet/error.h"
 #include "ingest/growing_store.h"
 #include "ingest/ingest.h"
+#include "platform/printable.h"
 #include "query/index/index_builder.h"
 #include "tools/commands.h"
 #include "tools/console/index_progress.h"
@@ -57,6 +58,10 @@ nlohmann::json to_json(const ingest::ClipReport& clip) {
             {"cuts", s.cuts},
             {"duplicated_share", s.duplicated_fraction},
             {"static_share", s.static_fraction},
+            {"steady_rate", s.timing.steady},
+            {"slowest_fps", s.timing.slowest_fps},
+            {"fastest_fps", s.timing.fastest_fps},
+            {"longest_gap_s", s.timing.longest_gap_s},
             {"truncated", s.truncated}}},
           {"seconds",
            {{"hash", clip.seconds.hash},
@@ -74,7 +79,7 @@ nlohmann::json to_json(const ingest::ClipReport& clip) {
 
 void print_report(const ingest::IngestReport& report) {
   Table table({"clip", "class", "frames", "size", "fps", "patches", "static", "drift", "shake", "s", "stored",
-               "outcome"});
+               "outcome", "why"});
   for (const ingest::ClipReport& clip : report.clips) {
     const bool measured =
         clip.outcome == ingest::Outcome::kAdded || clip.outcome == ingest::Outcome::kRefused;
@@ -85,7 +90,8 @@ void print_report(const ingest::IngestReport& report) {
                shown(fmt::format("{:.1f}%", 100 * clip.screening.camera.drift)),
                shown(fmt::format("{:.2f}%", 100 * clip.screening.camera.shake)),
                fmt::format("{:.1f}", clip.seconds.total),
-               shown(bytes_text(static_cast<double>(clip.stored_bytes))), ingest::to_string(clip.outcome)});
+               shown(bytes_text(static_cast<double>(clip.stored_bytes))), ingest::to_string(clip.outcome),
+               printable(fmt::format("{}", fmt::join(clip.reasons, "; ")))});
   }
   fmt::print("{}", table.text());
   fmt::print("{} added, {} already there, {} refused, {} failed\n", report.count(ingest::Outcome::kAdded),

@@ -12,14 +12,14 @@
 
 namespace freshet::tools {
 
-std::unique_ptr<const query::SearchBase> open_with_progress(const store::Snapshot& snapshot,
+std::shared_ptr<const query::SearchBase> open_with_progress(const store::Snapshot& snapshot,
                                                             const SearchOptions& search, bool built_late) {
   search.check_piece(snapshot);
   Progress progress;
   progress.show("reading the index", 0, 0);
   query::IndexChoice choice = search.index();
   choice.built_late = built_late;
-  auto base = std::make_unique<const query::SearchBase>(query::open_search(snapshot, choice));
+  auto base = std::make_shared<const query::SearchBase>(query::open_search(snapshot, choice));
   progress.finish();
   return base;
 }
@@ -58,11 +58,11 @@ query::LabelOptions prepare_with_progress(const store::Snapshot& snapshot, const
   return prepared.options;
 }
 
-LabelRun label_with_progress(const store::Snapshot& snapshot, const TargetFiles::Loaded& loaded,
-                             const SearchOptions& search, const query::LabelRequest& request,
+LabelRun label_with_progress(const store::Snapshot& snapshot, std::shared_ptr<const query::SearchBase> base,
+                             const TargetFiles::Loaded& loaded, const query::LabelRequest& request,
                              const Duration& duration, const RunContext& context, query::LabelCache* cache) {
   LabelRun run;
-  run.base = open_with_progress(snapshot, search, cache != nullptr);
+  run.base = std::move(base);
   std::optional<query::LabellingMemo> memo;
   if (cache != nullptr) memo.emplace(*cache, snapshot, *run.base);
   query::LabellingMemo* const known = memo ? &*memo : nullptr;

@@ -16,13 +16,13 @@ namespace freshet::tools {
 
 /// A labelling and the base that it borrows.
 struct LabelRun {
-  std::unique_ptr<const query::SearchBase> base;
+  std::shared_ptr<const query::SearchBase> base;
   query::Labelling labelling;
 };
 
 /// The base of all searches in a store, opened with its progress shown.
 /// built_late   see query::IndexChoice.
-std::unique_ptr<const query::SearchBase> open_with_progress(const store::Snapshot& snapshot,
+std::shared_ptr<const query::SearchBase> open_with_progress(const store::Snapshot& snapshot,
                                                             const SearchOptions& search,
                                                             bool built_late = false);
 
@@ -37,9 +37,10 @@ query::LabelOptions prepare_with_progress(const store::Snapshot& snapshot, const
                                           const query::LabelRequest& request, const RunContext& context,
                                           query::LabellingMemo* memo = nullptr);
 
+/// base    of this snapshot, opened with built_late where there is a cache; shared by labellings of one index.
 /// cache   may be null; what was reused of it is said.
-LabelRun label_with_progress(const store::Snapshot& snapshot, const TargetFiles::Loaded& loaded,
-                             const SearchOptions& search, const query::LabelRequest& request,
+LabelRun label_with_progress(const store::Snapshot& snapshot, std::shared_ptr<const query::SearchBase> base,
+                             const TargetFiles::Loaded& loaded, const query::LabelRequest& request,
                              const Duration& duration, const RunContext& context,
                              query::LabelCache* cache = nullptr);
 

@@ -162,8 +162,10 @@ void run_label(const LabelCommand& command, const RunContext& context) {
   say_reduction(command.target, loaded);
   AskedMotion asked = command.motion.read(loaded, command.search);
   const query::LabelRequest request = request_of(command.search, asked, command.duration, &command.labelling);
-  const LabelRun run = label_with_progress(snapshot, loaded, command.search, request, command.duration,
-                                           context, command.cache.open().get());
+  const auto cache = command.cache.open();
+  const LabelRun run =
+      label_with_progress(snapshot, open_with_progress(snapshot, command.search, cache != nullptr), loaded,
+                          request, command.duration, context, cache.get());
   asked.guide = query::guide_of_animation(request, loaded.picture.size());
   const query::Labelling& labelling = run.labelling;
   const query::Assignment& assignment = labelling.assignment;

@@ -181,6 +181,11 @@ void export_clip(const StoreCommand& command, const RunContext& context) {
   const store::ClipRecord& clip = snapshot.clip(id);
   const query::ClipFrames frames(snapshot, id);
   check_frames_output(command.out, static_cast<int>(frames.size()));
+  if (snapshot.has_column(id, "flow.rate"))
+    say(
+        fmt::format("the frame rate of {} varies; what is written has all frames, evenly, at the mean of "
+                    "{:.2f} frames/s",
+                    clip.name, fps_of(clip)));
   media::VideoWriter writer(command.out,
                             cv::Size(static_cast<int>(clip.width), static_cast<int>(clip.height)),
                             {.fps_num = clip.fps_num, .fps_den = clip.fps_den});

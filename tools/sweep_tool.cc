@@ -1,34 +1,27 @@
-// freshet synth sweep: one picture animated with all combinations of some settings.
+// freshet synth sweep: one picture animated with all combinations of some of animate's options.
 
 #include <algorithm>
-#include <atomic>
-#include <exception>
+#include <cmath>
 #include <fstream>
 #include <map>
 #include <memory>
-#include <mutex>
-#include <thread>
+#include <optional>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
 #include "freshet/error.h"
 #include "media/picture/picture.h"
 #include "media/video/picture_sink.h"
 #include "platform/stopwatch.h"
-#include "query/labelling/label_sweep.h"
-#include "query/labelling/labelling_memo.h"
-#include "synth/animate/staging.h"
+#include "query/labelling/shares.h"
+#include "report/sheet_words.h"
+#include "tools/animate_command.h"
 #include "tools/commands.h"
 #include "tools/console/output_names.h"
-#include "tools/console/progress.h"
-#include "tools/label_run.h"
-#include "tools/options/cache_options.h"
-#include "tools/options/hold_options.h"
-#include "tools/options/motion_options.h"
-#include "tools/options/play_options.h"
-#include "tools/sweep_grid.h"
 #include "tools/sweep_page.h"
+#include "tools/sweep_point.h"
 
 namespace freshet::tools {
 namespace {
@@ -36,22 +29,21 @@ namespace {
 namespace fs = std::filesystem;
 
 struct SweepCommand {
-  TargetFiles target;
-  HoldOptions hold;
-  SearchOptions search;
-  MotionOptions motion;
-  Duration duration;
-  SolverOptions labelling;
-  PlayOptions play;
-  CacheOptions cache;
-  std::vector<std::string> sweeps;
-  std::string folder, video = "mp4";
+  AnimateCommand shared;  // by all points
+  const CLI::App* given = nullptr;
+  std::vector<std::string> axes;
+  std::string folder;
   bool json = false;
 };
 
-struct SweepSeconds {
-  double open = 0, search = 0, label = 0, render = 0;
-};
+std::vector<SweepAxis> parse_axes(const std::vector<std::string>& texts) {
+  CLI::App known;
+  AnimateCommand options;
+  add_varied_to(known, options);
+  std::vector<SweepAxis> axes;
+  for (const std::string& text : texts) axes.push_back(parse_axis(text, known));
+  return axes;
+}
 
 void write_text(const fs::path& path, const std::string& text) {
   std::ofstream file(path, std::ios::binary | std::ios::trunc);
@@ -60,232 +52,274 @@ void write_text(const fs::path& path, const std::string& text) {
   if (!file) throw Error(ErrorKind::kIo, path.string(), "it cannot be written");
 }
 
-/// Of the points, those whose labelling is another than that of each point before; and for each point, which.
-struct DistinctLabellings {
-  std::vector<query::LabelVariation> variations;
-  std::vector<std::size_t> of_point;
-};
-DistinctLabellings distinct_labellings(const std::vector<SweepPoint>& points) {
-  DistinctLabellings distinct;
-  const auto same = [](const query::LabelVariation& a, const query::LabelVariation& b) {
-    return a.costs.form == b.costs.form && a.costs.lambda == b.costs.lambda &&
-           a.costs.sigma == b.costs.sigma && a.costs.rho == b.costs.rho && a.costs.vote == b.costs.vote &&
-           a.minimizer == b.minimizer && a.max_iterations == b.max_iterations;
-  };
-  for (const SweepPoint& point : points) {
-    std::size_t at = 0;
-    while (at < distinct.variations.size() && !same(distinct.variations[at], point.labelling)) ++at;
-    if (at == distinct.variations.size()) distinct.variations.push_back(point.labelling);
-    distinct.of_point.push_back(at);
-  }
-  return distinct;
+bool same_bytes(const fs::path& one, const fs::path& other) {
+  if (fs::file_size(one) != fs::file_size(other)) return false;
+  std::ifstream a(one, std::ios::binary), b(other, std::ios::binary);
+  return std::equal(std::istreambuf_iterator<char>(a), {}, std::istreambuf_iterator<char>(b));
 }
 
-/// Runs work(0) .. work(count - 1), so many at once; the first error is thrown when all have ended. Each is
-/// its own thread: a task of one animation must not begin another, whose memory was not counted.
-void run_beside(std::size_t count, std::size_t at_once, const std::function<void(std::size_t)>& work) {
-  std::atomic<std::size_t> next = 0;
-  std::mutex guard;
-  std::exception_ptr fault;
-  {
-    std::vector<std::jthread> threads;
-    for (std::size_t t = 0; t < std::min(count, at_once); ++t)
-      threads.emplace_back([&] {
-        for (std::size_t i = next++; i < count; i = next++) {
-          try {
-            work(i);
-          } catch (...) {
-            const std::lock_guard lock(guard);
-            if (!fault) fault = std::current_exception();
-            next = count;
-          }
-        }
-      });
-  }
-  if (fault) std::rethrow_exception(fault);
+/// Bytes of a picture or map, whatever of it there is.
+void add(query::KeyHash& hash, const cv::Mat& values) {
+  for (const int value : {values.rows, values.cols, values.type()}) hash.add(value);
+  for (int y = 0; y < values.rows; ++y)
+    hash.bytes({reinterpret_cast<const std::byte*>(values.ptr(y)),
+                static_cast<std::size_t>(values.cols) * values.elemSize()});
 }
 
-nlohmann::json report_of(const std::vector<SweepPoint>& points, const std::vector<SweptAnimation>& animations,
-                         const query::CandidateSearch& search, std::size_t labellings,
-                         const SweepSeconds& seconds) {
-  nlohmann::json list = nlohmann::json::array();
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    nlohmann::json settings;
-    for (const auto& [name, value] : points[i].settings) settings[name] = value;
-    list.push_back({{"settings", settings},
-                    {"energy", animations[i].energy},
-                    {"changed", animations[i].changed},
-                    {"video", animations[i].video},
-                    {"assignment", animations[i].assignment}});
-    if (std::isfinite(animations[i].gap)) list.back()["gap"] = animations[i].gap;
-    list.back()["gap_reached"] = animations[i].gap <= query::kGapAimed;
-  }
-  return {{"pieces", search.target.size()},
-          {"edges", search.target.edges.size()},
-          {"labellings", labellings},
-          {"combinations", list},
-          {"seconds",
-           {{"open", seconds.open},
-            {"search", seconds.search},
-            {"label", seconds.label},
-            {"render", seconds.render}}}};
+/// Of what an animation is rendered from, but for its patches.
+query::CacheKey key_of(const SweepPoint& point, const AnimateInputs& inputs) {
+  query::KeyHash hash;
+  for (const std::string& word : point.rendering_words()) hash.add(word);
+  for (const cv::Mat& map :
+       {inputs.loaded.picture, inputs.loaded.still.deep, inputs.loaded.matte, inputs.options.boundary.held,
+        inputs.asked.guide.direction, inputs.asked.guide.speed})
+    add(hash, map);
+  return hash.key();
 }
 
-/// What all animations of a sweep share.
-struct SweepStage {
-  const store::Snapshot& snapshot;
-  const vision::Settings& settings;
-  const TargetFiles::Loaded& loaded;
-  const query::MotionGuide& guide;
-  const synth::animate::Playing& playing;
-  const fs::path& folder;
-  std::stop_token stop;
-};
-
-/// Of pieces, how many are labelled otherwise than the first labelling does.
-double fraction_unlike(const query::Labels& labels, const query::Labels& first) {
+/// Of pieces, how many show another patch than the first's do; negative where the pieces are others.
+double fraction_unlike(const query::Assignment& one, const query::Assignment& first) {
+  if (one.pieces.size() != first.pieces.size() || one.piece_scale != first.piece_scale) return -1;
   std::size_t unlike = 0;
-  for (std::size_t piece = 0; piece < first.size(); ++piece) unlike += first[piece] != labels[piece];
-  return static_cast<double>(unlike) / static_cast<double>(first.size());
+  for (std::size_t i = 0; i < one.pieces.size(); ++i) {
+    const query::AssignedPiece &a = one.pieces[i], &b = first.pieces[i];
+    if (a.corner != b.corner) return -1;
+    unlike += one.clips[a.clip].source_hash != first.clips[b.clip].source_hash || a.variant != b.variant ||
+              a.patch != b.patch;
+  }
+  return static_cast<double>(unlike) / static_cast<double>(one.pieces.size());
 }
 
-/// Stages and renders one animation into its file and keeps its middle frame.
-/// at_once   animations that share the memory.
-void render_point(const SweepStage& stage, const SweepPoint& point, const query::Assignment& assignment,
-                  std::size_t at_once, SweptAnimation& animation) {
-  synth::animate::Staging staging = synth::animate::stage(
-      stage.snapshot, assignment, stage.loaded.picture.size(), stage.guide, stage.playing, point.rendering);
-  synth::animate::AnimateOptions& options = staging.options;
-  options.memory_bytes /= at_once;
-  media::PictureSink sink(stage.folder / animation.video, stage.loaded.picture.size(), options.frames,
-                          options.fps);
-  int frame = 0;
-  synth::animate::animate(
-      stage.snapshot, stage.settings, stage.loaded.picture, stage.loaded.matte, staging.placement, options,
-      [&](const cv::Mat& picture) {
-        sink.write(picture);
-        if (frame++ == options.frames / 2) animation.frame = picture.clone();
-      },
-      {}, stage.stop);
-  sink.finish();
+/// Mean over the fluid and its colours, levels of 255.
+double mean_difference(const cv::Mat& one, const cv::Mat& other, const cv::Mat& matte) {
+  cv::Mat difference;
+  cv::absdiff(one, other, difference);
+  const cv::Scalar mean = cv::mean(difference, matte);
+  return (mean[0] + mean[1] + mean[2]) / 3;
 }
 
-/// All animations, as many beside each other as the memory allows.
-std::vector<SweptAnimation> render_points(const SweepStage& stage, std::span<const SweepPoint> points,
-                                          const DistinctLabellings& distinct,
-                                          std::span<const query::SweptLabelling> labellings,
-                                          const std::string& video, std::size_t memory_bytes,
-                                          Progress& progress) {
-  std::vector<SweptAnimation> animations(points.size());
-  const std::size_t at_once =
-      std::min(points.size(), synth::animate::animations_at_once(memory_bytes, stage.loaded.picture.size()));
-  std::mutex guard;
-  std::size_t rendered = 0;
-  progress.show("rendering", 0, points.size(), "animations");
-  run_beside(points.size(), at_once, [&](std::size_t i) {
-    if (stage.stop.stop_requested()) throw Error(ErrorKind::kCancelled, "sweep", "stopped");
-    const query::SweptLabelling& labelling = labellings[distinct.of_point[i]];
-    SweptAnimation& animation = animations[i];
-    animation.title = points[i].title();
-    animation.video = fmt::format("{:02}.{}", i + 1, video);
-    animation.assignment = fmt::format("{:02}.json", i + 1);
-    animation.energy = labelling.assignment.energy;
-    animation.gap = labelling.assignment.gap();
-    animation.changed = fraction_unlike(labelling.labels, labellings[distinct.of_point[0]].labels);
-    query::write_assignment(stage.folder / animation.assignment, labelling.assignment);
-    render_point(stage, points[i], labelling.assignment, at_once, animation);
-    const std::lock_guard lock(guard);
-    progress.show("rendering", ++rendered, points.size(), "animations");
-  });
-  progress.finish();
-  return animations;
+/// All points, one after another, with what they share.
+class Sweep {
+ public:
+  Sweep(SweepCommand& command, std::vector<SweepPoint> points, const RunContext& context)
+      : command_(command),
+        context_(context),
+        snapshot_(store::Store::open_read(command.shared.target.store).snapshot()),
+        points_(std::move(points)) {}
+
+  /// What is wrong with any point is said before the first is made.
+  void check() {
+    for (SweepPoint& point : points_) {
+      AnimateInputs inputs = read_inputs(point.command());
+      point.command().output.open(inputs.loaded, inputs.options);
+      if (still_.empty()) still_ = inputs.loaded.picture;
+      region_ |= report::shown_region(inputs.loaded.matte);
+    }
+  }
+
+  void run() {
+    // What labellings share lies in a cache, for the time of the sweep where nobody asks for a longer one.
+    const fs::path own = fs::path(command_.folder) / ".labels";
+    std::unique_ptr<query::LabelCache> cache = command_.shared.cache.open();
+    const bool for_now = cache == nullptr;
+    if (for_now) cache = std::make_unique<query::LabelCache>(own);
+    const auto forget = [&] {
+      cache.reset();
+      std::error_code fault;
+      if (for_now) fs::remove_all(own, fault);
+    };
+    try {
+      for (std::size_t i = 0; i < points_.size(); ++i) make(i, *cache);
+    } catch (...) {
+      forget();
+      throw;
+    }
+    forget();
+  }
+
+  const std::vector<SweptAnimation>& animations() const { return animations_; }
+  const SweepPoint& point(std::size_t i) const { return points_[i]; }
+  const cv::Mat& still() const { return still_; }
+  const cv::Rect& region() const { return region_; }
+  int frame() const { return frame_; }
+
+ private:
+  struct Made {
+    query::Assignment assignment;
+    query::CacheKey key;
+  };
+
+  std::shared_ptr<const query::SearchBase> base_of(const SearchOptions& search) {
+    search.check_piece(snapshot_);
+    const query::IndexChoice index = search.index();
+    auto& base = bases_[{index.flann ? static_cast<int>(*index.flann) : -1, index.flann_options.checks}];
+    if (base == nullptr) base = open_with_progress(snapshot_, search, true);
+    return base;
+  }
+
+  void make(std::size_t i, query::LabelCache& cache) {
+    SweepPoint& point = points_[i];
+    say(fmt::format("animation {} of {}: {}", i + 1, points_.size(), point.title()));
+    plan_stages(point.command().stages());
+    AnimateInputs inputs = read_inputs(point.command());
+    ChosenPatches chosen = choose_patches(
+        point.command(), snapshot_, inputs.loaded, inputs.asked,
+        [this](const SearchOptions& search) { return base_of(search); }, &cache, context_);
+    made_.push_back({std::move(chosen.assignment), key_of(point, inputs)});
+    const query::Assignment& assignment = made_.back().assignment;
+    SweptAnimation& animation = animations_.emplace_back();
+    animation.number = fmt::format("{:02}", i + 1);
+    animation.title = point.title();
+    animation.command = point.command_line();
+    animation.energy = assignment.energy;
+    animation.gap = assignment.gap();
+    animation.clips = assignment.clips.size();
+    animation.changed = fraction_unlike(assignment, made_.front().assignment);
+    const auto twin = std::find_if(made_.begin(), made_.end() - 1, [&](const Made& before) {
+      return before.key == made_.back().key && before.assignment.pieces == assignment.pieces &&
+             before.assignment.clips == assignment.clips;
+    });
+    animation.assignment = animation.number + ".json";
+    query::write_assignment(fs::path(command_.folder) / animation.assignment, assignment);
+    if (twin != made_.end() - 1)
+      take_from(static_cast<std::size_t>(twin - made_.begin()), animation);
+    else
+      render_point(point, inputs, animation);
+    animation.result = result_of(animation);
+    say("  " + animation.result);
+  }
+
+  void take_from(std::size_t other, SweptAnimation& animation) const {
+    const SweptAnimation& of = animations_[other];
+    animation.same_as = of.same_as >= 0 ? of.same_as : static_cast<int>(other);
+    animation.file = of.file;
+    animation.video = of.video;
+    animation.difference = of.difference;
+  }
+
+  void render_point(SweepPoint& point, AnimateInputs& inputs, SweptAnimation& animation) {
+    OutputOptions& names = point.command().output;
+    const std::unique_ptr<AnimationFiles> output = names.open(inputs.loaded, inputs.options);
+    const synth::animate::AnimateOptions& options = inputs.options;
+    const fs::path file = names.name();
+    animation.file = file.filename().string();
+    animation.video = names.plays_in_browsers() ? animation.file : animation.number + "_page.mp4";
+    std::optional<media::PictureSink> page;
+    if (animation.video != animation.file)
+      page.emplace(file.parent_path() / animation.video, inputs.loaded.picture.size(),
+                   options.until - options.from, options.fps);
+    output->skip_to_range();
+    if (animations_.size() == 1) frame_ = (options.from + options.until) / 2;
+    const int kept = std::clamp(frame_, options.from, options.until - 1);
+    int at = options.from;
+    Progress progress;
+    render(
+        snapshot_, inputs, stage(snapshot_, inputs, made_.back().assignment), output->picture(),
+        [&](const cv::Mat& frame) {
+          const cv::Mat shown = output->write(frame);
+          if (page) page->write(shown);
+          if (at++ == kept) animation.frame = shown.clone();
+        },
+        progress.callback(), context_);
+    output->finish();
+    if (page) page->finish();
+    progress.finish();
+    // Options may be without effect: what came out tells.
+    for (std::size_t i = 0; i + 1 < animations_.size(); ++i)
+      if (animations_[i].same_as < 0 && same_bytes(file, file.parent_path() / animations_[i].file)) {
+        fs::remove(file);
+        if (page) fs::remove(file.parent_path() / animation.video);
+        animation.frame.release();
+        return take_from(i, animation);
+      }
+    animation.difference = mean_difference(animation.frame, animations_.front().frame, inputs.loaded.matte);
+  }
+
+  std::string result_of(const SweptAnimation& animation) const {
+    if (animation.same_as >= 0)
+      return "the same frames as " + animations_[static_cast<std::size_t>(animation.same_as)].number;
+    const query::Assignment& assignment = made_.back().assignment;
+    std::string text = fmt::format("patches of {} clips, most of {} ({:.0f} %)", animation.clips,
+                                   assignment.clips[query::largest_shares(assignment).most_used].name,
+                                   100 * query::largest_shares(assignment).clip);
+    if (animations_.size() == 1) return text;
+    text += animation.changed < 0    ? "; other pieces than in 01"
+            : animation.changed == 0 ? "; the same patches as in 01"
+                                     : fmt::format("; {:.0f} % of the pieces show other patches than in 01",
+                                                   100 * animation.changed);
+    return text + fmt::format("; differs from it by {:.1f} of 255 levels", animation.difference);
+  }
+
+  SweepCommand& command_;
+  const RunContext& context_;
+  const store::Snapshot snapshot_;
+  std::vector<SweepPoint> points_;
+  std::map<std::pair<int, int>, std::shared_ptr<const query::SearchBase>> bases_;  // by index and checks
+  std::vector<Made> made_;
+  std::vector<SweptAnimation> animations_;
+  cv::Mat still_;
+  cv::Rect region_;
+  int frame_ = 0;
+};
+
+nlohmann::json report_of(const Sweep& sweep, double seconds) {
+  nlohmann::json list = nlohmann::json::array();
+  for (std::size_t i = 0; i < sweep.animations().size(); ++i) {
+    const SweptAnimation& animation = sweep.animations()[i];
+    nlohmann::json settings;
+    for (const auto& [name, value] : sweep.point(i).settings()) settings[name] = value;
+    list.push_back({{"settings", settings},
+                    {"result", animation.result},
+                    {"energy", animation.energy},
+                    {"gap_reached", animation.gap <= query::kGapAimed},
+                    {"clips", animation.clips},
+                    {"file", animation.file},
+                    {"video", animation.video},
+                    {"assignment", animation.assignment},
+                    {"command", animation.command}});
+    if (std::isfinite(animation.gap)) list.back()["gap"] = animation.gap;
+    if (animation.changed >= 0) list.back()["changed"] = animation.changed;
+    if (animation.difference >= 0) list.back()["difference"] = animation.difference;
+    if (animation.same_as >= 0)
+      list.back()["same_as"] = sweep.animations()[static_cast<std::size_t>(animation.same_as)].number;
+  }
+  return {{"animations", list}, {"seconds", seconds}};
 }
 
-/// The table for people.
-void print_sweep(std::span<const SweptAnimation> animations, std::size_t labellings, std::size_t pieces,
-                 const SweepSeconds& seconds, const fs::path& folder) {
-  for (const SweptAnimation& animation : animations)
-    fmt::print("{}  {}  {}, {:.0f}% of pieces unlike the first's\n", animation.video, animation.title,
-               energy_text(animation), 100 * animation.changed);
-  say(fmt::format(
-      "{} animations of {} labellings of {} pieces in {:.1f} s (index {:.1f}, search {:.1f}, label "
-      "{:.1f}, render {:.1f})",
-      animations.size(), labellings, pieces, seconds.open + seconds.search + seconds.label + seconds.render,
-      seconds.open, seconds.search, seconds.label, seconds.render));
-  fmt::print("{}\n{}\n", (folder / "sheet.png").string(), (folder / "index.html").string());
-}
-
-void run_sweep(const SweepCommand& command, const RunContext& context) {
-  std::vector<SweepAxis> axes;
-  for (const std::string& text : command.sweeps) axes.push_back(parse_axis(text));
-  synth::animate::AnimateOptions rendering;
-  rendering.frames = command.duration.frames;
-  rendering.fps = command.duration.fps;
-  command.play.apply(rendering);
-  std::vector<SweepPoint> points = make_grid(axes, command.labelling, rendering);
-  for (const SweepPoint& point : points) query::check_weights(point.labelling.costs);
-  command.motion.check_outputs();
-  const store::Snapshot snapshot = store::Store::open_read(command.target.store).snapshot();
-  TargetFiles::Loaded loaded = command.target.load_with_matte();
-  command.hold.take_out(loaded);
-  say_reduction(command.target, loaded);
-  AskedMotion asked = command.motion.read(loaded, command.search);
-  const synth::animate::Playing playing = command.play.read(loaded.picture.size());
-  const query::LabelRequest request = request_of(command.search, asked, command.duration);
-  asked.guide = query::guide_of_animation(request, loaded.picture.size());
-  command.motion.draw(loaded, asked, {});
-  const fs::path folder = command.folder;
-  check_folder_output(folder);
-
-  Progress progress;
-  SweepSeconds seconds;
-  const auto cache = command.cache.open();
-  const auto base = open_with_progress(snapshot, command.search, cache != nullptr);
-  seconds.open = base->seconds;
+void run_sweep(SweepCommand& command, const RunContext& context) {
   Stopwatch watch;
-  std::unique_ptr<query::LabellingMemo> memo;
-  if (cache) memo = std::make_unique<query::LabellingMemo>(*cache, snapshot, *base);
-  const query::LabelOptions options =
-      prepare_with_progress(snapshot, *base, loaded, request, context, memo.get());
-  const query::CandidateSearch search = query::search_candidates(
-      snapshot, *base, loaded.picture, loaded.matte, options, progress.callback(), context.stop, memo.get());
-  finish_cache(cache.get());
-  progress.finish();
-  say_filters(search.filtered, command.duration);
-  for (const std::string& note : search.candidates.notes) say(note);
-  seconds.search = watch.lap();
-
-  const DistinctLabellings distinct = distinct_labellings(points);
-  std::mutex guard;
-  progress.show("labelling", 0, distinct.variations.size(), "combinations");
-  const std::vector<query::SweptLabelling> labellings = query::label_variations(
-      snapshot, search, distinct.variations,
-      {.guide_costs = options.guide_costs, .reuse = options.reuse, .memory_bytes = rendering.memory_bytes},
-      [&](std::size_t done) {
-        const std::lock_guard lock(guard);
-        progress.show("labelling", done, distinct.variations.size(), "combinations");
-      },
-      context.stop);
-  progress.finish();
-  seconds.label = watch.lap();
-
-  const SweepStage stage{snapshot, base->settings, loaded, asked.guide, playing, folder, context.stop};
-  const std::vector<SweptAnimation> animations =
-      render_points(stage, points, distinct, labellings, command.video, rendering.memory_bytes, progress);
-  seconds.render = watch.lap();
-
-  media::write_picture(folder / "still.png", loaded.picture);
-  media::write_picture(folder / "sheet.png", sweep_sheet(loaded.picture, animations));
-  write_text(folder / "index.html", sweep_page("Sweep of " + command.target.picture.filename().string(),
-                                               "still.png", loaded.picture.size(), animations));
-  const nlohmann::json report = report_of(points, animations, search, labellings.size(), seconds);
-  write_text(folder / "sweep.json",
-             report.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
+  const std::vector<SweepAxis> axes = parse_axes(command.axes);
+  Sweep sweep(command, make_points(axes, *command.given, command.folder), context);
+  check_folder_output(command.folder);
+  {
+    const SayOnce once;
+    sweep.check();
+    sweep.run();
+  }
+  const fs::path folder = command.folder;
+  SweepWords words{.title = "Sweep of " + command.shared.target.picture.filename().string(),
+                   .axes = {},
+                   .still = "still.png",
+                   .size = sweep.still().size(),
+                   .region = sweep.region(),
+                   .fps = command.shared.duration.fps,
+                   .frame = sweep.frame()};
+  for (const SweepAxis& axis : axes)
+    words.axes.push_back(
+        fmt::format("{} ({}): {}.", axis.name, fmt::join(axis.values, ", "), axis.description));
+  media::write_picture(folder / words.still, sweep.still());
+  media::write_picture(folder / "sheet.png", sweep_sheet(words, sweep.still(), sweep.animations()));
+  write_text(folder / "index.html", sweep_page(words, sweep.animations()));
+  const std::string report =
+      report_of(sweep, watch.seconds()).dump(2, ' ', false, nlohmann::json::error_handler_t::replace);
+  write_text(folder / "sweep.json", report + "\n");
   if (command.json) {
-    fmt::print("{}\n", report.dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
+    fmt::print("{}\n", report);
     return;
   }
-  print_sweep(animations, labellings.size(), search.target.size(), seconds, folder);
+  for (const SweptAnimation& animation : sweep.animations())
+    fmt::print("{}  {}: {}\n", animation.number, animation.title, animation.result);
+  fmt::print("{}\n{}\n", (folder / "sheet.png").string(), (folder / "index.html").string());
 }
 
 }  // namespace
@@ -293,31 +327,23 @@ void run_sweep(const SweepCommand& command, const RunContext& context) {
 void add_sweep(CLI::App& synth_command, RunContext& context) {
   auto command = std::make_shared<SweepCommand>();
   CLI::App* sub = synth_command.add_subcommand(
-      "sweep", "Animate a still picture with all combinations of some settings, side by side");
-  command->target.add_to(*sub);
-  command->hold.add_to(*sub);
-  sub->add_option("--sweep", command->sweeps,
-                  "NAME=VALUE,VALUE,...; may be given several times: all combinations are made, " +
-                      std::to_string(kMaxPoints) + " at most. Names: " + sweepable_names())
+      "sweep", "Animate a still picture with all combinations of some of animate's options, side by side");
+  add_varied_to(*sub, command->shared);
+  sub->add_option("--vary", command->axes,
+                  "An option of freshet synth animate and its values: speed=0.5,1,2; strokes=a.svg,b.svg; "
+                  "exclude=-,a.mp4,a.mp4+b.mp4 (-: without it). May be given several times: all combinations "
+                  "are made, " +
+                      std::to_string(kMaxPoints) + " at most")
       ->required()
-      ->type_name("NAME=VALUES");
+      ->allow_extra_args(false)
+      ->type_name("OPTION=VALUES");
   sub->add_option("-o,--output", command->folder,
-                  "Folder for index.html, sheet.png, sweep.json, and a video and an assignment for each "
+                  "Folder for index.html, sheet.png, sweep.json, and an animation and an assignment for each "
                   "combination; made when it is not there")
       ->required()
       ->type_name("DIR");
-  sub->add_option("--video", command->video, "Kind of the videos: mp4 or webp")
-      ->check(CLI::IsMember({"mp4", "webp"}))
-      ->capture_default_str();
   sub->add_flag("--json", command->json, "Print the result as JSON");
-  command->duration.add_to(*sub);
-  command->search.add_to(*sub);
-  command->motion.add_to(*sub);
-  command->labelling.add_to(*sub);
-  command->play.add_to(*sub);
-  command->cache.add_to(*sub);
-  add_overwrite(*sub);
-  add_threads(*sub);
+  command->given = sub;
   sub->callback([command, &context] { run_sweep(*command, context); });
 }
 

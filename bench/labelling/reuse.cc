@@ -1,12 +1,11 @@
-// What does a warm edit save, and a sweep?
+// What does a warm edit save?
 //
 //   bench_reuse STORE PICTURE[:MATTE] [CLASS]
 //
 // A made field of strokes asks for motion; then the strokes in one corner turn by 40 degrees. The picture is
 // labelled without a cache, with an empty one, with the first field's results after the edit, and once more
-// unchanged; the bench ends with 1 when any labels differ from those made without a cache. Then six weights
-// are labelled by label_variations and one by one, again to the same labels. CPU seconds of all threads,
-// opening the store included; wall seconds beside them. Rendering is in neither.
+// unchanged; the bench ends with 1 when any labels differ from those made without a cache. CPU seconds of all
+// threads, opening the store included; wall seconds beside them. Rendering is in neither.
 
 #include <CLI/CLI.hpp>
 #include <filesystem>
@@ -17,7 +16,6 @@
 #include "bench/harness/machine.h"
 #include "bench/harness/picture_argument.h"
 #include "query/hints/stroke_field.h"
-#include "query/labelling/label_sweep.h"
 #include "query/labelling/labelling.h"
 #include "query/labelling/labelling_memo.h"
 
@@ -82,34 +80,12 @@ bool warm_edit(const store::Snapshot& snapshot, const bench::PictureArgument& re
   return right;
 }
 
-bool sweep(const store::Snapshot& snapshot, const bench::PictureArgument& read, query::LabelOptions options) {
-  std::vector<query::LabelVariation> variations;
-  for (const double sigma : {0.05, 0.125, 1.0})
-    for (const double rho : {0.25, 2.0}) variations.push_back({.costs = {.sigma = sigma, .rho = rho}});
-  fmt::print("\nsweep of six labellings          CPU s  wall s\n");
-  const Seconds start;
-  const query::SearchBase base = query::open_search(snapshot);
-  const query::CandidateSearch search =
-      query::search_candidates(snapshot, base, read.picture, read.matte, options);
-  const auto swept = query::label_variations(snapshot, search, variations);
-  fmt::print("  {:<26}{}\n", "at once", start.text());
-  const Seconds alone;
-  bool right = true;
-  for (std::size_t i = 0; i < variations.size(); ++i) {
-    options.costs = variations[i].costs;
-    const query::SearchBase own = query::open_search(snapshot);
-    right = query::label(snapshot, own, read.picture, read.matte, options).labels == swept[i].labels && right;
-  }
-  fmt::print("  {:<26}{}\n", "six single runs", alone.text());
-  return right;
-}
-
 }  // namespace
 
 int main(int argc, char** argv) try {
   std::string store, picture;
   query::LabelOptions options;
-  CLI::App app("What does a warm edit save, and a sweep?");
+  CLI::App app("What does a warm edit save?");
   app.add_option("STORE", store)->required();
   app.add_option("PICTURE", picture, "PICTURE[:MATTE]")->required();
   app.add_option("CLASS", options.candidates.class_name, "Only clips of this class [all]");
@@ -118,10 +94,9 @@ int main(int argc, char** argv) try {
   const auto read = bench::read_picture_argument(picture);
   fmt::print("{}\n{}: {} x {} px\n", bench::to_string(bench::this_machine()), read.name, read.picture.cols,
              read.picture.rows);
-  const bool edits = warm_edit(snapshot, read, options), sweeps = sweep(snapshot, read, options);
-  if (!edits || !sweeps)
-    fmt::print(stderr, "wrong: labels differ from those of a single run without a cache\n");
-  return edits && sweeps ? 0 : 1;
+  if (warm_edit(snapshot, read, options)) return 0;
+  fmt::print(stderr, "wrong: labels differ from those of a single run without a cache\n");
+  return 1;
 } catch (const std::exception& error) {
   fmt::print(stderr, "{}\n", error.what());
   return 1;

@@ -22,8 +22,12 @@ struct AnimateOptions {
   cv::Mat retiming_map{};
   /// The fluid carries its outline along: for fire and smoke.
   bool moving_outline = false;
-  /// CV_8UC3 of the picture's size: what lies behind a moving outline. Empty: guessed from around the matte.
+  /// CV_8UC3 of the picture's size, or as deep as below: what lies behind a moving outline. Empty: guessed from around
+  /// the matte.
   cv::Mat background{};
+  /// The picture that was searched with, with all of its bits (Picture::deep): CV_16UC3, sRGB code, or CV_32FC3, linear
+  /// light. Frames are then of its type. Empty: that picture itself.
+  cv::Mat deep{};
   /// Bytes that frames in the making may take; more of them are made in batches, the same to the bit. A
   /// picture needs some 280 bytes per pixel by itself.
   std::size_t memory_bytes = std::size_t{2000} << 20;
@@ -35,14 +39,14 @@ struct AnimateReport {
   double seconds = 0;  // wall clock
 };
 
-/// Hands every frame to `sink`, in order, one at a time: CV_8UC3 of the picture's size, valid during the call.
-/// Where the matte is 0, a frame is the picture.
+/// Hands every frame to `sink`, in order, one at a time: CV_8UC3, or the type of AnimateOptions::deep, of the picture's
+/// size, valid during the call. Where the matte is 0, a frame is the picture, to the bit.
 /// Throws  Error{kInput} when a map or background has another size, Error{kUsage} for an option out of range,
 ///         Error{kCancelled}, and what the sink throws. The same frames for any number of threads.
 AnimateReport animate(const Labelling& labelling, const std::function<void(const cv::Mat& frame)>& sink,
                       const AnimateOptions& options = {}, const Job& job = {});
 
-/// The same into a file, as VideoWriter makes it; none is left where this throws.
+/// The same into a file, as VideoWriter makes it; none is left where this throws. Its format must hold the frames' type.
 AnimateReport animate(const Labelling& labelling, const std::filesystem::path& video,
                       const AnimateOptions& options = {}, const Job& job = {});
 

@@ -11,11 +11,15 @@
 namespace freshet {
 
 struct Picture {
-  cv::Mat bgr;                       // CV_8UC3
-  std::vector<std::string> notices;  // for a person: "16 bits per channel reduced to 8"
+  cv::Mat bgr;  // CV_8UC3, sRGB code: what is searched with
+  /// What bgr was reduced from: CV_16UC3, sRGB code, or CV_32FC3, linear light (EXR). Empty: the file has 8 bits.
+  cv::Mat deep;
+  std::vector<std::string> notices;  // for a person
 };
 
-/// PNG, JPEG, TIFF, ... as 8-bit BGR, upright. Throws Error{kInput}: missing, no picture, above 1 << 28 px.
+/// PNG, JPEG, TIFF, EXR, ..., upright. EXR is taken to be linear light of Rec. 709's primaries, all else sRGB, or
+/// brought to it from the file's profile. Throws Error{kInput}: missing, no picture, above 1 << 28 px, a profile or
+/// primaries that cannot be honoured.
 Picture read_picture(const std::filesystem::path& path);
 
 struct Matte {
@@ -23,7 +27,8 @@ struct Matte {
   std::vector<std::string> notices;  // for a person
 };
 
-/// A grey picture, white where the fluid is. size   px, of the picture that it belongs to.
+/// A grey picture, white where the fluid is, or where something stands (SearchOptions::held). size   px, of the
+/// picture that it belongs to.
 /// Throws Error{kInput}: missing, no picture, of another size, black everywhere.
 Matte read_matte(const std::filesystem::path& path, cv::Size size);
 
@@ -46,7 +51,8 @@ class VideoWriter {
   VideoWriter& operator=(const VideoWriter&) = delete;
   ~VideoWriter();
 
-  /// CV_8UC3 BGR, or CV_8U grey; CV_8UC4 straight alpha (not .mp4); CV_16UC3 and CV_16UC4 (.mkv, .mov, .png, .tif).
+  /// CV_8UC3 BGR, or CV_8U grey; CV_8UC4 straight alpha (not .mp4); CV_16UC3 and CV_16UC4 (.mkv, .mov, .png, .tif);
+  /// CV_32FC3 and CV_32FC4, linear light (.exr).
   /// Throws Error{kIo} on a full disk.
   void write(const cv::Mat& frame);
   void finish();

@@ -42,6 +42,9 @@ struct SearchOptions {
   double fps = 25;
   /// Names of clips that are left out.
   std::vector<std::string> excluded_clips{};
+  /// CV_8U of the picture's size, 255 where something stands before the fluid or beside it: it is taken out of the
+  /// matte, stays the picture to the bit, and a moving outline goes on behind it. Empty: nothing.
+  cv::Mat held{};
 };
 
 struct Candidate {
@@ -77,7 +80,8 @@ class Search {
 /// picture  CV_8UC3 BGR; copied.
 /// matte    CV_8U of its size, 255 where the fluid is; empty: everywhere.
 /// Throws   Error{kNotFound} when no patch is left that the options allow, or the store has no index;
-///          Error{kUsage} for an option out of range, Error{kCancelled}.
+///          Error{kUsage} for an option out of range, Error{kInput} when hardly anything of the matte is not held,
+///          Error{kCancelled}.
 /// Cost     the first search opens the store's index (1.6 us and 620 bytes per patch), which others share.
 ///          The same answer for any number of threads.
 Search search(const Store& store, const cv::Mat& picture, const cv::Mat& matte = {},

@@ -245,6 +245,17 @@ AvOwner<AVFrame> Decoder::next() {
   }
 }
 
+std::vector<std::int64_t> Decoder::packet_stamps() {
+  std::vector<std::int64_t> stamps;
+  drained_ = true;
+  while (av_read_frame(container_.get(), packet_.get()) >= 0) {
+    const bool shown = packet_->stream_index == stream_->index && (packet_->flags & AV_PKT_FLAG_DISCARD) == 0;
+    if (shown && packet_->pts != AV_NOPTS_VALUE) stamps.push_back(packet_->pts);
+    av_packet_unref(packet_.get());
+  }
+  return stamps;
+}
+
 std::int64_t Decoder::listed_frames() const {
   if (stream_->nb_frames <= 0) return 0;  // a fragmented MP4 lists its frames only as it goes
   if (!std::strstr(container_->iformat->name, "mp4")) return stream_->nb_frames;

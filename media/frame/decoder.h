@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "media/frame/libav.h"
 
@@ -28,6 +29,10 @@ class Decoder {
 
   /// The next decoded frame, null at the end. Damaged packets are passed over and counted.
   AvOwner<AVFrame> next();
+
+  /// The presentation stamps of all packets that are left, in the stream's time base, as they lie; those that an edit
+  /// list hides and those without one left out. In place of next(): nothing comes after it.
+  std::vector<std::int64_t> packet_stamps();
 
   const AVStream& stream() const { return *stream_; }
   const AVFormatContext& container() const { return *container_; }

@@ -99,8 +99,6 @@ void VideoReader::Impl::open_file() {
   if (!is_rate(rate)) rate = kFallbackRate;
   info.fps_num = rate.num;
   info.fps_den = rate.den;
-  info.variable_frame_rate = is_rate(stream.r_frame_rate) && is_rate(stream.avg_frame_rate) &&
-                             std::abs(av_q2d(stream.r_frame_rate) / av_q2d(stream.avg_frame_rate) - 1) > 0.01;
   info.claimed_frames = decoder->listed_frames();
   if (stream.duration > 0)
     info.claimed_duration_s = static_cast<double>(stream.duration) * av_q2d(stream.time_base);

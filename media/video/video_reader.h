@@ -19,7 +19,6 @@ struct VideoInfo {
   std::int64_t fps_num = 0, fps_den = 1;  // average rate
   std::int64_t claimed_frames = 0;        // 0: unknown
   double claimed_duration_s = 0;          // 0: unknown
-  bool variable_frame_rate = false;       // as far as the header says
   int turned = 0;                         // degrees clockwise, to stand upright (Repairs::upright)
 };
 

@@ -53,18 +53,4 @@ void weigh(const EdgeParts& parts, const PairwiseOptions& options, std::span<Pai
 /// Adds each candidate's price for its distance from the median of their strengths (PairwiseOptions::vote).
 void add_votes(const PieceParts& parts, const PairwiseOptions& options, std::span<float> unary);
 
-/// The parts of a whole field, kept: 12 bytes per label pair (200 MB for 500 pieces of 120 candidates).
-struct PairwiseParts {
-  CostForm form = CostForm::kLog;
-  std::vector<float> still_motion, still_dynamics;   // as Mrf::unary
-  std::vector<float> motion, dynamics, textureness;  // as Mrf::pairwise; all empty without overlap
-};
-/// Bytes of the tables of one field; its parts take six times as many.
-std::size_t table_bytes(const Target& target, const Candidates& candidates);
-PairwiseParts find_parts(const Target& target, const Candidates& candidates, const FeatureShape& shape,
-                         CostForm form, const FeatureSource& source, std::stop_token stop = {});
-/// Bit for bit what build_mrf gives. options.form must be that of the parts. Cost: 0.05 s for 500 pieces.
-Mrf combine(const Target& target, const Candidates& candidates, const PairwiseParts& parts,
-            const PairwiseOptions& options);
-
 }  // namespace freshet::query

@@ -9,16 +9,18 @@
 
 #include "query/search/picture_scale.h"
 #include "query/stored/average_image.h"
+#include "report/sheet_words.h"
 #include "vision/settings.h"
 
 namespace freshet::query {
 namespace {
 
 constexpr int kMargin = 6, kCaption = 14;  // px
-const cv::Scalar kPaper(32, 32, 32), kInk(220, 220, 220), kChosen(90, 220, 90);
+const cv::Scalar kChosen(90, 220, 90);
 
 void caption(cv::Mat& sheet, const std::string& text, cv::Point at) {
-  cv::putText(sheet, text, at, cv::FONT_HERSHEY_SIMPLEX, 0.32, kInk, 1, cv::LINE_AA);
+  cv::putText(sheet, text, at, cv::FONT_HERSHEY_SIMPLEX, 0.32, cv::Scalar::all(report::kSheetInk), 1,
+              cv::LINE_AA);
 }
 
 }  // namespace
@@ -31,7 +33,8 @@ cv::Mat contact_sheet(const store::Snapshot& snapshot, const cv::Mat& picture, c
   const int shown = std::max(1, std::min(options.pieces, pieces)), across = std::max(1, options.candidates);
   const int tile = std::max(target.side, 48), width = tile + kMargin, height = tile + kMargin + kCaption;
   const int columns = 1 + across + (labels != nullptr ? 1 : 0);
-  cv::Mat sheet(kMargin + shown * height, kMargin + columns * width, CV_8UC3, kPaper);
+  cv::Mat sheet(kMargin + shown * height, kMargin + columns * width, CV_8UC3,
+                cv::Scalar::all(report::kSheetPaper));
 
   // What is to be shown where, gathered by clip and variant, so that each image is read and turned once.
   struct Spot {
@@ -84,7 +87,23 @@ cv::Mat contact_sheet(const store::Snapshot& snapshot, const cv::Mat& picture, c
       colour.copyTo(sheet(cv::Rect(spot.at, patch.size())));
     }
   }
-  return sheet;
+  std::vector<std::string> legend{fmt::format(
+      "{} of {} pieces, a row each: the piece of the picture with its corner's x, y in px{}; then its "
+      "best candidates, each the average of its clip there, with its likeness in per cent and its "
+      "clip's number.",
+      shown, pieces,
+      search.piece_scale != 1 ? fmt::format(" (of the picture reduced by {:g})", search.piece_scale) : "")};
+  if (labels != nullptr) legend.emplace_back("Right, framed in green: the one that was chosen.");
+  std::map<std::uint32_t, std::string> names;  // by number, of the clips that are shown
+  for (const auto& [key, places] : spots) {
+    const store::ClipId clip = search.table().clips[key.first];
+    names[static_cast<std::uint32_t>(clip)] = snapshot.clip(clip).name;
+  }
+  std::string clips;
+  for (const auto& [number, name] : names)
+    clips += fmt::format("{}#{} {}", clips.empty() ? "" : ", ", number, name);
+  legend.push_back(clips + ".");
+  return report::with_legend(sheet, legend);
 }
 
 }  // namespace freshet::query

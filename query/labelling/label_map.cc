@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "query/search/picture_scale.h"
+#include "report/sheet_words.h"
 
 namespace freshet::query {
 namespace {
@@ -68,19 +69,21 @@ cv::Mat label_map(const cv::Mat& picture, const cv::Mat* matte, const Assignment
                    [&](std::size_t a, std::size_t b) { return used[a] > used[b]; });
   for (std::size_t i = 0; i < order.size(); ++i) rank[order[i]] = i;
 
+  const cv::Rect region = matte == nullptr ? cv::Rect({}, picture.size()) : report::shown_region(*matte);
   const std::size_t lines = std::min(order.size(), kMaxLines) + (order.size() > kMaxLines ? 1 : 0);
   const int legend = 10 + static_cast<int>(lines) * kLine;
-  cv::Mat map(picture.rows + legend, std::max(picture.cols, kMinWidth), CV_8UC3, cv::Scalar(32, 32, 32));
-  cv::Mat grey, body = map(cv::Rect({0, 0}, picture.size()));
-  cv::cvtColor(picture, grey, cv::COLOR_BGR2GRAY);
+  cv::Mat map(region.height + legend, std::max(region.width, kMinWidth), CV_8UC3,
+              cv::Scalar::all(report::kSheetPaper));
+  cv::Mat grey, body = map(cv::Rect({0, 0}, region.size()));
+  cv::cvtColor(picture(region), grey, cv::COLOR_BGR2GRAY);
   cv::cvtColor(grey, body, cv::COLOR_GRAY2BGR);
   const cv::Mat nearest = nearest_piece(assignment);
-  for (int y = 0; y < picture.rows && y < nearest.rows; ++y) {
-    for (int x = 0; x < picture.cols && x < nearest.cols; ++x) {
+  for (int y = region.y; y < std::min(region.br().y, nearest.rows); ++y) {
+    for (int x = region.x; x < std::min(region.br().x, nearest.cols); ++x) {
       const int piece = nearest.at<int>(y, x);
       if (piece < 0 || (matte != nullptr && matte->at<std::uint8_t>(y, x) == 0)) continue;
       const AssignedPiece& own = assignment.pieces[piece];
-      cv::Vec3b& pixel = body.at<cv::Vec3b>(y, x);
+      cv::Vec3b& pixel = body.at<cv::Vec3b>(y - region.y, x - region.x);
       pixel = pixel * 0.5 + colour_of(rank[own.clip]) * 0.5;
       const int right = x + 1 < nearest.cols ? nearest.at<int>(y, x + 1) : -1;
       const int below = y + 1 < nearest.rows ? nearest.at<int>(y + 1, x) : -1;
@@ -91,7 +94,7 @@ cv::Mat label_map(const cv::Mat& picture, const cv::Mat* matte, const Assignment
   }
 
   for (std::size_t i = 0; i < lines; ++i) {
-    const int top = picture.rows + 8 + static_cast<int>(i) * kLine;
+    const int top = region.height + 8 + static_cast<int>(i) * kLine;
     std::string text = fmt::format("and {} more clips", order.size() - kMaxLines * (i == kMaxLines));
     if (i < kMaxLines) {
       const AssignedClip& clip = assignment.clips[order[i]];
@@ -103,10 +106,15 @@ cv::Mat label_map(const cv::Mat& picture, const cv::Mat* matte, const Assignment
       if (!clip.class_name.empty()) text += "  (" + clip.class_name + ")";
       if (!clip.licence.empty()) text += "  " + clip.licence;
     }
-    cv::putText(map, text, {30, top + 12}, cv::FONT_HERSHEY_SIMPLEX, 0.42, cv::Scalar(220, 220, 220), 1,
-                cv::LINE_AA);
+    report::write_caption(map, text, {30, top + 12}, map.cols - 36);
   }
-  return map;
+  return report::with_legend(
+      map,
+      {fmt::format("Each pixel of the fluid has the colour of the clip whose patch lies on it: above, how "
+                   "many of the {} pieces each clip has.",
+                   assignment.pieces.size()),
+       "Dark lines: neighbours whose patches do not go on in each other.",
+       report::crop_words(region, picture.size())});
 }
 
 }  // namespace freshet::query

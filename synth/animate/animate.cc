@@ -343,10 +343,13 @@ class Animation {
   void merge_differences() {
     const bool whole_loop = options_.loop && options_.resampling == Resampling::kNearest && !carried_;
     std::vector<double> change(options_.frames, 0.0);
+    // What comes anew is carried on from frame to frame, and nothing comes back from frames behind the last wanted; a
+    // model is fitted to samples of all.
+    const auto needed = static_cast<std::size_t>(carried_ ? until() : options_.frames);
     for (std::size_t i = 0; i < layers_.size(); ++i) {
       throw_if_stopped(stop_);
       tell("blend", i, layers_.size());
-      const std::vector<int>& first = in_one_ ? order_ : samples_;
+      const std::span<const int> first = in_one_ ? std::span<const int>(order_).first(needed) : samples_;
       // Before all frames are held: it needs the samples alone, and what it holds is kept for the next step.
       if (carried_) scale_innovations(*layers_[i]);
       layers_[i]->measure(first, whole_loop ? &change : nullptr);
@@ -495,6 +498,10 @@ class Animation {
       renewed[i] = renewed_->advance(field_->at(outputs[i] - 1), CarriedBase::kStep, renewed[i]).clone();
   }
 
+  int until() const {
+    return options_.until > 0 ? std::min(options_.until, options_.frames) : options_.frames;
+  }
+
   AppearanceModel model_of(std::span<const cv::Mat> frames) const {
     return AppearanceModel(target_luma_, alpha_, frames, options_.appearance);
   }
@@ -535,9 +542,9 @@ class Animation {
           [this](int i) { return sequence_->at(order_[static_cast<std::size_t>(i) % order_.size()]); },
           options_.loop ? options_.frames : 0, options_.boundary.held);
     Handover handover(sink);
-    const int until = options_.until > 0 ? std::min(options_.until, options_.frames) : options_.frames;
-    for (int first = 0; first < until; first += batch_) {
-      const int count = std::min(batch_, until - first);
+    const int from = std::clamp(options_.from, 0, until());
+    for (int first = 0; first < until(); first += batch_) {
+      const int count = std::min(batch_, until() - first);
       const std::span<const int> outputs = std::span(order_).subspan(first, count);
       if (!in_one_) {
         for (const auto& layer : layers_) blend(*layer, outputs);
@@ -546,19 +553,24 @@ class Animation {
       for (int done = 0; done < count; done += kRendered) {
         throw_if_stopped(stop_);
         std::vector<cv::Mat> finished(std::min(kRendered, count - done)), mattes(finished.size(), alpha_);
+        // Of the frames before the first wanted only what goes on from frame to frame is made.
+        const std::size_t passed =
+            std::min(finished.size(), static_cast<std::size_t>(std::max(0, from - first - done)));
         if (boundary)
           for (cv::Mat& fluid : mattes) fluid = boundary->next();
         if (options_.matte_sink)
-          for (const cv::Mat& fluid : mattes) options_.matte_sink(fluid);
+          for (std::size_t i = passed; i < mattes.size(); ++i) options_.matte_sink(mattes[i]);
         if (options_.motion_sink && carried_)
-          for (std::size_t i = 0; i < mattes.size(); ++i)
+          for (std::size_t i = passed; i < mattes.size(); ++i)
             options_.motion_sink(for_every_pixel(field_->at(outputs[done + i]), field_->step(), mattes[i]));
         std::vector<cv::Mat> renewed(finished.size());
         if (carried_) {
-          copies_->prepare(outputs[done], static_cast<int>(finished.size()));
+          if (passed < finished.size())
+            copies_->prepare(outputs[done + passed], static_cast<int>(finished.size() - passed));
           renew(outputs.subspan(done, finished.size()), in_one_ ? outputs[done] : done, renewed);
         }
         oneapi::tbb::parallel_for(std::size_t{0}, finished.size(), [&](std::size_t i) {
+          if (i < passed) return blender_->drop(in_one_ ? outputs[done + i] : done + static_cast<int>(i));
           const int output = outputs[done + i];
           const auto found = ready_.find(output);
           Made made = found != ready_.end()
@@ -566,8 +578,9 @@ class Animation {
                           : make(output, in_one_ ? output : done + static_cast<int>(i), renewed[i]);
           finished[i] = finish(std::move(made), mattes[i]);
         });
+        finished.erase(finished.begin(), finished.begin() + static_cast<std::ptrdiff_t>(passed));
         handover.take(std::move(finished));
-        tell("render", std::min(first + done + kRendered, until), until);
+        tell("render", std::min(first + done + kRendered, until()), until());
       }
       report_.render_s += watch_.lap();
     }

@@ -45,7 +45,8 @@ enum class FrameForm {
 
 struct AnimateOptions {
   int frames = 96;
-  int until = 0;  // only the frames before this one are made; 0: all
+  int from = 0;   // only the frames from this one on are made and handed on, the same as if all were
+  int until = 0;  // only the frames before this one; 0: all
   FrameForm form = FrameForm::kWhole;
   double fps = 25;
   bool loop = false;  // the last frame is followed by the first, without a seam

@@ -12,6 +12,7 @@ namespace freshet::synth::animate {
 struct SheetOptions {
   double fps = 25;
   std::int64_t first_number = 0;  // of the frames, as they are numbered for a person
+  int first = 0;                  // frame of the animation that is added first
   int shown = 8;                  // frames, beside the picture itself
   int width_px = 480;             // of each
 };
@@ -21,7 +22,7 @@ struct SheetOptions {
 class FrameSheet {
  public:
   /// matte    CV_8U: the sheet shows the region around what is above 0.
-  /// frames   of the animation.
+  /// frames   that will be added.
   FrameSheet(const cv::Mat& picture, const cv::Mat& matte, int frames, const SheetOptions& options = {});
   void add(const cv::Mat& frame);  // in order; CV_8UC3
   /// CV_8UC3, three columns.

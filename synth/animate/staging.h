@@ -37,8 +37,4 @@ Staging stage(const store::Snapshot& snapshot, const query::Assignment& assignme
 /// What an animation holds beside its batch of frames, bytes per pixel of the picture.
 inline constexpr std::size_t kPictureBytesPerPixel = 280;
 
-/// How many animations of a picture fit beside each other into so many bytes, each with room for 16 frames;
-/// 1 to the number of threads.
-std::size_t animations_at_once(std::size_t memory_bytes, cv::Size picture);
-
 }  // namespace freshet::synth::animate

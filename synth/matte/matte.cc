@@ -2,16 +2,19 @@
 
 #include <algorithm>
 #include <array>
+#include <vector>
 
+#include <fmt/format.h>
 #include <opencv2/imgproc.hpp>
 
 #include "freshet/error.h"
 #include "platform/stopwatch.h"
+#include "report/sheet_words.h"
 
 namespace freshet::synth::matte {
 namespace {
 
-constexpr int kSheetWidth = 640, kGap = 8, kCheck = 16, kLegend = 20;
+constexpr int kSheetWidth = 1280, kGap = 8, kCheck = 16;
 
 cv::Mat cut_out(const cv::Mat& picture, const cv::Mat& alpha) {
   cv::Mat out(picture.size(), CV_8UC3);
@@ -48,31 +51,38 @@ Matte make_matte(const cv::Mat& picture, const Marks& marks, const MatteOptions&
 }
 
 cv::Mat matte_sheet(const cv::Mat& picture, const Marks& marks, const cv::Mat& alpha) {
-  const double scale = std::min(1.0, static_cast<double>(kSheetWidth) / picture.cols);
-  const cv::Size size(std::max(1, cvRound(picture.cols * scale)), std::max(1, cvRound(picture.rows * scale)));
-  const auto reduced = [&](const cv::Mat& image, int how) {
+  const cv::Rect region = report::shown_region((alpha > 0) | (marks == kFluid));
+  const double scale = std::min(1.0, static_cast<double>(kSheetWidth) / region.width);
+  const cv::Size size(std::max(1, cvRound(region.width * scale)),
+                      std::max(1, cvRound(region.height * scale)));
+  const auto reduced = [&](const cv::Mat& image) {
     cv::Mat out;
-    cv::resize(image, out, size, 0, 0, how);
+    cv::resize(image(region), out, size, 0, 0, cv::INTER_AREA);
     return out;
   };
-  const cv::Mat small = reduced(picture, cv::INTER_AREA), fraction = reduced(alpha, cv::INTER_AREA);
+  const cv::Mat small = reduced(picture), fraction = reduced(alpha);
   cv::Mat grey, marked, matte;
   cv::cvtColor(fraction, matte, cv::COLOR_GRAY2BGR);
   cv::cvtColor(small, grey, cv::COLOR_BGR2GRAY);
   cv::cvtColor(grey / 2 + 64, marked, cv::COLOR_GRAY2BGR);
-  marked.setTo(cv::Scalar(40, 40, 230), reduced(marks == kBackground, cv::INTER_AREA) > 64);
-  marked.setTo(cv::Scalar(40, 220, 40), reduced(marks == kFluid, cv::INTER_AREA) > 64);
-  const cv::Mat gap(size.height, kGap, CV_8UC3, cv::Scalar::all(255));
-  cv::Mat sheet;
-  cv::hconcat(std::vector<cv::Mat>{small, gap, marked, gap, matte, gap, cut_out(small, fraction)}, sheet);
-  cv::copyMakeBorder(sheet, sheet, 0, kLegend, 0, 0, cv::BORDER_CONSTANT, cv::Scalar::all(255));
-  const std::array kLegends{"the picture", "marks: green fluid, red background", "the matte",
-                            "the fluid, cut out"};
-  for (int i = 0; i < static_cast<int>(kLegends.size()); ++i)
-    cv::putText(sheet, kLegends[static_cast<std::size_t>(i)],
-                {i * (size.width + kGap) + 2, size.height + kLegend - 6}, cv::FONT_HERSHEY_SIMPLEX, 0.4,
-                cv::Scalar::all(0), 1, cv::LINE_AA);
-  return sheet;
+  marked.setTo(cv::Scalar(40, 40, 230), reduced(marks == kBackground) > 64);
+  marked.setTo(cv::Scalar(40, 220, 40), reduced(marks == kFluid) > 64);
+  const std::array cells{small, marked, matte, cut_out(small, fraction)};
+  const std::array words{"the picture", "marks: green fluid, red beside it", "the matte: white is fluid",
+                         "the fluid, cut out"};
+  const int step = size.height + report::kSheetLine + kGap;
+  cv::Mat sheet(2 * step + kGap, 2 * (size.width + kGap) + kGap, CV_8UC3,
+                cv::Scalar::all(report::kSheetPaper));
+  for (int i = 0; i < 4; ++i) {
+    const cv::Point corner(kGap + i % 2 * (size.width + kGap), kGap + i / 2 * step);
+    cells[static_cast<std::size_t>(i)].copyTo(sheet(cv::Rect(corner, size)));
+    report::write_caption(sheet, words[static_cast<std::size_t>(i)],
+                          corner + cv::Point(2, size.height + report::kSheetLine - 5), size.width - 2);
+  }
+  return report::with_legend(
+      sheet, {report::crop_words(region, picture.size()),
+              scale == 1 ? std::string("Full size: a pixel of the sheet is a pixel of the picture.")
+                         : fmt::format("Reduced to {:.0f} %.", 100 * scale)});
 }
 
 }  // namespace freshet::synth::matte

@@ -47,7 +47,7 @@ const std::vector<Command>& commands() {
       {{"query", "label", "f.store", "still.png", "--whole"}, "query label"},
       {{"query", "bench", "f.store"}, "query bench"},
       {{"synth", "animate", "f.store", "still.png", "--whole", "-o", "out.mkv"}, "synth animate"},
-      {{"synth", "sweep", "f.store", "still.png", "--whole", "--sweep", "tau=0,1", "-o", "sweep"},
+      {{"synth", "sweep", "f.store", "still.png", "--whole", "--vary", "tau=0,1", "-o", "sweep"},
        "synth sweep"},
       {{"synth", "matte", "still.png", "-o", "matte.png"}, "synth matte"},
       {{"synth", "simulate", "river", "-o", "out.mkv"}, "synth simulate"},

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -14,6 +15,7 @@
 
 #include "ingest/clip_analysis.h"
 #include "media/frame/layout_json.h"
+#include "media/video/frame_stamps.h"
 #include "media/video/video_reader.h"
 #include "media/video/video_writer.h"
 #include "tests/ingest/synthetic_clip.h"
@@ -224,6 +226,105 @@ TEST(Ingest, PatchMotionIsTheTextureVelocityTurnedIntoEachVariant) {
     EXPECT_NEAR(motion[i][1], truth[1], 0.1 * cv::norm(truth)) << "variant " << int(variant[i]);
   }
   for (std::size_t v = 0; v < variants.size(); ++v) EXPECT_GT(judged[v], 0) << "variant " << v;
+}
+
+/// A clip of which only these frames are left, each with its own time. By the ffmpeg tool, which selects them.
+bool write_with_gaps(const fs::path& path, const SyntheticClip& clip, const std::string& selected) {
+  const fs::path whole = path.parent_path().parent_path() / "whole.mkv";
+  write_clip(whole, clip);
+  const std::string command = "ffmpeg -v error -i '" + whole.string() + "' -vf \"select='" + selected +
+                              "'\" -vsync vfr -c:v ffv1 '" + path.string() + "'";
+  return std::system(command.c_str()) == 0;
+}
+
+/// Of the cells in which the texture scrolls: its mean velocity, px/s, and how much its speed along x varies, (px/s)^2.
+struct ScrollMotion {
+  cv::Vec2d velocity{0, 0};
+  double varies = 0;
+};
+
+ScrollMotion scroll_motion(const store::Snapshot& snapshot, store::ClipId id, const cv::Rect& inside) {
+  const nlohmann::json shape = nlohmann::json::parse(snapshot.clip(id).metadata).at("cells").at("motion");
+  const auto channels = static_cast<std::size_t>(vision::motion_channels(kSettings.spectrum));
+  const auto values = snapshot.column<std::array<float, 2 + 3 * 8>>(id, "cells.motion");
+  EXPECT_EQ(channels, values.front().size());
+  const int side = kSettings.spectrum.cell, columns = shape.at("columns");
+  ScrollMotion motion;
+  int cells = 0;
+  for (int y = inside.y / side + 1; y < inside.br().y / side; ++y)
+    for (int x = inside.x / side + 1; x < inside.br().x / side; ++x, ++cells) {
+      const auto& cell = values[static_cast<std::size_t>(y * columns + x)];
+      motion.velocity += cv::Vec2d(cell[0], cell[1]);
+      for (std::size_t band = 0; band < 8; ++band) motion.varies += cell[2 + 3 * band];
+    }
+  return {motion.velocity / cells, motion.varies / cells};
+}
+
+TEST(Ingest, AVariableFrameRateKeepsItsTimesAndItsSpeeds) {
+  const SyntheticClip clip{
+      .size = {320, 240}, .frames = 96, .moving = {20, 20, 280, 200}, .velocity = {1.5, -0.5}};
+  const TemporaryFolder folder;
+  fs::create_directories(folder / "water");
+  // Two thirds of each second lack every other frame, as a phone's do where it gets dark.
+  if (!write_with_gaps(folder / "water/clip.mkv", clip, "lt(mod(n,24),8)+not(mod(n,2))"))
+    GTEST_SKIP() << "needs the ffmpeg tool: apt-get install ffmpeg";
+  store::Store store = new_store(folder / "test.freshet");
+  const ClipReport row = run(store, folder / "water", {.force = true}).clips.at(0);
+  ASSERT_EQ(row.outcome, Outcome::kAdded) << reason(row);
+  EXPECT_TRUE(says(row.notes, "its frame rate varies from 12.5 to 25.0 frames/s"));
+  EXPECT_NEAR(row.fps, 63 / 3.76, 0.01);
+  const store::Snapshot snapshot = store.snapshot();
+  const store::ClipId id = snapshot.clips()[0];
+  const std::vector<double> times = snapshot.column<double>(id, "frame.time"),
+                            rates = snapshot.column<double>(id, "flow.rate");
+  ASSERT_EQ(times.size(), 64u);
+  ASSERT_EQ(rates.size(), 63u);
+  for (std::size_t t = 0; t < 63; ++t) {
+    EXPECT_NEAR(times[t], static_cast<double>(t / 16 * 24 + (t % 16 < 8 ? t % 16 : 2 * (t % 16) - 8)) / 25,
+                1e-9);
+    EXPECT_NEAR(rates[t], t % 16 < 8 ? 25 : 12.5, 1e-6) << t;
+  }
+  // All of it moves equally fast all the time, though some pairs of frames lie twice as far apart as others.
+  const ScrollMotion motion = scroll_motion(snapshot, id, cv::Rect(40, 40, 240, 160));
+  EXPECT_NEAR(motion.velocity[0], 37.5, 2);
+  EXPECT_NEAR(motion.velocity[1], -12.5, 2);
+  EXPECT_LT(motion.varies, 0.02 * 37.5 * 37.5);
+}
+
+TEST(Ingest, ALongGapIsNoMotion) {
+  const TemporaryFolder folder;
+  fs::create_directories(folder / "water");
+  if (!write_with_gaps(folder / "water/clip.mkv", {.frames = 60, .changing = true}, "lt(n,25)+gt(n,40)"))
+    GTEST_SKIP() << "needs the ffmpeg tool: apt-get install ffmpeg";
+  store::Store store = new_store(folder / "test.freshet");
+  const ClipReport row = run(store, folder / "water").clips.at(0);
+  EXPECT_EQ(row.outcome, Outcome::kRefused);
+  EXPECT_TRUE(says(row.reasons, "frames are missing: none for 0.68 s after 0.96 s"));
+}
+
+TEST(Ingest, AnUnsteadyStampIsNoVariableRate) {
+  const OneClip one({.fps = 30});  // Matroska rounds to a millisecond
+  ASSERT_EQ(one.row.outcome, Outcome::kAdded) << reason(one.row);
+  EXPECT_TRUE(one.row.screening.timing.steady);
+  EXPECT_FALSE(one.snapshot().has_column(one.id(), "flow.rate"));
+  EXPECT_EQ(one.row.fps, 30);
+}
+
+TEST(Ingest, AnInterlacedClipHasTheRateOfItsFrames) {
+  const TemporaryFolder folder;
+  fs::create_directories(folder / "water");
+  const fs::path whole = folder / "whole.mkv";
+  write_clip(whole, {.frames = 60, .fps = 50, .changing = true});
+  const std::string command = "ffmpeg -v error -i '" + whole.string() +
+                              "' -vf interlace -c:v mpeg2video -flags +ilme+ildct -b:v 8M '" +
+                              (folder / "water/clip.ts").string() + "'";
+  if (std::system(command.c_str()) != 0) GTEST_SKIP() << "needs the ffmpeg tool: apt-get install ffmpeg";
+  EXPECT_TRUE(media::frame_stamps(folder / "water/clip.ts").empty()) << "they may be those of fields";
+  store::Store store = new_store(folder / "test.freshet");
+  const ClipReport row = run(store, folder / "water", {.force = true}).clips.at(0);
+  ASSERT_EQ(row.outcome, Outcome::kAdded) << reason(row);
+  EXPECT_EQ(row.fps, 25);
+  EXPECT_TRUE(row.screening.timing.steady);
 }
 
 TEST(Ingest, KeepsCellsAndTheirShapes) {

@@ -252,6 +252,37 @@ TEST_F(Layers, ARangeIsPartOfTheWholeAndNumberedAsIt) {
   EXPECT_TRUE(holds(animate("x/####.png", {"--range", "all"}).err, "it is not A-B"));
 }
 
+TEST_F(Layers, ARangeIsTheSameWhateverIsLeftOutBeforeIt) {
+  const std::vector<std::vector<std::string>> kinds{{},
+                                                    {"--method", "paper"},
+                                                    {"--loop"},
+                                                    {"--boundary", "moving", "--memory", "1"},
+                                                    {"--method", "paper", "--memory", "1"}};
+  for (const std::vector<std::string>& kind : kinds) {
+    const auto run = [&](const std::string& to, std::vector<std::string> more) {
+      std::vector<std::string> arguments{
+          "synth",      "animate", sample().store, sample().still,   "--matte",     sample().matte,
+          "--frames",   "28",      "-o",           to + "/%04d.png", "--matte-out", to + "-mattes/%04d.png",
+          "--overwrite"};
+      arguments.insert(arguments.end(), kind.begin(), kind.end());
+      arguments.insert(arguments.end(), more.begin(), more.end());
+      return folder_->freshet(arguments);
+    };
+    for (const char* name : {"whole", "whole-mattes", "some", "some-mattes"}) fs::remove_all(*folder_ / name);
+    const Outcome whole = run("whole", {}), some = run("some", {"--range", "19-22"});
+    ASSERT_EQ(whole.exit_code, 0) << whole.err;
+    ASSERT_EQ(some.exit_code, 0) << some.err;
+    const std::string said = kind.empty() ? "default" : kind.back();
+    EXPECT_FALSE(fs::exists(*folder_ / "some/0018.png"));
+    EXPECT_FALSE(fs::exists(*folder_ / "some-mattes/0023.png"));
+    for (const char* folder : {"", "-mattes"})
+      for (const char* name : {"/0019.png", "/0020.png", "/0022.png"})
+        EXPECT_TRUE(text_of(*folder_ / ("whole" + std::string(folder) + name)) ==
+                    text_of(*folder_ / ("some" + std::string(folder) + name)))
+            << said << " " << folder << name;
+  }
+}
+
 TEST_F(Layers, LightIsWhatAMovingFluidAdds) {
   made("lw/%04d.png", {"--boundary", "moving", "--background", sample().still});
   made("ll/%04d.png", {"--boundary", "moving", "--background", sample().still, "--layer", "light"});

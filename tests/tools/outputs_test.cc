@@ -92,7 +92,7 @@ TEST(Outputs, EveryOtherCommandKeepsThemToo) {
       {"store", "export", sample().store, "fall/1.mkv", "-o", "mine.png"}};
   for (const std::vector<std::string>& command : commands)
     expect_kept(folder.freshet(command), "mine.png: it exists, and is kept");
-  expect_kept(folder.freshet({"synth", "sweep", sample().store, sample().still, "--whole", "--sweep",
+  expect_kept(folder.freshet({"synth", "sweep", sample().store, sample().still, "--whole", "--vary",
                               "sigma=1,2", "-o", "."}),
               "something lies in this folder, and is kept");
   EXPECT_EQ(text_of(mine), "mine");

@@ -25,87 +25,169 @@ Outcome sweep(const WorkFolder& folder, std::vector<std::string> more) {
   return folder.freshet(arguments);
 }
 
+/// The animations that a sweep reports; none where it failed.
+std::vector<json> animations(const WorkFolder& folder, std::vector<std::string> more) {
+  more.emplace_back("--json");
+  const Outcome outcome = sweep(folder, std::move(more));
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  return outcome.exit_code == 0 ? json::parse(outcome.out)["animations"].get<std::vector<json>>()
+                                : std::vector<json>();
+}
+
+/// What animate makes by itself, in a file of this ending.
+std::string alone(const WorkFolder& folder, const std::string& ending, std::vector<std::string> more) {
+  std::vector<std::string> arguments{"synth",       "animate",      sample().store,  sample().still,
+                                     "--matte",     sample().matte, "--frames",      "8",
+                                     "--overwrite", "-o",           "alone" + ending};
+  arguments.insert(arguments.end(), more.begin(), more.end());
+  const Outcome outcome = folder.freshet(arguments);
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  return text_of(folder / ("alone" + ending));
+}
+
+bool holds(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
 TEST(Sweep, MakesAllCombinationsAndAPageThatNamesOnlyItsOwnFiles) {
   const WorkFolder folder;
-  const Outcome outcome =
-      sweep(folder, {"--sweep", "sigma=0.125,40", "--sweep", "blend=variance,paper", "--json"});
-  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
-  const json report = json::parse(outcome.out);
-  ASSERT_EQ(report["combinations"].size(), 4U);
-  EXPECT_EQ(report["labellings"], 2);
-  EXPECT_EQ(report["combinations"][1]["settings"], (json{{"sigma", "0.125"}, {"blend", "paper"}}));
-  EXPECT_EQ(report["combinations"][0]["energy"], report["combinations"][1]["energy"]);
-  EXPECT_EQ(report["combinations"][0]["changed"], 0);
-  for (const json& one : report["combinations"])
-    EXPECT_EQ(one["gap_reached"], one["gap"].get<double>() <= 0.01);
+  const std::vector<json> made =
+      animations(folder, {"--vary", "speed=0.5,1", "--vary", "method=carried,paper"});
+  ASSERT_EQ(made.size(), 4U);
+  EXPECT_EQ(made[1]["settings"], (json{{"speed", "0.5"}, {"method", "paper"}}));
+  EXPECT_EQ(made[0]["changed"], 0);
+  EXPECT_EQ(made[0]["energy"], made[2]["energy"]);
   const std::string page = text_of(folder / "out/index.html");
-  for (const json& one : report["combinations"]) {
+  for (const json& one : made) {
     EXPECT_GT(fs::file_size(folder / "out" / one["video"].get<std::string>()), 500U);
-    EXPECT_NE(page.find("src=\"" + one["video"].get<std::string>() + "\""), std::string::npos);
+    EXPECT_TRUE(holds(page, "src=\"" + one["video"].get<std::string>() + "\""));
+    EXPECT_TRUE(holds(page, one["result"]));
+    EXPECT_EQ(one["gap_reached"], one["gap"].get<double>() <= 0.01);
   }
-  EXPECT_EQ(page.find("http"), std::string::npos);
-  EXPECT_EQ(page.find('{' + std::string("title")), std::string::npos);
-  EXPECT_GE(cv::imread(folder / "out/sheet.png").cols, 2 * kWidth);
+  EXPECT_TRUE(holds(page, "speed 0.5, method paper"));
+  EXPECT_TRUE(holds(page, "How fast everything plays")) << "what differs, in animate's own words";
+  EXPECT_FALSE(holds(page, "http"));
+  EXPECT_FALSE(holds(page, "{title"));
+  EXPECT_GE(cv::imread(folder / "out/sheet.png").cols, 2 * 100);
   EXPECT_TRUE(json::parse(text_of(folder / "out/sweep.json")).contains("seconds"));
+  EXPECT_FALSE(fs::exists(folder / "out/.labels")) << "what labellings shared is gone with the sweep";
 }
 
-TEST(Sweep, ACombinationIsTheSingleRunWithItsOptions) {
+TEST(Sweep, EachPointIsTheSingleRunWithItsOptionsWhateverTheyAre) {
   const WorkFolder folder;
-  const Outcome outcome =
-      sweep(folder, {"--sweep", "sigma=0.125,40", "--sweep", "costs=log,power", "--json"});
-  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
-  const json combinations = json::parse(outcome.out)["combinations"];
-  for (const json& one : combinations) {
-    const Outcome alone =
-        folder.freshet({"query", "label", sample().store, sample().still, "--matte", sample().matte,
-                        "--frames", "8", "--sigma", one["settings"]["sigma"], "--costs",
-                        one["settings"]["costs"], "-o", "alone.json", "--overwrite"});
-    ASSERT_EQ(alone.exit_code, 0) << alone.err;
-    EXPECT_EQ(text_of(folder / "alone.json"), text_of(folder / "out" / one["assignment"].get<std::string>()));
-  }
+  folder.file("across.svg", "<svg viewBox='0 0 192 144'><path d='M60 40L140 100'/></svg>");
+  folder.file("down.svg", "<svg viewBox='0 0 192 144'><path d='M60 40L60 100' data-speed='60'/></svg>");
+  const std::vector<json> made =
+      animations(folder, {"--vary", "strokes=-,across.svg,down.svg", "--vary", "exclude=-,fall/1.mkv"});
+  ASSERT_EQ(made.size(), 6U);
+  std::size_t i = 0;
+  for (const char* strokes : {"", "across.svg", "down.svg"})
+    for (const char* excluded : {"", "fall/1.mkv"}) {
+      std::vector<std::string> words;
+      if (*strokes != '\0') words.insert(words.end(), {"--strokes", strokes});
+      if (*excluded != '\0') words.insert(words.end(), {"--exclude", excluded});
+      EXPECT_TRUE(text_of(folder / "out" / made[i]["file"].get<std::string>()) ==
+                  alone(folder, ".mp4", words))
+          << made[i]["settings"];
+      ++i;
+    }
 }
 
-TEST(Sweep, StrokesSteerItsFramesAsTheySteerTheSingleRuns) {
+TEST(Sweep, WeightsPresetsAndFlagsAreSweptToo) {
   const WorkFolder folder;
-  // Across the fall: what is not turned to the strokes is carried down.
-  folder.file("lines.svg", "<svg viewBox='0 0 192 144'><path d='M60 40L140 100'/></svg>");
-  const Outcome outcome =
-      sweep(folder, {"--sweep", "blend=variance,paper", "--strokes", "lines.svg", "--tolerance", "90"});
+  const std::vector<json> made = animations(folder, {"--vary", "sigma=0.125,40", "--vary", "loop=on,off"});
+  ASSERT_EQ(made.size(), 4U);
+  EXPECT_TRUE(text_of(folder / "out/03.mp4") == alone(folder, ".mp4", {"--sigma", "40", "--loop"}));
+  const std::vector<json> presets = animations(folder, {"--vary", "preset=-,archive", "--overwrite"});
+  ASSERT_EQ(presets.size(), 2U);
+  EXPECT_EQ(presets[1]["file"], "02.mkv");
+  EXPECT_EQ(presets[1]["video"], "02_page.mp4") << "what browsers do not play has a stand-in on the page";
+  EXPECT_TRUE(text_of(folder / "out/02.mkv") == alone(folder, ".mkv", {"--preset", "archive"}));
+}
+
+TEST(Sweep, EqualResultsAreRenderedOnce) {
+  const WorkFolder folder;
+  // One value in three writings; a default that is said; an option that the method does not read.
+  std::vector<json> made = animations(folder, {"--vary", "speed=-,1,1.0,2"});
+  ASSERT_EQ(made.size(), 4U);
+  EXPECT_EQ(made[1]["same_as"], "01");
+  EXPECT_EQ(made[2]["same_as"], "01");
+  EXPECT_FALSE(made[3].contains("same_as"));
+  EXPECT_FALSE(fs::exists(folder / "out/02.mp4"));
+  made = animations(folder, {"--overwrite", "--method", "paper", "--vary", "variation=0,1"});
+  ASSERT_EQ(made.size(), 2U);
+  EXPECT_EQ(made[1]["result"], "the same frames as 01");
+  EXPECT_EQ(made[1]["file"], "01.mp4");
+  const std::string page = text_of(folder / "out/index.html");
+  EXPECT_EQ(page.find("<video"), page.rfind("<video"));
+}
+
+TEST(Sweep, LabelsAreSharedAndWhatIsSaidOfAllIsSaidOnce) {
+  const WorkFolder folder;
+  const Outcome outcome = sweep(folder, {"--vary", "renewal=0,0.5", "--direction", "down"});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
-  const Outcome alone = folder.freshet({"synth", "animate", sample().store, sample().still, "--matte",
-                                        sample().matte, "--frames", "8", "--strokes", "lines.svg",
-                                        "--tolerance", "90", "--blend", "paper", "-o", "alone.mp4"});
-  ASSERT_EQ(alone.exit_code, 0) << alone.err;
-  EXPECT_TRUE(text_of(folder / "out/02.mp4") == text_of(folder / "alone.mp4"));
+  EXPECT_TRUE(holds(outcome.err, "the whole labelling reused")) << outcome.err;
+  EXPECT_TRUE(holds(outcome.out, "the same patches as in 01")) << outcome.out;
+  const std::string of_all = "freshet: all: ";  // patches in the store
+  EXPECT_TRUE(holds(outcome.err, of_all));
+  EXPECT_EQ(outcome.err.find(of_all), outcome.err.rfind(of_all)) << outcome.err;
+}
+
+TEST(Sweep, APictureOf16BitsIsSweptAsDeepAsAnimateMakesIt) {
+  const WorkFolder folder;
+  cv::Mat deep;
+  cv::imread(sample().still, cv::IMREAD_COLOR).convertTo(deep, CV_16U, 257, 100);
+  cv::imwrite(folder / "deep.png", deep);
+  const Outcome outcome =
+      folder.freshet({"synth", "sweep", sample().store, "deep.png", "--matte", sample().matte, "--frames",
+                      "4", "--preset", "archive", "--vary", "speed=1,2", "-o", "out"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  ASSERT_EQ(folder
+                .freshet({"synth", "animate", sample().store, "deep.png", "--matte", sample().matte,
+                          "--frames", "4", "--preset", "archive", "-o", "alone.mkv"})
+                .exit_code,
+            0);
+  EXPECT_TRUE(text_of(folder / "out/01.mkv") == text_of(folder / "alone.mkv"));
 }
 
 TEST(Sweep, SaysWhatIsWrongWithItsText) {
   const WorkFolder folder;
-  for (const auto& [text, message] :
-       std::initializer_list<std::pair<const char*, const char*>>{{"sigma", "no \"=\""},
-                                                                  {"=1", "cannot be swept"},
-                                                                  {"direction=up", "it has lambda, sigma"},
-                                                                  {"sigma=", "a value is missing"},
-                                                                  {"sigma=1,,2", "a value is missing"},
-                                                                  {"sigma=1,", "a value is missing"},
-                                                                  {"sigma=one", "no number from 0"},
-                                                                  {"sigma=-1", "no number from 0"},
-                                                                  {"sigma=nan", "no number from 0"},
-                                                                  {"sigma=1e99", "no number from 0"},
-                                                                  {"sigma=1,1.0", "given twice"},
-                                                                  {"max-gain=0.5", "no number from 1 to 20"},
-                                                                  {"solver=best", "It takes trw-s"}}) {
-    const Outcome outcome = sweep(folder, {"--sweep", text});
+  for (const auto& [text, message] : std::initializer_list<std::pair<const char*, const char*>>{
+           {"sigma", "no \"=\""},
+           {"=1", "has no option --"},
+           {"colour=red", "has no option --colour"},
+           {"output=a,b", "has no option --output"},
+           {"sheet=a,b", "has no option --sheet"},
+           {"sigma=", "a value is missing"},
+           {"sigma=1,,2", "a value is missing"},
+           {"sigma=1,", "a value is missing"},
+           {"sigma=1,one", "sigma one"},
+           {"sigma=-1", "sigma"},
+           {"sigma=nan", "not a number"},
+           {"sigma=1,1", "given twice"},
+           {"max-gain=0.5", "max-gain 0.5"},
+           {"frames=8,9", "--frames is given for all, too"},
+           {"solver=trw-s,best", "solver best"}}) {
+    const Outcome outcome = sweep(folder, {"--vary", text});
     EXPECT_EQ(outcome.exit_code, 2) << text;
-    EXPECT_NE(outcome.err.find(message), std::string::npos) << text << ": " << outcome.err;
+    EXPECT_TRUE(holds(outcome.err, message)) << text << ": " << outcome.err;
     EXPECT_FALSE(fs::exists(folder / "out"));
   }
-  EXPECT_NE(sweep(folder, {"--sweep", "rho=1", "--sweep", "rho=2"}).err.find("given twice"),
-            std::string::npos);
-  EXPECT_NE(sweep(folder, {"--sweep", "rho=1,2,3,4,5,6,7,8,9", "--sweep", "sigma=1,2,3,4,5,6,7,8"})
-                .err.find("64 at most"),
-            std::string::npos);
-  EXPECT_NE(sweep(folder, {}).err.find("--sweep is required"), std::string::npos);
+  EXPECT_TRUE(holds(sweep(folder, {"--vary", "rho=1", "--vary", "rho=2"}).err, "varied twice"));
+  EXPECT_TRUE(holds(sweep(folder, {"--vary", "rho=1,2,3,4,5,6,7,8,9", "--vary", "sigma=1,2,3,4,5,6,7,8"}).err,
+                    "64 at most"));
+  EXPECT_TRUE(holds(sweep(folder, {}).err, "--vary is required"));
+}
+
+TEST(Sweep, WhatIsWrongWithOnePointIsSaidBeforeTheFirstIsMade) {
+  const WorkFolder folder;
+  folder.file("lines.svg", "<svg viewBox='0 0 192 144'><path d='M60 40L140 100'/></svg>");
+  const Outcome file = sweep(folder, {"--vary", "strokes=lines.svg,missing.svg"});
+  EXPECT_NE(file.exit_code, 0);
+  EXPECT_TRUE(holds(file.err, "missing.svg")) << file.err;
+  EXPECT_FALSE(fs::exists(folder / "out/01.mp4"));
+  const Outcome pair = sweep(folder, {"--vary", "layer=whole,light"});
+  EXPECT_EQ(pair.exit_code, 2);
+  EXPECT_TRUE(holds(pair.err, "--layer light")) << pair.err;
+  EXPECT_FALSE(fs::exists(folder / "out/01.mp4"));
 }
 
 TEST(Cache, TheSameAgainIsReusedAndADamagedPackIsNot) {

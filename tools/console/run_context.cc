@@ -6,6 +6,8 @@
 #include <cstdio>
 #include <cstdlib>
 #include <memory>
+#include <optional>
+#include <set>
 #include <thread>
 #include <utility>
 
@@ -20,6 +22,7 @@ namespace freshet::tools {
 namespace {
 
 std::atomic<int> caught{0};
+std::optional<std::set<std::string>> said;  // while a SayOnce lives
 
 /// Some options are left out of the help, not of the command: CLI11's own way, a group without a name, takes their
 /// names too, from messages and from whoever looks for outputs among the options.
@@ -91,7 +94,11 @@ void add_short_help(CLI::App& command, const std::vector<std::string>& hidden) {
       ->configurable(false);
 }
 
+SayOnce::SayOnce() { said.emplace(); }
+SayOnce::~SayOnce() { said.reset(); }
+
 void say(const std::string& message) {
+  if (said && !said->insert(message).second) return;
   clear_progress_line();
   fmt::print(stderr, "freshet: {}\n", printable_lines(message));
 }

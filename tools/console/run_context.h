@@ -40,4 +40,13 @@ void add_short_help(CLI::App& command, const std::vector<std::string>& hidden);
 /// A message for a person, on stderr, prefixed with the program's name.
 void say(const std::string& message);
 
+/// While one lives, equal messages are said once: of steps that are gone through again. One at a time.
+class SayOnce {
+ public:
+  SayOnce();
+  SayOnce(const SayOnce&) = delete;
+  SayOnce& operator=(const SayOnce&) = delete;
+  ~SayOnce();
+};
+
 }  // namespace freshet::tools

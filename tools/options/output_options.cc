@@ -24,6 +24,10 @@ constexpr const char* kGroup = "Output";
   throw Error(ErrorKind::kUsage, option, fault, remedy);
 }
 
+std::string ending_of_preset(const std::string& preset) {
+  return preset == "edit" ? ".mov" : preset == "archive" ? ".mkv" : ".mp4";
+}
+
 bool is_one_of(const std::string& text, std::initializer_list<const char*> of) {
   return std::find(of.begin(), of.end(), text) != of.end();
 }
@@ -71,9 +75,8 @@ void OutputOptions::add_frames_to(CLI::App& command) {
       ->capture_default_str()
       ->group(kGroup);
   command
-      .add_option(
-          "--range", range_,
-          "Write only these frames, by their numbers; those before are computed and not written [all]")
+      .add_option("--range", range_,
+                  "Write only these frames, by their numbers, the same as if all were written [all]")
       ->type_name("A-B")
       ->group(kGroup);
   add_overwrite(command);
@@ -128,9 +131,17 @@ FrameNumbers OutputOptions::numbers(int frames) const {
   return all;
 }
 
+void OutputOptions::add_ending() {
+  out_ += preset_.empty() && layer_ == "fluid" ? ".webp" : ending_of_preset(preset_);
+}
+
+bool OutputOptions::plays_in_browsers() const {
+  return lower_ending(out_) == ".mp4" && file_options_.bits != 10;
+}
+
 cv::Size OutputOptions::apply_preset(const Kind& kind, cv::Size size) {
   if (preset_.empty()) return size;
-  const std::string ending = preset_ == "edit" ? ".mov" : preset_ == "archive" ? ".mkv" : ".mp4";
+  const std::string ending = ending_of_preset(preset_);
   if (kind.ending != ending)
     refuse("--preset " + preset_, fmt::format("it makes {} files, and {} is none", ending, out_),
            "Name the output so, or leave the preset out");
@@ -228,6 +239,7 @@ std::unique_ptr<AnimationFiles> OutputOptions::open(const TargetFiles::Loaded& l
   if (!motion_out_.empty())
     options.motion_sink = [to = files.get()](const cv::Mat& motion) { to->write_motion(motion); };
 
+  options.from = static_cast<int>(numbered.from - numbered.first);
   options.until = static_cast<int>(numbered.to - numbered.first + 1);
   files->picture_ = loaded.picture;
   if (layer_ == "whole" && samples == media::Samples::k8 && !deep) return files;

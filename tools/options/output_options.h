@@ -29,6 +29,8 @@ class AnimationFiles {
   /// The next frame as animate() hands it on; frames outside --range are passed over. Returns it for a person to look
   /// at, CV_8UC3.
   cv::Mat write(const cv::Mat& frame);
+  /// For who makes no frame before --range (AnimateOptions::from): the next one is its first.
+  void skip_to_range() { frame_ = matte_frame_ = motion_frame_ = numbers_.from; }
   void finish();
 
  private:
@@ -60,6 +62,10 @@ class OutputOptions {
   /// options   with frames, fps and boundary; what they are given must not outlive the files.
   std::unique_ptr<AnimationFiles> open(const TargetFiles::Loaded& loaded,
                                        synth::animate::AnimateOptions& options);
+  /// Gives a name without an ending the one of what is asked: the preset's, .webp for the fluid alone, .mp4.
+  void add_ending();
+  /// Whether browsers play the file.
+  bool plays_in_browsers() const;
   std::int64_t first_number() const { return first_number_; }
   const std::string& name() const { return out_; }
   /// Whether the fluid alone is written, with its alpha.

@@ -281,4 +281,9 @@ cv::Mat Blender::take_level(int frame) {
   return field;
 }
 
+void Blender::drop(int frame) {
+  impl_->bands[frame].clear();
+  impl_->mean_luma_of_piece[frame].release();
+}
+
 }  // namespace freshet::synth::animate

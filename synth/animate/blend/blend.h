@@ -66,6 +66,8 @@ class Blender {
   /// CV_32F. Each once; they free the frame's memory. After all adds. kKeep: levels are part of the detail.
   cv::Mat take_detail(int frame);
   cv::Mat take_level(int frame);
+  /// Frees the frame's memory without merging what is left of it.
+  void drop(int frame);
   /// Both together.
   cv::Mat take(int frame) { return take_detail(frame) + take_level(frame); }
 

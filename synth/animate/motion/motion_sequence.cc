@@ -7,6 +7,7 @@
 #include <map>
 #include <optional>
 #include <span>
+#include <vector>
 
 #include <oneapi/tbb/parallel_for.h>
 #include <opencv2/imgproc.hpp>
@@ -81,9 +82,23 @@ struct NeededFlow {
   store::ClipId clip;
   int step = 0;  // px of the clip between samples
   std::uint32_t frames = 0;
-  double px_per_s = 0;  // for one unit of what is stored
+  std::vector<double> px_per_s;  // of each frame, for one unit of what is stored
   cv::Rect samples;
 };
+
+/// By the clip's rate, or where that varies by each pair of frames' own.
+std::vector<double> px_per_s_of(const store::Snapshot& snapshot, store::ClipId clip) {
+  const store::ClipRecord& record = snapshot.clip(clip);
+  const double fps = static_cast<double>(record.fps_num) / static_cast<double>(record.fps_den);
+  std::vector<double> rates(record.flow.frames, fps);
+  if (snapshot.has_column(clip, "flow.rate")) rates = snapshot.column<double>(clip, "flow.rate");
+  if (rates.size() != record.flow.frames ||
+      !std::all_of(rates.begin(), rates.end(), [](double rate) { return rate > 0 && std::isfinite(rate); }))
+    throw Error(ErrorKind::kDamaged, record.name, "the rates of its flow do not fit it",
+                "Run freshet store verify, and ingest the clip again");
+  for (double& rate : rates) rate *= vision::kFlowUnit;
+  return rates;
+}
 
 NeededFlow needed_flow(const store::Snapshot& snapshot, int step, const Placement& placement,
                        const PlayedPatches& group) {
@@ -97,8 +112,7 @@ NeededFlow needed_flow(const store::Snapshot& snapshot, int step, const Placemen
   cv::Rect samples(cv::Point(needed.x / step - kSquare, needed.y / step - kSquare),
                    cv::Point(needed.br().x / step + kSquare, needed.br().y / step + kSquare));
   samples &= cv::Rect(0, 0, static_cast<int>(flow.planes[0].width), static_cast<int>(flow.planes[0].height));
-  const double fps = static_cast<double>(record.fps_num) / static_cast<double>(record.fps_den);
-  return {snapshot, group.clip, step, flow.frames, vision::kFlowUnit * fps, samples};
+  return {snapshot, group.clip, step, flow.frames, px_per_s_of(snapshot, group.clip), samples};
 }
 
 /// One placed patch: where its squares lie in its clip's flow, and how velocities turn.
@@ -187,7 +201,7 @@ class FlowFrames {
     cv::merge(std::vector<cv::Mat>{cv::Mat(flow_.samples.size(), CV_16S, planes_[0].data() + offset),
                                    cv::Mat(flow_.samples.size(), CV_16S, planes_[1].data() + offset)},
               field);
-    field.convertTo(field, CV_32F, flow_.px_per_s);
+    field.convertTo(field, CV_32F, flow_.px_per_s[at]);
     blurred.resize(scales.size());
     for (std::size_t s = 0; s < scales.size(); ++s) {
       const int reach = std::max(1, static_cast<int>(std::lround(square / scales[s] / flow_.step))) | 1;

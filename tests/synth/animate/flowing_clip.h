@@ -26,6 +26,7 @@ struct FlowingClip {
   float varying = 1;       // px per frame: how far
   int range = 2;           // of its samples, as media::PixelLayout has it: 1 limited, 2 full
   std::uint64_t seed = 1;
+  std::vector<double> rates{};  // column "flow.rate", of clips whose frame rate varies
   std::optional<vision::CellMap> life{},
       standing{};  // columns "cells.life" and "cells.standing", as ingest writes them
 
@@ -81,6 +82,7 @@ struct FlowingClip {
       writer.append(store::Stream::kFlow, flow_views);
     }
     writer.column<double>("frame.time", times);
+    if (!rates.empty()) writer.column<double>("flow.rate", rates);
     store::ClipRecord record;
     record.name = name;
     record.class_name = "water";

@@ -135,12 +135,27 @@ TEST(Matte, MarksThatLeaveNothingToFindAreRefused) {
   EXPECT_NE(said.find("s.png: no pixel came out as fluid"), std::string::npos) << said;
 }
 
-TEST(Matte, ASheetShowsAllFour) {
+TEST(Matte, ASheetShowsAllFourCroppedAtFullSize) {
   const MadePicture made = made_picture();
-  const cv::Mat sheet = matte_sheet(made.picture, made.marks, made.alpha);
-  EXPECT_EQ(sheet.size(), cv::Size(4 * 160 + 3 * 8, 120 + 20)) << "with a line of text below";
-  EXPECT_EQ(sheet.at<cv::Vec3b>(60, 2 * 168 + 80), cv::Vec3b(255, 255, 255));
-  EXPECT_EQ(sheet.at<cv::Vec3b>(60, 168 + 80), cv::Vec3b(40, 220, 40));
+  cv::Mat picture, alpha;
+  Marks marks;
+  // The same in a wide picture without fluid around it.
+  cv::copyMakeBorder(made.picture, picture, 100, 100, 300, 300, cv::BORDER_REPLICATE);
+  cv::copyMakeBorder(made.alpha, alpha, 100, 100, 300, 300, cv::BORDER_CONSTANT, cv::Scalar(0));
+  cv::copyMakeBorder(made.marks, marks, 100, 100, 300, 300, cv::BORDER_CONSTANT, cv::Scalar(kBackground));
+  const cv::Mat sheet = matte_sheet(picture, marks, alpha);
+  EXPECT_LT(sheet.cols, 2 * 300) << "cropped";
+  const auto colour_in = [&](int column, int row, const cv::Vec3b& colour) {
+    cv::Mat found;
+    const int half = (sheet.rows - 60) / 2;
+    const cv::Rect quarter(column * sheet.cols / 2, row * half, sheet.cols / 2, half);
+    cv::inRange(sheet(quarter), cv::Scalar(colour), cv::Scalar(colour), found);
+    return cv::countNonZero(found);
+  };
+  EXPECT_GT(colour_in(1, 0, {40, 220, 40}), 20) << "marks";
+  EXPECT_EQ(colour_in(0, 0, {40, 220, 40}), 0);
+  // As many white pixels as the matte has: full size.
+  EXPECT_NEAR(colour_in(0, 1, {255, 255, 255}), cv::countNonZero(alpha == 255), 200);
 }
 
 }  // namespace

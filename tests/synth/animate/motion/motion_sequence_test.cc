@@ -67,6 +67,23 @@ TEST(MotionSequence, SteadyFlowIsTurnedScaledAndPlayedAsItsVariantIs) {
       }
 }
 
+TEST(MotionSequence, FramesThatLieFurtherApartMoveNoFaster) {
+  FlowingClip clip{.size = {220, 180}, .frames = 4, .steady = {2.0f, -1.0f}, .varying = 0};
+  clip.rates = {kFps, kFps / 2, 2 * kFps};
+  const FlowingStore store({clip});
+  const Placement placement = placement_of(store.id(), {}, {20, 20});
+  const std::vector played{all_of(placement, shown({0, 1, 2}))};
+  const MotionSequence sequence(store.snapshot(), store.settings(), placement, played, {100, 70}, 3);
+  for (int i = 0; i < 3; ++i)
+    EXPECT_NEAR(sequence.at(i).at<cv::Vec2f>(30, 50)[0], 2 * clip.rates[static_cast<std::size_t>(i)], 0.01)
+        << i;
+  clip.rates = {kFps, 0, kFps};
+  const FlowingStore broken({clip});
+  EXPECT_THROW(MotionSequence(broken.snapshot(), broken.settings(), placement_of(broken.id(), {}, {20, 20}),
+                              played, {100, 70}, 3),
+               Error);
+}
+
 /// The same, square by square and sample by sample, for one upright or mirrored variant at scale 1.
 cv::Mat obvious_squares(const FlowingClip& clip, const Placement& placement, std::uint32_t frame, double rate,
                         cv::Size grid) {
