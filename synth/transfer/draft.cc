@@ -69,8 +69,29 @@ Draft random_draft(const ExemplarLevel& source, const TargetLevel& target, const
 
 void start_from_past(const TargetLevel& target, double lambda, PixelGrid& picture) {
   for (std::size_t i = 0; i < picture.values.size(); ++i)
-    if (static_cast<double>(target.lambda.values[i]) > 0.5 * lambda)
-      picture.values[i] = target.previous.values[i];
+    if (has_past(target.lambda.values[i], lambda)) picture.values[i] = target.previous.values[i];
+}
+
+std::vector<std::int32_t> carried_sources(const GridOf<std::int32_t>& carried, const ExemplarLevel& finest,
+                                          const ExemplarLevel& source, int halvings, cv::Size target,
+                                          int margin) {
+  std::vector<std::int32_t> out(static_cast<std::size_t>(target.area()), -1);
+  const int middle = (1 << halvings) / 2;
+  for_rows(target.height - 2 * margin, [&](int y) {
+    const int from_y = std::min((y << halvings) + middle, carried.height - 1);
+    std::int32_t* row = out.data() + static_cast<std::ptrdiff_t>(y + margin) * target.width + margin;
+    for (int x = 0; x < target.width - 2 * margin; ++x) {
+      const std::int32_t place = carried(std::min((x << halvings) + middle, carried.width - 1), from_y);
+      // A state may have been left by another exemplar.
+      if (place < 0 || place >= static_cast<std::int32_t>(finest.now.values.size())) continue;
+      ExemplarLevel::Place at = finest.split(place);
+      const cv::Size size = source.sizes[static_cast<std::size_t>(at.turn)];
+      at.x = std::clamp(at.x >> halvings, margin, size.width - 1 - margin);
+      at.y = std::clamp(at.y >> halvings, margin, size.height - 1 - margin);
+      row[x] = source.join(at);
+    }
+  });
+  return out;
 }
 
 Draft refined(const Draft& coarse, const ExemplarLevel& coarse_source, const ExemplarLevel& source,

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 #include "synth/transfer/exemplar.h"
 #include "synth/transfer/pixel_grid.h"
@@ -24,6 +25,15 @@ Draft random_draft(const ExemplarLevel& source, const TargetLevel& target, const
 
 /// Puts the frame before where its fluid is most of what is here.
 void start_from_past(const TargetLevel& target, double lambda, PixelGrid& picture);
+
+/// The source places of the frame before where its fluid is now, for a level of the exemplar: by place of that
+/// level's target, margin included; -1 where there is none.
+///
+/// carried  of the frame's size, places in `finest`; -1 where there is none.
+/// halvings  from the finest level to this one.
+std::vector<std::int32_t> carried_sources(const GridOf<std::int32_t>& carried, const ExemplarLevel& finest,
+                                          const ExemplarLevel& source, int halvings, cv::Size target,
+                                          int margin);
 
 /// What the coarser level found, one level finer: patches keep their neighbours, and the picture is voted from them.
 Draft refined(const Draft& coarse, const ExemplarLevel& coarse_source, const ExemplarLevel& source,

@@ -158,21 +158,6 @@ void check_outline(const DesignFiles& design, const ExemplarFiles& exemplar,
         "Paint what is no fluid black, or give an opaque exemplar");
 }
 
-void take_off_ground(cv::Mat& bgra, Ground ground) {
-  if (ground == Ground::kNone) return;
-  const bool black = ground == Ground::kBlack;
-  bgra.forEach<cv::Vec4w>([black](cv::Vec4w& at, const int*) {
-    int light[3];  // of light on black, or of the negative
-    for (int c = 0; c < 3; ++c) light[c] = black ? at[c] : kMax - at[c];
-    const int alpha = std::max({light[0], light[1], light[2]});
-    for (int c = 0; c < 3; ++c) {
-      const auto full = alpha > 0 ? static_cast<int>((std::int64_t{light[c]} * kMax + alpha / 2) / alpha) : 0;
-      at[c] = static_cast<std::uint16_t>(black ? full : kMax - full);
-    }
-    at[3] = static_cast<std::uint16_t>(alpha);
-  });
-}
-
 struct ExemplarFiles::Impl {
   ExemplarOptions options;
   Frames frames;
@@ -187,28 +172,35 @@ struct ExemplarFiles::Impl {
   std::string hash;
   std::deque<std::pair<int, cv::Mat>> remembered;
 
-  /// One of its own frames, with the alpha that is asked for.
+  /// One of its own frames, with the alpha and of the size that are asked for.
   cv::Mat own(int frame) const {
     cv::Mat bgra = frames.read(frame);
-    if (options.ground != Ground::kNone) take_off_ground(bgra, options.ground);
-    if (!masks) return bgra;
+    const cv::Mat mask = masks ? mask_of(frame, bgra.size()) : cv::Mat();
+    if (options.ground != Ground::kNone)
+      take_off_ground(bgra, options.ground, mask);
+    else if (masks)
+      cv::insertChannel(mask, bgra, 3);
+    if (options.scale == 1) return bgra;
+    cv::Mat scaled;
+    cv::resize(premultiplied(bgra), scaled, {}, options.scale, options.scale,
+               options.scale < 1 ? cv::INTER_AREA : cv::INTER_LINEAR);
+    return straight(scaled);
+  }
+
+  cv::Mat mask_of(int frame, cv::Size of_frame) const {
     const int of_masks = masks->count == 1 ? 0 : frame;
     const cv::Mat picture = masks->read(of_masks);
-    if (picture.size() != bgra.size())
+    if (picture.size() != of_frame)
       refuse(masks->name_of(of_masks),
              fmt::format("it has {} x {} px, {} {} x {}", picture.cols, picture.rows, frames.name_of(frame),
-                         bgra.cols, bgra.rows),
+                         of_frame.width, of_frame.height),
              "Give a mask of the exemplar's size");
-    cv::Mat mask, own_alpha;
-    cv::extractChannel(picture, own_alpha, 3);
+    cv::Mat mask;
+    cv::extractChannel(picture, mask, 3);
     double minimum = 0, maximum = 0;
-    cv::minMaxLoc(own_alpha, &minimum, &maximum);
-    if (minimum < kMax)
-      mask = own_alpha;  // transparent somewhere: that is the mask
-    else
-      cv::cvtColor(picture, mask, cv::COLOR_BGRA2GRAY);
-    cv::insertChannel(mask, bgra, 3);
-    return bgra;
+    cv::minMaxLoc(mask, &minimum, &maximum);
+    if (minimum == kMax) cv::cvtColor(picture, mask, cv::COLOR_BGRA2GRAY);  // transparent nowhere
+    return mask;
   }
 
   cv::Mat moment(const animate::Moment& at) const {

@@ -14,25 +14,20 @@
 
 #include "store/store.h"
 #include "synth/transfer/files/design_files.h"
+#include "synth/transfer/files/ground.h"
 #include "synth/transfer/transfer.h"
 #include "vision/loop_rule.h"
 
 namespace freshet::synth::transfer {
-
-/// What lies behind an exemplar that has no alpha of its own.
-enum class Ground {
-  kNone,   // nothing is known: it is opaque
-  kBlack,  // light on black, such as fire: alpha is the brightest channel, colours are divided by it
-  kWhite,  // dark on white, such as smoke: the same of the negative
-};
 
 struct ExemplarOptions {
   /// Masks in place of the exemplar's alpha: a picture for all of its frames, or a folder, pattern or video
   /// of as many; empty: none.
   std::filesystem::path alpha = {};
   Ground ground = Ground::kNone;
-  int patch = 5;   // px per side, of the transfer: an exemplar has room for two each way
-  int frames = 1;  // of the animation
+  double scale = 1;  // of its size, 0.05 to 4: patches are copied as large as they are
+  int patch = 5;     // px per side, of the transfer: an exemplar has room for two each way
+  int frames = 1;    // of the animation
 };
 
 /// Frame by frame as the animation goes; where it is shorter, looped by the rules of a store's clips: from a
@@ -73,9 +68,5 @@ class ExemplarFiles {
 /// fluid everywhere takes an opaque exemplar. Both have been checked.
 void check_outline(const DesignFiles& design, const ExemplarFiles& exemplar,
                    const std::filesystem::path& masks);
-
-/// Straight alpha and colours of light on black, or of what is dark on white. bgra CV_16UC4, in place; its
-/// alpha is replaced.
-void take_off_ground(cv::Mat& bgra, Ground ground);
 
 }  // namespace freshet::synth::transfer

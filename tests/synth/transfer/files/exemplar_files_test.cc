@@ -3,7 +3,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <filesystem>
 #include <string>
@@ -113,25 +112,30 @@ TEST_F(ExemplarFilesTest, MasksTakeThePlaceOfItsAlpha) {
   EXPECT_EQ(cv::norm(alpha, mask, cv::NORM_INF), 0);
 }
 
-TEST_F(ExemplarFilesTest, LightIsTakenOffItsGround) {
-  // A fire of straight colour c at opacity a over black is a c, over white a c + 1 - a.
-  cv::Mat on_black(1, 1, CV_16UC4, cv::Scalar(0.1 * 65535, 0.2 * 65535, 0.4 * 65535, 65535));
-  take_off_ground(on_black, Ground::kBlack);
-  const cv::Vec4w black = on_black.at<cv::Vec4w>(0, 0);
-  EXPECT_NEAR(black[3] / 65535.0, 0.4, 1e-4);
-  EXPECT_NEAR(black[0] / 65535.0, 0.25, 1e-4);
-  EXPECT_EQ(black[2], 65535);
-  cv::Mat on_white(1, 1, CV_16UC4, cv::Scalar(0.9 * 65535, 0.8 * 65535, 0.6 * 65535, 65535));
-  take_off_ground(on_white, Ground::kWhite);
-  const cv::Vec4w white = on_white.at<cv::Vec4w>(0, 0);
-  EXPECT_NEAR(white[3] / 65535.0, 0.4, 1e-4);
-  for (int c = 0; c < 3; ++c) {
-    const double over = white[c] / 65535.0 * white[3] / 65535.0 + 1 - white[3] / 65535.0;
-    EXPECT_NEAR(over, (std::array{0.9, 0.8, 0.6})[static_cast<std::size_t>(c)], 1e-4);
-  }
-  cv::Mat nothing(1, 1, CV_16UC4, cv::Scalar(0, 0, 0, 65535));
-  take_off_ground(nothing, Ground::kBlack);
-  EXPECT_EQ((nothing.at<cv::Vec4w>(0, 0)), cv::Vec4w(0, 0, 0, 0));
+TEST_F(ExemplarFilesTest, ItsStructureIsAsLargeAsIsAskedFor) {
+  write_waves(1, 10);
+  ExemplarFiles exemplar(folder_ / "frames", {.scale = 0.5});
+  exemplar.check();
+  EXPECT_EQ(exemplar.size(), cv::Size(16, 12));
+  // Light is averaged: colours times alpha.
+  const auto light = [](const cv::Mat& bgra) {
+    cv::Mat values;
+    bgra.convertTo(values, CV_32F, 1.0 / 65535);
+    values.forEach<cv::Vec4f>([](cv::Vec4f& at, const int*) {
+      at = {at[0] * at[3], at[1] * at[3], at[2] * at[3], at[3]};
+    });
+    return values;
+  };
+  ExemplarFiles own(folder_ / "frames", {});
+  own.check();
+  const cv::Mat whole = light(own.at(0).bgra), half = light(exemplar.at(0).bgra);
+  for (int y = 0; y < half.rows; ++y)
+    for (int x = 0; x < half.cols; ++x) {
+      const cv::Vec4f mean =
+          0.25 * (whole.at<cv::Vec4f>(2 * y, 2 * x) + whole.at<cv::Vec4f>(2 * y, 2 * x + 1) +
+                  whole.at<cv::Vec4f>(2 * y + 1, 2 * x) + whole.at<cv::Vec4f>(2 * y + 1, 2 * x + 1));
+      ASSERT_LT(cv::norm(mean, half.at<cv::Vec4f>(y, x), cv::NORM_INF), 1e-4);
+    }
 }
 
 }  // namespace
