@@ -24,6 +24,7 @@
 #include "synth/transfer/files/composite.h"
 #include "synth/transfer/files/design_files.h"
 #include "synth/transfer/files/exemplar_files.h"
+#include "synth/transfer/files/extent.h"
 #include "synth/transfer/files/resume_folder.h"
 #include "synth/transfer/transfer.h"
 #include "tools/commands.h"
@@ -36,11 +37,13 @@ namespace {
 namespace fs = std::filesystem;
 namespace transfer = synth::transfer;
 
+constexpr int kDesignFramesSeen = 8;  // to fit the exemplar's size and body to
 constexpr const char* kFrameName = "frame_%05d.png";
 
 struct TransferCommand {
   std::string exemplar, store, ground = "none", blend;
   transfer::ExemplarOptions exemplar_options;
+  std::optional<double> exemplar_scale;
   fs::path design, alpha, flow, out, background, composite;
   std::string at = "0,0";
   int frames = 0, bits = 8;
@@ -242,8 +245,22 @@ transfer::ExemplarFiles open_exemplar(const TransferCommand& command, int frames
                                                : transfer::Ground::kNone;
   options.patch = command.options.patch;
   options.frames = frames;
+  options.scale = command.exemplar_scale.value_or(1);
   if (command.store.empty()) return {command.exemplar, options};
   return {store::Store::open_read(command.store).snapshot(), command.exemplar, options};
+}
+
+/// Size and body of the look, as far as they are not given.
+void fit(const TransferCommand& command, transfer::DesignFiles& design, transfer::ExemplarFiles& exemplar) {
+  const transfer::Extent extent = transfer::mean_extent(design.frames(), kDesignFramesSeen, command.options,
+                                                        [&](int i) { return design.read(i).alpha; });
+  if (!command.exemplar_scale) exemplar.fit_scale(extent, command.options);
+  exemplar.fit_body(extent, command.options);
+  if (const double scale = exemplar.options().scale; !command.exemplar_scale && scale < 1)
+    say(
+        fmt::format("{}: it has {:.1f} times the design's fluid, and is used at {:.2f} of its size; "
+                    "--exemplar-scale 1 keeps it",
+                    command.exemplar, 1 / (scale * scale), scale));
 }
 
 void say_what_was_found(const TransferCommand& command, const transfer::DesignFiles& design,
@@ -258,7 +275,7 @@ void say_what_was_found(const TransferCommand& command, const transfer::DesignFi
     say(
         fmt::format("{}: the exemplar has {:.1f} times the design's pixels, of which only some can be seen; "
                     "--exemplar-scale {:.2f} shows it whole",
-                    command.exemplar, 1 / share, command.exemplar_options.scale * std::sqrt(share)));
+                    command.exemplar, 1 / share, exemplar.options().scale * std::sqrt(share)));
   if (design.empty_frames() > 0)
     say(fmt::format("{}: {} of {} masks are black everywhere; those frames are transparent",
                     command.alpha.string(), design.empty_frames(), design.frames()));
@@ -287,6 +304,7 @@ void run_transfer(TransferCommand command, RunContext& context) {
       context.stop);
   FrameFiles files(command, design.size(), design.frames());
   std::optional<Composite> composite = open_composite(command, design.size(), design.frames());
+  fit(command, design, exemplar);
   exemplar.check(
       [&](std::size_t done, std::size_t of) { progress.show("checking the exemplar", done, of, "frames"); },
       context.stop);
@@ -401,10 +419,10 @@ void add_inputs(CLI::App& sub, TransferCommand& command) {
       ->check(CLI::IsMember({"none", "black", "white"}))
       ->capture_default_str()
       ->group(look);
-  sub.add_option("--exemplar-scale", command.exemplar_options.scale,
-                 "Size of the exemplar's structure in the animation, of its own: at 1 px stay px")
+  sub.add_option("--exemplar-scale", command.exemplar_scale,
+                 "Size of the exemplar's structure in the animation, of its own: at 1 px stay px [smaller "
+                 "than that where it has more fluid than the design, with an outline]")
       ->check(CLI::Range(0.05, 4.0))
-      ->capture_default_str()
       ->group(look);
   sub.add_option("--design", command.design,
                  "A folder that freshet synth simulate left: its alpha/ and flow/")

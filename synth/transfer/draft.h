@@ -42,4 +42,18 @@ Draft refined(const Draft& coarse, const ExemplarLevel& coarse_source, const Exe
 /// Makes transparent what no patch of `field` reaches. half: of a patch, px.
 void clear_uncovered(const NearestField& field, int half, PixelGrid& picture);
 
+/// So many of the sources: all of some tiles, and some of one more. Tiles lie spread over all of the picture, so that
+/// their colours are its; a part of fewer sources is contained in one of more.
+///
+/// Eq. 5 leaves open which R of the sources are used K + 1 times. Left to the search, where K = 0, these are the
+/// darkest and smoothest, which are near to everything: fire becomes dim and soft.
+///
+/// sources  places in a picture of this width, in the order of Segments.
+/// count    1 to the number of sources.
+/// tile     px per side; halved with the level, the same tiles come at every level.
+/// seed     which tiles come first.
+/// Returns  places, in the order in which they were.
+std::vector<int> part_of(const std::vector<int>& sources, int width, std::size_t count, int tile,
+                         std::uint64_t seed);
+
 }  // namespace freshet::synth::transfer

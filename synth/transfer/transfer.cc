@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <span>
 #include <utility>
@@ -26,7 +27,10 @@
 namespace freshet::synth::transfer {
 namespace {
 
-constexpr int kMinSide = 24;  // px, of the coarsest level when levels are chosen here
+constexpr int kMaxTile = 32;  // px, at full size, where only a part of the exemplar is used
+constexpr int kMinTile = 4;
+constexpr unsigned kLeastTiles = 6;  // in a part, where tiles are not of the least size
+constexpr int kMinSide = 24;         // px, of the coarsest level when levels are chosen here
 
 /// Where a frame's time goes: what has passed since the last call is added to one of its seconds.
 class FrameClock {
@@ -107,6 +111,7 @@ struct Transfer::Impl {
   Past past_of(const Grid& mask) const;
   int iterations_at(std::size_t level) const;
   Draft begun(const TargetLevel& coarsest, std::uint64_t seed) const;
+  std::vector<Task> tasks_at(std::size_t level, const Segments& target) const;
   void improve(std::size_t level, std::span<const std::int32_t> hints, TargetLevel& target,
                std::uint64_t seed, Draft& draft, FrameClock& clock, const std::function<void()>& done) const;
   void retrieve(const std::vector<Task>& tasks, const PatchDistance& distance,
@@ -154,6 +159,22 @@ Draft Transfer::Impl::begun(const TargetLevel& coarsest, std::uint64_t seed) con
   return draft;
 }
 
+// Uniform use of fewer targets than sources is of a part of them.
+std::vector<Task> Transfer::Impl::tasks_at(std::size_t level, const Segments& target) const {
+  const ExemplarLevel& source = prepared.levels[level];
+  std::vector<Task> tasks = tasks_of(source.segments, target);
+  if (options.retrieval != Retrieval::kUniform) return tasks;
+  for (Task& task : tasks) {
+    const std::size_t count = task.targets.size();
+    if (count == 0 || count >= task.sources.size()) continue;
+    const double side = std::sqrt(static_cast<double>(count / kLeastTiles));
+    const int tile = std::clamp(static_cast<int>(std::bit_floor(static_cast<unsigned>(side))), kMinTile,
+                                std::max(kMinTile, kMaxTile >> level));
+    task.sources = part_of(task.sources, source.now.width, count, tile, options.seed);
+  }
+  return tasks;
+}
+
 // Retrieval and vote, by turns, at one level. done() after each turn.
 // hints: what the frame before had, by place; tried once.
 void Transfer::Impl::improve(std::size_t level, std::span<const std::int32_t> hints, TargetLevel& target,
@@ -161,7 +182,7 @@ void Transfer::Impl::improve(std::size_t level, std::span<const std::int32_t> hi
                              const std::function<void()>& done) const {
   const ExemplarLevel& source = prepared.levels[level];
   const int iterations = iterations_at(level);
-  const std::vector<Task> tasks = tasks_of(source.segments, target.segments);
+  const std::vector<Task> tasks = tasks_at(level, target.segments);
   const PatchDistance distance(source.features, target.features, target.lambda.values, options.patch);
   for (int iteration = 0; iteration < iterations; ++iteration) {
     put_now(draft.picture, target.features);
@@ -186,7 +207,7 @@ void Transfer::Impl::retrieve(const std::vector<Task>& tasks, const PatchDistanc
                               TransferSeconds& seconds) const {
   const auto assign = options.retrieval == Retrieval::kUniform ? assign_uniformly : assign_nearest;
   RetrievalSeconds spent;
-  for (const Task& task : tasks) assign(distance, *task.sources, task.targets, retrieval, field, spent);
+  for (const Task& task : tasks) assign(distance, task.sources, task.targets, retrieval, field, spent);
   seconds.search += spent.search;
   seconds.assign += spent.assign;
 }

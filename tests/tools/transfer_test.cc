@@ -88,6 +88,19 @@ class TransferTool : public testing::Test {
   WorkFolder folder_;
 };
 
+TEST_F(TransferTool, AnExemplarLargerThanTheDesignIsMadeSmallerAndItIsSaid) {
+  cv::imwrite(folder_ / "large.png", look({100, 100}));
+  const Outcome fitted = transfer({"--exemplar", "large.png", "--json", "-o", "a.mkv"});
+  ASSERT_EQ(fitted.exit_code, 0) << fitted.err;
+  EXPECT_NE(fitted.err.find("of its size; --exemplar-scale 1 keeps it"), std::string::npos) << fitted.err;
+  EXPECT_LT(nlohmann::json::parse(fitted.out)["exemplar"]["width"], 60);
+  const Outcome kept =
+      transfer({"--exemplar", "large.png", "--exemplar-scale", "1", "--json", "-o", "b.mkv"});
+  ASSERT_EQ(kept.exit_code, 0) << kept.err;
+  EXPECT_EQ(kept.err.find("of its size"), std::string::npos) << kept.err;
+  EXPECT_EQ(nlohmann::json::parse(kept.out)["exemplar"]["width"], 100);
+}
+
 TEST_F(TransferTool, WritesTheSameAnimationToASequenceFfv1AndProRes) {
   const Outcome made = transfer_look({"-o", "out/%03d.png"});
   ASSERT_EQ(made.exit_code, 0) << made.err;
@@ -246,7 +259,8 @@ TEST_F(TransferTool, LightOnBlackJoinsItsBackgroundAsLight) {
       for (int x = 0; x < kDesignWidth; ++x) {
         const cv::Vec4b over = light.at<cv::Vec4b>(y, x);
         lit += over[3] > 128;
-        ASSERT_EQ(std::max({over[0], over[1], over[2]}), over[3] > 0 ? 255 : 0);  // alpha is the light alone
+        // Alpha is the light alone.
+        ASSERT_TRUE(over[3] == 0 || std::max({over[0], over[1], over[2]}) == 255);
         for (int c = 0; c < 3; ++c) {
           const double part = over[c] * over[3] / 255.0;
           const double expected = blend == "over"  ? part + wall[c] * (255 - over[3]) / 255.0

@@ -27,6 +27,10 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int kMax = 65535;
+constexpr int kLookedAt = 2;    // frames, to fit it to a design
+constexpr int kLeastSide = 48;  // px, of an exemplar that is made smaller here
+constexpr double kLeastBody = 0.1;
+constexpr int kHalvings = 5;            // of the range of body_begins
 constexpr std::size_t kRemembered = 4;  // moments: this one, the one before, and those of a frame begun again
 
 [[noreturn]] void refuse(const std::string& where, const std::string& fault, const std::string& remedy) {
@@ -177,7 +181,7 @@ struct ExemplarFiles::Impl {
     cv::Mat bgra = frames.read(frame);
     const cv::Mat mask = masks ? mask_of(frame, bgra.size()) : cv::Mat();
     if (options.ground != Ground::kNone)
-      take_off_ground(bgra, options.ground, mask);
+      take_off_ground(bgra, options.ground, mask, options.body_begins);
     else if (masks)
       cv::insertChannel(mask, bgra, 3);
     if (options.scale == 1) return bgra;
@@ -185,6 +189,18 @@ struct ExemplarFiles::Impl {
     cv::resize(premultiplied(bgra), scaled, {}, options.scale, options.scale,
                options.scale < 1 ? cv::INTER_AREA : cv::INTER_LINEAR);
     return straight(scaled);
+  }
+
+  /// Of what the animation will use.
+  int used() const { return std::min(frames.count, std::max(1, options.frames)); }
+
+  Extent extent(const TransferOptions& transfer) const {
+    return mean_extent(used(), kLookedAt, transfer, [&](int frame) {
+      cv::Mat alpha;
+      cv::extractChannel(own(frame), alpha, 3);
+      alpha.convertTo(alpha, CV_32F, 1.0 / kMax);
+      return alpha;
+    });
   }
 
   cv::Mat mask_of(int frame, cv::Size of_frame) const {
@@ -259,11 +275,32 @@ ExemplarFiles::ExemplarFiles(const store::Snapshot& snapshot, const std::string&
 ExemplarFiles::ExemplarFiles(ExemplarFiles&&) noexcept = default;
 ExemplarFiles::~ExemplarFiles() = default;
 
+void ExemplarFiles::fit_scale(const Extent& design, const TransferOptions& options) {
+  Impl& exemplar = *impl_;
+  const Extent own = exemplar.extent(options);
+  if (own.boundary == 0 || own.all() <= design.all()) return;
+  const cv::Size size = exemplar.frames.read(0).size();
+  const double least = static_cast<double>(kLeastSide) / std::min(size.width, size.height);
+  exemplar.options.scale = std::clamp(std::sqrt(design.all() / own.all()), std::min(1.0, least), 1.0);
+}
+
+void ExemplarFiles::fit_body(const Extent& design, const TransferOptions& options) {
+  Impl& exemplar = *impl_;
+  if (exemplar.options.ground != Ground::kBlack || exemplar.masks) return;
+  // The more light it takes, the less is interior.
+  double low = kLeastBody, high = 1;
+  for (int halving = 0; halving < kHalvings; ++halving) {
+    exemplar.options.body_begins = 0.5 * (low + high);
+    const bool too_much = exemplar.extent(options).interior_share() > design.interior_share();
+    (too_much ? low : high) = exemplar.options.body_begins;
+  }
+}
+
 void ExemplarFiles::check(const std::function<void(std::size_t, std::size_t)>& progress,
                           const std::stop_token& stop) {
   Impl& exemplar = *impl_;
   exemplar.find_moments();
-  const int used = std::min(exemplar.frames.count, std::max(1, exemplar.options.frames));
+  const int used = exemplar.used();
   ContentHash hash;
   double max_alpha = 0;
   for (int i = 0; i < used; ++i) {
@@ -309,6 +346,7 @@ void ExemplarFiles::check(const std::function<void(std::size_t, std::size_t)>& p
   exemplar.hash = hash.text();
 }
 
+const ExemplarOptions& ExemplarFiles::options() const { return impl_->options; }
 int ExemplarFiles::frames() const { return impl_->frames.count; }
 cv::Size ExemplarFiles::size() const { return impl_->size; }
 bool ExemplarFiles::opaque() const { return impl_->opaque; }

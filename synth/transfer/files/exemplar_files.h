@@ -14,6 +14,7 @@
 
 #include "store/store.h"
 #include "synth/transfer/files/design_files.h"
+#include "synth/transfer/files/extent.h"
 #include "synth/transfer/files/ground.h"
 #include "synth/transfer/transfer.h"
 #include "vision/loop_rule.h"
@@ -25,9 +26,10 @@ struct ExemplarOptions {
   /// of as many; empty: none.
   std::filesystem::path alpha = {};
   Ground ground = Ground::kNone;
-  double scale = 1;  // of its size, 0.05 to 4: patches are copied as large as they are
-  int patch = 5;     // px per side, of the transfer: an exemplar has room for two each way
-  int frames = 1;    // of the animation
+  double scale = 1;                  // of its size, 0.05 to 4: patches are copied as large as they are
+  double body_begins = kBodyBegins;  // of light on black, as take_off_ground says
+  int patch = 5;                     // px per side, of the transfer: an exemplar has room for two each way
+  int frames = 1;                    // of the animation
 };
 
 /// Frame by frame as the animation goes; where it is shorter, looped by the rules of a store's clips: from a
@@ -42,12 +44,23 @@ class ExemplarFiles {
   ExemplarFiles(ExemplarFiles&&) noexcept;
   ~ExemplarFiles();
 
+  /// Chooses options().scale, at most 1, so that there is not more fluid than in the design: a structure that is
+  /// larger than what it shall fill is cut up, and becomes soft. An opaque exemplar keeps its size.
+  /// design   a mean frame's.
+  /// Throws Error{kInput} as check() does.
+  void fit_scale(const Extent& design, const TransferOptions& options);
+
+  /// Chooses options().body_begins so that as much of the fluid is interior as in the design, for light on black
+  /// whose body is not given: an outline is dimmer than what it holds, and a design of little else would be too.
+  void fit_body(const Extent& design, const TransferOptions& options);
+
   /// Reads once all that the animation will use, and finds the loop. Throws Error{kInput}: unreadable, frames
   /// of unequal size, smaller than two patches per side, transparent everywhere, masks of another size or
   /// number, too short for the animation and for a loop (vision::kMinLoopFrames); Error{kCancelled}.
   void check(const std::function<void(std::size_t done, std::size_t of)>& progress = {},
              const std::stop_token& stop = {});
 
+  const ExemplarOptions& options() const;
   int frames() const;  // of its own
   cv::Size size() const;
   bool opaque() const;                           // everywhere in all frames

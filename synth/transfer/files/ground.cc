@@ -10,8 +10,8 @@ namespace freshet::synth::transfer {
 namespace {
 
 constexpr int kMax = 65535;
-constexpr float kGlowEnds = 0.03f, kBodyBegins = 0.4f;  // brightness: black of footage is not quite 0
-constexpr double kGap = 0.02;  // of the height: half of what is closed between filaments
+constexpr float kGlowEnds = 0.03f;  // brightness: black of footage is not quite 0
+constexpr double kGap = 0.02;       // of the height: half of what is closed between filaments
 
 cv::Mat brightest(const cv::Mat& bgra) {
   cv::Mat out(bgra.size(), CV_16U);
@@ -23,7 +23,7 @@ cv::Mat brightest(const cv::Mat& bgra) {
   return out;
 }
 
-cv::Mat body_of(const cv::Mat& light) {
+cv::Mat body_of(const cv::Mat& light, float body_begins) {
   const int gap = std::max(1, static_cast<int>(std::lround(kGap * light.rows)));
   const cv::Mat disc = cv::getStructuringElement(cv::MORPH_ELLIPSE, {2 * gap + 1, 2 * gap + 1});
   cv::Mat body;
@@ -32,7 +32,7 @@ cv::Mat body_of(const cv::Mat& light) {
     auto* row = body.ptr<std::uint16_t>(y);
     for (int x = 0; x < body.cols; ++x) {
       const float at =
-          std::clamp((static_cast<float>(row[x]) / kMax - kGlowEnds) / (kBodyBegins - kGlowEnds), 0.0f, 1.0f);
+          std::clamp((static_cast<float>(row[x]) / kMax - kGlowEnds) / (body_begins - kGlowEnds), 0.0f, 1.0f);
       row[x] = static_cast<std::uint16_t>(std::lround(at * at * (3 - 2 * at) * kMax));
     }
   }
@@ -50,7 +50,7 @@ void divide(cv::Vec4w& at, int alpha, bool black) {
 
 }  // namespace
 
-void take_off_ground(cv::Mat& bgra, Ground ground, const cv::Mat& mask) {
+void take_off_ground(cv::Mat& bgra, Ground ground, const cv::Mat& mask, double body_begins) {
   if (ground == Ground::kNone) return;
   const bool black = ground == Ground::kBlack;
   if (!black) cv::bitwise_not(bgra, bgra);
@@ -59,7 +59,7 @@ void take_off_ground(cv::Mat& bgra, Ground ground, const cv::Mat& mask) {
   if (!mask.empty())
     cv::max(light, mask, alpha);
   else if (black)
-    cv::max(light, body_of(light), alpha);
+    cv::max(light, body_of(light, static_cast<float>(body_begins)), alpha);
   if (!black) cv::bitwise_not(bgra, bgra);
   for (int y = 0; y < bgra.rows; ++y) {
     auto* to = bgra.ptr<cv::Vec4w>(y);

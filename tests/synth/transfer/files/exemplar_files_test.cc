@@ -138,5 +138,56 @@ TEST_F(ExemplarFilesTest, ItsStructureIsAsLargeAsIsAskedFor) {
     }
 }
 
+// Light on black: a disc, brighter towards its middle.
+cv::Mat glow(cv::Size size, double radius) {
+  cv::Mat picture(size, CV_8UC3);
+  for (int y = 0; y < size.height; ++y)
+    for (int x = 0; x < size.width; ++x) {
+      const double light = 1 - std::hypot(x - 0.5 * size.width, y - 0.5 * size.height) / radius;
+      picture.at<cv::Vec3b>(y, x) = cv::Vec3b(0, cv::saturate_cast<std::uint8_t>(120 * light),
+                                              cv::saturate_cast<std::uint8_t>(255 * light));
+    }
+  return picture;
+}
+
+Extent extent_of_first(ExemplarFiles& exemplar) {
+  exemplar.check();
+  cv::Mat alpha;
+  cv::extractChannel(exemplar.at(0).bgra, alpha, 3);
+  alpha.convertTo(alpha, CV_32F, 1.0 / 65535);
+  return extent_of(alpha, {});
+}
+
+TEST_F(ExemplarFilesTest, ItIsMadeAsLargeAsTheDesign) {
+  cv::imwrite(folder_ / "glow.png", glow({200, 160}, 75));
+  const Extent design{.boundary = 3000, .interior = 1000};
+  ExemplarFiles exemplar(folder_ / "glow.png", {.ground = Ground::kBlack});
+  exemplar.fit_scale(design, {});
+  EXPECT_LT(exemplar.options().scale, 0.7);
+  EXPECT_NEAR(extent_of_first(exemplar).all() / design.all(), 1, 0.1);
+  // Not larger than it is.
+  ExemplarFiles small(folder_ / "glow.png", {.ground = Ground::kBlack});
+  small.fit_scale({.boundary = 20000, .interior = 20000}, {});
+  EXPECT_EQ(small.options().scale, 1);
+  // Nothing can be said of one that has no outline.
+  ExemplarFiles opaque(folder_ / "glow.png", {});
+  opaque.fit_scale(design, {});
+  EXPECT_EQ(opaque.options().scale, 1);
+}
+
+TEST_F(ExemplarFilesTest, AsMuchOfItsLightIsInteriorAsOfTheDesign) {
+  cv::imwrite(folder_ / "glow.png", glow({200, 160}, 75));
+  for (const double share : {0.1, 0.25, 0.5}) {
+    ExemplarFiles exemplar(folder_ / "glow.png", {.ground = Ground::kBlack});
+    exemplar.fit_body({.boundary = 1 - share, .interior = share}, {});
+    EXPECT_NEAR(extent_of_first(exemplar).interior_share(), share, 0.04);
+  }
+  // A body that is given stays.
+  cv::imwrite(folder_ / "mask.png", cv::Mat(160, 200, CV_8U, cv::Scalar(255)));
+  ExemplarFiles given(folder_ / "glow.png", {.alpha = folder_ / "mask.png", .ground = Ground::kBlack});
+  given.fit_body({.boundary = 0.9, .interior = 0.1}, {});
+  EXPECT_EQ(extent_of_first(given).interior_share(), 1);
+}
+
 }  // namespace
 }  // namespace freshet::synth::transfer
