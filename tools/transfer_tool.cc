@@ -24,6 +24,7 @@
 #include "synth/transfer/files/composite.h"
 #include "synth/transfer/files/design_files.h"
 #include "synth/transfer/files/exemplar_files.h"
+#include "synth/transfer/files/extent.h"
 #include "synth/transfer/files/resume_folder.h"
 #include "synth/transfer/transfer.h"
 #include "tools/commands.h"
@@ -36,11 +37,13 @@ namespace {
 namespace fs = std::filesystem;
 namespace transfer = synth::transfer;
 
+constexpr int kDesignFramesSeen = 8;  // to fit the exemplar's size and body to
 constexpr const char* kFrameName = "frame_%05d.png";
 
 struct TransferCommand {
-  std::string exemplar, store, ground = "none";
+  std::string exemplar, store, ground = "none", blend;
   transfer::ExemplarOptions exemplar_options;
+  std::optional<double> exemplar_scale;
   fs::path design, alpha, flow, out, background, composite;
   std::string at = "0,0";
   int frames = 0, bits = 8;
@@ -120,7 +123,17 @@ struct Composite {
   transfer::Background background;
   cv::Point at;
   fs::path out;
+  transfer::Blend blend;
 };
+
+bool is_light(const TransferCommand& command) { return command.ground == "black"; }
+
+transfer::Blend blend_of(const TransferCommand& command) {
+  if (command.blend == "add") return transfer::Blend::kAdd;
+  if (command.blend == "screen" || (command.blend.empty() && is_light(command)))
+    return transfer::Blend::kScreen;
+  return transfer::Blend::kOver;
+}
 
 std::optional<Composite> open_composite(const TransferCommand& command, cv::Size size, int frames) {
   if (command.background.empty() != command.composite.empty())
@@ -131,7 +144,8 @@ std::optional<Composite> open_composite(const TransferCommand& command, cv::Size
   if (command.background.empty()) return std::nullopt;
   Composite composite{.background = transfer::Background(command.background, frames),
                       .at = parse_place(command.at),
-                      .out = command.composite};
+                      .out = command.composite,
+                      .blend = blend_of(command)};
   if ((cv::Rect(composite.at, size) & cv::Rect({0, 0}, composite.background.size())).empty())
     throw Error(
         ErrorKind::kUsage, "--at " + command.at,
@@ -231,8 +245,22 @@ transfer::ExemplarFiles open_exemplar(const TransferCommand& command, int frames
                                                : transfer::Ground::kNone;
   options.patch = command.options.patch;
   options.frames = frames;
+  options.scale = command.exemplar_scale.value_or(1);
   if (command.store.empty()) return {command.exemplar, options};
   return {store::Store::open_read(command.store).snapshot(), command.exemplar, options};
+}
+
+/// Size and body of the look, as far as they are not given.
+void fit(const TransferCommand& command, transfer::DesignFiles& design, transfer::ExemplarFiles& exemplar) {
+  const transfer::Extent extent = transfer::mean_extent(design.frames(), kDesignFramesSeen, command.options,
+                                                        [&](int i) { return design.read(i).alpha; });
+  if (!command.exemplar_scale) exemplar.fit_scale(extent, command.options);
+  exemplar.fit_body(extent, command.options);
+  if (const double scale = exemplar.options().scale; !command.exemplar_scale && scale < 1)
+    say(
+        fmt::format("{}: it has {:.1f} times the design's fluid, and is used at {:.2f} of its size; "
+                    "--exemplar-scale 1 keeps it",
+                    command.exemplar, 1 / (scale * scale), scale));
 }
 
 void say_what_was_found(const TransferCommand& command, const transfer::DesignFiles& design,
@@ -243,6 +271,11 @@ void say_what_was_found(const TransferCommand& command, const transfer::DesignFi
         ": it has no transparency and is taken to be opaque: its look has no boundary. Give a mask with "
         "--exemplar-alpha, or --ground black where it is light on black");
   transfer::check_outline(design, exemplar, command.alpha);
+  if (const double share = static_cast<double>(design.size().area()) / exemplar.size().area(); share < 0.5)
+    say(
+        fmt::format("{}: the exemplar has {:.1f} times the design's pixels, of which only some can be seen; "
+                    "--exemplar-scale {:.2f} shows it whole",
+                    command.exemplar, 1 / share, exemplar.options().scale * std::sqrt(share)));
   if (design.empty_frames() > 0)
     say(fmt::format("{}: {} of {} masks are black everywhere; those frames are transparent",
                     command.alpha.string(), design.empty_frames(), design.frames()));
@@ -271,6 +304,7 @@ void run_transfer(TransferCommand command, RunContext& context) {
       context.stop);
   FrameFiles files(command, design.size(), design.frames());
   std::optional<Composite> composite = open_composite(command, design.size(), design.frames());
+  fit(command, design, exemplar);
   exemplar.check(
       [&](std::size_t done, std::size_t of) { progress.show("checking the exemplar", done, of, "frames"); },
       context.stop);
@@ -304,7 +338,7 @@ void run_transfer(TransferCommand command, RunContext& context) {
     for (const std::string& remark : frame.remarks)
       if (said.insert(remark).second) say(fmt::format("frame {}: {}", i, remark));
     const TimedScope writing(write_s);
-    files.write(i, frame.bgra);
+    files.write(i, is_light(command) ? transfer::light_alone(frame.bgra) : frame.bgra);
     notes.push_back(note_of(frame));
     kept.keep(engine, notes);
     what_is_kept(i + 1);
@@ -317,7 +351,9 @@ void run_transfer(TransferCommand command, RunContext& context) {
     if (context.stop.stop_requested()) throw Error(ErrorKind::kCancelled, "transfer", "stopped");
     const cv::Mat picture = files.read(i);
     if (sink) sink->write(picture);
-    if (composed) composed->write(transfer::lay_over(picture, composite->background.next(), composite->at));
+    if (composed)
+      composed->write(
+          transfer::laid_on(picture, composite->background.next(), composite->blend, composite->at));
     progress.show("writing", static_cast<std::size_t>(i) + 1, static_cast<std::size_t>(design.frames()),
                   "frames");
   }
@@ -375,11 +411,18 @@ void add_inputs(CLI::App& sub, TransferCommand& command) {
                  "Masks of the exemplar, white where the fluid is: one picture, or as many frames as it has "
                  "(folder, pattern, video) [its own alpha; without any it is opaque]")
       ->group(look);
-  sub.add_option("--ground", command.ground,
-                 "What the exemplar stands on, where it has no alpha: black (light on black: alpha is the "
-                 "brightest channel), white (dark on white), or none")
+  sub.add_option(
+         "--ground", command.ground,
+         "What the exemplar stands on, where it has no alpha: black (light, such as fire: for add and "
+         "screen; its body is found, or given with --exemplar-alpha), white (dark on white: for "
+         "over), or none")
       ->check(CLI::IsMember({"none", "black", "white"}))
       ->capture_default_str()
+      ->group(look);
+  sub.add_option("--exemplar-scale", command.exemplar_scale,
+                 "Size of the exemplar's structure in the animation, of its own: at 1 px stay px [smaller "
+                 "than that where it has more fluid than the design, with an outline]")
+      ->check(CLI::Range(0.05, 4.0))
       ->group(look);
   sub.add_option("--design", command.design,
                  "A folder that freshet synth simulate left: its alpha/ and flow/")
@@ -419,6 +462,11 @@ void add_inputs(CLI::App& sub, TransferCommand& command) {
   sub.add_option("--composite", command.composite,
                  "Also write the animation over the background (.mp4, .mkv, ...)")
       ->group(output);
+  sub.add_option("--blend", command.blend,
+                 "How it joins the background: over, or as light: add, screen [screen for --ground black, "
+                 "else over]")
+      ->check(CLI::IsMember({"over", "add", "screen"}))
+      ->group(output);
   sub.add_option("--at", command.at, "Where the animation's top left corner lies in the background, px")
       ->type_name("X,Y")
       ->capture_default_str()
@@ -454,8 +502,9 @@ void add_transfer(CLI::App& synth_command, RunContext& context) {
   number("--lower", options.lower, "Blurred alpha from which on there is boundary, 0 to 1", 0.0, 1.0);
   number("--upper", options.upper, "Blurred alpha from which on there is interior, 0 to 1", 0.0, 1.0);
   number("--levels", options.levels, "Levels of the pyramid; 0: down to 24 px", 0, 10);
-  number("--iterations", options.iterations, "Of retrieval and vote, per level", 1, 100);
-  number("--passes", options.passes, "Of PatchMatch, per retrieval", 1, 100);
+  number("--iterations", options.iterations,
+         "Of retrieval and vote, per level; half as many at full size after the first frame", 1, 100);
+  number("--passes", options.passes, "Of the search, per retrieval", 1, 100);
   number("--motion-blur", options.motion_blur, "Length of the blur along the motion, frames", 0.0, 4.0);
   choice("--rotations", command->rotations, "Quarter turns of the exemplar that are used: 1 (as it is) or 4",
          {"1", "4"});

@@ -12,6 +12,7 @@
 // exemplar and method (uniform; nearest, which is Kwatra et al. 2005; uniform without coherence), over the
 // frames:
 //   sharpness  mean squared Laplacian of grey, of the exemplar's
+//   structure  mean square of what is 4 to 8 px in size, of the exemplar's
 //   colours    L1 distance of colour histograms (8 x 8 x 8) from the exemplar's, 0 to 2
 //   change     mean difference between a frame and the previous one carried along the flow, levels of 255
 // --curve 0.1,0.5,1 also makes frames of so many megapixels, all fluid, from the first exemplar, 360 px high,
@@ -187,6 +188,15 @@ double sharpness(const cv::Mat& bgra) {
   return cv::mean(laplacian.mul(laplacian), opaque_part(bgra))[0];
 }
 
+double structure(const cv::Mat& bgra) {
+  cv::Mat grey, fine, coarse;
+  cv::cvtColor(bgra, grey, cv::COLOR_BGRA2GRAY);
+  cv::GaussianBlur(grey, fine, {}, 2);
+  cv::GaussianBlur(grey, coarse, {}, 4);
+  const cv::Mat band = fine - coarse;
+  return cv::mean(band.mul(band), opaque_part(bgra))[0];
+}
+
 /// 512 shares, of opaque pixels.
 std::vector<double> colours(const cv::Mat& bgra) {
   const cv::Mat whole = opaque_part(bgra);
@@ -240,7 +250,7 @@ std::vector<Method> methods() {
 }
 
 struct Series {
-  std::vector<double> sharpness, colours, change;
+  std::vector<double> sharpness, structure, colours, change;
   int not_uniform = 0;
   std::int64_t violations = 0;
   double cpu_s = 0;
@@ -263,6 +273,7 @@ Series run(const Look& look, const std::vector<TargetFrame>& design, const Metho
     series.cpu_s += bench::process_seconds() - start;
     const cv::Mat& of = look.at(static_cast<int>(t));
     series.sharpness.push_back(sharpness(made.bgra) / sharpness(of));
+    series.structure.push_back(structure(made.bgra) / structure(of));
     series.colours.push_back(l1(colours(made.bgra), colours(of)));
     if (t > 0) series.change.push_back(change(made.bgra, before, design[t - 1]));
     series.not_uniform += !(made.boundary.uniform() && made.interior.uniform());
@@ -360,9 +371,9 @@ int main(int argc, char** argv) try {
   nlohmann::json json{
       {"machine", to_json(machine)}, {"runs", nlohmann::json::array()}, {"curve", nlohmann::json::array()}};
   fmt::print(
-      "| exemplar | method | sharpness, frames 1-10 | last 30 | colours, 1-10 | last 30 | change | not "
-      "uniform | violations | CPU s per frame |\n"
-      "| --- | --- | --: | --: | --: | --: | --: | --: | --: | --: |\n");
+      "| exemplar | method | sharpness, frames 1-10 | last 30 | structure, 1-10 | last 30 | colours, 1-10 | "
+      "last 30 | change | not uniform | violations | CPU s per frame |\n"
+      "| --- | --- | --: | --: | --: | --: | --: | --: | --: | --: | --: | --: |\n");
   int failed = 0;
   for (const std::string& name : settings.exemplars) {
     if (settings.frames < 1) break;
@@ -375,17 +386,19 @@ int main(int argc, char** argv) try {
                         late = n - std::min<std::size_t>(n, 30);
       const bool must_be_uniform = method.options.retrieval == Retrieval::kUniform;
       failed += series.violations > 0 || (must_be_uniform && series.not_uniform > 0);
-      fmt::print("| {} | {} | {:.2f} | {:.2f} | {:.2f} | {:.2f} | {:.1f} | {} | {} | {:.2f} |\n", look.name,
-                 method.name, mean(series.sharpness, 0, early), mean(series.sharpness, late, n),
-                 mean(series.colours, 0, early), mean(series.colours, late, n),
-                 mean(series.change, 0, series.change.size()), series.not_uniform, series.violations,
-                 series.cpu_s / static_cast<double>(n));
+      fmt::print(
+          "| {} | {} | {:.2f} | {:.2f} | {:.2f} | {:.2f} | {:.2f} | {:.2f} | {:.1f} | {} | {} | {:.2f} |\n",
+          look.name, method.name, mean(series.sharpness, 0, early), mean(series.sharpness, late, n),
+          mean(series.structure, 0, early), mean(series.structure, late, n), mean(series.colours, 0, early),
+          mean(series.colours, late, n), mean(series.change, 0, series.change.size()), series.not_uniform,
+          series.violations, series.cpu_s / static_cast<double>(n));
       std::fflush(stdout);
       json["runs"].push_back({{"exemplar", look.name},
                               {"design", asked.design},
                               {"size", {settings.width, settings.size().height}},
                               {"method", method.name},
                               {"sharpness", series.sharpness},
+                              {"structure", series.structure},
                               {"colours", series.colours},
                               {"change", series.change},
                               {"not_uniform", series.not_uniform},

@@ -21,6 +21,7 @@ struct Measure {
 };
 constexpr Measure kMeasures[] = {
     {"sharpness", "sharpness", "Mean squared Laplacian of grey in parts of the exemplar's; 1 is as sharp."},
+    {"structure", "structure", "Mean square of what is 4 to 8 px in size, in parts of the exemplar's."},
     {"colours", "colours",
      "L1 distance of the colour histograms from the exemplar's: 0 the same, 2 nothing in common."},
     {"change", "change, levels of 255",

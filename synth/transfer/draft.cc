@@ -59,6 +59,14 @@ PixelGrid doubled(const PixelGrid& coarse, int margin, const TargetLevel& target
   return out;
 }
 
+// Bits of x and y by turns, the lowest as the highest: in this order tiles fill a grid that becomes finer and finer.
+std::uint64_t spread(std::uint32_t x, std::uint32_t y) {
+  std::uint64_t bits = 0;
+  for (int bit = 0; bit < 32; ++bit)
+    bits = bits << 2 | std::uint64_t{x >> bit & 1u} << 1 | std::uint64_t{y >> bit & 1u};
+  return bits;
+}
+
 }  // namespace
 
 Draft random_draft(const ExemplarLevel& source, const TargetLevel& target, const TransferOptions& options,
@@ -69,8 +77,29 @@ Draft random_draft(const ExemplarLevel& source, const TargetLevel& target, const
 
 void start_from_past(const TargetLevel& target, double lambda, PixelGrid& picture) {
   for (std::size_t i = 0; i < picture.values.size(); ++i)
-    if (static_cast<double>(target.lambda.values[i]) > 0.5 * lambda)
-      picture.values[i] = target.previous.values[i];
+    if (has_past(target.lambda.values[i], lambda)) picture.values[i] = target.previous.values[i];
+}
+
+std::vector<std::int32_t> carried_sources(const GridOf<std::int32_t>& carried, const ExemplarLevel& finest,
+                                          const ExemplarLevel& source, int halvings, cv::Size target,
+                                          int margin) {
+  std::vector<std::int32_t> out(static_cast<std::size_t>(target.area()), -1);
+  const int middle = (1 << halvings) / 2;
+  for_rows(target.height - 2 * margin, [&](int y) {
+    const int from_y = std::min((y << halvings) + middle, carried.height - 1);
+    std::int32_t* row = out.data() + static_cast<std::ptrdiff_t>(y + margin) * target.width + margin;
+    for (int x = 0; x < target.width - 2 * margin; ++x) {
+      const std::int32_t place = carried(std::min((x << halvings) + middle, carried.width - 1), from_y);
+      // A state may have been left by another exemplar.
+      if (place < 0 || place >= static_cast<std::int32_t>(finest.now.values.size())) continue;
+      ExemplarLevel::Place at = finest.split(place);
+      const cv::Size size = source.sizes[static_cast<std::size_t>(at.turn)];
+      at.x = std::clamp(at.x >> halvings, margin, size.width - 1 - margin);
+      at.y = std::clamp(at.y >> halvings, margin, size.height - 1 - margin);
+      row[x] = source.join(at);
+    }
+  });
+  return out;
 }
 
 Draft refined(const Draft& coarse, const ExemplarLevel& coarse_source, const ExemplarLevel& source,
@@ -91,6 +120,33 @@ void clear_uncovered(const NearestField& field, int half, PixelGrid& picture) {
           std::fill_n(covered.row(y + dy) + x - half, 2 * half + 1, std::uint8_t{1});
   for (std::size_t i = 0; i < covered.values.size(); ++i)
     if (!covered.values[i]) picture.values[i] = Pixel{};
+}
+
+std::vector<int> part_of(const std::vector<int>& sources, int width, std::size_t count, int tile,
+                         std::uint64_t seed) {
+  struct Drawn {
+    std::uint64_t tile;
+    std::size_t index;
+    bool operator<(const Drawn& other) const {
+      return tile != other.tile ? tile < other.tile : index < other.index;
+    }
+  };
+  const std::uint64_t first = scramble(seed);
+  std::vector<Drawn> drawn;
+  drawn.reserve(sources.size());
+  for (const int place : sources) {
+    const auto x = static_cast<std::uint32_t>(place % width / tile),
+               y = static_cast<std::uint32_t>(place / width / tile);
+    drawn.push_back({spread(x, y) ^ first, drawn.size()});
+  }
+  const auto end = drawn.begin() + static_cast<std::ptrdiff_t>(count);
+  std::nth_element(drawn.begin(), end, drawn.end());
+  std::vector<int> part;
+  part.reserve(count);
+  drawn.erase(end, drawn.end());
+  std::sort(drawn.begin(), drawn.end(), [](const Drawn& a, const Drawn& b) { return a.index < b.index; });
+  for (const Drawn& of : drawn) part.push_back(sources[of.index]);
+  return part;
 }
 
 }  // namespace freshet::synth::transfer

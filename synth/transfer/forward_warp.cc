@@ -53,4 +53,18 @@ Grid local_lambda(const Grid& mask, const Grid& warped_mask, double lambda) {
   return out;
 }
 
+GridOf<std::int32_t> carried(const GridOf<std::int32_t>& addresses, const VectorGrid& flow) {
+  GridOf<std::int32_t> out(addresses.width, addresses.height, -1);
+  for_rows(out.height, [&](int y) {
+    for (int x = 0; x < out.width; ++x) {
+      const Vec2 by = flow(x, y);
+      const float from_x = static_cast<float>(x) - by.x + 0.5f, from_y = static_cast<float>(y) - by.y + 0.5f;
+      if (from_x >= 0 && from_y >= 0 && from_x < static_cast<float>(out.width) &&
+          from_y < static_cast<float>(out.height))
+        out(x, y) = addresses(static_cast<int>(from_x), static_cast<int>(from_y));
+    }
+  });
+  return out;
+}
+
 }  // namespace freshet::synth::transfer

@@ -1,6 +1,8 @@
 // synth/transfer/forward_warp.h — the previous frame where its fluid has gone.
 #pragma once
 
+#include <cstdint>
+
 #include "synth/transfer/pixel_grid.h"
 
 namespace freshet::synth::transfer {
@@ -19,5 +21,9 @@ WarpedFrame forward_warp(const PixelGrid& picture, const Grid& mask, const Vecto
 
 /// Eq. 6: lambda where there was fluid, less where it is new, 0 where an emitter has just made it.
 Grid local_lambda(const Grid& mask, const Grid& warped_mask, double lambda);
+
+/// What lay at the place from which the flow brings each pixel, as near as whole px come; -1: outside. The flow
+/// there is taken for the one here, which it is where it is smooth: addresses have no gaps, and no averages.
+GridOf<std::int32_t> carried(const GridOf<std::int32_t>& addresses, const VectorGrid& flow);
 
 }  // namespace freshet::synth::transfer

@@ -54,7 +54,7 @@ void report_use(const NearestField& field, const Segments& source, const Segment
                                      no_boundary ? "boundary" : "interior",
                                      no_boundary ? "interior" : "boundary"));
   const Task task = tasks_of(source, target)[0];
-  (no_boundary ? made.interior : made.boundary) = use_of(field, *task.sources, task.targets);
+  (no_boundary ? made.interior : made.boundary) = use_of(field, task.sources, task.targets);
 }
 
 void report_nearest(const NearestField& field, const ExemplarLevel& source, const Segments& target,

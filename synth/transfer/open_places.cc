@@ -25,14 +25,17 @@ OpenPlaces::OpenPlaces(int width, int height, const std::vector<int>& places)
       for (int x = 0; x < squares_[k - 1].width; ++x) squares_[k](x / 2, y / 2) += squares_[k - 1](x, y);
 }
 
-void OpenPlaces::remove(int place) {
-  open_[static_cast<std::size_t>(place)] = 0;
-  --count_;
+void OpenPlaces::add(int place) { change(place, 1); }
+void OpenPlaces::remove(int place) { change(place, -1); }
+
+void OpenPlaces::change(int place, int by) {
+  open_[static_cast<std::size_t>(place)] = by > 0;
+  count_ += by;
   int x = place % width_, y = place / width_;
   for (GridOf<std::int32_t>& level : squares_) {
     x /= 2;
     y /= 2;
-    --level(x, y);
+    level(x, y) += by;
   }
 }
 

@@ -16,6 +16,9 @@ class OpenPlaces {
 
   bool has(int place) const { return open_[static_cast<std::size_t>(place)] != 0; }
   int count() const { return count_; }
+  /// One that is not open.
+  void add(int place);
+  /// One that is.
   void remove(int place);
 
   /// A place in the smallest of the squares around (x, y) that has one; random draws which. -1 if none is
@@ -23,6 +26,8 @@ class OpenPlaces {
   int near(int x, int y, std::uint64_t random) const;
 
  private:
+  void change(int place, int by);
+
   int width_, height_, count_;
   std::vector<std::uint8_t> open_;             // by place
   std::vector<GridOf<std::int32_t>> squares_;  // [k]: of 2 << k px per side; the last one is one

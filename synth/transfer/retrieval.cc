@@ -11,6 +11,7 @@
 #include "freshet/error.h"
 #include "platform/stopwatch.h"
 #include "synth/transfer/patch_match.h"
+#include "synth/transfer/uniform_field.h"
 
 namespace freshet::synth::transfer {
 namespace {
@@ -87,10 +88,11 @@ void settle(std::vector<Pair>& pairs, std::vector<std::int32_t>& claims) {
 }
 
 // The rounds with the distances of all pairs at hand.
-void exact_rounds(const PatchDistance& distance, std::vector<int> sources, const std::vector<int>& targets,
-                  Uses& uses, NearestField& field, std::vector<std::int32_t>& claims,
-                  RetrievalSeconds& seconds) {
+void exact_rounds(const PatchDistance& distance, const std::vector<int>& sources,
+                  const std::vector<int>& targets, NearestField& field, RetrievalSeconds& seconds) {
   Stopwatch watch;
+  Uses uses(field.source_places(), sources.size(), targets.size());
+  std::vector<std::int32_t> claims(field.source.size(), -1);
   const std::size_t columns = targets.size();
   std::vector<float> table(sources.size() * columns);
   oneapi::tbb::parallel_for(std::size_t{0}, sources.size(), [&](std::size_t i) {
@@ -143,62 +145,6 @@ void exact_rounds(const PatchDistance& distance, std::vector<int> sources, const
   }
 }
 
-// What a field says already: by source place, its targets, the nearest first.
-class Known {
- public:
-  Known(const PatchDistance& distance, const std::vector<int>& sources, const std::vector<int>& targets,
-        const NearestField& field)
-      : begin_(field.source_places() + 1, 0) {
-    std::vector<std::uint8_t> is_source(field.source_places(), 0);
-    for (const int source : sources) is_source[static_cast<std::size_t>(source)] = 1;
-    const auto source_of = [&](int target) {
-      const std::int32_t source = field.source[static_cast<std::size_t>(target)];
-      return source >= 0 && is_source[static_cast<std::size_t>(source)] ? source : -1;
-    };
-    for (const int target : targets)
-      if (const std::int32_t source = source_of(target); source >= 0)
-        ++begin_[static_cast<std::size_t>(source)];
-    std::int32_t sum = 0;
-    for (std::int32_t& begin : begin_) {
-      const std::int32_t count = begin;
-      begin = sum;
-      sum += count;
-    }
-    next_ = begin_;
-    std::vector<std::int32_t> of(static_cast<std::size_t>(sum));
-    for (const int target : targets)
-      if (const std::int32_t source = source_of(target); source >= 0)
-        of[static_cast<std::size_t>(next_[static_cast<std::size_t>(source)]++)] = target;
-    next_ = begin_;
-    targets_.resize(of.size());
-    std::vector<std::uint64_t> keys(of.size());
-    oneapi::tbb::parallel_for(std::size_t{0}, sources.size(), [&](std::size_t i) {
-      const std::size_t source = static_cast<std::size_t>(sources[i]);
-      const std::ptrdiff_t from = begin_[source], to = begin_[source + 1];
-      for (std::ptrdiff_t k = from; k < to; ++k) {
-        const std::int32_t target = of[static_cast<std::size_t>(k)];
-        keys[static_cast<std::size_t>(k)] =
-            std::uint64_t{std::bit_cast<std::uint32_t>(distance(sources[i], target))} << 32 |
-            static_cast<std::uint32_t>(target);
-      }
-      std::sort(keys.begin() + from, keys.begin() + to);
-      for (std::ptrdiff_t k = from; k < to; ++k)
-        targets_[static_cast<std::size_t>(k)] = static_cast<std::int32_t>(keys[static_cast<std::size_t>(k)]);
-    });
-  }
-
-  /// The nearest that is still open, or -1. A source's own: safe from many threads for different sources.
-  std::int32_t next(std::int32_t source, const OpenPlaces& open) {
-    std::int32_t& at = next_[static_cast<std::size_t>(source)];
-    const std::int32_t end = begin_[static_cast<std::size_t>(source) + 1];
-    while (at < end && !open.has(targets_[static_cast<std::size_t>(at)])) ++at;
-    return at < end ? targets_[static_cast<std::size_t>(at)] : -1;
-  }
-
- private:
-  std::vector<std::int32_t> begin_, next_, targets_;
-};
-
 }  // namespace
 
 void assign_uniformly(const PatchDistance& distance, const std::vector<int>& sources,
@@ -206,55 +152,18 @@ void assign_uniformly(const PatchDistance& distance, const std::vector<int>& sou
                       RetrievalSeconds& seconds) {
   assert(!sources.empty());
   if (targets.empty()) return;
-  Uses uses(field.source_places(), sources.size(), targets.size());
-  std::vector<std::int32_t> claims(field.source.size(), -1);
-  if (options.search == Search::kExact) {
+  const auto from = static_cast<std::int64_t>(sources.size()), to = static_cast<std::int64_t>(targets.size());
+  if (options.search == Search::kExact || (from * to <= kFewPairs && to <= kFewUses * from)) {
     refuse_too_many(sources.size(), targets.size());
-    exact_rounds(distance, sources, targets, uses, field, claims, seconds);
+    exact_rounds(distance, sources, targets, field, seconds);
     return;
   }
   Stopwatch watch;
-  Known known(distance, sources, targets, field);
-  OpenPlaces open(field.target_width, field.target_height, targets);
-  MatchField match(field.source_width, field.source_height, field.target_width, field.target_height);
-  std::vector<std::int32_t> seen(match.last.size(), -1);
-  std::vector<int> active = sources;
-  std::vector<Pair> pairs;
-  const auto first = [&](int source, const auto& try_place) {
-    if (const std::int32_t target = known.next(source, open); target >= 0) try_place(target);
-  };
-  int pass = 0;
-  while (open.count() > 0) {
-    if (pass > 0)
-      active.erase(
-          std::remove_if(active.begin(), active.end(), [&](int source) { return !uses.may(source); }),
-          active.end());
-    if (static_cast<std::int64_t>(active.size()) * open.count() <= kFewPairs) {
-      std::vector<int> rest;
-      for (const int target : targets)
-        if (open.has(target)) rest.push_back(target);
-      seconds.assign += watch.lap();
-      exact_rounds(distance, active, rest, uses, field, claims, seconds);
-      return;
-    }
-    seconds.assign += watch.lap();
-    for (int left = options.passes; left > 0; --left, ++pass)
-      patch_match_pass(active, open, pass, options.seed, distance, first, match, seen);
-    seconds.search += watch.lap();
-    pairs.clear();
-    for (const int source : active) {
-      const Match& nearest = match.nearest(source);
-      pairs.emplace_back(nearest.distance, source, nearest.to);
-    }
-    settle(pairs, claims);
-    for (const Pair& pair : pairs) {
-      if (!uses.take(pair.source)) continue;
-      field.source[static_cast<std::size_t>(pair.target)] = pair.source;
-      field.distance[static_cast<std::size_t>(pair.target)] = pair.distance();
-      open.remove(pair.target);
-    }
-  }
+  UniformField uniform(distance, sources, targets, options.seed, field);
   seconds.assign += watch.lap();
+  for (int pass = 0; pass < options.passes; ++pass)
+    uniform.exchange(pass, pass == 0 ? options.hints : std::span<const std::int32_t>());
+  seconds.search += watch.lap();
 }
 
 void assign_nearest(const PatchDistance& distance, const std::vector<int>& sources,
@@ -287,8 +196,7 @@ void assign_nearest(const PatchDistance& distance, const std::vector<int>& sourc
     const std::int32_t source = field.source[static_cast<std::size_t>(target)];
     if (source >= 0 && open.has(source)) try_place(source);
   };
-  // Twice the passes: here a search is one per target, where the uniform retrieval has some three.
-  for (int pass = 0; pass < 2 * options.passes; ++pass)
+  for (int pass = 0; pass < options.passes; ++pass)
     patch_match_pass(targets, open, pass, options.seed, cost, first, match, seen);
   for (const int target : targets) {
     const std::size_t at = static_cast<std::size_t>(target);

@@ -32,14 +32,14 @@ std::vector<Task> tasks_of(const Segments& source, const Segments& target) {
         &source_interior = source[Segment::kInterior];
   const std::vector<int>&boundary = target[Segment::kBoundary], &interior = target[Segment::kInterior];
   if (!source_boundary.empty() && !source_interior.empty())
-    return {{&source_boundary, boundary}, {&source_interior, interior}};
+    return {{source_boundary, boundary}, {source_interior, interior}};
   // In the order of Segments, as one list.
   Segments all;
   all.of = target.of;
   for (Segment& of : all.of.values)
     if (of == Segment::kBoundary) of = Segment::kInterior;
   list_segments(all);
-  return {{source_interior.empty() ? &source_boundary : &source_interior, all[Segment::kInterior]}};
+  return {{source_interior.empty() ? source_boundary : source_interior, all[Segment::kInterior]}};
 }
 
 }  // namespace freshet::synth::transfer

@@ -36,8 +36,7 @@ void list_segments(Segments& segments);
 
 /// Sources and targets that are matched with each other.
 struct Task {
-  const std::vector<int>* sources;  // in the source's Segments
-  std::vector<int> targets;
+  std::vector<int> sources, targets;  // places, in the order of Segments
 };
 
 /// Boundary with boundary, interior with interior; where the exemplar lacks one, everything with the other.

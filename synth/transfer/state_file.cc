@@ -17,11 +17,11 @@ static_assert(std::endian::native == std::endian::little, "numbers are copied as
 static_assert(sizeof(Pixel) == 16 && sizeof(Vec2) == 8);
 
 struct Header {
-  char tag[8] = {'F', 'R', 'T', 'R', 'A', 'N', 'S', '1'};
+  char tag[8] = {'F', 'R', 'T', 'R', 'A', 'N', 'S', '2'};
   std::uint64_t options = 0;
   std::int32_t frame = 0, width = 0, height = 0, unused = 0;
 };
-constexpr std::uint64_t kPixelBytes = sizeof(Pixel) + sizeof(float) + sizeof(Vec2);
+constexpr std::uint64_t kPixelBytes = sizeof(Pixel) + sizeof(float) + sizeof(Vec2) + sizeof(std::int32_t);
 constexpr std::int32_t kMaxSide = 32768;
 
 // Chained SplitMix64 over 8 bytes at a time: finds damage, keeps out nobody.
@@ -77,6 +77,7 @@ void write_state(const std::filesystem::path& path, const State& state, const Tr
   put(bytes, state.picture);
   put(bytes, state.mask);
   put(bytes, state.flow);
+  put(bytes, state.sources);
   const std::uint64_t sum = hash(bytes.data(), bytes.size());
   const std::filesystem::path draft = path.string() + ".part";
   std::ofstream file(draft, std::ios::binary | std::ios::trunc);
@@ -123,7 +124,8 @@ State read_state(const std::filesystem::path& path, const TransferOptions& optio
   const char* at = bytes.data() + sizeof header;
   at = take(at, header.width, header.height, state.picture);
   at = take(at, header.width, header.height, state.mask);
-  take(at, header.width, header.height, state.flow);
+  at = take(at, header.width, header.height, state.flow);
+  take(at, header.width, header.height, state.sources);
   return state;
 }
 

@@ -1,6 +1,7 @@
 // synth/transfer/state_file.h — what a frame leaves to the next, in a file.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 
 #include "synth/transfer/pixel_grid.h"
@@ -10,13 +11,14 @@ namespace freshet::synth::transfer {
 
 struct State {
   int frame = 0;      // the next one's index
-  PixelGrid picture;  // of the frame before, without motion blur; empty before frame 0, as the two below
+  PixelGrid picture;  // of the frame before, without motion blur; empty before frame 0, as the three below
   Grid mask;          // its target alpha
   VectorGrid flow;
+  GridOf<std::int32_t> sources;  // where in the exemplar's finest level each patch was from; -1: no patch
 };
 
-/// File    "FRTRANS1", a digest of the options, frame, width, height, the three fields row by row as 32-bit
-///         floats, and a hash of all before it; little-endian. Written to a neighbour, renamed when whole.
+/// File    "FRTRANS2", a digest of the options, frame, width, height, the four fields row by row as 32-bit
+///         numbers, and a hash of all before it; little-endian. Written to a neighbour, renamed when whole.
 /// Throws  Error{kIo}.
 void write_state(const std::filesystem::path& path, const State& state, const TransferOptions& options);
 

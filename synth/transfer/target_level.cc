@@ -25,7 +25,8 @@ std::vector<TargetLevel> target_levels(Grid blurred_alpha, Past past, std::size_
   for (std::size_t k = 0; k < levels; ++k) {
     if (k > 0) {
       blurred_alpha = halved(blurred_alpha);
-      past = {halved(past.picture), halved(past.lambda)};
+      past.picture = halved(past.picture);
+      past.lambda = halved(past.lambda);
     }
     TargetLevel level;
     level.blurred_alpha = with_margin(blurred_alpha, margin);
@@ -38,12 +39,6 @@ std::vector<TargetLevel> target_levels(Grid blurred_alpha, Past past, std::size_
     made.push_back(std::move(level));
   }
   return made;
-}
-
-PixelGrid without_margin(const PixelGrid& grid, int margin) {
-  PixelGrid out(grid.width - 2 * margin, grid.height - 2 * margin);
-  for (int y = 0; y < out.height; ++y) std::copy_n(grid.row(y + margin) + margin, out.width, out.row(y));
-  return out;
 }
 
 }  // namespace freshet::synth::transfer

@@ -1,6 +1,8 @@
 // synth/transfer/target_level.h — one moment of the design, ready to be searched for at every level.
 #pragma once
 
+#include <algorithm>
+#include <cstdint>
 #include <vector>
 
 #include "synth/transfer/features.h"
@@ -24,13 +26,24 @@ struct TargetLevel {
 struct Past {
   PixelGrid picture;
   Grid lambda;
+  GridOf<std::int32_t> sources;  // the patches of the frame before, as State has them; -1: none, or new fluid
 };
+
+/// Whether most of the fluid at a pixel was there in the frame before, by its lambda of Eq. 6.
+inline bool has_past(float local_lambda, double lambda) {
+  return static_cast<double>(local_lambda) > 0.5 * lambda;
+}
 
 /// So many levels, the finest first. All grids are of the frame's size.
 std::vector<TargetLevel> target_levels(Grid blurred_alpha, Past past, std::size_t levels,
                                        const TransferOptions& options);
 
 /// The frame within the margin that a level has around it.
-PixelGrid without_margin(const PixelGrid& grid, int margin);
+template <typename T>
+GridOf<T> without_margin(const GridOf<T>& grid, int margin) {
+  GridOf<T> out(grid.width - 2 * margin, grid.height - 2 * margin);
+  for (int y = 0; y < out.height; ++y) std::copy_n(grid.row(y + margin) + margin, out.width, out.row(y));
+  return out;
+}
 
 }  // namespace freshet::synth::transfer

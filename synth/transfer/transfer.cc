@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
+#include <span>
 #include <utility>
 
 #include <fmt/format.h>
@@ -25,7 +27,10 @@
 namespace freshet::synth::transfer {
 namespace {
 
-constexpr int kMinSide = 24;  // px, of the coarsest level when levels are chosen here
+constexpr int kMaxTile = 32;  // px, at full size, where only a part of the exemplar is used
+constexpr int kMinTile = 4;
+constexpr unsigned kLeastTiles = 6;  // in a part, where tiles are not of the least size
+constexpr int kMinSide = 24;         // px, of the coarsest level when levels are chosen here
 
 /// Where a frame's time goes: what has passed since the last call is added to one of its seconds.
 class FrameClock {
@@ -104,11 +109,13 @@ struct Transfer::Impl {
   // Its steps.
   void prepare_exemplar(cv::Size target);
   Past past_of(const Grid& mask) const;
+  int iterations_at(std::size_t level) const;
   Draft begun(const TargetLevel& coarsest, std::uint64_t seed) const;
-  void improve(const ExemplarLevel& source, TargetLevel& target, std::uint64_t seed, Draft& draft,
-               FrameClock& clock, const std::function<void()>& done) const;
-  void retrieve(const std::vector<Task>& tasks, const PatchDistance& distance, std::uint64_t seed,
-                NearestField& field, TransferSeconds& seconds) const;
+  std::vector<Task> tasks_at(std::size_t level, const Segments& target) const;
+  void improve(std::size_t level, std::span<const std::int32_t> hints, TargetLevel& target,
+               std::uint64_t seed, Draft& draft, FrameClock& clock, const std::function<void()>& done) const;
+  void retrieve(const std::vector<Task>& tasks, const PatchDistance& distance,
+                const RetrievalOptions& retrieval, NearestField& field, TransferSeconds& seconds) const;
   PixelGrid shown(const PixelGrid& picture, const Grid& mask) const;
 };
 
@@ -128,9 +135,22 @@ void Transfer::Impl::prepare_exemplar(cv::Size target) {
 
 // None before the first frame, whose lambda is 0 (Sec. 4.4).
 Past Transfer::Impl::past_of(const Grid& mask) const {
-  if (first()) return {PixelGrid(mask.width, mask.height), Grid(mask.width, mask.height)};
+  const int width = mask.width, height = mask.height;
+  if (first())
+    return {PixelGrid(width, height), Grid(width, height), GridOf<std::int32_t>(width, height, -1)};
   WarpedFrame warped = forward_warp(state.picture, state.mask, state.flow);
-  return {std::move(warped.picture), local_lambda(mask, warped.mask, options.lambda)};
+  Past past{std::move(warped.picture), local_lambda(mask, warped.mask, options.lambda),
+            GridOf<std::int32_t>(width, height, -1)};
+  if (options.start == Start::kRandom) return past;
+  past.sources = carried(state.sources, state.flow);
+  for (std::size_t i = 0; i < past.sources.values.size(); ++i)
+    if (!has_past(past.lambda.values[i], options.lambda)) past.sources.values[i] = -1;
+  return past;
+}
+
+// With a past a frame has only to be finished at full size, where most of the time goes.
+int Transfer::Impl::iterations_at(std::size_t level) const {
+  return level > 0 || first() ? options.iterations : std::max(1, options.iterations / 2);
 }
 
 Draft Transfer::Impl::begun(const TargetLevel& coarsest, std::uint64_t seed) const {
@@ -139,31 +159,55 @@ Draft Transfer::Impl::begun(const TargetLevel& coarsest, std::uint64_t seed) con
   return draft;
 }
 
+// Uniform use of fewer targets than sources is of a part of them.
+std::vector<Task> Transfer::Impl::tasks_at(std::size_t level, const Segments& target) const {
+  const ExemplarLevel& source = prepared.levels[level];
+  std::vector<Task> tasks = tasks_of(source.segments, target);
+  if (options.retrieval != Retrieval::kUniform) return tasks;
+  for (Task& task : tasks) {
+    const std::size_t count = task.targets.size();
+    if (count == 0 || count >= task.sources.size()) continue;
+    const double side = std::sqrt(static_cast<double>(count / kLeastTiles));
+    const int tile = std::clamp(static_cast<int>(std::bit_floor(static_cast<unsigned>(side))), kMinTile,
+                                std::max(kMinTile, kMaxTile >> level));
+    task.sources = part_of(task.sources, source.now.width, count, tile, options.seed);
+  }
+  return tasks;
+}
+
 // Retrieval and vote, by turns, at one level. done() after each turn.
-void Transfer::Impl::improve(const ExemplarLevel& source, TargetLevel& target, std::uint64_t seed,
-                             Draft& draft, FrameClock& clock, const std::function<void()>& done) const {
-  const std::vector<Task> tasks = tasks_of(source.segments, target.segments);
+// hints: what the frame before had, by place; tried once.
+void Transfer::Impl::improve(std::size_t level, std::span<const std::int32_t> hints, TargetLevel& target,
+                             std::uint64_t seed, Draft& draft, FrameClock& clock,
+                             const std::function<void()>& done) const {
+  const ExemplarLevel& source = prepared.levels[level];
+  const int iterations = iterations_at(level);
+  const std::vector<Task> tasks = tasks_at(level, target.segments);
   const PatchDistance distance(source.features, target.features, target.lambda.values, options.patch);
-  for (int iteration = 0; iteration < options.iterations; ++iteration) {
+  for (int iteration = 0; iteration < iterations; ++iteration) {
     put_now(draft.picture, target.features);
     if (iteration == 0) leave_unsegmented(target.segments, draft.field);
     clock.add_to(&TransferSeconds::prepare);
-    retrieve(tasks, distance, scramble(seed + static_cast<std::size_t>(iteration)), draft.field,
-             clock.seconds());
+    retrieve(tasks, distance,
+             {.search = options.search,
+              .passes = options.passes,
+              .seed = scramble(seed + static_cast<std::size_t>(iteration)),
+              .hints = iteration == 0 ? hints : std::span<const std::int32_t>()},
+             draft.field, clock.seconds());
     clock.restart();
     vote(source.now, draft.field, options.patch, options.vote_power, draft.picture);
-    if (iteration + 1 == options.iterations) clear_uncovered(draft.field, options.patch / 2, draft.picture);
+    if (iteration + 1 == iterations) clear_uncovered(draft.field, options.patch / 2, draft.picture);
     clock.add_to(&TransferSeconds::vote);
     done();
   }
 }
 
 void Transfer::Impl::retrieve(const std::vector<Task>& tasks, const PatchDistance& distance,
-                              std::uint64_t seed, NearestField& field, TransferSeconds& seconds) const {
-  const RetrievalOptions retrieval{options.search, options.passes, seed};
+                              const RetrievalOptions& retrieval, NearestField& field,
+                              TransferSeconds& seconds) const {
   const auto assign = options.retrieval == Retrieval::kUniform ? assign_uniformly : assign_nearest;
   RetrievalSeconds spent;
-  for (const Task& task : tasks) assign(distance, *task.sources, task.targets, retrieval, field, spent);
+  for (const Task& task : tasks) assign(distance, task.sources, task.targets, retrieval, field, spent);
   seconds.search += spent.search;
   seconds.assign += spent.assign;
 }
@@ -190,8 +234,7 @@ TransferredFrame Transfer::Impl::next(const TargetFrame& target, const std::func
   Past past = past_of(mask);
   made.lambda = cv::Mat(mask.height, mask.width, CV_32F, past.lambda.values.data()).clone();
   const std::size_t levels = prepared.levels.size();
-  std::vector<TargetLevel> targets =
-      target_levels(blurred(mask, options.radius), std::move(past), levels, options);
+  std::vector<TargetLevel> targets = target_levels(blurred(mask, options.radius), past, levels, options);
   clock.add_to(&TransferSeconds::prepare);
 
   // From the coarsest level to the finest.
@@ -202,8 +245,11 @@ TransferredFrame Transfer::Impl::next(const TargetFrame& target, const std::func
   for (std::size_t k = levels; k-- > 0;) {
     if (k + 1 < levels)
       draft = refined(draft, prepared.levels[k + 1], prepared.levels[k], targets[k], options);
-    improve(prepared.levels[k], targets[k], seed + 100 * k, draft, clock, [&] {
-      worked += static_cast<double>(targets[k].lambda.values.size()) / options.iterations;
+    const std::vector<std::int32_t> hints =
+        carried_sources(past.sources, prepared.levels.front(), prepared.levels[k], static_cast<int>(k),
+                        {targets[k].lambda.width, targets[k].lambda.height}, options.patch / 2);
+    improve(k, hints, targets[k], seed + 100 * k, draft, clock, [&] {
+      worked += static_cast<double>(targets[k].lambda.values.size()) / iterations_at(k);
       if (done) done(worked / work);
     });
   }
@@ -222,7 +268,9 @@ TransferredFrame Transfer::Impl::next(const TargetFrame& target, const std::func
   if (options.motion_blur > 0) seen = blurred_along(seen, flow, options.motion_blur);
   made.bgra = straight(seen);
   clock.add_to(&TransferSeconds::blur);
-  state = {state.frame + 1, std::move(picture), mask, flow};
+  GridOf<std::int32_t> sources(draft.picture.width, draft.picture.height);
+  sources.values = std::move(draft.field.source);
+  state = {state.frame + 1, std::move(picture), mask, flow, without_margin(sources, margin)};
   return made;
 }
 

@@ -26,7 +26,7 @@ enum class Start {
   kRandom,  // random patches
 };
 enum class Search {
-  kPatchMatch,  // Barnes et al. 2009, with masks, tiled
+  kPatchMatch,  // candidates as Barnes et al. 2009: what neighbours have, and chance
   kExact,       // every source with every target: for small pictures and as a test of the other
 };
 
@@ -38,8 +38,8 @@ struct TransferOptions {
   double lower = 0.1;   // blurred alpha from here is the boundary
   double upper = 0.9;   // and from here the interior
   int levels = 0;       // of the pyramid, 1 to 10; 0: as many as leave the shorter side 24 px
-  int iterations = 4;   // of retrieval and vote, per level
-  int passes = 2;       // of PatchMatch, per retrieval
+  int iterations = 4;   // of retrieval and vote, per level; half at full size where there is a frame before
+  int passes = 4;       // of the search, per retrieval
   /// 0 to 4: where patches overlap, one counts as (its distance)^-vote_power. 0.6 is Kwatra et al. 2005;
   /// Wexler et al. 2007 weigh more steeply. At 0.6 a picture and a clip of fire kept 0.59 and 0.61 of their
   /// sharpness (mean squared Laplacian), at 2 0.82 and 0.87.

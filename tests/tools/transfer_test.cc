@@ -88,6 +88,19 @@ class TransferTool : public testing::Test {
   WorkFolder folder_;
 };
 
+TEST_F(TransferTool, AnExemplarLargerThanTheDesignIsMadeSmallerAndItIsSaid) {
+  cv::imwrite(folder_ / "large.png", look({100, 100}));
+  const Outcome fitted = transfer({"--exemplar", "large.png", "--json", "-o", "a.mkv"});
+  ASSERT_EQ(fitted.exit_code, 0) << fitted.err;
+  EXPECT_NE(fitted.err.find("of its size; --exemplar-scale 1 keeps it"), std::string::npos) << fitted.err;
+  EXPECT_LT(nlohmann::json::parse(fitted.out)["exemplar"]["width"], 60);
+  const Outcome kept =
+      transfer({"--exemplar", "large.png", "--exemplar-scale", "1", "--json", "-o", "b.mkv"});
+  ASSERT_EQ(kept.exit_code, 0) << kept.err;
+  EXPECT_EQ(kept.err.find("of its size"), std::string::npos) << kept.err;
+  EXPECT_EQ(nlohmann::json::parse(kept.out)["exemplar"]["width"], 100);
+}
+
 TEST_F(TransferTool, WritesTheSameAnimationToASequenceFfv1AndProRes) {
   const Outcome made = transfer_look({"-o", "out/%03d.png"});
   ASSERT_EQ(made.exit_code, 0) << made.err;
@@ -222,6 +235,42 @@ TEST_F(TransferTool, LiesOverABackground) {
         ASSERT_NEAR(both[1].at<cv::Vec4b>(y, x)[c], (over[c] * over[3] + wall[c] * (255 - over[3])) / 255.0,
                     0.51);
     }
+}
+
+TEST_F(TransferTool, LightOnBlackJoinsItsBackgroundAsLight) {
+  cv::imwrite(folder_ / "wall.png", cv::Mat(kDesignHeight, kDesignWidth, CV_8UC3, cv::Scalar(200, 100, 50)));
+  cv::Mat flames(32, 32, CV_8UC3, cv::Scalar::all(0));
+  for (int x = 6; x < 26; x += 5)
+    flames(cv::Rect(x, 6, 2, 20)).setTo(cv::Scalar(20, 120, 250));  // filaments, dark between
+  cv::imwrite(folder_ / "flames.png", flames);
+  const int wall[3] = {200, 100, 50};
+  for (const std::string blend : {"", "add", "screen", "over"}) {
+    std::vector<std::string> words{"--exemplar", "flames.png",     "--ground",   "black",       "--frames",
+                                   "2",          "--over",         "wall.png",   "--composite", "both.mkv",
+                                   "-o",         "light/%03d.png", "--overwrite"};
+    if (!blend.empty()) words.insert(words.end(), {"--blend", blend});
+    const Outcome made = transfer(words);
+    ASSERT_EQ(made.exit_code, 0) << made.err;
+    const cv::Mat light = cv::imread(folder_ / "light/001.png", cv::IMREAD_UNCHANGED);
+    const std::vector<cv::Mat> both = by_ffmpeg("both.mkv");
+    ASSERT_EQ(both.size(), 2U);
+    int lit = 0;
+    for (int y = 0; y < kDesignHeight; ++y)
+      for (int x = 0; x < kDesignWidth; ++x) {
+        const cv::Vec4b over = light.at<cv::Vec4b>(y, x);
+        lit += over[3] > 128;
+        // Alpha is the light alone.
+        ASSERT_TRUE(over[3] == 0 || std::max({over[0], over[1], over[2]}) == 255);
+        for (int c = 0; c < 3; ++c) {
+          const double part = over[c] * over[3] / 255.0;
+          const double expected = blend == "over"  ? part + wall[c] * (255 - over[3]) / 255.0
+                                  : blend == "add" ? std::min(255.0, part + wall[c])
+                                                   : part + wall[c] - part * wall[c] / 255.0;
+          ASSERT_NEAR(both[1].at<cv::Vec4b>(y, x)[c], expected, 0.51) << blend;
+        }
+      }
+    EXPECT_GT(lit, 50);
+  }
 }
 
 TEST_F(TransferTool, TakesVideosPatternsAStoreAndAConfig) {

@@ -1,5 +1,6 @@
 #include "synth/transfer/files/composite.h"
 
+#include <algorithm>
 #include <cstdint>
 #include <optional>
 
@@ -16,25 +17,30 @@ namespace {
 
 namespace fs = std::filesystem;
 
+/// The nearest code of what `blend` says.
 template <class Pixel, int kMax>
-void blend(const cv::Mat& over, cv::Mat& under) {
-  constexpr std::int64_t kUnit = kMax / 255;  // of an 8-bit code
-  constexpr std::int64_t kWhole = std::int64_t{kMax} * kUnit;
+void join(const cv::Mat& over, Blend blend, cv::Mat& under) {
+  constexpr std::int64_t kWhole = std::int64_t{kMax} * kMax;  // L = 1
   for (int y = 0; y < over.rows; ++y) {
     const auto* from = over.ptr<Pixel>(y);
     auto* to = under.ptr<cv::Vec3b>(y);
     for (int x = 0; x < over.cols; ++x) {
       const std::int64_t alpha = from[x][3];
-      for (int c = 0; c < 3; ++c)
-        to[x][c] = static_cast<std::uint8_t>(
-            (alpha * from[x][c] + (kMax - alpha) * to[x][c] * kUnit + kWhole / 2) / kWhole);
+      for (int c = 0; c < 3; ++c) {
+        const std::int64_t light = alpha * from[x][c];
+        const std::int64_t kept = blend == Blend::kOver     ? kWhole - alpha * kMax
+                                  : blend == Blend::kScreen ? kWhole - light
+                                                            : kWhole;
+        const std::int64_t sum = 255 * light + kept * to[x][c];
+        to[x][c] = static_cast<std::uint8_t>(std::min<std::int64_t>(255, (sum + kWhole / 2) / kWhole));
+      }
     }
   }
 }
 
 }  // namespace
 
-cv::Mat lay_over(const cv::Mat& over, const cv::Mat& under, cv::Point at) {
+cv::Mat laid_on(const cv::Mat& over, const cv::Mat& under, Blend blend, cv::Point at) {
   CV_Assert(over.type() == CV_8UC4 || over.type() == CV_16UC4);
   cv::Mat whole = under.clone();
   const cv::Rect seen = cv::Rect(at, over.size()) & cv::Rect({0, 0}, under.size());
@@ -42,9 +48,9 @@ cv::Mat lay_over(const cv::Mat& over, const cv::Mat& under, cv::Point at) {
   cv::Mat below = whole(seen);
   const cv::Mat above = over(seen - at);
   if (over.depth() == CV_8U)
-    blend<cv::Vec4b, 255>(above, below);
+    join<cv::Vec4b, 255>(above, blend, below);
   else
-    blend<cv::Vec4w, 65535>(above, below);
+    join<cv::Vec4w, 65535>(above, blend, below);
   return whole;
 }
 

@@ -1,4 +1,4 @@
-// synth/transfer/files/composite.h — a transparent picture over a background.
+// synth/transfer/files/composite.h — a transparent picture, or light, on a background.
 #pragma once
 
 #include <filesystem>
@@ -8,12 +8,18 @@
 
 namespace freshet::synth::transfer {
 
-/// over + (1 - alpha) under, on the values as they are coded, as compositing programs do unless told not
-/// to.
+/// How a picture joins what lies behind it, on the values as they are coded, as compositing programs do
+/// unless told not to. With L = its colour times alpha, and B behind:
+enum class Blend {
+  kOver,    // L + (1 - alpha) B
+  kAdd,     // L + B, at most white: light
+  kScreen,  // L + B - L B: light that does not burn out
+};
+
 /// over     CV_8UC4 or CV_16UC4 BGRA, straight alpha; its top left corner lies at `at`, in or out of `under`.
 /// under    CV_8UC3 BGR.
 /// Returns  `under` with the picture on it.
-cv::Mat lay_over(const cv::Mat& over, const cv::Mat& under, cv::Point at = {0, 0});
+cv::Mat laid_on(const cv::Mat& over, const cv::Mat& under, Blend blend = Blend::kOver, cv::Point at = {0, 0});
 
 /// A background: one picture for all frames, or a folder, pattern or video of as many.
 class Background {

@@ -27,6 +27,10 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int kMax = 65535;
+constexpr int kLookedAt = 2;    // frames, to fit it to a design
+constexpr int kLeastSide = 48;  // px, of an exemplar that is made smaller here
+constexpr double kLeastBody = 0.1;
+constexpr int kHalvings = 5;            // of the range of body_begins
 constexpr std::size_t kRemembered = 4;  // moments: this one, the one before, and those of a frame begun again
 
 [[noreturn]] void refuse(const std::string& where, const std::string& fault, const std::string& remedy) {
@@ -158,21 +162,6 @@ void check_outline(const DesignFiles& design, const ExemplarFiles& exemplar,
         "Paint what is no fluid black, or give an opaque exemplar");
 }
 
-void take_off_ground(cv::Mat& bgra, Ground ground) {
-  if (ground == Ground::kNone) return;
-  const bool black = ground == Ground::kBlack;
-  bgra.forEach<cv::Vec4w>([black](cv::Vec4w& at, const int*) {
-    int light[3];  // of light on black, or of the negative
-    for (int c = 0; c < 3; ++c) light[c] = black ? at[c] : kMax - at[c];
-    const int alpha = std::max({light[0], light[1], light[2]});
-    for (int c = 0; c < 3; ++c) {
-      const auto full = alpha > 0 ? static_cast<int>((std::int64_t{light[c]} * kMax + alpha / 2) / alpha) : 0;
-      at[c] = static_cast<std::uint16_t>(black ? full : kMax - full);
-    }
-    at[3] = static_cast<std::uint16_t>(alpha);
-  });
-}
-
 struct ExemplarFiles::Impl {
   ExemplarOptions options;
   Frames frames;
@@ -187,28 +176,47 @@ struct ExemplarFiles::Impl {
   std::string hash;
   std::deque<std::pair<int, cv::Mat>> remembered;
 
-  /// One of its own frames, with the alpha that is asked for.
+  /// One of its own frames, with the alpha and of the size that are asked for.
   cv::Mat own(int frame) const {
     cv::Mat bgra = frames.read(frame);
-    if (options.ground != Ground::kNone) take_off_ground(bgra, options.ground);
-    if (!masks) return bgra;
+    const cv::Mat mask = masks ? mask_of(frame, bgra.size()) : cv::Mat();
+    if (options.ground != Ground::kNone)
+      take_off_ground(bgra, options.ground, mask, options.body_begins);
+    else if (masks)
+      cv::insertChannel(mask, bgra, 3);
+    if (options.scale == 1) return bgra;
+    cv::Mat scaled;
+    cv::resize(premultiplied(bgra), scaled, {}, options.scale, options.scale,
+               options.scale < 1 ? cv::INTER_AREA : cv::INTER_LINEAR);
+    return straight(scaled);
+  }
+
+  /// Of what the animation will use.
+  int used() const { return std::min(frames.count, std::max(1, options.frames)); }
+
+  Extent extent(const TransferOptions& transfer) const {
+    return mean_extent(used(), kLookedAt, transfer, [&](int frame) {
+      cv::Mat alpha;
+      cv::extractChannel(own(frame), alpha, 3);
+      alpha.convertTo(alpha, CV_32F, 1.0 / kMax);
+      return alpha;
+    });
+  }
+
+  cv::Mat mask_of(int frame, cv::Size of_frame) const {
     const int of_masks = masks->count == 1 ? 0 : frame;
     const cv::Mat picture = masks->read(of_masks);
-    if (picture.size() != bgra.size())
+    if (picture.size() != of_frame)
       refuse(masks->name_of(of_masks),
              fmt::format("it has {} x {} px, {} {} x {}", picture.cols, picture.rows, frames.name_of(frame),
-                         bgra.cols, bgra.rows),
+                         of_frame.width, of_frame.height),
              "Give a mask of the exemplar's size");
-    cv::Mat mask, own_alpha;
-    cv::extractChannel(picture, own_alpha, 3);
+    cv::Mat mask;
+    cv::extractChannel(picture, mask, 3);
     double minimum = 0, maximum = 0;
-    cv::minMaxLoc(own_alpha, &minimum, &maximum);
-    if (minimum < kMax)
-      mask = own_alpha;  // transparent somewhere: that is the mask
-    else
-      cv::cvtColor(picture, mask, cv::COLOR_BGRA2GRAY);
-    cv::insertChannel(mask, bgra, 3);
-    return bgra;
+    cv::minMaxLoc(mask, &minimum, &maximum);
+    if (minimum == kMax) cv::cvtColor(picture, mask, cv::COLOR_BGRA2GRAY);  // transparent nowhere
+    return mask;
   }
 
   cv::Mat moment(const animate::Moment& at) const {
@@ -267,11 +275,32 @@ ExemplarFiles::ExemplarFiles(const store::Snapshot& snapshot, const std::string&
 ExemplarFiles::ExemplarFiles(ExemplarFiles&&) noexcept = default;
 ExemplarFiles::~ExemplarFiles() = default;
 
+void ExemplarFiles::fit_scale(const Extent& design, const TransferOptions& options) {
+  Impl& exemplar = *impl_;
+  const Extent own = exemplar.extent(options);
+  if (own.boundary == 0 || own.all() <= design.all()) return;
+  const cv::Size size = exemplar.frames.read(0).size();
+  const double least = static_cast<double>(kLeastSide) / std::min(size.width, size.height);
+  exemplar.options.scale = std::clamp(std::sqrt(design.all() / own.all()), std::min(1.0, least), 1.0);
+}
+
+void ExemplarFiles::fit_body(const Extent& design, const TransferOptions& options) {
+  Impl& exemplar = *impl_;
+  if (exemplar.options.ground != Ground::kBlack || exemplar.masks) return;
+  // The more light it takes, the less is interior.
+  double low = kLeastBody, high = 1;
+  for (int halving = 0; halving < kHalvings; ++halving) {
+    exemplar.options.body_begins = 0.5 * (low + high);
+    const bool too_much = exemplar.extent(options).interior_share() > design.interior_share();
+    (too_much ? low : high) = exemplar.options.body_begins;
+  }
+}
+
 void ExemplarFiles::check(const std::function<void(std::size_t, std::size_t)>& progress,
                           const std::stop_token& stop) {
   Impl& exemplar = *impl_;
   exemplar.find_moments();
-  const int used = std::min(exemplar.frames.count, std::max(1, exemplar.options.frames));
+  const int used = exemplar.used();
   ContentHash hash;
   double max_alpha = 0;
   for (int i = 0; i < used; ++i) {
@@ -317,6 +346,7 @@ void ExemplarFiles::check(const std::function<void(std::size_t, std::size_t)>& p
   exemplar.hash = hash.text();
 }
 
+const ExemplarOptions& ExemplarFiles::options() const { return impl_->options; }
 int ExemplarFiles::frames() const { return impl_->frames.count; }
 cv::Size ExemplarFiles::size() const { return impl_->size; }
 bool ExemplarFiles::opaque() const { return impl_->opaque; }

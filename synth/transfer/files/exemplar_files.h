@@ -14,25 +14,22 @@
 
 #include "store/store.h"
 #include "synth/transfer/files/design_files.h"
+#include "synth/transfer/files/extent.h"
+#include "synth/transfer/files/ground.h"
 #include "synth/transfer/transfer.h"
 #include "vision/loop_rule.h"
 
 namespace freshet::synth::transfer {
-
-/// What lies behind an exemplar that has no alpha of its own.
-enum class Ground {
-  kNone,   // nothing is known: it is opaque
-  kBlack,  // light on black, such as fire: alpha is the brightest channel, colours are divided by it
-  kWhite,  // dark on white, such as smoke: the same of the negative
-};
 
 struct ExemplarOptions {
   /// Masks in place of the exemplar's alpha: a picture for all of its frames, or a folder, pattern or video
   /// of as many; empty: none.
   std::filesystem::path alpha = {};
   Ground ground = Ground::kNone;
-  int patch = 5;   // px per side, of the transfer: an exemplar has room for two each way
-  int frames = 1;  // of the animation
+  double scale = 1;                  // of its size, 0.05 to 4: patches are copied as large as they are
+  double body_begins = kBodyBegins;  // of light on black, as take_off_ground says
+  int patch = 5;                     // px per side, of the transfer: an exemplar has room for two each way
+  int frames = 1;                    // of the animation
 };
 
 /// Frame by frame as the animation goes; where it is shorter, looped by the rules of a store's clips: from a
@@ -47,12 +44,23 @@ class ExemplarFiles {
   ExemplarFiles(ExemplarFiles&&) noexcept;
   ~ExemplarFiles();
 
+  /// Chooses options().scale, at most 1, so that there is not more fluid than in the design: a structure that is
+  /// larger than what it shall fill is cut up, and becomes soft. An opaque exemplar keeps its size.
+  /// design   a mean frame's.
+  /// Throws Error{kInput} as check() does.
+  void fit_scale(const Extent& design, const TransferOptions& options);
+
+  /// Chooses options().body_begins so that as much of the fluid is interior as in the design, for light on black
+  /// whose body is not given: an outline is dimmer than what it holds, and a design of little else would be too.
+  void fit_body(const Extent& design, const TransferOptions& options);
+
   /// Reads once all that the animation will use, and finds the loop. Throws Error{kInput}: unreadable, frames
   /// of unequal size, smaller than two patches per side, transparent everywhere, masks of another size or
   /// number, too short for the animation and for a loop (vision::kMinLoopFrames); Error{kCancelled}.
   void check(const std::function<void(std::size_t done, std::size_t of)>& progress = {},
              const std::stop_token& stop = {});
 
+  const ExemplarOptions& options() const;
   int frames() const;  // of its own
   cv::Size size() const;
   bool opaque() const;                           // everywhere in all frames
@@ -73,9 +81,5 @@ class ExemplarFiles {
 /// fluid everywhere takes an opaque exemplar. Both have been checked.
 void check_outline(const DesignFiles& design, const ExemplarFiles& exemplar,
                    const std::filesystem::path& masks);
-
-/// Straight alpha and colours of light on black, or of what is dark on white. bgra CV_16UC4, in place; its
-/// alpha is replaced.
-void take_off_ground(cv::Mat& bgra, Ground ground);
 
 }  // namespace freshet::synth::transfer

@@ -13,6 +13,7 @@ json run(const char* method, int not_uniform) {
           {"size", {256, 192}},
           {"method", method},
           {"sharpness", {0.9, nullptr, 0.8}},  // nothing opaque in a frame has no sharpness
+          {"structure", {0.9, nullptr, 0.8}},
           {"colours", {0.1, 0.2, 0.1}},
           {"change", {4.0, 5.0}},
           {"not_uniform", not_uniform},
@@ -29,7 +30,7 @@ TEST(TransferPage, DrawsEveryMethodAndCountsWhatWasPromised) {
   for (std::size_t at = page.find("role=\"img\""); at != std::string::npos;
        at = page.find("role=\"img\"", at + 1))
     ++drawings;
-  EXPECT_EQ(drawings, 3u);
+  EXPECT_EQ(drawings, 4u);
   EXPECT_NE(page.find("<h2>a &lt;fire&gt;</h2>"), std::string::npos);
   EXPECT_NE(page.find("<td>nearest</td><td>3</td><td>3</td><td>17</td><td>0.25</td>"), std::string::npos);
   EXPECT_EQ(page.find("Cost of a frame"), std::string::npos);

@@ -64,5 +64,15 @@ TEST(MotionBlur, SmearsAlongTheFlowOnly) {
   EXPECT_EQ(across(20, 25).c[0], 0);
 }
 
+TEST(ForwardWarp, AddressesAreCarriedWhole) {
+  GridOf<std::int32_t> addresses(9, 7);
+  for (int y = 0; y < 7; ++y)
+    for (int x = 0; x < 9; ++x) addresses(x, y) = 100 * y + x;
+  const GridOf<std::int32_t> out = carried(addresses, VectorGrid(9, 7, {2.4f, -0.6f}));
+  for (int y = 0; y < 7; ++y)
+    for (int x = 0; x < 9; ++x)
+      EXPECT_EQ(out(x, y), x >= 2 && y < 6 ? 100 * (y + 1) + x - 2 : -1) << x << ' ' << y;
+}
+
 }  // namespace
 }  // namespace freshet::synth::transfer

@@ -50,5 +50,14 @@ TEST(OpenPlaces, EveryPlaceOfASquareComesUp) {
   EXPECT_EQ(drawn.size(), 3u);
 }
 
+TEST(OpenPlaces, OneThatIsAddedIsFound) {
+  OpenPlaces open(33, 20, {});
+  EXPECT_EQ(open.near(4, 4, 1), -1);
+  open.add(7 * 33 + 30);
+  EXPECT_EQ(open.near(4, 4, 1), 7 * 33 + 30);
+  open.remove(7 * 33 + 30);
+  EXPECT_EQ(open.near(4, 4, 1), -1);
+}
+
 }  // namespace
 }  // namespace freshet::synth::transfer

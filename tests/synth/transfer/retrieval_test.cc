@@ -2,41 +2,16 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <numeric>
 #include <tuple>
 
 #include <gtest/gtest.h>
 #include <oneapi/tbb/global_control.h>
 
 #include "freshet/error.h"
-#include "tests/synth/transfer/made_exemplar.h"
+#include "tests/synth/transfer/made_pictures.h"
 
 namespace freshet::synth::transfer {
 namespace {
-
-// Two blots: each patch of one is to get a patch of the other.
-struct Pictures {
-  Features source, target;
-  Segments from, to;
-  std::vector<float> lambda;
-
-  Pictures(cv::Size source_size, cv::Size target_size, std::uint64_t seed)
-      : source(source_size.width, source_size.height), target(target_size.width, target_size.height) {
-    fill(blot(source_size, seed), source, from);
-    fill(blot(target_size, seed + 100), target, to);
-    lambda.assign(target.values.size() / kChannels, 0.2f);
-  }
-  static void fill(const cv::Mat& bgra, Features& features, Segments& segments) {
-    const PixelGrid picture = premultiplied(bgra);
-    put_now(picture, features);
-    put_previous(picture, features);
-    const Grid alpha = blurred(alpha_of(picture), 2);
-    put_blurred_alpha(alpha, 3, features);
-    segment(alpha, 0.1, 0.9, 2, segments);
-  }
-  NearestField field() const { return {source.width, source.height, target.width, target.height}; }
-  PatchDistance distance() const { return {source, target, lambda, 5}; }
-};
 
 double total(const NearestField& field, const std::vector<int>& targets) {
   double sum = 0;
@@ -45,31 +20,12 @@ double total(const NearestField& field, const std::vector<int>& targets) {
   return sum;
 }
 
-void expect_uniform(const NearestField& field, const std::vector<int>& sources,
-                    const std::vector<int>& targets) {
-  std::vector<std::size_t> used(field.source_places(), 0);
-  for (const int target : targets) {
-    const std::int32_t source = field.source[static_cast<std::size_t>(target)];
-    ASSERT_GE(source, 0);
-    ++used[static_cast<std::size_t>(source)];
-  }
-  const std::size_t min_uses = targets.size() / sources.size();
-  std::size_t once_more = 0;
-  for (const int source : sources) {
-    const std::size_t uses = used[static_cast<std::size_t>(source)];
-    ASSERT_TRUE(uses == min_uses || uses == min_uses + 1) << uses;
-    once_more += uses == min_uses + 1;
-  }
-  EXPECT_EQ(once_more, targets.size() % sources.size());
-  EXPECT_EQ(std::accumulate(used.begin(), used.end(), std::size_t{0}), targets.size());  // no other source
-}
-
 TEST(UniformRetrieval, UsesEverySourceKOrKPlusOneTimes) {
   // More targets than sources, fewer, many more.
   const cv::Size sizes[][2] = {{{40, 36}, {70, 60}}, {{60, 60}, {40, 30}}, {{20, 20}, {90, 90}}};
   for (const auto& size : sizes)
     for (const Search search : {Search::kPatchMatch, Search::kExact}) {
-      const Pictures pictures(size[0], size[1], 5);
+      const MadePictures pictures(size[0], size[1], 5);
       for (const Segment segment : {Segment::kBoundary, Segment::kInterior}) {
         NearestField field = pictures.field();
         RetrievalSeconds seconds;
@@ -84,7 +40,7 @@ TEST(UniformRetrieval, UsesEverySourceKOrKPlusOneTimes) {
 }
 
 TEST(UniformRetrieval, DistancesAreThoseOfTheirPairs) {
-  const Pictures pictures({40, 36}, {70, 60}, 5);
+  const MadePictures pictures({40, 36}, {70, 60}, 5);
   NearestField field = pictures.field();
   RetrievalSeconds seconds;
   assign_uniformly(pictures.distance(), pictures.from[Segment::kInterior], pictures.to[Segment::kInterior],
@@ -96,7 +52,7 @@ TEST(UniformRetrieval, DistancesAreThoseOfTheirPairs) {
 }
 
 // What Sec. 4.1 says, word by word.
-NearestField obvious(const Pictures& pictures, const std::vector<int>& sources,
+NearestField obvious(const MadePictures& pictures, const std::vector<int>& sources,
                      const std::vector<int>& targets) {
   NearestField field = pictures.field();
   const PatchDistance distance = pictures.distance();
@@ -141,7 +97,7 @@ NearestField obvious(const Pictures& pictures, const std::vector<int>& sources,
 }
 
 TEST(UniformRetrieval, ExactIsThePapersProcedure) {
-  const Pictures pictures({24, 22}, {40, 36}, 9);
+  const MadePictures pictures({24, 22}, {40, 36}, 9);
   NearestField field = pictures.field();
   RetrievalSeconds seconds;
   const std::vector<int>&sources = pictures.from[Segment::kBoundary],
@@ -152,9 +108,9 @@ TEST(UniformRetrieval, ExactIsThePapersProcedure) {
     ASSERT_EQ(field.source[static_cast<std::size_t>(target)], truth.source[static_cast<std::size_t>(target)]);
 }
 
-// As in a frame's fourth iteration: what the retrieval before it found is where it begins.
-TEST(UniformRetrieval, PatchMatchCostsLittleMoreThanExact) {
-  const Pictures pictures({64, 60}, {96, 80}, 7);
+// From nothing, which no level of a frame but the coarsest begins with; then on from what is known.
+TEST(UniformRetrieval, ExchangesComeNearTheExactRounds) {
+  const MadePictures pictures({64, 60}, {96, 80}, 7);
   double exact_sum = 0, first_sum = 0, fourth_sum = 0;
   for (const Segment segment : {Segment::kBoundary, Segment::kInterior}) {
     NearestField exact = pictures.field(), fast = pictures.field();
@@ -169,13 +125,13 @@ TEST(UniformRetrieval, PatchMatchCostsLittleMoreThanExact) {
       if (seed == 4) fourth_sum += total(fast, targets);
     }
   }
-  std::printf("[ measured ] PatchMatch / exact: first %.3f, fourth %.3f\n", first_sum / exact_sum,
+  std::printf("[ measured ] exchanges / exact: first %.3f, fourth %.3f\n", first_sum / exact_sum,
               fourth_sum / exact_sum);
-  EXPECT_LT(fourth_sum, 1.08 * exact_sum);
+  EXPECT_LT(fourth_sum, 0.9 * exact_sum);
 }
 
 TEST(UniformRetrieval, IsTheSameForAnyNumberOfThreads) {
-  const Pictures pictures({64, 60}, {96, 80}, 3);
+  const MadePictures pictures({64, 60}, {96, 80}, 3);
   NearestField fields[2] = {pictures.field(), pictures.field()};
   for (std::size_t k = 0; k < 2; ++k) {
     const oneapi::tbb::global_control threads(oneapi::tbb::global_control::max_allowed_parallelism,
@@ -188,7 +144,7 @@ TEST(UniformRetrieval, IsTheSameForAnyNumberOfThreads) {
 }
 
 TEST(UniformRetrieval, RefusesAnExactSearchOfBigPictures) {
-  const Pictures pictures({400, 400}, {400, 400}, 3);
+  const MadePictures pictures({400, 400}, {400, 400}, 3);
   NearestField field = pictures.field();
   RetrievalSeconds seconds;
   EXPECT_THROW(assign_uniformly(pictures.distance(), pictures.from[Segment::kInterior],
@@ -197,7 +153,7 @@ TEST(UniformRetrieval, RefusesAnExactSearchOfBigPictures) {
 }
 
 TEST(NearestRetrieval, PatchMatchComesNearTheNearest) {
-  const Pictures pictures({64, 60}, {96, 80}, 7);
+  const MadePictures pictures({64, 60}, {96, 80}, 7);
   NearestField exact = pictures.field(), fast = pictures.field();
   RetrievalSeconds seconds;
   const std::vector<int>&sources = pictures.from[Segment::kInterior],

@@ -20,6 +20,7 @@ class StateFile : public ::testing::Test {
     state.picture = PixelGrid(3, 2, {{0.1f, 0.2f, 0.3f, 0.4f}});
     state.mask = Grid(3, 2, 0.5f);
     state.flow = VectorGrid(3, 2, {1, -2});
+    state.sources = GridOf<std::int32_t>(3, 2, 41);
   }
   ~StateFile() override { std::filesystem::remove_all(folder); }
 
@@ -36,6 +37,7 @@ TEST_F(StateFile, ComesBackWhole) {
   EXPECT_EQ(back.picture(2, 1).c[2], 0.3f);
   EXPECT_EQ(back.mask.values, state.mask.values);
   EXPECT_EQ(back.flow(2, 1).y, -2);
+  EXPECT_EQ(back.sources.values, state.sources.values);
 }
 
 TEST_F(StateFile, RefusesEveryFlippedByteAndEveryCut) {

@@ -64,6 +64,18 @@ TEST(Transfer, DoesNotWashOutWhereTheBaselineDoes) {
   EXPECT_LT(energy[1], 0.7 * energy[0]);
 }
 
+TEST(Transfer, ASmallDesignIsNotMadeOfTheSmoothestPatches) {
+  const cv::Mat look = blot({160, 150}, 1);
+  Transfer transfer(still(look), {.iterations = 2});
+  TransferredFrame made;
+  for (int t = 0; t < 3; ++t) made = transfer.next(turning_disc(kFrame, t));
+  EXPECT_TRUE(made.boundary.uniform() && made.interior.uniform());
+  EXPECT_EQ(made.interior.min_uses, 0);
+  const double energy = laplacian_energy(made.bgra) / laplacian_energy(look);
+  std::printf("[ measured ] Laplacian energy of a larger exemplar's: %.3f\n", energy);
+  EXPECT_GT(energy, 0.3);  // 0.21 where the search chooses which sources are used
+}
+
 TEST(Transfer, IsTheSameForAnyNumberOfThreads) {
   cv::Mat frames[2];
   for (std::size_t k = 0; k < 2; ++k) {

@@ -1,5 +1,6 @@
 #include "synth/transfer/files/composite.h"
 
+#include <algorithm>
 #include <cstdint>
 
 #include <gtest/gtest.h>
@@ -14,23 +15,41 @@ cv::Mat noise(cv::Size size, int type, std::uint64_t seed) {
   return picture;
 }
 
-TEST(Composite, IsTheNearestCodeOfOver) {
+// What each way of joining says, in doubles.
+double joined(Blend blend, double colour, double alpha, double under) {
+  if (blend == Blend::kOver) return colour * alpha + under * (1 - alpha);
+  if (blend == Blend::kAdd) return std::min(1.0, colour * alpha + under);
+  return 1 - (1 - colour * alpha) * (1 - under);
+}
+
+TEST(Composite, IsTheNearestCodeOfOverAddAndScreen) {
   const cv::Mat under = noise({31, 17}, CV_8UC3, 1);
-  for (const int type : {CV_8UC4, CV_16UC4}) {
-    const double maximum = type == CV_8UC4 ? 255 : 65535;
-    const cv::Mat over = noise({31, 17}, type, 2);
-    const cv::Mat both = lay_over(over, under);
-    for (int y = 0; y < 17; ++y)
-      for (int x = 0; x < 31; ++x)
-        for (int c = 0; c < 3; ++c) {
-          const auto sample = [&](int channel) {
-            return (type == CV_8UC4 ? over.at<cv::Vec4b>(y, x)[channel] : over.at<cv::Vec4w>(y, x)[channel]) /
-                   maximum;
-          };
-          const double expected =
-              255 * sample(c) * sample(3) + under.at<cv::Vec3b>(y, x)[c] * (1 - sample(3));
-          ASSERT_NEAR(both.at<cv::Vec3b>(y, x)[c], expected, 0.5001);
-        }
+  for (const Blend blend : {Blend::kOver, Blend::kAdd, Blend::kScreen})
+    for (const int type : {CV_8UC4, CV_16UC4}) {
+      const double maximum = type == CV_8UC4 ? 255 : 65535;
+      const cv::Mat over = noise({31, 17}, type, 2);
+      const cv::Mat both = laid_on(over, under, blend);
+      for (int y = 0; y < 17; ++y)
+        for (int x = 0; x < 31; ++x)
+          for (int c = 0; c < 3; ++c) {
+            const auto sample = [&](int channel) {
+              return (type == CV_8UC4 ? over.at<cv::Vec4b>(y, x)[channel]
+                                      : over.at<cv::Vec4w>(y, x)[channel]) /
+                     maximum;
+            };
+            ASSERT_NEAR(both.at<cv::Vec3b>(y, x)[c],
+                        255 * joined(blend, sample(c), sample(3), under.at<cv::Vec3b>(y, x)[c] / 255.0),
+                        0.5001);
+          }
+    }
+}
+
+TEST(Composite, LightNeverDarkens) {
+  const cv::Mat under = noise({31, 17}, CV_8UC3, 3), over = noise({31, 17}, CV_16UC4, 4);
+  for (const Blend blend : {Blend::kAdd, Blend::kScreen}) {
+    cv::Mat darker;
+    cv::subtract(under, laid_on(over, under, blend), darker);
+    EXPECT_EQ(cv::norm(darker, cv::NORM_INF), 0);
   }
 }
 
@@ -38,7 +57,7 @@ TEST(Composite, WhatLiesOutsideIsCutOff) {
   const cv::Mat under(10, 12, CV_8UC3, cv::Scalar(1, 2, 3));
   const cv::Mat over(6, 6, CV_8UC4, cv::Scalar(70, 80, 90, 255));
   for (const cv::Point at : {cv::Point(-3, -2), cv::Point(9, 7), cv::Point(3, 2), cv::Point(20, 0)}) {
-    const cv::Mat both = lay_over(over, under, at);
+    const cv::Mat both = laid_on(over, under, Blend::kOver, at);
     ASSERT_EQ(both.size(), under.size());
     for (int y = 0; y < 10; ++y)
       for (int x = 0; x < 12; ++x)

@@ -3,7 +3,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <filesystem>
 #include <string>
@@ -113,25 +112,81 @@ TEST_F(ExemplarFilesTest, MasksTakeThePlaceOfItsAlpha) {
   EXPECT_EQ(cv::norm(alpha, mask, cv::NORM_INF), 0);
 }
 
-TEST_F(ExemplarFilesTest, LightIsTakenOffItsGround) {
-  // A fire of straight colour c at opacity a over black is a c, over white a c + 1 - a.
-  cv::Mat on_black(1, 1, CV_16UC4, cv::Scalar(0.1 * 65535, 0.2 * 65535, 0.4 * 65535, 65535));
-  take_off_ground(on_black, Ground::kBlack);
-  const cv::Vec4w black = on_black.at<cv::Vec4w>(0, 0);
-  EXPECT_NEAR(black[3] / 65535.0, 0.4, 1e-4);
-  EXPECT_NEAR(black[0] / 65535.0, 0.25, 1e-4);
-  EXPECT_EQ(black[2], 65535);
-  cv::Mat on_white(1, 1, CV_16UC4, cv::Scalar(0.9 * 65535, 0.8 * 65535, 0.6 * 65535, 65535));
-  take_off_ground(on_white, Ground::kWhite);
-  const cv::Vec4w white = on_white.at<cv::Vec4w>(0, 0);
-  EXPECT_NEAR(white[3] / 65535.0, 0.4, 1e-4);
-  for (int c = 0; c < 3; ++c) {
-    const double over = white[c] / 65535.0 * white[3] / 65535.0 + 1 - white[3] / 65535.0;
-    EXPECT_NEAR(over, (std::array{0.9, 0.8, 0.6})[static_cast<std::size_t>(c)], 1e-4);
+TEST_F(ExemplarFilesTest, ItsStructureIsAsLargeAsIsAskedFor) {
+  write_waves(1, 10);
+  ExemplarFiles exemplar(folder_ / "frames", {.scale = 0.5});
+  exemplar.check();
+  EXPECT_EQ(exemplar.size(), cv::Size(16, 12));
+  // Light is averaged: colours times alpha.
+  const auto light = [](const cv::Mat& bgra) {
+    cv::Mat values;
+    bgra.convertTo(values, CV_32F, 1.0 / 65535);
+    values.forEach<cv::Vec4f>([](cv::Vec4f& at, const int*) {
+      at = {at[0] * at[3], at[1] * at[3], at[2] * at[3], at[3]};
+    });
+    return values;
+  };
+  ExemplarFiles own(folder_ / "frames", {});
+  own.check();
+  const cv::Mat whole = light(own.at(0).bgra), half = light(exemplar.at(0).bgra);
+  for (int y = 0; y < half.rows; ++y)
+    for (int x = 0; x < half.cols; ++x) {
+      const cv::Vec4f mean =
+          0.25 * (whole.at<cv::Vec4f>(2 * y, 2 * x) + whole.at<cv::Vec4f>(2 * y, 2 * x + 1) +
+                  whole.at<cv::Vec4f>(2 * y + 1, 2 * x) + whole.at<cv::Vec4f>(2 * y + 1, 2 * x + 1));
+      ASSERT_LT(cv::norm(mean, half.at<cv::Vec4f>(y, x), cv::NORM_INF), 1e-4);
+    }
+}
+
+// Light on black: a disc, brighter towards its middle.
+cv::Mat glow(cv::Size size, double radius) {
+  cv::Mat picture(size, CV_8UC3);
+  for (int y = 0; y < size.height; ++y)
+    for (int x = 0; x < size.width; ++x) {
+      const double light = 1 - std::hypot(x - 0.5 * size.width, y - 0.5 * size.height) / radius;
+      picture.at<cv::Vec3b>(y, x) = cv::Vec3b(0, cv::saturate_cast<std::uint8_t>(120 * light),
+                                              cv::saturate_cast<std::uint8_t>(255 * light));
+    }
+  return picture;
+}
+
+Extent extent_of_first(ExemplarFiles& exemplar) {
+  exemplar.check();
+  cv::Mat alpha;
+  cv::extractChannel(exemplar.at(0).bgra, alpha, 3);
+  alpha.convertTo(alpha, CV_32F, 1.0 / 65535);
+  return extent_of(alpha, {});
+}
+
+TEST_F(ExemplarFilesTest, ItIsMadeAsLargeAsTheDesign) {
+  cv::imwrite(folder_ / "glow.png", glow({200, 160}, 75));
+  const Extent design{.boundary = 3000, .interior = 1000};
+  ExemplarFiles exemplar(folder_ / "glow.png", {.ground = Ground::kBlack});
+  exemplar.fit_scale(design, {});
+  EXPECT_LT(exemplar.options().scale, 0.7);
+  EXPECT_NEAR(extent_of_first(exemplar).all() / design.all(), 1, 0.1);
+  // Not larger than it is.
+  ExemplarFiles small(folder_ / "glow.png", {.ground = Ground::kBlack});
+  small.fit_scale({.boundary = 20000, .interior = 20000}, {});
+  EXPECT_EQ(small.options().scale, 1);
+  // Nothing can be said of one that has no outline.
+  ExemplarFiles opaque(folder_ / "glow.png", {});
+  opaque.fit_scale(design, {});
+  EXPECT_EQ(opaque.options().scale, 1);
+}
+
+TEST_F(ExemplarFilesTest, AsMuchOfItsLightIsInteriorAsOfTheDesign) {
+  cv::imwrite(folder_ / "glow.png", glow({200, 160}, 75));
+  for (const double share : {0.1, 0.25, 0.5}) {
+    ExemplarFiles exemplar(folder_ / "glow.png", {.ground = Ground::kBlack});
+    exemplar.fit_body({.boundary = 1 - share, .interior = share}, {});
+    EXPECT_NEAR(extent_of_first(exemplar).interior_share(), share, 0.04);
   }
-  cv::Mat nothing(1, 1, CV_16UC4, cv::Scalar(0, 0, 0, 65535));
-  take_off_ground(nothing, Ground::kBlack);
-  EXPECT_EQ((nothing.at<cv::Vec4w>(0, 0)), cv::Vec4w(0, 0, 0, 0));
+  // A body that is given stays.
+  cv::imwrite(folder_ / "mask.png", cv::Mat(160, 200, CV_8U, cv::Scalar(255)));
+  ExemplarFiles given(folder_ / "glow.png", {.alpha = folder_ / "mask.png", .ground = Ground::kBlack});
+  given.fit_body({.boundary = 0.9, .interior = 0.1}, {});
+  EXPECT_EQ(extent_of_first(given).interior_share(), 1);
 }
 
 }  // namespace
