@@ -24,7 +24,7 @@ namespace {
 // Fixed, because x264's bytes depend on the number of its threads; FFV1's only on that of its slices.
 constexpr int kThreads = 4;
 constexpr int kFfv1Slices = 4;
-constexpr std::int64_t kKeyEvery_s = 20;
+constexpr std::int64_t kKeyEvery_s = 60;
 constexpr const char* kWebpQuality = "90";
 // Of two animations of water at crf 16 it codes in .6 of the time of "medium", to files .99 and 1.03 as large
 // and SSIM .9896 and .9957 after .9901 and .9962. Encoding was a quarter of a run's time.
@@ -202,7 +202,7 @@ void StreamFile::open(const PixelLayout& coded) {
     case StreamKind::kMp4:
       // A key frame codes anew what stands still: with one every two seconds a waterfall's rocks jumped by .34 grey
       // levels at each (.10 at most elsewhere), and lower ratios of quantisers did not help. So there is the first,
-      // and another every 20 s for players that jump; scene cuts are none of ours.
+      // and another every minute for players that jump; scene cuts are none of ours.
       context_->gop_size = static_cast<int>(
           std::clamp<std::int64_t>(kKeyEvery_s * options_.fps_num / options_.fps_den, 1, 1 << 20));
       av_dict_set(&coding, "x264-params", "scenecut=0", 0);
