@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cctype>
 #include <chrono>
-#include <fstream>
 #include <optional>
 #include <system_error>
 #include <thread>
@@ -15,6 +14,7 @@
 #include <nlohmann/json.hpp>
 
 #include "freshet/error.h"
+#include "platform/whole_file.h"
 
 namespace freshet::studio {
 namespace {
@@ -26,13 +26,6 @@ constexpr std::size_t kMostEasels = 2;  // each holds a picture, its mattes and 
 constexpr std::uintmax_t kCacheBytes = std::uintmax_t{1} << 30;
 
 std::string text(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
-
-bool same_bytes(const fs::path& a, const fs::path& b) {
-  std::error_code fault;
-  if (fs::file_size(a, fault) != fs::file_size(b, fault) || fault) return false;
-  std::ifstream first(a, std::ios::binary), second(b, std::ios::binary);
-  return std::equal(std::istreambuf_iterator<char>(first), {}, std::istreambuf_iterator<char>(second));
-}
 
 std::string lower_ending(const std::string& name) {
   std::string ending = fs::path(name).extension();

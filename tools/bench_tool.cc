@@ -1,5 +1,4 @@
 #include <filesystem>
-#include <fstream>
 #include <memory>
 #include <optional>
 #include <string>
@@ -11,6 +10,7 @@
 
 #include "freshet/error.h"
 #include "media/picture/picture.h"
+#include "platform/whole_file.h"
 #include "query/benchmark/measured_indexes.h"
 #include "query/benchmark/search_benchmark.h"
 #include "query/benchmark/search_page.h"
@@ -110,12 +110,6 @@ void print(const query::SearchReport& report) {
   if (const std::string text = query::verdict(report); !text.empty()) fmt::print("\n{}\n", text);
 }
 
-void write_text(const std::string& path, const std::string& text) {
-  std::ofstream file(path, std::ios::binary);
-  file << text;
-  if (!file.flush()) throw Error(ErrorKind::kIo, path, "cannot be written");
-}
-
 void run(const BenchCommand& command, const RunContext& context) {
   check_output_folder(command.page);
   check_output_folder(command.json);
@@ -136,13 +130,14 @@ void run(const BenchCommand& command, const RunContext& context) {
       [&](const std::string& what) { progress.show(what, 0, 0); }, context.stop);
   progress.finish();
   const bool to_stdout = command.json_option->count() > 0 && command.json.empty();
-  if (!command.page.empty()) write_text(command.page, query::search_page(report));
+  if (!command.page.empty()) write_whole_file(command.page, query::search_page(report));
   if (to_stdout) {
     fmt::print("{}\n", query::to_json(report).dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
   } else {
     if (!command.json.empty())
-      write_text(command.json,
-                 query::to_json(report).dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
+      write_whole_file(
+          command.json,
+          query::to_json(report).dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
     print(report);
     for (const std::string& path : {command.json, command.page})
       if (!path.empty()) fmt::print("{}\n", path);

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <fstream>
 
 #include <fmt/format.h>
 
@@ -10,6 +9,7 @@
 #include "media/picture/motion_file.h"
 #include "media/picture/picture.h"
 #include "media/picture/picture_sequence.h"
+#include "platform/whole_file.h"
 
 namespace freshet::tools {
 namespace {
@@ -26,14 +26,6 @@ void clear(const fs::path& folder) {
   std::error_code fault;
   fs::remove(folder / kDescription, fault);
   for (const char* part : kParts) fs::remove_all(folder / part, fault);
-}
-
-void write_text(const fs::path& path, const std::string& text) {
-  std::ofstream file(path, std::ios::binary | std::ios::trunc);
-  file << text;
-  file.close();
-  if (!file)
-    throw Error(ErrorKind::kIo, path.string(), "it could not be written", "Check that the disk has room");
 }
 
 }  // namespace
@@ -55,7 +47,7 @@ DesignFolder::DesignFolder(const fs::path& folder, const sim::SceneOptions& opti
   if (fault)
     throw Error(ErrorKind::kIo, folder.string(), "the folder cannot be made: " + fault.message(),
                 "Make the folder above it first");
-  write_text(folder / "scene.toml", scene_text);
+  write_whole_file(folder / "scene.toml", scene_text);
 
   const cv::Size cells = sim::cells_of(options.design, options.size);
   const bool designed = options.kind == sim::SceneKind::kDesign;
@@ -98,8 +90,8 @@ void DesignFolder::write(int number, const sim::SimulatedFrame& frame) {
 }
 
 void DesignFolder::finish() {
-  write_text(folder_ / kDescription,
-             description_.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
+  write_whole_file(folder_ / kDescription,
+                   description_.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
 }
 
 void write_grey(const fs::path& pattern, int number, const cv::Mat& grey) {

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <memory>
 #include <string>
 #include <vector>
@@ -18,6 +17,7 @@
 #include "media/video/picture_sink.h"
 #include "platform/stopwatch.h"
 #include "platform/text.h"
+#include "platform/whole_file.h"
 #include "synth/stills/alignment.h"
 #include "synth/stills/page.h"
 #include "synth/stills/plan.h"
@@ -49,13 +49,6 @@ struct StillsCommand {
   stills::RenderOptions render;
   CacheOptions cache;
 };
-
-void write_text(const fs::path& path, const std::string& text) {
-  std::ofstream file(path, std::ios::binary | std::ios::trunc);
-  file << text;
-  file.close();
-  if (!file) throw Error(ErrorKind::kIo, path.string(), "cannot be written", "Check the folder and the disk");
-}
 
 Json names_of(const std::vector<int>& shown, const std::vector<std::string>& names) {
   Json list = Json::array();
@@ -210,13 +203,14 @@ void run_stills(StillsCommand command, RunContext& context) {
   if (!command.page.empty()) {
     const bool plays = !media::is_pattern(command.out);
     const fs::path folder = command.page.has_parent_path() ? command.page.parent_path() : fs::path(".");
-    write_text(command.page, stills::stills_page(plan, small, sheet,
-                                                 {.title = command.folder.string(),
-                                                  .video = plays ? fs::proximate(command.out, folder).string()
-                                                                 : std::string(),
-                                                  .names = set.names,
-                                                  .notices = said,
-                                                  .seconds = command.plan.seconds}));
+    write_whole_file(
+        command.page,
+        stills::stills_page(plan, small, sheet,
+                            {.title = command.folder.string(),
+                             .video = plays ? fs::proximate(command.out, folder).string() : std::string(),
+                             .names = set.names,
+                             .notices = said,
+                             .seconds = command.plan.seconds}));
   }
   write_frames(command, plan, set, job);
   progress.finish();

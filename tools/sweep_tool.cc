@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <map>
 #include <memory>
 #include <optional>
@@ -15,6 +14,7 @@
 #include "media/picture/picture.h"
 #include "media/video/picture_sink.h"
 #include "platform/stopwatch.h"
+#include "platform/whole_file.h"
 #include "query/labelling/shares.h"
 #include "report/sheet_words.h"
 #include "tools/animate_command.h"
@@ -43,19 +43,6 @@ std::vector<SweepAxis> parse_axes(const std::vector<std::string>& texts) {
   std::vector<SweepAxis> axes;
   for (const std::string& text : texts) axes.push_back(parse_axis(text, known));
   return axes;
-}
-
-void write_text(const fs::path& path, const std::string& text) {
-  std::ofstream file(path, std::ios::binary | std::ios::trunc);
-  file << text;
-  file.close();
-  if (!file) throw Error(ErrorKind::kIo, path.string(), "it cannot be written");
-}
-
-bool same_bytes(const fs::path& one, const fs::path& other) {
-  if (fs::file_size(one) != fs::file_size(other)) return false;
-  std::ifstream a(one, std::ios::binary), b(other, std::ios::binary);
-  return std::equal(std::istreambuf_iterator<char>(a), {}, std::istreambuf_iterator<char>(b));
 }
 
 /// Bytes of a picture or map, whatever of it there is.
@@ -309,10 +296,10 @@ void run_sweep(SweepCommand& command, const RunContext& context) {
         fmt::format("{} ({}): {}.", axis.name, fmt::join(axis.values, ", "), axis.description));
   media::write_picture(folder / words.still, sweep.still());
   media::write_picture(folder / "sheet.png", sweep_sheet(words, sweep.still(), sweep.animations()));
-  write_text(folder / "index.html", sweep_page(words, sweep.animations()));
+  write_whole_file(folder / "index.html", sweep_page(words, sweep.animations()));
   const std::string report =
       report_of(sweep, watch.seconds()).dump(2, ' ', false, nlohmann::json::error_handler_t::replace);
-  write_text(folder / "sweep.json", report + "\n");
+  write_whole_file(folder / "sweep.json", report + "\n");
   if (command.json) {
     fmt::print("{}\n", report);
     return;

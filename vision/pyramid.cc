@@ -1,5 +1,7 @@
 #include "vision/pyramid.h"
 
+#include <algorithm>
+
 #include <opencv2/imgproc.hpp>
 
 #include "freshet/error.h"
@@ -20,6 +22,12 @@ void laplacian_pyramid(const cv::Mat& picture, int levels, std::vector<cv::Mat>&
     cv::swap(rest, smaller);
   }
   rest.copyTo(bands[levels]);
+}
+
+int levels_within(cv::Size picture, int wanted) {
+  constexpr int kLeastRest = 4;
+  while (wanted > 0 && (std::min(picture.width, picture.height) >> wanted) < kLeastRest) --wanted;
+  return wanted;
 }
 
 cv::Mat collapse(const std::vector<cv::Mat>& bands) {

@@ -33,6 +33,7 @@
 #include "bench/scale/cost_page.h"
 #include "bench/scale/scaled_store.h"
 #include "freshet/error.h"
+#include "platform/whole_file.h"
 
 namespace {
 
@@ -63,11 +64,6 @@ json read_json(const fs::path& path) {
   return value;
 }
 
-void write_text(const fs::path& path, const std::string& text) {
-  std::ofstream file(path);
-  if (!(file << text << std::flush)) throw Error(ErrorKind::kIo, path.string(), "cannot be written");
-}
-
 /// One measurement in a new process of this program.
 json measured_apart(const std::string& what, const fs::path& store, const Command& command) {
   const fs::path answer = store.string() + ".measured";
@@ -88,7 +84,7 @@ fs::path made_store(const store::Snapshot& source, const Command& command, std::
     fs::remove(path);  // unfinished
     const bench::ScaleReport report =
         bench::write_scaled_store(source, path, {.patches = patches, .seed = command.seed});
-    write_text(beside, json{{"generate_s", report.seconds}, {"clips", report.clips}}.dump());
+    write_whole_file(beside, json{{"generate_s", report.seconds}, {"clips", report.clips}}.dump());
   }
   size.update(read_json(beside));
   return path;
@@ -167,7 +163,7 @@ void print_size(const json& size) {
 int measure_child(int argc, char** argv) {
   if (argc < 6) throw Error(ErrorKind::kUsage, "--measure", "WHAT STORE ANSWER PICTURE.. expected");
   const std::vector<std::string> pictures(argv + 5, argv + argc);
-  write_text(argv[4], bench::measure(argv[3], bench::parse_measurement(argv[2]), pictures).dump());
+  write_whole_file(argv[4], bench::measure(argv[3], bench::parse_measurement(argv[2]), pictures).dump());
   return 0;
 }
 
@@ -210,14 +206,14 @@ int run(int argc, char** argv) {
     result["sizes"].push_back(measured_size(source, command, size));
     print_size(result["sizes"].back());
     result["fits"] = bench::cost_fits(result);
-    write_text(json_file, result.dump(2) + "\n");  // after each: the next one may take an hour
+    write_whole_file(json_file, result.dump(2) + "\n");  // after each: the next one may take an hour
   }
 
   std::vector<json> results;
   for (const char* name : kResultNames) {
     if (fs::exists(fs::path(command.out) / name)) results.push_back(read_json(fs::path(command.out) / name));
   }
-  write_text(fs::path(command.out) / "cost_curves.html", bench::cost_page(results));
+  write_whole_file(fs::path(command.out) / "cost_curves.html", bench::cost_page(results));
   fmt::print("\n{:<10}{:<26}{:<12}{:>9}{:>8}{:>10}\n", "", "", "", "exponent", "error", ">= 200 k");
   for (const json& fit : result["fits"]) {
     fmt::print(

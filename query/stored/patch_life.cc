@@ -1,17 +1,16 @@
 #include "query/stored/patch_life.h"
 
-#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <span>
 
 #include "freshet/error.h"
 #include "query/stored/clip_cells.h"
+#include "query/stored/patch_cells.h"
 
 namespace freshet::query {
 namespace {
 
-constexpr int kSpots = 6;             // across a patch: every 8th px of 48, several in a cell at any scale
 constexpr double kLeastPower = 1e-6;  // luma: where nothing was followed, cells count alike
 
 /// What the covered cells say of one band of the source.
@@ -50,20 +49,15 @@ PatchLife patch_life(const vision::CellMap& life, const vision::VariantFrame& fr
                      cv::Point patch, int side) {
   std::array<SourceBand, vision::kLifeBands> source{};
   std::array<double, vision::kLifeBands> mass{};
-  for (int row = 0; row < kSpots; ++row)
-    for (int column = 0; column < kSpots; ++column) {
-      const auto along = [&](int i) { return (i + 0.5) * side / kSpots - 0.5; };
-      const cv::Vec2d at =
-          frame.source_from_variant * cv::Vec3d(patch.x + along(column), patch.y + along(row), 1);
-      const std::span<const float> values = covering_cell(life, at);
-      for (std::size_t b = 0; b < vision::kLifeBands; ++b) {
-        const double contrast = values[vision::kLifeBands + b], power = contrast * contrast;
-        source[b].power += power / (kSpots * kSpots);
-        if (values[b] <= 0) continue;
-        source[b].log_life += (power + kLeastPower) * std::log(values[b]);
-        mass[b] += power + kLeastPower;
-      }
+  each_spot(life, frame, patch, side, [&](std::span<const float> values) {
+    for (std::size_t b = 0; b < vision::kLifeBands; ++b) {
+      const double contrast = values[vision::kLifeBands + b], power = contrast * contrast;
+      source[b].power += power / (kSpots * kSpots);
+      if (values[b] <= 0) continue;
+      source[b].log_life += (power + kLeastPower) * std::log(values[b]);
+      mass[b] += power + kLeastPower;
     }
+  });
   for (std::size_t b = 0; b < vision::kLifeBands; ++b)
     if (mass[b] > 0) {
       source[b].known = true;
@@ -72,10 +66,8 @@ PatchLife patch_life(const vision::CellMap& life, const vision::VariantFrame& fr
 
   PatchLife found;
   for (int b = 0; b < vision::kLifeBands; ++b) {
-    const double of_source =
-        std::clamp(b - std::log2(static_cast<double>(scale)), 0.0, vision::kLifeBands - 1.0);
-    const int finer = std::min(static_cast<int>(of_source), vision::kLifeBands - 2);
-    const SourceBand band = between(source[finer], source[finer + 1], of_source - finer);
+    const auto [finer, fraction] = source_band(b, scale);
+    const SourceBand band = between(source[finer], source[finer + 1], fraction);
     found.half_life_s[b] = band.known ? std::exp(band.log_life) : 0;
     found.power[b] = band.power;
   }

@@ -7,14 +7,9 @@
 
 #include "freshet/error.h"
 #include "query/stored/clip_cells.h"
+#include "query/stored/patch_cells.h"
 
 namespace freshet::query {
-namespace {
-
-constexpr int kSpots = 6;  // across a patch: every 8th px of 48, several in a cell at any scale
-
-}  // namespace
-
 std::optional<vision::CellMap> standing_cells(const store::Snapshot& snapshot, store::ClipId clip) {
   constexpr const char* kColumn = "cells.standing";
   if (!snapshot.has_column(clip, kColumn)) return std::nullopt;
@@ -29,19 +24,12 @@ std::array<double, vision::kLifeBands> patch_standing(const vision::CellMap& sta
                                                       const vision::VariantFrame& frame, float scale,
                                                       cv::Point patch, int side) {
   std::array<double, vision::kLifeBands> source{}, found{};
-  const auto along = [&](int i) { return (i + 0.5) * side / kSpots - 0.5; };
-  for (int row = 0; row < kSpots; ++row)
-    for (int column = 0; column < kSpots; ++column) {
-      const cv::Vec2d at =
-          frame.source_from_variant * cv::Vec3d(patch.x + along(column), patch.y + along(row), 1);
-      const std::span<const float> values = covering_cell(standing, at);
-      for (std::size_t b = 0; b < source.size(); ++b) source[b] += values[b] / (kSpots * kSpots);
-    }
-  constexpr int kCoarsest = vision::kLifeBands - 1;
-  for (int b = 0; b <= kCoarsest; ++b) {
-    const double of_source = std::clamp(b - std::log2(static_cast<double>(scale)), 0.0, double{kCoarsest});
-    const int finer = std::min(static_cast<int>(of_source), kCoarsest - 1);
-    found[b] = std::lerp(source[finer], source[finer + 1], of_source - finer);
+  each_spot(standing, frame, patch, side, [&](std::span<const float> values) {
+    for (std::size_t b = 0; b < source.size(); ++b) source[b] += values[b] / (kSpots * kSpots);
+  });
+  for (int b = 0; b < vision::kLifeBands; ++b) {
+    const auto [finer, fraction] = source_band(b, scale);
+    found[b] = std::lerp(source[finer], source[finer + 1], fraction);
   }
   return found;
 }

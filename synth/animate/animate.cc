@@ -33,7 +33,9 @@
 #include "synth/animate/still/band_contrast.h"
 #include "synth/animate/still/colour_model.h"
 #include "synth/animate/still/finished_frame.h"
+#include "synth/animate/still/fluid_planes.h"
 #include "synth/animate/still/standing_detail.h"
+#include "vision/pyramid.h"
 
 namespace freshet::synth::animate {
 namespace {
@@ -382,7 +384,8 @@ class Animation {
       if (options_.guide.direction.empty() && options_.guide.speed.empty()) carrying.max_of_asked = 0;
       field_ = std::make_shared<const CarryingField>(sequence_, mean_motion_, options_.frames, options_.fps,
                                                      CarriedBase::kStep, options_.loop, carrying);
-      carried_base_.emplace(target_, target_luma_, alpha_, options_.carry);
+      const FluidPlanes planes = fluid_planes(target_, target_luma_, alpha_);
+      carried_base_.emplace(planes, alpha_, options_.carry);
       // As far as the fastest fluid goes in that time: what stands in the picture's order is not to be mixed up.
       const double wander_s =
           std::clamp(kMaxWander_px * placement_.piece_scale / (fast_per_frame() * options_.fps), kMinWander_s,
@@ -394,7 +397,8 @@ class Animation {
                                   .wander = static_cast<int>(std::lround(wander_s * options_.fps)),
                                   .patch = kLifePatch_px * placement_.piece_scale / CarriedBase::kStep});
       renewing_ = renewing_places();
-      standing_.emplace(standing());
+      renewing_pieces_ = on_canvas(renewing_);
+      standing_.emplace(planes, alpha_, shares_that_stand());
       renewed_.emplace(canvas_, placement_.piece_scale, kept_per_frame());
     }
     // The fluid's layers go on beyond the still matte, for a moving one to uncover.
@@ -405,13 +409,12 @@ class Animation {
     report_.base_s += watch_.lap();
   }
 
-  /// What of the picture keeps its place.
-  StandingDetail standing() const {
-    int levels = options_.contrast.levels;
-    while (levels > 0 && (std::min(target_.cols, target_.rows) >> levels) < 4) --levels;
+  /// By level of the picture, what of it keeps its place.
+  std::vector<double> shares_that_stand() const {
+    const int levels = vision::levels_within(target_.size(), options_.contrast.levels);
     std::vector<double> shares = standing_shares(snapshot_, placement_, levels);
     for (double& share : shares) share *= options_.standing;
-    return {target_, target_luma_, alpha_, std::move(shares)};
+    return shares;
   }
 
   /// Of the fluid, the speed that one place in twenty exceeds: px a frame, > 0.
@@ -477,7 +480,7 @@ class Animation {
       standing_->colour(*made.brought, stands);
       field = renewed;
       // What is new comes where there is detail: what lies smooth between edges stays smooth.
-      BandContrast(on_pieces_canvas(made.luma), kContrastLevels, Neighbourhood::kClose, on_canvas(renewing_))
+      BandContrast(on_pieces_canvas(made.luma), kContrastLevels, Neighbourhood::kClose, renewing_pieces_)
           .take_share(field, shares, options_.max_renewal_gain, kNoise);
       cv::Mat level = blender_->take_level(slot);
       limit_level(level);
@@ -611,7 +614,8 @@ class Animation {
   ColourModel colours_;
   std::shared_ptr<const MotionSequence> sequence_;
   std::vector<std::vector<double>> still_power_;  // by patch, band
-  cv::Mat renewing_;  // CV_32F, sampled as the field: how much of what comes anew is for a place, 0..1
+  // CV_32F: how much of what comes anew is for a place, 0..1, sampled as the field, and on the canvas.
+  cv::Mat renewing_, renewing_pieces_;
   std::optional<StandingDetail> standing_;
   double half_life_s_ = 0;  // of carried detail
   std::shared_ptr<const CarryingField> field_;

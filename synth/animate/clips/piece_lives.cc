@@ -2,11 +2,9 @@
 
 #include <cmath>
 #include <cstddef>
-#include <map>
-#include <optional>
 
 #include "query/stored/patch_life.h"
-#include "vision/variant.h"
+#include "synth/animate/clips/piece_cells.h"
 
 namespace freshet::synth::animate {
 namespace {
@@ -53,21 +51,15 @@ double overall(const PieceLives& lives) {
 
 PieceLives piece_lives(const store::Snapshot& snapshot, const Placement& placement) {
   PieceLives lives;
-  std::map<store::ClipId, std::optional<vision::CellMap>> cells_of;
-  for (const PlacedPatch& patch : placement.patches) {
-    const auto [cells, first] = cells_of.try_emplace(patch.clip);
-    if (first) cells->second = query::life_cells(snapshot, patch.clip);
-    query::PatchLife life;
-    if (cells->second) {
-      const store::ClipRecord& record = snapshot.clip(patch.clip);
-      const cv::Size source(static_cast<int>(record.width), static_cast<int>(record.height));
-      life = query::patch_life(*cells->second, vision::variant_frame(source, patch.variant),
-                               patch.variant.scale, patch.patch, placement.side);
-    }
-    for (double& half_life : life.half_life_s) half_life /= patch.speed;
-    lives.half_life_s.push_back(life.half_life_s);
-    lives.power.push_back(life.power);
-  }
+  each_piece(snapshot, placement, query::life_cells,
+             [&](const PlacedPatch& patch, const vision::CellMap* cells, const vision::VariantFrame& frame) {
+               query::PatchLife life;
+               if (cells)
+                 life = query::patch_life(*cells, frame, patch.variant.scale, patch.patch, placement.side);
+               for (double& half_life : life.half_life_s) half_life /= patch.speed;
+               lives.half_life_s.push_back(life.half_life_s);
+               lives.power.push_back(life.power);
+             });
   const LifeBands usual = usual_lives(lives.half_life_s);
   for (LifeBands& life : lives.half_life_s)
     for (std::size_t b = 0; b < kBands; ++b)

@@ -4,11 +4,10 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <map>
 #include <optional>
 
 #include "query/stored/patch_standing.h"
-#include "vision/variant.h"
+#include "synth/animate/clips/piece_cells.h"
 
 namespace freshet::synth::animate {
 namespace {
@@ -24,21 +23,16 @@ double logit(double share) {
 /// By band of a piece; nothing where no clip knows.
 std::optional<std::array<double, kBands>> mean_standing(const store::Snapshot& snapshot,
                                                         const Placement& placement) {
-  std::map<store::ClipId, std::optional<vision::CellMap>> cells_of;
   std::array<double, kBands> sum{};
   int known = 0;
-  for (const PlacedPatch& patch : placement.patches) {
-    const auto [cells, first] = cells_of.try_emplace(patch.clip);
-    if (first) cells->second = query::standing_cells(snapshot, patch.clip);
-    if (!cells->second) continue;
-    const store::ClipRecord& record = snapshot.clip(patch.clip);
-    const cv::Size source(static_cast<int>(record.width), static_cast<int>(record.height));
-    const std::array<double, kBands> own =
-        query::patch_standing(*cells->second, vision::variant_frame(source, patch.variant),
-                              patch.variant.scale, patch.patch, placement.side);
-    for (std::size_t b = 0; b < kBands; ++b) sum[b] += own[b];
-    ++known;
-  }
+  each_piece(snapshot, placement, query::standing_cells,
+             [&](const PlacedPatch& patch, const vision::CellMap* cells, const vision::VariantFrame& frame) {
+               if (!cells) return;
+               const std::array<double, kBands> own =
+                   query::patch_standing(*cells, frame, patch.variant.scale, patch.patch, placement.side);
+               for (std::size_t b = 0; b < kBands; ++b) sum[b] += own[b];
+               ++known;
+             });
   if (known == 0) return std::nullopt;
   for (double& share : sum) share /= known;
   return sum;

@@ -22,23 +22,25 @@ cv::Mat enlarged(const cv::Mat& cells, cv::Size size) {
   return wide;
 }
 
-}  // namespace
-
+/// Mean squares of a band, CV_32F, sampled in its own cells: squares of 16 px, or of two samples of the level.
+/// level  0 for the finest.
 cv::Mat local_power(const cv::Mat& band, int level, Neighbourhood neighbourhood) {
   const bool wide = neighbourhood == Neighbourhood::kWide;
   const int cell = wide ? std::max(1, kWideCell >> level) : kCloseCell;
-  const double reach = wide ? kWideReach * (kWideCell >> level) / cell : kCloseReach;
+  const double reach = wide ? kWideReach : kCloseReach;
   cv::Mat squares, cells;
   cv::multiply(band, band, squares);
   cv::resize(squares, cells, {(band.cols + cell - 1) / cell, (band.rows + cell - 1) / cell}, 0, 0,
              cv::INTER_AREA);
-  if (reach > 0) cv::GaussianBlur(cells, cells, {}, reach, reach, cv::BORDER_REFLECT_101);
+  cv::GaussianBlur(cells, cells, {}, reach, reach, cv::BORDER_REFLECT_101);
   return cells;
 }
 
+}  // namespace
+
 BandContrast::BandContrast(const cv::Mat& luma, int levels, Neighbourhood neighbourhood,
                            const cv::Mat& where) {
-  while (levels > 0 && (std::min(luma.cols, luma.rows) >> levels) < 4) --levels;
+  levels = vision::levels_within(luma.size(), levels);
   std::vector<cv::Mat> bands;
   vision::laplacian_pyramid(luma, levels, bands);
   for (int level = 0; level < levels; ++level) {

@@ -14,10 +14,6 @@ enum class Neighbourhood {
   kClose,  // as wide as a level's own detail: where there is an edge, and where it is smooth beside it
 };
 
-/// Mean squares of a band, CV_32F, sampled in its own cells: squares of 16 px, or of two samples of the level.
-/// level  0 for the finest.
-cv::Mat local_power(const cv::Mat& band, int level, Neighbourhood neighbourhood);
-
 /// How much contrast a picture has in each band, place by place.
 class BandContrast {
  public:
@@ -34,7 +30,7 @@ class BandContrast {
   int levels() const { return static_cast<int>(amplitude_.size()); }
 
  private:
-  std::vector<cv::Mat> amplitude_;  // by level, CV_32F, sampled as local_power
+  std::vector<cv::Mat> amplitude_;  // by level, CV_32F, in cells of its neighbourhoods
 };
 
 }  // namespace freshet::synth::animate

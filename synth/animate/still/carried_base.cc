@@ -11,7 +11,6 @@
 #include "platform/vectors.h"
 #include "synth/animate/sampling/cells.h"
 #include "synth/animate/sampling/cubic.h"
-#include "synth/animate/sampling/pull_push.h"
 
 namespace freshet::synth::animate {
 namespace {
@@ -25,7 +24,6 @@ constexpr float kMinMass = 1e-4f;         // so that values are there also where
 const cv::Size kCell(32, 16);
 constexpr int kCellArea = 32 * 16;
 constexpr int kMargin = 4;  // samples around the planes: of what is read at once, two beyond a picture's edge
-constexpr float kTrusted = 8;  // from a matte of 1 / 8 on the picture's values are the fluid's
 
 // Where a row's places lie on the coarse maps: a row of one component between two of their rows.
 FRESHET_WIDE void mix_rows(const float* upper, const float* lower, float down, int n, float* out) {
@@ -151,10 +149,9 @@ struct CarriedBase::Scratch {
   std::array<float, 32> mixed;
 };
 
-CarriedBase::CarriedBase(const cv::Mat& picture, const cv::Mat& luma, const cv::Mat& matte,
-                         const CarriedBaseOptions& options)
+CarriedBase::CarriedBase(const FluidPlanes& planes, const cv::Mat& matte, const CarriedBaseOptions& options)
     : fraction_(static_cast<float>(options.fraction)),
-      size_(picture.size()),
+      size_(matte.size()),
       half_((size_.width + 1) / 2, (size_.height + 1) / 2) {
   // Copies fade towards the matte's edge and the picture's: carried on, an edge would go through the fluid as
   // a line.
@@ -173,13 +170,7 @@ CarriedBase::CarriedBase(const cv::Mat& picture, const cv::Mat& luma, const cv::
     if (maximum > 0) cells_.push_back(cell);
   }
 
-  std::array<cv::Mat, 3> bgr;
-  cv::split(picture, bgr.data());
-  cv::Mat values;
-  cv::merge(std::vector<cv::Mat>{luma, bgr[0] - luma, bgr[2] - luma}, values);
-  values = pull_push(values, cv::min(kTrusted * matte, 1.0));
-  std::array<cv::Mat, 3> plane;
-  cv::split(values, plane.data());
+  const std::array<cv::Mat, 3> plane{planes.luma, planes.blue, planes.red};
   const auto with_margin = [](const cv::Mat& of, int after, int kind) {
     cv::Mat wider;
     cv::copyMakeBorder(of, wider, kMargin, kMargin + after, kMargin, kMargin + after, kind, cv::Scalar(0));
@@ -207,7 +198,7 @@ CarriedBase::CarriedBase(const cv::Mat& picture, const cv::Mat& luma, const cv::
   const cv::Size coarse((size_.width + kStep - 1) / kStep, (size_.height + kStep - 1) / kStep);
   std::array<cv::Mat, 4> place;
   // Thin smoke is as good as dense one: what counts is how far the edge is.
-  const cv::Mat deep = cv::min(kTrusted * matte, 1.0).mul(cv::min(depth / kDeep, 1.0));
+  const cv::Mat deep = planes.trusted.mul(cv::min(depth / kDeep, 1.0));
   cv::resize(deep, place[0], coarse, 0, 0, cv::INTER_AREA);
   for (std::size_t k = 0; k < plane.size(); ++k) {
     cv::resize(plane[k], place[k + 1], coarse, 0, 0, cv::INTER_AREA);

@@ -8,6 +8,7 @@
 #include <opencv2/core.hpp>
 
 #include "synth/animate/motion/copy_maps.h"
+#include "synth/animate/still/fluid_planes.h"
 
 namespace freshet::synth::animate {
 
@@ -35,10 +36,9 @@ struct CarriedFrame {
 /// bring what is not, another copy or the long exposure shows.
 class CarriedBase {
  public:
-  /// picture   CV_32FC3, BGR, 0..1; luma CV_32F, its luma_of; matte CV_32F, 0..1; all of one size.
+  /// planes    of the picture (fluid_planes); matte as they were made with.
   /// Memory    some 30 bytes a pixel.
-  CarriedBase(const cv::Mat& picture, const cv::Mat& luma, const cv::Mat& matte,
-              const CarriedBaseOptions& options);
+  CarriedBase(const FluidPlanes& planes, const cv::Mat& matte, const CarriedBaseOptions& options);
 
   /// What the copies bring, sampled every 4 px. Safe from many threads; no scratch to speak of.
   CarriedFrame frame(std::span<const CopyMap> copies) const;

@@ -6,7 +6,6 @@
 
 #include <opencv2/imgproc.hpp>
 
-#include "synth/animate/sampling/pull_push.h"
 #include "vision/pyramid.h"
 
 namespace freshet::synth::animate {
@@ -14,7 +13,6 @@ namespace {
 
 constexpr int kColourStep = 8;  // of half the picture: what is finer goes with the fluid
 constexpr double kMatchedBy = 1.4;
-constexpr float kTrusted = 8;  // from a matte of 1 / 8 on the picture's values are the fluid's
 
 cv::Size coarse_size(cv::Size half) {
   return {(half.width + kColourStep - 1) / kColourStep, (half.height + kColourStep - 1) / kColourStep};
@@ -22,23 +20,20 @@ cv::Size coarse_size(cv::Size half) {
 
 }  // namespace
 
-StandingDetail::StandingDetail(const cv::Mat& picture, const cv::Mat& luma, const cv::Mat& matte,
-                               std::vector<double> shares)
+StandingDetail::StandingDetail(const FluidPlanes& planes, const cv::Mat& matte, std::vector<double> shares)
     : shares_(std::move(shares)) {
-  const cv::Mat trusted = cv::min(kTrusted * matte, 1.0);
-  vision::laplacian_pyramid(pull_push(luma, trusted), levels(), bands_);
+  vision::laplacian_pyramid(planes.luma, levels(), bands_);
   for (int level = 0; level < levels(); ++level) {
     cv::Mat within;
     cv::resize(matte, within, band(level).size(), 0, 0, cv::INTER_AREA);
     within_.push_back(within);
     magnitude_.push_back(cv::Mat(cv::abs(band(level))).dot(within));
   }
-  std::array<cv::Mat, 3> bgr;
-  cv::split(picture, bgr.data());
-  const cv::Size half((picture.cols + 1) / 2, (picture.rows + 1) / 2);
+  const cv::Size half((matte.cols + 1) / 2, (matte.rows + 1) / 2);
+  const std::array<const cv::Mat*, 2> colours{&planes.blue, &planes.red};
   for (std::size_t k = 0; k < colour_.size(); ++k) {
     cv::Mat reduced;
-    cv::resize(pull_push(bgr[2 * k] - luma, trusted), reduced, half, 0, 0, cv::INTER_AREA);
+    cv::resize(*colours[k], reduced, half, 0, 0, cv::INTER_AREA);
     reduced.convertTo(colour_[k], CV_16S, CarriedFrame::kOne);
   }
 }

@@ -18,11 +18,10 @@ namespace freshet::synth::animate {
 /// contrast stays the picture's.
 class StandingDetail {
  public:
-  /// picture, luma, matte  as CarriedBase takes them.
+  /// planes, matte  as CarriedBase takes them.
   /// shares   by level of luma, finest first, then the low-pass rest, 0..1 (standing_shares).
-  /// Memory   10 bytes a pixel.
-  StandingDetail(const cv::Mat& picture, const cv::Mat& luma, const cv::Mat& matte,
-                 std::vector<double> shares);
+  /// Memory   12 bytes a pixel.
+  StandingDetail(const FluidPlanes& planes, const cv::Mat& matte, std::vector<double> shares);
 
   int levels() const { return static_cast<int>(shares_.size()) - 1; }
   double share(int level) const { return shares_[static_cast<std::size_t>(level)]; }

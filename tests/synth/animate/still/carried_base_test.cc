@@ -37,7 +37,7 @@ class Carried {
   /// motion   CV_32FC2, px/s. half_life_s of detail.
   Carried(const cv::Mat& bgr, const cv::Mat& luma, const cv::Mat& matte, const cv::Mat& motion,
           double half_life_s, double edge_px = 32, int loop = 0)
-      : base_(bgr, luma, matte, {.edge_px = edge_px}),
+      : base_(fluid_planes(bgr, luma, matte), matte, {.edge_px = edge_px}),
         maps_(steady(motion, half_life_s, loop, base_.places())) {}
   CarriedFrame frame(int i) {
     maps_.prepare(i, 1);

@@ -38,7 +38,8 @@ struct Parts {
 /// A carried frame of the picture in motion.
 CarriedFrame carried_frame() {
   const cv::Mat picture = random_planes(CV_32FC3, 0, 1, 7);
-  const CarriedBase base(picture, luma_of(picture), cv::Mat(kSize, CV_32F, cv::Scalar(1)), {.edge_px = 4});
+  const cv::Mat matte(kSize, CV_32F, cv::Scalar(1));
+  const CarriedBase base(fluid_planes(picture, luma_of(picture), matte), matte, {.edge_px = 4});
   const cv::Size samples((kSize.width + CarriedBase::kStep - 1) / CarriedBase::kStep,
                          (kSize.height + CarriedBase::kStep - 1) / CarriedBase::kStep);
   const cv::Mat whole(samples, CV_32F, cv::Scalar(1));

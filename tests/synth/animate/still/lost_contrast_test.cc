@@ -55,7 +55,8 @@ StandingDetail standing_of(const cv::Mat& luma,
                            const std::vector<double>& shares = std::vector<double>(6, 0.0)) {
   cv::Mat picture;
   cv::merge(std::vector<cv::Mat>{luma, luma, luma}, picture);
-  return {picture, luma, cv::Mat(luma.size(), CV_32F, cv::Scalar(1)), shares};
+  const cv::Mat matte(luma.size(), CV_32F, cv::Scalar(1));
+  return {fluid_planes(picture, luma, matte), matte, shares};
 }
 
 TEST(LostContrast, OfCopiesThatDoNotAgreeComesBackWhereItWasLost) {
@@ -167,9 +168,8 @@ TEST(StandingDetail, HoldsTheCoarseAloneWhereThatIsWhatStands) {
 
 TEST(StandingDetail, KeepsTheColourOfAPlaceAndNotItsDetail) {
   cv::Mat picture(kHeight, kWidth, CV_32FC3, cv::Scalar(0.2, 0.5, 0.8)),
-      luma(kHeight, kWidth, CV_32F, cv::Scalar(0.5));
-  const StandingDetail standing(picture, luma, cv::Mat(luma.size(), CV_32F, cv::Scalar(1)),
-                                {0, 0, 0, 0, 0.5, 0.9});
+      luma(kHeight, kWidth, CV_32F, cv::Scalar(0.5)), matte(luma.size(), CV_32F, cv::Scalar(1));
+  const StandingDetail standing(fluid_planes(picture, luma, matte), matte, {0, 0, 0, 0, 0.5, 0.9});
   const cv::Size half(kWidth / 2, kHeight / 2);
   CarriedFrame frame{
       .luma = {}, .blue = cv::Mat(half, CV_16S, cv::Scalar(0)), .red = cv::Mat(half, CV_16S), .fraction = {}};
