@@ -45,11 +45,17 @@ constexpr int kMinSampledFrames = 4;
 constexpr int kSampledPixels = 32 << 20;  // in all of them
 constexpr double kNoise = 0.003;          // luma: of what is fainter, the more is coding noise
 constexpr double kMinHalfLife_s = 0.1, kMaxHalfLife_s = 6;
-// Innovations live as long as the picture's detail does, but for these limits.
-constexpr double kMinInnovation_s = 0.1, kMaxInnovation_s = 1;
+// What comes anew dies soonest. Real water and fire, whose finest detail lives for a tenth of a second, lose a fifth to
+// two fifths of all detail in a frame or two and keep the rest for long; smoke and clouds, whose finest detail lives for
+// longer than kQuick_s, lose no such part at once.
+constexpr double kMinInnovation_s = 0.04, kMaxInnovation_s = 1, kQuick_s = 0.15;
 // How far copies go from their own frames: forms should have left their place, but a pool is not to climb its fall.
 constexpr double kMinWander_s = 0.4, kMaxWander_s = 6, kMaxWander_px = 220;
 constexpr int kContrastLevels = 5;
+// Of a band of which a share s of the variance stands, s of the picture's own is the best guess of what does, and the root
+// of s has its variance. Fine bands take the guess: what stands falsely is seen as a veil. From this level on (32 px) the
+// light and dark of a scene are to stay as strong as they are.
+constexpr double kWideLevel = 3;
 constexpr float kMostLevel = 0.08f;   // luma
 constexpr float kLively = 0.25f;      // of the fastest places' speed: what is slower is renewed less
 constexpr double kLifePatch_px = 48;  // over which the picture's detail lives and goes together
@@ -278,7 +284,7 @@ class Animation {
                                   std::max(kMinSampledFrames, kSampledPixels / picture_.size().area())});
     for (int i = 0; i < sampled; ++i) samples_.push_back(i * options_.frames / sampled);
     if (carried_) {
-      half_life_s_ = options_.half_life_s > 0 ? options_.half_life_s : measured_half_life_s();
+      measure_lives();
       report_.half_life_s = half_life_s_;
     }
     blender_.emplace(placement_, std::max(batch_, sampled), options_.blend);
@@ -308,9 +314,7 @@ class Animation {
   double renewed_share(std::size_t level) const {
     return options_.renewal * std::min(1.0, static_cast<double>(1 << level) / 3);
   }
-  double kept_per_frame() const {
-    return std::pow(0.5, 1 / (std::clamp(half_life_s_, kMinInnovation_s, kMaxInnovation_s) * options_.fps));
-  }
+  double kept_per_frame() const { return std::pow(0.5, 1 / (innovation_s_ * options_.fps)); }
 
   /// What the pieces and the picture cover together, px of the reduced picture.
   cv::Rect seen_and_canvas() const {
@@ -405,7 +409,8 @@ class Animation {
     if (moving_)
       for (cv::Mat* layer : {&own_colour, &colours_.slope, &colours_.offset})
         *layer = pull_push(*layer, alpha_);
-    finisher_.emplace(colours_, own_colour, moving_ ? behind_ : target_);
+    finisher_.emplace(colours_, ColourCurve(target_, target_luma_, alpha_), own_colour,
+                      moving_ ? behind_ : target_);
     report_.base_s += watch_.lap();
   }
 
@@ -413,6 +418,9 @@ class Animation {
   std::vector<double> shares_that_stand() const {
     const int levels = vision::levels_within(target_.size(), options_.contrast.levels);
     std::vector<double> shares = standing_shares(snapshot_, placement_, levels);
+    for (std::size_t level = 0; level < shares.size(); ++level)
+      shares[level] =
+          std::pow(shares[level], 1 - 0.5 * std::min(1.0, static_cast<double>(level) / kWideLevel));
     for (double& share : shares) share *= options_.standing;
     return shares;
   }
@@ -445,10 +453,14 @@ class Animation {
 
   /// As long as detail does in the patches that are shown, but shorter where they are made to go faster: eddies of
   /// one size turn over in a time that falls as their speed rises.
-  double measured_half_life_s() const {
-    const double patches_s = piece_lives(snapshot_, placement_).overall_s;
-    const double faster = pace(assigned_motion_, mean_motion_, matte_);
-    return std::clamp(patches_s / std::pow(faster, options_.life_pace), kMinHalfLife_s, kMaxHalfLife_s);
+  void measure_lives() {
+    const PieceLives patches = piece_lives(snapshot_, placement_);
+    const double faster = std::pow(pace(assigned_motion_, mean_motion_, matte_), options_.life_pace);
+    half_life_s_ = options_.half_life_s > 0
+                       ? options_.half_life_s
+                       : std::clamp(patches.overall_s / faster, kMinHalfLife_s, kMaxHalfLife_s);
+    innovation_s_ = std::clamp(kMinInnovation_s * std::pow(patches.finest_s / faster / kQuick_s, 3),
+                               kMinInnovation_s, kMaxInnovation_s);
   }
 
   /// One output frame before it is coloured.
@@ -617,7 +629,7 @@ class Animation {
   // CV_32F: how much of what comes anew is for a place, 0..1, sampled as the field, and on the canvas.
   cv::Mat renewing_, renewing_pieces_;
   std::optional<StandingDetail> standing_;
-  double half_life_s_ = 0;  // of carried detail
+  double half_life_s_ = 0, innovation_s_ = 0;  // until half is left of carried detail, and of what comes anew
   std::shared_ptr<const CarryingField> field_;
   std::optional<CopyMaps> copies_;
   std::optional<CarriedDetail> renewed_;

@@ -13,8 +13,8 @@
 namespace freshet::synth::animate {
 namespace {
 
-constexpr float kReach = 1.5f;           // intervals that a place shows a copy for, at most, either way
-constexpr double kHalfOfInterval = 0.6;  // of an interval: after this, half of the places show another copy
+constexpr float kReach = 1.5f;            // intervals that a place shows a copy for, at most, either way
+constexpr double kHalfOfInterval = 0.75;  // of an interval: after this, half of the places show another copy
 constexpr float kLumaApart = 0.15f, kColourApart = 0.09f;  // surroundings that far apart look unlike
 // A copy past its time still shows where those whose time it is have nothing to bring: below a brink what the water
 // brings from above it would be sky, and what it will be further down is water.

@@ -14,14 +14,29 @@ FRESHET_WIDE void green_chroma(const float* blue, const float* red, int n, float
   for (int i = 0; i < n; ++i) green[i] = -(kBlueLuma * blue[i] + kRedLuma * red[i]) / kGreenLuma;
 }
 
-// One channel of a row. What was carried keeps its colour, as far as its luminance does.
+/// Rows of one frame: how far what was carried shows, and its colour less luma.
+struct CarriedRow {
+  std::array<std::vector<float>, 3> chroma;
+  std::vector<float> fraction;
+
+  explicit CarriedRow(std::size_t width) : fraction(width) {
+    for (auto& row : chroma) row.resize(width);
+  }
+  void read(const CarriedFrame& frame, const ColourCurve& curve, const float* luma, int y) {
+    const int width = frame.luma.cols;
+    colour_row(frame, y, width, chroma[0].data(), chroma[2].data(), fraction.data());
+    curve.follow(frame.luma.ptr<std::int16_t>(y), luma, width, chroma[0].data(), chroma[2].data());
+    green_chroma(chroma[0].data(), chroma[2].data(), width, chroma[1].data());
+  }
+};
+
+// One channel of a row. chroma: of what was carried, as its luminance is now.
 FRESHET_WIDE void light(const float* luma, const float* slope, const float* rest, const float* still,
-                        const float* fluid, const std::int16_t* carried, const float* chroma,
-                        const float* fraction, int n, std::uint8_t* out) {
-  constexpr float kUnit = 1.0f / CarriedFrame::kOne;
+                        const float* fluid, const float* chroma, const float* fraction, int n,
+                        std::uint8_t* out) {
   for (int i = 0; i < n; ++i) {
     const float fresh = luma[i] + slope[i] * luma[i] + rest[i];
-    const float brought = luma[i] + chroma[i] + slope[i] * (luma[i] - kUnit * static_cast<float>(carried[i]));
+    const float brought = luma[i] + chroma[i];
     const float lit = fresh + fraction[i] * (brought - fresh);
     const float shown = std::min(std::max(lit, 0.0f), 1.0f);
     out[i] = static_cast<std::uint8_t>(255 * fluid[i] * shown + (1 - fluid[i]) * still[i] + 0.5f);
@@ -44,12 +59,11 @@ FRESHET_WIDE void light_fluid(const float* luma, const float* slope, const float
 }
 
 FRESHET_WIDE void light_carried_fluid(const float* luma, const float* slope, const float* rest,
-                                      const float* fluid, const std::int16_t* carried, const float* chroma,
-                                      const float* fraction, float brightest, int n, float* out) {
-  constexpr float kUnit = 1.0f / CarriedFrame::kOne;
+                                      const float* fluid, const float* chroma, const float* fraction,
+                                      float brightest, int n, float* out) {
   for (int i = 0; i < n; ++i) {
     const float fresh = luma[i] + slope[i] * luma[i] + rest[i];
-    const float brought = luma[i] + chroma[i] + slope[i] * (luma[i] - kUnit * static_cast<float>(carried[i]));
+    const float brought = luma[i] + chroma[i];
     const float lit = fresh + fraction[i] * (brought - fresh);
     out[i] = fluid[i] * std::min(std::max(lit, 0.0f), brightest);
   }
@@ -66,7 +80,9 @@ FRESHET_WIDE void interleave(const std::uint8_t* blue, const std::uint8_t* green
 
 }  // namespace
 
-FrameFinisher::FrameFinisher(const ColourModel& model, const cv::Mat& own_colour, const cv::Mat& still) {
+FrameFinisher::FrameFinisher(const ColourModel& model, const ColourCurve& curve, const cv::Mat& own_colour,
+                             const cv::Mat& still)
+    : curve_(curve) {
   still.convertTo(ground_, CV_8U, 255);
   cv::split(model.slope, slope_.data());
   cv::split(model.offset + own_colour, rest_.data());
@@ -79,12 +95,7 @@ FrameFinisher::FrameFinisher(const ColourModel& model, const cv::Mat& own_colour
 cv::Mat FrameFinisher::finish(const cv::Mat& luma, const cv::Mat& fluid, const CarriedFrame* carried) const {
   cv::Mat frame = ground_.clone();
   const std::size_t width = static_cast<std::size_t>(frame.cols);
-  std::array<std::vector<float>, 3> chroma;
-  std::vector<float> fraction;
-  if (carried) {
-    for (auto& row : chroma) row.resize(width);
-    fraction.resize(width);
-  }
+  CarriedRow row_of_carried(carried ? width : 0);
   std::array<std::vector<std::uint8_t>, 3> lit;
   for (auto& row : lit) row.resize(width);
   for (int y = 0; y < frame.rows; ++y) {
@@ -93,16 +104,13 @@ cv::Mat FrameFinisher::finish(const cv::Mat& luma, const cv::Mat& fluid, const C
     while (begin < end && b[begin] <= 0) ++begin;
     while (end > begin && b[end - 1] <= 0) --end;
     if (begin == end) continue;
-    if (carried) {
-      colour_row(*carried, y, frame.cols, chroma[0].data(), chroma[2].data(), fraction.data());
-      green_chroma(chroma[0].data(), chroma[2].data(), frame.cols, chroma[1].data());
-    }
+    if (carried) row_of_carried.read(*carried, curve_, luma.ptr<float>(y), y);
     for (int k = 0; k < 3; ++k) {
       const float *l = luma.ptr<float>(y) + begin, *slope = slope_[k].ptr<float>(y) + begin;
       const float *rest = rest_[k].ptr<float>(y) + begin, *still = still_[k].ptr<float>(y) + begin;
       if (carried)
-        light(l, slope, rest, still, b + begin, carried->luma.ptr<std::int16_t>(y) + begin,
-              chroma[k].data() + begin, fraction.data() + begin, end - begin, lit[k].data());
+        light(l, slope, rest, still, b + begin, row_of_carried.chroma[k].data() + begin,
+              row_of_carried.fraction.data() + begin, end - begin, lit[k].data());
       else
         light_alone(l, slope, rest, still, b + begin, end - begin, lit[k].data());
     }
@@ -115,23 +123,17 @@ cv::Mat FrameFinisher::finish_fluid(const cv::Mat& luma, const cv::Mat& fluid,
                                     const CarriedFrame* carried) const {
   const int width = luma.cols;
   cv::Mat frame(luma.size(), CV_32FC4);
-  std::array<std::vector<float>, 3> chroma, lit;
-  for (int k = 0; k < 3; ++k) {
-    chroma[k].resize(static_cast<std::size_t>(width));
-    lit[k].resize(static_cast<std::size_t>(width));
-  }
-  std::vector<float> fraction(static_cast<std::size_t>(width));
+  std::array<std::vector<float>, 3> lit;
+  for (auto& row : lit) row.resize(static_cast<std::size_t>(width));
+  CarriedRow row_of_carried(carried ? static_cast<std::size_t>(width) : 0);
   for (int y = 0; y < frame.rows; ++y) {
     const float *l = luma.ptr<float>(y), *a = fluid.ptr<float>(y);
-    if (carried) {
-      colour_row(*carried, y, width, chroma[0].data(), chroma[2].data(), fraction.data());
-      green_chroma(chroma[0].data(), chroma[2].data(), width, chroma[1].data());
-    }
+    if (carried) row_of_carried.read(*carried, curve_, l, y);
     for (int k = 0; k < 3; ++k) {
       const float *slope = slope_[k].ptr<float>(y), *rest = rest_[k].ptr<float>(y);
       if (carried)
-        light_carried_fluid(l, slope, rest, a, carried->luma.ptr<std::int16_t>(y), chroma[k].data(),
-                            fraction.data(), brightest_, width, lit[k].data());
+        light_carried_fluid(l, slope, rest, a, row_of_carried.chroma[k].data(),
+                            row_of_carried.fraction.data(), brightest_, width, lit[k].data());
       else
         light_fluid(l, slope, rest, a, brightest_, width, lit[k].data());
     }

@@ -6,6 +6,7 @@
 #include <opencv2/core.hpp>
 
 #include "synth/animate/still/carried_base.h"
+#include "synth/animate/still/colour_curve.h"
 #include "synth/animate/still/colour_model.h"
 
 namespace freshet::synth::animate {
@@ -17,7 +18,9 @@ class FrameFinisher {
   /// model        of the picture (fit_colour).
   /// own_colour   CV_32FC3: what colour does beside the model.
   /// still        CV_32FC3, 0..1: what shows where the fluid does not; unchanged where a matte is 0.
-  FrameFinisher(const ColourModel& model, const cv::Mat& own_colour, const cv::Mat& still);
+  /// curve        how what is carried changes its colour where its luminance is another now.
+  FrameFinisher(const ColourModel& model, const ColourCurve& curve, const cv::Mat& own_colour,
+                const cv::Mat& still);
 
   /// luma     CV_32F.
   /// fluid    CV_32F, 0..1: the matte.
@@ -29,6 +32,7 @@ class FrameFinisher {
   cv::Mat finish_fluid(const cv::Mat& luma, const cv::Mat& fluid, const CarriedFrame* carried) const;
 
  private:
+  ColourCurve curve_;
   float brightest_ = 1;
   cv::Mat ground_;  // CV_8UC3: still
   // CV_32F, by channel: colour = luma + slope * luma + rest; still in grey levels.

@@ -21,7 +21,8 @@ struct Parts {
   ColourModel model{random_planes(CV_32FC3, -0.4, 0.4, 1), random_planes(CV_32FC3, -0.1, 0.1, 2)};
   cv::Mat own_colour = random_planes(CV_32FC3, -0.1, 0.1, 3), still = random_planes(CV_32FC3, 0, 1, 4);
   cv::Mat luma = random_planes(CV_32F, -0.2, 1.2, 5), fluid = random_planes(CV_32F, 0, 1, 6);
-  FrameFinisher finisher{model, own_colour, still};
+  ColourCurve curve{still, luma_of(still), cv::Mat(kSize, CV_32F, cv::Scalar(1))};
+  FrameFinisher finisher{model, curve, own_colour, still};
 
   Parts() {
     // A matte with whole fluid, holes, margins, and rows without any.
@@ -48,10 +49,10 @@ CarriedFrame carried_frame() {
   return base.frame(copies);
 }
 
-/// One pixel in doubles, as the header says it. carried: null, or blue, green and red less luma, the carried luma, and
-/// the fraction of it.
+/// One pixel in doubles, as the header says it. brought: null, or blue, green and red less luma, as the luminance is now,
+/// and the fraction of it.
 struct Brought {
-  double chroma[3], luma, fraction;
+  double chroma[3], fraction;
 };
 cv::Vec3d finished(const Parts& parts, int y, int x, const Brought* brought) {
   cv::Vec3d out;
@@ -62,8 +63,8 @@ cv::Vec3d finished(const Parts& parts, int y, int x, const Brought* brought) {
                         parts.own_colour.at<cv::Vec3f>(y, x)[k];
     double lit = luma + slope * luma + rest;
     if (brought) {
-      // It keeps its colour, and changes it as the model has it where its luminance is another now.
-      const double carried = luma + brought->chroma[k] + slope * (luma - brought->luma);
+      // It keeps its colour, and changes it along the curve where its luminance is another now.
+      const double carried = luma + brought->chroma[k];
       lit += brought->fraction * (carried - lit);
     }
     out[k] = 255 * (fluid * std::clamp(lit, 0.0, 1.0) + (1 - fluid) * parts.still.at<cv::Vec3f>(y, x)[k]);
@@ -94,11 +95,10 @@ TEST(FrameFinisher, WhatWasCarriedBringsItsColour) {
   for (int y = 0; y < kSize.height; ++y) {
     colour_row(carried, y, kSize.width, blue.data(), red.data(), fraction.data());
     for (int x = 0; x < kSize.width; ++x) {
-      // Green is what keeps luma.
-      const double green = -(0.114 * blue[x] + 0.299 * red[x]) / 0.587;
-      const Brought brought{{blue[x], green, red[x]},
-                            carried.luma.at<std::int16_t>(y, x) / static_cast<double>(CarriedFrame::kOne),
-                            fraction[x]};
+      // Changed along the curve where the luminance is another now. Green is what keeps luma.
+      parts.curve.follow(carried.luma.ptr<std::int16_t>(y) + x, parts.luma.ptr<float>(y) + x, 1, &blue[x],
+                         &red[x]);
+      const Brought brought{{blue[x], -(0.114 * blue[x] + 0.299 * red[x]) / 0.587, red[x]}, fraction[x]};
       most = std::max(most, brought.fraction);
       expect_near(frame, finished(parts, y, x, &brought), y, x);
     }
@@ -112,7 +112,7 @@ TEST(FrameFinisher, LeavesTheStillPictureAsItIsWhereThereIsNoFluid) {
   cv::RNG(8).fill(bytes, cv::RNG::UNIFORM, 0, 256);
   cv::Mat still;
   bytes.convertTo(still, CV_32F, 1.0 / 255);
-  const FrameFinisher finisher(parts.model, parts.own_colour, still);
+  const FrameFinisher finisher(parts.model, parts.curve, parts.own_colour, still);
   const CarriedFrame carried = carried_frame();
   for (const CarriedFrame* brought : {static_cast<const CarriedFrame*>(nullptr), &carried}) {
     const cv::Mat frame = finisher.finish(parts.luma, parts.fluid, brought);
@@ -148,7 +148,7 @@ TEST(FinishedFrame, TheFluidAloneGoesAboveWhiteWhereTheStillDoes) {
   const Parts parts;
   cv::Mat bright = parts.still.clone();
   bright.at<cv::Vec3f>(3, 3)[2] = 1.15f;
-  const FrameFinisher finisher(parts.model, parts.own_colour, bright);
+  const FrameFinisher finisher(parts.model, parts.curve, parts.own_colour, bright);
   double most = 0;
   cv::minMaxLoc(finisher.finish_fluid(parts.luma, parts.fluid, nullptr).reshape(1), nullptr, &most);
   EXPECT_GT(most, 1.0);
