@@ -14,23 +14,22 @@
 
 #include <oneapi/tbb/parallel_for.h>
 #include <oneapi/tbb/parallel_invoke.h>
-#include <oneapi/tbb/task_group.h>
 #include <opencv2/imgproc.hpp>
 
 #include "freshet/error.h"
 #include "platform/stopwatch.h"
-#include "query/search/picture_scale.h"
+#include "synth/animate/blend/renewal.h"
 #include "synth/animate/clips/piece_lives.h"
 #include "synth/animate/clips/piece_standing.h"
-#include "synth/animate/motion/carried_detail.h"
+#include "synth/animate/handover.h"
 #include "synth/animate/motion/copy_maps.h"
 #include "synth/animate/motion/motion_field.h"
 #include "synth/animate/motion/motion_sequence.h"
+#include "synth/animate/placement/pieces_canvas.h"
 #include "synth/animate/sampling/coarse_samples.h"
 #include "synth/animate/sampling/enlarge.h"
 #include "synth/animate/sampling/pull_push.h"
 #include "synth/animate/staging.h"
-#include "synth/animate/still/band_contrast.h"
 #include "synth/animate/still/colour_model.h"
 #include "synth/animate/still/finished_frame.h"
 #include "synth/animate/still/fluid_planes.h"
@@ -43,15 +42,9 @@ namespace {
 constexpr int kSampledFrames = 12;  // that the appearance model is fitted to
 constexpr int kMinSampledFrames = 4;
 constexpr int kSampledPixels = 32 << 20;  // in all of them
-constexpr double kNoise = 0.003;          // luma: of what is fainter, the more is coding noise
 constexpr double kMinHalfLife_s = 0.1, kMaxHalfLife_s = 6;
-// What comes anew dies soonest. Real water and fire, whose finest detail lives for a tenth of a second, lose a fifth to
-// two fifths of all detail in a frame or two and keep the rest for long; smoke and clouds, whose finest detail lives for
-// longer than kQuick_s, lose no such part at once.
-constexpr double kMinInnovation_s = 0.04, kMaxInnovation_s = 1, kQuick_s = 0.15;
 // How far copies go from their own frames: forms should have left their place, but a pool is not to climb its fall.
 constexpr double kMinWander_s = 0.4, kMaxWander_s = 6, kMaxWander_px = 220;
-constexpr int kContrastLevels = 5;
 // Of a band of which a share s of the variance stands, s of the picture's own is the best guess of what does, and the root
 // of s has its variance. Fine bands take the guess: what stands falsely is seen as a veil. From this level on (32 px) the
 // light and dark of a scene are to stay as strong as they are.
@@ -125,35 +118,6 @@ int batch_of(const std::vector<std::unique_ptr<ClipLayer>>& layers, cv::Size pic
   return std::min(options.frames, std::max(16, static_cast<int>(fit) / 16 * 16));
 }
 
-/// Hands finished frames on, in order, while others are made.
-class Handover {
- public:
-  explicit Handover(const std::function<void(const cv::Mat&)>& sink) : sink_(sink) {}
-  Handover(const Handover&) = delete;
-  Handover& operator=(const Handover&) = delete;
-  ~Handover() {
-    try {
-      group_.wait();
-    } catch (...) {  // what is on its way out already is said instead
-    }
-  }
-
-  /// Waits until those before are handed on; throws what the sink threw.
-  void take(std::vector<cv::Mat> frames) {
-    wait();
-    frames_ = std::move(frames);
-    group_.run([this] {
-      for (const cv::Mat& frame : frames_) sink_(frame);
-    });
-  }
-  void wait() { group_.wait(); }
-
- private:
-  const std::function<void(const cv::Mat&)>& sink_;
-  std::vector<cv::Mat> frames_;
-  oneapi::tbb::task_group group_;
-};
-
 /// The picture's luma as a long exposure along the motion; and what its colour does beside its luminance,
 /// which keeps its place and is as blurred: CV_32FC3, BGR.
 std::pair<cv::Mat, cv::Mat> exposed(const cv::Mat& target, const cv::Mat& luma, const ColourModel& colours,
@@ -222,7 +186,7 @@ class Animation {
         options_(enlarged(asked, placement.piece_scale)),
         carried_(options_.method == Method::kCarried),
         moving_(options_.boundary.boundary == Boundary::kMoving),
-        canvas_(canvas_of(placement)),
+        canvas_(placement, picture.size()),
         progress_(progress),
         stop_(std::move(stop)) {
     if (carried_) {
@@ -271,7 +235,7 @@ class Animation {
   /// The clips, how many frames are in hand at once, and which ones the appearance model is fitted to.
   void lay_out() {
     layers_ = layers_of(snapshot_, settings_, placement_, options_);
-    batch_ = batch_of(layers_, picture_.size(), canvas_.size(), options_);
+    batch_ = batch_of(layers_, picture_.size(), canvas_.rect().size(), options_);
     in_one_ = batch_ == options_.frames;
     report_.pieces = placement_.patches.size();
     report_.clips = layers_.size();
@@ -283,66 +247,14 @@ class Animation {
     const int sampled = std::min({options_.frames, kSampledFrames,
                                   std::max(kMinSampledFrames, kSampledPixels / picture_.size().area())});
     for (int i = 0; i < sampled; ++i) samples_.push_back(i * options_.frames / sampled);
-    if (carried_) {
-      measure_lives();
-      report_.half_life_s = half_life_s_;
-    }
     blender_.emplace(placement_, std::max(batch_, sampled), options_.blend);
+    if (carried_) measure_lives();
   }
 
   void blend(ClipLayer& layer, std::span<const int> outputs) {
     throw_if_stopped(stop_);
     layer.add(outputs, *blender_);
     layer.release();
-  }
-
-  /// Innovations get the share of the picture's contrast, place by place and band by band, that is theirs.
-  void scale_innovations(ClipLayer& layer) {
-    if (still_power_.empty()) measure_still();
-    const double kept = kept_per_frame();
-    for (const auto& [patch, power] : layer.detail_power(samples_, *blender_)) {
-      std::vector<float> gains(power.size());
-      for (std::size_t level = 0; level < power.size(); ++level) {
-        const double wanted = renewed_share(level) * (1 - kept * kept) * still_power_[patch][level];
-        const double found = power[level] + kNoise * kNoise;
-        gains[level] = static_cast<float>(std::min(std::sqrt(wanted / found), options_.max_renewal_gain));
-      }
-      blender_->scale(patch, gains);
-    }
-  }
-  /// Of a band's variance, what comes anew.
-  double renewed_share(std::size_t level) const {
-    return options_.renewal * std::min(1.0, static_cast<double>(1 << level) / 3);
-  }
-  double kept_per_frame() const { return std::pow(0.5, 1 / (innovation_s_ * options_.fps)); }
-
-  /// What the pieces and the picture cover together, px of the reduced picture.
-  cv::Rect seen_and_canvas() const {
-    return canvas_ | cv::Rect({}, query::reduced_size(picture_.size(), placement_.piece_scale));
-  }
-  /// The picture's luma as the pieces lie on it, of seen_and_canvas().
-  cv::Mat around_pieces(const cv::Mat& luma) const {
-    const cv::Rect seen({}, query::reduced_size(picture_.size(), placement_.piece_scale)),
-        all = seen_and_canvas();
-    cv::Mat reduced = luma, wide;
-    if (seen.size() != luma.size()) cv::resize(luma, reduced, seen.size(), 0, 0, cv::INTER_AREA);
-    cv::copyMakeBorder(reduced, wide, -all.y, all.br().y - seen.height, -all.x, all.br().x - seen.width,
-                       cv::BORDER_REFLECT_101);
-    return wide;
-  }
-  cv::Mat on_pieces_canvas(const cv::Mat& luma) const {
-    return around_pieces(luma)(canvas_ - seen_and_canvas().tl());
-  }
-
-  /// Power of the picture by piece and band.
-  void measure_still() {
-    const cv::Rect all = seen_and_canvas();
-    const cv::Mat wide = around_pieces(target_luma_);
-    still_power_.resize(placement_.patches.size());
-    oneapi::tbb::parallel_for(std::size_t{0}, placement_.patches.size(), [&](std::size_t p) {
-      const cv::Point at = placement_.patches[p].piece - all.tl();
-      still_power_[p] = blender_->band_power(wide(cv::Rect(at, cv::Size(placement_.side, placement_.side))));
-    });
   }
 
   /// The moving part: the averages of every clip's patches, then their differences, merged band by band.
@@ -357,7 +269,7 @@ class Animation {
       tell("blend", i, layers_.size());
       const std::span<const int> first = in_one_ ? std::span<const int>(order_).first(needed) : samples_;
       // Before all frames are held: it needs the samples alone, and what it holds is kept for the next step.
-      if (carried_) scale_innovations(*layers_[i]);
+      if (carried_) renewal_->scale(*layers_[i], samples_);
       layers_[i]->measure(first, whole_loop ? &change : nullptr);
       // Samples are for the model alone: without one, they would be left in the blender.
       if (in_one_ || options_.matching == AppearanceMatching::kSequence)
@@ -401,9 +313,8 @@ class Animation {
                                   .wander = static_cast<int>(std::lround(wander_s * options_.fps)),
                                   .patch = kLifePatch_px * placement_.piece_scale / CarriedBase::kStep});
       renewing_ = renewing_places();
-      renewing_pieces_ = on_canvas(renewing_);
+      renewing_pieces_ = canvas_.cut_samples(renewing_, field_->step());
       standing_.emplace(planes, alpha_, shares_that_stand());
-      renewed_.emplace(canvas_, placement_.piece_scale, kept_per_frame());
     }
     // The fluid's layers go on beyond the still matte, for a moving one to uncover.
     if (moving_)
@@ -443,14 +354,6 @@ class Animation {
     cv::multiply(out, out, out);
     return cv::min(out, 1.0);
   }
-  /// What is sampled as the field, on the canvas.
-  cv::Mat on_canvas(const cv::Mat& samples) const {
-    cv::Mat out;
-    cv::warpAffine(samples, out, samples_from_pixels(field_->step(), placement_.piece_scale, canvas_.tl()),
-                   canvas_.size(), cv::INTER_LINEAR | cv::WARP_INVERSE_MAP, cv::BORDER_REPLICATE);
-    return out;
-  }
-
   /// As long as detail does in the patches that are shown, but shorter where they are made to go faster: eddies of
   /// one size turn over in a time that falls as their speed rises.
   void measure_lives() {
@@ -459,8 +362,12 @@ class Animation {
     half_life_s_ = options_.half_life_s > 0
                        ? options_.half_life_s
                        : std::clamp(patches.overall_s / faster, kMinHalfLife_s, kMaxHalfLife_s);
-    innovation_s_ = std::clamp(kMinInnovation_s * std::pow(patches.finest_s / faster / kQuick_s, 3),
-                               kMinInnovation_s, kMaxInnovation_s);
+    report_.half_life_s = half_life_s_;
+    renewal_.emplace(placement_, canvas_, target_luma_, *blender_,
+                     RenewalOptions{.share = options_.renewal,
+                                    .max_gain = options_.max_renewal_gain,
+                                    .half_life_s = innovation_life_s(patches.finest_s / faster),
+                                    .fps = options_.fps});
   }
 
   /// One output frame before it is coloured.
@@ -485,22 +392,21 @@ class Animation {
     if (carried_) {
       // At the beginning the picture is all, then what is new comes in; in a loop it has gone before the end.
       const double anew = 1 - copies_->still(output);
-      std::vector<double> shares(kContrastLevels);
-      for (std::size_t level = 0; level < shares.size(); ++level) shares[level] = anew * renewed_share(level);
+      std::vector<double> shares(Renewal::kLevels);
+      for (std::size_t level = 0; level < shares.size(); ++level)
+        shares[level] = anew * renewal_->share(level);
       const cv::Mat stands = restore_contrast(made.luma, copies, CarriedBase::kStep, shares, renewing_,
                                               *standing_, anew, options_.contrast);
       standing_->colour(*made.brought, stands);
       field = renewed;
-      // What is new comes where there is detail: what lies smooth between edges stays smooth.
-      BandContrast(on_pieces_canvas(made.luma), kContrastLevels, Neighbourhood::kClose, renewing_pieces_)
-          .take_share(field, shares, options_.max_renewal_gain, kNoise);
+      renewal_->show(field, made.luma, shares, renewing_pieces_);
       cv::Mat level = blender_->take_level(slot);
       limit_level(level);
       cv::scaleAdd(level, anew, field, field);
     } else {
       field = blender_->take(slot);
     }
-    add_enlarged(field, canvas_, placement_.piece_scale, made.luma);
+    add_enlarged(field, canvas_.rect(), placement_.piece_scale, made.luma);
     return made;
   }
 
@@ -510,7 +416,7 @@ class Animation {
       renewed[i] = blender_->take_detail(slot + static_cast<int>(i));
     });
     for (std::size_t i = 0; i < outputs.size(); ++i)
-      renewed[i] = renewed_->advance(field_->at(outputs[i] - 1), CarriedBase::kStep, renewed[i]).clone();
+      renewed[i] = renewal_->advance(field_->at(outputs[i] - 1), CarriedBase::kStep, renewed[i]);
   }
 
   int until() const {
@@ -609,7 +515,7 @@ class Animation {
   const Placement& placement_;
   AnimateOptions options_;
   const bool carried_, moving_;
-  const cv::Rect canvas_;
+  const PiecesCanvas canvas_;
   const ProgressFunction& progress_;
   std::stop_token stop_;
   Stopwatch total_, watch_;
@@ -625,14 +531,13 @@ class Animation {
   cv::Mat behind_, alpha_, base_luma_;
   ColourModel colours_;
   std::shared_ptr<const MotionSequence> sequence_;
-  std::vector<std::vector<double>> still_power_;  // by patch, band
   // CV_32F: how much of what comes anew is for a place, 0..1, sampled as the field, and on the canvas.
   cv::Mat renewing_, renewing_pieces_;
   std::optional<StandingDetail> standing_;
-  double half_life_s_ = 0, innovation_s_ = 0;  // until half is left of carried detail, and of what comes anew
+  double half_life_s_ = 0;  // of carried detail
   std::shared_ptr<const CarryingField> field_;
   std::optional<CopyMaps> copies_;
-  std::optional<CarriedDetail> renewed_;
+  std::optional<Renewal> renewal_;
   std::optional<CarriedBase> carried_base_;
   std::optional<FrameFinisher> finisher_;
   std::optional<AppearanceModel> model_;

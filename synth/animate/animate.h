@@ -72,11 +72,9 @@ struct AnimateOptions {
   /// kCarried: of what stays in its place in the patches (standing_shares), how much the picture keeps, 0..1; 0: all
   /// that is fluid goes.
   double standing = 1;
-  /// kCarried: of each band's variance, how much comes anew from the patches' innovations, 0..1; the rest is the
-  /// picture's own. Of the finest band a third of that, of the next two thirds: what flow does not explain of the
-  /// finest detail is mostly the clip's noise, and with .4 of all bands rapids looked like sandpaper.
+  /// kCarried: of each band's variance, how much comes anew from the patches' innovations, 0..1, and by how much one is
+  /// amplified at most (RenewalOptions).
   double renewal = 0.25;
-  /// An innovation is not amplified by more: what is fainter is coding noise.
   double max_renewal_gain = 4;
   /// What was asked of the motion: the picture is blurred and carried so (apply_guide).
   query::MotionGuide guide{};
