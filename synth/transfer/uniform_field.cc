@@ -159,18 +159,20 @@ void UniformField::list_offers() {
   });
 }
 
-// Where the source of the target beside this one goes on; -1: nowhere.
+// Where the source of the target beside this one goes on; -1: nowhere, or in the target's own.
 std::int32_t UniformField::beside(std::int32_t target, int dx, int dy) const {
   const std::int32_t of = target + dy * field_.target_width + dx;
   if (of < 0 || of >= static_cast<std::int32_t>(field_.source.size())) return -1;
   const std::int32_t source = field_.source[at(of)];
   if (source < 0) return -1;
+  const std::int32_t on = source - dy * field_.source_width - dx;
+  if (on == field_.source[at(target)]) return -1;  // so it mostly is, and nothing need be divided
   const int x = source % field_.source_width - dx, y = source / field_.source_width - dy;
   if (x < 0 || y < 0 || x >= field_.source_width || y >= field_.source_height) return -1;
-  return y * field_.source_width + x;
+  return on;
 }
 
-UniformField::Tries UniformField::tries(std::int32_t target, std::int32_t hint, int pass) const {
+UniformField::Tries UniformField::tries(std::int32_t target, std::int32_t hint, Draw draw, int pass) const {
   Tries tries;
   tries.fill(-1);
   std::size_t count = 0;
@@ -188,14 +190,12 @@ UniformField::Tries UniformField::tries(std::int32_t target, std::int32_t hint, 
     add(beside(target, 0, by));
     add(beside(target, 0, -by));
   }
-  std::uint64_t bits =
-      Random(seed_, 1 + static_cast<std::uint64_t>(pass)).bits(static_cast<std::uint64_t>(target));
-  const std::int32_t anywhere = sources_[bits % sources_.size()];
-  distance_.prefetch_source(anywhere);
-  add(anywhere);
+  distance_.prefetch_source(draw.anywhere);
+  add(draw.anywhere);
   const int x = own % field_.source_width, y = own / field_.source_width;
   for (int k = 0; k < 2; ++k) {
-    bits = scramble(bits);
+    draw.bits = scramble(draw.bits);
+    const std::uint64_t bits = draw.bits;
     const int reach = 1 << (bits & 0xff) % 6;  // 1 to 32 px
     const std::uint64_t span = 2 * static_cast<std::uint64_t>(reach) + 1;
     const int to_x = x + static_cast<int>((bits >> 8 & 0xffffff) * span >> 24) - reach;
@@ -245,12 +245,18 @@ UniformField::Trade UniformField::best_trade(std::int32_t target, const Tries& t
 
 void UniformField::find_trades(std::size_t from, std::size_t to, int pass,
                                std::span<const std::int32_t> hints) {
+  const Random random(seed_, 1 + static_cast<std::uint64_t>(pass));
+  std::array<Draw, kAhead> draws;
   std::array<Tries, kAhead> ahead;
   for (; from < to; from += kAhead) {
     const std::size_t count = std::min(kAhead, to - from);
     for (std::size_t i = 0; i < count; ++i) {
+      const std::uint64_t bits = random.bits(static_cast<std::uint64_t>(targets_[from + i]));
+      draws[i] = {bits, sources_[bits % sources_.size()]};
+    }
+    for (std::size_t i = 0; i < count; ++i) {
       const std::int32_t target = targets_[from + i];
-      ahead[i] = tries(target, hints.empty() ? -1 : hints[at(target)], pass);
+      ahead[i] = tries(target, hints.empty() ? -1 : hints[at(target)], draws[i], pass);
     }
     for (std::size_t i = 0; i < count; ++i) trades_[from + i] = best_trade(targets_[from + i], ahead[i]);
   }

@@ -36,6 +36,10 @@ class UniformField {
  private:
   static constexpr std::size_t kTries = 12;
   using Tries = std::array<std::int32_t, kTries>;  // sources; -1 after the last
+  struct Draw {
+    std::uint64_t bits;
+    std::int32_t anywhere;  // a source
+  };
   struct Trade {
     std::int32_t source = -1, partner = -1;  // -1: no source; no partner: the source has a use to spare
     float distance = 0, partners = 0;        // of the target, and of the partner with the target's source
@@ -49,7 +53,7 @@ class UniformField {
 
   void keep_what_is_uniform();
   void fill();
-  Tries tries(std::int32_t target, std::int32_t hint, int pass) const;
+  Tries tries(std::int32_t target, std::int32_t hint, Draw draw, int pass) const;
   Trade best_trade(std::int32_t target, const Tries& tries) const;
   void find_trades(std::size_t from, std::size_t to, int pass, std::span<const std::int32_t> hints);
   std::int32_t beside(std::int32_t target, int dx, int dy) const;
