@@ -143,6 +143,12 @@ void take_stamped_rate(const fs::path& path, store::ClipRecord& record) {
   record.fps_den = 1000;
 }
 
+/// The fault and its remedy: a row of the report names its clip already.
+std::string without_path(const Error& error, const fs::path& path) {
+  const std::string text = error.what(), where = path.string() + ": ";
+  return text.starts_with(where) ? text.substr(where.size()) : text;
+}
+
 /// One source, from path to row.
 class ClipIngest {
  public:
@@ -161,7 +167,7 @@ class ClipIngest {
       add(source, on_slab, stop, report);
     } catch (const Error& error) {
       if (error.kind() != ErrorKind::kInput) throw;
-      fail(report, error.what());
+      fail(report, without_path(error, source.path));
     } catch (const std::bad_alloc&) {
       fail(report, "the memory does not suffice for this clip; scale it down first");
     } catch (const cv::Exception& error) {

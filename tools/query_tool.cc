@@ -28,22 +28,37 @@
 namespace freshet::tools {
 namespace {
 
-struct CandidatesCommand {
+/// What is looked for, and for which picture.
+struct Question {
   TargetFiles target;
   HoldOptions hold;
   SearchOptions search;
   MotionOptions motion;
   Duration duration;
+
+  void add_to(CLI::App& app) {
+    target.add_to(app);
+    hold.add_to(app);
+    search.add_to(app);
+    motion.add_to(app);
+    duration.add_to(app);
+  }
+  TargetFiles::Loaded load() const {
+    TargetFiles::Loaded loaded = target.load();
+    hold.take_out(loaded);
+    say_reduction(target, loaded);
+    return loaded;
+  }
+};
+
+struct CandidatesCommand {
+  Question question;
   std::string sheet;
   bool json = false;
 };
 
 struct LabelCommand {
-  TargetFiles target;
-  HoldOptions hold;
-  SearchOptions search;
-  MotionOptions motion;
-  Duration duration;
+  Question question;
   SolverOptions labelling;
   CacheOptions cache;
   std::string assignment, map, sheet;
@@ -108,27 +123,25 @@ nlohmann::json candidates_json(const store::Snapshot& snapshot, const query::Can
 
 void run_candidates(const CandidatesCommand& command, const RunContext& context) {
   check_picture_output(command.sheet);
-  command.motion.check_outputs();
-  const store::Snapshot snapshot = store::Store::open_read(command.target.store).snapshot();
-  TargetFiles::Loaded loaded = command.target.load();
-  command.hold.take_out(loaded);
-  say_reduction(command.target, loaded);
-  AskedMotion asked = command.motion.read(loaded, command.search);
-  const query::LabelRequest request = request_of(command.search, asked, command.duration);
+  command.question.motion.check_outputs();
+  const store::Snapshot snapshot = store::Store::open_read(command.question.target.store).snapshot();
+  TargetFiles::Loaded loaded = command.question.load();
+  AskedMotion asked = command.question.motion.read(loaded, command.question.search);
+  const query::LabelRequest request = request_of(command.question.search, asked, command.question.duration);
   const bool guesses = query::may_guess(request);
   asked.guide = query::guide_of_animation(request, loaded.picture.size());
-  if (!guesses) command.motion.draw(loaded, asked, {});
-  const auto base = open_with_progress(snapshot, command.search);
+  if (!guesses) command.question.motion.draw(loaded, asked, {});
+  const auto base = open_with_progress(snapshot, command.question.search);
   const query::LabelOptions options = prepare_with_progress(snapshot, *base, loaded, request, context);
   if (guesses) {
     asked.guide = options.guide;
-    command.motion.draw(loaded, asked, {});
+    command.question.motion.draw(loaded, asked, {});
   }
   Progress progress;
   const query::CandidateSearch search = query::search_candidates(
       snapshot, *base, loaded.picture, loaded.matte, options, progress.callback(), context.stop);
   progress.finish();
-  say_filters(search.filtered, command.duration);
+  say_filters(search.filtered, command.question.duration);
   for (const std::string& note : search.candidates.notes) say(note);
   const std::size_t pieces = search.candidates.pieces();
   const std::size_t total = search.filtered.rows.count();
@@ -146,7 +159,7 @@ void run_candidates(const CandidatesCommand& command, const RunContext& context)
     print_candidates(snapshot, search);
   }
   if (command.json) return;
-  for (const std::string& path : command.motion.outputs())
+  for (const std::string& path : command.question.motion.outputs())
     if (!path.empty()) fmt::print("{}\n", path);
   if (!command.sheet.empty()) fmt::print("{}\n", command.sheet);
 }
@@ -155,29 +168,28 @@ void run_label(const LabelCommand& command, const RunContext& context) {
   check_output_folder(command.assignment);
   check_picture_output(command.map);
   check_picture_output(command.sheet);
-  command.motion.check_outputs();
-  const store::Snapshot snapshot = store::Store::open_read(command.target.store).snapshot();
-  TargetFiles::Loaded loaded = command.target.load();
-  command.hold.take_out(loaded);
-  say_reduction(command.target, loaded);
-  AskedMotion asked = command.motion.read(loaded, command.search);
-  const query::LabelRequest request = request_of(command.search, asked, command.duration, &command.labelling);
+  command.question.motion.check_outputs();
+  const store::Snapshot snapshot = store::Store::open_read(command.question.target.store).snapshot();
+  TargetFiles::Loaded loaded = command.question.load();
+  AskedMotion asked = command.question.motion.read(loaded, command.question.search);
+  const query::LabelRequest request =
+      request_of(command.question.search, asked, command.question.duration, &command.labelling);
   const auto cache = command.cache.open();
   const LabelRun run =
-      label_with_progress(snapshot, open_with_progress(snapshot, command.search, cache != nullptr), loaded,
-                          request, command.duration, context, cache.get());
+      label_with_progress(snapshot, open_with_progress(snapshot, command.question.search, cache != nullptr),
+                          loaded, request, command.question.duration, context, cache.get());
   asked.guide = query::guide_of_animation(request, loaded.picture.size());
   const query::Labelling& labelling = run.labelling;
   const query::Assignment& assignment = labelling.assignment;
   if (!command.assignment.empty()) query::write_assignment(command.assignment, assignment);
   const cv::Mat motion =
-      command.motion.needs_motion(asked)
+      command.question.motion.needs_motion(asked)
           ? synth::animate::motion_field(snapshot, run.base->settings,
                                          synth::animate::placement_from(assignment, snapshot),
                                          loaded.picture.size())
           : cv::Mat();
-  command.motion.draw(loaded, asked, motion);
-  command.motion.write_maps(loaded, motion);
+  command.question.motion.draw(loaded, asked, motion);
+  command.question.motion.write_maps(loaded, motion);
   if (!command.map.empty())
     media::write_picture(command.map, query::label_map(loaded.picture, &loaded.matte, assignment));
   if (!command.sheet.empty())
@@ -201,7 +213,7 @@ void run_label(const LabelCommand& command, const RunContext& context) {
                                           static_cast<double>(assignment.pieces.size())),
                assignment.clips[clip].licence});
   fmt::print("{}\n{}\n", table.text(), label_summary(run));
-  std::vector<std::string> paths = command.motion.outputs();
+  std::vector<std::string> paths = command.question.motion.outputs();
   paths.insert(paths.end(), {command.assignment, command.map, command.sheet});
   for (const std::string& path : paths)
     if (!path.empty()) fmt::print("{}\n", path);
@@ -217,11 +229,7 @@ void add_query(CLI::App& app, RunContext& context) {
   auto candidates = std::make_shared<CandidatesCommand>();
   CLI::App* sub =
       query->add_subcommand("candidates", "The patches that look most like each piece of a picture");
-  candidates->target.add_to(*sub);
-  candidates->hold.add_to(*sub);
-  candidates->search.add_to(*sub);
-  candidates->motion.add_to(*sub);
-  candidates->duration.add_to(*sub);
+  candidates->question.add_to(*sub);
   sub->add_option("--sheet", candidates->sheet,
                   "Write a contact sheet: pieces, and their best candidates (PNG, JPEG)");
   sub->add_flag("--json", candidates->json, "Print all candidates as JSON");
@@ -231,12 +239,8 @@ void add_query(CLI::App& app, RunContext& context) {
 
   auto label = std::make_shared<LabelCommand>();
   sub = query->add_subcommand("label", "Choose one patch for each piece, so that neighbours go together");
-  label->target.add_to(*sub);
-  label->hold.add_to(*sub);
-  label->search.add_to(*sub);
-  label->motion.add_to(*sub);
-  label->motion.add_outputs_to(*sub);
-  label->duration.add_to(*sub);
+  label->question.add_to(*sub);
+  label->question.motion.add_outputs_to(*sub);
   label->labelling.add_to(*sub);
   label->cache.add_to(*sub);
   sub->add_option("-o,--output", label->assignment,

@@ -181,15 +181,16 @@ void export_clip(const StoreCommand& command, const RunContext& context) {
   const store::ClipRecord& clip = snapshot.clip(id);
   const query::ClipFrames frames(snapshot, id);
   check_frames_output(command.out, static_cast<int>(frames.size()));
-  if (snapshot.has_column(id, "flow.rate"))
+  const bool native = std::filesystem::path(command.out).extension() == ".mkv";
+  const bool varies = snapshot.has_column(id, "flow.rate");
+  if (varies && !native)
     say(
         fmt::format("the frame rate of {} varies; what is written has all frames, evenly, at the mean of "
-                    "{:.2f} frames/s",
+                    "{:.2f} frames/s; .mkv keeps their times",
                     clip.name, fps_of(clip)));
-  media::VideoWriter writer(command.out,
-                            cv::Size(static_cast<int>(clip.width), static_cast<int>(clip.height)),
-                            {.fps_num = clip.fps_num, .fps_den = clip.fps_den});
-  const bool native = std::filesystem::path(command.out).extension() == ".mkv";
+  media::VideoWriter writer(
+      command.out, cv::Size(static_cast<int>(clip.width), static_cast<int>(clip.height)),
+      {.fps_num = clip.fps_num, .fps_den = clip.fps_den, .own_times = varies && native});
   Progress progress;
   for (std::uint32_t first = 0; first < frames.size(); first += kSlab) {
     if (context.stop.stop_requested()) throw Error(ErrorKind::kCancelled, "export", "stopped");

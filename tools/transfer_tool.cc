@@ -8,6 +8,7 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -285,10 +286,8 @@ void say_what_was_found(const TransferCommand& command, const transfer::DesignFi
         command.exemplar, exemplar.frames(), design.frames(), loop->from, loop->to, loop->fade));
 }
 
-void run_transfer(TransferCommand command, RunContext& context) {
-  const Stopwatch total;
-  const transfer::TransferOptions options = engine_options(command);
-  transfer::check(options);
+/// With the design's folder taken apart.
+TransferCommand with_design(TransferCommand command) {
   if (!command.design.empty()) {
     if (command.alpha.empty()) command.alpha = command.design / "alpha";
     if (command.flow.empty()) command.flow = command.design / "flow";
@@ -296,105 +295,155 @@ void run_transfer(TransferCommand command, RunContext& context) {
   if (command.alpha.empty() || command.flow.empty())
     throw Error(ErrorKind::kUsage, "synth transfer", "the design is missing",
                 "Give --design FOLDER, or both --alpha-sequence and --flow-sequence");
-  Progress progress;
-  transfer::DesignFiles design(command.alpha, command.flow, command.frames);
-  transfer::ExemplarFiles exemplar = open_exemplar(command, design.frames());
-  design.check(
-      [&](std::size_t done, std::size_t of) { progress.show("checking the design", done, of, "frames"); },
-      context.stop);
-  FrameFiles files(command, design.size(), design.frames());
-  std::optional<Composite> composite = open_composite(command, design.size(), design.frames());
-  fit(command, design, exemplar);
-  exemplar.check(
-      [&](std::size_t done, std::size_t of) { progress.show("checking the exemplar", done, of, "frames"); },
-      context.stop);
-  progress.finish();
-  say_what_was_found(command, design, exemplar);
-
-  const transfer::ResumeFolder kept(transfer::ResumeFolder::beside(command.out),
-                                    job_of(command, design, exemplar), command.restart);
-  files.keep_in(kept.path());
-  transfer::Transfer engine([&exemplar](int t) { return exemplar.at(t); }, options);
-  nlohmann::json notes = kept.resume(engine);
-  const int resumed = engine.frame();
-  files.require(resumed);
-  if (resumed > 0) say(fmt::format("{}: {} frames are there; going on", kept.path().string(), resumed));
-  const auto what_is_kept = [&](int frames) {
-    context.kept = fmt::format("{} of {} frames are kept in {}; the same command goes on from there", frames,
-                               design.frames(), kept.path().string());
-  };
-  what_is_kept(resumed);
-
-  std::set<std::string> said;
-  double write_s = 0;
-  for (int i = resumed; i < design.frames(); ++i) {
-    const auto stop_or_show = [&](double = 0) {
-      if (context.stop.stop_requested()) throw Error(ErrorKind::kCancelled, "transfer", "stopped");
-      progress.show("transfer", static_cast<std::size_t>(i), static_cast<std::size_t>(design.frames()),
-                    "frames");
-    };
-    stop_or_show();
-    const transfer::TransferredFrame frame = engine.next(design.read(i), stop_or_show);
-    for (const std::string& remark : frame.remarks)
-      if (said.insert(remark).second) say(fmt::format("frame {}: {}", i, remark));
-    const TimedScope writing(write_s);
-    files.write(i, is_light(command) ? transfer::light_alone(frame.bgra) : frame.bgra);
-    notes.push_back(note_of(frame));
-    kept.keep(engine, notes);
-    what_is_kept(i + 1);
-  }
-
-  std::optional<media::PictureSink> sink, composed;
-  if (!files.is_sequence()) sink.emplace(command.out, design.size(), design.frames(), command.fps);
-  if (composite) composed.emplace(composite->out, composite->background.size(), design.frames(), command.fps);
-  for (int i = 0; (sink || composed) && i < design.frames(); ++i) {
-    if (context.stop.stop_requested()) throw Error(ErrorKind::kCancelled, "transfer", "stopped");
-    const cv::Mat picture = files.read(i);
-    if (sink) sink->write(picture);
-    if (composed)
-      composed->write(
-          transfer::laid_on(picture, composite->background.next(), composite->blend, composite->at));
-    progress.show("writing", static_cast<std::size_t>(i) + 1, static_cast<std::size_t>(design.frames()),
-                  "frames");
-  }
-  if (sink) sink->finish();
-  if (composed) composed->finish();
-  progress.finish();
-  kept.remove();
-  context.kept.clear();
-
-  const double total_s = total.seconds();
-  const nlohmann::json summary = summary_of(notes);
-  if (command.json) {
-    nlohmann::json report = summary;
-    report["output"] = command.out.string();
-    if (composite) report["composite"] = composite->out.string();
-    report["frames"] = design.frames();
-    report["width"] = design.size().width;
-    report["height"] = design.size().height;
-    report["resumed_frames"] = resumed;
-    report["exemplar"] = {{"frames", exemplar.frames()},
-                          {"width", exemplar.size().width},
-                          {"height", exemplar.size().height},
-                          {"opaque", exemplar.opaque()}};
-    if (const auto loop = exemplar.loop())
-      report["exemplar"]["loop"] = {{"from", loop->from}, {"to", loop->to}, {"fade", loop->fade}};
-    report["seconds"]["write"] = write_s;
-    report["seconds"]["total"] = total_s;
-    report["by_frame"] = notes;
-    fmt::print("{}\n", report.dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
-    return;
-  }
-  const auto stage = [&](const char* name) { return summary["seconds"].value(name, 0.0); };
-  say(fmt::format(
-      "{} frames of {} x {} in {:.1f} s (prepare {:.1f}, search {:.1f}, assign {:.1f}, vote {:.1f}, "
-      "blur {:.1f}); patches used uniformly in {} frames, {} violations",
-      design.frames(), design.size().width, design.size().height, total_s, stage("prepare"), stage("search"),
-      stage("assign"), stage("vote"), stage("blur"), summary["uniform_frames"].get<int>(),
-      summary["violations"].get<std::int64_t>()));
-  fmt::print("{}\n", command.out.string());
-  if (composite) fmt::print("{}\n", composite->out.string());
+  return command;
 }
+
+/// From the files that a command names to those that it asks for.
+class TransferRun {
+ public:
+  TransferRun(const TransferCommand& command, RunContext& context)
+      : command_(with_design(command)),
+        context_(context),
+        options_(checked(engine_options(command))),
+        design_(command_.alpha, command_.flow, command_.frames),
+        exemplar_(open_exemplar(command_, design_.frames())) {}
+
+  void run() {
+    check();
+    const transfer::ResumeFolder kept(transfer::ResumeFolder::beside(command_.out),
+                                      job_of(command_, design_, exemplar_), command_.restart);
+    files_->keep_in(kept.path());
+    make_frames(kept);
+    assemble();
+    progress_.finish();
+    kept.remove();
+    context_.kept.clear();
+    print();
+  }
+
+ private:
+  static transfer::TransferOptions checked(const transfer::TransferOptions& options) {
+    transfer::check(options);
+    return options;
+  }
+
+  /// All that can be refused, before the work begins.
+  void check() {
+    check(design_, "checking the design");
+    files_.emplace(command_, design_.size(), design_.frames());
+    if (auto opened = open_composite(command_, design_.size(), design_.frames()))
+      composite_.emplace(std::move(*opened));
+    fit(command_, design_, exemplar_);
+    check(exemplar_, "checking the exemplar");
+    progress_.finish();
+    say_what_was_found(command_, design_, exemplar_);
+  }
+  template <class Files>
+  void check(Files& files, const char* stage) {
+    files.check([&](std::size_t done, std::size_t of) { progress_.show(stage, done, of, "frames"); },
+                context_.stop);
+  }
+
+  /// From where an unfinished run was left.
+  void make_frames(const transfer::ResumeFolder& kept) {
+    transfer::Transfer engine([this](int t) { return exemplar_.at(t); }, options_);
+    notes_ = kept.resume(engine);
+    resumed_ = engine.frame();
+    files_->require(resumed_);
+    if (resumed_ > 0) say(fmt::format("{}: {} frames are there; going on", kept.path().string(), resumed_));
+    say_what_is_kept(kept, resumed_);
+    std::set<std::string> said;
+    for (int i = resumed_; i < design_.frames(); ++i) {
+      const auto stop_or_show = [&](double = 0) { show("transfer", i); };
+      stop_or_show();
+      const transfer::TransferredFrame frame = engine.next(design_.read(i), stop_or_show);
+      for (const std::string& remark : frame.remarks)
+        if (said.insert(remark).second) say(fmt::format("frame {}: {}", i, remark));
+      const TimedScope writing(write_s_);
+      files_->write(i, is_light(command_) ? transfer::light_alone(frame.bgra) : frame.bgra);
+      notes_.push_back(note_of(frame));
+      kept.keep(engine, notes_);
+      say_what_is_kept(kept, i + 1);
+    }
+  }
+
+  /// What is one file of all frames: the animation, unless it is a sequence, and the composite.
+  void assemble() {
+    const int frames = design_.frames();
+    std::optional<media::PictureSink> sink, composed;
+    if (!files_->is_sequence()) sink.emplace(command_.out, design_.size(), frames, command_.fps);
+    if (composite_) composed.emplace(composite_->out, composite_->background.size(), frames, command_.fps);
+    for (int i = 0; (sink || composed) && i < frames; ++i) {
+      show("writing", i);
+      const cv::Mat picture = files_->read(i);
+      if (sink) sink->write(picture);
+      if (composed)
+        composed->write(
+            transfer::laid_on(picture, composite_->background.next(), composite_->blend, composite_->at));
+    }
+    if (sink) sink->finish();
+    if (composed) composed->finish();
+  }
+
+  void print() const {
+    const nlohmann::json summary = summary_of(notes_);
+    if (command_.json) {
+      fmt::print("{}\n", report(summary).dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
+      return;
+    }
+    const auto stage = [&](const char* name) { return summary["seconds"].value(name, 0.0); };
+    say(
+        fmt::format("{} frames of {} x {} in {:.1f} s (prepare {:.1f}, search {:.1f}, assign {:.1f}, vote "
+                    "{:.1f}, blur {:.1f}); patches used uniformly in {} frames, {} violations",
+                    design_.frames(), design_.size().width, design_.size().height, total_.seconds(),
+                    stage("prepare"), stage("search"), stage("assign"), stage("vote"), stage("blur"),
+                    summary["uniform_frames"].get<int>(), summary["violations"].get<std::int64_t>()));
+    fmt::print("{}\n", command_.out.string());
+    if (composite_) fmt::print("{}\n", composite_->out.string());
+  }
+
+  nlohmann::json report(nlohmann::json report) const {
+    report["output"] = command_.out.string();
+    if (composite_) report["composite"] = composite_->out.string();
+    report["frames"] = design_.frames();
+    report["width"] = design_.size().width;
+    report["height"] = design_.size().height;
+    report["resumed_frames"] = resumed_;
+    report["exemplar"] = {{"frames", exemplar_.frames()},
+                          {"width", exemplar_.size().width},
+                          {"height", exemplar_.size().height},
+                          {"opaque", exemplar_.opaque()}};
+    if (const auto loop = exemplar_.loop())
+      report["exemplar"]["loop"] = {{"from", loop->from}, {"to", loop->to}, {"fade", loop->fade}};
+    report["seconds"]["write"] = write_s_;
+    report["seconds"]["total"] = total_.seconds();
+    report["by_frame"] = notes_;
+    return report;
+  }
+
+  void show(const char* stage, int done) {
+    if (context_.stop.stop_requested()) throw Error(ErrorKind::kCancelled, "transfer", "stopped");
+    progress_.show(stage, static_cast<std::size_t>(done), static_cast<std::size_t>(design_.frames()),
+                   "frames");
+  }
+  void say_what_is_kept(const transfer::ResumeFolder& kept, int frames) const {
+    context_.kept = fmt::format("{} of {} frames are kept in {}; the same command goes on from there", frames,
+                                design_.frames(), kept.path().string());
+  }
+
+  const Stopwatch total_;
+  const TransferCommand command_;
+  RunContext& context_;
+  const transfer::TransferOptions options_;
+  Progress progress_;
+  transfer::DesignFiles design_;
+  transfer::ExemplarFiles exemplar_;
+  std::optional<FrameFiles> files_;
+  std::optional<Composite> composite_;
+  nlohmann::json notes_;  // of each frame
+  int resumed_ = 0;
+  double write_s_ = 0;
+};
 
 void add_inputs(CLI::App& sub, TransferCommand& command) {
   const std::string look = "Look", design = "Design", output = "Output";
@@ -524,7 +573,7 @@ void add_transfer(CLI::App& synth_command, RunContext& context) {
                 "Print a report as JSON: uniformity, violations, distance and seconds by stage, by frame");
   add_overwrite(*sub);
   add_threads(*sub);
-  sub->callback([command, &context] { run_transfer(*command, context); });
+  sub->callback([command, &context] { TransferRun(*command, context).run(); });
 }
 
 }  // namespace freshet::tools

@@ -1,6 +1,7 @@
 #include "media/video/stream_file.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <new>
 #include <string>
@@ -25,6 +26,7 @@ namespace {
 constexpr int kThreads = 4;
 constexpr int kFfv1Slices = 4;
 constexpr std::int64_t kKeyEvery_s = 60;
+constexpr AVRational kMillisecond{1, 1000};  // what Matroska counts in
 constexpr const char* kWebpQuality = "90";
 // Of two animations of water at crf 16 it codes in .6 of the time of "medium", to files .99 and 1.03 as large
 // and SSIM .9896 and .9957 after .9901 and .9962. Encoding was a quarter of a run's time.
@@ -185,8 +187,9 @@ void StreamFile::open(const PixelLayout& coded) {
   context_->width = coded.width;
   context_->height = coded.height;
   context_->pix_fmt = format;
-  context_->time_base = {static_cast<int>(options_.fps_den), static_cast<int>(options_.fps_num)};
-  context_->framerate = av_inv_q(context_->time_base);
+  const AVRational interval{static_cast<int>(options_.fps_den), static_cast<int>(options_.fps_num)};
+  context_->time_base = options_.own_times ? kMillisecond : interval;
+  context_->framerate = options_.own_times ? AVRational{0, 1} : av_inv_q(interval);
   context_->sample_aspect_ratio = {coded.sar_num, coded.sar_den};
   context_->color_range = static_cast<AVColorRange>(coded.range);
   context_->colorspace = static_cast<AVColorSpace>(coded.matrix);
@@ -265,7 +268,7 @@ void StreamFile::encode(const AVFrame* frame) {
     code = avcodec_receive_packet(context_.get(), packet_.get());
     if (code == AVERROR(EAGAIN) || code == AVERROR_EOF) return;
     if (code < 0) break;
-    if (packet_->duration == 0) packet_->duration = 1;
+    if (packet_->duration == 0 && !options_.own_times) packet_->duration = 1;
     packet_->stream_index = stream_->index;
     av_packet_rescale_ts(packet_.get(), context_->time_base, stream_->time_base);
     code = av_interleaved_write_frame(container_.get(), packet_.get());
@@ -291,7 +294,7 @@ void StreamFile::convert_and_encode(const PixelLayout& layout, const Frame& sour
   frame->width = coded.width;
   frame->height = coded.height;
   frame->format = context_->pix_fmt;
-  frame->pts = frames_;
+  frame->pts = options_.own_times ? std::llround(source.time_s / av_q2d(kMillisecond)) : frames_;
   frame->color_range = context_->color_range;
   frame->colorspace = context_->colorspace;
   frame->color_primaries = context_->color_primaries;

@@ -18,6 +18,7 @@ struct VideoWriterOptions {
   int bits = 8;                   // of H.264: 8, or 10 (High 10, which browsers do not play)
   std::int64_t first_number = 0;  // of a sequence
   ExrSamples exr = ExrSamples::kHalf;
+  bool own_times = false;  // native frames stand at their time_s, to a millisecond, not at the rate (.mkv)
 };
 
 /// What a file of this name makes of frames of this size, for a person: padding to even sides, sides that many
@@ -49,8 +50,8 @@ class VideoWriter {
   /// A frame in native planes, written unchanged with its colour tags, aspect and rotation (.mkv only): the
   /// lossless way back out of a store. Layouts that FFV1 lacks hold the same samples in another order (rgb24
   /// and gbrp in bgr0, rgb48le in gbrp16le, nv12 in yuv420p), else Error{kUsage}. In a sequence gray16le and
-  /// rgb48le keep their 16 bits, the rest is to_bgr(). Frames follow each other at the given rate,
-  /// whatever their time_s.
+  /// rgb48le keep their 16 bits, the rest is to_bgr(). Frames follow each other at the given rate, whatever
+  /// their time_s, unless own_times; these ascend then, from 0.
   void write(const Frame& frame);
   void finish();
 

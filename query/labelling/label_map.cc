@@ -58,6 +58,27 @@ bool continues(const AssignedPiece& a, const AssignedPiece& b) {
   return a.clip == b.clip && a.variant == b.variant && b.patch - a.patch == b.corner - a.corner;
 }
 
+// A line for each clip of order, the most used first, from top on; one more counts those that have no line.
+void write_legend(const Assignment& assignment, const std::vector<std::size_t>& used,
+                  const std::vector<std::size_t>& order, int top, cv::Mat& map) {
+  const std::size_t shown = std::min(order.size(), kMaxLines), rest = order.size() - shown;
+  const auto write_line = [&](const std::string& text) {
+    report::write_caption(map, text, {30, top + 12}, map.cols - 36);
+    top += kLine;
+  };
+  for (std::size_t i = 0; i < shown; ++i) {
+    const AssignedClip& clip = assignment.clips[order[i]];
+    const double fraction =
+        static_cast<double>(used[order[i]]) / static_cast<double>(assignment.pieces.size());
+    cv::rectangle(map, cv::Rect(8, top, 14, 14), cv::Scalar(colour_of(i)), cv::FILLED);
+    std::string text = fmt::format("{:4.1f} %  {}", 100 * fraction, clip.name);
+    if (!clip.class_name.empty()) text += "  (" + clip.class_name + ")";
+    if (!clip.licence.empty()) text += "  " + clip.licence;
+    write_line(text);
+  }
+  if (rest > 0) write_line(fmt::format("and {} more {}", rest, rest == 1 ? "clip" : "clips"));
+}
+
 }  // namespace
 
 cv::Mat label_map(const cv::Mat& picture, const cv::Mat* matte, const Assignment& assignment) {
@@ -70,8 +91,7 @@ cv::Mat label_map(const cv::Mat& picture, const cv::Mat* matte, const Assignment
   for (std::size_t i = 0; i < order.size(); ++i) rank[order[i]] = i;
 
   const cv::Rect region = matte == nullptr ? cv::Rect({}, picture.size()) : report::shown_region(*matte);
-  const std::size_t lines = std::min(order.size(), kMaxLines) + (order.size() > kMaxLines ? 1 : 0);
-  const int legend = 10 + static_cast<int>(lines) * kLine;
+  const int legend = 10 + static_cast<int>(std::min(order.size(), kMaxLines + 1)) * kLine;
   cv::Mat map(region.height + legend, std::max(region.width, kMinWidth), CV_8UC3,
               cv::Scalar::all(report::kSheetPaper));
   cv::Mat grey, body = map(cv::Rect({0, 0}, region.size()));
@@ -93,21 +113,7 @@ cv::Mat label_map(const cv::Mat& picture, const cv::Mat* matte, const Assignment
     }
   }
 
-  for (std::size_t i = 0; i < lines; ++i) {
-    const int top = region.height + 8 + static_cast<int>(i) * kLine;
-    std::string text = fmt::format("and {} more clips", order.size() - kMaxLines * (i == kMaxLines));
-    if (i < kMaxLines) {
-      const AssignedClip& clip = assignment.clips[order[i]];
-      cv::rectangle(map, cv::Rect(8, top, 14, 14), cv::Scalar(colour_of(i)), cv::FILLED);
-      text = fmt::format(
-          "{:4.1f} %  {}",
-          100.0 * static_cast<double>(used[order[i]]) / static_cast<double>(assignment.pieces.size()),
-          clip.name);
-      if (!clip.class_name.empty()) text += "  (" + clip.class_name + ")";
-      if (!clip.licence.empty()) text += "  " + clip.licence;
-    }
-    report::write_caption(map, text, {30, top + 12}, map.cols - 36);
-  }
+  write_legend(assignment, used, order, region.height + 8, map);
   return report::with_legend(
       map,
       {fmt::format("Each pixel of the fluid has the colour of the clip whose patch lies on it: above, how "

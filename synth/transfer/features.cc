@@ -189,7 +189,8 @@ PatchDistance::Kernel PatchDistance::kernel(int patch, int vector_bytes) {
 
 PatchDistance::PatchDistance(const Features& source, const Features& target, const std::vector<float>& lambda,
                              int patch)
-    : source_row_(static_cast<std::ptrdiff_t>(source.width) * kChannels),
+    : side_(patch),
+      source_row_(static_cast<std::ptrdiff_t>(source.width) * kChannels),
       target_row_(static_cast<std::ptrdiff_t>(target.width) * kChannels),
       lambda_(lambda.data()),
       kernel_(kernel(patch, vector_bytes())) {

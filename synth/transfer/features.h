@@ -44,6 +44,10 @@ class PatchDistance {
            (1.0f / (kUnit * kUnit));
   }
 
+  /// Begins to read a patch from memory that will be compared soon.
+  void prefetch_source(int source) const { prefetch(source_, source, source_row_); }
+  void prefetch_target(int target) const { prefetch(target_, target, target_row_); }
+
   struct Parts {
     std::int32_t now, previous;
   };
@@ -53,6 +57,15 @@ class PatchDistance {
   static Kernel kernel(int patch, int vector_bytes);
 
  private:
+  void prefetch(const std::int16_t* values, int patch, std::ptrdiff_t row) const {
+    values += static_cast<std::ptrdiff_t>(patch) * kChannels;
+    for (int y = 0; y < side_; ++y, values += row) {
+      __builtin_prefetch(values);
+      __builtin_prefetch(values + side_ * kChannels - 1);
+    }
+  }
+
+  int side_;
   const std::int16_t *source_, *target_;  // of index 0's patch, which is never read
   std::ptrdiff_t source_row_, target_row_;
   const float* lambda_;

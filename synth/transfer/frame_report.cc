@@ -62,6 +62,8 @@ void report_nearest(const NearestField& field, const ExemplarLevel& source, cons
   const int width = field.target_width - 2 * margin, height = field.target_height - 2 * margin;
   made.nearest = cv::Mat(height, width, CV_32SC3, cv::Scalar::all(-1));
   made.distance = cv::Mat(height, width, CV_32F, cv::Scalar::all(0));
+  const bool both =
+      !source.segments[Segment::kBoundary].empty() && !source.segments[Segment::kInterior].empty();
   std::int64_t patches = 0;
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) {
@@ -70,8 +72,8 @@ void report_nearest(const NearestField& field, const ExemplarLevel& source, cons
       made.nearest.at<cv::Vec3i>(y, x) = given_place(source, source.split(field.source[at]));
       made.distance.at<float>(y, x) = field.distance[at];
       made.mean_distance += static_cast<double>(field.distance[at]);
-      made.violations +=
-          source.segments.of.values[static_cast<std::size_t>(field.source[at])] != target.of.values[at];
+      made.violations += both && source.segments.of.values[static_cast<std::size_t>(field.source[at])] !=
+                                     target.of.values[at];
       ++patches;
     }
   if (patches > 0) made.mean_distance /= static_cast<double>(patches);

@@ -108,7 +108,8 @@ struct TransferredFrame {
   cv::Mat distance;  // CV_32F: D of Eq. 9 of that pair, colours 0..1; 0 where there is no patch
   cv::Mat lambda;    // CV_32F: Eq. 6
   SegmentUse boundary, interior;
-  std::int64_t violations = 0;  // target patches whose source is of the other segment
+  std::int64_t violations =
+      0;  // target patches whose source is of the other segment, of an exemplar with both
   double mean_distance = 0;
   std::vector<std::string> remarks;  // what had to be done otherwise than asked, for a person
   TransferSeconds seconds;

@@ -15,6 +15,7 @@ namespace freshet::synth::transfer {
 namespace {
 
 constexpr std::size_t kGrain = 512;  // targets a task
+constexpr std::size_t kAhead = 32;   // targets whose sources are fetched before they are compared
 constexpr int kUsersSeen = 4;        // of a source, to find the one to exchange with
 
 std::size_t at(std::int32_t place) { return static_cast<std::size_t>(place); }
@@ -42,6 +43,7 @@ UniformField::UniformField(const PatchDistance& distance, const std::vector<int>
       first_(field.source_places(), -1),
       next_(field.source.size(), -1),
       before_(field.source.size(), -1),
+      offers_(field.source_places()),
       trades_(targets.size()),
       changed_(field.source.size(), 0) {
   for (const int source : sources) uses_[at(source)] = 0;
@@ -140,75 +142,132 @@ void UniformField::fill() {
   }
 }
 
-std::int32_t UniformField::farthest_user(std::int32_t source) const {
-  std::int32_t user = first_[at(source)], farthest = user;
-  for (int seen = 1; seen < kUsersSeen && user >= 0; ++seen) {
-    user = next_[at(user)];
-    if (user >= 0 && field_.distance[at(user)] > field_.distance[at(farthest)]) farthest = user;
-  }
-  return farthest;
+// A pass asks eleven times a target: looked up then, users took three fifths of the time, waiting for memory.
+void UniformField::list_offers() {
+  for_indices(sources_.size(), [&](std::size_t i) {
+    const std::int32_t source = sources_[i];
+    Offer offer{.uses = uses_[at(source)], .user = first_[at(source)]};
+    std::int32_t user = offer.user;
+    if (user >= 0) offer.distance = field_.distance[at(user)];
+    for (int seen = 1; seen < kUsersSeen && user >= 0; ++seen) {
+      user = next_[at(user)];
+      if (user < 0 || !(field_.distance[at(user)] > offer.distance)) continue;
+      offer.user = user;
+      offer.distance = field_.distance[at(user)];
+    }
+    offers_[at(source)] = offer;
+  });
 }
 
-// Where the source of the target beside this one goes on; -1: nowhere.
+// Where the source of the target beside this one goes on; -1: nowhere, or in the target's own.
 std::int32_t UniformField::beside(std::int32_t target, int dx, int dy) const {
   const std::int32_t of = target + dy * field_.target_width + dx;
   if (of < 0 || of >= static_cast<std::int32_t>(field_.source.size())) return -1;
   const std::int32_t source = field_.source[at(of)];
   if (source < 0) return -1;
+  const std::int32_t on = source - dy * field_.source_width - dx;
+  if (on == field_.source[at(target)]) return -1;  // so it mostly is, and nothing need be divided
   const int x = source % field_.source_width - dx, y = source / field_.source_width - dy;
   if (x < 0 || y < 0 || x >= field_.source_width || y >= field_.source_height) return -1;
-  return y * field_.source_width + x;
+  return on;
 }
 
-UniformField::Trade UniformField::best_trade(std::int32_t target, std::int32_t hint, int pass) const {
+UniformField::Tries UniformField::tries(std::int32_t target, std::int32_t hint, Draw draw, int pass) const {
+  Tries tries;
+  tries.fill(-1);
+  std::size_t count = 0;
   const std::int32_t own = field_.source[at(target)];
-  const float distance = field_.distance[at(target)];
-  Trade best;
-  float most = 0;
-  const auto try_source = [&](std::int32_t source) {
-    if (source < 0 || source == own || source == best.source || uses_[at(source)] < 0) return;
-    Trade trade{.source = source, .distance = distance_(source, target)};
-    if (!(trade.distance < distance)) return;
-    float gain = distance - trade.distance;
-    const bool spare = uses_[at(source)] == min_uses_ && uses_[at(own)] > min_uses_;
-    if (!spare) {
-      trade.partner = farthest_user(source);
-      if (trade.partner < 0) return;
-      trade.partners = distance_(own, trade.partner);
-      gain += field_.distance[at(trade.partner)] - trade.partners;
-    }
-    if (!(gain > most)) return;
-    best = trade;
-    most = gain;
+  const auto add = [&](std::int32_t source) {
+    if (source < 0 || source == own) return;
+    __builtin_prefetch(&offers_[at(source)]);
+    tries[count++] = source;
   };
-  try_source(hint);
+  add(hint);
   const int step = 1 << (1 + pass % 3);
   for (const int by : {1, step}) {
-    try_source(beside(target, by, 0));
-    try_source(beside(target, -by, 0));
-    try_source(beside(target, 0, by));
-    try_source(beside(target, 0, -by));
+    add(beside(target, by, 0));
+    add(beside(target, -by, 0));
+    add(beside(target, 0, by));
+    add(beside(target, 0, -by));
   }
-  std::uint64_t bits =
-      Random(seed_, 1 + static_cast<std::uint64_t>(pass)).bits(static_cast<std::uint64_t>(target));
-  try_source(sources_[bits % sources_.size()]);
+  distance_.prefetch_source(draw.anywhere);
+  add(draw.anywhere);
   const int x = own % field_.source_width, y = own / field_.source_width;
   for (int k = 0; k < 2; ++k) {
-    bits = scramble(bits);
+    draw.bits = scramble(draw.bits);
+    const std::uint64_t bits = draw.bits;
     const int reach = 1 << (bits & 0xff) % 6;  // 1 to 32 px
     const std::uint64_t span = 2 * static_cast<std::uint64_t>(reach) + 1;
     const int to_x = x + static_cast<int>((bits >> 8 & 0xffffff) * span >> 24) - reach;
     const int to_y = y + static_cast<int>((bits >> 32 & 0xffffff) * span >> 24) - reach;
     if (to_x >= 0 && to_y >= 0 && to_x < field_.source_width && to_y < field_.source_height)
-      try_source(to_y * field_.source_width + to_x);
+      add(to_y * field_.source_width + to_x);
+  }
+  return tries;
+}
+
+UniformField::Trade UniformField::best_trade(std::int32_t target, const Tries& tries) const {
+  const std::int32_t own = field_.source[at(target)];
+  const float distance = field_.distance[at(target)];
+  const bool own_to_spare = offers_[at(own)].uses > min_uses_;
+
+  // What is nearer to the target.
+  std::array<Trade, kTries> nearer;
+  std::size_t count = 0;
+  for (const std::int32_t source : tries) {
+    if (source < 0) break;
+    const Offer& offer = offers_[at(source)];
+    const bool spare = offer.uses == min_uses_ && own_to_spare;
+    if (offer.uses < 0 || (!spare && offer.user < 0)) continue;
+    const float found = distance_(source, target);
+    if (!(found < distance)) continue;
+    if (!spare) distance_.prefetch_target(offer.user);
+    nearer[count++] = {.source = source, .partner = spare ? -1 : offer.user, .distance = found};
+  }
+
+  // Of these what is nearer for both.
+  Trade best;
+  float most = 0;
+  for (Trade& trade : std::span(nearer.data(), count)) {
+    float gain = distance - trade.distance;
+    if (trade.partner >= 0) {
+      const float partner = offers_[at(trade.source)].distance;
+      if (!(gain + partner > most)) continue;  // not even if the partner's distance became 0
+      trade.partners = distance_(own, trade.partner);
+      gain += partner - trade.partners;
+    }
+    if (!(gain > most)) continue;
+    best = trade;
+    most = gain;
   }
   return best;
 }
 
+void UniformField::find_trades(std::size_t from, std::size_t to, int pass,
+                               std::span<const std::int32_t> hints) {
+  const Random random(seed_, 1 + static_cast<std::uint64_t>(pass));
+  std::array<Draw, kAhead> draws;
+  std::array<Tries, kAhead> ahead;
+  for (; from < to; from += kAhead) {
+    const std::size_t count = std::min(kAhead, to - from);
+    for (std::size_t i = 0; i < count; ++i) {
+      const std::uint64_t bits = random.bits(static_cast<std::uint64_t>(targets_[from + i]));
+      draws[i] = {bits, sources_[bits % sources_.size()]};
+    }
+    for (std::size_t i = 0; i < count; ++i) {
+      const std::int32_t target = targets_[from + i];
+      ahead[i] = tries(target, hints.empty() ? -1 : hints[at(target)], draws[i], pass);
+    }
+    for (std::size_t i = 0; i < count; ++i) trades_[from + i] = best_trade(targets_[from + i], ahead[i]);
+  }
+}
+
 void UniformField::exchange(int pass, std::span<const std::int32_t> hints) {
-  for_indices(targets_.size(), [&](std::size_t i) {
-    trades_[i] = best_trade(targets_[i], hints.empty() ? -1 : hints[at(targets_[i])], pass);
-  });
+  list_offers();
+  oneapi::tbb::parallel_for(oneapi::tbb::blocked_range<std::size_t>(0, targets_.size(), kGrain),
+                            [&](const oneapi::tbb::blocked_range<std::size_t>& range) {
+                              find_trades(range.begin(), range.end(), pass, hints);
+                            });
   std::fill(changed_.begin(), changed_.end(), std::uint8_t{0});
   for (std::size_t i = 0; i < targets_.size(); ++i) {
     const Trade& trade = trades_[i];

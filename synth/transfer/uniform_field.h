@@ -1,6 +1,7 @@
 // synth/transfer/uniform_field.h — every source patch used K or K + 1 times, and made better by exchanges.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -33,16 +34,30 @@ class UniformField {
   void exchange(int pass, std::span<const std::int32_t> hints = {});
 
  private:
+  static constexpr std::size_t kTries = 12;
+  using Tries = std::array<std::int32_t, kTries>;  // sources; -1 after the last
+  struct Draw {
+    std::uint64_t bits;
+    std::int32_t anywhere;  // a source
+  };
   struct Trade {
     std::int32_t source = -1, partner = -1;  // -1: no source; no partner: the source has a use to spare
     float distance = 0, partners = 0;        // of the target, and of the partner with the target's source
   };
 
+  /// What a source has for a target that would like it: itself, or an exchange with one of its users.
+  struct Offer {
+    std::int32_t uses = -1, user = -1;  // -1: no source; used by nobody
+    float distance = 0;                 // of the user, the farthest of the first few
+  };
+
   void keep_what_is_uniform();
   void fill();
-  Trade best_trade(std::int32_t target, std::int32_t hint, int pass) const;
+  Tries tries(std::int32_t target, std::int32_t hint, Draw draw, int pass) const;
+  Trade best_trade(std::int32_t target, const Tries& tries) const;
+  void find_trades(std::size_t from, std::size_t to, int pass, std::span<const std::int32_t> hints);
   std::int32_t beside(std::int32_t target, int dx, int dy) const;
-  std::int32_t farthest_user(std::int32_t source) const;
+  void list_offers();
   void give(std::int32_t source, std::int32_t target);
   void take(std::int32_t source, std::int32_t target);
 
@@ -54,6 +69,7 @@ class UniformField {
   std::int64_t left_over_;                   // R that nobody has taken
   std::vector<std::int32_t> uses_, first_;   // by source place; -1: no source; its first target
   std::vector<std::int32_t> next_, before_;  // by target place: of the same source's targets
+  std::vector<Offer> offers_;                // by source place, as a pass finds them
   std::vector<Trade> trades_;                // by target
   std::vector<std::uint8_t> changed_;        // by target place, in this pass
 };

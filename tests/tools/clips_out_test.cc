@@ -76,6 +76,32 @@ TEST(ClipsOut, FramesOfEveryKindHashAsFfmpegHashesTheirSource) {
   }
 }
 
+/// When each frame of the video is shown, as ffprobe prints it.
+std::string frame_times(const WorkFolder& folder, const fs::path& video) {
+  const Outcome outcome = folder.run({"ffprobe", "-v", "error", "-select_streams", "v:0", "-show_entries",
+                                      "packet=pts_time", "-of", "csv", video});
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  return outcome.out;
+}
+
+TEST(ClipsOut, AVariableFrameRateComesOutWithItsTimes) {
+  if (!have_ffmpeg()) GTEST_SKIP() << "needs the ffmpeg tool: apt-get install ffmpeg";
+  const WorkFolder folder;
+  ASSERT_EQ(folder
+                .run({"ffmpeg", "-v", "error", "-i", sample().clips / "fall/1.mkv", "-vf",
+                      "select='lt(mod(n,24),8)+not(mod(n,2))'", "-vsync", "vfr", "-c:v", "ffv1", "phone.mkv"})
+                .exit_code,
+            0);
+  ASSERT_EQ(folder.freshet({"ingest", "a.store", "phone.mkv", "--force", "--no-index"}).exit_code, 0);
+  const Outcome kept = folder.freshet({"store", "export", "a.store", "phone.mkv", "-o", "out.mkv"});
+  ASSERT_EQ(kept.exit_code, 0) << kept.err;
+  EXPECT_EQ(kept.err.find("varies"), std::string::npos) << kept.err;
+  EXPECT_EQ(frame_times(folder, folder / "out.mkv"), frame_times(folder, folder / "phone.mkv"));
+  const Outcome even = folder.freshet({"store", "export", "a.store", "phone.mkv", "-o", "out.mp4"});
+  ASSERT_EQ(even.exit_code, 0) << even.err;
+  EXPECT_NE(even.err.find(".mkv keeps their times"), std::string::npos) << even.err;
+}
+
 TEST(ClipsOut, APictureSequenceHasAllFrames) {
   const WorkFolder folder;
   fs::create_directories(folder / "frames");

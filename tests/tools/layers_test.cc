@@ -197,6 +197,10 @@ TEST_F(Layers, WhatStandsStillKeepsAllOfItsSixteenBits) {
   EXPECT_TRUE(holds(probe("sky.mkv", "codec_name,pix_fmt"), "codec_name=ffv1\npix_fmt=gbrp16le"));
   must({"ffmpeg", "-v", "error", "-i", "sky.mkv", "-frames:v", "1", "-pix_fmt", "rgb48be", "mkv.png"});
   EXPECT_EQ(cv::norm(read("mkv.png")(sky), deep(sky), cv::NORM_INF), 0);
+  made("tif/%04d.tif", {}, "deep.png", "lower.png");
+  EXPECT_TRUE(holds(must({"identify", "-format", "%m %z", "tif/0000.tif"}), "TIFF 16"));
+  must({"convert", "tif/0000.tif", "tif.png"});
+  EXPECT_EQ(cv::norm(read("tif.png")(sky), deep(sky), cv::NORM_INF), 0);
   made("sky.mp4", {"--depth", "10"}, "deep.png", "lower.png");
   const std::string stream =
       probe("sky.mp4", "profile,pix_fmt,color_range,color_space,color_transfer,color_primaries");
@@ -210,6 +214,7 @@ TEST_F(Layers, LinearLightGoesInAndComesOutToTheLastBit) {
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   EXPECT_TRUE(holds(outcome.err, "light.exr: taken as linear light, Rec. 709 (sRGB) primaries"))
       << outcome.err;
+  EXPECT_TRUE(holds(outcome.err, "[3/3] rendering")) << outcome.err;
   const cv::Mat in = read_by_oiio("light.exr").clone(), out = read_by_oiio("l.0002.exr");
   const cv::Rect sky(0, 0, kWidth, kHeight / 2);
   EXPECT_EQ(cv::norm(out(sky), in(sky), cv::NORM_INF), 0);

@@ -142,7 +142,8 @@ void check_frames_output(const fs::path& path, const FrameNumbers& numbers) {
   if (taken > 0 && !overwrites)
     throw Error(ErrorKind::kUsage, first_taken.string(),
                 taken == 1 ? std::string("this frame exists, and is kept")
-                           : fmt::format("this and {} more frames exist, and are kept", taken - 1),
+                           : fmt::format("this and {} more frame{} exist, and are kept", taken - 1,
+                                         taken == 2 ? "" : "s"),
                 "Name another folder, or replace them with --overwrite");
   make_folder(folder_of(path), path);
 }

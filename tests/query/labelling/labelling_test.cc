@@ -266,6 +266,15 @@ TEST_F(Label, IsShownAsSheetAndMap) {
   const cv::Mat map = label_map(still, nullptr, found.assignment);
   EXPECT_GT(map.rows, still.rows);
   EXPECT_GE(map.cols, 480);
+  // Of 41 clips forty have a line, and a line says how many have none.
+  Assignment many = found.assignment;
+  many.clips.resize(40, many.clips[0]);
+  const int forty = label_map(still, nullptr, many).rows;
+  many.clips.resize(41, many.clips[0]);
+  const int one_more = label_map(still, nullptr, many).rows;
+  many.clips.resize(60, many.clips[0]);
+  EXPECT_GT(one_more, forty);
+  EXPECT_EQ(label_map(still, nullptr, many).rows, one_more);
 }
 
 }  // namespace

@@ -55,6 +55,19 @@ TEST(Matte, KeepsTheMarksAndTheRegionOutsideOfTheBand) {
   }
 }
 
+// As spray at a brink: of the fluid's colour, and none of it.
+TEST(Matte, SprayBesideTheFluidIsLeftOut) {
+  MadePicture made = made_picture();
+  cv::Mat spray(made.picture.size(), CV_8U, cv::Scalar(0));
+  for (int x = 14; x < 146; x += 12) spray(cv::Rect(x, 12, 2, 2)).setTo(255);
+  made.picture.setTo(cv::Scalar(230, 225, 215), spray);
+  for (const Edge edge : {Edge::kNone, Edge::kGuided, Edge::kInformationFlow}) {
+    const cv::Mat alpha = matte_of(made, edge).alpha;
+    EXPECT_EQ(cv::countNonZero(alpha & spray), 0);
+    EXPECT_LT(sad_fraction(alpha, made.alpha), 0.11);
+  }
+}
+
 TEST(Matte, IsTheSameTwiceAndWhateverTheGeneratorsState) {
   const MadePicture made = made_picture();
   const cv::Mat first = matte_of(made, Edge::kInformationFlow).alpha;
