@@ -162,7 +162,7 @@ std::vector<Piece> joined(const std::vector<Piece>& pieces, const std::vector<cv
 /// Where pieces crowd, the surface shimmers: rain on water has as many clocks as one cares to cut pieces, and
 /// none to be seen. Crowds of pieces that touch become one piece each.
 std::vector<Piece> without_crowds(const std::vector<Piece>& pieces, double longer) {
-  constexpr std::size_t kCrowd = 4;
+  constexpr std::size_t kCrowd = 3;
   constexpr double kTouch = .012, kGap = .03;  // of the longer side
   if (pieces.size() < kCrowd) return pieces;
   cv::Mat all(pieces[0].mask.size(), CV_8U, cv::Scalar(0)), labels;
