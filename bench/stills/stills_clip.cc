@@ -4,6 +4,7 @@
 
 #include "media/frame/frame.h"
 #include "media/video/video_reader.h"
+#include "synth/simulate/simulate.h"
 #include "synth/stills/region_proposal.h"
 
 namespace freshet::bench {
@@ -22,6 +23,18 @@ StillsClip read_stills_clip(const std::filesystem::path& path, int width, int mo
                cv::INTER_AREA);
     clip.frames.push_back(small);
   }
+  return clip;
+}
+
+StillsClip simulated_stills_clip(const std::string& scene, cv::Size size, int frames) {
+  namespace simulate = synth::simulate;
+  StillsClip clip{.name = "simulated " + scene, .frames = {}, .fps = 25};
+  simulate::Simulation simulation({.kind = simulate::parse_scene_kind(scene),
+                                   .size = size,
+                                   .frames = frames,
+                                   .fps = clip.fps,
+                                   .seed = 3});
+  for (simulate::SimulatedFrame frame; simulation.next(frame);) clip.frames.push_back(frame.picture.clone());
   return clip;
 }
 

@@ -18,6 +18,9 @@ struct StillsClip {
 /// width   px; sides become multiples of 16. most   frames.
 StillsClip read_stills_clip(const std::filesystem::path& path, int width, int most);
 
+/// A ready-made clip of the simulator (smoke, fire, ...), seed 3, 25 frames/s.
+StillsClip simulated_stills_clip(const std::string& scene, cv::Size size, int frames);
+
 /// Ten clips of a fixed camera below the footage folder: flames, falls, sea, clouds, smoke.
 std::vector<std::filesystem::path> stills_clips(const std::filesystem::path& footage);
 

@@ -7,6 +7,7 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include "platform/vectors.h"
 #include "vision/flow.h"
 
 namespace freshet::synth::stills {
@@ -71,7 +72,7 @@ cv::Size field_size(cv::Size flow) {
 }
 
 // Catmull-Rom's weights of four samples, for a place a part of the way from the second to the third.
-void cubic_weights(float part, float* out) {
+inline void cubic_weights(float part, float* out) {
   const float p2 = part * part, p3 = p2 * part;
   out[0] = .5f * (-p3 + 2 * p2 - part);
   out[1] = .5f * (3 * p3 - 5 * p2 + 2);
@@ -81,7 +82,8 @@ void cubic_weights(float part, float* out) {
 
 // A sample of a picture of three channels, the border going on.
 template <class T>
-void add_sample(const cv::Mat& picture, float x, float y, float weight, float* sum) {
+[[gnu::always_inline]] inline void add_sample(const cv::Mat& picture, float x, float y, float weight,
+                                              float* sum) {
   constexpr int kFour = 12;  // values of four pixels
   x = std::clamp(x, 0.0f, static_cast<float>(picture.cols - 1));
   y = std::clamp(y, 0.0f, static_cast<float>(picture.rows - 1));
@@ -104,15 +106,22 @@ void add_sample(const cv::Mat& picture, float x, float y, float weight, float* s
         weight * (wx[0] * column[c] + wx[1] * column[3 + c] + wx[2] * column[6 + c] + wx[3] * column[9 + c]);
 }
 
-Source mixed(const Source& one, const Source& two, float part) {
+[[gnu::always_inline]] inline Source mixed(const Source& one, const Source& two, float part) {
   return {(1 - part) * one.a + part * two.a, (1 - part) * one.b + part * two.b,
           (1 - part) * one.trust + part * two.trust};
 }
 
+// Nearer than that to its own pixel in either still, px, a sample is that pixel.
+bool stands(const Source& at) {
+  constexpr float kNoWay = .004f;
+  return std::abs(at.a[0]) + std::abs(at.a[1]) + std::abs(at.b[0]) + std::abs(at.b[1]) < kNoWay;
+}
+
 // The stills' samples along the row, `line` being the field at its height.
 template <class T>
-void mix_row(const Moment& moment, std::span<const Source> line, const cv::Mat& a, const cv::Mat& b,
-             const cv::Rect& box, int y, float* out) {
+[[gnu::always_inline]] inline void mix_row(const Moment& moment, std::span<const Source> line,
+                                           const cv::Mat& a, const cv::Mat& b, const cv::Rect& box, int y,
+                                           float* out) {
   constexpr float kNothing = .02f;  // of trust: not worth its samples
   const float t = moment.phase;
   const T* row_a = a.ptr<T>(y) + 3 * box.x;
@@ -129,13 +138,23 @@ void mix_row(const Moment& moment, std::span<const Source> line, const cv::Mat& 
         std::clamp((static_cast<float>(x) + .5f) * to_field - .5f, 0.0f, static_cast<float>(last));
     const int u0 = static_cast<int>(u);
     const Source at = mixed(line[u0], line[std::min(u0 + 1, last)], u - static_cast<float>(u0));
-    if (at.trust < kNothing) continue;
+    if (at.trust < kNothing || stands(at)) continue;
     float* value = out + 3 * x;
     for (int c = 0; c < 3; ++c) value[c] *= 1 - at.trust;
     const auto px = static_cast<float>(box.x + x), py = static_cast<float>(y);
     add_sample<T>(a, px + at.a[0] * full_x, py + at.a[1] * full_y, at.trust * (1 - t), value);
     add_sample<T>(b, px + at.b[0] * full_x, py + at.b[1] * full_y, at.trust * t, value);
   }
+}
+
+FRESHET_WIDE void mix_row_of_8(const Moment& moment, std::span<const Source> line, const cv::Mat& a,
+                               const cv::Mat& b, const cv::Rect& box, int y, float* out) {
+  mix_row<std::uint8_t>(moment, line, a, b, box, y, out);
+}
+
+FRESHET_WIDE void mix_row_of_16(const Moment& moment, std::span<const Source> line, const cv::Mat& a,
+                                const cv::Mat& b, const cv::Rect& box, int y, float* out) {
+  mix_row<std::uint16_t>(moment, line, a, b, box, y, out);
 }
 
 }  // namespace
@@ -212,9 +231,9 @@ void MomentReader::row(int y, float* out) {
       line_[x] = mixed(top[x], low[x], v - static_cast<float>(v0));
   }
   if (a_.depth() == CV_16U)
-    mix_row<std::uint16_t>(moment_, line_, a_, b_, box_, box_.y + y, out);
+    mix_row_of_16(moment_, line_, a_, b_, box_, box_.y + y, out);
   else
-    mix_row<std::uint8_t>(moment_, line_, a_, b_, box_, box_.y + y, out);
+    mix_row_of_8(moment_, line_, a_, b_, box_, box_.y + y, out);
 }
 
 cv::Mat moment_picture(const Moment& moment, const cv::Mat& a, const cv::Mat& b, const cv::Rect& box) {

@@ -159,6 +159,34 @@ std::vector<Piece> joined(const std::vector<Piece>& pieces, const std::vector<cv
   return out;
 }
 
+/// Where pieces crowd, the surface shimmers: rain on water has as many clocks as one cares to cut pieces, and
+/// none to be seen. Crowds of pieces that touch become one piece each.
+std::vector<Piece> without_crowds(const std::vector<Piece>& pieces, double longer) {
+  constexpr std::size_t kCrowd = 3;
+  constexpr double kTouch = .02, kGap = .03;  // of the longer side
+  if (pieces.size() < kCrowd) return pieces;
+  cv::Mat all(pieces[0].mask.size(), CV_8U, cv::Scalar(0)), labels;
+  for (const Piece& piece : pieces) all |= piece.mask;
+  cv::dilate(all, all, disc(kTouch * longer));
+  const int count = cv::connectedComponents(all, labels, 8, CV_32S);
+  std::vector<char> taken(pieces.size(), 0);
+  std::vector<Piece> out;
+  for (int label = 1; label < count; ++label) {
+    std::vector<std::size_t> crowd;
+    for (std::size_t i = 0; i < pieces.size(); ++i)
+      if (taken[i] == 0 && cv::countNonZero(pieces[i].mask & (labels == label)) > 0) crowd.push_back(i);
+    if (crowd.size() < kCrowd) continue;
+    Piece one{.mask = cv::Mat(all.size(), CV_8U, cv::Scalar(0))};
+    for (const std::size_t i : crowd)
+      one.mask |= pieces[i].mask, one.energy += pieces[i].energy, taken[i] = 1;
+    cv::morphologyEx(one.mask, one.mask, cv::MORPH_CLOSE, disc(kGap * longer));
+    out.push_back(std::move(one));
+  }
+  for (std::size_t i = 0; i < pieces.size(); ++i)
+    if (taken[i] == 0) out.push_back(pieces[i]);
+  return out;
+}
+
 cv::Scalar tint(std::size_t number) {
   static const cv::Scalar kTints[] = {{60, 200, 255}, {255, 160, 60}, {120, 255, 120}, {255, 100, 220},
                                       {90, 90, 255},  {255, 255, 90}, {180, 255, 255}, {200, 140, 255}};
@@ -221,7 +249,7 @@ Proposal propose_regions(const std::vector<cv::Mat>& small, const ProposalOption
   std::vector<Piece> pieces;
   const Splitter splitter(stills, variation, options);
   for (const Piece& piece : pieces_of(moving, variation, kLeastEnergy)) splitter.split(piece, pieces);
-  pieces = joined(pieces, stills, options);
+  pieces = without_crowds(joined(pieces, stills, options), longer);
 
   std::stable_sort(pieces.begin(), pieces.end(), [](const Piece& a, const Piece& b) {
     return cv::boundingRect(a.mask).x < cv::boundingRect(b.mask).x;

@@ -3,13 +3,11 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <cstring>
 #include <map>
 #include <mutex>
 #include <optional>
 #include <set>
 #include <span>
-#include <string>
 #include <utility>
 
 #include <oneapi/tbb/parallel_for.h>
@@ -17,12 +15,15 @@
 #include <opencv2/imgproc.hpp>
 
 #include "freshet/error.h"
+#include "synth/stills/kept_between.h"
 #include "synth/stills/still_set.h"
 
 namespace freshet::synth::stills {
 namespace {
 
 constexpr int kMargin = 24;  // px of the work size around a region: motion comes in from there
+
+constexpr std::size_t kMostKept = std::size_t{1} << 30;  // bytes of pictures that a run keeps
 
 using Pair = std::pair<int, int>;  // of stills, the lower number first
 
@@ -33,6 +34,7 @@ struct Layer {
   cv::Rect box;    // px of the stills; all that has weight, and a margin
   std::map<Pair, Between> flows;
   bool fades = false;
+  std::vector<query::CacheKey> content;  // of the stills in the box; empty: its pictures are not kept
 };
 
 cv::Rect full_box(const cv::Mat& weight, cv::Size full) {
@@ -95,7 +97,7 @@ class Renderer {
  public:
   Renderer(const Plan& plan, const std::vector<cv::Mat>& pictures, const RenderOptions& options,
            const Job& job)
-      : plan_(plan), pictures_(pictures), options_(options) {
+      : plan_(plan), pictures_(pictures), options_(options), kept_(options.cache) {
     std::vector<Region> regions;
     for (const PlannedRegion& each : plan.regions) regions.push_back(each.region);
     const std::vector<cv::Mat> weights = region_weights(regions, options.grown_px, options.feather_px);
@@ -105,8 +107,10 @@ class Renderer {
                          .weight = weights[i],
                          .box = full_box(weights[i], pictures[0].size()),
                          .flows = {},
-                         .fades = !options.flow || plan.regions[i].region.kind == RegionKind::kSlow});
+                         .fades = !options.flow || plan.regions[i].region.kind == RegionKind::kSlow,
+                         .content = {}});
     }
+    choose_kept();
     find_flow(job);
   }
 
@@ -126,11 +130,12 @@ class Renderer {
     const Layer* layer;
     const cv::Mat *a, *b;
     Moment moment;
+    cv::Mat picture;  // of the layer's box; empty: it is read from the moment, row by row
   };
 
   Shown show(const Layer& layer, double seconds) const {
     const Instant instant = layer.planned->timeline.at(seconds);
-    Shown shown{&layer, &pictures_[instant.from], &pictures_[instant.to], {}};
+    Shown shown{&layer, &pictures_[instant.from], &pictures_[instant.to], {}, {}};
     shown.moment.phase = static_cast<float>(instant.phase);
     const Pair pair = std::minmax(instant.from, instant.to);
     const auto found = layer.flows.find(pair);
@@ -138,8 +143,30 @@ class Renderer {
     shown.a = &pictures_[pair.first];
     shown.b = &pictures_[pair.second];
     const double phase = instant.from < instant.to ? instant.phase : 1 - instant.phase;
-    shown.moment = found->second.at(phase);
+    const auto moment = [&] { return found->second.at(phase); };
+    if (layer.content.empty()) {
+      shown.moment = moment();
+      return shown;
+    }
+    const BetweenKey key{layer.content[pair.first], layer.content[pair.second], phase, options_.flow_side};
+    shown.picture = kept_.picture(key, layer.box.size(), pictures_[0].type(), [&] {
+      cv::Mat rounded;
+      moment_picture(moment(), *shown.a, *shown.b, layer.box).convertTo(rounded, pictures_[0].depth());
+      return rounded;
+    });
     return shown;
+  }
+
+  /// A row of the box in the stills' own whole units, kept or not.
+  template <class T>
+  static void read_row(const Shown& shown, MomentReader& reader, int y, std::span<float> out) {
+    if (shown.picture.empty()) {
+      reader.row(y, out.data());
+      for (float& each : out) each = cv::saturate_cast<T>(each);
+    } else {
+      const T* row = shown.picture.ptr<T>(y);
+      std::copy(row, row + out.size(), out.data());
+    }
   }
 
   template <class T>
@@ -157,7 +184,8 @@ class Renderer {
         if (y < box.y || y >= box.y + box.height) continue;
         WeightRow(shown[k].layer->weight, out.size()).read(y, box, weight.data());
         if (std::all_of(weight.begin(), weight.begin() + box.width, [](float w) { return w <= 0; })) continue;
-        readers[k].row(y - box.y, colour.data());
+        read_row<T>(shown[k], readers[k], y - box.y,
+                    std::span(colour).first(3 * static_cast<std::size_t>(box.width)));
         any = true;
         for (int x = 0; x < box.width; ++x) {
           left[box.x + x] -= weight[x];
@@ -175,28 +203,23 @@ class Renderer {
     }
   }
 
-  // The flow's two planes one after the other are what is kept.
-  FlowPair found_or_kept(const cv::Mat& from, const cv::Mat& to) const {
-    if (options_.cache == nullptr) return flow_between(from, to);
-    query::KeyHash hash;
-    hash.add(std::string("stills flow 1"));
-    hash.add(std::int32_t{from.cols});
-    hash.add(std::int32_t{from.rows});
-    for (const cv::Mat& each : {from, to})
-      hash.add(std::span<const std::uint8_t>(each.data, each.total() * each.elemSize()));
-    const std::size_t plane = 2 * sizeof(std::int16_t) * from.total();
-    if (const auto kept = options_.cache->find(hash.key()); kept && kept->size() == 2 * plane) {
-      FlowPair flow{cv::Mat(from.size(), CV_16SC2), cv::Mat(from.size(), CV_16SC2)};
-      std::memcpy(flow.forth.data, kept->data(), plane);
-      std::memcpy(flow.back.data, kept->data() + plane, plane);
-      return flow;
+  /// Layers' pictures are kept from the smallest layer on, as long as they are few bytes.
+  void choose_kept() {
+    if (options_.cache == nullptr) return;
+    std::vector<Layer*> by_area;
+    for (Layer& layer : layers_)
+      if (!layer.fades) by_area.push_back(&layer);
+    std::stable_sort(by_area.begin(), by_area.end(),
+                     [](const Layer* a, const Layer* b) { return a->box.area() < b->box.area(); });
+    std::size_t bytes = 0;
+    for (Layer* layer : by_area) {
+      bytes += static_cast<std::size_t>(options_.frames) * layer->box.area() * pictures_[0].elemSize();
+      if (bytes > kMostKept) return;
+      layer->content.resize(pictures_.size());
+      oneapi::tbb::parallel_for(std::size_t{0}, pictures_.size(), [&](std::size_t still) {
+        layer->content[still] = content_of(pictures_[still](layer->box));
+      });
     }
-    const FlowPair flow = flow_between(from, to);
-    std::vector<std::byte> bytes(2 * plane);
-    std::memcpy(bytes.data(), flow.forth.data, plane);
-    std::memcpy(bytes.data() + plane, flow.back.data, plane);
-    options_.cache->keep(hash.key(), bytes);
-    return flow;
   }
 
   void find_flow(const Job& job) {
@@ -225,7 +248,7 @@ class Renderer {
     oneapi::tbb::parallel_for(std::size_t{0}, tasks.size(), [&](std::size_t i) {
       if (job.stop.stop_requested()) return;
       const Task& task = tasks[i];
-      found[i].emplace(found_or_kept((*task.small)[task.pair.first], (*task.small)[task.pair.second]));
+      found[i].emplace(kept_.flow((*task.small)[task.pair.first], (*task.small)[task.pair.second]));
       const std::lock_guard lock(reporting);
       if (job.progress) job.progress({"flow between stills", ++done, tasks.size()});
     });
@@ -237,6 +260,7 @@ class Renderer {
   const Plan& plan_;
   const std::vector<cv::Mat>& pictures_;
   RenderOptions options_;
+  KeptBetween kept_;
   std::vector<Layer> layers_;
 };
 

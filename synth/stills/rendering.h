@@ -16,11 +16,12 @@ namespace freshet::synth::stills {
 struct RenderOptions {
   double fps = 25;
   int frames = 200;
-  int flow_side = 960;                 // px, the longer side of a region's box on which flow is found
-  double grown_px = 3;                 // of the work size: regions are grown by it
-  double feather_px = 12;              // of the work size
-  bool flow = true;                    // false: cross-fades alone
-  query::LabelCache* cache = nullptr;  // flow that lies in it is not found again; may be null
+  int flow_side = 960;     // px, the longer side of a region's box on which flow is found
+  double grown_px = 3;     // of the work size: regions are grown by it
+  double feather_px = 12;  // of the work size
+  bool flow = true;        // false: cross-fades alone
+  query::LabelCache* cache =
+      nullptr;  // flow and pictures between stills that lie in it are not made again; may be null
 };
 
 using FrameSink = std::function<void(const cv::Mat&)>;

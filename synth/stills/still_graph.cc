@@ -12,6 +12,8 @@ namespace freshet::synth::stills {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kBlurs[] = {.003, .01, .02, .03, .06, .1};  // of the mask's longer side
+constexpr double kFloorPart = .9;                            // of the nearest two stills' squared distance
 
 // CV_32FC3, blurred as if nothing lay outside of the mask. weight   CV_32F, the mask itself.
 cv::Mat blurred_within(const cv::Mat& still, const cv::Mat& weight, const cv::Mat& weight_blurred,
@@ -47,19 +49,19 @@ Square<double> distances_at(std::span<const cv::Mat> stills, const cv::Mat& weig
   return rms;
 }
 
-// How much nearer the nearest still is than the mean one: 1 is not at all.
-double nearness(const Square<double>& rms) {
-  double nearest = 0, all = 0;
-  for (int i = 0; i < rms.n; ++i) {
-    double least = kInfinity;
-    for (int j = 0; j < rms.n; ++j) {
-      if (j == i) continue;
-      least = std::min(least, rms(i, j));
-      all += rms(i, j);
-    }
-    nearest += least;
-  }
-  return all > 0 ? nearest * (rms.n - 1) / all : 1;
+double mean_of(const Square<double>& rms) {
+  const double pairs = static_cast<double>(rms.n) * std::max(1, rms.n - 1);
+  return std::accumulate(rms.values.begin(), rms.values.end(), 0.0) / pairs;
+}
+
+// What even the nearest two do not share adds to every distance, by squares, and says nothing of order.
+void take_floor(Square<double>& rms) {
+  double nearest = kInfinity;
+  for (int i = 0; i < rms.n; ++i)
+    for (int j = 0; j < i; ++j) nearest = std::min(nearest, rms(i, j));
+  for (int i = 0; i < rms.n; ++i)
+    for (int j = 0; j < i; ++j)
+      rms(i, j) = rms(j, i) = std::sqrt(rms(i, j) * rms(i, j) - kFloorPart * nearest * nearest);
 }
 
 void find_parts(StillGraph& graph) {
@@ -91,15 +93,20 @@ Square<double> still_distances(std::span<const cv::Mat> stills, const cv::Mat& m
   std::vector<cv::Mat> cropped;
   for (const cv::Mat& still : stills) cropped.push_back(still(box));
   if (sigma > 0) return distances_at(cropped, weight, sigma);
-  Square<double> best;
-  double best_nearness = kInfinity;
-  for (const double part : {.01, .02, .03, .06, .1}) {
-    const double blur = std::max(.6, part * std::max(box.width, box.height));
-    Square<double> rms = distances_at(cropped, weight, blur);
-    const double found = nearness(rms);
-    if (found < best_nearness) best = std::move(rms), best_nearness = found;
+  Square<double> mixed(static_cast<int>(stills.size()));
+  double level = 0;
+  for (const double part : kBlurs) {
+    const Square<double> rms =
+        distances_at(cropped, weight, std::max(.6, part * std::max(box.width, box.height)));
+    const double mean = mean_of(rms);
+    if (mean <= 0) continue;
+    level += mean / std::size(kBlurs);
+    for (std::size_t k = 0; k < rms.values.size(); ++k)
+      mixed.values[k] += rms.values[k] / mean / std::size(kBlurs);
   }
-  return best;
+  for (double& each : mixed.values) each *= level;
+  take_floor(mixed);
+  return mixed;
 }
 
 int StillGraph::parts() const { return part.empty() ? 0 : 1 + *std::max_element(part.begin(), part.end()); }

@@ -24,9 +24,10 @@ struct Square {
 /// Root mean square difference between stills, of 255, all channels, where the mask is.
 ///
 /// stills   CV_8UC3 of one size. mask   CV_8U: above 0 counts; empty: all counts.
-/// Before it the stills are blurred within the mask. Of the blurs of 1, 2, 3, 6 and 10 % of its longer side
-/// the one is taken under which a still's nearest neighbour is nearest beside the mean of all: fine detail
-/// moves on by more than its own size between two stills, and adds the same to every distance.
+/// Before it the stills are blurred within the mask, by .3, 1, 2, 3, 6 and 10 % of its longer side: fine
+/// detail moves on by more than its own size between two stills, and broad blurs tell no small thing apart.
+/// The six distances, each beside its own mean, are added, and nine tenths of the least taken off by squares;
+/// the result has the level of their means.
 /// sigma    px; where above 0 this blur and no other.
 /// Cost     O(stills^2 pixels).
 Square<double> still_distances(std::span<const cv::Mat> stills, const cv::Mat& mask, double sigma = 0);
@@ -36,9 +37,8 @@ struct GraphOptions {
   /// is a metric: no way over other stills is ever shorter than the direct step, Floyd's algorithm changes
   /// nothing while that step is there, and paths have two stills (in 26 of 28 sets of frames from real
   /// clips). From 2 on a way of small steps is shorter than one leap, the more the higher the power
-  /// (power-weighted shortest paths follow where the stills lie densely); above 4 nothing changed but noise:
-  /// docs/stills.md.
-  double power = 4;
+  /// (power-weighted shortest paths follow where the stills lie densely): docs/stills.md.
+  double power = 8;
   /// Steps above so many times the mean weight are no edges (theirs: 2).
   double cut_above = 2;
   bool floyd = true;                           // false: edges' own weights alone, for measuring

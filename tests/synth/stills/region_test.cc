@@ -51,6 +51,28 @@ TEST(RegionProposal, WhatVariesTogetherIsOneRegion) {
   EXPECT_EQ(moving, 2);
 }
 
+/// Columns of discs side by side, all by their own phases.
+std::vector<cv::Mat> crowd_of(int columns) {
+  std::vector<cv::Mat> stills;
+  const cv::Mat ground = made_ground(kSize);
+  cv::RNG random(9);
+  for (int i = 0; i < kStills; ++i) {
+    stills.push_back(ground.clone());
+    for (int k = 0; k < columns; ++k)
+      draw_pendulum(stills.back(), {20 + 86 * k, 70, 84, 60}, random.uniform(0., 1.));
+  }
+  return stills;
+}
+
+TEST(RegionProposal, ACrowdOfPiecesThatTouchIsOneSurface) {
+  const auto independent = [](const Proposal& proposal) {
+    return std::count_if(proposal.regions.begin(), proposal.regions.end(),
+                         [](const Region& region) { return region.kind == RegionKind::kIndependent; });
+  };
+  EXPECT_EQ(independent(propose_regions(crowd_of(2))), 2);
+  EXPECT_EQ(independent(propose_regions(crowd_of(5))), 1);
+}
+
 TEST(RegionProposal, SaysWhenNothingMoves) {
   const cv::Mat ground = made_ground(kSize);
   try {

@@ -43,7 +43,7 @@ TEST(StillGraph, DistancesAreThoseOfTheShortestWays) {
 }
 
 TEST(StillGraph, APlainNormKnowsNoWayButTheDirectOne) {
-  const Square<double> rms = still_distances(made_pendulum(kPhases), {});
+  const Square<double> rms = still_distances(made_pendulum(kPhases), {}, .6);
   const StillGraph graph = make_graph(rms, {.power = 1, .cut_above = 100});
   for (int i = 0; i < graph.count(); ++i)
     for (int j = 0; j < graph.count(); ++j) EXPECT_EQ(graph.way(i, j).size(), i == j ? 1u : 2u);

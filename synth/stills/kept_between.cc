@@ -1,0 +1,70 @@
+#include "synth/stills/kept_between.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace freshet::synth::stills {
+namespace {
+
+std::span<const std::byte> bytes_of(const cv::Mat& plane) {
+  return std::as_bytes(std::span(plane.data, plane.total() * plane.elemSize()));
+}
+
+}  // namespace
+
+query::CacheKey content_of(const cv::Mat& picture) {
+  query::KeyHash hash;
+  hash.add(std::int32_t{picture.type()});
+  hash.add(std::int32_t{picture.cols});
+  hash.add(std::int32_t{picture.rows});
+  for (int y = 0; y < picture.rows; ++y)
+    hash.bytes(std::as_bytes(std::span(picture.ptr<std::uint8_t>(y),
+                                       static_cast<std::size_t>(picture.cols) * picture.elemSize())));
+  return hash.key();
+}
+
+FlowPair KeptBetween::flow(const cv::Mat& from, const cv::Mat& to) const {
+  if (cache_ == nullptr) return flow_between(from, to);
+  query::KeyHash hash;
+  hash.add(std::string("stills flow 2"));
+  hash.add(content_of(from));
+  hash.add(content_of(to));
+  const std::size_t plane = 2 * sizeof(std::int16_t) * from.total();
+  if (const auto kept = cache_->find(hash.key()); kept && kept->size() == 2 * plane) {
+    FlowPair flow{cv::Mat(from.size(), CV_16SC2), cv::Mat(from.size(), CV_16SC2)};
+    std::memcpy(flow.forth.data, kept->data(), plane);
+    std::memcpy(flow.back.data, kept->data() + plane, plane);
+    return flow;
+  }
+  const FlowPair flow = flow_between(from, to);
+  std::vector<std::byte> bytes(2 * plane);
+  std::memcpy(bytes.data(), flow.forth.data, plane);
+  std::memcpy(bytes.data() + plane, flow.back.data, plane);
+  cache_->keep(hash.key(), bytes);
+  return flow;
+}
+
+cv::Mat KeptBetween::picture(const BetweenKey& key, cv::Size size, int type,
+                             const std::function<cv::Mat()>& make) const {
+  if (cache_ == nullptr) return make();
+  query::KeyHash hash;
+  hash.add(std::string("stills between 1"));
+  hash.add(key.a);
+  hash.add(key.b);
+  hash.add(key.phase);
+  hash.add(std::int32_t{key.flow_side});
+  cv::Mat picture(size, type);
+  if (const auto kept = cache_->find(hash.key()); kept && kept->size() == bytes_of(picture).size()) {
+    std::memcpy(picture.data, kept->data(), kept->size());
+    return picture;
+  }
+  picture = make();
+  cache_->keep(hash.key(), bytes_of(picture));
+  return picture;
+}
+
+}  // namespace freshet::synth::stills

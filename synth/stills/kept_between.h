@@ -1,0 +1,41 @@
+// synth/stills/kept_between.h — flow and pictures between stills, found again from earlier runs.
+#pragma once
+
+#include <functional>
+
+#include <opencv2/core.hpp>
+
+#include "query/labelling/label_cache.h"
+#include "synth/stills/between.h"
+
+namespace freshet::synth::stills {
+
+/// What a picture between two stills depends on. Not on orders, speeds or other regions: after an edit of
+/// those it is the same.
+struct BetweenKey {
+  query::CacheKey a, b;  // content_of the stills where the region is
+  double phase = 0;      // 0..1
+  int flow_side = 0;     // px
+};
+
+/// Of the pixels, their type and size.
+query::CacheKey content_of(const cv::Mat& picture);
+
+/// Hands out what an earlier run kept, and keeps what is made. What is kept is what would be made, to the
+/// bit. Safe from many threads.
+class KeptBetween {
+ public:
+  /// cache   borrowed; null: all is made, nothing kept.
+  explicit KeptBetween(query::LabelCache* cache) : cache_(cache) {}
+
+  /// flow_between(from, to); both continuous.
+  FlowPair flow(const cv::Mat& from, const cv::Mat& to) const;
+
+  /// What `make` gives: a continuous picture of that size and type.
+  cv::Mat picture(const BetweenKey& key, cv::Size size, int type, const std::function<cv::Mat()>& make) const;
+
+ private:
+  query::LabelCache* cache_;
+};
+
+}  // namespace freshet::synth::stills
