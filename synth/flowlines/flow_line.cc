@@ -28,7 +28,8 @@ FlowLine evenly(const std::vector<cv::Point2f>& chain, std::string name, float s
 
 cv::Point2f tangent(const FlowLine& line, int sample, int reach) {
   const int last = line.samples() - 1;
-  const int from = std::clamp(sample - reach, 0, last), to = std::clamp(sample + reach, 0, last);
+  const int here = std::clamp(sample, 0, last);  // beyond its ends the line goes on straight
+  const int from = std::max(here - reach, 0), to = std::min(here + reach, last);
   const cv::Point2f way =
       line.points[static_cast<std::size_t>(to)] - line.points[static_cast<std::size_t>(from)];
   const auto length = static_cast<float>(cv::norm(way));

@@ -24,6 +24,7 @@ struct FlowLine {
 FlowLine evenly(const std::vector<cv::Point2f>& chain, std::string name = {}, float step = 1);
 
 /// Unit vector along the line at a sample, over the samples within `reach` of it; a corner is turned in an arc.
+/// Before the first sample and after the last it is theirs.
 cv::Point2f tangent(const FlowLine& line, int sample, int reach = 4);
 
 /// The point at an arc length, which may lie between samples; before the first and after the last it goes on straight.

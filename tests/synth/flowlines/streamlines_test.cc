@@ -19,6 +19,13 @@ cv::Mat swirl(cv::Size size) {
   return field;
 }
 
+TEST(FlowLine, GoesOnStraightBeyondItsEnds) {
+  const FlowLine line = evenly({{10, 10}, {10, 40}, {30, 60}});
+  EXPECT_EQ(tangent(line, line.samples() + 50), tangent(line, line.samples() - 1));
+  EXPECT_EQ(tangent(line, -50), cv::Point2f(0, 1));
+  EXPECT_LT(cv::norm(at(line, -5) - cv::Point2f(10, 5)), 1e-4);
+}
+
 TEST(Streamlines, LieEvenlyInsideTheMatteAlongTheField) {
   const cv::Mat field(120, 160, CV_32FC2, cv::Scalar(1, 2));
   cv::Mat matte(field.size(), CV_8U, cv::Scalar(0));
