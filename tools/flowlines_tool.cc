@@ -32,7 +32,7 @@ struct FlowlinesCommand {
   fs::path lines, edited, background, matte, draw, lines_out, sheet;
   flowlines::FootageOptions footage;
   flowlines::FlowlinesOptions options;
-  std::string dynamics = "auto", blend = "contrast", correspondence = "equal", ground = "none";
+  std::string dynamics = "auto", blend = "cut", correspondence = "equal", ground = "none";
   int frames = 500, memory_mb = 1200;
   double fps = 0;
   bool loop = false, json = false;
@@ -60,8 +60,9 @@ flowlines::FlowlinesOptions options_of(const FlowlinesCommand& command, const fl
   options.dynamics = command.dynamics == "stationary"       ? flowlines::Dynamics::kStationary
                      : command.dynamics == "non-stationary" ? flowlines::Dynamics::kNonStationary
                                                             : flowlines::Dynamics::kMeasured;
-  options.render.mixing =
-      command.blend == "feather" ? flowlines::Mixing::kFeather : flowlines::Mixing::kContrast;
+  options.render.mixing = command.blend == "feather"    ? flowlines::Mixing::kFeather
+                          : command.blend == "contrast" ? flowlines::Mixing::kContrast
+                                                        : flowlines::Mixing::kCut;
   if (command.loop) options.loop_frames = command.frames;
   if (!command.matte.empty()) {
     const media::Matte matte = media::read_matte(command.matte, footage.size());
@@ -299,10 +300,11 @@ void add_flowlines(CLI::App& synth_command, RunContext& context) {
                   "[3 patches]")
       ->check(CLI::Range(0.0, 100000.0))
       ->group(particles);
-  sub->add_option("--blend", command->blend,
-                  "Where particles of two runs overlap: feather (averages, as printed) or contrast (keeps "
-                  "their contrast)")
-      ->check(CLI::IsMember({"feather", "contrast"}))
+  sub->add_option(
+         "--blend", command->blend,
+         "Where particles of two runs overlap: feather (averages, as printed), contrast (keeps their "
+         "contrast), or cut (where they are most alike)")
+      ->check(CLI::IsMember({"feather", "contrast", "cut"}))
       ->capture_default_str()
       ->group(particles);
   sub->add_option("--seed", command->options.seed, "Another seed, another order of repeats")

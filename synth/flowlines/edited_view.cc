@@ -12,6 +12,7 @@ namespace freshet::synth::flowlines {
 namespace {
 
 constexpr std::size_t kMostSources = 4;  // of a pixel: the weightiest patches
+constexpr float kLeast = 0.02f;          // of the weightiest: less is not seen
 
 /// Where a pixel lies beside a line.
 struct Beside {
@@ -176,10 +177,27 @@ void EditedView::cover(const std::vector<FlowLine>& inputs, const std::vector<Ed
     if (sum > 0)
       alpha_.at<float>(static_cast<int>(p) / size.width, static_cast<int>(p) % size.width) =
           covered(all) * fluid / sum;
-    for (Source& source : of) source.weight /= sum;
+    share_out(of);
     sources_.insert(sources_.end(), of.begin(), of.end());
     first_.push_back(static_cast<std::uint32_t>(sources_.size()));
   }
+}
+
+/// Two patches that were turned differently show the same texture in two places: averaged, it is soft, and slower to
+/// the eye and to flow. Where textures are cut, the weightiest patch therefore counts for most.
+void EditedView::share_out(std::vector<Source>& of) const {
+  if (of.empty()) return;
+  if (options_.render.mixing == Mixing::kCut) {
+    const float most = of.front().weight;
+    for (Source& source : of) {
+      const float share = source.weight / most;
+      source.weight = share * share * share * share * share * share;
+    }
+    std::erase_if(of, [](const Source& source) { return source.weight < kLeast; });
+  }
+  float sum = 0;
+  for (const Source& source : of) sum += source.weight;
+  for (Source& source : of) source.weight /= sum;
 }
 
 cv::Vec4f EditedView::fluid(const std::vector<Moment>& moments, std::size_t first, std::size_t last) const {

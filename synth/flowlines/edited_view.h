@@ -60,6 +60,7 @@ class EditedView {
     float weight;
   };
   void cover(const std::vector<FlowLine>& inputs, const std::vector<EditedLine>& lines, const cv::Mat& matte);
+  void share_out(std::vector<Source>& of) const;
   cv::Vec4f fluid(const std::vector<Moment>& moments, std::size_t first, std::size_t last) const;
 
   const std::vector<cv::Mat>* frames_;

@@ -11,28 +11,34 @@ namespace freshet::synth::flowlines {
 namespace {
 
 constexpr int kReduced = 4;
-constexpr int kTaps = 2;  // sheared frames to either side that a comparison looks at
-constexpr std::array<double, 2 * kTaps + 1> kBinomial{1.0 / 16, 4.0 / 16, 6.0 / 16, 4.0 / 16, 1.0 / 16};
+constexpr int kTaps = 1;  // sheared frames to either side that a comparison looks at
+constexpr std::array<double, 2 * kTaps + 1> kBinomial{0.25, 0.5, 0.25};
+constexpr int kReach = 3;    // frames from the rung within which a block may go over
+constexpr int kBlock = 10;   // px of reduced frames
 constexpr int kTrial = 400;  // frames of an order that is tried
 
-/// The stream's places of reduced frames, with their arrivals.
+/// Some of the stream's places of reduced frames, with their arrivals.
 struct Places {
   std::vector<int> at;  // index into a reduced frame
   std::vector<float> arrival;
 };
 
-Places places_of(const Stream& stream, const cv::Mat& where, cv::Size reduced) {
+/// By block of the picture: each goes over when it likes.
+std::vector<Places> blocks_of(const Stream& stream, const cv::Mat& where, cv::Size reduced) {
   cv::Mat inside, arrival;
   cv::resize(where, inside, reduced, 0, 0, cv::INTER_NEAREST);
   cv::resize(stream.arrival, arrival, reduced, 0, 0, cv::INTER_NEAREST);
-  Places places;
+  const int across = (reduced.width + kBlock - 1) / kBlock, down = (reduced.height + kBlock - 1) / kBlock;
+  std::vector<Places> blocks(static_cast<std::size_t>(across * down));
   for (int y = 0; y < reduced.height; ++y)
     for (int x = 0; x < reduced.width; ++x)
       if (inside.at<std::uint8_t>(y, x) != 0) {
-        places.at.push_back(y * reduced.width + x);
-        places.arrival.push_back(arrival.at<float>(y, x));
+        Places& block = blocks[static_cast<std::size_t>(y / kBlock * across + x / kBlock)];
+        block.at.push_back(y * reduced.width + x);
+        block.arrival.push_back(arrival.at<float>(y, x));
       }
-  return places;
+  std::erase_if(blocks, [](const Places& block) { return block.at.empty(); });
+  return blocks;
 }
 
 /// Frame e of the sheared clip: a row of the stream's places.
@@ -47,35 +53,54 @@ cv::Mat sheared(const std::vector<cv::Mat>& frames, const Places& places, int en
   return row;
 }
 
-/// cost(a, b) for entries of the plan, 1 for what unrelated ones differ by.
-cv::Mat jump_costs(const std::vector<cv::Mat>& frames, const Places& places, int first, int entries) {
-  const int rows = entries + 1 + 2 * kTaps;
-  std::vector<cv::Mat> shown(static_cast<std::size_t>(rows));
-  cv::Mat plain(rows, rows, CV_64F, cv::Scalar(0));
-  tbb::parallel_for(0, rows, [&](int i) {
-    shown[static_cast<std::size_t>(i)] = sheared(frames, places, first - kTaps + i);
-  });
-  tbb::parallel_for(0, rows, [&](int i) {
+/// Squared differences of all sheared frames in a block: kReach + kTaps before the first entry, as many after the last.
+cv::Mat differences(const std::vector<cv::Mat>& frames, const Places& block, int first, int rows) {
+  std::vector<cv::Mat> shown;
+  for (int i = 0; i < rows; ++i) shown.push_back(sheared(frames, block, first - kReach - kTaps + i));
+  cv::Mat out(rows, rows, CV_32F, cv::Scalar(0));
+  for (int i = 0; i < rows; ++i)
     for (int j = 0; j < i; ++j)
-      plain.at<double>(i, j) = plain.at<double>(j, i) =
-          cv::norm(shown[static_cast<std::size_t>(i)], shown[static_cast<std::size_t>(j)], cv::NORM_L2SQR);
+      out.at<float>(i, j) = out.at<float>(j, i) = static_cast<float>(
+          cv::norm(shown[static_cast<std::size_t>(i)], shown[static_cast<std::size_t>(j)], cv::NORM_L2SQR));
+  return out;
+}
+
+/// Adds what a block's going over costs when it does so in the best of the frames around the rung.
+void add_block(const cv::Mat& differences, cv::Mat& cost) {
+  for (int a = 0; a < cost.rows; ++a)
+    for (int b = 0; b < cost.cols; ++b) {
+      double least = 1e30;
+      for (int d = 0; d <= 2 * kReach; ++d) {
+        double sum = 0;
+        for (int k = 0; k <= 2 * kTaps; ++k)
+          sum += kBinomial[static_cast<std::size_t>(k)] *
+                 static_cast<double>(differences.at<float>(a + d + k, b + d + k));
+        least = std::min(least, sum);
+      }
+      cost.at<double>(a, b) += least;
+    }
+}
+
+/// cost(a, b) for entries of the plan, 1 for what unrelated ones differ by.
+cv::Mat jump_costs(const std::vector<cv::Mat>& frames, const std::vector<Places>& blocks, int first,
+                   int entries) {
+  const int rows = entries + 1 + 2 * (kReach + kTaps);
+  std::vector<cv::Mat> of_block(blocks.size());
+  tbb::parallel_for(std::size_t{0}, blocks.size(), [&](std::size_t i) {
+    of_block[i] = cv::Mat(entries + 1, entries, CV_64F, cv::Scalar(0));
+    add_block(differences(frames, blocks[i], first, rows), of_block[i]);
   });
-  cv::Mat cost(entries + 1, entries, CV_32F, cv::Scalar(0));
+  cv::Mat sum(entries + 1, entries, CV_64F, cv::Scalar(0)), cost;
+  for (const cv::Mat& block : of_block) sum += block;  // in order: the same for any number of threads
   double unrelated = 0;
   int pairs = 0;
   for (int a = 0; a <= entries; ++a)
-    for (int b = 0; b < entries; ++b) {
-      double sum = 0;
-      for (int k = -kTaps; k <= kTaps; ++k)
-        sum +=
-            kBinomial[static_cast<std::size_t>(k + kTaps)] * plain.at<double>(a + kTaps + k, b + kTaps + k);
-      cost.at<float>(a, b) = static_cast<float>(sum);
+    for (int b = 0; b < entries; ++b)
       if (std::abs(a - b) > entries / 3) {
-        unrelated += sum;
+        unrelated += sum.at<double>(a, b);
         ++pairs;
       }
-    }
-  if (unrelated > 0) cost *= pairs / unrelated;
+  sum.convertTo(cost, CV_32F, unrelated > 0 ? pairs / unrelated : 1);
   return cost;
 }
 
@@ -104,10 +129,10 @@ Ladders::Ladders(const std::vector<cv::Mat>& frames) : small_(frames.size()) {
 
 Ladder Ladders::of(const Stream& stream, const cv::Mat& where, int margin, int entries,
                    const RepeatOptions& options) const {
-  const Places places = places_of(stream, where, small_.front().size());
+  const std::vector<Places> blocks = blocks_of(stream, where, small_.front().size());
   Ladder ladder{.first = margin, .cost = {}};
-  ladder.cost = places.at.empty() ? cv::Mat(entries + 1, entries, CV_32F, cv::Scalar(0))
-                                  : jump_costs(small_, places, margin, entries);
+  ladder.cost = blocks.empty() ? cv::Mat(entries + 1, entries, CV_32F, cv::Scalar(0))
+                               : jump_costs(small_, blocks, margin, entries);
   // Two rungs stay further apart than feathering is wide, as far as there is room.
   ladder.min_run = std::clamp(entries / 3, 2, 2 * margin + 2);
   RepeatOptions repeats = options;

@@ -6,7 +6,7 @@
 #include <opencv2/core.hpp>
 
 #include "synth/flowlines/arrival.h"
-#include "synth/flowlines/repeats.h"
+#include "synth/flowlines/jumps/repeats.h"
 
 namespace freshet::synth::flowlines {
 
@@ -28,7 +28,7 @@ class Ladders {
 
   /// Sheared by the arrivals, a clip's frame e shows each particle that entered in frame e wherever it goes; what is
   /// left is Video Textures (Schoedl et al. 2000) on sheared frames: they are compared in windows of time, so that
-  /// what comes before and after a jump is alike too.
+  /// what comes before and after a jump is alike too; and block by block, each in the best of some frames.
   ///
   /// where     CV_8U, not 0 where the stream is.
   /// margin    frames before the first entry and after the last, which feathering shows.
@@ -36,6 +36,8 @@ class Ladders {
   /// Cost      K^2 comparisons of frames reduced by 4. The same for any number of threads.
   Ladder of(const Stream& stream, const cv::Mat& where, int margin, int entries,
             const RepeatOptions& options) const;
+  /// The frames reduced, CV_8UC3.
+  const std::vector<cv::Mat>& frames() const { return small_; }
 
  private:
   std::vector<cv::Mat> small_;

@@ -7,6 +7,8 @@
 #include <tbb/parallel_for.h>
 #include <opencv2/imgproc.hpp>
 
+#include "synth/flowlines/jumps/seam.h"
+
 namespace freshet::synth::flowlines {
 namespace {
 
@@ -52,50 +54,84 @@ const std::deque<Run>& Order::covering(std::int64_t from, std::int64_t until) {
   return window_;
 }
 
-Moments::Moments(const Arrivals& arrivals, cv::Mat fade, std::vector<Order> orders, int clip_frames)
+Moments::Moments(const Arrivals& arrivals, cv::Mat fade, std::vector<Order> orders, int clip_frames,
+                 const CutOptions& cut)
     : arrivals_(&arrivals),
       fade_(std::move(fade)),
       orders_(std::move(orders)),
       clip_frames_(clip_frames),
+      cut_(cut),
       rungs_(orders_.size()) {
   float longest = 0;
   for (const Stream& stream : arrivals.streams) longest = std::max(longest, stream.duration);
   double most = 0;
   cv::minMaxLoc(fade_, nullptr, &most);
+  if (cut_.frames != nullptr) most = cut_.margin;
   reach_ = static_cast<std::int64_t>(std::ceil(static_cast<double>(longest) + most)) + 1;
-}
-
-void Moments::rungs_of(std::size_t stream, std::int64_t frame) {
-  const Stream& of = arrivals_->streams[stream];
-  const std::deque<Run>& runs = orders_[stream].covering(frame - reach_, frame + reach_);
-  std::vector<Rung>& rungs = rungs_[stream];
-  rungs.clear();
-  for (std::size_t i = 0; i < runs.size(); ++i) {
-    if (runs[i].start > frame + reach_) break;
-    const Run& before = runs[i == 0 ? 0 : i - 1];
-    Rung rung{.from = before.first - before.start,
-              .to = runs[i].first - runs[i].start,
-              .start = runs[i].start,
-              .arrival = of.arrival};
-    if (!of.arrival_of_entry.empty()) {
-      const auto entry = static_cast<std::size_t>(
-          std::clamp(runs[i].first, 0, static_cast<int>(of.arrival_of_entry.size()) - 1));
-      cv::resize(of.arrival_of_entry[entry], rung.arrival, fade_.size(), 0, 0, cv::INTER_LINEAR);
-    }
-    rungs.push_back(std::move(rung));
+  if (cut_.frames == nullptr) return;
+  for (std::size_t k = 0; k < orders_.size(); ++k) {
+    const auto number = static_cast<double>(k);
+    cv::Mat shown = (arrivals.stream == number) | ((arrivals.neighbour == number) & (arrivals.share > 0));
+    cv::resize(shown, shown, cut_.frames->front().size(), 0, 0, cv::INTER_AREA);
+    cells_.push_back(cv::boundingRect(shown));
   }
 }
 
+void Moments::cut_rung(std::size_t stream, int leaves, int enters, Rung& rung) const {
+  const cv::Rect cells = cells_[stream];
+  if (cells.empty()) return;
+  const int reach = std::max(1, cut_.margin - kFading);
+  const cv::Size size = cut_.frames->front().size();
+  cv::Mat reduced, later(size, CV_32F, cv::Scalar(0)), fade(size, CV_32F, cv::Scalar(1)), shown;
+  cv::resize(rung.arrival, reduced, size, 0, 0, cv::INTER_AREA);
+  const Meeting meeting = meeting_of(*cut_.frames, cells.tl(), reduced(cells), leaves, enters, reach);
+  const cv::Mat labels = cut(meeting);
+  labels.convertTo(later(cells), CV_32F, 1, -reach);
+  fades(meeting, labels).copyTo(fade(cells));
+  cv::resize(later, shown, fade_.size(), 0, 0, cv::INTER_LINEAR);
+  shown += rung.arrival;
+  rung.arrival = shown;  // not in place: the stream's own is shared
+  rung.fade = cv::Mat();
+  cv::resize(fade, rung.fade, fade_.size(), 0, 0, cv::INTER_LINEAR);
+}
+
+Moments::Rung Moments::rung_of(std::size_t stream, const Run& before, const Run& run) const {
+  const Stream& of = arrivals_->streams[stream];
+  Rung rung{.from = before.first - before.start,
+            .to = run.first - run.start,
+            .start = run.start,
+            .arrival = of.arrival,
+            .fade = fade_};
+  if (!of.arrival_of_entry.empty()) {
+    const auto entry =
+        static_cast<std::size_t>(std::clamp(run.first, 0, static_cast<int>(of.arrival_of_entry.size()) - 1));
+    rung.arrival = cv::Mat();
+    cv::resize(of.arrival_of_entry[entry], rung.arrival, fade_.size(), 0, 0, cv::INTER_LINEAR);
+  }
+  if (cut_.frames != nullptr && before.start != run.start)
+    cut_rung(stream, static_cast<int>(before.first + run.start - before.start), run.first, rung);
+  return rung;
+}
+
+/// Rungs of the runs that are near: made when their run comes near, kept until it is over.
+void Moments::bring_rungs(std::size_t stream, std::int64_t frame) {
+  const std::deque<Run>& runs = orders_[stream].covering(frame - reach_, frame + reach_);
+  std::deque<Rung>& rungs = rungs_[stream];
+  while (!rungs.empty() && rungs.front().start < runs.front().start) rungs.pop_front();
+  for (std::size_t i = rungs.size(); i < runs.size() && runs[i].start <= frame + reach_; ++i)
+    rungs.push_back(rung_of(stream, runs[i == 0 ? 0 : i - 1], runs[i]));
+}
+
 void Moments::add(std::size_t stream, cv::Point at, std::int64_t frame, float share, Moment& moment) const {
-  const std::vector<Rung>& rungs = rungs_[stream];
-  const float fade = fade_.at<float>(at);
+  const std::deque<Rung>& rungs = rungs_[stream];
   const auto frame_of = [&](std::int64_t shift) {
     return static_cast<std::uint16_t>(std::clamp<std::int64_t>(frame + shift, 0, clip_frames_ - 1));
   };
   // The last rung that has come near; what lies before the window's first is that rung's own run.
   std::size_t k = rungs.size() - 1;
-  float since = 0;
+  float since = 0, fade = 1;
   for (;; --k) {
+    fade = rungs[k].fade.at<float>(at);
     since = static_cast<float>(frame - rungs[k].start) - rungs[k].arrival.at<float>(at);
     if (since > -fade || k == 0) break;
   }
@@ -105,7 +141,7 @@ void Moments::add(std::size_t stream, cv::Point at, std::int64_t frame, float sh
 }
 
 void Moments::at(std::int64_t frame, std::vector<Moment>& out) {
-  for (std::size_t i = 0; i < orders_.size(); ++i) rungs_of(i, frame);
+  tbb::parallel_for(std::size_t{0}, orders_.size(), [&](std::size_t i) { bring_rungs(i, frame); });
   out.resize(fade_.total());
   tbb::parallel_for(0, fade_.rows, [&](int y) {
     for (int x = 0; x < fade_.cols; ++x) {

@@ -10,8 +10,8 @@
 #include <opencv2/core.hpp>
 
 #include "synth/flowlines/arrival.h"
+#include "synth/flowlines/jumps/repeats.h"
 #include "synth/flowlines/ladder.h"
-#include "synth/flowlines/repeats.h"
 
 namespace freshet::synth::flowlines {
 
@@ -56,16 +56,26 @@ class Order {
   std::deque<Run> window_;
 };
 
+/// What overlaps are cut by.
+struct CutOptions {
+  const std::vector<cv::Mat>* frames =
+      nullptr;     // CV_8UC3, the clip reduced; none: overlaps are feathered alone
+  int margin = 6;  // frames that a place may go over before or after its particles do, fading included
+};
+
 /// Between rungs a place shows the clip as it was filmed, later or earlier by a whole number of frames. A rung goes
 /// through a stream as its particles do; over `fade` frames to either side of it the particles of both runs overlap.
+///
+/// With a cut, each place goes over where its surroundings show it least, and fades only about that.
 ///
 /// The share of the later run is that of its particles' textures: tents half a patch long to either side, dense along
 /// the line. It is the integral of a tent: Bhat et al. 2004, Sec. 3, "Particle Rendering", feathering.
 class Moments {
  public:
-  /// fade     CV_32F, frames, > 0, at most the ladders' margin: half a patch's way.
+  /// fade     CV_32F, frames, > 0, at most the ladders' margin; where overlaps are cut, the cut says it.
   /// orders   by stream.
-  Moments(const Arrivals& arrivals, cv::Mat fade, std::vector<Order> orders, int clip_frames);
+  Moments(const Arrivals& arrivals, cv::Mat fade, std::vector<Order> orders, int clip_frames,
+          const CutOptions& cut = {});
   /// Frames in order. out: as large as the working picture, overwritten; rows of Moment. All threads.
   void at(std::int64_t frame, std::vector<Moment>& out);
   cv::Size size() const { return fade_.size(); }
@@ -74,17 +84,22 @@ class Moments {
   struct Rung {
     std::int64_t from = 0, to = 0;  // frames of the clip less the output's
     std::int64_t start = 0;         // frame in which the later run enters
-    cv::Mat arrival;                // CV_32F, of that run
+    cv::Mat arrival;                // CV_32F, of that run: frames from its start until a place goes over
+    cv::Mat fade;                   // CV_32F, frames to either side of that
   };
-  void rungs_of(std::size_t stream, std::int64_t frame);
+  void bring_rungs(std::size_t stream, std::int64_t frame);
+  Rung rung_of(std::size_t stream, const Run& before, const Run& run) const;
+  void cut_rung(std::size_t stream, int leaves, int enters, Rung& rung) const;
   void add(std::size_t stream, cv::Point at, std::int64_t frame, float share, Moment& moment) const;
 
   const Arrivals* arrivals_;
   cv::Mat fade_;
   std::vector<Order> orders_;
   int clip_frames_;
-  std::int64_t reach_ = 0;  // frames that a rung needs at most, fade included
-  std::vector<std::vector<Rung>> rungs_;
+  CutOptions cut_;
+  std::vector<cv::Rect> cells_;  // by stream: where it shows, in px of the cut's frames
+  std::int64_t reach_ = 0;       // frames that a rung needs at most, fade included
+  std::vector<std::deque<Rung>> rungs_;
 };
 
 }  // namespace freshet::synth::flowlines

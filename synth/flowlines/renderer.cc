@@ -11,7 +11,7 @@ namespace freshet::synth::flowlines {
 cv::Vec3f mixed(const std::array<cv::Vec3f, 4>& values, const Moment& moment, const cv::Vec3f& mean,
                 const RenderOptions& options) {
   if (moment.count == 1) return values[0];
-  const bool keeps = options.mixing == Mixing::kContrast;
+  const bool keeps = options.mixing != Mixing::kFeather;
   cv::Vec3f sum(0, 0, 0);
   float squares = 0;
   for (std::size_t i = 0; i < static_cast<std::size_t>(moment.count); ++i) {

@@ -13,10 +13,11 @@ namespace freshet::synth::flowlines {
 enum class Mixing {
   kFeather,   // as printed: textures averaged by their weights, which washes out where they are unlike
   kContrast,  // the same with the contrast about the clip's mean kept
+  kCut,       // cut where the textures are most alike, and mixed so only next to the cut
 };
 
 struct RenderOptions {
-  Mixing mixing = Mixing::kContrast;
+  Mixing mixing = Mixing::kCut;
   /// How alike two unrelated moments are taken to be where they are mixed, 0..1: what stands still is alike, and would
   /// gain contrast that it never had.
   double likeness = 0.2;

@@ -1,4 +1,4 @@
-#include "synth/flowlines/repeats.h"
+#include "synth/flowlines/jumps/repeats.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-// synth/flowlines/repeats.h — in which order a clip's entries are repeated, so that it goes on for ever.
+// synth/flowlines/jumps/repeats.h — in which order a clip's entries are repeated, so that it goes on for ever.
 #pragma once
 
 #include <cstdint>
