@@ -4,21 +4,28 @@
 //   bench_flowlines CLIP.. [--seconds 2] [--output-seconds 20] [--width 320] [--json FILE]
 //   bench_flowlines $FRESHET_FOOTAGE/clips/water/{waterfall_dusk_pool,brook_mossy_rocks}.mp4 ...
 //
-// The first seconds of each clip are made 20 s long: by flow lines (feathered as printed, and with contrast kept), by a
+// The first seconds of each clip are made 20 s long: by flow lines (cut; mixed with contrast kept; and feathered
+// as printed), by a
 // loop with a cross-fade, by video textures (Schoedl et al. 2000). Columns:
 //   jump max, mean   how much more a 16 px block changes from frame to frame than in 19 of 20 frames of the clip, mean
 //                    over blocks that move: the worst frame, and all of them. 0 is none.
+//   dip max, mean    the other way: how much less fine texture (mean |Laplacian|) than in 19 of 20 frames of the clip.
+//                    A cross-fade has no jumps; all of the picture goes soft at once.
 //   repeats          correlation of frames (less their mean) a lag apart: of all lags from a third of a second to three
 //                    seconds the most alike. 1: it is a loop. The clip's own further frames have what its kind has.
 //   then bench/quality's measures against the clip's further frames, as many again of those being the ceiling.
 // Edits: all lines turned about where they enter, more and more, up to 35 degrees. The flow of what was made is compared
-// with the drawn lines, and its speed with the clip's at the corresponding places, where patches cover all.
+// with the drawn lines, and its speed with the clip's at the corresponding places, where patches cover all. Lines that
+// are not turned say how much of that is the flow's own error.
+//
+//   bench_flowlines CLIP.. --cost [--width 1280]     what preparing and a frame cost, and nothing else
 
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
 #include <algorithm>
 #include <cmath>
+#include <ctime>
 #include <filesystem>
 #include <fstream>
 #include <numbers>
@@ -59,34 +66,53 @@ cv::Mat changes(const std::vector<cv::Mat>& luma) {
   return out;
 }
 
-struct Jumps {
-  double worst = 0, mean = 0;
-};
+/// Fine texture by block: a row a frame.
+cv::Mat textures(const std::vector<cv::Mat>& luma) {
+  const cv::Size blocks(luma.front().cols / kBlock, luma.front().rows / kBlock);
+  cv::Mat out(static_cast<int>(luma.size()), blocks.area(), CV_32F), detail, reduced;
+  for (int t = 0; t < out.rows; ++t) {
+    cv::Laplacian(luma[static_cast<std::size_t>(t)], detail, CV_32F);
+    cv::resize(cv::abs(detail), reduced, blocks, 0, 0, cv::INTER_AREA);
+    reduced.reshape(1, 1).copyTo(out.row(t));
+  }
+  return out;
+}
 
-/// Beyond what 19 of 20 changes of the block are in the clip.
-Jumps jumps_of(const cv::Mat& film, const cv::Mat& clip) {
-  std::vector<float> usual(static_cast<std::size_t>(clip.cols));
+/// By block, the value that `share` of the clip's frames stay below.
+std::vector<float> quantiles(const cv::Mat& clip, double share) {
+  std::vector<float> out;
   for (int b = 0; b < clip.cols; ++b) {
     std::vector<float> column;
     for (int t = 0; t < clip.rows; ++t) column.push_back(clip.at<float>(t, b));
     std::sort(column.begin(), column.end());
-    usual[static_cast<std::size_t>(b)] = column[column.size() * 19 / 20];
+    out.push_back(column[static_cast<std::size_t>(share * clip.rows)]);
   }
-  Jumps jumps{};
+  return out;
+}
+
+struct Departure {
+  double worst = 0, mean = 0;
+};
+
+/// How far a film's blocks go beyond their usual value, relative to it: above when `sign` is 1, below when -1; over
+/// blocks that move.
+Departure departure(const cv::Mat& film, const std::vector<float>& usual, int sign,
+                    const std::vector<bool>& moves) {
+  Departure out{};
   for (int t = 0; t < film.rows; ++t) {
     double sum = 0;
     int moving = 0;
     for (int b = 0; b < film.cols; ++b) {
-      const float most = usual[static_cast<std::size_t>(b)];
-      if (most < 2) continue;  // grey levels: coding noise
-      sum += std::max(0.0f, film.at<float>(t, b) / most - 1);
+      const auto at = static_cast<std::size_t>(b);
+      if (!moves[at] || usual[at] <= 0) continue;
+      sum += std::max(0.0, sign * (static_cast<double>(film.at<float>(t, b) / usual[at]) - 1));
       ++moving;
     }
     const double here = sum / std::max(1, moving);
-    jumps.worst = std::max(jumps.worst, here);
-    jumps.mean += here / film.rows;
+    out.worst = std::max(out.worst, here);
+    out.mean += here / film.rows;
   }
-  return jumps;
+  return out;
 }
 
 double repetition(const std::vector<cv::Mat>& luma, double fps) {
@@ -115,12 +141,17 @@ double repetition(const std::vector<cv::Mat>& luma, double fps) {
   return most;
 }
 
+/// CPU seconds, of all threads together: what they are on a machine with others on it.
+struct Cost {
+  double prepare_s = 0, prepare_cpu_s = 0, frame_s = 0, frame_cpu_s = 0;
+};
+
 struct Row {
   std::string name;
-  Jumps jumps{};
+  Departure jumps{}, dips{};
   double repeats = 0;
   bench::Distance distance{};
-  double prepare_s = 0, frames_per_s = 0;
+  Cost cost{};
 };
 
 bench::Film film_of(const std::vector<cv::Mat>& frames, double fps, const bench::Region& region) {
@@ -132,7 +163,12 @@ Row judged(const std::string& name, const std::vector<cv::Mat>& frames, const st
            const bench::Film* truth, std::size_t truth_frames, double fps, const bench::Region& region) {
   Row row{.name = name};
   const std::vector<cv::Mat> luma = bench::luma_of(frames);
-  row.jumps = jumps_of(changes(luma), changes(bench::luma_of(clip)));
+  const std::vector<cv::Mat> clip_luma = bench::luma_of(clip);
+  const std::vector<float> changed = quantiles(changes(clip_luma), 0.95);
+  std::vector<bool> moves;
+  for (const float most : changed) moves.push_back(most >= 2);  // grey levels: less is coding noise
+  row.jumps = departure(changes(luma), changed, 1, moves);
+  row.dips = departure(textures(luma), quantiles(textures(clip_luma), 0.05), -1, moves);
   row.repeats = repetition(luma, fps);
   if (truth != nullptr) {
     // From the middle: rungs of every kind have gone by.
@@ -144,20 +180,23 @@ Row judged(const std::string& name, const std::vector<cv::Mat>& frames, const st
   return row;
 }
 
+double cpu_seconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
+
 std::vector<cv::Mat> endless(const flowlines::Footage& footage, const flowlines::FlowlinesOptions& options,
-                             int frames, Row& cost) {
+                             int frames, Cost& cost) {
   const Stopwatch watch;
+  const double cpu = cpu_seconds();
   flowlines::Flowlines engine(footage, options);
-  cost.prepare_s = watch.seconds();
+  cost = {.prepare_s = watch.seconds(), .prepare_cpu_s = cpu_seconds() - cpu};
   std::vector<cv::Mat> out;
-  double seconds = 0;
   for (int t = 0; t < frames; ++t) {
     const Stopwatch one;
+    const double before = cpu_seconds();
     const cv::Mat& frame = engine.next();
-    seconds += one.seconds();
+    cost.frame_s += one.seconds() / frames;
+    cost.frame_cpu_s += (cpu_seconds() - before) / frames;
     out.push_back(frame.clone());
   }
-  cost.frames_per_s = frames / seconds;
   return out;
 }
 
@@ -175,15 +214,22 @@ cv::Mat mean_flow(const std::vector<cv::Mat>& frames) {
   return sum;
 }
 
-Followed followed(const flowlines::Footage& footage, const flowlines::FlowlinesOptions& found) {
-  flowlines::FlowlinesOptions options = found;
+/// Where an edit covers all, and what flow sees around it.
+cv::Mat covered(const flowlines::Flowlines& engine) {
+  cv::Mat out;
+  cv::erode(engine.fluid() > 0.95, out, cv::Mat::ones(9, 9, CV_8U));
+  return out;
+}
+
+Followed followed(const flowlines::Footage& footage, double degrees) {
+  flowlines::FlowlinesOptions options;
   flowlines::Flowlines as_it_is(footage, options);
   options.lines = as_it_is.lines();
   for (const flowlines::FlowLine& line : options.lines) {
     std::vector<cv::Point2f> chain;
     const cv::Point2f first = line.points.front();
     for (int s = 0; s < line.samples(); ++s) {
-      const double angle = 35 * std::numbers::pi / 180 * s / std::max(60, line.samples());
+      const double angle = degrees * std::numbers::pi / 180 * s / std::max(60, line.samples());
       const cv::Point2f way = line.points[static_cast<std::size_t>(s)] - first;
       const auto c = static_cast<float>(std::cos(angle)), n = static_cast<float>(std::sin(angle));
       chain.push_back(first + cv::Point2f(c * way.x - n * way.y, n * way.x + c * way.y));
@@ -191,8 +237,9 @@ Followed followed(const flowlines::Footage& footage, const flowlines::FlowlinesO
     options.edited.push_back(flowlines::evenly(chain, line.name));
   }
   flowlines::Flowlines engine(footage, options);
+  const cv::Mat all_fluid = covered(engine);
   std::vector<cv::Mat> out;
-  for (int t = 0; t < 100; ++t) out.push_back(engine.next().clone());
+  for (int t = 0; t < 60; ++t) out.push_back(engine.next().clone());
   const cv::Mat made = mean_flow(out), was = mean_flow(footage.frames);
   Followed result;
   const cv::Rect inside(8, 8, made.cols - 16, made.rows - 16);
@@ -202,7 +249,8 @@ Followed followed(const flowlines::Footage& footage, const flowlines::FlowlinesO
     for (int s = 12; s + 12 < edited.samples(); s += 4) {
       const cv::Point here(edited.points[static_cast<std::size_t>(s)]);
       const cv::Point there(flowlines::at(input, static_cast<float>(s)));
-      if (!inside.contains(here) || !inside.contains(there)) continue;
+      if (!inside.contains(here) || !inside.contains(there) || all_fluid.at<std::uint8_t>(here) == 0)
+        continue;
       const cv::Point2f way = flowlines::tangent(edited, s), before = flowlines::tangent(input, s);
       const cv::Vec2f v = made.at<cv::Vec2f>(here), u = was.at<cv::Vec2f>(there);
       const double along = cv::Point2f(u[0], u[1]).dot(before), speed = std::hypot(v[0], v[1]);
@@ -221,11 +269,9 @@ Followed followed(const flowlines::Footage& footage, const flowlines::FlowlinesO
 
 void print(const Row& row) {
   const bench::Distance& d = row.distance;
-  fmt::print("  {:<22}{:9.2f}{:9.3f}{:9.2f} |{:8.2f}{:9.2f}{:8.1f}{:8.2f}{:8.2f}{:8.3f}", row.name,
-             row.jumps.worst, row.jumps.mean, row.repeats, d.texture, d.contrast, d.spectrum_db, d.angle_deg,
-             d.pace, d.ssim);
-  if (row.frames_per_s > 0)
-    fmt::print(" | prepared {:.1f} s, {:.0f} frames/s", row.prepare_s, row.frames_per_s);
+  fmt::print("  {:<22}{:9.2f}{:8.3f}{:9.2f}{:8.3f}{:9.2f} |{:8.2f}{:9.2f}{:8.1f}{:8.2f}{:8.2f}{:8.3f}",
+             row.name, row.jumps.worst, row.jumps.mean, row.dips.worst, row.dips.mean, row.repeats, d.texture,
+             d.contrast, d.spectrum_db, d.angle_deg, d.pace, d.ssim);
   fmt::print("\n");
 }
 
@@ -234,6 +280,8 @@ nlohmann::json json_of(const Row& row) {
   return {{"name", row.name},
           {"jump_max", row.jumps.worst},
           {"jump_mean", row.jumps.mean},
+          {"dip_max", row.dips.worst},
+          {"dip_mean", row.dips.mean},
           {"repeats", row.repeats},
           {"texture", d.texture},
           {"contrast", d.contrast},
@@ -241,25 +289,49 @@ nlohmann::json json_of(const Row& row) {
           {"angle_deg", d.angle_deg},
           {"pace", d.pace},
           {"ssim", d.ssim},
-          {"prepare_s", row.prepare_s},
-          {"frames_per_s", row.frames_per_s}};
+          {"prepare_cpu_s", row.cost.prepare_cpu_s},
+          {"frame_cpu_s", row.cost.frame_cpu_s}};
+}
+
+flowlines::Footage beginning(const std::string& path, const std::vector<cv::Mat>& all, double seconds,
+                             double fps) {
+  const auto count = std::min(all.size(), static_cast<std::size_t>(std::lround(seconds * fps)));
+  return {
+      .name = path, .frames = {all.begin(), all.begin() + static_cast<std::ptrdiff_t>(count)}, .fps = fps};
+}
+
+nlohmann::json cost_of(const std::string& path, double seconds, int width) {
+  double fps = 25;
+  const flowlines::Footage footage = beginning(path, bench::read_video(path, width, &fps), seconds, fps);
+  constexpr int kFrames = 120;
+  Cost cost;
+  endless(footage, {}, kFrames, cost);
+  fmt::print(
+      "{} ({} x {}): prepared in {:.1f} s ({:.1f} s of CPU); a frame in {:.1f} ms ({:.1f} ms of CPU)\n",
+      fs::path(path).stem().string(), footage.size().width, footage.size().height, cost.prepare_s,
+      cost.prepare_cpu_s, 1e3 * cost.frame_s, 1e3 * cost.frame_cpu_s);
+  return {{"clip", path},
+          {"width", footage.size().width},
+          {"height", footage.size().height},
+          {"prepare_cpu_s", cost.prepare_cpu_s},
+          {"frame_s", cost.frame_s},
+          {"frame_cpu_s", cost.frame_cpu_s}};
 }
 
 nlohmann::json run(const std::string& path, double seconds, double output_seconds, int width) {
   double fps = 25;
   const std::vector<cv::Mat> all = bench::read_video(path, width, &fps);
-  const auto count = std::min(all.size(), static_cast<std::size_t>(std::lround(seconds * fps)));
-  flowlines::Footage footage{
-      .name = path, .frames = {all.begin(), all.begin() + static_cast<std::ptrdiff_t>(count)}, .fps = fps};
+  const flowlines::Footage footage = beginning(path, all, seconds, fps);
+  const std::size_t count = footage.frames.size();
   const int frames = static_cast<int>(output_seconds * fps);
   const std::size_t further = std::min<std::size_t>(count, (all.size() - count) / 2);
   fmt::print("{} ({} x {}, {} frames of {:.1f} s)\n", fs::path(path).stem().string(), all.front().cols,
              all.front().rows, count, static_cast<double>(count) / fps);
-  fmt::print("  {:<22}{:>9}{:>9}{:>9} |{:>8}{:>9}{:>8}{:>8}{:>8}{:>8}\n", "", "jump max", "mean", "repeats",
-             "texture", "contrast", "dB", "angle", "pace", "ssim");
+  fmt::print("  {:<22}{:>9}{:>8}{:>9}{:>8}{:>9} |{:>8}{:>9}{:>8}{:>8}{:>8}{:>8}\n", "", "jump max", "mean",
+             "dip max", "mean", "repeats", "texture", "contrast", "dB", "angle", "pace", "ssim");
   nlohmann::json rows = nlohmann::json::array();
   flowlines::FlowlinesOptions options;
-  Row cost;
+  Cost cost;
   const std::vector<cv::Mat> kept = endless(footage, options, frames, cost);
   flowlines::Flowlines once(footage, options);
   const bench::Region region{.matte = once.matte(), .border = {0, 0}};
@@ -270,26 +342,31 @@ nlohmann::json run(const std::string& path, double seconds, double output_second
                                 all.begin() + static_cast<std::ptrdiff_t>(from + further));
   };
   if (judges) truth = film_of(part(count), fps, region);
-  const auto add = [&](const std::string& name, const std::vector<cv::Mat>& film, const Row& costs) {
+  const auto add = [&](const std::string& name, const std::vector<cv::Mat>& film, const Cost& costs) {
     Row row = judged(name, film, footage.frames, judges ? &truth : nullptr, further, fps, region);
-    row.prepare_s = costs.prepare_s;
-    row.frames_per_s = costs.frames_per_s;
+    row.cost = costs;
     print(row);
     rows.push_back(json_of(row));
   };
   add("flow lines", kept, cost);
+  options.render.mixing = flowlines::Mixing::kContrast;
+  const std::vector<cv::Mat> mixed = endless(footage, options, frames, cost);
+  add("flow lines, mixed", mixed, cost);
   options.render.mixing = flowlines::Mixing::kFeather;
   const std::vector<cv::Mat> feathered = endless(footage, options, frames, cost);
   add("flow lines, as printed", feathered, cost);
   add("loop with a cross-fade", bench::fading_loop(footage.frames, 8, frames), {});
   add("video textures", bench::video_texture(footage.frames, frames), {});
   if (judges) add("the clip goes on", part(count + further), {});
-  const Followed led = followed(footage, {});
-  fmt::print("  turned by up to 35 degrees: {:.1f} degrees, {:.2f} log2 of speed, over {} places\n",
-             led.degrees, led.speed, led.places);
-  return {{"clip", path},
-          {"rows", rows},
-          {"edited", {{"degrees", led.degrees}, {"speed_log2", led.speed}, {"places", led.places}}}};
+  nlohmann::json edits = nlohmann::json::array();
+  for (const double degrees : {0.0, 35.0}) {
+    const Followed led = followed(footage, degrees);
+    fmt::print("  turned by up to {:.0f} degrees: {:.1f} degrees, {:.2f} log2 of speed, over {} places\n",
+               degrees, led.degrees, led.speed, led.places);
+    edits.push_back(
+        {{"turned", degrees}, {"degrees", led.degrees}, {"speed_log2", led.speed}, {"places", led.places}});
+  }
+  return {{"clip", path}, {"rows", rows}, {"edited", edits}};
 }
 
 }  // namespace
@@ -299,6 +376,7 @@ int main(int argc, char** argv) {
   std::vector<std::string> clips;
   double seconds = 2, output_seconds = 20;
   int width = 320;
+  bool only_cost = false;
   std::string json;
   app.add_option("CLIP", clips, "Clips from a camera that stands still")
       ->required()
@@ -306,6 +384,7 @@ int main(int argc, char** argv) {
   app.add_option("--seconds", seconds, "Of the clip that are made endless")->capture_default_str();
   app.add_option("--output-seconds", output_seconds, "That are made")->capture_default_str();
   app.add_option("--width", width, "Longer side to which clips are reduced, px")->capture_default_str();
+  app.add_flag("--cost", only_cost, "Only what preparing and a frame cost");
   app.add_option("--json", json, "Also write the figures here");
   CLI11_PARSE(app, argc, argv);
   cv::setNumThreads(1);
@@ -314,7 +393,8 @@ int main(int argc, char** argv) {
                         {"clips", nlohmann::json::array()}};
   for (const std::string& clip : clips) {
     try {
-      report["clips"].push_back(run(clip, seconds, output_seconds, width));
+      report["clips"].push_back(only_cost ? cost_of(clip, seconds, width)
+                                          : run(clip, seconds, output_seconds, width));
     } catch (const freshet::Error& error) {
       fmt::print("  refused: {}\n", error.what());
     }
