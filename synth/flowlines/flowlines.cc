@@ -129,6 +129,7 @@ struct Flowlines::Impl {
     const bool cuts = options.render.mixing == Mixing::kCut;
     moments.emplace(plan.arrivals, fade(), std::move(plan.orders), footage.count(),
                     CutOptions{.frames = cuts ? &ladders->frames() : nullptr, .margin = plan.margin});
+    options.render.likeness = likeness_of(working.frames);
     renderer.emplace(footage.frames, working.size(), options.render);
   }
 

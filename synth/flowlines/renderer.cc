@@ -8,6 +8,29 @@
 
 namespace freshet::synth::flowlines {
 
+double likeness_of(const std::vector<cv::Mat>& frames) {
+  const std::size_t half = frames.size() / 2, step = std::max<std::size_t>(1, half / 6);
+  std::vector<cv::Mat> details;
+  cv::Mat grey, mean;
+  for (std::size_t t = 0; t < half; t += step)
+    for (const std::size_t at : {t, t + half}) {
+      cv::cvtColor(frames[at], grey, cv::COLOR_BGR2GRAY);
+      details.emplace_back();
+      cv::Laplacian(grey, details.back(), CV_32F);
+      mean = mean.empty() ? details.back().clone() : cv::Mat(mean + details.back());
+    }
+  mean *= 1.0 / static_cast<double>(details.size());
+  for (cv::Mat& detail : details) detail -= mean;
+  double both = 0, each = 0;
+  for (std::size_t i = 0; i < details.size(); i += 2) {
+    both += cv::norm(details[i] + details[i + 1], cv::NORM_L1);
+    each += cv::norm(details[i], cv::NORM_L1) + cv::norm(details[i + 1], cv::NORM_L1);
+  }
+  // Half and half have both / each of their detail, and are given 1 / sqrt(0.5 + 0.5 likeness) of it: see mixed.
+  const double left = each > 0 ? both / each : 1;
+  return std::clamp(2 * left * left - 1, 0.0, 1.0);
+}
+
 cv::Vec3f mixed(const std::array<cv::Vec3f, 4>& values, const Moment& moment, const cv::Vec3f& mean,
                 const RenderOptions& options) {
   if (moment.count == 1) return values[0];
