@@ -1,4 +1,4 @@
-// synth/animate/blend/renewal.h — what comes anew: the patches' innovations, in the share of the picture's contrast that
+// synth/animate/renewal.h — what comes anew: the patches' innovations, in the share of the picture's contrast that
 // is theirs.
 #pragma once
 
@@ -10,7 +10,7 @@
 #include "synth/animate/blend/blend.h"
 #include "synth/animate/clips/clip_layer.h"
 #include "synth/animate/motion/carried_detail.h"
-#include "synth/animate/placement/pieces_canvas.h"
+#include "synth/animate/pieces_canvas.h"
 
 namespace freshet::synth::animate {
 

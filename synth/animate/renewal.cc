@@ -1,4 +1,4 @@
-#include "synth/animate/blend/renewal.h"
+#include "synth/animate/renewal.h"
 
 #include <algorithm>
 #include <cmath>
