@@ -11,6 +11,7 @@
 #include "freshet/error.h"
 #include "query/labelling/assignment.h"
 #include "query/search/picture_scale.h"
+#include "studio/event_feed.h"
 #include "synth/matte/held.h"
 
 namespace freshet::studio {
@@ -113,11 +114,6 @@ void stop_if_asked(const Job& job) {
 
 }  // namespace
 
-std::uint64_t next_number() {
-  static std::atomic<std::uint64_t> last{0};
-  return ++last;
-}
-
 Easel::Easel(std::shared_ptr<Project> project, Tell tell)
     : project_(std::move(project)), tell_(std::move(tell)) {}
 
@@ -149,6 +145,13 @@ void Easel::bring_up_to_date(OpenedStore* store, query::LabelCache* cache, const
     if (fault.kind() == ErrorKind::kCancelled) throw;
     tell_problem(fault.what());
   }
+  tell_settled(document);
+}
+
+void Easel::tell_settled(const Document& document) {
+  const Results now = results();
+  const bool stands = now.full && now.frames_key == frames_key(document);
+  tell_("settled", text({{"project", project_->id()}, {"reel", stands ? reel_json(*now.full) : Json()}}));
 }
 
 void Easel::work(const Document& document, OpenedStore* store, query::LabelCache* cache, const Job& job) {
@@ -278,7 +281,9 @@ void Easel::roll(const std::shared_ptr<FrameReel>& reel,
                  const std::function<void(const std::function<void()>&)>& frames) {
   {
     const std::lock_guard lock(guard_);
-    (reel->stage == "small" ? results_.small : results_.full) = reel;
+    const bool small = reel->stage == "small";
+    (small ? results_.small : results_.full) = reel;
+    if (!small) results_.frames_key = 0;  // a finished one has made room for one that is begun
   }
   const auto tell = [&] { tell_("reel", text({{"project", project_->id()}, {"reel", reel_json(*reel)}})); };
   frames([&] {

@@ -354,6 +354,7 @@ void Server::Impl::send_events(const httplib::Request& request, httplib::Respons
       [this, heard](std::size_t, httplib::DataSink& sink) {
         std::string news;
         for (const Event& event : studio.feed().after(*heard, std::chrono::seconds(5))) {
+          if (event.number > *heard + 1) news += "event: gap\ndata: {}\n\n";
           news += to_text(event);
           *heard = event.number;
         }

@@ -236,18 +236,18 @@ Studio::Saved Studio::save_document(const std::string& project, std::string_view
             .json = text({{"version", now.version}, {"document", Json::parse(to_json(now.document))}})};
   }
   feed_.publish("document", text({{"project", project}, {"version", *version}, {"page", page}}));
-  update(project);
-  return {.taken = true, .json = text({{"version", *version}})};
+  const JobId job = update(project);
+  return {.taken = true, .json = text({{"version", *version}, {"job", job}})};
 }
 
 void Studio::give_matte(const std::string& project, const fs::path& file) {
   easel(project)->project().give_matte(file);
 }
 
-void Studio::update(const std::string& project) {
+JobId Studio::update(const std::string& project) {
   const std::shared_ptr<Easel> easel = this->easel(project);
   const std::shared_ptr<OpenedStore> store = store_of(easel->project().state().document);
-  previews_->submit(project, "Preview", [this, easel, store](const Job& job) {
+  return previews_->submit(project, "Preview", [this, easel, store](const Job& job) {
     easel->bring_up_to_date(store.get(), cache_.get(), job);
   });
 }

@@ -52,7 +52,8 @@ class Studio {
   std::shared_ptr<Easel> easel(const std::string& project);
   /// Document, version, size and what has been computed; brings it up to date where it is not.
   std::string project_json(const std::string& project);
-  /// Takes a changed document. Returns JSON with "version", or with the document of somebody else where `base` is old.
+  /// Takes a changed document. Returns JSON with "version" and the "job" that brings it up to date, or with the document
+  /// of somebody else where `base` is old.
   struct Saved {
     bool taken = false;
     std::string json;
@@ -60,7 +61,7 @@ class Studio {
   Saved save_document(const std::string& project, std::string_view json, std::uint64_t base,
                       const std::string& page);
   void give_matte(const std::string& project, const std::filesystem::path& file);
-  void update(const std::string& project);
+  JobId update(const std::string& project);
 
   /// name   of the file in exports/. options   further words for `synth animate`: "--layer", "fluid".
   JobId export_animation(const std::string& project, const std::string& name,

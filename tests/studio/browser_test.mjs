@@ -124,7 +124,7 @@ async function until(holds, patience = 120000) {
 }
 
 /** Until the full preview of all that was drawn is there. */
-async function settled(page, timeout = 60000) {
+async function settled(page, timeout = 240000) {
   await page.waitForFunction(
     () => globalThis.document.querySelector("[data-state]")?.dataset.state === "full",
     null,
@@ -151,6 +151,8 @@ test("a picture becomes an animation in nine clicks, and its export is the comma
   await page.getByRole("slider", { name: "Speed" }).press("End");
   await until(async () => (await document("still")).strokes[1].speed === 1000);
   await page.keyboard.press("Control+z");
+  await until(async () => (await document("still")).strokes[1].speed < 1000);
+  await page.keyboard.press("Control+z");
   await until(async () => (await document("still")).strokes[1].speed === null);
 
   // Ask why, and take another patch.
@@ -175,7 +177,7 @@ test("a picture becomes an animation in nine clicks, and its export is the comma
   await shot(page, "export-wide");
   await page.getByRole("button", { name: "Make it" }).click(); // 8
   const save = page.getByRole("link", { name: "Save" });
-  await save.waitFor({ timeout: 60000 });
+  await save.waitFor();
   const line = await page.locator(".command code").textContent();
   assert.match(line, /freshet synth animate --config project\.toml -o exports\/still\.mkv/);
   const [download] = await Promise.all([page.waitForEvent("download"), save.click()]); // 9
@@ -209,6 +211,31 @@ test("nothing is lost by a reload, nor by the end of the server", async () => {
   await serve(Number(new URL(url).port), "demo.freshet");
   await page.getByText("server is away").waitFor({ state: "detached", timeout: 120000 });
   await until(async () => (await document("still")).strokes.length === 5);
+  assert.deepEqual(page.faults, []);
+  await page.context().close();
+});
+
+test("a change that is taken back in the middle of its preview, and a server that ends in it, leave no page waiting", async () => {
+  const page = await open(`${url}#/still`);
+  await page.locator(".bar").waitFor();
+  await settled(page);
+  const made = async () => (await (await api("projects/still/made")).json());
+  const { small, full } = await made();
+  await page.keyboard.press("3");
+  await page.getByLabel("Length").fill("20");
+  await until(async () => (await made()).small.number !== small.number);
+  await page.keyboard.press("Control+z");
+  await settled(page);
+  assert.equal((await made()).full.number, full.number); // what stood still stands
+  await page.getByLabel("Length").fill("20");
+  await until(async () => (await made()).full.number !== full.number);
+  await end("SIGKILL");
+  await page.getByText("server is away").waitFor();
+  await serve(Number(new URL(url).port), "demo.freshet");
+  await page.getByText("server is away").waitFor({ state: "detached" });
+  await page.getByLabel("Length").fill("2");
+  await settled(page);
+  assert.ok((await made()).full.number > full.number);
   assert.deepEqual(page.faults, []);
   await page.context().close();
 });

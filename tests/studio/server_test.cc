@@ -153,8 +153,8 @@ TEST_F(Server, ShowsItMovingAndWhy) {
   ASSERT_TRUE(made["full"].is_object()) << made;
   EXPECT_EQ(made["full"]["ready"], 12);
   EXPECT_EQ(made["full"]["width"], tools::kWidth);
-  const httplib::Result frame =
-      running().get(fmt::format("api/projects/{}/reels/{}/11", id, made["full"]["number"].get<int>()));
+  const httplib::Result frame = running().get(
+      fmt::format("api/projects/{}/reels/{}/11", id, made["full"]["number"].get<std::uint64_t>()));
   EXPECT_EQ(status(frame), 200);
   EXPECT_EQ(frame->get_header_value("Content-Type"), "image/jpeg");
   EXPECT_EQ(running().json("api/projects/" + id + "/field")["source"], "strokes");
@@ -162,6 +162,43 @@ TEST_F(Server, ShowsItMovingAndWhy) {
   ASSERT_GT(pieces["pieces"].size(), 4u);
   EXPECT_EQ(status(running().get("api/projects/" + id + "/pieces/0/0")), 200);
   EXPECT_EQ(status(running().get("api/projects/" + id + "/pieces/100000")), 404);
+}
+
+/// Changes a document, and does not wait for what becomes of it.
+void change(RunningStudio& running, const std::string& id, const Json& edit) {
+  const Json opened = running.json("api/projects/" + id);
+  Json document = opened["document"];
+  document.update(edit);
+  const httplib::Result answer =
+      running.send("PUT", fmt::format("api/projects/{}/document?base={}", id, opened["version"].get<int>()),
+                   document.dump());
+  ASSERT_TRUE(answer);
+  ASSERT_EQ(answer->status, 200) << answer->body;
+}
+
+TEST_F(Server, AChangeThatIsTakenBackLeavesTheAnimationThatStood) {
+  const std::string id = running().open_still("back.png");
+  running().draw(id, drawing());
+  const Json before = running().json("api/projects/" + id)["made"];
+  for (const char* stage : {"small", "full"}) {
+    // Taken back as soon as a new reel of this stage has begun: the worst moment.
+    change(running(), id, {{"speed", 0.5}, {"frames", 400}});
+    const auto begun = [&] {
+      return running().json("api/projects/" + id + "/made")[stage]["number"] != before[stage]["number"];
+    };
+    for (int tries = 0; !begun() && tries < 2000; ++tries) ::usleep(10'000);
+    ASSERT_TRUE(begun()) << stage;
+    const std::uint64_t news = running().studio().feed().last();
+    change(running(), id, {{"speed", 1}, {"frames", 12}});
+    running().studio().wait();
+    Json settled;
+    for (const Event& event : running().studio().feed().after(news, std::chrono::milliseconds(0)))
+      if (event.type == "settled") settled = Json::parse(event.data);
+    ASSERT_TRUE(settled["reel"].is_object()) << stage;
+    EXPECT_EQ(settled["reel"]["total"], 12) << stage;
+    EXPECT_EQ(settled["reel"]["ready"], 12) << stage;
+    EXPECT_EQ(running().json("api/projects/" + id + "/made")["full"], settled["reel"]) << stage;
+  }
 }
 
 TEST_F(Server, APinnedPieceHasItsPatch) {
@@ -248,13 +285,7 @@ TEST_F(Server, AJobIsStopped) {
   const std::string id = running().open_still("stopped.png");
   Json long_one = drawing();
   long_one["frames"] = 1500;
-  const Json opened = running().json("api/projects/" + id);
-  Json document = opened["document"];
-  document.update(long_one);
-  ASSERT_EQ(status(running().send(
-                "PUT", fmt::format("api/projects/{}/document?base={}", id, opened["version"].get<int>()),
-                document.dump())),
-            200);
+  change(running(), id, long_one);
   std::uint64_t job = 0;
   for (const Json& each : running().json("api/jobs"))
     if (each["lane"] == "preview" && each["key"] == id &&

@@ -66,7 +66,7 @@ export async function giveMatte(id: string, file: File): Promise<void> {
 }
 
 export type Saved =
-  | { taken: true; version: number }
+  | { taken: true; version: number; job: number }
   | { taken: false; version: number; document: Document };
 
 export async function save(id: string, document: Document, base: number, page: string): Promise<Saved> {
@@ -74,8 +74,8 @@ export async function save(id: string, document: Document, base: number, page: s
     method: "PUT",
     body: JSON.stringify(document),
   });
-  const json = (await answer.json()) as { version: number; document: Document };
-  return answer.status === 409 ? { taken: false, ...json } : { taken: true, version: json.version };
+  const json = (await answer.json()) as { version: number; document: Document; job: number };
+  return answer.status === 409 ? { taken: false, ...json } : { taken: true, ...json };
 }
 
 export interface ExportRequest {
@@ -110,7 +110,7 @@ export type Listener = (type: string, data: unknown) => void;
 /** Hears what happens, and goes on after interruptions. Returns how to end it. */
 export function listen(after: number, listener: Listener, connected: (yes: boolean) => void): () => void {
   const source = new EventSource(`api/events?after=${after}`);
-  for (const type of ["job", "document", "matte", "field", "labels", "reel", "problem", "export", "ingested"])
+  for (const type of ["job", "gap", "document", "matte", "field", "labels", "reel", "settled", "problem", "export", "ingested"])
     source.addEventListener(type, (event) => listener(type, JSON.parse((event as MessageEvent<string>).data)));
   source.onopen = () => connected(true);
   source.onerror = () => connected(false);

@@ -159,8 +159,8 @@ function oneDirection(dx: number, dy: number): void {
 function FlowPanel({ document }: { document: Document }): JSX.Element {
   const chosen = view.selected.value;
   const stroke = chosen === null ? undefined : document.strokes[chosen];
-  const change = (speed: number | null): void =>
-    state.edit({ strokes: document.strokes.map((each, i) => (i === chosen ? { ...each, speed } : each)) }, "speed");
+  const change = (speed: number | null, key = ""): void =>
+    state.edit({ strokes: document.strokes.map((each, i) => (i === chosen ? { ...each, speed } : each)) }, key);
   return (
     <>
       <Section title="Where it flows" aside={<span class="figure">{document.strokes.length}</span>}>
@@ -207,7 +207,7 @@ function FlowPanel({ document }: { document: Document }): JSX.Element {
         >
           <Switch label="As fast as its clips" checked={stroke.speed === null} onChange={(own) => change(own ? null : Math.max(10, Math.round(lengthOf(stroke.points))))} />
           {stroke.speed !== null && (
-            <Slider label="Speed" value={Math.max(1, stroke.speed)} min={1} max={1000} logarithmic shown={`${Math.round(stroke.speed)} px/s`} onInput={(value) => change(Math.round(value))} />
+            <Slider label="Speed" value={Math.max(1, stroke.speed)} min={1} max={1000} logarithmic shown={`${Math.round(stroke.speed)} px/s`} onInput={(value) => change(Math.round(value), "speed")} />
           )}
           <button
             type="button"

@@ -30,7 +30,7 @@ export const player = new Player();
 export const store = computed(() => home.value?.stores.find((each) => each.path === doc.value?.store) ?? null);
 export const previewJob = computed(() =>
   Object.values(jobs.value).find(
-    (job) => job.lane === "preview" && job.key === project.value?.id && (job.state === "running" || job.state === "waiting"),
+    (job) => job.lane === "preview" && job.key === project.value?.id && isBusy(job),
   ),
 );
 
@@ -119,6 +119,7 @@ async function send(): Promise<void> {
     version = saved.version;
     if (saved.taken) {
       keptText = canonical(document);
+      expectPreview(id, saved.job);
     } else if (canonical(saved.document) === keptText) {
       dirty = true; // a server that was started again counts anew, and nobody else has changed anything
     } else {
@@ -179,7 +180,8 @@ export async function openProject(id: string): Promise<void> {
   const [opened, house] = await Promise.all([api.project(id), api.home()]);
   home.value = house;
   take(opened);
-  hear(opened.event);
+  await askJobs();
+  if (project.value === opened) hear(opened.event);
 }
 
 function take(opened: Project): void {
@@ -189,18 +191,38 @@ function take(opened: Project): void {
   batch(() => {
     project.value = opened;
     adopt(opened.document);
-    matte.value = opened.made.matte;
-    problem.value = opened.made.problem;
     saving.value = "saved";
     if (opened.notice) toast.value = opened.notice;
     const document = opened.document;
     const drawn = document.scribbles.length + document.paint.length > 0 || document.matte_base !== "scribbles";
     mode.value = drawn ? "flow" : "fluid";
   });
+  showMade(opened);
+}
+
+/** What the server has made so far. */
+function showMade(opened: Project): void {
+  matte.value = opened.made.matte;
+  problem.value = opened.made.problem;
   const reel = opened.made.full ?? opened.made.small;
   if (reel) player.follow(opened.id, reel);
   if (opened.made.field) loadField(opened.id).catch(() => undefined);
   if (opened.made.labels) loadPieces(opened.id).catch(() => undefined);
+}
+
+const jobKey = (job: Job): string => `${job.lane} ${job.id}`;
+const isBusy = (job: Job): boolean => job.state === "waiting" || job.state === "running";
+
+/** What runs, where its news were missed. News that come while the answer is on its way are later than it. */
+async function askJobs(): Promise<void> {
+  const listed = await api.jobs();
+  const newest = Math.max(0, ...listed.map((job) => job.id));
+  const later = Object.values(jobs.value).filter((job) => job.id > newest);
+  const now = listed.map((job) => {
+    const known = jobs.value[jobKey(job)];
+    return known && !isBusy(known) ? known : job;
+  });
+  jobs.value = Object.fromEntries([...now, ...later].map((job) => [jobKey(job), job]));
 }
 
 async function loadField(id: string): Promise<void> {
@@ -237,20 +259,31 @@ async function reload(): Promise<void> {
       if (canonical(opened.document) !== canonical(doc.value)) adopt(opened.document);
       keptText = canonical(opened.document);
     }
-    matte.value = opened.made.matte;
+    showMade(opened);
+    await askJobs();
   } catch {
     connected.value = false;
   }
 }
 
+const kJobsKept = 64;
+
+function noteJob(job: Job): void {
+  const kept = Object.values(jobs.value).slice(-kJobsKept).filter((each) => jobKey(each) !== jobKey(job));
+  jobs.value = Object.fromEntries([...kept, job].map((each) => [jobKey(each), each]));
+}
+
+/** A change is being worked on from the moment when it is taken, though the news of its job may come a little later. */
+function expectPreview(key: string, id: number): void {
+  if (jobs.value[`preview ${id}`]) return;
+  noteJob({ lane: "preview", id, key, title: "", state: "waiting", stage: "", done: 0, of: 0, fault: "" });
+}
+
 async function heard(type: string, data: unknown): Promise<void> {
   const news = data as { project?: string };
   const id = project.value?.id;
-  if (type === "job") {
-    const job = data as Job;
-    jobs.value = { ...jobs.value, [`${job.lane} ${job.id}`]: job };
-    return;
-  }
+  if (type === "job") return noteJob(data as Job);
+  if (type === "gap") return reload();
   if (type === "ingested") {
     home.value = await api.home();
     ingested.value = (data as { report: IngestReport | null }).report;
@@ -277,6 +310,9 @@ async function heard(type: string, data: unknown): Promise<void> {
       return loadPieces(id);
     case "reel":
       player.follow(id, (data as { reel: ReelNews }).reel);
+      return;
+    case "settled":
+      player.settle(id, (data as { reel: ReelNews | null }).reel);
       return;
     case "problem":
       problem.value = (data as { text: string }).text;
