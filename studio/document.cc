@@ -152,6 +152,19 @@ std::vector<DrawnStroke> read_strokes(const Fields& fields) {
   return strokes;
 }
 
+std::vector<DrawnTempo> read_tempo(const Fields& fields) {
+  std::vector<DrawnTempo> tempo;
+  if (!fields.has("tempo")) return tempo;  // of a document that is older than it
+  for (const Json& item : fields.list("tempo", kMaxLines)) {
+    const Fields line = fields.below(item, "tempo", tempo.size());
+    line.only({"points", "width", "factor"});
+    tempo.push_back({.points = line.points(),
+                     .width = static_cast<float>(line.number("width", 0, 10000)),
+                     .factor = static_cast<float>(line.number("factor", 0.5, 2))});
+  }
+  return tempo;
+}
+
 std::vector<Pin> read_pins(const Fields& fields) {
   std::vector<Pin> pins;
   for (const Json& item : fields.list("pins", kMaxLines)) {
@@ -207,6 +220,10 @@ Json frames_json(const Document& document) {
   Json json = labels_json(document);
   json["loop"] = document.loop;
   json["speed"] = document.speed;
+  json["tempo"] = Json::array();
+  for (const DrawnTempo& line : document.tempo)
+    json["tempo"].push_back(
+        {{"points", points_json(line.points)}, {"width", line.width}, {"factor", line.factor}});
   json["moving_outline"] = document.moving_outline;
   return json;
 }
@@ -234,7 +251,7 @@ Document document_from_json(std::string_view json, const std::string& where) {
   std::size_t points = 0;
   const Fields fields(parsed, where, points);
   fields.only({"matte_base", "edge", "scribbles", "paint", "held", "store", "class", "excluded_clips",
-               "frames", "fps", "strokes", "pins", "loop", "speed", "moving_outline"});
+               "frames", "fps", "strokes", "tempo", "pins", "loop", "speed", "moving_outline"});
   Document document{.store = fields.text("store"),
                     .matte_base = read_base(fields),
                     .edge = fields.text("edge"),
@@ -242,6 +259,7 @@ Document document_from_json(std::string_view json, const std::string& where) {
                     .paint = fields.drawn("paint"),
                     .held = fields.drawn("held"),
                     .strokes = read_strokes(fields),
+                    .tempo = read_tempo(fields),
                     .class_name = fields.text("class"),
                     .excluded_clips = {},
                     .pins = read_pins(fields),

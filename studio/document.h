@@ -26,6 +26,14 @@ struct DrawnStroke {
   bool operator==(const DrawnStroke&) const = default;
 };
 
+/// Where its clips play slower or faster, painted: a later line lies over earlier ones.
+struct DrawnTempo {
+  std::vector<cv::Point2f> points;
+  float width = 0;   // px
+  float factor = 1;  // 0.5..2
+  bool operator==(const DrawnTempo&) const = default;
+};
+
 /// A piece that was given its patch by hand.
 struct Pin {
   cv::Point corner;  // px, of the picture that was cut (Assignment::piece_scale)
@@ -46,6 +54,7 @@ struct Document {
   std::vector<Drawn> paint;      // laid over it as it is
   std::vector<Drawn> held;       // what stands still in front of the fluid, painted
   std::vector<DrawnStroke> strokes;
+  std::vector<DrawnTempo> tempo;
   std::string class_name;  // empty: all
   std::vector<std::string> excluded_clips;
   std::vector<Pin> pins;

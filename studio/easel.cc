@@ -57,6 +57,14 @@ cv::Mat fluid_of(const FoundMatte& matte) {
                             : synth::matte::less_held(matte.alpha, matte.held, "what is held still");
 }
 
+Scene scene_of(const media::Still& still, const FoundMatte& matte, const Document& document, double factor) {
+  return {.picture = reduced(still.bgr, factor),
+          .matte = reduced(fluid_of(matte), factor),
+          .held = reduced(matte.held, factor),
+          .tempo = reduced(draw_tempo(document, still.bgr.size()), factor),
+          .factor = factor};
+}
+
 Json matte_json(const FoundMatte& matte) {
   return {{"number", matte.number},
           {"share", cv::mean(matte.alpha)[0] / 255},
@@ -159,6 +167,7 @@ void Easel::work(const Document& document, OpenedStore* store, query::LabelCache
   stop_if_asked(job);
   if (!document.strokes.empty() || document.store.empty() || store == nullptr) tell_field(document);
   stop_if_asked(job);
+  if (!document.tempo.empty()) project_->write_tempo(draw_tempo(document, project_->size()));
   project_->write_recipe(document);
   if (!matte || matte->alpha.empty() || store == nullptr || !store->exists()) return;
   if (results().frames_key == frames_key(document)) return;
@@ -220,16 +229,16 @@ void Easel::render_small(const Document& document, const FoundMatte& matte,
                          const std::shared_ptr<const StoreBase>& base, const Job& job) {
   const std::shared_ptr<const media::Still> still = project_->picture();
   const double factor = reduction(still->bgr.size(), kSmallSide);
-  const cv::Mat picture = reduced(still->bgr, factor), fluid = reduced(fluid_of(matte), factor);
-  if (cv::countNonZero(fluid) == 0) return;
+  Scene scene = scene_of(*still, matte, document, factor);
+  scene.factor = 1;  // it is labelled small
+  if (cv::countNonZero(scene.matte) == 0) return;
   const LabelledPicture labelled =
-      label_picture(base, picture, fluid, reduced(document, factor), nullptr, job);
+      label_picture(base, scene.picture, scene.matte, reduced(document, factor), nullptr, job);
   stop_if_asked(job);
   const int frames = std::min(document.frames, kSmallFrames);
-  const auto reel = std::make_shared<FrameReel>(next_number(), "small", picture.size(), frames, document.fps);
-  roll(reel, [&](const std::function<void()>& told) {
-    render(labelled, document, picture, fluid, reduced(matte.held, factor), 1, *reel, told, job);
-  });
+  const auto reel =
+      std::make_shared<FrameReel>(next_number(), "small", scene.picture.size(), frames, document.fps);
+  roll(reel, [&](const std::function<void()>& told) { render(labelled, document, scene, *reel, told, job); });
 }
 
 std::shared_ptr<const LabelledPicture> Easel::find_labels(const Document& document, const FoundMatte& matte,
@@ -268,13 +277,10 @@ void Easel::render_full(const Document& document, const FoundMatte& matte, const
   // Never below the size at which it was cut into pieces.
   const double factor =
       std::min(reduction(still->bgr.size(), kFullSide), labelled.labelling.assignment.piece_scale);
-  const cv::Mat picture = reduced(still->bgr, factor);
+  const Scene scene = scene_of(*still, matte, document, factor);
   const auto reel =
-      std::make_shared<FrameReel>(next_number(), "full", picture.size(), document.frames, document.fps);
-  roll(reel, [&](const std::function<void()>& told) {
-    render(labelled, document, picture, reduced(fluid_of(matte), factor), reduced(matte.held, factor), factor,
-           *reel, told, job);
-  });
+      std::make_shared<FrameReel>(next_number(), "full", scene.picture.size(), document.frames, document.fps);
+  roll(reel, [&](const std::function<void()>& told) { render(labelled, document, scene, *reel, told, job); });
 }
 
 void Easel::roll(const std::shared_ptr<FrameReel>& reel,

@@ -13,6 +13,7 @@ struct RecipeFiles {
   std::string matte, held;  // "": none
   bool whole = false;       // all of the picture is fluid
   std::string strokes;      // "": none
+  std::string tempo;        // "": none
   std::string assignment;   // "": patches are chosen anew; they are the same
 };
 

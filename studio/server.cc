@@ -289,6 +289,7 @@ void Server::Impl::get_project(const Words& words, const httplib::Request& reque
         asked.empty() ? 2048 : static_cast<int>(std::clamp<std::uint64_t>(number(asked), 16, kLongest));
     return answer(response, easel->picture_jpeg(longest), "image/jpeg");
   }
+  if (what == "history") return answer(response, easel->project().history());
   if (what == "field") return answer(response, easel->field_json());
   if (what == "made") return answer(response, easel->overview_json());
   if (what == "mattes" && words.size() == 6) {  // mattes/NUMBER/alpha
@@ -408,6 +409,10 @@ void Server::Impl::change_project(const Words& words, const httplib::Request& re
     if (!saved.taken) response.status = 409;
     return;
   }
+  if (request.method == "PUT" && what == "history") {
+    studio.easel(id)->project().write_history(read_text(reader));
+    return answer(response, "{}");
+  }
   if (request.method == "POST" && what == "matte") {
     const Incoming incoming{studio.incoming_file()};
     read_file(request, reader, incoming.path);
@@ -420,12 +425,11 @@ void Server::Impl::change_project(const Words& words, const httplib::Request& re
     const std::vector<std::string> options = export_options(asked);
     const JobId job = studio.export_animation(id, name, options);
     const Project& project = studio.easel(id)->project();
-    return answer(
-        response,
-        Json{{"job", job},
-             {"folder", project.folder().string()},
-             {"command", to_text(Studio::export_command("freshet", project, "exports/" + name, options))}}
-            .dump());
+    return answer(response,
+                  Json{{"job", job},
+                       {"folder", project.folder().string()},
+                       {"command", to_text(Studio::export_command("freshet", project, name, options))}}
+                      .dump());
   }
   throw Error(ErrorKind::kNotFound, what, "there is nothing here");
 }

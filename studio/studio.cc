@@ -65,6 +65,19 @@ Json view_json(const JobView& view, const char* lane) {
           {"fault", view.fault}};
 }
 
+/// A folder of pictures that were exported.
+Json sequence_json(const fs::directory_entry& folder) {
+  std::uintmax_t bytes = 0;
+  std::size_t pictures = 0;
+  std::error_code fault;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, fault)) {
+    if (entry.is_symlink() || !entry.is_regular_file()) continue;
+    bytes += entry.file_size();
+    ++pictures;
+  }
+  return {{"name", folder.path().filename().string()}, {"bytes", bytes}, {"pictures", pictures}};
+}
+
 }  // namespace
 
 Studio::Studio(StudioOptions options) : options_(std::move(options)) {
@@ -252,11 +265,12 @@ JobId Studio::update(const std::string& project) {
   });
 }
 
-Command Studio::export_command(const std::string& program, const Project& project, const std::string& output,
+Command Studio::export_command(const std::string& program, const Project& project, const std::string& name,
                                const std::vector<std::string>& options) {
-  Command command{.program = program,
-                  .arguments = {"synth", "animate", "--config", "project.toml", "-o", output},
-                  .folder = project.folder()};
+  Command command{
+      .program = program,
+      .arguments = {"synth", "animate", "--config", "project.toml", "-o", Project::export_output(name)},
+      .folder = project.folder()};
   command.arguments.insert(command.arguments.end(), options.begin(), options.end());
   return command;
 }
@@ -287,7 +301,7 @@ JobId Studio::export_animation(const std::string& project, const std::string& na
                              if (!now.pins.empty() && !easel->is_labelled(now))
                                throw Error(ErrorKind::kUsage, project, "its pieces were not chosen",
                                            "See what the preview says");
-                             run(export_command(options_.program, from, "exports/" + name, words), job);
+                             run(export_command(options_.program, from, name, words), job);
                              feed_.publish("export", text({{"project", project}, {"name", name}}));
                            });
 }
@@ -299,8 +313,10 @@ std::string Studio::exports_json(const std::string& project) {
   for (const fs::directory_entry& entry :
        fs::directory_iterator(easel->project().folder() / "exports", fault)) {
     const std::string name = entry.path().filename();
-    if (is_plain_file_name(name) && !entry.is_symlink() && entry.is_regular_file())
-      json["files"].push_back({{"name", name}, {"bytes", entry.file_size()}});
+    if (!is_plain_file_name(name) || entry.is_symlink()) continue;
+    if (entry.is_regular_file())
+      json["files"].push_back({{"name", name}, {"bytes", entry.file_size()}, {"pictures", 0}});
+    if (entry.is_directory()) json["files"].push_back(sequence_json(entry));
   }
   return text(json);
 }

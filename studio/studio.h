@@ -63,12 +63,13 @@ class Studio {
   void give_matte(const std::string& project, const std::filesystem::path& file);
   JobId update(const std::string& project);
 
-  /// name   of the file in exports/. options   further words for `synth animate`: "--layer", "fluid".
+  /// name   of the file in exports/, or with the ending of a picture of a folder of them. options   further words for
+  /// `synth animate`: "--layer=fluid".
   JobId export_animation(const std::string& project, const std::string& name,
                          const std::vector<std::string>& options);
   std::string exports_json(const std::string& project);
   /// The command line that makes the same.
-  static Command export_command(const std::string& program, const Project& project, const std::string& output,
+  static Command export_command(const std::string& program, const Project& project, const std::string& name,
                                 const std::vector<std::string>& options);
 
   std::shared_ptr<OpenedStore> store(const std::string& id) const;

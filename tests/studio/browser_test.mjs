@@ -215,6 +215,95 @@ test("nothing is lost by a reload, nor by the end of the server", async () => {
   await page.context().close();
 });
 
+test("steps back live over a reload", async () => {
+  const page = await open(`${url}#/still`);
+  await page.locator(".bar").waitFor();
+  const drawn = await document("still");
+  await page.keyboard.press("2");
+  for (const x of [100, 110, 120]) await drag(page, [[x, 60], [x, 150]]);
+  const undo = page.getByRole("button", { name: "Undo" });
+  await undo.click();
+  await page.reload(); // at once: nothing waits for a timer
+  await page.locator(".bar").waitFor();
+  await until(async () => (await document("still")).strokes.length === drawn.strokes.length + 2);
+  await page.getByRole("button", { name: "Redo" }).click();
+  await until(async () => (await document("still")).strokes.length === drawn.strokes.length + 3);
+  for (let left = 2; left >= 0; --left) {
+    await undo.click();
+    await until(async () => (await document("still")).strokes.length === drawn.strokes.length + left);
+  }
+  assert.deepEqual(await document("still"), drawn);
+  assert.deepEqual(page.faults, []);
+  await page.context().close();
+});
+
+test("a pen's pressure, an area's corners and a painted pace", async () => {
+  const page = await open(`${url}#/still`);
+  await page.locator(".bar").waitFor();
+  const before = await document("still");
+  await page.keyboard.press("1");
+  await page.keyboard.press("p");
+  const pen = await page.context().newCDPSession(page);
+  const { left, top, scale } = await shown(page);
+  const press = (type, x, y, force) =>
+    pen.send("Input.dispatchMouseEvent", { type, x: left + x * scale, y: top + y * scale, force, pointerType: "pen", button: "left", buttons: type === "mouseReleased" ? 0 : 1, clickCount: 1 });
+  await press("mousePressed", 60, 60, 0.1);
+  for (let i = 1; i <= 20; ++i) await press("mouseMoved", 60 + 4 * i, 60, i / 20);
+  await shot(page, "pen");
+  await press("mouseReleased", 140, 60, 1);
+  await until(async () => (await document("still")).paint.length > before.paint.length);
+  const runs = (await document("still")).paint.slice(before.paint.length);
+  const widths = runs.map(({ width }) => width);
+  assert.ok(runs.length > 4, `${widths}`);
+  assert.ok(widths.every((width, i) => i === 0 || width > widths[i - 1]) && widths.at(-1) > 2 * widths[0], `${widths}`);
+  runs.forEach(({ points }, i) => assert.deepEqual(points[0], i === 0 ? points[0] : runs[i - 1].points.at(-1)));
+  await page.keyboard.press("Control+z"); // one stroke of the pen is one step
+  await until(async () => (await document("still")).paint.length === before.paint.length);
+
+  await page.keyboard.press("a");
+  const click = (x, y) => page.mouse.click(left + x * scale, top + y * scale);
+  for (const [x, y] of [[60, 60], [90, 60], [90, 90], [60, 90]]) await click(x, y);
+  await shot(page, "corners");
+  await click(60, 60);
+  await until(async () => (await document("still")).paint.length === before.paint.length + 1);
+  const area = (await document("still")).paint.at(-1);
+  assert.ok(area.area && area.adds && area.points.length === 4, JSON.stringify(area));
+  await page.keyboard.press("Control+z");
+
+  await page.keyboard.press("2");
+  await page.getByRole("radio", { name: "Pace" }).click();
+  await drag(page, [[160, 20], [160, 180]]);
+  await until(async () => (await document("still")).tempo.length === 1);
+  assert.equal((await document("still")).tempo[0].factor, 2);
+  await settled(page);
+  await shot(page, "pace-wide");
+  assert.match(readFileSync(at("room/projects/still/project.toml"), "utf8"), /retiming-map = "tempo.png"/);
+  await page.keyboard.press("Control+z");
+  await until(async () => (await document("still")).tempo.length === 0);
+  assert.deepEqual(page.faults, []);
+  await page.context().close();
+});
+
+test("a sequence of some frames is a folder", async () => {
+  const page = await open(`${url}#/still`);
+  await page.locator(".bar").waitFor();
+  await page.getByRole("button", { name: "Export" }).click();
+  await page.getByText("PNG sequence").click();
+  await page.getByText("Frames and depth").click();
+  await page.getByLabel("From frame").fill("1003");
+  await page.getByLabel("To frame").fill("1004");
+  await page.getByLabel("First number").fill("1001");
+  await page.getByLabel("Bits").selectOption("16");
+  await page.getByRole("button", { name: "Make it" }).click();
+  await page.getByText("2 pictures").waitFor();
+  await shot(page, "sequence-wide");
+  const line = await page.locator(".command code").textContent();
+  assert.match(line, /-o 'exports\/still\/still.####.png' --depth=16 --range=1003-1004 --start-number=1001/);
+  assert.ok(readFileSync(at("room/projects/still/exports/still/still.1004.png")).length > 1000);
+  assert.deepEqual(page.faults, []);
+  await page.context().close();
+});
+
 test("a change that is taken back in the middle of its preview, and a server that ends in it, leave no page waiting", async () => {
   const page = await open(`${url}#/still`);
   await page.locator(".bar").waitFor();

@@ -21,6 +21,7 @@ Document full() {
   document.held = {{.points = {{5, 5}}, .width = 3, .adds = true, .is_area = false}};
   document.strokes = {{.points = {{10, 10}, {10, 40}}, .speed = 80.0f},
                       {.points = {{20, 10}, {30, 40}}, .speed = {}}};
+  document.tempo = {{.points = {{5, 5}, {9, 5}}, .width = 12, .factor = 0.5f}};
   document.class_name = "water";
   document.excluded_clips = {"water/<b>1</b>.mp4"};
   document.pins = {{.corner = {-8, 16}, .clip = "water/2.mp4", .variant = 3, .patch = {40, 50}}};
@@ -47,6 +48,14 @@ TEST(Document, ComesBackFromItsText) {
   EXPECT_EQ(document_from_json(to_json({}), "document"), Document());
 }
 
+TEST(Document, WithoutPaceIsAnOlderOne) {
+  Json older = Json::parse(to_json(full()));
+  older.erase("tempo");
+  Document expected = full();
+  expected.tempo.clear();
+  EXPECT_EQ(document_from_json(older.dump(), "document"), expected);
+}
+
 TEST(Document, RefusesWhatItDoesNotKnow) {
   const Json good = Json::parse(to_json(full()));
   const auto with = [&](const char* name, const Json& value) {
@@ -56,6 +65,7 @@ TEST(Document, RefusesWhatItDoesNotKnow) {
   };
   expect_refused(with("colour", 1), "colour");
   expect_refused(with("frames", 0), "frames");
+  expect_refused(with("tempo", {{{"points", {{1, 1}}}, {"width", 9}, {"factor", 3}}}), "factor");
   expect_refused(with("frames", 2.5), "frames");
   expect_refused(with("frames", 1e9), "frames");
   expect_refused(with("fps", "25"), "fps");

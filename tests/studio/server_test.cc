@@ -265,6 +265,55 @@ TEST_F(Server, WhatItExportsTheCommandLineMakesAgain) {
             std::string::npos);
 }
 
+TEST_F(Server, PaintedPaceIsTheCommandLinesToo) {
+  const std::string id = running().open_still("paced.png");
+  running().draw(id, drawing());
+  expect_same_bytes(running(), id, "filmed.mkv", Json::object());
+  const auto tempo = [](double factor) {
+    return Json{{"tempo", {{{"points", {{96, 0}, {96, 144}}}, {"width", 200}, {"factor", factor}}}}};
+  };
+  running().draw(id, tempo(0.5));
+  expect_same_bytes(running(), id, "slow.mkv", Json::object());
+  const fs::path exports = running().room() / "projects" / id / "exports";
+  EXPECT_FALSE(tools::text_of(exports / "filmed.mkv") == tools::text_of(exports / "slow.mkv"));
+  running().draw(id, {{"tempo", Json::array()}});
+  running().draw(id, {{"speed", 0.5}});
+  expect_same_bytes(running(), id, "half.mkv", Json::object());
+  EXPECT_TRUE(tools::text_of(exports / "slow.mkv") == tools::text_of(exports / "half.mkv"));
+}
+
+TEST_F(Server, ASequenceIsAFolderOfPictures) {
+  const std::string id = running().open_still("sequence.png");
+  running().draw(id, drawing());
+  const httplib::Result answer = running().send(
+      "POST", "api/projects/" + id + "/exports",
+      R"({"name": "fluid.exr", "layer": "fluid", "depth": "half", "range": "1003-1005", "start-number": "1001"})");
+  ASSERT_EQ(status(answer), 200) << answer->body;
+  running().studio().wait();
+  const fs::path folder = running().room() / "projects" / id / "exports/fluid";
+  for (const char* name : {"fluid.1003.exr", "fluid.1004.exr", "fluid.1005.exr"})
+    EXPECT_TRUE(fs::exists(folder / name)) << name;
+  const Json files = running().json("api/projects/" + id + "/exports")["files"];
+  ASSERT_EQ(files.size(), 1u);
+  EXPECT_EQ(files[0]["pictures"], 3);
+  fs::create_directory_symlink(running().folder().path(),
+                               running().room() / "projects" / id / "exports/away");
+  EXPECT_EQ(status(running().send("POST", "api/projects/" + id + "/exports", R"({"name": "away.png"})")),
+            400);
+}
+
+TEST_F(Server, WhatCanBeUndoneIsKept) {
+  const std::string id = running().open_still("undone.png"), rest = "api/projects/" + id + "/history";
+  EXPECT_EQ(running().get(rest)->body, "null");
+  const std::string steps = R"({"of":"1","at":1,"steps":[[]]})";
+  EXPECT_EQ(status(running().send("PUT", rest, steps)), 200);
+  EXPECT_EQ(running().get(rest)->body, steps);
+  EXPECT_EQ(status(running().send("PUT", rest, "{")), 400);
+  EXPECT_EQ(status(running().send("PUT", rest, std::string(50'000, '['))), 400);
+  EXPECT_EQ(status(running().send("PUT", rest, '"' + std::string(5u << 20, 'x') + '"')), 400);
+  EXPECT_EQ(running().get(rest)->body, steps);
+}
+
 TEST_F(Server, AStoreGrowsByWhatIsSent) {
   const std::string store =
       Json::parse(running().send("POST", "api/stores", R"({"name": "sent"})")->body)["id"];

@@ -1,4 +1,5 @@
 // The server, as functions. Addresses are relative: the token stands in the page's own.
+import type { Kept } from "./history";
 import type { Candidates, Document, Field, Home, Job, Pieces, Project } from "./types";
 
 export class Fault extends Error {
@@ -69,13 +70,20 @@ export type Saved =
   | { taken: true; version: number; job: number }
   | { taken: false; version: number; document: Document };
 
-export async function save(id: string, document: Document, base: number, page: string): Promise<Saved> {
+/** keepalive   it arrives though the page is being closed; the browser takes 64 KB so. */
+export async function save(id: string, document: Document, base: number, page: string, keepalive = false): Promise<Saved> {
   const answer = await ask(`${at(id)}/document?base=${base}&page=${page}`, {
     method: "PUT",
     body: JSON.stringify(document),
+    keepalive,
   });
   const json = (await answer.json()) as { version: number; document: Document; job: number };
   return answer.status === 409 ? { taken: false, ...json } : { taken: true, ...json };
+}
+
+export const history = (id: string): Promise<Kept | null> => get(`${at(id)}/history`);
+export async function keepHistory(id: string, text: string, keepalive: boolean): Promise<void> {
+  await ask(`${at(id)}/history`, { method: "PUT", body: text, keepalive });
 }
 
 export interface ExportRequest {
@@ -117,5 +125,10 @@ export function listen(after: number, listener: Listener, connected: (yes: boole
   return () => source.close();
 }
 
-export const exports = (id: string): Promise<{ folder: string; files: { name: string; bytes: number }[] }> =>
-  get(`${at(id)}/exports`);
+/** pictures   of a sequence, which is a folder; 0: it is a file. */
+export interface Exported {
+  name: string;
+  bytes: number;
+  pictures: number;
+}
+export const exports = (id: string): Promise<{ folder: string; files: Exported[] }> => get(`${at(id)}/exports`);

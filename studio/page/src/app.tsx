@@ -189,7 +189,7 @@ function Transport(): JSX.Element {
   const busy = !!state.previewJob.value;
   const made = coming ? coming.loaded / Math.max(1, coming.news.total) : 0;
   return (
-    <footer class="transport" data-state={busy || coming || state.saving.value !== "saved" ? "busy" : (reel?.news.stage ?? "none")}>
+    <footer class="transport" data-state={busy || coming || state.saving.value !== "saved" ? "busy" : (reel?.news.stage ?? "none")} data-reel={reel?.news.number ?? 0}>
       <div class="row">
         <IconButton icon={player.playing.value ? Pause : Play} label={player.playing.value ? "Pause" : "Play"} shortcut="Space" disabled={!reel} onClick={() => player.toggle()} class="play" />
         <input
@@ -269,7 +269,9 @@ function useShortcuts(canvas: { current: Canvas | null }, exportNow: () => void)
         state.player.playing.value = false;
         state.player.seek(state.player.frame.value + (key === "arrowleft" ? -1 : 1));
       } else if (key === "delete" || key === "backspace") removeSelected();
+      else if (key === "enter" && view.corners.value > 0) canvas.current?.closeCorners();
       else if (key === "escape") {
+        canvas.current?.dropCorners();
         view.selected.value = null;
         view.piece.value = null;
       }

@@ -7,43 +7,14 @@ import { Image as KonvaImage } from "konva/lib/shapes/Image";
 import { Line } from "konva/lib/shapes/Line";
 import { Rect } from "konva/lib/shapes/Rect";
 import { address } from "./api";
+import { flat, lengthOf, PenLine, rounded, widthOf } from "./pen";
 import * as state from "./state";
 import { Streaks } from "./streaks";
-import type { Drawn, Point, Stroke } from "./types";
+import type { Document, Drawn, Point, Stroke, Tempo } from "./types";
 import * as view from "./view";
 
 const kLongest = 2048;
 const accent = (): string => getComputedStyle(document.documentElement).getPropertyValue("--accent").trim() || "#4fc3c7";
-
-/** Leaves out points that lie on the way (Ramer, Douglas and Peucker). */
-export function simplified(points: Point[], tolerance: number): Point[] {
-  const first = points[0];
-  const last = points[points.length - 1];
-  if (points.length < 3 || !first || !last) return points;
-  let far = 0;
-  let index = 0;
-  const dx = last[0] - first[0];
-  const dy = last[1] - first[1];
-  const length = Math.hypot(dx, dy) || 1;
-  for (let i = 1; i < points.length - 1; ++i) {
-    const [x, y] = points[i] as Point;
-    const distance =
-      dx === 0 && dy === 0
-        ? Math.hypot(x - first[0], y - first[1])
-        : Math.abs(dy * (x - first[0]) - dx * (y - first[1])) / length;
-    if (distance > far) [far, index] = [distance, i];
-  }
-  if (far <= tolerance) return [first, last];
-  return [...simplified(points.slice(0, index + 1), tolerance).slice(0, -1), ...simplified(points.slice(index), tolerance)];
-}
-
-const flat = (points: Point[]): number[] => points.flat();
-const rounded = (value: number): number => Math.round(value * 10) / 10;
-export const lengthOf = (points: Point[]): number =>
-  points.reduce((sum, [x, y], i) => {
-    const before = points[i - 1];
-    return before ? sum + Math.hypot(x - before[0], y - before[1]) : 0;
-  }, 0);
 
 function loadImage(source: string): Promise<HTMLImageElement> {
   return new Promise((resolve, reject) => {
@@ -53,6 +24,9 @@ function loadImage(source: string): Promise<HTMLImageElement> {
     image.src = source;
   });
 }
+
+/** Slower is blue, faster orange: told apart by those who see fewer hues. */
+const tempoColour = (factor: number): string => (factor === 1 ? "#c9d3d6" : factor < 1 ? "#4f8fe6" : "#f28f3b");
 
 export class Canvas {
   private readonly stage: Konva.Stage;
@@ -74,10 +48,12 @@ export class Canvas {
   private matteImage: HTMLImageElement | null = null;
   private heldImage: HTMLImageElement | null = null;
   private fitted = true;
-  private line: Point[] | null = null; // being drawn
-  private pen = 1; // pressure of the pen that draws
+  private line: PenLine | null = null; // being drawn
   private erasing = false;
-  private live: Line | Arrow | null = null;
+  private live: (Line | Arrow)[] = []; // one for each of its runs
+  private corners: Point[] = []; // of an area that is clicked together
+  private cornersTake = false;
+  private readonly outline: Line = new Line({ points: [], closed: true, opacity: 0.6, visible: false });
   private panFrom: { x: number; y: number; at: { x: number; y: number } } | null = null;
   private pinch: { distance: number; centre: { x: number; y: number } } | null = null;
   private last = 0;
@@ -91,7 +67,7 @@ export class Canvas {
     this.stage = new Konva.Stage({ container: holder, width: box.clientWidth || 10, height: box.clientHeight || 10 });
     this.below.add(this.picture, this.moving, this.original, this.divider);
     this.over.add(this.tint, this.held);
-    this.cursorLayer.add(this.cursor);
+    this.cursorLayer.add(this.outline, this.cursor);
     this.stage.add(this.below, this.over, this.drawing, this.cursorLayer);
     this.drawing.getNativeCanvasElement().before(this.overlay); // below the lines that were drawn
     this.resizer = new ResizeObserver(() => this.resize());
@@ -188,9 +164,15 @@ export class Canvas {
       }),
       effect(() => this.flowing.set(state.field.value, this.matteImage)),
       effect(() => {
+        void state.mode.value;
+        void view.fluidTool.value;
+        this.dropCorners();
+      }),
+      effect(() => {
         void state.doc.value;
         void state.mode.value;
         void view.selected.value;
+        void view.flowTool.value;
         void view.piece.value;
         void view.pieceMap.value;
         void state.pieces.value;
@@ -264,7 +246,10 @@ export class Canvas {
     const document = state.doc.value;
     if (document) {
       if (state.mode.value === "fluid") this.addScribbles(document.scribbles);
-      if (state.mode.value === "flow") document.strokes.forEach((stroke, i) => this.addStroke(stroke, i));
+      if (state.mode.value === "flow") {
+        if (view.flowTool.value === "tempo") this.addTempo(document.tempo);
+        document.strokes.forEach((stroke, i) => this.addStroke(stroke, i));
+      }
       if (state.mode.value === "why") this.addPieces();
     }
     this.drawing.batchDraw();
@@ -285,6 +270,11 @@ export class Canvas {
       );
   }
 
+  private addTempo(lines: Tempo[]): void {
+    for (const { points, width, factor } of lines)
+      this.drawing.add(new Line({ points: [...flat(points), ...flat(points.slice(-1))], stroke: tempoColour(factor), strokeWidth: width, lineCap: "round", lineJoin: "round", opacity: 0.5, listening: false }));
+  }
+
   private addStroke(stroke: Stroke, index: number): void {
     const chosen = view.selected.value === index;
     const scale = this.stage.scaleX();
@@ -300,12 +290,12 @@ export class Canvas {
     const colour = chosen ? accent() : "#fff";
     const arrow = new Arrow({ ...shape, stroke: colour, fill: colour, strokeWidth: 2.6 / scale, hitStrokeWidth: 18 / scale });
     arrow.on("pointerdown", (event) => {
-      if (view.panning.value || event.evt.button !== 0) return;
+      if (view.panning.value || event.evt.button !== 0 || view.flowTool.value !== "line") return;
       event.cancelBubble = true;
       view.selected.value = index;
     });
     this.drawing.add(arrow);
-    if (!chosen) return;
+    if (!chosen || view.flowTool.value !== "line") return;
     stroke.points.forEach((point, k) => {
       if (k !== 0 && k !== stroke.points.length - 1 && stroke.points.length > 8 && k % 3 !== 0) return;
       // The last one stands beyond the arrow's tip, which it would cover.
@@ -475,8 +465,8 @@ export class Canvas {
 
   private cancel(): void {
     this.line = null;
-    this.live?.destroy();
-    this.live = null;
+    for (const each of this.live) each.destroy();
+    this.live = [];
     this.cursorLayer.batchDraw();
   }
 
@@ -492,31 +482,37 @@ export class Canvas {
     }
     if (event.button !== 0 && event.button !== 2) return;
     if (mode === "why") return this.choosePiece(point);
-    this.pen = event.pointerType === "pen" && event.pressure > 0 ? 0.4 + 1.2 * event.pressure : 1;
     this.erasing = event.button === 2 || event.altKey;
-    this.line = [point];
-    if (mode === "flow") {
-      view.selected.value = null;
-      const scale = this.stage.scaleX();
-      this.live = new Arrow({ points: [...point, ...point], stroke: accent(), fill: accent(), strokeWidth: 3 / scale, pointerLength: 11 / scale, pointerWidth: 10 / scale, lineCap: "round", lineJoin: "round" });
-    } else {
-      const area = view.fluidTool.value === "area";
-      this.live = new Line({
-        points: [...point, ...point],
-        stroke: this.penColour(),
-        fill: area ? this.penColour() : undefined,
-        closed: area,
-        strokeWidth: area ? 1.5 / this.stage.scaleX() : view.brush.value * this.pen,
-        opacity: 0.6,
-        lineCap: "round",
-        lineJoin: "round",
-      });
-    }
-    this.cursorLayer.add(this.live);
+    this.line = new PenLine(point, widthOf(event, view.brush.value));
+    if (mode === "flow") view.selected.value = null;
+    this.addLive();
+  }
+
+  private drawsArea(): boolean {
+    return state.mode.value === "fluid" && view.fluidTool.value === "area";
+  }
+  private drawsArrow(): boolean {
+    return state.mode.value === "flow" && view.flowTool.value === "line";
+  }
+
+  /** What is seen of the run that is being drawn. */
+  private addLive(): void {
+    if (!this.line) return;
+    const { points, width } = this.line.last;
+    const scale = this.stage.scaleX();
+    const ends = { points: [...flat(points), ...flat(points.slice(-1))], lineCap: "round" as const, lineJoin: "round" as const };
+    const area = this.drawsArea();
+    const colour = this.penColour();
+    const made = this.drawsArrow()
+      ? new Arrow({ ...ends, stroke: accent(), fill: accent(), strokeWidth: 3 / scale, pointerLength: 11 / scale, pointerWidth: 10 / scale })
+      : new Line({ ...ends, stroke: colour, fill: area ? colour : undefined, closed: area, strokeWidth: area ? 1.5 / scale : width, opacity: 0.6 });
+    this.live.push(made);
+    this.cursorLayer.add(made);
     this.cursorLayer.batchDraw();
   }
 
   private penColour(): string {
+    if (state.mode.value === "flow") return tempoColour(this.erasing ? 1 : view.tempo.value);
     const tool = view.fluidTool.value;
     const takes = tool === "still" || tool === "erase";
     if (tool === "hold") return this.erasing ? "#555" : "#e9b44c";
@@ -532,12 +528,17 @@ export class Canvas {
       this.fitted = false;
       return;
     }
-    const brushes = state.mode.value === "fluid" && view.fluidTool.value !== "area" && event.pointerType !== "touch";
-    this.cursor.setAttrs({ x: point[0], y: point[1], radius: view.brush.value / 2, strokeWidth: 1.5 / this.stage.scaleX(), visible: brushes && !view.panning.value });
-    if (this.line && this.live) {
-      const before = this.line[this.line.length - 1] as Point;
-      if (Math.hypot(point[0] - before[0], point[1] - before[1]) * this.stage.scaleX() >= 2) this.line.push(point);
-      this.live.points(flat(this.line.length > 1 ? this.line : [before, point]));
+    const scale = this.stage.scaleX();
+    const mode = state.mode.value;
+    const brushes = (mode === "fluid" || mode === "flow") && !this.drawsArea() && !this.drawsArrow() && event.pointerType !== "touch";
+    this.cursor.setAttrs({ x: point[0], y: point[1], radius: widthOf(event, view.brush.value) / 2, strokeWidth: 1.5 / scale, visible: brushes && !view.panning.value });
+    if (this.line) {
+      const width = this.drawsArea() || this.drawsArrow() ? this.line.last.width : widthOf(event, view.brush.value);
+      if (this.line.add(point, width, 2 / scale)) this.addLive();
+      const { points } = this.line.last;
+      this.live[this.live.length - 1]?.points(flat(points.length > 1 ? points : [...points, point]));
+    } else if (this.corners.length > 0) {
+      this.showCorners(point);
     }
     this.cursorLayer.batchDraw();
   }
@@ -552,21 +553,67 @@ export class Canvas {
     const document = state.doc.value;
     if (!line || !document) return;
     const scale = this.stage.scaleX();
-    const points = simplified(line, 0.7 / scale).map(([x, y]): Point => [rounded(x), rounded(y)]);
-    if (state.mode.value === "flow") {
-      if (lengthOf(points) * scale < 8) return; // a click
-      const speed = view.fastByLength.value ? Math.round(lengthOf(points)) : null;
-      state.edit({ strokes: [...document.strokes, { points, speed }] });
-      view.selected.value = document.strokes.length;
-      return;
+    const runs = line.simple(0.7 / scale);
+    const isClick = lengthOf(line.points) * scale < 8;
+    if (this.drawsArrow()) {
+      if (!isClick) this.addLine(document, runs.flatMap(({ points }) => points));
+    } else if (state.mode.value === "flow") {
+      const factor = this.erasing ? 1 : view.tempo.value;
+      state.edit({ tempo: [...document.tempo, ...runs.map((run) => ({ ...run, factor }))] });
+    } else if (this.drawsArea()) {
+      if (isClick || this.corners.length > 0) this.addCorner(line.points[0] as Point);
+      else this.draw(document, runs.map(({ points }) => ({ points, width: 0, adds: !this.erasing, area: true })));
+    } else {
+      const tool = view.fluidTool.value;
+      const adds = (tool !== "still" && tool !== "erase") !== this.erasing;
+      this.draw(document, runs.map((run) => ({ ...run, adds, area: false })));
     }
+  }
+
+  private addLine(document: Document, points: Point[]): void {
+    const speed = view.fastByLength.value ? Math.round(lengthOf(points)) : null;
+    state.edit({ strokes: [...document.strokes, { points, speed }] });
+    view.selected.value = document.strokes.length;
+  }
+
+  private draw(document: Document, drawn: Drawn[]): void {
     const tool = view.fluidTool.value;
-    const area = tool === "area";
-    if (area && points.length < 3) return;
-    const drawn: Drawn = { points, width: area ? 0 : rounded(view.brush.value * this.pen), adds: (tool !== "still" && tool !== "erase") !== this.erasing, area };
-    if (tool === "fluid" || tool === "still") state.edit({ scribbles: [...document.scribbles, drawn], ...(document.matte_base === "whole" ? { matte_base: "scribbles" as const } : {}) });
-    else if (tool === "hold") state.edit({ held: [...document.held, drawn] });
-    else state.edit({ paint: [...document.paint, drawn] });
+    if (tool === "fluid" || tool === "still") state.edit({ scribbles: [...document.scribbles, ...drawn], ...(document.matte_base === "whole" ? { matte_base: "scribbles" as const } : {}) });
+    else if (tool === "hold") state.edit({ held: [...document.held, ...drawn] });
+    else state.edit({ paint: [...document.paint, ...drawn] });
+  }
+
+  // ---- an area, corner by corner
+
+  private addCorner(point: Point): void {
+    const [first] = this.corners;
+    const reach = 10 / this.stage.scaleX();
+    if (first && this.corners.length > 2 && Math.hypot(point[0] - first[0], point[1] - first[1]) < reach) return this.closeCorners();
+    this.corners.push(point);
+    if (this.corners.length === 1) this.cornersTake = this.erasing;
+    this.showCorners(point);
+  }
+
+  /** Enter, or a click on the first corner. */
+  closeCorners(): void {
+    const points = this.corners.map(([x, y]): Point => [rounded(x), rounded(y)]);
+    this.dropCorners();
+    if (points.length > 2 && state.doc.value) this.draw(state.doc.value, [{ points, width: 0, adds: !this.cornersTake, area: true }]);
+  }
+
+  /** Escape, or another tool. */
+  dropCorners(): void {
+    this.corners = [];
+    view.corners.value = 0;
+    this.outline.visible(false);
+    this.cursorLayer.batchDraw();
+  }
+
+  private showCorners(pointer: Point): void {
+    view.corners.value = this.corners.length;
+    const colour = this.cornersTake ? "#e5484d" : accent();
+    this.outline.setAttrs({ points: flat([...this.corners, pointer]), stroke: colour, fill: colour, strokeWidth: 1.5 / this.stage.scaleX(), visible: true });
+    this.cursorLayer.batchDraw();
   }
 
   private choosePiece(point: Point): void {

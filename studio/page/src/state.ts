@@ -1,6 +1,7 @@
 // What the page knows: the project that is open, its document with all earlier ones, and what the server has made of it.
 import { batch, computed, signal } from "@preact/signals";
 import * as api from "./api";
+import { canonical, History } from "./history";
 import { Player } from "./player";
 import type { Document, Field, Home, Job, MatteNews, Pieces, Project, ReelNews } from "./types";
 
@@ -36,16 +37,15 @@ export const previewJob = computed(() =>
 
 // ---- the document, and going back and forth in it
 
-let past: Document[] = [];
-let future: Document[] = [];
+const history = new History();
 let lastKey = "";
 let lastTime = 0;
 export const canUndo = signal(false);
 export const canRedo = signal(false);
 
 function told(): void {
-  canUndo.value = past.length > 0;
-  canRedo.value = future.length > 0;
+  canUndo.value = history.canUndo;
+  canRedo.value = history.canRedo;
 }
 
 /** Changes the document. Changes of one key that follow each other closely, as of a slider, are one step back. */
@@ -53,43 +53,27 @@ export function edit(change: Partial<Document>, key = ""): void {
   const before = doc.value;
   if (!before) return;
   const now = performance.now();
-  if (key === "" || key !== lastKey || now - lastTime > 1000) past.push(before);
-  if (past.length > 500) past.shift();
+  const after = { ...before, ...change };
+  history.add(before, after, key !== "" && key === lastKey && now - lastTime < 1000);
   lastKey = key;
   lastTime = now;
-  future = [];
-  doc.value = { ...before, ...change };
-  told();
-  keep();
+  show(after);
 }
 
 export function undo(): void {
-  const before = past.pop();
-  if (!before || !doc.value) return;
-  future.push(doc.value);
-  doc.value = before;
   lastKey = "";
-  told();
-  keep();
+  if (doc.value && history.canUndo) show(history.undo(doc.value));
 }
 
 export function redo(): void {
-  const after = future.pop();
-  if (!after || !doc.value) return;
-  past.push(doc.value);
-  doc.value = after;
   lastKey = "";
-  told();
-  keep();
+  if (doc.value && history.canRedo) show(history.redo(doc.value));
 }
 
-/** The same text for the same document, whoever wrote it: the server keeps single floats, and sorts names. */
-function canonical(value: unknown): string {
-  if (typeof value === "number") return String(Math.fround(value));
-  if (Array.isArray(value)) return `[${value.map(canonical).join()}]`;
-  if (value === null || typeof value !== "object") return JSON.stringify(value);
-  const entries = Object.entries(value).sort(([a], [b]) => (a < b ? -1 : 1));
-  return `{${entries.map(([name, each]) => `${name}:${canonical(each)}`).join()}}`;
+function show(document: Document): void {
+  doc.value = document;
+  told();
+  keep();
 }
 
 // ---- keeping it: one request at a time, the newest document always last
@@ -105,7 +89,26 @@ function keep(): void {
   saving.value = "saving";
   window.clearTimeout(timer);
   timer = window.setTimeout(() => void send(), 40);
+  window.clearTimeout(historyTimer);
+  historyTimer = window.setTimeout(() => keepHistory(), 300);
 }
+
+let historyTimer = 0;
+
+function keepHistory(leaving = false): void {
+  window.clearTimeout(historyTimer);
+  historyTimer = 0;
+  const id = project.value?.id;
+  // Where it cannot be kept, nothing is lost but steps back.
+  if (id && doc.value) api.keepHistory(id, history.keep(doc.value), leaving).catch(() => undefined);
+}
+
+// Who closes the page at once after a stroke has that stroke kept, and can undo it.
+window.addEventListener("pagehide", () => {
+  const [id, document] = [project.value?.id, doc.value];
+  if (id && document && dirty) void api.save(id, document, version, pageId, true).catch(() => undefined);
+  if (historyTimer) keepHistory(true);
+});
 
 async function send(): Promise<void> {
   const id = project.value?.id;
@@ -144,8 +147,7 @@ async function send(): Promise<void> {
 }
 
 function adopt(document: Document, word = ""): void {
-  past = [];
-  future = [];
+  history.clear();
   doc.value = document;
   told();
   if (word) toast.value = word;
@@ -162,6 +164,8 @@ export async function showHome(): Promise<void> {
 }
 
 function leave(): void {
+  if (dirty) void send();
+  if (historyTimer) keepHistory();
   endListening?.();
   endListening = null;
   player.clear();
@@ -177,9 +181,11 @@ function leave(): void {
 
 export async function openProject(id: string): Promise<void> {
   leave();
-  const [opened, house] = await Promise.all([api.project(id), api.home()]);
+  const [opened, house, steps] = await Promise.all([api.project(id), api.home(), api.history(id)]);
   home.value = house;
   take(opened);
+  history.take(steps, opened.document);
+  told();
   await askJobs();
   if (project.value === opened) hear(opened.event);
 }

@@ -15,6 +15,13 @@ export interface Stroke {
   speed: number | null; // px/s
 }
 
+/** Where clips play slower or faster: 0.5..2 times. */
+export interface Tempo {
+  points: Point[];
+  width: number;
+  factor: number;
+}
+
 export interface Pin {
   x: number;
   y: number;
@@ -35,6 +42,7 @@ export interface Document {
   paint: Drawn[];
   held: Drawn[];
   strokes: Stroke[];
+  tempo: Tempo[];
   class: string;
   excluded_clips: string[];
   pins: Pin[];
