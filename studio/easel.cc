@@ -318,10 +318,12 @@ std::string Easel::overview_json() const {
   return text(json);
 }
 
-std::string Easel::picture_jpeg(int longest) const {
+std::string Easel::picture_jpeg(const cv::Rect& part, int longest) const {
   const std::shared_ptr<const media::Still> still = project_->picture();
+  const cv::Rect whole({}, still->bgr.size()), seen = part.empty() ? whole : part & whole;
+  if (seen.empty()) throw Error(ErrorKind::kNotFound, "picture", "there is nothing of it there");
   std::vector<std::uint8_t> bytes;
-  cv::imencode(".jpg", reduced(still->bgr, reduction(still->bgr.size(), longest)), bytes,
+  cv::imencode(".jpg", reduced(still->bgr(seen), reduction(seen.size(), longest)), bytes,
                {cv::IMWRITE_JPEG_QUALITY, 92});
   return {bytes.begin(), bytes.end()};
 }

@@ -13,8 +13,8 @@
 
 #include "freshet/job.h"
 #include "query/labelling/label_cache.h"
-#include "studio/document.h"
-#include "studio/drawn_matte.h"
+#include "studio/drawing/document.h"
+#include "studio/drawing/drawn_matte.h"
 #include "studio/frame_reel.h"
 #include "studio/labelled_picture.h"
 #include "studio/opened_store.h"
@@ -57,8 +57,10 @@ class Easel {
   std::string field_json() const;
   /// What there is: matte, reels, labels, problem.
   std::string overview_json() const;
-  /// JPEG of the picture, its longer side at most so many px. PNG, white, with the matte as its alpha.
-  std::string picture_jpeg(int longest) const;
+  /// JPEG of a part of the picture, its longer side at most so many px. part   px; cut at the picture's edges; empty: all
+  /// of it. Throws Error{kNotFound} for a part beside the picture.
+  std::string picture_jpeg(const cv::Rect& part, int longest) const;
+  /// PNG, white, with the matte as its alpha.
   std::string matte_png(const cv::Mat& alpha, int longest) const;
 
  private:

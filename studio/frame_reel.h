@@ -11,7 +11,7 @@
 #include <opencv2/core.hpp>
 
 #include "freshet/job.h"
-#include "studio/document.h"
+#include "studio/drawing/document.h"
 #include "studio/labelled_picture.h"
 
 namespace freshet::studio {

@@ -205,6 +205,16 @@ void Project::write_recipe(const Document& document) {
                                .assignment = document.pins.empty() ? "" : present("assignment.json")}));
 }
 
+void Project::write_way(const std::string& way, const std::vector<WayFile>& files) const {
+  const fs::path folder = folder_ / "ways" / way;
+  std::error_code fault;
+  fs::create_directories(folder, fault);
+  if (fs::is_symlink(folder.parent_path(), fault) || fs::is_symlink(folder, fault) ||
+      !fs::is_directory(folder, fault))
+    throw Error(ErrorKind::kIo, folder.string(), "is no folder");
+  for (const WayFile& file : files) write_whole(folder / file.name, file.bytes);
+}
+
 fs::path Project::export_path(const std::string& name) const {
   if (!is_plain_file_name(name))
     throw Error(ErrorKind::kUsage, name, "it is no plain file name", "Use letters, digits, dots and dashes");

@@ -8,12 +8,14 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include <opencv2/core.hpp>
 
 #include "media/picture/picture.h"
-#include "studio/document.h"
-#include "studio/recipe.h"
+#include "studio/drawing/document.h"
+#include "studio/drawing/recipe.h"
+#include "studio/ways/way_plan.h"
 
 namespace freshet::studio {
 
@@ -26,6 +28,7 @@ namespace freshet::studio {
 ///   history.json     what can be undone, as the page keeps it
 ///   thumbnail.jpg    the picture, small
 ///   exports/         what was made
+///   ways/            what other ways to synthesise were given, and made of it
 /// Each is written beside its place and renamed. Safe from many threads.
 class Project {
  public:
@@ -68,6 +71,9 @@ class Project {
   void write_tempo(const cv::Mat& map);
   void write_assignment(const std::string& json);
   void write_recipe(const Document& document);
+
+  /// Writes files into ways/WAY, which is made. Throws Error{kIo} when it is no folder of ours.
+  void write_way(const std::string& way, const std::vector<WayFile>& files) const;
 
   /// exports/NAME; the folder is made. Throws Error{kUsage} for a name that is no plain file name.
   std::filesystem::path export_path(const std::string& name) const;

@@ -321,6 +321,42 @@ std::string Studio::exports_json(const std::string& project) {
   return text(json);
 }
 
+WayPlan Studio::plan(const std::string& project, const std::string& way) {
+  const std::shared_ptr<Easel> easel = this->easel(project);
+  return plan_way(way, easel->project().state().document, easel->project().picture()->bgr);
+}
+
+JobId Studio::run_way(const std::string& project, const std::string& way) {
+  const std::shared_ptr<Easel> easel = this->easel(project);
+  const WayPlan plan = this->plan(project, way);
+  return commands_->submit(
+      "way " + project + "/" + way, project + ": " + way, [this, easel, plan, project, way](const Job& job) {
+        easel->project().write_way(way, plan.files);
+        for (const std::vector<std::string>& words : plan.commands)
+          run({.program = options_.program, .arguments = words, .folder = easel->project().folder()}, job);
+        feed_.publish("way", text({{"project", project}, {"way", way}}));
+      });
+}
+
+fs::path Studio::film(const std::string& project, const std::string& way) {
+  const fs::path path = easel(project)->project().folder() / plan(project, way).film;
+  if (!fs::is_regular_file(fs::symlink_status(path)) || fs::canonical(path) != path)
+    throw Error(ErrorKind::kNotFound, way, "it has made no film yet");
+  return path;
+}
+
+std::string Studio::way_json(const std::string& project, const std::string& way) {
+  Json json{{"film", nullptr}, {"commands", Json::array()}};
+  for (const std::vector<std::string>& words : plan(project, way).commands)
+    json["commands"].push_back(to_text({.program = {}, .arguments = words, .folder = {}}));
+  try {
+    json["film"] = std::to_string(fs::last_write_time(film(project, way)).time_since_epoch().count());
+  } catch (const Error&) {
+    return text(json);  // there is none yet
+  }
+  return text(json);
+}
+
 std::shared_ptr<OpenedStore> Studio::store(const std::string& id) const {
   const std::lock_guard lock(guard_);
   const auto found = stores_.find(id);

@@ -17,6 +17,7 @@
 #include "studio/job_queue.h"
 #include "studio/opened_store.h"
 #include "studio/project.h"
+#include "studio/ways/way_plan.h"
 
 namespace freshet::studio {
 
@@ -72,6 +73,13 @@ class Studio {
   static Command export_command(const std::string& program, const Project& project, const std::string& name,
                                 const std::vector<std::string>& options);
 
+  /// Another way to synthesise (ways/way_plan.h): its commands, run as one job. Told as "way" when its film is there.
+  JobId run_way(const std::string& project, const std::string& way);
+  /// Its "film", a number that another film does not have, or null; and its "commands".
+  std::string way_json(const std::string& project, const std::string& way);
+  /// Where its film lies. Throws Error{kNotFound}.
+  std::filesystem::path film(const std::string& project, const std::string& way);
+
   std::shared_ptr<OpenedStore> store(const std::string& id) const;
   /// A new, empty one in the studio's folder. Returns its id.
   std::string new_store(const std::string& name);
@@ -88,6 +96,7 @@ class Studio {
  private:
   void add_store(const std::filesystem::path& path);
   std::shared_ptr<OpenedStore> store_of(const Document& document) const;
+  WayPlan plan(const std::string& project, const std::string& way);
   std::string likely_store() const;  // its path, for a new document; the guard is held
   std::filesystem::path project_folder(const std::string& id) const;
   JobQueue::Watcher watcher(const char* lane);

@@ -3,7 +3,7 @@
 import assert from "node:assert/strict";
 import { spawn, spawnSync } from "node:child_process";
 import { createHash } from "node:crypto";
-import { copyFileSync, mkdirSync, mkdtempSync, readFileSync, rmSync } from "node:fs";
+import { copyFileSync, mkdirSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { createRequire } from "node:module";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
@@ -247,7 +247,7 @@ test("a pen's pressure, an area's corners and a painted pace", async () => {
   const { left, top, scale } = await shown(page);
   const press = (type, x, y, force) =>
     pen.send("Input.dispatchMouseEvent", { type, x: left + x * scale, y: top + y * scale, force, pointerType: "pen", button: "left", buttons: type === "mouseReleased" ? 0 : 1, clickCount: 1 });
-  await press("mousePressed", 60, 60, 0.1);
+  await press("mousePressed", 60, 60, 0.05);
   for (let i = 1; i <= 20; ++i) await press("mouseMoved", 60 + 4 * i, 60, i / 20);
   await shot(page, "pen");
   await press("mouseReleased", 140, 60, 1);
@@ -293,7 +293,7 @@ test("a sequence of some frames is a folder", async () => {
   await page.getByLabel("From frame").fill("1003");
   await page.getByLabel("To frame").fill("1004");
   await page.getByLabel("First number").fill("1001");
-  await page.getByLabel("Bits").selectOption("16");
+  await page.getByRole("combobox", { name: "Bits" }).selectOption("16");
   await page.getByRole("button", { name: "Make it" }).click();
   await page.getByText("2 pictures").waitFor();
   await shot(page, "sequence-wide");
@@ -302,6 +302,97 @@ test("a sequence of some frames is a folder", async () => {
   assert.ok(readFileSync(at("room/projects/still/exports/still/still.1004.png")).length > 1000);
   assert.deepEqual(page.faults, []);
   await page.context().close();
+});
+
+test("a motion is drawn, simulated and given a clip's look; the command lines make it again", async () => {
+  const page = await open(`${url}#/still`);
+  await page.locator(".bar").waitFor();
+  await page.keyboard.press("5");
+  await page.getByRole("radio", { name: "Fire" }).click();
+  await drag(page, [[120, 180], [200, 180]]);
+  await page.getByRole("button", { name: "Obstacle" }).click();
+  await drag(page, [[150, 120], [170, 115]]);
+  await page.getByRole("button", { name: "Wind" }).click();
+  await drag(page, [[60, 60], [110, 55]]);
+  await page.getByLabel("Length").fill("0.6");
+  await until(async () => (await document("still")).design.frames === 15);
+  const { design } = await document("still");
+  assert.deepEqual([design.fluid, design.sources.map(({ adds }) => adds), design.winds.length], ["fire", [true, false], 1]);
+  await page.getByRole("button", { name: "Make it" }).click();
+  const film = page.locator("video.film");
+  await film.waitFor();
+  await page.waitForFunction(() => globalThis.document.querySelector("video.film").currentTime > 0.1);
+  await shot(page, "design-motion");
+  await page.getByRole("combobox", { name: "Clip" }).selectOption("fall/1.mkv");
+  await page.getByRole("button", { name: "Make it" }).click();
+  await page.getByRole("button", { name: "Stop" }).waitFor();
+  const lines = page.locator(".command code");
+  await until(async () => (await lines.count()) === 2);
+  await page.getByRole("button", { name: "Make it" }).waitFor();
+  await film.waitFor();
+  await page.waitForFunction(() => globalThis.document.querySelector("video.film").currentTime > 0.1);
+  await shot(page, "design-look");
+  const project = at("room/projects/still");
+  const made = readFileSync(join(project, "ways/design/film.mp4"));
+  for (const line of await lines.allTextContents()) {
+    const again = spawnSync("sh", ["-c", line.replace(/^freshet/, FRESHET)], { cwd: project, encoding: "utf8" });
+    assert.equal(again.status, 0, again.stderr);
+  }
+  assert.ok(made.equals(readFileSync(join(project, "ways/design/film.mp4"))));
+  assert.deepEqual(page.faults, []);
+  await page.context().close();
+});
+
+/** A picture of 24 Mpix without anything to install: a BMP of stripes, blue above and green below. */
+function writeLarge(path, width = 6000, height = 4000) {
+  const head = Buffer.alloc(54);
+  head.write("BM");
+  head.writeUInt32LE(54 + 3 * width * height, 2);
+  head.writeUInt32LE(54, 10);
+  head.writeUInt32LE(40, 14);
+  head.writeInt32LE(width, 18);
+  head.writeInt32LE(-height, 22);
+  head.writeUInt16LE(1, 26);
+  head.writeUInt16LE(24, 28);
+  const rows = [[210, 90, 40], [60, 140, 30]].map(([blue, green, red]) => {
+    const row = Buffer.alloc(3 * width);
+    for (let x = 0; x < width; ++x) row.set(x % 2 ? [blue, green, red] : [255, 255, 255], 3 * x);
+    return row;
+  });
+  writeFileSync(path, Buffer.concat([head, ...Array.from({ length: height }, (_, y) => rows[y < height / 2 ? 0 : 1])]));
+}
+
+test("a picture of 24 Mpix is drawn on, panned, and seen pixel by pixel", async () => {
+  writeLarge(at("large.bmp"));
+  const page = await open(url);
+  await page.setInputFiles("input[type=file][accept^='image']", at("large.bmp"));
+  await page.locator(".bar").waitFor();
+  await page.locator(".canvas[data-view]").waitFor();
+  await drag(page, [[1000, 300], [5000, 300]]);
+  await page.locator(".panel .figure", { hasText: "%" }).waitFor();
+  const { left, top, scale } = await shown(page);
+  await page.mouse.move(left + 3000 * scale, top + 2000 * scale);
+  for (let i = 0; i < 12; ++i) await page.mouse.wheel(0, -400);
+  await until(async () => (await page.locator(".canvas").getAttribute("data-detail")) !== null);
+  const [, , across] = (await page.locator(".canvas").getAttribute("data-detail")).split(" ").map(Number);
+  assert.ok(across < 1000, `${across}`);
+  await page.waitForTimeout(300);
+  await shot(page, "large-close");
+  await page.evaluate(() => {
+    globalThis.drawn = 0;
+    const note = () => requestAnimationFrame(note, (globalThis.drawn += 1));
+    note();
+  });
+  await page.keyboard.down("Space");
+  await page.mouse.move(600, 400);
+  await page.mouse.down();
+  for (let i = 0; i < 20; ++i) await page.mouse.move(600 - 10 * i, 400 - 5 * i, { steps: 2 });
+  await page.mouse.up();
+  await page.keyboard.up("Space");
+  assert.ok((await page.evaluate(() => globalThis.drawn)) >= 20); // a frame for each move, and none that is waited for
+  assert.deepEqual(page.faults, []);
+  await page.context().close();
+  await api("projects/large", { method: "DELETE" });
 });
 
 test("a change that is taken back in the middle of its preview, and a server that ends in it, leave no page waiting", async () => {
@@ -376,7 +467,7 @@ for (const [theme, size, width, height] of [
     assert.equal(await page.evaluate(() => globalThis.broken), undefined);
     await page.goto(`${url}#/still`);
     await page.locator(".bar").waitFor();
-    for (const [key, name] of [["1", "fluid"], ["2", "flow"], ["3", "look"], ["4", "why"]]) {
+    for (const [key, name] of [["1", "fluid"], ["2", "flow"], ["3", "look"], ["4", "why"], ["5", "design"]]) {
       await page.keyboard.press(key);
       await look(name);
     }

@@ -7,13 +7,14 @@ import { Image as KonvaImage } from "konva/lib/shapes/Image";
 import { Line } from "konva/lib/shapes/Line";
 import { Rect } from "konva/lib/shapes/Rect";
 import { address } from "./api";
-import { flat, lengthOf, PenLine, rounded, widthOf } from "./pen";
+import { flat, lengthOf, PenLine, rounded, type Run, widthOf } from "./pen";
 import * as state from "./state";
 import { Streaks } from "./streaks";
-import type { Document, Drawn, Point, Stroke, Tempo } from "./types";
+import type { Design, Document, Drawn, Point, Stroke, Tempo } from "./types";
 import * as view from "./view";
 
-const kLongest = 2048;
+const kLongest = 2048; // px of the copy of the picture that is always here
+const kRest = 150; // ms that a view rests before it is sharpened
 const accent = (): string => getComputedStyle(document.documentElement).getPropertyValue("--accent").trim() || "#4fc3c7";
 
 function loadImage(source: string): Promise<HTMLImageElement> {
@@ -28,6 +29,8 @@ function loadImage(source: string): Promise<HTMLImageElement> {
 /** Slower is blue, faster orange: told apart by those who see fewer hues. */
 const tempoColour = (factor: number): string => (factor === 1 ? "#c9d3d6" : factor < 1 ? "#4f8fe6" : "#f28f3b");
 
+const designColour = (source: boolean): string => (source ? "#f28f3b" : "#7d8b90");
+
 export class Canvas {
   private readonly stage: Konva.Stage;
   private readonly below = new Konva.Layer({ listening: false });
@@ -36,12 +39,15 @@ export class Canvas {
   private readonly cursorLayer = new Konva.Layer({ listening: false });
   private readonly picture = new KonvaImage({ image: undefined });
   private readonly moving = new KonvaImage({ image: undefined });
+  private readonly detail = new KonvaImage({ image: undefined, visible: false }); // the part that is seen, as sharp as it is
+  private detailTimer = 0;
   private readonly original = new KonvaImage({ image: undefined, visible: false });
   private readonly divider = new Line({ points: [], stroke: "#fff", strokeWidth: 2, visible: false });
   private readonly tint = new KonvaImage({ image: undefined });
   private readonly held = new KonvaImage({ image: undefined });
   private readonly cursor = new Circle({ stroke: "#fff", strokeWidth: 1.5, visible: false, shadowColor: "#000", shadowBlur: 3 });
   private readonly overlay: HTMLCanvasElement;
+  private readonly film = document.createElement("video"); // that another way has made, over the picture
   private readonly flowing = new Streaks();
   private readonly ends: (() => void)[] = [];
   private readonly resizer: ResizeObserver;
@@ -64,12 +70,13 @@ export class Canvas {
     box.append(holder);
     this.overlay = document.createElement("canvas");
     this.overlay.className = "streaks";
+    Object.assign(this.film, { className: "film", muted: true, loop: true, autoplay: true, playsInline: true, hidden: true });
     this.stage = new Konva.Stage({ container: holder, width: box.clientWidth || 10, height: box.clientHeight || 10 });
-    this.below.add(this.picture, this.moving, this.original, this.divider);
+    this.below.add(this.picture, this.moving, this.detail, this.original, this.divider);
     this.over.add(this.tint, this.held);
     this.cursorLayer.add(this.outline, this.cursor);
     this.stage.add(this.below, this.over, this.drawing, this.cursorLayer);
-    this.drawing.getNativeCanvasElement().before(this.overlay); // below the lines that were drawn
+    this.drawing.getNativeCanvasElement().before(this.overlay, this.film); // below the lines that were drawn
     this.resizer = new ResizeObserver(() => this.resize());
     this.resizer.observe(box);
     this.listenToPointers();
@@ -85,9 +92,11 @@ export class Canvas {
 
   end(): void {
     for (const end of this.ends) end();
+    window.clearTimeout(this.detailTimer);
     this.resizer.disconnect();
     this.stage.destroy();
     this.overlay.remove();
+    this.film.remove();
   }
 
   private size(): { width: number; height: number } {
@@ -169,6 +178,17 @@ export class Canvas {
         this.dropCorners();
       }),
       effect(() => {
+        void this.showsStill();
+        this.lookCloser();
+        this.below.batchDraw();
+      }),
+      effect(() => {
+        const source = view.film.value;
+        this.film.hidden = !source;
+        if (source) this.film.src = source;
+        else this.film.removeAttribute("src");
+      }),
+      effect(() => {
         void state.doc.value;
         void state.mode.value;
         void view.selected.value;
@@ -182,7 +202,7 @@ export class Canvas {
       effect(() => {
         const drags = view.panning.value;
         const mode = state.mode.value;
-        this.box.style.cursor = drags ? "grab" : mode === "fluid" || mode === "flow" ? "crosshair" : "default";
+        this.box.style.cursor = drags ? "grab" : mode === "fluid" || mode === "flow" || mode === "design" ? "crosshair" : "default";
       }),
     );
   }
@@ -251,6 +271,7 @@ export class Canvas {
         document.strokes.forEach((stroke, i) => this.addStroke(stroke, i));
       }
       if (state.mode.value === "why") this.addPieces();
+      if (state.mode.value === "design") this.addDesign(document.design);
     }
     this.drawing.batchDraw();
   }
@@ -268,6 +289,14 @@ export class Canvas {
           listening: false,
         }),
       );
+  }
+
+  private addDesign({ sources, winds }: Design): void {
+    for (const { points, width, adds } of sources)
+      this.drawing.add(new Line({ points: [...flat(points), ...flat(points.slice(-1))], stroke: designColour(adds), strokeWidth: width, lineCap: "round", lineJoin: "round", opacity: 0.6, listening: false }));
+    const scale = this.stage.scaleX();
+    for (const { points } of winds)
+      this.drawing.add(new Arrow({ points: flat(points), stroke: "#fff", fill: "#fff", strokeWidth: 2.6 / scale, pointerLength: 11 / scale, pointerWidth: 10 / scale, lineCap: "round", listening: false }));
   }
 
   private addTempo(lines: Tempo[]): void {
@@ -407,9 +436,48 @@ export class Canvas {
     this.picture.getLayer()?.batchDraw();
     // Pixels are seen as pixels where one looks closely.
     for (const layer of [this.below, this.over]) layer.imageSmoothingEnabled(scale < 4);
+    const { width, height } = this.size();
+    Object.assign(this.film.style, { width: `${width * scale}px`, height: `${height * scale}px`, transform: `translate(${x}px, ${y}px)` });
     view.zoom.value = scale;
+    this.lookCloser();
     this.box.dataset["view"] = JSON.stringify({ x, y, scale });
     this.stage.batchDraw();
+  }
+
+  /** Whether the picture as it was given is looked at, and not an animation's frame. */
+  private showsStill(): boolean {
+    return !state.player.reel.value || (state.mode.value === "fluid" && !state.player.playing.value);
+  }
+
+  /** Where the picture's copy here has fewer pixels than the screen, the part that is seen is asked for, when the view rests. */
+  private lookCloser(): void {
+    window.clearTimeout(this.detailTimer);
+    const open = state.project.value;
+    const { width, height } = this.size();
+    const scale = this.stage.scaleX();
+    const shown = scale * (window.devicePixelRatio || 1);
+    const sharp = !open || Math.max(width, height) * Math.min(1, shown) <= kLongest;
+    if (sharp || !this.showsStill()) {
+      this.detail.visible(false);
+      return;
+    }
+    const left = Math.floor(Math.max(0, -this.stage.x() / scale));
+    const top = Math.floor(Math.max(0, -this.stage.y() / scale));
+    const across = Math.ceil(Math.min(width - left, this.stage.width() / scale + 1));
+    const down = Math.ceil(Math.min(height - top, this.stage.height() / scale + 1));
+    if (across < 1 || down < 1) return;
+    const longest = Math.ceil(Math.max(across, down) * Math.min(1, shown));
+    this.detailTimer = window.setTimeout(() => {
+      loadImage(address.part(open.id, left, top, across, down, longest)).then(
+        (image) => {
+          if (state.project.value?.id !== open.id || !this.showsStill()) return;
+          this.detail.setAttrs({ image, x: left, y: top, width: across, height: down, visible: true });
+          this.box.dataset["detail"] = `${left} ${top} ${across} ${down}`;
+          this.below.batchDraw();
+        },
+        () => undefined, // the blurred one stays
+      );
+    }, kRest);
   }
 
   // ---- pointers
@@ -492,7 +560,8 @@ export class Canvas {
     return state.mode.value === "fluid" && view.fluidTool.value === "area";
   }
   private drawsArrow(): boolean {
-    return state.mode.value === "flow" && view.flowTool.value === "line";
+    const mode = state.mode.value;
+    return (mode === "flow" && view.flowTool.value === "line") || (mode === "design" && view.designTool.value === "wind");
   }
 
   /** What is seen of the run that is being drawn. */
@@ -512,6 +581,7 @@ export class Canvas {
   }
 
   private penColour(): string {
+    if (state.mode.value === "design") return designColour(view.designTool.value === "source");
     if (state.mode.value === "flow") return tempoColour(this.erasing ? 1 : view.tempo.value);
     const tool = view.fluidTool.value;
     const takes = tool === "still" || tool === "erase";
@@ -530,7 +600,7 @@ export class Canvas {
     }
     const scale = this.stage.scaleX();
     const mode = state.mode.value;
-    const brushes = (mode === "fluid" || mode === "flow") && !this.drawsArea() && !this.drawsArrow() && event.pointerType !== "touch";
+    const brushes = (mode === "fluid" || mode === "flow" || mode === "design") && !this.drawsArea() && !this.drawsArrow() && event.pointerType !== "touch";
     this.cursor.setAttrs({ x: point[0], y: point[1], radius: widthOf(event, view.brush.value) / 2, strokeWidth: 1.5 / scale, visible: brushes && !view.panning.value });
     if (this.line) {
       const width = this.drawsArea() || this.drawsArrow() ? this.line.last.width : widthOf(event, view.brush.value);
@@ -555,7 +625,9 @@ export class Canvas {
     const scale = this.stage.scaleX();
     const runs = line.simple(0.7 / scale);
     const isClick = lengthOf(line.points) * scale < 8;
-    if (this.drawsArrow()) {
+    if (state.mode.value === "design") {
+      this.addToDesign(document, runs, isClick);
+    } else if (this.drawsArrow()) {
       if (!isClick) this.addLine(document, runs.flatMap(({ points }) => points));
     } else if (state.mode.value === "flow") {
       const factor = this.erasing ? 1 : view.tempo.value;
@@ -574,6 +646,18 @@ export class Canvas {
     const speed = view.fastByLength.value ? Math.round(lengthOf(points)) : null;
     state.edit({ strokes: [...document.strokes, { points, speed }] });
     view.selected.value = document.strokes.length;
+  }
+
+  private addToDesign(document: Document, runs: Run[], isClick: boolean): void {
+    const { design } = document;
+    if (!this.drawsArrow()) {
+      const adds = view.designTool.value === "source";
+      state.edit({ design: { ...design, sources: [...design.sources, ...runs.map((run) => ({ ...run, adds, area: false }))] } });
+    } else if (!isClick) {
+      const points = runs.flatMap((run) => run.points);
+      const ends = [points[0], points[points.length - 1]] as Point[];
+      state.edit({ design: { ...design, winds: [...design.winds, { points: ends, speed: null }] } });
+    }
   }
 
   private draw(document: Document, drawn: Drawn[]): void {

@@ -1,10 +1,9 @@
 // Out: a file, and the command line that makes the same one.
 import type { JSX } from "preact";
 import { useEffect, useState } from "preact/hooks";
-import { Check, Copy } from "lucide-preact";
 import * as api from "./api";
 import { stageWords } from "./app";
-import { Dialog } from "./parts";
+import { CommandLine, CopyButton, Dialog, Running } from "./parts";
 import * as state from "./state";
 
 interface Format {
@@ -125,19 +124,9 @@ export function Exporter(props: { open: boolean; onClose: () => void }): JSX.Ele
       </div>
       {!state.matte.value && <p class="hint">Say what flows first.</p>}
       {!state.store.value && <p class="hint">Choose a store first, under Look.</p>}
-      {job && running && (
-        <div class="running">
-          <progress aria-label="Export" max={job.of || 1} value={job.of ? job.done : undefined} />
-          <span class="hint">{stageWords(job.stage) || "Starting"}</span>
-        </div>
-      )}
+      {job && running && <Running job={job} label="Export" words={stageWords(job.stage)} />}
       {(fault || job?.state === "failed") && <p class="problem">{fault || job?.fault}</p>}
-      {line && (
-        <div class="command">
-          <code>{line}</code>
-          <CopyButton text={line} label="Copy the command line" />
-        </div>
-      )}
+      {line && <CommandLine text={line} />}
       {files.length > 0 && (
         <ul class="files" aria-label="Files that were made">
           {files.map((file) => (
@@ -165,19 +154,5 @@ function Whole(props: { label: string; value: string; placeholder: string; onInp
       <span>{props.label}</span>
       <input type="text" inputMode="numeric" value={props.value} placeholder={props.placeholder} onInput={(event) => props.onInput(event.currentTarget.value.replace(/\D/g, ""))} />
     </label>
-  );
-}
-
-function CopyButton({ text, label }: { text: string; label: string }): JSX.Element {
-  const [copied, setCopied] = useState(false);
-  const copy = async (): Promise<void> => {
-    await navigator.clipboard.writeText(text);
-    setCopied(true);
-    window.setTimeout(() => setCopied(false), 1500);
-  };
-  return (
-    <button type="button" class="quiet small" aria-label={label} title={label} onClick={() => void copy()}>
-      {copied ? <Check size={16} aria-hidden /> : <Copy size={16} aria-hidden />}
-    </button>
   );
 }

@@ -4,6 +4,7 @@ import { useEffect, useState } from "preact/hooks";
 import { Brush, Eraser, Hand, Pencil, Pin as PinIcon, Shapes, Spline, Trash2, X } from "lucide-preact";
 import * as api from "./api";
 import { Choice, IconButton, Section, Slider, Strip, Switch } from "./parts";
+import { DesignPanel } from "./designpanel";
 import { lengthOf } from "./pen";
 import * as state from "./state";
 import type { Candidate, Candidates, Document, Edge, MatteBase } from "./types";
@@ -20,6 +21,7 @@ export function Panel(): JSX.Element | null {
       {state.mode.value === "flow" && <FlowPanel document={document} />}
       {state.mode.value === "look" && <LookPanel document={document} />}
       {state.mode.value === "why" && <WhyPanel document={document} />}
+      {state.mode.value === "design" && <DesignPanel document={document} />}
     </aside>
   );
 }

@@ -8,7 +8,7 @@ import type { Document, Field, Home, Job, MatteNews, Pieces, Project, ReelNews }
 export interface IngestReport {
   clips: { name: string; outcome: string; reasons: string[]; notes: string[] }[];
 }
-export type Mode = "fluid" | "flow" | "look" | "why";
+export type Mode = "fluid" | "flow" | "look" | "why" | "design";
 
 export const pageId = Math.random().toString(36).slice(2, 12);
 export const home = signal<Home | null>(null);
@@ -26,6 +26,7 @@ export const connected = signal(true);
 export const saving = signal<"saved" | "saving" | "offline">("saved");
 export const ingested = signal<IngestReport | null>(null);
 export const exported = signal(0);
+export const filmed = signal(0); // films that other ways have made
 export const player = new Player();
 
 export const store = computed(() => home.value?.stores.find((each) => each.path === doc.value?.store) ?? null);
@@ -322,6 +323,9 @@ async function heard(type: string, data: unknown): Promise<void> {
       return;
     case "problem":
       problem.value = (data as { text: string }).text;
+      return;
+    case "way":
+      filmed.value += 1;
       return;
     case "export":
       exported.value += 1;

@@ -51,6 +51,27 @@ export interface Document {
   loop: boolean;
   speed: number;
   moving_outline: boolean;
+  design: Design;
+}
+
+export type Fluid = "smoke" | "fire" | "water";
+export type Ground = "none" | "black" | "white";
+
+/** A motion that is simulated, and may be given the look of a clip. */
+export interface Design {
+  fluid: Fluid;
+  sources: Drawn[]; // what does not add is an obstacle
+  winds: Stroke[];
+  look: string;
+  ground: Ground;
+  frames: number;
+  full: boolean;
+}
+
+/** Another way to synthesise: what is typed for it, and the film that it has made, if any. */
+export interface Way {
+  film: string | null;
+  commands: string[];
 }
 
 export interface Clip {

@@ -1,4 +1,4 @@
-// studio/document.h — what a person has drawn over a picture and chosen for it: all that a project holds of them.
+// studio/drawing/document.h — what a person has drawn over a picture and chosen for it: all that a project holds of them.
 #pragma once
 
 #include <cstdint>
@@ -43,6 +43,18 @@ struct Pin {
   bool operator==(const Pin&) const = default;
 };
 
+/// A motion that is simulated, and may be given the look of a clip.
+struct Design {
+  std::string fluid = "smoke";     // "smoke", "fire", "water"
+  std::vector<Drawn> sources;      // what does not add is an obstacle
+  std::vector<DrawnStroke> winds;  // of which the first and the last point count
+  std::string look;                // a clip of the store; empty: as simulated
+  std::string ground = "black";    // of that clip: as `synth transfer --ground`
+  int frames = 72;                 // 1..500
+  bool full = false;               // the picture's size, not a draft's
+  bool operator==(const Design&) const = default;
+};
+
 enum class MatteBase { kScribbles, kAlpha, kWhole, kFile };
 
 /// Every field has a default, so that an empty document is a picture just opened.
@@ -63,6 +75,7 @@ struct Document {
   bool loop = true;
   double speed = 1;  // 0.05..20
   bool moving_outline = false;
+  Design design;
   bool operator==(const Document&) const = default;
 };
 

@@ -1,4 +1,4 @@
-// studio/drawn_matte.h — the mattes and maps that a document's scribbles and brushes mean.
+// studio/drawing/drawn_matte.h — the mattes and maps that a document's scribbles and brushes mean.
 #pragma once
 
 #include <optional>
@@ -8,7 +8,7 @@
 
 #include <opencv2/core.hpp>
 
-#include "studio/document.h"
+#include "studio/drawing/document.h"
 
 namespace freshet::studio {
 

@@ -1,4 +1,4 @@
-#include "studio/drawn_matte.h"
+#include "studio/drawing/drawn_matte.h"
 
 #include <algorithm>
 #include <cmath>
