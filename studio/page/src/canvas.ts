@@ -45,7 +45,7 @@ export class Canvas {
   private readonly divider = new Line({ points: [], stroke: "#fff", strokeWidth: 2, visible: false });
   private readonly tint = new KonvaImage({ image: undefined });
   private readonly held = new KonvaImage({ image: undefined });
-  private readonly cursor = new Circle({ stroke: "#fff", strokeWidth: 1.5, visible: false, shadowColor: "#000", shadowBlur: 3 });
+  private readonly cursor = new Circle({ stroke: "#fff", visible: false, shadowColor: "#000" });
   private readonly overlay: HTMLCanvasElement;
   private readonly film = document.createElement("video"); // that another way has made, over the picture
   private readonly flowing = new Streaks();
@@ -439,6 +439,7 @@ export class Canvas {
     const { width, height } = this.size();
     Object.assign(this.film.style, { width: `${width * scale}px`, height: `${height * scale}px`, transform: `translate(${x}px, ${y}px)` });
     view.zoom.value = scale;
+    this.cursor.setAttrs({ strokeWidth: 1.5 / scale, shadowBlur: 3 / scale }); // as thin at any zoom
     this.lookCloser();
     this.box.dataset["view"] = JSON.stringify({ x, y, scale });
     this.stage.batchDraw();
@@ -601,7 +602,7 @@ export class Canvas {
     const scale = this.stage.scaleX();
     const mode = state.mode.value;
     const brushes = (mode === "fluid" || mode === "flow" || mode === "design") && !this.drawsArea() && !this.drawsArrow() && event.pointerType !== "touch";
-    this.cursor.setAttrs({ x: point[0], y: point[1], radius: widthOf(event, view.brush.value) / 2, strokeWidth: 1.5 / scale, visible: brushes && !view.panning.value });
+    this.cursor.setAttrs({ x: point[0], y: point[1], radius: widthOf(event, view.brush.value) / 2, visible: brushes && !view.panning.value });
     if (this.line) {
       const width = this.drawsArea() || this.drawsArrow() ? this.line.last.width : widthOf(event, view.brush.value);
       if (this.line.add(point, width, 2 / scale)) this.addLive();
