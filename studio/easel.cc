@@ -11,6 +11,7 @@
 #include "freshet/error.h"
 #include "query/labelling/assignment.h"
 #include "query/search/picture_scale.h"
+#include "studio/event_feed.h"
 #include "synth/matte/held.h"
 
 namespace freshet::studio {
@@ -54,6 +55,14 @@ Document reduced(const Document& document, double factor) {
 cv::Mat fluid_of(const FoundMatte& matte) {
   return matte.held.empty() ? matte.alpha
                             : synth::matte::less_held(matte.alpha, matte.held, "what is held still");
+}
+
+Scene scene_of(const media::Still& still, const FoundMatte& matte, const Document& document, double factor) {
+  return {.picture = reduced(still.bgr, factor),
+          .matte = reduced(fluid_of(matte), factor),
+          .held = reduced(matte.held, factor),
+          .tempo = reduced(draw_tempo(document, still.bgr.size()), factor),
+          .factor = factor};
 }
 
 Json matte_json(const FoundMatte& matte) {
@@ -113,11 +122,6 @@ void stop_if_asked(const Job& job) {
 
 }  // namespace
 
-std::uint64_t next_number() {
-  static std::atomic<std::uint64_t> last{0};
-  return ++last;
-}
-
 Easel::Easel(std::shared_ptr<Project> project, Tell tell)
     : project_(std::move(project)), tell_(std::move(tell)) {}
 
@@ -149,6 +153,13 @@ void Easel::bring_up_to_date(OpenedStore* store, query::LabelCache* cache, const
     if (fault.kind() == ErrorKind::kCancelled) throw;
     tell_problem(fault.what());
   }
+  tell_settled(document);
+}
+
+void Easel::tell_settled(const Document& document) {
+  const Results now = results();
+  const bool stands = now.full && now.frames_key == frames_key(document);
+  tell_("settled", text({{"project", project_->id()}, {"reel", stands ? reel_json(*now.full) : Json()}}));
 }
 
 void Easel::work(const Document& document, OpenedStore* store, query::LabelCache* cache, const Job& job) {
@@ -156,6 +167,7 @@ void Easel::work(const Document& document, OpenedStore* store, query::LabelCache
   stop_if_asked(job);
   if (!document.strokes.empty() || document.store.empty() || store == nullptr) tell_field(document);
   stop_if_asked(job);
+  if (!document.tempo.empty()) project_->write_tempo(draw_tempo(document, project_->size()));
   project_->write_recipe(document);
   if (!matte || matte->alpha.empty() || store == nullptr || !store->exists()) return;
   if (results().frames_key == frames_key(document)) return;
@@ -217,16 +229,16 @@ void Easel::render_small(const Document& document, const FoundMatte& matte,
                          const std::shared_ptr<const StoreBase>& base, const Job& job) {
   const std::shared_ptr<const media::Still> still = project_->picture();
   const double factor = reduction(still->bgr.size(), kSmallSide);
-  const cv::Mat picture = reduced(still->bgr, factor), fluid = reduced(fluid_of(matte), factor);
-  if (cv::countNonZero(fluid) == 0) return;
+  Scene scene = scene_of(*still, matte, document, factor);
+  scene.factor = 1;  // it is labelled small
+  if (cv::countNonZero(scene.matte) == 0) return;
   const LabelledPicture labelled =
-      label_picture(base, picture, fluid, reduced(document, factor), nullptr, job);
+      label_picture(base, scene.picture, scene.matte, reduced(document, factor), nullptr, job);
   stop_if_asked(job);
   const int frames = std::min(document.frames, kSmallFrames);
-  const auto reel = std::make_shared<FrameReel>(next_number(), "small", picture.size(), frames, document.fps);
-  roll(reel, [&](const std::function<void()>& told) {
-    render(labelled, document, picture, fluid, reduced(matte.held, factor), 1, *reel, told, job);
-  });
+  const auto reel =
+      std::make_shared<FrameReel>(next_number(), "small", scene.picture.size(), frames, document.fps);
+  roll(reel, [&](const std::function<void()>& told) { render(labelled, document, scene, *reel, told, job); });
 }
 
 std::shared_ptr<const LabelledPicture> Easel::find_labels(const Document& document, const FoundMatte& matte,
@@ -265,20 +277,19 @@ void Easel::render_full(const Document& document, const FoundMatte& matte, const
   // Never below the size at which it was cut into pieces.
   const double factor =
       std::min(reduction(still->bgr.size(), kFullSide), labelled.labelling.assignment.piece_scale);
-  const cv::Mat picture = reduced(still->bgr, factor);
+  const Scene scene = scene_of(*still, matte, document, factor);
   const auto reel =
-      std::make_shared<FrameReel>(next_number(), "full", picture.size(), document.frames, document.fps);
-  roll(reel, [&](const std::function<void()>& told) {
-    render(labelled, document, picture, reduced(fluid_of(matte), factor), reduced(matte.held, factor), factor,
-           *reel, told, job);
-  });
+      std::make_shared<FrameReel>(next_number(), "full", scene.picture.size(), document.frames, document.fps);
+  roll(reel, [&](const std::function<void()>& told) { render(labelled, document, scene, *reel, told, job); });
 }
 
 void Easel::roll(const std::shared_ptr<FrameReel>& reel,
                  const std::function<void(const std::function<void()>&)>& frames) {
   {
     const std::lock_guard lock(guard_);
-    (reel->stage == "small" ? results_.small : results_.full) = reel;
+    const bool small = reel->stage == "small";
+    (small ? results_.small : results_.full) = reel;
+    if (!small) results_.frames_key = 0;  // a finished one has made room for one that is begun
   }
   const auto tell = [&] { tell_("reel", text({{"project", project_->id()}, {"reel", reel_json(*reel)}})); };
   frames([&] {
@@ -307,10 +318,12 @@ std::string Easel::overview_json() const {
   return text(json);
 }
 
-std::string Easel::picture_jpeg(int longest) const {
+std::string Easel::picture_jpeg(const cv::Rect& part, int longest) const {
   const std::shared_ptr<const media::Still> still = project_->picture();
+  const cv::Rect whole({}, still->bgr.size()), seen = part.empty() ? whole : part & whole;
+  if (seen.empty()) throw Error(ErrorKind::kNotFound, "picture", "there is nothing of it there");
   std::vector<std::uint8_t> bytes;
-  cv::imencode(".jpg", reduced(still->bgr, reduction(still->bgr.size(), longest)), bytes,
+  cv::imencode(".jpg", reduced(still->bgr(seen), reduction(seen.size(), longest)), bytes,
                {cv::IMWRITE_JPEG_QUALITY, 92});
   return {bytes.begin(), bytes.end()};
 }

@@ -1,7 +1,6 @@
 // studio/easel.h — a project that is being worked on, with all that was computed for it.
 #pragma once
 
-#include <atomic>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -14,8 +13,8 @@
 
 #include "freshet/job.h"
 #include "query/labelling/label_cache.h"
-#include "studio/document.h"
-#include "studio/drawn_matte.h"
+#include "studio/drawing/document.h"
+#include "studio/drawing/drawn_matte.h"
 #include "studio/frame_reel.h"
 #include "studio/labelled_picture.h"
 #include "studio/opened_store.h"
@@ -41,7 +40,8 @@ class Easel {
   Project& project() const { return *project_; }
 
   /// Matte, field, first preview, labels, full preview: what the document has changed is made anew, in this order, and
-  /// told as it is there. store   null: none is chosen. cache   may be null.
+  /// told as it is there; at the end "settled", with the full preview that stands, if any: one that was begun for a
+  /// change that was taken back is not waited for. store   null: none is chosen. cache   may be null.
   /// Throws Error{kCancelled}; whatever else is wrong is told as "problem", and kept in overview_json().
   void bring_up_to_date(OpenedStore* store, query::LabelCache* cache, const Job& job);
 
@@ -57,8 +57,10 @@ class Easel {
   std::string field_json() const;
   /// What there is: matte, reels, labels, problem.
   std::string overview_json() const;
-  /// JPEG of the picture, its longer side at most so many px. PNG, white, with the matte as its alpha.
-  std::string picture_jpeg(int longest) const;
+  /// JPEG of a part of the picture, its longer side at most so many px. part   px; cut at the picture's edges; empty: all
+  /// of it. Throws Error{kNotFound} for a part beside the picture.
+  std::string picture_jpeg(const cv::Rect& part, int longest) const;
+  /// PNG, white, with the matte as its alpha.
   std::string matte_png(const cv::Mat& alpha, int longest) const;
 
  private:
@@ -83,6 +85,7 @@ class Easel {
   void roll(const std::shared_ptr<FrameReel>& reel,
             const std::function<void(const std::function<void()>&)>& frames);
   void tell_problem(const std::string& text);
+  void tell_settled(const Document& document);
   Results results() const;
 
   std::shared_ptr<Project> project_;
@@ -90,8 +93,5 @@ class Easel {
   mutable std::mutex guard_;
   Results results_;
 };
-
-/// The next of numbers that no other result of this run has.
-std::uint64_t next_number();
 
 }  // namespace freshet::studio

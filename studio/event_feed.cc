@@ -1,11 +1,21 @@
 #include "studio/event_feed.h"
 
+#include <atomic>
+
 #include <fmt/format.h>
 
 namespace freshet::studio {
 
 std::string to_text(const Event& event) {
   return fmt::format("id: {}\nevent: {}\ndata: {}\n\n", event.number, event.type, event.data);
+}
+
+std::uint64_t next_number() {
+  using std::chrono::milliseconds;
+  const auto now = std::chrono::system_clock::now().time_since_epoch();
+  static std::atomic<std::uint64_t> last{
+      static_cast<std::uint64_t>(std::chrono::duration_cast<milliseconds>(now).count())};
+  return ++last;
 }
 
 void EventFeed::publish(const std::string& type, const std::string& data) {

@@ -52,8 +52,7 @@ std::optional<std::string> FrameReel::frame(int index) const {
   return frames_[static_cast<std::size_t>(index)];
 }
 
-void render(const LabelledPicture& labelled, const Document& document, const cv::Mat& picture,
-            const cv::Mat& matte, const cv::Mat& held, double factor, FrameReel& reel,
+void render(const LabelledPicture& labelled, const Document& document, const Scene& scene, FrameReel& reel,
             const std::function<void()>& told, const Job& job) {
   namespace animate = synth::animate;
   animate::AnimateOptions options;
@@ -62,17 +61,18 @@ void render(const LabelledPicture& labelled, const Document& document, const cv:
   options.loop = document.loop && reel.total > 1;
   options.memory_bytes = kMemory;
   if (document.moving_outline) options.boundary.boundary = animate::Boundary::kMoving;
-  options.boundary.held = held;
+  options.boundary.held = scene.held;
   query::Assignment assignment = labelled.labelling.assignment;
   const cv::Size labelled_size = assignment.picture;
-  assignment.picture = picture.size();
-  assignment.piece_scale /= factor;
+  const cv::Size size = scene.picture.size();
+  assignment.picture = size;
+  assignment.piece_scale /= scene.factor;
   const animate::Staging staging =
-      animate::stage(labelled.store->snapshot, assignment, picture.size(),
-                     guide_of(labelled.request, labelled_size, factor, picture.size()),
-                     {.factor = document.speed, .map = {}}, options);
+      animate::stage(labelled.store->snapshot, assignment, size,
+                     guide_of(labelled.request, labelled_size, scene.factor, size),
+                     {.factor = document.speed, .map = scene.tempo}, options);
   animate::animate(
-      labelled.store->snapshot, labelled.store->base.settings, picture, matte, staging.placement,
+      labelled.store->snapshot, labelled.store->base.settings, scene.picture, scene.matte, staging.placement,
       staging.options,
       [&](const cv::Mat& frame) {
         reel.add(frame);

@@ -11,7 +11,7 @@
 #include <opencv2/core.hpp>
 
 #include "freshet/job.h"
-#include "studio/document.h"
+#include "studio/drawing/document.h"
 #include "studio/labelled_picture.h"
 
 namespace freshet::studio {
@@ -36,11 +36,17 @@ class FrameReel {
   std::vector<std::string> frames_;
 };
 
+/// What is animated, of one size. A copy of the labelled picture reduced by `factor`, or itself.
+struct Scene {
+  cv::Mat picture, matte;  // CV_8UC3, CV_8U
+  cv::Mat held;            // CV_8U; empty: nothing
+  cv::Mat tempo;           // draw_tempo(); empty: as filmed
+  double factor = 1;
+};
+
 /// Renders what a labelling of a picture assigned into a reel.
-/// picture, matte, held   of one size, which may be smaller than the labelled picture: then a copy reduced by `factor`.
 /// told     called after each frame. Throws as synth::animate::animate.
-void render(const LabelledPicture& labelled, const Document& document, const cv::Mat& picture,
-            const cv::Mat& matte, const cv::Mat& held, double factor, FrameReel& reel,
+void render(const LabelledPicture& labelled, const Document& document, const Scene& scene, FrameReel& reel,
             const std::function<void()>& told, const Job& job);
 
 /// The mean motion that a labelling's animation has, CV_32FC2, px/s of the picture, of its size.

@@ -5,6 +5,7 @@
 #include <exception>
 
 #include "freshet/error.h"
+#include "studio/event_feed.h"
 
 namespace freshet::studio {
 namespace {
@@ -56,7 +57,7 @@ JobId JobQueue::submit(const std::string& key, const std::string& title, Work wo
     });
     if (static_cast<std::size_t>(waiting) >= kMostWaiting)
       throw Error(ErrorKind::kUsage, title, "too much waits already", "Stop some of it");
-    entry->view = {.id = ++last_, .key = key, .title = title, .state = {}, .progress = {}, .fault = {}};
+    entry->view = {.id = next_number(), .key = key, .title = title, .state = {}, .progress = {}, .fault = {}};
     entry->work = std::move(work);
   }
   const JobView view = entry->view;

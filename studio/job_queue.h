@@ -16,7 +16,7 @@
 
 namespace freshet::studio {
 
-using JobId = std::uint64_t;
+using JobId = std::uint64_t;  // as next_number() gives them
 
 enum class JobState { kWaiting, kRunning, kDone, kFailed, kStopped };
 const char* to_string(JobState state);
@@ -73,7 +73,6 @@ class JobQueue {
   mutable std::mutex guard_;
   std::condition_variable changed_;
   std::list<EntryPointer> entries_;
-  JobId last_ = 0;
   bool ending_ = false;
   std::thread thread_;
 };

@@ -11,7 +11,7 @@
 #include "query/labelling/label_cache.h"
 #include "query/labelling/label_request.h"
 #include "query/labelling/labelling.h"
-#include "studio/document.h"
+#include "studio/drawing/document.h"
 #include "studio/opened_store.h"
 
 namespace freshet::studio {

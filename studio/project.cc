@@ -10,6 +10,7 @@
 #include <system_error>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
@@ -22,7 +23,9 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t kMaxDocument = 16u << 20;
+constexpr std::size_t kMaxHistory = 4u << 20, kDeepestHistory = 16;
 constexpr const char* kDocument = "document.json";
+constexpr const char* kHistory = "history.json";
 constexpr const char* kThumbnail = "thumbnail.jpg";
 constexpr int kThumbnailSide = 480;  // px
 
@@ -51,9 +54,9 @@ void write_whole(const fs::path& path, std::string_view bytes) {
   if (::rename(beside.c_str(), path.c_str()) != 0) fail_writing(path, errno);
 }
 
-std::string png(const cv::Mat& grey) {
+std::string png(const cv::Mat& map) {
   std::vector<std::uint8_t> bytes;
-  cv::imencode(".png", grey, bytes);
+  cv::imencode(".png", map, bytes);
   return {bytes.begin(), bytes.end()};
 }
 
@@ -156,18 +159,28 @@ void Project::give_matte(const fs::path& bytes) {
   write("given_matte.png", png(media::read_matte(bytes, size()).alpha));
 }
 
+void Project::write_history(std::string_view json) {
+  if (json.size() > kMaxHistory || json_nesting(json) > kDeepestHistory || !nlohmann::json::accept(json))
+    throw Error(ErrorKind::kInput, "history", "it is no JSON, or too much of it", "Reload the page");
+  const std::lock_guard lock(guard_);
+  write(kHistory, json);
+}
+
+std::string Project::history() const {
+  const std::lock_guard lock(guard_);
+  return holds(kHistory) ? read_text_file(folder_ / kHistory, kMaxHistory, "") : "null";
+}
+
 void Project::write_mattes(const cv::Mat& alpha, const cv::Mat& held) {
   const std::lock_guard lock(guard_);
-  const auto put = [&](const char* name, const cv::Mat& matte) {
-    std::error_code ignored;
-    if (matte.empty())
-      fs::remove(folder_ / name, ignored);
-    else
-      write(name, png(matte));
-  };
   whole_ = !alpha.empty() && cv::countNonZero(alpha != 255) == 0;
-  put("matte.png", whole_ ? cv::Mat() : alpha);
-  put("hold.png", held);
+  write_or_remove("matte.png", whole_ ? cv::Mat() : alpha);
+  write_or_remove("hold.png", held);
+}
+
+void Project::write_tempo(const cv::Mat& map) {
+  const std::lock_guard lock(guard_);
+  write_or_remove("tempo.png", map);
 }
 
 void Project::write_assignment(const std::string& json) {
@@ -188,7 +201,18 @@ void Project::write_recipe(const Document& document) {
                                .held = present("hold.png"),
                                .whole = whole_,
                                .strokes = document.strokes.empty() ? "" : present("strokes.svg"),
+                               .tempo = document.tempo.empty() ? "" : present("tempo.png"),
                                .assignment = document.pins.empty() ? "" : present("assignment.json")}));
+}
+
+void Project::write_way(const std::string& way, const std::vector<WayFile>& files) const {
+  const fs::path folder = folder_ / "ways" / way;
+  std::error_code fault;
+  fs::create_directories(folder, fault);
+  if (fs::is_symlink(folder.parent_path(), fault) || fs::is_symlink(folder, fault) ||
+      !fs::is_directory(folder, fault))
+    throw Error(ErrorKind::kIo, folder.string(), "is no folder");
+  for (const WayFile& file : files) write_whole(folder / file.name, file.bytes);
 }
 
 fs::path Project::export_path(const std::string& name) const {
@@ -199,11 +223,30 @@ fs::path Project::export_path(const std::string& name) const {
   fs::create_directory(folder, fault);
   if (fs::is_symlink(folder, fault) || !fs::is_directory(folder, fault))
     throw Error(ErrorKind::kIo, folder.string(), "is no folder");
+  if (fs::is_symlink(folder / fs::path(name).stem(), fault))
+    throw Error(ErrorKind::kUsage, name, "a symbolic link has its name", "Use another");
   return folder / name;
+}
+
+std::string Project::export_output(const std::string& name) {
+  static const std::vector<std::string> kPictures{".png", ".exr", ".tif"};
+  const fs::path file(name);
+  if (std::find(kPictures.begin(), kPictures.end(), file.extension()) == kPictures.end())
+    return "exports/" + name;
+  const std::string stem = file.stem();
+  return fmt::format("exports/{0}/{0}.####{1}", stem, file.extension().string());
 }
 
 void Project::write(const std::string& name, std::string_view bytes) const {
   write_whole(folder_ / name, bytes);
+}
+
+void Project::write_or_remove(const char* name, const cv::Mat& map) const {
+  std::error_code ignored;
+  if (map.empty())
+    fs::remove(folder_ / name, ignored);
+  else
+    write(name, png(map));
 }
 
 bool Project::holds(const std::string& name) const {

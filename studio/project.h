@@ -8,22 +8,27 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include <opencv2/core.hpp>
 
 #include "media/picture/picture.h"
-#include "studio/document.h"
-#include "studio/recipe.h"
+#include "studio/drawing/document.h"
+#include "studio/drawing/recipe.h"
+#include "studio/ways/way_plan.h"
 
 namespace freshet::studio {
 
 /// Files in it:
 ///   picture.*        as it was given
 ///   document.json    what was drawn and chosen
-///   project.toml     the same for the command line, with strokes.svg, matte.png, hold.png, assignment.json beside it
+///   project.toml     the same for the command line, with strokes.svg, matte.png, hold.png, tempo.png, assignment.json
+///                    beside it
 ///   marks.json       the scribbles, for `synth matte --marks`
+///   history.json     what can be undone, as the page keeps it
 ///   thumbnail.jpg    the picture, small
 ///   exports/         what was made
+///   ways/            what other ways to synthesise were given, and made of it
 /// Each is written beside its place and renamed. Safe from many threads.
 class Project {
  public:
@@ -56,16 +61,29 @@ class Project {
   /// Takes it over. Throws Error{kInput} when it is none of this picture's.
   void give_matte(const std::filesystem::path& bytes);
 
+  /// What the page can undo: JSON that means nothing to us. "null": nothing. Throws Error{kInput} for what is no JSON, or
+  /// more than 4 MB.
+  void write_history(std::string_view json);
+  std::string history() const;
+
   /// Writes what was found; what is empty is removed.
   void write_mattes(const cv::Mat& alpha, const cv::Mat& held);
+  void write_tempo(const cv::Mat& map);
   void write_assignment(const std::string& json);
   void write_recipe(const Document& document);
 
+  /// Writes files into ways/WAY, which is made. Throws Error{kIo} when it is no folder of ours.
+  void write_way(const std::string& way, const std::vector<WayFile>& files) const;
+
   /// exports/NAME; the folder is made. Throws Error{kUsage} for a name that is no plain file name.
   std::filesystem::path export_path(const std::string& name) const;
+  /// What `synth animate -o` is told for it, from the project's folder: "exports/fall.mp4"; for a sequence, of pictures,
+  /// "exports/fall/fall.####.exr".
+  static std::string export_output(const std::string& name);
 
  private:
   void write(const std::string& name, std::string_view bytes) const;
+  void write_or_remove(const char* name, const cv::Mat& map) const;
   bool holds(const std::string& name) const;
   void read_document();
 

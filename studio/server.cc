@@ -30,6 +30,7 @@ using Words = std::vector<std::string>;
 constexpr std::size_t kThreads = 24;
 constexpr int kMostListeners = 8;                              // event streams; each keeps a thread
 constexpr std::uintmax_t kLeftFree = std::uintmax_t{1} << 30;  // bytes of the disk that uploads leave alone
+constexpr int kFarthest = 1 << 20;                             // px
 constexpr int kLongest = 4096;                                 // px of a picture that is sent
 
 /// Everything comes from us, scripts too; what is drawn from numbers (blobs) is ours as well.
@@ -162,6 +163,7 @@ struct Server::Impl {
   void change_store(const Words& words, const httplib::Request& request, httplib::Response& response,
                     const httplib::ContentReader& reader);
   void send_export(const std::string& project, const std::string& name, httplib::Response& response);
+  void send_file(const fs::path& path, const char* type, httplib::Response& response);
   void send_events(const httplib::Request& request, httplib::Response& response);
   void guarded(httplib::Response& response, const std::function<void()>& work);
 
@@ -281,14 +283,23 @@ void Server::Impl::get_project(const Words& words, const httplib::Request& reque
   if (words.size() == 3) return answer(response, studio.project_json(id));
   if (what == "exports" && words.size() == 4) return answer(response, studio.exports_json(id));
   if (what == "exports" && words.size() == 5) return send_export(id, words[4], response);
+  if (what == "ways" && words.size() == 5) return answer(response, studio.way_json(id, words[4]));
+  if (what == "ways" && words.size() == 6 && words[5] == "film")
+    return send_file(studio.film(id, words[4]), "video/mp4", response);
   if (what == "thumbnail") return answer(response, studio.thumbnail_of(id), "image/jpeg");
   const std::shared_ptr<Easel> easel = studio.easel(id);
   if (what == "picture") {
-    const std::string asked = request.get_param_value("longest");
-    const int longest =
-        asked.empty() ? 2048 : static_cast<int>(std::clamp<std::uint64_t>(number(asked), 16, kLongest));
-    return answer(response, easel->picture_jpeg(longest), "image/jpeg");
+    const auto asked = [&](const char* name, int low, int other, int high) {
+      const std::string word = request.get_param_value(name);
+      return word.empty()
+                 ? other
+                 : std::clamp(static_cast<int>(std::min<std::uint64_t>(number(word), 1u << 30)), low, high);
+    };
+    const cv::Rect part(asked("x", 0, 0, kFarthest), asked("y", 0, 0, kFarthest),
+                        asked("width", 0, 0, kFarthest), asked("height", 0, 0, kFarthest));
+    return answer(response, easel->picture_jpeg(part, asked("longest", 16, 2048, kLongest)), "image/jpeg");
   }
+  if (what == "history") return answer(response, easel->project().history());
   if (what == "field") return answer(response, easel->field_json());
   if (what == "made") return answer(response, easel->overview_json());
   if (what == "mattes" && words.size() == 6) {  // mattes/NUMBER/alpha
@@ -322,20 +333,23 @@ void Server::Impl::send_export(const std::string& project, const std::string& na
   const fs::path path = studio.easel(project)->project().export_path(name);
   if (!fs::is_regular_file(fs::symlink_status(path)))
     throw Error(ErrorKind::kNotFound, name, "there is no such export");
+  response.set_header("Content-Disposition", "attachment; filename=\"" + name + "\"");
+  send_file(path, "application/octet-stream", response);
+}
+
+void Server::Impl::send_file(const fs::path& path, const char* type, httplib::Response& response) {
   const auto file = std::make_shared<std::ifstream>(path, std::ios::binary);
   const auto bytes = static_cast<std::size_t>(fs::file_size(path));
-  if (!*file) throw Error(ErrorKind::kIo, name, "it cannot be read");
+  if (!*file) throw Error(ErrorKind::kIo, path.filename().string(), "it cannot be read");
   response.status = 200;
-  response.set_header("Content-Disposition", "attachment; filename=\"" + name + "\"");
-  response.set_content_provider(bytes, "application/octet-stream",
-                                [file](std::size_t offset, std::size_t length, httplib::DataSink& sink) {
-                                  std::array<char, 65536> buffer;
-                                  file->seekg(static_cast<std::streamoff>(offset));
-                                  file->read(buffer.data(),
-                                             static_cast<std::streamsize>(std::min(length, buffer.size())));
-                                  const auto got = static_cast<std::size_t>(file->gcount());
-                                  return got > 0 && sink.write(buffer.data(), got);
-                                });
+  response.set_content_provider(
+      bytes, type, [file](std::size_t offset, std::size_t length, httplib::DataSink& sink) {
+        std::array<char, 65536> buffer;
+        file->seekg(static_cast<std::streamoff>(offset));
+        file->read(buffer.data(), static_cast<std::streamsize>(std::min(length, buffer.size())));
+        const auto got = static_cast<std::size_t>(file->gcount());
+        return got > 0 && sink.write(buffer.data(), got);
+      });
 }
 
 void Server::Impl::send_events(const httplib::Request& request, httplib::Response& response) {
@@ -354,6 +368,7 @@ void Server::Impl::send_events(const httplib::Request& request, httplib::Respons
       [this, heard](std::size_t, httplib::DataSink& sink) {
         std::string news;
         for (const Event& event : studio.feed().after(*heard, std::chrono::seconds(5))) {
+          if (event.number > *heard + 1) news += "event: gap\ndata: {}\n\n";
           news += to_text(event);
           *heard = event.number;
         }
@@ -407,24 +422,29 @@ void Server::Impl::change_project(const Words& words, const httplib::Request& re
     if (!saved.taken) response.status = 409;
     return;
   }
+  if (request.method == "PUT" && what == "history") {
+    studio.easel(id)->project().write_history(read_text(reader));
+    return answer(response, "{}");
+  }
   if (request.method == "POST" && what == "matte") {
     const Incoming incoming{studio.incoming_file()};
     read_file(request, reader, incoming.path);
     studio.give_matte(id, incoming.path);
     return answer(response, "{}");
   }
+  if (request.method == "POST" && words.size() == 5 && words[3] == "ways")
+    return answer(response, Json{{"job", studio.run_way(id, words[4])}}.dump());
   if (request.method == "POST" && what == "exports") {
     const Json asked = json_of(read_text(reader));
     const std::string name = word_of(asked, "name");
     const std::vector<std::string> options = export_options(asked);
     const JobId job = studio.export_animation(id, name, options);
     const Project& project = studio.easel(id)->project();
-    return answer(
-        response,
-        Json{{"job", job},
-             {"folder", project.folder().string()},
-             {"command", to_text(Studio::export_command("freshet", project, "exports/" + name, options))}}
-            .dump());
+    return answer(response,
+                  Json{{"job", job},
+                       {"folder", project.folder().string()},
+                       {"command", to_text(Studio::export_command("freshet", project, name, options))}}
+                      .dump());
   }
   throw Error(ErrorKind::kNotFound, what, "there is nothing here");
 }

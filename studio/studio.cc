@@ -65,6 +65,19 @@ Json view_json(const JobView& view, const char* lane) {
           {"fault", view.fault}};
 }
 
+/// A folder of pictures that were exported.
+Json sequence_json(const fs::directory_entry& folder) {
+  std::uintmax_t bytes = 0;
+  std::size_t pictures = 0;
+  std::error_code fault;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, fault)) {
+    if (entry.is_symlink() || !entry.is_regular_file()) continue;
+    bytes += entry.file_size();
+    ++pictures;
+  }
+  return {{"name", folder.path().filename().string()}, {"bytes", bytes}, {"pictures", pictures}};
+}
+
 }  // namespace
 
 Studio::Studio(StudioOptions options) : options_(std::move(options)) {
@@ -236,27 +249,28 @@ Studio::Saved Studio::save_document(const std::string& project, std::string_view
             .json = text({{"version", now.version}, {"document", Json::parse(to_json(now.document))}})};
   }
   feed_.publish("document", text({{"project", project}, {"version", *version}, {"page", page}}));
-  update(project);
-  return {.taken = true, .json = text({{"version", *version}})};
+  const JobId job = update(project);
+  return {.taken = true, .json = text({{"version", *version}, {"job", job}})};
 }
 
 void Studio::give_matte(const std::string& project, const fs::path& file) {
   easel(project)->project().give_matte(file);
 }
 
-void Studio::update(const std::string& project) {
+JobId Studio::update(const std::string& project) {
   const std::shared_ptr<Easel> easel = this->easel(project);
   const std::shared_ptr<OpenedStore> store = store_of(easel->project().state().document);
-  previews_->submit(project, "Preview", [this, easel, store](const Job& job) {
+  return previews_->submit(project, "Preview", [this, easel, store](const Job& job) {
     easel->bring_up_to_date(store.get(), cache_.get(), job);
   });
 }
 
-Command Studio::export_command(const std::string& program, const Project& project, const std::string& output,
+Command Studio::export_command(const std::string& program, const Project& project, const std::string& name,
                                const std::vector<std::string>& options) {
-  Command command{.program = program,
-                  .arguments = {"synth", "animate", "--config", "project.toml", "-o", output},
-                  .folder = project.folder()};
+  Command command{
+      .program = program,
+      .arguments = {"synth", "animate", "--config", "project.toml", "-o", Project::export_output(name)},
+      .folder = project.folder()};
   command.arguments.insert(command.arguments.end(), options.begin(), options.end());
   return command;
 }
@@ -287,7 +301,7 @@ JobId Studio::export_animation(const std::string& project, const std::string& na
                              if (!now.pins.empty() && !easel->is_labelled(now))
                                throw Error(ErrorKind::kUsage, project, "its pieces were not chosen",
                                            "See what the preview says");
-                             run(export_command(options_.program, from, "exports/" + name, words), job);
+                             run(export_command(options_.program, from, name, words), job);
                              feed_.publish("export", text({{"project", project}, {"name", name}}));
                            });
 }
@@ -299,8 +313,46 @@ std::string Studio::exports_json(const std::string& project) {
   for (const fs::directory_entry& entry :
        fs::directory_iterator(easel->project().folder() / "exports", fault)) {
     const std::string name = entry.path().filename();
-    if (is_plain_file_name(name) && !entry.is_symlink() && entry.is_regular_file())
-      json["files"].push_back({{"name", name}, {"bytes", entry.file_size()}});
+    if (!is_plain_file_name(name) || entry.is_symlink()) continue;
+    if (entry.is_regular_file())
+      json["files"].push_back({{"name", name}, {"bytes", entry.file_size()}, {"pictures", 0}});
+    if (entry.is_directory()) json["files"].push_back(sequence_json(entry));
+  }
+  return text(json);
+}
+
+WayPlan Studio::plan(const std::string& project, const std::string& way) {
+  const std::shared_ptr<Easel> easel = this->easel(project);
+  return plan_way(way, easel->project().state().document, easel->project().picture()->bgr);
+}
+
+JobId Studio::run_way(const std::string& project, const std::string& way) {
+  const std::shared_ptr<Easel> easel = this->easel(project);
+  const WayPlan plan = this->plan(project, way);
+  return commands_->submit(
+      "way " + project + "/" + way, project + ": " + way, [this, easel, plan, project, way](const Job& job) {
+        easel->project().write_way(way, plan.files);
+        for (const std::vector<std::string>& words : plan.commands)
+          run({.program = options_.program, .arguments = words, .folder = easel->project().folder()}, job);
+        feed_.publish("way", text({{"project", project}, {"way", way}}));
+      });
+}
+
+fs::path Studio::film(const std::string& project, const std::string& way) {
+  const fs::path path = easel(project)->project().folder() / plan(project, way).film;
+  if (!fs::is_regular_file(fs::symlink_status(path)) || fs::canonical(path) != path)
+    throw Error(ErrorKind::kNotFound, way, "it has made no film yet");
+  return path;
+}
+
+std::string Studio::way_json(const std::string& project, const std::string& way) {
+  Json json{{"film", nullptr}, {"commands", Json::array()}};
+  for (const std::vector<std::string>& words : plan(project, way).commands)
+    json["commands"].push_back(to_text({.program = {}, .arguments = words, .folder = {}}));
+  try {
+    json["film"] = std::to_string(fs::last_write_time(film(project, way)).time_since_epoch().count());
+  } catch (const Error&) {
+    return text(json);  // there is none yet
   }
   return text(json);
 }

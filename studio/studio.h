@@ -17,6 +17,7 @@
 #include "studio/job_queue.h"
 #include "studio/opened_store.h"
 #include "studio/project.h"
+#include "studio/ways/way_plan.h"
 
 namespace freshet::studio {
 
@@ -52,7 +53,8 @@ class Studio {
   std::shared_ptr<Easel> easel(const std::string& project);
   /// Document, version, size and what has been computed; brings it up to date where it is not.
   std::string project_json(const std::string& project);
-  /// Takes a changed document. Returns JSON with "version", or with the document of somebody else where `base` is old.
+  /// Takes a changed document. Returns JSON with "version" and the "job" that brings it up to date, or with the document
+  /// of somebody else where `base` is old.
   struct Saved {
     bool taken = false;
     std::string json;
@@ -60,15 +62,23 @@ class Studio {
   Saved save_document(const std::string& project, std::string_view json, std::uint64_t base,
                       const std::string& page);
   void give_matte(const std::string& project, const std::filesystem::path& file);
-  void update(const std::string& project);
+  JobId update(const std::string& project);
 
-  /// name   of the file in exports/. options   further words for `synth animate`: "--layer", "fluid".
+  /// name   of the file in exports/, or with the ending of a picture of a folder of them. options   further words for
+  /// `synth animate`: "--layer=fluid".
   JobId export_animation(const std::string& project, const std::string& name,
                          const std::vector<std::string>& options);
   std::string exports_json(const std::string& project);
   /// The command line that makes the same.
-  static Command export_command(const std::string& program, const Project& project, const std::string& output,
+  static Command export_command(const std::string& program, const Project& project, const std::string& name,
                                 const std::vector<std::string>& options);
+
+  /// Another way to synthesise (ways/way_plan.h): its commands, run as one job. Told as "way" when its film is there.
+  JobId run_way(const std::string& project, const std::string& way);
+  /// Its "film", a number that another film does not have, or null; and its "commands".
+  std::string way_json(const std::string& project, const std::string& way);
+  /// Where its film lies. Throws Error{kNotFound}.
+  std::filesystem::path film(const std::string& project, const std::string& way);
 
   std::shared_ptr<OpenedStore> store(const std::string& id) const;
   /// A new, empty one in the studio's folder. Returns its id.
@@ -86,6 +96,7 @@ class Studio {
  private:
   void add_store(const std::filesystem::path& path);
   std::shared_ptr<OpenedStore> store_of(const Document& document) const;
+  WayPlan plan(const std::string& project, const std::string& way);
   std::string likely_store() const;  // its path, for a new document; the guard is held
   std::filesystem::path project_folder(const std::string& id) const;
   JobQueue::Watcher watcher(const char* lane);

@@ -56,7 +56,9 @@ synth/flowlines/files: media/* store query/stored query/hints synth/flowlines
 synth/stills: media/picture vision query/hints query/labelling synth/matte synth/toml report
 synth/transfer: synth/field
 synth/transfer/files: store media/* vision query/stored synth/transfer synth/animate/clips
-studio: store media/frame media/picture vision query/* synth/animate/* synth/matte
+studio/drawing: synth/matte
+studio/ways: studio/drawing
+studio: store media/frame media/picture vision query/* synth/animate/* synth/matte studio/*
 library: store media/* vision ingest query/* synth/*
 tools/console: store media/* vision query/*
 tools/options: vision media/picture media/video query/* synth/animate/* synth/matte tools/console

@@ -3,7 +3,7 @@
 import assert from "node:assert/strict";
 import { spawn, spawnSync } from "node:child_process";
 import { createHash } from "node:crypto";
-import { copyFileSync, mkdirSync, mkdtempSync, readFileSync, rmSync } from "node:fs";
+import { copyFileSync, mkdirSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { createRequire } from "node:module";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
@@ -124,7 +124,7 @@ async function until(holds, patience = 120000) {
 }
 
 /** Until the full preview of all that was drawn is there. */
-async function settled(page, timeout = 60000) {
+async function settled(page, timeout = 240000) {
   await page.waitForFunction(
     () => globalThis.document.querySelector("[data-state]")?.dataset.state === "full",
     null,
@@ -151,6 +151,8 @@ test("a picture becomes an animation in nine clicks, and its export is the comma
   await page.getByRole("slider", { name: "Speed" }).press("End");
   await until(async () => (await document("still")).strokes[1].speed === 1000);
   await page.keyboard.press("Control+z");
+  await until(async () => (await document("still")).strokes[1].speed < 1000);
+  await page.keyboard.press("Control+z");
   await until(async () => (await document("still")).strokes[1].speed === null);
 
   // Ask why, and take another patch.
@@ -175,7 +177,7 @@ test("a picture becomes an animation in nine clicks, and its export is the comma
   await shot(page, "export-wide");
   await page.getByRole("button", { name: "Make it" }).click(); // 8
   const save = page.getByRole("link", { name: "Save" });
-  await save.waitFor({ timeout: 60000 });
+  await save.waitFor();
   const line = await page.locator(".command code").textContent();
   assert.match(line, /freshet synth animate --config project\.toml -o exports\/still\.mkv/);
   const [download] = await Promise.all([page.waitForEvent("download"), save.click()]); // 9
@@ -209,6 +211,211 @@ test("nothing is lost by a reload, nor by the end of the server", async () => {
   await serve(Number(new URL(url).port), "demo.freshet");
   await page.getByText("server is away").waitFor({ state: "detached", timeout: 120000 });
   await until(async () => (await document("still")).strokes.length === 5);
+  assert.deepEqual(page.faults, []);
+  await page.context().close();
+});
+
+test("steps back live over a reload", async () => {
+  const page = await open(`${url}#/still`);
+  await page.locator(".bar").waitFor();
+  const drawn = await document("still");
+  await page.keyboard.press("2");
+  for (const x of [100, 110, 120]) await drag(page, [[x, 60], [x, 150]]);
+  const undo = page.getByRole("button", { name: "Undo" });
+  await undo.click();
+  await page.reload(); // at once: nothing waits for a timer
+  await page.locator(".bar").waitFor();
+  await until(async () => (await document("still")).strokes.length === drawn.strokes.length + 2);
+  await page.getByRole("button", { name: "Redo" }).click();
+  await until(async () => (await document("still")).strokes.length === drawn.strokes.length + 3);
+  for (let left = 2; left >= 0; --left) {
+    await undo.click();
+    await until(async () => (await document("still")).strokes.length === drawn.strokes.length + left);
+  }
+  assert.deepEqual(await document("still"), drawn);
+  assert.deepEqual(page.faults, []);
+  await page.context().close();
+});
+
+test("a pen's pressure, an area's corners and a painted pace", async () => {
+  const page = await open(`${url}#/still`);
+  await page.locator(".bar").waitFor();
+  const before = await document("still");
+  await page.keyboard.press("1");
+  await page.keyboard.press("p");
+  const pen = await page.context().newCDPSession(page);
+  const { left, top, scale } = await shown(page);
+  const press = (type, x, y, force) =>
+    pen.send("Input.dispatchMouseEvent", { type, x: left + x * scale, y: top + y * scale, force, pointerType: "pen", button: "left", buttons: type === "mouseReleased" ? 0 : 1, clickCount: 1 });
+  await press("mousePressed", 60, 60, 0.05);
+  for (let i = 1; i <= 20; ++i) await press("mouseMoved", 60 + 4 * i, 60, i / 20);
+  await shot(page, "pen");
+  await press("mouseReleased", 140, 60, 1);
+  await until(async () => (await document("still")).paint.length > before.paint.length);
+  const runs = (await document("still")).paint.slice(before.paint.length);
+  const widths = runs.map(({ width }) => width);
+  assert.ok(runs.length > 4, `${widths}`);
+  assert.ok(widths.every((width, i) => i === 0 || width > widths[i - 1]) && widths.at(-1) > 2 * widths[0], `${widths}`);
+  runs.forEach(({ points }, i) => assert.deepEqual(points[0], i === 0 ? points[0] : runs[i - 1].points.at(-1)));
+  await page.keyboard.press("Control+z"); // one stroke of the pen is one step
+  await until(async () => (await document("still")).paint.length === before.paint.length);
+
+  await page.keyboard.press("a");
+  const click = (x, y) => page.mouse.click(left + x * scale, top + y * scale);
+  for (const [x, y] of [[60, 60], [90, 60], [90, 90], [60, 90]]) await click(x, y);
+  await shot(page, "corners");
+  await click(60, 60);
+  await until(async () => (await document("still")).paint.length === before.paint.length + 1);
+  const area = (await document("still")).paint.at(-1);
+  assert.ok(area.area && area.adds && area.points.length === 4, JSON.stringify(area));
+  await page.keyboard.press("Control+z");
+
+  await page.keyboard.press("2");
+  await page.getByRole("radio", { name: "Pace" }).click();
+  await drag(page, [[160, 20], [160, 180]]);
+  await until(async () => (await document("still")).tempo.length === 1);
+  assert.equal((await document("still")).tempo[0].factor, 2);
+  await settled(page);
+  await shot(page, "pace-wide");
+  assert.match(readFileSync(at("room/projects/still/project.toml"), "utf8"), /retiming-map = "tempo.png"/);
+  await page.keyboard.press("Control+z");
+  await until(async () => (await document("still")).tempo.length === 0);
+  assert.deepEqual(page.faults, []);
+  await page.context().close();
+});
+
+test("a sequence of some frames is a folder", async () => {
+  const page = await open(`${url}#/still`);
+  await page.locator(".bar").waitFor();
+  await page.getByRole("button", { name: "Export" }).click();
+  await page.getByText("PNG sequence").click();
+  await page.getByText("Frames and depth").click();
+  await page.getByLabel("From frame").fill("1003");
+  await page.getByLabel("To frame").fill("1004");
+  await page.getByLabel("First number").fill("1001");
+  await page.getByRole("combobox", { name: "Bits" }).selectOption("16");
+  await page.getByRole("button", { name: "Make it" }).click();
+  await page.getByText("2 pictures").waitFor();
+  await shot(page, "sequence-wide");
+  const line = await page.locator(".command code").textContent();
+  assert.match(line, /-o 'exports\/still\/still.####.png' --depth=16 --range=1003-1004 --start-number=1001/);
+  assert.ok(readFileSync(at("room/projects/still/exports/still/still.1004.png")).length > 1000);
+  assert.deepEqual(page.faults, []);
+  await page.context().close();
+});
+
+test("a motion is drawn, simulated and given a clip's look; the command lines make it again", async () => {
+  const page = await open(`${url}#/still`);
+  await page.locator(".bar").waitFor();
+  await page.keyboard.press("5");
+  await page.getByRole("radio", { name: "Fire" }).click();
+  await drag(page, [[120, 180], [200, 180]]);
+  await page.getByRole("button", { name: "Obstacle" }).click();
+  await drag(page, [[150, 120], [170, 115]]);
+  await page.getByRole("button", { name: "Wind" }).click();
+  await drag(page, [[60, 60], [110, 55]]);
+  await page.getByLabel("Length").fill("0.6");
+  await until(async () => (await document("still")).design.frames === 15);
+  const { design } = await document("still");
+  assert.deepEqual([design.fluid, design.sources.map(({ adds }) => adds), design.winds.length], ["fire", [true, false], 1]);
+  await page.getByRole("button", { name: "Make it" }).click();
+  const film = page.locator("video.film");
+  await film.waitFor();
+  await page.waitForFunction(() => globalThis.document.querySelector("video.film").currentTime > 0.1);
+  await shot(page, "design-motion");
+  await page.getByRole("combobox", { name: "Clip" }).selectOption("fall/1.mkv");
+  await page.getByRole("button", { name: "Make it" }).click();
+  await page.getByRole("button", { name: "Stop" }).waitFor();
+  const lines = page.locator(".command code");
+  await until(async () => (await lines.count()) === 2);
+  await page.getByRole("button", { name: "Make it" }).waitFor();
+  await film.waitFor();
+  await page.waitForFunction(() => globalThis.document.querySelector("video.film").currentTime > 0.1);
+  await shot(page, "design-look");
+  const project = at("room/projects/still");
+  const made = readFileSync(join(project, "ways/design/film.mp4"));
+  for (const line of await lines.allTextContents()) {
+    const again = spawnSync("sh", ["-c", line.replace(/^freshet/, FRESHET)], { cwd: project, encoding: "utf8" });
+    assert.equal(again.status, 0, again.stderr);
+  }
+  assert.ok(made.equals(readFileSync(join(project, "ways/design/film.mp4"))));
+  assert.deepEqual(page.faults, []);
+  await page.context().close();
+});
+
+/** A picture of 24 Mpix without anything to install: a BMP of stripes, blue above and green below. */
+function writeLarge(path, width = 6000, height = 4000) {
+  const head = Buffer.alloc(54);
+  head.write("BM");
+  head.writeUInt32LE(54 + 3 * width * height, 2);
+  head.writeUInt32LE(54, 10);
+  head.writeUInt32LE(40, 14);
+  head.writeInt32LE(width, 18);
+  head.writeInt32LE(-height, 22);
+  head.writeUInt16LE(1, 26);
+  head.writeUInt16LE(24, 28);
+  const rows = [[210, 90, 40], [60, 140, 30]].map(([blue, green, red]) => {
+    const row = Buffer.alloc(3 * width);
+    for (let x = 0; x < width; ++x) row.set(x % 2 ? [blue, green, red] : [255, 255, 255], 3 * x);
+    return row;
+  });
+  writeFileSync(path, Buffer.concat([head, ...Array.from({ length: height }, (_, y) => rows[y < height / 2 ? 0 : 1])]));
+}
+
+test("a picture of 24 Mpix is drawn on, panned, and seen pixel by pixel", async () => {
+  writeLarge(at("large.bmp"));
+  const page = await open(url);
+  await page.setInputFiles("input[type=file][accept^='image']", at("large.bmp"));
+  await page.locator(".bar").waitFor();
+  await page.locator(".canvas[data-view]").waitFor();
+  await drag(page, [[1000, 300], [5000, 300]]);
+  await page.locator(".panel .figure", { hasText: "%" }).waitFor();
+  const { left, top, scale } = await shown(page);
+  await page.mouse.move(left + 3000 * scale, top + 2000 * scale);
+  for (let i = 0; i < 12; ++i) await page.mouse.wheel(0, -400);
+  await until(async () => (await page.locator(".canvas").getAttribute("data-detail")) !== null);
+  const [, , across] = (await page.locator(".canvas").getAttribute("data-detail")).split(" ").map(Number);
+  assert.ok(across < 1000, `${across}`);
+  await page.waitForTimeout(300);
+  await shot(page, "large-close");
+  await page.evaluate(() => {
+    globalThis.drawn = 0;
+    const note = () => requestAnimationFrame(note, (globalThis.drawn += 1));
+    note();
+  });
+  await page.keyboard.down("Space");
+  await page.mouse.move(600, 400);
+  await page.mouse.down();
+  for (let i = 0; i < 20; ++i) await page.mouse.move(600 - 10 * i, 400 - 5 * i, { steps: 2 });
+  await page.mouse.up();
+  await page.keyboard.up("Space");
+  assert.ok((await page.evaluate(() => globalThis.drawn)) >= 20); // a frame for each move, and none that is waited for
+  assert.deepEqual(page.faults, []);
+  await page.context().close();
+  await api("projects/large", { method: "DELETE" });
+});
+
+test("a change that is taken back in the middle of its preview, and a server that ends in it, leave no page waiting", async () => {
+  const page = await open(`${url}#/still`);
+  await page.locator(".bar").waitFor();
+  await settled(page);
+  const made = async () => (await (await api("projects/still/made")).json());
+  const { small, full } = await made();
+  await page.keyboard.press("3");
+  await page.getByLabel("Length").fill("20");
+  await until(async () => (await made()).small.number !== small.number);
+  await page.keyboard.press("Control+z");
+  await settled(page);
+  assert.equal((await made()).full.number, full.number); // what stood still stands
+  await page.getByLabel("Length").fill("20");
+  await until(async () => (await made()).full.number !== full.number);
+  await end("SIGKILL");
+  await page.getByText("server is away").waitFor();
+  await serve(Number(new URL(url).port), "demo.freshet");
+  await page.getByText("server is away").waitFor({ state: "detached" });
+  await page.getByLabel("Length").fill("2");
+  await settled(page);
+  assert.ok((await made()).full.number > full.number);
   assert.deepEqual(page.faults, []);
   await page.context().close();
 });
@@ -260,7 +467,7 @@ for (const [theme, size, width, height] of [
     assert.equal(await page.evaluate(() => globalThis.broken), undefined);
     await page.goto(`${url}#/still`);
     await page.locator(".bar").waitFor();
-    for (const [key, name] of [["1", "fluid"], ["2", "flow"], ["3", "look"], ["4", "why"]]) {
+    for (const [key, name] of [["1", "fluid"], ["2", "flow"], ["3", "look"], ["4", "why"], ["5", "design"]]) {
       await page.keyboard.press(key);
       await look(name);
     }

@@ -107,13 +107,14 @@ TEST(JobQueue, TellsTheEndLast) {
     const std::lock_guard lock(guard);
     told[view.id] = view.state;
   });
-  for (int i = 0; i < 300; ++i) queue.submit("job " + std::to_string(i % 40), "", [](const Job&) {});
+  JobId last = 0;
+  for (int i = 0; i < 300; ++i) last = queue.submit("job " + std::to_string(i % 40), "", [](const Job&) {});
   queue.wait();
   // wait() is over when the last one's state is set, and that is told a moment later.
   for (int patience = 0; patience < 1000; ++patience) {
     {
       const std::lock_guard lock(guard);
-      if (told[300] == JobState::kDone) break;
+      if (told[last] == JobState::kDone) break;
     }
     std::this_thread::sleep_for(1ms);
   }

@@ -153,8 +153,8 @@ TEST_F(Server, ShowsItMovingAndWhy) {
   ASSERT_TRUE(made["full"].is_object()) << made;
   EXPECT_EQ(made["full"]["ready"], 12);
   EXPECT_EQ(made["full"]["width"], tools::kWidth);
-  const httplib::Result frame =
-      running().get(fmt::format("api/projects/{}/reels/{}/11", id, made["full"]["number"].get<int>()));
+  const httplib::Result frame = running().get(
+      fmt::format("api/projects/{}/reels/{}/11", id, made["full"]["number"].get<std::uint64_t>()));
   EXPECT_EQ(status(frame), 200);
   EXPECT_EQ(frame->get_header_value("Content-Type"), "image/jpeg");
   EXPECT_EQ(running().json("api/projects/" + id + "/field")["source"], "strokes");
@@ -162,6 +162,43 @@ TEST_F(Server, ShowsItMovingAndWhy) {
   ASSERT_GT(pieces["pieces"].size(), 4u);
   EXPECT_EQ(status(running().get("api/projects/" + id + "/pieces/0/0")), 200);
   EXPECT_EQ(status(running().get("api/projects/" + id + "/pieces/100000")), 404);
+}
+
+/// Changes a document, and does not wait for what becomes of it.
+void change(RunningStudio& running, const std::string& id, const Json& edit) {
+  const Json opened = running.json("api/projects/" + id);
+  Json document = opened["document"];
+  document.update(edit);
+  const httplib::Result answer =
+      running.send("PUT", fmt::format("api/projects/{}/document?base={}", id, opened["version"].get<int>()),
+                   document.dump());
+  ASSERT_TRUE(answer);
+  ASSERT_EQ(answer->status, 200) << answer->body;
+}
+
+TEST_F(Server, AChangeThatIsTakenBackLeavesTheAnimationThatStood) {
+  const std::string id = running().open_still("back.png");
+  running().draw(id, drawing());
+  const Json before = running().json("api/projects/" + id)["made"];
+  for (const char* stage : {"small", "full"}) {
+    // Taken back as soon as a new reel of this stage has begun: the worst moment.
+    change(running(), id, {{"speed", 0.5}, {"frames", 400}});
+    const auto begun = [&] {
+      return running().json("api/projects/" + id + "/made")[stage]["number"] != before[stage]["number"];
+    };
+    for (int tries = 0; !begun() && tries < 2000; ++tries) ::usleep(10'000);
+    ASSERT_TRUE(begun()) << stage;
+    const std::uint64_t news = running().studio().feed().last();
+    change(running(), id, {{"speed", 1}, {"frames", 12}});
+    running().studio().wait();
+    Json settled;
+    for (const Event& event : running().studio().feed().after(news, std::chrono::milliseconds(0)))
+      if (event.type == "settled") settled = Json::parse(event.data);
+    ASSERT_TRUE(settled["reel"].is_object()) << stage;
+    EXPECT_EQ(settled["reel"]["total"], 12) << stage;
+    EXPECT_EQ(settled["reel"]["ready"], 12) << stage;
+    EXPECT_EQ(running().json("api/projects/" + id + "/made")["full"], settled["reel"]) << stage;
+  }
 }
 
 TEST_F(Server, APinnedPieceHasItsPatch) {
@@ -228,6 +265,55 @@ TEST_F(Server, WhatItExportsTheCommandLineMakesAgain) {
             std::string::npos);
 }
 
+TEST_F(Server, PaintedPaceIsTheCommandLinesToo) {
+  const std::string id = running().open_still("paced.png");
+  running().draw(id, drawing());
+  expect_same_bytes(running(), id, "filmed.mkv", Json::object());
+  const auto tempo = [](double factor) {
+    return Json{{"tempo", {{{"points", {{96, 0}, {96, 144}}}, {"width", 200}, {"factor", factor}}}}};
+  };
+  running().draw(id, tempo(0.5));
+  expect_same_bytes(running(), id, "slow.mkv", Json::object());
+  const fs::path exports = running().room() / "projects" / id / "exports";
+  EXPECT_FALSE(tools::text_of(exports / "filmed.mkv") == tools::text_of(exports / "slow.mkv"));
+  running().draw(id, {{"tempo", Json::array()}});
+  running().draw(id, {{"speed", 0.5}});
+  expect_same_bytes(running(), id, "half.mkv", Json::object());
+  EXPECT_TRUE(tools::text_of(exports / "slow.mkv") == tools::text_of(exports / "half.mkv"));
+}
+
+TEST_F(Server, ASequenceIsAFolderOfPictures) {
+  const std::string id = running().open_still("sequence.png");
+  running().draw(id, drawing());
+  const httplib::Result answer = running().send(
+      "POST", "api/projects/" + id + "/exports",
+      R"({"name": "fluid.exr", "layer": "fluid", "depth": "half", "range": "1003-1005", "start-number": "1001"})");
+  ASSERT_EQ(status(answer), 200) << answer->body;
+  running().studio().wait();
+  const fs::path folder = running().room() / "projects" / id / "exports/fluid";
+  for (const char* name : {"fluid.1003.exr", "fluid.1004.exr", "fluid.1005.exr"})
+    EXPECT_TRUE(fs::exists(folder / name)) << name;
+  const Json files = running().json("api/projects/" + id + "/exports")["files"];
+  ASSERT_EQ(files.size(), 1u);
+  EXPECT_EQ(files[0]["pictures"], 3);
+  fs::create_directory_symlink(running().folder().path(),
+                               running().room() / "projects" / id / "exports/away");
+  EXPECT_EQ(status(running().send("POST", "api/projects/" + id + "/exports", R"({"name": "away.png"})")),
+            400);
+}
+
+TEST_F(Server, WhatCanBeUndoneIsKept) {
+  const std::string id = running().open_still("undone.png"), rest = "api/projects/" + id + "/history";
+  EXPECT_EQ(running().get(rest)->body, "null");
+  const std::string steps = R"({"of":"1","at":1,"steps":[[]]})";
+  EXPECT_EQ(status(running().send("PUT", rest, steps)), 200);
+  EXPECT_EQ(running().get(rest)->body, steps);
+  EXPECT_EQ(status(running().send("PUT", rest, "{")), 400);
+  EXPECT_EQ(status(running().send("PUT", rest, std::string(50'000, '['))), 400);
+  EXPECT_EQ(status(running().send("PUT", rest, '"' + std::string(5u << 20, 'x') + '"')), 400);
+  EXPECT_EQ(running().get(rest)->body, steps);
+}
+
 TEST_F(Server, AStoreGrowsByWhatIsSent) {
   const std::string store =
       Json::parse(running().send("POST", "api/stores", R"({"name": "sent"})")->body)["id"];
@@ -248,13 +334,7 @@ TEST_F(Server, AJobIsStopped) {
   const std::string id = running().open_still("stopped.png");
   Json long_one = drawing();
   long_one["frames"] = 1500;
-  const Json opened = running().json("api/projects/" + id);
-  Json document = opened["document"];
-  document.update(long_one);
-  ASSERT_EQ(status(running().send(
-                "PUT", fmt::format("api/projects/{}/document?base={}", id, opened["version"].get<int>()),
-                document.dump())),
-            200);
+  change(running(), id, long_one);
   std::uint64_t job = 0;
   for (const Json& each : running().json("api/jobs"))
     if (each["lane"] == "preview" && each["key"] == id &&

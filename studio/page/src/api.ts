@@ -1,5 +1,6 @@
 // The server, as functions. Addresses are relative: the token stands in the page's own.
-import type { Candidates, Document, Field, Home, Job, Pieces, Project } from "./types";
+import type { Kept } from "./history";
+import type { Candidates, Document, Field, Home, Job, Pieces, Project, Way } from "./types";
 
 export class Fault extends Error {
   constructor(readonly status: number, text: string) {
@@ -33,6 +34,8 @@ const at = (project: string): string => `api/projects/${name(project)}`;
 
 export const address = {
   picture: (project: string, longest: number): string => `${at(project)}/picture?longest=${longest}`,
+  part: (project: string, x: number, y: number, width: number, height: number, longest: number): string =>
+    `${at(project)}/picture?x=${x}&y=${y}&width=${width}&height=${height}&longest=${longest}`,
   thumbnail: (project: string): string => `${at(project)}/thumbnail`,
   matte: (project: string, number: number, which: "alpha" | "held"): string =>
     `${at(project)}/mattes/${number}/${which}`,
@@ -41,6 +44,7 @@ export const address = {
     `${at(project)}/pieces/${piece}/${candidate}?v=${version}`,
   clip: (store: string, clip: number): string => `api/stores/${name(store)}/clips/${clip}`,
   exported: (project: string, file: string): string => `${at(project)}/exports/${name(file)}`,
+  film: (project: string, way: string, number: string): string => `${at(project)}/ways/${way}/film?n=${number}`,
   credits: (project: string): string => `${at(project)}/credits`,
 };
 
@@ -66,16 +70,26 @@ export async function giveMatte(id: string, file: File): Promise<void> {
 }
 
 export type Saved =
-  | { taken: true; version: number }
+  | { taken: true; version: number; job: number }
   | { taken: false; version: number; document: Document };
 
-export async function save(id: string, document: Document, base: number, page: string): Promise<Saved> {
+/** keepalive   it arrives though the page is being closed; the browser takes 64 KB so. */
+export async function save(id: string, document: Document, base: number, page: string, keepalive = false): Promise<Saved> {
   const answer = await ask(`${at(id)}/document?base=${base}&page=${page}`, {
     method: "PUT",
     body: JSON.stringify(document),
+    keepalive,
   });
-  const json = (await answer.json()) as { version: number; document: Document };
-  return answer.status === 409 ? { taken: false, ...json } : { taken: true, version: json.version };
+  const json = (await answer.json()) as { version: number; document: Document; job: number };
+  return answer.status === 409 ? { taken: false, ...json } : { taken: true, ...json };
+}
+
+export const way = (id: string, name: string): Promise<Way> => get(`${at(id)}/ways/${name}`);
+export const runWay = (id: string, name: string): Promise<{ job: number }> => post(`${at(id)}/ways/${name}`, {});
+
+export const history = (id: string): Promise<Kept | null> => get(`${at(id)}/history`);
+export async function keepHistory(id: string, text: string, keepalive: boolean): Promise<void> {
+  await ask(`${at(id)}/history`, { method: "PUT", body: text, keepalive });
 }
 
 export interface ExportRequest {
@@ -110,12 +124,17 @@ export type Listener = (type: string, data: unknown) => void;
 /** Hears what happens, and goes on after interruptions. Returns how to end it. */
 export function listen(after: number, listener: Listener, connected: (yes: boolean) => void): () => void {
   const source = new EventSource(`api/events?after=${after}`);
-  for (const type of ["job", "document", "matte", "field", "labels", "reel", "problem", "export", "ingested"])
+  for (const type of ["job", "gap", "document", "matte", "field", "labels", "reel", "settled", "problem", "export", "way", "ingested"])
     source.addEventListener(type, (event) => listener(type, JSON.parse((event as MessageEvent<string>).data)));
   source.onopen = () => connected(true);
   source.onerror = () => connected(false);
   return () => source.close();
 }
 
-export const exports = (id: string): Promise<{ folder: string; files: { name: string; bytes: number }[] }> =>
-  get(`${at(id)}/exports`);
+/** pictures   of a sequence, which is a folder; 0: it is a file. */
+export interface Exported {
+  name: string;
+  bytes: number;
+  pictures: number;
+}
+export const exports = (id: string): Promise<{ folder: string; files: Exported[] }> => get(`${at(id)}/exports`);

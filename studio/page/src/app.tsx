@@ -100,6 +100,7 @@ const kModes: readonly (readonly [state.Mode, string, string])[] = [
   ["flow", "Flow", "2"],
   ["look", "Look", "3"],
   ["why", "Why", "4"],
+  ["design", "Design", "5"],
 ];
 
 function Work(): JSX.Element {
@@ -165,6 +166,7 @@ const kStages: Record<string, string> = {
   base: "Preparing the picture",
   match: "Matching contrast",
   render: "Rendering",
+  "ways/design/scene.toml": "Simulating",
 };
 export function stageWords(stage: string): string {
   const words = kStages[stage] ?? stage;
@@ -189,7 +191,7 @@ function Transport(): JSX.Element {
   const busy = !!state.previewJob.value;
   const made = coming ? coming.loaded / Math.max(1, coming.news.total) : 0;
   return (
-    <footer class="transport" data-state={busy || coming || state.saving.value !== "saved" ? "busy" : (reel?.news.stage ?? "none")}>
+    <footer class="transport" data-state={busy || coming || state.saving.value !== "saved" ? "busy" : (reel?.news.stage ?? "none")} data-reel={reel?.news.number ?? 0}>
       <div class="row">
         <IconButton icon={player.playing.value ? Pause : Play} label={player.playing.value ? "Pause" : "Play"} shortcut="Space" disabled={!reel} onClick={() => player.toggle()} class="play" />
         <input
@@ -256,7 +258,7 @@ function useShortcuts(canvas: { current: Canvas | null }, exportNow: () => void)
       }
       const tools: Record<string, view.FluidTool> = { b: "fluid", n: "still", p: "paint", e: "erase", a: "area", h: "hold" };
       const chosen = tools[key];
-      const index = "1234".indexOf(key);
+      const index = "12345".indexOf(key);
       if (chosen && state.mode.value === "fluid") view.fluidTool.value = chosen;
       else if (index >= 0) state.mode.value = kModes[index]?.[0] ?? "fluid";
       else if (key === "[") view.brush.value = Math.max(2, view.brush.value / 1.2);
@@ -269,7 +271,9 @@ function useShortcuts(canvas: { current: Canvas | null }, exportNow: () => void)
         state.player.playing.value = false;
         state.player.seek(state.player.frame.value + (key === "arrowleft" ? -1 : 1));
       } else if (key === "delete" || key === "backspace") removeSelected();
+      else if (key === "enter" && view.corners.value > 0) canvas.current?.closeCorners();
       else if (key === "escape") {
+        canvas.current?.dropCorners();
         view.selected.value = null;
         view.piece.value = null;
       }

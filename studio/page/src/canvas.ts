@@ -7,43 +7,15 @@ import { Image as KonvaImage } from "konva/lib/shapes/Image";
 import { Line } from "konva/lib/shapes/Line";
 import { Rect } from "konva/lib/shapes/Rect";
 import { address } from "./api";
+import { flat, lengthOf, PenLine, rounded, type Run, widthOf } from "./pen";
 import * as state from "./state";
 import { Streaks } from "./streaks";
-import type { Drawn, Point, Stroke } from "./types";
+import type { Design, Document, Drawn, Point, Stroke, Tempo } from "./types";
 import * as view from "./view";
 
-const kLongest = 2048;
+const kLongest = 2048; // px of the copy of the picture that is always here
+const kRest = 150; // ms that a view rests before it is sharpened
 const accent = (): string => getComputedStyle(document.documentElement).getPropertyValue("--accent").trim() || "#4fc3c7";
-
-/** Leaves out points that lie on the way (Ramer, Douglas and Peucker). */
-export function simplified(points: Point[], tolerance: number): Point[] {
-  const first = points[0];
-  const last = points[points.length - 1];
-  if (points.length < 3 || !first || !last) return points;
-  let far = 0;
-  let index = 0;
-  const dx = last[0] - first[0];
-  const dy = last[1] - first[1];
-  const length = Math.hypot(dx, dy) || 1;
-  for (let i = 1; i < points.length - 1; ++i) {
-    const [x, y] = points[i] as Point;
-    const distance =
-      dx === 0 && dy === 0
-        ? Math.hypot(x - first[0], y - first[1])
-        : Math.abs(dy * (x - first[0]) - dx * (y - first[1])) / length;
-    if (distance > far) [far, index] = [distance, i];
-  }
-  if (far <= tolerance) return [first, last];
-  return [...simplified(points.slice(0, index + 1), tolerance).slice(0, -1), ...simplified(points.slice(index), tolerance)];
-}
-
-const flat = (points: Point[]): number[] => points.flat();
-const rounded = (value: number): number => Math.round(value * 10) / 10;
-export const lengthOf = (points: Point[]): number =>
-  points.reduce((sum, [x, y], i) => {
-    const before = points[i - 1];
-    return before ? sum + Math.hypot(x - before[0], y - before[1]) : 0;
-  }, 0);
 
 function loadImage(source: string): Promise<HTMLImageElement> {
   return new Promise((resolve, reject) => {
@@ -54,6 +26,11 @@ function loadImage(source: string): Promise<HTMLImageElement> {
   });
 }
 
+/** Slower is blue, faster orange: told apart by those who see fewer hues. */
+const tempoColour = (factor: number): string => (factor === 1 ? "#c9d3d6" : factor < 1 ? "#4f8fe6" : "#f28f3b");
+
+const designColour = (source: boolean): string => (source ? "#f28f3b" : "#7d8b90");
+
 export class Canvas {
   private readonly stage: Konva.Stage;
   private readonly below = new Konva.Layer({ listening: false });
@@ -62,22 +39,27 @@ export class Canvas {
   private readonly cursorLayer = new Konva.Layer({ listening: false });
   private readonly picture = new KonvaImage({ image: undefined });
   private readonly moving = new KonvaImage({ image: undefined });
+  private readonly detail = new KonvaImage({ image: undefined, visible: false }); // the part that is seen, as sharp as it is
+  private detailTimer = 0;
   private readonly original = new KonvaImage({ image: undefined, visible: false });
   private readonly divider = new Line({ points: [], stroke: "#fff", strokeWidth: 2, visible: false });
   private readonly tint = new KonvaImage({ image: undefined });
   private readonly held = new KonvaImage({ image: undefined });
-  private readonly cursor = new Circle({ stroke: "#fff", strokeWidth: 1.5, visible: false, shadowColor: "#000", shadowBlur: 3 });
+  private readonly cursor = new Circle({ stroke: "#fff", visible: false, shadowColor: "#000" });
   private readonly overlay: HTMLCanvasElement;
+  private readonly film = document.createElement("video"); // that another way has made, over the picture
   private readonly flowing = new Streaks();
   private readonly ends: (() => void)[] = [];
   private readonly resizer: ResizeObserver;
   private matteImage: HTMLImageElement | null = null;
   private heldImage: HTMLImageElement | null = null;
   private fitted = true;
-  private line: Point[] | null = null; // being drawn
-  private pen = 1; // pressure of the pen that draws
+  private line: PenLine | null = null; // being drawn
   private erasing = false;
-  private live: Line | Arrow | null = null;
+  private live: (Line | Arrow)[] = []; // one for each of its runs
+  private corners: Point[] = []; // of an area that is clicked together
+  private cornersTake = false;
+  private readonly outline: Line = new Line({ points: [], closed: true, opacity: 0.6, visible: false });
   private panFrom: { x: number; y: number; at: { x: number; y: number } } | null = null;
   private pinch: { distance: number; centre: { x: number; y: number } } | null = null;
   private last = 0;
@@ -88,12 +70,13 @@ export class Canvas {
     box.append(holder);
     this.overlay = document.createElement("canvas");
     this.overlay.className = "streaks";
+    Object.assign(this.film, { className: "film", muted: true, loop: true, autoplay: true, playsInline: true, hidden: true });
     this.stage = new Konva.Stage({ container: holder, width: box.clientWidth || 10, height: box.clientHeight || 10 });
-    this.below.add(this.picture, this.moving, this.original, this.divider);
+    this.below.add(this.picture, this.moving, this.detail, this.original, this.divider);
     this.over.add(this.tint, this.held);
-    this.cursorLayer.add(this.cursor);
+    this.cursorLayer.add(this.outline, this.cursor);
     this.stage.add(this.below, this.over, this.drawing, this.cursorLayer);
-    this.drawing.getNativeCanvasElement().before(this.overlay); // below the lines that were drawn
+    this.drawing.getNativeCanvasElement().before(this.overlay, this.film); // below the lines that were drawn
     this.resizer = new ResizeObserver(() => this.resize());
     this.resizer.observe(box);
     this.listenToPointers();
@@ -109,9 +92,11 @@ export class Canvas {
 
   end(): void {
     for (const end of this.ends) end();
+    window.clearTimeout(this.detailTimer);
     this.resizer.disconnect();
     this.stage.destroy();
     this.overlay.remove();
+    this.film.remove();
   }
 
   private size(): { width: number; height: number } {
@@ -188,9 +173,26 @@ export class Canvas {
       }),
       effect(() => this.flowing.set(state.field.value, this.matteImage)),
       effect(() => {
+        void state.mode.value;
+        void view.fluidTool.value;
+        this.dropCorners();
+      }),
+      effect(() => {
+        void this.showsStill();
+        this.lookCloser();
+        this.below.batchDraw();
+      }),
+      effect(() => {
+        const source = view.film.value;
+        this.film.hidden = !source;
+        if (source) this.film.src = source;
+        else this.film.removeAttribute("src");
+      }),
+      effect(() => {
         void state.doc.value;
         void state.mode.value;
         void view.selected.value;
+        void view.flowTool.value;
         void view.piece.value;
         void view.pieceMap.value;
         void state.pieces.value;
@@ -200,7 +202,7 @@ export class Canvas {
       effect(() => {
         const drags = view.panning.value;
         const mode = state.mode.value;
-        this.box.style.cursor = drags ? "grab" : mode === "fluid" || mode === "flow" ? "crosshair" : "default";
+        this.box.style.cursor = drags ? "grab" : mode === "fluid" || mode === "flow" || mode === "design" ? "crosshair" : "default";
       }),
     );
   }
@@ -264,8 +266,12 @@ export class Canvas {
     const document = state.doc.value;
     if (document) {
       if (state.mode.value === "fluid") this.addScribbles(document.scribbles);
-      if (state.mode.value === "flow") document.strokes.forEach((stroke, i) => this.addStroke(stroke, i));
+      if (state.mode.value === "flow") {
+        if (view.flowTool.value === "tempo") this.addTempo(document.tempo);
+        document.strokes.forEach((stroke, i) => this.addStroke(stroke, i));
+      }
       if (state.mode.value === "why") this.addPieces();
+      if (state.mode.value === "design") this.addDesign(document.design);
     }
     this.drawing.batchDraw();
   }
@@ -285,6 +291,19 @@ export class Canvas {
       );
   }
 
+  private addDesign({ sources, winds }: Design): void {
+    for (const { points, width, adds } of sources)
+      this.drawing.add(new Line({ points: [...flat(points), ...flat(points.slice(-1))], stroke: designColour(adds), strokeWidth: width, lineCap: "round", lineJoin: "round", opacity: 0.6, listening: false }));
+    const scale = this.stage.scaleX();
+    for (const { points } of winds)
+      this.drawing.add(new Arrow({ points: flat(points), stroke: "#fff", fill: "#fff", strokeWidth: 2.6 / scale, pointerLength: 11 / scale, pointerWidth: 10 / scale, lineCap: "round", listening: false }));
+  }
+
+  private addTempo(lines: Tempo[]): void {
+    for (const { points, width, factor } of lines)
+      this.drawing.add(new Line({ points: [...flat(points), ...flat(points.slice(-1))], stroke: tempoColour(factor), strokeWidth: width, lineCap: "round", lineJoin: "round", opacity: 0.5, listening: false }));
+  }
+
   private addStroke(stroke: Stroke, index: number): void {
     const chosen = view.selected.value === index;
     const scale = this.stage.scaleX();
@@ -300,12 +319,12 @@ export class Canvas {
     const colour = chosen ? accent() : "#fff";
     const arrow = new Arrow({ ...shape, stroke: colour, fill: colour, strokeWidth: 2.6 / scale, hitStrokeWidth: 18 / scale });
     arrow.on("pointerdown", (event) => {
-      if (view.panning.value || event.evt.button !== 0) return;
+      if (view.panning.value || event.evt.button !== 0 || view.flowTool.value !== "line") return;
       event.cancelBubble = true;
       view.selected.value = index;
     });
     this.drawing.add(arrow);
-    if (!chosen) return;
+    if (!chosen || view.flowTool.value !== "line") return;
     stroke.points.forEach((point, k) => {
       if (k !== 0 && k !== stroke.points.length - 1 && stroke.points.length > 8 && k % 3 !== 0) return;
       // The last one stands beyond the arrow's tip, which it would cover.
@@ -417,9 +436,49 @@ export class Canvas {
     this.picture.getLayer()?.batchDraw();
     // Pixels are seen as pixels where one looks closely.
     for (const layer of [this.below, this.over]) layer.imageSmoothingEnabled(scale < 4);
+    const { width, height } = this.size();
+    Object.assign(this.film.style, { width: `${width * scale}px`, height: `${height * scale}px`, transform: `translate(${x}px, ${y}px)` });
     view.zoom.value = scale;
+    this.cursor.setAttrs({ strokeWidth: 1.5 / scale, shadowBlur: 3 / scale }); // as thin at any zoom
+    this.lookCloser();
     this.box.dataset["view"] = JSON.stringify({ x, y, scale });
     this.stage.batchDraw();
+  }
+
+  /** Whether the picture as it was given is looked at, and not an animation's frame. */
+  private showsStill(): boolean {
+    return !state.player.reel.value || (state.mode.value === "fluid" && !state.player.playing.value);
+  }
+
+  /** Where the picture's copy here has fewer pixels than the screen, the part that is seen is asked for, when the view rests. */
+  private lookCloser(): void {
+    window.clearTimeout(this.detailTimer);
+    const open = state.project.value;
+    const { width, height } = this.size();
+    const scale = this.stage.scaleX();
+    const shown = scale * (window.devicePixelRatio || 1);
+    const sharp = !open || Math.max(width, height) * Math.min(1, shown) <= kLongest;
+    if (sharp || !this.showsStill()) {
+      this.detail.visible(false);
+      return;
+    }
+    const left = Math.floor(Math.max(0, -this.stage.x() / scale));
+    const top = Math.floor(Math.max(0, -this.stage.y() / scale));
+    const across = Math.ceil(Math.min(width - left, this.stage.width() / scale + 1));
+    const down = Math.ceil(Math.min(height - top, this.stage.height() / scale + 1));
+    if (across < 1 || down < 1) return;
+    const longest = Math.ceil(Math.max(across, down) * Math.min(1, shown));
+    this.detailTimer = window.setTimeout(() => {
+      loadImage(address.part(open.id, left, top, across, down, longest)).then(
+        (image) => {
+          if (state.project.value?.id !== open.id || !this.showsStill()) return;
+          this.detail.setAttrs({ image, x: left, y: top, width: across, height: down, visible: true });
+          this.box.dataset["detail"] = `${left} ${top} ${across} ${down}`;
+          this.below.batchDraw();
+        },
+        () => undefined, // the blurred one stays
+      );
+    }, kRest);
   }
 
   // ---- pointers
@@ -475,8 +534,8 @@ export class Canvas {
 
   private cancel(): void {
     this.line = null;
-    this.live?.destroy();
-    this.live = null;
+    for (const each of this.live) each.destroy();
+    this.live = [];
     this.cursorLayer.batchDraw();
   }
 
@@ -492,31 +551,39 @@ export class Canvas {
     }
     if (event.button !== 0 && event.button !== 2) return;
     if (mode === "why") return this.choosePiece(point);
-    this.pen = event.pointerType === "pen" && event.pressure > 0 ? 0.4 + 1.2 * event.pressure : 1;
     this.erasing = event.button === 2 || event.altKey;
-    this.line = [point];
-    if (mode === "flow") {
-      view.selected.value = null;
-      const scale = this.stage.scaleX();
-      this.live = new Arrow({ points: [...point, ...point], stroke: accent(), fill: accent(), strokeWidth: 3 / scale, pointerLength: 11 / scale, pointerWidth: 10 / scale, lineCap: "round", lineJoin: "round" });
-    } else {
-      const area = view.fluidTool.value === "area";
-      this.live = new Line({
-        points: [...point, ...point],
-        stroke: this.penColour(),
-        fill: area ? this.penColour() : undefined,
-        closed: area,
-        strokeWidth: area ? 1.5 / this.stage.scaleX() : view.brush.value * this.pen,
-        opacity: 0.6,
-        lineCap: "round",
-        lineJoin: "round",
-      });
-    }
-    this.cursorLayer.add(this.live);
+    this.line = new PenLine(point, widthOf(event, view.brush.value));
+    if (mode === "flow") view.selected.value = null;
+    this.addLive();
+  }
+
+  private drawsArea(): boolean {
+    return state.mode.value === "fluid" && view.fluidTool.value === "area";
+  }
+  private drawsArrow(): boolean {
+    const mode = state.mode.value;
+    return (mode === "flow" && view.flowTool.value === "line") || (mode === "design" && view.designTool.value === "wind");
+  }
+
+  /** What is seen of the run that is being drawn. */
+  private addLive(): void {
+    if (!this.line) return;
+    const { points, width } = this.line.last;
+    const scale = this.stage.scaleX();
+    const ends = { points: [...flat(points), ...flat(points.slice(-1))], lineCap: "round" as const, lineJoin: "round" as const };
+    const area = this.drawsArea();
+    const colour = this.penColour();
+    const made = this.drawsArrow()
+      ? new Arrow({ ...ends, stroke: accent(), fill: accent(), strokeWidth: 3 / scale, pointerLength: 11 / scale, pointerWidth: 10 / scale })
+      : new Line({ ...ends, stroke: colour, fill: area ? colour : undefined, closed: area, strokeWidth: area ? 1.5 / scale : width, opacity: 0.6 });
+    this.live.push(made);
+    this.cursorLayer.add(made);
     this.cursorLayer.batchDraw();
   }
 
   private penColour(): string {
+    if (state.mode.value === "design") return designColour(view.designTool.value === "source");
+    if (state.mode.value === "flow") return tempoColour(this.erasing ? 1 : view.tempo.value);
     const tool = view.fluidTool.value;
     const takes = tool === "still" || tool === "erase";
     if (tool === "hold") return this.erasing ? "#555" : "#e9b44c";
@@ -532,12 +599,17 @@ export class Canvas {
       this.fitted = false;
       return;
     }
-    const brushes = state.mode.value === "fluid" && view.fluidTool.value !== "area" && event.pointerType !== "touch";
-    this.cursor.setAttrs({ x: point[0], y: point[1], radius: view.brush.value / 2, strokeWidth: 1.5 / this.stage.scaleX(), visible: brushes && !view.panning.value });
-    if (this.line && this.live) {
-      const before = this.line[this.line.length - 1] as Point;
-      if (Math.hypot(point[0] - before[0], point[1] - before[1]) * this.stage.scaleX() >= 2) this.line.push(point);
-      this.live.points(flat(this.line.length > 1 ? this.line : [before, point]));
+    const scale = this.stage.scaleX();
+    const mode = state.mode.value;
+    const brushes = (mode === "fluid" || mode === "flow" || mode === "design") && !this.drawsArea() && !this.drawsArrow() && event.pointerType !== "touch";
+    this.cursor.setAttrs({ x: point[0], y: point[1], radius: widthOf(event, view.brush.value) / 2, visible: brushes && !view.panning.value });
+    if (this.line) {
+      const width = this.drawsArea() || this.drawsArrow() ? this.line.last.width : widthOf(event, view.brush.value);
+      if (this.line.add(point, width, 2 / scale)) this.addLive();
+      const { points } = this.line.last;
+      this.live[this.live.length - 1]?.points(flat(points.length > 1 ? points : [...points, point]));
+    } else if (this.corners.length > 0) {
+      this.showCorners(point);
     }
     this.cursorLayer.batchDraw();
   }
@@ -552,21 +624,81 @@ export class Canvas {
     const document = state.doc.value;
     if (!line || !document) return;
     const scale = this.stage.scaleX();
-    const points = simplified(line, 0.7 / scale).map(([x, y]): Point => [rounded(x), rounded(y)]);
-    if (state.mode.value === "flow") {
-      if (lengthOf(points) * scale < 8) return; // a click
-      const speed = view.fastByLength.value ? Math.round(lengthOf(points)) : null;
-      state.edit({ strokes: [...document.strokes, { points, speed }] });
-      view.selected.value = document.strokes.length;
-      return;
+    const runs = line.simple(0.7 / scale);
+    const isClick = lengthOf(line.points) * scale < 8;
+    if (state.mode.value === "design") {
+      this.addToDesign(document, runs, isClick);
+    } else if (this.drawsArrow()) {
+      if (!isClick) this.addLine(document, runs.flatMap(({ points }) => points));
+    } else if (state.mode.value === "flow") {
+      const factor = this.erasing ? 1 : view.tempo.value;
+      state.edit({ tempo: [...document.tempo, ...runs.map((run) => ({ ...run, factor }))] });
+    } else if (this.drawsArea()) {
+      if (isClick || this.corners.length > 0) this.addCorner(line.points[0] as Point);
+      else this.draw(document, runs.map(({ points }) => ({ points, width: 0, adds: !this.erasing, area: true })));
+    } else {
+      const tool = view.fluidTool.value;
+      const adds = (tool !== "still" && tool !== "erase") !== this.erasing;
+      this.draw(document, runs.map((run) => ({ ...run, adds, area: false })));
     }
+  }
+
+  private addLine(document: Document, points: Point[]): void {
+    const speed = view.fastByLength.value ? Math.round(lengthOf(points)) : null;
+    state.edit({ strokes: [...document.strokes, { points, speed }] });
+    view.selected.value = document.strokes.length;
+  }
+
+  private addToDesign(document: Document, runs: Run[], isClick: boolean): void {
+    const { design } = document;
+    if (!this.drawsArrow()) {
+      const adds = view.designTool.value === "source";
+      state.edit({ design: { ...design, sources: [...design.sources, ...runs.map((run) => ({ ...run, adds, area: false }))] } });
+    } else if (!isClick) {
+      const points = runs.flatMap((run) => run.points);
+      const ends = [points[0], points[points.length - 1]] as Point[];
+      state.edit({ design: { ...design, winds: [...design.winds, { points: ends, speed: null }] } });
+    }
+  }
+
+  private draw(document: Document, drawn: Drawn[]): void {
     const tool = view.fluidTool.value;
-    const area = tool === "area";
-    if (area && points.length < 3) return;
-    const drawn: Drawn = { points, width: area ? 0 : rounded(view.brush.value * this.pen), adds: (tool !== "still" && tool !== "erase") !== this.erasing, area };
-    if (tool === "fluid" || tool === "still") state.edit({ scribbles: [...document.scribbles, drawn], ...(document.matte_base === "whole" ? { matte_base: "scribbles" as const } : {}) });
-    else if (tool === "hold") state.edit({ held: [...document.held, drawn] });
-    else state.edit({ paint: [...document.paint, drawn] });
+    if (tool === "fluid" || tool === "still") state.edit({ scribbles: [...document.scribbles, ...drawn], ...(document.matte_base === "whole" ? { matte_base: "scribbles" as const } : {}) });
+    else if (tool === "hold") state.edit({ held: [...document.held, ...drawn] });
+    else state.edit({ paint: [...document.paint, ...drawn] });
+  }
+
+  // ---- an area, corner by corner
+
+  private addCorner(point: Point): void {
+    const [first] = this.corners;
+    const reach = 10 / this.stage.scaleX();
+    if (first && this.corners.length > 2 && Math.hypot(point[0] - first[0], point[1] - first[1]) < reach) return this.closeCorners();
+    this.corners.push(point);
+    if (this.corners.length === 1) this.cornersTake = this.erasing;
+    this.showCorners(point);
+  }
+
+  /** Enter, or a click on the first corner. */
+  closeCorners(): void {
+    const points = this.corners.map(([x, y]): Point => [rounded(x), rounded(y)]);
+    this.dropCorners();
+    if (points.length > 2 && state.doc.value) this.draw(state.doc.value, [{ points, width: 0, adds: !this.cornersTake, area: true }]);
+  }
+
+  /** Escape, or another tool. */
+  dropCorners(): void {
+    this.corners = [];
+    view.corners.value = 0;
+    this.outline.visible(false);
+    this.cursorLayer.batchDraw();
+  }
+
+  private showCorners(pointer: Point): void {
+    view.corners.value = this.corners.length;
+    const colour = this.cornersTake ? "#e5484d" : accent();
+    this.outline.setAttrs({ points: flat([...this.corners, pointer]), stroke: colour, fill: colour, strokeWidth: 1.5 / this.stage.scaleX(), visible: true });
+    this.cursorLayer.batchDraw();
   }
 
   private choosePiece(point: Point): void {

@@ -1,10 +1,9 @@
 // Out: a file, and the command line that makes the same one.
 import type { JSX } from "preact";
 import { useEffect, useState } from "preact/hooks";
-import { Check, Copy } from "lucide-preact";
 import * as api from "./api";
 import { stageWords } from "./app";
-import { Dialog } from "./parts";
+import { CommandLine, CopyButton, Dialog, Running } from "./parts";
 import * as state from "./state";
 
 interface Format {
@@ -12,15 +11,19 @@ interface Format {
   name: string;
   text: string;
   layer?: string;
+  depths: readonly string[]; // bits per channel that it can hold
 }
 
 const kFormats: readonly Format[] = [
-  { ending: ".mp4", name: "MP4", text: "H.264, plays anywhere" },
-  { ending: ".webp", name: "WebP", text: "Animated picture, for sharing" },
-  { ending: ".gif", name: "GIF", text: "For where nothing else goes" },
-  { ending: ".mov", name: "ProRes", text: "10 bits, for editing" },
-  { ending: ".mov", name: "ProRes, fluid alone", text: "With alpha, to lay over the picture", layer: "fluid" },
-  { ending: ".mkv", name: "FFV1", text: "Lossless" },
+  { ending: ".mp4", name: "MP4", text: "H.264, plays anywhere", depths: ["8", "10"] },
+  { ending: ".webp", name: "WebP", text: "Animated picture, for sharing", depths: [] },
+  { ending: ".gif", name: "GIF", text: "For where nothing else goes", depths: [] },
+  { ending: ".mov", name: "ProRes", text: "10 bits, for editing", depths: [] },
+  { ending: ".mov", name: "ProRes, fluid alone", text: "With alpha, to lay over the picture", layer: "fluid", depths: [] },
+  { ending: ".mkv", name: "FFV1", text: "Lossless", depths: ["8", "16"] },
+  { ending: ".png", name: "PNG sequence", text: "A folder of pictures", depths: ["8", "16"] },
+  { ending: ".exr", name: "EXR sequence", text: "Linear light, for compositing", depths: ["half", "float"] },
+  { ending: ".exr", name: "EXR, fluid alone", text: "Premultiplied, for compositing", layer: "fluid", depths: ["half", "float"] },
 ];
 
 const size = (bytes: number): string => (bytes > 1 << 20 ? `${(bytes / (1 << 20)).toFixed(1)} MB` : `${Math.round(bytes / 1024)} KB`);
@@ -30,8 +33,12 @@ export function Exporter(props: { open: boolean; onClose: () => void }): JSX.Ele
   const [format, setFormat] = useState(0);
   const [title, setTitle] = useState("");
   const [made, setMade] = useState<{ job: number; folder: string; command: string } | null>(null);
-  const [files, setFiles] = useState<{ name: string; bytes: number }[]>([]);
-  const [copied, setCopied] = useState(false);
+  const [files, setFiles] = useState<api.Exported[]>([]);
+  const [folder, setFolder] = useState("");
+  const [depth, setDepth] = useState("");
+  const [first, setFirst] = useState("");
+  const [last, setLast] = useState("");
+  const [number, setNumber] = useState("");
   const [fault, setFault] = useState("");
   const chosen = kFormats[format] as Format;
   const stem = (title || project?.id || "animation").replace(/[^A-Za-z0-9._-]+/g, "-").replace(/^[.-]+/, "") || "animation";
@@ -42,13 +49,26 @@ export function Exporter(props: { open: boolean; onClose: () => void }): JSX.Ele
   const id = project?.id;
   const events = state.exported.value;
   useEffect(() => {
-    if (props.open && id) void api.exports(id).then((found) => setFiles(found.files));
+    if (props.open && id) void api.exports(id).then((found) => {
+        setFiles(found.files);
+        setFolder(found.folder);
+      });
   }, [props.open, id, events, done]);
+  const isSequence = chosen.ending === ".png" || chosen.ending === ".exr";
+  const begins = Number(number || 0);
+  const ends = begins + (state.doc.value?.frames ?? 1) - 1;
+  const range = first || last ? `${first || begins}-${last || ends}` : "";
   const start = async (): Promise<void> => {
     if (!id) return;
     setFault("");
     try {
-      setMade(await api.startExport(id, { name, ...(chosen.layer && { layer: chosen.layer }) }));
+      setMade(await api.startExport(id, {
+        name,
+        ...(chosen.layer && { layer: chosen.layer }),
+        ...(depth && chosen.depths.includes(depth) && { depth }),
+        ...(range && { range }),
+        ...(number && { "start-number": number }),
+      }));
     } catch (error) {
       setFault((error as Error).message);
     }
@@ -70,8 +90,27 @@ export function Exporter(props: { open: boolean; onClose: () => void }): JSX.Ele
         <span>Name</span>
         <input value={title} placeholder={project?.id} onInput={(event) => setTitle(event.currentTarget.value)} />
       </label>
+      <details class="more">
+        <summary>Frames and depth</summary>
+        <div class="quarters">
+          <Whole label="From frame" value={first} placeholder={String(begins)} onInput={setFirst} />
+          <Whole label="To frame" value={last} placeholder={String(ends)} onInput={setLast} />
+          <Whole label="First number" value={number} placeholder="0" onInput={setNumber} />
+          <label class="field">
+            <span>Bits</span>
+            <select value={chosen.depths.includes(depth) ? depth : ""} disabled={chosen.depths.length === 0} onChange={(event) => setDepth(event.currentTarget.value)}>
+              <option value="">as fits</option>
+              {chosen.depths.map((each) => (
+                <option key={each} value={each}>
+                  {each}
+                </option>
+              ))}
+            </select>
+          </label>
+        </div>
+      </details>
       <div class="row">
-        <span class="hint">{name}</span>
+        <span class="hint">{isSequence ? `${stem}/${stem}.####${chosen.ending}` : name}</span>
         <span class="spread" />
         {running && made ? (
           <button type="button" onClick={() => void api.stopJob("command", made.job)}>
@@ -85,44 +124,35 @@ export function Exporter(props: { open: boolean; onClose: () => void }): JSX.Ele
       </div>
       {!state.matte.value && <p class="hint">Say what flows first.</p>}
       {!state.store.value && <p class="hint">Choose a store first, under Look.</p>}
-      {job && running && (
-        <div class="running">
-          <progress aria-label="Export" max={job.of || 1} value={job.of ? job.done : undefined} />
-          <span class="hint">{stageWords(job.stage) || "Starting"}</span>
-        </div>
-      )}
+      {job && running && <Running job={job} label="Export" words={stageWords(job.stage)} />}
       {(fault || job?.state === "failed") && <p class="problem">{fault || job?.fault}</p>}
-      {line && (
-        <div class="command">
-          <code>{line}</code>
-          <button
-            type="button"
-            class="quiet small"
-            aria-label="Copy the command line"
-            onClick={() =>
-              void navigator.clipboard.writeText(line).then(() => {
-                setCopied(true);
-                window.setTimeout(() => setCopied(false), 1500);
-              })
-            }
-          >
-            {copied ? <Check size={16} aria-hidden /> : <Copy size={16} aria-hidden />}
-          </button>
-        </div>
-      )}
+      {line && <CommandLine text={line} />}
       {files.length > 0 && (
         <ul class="files" aria-label="Files that were made">
           {files.map((file) => (
-            <li key={file.name} class={done && file.name === name ? "new" : ""}>
+            <li key={file.name} class={done && file.name === (isSequence ? stem : name) ? "new" : ""}>
               <span>{file.name}</span>
-              <span class="hint">{size(file.bytes)}</span>
-              <a class="button small" href={api.address.exported(id ?? "", file.name)} download={file.name}>
-                Save
-              </a>
+              <span class="hint">{file.pictures > 0 ? `${file.pictures} pictures, ${size(file.bytes)}` : size(file.bytes)}</span>
+              {file.pictures > 0 ? (
+                <CopyButton text={`${folder}/exports/${file.name}`} label={`Copy where ${file.name} lies`} />
+              ) : (
+                <a class="button small" href={api.address.exported(id ?? "", file.name)} download={file.name}>
+                  Save
+                </a>
+              )}
             </li>
           ))}
         </ul>
       )}
     </Dialog>
+  );
+}
+
+function Whole(props: { label: string; value: string; placeholder: string; onInput: (value: string) => void }): JSX.Element {
+  return (
+    <label class="field">
+      <span>{props.label}</span>
+      <input type="text" inputMode="numeric" value={props.value} placeholder={props.placeholder} onInput={(event) => props.onInput(event.currentTarget.value.replace(/\D/g, ""))} />
+    </label>
   );
 }

@@ -3,8 +3,9 @@ import type { JSX } from "preact";
 import { useEffect, useState } from "preact/hooks";
 import { Brush, Eraser, Hand, Pencil, Pin as PinIcon, Shapes, Spline, Trash2, X } from "lucide-preact";
 import * as api from "./api";
-import { lengthOf } from "./canvas";
 import { Choice, IconButton, Section, Slider, Strip, Switch } from "./parts";
+import { DesignPanel } from "./designpanel";
+import { lengthOf } from "./pen";
 import * as state from "./state";
 import type { Candidate, Candidates, Document, Edge, MatteBase } from "./types";
 import * as view from "./view";
@@ -20,6 +21,7 @@ export function Panel(): JSX.Element | null {
       {state.mode.value === "flow" && <FlowPanel document={document} />}
       {state.mode.value === "look" && <LookPanel document={document} />}
       {state.mode.value === "why" && <WhyPanel document={document} />}
+      {state.mode.value === "design" && <DesignPanel document={document} />}
     </aside>
   );
 }
@@ -44,7 +46,7 @@ function FluidPanel({ document }: { document: Document }): JSX.Element {
     still: "Scribble on what stands, where too much was found.",
     paint: "Paint onto the matte, exactly.",
     erase: "Take away from the matte, exactly.",
-    area: "Draw around an area to add it; hold Alt to take it away.",
+    area: "Draw around an area, or click its corners and then the first one again. Alt takes it away.",
     hold: "Paint what stands in front of the fluid: it stays as it is.",
   };
   return (
@@ -159,8 +161,8 @@ function oneDirection(dx: number, dy: number): void {
 function FlowPanel({ document }: { document: Document }): JSX.Element {
   const chosen = view.selected.value;
   const stroke = chosen === null ? undefined : document.strokes[chosen];
-  const change = (speed: number | null): void =>
-    state.edit({ strokes: document.strokes.map((each, i) => (i === chosen ? { ...each, speed } : each)) }, "speed");
+  const change = (speed: number | null, key = ""): void =>
+    state.edit({ strokes: document.strokes.map((each, i) => (i === chosen ? { ...each, speed } : each)) }, key);
   return (
     <>
       <Section title="Where it flows" aside={<span class="figure">{document.strokes.length}</span>}>
@@ -169,6 +171,7 @@ function FlowPanel({ document }: { document: Document }): JSX.Element {
             ? "Draw a line along the flow, and it moves that way. A few lines are enough; without any, the way is guessed."
             : "Click a line to change it. Delete removes it."}
         </p>
+        <Choice label="What the pointer draws" value={view.flowTool.value} options={[["line", "Lines"], ["tempo", "Pace"]] as const} onChange={(tool) => (view.flowTool.value = tool)} />
         {document.strokes.length === 0 && (
           <div class="compass" role="group" aria-label="All of it goes one way">
             {kDirections.map(([arrow, dx, dy, words]) =>
@@ -190,6 +193,7 @@ function FlowPanel({ document }: { document: Document }): JSX.Element {
           </button>
         )}
       </Section>
+      {view.flowTool.value === "tempo" && <TempoSection document={document} />}
       {stroke && chosen !== null && (
         <Section
           title={`Line ${chosen + 1}`}
@@ -207,7 +211,7 @@ function FlowPanel({ document }: { document: Document }): JSX.Element {
         >
           <Switch label="As fast as its clips" checked={stroke.speed === null} onChange={(own) => change(own ? null : Math.max(10, Math.round(lengthOf(stroke.points))))} />
           {stroke.speed !== null && (
-            <Slider label="Speed" value={Math.max(1, stroke.speed)} min={1} max={1000} logarithmic shown={`${Math.round(stroke.speed)} px/s`} onInput={(value) => change(Math.round(value))} />
+            <Slider label="Speed" value={Math.max(1, stroke.speed)} min={1} max={1000} logarithmic shown={`${Math.round(stroke.speed)} px/s`} onInput={(value) => change(Math.round(value), "speed")} />
           )}
           <button
             type="button"
@@ -219,6 +223,21 @@ function FlowPanel({ document }: { document: Document }): JSX.Element {
         </Section>
       )}
     </>
+  );
+}
+
+function TempoSection({ document }: { document: Document }): JSX.Element {
+  return (
+    <Section title="Pace">
+      <p class="hint">Paint where it plays slower or faster than it was filmed. The right button or Alt paints it as filmed again.</p>
+      <Slider label="Pace" value={view.tempo.value} min={0.5} max={2} logarithmic shown={`${view.tempo.value.toFixed(2)} ×`} onInput={(value) => (view.tempo.value = Math.round(value * 100) / 100)} />
+      <Slider label="Brush" value={view.brush.value} min={2} max={400} logarithmic shown={`${Math.round(view.brush.value)} px`} onInput={(value) => (view.brush.value = value)} />
+      {document.tempo.length > 0 && (
+        <button type="button" class="quiet" onClick={() => state.edit({ tempo: [] })}>
+          As filmed everywhere
+        </button>
+      )}
+    </Section>
   );
 }
 

@@ -1,6 +1,8 @@
 // Small parts that the panels are made of.
 import type { ComponentChildren, JSX } from "preact";
 import { useEffect, useRef, useState } from "preact/hooks";
+import { Check, Copy } from "lucide-preact";
+import type { Job } from "./types";
 
 type Icon = (props: { size?: number; strokeWidth?: number; "aria-hidden"?: boolean }) => JSX.Element;
 
@@ -108,6 +110,40 @@ export function Switch(props: { label: string; hint?: string; checked: boolean; 
       </span>
       <input type="checkbox" role="switch" checked={props.checked} onChange={(event) => props.onChange(event.currentTarget.checked)} />
     </label>
+  );
+}
+
+export function CopyButton({ text, label }: { text: string; label: string }): JSX.Element {
+  const [copied, setCopied] = useState(false);
+  const copy = async (): Promise<void> => {
+    await navigator.clipboard.writeText(text);
+    setCopied(true);
+    window.setTimeout(() => setCopied(false), 1500);
+  };
+  return (
+    <button type="button" class="quiet small" aria-label={label} title={label} onClick={() => void copy()}>
+      {copied ? <Check size={16} aria-hidden /> : <Copy size={16} aria-hidden />}
+    </button>
+  );
+}
+
+/** A command line, to be copied. */
+export function CommandLine({ text }: { text: string }): JSX.Element {
+  return (
+    <div class="command">
+      <code>{text}</code>
+      <CopyButton text={text} label="Copy the command line" />
+    </div>
+  );
+}
+
+/** A job of the command queue that runs: how far it is. */
+export function Running({ job, label, words }: { job: Job; label: string; words: string }): JSX.Element {
+  return (
+    <div class="running">
+      <progress aria-label={label} max={job.of || 1} value={job.of ? job.done : undefined} />
+      <span class="hint">{words || "Starting"}</span>
+    </div>
   );
 }
 

@@ -4,6 +4,7 @@ import { address } from "./api";
 import type { ReelNews } from "./types";
 
 const kAtOnce = 4; // requests
+const kPatience = 1000; // ms until a frame that did not come is asked for again
 const kEnough = 6; // frames with which a first preview begins
 
 export interface Reel {
@@ -56,6 +57,16 @@ export class Player {
     this.fetchMore();
   }
 
+  /** Nothing more comes: what was begun for a change that was taken back is dropped. news   the reel that stands, if any. */
+  settle(project: string, news: ReelNews | null): void {
+    const coming = this.coming.value;
+    if (coming && coming.news.number !== news?.number) {
+      if (coming !== this.reel.value) this.free(coming);
+      this.coming.value = null;
+    }
+    if (news) this.follow(project, news);
+  }
+
   private fetchMore(): void {
     const reel = this.coming.value;
     while (reel && this.asking < kAtOnce && this.next < reel.news.ready) void this.fetchOne(reel, this.next++);
@@ -65,13 +76,14 @@ export class Player {
     this.asking += 1;
     try {
       const answer = await fetch(address.frame(this.project, reel.news.number, index));
+      if (!answer.ok && answer.status !== 404) throw new Error(answer.statusText); // 404: a newer reel took its place
       if (answer.ok && this.coming.value === reel) {
         reel.frames[index] = await createImageBitmap(await answer.blob());
         while (reel.frames[reel.loaded]) reel.loaded += 1;
         this.consider(reel);
       }
     } catch {
-      // the server is away; another reel follows when it is back
+      if (this.coming.value === reel) window.setTimeout(() => void this.fetchOne(reel, index), kPatience);
     } finally {
       this.asking -= 1;
       this.fetchMore();

@@ -1,13 +1,14 @@
 // What the page knows: the project that is open, its document with all earlier ones, and what the server has made of it.
 import { batch, computed, signal } from "@preact/signals";
 import * as api from "./api";
+import { canonical, History } from "./history";
 import { Player } from "./player";
 import type { Document, Field, Home, Job, MatteNews, Pieces, Project, ReelNews } from "./types";
 
 export interface IngestReport {
   clips: { name: string; outcome: string; reasons: string[]; notes: string[] }[];
 }
-export type Mode = "fluid" | "flow" | "look" | "why";
+export type Mode = "fluid" | "flow" | "look" | "why" | "design";
 
 export const pageId = Math.random().toString(36).slice(2, 12);
 export const home = signal<Home | null>(null);
@@ -25,27 +26,27 @@ export const connected = signal(true);
 export const saving = signal<"saved" | "saving" | "offline">("saved");
 export const ingested = signal<IngestReport | null>(null);
 export const exported = signal(0);
+export const filmed = signal(0); // films that other ways have made
 export const player = new Player();
 
 export const store = computed(() => home.value?.stores.find((each) => each.path === doc.value?.store) ?? null);
 export const previewJob = computed(() =>
   Object.values(jobs.value).find(
-    (job) => job.lane === "preview" && job.key === project.value?.id && (job.state === "running" || job.state === "waiting"),
+    (job) => job.lane === "preview" && job.key === project.value?.id && isBusy(job),
   ),
 );
 
 // ---- the document, and going back and forth in it
 
-let past: Document[] = [];
-let future: Document[] = [];
+const history = new History();
 let lastKey = "";
 let lastTime = 0;
 export const canUndo = signal(false);
 export const canRedo = signal(false);
 
 function told(): void {
-  canUndo.value = past.length > 0;
-  canRedo.value = future.length > 0;
+  canUndo.value = history.canUndo;
+  canRedo.value = history.canRedo;
 }
 
 /** Changes the document. Changes of one key that follow each other closely, as of a slider, are one step back. */
@@ -53,43 +54,27 @@ export function edit(change: Partial<Document>, key = ""): void {
   const before = doc.value;
   if (!before) return;
   const now = performance.now();
-  if (key === "" || key !== lastKey || now - lastTime > 1000) past.push(before);
-  if (past.length > 500) past.shift();
+  const after = { ...before, ...change };
+  history.add(before, after, key !== "" && key === lastKey && now - lastTime < 1000);
   lastKey = key;
   lastTime = now;
-  future = [];
-  doc.value = { ...before, ...change };
-  told();
-  keep();
+  show(after);
 }
 
 export function undo(): void {
-  const before = past.pop();
-  if (!before || !doc.value) return;
-  future.push(doc.value);
-  doc.value = before;
   lastKey = "";
-  told();
-  keep();
+  if (doc.value && history.canUndo) show(history.undo(doc.value));
 }
 
 export function redo(): void {
-  const after = future.pop();
-  if (!after || !doc.value) return;
-  past.push(doc.value);
-  doc.value = after;
   lastKey = "";
-  told();
-  keep();
+  if (doc.value && history.canRedo) show(history.redo(doc.value));
 }
 
-/** The same text for the same document, whoever wrote it: the server keeps single floats, and sorts names. */
-function canonical(value: unknown): string {
-  if (typeof value === "number") return String(Math.fround(value));
-  if (Array.isArray(value)) return `[${value.map(canonical).join()}]`;
-  if (value === null || typeof value !== "object") return JSON.stringify(value);
-  const entries = Object.entries(value).sort(([a], [b]) => (a < b ? -1 : 1));
-  return `{${entries.map(([name, each]) => `${name}:${canonical(each)}`).join()}}`;
+function show(document: Document): void {
+  doc.value = document;
+  told();
+  keep();
 }
 
 // ---- keeping it: one request at a time, the newest document always last
@@ -105,7 +90,26 @@ function keep(): void {
   saving.value = "saving";
   window.clearTimeout(timer);
   timer = window.setTimeout(() => void send(), 40);
+  window.clearTimeout(historyTimer);
+  historyTimer = window.setTimeout(() => keepHistory(), 300);
 }
+
+let historyTimer = 0;
+
+function keepHistory(leaving = false): void {
+  window.clearTimeout(historyTimer);
+  historyTimer = 0;
+  const id = project.value?.id;
+  // Where it cannot be kept, nothing is lost but steps back.
+  if (id && doc.value) api.keepHistory(id, history.keep(doc.value), leaving).catch(() => undefined);
+}
+
+// Who closes the page at once after a stroke has that stroke kept, and can undo it.
+window.addEventListener("pagehide", () => {
+  const [id, document] = [project.value?.id, doc.value];
+  if (id && document && dirty) void api.save(id, document, version, pageId, true).catch(() => undefined);
+  if (historyTimer) keepHistory(true);
+});
 
 async function send(): Promise<void> {
   const id = project.value?.id;
@@ -119,6 +123,7 @@ async function send(): Promise<void> {
     version = saved.version;
     if (saved.taken) {
       keptText = canonical(document);
+      expectPreview(id, saved.job);
     } else if (canonical(saved.document) === keptText) {
       dirty = true; // a server that was started again counts anew, and nobody else has changed anything
     } else {
@@ -143,8 +148,7 @@ async function send(): Promise<void> {
 }
 
 function adopt(document: Document, word = ""): void {
-  past = [];
-  future = [];
+  history.clear();
   doc.value = document;
   told();
   if (word) toast.value = word;
@@ -161,6 +165,8 @@ export async function showHome(): Promise<void> {
 }
 
 function leave(): void {
+  if (dirty) void send();
+  if (historyTimer) keepHistory();
   endListening?.();
   endListening = null;
   player.clear();
@@ -176,10 +182,13 @@ function leave(): void {
 
 export async function openProject(id: string): Promise<void> {
   leave();
-  const [opened, house] = await Promise.all([api.project(id), api.home()]);
+  const [opened, house, steps] = await Promise.all([api.project(id), api.home(), api.history(id)]);
   home.value = house;
   take(opened);
-  hear(opened.event);
+  history.take(steps, opened.document);
+  told();
+  await askJobs();
+  if (project.value === opened) hear(opened.event);
 }
 
 function take(opened: Project): void {
@@ -189,18 +198,38 @@ function take(opened: Project): void {
   batch(() => {
     project.value = opened;
     adopt(opened.document);
-    matte.value = opened.made.matte;
-    problem.value = opened.made.problem;
     saving.value = "saved";
     if (opened.notice) toast.value = opened.notice;
     const document = opened.document;
     const drawn = document.scribbles.length + document.paint.length > 0 || document.matte_base !== "scribbles";
     mode.value = drawn ? "flow" : "fluid";
   });
+  showMade(opened);
+}
+
+/** What the server has made so far. */
+function showMade(opened: Project): void {
+  matte.value = opened.made.matte;
+  problem.value = opened.made.problem;
   const reel = opened.made.full ?? opened.made.small;
   if (reel) player.follow(opened.id, reel);
   if (opened.made.field) loadField(opened.id).catch(() => undefined);
   if (opened.made.labels) loadPieces(opened.id).catch(() => undefined);
+}
+
+const jobKey = (job: Job): string => `${job.lane} ${job.id}`;
+const isBusy = (job: Job): boolean => job.state === "waiting" || job.state === "running";
+
+/** What runs, where its news were missed. News that come while the answer is on its way are later than it. */
+async function askJobs(): Promise<void> {
+  const listed = await api.jobs();
+  const newest = Math.max(0, ...listed.map((job) => job.id));
+  const later = Object.values(jobs.value).filter((job) => job.id > newest);
+  const now = listed.map((job) => {
+    const known = jobs.value[jobKey(job)];
+    return known && !isBusy(known) ? known : job;
+  });
+  jobs.value = Object.fromEntries([...now, ...later].map((job) => [jobKey(job), job]));
 }
 
 async function loadField(id: string): Promise<void> {
@@ -237,20 +266,31 @@ async function reload(): Promise<void> {
       if (canonical(opened.document) !== canonical(doc.value)) adopt(opened.document);
       keptText = canonical(opened.document);
     }
-    matte.value = opened.made.matte;
+    showMade(opened);
+    await askJobs();
   } catch {
     connected.value = false;
   }
 }
 
+const kJobsKept = 64;
+
+function noteJob(job: Job): void {
+  const kept = Object.values(jobs.value).slice(-kJobsKept).filter((each) => jobKey(each) !== jobKey(job));
+  jobs.value = Object.fromEntries([...kept, job].map((each) => [jobKey(each), each]));
+}
+
+/** A change is being worked on from the moment when it is taken, though the news of its job may come a little later. */
+function expectPreview(key: string, id: number): void {
+  if (jobs.value[`preview ${id}`]) return;
+  noteJob({ lane: "preview", id, key, title: "", state: "waiting", stage: "", done: 0, of: 0, fault: "" });
+}
+
 async function heard(type: string, data: unknown): Promise<void> {
   const news = data as { project?: string };
   const id = project.value?.id;
-  if (type === "job") {
-    const job = data as Job;
-    jobs.value = { ...jobs.value, [`${job.lane} ${job.id}`]: job };
-    return;
-  }
+  if (type === "job") return noteJob(data as Job);
+  if (type === "gap") return reload();
   if (type === "ingested") {
     home.value = await api.home();
     ingested.value = (data as { report: IngestReport | null }).report;
@@ -278,8 +318,14 @@ async function heard(type: string, data: unknown): Promise<void> {
     case "reel":
       player.follow(id, (data as { reel: ReelNews }).reel);
       return;
+    case "settled":
+      player.settle(id, (data as { reel: ReelNews | null }).reel);
+      return;
     case "problem":
       problem.value = (data as { text: string }).text;
+      return;
+    case "way":
+      filmed.value += 1;
       return;
     case "export":
       exported.value += 1;

@@ -15,6 +15,13 @@ export interface Stroke {
   speed: number | null; // px/s
 }
 
+/** Where clips play slower or faster: 0.5..2 times. */
+export interface Tempo {
+  points: Point[];
+  width: number;
+  factor: number;
+}
+
 export interface Pin {
   x: number;
   y: number;
@@ -35,6 +42,7 @@ export interface Document {
   paint: Drawn[];
   held: Drawn[];
   strokes: Stroke[];
+  tempo: Tempo[];
   class: string;
   excluded_clips: string[];
   pins: Pin[];
@@ -43,6 +51,27 @@ export interface Document {
   loop: boolean;
   speed: number;
   moving_outline: boolean;
+  design: Design;
+}
+
+export type Fluid = "smoke" | "fire" | "water";
+export type Ground = "none" | "black" | "white";
+
+/** A motion that is simulated, and may be given the look of a clip. */
+export interface Design {
+  fluid: Fluid;
+  sources: Drawn[]; // what does not add is an obstacle
+  winds: Stroke[];
+  look: string;
+  ground: Ground;
+  frames: number;
+  full: boolean;
+}
+
+/** Another way to synthesise: what is typed for it, and the film that it has made, if any. */
+export interface Way {
+  film: string | null;
+  commands: string[];
 }
 
 export interface Clip {

@@ -1,4 +1,4 @@
-// studio/document.h — what a person has drawn over a picture and chosen for it: all that a project holds of them.
+// studio/drawing/document.h — what a person has drawn over a picture and chosen for it: all that a project holds of them.
 #pragma once
 
 #include <cstdint>
@@ -26,6 +26,14 @@ struct DrawnStroke {
   bool operator==(const DrawnStroke&) const = default;
 };
 
+/// Where its clips play slower or faster, painted: a later line lies over earlier ones.
+struct DrawnTempo {
+  std::vector<cv::Point2f> points;
+  float width = 0;   // px
+  float factor = 1;  // 0.5..2
+  bool operator==(const DrawnTempo&) const = default;
+};
+
 /// A piece that was given its patch by hand.
 struct Pin {
   cv::Point corner;  // px, of the picture that was cut (Assignment::piece_scale)
@@ -33,6 +41,18 @@ struct Pin {
   int variant = 0;   // index into the store's
   cv::Point patch;   // px, in the variant's frame
   bool operator==(const Pin&) const = default;
+};
+
+/// A motion that is simulated, and may be given the look of a clip.
+struct Design {
+  std::string fluid = "smoke";     // "smoke", "fire", "water"
+  std::vector<Drawn> sources;      // what does not add is an obstacle
+  std::vector<DrawnStroke> winds;  // of which the first and the last point count
+  std::string look;                // a clip of the store; empty: as simulated
+  std::string ground = "black";    // of that clip: as `synth transfer --ground`
+  int frames = 72;                 // 1..500
+  bool full = false;               // the picture's size, not a draft's
+  bool operator==(const Design&) const = default;
 };
 
 enum class MatteBase { kScribbles, kAlpha, kWhole, kFile };
@@ -46,6 +66,7 @@ struct Document {
   std::vector<Drawn> paint;      // laid over it as it is
   std::vector<Drawn> held;       // what stands still in front of the fluid, painted
   std::vector<DrawnStroke> strokes;
+  std::vector<DrawnTempo> tempo;
   std::string class_name;  // empty: all
   std::vector<std::string> excluded_clips;
   std::vector<Pin> pins;
@@ -54,6 +75,7 @@ struct Document {
   bool loop = true;
   double speed = 1;  // 0.05..20
   bool moving_outline = false;
+  Design design;
   bool operator==(const Document&) const = default;
 };
 

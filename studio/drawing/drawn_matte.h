@@ -1,4 +1,4 @@
-// studio/drawn_matte.h — the mattes that a document's scribbles and brush mean.
+// studio/drawing/drawn_matte.h — the mattes and maps that a document's scribbles and brushes mean.
 #pragma once
 
 #include <optional>
@@ -8,7 +8,7 @@
 
 #include <opencv2/core.hpp>
 
-#include "studio/document.h"
+#include "studio/drawing/document.h"
 
 namespace freshet::studio {
 
@@ -29,6 +29,9 @@ std::optional<DrawnMatte> draw_matte(const Document& document, const cv::Mat& pi
 
 /// What stands in front of the fluid, CV_8U; empty: nothing.
 cv::Mat draw_held(const Document& document, cv::Size picture);
+
+/// How fast clips play where, as `synth animate --retiming-map` reads it: CV_8UC3, grey; empty: as everywhere.
+cv::Mat draw_tempo(const Document& document, cv::Size picture);
 
 /// Lays painted lines and areas over a matte, in order, with smooth edges.
 void paint(const std::vector<Drawn>& lines, cv::Mat& matte);

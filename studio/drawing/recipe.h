@@ -1,9 +1,9 @@
-// studio/recipe.h — a project as the file of options with which the command line makes the same animation.
+// studio/drawing/recipe.h — a project as the file of options with which the command line makes the same animation.
 #pragma once
 
 #include <string>
 
-#include "studio/document.h"
+#include "studio/drawing/document.h"
 
 namespace freshet::studio {
 
@@ -13,6 +13,7 @@ struct RecipeFiles {
   std::string matte, held;  // "": none
   bool whole = false;       // all of the picture is fluid
   std::string strokes;      // "": none
+  std::string tempo;        // "": none
   std::string assignment;   // "": patches are chosen anew; they are the same
 };
 

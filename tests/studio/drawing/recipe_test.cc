@@ -1,4 +1,4 @@
-#include "studio/recipe.h"
+#include "studio/drawing/recipe.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "studio/recipe.h"
+#include "studio/drawing/recipe.h"
 
 #include <fmt/format.h>
 
@@ -46,6 +46,7 @@ std::string recipe_toml(const Document& document, const RecipeFiles& files) {
   say("fps", fmt::format("{}", document.fps));
   if (document.loop && document.frames > 1) say("loop", "true");
   if (document.speed != 1) say("speed", fmt::format("{}", document.speed));
+  if (!files.tempo.empty()) say("retiming-map", quoted(files.tempo));
   if (document.moving_outline) say("boundary", "\"moving\"");
   return toml;
 }

@@ -1,4 +1,4 @@
-#include "studio/drawn_matte.h"
+#include "studio/drawing/drawn_matte.h"
 
 #include <algorithm>
 #include <cmath>
@@ -109,6 +109,21 @@ cv::Mat draw_held(const Document& document, cv::Size picture) {
   settle_dark(held);
   if (cv::countNonZero(held) == 0) return {};
   return held;
+}
+
+cv::Mat draw_tempo(const Document& document, cv::Size picture) {
+  if (document.tempo.empty()) return {};
+  constexpr double kAsFilmed = 128, kOctaveUp = 127, kOctaveDown = 128;  // synth/animate/placement/retiming.h
+  cv::Mat grey(picture, CV_8U, cv::Scalar(kAsFilmed));
+  for (const DrawnTempo& line : document.tempo) {
+    const double octaves = std::log2(line.factor);
+    const int value = cvRound(kAsFilmed + octaves * (octaves < 0 ? kOctaveDown : kOctaveUp));
+    draw({.points = line.points, .width = line.width, .adds = true, .is_area = false}, grey, value,
+         cv::LINE_AA);
+  }
+  cv::Mat map;
+  cv::cvtColor(grey, map, cv::COLOR_GRAY2BGR);
+  return map;
 }
 
 }  // namespace freshet::studio

@@ -1,4 +1,4 @@
-#include "studio/document.h"
+#include "studio/drawing/document.h"
 
 #include <cmath>
 #include <functional>
@@ -47,6 +47,14 @@ Json drawn_json(const std::vector<Drawn>& lines) {
                     {"width", line.width},
                     {"adds", line.adds},
                     {"area", line.is_area}});
+  return json;
+}
+
+Json strokes_json(const std::vector<DrawnStroke>& strokes) {
+  Json json = Json::array();
+  for (const DrawnStroke& stroke : strokes)
+    json.push_back(
+        {{"points", points_json(stroke.points)}, {"speed", stroke.speed ? Json(*stroke.speed) : Json()}});
   return json;
 }
 
@@ -140,16 +148,29 @@ class Fields {
   std::size_t& points_;
 };
 
-std::vector<DrawnStroke> read_strokes(const Fields& fields) {
+std::vector<DrawnStroke> read_strokes(const Fields& fields, const char* name = "strokes") {
   std::vector<DrawnStroke> strokes;
-  for (const Json& item : fields.list("strokes", kMaxLines)) {
-    const Fields stroke = fields.below(item, "strokes", strokes.size());
+  for (const Json& item : fields.list(name, kMaxLines)) {
+    const Fields stroke = fields.below(item, name, strokes.size());
     stroke.only({"points", "speed"});
     strokes.push_back({.points = stroke.points(), .speed = {}});
     if (stroke.has("speed") && !stroke.at("speed").is_null())
       strokes.back().speed = static_cast<float>(stroke.number("speed", 0, kMaxSpeed));
   }
   return strokes;
+}
+
+std::vector<DrawnTempo> read_tempo(const Fields& fields) {
+  std::vector<DrawnTempo> tempo;
+  if (!fields.has("tempo")) return tempo;  // of a document that is older than it
+  for (const Json& item : fields.list("tempo", kMaxLines)) {
+    const Fields line = fields.below(item, "tempo", tempo.size());
+    line.only({"points", "width", "factor"});
+    tempo.push_back({.points = line.points(),
+                     .width = static_cast<float>(line.number("width", 0, 10000)),
+                     .factor = static_cast<float>(line.number("factor", 0.5, 2))});
+  }
+  return tempo;
 }
 
 std::vector<Pin> read_pins(const Fields& fields) {
@@ -164,6 +185,25 @@ std::vector<Pin> read_pins(const Fields& fields) {
                     .patch = {pin.integer("patch_x", 0, kFar), pin.integer("patch_y", 0, kFar)}});
   }
   return pins;
+}
+
+Design read_design(const Fields& document) {
+  if (!document.has("design")) return {};  // of a document that is older than it
+  const Fields fields = document.below(document.at("design"), "design", 0);
+  fields.only({"fluid", "sources", "winds", "look", "ground", "frames", "full"});
+  Design design{.fluid = fields.text("fluid"),
+                .sources = fields.drawn("sources"),
+                .winds = read_strokes(fields, "winds"),
+                .look = fields.text("look"),
+                .ground = fields.text("ground"),
+                .frames = fields.integer("frames", 1, 500),
+                .full = fields.flag("full")};
+  if (design.fluid != "smoke" && design.fluid != "fire" && design.fluid != "water")
+    fields.fail("\"fluid\" is none of smoke, fire, water");
+  if (design.ground != "none" && design.ground != "black" && design.ground != "white")
+    fields.fail("\"ground\" is none of none, black, white");
+  if (design.look.starts_with('-')) fields.fail("\"look\" is no clip's name");
+  return design;
 }
 
 MatteBase read_base(const Fields& fields) {
@@ -188,10 +228,7 @@ Json labels_json(const Document& document) {
   json["excluded_clips"] = document.excluded_clips;
   json["frames"] = document.frames;
   json["fps"] = document.fps;
-  json["strokes"] = Json::array();
-  for (const DrawnStroke& stroke : document.strokes)
-    json["strokes"].push_back(
-        {{"points", points_json(stroke.points)}, {"speed", stroke.speed ? Json(*stroke.speed) : Json()}});
+  json["strokes"] = strokes_json(document.strokes);
   json["pins"] = Json::array();
   for (const Pin& pin : document.pins)
     json["pins"].push_back({{"x", pin.corner.x},
@@ -207,8 +244,22 @@ Json frames_json(const Document& document) {
   Json json = labels_json(document);
   json["loop"] = document.loop;
   json["speed"] = document.speed;
+  json["tempo"] = Json::array();
+  for (const DrawnTempo& line : document.tempo)
+    json["tempo"].push_back(
+        {{"points", points_json(line.points)}, {"width", line.width}, {"factor", line.factor}});
   json["moving_outline"] = document.moving_outline;
   return json;
+}
+
+Json design_json(const Design& design) {
+  return {{"fluid", design.fluid},
+          {"sources", drawn_json(design.sources)},
+          {"winds", strokes_json(design.winds)},
+          {"look", design.look},
+          {"ground", design.ground},
+          {"frames", design.frames},
+          {"full", design.full}};
 }
 
 std::uint64_t hash_of(const Json& json) { return std::hash<std::string>()(json.dump()); }
@@ -216,7 +267,9 @@ std::uint64_t hash_of(const Json& json) { return std::hash<std::string>()(json.d
 }  // namespace
 
 std::string to_json(const Document& document) {
-  return frames_json(document).dump(-1, ' ', false, Json::error_handler_t::replace);
+  Json json = frames_json(document);
+  json["design"] = design_json(document.design);
+  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
 Document document_from_json(std::string_view json, const std::string& where) {
@@ -234,7 +287,7 @@ Document document_from_json(std::string_view json, const std::string& where) {
   std::size_t points = 0;
   const Fields fields(parsed, where, points);
   fields.only({"matte_base", "edge", "scribbles", "paint", "held", "store", "class", "excluded_clips",
-               "frames", "fps", "strokes", "pins", "loop", "speed", "moving_outline"});
+               "frames", "fps", "strokes", "tempo", "pins", "loop", "speed", "moving_outline", "design"});
   Document document{.store = fields.text("store"),
                     .matte_base = read_base(fields),
                     .edge = fields.text("edge"),
@@ -242,6 +295,7 @@ Document document_from_json(std::string_view json, const std::string& where) {
                     .paint = fields.drawn("paint"),
                     .held = fields.drawn("held"),
                     .strokes = read_strokes(fields),
+                    .tempo = read_tempo(fields),
                     .class_name = fields.text("class"),
                     .excluded_clips = {},
                     .pins = read_pins(fields),
@@ -249,7 +303,8 @@ Document document_from_json(std::string_view json, const std::string& where) {
                     .fps = fields.number("fps", 1, 240),
                     .loop = fields.flag("loop"),
                     .speed = fields.number("speed", 0.05, 20),
-                    .moving_outline = fields.flag("moving_outline")};
+                    .moving_outline = fields.flag("moving_outline"),
+                    .design = read_design(fields)};
   if (document.edge != "guided" && document.edge != "information-flow" && document.edge != "none")
     fields.fail("\"edge\" is none of guided, information-flow, none");
   for (const Json& name : fields.list("excluded_clips", kMaxNames)) {

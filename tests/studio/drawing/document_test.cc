@@ -1,4 +1,4 @@
-#include "studio/document.h"
+#include "studio/drawing/document.h"
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -21,6 +21,7 @@ Document full() {
   document.held = {{.points = {{5, 5}}, .width = 3, .adds = true, .is_area = false}};
   document.strokes = {{.points = {{10, 10}, {10, 40}}, .speed = 80.0f},
                       {.points = {{20, 10}, {30, 40}}, .speed = {}}};
+  document.tempo = {{.points = {{5, 5}, {9, 5}}, .width = 12, .factor = 0.5f}};
   document.class_name = "water";
   document.excluded_clips = {"water/<b>1</b>.mp4"};
   document.pins = {{.corner = {-8, 16}, .clip = "water/2.mp4", .variant = 3, .patch = {40, 50}}};
@@ -29,6 +30,13 @@ Document full() {
   document.loop = false;
   document.speed = 0.5;
   document.moving_outline = true;
+  document.design = {.fluid = "fire",
+                     .sources = {{.points = {{5, 5}}, .width = 9, .adds = false, .is_area = false}},
+                     .winds = {{.points = {{1, 1}, {9, 1}}, .speed = {}}},
+                     .look = "fire/1.mp4",
+                     .ground = "none",
+                     .frames = 30,
+                     .full = true};
   return document;
 }
 
@@ -47,6 +55,16 @@ TEST(Document, ComesBackFromItsText) {
   EXPECT_EQ(document_from_json(to_json({}), "document"), Document());
 }
 
+TEST(Document, WithoutPaceAndDesignIsAnOlderOne) {
+  Json older = Json::parse(to_json(full()));
+  older.erase("tempo");
+  older.erase("design");
+  Document expected = full();
+  expected.tempo.clear();
+  expected.design = {};
+  EXPECT_EQ(document_from_json(older.dump(), "document"), expected);
+}
+
 TEST(Document, RefusesWhatItDoesNotKnow) {
   const Json good = Json::parse(to_json(full()));
   const auto with = [&](const char* name, const Json& value) {
@@ -56,6 +74,16 @@ TEST(Document, RefusesWhatItDoesNotKnow) {
   };
   expect_refused(with("colour", 1), "colour");
   expect_refused(with("frames", 0), "frames");
+  for (const auto& [name, value] : {std::pair{"fluid", "lava"},
+                                    {"ground", "sky"},
+                                    {"look", "--overwrite"},
+                                    {"frames", "9"},
+                                    {"x", "y"}}) {
+    Json design = good["design"];
+    design[name] = value;
+    expect_refused(with("design", design), name);
+  }
+  expect_refused(with("tempo", {{{"points", {{1, 1}}}, {"width", 9}, {"factor", 3}}}), "factor");
   expect_refused(with("frames", 2.5), "frames");
   expect_refused(with("frames", 1e9), "frames");
   expect_refused(with("fps", "25"), "fps");

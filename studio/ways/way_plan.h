@@ -1,0 +1,29 @@
+// studio/ways/way_plan.h — another way to synthesise, as files and the command lines that make a film of them.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <opencv2/core.hpp>
+
+#include "studio/drawing/document.h"
+
+namespace freshet::studio {
+
+struct WayFile {
+  std::string name;  // in the way's folder
+  std::string bytes;
+};
+
+/// What is written into PROJECT/ways/WAY, and then run, one after another, in the project's folder.
+struct WayPlan {
+  std::vector<WayFile> files;
+  std::vector<std::vector<std::string>> commands;  // without the program's name
+  std::string film;                                // MP4 that the last one leaves, from the project's folder
+};
+
+/// picture   CV_8UC3, the project's.
+/// Throws    Error{kNotFound} for no way's name; Error{kUsage} where what was drawn is too little, saying what is missing.
+WayPlan plan_way(const std::string& way, const Document& document, const cv::Mat& picture);
+
+}  // namespace freshet::studio
