@@ -13,9 +13,12 @@ namespace {
 constexpr int kReduced = 4;
 constexpr int kTaps = 1;  // sheared frames to either side that a comparison looks at
 constexpr std::array<double, 2 * kTaps + 1> kBinomial{0.25, 0.5, 0.25};
-constexpr int kReach = 3;    // frames from the rung within which a block may go over
-constexpr int kBlock = 10;   // px of reduced frames
-constexpr int kTrial = 400;  // frames of an order that is tried
+constexpr int kReach = 3;              // frames from the rung within which a block may go over
+constexpr int kBlock = 10;             // px of reduced frames
+constexpr int kTrial = 400;            // frames of an order that is tried
+constexpr std::size_t kTogether = 16;  // blocks whose differences are held at a time
+
+static_assert(kLeastMargin >= kReach + kTaps);
 
 /// Some of the stream's places of reduced frames, with their arrivals.
 struct Places {
@@ -65,33 +68,44 @@ cv::Mat differences(const std::vector<cv::Mat>& frames, const Places& block, int
   return out;
 }
 
-/// Adds what a block's going over costs when it does so in the best of the frames around the rung.
-void add_block(const cv::Mat& differences, cv::Mat& cost) {
-  for (int a = 0; a < cost.rows; ++a)
-    for (int b = 0; b < cost.cols; ++b) {
-      double least = 1e30;
-      for (int d = 0; d <= 2 * kReach; ++d) {
-        double sum = 0;
-        for (int k = 0; k <= 2 * kTaps; ++k)
-          sum += kBinomial[static_cast<std::size_t>(k)] *
-                 static_cast<double>(differences.at<float>(a + d + k, b + d + k));
-        least = std::min(least, sum);
-      }
-      cost.at<double>(a, b) += least;
+/// Adds what a block's going over behind entry a costs when it does so in the best of the frames around the rung.
+void add_block(const cv::Mat& differences, int a, cv::Mat& cost) {
+  for (int b = 0; b < cost.cols; ++b) {
+    double least = 1e30;
+    for (int d = 0; d <= 2 * kReach; ++d) {
+      double sum = 0;
+      for (int k = 0; k <= 2 * kTaps; ++k)
+        sum += kBinomial[static_cast<std::size_t>(k)] *
+               static_cast<double>(differences.at<float>(a + d + k, b + d + k));
+      least = std::min(least, sum);
     }
+    cost.at<double>(a, b) += least;
+  }
+}
+
+/// Of all blocks, some at a time: added up in order, the same for any number of threads.
+cv::Mat summed(const std::vector<cv::Mat>& frames, const std::vector<Places>& blocks, int first,
+               int entries) {
+  const int rows = entries + 1 + 2 * (kReach + kTaps);
+  cv::Mat sum(entries + 1, entries, CV_64F, cv::Scalar(0));
+  std::array<cv::Mat, kTogether> differing;
+  for (std::size_t from = 0; from < blocks.size(); from += kTogether) {
+    const std::size_t count = std::min(kTogether, blocks.size() - from);
+    tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
+      differing[i] = differences(frames, blocks[from + i], first, rows);
+    });
+    tbb::parallel_for(0, sum.rows, [&](int a) {
+      for (std::size_t i = 0; i < count; ++i) add_block(differing[i], a, sum);
+    });
+  }
+  return sum;
 }
 
 /// cost(a, b) for entries of the plan, 1 for what unrelated ones differ by.
 cv::Mat jump_costs(const std::vector<cv::Mat>& frames, const std::vector<Places>& blocks, int first,
                    int entries) {
-  const int rows = entries + 1 + 2 * (kReach + kTaps);
-  std::vector<cv::Mat> of_block(blocks.size());
-  tbb::parallel_for(std::size_t{0}, blocks.size(), [&](std::size_t i) {
-    of_block[i] = cv::Mat(entries + 1, entries, CV_64F, cv::Scalar(0));
-    add_block(differences(frames, blocks[i], first, rows), of_block[i]);
-  });
-  cv::Mat sum(entries + 1, entries, CV_64F, cv::Scalar(0)), cost;
-  for (const cv::Mat& block : of_block) sum += block;  // in order: the same for any number of threads
+  const cv::Mat sum = summed(frames, blocks, first, entries);
+  cv::Mat cost;
   double unrelated = 0;
   int pairs = 0;
   for (int a = 0; a <= entries; ++a)

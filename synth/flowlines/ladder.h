@@ -10,6 +10,9 @@
 
 namespace freshet::synth::flowlines {
 
+/// Frames beyond the entries that comparing and going over need: nearer to its ends a clip would seem to stand still.
+inline constexpr int kLeastMargin = 4;
+
 /// The repeats of one stream.
 struct Ladder {
   int first = 0;         // frame of the clip that entry 0 is
@@ -31,9 +34,10 @@ class Ladders {
   /// what comes before and after a jump is alike too; and block by block, each in the best of some frames.
   ///
   /// where     CV_8U, not 0 where the stream is.
-  /// margin    frames before the first entry and after the last, which feathering shows.
+  /// margin    frames before the first entry and after the last, which feathering shows; kLeastMargin or more.
   /// entries   K, at least 4: with the margins and the stream's duration at most the clip's frames.
-  /// Cost      K^2 comparisons of frames reduced by 4. The same for any number of threads.
+  /// Cost      K^2 comparisons of frames reduced by 4, and some 80 K^2 bytes while they are made, however large the
+  ///           picture is. The same for any number of threads.
   Ladder of(const Stream& stream, const cv::Mat& where, int margin, int entries,
             const RepeatOptions& options) const;
   /// The frames reduced, CV_8UC3.

@@ -12,6 +12,8 @@
 namespace freshet::synth::flowlines {
 namespace {
 
+static_assert(kLeastMargin > kFading);
+
 /// Integral of a tent over [-1, 1] of area 1.
 float tents(float x) {
   if (x <= -1) return 0;
@@ -80,7 +82,7 @@ Moments::Moments(const Arrivals& arrivals, cv::Mat fade, std::vector<Order> orde
 void Moments::cut_rung(std::size_t stream, int leaves, int enters, Rung& rung) const {
   const cv::Rect cells = cells_[stream];
   if (cells.empty()) return;
-  const int reach = std::max(1, cut_.margin - kFading);
+  const int reach = cut_.margin - kFading;
   const cv::Size size = cut_.frames->front().size();
   cv::Mat reduced, later(size, CV_32F, cv::Scalar(0)), fade(size, CV_32F, cv::Scalar(1)), shown;
   cv::resize(rung.arrival, reduced, size, 0, 0, cv::INTER_AREA);

@@ -58,9 +58,10 @@ class Order {
 
 /// What overlaps are cut by.
 struct CutOptions {
-  const std::vector<cv::Mat>* frames =
-      nullptr;     // CV_8UC3, the clip reduced; none: overlaps are feathered alone
-  int margin = 6;  // frames that a place may go over before or after its particles do, fading included
+  /// CV_8UC3, the clip reduced; none: overlaps are feathered alone.
+  const std::vector<cv::Mat>* frames = nullptr;
+  /// Frames that a place may go over before or after its particles do, fading included: kLeastMargin or more.
+  int margin = 6;
 };
 
 /// Between rungs a place shows the clip as it was filmed, later or earlier by a whole number of frames. A rung goes

@@ -53,7 +53,7 @@ Order order_of(const Plan& plan, std::size_t stream, const PlanOptions& options)
 
 Plan plan_repeats(const Ladders& ladders, const std::vector<FlowLine>& lines, const Rides& rides,
                   cv::Size picture, int frames, const PlanOptions& options, const Job& job) {
-  const int margin = std::clamp(frames / 10, 2, 8), room = frames - 2 * margin;
+  const int margin = std::clamp(frames / 10, kLeastMargin, 8), room = frames - 2 * margin;
   if (options.entries > room - 2)
     throw Error(ErrorKind::kUsage, fmt::format("--entries {}", options.entries),
                 fmt::format("of the clip's {} frames at most {} can be repeated", frames, room - 2),
