@@ -60,9 +60,9 @@ flowlines::FlowlinesOptions options_of(const FlowlinesCommand& command, const fl
   options.dynamics = command.dynamics == "stationary"       ? flowlines::Dynamics::kStationary
                      : command.dynamics == "non-stationary" ? flowlines::Dynamics::kNonStationary
                                                             : flowlines::Dynamics::kMeasured;
-  options.render.mixing = command.blend == "feather"    ? flowlines::Mixing::kFeather
-                          : command.blend == "contrast" ? flowlines::Mixing::kContrast
-                                                        : flowlines::Mixing::kCut;
+  options.mixing = command.blend == "feather"    ? flowlines::Mixing::kFeather
+                   : command.blend == "contrast" ? flowlines::Mixing::kContrast
+                                                 : flowlines::Mixing::kCut;
   if (command.loop) options.loop_frames = command.frames;
   if (!command.matte.empty()) {
     const media::Matte matte = media::read_matte(command.matte, footage.size());

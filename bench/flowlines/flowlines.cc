@@ -4,9 +4,8 @@
 //   bench_flowlines CLIP.. [--seconds 2] [--output-seconds 20] [--width 320] [--json FILE]
 //   bench_flowlines $FRESHET_FOOTAGE/clips/water/{waterfall_dusk_pool,brook_mossy_rocks}.mp4 ...
 //
-// The first seconds of each clip are made 20 s long: by flow lines (cut; mixed with contrast kept; and feathered
-// as printed), by a
-// loop with a cross-fade, by video textures (Schoedl et al. 2000). Columns:
+// The first seconds of each clip are made 20 s long: by flow lines (cut; mixed with contrast kept; and feathered as
+// printed), by a loop with a cross-fade, by video textures (Schoedl et al. 2000). Columns:
 //   jump max, mean   how much more a 16 px block changes from frame to frame than in 19 of 20 frames of the clip, mean
 //                    over blocks that move: the worst frame, and all of them. 0 is none.
 //   dip max, mean    the other way: how much less fine texture (mean |Laplacian|) than in 19 of 20 frames of the clip.
@@ -349,10 +348,10 @@ nlohmann::json run(const std::string& path, double seconds, double output_second
     rows.push_back(json_of(row));
   };
   add("flow lines", kept, cost);
-  options.render.mixing = flowlines::Mixing::kContrast;
+  options.mixing = flowlines::Mixing::kContrast;
   const std::vector<cv::Mat> mixed = endless(footage, options, frames, cost);
   add("flow lines, mixed", mixed, cost);
-  options.render.mixing = flowlines::Mixing::kFeather;
+  options.mixing = flowlines::Mixing::kFeather;
   const std::vector<cv::Mat> feathered = endless(footage, options, frames, cost);
   add("flow lines, as printed", feathered, cost);
   add("loop with a cross-fade", bench::fading_loop(footage.frames, 8, frames), {});

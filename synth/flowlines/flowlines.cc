@@ -126,11 +126,11 @@ struct Flowlines::Impl {
     report.entries = plan.ladders.front().entries();
     report.way = static_cast<double>(plan.arrivals.streams.front().duration);
     report.jump_cost = plan.ladders.front().jump;
-    const bool cuts = options.render.mixing == Mixing::kCut;
+    const bool cuts = options.mixing == Mixing::kCut;
     moments.emplace(plan.arrivals, fade(), std::move(plan.orders), footage.count(),
                     CutOptions{.frames = cuts ? &ladders->frames() : nullptr, .margin = plan.margin});
-    options.render.likeness = likeness_of(working.frames);
-    renderer.emplace(footage.frames, working.size(), options.render);
+    render = {.mixing = options.mixing, .likeness = likeness_of(working.frames)};
+    renderer.emplace(footage.frames, working.size(), render);
   }
 
   /// Edited lines take their textures from the input lines, and the clip from what those leave.
@@ -151,7 +151,7 @@ struct Flowlines::Impl {
           "{} of {} input lines have no edited one: their fluid is taken away", without, lines.size()));
     EditedViewOptions view_options = options.view;
     view_options.patch_px = report.patch_px;
-    view_options.render = options.render;
+    view_options.render = render;
     view.emplace(footage.frames, working.size(), inputs, edited, matte, renderer->mean(), view_options);
   }
 
@@ -165,6 +165,7 @@ struct Flowlines::Impl {
   std::optional<Ladders> ladders;
   Plan plan;
   std::optional<Moments> moments;
+  RenderOptions render;
   std::optional<Renderer> renderer;
   std::vector<EditedLine> edited;
   std::optional<EditedView> view;

@@ -39,7 +39,8 @@ struct FlowlinesOptions {
   int entries = 0;      // K; 0: chosen
   int loop_frames = 0;  // > 0: the output repeats after so many frames, without a seam
   std::uint64_t seed = 1;
-  RenderOptions render{};
+  /// Of runs where they overlap; how alike they are is measured: likeness_of.
+  Mixing mixing = Mixing::kCut;
   bool moving_camera = false;  // whether a clip is taken whose camera moves
 };
 
@@ -65,7 +66,7 @@ struct FlowlinesReport {
 /// A clip made ready; then frame after frame, without an end, in a memory that does not grow.
 class Flowlines {
  public:
-  /// footage   8 frames at least; kept by reference.
+  /// footage   16 frames at least; kept by reference.
   /// Throws    Error{kInput} naming the clip, or the line: too few frames, nothing that flows, a camera that moves, a
   ///           line that leaves the picture or runs against the flow; Error{kUsage} for options out of range;
   ///           Error{kCancelled}.
