@@ -26,8 +26,7 @@ inline bool same_bytes(const std::filesystem::path& one, const std::filesystem::
   if (std::filesystem::file_size(one, fault) != std::filesystem::file_size(other, fault) || fault)
     return false;
   std::ifstream a(one, std::ios::binary), b(other, std::ios::binary);
-  const std::istreambuf_iterator<char> end;
-  return a && b && std::equal(std::istreambuf_iterator<char>(a), end, std::istreambuf_iterator<char>(b), end);
+  return std::equal(std::istreambuf_iterator<char>(a), {}, std::istreambuf_iterator<char>(b));
 }
 
 }  // namespace freshet

@@ -20,8 +20,8 @@ struct RenderOptions {
   double grown_px = 3;     // of the work size: regions are grown by it
   double feather_px = 12;  // of the work size
   bool flow = true;        // false: cross-fades alone
-  query::LabelCache* cache =
-      nullptr;  // flow and pictures between stills that lie in it are not made again; may be null
+  /// Flow and pictures between stills that lie in it are not made again; may be null.
+  query::LabelCache* cache = nullptr;
 };
 
 using FrameSink = std::function<void(const cv::Mat&)>;

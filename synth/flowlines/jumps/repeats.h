@@ -17,10 +17,9 @@ struct Run {
 };
 
 struct RepeatOptions {
-  int min_run = 6;  // frames: a run is at least as long
-  double freshness =
-      0.5;              // weight of what was not shown of late, in units of a mean jump's cost; 0: cost alone
-  double chance = 0.3;  // weight of chance, in the same units: so that the order does not come again
+  int min_run = 6;         // frames: a run is at least as long
+  double freshness = 0.5;  // weight of what was not shown of late, by a mean jump's cost; 0: cost alone
+  double chance = 0.3;     // weight of chance, in the same units: so that the order does not come again
   std::uint64_t seed = 1;
 };
 
