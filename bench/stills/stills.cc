@@ -17,8 +17,8 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <exception>
 #include <filesystem>
-#include <fstream>
 #include <map>
 #include <numeric>
 #include <set>
@@ -37,7 +37,9 @@
 #include "bench/harness/seeded_random.h"
 #include "bench/quality/quality_measures.h"
 #include "bench/stills/stills_clip.h"
+#include "freshet/error.h"
 #include "media/picture/picture.h"
+#include "platform/whole_file.h"
 #include "synth/stills/between.h"
 #include "synth/stills/page.h"
 #include "synth/stills/partial_order.h"
@@ -127,7 +129,7 @@ Path shortest_tour(const stills::Square<double>& rms) {
   return best;
 }
 
-Json order_of(const std::string& name, const std::vector<cv::Mat>& frames, double seconds) {
+Json order_of(const std::string& name, bool simulated, const std::vector<cv::Mat>& frames, double seconds) {
   // Shuffled, so that no tie is decided by time.
   std::vector<int> time(frames.size());
   std::iota(time.begin(), time.end(), 0);
@@ -163,7 +165,7 @@ Json order_of(const std::string& name, const std::vector<cv::Mat>& frames, doubl
       {"shortest tour", timed({shortest_tour(rms)})},
       {"shortest tour, no blur", timed({shortest_tour(plain)})},
       {"chance", judge(draws)}};
-  Json json{{"clip", name}, {"seconds", seconds}};
+  Json json{{"clip", name}, {"simulated", simulated}, {"seconds", seconds}};
   fmt::print("{:<26}{:5.1f} s ", name, seconds);
   for (const auto& [method, order] : rows) {
     json[method] = {{"neighbours", order.neighbours},
@@ -177,14 +179,14 @@ Json order_of(const std::string& name, const std::vector<cv::Mat>& frames, doubl
   return json;
 }
 
-/// Means of each method over the rows that begin at `first`.
-void print_means(const Json& rows, std::size_t first, const char* of) {
+/// Means of each method over rows first .. end - 1.
+void print_means(const Json& rows, std::size_t first, std::size_t end, const char* of) {
   static const std::array<const char*, 4> kFigures{"neighbours", "tau", "length", "covered"};
   std::map<std::string, std::array<double, 4>> sum;
-  for (std::size_t k = first; k < rows.size(); ++k)
+  for (std::size_t k = first; k < end; ++k)
     for (const auto& [method, value] : rows[k].items())
       for (std::size_t i = 0; value.is_object() && i < kFigures.size(); ++i)
-        sum[method][i] += value[kFigures[i]].get<double>() / static_cast<double>(rows.size() - first);
+        sum[method][i] += value[kFigures[i]].get<double>() / static_cast<double>(end - first);
   for (const auto& [method, mean] : sum)
     fmt::print("mean of {:<12} {:<24} {:.3f} / {:.3f} / {:4.1f}, {:4.1f} stills on paths\n", of, method,
                mean[0], mean[1], mean[2], mean[3]);
@@ -197,20 +199,20 @@ Json run_order(const fs::path& footage) {
       "power 4 without blur, power 1 (as printed), nearest chain, shortest tour, that without blur, "
       "chance\n");
   Json rows = Json::array();
-  const auto add = [&](const StillsClip& clip) {
+  const auto add = [&](const StillsClip& clip, bool simulated) {
     for (const double seconds : {2.5, 8.0}) {
       const auto length = std::min(clip.frames.size(), static_cast<std::size_t>(seconds * clip.fps));
       std::vector<cv::Mat> frames;
       for (std::size_t i = 0; i < 15; ++i) frames.push_back(clip.frames[i * (length - 1) / 14]);
-      rows.push_back(order_of(clip.name, frames, static_cast<double>(length) / clip.fps));
+      rows.push_back(order_of(clip.name, simulated, frames, static_cast<double>(length) / clip.fps));
     }
   };
-  for (const fs::path& path : stills_clips(footage)) add(read_stills_clip(path, 320, 240));
+  for (const fs::path& path : stills_clips(footage)) add(read_stills_clip(path, 320, 240), false);
   const std::size_t real = rows.size();
-  for (const char* scene : {"smoke", "fire", "waterfall"}) add(simulated_stills_clip(scene, {320, 176}, 200));
-  print_means(rows, real, "simulations");
-  rows.erase(rows.begin() + static_cast<std::ptrdiff_t>(real), rows.end());
-  print_means(rows, 0, "real clips");
+  for (const char* scene : {"smoke", "fire", "waterfall"})
+    add(simulated_stills_clip(scene, {320, 176}, 200), true);
+  print_means(rows, real, rows.size(), "simulations");
+  print_means(rows, 0, real, "real clips");
   return rows;
 }
 
@@ -399,17 +401,27 @@ std::vector<cv::Mat> animated(const std::vector<cv::Mat>& drawn, const stills::P
   return out;
 }
 
-Json run_motion(const fs::path& footage, const std::string& only) {
+/// only   a clip's name; empty: all of them. Throws   Error{kUsage} when none has the name.
+std::vector<fs::path> motion_clips(const fs::path& footage, const std::string& only) {
+  std::vector<fs::path> clips = stills_clips(footage);
+  for (const char* lake : {"clips/water/lake_reflection_calm.mp4", "wind/lakes/mountain_lake_ripples.mp4"})
+    clips.push_back(footage / lake);
+  if (only.empty()) return clips;
+  std::string names;
+  for (const fs::path& path : clips) {
+    if (path.stem() == only) return {path};
+    names += (names.empty() ? "" : ", ") + path.stem().string();
+  }
+  throw Error(ErrorKind::kUsage, "--clip " + only, "motion has no such clip", "Give one of " + names);
+}
+
+Json run_motion(const std::vector<fs::path>& clips) {
   Json rows = Json::array();
   fmt::print(
       "animation from 15 frames of a clip's first half against that half; ceiling: the other half\n"
       "{:<26}{:<22}  spectrum dB  speed log2  texture  patches  flicker log2\n",
       "clip", "method");
-  std::vector<fs::path> clips = stills_clips(footage);
-  for (const char* lake : {"clips/water/lake_reflection_calm.mp4", "wind/lakes/mountain_lake_ripples.mp4"})
-    clips.push_back(footage / lake);
   for (const fs::path& path : clips) {
-    if (!only.empty() && path.stem() != only) continue;
     const StillsClip clip = read_stills_clip(path, 320, 192);
     const auto half = static_cast<int>(clip.frames.size() / 2);
     const std::vector<cv::Mat> first(clip.frames.begin(), clip.frames.begin() + half);
@@ -483,7 +495,7 @@ void check() {
 }  // namespace
 }  // namespace freshet::bench
 
-int main(int argc, char** argv) {
+int main(int argc, char** argv) try {
   using namespace freshet::bench;
   cv::setNumThreads(1);
   CLI::App app("Order, frames between, regions and motion of freshet synth stills.", "bench_stills");
@@ -498,13 +510,20 @@ int main(int argc, char** argv) {
   app.add_option("--clip", only, "Motion of this clip alone, by its file's name without ending");
   app.add_option("--json", out, "Write the figures");
   CLI11_PARSE(app, argc, argv);
+  if (!only.empty() && what != "motion")
+    throw freshet::Error(freshet::ErrorKind::kUsage, "--clip " + only, "only motion takes it, not " + what);
+  const std::vector<std::filesystem::path> clips = motion_clips(footage, only);
   const Machine machine = this_machine();
   fmt::print("{}\n", to_string(machine));
   check();
   const nlohmann::json rows = what == "order"     ? run_order(footage)
                               : what == "between" ? run_between(footage, samples)
                               : what == "candles" ? run_candles(footage, sheet)
-                                                  : run_motion(footage, only);
+                                                  : run_motion(clips);
   if (!out.empty())
-    std::ofstream(out) << nlohmann::json{{"machine", to_json(machine)}, {"rows", rows}}.dump(1) << "\n";
+    freshet::write_whole_file(out,
+                              nlohmann::json{{"machine", to_json(machine)}, {"rows", rows}}.dump(1) + "\n");
+} catch (const std::exception& fault) {
+  fmt::print(stderr, "bench_stills: {}\n", fault.what());
+  return 1;
 }

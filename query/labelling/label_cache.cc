@@ -203,7 +203,7 @@ void LabelCache::keep(const CacheKey& key, std::span<const std::byte> bytes) {
     own_ = std::move(pack);
   }
   if (own_->size + bytes.size() > max_bytes_)
-    return give_up(fmt::format("this labelling alone fills its {} MB", max_bytes_ >> 20));
+    return give_up(fmt::format("this run alone fills its {} MB", max_bytes_ >> 20));
   if (!write_at(own_->file, own_->size, bytes)) return give_up(std::strerror(errno));
   added_[key] = {own_->size, bytes.size(), hash_of(key, bytes)};
   own_->size += bytes.size();

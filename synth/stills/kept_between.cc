@@ -48,16 +48,16 @@ FlowPair KeptBetween::flow(const cv::Mat& from, const cv::Mat& to) const {
   return flow;
 }
 
-cv::Mat KeptBetween::picture(const BetweenKey& key, cv::Size size, int type,
-                             const std::function<cv::Mat()>& make) const {
+cv::Mat KeptBetween::picture(const BetweenKey& key, int type, const std::function<cv::Mat()>& make) const {
   if (cache_ == nullptr) return make();
   query::KeyHash hash;
-  hash.add(std::string("stills between 1"));
+  hash.add(std::string("stills between 2"));
   hash.add(key.a);
   hash.add(key.b);
+  for (const int each : {key.box.x, key.box.y, key.box.width, key.box.height}) hash.add(std::int32_t{each});
   hash.add(key.phase);
   hash.add(std::int32_t{key.flow_side});
-  cv::Mat picture(size, type);
+  cv::Mat picture(key.box.size(), type);
   if (const auto kept = cache_->find(hash.key()); kept && kept->size() == bytes_of(picture).size()) {
     std::memcpy(picture.data, kept->data(), kept->size());
     return picture;

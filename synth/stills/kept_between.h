@@ -13,7 +13,8 @@ namespace freshet::synth::stills {
 /// What a picture between two stills depends on. Not on orders, speeds or other regions: after an edit of
 /// those it is the same.
 struct BetweenKey {
-  query::CacheKey a, b;  // content_of the stills where the region is
+  query::CacheKey a, b;  // content_of the whole stills: flow reads them beyond the box
+  cv::Rect box;          // px of the stills
   double phase = 0;      // 0..1
   int flow_side = 0;     // px
 };
@@ -31,8 +32,8 @@ class KeptBetween {
   /// flow_between(from, to); both continuous.
   FlowPair flow(const cv::Mat& from, const cv::Mat& to) const;
 
-  /// What `make` gives: a continuous picture of that size and type.
-  cv::Mat picture(const BetweenKey& key, cv::Size size, int type, const std::function<cv::Mat()>& make) const;
+  /// What `make` gives: a continuous picture of the box's size and that type.
+  cv::Mat picture(const BetweenKey& key, int type, const std::function<cv::Mat()>& make) const;
 
  private:
   query::LabelCache* cache_;

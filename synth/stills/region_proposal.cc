@@ -163,7 +163,7 @@ std::vector<Piece> joined(const std::vector<Piece>& pieces, const std::vector<cv
 /// none to be seen. Crowds of pieces that touch become one piece each.
 std::vector<Piece> without_crowds(const std::vector<Piece>& pieces, double longer) {
   constexpr std::size_t kCrowd = 3;
-  constexpr double kTouch = .02, kGap = .03;  // of the longer side
+  constexpr double kTouch = .02, kGap = .03;  // of the longer side; each of two pieces grows by kTouch
   if (pieces.size() < kCrowd) return pieces;
   cv::Mat all(pieces[0].mask.size(), CV_8U, cv::Scalar(0)), labels;
   for (const Piece& piece : pieces) all |= piece.mask;

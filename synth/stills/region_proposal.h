@@ -30,7 +30,8 @@ struct Proposal {
 /// small   the stills at work size, CV_8UC3, aligned and levelled.
 /// What varies by more than `moves` of the strongest is cut into pieces that hang together; a piece in which
 /// two peaks of variation have a valley between them and tables of distances of their own becomes two;
-/// pieces whose tables agree become one region, wherever they lie; so do three pieces or more that touch.
+/// pieces whose tables agree become one region, wherever they lie; so do three pieces or more that touch: from
+/// each to the next it is no more than .04 of the longer side.
 /// Throws   Error{kInput} when nothing moves.
 /// Source   ours. Lin et al. 2007, Sec. 4 leave it to the user: stills so far apart show no motion to
 ///          segment by. Which

@@ -34,7 +34,7 @@ struct Layer {
   cv::Rect box;    // px of the stills; all that has weight, and a margin
   std::map<Pair, Between> flows;
   bool fades = false;
-  std::vector<query::CacheKey> content;  // of the stills in the box; empty: its pictures are not kept
+  bool kept = false;  // its pictures are
 };
 
 cv::Rect full_box(const cv::Mat& weight, cv::Size full) {
@@ -107,8 +107,7 @@ class Renderer {
                          .weight = weights[i],
                          .box = full_box(weights[i], pictures[0].size()),
                          .flows = {},
-                         .fades = !options.flow || plan.regions[i].region.kind == RegionKind::kSlow,
-                         .content = {}});
+                         .fades = !options.flow || plan.regions[i].region.kind == RegionKind::kSlow});
     }
     choose_kept();
     find_flow(job);
@@ -144,12 +143,12 @@ class Renderer {
     shown.b = &pictures_[pair.second];
     const double phase = instant.from < instant.to ? instant.phase : 1 - instant.phase;
     const auto moment = [&] { return found->second.at(phase); };
-    if (layer.content.empty()) {
+    if (!layer.kept) {
       shown.moment = moment();
       return shown;
     }
-    const BetweenKey key{layer.content[pair.first], layer.content[pair.second], phase, options_.flow_side};
-    shown.picture = kept_.picture(key, layer.box.size(), pictures_[0].type(), [&] {
+    const BetweenKey key{content_[pair.first], content_[pair.second], layer.box, phase, options_.flow_side};
+    shown.picture = kept_.picture(key, pictures_[0].type(), [&] {
       cv::Mat rounded;
       moment_picture(moment(), *shown.a, *shown.b, layer.box).convertTo(rounded, pictures_[0].depth());
       return rounded;
@@ -214,12 +213,13 @@ class Renderer {
     std::size_t bytes = 0;
     for (Layer* layer : by_area) {
       bytes += static_cast<std::size_t>(options_.frames) * layer->box.area() * pictures_[0].elemSize();
-      if (bytes > kMostKept) return;
-      layer->content.resize(pictures_.size());
-      oneapi::tbb::parallel_for(std::size_t{0}, pictures_.size(), [&](std::size_t still) {
-        layer->content[still] = content_of(pictures_[still](layer->box));
-      });
+      if (bytes > kMostKept) break;
+      layer->kept = true;
     }
+    if (by_area.empty() || !by_area.front()->kept) return;
+    content_.resize(pictures_.size());
+    oneapi::tbb::parallel_for(std::size_t{0}, pictures_.size(),
+                              [&](std::size_t still) { content_[still] = content_of(pictures_[still]); });
   }
 
   void find_flow(const Job& job) {
@@ -262,6 +262,7 @@ class Renderer {
   RenderOptions options_;
   KeptBetween kept_;
   std::vector<Layer> layers_;
+  std::vector<query::CacheKey> content_;  // of the stills; empty where no layer is kept
 };
 
 }  // namespace

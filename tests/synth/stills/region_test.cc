@@ -51,15 +51,15 @@ TEST(RegionProposal, WhatVariesTogetherIsOneRegion) {
   EXPECT_EQ(moving, 2);
 }
 
-/// Columns of discs side by side, all by their own phases.
-std::vector<cv::Mat> crowd_of(int columns) {
+/// Columns of discs side by side, all by their own phases. gap   px between where they swing.
+std::vector<cv::Mat> crowd_of(int columns, int gap) {
   std::vector<cv::Mat> stills;
   const cv::Mat ground = made_ground(kSize);
   cv::RNG random(9);
   for (int i = 0; i < kStills; ++i) {
     stills.push_back(ground.clone());
     for (int k = 0; k < columns; ++k)
-      draw_pendulum(stills.back(), {20 + 86 * k, 70, 84, 60}, random.uniform(0., 1.));
+      draw_pendulum(stills.back(), {20 + (84 + gap) * k, 70, 84, 60}, random.uniform(0., 1.));
   }
   return stills;
 }
@@ -69,8 +69,12 @@ TEST(RegionProposal, ACrowdOfPiecesThatTouchIsOneSurface) {
     return std::count_if(proposal.regions.begin(), proposal.regions.end(),
                          [](const Region& region) { return region.kind == RegionKind::kIndependent; });
   };
-  EXPECT_EQ(independent(propose_regions(crowd_of(2))), 2);
-  EXPECT_EQ(independent(propose_regions(crowd_of(5))), 1);
+  EXPECT_EQ(independent(propose_regions(crowd_of(2, 2))), 2);
+  EXPECT_EQ(independent(propose_regions(crowd_of(3, 2))), 1);
+  EXPECT_EQ(independent(propose_regions(crowd_of(5, 2))), 1);
+  // .04 of the longer side are 19 px.
+  EXPECT_EQ(independent(propose_regions(crowd_of(3, 12))), 1);
+  EXPECT_EQ(independent(propose_regions(crowd_of(3, 30))), 3);
 }
 
 TEST(RegionProposal, SaysWhenNothingMoves) {
