@@ -220,7 +220,8 @@ test("steps back live over a reload", async () => {
   await page.locator(".bar").waitFor();
   const drawn = await document("still");
   await page.keyboard.press("2");
-  for (const x of [100, 110, 120]) await drag(page, [[x, 60], [x, 150]]);
+  // Beside the lines that lie there already: a drag that begins on one of them moves it.
+  for (const x of [40, 60, 80]) await drag(page, [[x, 60], [x, 150]]);
   const undo = page.getByRole("button", { name: "Undo" });
   await undo.click();
   await page.reload(); // at once: nothing waits for a timer

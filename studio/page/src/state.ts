@@ -107,7 +107,11 @@ function keepHistory(leaving = false): void {
 // Who closes the page at once after a stroke has that stroke kept, and can undo it.
 window.addEventListener("pagehide", () => {
   const [id, document] = [project.value?.id, doc.value];
-  if (id && document && dirty) void api.save(id, document, version, pageId, true).catch(() => undefined);
+  if (id && document && (dirty || busy)) {
+    // What is on its way may have been taken by then, or never come: one of the two follows on what the server has.
+    const bases = busy ? [version, version + 1] : [version];
+    for (const base of bases) void api.save(id, document, base, pageId, true).catch(() => undefined);
+  }
   if (historyTimer) keepHistory(true);
 });
 
