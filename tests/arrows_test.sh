@@ -57,7 +57,7 @@ synth/stills: media/picture vision query/hints query/labelling synth/matte synth
 synth/transfer: synth/field
 synth/transfer/files: store media/* vision query/stored synth/transfer synth/animate/clips
 studio/drawing: synth/matte
-studio/ways: studio/drawing
+studio/ways: studio/drawing synth/simulate/design
 studio: store media/frame media/picture vision query/* synth/animate/* synth/matte studio/*
 library: store media/* vision ingest query/* synth/*
 tools/console: store media/* vision query/*

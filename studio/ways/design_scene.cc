@@ -1,73 +1,51 @@
 #include "studio/ways/design_scene.h"
 
 #include <algorithm>
+#include <sstream>
+#include <string_view>
 #include <vector>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+
+#include "synth/simulate/design/scene_file.h"
 
 namespace freshet::studio {
 namespace {
 
 constexpr double kWindStrength = 0.6;  // of the difference that is made up per second
 
-/// What the fluids differ in: they are those of the presets plume, firepit and waterfall-pool.
-struct FluidText {
-  const char* name;
-  const char* head;    // beside size, frames, fps and the tables of the fluid and its look
-  const char* source;  // keys of each emitter
+/// A fluid goes and looks as that of a preset.
+struct DesignFluid {
+  const char *name, *preset;
+  int steps;
+  double warm_up_s;
 };
-constexpr FluidText kFluids[] = {
-    {"smoke", R"(steps = 2
-warm_up = 2.0
-[fluid]
-buoyancy = 1.6
-top_speed = 0.75
-vorticity = 1.2
-dissipation = 0.15
-cooling = 0.2
-[look]
-opacity = 3.0
-)",
-     "softness = 0.02\nvelocity = [0.0, -0.45]\nheat = 1.0\njitter = 0.7\nlump = 0.05\n"},
-    {"fire", R"(steps = 3
-warm_up = 1.5
-[fluid]
-buoyancy = 4.5
-top_speed = 1.3
-vorticity = 0.5
-burning = 0.5
-still_air = 1.5
-cooling = 0.5
-[look]
-opacity = 4.0
-thin = [0.8, 0.16, 0.02]
-dense = [1.0, 0.62, 0.2]
-glow = 1.0
-)",
-     "softness = 0.02\nrate = 1.3\nvelocity = [0.0, -0.5]\nheat = 1.0\nexpansion = 2.5\njitter = 1.0\nlump = "
-     "0.06\n"},
-    {"water", R"(steps = 4
-warm_up = 2.0
-[fluid]
-gravity = 1.5
-weight = 30
-vorticity = 0.3
-burning = 0.25
-drag = 0.5
-still_air = 1.0
-[look]
-opacity = 3.0
-thin = [0.2, 0.32, 0.42]
-dense = [0.8, 0.84, 0.95]
-)",
-     "softness = 0.01\nvelocity = [0.0, 0.5]\njitter = 0.5\nlump = 0.05\n"},
-};
+constexpr DesignFluid kFluids[] = {
+    {"smoke", "plume", 2, 2.0}, {"fire", "firepit", 3, 1.5}, {"water", "waterfall-pool", 4, 2.0}};
 
-const FluidText& fluid_of(const Design& design) {
+const DesignFluid& fluid_of(const Design& design) {
   const auto* const found = std::find_if(std::begin(kFluids), std::end(kFluids),
-                                         [&](const FluidText& each) { return each.name == design.fluid; });
+                                         [&](const DesignFluid& each) { return each.name == design.fluid; });
   return found == std::end(kFluids) ? kFluids[0] : *found;
+}
+
+/// The first table of that header in a preset's text, up to the empty line behind it; without the header.
+std::string table_of(const std::string& preset, const std::string& header) {
+  const std::size_t begin = preset.find("\n" + header + "\n") + header.size() + 2;
+  return preset.substr(begin, preset.find("\n\n", begin) + 1 - begin);
+}
+
+/// An emitter's keys but for its name and its shape, which are drawn.
+std::string without_shape(const std::string& emitter) {
+  static constexpr std::string_view kDrawn[] = {"name",  "shape", "position", "radius",
+                                                "start", "end",   "width",    "corners"};
+  std::string kept, line;
+  for (std::istringstream lines(emitter); std::getline(lines, line);) {
+    const std::string_view key = std::string_view(line).substr(0, line.find(' '));
+    if (std::find(std::begin(kDrawn), std::end(kDrawn), key) == std::end(kDrawn)) kept += line + "\n";
+  }
+  return kept;
 }
 
 std::string place(const cv::Point2f& point, cv::Size picture) {
@@ -97,12 +75,16 @@ std::vector<std::string> shapes_of(const Drawn& drawn, cv::Size picture) {
 }  // namespace
 
 std::string design_scene(const Design& design, cv::Size picture, cv::Size size) {
-  const FluidText& fluid = fluid_of(design);
-  std::string toml = fmt::format("size = [{}, {}]\nframes = {}\nfps = 25\ngrid = 160\n{}", size.width,
-                                 size.height, design.frames, fluid.head);
+  const DesignFluid& fluid = fluid_of(design);
+  const std::string preset = synth::simulate::preset_scene(fluid.preset);
+  const std::string source = without_shape(table_of(preset, "[[emitter]]"));
+  std::string toml = fmt::format(
+      "size = [{}, {}]\nframes = {}\nfps = 25\ngrid = 160\nsteps = {}\nwarm_up = {}\n[fluid]\n{}[look]\n{}",
+      size.width, size.height, design.frames, fluid.steps, fluid.warm_up_s, table_of(preset, "[fluid]"),
+      table_of(preset, "[look]"));
   for (const Drawn& drawn : design.sources)
     for (const std::string& shape : shapes_of(drawn, picture))
-      toml += drawn.adds ? "[[emitter]]\n" + shape + fluid.source : "[[obstacle]]\n" + shape;
+      toml += drawn.adds ? "[[emitter]]\n" + shape + source : "[[obstacle]]\n" + shape;
   for (const DrawnStroke& wind : design.winds) {
     const cv::Point2f way = (wind.points.back() - wind.points.front()) / static_cast<float>(picture.height);
     toml += fmt::format("[[force]]\nkind = \"wind\"\nvelocity = [{:.4f}, {:.4f}]\nstrength = {}\n", way.x,
