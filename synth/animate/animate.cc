@@ -140,24 +140,24 @@ std::pair<cv::Mat, cv::Mat> exposed(const cv::Mat& target, const cv::Mat& luma, 
   return {blurred[0], own_colour};
 }
 
-/// How what is shown moves, output frame by output frame.
-std::shared_ptr<const MotionSequence> sequence_of(const store::Snapshot& snapshot,
-                                                  const vision::Settings& settings,
-                                                  const Placement& placement,
-                                                  const std::vector<std::unique_ptr<ClipLayer>>& layers,
-                                                  cv::Size picture, int frames) {
-  std::vector<PlayedPatches> played;
-  for (const auto& layer : layers)
-    for (const ClipLayer::Played& group : layer->played()) {
-      const PlacedPatch& one = placement.patches[group.patches.front()];
-      played.push_back({.clip = one.clip, .patches = group.patches, .shown = {}});
-      for (const Moment& moment : group.moments) {
-        // In a cross-fade the louder of the two moments moves the fluid.
-        const double at = moment.at[moment.weight[1] > moment.weight[0] ? 1 : 0];
-        played.back().shown.push_back({.frame = static_cast<std::uint32_t>(at), .rate = one.speed});
-      }
+/// Adds how what is shown of a clip moves, output frame by output frame: of its flow in memory, where all of that is.
+void add_motion(const store::Snapshot& snapshot, const Placement& placement, const ClipLayer& layer,
+                MotionSums& sums) {
+  const ClipLuma& luma = layer.luma();
+  const HeldFlow held{luma.flow_region(), [&luma](std::uint32_t frame) { return luma.flow(frame); }};
+  for (const ClipLayer::Played& group : layer.played()) {
+    const PlacedPatch& one = placement.patches[group.patches.front()];
+    PlayedPatches played{.clip = one.clip, .patches = group.patches, .shown = {}};
+    const std::uint32_t last = snapshot.clip(one.clip).flow.frames - 1;
+    bool all_held = true;
+    for (const Moment& moment : group.moments) {
+      // In a cross-fade the louder of the two moments moves the fluid.
+      const auto at = static_cast<std::uint32_t>(moment.at[moment.weight[1] > moment.weight[0] ? 1 : 0]);
+      played.shown.push_back({.frame = at, .rate = one.speed});
+      all_held = all_held && luma.holds_flow(std::min(at, last));
     }
-  return std::make_shared<const MotionSequence>(snapshot, settings, placement, played, picture, frames);
+    sums.add(played, all_held ? &held : nullptr);
+  }
 }
 
 /// Lengths in px are meant for pieces of their own size: enlarged ones are blurred, carried and matched as
@@ -264,6 +264,9 @@ class Animation {
     // What comes anew is carried on from frame to frame, and nothing comes back from frames behind the last wanted; a
     // model is fitted to samples of all.
     const auto needed = static_cast<std::size_t>(carried_ ? until() : options_.frames);
+    std::optional<MotionSums> motion;
+    if (carried_ || moving_)
+      motion.emplace(snapshot_, settings_, placement_, picture_.size(), options_.frames);
     for (std::size_t i = 0; i < layers_.size(); ++i) {
       throw_if_stopped(stop_);
       tell("blend", i, layers_.size());
@@ -271,6 +274,7 @@ class Animation {
       // Before all frames are held: it needs the samples alone, and what it holds is kept for the next step.
       if (carried_) renewal_->scale(*layers_[i], samples_);
       layers_[i]->measure(first, whole_loop ? &change : nullptr);
+      if (motion) add_motion(snapshot_, placement_, *layers_[i], *motion);
       // Samples are for the model alone: without one, they would be left in the blender.
       if (in_one_ || options_.matching == AppearanceMatching::kSequence)
         blend(*layers_[i], first);
@@ -278,6 +282,7 @@ class Animation {
         layers_[i]->release();
     }
     tell("blend", layers_.size(), layers_.size());
+    if (motion) sequence_ = std::make_shared<const MotionSequence>(std::move(*motion).means());
     // Made of whole frames, a loop begins after the transition that changes the picture least (else its
     // timelines see to the seam).
     if (whole_loop)
@@ -292,8 +297,6 @@ class Animation {
     cv::Mat own_colour;
     std::tie(base_luma_, own_colour) =
         exposed(target_, target_luma_, colours_, alpha_, mean_motion_, options_.base);
-    if (carried_ || moving_)
-      sequence_ = sequence_of(snapshot_, settings_, placement_, layers_, picture_.size(), options_.frames);
     if (carried_) {
       const int loop_frames = options_.loop ? options_.frames : 0;
       CarryingOptions carrying = options_.carrying;

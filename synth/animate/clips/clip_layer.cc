@@ -60,17 +60,6 @@ FRESHET_WIDE void add_difference(const float* from, const float* less, float wei
 
 std::uint32_t nearest_frame(double moment) { return static_cast<std::uint32_t>(std::lround(moment)); }
 
-/// Calls with each clip frame that a moment needs, and its weight.
-template <class Use>
-void each_frame(const Moment& moment, const Use& use) {
-  for (int i = 0; i < moment.count(); ++i) {
-    const auto frame = static_cast<std::uint32_t>(moment.at[i]);
-    const double fraction = moment.at[i] - frame;
-    use(frame, moment.weight[i] * (1 - fraction));
-    if (fraction > 0) use(frame + 1, moment.weight[i] * fraction);
-  }
-}
-
 }  // namespace
 
 ClipLayer::ClipLayer(const store::Snapshot& snapshot, store::ClipId clip, int flow_step,
@@ -106,6 +95,12 @@ ClipLayer::ClipLayer(const store::Snapshot& snapshot, store::ClipId clip, int fl
     group.members = std::move(members);
     group.moments = timeline(times, interval, rule, record.name, own);
     lay_out(group);
+  }
+  if (detail_ == ClipDetail::kDifference) return;
+  for (SpeedGroup& group : groups_) {
+    std::vector<std::size_t> of_group;
+    for (const std::size_t member : group.members) of_group.push_back(patches_[member]);
+    group.levels.emplace(luma_.source(), placement, of_group, group.moments);
   }
 }
 
@@ -143,6 +138,7 @@ std::vector<ClipLayer::Played> ClipLayer::played() const {
 }
 
 std::size_t ClipLayer::average_bytes() const {
+  if (detail_ == ClipDetail::kInnovation) return 0;
   return groups_.size() * luma_.region().area() * sizeof(float);
 }
 
@@ -213,7 +209,8 @@ void ClipLayer::measure(std::span<const int> kept, std::vector<double>* change) 
   std::set<std::uint32_t> shown;
   for (const FrameWeights& of_group : weights)
     for (const auto& [frame, weight] : of_group) shown.insert(frame);
-  for (SpeedGroup& group : groups_) group.average = cv::Mat::zeros(luma_.region().size(), CV_32F);
+  if (detail_ == ClipDetail::kDifference)
+    for (SpeedGroup& group : groups_) group.average = cv::Mat::zeros(luma_.region().size(), CV_32F);
 
   // Frame after frame, in the clip's order, whatever is in memory at once: the sums are the same.
   const std::vector<std::uint32_t> frames(shown.begin(), shown.end());
@@ -227,7 +224,11 @@ void ClipLayer::measure(std::span<const int> kept, std::vector<double>* change) 
     else  // the chunk, the frame before it, and what is to stay and has come by
       load(shown_by(frames[end - 1], kept),
            std::span(frames).subspan(first > 0 ? first - 1 : 0, end - (first > 0 ? first - 1 : 0)));
-    add_to_averages({frames, first, end}, weights, change ? &steps : nullptr);
+    if (detail_ == ClipDetail::kInnovation)
+      for (SpeedGroup& group : groups_)
+        group.levels->measure(luma_, std::span(frames).subspan(first, end - first));
+    else
+      add_to_averages({frames, first, end}, weights, change ? &steps : nullptr);
     first = end;
   }
   load(kept);
@@ -354,17 +355,17 @@ void ClipLayer::add(std::span<const int> outputs, Blender& blender) {
     Scratch& s = scratches.local();
     const int frame = static_cast<int>(slot);
     for (const SpeedGroup& group : groups_) {
-      difference(group, group.moments[outputs[slot]], s);
+      const Moment& moment = group.moments[outputs[slot]];
       if (detail_ == ClipDetail::kDifference) {
+        difference(group, moment, s);
         each_window(group, s.difference, s,
                     [&](std::size_t patch, const cv::Mat& window) { blender.add(frame, patch, window); });
         continue;
       }
       std::map<std::size_t, float> level;
-      each_window(group, s.difference, s, [&](std::size_t patch, const cv::Mat& window) {
-        level[patch] = static_cast<float>(cv::mean(window)[0]);
-      });
-      innovation(group, group.moments[outputs[slot]], s);
+      for (std::size_t i = 0; i < group.members.size(); ++i)
+        level[patches_[group.members[i]]] = group.levels->at(i, outputs[slot]);
+      innovation(group, moment, s);
       each_window(group, s.innovation, s, [&](std::size_t patch, const cv::Mat& window) {
         blender.add(frame, patch, window, level.at(patch));
       });

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -12,6 +13,7 @@
 #include "store/store.h"
 #include "synth/animate/blend/blend.h"
 #include "synth/animate/clips/clip_luma.h"
+#include "synth/animate/clips/patch_levels.h"
 #include "synth/animate/clips/timeline.h"
 #include "synth/animate/placement/placement.h"
 #include "synth/animate/sampling/area_reduction.h"
@@ -46,7 +48,8 @@ class ClipLayer {
             std::vector<std::size_t> patches, const TimelineOptions& options, Resampling resampling,
             ClipDetail detail = ClipDetail::kDifference);
 
-  /// The averages over all output frames, which every difference needs, in one pass through the clip.
+  /// The averages over all output frames, which every difference needs, or the patches' levels, in one pass through the
+  /// clip.
   /// kept     output frames whose clip frames stay in memory afterwards.
   /// change   if not null, by output frame: grows by how much this clip's patches change from it to the next
   ///          (the last: to the first), mean |difference| times patches; an estimate from the clip's frames.
@@ -67,6 +70,7 @@ class ClipLayer {
     std::span<const Moment> moments;
   };
   std::vector<Played> played() const;
+  const ClipLuma& luma() const { return luma_; }
 
   /// Seconds spent in reading from the store.
   double read_s() const { return read_s_; }
@@ -86,7 +90,8 @@ class ClipLayer {
     std::vector<cv::Rect> cells;     // px of the source that its patches are made of
     std::vector<std::size_t> whole;  // members at whole size
     std::vector<Reduced> reduced;
-    cv::Mat average;  // luma_.region(), CV_32F
+    cv::Mat average;                    // kDifference: luma_.region(), CV_32F
+    std::optional<PatchLevels> levels;  // kInnovation: of its members
   };
   struct Scratch {
     cv::Mat difference, innovation, reduced, window;

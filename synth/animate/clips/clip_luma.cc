@@ -281,6 +281,19 @@ void ClipLuma::row(std::uint32_t frame, int x, int y, int n, float* out) const {
     luma_of_words(samples.ptr<std::uint16_t>(y - region_.y) + (x - region_.x), luma_of_.data(), n, out);
 }
 
+float ClipLuma::mean(std::uint32_t frame, std::span<const cv::Point> places) const {
+  const cv::Mat& samples = frames_.at(frame);
+  double sum = 0;
+  for (const cv::Point& place : places) {
+    const cv::Point at = place - region_.tl();
+    sum +=
+        samples.depth() == CV_8U
+            ? std::clamp((static_cast<float>(samples.at<std::uint8_t>(at)) - black_) * per_span_, 0.0f, 1.0f)
+            : luma_of_[samples.at<std::uint16_t>(at)];
+  }
+  return static_cast<float>(sum / static_cast<double>(places.size()));
+}
+
 void ClipLuma::at(double moment, const cv::Rect& cell, float* out, Scratch& scratch) const {
   const auto frame = static_cast<std::uint32_t>(moment);
   const auto fraction = static_cast<float>(moment - frame);

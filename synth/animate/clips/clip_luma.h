@@ -1,6 +1,7 @@
 // synth/animate/clips/clip_luma.h — the luminance of one clip at any moment, where patches need it.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <map>
 #include <span>
@@ -53,6 +54,13 @@ class ClipLuma {
   void innovation(std::uint32_t frame, const cv::Rect& cell, float* out, Scratch& scratch) const;
   /// Luma of a loaded frame at row y, columns x .. x + n - 1 of source(), within region().
   void row(std::uint32_t frame, int x, int y, int n, float* out) const;
+  /// Mean luma of a loaded frame at places of source(), within blocks(); at least one.
+  float mean(std::uint32_t frame, std::span<const cv::Point> places) const;
+
+  /// Planes u and v of a loaded flow, CV_16S: its samples under the blocks, and where these lie in the clip's flow.
+  std::array<cv::Mat, 2> flow(std::uint32_t frame) const { return {flows_.at(frame).u, flows_.at(frame).v}; }
+  bool holds_flow(std::uint32_t frame) const { return flows_.contains(frame); }
+  const cv::Rect& flow_region() const { return flow_region_; }
 
   /// px of the source frame: the blocks that are read, and the rectangle around all of them.
   std::span<const cv::Rect> blocks() const { return blocks_; }

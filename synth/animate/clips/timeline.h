@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <optional>
 #include <span>
 #include <string>
@@ -17,6 +18,17 @@ struct Moment {
   std::array<float, 2> weight{1, 0};
   int count() const { return weight[1] == 0 ? 1 : 2; }
 };
+
+/// Calls with each clip frame that a moment needs, and its weight: those around it in time, by how near they are.
+template <class Use>
+void each_frame(const Moment& moment, const Use& use) {
+  for (int i = 0; i < moment.count(); ++i) {
+    const auto frame = static_cast<std::uint32_t>(moment.at[i]);
+    const double fraction = moment.at[i] - frame;
+    use(frame, moment.weight[i] * (1 - fraction));
+    if (fraction > 0) use(frame + 1, moment.weight[i] * fraction);
+  }
+}
 
 struct TimelineOptions {
   int frames = 96;     // of the animation

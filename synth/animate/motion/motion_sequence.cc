@@ -1,6 +1,7 @@
 #include "synth/animate/motion/motion_sequence.h"
 
 #include <algorithm>
+#include <array>
 #include <cassert>
 #include <cmath>
 #include <cstddef>
@@ -14,7 +15,6 @@
 
 #include "freshet/error.h"
 #include "query/search/picture_scale.h"
-#include "synth/animate/sampling/bilinear.h"
 #include "synth/animate/sampling/patch_window.h"
 #include "synth/animate/sampling/pull_push.h"
 #include "vision/flow.h"
@@ -118,31 +118,24 @@ NeededFlow needed_flow(const store::Snapshot& snapshot, int step, const Placemen
 /// One placed patch: where its squares lie in its clip's flow, and how velocities turn.
 struct Probe {
   cv::Point corner;                // on the grid of squares
-  std::size_t blur = 0;            // which of the clip's blurred flows it reads
+  int reach = 1;                   // samples over which flow is averaged: a square is as wide
   std::vector<cv::Point2f> spots;  // among the samples of the clip's flow, row-major over the patch's squares
   cv::Matx22d turn;
 };
 
-/// How the patches of one clip read its flow: averaged over squares as large as theirs are in it, once per scale.
-struct Reading {
-  std::vector<float> scales;
-  std::vector<Probe> probes;
-};
-
-Reading reading_of(const PlayedPatches& group, const Placement& placement, const SquareGrid& grid,
-                   const NeededFlow& flow) {
+std::vector<Probe> probes_of(const PlayedPatches& group, const Placement& placement, const SquareGrid& grid,
+                             const NeededFlow& flow) {
   const store::ClipRecord& record = flow.snapshot.clip(group.clip);
   const cv::Size source(static_cast<int>(record.width), static_cast<int>(record.height));
-  Reading reading;
+  std::vector<Probe> probes;
   for (const std::size_t number : group.patches) {
     const PlacedPatch& placed = placement.patches[number];
     const vision::VariantFrame frame = vision::variant_frame(source, placed.variant);
     Probe probe;
     probe.corner = (placed.piece - grid.corner) / grid.square;
     probe.turn = frame.variant_from_source_velocity;
-    const auto scale = std::find(reading.scales.begin(), reading.scales.end(), placed.variant.scale);
-    probe.blur = static_cast<std::size_t>(scale - reading.scales.begin());
-    if (scale == reading.scales.end()) reading.scales.push_back(placed.variant.scale);
+    probe.reach =
+        std::max(1, static_cast<int>(std::lround(grid.square / placed.variant.scale / flow.step))) | 1;
     const double middle = (grid.square - 1) / 2.0;
     for (int row = 0; row < grid.per_side; ++row)
       for (int column = 0; column < grid.per_side; ++column) {
@@ -152,9 +145,9 @@ Reading reading_of(const PlayedPatches& group, const Placement& placement, const
         probe.spots.emplace_back(static_cast<float>((at[0] + 0.5) / flow.step - 0.5 - flow.samples.x),
                                  static_cast<float>((at[1] + 0.5) / flow.step - 0.5 - flow.samples.y));
       }
-    reading.probes.push_back(std::move(probe));
+    probes.push_back(std::move(probe));
   }
-  return reading;
+  return probes;
 }
 
 /// An output frame, and the flow frame that moves what it shows.
@@ -181,9 +174,10 @@ std::vector<std::vector<ShownFlow>> slabs_of(std::span<const ShownFrame> shown, 
 }
 
 /// The needed samples of some frames of a clip's flow, decoded once.
-class FlowFrames {
+class DecodedFlow {
  public:
-  FlowFrames(const NeededFlow& flow, std::uint32_t first, std::uint32_t count) : flow_(flow), first_(first) {
+  DecodedFlow(const NeededFlow& flow, std::uint32_t first, std::uint32_t count)
+      : size_(flow.samples.size()), first_(first) {
     const cv::Rect& s = flow.samples;
     for (std::uint32_t p = 0; p < 2; ++p) {
       planes_[p].resize(static_cast<std::size_t>(s.area()) * count);
@@ -194,51 +188,81 @@ class FlowFrames {
     }
   }
 
-  /// Frame `at` of the clip, averaged as each scale's squares want it: CV_32FC2, px/s of the clip.
-  void blur(std::uint32_t at, int square, std::span<const float> scales, std::vector<cv::Mat>& blurred) {
-    const std::size_t offset = static_cast<std::size_t>(flow_.samples.area()) * (at - first_);
-    cv::Mat field;
-    cv::merge(std::vector<cv::Mat>{cv::Mat(flow_.samples.size(), CV_16S, planes_[0].data() + offset),
-                                   cv::Mat(flow_.samples.size(), CV_16S, planes_[1].data() + offset)},
-              field);
-    field.convertTo(field, CV_32F, flow_.px_per_s[at]);
-    blurred.resize(scales.size());
-    for (std::size_t s = 0; s < scales.size(); ++s) {
-      const int reach = std::max(1, static_cast<int>(std::lround(square / scales[s] / flow_.step))) | 1;
-      cv::blur(field, blurred[s], {reach, reach}, {-1, -1}, cv::BORDER_REPLICATE);
-    }
+  std::array<cv::Mat, 2> at(std::uint32_t frame) {
+    const std::size_t offset = static_cast<std::size_t>(size_.area()) * (frame - first_);
+    return {cv::Mat(size_, CV_16S, planes_[0].data() + offset),
+            cv::Mat(size_, CV_16S, planes_[1].data() + offset)};
   }
 
  private:
-  const NeededFlow& flow_;
+  cv::Size size_;
   std::uint32_t first_ = 0;
   std::vector<std::int16_t> planes_[2];
 };
 
-/// Adds a patch's motion, weighted by its tent, to the squares that it lies on.
-void add_patch(const Probe& probe, const cv::Mat& flow, double rate, const cv::Mat& tent, cv::Mat& squares) {
+/// A box between samples: from `first` on one more than it is wide, of which the outermost count in part.
+struct Box {
+  int first = 0;
+  float fraction = 0;  // of the last; of the first the rest
+
+  /// reach samples wide around `at`, where there are n samples.
+  Box(float at, int reach, int n) {
+    at = std::clamp(at, 0.0f, static_cast<float>(n - 1));
+    const int whole = static_cast<int>(at);
+    first = whole - reach / 2;
+    fraction = at - static_cast<float>(whole);
+  }
+};
+
+float sum_of_row(const std::int16_t* row, const Box& across, int reach, int n) {
+  int inner = 0;
+  if (across.first >= 0 && across.first + reach < n) {
+    const std::int16_t* at = row + across.first;
+    for (int i = 1; i < reach; ++i) inner += at[i];
+    return static_cast<float>(inner) + (1 - across.fraction) * at[0] + across.fraction * at[reach];
+  }
+  const auto sample = [&](int i) { return row[std::clamp(across.first + i, 0, n - 1)]; };
+  for (int i = 1; i < reach; ++i) inner += sample(i);
+  return static_cast<float>(inner) + (1 - across.fraction) * sample(0) + across.fraction * sample(reach);
+}
+
+/// Mean of a plane over a box around a place between its samples: what interpolation reads from the box-blurred plane.
+float box_mean(const cv::Mat& plane, const cv::Point2f& at, int reach) {
+  const Box across(at.x, reach, plane.cols), down(at.y, reach, plane.rows);
+  float sum = 0;
+  for (int i = 0; i <= reach; ++i) {
+    const float weight = i == 0 ? 1 - down.fraction : i == reach ? down.fraction : 1;
+    const int row = std::clamp(down.first + i, 0, plane.rows - 1);
+    sum += weight * sum_of_row(plane.ptr<std::int16_t>(row), across, reach, plane.cols);
+  }
+  return sum / static_cast<float>(reach * reach);
+}
+
+/// Adds a patch's motion, weighted by its tent, to the squares that it lies on. rate: px/s for a unit of the flow.
+void add_patch(const Probe& probe, const std::array<cv::Mat, 2>& flow, double rate, const cv::Mat& tent,
+               cv::Mat& squares) {
   const cv::Point2f* spot = probe.spots.data();
   for (int row = 0; row < tent.rows; ++row)
     for (int column = 0; column < tent.cols; ++column, ++spot) {
-      const cv::Vec2d v = bilinear<cv::Vec2f>(flow, spot->x, spot->y);
+      const cv::Vec2d v(box_mean(flow[0], *spot, probe.reach), box_mean(flow[1], *spot, probe.reach));
       const cv::Vec2d turned = probe.turn * v * (rate * tent.at<float>(row, column));
       squares.at<cv::Vec2f>(probe.corner.y + row, probe.corner.x + column) +=
           cv::Vec2f(static_cast<float>(turned[0]), static_cast<float>(turned[1]));
     }
 }
 
-/// Adds the patches' motion in every output frame of one slab.
-void add_slab(std::span<const ShownFlow> slab, const NeededFlow& flow, const Reading& reading,
-              const SquareGrid& grid, std::vector<cv::Mat>& squares) {
+/// Adds the patches' motion in every output frame of one slab. held: the clip's flow, null: it is decoded.
+void add_slab(std::span<const ShownFlow> slab, const NeededFlow& flow, const HeldFlow* held,
+              std::span<const Probe> probes, const SquareGrid& grid, std::vector<cv::Mat>& squares) {
   const std::uint32_t first = slab.front().at;
-  FlowFrames frames(flow, first, slab.back().at - first + 1);
-  std::vector<cv::Mat> blurred;
-  std::optional<std::uint32_t> in_hand;
+  std::optional<DecodedFlow> decoded;
+  if (!held) decoded.emplace(flow, first, slab.back().at - first + 1);
   for (const ShownFlow& shown : slab) {
-    if (in_hand != shown.at) frames.blur(shown.at, grid.square, reading.scales, blurred);
-    in_hand = shown.at;
-    for (const Probe& probe : reading.probes)
-      add_patch(probe, blurred[probe.blur], shown.rate, grid.tent, squares[shown.output]);
+    std::array<cv::Mat, 2> planes = held ? held->at(shown.at) : decoded->at(shown.at);
+    if (held)
+      for (cv::Mat& plane : planes) plane = plane(flow.samples - held->samples.tl());
+    for (const Probe& probe : probes)
+      add_patch(probe, planes, flow.px_per_s[shown.at] * shown.rate, grid.tent, squares[shown.output]);
   }
 }
 
@@ -273,30 +297,56 @@ void spread(cv::Mat& squares, const cv::Mat& mass) {
 
 }  // namespace
 
-MotionSequence::MotionSequence(const store::Snapshot& snapshot, const vision::Settings& settings,
-                               const Placement& placement, std::span<const PlayedPatches> played,
-                               cv::Size picture, int frames)
-    : picture_(picture), piece_scale_(placement.piece_scale), squares_(frames) {
-  const SquareGrid grid = grid_of(placement, picture);
-  squares_from_picture_ = squares_from_picture(placement, grid.corner, grid.square, picture);
-  cv::Mat mass = cv::Mat::zeros(grid.size, CV_32F);
-  for (cv::Mat& sum : squares_) sum = cv::Mat::zeros(grid.size, CV_32FC2);
+struct MotionSums::Impl {
+  const store::Snapshot& snapshot;
+  const Placement& placement;
+  int flow_step = 0;
+  cv::Size picture;
+  SquareGrid grid;
+  cv::Mat mass;                  // CV_32F: weights of each square
+  std::vector<cv::Mat> squares;  // by output frame, CV_32FC2
+};
 
-  // One group after another, so that sums do not depend on threads.
-  for (const PlayedPatches& group : played) {
-    assert(group.shown.size() == squares_.size());
-    const NeededFlow flow = needed_flow(snapshot, settings.flow_step, placement, group);
-    const Reading reading = reading_of(group, placement, grid, flow);
-    for (const Probe& probe : reading.probes) {
-      cv::Mat covered = mass(cv::Rect(probe.corner, grid.tent.size()));
-      covered += grid.tent;
-    }
-    const std::vector<std::vector<ShownFlow>> slabs = slabs_of(group.shown, flow.frames);
-    oneapi::tbb::parallel_for(std::size_t{0}, slabs.size(),
-                              [&](std::size_t i) { add_slab(slabs[i], flow, reading, grid, squares_); });
+MotionSums::MotionSums(const store::Snapshot& snapshot, const vision::Settings& settings,
+                       const Placement& placement, cv::Size picture, int frames)
+    : impl_(std::make_unique<Impl>(Impl{snapshot,
+                                        placement,
+                                        settings.flow_step,
+                                        picture,
+                                        grid_of(placement, picture),
+                                        {},
+                                        std::vector<cv::Mat>(frames)})) {
+  impl_->mass = cv::Mat::zeros(impl_->grid.size, CV_32F);
+  for (cv::Mat& sum : impl_->squares) sum = cv::Mat::zeros(impl_->grid.size, CV_32FC2);
+}
+
+MotionSums::~MotionSums() = default;
+
+void MotionSums::add(const PlayedPatches& group, const HeldFlow* held) {
+  assert(group.shown.size() == impl_->squares.size());
+  NeededFlow flow = needed_flow(impl_->snapshot, impl_->flow_step, impl_->placement, group);
+  if (held) flow.samples &= held->samples;
+  const std::vector<Probe> probes = probes_of(group, impl_->placement, impl_->grid, flow);
+  for (const Probe& probe : probes) {
+    cv::Mat covered = impl_->mass(cv::Rect(probe.corner, impl_->grid.tent.size()));
+    covered += impl_->grid.tent;
   }
+  const std::vector<std::vector<ShownFlow>> slabs = slabs_of(group.shown, flow.frames);
+  oneapi::tbb::parallel_for(std::size_t{0}, slabs.size(), [&](std::size_t i) {
+    add_slab(slabs[i], flow, held, probes, impl_->grid, impl_->squares);
+  });
+}
 
-  oneapi::tbb::parallel_for(0, frames, [&](int i) { spread(squares_[i], mass); });
+MotionSequence MotionSums::means() && {
+  MotionSequence means;
+  means.picture_ = impl_->picture;
+  means.piece_scale_ = impl_->placement.piece_scale;
+  means.squares_from_picture_ =
+      squares_from_picture(impl_->placement, impl_->grid.corner, impl_->grid.square, impl_->picture);
+  oneapi::tbb::parallel_for(std::size_t{0}, impl_->squares.size(),
+                            [&](std::size_t i) { spread(impl_->squares[i], impl_->mass); });
+  means.squares_ = std::move(impl_->squares);
+  return means;
 }
 
 cv::Mat MotionSequence::at(int i) const { return at(i, 1, picture_); }

@@ -1,8 +1,10 @@
 // synth/animate/motion/motion_sequence.h — how the fluid of an animation moves, frame by frame.
 #pragma once
 
+#include <array>
 #include <cstdint>
-#include <span>
+#include <functional>
+#include <memory>
 #include <vector>
 
 #include <opencv2/core.hpp>
@@ -26,21 +28,20 @@ struct PlayedPatches {
   std::vector<ShownFrame> shown;     // by output frame
 };
 
+/// Flow of one clip that is in memory already.
+struct HeldFlow {
+  cv::Rect samples;  // of the flow's planes; right at least where the patches lie and 8 samples around them
+  /// Planes u and v of a frame, as stored: CV_16S, of the samples' size. Safe from many threads.
+  std::function<std::array<cv::Mat, 2>(std::uint32_t)> at;
+};
+
 /// The motion M_i of the synthesised animation. It is the flow of the assigned patches' clips at the frames
 /// that are shown, turned and scaled into their variants and averaged over squares of some 8 px. Where pieces
 /// overlap it is mixed by weights that fall from each piece's middle. Beyond the pieces the motion of the
 /// nearest goes on.
+/// Source   Okabe et al. 2011, Sec. 6, "Dynamic Boundaries of Fluid".
 class MotionSequence {
  public:
-  /// played   each patch of the placement once; `frames` frames shown of each.
-  /// Throws   Error{kDamaged} when a clip's flow does not fit its frames.
-  /// Cost     one pass over the flow of the frames shown, all threads; memory frames x picture / 64 x 8 bytes,
-  ///          and per thread a slab of one clip's flow.
-  /// Source   Okabe et al. 2011, Sec. 6, "Dynamic Boundaries of Fluid".
-  MotionSequence(const store::Snapshot& snapshot, const vision::Settings& settings,
-                 const Placement& placement, std::span<const PlayedPatches> played, cv::Size picture,
-                 int frames);
-
   /// Velocity in output frame i: CV_32FC2 of the picture's size, px per second of the animation, x right,
   /// y down. Safe from many threads.
   cv::Mat at(int i) const;
@@ -48,10 +49,32 @@ class MotionSequence {
   cv::Mat at(int i, int step, cv::Size size) const;
 
  private:
+  friend class MotionSums;
+  MotionSequence() = default;
   cv::Size picture_;
   double piece_scale_ = 1;
   cv::Matx23d squares_from_picture_;
   std::vector<cv::Mat> squares_;  // by output frame, CV_32FC2
+};
+
+/// Collects the motion of all patches, clip after clip.
+class MotionSums {
+ public:
+  /// snapshot and placement outlive this. Memory: frames x picture / 64 x 8 bytes.
+  MotionSums(const store::Snapshot& snapshot, const vision::Settings& settings, const Placement& placement,
+             cv::Size picture, int frames);
+  ~MotionSums();
+
+  /// Patches that are in no other group. held: the clip's flow, of every frame that is shown; null: it is read, in one pass,
+  /// a slab of it per thread. All threads; the same for any number.
+  /// Throws   Error{kDamaged} when the clip's flow does not fit its frames.
+  void add(const PlayedPatches& group, const HeldFlow* held = nullptr);
+  /// After all patches of the placement.
+  MotionSequence means() &&;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
 };
 
 }  // namespace freshet::synth::animate

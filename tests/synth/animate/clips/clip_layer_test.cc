@@ -170,6 +170,29 @@ TEST(ClipLayer, IsTheSameHoweverMuchIsKeptInMemoryAndForAnyNumberOfThreads) {
     }
 }
 
+TEST(ClipLayer, InnovationsComeWithTheLevelsOfTheDifferences) {
+  const FlowingClip clip{.frames = 75, .steady = {1, 0.5f}, .varying = 1.5f};
+  const FlowingStore store({clip});
+  const Placement placement = some_placement(store.id(), 6, 2.3);
+  const auto levels_of = [&](ClipDetail detail, const std::vector<int>& kept) {
+    ClipLayer layer(store.snapshot(), store.id(), clip.flow_step, placement, all_patches(placement),
+                    {.frames = kOutputs}, Resampling::kFlow, detail);
+    layer.measure(kept);
+    Blender blender(placement, kOutputs, {.low_band_reach = 0.3});
+    layer.add(all_outputs(), blender);
+    cv::Mat levels;
+    for (int i = 0; i < kOutputs; ++i) levels.push_back(blender.take_level(i));
+    return levels;
+  };
+  const cv::Mat differences = levels_of(ClipDetail::kDifference, all_outputs());
+  const cv::Mat innovations = levels_of(ClipDetail::kInnovation, all_outputs());
+  EXPECT_GT(cv::norm(differences, cv::NORM_INF), 0.02);
+  // Every second pixel, and no flow between frames.
+  EXPECT_LT(cv::norm(differences, innovations), 0.1 * cv::norm(differences));
+  for (const std::vector<int>& kept : {std::vector<int>{}, std::vector<int>{0, 5, 11}})
+    EXPECT_EQ(cv::norm(levels_of(ClipDetail::kInnovation, kept), innovations, cv::NORM_INF), 0);
+}
+
 TEST(ClipLayer, EstimatesHowMuchItChangesFromOutputToOutput) {
   const FlowingClip clip;
   const FlowingStore store({clip});

@@ -30,8 +30,9 @@ std::shared_ptr<const MotionSequence> sequence_of(const FlowingStore& store, int
     }
   for (int i = 0; i < frames; ++i)
     played.shown.push_back({.frame = static_cast<std::uint32_t>(i), .rate = 1});
-  return std::make_shared<const MotionSequence>(store.snapshot(), store.settings(), placement,
-                                                std::vector{played}, kPicture, frames);
+  MotionSums sums(store.snapshot(), store.settings(), placement, kPicture, frames);
+  sums.add(played);
+  return std::make_shared<const MotionSequence>(std::move(sums).means());
 }
 
 const FlowingClip kClip{.size = {220, 180}, .steady = {2.0f, -1.0f}, .varying = 0.6f};

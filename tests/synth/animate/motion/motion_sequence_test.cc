@@ -41,6 +41,14 @@ PlayedPatches all_of(const Placement& placement, std::vector<ShownFrame> frames)
   return played;
 }
 
+MotionSequence sequence_of(const store::Snapshot& snapshot, const vision::Settings& settings,
+                           const Placement& placement, std::span<const PlayedPatches> played,
+                           cv::Size picture, int frames) {
+  MotionSums sums(snapshot, settings, placement, picture, frames);
+  for (const PlayedPatches& group : played) sums.add(group);
+  return std::move(sums).means();
+}
+
 TEST(MotionSequence, SteadyFlowIsTurnedScaledAndPlayedAsItsVariantIs) {
   const FlowingClip clip{.size = {220, 180}, .steady = {2.0f, -1.0f}, .varying = 0};
   const FlowingStore store({clip});
@@ -53,7 +61,8 @@ TEST(MotionSequence, SteadyFlowIsTurnedScaledAndPlayedAsItsVariantIs) {
         Placement placement = placement_of(store.id(), variant, {20, 20});
         placement.piece_scale = scale;
         const std::vector played{all_of(placement, shown({0, 19, 7}, rate))};
-        const MotionSequence sequence(store.snapshot(), store.settings(), placement, played, picture, 3);
+        const MotionSequence sequence =
+            sequence_of(store.snapshot(), store.settings(), placement, played, picture, 3);
         const cv::Vec2d expected = vision::variant_frame(clip.size, variant).variant_from_source_velocity *
                                    cv::Vec2d(2 * kFps * rate * scale, -1 * kFps * rate * scale);
         for (int i = 0; i < 3; ++i) {
@@ -73,14 +82,15 @@ TEST(MotionSequence, FramesThatLieFurtherApartMoveNoFaster) {
   const FlowingStore store({clip});
   const Placement placement = placement_of(store.id(), {}, {20, 20});
   const std::vector played{all_of(placement, shown({0, 1, 2}))};
-  const MotionSequence sequence(store.snapshot(), store.settings(), placement, played, {100, 70}, 3);
+  const MotionSequence sequence =
+      sequence_of(store.snapshot(), store.settings(), placement, played, {100, 70}, 3);
   for (int i = 0; i < 3; ++i)
     EXPECT_NEAR(sequence.at(i).at<cv::Vec2f>(30, 50)[0], 2 * clip.rates[static_cast<std::size_t>(i)], 0.01)
         << i;
   clip.rates = {kFps, 0, kFps};
   const FlowingStore broken({clip});
-  EXPECT_THROW(MotionSequence(broken.snapshot(), broken.settings(), placement_of(broken.id(), {}, {20, 20}),
-                              played, {100, 70}, 3),
+  EXPECT_THROW(sequence_of(broken.snapshot(), broken.settings(), placement_of(broken.id(), {}, {20, 20}),
+                           played, {100, 70}, 3),
                Error);
 }
 
@@ -156,8 +166,8 @@ TEST(MotionSequence, IsTheWeightedMeanOfItsPatchesFlowSquareBySquare) {
     // Out of order, over several slabs, and the last frame, from which no flow leads on.
     const std::vector<ShownFrame> frames = shown({33, 2, 15, 16, 39, 2}, 0.8);
     const std::vector played{all_of(placement, frames)};
-    const MotionSequence sequence(store.snapshot(), store.settings(), placement, played, picture,
-                                  static_cast<int>(frames.size()));
+    const MotionSequence sequence = sequence_of(store.snapshot(), store.settings(), placement, played,
+                                                picture, static_cast<int>(frames.size()));
     // The first square begins with the first piece, 8 px before the picture.
     const cv::Size grid((picture.width + 8) / kSquare, (picture.height + 8) / kSquare);
     for (std::size_t i = 0; i < frames.size(); ++i) {
@@ -187,7 +197,8 @@ TEST(MotionSequence, IsTheSameForAnyNumberOfThreadsAndOrderOfFrames) {
                                             static_cast<std::size_t>(threads));
     std::vector played{all_of(placement, frames), PlayedPatches{store.id(1), {3}, frames}};
     std::erase(played[0].patches, 3u);
-    const MotionSequence sequence(store.snapshot(), store.settings(), placement, played, {100, 70}, 4);
+    const MotionSequence sequence =
+        sequence_of(store.snapshot(), store.settings(), placement, played, {100, 70}, 4);
     std::vector<cv::Mat> motion;
     for (int i = 0; i < 4; ++i) motion.push_back(sequence.at(i));
     return motion;
@@ -201,6 +212,29 @@ TEST(MotionSequence, IsTheSameForAnyNumberOfThreadsAndOrderOfFrames) {
   for (int i = 0; i < 4; ++i) EXPECT_EQ(cv::norm(backwards[i], reference[3 - i], cv::NORM_INF), 0);
 }
 
+TEST(MotionSequence, IsTheSameOfFlowThatIsInMemory) {
+  const FlowingClip clip{.size = {200, 160}, .frames = 40, .varying = 2};
+  const FlowingStore store({clip});
+  const Placement placement = placement_of(store.id(), {1, 0, true}, {40, 30});
+  const PlayedPatches played = all_of(placement, shown({3, 12, 20, 39}, 1.5));
+  // Part of the planes: what lies 8 samples and more beyond the patches is not read.
+  const cv::Rect part(36, 5, 54, 50);
+  const HeldFlow held{part, [&](std::uint32_t frame) {
+                        const auto flow = clip.flow(static_cast<int>(frame));
+                        return std::array<cv::Mat, 2>{flow[0](part), flow[1](part)};
+                      }};
+  std::vector<MotionSequence> sequences;
+  for (const HeldFlow* flow : {static_cast<const HeldFlow*>(nullptr), &held}) {
+    MotionSums sums(store.snapshot(), store.settings(), placement, {100, 70}, 4);
+    sums.add(played, flow);
+    sequences.push_back(std::move(sums).means());
+  }
+  for (int i = 0; i < 4; ++i) {
+    EXPECT_GT(cv::norm(sequences[0].at(i), cv::NORM_INF), 5) << i;
+    EXPECT_EQ(cv::norm(sequences[0].at(i), sequences[1].at(i), cv::NORM_INF), 0) << i;
+  }
+}
+
 TEST(MotionSequence, RefusesAFlowThatDoesNotFitItsFrames) {
   const FlowingClip clip;
   const FlowingStore store({clip});
@@ -208,7 +242,7 @@ TEST(MotionSequence, RefusesAFlowThatDoesNotFitItsFrames) {
   settings.flow_step = 3;
   const Placement placement = placement_of(store.id(), {}, {10, 10});
   const std::vector played{all_of(placement, shown({0}))};
-  EXPECT_THROW(MotionSequence(store.snapshot(), settings, placement, played, {100, 70}, 1), Error);
+  EXPECT_THROW(sequence_of(store.snapshot(), settings, placement, played, {100, 70}, 1), Error);
 }
 
 }  // namespace
