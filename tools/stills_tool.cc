@@ -154,18 +154,12 @@ void write_frames(const StillsCommand& command, const stills::Plan& plan, const 
   sink.finish();
 }
 
-void run_stills(StillsCommand command, RunContext& context) {
-  if (command.keys) {
-    fmt::print("{}", stills::edit_keys());
-    return;
-  }
+/// What options mean to each other, and whether all outputs can be written: before the work.
+void settle(StillsCommand& command) {
   if (command.folder.empty() || command.out.empty())
     throw Error(ErrorKind::kUsage, "synth stills", "a folder of stills and an --output are needed",
                 "freshet synth stills FOLDER -o OUT.mp4");
   refuse_double_words(command);
-  Stopwatch watch;
-  Progress progress;
-  const Job job{.progress = progress.callback(), .stop = context.stop};
   if (command.preview) {
     command.fps = std::min(command.fps, 12.5);
     command.render.flow_side = kPreviewFlowSide;
@@ -178,14 +172,71 @@ void run_stills(StillsCommand command, RunContext& context) {
   check_picture_output(command.sheet);
   check_output_folder(command.page);
   if (!command.edits.empty()) command.plan.edits = stills::read_edits(command.edits);
+}
+
+/// The sheet of regions and the page, where they are asked for.
+void write_pictures(const StillsCommand& command, const stills::Plan& plan, const stills::StillSet& set,
+                    const std::vector<cv::Mat>& small, const std::vector<std::string>& said) {
+  std::vector<stills::Region> regions;  // as they are animated: split, and the slow one beside them
+  for (const stills::PlannedRegion& planned : plan.regions) regions.push_back(planned.region);
+  const cv::Mat sheet = stills::region_sheet(small[plan.standing], regions, stills::variation_of(small));
+  if (!command.sheet.empty()) media::write_picture(command.sheet, sheet);
+  if (command.page.empty()) return;
+  const bool plays = !media::is_pattern(command.out);
+  const fs::path folder = command.page.has_parent_path() ? command.page.parent_path() : fs::path(".");
+  write_whole_file(
+      command.page,
+      stills::stills_page(plan, small, sheet,
+                          {.title = command.folder.string(),
+                           .video = plays ? fs::proximate(command.out, folder).string() : std::string(),
+                           .names = set.names,
+                           .notices = said,
+                           .seconds = command.plan.seconds}));
+}
+
+/// By stage, s.
+struct StageTimes {
+  double read = 0, align = 0, plan = 0, frames = 0;
+};
+
+void tell(const StillsCommand& command, const stills::Plan& plan, const stills::StillSet& set,
+          const std::vector<std::string>& said, const StageTimes& took) {
+  say(fmt::format(
+      "{} stills of {} x {} px, {} moving regions, {} frames: reading {:.1f} s, aligning {:.1f} s, regions "
+      "and orders {:.1f} s, flow and frames {:.1f} s",
+      set.count(), set.size().width, set.size().height, plan.regions.size(), command.render.frames, took.read,
+      took.align, took.plan, took.frames));
+  if (command.json) {
+    Json report = report_of(plan, set.names);
+    report["notices"] = said;
+    report["seconds"] = {
+        {"read", took.read}, {"align", took.align}, {"plan", took.plan}, {"frames", took.frames}};
+    fmt::print("{}\n", report.dump());
+    return;
+  }
+  fmt::print("{}\n", command.out.string());
+  for (const fs::path& each : {command.sheet, command.page})
+    if (!each.empty()) fmt::print("{}\n", each.string());
+}
+
+void run_stills(StillsCommand command, RunContext& context) {
+  if (command.keys) {
+    fmt::print("{}", stills::edit_keys());
+    return;
+  }
+  settle(command);
+  Stopwatch watch;
+  StageTimes took;
+  Progress progress;
+  const Job job{.progress = progress.callback(), .stop = context.stop};
   const std::unique_ptr<query::LabelCache> cache = command.cache.open();
   command.render.cache = cache.get();
 
   stills::StillSet set = stills::read_stills(command.folder, command.preview ? kPreviewSide : 0, job);
   media::PictureSink::check(command.out, set.size(), command.render.frames, command.fps);
-  const double read_s = watch.lap();
+  took.read = watch.lap();
   std::vector<std::string> said = straighten(command, set, job);
-  const double align_s = watch.lap();
+  took.align = watch.lap();
   const std::vector<cv::Mat> small = stills::reduced(set.pictures, kWorkSide);
   // Widths are said for a picture of the work side; smaller ones are not enlarged to it.
   const double scale = std::max(small[0].cols, small[0].rows) / static_cast<double>(kWorkSide);
@@ -193,44 +244,17 @@ void run_stills(StillsCommand command, RunContext& context) {
   command.render.grown_px *= scale;
   const std::vector<stills::Region> regions = choose_regions(command, set, small, said);
   const stills::Plan plan = stills::make_plan(small, set.names, regions, command.plan, job);
-  const double plan_s = watch.lap();
+  took.plan = watch.lap();
   progress.finish();
   said.insert(said.begin(), set.notices.begin(), set.notices.end());
   said.insert(said.end(), plan.notices.begin(), plan.notices.end());
   for (const std::string& notice : said) say(notice);
-  const cv::Mat sheet = stills::region_sheet(small[plan.standing], regions, stills::variation_of(small));
-  if (!command.sheet.empty()) media::write_picture(command.sheet, sheet);
-  if (!command.page.empty()) {
-    const bool plays = !media::is_pattern(command.out);
-    const fs::path folder = command.page.has_parent_path() ? command.page.parent_path() : fs::path(".");
-    write_whole_file(
-        command.page,
-        stills::stills_page(plan, small, sheet,
-                            {.title = command.folder.string(),
-                             .video = plays ? fs::proximate(command.out, folder).string() : std::string(),
-                             .names = set.names,
-                             .notices = said,
-                             .seconds = command.plan.seconds}));
-  }
+  write_pictures(command, plan, set, small, said);
   write_frames(command, plan, set, job);
   progress.finish();
   finish_cache(cache.get());
-  const double frames_s = watch.lap();
-  say(fmt::format(
-      "{} stills of {} x {} px, {} moving regions, {} frames: reading {:.1f} s, aligning {:.1f} s, regions "
-      "and orders {:.1f} s, flow and frames {:.1f} s",
-      set.count(), set.size().width, set.size().height, plan.regions.size(), command.render.frames, read_s,
-      align_s, plan_s, frames_s));
-  if (command.json) {
-    Json report = report_of(plan, set.names);
-    report["notices"] = said;
-    report["seconds"] = {{"read", read_s}, {"align", align_s}, {"plan", plan_s}, {"frames", frames_s}};
-    fmt::print("{}\n", report.dump());
-    return;
-  }
-  fmt::print("{}\n", command.out.string());
-  for (const fs::path& each : {command.sheet, command.page})
-    if (!each.empty()) fmt::print("{}\n", each.string());
+  took.frames = watch.lap();
+  tell(command, plan, set, said, took);
 }
 
 void add_motion_options(CLI::App& sub, StillsCommand& command) {

@@ -303,7 +303,6 @@ cv::Mat region_sheet(const cv::Mat& still, const std::vector<Region>& regions, c
   for (const Region& region : regions) {
     cv::Mat mask;
     cv::resize(region.mask, mask, size, 0, 0, cv::INTER_NEAREST);
-    if (region.kind == RegionKind::kSlow) continue;
     // Where the region is widest, so that its name lies in it.
     cv::Mat depth;
     cv::Point deepest;
@@ -314,7 +313,8 @@ cv::Mat region_sheet(const cv::Mat& still, const std::vector<Region>& regions, c
   cv::Mat sheet(size.height + kLine, 2 * size.width + 6, CV_8UC3, cv::Scalar::all(32));
   left.copyTo(sheet(cv::Rect({0, 0}, size)));
   right.copyTo(sheet(cv::Rect({size.width + 6, 0}, size)));
-  write(sheet, "Regions. Grey outline: slow. No tint: stands still.", {6, size.height + 18}, size.width - 12);
+  write(sheet, "Regions, by name. Grey: slow. No tint: stands still.", {6, size.height + 18},
+        size.width - 12);
   write(sheet, fmt::format("Variation over the stills; white is {:.0f} of 255.", most),
         {size.width + 12, size.height + 18}, size.width - 12);
   return sheet;

@@ -19,6 +19,8 @@ constexpr float kLumaApart = 0.15f, kColourApart = 0.09f;  // surroundings that 
 // A copy past its time still shows where those whose time it is have nothing to bring: below a brink what the water
 // brings from above it would be sky, and what it will be further down is water.
 constexpr float kPast = 5e-3f;
+// Of all that shows: a copy with less is left out, and the others have that much less, so that nothing goes at once.
+constexpr float kFaint = 6e-3f;
 constexpr float kLeast = 1e-6f;  // so that some copy shows everywhere
 constexpr float kShallow = 1e-3f;
 constexpr float kTooShallow = 0.25f, kDeepEnough = 0.75f;  // of the place's own depth
@@ -129,7 +131,7 @@ void CopyMaps::carry(int number, Copy& copy, int first, int end) const {
   const int own = own_frame(number);
   first = std::max(first, middle(number) - reach_);
   end = std::min(end, middle(number) + reach_ + 1);
-  copy.sources.clear();
+  copy.sources.erase(copy.sources.begin(), copy.sources.lower_bound(first));
   if (first >= end) return;
   if (copy.later.empty()) {
     copy.later =
@@ -144,16 +146,16 @@ void CopyMaps::carry(int number, Copy& copy, int first, int end) const {
       if ((own - frame) % kKeptEvery == 0) copy.earlier.emplace(frame, source);
     }
   }
-  if (first < own) {
-    const int last = std::min(end, own) - 1;
+  if (const int last = std::min(end, own) - 1; first <= last && !copy.sources.contains(last)) {
+    // Down from a kept one to what is known; what lies between it and `end` will be asked for next.
     const auto kept = copy.earlier.lower_bound(last);
     int frame = kept->first;
     cv::Mat source = kept->second;
-    if (frame <= last) copy.sources.emplace(frame, source);
-    while (frame > first) {
+    copy.sources.emplace(frame, source);
+    while (frame > first && !copy.sources.contains(frame - 1)) {
       --frame;
       source = step_on(source, displacement_(frame), 1, step_);
-      if (frame <= last) copy.sources.emplace(frame, source);
+      copy.sources.emplace(frame, source);
     }
     copy.earlier.erase(copy.earlier.begin(), copy.earlier.lower_bound(first));
   }
@@ -221,10 +223,16 @@ std::vector<CopyMap> CopyMaps::at(int i) const {
     out.push_back({weights(maps, source, age), source});
     sum += out.back().weight;
   }
+  cv::Mat clear = cv::Mat::zeros(places_.size(), CV_32F);
+  for (CopyMap& copy : out) {
+    cv::divide(copy.weight, sum, copy.weight);
+    copy.weight = cv::max(copy.weight - kFaint, 0);
+    clear += copy.weight;
+  }
   std::size_t k = 0;
   int own = -1;
   for (int copy = first_copy(i); copy <= last_copy(i); ++copy, ++k) {
-    cv::divide(out[k].weight, sum, out[k].weight);
+    cv::divide(out[k].weight, clear, out[k].weight);
     if (number(copy) == 0 && std::abs(i - middle(copy)) < options_.interval) own = static_cast<int>(k);
   }
   if (still_here > 0 && own >= 0) {

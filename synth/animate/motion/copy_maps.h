@@ -55,7 +55,7 @@ class CopyMaps {
            const CopyOptions& options);
 
   /// Makes what at() needs of output frames [first, first + count), and forgets what lies before. In ascending
-  /// order. All threads. Memory: of each copy one map in 16 frames that lie before its own, and `count`.
+  /// order. All threads. Memory: of each copy one map in 16 frames that lie before its own, and `count` and 16.
   void prepare(int first, int count);
   /// The copies that show in a prepared frame. Safe from many threads.
   std::vector<CopyMap> at(int i) const;
@@ -74,7 +74,7 @@ class CopyMaps {
     // again. By frame.
     std::map<int, cv::Mat> earlier;
     std::pair<int, cv::Mat> latest;  // the last frame from its own one on that was asked for
-    std::map<int, cv::Mat> sources;  // CV_32FC2, of the prepared frames
+    std::map<int, cv::Mat> sources;  // CV_32FC2, of the prepared frames and some after them
   };
   int first_copy(int i) const;
   int last_copy(int i) const;
