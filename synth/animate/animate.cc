@@ -98,7 +98,8 @@ std::vector<std::unique_ptr<ClipLayer>> layers_of(const store::Snapshot& snapsho
         snapshot, clip, settings.flow_step, placement, std::move(patches),
         TimelineOptions{.frames = options.frames, .fps = options.fps, .loop = options.loop, .phase = phase},
         options.resampling,
-        options.method == Method::kCarried ? ClipDetail::kInnovation : ClipDetail::kDifference));
+        options.method == Method::kCarried ? ClipDetail::kInnovation : ClipDetail::kDifference,
+        options.tiles.get()));
   }
   return layers;
 }
@@ -185,6 +186,7 @@ class Animation {
         placement_(placement),
         options_(enlarged(asked, placement.piece_scale)),
         carried_(options_.method == Method::kCarried),
+        motion_alone_(carried_ && options_.motion_alone),
         moving_(options_.boundary.boundary == Boundary::kMoving),
         canvas_(placement, picture.size()),
         progress_(progress),
@@ -192,6 +194,7 @@ class Animation {
     if (carried_) {
       options_.blend.low_band = LowBand::kShared;
       options_.matching = AppearanceMatching::kNone;
+      if (motion_alone_) options_.renewal = 0;
     }
   }
 
@@ -235,7 +238,8 @@ class Animation {
   /// The clips, how many frames are in hand at once, and which ones the appearance model is fitted to.
   void lay_out() {
     layers_ = layers_of(snapshot_, settings_, placement_, options_);
-    batch_ = batch_of(layers_, picture_.size(), canvas_.rect().size(), options_);
+    batch_ =
+        motion_alone_ ? options_.frames : batch_of(layers_, picture_.size(), canvas_.rect().size(), options_);
     in_one_ = batch_ == options_.frames;
     report_.pieces = placement_.patches.size();
     report_.clips = layers_.size();
@@ -247,7 +251,7 @@ class Animation {
     const int sampled = std::min({options_.frames, kSampledFrames,
                                   std::max(kMinSampledFrames, kSampledPixels / picture_.size().area())});
     for (int i = 0; i < sampled; ++i) samples_.push_back(i * options_.frames / sampled);
-    blender_.emplace(placement_, std::max(batch_, sampled), options_.blend);
+    if (!motion_alone_) blender_.emplace(placement_, std::max(batch_, sampled), options_.blend);
     if (carried_) measure_lives();
   }
 
@@ -259,6 +263,7 @@ class Animation {
 
   /// The moving part: the averages of every clip's patches, then their differences, merged band by band.
   void merge_differences() {
+    if (motion_alone_) return measure_motion();
     const bool whole_loop = options_.loop && options_.resampling == Resampling::kNearest && !carried_;
     std::vector<double> change(options_.frames, 0.0);
     // What comes anew is carried on from frame to frame, and nothing comes back from frames behind the last wanted; a
@@ -266,7 +271,8 @@ class Animation {
     const auto needed = static_cast<std::size_t>(carried_ ? until() : options_.frames);
     std::optional<MotionSums> motion;
     if (carried_ || moving_)
-      motion.emplace(snapshot_, settings_, placement_, picture_.size(), options_.frames);
+      motion.emplace(snapshot_, settings_, placement_, picture_.size(), options_.frames,
+                     options_.tiles.get());
     for (std::size_t i = 0; i < layers_.size(); ++i) {
       throw_if_stopped(stop_);
       tell("blend", i, layers_.size());
@@ -289,6 +295,14 @@ class Animation {
       first_ = static_cast<int>((std::min_element(change.begin(), change.end()) - change.begin() + 1) %
                                 options_.frames);
     report_.blend_s = watch_.lap();
+  }
+
+  /// The motion of what is shown, from the flow of the clips alone.
+  void measure_motion() {
+    MotionSums motion(snapshot_, settings_, placement_, picture_.size(), options_.frames,
+                      options_.tiles.get());
+    for (const auto& layer : layers_) add_motion(snapshot_, placement_, *layer, motion);
+    sequence_ = std::make_shared<const MotionSequence>(std::move(motion).means());
   }
 
   /// The still part: the picture as a long exposure along the assigned motion, and what is carried over it.
@@ -366,6 +380,7 @@ class Animation {
                        ? options_.half_life_s
                        : std::clamp(patches.overall_s / faster, kMinHalfLife_s, kMaxHalfLife_s);
     report_.half_life_s = half_life_s_;
+    if (motion_alone_) return;
     renewal_.emplace(placement_, canvas_, target_luma_, *blender_,
                      RenewalOptions{.share = options_.renewal,
                                     .max_gain = options_.max_renewal_gain,
@@ -396,11 +411,12 @@ class Animation {
       // At the beginning the picture is all, then what is new comes in; in a loop it has gone before the end.
       const double anew = 1 - copies_->still(output);
       std::vector<double> shares(Renewal::kLevels);
-      for (std::size_t level = 0; level < shares.size(); ++level)
+      for (std::size_t level = 0; !motion_alone_ && level < shares.size(); ++level)
         shares[level] = anew * renewal_->share(level);
       const cv::Mat stands = restore_contrast(made.luma, copies, CarriedBase::kStep, shares, renewing_,
                                               *standing_, anew, options_.contrast);
       standing_->colour(*made.brought, stands);
+      if (motion_alone_) return made;
       field = renewed;
       renewal_->show(field, made.luma, shares, renewing_pieces_);
       cv::Mat level = blender_->take_level(slot);
@@ -415,6 +431,7 @@ class Animation {
 
   /// The innovations of successive output frames, which lie in the blender from `slot` on, carried on.
   void renew(std::span<const int> outputs, int slot, std::vector<cv::Mat>& renewed) {
+    if (motion_alone_) return;
     oneapi::tbb::parallel_for(std::size_t{0}, outputs.size(), [&](std::size_t i) {
       renewed[i] = blender_->take_detail(slot + static_cast<int>(i));
     });
@@ -494,6 +511,7 @@ class Animation {
           renew(outputs.subspan(done, finished.size()), in_one_ ? outputs[done] : done, renewed);
         }
         oneapi::tbb::parallel_for(std::size_t{0}, finished.size(), [&](std::size_t i) {
+          if (i < passed && motion_alone_) return;
           if (i < passed) return blender_->drop(in_one_ ? outputs[done + i] : done + static_cast<int>(i));
           const int output = outputs[done + i];
           const auto found = ready_.find(output);
@@ -517,7 +535,7 @@ class Animation {
   const cv::Mat &picture_, &matte_;
   const Placement& placement_;
   AnimateOptions options_;
-  const bool carried_, moving_;
+  const bool carried_, motion_alone_, moving_;
   const PiecesCanvas canvas_;
   const ProgressFunction& progress_;
   std::stop_token stop_;

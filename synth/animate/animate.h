@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <stop_token>
 #include <string>
 #include <vector>
@@ -10,6 +11,7 @@
 
 #include "freshet/job.h"
 #include "query/search/motion_guide.h"
+#include "query/stored/decoded_tiles.h"
 #include "store/store.h"
 #include "synth/animate/blend/blend.h"
 #include "synth/animate/clips/clip_layer.h"
@@ -76,12 +78,17 @@ struct AnimateOptions {
   /// amplified at most (RenewalOptions).
   double renewal = 0.25;
   double max_renewal_gain = 4;
+  /// kCarried: the motion alone: nothing comes from the patches' pixels, neither innovations nor their light, and no
+  /// frame of a clip is read. For a first look: a third of the time.
+  bool motion_alone = false;
   /// What was asked of the motion: the picture is blurred and carried so (apply_guide).
   query::MotionGuide guide{};
   /// kPaper: contrast and levels brought to the picture's.
   AppearanceMatching matching = AppearanceMatching::kSequence;
   AppearanceOptions appearance;
   BoundaryOptions boundary;
+  /// Of the snapshot, decoded for earlier animations; null: none are kept. It changes the time taken, and nothing else.
+  std::shared_ptr<query::DecodedTiles> tiles{};
   std::function<void(const cv::Mat&)> matte_sink;  // each frame's matte, CV_32F 0..1
   /// kCarried: where what lies at a pixel goes until the next frame, CV_32FC2, px, the picture's size; 0 beside the
   /// matte.

@@ -64,14 +64,15 @@ std::uint32_t nearest_frame(double moment) { return static_cast<std::uint32_t>(s
 
 ClipLayer::ClipLayer(const store::Snapshot& snapshot, store::ClipId clip, int flow_step,
                      const Placement& placement, std::vector<std::size_t> patches,
-                     const TimelineOptions& options, Resampling resampling, ClipDetail detail)
+                     const TimelineOptions& options, Resampling resampling, ClipDetail detail,
+                     query::DecodedTiles* tiles)
     : placement_(placement),
       patches_(std::move(patches)),
       windows_(windows_of(size_of(snapshot.clip(clip)), placement, patches_)),
       luma_(snapshot, clip,
             needed_by(windows_, detail == ClipDetail::kInnovation ? Resampling::kFlow : resampling,
                       size_of(snapshot.clip(clip))),
-            flow_step),
+            flow_step, tiles),
       detail_(detail) {
   const store::ClipRecord& record = snapshot.clip(clip);
   frame_count_ = record.frame_count;
@@ -295,16 +296,15 @@ void ClipLayer::add_change(std::span<const std::uint32_t> frames, std::span<cons
   }
 }
 
-/// What a speed group's patches are made of, less its average, into scratch.difference; the rest of it may be
-/// anything.
+/// What a speed group's patches are made of, less its average, into scratch.shown; the rest of it may be anything.
 void ClipLayer::difference(const SpeedGroup& group, const Moment& moment, Scratch& s) const {
-  if (s.difference.empty()) s.difference = cv::Mat::zeros(luma_.source(), CV_32F);
+  if (s.shown.empty()) s.shown = cv::Mat::zeros(luma_.source(), CV_32F);
   s.part.resize(static_cast<std::size_t>(kCell.area()));
   for (const cv::Rect& cell : group.cells)
     for (int k = 0; k < moment.count(); ++k) {
       luma_.at(moment.at[k], cell, s.part.data(), s.luma);
       for (int y = 0; y < cell.height; ++y) {
-        float* to = s.difference.ptr<float>(cell.y + y) + cell.x;
+        float* to = s.shown.ptr<float>(cell.y + y) + cell.x;
         const float* part = s.part.data() + y * cell.width;
         const float* average =
             group.average.ptr<float>(cell.y + y - luma_.region().y) + cell.x - luma_.region().x;
@@ -358,7 +358,7 @@ void ClipLayer::add(std::span<const int> outputs, Blender& blender) {
       const Moment& moment = group.moments[outputs[slot]];
       if (detail_ == ClipDetail::kDifference) {
         difference(group, moment, s);
-        each_window(group, s.difference, s,
+        each_window(group, s.shown, s,
                     [&](std::size_t patch, const cv::Mat& window) { blender.add(frame, patch, window); });
         continue;
       }
@@ -387,7 +387,7 @@ std::map<std::size_t, std::vector<double>> ClipLayer::detail_power(std::span<con
         innovation(group, moment, s);
       else
         difference(group, moment, s);
-      each_window(group, innovations ? s.innovation : s.difference, s,
+      each_window(group, innovations ? s.innovation : s.shown, s,
                   [&](std::size_t patch, const cv::Mat& window) {
                     by_output[slot][patch] = blender.band_power(window);
                   });

@@ -43,10 +43,11 @@ enum class ClipDetail {
 class ClipLayer {
  public:
   /// patches   of the placement that lie in this clip. options.speed, .phase and .whole are set here.
+  /// tiles     of this snapshot, decoded earlier; may be null.
   /// Throws    as timeline().
   ClipLayer(const store::Snapshot& snapshot, store::ClipId clip, int flow_step, const Placement& placement,
             std::vector<std::size_t> patches, const TimelineOptions& options, Resampling resampling,
-            ClipDetail detail = ClipDetail::kDifference);
+            ClipDetail detail = ClipDetail::kDifference, query::DecodedTiles* tiles = nullptr);
 
   /// The averages over all output frames, which every difference needs, or the patches' levels, in one pass through the
   /// clip.
@@ -56,7 +57,9 @@ class ClipLayer {
   /// Memory   the kept frames and two slabs of 16.
   void measure(std::span<const int> kept, std::vector<double>* change = nullptr);
   /// Differences of the output frames `outputs` to the average, cut out patch by patch, into the blender's
-  /// frames 0, 1, ... Reads what is not in memory. All threads; the same for any number.
+  /// frames 0, 1, ... Or their innovations, and how much lighter than on average a patch is: between two frames of the
+  /// clip in proportion, as its mean hardly depends on where within it things have moved. After measure(). Reads what
+  /// is not in memory. All threads; the same for any number.
   void add(std::span<const int> outputs, Blender& blender);
   /// By patch of the placement that lies in this clip: mean power of its detail by the blender's bands, over
   /// these output frames. All threads; the same for any number.
@@ -94,7 +97,7 @@ class ClipLayer {
     std::optional<PatchLevels> levels;  // kInnovation: of its members
   };
   struct Scratch {
-    cv::Mat difference, innovation, reduced, window;
+    cv::Mat shown, innovation, reduced, window;
     std::vector<float> part, line;
     ClipLuma::Scratch luma;
   };

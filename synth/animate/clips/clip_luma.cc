@@ -15,8 +15,8 @@
 namespace freshet::synth::animate {
 namespace {
 
-constexpr int kBlock = 64;           // samples: the store's tiles
-constexpr std::uint32_t kSlab = 16;  // frames: the store's tiles
+constexpr int kBlock = query::DecodedTiles::kSide;
+constexpr std::uint32_t kSlab = query::DecodedTiles::kFrames;
 constexpr int kCell = ClipLuma::kCellWidth * ClipLuma::kCellHeight;
 
 template <class Sample>
@@ -111,20 +111,29 @@ std::vector<std::span<const std::uint32_t>> by_slab(std::span<const std::uint32_
   return runs;
 }
 
-/// One block of one plane in the frames of a run, copied into pictures whose top left corner lies at
-/// `origin`.
+/// One plane of a clip, of samples of so many bytes.
+struct Plane {
+  const store::Snapshot& snapshot;
+  query::DecodedTiles* tiles;
+  store::ClipId clip;
+  store::Stream stream;
+  std::uint32_t number;
+  int bytes;
+};
+
+/// One block of a plane in the frames of a run, copied into pictures whose top left corner lies at `origin`.
 template <class PictureOf>
-void read_block(const store::Snapshot& snapshot, store::ClipId clip, store::Stream stream,
-                std::uint32_t plane, const cv::Rect& block, std::span<const std::uint32_t> run, int bytes,
+void read_block(const Plane& plane, const cv::Rect& block, std::span<const std::uint32_t> run,
                 cv::Point origin, const PictureOf& picture_of) {
+  const int bytes = plane.bytes;
   const std::size_t row_bytes = static_cast<std::size_t>(block.width) * bytes,
                     frame_bytes = row_bytes * block.height;
   const std::uint32_t first = run.front(), count = run.back() - first + 1;
   std::vector<std::byte> samples(frame_bytes * count);
-  snapshot.read(clip, stream, plane,
-                {static_cast<std::uint32_t>(block.x), static_cast<std::uint32_t>(block.y),
-                 static_cast<std::uint32_t>(block.width), static_cast<std::uint32_t>(block.height)},
-                first, count, samples);
+  query::read_samples(plane.snapshot, plane.tiles, plane.clip, plane.stream, plane.number,
+                      {static_cast<std::uint32_t>(block.x), static_cast<std::uint32_t>(block.y),
+                       static_cast<std::uint32_t>(block.width), static_cast<std::uint32_t>(block.height)},
+                      first, count, samples);
   for (std::uint32_t frame : run) {
     cv::Mat& into = picture_of(frame);
     for (int row = 0; row < block.height; ++row)
@@ -152,9 +161,10 @@ FRESHET_WIDE void less_mean(const float* a, const float* b, int n, float* out) {
 }  // namespace
 
 ClipLuma::ClipLuma(const store::Snapshot& snapshot, store::ClipId clip, std::span<const cv::Rect> needed,
-                   int flow_step)
+                   int flow_step, query::DecodedTiles* tiles)
     : snapshot_(snapshot),
       clip_(clip),
+      tiles_(tiles),
       clip_frames_(snapshot, clip),  // checks that layout, planes and size agree
       layout_(clip_frames_.layout()),
       raw_(media::luma_in_plane_0(layout_)),
@@ -221,8 +231,8 @@ void ClipLuma::read_frames(std::span<const std::uint32_t> missing) {
     for (std::uint32_t frame : missing)
       frames_[frame] = cv::Mat::zeros(region_.size(), bytes == 1 ? CV_8U : CV_16U);
     oneapi::tbb::parallel_for(std::size_t{0}, blocks_.size() * runs.size(), [&](std::size_t task) {
-      read_block(snapshot_, clip_, store::Stream::kFrames, 0, blocks_[task % blocks_.size()],
-                 runs[task / blocks_.size()], bytes, region_.tl(),
+      read_block({snapshot_, tiles_, clip_, store::Stream::kFrames, 0, bytes}, blocks_[task % blocks_.size()],
+                 runs[task / blocks_.size()], region_.tl(),
                  [&](std::uint32_t frame) -> cv::Mat& { return frames_.at(frame); });
     });
     return;
@@ -265,8 +275,8 @@ void ClipLuma::read_flows(std::span<const std::uint32_t> missing) {
   oneapi::tbb::parallel_for(std::size_t{0}, 2 * tiles.size() * runs.size(), [&](std::size_t task) {
     const std::uint32_t plane = task % 2;
     const auto& run = runs[task / 2 / tiles.size()];
-    read_block(snapshot_, clip_, store::Stream::kFlow, plane, tiles[task / 2 % tiles.size()], run, 2,
-               flow_region_.tl(), [&](std::uint32_t frame) -> cv::Mat& {
+    read_block({snapshot_, tiles_, clip_, store::Stream::kFlow, plane, 2}, tiles[task / 2 % tiles.size()],
+               run, flow_region_.tl(), [&](std::uint32_t frame) -> cv::Mat& {
                  Flow& flow = flows_.at(frame);
                  return plane == 0 ? flow.u : flow.v;
                });

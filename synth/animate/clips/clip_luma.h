@@ -11,6 +11,7 @@
 
 #include "media/frame/frame.h"
 #include "query/stored/clip_frames.h"
+#include "query/stored/decoded_tiles.h"
 #include "store/store.h"
 
 namespace freshet::synth::animate {
@@ -26,8 +27,9 @@ class ClipLuma {
  public:
   /// needed     px of the source frame; beyond them luminance may be anything.
   /// flow_step  of the store's settings.
+  /// tiles      of this snapshot, decoded earlier; may be null.
   ClipLuma(const store::Snapshot& snapshot, store::ClipId clip, std::span<const cv::Rect> needed,
-           int flow_step);
+           int flow_step, query::DecodedTiles* tiles = nullptr);
 
   /// Holds exactly these frames (ascending), and the flows from frames `flows` to their next (ascending).
   /// What is there already is kept, all else is read, each tile once. All threads. Throws Error{kDamaged}
@@ -80,6 +82,7 @@ class ClipLuma {
 
   store::Snapshot snapshot_;
   store::ClipId clip_;
+  query::DecodedTiles* tiles_ = nullptr;
   query::ClipFrames clip_frames_;
   media::PixelLayout layout_;
   bool raw_ = true;  // luma samples as stored, else 8-bit luma that had to be computed

@@ -79,6 +79,7 @@ const store::StreamShape& checked_flow(const store::ClipRecord& record, int step
 /// The part of one clip's flow that its patches need.
 struct NeededFlow {
   const store::Snapshot& snapshot;
+  query::DecodedTiles* tiles;
   store::ClipId clip;
   int step = 0;  // px of the clip between samples
   std::uint32_t frames = 0;
@@ -100,8 +101,8 @@ std::vector<double> px_per_s_of(const store::Snapshot& snapshot, store::ClipId c
   return rates;
 }
 
-NeededFlow needed_flow(const store::Snapshot& snapshot, int step, const Placement& placement,
-                       const PlayedPatches& group) {
+NeededFlow needed_flow(const store::Snapshot& snapshot, query::DecodedTiles* tiles, int step,
+                       const Placement& placement, const PlayedPatches& group) {
   const store::ClipRecord& record = snapshot.clip(group.clip);
   const store::StreamShape& flow = checked_flow(record, step);
   const cv::Size source(static_cast<int>(record.width), static_cast<int>(record.height));
@@ -112,7 +113,7 @@ NeededFlow needed_flow(const store::Snapshot& snapshot, int step, const Placemen
   cv::Rect samples(cv::Point(needed.x / step - kSquare, needed.y / step - kSquare),
                    cv::Point(needed.br().x / step + kSquare, needed.br().y / step + kSquare));
   samples &= cv::Rect(0, 0, static_cast<int>(flow.planes[0].width), static_cast<int>(flow.planes[0].height));
-  return {snapshot, group.clip, step, flow.frames, px_per_s_of(snapshot, group.clip), samples};
+  return {snapshot, tiles, group.clip, step, flow.frames, px_per_s_of(snapshot, group.clip), samples};
 }
 
 /// One placed patch: where its squares lie in its clip's flow, and how velocities turn.
@@ -181,10 +182,10 @@ class DecodedFlow {
     const cv::Rect& s = flow.samples;
     for (std::uint32_t p = 0; p < 2; ++p) {
       planes_[p].resize(static_cast<std::size_t>(s.area()) * count);
-      flow.snapshot.read(flow.clip, store::Stream::kFlow, p,
-                         {static_cast<std::uint32_t>(s.x), static_cast<std::uint32_t>(s.y),
-                          static_cast<std::uint32_t>(s.width), static_cast<std::uint32_t>(s.height)},
-                         first, count, std::as_writable_bytes(std::span(planes_[p])));
+      query::read_samples(flow.snapshot, flow.tiles, flow.clip, store::Stream::kFlow, p,
+                          {static_cast<std::uint32_t>(s.x), static_cast<std::uint32_t>(s.y),
+                           static_cast<std::uint32_t>(s.width), static_cast<std::uint32_t>(s.height)},
+                          first, count, std::as_writable_bytes(std::span(planes_[p])));
     }
   }
 
@@ -299,6 +300,7 @@ void spread(cv::Mat& squares, const cv::Mat& mass) {
 
 struct MotionSums::Impl {
   const store::Snapshot& snapshot;
+  query::DecodedTiles* tiles;
   const Placement& placement;
   int flow_step = 0;
   cv::Size picture;
@@ -308,8 +310,9 @@ struct MotionSums::Impl {
 };
 
 MotionSums::MotionSums(const store::Snapshot& snapshot, const vision::Settings& settings,
-                       const Placement& placement, cv::Size picture, int frames)
+                       const Placement& placement, cv::Size picture, int frames, query::DecodedTiles* tiles)
     : impl_(std::make_unique<Impl>(Impl{snapshot,
+                                        tiles,
                                         placement,
                                         settings.flow_step,
                                         picture,
@@ -324,7 +327,7 @@ MotionSums::~MotionSums() = default;
 
 void MotionSums::add(const PlayedPatches& group, const HeldFlow* held) {
   assert(group.shown.size() == impl_->squares.size());
-  NeededFlow flow = needed_flow(impl_->snapshot, impl_->flow_step, impl_->placement, group);
+  NeededFlow flow = needed_flow(impl_->snapshot, impl_->tiles, impl_->flow_step, impl_->placement, group);
   if (held) flow.samples &= held->samples;
   const std::vector<Probe> probes = probes_of(group, impl_->placement, impl_->grid, flow);
   for (const Probe& probe : probes) {

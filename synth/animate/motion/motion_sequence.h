@@ -9,6 +9,7 @@
 
 #include <opencv2/core.hpp>
 
+#include "query/stored/decoded_tiles.h"
 #include "store/store.h"
 #include "synth/animate/placement/placement.h"
 #include "vision/settings.h"
@@ -61,8 +62,9 @@ class MotionSequence {
 class MotionSums {
  public:
   /// snapshot and placement outlive this. Memory: frames x picture / 64 x 8 bytes.
+  /// tiles   of this snapshot, decoded earlier; may be null.
   MotionSums(const store::Snapshot& snapshot, const vision::Settings& settings, const Placement& placement,
-             cv::Size picture, int frames);
+             cv::Size picture, int frames, query::DecodedTiles* tiles = nullptr);
   ~MotionSums();
 
   /// Patches that are in no other group. held: the clip's flow, of every frame that is shown; null: it is read, in one pass,
