@@ -26,7 +26,8 @@ inline bool same_bytes(const std::filesystem::path& one, const std::filesystem::
   if (std::filesystem::file_size(one, fault) != std::filesystem::file_size(other, fault) || fault)
     return false;
   std::ifstream a(one, std::ios::binary), b(other, std::ios::binary);
-  return std::equal(std::istreambuf_iterator<char>(a), {}, std::istreambuf_iterator<char>(b));
+  const std::istreambuf_iterator<char> end;
+  return a && b && std::equal(std::istreambuf_iterator<char>(a), end, std::istreambuf_iterator<char>(b), end);
 }
 
 }  // namespace freshet

@@ -351,7 +351,7 @@ class TransferRun {
     resumed_ = engine.frame();
     files_->require(resumed_);
     if (resumed_ > 0) say(fmt::format("{}: {} frames are there; going on", kept.path().string(), resumed_));
-    say_what_is_kept(kept, resumed_);
+    remember_what_is_kept(kept, resumed_);
     std::set<std::string> said;
     for (int i = resumed_; i < design_.frames(); ++i) {
       const auto stop_or_show = [&](double = 0) { show("transfer", i); };
@@ -363,7 +363,7 @@ class TransferRun {
       files_->write(i, is_light(command_) ? transfer::light_alone(frame.bgra) : frame.bgra);
       notes_.push_back(note_of(frame));
       kept.keep(engine, notes_);
-      say_what_is_kept(kept, i + 1);
+      remember_what_is_kept(kept, i + 1);
     }
   }
 
@@ -374,12 +374,12 @@ class TransferRun {
     if (!files_->is_sequence()) sink.emplace(command_.out, design_.size(), frames, command_.fps);
     if (composite_) composed.emplace(composite_->out, composite_->background.size(), frames, command_.fps);
     for (int i = 0; (sink || composed) && i < frames; ++i) {
-      show("writing", i);
       const cv::Mat picture = files_->read(i);
       if (sink) sink->write(picture);
       if (composed)
         composed->write(
             transfer::laid_on(picture, composite_->background.next(), composite_->blend, composite_->at));
+      show("writing", i + 1);
     }
     if (sink) sink->finish();
     if (composed) composed->finish();
@@ -426,7 +426,7 @@ class TransferRun {
     progress_.show(stage, static_cast<std::size_t>(done), static_cast<std::size_t>(design_.frames()),
                    "frames");
   }
-  void say_what_is_kept(const transfer::ResumeFolder& kept, int frames) const {
+  void remember_what_is_kept(const transfer::ResumeFolder& kept, int frames) const {
     context_.kept = fmt::format("{} of {} frames are kept in {}; the same command goes on from there", frames,
                                 design_.frames(), kept.path().string());
   }

@@ -1,5 +1,7 @@
 #include "query/stored/clip_frames.h"
 
+#include <algorithm>
+#include <cmath>
 #include <cstring>
 
 #include <oneapi/tbb/parallel_for.h>
@@ -28,6 +30,10 @@ ClipFrames::ClipFrames(const store::Snapshot& snapshot, store::ClipId clip)
   times_ = snapshot_.column<double>(clip_, "frame.time");
   if (times_.size() != record.frame_count)
     throw Error(ErrorKind::kDamaged, record.name, "its frame times do not match its frames",
+                "Run freshet store verify");
+  if (!std::all_of(times_.begin(), times_.end(), [](double time) { return std::isfinite(time); }) ||
+      !std::is_sorted(times_.begin(), times_.end()))
+    throw Error(ErrorKind::kDamaged, record.name, "its frame times are no times in their order",
                 "Run freshet store verify");
 }
 

@@ -337,8 +337,8 @@ class Animation {
     if (moving_)
       for (cv::Mat* layer : {&own_colour, &colours_.slope, &colours_.offset})
         *layer = pull_push(*layer, alpha_);
-    finisher_.emplace(colours_, ColourCurve(target_, target_luma_, alpha_), own_colour,
-                      moving_ ? behind_ : target_);
+    finisher_.emplace(colours_, carried_ ? ColourCurve(target_, target_luma_, alpha_) : ColourCurve(),
+                      own_colour, moving_ ? behind_ : target_);
     report_.base_s += watch_.lap();
   }
 
@@ -381,11 +381,10 @@ class Animation {
                        : std::clamp(patches.overall_s / faster, kMinHalfLife_s, kMaxHalfLife_s);
     report_.half_life_s = half_life_s_;
     if (motion_alone_) return;
-    renewal_.emplace(placement_, canvas_, target_luma_, *blender_,
-                     RenewalOptions{.share = options_.renewal,
-                                    .max_gain = options_.max_renewal_gain,
-                                    .half_life_s = innovation_life_s(patches.finest_s / faster),
-                                    .fps = options_.fps});
+    renewal_.emplace(
+        placement_, canvas_, target_luma_, *blender_,
+        RenewalOptions{
+            .share = options_.renewal, .max_gain = options_.max_renewal_gain, .fps = options_.fps});
   }
 
   /// One output frame before it is coloured.

@@ -12,17 +12,12 @@ namespace freshet::synth::animate {
 namespace {
 
 constexpr double kNoise = 0.003;  // luma: of what is fainter, the more is coding noise
-constexpr double kMinLife_s = 0.04, kMaxLife_s = 1, kQuick_s = 0.15;
 
 double kept_per_frame(const RenewalOptions& options) {
   return std::pow(0.5, 1 / (options.half_life_s * options.fps));
 }
 
 }  // namespace
-
-double innovation_life_s(double finest_s) {
-  return std::clamp(kMinLife_s * std::pow(finest_s / kQuick_s, 3), kMinLife_s, kMaxLife_s);
-}
 
 Renewal::Renewal(const Placement& placement, const PiecesCanvas& canvas, const cv::Mat& luma,
                  Blender& blender, const RenewalOptions& options)

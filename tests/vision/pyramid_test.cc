@@ -28,5 +28,12 @@ TEST(Pyramid, BandsOfAConstantPictureAreZero) {
   EXPECT_NEAR(cv::mean(bands[3])[0], 3, 1e-5);
 }
 
+TEST(Pyramid, HasAsManyLevelsAsLeaveFourSamples) {
+  EXPECT_EQ(levels_within({640, 480}, 5), 5);
+  EXPECT_EQ(levels_within({64, 64}, 5), 4);
+  EXPECT_EQ(levels_within({640, 9}, 5), 1);
+  EXPECT_EQ(levels_within({3, 640}, 5), 0);
+}
+
 }  // namespace
 }  // namespace freshet::vision

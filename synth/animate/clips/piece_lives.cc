@@ -47,16 +47,6 @@ double overall(const PieceLives& lives) {
                                    : std::exp(sum / static_cast<double>(lives.half_life_s.size()));
 }
 
-double finest(const PieceLives& lives) {
-  double logs = 0, power = 0;
-  for (std::size_t p = 0; p < lives.half_life_s.size(); ++p) {
-    const double weight = lives.power[p][0] + kLeastPower;
-    logs += weight * std::log(lives.half_life_s[p][0]);
-    power += weight;
-  }
-  return power > 0 ? std::exp(logs / power) : kUnknown_s;
-}
-
 }  // namespace
 
 PieceLives piece_lives(const store::Snapshot& snapshot, const Placement& placement) {
@@ -75,7 +65,6 @@ PieceLives piece_lives(const store::Snapshot& snapshot, const Placement& placeme
     for (std::size_t b = 0; b < kBands; ++b)
       if (life[b] <= 0) life[b] = usual[b];
   lives.overall_s = overall(lives);
-  lives.finest_s = finest(lives);
   return lives;
 }
 

@@ -21,8 +21,6 @@ struct PieceLives {
   std::vector<LifeBands> power;  // mean square of the patch's bands, luma in 0..1
   /// Of all bands and pieces together: the mean of the logarithm, bands by their power, pieces alike.
   double overall_s = 1;
-  /// Of the finest band, pieces by their power in it.
-  double finest_s = 1;
 };
 
 /// What is not known takes the mean (of the logarithm) of the band's other pieces; a band that no piece knows the next

@@ -14,12 +14,15 @@ namespace freshet::synth::animate {
 /// grey.
 class ColourCurve {
  public:
+  /// No colour changes with luminance.
+  ColourCurve() = default;
   /// bgr    CV_32FC3, luma and matte CV_32F of its size; the matte 0..1. Luminances that the fluid does not have take the
-  ///        nearest one's colour. A matte without fluid: a curve of zeros.
+  ///        nearest one's colour. A matte without fluid: as without a picture.
+  /// Cost   one reading of the picture.
   ColourCurve(const cv::Mat& bgr, const cv::Mat& luma, const cv::Mat& matte);
 
   /// Adds to blue less luma and to red less luma what they change by when luma does; n values each.
-  /// from  1 / CarriedFrame::kOne. to: 1 is white; beyond black and white the ends count.
+  /// from  1 / CarriedFrame::kOne. to: 1 is white; beyond black and white the ends count. Safe from many threads.
   void follow(const std::int16_t* from, const float* to, int n, float* blue, float* red) const;
 
  private:

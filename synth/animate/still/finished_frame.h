@@ -16,9 +16,9 @@ namespace freshet::synth::animate {
 class FrameFinisher {
  public:
   /// model        of the picture (fit_colour).
+  /// curve        how what is carried changes its colour where its luminance is another now.
   /// own_colour   CV_32FC3: what colour does beside the model.
   /// still        CV_32FC3, 0..1: what shows where the fluid does not; unchanged where a matte is 0.
-  /// curve        how what is carried changes its colour where its luminance is another now.
   FrameFinisher(const ColourModel& model, const ColourCurve& curve, const cv::Mat& own_colour,
                 const cv::Mat& still);
 

@@ -10,13 +10,13 @@
 
 namespace freshet::synth::animate {
 
-/// Not all that is seen of a fluid goes with it: the light and dark of a fall lie on its rock, a fire is bright at its
-/// foot. Of the variance of the footage's bands of some 4, 8, 16, 32 px the flow leaves behind (medians of 46 clips by
-/// class) 11, 9, 7, 9 % of clouds, 6, 7, 15, 21 of fire, 2, 2, 6, 11 of smoke, 2, 5, 14, 33 of water; of a fall in dusk
-/// 16, 35, 63, 86. A still does not tell apart what stands
-/// and what goes, but of a band X of which a share s of the variance stands, s X is the best guess (of least squares) of
-/// what does, and the root of s has its variance. So each level shows its share of X where it lies, and what is carried by
-/// as much less that the contrast stays the picture's.
+/// Not all that is seen of a fluid goes with it: the light and dark of a fall lie on its rock, a fire is bright
+/// at its foot. Of the variance of the footage's bands of some 4, 8, 16, 32 px the flow leaves behind (medians
+/// of 46 clips by class) 11, 9, 7, 9 % of clouds, 6, 7, 15, 21 of fire, 2, 2, 6, 11 of smoke, 2, 5, 14, 33 of
+/// water; of a fall in dusk 16, 35, 63, 86. A still does not tell apart what stands and what goes, but of a
+/// band X of which a share s of the variance stands, s X is the best guess (of least squares) of what does, and
+/// the root of s has its variance. So each level shows its share of X where it lies, and what is carried by as
+/// much less that the contrast stays the picture's.
 class StandingDetail {
  public:
   /// planes, matte  as CarriedBase takes them.

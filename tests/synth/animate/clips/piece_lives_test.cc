@@ -46,7 +46,6 @@ TEST(PieceLives, AreThePatchesOwnInSecondsOfTheAnimation) {
   for (const LifeBands& life : lives.half_life_s)
     for (const double value : life) sum += std::log(value) / 8;
   EXPECT_NEAR(lives.overall_s, std::exp(sum), 1e-6);
-  EXPECT_NEAR(lives.finest_s, std::sqrt(0.1 * 0.5), 1e-6);
 }
 
 TEST(PieceLives, TogetherAreLedByTheBandsOfGreatestPower) {
