@@ -104,6 +104,9 @@ TEST(SceneFile, MistakesNameLineKeyAndRemedy) {
               HasSubstr("no name of a layer"));
   EXPECT_THAT(parse_fault(kTop + "[[layer]]\nname=\"a\"\nmatte=\"m.png\"\nmotion=\"water\"\ntile=100\n"),
               HasSubstr("no power of 2"));
+  EXPECT_THAT(parse_fault(kTop + "[[layer]]\nname=\"a\"\nmatte=\"m.png\"\nmotion=\"water\"\nmirrors=true\n"
+                                 "edge=\"moving\"\n"),
+              AllOf(HasSubstr("mirrors"), HasSubstr("outline that is held")));
   EXPECT_THAT(parse_fault(kTop + "[[layer]]\nname=\"a\"\nmatte=\"paint\"\nmotion=\"still\"\n"),
               HasSubstr("paint = "));
 }
@@ -144,6 +147,20 @@ TEST(SceneMarks, AHorizonBelowItsWaterIsRefused) {
                     HasSubstr("at or above its far shore")));
   EXPECT_THAT(animation_fault(replaced(text, "[0, 58, 160, 58]", "[50, 0, 50, 90]")),
               HasSubstr("stands upright"));
+}
+
+TEST(SceneMarks, ASoftEdgeAboveTheHorizonIsNoNotice) {
+  MadeScene made(made_scene_text("speed = 5"));
+  read_marks(made.scene(), kMadeSize);
+  cv::Mat alpha = made.pixels()[2].alpha.clone();
+  std::vector<std::string> notices;
+  alpha.row(57).setTo(0.5);
+  check_marks(made.scene(), made.scene().layers[2], alpha, &notices);
+  EXPECT_TRUE(notices.empty());
+  alpha.rowRange(52, 58).setTo(0.8);
+  check_marks(made.scene(), made.scene().layers[2], alpha, &notices);
+  ASSERT_EQ(notices.size(), 1u);
+  EXPECT_THAT(notices[0], HasSubstr("lies above its horizon"));
 }
 
 TEST(SceneMarks, AnArmatureOutsideItsLayerIsRefused) {
