@@ -15,7 +15,8 @@ namespace {
 
 constexpr int kReduced = 960;        // px, the longer side at which is searched
 constexpr double kJoinShare = 0.04;  // of the picture's width
-constexpr float kSmallStep = 0.06f;  // sRGB code
+constexpr int kRim = 10;             // reduced px
+constexpr float kSmallStep = 0.08f;  // sRGB code
 constexpr float kWholly = 0.999f;    // of a reduced pixel's area, to be known
 constexpr FillOptions kFill{.patch_px = 9, .search_px = 110};
 
@@ -59,7 +60,12 @@ cv::Mat reduced_sources(const Rolled& canvas, cv::Size reduced) {
     for (int x = 0; x < colour.cols; ++x)
       colour.at<cv::Vec3f>(y, x) *= 1 / std::max(share.at<float>(y, x), 1e-6f);
   const cv::Mat known = share > kWholly;
-  return exemplar_fill(colour, {.known = known, .target = ~known, .source = known}, kFill).source;
+  // Rims are continued and not copied: a frame's last column, or a rim of what stood before the sky, would be copied
+  // beside itself again and again.
+  cv::Mat source;
+  cv::erode(known, source, cv::Mat::ones(1, 2 * kRim + 1, CV_8U));
+  if (cv::countNonZero(source) < cv::countNonZero(known) / 4) source = known;
+  return exemplar_fill(colour, {.known = known, .target = ~known, .source = source}, kFill).source;
 }
 
 /// Copies at full size, mixed over one reduced pixel.
