@@ -75,7 +75,8 @@ for spot in "40 385 150 42" "110 384 110 30" "300 384 170 46" "370 386 120 34" "
   tree $((n + 3)) "$x" "$root" "$tall" "$wide"
   layer "tree $n" tree "armature = [$x, $root, $x, $((root - tall))]
 frequency = 0.$((4 + n % 4))
-shimmer = 0.6" tree.txt
+mass = 2.5
+shimmer = 0.8" tree.txt
   n=$((n + 1))
 done
 # The lake mirrors what stands on its shore.
@@ -104,8 +105,12 @@ name = \"mirror $n\"
 matte = \"mirror_$n.png\"
 motion = \"boat\"
 water = \"lake\"
-reflection_of = \"boat $n\"" "${tables[@]}")
+reflection_of = \"boat $n\"
+heave = 10
+roll = 8" "${tables[@]}")
   layer "boat $n" boat "water = \"lake\"
+heave = 10
+roll = 8
 hull = [$(awk "BEGIN{print $x-46*$s}"), $y, $(awk "BEGIN{print $x+48*$s}"), $y]" boat.txt
   n=$((n + 1))
 done

@@ -97,7 +97,18 @@ TEST(SceneFile, MistakesNameLineKeyAndRemedy) {
   EXPECT_THAT(parse_fault(kTop + "[wind]\nspeed = 99\n"),
               AllOf(HasSubstr("a.toml:3"), HasSubstr("wind.speed"), HasSubstr("0 to 60")));
   EXPECT_THAT(parse_fault(kTop), HasSubstr("[[layer]]"));
-  EXPECT_THAT(parse_fault("frames = 3"), HasSubstr("picture"));
+  EXPECT_THAT(parse_fault("frames = 3"), HasSubstr("a.toml:1: it needs picture"));
+  EXPECT_THAT(parse_fault("\xff\xfe"), AllOf(HasSubstr("it is not TOML"), HasSubstr("--init PICTURE")));
+  EXPECT_THAT(parse_fault(kTop + "fps = nan\n"),
+              AllOf(HasSubstr("a.toml:2: fps"), HasSubstr("Give 1 to 240")));
+  EXPECT_THAT(parse_fault(kTop + "[wind]\nspeed = inf\n"), HasSubstr("out of range"));
+  EXPECT_THAT(parse_fault(kTop + "fps = \"six\"\n"), HasSubstr("not the text \"six\""));
+  EXPECT_THAT(parse_fault(kTop + "frames = 1\nloop = true\n"), HasSubstr("Ask for 2 frames or more"));
+  EXPECT_THAT(parse_fault(kTop + "[[layer]]\nname=\"a\"\nmotion=\"transfer\"\nexemplar=\"e.png\"\n"),
+              HasSubstr("it needs design_alpha"));
+  EXPECT_THAT(parse_fault(kTop + "[[layer]]\nname=\"a\"\nmotion=\"transfer\"\ndesign_alpha=\"a\"\n"
+                                 "design_flow=\"f\"\nexemplar=\"e.png\"\nground=\"blue\"\n"),
+              AllOf(HasSubstr("ground"), HasSubstr("none, black, white")));
   EXPECT_THAT(parse_fault(kTop + "[[layer]]\nname=\"a\"\nmotion=\"still\"\n"),
               HasSubstr("nothing says where it is"));
   EXPECT_THAT(parse_fault(kTop + "[[layer]]\nname=\"a/b\"\nmatte=\"m.png\"\nmotion=\"still\"\n"),
