@@ -72,12 +72,12 @@ struct WaterMotion {
   int tile = 256;                    // samples along a tile's side, N; a power of 2, 32..1024
   std::optional<double> tile_m{};    // its side at roughness 1; nothing: 25 L, L = speed^2 / 9.81 m/s^2
   double roughness = 25;             // beta: waves are so many times shorter than the sea's
-  /// a; 1: as high as those of a fully developed sea of this roughness. Nothing: 2.5 for displacement, .1 for normals:
-  /// stills of lakes come nearer to their clips with more of the former, and waves then break (docs/scene.md).
+  /// a; 1: as high as those of a fully developed sea of this roughness. Nothing: 2.5 for displacement, .1 for normals,
+  /// with which stills of two lakes move as their clips (docs/scene.md).
   std::optional<double> amplitude{};
   double against = 0.3;  // amplitude of waves against the wind, fractions; 1 as printed
   WaterMapping mapping = WaterMapping::kDisplacement;
-  bool mirrors = false;     // what moves behind it, above the horizon, moves mirrored in it too
+  bool mirrors = false;     // what moves above the horizon, but boats, moves mirrored in it too
   bool edge_moves = false;  // true: the matte moves with the water (the paper); else only what lies in it
   double amplitude_or_usual() const {
     return amplitude.value_or(mapping == WaterMapping::kNormals ? 0.1 : 2.5);

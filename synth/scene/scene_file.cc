@@ -363,8 +363,8 @@ roughness      25    waves are so many times shorter than those of a sea, .01 to
 amplitude      [2.5; with normals .1]    1: as high as a sea's of this roughness, 0 to 1000
 against        .3    amplitude of waves against the wind, 0 to 1; 1 as in the paper
 mapping        "displacement"   or "normals": what is mirrored moves as the surface tilts
-mirrors        false   true: what moves in the layers behind it, above the horizon, moves mirrored in it too, as much as
-                       the still's colours say; with edge = "held"
+mirrors        false   true: what moves above the horizon, but boats, moves mirrored in it too, as much as the
+                       still's colours say; with edge = "held"
 edge           "held"           or "moving": the outline moves with the water (the paper)
 gust_darkening .15   of the light, under a gust of one standard deviation, 0 to 1; with gustiness alone
 
