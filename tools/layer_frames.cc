@@ -113,38 +113,77 @@ std::unique_ptr<scene::LayerFrames> patches(const scene::Scene& asked, const sce
       [request, &context](const PushedFrames::Sink& sink) { animate_layer(request, sink, context); });
 }
 
+/// How many frames of a design go by before a loop of `frames` begins: its last ones go over into them.
+int fade_of(const scene::Scene& asked, const scene::SceneLayer& layer, int design_frames) {
+  constexpr int kFewest = 4, kMost = 24;
+  if (!asked.loop) return 0;
+  if (design_frames < asked.frames + kFewest)
+    throw Error(ErrorKind::kInput, asked.file.string(),
+                fmt::format("layer {}: its design has {} frames, and a loop of {} needs {} to go over into "
+                            "its beginning",
+                            layer.name, design_frames, asked.frames, asked.frames + kFewest),
+                fmt::format("Design some {} frames, or loop fewer", asked.frames + kMost));
+  return std::min({design_frames - asked.frames, kMost, asked.frames - 1});
+}
+
 /// The look of an exemplar on a designed motion, frame by frame; the design's last frame stays.
 class TransferFrames : public scene::LayerFrames {
  public:
-  TransferFrames(const scene::TransferMotion& asked, int frames, const RunContext& context)
-      : at_(asked.at),
-        files_(asked.design_alpha, asked.design_flow, 0),
-        exemplar_(asked.exemplar, {.alpha = asked.exemplar_alpha,
-                                   .patch = transfer::TransferOptions{}.patch,
-                                   .frames = std::min(frames, files_.frames())}) {
+  TransferFrames(const scene::Scene& scene, const scene::SceneLayer& layer, const RunContext& context)
+      : at_(layer.transfer.at),
+        files_(layer.transfer.design_alpha, layer.transfer.design_flow, 0),
+        frames_(scene.frames),
+        fade_(fade_of(scene, layer, files_.frames())),
+        exemplar_(layer.transfer.exemplar, {.alpha = layer.transfer.exemplar_alpha,
+                                            .ground = static_cast<transfer::Ground>(layer.transfer.ground),
+                                            .patch = transfer::TransferOptions{}.patch,
+                                            .frames = std::min(scene.frames + fade_, files_.frames())}) {
     files_.check({}, context.stop);
+    if (layer.transfer.ground != scene::ExemplarGround::kNone) {
+      const transfer::TransferOptions options;
+      const transfer::Extent extent = transfer::mean_extent(files_.frames(), kSeen, options,
+                                                            [this](int i) { return files_.read(i).alpha; });
+      exemplar_.fit_body(extent, options);
+    }
     exemplar_.check({}, context.stop);
-    transfer::check_outline(files_, exemplar_, asked.design_alpha);
+    transfer::check_outline(files_, exemplar_, layer.transfer.design_alpha);
     making_.emplace([this](int t) { return exemplar_.at(t); }, transfer::TransferOptions{});
   }
   const cv::Mat& next() override {
-    if (frame_ >= files_.frames()) return out_;
-    making_->next(files_.read(frame_++)).bgra.copyTo(out_);
-    for (int y = 0; y < out_.rows; ++y) {
-      auto* row = out_.ptr<cv::Vec4f>(y);
-      for (int x = 0; x < out_.cols; ++x)
-        for (int c = 0; c < 3; ++c) row[x][c] *= row[x][3];
+    while (frame_ < fade_) {
+      make();
+      before_.push_back(out_.clone());
+    }
+    if (frame_ < files_.frames()) make();
+    // Of the loop, from 0 on.
+    const int left = frames_ + fade_ - frame_;
+    if (left < fade_) {
+      const double share = (fade_ - left) / (fade_ + 1.0);
+      cv::addWeighted(out_, 1 - share, before_[static_cast<std::size_t>(fade_ - 1 - left)], share, 0, out_);
     }
     return out_;
   }
   cv::Point at() const override { return at_; }
 
  private:
+  static constexpr int kSeen = 8;  // of the design's frames, for its extent
+
+  void make() {
+    making_->next(files_.read(frame_++)).bgra.copyTo(out_);
+    for (int y = 0; y < out_.rows; ++y) {
+      auto* row = out_.ptr<cv::Vec4f>(y);
+      for (int x = 0; x < out_.cols; ++x)
+        for (int c = 0; c < 3; ++c) row[x][c] *= row[x][3];
+    }
+  }
+
   cv::Point at_;
   transfer::DesignFiles files_;
+  int frames_, fade_;
   transfer::ExemplarFiles exemplar_;
   std::optional<transfer::Transfer> making_;
-  int frame_ = 0;
+  int frame_ = 0;                // of the design, that is made next
+  std::vector<cv::Mat> before_;  // the loop's past: its last frames go over into them
   cv::Mat out_;
 };
 
@@ -157,7 +196,7 @@ std::unique_ptr<scene::LayerFrames> frames_of_layer(const scene::Scene& asked, c
     case scene::MotionKind::kPatches:
       return patches(asked, layer, pixels, context);
     case scene::MotionKind::kTransfer:
-      return std::make_unique<TransferFrames>(layer.transfer, asked.frames, context);
+      return std::make_unique<TransferFrames>(asked, layer, context);
     default:
       return std::make_unique<scene::FootageFrames>(layer.footage.file, layer.footage.at);
   }

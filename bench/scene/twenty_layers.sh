@@ -6,7 +6,7 @@ set -euo pipefail
 cd "$1"
 w=900 h=675 shore=380
 
-freshet synth simulate clouds --size ${w}x${shore} --frames 1 --seed 5 -o sky.png --overwrite
+freshet synth simulate clouds --size ${w}x${shore} --frames 1 --seed 21 -o sky.png --overwrite
 toml=scene.toml
 cat > $toml <<END
 picture = "still.png"
@@ -26,7 +26,7 @@ layer() {
   local name=$1 motion=$2 keys=$3 file=$4
   convert -size ${w}x${h} xc:none -draw "$(cat "$file")" own.png
   convert still.png own.png -composite still.png
-  convert own.png -alpha extract "${name// /_}.png"
+  convert own.png -alpha extract -depth 8 "${name// /_}.png"
   tables=("[[layer]]
 name = \"$name\"
 matte = \"${name// /_}.png\"
@@ -53,7 +53,15 @@ boat() {
     printf "fill #efe3c6 polygon %d,%d %d,%d %d,%d\n", x+5*s, y-160*s, x+5*s, y-40*s, x+58*s, y-36*s
     printf "fill #d9cba8 polygon %d,%d %d,%d %d,%d\n", x-6*s, y-150*s, x-6*s, y-40*s, x-46*s, y-34*s }' > boat.txt
 }
-echo "fill #6f86a0 polygon 0,$shore 0,330 150,290 330,335 520,280 700,330 900,300 900,$shore" > hills.txt
+# hills COLOUR HEIGHT SEED: a ridge, and its woods as a rough rim.
+hills() {
+  awk -v colour="$1" -v height="$2" -v seed="$3" -v shore="$shore" 'BEGIN {
+    printf "fill %s polygon 0,%d", colour, shore
+    for (x = 0; x <= 900; x += 6)
+      printf " %d,%.1f", x, shore - height * (1 + 0.42 * sin(x / 97 + seed) + 0.3 * sin(x / 41 + 2 * seed) + 0.05 * sin(x * seed))
+    printf " 900,%d\n", shore }'
+}
+{ hills '#8fa9c4' 62 1; hills '#5d8a80' 34 4; } > hills.txt
 layer hills still "" hills.txt
 for i in 0 1; do
   x=$((150 + 420 * i))
@@ -67,11 +75,12 @@ for spot in "40 385 150 42" "110 384 110 30" "300 384 170 46" "370 386 120 34" "
   tree $((n + 3)) "$x" "$root" "$tall" "$wide"
   layer "tree $n" tree "armature = [$x, $root, $x, $((root - tall))]
 frequency = 0.$((4 + n % 4))
-shimmer = 0.6" tree.txt
+mass = 2.5
+shimmer = 0.8" tree.txt
   n=$((n + 1))
 done
 # The lake mirrors what stands on its shore.
-convert still.png -crop ${w}x$((h - shore))+0+$((shore - (h - shore))) +repage -flip -modulate 72,80 -blur 0x0.8 lake_colour.png
+convert still.png -crop ${w}x$((h - shore))+0+$((shore - (h - shore))) +repage -flip -fill '#123040' -colorize 28 -blur 0x0.8 lake_colour.png
 convert still.png lake_colour.png -geometry +0+$shore -composite still.png
 convert -size ${w}x${h} xc:black -fill white -draw "rectangle 0,$shore $w,$h" lake.png
 lake="[[layer]]
@@ -79,7 +88,8 @@ name = \"lake\"
 matte = \"lake.png\"
 motion = \"water\"
 mapping = \"normals\"
-horizon = [0, 370, $w, 370]"
+mirrors = true
+horizon = [0, $shore, $w, $shore]"
 front=("${tables[@]}")
 tables=()
 n=0
@@ -89,14 +99,18 @@ for spot in "230 470 0.8 #7a2f2a" "640 500 1.0 #28496b" "430 560 1.25 #2f5d46"; 
   convert -size ${w}x${h} xc:none -draw "$(cat boat.txt)" -flip -channel A -evaluate multiply 0.6 +channel mirrored.png
   convert -size ${w}x${h} xc:none mirrored.png -geometry +0+$((2 * y - h)) -composite own.png
   convert still.png own.png -composite still.png
-  convert own.png -alpha extract "mirror_$n.png"
+  convert own.png -alpha extract -depth 8 "mirror_$n.png"
   [ $n = 0 ] || tables=("[[layer]]
 name = \"mirror $n\"
 matte = \"mirror_$n.png\"
 motion = \"boat\"
 water = \"lake\"
-reflection_of = \"boat $n\"" "${tables[@]}")
+reflection_of = \"boat $n\"
+heave = 10
+roll = 8" "${tables[@]}")
   layer "boat $n" boat "water = \"lake\"
+heave = 10
+roll = 8
 hull = [$(awk "BEGIN{print $x-46*$s}"), $y, $(awk "BEGIN{print $x+48*$s}"), $y]" boat.txt
   n=$((n + 1))
 done
@@ -110,4 +124,5 @@ done
 printf '%s\n' "${tables[@]}" "$lake" "${front[@]}" '[[layer]]
 name = "sky"
 matte = "rest"
-motion = "clouds"' >> $toml
+motion = "clouds"
+speed = 12' >> $toml

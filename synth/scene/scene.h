@@ -68,18 +68,19 @@ enum class WaterMapping {
 struct WaterMotion {
   std::optional<Line> horizon{};     // set once marks are read
   std::optional<double> focal_px{};  // nothing: 1.2 times the picture's longer side
-  double camera_height_m = 2;        // above the water
+  double camera_height_m = 1;        // above the water
   int tile = 256;                    // samples along a tile's side, N; a power of 2, 32..1024
   std::optional<double> tile_m{};    // its side at roughness 1; nothing: 25 L, L = speed^2 / 9.81 m/s^2
-  double roughness = 10;             // beta: waves are so many times shorter than the sea's
-  /// a; 1: as high as those of a fully developed sea of this roughness. Nothing: 2.5 for displacement, .12 for normals:
-  /// stills of lakes come nearer to their clips with more of the former, and waves then break (docs/scene.md).
+  double roughness = 25;             // beta: waves are so many times shorter than the sea's
+  /// a; 1: as high as those of a fully developed sea of this roughness. Nothing: 2.5 for displacement, .1 for normals,
+  /// with which stills of two lakes move as their clips (docs/scene.md).
   std::optional<double> amplitude{};
   double against = 0.3;  // amplitude of waves against the wind, fractions; 1 as printed
   WaterMapping mapping = WaterMapping::kDisplacement;
+  bool mirrors = false;     // what moves above the horizon, but boats, moves mirrored in it too
   bool edge_moves = false;  // true: the matte moves with the water (the paper); else only what lies in it
   double amplitude_or_usual() const {
-    return amplitude.value_or(mapping == WaterMapping::kNormals ? 0.12 : 2.5);
+    return amplitude.value_or(mapping == WaterMapping::kNormals ? 0.1 : 2.5);
   }
   double gust_darkening = 0.15;  // of the light, under a gust of one standard deviation; with gustiness alone
 };
@@ -107,9 +108,13 @@ struct PatchesMotion {
   std::vector<std::string> options{};  // of freshet synth animate, word by word
 };
 
+/// What lies behind an exemplar that has no alpha of its own (transfer::Ground).
+enum class ExemplarGround { kNone, kBlack, kWhite };
+
 /// A designed motion with the look of an exemplar (Jamriska et al. 2015).
 struct TransferMotion {
   std::filesystem::path design_alpha{}, design_flow{}, exemplar{}, exemplar_alpha{};
+  ExemplarGround ground = ExemplarGround::kNone;
   cv::Point at{0, 0};  // px, of its upper left corner in the picture
 };
 

@@ -66,7 +66,11 @@ void read_water(Section& section, WaterMotion& water) {
   section.read("against", water.against, {0.0, 1.0});
   if (const auto mapping = section.word("mapping", {"displacement", "normals"}))
     water.mapping = *mapping == 1 ? WaterMapping::kNormals : WaterMapping::kDisplacement;
+  water.mirrors = section.flag("mirrors", false);
   if (const auto edge = section.word("edge", {"held", "moving"})) water.edge_moves = *edge == 1;
+  if (water.mirrors && water.edge_moves)
+    section.refuse("mirrors", "what is mirrored lies in an outline that is held, and edge is \"moving\"",
+                   "Take one of the two out");
   section.read("gust_darkening", water.gust_darkening, {0.0, 1.0});
   // What was asked for only to be read must be known all the same.
   section.find("focal"), section.find("tile_size"), section.find("amplitude");
@@ -112,6 +116,8 @@ void read_transfer(Section& section, TransferMotion& transfer) {
   transfer.design_flow = read_path(section, "design_flow", true);
   transfer.exemplar = read_path(section, "exemplar", true);
   transfer.exemplar_alpha = read_path(section, "exemplar_alpha", false);
+  if (const auto ground = section.word("ground", {"none", "black", "white"}))
+    transfer.ground = static_cast<ExemplarGround>(*ground);
   transfer.at = read_place(section);
 }
 
@@ -350,13 +356,15 @@ shimmer_size   12    px, of what shimmers together, 4 to 500
 water:
 horizon        [x, y, x, y] on the horizon, unless marks has it
 focal          [1.2 times the picture's longer side]   px
-camera_height  2     m above the water, .01 to 10000
+camera_height  1     m above the water, .01 to 10000
 tile           256   samples a side, a power of 2, 32 to 1024
 tile_size      [25 speed^2 / g]   m, a tile's side at roughness 1
-roughness      10    waves are so many times shorter than those of a sea, .01 to 100000
-amplitude      [2.5; with normals .12]   1: as high as a sea's of this roughness, 0 to 1000
+roughness      25    waves are so many times shorter than those of a sea, .01 to 100000
+amplitude      [2.5; with normals .1]    1: as high as a sea's of this roughness, 0 to 1000
 against        .3    amplitude of waves against the wind, 0 to 1; 1 as in the paper
 mapping        "displacement"   or "normals": what is mirrored moves as the surface tilts
+mirrors        false   true: what moves above the horizon, but boats, moves mirrored in it too, as much as the
+                       still's colours say; with edge = "held"
 edge           "held"           or "moving": the outline moves with the water (the paper)
 gust_darkening .15   of the light, under a gust of one standard deviation, 0 to 1; with gustiness alone
 
@@ -376,9 +384,11 @@ class          [all]   of its clips
 strokes        SVG or JSON [those of marks that name the layer]
 options        further options of freshet synth animate, word by word: ["--direction", "down"]
 
-transfer:      as freshet synth transfer; brings its own pixels, and has no matte
+transfer:      as freshet synth transfer; brings its own pixels, and has no matte. In a loop its last frames go over
+               into those before its first: its design has 4 to 24 frames more than the scene
 design_alpha, design_flow, exemplar   folders, patterns or videos; needed
 exemplar_alpha masks of the exemplar [its own alpha]
+ground         "none"   or "black": it is light on black, as fire; "white": dark on white, as smoke
 at             [0, 0]   px, of its upper left corner
 
 footage:       brings its own pixels; played again where it is shorter
@@ -425,7 +435,8 @@ seed = 1
 # motion = "water"
 # horizon = [0, {8}, {0}, {8}]
 # mapping = "normals"               # for a lake that mirrors its shore
-# roughness = 10                    # greater: shorter waves
+# mirrors = true                    # and the clouds and trees that move behind it
+# roughness = 25                    # greater: shorter waves
 
 [[layer]]
 name = "rest"

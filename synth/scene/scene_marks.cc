@@ -17,6 +17,8 @@ namespace {
 constexpr std::size_t kMaxBytes = 128u << 20;
 constexpr double kShortest = 1;  // px
 constexpr float kThere = 0.02f;  // alpha
+constexpr double kSoftShare =
+    0.01;  // of the longer side: an edge that was found on a matte of black and white
 
 /// As names are compared: without case and separators.
 std::string plain(const std::string& name) {
@@ -195,7 +197,8 @@ void check_marks(const Scene& scene, const SceneLayer& layer, const cv::Mat& alp
     fail("its hull line lies outside of it", "Draw it along the waterline, from bow to stern");
   if (layer.kind != MotionKind::kWater) return;
   const Line& horizon = *layer.water.horizon;
-  double above = 0, all = 0;
+  double above = 0, clearly_above = 0, all = 0;
+  const double soft = kSoftShare * std::max(alpha.cols, alpha.rows);
   int highest = alpha.rows;
   for (int y = box.y; y < box.br().y; ++y) {
     const auto* row = alpha.ptr<float>(y);
@@ -204,6 +207,7 @@ void check_marks(const Scene& scene, const SceneLayer& layer, const cv::Mat& alp
       const double at = horizon.from.y + (horizon.to.y - horizon.from.y) * (x + 0.5 - horizon.from.x) /
                                              (horizon.to.x - horizon.from.x);
       if (y + 0.5 < at) above += row[x];
+      if (y + 0.5 + soft < at) clearly_above += row[x];
       if (row[x] > 0.5f) highest = std::min(highest, y);
     }
   }
@@ -211,10 +215,10 @@ void check_marks(const Scene& scene, const SceneLayer& layer, const cv::Mat& alp
     fail(fmt::format("its horizon lies below {:.0f} % of its water, which reaches up to row {}",
                      100 * above / all, highest),
          "Draw the horizon where the plane of the water would end, at or above its far shore");
-  if (above > 0.001 * all && notices != nullptr)
+  if (clearly_above > 0.005 * all && notices != nullptr)
     notices->push_back(
         fmt::format("{}: layer {}: {:.1f} % of its water lies above its horizon and stays still",
-                    scene.file.string(), layer.name, 100 * above / all));
+                    scene.file.string(), layer.name, 100 * clearly_above / all));
 }
 
 }  // namespace freshet::synth::scene

@@ -38,12 +38,9 @@ std::string kind_of(const toml::node& node) {
 
 void Section::refuse(const toml::node& at, const std::string& key, const std::string& fault,
                      const std::string& remedy) const {
+  const std::string where = name_.empty() || key.empty() ? name_ + key : name_ + "." + key;
   throw Error(ErrorKind::kInput, fmt::format("{}:{}", file_->string(), at.source().begin.line),
-              (name_.empty() ? key
-               : key.empty() ? name_
-                             : name_ + "." + key) +
-                  ": " + fault,
-              remedy);
+              where.empty() ? fault : where + ": " + fault, remedy);
 }
 
 void Section::refuse(const std::string& key, const std::string& fault, const std::string& remedy) const {
@@ -218,7 +215,7 @@ TomlText::TomlText(std::string_view text, const std::filesystem::path& name, con
     table_ = toml::parse(text);
   } catch (const toml::parse_error& fault) {
     throw Error(ErrorKind::kInput, fmt::format("{}:{}", name.string(), fault.source().begin.line),
-                fmt::format("it is not TOML: {}", fault.description()));
+                fmt::format("it is not TOML: {}", fault.description()), remedy);
   }
 }
 

@@ -119,6 +119,46 @@ TEST(SceneTool, MixesPatchesAndFootage) {
             8);
 }
 
+TEST(SceneTool, ATransferredFireLoopsWithTheScene) {
+  const Landscape folder;
+  ASSERT_EQ(folder
+                .freshet({"synth", "simulate", "plume", "--size", "48x48", "--grid", "32", "--frames", "16",
+                          "-o", "design"})
+                .exit_code,
+            0);
+  // Light on black, without alpha.
+  cv::Mat light(40, 40, CV_8UC3, cv::Scalar::all(0));
+  cv::circle(light, {20, 20}, 12, {40, 140, 250}, -1);
+  cv::GaussianBlur(light, light, {}, 2);
+  cv::imwrite((folder / "light.png").string(), light);
+  const auto scene = [&](const std::string& length) {
+    folder.file("fire.toml",
+                "picture = \"still.png\"\nfps = 6\nloop = true\n" + length +
+                    "\n[[layer]]\nname = \"fire\"\nmotion = \"transfer\"\ndesign_alpha = "
+                    "\"design/alpha\"\ndesign_flow = \"design/flow\"\nexemplar = \"light.png\"\nground = "
+                    "\"black\"\nat = [100, 10]\n");
+    return folder.freshet({"synth", "scene", "fire.toml", "-o", "fire/%02d.png", "--overwrite"});
+  };
+  Outcome outcome = scene("frames = 10");
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  std::vector<cv::Mat> frames;
+  for (int i = 0; i < 10; ++i)
+    frames.push_back(cv::imread((folder / fmt::format("fire/{:02d}.png", i)).string()));
+  double steps = 0;
+  for (std::size_t i = 1; i < 10; ++i) steps += cv::norm(frames[i], frames[i - 1], cv::NORM_L1) / 9;
+  EXPECT_GT(steps, 0);
+  EXPECT_LT(cv::norm(frames[9], frames[0], cv::NORM_L1), 1.6 * steps);
+  EXPECT_GT(cv::norm(frames[5], frames[0], cv::NORM_L1), 1.2 * steps);
+  // Black is nothing: the picture shows beside the light.
+  const cv::Mat still = cv::imread((folder / "still.png").string());
+  EXPECT_LE(cv::norm(frames[5](cv::Rect(102, 12, 4, 4)), still(cv::Rect(102, 12, 4, 4)), cv::NORM_INF), 1);
+  outcome = scene("frames = 14");
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_NE(outcome.err.find("layer fire: its design has 16 frames, and a loop of 14 needs 18"),
+            std::string::npos)
+      << outcome.err;
+}
+
 TEST(SceneTool, WhatIsWrongIsNamedAndNothingIsLeft) {
   const Landscape folder;
   const auto refused = [&](const std::string& expected) {
@@ -143,6 +183,22 @@ TEST(SceneTool, WhatIsWrongIsNamedAndNothingIsLeft) {
   folder.scene("armature = [40, 80, 40, 20]", {},
                "[[layer]]\nname = \"b\"\nmotion = \"footage\"\nfile = \"none.%04d.png\"");
   refused("none.%04d.png");
+  cv::imwrite((folder / "seq0.png").string(), cv::Mat(40, 60, CV_8UC3, cv::Scalar(9, 9, 9)));
+  cv::imwrite((folder / "seq1.png").string(), cv::Mat(20, 30, CV_8UC3, cv::Scalar(9, 9, 9)));
+  folder.scene("armature = [40, 80, 40, 20]", {},
+               "[[layer]]\nname = \"b\"\nmotion = \"footage\"\nfile = \"seq%d.png\"");
+  refused("seq1.png: it has 30 x 20 px");
+  folder.file("clip.mp4", "no video");
+  folder.scene("armature = [40, 80, 40, 20]", {},
+               "[[layer]]\nname = \"b\"\nmotion = \"footage\"\nfile = \"clip.mp4\"");
+  refused("clip.mp4: not a video");
+  folder.file("half.png", text_of(folder / "still.png").substr(0, 2000));
+  folder.scene("armature = [40, 80, 40, 20]", {},
+               "[[layer]]\nname = \"b\"\nmatte = \"half.png\"\nmotion = \"still\"");
+  refused("half.png: the ");
+  folder.file("m.svg", "<svg><path d=\"M 1 2 L");
+  folder.scene("armature = [40, 80, 40, 20]", "marks = \"m.svg\"");
+  refused("m.svg: not a whole XML file");
   folder.file("cut.ora", "PK\x03\x04 and no more");
   folder.scene("armature = [40, 80, 40, 20]", "cut = \"cut.ora\"");
   refused("cut.ora");

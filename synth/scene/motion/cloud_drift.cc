@@ -49,8 +49,9 @@ CloudCourse course_of(const CloudMotion& clouds, const Wind& wind, const Cycle& 
   if (!loop || travel == 0) return course;
   course.dissolves = travel < kComesRound * width_px || clouds.far_speed != 1;
   if (course.dissolves) {
-    // Neither copy leaves what is continued beyond one side: it is not seen to come round.
-    course.period_px = width_px + std::clamp(cvCeil(travel), width_px / 8, 2 * width_px) + 2;
+    // Each copy leaves what is continued beyond one side, and neither comes to what continues the other: where both
+    // meet, nothing is seen of it.
+    course.period_px = width_px + 2 * std::clamp(cvCeil(travel), width_px / 8, width_px) + 2;
     return course;
   }
   const double rounds = std::max(1.0, std::round(travel / course.period_px));

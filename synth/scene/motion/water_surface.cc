@@ -16,7 +16,13 @@ constexpr double kMinBelow = 0.5;   // px: no pixel's middle on the horizon
 constexpr double kCalm = 0.35;      // of a tile's samples: a pixel that covers more sees no wave
 constexpr float kHighest = 0.4f;    // of the camera's height: no wave reaches the lens
 constexpr float kSteepest = 0.35f;  // slope
-constexpr double kGain = 2;         // of waves' heights by the wind's speed, at the mean: H ~ v^2
+// Deviation of what displacements of neighbouring rows differ by, px: above 1 they fold. Beyond it waves are made
+// lower. Mirror images fold on real water too.
+constexpr double kMostStep = 0.35;
+constexpr double kMostMirroredStep = 2.5;
+constexpr int kMoments = 4;               // of the cycle, at which that is measured
+constexpr std::size_t kLinesAround = 12;  // over which it is averaged
+constexpr double kGain = 2;               // of waves' heights by the wind's speed, at the mean: H ~ v^2
 
 /// Linear between samples and periodic; n a power of 2.
 inline float sampled(const float* row, float place, int n) {
@@ -97,18 +103,82 @@ WaterSurface::WaterSurface(const WaterMotion& water, const Gusts& gusts, const C
   }
   profiles_.assign(
       static_cast<std::size_t>(count) * static_cast<std::size_t>(field_.planes() * field_.samples()), 0);
+  highest_.assign(lines_.size(), 0);
   const auto columns = static_cast<std::size_t>(picture.width / kUnit + 2);
   gain_.assign(columns, 1);
   shade_.assign(columns, 1);
+  lower_folds();
+}
+
+float WaterSurface::sample_line(std::size_t i, float* scratch) {
+  const Line& line = lines_[i];
+  const int n = field_.samples();
+  float sum = 0;
+  for (int p = 0; p < field_.planes(); ++p) {
+    const double per_m = n / field_.side_m(field_.tile_of(p));
+    float* out = profile(i, p);
+    sample_row(reduced_[static_cast<std::size_t>(p)], line.camera.forward * per_m, line.camera.scale * per_m,
+               line.camera.deep * per_m, n, out, scratch);
+    for (int k = 0; k < n; ++k) out[k] *= line.held;
+    const auto [low, high] = std::minmax_element(out, out + n);
+    sum += std::max(-*low, *high);
+  }
+  return sum;
+}
+
+void WaterSurface::sample_lines() {
+  oneapi::tbb::parallel_for(0, field_.planes(),
+                            [&](int p) { reduced_[static_cast<std::size_t>(p)].set(field_.plane(p)); });
+  using oneapi::tbb::blocked_range;
+  oneapi::tbb::parallel_for(blocked_range<std::size_t>(0, lines_.size(), 16),
+                            [&](const blocked_range<std::size_t>& range) {
+                              std::vector<float> scratch(static_cast<std::size_t>(2 * field_.samples()));
+                              for (std::size_t i = range.begin(); i < range.end(); ++i)
+                                highest_[i] = lines_[i].calm ? 0 : sample_line(i, scratch.data());
+                            });
+}
+
+double WaterSurface::down_of(const Line& line, int plane) const {
+  if (water_.mapping == WaterMapping::kNormals) return plane % 2 == 1 ? 2 * focal_ : 0;
+  return line.camera.down / line.camera.depth;
+}
+
+double WaterSurface::step_power(std::size_t line) const {
+  const int n = field_.samples();
+  double sum = 0;
+  for (int p = 0; p < field_.planes(); ++p) {
+    const double upper = down_of(lines_[line], p), lower = down_of(lines_[line + 1], p);
+    const float *above = profile(line, p), *below = profile(line + 1, p);
+    for (int k = 0; k < n; ++k) {
+      const double step = lower * below[k] - upper * above[k];
+      sum += step * step;
+    }
+  }
+  return sum / n;
+}
+
+void WaterSurface::lower_folds() {
+  std::vector<double> power(lines_.size(), 0);
+  for (int moment = 0; moment < kMoments; ++moment) {
+    field_.go_to(moment * cycle_.frames / kMoments);
+    sample_lines();
+    for (std::size_t i = 0; i + 1 < lines_.size(); ++i)
+      if (!lines_[i].calm && !lines_[i + 1].calm) power[i] += step_power(i) / kMoments;
+  }
+  const double most = water_.mapping == WaterMapping::kNormals ? kMostMirroredStep : kMostStep;
+  for (std::size_t i = 0; i < lines_.size(); ++i) {
+    const std::size_t first = i < kLinesAround ? 0 : i - kLinesAround,
+                      last = std::min(lines_.size(), i + kLinesAround + 1);
+    double mean = 0;
+    for (std::size_t k = first; k < last; ++k) mean += power[k] / static_cast<double>(last - first);
+    lines_[i].held = static_cast<float>(1 / std::sqrt(1 + mean / (most * most)));
+  }
 }
 
 void WaterSurface::go_to(int frame) {
   if (heights_ != nullptr) heights_->go_to(frame);
   field_.go_to(frame);
-  const int planes = field_.planes(), n = field_.samples();
-  using oneapi::tbb::blocked_range;
-  oneapi::tbb::parallel_for(0, planes,
-                            [&](int p) { reduced_[static_cast<std::size_t>(p)].set(field_.plane(p)); });
+  sample_lines();
   if (gusts_->any()) {
     for (std::size_t i = 0; i < gain_.size(); ++i) {
       const float faster = gusts_->strength(static_cast<double>(i * kUnit), frame);
@@ -117,34 +187,18 @@ void WaterSurface::go_to(int frame) {
       shade_[i] = 1 - static_cast<float>(water_.gust_darkening) * std::clamp(faster / deviation, -1.0f, 2.0f);
     }
   }
-  std::vector<float> reach(lines_.size(), 0);
-  oneapi::tbb::parallel_for(
-      blocked_range<std::size_t>(0, lines_.size(), 16), [&](const blocked_range<std::size_t>& range) {
-        std::vector<float> scratch(static_cast<std::size_t>(2 * n));
-        for (std::size_t i = range.begin(); i < range.end(); ++i) {
-          const Line& line = lines_[i];
-          if (line.calm) continue;
-          float sum = 0;
-          for (int p = 0; p < planes; ++p) {
-            const double per_m = n / field_.side_m(field_.tile_of(p));
-            float* out = profile(i, p);
-            sample_row(reduced_[static_cast<std::size_t>(p)], line.camera.forward * per_m,
-                       line.camera.scale * per_m, line.camera.deep * per_m, n, out, scratch.data());
-            const auto [low, high] = std::minmax_element(out, out + n);
-            sum += std::max(-*low, *high);
-          }
-          const double gain = *std::max_element(gain_.begin(), gain_.end());
-          if (water_.mapping == WaterMapping::kNormals) {
-            reach[i] = static_cast<float>(2 * focal_ * std::min<double>(kSteepest, sum * gain));
-          } else {
-            const double h = std::min<double>(kHighest * water_.camera_height_m, sum * gain);
-            const double over = h / std::max(1e-6, line.camera.depth - h * std::abs(line.camera.lean));
-            reach[i] = static_cast<float>(
-                over * std::max(std::abs(line.camera.down), std::abs(line.camera.lean) * picture_.width));
-          }
-        }
-      });
-  reach_ = *std::max_element(reach.begin(), reach.end()) + 1;
+  const double gain = *std::max_element(gain_.begin(), gain_.end());
+  double reach = 0;
+  for (std::size_t i = 0; i < lines_.size(); ++i)
+    if (!lines_[i].calm) reach = std::max(reach, reach_of(lines_[i].camera, highest_[i] * gain));
+  reach_ = static_cast<float>(reach) + 1;
+}
+
+double WaterSurface::reach_of(const WaterCamera::Row& row, double most) const {
+  if (water_.mapping == WaterMapping::kNormals) return 2 * focal_ * std::min<double>(kSteepest, most);
+  const double h = std::min<double>(kHighest * water_.camera_height_m, most);
+  const double over = h / std::max(1e-6, row.depth - h * std::abs(row.lean));
+  return over * std::max(std::abs(row.down), std::abs(row.lean) * picture_.width);
 }
 
 float WaterSurface::gain_at(double x) const {

@@ -18,8 +18,9 @@
 namespace freshet::synth::scene {
 
 /// Displacement as printed (Eq. 10): what lies on the plane is lifted by the height above it. The inverse is the
-/// negative of the displacement at the pixel itself, as in the paper: it is continuous, so that nothing tears; the true
-/// inverse folds where waves are steep, and would show water from behind a crest twice.
+/// negative of the displacement at the pixel itself, as in the paper: it is continuous; the true inverse folds where waves
+/// are steep, and would show water from behind a crest twice. The negative folds too where rows that follow each other
+/// are displaced by amounts that differ by more than a pixel, and looks torn: there waves are made lower.
 ///
 /// Normals, the option: a mirror image moves by what the reflected ray turns, twice the surface's slope: 2 f
 /// slope_away up or down, and to the side 2 f slope_right times the sine of the angle at which the plane is
@@ -47,6 +48,7 @@ class WaterSurface : public Motion {
   struct Line {
     double below = 0;
     WaterCamera::Row camera{};
+    float held = 1;    // of the waves' height, 0..1 (lower_folds)
     bool calm = true;  // at or above the horizon, or too far for any wave
   };
   /// The planes' rows at one line of the rolled frame.
@@ -64,6 +66,17 @@ class WaterSurface : public Motion {
   };
   Surface at(double below, double along) const;
   cv::Point2d rolled_displacement(double below, double along, float gain) const;
+  /// The planes' rows of the frame at one line; scratch of 2 N floats. Returns the greatest sum that they may have.
+  float sample_line(std::size_t line, float* scratch);
+  void sample_lines();
+  /// px, that a row may be displaced by what is at most `most` high, or steep.
+  double reach_of(const WaterCamera::Row& row, double most) const;
+  /// px down, for 1 of a plane's value at this line.
+  double down_of(const Line& line, int plane) const;
+  /// px^2: mean square of what displacements differ by between this line and the next.
+  double step_power(std::size_t line) const;
+  /// Bounds that: where waves are too steep for the picture's rows, they are made lower, all the time alike.
+  void lower_folds();
   float gain_at(double x) const;
 
   WaterMotion water_;
@@ -78,6 +91,7 @@ class WaterSurface : public Motion {
   std::vector<Line> lines_;
   std::vector<float> profiles_;
   std::vector<float> gain_, shade_;  // at columns 0, kUnit, ...
+  std::vector<float> highest_;       // of a line's profiles, in the frame
   float reach_ = 0;
   std::unique_ptr<WaterSurface> heights_;  // of the same waves, where boats lie; when the rows are of slopes
 };

@@ -13,10 +13,12 @@
 namespace freshet::synth::scene {
 namespace {
 
-constexpr int kReduced = 112;        // px, the longer side at which is searched
-constexpr double kJoinShare = 0.06;  // of the picture's width
+constexpr int kReduced = 960;        // px, the longer side at which is searched
+constexpr double kJoinShare = 0.04;  // of the picture's width
+constexpr int kRim = 10;             // reduced px
+constexpr float kSmallStep = 0.08f;  // sRGB code
 constexpr float kWholly = 0.999f;    // of a reduced pixel's area, to be known
-constexpr FillOptions kFill{.patch_px = 9, .search_px = 64};
+constexpr FillOptions kFill{.patch_px = 9, .search_px = 110};
 
 /// The period with the gap in its middle: filling knows no ends that join.
 struct Rolled {
@@ -58,7 +60,12 @@ cv::Mat reduced_sources(const Rolled& canvas, cv::Size reduced) {
     for (int x = 0; x < colour.cols; ++x)
       colour.at<cv::Vec3f>(y, x) *= 1 / std::max(share.at<float>(y, x), 1e-6f);
   const cv::Mat known = share > kWholly;
-  return exemplar_fill(colour, {.known = known, .target = ~known, .source = known}, kFill).source;
+  // Rims are continued and not copied: a frame's last column, or a rim of what stood before the sky, would be copied
+  // beside itself again and again.
+  cv::Mat source;
+  cv::erode(known, source, cv::Mat::ones(1, 2 * kRim + 1, CV_8U));
+  if (cv::countNonZero(source) < cv::countNonZero(known) / 4) source = known;
+  return exemplar_fill(colour, {.known = known, .target = ~known, .source = source}, kFill).source;
 }
 
 /// Copies at full size, mixed over one reduced pixel.
@@ -100,22 +107,17 @@ void copy_from(const cv::Mat& source, Rolled& canvas, cv::Mat& standing) {
   });
 }
 
-/// Each end of the picture goes over into what was copied by way of its mirror image: copies are like what they join,
-/// and not the same.
-void join_ends(const cv::Mat& colour, const cv::Mat& known, cv::Mat& texture) {
-  const int width = colour.cols, gap = texture.cols - width;
-  const int join = std::min({gap / 2, width / 2, std::max(2, cvRound(kJoinShare * width))});
+/// Copies are like what they join, and not the same: in a smooth sky a step would be seen. What is small of it fades
+/// away from the join; what is great is a cloud's edge.
+/// end, first   the picture's last column and the copies' first. step   to the next.
+void fade_step(cv::Mat& texture, int end, int first, int step, int join) {
   for (int y = 0; y < texture.rows; ++y) {
-    const auto* picture = colour.ptr<cv::Vec3f>(y);
-    const auto* stands = known.ptr<std::uint8_t>(y);
     auto* row = texture.ptr<cv::Vec3f>(y);
+    cv::Vec3f difference = row[end] - row[first];
+    for (int c = 0; c < 3; ++c) difference[c] = std::clamp(difference[c], -kSmallStep, kSmallStep);
     for (int i = 0; i < join; ++i) {
-      const float t = (static_cast<float>(i) + 0.5f) / static_cast<float>(join),
-                  own = 1 - t * t * (3 - 2 * t);
-      const int left = i, right = width - 1 - i;
-      cv::Vec3f &before = row[texture.cols - 1 - i], &behind = row[width + i];
-      if (stands[left]) before += (picture[left] - before) * own;
-      if (stands[right]) behind += (picture[right] - behind) * own;
+      const float t = static_cast<float>(i) / static_cast<float>(join);
+      row[first + step * i] += difference * (1 - t * t * (3 - 2 * t));
     }
   }
 }
@@ -129,7 +131,10 @@ cv::Mat cyclic_texture(const cv::Mat& colour, const cv::Mat& known, int period) 
   cv::Mat standing;
   copy_from(reduced_sources(canvas, reduced), canvas, standing);
   cv::Mat texture = unrolled(animate::pull_push(canvas.colour, standing), canvas.split);
-  join_ends(colour, known, texture);
+  const int width = colour.cols;
+  const int join = std::clamp(cvRound(kJoinShare * width), 1, std::max(1, (period - width) / 2));
+  fade_step(texture, width - 1, width, 1, join);
+  fade_step(texture, 0, period - 1, -1, join);
   return texture;
 }
 

@@ -98,6 +98,33 @@ SceneAnimation::SceneAnimation(const Scene& scene, std::span<const LayerPixels> 
     }
   }
   for (const Placed& placed : placed_) moved_.push_back({&placed.sprite, placed.motion.get()});
+  place_mirrors(scene, pixels);
+}
+
+void SceneAnimation::place_mirrors(const Scene& scene, std::span<const LayerPixels> pixels) {
+  const auto mirrors = [&](std::size_t i) {
+    const SceneLayer& layer = scene.layers[i];
+    return layer.kind == MotionKind::kWater && layer.water.mirrors && !placed_[i].sprite.box.empty();
+  };
+  const Stillness still;
+  std::vector<Sprite> as_cut;
+  as_cut.reserve(placed_.size());
+  std::vector<MovedSprite> unmoved;
+  for (std::size_t i = 0; i < placed_.size(); ++i) {
+    const SceneLayer& layer = scene.layers[i];
+    if (layer.kind == MotionKind::kWater || layer.kind == MotionKind::kBoat) continue;
+    mirrored_.push_back(moved_[i]);
+    if (!layer.is_cut()) continue;
+    const bool brings = layer.kind == MotionKind::kPatches;
+    if (brings) as_cut.push_back(make_sprite(pixels[i].colour, pixels[i].alpha, Outline::kMoves));
+    unmoved.push_back({brings ? &as_cut.back() : &placed_[i].sprite, &still});
+  }
+  for (std::size_t i = 0; i < placed_.size(); ++i) {
+    if (!mirrors(i)) continue;
+    if (beyond_.empty()) composite(unmoved, beyond_ = cv::Mat(picture_, CV_32FC4));
+    placed_[i].mirror =
+        std::make_unique<WaterMirror>(placed_[i].sprite, *scene.layers[i].water.horizon, beyond_);
+  }
 }
 
 std::unique_ptr<Motion> SceneAnimation::motion_of(const Scene& scene, const SceneLayer& layer,
@@ -154,6 +181,9 @@ void SceneAnimation::render(int frame, cv::Mat& out) {
   go_to(frame);
   seconds_.motion += watch.seconds();
   watch = {};
+  if (!beyond_.empty()) composite(mirrored_, beyond_);
+  for (Placed& placed : placed_)
+    if (placed.mirror != nullptr) placed.mirror->reflect(beyond_, placed.sprite);
   composite(moved_, out);
   seconds_.composite += watch.seconds();
 }

@@ -14,6 +14,7 @@
 #include "synth/scene/rendering/composite.h"
 #include "synth/scene/rendering/layer_frames.h"
 #include "synth/scene/rendering/sprite.h"
+#include "synth/scene/rendering/water_mirror.h"
 #include "synth/scene/scene.h"
 #include "synth/scene/wind/gusts.h"
 
@@ -64,10 +65,12 @@ class SceneAnimation {
     Sprite sprite;
     std::unique_ptr<Motion> motion;
     std::unique_ptr<LayerFrames> frames;
+    std::unique_ptr<WaterMirror> mirror;
     bool rides = false;  // on another layer's motion, which goes first
   };
   std::unique_ptr<Motion> motion_of(const Scene& scene, const SceneLayer& layer, const Sprite& sprite,
                                     cv::Size picture);
+  void place_mirrors(const Scene& scene, std::span<const LayerPixels> pixels);
   void go_to(int frame);
 
   Cycle cycle_;
@@ -75,6 +78,8 @@ class SceneAnimation {
   cv::Size picture_;
   std::vector<Placed> placed_;  // nearest first
   std::vector<MovedSprite> moved_;
+  std::vector<MovedSprite> mirrored_;  // all but waters and what floats
+  cv::Mat beyond_;                     // CV_32FC4, of mirrored_; empty where no water mirrors
   SceneSeconds seconds_;
 };
 

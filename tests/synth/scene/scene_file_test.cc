@@ -97,13 +97,27 @@ TEST(SceneFile, MistakesNameLineKeyAndRemedy) {
   EXPECT_THAT(parse_fault(kTop + "[wind]\nspeed = 99\n"),
               AllOf(HasSubstr("a.toml:3"), HasSubstr("wind.speed"), HasSubstr("0 to 60")));
   EXPECT_THAT(parse_fault(kTop), HasSubstr("[[layer]]"));
-  EXPECT_THAT(parse_fault("frames = 3"), HasSubstr("picture"));
+  EXPECT_THAT(parse_fault("frames = 3"), HasSubstr("a.toml:1: it needs picture"));
+  EXPECT_THAT(parse_fault("\xff\xfe"), AllOf(HasSubstr("it is not TOML"), HasSubstr("--init PICTURE")));
+  EXPECT_THAT(parse_fault(kTop + "fps = nan\n"),
+              AllOf(HasSubstr("a.toml:2: fps"), HasSubstr("Give 1 to 240")));
+  EXPECT_THAT(parse_fault(kTop + "[wind]\nspeed = inf\n"), HasSubstr("out of range"));
+  EXPECT_THAT(parse_fault(kTop + "fps = \"six\"\n"), HasSubstr("not the text \"six\""));
+  EXPECT_THAT(parse_fault(kTop + "frames = 1\nloop = true\n"), HasSubstr("Ask for 2 frames or more"));
+  EXPECT_THAT(parse_fault(kTop + "[[layer]]\nname=\"a\"\nmotion=\"transfer\"\nexemplar=\"e.png\"\n"),
+              HasSubstr("it needs design_alpha"));
+  EXPECT_THAT(parse_fault(kTop + "[[layer]]\nname=\"a\"\nmotion=\"transfer\"\ndesign_alpha=\"a\"\n"
+                                 "design_flow=\"f\"\nexemplar=\"e.png\"\nground=\"blue\"\n"),
+              AllOf(HasSubstr("ground"), HasSubstr("none, black, white")));
   EXPECT_THAT(parse_fault(kTop + "[[layer]]\nname=\"a\"\nmotion=\"still\"\n"),
               HasSubstr("nothing says where it is"));
   EXPECT_THAT(parse_fault(kTop + "[[layer]]\nname=\"a/b\"\nmatte=\"m.png\"\nmotion=\"still\"\n"),
               HasSubstr("no name of a layer"));
   EXPECT_THAT(parse_fault(kTop + "[[layer]]\nname=\"a\"\nmatte=\"m.png\"\nmotion=\"water\"\ntile=100\n"),
               HasSubstr("no power of 2"));
+  EXPECT_THAT(parse_fault(kTop + "[[layer]]\nname=\"a\"\nmatte=\"m.png\"\nmotion=\"water\"\nmirrors=true\n"
+                                 "edge=\"moving\"\n"),
+              AllOf(HasSubstr("mirrors"), HasSubstr("outline that is held")));
   EXPECT_THAT(parse_fault(kTop + "[[layer]]\nname=\"a\"\nmatte=\"paint\"\nmotion=\"still\"\n"),
               HasSubstr("paint = "));
 }
@@ -144,6 +158,20 @@ TEST(SceneMarks, AHorizonBelowItsWaterIsRefused) {
                     HasSubstr("at or above its far shore")));
   EXPECT_THAT(animation_fault(replaced(text, "[0, 58, 160, 58]", "[50, 0, 50, 90]")),
               HasSubstr("stands upright"));
+}
+
+TEST(SceneMarks, ASoftEdgeAboveTheHorizonIsNoNotice) {
+  MadeScene made(made_scene_text("speed = 5"));
+  read_marks(made.scene(), kMadeSize);
+  cv::Mat alpha = made.pixels()[2].alpha.clone();
+  std::vector<std::string> notices;
+  alpha.row(57).setTo(0.5);
+  check_marks(made.scene(), made.scene().layers[2], alpha, &notices);
+  EXPECT_TRUE(notices.empty());
+  alpha.rowRange(52, 58).setTo(0.8);
+  check_marks(made.scene(), made.scene().layers[2], alpha, &notices);
+  ASSERT_EQ(notices.size(), 1u);
+  EXPECT_THAT(notices[0], HasSubstr("lies above its horizon"));
 }
 
 TEST(SceneMarks, AnArmatureOutsideItsLayerIsRefused) {

@@ -172,6 +172,33 @@ TEST(WaterSurface, RowsAreMinusTheDisplacementOfTheirPoints) {
   }
 }
 
+TEST(WaterSurface, SteepWavesAreMadeLowerBeforeTheyFoldThePicture) {
+  WaterMotion water = lake();
+  water.amplitude = 60;
+  const Gusts gusts({.speed_m_per_s = 12}, kCycle, 200);
+  WaterSurface surface(water, gusts, kCycle, 3, {0, 41, 200, 199}, {200, 240});
+  std::vector<float> dx(200), above(200), below(200);
+  double square = 0, most = 0;
+  int folds = 0, count = 0;
+  for (int frame = 0; frame < kCycle.frames; frame += 7) {
+    surface.go_to(frame);
+    for (int y = 50; y < 238; ++y) {
+      surface.row(0, 0, y, 200, dx.data(), above.data());
+      surface.row(0, 0, y + 1, 200, dx.data(), below.data());
+      for (std::size_t x = 0; x < 200; ++x) {
+        const double step = below[x] - above[x];
+        square += step * step, ++count;
+        // The row below would show what lies above that of the row above.
+        if (step < -1) ++folds;
+        most = std::max(most, std::abs(static_cast<double>(above[x])));
+      }
+    }
+  }
+  EXPECT_LT(std::sqrt(square / count), 0.4);
+  EXPECT_LT(folds, 0.01 * count);
+  EXPECT_GT(most, 4);
+}
+
 TEST(WaterSurface, MirrorImagesMoveByTheSlopesOfTheHeightsThatBoatsRide) {
   WaterMotion water = lake();
   water.mapping = WaterMapping::kNormals;
