@@ -241,7 +241,7 @@ function useShortcuts(canvas: { current: Canvas | null }, exportNow: () => void)
   useEffect(() => {
     const down = (event: KeyboardEvent): void => {
       const target = event.target as HTMLElement;
-      const types = target.matches("input:not([type=range]), textarea, select") || !!target.closest("dialog");
+      const types = target.matches("input:not([type=range], [type=checkbox]), textarea, select") || !!target.closest("dialog");
       if (types) return;
       const key = event.key.toLowerCase();
       if (event.ctrlKey || event.metaKey) {
@@ -253,7 +253,7 @@ function useShortcuts(canvas: { current: Canvas | null }, exportNow: () => void)
         return;
       }
       if (event.key === " ") {
-        if (target.matches("button, summary, a")) return;
+        if (target.matches("button, summary, a, [type=checkbox]")) return;
         event.preventDefault();
         if (!event.repeat) spaceDown(true);
         return;
