@@ -231,6 +231,7 @@ void Easel::render_small(const Document& document, const FoundMatte& matte,
   const double factor = reduction(still->bgr.size(), kSmallSide);
   Scene scene = scene_of(*still, matte, document, factor);
   scene.factor = 1;  // it is labelled small
+  scene.motion_alone = true;
   if (cv::countNonZero(scene.matte) == 0) return;
   const LabelledPicture labelled =
       label_picture(base, scene.picture, scene.matte, reduced(document, factor), nullptr, job);

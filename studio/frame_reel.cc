@@ -60,6 +60,8 @@ void render(const LabelledPicture& labelled, const Document& document, const Sce
   options.fps = reel.fps;
   options.loop = document.loop && reel.total > 1;
   options.memory_bytes = kMemory;
+  options.motion_alone = scene.motion_alone;
+  options.tiles = labelled.store->tiles;
   if (document.moving_outline) options.boundary.boundary = animate::Boundary::kMoving;
   options.boundary.held = scene.held;
   query::Assignment assignment = labelled.labelling.assignment;

@@ -14,6 +14,7 @@ namespace {
 using Json = nlohmann::json;
 
 constexpr std::size_t kMostStrips = 256;
+constexpr std::size_t kTileBytes = std::size_t{512} << 20;
 
 std::string short_hash(const std::string& text) {
   return fmt::format("{:016x}", std::hash<std::string>()(text)).substr(0, 10);
@@ -48,7 +49,9 @@ std::shared_ptr<const StoreBase> OpenedStore::base(const ProgressFunction& progr
   const std::lock_guard lock(base_guard_);
   if (!base_) {
     if (progress) progress({"reading the index", 0, 0});
-    base_ = std::make_shared<const StoreBase>(StoreBase{snapshot, query::open_search(snapshot), samples()});
+    base_ = std::make_shared<const StoreBase>(
+        StoreBase{snapshot, query::open_search(snapshot), samples(),
+                  std::make_shared<query::DecodedTiles>(snapshot, kTileBytes)});
   }
   return base_;
 }

@@ -215,6 +215,14 @@ void Project::write_way(const std::string& way, const std::vector<WayFile>& file
   for (const WayFile& file : files) write_whole(folder / file.name, file.bytes);
 }
 
+std::string Project::read_way(const std::string& way, const std::string& name) const {
+  constexpr std::size_t kMost = 32u << 20;
+  const fs::path path = folder_ / "ways" / way / name;
+  if (!fs::is_regular_file(fs::symlink_status(path)) || fs::canonical(path) != path)
+    throw Error(ErrorKind::kNotFound, name, "it has not been made yet");
+  return read_text_file(path, kMost, "");
+}
+
 fs::path Project::export_path(const std::string& name) const {
   if (!is_plain_file_name(name))
     throw Error(ErrorKind::kUsage, name, "it is no plain file name", "Use letters, digits, dots and dashes");

@@ -73,6 +73,8 @@ class Project {
   void write_recipe(const Document& document);
 
   /// Writes files into ways/WAY, which is made. Throws Error{kIo} when it is no folder of ours.
+  /// Throws Error{kNotFound}.
+  std::string read_way(const std::string& way, const std::string& name) const;
   void write_way(const std::string& way, const std::vector<WayFile>& files) const;
 
   /// exports/NAME; the folder is made. Throws Error{kUsage} for a name that is no plain file name.

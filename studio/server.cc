@@ -286,6 +286,14 @@ void Server::Impl::get_project(const Words& words, const httplib::Request& reque
   if (what == "ways" && words.size() == 5) return answer(response, studio.way_json(id, words[4]));
   if (what == "ways" && words.size() == 6 && words[5] == "film")
     return send_file(studio.film(id, words[4]), "video/mp4", response);
+  if (what == "ways" && words.size() == 7 && words[5] == "files" && words[6] == "film.mp4")
+    return send_file(studio.film(id, words[4]), "video/mp4", response);  // as the way's own page calls it
+  if (what == "ways" && words.size() == 7 && words[5] == "files")
+    return answer(response, studio.way_file(id, words[4], words[6]),
+                  words[6].ends_with(".html") ? "text/html; charset=utf-8" : "image/png");
+  if (what == "stills" && words.size() == 4) return answer(response, studio.stills_json(id));
+  if (what == "stills" && words.size() == 5)
+    return answer(response, studio.still_thumbnail(id, words[4]), "image/jpeg");
   if (what == "thumbnail") return answer(response, studio.thumbnail_of(id), "image/jpeg");
   const std::shared_ptr<Easel> easel = studio.easel(id);
   if (what == "picture") {
@@ -430,6 +438,16 @@ void Server::Impl::change_project(const Words& words, const httplib::Request& re
     const Incoming incoming{studio.incoming_file()};
     read_file(request, reader, incoming.path);
     studio.give_matte(id, incoming.path);
+    return answer(response, "{}");
+  }
+  if (request.method == "POST" && what == "stills") {
+    const Incoming incoming{studio.incoming_file()};
+    read_file(request, reader, incoming.path);
+    studio.add_still(id, incoming.path, request.get_param_value("name"));
+    return answer(response, "{}");
+  }
+  if (request.method == "DELETE" && what == "stills") {
+    studio.remove_stills(id);
     return answer(response, "{}");
   }
   if (request.method == "POST" && words.size() == 5 && words[3] == "ways")

@@ -15,6 +15,7 @@
 
 #include "freshet/error.h"
 #include "platform/whole_file.h"
+#include "studio/still_folder.h"
 
 namespace freshet::studio {
 namespace {
@@ -332,10 +333,17 @@ JobId Studio::run_way(const std::string& project, const std::string& way) {
   return commands_->submit(
       "way " + project + "/" + way, project + ": " + way, [this, easel, plan, project, way](const Job& job) {
         easel->project().write_way(way, plan.files);
+        CommandAnswer answer;
         for (const std::vector<std::string>& words : plan.commands)
-          run({.program = options_.program, .arguments = words, .folder = easel->project().folder()}, job);
-        feed_.publish("way", text({{"project", project}, {"way", way}}));
+          answer = run({.program = options_.program, .arguments = words, .folder = easel->project().folder()},
+                       job);
+        if (!plan.answer.empty()) easel->project().write_way(way, {{plan.answer, answer.output}});
+        tell_way(project, way);
       });
+}
+
+void Studio::tell_way(const std::string& project, const std::string& way) {
+  feed_.publish("way", text({{"project", project}, {"way", way}}));
 }
 
 fs::path Studio::film(const std::string& project, const std::string& way) {
@@ -345,11 +353,41 @@ fs::path Studio::film(const std::string& project, const std::string& way) {
   return path;
 }
 
+std::string Studio::way_file(const std::string& project, const std::string& way, const std::string& name) {
+  const std::vector<std::string> shown = plan(project, way).shown;
+  if (std::find(shown.begin(), shown.end(), name) == shown.end())
+    throw Error(ErrorKind::kNotFound, name, "there is no such file");
+  return easel(project)->project().read_way(way, name);
+}
+
+std::string Studio::stills_json(const std::string& project) {
+  return text(still_names(easel(project)->project().folder()));
+}
+
+std::string Studio::still_thumbnail(const std::string& project, const std::string& name) {
+  return studio::still_thumbnail(easel(project)->project().folder(), name);
+}
+
+void Studio::add_still(const std::string& project, const fs::path& file, const std::string& name) {
+  studio::add_still(easel(project)->project().folder(), file, name);
+  tell_way(project, "stills");
+}
+
+void Studio::remove_stills(const std::string& project) {
+  studio::remove_stills(easel(project)->project().folder());
+  tell_way(project, "stills");
+}
+
 std::string Studio::way_json(const std::string& project, const std::string& way) {
-  Json json{{"film", nullptr}, {"commands", Json::array()}};
-  for (const std::vector<std::string>& words : plan(project, way).commands)
+  const WayPlan plan = this->plan(project, way);
+  Json json{{"film", nullptr}, {"commands", Json::array()}, {"found", nullptr}};
+  for (const std::vector<std::string>& words : plan.commands)
     json["commands"].push_back(to_text({.program = {}, .arguments = words, .folder = {}}));
   try {
+    if (!plan.answer.empty()) {
+      const Json found = Json::parse(easel(project)->project().read_way(way, plan.answer), nullptr, false);
+      if (!found.is_discarded()) json["found"] = found;
+    }
     json["film"] = std::to_string(fs::last_write_time(film(project, way)).time_since_epoch().count());
   } catch (const Error&) {
     return text(json);  // there is none yet

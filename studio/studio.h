@@ -75,10 +75,20 @@ class Studio {
 
   /// Another way to synthesise (ways/way_plan.h): its commands, run as one job. Told as "way" when its film is there.
   JobId run_way(const std::string& project, const std::string& way);
-  /// Its "film", a number that another film does not have, or null; and its "commands".
+  /// Its "film", a number that another film does not have, or null; its "commands"; and what the last one "found".
   std::string way_json(const std::string& project, const std::string& way);
   /// Where its film lies. Throws Error{kNotFound}.
   std::filesystem::path film(const std::string& project, const std::string& way);
+  /// The bytes of a file that the way shows (WayPlan::shown). Throws Error{kNotFound}.
+  std::string way_file(const std::string& project, const std::string& way, const std::string& name);
+
+  /// The stills of the project's scene (still_folder.h).
+  std::string stills_json(const std::string& project);
+  std::string still_thumbnail(const std::string& project, const std::string& name);
+  /// file   moved.
+  void add_still(const std::string& project, const std::filesystem::path& file, const std::string& name);
+  /// And what was made of them.
+  void remove_stills(const std::string& project);
 
   std::shared_ptr<OpenedStore> store(const std::string& id) const;
   /// A new, empty one in the studio's folder. Returns its id.
@@ -97,6 +107,7 @@ class Studio {
   void add_store(const std::filesystem::path& path);
   std::shared_ptr<OpenedStore> store_of(const Document& document) const;
   WayPlan plan(const std::string& project, const std::string& way);
+  void tell_way(const std::string& project, const std::string& way);
   std::string likely_store() const;  // its path, for a new document; the guard is held
   std::filesystem::path project_folder(const std::string& id) const;
   JobQueue::Watcher watcher(const char* lane);

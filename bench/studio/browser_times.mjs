@@ -92,7 +92,7 @@ async function drawLine(i) {
 }
 
 async function strokeTimes() {
-  const found = { first: [], full: [], cpu: [] };
+  const found = { first: [], full: [], firstCpu: [], cpu: [] };
   for (let i = 0; i < times; ++i) {
     const before = await reel();
     const cpu = serverSeconds();
@@ -100,6 +100,7 @@ async function strokeTimes() {
     const first = await until((known) => Number(globalThis.document.querySelector("[data-reel]").dataset.reel) > known, before);
     const moves = await page.evaluate(() => globalThis.document.querySelector("[aria-label=Frame]").value);
     const moving = await until((frame) => globalThis.document.querySelector("[aria-label=Frame]").value !== frame, moves);
+    found.firstCpu.push(serverSeconds() - cpu);
     await settle();
     found.first.push(Math.max(first, moving) - ended);
     found.full.push((await now()) - ended);
@@ -185,6 +186,7 @@ const result = {
   first_ms_p90: quantile(strokes.first, 0.9),
   full_ms: median(strokes.full),
   full_ms_p90: quantile(strokes.full, 0.9),
+  first_cpu_s: median(strokes.firstCpu),
   stroke_cpu_s: median(strokes.cpu),
   scrub_per_s: rate(scrub),
   drawing_per_s: rate(drawing),
@@ -195,6 +197,7 @@ console.log(`${result.cores} x ${result.processor}, load ${load[0].toFixed(1)} t
 row("opening to interactive", `${result.opening_ms.toFixed(0)} ms`, "1000 ms");
 row("line to first preview that moves, median", `${result.first_ms.toFixed(0)} ms`, "1000 ms");
 row("line to full preview, median", `${result.full_ms.toFixed(0)} ms`, "4000 ms");
+row("CPU of the server till the first one moves", `${result.first_cpu_s.toFixed(2)} s`, "");
 row("CPU of the server for a line", `${result.stroke_cpu_s.toFixed(2)} s`, "");
 row("scrubbing", `${result.scrub_per_s.toFixed(0)}/s`, "24/s");
 row("drawing while a label runs", `${result.drawing_per_s.toFixed(0)}/s`, "60/s");

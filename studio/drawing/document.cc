@@ -206,6 +206,41 @@ Design read_design(const Fields& document) {
   return design;
 }
 
+/// Of files and regions: quoted in a TOML file as they are.
+std::string plain_name(const Fields& fields, const char* name) {
+  std::string text = fields.text(name);
+  if (text.empty() || text.find_first_of("\"\\") != std::string::npos)
+    fields.fail(fmt::format("\"{}\" is no name", name));
+  return text;
+}
+
+std::vector<StillsPath> read_stills_paths(const Fields& stills) {
+  std::vector<StillsPath> paths;
+  for (const Json& item : stills.list("paths", kMaxNames)) {
+    const Fields fields = stills.below(item, "paths", paths.size());
+    fields.only({"region", "names", "refused"});
+    paths.push_back({.region = plain_name(fields, "region"), .names = {}, .refused = fields.flag("refused")});
+    for (const Json& name : fields.list("names", kMaxNames)) {
+      const Json holder{{"names", name}};
+      paths.back().names.push_back(plain_name(fields.below(holder, "names", 0), "names"));
+    }
+    if (paths.back().names.size() < 2) fields.fail("a path has two stills or more");
+  }
+  return paths;
+}
+
+Stills read_stills(const Fields& document) {
+  if (!document.has("stills")) return {};  // of a document that is older than it
+  const Fields fields = document.below(document.at("stills"), "stills", 0);
+  fields.only({"seconds", "speed", "loop", "split", "full", "paths"});
+  return {.seconds = fields.number("seconds", 0.4, 120),
+          .speed = fields.number("speed", 0.05, 20),
+          .loop = fields.flag("loop"),
+          .split = fields.integer("split", 1, 8),
+          .full = fields.flag("full"),
+          .paths = read_stills_paths(fields)};
+}
+
 MatteBase read_base(const Fields& fields) {
   const std::string name = fields.text("matte_base");
   for (const MatteBase base : {MatteBase::kScribbles, MatteBase::kAlpha, MatteBase::kWhole, MatteBase::kFile})
@@ -262,6 +297,14 @@ Json design_json(const Design& design) {
           {"full", design.full}};
 }
 
+Json stills_json(const Stills& stills) {
+  Json json{{"seconds", stills.seconds}, {"speed", stills.speed}, {"loop", stills.loop},
+            {"split", stills.split},     {"full", stills.full},   {"paths", Json::array()}};
+  for (const StillsPath& path : stills.paths)
+    json["paths"].push_back({{"region", path.region}, {"names", path.names}, {"refused", path.refused}});
+  return json;
+}
+
 std::uint64_t hash_of(const Json& json) { return std::hash<std::string>()(json.dump()); }
 
 }  // namespace
@@ -269,6 +312,7 @@ std::uint64_t hash_of(const Json& json) { return std::hash<std::string>()(json.d
 std::string to_json(const Document& document) {
   Json json = frames_json(document);
   json["design"] = design_json(document.design);
+  json["stills"] = stills_json(document.stills);
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
@@ -287,7 +331,8 @@ Document document_from_json(std::string_view json, const std::string& where) {
   std::size_t points = 0;
   const Fields fields(parsed, where, points);
   fields.only({"matte_base", "edge", "scribbles", "paint", "held", "store", "class", "excluded_clips",
-               "frames", "fps", "strokes", "tempo", "pins", "loop", "speed", "moving_outline", "design"});
+               "frames", "fps", "strokes", "tempo", "pins", "loop", "speed", "moving_outline", "design",
+               "stills"});
   Document document{.store = fields.text("store"),
                     .matte_base = read_base(fields),
                     .edge = fields.text("edge"),
@@ -304,7 +349,8 @@ Document document_from_json(std::string_view json, const std::string& where) {
                     .loop = fields.flag("loop"),
                     .speed = fields.number("speed", 0.05, 20),
                     .moving_outline = fields.flag("moving_outline"),
-                    .design = read_design(fields)};
+                    .design = read_design(fields),
+                    .stills = read_stills(fields)};
   if (document.edge != "guided" && document.edge != "information-flow" && document.edge != "none")
     fields.fail("\"edge\" is none of guided, information-flow, none");
   for (const Json& name : fields.list("excluded_clips", kMaxNames)) {

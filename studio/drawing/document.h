@@ -55,6 +55,25 @@ struct Design {
   bool operator==(const Design&) const = default;
 };
 
+/// What a person says of an order of stills that was found.
+struct StillsPath {
+  std::string region;
+  std::vector<std::string> names;  // of the stills' files, two or more
+  bool refused = false;            // not walked at all; else in this order alone
+  bool operator==(const StillsPath&) const = default;
+};
+
+/// A moving scene from some stills of it.
+struct Stills {
+  double seconds = 8;  // 0.4..120
+  double speed = 1;    // 0.05..20
+  bool loop = true;
+  int split = 1;      // parts of each region, 1..8
+  bool full = false;  // the stills' size, not a draft's
+  std::vector<StillsPath> paths;
+  bool operator==(const Stills&) const = default;
+};
+
 enum class MatteBase { kScribbles, kAlpha, kWhole, kFile };
 
 /// Every field has a default, so that an empty document is a picture just opened.
@@ -76,6 +95,7 @@ struct Document {
   double speed = 1;  // 0.05..20
   bool moving_outline = false;
   Design design;
+  Stills stills;
   bool operator==(const Document&) const = default;
 };
 

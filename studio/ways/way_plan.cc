@@ -2,8 +2,11 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <map>
+#include <utility>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
@@ -51,10 +54,45 @@ WayPlan plan_design(const Document& document, const cv::Mat& picture) {
   return plan;
 }
 
+/// A list of names, in TOML.
+std::string list_of(const std::vector<std::string>& names) {
+  return fmt::format("[\"{}\"]", fmt::join(names, "\", \""));
+}
+
+/// What was said of the paths, as `freshet synth stills --keys` explains it.
+std::string stills_edits(const Stills& stills) {
+  std::map<std::string, std::pair<std::vector<std::string>, std::vector<std::string>>> of_region;
+  for (const StillsPath& path : stills.paths) {
+    auto& [refused, turned] = of_region[path.region];
+    (path.refused ? refused : turned).push_back(list_of(path.names));
+  }
+  std::string toml = fmt::format("speed = {}\nsplit = {}\n", stills.speed, stills.split);
+  for (const auto& [region, paths] : of_region)
+    toml += fmt::format("[[region]]\nname = \"{}\"\nrefuse = [{}]\nturn = [{}]\n", region,
+                        fmt::join(paths.first, ", "), fmt::join(paths.second, ", "));
+  return toml;
+}
+
+/// A moving scene from the stills that lie in the way's folder.
+WayPlan plan_stills(const Stills& stills) {
+  WayPlan plan{.files = {{"edits.toml", stills_edits(stills)}},
+               .commands = {{"synth", "stills", "ways/stills/pictures", "--edits", "ways/stills/edits.toml",
+                             "--seconds", fmt::format("{}", stills.seconds), "-o", "ways/stills/film.mp4",
+                             "--sheet", "ways/stills/regions.png", "--page", "ways/stills/page.html",
+                             "--cache", "ways/stills/kept", "--json", "--overwrite"}},
+               .film = "ways/stills/film.mp4",
+               .answer = "found.json",
+               .shown = {"regions.png", "page.html"}};
+  if (stills.loop) plan.commands[0].emplace_back("--loop");
+  if (!stills.full) plan.commands[0].emplace_back("--preview");
+  return plan;
+}
+
 }  // namespace
 
 WayPlan plan_way(const std::string& way, const Document& document, const cv::Mat& picture) {
   if (way == "design") return plan_design(document, picture);
+  if (way == "stills") return plan_stills(document.stills);
   throw Error(ErrorKind::kNotFound, way, "there is no such way");
 }
 

@@ -20,6 +20,8 @@ struct WayPlan {
   std::vector<WayFile> files;
   std::vector<std::vector<std::string>> commands;  // without the program's name
   std::string film;                                // MP4 that the last one leaves, from the project's folder
+  std::string answer = {};              // file of the way's folder that takes what the last one prints, JSON
+  std::vector<std::string> shown = {};  // files of the way's folder that a page may look at: .png, .html
 };
 
 /// picture   CV_8UC3, the project's.

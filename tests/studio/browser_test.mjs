@@ -344,6 +344,56 @@ test("a motion is drawn, simulated and given a clip's look; the command lines ma
   await page.context().close();
 });
 
+test("stills become a moving scene, an order is refused, and the command line makes it again", async () => {
+  mkdirSync(at("stills"));
+  const stills = ["1", "2", "3", "4", "5", "6", "7", "8"].map((seed) => {
+    freshet("synth", "simulate", "fire", "--size", "160x120", "--frames", "1", "--seed", seed, "-o", `stills/${seed}.png`);
+    return at(`stills/${seed}.png`);
+  });
+  const page = await open(url);
+  await page.getByText("Drop a picture").waitFor();
+  await page.setInputFiles("input[type=file][accept^='image']", stills);
+  await page.getByRole("button", { name: "Remove all of them" }).waitFor();
+  const id = decodeURIComponent(new URL(page.url()).hash.slice(2));
+  await page.getByLabel("Length").fill("1");
+  await until(async () => (await document(id)).stills.seconds === 1);
+  const film = page.locator("video.film");
+  const make = async () => {
+    const before = (await film.count()) && (await film.getAttribute("src"));
+    await page.getByRole("button", { name: "Make it" }).click();
+    await page.waitForFunction((known) => ![known, null].includes(globalThis.document.querySelector("video.film")?.getAttribute("src")), before);
+    await page.getByRole("button", { name: "Make it" }).waitFor();
+    await page.waitForFunction(() => globalThis.document.querySelector("video.film").currentTime > 0.1);
+  };
+  await make();
+  await page.locator(".sheet").scrollIntoViewIfNeeded();
+  await shot(page, "stills-found");
+  const refuse = page.getByRole("button", { name: /path 1: not at all/ }).first();
+  const names = async () => (await page.locator(".region .paths .stills").first().getAttribute("aria-label")).split(", ");
+  const first = await names();
+  await refuse.click();
+  await page.getByText("not walked").waitFor();
+  await until(async () => (await document(id)).stills.paths.length === 1);
+  await make();
+  await page.waitForFunction((known) => globalThis.document.querySelector(".region .paths .stills").getAttribute("aria-label") !== known, first.join(", "));
+  await expectAccessible(page, "stills");
+  await shot(page, "stills-changed");
+  const folder = at("room/projects", id);
+  const made = readFileSync(join(folder, "ways/stills/film.mp4"));
+  const line = await page.locator(".command code").textContent();
+  const again = spawnSync("sh", ["-c", line.replace(/^freshet/, FRESHET)], { cwd: folder, encoding: "utf8" });
+  assert.equal(again.status, 0, again.stderr);
+  assert.ok(made.equals(readFileSync(join(folder, "ways/stills/film.mp4"))));
+  await page.getByRole("button", { name: "Remove all of them" }).click();
+  await page.getByRole("button", { name: "Remove all of them" }).waitFor({ state: "detached" });
+  assert.ok(await page.getByRole("button", { name: "Make it" }).isDisabled());
+  await page.getByRole("switch", { name: /^Loop/ }).click();
+  await page.keyboard.press("2"); // keys go on after a switch
+  await page.getByRole("button", { name: "Flow", pressed: true }).waitFor();
+  assert.deepEqual(page.faults, []);
+  await page.context().close();
+});
+
 /** A picture of 24 Mpix without anything to install: a BMP of stripes, blue above and green below. */
 function writeLarge(path, width = 6000, height = 4000) {
   const head = Buffer.alloc(54);
@@ -468,7 +518,7 @@ for (const [theme, size, width, height] of [
     assert.equal(await page.evaluate(() => globalThis.broken), undefined);
     await page.goto(`${url}#/still`);
     await page.locator(".bar").waitFor();
-    for (const [key, name] of [["1", "fluid"], ["2", "flow"], ["3", "look"], ["4", "why"], ["5", "design"]]) {
+    for (const [key, name] of [["1", "fluid"], ["2", "flow"], ["3", "look"], ["4", "why"], ["5", "design"], ["6", "stills"]]) {
       await page.keyboard.press(key);
       await look(name);
     }

@@ -129,6 +129,24 @@ TEST_F(Server, RefusesWhatIsNoPicture) {
   EXPECT_TRUE(fs::is_empty(running().room() / "incoming"));
 }
 
+TEST_F(Server, StillsAreTakenShownAndRemoved) {
+  const std::string id = running().open_still();
+  const std::string at = "api/projects/" + id + "/stills";
+  const std::string still = tools::text_of(tools::sample().still);
+  EXPECT_EQ(status(running().send("POST", at + "?name=..%2f..%2fA%20B.PNG", still)), 200);
+  EXPECT_EQ(status(running().send("POST", at + "?name=a-b.png", still)), 200);        // the same one again
+  EXPECT_EQ(status(running().send("POST", at + "?name=a-b.png", still + "x")), 200);  // another one
+  EXPECT_EQ(running().json(at), Json({"a-b-2.png", "a-b.png"}));
+  EXPECT_EQ(status(running().send("POST", at + "?name=a.sh", "#!/bin/sh")), 400);
+  EXPECT_EQ(running().get(at + "/a-b.png")->get_header_value("Content-Type"), "image/jpeg");
+  EXPECT_EQ(status(running().get(at + "/..%2f..%2f..%2fpicture.png")), 404);
+  const std::string files = "api/projects/" + id + "/ways/stills/files/";
+  for (const char* name : {"regions.png", "film.mp4", "edits.toml", "..%2f..%2fdocument.json"})
+    EXPECT_EQ(status(running().get(files + name)), 404) << name;
+  EXPECT_EQ(status(running().send("DELETE", at, "")), 200);
+  EXPECT_EQ(running().json(at), Json::array());
+}
+
 TEST_F(Server, GivesNamesAsTheyAre) {
   // A store whose clip's name is a page: the answer is JSON, and never taken for anything else.
   const std::string store = Json::parse(

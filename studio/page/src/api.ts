@@ -45,6 +45,8 @@ export const address = {
   clip: (store: string, clip: number): string => `api/stores/${name(store)}/clips/${clip}`,
   exported: (project: string, file: string): string => `${at(project)}/exports/${name(file)}`,
   film: (project: string, way: string, number: string): string => `${at(project)}/ways/${way}/film?n=${number}`,
+  wayFile: (project: string, way: string, file: string, number: string): string => `${at(project)}/ways/${way}/files/${name(file)}?n=${number}`,
+  still: (project: string, still: string): string => `${at(project)}/stills/${name(still)}`,
   credits: (project: string): string => `${at(project)}/credits`,
 };
 
@@ -86,6 +88,14 @@ export async function save(id: string, document: Document, base: number, page: s
 
 export const way = (id: string, name: string): Promise<Way> => get(`${at(id)}/ways/${name}`);
 export const runWay = (id: string, name: string): Promise<{ job: number }> => post(`${at(id)}/ways/${name}`, {});
+
+export const stills = (id: string): Promise<string[]> => get(`${at(id)}/stills`);
+export async function sendStill(id: string, file: File): Promise<void> {
+  await ask(`${at(id)}/stills?name=${name(file.name)}`, { method: "POST", body: file });
+}
+export async function removeStills(id: string): Promise<void> {
+  await ask(`${at(id)}/stills`, { method: "DELETE" });
+}
 
 export const history = (id: string): Promise<Kept | null> => get(`${at(id)}/history`);
 export async function keepHistory(id: string, text: string, keepalive: boolean): Promise<void> {

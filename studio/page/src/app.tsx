@@ -101,6 +101,7 @@ const kModes: readonly (readonly [state.Mode, string, string])[] = [
   ["look", "Look", "3"],
   ["why", "Why", "4"],
   ["design", "Design", "5"],
+  ["stills", "Stills", "6"],
 ];
 
 function Work(): JSX.Element {
@@ -176,6 +177,7 @@ export function stageWords(stage: string): string {
 function statusWords(): string {
   if (state.problem.value) return state.problem.value;
   const job = state.previewJob.value;
+  if (state.mode.value === "design" || state.mode.value === "stills") return "";
   if (!state.doc.value?.store) return "Choose a store under Look, and it moves.";
   if (!state.matte.value && !job) return "Scribble on what flows.";
   if (job && job.state === "running" && job.stage)
@@ -239,7 +241,7 @@ function useShortcuts(canvas: { current: Canvas | null }, exportNow: () => void)
   useEffect(() => {
     const down = (event: KeyboardEvent): void => {
       const target = event.target as HTMLElement;
-      const types = target.matches("input:not([type=range]), textarea, select") || !!target.closest("dialog");
+      const types = target.matches("input:not([type=range], [type=checkbox]), textarea, select") || !!target.closest("dialog");
       if (types) return;
       const key = event.key.toLowerCase();
       if (event.ctrlKey || event.metaKey) {
@@ -251,14 +253,14 @@ function useShortcuts(canvas: { current: Canvas | null }, exportNow: () => void)
         return;
       }
       if (event.key === " ") {
-        if (target.matches("button, summary, a")) return;
+        if (target.matches("button, summary, a, [type=checkbox]")) return;
         event.preventDefault();
         if (!event.repeat) spaceDown(true);
         return;
       }
       const tools: Record<string, view.FluidTool> = { b: "fluid", n: "still", p: "paint", e: "erase", a: "area", h: "hold" };
       const chosen = tools[key];
-      const index = "12345".indexOf(key);
+      const index = "123456".indexOf(key);
       if (chosen && state.mode.value === "fluid") view.fluidTool.value = chosen;
       else if (index >= 0) state.mode.value = kModes[index]?.[0] ?? "fluid";
       else if (key === "[") view.brush.value = Math.max(2, view.brush.value / 1.2);

@@ -543,7 +543,7 @@ export class Canvas {
     const point = this.at();
     if (!point) return;
     const mode = state.mode.value;
-    if (event.button === 1 || view.panning.value || mode === "look") {
+    if (event.button === 1 || view.panning.value || mode === "look" || mode === "stills") {
       const from = this.stage.getPointerPosition();
       if (from) this.panFrom = { x: from.x, y: from.y, at: { x: this.stage.x(), y: this.stage.y() } };
       this.box.style.cursor = "grabbing";

@@ -1,12 +1,10 @@
 // A motion of one's own: sources, obstacles and winds are drawn, simulated, and given the look of a clip.
 import type { JSX } from "preact";
-import { useEffect, useState } from "preact/hooks";
 import { Circle, Square, Wind } from "lucide-preact";
-import * as api from "./api";
-import { stageWords } from "./app";
-import { Choice, CommandLine, Running, Section, Slider, Switch } from "./parts";
+import { FilmSection, useWay } from "./filmsection";
+import { Choice, Section, Slider, Switch } from "./parts";
 import * as state from "./state";
-import type { Design, Document, Ground, Way } from "./types";
+import type { Design, Document, Ground } from "./types";
 import * as view from "./view";
 
 const kWay = "design";
@@ -20,6 +18,7 @@ export function DesignPanel({ document }: { document: Document }): JSX.Element {
   const { design } = document;
   const change = (part: Partial<Design>, key = ""): void => state.edit({ design: { ...design, ...part } }, key);
   const tool = view.designTool.value;
+  const way = useWay(kWay, design);
   const clips = state.store.value?.clips ?? [];
   return (
     <>
@@ -66,56 +65,7 @@ export function DesignPanel({ document }: { document: Document }): JSX.Element {
         <Slider label="Length" value={design.frames / 25} min={0.4} max={8} step={0.2} shown={`${(design.frames / 25).toFixed(1)} s`} onInput={(value) => change({ frames: Math.round(value * 25) }, "design-frames")} />
         <Switch label="Full size" hint="Without it a draft, 400 px wide or high" checked={design.full} onChange={(full) => change({ full })} />
       </Section>
-      <FilmSection design={design} />
+      <FilmSection name={kWay} way={way} ready={true} />
     </>
-  );
-}
-
-function FilmSection({ design }: { design: Design }): JSX.Element {
-  const id = state.project.value?.id ?? "";
-  const [way, setWay] = useState<Way | null>(null);
-  const [fault, setFault] = useState("");
-  const saved = state.saving.value === "saved";
-  const job = Object.values(state.jobs.value).filter((each) => each.key === `way ${id}/${kWay}`).at(-1);
-  const runs = job?.state === "running" || job?.state === "waiting";
-  const films = state.filmed.value;
-  useEffect(() => {
-    if (!saved) return;
-    api.way(id, kWay).then(setWay, () => setWay(null)); // nothing is drawn yet
-  }, [id, saved, films, design]);
-  const source = way?.film ? api.address.film(id, kWay, way.film) : null;
-  useEffect(() => {
-    view.film.value = source;
-    return () => {
-      view.film.value = null;
-    };
-  }, [source]);
-  const start = (): void => {
-    setFault("");
-    api.runWay(id, kWay).catch((error: Error) => setFault(error.message));
-  };
-  return (
-    <Section title="Film">
-      <div class="row">
-        {source && (
-          <a class="button small" href={source} download={`${id}-${kWay}.mp4`}>
-            Save
-          </a>
-        )}
-        <span class="spread" />
-        {runs && job ? (
-          <button type="button" onClick={() => void api.stopJob("command", job.id)}>
-            Stop
-          </button>
-        ) : (
-          <button type="button" class="primary" disabled={!way || !saved} onClick={start}>
-            Make it
-          </button>
-        )}
-      </div>
-      {runs && job && <Running job={job} label="Film" words={stageWords(job.stage)} />}
-      {(fault || job?.state === "failed") && <p class="problem">{fault || job?.fault}</p>}
-      {way?.commands.map((line) => <CommandLine key={line} text={line} />)}
-    </Section>
   );
 }

@@ -6,6 +6,7 @@ import * as api from "./api";
 import { go, ThemeButton } from "./app";
 import { Dialog, IconButton, Strip } from "./parts";
 import * as state from "./state";
+import { sendStills } from "./stillspanel";
 import type { Job, Store } from "./types";
 
 function ago(seconds: number): string {
@@ -24,12 +25,18 @@ export function HomePage(): JSX.Element {
   const home = state.home.value;
   const take = async (files: File[]): Promise<void> => {
     const videos = files.filter(isVideo);
-    const picture = files.find((file) => !isVideo(file));
+    const pictures = files.filter((file) => !isVideo(file));
+    const picture = pictures[0];
     if (videos.length > 0) setClips(videos);
     else if (picture) {
       setBusy(picture.name);
       try {
-        go(await api.openPicture(picture));
+        const id = await api.openPicture(picture);
+        if (pictures.length > 1) {
+          await sendStills(id, pictures, (count) => setBusy(`${count} of ${pictures.length} stills`));
+          state.beginWith("stills");
+        }
+        go(id);
       } catch (fault) {
         state.toast.value = (fault as Error).message;
       }
@@ -59,8 +66,8 @@ export function HomePage(): JSX.Element {
       <label class="drop">
         <ImagePlus size={30} strokeWidth={1.4} aria-hidden />
         <strong>{busy ? `Opening ${busy}` : "Drop a picture of water, fire, smoke or clouds"}</strong>
-        <span>or choose one. PNG, JPEG, TIFF, WebP, EXR</span>
-        <input type="file" class="unseen" aria-label="Choose a picture" accept="image/*,.exr,.tif,.tiff" onChange={(event) => void take([...(event.currentTarget.files ?? [])])} />
+        <span>or choose one: PNG, JPEG, TIFF, WebP, EXR. Ten stills of one scene become a moving one.</span>
+        <input type="file" multiple class="unseen" aria-label="Choose a picture" accept="image/*,.exr,.tif,.tiff" onChange={(event) => void take([...(event.currentTarget.files ?? [])])} />
       </label>
       {home && home.projects.length > 0 && (
         <section>

@@ -6,6 +6,7 @@ import * as api from "./api";
 import { Choice, IconButton, Section, Slider, Strip, Switch } from "./parts";
 import { DesignPanel } from "./designpanel";
 import { lengthOf } from "./pen";
+import { StillsPanel } from "./stillspanel";
 import * as state from "./state";
 import type { Candidate, Candidates, Document, Edge, MatteBase } from "./types";
 import * as view from "./view";
@@ -22,6 +23,7 @@ export function Panel(): JSX.Element | null {
       {state.mode.value === "look" && <LookPanel document={document} />}
       {state.mode.value === "why" && <WhyPanel document={document} />}
       {state.mode.value === "design" && <DesignPanel document={document} />}
+      {state.mode.value === "stills" && <StillsPanel document={document} />}
     </aside>
   );
 }

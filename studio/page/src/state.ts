@@ -8,7 +8,7 @@ import type { Document, Field, Home, Job, MatteNews, Pieces, Project, ReelNews }
 export interface IngestReport {
   clips: { name: string; outcome: string; reasons: string[]; notes: string[] }[];
 }
-export type Mode = "fluid" | "flow" | "look" | "why" | "design";
+export type Mode = "fluid" | "flow" | "look" | "why" | "design" | "stills";
 
 export const pageId = Math.random().toString(36).slice(2, 12);
 export const home = signal<Home | null>(null);
@@ -28,6 +28,12 @@ export const ingested = signal<IngestReport | null>(null);
 export const exported = signal(0);
 export const filmed = signal(0); // films that other ways have made
 export const player = new Player();
+let firstMode: Mode | null = null; // that the next project opens with
+
+/** The next project that is opened begins with this. */
+export function beginWith(wanted: Mode): void {
+  firstMode = wanted;
+}
 
 export const store = computed(() => home.value?.stores.find((each) => each.path === doc.value?.store) ?? null);
 export const previewJob = computed(() =>
@@ -206,7 +212,8 @@ function take(opened: Project): void {
     if (opened.notice) toast.value = opened.notice;
     const document = opened.document;
     const drawn = document.scribbles.length + document.paint.length > 0 || document.matte_base !== "scribbles";
-    mode.value = drawn ? "flow" : "fluid";
+    mode.value = firstMode ?? (drawn ? "flow" : "fluid");
+    firstMode = null;
   });
   showMade(opened);
 }

@@ -52,6 +52,35 @@ export interface Document {
   speed: number;
   moving_outline: boolean;
   design: Design;
+  stills: Stills;
+}
+
+/** What is said of an order that was found: not walked, or in this order alone. */
+export interface StillsPath {
+  region: string;
+  names: string[];
+  refused: boolean;
+}
+
+/** A moving scene from some stills of it. */
+export interface Stills {
+  seconds: number;
+  speed: number;
+  loop: boolean;
+  split: number;
+  full: boolean;
+  paths: StillsPath[];
+}
+
+export interface FoundRegion {
+  name: string;
+  kind: string;
+  paths: string[][];
+  sequence: string[];
+}
+export interface FoundStills {
+  notices: string[];
+  regions: FoundRegion[];
 }
 
 export type Fluid = "smoke" | "fire" | "water";
@@ -68,9 +97,10 @@ export interface Design {
   full: boolean;
 }
 
-/** Another way to synthesise: what is typed for it, and the film that it has made, if any. */
+/** Another way to synthesise: what is typed for it, the film that it has made, if any, and what it found. */
 export interface Way {
   film: string | null;
+  found: FoundStills | null;
   commands: string[];
 }
 

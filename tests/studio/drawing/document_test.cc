@@ -37,6 +37,12 @@ Document full() {
                      .ground = "none",
                      .frames = 30,
                      .full = true};
+  document.stills = {.seconds = 4.5,
+                     .speed = 2,
+                     .loop = false,
+                     .split = 3,
+                     .full = true,
+                     .paths = {{.region = "1", .names = {"a.jpg", "c d.jpg"}, .refused = true}}};
   return document;
 }
 
@@ -55,13 +61,15 @@ TEST(Document, ComesBackFromItsText) {
   EXPECT_EQ(document_from_json(to_json({}), "document"), Document());
 }
 
-TEST(Document, WithoutPaceAndDesignIsAnOlderOne) {
+TEST(Document, WithoutPaceDesignAndStillsIsAnOlderOne) {
   Json older = Json::parse(to_json(full()));
   older.erase("tempo");
   older.erase("design");
+  older.erase("stills");
   Document expected = full();
   expected.tempo.clear();
   expected.design = {};
+  expected.stills = {};
   EXPECT_EQ(document_from_json(older.dump(), "document"), expected);
 }
 
@@ -82,6 +90,16 @@ TEST(Document, RefusesWhatItDoesNotKnow) {
     Json design = good["design"];
     design[name] = value;
     expect_refused(with("design", design), name);
+  }
+  for (const auto& [name, value] :
+       {std::pair{"seconds", Json(0)},
+        {"split", Json(2.5)},
+        {"paths", {{{"region", "1"}, {"names", {"a"}}, {"refused", true}}}},
+        {"names", {{{"region", "1"}, {"names", {"a\"", "b"}}, {"refused", true}}}},
+        {"x", Json(1)}}) {
+    Json stills = good["stills"];
+    stills[std::string(name) == "names" ? "paths" : name] = value;
+    expect_refused(with("stills", stills), name);
   }
   expect_refused(with("tempo", {{{"points", {{1, 1}}}, {"width", 9}, {"factor", 3}}}), "factor");
   expect_refused(with("frames", 2.5), "frames");

@@ -1,6 +1,7 @@
 #include "studio/ways/way_plan.h"
 
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include "freshet/error.h"
 #include "tests/tools/sample.h"
@@ -46,6 +47,34 @@ TEST(WayPlan, ALookIsASecondCommandOverThePicture) {
   EXPECT_EQ(plan.files.back().name, "behind.png");
   document.store.clear();
   EXPECT_THROW(plan_way("design", document, kPicture), Error);
+}
+
+TEST(WayPlan, WhatIsSaidOfStillsIsHeededByTheCommandLine) {
+  const tools::WorkFolder folder;
+  std::filesystem::create_directories(folder / "ways/stills/pictures");
+  for (const std::string seed : {"1", "2", "3", "4", "5", "6", "7", "8"}) {
+    const tools::Outcome made =
+        folder.freshet({"synth", "simulate", "fire", "--size", "160x120", "--frames", "1", "--seed", seed,
+                        "-o", "ways/stills/pictures/" + seed + ".png"});
+    ASSERT_EQ(made.exit_code, 0) << made.err;
+  }
+  Document document;
+  document.stills.seconds = 1;
+  const auto run = [&] {
+    const WayPlan plan = plan_way("stills", document, kPicture);
+    for (const WayFile& file : plan.files) folder.file("ways/stills/" + file.name, file.bytes);
+    const tools::Outcome outcome = folder.freshet(plan.commands.at(0));
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    EXPECT_TRUE(std::filesystem::exists(folder / plan.film));
+    for (const std::string& shown : plan.shown)
+      EXPECT_TRUE(std::filesystem::exists(folder / ("ways/stills/" + shown))) << shown;
+    return nlohmann::json::parse(outcome.out).at("regions").at(0);
+  };
+  const nlohmann::json before = run();
+  const auto first = before.at("paths").at(0).get<std::vector<std::string>>();
+  document.stills.paths = {{.region = before.at("name"), .names = first, .refused = true}};
+  const nlohmann::json after = run();
+  for (const nlohmann::json& path : after.at("paths")) EXPECT_NE(path.get<std::vector<std::string>>(), first);
 }
 
 TEST(WayPlan, WantsASource) {

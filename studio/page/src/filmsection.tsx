@@ -1,0 +1,65 @@
+// What another way of synthesis makes: its film over the picture, made, stopped and saved, and its command lines.
+import type { JSX } from "preact";
+import { useEffect, useState } from "preact/hooks";
+import * as api from "./api";
+import { stageWords } from "./app";
+import { CommandLine, Running, Section } from "./parts";
+import * as state from "./state";
+import type { Way } from "./types";
+import * as view from "./view";
+
+/** What the server has of a way; asked anew when what was drawn for it is saved, and when a film is there. */
+export function useWay(name: string, drawn: unknown): Way | null {
+  const id = state.project.value?.id ?? "";
+  const [way, setWay] = useState<Way | null>(null);
+  const saved = state.saving.value === "saved";
+  const films = state.filmed.value;
+  useEffect(() => {
+    if (!saved) return;
+    api.way(id, name).then(setWay, () => setWay(null)); // nothing is drawn yet
+  }, [id, saved, films, drawn]);
+  return way;
+}
+
+export function FilmSection({ name, way, ready }: { name: string; way: Way | null; ready: boolean }): JSX.Element {
+  const id = state.project.value?.id ?? "";
+  const [fault, setFault] = useState("");
+  const saved = state.saving.value === "saved";
+  const job = Object.values(state.jobs.value).filter((each) => each.key === `way ${id}/${name}`).at(-1);
+  const runs = job?.state === "running" || job?.state === "waiting";
+  const source = way?.film ? api.address.film(id, name, way.film) : null;
+  useEffect(() => {
+    view.film.value = source;
+    return () => {
+      view.film.value = null;
+    };
+  }, [source]);
+  const start = (): void => {
+    setFault("");
+    api.runWay(id, name).catch((error: Error) => setFault(error.message));
+  };
+  return (
+    <Section title="Film">
+      <div class="row">
+        {source && (
+          <a class="button small" href={source} download={`${id}-${name}.mp4`}>
+            Save
+          </a>
+        )}
+        <span class="spread" />
+        {runs && job ? (
+          <button type="button" onClick={() => void api.stopJob("command", job.id)}>
+            Stop
+          </button>
+        ) : (
+          <button type="button" class="primary" disabled={!ready || !way || !saved} onClick={start}>
+            Make it
+          </button>
+        )}
+      </div>
+      {runs && job && <Running job={job} label="Film" words={stageWords(job.stage)} />}
+      {(fault || job?.state === "failed") && <p class="problem">{fault || job?.fault}</p>}
+      {way?.commands.map((line) => <CommandLine key={line} text={line} />)}
+    </Section>
+  );
+}
