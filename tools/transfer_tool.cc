@@ -494,10 +494,10 @@ void add_inputs(CLI::App& sub, TransferCommand& command) {
          "Where the fluid is, frame by frame: grey pictures or their alpha (a folder, masks/%05d.png, "
          "masks.####.png), or a video")
       ->group(design);
-  sub.add_option(
-         "--flow-sequence", command.flow,
-         "How it moves, px to the next frame: .flo (y down) or .exr (channels u and v, y up), a folder or "
-         "a pattern")
+  sub.add_option("--flow-sequence", command.flow,
+                 "How it moves, px to the next frame: .flo (y down) or .exr (y up; channels forward.u and "
+                 "forward.v, as "
+                 "synth simulate writes them, or u and v, x and y), a folder or a pattern")
       ->group(design);
   sub.add_option("--frames", command.frames, "Only so many of the first frames [all]")
       ->check(CLI::Range(1, 1000000))
