@@ -14,7 +14,7 @@ namespace freshet::tools {
 
 std::shared_ptr<const query::SearchBase> open_with_progress(const store::Snapshot& snapshot,
                                                             const SearchOptions& search, bool built_late) {
-  search.check_piece(snapshot);
+  search.check(snapshot);
   Progress progress;
   progress.show("reading the index", 0, 0);
   query::IndexChoice choice = search.index();

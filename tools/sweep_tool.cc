@@ -137,7 +137,7 @@ class Sweep {
   };
 
   std::shared_ptr<const query::SearchBase> base_of(const SearchOptions& search) {
-    search.check_piece(snapshot_);
+    search.check(snapshot_);
     const query::IndexChoice index = search.index();
     auto& base = bases_[{index.flann ? static_cast<int>(*index.flann) : -1, index.flann_options.checks}];
     if (base == nullptr) base = open_with_progress(snapshot_, search, true);

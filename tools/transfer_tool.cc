@@ -26,6 +26,7 @@
 #include "synth/transfer/files/design_files.h"
 #include "synth/transfer/files/exemplar_files.h"
 #include "synth/transfer/files/extent.h"
+#include "synth/transfer/files/fine_drawing.h"
 #include "synth/transfer/files/resume_folder.h"
 #include "synth/transfer/transfer.h"
 #include "tools/commands.h"
@@ -125,6 +126,13 @@ struct Composite {
   cv::Point at;
   fs::path out;
   transfer::Blend blend;
+
+  /// The animation's next frame on it; light ends softly with its frame.
+  cv::Mat of(const cv::Mat& picture) {
+    const cv::Mat under = background.next();
+    if (blend == transfer::Blend::kOver) return transfer::laid_on(picture, under, blend, at);
+    return transfer::laid_on(transfer::ending_softly(picture, under.size(), at), under, blend, at);
+  }
 };
 
 bool is_light(const TransferCommand& command) { return command.ground == "black"; }
@@ -356,15 +364,22 @@ class TransferRun {
     for (int i = resumed_; i < design_.frames(); ++i) {
       const auto stop_or_show = [&](double = 0) { show("transfer", i); };
       stop_or_show();
-      const transfer::TransferredFrame frame = engine.next(design_.read(i), stop_or_show);
+      const transfer::TargetFrame target = design_.read(i);
+      const transfer::TransferredFrame frame = engine.next(target, stop_or_show);
       for (const std::string& remark : frame.remarks)
         if (said.insert(remark).second) say(fmt::format("frame {}: {}", i, remark));
       const TimedScope writing(write_s_);
-      files_->write(i, is_light(command_) ? transfer::light_alone(frame.bgra) : frame.bgra);
+      files_->write(i, is_light(command_) ? light_of(frame, target) : frame.bgra);
       notes_.push_back(note_of(frame));
       kept.keep(engine, notes_);
       remember_what_is_kept(kept, i + 1);
     }
+  }
+
+  cv::Mat light_of(const transfer::TransferredFrame& frame, const transfer::TargetFrame& target) const {
+    cv::Mat light = transfer::light_alone(frame.bgra);
+    transfer::draw_light(transfer::fine_drawing(target, options_), light);
+    return light;
   }
 
   /// What is one file of all frames: the animation, unless it is a sequence, and the composite.
@@ -376,9 +391,7 @@ class TransferRun {
     for (int i = 0; (sink || composed) && i < frames; ++i) {
       const cv::Mat picture = files_->read(i);
       if (sink) sink->write(picture);
-      if (composed)
-        composed->write(
-            transfer::laid_on(picture, composite_->background.next(), composite_->blend, composite_->at));
+      if (composed) composed->write(composite_->of(picture));
       show("writing", i + 1);
     }
     if (sink) sink->finish();
@@ -481,10 +494,10 @@ void add_inputs(CLI::App& sub, TransferCommand& command) {
          "Where the fluid is, frame by frame: grey pictures or their alpha (a folder, masks/%05d.png, "
          "masks.####.png), or a video")
       ->group(design);
-  sub.add_option(
-         "--flow-sequence", command.flow,
-         "How it moves, px to the next frame: .flo (y down) or .exr (channels u and v, y up), a folder or "
-         "a pattern")
+  sub.add_option("--flow-sequence", command.flow,
+                 "How it moves, px to the next frame: .flo (y down) or .exr (y up; channels forward.u and "
+                 "forward.v, as "
+                 "synth simulate writes them, or u and v, x and y), a folder or a pattern")
       ->group(design);
   sub.add_option("--frames", command.frames, "Only so many of the first frames [all]")
       ->check(CLI::Range(1, 1000000))

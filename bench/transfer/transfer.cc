@@ -39,6 +39,7 @@
 #include "synth/simulate/design/scene_file.h"
 #include "synth/simulate/simulate.h"
 #include "synth/transfer/files/exemplar_files.h"
+#include "synth/transfer/files/extent.h"
 #include "synth/transfer/forward_warp.h"
 #include "synth/transfer/transfer.h"
 
@@ -114,7 +115,18 @@ Asked parse_exemplar(std::string text) {
   return asked;
 }
 
-Look read_look(const Asked& asked, int height, int frames, const std::filesystem::path& store_path) {
+/// As freshet synth transfer fits light to its design.
+Extent extent_of_all(const std::vector<TargetFrame>& design) {
+  constexpr int kSeen = 8;
+  return mean_extent(static_cast<int>(design.size()), kSeen, {}, [&](int i) {
+    cv::Mat alpha = design[static_cast<std::size_t>(i)].alpha;
+    alpha.convertTo(alpha, CV_32F, alpha.depth() == CV_8U ? 1.0 / 255 : 1.0);
+    return alpha;
+  });
+}
+
+Look read_look(const Asked& asked, const std::vector<TargetFrame>& design, int height, int frames,
+               const std::filesystem::path& store_path) {
   Look look{std::filesystem::path(asked.name).stem().string(), {}};
   if (is_simulated(asked.name)) {
     const cv::Size size(height * 8, height * 6);
@@ -132,6 +144,7 @@ Look read_look(const Asked& asked, int height, int frames, const std::filesystem
       std::filesystem::exists(asked.name)
           ? ExemplarFiles(asked.name, options)
           : ExemplarFiles(store::Store::open_read(store_path).snapshot(), asked.name, options);
+  if (!design.empty()) files.fit_body(extent_of_all(design), {});
   files.check();
   for (int t = 0; t < (files.frames() > 1 ? frames : 1); ++t) {
     cv::Mat values;
@@ -378,8 +391,8 @@ int main(int argc, char** argv) try {
   for (const std::string& name : settings.exemplars) {
     if (settings.frames < 1) break;
     const Asked asked = parse_exemplar(name);
-    const Look look = read_look(asked, settings.size().height / 2, settings.frames, settings.store);
     const std::vector<TargetFrame> design = design_of(asked.design, settings);
+    const Look look = read_look(asked, design, settings.size().height / 2, settings.frames, settings.store);
     for (const Method& method : methods()) {
       const Series series = run(look, design, method, settings);
       const std::size_t n = series.sharpness.size(), early = std::min<std::size_t>(n, 10),
@@ -407,7 +420,7 @@ int main(int argc, char** argv) try {
     }
   }
   if (!settings.curve.empty())
-    curve(read_look(parse_exemplar(settings.exemplars[0]), 360, 1, settings.store), settings.curve,
+    curve(read_look(parse_exemplar(settings.exemplars[0]), {}, 360, 1, settings.store), settings.curve,
           json["curve"]);
   write_result(settings, json);
   if (failed > 0) fmt::print(stderr, "{} runs broke the promise of uniform use\n", failed);

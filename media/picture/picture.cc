@@ -16,6 +16,7 @@
 
 #include "freshet/error.h"
 #include "media/frame/decoder.h"
+#include "media/frame/video_name.h"
 #include "media/picture/colour_profile.h"
 #include "media/picture/exr_picture.h"
 #include "media/picture/light.h"
@@ -83,6 +84,9 @@ cv::Mat decode_with_opencv(const fs::path& path, const std::vector<std::uint8_t>
   } catch (const cv::Exception& fault) {
     throw Error(ErrorKind::kInput, name, "cannot be decoded (" + fault.err + ")", "Save it again as PNG");
   }
+  if (samples.empty() && looks_like_video(path))
+    throw Error(ErrorKind::kInput, name, "a video, where a picture is expected",
+                "Take a frame of it, for example ffmpeg -ss 1 -i " + name + " -frames:v 1 still.png");
   if (samples.empty())
     throw Error(ErrorKind::kInput, name, "not a picture that OpenCV can read",
                 "Save it as PNG, JPEG or TIFF");

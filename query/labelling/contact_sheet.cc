@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "query/search/picture_scale.h"
-#include "query/stored/average_image.h"
+#include "query/stored/middle_frame.h"
 #include "report/sheet_words.h"
 #include "vision/settings.h"
 
@@ -16,11 +16,18 @@ namespace freshet::query {
 namespace {
 
 constexpr int kMargin = 6, kCaption = 14;  // px
+constexpr int kEnlarged = 2;               // times: 48 px are hard to judge
 const cv::Scalar kChosen(90, 220, 90);
 
 void caption(cv::Mat& sheet, const std::string& text, cv::Point at) {
   cv::putText(sheet, text, at, cv::FONT_HERSHEY_SIMPLEX, 0.32, cv::Scalar::all(report::kSheetInk), 1,
               cv::LINE_AA);
+}
+
+cv::Mat enlarged(const cv::Mat& part) {
+  cv::Mat large;
+  cv::resize(part, large, {}, kEnlarged, kEnlarged, cv::INTER_CUBIC);
+  return large;
 }
 
 }  // namespace
@@ -31,7 +38,7 @@ cv::Mat contact_sheet(const store::Snapshot& snapshot, const cv::Mat& picture, c
   const Target& target = search.target;
   const auto pieces = static_cast<int>(target.size());
   const int shown = std::max(1, std::min(options.pieces, pieces)), across = std::max(1, options.candidates);
-  const int tile = std::max(target.side, 48), width = tile + kMargin, height = tile + kMargin + kCaption;
+  const int tile = kEnlarged * target.side, width = tile + kMargin, height = tile + kMargin + kCaption;
   const int columns = 1 + across + (labels != nullptr ? 1 : 0);
   cv::Mat sheet(kMargin + shown * height, kMargin + columns * width, CV_8UC3,
                 cv::Scalar::all(report::kSheetPaper));
@@ -49,9 +56,9 @@ cv::Mat contact_sheet(const store::Snapshot& snapshot, const cv::Mat& picture, c
   for (int i = 0; i < shown && pieces > 0; ++i) {
     const auto piece = static_cast<std::size_t>(static_cast<std::int64_t>(i) * pieces / shown);
     const cv::Point at(kMargin, kMargin + i * height);
-    const cv::Size side(target.side, target.side);
-    beyond(cv::Rect(target.corners[piece] + cv::Point(border, border), side))
-        .copyTo(sheet(cv::Rect(at, side)));
+    const cv::Size side(target.side, target.side), shown_side = side * kEnlarged;
+    enlarged(beyond(cv::Rect(target.corners[piece] + cv::Point(border, border), side)))
+        .copyTo(sheet(cv::Rect(at, shown_side)));
     caption(sheet, fmt::format("{},{}", target.corners[piece].x, target.corners[piece].y),
             at + cv::Point(0, tile + 11));
     const auto rows = search.candidates.rows_of(piece);
@@ -71,28 +78,27 @@ cv::Mat contact_sheet(const store::Snapshot& snapshot, const cv::Mat& picture, c
     }
     if (labels != nullptr) {
       const cv::Point spot = put((*labels)[piece], 1 + across);
-      cv::rectangle(sheet, cv::Rect(spot - cv::Point(2, 2), side + cv::Size(4, 4)), kChosen, 2);
+      cv::rectangle(sheet, cv::Rect(spot - cv::Point(2, 2), shown_side + cv::Size(4, 4)), kChosen, 2);
     }
   }
   std::uint32_t clip_at_hand = 0xffffffff;
-  cv::Mat average;
+  cv::Mat whole;
   for (const auto& [key, places] : spots) {
     if (key.first != clip_at_hand)
-      average = average_image(snapshot, search.table().clips[clip_at_hand = key.first]);
-    const cv::Mat frame = vision::warp_to_variant(average, variants[key.second]);
+      whole = middle_frame(snapshot, search.table().clips[clip_at_hand = key.first]);
+    const cv::Mat frame = vision::warp_to_variant(whole, variants[key.second]);
     for (const Spot& spot : places) {
       const cv::Rect patch(search.table().x[spot.row], search.table().y[spot.row], target.side, target.side);
-      cv::Mat colour;
-      cv::cvtColor(frame(patch), colour, cv::COLOR_GRAY2BGR);
-      colour.copyTo(sheet(cv::Rect(spot.at, patch.size())));
+      enlarged(frame(patch)).copyTo(sheet(cv::Rect(spot.at, patch.size() * kEnlarged)));
     }
   }
   std::vector<std::string> legend{fmt::format(
       "{} of {} pieces, a row each: the piece of the picture with its corner's x, y in px{}; then its "
-      "best candidates, each the average of its clip there, with its likeness in per cent and its "
-      "clip's number.",
+      "best candidates, each as the frame in the middle of its clip shows it, with its likeness in per cent "
+      "(of averages over time, without colour) and its clip's number. All {} times as large.",
       shown, pieces,
-      search.piece_scale != 1 ? fmt::format(" (of the picture reduced by {:g})", search.piece_scale) : "")};
+      search.piece_scale != 1 ? fmt::format(" (of the picture reduced by {:g})", search.piece_scale) : "",
+      kEnlarged)};
   if (labels != nullptr) legend.emplace_back("Right, framed in green: the one that was chosen.");
   std::map<std::uint32_t, std::string> names;  // by number, of the clips that are shown
   for (const auto& [key, places] : spots) {

@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "freshet/error.h"
+#include "platform/likeness.h"
 
 namespace freshet::query {
 namespace {
@@ -110,21 +111,35 @@ double parse_direction(const std::string& text) {
               "Use right, up, left, down, up-left, ... or degrees: 0 right, 90 up");
 }
 
+void check_names(const store::Snapshot& snapshot, const CandidateOptions& options) {
+  std::set<std::string> clips, classes;
+  for (const store::ClipId id : snapshot.clips()) {
+    const store::ClipRecord clip = snapshot.clip(id);
+    clips.insert(clip.name);
+    classes.insert(clip.class_name);
+  }
+  const auto refuse = [&](const std::string& fault, const std::string& remedy) {
+    throw Error(ErrorKind::kNotFound, snapshot.path().string(), fault, remedy);
+  };
+  for (const std::string& name : options.excluded_clips)
+    if (!clips.contains(name))
+      refuse("it holds no clip named \"" + name + "\" that could be left out",
+             did_you_mean(name, clips) + "freshet store info lists its clips");
+  if (const std::string& name = options.class_name; !name.empty() && !classes.contains(name))
+    refuse(
+        "no clip of class \"" + name + "\"",
+        did_you_mean(name, classes) + fmt::format("The store has the classes {}", fmt::join(classes, ", ")));
+}
+
 Filtered filter_rows(const store::Snapshot& snapshot, const PatchTable& table,
                      std::span<const vision::Variant> variants, const CandidateOptions& options) {
   if (options.direction_deg) check_range("direction", *options.direction_deg, -360, 360);
   check_range("direction tolerance", options.direction_tolerance_deg, 0, 180);
   check_range("shortest duration", options.min_duration_s, 0, 1e6);
+  check_names(snapshot, options);
   Narrowing narrowing(snapshot, table);
 
   if (!options.excluded_clips.empty()) {
-    for (const std::string& name : options.excluded_clips) {
-      if (!snapshot.find(name)) {
-        throw Error(ErrorKind::kNotFound, snapshot.path().string(),
-                    "it holds no clip named \"" + name + "\" that could be left out",
-                    "freshet store info lists its clips");
-      }
-    }
     narrowing.clips("without excluded clips", [&](const store::ClipRecord& clip, bool) {
       return std::find(options.excluded_clips.begin(), options.excluded_clips.end(), clip.name) ==
              options.excluded_clips.end();

@@ -49,9 +49,13 @@ struct Filtered {
   std::vector<std::string> too_short;
 };
 
+/// Throws Error{kNotFound} for a class or an excluded clip that the store does not have, with the one that is most
+/// like it. Reads the clips' records alone: for the moment before long work.
+void check_names(const store::Snapshot& snapshot, const CandidateOptions& options);
+
 /// Which rows the options allow, before any search.
 /// variants   settings.variants().
-/// Throws Error{kNotFound} when none is left, naming the condition that removed the last and what there is;
+/// Throws as check_names, Error{kNotFound} when none is left, naming the condition that removed the last and what there is;
 /// Error{kUsage} for a number out of range.
 Filtered filter_rows(const store::Snapshot& snapshot, const PatchTable& table,
                      std::span<const vision::Variant> variants, const CandidateOptions& options);

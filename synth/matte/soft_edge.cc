@@ -13,7 +13,8 @@ namespace freshet::synth::matte {
 namespace {
 
 constexpr std::uint8_t kUnsure = 128;
-constexpr int kMinUnsure = 64;  // information flow looks for 20 neighbours among them
+constexpr std::uint8_t kFaint = 8;  // what is below stands still wherever a matte is read: it is nothing
+constexpr int kMinUnsure = 64;      // information flow looks for 20 neighbours among them
 
 // Where the band is, with room for what lies beside it.
 cv::Rect around(const cv::Mat& trimap, int room) {
@@ -104,6 +105,7 @@ cv::Mat soft_edge(const cv::Mat& picture, const cv::Mat& region, const Marks& ma
   }
   cv::Mat bytes, out = trimap.clone();
   alpha.convertTo(bytes, CV_8U, 255);
+  bytes.setTo(0, bytes < kFaint);
   bytes.copyTo(out(part), trimap(part) == kUnsure);
   return out;
 }

@@ -37,6 +37,7 @@ cv::Mat trimap_of(const cv::Mat& region, const Marks& marks, double width_px);
 /// Alpha, CV_8U: the region's own values outside of the band, and the marks' where there are any. Information
 /// flow works on the part of the picture that holds the band, reduced to max_pixels; what comes back is
 /// fitted to the picture's own edges by a guided filter.
+/// What is below 8 is 0.
 /// picture  CV_8UC3.
 /// region   CV_8U, 0 or 255.
 cv::Mat soft_edge(const cv::Mat& picture, const cv::Mat& region, const Marks& marks,

@@ -14,6 +14,7 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "media/frame/layout_json.h"
 #include "store/store.h"
 #include "vision/patch_features.h"
 #include "vision/settings.h"
@@ -149,7 +150,10 @@ inline void add_made_clip(store::Store& store, const vision::Settings& settings,
     writer.column<std::array<float, 2>>("patch.motion", motion);
     writer.column<float>("patch.coverage", coverage);
   }
-  record.metadata = nlohmann::json{{"cells", cells}}.dump();
+  const media::PixelLayout layout{
+      .format = "gray", .width = texture.cols, .height = texture.rows, .range = 2};
+  record.metadata =
+      nlohmann::json{{"cells", cells}, {"layout", nlohmann::json::parse(media::to_json(layout))}}.dump();
   writer.commit(record);
 }
 

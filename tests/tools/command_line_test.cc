@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "tests/tools/sample.h"
@@ -86,6 +87,43 @@ TEST(CommandLine, WrongUsageIsSaidInOneLine) {
   expect_usage_fault({"ingest", sample().store, sample().clips, "--patch", "96"},
                      "made with another --patch: 48, and 96 was asked for");
   expect_usage_fault({"ingest", "new.store", sample().clips, "--patch", "50"}, "--patch: 50 not in");
+}
+
+// 2: nothing but another command line would help. 1: another file, store or disk would.
+TEST(CommandLine, ExitCodesTellACommandLineFromWhatItMeets) {
+  const WorkFolder folder;
+  std::ofstream(folder / "kept.mp4") << "mine";
+  const std::string store = sample().store, still = sample().still, matte = sample().matte;
+  const auto animate = [&](std::vector<std::string> more) {
+    std::vector<std::string> words{"synth", "animate", store, still};
+    words.insert(words.end(), more.begin(), more.end());
+    return words;
+  };
+  const std::vector<std::pair<std::vector<std::string>, int>> runs{
+      {animate({"--matte", matte, "-o", "a.xyz"}), 2},
+      {animate({"--matte", matte, "-o", still}), 2},
+      {animate({"--matte", matte, "-o", "kept.mp4"}), 2},
+      {animate({"-o", "a.mp4"}), 2},
+      {animate({"--matte", matte, "--frames", "0", "-o", "a.mp4"}), 2},
+      {animate({"--matte", matte, "--preset", "edit", "-o", "a.mp4"}), 2},
+      {{"synth", "transfer", "--exemplar", still, "-o", "a.mov"}, 2},
+      {{"synth", "simulate", "lava", "-o", "a"}, 2},
+      {animate({"--matte", "none.png", "-o", "a.mp4"}), 1},
+      {animate({"--matte", matte, "--strokes", "none.svg", "-o", "a.mp4"}), 1},
+      {animate({"--matte", matte, "--class", "none", "-o", "a.mp4"}), 1},
+      {animate({"--matte", matte, "--exclude", "none", "-o", "a.mp4"}), 1},
+      {{"synth", "animate", "none.store", still, "--matte", matte, "-o", "a.mp4"}, 1},
+      {{"synth", "animate", store, "none.png", "--whole", "-o", "a.mp4"}, 1},
+      {{"synth", "transfer", "--design", "none", "--exemplar", still, "-o", "a.mov"}, 1},
+      {{"synth", "simulate", "none.toml", "-o", "a"}, 1},
+      {{"synth", "scene", "none.toml", "-o", "a.mp4"}, 1},
+      {{"store", "export", store, "none", "-o", "a.mkv"}, 1},
+      {{"ingest", "new.store", "none.mp4"}, 1}};
+  for (const auto& [words, code] : runs) {
+    const Outcome outcome = folder.freshet(words);
+    EXPECT_EQ(outcome.exit_code, code) << outcome.err;
+    EXPECT_EQ(outcome.out, "");
+  }
 }
 
 TEST(CommandLine, SettingsThatDoNotGoTogetherLeaveNoStoreBehind) {

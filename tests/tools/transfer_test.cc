@@ -384,7 +384,7 @@ TEST_F(TransferTool, BadInputIsRefusedBeforeTheWorkStarts) {
       {{"--store", "none.store"}, 1, "none.store"},
       {{"--store", sample().store, "--exemplar", "sea"},
        1,
-       "sea: the store has no clip of this name; it has fall/1.mkv"},
+       "sea: the store has no clip of this name. freshet store info"},
       {{"--patch", "4"}, 2, "patch: 4 is even"},
       {{"--lower", "0.9", "--upper", "0.2"}, 2, "lower: 0.9 is not below upper"},
       {{"--lambda", "-1"}, 2, "--lambda"},

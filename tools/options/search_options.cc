@@ -112,7 +112,8 @@ std::optional<double> SearchOptions::piece_scale() const {
   return std::stod(piece_scale_);
 }
 
-void SearchOptions::check_piece(const store::Snapshot& snapshot) const {
+void SearchOptions::check(const store::Snapshot& snapshot) const {
+  query::check_names(snapshot, options_);
   const int patch = vision::settings_from_json(snapshot.settings()).grid.patch;
   if (piece_ != 0 && piece_ != patch)
     throw Error(

@@ -49,8 +49,9 @@ class SearchOptions {
   query::IndexChoice index() const;
   /// Nothing for auto.
   std::optional<double> piece_scale() const;
-  /// Throws Error{kUsage} when pieces of another size were asked for than the store was made for.
-  void check_piece(const store::Snapshot& snapshot) const;
+  /// Before long work. Throws Error{kUsage} when pieces of another size were asked for than the store was made for,
+  /// Error{kNotFound} for a class or a clip that it does not have.
+  void check(const store::Snapshot& snapshot) const;
 
  private:
   query::CandidateOptions options_;

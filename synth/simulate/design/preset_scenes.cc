@@ -126,7 +126,7 @@ warm_up = 1.5
 buoyancy = 4.5
 top_speed = 1.3
 vorticity = 0.5
-burning = 0.5
+burning = 0.6
 still_air = 1.5
 cooling = 0.5
 
@@ -141,17 +141,15 @@ glow = 1.0
 
 [[emitter]]
 name = "bed"
-shape = "line"
-start = [0.34, 0.92]
-end = [0.66, 0.92]
-width = 0.04
-softness = 0.02
+shape = "polygon"  # thin at its ends
+corners = [[0.32, 0.935], [0.38, 0.905], [0.5, 0.885], [0.62, 0.905], [0.68, 0.935], [0.6, 0.945], [0.4, 0.945]]
+softness = 0.03
 rate = 1.3
 velocity = [0.0, -0.5]
 heat = 1.0
 expansion = 2.5
 jitter = 1.0
-lump = 0.06
+lump = 0.09
 
 [[obstacle]]
 name = "log"
@@ -247,7 +245,7 @@ glow = 0.9
 [[emitter]]
 name = "mouth"
 shape = "polygon"
-corners = [[0.02, 0.468], [0.08, 0.474], [0.08, 0.564], [0.02, 0.558]]  # along its way
+corners = [[0.02, 0.513], [0.1, 0.474], [0.1, 0.566]]  # it widens on its way
 softness = 0.012
 to = 7.2
 rate = [[0.0, 0.4], [0.4, 1.2], [6.6, 1.2], [7.2, 0.3]]

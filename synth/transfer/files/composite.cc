@@ -1,8 +1,10 @@
 #include "synth/transfer/files/composite.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <optional>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -16,6 +18,8 @@ namespace freshet::synth::transfer {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr int kRim = 20;  // of the frame's shorter side, one part
 
 /// The nearest code of what `blend` says.
 template <class Pixel, int kMax>
@@ -38,7 +42,42 @@ void join(const cv::Mat& over, Blend blend, cv::Mat& under) {
   }
 }
 
+/// What is left of alpha, by px from an end of the frame.
+std::vector<float> rims(int length, int rim, bool fades_at_first, bool fades_at_last) {
+  std::vector<float> left(static_cast<std::size_t>(length), 1.0f);
+  for (int i = 0; i < std::min(rim, length); ++i) {
+    const float at = (static_cast<float>(i) + 0.5f) / static_cast<float>(rim), kept = at * at * (3 - 2 * at);
+    if (fades_at_first) left[static_cast<std::size_t>(i)] *= kept;
+    if (fades_at_last) left[static_cast<std::size_t>(length - 1 - i)] *= kept;
+  }
+  return left;
+}
+
+template <class Pixel>
+void fade(const std::vector<float>& across, const std::vector<float>& down, cv::Mat& picture) {
+  for (int y = 0; y < picture.rows; ++y) {
+    auto* to = picture.ptr<Pixel>(y);
+    for (int x = 0; x < picture.cols; ++x) {
+      const float kept = across[static_cast<std::size_t>(x)] * down[static_cast<std::size_t>(y)];
+      to[x][3] = static_cast<typename Pixel::value_type>(std::lround(kept * static_cast<float>(to[x][3])));
+    }
+  }
+}
+
 }  // namespace
+
+cv::Mat ending_softly(const cv::Mat& over, cv::Size under, cv::Point at) {
+  CV_Assert(over.type() == CV_8UC4 || over.type() == CV_16UC4);
+  const int rim = std::max(1, std::min(over.cols, over.rows) / kRim);
+  const auto across = rims(over.cols, rim, at.x > 0, at.x + over.cols < under.width);
+  const auto down = rims(over.rows, rim, at.y > 0, at.y + over.rows < under.height);
+  cv::Mat soft = over.clone();
+  if (over.depth() == CV_8U)
+    fade<cv::Vec4b>(across, down, soft);
+  else
+    fade<cv::Vec4w>(across, down, soft);
+  return soft;
+}
 
 cv::Mat laid_on(const cv::Mat& over, const cv::Mat& under, Blend blend, cv::Point at) {
   CV_Assert(over.type() == CV_8UC4 || over.type() == CV_16UC4);

@@ -21,6 +21,12 @@ enum class Blend {
 /// Returns  `under` with the picture on it.
 cv::Mat laid_on(const cv::Mat& over, const cv::Mat& under, Blend blend = Blend::kOver, cv::Point at = {0, 0});
 
+/// Light that ends softly: on each side of its frame that lies within the picture behind, alpha fades to 0 over the
+/// last twentieth of the frame's shorter side. Flames that leave the frame would end in a straight line there.
+///
+/// over, at  as above. under: size of the picture behind.
+cv::Mat ending_softly(const cv::Mat& over, cv::Size under, cv::Point at);
+
 /// A background: one picture for all frames, or a folder, pattern or video of as many.
 class Background {
  public:

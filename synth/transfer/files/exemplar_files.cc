@@ -16,6 +16,7 @@
 #include "media/picture/picture.h"
 #include "media/picture/picture_sequence.h"
 #include "media/video/video_reader.h"
+#include "platform/likeness.h"
 #include "query/stored/clip_frames.h"
 #include "synth/animate/clips/clip_loop.h"
 #include "synth/animate/clips/timeline.h"
@@ -108,15 +109,10 @@ Frames from_file(const fs::path& path, std::vector<std::string>& notices) {
 Frames stored(const store::Snapshot& snapshot, const std::string& name) {
   const std::optional<store::ClipId> clip = snapshot.find(name);
   if (!clip) {
-    std::string names;
-    int listed = 0;
-    for (const store::ClipId id : snapshot.clips())
-      if (listed++ < 5) names += (names.empty() ? "" : ", ") + snapshot.clip(id).name;
-    throw Error(
-        ErrorKind::kNotFound, name,
-        "the store has no clip of this name; it has " +
-            (names.empty() ? "none" : names + (listed > 5 ? fmt::format(" and {} more", listed - 5) : "")),
-        "Name one of those that freshet store info lists");
+    std::vector<std::string> names;
+    for (const store::ClipId id : snapshot.clips()) names.push_back(snapshot.clip(id).name);
+    throw Error(ErrorKind::kNotFound, name, "the store has no clip of this name",
+                did_you_mean(name, names) + "freshet store info lists them");
   }
   auto frames = std::make_shared<query::ClipFrames>(snapshot, *clip);
   return {.name = name,

@@ -39,6 +39,20 @@ cv::Mat body_of(const cv::Mat& light, float body_begins) {
   return body;
 }
 
+/// What is seen of a picture with an alpha of its own, on the ground. Opaque.
+void lay_on_ground(cv::Mat& bgra, bool black) {
+  const std::int64_t ground = black ? 0 : kMax;
+  for (int y = 0; y < bgra.rows; ++y) {
+    auto* to = bgra.ptr<cv::Vec4w>(y);
+    for (int x = 0; x < bgra.cols; ++x) {
+      const std::int64_t alpha = to[x][3];
+      for (int c = 0; c < 3; ++c)
+        to[x][c] = static_cast<std::uint16_t>((alpha * to[x][c] + (kMax - alpha) * ground + kMax / 2) / kMax);
+      to[x][3] = kMax;
+    }
+  }
+}
+
 void divide(cv::Vec4w& at, int alpha, bool black) {
   for (int c = 0; c < 3; ++c) {
     const int light = black ? at[c] : kMax - at[c];
@@ -53,6 +67,7 @@ void divide(cv::Vec4w& at, int alpha, bool black) {
 void take_off_ground(cv::Mat& bgra, Ground ground, const cv::Mat& mask, double body_begins) {
   if (ground == Ground::kNone) return;
   const bool black = ground == Ground::kBlack;
+  lay_on_ground(bgra, black);
   if (!black) cv::bitwise_not(bgra, bgra);
   const cv::Mat light = brightest(bgra);
   cv::Mat alpha = light;

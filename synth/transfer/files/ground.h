@@ -5,7 +5,7 @@
 
 namespace freshet::synth::transfer {
 
-/// What lies behind an exemplar that has no alpha of its own.
+/// What an exemplar stands on.
 enum class Ground {
   kNone,   // nothing is known: it is opaque
   kBlack,  // light on black, such as fire
@@ -14,7 +14,8 @@ enum class Ground {
 
 inline constexpr double kBodyBegins = 0.6;
 
-/// Gives bgra, CV_16UC4, the alpha of what stands on a ground, and straight colours. In place.
+/// Gives bgra, CV_16UC4, the alpha of what stands on a ground, and straight colours. In place. One with an alpha of
+/// its own is laid on the ground first.
 ///
 /// White: alpha is the darkest channel's negative.
 /// Black: colours times alpha stay the light that is seen. Alpha is the body that the light comes from, gaps between

@@ -40,6 +40,16 @@ TEST(Matte, OfALargePictureComesFromReducedCopiesAndIsAsGood) {
   EXPECT_LT(sad_fraction(guided.alpha, made.alpha), 0.03);
 }
 
+// What stands still wherever a matte is read is 0 in it.
+TEST(Matte, HasNothingThatIsNearlyBlack) {
+  const MadePicture made = made_picture({320, 240}, 24);
+  for (const Edge edge : {Edge::kNone, Edge::kGuided, Edge::kInformationFlow}) {
+    const cv::Mat alpha = matte_of(made, edge).alpha;
+    EXPECT_EQ(cv::countNonZero((alpha > 0) & (alpha < 8)), 0) << to_string(edge);
+    EXPECT_EQ(cv::countNonZero((alpha >= 8) & (alpha < 128)) > 0, edge != Edge::kNone);
+  }
+}
+
 TEST(Matte, KeepsTheMarksAndTheRegionOutsideOfTheBand) {
   const MadePicture made = made_picture();
   for (const Edge edge : {Edge::kGuided, Edge::kInformationFlow}) {

@@ -165,6 +165,28 @@ TEST(Transfer, NamesSourcesOfTurnedExemplarsAsTheyWereGiven) {
   EXPECT_GT(alike, 0.97 * seen);
 }
 
+TEST(Transfer, AnExemplarWhoseFluidEntersAtOneBorderGivesAnOutlineOnAllSides) {
+  // The right half of a blot: fluid at the left border of the picture, outline elsewhere.
+  const cv::Mat look = blot({96, 88}, 1).colRange(48, 96).clone();
+  ASSERT_EQ(look.at<cv::Vec4b>(44, 0)[3], 255);
+  for (const int turns : {1, 4}) {
+    Transfer transfer(still(look), {.iterations = 2, .quarter_turns = turns});
+    for (int t = 0; t < 4; ++t) {
+      const TargetFrame target = turning_disc(kFrame, t);
+      const TransferredFrame made = transfer.next(target);
+      EXPECT_TRUE(made.boundary.uniform() && made.interior.uniform());
+      EXPECT_EQ(made.violations, 0);
+      cv::Mat alpha, difference;
+      cv::extractChannel(made.bgra, alpha, 3);
+      cv::absdiff(alpha, target.alpha, difference);
+      const double left = cv::mean(difference.colRange(0, kFrame.width / 2))[0],
+                   right = cv::mean(difference.colRange(kFrame.width / 2, kFrame.width))[0];
+      std::printf("[ measured ] alpha off the design's: left %.4f, right %.4f\n", left, right);
+      EXPECT_LT(std::max(left, right), turns == 4 ? 0.06 : 0.1);  // turned, it has an outline for each side
+    }
+  }
+}
+
 TEST(Transfer, AnOpaqueExemplarTakesTheTargetsAlpha) {
   cv::Mat look = blot({48, 44}, 1);
   for (int y = 0; y < look.rows; ++y)

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <fstream>
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
 
@@ -60,6 +61,13 @@ TEST_F(BadPicture, WhatIsNoPicture) {
   expect_failure(query(sample().still, {"--matte", "text.png"}), 1, {"text.png: not a picture"});
 }
 
+TEST_F(BadPicture, AVideoIsNamedAsOne) {
+  std::ofstream(folder_ / "clip.mp4") << "whatever";
+  for (const Outcome& refused : {query("clip.mp4"), query(sample().still, {"--matte", "clip.mp4"})})
+    expect_failure(refused, 1,
+                   {"clip.mp4: a video, where a picture is expected", "ffmpeg -ss 1 -i clip.mp4"});
+}
+
 TEST_F(BadPicture, AMatteThatDoesNotFit) {
   cv::imwrite(folder_ / "small.png", cv::Mat(60, 90, CV_8U, cv::Scalar(255)));
   cv::imwrite(folder_ / "black.png", cv::Mat(kHeight, kWidth, CV_8U, cv::Scalar(0)));
@@ -71,8 +79,10 @@ TEST_F(BadPicture, AMatteThatDoesNotFit) {
 }
 
 TEST_F(BadPicture, AQuestionThatNoPatchAnswers) {
-  expect_failure(query(sample().still, {"--class", "nosuch"}), 1,
-                 {"sample.store: no patch of class \"nosuch\"", "classes fall, river"});
+  const Outcome misspelt = query(sample().still, {"--class", "rivr"});
+  expect_failure(misspelt, 1,
+                 {"sample.store: no clip of class \"rivr\". Did you mean \"river\"?", "classes fall, river"});
+  EXPECT_EQ(misspelt.err.find("guessing"), std::string::npos) << misspelt.err;  // before the work
   expect_failure(query(sample().still, {"--class", "fall", "--direction", "up", "--hint-search", "narrow"}),
                  1, {"sample.store: no patch moves in direction 90 degrees", "greater tolerance"});
   expect_failure(query(sample().still, {"--exclude", "nosuch"}), 1,

@@ -53,6 +53,28 @@ TEST(Composite, LightNeverDarkens) {
   }
 }
 
+TEST(Composite, LightEndsSoftlyWhereItsFrameEndsWithinThePicture) {
+  const cv::Size under(100, 80);
+  for (const int type : {CV_8UC4, CV_16UC4}) {
+    const int most = type == CV_8UC4 ? 255 : 65535;
+    const cv::Mat over(60, 60, type, cv::Scalar::all(most));
+    const auto alpha = [&](const cv::Mat& of, int x, int y) {
+      return type == CV_8UC4 ? of.at<cv::Vec4b>(y, x)[3] : of.at<cv::Vec4w>(y, x)[3];
+    };
+    // It ends within on the right and below alone.
+    const cv::Mat soft = ending_softly(over, under, {0, -3});
+    EXPECT_EQ(alpha(soft, 0, 0), most);
+    EXPECT_EQ(alpha(soft, 56, 56), most);
+    EXPECT_LT(alpha(soft, 59, 20), most / 8);
+    EXPECT_LT(alpha(soft, 20, 59), most / 8);
+    EXPECT_LT(alpha(soft, 58, 20), alpha(soft, 57, 20));
+    // Colours stay, and a frame as large as the picture is left alone.
+    EXPECT_EQ(cv::mean(soft)[0], most);
+    EXPECT_EQ(cv::norm(ending_softly(over, over.size(), {0, 0}), over, cv::NORM_INF), 0);
+    EXPECT_EQ(cv::mean(over)[3], most);  // not written to
+  }
+}
+
 TEST(Composite, WhatLiesOutsideIsCutOff) {
   const cv::Mat under(10, 12, CV_8UC3, cv::Scalar(1, 2, 3));
   const cv::Mat over(6, 6, CV_8UC4, cv::Scalar(70, 80, 90, 255));

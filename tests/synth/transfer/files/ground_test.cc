@@ -36,8 +36,7 @@ TEST(Ground, LightStaysWhatItIs) {
     take_off_ground(off, Ground::kBlack, known);
     for (int y = 0; y < off.rows; ++y)
       for (int x = 0; x < off.cols; ++x)
-        for (int c = 0; c < 3; ++c)
-          ASSERT_NEAR(light(off, x, y, c), picture.at<cv::Vec4w>(y, x)[c] / double{kMax}, 1.0 / kMax);
+        for (int c = 0; c < 3; ++c) ASSERT_NEAR(light(off, x, y, c), light(picture, x, y, c), 1.5 / kMax);
   }
 }
 
@@ -55,6 +54,21 @@ TEST(Ground, TheBodyOfLightHoldsTheGapsBetweenItsFilaments) {
   EXPECT_EQ(known.at<cv::Vec4w>(10, 10)[3], kMax);
   EXPECT_EQ(known.at<cv::Vec4w>(65, 96)[3], 60000);
   EXPECT_EQ(known.at<cv::Vec4w>(65, 101)[3], 500);
+}
+
+TEST(Ground, WhatHasAnAlphaIsLaidOnTheGroundFirst) {
+  for (const Ground ground : {Ground::kBlack, Ground::kWhite}) {
+    const int level = ground == Ground::kBlack ? 0 : kMax;
+    cv::Mat glass(1, 1, CV_16UC4, cv::Scalar(10000, 30000, 50000, kMax / 3));
+    cv::Mat seen(1, 1, CV_16UC4);
+    for (int c = 0; c < 3; ++c)
+      seen.at<cv::Vec4w>(0, 0)[c] =
+          cv::saturate_cast<std::uint16_t>((glass.at<cv::Vec4w>(0, 0)[c] + 2.0 * level) / 3);
+    seen.at<cv::Vec4w>(0, 0)[3] = kMax;
+    take_off_ground(glass, ground);
+    take_off_ground(seen, ground);
+    for (int c = 0; c < 4; ++c) EXPECT_NEAR(glass.at<cv::Vec4w>(0, 0)[c], seen.at<cv::Vec4w>(0, 0)[c], 3);
+  }
 }
 
 TEST(Ground, WhiteIsTakenOffAsOverPutsItOn) {
