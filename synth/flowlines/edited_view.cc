@@ -213,9 +213,11 @@ cv::Vec4f EditedView::fluid(const std::vector<Moment>& moments, std::size_t firs
     std::array<cv::Vec3f, 4> values;
     for (std::size_t k = 0; k < static_cast<std::size_t>(moment.count); ++k)
       values[k] = sampled((*frames_)[moment.frame[k]], source.x, source.y);
-    const cv::Vec3f mean = mean_.at<cv::Vec3f>(std::clamp(cvRound(source.y), 0, mean_.rows - 1),
-                                               std::clamp(cvRound(source.x), 0, mean_.cols - 1));
-    sum += mixed(values, moment, mean, options_.render) * source.weight;
+    const cv::Point from(std::clamp(cvRound(source.x), 0, mean_.cols - 1),
+                         std::clamp(cvRound(source.y), 0, mean_.rows - 1));
+    sum += mixed(values, moment, mean_.at<cv::Vec3f>(from), options_.render.likeness.at<float>(from),
+                 options_.render.mixing) *
+           source.weight;
   }
   float alpha = 1;
   const float brightest = std::max({sum[0], sum[1], sum[2]}), darkest = std::min({sum[0], sum[1], sum[2]});

@@ -16,9 +16,10 @@
 namespace freshet::synth::flowlines {
 namespace {
 
-constexpr float kMinFade = 1.5f;  // frames
-constexpr double kAllCut = 0.95;  // share of places too slow to be ridden
-constexpr double kAgainst = 0.5;  // share of a drawn line that may run against the flow
+constexpr float kMinFade = 1.5f;     // frames
+constexpr double kGivenBack = 0.65;  // of the contrast that mixing costs
+constexpr double kAllCut = 0.95;     // share of places too slow to be ridden
+constexpr double kAgainst = 0.5;     // share of a drawn line that may run against the flow
 
 }  // namespace
 
@@ -127,10 +128,26 @@ struct Flowlines::Impl {
     report.way = static_cast<double>(plan.arrivals.streams.front().duration);
     report.jump_cost = plan.ladders.front().jump;
     const bool cuts = options.mixing == Mixing::kCut;
-    moments.emplace(plan.arrivals, fade(), std::move(plan.orders), footage.count(),
-                    CutOptions{.frames = cuts ? &ladders->frames() : nullptr, .margin = plan.margin});
-    render = {.mixing = options.mixing, .likeness = likeness_of(working.frames)};
+    moments.emplace(
+        plan.arrivals, fade(), std::move(plan.orders), footage.count(),
+        CutOptions{
+            .frames = cuts ? &ladders->frames() : nullptr, .whole = &working.frames, .margin = plan.margin});
+    render = {.mixing = options.mixing, .likeness = likeness()};
     renderer.emplace(footage.frames, working.size(), render);
+  }
+
+  /// Contrast that is given back is seen to come and go, as a jump: so a part of it.
+  cv::Mat likeness() const {
+    cv::Mat by_pixel;
+    cv::resize(likeness_of(working.frames, patch()), by_pixel, footage.size());
+    return 1 - kGivenBack * (1 - by_pixel);
+  }
+
+  cv::Mat soft_matte() const {
+    cv::Mat soft;
+    cv::GaussianBlur(matte, soft, cv::Size(), std::max(1.0, report.patch_px / 12));
+    soft.convertTo(soft, CV_32F, 1.0 / 255);
+    return soft;
   }
 
   /// Edited lines take their textures from the input lines, and the clip from what those leave.
@@ -185,10 +202,7 @@ const cv::Mat& Flowlines::matte() const { return impl_->matte; }
 
 cv::Mat Flowlines::fluid() const {
   if (impl_->view) return impl_->view->alpha();
-  cv::Mat soft;
-  cv::GaussianBlur(impl_->matte, soft, cv::Size(), std::max(1.0, impl_->report.patch_px / 12));
-  soft.convertTo(soft, CV_32F, 1.0 / 255);
-  return soft;
+  return impl_->soft_matte();
 }
 
 const cv::Mat& Flowlines::next() {
