@@ -130,7 +130,7 @@ void lack_room(const Stream& stream, double fade, int frames, Ladder& ladder) {
     for (int b = 0; b < ladder.cost.cols; ++b) {
       const double before = ladder.first + b + halfway, after = frames - 1 - (ladder.first + a) - halfway;
       const double lacks = std::max(1.0, fade / std::max(1.0, std::min(before, after)));
-      ladder.cost.at<float>(a, b) *= static_cast<float>(lacks * lacks);
+      ladder.cost.at<float>(a, b) *= static_cast<float>(lacks);
     }
 }
 
@@ -168,7 +168,7 @@ Ladder Ladders::of(const Stream& stream, const cv::Mat& where, int margin, int e
   RepeatOptions repeats = options;
   repeats.fade = ladder.fade = std::min(kSlower * ladder.changes, static_cast<double>(kMostFade));
   ladder.min_run = std::max(std::clamp(entries / 3, 2, 2 * margin + 2),
-                            std::min(cvRound(2 * ladder.fade) + 2, entries * 3 / 5));
+                            std::min(cvRound(2 * ladder.fade) + 2, entries / 2));
   repeats.min_run = ladder.min_run;
   lack_room(stream, repeats.fade, static_cast<int>(small_.size()), ladder);
   try_out(ladder, repeats);

@@ -28,10 +28,9 @@ double unit_of(const cv::Mat& cost) {
   return count > 0 && sum > 0 ? sum / count : 1;
 }
 
-/// How many times as much a jump shows for the frames that it lacks to go over in: squared, as costs are.
+/// How many times as much a jump shows for the frames that it lacks to go over in.
 double hurried(double room, const RepeatOptions& options) {
-  const double lacks = std::max(1.0, options.fade / std::max(1.0, room));
-  return lacks * lacks;
+  return std::max(1.0, options.fade / std::max(1.0, room));
 }
 
 constexpr double kForgotten = 0.75;  // a jump's use, by each jump after it
