@@ -50,9 +50,10 @@ synth/scene/wind: synth/scene
 synth/scene/water: synth/scene synth/scene/wind
 synth/scene/motion: synth/scene synth/scene/wind synth/scene/water
 synth/scene/rendering: media/* synth/scene synth/scene/* synth/animate/sampling synth/matte
-synth/flowlines: vision query/hints query/mrf synth/animate/sampling synth/animate/motion synth/flowlines/jumps
+synth/flowlines: vision query/hints query/mrf synth/animate/sampling synth/animate/motion synth/flowlines/jumps synth/flowlines/lines
 synth/flowlines/jumps:
-synth/flowlines/files: media/* store query/stored query/hints synth/flowlines
+synth/flowlines/lines:
+synth/flowlines/files: media/* store query/stored query/hints synth/flowlines synth/flowlines/lines
 synth/stills: media/picture vision query/hints query/labelling synth/matte synth/toml report
 synth/transfer: synth/field
 synth/transfer/files: store media/* vision query/stored synth/transfer synth/animate/clips

@@ -14,6 +14,7 @@
 #include "store/store.h"
 #include "synth/animate/frame_sheet.h"
 #include "synth/flowlines/files/footage_files.h"
+#include "synth/flowlines/files/line_drawing.h"
 #include "synth/flowlines/files/line_files.h"
 #include "synth/flowlines/flowlines.h"
 #include "tools/commands.h"
@@ -171,19 +172,22 @@ void run_flowlines(FlowlinesCommand& command, RunContext& context) {
                 "Leave it out, or ingest the result: a store keeps its flow");
 
   Progress progress;
-  flowlines::Flowlines engine(footage, options_of(command, footage), {progress.callback(), context.stop});
+  flowlines::FlowlinesOptions options = options_of(command, footage);
+  options.fps = fps;
+  flowlines::Flowlines engine(footage, options, {progress.callback(), context.stop});
   const flowlines::FlowlinesReport& report = engine.report();
   progress.finish();
   for (const std::string& notice : report.notices) say(footage.name + ": " + notice);
   say(summary(report, footage.fps));
   if (!command.draw.empty())
-    media::write_picture(command.draw, flowlines::draw_lines(loaded.picture, engine.matte(), engine.lines()));
+    media::write_picture(
+        command.draw, flowlines::draw_lines(loaded.picture, engine.matte(), engine.lines(), options.edited));
   if (!command.lines_out.empty()) flowlines::write_lines(command.lines_out, engine.lines(), footage.size());
 
   synth::animate::FrameSheet sheet(
       loaded.picture, loaded.matte, command.frames,
       {.fps = fps, .first_number = command.output.first_number(), .shown = 8, .width_px = 480});
-  const cv::Mat fluid = engine.fluid();
+  cv::Mat fluid = engine.fluid();
   double render_s = 0;
   for (int i = 0; i < command.frames; ++i) {
     if (context.stop.stop_requested()) throw Error(ErrorKind::kCancelled, "flowlines", "stopped");
@@ -192,6 +196,7 @@ void run_flowlines(FlowlinesCommand& command, RunContext& context) {
     const Stopwatch watch;
     const cv::Mat& frame = engine.next();
     render_s += watch.seconds();
+    if (!options.edited.empty()) fluid = engine.fluid();
     if (frame_options.matte_sink) frame_options.matte_sink(fluid);
     sheet.add(output->write(formed(frame, fluid, frame_options.form, command.output.fluid_alone())));
   }
@@ -211,6 +216,109 @@ void run_flowlines(FlowlinesCommand& command, RunContext& context) {
     for (const std::string& path : files) fmt::print("{}\n", path);
 }
 
+void add_clip(CLI::App& sub, FlowlinesCommand& command) {
+  sub.add_option("CLIP", command.clip, "The clip: a video file, a folder or a pattern of pictures");
+  sub.add_option("--store", command.store, "The store that holds the clip, in place of CLIP [none]");
+  sub.add_option("--clip", command.stored_clip, "Name of the clip in --store");
+  sub.add_option("--from", command.footage.from, "First frame of the clip that is used")
+      ->check(CLI::Range(0, 1000000))
+      ->capture_default_str();
+  sub.add_option("--input-frames", command.footage.frames, "Frames of the clip that are used [all that fit]")
+      ->check(CLI::Range(16, 100000));
+  sub.add_option("--memory", command.memory_mb, "For the clip's frames, MB (3 bytes a pixel)")
+      ->check(CLI::Range(16, 1000000))
+      ->capture_default_str();
+  sub.add_option("--frames", command.frames, "Frames of the output")
+      ->check(CLI::Range(1, 10000000))
+      ->capture_default_str();
+  sub.add_option("--fps", command.fps, "Frames per second of the output [the clip's]")
+      ->check(CLI::Range(1.0, 240.0));
+  sub.add_flag("--loop", command.loop, "The last frame is followed by the first, without a seam [off]");
+}
+
+void add_lines(CLI::App& sub, FlowlinesCommand& command) {
+  const std::string lines = "Lines";
+  sub.add_option("--lines", command.lines,
+                 "Flow lines over the clip, drawn as SVG in the direction of the flow [found from the clip]")
+      ->group(lines);
+  sub.add_option("--matte", command.matte, "Grey picture, white where lines may lie [what moves]")
+      ->group(lines);
+  sub.add_option("--spacing", command.options.spacing_px, "Between lines that are found, px [half a patch]")
+      ->check(CLI::Range(2.0, 1000.0))
+      ->group(lines);
+  sub.add_option("--draw", command.draw,
+                 "Write a picture of the clip with its lines, and beside it the edited ones (PNG, JPEG)")
+      ->group(lines);
+  sub.add_option("--lines-out", command.lines_out, "Write the lines as SVG, to be changed and given back")
+      ->group(lines);
+}
+
+void add_editing(CLI::App& sub, FlowlinesCommand& command) {
+  const std::string editing = "Editing";
+  sub.add_option("--edited", command.edited,
+                 "Where the fluid shall go: SVG lines with the ids of the input lines whose texture they "
+                 "show (fall, or fall-2 for another copy); input lines without one are taken away; "
+                 "data-speed changes "
+                 "their speed, data-time says when they lie there [as in the clip]")
+      ->group(editing);
+  sub.add_option("--correspondence", command.correspondence,
+                 "equal (texture keeps its size along the line) or stretched (the whole input line onto the "
+                 "edited one)")
+      ->check(CLI::IsMember({"equal", "stretched"}))
+      ->capture_default_str()
+      ->group(editing);
+  sub.add_option("--join", command.options.join_px,
+                 "Consecutive edited lines no further apart than this are joined by interpolated ones, px "
+                 "[4 patches]")
+      ->check(CLI::Range(1.0, 100000.0))
+      ->group(editing);
+  sub.add_option(
+         "--ground", command.ground,
+         "What the fluid stands on and is seen through to: black (fire), white (smoke), or none (opaque)")
+      ->check(CLI::IsMember({"none", "black", "white"}))
+      ->capture_default_str()
+      ->group(editing);
+  sub.add_option("--background", command.background,
+                 "Picture of what lies behind fluid that is taken away [guessed]")
+      ->group(editing);
+  sub.add_flag("--on-background", command.options.view.on_background,
+               "Show the edited fluid on the background alone, without the rest of the clip [off]")
+      ->group(editing);
+}
+
+void add_particles(CLI::App& sub, FlowlinesCommand& command) {
+  const std::string particles = "Particles";
+  sub.add_option(
+         "--patch", command.options.patch_px,
+         "Side of a particle's texture, px; flames want larger ones, 100 at 320 px of width [24 at 320 px "
+         "of the longer side, and in proportion]")
+      ->check(CLI::Range(4.0, 1000.0))
+      ->group(particles);
+  sub.add_option("--dynamics", command.dynamics,
+                 "stationary (one speed a place), non-stationary (a speed a particle), or auto (measured)")
+      ->check(CLI::IsMember({"auto", "stationary", "non-stationary"}))
+      ->capture_default_str()
+      ->group(particles);
+  sub.add_option("--entries", command.options.entries,
+                 "Frames whose entering particles are repeated (K) [chosen for the least discontinuity]")
+      ->check(CLI::Range(8, 100000))
+      ->group(particles);
+  sub.add_option("--strand", command.options.strand_px,
+                 "Strands of the fluid so wide repeat in an order of their own, px; 0: all of it together "
+                 "[3 patches]")
+      ->check(CLI::Range(0.0, 100000.0))
+      ->group(particles);
+  sub.add_option("--blend", command.blend,
+                 "Where particles of two runs overlap: feather (averages, as printed), contrast (keeps their "
+                 "contrast), or cut (where they are most alike)")
+      ->check(CLI::IsMember({"feather", "contrast", "cut"}))
+      ->capture_default_str()
+      ->group(particles);
+  sub.add_option("--seed", command.options.seed, "Another seed, another order of repeats")
+      ->capture_default_str()
+      ->group(particles);
+}
+
 }  // namespace
 
 void add_flowlines(CLI::App& synth_command, RunContext& context) {
@@ -218,98 +326,11 @@ void add_flowlines(CLI::App& synth_command, RunContext& context) {
   CLI::App* sub = synth_command.add_subcommand(
       "flowlines",
       "Make a short clip of flowing water, fire or smoke go on for ever (after Bhat et al. 2004)");
-  sub->add_option("CLIP", command->clip, "The clip: a video file, a folder or a pattern of pictures");
-  sub->add_option("--store", command->store, "The store that holds the clip, in place of CLIP [none]");
-  sub->add_option("--clip", command->stored_clip, "Name of the clip in --store");
-  sub->add_option("--from", command->footage.from, "First frame of the clip that is used")
-      ->check(CLI::Range(0, 1000000))
-      ->capture_default_str();
-  sub->add_option("--input-frames", command->footage.frames,
-                  "Frames of the clip that are used [all that fit]")
-      ->check(CLI::Range(16, 100000));
-  sub->add_option("--memory", command->memory_mb, "For the clip's frames, MB (3 bytes a pixel)")
-      ->check(CLI::Range(16, 1000000))
-      ->capture_default_str();
-  sub->add_option("--frames", command->frames, "Frames of the output")
-      ->check(CLI::Range(1, 10000000))
-      ->capture_default_str();
-  sub->add_option("--fps", command->fps, "Frames per second of the output [the clip's]")
-      ->check(CLI::Range(1.0, 240.0));
-  sub->add_flag("--loop", command->loop, "The last frame is followed by the first, without a seam [off]");
+  add_clip(*sub, *command);
   command->output.add_to(*sub);
-  const std::string lines = "Lines";
-  sub->add_option("--lines", command->lines,
-                  "Flow lines over the clip, drawn as SVG in the direction of the flow [found from the clip]")
-      ->group(lines);
-  sub->add_option("--matte", command->matte, "Grey picture, white where lines may lie [what moves]")
-      ->group(lines);
-  sub->add_option("--spacing", command->options.spacing_px, "Between lines that are found, px [half a patch]")
-      ->check(CLI::Range(2.0, 1000.0))
-      ->group(lines);
-  sub->add_option("--draw", command->draw, "Write a picture of the clip with its lines (PNG, JPEG)")
-      ->group(lines);
-  sub->add_option("--lines-out", command->lines_out, "Write the lines as SVG, to be changed and given back")
-      ->group(lines);
-  const std::string editing = "Editing";
-  sub->add_option("--edited", command->edited,
-                  "Where the fluid shall go: SVG lines with the ids of the input lines whose texture they "
-                  "show (fall, or "
-                  "fall-2 for another copy); input lines without one are taken away [as in the clip]")
-      ->group(editing);
-  sub->add_option("--correspondence", command->correspondence,
-                  "equal (texture keeps its size along the line) or stretched (the whole input line onto the "
-                  "edited one)")
-      ->check(CLI::IsMember({"equal", "stretched"}))
-      ->capture_default_str()
-      ->group(editing);
-  sub->add_option("--join", command->options.join_px,
-                  "Consecutive edited lines no further apart than this are joined by interpolated ones, px "
-                  "[4 patches]")
-      ->check(CLI::Range(1.0, 100000.0))
-      ->group(editing);
-  sub->add_option(
-         "--ground", command->ground,
-         "What the fluid stands on and is seen through to: black (fire), white (smoke), or none (opaque)")
-      ->check(CLI::IsMember({"none", "black", "white"}))
-      ->capture_default_str()
-      ->group(editing);
-  sub->add_option("--background", command->background,
-                  "Picture of what lies behind fluid that is taken away [guessed]")
-      ->group(editing);
-  sub->add_flag("--on-background", command->options.view.on_background,
-                "Show the edited fluid on the background alone, without the rest of the clip [off]")
-      ->group(editing);
-  const std::string particles = "Particles";
-  sub->add_option(
-         "--patch", command->options.patch_px,
-         "Side of a particle's texture, px; flames want larger ones, 100 at 320 px of width [24 at 320 px "
-         "of the longer side, and in proportion]")
-      ->check(CLI::Range(4.0, 1000.0))
-      ->group(particles);
-  sub->add_option("--dynamics", command->dynamics,
-                  "stationary (one speed a place), non-stationary (a speed a particle), or auto (measured)")
-      ->check(CLI::IsMember({"auto", "stationary", "non-stationary"}))
-      ->capture_default_str()
-      ->group(particles);
-  sub->add_option("--entries", command->options.entries,
-                  "Frames whose entering particles are repeated (K) [chosen for the least discontinuity]")
-      ->check(CLI::Range(8, 100000))
-      ->group(particles);
-  sub->add_option("--strand", command->options.strand_px,
-                  "Strands of the fluid so wide repeat in an order of their own, px; 0: all of it together "
-                  "[3 patches]")
-      ->check(CLI::Range(0.0, 100000.0))
-      ->group(particles);
-  sub->add_option(
-         "--blend", command->blend,
-         "Where particles of two runs overlap: feather (averages, as printed), contrast (keeps their "
-         "contrast), or cut (where they are most alike)")
-      ->check(CLI::IsMember({"feather", "contrast", "cut"}))
-      ->capture_default_str()
-      ->group(particles);
-  sub->add_option("--seed", command->options.seed, "Another seed, another order of repeats")
-      ->capture_default_str()
-      ->group(particles);
+  add_lines(*sub, *command);
+  add_editing(*sub, *command);
+  add_particles(*sub, *command);
   sub->add_flag("--moving-camera", command->options.moving_camera,
                 "Take a clip whose camera moves, too [off]");
   sub->add_option("--sheet", command->sheet, "Write a contact sheet of frames (PNG, JPEG)");

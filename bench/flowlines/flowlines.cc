@@ -10,6 +10,8 @@
 //                    over blocks that move: the worst frame, and all of them. 0 is none.
 //   dip max, mean    the other way: how much less fine texture (mean |Laplacian|) than in 19 of 20 frames of the clip.
 //                    A cross-fade has no jumps; all of the picture goes soft at once.
+//   both max, mean   of jumps and dips together, frame by frame. The clip itself has some of all, in one frame of 20:
+//                    the first row.
 //   repeats          correlation of frames (less their mean) a lag apart: of all lags from a third of a second to three
 //                    seconds the most alike. 1: it is a loop. The clip's own further frames have what its kind has.
 //   then bench/quality's measures against the clip's further frames, as many again of those being the ceiling.
@@ -89,15 +91,11 @@ std::vector<float> quantiles(const cv::Mat& clip, double share) {
   return out;
 }
 
-struct Departure {
-  double worst = 0, mean = 0;
-};
-
-/// How far a film's blocks go beyond their usual value, relative to it: above when `sign` is 1, below when -1; over
-/// blocks that move.
-Departure departure(const cv::Mat& film, const std::vector<float>& usual, int sign,
-                    const std::vector<bool>& moves) {
-  Departure out{};
+/// By frame, how far a film's blocks go beyond their usual value, relative to it: above when `sign` is 1, below when -1;
+/// mean over blocks that move.
+std::vector<double> departures(const cv::Mat& film, const std::vector<float>& usual, int sign,
+                               const std::vector<bool>& moves) {
+  std::vector<double> out;
   for (int t = 0; t < film.rows; ++t) {
     double sum = 0;
     int moving = 0;
@@ -107,9 +105,20 @@ Departure departure(const cv::Mat& film, const std::vector<float>& usual, int si
       sum += std::max(0.0, sign * (static_cast<double>(film.at<float>(t, b) / usual[at]) - 1));
       ++moving;
     }
-    const double here = sum / std::max(1, moving);
-    out.worst = std::max(out.worst, here);
-    out.mean += here / film.rows;
+    out.push_back(sum / std::max(1, moving));
+  }
+  return out;
+}
+
+struct Departure {
+  double worst = 0, mean = 0;
+};
+
+Departure departure(const std::vector<double>& by_frame) {
+  Departure out;
+  for (const double one : by_frame) {
+    out.worst = std::max(out.worst, one);
+    out.mean += one / static_cast<double>(by_frame.size());
   }
   return out;
 }
@@ -147,7 +156,7 @@ struct Cost {
 
 struct Row {
   std::string name;
-  Departure jumps{}, dips{};
+  Departure jumps{}, dips{}, both{};
   double repeats = 0;
   bench::Distance distance{};
   Cost cost{};
@@ -158,6 +167,25 @@ bench::Film film_of(const std::vector<cv::Mat>& frames, double fps, const bench:
   return bench::measure(luma, bench::pair_motions(luma), fps, region);
 }
 
+/// From the middle, where rungs of every kind have gone by; texture from four parts, for what a film shows in
+/// two seconds is a matter of chance.
+bench::Distance distance_of(const std::vector<cv::Mat>& frames, const bench::Film& truth,
+                            std::size_t truth_frames, double fps, const bench::Region& region) {
+  const auto part = [&](std::size_t from) {
+    const auto begin = frames.begin() + static_cast<std::ptrdiff_t>(from);
+    return film_of({begin, begin + static_cast<std::ptrdiff_t>(truth_frames)}, fps, region);
+  };
+  bench::Film film = part((frames.size() - truth_frames) / 2);
+  const std::size_t parts = std::min<std::size_t>(4, frames.size() / truth_frames);
+  film.texture.fill(0);
+  for (std::size_t i = 0; i < parts; ++i) {
+    const bench::Film one = part(i * (frames.size() / parts));
+    for (std::size_t l = 0; l < film.texture.size(); ++l)
+      film.texture[l] += one.texture[l] / static_cast<double>(parts);
+  }
+  return bench::compare(film, truth, region);
+}
+
 Row judged(const std::string& name, const std::vector<cv::Mat>& frames, const std::vector<cv::Mat>& clip,
            const bench::Film* truth, std::size_t truth_frames, double fps, const bench::Region& region) {
   Row row{.name = name};
@@ -166,15 +194,15 @@ Row judged(const std::string& name, const std::vector<cv::Mat>& frames, const st
   const std::vector<float> changed = quantiles(changes(clip_luma), 0.95);
   std::vector<bool> moves;
   for (const float most : changed) moves.push_back(most >= 2);  // grey levels: less is coding noise
-  row.jumps = departure(changes(luma), changed, 1, moves);
-  row.dips = departure(textures(luma), quantiles(textures(clip_luma), 0.05), -1, moves);
+  const std::vector<double> jumps = departures(changes(luma), changed, 1, moves);
+  std::vector<double> dips = departures(textures(luma), quantiles(textures(clip_luma), 0.05), -1, moves);
+  row.jumps = departure(jumps);
+  row.dips = departure(dips);
+  for (std::size_t t = 0; t < jumps.size(); ++t) dips[t] += jumps[t];
+  row.both = departure(dips);
   row.repeats = repetition(luma, fps);
   if (truth != nullptr) {
-    // From the middle: rungs of every kind have gone by.
-    const std::size_t from = (frames.size() - truth_frames) / 2;
-    const std::vector<cv::Mat> part(frames.begin() + static_cast<std::ptrdiff_t>(from),
-                                    frames.begin() + static_cast<std::ptrdiff_t>(from + truth_frames));
-    row.distance = bench::compare(film_of(part, fps, region), *truth, region);
+    row.distance = distance_of(frames, *truth, truth_frames, fps, region);
   }
   return row;
 }
@@ -268,9 +296,10 @@ Followed followed(const flowlines::Footage& footage, double degrees) {
 
 void print(const Row& row) {
   const bench::Distance& d = row.distance;
-  fmt::print("  {:<22}{:9.2f}{:8.3f}{:9.2f}{:8.3f}{:9.2f} |{:8.2f}{:9.2f}{:8.1f}{:8.2f}{:8.2f}{:8.3f}",
-             row.name, row.jumps.worst, row.jumps.mean, row.dips.worst, row.dips.mean, row.repeats, d.texture,
-             d.contrast, d.spectrum_db, d.angle_deg, d.pace, d.ssim);
+  fmt::print(
+      "  {:<22}{:9.3f}{:8.4f}{:9.3f}{:8.4f}{:9.3f}{:8.4f}{:9.2f} |{:8.2f}{:9.2f}{:8.1f}{:8.2f}{:8.2f}{:8.3f}",
+      row.name, row.jumps.worst, row.jumps.mean, row.dips.worst, row.dips.mean, row.both.worst, row.both.mean,
+      row.repeats, d.texture, d.contrast, d.spectrum_db, d.angle_deg, d.pace, d.ssim);
   fmt::print("\n");
 }
 
@@ -281,6 +310,8 @@ nlohmann::json json_of(const Row& row) {
           {"jump_mean", row.jumps.mean},
           {"dip_max", row.dips.worst},
           {"dip_mean", row.dips.mean},
+          {"both_max", row.both.worst},
+          {"both_mean", row.both.mean},
           {"repeats", row.repeats},
           {"texture", d.texture},
           {"contrast", d.contrast},
@@ -326,8 +357,9 @@ nlohmann::json run(const std::string& path, double seconds, double output_second
   const std::size_t further = std::min<std::size_t>(count, (all.size() - count) / 2);
   fmt::print("{} ({} x {}, {} frames of {:.1f} s)\n", fs::path(path).stem().string(), all.front().cols,
              all.front().rows, count, static_cast<double>(count) / fps);
-  fmt::print("  {:<22}{:>9}{:>8}{:>9}{:>8}{:>9} |{:>8}{:>9}{:>8}{:>8}{:>8}{:>8}\n", "", "jump max", "mean",
-             "dip max", "mean", "repeats", "texture", "contrast", "dB", "angle", "pace", "ssim");
+  fmt::print("  {:<22}{:>9}{:>8}{:>9}{:>8}{:>9}{:>8}{:>9} |{:>8}{:>9}{:>8}{:>8}{:>8}{:>8}\n", "", "jump max",
+             "mean", "dip max", "mean", "both max", "mean", "repeats", "texture", "contrast", "dB", "angle",
+             "pace", "ssim");
   nlohmann::json rows = nlohmann::json::array();
   flowlines::FlowlinesOptions options;
   Cost cost;
@@ -335,7 +367,7 @@ nlohmann::json run(const std::string& path, double seconds, double output_second
   flowlines::Flowlines once(footage, options);
   const bench::Region region{.matte = once.matte(), .border = {0, 0}};
   bench::Film truth, other;
-  const bool judges = further >= 16;
+  const bool judges = further >= 16;  // frames
   const auto part = [&](std::size_t from) {
     return std::vector<cv::Mat>(all.begin() + static_cast<std::ptrdiff_t>(from),
                                 all.begin() + static_cast<std::ptrdiff_t>(from + further));
@@ -347,6 +379,7 @@ nlohmann::json run(const std::string& path, double seconds, double output_second
     print(row);
     rows.push_back(json_of(row));
   };
+  add("the clip itself", footage.frames, {});
   add("flow lines", kept, cost);
   options.mixing = flowlines::Mixing::kContrast;
   const std::vector<cv::Mat> mixed = endless(footage, options, frames, cost);

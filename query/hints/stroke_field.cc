@@ -118,7 +118,8 @@ std::vector<Sample> sampled(const std::vector<Stroke>& strokes, cv::Size picture
         if (way >= end && !(s + 1 == course.segments() && way <= end)) break;
         const cv::Vec2d tangent = course.way_at(way);
         if (tangent == cv::Vec2d(0, 0)) continue;
-        samples.push_back({course.at(way), tangent, strokes[i].speed_px_per_s.value_or(-1.0f), i});
+        samples.push_back(
+            {course.at(way), tangent, speed_at(strokes[i], way / course.length()).value_or(-1.0f), i});
       }
     }
   }

@@ -132,6 +132,10 @@ void check(const std::vector<Stroke>& strokes, const std::string& where, cv::Siz
       fail(fmt::format("{} has a speed of {}, 0 to {} px/s expected", stroke.name, *stroke.speed_px_per_s,
                        kMaxSpeed),
            "Mend its speed");
+    for (const float speed : stroke.speeds)
+      if (!(speed >= 0 && speed <= kMaxSpeed))
+        fail(fmt::format("{} has a speed of {}, 0 to {} px/s expected", stroke.name, speed, kMaxSpeed),
+             "Mend its speeds");
     bool inside = false;
     for (std::size_t i = 1; i < stroke.points.size() && !inside; ++i)
       inside = crosses(stroke.points[i - 1], stroke.points[i], picture);
@@ -150,6 +154,14 @@ void check(const std::vector<Stroke>& strokes, const std::string& where, cv::Siz
 }
 
 }  // namespace
+
+std::optional<float> speed_at(const Stroke& stroke, double share) {
+  if (stroke.speeds.size() < 2) return stroke.speed_px_per_s;
+  const double at = std::clamp(share, 0.0, 1.0) * static_cast<double>(stroke.speeds.size() - 1);
+  const auto i = std::min(static_cast<std::size_t>(at), stroke.speeds.size() - 2);
+  const auto part = static_cast<float>(at - static_cast<double>(i));
+  return stroke.speeds[i] * (1 - part) + stroke.speeds[i + 1] * part;
+}
 
 std::vector<Stroke> read_strokes(const std::filesystem::path& path, cv::Size picture,
                                  std::vector<std::string>* notices) {

@@ -15,12 +15,19 @@ struct Stroke {
   /// px, from first to last as the fluid goes. (0, 0) is the outer corner of the picture's upper left pixel,
   /// whose middle is (0.5, 0.5).
   std::vector<cv::Point2f> points;
-  std::optional<float> speed_px_per_s{};  // along all of it
+  std::optional<float> speed_px_per_s{};  // along all of it; of several: where it begins
+  std::vector<float> speeds{};            // of SVG: two or more, at even distances from first to last
   std::string name{};                     // for messages: "stroke 2", "path \"fall\""; may be empty
   /// Of SVG: the element's and its groups' labels and ids, outermost first, and the innermost data-layer.
   std::vector<std::string> names{};
   std::string layer{};
+  /// Of SVG, for lines that move: when it lies here, and of which line (an id) this is a position.
+  std::optional<float> time_s{};
+  std::string line{};
 };
+
+/// The speed at a share of its length, 0..1; none where none is said.
+std::optional<float> speed_at(const Stroke& stroke, double share);
 
 /// Reads strokes drawn over a picture of this size, in one of two formats, told apart by their content:
 ///

@@ -21,6 +21,7 @@ namespace {
 constexpr int kDeepest = 200;                 // elements in each other
 constexpr std::size_t kMaxPoints = 3u << 20;  // of all curves together
 constexpr double kSameProportions = 0.02;
+constexpr std::size_t kMostSpeeds = 100, kMostPositions = 1000;  // of a line
 constexpr double kTolerance = 0.1;  // px of the picture, of a chain that stands for a curve
 
 bool same_proportions(cv::Size2d a, cv::Size2d b) {
@@ -28,11 +29,28 @@ bool same_proportions(cv::Size2d a, cv::Size2d b) {
   return std::isfinite(ratio) && std::abs(std::log(ratio)) <= kSameProportions;
 }
 
+/// What attributes say of the strokes below them.
+struct Said {
+  std::vector<float> speeds;
+  std::optional<float> time_s;
+  std::string line;
+};
+
+/// "2.5", "2.5s" or "2500ms".
+float seconds(const std::string& text) {
+  SvgScanner scanner(text);
+  const double number = scanner.number();
+  const std::string_view unit = scanner.word();
+  if (!scanner.at_end() || !(unit.empty() || unit == "s" || unit == "ms") || !(number >= 0 && number < 1e6))
+    throw SvgFault("seconds are expected, from 0 on: \"2.5\", or \"2.5s\"");
+  return static_cast<float>(unit == "ms" ? number / 1000 : number);
+}
+
 /// What elements inherit.
 struct Context {
   cv::Matx33d to_page = cv::Matx33d::eye();  // from user units to px of the page
   cv::Size2d user;                           // size of the viewport in user units, for per cent
-  std::optional<float> speed;
+  Said said;
   std::vector<std::string> names;  // of groups and the element, outermost first
   std::string layer;
   bool displayed = true, visible = true;
@@ -43,7 +61,7 @@ struct Context {
 struct Drawn {
   SvgSubpath line;  // px of the page
   std::string name;
-  std::optional<float> speed;
+  Said said;
   std::vector<std::string> names;
   std::string layer;
 };
@@ -86,6 +104,8 @@ class Document {
     for (const pugi::xml_node& child : node.children()) walk(child, context);
   }
   Context context_of(const pugi::xml_node& node, const Context& parent) const;
+  void read_said(const pugi::xml_node& node, Said& said) const;
+  void draw_animated(const pugi::xml_node& path, const pugi::xml_node& animate, Context context);
   void enter_document(const pugi::xml_node& node, Context& context) const;
   void note_image(const pugi::xml_node& node, const Context& context);
   void draw(const pugi::xml_node& node, const Context& context, std::vector<SvgSubpath> lines);
@@ -168,18 +188,56 @@ void Document::read_styles(const pugi::xml_node& node, int depth) {
   }
 }
 
+void Document::read_said(const pugi::xml_node& node, Said& said) const {
+  if (const char* text = node.attribute("data-speed").value(); *text != '\0')
+    said.speeds = reading(node, "data-speed", [&] {
+      SvgScanner scanner(text);
+      std::vector<float> speeds;
+      do speeds.push_back(static_cast<float>(scanner.number()));
+      while (scanner.starts_number() && speeds.size() < kMostSpeeds);
+      if (!scanner.at_end())
+        throw SvgFault("a number of px/s is expected, without a unit, or some dozens of them");
+      return speeds;
+    });
+  if (const char* text = node.attribute("data-time").value(); *text != '\0')
+    said.time_s = reading(node, "data-time", [&] { return seconds(text); });
+  if (const char* text = node.attribute("data-of").value(); *text != '\0') said.line = text;
+}
+
+/// A path that an <animate> moves: a position a value.
+void Document::draw_animated(const pugi::xml_node& path, const pugi::xml_node& animate, Context context) {
+  const auto list = [](const std::string& text) {
+    std::vector<std::string> parts;
+    for (std::size_t from = 0; from <= text.size();) {
+      const std::size_t end = std::min(text.find(';', from), text.size());
+      if (text.find_first_not_of(" \t\r\n", from) < end) parts.push_back(text.substr(from, end - from));
+      from = end + 1;
+    }
+    return parts;
+  };
+  const std::vector<std::string> values = list(animate.attribute("values").value()),
+                                 times = list(animate.attribute("keyTimes").value());
+  reading(animate, "values", [&] {
+    if (values.size() < 2 || values.size() > kMostPositions)
+      throw SvgFault(fmt::format("it has {} positions, 2 to {} expected", values.size(), kMostPositions));
+    if (!times.empty() && times.size() != values.size())
+      throw SvgFault(fmt::format("there are {} keyTimes for {} positions", times.size(), values.size()));
+    const float length = seconds(animate.attribute("dur").value());
+    context.said.line = path.attribute("id").value();
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      const auto even = static_cast<double>(i) / static_cast<double>(values.size() - 1);
+      context.said.time_s = length * static_cast<float>(times.empty() ? even : SvgScanner(times[i]).number());
+      draw(path, context, parse_svg_path(values[i]));
+    }
+  });
+}
+
 Context Document::context_of(const pugi::xml_node& node, const Context& parent) const {
   Context context = parent;
   ++context.depth;
   if (const char* text = node.attribute("transform").value(); *text != '\0')
     context.to_page = context.to_page * reading(node, "transform", [&] { return parse_svg_transform(text); });
-  if (const char* text = node.attribute("data-speed").value(); *text != '\0')
-    context.speed = static_cast<float>(reading(node, "data-speed", [&] {
-      SvgScanner scanner(text);
-      const double speed = scanner.number();
-      if (!scanner.at_end()) throw SvgFault("a number of px/s is expected, without a unit");
-      return speed;
-    }));
+  read_said(node, context.said);
   // Drawing programs write the name that a person gave as a label, as the id, or as both.
   for (const char* attribute : {"inkscape:label", "id"})
     if (const char* text = node.attribute(attribute).value(); *text != '\0') context.names.emplace_back(text);
@@ -233,7 +291,7 @@ void Document::draw(const pugi::xml_node& node, const Context& context, std::vec
     if (points_ > kMaxPoints) fail("it has more than a million curves", "Draw fewer and simpler strokes");
     for (cv::Point2d& point : lines[i].points) point = transformed(context.to_page, point);
     drawn_.push_back({std::move(lines[i]),
-                      label(node) + (lines.size() > 1 ? fmt::format(", part {}", i + 1) : ""), context.speed,
+                      label(node) + (lines.size() > 1 ? fmt::format(", part {}", i + 1) : ""), context.said,
                       context.names, context.layer});
   }
 }
@@ -257,7 +315,14 @@ void Document::walk(const pugi::xml_node& node, const Context& parent) {
   } else if (shape) {
     if (context.displayed && context.visible) left_out_.insert(name);
   } else if (name == "path") {
-    draw(node, context, reading(node, "d", [&] { return parse_svg_path(node.attribute("d").value()); }));
+    pugi::xml_node animate;
+    for (const pugi::xml_node& child : node.children())
+      if (local_name(child) == "animate" && std::strcmp(child.attribute("attributeName").value(), "d") == 0)
+        animate = child;
+    if (animate)
+      draw_animated(node, animate, context);
+    else
+      draw(node, context, reading(node, "d", [&] { return parse_svg_path(node.attribute("d").value()); }));
   } else {
     std::vector<cv::Point2d> corners;
     if (name == "line") {
@@ -303,8 +368,15 @@ std::vector<Stroke> Document::strokes(std::vector<std::string>* notices) {
       if (!(std::abs(point.x) < 1e7 && std::abs(point.y) < 1e7))
         fail(drawn.name + " lies far outside the picture", "Remove it");
     }
-    strokes.push_back({flatten(drawn.line, kTolerance), drawn.speed, std::move(drawn.name),
-                       std::move(drawn.names), std::move(drawn.layer)});
+    Stroke& stroke = strokes.emplace_back();
+    stroke.points = flatten(drawn.line, kTolerance);
+    stroke.name = std::move(drawn.name);
+    stroke.names = std::move(drawn.names);
+    stroke.layer = std::move(drawn.layer);
+    stroke.time_s = drawn.said.time_s;
+    stroke.line = std::move(drawn.said.line);
+    if (!drawn.said.speeds.empty()) stroke.speed_px_per_s = drawn.said.speeds.front();
+    if (drawn.said.speeds.size() > 1) stroke.speeds = std::move(drawn.said.speeds);
     points += strokes.back().points.size();
     if (points > kMaxPoints) fail("it has more than a million points", "Draw fewer and simpler strokes");
   }

@@ -13,7 +13,9 @@ namespace freshet::query {
 
 /// Every subpath of a <path>, every <line>, <polyline> and <polygon> is a stroke, from its first point to its
 /// last; a closed one ends where it began. Transforms of elements, groups and nested documents apply. An
-/// element's or its group's attribute data-speed is the stroke's speed, in px/s of the picture; data-layer is its
+/// element's or its group's attribute data-speed is the stroke's speed, in px/s of the picture, or several at even
+/// distances along it; data-time in seconds and data-of, a line's id, say that this is where that line lies then, as
+/// the positions in an <animate attributeName="d"> do; data-layer is its
 /// layer.
 ///
 /// Left out are what is hidden (display, visibility, opacity 0; as attribute, style or by a style sheet's

@@ -5,7 +5,7 @@
 
 #include <opencv2/core.hpp>
 
-#include "synth/flowlines/flow_line.h"
+#include "synth/flowlines/lines/flow_line.h"
 #include "synth/flowlines/rides.h"
 
 namespace freshet::synth::flowlines {

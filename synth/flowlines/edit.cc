@@ -8,6 +8,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "freshet/error.h"
+#include "synth/flowlines/lines/moving_lines.h"
 #include "synth/flowlines/pairing.h"
 
 namespace freshet::synth::flowlines {
@@ -27,16 +28,6 @@ double mean_distance(const FlowLine& a, const FlowLine& b, double* most = nullpt
     if (most != nullptr) *most = std::max(*most, apart);
   }
   return sum / (kPoints + 1);
-}
-
-FlowLine between(const FlowLine& a, const FlowLine& b, float share) {
-  const int points = std::max(a.samples(), b.samples());
-  std::vector<cv::Point2f> chain;
-  for (int i = 0; i < points; ++i) {
-    const float along = static_cast<float>(i) / static_cast<float>(points - 1);
-    chain.push_back(at_share(a, along) * (1 - share) + at_share(b, along) * share);
-  }
-  return evenly(chain, fmt::format("{}~{}", a.name, b.name));
 }
 
 /// Distance from a point to the nearest sample of a line.
@@ -105,10 +96,11 @@ class Shown {
     if (width == 0) return out;  // the two lines lie apart
     tbb::parallel_for(0, out.rows, [&](int y) {
       const FlowLine& input = inputs[static_cast<std::size_t>(y)];
+      const ArcMap arc_of(edited.line, input, correspondence);
       cv::Mat map(1, width, CV_32FC2), shown;
       for (int i = 0; i < width; ++i) {
         const Overlap& overlap = at_places[static_cast<std::size_t>(i)];
-        const float arc = input_arc(edited, input, first ? overlap.arc_a : overlap.arc_b, correspondence);
+        const float arc = arc_of(first ? overlap.arc_a : overlap.arc_b);
         const cv::Point2f p = place(input, arc, first ? overlap.across_a : overlap.across_b);
         map.at<cv::Vec2f>(i) = cv::Vec2f(p.x, p.y);
       }
@@ -148,24 +140,23 @@ std::vector<EditedLine> joined(const std::vector<FlowLine>& drawn, const EditOpt
     } else {
       const int missing = std::max(0, cvRound(apart / options.spacing_px) - 1);
       for (int k = 1; k <= missing; ++k) {
-        FlowLine line =
-            between(drawn[i - 1], drawn[i], static_cast<float>(k) / static_cast<float>(missing + 1));
-        line.speed = drawn[i].speed;
+        const float share = static_cast<float>(k) / static_cast<float>(missing + 1);
+        FlowLine line = between(drawn[i - 1], drawn[i], share);
+        line.name = fmt::format("{}~{}", drawn[i - 1].name, drawn[i].name);
         if (line.points.empty() || is_taken(line, drawn, i - 1, i, 0.6 * options.spacing_px)) continue;
-        dense.push_back({std::move(line), -1, false});
+        dense.push_back({std::move(line), -1, false, i - 1, i, share});
       }
     }
-    dense.push_back({drawn[i], -1, true});
+    dense.push_back({drawn[i], -1, true, i, i, 0});
   }
   return dense;
 }
 
 }  // namespace
 
-float input_arc(const EditedLine& edited, const FlowLine& input, float arc, Correspondence correspondence) {
-  const auto speed = static_cast<float>(edited.line.speed);
-  if (correspondence == Correspondence::kStretched) return arc * input.length() / edited.line.length();
-  return arc / speed;
+void follow_drawn(const std::vector<FlowLine>& drawn, std::vector<EditedLine>& dense) {
+  for (EditedLine& line : dense)
+    line.line = line.drawn ? drawn[line.to] : between(drawn[line.from], drawn[line.to], line.share);
 }
 
 std::vector<FlowLine> dense_inputs(const std::vector<FlowLine>& inputs, const EditOptions& options) {

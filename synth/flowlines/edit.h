@@ -6,14 +6,10 @@
 
 #include <opencv2/core.hpp>
 
-#include "synth/flowlines/flow_line.h"
+#include "synth/flowlines/lines/arc_map.h"
+#include "synth/flowlines/lines/flow_line.h"
 
 namespace freshet::synth::flowlines {
-
-enum class Correspondence {
-  kEqual,      // points at equal arc lengths correspond: texture keeps its size, and its speed
-  kStretched,  // the input line's whole length goes onto the edited line's
-};
 
 struct EditOptions {
   Correspondence correspondence = Correspondence::kEqual;
@@ -28,10 +24,13 @@ struct EditedLine {
   FlowLine line;      // px of the clip's frames
   int input = -1;     // index of the input line
   bool drawn = true;  // not interpolated
+  /// The drawn lines between which it lies, and where: of a drawn one it is both.
+  std::size_t from = 0, to = 0;
+  float share = 0;
 };
 
-/// Input's arc length at an edited line's.
-float input_arc(const EditedLine& edited, const FlowLine& input, float arc, Correspondence correspondence);
+/// The dense lines when the drawn ones have moved: each between the same two as before.
+void follow_drawn(const std::vector<FlowLine>& drawn, std::vector<EditedLine>& dense);
 
 /// An edited line is a copy of the input line that it is named after: "fall", or "fall-2" where there are several
 /// (what a drawing program makes of the id of a copied path).

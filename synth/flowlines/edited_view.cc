@@ -1,7 +1,9 @@
 #include "synth/flowlines/edited_view.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <utility>
 
 #include <tbb/parallel_for.h>
 #include <opencv2/imgproc.hpp>
@@ -11,14 +13,41 @@
 namespace freshet::synth::flowlines {
 namespace {
 
-constexpr std::size_t kMostSources = 4;  // of a pixel: the weightiest patches
-constexpr float kLeast = 0.02f;          // of the weightiest: less is not seen
+constexpr std::size_t kTogether = 8;  // lines that are covered at a time
+
+constexpr int kAbout = 4;        // samples about the nearest that are compared
+constexpr float kLeast = 0.02f;  // of the weightiest: less is not seen
 
 /// Where a pixel lies beside a line.
 struct Beside {
   float arc = 0, across = 0;
   float squared = 1e18f;  // of the distance to the nearest sample
 };
+
+/// By pixel of a region, about which sample of a line is the nearest: CV_32S.
+cv::Mat nearest_samples(const FlowLine& line, const cv::Rect& region) {
+  // The region and what of the line lies beside it.
+  const cv::Rect all = region | cv::boundingRect(line.points);
+  cv::Mat off(all.size(), CV_8U, cv::Scalar(255)), distance, labels;
+  const auto cell = [&](int s) {
+    const cv::Point2f p = line.points[static_cast<std::size_t>(s)];
+    return cv::Point(std::clamp(cvRound(p.x) - all.x, 0, all.width - 1),
+                     std::clamp(cvRound(p.y) - all.y, 0, all.height - 1));
+  };
+  for (int s = 0; s < line.samples(); ++s) off.at<std::uint8_t>(cell(s)) = 0;
+  cv::distanceTransform(off, distance, labels, cv::DIST_L2, cv::DIST_MASK_5, cv::DIST_LABEL_PIXEL);
+  std::vector<int> sample_of(static_cast<std::size_t>(line.samples()) + 1, 0);
+  for (int s = line.samples() - 1; s >= 0; --s) {
+    const auto label = static_cast<std::size_t>(labels.at<int>(cell(s)));
+    if (label < sample_of.size()) sample_of[label] = s;
+  }
+  cv::Mat out(region.size(), CV_32S);
+  for (int y = 0; y < out.rows; ++y)
+    for (int x = 0; x < out.cols; ++x)
+      out.at<int>(y, x) =
+          sample_of[static_cast<std::size_t>(labels.at<int>(y + region.y - all.y, x + region.x - all.x))];
+  return out;
+}
 
 /// The pixels within half a patch of a line; region is where they may be.
 std::vector<Beside> along(const FlowLine& line, float half, cv::Size picture, cv::Rect& region) {
@@ -27,20 +56,21 @@ std::vector<Beside> along(const FlowLine& line, float half, cv::Size picture, cv
   region = cv::Rect(region.x - edge, region.y - edge, region.width + 2 * edge, region.height + 2 * edge) &
            cv::Rect({0, 0}, picture);
   std::vector<Beside> found(static_cast<std::size_t>(std::max(0, region.area())));
-  for (int s = 0; s < line.samples(); ++s) {
-    const cv::Point2f p = line.points[static_cast<std::size_t>(s)], way = tangent(line, s);
-    const cv::Rect near = cv::Rect(cvFloor(p.x - half), cvFloor(p.y - half), 2 * edge, 2 * edge) & region;
-    for (int y = near.y; y < near.y + near.height; ++y)
-      for (int x = near.x; x < near.x + near.width; ++x) {
-        const cv::Point2f from = cv::Point2f(static_cast<float>(x), static_cast<float>(y)) - p;
+  if (found.empty()) return found;
+  const cv::Mat nearest = nearest_samples(line, region);
+  for (int y = 0; y < region.height; ++y)
+    for (int x = 0; x < region.width; ++x) {
+      const cv::Point2f here(static_cast<float>(region.x + x), static_cast<float>(region.y + y));
+      Beside& beside = found[static_cast<std::size_t>(y * region.width + x)];
+      const int about = nearest.at<int>(y, x);
+      for (int s = std::max(0, about - kAbout); s <= std::min(about + kAbout, line.samples() - 1); ++s) {
+        const cv::Point2f from = here - line.points[static_cast<std::size_t>(s)];
         const float squared = from.dot(from);
-        Beside& beside =
-            found[static_cast<std::size_t>(y - region.y) * static_cast<std::size_t>(region.width) +
-                  static_cast<std::size_t>(x - region.x)];
         if (squared > half * half || squared >= beside.squared) continue;
+        const cv::Point2f way = tangent(line, s);
         beside = {static_cast<float>(s) + from.dot(way), from.dot({-way.y, way.x}), squared};
       }
-  }
+    }
   return found;
 }
 
@@ -102,22 +132,18 @@ cv::Mat ridden(const std::vector<FlowLine>& lines, float half, const cv::Mat& ma
 
 }  // namespace
 
-EditedView::EditedView(const std::vector<cv::Mat>& frames, cv::Size working,
-                       const std::vector<FlowLine>& inputs, const std::vector<EditedLine>& lines,
+EditedView::EditedView(const std::vector<cv::Mat>& frames, cv::Size working, std::vector<FlowLine> inputs,
                        const cv::Mat& matte, const cv::Mat& mean, const EditedViewOptions& options)
-    : frames_(&frames), working_(working), options_(options), mean_(mean) {
-  cv::Mat soft;
-  cv::GaussianBlur(matte, soft, cv::Size(), std::max(1.0, options.patch_px / 12));
-  cover(inputs, lines, soft);
-  const cv::Mat was = ridden(inputs, static_cast<float>(options.patch_px / 2), soft);
-  removed_ = options.on_background ? 1 - alpha_ : cv::Mat(cv::max(was - alpha_, 0.0f));
+    : frames_(&frames), working_(working), options_(options), inputs_(std::move(inputs)), mean_(mean) {
+  cv::GaussianBlur(matte, matte_, cv::Size(), std::max(1.0, options.patch_px / 12));
+  was_ = ridden(inputs_, static_cast<float>(options.patch_px / 2), matte_);
   behind_ = options.background;
   if (!behind_.empty()) return;
   if (options.ground != Ground::kNone) {
     behind_ = extreme(frames, options.ground == Ground::kBlack);
     return;
   }
-  cv::Mat average, hole = was > 0.05f;
+  cv::Mat average, hole = was_ > 0.05f;
   mean.convertTo(average, CV_8U);
   // Fluid all over leaves nothing to fill in from: then it stands still behind itself.
   behind_ = cv::countNonZero(hole) < 0.9 * static_cast<double>(hole.total())
@@ -125,79 +151,100 @@ EditedView::EditedView(const std::vector<cv::Mat>& frames, cv::Size working,
                 : average;
 }
 
-void EditedView::cover(const std::vector<FlowLine>& inputs, const std::vector<EditedLine>& lines,
-                       const cv::Mat& matte) {
-  const cv::Size size = matte.size();
-  const auto half = static_cast<float>(options_.patch_px / 2);
-  std::vector<std::vector<Source>> of_pixel(static_cast<std::size_t>(size.area()));
-  for (const EditedLine& edited : lines) {
-    const FlowLine& input = inputs[static_cast<std::size_t>(edited.input)];
-    const bool unchanged = edited.line.points == input.points && edited.line.speed == 1;
-    cv::Rect region;
-    const std::vector<Beside> found = along(edited.line, half, size, region);
-    for (int i = 0; i < static_cast<int>(found.size()); ++i) {
-      const Beside& beside = found[static_cast<std::size_t>(i)];
-      if (beside.squared > 1e17f) continue;
-      const int x = region.x + i % region.width, y = region.y + i / region.width;
-      const float arc = input_arc(edited, input, beside.arc, options_.correspondence);
-      const float weight =
-          tent(beside.across, half) *
-          tent(std::max(beyond(beside.arc, edited.line.length()), beyond(arc, input.length())), half);
-      cv::Point2f from(static_cast<float>(x), static_cast<float>(y));
-      if (!unchanged) {
-        const cv::Point2f way = tangent(input, cvRound(arc));
-        from = at(input, arc) + cv::Point2f(-way.y, way.x) * beside.across;
-      }
-      const bool seen = from.x >= -0.5f && from.y >= -0.5f &&
-                        from.x <= static_cast<float>(size.width) - 0.5f &&
-                        from.y <= static_cast<float>(size.height) - 0.5f;
-      if (weight > 1e-4f && seen)
-        of_pixel[static_cast<std::size_t>(y) * static_cast<std::size_t>(size.width) +
-                 static_cast<std::size_t>(x)]
-            .push_back({from.x, from.y, weight});
-    }
+void EditedView::lead(const std::vector<EditedLine>& lines) {
+  const cv::Size size = matte_.size();
+  const auto pixels = static_cast<std::size_t>(size.area());
+  best_.resize(pixels * kMostSources);
+  count_.assign(pixels, 0);
+  all_.assign(pixels, 0.0f);
+  std::array<std::vector<Place>, kTogether> covers;
+  for (std::size_t first = 0; first < lines.size(); first += kTogether) {
+    const std::size_t count = std::min(kTogether, lines.size() - first);
+    tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) { cover(lines[first + i], covers[i]); });
+    for (std::size_t i = 0; i < count; ++i)  // in order: the same for any number of threads
+      for (const Place& place : covers[i]) add(place);
   }
-  alpha_ = cv::Mat(size, CV_32F, cv::Scalar(0));
+  gather();
+  removed_ = options_.on_background ? 1 - alpha_ : cv::Mat(cv::max(was_ - alpha_, 0.0f));
+}
+
+void EditedView::cover(const EditedLine& edited, std::vector<Place>& places) const {
+  places.clear();
+  if (edited.line.samples() < 2) return;
+  const cv::Size size = matte_.size();
+  const auto half = static_cast<float>(options_.patch_px / 2);
+  const FlowLine& input = inputs_[static_cast<std::size_t>(edited.input)];
+  const bool unchanged = edited.line.points == input.points && edited.line.speeds.empty();
+  const ArcMap arc_of(edited.line, input, options_.correspondence);
+  cv::Rect region;
+  const std::vector<Beside> found = along(edited.line, half, size, region);
+  for (int i = 0; i < static_cast<int>(found.size()); ++i) {
+    const Beside& beside = found[static_cast<std::size_t>(i)];
+    if (beside.squared > 1e17f) continue;
+    const int x = region.x + i % region.width, y = region.y + i / region.width;
+    const float arc = arc_of(beside.arc);
+    const float weight =
+        tent(beside.across, half) *
+        tent(std::max(beyond(beside.arc, edited.line.length()), beyond(arc, input.length())), half);
+    cv::Point2f from(static_cast<float>(x), static_cast<float>(y));
+    if (!unchanged) {
+      const cv::Point2f way = tangent(input, cvRound(arc));
+      from = at(input, arc) + cv::Point2f(-way.y, way.x) * beside.across;
+    }
+    const bool seen = from.x >= -0.5f && from.y >= -0.5f && from.x <= static_cast<float>(size.width) - 0.5f &&
+                      from.y <= static_cast<float>(size.height) - 0.5f;
+    if (weight > 1e-4f && seen)
+      places.push_back({static_cast<std::uint32_t>(y * size.width + x), {from.x, from.y, weight}});
+  }
+}
+
+/// Keeps a pixel's weightiest sources, in their order.
+void EditedView::add(const Place& place) {
+  all_[place.pixel] += place.source.weight;
+  Source* best = best_.data() + place.pixel * kMostSources;
+  std::uint8_t& count = count_[place.pixel];
+  std::size_t at = count;
+  while (at > 0 && best[at - 1].weight < place.source.weight) --at;
+  if (at == kMostSources) return;
+  if (count < kMostSources) ++count;
+  for (std::size_t i = count - 1u; i > at; --i) best[i] = best[i - 1];
+  best[at] = place.source;
+}
+
+void EditedView::gather() {
+  const cv::Size size = matte_.size();
+  alpha_.create(size, CV_32F);
   first_.assign(1, 0);
-  first_.reserve(of_pixel.size() + 1);
-  for (std::size_t p = 0; p < of_pixel.size(); ++p) {
-    std::vector<Source>& of = of_pixel[p];
-    std::stable_sort(of.begin(), of.end(),
-                     [](const Source& a, const Source& b) { return a.weight > b.weight; });
-    float all = 0;
-    for (const Source& source : of) all += source.weight;
-    if (of.size() > kMostSources) of.resize(kMostSources);
+  sources_.clear();
+  for (std::size_t p = 0; p < count_.size(); ++p) {
+    const std::span<Source> of(best_.data() + p * kMostSources, count_[p]);
     float sum = 0, fluid = 0;
     for (const Source& source : of) {
       const int sx = std::clamp(cvRound(source.x), 0, size.width - 1);
       const int sy = std::clamp(cvRound(source.y), 0, size.height - 1);
       sum += source.weight;
-      fluid += source.weight * static_cast<float>(matte.at<std::uint8_t>(sy, sx)) / 255;
+      fluid += source.weight * static_cast<float>(matte_.at<std::uint8_t>(sy, sx)) / 255;
     }
-    if (sum > 0)
-      alpha_.at<float>(static_cast<int>(p) / size.width, static_cast<int>(p) % size.width) =
-          covered(all) * fluid / sum;
+    alpha_.at<float>(static_cast<int>(p) / size.width, static_cast<int>(p) % size.width) =
+        sum > 0 ? covered(all_[p]) * fluid / sum : 0.0f;
     share_out(of);
-    sources_.insert(sources_.end(), of.begin(), of.end());
     first_.push_back(static_cast<std::uint32_t>(sources_.size()));
   }
 }
 
 /// Two patches that were turned differently show the same texture in two places: averaged, it is soft, and slower to
 /// the eye and to flow. Where textures are cut, the weightiest patch therefore counts for most.
-void EditedView::share_out(std::vector<Source>& of) const {
-  if (of.empty()) return;
-  if (options_.render.mixing == Mixing::kCut) {
-    const float most = of.front().weight;
-    for (Source& source : of) {
-      const float share = source.weight / most;
-      source.weight = share * share * share * share * share * share;
-    }
-    std::erase_if(of, [](const Source& source) { return source.weight < kLeast; });
+void EditedView::share_out(std::span<Source> of) {
+  const auto from = static_cast<std::ptrdiff_t>(sources_.size());
+  for (const Source& source : of) {
+    const float share = source.weight / of.front().weight;
+    const bool sharp = options_.render.mixing == Mixing::kCut;
+    const float weight = sharp ? share * share * share * share * share * share : share;
+    if (weight >= kLeast) sources_.push_back({source.x, source.y, weight});
   }
   float sum = 0;
-  for (const Source& source : of) sum += source.weight;
-  for (Source& source : of) source.weight /= sum;
+  for (auto source = sources_.begin() + from; source != sources_.end(); ++source) sum += source->weight;
+  for (auto source = sources_.begin() + from; source != sources_.end(); ++source) source->weight /= sum;
 }
 
 cv::Vec4f EditedView::fluid(const std::vector<Moment>& moments, std::size_t first, std::size_t last) const {
@@ -213,9 +260,11 @@ cv::Vec4f EditedView::fluid(const std::vector<Moment>& moments, std::size_t firs
     std::array<cv::Vec3f, 4> values;
     for (std::size_t k = 0; k < static_cast<std::size_t>(moment.count); ++k)
       values[k] = sampled((*frames_)[moment.frame[k]], source.x, source.y);
-    const cv::Vec3f mean = mean_.at<cv::Vec3f>(std::clamp(cvRound(source.y), 0, mean_.rows - 1),
-                                               std::clamp(cvRound(source.x), 0, mean_.cols - 1));
-    sum += mixed(values, moment, mean, options_.render) * source.weight;
+    const cv::Point from(std::clamp(cvRound(source.x), 0, mean_.cols - 1),
+                         std::clamp(cvRound(source.y), 0, mean_.rows - 1));
+    sum += mixed(values, moment, mean_.at<cv::Vec3f>(from), options_.render.likeness.at<float>(from),
+                 options_.render.mixing) *
+           source.weight;
   }
   float alpha = 1;
   const float brightest = std::max({sum[0], sum[1], sum[2]}), darkest = std::min({sum[0], sum[1], sum[2]});

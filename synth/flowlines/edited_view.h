@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include <opencv2/core.hpp>
@@ -45,9 +46,12 @@ class EditedView {
   /// frames    CV_8UC3; kept by reference.
   /// working   px of the picture that moments are given for.
   /// matte     CV_8U, the frames' size: what of the clip is fluid.
-  EditedView(const std::vector<cv::Mat>& frames, cv::Size working, const std::vector<FlowLine>& inputs,
-             const std::vector<EditedLine>& lines, const cv::Mat& matte, const cv::Mat& mean,
-             const EditedViewOptions& options);
+  /// inputs    the dense input lines, px of the frames.
+  EditedView(const std::vector<cv::Mat>& frames, cv::Size working, std::vector<FlowLine> inputs,
+             const cv::Mat& matte, const cv::Mat& mean, const EditedViewOptions& options);
+
+  /// From now on the fluid goes along these lines; before the first frame, and when lines have moved. All threads.
+  void lead(const std::vector<EditedLine>& lines);
 
   /// Draws over a frame of the endless clip, CV_8UC3. All threads; the same for any number.
   void render(const std::vector<Moment>& moments, cv::Mat& frame) const;
@@ -59,14 +63,25 @@ class EditedView {
     float x, y;  // px of the clip
     float weight;
   };
-  void cover(const std::vector<FlowLine>& inputs, const std::vector<EditedLine>& lines, const cv::Mat& matte);
-  void share_out(std::vector<Source>& of) const;
+  static constexpr std::size_t kMostSources = 4;  // of a pixel: the weightiest patches
+  struct Place {
+    std::uint32_t pixel;
+    Source source;
+  };
+  void cover(const EditedLine& edited, std::vector<Place>& places) const;
+  void add(const Place& place);
+  void gather();
+  void share_out(std::span<Source> of);
   cv::Vec4f fluid(const std::vector<Moment>& moments, std::size_t first, std::size_t last) const;
 
   const std::vector<cv::Mat>* frames_;
   cv::Size working_;
   EditedViewOptions options_;
-  cv::Mat mean_, alpha_, removed_, behind_;
+  std::vector<FlowLine> inputs_;
+  cv::Mat mean_, matte_, was_, alpha_, removed_, behind_;
+  std::vector<Source> best_;          // by pixel kMostSources, of which count_ are there
+  std::vector<std::uint8_t> count_;   // by pixel
+  std::vector<float> all_;            // by pixel: weight of all its sources
   std::vector<std::uint32_t> first_;  // by pixel, and one more
   std::vector<Source> sources_;
 };

@@ -8,6 +8,7 @@
 
 #include "freshet/error.h"
 #include "platform/stopwatch.h"
+#include "synth/flowlines/lines/moving_lines.h"
 #include "synth/flowlines/moments.h"
 #include "synth/flowlines/plan.h"
 #include "synth/flowlines/streamlines.h"
@@ -16,9 +17,11 @@
 namespace freshet::synth::flowlines {
 namespace {
 
-constexpr float kMinFade = 1.5f;  // frames
-constexpr double kAllCut = 0.95;  // share of places too slow to be ridden
-constexpr double kAgainst = 0.5;  // share of a drawn line that may run against the flow
+constexpr float kMinFade = 1.5f;     // frames
+constexpr double kGivenBack = 0.65;  // of the contrast that mixing costs
+constexpr double kLively = 0.5;      // of how much what flows changes
+constexpr double kAllCut = 0.95;     // share of places too slow to be ridden
+constexpr double kAgainst = 0.5;     // share of a drawn line that may run against the flow
 
 }  // namespace
 
@@ -29,6 +32,8 @@ double default_patch(cv::Size picture) {
 struct Flowlines::Impl {
   Impl(const Footage& clip, const FlowlinesOptions& asked, const Job& job) : footage(clip), options(asked) {
     Stopwatch watch;
+    // Positions first: a slip in them should not cost the preparation.
+    moving.emplace(options.edited, options.loop_frames / output_fps(), options.edited_name);
     working = working_clip(footage, job);
     if (!options.moving_camera) judge_camera(working, footage.name, report.notices);
     report.patch_px = options.patch_px > 0 ? options.patch_px : default_patch(footage.size());
@@ -56,13 +61,43 @@ struct Flowlines::Impl {
       cv::resize(options.matte, working_matte, working.size(), 0, 0, cv::INTER_AREA);
     } else {
       working_matte = working.motion.matte;
+      if (!options.lines.empty()) working_matte |= lively_beside(options.lines);
     }
     cv::resize(working_matte, matte, footage.size(), 0, 0, cv::INTER_LINEAR);
+  }
+
+  /// Where a person draws a line there is fluid, though foam that seethes in its place does not flow: what changes there
+  /// for a good part as much as what flows.
+  cv::Mat lively_beside(const std::vector<FlowLine>& drawn) const {
+    cv::Mat change(working.size(), CV_32F, cv::Scalar(0)), difference,
+        away(working.size(), CV_8U, cv::Scalar(255));
+    for (std::size_t t = 1; t < working.luma.size(); ++t) {
+      cv::absdiff(working.luma[t], working.luma[t - 1], difference);
+      cv::accumulate(difference, change);
+    }
+    cv::GaussianBlur(change, change, cv::Size(), std::max(1.0, patch() / 6));
+    for (const FlowLine& line : drawn)
+      for (const cv::Point2f& point : scaled(line, static_cast<float>(working.scale)).points)
+        away.at<std::uint8_t>(std::clamp(cvRound(point.y), 0, away.rows - 1),
+                              std::clamp(cvRound(point.x), 0, away.cols - 1)) = 0;
+    cv::distanceTransform(away, difference, cv::DIST_L2, cv::DIST_MASK_5);
+    const double flowing = cv::mean(change, working.motion.matte)[0];
+    // White foam hardly changes, but lies among what does.
+    const int side = 2 * cvRound(patch() / 3) + 1;
+    const cv::Mat disc = cv::getStructuringElement(cv::MORPH_ELLIPSE, cv::Size(side, side));
+    cv::Mat lively = (change > kLively * flowing) | working.motion.matte;
+    cv::morphologyEx(lively, lively, cv::MORPH_CLOSE, disc);
+    return lively & (difference < patch() / 2);
   }
 
   void find_lines() {
     if (!options.lines.empty()) {
       lines = options.lines;
+      for (const FlowLine& line : lines)
+        if (line.time_s)
+          throw Error(
+              ErrorKind::kInput, line.name, "an input line has a data-time",
+              "Input lines lie where the clip's fluid is; give positions in time to the edited lines");
       for (const FlowLine& line : lines)
         working_lines.push_back(scaled(line, static_cast<float>(working.scale)));
     } else {
@@ -127,10 +162,26 @@ struct Flowlines::Impl {
     report.way = static_cast<double>(plan.arrivals.streams.front().duration);
     report.jump_cost = plan.ladders.front().jump;
     const bool cuts = options.mixing == Mixing::kCut;
-    moments.emplace(plan.arrivals, fade(), std::move(plan.orders), footage.count(),
-                    CutOptions{.frames = cuts ? &ladders->frames() : nullptr, .margin = plan.margin});
-    render = {.mixing = options.mixing, .likeness = likeness_of(working.frames)};
+    moments.emplace(
+        plan.arrivals, fade(), std::move(plan.orders), footage.count(),
+        CutOptions{
+            .frames = cuts ? &ladders->frames() : nullptr, .whole = &working.frames, .margin = plan.margin});
+    render = {.mixing = options.mixing, .likeness = likeness()};
     renderer.emplace(footage.frames, working.size(), render);
+  }
+
+  /// Contrast that is given back is seen to come and go, as a jump: so a part of it.
+  cv::Mat likeness() const {
+    cv::Mat by_pixel;
+    cv::resize(likeness_of(working.frames, patch()), by_pixel, footage.size());
+    return 1 - kGivenBack * (1 - by_pixel);
+  }
+
+  cv::Mat soft_matte() const {
+    cv::Mat soft;
+    cv::GaussianBlur(matte, soft, cv::Size(), std::max(1.0, report.patch_px / 12));
+    soft.convertTo(soft, CV_32F, 1.0 / 255);
+    return soft;
   }
 
   /// Edited lines take their textures from the input lines, and the clip from what those leave.
@@ -139,12 +190,13 @@ struct Flowlines::Impl {
                             .patch_px = report.patch_px,
                             .spacing_px = report.spacing_px,
                             .join_px = options.join_px};
-    const std::vector<int> partner = partners(lines, options.edited, options.edited_name);
+    const std::vector<FlowLine> drawn = moving->at(0);
+    const std::vector<int> partner = partners(lines, drawn, options.edited_name);
     std::vector<bool> used(lines.size(), false);
     for (const int input : partner) used[static_cast<std::size_t>(input)] = true;
     const std::vector<FlowLine> inputs = dense_inputs(lines, edits);
-    edited = densify(inputs, options.edited, partner, footage.frames, edits);
-    report.drawn = static_cast<int>(options.edited.size());
+    edited = densify(inputs, drawn, partner, footage.frames, edits);
+    report.drawn = static_cast<int>(drawn.size());
     report.interpolated = static_cast<int>(edited.size()) - report.drawn;
     if (const auto without = std::count(used.begin(), used.end(), false); without > 0)
       report.notices.push_back(fmt::format(
@@ -152,7 +204,17 @@ struct Flowlines::Impl {
     EditedViewOptions view_options = options.view;
     view_options.patch_px = report.patch_px;
     view_options.render = render;
-    view.emplace(footage.frames, working.size(), inputs, edited, matte, renderer->mean(), view_options);
+    view.emplace(footage.frames, working.size(), inputs, matte, renderer->mean(), view_options);
+    view->lead(edited);
+  }
+
+  double output_fps() const { return options.fps > 0 ? options.fps : footage.fps; }
+
+  /// Lines of a frame of the output lie where their positions say.
+  void move_lines() {
+    if (!view || !moving->moves()) return;
+    follow_drawn(moving->at(static_cast<double>(frame) / output_fps()), edited);
+    view->lead(edited);
   }
 
   const Footage& footage;
@@ -167,6 +229,7 @@ struct Flowlines::Impl {
   std::optional<Moments> moments;
   RenderOptions render;
   std::optional<Renderer> renderer;
+  std::optional<MovingLines> moving;
   std::vector<EditedLine> edited;
   std::optional<EditedView> view;
   std::vector<Moment> moment;
@@ -185,13 +248,11 @@ const cv::Mat& Flowlines::matte() const { return impl_->matte; }
 
 cv::Mat Flowlines::fluid() const {
   if (impl_->view) return impl_->view->alpha();
-  cv::Mat soft;
-  cv::GaussianBlur(impl_->matte, soft, cv::Size(), std::max(1.0, impl_->report.patch_px / 12));
-  soft.convertTo(soft, CV_32F, 1.0 / 255);
-  return soft;
+  return impl_->soft_matte();
 }
 
 const cv::Mat& Flowlines::next() {
+  impl_->move_lines();
   impl_->moments->at(impl_->frame++, impl_->moment);
   impl_->renderer->render(impl_->moment, impl_->out);
   if (impl_->view) impl_->view->render(impl_->moment, impl_->out);

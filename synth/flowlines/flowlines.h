@@ -13,9 +13,9 @@
 #include "synth/flowlines/clip_motion.h"
 #include "synth/flowlines/edit.h"
 #include "synth/flowlines/edited_view.h"
-#include "synth/flowlines/flow_line.h"
 #include "synth/flowlines/footage.h"
 #include "synth/flowlines/ladder.h"
+#include "synth/flowlines/lines/flow_line.h"
 #include "synth/flowlines/renderer.h"
 #include "synth/flowlines/rides.h"
 
@@ -24,11 +24,13 @@ namespace freshet::synth::flowlines {
 struct FlowlinesOptions {
   /// Flow lines over the clip, px of its frames; empty: found.
   std::vector<FlowLine> lines{};
-  /// Where the fluid is to go, px; each named after the line that it is an edited copy of. Empty: as in the clip.
+  /// Where the fluid is to go, px; each named after the line that it is an edited copy of; of one name several where
+  /// it moves (MovingLines). Empty: as in the clip.
   std::vector<FlowLine> edited{};
   std::string edited_name{};  // their file, for errors
   EditedViewOptions view{};   // patch_px and render are those below
   double join_px = 0;         // EditOptions
+  double fps = 0;             // of the output, for lines that move; 0: the clip's
   /// CV_8U, 255 where the fluid is, of the clip's size: lines are found there. Empty: found from what moves.
   cv::Mat matte{};
   double spacing_px = 0;  // between lines that are found; 0: half a patch
@@ -78,11 +80,13 @@ class Flowlines {
   const FlowlinesReport& report() const;
   /// The lines, px of the clip's frames.
   const std::vector<FlowLine>& lines() const;
-  /// The dense edited lines, with the input lines that they show; none where nothing is edited.
+  /// The dense edited lines of the frame last given, with the input lines that they show; none where nothing is
+  /// edited.
   const std::vector<EditedLine>& edited() const;
   /// CV_8U, 255 where the clip flows.
   const cv::Mat& matte() const;
-  /// CV_32F, 0..1: what of the output is fluid, softly: the matte, or what the edited lines' patches cover.
+  /// CV_32F, 0..1: what of the frame last given is fluid, softly: the matte, or what the edited lines' patches cover.
+  /// Valid until the next frame.
   cv::Mat fluid() const;
   /// The next frame, CV_8UC3, valid until the next call.
   const cv::Mat& next();

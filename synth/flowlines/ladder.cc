@@ -7,6 +7,8 @@
 #include <tbb/parallel_for.h>
 #include <opencv2/imgproc.hpp>
 
+#include "synth/flowlines/jumps/fading.h"
+
 namespace freshet::synth::flowlines {
 namespace {
 
@@ -101,21 +103,35 @@ cv::Mat summed(const std::vector<cv::Mat>& frames, const std::vector<Places>& bl
   return sum;
 }
 
-/// cost(a, b) for entries of the plan, 1 for what unrelated ones differ by.
-cv::Mat jump_costs(const std::vector<cv::Mat>& frames, const std::vector<Places>& blocks, int first,
-                   int entries) {
-  const cv::Mat sum = summed(frames, blocks, first, entries);
-  cv::Mat cost;
-  double unrelated = 0;
+/// Mean of the sums whose entries lie at least so far apart, and at most.
+double mean_apart(const cv::Mat& sums, int least, int most) {
+  double sum = 0;
   int pairs = 0;
-  for (int a = 0; a <= entries; ++a)
-    for (int b = 0; b < entries; ++b)
-      if (std::abs(a - b) > entries / 3) {
-        unrelated += sum.at<double>(a, b);
+  for (int a = 0; a < sums.rows; ++a)
+    for (int b = 0; b < sums.cols; ++b)
+      if (std::abs(a - b) >= least && std::abs(a - b) <= most) {
+        sum += sums.at<double>(a, b);
         ++pairs;
       }
-  sum.convertTo(cost, CV_32F, unrelated > 0 ? pairs / unrelated : 1);
-  return cost;
+  return sum / std::max(1, pairs);
+}
+
+/// Costs for entries of the plan, and how many frames' changes a jump is worth.
+void weigh_jumps(const cv::Mat& sums, Ladder& ladder) {
+  const double unrelated = mean_apart(sums, sums.cols / 3 + 1, sums.rows), near = mean_apart(sums, 1, 1);
+  sums.convertTo(ladder.cost, CV_32F, unrelated > 0 ? 1 / unrelated : 1);
+  ladder.changes = near > 0 ? std::sqrt(unrelated / near) : 1;
+}
+
+/// A jump near the clip's beginning or end has fewer frames to go over in, and shows the more.
+void lack_room(const Stream& stream, double fade, int frames, Ladder& ladder) {
+  const double halfway = 0.5 * static_cast<double>(stream.duration);
+  for (int a = 0; a < ladder.cost.rows; ++a)
+    for (int b = 0; b < ladder.cost.cols; ++b) {
+      const double before = ladder.first + b + halfway, after = frames - 1 - (ladder.first + a) - halfway;
+      const double lacks = std::max(1.0, fade / std::max(1.0, std::min(before, after)));
+      ladder.cost.at<float>(a, b) *= static_cast<float>(lacks);
+    }
 }
 
 /// What an order as it would be made costs.
@@ -145,12 +161,16 @@ Ladder Ladders::of(const Stream& stream, const cv::Mat& where, int margin, int e
                    const RepeatOptions& options) const {
   const std::vector<Places> blocks = blocks_of(stream, where, small_.front().size());
   Ladder ladder{.first = margin, .cost = {}};
-  ladder.cost = blocks.empty() ? cv::Mat(entries + 1, entries, CV_32F, cv::Scalar(0))
-                               : jump_costs(small_, blocks, margin, entries);
-  // Two rungs stay further apart than feathering is wide, as far as there is room.
-  ladder.min_run = std::clamp(entries / 3, 2, 2 * margin + 2);
+  weigh_jumps(blocks.empty() ? cv::Mat(entries + 1, entries, CV_64F, cv::Scalar(0))
+                             : summed(small_, blocks, margin, entries),
+              ladder);
+  // Two rungs stay further apart than feathering is wide, as far as there is room; fluid that creeps feathers long.
   RepeatOptions repeats = options;
+  repeats.fade = ladder.fade = std::min(kSlower * ladder.changes, static_cast<double>(kMostFade));
+  ladder.min_run = std::max(std::clamp(entries / 3, 2, 2 * margin + 2),
+                            std::min(cvRound(2 * ladder.fade) + 2, entries / 2));
   repeats.min_run = ladder.min_run;
+  lack_room(stream, repeats.fade, static_cast<int>(small_.size()), ladder);
   try_out(ladder, repeats);
   return ladder;
 }

@@ -17,6 +17,8 @@ inline constexpr int kLeastMargin = 4;
 struct Ladder {
   int first = 0;         // frame of the clip that entry 0 is
   cv::Mat cost;          // (K + 1) x K, for Repeats: 1 is what unrelated moments of the stream differ by
+  double changes = 1;    // how many frames' changes unrelated moments differ by
+  double fade = 0;       // RepeatOptions
   double per_frame = 0;  // cost of the jumps that an order makes, by frame
   double jump = 0;       // of one of them
   int min_run = 6;

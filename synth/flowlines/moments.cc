@@ -21,6 +21,17 @@ float tents(float x) {
   return x < 0 ? 0.5f * (1 + x) * (1 + x) : 1 - 0.5f * (1 - x) * (1 - x);
 }
 
+/// From 0 to 1 over [-1, 1], evenly but for its ends: no faster anywhere than it must be.
+float ramp(float x) {
+  constexpr float kEven = 0.6f, kPeak = 1 / (1 + kEven);
+  if (x > 0) return 1 - ramp(-x);
+  const float from_end = x + 1;
+  if (from_end <= 0) return 0;
+  constexpr float kEnd = 1 - kEven;
+  if (from_end < kEnd) return 0.5f * kPeak * from_end * from_end / kEnd;
+  return kPeak * (from_end - 0.5f * kEnd);
+}
+
 }  // namespace
 
 Order::Order(const Ladder& ladder, const RepeatOptions& options, int before)
@@ -68,9 +79,10 @@ Moments::Moments(const Arrivals& arrivals, cv::Mat fade, std::vector<Order> orde
   for (const Stream& stream : arrivals.streams) longest = std::max(longest, stream.duration);
   double most = 0;
   cv::minMaxLoc(fade_, nullptr, &most);
-  if (cut_.frames != nullptr) most = cut_.margin;
+  if (cut_.frames != nullptr) most = std::max(cut_.margin, kMostFade);
   reach_ = static_cast<std::int64_t>(std::ceil(static_cast<double>(longest) + most)) + 1;
   if (cut_.frames == nullptr) return;
+  fading_.emplace(*cut_.whole, cut_.frames->front().size());
   for (std::size_t k = 0; k < orders_.size(); ++k) {
     const auto number = static_cast<double>(k);
     cv::Mat shown = (arrivals.stream == number) | ((arrivals.neighbour == number) & (arrivals.share > 0));
@@ -79,17 +91,17 @@ Moments::Moments(const Arrivals& arrivals, cv::Mat fade, std::vector<Order> orde
   }
 }
 
-void Moments::cut_rung(std::size_t stream, int leaves, int enters, Rung& rung) const {
+void Moments::cut_rung(std::size_t stream, const Jump& jump, Rung& rung) const {
   const cv::Rect cells = cells_[stream];
   if (cells.empty()) return;
   const int reach = cut_.margin - kFading;
   const cv::Size size = cut_.frames->front().size();
   cv::Mat reduced, later(size, CV_32F, cv::Scalar(0)), fade(size, CV_32F, cv::Scalar(1)), shown;
   cv::resize(rung.arrival, reduced, size, 0, 0, cv::INTER_AREA);
-  const Meeting meeting = meeting_of(*cut_.frames, cells.tl(), reduced(cells), leaves, enters, reach);
-  const cv::Mat labels = cut(meeting);
-  labels.convertTo(later(cells), CV_32F, 1, -reach);
-  fades(meeting, labels).copyTo(fade(cells));
+  const Meeting meeting =
+      meeting_of(*cut_.frames, cells.tl(), reduced(cells), jump.leaves, jump.enters, reach);
+  cut(meeting).convertTo(later(cells), CV_32F, 1, -reach);
+  fading_->of(cells, reduced(cells) + later(cells), later(cells), jump).copyTo(fade(cells));
   cv::resize(later, shown, fade_.size(), 0, 0, cv::INTER_LINEAR);
   shown += rung.arrival;
   rung.arrival = shown;  // not in place: the stream's own is shared
@@ -111,7 +123,12 @@ Moments::Rung Moments::rung_of(std::size_t stream, const Run& before, const Run&
     cv::resize(of.arrival_of_entry[entry], rung.arrival, fade_.size(), 0, 0, cv::INTER_LINEAR);
   }
   if (cut_.frames != nullptr && before.start != run.start)
-    cut_rung(stream, static_cast<int>(before.first + run.start - before.start), run.first, rung);
+    cut_rung(
+        stream,
+        {.leaves = static_cast<int>(before.first + run.start - before.start),
+         .enters = run.first,
+         .most = std::max(cut_.margin, std::min(kMostFade, std::min(before.length, run.length) / 2 - 1))},
+        rung);
   return rung;
 }
 
@@ -137,7 +154,7 @@ void Moments::add(std::size_t stream, cv::Point at, std::int64_t frame, float sh
     since = static_cast<float>(frame - rungs[k].start) - rungs[k].arrival.at<float>(at);
     if (since > -fade || k == 0) break;
   }
-  const float later = k == 0 ? 1.0f : tents(since / fade);
+  const float later = k == 0 ? 1.0f : cut_.frames != nullptr ? ramp(since / fade) : tents(since / fade);
   moment.add(frame_of(rungs[k].to), share * later);
   moment.add(frame_of(rungs[k].from), share * (1 - later));
 }

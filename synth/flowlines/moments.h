@@ -10,6 +10,7 @@
 #include <opencv2/core.hpp>
 
 #include "synth/flowlines/arrival.h"
+#include "synth/flowlines/jumps/fading.h"
 #include "synth/flowlines/jumps/repeats.h"
 #include "synth/flowlines/ladder.h"
 
@@ -60,6 +61,8 @@ class Order {
 struct CutOptions {
   /// CV_8UC3, the clip reduced; none: overlaps are feathered alone.
   const std::vector<cv::Mat>* frames = nullptr;
+  /// CV_8UC3, the clip of the arrivals' size, for fades; given with the frames.
+  const std::vector<cv::Mat>* whole = nullptr;
   /// Frames that a place may go over before or after its particles do, fading included: kLeastMargin or more.
   int margin = 6;
 };
@@ -90,7 +93,7 @@ class Moments {
   };
   void bring_rungs(std::size_t stream, std::int64_t frame);
   Rung rung_of(std::size_t stream, const Run& before, const Run& run) const;
-  void cut_rung(std::size_t stream, int leaves, int enters, Rung& rung) const;
+  void cut_rung(std::size_t stream, const Jump& jump, Rung& rung) const;
   void add(std::size_t stream, cv::Point at, std::int64_t frame, float share, Moment& moment) const;
 
   const Arrivals* arrivals_;
@@ -98,6 +101,7 @@ class Moments {
   std::vector<Order> orders_;
   int clip_frames_;
   CutOptions cut_;
+  std::optional<Fading> fading_;
   std::vector<cv::Rect> cells_;  // by stream: where it shows, in px of the cut's frames
   std::int64_t reach_ = 0;       // frames that a rung needs at most, fade included
   std::vector<std::deque<Rung>> rungs_;

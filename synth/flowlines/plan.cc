@@ -39,6 +39,7 @@ Order order_of(const Plan& plan, std::size_t stream, const PlanOptions& options)
   const Ladder& ladder = plan.ladders[stream];
   RepeatOptions repeats = repeats_of(options, stream);
   repeats.min_run = ladder.min_run;
+  repeats.fade = ladder.fade;
   if (options.loop_frames == 0)
     return {ladder, repeats, static_cast<int>(plan.arrivals.streams[stream].duration) + 2 * plan.margin + 4};
   std::vector<Run> period = cyclic(ladder.cost, options.loop_frames, repeats);

@@ -8,33 +8,32 @@
 
 namespace freshet::synth::flowlines {
 
-double likeness_of(const std::vector<cv::Mat>& frames) {
+cv::Mat likeness_of(const std::vector<cv::Mat>& frames, double window_px) {
   const std::size_t half = frames.size() / 2, step = std::max<std::size_t>(1, half / 6);
-  std::vector<cv::Mat> details;
-  cv::Mat grey, mean;
-  for (std::size_t t = 0; t < half; t += step)
-    for (const std::size_t at : {t, t + half}) {
-      cv::cvtColor(frames[at], grey, cv::COLOR_BGR2GRAY);
-      details.emplace_back();
-      cv::Laplacian(grey, details.back(), CV_32F);
-      mean = mean.empty() ? details.back().clone() : cv::Mat(mean + details.back());
-    }
-  mean *= 1.0 / static_cast<double>(details.size());
-  for (cv::Mat& detail : details) detail -= mean;
-  double both = 0, each = 0;
-  for (std::size_t i = 0; i < details.size(); i += 2) {
-    both += cv::norm(details[i] + details[i + 1], cv::NORM_L1);
-    each += cv::norm(details[i], cv::NORM_L1) + cv::norm(details[i + 1], cv::NORM_L1);
+  const auto detail_of = [](const cv::Mat& frame) {
+    cv::Mat grey, detail;
+    cv::cvtColor(frame, grey, cv::COLOR_BGR2GRAY);
+    cv::Laplacian(grey, detail, CV_32F);
+    return detail;
+  };
+  cv::Mat both(frames.front().size(), CV_32F, cv::Scalar(1e-3)), each = both.clone();
+  for (std::size_t t = 0; t < half; t += step) {
+    const cv::Mat a = detail_of(frames[t]), b = detail_of(frames[t + half]);
+    both += cv::abs(a + b);
+    each += cv::abs(a) + cv::abs(b);
   }
+  const int side = 2 * static_cast<int>(window_px / 2) + 1;
+  cv::blur(both, both, cv::Size(side, side));
+  cv::blur(each, each, cv::Size(side, side));
   // Half and half have both / each of their detail, and are given 1 / sqrt(0.5 + 0.5 likeness) of it: see mixed.
-  const double left = each > 0 ? both / each : 1;
-  return std::clamp(2 * left * left - 1, 0.0, 1.0);
+  cv::Mat left = both / each, likeness = 2 * left.mul(left) - 1;
+  return cv::min(cv::max(likeness, 0.0), 1.0);
 }
 
 cv::Vec3f mixed(const std::array<cv::Vec3f, 4>& values, const Moment& moment, const cv::Vec3f& mean,
-                const RenderOptions& options) {
+                float likeness, Mixing mixing) {
   if (moment.count == 1) return values[0];
-  const bool keeps = options.mixing != Mixing::kFeather;
+  const bool keeps = mixing != Mixing::kFeather;
   cv::Vec3f sum(0, 0, 0);
   float squares = 0;
   for (std::size_t i = 0; i < static_cast<std::size_t>(moment.count); ++i) {
@@ -43,13 +42,13 @@ cv::Vec3f mixed(const std::array<cv::Vec3f, 4>& values, const Moment& moment, co
     squares += weight * weight;
   }
   if (!keeps) return sum;
-  const auto like = static_cast<float>(options.likeness);
   // Weights sum to 1: so 1 - squares is what the pairs of unlike frames have.
-  return mean + sum * (1 / std::sqrt(squares + like * (1 - squares)));
+  return mean + sum * (1 / std::sqrt(squares + likeness * (1 - squares)));
 }
 
 Renderer::Renderer(const std::vector<cv::Mat>& frames, cv::Size working, const RenderOptions& options)
     : frames_(&frames), working_(working), options_(options) {
+  if (options_.likeness.empty()) options_.likeness = cv::Mat(frames.front().size(), CV_32F, cv::Scalar(0.5));
   mean_ = cv::Mat(frames.front().size(), CV_32FC3, cv::Scalar::all(0));
   for (const cv::Mat& frame : frames) cv::accumulate(frame, mean_);
   mean_ *= 1.0 / static_cast<double>(frames.size());
@@ -71,6 +70,7 @@ void Renderer::row(const std::vector<Moment>& moments, int y, cv::Mat& out) cons
   const Moment* low = &moments[static_cast<std::size_t>(y1) * static_cast<std::size_t>(working_.width)];
   auto* to = out.ptr<cv::Vec3b>(y);
   const auto* mean = mean_.ptr<cv::Vec3f>(y);
+  const auto* likeness = options_.likeness.ptr<float>(y);
   std::array<cv::Vec3f, 4> values;
   for (int x = 0; x < out.cols; ++x) {
     const float wx = std::clamp((static_cast<float>(x) + 0.5f) * along - 0.5f, 0.0f,
@@ -95,7 +95,7 @@ void Renderer::row(const std::vector<Moment>& moments, int y, cv::Mat& out) cons
     }
     for (std::size_t i = 0; i < static_cast<std::size_t>(near.count); ++i)
       values[i] = (*frames_)[near.frame[i]].at<cv::Vec3b>(y, x);
-    const cv::Vec3f value = mixed(values, moment, mean[x], options_);
+    const cv::Vec3f value = mixed(values, moment, mean[x], likeness[x], options_.mixing);
     for (int c = 0; c < 3; ++c) to[x][c] = cv::saturate_cast<std::uint8_t>(value[c]);
   }
 }

@@ -18,16 +18,16 @@ enum class Mixing {
 
 struct RenderOptions {
   Mixing mixing = Mixing::kCut;
-  /// How alike two unrelated moments are taken to be where they are mixed, 0..1: see likeness_of.
-  double likeness = 0.2;
+  /// CV_32F, the frames' size: how alike two unrelated moments are taken to be where they are mixed, 0..1. Empty: .5.
+  cv::Mat likeness{};
 };
 
 /// Of dense textures, such as foam, a mix of two has less detail than either, as if they were unlike; of sparse ones,
-/// such as flames on black, it has as much as both, as if they were alike, and would gain contrast that it never had.
-/// Measured on pairs of frames half a clip apart, less what stands still.
-/// frames    CV_8UC3, 4 or more.
-/// Returns   0..1.
-double likeness_of(const std::vector<cv::Mat>& frames);
+/// such as flames on black, it has as much as both, as if they were alike, and would gain contrast that it never had;
+/// and what stands still is alike. Measured on pairs of frames half a clip apart, around each place.
+/// frames    CV_8UC3, 4 or more. window_px   side of a place's surroundings.
+/// Returns   CV_32F, the frames' size, 0..1.
+cv::Mat likeness_of(const std::vector<cv::Mat>& frames, double window_px);
 
 /// Renders what stays where it was: every place shows itself at other moments.
 class Renderer {
@@ -51,6 +51,6 @@ class Renderer {
 
 /// Values of a moment's frames, BGR 0..255, mixed.
 cv::Vec3f mixed(const std::array<cv::Vec3f, 4>& values, const Moment& moment, const cv::Vec3f& mean,
-                const RenderOptions& options);
+                float likeness, Mixing mixing);
 
 }  // namespace freshet::synth::flowlines

@@ -7,7 +7,7 @@
 
 #include "freshet/job.h"
 #include "synth/flowlines/clip_motion.h"
-#include "synth/flowlines/flow_line.h"
+#include "synth/flowlines/lines/flow_line.h"
 
 namespace freshet::synth::flowlines {
 

@@ -93,6 +93,25 @@ TEST_F(FlowlinesTool, CutsOffWhatOfALineLiesBesideThePicture) {
   EXPECT_NE(made.err.find("leaves the picture"), std::string::npos) << made.err;
 }
 
+TEST_F(FlowlinesTool, MovesLinesInTimeAndDrawsThem) {
+  folder_.file("moving.svg",
+               svg("<path id=\"a\" data-time=\"0\" d=\"M44,4 V92\"/><path id=\"b\" d=\"M64,4 V92\"/>"
+                   "<path id=\"a\" data-time=\"0.2\" data-speed=\"1 2\" d=\"M30,4 V92\"/>"));
+  const Outcome made =
+      flowlines("clip", {"--lines", "lines.svg", "--edited", "moving.svg", "--draw", "drawn.png"});
+  ASSERT_EQ(made.exit_code, 0) << made.err;
+  EXPECT_EQ(cv::imread(folder_ / "drawn.png").size(), cv::Size(256, 96)) << "edited lines beside the others";
+}
+
+TEST_F(FlowlinesTool, RefusesPositionsThatMakeNoSense) {
+  folder_.file("timed.svg", svg("<path id=\"a\" data-time=\"1\" d=\"M44,4 V92\"/>"));
+  refuses(flowlines("clip", {"--lines", "timed.svg"}), {"a: ", "data-time", "edited lines"});
+  folder_.file("late.svg", svg("<path id=\"a\" data-time=\"0\" d=\"M44,4 V92\"/>"
+                               "<path id=\"a\" data-time=\"9\" d=\"M50,4 V92\"/>"));
+  refuses(flowlines("clip", {"--lines", "lines.svg", "--edited", "late.svg", "--loop"}),
+          {"late.svg", "\"a\"", "9 s", "the loop ends", "--frames"});
+}
+
 TEST_F(FlowlinesTool, RefusesClipsThatAreNoCaseForIt) {
   refuses(flowlines("pan", {}), {"the camera moves", "--moving-camera"});
   refuses(flowlines("candle", {}), {"nothing in it flows along lines", "--matte"});

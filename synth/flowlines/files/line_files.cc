@@ -5,17 +5,17 @@
 #include <set>
 
 #include <fmt/format.h>
-#include <opencv2/imgproc.hpp>
+#include <fmt/ranges.h>
 
 #include "freshet/error.h"
-#include "query/hints/motion_maps.h"
 #include "query/hints/strokes.h"
 
 namespace freshet::synth::flowlines {
 namespace {
 
-constexpr float kSlack = 1;  // px beyond the border that a hand may draw
-constexpr int kWritten = 6;  // px between the points of a written path
+constexpr float kSlack = 1;                       // px beyond the border that a hand may draw
+constexpr float kSlowest = 0.05f, kFastest = 20;  // times the clip's speed
+constexpr int kWritten = 6;                       // px between the points of a written path
 
 /// path "fall", part 2 -> fall-2; nothing where there is no id.
 std::string id_of(const std::string& name) {
@@ -50,6 +50,19 @@ std::vector<cv::Point2f> inside_of(const std::vector<cv::Point2f>& chain, cv::Si
   return kept;
 }
 
+/// Speeds along the line; it may be stretched so far, or pressed together.
+std::vector<float> speeds_of(const query::Stroke& stroke, const std::string& where) {
+  std::vector<float> speeds = stroke.speeds;
+  if (speeds.empty() && stroke.speed_px_per_s) speeds.push_back(*stroke.speed_px_per_s);
+  for (const float speed : speeds)
+    if (!(speed >= kSlowest && speed <= kFastest))
+      throw Error(ErrorKind::kInput, where,
+                  fmt::format("its speed is {:.6g}; {:.6g} to {:.6g} times the clip's are expected", speed,
+                              kSlowest, kFastest),
+                  "data-speed=\"2\" is twice as fast; data-speed=\"1 2 .5\" changes along the line");
+  return speeds;
+}
+
 }  // namespace
 
 std::vector<FlowLine> read_lines(const std::filesystem::path& path, cv::Size picture, double shortest_px,
@@ -59,7 +72,7 @@ std::vector<FlowLine> read_lines(const std::filesystem::path& path, cv::Size pic
   for (const query::Stroke& stroke : query::read_strokes(path, picture, notices)) {
     std::vector<cv::Point2f> chain = stroke.points;
     for (cv::Point2f& point : chain) point -= cv::Point2f(0.5f, 0.5f);
-    std::string name = id_of(stroke.name);
+    std::string name = stroke.line.empty() ? id_of(stroke.name) : stroke.line;
     if (name.empty()) name = fmt::format("line {}", lines.size() + 1);
     const std::string where = fmt::format("{}: \"{}\"", path.string(), name);
     // At even steps first: a long straight stretch may go out and in between two points.
@@ -75,9 +88,11 @@ std::vector<FlowLine> read_lines(const std::filesystem::path& path, cv::Size pic
     if (line.samples() + 2 < whole.samples() && notices != nullptr)
       notices->push_back(fmt::format("\"{}\" leaves the picture: {:.0f} of its {:.0f} px were cut off", name,
                                      whole.length() - line.length(), whole.length()));
-    if (!names.insert(name).second)
-      throw Error(ErrorKind::kInput, where, "two lines have this name", "Give each an id of its own");
-    if (stroke.speed_px_per_s) line.speed = static_cast<double>(*stroke.speed_px_per_s);
+    if (!names.insert(name).second && !stroke.time_s)
+      throw Error(ErrorKind::kInput, where, "two lines have this name",
+                  "Give each an id of its own; or a data-time in seconds, where it is one line that moves");
+    line.speeds = speeds_of(stroke, where);
+    line.time_s = stroke.time_s;
     lines.push_back(std::move(line));
   }
   return lines;
@@ -96,38 +111,14 @@ void write_lines(const std::filesystem::path& path, const std::vector<FlowLine>&
       d += fmt::format("{}{:.2f},{:.2f}", s == 0 ? "M" : " L", p.x + 0.5f, p.y + 0.5f);
     }
     const cv::Point2f last = line.points.back();
-    out << fmt::format("<path id=\"{}\" d=\"{} L{:.2f},{:.2f}\"/>\n", line.name, d, last.x + 0.5f,
+    const std::string speeds =
+        line.speeds.empty() ? "" : fmt::format(" data-speed=\"{:.4g}\"", fmt::join(line.speeds, " "));
+    out << fmt::format("<path id=\"{}\"{} d=\"{} L{:.2f},{:.2f}\"/>\n", line.name, speeds, d, last.x + 0.5f,
                        last.y + 0.5f);
   }
   out << "</g>\n</svg>\n";
   out.close();
   if (!out) throw Error(ErrorKind::kIo, path.string(), "cannot be written");
-}
-
-cv::Mat draw_lines(const cv::Mat& picture, const cv::Mat& matte, const std::vector<FlowLine>& lines) {
-  cv::Mat out = picture.clone(), dim = picture / 3;
-  dim.copyTo(out, matte < 128);
-  const int thick = std::max(1, picture.cols / 400);
-  const int names_every = std::max(1, static_cast<int>(lines.size()) / 24);
-  for (std::size_t i = 0; i < lines.size(); ++i) {
-    const FlowLine& line = lines[i];
-    for (int s = 0; s + 3 < line.samples(); s += 3) {
-      const cv::Point2f along = tangent(line, s);
-      const cv::Vec3f colour = query::colour_of_direction(cv::Vec2f(along.x, along.y)) * 255;
-      cv::line(out, cv::Point(line.points[static_cast<std::size_t>(s)]),
-               cv::Point(line.points[static_cast<std::size_t>(s) + 3]),
-               cv::Scalar(colour[0], colour[1], colour[2]), thick, cv::LINE_AA);
-    }
-    const cv::Point2f end = line.points.back(), back = tangent(line, line.samples() - 1);
-    cv::arrowedLine(out, cv::Point(end - back * 8.0f), cv::Point(end), cv::Scalar(255, 255, 255), thick,
-                    cv::LINE_AA, 0, 0.6);
-    cv::circle(out, cv::Point(line.points.front()), 2 * thick, cv::Scalar(255, 255, 255), cv::FILLED,
-               cv::LINE_AA);
-    if (i % static_cast<std::size_t>(names_every) == 0)
-      cv::putText(out, line.name, cv::Point(line.points[line.points.size() / 3]), cv::FONT_HERSHEY_SIMPLEX,
-                  0.35 * std::max(1.0, picture.cols / 640.0), cv::Scalar(255, 255, 255), 1, cv::LINE_AA);
-  }
-  return out;
 }
 
 }  // namespace freshet::synth::flowlines

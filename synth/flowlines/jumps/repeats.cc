@@ -28,6 +28,11 @@ double unit_of(const cv::Mat& cost) {
   return count > 0 && sum > 0 ? sum / count : 1;
 }
 
+/// How many times as much a jump shows for the frames that it lacks to go over in.
+double hurried(double room, const RepeatOptions& options) {
+  return std::max(1.0, options.fade / std::max(1.0, room));
+}
+
 constexpr double kForgotten = 0.75;  // a jump's use, by each jump after it
 constexpr int kLike = 2;             // frames between jumps that look the same
 
@@ -59,7 +64,8 @@ Run Repeats::next() {
       const double price =
           (cost + unit_ * (options_.freshness * static_cast<double>(used_.at<float>(end, b)) +
                            options_.chance * chance())) *
-          std::pow(entries / static_cast<double>(end - first_), 0.3);
+          std::pow(entries / static_cast<double>(end - first_), 0.3) *
+          hurried(0.5 * (end - first_), options_);
       if (price >= least) continue;
       least = price;
       run.length = end - first_;
@@ -102,7 +108,8 @@ std::vector<Run> cyclic(const cv::Mat& cost, int frames, const RepeatOptions& op
     for (int first = 0; first < firsts; ++first) {
       const float until = best.at<float>(t, first);
       if (until == kNever) continue;
-      for (int length = least; first + length <= entries && t + length <= frames; ++length)
+      for (int length = least; first + length <= entries && t + length <= frames; ++length) {
+        const auto hurry = static_cast<float>(hurried(0.5 * length, options));
         for (int b = 0; b < firsts; ++b) {
           if (b == first || std::abs(b - first - length) < 2) continue;
           if (t + length == frames && b != origin) continue;
@@ -110,11 +117,12 @@ std::vector<Run> cyclic(const cv::Mat& cost, int frames, const RepeatOptions& op
               options.chance *
               drawn(options.seed * 1000003u + static_cast<std::uint64_t>(t + length) * 4099u +
                     static_cast<std::uint64_t>(first + length) * 64u * 61u + static_cast<std::uint64_t>(b)));
-          const float price = until + cost.at<float>(first + length, b) + unit * by_chance;
+          const float price = until + (cost.at<float>(first + length, b) + unit * by_chance) * hurry;
           if (price >= best.at<float>(t + length, b)) continue;
           best.at<float>(t + length, b) = price;
           before.at<cv::Vec2i>(t + length, b) = cv::Vec2i(first, length);
         }
+      }
     }
   if (best.at<float>(frames, origin) == kNever) return {};
   std::vector<Run> runs;

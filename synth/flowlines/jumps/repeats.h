@@ -20,6 +20,9 @@ struct RepeatOptions {
   int min_run = 6;         // frames: a run is at least as long
   double freshness = 0.5;  // weight of what was not shown of late, by a mean jump's cost; 0: cost alone
   double chance = 0.3;     // weight of chance, in the same units: so that the order does not come again
+  /// Frames that a jump wants to go over in, half of them to either side: between jumps that come sooner than in
+  /// twice that it is seen the more.
+  double fade = 0;
   std::uint64_t seed = 1;
 };
 

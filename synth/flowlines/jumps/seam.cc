@@ -8,10 +8,8 @@
 namespace freshet::synth::flowlines {
 namespace {
 
-constexpr int kSweeps = 3;          // over all rows, then all columns
-constexpr float kSlower = 1.5f;     // going over, than the clip changes
-constexpr float kLeastPace = 0.5f;  // grey levels a frame
-constexpr float kBeside = 0.25f;    // weight of differences between neighbours
+constexpr int kSweeps = 3;        // over all rows, then all columns
+constexpr float kBeside = 0.25f;  // weight of differences between neighbours
 
 float length(const cv::Vec3i& colour) { return std::sqrt(static_cast<float>(colour.dot(colour))); }
 
@@ -94,7 +92,6 @@ Meeting meeting_of(const std::vector<cv::Mat>& frames, cv::Point corner, const c
   Meeting meeting{.size = arrival.size(), .labels = 2 * reach + 1, .difference = {}};
   const auto row = static_cast<std::size_t>(meeting.labels + 1);
   meeting.difference.resize(arrival.total() * row);
-  meeting.pace.resize(arrival.total());
   const int last = static_cast<int>(frames.size()) - 1;
   for (int y = 0, place = 0; y < arrival.rows; ++y)
     for (int x = 0; x < arrival.cols; ++x, ++place) {
@@ -104,17 +101,8 @@ Meeting meeting_of(const std::vector<cv::Mat>& frames, cv::Point corner, const c
       };
       const int later = cvRound(arrival.at<float>(y, x)) - reach - 1;
       float* to = meeting.difference.data() + static_cast<std::size_t>(place) * row;
-      float changed = 0;
-      cv::Vec3i before_a = colour(leaves + later), before_b = colour(enters + later);
-      for (int d = 0; d <= meeting.labels; ++d) {
-        const cv::Vec3i a = colour(leaves + later + d), b = colour(enters + later + d);
-        to[d] = length(a - b);
-        changed += length(a - before_a) + length(b - before_b);
-        before_a = a;
-        before_b = b;
-      }
-      meeting.pace[static_cast<std::size_t>(place)] =
-          std::max(kLeastPace, changed / static_cast<float>(2 * meeting.labels));
+      for (int d = 0; d <= meeting.labels; ++d)
+        to[d] = length(colour(leaves + later + d) - colour(enters + later + d));
     }
   return meeting;
 }
@@ -144,22 +132,6 @@ cv::Mat cut(const Meeting& meeting) {
     for (int x = 0; x < width; ++x) line.solve(x, width, height, 1, x > 0, x + 1 < width);
   }
   return labels;
-}
-
-cv::Mat fades(const Meeting& meeting, const cv::Mat& labels) {
-  cv::Mat out(meeting.size, CV_32F);
-  const int reach = meeting.labels / 2;
-  const auto margin = static_cast<float>(reach + kFading);
-  for (int y = 0, place = 0; y < out.rows; ++y)
-    for (int x = 0; x < out.cols; ++x, ++place) {
-      const int label = labels.at<std::uint8_t>(y, x);
-      const float* difference = meeting.of(place) + label;
-      const float apart = 0.5f * (difference[0] + difference[1]);
-      out.at<float>(y, x) = std::min(kSlower * apart / meeting.pace[static_cast<std::size_t>(place)],
-                                     margin - static_cast<float>(std::abs(label - reach)));
-    }
-  cv::blur(out, out, cv::Size(3, 3));
-  return cv::max(out, 1.0f);
 }
 
 }  // namespace freshet::synth::flowlines

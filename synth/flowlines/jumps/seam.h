@@ -7,7 +7,7 @@
 
 namespace freshet::synth::flowlines {
 
-inline constexpr int kFading = 2;  // frames beyond a meeting's reach that are left to fade in
+inline constexpr int kFading = 2;  // frames beyond a meeting's reach that are always left to fade in
 
 /// What two runs differ by around the rung on which they meet: a place goes over with label d when it shows the later
 /// run from d - reach frames after the front's arrival on.
@@ -15,7 +15,6 @@ struct Meeting {
   cv::Size size;
   int labels = 1;                 // 2 reach + 1
   std::vector<float> difference;  // by place, then by frame d - 1, d = 0 .. labels: labels + 1 values, >= 0
-  std::vector<float> pace{};      // by place: grey levels that runs change by from frame to frame, > 0
   const float* of(int place) const {
     return difference.data() + static_cast<std::size_t>(place) * static_cast<std::size_t>(labels + 1);
   }
@@ -40,10 +39,5 @@ double cost_of(const Meeting& meeting, const cv::Mat& labels);
 ///
 /// Returns  CV_8U labels. Cost  places x labels x sweeps.
 cv::Mat cut(const Meeting& meeting);
-
-/// How many frames to either side of a cut a place mixes both runs: so many that it changes no faster than the clip
-/// does there. Fluid that is new in every frame goes over at once, what changes slowly does so slowly.
-/// Returns  CV_32F: 1 .. reach + kFading less the label's distance from the front.
-cv::Mat fades(const Meeting& meeting, const cv::Mat& labels);
 
 }  // namespace freshet::synth::flowlines

@@ -202,6 +202,11 @@ TEST(SvgStrokes, TakesSpeedsFromElementsAndGroups) {
   EXPECT_EQ(strokes[1].speed_px_per_s, 20);
   EXPECT_EQ(strokes[2].speed_px_per_s, std::nullopt);
   EXPECT_THROW(svg("<path data-speed='fast' d='M0 0h9'/>"), Error);
+  EXPECT_THROW(svg("<path data-speed='20px' d='M0 0h9'/>"), Error);
+  const auto changing = svg("<path data-speed='20, 40 10' d='M0 0h9'/>");
+  EXPECT_EQ(speed_at(changing[0], 0.25), 30);
+  EXPECT_EQ(speed_at(changing[0], 1), 10);
+  EXPECT_EQ(speed_at(strokes[0], 0.7), 80);
 }
 
 TEST(SvgStrokes, ReadsPrefixedNamesAndDocumentTypesWithoutExpandingThem) {

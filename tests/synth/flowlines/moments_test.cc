@@ -70,10 +70,11 @@ TEST_P(ShortClips, HaveNoCheapJumpsAtTheirEnds) {
 /// Where places go over is cut. What lay beyond the clip would be its first or last frame for longer than a frame; a
 /// place may show other frames twice, where a short run is passed over.
 TEST_P(ShortClips, NeverStandStillAtTheirEnds) {
-  const Ladders ladders(unrelated(GetParam()));
+  const std::vector<cv::Mat> clip = unrelated(GetParam());
+  const Ladders ladders(clip);
   Plan plan = plan_of(ladders, GetParam());
   Moments moments(plan.arrivals, cv::Mat(kSize, CV_32F, cv::Scalar(2)), std::move(plan.orders), GetParam(),
-                  {.frames = &ladders.frames(), .margin = plan.margin});
+                  {.frames = &ladders.frames(), .whole = &clip, .margin = plan.margin});
   std::vector<Moment> before, now;
   moments.at(0, before);
   for (int t = 1; t < 200; ++t, std::swap(before, now)) {

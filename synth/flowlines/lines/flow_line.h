@@ -1,6 +1,7 @@
-// synth/flowlines/flow_line.h — a line that particles of the fluid ride, from where they enter to where they leave.
+// synth/flowlines/lines/flow_line.h — a line that particles of the fluid ride, from where they enter to where they leave.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -13,7 +14,10 @@ namespace freshet::synth::flowlines {
 struct FlowLine {
   std::vector<cv::Point2f> points;
   std::string name{};
-  double speed = 1;  // how many times as fast particles ride as they did in the clip
+  /// How many times as fast particles ride as they did in the clip, > 0, at even distances from the line's beginning to
+  /// its end; empty: 1.
+  std::vector<float> speeds{};
+  std::optional<float> time_s{};  // of the output, when an edited line lies here; none: always
 
   int samples() const { return static_cast<int>(points.size()); }
   /// Of the chain, px.
@@ -29,6 +33,9 @@ cv::Point2f tangent(const FlowLine& line, int sample, int reach = 4);
 
 /// The point at an arc length, which may lie between samples; before the first and after the last it goes on straight.
 cv::Point2f at(const FlowLine& line, float arc);
+
+/// The line's speed at an arc length; before the first sample and after the last it is theirs.
+float speed_at(const FlowLine& line, float arc);
 
 /// Every coordinate times `by`, resampled: a line of a reduced picture in the picture.
 FlowLine scaled(const FlowLine& line, float by);

@@ -1,4 +1,4 @@
-#include "synth/flowlines/flow_line.h"
+#include "synth/flowlines/lines/flow_line.h"
 
 #include <algorithm>
 #include <cmath>
@@ -48,6 +48,15 @@ cv::Point2f at(const FlowLine& line, float arc) {
   return from + way * (arc - static_cast<float>(i));
 }
 
+float speed_at(const FlowLine& line, float arc) {
+  if (line.speeds.size() < 2) return line.speeds.empty() ? 1.0f : line.speeds.front();
+  const auto most = static_cast<float>(line.speeds.size() - 1);
+  const float along = std::clamp(arc / line.length(), 0.0f, 1.0f) * most;
+  const auto i = static_cast<std::size_t>(std::min(along, most - 1));
+  const float part = along - static_cast<float>(i);
+  return line.speeds[i] * (1 - part) + line.speeds[i + 1] * part;
+}
+
 FlowLine scaled(const FlowLine& line, float by) {
   std::vector<cv::Point2f> chain;
   chain.reserve(line.points.size());
@@ -55,7 +64,8 @@ FlowLine scaled(const FlowLine& line, float by) {
   for (const cv::Point2f& point : line.points)
     chain.emplace_back((point.x + 0.5f) * by - 0.5f, (point.y + 0.5f) * by - 0.5f);
   FlowLine out = evenly(chain, line.name);
-  out.speed = line.speed;
+  out.speeds = line.speeds;
+  out.time_s = line.time_s;
   return out;
 }
 
