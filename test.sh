@@ -1,11 +1,16 @@
 #!/bin/sh
 # Installs what is needed, builds, and runs every test. Works from nothing but a checkout on Debian 12.
 # ./test.sh --long: the campaigns of tests/faults alone, at full length (hours).
+# ./test.sh --fuzz [SECONDS [TARGET..]]: coverage-guided fuzzing, two hours a target unless said otherwise.
 set -eu
 cd "$(dirname "$0")"
 cmake/prepare.sh release
 if [ "${1:-}" = --long ]; then
   shift
   FRESHET_LONG=1 exec ctest --preset release --timeout 86400 -R '^Faults\.' "$@"
+fi
+if [ "${1:-}" = --fuzz ]; then
+  shift
+  exec tests/fuzz/run.sh "$@"
 fi
 exec ctest --preset release --parallel "$(nproc)" "$@"

@@ -6,12 +6,14 @@ cd "$(dirname "$0")/.."
 preset=$1
 shift
 
-missing=
-while read -r package; do
+missing= extra=
+[ "$preset" != fuzz ] || extra="clang libclang-rt-14-dev"
+# shellcheck disable=SC2013
+for package in $(cat cmake/debian-packages.txt) $extra; do
   # Other makers' packages of node bring npm along, and cannot stand beside Debian's.
   [ "$package" = npm ] && command -v npm > /dev/null && continue
   dpkg-query -W -f='${Status}' "$package" 2>/dev/null | grep -q '^install ok installed' || missing="$missing $package"
-done < cmake/debian-packages.txt
+done
 if [ -n "$missing" ]; then
   echo "Installing packages:$missing" >&2
   root=

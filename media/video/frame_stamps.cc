@@ -19,8 +19,7 @@ std::vector<double> frame_stamps(const std::filesystem::path& video) {
   if (order != AV_FIELD_UNKNOWN && order != AV_FIELD_PROGRESSIVE) return {};  // a packet may be a field
   std::vector<std::int64_t> stamps = decoder.packet_stamps();
   std::ranges::sort(stamps);
-  const auto repeated = std::ranges::unique(stamps);
-  stamps.erase(repeated.begin(), repeated.end());
+  stamps.erase(std::unique(stamps.begin(), stamps.end()), stamps.end());
   const double unit_s = av_q2d(decoder.stream().time_base);
   std::vector<double> times_s;
   for (const std::int64_t stamp : stamps)

@@ -36,8 +36,8 @@ Lanes to_floats(Halves upper) {
 
 Costs load(const PairCost* from) {
   const Halves costs = *reinterpret_cast<const UnalignedHalves*>(from), zeros{};
-  return {to_floats(__builtin_shuffle(zeros, costs, Halves{0, 8, 1, 9, 2, 10, 3, 11})),
-          to_floats(__builtin_shuffle(zeros, costs, Halves{4, 12, 5, 13, 6, 14, 7, 15}))};
+  return {to_floats(__builtin_shufflevector(zeros, costs, 0, 8, 1, 9, 2, 10, 3, 11)),
+          to_floats(__builtin_shufflevector(zeros, costs, 4, 12, 5, 13, 6, 14, 7, 15))};
 }
 
 }  // namespace

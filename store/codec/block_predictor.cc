@@ -27,7 +27,7 @@ template <class Sample, class Wide, class Cost>
     return std::max(low, std::min(high, static_cast<Wide>(w + n - nw)));
   };
 #pragma GCC ivdep
-  for (std::size_t x = 0; x < width; ++x) {
+  for (std::ptrdiff_t x = 0; x < static_cast<std::ptrdiff_t>(width); ++x) {
     const Wide w = now[x - 1], n = (now - pitch)[x], nw = (now - pitch - 1)[x];
     const Wide p = before[x];
     const Wide dw = static_cast<Wide>(w - before[x - 1]), dn = static_cast<Wide>(n - (before - pitch)[x]),
@@ -40,8 +40,9 @@ template <class Sample, class Wide, class Cost>
     for (std::size_t k = 0; k < kPredictors; ++k) {
       const auto e = static_cast<std::make_signed_t<Sample>>(now[x] - predicted[k]);
       const auto z = static_cast<Sample>(static_cast<Sample>(e << 1) ^ static_cast<Sample>(e >> kTop));
-      residuals[k * apart + x] = z;
-      costs[k * costs_apart + x] = static_cast<Cost>(costs[k * costs_apart + x] + z);
+      residuals[k * apart + static_cast<std::size_t>(x)] = z;
+      Cost& cost = costs[k * costs_apart + static_cast<std::size_t>(x)];
+      cost = static_cast<Cost>(cost + z);
     }
   }
 }

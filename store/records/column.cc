@@ -30,13 +30,13 @@ constexpr std::size_t kSide = sizeof(Sixteen);
 // Rows become columns: two rounds of interleaving rows i and i + 8 would halve the distance of neighbours
 // twice, four bring them together.
 void transpose(Sixteen (&rows)[kSide]) {
-  constexpr Sixteen kLow = {0, 16, 1, 17, 2, 18, 3, 19, 4, 20, 5, 21, 6, 22, 7, 23};
-  constexpr Sixteen kHigh = {8, 24, 9, 25, 10, 26, 11, 27, 12, 28, 13, 29, 14, 30, 15, 31};
   Sixteen other[kSide];
   const auto interleave = [&](const Sixteen(&from)[kSide], Sixteen(&to)[kSide]) {
     for (std::size_t i = 0; i < kSide / 2; ++i) {
-      to[2 * i] = __builtin_shuffle(from[i], from[i + kSide / 2], kLow);
-      to[2 * i + 1] = __builtin_shuffle(from[i], from[i + kSide / 2], kHigh);
+      to[2 * i] = __builtin_shufflevector(from[i], from[i + kSide / 2], 0, 16, 1, 17, 2, 18, 3, 19, 4, 20, 5,
+                                          21, 6, 22, 7, 23);
+      to[2 * i + 1] = __builtin_shufflevector(from[i], from[i + kSide / 2], 8, 24, 9, 25, 10, 26, 11, 27, 12,
+                                              28, 13, 29, 14, 30, 15, 31);
     }
   };
   interleave(rows, other);
