@@ -177,21 +177,6 @@ void ClipLayer::load(std::span<const int> outputs, std::span<const std::uint32_t
   luma_.load(std::vector(frames.begin(), frames.end()), std::vector(flows.begin(), flows.end()));
 }
 
-/// How much each clip frame counts in each speed group's average.
-std::vector<ClipLayer::FrameWeights> ClipLayer::frame_weights() const {
-  std::vector<FrameWeights> weights(groups_.size());
-  for (std::size_t v = 0; v < groups_.size(); ++v) {
-    double total = 0;
-    for (const Moment& moment : groups_[v].moments)
-      each_frame(moment, [&](std::uint32_t frame, double weight) {
-        weights[v][frame] += weight;
-        total += weight;
-      });
-    for (auto& [frame, weight] : weights[v]) weight /= total;
-  }
-  return weights;
-}
-
 /// Those of the outputs that need no clip frame after this one.
 std::vector<int> ClipLayer::shown_by(std::uint32_t frame, std::span<const int> outputs) const {
   std::vector<int> shown;
@@ -206,7 +191,8 @@ std::vector<int> ClipLayer::shown_by(std::uint32_t frame, std::span<const int> o
 }
 
 void ClipLayer::measure(std::span<const int> kept, std::vector<double>* change) {
-  const std::vector<FrameWeights> weights = frame_weights();
+  std::vector<FrameWeights> weights;
+  for (const SpeedGroup& group : groups_) weights.push_back(frame_weights(group.moments));
   std::set<std::uint32_t> shown;
   for (const FrameWeights& of_group : weights)
     for (const auto& [frame, weight] : of_group) shown.insert(frame);
@@ -331,19 +317,19 @@ void ClipLayer::innovation(const SpeedGroup& group, const Moment& moment, Scratc
     }
 }
 
-/// Calls with each patch of a speed group and its window of `shown`, of the source's size.
+/// Calls with each member of a speed group, into patches_, and its window of `shown`, of the source's size.
 template <class Use>
 void ClipLayer::each_window(const SpeedGroup& group, const cv::Mat& shown, Scratch& s, const Use& use) {
   for (std::size_t i : group.whole) {
     windows_[i].cut(shown, s.window);
-    use(patches_[i], s.window);
+    use(i, s.window);
   }
   for (const Reduced& reduced : group.reduced) {
     s.reduced.create(reduced.reduction.reduced(), CV_32F);
     for (const cv::Rect& cell : reduced.cells) reduced.reduction.apply(shown, cell, s.reduced, s.line);
     for (std::size_t i : reduced.members) {
       windows_[i].cut(s.reduced, s.window);
-      use(patches_[i], s.window);
+      use(i, s.window);
     }
   }
 }
@@ -359,15 +345,15 @@ void ClipLayer::add(std::span<const int> outputs, Blender& blender) {
       if (detail_ == ClipDetail::kDifference) {
         difference(group, moment, s);
         each_window(group, s.shown, s,
-                    [&](std::size_t patch, const cv::Mat& window) { blender.add(frame, patch, window); });
+                    [&](std::size_t i, const cv::Mat& window) { blender.add(frame, patches_[i], window); });
         continue;
       }
-      std::map<std::size_t, float> level;
+      s.levels.resize(patches_.size());
       for (std::size_t i = 0; i < group.members.size(); ++i)
-        level[patches_[group.members[i]]] = group.levels->at(i, outputs[slot]);
+        s.levels[group.members[i]] = group.levels->at(i, outputs[slot]);
       innovation(group, moment, s);
-      each_window(group, s.innovation, s, [&](std::size_t patch, const cv::Mat& window) {
-        blender.add(frame, patch, window, level.at(patch));
+      each_window(group, s.innovation, s, [&](std::size_t i, const cv::Mat& window) {
+        blender.add(frame, patches_[i], window, s.levels[i]);
       });
     }
   });
@@ -387,10 +373,9 @@ std::map<std::size_t, std::vector<double>> ClipLayer::detail_power(std::span<con
         innovation(group, moment, s);
       else
         difference(group, moment, s);
-      each_window(group, innovations ? s.innovation : s.shown, s,
-                  [&](std::size_t patch, const cv::Mat& window) {
-                    by_output[slot][patch] = blender.band_power(window);
-                  });
+      each_window(group, innovations ? s.innovation : s.shown, s, [&](std::size_t i, const cv::Mat& window) {
+        by_output[slot][patches_[i]] = blender.band_power(window);
+      });
     }
   });
   std::map<std::size_t, std::vector<double>> mean;

@@ -98,16 +98,14 @@ class ClipLayer {
   };
   struct Scratch {
     cv::Mat shown, innovation, reduced, window;
-    std::vector<float> part, line;
+    std::vector<float> part, line, levels;  // levels: by patch of the clip
     ClipLuma::Scratch luma;
   };
-  using FrameWeights = std::map<std::uint32_t, double>;  // by clip frame, of a sum of 1
-  struct Stretch {                                       // frames[first, end), which are in memory
+  struct Stretch {  // frames[first, end), which are in memory
     std::span<const std::uint32_t> frames;
     std::size_t first = 0, end = 0;
   };
   void lay_out(SpeedGroup& group) const;
-  std::vector<FrameWeights> frame_weights() const;
   std::vector<int> shown_by(std::uint32_t frame, std::span<const int> outputs) const;
   void add_to_averages(const Stretch& stretch, std::span<const FrameWeights> weights,
                        std::vector<float>* steps);

@@ -31,16 +31,9 @@ std::vector<cv::Point> spots_of(cv::Size source, const PlacedPatch& placed, int 
 
 PatchLevels::PatchLevels(cv::Size source, const Placement& placement, std::span<const std::size_t> patches,
                          std::span<const Moment> moments)
-    : moments_(moments), average_(patches.size(), 0) {
+    : moments_(moments), weights_(frame_weights(moments)), average_(patches.size(), 0) {
   for (const std::size_t p : patches)
     spots_.push_back(spots_of(source, placement.patches[p], placement.side));
-  double total = 0;
-  for (const Moment& moment : moments)
-    each_frame(moment, [&](std::uint32_t frame, double weight) {
-      weights_[frame] += weight;
-      total += weight;
-    });
-  for (auto& [frame, weight] : weights_) weight /= total;
 }
 
 void PatchLevels::measure(const ClipLuma& luma, std::span<const std::uint32_t> frames) {

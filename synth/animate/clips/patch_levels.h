@@ -33,8 +33,8 @@ class PatchLevels {
 
  private:
   std::span<const Moment> moments_;
-  std::vector<std::vector<cv::Point>> spots_;          // by patch: px of the source
-  std::map<std::uint32_t, double> weights_;            // by clip frame, of a sum of 1
+  std::vector<std::vector<cv::Point>> spots_;  // by patch: px of the source
+  FrameWeights weights_;
   std::map<std::uint32_t, std::vector<float>> means_;  // by clip frame: of each patch
   std::vector<double> average_;                        // by patch
 };

@@ -137,4 +137,16 @@ std::vector<Moment> timeline(std::span<const double> times, double interval,
   return moments;
 }
 
+FrameWeights frame_weights(std::span<const Moment> moments) {
+  FrameWeights weights;
+  double total = 0;
+  for (const Moment& moment : moments)
+    each_frame(moment, [&](std::uint32_t frame, double weight) {
+      weights[frame] += weight;
+      total += weight;
+    });
+  for (auto& [frame, weight] : weights) weight /= total;
+  return weights;
+}
+
 }  // namespace freshet::synth::animate

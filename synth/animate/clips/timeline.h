@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <span>
 #include <string>
@@ -29,6 +30,10 @@ void each_frame(const Moment& moment, const Use& use) {
     if (fraction > 0) use(frame + 1, moment.weight[i] * fraction);
   }
 }
+
+/// How much each clip frame counts in all moments together: by clip frame, of a sum of 1.
+using FrameWeights = std::map<std::uint32_t, double>;
+FrameWeights frame_weights(std::span<const Moment> moments);
 
 struct TimelineOptions {
   int frames = 96;     // of the animation

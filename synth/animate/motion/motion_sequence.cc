@@ -25,7 +25,7 @@ namespace {
 constexpr float kFastest = 2.5f;     // times the mean speed of a frame
 constexpr double kSmoothing = 1.25;  // squares
 constexpr int kSquare = 8;           // px: finer than flow is true, fine enough for a flame's edge
-constexpr std::uint32_t kSlab = 16;  // flow frames decoded together, as the store keeps them
+constexpr std::uint32_t kSlab = query::DecodedTiles::kFrames;  // decoded together
 
 /// The grid of squares on which motion is summed. It coincides with the pieces' and holds the whole picture, reduced
 /// as they are.
