@@ -60,18 +60,6 @@ std::string png(const cv::Mat& map) {
   return {bytes.begin(), bytes.end()};
 }
 
-std::string small_jpeg(const cv::Mat& picture) {
-  const double scale =
-      std::min(1.0, kThumbnailSide / static_cast<double>(std::max(picture.cols, picture.rows)));
-  cv::Mat small;
-  cv::resize(picture, small,
-             {std::max(1, cvRound(picture.cols * scale)), std::max(1, cvRound(picture.rows * scale))}, 0, 0,
-             cv::INTER_AREA);
-  std::vector<std::uint8_t> bytes;
-  cv::imencode(".jpg", small, bytes);
-  return {bytes.begin(), bytes.end()};
-}
-
 std::string picture_in(const fs::path& folder) {
   std::error_code fault;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder, fault))
@@ -98,7 +86,7 @@ std::shared_ptr<Project> Project::create(const fs::path& folder, const fs::path&
     fs::rename(bytes, picture, fault);
     if (fault) fs::copy_file(bytes, picture);
     auto project = std::make_shared<Project>(folder);
-    project->write(kThumbnail, small_jpeg(project->picture()->bgr));
+    project->write(kThumbnail, small_jpeg(project->picture()->bgr, kThumbnailSide));
     project->write(kDocument, to_json({}));
     return project;
   } catch (...) {
@@ -269,6 +257,17 @@ std::string thumbnail(const fs::path& folder) {
   if (fs::is_symlink(fs::symlink_status(folder)) || !fs::is_regular_file(fs::symlink_status(path)))
     throw Error(ErrorKind::kNotFound, folder.filename().string(), "it has no thumbnail");
   return read_text_file(path, kMost, "");
+}
+
+std::string small_jpeg(const cv::Mat& picture, int side) {
+  const double scale = std::min(1.0, side / static_cast<double>(std::max(picture.cols, picture.rows)));
+  cv::Mat small;
+  cv::resize(picture, small,
+             {std::max(1, cvRound(picture.cols * scale)), std::max(1, cvRound(picture.rows * scale))}, 0, 0,
+             cv::INTER_AREA);
+  std::vector<std::uint8_t> bytes;
+  cv::imencode(".jpg", small, bytes);
+  return {bytes.begin(), bytes.end()};
 }
 
 std::string project_name(const std::string& file) {

@@ -101,6 +101,9 @@ class Project {
 /// The bytes of a project's thumbnail, without opening it. Throws Error{kNotFound}.
 std::string thumbnail(const std::filesystem::path& folder);
 
+/// A picture (CV_8UC3) as JPEG, its longer side at most `side` px.
+std::string small_jpeg(const cv::Mat& picture, int side);
+
 /// "A fall, 3.JPG" becomes "a-fall-3".
 std::string project_name(const std::string& file);
 /// Whether it is one that project_name could give: nothing that leads elsewhere.

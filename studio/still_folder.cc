@@ -1,16 +1,13 @@
 #include "studio/still_folder.h"
 
 #include <algorithm>
-#include <cctype>
-#include <cstdint>
 #include <system_error>
 
 #include <fmt/format.h>
-#include <opencv2/imgcodecs.hpp>
-#include <opencv2/imgproc.hpp>
 
 #include "freshet/error.h"
 #include "media/picture/picture.h"
+#include "platform/text.h"
 #include "platform/whole_file.h"
 #include "studio/project.h"
 
@@ -27,12 +24,6 @@ fs::path pictures_of(const fs::path& project) {
   for (const fs::path& path : {project / "ways", project / "ways" / "stills", folder})
     if (fs::is_symlink(fs::symlink_status(path))) throw Error(ErrorKind::kIo, path.string(), "is no folder");
   return folder;
-}
-
-std::string ending_of(const std::string& name) {
-  std::string ending = fs::path(name).extension();
-  for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return ending;
 }
 
 bool is_still(const std::string& ending) {
@@ -53,7 +44,7 @@ std::vector<std::string> still_names(const fs::path& project) {
 }
 
 void add_still(const fs::path& project, const fs::path& file, const std::string& name) {
-  const std::string ending = ending_of(name);
+  const std::string ending = lower_ending(name);
   if (!is_still(ending))
     throw Error(ErrorKind::kInput, name, "it is no still that can be opened", "Give a PNG, JPEG or TIFF");
   if (still_names(project).size() >= kMostStills)
@@ -81,16 +72,7 @@ std::string still_thumbnail(const fs::path& project, const std::string& name) {
   const std::vector<std::string> names = still_names(project);
   if (std::find(names.begin(), names.end(), name) == names.end())
     throw Error(ErrorKind::kNotFound, name, "there is no such still");
-  const cv::Mat picture = media::read_still(pictures_of(project) / name).bgr;
-  const double factor =
-      std::max(1.0, std::max(picture.cols, picture.rows) / static_cast<double>(kThumbnailSide));
-  cv::Mat small;
-  cv::resize(picture, small,
-             {std::max(1, cvRound(picture.cols / factor)), std::max(1, cvRound(picture.rows / factor))}, 0, 0,
-             cv::INTER_AREA);
-  std::vector<std::uint8_t> bytes;
-  cv::imencode(".jpg", small, bytes);
-  return {bytes.begin(), bytes.end()};
+  return small_jpeg(media::read_still(pictures_of(project) / name).bgr, kThumbnailSide);
 }
 
 }  // namespace freshet::studio

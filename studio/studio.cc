@@ -14,6 +14,7 @@
 #include <nlohmann/json.hpp>
 
 #include "freshet/error.h"
+#include "platform/text.h"
 #include "platform/whole_file.h"
 #include "studio/still_folder.h"
 
@@ -27,12 +28,6 @@ constexpr std::size_t kMostEasels = 2;  // each holds a picture, its mattes and 
 constexpr std::uintmax_t kCacheBytes = std::uintmax_t{1} << 30;
 
 std::string text(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
-
-std::string lower_ending(const std::string& name) {
-  std::string ending = fs::path(name).extension();
-  for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return ending;
-}
 
 /// A name for a folder or file that says what a person called it, and nothing more.
 std::string tame(const std::string& name, std::size_t most) {
