@@ -83,8 +83,8 @@ void AnimateCommand::add_carrying_to(CLI::App& app) {
       ->group(kRendering);
   app.add_option(
          "--renewal", options.renewal,
-         "Of each band's contrast (variance), how much comes anew from the patches, 0 to 1; the rest is "
-         "the picture's own, carried along")
+         "Of what comes anew in the patches from frame to frame, how much comes anew in the picture, 0 to 1; "
+         "the rest is the picture's own, carried along")
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str()
       ->group(kRendering);

@@ -26,8 +26,10 @@ void say_made(const synth::animate::AnimateReport& report, const AnimateInputs& 
       report.total_s, frames / report.total_s, report.decode_s, report.blend_s, report.base_s,
       report.appearance_s, report.render_s));
   if (report.half_life_s > 0)
-    say(fmt::format("half of the detail that is carried along is new after {:.2f} s (--detail-life)",
-                    report.half_life_s));
+    say(
+        fmt::format("{:.0f} % of the detail comes anew in each frame (--renewal), half of all after {:.2f} s "
+                    "(--detail-life)",
+                    100 * report.renewed, report.half_life_s));
 }
 
 /// For a program, or the names of the files alone.
@@ -50,6 +52,7 @@ void print_made(const AnimateCommand& command, const AnimateInputs& inputs, cons
                                     {"clips", report.clips},
                                     {"batches", report.batches},
                                     {"half_life_s", report.half_life_s},
+                                    {"renewed", report.renewed},
                                     {"labelling", chosen.labelled},
                                     {"shares", shares_json(chosen.assignment)},
                                     {"seconds",

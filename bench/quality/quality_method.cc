@@ -120,7 +120,7 @@ const std::vector<Setting>& all_settings() {
        }},
       {"variation", "of the patches' flow about its mean, that carries the picture", false,
        to([](Method & m) -> auto& { return m.animate.carrying.variation; })},
-      {"renewal", "fraction of the contrast that comes from the patches", false,
+      {"renewal", "of what comes anew in the patches, how much the picture takes", false,
        to([](Method & m) -> auto& { return m.animate.renewal; })},
       {"detail-life", "until half of carried detail is new, s; 0: as in the clips", false,
        to([](Method & m) -> auto& { return m.animate.half_life_s; })},

@@ -43,6 +43,7 @@ constexpr int kSampledFrames = 12;  // that the appearance model is fitted to
 constexpr int kMinSampledFrames = 4;
 constexpr int kSampledPixels = 32 << 20;  // in all of them
 constexpr double kMinHalfLife_s = 0.1, kMaxHalfLife_s = 6;
+constexpr double kMostLasting = 3;  // times that, of what does not come anew at once
 // How far copies go from their own frames: forms should have left their place, but a pool is not to climb its fall.
 constexpr double kMinWander_s = 0.4, kMaxWander_s = 6, kMaxWander_px = 220;
 // Of a band of which a share s of the variance stands, s of the picture's own is the best guess of what does, and the root
@@ -153,7 +154,7 @@ void add_motion(const store::Snapshot& snapshot, const Placement& placement, con
     bool all_held = true;
     for (const Moment& moment : group.moments) {
       // In a cross-fade the louder of the two moments moves the fluid.
-      const auto at = static_cast<std::uint32_t>(moment.at[moment.weight[1] > moment.weight[0] ? 1 : 0]);
+      const auto at = static_cast<std::uint32_t>(moment.louder());
       played.shown.push_back({.frame = at, .rate = one.speed});
       all_held = all_held && luma.holds_flow(std::min(at, last));
     }
@@ -278,7 +279,7 @@ class Animation {
       tell("blend", i, layers_.size());
       const std::span<const int> first = in_one_ ? std::span<const int>(order_).first(needed) : samples_;
       // Before all frames are held: it needs the samples alone, and what it holds is kept for the next step.
-      if (carried_) renewal_->scale(*layers_[i], samples_);
+      if (carried_) renewal_->measure(*layers_[i], samples_);
       layers_[i]->measure(first, whole_loop ? &change : nullptr);
       if (motion) add_motion(snapshot_, placement_, *layers_[i], *motion);
       // Samples are for the model alone: without one, they would be left in the blender.
@@ -288,6 +289,7 @@ class Animation {
         layers_[i]->release();
     }
     tell("blend", layers_.size(), layers_.size());
+    if (carried_) renewal_->settle(), report_.renewed = renewal_->overall();
     if (motion) sequence_ = std::make_shared<const MotionSequence>(std::move(*motion).means());
     // Made of whole frames, a loop begins after the transition that changes the picture least (else its
     // timelines see to the seam).
@@ -323,14 +325,19 @@ class Animation {
       const double wander_s =
           std::clamp(kMaxWander_px * placement_.piece_scale / (fast_per_frame() * options_.fps), kMinWander_s,
                      kMaxWander_s);
-      copies_.emplace([field = field_](int i) { return field->at(i); }, carried_base_->places(),
-                      field_->step(),
-                      CopyOptions{.interval = CopyMaps::interval_of(half_life_s_, options_.fps, loop_frames),
-                                  .loop_frames = loop_frames,
-                                  .wander = static_cast<int>(std::lround(wander_s * options_.fps)),
-                                  .patch = kLifePatch_px * placement_.piece_scale / CarriedBase::kStep});
+      copies_.emplace(
+          [field = field_](int i) { return field->at(i); }, carried_base_->places(), field_->step(),
+          CopyOptions{.interval = CopyMaps::interval_of(lasting_life(), options_.fps, loop_frames),
+                      .loop_frames = loop_frames,
+                      .wander = static_cast<int>(std::lround(wander_s * options_.fps)),
+                      .patch = kLifePatch_px * placement_.piece_scale / CarriedBase::kStep});
       renewing_ = renewing_places();
       renewing_pieces_ = canvas_.cut_samples(renewing_, field_->step());
+      if (!motion_alone_) {
+        cv::multiply(renewing_, canvas_.sampled(renewal_->places(), field_->step(), renewing_.size()),
+                     renewing_);
+        cv::multiply(renewing_pieces_, renewal_->places(), renewing_pieces_);
+      }
       standing_.emplace(planes, alpha_, shares_that_stand());
     }
     // The fluid's layers go on beyond the still matte, for a moving one to uncover.
@@ -370,6 +377,13 @@ class Animation {
     cv::Mat out = field_->activity() / (kLively * fast_per_frame());
     cv::multiply(out, out, out);
     return cv::min(out, 1.0);
+  }
+  /// How long what does not come anew at once is to live, so that all together keeps half for as long as the patches'
+  /// detail does.
+  double lasting_life() const {
+    if (motion_alone_ || options_.half_life_s > 0) return half_life_s_;
+    const double lasting = std::log(2.0) + std::log(1 - renewal_->overall());
+    return half_life_s_ * std::min(kMostLasting, lasting > 0 ? std::log(2.0) / lasting : kMostLasting);
   }
   /// As long as detail does in the patches that are shown, but shorter where they are made to go faster: eddies of
   /// one size turn over in a time that falls as their speed rises.

@@ -74,9 +74,9 @@ struct AnimateOptions {
   /// kCarried: of what stays in its place in the patches (standing_shares), how much the picture keeps, 0..1; 0: all
   /// that is fluid goes.
   double standing = 1;
-  /// kCarried: of each band's variance, how much comes anew from the patches' innovations, 0..1, and by how much one is
-  /// amplified at most (RenewalOptions).
-  double renewal = 0.25;
+  /// kCarried: of what comes anew in the patches from frame to frame, how much does so in the picture, 0..1, and by how
+  /// much an innovation is amplified at most (RenewalOptions).
+  double renewal = 1;
   double max_renewal_gain = 4;
   /// kCarried: the motion alone: nothing comes from the patches' pixels, neither innovations nor their light, and no
   /// frame of a clip is read. For a first look: a third of the time.
@@ -99,7 +99,8 @@ struct AnimateOptions {
 struct AnimateReport {
   std::size_t clips = 0, pieces = 0;
   int batches = 1;         // of frames
-  double half_life_s = 0;  // of carried detail; 0: none was carried
+  double half_life_s = 0;  // of all detail; 0: none was carried
+  double renewed = 0;      // of the variance of the patches' detail, what is new in each frame, 0..1
   double decode_s = 0, blend_s = 0, base_s = 0, appearance_s = 0, render_s = 0, total_s = 0;
 };
 

@@ -28,4 +28,12 @@ cv::Mat PiecesCanvas::cut_samples(const cv::Mat& samples, int step) const {
   return out;
 }
 
+cv::Mat PiecesCanvas::sampled(const cv::Mat& plane, int step, cv::Size size) const {
+  cv::Mat out, pixels_from_samples;
+  cv::invertAffineTransform(samples_from_pixels(step, scale_, rect_.tl()), pixels_from_samples);
+  cv::warpAffine(plane, out, pixels_from_samples, size, cv::INTER_LINEAR | cv::WARP_INVERSE_MAP,
+                 cv::BORDER_REPLICATE);
+  return out;
+}
+
 }  // namespace freshet::synth::animate

@@ -18,6 +18,8 @@ class PiecesCanvas {
   cv::Mat cut(const cv::Mat& plane) const;
   /// A field that is sampled every `step` px of the picture, there; beyond its samples they go on.
   cv::Mat cut_samples(const cv::Mat& samples, int step) const;
+  /// The other way round: a plane of the canvas at those samples, `size` of them; beyond the canvas it goes on.
+  cv::Mat sampled(const cv::Mat& plane, int step, cv::Size size) const;
 
  private:
   cv::Rect rect_;

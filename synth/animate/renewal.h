@@ -2,6 +2,7 @@
 // is theirs.
 #pragma once
 
+#include <algorithm>
 #include <span>
 #include <vector>
 
@@ -15,22 +16,22 @@
 namespace freshet::synth::animate {
 
 struct RenewalOptions {
-  /// Of each band's variance, how much comes anew, 0..1; the rest is the picture's own. Of the finest band a third of
-  /// that, of the next two thirds: what flow does not explain of the finest detail is mostly the clip's noise, and with
-  /// .4 of all bands rapids looked like sandpaper.
-  double share = 0.25;
+  /// Of what comes anew in the patches from frame to frame, how much does so in the picture, 0..1.
+  double share = 1;
   /// An innovation is not amplified by more: what is fainter is coding noise.
   double max_gain = 4;
   /// Of what has come anew; > 0. Real fountains, brooks and fires lose a fifth to two fifths of all detail from a frame to
   /// the next, beside what lives on. With .05 s in place of lives as long as the carried picture's (.1 to 1 s), six clips
-  /// came from 5.3 to 4.7 dB of the footage's spectrum, contrast and structure as before: a rain puddle from 9.7 to 6.9,
-  /// smoke before a light from 4.0 to 3.5; a cumulus went from 3.6 to 3.9, and a fast chimney from 3.0 to 4.9.
+  /// came from 5.3 to 4.7 dB of the footage's spectrum, contrast and structure as before.
   double half_life_s = 0.05;
   double fps = 25;
 };
 
 /// Innovations go into a Blender piece by piece, scaled to the still's contrast; merged, they are carried on along the
 /// motion until they have died away; shown, they get their share of what the frame has where they lie.
+///
+/// The share is the patches' own. Where a part x of detail of power P dies away as innovations do here, by k from frame to
+/// frame, and the rest goes along, the frame less the mean of its neighbours, brought to it, has (3/2 - 2 k + k^2 / 2) x P.
 class Renewal {
  public:
   static constexpr int kLevels = 5;
@@ -40,22 +41,38 @@ class Renewal {
   Renewal(const Placement& placement, const PiecesCanvas& canvas, const cv::Mat& luma, Blender& blender,
           const RenewalOptions& options);
 
-  /// What a clip's patches bring from now on is scaled. samples: output frames by which its power is judged.
-  void scale(ClipLayer& layer, std::span<const int> samples);
-  /// Of a band's variance, what comes anew.
-  double share(std::size_t level) const;
+  /// How much comes anew in a clip's patches; what they bring from now on is scaled to it. samples: output frames by
+  /// which it is judged.
+  void measure(ClipLayer& layer, std::span<const int> samples);
+  /// After every clip's measure(), before what follows: shares of levels, and of places.
+  void settle();
+
+  /// Of a band's variance, what comes anew, all pieces together.
+  double share(std::size_t level) const { return shares_[std::min(level, shares_.size() - 1)]; }
+  /// Of all detail's variance.
+  double overall() const { return overall_; }
+  /// The canvas, CV_32F: how much more than all pieces together a place renews, >= 0; times any level's share < 1.
+  const cv::Mat& places() const { return places_; }
+
   /// The next frame's, all threads. displacement: from the frame before, every `step` px. fresh: of the blender.
   cv::Mat advance(const cv::Mat& displacement, int step, const cv::Mat& fresh);
   /// What is shown of a frame's detail, changed in place: where there is detail in `luma` (the frame's, the picture's
-  /// size). What lies smooth between edges stays smooth. where: on the canvas, 0..1. Safe from many threads.
+  /// size). What lies smooth between edges stays smooth. where: on the canvas, >= 0. Safe from many threads.
   void show(cv::Mat& detail, const cv::Mat& luma, std::span<const double> shares, const cv::Mat& where) const;
 
  private:
+  std::vector<double> anew_of(const ClipLayer::DetailPower& power) const;
+
+  const Placement& placement_;
   const PiecesCanvas& canvas_;
   Blender& blender_;
   RenewalOptions options_;
   double kept_ = 0;                         // from one frame to the next
   std::vector<std::vector<double>> power_;  // of the still, by patch, band
+  std::vector<std::vector<double>> anew_;   // of the patches, 0..1, by patch, band
+  std::vector<double> shares_{0};           // by band
+  double overall_ = 0;
+  cv::Mat places_;
   CarriedDetail carried_;
 };
 

@@ -3,12 +3,14 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include <oneapi/tbb/enumerable_thread_specific.h>
 #include <opencv2/imgproc.hpp>
 
 #include "platform/vectors.h"
+#include "synth/animate/placement/piece_values.h"
 #include "synth/animate/sampling/square_pyramid.h"
 
 namespace freshet::synth::animate {
@@ -80,10 +82,8 @@ struct Blender::Impl {
   std::vector<cv::Mat> gain;                // by level, canvas / 2^level
   std::vector<std::vector<cv::Mat>> bands;  // by frame, level
   std::vector<float> scales;                // by patch, level; empty: 1
-  // Mean luma of every piece in every frame, on the lattice of pieces.
-  cv::Size lattice;
-  cv::Mat present;                          // lattice, CV_32F, 1 where a piece lies
-  std::vector<cv::Mat> mean_luma_of_piece;  // by frame, lattice
+  std::optional<PieceValues> lattice;       // of the placement
+  std::vector<cv::Mat> mean_luma_of_piece;  // by frame, on the lattice
 
   struct Scratch {
     std::vector<float> current, low, wide, line, weight;
@@ -91,10 +91,6 @@ struct Blender::Impl {
   oneapi::tbb::enumerable_thread_specific<Scratch> scratch;
 
   void add(int frame, std::size_t patch, const cv::Mat& detail, float less, float level_of_piece);
-  cv::Point lattice_of(std::size_t patch) const {
-    return (placement.patches[patch].piece - canvas.tl()) / placement.stride;
-  }
-
   cv::Rect at_level(std::size_t patch, int level) const {
     const cv::Point corner = placement.patches[patch].piece - canvas.tl();
     const int side = placement.side >> level;
@@ -111,7 +107,7 @@ struct Blender::Impl {
     for (cv::Mat& plane : owner) plane = cv::Mat(size, CV_32S, cv::Scalar(-1));
     for (cv::Mat& plane : fraction) plane = cv::Mat::zeros(size, CV_32F);
     for (std::size_t p = 0; p < placement.patches.size(); ++p) {
-      const cv::Point at = lattice_of(p);
+      const cv::Point at = lattice->at(p);
       const int parity = (at.y % overlap) * overlap + at.x % overlap;
       owner[parity](at_level(p, level)).setTo(static_cast<int>(p));
       weight[level].copyTo(fraction[parity](at_level(p, level)));
@@ -156,15 +152,10 @@ Blender::Blender(const Placement& placement, int frames, const BlendOptions& opt
   while (levels > 0 && placement.side >> (levels - 1) < kMinSquare) --levels;
   impl_->options.levels = levels;
   impl_->canvas = canvas_of(placement);
-  const cv::Rect canvas = impl_->canvas;
+  impl_->lattice.emplace(placement);
   for (int level = 0; level <= levels; ++level)
     impl_->weight.push_back(level_weight(placement.side, placement.stride, level));
   for (int level = 0; level <= levels; ++level) impl_->gain.push_back(impl_->gain_of_level(level));
-  impl_->lattice = {(canvas.width - placement.side) / placement.stride + 1,
-                    (canvas.height - placement.side) / placement.stride + 1};
-  impl_->present = cv::Mat::zeros(impl_->lattice, CV_32F);
-  for (std::size_t p = 0; p < placement.patches.size(); ++p)
-    impl_->present.at<float>(impl_->lattice_of(p)) = 1;
   impl_->bands.resize(frames);
   impl_->mean_luma_of_piece.resize(frames);
 }
@@ -190,7 +181,7 @@ void Blender::Impl::add(int frame, std::size_t patch, const cv::Mat& detail, flo
   if (self.mean_luma_of_piece[frame].empty()) {
     for (int level = 0; level <= levels; ++level)
       sums.push_back(cv::Mat::zeros(self.canvas.height >> level, self.canvas.width >> level, CV_32F));
-    self.mean_luma_of_piece[frame] = cv::Mat::zeros(self.lattice, CV_32F);
+    self.mean_luma_of_piece[frame] = self.lattice->none();
   }
   Impl::Scratch& s = self.scratch.local();
   const int side = self.placement.side, area = side * side;
@@ -199,7 +190,7 @@ void Blender::Impl::add(int frame, std::size_t patch, const cv::Mat& detail, flo
   s.wide.resize(area);
   s.line.resize(side + 4);
   s.weight.resize(area);
-  self.mean_luma_of_piece[frame].at<float>(self.lattice_of(patch)) = level_of_piece;
+  self.mean_luma_of_piece[frame].at<float>(self.lattice->at(patch)) = level_of_piece;
   const auto* values = detail.ptr<float>();
   const auto row = static_cast<std::ptrdiff_t>(detail.step1());
   take_off(values, row, less, side, s.current.data());
@@ -265,18 +256,7 @@ cv::Mat Blender::take_level(int frame) {
   Impl& self = *impl_;
   if (self.options.low_band != LowBand::kShared || self.mean_luma_of_piece[frame].empty())
     return cv::Mat::zeros(self.canvas.size(), CV_32F);
-  // A normalised Gaussian mean over neighbouring pieces, then back to pixels.
-  cv::Mat sum, mass, shared, field;
-  const double sigma = self.options.low_band_reach;
-  cv::GaussianBlur(self.mean_luma_of_piece[frame], sum, {}, sigma, sigma, cv::BORDER_CONSTANT);
-  cv::GaussianBlur(self.present, mass, {}, sigma, sigma, cv::BORDER_CONSTANT);
-  cv::divide(sum, cv::max(mass, 1e-6), shared);
-  const double stride = self.placement.stride;
-  // Piece (i, j)'s middle lies at i * stride + (side - 1) / 2.
-  const double offset = (self.placement.side - 1) / 2.0;
-  const cv::Matx23d lattice_from_canvas(1 / stride, 0, -offset / stride, 0, 1 / stride, -offset / stride);
-  cv::warpAffine(shared, field, lattice_from_canvas, self.canvas.size(),
-                 cv::INTER_LINEAR | cv::WARP_INVERSE_MAP, cv::BORDER_REPLICATE);
+  cv::Mat field = self.lattice->over_canvas(self.mean_luma_of_piece[frame], self.options.low_band_reach);
   self.mean_luma_of_piece[frame].release();
   return field;
 }

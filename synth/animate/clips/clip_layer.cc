@@ -317,6 +317,14 @@ void ClipLayer::innovation(const SpeedGroup& group, const Moment& moment, Scratc
     }
 }
 
+/// A loaded frame where a speed group's patches are made of it, into scratch.shown.
+void ClipLayer::frame(const SpeedGroup& group, std::uint32_t frame, Scratch& s) const {
+  if (s.shown.empty()) s.shown = cv::Mat::zeros(luma_.source(), CV_32F);
+  for (const cv::Rect& cell : group.cells)
+    for (int y = 0; y < cell.height; ++y)
+      luma_.row(frame, cell.x, cell.y + y, cell.width, s.shown.ptr<float>(cell.y + y) + cell.x);
+}
+
 /// Calls with each member of a speed group, into patches_, and its window of `shown`, of the source's size.
 template <class Use>
 void ClipLayer::each_window(const SpeedGroup& group, const cv::Mat& shown, Scratch& s, const Use& use) {
@@ -359,32 +367,35 @@ void ClipLayer::add(std::span<const int> outputs, Blender& blender) {
   });
 }
 
-std::map<std::size_t, std::vector<double>> ClipLayer::detail_power(std::span<const int> outputs,
-                                                                   Blender& blender) {
+std::map<std::size_t, ClipLayer::DetailPower> ClipLayer::detail_power(std::span<const int> outputs,
+                                                                      Blender& blender) {
   load(outputs);
-  std::vector<std::map<std::size_t, std::vector<double>>> by_output(outputs.size());
+  std::vector<std::map<std::size_t, DetailPower>> by_output(outputs.size());
   oneapi::tbb::enumerable_thread_specific<Scratch> scratches;
   oneapi::tbb::parallel_for(std::size_t{0}, outputs.size(), [&](std::size_t slot) {
     Scratch& s = scratches.local();
     for (const SpeedGroup& group : groups_) {
       const Moment& moment = group.moments[outputs[slot]];
-      const bool innovations = detail_ == ClipDetail::kInnovation;
-      if (innovations)
-        innovation(group, moment, s);
-      else
-        difference(group, moment, s);
-      each_window(group, innovations ? s.innovation : s.shown, s, [&](std::size_t i, const cv::Mat& window) {
-        by_output[slot][patches_[i]] = blender.band_power(window);
+      innovation(group, moment, s);
+      each_window(group, s.innovation, s, [&](std::size_t i, const cv::Mat& window) {
+        by_output[slot][patches_[i]].anew = blender.band_power(window);
+      });
+      frame(group, nearest_frame(moment.louder()), s);
+      each_window(group, s.shown, s, [&](std::size_t i, const cv::Mat& window) {
+        by_output[slot][patches_[i]].shown = blender.band_power(window);
       });
     }
   });
-  std::map<std::size_t, std::vector<double>> mean;
+  const auto add = [&](const std::vector<double>& power, std::vector<double>& sum) {
+    sum.resize(power.size());
+    for (std::size_t level = 0; level < power.size(); ++level)
+      sum[level] += power[level] / static_cast<double>(outputs.size());
+  };
+  std::map<std::size_t, DetailPower> mean;
   for (const auto& powers : by_output)
     for (const auto& [patch, power] : powers) {
-      std::vector<double>& sum = mean[patch];
-      sum.resize(power.size());
-      for (std::size_t level = 0; level < power.size(); ++level)
-        sum[level] += power[level] / static_cast<double>(outputs.size());
+      add(power.shown, mean[patch].shown);
+      add(power.anew, mean[patch].anew);
     }
   return mean;
 }

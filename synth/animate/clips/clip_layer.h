@@ -61,9 +61,13 @@ class ClipLayer {
   /// clip in proportion, as its mean hardly depends on where within it things have moved. After measure(). Reads what
   /// is not in memory. All threads; the same for any number.
   void add(std::span<const int> outputs, Blender& blender);
-  /// By patch of the placement that lies in this clip: mean power of its detail by the blender's bands, over
-  /// these output frames. All threads; the same for any number.
-  std::map<std::size_t, std::vector<double>> detail_power(std::span<const int> outputs, Blender& blender);
+  /// Mean squares by the blender's bands, finest first.
+  struct DetailPower {
+    std::vector<double> shown;  // of all detail
+    std::vector<double> anew;   // of what carrying the neighbouring frames does not explain
+  };
+  /// By patch of the placement that lies in this clip, over these output frames. All threads; the same for any number.
+  std::map<std::size_t, DetailPower> detail_power(std::span<const int> outputs, Blender& blender);
   /// Forgets the clip's frames, not the averages.
   void release();
 
@@ -116,6 +120,7 @@ class ClipLayer {
   void load(std::span<const int> outputs, std::span<const std::uint32_t> more = {});
   void difference(const SpeedGroup& group, const Moment& moment, Scratch& scratch) const;
   void innovation(const SpeedGroup& group, const Moment& moment, Scratch& scratch) const;
+  void frame(const SpeedGroup& group, std::uint32_t frame, Scratch& scratch) const;
   template <class Use>
   void each_window(const SpeedGroup& group, const cv::Mat& shown, Scratch& scratch, const Use& use);
 

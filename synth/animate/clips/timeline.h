@@ -18,6 +18,8 @@ struct Moment {
   std::array<double, 2> at{0, 0};  // clip frames; 2.25 lies a quarter of the way from frame 2 to frame 3
   std::array<float, 2> weight{1, 0};
   int count() const { return weight[1] == 0 ? 1 : 2; }
+  /// The clip frame that counts for more.
+  double louder() const { return at[weight[1] > weight[0] ? 1 : 0]; }
 };
 
 /// Calls with each clip frame that a moment needs, and its weight: those around it in time, by how near they are.

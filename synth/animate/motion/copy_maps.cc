@@ -21,7 +21,14 @@ constexpr float kLumaApart = 0.15f, kColourApart = 0.09f;  // surroundings that 
 constexpr float kPast = 5e-3f;
 // Of all that shows: a copy with less is left out, and the others have that much less, so that nothing goes at once.
 constexpr float kFaint = 6e-3f;
-constexpr float kLeast = 1e-6f;  // so that some copy shows everywhere
+constexpr float kTorn = 0.3f,
+                kEven = 0.65f;  // of its size: how far a copy's forms may be drawn out or squeezed
+// Of all copies together, before they are brought to a sum of 1: where less goes with a place, the long exposure shows
+// with them.
+constexpr float kWanted = 0.05f;
+constexpr float kUneven = 0.03f;  // what such a copy still counts: more than one past its time
+constexpr double kEvenOver = 2;   // sigma, samples
+constexpr float kLeast = 1e-6f;   // so that some copy shows everywhere
 constexpr float kShallow = 1e-3f;
 constexpr float kTooShallow = 0.25f, kDeepEnough = 0.75f;  // of the place's own depth
 constexpr int kKeptEvery = 16;                             // frames
@@ -86,6 +93,24 @@ float suits(const cv::Vec4f& brought, const cv::Vec4f& own) {
   const float ratio = (brought[0] + kShallow) / (own[0] + kShallow);
   const float deep = std::clamp((ratio - kTooShallow) / (kDeepEnough - kTooShallow), 0.0f, 1.0f);
   return deep * deep * std::exp(-0.5f * (luma * luma + blue * blue + red * red));
+}
+
+/// How evenly a copy is laid out about a place, 0..1: what is drawn out to thrice its length is strings and haze, what
+/// is squeezed as much crumbs. By the singular values of the map from places to their sources.
+float evenness(const cv::Mat& source, int x, int y, float per_px) {
+  const int left = std::max(x - 1, 0), right = std::min(x + 1, source.cols - 1);
+  const int above = std::max(y - 1, 0), below = std::min(y + 1, source.rows - 1);
+  const auto across = (source.at<cv::Vec2f>(y, right) - source.at<cv::Vec2f>(y, left)) *
+                      (per_px / static_cast<float>(std::max(right - left, 1)));
+  const auto down = (source.at<cv::Vec2f>(below, x) - source.at<cv::Vec2f>(above, x)) *
+                    (per_px / static_cast<float>(std::max(below - above, 1)));
+  const float a = 1 + across[0], b = down[0], c = across[1], d = 1 + down[1];
+  const float total = a * a + b * b + c * c + d * d, area = a * d - b * c;
+  const float largest = 0.5f * (total + std::sqrt(std::max(total * total - 4 * area * area, 0.0f)));
+  if (largest <= 0) return 0;
+  const float least = std::abs(area) / std::sqrt(largest);
+  const float even = std::min(least, 1 / std::sqrt(largest));
+  return std::clamp((even - kTorn) / (kEven - kTorn), 0.0f, 1.0f);
 }
 
 int floor_div(int a, int b) { return a >= 0 ? a / b : -((-a + b - 1) / b); }
@@ -185,13 +210,19 @@ double CopyMaps::still(int i) const {
 
 /// How well what a copy brings goes with each place, > 0.
 cv::Mat CopyMaps::suitability(const cv::Mat& source) const {
-  cv::Mat out(places_.size(), CV_32F), brought;
+  cv::Mat out(places_.size(), CV_32F), even(places_.size(), CV_32F), brought;
   cv::remap(places_, brought, places(source, 1, step_), cv::noArray(), cv::INTER_LINEAR, cv::BORDER_CONSTANT,
             cv::Scalar::all(0));
+  const float per_px = 1 / static_cast<float>(step_);
+  for (int y = 0; y < out.rows; ++y)
+    for (int x = 0; x < out.cols; ++x) even.at<float>(y, x) = evenness(source, x, y, per_px);
+  cv::GaussianBlur(even, even, {}, kEvenOver, kEvenOver, cv::BORDER_REPLICATE);
   for (int y = 0; y < out.rows; ++y) {
     auto* to = out.ptr<float>(y);
     const auto *theirs = brought.ptr<cv::Vec4f>(y), *own = places_.ptr<cv::Vec4f>(y);
-    for (int x = 0; x < out.cols; ++x) to[x] = std::max(suits(theirs[x], own[x]), kLeast);
+    const auto* evenly = even.ptr<float>(y);
+    for (int x = 0; x < out.cols; ++x)
+      to[x] = std::max(suits(theirs[x], own[x]) * std::max(evenly[x] * evenly[x], kUneven), kLeast);
   }
   return out;
 }
@@ -223,6 +254,7 @@ std::vector<CopyMap> CopyMaps::at(int i) const {
     out.push_back({weights(maps, source, age), source});
     sum += out.back().weight;
   }
+  const cv::Mat shown = cv::min(sum / kWanted, 1);
   cv::Mat clear = cv::Mat::zeros(places_.size(), CV_32F);
   for (CopyMap& copy : out) {
     cv::divide(copy.weight, sum, copy.weight);
@@ -233,6 +265,7 @@ std::vector<CopyMap> CopyMaps::at(int i) const {
   int own = -1;
   for (int copy = first_copy(i); copy <= last_copy(i); ++copy, ++k) {
     cv::divide(out[k].weight, clear, out[k].weight);
+    cv::multiply(out[k].weight, shown, out[k].weight);
     if (number(copy) == 0 && std::abs(i - middle(copy)) < options_.interval) own = static_cast<int>(k);
   }
   if (still_here > 0 && own >= 0) {

@@ -12,7 +12,8 @@ namespace freshet::synth::animate {
 
 /// One copy of the picture in one frame, sampled as the field.
 struct CopyMap {
-  cv::Mat weight;  // CV_32F: how far the copy shows; the weights of a place's copies sum to 1
+  cv::Mat
+      weight;  // CV_32F: how far the copy shows; the weights of a place's copies sum to 1, to less where none goes with it
   cv::Mat source;  // CV_32FC2: from a place to where the copy has it from, px
 };
 
@@ -49,8 +50,9 @@ class CopyMaps {
   ///               sampled every `step` px (CarryingField::at). Called from many threads.
   /// places        CV_32FC4, sampled as that: how deep in the fluid a place of the picture lies, 0 (outside) .. 1, and
   ///               the look of its surroundings: luma, blue and red less luma. A copy that would bring rock, what
-  ///               lies beyond the picture or what looks unlike the place leaves the place to the others: foam stays
-  ///               where water breaks, and a pool at the foot of its fall.
+  ///               lies beyond the picture or what looks unlike the place leaves the place to the others, and so does
+  ///               one whose forms the motion has drawn out or squeezed there: foam stays where water breaks, a pool at
+  ///               the foot of its fall, and a fall is no haze.
   CopyMaps(std::function<cv::Mat(int)> displacement, const cv::Mat& fluid, int step,
            const CopyOptions& options);
 

@@ -4,8 +4,9 @@
 #include <array>
 #include <cassert>
 #include <cmath>
+#include <compare>
 #include <cstddef>
-#include <map>
+#include <mutex>
 #include <optional>
 #include <span>
 #include <vector>
@@ -151,28 +152,12 @@ std::vector<Probe> probes_of(const PlayedPatches& group, const Placement& placem
   return probes;
 }
 
-/// An output frame, and the flow frame that moves what it shows.
+/// A flow frame that some output frame shows at some rate.
 struct ShownFlow {
   std::uint32_t at = 0;
-  int output = 0;
   double rate = 1;
+  auto operator<=>(const ShownFlow&) const = default;
 };
-
-/// What is shown, by slab of the clip's flow, each in the order of flow frames.
-std::vector<std::vector<ShownFlow>> slabs_of(std::span<const ShownFrame> shown, std::uint32_t flow_frames) {
-  std::map<std::uint32_t, std::vector<ShownFlow>> slabs;
-  for (int i = 0; i < static_cast<int>(shown.size()); ++i) {
-    // From the last frame no flow leads on: the one before it stands for it.
-    const std::uint32_t at = std::min(shown[i].frame, flow_frames - 1);
-    slabs[at / kSlab].push_back({at, i, shown[i].rate});
-  }
-  std::vector<std::vector<ShownFlow>> sorted;
-  for (auto& [number, outputs] : slabs) {
-    std::ranges::stable_sort(outputs, {}, &ShownFlow::at);
-    sorted.push_back(std::move(outputs));
-  }
-  return sorted;
-}
 
 /// The needed samples of some frames of a clip's flow, decoded once.
 class DecodedFlow {
@@ -252,19 +237,35 @@ void add_patch(const Probe& probe, const std::array<cv::Mat, 2>& flow, double ra
     }
 }
 
-/// Adds the patches' motion in every output frame of one slab. held: the clip's flow, null: it is decoded.
-void add_slab(std::span<const ShownFlow> slab, const NeededFlow& flow, const HeldFlow* held,
-              std::span<const Probe> probes, const SquareGrid& grid, std::vector<cv::Mat>& squares) {
+/// The patches' motion in flow frames of one slab, in ascending order. held: the clip's flow, null: it is decoded.
+/// listed   of the grid, the squares that any of the patches lies on.
+void sum_slab(std::span<const ShownFlow> slab, const NeededFlow& flow, const HeldFlow* held,
+              std::span<const Probe> probes, const SquareGrid& grid, std::span<const std::uint32_t> listed,
+              std::span<std::vector<cv::Vec2f>> sums) {
   const std::uint32_t first = slab.front().at;
   std::optional<DecodedFlow> decoded;
   if (!held) decoded.emplace(flow, first, slab.back().at - first + 1);
-  for (const ShownFlow& shown : slab) {
-    std::array<cv::Mat, 2> planes = held ? held->at(shown.at) : decoded->at(shown.at);
+  cv::Mat squares(grid.size, CV_32FC2);
+  for (std::size_t i = 0; i < slab.size(); ++i) {
+    std::array<cv::Mat, 2> planes = held ? held->at(slab[i].at) : decoded->at(slab[i].at);
     if (held)
       for (cv::Mat& plane : planes) plane = plane(flow.samples - held->samples.tl());
+    squares.setTo(cv::Scalar::all(0));
     for (const Probe& probe : probes)
-      add_patch(probe, planes, flow.px_per_s[shown.at] * shown.rate, grid.tent, squares[shown.output]);
+      add_patch(probe, planes, flow.px_per_s[slab[i].at] * slab[i].rate, grid.tent, squares);
+    sums[i].reserve(listed.size());
+    for (const std::uint32_t square : listed) sums[i].push_back(squares.ptr<cv::Vec2f>()[square]);
   }
+}
+
+/// The squares that any of the patches lies on, ascending.
+std::vector<std::uint32_t> squares_under(std::span<const Probe> probes, const SquareGrid& grid) {
+  cv::Mat under = cv::Mat::zeros(grid.size, CV_8U);
+  for (const Probe& probe : probes) under(cv::Rect(probe.corner, grid.tent.size())) = 1;
+  std::vector<std::uint32_t> squares;
+  for (std::size_t i = 0; i < under.total(); ++i)
+    if (under.data[i] != 0) squares.push_back(static_cast<std::uint32_t>(i));
+  return squares;
 }
 
 /// From sums to means; then the motion of what moves goes on over what hardly does, and beyond the pieces. A
@@ -296,70 +297,139 @@ void spread(cv::Mat& squares, const cv::Mat& mass) {
   cv::GaussianBlur(squares, squares, {}, kSmoothing, kSmoothing, cv::BORDER_REPLICATE);
 }
 
+/// The motion of patches that play together.
+struct Group {
+  std::vector<std::uint32_t> squares;        // of the grid: those that the patches lie on
+  std::vector<std::vector<cv::Vec2f>> sums;  // by flow frame that is shown: of these squares, weighted
+  std::vector<std::uint32_t> shows;          // by output frame: into sums
+};
+
+// Frames kept: as many as CarryingField measures, and more as far as they fit into this.
+constexpr std::size_t kMinKept = 64, kKeptBytes = 64 << 20;
+
 }  // namespace
+
+struct MotionSequence::Impl {
+  SquareGrid grid;
+  cv::Mat mass;  // CV_32F: weights of each square
+  std::vector<Group> groups;
+  cv::Size picture;
+  double piece_scale = 1;
+  cv::Matx23d squares_from_picture;
+
+  struct Kept {
+    int frame = -1;
+    cv::Mat squares;
+  };
+  std::mutex mutex;
+  std::vector<Kept> kept;  // frame i at i modulo their number
+
+  cv::Mat squares(int i) {
+    Kept& place = kept[static_cast<std::size_t>(i) % kept.size()];
+    {
+      const std::lock_guard lock(mutex);
+      if (place.frame == i) return place.squares;
+    }
+    cv::Mat sums = cv::Mat::zeros(grid.size, CV_32FC2);
+    auto* const sum = sums.ptr<cv::Vec2f>();
+    for (const Group& group : groups) {
+      const std::vector<cv::Vec2f>& shown = group.sums[group.shows[static_cast<std::size_t>(i)]];
+      for (std::size_t k = 0; k < shown.size(); ++k) sum[group.squares[k]] += shown[k];
+    }
+    spread(sums, mass);
+    const std::lock_guard lock(mutex);
+    place = {i, sums};
+    return sums;
+  }
+};
 
 struct MotionSums::Impl {
   const store::Snapshot& snapshot;
   query::DecodedTiles* tiles;
   const Placement& placement;
   int flow_step = 0;
-  cv::Size picture;
-  SquareGrid grid;
-  cv::Mat mass;                  // CV_32F: weights of each square
-  std::vector<cv::Mat> squares;  // by output frame, CV_32FC2
+  std::size_t frames = 0;
+  std::shared_ptr<MotionSequence::Impl> sequence;
 };
 
 MotionSums::MotionSums(const store::Snapshot& snapshot, const vision::Settings& settings,
                        const Placement& placement, cv::Size picture, int frames, query::DecodedTiles* tiles)
-    : impl_(std::make_unique<Impl>(Impl{snapshot,
-                                        tiles,
-                                        placement,
-                                        settings.flow_step,
-                                        picture,
-                                        grid_of(placement, picture),
-                                        {},
-                                        std::vector<cv::Mat>(frames)})) {
-  impl_->mass = cv::Mat::zeros(impl_->grid.size, CV_32F);
-  for (cv::Mat& sum : impl_->squares) sum = cv::Mat::zeros(impl_->grid.size, CV_32FC2);
+    : impl_(std::make_unique<Impl>(Impl{snapshot, tiles, placement, settings.flow_step,
+                                        static_cast<std::size_t>(frames),
+                                        std::make_shared<MotionSequence::Impl>()})) {
+  MotionSequence::Impl& sequence = *impl_->sequence;
+  sequence.grid = grid_of(placement, picture);
+  sequence.mass = cv::Mat::zeros(sequence.grid.size, CV_32F);
+  sequence.picture = picture;
+  sequence.piece_scale = placement.piece_scale;
+  const std::size_t fit =
+      kKeptBytes / (static_cast<std::size_t>(sequence.grid.size.area()) * sizeof(cv::Vec2f) + 1);
+  sequence.kept.resize(std::clamp<std::size_t>(fit, kMinKept, std::max(kMinKept, impl_->frames)));
+  sequence.squares_from_picture =
+      squares_from_picture(placement, sequence.grid.corner, sequence.grid.square, picture);
 }
 
 MotionSums::~MotionSums() = default;
 
 void MotionSums::add(const PlayedPatches& group, const HeldFlow* held) {
-  assert(group.shown.size() == impl_->squares.size());
+  assert(group.shown.size() == impl_->frames);
+  MotionSequence::Impl& sequence = *impl_->sequence;
   NeededFlow flow = needed_flow(impl_->snapshot, impl_->tiles, impl_->flow_step, impl_->placement, group);
   if (held) flow.samples &= held->samples;
-  const std::vector<Probe> probes = probes_of(group, impl_->placement, impl_->grid, flow);
+  const std::vector<Probe> probes = probes_of(group, impl_->placement, sequence.grid, flow);
   for (const Probe& probe : probes) {
-    cv::Mat covered = impl_->mass(cv::Rect(probe.corner, impl_->grid.tent.size()));
-    covered += impl_->grid.tent;
+    cv::Mat covered = sequence.mass(cv::Rect(probe.corner, sequence.grid.tent.size()));
+    covered += sequence.grid.tent;
   }
-  const std::vector<std::vector<ShownFlow>> slabs = slabs_of(group.shown, flow.frames);
-  oneapi::tbb::parallel_for(std::size_t{0}, slabs.size(), [&](std::size_t i) {
-    add_slab(slabs[i], flow, held, probes, impl_->grid, impl_->squares);
+  // A clip's frames come again and again in a long animation: each is summed once.
+  std::vector<ShownFlow> distinct, shown;
+  for (const ShownFrame& frame :
+       group.shown)  // from the last frame no flow leads on: the one before stands for it
+    shown.push_back({std::min(frame.frame, flow.frames - 1), frame.rate});
+  distinct = shown;
+  std::ranges::sort(distinct);
+  distinct.erase(std::unique(distinct.begin(), distinct.end()), distinct.end());
+  Group& made = sequence.groups.emplace_back();
+  made.squares = squares_under(probes, sequence.grid);
+  made.sums.resize(distinct.size());
+  made.shows.reserve(shown.size());
+  for (const ShownFlow& one : shown)
+    made.shows.push_back(
+        static_cast<std::uint32_t>(std::ranges::lower_bound(distinct, one) - distinct.begin()));
+  std::vector<std::size_t> slabs;  // where each begins
+  for (std::size_t i = 0; i < distinct.size(); ++i)
+    if (i == 0 || distinct[i].at / kSlab != distinct[i - 1].at / kSlab) slabs.push_back(i);
+  slabs.push_back(distinct.size());
+  oneapi::tbb::parallel_for(std::size_t{0}, slabs.size() - 1, [&](std::size_t i) {
+    const std::size_t first = slabs[i], count = slabs[i + 1] - first;
+    sum_slab(std::span(distinct).subspan(first, count), flow, held, probes, sequence.grid, made.squares,
+             std::span(made.sums).subspan(first, count));
   });
 }
 
-MotionSequence MotionSums::means() && {
-  MotionSequence means;
-  means.picture_ = impl_->picture;
-  means.piece_scale_ = impl_->placement.piece_scale;
-  means.squares_from_picture_ =
-      squares_from_picture(impl_->placement, impl_->grid.corner, impl_->grid.square, impl_->picture);
-  oneapi::tbb::parallel_for(std::size_t{0}, impl_->squares.size(),
-                            [&](std::size_t i) { spread(impl_->squares[i], impl_->mass); });
-  means.squares_ = std::move(impl_->squares);
-  return means;
+MotionSequence MotionSums::means() && { return MotionSequence(std::move(impl_->sequence)); }
+
+MotionSequence::MotionSequence(std::shared_ptr<Impl> impl) : impl_(std::move(impl)) {}
+
+std::size_t MotionSequence::bytes() const {
+  const std::size_t squares = impl_->grid.size.area() * sizeof(cv::Vec2f);
+  std::size_t bytes = impl_->kept.size() * squares;
+  for (const Group& group : impl_->groups) {
+    bytes += (group.squares.capacity() + group.shows.capacity()) * sizeof(std::uint32_t);
+    for (const auto& sum : group.sums) bytes += sum.capacity() * sizeof(cv::Vec2f);
+  }
+  return bytes;
 }
 
-cv::Mat MotionSequence::at(int i) const { return at(i, 1, picture_); }
+cv::Mat MotionSequence::at(int i) const { return at(i, 1, impl_->picture); }
 
 cv::Mat MotionSequence::at(int i, int step, cv::Size size) const {
   // Sample (x, y) lies in the middle of its square.
   const double middle = (step - 1) / 2.0;
   const cv::Matx33d picture_from_samples(step, 0, middle, 0, step, middle, 0, 0, 1);
   cv::Mat field;
-  cv::warpAffine(squares_[i] * piece_scale_, field, squares_from_picture_ * picture_from_samples, size,
+  cv::warpAffine(impl_->squares(i) * impl_->piece_scale, field,
+                 impl_->squares_from_picture * picture_from_samples, size,
                  cv::INTER_LINEAR | cv::WARP_INVERSE_MAP, cv::BORDER_REPLICATE);
   return field;
 }

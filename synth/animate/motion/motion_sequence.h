@@ -40,6 +40,10 @@ struct HeldFlow {
 /// that are shown, turned and scaled into their variants and averaged over squares of some 8 px. Where pieces
 /// overlap it is mixed by weights that fall from each piece's middle. Beyond the pieces the motion of the
 /// nearest goes on.
+///
+/// Memory: by clip frame that is shown, not by output frame: 8 bytes for each square that a clip's patches lie on.
+/// Frames are put together of these when they are asked for, and the last ones kept: 64,
+/// or as many as fit into 64 MiB.
 /// Source   Okabe et al. 2011, Sec. 6, "Dynamic Boundaries of Fluid".
 class MotionSequence {
  public:
@@ -49,19 +53,20 @@ class MotionSequence {
   /// The same, sampled in the middles of squares of `step` px of the picture: CV_32FC2 of `size`.
   cv::Mat at(int i, int step, cv::Size size) const;
 
+  /// Held for all frames.
+  std::size_t bytes() const;
+
  private:
   friend class MotionSums;
-  MotionSequence() = default;
-  cv::Size picture_;
-  double piece_scale_ = 1;
-  cv::Matx23d squares_from_picture_;
-  std::vector<cv::Mat> squares_;  // by output frame, CV_32FC2
+  struct Impl;
+  explicit MotionSequence(std::shared_ptr<Impl> impl);
+  std::shared_ptr<Impl> impl_;
 };
 
 /// Collects the motion of all patches, clip after clip.
 class MotionSums {
  public:
-  /// snapshot and placement outlive this. Memory: frames x picture / 64 x 8 bytes.
+  /// snapshot and placement outlive this.
   /// tiles   of this snapshot, decoded earlier; may be null.
   MotionSums(const store::Snapshot& snapshot, const vision::Settings& settings, const Placement& placement,
              cv::Size picture, int frames, query::DecodedTiles* tiles = nullptr);

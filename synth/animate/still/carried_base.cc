@@ -19,6 +19,9 @@ constexpr double kMinDepth = 0.02;
 constexpr double kDeep = 3;          // times the width that copies fade over: from there on no edge is near
 constexpr float kMinWeight = 1e-3f;  // of a place that anything is carried to
 constexpr float kEnough = 4;         // of a place's weight, a quarter may be brought: from near an edge, say
+// Times a place's own weight: what comes from deeper in the fluid counts no more. A hundred times would let a copy that
+// hardly shows take over thin fluid, in squares of its map's samples.
+constexpr float kDeeper = 4;
 constexpr float kMinShare = 1.0f / 8192;  // of a copy, anywhere in a cell
 constexpr float kMinMass = 1e-4f;         // so that values are there also where none of it is fluid
 const cv::Size kCell(32, 16);
@@ -67,10 +70,10 @@ FRESHET_WIDE void read_pairs(const float* plane, std::ptrdiff_t offset, std::ptr
   cubic_pairs(plane, offset, stride, x, y, n, luma, weight);
 }
 
-FRESHET_WIDE void add_copy(const float* luma, const float* weight, const float* share, int n, float* sum,
-                           float* mass) {
+FRESHET_WIDE void add_copy(const float* luma, const float* weight, const float* most, const float* share,
+                           int n, float* sum, float* mass) {
   for (int i = 0; i < n; ++i) {
-    const float own = share[i] * std::max(weight[i], kMinMass);
+    const float own = share[i] * std::max(std::min(weight[i], most[i]), kMinMass);
     sum[i] += own * luma[i];
     mass[i] += own;
   }
@@ -78,8 +81,8 @@ FRESHET_WIDE void add_copy(const float* luma, const float* weight, const float* 
 
 // Fours read bilinearly: sums of blue, red and weight, the first two each times its weight.
 FRESHET_WIDE void add_colours(const float* plane, std::ptrdiff_t offset, std::ptrdiff_t stride,
-                              const std::int32_t* x, const std::int32_t* y, const float* share, int n,
-                              float* sums) {
+                              const std::int32_t* x, const std::int32_t* y, const float* most,
+                              const float* share, int n, float* sums) {
   typedef float Quad __attribute__((vector_size(16)));
   for (int i = 0; i < n; ++i) {
     const auto* from = reinterpret_cast<const Quad*>(plane) + offset + (y[i] >> kCubicShift) * stride +
@@ -88,10 +91,10 @@ FRESHET_WIDE void add_colours(const float* plane, std::ptrdiff_t offset, std::pt
     const float fy = static_cast<float>(y[i] & (kCubicSteps - 1)) / kCubicSteps;
     const Quad upper = from[0] + fx * (from[1] - from[0]);
     const Quad lower = from[stride] + fx * (from[stride + 1] - from[stride]);
-    const Quad own = upper + fy * (lower - upper);
-    const float weight = share[i] * own[2];
-    const Quad times{weight, weight, share[i], 0};
-    *reinterpret_cast<Quad*>(sums + 4 * i) += own * times;
+    Quad own = upper + fy * (lower - upper);
+    const float weight = share[i] * std::min(own[2], most[i]);
+    own[2] = 1;
+    *reinterpret_cast<Quad*>(sums + 4 * i) += own * weight;
   }
 }
 
@@ -145,6 +148,7 @@ FRESHET_WIDE void lay_over(const std::int16_t* luma, const float* fraction, cons
 struct CarriedBase::Scratch {
   std::array<std::int32_t, kCellArea> x, y, half_x, half_y;
   std::array<float, kCellArea> luma, weight, share, half_share, sum, mass;
+  std::array<float, kCellArea> most, half_most;      // weight that counts
   alignas(16) std::array<float, kCellArea> colours;  // fours, of a quarter as many places
   std::array<float, 32> mixed;
 };
@@ -234,12 +238,24 @@ CarriedFrame CarriedBase::frame(std::span<const CopyMap> copies) const {
   return out;
 }
 
+void CarriedBase::limit_weights(const cv::Rect& cell, const cv::Rect& half, Scratch& s) const {
+  for (int row = 0; row < cell.height; ++row) {
+    const auto* own = fluid_.ptr<cv::Vec2f>(cell.y + row + kMargin) + cell.x + kMargin;
+    for (int x = 0; x < cell.width; ++x) s.most[row * cell.width + x] = kDeeper * own[x][1];
+  }
+  for (int row = 0; row < half.height; ++row) {
+    const auto* own = own_.ptr<float>(half.y + row) + half.x;
+    for (int x = 0; x < half.width; ++x) s.half_most[row * half.width + x] = kDeeper * own[x];
+  }
+}
+
 void CarriedBase::carry(const cv::Rect& cell, std::span<const Copy> copies, CarriedFrame& out,
                         Scratch& s) const {
   const cv::Rect half(cell.x / 2, cell.y / 2, (cell.width + 1) / 2, (cell.height + 1) / 2);
   s.sum.fill(0);
   s.mass.fill(0);
   s.colours.fill(0);
+  limit_weights(cell, half, s);
   for (const Copy& copy : copies) {
     // Where each place of the cell comes from, and how far it shows.
     const std::int32_t* first = map_x_.data() + cell.x;
@@ -269,7 +285,8 @@ void CarriedBase::carry(const cv::Rect& cell, std::span<const Copy> copies, Carr
     const auto stride = static_cast<std::ptrdiff_t>(fluid_.cols);
     read_pairs(fluid_.ptr<float>(), margin * stride + margin, stride, s.x.data(), s.y.data(), cell.area(),
                s.luma.data(), s.weight.data());
-    add_copy(s.luma.data(), s.weight.data(), s.share.data(), cell.area(), s.sum.data(), s.mass.data());
+    add_copy(s.luma.data(), s.weight.data(), s.most.data(), s.share.data(), cell.area(), s.sum.data(),
+             s.mass.data());
 
     for (int row = 0; row < half.height; ++row) {
       const int upper = 2 * row * cell.width, lower = std::min(2 * row + 1, cell.height - 1) * cell.width;
@@ -287,7 +304,7 @@ void CarriedBase::carry(const cv::Rect& cell, std::span<const Copy> copies, Carr
     }
     const auto colour_stride = static_cast<std::ptrdiff_t>(colour_.cols);
     add_colours(colour_.ptr<float>(), margin * colour_stride + margin, colour_stride, s.half_x.data(),
-                s.half_y.data(), s.half_share.data(), half.area(), s.colours.data());
+                s.half_y.data(), s.half_most.data(), s.half_share.data(), half.area(), s.colours.data());
   }
   for (int row = 0; row < cell.height; ++row)
     pack_luma(s.sum.data() + row * cell.width, s.mass.data() + row * cell.width, cell.width,

@@ -52,6 +52,7 @@ class CarriedBase {
   struct Copy {            // of one frame
     cv::Mat weight, u, v;  // CV_32F
   };
+  void limit_weights(const cv::Rect& cell, const cv::Rect& half, Scratch& scratch) const;
   void carry(const cv::Rect& cell, std::span<const Copy> copies, CarriedFrame& out, Scratch& scratch) const;
 
   // The picture as pairs of luma and weight (how far it is fluid, faded towards the matte's edge), and at

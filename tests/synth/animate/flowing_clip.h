@@ -11,6 +11,7 @@
 
 #include <nlohmann/json.hpp>
 #include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
 
 #include "media/frame/layout_json.h"
 #include "store/store.h"
@@ -26,12 +27,54 @@ struct FlowingClip {
   float varying = 1;       // px per frame: how far
   int range = 2;           // of its samples, as media::PixelLayout has it: 1 limited, 2 full
   std::uint64_t seed = 1;
+  double anew =
+      -1;  // >= 0: frames are a texture that goes along `steady`, and of its variance this part dies away,
+  double kept = 0;              // by this from frame to frame
   std::vector<double> rates{};  // column "flow.rate", of clips whose frame rate varies
   std::optional<vision::CellMap> life{},
       standing{};  // columns "cells.life" and "cells.standing", as ingest writes them
 
+  static cv::Mat moved(const cv::Mat& from, cv::Point by) {
+    cv::Mat out(from.size(), from.type());
+    const auto wrapped = [](int at, int n) { return (at % n + n) % n; };
+    for (int y = 0; y < from.rows; ++y)
+      for (int x = 0; x < from.cols; ++x)
+        out.at<float>(y, x) = from.at<float>(wrapped(y - by.y, from.rows), wrapped(x - by.x, from.cols));
+    return out;
+  }
+  cv::Point way(int steps) const {
+    return {steps * static_cast<int>(steady[0]), steps * static_cast<int>(steady[1])};
+  }
+  /// What dies away, of standard deviation 1: new parts of this frame and of those before it.
+  cv::Mat passing(int i) const {
+    constexpr int kBefore = 8;
+    cv::Mat sum = cv::Mat::zeros(size, CV_32F);
+    for (int age = kBefore; age >= 0; --age) {
+      const double weight = std::sqrt(1 - kept * kept) * std::pow(kept, age);
+      sum += weight * moved(texture(1000 * seed + static_cast<std::uint64_t>(kBefore + i - age)), way(age));
+    }
+    return sum;
+  }
+  /// CV_32F, of standard deviation 1; the same for one seed.
+  cv::Mat texture(std::uint64_t of) const {
+    cv::Mat grain(size, CV_32F);
+    cv::RNG(of).fill(grain, cv::RNG::NORMAL, 0, 1);
+    cv::GaussianBlur(grain, grain, {}, 1.5, 1.5, cv::BORDER_REFLECT_101);
+    cv::Scalar mean, deviation;
+    cv::meanStdDev(grain, mean, deviation);
+    return (grain - mean[0]) / deviation[0];
+  }
+  /// CV_8U: that texture, carried by whole px.
+  cv::Mat renewed_frame(int i) const {
+    const cv::Mat carried = moved(texture(seed), way(i));
+    cv::Mat out;
+    const cv::Mat mixed = std::sqrt(1 - anew) * carried + std::sqrt(anew) * passing(i);
+    mixed.convertTo(out, CV_8U, 25, 128);
+    return out;
+  }
   /// CV_8U: waves that go their way, and noise that stays.
   cv::Mat frame(int i) const {
+    if (anew >= 0) return renewed_frame(i);
     cv::Mat grain(size, CV_8U), out(size, CV_8U);
     cv::RNG(seed + 7).fill(grain, cv::RNG::UNIFORM, 0, 30);
     for (int y = 0; y < size.height; ++y)

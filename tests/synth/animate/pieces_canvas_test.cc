@@ -50,5 +50,17 @@ TEST(PiecesCanvas, ASampleStandsInTheMiddleOfItsSquare) {
   for (const int x : {0, 9, 47}) EXPECT_NEAR(cut.at<float>(10, x), 24 + x, 0.1);
 }
 
+TEST(PiecesCanvas, GivesSamplesOfAPlaneWhereTheyStand) {
+  const PiecesCanvas canvas(pieces(2, {{24, 0}}), {192, 96});
+  cv::Mat plane(canvas.rect().size(), CV_32F);
+  for (int y = 0; y < plane.rows; ++y)
+    for (int x = 0; x < plane.cols; ++x) plane.at<float>(y, x) = static_cast<float>(x);
+  const cv::Mat samples = canvas.sampled(plane, 4, {48, 24});
+  // Sample 15 stands at 61.5 px of the picture, which is 30.5 of the reduced one and 6.5 of the canvas.
+  EXPECT_NEAR(samples.at<float>(10, 15), 6.5, 0.05);
+  EXPECT_EQ(samples.at<float>(10, 0), 0);    // left of it
+  EXPECT_EQ(samples.at<float>(10, 47), 47);  // right of it
+}
+
 }  // namespace
 }  // namespace freshet::synth::animate

@@ -1,8 +1,10 @@
 #include "synth/animate/motion/copy_maps.h"
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <set>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -47,9 +49,9 @@ TEST(CopyMaps, SourcesAreTheSumOfTheStepsFromTheCopysOwnFrame) {
   }
 }
 
-TEST(CopyMaps, WeightsSumToOneAndOneCopyShowsMost) {
+TEST(CopyMaps, WeightsSumToOneWhereCopiesGoWithThePlaceAndOneCopyShowsMost) {
   CopyMaps maps = blown_copies();
-  double most = 0;
+  double most = 0, least_in_all = 1;
   for (int i = 0; i < 5 * kInterval; ++i) {
     maps.prepare(i, 1);
     cv::Mat sum = cv::Mat::zeros(kSize, CV_32F), largest = sum.clone();
@@ -57,10 +59,16 @@ TEST(CopyMaps, WeightsSumToOneAndOneCopyShowsMost) {
       sum += copy.weight;
       largest = cv::max(largest, copy.weight);
     }
-    EXPECT_LT(cv::norm(sum, cv::Mat(kSize, CV_32F, cv::Scalar(1)), cv::NORM_INF), 1e-5) << i;
+    double greatest = 0;
+    cv::minMaxLoc(sum, nullptr, &greatest);
+    EXPECT_LT(greatest, 1 + 1e-5) << i;
+    // Towards the side that the fluid comes from, some bring only what lies beyond the picture.
+    EXPECT_NEAR(sum.at<float>(15, 30), 1, 1e-5) << i;
+    least_in_all = std::min(least_in_all, cv::mean(sum)[0]);
     most += cv::mean(largest)[0] / (5 * kInterval);
   }
-  EXPECT_GT(most, 0.8);  // weights of (1 + cos) / 3 have .57
+  EXPECT_GT(least_in_all, 0.6);
+  EXPECT_GT(most, 0.75);  // weights of (1 + cos) / 3 have .57
 }
 
 TEST(CopyMaps, PlacesGoOverToAnotherCopyAtTimesOfTheirOwn) {
@@ -91,15 +99,61 @@ TEST(CopyMaps, ACopyThatWouldBringWhatIsNotFluidLeavesThePlaceToOthers) {
   // Fluid goes right at 2 samples a frame; copies from the past would come from beyond the left edge there.
   const auto right = [](int) { return cv::Mat(kSize, CV_32FC2, cv::Scalar(2 * kStep, 0)); };
   CopyMaps maps(right, kFluid, kStep, {.interval = kInterval, .wander = 30, .patch = 6});
-  double within = 0;
+  double within = 0, all = 0;
   for (int i = 2 * kInterval; i < 8 * kInterval; ++i) {
     maps.prepare(i, 1);
     for (const CopyMap& copy : maps.at(i)) {
-      const float from = 4 * kStep + copy.source.at<cv::Vec2f>(15, 4)[0];
-      if (from >= 0 && from < kSize.width * kStep) within += copy.weight.at<float>(15, 4) / (6 * kInterval);
+      const float from = 4 * kStep + copy.source.at<cv::Vec2f>(15, 4)[0],
+                  weight = copy.weight.at<float>(15, 4);
+      all += weight;
+      if (from >= 0 && from < kSize.width * kStep) within += weight;
     }
   }
-  EXPECT_GT(within, 0.85);  // some half of them without a preference
+  EXPECT_GT(within, 0.85 * all);  // some half of them without a preference
+}
+
+TEST(CopyMaps, WhereNothingGoesWithAPlaceTheLongExposureIsLeftRoom) {
+  // Still fluid, and a place that no copy looks like: a copy of it is nowhere but where it stands.
+  cv::Mat places = kFluid.clone();
+  places(cv::Rect(0, 0, 20, kSize.height)).setTo(cv::Scalar(1, 0.02, 0.4, 0));
+  const auto fast = [](int) { return cv::Mat(kSize, CV_32FC2, cv::Scalar(8 * kStep, 0)); };
+  CopyMaps maps(fast, places, kStep, {.interval = kInterval, .wander = 60, .patch = 6});
+  maps.prepare(0, 30);
+  const auto shown = [&](int i) {
+    double sum = 0;
+    for (const CopyMap& copy : maps.at(i)) sum += copy.weight.at<float>(15, 19);
+    return sum;
+  };
+  EXPECT_NEAR(shown(0), 1, 1e-5) << "the still";
+  double mean = 0;
+  for (int i = kInterval; i < 30; ++i) mean += shown(i) / (30 - kInterval);
+  EXPECT_LT(mean, 0.3);
+}
+
+TEST(CopyMaps, ACopyThatIsDrawnOutLeavesThePlaceToOthers) {
+  // From the left fluid comes at 1 px a frame, and speeds up to nine times that on its way to the right.
+  const auto faster = [](int) {
+    cv::Mat out(kSize, CV_32FC2);
+    for (int y = 0; y < out.rows; ++y)
+      for (int x = 0; x < out.cols; ++x)
+        out.at<cv::Vec2f>(y, x) = {1 + 8 * static_cast<float>(x) / static_cast<float>(kSize.width), 0};
+    return out;
+  };
+  CopyMaps maps(faster, kFluid, kStep, {.interval = kInterval, .wander = 30, .patch = 6});
+  double drawn_out = 0, all = 0, time_alone = 0;
+  for (int i = 2 * kInterval; i < 8 * kInterval; ++i) {
+    maps.prepare(i, 1);
+    const std::vector<CopyMap> copies = maps.at(i);
+    for (const CopyMap& copy : copies) {
+      const float across = copy.source.at<cv::Vec2f>(15, 21)[0] - copy.source.at<cv::Vec2f>(15, 19)[0];
+      const bool out = 1 + across / (2 * kStep) < 0.4f;
+      const float weight = copy.weight.at<float>(15, 20);
+      all += weight;
+      if (out) drawn_out += weight, time_alone += 1.0 / static_cast<double>(copies.size());
+    }
+  }
+  ASSERT_GT(time_alone, 5) << "there are such copies";
+  EXPECT_LT(drawn_out, 0.2 * all);
 }
 
 TEST(CopyMaps, ACopyThatLooksUnlikeThePlaceLeavesItToOthers) {

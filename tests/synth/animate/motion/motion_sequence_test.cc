@@ -235,6 +235,24 @@ TEST(MotionSequence, IsTheSameOfFlowThatIsInMemory) {
   }
 }
 
+// It was 115 KB a frame at 1280 x 720.
+TEST(MotionSequence, TakesNoMemoryForFramesThatShowAClipAgain) {
+  const FlowingClip clip{.size = {200, 160}, .frames = 20, .varying = 2};
+  const FlowingStore store({clip});
+  const Placement placement = placement_of(store.id(), {}, {40, 30});
+  const auto made = [&](int frames) {
+    std::vector<ShownFrame> shown;
+    for (int i = 0; i < frames; ++i) shown.push_back({.frame = static_cast<std::uint32_t>(i % 19)});
+    const std::vector played{all_of(placement, shown)};
+    return sequence_of(store.snapshot(), store.settings(), placement, played, {640, 480}, frames);
+  };
+  const MotionSequence few = made(19), more = made(5000), most = made(10000);
+  EXPECT_EQ(most.bytes() - more.bytes(), 5000 * sizeof(std::uint32_t));
+  EXPECT_LT(more.bytes(), std::size_t{70} << 20);
+  for (const int i : {0, 18, 19, 4000, 37, 9999, 0})
+    EXPECT_EQ(cv::norm(most.at(i), few.at(i % 19), cv::NORM_INF), 0) << i;
+}
+
 TEST(MotionSequence, RefusesAFlowThatDoesNotFitItsFrames) {
   const FlowingClip clip;
   const FlowingStore store({clip});
