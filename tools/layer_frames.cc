@@ -198,7 +198,8 @@ std::unique_ptr<scene::LayerFrames> frames_of_layer(const scene::Scene& asked, c
     case scene::MotionKind::kTransfer:
       return std::make_unique<TransferFrames>(asked, layer, context);
     default:
-      return std::make_unique<scene::FootageFrames>(layer.footage.file, layer.footage.at);
+      return std::make_unique<scene::FootageFrames>(layer.footage.file, layer.footage.at, asked.frames,
+                                                    asked.loop);
   }
 }
 

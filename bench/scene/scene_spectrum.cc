@@ -8,10 +8,10 @@
 //
 // The first half of a clip is the truth, its first frame the still. Of the region: power of each pixel's luma over time,
 // and of its flow (DIS), averaged over the pixels; log-spectral distance in dB (root of the mean squared difference of
-// decibels over all frequencies above 0), the slope of decibels over decades above half a hertz, and the peak. Beside it:
-// the clip's other half (no model can be expected to be nearer), a plain sum of three sinusoids on the same armature or
-// plane (the baseline), and the still itself. What a person sets by eye, the amplitude, is the best of several for the model and
-// for the baseline alike; all else is the scene's.
+// decibels over all frequencies above 0), their mean difference (level), the slope of decibels over decades above half a
+// hertz, and the peak. Beside it: the clip's other half (no model can be expected to be nearer), a plain sum of three
+// sinusoids on the same armature or plane (the baseline), and the still itself. What a person sets by eye, the
+// amplitude, is the best of several for the model and for the baseline alike; all else is the scene's.
 
 #include <algorithm>
 #include <array>
@@ -32,6 +32,7 @@
 #include "media/frame/frame.h"
 #include "media/video/video_reader.h"
 #include "synth/scene/motion/tree_sway.h"
+#include "synth/scene/motion/water_surface.h"
 #include "synth/scene/rendering/scene_animation.h"
 #include "synth/scene/scene_file.h"
 #include "synth/scene/scene_marks.h"
@@ -150,6 +151,13 @@ double distance(const std::vector<double>& a, const std::vector<double>& b) {
   return std::sqrt(sum / static_cast<double>(a.size()));
 }
 
+/// By how much a is above b on average, dB: what moves too much is above 0.
+double level(const std::vector<double>& a, const std::vector<double>& b) {
+  double sum = 0;
+  for (std::size_t k = 0; k < a.size(); ++k) sum += a[k] - b[k];
+  return sum / static_cast<double>(a.size());
+}
+
 /// dB a decade above half a hertz.
 double slope(const std::vector<double>& power, double step_hz) {
   double n = 0, sx = 0, sy = 0, sxx = 0, sxy = 0;
@@ -242,11 +250,18 @@ std::vector<cv::Mat> model(const Case& of, const cv::Mat& still, int frames, dou
                                             of.line[0] * h);
   scene::Scene asked = scene::parse_scene(text, "case.toml");
   asked.layers[0].tree.mass /= amplitude;
-  asked.layers[0].water.amplitude = amplitude * asked.layers[0].water.amplitude_or_usual();
   cv::Mat coded, alpha(still.size(), CV_32F, cv::Scalar(1));
   still.convertTo(coded, CV_32F, 1 / 255.0);
-  if (of.motion == "water") alpha.rowRange(0, static_cast<int>(of.line[0] * h)).setTo(0);
+  if (of.motion == "water") alpha.rowRange(0, std::max(0, static_cast<int>(of.line[0] * h))).setTo(0);
   scene::read_marks(asked, still.size());
+  if (of.motion == "water") {
+    scene::WaterMotion& water = asked.layers[0].water;
+    // As the scene does, for the usual amplitude follows from it.
+    water.focal_px = water.focal_or_usual(still.size());
+    if (!water.mapping)
+      water.mapping = scene::mapping_seen(water, {0, 0, still.cols, still.rows}, still.size());
+    water.amplitude = amplitude * water.amplitude_or_usual();
+  }
   const std::vector<scene::LayerPixels> pixels{{coded, alpha}};
   scene::SceneAnimation animation(asked, pixels, still.size());
   std::vector<cv::Mat> out;
@@ -295,15 +310,17 @@ void judge(const Case& of, int frames, int width, const std::vector<double>& amp
   all.push_back({"still", spectrum_of(std::vector<cv::Mat>(static_cast<std::size_t>(half), still), region)});
   fmt::print("{} as {}, {} frames at {:.4g}/s, {} x {} px of {} x {}\n", of.clip, of.motion, half, clip.fps,
              region.width, region.height, still.cols, still.rows);
-  fmt::print("  {:<12} {:>9} {:>9} {:>11} {:>11} {:>9} {:>9} {:>6}\n", "", "luma dB", "flow dB", "luma slope",
-             "flow slope", "peak Hz", "flow Hz", "x");
+  fmt::print("  {:<12} {:>9} {:>9} {:>7} {:>7} {:>11} {:>11} {:>9} {:>9} {:>6}\n", "", "luma dB", "flow dB",
+             "level", "level", "luma slope", "flow slope", "peak Hz", "flow Hz", "x");
   const double step = clip.fps / half, flow_step = clip.fps / (half - 1);
   for (const Judged& one : all) {
     const double luma = distance(one.spectrum.luma, truth.luma),
                  flow = distance(one.spectrum.flow, truth.flow);
-    fmt::print("  {:<12} {:>9.2f} {:>9.2f} {:>11.1f} {:>11.1f} {:>9.2f} {:>9.2f} {:>6}\n", one.name, luma,
-               flow, slope(one.spectrum.luma, step), slope(one.spectrum.flow, flow_step),
-               peak(one.spectrum.luma, step), peak(one.spectrum.flow, flow_step), one.amplitude);
+    fmt::print("  {:<12} {:>9.2f} {:>9.2f} {:>7.1f} {:>7.1f} {:>11.1f} {:>11.1f} {:>9.2f} {:>9.2f} {:>6}\n",
+               one.name, luma, flow, level(one.spectrum.luma, truth.luma),
+               level(one.spectrum.flow, truth.flow), slope(one.spectrum.luma, step),
+               slope(one.spectrum.flow, flow_step), peak(one.spectrum.luma, step),
+               peak(one.spectrum.flow, flow_step), one.amplitude);
     rows.push_back({{"clip", of.clip},
                     {"what", one.name},
                     {"luma_db", luma},

@@ -1,6 +1,7 @@
 // synth/scene/scene.h — a picture as layers that one wind moves: what a scene file says.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <filesystem>
 #include <optional>
@@ -68,19 +69,22 @@ enum class WaterMapping {
 struct WaterMotion {
   std::optional<Line> horizon{};     // set once marks are read
   std::optional<double> focal_px{};  // nothing: 1.2 times the picture's longer side
-  double camera_height_m = 1;        // above the water
+  double camera_height_m = 0.5;      // above the water
   int tile = 256;                    // samples along a tile's side, N; a power of 2, 32..1024
   std::optional<double> tile_m{};    // its side at roughness 1; nothing: 25 L, L = speed^2 / 9.81 m/s^2
   double roughness = 25;             // beta: waves are so many times shorter than the sea's
-  /// a; 1: as high as those of a fully developed sea of this roughness. Nothing: 2.5 for displacement, .1 for normals,
-  /// with which stills of two lakes move as their clips (docs/scene.md).
+  /// a; 1: as high as those of a fully developed sea of this roughness. Nothing: .3 for displacement, .04 for normals,
+  /// with which stills of lakes move as their clips (docs/scene.md).
   std::optional<double> amplitude{};
-  double against = 0.3;  // amplitude of waves against the wind, fractions; 1 as printed
-  WaterMapping mapping = WaterMapping::kDisplacement;
-  bool mirrors = false;     // what moves above the horizon, but boats, moves mirrored in it too
+  double against = 0.3;                   // amplitude of waves against the wind, fractions; 1 as printed
+  std::optional<WaterMapping> mapping{};  // nothing: by the angle at which the water is seen (mapping_seen)
+  bool mirrors = false;                   // what moves above the horizon, but boats, moves mirrored in it too
   bool edge_moves = false;  // true: the matte moves with the water (the paper); else only what lies in it
+  double focal_or_usual(cv::Size picture) const {
+    return focal_px.value_or(1.2 * std::max(picture.width, picture.height));
+  }
   double amplitude_or_usual() const {
-    return amplitude.value_or(mapping == WaterMapping::kNormals ? 0.1 : 2.5);
+    return amplitude.value_or(mapping == WaterMapping::kNormals ? 0.04 : 0.3);
   }
   double gust_darkening = 0.15;  // of the light, under a gust of one standard deviation; with gustiness alone
 };

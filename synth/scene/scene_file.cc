@@ -41,7 +41,19 @@ std::optional<Line> read_line(Section& section, const std::string& key) {
   return line_of(rows[0]);
 }
 
+/// What is usual for each kind of plant; every key can still be given.
+void read_plant(Section& section, TreeMotion& tree) {
+  const auto plant = section.word("plant", {"tree", "flower", "grass"});
+  if (!plant || *plant == 0) return;
+  // Stems of half a metre to a whole one swing at one to three hertz, a tenth of critically damped (de Langre 2008).
+  tree.frequency_hz = 1.6;
+  tree.damping_per_s = 2;
+  tree.mass = *plant == 1 ? 0.3 : 0.03;
+  if (*plant == 2) tree.shimmer_px = 1;
+}
+
 void read_tree(Section& section, TreeMotion& tree) {
+  read_plant(section, tree);
   for (const std::vector<double>& row : section.rows("armature", 4, {-kFarPx, kFarPx}))
     tree.armatures.push_back(line_of(row));
   section.read("frequency", tree.frequency_hz, {0.05, 10.0});
@@ -346,6 +358,8 @@ motion     still, tree, water, boat, clouds, patches, transfer or footage; neede
 
 tree:
 armature       [x, y, x, y] or a list of such lines, from root to tip, unless marks has them
+plant          "tree", or "flower", "grass": then frequency 1.6, damping 2, mass .3 (flower) or .03 (grass, with
+               shimmer 1) are what is usual
 frequency      .5    Hz, natural, .05 to 10
 damping        .6    1/s, .01 to 100
 mass           6     kg for each N that 1 m/s of wind makes, .01 to 100000: displacements are in lengths of the line
@@ -356,13 +370,14 @@ shimmer_size   12    px, of what shimmers together, 4 to 500
 water:
 horizon        [x, y, x, y] on the horizon, unless marks has it
 focal          [1.2 times the picture's longer side]   px
-camera_height  1     m above the water, .01 to 10000
+camera_height  .5    m above the water, .01 to 10000
 tile           256   samples a side, a power of 2, 32 to 1024
 tile_size      [25 speed^2 / g]   m, a tile's side at roughness 1
 roughness      25    waves are so many times shorter than those of a sea, .01 to 100000
-amplitude      [2.5; with normals .1]    1: as high as a sea's of this roughness, 0 to 1000
+amplitude      [.3; with normals .04]    1: as high as a sea's of this roughness, 0 to 1000
 against        .3    amplitude of waves against the wind, 0 to 1; 1 as in the paper
-mapping        "displacement"   or "normals": what is mirrored moves as the surface tilts
+mapping        "displacement": what lies on the water is lifted; "normals": what is mirrored moves as the surface tilts
+               [normals where the water is seen nowhere more steeply than at 17 degrees, as most lakes are]
 mirrors        false   true: what moves above the horizon, but boats, moves mirrored in it too, as much as the
                        still's colours say; with edge = "held"
 edge           "held"           or "moving": the outline moves with the water (the paper)
@@ -391,7 +406,7 @@ exemplar_alpha masks of the exemplar [its own alpha]
 ground         "none"   or "black": it is light on black, as fire; "white": dark on white, as smoke
 at             [0, 0]   px, of its upper left corner
 
-footage:       brings its own pixels; played again where it is shorter
+footage:       brings its own pixels; where it is shorter, and in a loop, its end goes over into its beginning
 file           a numbered sequence (f.####.png) or video with alpha; needed
 at             [0, 0]   px, of its upper left corner
 )";
@@ -434,7 +449,6 @@ seed = 1
 # matte = "lake.png"
 # motion = "water"
 # horizon = [0, {8}, {0}, {8}]
-# mapping = "normals"               # for a lake that mirrors its shore
 # mirrors = true                    # and the clouds and trees that move behind it
 # roughness = 25                    # greater: shorter waves
 

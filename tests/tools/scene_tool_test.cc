@@ -29,14 +29,14 @@ class Landscape : public WorkFolder {
     cv::imwrite((*this / "lake.png").string(), lake);
   }
   void scene(const std::string& tree = "armature = [40, 80, 40, 20]", const std::string& top = {},
-             const std::string& more = {}) const {
+             const std::string& more = {}, const std::string& horizon = "[0, 55, 160, 55]") const {
     file("scene.toml",
          "picture = \"still.png\"\nframes = 6\nfps = 6\nloop = true\n" + top +
              "\n[wind]\nspeed = 8\n[[layer]]\nname = \"tree\"\nmatte = \"tree.png\"\nmotion = "
              "\"tree\"\nmass = 1\n" +
              tree + "\n" + more +
-             "\n[[layer]]\nname = \"lake\"\nmatte = \"lake.png\"\nmotion = \"water\"\nhorizon = "
-             "[0, 55, 160, 55]\ntile = 64\n");
+             "\n[[layer]]\nname = \"lake\"\nmatte = \"lake.png\"\nmotion = \"water\"\nhorizon = " + horizon +
+             "\ntile = 64\n");
   }
   Outcome render(const std::vector<std::string>& more) const {
     std::vector<std::string> words{"synth", "scene", "scene.toml"};
@@ -159,6 +159,28 @@ TEST(SceneTool, ATransferredFireLoopsWithTheScene) {
       << outcome.err;
 }
 
+TEST(SceneTool, AnOraCutShortIsNamedWhereverItEnds) {
+  const Landscape folder;
+  folder.scene();
+  ASSERT_EQ(folder.freshet({"synth", "layers", "scene.toml", "-o", "whole.ora"}).exit_code, 0);
+  const std::string whole = text_of(folder / "whole.ora");
+  for (const std::size_t length : {std::size_t{0}, std::size_t{3}, whole.size() / 2, whole.size() - 30}) {
+    folder.file("short.ora", whole.substr(0, length));
+    for (const bool painted : {false, true}) {
+      if (painted)
+        folder.scene("armature = [40, 80, 40, 20]", "paint = \"short.ora\"",
+                     "[[layer]]\nname = \"near\"\nmatte = \"paint\"\nmotion = \"still\"");
+      else
+        folder.scene("armature = [40, 80, 40, 20]", "cut = \"short.ora\"");
+      const Outcome outcome = folder.render({"-o", "out.mkv", "--layers-out", "l/{layer}.%02d.png"});
+      EXPECT_EQ(outcome.exit_code, 1) << length;
+      EXPECT_NE(outcome.err.find("short.ora"), std::string::npos) << outcome.err;
+      EXPECT_FALSE(fs::exists(folder / "out.mkv"));
+      EXPECT_FALSE(fs::exists(folder / "l/tree.00.png"));
+    }
+  }
+}
+
 TEST(SceneTool, WhatIsWrongIsNamedAndNothingIsLeft) {
   const Landscape folder;
   const auto refused = [&](const std::string& expected) {
@@ -199,9 +221,12 @@ TEST(SceneTool, WhatIsWrongIsNamedAndNothingIsLeft) {
   folder.file("m.svg", "<svg><path d=\"M 1 2 L");
   folder.scene("armature = [40, 80, 40, 20]", "marks = \"m.svg\"");
   refused("m.svg: not a whole XML file");
-  folder.file("cut.ora", "PK\x03\x04 and no more");
-  folder.scene("armature = [40, 80, 40, 20]", "cut = \"cut.ora\"");
-  refused("cut.ora");
+  folder.scene("armature = [40, 80, 40, 20]", {}, {}, "[0, 90, 160, 90]");
+  refused("layer lake: its horizon lies below 5");
+  folder.file("scene.toml",
+              "picture = \"still.png\"\n[[layer]]\nname = \"boat\"\nmatte = \"tree.png\"\nmotion = "
+              "\"boat\"\nhull = [26, 60, 54, 60]\n");
+  refused("no layer of the scene is water, and a boat rides its waves");
   folder.scene();
   const Outcome outcome = folder.render({"-o", "out.mkv", "--layers-out", "layers.mov"});
   EXPECT_EQ(outcome.exit_code, 2);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <numbers>
 
 #include <oneapi/tbb/blocked_range.h>
 #include <oneapi/tbb/parallel_for.h>
@@ -16,13 +17,16 @@ constexpr double kMinBelow = 0.5;   // px: no pixel's middle on the horizon
 constexpr double kCalm = 0.35;      // of a tile's samples: a pixel that covers more sees no wave
 constexpr float kHighest = 0.4f;    // of the camera's height: no wave reaches the lens
 constexpr float kSteepest = 0.35f;  // slope
-// Deviation of what displacements of neighbouring rows differ by, px: above 1 they fold. Beyond it waves are made
-// lower. Mirror images fold on real water too.
+// Deviation of what displacements of neighbouring rows differ by, px: above 1 they fold. Beyond it the shortest waves
+// are left out. Mirror images fold on real water too.
 constexpr double kMostStep = 0.35;
 constexpr double kMostMirroredStep = 2.5;
-constexpr int kMoments = 4;               // of the cycle, at which that is measured
-constexpr std::size_t kLinesAround = 12;  // over which it is averaged
-constexpr double kGain = 2;               // of waves' heights by the wind's speed, at the mean: H ~ v^2
+constexpr int kMoments = 4;           // of the cycle, at which that is measured
+constexpr double kAround = 0.025;     // of the picture's height, to both sides, over which it is averaged
+constexpr int kCoarsest = 7;          // 2^7 times what kFinest leaves
+constexpr double kFinest = 320;       // px of the longer side: more show no shorter waves
+constexpr double kMirrorsBelow = 17;  // degrees
+constexpr double kGain = 2;           // of waves' heights by the wind's speed, at the mean: H ~ v^2
 
 /// Linear between samples and periodic; n a power of 2.
 inline float sampled(const float* row, float place, int n) {
@@ -38,6 +42,14 @@ struct HeightRow {
   int n;
   float along, down, depth, lean, highest;
 };
+
+/// px, to both sides, over which steps are averaged.
+int lines_around(cv::Size picture) { return std::max(2, cvRound(kAround * picture.height)); }
+
+cv::Rect with_lines_around(const cv::Rect& box, cv::Size picture) {
+  const int more = lines_around(picture) + 1;
+  return {box.x, box.y - more, box.width, box.height + 2 * more};
+}
 
 /// The same waves, as high, by what lifts boats.
 WaterMotion lifting(WaterMotion water) {
@@ -62,6 +74,17 @@ FRESHET_WIDE void lift_row(const HeightRow& row, const float* gain, int n, float
 
 }  // namespace
 
+WaterMapping mapping_seen(const WaterMotion& water, const cv::Rect& region, cv::Size picture) {
+  const WaterCamera camera(*water.horizon, *water.focal_px, water.camera_height_m, picture);
+  for (const cv::Point corner : {cv::Point(region.x, region.br().y), region.br()}) {
+    const double below = camera.rolled(corner.x, corner.y).y;
+    if (below <= camera.horizon()) continue;
+    const double seen = std::atan2(water.camera_height_m, camera.row(below).forward) * 180 / std::numbers::pi;
+    if (seen < 0 || seen > kMirrorsBelow) return WaterMapping::kDisplacement;
+  }
+  return WaterMapping::kNormals;
+}
+
 WaterSurface::WaterSurface(const WaterMotion& water, const Gusts& gusts, const Cycle& cycle,
                            std::uint64_t seed, const cv::Rect& region, cv::Size picture,
                            const cv::Rect& boats)
@@ -76,7 +99,8 @@ WaterSurface::WaterSurface(const WaterMotion& water, const Gusts& gusts, const C
           water.mapping == WaterMapping::kNormals ? HeightField::What::kSlopes : HeightField::What::kHeights),
       reduced_(static_cast<std::size_t>(field_.planes()), ReducedTile(field_.samples())) {
   if (water.mapping == WaterMapping::kNormals && !boats.empty())
-    heights_ = std::make_unique<WaterSurface>(lifting(water), gusts, cycle, seed, boats, picture);
+    heights_ = std::make_unique<WaterSurface>(lifting(water), gusts, cycle, seed,
+                                              with_lines_around(boats, picture), picture);
   const cv::Rect asked = region | boats;
   double top = 1e9, bottom = -1e9;
   for (const cv::Point corner :
@@ -96,9 +120,7 @@ WaterSurface::WaterSurface(const WaterMotion& water, const Gusts& gusts, const C
     line.camera = camera_.row(line.below);
     for (int p = 0; p < field_.planes(); ++p) {
       const double per_m = field_.samples() / field_.side_m(field_.tile_of(p));
-      if (line.camera.deep * per_m > kCalm * field_.samples()) continue;
-      line.calm = false;
-      need_row(reduced_[static_cast<std::size_t>(p)], line.camera.scale * per_m, line.camera.deep * per_m);
+      if (line.camera.deep * per_m <= kCalm * field_.samples()) line.calm = false;
     }
   }
   profiles_.assign(
@@ -107,7 +129,7 @@ WaterSurface::WaterSurface(const WaterMotion& water, const Gusts& gusts, const C
   const auto columns = static_cast<std::size_t>(picture.width / kUnit + 2);
   gain_.assign(columns, 1);
   shade_.assign(columns, 1);
-  lower_folds();
+  leave_out_folds();
 }
 
 float WaterSurface::sample_line(std::size_t i, float* scratch) {
@@ -117,8 +139,9 @@ float WaterSurface::sample_line(std::size_t i, float* scratch) {
   for (int p = 0; p < field_.planes(); ++p) {
     const double per_m = n / field_.side_m(field_.tile_of(p));
     float* out = profile(i, p);
-    sample_row(reduced_[static_cast<std::size_t>(p)], line.camera.forward * per_m, line.camera.scale * per_m,
-               line.camera.deep * per_m, n, out, scratch);
+    sample_row(reduced_[static_cast<std::size_t>(p)], line.camera.forward * per_m,
+               line.coarse * line.camera.scale * per_m, line.coarse * line.camera.deep * per_m, n, out,
+               scratch);
     for (int k = 0; k < n; ++k) out[k] *= line.held;
     const auto [low, high] = std::minmax_element(out, out + n);
     sum += std::max(-*low, *high);
@@ -157,7 +180,19 @@ double WaterSurface::step_power(std::size_t line) const {
   return sum / n;
 }
 
-void WaterSurface::lower_folds() {
+void WaterSurface::need_lines() {
+  reduced_.assign(static_cast<std::size_t>(field_.planes()), ReducedTile(field_.samples()));
+  for (const Line& line : lines_) {
+    for (int p = 0; p < field_.planes() && !line.calm; ++p) {
+      const double per_m = line.coarse * field_.samples() / field_.side_m(field_.tile_of(p));
+      need_row(reduced_[static_cast<std::size_t>(p)], line.camera.scale * per_m, line.camera.deep * per_m);
+    }
+  }
+}
+
+std::vector<double> WaterSurface::step_powers(float coarse) {
+  for (Line& line : lines_) line.coarse = coarse;
+  need_lines();
   std::vector<double> power(lines_.size(), 0);
   for (int moment = 0; moment < kMoments; ++moment) {
     field_.go_to(moment * cycle_.frames / kMoments);
@@ -165,14 +200,37 @@ void WaterSurface::lower_folds() {
     for (std::size_t i = 0; i + 1 < lines_.size(); ++i)
       if (!lines_[i].calm && !lines_[i + 1].calm) power[i] += step_power(i) / kMoments;
   }
-  const double most = water_.mapping == WaterMapping::kNormals ? kMostMirroredStep : kMostStep;
+  std::vector<double> mean(lines_.size(), 0);
+  const auto around = static_cast<std::size_t>(lines_around(picture_));
   for (std::size_t i = 0; i < lines_.size(); ++i) {
-    const std::size_t first = i < kLinesAround ? 0 : i - kLinesAround,
-                      last = std::min(lines_.size(), i + kLinesAround + 1);
-    double mean = 0;
-    for (std::size_t k = first; k < last; ++k) mean += power[k] / static_cast<double>(last - first);
-    lines_[i].held = static_cast<float>(1 / std::sqrt(1 + mean / (most * most)));
+    const std::size_t first = i < around ? 0 : i - around, last = std::min(lines_.size(), i + around + 1);
+    for (std::size_t k = first; k < last; ++k) mean[i] += power[k] / static_cast<double>(last - first);
   }
+  return mean;
+}
+
+void WaterSurface::leave_out_folds() {
+  const double most = water_.mapping == WaterMapping::kNormals ? kMostMirroredStep : kMostStep,
+               most_power = most * most;
+  const auto finest = static_cast<float>(std::max(1.0, std::max(picture_.width, picture_.height) / kFinest));
+  std::vector<float> coarse(lines_.size(), finest), held(lines_.size(), 1);
+  std::vector<double> finer = step_powers(finest);
+  for (int level = 1; level <= kCoarsest; ++level) {
+    if (*std::max_element(finer.begin(), finer.end()) <= most_power) break;
+    const std::vector<double> power = step_powers(finest * std::exp2(static_cast<float>(level)));
+    for (std::size_t i = 0; i < lines_.size(); ++i) {
+      if (finer[i] <= most_power) continue;
+      // Between two levels powers are taken as falling evenly in their logarithms.
+      const double part = power[i] < most_power ? std::log(finer[i] / most_power) /
+                                                      std::log(finer[i] / std::max(power[i], 1e-12))
+                                                : 1;
+      coarse[i] = finest * static_cast<float>(std::exp2(level - 1 + part));
+      held[i] = static_cast<float>(std::sqrt(std::min(1.0, most_power / std::max(power[i], 1e-12))));
+    }
+    finer = power;
+  }
+  for (std::size_t i = 0; i < lines_.size(); ++i) lines_[i].coarse = coarse[i], lines_[i].held = held[i];
+  need_lines();
 }
 
 void WaterSurface::go_to(int frame) {

@@ -17,14 +17,24 @@
 
 namespace freshet::synth::scene {
 
+/// Which mapping suits water in these rows of the picture, when nobody says: normals where all of it is seen at grazing
+/// angles. There it mirrors (at 17 degrees a sixth of the light, at 5 more than half: Fresnel), and has little of its
+/// own to be lifted; from nearer, it is the waves themselves that one sees.
+/// water   with horizon and focal length.
+WaterMapping mapping_seen(const WaterMotion& water, const cv::Rect& region, cv::Size picture);
+
 /// Displacement as printed (Eq. 10): what lies on the plane is lifted by the height above it. The inverse is the
 /// negative of the displacement at the pixel itself, as in the paper: it is continuous; the true inverse folds where waves
 /// are steep, and would show water from behind a crest twice. The negative folds too where rows that follow each other
 /// are displaced by amounts that differ by more than a pixel, and looks torn: there waves are made lower.
 ///
-/// Normals, the option: a mirror image moves by what the reflected ray turns, twice the surface's slope: 2 f
+/// Normals: a mirror image moves by what the reflected ray turns, twice the surface's slope: 2 f
 /// slope_away up or down, and to the side 2 f slope_right times the sine of the angle at which the plane is
 /// seen. Slopes of what is smaller than a pixel do not move it, they would blur it.
+///
+/// Waves shorter than an 80th of the picture's longer side are left out whatever its size in pixels, and those shorter than
+/// 4 px. On real lakes mirror images do not follow such ripples: with all that 640 px can show, a lake's luma varied by
+/// 10 dB more than its clip's does, and far too fast; at 320 px it did as the clip.
 class WaterSurface : public Motion {
  public:
   /// region    px of the picture in which rows will be asked.
@@ -48,7 +58,9 @@ class WaterSurface : public Motion {
   struct Line {
     double below = 0;
     WaterCamera::Row camera{};
-    float held = 1;    // of the waves' height, 0..1 (lower_folds)
+    float coarse =
+        1;  // waves are left out as if a pixel covered that many times what it does (leave_out_folds)
+    float held = 1;    // of the height of the waves that are left, 0..1
     bool calm = true;  // at or above the horizon, or too far for any wave
   };
   /// The planes' rows at one line of the rolled frame.
@@ -75,8 +87,12 @@ class WaterSurface : public Motion {
   double down_of(const Line& line, int plane) const;
   /// px^2: mean square of what displacements differ by between this line and the next.
   double step_power(std::size_t line) const;
-  /// Bounds that: where waves are too steep for the picture's rows, they are made lower, all the time alike.
-  void lower_folds();
+  /// The same at every line with these waves left out, averaged over moments of the cycle and lines around.
+  std::vector<double> step_powers(float coarse);
+  /// Bounds that: where waves are too steep for the picture's rows, short ones are left out, all the time alike.
+  void leave_out_folds();
+  /// Which levels of the tiles lines ask for.
+  void need_lines();
   float gain_at(double x) const;
 
   WaterMotion water_;

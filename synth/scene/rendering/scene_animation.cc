@@ -135,7 +135,8 @@ std::unique_ptr<Motion> SceneAnimation::motion_of(const Scene& scene, const Scen
       return std::make_unique<TreeSway>(layer.tree, gusts_, cycle_, layer.seed, around(sprite.box, picture));
     case MotionKind::kWater: {
       WaterMotion water = layer.water;
-      if (!water.focal_px) water.focal_px = 1.2 * std::max(picture.width, picture.height);
+      water.focal_px = water.focal_or_usual(picture);
+      if (!water.mapping) water.mapping = mapping_seen(water, sprite.box, picture);
       // Reflections ask about the water beside the layer too, for it lies behind them.
       const cv::Rect region(0, sprite.box.y, picture.width, picture.height - sprite.box.y);
       return std::make_unique<WaterSurface>(water, gusts_, cycle_, scene.wind.seed * 64 + layer.seed, region,

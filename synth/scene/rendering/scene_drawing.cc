@@ -35,8 +35,7 @@ void draw_line(cv::Mat& out, const Line& line, const cv::Scalar& colour, int wid
 /// Lines of equal distance, and lines away from the viewer, in steps of the camera's height, thinned out far away.
 void draw_plane(cv::Mat& out, const WaterMotion& water, const cv::Scalar& colour) {
   const cv::Size size = out.size();
-  const double focal = water.focal_px.value_or(1.2 * std::max(size.width, size.height));
-  const WaterCamera camera(*water.horizon, focal, water.camera_height_m, size);
+  const WaterCamera camera(*water.horizon, water.focal_or_usual(size), water.camera_height_m, size);
   const cv::Point2d middle(0.5 * size.width, 0.5 * size.height);
   const auto at = [&](double along, double below) { return middle + camera.upright({along, below}); };
   const double wide = size.width, deepest = std::hypot(size.width, size.height);

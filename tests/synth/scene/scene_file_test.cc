@@ -46,6 +46,21 @@ TEST(SceneFile, ReadsWhatStandsInIt) {
   EXPECT_EQ(scene.layers[4].kind, MotionKind::kStill);
 }
 
+TEST(SceneFile, APlantSetsWhatIsUsualAndNoMore) {
+  const auto tree = [](const std::string& keys) {
+    return parse_scene(
+               kTop + "[[layer]]\nname=\"a\"\nmatte=\"rest\"\nmotion=\"tree\"\narmature=[1,9,1,2]\n" + keys,
+               "a.toml")
+        .layers[0]
+        .tree;
+  };
+  EXPECT_EQ(tree("plant=\"tree\"").mass, tree("").mass);
+  EXPECT_EQ(tree("plant=\"flower\"").frequency_hz, 1.6);
+  EXPECT_EQ(tree("plant=\"grass\"").mass, 0.03);
+  EXPECT_EQ(tree("mass=2\nplant=\"grass\"\nshimmer=0").mass, 2);
+  EXPECT_EQ(tree("mass=2\nplant=\"grass\"\nshimmer=0").shimmer_px, 0);
+}
+
 TEST(SceneFile, LayersStandInTheirOrder) {
   const Scene scene = parse_scene(kTop + R"(
 [[layer]]

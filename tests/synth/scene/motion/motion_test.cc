@@ -1,5 +1,7 @@
 // Trees, boats and clouds, each against what it is defined by.
 #include <cmath>
+#include <memory>
+#include <numbers>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -228,6 +230,46 @@ TEST(WaterSurface, MirrorImagesMoveByTheSlopesOfTheHeightsThatBoatsRide) {
   }
   EXPECT_GT(square, 100);
   EXPECT_LT(off, 0.3 * square);  // heights are linear between samples, and so are slopes
+}
+
+TEST(WaterSurface, APictureOfThriceTheSizeMovesThriceAsFar) {
+  for (const WaterMapping mapping : {WaterMapping::kDisplacement, WaterMapping::kNormals}) {
+    const auto surface = [&](int times) {
+      const cv::Size picture(320 * times, 180 * times);
+      const WaterMotion water{.horizon = Line{{0, 70.0 * times}, {320.0 * times, 70.0 * times}},
+                              .focal_px = 384.0 * times,
+                              .amplitude = mapping == WaterMapping::kNormals ? 0.3 : 3,
+                              .mapping = mapping};
+      const Gusts gusts({}, kCycle, picture.width);
+      const cv::Rect region(0, 71 * times, picture.width, picture.height - 71 * times);
+      auto made = std::make_unique<WaterSurface>(water, gusts, kCycle, 3, region, picture);
+      made->go_to(9);
+      return made;
+    };
+    const auto small = surface(1), large = surface(3);
+    double off = 0, all = 0;
+    for (int y = 85; y < 178; y += 3)
+      for (int x = 5; x < 315; x += 7) {
+        const cv::Point2f d = moved(*small, x, y), same = moved(*large, 3 * x + 1, 3 * y + 1) / 3;
+        off += (d - same).dot(d - same), all += d.dot(d);
+      }
+    EXPECT_GT(all, 100);
+    EXPECT_LT(off, 0.03 * all);
+  }
+}
+
+TEST(WaterSurface, MirrorsWhereItIsSeenAtGrazingAnglesAlone) {
+  const WaterMotion water{.horizon = Line{{0, 70}, {320, 70}}, .focal_px = 384.0};
+  const auto seen = [&](int bottom) { return mapping_seen(water, {0, 72, 320, bottom - 72}, {320, 180}); };
+  EXPECT_EQ(seen(120), WaterMapping::kNormals);
+  // 17 degrees below the horizon, which lies 20 px above the middle.
+  const double angle = 17 * std::numbers::pi / 180 - std::atan(20 / 384.0);
+  const int row = static_cast<int>(90 + 384 * std::tan(angle));
+  EXPECT_EQ(seen(row - 1), WaterMapping::kNormals);
+  EXPECT_EQ(seen(row + 2), WaterMapping::kDisplacement);
+  // From straight above, and with the horizon far out of the picture.
+  const WaterMotion deep{.horizon = Line{{0, -2000}, {320, -2000}}, .focal_px = 384.0};
+  EXPECT_EQ(mapping_seen(deep, {0, 0, 320, 180}, {320, 180}), WaterMapping::kDisplacement);
 }
 
 TEST(WaterSurface, IsStillAtTheHorizonAndAbove) {

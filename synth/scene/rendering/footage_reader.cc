@@ -1,0 +1,60 @@
+#include "synth/scene/rendering/footage_reader.h"
+
+#include <fmt/format.h>
+
+#include "freshet/error.h"
+#include "media/frame/bgra.h"
+#include "media/picture/picture.h"
+#include "media/picture/picture_sequence.h"
+
+namespace freshet::synth::scene {
+namespace {
+
+/// Straight alpha of any depth to colours times alpha.
+void premultiply(const cv::Mat& bgra, double white, cv::Mat& out) {
+  bgra.convertTo(out, CV_32F, 1 / white);
+  for (int y = 0; y < out.rows; ++y) {
+    auto* row = out.ptr<cv::Vec4f>(y);
+    for (int x = 0; x < out.cols; ++x)
+      for (int c = 0; c < 3; ++c) row[x][c] *= row[x][3];
+  }
+}
+
+}  // namespace
+
+FootageReader::FootageReader(const std::filesystem::path& file) : file_(file) {
+  if (media::is_pattern(file))
+    pictures_ = media::list_pattern(file).files;
+  else if (std::filesystem::is_directory(file))
+    pictures_ = media::list_folder(file).files;
+  else
+    reader_.emplace(file), ahead_ = reader_->next();
+}
+
+bool FootageReader::at_end() { return reader_ ? !ahead_ : picture_ == pictures_.size(); }
+
+const cv::Mat& FootageReader::next() {
+  const cv::Size before = frame_.size();
+  if (reader_) {
+    if (!ahead_) {
+      reader_.emplace(file_);
+      ahead_ = reader_->next();
+    }
+    if (!ahead_)
+      throw Error(ErrorKind::kInput, file_.string(), "no frame of it can be decoded", "Check the file");
+    premultiply(media::to_bgra(*ahead_), 255, frame_);
+    ahead_ = reader_->next();
+    return frame_;
+  }
+  if (picture_ == pictures_.size()) picture_ = 0;
+  premultiply(media::read_deep_picture(pictures_[picture_]).values, 65535, frame_);
+  if (!before.empty() && before != frame_.size())
+    throw Error(ErrorKind::kInput, pictures_[picture_].string(),
+                fmt::format("it has {} x {} px, the frames before it {} x {}", frame_.cols, frame_.rows,
+                            before.width, before.height),
+                "Give frames of one size");
+  ++picture_;
+  return frame_;
+}
+
+}  // namespace freshet::synth::scene
