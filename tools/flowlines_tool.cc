@@ -149,44 +149,42 @@ nlohmann::json report_json(const flowlines::FlowlinesReport& report, const std::
             {"render", render_s}}}};
 }
 
-void run_flowlines(FlowlinesCommand& command, RunContext& context) {
-  plan_stages(
-      {{"measuring flow", ""}, {"following particles", ""}, {"planning repeats", ""}, {"rendering", ""}});
-  check_picture_output(command.draw.string());
-  check_output_folder(command.lines_out);
-  check_picture_output(command.sheet.string());
-  const flowlines::Footage footage = read_clip(command);
-  const double fps = command.fps > 0 ? command.fps : footage.fps;
+/// The output's files, open before the preparation: a mistyped folder should not cost it.
+std::unique_ptr<AnimationFiles> open_output(FlowlinesCommand& command, const flowlines::Footage& footage,
+                                            synth::animate::AnimateOptions& options) {
   TargetFiles::Loaded loaded;
   loaded.picture = footage.frames.front();
   loaded.still.bgr = loaded.picture;
   loaded.matte = cv::Mat(footage.size(), CV_8U, cv::Scalar(255));
-  synth::animate::AnimateOptions frame_options;
-  frame_options.frames = command.frames;
-  frame_options.fps = fps;
-  // The output first: a mistyped folder should not cost the preparation.
-  const std::unique_ptr<AnimationFiles> output = command.output.open(loaded, frame_options);
-  if (frame_options.motion_sink)
+  std::unique_ptr<AnimationFiles> output = command.output.open(loaded, options);
+  if (options.motion_sink)
     throw Error(ErrorKind::kUsage, "--motion-out",
                 "flow lines play the clip's own frames, whose motion is not kept",
                 "Leave it out, or ingest the result: a store keeps its flow");
+  return output;
+}
 
-  Progress progress;
-  flowlines::FlowlinesOptions options = options_of(command, footage);
-  options.fps = fps;
-  flowlines::Flowlines engine(footage, options, {progress.callback(), context.stop});
-  const flowlines::FlowlinesReport& report = engine.report();
-  progress.finish();
-  for (const std::string& notice : report.notices) say(footage.name + ": " + notice);
-  say(summary(report, footage.fps));
+void tell(const flowlines::Flowlines& engine, const flowlines::Footage& footage) {
+  for (const std::string& notice : engine.report().notices) say(footage.name + ": " + notice);
+  say(summary(engine.report(), footage.fps));
+}
+
+void write_lines(const FlowlinesCommand& command, const flowlines::Footage& footage,
+                 const flowlines::Flowlines& engine, const std::vector<flowlines::FlowLine>& edited) {
   if (!command.draw.empty())
     media::write_picture(
-        command.draw, flowlines::draw_lines(loaded.picture, engine.matte(), engine.lines(), options.edited));
+        command.draw, flowlines::draw_lines(footage.frames.front(), engine.matte(), engine.lines(), edited));
   if (!command.lines_out.empty()) flowlines::write_lines(command.lines_out, engine.lines(), footage.size());
+}
 
+/// All frames, and the sheet of some. Returns the seconds that rendering took, writing apart.
+double write_frames(const FlowlinesCommand& command, const flowlines::Footage& footage,
+                    const synth::animate::AnimateOptions& options, flowlines::Flowlines& engine,
+                    AnimationFiles& output, RunContext& context) {
   synth::animate::FrameSheet sheet(
-      loaded.picture, loaded.matte, command.frames,
-      {.fps = fps, .first_number = command.output.first_number(), .shown = 8, .width_px = 480});
+      footage.frames.front(), cv::Mat(footage.size(), CV_8U, cv::Scalar(255)), command.frames,
+      {.fps = options.fps, .first_number = command.output.first_number(), .shown = 8, .width_px = 480});
+  Progress progress;
   cv::Mat fluid = engine.fluid();
   double render_s = 0;
   for (int i = 0; i < command.frames; ++i) {
@@ -196,13 +194,38 @@ void run_flowlines(FlowlinesCommand& command, RunContext& context) {
     const Stopwatch watch;
     const cv::Mat& frame = engine.next();
     render_s += watch.seconds();
-    if (!options.edited.empty()) fluid = engine.fluid();
-    if (frame_options.matte_sink) frame_options.matte_sink(fluid);
-    sheet.add(output->write(formed(frame, fluid, frame_options.form, command.output.fluid_alone())));
+    if (!command.edited.empty()) fluid = engine.fluid();
+    if (options.matte_sink) options.matte_sink(fluid);
+    sheet.add(output.write(formed(frame, fluid, options.form, command.output.fluid_alone())));
   }
-  output->finish();
+  output.finish();
   progress.finish();
   if (!command.sheet.empty()) media::write_picture(command.sheet, sheet.draw());
+  return render_s;
+}
+
+void run_flowlines(FlowlinesCommand& command, RunContext& context) {
+  plan_stages(
+      {{"measuring flow", ""}, {"following particles", ""}, {"planning repeats", ""}, {"rendering", ""}});
+  check_picture_output(command.draw.string());
+  check_output_folder(command.lines_out);
+  check_picture_output(command.sheet.string());
+  const flowlines::Footage footage = read_clip(command);
+  synth::animate::AnimateOptions frame_options;
+  frame_options.frames = command.frames;
+  frame_options.fps = command.fps > 0 ? command.fps : footage.fps;
+  const std::unique_ptr<AnimationFiles> output = open_output(command, footage, frame_options);
+
+  Progress progress;
+  flowlines::FlowlinesOptions options = options_of(command, footage);
+  options.fps = frame_options.fps;
+  flowlines::Flowlines engine(footage, options, {progress.callback(), context.stop});
+  progress.finish();
+  tell(engine, footage);
+  write_lines(command, footage, engine, options.edited);
+  const double render_s = write_frames(command, footage, frame_options, engine, *output, context);
+
+  const flowlines::FlowlinesReport& report = engine.report();
   say(fmt::format("{} frames of {} x {} from {}: prepared in {:.1f} s, rendered at {:.0f} frames/s",
                   command.frames, footage.size().width, footage.size().height, footage.count(),
                   report.motion_s + report.ride_s + report.plan_s,
@@ -267,9 +290,10 @@ void add_editing(CLI::App& sub, FlowlinesCommand& command) {
       ->check(CLI::IsMember({"equal", "stretched"}))
       ->capture_default_str()
       ->group(editing);
-  sub.add_option("--join", command.options.join_px,
-                 "Consecutive edited lines no further apart than this are joined by interpolated ones, px "
-                 "[4 patches]")
+  sub.add_option(
+         "--join", command.options.join_px,
+         "Consecutive edited lines no further apart than this are joined by interpolated ones, px [where "
+         "their input lines lie beside each other as they do]")
       ->check(CLI::Range(1.0, 100000.0))
       ->group(editing);
   sub.add_option(

@@ -14,11 +14,14 @@
 //                    the first row.
 //   repeats          correlation of frames (less their mean) a lag apart: of all lags from a third of a second to three
 //                    seconds the most alike. 1: it is a loop. The clip's own further frames have what its kind has.
+//   kept             fine texture (mean |Laplacian|) over the film by that of the clip's own two seconds, in blocks that
+//                    move: 1 is nothing lost. A loop shows the same two seconds again and again, and so keeps all but
+//                    what its cross-fade costs.
 //   then bench/quality's measures against the clip's further frames, as many again of those being the ceiling.
-// Edits: all lines turned about where they enter, more and more, up to 35 degrees. The flow of what was made is compared
-// with the drawn lines, and its speed with the clip's at the corresponding places, where patches cover all. Lines that
-// are not turned say how much of that is the flow's own error.
+// Edits: all lines bent together by up to 35 degrees, where patches cover all (bench/flowlines/followed.h). Lines that
+// are not bent say how much of that is the measure's own error.
 //
+//   bench_flowlines CLIP.. --brief                   without video textures, other mixes and edits
 //   bench_flowlines CLIP.. --cost [--width 1280]     what preparing and a frame cost, and nothing else
 
 #include <fmt/format.h>
@@ -29,7 +32,6 @@
 #include <ctime>
 #include <filesystem>
 #include <fstream>
-#include <numbers>
 #include <string>
 #include <vector>
 
@@ -37,6 +39,7 @@
 #include <opencv2/core/utility.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "bench/flowlines/followed.h"
 #include "bench/flowlines/video_texture.h"
 #include "bench/harness/machine.h"
 #include "bench/quality/quality_footage.h"
@@ -44,7 +47,6 @@
 #include "freshet/error.h"
 #include "platform/stopwatch.h"
 #include "synth/flowlines/flowlines.h"
-#include "vision/flow.h"
 
 namespace {
 
@@ -52,7 +54,7 @@ using namespace freshet;
 namespace fs = std::filesystem;
 namespace flowlines = synth::flowlines;
 
-constexpr int kBlock = 16;
+constexpr int kBlock = 16, kBentFrames = 60;
 
 /// Changes from frame to frame by block: a row a pair.
 cv::Mat changes(const std::vector<cv::Mat>& luma) {
@@ -110,6 +112,18 @@ std::vector<double> departures(const cv::Mat& film, const std::vector<float>& us
   return out;
 }
 
+/// Mean over all frames and the blocks that move.
+double mean_over(const cv::Mat& film, const std::vector<bool>& moves) {
+  double sum = 0;
+  int count = 0;
+  for (int b = 0; b < film.cols; ++b)
+    if (moves[static_cast<std::size_t>(b)]) {
+      sum += cv::mean(film.col(b))[0];
+      ++count;
+    }
+  return sum / std::max(1, count);
+}
+
 struct Departure {
   double worst = 0, mean = 0;
 };
@@ -157,7 +171,7 @@ struct Cost {
 struct Row {
   std::string name;
   Departure jumps{}, dips{}, both{};
-  double repeats = 0;
+  double repeats = 0, kept = 0;
   bench::Distance distance{};
   Cost cost{};
 };
@@ -195,7 +209,9 @@ Row judged(const std::string& name, const std::vector<cv::Mat>& frames, const st
   std::vector<bool> moves;
   for (const float most : changed) moves.push_back(most >= 2);  // grey levels: less is coding noise
   const std::vector<double> jumps = departures(changes(luma), changed, 1, moves);
-  std::vector<double> dips = departures(textures(luma), quantiles(textures(clip_luma), 0.05), -1, moves);
+  const cv::Mat film_texture = textures(luma), clip_texture = textures(clip_luma);
+  std::vector<double> dips = departures(film_texture, quantiles(clip_texture, 0.05), -1, moves);
+  row.kept = mean_over(film_texture, moves) / std::max(1e-9, mean_over(clip_texture, moves));
   row.jumps = departure(jumps);
   row.dips = departure(dips);
   for (std::size_t t = 0; t < jumps.size(); ++t) dips[t] += jumps[t];
@@ -227,20 +243,6 @@ std::vector<cv::Mat> endless(const flowlines::Footage& footage, const flowlines:
   return out;
 }
 
-/// How well the fluid follows turned lines: degrees, and |log2| of the ratio of speeds.
-struct Followed {
-  double degrees = 0, speed = 0;
-  int places = 0;
-};
-
-cv::Mat mean_flow(const std::vector<cv::Mat>& frames) {
-  const std::vector<cv::Mat> luma = bench::luma_of(frames);
-  cv::Mat sum(luma.front().size(), CV_32FC2, cv::Scalar::all(0));
-  for (std::size_t t = 0; t + 1 < luma.size(); ++t) sum += vision::optical_flow(luma[t], luma[t + 1]);
-  sum *= 1.0 / static_cast<double>(luma.size() - 1);
-  return sum;
-}
-
 /// Where an edit covers all, and what flow sees around it.
 cv::Mat covered(const flowlines::Flowlines& engine) {
   cv::Mat out;
@@ -248,59 +250,28 @@ cv::Mat covered(const flowlines::Flowlines& engine) {
   return out;
 }
 
-Followed followed(const flowlines::Footage& footage, double degrees) {
+/// The clip's found lines bent, and how well its fluid goes along them; 0 degrees: how well they are measured.
+bench::Followed bent(const flowlines::Footage& footage, double degrees) {
   flowlines::FlowlinesOptions options;
-  flowlines::Flowlines as_it_is(footage, options);
-  options.lines = as_it_is.lines();
-  for (const flowlines::FlowLine& line : options.lines) {
-    std::vector<cv::Point2f> chain;
-    const cv::Point2f first = line.points.front();
-    for (int s = 0; s < line.samples(); ++s) {
-      const double angle = degrees * std::numbers::pi / 180 * s / std::max(60, line.samples());
-      const cv::Point2f way = line.points[static_cast<std::size_t>(s)] - first;
-      const auto c = static_cast<float>(std::cos(angle)), n = static_cast<float>(std::sin(angle));
-      chain.push_back(first + cv::Point2f(c * way.x - n * way.y, n * way.x + c * way.y));
-    }
-    options.edited.push_back(flowlines::evenly(chain, line.name));
-  }
+  options.lines = flowlines::Flowlines(footage, options).lines();
+  options.edited = degrees > 0 ? bench::bent(options.lines, degrees) : options.lines;
   flowlines::Flowlines engine(footage, options);
-  const cv::Mat all_fluid = covered(engine);
-  std::vector<cv::Mat> out;
-  for (int t = 0; t < 60; ++t) out.push_back(engine.next().clone());
-  const cv::Mat made = mean_flow(out), was = mean_flow(footage.frames);
-  Followed result;
-  const cv::Rect inside(8, 8, made.cols - 16, made.rows - 16);
-  double weight = 0;
-  for (std::size_t i = 0; i < options.edited.size(); ++i) {
-    const flowlines::FlowLine &edited = options.edited[i], &input = options.lines[i];
-    for (int s = 12; s + 12 < edited.samples(); s += 4) {
-      const cv::Point here(edited.points[static_cast<std::size_t>(s)]);
-      const cv::Point there(flowlines::at(input, static_cast<float>(s)));
-      if (!inside.contains(here) || !inside.contains(there) || all_fluid.at<std::uint8_t>(here) == 0)
-        continue;
-      const cv::Point2f way = flowlines::tangent(edited, s), before = flowlines::tangent(input, s);
-      const cv::Vec2f v = made.at<cv::Vec2f>(here), u = was.at<cv::Vec2f>(there);
-      const double along = cv::Point2f(u[0], u[1]).dot(before), speed = std::hypot(v[0], v[1]);
-      if (along < 0.5) continue;  // px a frame: slower has no direction worth measuring
-      const double cosine = cv::Point2f(v[0], v[1]).dot(way) / std::max(1e-6, speed);
-      result.degrees += along * std::acos(std::clamp(cosine, -1.0, 1.0)) * 180 / std::numbers::pi;
-      result.speed += along * std::abs(std::log2(std::max(0.05, speed) / std::hypot(u[0], u[1])));
-      weight += along;
-      ++result.places;
-    }
-  }
-  result.degrees /= std::max(1e-9, weight);
-  result.speed /= std::max(1e-9, weight);
-  return result;
+  const cv::Mat shown = covered(engine);
+  std::vector<cv::Mat> film;
+  for (int t = 0; t < kBentFrames; ++t) film.push_back(engine.next().clone());
+  return bench::followed(film, footage.frames, options.lines, options.edited, options.view.correspondence,
+                         shown);
 }
 
 void print(const Row& row) {
   const bench::Distance& d = row.distance;
   fmt::print(
-      "  {:<22}{:9.3f}{:8.4f}{:9.3f}{:8.4f}{:9.3f}{:8.4f}{:9.2f} |{:8.2f}{:9.2f}{:8.1f}{:8.2f}{:8.2f}{:8.3f}",
+      "  {:<22}{:9.3f}{:8.4f}{:9.3f}{:8.4f}{:9.3f}{:8.4f}{:9.2f}{:7.3f} "
+      "|{:8.2f}{:9.2f}{:8.1f}{:8.2f}{:8.2f}{:8.3f}",
       row.name, row.jumps.worst, row.jumps.mean, row.dips.worst, row.dips.mean, row.both.worst, row.both.mean,
-      row.repeats, d.texture, d.contrast, d.spectrum_db, d.angle_deg, d.pace, d.ssim);
+      row.repeats, row.kept, d.texture, d.contrast, d.spectrum_db, d.angle_deg, d.pace, d.ssim);
   fmt::print("\n");
+  std::fflush(stdout);
 }
 
 nlohmann::json json_of(const Row& row) {
@@ -313,6 +284,7 @@ nlohmann::json json_of(const Row& row) {
           {"both_max", row.both.worst},
           {"both_mean", row.both.mean},
           {"repeats", row.repeats},
+          {"kept", row.kept},
           {"texture", d.texture},
           {"contrast", d.contrast},
           {"spectrum_db", d.spectrum_db},
@@ -348,25 +320,54 @@ nlohmann::json cost_of(const std::string& path, double seconds, int width) {
           {"frame_cpu_s", cost.frame_cpu_s}};
 }
 
-nlohmann::json run(const std::string& path, double seconds, double output_seconds, int width) {
+nlohmann::json bends_of(const flowlines::Footage& footage) {
+  nlohmann::json out = nlohmann::json::array();
+  for (const double degrees : {0.0, 35.0}) {
+    const bench::Followed led = bent(footage, degrees);
+    fmt::print(
+        "  bent by up to {:.0f} degrees: {:.1f} degrees off (the clip from its own lines {:.1f}); log2 of "
+        "speed "
+        "{:.2f} by flow, {:.2f} by ribbons ({:+.2f}); {} places\n",
+        degrees, led.degrees, led.clip_degrees, led.flow_speed, led.ribbon_speed, led.slower, led.places);
+    out.push_back({{"bent", degrees},
+                   {"degrees", led.degrees},
+                   {"clip_degrees", led.clip_degrees},
+                   {"flow_speed_log2", led.flow_speed},
+                   {"ribbon_speed_log2", led.ribbon_speed},
+                   {"slower_log2", led.slower},
+                   {"places", led.places}});
+  }
+  return out;
+}
+
+void print_heading(const flowlines::Footage& footage) {
+  fmt::print("{} ({} x {}, {} frames of {:.1f} s)\n", fs::path(footage.name).stem().string(),
+             footage.size().width, footage.size().height, footage.count(), footage.count() / footage.fps);
+  fmt::print("  {:<22}{:>9}{:>8}{:>9}{:>8}{:>9}{:>8}{:>9}{:>7} |{:>8}{:>9}{:>8}{:>8}{:>8}{:>8}\n", "",
+             "jump max", "mean", "dip max", "mean", "both max", "mean", "repeats", "kept", "texture",
+             "contrast", "dB", "angle", "pace", "ssim");
+}
+
+struct Asked {
+  double seconds = 2, output_seconds = 20;
+  int width = 320;
+  bool brief = false;  // flow lines by default and the cross-fade alone, no edits
+};
+
+nlohmann::json run(const std::string& path, const Asked& asked) {
   double fps = 25;
-  const std::vector<cv::Mat> all = bench::read_video(path, width, &fps);
-  const flowlines::Footage footage = beginning(path, all, seconds, fps);
+  const std::vector<cv::Mat> all = bench::read_video(path, asked.width, &fps);
+  const flowlines::Footage footage = beginning(path, all, asked.seconds, fps);
   const std::size_t count = footage.frames.size();
-  const int frames = static_cast<int>(output_seconds * fps);
+  const int frames = static_cast<int>(asked.output_seconds * fps);
   const std::size_t further = std::min<std::size_t>(count, (all.size() - count) / 2);
-  fmt::print("{} ({} x {}, {} frames of {:.1f} s)\n", fs::path(path).stem().string(), all.front().cols,
-             all.front().rows, count, static_cast<double>(count) / fps);
-  fmt::print("  {:<22}{:>9}{:>8}{:>9}{:>8}{:>9}{:>8}{:>9} |{:>8}{:>9}{:>8}{:>8}{:>8}{:>8}\n", "", "jump max",
-             "mean", "dip max", "mean", "both max", "mean", "repeats", "texture", "contrast", "dB", "angle",
-             "pace", "ssim");
+  print_heading(footage);
   nlohmann::json rows = nlohmann::json::array();
   flowlines::FlowlinesOptions options;
   Cost cost;
   const std::vector<cv::Mat> kept = endless(footage, options, frames, cost);
-  flowlines::Flowlines once(footage, options);
-  const bench::Region region{.matte = once.matte(), .border = {0, 0}};
-  bench::Film truth, other;
+  const bench::Region region{.matte = flowlines::Flowlines(footage, options).matte(), .border = {0, 0}};
+  bench::Film truth;
   const bool judges = further >= 16;  // frames
   const auto part = [&](std::size_t from) {
     return std::vector<cv::Mat>(all.begin() + static_cast<std::ptrdiff_t>(from),
@@ -379,26 +380,20 @@ nlohmann::json run(const std::string& path, double seconds, double output_second
     print(row);
     rows.push_back(json_of(row));
   };
+  const auto add_mixed = [&](const std::string& name, flowlines::Mixing mixing) {
+    options.mixing = mixing;
+    const std::vector<cv::Mat> film = endless(footage, options, frames, cost);
+    add(name, film, cost);
+  };
   add("the clip itself", footage.frames, {});
   add("flow lines", kept, cost);
-  options.mixing = flowlines::Mixing::kContrast;
-  const std::vector<cv::Mat> mixed = endless(footage, options, frames, cost);
-  add("flow lines, mixed", mixed, cost);
-  options.mixing = flowlines::Mixing::kFeather;
-  const std::vector<cv::Mat> feathered = endless(footage, options, frames, cost);
-  add("flow lines, as printed", feathered, cost);
   add("loop with a cross-fade", bench::fading_loop(footage.frames, 8, frames), {});
+  if (asked.brief) return {{"clip", path}, {"rows", rows}};
   add("video textures", bench::video_texture(footage.frames, frames), {});
+  add_mixed("flow lines, mixed", flowlines::Mixing::kContrast);
+  add_mixed("flow lines, as printed", flowlines::Mixing::kFeather);
   if (judges) add("the clip goes on", part(count + further), {});
-  nlohmann::json edits = nlohmann::json::array();
-  for (const double degrees : {0.0, 35.0}) {
-    const Followed led = followed(footage, degrees);
-    fmt::print("  turned by up to {:.0f} degrees: {:.1f} degrees, {:.2f} log2 of speed, over {} places\n",
-               degrees, led.degrees, led.speed, led.places);
-    edits.push_back(
-        {{"turned", degrees}, {"degrees", led.degrees}, {"speed_log2", led.speed}, {"places", led.places}});
-  }
-  return {{"clip", path}, {"rows", rows}, {"edited", edits}};
+  return {{"clip", path}, {"rows", rows}, {"edited", bends_of(footage)}};
 }
 
 }  // namespace
@@ -406,16 +401,16 @@ nlohmann::json run(const std::string& path, double seconds, double output_second
 int main(int argc, char** argv) {
   CLI::App app("Endless and edited clips along flow lines, beside a loop and video textures");
   std::vector<std::string> clips;
-  double seconds = 2, output_seconds = 20;
-  int width = 320;
+  Asked asked;
   bool only_cost = false;
   std::string json;
   app.add_option("CLIP", clips, "Clips from a camera that stands still")
       ->required()
       ->check(CLI::ExistingFile);
-  app.add_option("--seconds", seconds, "Of the clip that are made endless")->capture_default_str();
-  app.add_option("--output-seconds", output_seconds, "That are made")->capture_default_str();
-  app.add_option("--width", width, "Longer side to which clips are reduced, px")->capture_default_str();
+  app.add_option("--seconds", asked.seconds, "Of the clip that are made endless")->capture_default_str();
+  app.add_option("--output-seconds", asked.output_seconds, "That are made")->capture_default_str();
+  app.add_option("--width", asked.width, "Longer side to which clips are reduced, px")->capture_default_str();
+  app.add_flag("--brief", asked.brief, "Only flow lines as they are by default, and the cross-fade");
   app.add_flag("--cost", only_cost, "Only what preparing and a frame cost");
   app.add_option("--json", json, "Also write the figures here");
   CLI11_PARSE(app, argc, argv);
@@ -425,8 +420,7 @@ int main(int argc, char** argv) {
                         {"clips", nlohmann::json::array()}};
   for (const std::string& clip : clips) {
     try {
-      report["clips"].push_back(only_cost ? cost_of(clip, seconds, width)
-                                          : run(clip, seconds, output_seconds, width));
+      report["clips"].push_back(only_cost ? cost_of(clip, asked.seconds, asked.width) : run(clip, asked));
     } catch (const freshet::Error& error) {
       fmt::print("  refused: {}\n", error.what());
     }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
@@ -14,7 +15,11 @@
 namespace freshet::synth::flowlines {
 namespace {
 
-constexpr int kStride = 3;  // px between points that are compared
+constexpr int kStride = 3;         // px between points that are compared
+constexpr double kReach = 4;       // patches within which lines are joined
+constexpr double kSameWay = 0.5;   // cosine: others cross
+constexpr double kDrawnOut = 2;    // times as far apart as the input lines
+constexpr double kMirrored = 1.2;  // times as far or as near, where they lie the other way round
 
 cv::Point2f at_share(const FlowLine& line, float share) { return at(line, share * line.length()); }
 
@@ -127,17 +132,57 @@ cv::Mat errors(const cv::Mat& of_a, const cv::Mat& of_b) {
   return out;
 }
 
+/// The mean cosine of their ways, share by share.
+double same_way(const FlowLine& a, const FlowLine& b) {
+  constexpr int kPoints = 8;
+  double sum = 0;
+  for (int i = 0; i <= kPoints; ++i) {
+    const auto share = static_cast<float>(i) / kPoints;
+    sum += static_cast<double>(
+        tangent(a, cvRound(share * a.length())).dot(tangent(b, cvRound(share * b.length()))));
+  }
+  return sum / (kPoints + 1);
+}
+
+/// On which side of a line another's middle lies: the sign says it.
+float side_of(const FlowLine& other, const FlowLine& line) {
+  const cv::Point2f along = tangent(line, line.samples() / 2);
+  const cv::Point2f way = at_share(other, 0.5f) - at_share(line, 0.5f);
+  return along.x * way.y - along.y * way.x;
+}
+
+/// Whether two lines, one given after the other, are of one sheet of fluid.
+bool are_near(const FlowLine& a, const FlowLine& b, const EditOptions& options) {
+  double most = 0;
+  mean_distance(a, b, &most);
+  if (options.join_px > 0) return most <= options.join_px;
+  return most <= kReach * options.patch_px && same_way(a, b) >= kSameWay;
+}
+
+/// Whether two edited lines are, by the input lines whose copies they are: a sheet may be drawn out across the flow,
+/// within limits, or mirrored; two copies of one line, or the last of one copy of a fall and the first of the next,
+/// are two.
+bool are_sheet(const FlowLine& a, const FlowLine& b, const FlowLine& of_a, const FlowLine& of_b,
+               const EditOptions& options) {
+  if (!are_near(a, b, options)) return false;
+  if (options.join_px > 0) return true;
+  const double stretch = mean_distance(a, b) / std::max(1e-6, mean_distance(of_a, of_b));
+  const bool mirrored = side_of(b, a) * side_of(of_b, of_a) < 0;
+  return &of_a != &of_b && stretch <= (mirrored ? kMirrored : kDrawnOut) &&
+         (!mirrored || stretch >= 1 / kMirrored);
+}
+
 /// Lines with those that join consecutive ones, in their order.
+/// joins    whether line i is joined with the one before it.
 std::vector<EditedLine> joined(const std::vector<FlowLine>& drawn, const EditOptions& options,
+                               const std::function<bool(std::size_t i)>& joins,
                                std::vector<std::size_t>* chain_begins) {
-  const double join = options.join_px > 0 ? options.join_px : 4 * options.patch_px;
   std::vector<EditedLine> dense;
   for (std::size_t i = 0; i < drawn.size(); ++i) {
-    double most = 0;
-    const double apart = i == 0 ? 0 : mean_distance(drawn[i - 1], drawn[i], &most);
-    if (i == 0 || most > join) {
+    if (i == 0 || !joins(i)) {
       if (chain_begins != nullptr) chain_begins->push_back(dense.size());
     } else {
+      const double apart = mean_distance(drawn[i - 1], drawn[i]);
       const int missing = std::max(0, cvRound(apart / options.spacing_px) - 1);
       for (int k = 1; k <= missing; ++k) {
         const float share = static_cast<float>(k) / static_cast<float>(missing + 1);
@@ -161,7 +206,8 @@ void follow_drawn(const std::vector<FlowLine>& drawn, std::vector<EditedLine>& d
 
 std::vector<FlowLine> dense_inputs(const std::vector<FlowLine>& inputs, const EditOptions& options) {
   std::vector<FlowLine> out = inputs;
-  for (EditedLine& line : joined(inputs, options, nullptr))
+  const auto near = [&](std::size_t i) { return are_near(inputs[i - 1], inputs[i], options); };
+  for (EditedLine& line : joined(inputs, options, near, nullptr))
     if (!line.drawn) out.push_back(std::move(line.line));
   return out;
 }
@@ -194,13 +240,36 @@ std::vector<int> partners(const std::vector<FlowLine>& inputs, const std::vector
   return out;
 }
 
+std::vector<int> times_of(const std::vector<FlowLine>& inputs, const std::vector<FlowLine>& drawn,
+                          const std::vector<int>& partner) {
+  std::vector<std::string> copies{""};
+  std::vector<int> out;
+  for (std::size_t i = 0; i < drawn.size(); ++i) {
+    const std::string& of = inputs[static_cast<std::size_t>(partner[i])].name;
+    const std::string copy = drawn[i].name.substr(of.size());
+    auto found = std::ranges::find(copies, copy);
+    if (found == copies.end()) found = copies.insert(copies.end(), copy);
+    const auto number = static_cast<int>(found - copies.begin());
+    out.push_back(number == 0 ? 0 : 1 + (number - 1) % (kTimes - 1));
+  }
+  return out;
+}
+
 std::vector<EditedLine> densify(const std::vector<FlowLine>& inputs, const std::vector<FlowLine>& drawn,
                                 const std::vector<int>& partner, const std::vector<cv::Mat>& frames,
                                 const EditOptions& options) {
   std::vector<std::size_t> chain_begins;  // lines of a chain lie beside each other
-  std::vector<EditedLine> dense = joined(drawn, options, &chain_begins);
+  const auto of = [&](std::size_t i) -> const FlowLine& {
+    return inputs[static_cast<std::size_t>(partner[i])];
+  };
+  const auto joins = [&](std::size_t i) {
+    return are_sheet(drawn[i - 1], drawn[i], of(i - 1), of(i), options);
+  };
+  std::vector<EditedLine> dense = joined(drawn, options, joins, &chain_begins);
   for (std::size_t i = 0, given = 0; i < dense.size(); ++i)
     if (dense[i].drawn) dense[i].input = partner[given++];
+  const std::vector<int> times = times_of(inputs, drawn, partner);
+  for (EditedLine& line : dense) line.time = times[line.from];
   chain_begins.push_back(dense.size());
   const Shown shown(frames, options.frames);
   for (std::size_t c = 0; c + 1 < chain_begins.size(); ++c) {

@@ -14,7 +14,10 @@ namespace freshet::synth::flowlines {
 struct EditOptions {
   Correspondence correspondence = Correspondence::kEqual;
   double patch_px = 24, spacing_px = 12;
-  /// Consecutive lines are joined by interpolated ones where they are nowhere further apart, px; 0: 4 patches.
+  /// Consecutive lines are joined by interpolated ones where they are nowhere further apart, px. 0: where they are one
+  /// sheet of fluid, as their input lines are: within 4 patches, running the same way, copies of two lines, and no more
+  /// than twice as far apart as those (mirrored: 1.2 times). A fixed distance joined neighbouring plumes of large
+  /// patches.
   double join_px = 0;
   int frames = 30;  // over which overlap errors are averaged (Sec. 4: 30)
 };
@@ -27,7 +30,12 @@ struct EditedLine {
   /// The drawn lines between which it lies, and where: of a drawn one it is both.
   std::size_t from = 0, to = 0;
   float share = 0;
+  /// 0: as the clip is shown; else a copy, which is shown in a time of its own with all copies of that number.
+  int time = 0;
 };
+
+/// Times that copies have, the clip's own among them: more of them share these.
+inline constexpr int kTimes = 4;
 
 /// The dense lines when the drawn ones have moved: each between the same two as before.
 void follow_drawn(const std::vector<FlowLine>& drawn, std::vector<EditedLine>& dense);
@@ -43,6 +51,11 @@ std::vector<int> partners(const std::vector<FlowLine>& inputs, const std::vector
 
 /// The input lines, and behind them those that join consecutive ones: what interpolated edited lines choose from.
 std::vector<FlowLine> dense_inputs(const std::vector<FlowLine>& inputs, const EditOptions& options);
+
+/// Which time each drawn line has: copies are told apart by what their names have behind the input line's ("l4-2" and
+/// "l5-2" go together), so that two chimneys do not puff alike at every moment.
+std::vector<int> times_of(const std::vector<FlowLine>& inputs, const std::vector<FlowLine>& drawn,
+                          const std::vector<int>& partner);
 
 /// The dense set: drawn lines with those interpolated between consecutive ones, and input lines for the latter by
 /// pair_lines.

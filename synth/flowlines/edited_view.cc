@@ -15,8 +15,9 @@ namespace {
 
 constexpr std::size_t kTogether = 8;  // lines that are covered at a time
 
-constexpr int kAbout = 4;        // samples about the nearest that are compared
-constexpr float kLeast = 0.02f;  // of the weightiest: less is not seen
+constexpr int kAbout = 4;            // samples about the nearest that are compared
+constexpr float kGoesOn = 1 / 6.0f;  // of half a patch
+constexpr float kLeast = 0.02f;      // of the weightiest: less is not seen
 
 /// Where a pixel lies beside a line.
 struct Beside {
@@ -143,12 +144,11 @@ EditedView::EditedView(const std::vector<cv::Mat>& frames, cv::Size working, std
     behind_ = extreme(frames, options.ground == Ground::kBlack);
     return;
   }
-  cv::Mat average, hole = was_ > 0.05f;
-  mean.convertTo(average, CV_8U);
+  const cv::Mat hole = was_ > 0.05f;
   // Fluid all over leaves nothing to fill in from: then it stands still behind itself.
   behind_ = cv::countNonZero(hole) < 0.9 * static_cast<double>(hole.total())
-                ? animate::inpaint_background(average, hole)
-                : average;
+                ? animate::inpaint_background(mean, hole)
+                : mean;
 }
 
 void EditedView::lead(const std::vector<EditedLine>& lines) {
@@ -176,6 +176,10 @@ void EditedView::cover(const EditedLine& edited, std::vector<Place>& places) con
   const FlowLine& input = inputs_[static_cast<std::size_t>(edited.input)];
   const bool unchanged = edited.line.points == input.points && edited.line.speeds.empty();
   const ArcMap arc_of(edited.line, input, options_.correspondence);
+  // A little beyond the clip its border goes on: lines that end at the picture's edge left holes there where they turn.
+  const float more = 0.5f + half * kGoesOn;
+  const cv::Rect2f seen(-more, -more, static_cast<float>(size.width) - 1 + 2 * more,
+                        static_cast<float>(size.height) - 1 + 2 * more);
   cv::Rect region;
   const std::vector<Beside> found = along(edited.line, half, size, region);
   for (int i = 0; i < static_cast<int>(found.size()); ++i) {
@@ -191,10 +195,9 @@ void EditedView::cover(const EditedLine& edited, std::vector<Place>& places) con
       const cv::Point2f way = tangent(input, cvRound(arc));
       from = at(input, arc) + cv::Point2f(-way.y, way.x) * beside.across;
     }
-    const bool seen = from.x >= -0.5f && from.y >= -0.5f && from.x <= static_cast<float>(size.width) - 0.5f &&
-                      from.y <= static_cast<float>(size.height) - 0.5f;
-    if (weight > 1e-4f && seen)
-      places.push_back({static_cast<std::uint32_t>(y * size.width + x), {from.x, from.y, weight}});
+    if (weight > 1e-4f && seen.contains(from))
+      places.push_back(
+          {static_cast<std::uint32_t>(y * size.width + x), {from.x, from.y, weight, edited.time}});
   }
 }
 
@@ -214,6 +217,7 @@ void EditedView::add(const Place& place) {
 void EditedView::gather() {
   const cv::Size size = matte_.size();
   alpha_.create(size, CV_32F);
+  mean_.copyTo(fluid_mean_);
   first_.assign(1, 0);
   sources_.clear();
   for (std::size_t p = 0; p < count_.size(); ++p) {
@@ -228,6 +232,12 @@ void EditedView::gather() {
     alpha_.at<float>(static_cast<int>(p) / size.width, static_cast<int>(p) % size.width) =
         sum > 0 ? covered(all_[p]) * fluid / sum : 0.0f;
     share_out(of);
+    if (!of.empty()) {
+      cv::Vec3f average(0, 0, 0);
+      for (std::size_t i = first_.back(); i < sources_.size(); ++i)
+        average += sampled(mean_, sources_[i].x, sources_[i].y) * sources_[i].weight;
+      fluid_mean_.ptr<cv::Vec3b>()[p] = average;
+    }
     first_.push_back(static_cast<std::uint32_t>(sources_.size()));
   }
 }
@@ -240,59 +250,77 @@ void EditedView::share_out(std::span<Source> of) {
     const float share = source.weight / of.front().weight;
     const bool sharp = options_.render.mixing == Mixing::kCut;
     const float weight = sharp ? share * share * share * share * share * share : share;
-    if (weight >= kLeast) sources_.push_back({source.x, source.y, weight});
+    if (weight >= kLeast) sources_.push_back({source.x, source.y, weight, source.time});
   }
   float sum = 0;
   for (auto source = sources_.begin() + from; source != sources_.end(); ++source) sum += source->weight;
   for (auto source = sources_.begin() + from; source != sources_.end(); ++source) source->weight /= sum;
 }
 
-cv::Vec4f EditedView::fluid(const std::vector<Moment>& moments, std::size_t first, std::size_t last) const {
+/// What a pixel that edited lines cover shows of the fluid, and how much of its detail mixing cost.
+void EditedView::show(std::span<const std::vector<Moment>> moments, std::size_t pixel) {
   cv::Vec3f sum(0, 0, 0);
+  float lost = 0;
   const float down = static_cast<float>(working_.height) / static_cast<float>(alpha_.rows);
   const float along_x = static_cast<float>(working_.width) / static_cast<float>(alpha_.cols);
-  for (std::size_t i = first; i < last; ++i) {
+  for (std::size_t i = first_[pixel]; i < first_[pixel + 1]; ++i) {
     const Source& source = sources_[i];
     const int wx = std::clamp(cvRound((source.x + 0.5f) * along_x - 0.5f), 0, working_.width - 1);
     const int wy = std::clamp(cvRound((source.y + 0.5f) * down - 0.5f), 0, working_.height - 1);
-    const Moment& moment = moments[static_cast<std::size_t>(wy) * static_cast<std::size_t>(working_.width) +
-                                   static_cast<std::size_t>(wx)];
+    const std::vector<Moment>& shown = moments[static_cast<std::size_t>(source.time)];
+    const Moment& moment = shown[static_cast<std::size_t>(wy) * static_cast<std::size_t>(working_.width) +
+                                 static_cast<std::size_t>(wx)];
     std::array<cv::Vec3f, 4> values;
     for (std::size_t k = 0; k < static_cast<std::size_t>(moment.count); ++k)
       values[k] = sampled((*frames_)[moment.frame[k]], source.x, source.y);
     const cv::Point from(std::clamp(cvRound(source.x), 0, mean_.cols - 1),
                          std::clamp(cvRound(source.y), 0, mean_.rows - 1));
-    sum += mixed(values, moment, mean_.at<cv::Vec3f>(from), options_.render.likeness.at<float>(from),
-                 options_.render.mixing) *
-           source.weight;
+    sum += mixed(values, moment) * source.weight;
+    lost +=
+        lost_detail(moment, options_.render.likeness.at<float>(from), options_.render.mixing) * source.weight;
   }
-  float alpha = 1;
-  const float brightest = std::max({sum[0], sum[1], sum[2]}), darkest = std::min({sum[0], sum[1], sum[2]});
-  if (options_.ground == Ground::kBlack) alpha = std::clamp(brightest / 255, 0.0f, 1.0f);
-  if (options_.ground == Ground::kWhite) alpha = std::clamp(1 - darkest / 255, 0.0f, 1.0f);
-  return {sum[0], sum[1], sum[2], alpha};
+  auto& to = fluid_.ptr<cv::Vec3b>()[pixel];
+  for (int c = 0; c < 3; ++c) to[c] = cv::saturate_cast<std::uint8_t>(sum[c]);
+  lost_.ptr<float>()[pixel] = lost;
 }
 
-void EditedView::render(const std::vector<Moment>& moments, cv::Mat& frame) const {
+float EditedView::opacity(const cv::Vec3b& fluid) const {
+  if (options_.ground == Ground::kBlack)
+    return static_cast<float>(std::max({fluid[0], fluid[1], fluid[2]})) / 255;
+  if (options_.ground == Ground::kWhite)
+    return 1 - static_cast<float>(std::min({fluid[0], fluid[1], fluid[2]})) / 255;
+  return 1;
+}
+
+void EditedView::render(std::span<const std::vector<Moment>> moments, cv::Mat& frame) {
+  frame.copyTo(fluid_);
+  lost_.create(frame.size(), CV_32F);
+  const auto pixel_of = [&](int x, int y) {
+    return static_cast<std::size_t>(y) * static_cast<std::size_t>(frame.cols) + static_cast<std::size_t>(x);
+  };
+  tbb::parallel_for(0, frame.rows, [&](int y) {
+    lost_.row(y).setTo(0);
+    for (int x = 0; x < frame.cols; ++x)
+      if (alpha_.at<float>(y, x) > 0) show(moments, pixel_of(x, y));
+  });
+  if (options_.render.mixing != Mixing::kFeather)
+    return_detail_(fluid_, fluid_mean_, lost_, options_.render.detail_px);
   tbb::parallel_for(0, frame.rows, [&](int y) {
     auto* to = frame.ptr<cv::Vec3b>(y);
-    const auto* behind = behind_.ptr<cv::Vec3b>(y);
+    const auto *behind = behind_.ptr<cv::Vec3b>(y), *fluid = fluid_.ptr<cv::Vec3b>(y);
     for (int x = 0; x < frame.cols; ++x) {
       const float alpha = alpha_.at<float>(y, x), gone = removed_.at<float>(y, x);
       if (alpha <= 0 && gone <= 0) continue;
-      const std::size_t p =
-          static_cast<std::size_t>(y) * static_cast<std::size_t>(frame.cols) + static_cast<std::size_t>(x);
-      const cv::Vec4f fluid_here =
-          alpha > 0 ? this->fluid(moments, first_[p], first_[p + 1]) : cv::Vec4f(0, 0, 0, 0);
       // On a ground the colours are already times alpha, less the ground's own light.
-      const float ground = options_.ground == Ground::kWhite ? 255 * (1 - fluid_here[3]) : 0;
-      const float opaque = options_.ground == Ground::kNone ? 1 : fluid_here[3];
+      const float opaque = opacity(fluid[x]);
+      const float ground = options_.ground == Ground::kWhite ? 255 * (1 - opaque) : 0;
       for (int c = 0; c < 3; ++c) {
         const float under =
             (gone * static_cast<float>(behind[x][c]) + (1 - alpha - gone) * static_cast<float>(to[x][c]));
         // What is seen through the fluid is what lies behind it, not the clip, which still has its own.
         const float through = alpha * (1 - opaque) * static_cast<float>(behind[x][c]);
-        to[x][c] = cv::saturate_cast<std::uint8_t>(alpha * (fluid_here[c] - ground) + through + under);
+        to[x][c] = cv::saturate_cast<std::uint8_t>(alpha * (static_cast<float>(fluid[x][c]) - ground) +
+                                                   through + under);
       }
     }
   });

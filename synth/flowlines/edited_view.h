@@ -54,7 +54,8 @@ class EditedView {
   void lead(const std::vector<EditedLine>& lines);
 
   /// Draws over a frame of the endless clip, CV_8UC3. All threads; the same for any number.
-  void render(const std::vector<Moment>& moments, cv::Mat& frame) const;
+  /// moments   by time (EditedLine).
+  void render(std::span<const std::vector<Moment>> moments, cv::Mat& frame);
   /// CV_32F, 0..1: how far each pixel shows edited fluid.
   const cv::Mat& alpha() const { return alpha_; }
 
@@ -62,6 +63,7 @@ class EditedView {
   struct Source {
     float x, y;  // px of the clip
     float weight;
+    int time;
   };
   static constexpr std::size_t kMostSources = 4;  // of a pixel: the weightiest patches
   struct Place {
@@ -72,13 +74,16 @@ class EditedView {
   void add(const Place& place);
   void gather();
   void share_out(std::span<Source> of);
-  cv::Vec4f fluid(const std::vector<Moment>& moments, std::size_t first, std::size_t last) const;
+  void show(std::span<const std::vector<Moment>> moments, std::size_t pixel);
+  float opacity(const cv::Vec3b& fluid) const;
 
   const std::vector<cv::Mat>* frames_;
   cv::Size working_;
   EditedViewOptions options_;
   std::vector<FlowLine> inputs_;
   cv::Mat mean_, matte_, was_, alpha_, removed_, behind_;
+  cv::Mat fluid_, fluid_mean_, lost_;  // along the edited lines, of the frame; beyond them the frame's own
+  DetailReturn return_detail_;
   std::vector<Source> best_;          // by pixel kMostSources, of which count_ are there
   std::vector<std::uint8_t> count_;   // by pixel
   std::vector<float> all_;            // by pixel: weight of all its sources

@@ -17,11 +17,11 @@
 namespace freshet::synth::flowlines {
 namespace {
 
-constexpr float kMinFade = 1.5f;     // frames
-constexpr double kGivenBack = 0.65;  // of the contrast that mixing costs
-constexpr double kLively = 0.5;      // of how much what flows changes
-constexpr double kAllCut = 0.95;     // share of places too slow to be ridden
-constexpr double kAgainst = 0.5;     // share of a drawn line that may run against the flow
+constexpr float kMinFade = 1.5f;  // frames
+constexpr double kDetail = 8;     // of a patch: twice that is the side of what fine detail is finer than
+constexpr double kLively = 0.5;   // of how much what flows changes
+constexpr double kAllCut = 0.95;  // share of places too slow to be ridden
+constexpr double kAgainst = 0.5;  // share of a drawn line that may run against the flow
 
 }  // namespace
 
@@ -141,14 +141,27 @@ struct Flowlines::Impl {
         .spacing_px = spacing(), .width_px = width * working.scale, .blend_px = std::max(2.0, patch() / 2)};
   }
 
+  PlanOptions plan_options() const {
+    return {.strands = strands(),
+            .entries = options.entries,
+            .loop_frames = options.loop_frames,
+            .seed = options.seed};
+  }
+
+  /// What places show in one more time.
+  void add_time() {
+    const bool cuts = options.mixing == Mixing::kCut;
+    times.emplace_back(
+        plan.arrivals, fade(), orders_of(plan, plan_options(), static_cast<int>(times.size())),
+        footage.count(),
+        CutOptions{
+            .frames = cuts ? &ladders->frames() : nullptr, .whole = &working.frames, .margin = plan.margin});
+    moments.emplace_back();
+  }
+
   void plan_moments(const Job& job) {
     ladders.emplace(working.frames);
-    plan = plan_repeats(*ladders, working_lines, rides, working.size(), footage.count(),
-                        {.strands = strands(),
-                         .entries = options.entries,
-                         .loop_frames = options.loop_frames,
-                         .seed = options.seed},
-                        job);
+    plan = plan_repeats(*ladders, working_lines, rides, working.size(), footage.count(), plan_options(), job);
     report.floor_px = static_cast<double>(plan.floor) / working.scale;
     report.cut_share = plan.cut_share;
     if (plan.cut_share > kAllCut)
@@ -161,20 +174,17 @@ struct Flowlines::Impl {
     report.entries = plan.ladders.front().entries();
     report.way = static_cast<double>(plan.arrivals.streams.front().duration);
     report.jump_cost = plan.ladders.front().jump;
-    const bool cuts = options.mixing == Mixing::kCut;
-    moments.emplace(
-        plan.arrivals, fade(), std::move(plan.orders), footage.count(),
-        CutOptions{
-            .frames = cuts ? &ladders->frames() : nullptr, .whole = &working.frames, .margin = plan.margin});
-    render = {.mixing = options.mixing, .likeness = likeness()};
+    add_time();
+    render = {.mixing = options.mixing,
+              .likeness = likeness(),
+              .detail_px = 2 * std::max(1, cvRound(report.patch_px / kDetail)) + 1};
     renderer.emplace(footage.frames, working.size(), render);
   }
 
-  /// Contrast that is given back is seen to come and go, as a jump: so a part of it.
   cv::Mat likeness() const {
     cv::Mat by_pixel;
     cv::resize(likeness_of(working.frames, patch()), by_pixel, footage.size());
-    return 1 - kGivenBack * (1 - by_pixel);
+    return by_pixel;
   }
 
   cv::Mat soft_matte() const {
@@ -196,6 +206,8 @@ struct Flowlines::Impl {
     for (const int input : partner) used[static_cast<std::size_t>(input)] = true;
     const std::vector<FlowLine> inputs = dense_inputs(lines, edits);
     edited = densify(inputs, drawn, partner, footage.frames, edits);
+    for (const EditedLine& line : edited)
+      while (line.time >= static_cast<int>(times.size())) add_time();
     report.drawn = static_cast<int>(drawn.size());
     report.interpolated = static_cast<int>(edited.size()) - report.drawn;
     if (const auto without = std::count(used.begin(), used.end(), false); without > 0)
@@ -226,13 +238,13 @@ struct Flowlines::Impl {
   Rides rides;
   std::optional<Ladders> ladders;
   Plan plan;
-  std::optional<Moments> moments;
+  std::vector<Moments> times;  // of the clip, and of copies of its lines
   RenderOptions render;
   std::optional<Renderer> renderer;
   std::optional<MovingLines> moving;
   std::vector<EditedLine> edited;
   std::optional<EditedView> view;
-  std::vector<Moment> moment;
+  std::vector<std::vector<Moment>> moments;  // of the frame, by time
   cv::Mat out;
   std::int64_t frame = 0;
 };
@@ -253,9 +265,10 @@ cv::Mat Flowlines::fluid() const {
 
 const cv::Mat& Flowlines::next() {
   impl_->move_lines();
-  impl_->moments->at(impl_->frame++, impl_->moment);
-  impl_->renderer->render(impl_->moment, impl_->out);
-  if (impl_->view) impl_->view->render(impl_->moment, impl_->out);
+  for (std::size_t i = 0; i < impl_->times.size(); ++i) impl_->times[i].at(impl_->frame, impl_->moments[i]);
+  ++impl_->frame;
+  impl_->renderer->render(impl_->moments.front(), impl_->out);
+  if (impl_->view) impl_->view->render(impl_->moments, impl_->out);
   return impl_->out;
 }
 

@@ -37,14 +37,13 @@ float ramp(float x) {
 Order::Order(const Ladder& ladder, const RepeatOptions& options, int before)
     : first_(ladder.first), repeats_(std::in_place, ladder.cost, options), shift_(-before) {}
 
-Order::Order(const Ladder& ladder, std::vector<Run> period, int frames)
-    : first_(ladder.first), period_(std::move(period)), frames_(frames) {}
+Order::Order(const Ladder& ladder, std::vector<Run> period, int frames, int before)
+    : first_(ladder.first), shift_(-before), period_(std::move(period)), frames_(frames) {}
 
 void Order::extend() {
   Run run;
   if (repeats_) {
     run = repeats_->next();
-    run.start += shift_;
   } else {
     run = period_[next_];
     run.start += periods_ * frames_;
@@ -53,13 +52,15 @@ void Order::extend() {
       ++periods_;
     }
   }
+  run.start += shift_;
   run.first += first_;
   window_.push_back(run);
 }
 
 const std::deque<Run>& Order::covering(std::int64_t from, std::int64_t until) {
   if (window_.empty() && !repeats_) {
-    periods_ = from / frames_ - (from % frames_ < 0 ? 1 : 0);  // the period in which `from` lies
+    const std::int64_t since = from - shift_;
+    periods_ = since / frames_ - (since % frames_ < 0 ? 1 : 0);  // the period in which `from` lies
     next_ = 0;
   }
   while (window_.empty() || window_.back().end() < until) extend();

@@ -41,8 +41,8 @@ class Order {
  public:
   /// Endless: begins `before` frames before output frame 0.
   Order(const Ladder& ladder, const RepeatOptions& options, int before);
-  /// A loop: the runs of one period of `frames`.
-  Order(const Ladder& ladder, std::vector<Run> period, int frames);
+  /// A loop: the runs of one period of `frames`, the first of which begins `before` frames before output frame 0.
+  Order(const Ladder& ladder, std::vector<Run> period, int frames, int before);
   /// Runs that cover entries [from, until), in order; `from` never falls. Firsts are frames of the clip.
   const std::deque<Run>& covering(std::int64_t from, std::int64_t until);
 
@@ -50,7 +50,7 @@ class Order {
   void extend();
   int first_ = 0;
   std::optional<Repeats> repeats_;
-  std::int64_t shift_ = 0;  // of the endless runs' starts
+  std::int64_t shift_ = 0;  // of the runs' starts
   std::vector<Run> period_;
   std::int64_t frames_ = 0, periods_ = 0;
   std::size_t next_ = 0;

@@ -13,6 +13,11 @@ namespace freshet::synth::flowlines {
 namespace {
 
 constexpr std::array<double, 4> kWays{0.5, 0.4, 0.3, 0.2};  // shares of the frames for particles' ways
+constexpr int kMostLoop = 10000;  // frames: the order of a loop is searched for as a whole
+
+constexpr std::uint64_t kSeedsApart = 7919;
+constexpr double kTurn =
+    0.382;  // of a round, between times: the golden section keeps any number of them apart
 
 RepeatOptions repeats_of(const PlanOptions& options, std::size_t stream) {
   return {.seed = options.seed * 1000 + stream};
@@ -35,19 +40,24 @@ std::vector<Ladder> ladders_of(const Ladders& ladders, const Plan& plan, int fra
   return made;
 }
 
-Order order_of(const Plan& plan, std::size_t stream, const PlanOptions& options) {
+/// lead    frames by which it is further on.
+Order order_of(const Plan& plan, std::size_t stream, const PlanOptions& options, int lead) {
   const Ladder& ladder = plan.ladders[stream];
   RepeatOptions repeats = repeats_of(options, stream);
   repeats.min_run = ladder.min_run;
   repeats.fade = ladder.fade;
   if (options.loop_frames == 0)
-    return {ladder, repeats, static_cast<int>(plan.arrivals.streams[stream].duration) + 2 * plan.margin + 4};
+    return {ladder, repeats,
+            static_cast<int>(plan.arrivals.streams[stream].duration) + 2 * plan.margin + 4 + lead};
   std::vector<Run> period = cyclic(ladder.cost, options.loop_frames, repeats);
-  if (period.empty())
+  if (period.empty()) {
+    int longest = 0;
+    for (const Ladder& other : plan.ladders) longest = std::max(longest, other.min_run);
     throw Error(ErrorKind::kUsage, fmt::format("--loop --frames {}", options.loop_frames),
                 "no order of repeats is that short",
-                fmt::format("Ask for {} frames or more", 2 * ladder.min_run + 2));
-  return {ladder, std::move(period), options.loop_frames};
+                fmt::format("Ask for {} frames or more", 2 * longest + 2));
+  }
+  return {ladder, std::move(period), options.loop_frames, lead};
 }
 
 }  // namespace
@@ -59,6 +69,10 @@ Plan plan_repeats(const Ladders& ladders, const std::vector<FlowLine>& lines, co
     throw Error(ErrorKind::kUsage, fmt::format("--entries {}", options.entries),
                 fmt::format("of the clip's {} frames at most {} can be repeated", frames, room - 2),
                 "Ask for fewer, or give a longer clip");
+  if (options.loop_frames > kMostLoop)
+    throw Error(ErrorKind::kUsage, fmt::format("--loop --frames {}", options.loop_frames),
+                fmt::format("a loop has {} frames at most", kMostLoop),
+                "Ask for fewer, and play it again and again; without --loop there may be any number");
   std::vector<int> ways;
   for (const double share : kWays) ways.push_back(cvRound(share * room));
   if (options.entries > 0) ways.assign(1, room - options.entries);
@@ -79,8 +93,19 @@ Plan plan_repeats(const Ladders& ladders, const std::vector<FlowLine>& lines, co
     best = std::move(tried);
   }
   if (!rides.stationary) best.arrivals = arrivals(lines, rides, picture, options.strands, best.floor, true);
-  for (std::size_t k = 0; k < best.ladders.size(); ++k) best.orders.push_back(order_of(best, k, options));
   return best;
+}
+
+std::vector<Order> orders_of(const Plan& plan, const PlanOptions& options, int time) {
+  PlanOptions own = options;
+  own.seed += static_cast<std::uint64_t>(time) * kSeedsApart;
+  // All streams as much further on, so that they stay together.
+  const int round = options.loop_frames > 0 ? options.loop_frames : plan.ladders.front().entries();
+  const double turn = time * kTurn;
+  const int lead = cvRound((turn - std::floor(turn)) * round);
+  std::vector<Order> orders;
+  for (std::size_t k = 0; k < plan.ladders.size(); ++k) orders.push_back(order_of(plan, k, own, lead));
+  return orders;
 }
 
 }  // namespace freshet::synth::flowlines

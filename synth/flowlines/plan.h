@@ -22,7 +22,6 @@ struct PlanOptions {
 struct Plan {
   Arrivals arrivals;
   std::vector<Ladder> ladders;  // by stream
-  std::vector<Order> orders;    // by stream
   float floor = 0;              // px a frame: what is slower is passed over at once
   double cut_share = 0;         // of the lines' places: where that is so
   int margin = 0;               // frames that a jump may show before its run's first entry and after its last
@@ -33,8 +32,14 @@ struct Plan {
 ///
 /// ladders   of the clip's working frames, of size `picture`.
 /// frames    of the clip.
-/// Throws    Error{kUsage} when there is no room for so many entries, or no loop of that length; Error{kCancelled}.
+/// Throws    Error{kUsage} when there is no room for so many entries, or no loop of that length, or
+///           one of more than 10000 frames; Error{kCancelled}.
 Plan plan_repeats(const Ladders& ladders, const std::vector<FlowLine>& lines, const Rides& rides,
                   cv::Size picture, int frames, const PlanOptions& options, const Job& job);
+
+/// The order in which each stream's runs follow each other.
+/// time     0: as the clip begins; others are as good, and elsewhere in it at any moment.
+/// Throws   as plan_repeats.
+std::vector<Order> orders_of(const Plan& plan, const PlanOptions& options, int time = 0);
 
 }  // namespace freshet::synth::flowlines

@@ -25,41 +25,58 @@ cv::Mat likeness_of(const std::vector<cv::Mat>& frames, double window_px) {
   const int side = 2 * static_cast<int>(window_px / 2) + 1;
   cv::blur(both, both, cv::Size(side, side));
   cv::blur(each, each, cv::Size(side, side));
-  // Half and half have both / each of their detail, and are given 1 / sqrt(0.5 + 0.5 likeness) of it: see mixed.
+  // Half and half have both / each of their detail, and are given 1 / sqrt(0.5 + 0.5 likeness) of it: see lost_detail.
   cv::Mat left = both / each, likeness = 2 * left.mul(left) - 1;
   return cv::min(cv::max(likeness, 0.0), 1.0);
 }
 
-cv::Vec3f mixed(const std::array<cv::Vec3f, 4>& values, const Moment& moment, const cv::Vec3f& mean,
-                float likeness, Mixing mixing) {
-  if (moment.count == 1) return values[0];
-  const bool keeps = mixing != Mixing::kFeather;
-  cv::Vec3f sum(0, 0, 0);
+float lost_detail(const Moment& moment, float likeness, Mixing mixing) {
+  if (moment.count == 1 || mixing == Mixing::kFeather) return 0;
   float squares = 0;
-  for (std::size_t i = 0; i < static_cast<std::size_t>(moment.count); ++i) {
-    const float weight = moment.weight[i];
-    sum += (keeps ? values[i] - mean : values[i]) * weight;
-    squares += weight * weight;
-  }
-  if (!keeps) return sum;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(moment.count); ++i)
+    squares += moment.weight[i] * moment.weight[i];
   // Weights sum to 1: so 1 - squares is what the pairs of unlike frames have.
-  return mean + sum * (1 / std::sqrt(squares + likeness * (1 - squares)));
+  return 1 / std::sqrt(squares + likeness * (1 - squares)) - 1;
+}
+
+cv::Vec3f mixed(const std::array<cv::Vec3f, 4>& values, const Moment& moment) {
+  if (moment.count == 1) return values[0];
+  cv::Vec3f sum(0, 0, 0);
+  for (std::size_t i = 0; i < static_cast<std::size_t>(moment.count); ++i)
+    sum += values[i] * moment.weight[i];
+  return sum;
+}
+
+void DetailReturn::operator()(cv::Mat& picture, const cv::Mat& mean, const cv::Mat& lost, int side) {
+  cv::subtract(picture, mean, difference_, cv::noArray(), CV_16S);
+  cv::blur(difference_, around_, cv::Size(side, side));
+  tbb::parallel_for(0, picture.rows, [&](int y) {
+    auto* to = picture.ptr<cv::Vec3b>(y);
+    const auto *here = difference_.ptr<cv::Vec3s>(y), *around = around_.ptr<cv::Vec3s>(y);
+    const auto* share = lost.ptr<float>(y);
+    for (int x = 0; x < picture.cols; ++x)
+      if (share[x] > 0)
+        for (int c = 0; c < 3; ++c)
+          to[x][c] = cv::saturate_cast<std::uint8_t>(
+              static_cast<float>(to[x][c]) + share[x] * static_cast<float>(here[x][c] - around[x][c]));
+  });
 }
 
 Renderer::Renderer(const std::vector<cv::Mat>& frames, cv::Size working, const RenderOptions& options)
-    : frames_(&frames), working_(working), options_(options) {
+    : frames_(&frames), working_(working), options_(options), lost_(frames.front().size(), CV_32F) {
   if (options_.likeness.empty()) options_.likeness = cv::Mat(frames.front().size(), CV_32F, cv::Scalar(0.5));
-  mean_ = cv::Mat(frames.front().size(), CV_32FC3, cv::Scalar::all(0));
-  for (const cv::Mat& frame : frames) cv::accumulate(frame, mean_);
-  mean_ *= 1.0 / static_cast<double>(frames.size());
+  cv::Mat sum(frames.front().size(), CV_32FC3, cv::Scalar::all(0));
+  for (const cv::Mat& frame : frames) cv::accumulate(frame, sum);
+  sum.convertTo(mean_, CV_8U, 1.0 / static_cast<double>(frames.size()));
 }
 
-void Renderer::render(const std::vector<Moment>& moments, cv::Mat& out) const {
+void Renderer::render(const std::vector<Moment>& moments, cv::Mat& out) {
   out.create(frames_->front().size(), CV_8UC3);
   tbb::parallel_for(0, out.rows, [&](int y) { row(moments, y, out); });
+  if (options_.mixing != Mixing::kFeather) return_detail_(out, mean_, lost_, options_.detail_px);
 }
 
-void Renderer::row(const std::vector<Moment>& moments, int y, cv::Mat& out) const {
+void Renderer::row(const std::vector<Moment>& moments, int y, cv::Mat& out) {
   const float down = static_cast<float>(working_.height) / static_cast<float>(out.rows);
   const float along = static_cast<float>(working_.width) / static_cast<float>(out.cols);
   const bool same = working_ == out.size();
@@ -69,7 +86,7 @@ void Renderer::row(const std::vector<Moment>& moments, int y, cv::Mat& out) cons
   const Moment* top = &moments[static_cast<std::size_t>(y0) * static_cast<std::size_t>(working_.width)];
   const Moment* low = &moments[static_cast<std::size_t>(y1) * static_cast<std::size_t>(working_.width)];
   auto* to = out.ptr<cv::Vec3b>(y);
-  const auto* mean = mean_.ptr<cv::Vec3f>(y);
+  auto* lost = lost_.ptr<float>(y);
   const auto* likeness = options_.likeness.ptr<float>(y);
   std::array<cv::Vec3f, 4> values;
   for (int x = 0; x < out.cols; ++x) {
@@ -80,6 +97,7 @@ void Renderer::row(const std::vector<Moment>& moments, int y, cv::Mat& out) cons
         (wy - static_cast<float>(y0) < 0.5f ? top : low)[wx - static_cast<float>(x0) < 0.5f ? x0 : x1];
     if (near.count == 1) {
       to[x] = (*frames_)[near.frame[0]].at<cv::Vec3b>(y, x);
+      lost[x] = 0;
       continue;
     }
     Moment moment = near;
@@ -95,7 +113,8 @@ void Renderer::row(const std::vector<Moment>& moments, int y, cv::Mat& out) cons
     }
     for (std::size_t i = 0; i < static_cast<std::size_t>(near.count); ++i)
       values[i] = (*frames_)[near.frame[i]].at<cv::Vec3b>(y, x);
-    const cv::Vec3f value = mixed(values, moment, mean[x], likeness[x], options_.mixing);
+    const cv::Vec3f value = mixed(values, moment);
+    lost[x] = lost_detail(moment, likeness[x], options_.mixing);
     for (int c = 0; c < 3; ++c) to[x][c] = cv::saturate_cast<std::uint8_t>(value[c]);
   }
 }

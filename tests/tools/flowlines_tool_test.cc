@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
 
 #include <nlohmann/json.hpp>
@@ -53,7 +54,8 @@ class FlowlinesTool : public testing::Test {
     return "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"128\" height=\"96\">" + paths + "</svg>";
   }
   Outcome flowlines(const std::string& clip, std::vector<std::string> more) const {
-    std::vector<std::string> arguments{"synth", "flowlines", clip, "--frames", "6", "-o", "out/%03d.png"};
+    std::vector<std::string> arguments{"synth", "flowlines", clip, "-o", "out/%03d.png"};
+    if (std::ranges::find(more, "--frames") == more.end()) more.insert(more.end(), {"--frames", "6"});
     arguments.insert(arguments.end(), more.begin(), more.end());
     return folder_.freshet(arguments);
   }
@@ -110,6 +112,25 @@ TEST_F(FlowlinesTool, RefusesPositionsThatMakeNoSense) {
                                "<path id=\"a\" data-time=\"9\" d=\"M50,4 V92\"/>"));
   refuses(flowlines("clip", {"--lines", "lines.svg", "--edited", "late.svg", "--loop"}),
           {"late.svg", "\"a\"", "9 s", "the loop ends", "--frames"});
+}
+
+TEST_F(FlowlinesTool, SaysWhatIsWrongWithFilesAndNumbers) {
+  folder_.file("empty.svg", svg(""));
+  refuses(flowlines("clip", {"--lines", "empty.svg"}), {"empty.svg", "no stroke", "Draw"});
+  cv::imwrite(folder_ / "narrow.png", cv::Mat(96, 64, CV_8U, cv::Scalar(255)));
+  refuses(flowlines("clip", {"--matte", "narrow.png"}), {"narrow.png", "64 x 96", "128 x 96"});
+  fs::create_directory(folder_ / "short");
+  fs::copy_file(folder_ / "clip/100.png", folder_ / "short/100.png");
+  refuses(flowlines("short", {}), {"short", "at least 16", "longer"});
+  const auto usage = [&](const std::vector<std::string>& more, const std::vector<std::string>& words) {
+    const Outcome outcome = flowlines("clip", more);
+    EXPECT_EQ(outcome.exit_code, 2) << outcome.err;
+    for (const std::string& word : words) EXPECT_NE(outcome.err.find(word), std::string::npos) << outcome.err;
+  };
+  usage({"--entries", "39"}, {"--entries 39", "at most 30", "longer clip"});
+  usage({"--frames", "0"}, {"--frames", "1 to 10000000"});
+  usage({"--loop"}, {"--loop --frames 6", "Ask for"});
+  usage({"--loop", "--frames", "10001"}, {"--loop --frames 10001", "10000", "without --loop"});
 }
 
 TEST_F(FlowlinesTool, RefusesClipsThatAreNoCaseForIt) {

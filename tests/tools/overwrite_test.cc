@@ -46,9 +46,13 @@ TEST_F(Overwrite, IsRefusedByEveryCommandThatWrites) {
   expect_refusal({"synth", "animate", "a.store", "still.png", "--sheet", "still.png", "-o", "new.mkv"});
   expect_refusal({"synth", "transfer", "--exemplar", "river.mkv", "--design", ".", "-o", "river.mkv"});
   expect_refusal({"synth", "transfer", "--exemplar", "frames", "--design", ".", "-o", "frames/%05d.png"});
+  expect_refusal({"synth", "flowlines", "river.mkv", "-o", "river.mkv", "--overwrite"});
+  expect_refusal({"synth", "flowlines", "river.mkv", "-o", "new.mkv", "--lines", "hard.png", "--lines-out",
+                  "still.png", "--overwrite"});
   expect_refusal({"store", "export", "a.store", "river/1.mkv", "-o", "soft.mkv"});
   folder_.file("scene.toml", "");
   expect_refusal({"synth", "simulate", "scene.toml", "-o", "scene.toml"});
+  expect_refusal({"synth", "scene", "scene.toml", "-o", "new.mkv", "--layers-out", "scene.toml"});
   folder_.file("options.toml", "[synth.matte]\noutput = \"still.png\"\n");
   expect_refusal({"--config", "options.toml", "synth", "matte", "still.png", "--box", "5,5,90,90"});
   EXPECT_TRUE(text_of(folder_ / "still.png") == still);

@@ -18,9 +18,10 @@ namespace {
 namespace fs = std::filesystem;
 
 // Options that name files to be written. All others, and what stands without an option, may name inputs.
-constexpr std::string_view kOutputs[] = {
-    "--output", "--sheet",     "--map",  "--alpha",     "--emitters",  "--motion",          "--page",
-    "--json",   "--composite", "--draw", "--matte-out", "--speed-out", "--orientation-out", "--motion-out"};
+constexpr std::string_view kOutputs[] = {"--output",          "--sheet",      "--map",       "--alpha",
+                                         "--emitters",        "--motion",     "--page",      "--json",
+                                         "--composite",       "--draw",       "--matte-out", "--speed-out",
+                                         "--orientation-out", "--motion-out", "--lines-out", "--layers-out"};
 
 bool names_output(const CLI::Option& option) {
   return std::ranges::find(kOutputs, option.get_name()) != std::end(kOutputs);

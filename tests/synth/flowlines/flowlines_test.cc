@@ -104,6 +104,36 @@ TEST(Flowlines, EditedLinesLeadTheFluidElsewhere) {
   }
 }
 
+TEST(Flowlines, CopiesFlowInATimeOfTheirOwn) {
+  const Footage footage = made_stream({.channel = {8, 0, 40, 96}});
+  for (const int loop : {0, 50}) {
+    FlowlinesOptions options{.loop_frames = loop};
+    for (const float x : {16.0f, 28.0f, 40.0f}) {
+      options.lines.push_back(evenly({{x, 2}, {x, 92}}, std::to_string(static_cast<int>(x))));
+      FlowLine copy = options.lines.back();
+      for (cv::Point2f& point : copy.points) point.x += 60;
+      copy.name += "-2";
+      options.edited.push_back(options.lines.back());
+      options.edited.push_back(copy);
+    }
+    Flowlines engine(footage, options);
+    const std::vector<cv::Mat> out = frames_of(engine, 110);
+    const cv::Rect one(22, 20, 12, 50), two(82, 20, 12, 50);
+    for (std::size_t t = 0; t < 50; ++t) {
+      EXPECT_GT(cv::norm(out[t](one), out[t](two), cv::NORM_L1) / (one.area() * 3), 10) << t;
+      if (loop > 0) {
+        EXPECT_EQ(cv::norm(out[t], out[t + 50], cv::NORM_INF), 0) << t;
+      }
+    }
+    // It flows as fast as the clip.
+    const cv::Rect later = two + cv::Point(0, 3);
+    int followed = 0;
+    for (std::size_t t = 0; t + 1 < 50; ++t)
+      followed += cv::norm(out[t](two), out[t + 1](later), cv::NORM_L1) / (two.area() * 3) < 4 ? 1 : 0;
+    EXPECT_GT(followed, 25) << "of 49";
+  }
+}
+
 TEST(Flowlines, SayWhyAClipCannotBeUsed) {
   const auto refusal = [](const MadeStream& made, const FlowlinesOptions& options = {}) {
     const Footage footage = made_stream(made);

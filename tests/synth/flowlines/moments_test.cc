@@ -72,8 +72,8 @@ TEST_P(ShortClips, HaveNoCheapJumpsAtTheirEnds) {
 TEST_P(ShortClips, NeverStandStillAtTheirEnds) {
   const std::vector<cv::Mat> clip = unrelated(GetParam());
   const Ladders ladders(clip);
-  Plan plan = plan_of(ladders, GetParam());
-  Moments moments(plan.arrivals, cv::Mat(kSize, CV_32F, cv::Scalar(2)), std::move(plan.orders), GetParam(),
+  const Plan plan = plan_of(ladders, GetParam());
+  Moments moments(plan.arrivals, cv::Mat(kSize, CV_32F, cv::Scalar(2)), orders_of(plan, {}), GetParam(),
                   {.frames = &ladders.frames(), .whole = &clip, .margin = plan.margin});
   std::vector<Moment> before, now;
   moments.at(0, before);

@@ -1,0 +1,83 @@
+#include "synth/flowlines/edit.h"
+
+#include <gtest/gtest.h>
+
+#include <opencv2/imgproc.hpp>
+
+#include "freshet/error.h"
+
+namespace freshet::synth::flowlines {
+namespace {
+
+FlowLine down(float x, const std::string& name) { return evenly({{x, 10}, {x, 110}}, name); }
+
+/// Three lines of one plume, 30 px apart.
+const std::vector<FlowLine> kPlume{down(40, "a"), down(70, "b"), down(100, "c")};
+
+std::vector<FlowLine> beside(float way, const std::string& copy, float mirror = 1, float wide = 1) {
+  std::vector<FlowLine> out;
+  for (const FlowLine& line : kPlume)
+    out.push_back(down(70 + way + mirror * wide * (line.points.front().x - 70), line.name + copy));
+  return out;
+}
+
+std::vector<FlowLine> both(std::vector<FlowLine> first, const std::vector<FlowLine>& then) {
+  first.insert(first.end(), then.begin(), then.end());
+  return first;
+}
+
+/// How many interpolated lines lie between each drawn one and the next.
+std::vector<int> between_lines(const std::vector<FlowLine>& drawn, const EditOptions& options) {
+  const std::vector<cv::Mat> frames(4, cv::Mat(120, 400, CV_8UC3, cv::Scalar::all(90)));
+  std::vector<int> out;
+  for (const EditedLine& line : densify(kPlume, drawn, partners(kPlume, drawn, "e.svg"), frames, options)) {
+    EXPECT_GE(line.input, 0);
+    if (line.drawn)
+      out.push_back(0);
+    else
+      ++out.back();
+  }
+  return out;
+}
+
+TEST(Edit, LinesOfASheetAreJoinedAndItsCopiesAreNot) {
+  // Patches as large as for smoke: 4 of them reach over the whole picture.
+  const EditOptions large{.patch_px = 100, .spacing_px = 10};
+  EXPECT_EQ(between_lines(both(kPlume, beside(140, "-2")), large), (std::vector<int>{2, 2, 0, 2, 2, 0}));
+  EXPECT_EQ(between_lines(both(kPlume, beside(90, "-2")), large), (std::vector<int>{2, 2, 0, 2, 2, 0}))
+      << "copies as near to each other as lines of one";
+  EXPECT_EQ(between_lines({down(40, "a"), down(120, "a-2"), down(200, "a-3")}, large),
+            (std::vector<int>{0, 0, 0}))
+      << "chimneys of one line each";
+  EXPECT_EQ(between_lines(beside(140, "-2", -1), large), (std::vector<int>{2, 2, 0})) << "mirrored";
+  EXPECT_EQ(between_lines(beside(140, "-2", 1, 1.8f), large), (std::vector<int>{4, 4, 0})) << "drawn out";
+  EXPECT_EQ(between_lines({down(40, "a"), evenly({{60, 60}, {180, 60}}, "b")}, large),
+            (std::vector<int>{0, 0}))
+      << "across";
+}
+
+TEST(Edit, CopiesHaveATimeOfTheirOwnAndGoTogether) {
+  const std::vector<FlowLine> drawn =
+      both(both(kPlume, beside(90, "-2")), {down(300, "b-3"), down(330, "c-2")});
+  EXPECT_EQ(times_of(kPlume, drawn, partners(kPlume, drawn, "e.svg")),
+            (std::vector<int>{0, 0, 0, 1, 1, 1, 2, 1}));
+  std::vector<FlowLine> many;
+  for (int i = 0; i < 9; ++i) many.push_back(down(20.0f * static_cast<float>(i), "a-" + std::to_string(i)));
+  for (const int time : times_of(kPlume, many, partners(kPlume, many, "e.svg"))) {
+    EXPECT_GT(time, 0);
+    EXPECT_LT(time, kTimes);
+  }
+}
+
+TEST(Edit, ADistanceThatIsAskedForDecidesAlone) {
+  const EditOptions asked{.patch_px = 100, .spacing_px = 10, .join_px = 45};
+  EXPECT_EQ(between_lines({down(40, "a"), down(80, "a-2"), down(130, "b")}, asked),
+            (std::vector<int>{3, 0, 0}));
+}
+
+TEST(Edit, SmallPatchesDoNotReachFar) {
+  EXPECT_EQ(between_lines(kPlume, {.patch_px = 7, .spacing_px = 3}), (std::vector<int>{0, 0, 0}));
+}
+
+}  // namespace
+}  // namespace freshet::synth::flowlines
