@@ -1,6 +1,7 @@
 #!/bin/sh
 # Installs what is needed, builds, and runs every test. Works from nothing but a checkout on Debian 12.
 # ./test.sh --long: the campaigns of tests/faults alone, at full length (hours).
+# ./test.sh --soak [MINUTES]: many processes on one store, an hour unless said otherwise.
 # ./test.sh --fuzz [SECONDS [TARGET..]]: coverage-guided fuzzing, two hours a target unless said otherwise.
 set -eu
 cd "$(dirname "$0")"
@@ -8,6 +9,9 @@ cmake/prepare.sh release
 if [ "${1:-}" = --long ]; then
   shift
   FRESHET_LONG=1 exec ctest --preset release --timeout 86400 -R '^Faults\.' "$@"
+fi
+if [ "${1:-}" = --soak ]; then
+  FRESHET_SOAK_MINUTES=${2:-60} exec ctest --preset release --timeout 86400 -R '^Faults\.Soak' -V
 fi
 if [ "${1:-}" = --fuzz ]; then
   shift

@@ -1,5 +1,6 @@
 #include "store/environment.h"
 
+#include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -169,6 +170,7 @@ int Environment::try_open_map(const std::filesystem::path& at, std::size_t map_b
 }
 
 void Environment::open_map(const std::filesystem::path& at) {
+  at_ = std::filesystem::absolute(at);
   const std::size_t min_bytes = std::max<std::size_t>(2 * file_bytes(), std::size_t{1} << 26);
   unsigned flags = access_ == Access::kRead ? MDB_RDONLY : 0;
   std::size_t map_bytes = kFirstMapBytes;
@@ -188,8 +190,6 @@ void Environment::open_map(const std::filesystem::path& at) {
     while (code == ENOMEM && map_bytes / 2 >= min_bytes) code = try_open_map(at, map_bytes /= 2, flags);
   }
   check_lmdb(file_, "cannot be opened", code);
-  int dead = 0;
-  if (access_ == Access::kWrite) mdb_reader_check(env_, &dead);
 }
 
 void Environment::open_tables(bool create) {
@@ -245,17 +245,48 @@ void Environment::read_identity() {
   store_id_ = *id;
 }
 
+std::size_t Environment::mappable(std::size_t wanted) const {
+  for (; wanted > map_bytes_; wanted /= 2) {
+    void* const probe = mmap(nullptr, wanted, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+    if (probe == MAP_FAILED) continue;
+    munmap(probe, wanted);
+    return wanted;
+  }
+  return map_bytes_;
+}
+
+void Environment::resize_map(std::size_t bytes) {
+  // LMDB gives up its map before it makes the other: when that fails there is none, and nothing may be read or written.
+  const int code = mdb_env_set_mapsize(env_, bytes);
+  map_bytes_ = code == 0 ? bytes : 0;
+  check_lmdb(file_, "cannot be mapped", code);
+}
+
+void Environment::expect_in_place() const {
+  struct stat named {};
+  if (::stat(at_.c_str(), &named) == 0 && file_identity(fd_) == std::pair(named.st_dev, named.st_ino)) return;
+  throw Error(ErrorKind::kIo, file_.string(), "has been moved, replaced or removed while it was written",
+              "Put it back, or run again with the name that it has now");
+}
+
 MDB_txn* Environment::begin(unsigned flags) {
   MDB_txn* txn = nullptr;
   const std::lock_guard lock(begin_mutex_);
-  const bool idle = transactions_ == 0;
-  if ((flags & MDB_RDONLY) == 0 && idle && file_bytes() > map_bytes_ / 2) {
-    if (mdb_env_set_mapsize(env_, 2 * map_bytes_) == 0) map_bytes_ *= 2;
+  const bool idle = transactions_ == 0, writes = (flags & MDB_RDONLY) == 0;
+  if (map_bytes_ == 0) throw_lmdb(file_, "cannot be mapped", ENOMEM);
+  if (writes) {
+    expect_in_place();
+    if (idle && file_bytes() > map_bytes_ / 2) {
+      if (const std::size_t larger = mappable(2 * map_bytes_); larger > map_bytes_) resize_map(larger);
+    }
+    // What a reader that died held would be kept for ever, and the file grow with every change.
+    int dead = 0;
+    mdb_reader_check(env_, &dead);
   }
   int code = mdb_txn_begin(env_, nullptr, flags, &txn);
   if (code == MDB_MAP_RESIZED && idle) {
-    mdb_env_set_mapsize(env_, 0);
-    map_bytes_ = std::max<std::size_t>(map_bytes_, file_bytes());
+    // Not as large as the other process's map: there may be less room for it here.
+    resize_map(std::max(mappable(2 * file_bytes()), map_bytes_));
     code = mdb_txn_begin(env_, nullptr, flags, &txn);
   }
   if (code == MDB_READERS_FULL) {

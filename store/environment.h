@@ -71,12 +71,19 @@ class Environment : public std::enable_shared_from_this<Environment> {
   void write_identity(const std::string& settings, std::optional<std::uint64_t> store_id);
   /// A transaction, the map made larger first where another process or we need it.
   MDB_txn* begin(unsigned flags);
+  /// The most of `wanted` bytes, or of half of it and so on, that can be mapped in place of the present map.
+  std::size_t mappable(std::size_t wanted) const;
+  void resize_map(std::size_t bytes);
+  /// Throws Error{kIo} when the file has no longer the name that it was opened by: what is written into it would be lost
+  /// with it, and readers that find it by another name lock another file.
+  void expect_in_place() const;
   void end(MDB_txn* txn);
   /// The same for the one writer: other threads wait here, where begin_mutex_ is free.
   MDB_txn* begin_write();
   void end_write(MDB_txn* txn);
 
   std::filesystem::path file_;
+  std::filesystem::path at_;  // the name that it has: another one while it is made
   Access access_;
   int fd_ = -1;
   MDB_env* env_ = nullptr;

@@ -25,6 +25,7 @@ void throw_lmdb(const std::filesystem::path& file, const std::string& doing, int
     case MDB_READERS_FULL:
       throw Error(ErrorKind::kIo, file.string(), fault, "Close some of the programs that read the store");
     case MDB_MAP_FULL:
+    case MDB_MAP_RESIZED:
       throw Error(ErrorKind::kIo, file.string(), fault,
                   "The store is as before; raise the limit of address space (ulimit -v) and run again");
     case EACCES:

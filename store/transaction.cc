@@ -157,6 +157,7 @@ void WriteTransaction::each(Table table, const std::function<void(ByteSpan, Byte
 }
 
 void WriteTransaction::commit() {
+  environment_->expect_in_place();
   const int code = mdb_txn_commit(txn_);  // frees the transaction, whatever it returns
   txn_ = nullptr;
   environment_->end_write(nullptr);

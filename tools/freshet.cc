@@ -1,9 +1,12 @@
 // freshet: one executable, a subcommand for each tool. Results go to stdout, everything else to stderr.
 
+#include <unistd.h>
+
 #include <cerrno>
 #include <csignal>
 #include <cstdio>
 #include <cstring>
+#include <exception>
 #include <filesystem>
 #include <memory>
 #include <new>
@@ -97,9 +100,36 @@ int exit_code(freshet::ErrorKind kind) {
   }
 }
 
-}  // namespace
+/// Where nothing can be allocated, nor a destructor run.
+void write_plainly(const char* text) {
+  [[maybe_unused]] const auto written = ::write(STDERR_FILENO, text, std::strlen(text));
+}
 
-int main(int argc, char** argv) {
+/// A page of a mapped file that cannot be read: the disk failed, or another program has cut the file.
+void end_at_unreadable_page(int) {
+  write_plainly(
+      "freshet: a part of a mapped file, most likely of the store, could not be read: the disk has failed,\n"
+      "or another program has cut the file. Run freshet store verify\n");
+  ::_exit(1);
+}
+
+/// An error that nothing can catch, thrown while another goes through or a destructor runs: OpenCV's buffers do so when
+/// one of several cannot be allocated.
+[[noreturn]] void end_uncaught() {
+  write_plainly("freshet: ended in a library that cannot go on, most often for want of memory");
+  try {
+    if (std::current_exception()) throw;
+  } catch (const std::exception& fault) {
+    write_plainly(" (");
+    write_plainly(fault.what());
+    write_plainly(")");
+  } catch (...) {  // nothing more is known of it
+  }
+  write_plainly("\n");
+  ::_exit(1);
+}
+
+int run(int argc, char** argv) {
   using namespace freshet;
   std::optional<StandardDescriptors> standing_in;
   try {
@@ -108,6 +138,8 @@ int main(int argc, char** argv) {
     return 1;  // there is nowhere to say why
   }
   keep_freed_memory();
+  std::signal(SIGBUS, end_at_unreadable_page);
+  std::set_terminate(end_uncaught);
   // OpenCV's own threads would compete with ours, which share out whole frames.
   cv::setNumThreads(1);
   const tools::StopOnSignal stop;
@@ -177,6 +209,17 @@ int main(int argc, char** argv) {
       return 1;
     }
     tools::say(fmt::format("unexpected failure: {}. Please report it with the command line", fault.what()));
+    return 1;
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    return run(argc, argv);
+  } catch (const std::bad_alloc&) {  // while the options were laid out, or in a message
+    write_plainly("freshet: not enough memory\n");
     return 1;
   }
 }

@@ -1,5 +1,7 @@
 #include "query/index/candidate_index.h"
 
+#include <oneapi/tbb/parallel_for.h>
+
 #include <algorithm>
 #include <bit>
 #include <cassert>
@@ -42,15 +44,23 @@ void check([[maybe_unused]] const SearchFilter& search_filter, [[maybe_unused]] 
 }
 
 void check_words(std::span<const vision::WordMap> words, int word_count) {
-  for (std::size_t row = 0; row < words.size(); ++row) {
-    const int max_word = *std::max_element(words[row].begin(), words[row].end());
-    if (max_word >= word_count) {
+  constexpr std::size_t kRows = 16384;
+  const std::size_t parts = (words.size() + kRows - 1) / kRows;
+  oneapi::tbb::parallel_for(std::size_t{0}, parts, [&](std::size_t part) {
+    const auto rows = words.subspan(part * kRows, std::min(kRows, words.size() - part * kRows));
+    std::uint8_t most = 0;  // of all: as fast as memory, where row by row is not
+    for (const vision::WordMap& row : rows)
+      for (const std::uint8_t word : row) most = std::max(most, word);
+    if (most < word_count) return;
+    for (std::size_t row = 0; row < rows.size(); ++row) {
+      const int max_word = *std::max_element(rows[row].begin(), rows[row].end());
+      if (max_word < word_count) continue;
       throw Error(
-          ErrorKind::kDamaged, "column patch.words, row " + std::to_string(row),
+          ErrorKind::kDamaged, "column patch.words, row " + std::to_string(part * kRows + row),
           "word " + std::to_string(max_word) + " where the codebook has " + std::to_string(word_count),
           "Build the index again: freshet index --rebuild");
     }
-  }
+  });
 }
 
 }  // namespace freshet::query

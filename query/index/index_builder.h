@@ -20,7 +20,7 @@ struct IndexOptions {
   std::size_t samples = 200'000;  // descriptors that the codebook is trained on, spread evenly over the clips
   /// For descriptors, kept from the first pass over the clips for the second. Of clips that do not fit, only
   /// the samples are made twice.
-  std::size_t cache_bytes = std::size_t{1} << 30;
+  std::size_t cache_bytes = std::size_t{256} << 20;
 };
 
 struct IndexReport {

@@ -1,9 +1,12 @@
 #include "query/index/row_lists.h"
 
 #include <oneapi/tbb/parallel_for.h>
+#include <sys/mman.h>
 
 #include <algorithm>
 #include <array>
+#include <new>
+#include <utility>
 
 namespace freshet::query {
 namespace {
@@ -35,67 +38,98 @@ class Occurrences {
   std::array<std::uint8_t, RowLists::kCells * 256> counts_;
 };
 
+// Which lists are columns is decided on evenly spread rows, on all of them where there are few. A list that is judged
+// wrongly is only longer than it might be.
+constexpr std::size_t kSampledRows = std::size_t{1} << 16;
+constexpr std::uint32_t kNumbers = 0xffffffff;  // no column: a list of numbers
+
+// A row of a block that belongs to a list of numbers is kept as the list, then the row.
+constexpr unsigned kRowBits = 14;
+static_assert(kBlockRows == std::size_t{1} << kRowBits);
+static_assert(RowLists::kCells * 256 * 81 < std::size_t{1} << (32 - kRowBits));
+
 }  // namespace
+
+RowColumns::RowColumns(std::size_t count) : count_(count) {
+  if (count == 0) return;
+  const std::size_t bytes = count * sizeof(RowBits);
+  void* const at = mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+  if (at == MAP_FAILED) throw std::bad_alloc();
+  madvise(at, bytes, MADV_HUGEPAGE);  // where it is refused, it is slower
+  data_ = {static_cast<RowBits*>(at), Unmap{bytes}};
+}
+
+void RowColumns::Unmap::operator()(RowBits* at) const { munmap(at, bytes); }
 
 RowLists::RowLists(std::span<const vision::WordMap> words, std::size_t word_count)
     : words_(word_count), places_(kCells * word_count * kMaxCount) {
+  const std::vector<std::uint32_t> column_of = choose_columns(words);
+  // Bits go to their columns at once; numbers are collected block by block, as it is not known how many there are.
   const std::size_t blocks = (words.size() + kBlockRows - 1) / kBlockRows;
-  const auto block = [&](std::size_t b) {
-    return words.subspan(b * kBlockRows, std::min(kBlockRows, words.size() - b * kBlockRows));
-  };
-  const auto place_of = [&](std::size_t cell, std::size_t word, std::size_t n) {
-    return (cell * words_ + word) * kMaxCount + n - 1;
-  };
-  // How long each list is in each block; then, where it goes on in that block.
-  std::vector<std::uint32_t> lengths(blocks * places_.size());
+  std::vector<std::vector<std::uint32_t>> few(blocks);
   oneapi::tbb::parallel_for(std::size_t{0}, blocks, [&](std::size_t b) {
-    std::uint32_t* const length = lengths.data() + b * places_.size();
     Occurrences occurrences;
-    for (const vision::WordMap& map : block(b))
-      occurrences.visit(
-          map, [&](std::size_t cell, std::size_t word, std::size_t n) { ++length[place_of(cell, word, n)]; });
+    const std::size_t first = b * kBlockRows, end = std::min(first + kBlockRows, words.size());
+    for (std::size_t row = first; row < end; ++row) {
+      RowBits* const group = columns_.data() + row / RowBits::kRows;
+      const std::size_t word_of_bits = row / 64 % 8;
+      const std::uint64_t bit = std::uint64_t{1} << row % 64;
+      occurrences.visit(words[row], [&](std::size_t cell, std::size_t word, std::size_t n) {
+        const std::size_t i = place_of(cell, word, n);
+        if (const std::uint32_t number = column_of[i]; number != kNumbers)
+          group[number * column_groups_].words[word_of_bits] |= bit;
+        else
+          few[b].push_back(static_cast<std::uint32_t>(i << kRowBits | (row - first)));
+      });
+    }
   });
-  std::size_t columns = 0, numbers = 0;
+  put_numbers(few);
+}
+
+std::vector<std::uint32_t> RowLists::choose_columns(std::span<const vision::WordMap> words) {
+  std::vector<std::uint32_t> column_of(places_.size(), kNumbers);
+  std::vector<std::uint32_t> lengths(places_.size());
+  const std::size_t sampled = std::min(words.size(), kSampledRows);
+  Occurrences occurrences;
+  for (std::size_t i = 0; i < sampled; ++i)
+    occurrences.visit(
+        words[i * words.size() / sampled],
+        [&](std::size_t cell, std::size_t word, std::size_t n) { ++lengths[place_of(cell, word, n)]; });
   // An odd number of cache lines: columns that lie a power of two apart would fight for the same places of
   // the cache.
-  const std::size_t column = (words.size() + RowBits::kRows - 1) / RowBits::kRows | 1;
+  column_groups_ = (words.size() + RowBits::kRows - 1) / RowBits::kRows | 1;
+  std::uint32_t columns = 0;
   for (std::size_t i = 0; i < places_.size(); ++i) {
-    std::size_t count = 0;
-    for (std::size_t b = 0; b < blocks; ++b) {
-      const std::uint32_t here = lengths[b * places_.size() + i];
-      lengths[b * places_.size() + i] = static_cast<std::uint32_t>(count);
-      count += here;
-    }
-    if (count * kFewOf > words.size()) {
-      places_[i] = {columns, kColumn};
-      columns += column;
-    } else {
-      places_[i] = {numbers, static_cast<std::uint32_t>(count)};
-      numbers += count;
-    }
+    if (lengths[i] * kFewOf <= sampled) continue;
+    column_of[i] = columns;
+    places_[i] = {column_groups_ * columns++, kColumn};
   }
-  bits_.resize(columns);
+  columns_ = RowColumns(columns * column_groups_);
+  return column_of;
+}
+
+void RowLists::put_numbers(std::span<std::vector<std::uint32_t>> few) {
+  for (const auto& of_block : few)
+    for (const std::uint32_t one : of_block) ++places_[one >> kRowBits].count;
+  std::size_t numbers = 0;
+  for (Place& place : places_) {
+    if (place.count == kColumn) continue;
+    place.at = numbers;
+    numbers += std::exchange(place.count, 0);
+  }
   rows_.resize(numbers);
-  oneapi::tbb::parallel_for(std::size_t{0}, blocks, [&](std::size_t b) {
-    std::uint32_t* const next = lengths.data() + b * places_.size();
-    Occurrences occurrences;
-    std::size_t row = b * kBlockRows;
-    for (const vision::WordMap& map : block(b)) {
-      occurrences.visit(map, [&](std::size_t cell, std::size_t word, std::size_t n) {
-        const std::size_t i = place_of(cell, word, n);
-        const Place& place = places_[i];
-        if (place.count == kColumn)
-          bits_[place.at + row / RowBits::kRows].words[row / 64 % 8] |= std::uint64_t{1} << row % 64;
-        else
-          rows_[place.at + next[i]++] = static_cast<std::uint32_t>(row);
-      });
-      ++row;
+  for (std::size_t b = 0; b < few.size(); ++b) {
+    for (const std::uint32_t one : few[b]) {
+      Place& place = places_[one >> kRowBits];
+      rows_[place.at + place.count++] =
+          static_cast<std::uint32_t>(b * kBlockRows + (one & ((1u << kRowBits) - 1)));
     }
-  });
+    few[b] = {};
+  }
 }
 
 std::size_t RowLists::bytes() const {
-  return places_.capacity() * sizeof(Place) + bits_.capacity() * sizeof(RowBits) +
+  return places_.capacity() * sizeof(Place) + columns_.size() * sizeof(RowBits) +
          rows_.capacity() * sizeof(std::uint32_t);
 }
 

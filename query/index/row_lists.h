@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -9,6 +10,24 @@
 #include "vision/spatial_pyramid.h"
 
 namespace freshet::query {
+
+/// Rows' bits, none of them set to begin with. Memory that is first touched where it is written, by all threads, in
+/// pages as large as there are: a row's bits go to some hundred columns, each in another page.
+class RowColumns {
+ public:
+  explicit RowColumns(std::size_t count = 0);
+  RowBits* data() { return data_.get(); }
+  const RowBits* data() const { return data_.get(); }
+  std::size_t size() const { return count_; }
+
+ private:
+  struct Unmap {
+    std::size_t bytes;
+    void operator()(RowBits* at) const;
+  };
+  std::unique_ptr<RowBits[], Unmap> data_;
+  std::size_t count_ = 0;
+};
 
 /// Inverted lists over the bins of the pyramid's levels 0 and 1 (cells 0 to 4).
 ///
@@ -21,7 +40,8 @@ class RowLists {
   static constexpr std::size_t kFewOf = 64;  // a list of one row in so many, or fewer, is kept as numbers
 
   /// words   below word_count, which is at most 256.
-  /// Cost    1.3 us per row, shared by all threads; 460 bytes per row.
+  /// Cost    half of the 1.3 us of CPU per row that two passes took, shared by all threads; 460 bytes per row, and some 80
+  ///         more while they are made.
   RowLists(std::span<const vision::WordMap> words, std::size_t word_count);
 
   /// A list: bits of all rows, or where that is null, numbers in rising order.
@@ -31,8 +51,8 @@ class RowLists {
   };
   /// Of the rows with at least n >= 1 of a word in a cell; empty when there is none.
   List list(std::size_t cell, std::size_t word, std::size_t n) const {
-    const Place& place = places_[(cell * words_ + word) * kMaxCount + n - 1];
-    if (place.count == kColumn) return {bits_.data() + place.at, {}};
+    const Place& place = places_[place_of(cell, word, n)];
+    if (place.count == kColumn) return {columns_.data() + place.at, {}};
     return {nullptr, {rows_.data() + place.at, place.count}};
   }
   std::size_t bytes() const;
@@ -41,12 +61,20 @@ class RowLists {
   static constexpr std::size_t kMaxCount = 81;  // of one word in a cell
   static constexpr std::uint32_t kColumn = 0xffffffff;
   struct Place {
-    std::size_t at = 0;       // into bits_ or rows_
+    std::size_t at = 0;       // into columns_ or rows_
     std::uint32_t count = 0;  // of numbers; kColumn: bits
   };
-  std::size_t words_;
+  std::size_t place_of(std::size_t cell, std::size_t word, std::size_t n) const {
+    return (cell * words_ + word) * kMaxCount + n - 1;
+  }
+  /// By place, its column, and none where numbers are fewer; what is asked for each bit is small. Makes the columns.
+  std::vector<std::uint32_t> choose_columns(std::span<const vision::WordMap> words);
+  /// few   by block of rows: which list, and which row.
+  void put_numbers(std::span<std::vector<std::uint32_t>> few);
+
+  std::size_t words_, column_groups_ = 0;
   std::vector<Place> places_;
-  std::vector<RowBits> bits_;
+  RowColumns columns_;
   std::vector<std::uint32_t> rows_;
 };
 

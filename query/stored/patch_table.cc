@@ -1,5 +1,9 @@
 #include "query/stored/patch_table.h"
 
+#include <oneapi/tbb/parallel_for.h>
+#include <oneapi/tbb/parallel_invoke.h>
+
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <optional>
@@ -26,8 +30,31 @@ std::vector<T> rows_of(const store::Snapshot& snapshot, store::ClipId clip, cons
 }
 
 template <class T>
-void append(std::vector<T>& to, const std::vector<T>& values) {
-  to.insert(to.end(), values.begin(), values.end());
+void put(std::vector<T>& table, Row first, const std::vector<T>& values) {
+  std::ranges::copy(values, table.begin() + first);
+}
+
+/// One clip's rows of the table.
+void read_clip(const store::Snapshot& snapshot, const vision::Settings& settings,
+               std::span<const vision::Variant> variants, std::size_t index, PatchTable& table) {
+  const store::ClipId clip = table.clips[index];
+  const Row first = table.first_row[index], end = table.first_row[index + 1];
+  if (first == end) return;
+  const ClipPatches patches = read_clip_patches(snapshot, settings, variants, clip);
+  put(table.variant, first, patches.variant);
+  put(table.x, first, patches.x);
+  put(table.y, first, patches.y);
+  put(table.words, first, rows_of<vision::WordMap>(snapshot, clip, "patch.words"));
+  put(table.coverage, first, rows_of<float>(snapshot, clip, "patch.coverage"));
+  const auto motion = rows_of<std::array<float, 2>>(snapshot, clip, "patch.motion");
+  for (std::size_t i = 0; i < motion.size(); ++i) {
+    const auto& [u, v] = motion[i];
+    if (!std::isfinite(u) || !std::isfinite(v))
+      fail(snapshot.clip(clip), "a patch whose motion is no number");
+    table.mean_u[first + i] = u;
+    table.mean_v[first + i] = v;
+  }
+  std::fill(table.clip.begin() + first, table.clip.begin() + end, static_cast<std::uint32_t>(index));
 }
 
 }  // namespace
@@ -72,27 +99,24 @@ PatchTable read_patch_table(const store::Snapshot& snapshot) {
   }
   for (const store::ClipId clip : snapshot.clips()) {
     const store::ClipRecord& record = snapshot.clip(clip);
-    const auto index = static_cast<std::uint32_t>(table.clips.size());
-    table.clips.push_back(clip);
-    table.first_row.push_back(table.first_row.back() + static_cast<Row>(record.rows));
-    if (record.rows == 0) continue;
-    if (!snapshot.has_column(clip, "patch.words")) {
+    if (record.rows != 0 && !snapshot.has_column(clip, "patch.words")) {
       throw Error(ErrorKind::kNotFound, snapshot.path().string(), "clip " + record.name + " has no index",
                   "Run freshet index");
     }
-    const ClipPatches patches = read_clip_patches(snapshot, settings, variants, clip);
-    append(table.variant, patches.variant);
-    append(table.x, patches.x);
-    append(table.y, patches.y);
-    append(table.words, rows_of<vision::WordMap>(snapshot, clip, "patch.words"));
-    append(table.coverage, rows_of<float>(snapshot, clip, "patch.coverage"));
-    for (const auto& [u, v] : rows_of<std::array<float, 2>>(snapshot, clip, "patch.motion")) {
-      if (!std::isfinite(u) || !std::isfinite(v)) fail(record, "a patch whose motion is no number");
-      table.mean_u.push_back(u);
-      table.mean_v.push_back(v);
-    }
-    table.clip.resize(table.first_row.back(), index);
+    table.clips.push_back(clip);
+    table.first_row.push_back(table.first_row.back() + static_cast<Row>(record.rows));
   }
+  // Half a gigabyte for some million patches: cleared by several threads, as it is read.
+  oneapi::tbb::parallel_invoke([&] { table.words.resize(rows); }, [&] { table.clip.resize(rows); },
+                               [&] { table.mean_u.resize(rows); }, [&] { table.mean_v.resize(rows); },
+                               [&] { table.coverage.resize(rows); },
+                               [&] {
+                                 table.variant.resize(rows);
+                                 table.x.resize(rows);
+                                 table.y.resize(rows);
+                               });
+  oneapi::tbb::parallel_for(std::size_t{0}, table.clips.size(),
+                            [&](std::size_t i) { read_clip(snapshot, settings, variants, i, table); });
   return table;
 }
 

@@ -1,4 +1,5 @@
-// One system call fails, takes half, or is the last: the store is as before or as after, and the message says why.
+// One system call or allocation fails, takes half, or is the last: the store is as before or as after, and the message
+// says why.
 
 #include <gtest/gtest.h>
 
@@ -12,7 +13,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-Outcome run_with_fault(const Campaign& c, const Job& run, const std::string& fault) {
+/// more   of the environment.
+Outcome run_with_fault(const Campaign& c, const Job& run, const std::string& fault,
+                       const std::vector<std::string>& more = {"FRESHET_FAULT_FILES=f.store"}) {
   std::vector<std::string> command{"timeout",
                                    "-s",
                                    "KILL",
@@ -20,9 +23,9 @@ Outcome run_with_fault(const Campaign& c, const Job& run, const std::string& fau
                                    "env",
                                    "LD_PRELOAD=" FRESHET_FAILING_CALLS,
                                    "FRESHET_FAULT=" + fault,
-                                   "FRESHET_FAULT_FILES=f.store",
-                                   "FRESHET_FAULT_COUNT=" + (c.folder / "count").string(),
-                                   executable()};
+                                   "FRESHET_FAULT_COUNT=" + (c.folder / "count").string()};
+  command.insert(command.end(), more.begin(), more.end());
+  command.push_back(executable());
   command.insert(command.end(), run.arguments.begin(), run.arguments.end());
   return c.folder.run(command);
 }
@@ -89,6 +92,123 @@ TEST(FailingCalls, LeaveTheStoreAsItWasAndSayWhy) {
       EXPECT_EQ(judge_fault(c, run, fault), "") << run.name << ", " << fault;
     }
   }
+}
+
+/// Commands that only read the store.
+std::vector<Job> readings() {
+  const Campaign& c = campaign();
+  std::vector<Job> all;
+  for (const char* what : {"verify", "digest", "info"})
+    all.push_back({.name = what,
+                   .begins_with = "indexed.store",
+                   .arguments = {"store", what, "f.store"},
+                   .before = c.indexed,
+                   .after = c.indexed});
+  return all;
+}
+
+/// KIND:N for each kind: at full length each of n calls, or 3000 of them; else `some` at random.
+std::vector<std::string> faults_of(const std::vector<std::string>& kinds, long n, int some,
+                                   std::mt19937& random) {
+  const auto any = [&] { return 1 + static_cast<long>(random() % static_cast<unsigned long>(n)); };
+  std::vector<std::string> faults;
+  for (int i = 0; i < some && !at_full_length(); ++i)
+    faults.push_back(kinds[random() % kinds.size()] + ":" + std::to_string(any()));
+  for (const std::string& kind : kinds)
+    for (long i = 1; i <= std::min(n, 3000L) && at_full_length(); ++i)
+      faults.push_back(kind + ":" + std::to_string(n <= 3000 ? i : any()));
+  return faults;
+}
+
+/// What is wrong after a read of `files` failed; empty when nothing is.
+std::string judge_read_fault(const Campaign& c, const Job& job, const std::string& files,
+                             const std::string& fault, const Outcome& undisturbed) {
+  c.begin_with(job.begins_with, "f.store");
+  const Outcome outcome =
+      run_with_fault(c, job, fault, {"FRESHET_FAULT_FILES=" + files, "FRESHET_FAULT_READS=1"});
+  if (outcome.signal != 0 || outcome.exit_code < 0 ||
+      outcome.exit_code > 1)  // nothing is damaged, which 3 would say
+    return "it ended with " + std::to_string(outcome.exit_code) + ": " + outcome.err;
+  if (outcome.exit_code == 0) {
+    if (job.arguments[1] == "digest" && outcome.out != undisturbed.out) return "another digest";
+    if (const std::string wrong = c.judge("f.store", {job.after}); !wrong.empty()) return wrong;
+  } else if ((outcome.err + outcome.out).find(files) == std::string::npos ||
+             outcome.err.find("unexpected") != std::string::npos) {
+    return "its message is not clear: " + outcome.err;
+  }
+  return judge_again(c, job);
+}
+
+TEST(FailingReads, AreAnErrorAndNeverAnotherStore) {
+  const Campaign& c = campaign();
+  std::mt19937 random(19);
+  std::vector<Job> all = readings();
+  for (const Job& job : jobs()) all.push_back(job);
+  int tried = 0;
+  for (const Job& job : all)
+    for (const std::string files : {"f.store", "clip"}) {
+      if (files == "clip" && job.arguments.front() != "ingest") continue;
+      c.begin_with(job.begins_with, "f.store");
+      const Outcome undisturbed =
+          run_with_fault(c, job, "none:0", {"FRESHET_FAULT_FILES=" + files, "FRESHET_FAULT_READS=1"});
+      ASSERT_EQ(undisturbed.exit_code, 0) << undisturbed.err;
+      const long reads = std::stol(text_of(c.folder / "count"));
+      if (reads == 0) continue;
+      for (const std::string& fault : faults_of({"eio", "eintr", "short"}, reads, 1, random)) {
+        EXPECT_EQ(judge_read_fault(c, job, files, fault, undisturbed), "")
+            << job.name << ", " << files << ", " << fault;
+        ++tried;
+      }
+    }
+  std::cout << tried << " reads failed\n";
+}
+
+TEST(FailingReads, APageThatCannotBeReadIsAnError) {
+  const Campaign& c = campaign();
+  for (const Job& job : readings()) {
+    const long calls = calls_of(c, job);
+    int seen = 0;
+    for (long n = 1; n <= calls; ++n) {  // of which one maps the store
+      c.begin_with("indexed.store", "f.store");
+      const Outcome outcome = run_with_fault(c, job, "cut:" + std::to_string(n));
+      const std::string what = job.name + ", call " + std::to_string(n) + ": " + outcome.err;
+      EXPECT_EQ(outcome.signal, 0) << what;
+      EXPECT_TRUE(outcome.exit_code == 0 || outcome.exit_code == 1) << what;
+      seen += outcome.err.find("could not be read") != std::string::npos ? 1 : 0;
+    }
+    if (job.name != "info") {  // which needs little of the file
+      EXPECT_GE(seen, 1) << job.name << ", of " << calls;
+    }
+  }
+}
+
+TEST(FailingAllocations, EndInAnErrorAndLeaveTheStore) {
+  const Campaign& c = campaign();
+  std::mt19937 random(23);
+  std::vector<Job> all = readings();
+  for (const Job& job : jobs()) all.push_back(job);
+  int tried = 0, refused = 0;
+  for (const Job& job : all) {
+    c.begin_with(job.begins_with, "f.store");
+    ASSERT_EQ(run_with_fault(c, job, "alloc:0").exit_code, 0);
+    const long allocations = std::stol(text_of(c.folder / "count"));
+    ASSERT_GT(allocations, 100) << job.name;
+    for (const std::string& fault : faults_of({"alloc", "allocs"}, allocations, 1, random)) {
+      c.begin_with(job.begins_with, "f.store");
+      const Outcome outcome = run_with_fault(c, job, fault);
+      const std::string what = job.name + ", " + fault + ": " + outcome.err;
+      ++tried;
+      refused += outcome.exit_code != 0 ? 1 : 0;
+      EXPECT_EQ(outcome.signal, 0) << what;
+      EXPECT_TRUE(outcome.exit_code == 0 || outcome.exit_code == 1) << what;
+      if (outcome.exit_code == 0) {
+        EXPECT_EQ(c.judge("f.store", {job.after}), "") << what;
+      }
+      EXPECT_EQ(judge_again(c, job), "") << what;
+    }
+  }
+  std::cout << tried << " allocations failed, " << refused << " runs ended in an error\n";
+  EXPECT_GT(refused, 0);
 }
 
 TEST(FailingCalls, AWriteThatIsLostIsSeen) {

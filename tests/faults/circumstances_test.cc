@@ -1,0 +1,213 @@
+// What happens around a run: signals, other programs' copies, a slow disk, a clock that jumps, a disk that cannot be
+// written.
+
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <csignal>
+#include <fstream>
+#include <iostream>
+#include <random>
+#include <sstream>
+#include <thread>
+
+#include "tests/faults/campaign.h"
+
+namespace freshet::tools {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Seconds of CPU that a process has used so far; 0 when it has ended.
+double cpu_seconds(pid_t process) {
+  const std::string text = text_of("/proc/" + std::to_string(process) + "/stat");
+  if (text.rfind(')') == std::string::npos) return 0;
+  std::istringstream fields(text.substr(text.rfind(')') + 2));
+  std::string skipped;
+  for (int i = 0; i < 11; ++i) fields >> skipped;
+  long user = 0, system = 0;
+  fields >> user >> system;
+  return static_cast<double>(user + system) / static_cast<double>(sysconf(_SC_CLK_TCK));
+}
+
+struct Interrupted {
+  Outcome outcome;
+  double cpu_after = 0;  // seconds that it went on for
+};
+
+Interrupted interrupt(const Campaign& c, const std::vector<std::string>& arguments, int number,
+                      std::chrono::microseconds after) {
+  std::vector<std::string> command = arguments;
+  command.insert(command.begin(), executable());
+  const Started started = c.folder.start(command);
+  std::this_thread::sleep_for(after);
+  const double at_signal = cpu_seconds(started.process);
+  ::kill(started.process, number);
+  double at_end = at_signal;
+  for (siginfo_t info{}; info.si_pid == 0;) {
+    at_end = std::max(at_end, cpu_seconds(started.process));
+    if (waitid(P_PID, static_cast<id_t>(started.process), &info, WEXITED | WNOWAIT | WNOHANG) != 0) break;
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  return {WorkFolder::wait(started), at_end - at_signal};
+}
+
+/// Files that the campaign's folder has, but for the store and its lock.
+std::set<std::string> others(const Campaign& c) {
+  std::set<std::string> names;
+  for (const auto& entry : fs::directory_iterator(c.folder.path())) names.insert(entry.path().filename());
+  names.erase("f.store");
+  names.erase("f.store-lock");
+  return names;
+}
+
+TEST(Interrupts, AtAnyInstantEndWithinASecondsWorkAndLeaveNothing) {
+  const Campaign& c = campaign();
+  std::mt19937 random(29);
+  std::vector<Job> all = jobs();
+  all.push_back(
+      {.name = "simulate",
+       .begins_with = "",
+       .arguments = {"synth", "simulate", "river", "--size", "96x96", "--frames", "48", "-o", "s.mkv"},
+       .before = "",
+       .after = ""});
+  const int rounds = at_full_length() ? 300 : 2;
+  double most = 0;
+  int stopped = 0;
+  for (const Job& job : all) {
+    c.begin_with(job.begins_with, "f.store");
+    const auto start = std::chrono::steady_clock::now();
+    ASSERT_EQ(c.run(job.arguments).exit_code, 0) << job.name;
+    const auto took =
+        std::chrono::duration_cast<std::chrono::microseconds>(std::chrono::steady_clock::now() - start);
+    fs::remove(c.folder / "s.mkv");
+    for (int round = 0; round < rounds; ++round) {
+      c.begin_with(job.begins_with, "f.store");
+      const auto before = others(c);
+      const int number = random() % 2 == 0 ? SIGINT : SIGTERM;
+      const auto [outcome, cpu_after] =
+          interrupt(c, job.arguments, number,
+                    std::chrono::microseconds(random() % static_cast<std::uint32_t>(took.count())));
+      const std::string what = job.name + ", round " + std::to_string(round) + ": " + outcome.err;
+      EXPECT_TRUE(outcome.exit_code == 0 || outcome.signal == number) << what << outcome.exit_code;
+      most = std::max(most, cpu_after);
+      stopped += outcome.signal != 0 ? 1 : 0;
+      if (job.name == "simulate") {
+        EXPECT_EQ(fs::exists(c.folder / "s.mkv"), outcome.exit_code == 0) << what;
+        fs::remove(c.folder / "s.mkv");
+      } else {
+        EXPECT_EQ(judge_again(c, job), "") << what;
+      }
+      EXPECT_EQ(others(c), before) << what;
+    }
+  }
+  std::cout << stopped << " stopped; at most " << most << " s of CPU after the signal\n";
+  EXPECT_GT(stopped, 0);
+  EXPECT_LT(most, 1.0);
+}
+
+TEST(Circumstances, ACopyThatIsTakenWhileItIsWrittenIsTrueOrRefused) {
+  const Campaign& c = campaign();
+  c.begin_with("one.store", "pair.store");
+  ASSERT_EQ(c.run(c.ingest("pair.store", {"clip2.mkv"})).exit_code, 0);
+  const std::set<std::string> states{c.one, digest(c.folder / "pair.store"), c.all};
+  int copies = 0, refused = 0;
+  for (int round = 0; round < (at_full_length() ? 30 : 1); ++round) {
+    c.begin_with("one.store", "f.store");
+    std::vector<std::string> command = c.ingest("f.store", {"clip2.mkv", "clip3.mkv"});
+    command.insert(command.begin(), executable());
+    const Started started = c.folder.start(command);
+    std::vector<std::string> taken;
+    for (siginfo_t info{}; info.si_pid == 0 && taken.size() < 40;) {
+      std::string bytes;
+      // A chunk now and a chunk then, as a slow copy is.
+      std::ifstream from(c.folder / "f.store", std::ios::binary);
+      std::string chunk(1 << 16, '\0');
+      while (from.read(chunk.data(), static_cast<std::streamsize>(chunk.size())), from.gcount() > 0) {
+        bytes.append(chunk, 0, static_cast<std::size_t>(from.gcount()));
+        std::this_thread::sleep_for(std::chrono::milliseconds(2));
+      }
+      taken.push_back(std::move(bytes));
+      if (waitid(P_PID, static_cast<id_t>(started.process), &info, WEXITED | WNOWAIT | WNOHANG) != 0) break;
+    }
+    ASSERT_EQ(WorkFolder::wait(started).exit_code, 0);
+    EXPECT_EQ(c.judge("f.store", {c.all}), "");
+    for (const std::string& bytes : taken) {
+      c.begin_with("", "copy.store");
+      c.folder.file("copy.store", bytes);
+      const Outcome hash = c.run({"store", "digest", "copy.store"});
+      ++copies;
+      if (hash.exit_code == 0) {
+        EXPECT_TRUE(states.contains(hash.out)) << hash.out;
+      } else {
+        ++refused;
+        EXPECT_EQ(hash.exit_code, 3) << hash.signal << hash.err;
+        EXPECT_NE(hash.err.find("copy.store"), std::string::npos) << hash.err;
+      }
+    }
+  }
+  std::cout << copies << " copies, " << refused << " refused\n";
+  EXPECT_GT(copies, 2);
+}
+
+TEST(Circumstances, ASlowDiskAndAClockThatJumpsChangeNothing) {
+  const Campaign& c = campaign();
+  for (const char* how : {"FRESHET_FAULT=slow:1", "FRESHET_CLOCK_JUMPS=1"}) {
+    c.begin_with("", "f.store");
+    for (std::vector<std::string> arguments :
+         {c.ingest("f.store", {"clip1.mkv", "clip2.mkv", "clip3.mkv"}), {"index", "f.store"}}) {
+      std::vector<std::string> command{"timeout",
+                                       "-s",
+                                       "KILL",
+                                       "300",
+                                       "env",
+                                       "LD_PRELOAD=" FRESHET_FAILING_CALLS,
+                                       "FRESHET_FAULT_FILES=f.store",
+                                       how,
+                                       executable()};
+      command.insert(command.end(), arguments.begin(), arguments.end());
+      const Outcome outcome = c.folder.run(command);
+      ASSERT_EQ(outcome.exit_code, 0) << how << ": " << outcome.err;
+    }
+    EXPECT_EQ(c.judge("f.store", {c.indexed}), "") << how;
+  }
+}
+
+TEST(Circumstances, OfAReadOnlyMountAllCanBeReadAndNothingIsWritten) {
+  const Campaign& c = campaign();
+  if (c.folder.run({"unshare", "-rm", "sh", "-c", "mount -t tmpfs t /mnt"}).exit_code != 0)
+    GTEST_SKIP() << "needs a mount of its own: run where unshare -rm and mount work";
+  fs::remove_all(c.folder / "sealed");
+  fs::create_directories(c.folder / "sealed");
+  fs::copy_file(c.folder / "indexed.store", c.folder / "sealed/a.store");
+  const auto there = [&](const std::vector<std::string>& arguments) {
+    std::vector<std::string> command{
+        "unshare",
+        "-rm",
+        "sh",
+        "-c",
+        "mount --bind sealed sealed && mount -o remount,bind,ro sealed && exec \"$@\"",
+        "sh",
+        executable()};
+    command.insert(command.end(), arguments.begin(), arguments.end());
+    return c.folder.run(command);
+  };
+  const Outcome hash = there({"store", "digest", "sealed/a.store"});
+  EXPECT_EQ(hash.out, c.indexed) << hash.err;
+  EXPECT_EQ(there({"store", "verify", "sealed/a.store"}).exit_code, 0);
+  for (const std::vector<std::string>& arguments : {c.ingest("sealed/a.store", {"clip1.mkv"}),
+                                                    c.ingest("sealed/new.store", {"clip1.mkv"}),
+                                                    {"index", "sealed/a.store", "--rebuild"},
+                                                    {"store", "compact", "sealed/a.store"}}) {
+    const Outcome outcome = there(arguments);
+    EXPECT_EQ(outcome.exit_code, 1) << outcome.err;
+    EXPECT_NE(outcome.err.find("sealed/"), std::string::npos) << outcome.err;
+  }
+  EXPECT_FALSE(fs::exists(c.folder / "sealed/a.store-lock"));
+  fs::remove_all(c.folder / "sealed");
+}
+
+}  // namespace
+}  // namespace freshet::tools
