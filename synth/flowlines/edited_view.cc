@@ -17,6 +17,7 @@ constexpr std::size_t kTogether = 8;  // lines that are covered at a time
 
 constexpr int kAbout = 4;            // samples about the nearest that are compared
 constexpr float kGoesOn = 1 / 6.0f;  // of half a patch
+constexpr float kCutFades = 0.5f;    // of half a patch
 constexpr float kLeast = 0.02f;      // of the weightiest: less is not seen
 
 /// Where a pixel lies beside a line.
@@ -79,6 +80,18 @@ std::vector<Beside> along(const FlowLine& line, float half, cv::Size picture, cv
 float tent(float distance, float half) { return std::max(0.0f, 1 - std::abs(distance) / half); }
 /// How far a place lies beyond a line's ends.
 float beyond(float arc, float length) { return std::max({0.0f, -arc, arc - length}); }
+
+/// How far inside the picture, px; below 0 beyond it.
+float inside(cv::Point2f p, cv::Size size) {
+  return std::min(
+      {p.x, p.y, static_cast<float>(size.width - 1) - p.x, static_cast<float>(size.height - 1) - p.y});
+}
+/// 0..1: fluid that the clip's border cuts off fades towards there, where it is shown further inside; else the cut
+/// would stand in the picture as a straight edge.
+float uncut(cv::Point2f from, cv::Point2f shown, cv::Size size, float fade) {
+  const float source = inside(from, size), place = inside(shown, size);
+  return std::clamp(std::max(source, fade - (place - source)) / fade, 0.0f, 1.0f);
+}
 
 cv::Vec3f sampled(const cv::Mat& frame, float x, float y) {
   const float cx = std::clamp(x, 0.0f, static_cast<float>(frame.cols - 1));
@@ -187,7 +200,7 @@ void EditedView::cover(const EditedLine& edited, std::vector<Place>& places) con
     if (beside.squared > 1e17f) continue;
     const int x = region.x + i % region.width, y = region.y + i / region.width;
     const float arc = arc_of(beside.arc);
-    const float weight =
+    float weight =
         tent(beside.across, half) *
         tent(std::max(beyond(beside.arc, edited.line.length()), beyond(arc, input.length())), half);
     cv::Point2f from(static_cast<float>(x), static_cast<float>(y));
@@ -195,6 +208,7 @@ void EditedView::cover(const EditedLine& edited, std::vector<Place>& places) con
       const cv::Point2f way = tangent(input, cvRound(arc));
       from = at(input, arc) + cv::Point2f(-way.y, way.x) * beside.across;
     }
+    weight *= uncut(from, {static_cast<float>(x), static_cast<float>(y)}, size, half * kCutFades);
     if (weight > 1e-4f && seen.contains(from))
       places.push_back(
           {static_cast<std::uint32_t>(y * size.width + x), {from.x, from.y, weight, edited.time}});

@@ -104,6 +104,24 @@ TEST(Flowlines, EditedLinesLeadTheFluidElsewhere) {
   }
 }
 
+TEST(Flowlines, WhatTheClipsBorderCutsOffFadesFurtherInside) {
+  const Footage footage = made_stream({.channel = {8, 0, 40, 96}});
+  FlowlinesOptions options;
+  for (const float x : {16.0f, 28.0f, 40.0f}) {
+    const std::string name = std::to_string(static_cast<int>(x));
+    options.lines.push_back(evenly({{x, 0}, {x, 92}}, name));
+    options.edited.push_back(evenly({{x + 60, 30}, {x + 60, 92}}, name));
+  }
+  options.view.background = cv::Mat(footage.size(), CV_8UC3, cv::Scalar(10, 200, 30));
+  Flowlines engine(footage, options);
+  engine.next();
+  const cv::Mat fluid = engine.fluid();
+  EXPECT_LT(fluid.at<float>(28, 88), 0.1f);
+  EXPECT_LT(fluid.at<float>(31, 88), 0.6f);
+  for (int y = 28; y < 45; ++y) EXPECT_LE(fluid.at<float>(y, 88) - fluid.at<float>(y - 1, 88), 0.5f) << y;
+  EXPECT_GT(fluid.at<float>(45, 88), 0.95f);
+}
+
 TEST(Flowlines, CopiesFlowInATimeOfTheirOwn) {
   const Footage footage = made_stream({.channel = {8, 0, 40, 96}});
   for (const int loop : {0, 50}) {
