@@ -57,6 +57,7 @@ struct TreeMotion {
   double foreshortening = 0;    // Sec. 4: of the length, lost and won for a displacement of one length; 0..1
   double shimmer_px = 0;        // Sec. 5: standard deviation of the leaves' own motion at the mean wind
   double shimmer_size_px = 12;  // of what shimmers together
+  bool stand = false;  // its armatures have one turbulence, as what stands close together; else each its own
 };
 
 /// What of the water's surface moves the picture.

@@ -49,7 +49,10 @@ void read_plant(Section& section, TreeMotion& tree) {
   tree.frequency_hz = 1.6;
   tree.damping_per_s = 2;
   tree.mass = *plant == 1 ? 0.3 : 0.03;
-  if (*plant == 2) tree.shimmer_px = 1;
+  if (*plant == 2) {
+    tree.shimmer_px = 1;
+    tree.stand = true;
+  }
 }
 
 void read_tree(Section& section, TreeMotion& tree) {
@@ -359,7 +362,7 @@ motion     still, tree, water, boat, clouds, patches, transfer or footage; neede
 tree:
 armature       [x, y, x, y] or a list of such lines, from root to tip, unless marks has them
 plant          "tree", or "flower", "grass": then frequency 1.6, damping 2, mass .3 (flower) or .03 (grass, with
-               shimmer 1) are what is usual
+               shimmer 1) are what is usual. Grass sways as a stand: its lines have one turbulence
 frequency      .5    Hz, natural, .05 to 10
 damping        .6    1/s, .01 to 100
 mass           6     kg for each N that 1 m/s of wind makes, .01 to 100000: displacements are in lengths of the line

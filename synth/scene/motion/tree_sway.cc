@@ -8,14 +8,36 @@
 namespace freshet::synth::scene {
 namespace {
 
-constexpr float kNearPx2 = 16;     // added to squared distances from armatures
-constexpr float kMostTurn = 0.9f;  // rad
+constexpr float kNearPx2 = 16;  // added to squared distances from armatures
+// rad. Eq. 4's spring is linear, and stems in a storm are not: beyond kEasy they give way to the wind less and less, to
+// kMostTurn at most. Lines that lie side by side would tear what is between them.
+constexpr float kEasy = 0.25f, kMostTurn = 0.4f;
 constexpr float kMostScaled = 0.5f;
 
 float distance2_to(cv::Point2f p, cv::Point2f from, cv::Point2f way, float length) {
   const float along = std::clamp((p - from).dot(way), 0.0f, length);
   const cv::Point2f off = p - (from + way * along);
   return off.dot(off);
+}
+
+/// Half of how far the lines of a stand lie from their next ones, squared: sway goes over from one to the next all along
+/// the way between them, or it would fold what is there.
+float between2(const std::vector<Line>& lines) {
+  double sum = 0;
+  for (const Line& line : lines) {
+    double least = 1e9;
+    for (const Line& other : lines)
+      if (&other != &line) least = std::min(least, cv::norm(line.from + line.to - other.from - other.to) / 2);
+    sum += least;
+  }
+  const auto half = static_cast<float>(0.5 * sum / static_cast<double>(lines.size()));
+  return half * half;
+}
+
+float given_way(float turn) {
+  constexpr float kMore = kMostTurn - kEasy;
+  const float size = std::abs(turn);
+  return size <= kEasy ? turn : std::copysign(kEasy + kMore * std::tanh((size - kEasy) / kMore), turn);
 }
 
 /// out[i] between the grid's values, `columns` of them, at first + i px.
@@ -58,7 +80,7 @@ TreeSway::TreeSway(const TreeMotion& tree, const Gusts& gusts, const Cycle& cycl
                   .tip = {},
                   .towards = {}};
     const cv::Point2d side(-branch.way.y, branch.way.x);
-    const std::uint64_t stream = 1000 * seed + 2 * number++;
+    const std::uint64_t stream = 1000 * seed + (tree.stand ? 0 : 2 * number++);
     const auto swing = [&](Harmonics force) {
       for (std::complex<double>& f : force) f /= tree.mass;
       return series(oscillator(force, cycle, tree.frequency_hz, tree.damping_per_s), cycle);
@@ -71,6 +93,7 @@ TreeSway::TreeSway(const TreeMotion& tree, const Gusts& gusts, const Cycle& cycl
   grid_.create(cells, CV_32FC2);
   if (branches_.size() < 2) return;
   const int count = static_cast<int>(branches_.size());
+  const float apart2 = between2(tree.armatures);
   weights_.create(cells.height, cells.width * count, CV_32F);
   for (int r = 0; r < cells.height; ++r) {
     for (int c = 0; c < cells.width; ++c) {
@@ -79,8 +102,9 @@ TreeSway::TreeSway(const TreeMotion& tree, const Gusts& gusts, const Cycle& cycl
       float sum = 0;
       for (int b = 0; b < count; ++b) {
         const Branch& branch = branches_[static_cast<std::size_t>(b)];
-        const float d2 = distance2_to(p, branch.root, branch.way, branch.length) + kNearPx2;
-        sum += weight[b] = 1 / (d2 * d2);
+        const float d2 = distance2_to(p, branch.root, branch.way, branch.length);
+        const float near = 1 / (d2 + (tree.stand ? apart2 : kNearPx2));
+        sum += weight[b] = tree.stand ? near : near * near;
       }
       for (int b = 0; b < count; ++b) weight[b] /= sum;
     }
@@ -96,9 +120,9 @@ cv::Point2f TreeSway::source(const Branch& branch, cv::Point2f p, int frame) con
     from_root += branch.way * (from_root.dot(branch.way) * (1 / scale - 1));
   }
   const float distance = std::sqrt(from_root.dot(from_root));
-  const float turn =
-      std::clamp(bend_by_distance(distance / branch.length) * branch.tip[static_cast<std::size_t>(frame)],
-                 -kMostTurn, kMostTurn);
+  const float asked =
+      bend_by_distance(distance / branch.length) * branch.tip[static_cast<std::size_t>(frame)];
+  const float turn = given_way(asked);
   // Back: the tip goes to the right of its way for what is positive, which turns clockwise as y points down.
   const float c = std::cos(turn), s = std::sin(turn);
   return branch.root + cv::Point2f(from_root.x * c + from_root.y * s, from_root.y * c - from_root.x * s);

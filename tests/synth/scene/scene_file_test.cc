@@ -57,6 +57,8 @@ TEST(SceneFile, APlantSetsWhatIsUsualAndNoMore) {
   EXPECT_EQ(tree("plant=\"tree\"").mass, tree("").mass);
   EXPECT_EQ(tree("plant=\"flower\"").frequency_hz, 1.6);
   EXPECT_EQ(tree("plant=\"grass\"").mass, 0.03);
+  EXPECT_TRUE(tree("plant=\"grass\"").stand);
+  EXPECT_FALSE(tree("plant=\"flower\"").stand);
   EXPECT_EQ(tree("mass=2\nplant=\"grass\"\nshimmer=0").mass, 2);
   EXPECT_EQ(tree("mass=2\nplant=\"grass\"\nshimmer=0").shimmer_px, 0);
 }

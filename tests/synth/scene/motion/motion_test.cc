@@ -68,6 +68,26 @@ TEST(TreeSway, TurnsEachPointAboutTheRootAndBackAgain) {
   EXPECT_GT(most, 2);
 }
 
+TEST(TreeSway, AStandSwaysTogetherAndNothingTurnsTooFar) {
+  TreeMotion grass = one_tree();
+  grass.armatures.push_back({{130, 220}, {130, 40}});
+  grass.mass = 0.02;
+  const Gusts gusts({.speed_m_per_s = 8}, kCycle, 200);
+  TreeSway apart(grass, gusts, kCycle, 1, kBox);
+  EXPECT_NE(apart.tip(0), apart.tip(1));
+  grass.stand = true;
+  TreeSway stand(grass, gusts, kCycle, 1, kBox);
+  EXPECT_EQ(stand.tip(0), stand.tip(1));
+  double most = 0;
+  for (int frame = 0; frame < kCycle.frames; frame += 3) {
+    stand.go_to(frame);
+    const cv::Point2f to = moved(stand, 100, 42);
+    most = std::max(most, 2 * std::asin(std::hypot(to.x, to.y) / (2 * 177.5)));
+  }
+  EXPECT_GT(most, 0.35);
+  EXPECT_LT(most, 0.41);
+}
+
 TEST(TreeSway, TipGoesToItsSideByItsDisplacement) {
   const Gusts gusts({.speed_m_per_s = 3}, kCycle, 200);
   TreeSway sway(one_tree(), gusts, kCycle, 1, kBox);
