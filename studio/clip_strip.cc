@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <optional>
 #include <vector>
 
 #include <opencv2/imgcodecs.hpp>
@@ -10,6 +11,7 @@
 
 #include "freshet/error.h"
 #include "media/frame/frame.h"
+#include "media/video/video_reader.h"
 #include "query/stored/clip_frames.h"
 
 namespace freshet::studio {
@@ -107,6 +109,18 @@ std::array<cv::Point2d, 4> patch_in_clip(const store::ClipRecord& clip, const vi
     places[i] = {(at[0] + 0.5) / source.width, (at[1] + 0.5) / source.height};
   }
   return places;
+}
+
+cv::Mat first_frame(const store::Snapshot& snapshot, const std::string& clip) {
+  const std::optional<store::ClipId> id = snapshot.find(clip);
+  if (!id) throw Error(ErrorKind::kNotFound, clip, "the store has no clip of this name");
+  return media::to_bgr(query::ClipFrames(snapshot, *id).read(0, 1).at(0));
+}
+
+cv::Mat first_frame(const std::filesystem::path& video) {
+  const std::optional<media::Frame> frame = media::VideoReader(video).next();
+  if (!frame) throw Error(ErrorKind::kInput, video.filename().string(), "it has no frame");
+  return media::to_bgr(*frame);
 }
 
 std::string encoded(const cv::Mat& picture) {

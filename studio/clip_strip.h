@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstddef>
+#include <filesystem>
 #include <list>
 #include <memory>
 #include <mutex>
@@ -50,6 +51,11 @@ cv::Mat patch_strip(const std::vector<cv::Mat>& frames, const vision::Variant& v
 /// patch is seen.
 std::array<cv::Point2d, 4> patch_in_clip(const store::ClipRecord& clip, const vision::Variant& variant,
                                          const cv::Rect& patch);
+
+/// CV_8UC3. Throws Error{kNotFound} where the store has no clip of this name, Error{kDamaged}.
+cv::Mat first_frame(const store::Snapshot& snapshot, const std::string& clip);
+/// Of a video's file. Throws Error{kInput}.
+cv::Mat first_frame(const std::filesystem::path& video);
 
 /// As JPEG.
 std::string encoded(const cv::Mat& picture);

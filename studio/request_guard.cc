@@ -72,7 +72,7 @@ std::string_view RequestGuard::rest(std::string_view path) {
 std::size_t largest_body(std::string_view method, std::string_view rest) {
   if (method != "POST" && method != "PUT") return 0;
   if (rest == "api/projects" || rest.ends_with("/matte") || rest.ends_with("/stills")) return kPictureBytes;
-  if (rest.starts_with("api/stores/") && rest.ends_with("/clips")) return kClipBytes;
+  if (rest == "api/clips" || rest.ends_with("/clips")) return kClipBytes;
   return kTextBytes;
 }
 

@@ -290,7 +290,15 @@ void Server::Impl::get_project(const Words& words, const httplib::Request& reque
     return send_file(studio.film(id, words[4]), "video/mp4", response);  // as the way's own page calls it
   if (what == "ways" && words.size() == 7 && words[5] == "files")
     return answer(response, studio.way_file(id, words[4], words[6]),
-                  words[6].ends_with(".html") ? "text/html; charset=utf-8" : "image/png");
+                  words[6].ends_with(".html")  ? "text/html; charset=utf-8"
+                  : words[6].ends_with(".svg") ? "image/svg+xml"
+                                               : "image/png");
+  if (what == "clips" && words.size() == 4) return answer(response, studio.clips_json(id));
+  if (what == "clips" && words.size() == 5 && words[4] == "frame")
+    return answer(
+        response,
+        studio.clip_frame(id, request.get_param_value("clip"), request.get_param_value("own") == "1"),
+        "image/jpeg");
   if (what == "stills" && words.size() == 4) return answer(response, studio.stills_json(id));
   if (what == "stills" && words.size() == 5)
     return answer(response, studio.still_thumbnail(id, words[4]), "image/jpeg");
@@ -402,6 +410,12 @@ void Server::Impl::change(const httplib::Request& request, httplib::Response& re
     return answer(response,
                   Json{{"id", studio.open_picture(incoming.path, request.get_param_value("name"))}}.dump());
   }
+  if (posts && rest == "api/clips") {
+    const Incoming incoming{studio.incoming_file()};
+    read_file(request, reader, incoming.path);
+    return answer(response,
+                  Json{{"id", studio.open_clip(incoming.path, request.get_param_value("name"))}}.dump());
+  }
   if (posts && rest == "api/stores")
     return answer(response,
                   Json{{"id", studio.new_store(word_of(json_of(read_text(reader)), "name"))}}.dump());
@@ -445,6 +459,12 @@ void Server::Impl::change_project(const Words& words, const httplib::Request& re
     read_file(request, reader, incoming.path);
     studio.add_still(id, incoming.path, request.get_param_value("name"));
     return answer(response, "{}");
+  }
+  if (request.method == "POST" && what == "clips") {
+    const Incoming incoming{studio.incoming_file()};
+    read_file(request, reader, incoming.path);
+    return answer(response,
+                  Json{{"name", studio.add_clip(id, incoming.path, request.get_param_value("name"))}}.dump());
   }
   if (request.method == "DELETE" && what == "stills") {
     studio.remove_stills(id);

@@ -12,10 +12,13 @@
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
+#include <opencv2/imgcodecs.hpp>
 
 #include "freshet/error.h"
 #include "platform/text.h"
 #include "platform/whole_file.h"
+#include "studio/clip_folder.h"
+#include "studio/clip_strip.h"
 #include "studio/still_folder.h"
 
 namespace freshet::studio {
@@ -327,12 +330,12 @@ JobId Studio::run_way(const std::string& project, const std::string& way) {
   const WayPlan plan = this->plan(project, way);
   return commands_->submit(
       "way " + project + "/" + way, project + ": " + way, [this, easel, plan, project, way](const Job& job) {
-        easel->project().write_way(way, plan.files);
+        easel->project().write_way(plan.folder, plan.files);
         CommandAnswer answer;
         for (const std::vector<std::string>& words : plan.commands)
           answer = run({.program = options_.program, .arguments = words, .folder = easel->project().folder()},
                        job);
-        if (!plan.answer.empty()) easel->project().write_way(way, {{plan.answer, answer.output}});
+        if (!plan.answer.empty()) easel->project().write_way(plan.folder, {{plan.answer, answer.output}});
         tell_way(project, way);
       });
 }
@@ -342,17 +345,17 @@ void Studio::tell_way(const std::string& project, const std::string& way) {
 }
 
 fs::path Studio::film(const std::string& project, const std::string& way) {
-  const fs::path path = easel(project)->project().folder() / plan(project, way).film;
+  const fs::path folder = easel(project)->project().folder(), path = folder / plan(project, way).film;
   if (!fs::is_regular_file(fs::symlink_status(path)) || fs::canonical(path) != path)
     throw Error(ErrorKind::kNotFound, way, "it has made no film yet");
   return path;
 }
 
 std::string Studio::way_file(const std::string& project, const std::string& way, const std::string& name) {
-  const std::vector<std::string> shown = plan(project, way).shown;
-  if (std::find(shown.begin(), shown.end(), name) == shown.end())
+  const WayPlan plan = this->plan(project, way);
+  if (std::find(plan.shown.begin(), plan.shown.end(), name) == plan.shown.end())
     throw Error(ErrorKind::kNotFound, name, "there is no such file");
-  return easel(project)->project().read_way(way, name);
+  return easel(project)->project().read_way(plan.folder, name);
 }
 
 std::string Studio::stills_json(const std::string& project) {
@@ -375,19 +378,76 @@ void Studio::remove_stills(const std::string& project) {
 
 std::string Studio::way_json(const std::string& project, const std::string& way) {
   const WayPlan plan = this->plan(project, way);
-  Json json{{"film", nullptr}, {"commands", Json::array()}, {"found", nullptr}};
+  Json json{{"film", nullptr},
+            {"made", nullptr},
+            {"commands", Json::array()},
+            {"found", nullptr},
+            {"shown", plan.shown}};
   for (const std::vector<std::string>& words : plan.commands)
     json["commands"].push_back(to_text({.program = {}, .arguments = words, .folder = {}}));
+  const auto number = [](const fs::path& path) {
+    return std::to_string(fs::last_write_time(path).time_since_epoch().count());
+  };
   try {
     if (!plan.answer.empty()) {
-      const Json found = Json::parse(easel(project)->project().read_way(way, plan.answer), nullptr, false);
-      if (!found.is_discarded()) json["found"] = found;
+      const Project& holder = easel(project)->project();
+      const Json found = Json::parse(holder.read_way(plan.folder, plan.answer), nullptr, false);
+      if (!found.is_discarded()) {
+        json["found"] = found;
+        json["made"] = number(holder.folder() / "ways" / plan.folder / plan.answer);
+      }
     }
-    json["film"] = std::to_string(fs::last_write_time(film(project, way)).time_since_epoch().count());
+    if (!plan.film.empty()) json["film"] = number(film(project, way));
   } catch (const Error&) {
     return text(json);  // there is none yet
   }
   return text(json);
+}
+
+std::string Studio::add_clip(const std::string& project, const fs::path& file, const std::string& name) {
+  return studio::add_clip(easel(project)->project().folder(), file, name);
+}
+
+std::string Studio::clips_json(const std::string& project) {
+  return text(clip_names(easel(project)->project().folder()));
+}
+
+std::string Studio::clip_frame(const std::string& project, const std::string& clip, bool own) {
+  const std::shared_ptr<Easel> easel = this->easel(project);
+  if (own) {
+    const fs::path folder = easel->project().folder();
+    const std::vector<std::string> names = clip_names(folder);
+    if (std::find(names.begin(), names.end(), clip) == names.end())
+      throw Error(ErrorKind::kNotFound, clip, "there is no such clip");
+    return encoded(first_frame(folder / own_clip_path(clip)));
+  }
+  const std::shared_ptr<OpenedStore> store = store_of(easel->project().state().document);
+  if (!store) throw Error(ErrorKind::kNotFound, clip, "no store is chosen");
+  return encoded(first_frame(store->snapshot(), clip));
+}
+
+std::string Studio::open_clip(const fs::path& file, const std::string& name) {
+  if (!is_video(name))
+    throw Error(ErrorKind::kInput, name, "its ending names no video", "Give MP4, MOV, MKV, AVI or WebM");
+  std::vector<std::uint8_t> png;
+  cv::imencode(".png", first_frame(file), png);
+  const fs::path picture = incoming_file();
+  std::string id;
+  std::error_code fault;
+  try {
+    write_whole_file(picture, {png.begin(), png.end()});
+    id = open_picture(picture, project_name(name) + ".png");
+  } catch (...) {
+    fs::remove(picture, fault);
+    throw;
+  }
+  fs::remove(picture, fault);  // of a picture that was there already
+  Project& holder = easel(id)->project();
+  Project::State state = holder.state();
+  state.document.endless.clip = add_clip(id, file, name);
+  state.document.endless.dropped = true;
+  holder.save(state.document, state.version);
+  return id;
 }
 
 std::shared_ptr<OpenedStore> Studio::store(const std::string& id) const {
@@ -406,10 +466,7 @@ std::string Studio::new_store(const std::string& name) {
 }
 
 fs::path Studio::clip_path(const std::string& store, const std::string& class_name, const std::string& file) {
-  static const std::vector<std::string> kEndings{".mp4", ".mov", ".mkv",  ".avi", ".webm",
-                                                 ".m4v", ".mpg", ".mpeg", ".mxf"};
-  const std::string ending = lower_ending(file);
-  if (std::find(kEndings.begin(), kEndings.end(), ending) == kEndings.end())
+  if (!is_video(file))
     throw Error(ErrorKind::kUsage, file, "its ending names no video", "Give MP4, MOV, MKV, AVI or WebM");
   const fs::path folder = options_.folder / "incoming" / this->store(store)->id() /
                           tame(class_name.empty() ? "unsorted" : class_name, 40);

@@ -75,7 +75,8 @@ class Studio {
 
   /// Another way to synthesise (ways/way_plan.h): its commands, run as one job. Told as "way" when its film is there.
   JobId run_way(const std::string& project, const std::string& way);
-  /// Its "film", a number that another film does not have, or null; its "commands"; and what the last one "found".
+  /// Its "film", a number that another film does not have, or null; its "commands"; what the last one "found", and "made",
+  /// a number as the film's, or null; and the names of what is "shown".
   std::string way_json(const std::string& project, const std::string& way);
   /// Where its film lies. Throws Error{kNotFound}.
   std::filesystem::path film(const std::string& project, const std::string& way);
@@ -89,6 +90,15 @@ class Studio {
   void add_still(const std::string& project, const std::filesystem::path& file, const std::string& name);
   /// And what was made of them.
   void remove_stills(const std::string& project);
+
+  /// A clip for the project alone (clip_folder.h). file   moved. Returns its name there.
+  std::string add_clip(const std::string& project, const std::filesystem::path& file,
+                       const std::string& name);
+  std::string clips_json(const std::string& project);
+  /// The first frame, as it is, JPEG. own   the project's, else its store's. Throws Error{kNotFound}, Error{kInput}.
+  std::string clip_frame(const std::string& project, const std::string& clip, bool own);
+  /// A project of the clip's first frame, begun with it; or the one that there is already. file   moved. Returns its id.
+  std::string open_clip(const std::filesystem::path& file, const std::string& name);
 
   std::shared_ptr<OpenedStore> store(const std::string& id) const;
   /// A new, empty one in the studio's folder. Returns its id.

@@ -59,7 +59,7 @@ synth/transfer: synth/field
 synth/transfer/files: store media/* vision query/stored synth/transfer synth/animate/clips
 studio/drawing: synth/matte
 studio/ways: studio/drawing synth/simulate/design
-studio: store media/frame media/picture vision query/* synth/animate/* synth/matte studio/*
+studio: store media/* vision query/* synth/animate/* synth/matte studio/*
 library: store media/* vision ingest query/* synth/*
 tools/console: store media/* vision query/*
 tools/options: vision media/picture media/video query/* synth/animate/* synth/matte tools/console

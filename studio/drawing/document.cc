@@ -1,23 +1,20 @@
 #include "studio/drawing/document.h"
 
-#include <cmath>
 #include <functional>
-#include <set>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "freshet/error.h"
 #include "platform/text_file.h"
+#include "studio/drawing/fields.h"
 
 namespace freshet::studio {
 namespace {
 
 using Json = nlohmann::json;
 
-constexpr std::size_t kMaxBytes = 16u << 20, kDeepest = 16;
-constexpr std::size_t kMaxLines = 20000, kMaxPoints = 1u << 20, kMaxText = 4096, kMaxNames = 10000;
-constexpr double kFurthest = 1e6;  // px
+constexpr std::size_t kMaxBytes = 16u << 20, kDeepest = 16, kMaxNames = 10000;
 constexpr double kMaxSpeed = 1e5;  // px/s
 
 const char* to_string(MatteBase base) {
@@ -32,12 +29,6 @@ const char* to_string(MatteBase base) {
       break;
   }
   return "scribbles";
-}
-
-Json points_json(const std::vector<cv::Point2f>& points) {
-  Json json = Json::array();
-  for (const cv::Point2f& point : points) json.push_back({point.x, point.y});
-  return json;
 }
 
 Json drawn_json(const std::vector<Drawn>& lines) {
@@ -57,96 +48,6 @@ Json strokes_json(const std::vector<DrawnStroke>& strokes) {
         {{"points", points_json(stroke.points)}, {"speed", stroke.speed ? Json(*stroke.speed) : Json()}});
   return json;
 }
-
-/// Takes fields out of an object and says which one is wrong.
-class Fields {
- public:
-  Fields(const Json& object, std::string where, std::size_t& points)
-      : object_(object), where_(std::move(where)), points_(points) {
-    if (!object_.is_object()) fail("an object expected");
-  }
-
-  [[noreturn]] void fail(const std::string& fault) const {
-    throw Error(ErrorKind::kInput, where_, fault, "Reload the page");
-  }
-  void only(const std::set<std::string>& names) const {
-    for (const auto& [name, value] : object_.items())
-      if (!names.contains(name)) fail(fmt::format("there is no \"{}\"", name));
-  }
-  bool has(const char* name) const { return object_.contains(name); }
-  const Json& at(const char* name) const {
-    const auto found = object_.find(name);
-    if (found == object_.end()) fail(fmt::format("\"{}\" is missing", name));
-    return *found;
-  }
-  double number(const char* name, double low, double high) const {
-    const Json& value = at(name);
-    const double found = value.is_number() ? value.get<double>() : NAN;
-    if (!(found >= low && found <= high))
-      fail(fmt::format("\"{}\" is no number from {} to {}", name, low, high));
-    return found;
-  }
-  int integer(const char* name, int low, int high) const {
-    const double found = number(name, low, high);
-    if (found != std::floor(found)) fail(fmt::format("\"{}\" is no whole number", name));
-    return static_cast<int>(found);
-  }
-  bool flag(const char* name) const {
-    if (!at(name).is_boolean()) fail(fmt::format("\"{}\" is neither true nor false", name));
-    return at(name).get<bool>();
-  }
-  std::string text(const char* name) const {
-    const Json& value = at(name);
-    if (!value.is_string()) fail(fmt::format("\"{}\" is no text", name));
-    const auto& found = value.get_ref<const std::string&>();
-    if (found.size() > kMaxText) fail(fmt::format("\"{}\" is longer than {} bytes", name, kMaxText));
-    // What cannot stand in a line of a TOML file, or end a C string, is no name of anything.
-    for (const char c : found)
-      if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f)
-        fail(fmt::format("\"{}\" holds a control character", name));
-    return found;
-  }
-  const Json& list(const char* name, std::size_t most) const {
-    const Json& value = at(name);
-    if (!value.is_array()) fail(fmt::format("\"{}\" is no list", name));
-    if (value.size() > most) fail(fmt::format("\"{}\" has more than {} entries", name, most));
-    return value;
-  }
-  Fields below(const Json& item, const char* name, std::size_t index) const {
-    return {item, fmt::format("{}, {} {}", where_, name, index + 1), points_};
-  }
-  std::vector<cv::Point2f> points() const {
-    std::vector<cv::Point2f> points;
-    for (const Json& item : list("points", kMaxPoints)) {
-      if (!item.is_array() || item.size() != 2 || !item[0].is_number() || !item[1].is_number())
-        fail("a point is two numbers of px");
-      const double x = item[0].get<double>(), y = item[1].get<double>();
-      if (!(std::abs(x) <= kFurthest && std::abs(y) <= kFurthest)) fail("a point lies far outside");
-      points.emplace_back(static_cast<float>(x), static_cast<float>(y));
-    }
-    if (points.empty()) fail("it has no point");
-    points_ += points.size();
-    if (points_ > kMaxPoints) fail(fmt::format("there are more than {} points", kMaxPoints));
-    return points;
-  }
-  std::vector<Drawn> drawn(const char* name) const {
-    std::vector<Drawn> lines;
-    for (const Json& item : list(name, kMaxLines)) {
-      const Fields line = below(item, name, lines.size());
-      line.only({"points", "width", "adds", "area"});
-      lines.push_back({.points = line.points(),
-                       .width = static_cast<float>(line.number("width", 0, 10000)),
-                       .adds = line.flag("adds"),
-                       .is_area = line.flag("area")});
-    }
-    return lines;
-  }
-
- private:
-  const Json& object_;
-  std::string where_;
-  std::size_t& points_;
-};
 
 std::vector<DrawnStroke> read_strokes(const Fields& fields, const char* name = "strokes") {
   std::vector<DrawnStroke> strokes;
@@ -241,6 +142,11 @@ Stills read_stills(const Fields& document) {
           .paths = read_stills_paths(fields)};
 }
 
+Endless read_endless_of(const Fields& document) {
+  if (!document.has("endless")) return {};  // of a document that is older than it
+  return read_endless(document.below(document.at("endless"), "endless", 0));
+}
+
 MatteBase read_base(const Fields& fields) {
   const std::string name = fields.text("matte_base");
   for (const MatteBase base : {MatteBase::kScribbles, MatteBase::kAlpha, MatteBase::kWhole, MatteBase::kFile})
@@ -313,6 +219,7 @@ std::string to_json(const Document& document) {
   Json json = frames_json(document);
   json["design"] = design_json(document.design);
   json["stills"] = stills_json(document.stills);
+  json["endless"] = endless_json(document.endless);
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
@@ -332,7 +239,7 @@ Document document_from_json(std::string_view json, const std::string& where) {
   const Fields fields(parsed, where, points);
   fields.only({"matte_base", "edge", "scribbles", "paint", "held", "store", "class", "excluded_clips",
                "frames", "fps", "strokes", "tempo", "pins", "loop", "speed", "moving_outline", "design",
-               "stills"});
+               "stills", "endless"});
   Document document{.store = fields.text("store"),
                     .matte_base = read_base(fields),
                     .edge = fields.text("edge"),
@@ -350,7 +257,8 @@ Document document_from_json(std::string_view json, const std::string& where) {
                     .speed = fields.number("speed", 0.05, 20),
                     .moving_outline = fields.flag("moving_outline"),
                     .design = read_design(fields),
-                    .stills = read_stills(fields)};
+                    .stills = read_stills(fields),
+                    .endless = read_endless_of(fields)};
   if (document.edge != "guided" && document.edge != "information-flow" && document.edge != "none")
     fields.fail("\"edge\" is none of guided, information-flow, none");
   for (const Json& name : fields.list("excluded_clips", kMaxNames)) {

@@ -9,22 +9,10 @@
 
 #include <opencv2/core.hpp>
 
+#include "studio/drawing/drawn.h"
+#include "studio/drawing/endless.h"
+
 namespace freshet::studio {
-
-/// A line or an area that was drawn, px of the picture; (0, 0) is the outer corner of its first pixel.
-struct Drawn {
-  std::vector<cv::Point2f> points;
-  float width = 0;       // px; 0 of an area
-  bool adds = true;      // false: it takes away (paint), or says that there is no fluid (scribbles)
-  bool is_area = false;  // closed and filled
-  bool operator==(const Drawn&) const = default;
-};
-
-struct DrawnStroke {
-  std::vector<cv::Point2f> points;  // as the fluid goes
-  std::optional<float> speed{};     // px/s; nothing: not said
-  bool operator==(const DrawnStroke&) const = default;
-};
 
 /// Where its clips play slower or faster, painted: a later line lies over earlier ones.
 struct DrawnTempo {
@@ -96,6 +84,7 @@ struct Document {
   bool moving_outline = false;
   Design design;
   Stills stills;
+  Endless endless;
   bool operator==(const Document&) const = default;
 };
 

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <functional>
+#include <initializer_list>
 #include <map>
 #include <utility>
 
@@ -36,7 +38,8 @@ WayPlan plan_design(const Document& document, const cv::Mat& picture) {
     throw Error(ErrorKind::kUsage, "design", "the clip that it shall look like has no store",
                 "Choose one under Look");
   const cv::Size size = film_size(design, picture.size());
-  WayPlan plan{.files = {{"scene.toml", design_scene(design, picture.size(), size)}},
+  WayPlan plan{.folder = "design",
+               .files = {{"scene.toml", design_scene(design, picture.size(), size)}},
                .commands = {{"synth", "simulate", "ways/design/scene.toml", "-o", "ways/design/motion",
                              "--overwrite"}},
                .film = "ways/design/motion/preview.mp4"};
@@ -75,7 +78,8 @@ std::string stills_edits(const Stills& stills) {
 
 /// A moving scene from the stills that lie in the way's folder.
 WayPlan plan_stills(const Stills& stills) {
-  WayPlan plan{.files = {{"edits.toml", stills_edits(stills)}},
+  WayPlan plan{.folder = "stills",
+               .files = {{"edits.toml", stills_edits(stills)}},
                .commands = {{"synth", "stills", "ways/stills/pictures", "--edits", "ways/stills/edits.toml",
                              "--seconds", fmt::format("{}", stills.seconds), "-o", "ways/stills/film.mp4",
                              "--sheet", "ways/stills/regions.png", "--page", "ways/stills/page.html",
@@ -88,11 +92,80 @@ WayPlan plan_stills(const Stills& stills) {
   return plan;
 }
 
+/// The clip that is chosen, as `synth flowlines` is told of it.
+std::vector<std::string> flowlines_of(const Document& document) {
+  const Endless& endless = document.endless;
+  if (endless.clip.empty())
+    throw Error(ErrorKind::kUsage, "endless", "no clip is chosen", "Choose one, or drop one");
+  std::vector<std::string> words{"synth", "flowlines"};
+  if (endless.dropped) {
+    words.push_back(own_clip_path(endless.clip));
+  } else {
+    if (document.store.empty())
+      throw Error(ErrorKind::kUsage, "endless", "the clip has no store", "Choose one under Look");
+    words.insert(words.end(), {"--store=" + document.store, "--clip=" + endless.clip});
+  }
+  if (endless.moving_camera) words.emplace_back("--moving-camera");
+  return words;
+}
+
+/// A name for what was found in a clip: what was found in another one is not taken for it.
+std::string found_name(const Document& document) {
+  const Endless& endless = document.endless;
+  const std::string of = (endless.dropped ? "" : document.store) + "\n" + endless.clip;
+  return fmt::format("found-{:06x}", std::hash<std::string>()(of) & 0xffffffu);
+}
+
+/// The lines that are found in the clip.
+WayPlan plan_lines(const Document& document) {
+  const std::string found = found_name(document);
+  WayPlan plan{.folder = "flowlines",
+               .files = {},
+               .commands = {flowlines_of(document)},
+               .film = "",
+               .answer = found + ".json",
+               .shown = {found + ".svg"}};
+  std::vector<std::string>& words = plan.commands[0];
+  words.insert(words.end(), {"--frames", "1", "-o", "ways/flowlines/first.png", "--lines-out",
+                             "ways/flowlines/" + found + ".svg", "--json", "--overwrite"});
+  return plan;
+}
+
+/// The clip without an end, along its lines, or where they were moved.
+WayPlan plan_flowlines(const Document& document) {
+  const Endless& endless = document.endless;
+  WayPlan plan{.folder = "flowlines",
+               .files = {},
+               .commands = {flowlines_of(document)},
+               .film = "ways/flowlines/film.mp4",
+               .answer = "made.json",
+               .shown = {"drawn.png"}};
+  std::vector<std::string>& words = plan.commands[0];
+  const auto say = [&](std::initializer_list<std::string> more) { words.insert(words.end(), more); };
+  say({"--frames", std::to_string(endless.frames)});
+  if (endless.loop) say({"--loop"});
+  if (!endless.lines.empty()) {
+    plan.files.push_back({"lines.svg", clip_lines_svg(endless.lines)});
+    say({"--lines", "ways/flowlines/lines.svg"});
+  }
+  if (!endless.edited.empty()) {
+    plan.files.push_back({"edited.svg", clip_lines_svg(endless.edited)});
+    say({"--edited", "ways/flowlines/edited.svg"});
+    if (endless.join > 0) say({"--join", fmt::format("{:g}", endless.join)});
+    if (endless.stretched) say({"--correspondence", "stretched"});
+    if (endless.ground != "none") say({"--ground", endless.ground});
+  }
+  say({"-o", plan.film, "--draw", "ways/flowlines/drawn.png", "--json", "--overwrite"});
+  return plan;
+}
+
 }  // namespace
 
 WayPlan plan_way(const std::string& way, const Document& document, const cv::Mat& picture) {
   if (way == "design") return plan_design(document, picture);
   if (way == "stills") return plan_stills(document.stills);
+  if (way == "flowlines") return plan_flowlines(document);
+  if (way == "lines") return plan_lines(document);
   throw Error(ErrorKind::kNotFound, way, "there is no such way");
 }
 

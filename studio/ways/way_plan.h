@@ -15,15 +15,18 @@ struct WayFile {
   std::string bytes;
 };
 
-/// What is written into PROJECT/ways/WAY, and then run, one after another, in the project's folder.
+/// What is written into PROJECT/ways/FOLDER, and then run, one after another, in the project's folder.
 struct WayPlan {
+  std::string folder;
   std::vector<WayFile> files;
   std::vector<std::vector<std::string>> commands;  // without the program's name
-  std::string film;                                // MP4 that the last one leaves, from the project's folder
-  std::string answer = {};              // file of the way's folder that takes what the last one prints, JSON
-  std::vector<std::string> shown = {};  // files of the way's folder that a page may look at: .png, .html
+  std::string film;         // MP4 that the last one leaves, from the project's folder; "": none
+  std::string answer = {};  // file of the way's folder that takes what the last one prints, JSON
+  std::vector<std::string> shown =
+      {};  // files of the way's folder that a page may look at: .png, .html, .svg
 };
 
+/// way       "design", "stills", "flowlines"; "lines", which finds a clip's flow lines for the last one.
 /// picture   CV_8UC3, the project's.
 /// Throws    Error{kNotFound} for no way's name; Error{kUsage} where what was drawn is too little, saying what is missing.
 WayPlan plan_way(const std::string& way, const Document& document, const cv::Mat& picture);

@@ -394,6 +394,74 @@ test("stills become a moving scene, an order is refused, and the command line ma
   await page.context().close();
 });
 
+test("a clip's lines are found, one is moved, and it goes on without an end; the command line makes it again", async () => {
+  const page = await open(`${url}#/still`);
+  await page.locator(".bar").waitFor();
+  await page.keyboard.press("7");
+  const clips = page.getByRole("combobox", { name: "Clip", exact: true });
+  await clips.selectOption({ label: "fall/1.mkv" });
+  await page.getByRole("button", { name: "Find lines" }).click();
+  await page.getByRole("button", { name: "Find lines" }).waitFor();
+  await page.locator(".section", { hasText: "Flow lines" }).locator(".figure", { hasText: /^\d+$/ }).waitFor();
+  await shot(page, "endless-found");
+  // A line of one's own: a copy of the nearest one, beside copies of all.
+  await drag(page, [[60, 20], [50, 120]]);
+  await until(async () => (await document("still")).endless.edited.length > 1);
+  const drawn = (await document("still")).endless;
+  assert.equal(drawn.edited.length, drawn.lines.length + 1);
+  assert.match(drawn.edited.at(-1).id, /^l\d+-2$/);
+  await page.getByRole("slider", { name: "Pace" }).press("End");
+  await until(async () => (await document("still")).endless.edited.at(-1).speeds[0] > 3.5);
+  await page.keyboard.press("Control+z");
+  await until(async () => (await document("still")).endless.edited.at(-1).speeds.length === 0);
+  await page.keyboard.press("Delete");
+  await until(async () => (await document("still")).endless.edited.length === drawn.lines.length);
+  // One of those that are there is chosen, and dragged.
+  const [first] = (await document("still")).endless.edited;
+  const middle = [0, 1].map((axis) => (first.points[0][axis] + first.points[1][axis]) / 2);
+  await drag(page, [middle, middle]);
+  await page.getByRole("heading", { name: `Line ${first.id}` }).waitFor();
+  await drag(page, [middle, [middle[0] + 9, middle[1]], [middle[0] + 12, middle[1]]]);
+  await until(async () => Math.abs((await document("still")).endless.edited[0].points[0][0] - first.points[0][0]) > 8);
+  await page.getByRole("slider", { name: "Length" }).press("Home");
+  await until(async () => (await document("still")).endless.frames === 25);
+  await page.getByRole("button", { name: "Make it" }).click();
+  await page.getByRole("link", { name: "Save" }).waitFor();
+  await page.waitForFunction(() => globalThis.document.querySelector("video.film")?.currentTime > 0.1);
+  await expectAccessible(page, "endless");
+  await shot(page, "endless-moved");
+  const project = at("room/projects/still");
+  const made = readFileSync(join(project, "ways/flowlines/film.mp4"));
+  const line = await page.locator(".command code", { hasText: "film.mp4" }).textContent();
+  assert.match(line, /synth flowlines .*--edited ways\/flowlines\/edited.svg/);
+  const again = spawnSync("sh", ["-c", line.replace(/^freshet/, FRESHET)], { cwd: project, encoding: "utf8" });
+  assert.equal(again.status, 0, again.stderr);
+  assert.ok(made.equals(readFileSync(join(project, "ways/flowlines/film.mp4"))));
+  // A long one is stopped in the middle.
+  await page.getByRole("slider", { name: "Length" }).press("End");
+  await until(async () => (await document("still")).endless.frames > 2000);
+  await page.getByRole("button", { name: "Make it" }).click();
+  await page.getByRole("button", { name: "Stop", exact: true }).click();
+  await page.getByRole("button", { name: "Make it" }).waitFor();
+  assert.deepEqual(page.faults, []);
+  await page.context().close();
+});
+
+test("a clip that is dropped becomes a project of its own", async () => {
+  const page = await open(url);
+  await page.getByRole("button", { name: "Add clips" }).click();
+  await page.setInputFiles("input[aria-label='Choose clips']", at("clips/fall/1.mkv"));
+  await page.getByRole("button", { name: "Make it endless" }).click();
+  await page.getByRole("button", { name: "Find lines" }).waitFor();
+  const id = decodeURIComponent(new URL(page.url()).hash.slice(2));
+  assert.deepEqual((await document(id)).endless.clip, "1.mkv");
+  await page.getByRole("button", { name: "Find lines" }).click();
+  await page.locator(".section", { hasText: "Flow lines" }).locator(".figure", { hasText: /^\d+$/ }).waitFor();
+  assert.deepEqual(page.faults, []);
+  await page.context().close();
+  await api(`projects/${id}`, { method: "DELETE" });
+});
+
 /** A picture of 24 Mpix without anything to install: a BMP of stripes, blue above and green below. */
 function writeLarge(path, width = 6000, height = 4000) {
   const head = Buffer.alloc(54);
@@ -518,7 +586,7 @@ for (const [theme, size, width, height] of [
     assert.equal(await page.evaluate(() => globalThis.broken), undefined);
     await page.goto(`${url}#/still`);
     await page.locator(".bar").waitFor();
-    for (const [key, name] of [["1", "fluid"], ["2", "flow"], ["3", "look"], ["4", "why"], ["5", "design"], ["6", "stills"]]) {
+    for (const [key, name] of [["1", "fluid"], ["2", "flow"], ["3", "look"], ["4", "why"], ["5", "design"], ["6", "stills"], ["7", "endless"]]) {
       await page.keyboard.press(key);
       await look(name);
     }

@@ -147,6 +147,50 @@ TEST_F(Server, StillsAreTakenShownAndRemoved) {
   EXPECT_EQ(running().json(at), Json::array());
 }
 
+TEST_F(Server, ClipsAreTakenShownAndMadeEndless) {
+  const std::string clip = tools::text_of(tools::sample().clips / "fall/1.mkv");
+  const std::string id = Json::parse(running().send("POST", "api/clips?name=A%20Fall.mkv", clip)->body)["id"];
+  EXPECT_EQ(running().json("api/projects/" + id)["document"]["endless"]["clip"], "a-fall.mkv");
+  EXPECT_EQ(Json::parse(running().send("POST", "api/clips?name=A%20Fall.mkv", clip)->body)["id"], id);
+  const std::string at = "api/projects/" + id + "/clips";
+  EXPECT_EQ(running().json(at), Json({"a-fall.mkv"}));
+  EXPECT_EQ(status(running().send("POST", at + "?name=..%2f..%2fa.mkv", clip)), 200);
+  EXPECT_EQ(status(running().send("POST", at + "?name=a.sh", "#!/bin/sh")), 400);
+  EXPECT_EQ(status(running().send("POST", "api/clips?name=a.mkv", "no clip")), 400);
+  EXPECT_EQ(running().json(at), Json({"a-fall.mkv", "a.mkv"}));
+  EXPECT_TRUE(fs::is_empty(running().room() / "incoming"));
+  const httplib::Result frame = running().get(at + "/frame?clip=a.mkv&own=1");
+  EXPECT_EQ(status(frame), 200);
+  EXPECT_EQ(frame->get_header_value("Content-Type"), "image/jpeg");
+  EXPECT_EQ(status(running().get(at + "/frame?clip=fall/1.mkv")), 200);  // of the store
+  for (const char* clip_name : {"b.mkv", "..%2f..%2fpicture.png", "..%2fclips%2fa.mkv", ""})
+    EXPECT_EQ(status(running().get(at + "/frame?own=1&clip=" + clip_name)), 404) << clip_name;
+
+  running().draw(id, {{"endless",
+                       {{"clip", "a.mkv"},
+                        {"dropped", true},
+                        {"lines", Json::array()},
+                        {"edited", Json::array()},
+                        {"join", 0},
+                        {"stretched", false},
+                        {"ground", "none"},
+                        {"frames", 20},
+                        {"loop", false},
+                        {"moving_camera", false}}}});
+  const std::string ways = "api/projects/" + id + "/ways/";
+  for (const char* way : {"lines", "flowlines"}) {
+    EXPECT_EQ(running().json(ways + way)["made"], Json()) << way;
+    EXPECT_EQ(status(running().send("POST", ways + way, "{}")), 200);
+    running().studio().wait();
+    EXPECT_TRUE(running().json(ways + way)["made"].is_string()) << running().json("api/jobs");
+  }
+  const std::string found = running().json(ways + "lines")["shown"][0];
+  EXPECT_NE(running().get(ways + "lines/files/" + found)->body.find("<path id=\"l1\""), std::string::npos);
+  EXPECT_EQ(running().json(ways + "lines")["film"], Json());
+  EXPECT_EQ(status(running().get(ways + "lines/film")), 404);
+  EXPECT_EQ(running().get(ways + "flowlines/film")->get_header_value("Content-Type"), "video/mp4");
+}
+
 TEST_F(Server, GivesNamesAsTheyAre) {
   // A store whose clip's name is a page: the answer is JSON, and never taken for anything else.
   const std::string store = Json::parse(

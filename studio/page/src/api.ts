@@ -46,6 +46,7 @@ export const address = {
   exported: (project: string, file: string): string => `${at(project)}/exports/${name(file)}`,
   film: (project: string, way: string, number: string): string => `${at(project)}/ways/${way}/film?n=${number}`,
   wayFile: (project: string, way: string, file: string, number: string): string => `${at(project)}/ways/${way}/files/${name(file)}?n=${number}`,
+  clipFrame: (project: string, clip: string, own: boolean): string => `${at(project)}/clips/frame?clip=${name(clip)}&own=${own ? 1 : 0}`,
   still: (project: string, still: string): string => `${at(project)}/stills/${name(still)}`,
   credits: (project: string): string => `${at(project)}/credits`,
 };
@@ -60,6 +61,12 @@ export const credits = async (id: string): Promise<string> => (await ask(address
 
 export async function openPicture(file: File): Promise<string> {
   const answer = await ask(`api/projects?name=${name(file.name)}`, { method: "POST", body: file });
+  return ((await answer.json()) as { id: string }).id;
+}
+
+/** A project that begins with a clip. */
+export async function openClip(file: File): Promise<string> {
+  const answer = await ask(`api/clips?name=${name(file.name)}`, { method: "POST", body: file });
   return ((await answer.json()) as { id: string }).id;
 }
 
@@ -88,6 +95,14 @@ export async function save(id: string, document: Document, base: number, page: s
 
 export const way = (id: string, name: string): Promise<Way> => get(`${at(id)}/ways/${name}`);
 export const runWay = (id: string, name: string): Promise<{ job: number }> => post(`${at(id)}/ways/${name}`, {});
+
+/** As SVG. */
+export const foundLines = async (id: string, file: string, number: string): Promise<string> => (await ask(address.wayFile(id, "lines", file, number))).text();
+export const clips = (id: string): Promise<string[]> => get(`${at(id)}/clips`);
+export async function sendOwnClip(id: string, file: File): Promise<string> {
+  const answer = await ask(`${at(id)}/clips?name=${name(file.name)}`, { method: "POST", body: file });
+  return ((await answer.json()) as { name: string }).name;
+}
 
 export const stills = (id: string): Promise<string[]> => get(`${at(id)}/stills`);
 export async function sendStill(id: string, file: File): Promise<void> {

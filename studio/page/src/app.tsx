@@ -3,6 +3,7 @@ import type { JSX } from "preact";
 import { useEffect, useRef, useState } from "preact/hooks";
 import { ArrowLeft, Download, Maximize, Moon, Pause, Play, Redo2, Repeat, SlidersHorizontal, SplitSquareHorizontal, Sun, Undo2, ZoomIn, ZoomOut } from "lucide-preact";
 import { Canvas } from "./canvas";
+import { removeLine } from "./cliplines";
 import { Exporter } from "./exporter";
 import { HomePage } from "./homepage";
 import { IconButton } from "./parts";
@@ -102,6 +103,7 @@ const kModes: readonly (readonly [state.Mode, string, string])[] = [
   ["why", "Why", "4"],
   ["design", "Design", "5"],
   ["stills", "Stills", "6"],
+  ["endless", "Endless", "7"],
 ];
 
 function Work(): JSX.Element {
@@ -117,6 +119,8 @@ function Work(): JSX.Element {
     return () => made.end();
   }, []);
   useEffect(() => canvas.current?.refit(), [panel]);
+  // Where there is no room for all of them, the one that is chosen is in sight.
+  useEffect(() => document.querySelector(".modes [aria-pressed=true]")?.scrollIntoView({ block: "nearest", inline: "center" }), [state.mode.value]);
   useShortcuts(canvas, () => setExporting(true));
   const zoom = view.zoom.value;
   return (
@@ -168,16 +172,19 @@ const kStages: Record<string, string> = {
   match: "Matching contrast",
   render: "Rendering",
   "ways/design/scene.toml": "Simulating",
+  "measuring flow": "Measuring the flow",
 };
 export function stageWords(stage: string): string {
   const words = kStages[stage] ?? stage;
   return words.charAt(0).toUpperCase() + words.slice(1);
 }
 
+const kOtherWays: readonly state.Mode[] = ["design", "stills", "endless"];
+
 function statusWords(): string {
   if (state.problem.value) return state.problem.value;
   const job = state.previewJob.value;
-  if (state.mode.value === "design" || state.mode.value === "stills") return "";
+  if (kOtherWays.includes(state.mode.value)) return "";
   if (!state.doc.value?.store) return "Choose a store under Look, and it moves.";
   if (!state.matte.value && !job) return "Scribble on what flows.";
   if (job && job.state === "running" && job.stage)
@@ -260,7 +267,7 @@ function useShortcuts(canvas: { current: Canvas | null }, exportNow: () => void)
       }
       const tools: Record<string, view.FluidTool> = { b: "fluid", n: "still", p: "paint", e: "erase", a: "area", h: "hold" };
       const chosen = tools[key];
-      const index = "123456".indexOf(key);
+      const index = "1234567".indexOf(key);
       if (chosen && state.mode.value === "fluid") view.fluidTool.value = chosen;
       else if (index >= 0) state.mode.value = kModes[index]?.[0] ?? "fluid";
       else if (key === "[") view.brush.value = Math.max(2, view.brush.value / 1.2);
@@ -277,6 +284,7 @@ function useShortcuts(canvas: { current: Canvas | null }, exportNow: () => void)
       else if (key === "escape") {
         canvas.current?.dropCorners();
         view.selected.value = null;
+        view.line.value = null;
         view.piece.value = null;
       }
     };
@@ -307,6 +315,7 @@ function spaceDown(yes: boolean): void {
 function removeSelected(): void {
   const chosen = view.selected.value;
   const document = state.doc.value;
+  if (state.mode.value === "endless") return removeLine();
   if (chosen === null || !document || state.mode.value !== "flow") return;
   state.edit({ strokes: document.strokes.filter((_, i) => i !== chosen) });
   view.selected.value = null;

@@ -7,10 +7,11 @@ import { Image as KonvaImage } from "konva/lib/shapes/Image";
 import { Line } from "konva/lib/shapes/Line";
 import { Rect } from "konva/lib/shapes/Rect";
 import { address } from "./api";
+import { addLine as addClipLine, changeLine, inputLines, shownLines } from "./cliplines";
 import { flat, lengthOf, PenLine, rounded, type Run, widthOf } from "./pen";
 import * as state from "./state";
 import { Streaks } from "./streaks";
-import type { Design, Document, Drawn, Point, Stroke, Tempo } from "./types";
+import type { ClipLine, Design, Document, Drawn, Point, Stroke, Tempo } from "./types";
 import * as view from "./view";
 
 const kLongest = 2048; // px of the copy of the picture that is always here
@@ -39,6 +40,7 @@ export class Canvas {
   private readonly cursorLayer = new Konva.Layer({ listening: false });
   private readonly picture = new KonvaImage({ image: undefined });
   private readonly moving = new KonvaImage({ image: undefined });
+  private readonly ground = new KonvaImage({ image: undefined, visible: false }); // in place of all of these
   private readonly detail = new KonvaImage({ image: undefined, visible: false }); // the part that is seen, as sharp as it is
   private detailTimer = 0;
   private readonly original = new KonvaImage({ image: undefined, visible: false });
@@ -72,7 +74,7 @@ export class Canvas {
     this.overlay.className = "streaks";
     Object.assign(this.film, { className: "film", muted: true, loop: true, autoplay: true, playsInline: true, hidden: true });
     this.stage = new Konva.Stage({ container: holder, width: box.clientWidth || 10, height: box.clientHeight || 10 });
-    this.below.add(this.picture, this.moving, this.detail, this.original, this.divider);
+    this.below.add(this.picture, this.moving, this.detail, this.original, this.divider, this.ground);
     this.over.add(this.tint, this.held);
     this.cursorLayer.add(this.outline, this.cursor);
     this.stage.add(this.below, this.over, this.drawing, this.cursorLayer);
@@ -101,6 +103,8 @@ export class Canvas {
 
   private size(): { width: number; height: number } {
     const open = state.project.value;
+    const ground = view.ground.value;
+    if (ground) return { width: ground.naturalWidth, height: ground.naturalHeight };
     return open ? { width: open.width, height: open.height } : { width: 1, height: 1 };
   }
 
@@ -129,8 +133,10 @@ export class Canvas {
         const { width, height } = this.size();
         void frame;
         const bitmap = player.bitmap();
-        this.moving.setAttrs({ image: bitmap ?? undefined, width, height, visible: !!reel && !!bitmap });
-        const shown = split !== null;
+        const away = !!view.ground.value; // the picture, and all that is made of it
+        this.picture.visible(!away);
+        this.moving.setAttrs({ image: bitmap ?? undefined, width, height, visible: !away && !!reel && !!bitmap });
+        const shown = !away && split !== null;
         this.original.visible(shown);
         this.divider.visible(shown);
         if (shown) {
@@ -144,6 +150,12 @@ export class Canvas {
           this.divider.strokeWidth(2 / this.stage.scaleX());
         }
         this.below.batchDraw();
+      }),
+      effect(() => {
+        const image = view.ground.value;
+        this.ground.setAttrs({ image: image ?? undefined, width: image?.naturalWidth ?? 1, height: image?.naturalHeight ?? 1, visible: !!image });
+        this.fitted = true;
+        queueMicrotask(() => this.resize());
       }),
       effect(() => {
         const open = state.project.value;
@@ -197,12 +209,15 @@ export class Canvas {
         void view.pieceMap.value;
         void state.pieces.value;
         void view.zoom.value;
+        void view.lineTool.value;
+        void view.line.value;
+        void view.foundLines.value;
         this.redrawDrawing();
       }),
       effect(() => {
         const drags = view.panning.value;
         const mode = state.mode.value;
-        this.box.style.cursor = drags ? "grab" : mode === "fluid" || mode === "flow" || mode === "design" ? "crosshair" : "default";
+        this.box.style.cursor = drags ? "grab" : mode === "fluid" || mode === "flow" || mode === "design" || mode === "endless" ? "crosshair" : "default";
       }),
     );
   }
@@ -272,6 +287,7 @@ export class Canvas {
       }
       if (state.mode.value === "why") this.addPieces();
       if (state.mode.value === "design") this.addDesign(document.design);
+      if (state.mode.value === "endless" && view.ground.value) this.addClipLines();
     }
     this.drawing.batchDraw();
   }
@@ -325,22 +341,55 @@ export class Canvas {
     });
     this.drawing.add(arrow);
     if (!chosen || view.flowTool.value !== "line") return;
-    stroke.points.forEach((point, k) => {
-      if (k !== 0 && k !== stroke.points.length - 1 && stroke.points.length > 8 && k % 3 !== 0) return;
+    this.addHandles(stroke.points, (points) => {
+      const strokes = state.doc.value?.strokes ?? [];
+      state.edit({ strokes: strokes.map((each, i) => (i === index ? { ...each, points } : each)) });
+    });
+  }
+
+  /** Where a line's points can be taken hold of. */
+  private addHandles(points: Point[], moved: (points: Point[]) => void): void {
+    const scale = this.stage.scaleX();
+    points.forEach((point, k) => {
+      if (k !== 0 && k !== points.length - 1 && points.length > 8 && k % 3 !== 0) return;
       // The last one stands beyond the arrow's tip, which it would cover.
-      const before = stroke.points[k - 1] ?? point;
+      const before = points[k - 1] ?? point;
       const length = Math.hypot(point[0] - before[0], point[1] - before[1]) || 1;
-      const beyond = k === stroke.points.length - 1 ? 13 / scale / length : 0;
+      const beyond = k === points.length - 1 ? 13 / scale / length : 0;
       const [dx, dy] = [(point[0] - before[0]) * beyond, (point[1] - before[1]) * beyond];
       const handle = new Circle({ x: point[0] + dx, y: point[1] + dy, radius: 5 / scale, fill: "#fff", stroke: accent(), strokeWidth: 2 / scale, draggable: true, hitStrokeWidth: 14 / scale });
       handle.on("pointerdown", (event) => (event.cancelBubble = true));
-      handle.on("dragend", () => {
-        const strokes = state.doc.value?.strokes ?? [];
-        const points = stroke.points.map((each, i): Point => (i === k ? [rounded(handle.x() - dx), rounded(handle.y() - dy)] : each));
-        state.edit({ strokes: strokes.map((each, i) => (i === index ? { ...each, points } : each)) });
-      });
+      handle.on("dragend", () => moved(points.map((each, i): Point => (i === k ? [rounded(handle.x() - dx), rounded(handle.y() - dy)] : each))));
       this.drawing.add(handle);
     });
+  }
+
+  private addClipLines(): void {
+    const scale = this.stage.scaleX();
+    if (view.lineTool.value === "edited")
+      for (const { points } of inputLines())
+        this.drawing.add(new Line({ points: flat(points), stroke: "#9fb4bd", strokeWidth: 1.2 / scale, dash: [5 / scale, 4 / scale], listening: false }));
+    shownLines().forEach((line, index) => this.addClipLine(line, index));
+  }
+
+  private addClipLine(line: ClipLine, index: number): void {
+    const chosen = view.line.value === index;
+    const scale = this.stage.scaleX();
+    const shape = { points: flat(line.points), pointerLength: 9 / scale, pointerWidth: 8 / scale, lineCap: "round" as const, lineJoin: "round" as const };
+    this.drawing.add(new Arrow({ ...shape, stroke: "#00171a", fill: "#00171a", strokeWidth: 5 / scale, opacity: 0.5, listening: false }));
+    const colour = chosen ? accent() : "#fff";
+    const arrow = new Arrow({ ...shape, stroke: colour, fill: colour, strokeWidth: 2.2 / scale, hitStrokeWidth: 14 / scale, draggable: chosen });
+    arrow.on("pointerdown", (event) => {
+      if (view.panning.value || event.evt.button !== 0) return;
+      event.cancelBubble = true;
+      view.line.value = index;
+    });
+    arrow.on("dragend", () => {
+      const [dx, dy] = [arrow.x(), arrow.y()];
+      changeLine(index, { points: line.points.map(([x, y]): Point => [rounded(x + dx), rounded(y + dy)]) });
+    });
+    this.drawing.add(arrow);
+    if (chosen) this.addHandles(line.points, (points) => changeLine(index, { points }));
   }
 
   private addPieces(): void {
@@ -458,7 +507,7 @@ export class Canvas {
     const scale = this.stage.scaleX();
     const shown = scale * (window.devicePixelRatio || 1);
     const sharp = !open || Math.max(width, height) * Math.min(1, shown) <= kLongest;
-    if (sharp || !this.showsStill()) {
+    if (sharp || view.ground.value || !this.showsStill()) {
       this.detail.visible(false);
       return;
     }
@@ -554,6 +603,7 @@ export class Canvas {
     this.erasing = event.button === 2 || event.altKey;
     this.line = new PenLine(point, widthOf(event, view.brush.value));
     if (mode === "flow") view.selected.value = null;
+    if (mode === "endless" && !view.ground.value) this.line = null;
     this.addLive();
   }
 
@@ -562,7 +612,7 @@ export class Canvas {
   }
   private drawsArrow(): boolean {
     const mode = state.mode.value;
-    return (mode === "flow" && view.flowTool.value === "line") || (mode === "design" && view.designTool.value === "wind");
+    return mode === "endless" || (mode === "flow" && view.flowTool.value === "line") || (mode === "design" && view.designTool.value === "wind");
   }
 
   /** What is seen of the run that is being drawn. */
@@ -626,7 +676,10 @@ export class Canvas {
     const scale = this.stage.scaleX();
     const runs = line.simple(0.7 / scale);
     const isClick = lengthOf(line.points) * scale < 8;
-    if (state.mode.value === "design") {
+    if (state.mode.value === "endless") {
+      if (isClick) view.line.value = null;
+      else addClipLine(runs.flatMap(({ points }) => points));
+    } else if (state.mode.value === "design") {
       this.addToDesign(document, runs, isClick);
     } else if (this.drawsArrow()) {
       if (!isClick) this.addLine(document, runs.flatMap(({ points }) => points));

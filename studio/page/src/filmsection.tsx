@@ -5,7 +5,7 @@ import * as api from "./api";
 import { stageWords } from "./app";
 import { CommandLine, Running, Section } from "./parts";
 import * as state from "./state";
-import type { Way } from "./types";
+import type { Job, Way } from "./types";
 import * as view from "./view";
 
 /** What the server has of a way; asked anew when what was drawn for it is saved, and when a film is there. */
@@ -21,11 +21,16 @@ export function useWay(name: string, drawn: unknown): Way | null {
   return way;
 }
 
+/** The last run of a way for a project, if there was one. */
+export function wayJob(id: string, name: string): Job | undefined {
+  return Object.values(state.jobs.value).filter((each) => each.key === `way ${id}/${name}`).at(-1);
+}
+
 export function FilmSection({ name, way, ready }: { name: string; way: Way | null; ready: boolean }): JSX.Element {
   const id = state.project.value?.id ?? "";
   const [fault, setFault] = useState("");
   const saved = state.saving.value === "saved";
-  const job = Object.values(state.jobs.value).filter((each) => each.key === `way ${id}/${name}`).at(-1);
+  const job = wayJob(id, name);
   const runs = job?.state === "running" || job?.state === "waiting";
   const source = way?.film ? api.address.film(id, name, way.film) : null;
   useEffect(() => {

@@ -240,6 +240,20 @@ function ClipsDialog(props: { files: File[] | null; onClose: () => void }): JSX.
     }
     setSent(-1);
   };
+  /** No store: a project of its own, in which it goes on without an end. */
+  const goOn = async (): Promise<void> => {
+    setSent(0);
+    try {
+      const id = await api.openClip(files[0] as File);
+      state.beginWith("endless");
+      props.onClose();
+      go(id);
+    } catch (fault) {
+      state.toast.value = (fault as Error).message;
+    }
+    setMore([]);
+    setSent(-1);
+  };
   return (
     <Dialog title="Add clips to a store" open={props.files !== null} onClose={props.onClose}>
       <p class="hint">A clip wants a camera that stands still, one take, and nothing moving but the fluid; four seconds or more.</p>
@@ -281,6 +295,11 @@ function ClipsDialog(props: { files: File[] | null; onClose: () => void }): JSX.
       <footer class="row">
         <span class="hint">{sent >= 0 ? `Sending ${sent + 1} of ${files.length}` : ""}</span>
         <span class="spread" />
+        {files.length === 1 && (
+          <button type="button" disabled={sent >= 0} onClick={() => void goOn()}>
+            Make it endless
+          </button>
+        )}
         <button type="button" class="primary" disabled={files.length === 0 || sent >= 0 || !kind} onClick={() => void start()}>
           Add {files.length || ""}
         </button>

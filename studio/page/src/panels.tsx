@@ -5,6 +5,7 @@ import { Brush, Eraser, Hand, Pencil, Pin as PinIcon, Shapes, Spline, Trash2, X 
 import * as api from "./api";
 import { Choice, IconButton, Section, Slider, Strip, Switch } from "./parts";
 import { DesignPanel } from "./designpanel";
+import { EndlessPanel } from "./endlesspanel";
 import { lengthOf } from "./pen";
 import { StillsPanel } from "./stillspanel";
 import * as state from "./state";
@@ -24,6 +25,7 @@ export function Panel(): JSX.Element | null {
       {state.mode.value === "why" && <WhyPanel document={document} />}
       {state.mode.value === "design" && <DesignPanel document={document} />}
       {state.mode.value === "stills" && <StillsPanel document={document} />}
+      {state.mode.value === "endless" && <EndlessPanel document={document} />}
     </aside>
   );
 }

@@ -8,7 +8,7 @@ import type { Document, Field, Home, Job, MatteNews, Pieces, Project, ReelNews }
 export interface IngestReport {
   clips: { name: string; outcome: string; reasons: string[]; notes: string[] }[];
 }
-export type Mode = "fluid" | "flow" | "look" | "why" | "design" | "stills";
+export type Mode = "fluid" | "flow" | "look" | "why" | "design" | "stills" | "endless";
 
 export const pageId = Math.random().toString(36).slice(2, 12);
 export const home = signal<Home | null>(null);
@@ -155,6 +155,11 @@ async function send(): Promise<void> {
     busy = false;
   }
   if (dirty && saving.value !== "offline") void send();
+}
+
+/** Until the server has all that was changed. */
+export async function kept(): Promise<void> {
+  while (saving.value !== "saved") await new Promise((resolve) => window.setTimeout(resolve, 20));
 }
 
 function adopt(document: Document, word = ""): void {

@@ -47,7 +47,7 @@ export function StillsPanel({ document }: { document: Document }): JSX.Element {
           </ul>
         </Section>
       )}
-      {way?.film && way.found && <FoundSection id={id} found={way.found} number={way.film} say={(path) => change({ paths: [...stills.paths, path] })} />}
+      {way?.film && !!way.found && <FoundSection id={id} found={way.found as FoundStills} number={way.film} say={(path) => change({ paths: [...stills.paths, path] })} />}
     </>
   );
 }

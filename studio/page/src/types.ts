@@ -53,6 +53,28 @@ export interface Document {
   moving_outline: boolean;
   design: Design;
   stills: Stills;
+  endless: Endless;
+}
+
+/** A line that particles of a clip ride, px of its frames. */
+export interface ClipLine {
+  id: string;
+  points: Point[];
+  speeds: number[]; // times as fast, at even distances along it; none: 1
+}
+
+/** A clip that is to go on without an end. */
+export interface Endless {
+  clip: string;
+  dropped: boolean;
+  lines: ClipLine[];
+  edited: ClipLine[];
+  join: number;
+  stretched: boolean;
+  ground: Ground;
+  frames: number;
+  loop: boolean;
+  moving_camera: boolean;
 }
 
 /** What is said of an order that was found: not walked, or in this order alone. */
@@ -100,7 +122,9 @@ export interface Design {
 /** Another way to synthesise: what is typed for it, the film that it has made, if any, and what it found. */
 export interface Way {
   film: string | null;
-  found: FoundStills | null;
+  made: string | null;
+  found: unknown;
+  shown: string[]; // names of files
   commands: string[];
 }
 

@@ -1,5 +1,6 @@
 // What of the work area is shown, and with which tool the pointer draws.
 import { signal } from "@preact/signals";
+import type { ClipLine } from "./types";
 
 export type FluidTool = "fluid" | "still" | "paint" | "erase" | "area" | "hold";
 export const fluidTool = signal<FluidTool>("fluid");
@@ -11,6 +12,12 @@ export const flowTool = signal<FlowTool>("line");
 export const tempo = signal(2); // times as fast, that the brush paints
 export type DesignTool = "source" | "obstacle" | "wind";
 export const designTool = signal<DesignTool>("source");
+export type LineTool = "edited" | "lines";
+export const lineTool = signal<LineTool>("edited");
+export const line = signal<number | null>(null); // of those that the tool changes
+export const foundLines = signal<ClipLine[]>([]); // in the clip that is chosen
+/** What lies on the canvas in place of the picture. */
+export const ground = signal<HTMLImageElement | null>(null);
 export const film = signal<string | null>(null); // address of the film that plays over the picture
 export const corners = signal(0); // of the area that is being clicked together
 export const selected = signal<number | null>(null); // a stroke

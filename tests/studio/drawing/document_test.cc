@@ -43,6 +43,17 @@ Document full() {
                      .split = 3,
                      .full = true,
                      .paths = {{.region = "1", .names = {"a.jpg", "c d.jpg"}, .refused = true}}};
+  document.endless = {.clip = "fall \"1\".mp4",
+                      .dropped = true,
+                      .lines = {{.id = "l1", .points = {{1, 2}, {1, 40}}, .speeds = {}}},
+                      .edited = {{.id = "l1", .points = {{1, 2}, {9, 40}}, .speeds = {}},
+                                 {.id = "l1-2", .points = {{5, 2}, {9, 40}}, .speeds = {0.5f, 2}}},
+                      .join = 12.5,
+                      .stretched = true,
+                      .ground = "black",
+                      .frames = 77,
+                      .loop = true,
+                      .moving_camera = true};
   return document;
 }
 
@@ -61,15 +72,17 @@ TEST(Document, ComesBackFromItsText) {
   EXPECT_EQ(document_from_json(to_json({}), "document"), Document());
 }
 
-TEST(Document, WithoutPaceDesignAndStillsIsAnOlderOne) {
+TEST(Document, WithoutOtherWaysIsAnOlderOne) {
   Json older = Json::parse(to_json(full()));
   older.erase("tempo");
   older.erase("design");
   older.erase("stills");
+  older.erase("endless");
   Document expected = full();
   expected.tempo.clear();
   expected.design = {};
   expected.stills = {};
+  expected.endless = {};
   EXPECT_EQ(document_from_json(older.dump(), "document"), expected);
 }
 
@@ -101,6 +114,27 @@ TEST(Document, RefusesWhatItDoesNotKnow) {
     stills[std::string(name) == "names" ? "paths" : name] = value;
     expect_refused(with("stills", stills), name);
   }
+  const auto line = [](const char* id, const Json& points, const Json& speeds) {
+    return Json{{{"id", id}, {"points", points}, {"speeds", speeds}}};
+  };
+  for (const auto& [name, value] : {std::pair{"frames", Json(0)},
+                                    {"ground", Json("sky")},
+                                    {"join", Json(-1)},
+                                    {"clip", Json("../../../a.mp4")},
+                                    {"x", Json(1)},
+                                    {"points", line("a", {{1, 1}}, Json::array())},
+                                    {"id", line("a\"/>", {{1, 1}, {2, 2}}, Json::array())},
+                                    {"speeds", line("a", {{1, 1}, {2, 2}}, {0})},
+                                    {"edited", Json::array()}}) {
+    Json endless = good["endless"];
+    const std::string field = name;
+    endless[field == "points" || field == "id" || field == "speeds" || field == "edited" ? "lines" : field] =
+        value;
+    expect_refused(with("endless", endless), name);
+  }
+  Json doubled = good["endless"];
+  doubled["edited"][1]["id"] = "l1";
+  expect_refused(with("endless", doubled), "another line");
   expect_refused(with("tempo", {{{"points", {{1, 1}}}, {"width", 9}, {"factor", 3}}}), "factor");
   expect_refused(with("frames", 2.5), "frames");
   expect_refused(with("frames", 1e9), "frames");

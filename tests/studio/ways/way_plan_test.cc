@@ -1,5 +1,7 @@
 #include "studio/ways/way_plan.h"
 
+#include <algorithm>
+
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
@@ -75,6 +77,54 @@ TEST(WayPlan, WhatIsSaidOfStillsIsHeededByTheCommandLine) {
   document.stills.paths = {{.region = before.at("name"), .names = first, .refused = true}};
   const nlohmann::json after = run();
   for (const nlohmann::json& path : after.at("paths")) EXPECT_NE(path.get<std::vector<std::string>>(), first);
+}
+
+/// Runs a plan's only command in a project's folder.
+nlohmann::json run_in(const tools::WorkFolder& folder, const WayPlan& plan) {
+  std::filesystem::create_directories(folder / ("ways/" + plan.folder));
+  for (const WayFile& file : plan.files) folder.file("ways/" + plan.folder + "/" + file.name, file.bytes);
+  const tools::Outcome outcome = folder.freshet(plan.commands.at(0));
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  for (const std::string& shown : plan.shown)
+    EXPECT_TRUE(std::filesystem::exists(folder / ("ways/" + plan.folder + "/" + shown))) << shown;
+  return outcome.exit_code == 0 ? nlohmann::json::parse(outcome.out) : nlohmann::json();
+}
+
+TEST(WayPlan, AClipGoesOnAlongLinesThatWereMoved) {
+  const tools::WorkFolder folder;
+  Document document;
+  document.store = tools::sample().store;
+  document.endless.clip = "fall/1.mkv";
+  document.endless.frames = 20;
+  EXPECT_GT(run_in(folder, plan_way("lines", document, kPicture))["lines"], 0);
+  document.endless.lines = {{.id = "a", .points = {{80, 10}, {80, 130}}, .speeds = {}},
+                            {.id = "b", .points = {{100, 10}, {100, 130}}, .speeds = {}}};
+  document.endless.edited = {{.id = "a", .points = {{70, 10}, {60, 130}}, .speeds = {2}},
+                             {.id = "b-2", .points = {{110, 10}, {120, 130}}, .speeds = {0.5f, 1}}};
+  const WayPlan plan = plan_way("flowlines", document, kPicture);
+  const nlohmann::json report = run_in(folder, plan);
+  EXPECT_EQ(report["lines"], 2);
+  EXPECT_TRUE(std::filesystem::exists(folder / plan.film));
+  EXPECT_NE(tools::text_of(folder / "ways/flowlines/edited.svg").find("data-speed=\"0.5 1\""),
+            std::string::npos);
+}
+
+TEST(WayPlan, AClipIsTheStoresOrTheProjects) {
+  Document document;
+  EXPECT_THROW(plan_way("flowlines", document, kPicture), Error);
+  document.endless.clip = "--draw";
+  EXPECT_THROW(plan_way("lines", document, kPicture), Error) << "of no store";
+  document.store = "/a/b.freshet";
+  const std::vector<std::string> stored = plan_way("lines", document, kPicture).commands[0];
+  EXPECT_EQ(stored[3], "--clip=--draw");
+  document.endless.dropped = true;
+  document.endless.clip = "fall.mp4";
+  EXPECT_EQ(plan_way("lines", document, kPicture).commands[0][2], "ways/flowlines/clips/fall.mp4");
+  document.endless.moving_camera = true;
+  document.endless.loop = true;
+  const std::vector<std::string> words = plan_way("flowlines", document, kPicture).commands[0];
+  for (const char* word : {"--moving-camera", "--loop"})
+    EXPECT_NE(std::find(words.begin(), words.end(), word), words.end()) << word;
 }
 
 TEST(WayPlan, WantsASource) {

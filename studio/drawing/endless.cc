@@ -1,0 +1,103 @@
+#include "studio/drawing/endless.h"
+
+#include <set>
+#include <string_view>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <nlohmann/json.hpp>
+
+#include "studio/drawing/fields.h"
+
+namespace freshet::studio {
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr std::size_t kMostClipLines = 2000, kMostSpeeds = 64, kLongestId = 64;
+
+/// One that means nothing to SVG.
+std::string line_id(const Fields& fields) {
+  constexpr std::string_view kLetters = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-.";
+  std::string id = fields.text("id");
+  if (id.empty() || id.size() > kLongestId || id.find_first_not_of(kLetters) != std::string::npos)
+    fields.fail("\"id\" is no name of a line");
+  return id;
+}
+
+std::vector<ClipLine> read_lines(const Fields& fields, const char* name) {
+  std::vector<ClipLine> lines;
+  std::set<std::string> ids;
+  for (const Json& item : fields.list(name, kMostClipLines)) {
+    const Fields line = fields.below(item, name, lines.size());
+    line.only({"id", "points", "speeds"});
+    lines.push_back({.id = line_id(line), .points = line.points(), .speeds = {}});
+    if (lines.back().points.size() < 2) line.fail("a line has two points or more");
+    if (!ids.insert(lines.back().id).second) line.fail("another line has this \"id\"");
+    for (const Json& speed : line.list("speeds", kMostSpeeds)) {
+      const Json holder{{"speeds", speed}};
+      lines.back().speeds.push_back(
+          static_cast<float>(line.below(holder, "speeds", 0).number("speeds", 0.05, 20)));
+    }
+  }
+  return lines;
+}
+
+Json lines_json(const std::vector<ClipLine>& lines) {
+  Json json = Json::array();
+  for (const ClipLine& line : lines)
+    json.push_back({{"id", line.id}, {"points", points_json(line.points)}, {"speeds", line.speeds}});
+  return json;
+}
+
+}  // namespace
+
+Endless read_endless(const Fields& fields) {
+  fields.only({"clip", "dropped", "lines", "edited", "join", "stretched", "ground", "frames", "loop",
+               "moving_camera"});
+  Endless endless{.clip = fields.text("clip"),
+                  .dropped = fields.flag("dropped"),
+                  .lines = read_lines(fields, "lines"),
+                  .edited = read_lines(fields, "edited"),
+                  .join = fields.number("join", 0, 10000),
+                  .stretched = fields.flag("stretched"),
+                  .ground = fields.word("ground", {"none", "black", "white"}),
+                  .frames = fields.integer("frames", 1, 20000),
+                  .loop = fields.flag("loop"),
+                  .moving_camera = fields.flag("moving_camera")};
+  if (endless.dropped && (endless.clip.find('/') != std::string::npos || endless.clip.starts_with('.')))
+    fields.fail("\"clip\" is no file of the project");
+  if (!endless.edited.empty() && endless.lines.empty())
+    fields.fail("\"edited\" lines are copies of \"lines\", of which there are none");
+  return endless;
+}
+
+Json endless_json(const Endless& endless) {
+  return {{"clip", endless.clip},
+          {"dropped", endless.dropped},
+          {"lines", lines_json(endless.lines)},
+          {"edited", lines_json(endless.edited)},
+          {"join", endless.join},
+          {"stretched", endless.stretched},
+          {"ground", endless.ground},
+          {"frames", endless.frames},
+          {"loop", endless.loop},
+          {"moving_camera", endless.moving_camera}};
+}
+
+std::string own_clip_path(const std::string& clip) { return "ways/flowlines/clips/" + clip; }
+
+std::string clip_lines_svg(const std::vector<ClipLine>& lines) {
+  std::string svg = "<svg xmlns=\"http://www.w3.org/2000/svg\">\n<g fill=\"none\" stroke=\"#20a0ff\">\n";
+  for (const ClipLine& line : lines) {
+    svg += fmt::format("<polyline id=\"{}\"", line.id);
+    if (!line.speeds.empty()) svg += fmt::format(" data-speed=\"{:.4g}\"", fmt::join(line.speeds, " "));
+    std::string points;
+    for (const cv::Point2f& point : line.points)
+      points += fmt::format("{}{:.2f},{:.2f}", points.empty() ? "" : " ", point.x, point.y);
+    svg += fmt::format(" points=\"{}\"/>\n", points);
+  }
+  return svg + "</g>\n</svg>\n";
+}
+
+}  // namespace freshet::studio

@@ -1,0 +1,46 @@
+// studio/drawing/endless.h — a clip that is to go on without an end, and the lines that its fluid rides.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <nlohmann/json_fwd.hpp>
+#include <opencv2/core.hpp>
+
+namespace freshet::studio {
+
+class Fields;
+
+/// A line that particles of the clip ride, px of its frames, in the direction of the flow.
+struct ClipLine {
+  std::string id;  // of an edited line: its input line's, or that with "-" and something behind it
+  std::vector<cv::Point2f> points;  // two or more
+  std::vector<float> speeds{};      // times as fast, .05..20, at even distances along it; empty: 1
+  bool operator==(const ClipLine&) const = default;
+};
+
+struct Endless {
+  std::string clip;              // its name in the store; where it was dropped, its file's; empty: none yet
+  bool dropped = false;          // it lies in the project's folder: own_clip_path()
+  std::vector<ClipLine> lines;   // where it flows; empty: found
+  std::vector<ClipLine> edited;  // where it shall flow; empty: as it does
+  double join = 0;               // px, as `synth flowlines --join`; 0: as the input lines lie
+  bool stretched = false;        // the whole input line onto the edited one
+  std::string ground = "none";   // "none", "black", "white"
+  int frames = 250;              // 1..20000
+  bool loop = false;
+  bool moving_camera = false;  // take it though the camera moves
+  bool operator==(const Endless&) const = default;
+};
+
+/// Checks everything, as document_from_json says.
+Endless read_endless(const Fields& fields);
+nlohmann::json endless_json(const Endless& endless);
+
+/// Of a clip that was dropped, from the project's folder: "ways/flowlines/clips/fall.mp4".
+std::string own_clip_path(const std::string& clip);
+
+/// As `synth flowlines --lines` and --edited read them. Without a page: its units are px of the clip.
+std::string clip_lines_svg(const std::vector<ClipLine>& lines);
+
+}  // namespace freshet::studio

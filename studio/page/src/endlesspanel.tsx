@@ -1,0 +1,248 @@
+// A clip that goes on without an end: its flow lines, and where they shall lie instead.
+import type { JSX } from "preact";
+import { useEffect, useState } from "preact/hooks";
+import { Film, Trash2 } from "lucide-preact";
+import * as api from "./api";
+import { stageWords } from "./app";
+import { changeLine, inputLines, inputOf, linesOf, pairLine, removeLine, shownLines } from "./cliplines";
+import { FilmSection, useWay, wayJob } from "./filmsection";
+import { Choice, CommandLine, IconButton, Running, Section, Slider, Switch } from "./parts";
+import * as state from "./state";
+import type { ClipLine, Document, Endless, Ground, Way } from "./types";
+import * as view from "./view";
+
+const kWay = "flowlines";
+const kFind = "lines";
+
+type Change = (part: Partial<Endless>, key?: string) => void;
+
+export function EndlessPanel({ document }: { document: Document }): JSX.Element {
+  const { endless } = document;
+  const way = useWay(kWay, endless);
+  const found = useWay(kFind, endless.clip);
+  useFrame(endless, document.store);
+  useFoundLines(found);
+  const change: Change = (part, key = "") => state.edit({ endless: { ...endless, ...part } }, key);
+  const clip = endless.dropped ? undefined : state.store.value?.clips.find(({ name }) => name === endless.clip);
+  const fps = clip?.fps ?? 25;
+  return (
+    <>
+      <ClipSection endless={endless} />
+      {endless.clip && (
+        <>
+          <LinesSection endless={endless} found={found} change={change} />
+          <LineSection />
+          <Section title="How it goes on">
+            <Slider label="Length" value={endless.frames} min={25} max={2500} logarithmic shown={clip ? `${(endless.frames / fps).toFixed(1)} s` : `${endless.frames} frames`} onInput={(frames) => change({ frames: Math.round(frames) }, "endless-frames")} />
+            <Switch label="Loop" hint="The last frame leads into the first" checked={endless.loop} onChange={(loop) => change({ loop })} />
+            <Switch label="A camera that moves" hint="Without it such a clip is refused" checked={endless.moving_camera} onChange={(moving_camera) => change({ moving_camera })} />
+          </Section>
+          <FilmSection name={kWay} way={way} ready={true} />
+        </>
+      )}
+    </>
+  );
+}
+
+/** The clip's first frame on the canvas, in place of the picture. */
+function useFrame({ clip, dropped }: Endless, store: string): void {
+  const id = state.project.value?.id ?? "";
+  useEffect(() => {
+    if (!clip) return;
+    const image = new Image();
+    let alive = true;
+    image.onload = () => {
+      if (alive) view.ground.value = image;
+    };
+    image.onerror = () => {
+      if (alive) state.toast.value = "The clip cannot be shown.";
+    };
+    image.src = api.address.clipFrame(id, clip, dropped);
+    return () => {
+      alive = false;
+      view.ground.value = null;
+      view.line.value = null;
+    };
+  }, [id, clip, dropped, store]);
+}
+
+function useFoundLines(found: Way | null): void {
+  const id = state.project.value?.id ?? "";
+  const number = found?.made ?? null;
+  const file = found?.shown[0] ?? "";
+  useEffect(() => {
+    view.foundLines.value = [];
+    if (!number) return;
+    let alive = true;
+    api.foundLines(id, file, number).then(
+      (svg) => {
+        if (alive) view.foundLines.value = linesOf(svg);
+      },
+      () => undefined, // none were found yet
+    );
+    return () => {
+      alive = false;
+    };
+  }, [id, file, number]);
+}
+
+function ClipSection({ endless }: { endless: Endless }): JSX.Element {
+  const id = state.project.value?.id ?? "";
+  const [own, setOwn] = useState<string[]>([]);
+  const [sent, setSent] = useState("");
+  useEffect(() => {
+    api.clips(id).then(setOwn, () => setOwn([]));
+  }, [id, endless.clip]);
+  const choose = (clip: string, dropped: boolean): void => {
+    view.foundLines.value = [];
+    state.edit({ endless: { ...endless, clip, dropped, lines: [], edited: [] } });
+  };
+  const take = async (file: File | undefined): Promise<void> => {
+    if (!file) return;
+    setSent(`Sending ${file.name}`);
+    try {
+      choose(await api.sendOwnClip(id, file), true);
+    } catch (fault) {
+      state.toast.value = (fault as Error).message;
+    }
+    setSent("");
+  };
+  const clips = state.store.value?.clips ?? [];
+  const value = endless.clip ? `${endless.dropped ? "own" : "store"}:${endless.clip}` : "";
+  return (
+    <Section title="A clip without an end">
+      <label class="field">
+        <span>Clip</span>
+        <select
+          value={value}
+          onChange={(event) => {
+            const [where = "", ...name] = event.currentTarget.value.split(":");
+            choose(name.join(":"), where === "own");
+          }}
+        >
+          <option value="">Choose one</option>
+          {own.map((name) => (
+            <option key={`own:${name}`} value={`own:${name}`}>
+              {name}
+            </option>
+          ))}
+          {clips.map(({ name }) => (
+            <option key={`store:${name}`} value={`store:${name}`}>
+              {name}
+            </option>
+          ))}
+        </select>
+      </label>
+      <label class="drop small" onDragOver={(event) => event.preventDefault()} onDrop={(event) => { event.preventDefault(); void take(event.dataTransfer?.files[0]); }}>
+        <Film size={20} strokeWidth={1.5} aria-hidden />
+        <strong>{sent || "Drop a clip, or choose a file"}</strong>
+        <input type="file" class="unseen" aria-label="Choose a clip's file" accept="video/*,.mkv" onChange={(event) => void take(event.currentTarget.files?.[0])} />
+      </label>
+    </Section>
+  );
+}
+
+function LinesSection({ endless, found, change }: { endless: Endless; found: Way | null; change: Change }): JSX.Element {
+  const id = state.project.value?.id ?? "";
+  const job = wayJob(id, kFind);
+  const runs = job?.state === "running" || job?.state === "waiting";
+  const saved = state.saving.value === "saved";
+  const input = inputLines();
+  const edits = endless.edited.length > 0;
+  return (
+    <Section title="Flow lines" aside={<span class="figure">{input.length || ""}</span>}>
+      <p class="hint">
+        {input.length === 0
+          ? "Find the lines that its fluid flows along, or draw them."
+          : view.lineTool.value === "edited"
+            ? "Drag a line, or its handles, to where the fluid shall go. A line drawn anew is a copy of the chosen one, or of the nearest."
+            : "Draw along the flow, in its direction. Delete takes the chosen line away."}
+      </p>
+      <div class="row">
+        {runs && job ? (
+          <button type="button" onClick={() => void api.stopJob("command", job.id)}>
+            Stop finding
+          </button>
+        ) : (
+          <button type="button" class={input.length === 0 ? "primary" : "quiet"} disabled={!saved} onClick={() => { change({ lines: [], edited: [] }); void find(id); }}>
+            Find lines
+          </button>
+        )}
+      </div>
+      {runs && job && <Running job={job} label="Finding lines" words={stageWords(job.stage)} />}
+      {job?.state === "failed" && <p class="problem">{job.fault}</p>}
+      <Choice label="Which lines the pointer changes" value={view.lineTool.value} options={[["edited", "Shall flow"], ["lines", "Flows"]] as const} onChange={(tool) => { view.lineTool.value = tool; view.line.value = null; }} />
+      {edits && (
+        <>
+          <Slider label="Join neighbours" value={endless.join} min={0} max={400} step={5} shown={endless.join === 0 ? "as they lie" : `${endless.join} px`} onInput={(join) => change({ join }, "endless-join")} />
+          <Switch label="Stretched" hint="The whole line's texture onto the changed one" checked={endless.stretched} onChange={(stretched) => change({ stretched })} />
+          <label class="field">
+            <span>It was filmed</span>
+            <select value={endless.ground} onChange={(event) => change({ ground: event.currentTarget.value as Ground })}>
+              <option value="none">in front of something</option>
+              <option value="black">on black (light: fire)</option>
+              <option value="white">on white</option>
+            </select>
+          </label>
+          <button type="button" class="quiet" onClick={() => { view.line.value = null; change({ edited: [] }); }}>
+            As it flows in the clip
+          </button>
+        </>
+      )}
+      {found?.commands.map((line) => <CommandLine key={line} text={line} />)}
+    </Section>
+  );
+}
+
+/** Waits for what was changed to be kept: the command reads it from there. */
+async function find(id: string): Promise<void> {
+  try {
+    await state.kept();
+    await api.runWay(id, kFind);
+  } catch (fault) {
+    state.toast.value = (fault as Error).message;
+  }
+}
+
+function LineSection(): JSX.Element | null {
+  const chosen = view.line.value;
+  const line = chosen === null ? undefined : shownLines()[chosen];
+  if (!line || chosen === null) return null;
+  return (
+    <Section title={`Line ${line.id}`} aside={<IconButton icon={Trash2} label="Take this line away" shortcut="Delete" onClick={removeLine} />}>
+      {view.lineTool.value === "edited" ? (
+        <EditedLine line={line} index={chosen} />
+      ) : (
+        <button type="button" class="quiet" onClick={() => changeLine(chosen, { points: [...line.points].reverse() })}>
+          Turn the line round
+        </button>
+      )}
+    </Section>
+  );
+}
+
+function EditedLine({ line, index }: { line: ClipLine; index: number }): JSX.Element {
+  const input = inputLines();
+  const first = line.speeds[0] ?? 1;
+  const last = line.speeds[line.speeds.length - 1] ?? 1;
+  const changes = line.speeds.length > 1;
+  const say = (...speeds: number[]): void => changeLine(index, { speeds: speeds.map((speed) => Number(speed.toFixed(2))) }, "line-speed");
+  const times = (speed: number): string => `${speed.toFixed(2)} ×`;
+  return (
+    <>
+      <label class="field">
+        <span>Shows the texture of</span>
+        <select value={inputOf(line.id, input)} onChange={(event) => pairLine(index, event.currentTarget.value)}>
+          {input.map(({ id }) => (
+            <option key={id} value={id}>
+              {id}
+            </option>
+          ))}
+        </select>
+      </label>
+      <Slider label={changes ? "Pace where it begins" : "Pace"} value={first} min={0.25} max={4} logarithmic shown={times(first)} onInput={(speed) => (changes ? say(speed, last) : say(speed))} />
+      {changes && <Slider label="Pace where it ends" value={last} min={0.25} max={4} logarithmic shown={times(last)} onInput={(speed) => say(first, speed)} />}
+      <Switch label="Another pace at its end" checked={changes} onChange={(yes) => (yes ? say(first, last) : say(first))} />
+    </>
+  );
+}
