@@ -15,7 +15,7 @@
 #include "media/picture/picture.h"
 #include "studio/drawing/document.h"
 #include "studio/drawing/recipe.h"
-#include "studio/ways/way_plan.h"
+#include "studio/ways/way_file.h"
 
 namespace freshet::studio {
 

@@ -322,20 +322,23 @@ std::string Studio::exports_json(const std::string& project) {
 
 WayPlan Studio::plan(const std::string& project, const std::string& way) {
   const std::shared_ptr<Easel> easel = this->easel(project);
-  return plan_way(way, easel->project().state().document, easel->project().picture()->bgr);
+  return plan_way(way, easel->project().state().document);
 }
 
 JobId Studio::run_way(const std::string& project, const std::string& way) {
   const std::shared_ptr<Easel> easel = this->easel(project);
-  const WayPlan plan = this->plan(project, way);
+  // What is drawn now is what is made, whatever is drawn while it waits.
+  const Document document = easel->project().state().document;
+  const WayPlan plan = plan_way(way, document);
   return commands_->submit(
-      "way " + project + "/" + way, project + ": " + way, [this, easel, plan, project, way](const Job& job) {
-        easel->project().write_way(plan.folder, plan.files);
+      "way " + project + "/" + way, project + ": " + way,
+      [this, easel, document, plan, project, way](const Job& job) {
+        Project& holder = easel->project();
+        holder.write_way(plan.folder, way_files(way, document, holder.picture()->bgr, holder.picture_file()));
         CommandAnswer answer;
         for (const std::vector<std::string>& words : plan.commands)
-          answer = run({.program = options_.program, .arguments = words, .folder = easel->project().folder()},
-                       job);
-        if (!plan.answer.empty()) easel->project().write_way(plan.folder, {{plan.answer, answer.output}});
+          answer = run({.program = options_.program, .arguments = words, .folder = holder.folder()}, job);
+        if (!plan.answer.empty()) holder.write_way(plan.folder, {{plan.answer, answer.output}});
         tell_way(project, way);
       });
 }

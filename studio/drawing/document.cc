@@ -15,7 +15,6 @@ namespace {
 using Json = nlohmann::json;
 
 constexpr std::size_t kMaxBytes = 16u << 20, kDeepest = 16, kMaxNames = 10000;
-constexpr double kMaxSpeed = 1e5;  // px/s
 
 const char* to_string(MatteBase base) {
   switch (base) {
@@ -29,36 +28,6 @@ const char* to_string(MatteBase base) {
       break;
   }
   return "scribbles";
-}
-
-Json drawn_json(const std::vector<Drawn>& lines) {
-  Json json = Json::array();
-  for (const Drawn& line : lines)
-    json.push_back({{"points", points_json(line.points)},
-                    {"width", line.width},
-                    {"adds", line.adds},
-                    {"area", line.is_area}});
-  return json;
-}
-
-Json strokes_json(const std::vector<DrawnStroke>& strokes) {
-  Json json = Json::array();
-  for (const DrawnStroke& stroke : strokes)
-    json.push_back(
-        {{"points", points_json(stroke.points)}, {"speed", stroke.speed ? Json(*stroke.speed) : Json()}});
-  return json;
-}
-
-std::vector<DrawnStroke> read_strokes(const Fields& fields, const char* name = "strokes") {
-  std::vector<DrawnStroke> strokes;
-  for (const Json& item : fields.list(name, kMaxLines)) {
-    const Fields stroke = fields.below(item, name, strokes.size());
-    stroke.only({"points", "speed"});
-    strokes.push_back({.points = stroke.points(), .speed = {}});
-    if (stroke.has("speed") && !stroke.at("speed").is_null())
-      strokes.back().speed = static_cast<float>(stroke.number("speed", 0, kMaxSpeed));
-  }
-  return strokes;
 }
 
 std::vector<DrawnTempo> read_tempo(const Fields& fields) {
@@ -94,7 +63,7 @@ Design read_design(const Fields& document) {
   fields.only({"fluid", "sources", "winds", "look", "ground", "frames", "full"});
   Design design{.fluid = fields.text("fluid"),
                 .sources = fields.drawn("sources"),
-                .winds = read_strokes(fields, "winds"),
+                .winds = fields.strokes("winds"),
                 .look = fields.text("look"),
                 .ground = fields.text("ground"),
                 .frames = fields.integer("frames", 1, 500),
@@ -107,11 +76,10 @@ Design read_design(const Fields& document) {
   return design;
 }
 
-/// Of files and regions: quoted in a TOML file as they are.
-std::string plain_name(const Fields& fields, const char* name) {
+/// Of files and regions.
+std::string full_name(const Fields& fields, const char* name) {
   std::string text = fields.text(name);
-  if (text.empty() || text.find_first_of("\"\\") != std::string::npos)
-    fields.fail(fmt::format("\"{}\" is no name", name));
+  if (text.empty()) fields.fail(fmt::format("\"{}\" is no name", name));
   return text;
 }
 
@@ -120,10 +88,10 @@ std::vector<StillsPath> read_stills_paths(const Fields& stills) {
   for (const Json& item : stills.list("paths", kMaxNames)) {
     const Fields fields = stills.below(item, "paths", paths.size());
     fields.only({"region", "names", "refused"});
-    paths.push_back({.region = plain_name(fields, "region"), .names = {}, .refused = fields.flag("refused")});
+    paths.push_back({.region = full_name(fields, "region"), .names = {}, .refused = fields.flag("refused")});
     for (const Json& name : fields.list("names", kMaxNames)) {
       const Json holder{{"names", name}};
-      paths.back().names.push_back(plain_name(fields.below(holder, "names", 0), "names"));
+      paths.back().names.push_back(full_name(fields.below(holder, "names", 0), "names"));
     }
     if (paths.back().names.size() < 2) fields.fail("a path has two stills or more");
   }
@@ -145,6 +113,11 @@ Stills read_stills(const Fields& document) {
 Endless read_endless_of(const Fields& document) {
   if (!document.has("endless")) return {};  // of a document that is older than it
   return read_endless(document.below(document.at("endless"), "endless", 0));
+}
+
+Layered read_layered_of(const Fields& document) {
+  if (!document.has("layered")) return {};  // of a document that is older than it
+  return read_layered(document.below(document.at("layered"), "layered", 0));
 }
 
 MatteBase read_base(const Fields& fields) {
@@ -220,6 +193,7 @@ std::string to_json(const Document& document) {
   json["design"] = design_json(document.design);
   json["stills"] = stills_json(document.stills);
   json["endless"] = endless_json(document.endless);
+  json["layered"] = layered_json(document.layered);
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
@@ -237,16 +211,16 @@ Document document_from_json(std::string_view json, const std::string& where) {
   }
   std::size_t points = 0;
   const Fields fields(parsed, where, points);
-  fields.only({"matte_base", "edge", "scribbles", "paint", "held", "store", "class", "excluded_clips",
-               "frames", "fps", "strokes", "tempo", "pins", "loop", "speed", "moving_outline", "design",
-               "stills", "endless"});
+  fields.only({"matte_base",     "edge",           "scribbles", "paint",   "held",    "store",  "class",
+               "excluded_clips", "frames",         "fps",       "strokes", "tempo",   "pins",   "loop",
+               "speed",          "moving_outline", "design",    "stills",  "endless", "layered"});
   Document document{.store = fields.text("store"),
                     .matte_base = read_base(fields),
                     .edge = fields.text("edge"),
                     .scribbles = fields.drawn("scribbles"),
                     .paint = fields.drawn("paint"),
                     .held = fields.drawn("held"),
-                    .strokes = read_strokes(fields),
+                    .strokes = fields.strokes("strokes"),
                     .tempo = read_tempo(fields),
                     .class_name = fields.text("class"),
                     .excluded_clips = {},
@@ -258,7 +232,8 @@ Document document_from_json(std::string_view json, const std::string& where) {
                     .moving_outline = fields.flag("moving_outline"),
                     .design = read_design(fields),
                     .stills = read_stills(fields),
-                    .endless = read_endless_of(fields)};
+                    .endless = read_endless_of(fields),
+                    .layered = read_layered_of(fields)};
   if (document.edge != "guided" && document.edge != "information-flow" && document.edge != "none")
     fields.fail("\"edge\" is none of guided, information-flow, none");
   for (const Json& name : fields.list("excluded_clips", kMaxNames)) {

@@ -11,6 +11,7 @@
 
 #include "studio/drawing/drawn.h"
 #include "studio/drawing/endless.h"
+#include "studio/drawing/layered.h"
 
 namespace freshet::studio {
 
@@ -85,6 +86,7 @@ struct Document {
   Design design;
   Stills stills;
   Endless endless;
+  Layered layered;
   bool operator==(const Document&) const = default;
 };
 

@@ -16,6 +16,7 @@ using Json = nlohmann::json;
 
 constexpr std::size_t kMaxPoints = 1u << 20, kMaxText = 4096;
 constexpr double kFurthest = 1e6;  // px
+constexpr double kMaxSpeed = 1e5;  // px/s
 
 }  // namespace
 
@@ -116,9 +117,39 @@ std::vector<Drawn> Fields::drawn(const char* name) const {
   return lines;
 }
 
+std::vector<DrawnStroke> Fields::strokes(const char* name) const {
+  std::vector<DrawnStroke> strokes;
+  for (const Json& item : list(name, kMaxLines)) {
+    const Fields stroke = below(item, name, strokes.size());
+    stroke.only({"points", "speed"});
+    strokes.push_back({.points = stroke.points(), .speed = {}});
+    if (stroke.has("speed") && !stroke.at("speed").is_null())
+      strokes.back().speed = static_cast<float>(stroke.number("speed", 0, kMaxSpeed));
+  }
+  return strokes;
+}
+
 Json points_json(const std::vector<cv::Point2f>& points) {
   Json json = Json::array();
   for (const cv::Point2f& point : points) json.push_back({point.x, point.y});
+  return json;
+}
+
+Json drawn_json(const std::vector<Drawn>& lines) {
+  Json json = Json::array();
+  for (const Drawn& line : lines)
+    json.push_back({{"points", points_json(line.points)},
+                    {"width", line.width},
+                    {"adds", line.adds},
+                    {"area", line.is_area}});
+  return json;
+}
+
+Json strokes_json(const std::vector<DrawnStroke>& strokes) {
+  Json json = Json::array();
+  for (const DrawnStroke& stroke : strokes)
+    json.push_back(
+        {{"points", points_json(stroke.points)}, {"speed", stroke.speed ? Json(*stroke.speed) : Json()}});
   return json;
 }
 

@@ -39,6 +39,7 @@ class Fields {
   /// Its "points", one or more.
   std::vector<cv::Point2f> points() const;
   std::vector<Drawn> drawn(const char* name) const;
+  std::vector<DrawnStroke> strokes(const char* name) const;
 
  private:
   const nlohmann::json& object_;
@@ -47,5 +48,7 @@ class Fields {
 };
 
 nlohmann::json points_json(const std::vector<cv::Point2f>& points);
+nlohmann::json drawn_json(const std::vector<Drawn>& lines);
+nlohmann::json strokes_json(const std::vector<DrawnStroke>& strokes);
 
 }  // namespace freshet::studio

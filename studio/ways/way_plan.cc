@@ -13,7 +13,9 @@
 #include <opencv2/imgproc.hpp>
 
 #include "freshet/error.h"
+#include "studio/drawing/toml_text.h"
 #include "studio/ways/design_scene.h"
+#include "studio/ways/layer_scene.h"
 
 namespace freshet::studio {
 namespace {
@@ -29,7 +31,7 @@ cv::Size film_size(const Design& design, cv::Size picture) {
 }
 
 /// A motion that was designed, and then given the look of a clip over the picture.
-WayPlan plan_design(const Document& document, const cv::Mat& picture) {
+WayPlan plan_design(const Document& document) {
   const Design& design = document.design;
   const auto is_source = [](const Drawn& line) { return line.adds; };
   if (std::none_of(design.sources.begin(), design.sources.end(), is_source))
@@ -37,18 +39,11 @@ WayPlan plan_design(const Document& document, const cv::Mat& picture) {
   if (!design.look.empty() && document.store.empty())
     throw Error(ErrorKind::kUsage, "design", "the clip that it shall look like has no store",
                 "Choose one under Look");
-  const cv::Size size = film_size(design, picture.size());
   WayPlan plan{.folder = "design",
-               .files = {{"scene.toml", design_scene(design, picture.size(), size)}},
                .commands = {{"synth", "simulate", "ways/design/scene.toml", "-o", "ways/design/motion",
                              "--overwrite"}},
                .film = "ways/design/motion/preview.mp4"};
   if (design.look.empty()) return plan;
-  cv::Mat behind;
-  cv::resize(picture, behind, size, 0, 0, cv::INTER_AREA);
-  std::vector<std::uint8_t> png;
-  cv::imencode(".png", behind, png);
-  plan.files.push_back({"behind.png", {png.begin(), png.end()}});
   plan.film = "ways/design/film.mp4";
   plan.commands.push_back({"synth", "transfer", "--design", "ways/design/motion", "--store", document.store,
                            "--exemplar", design.look, "--ground", design.ground, "-o",
@@ -57,9 +52,16 @@ WayPlan plan_design(const Document& document, const cv::Mat& picture) {
   return plan;
 }
 
-/// A list of names, in TOML.
-std::string list_of(const std::vector<std::string>& names) {
-  return fmt::format("[\"{}\"]", fmt::join(names, "\", \""));
+std::vector<WayFile> design_files(const Design& design, const cv::Mat& picture) {
+  const cv::Size size = film_size(design, picture.size());
+  std::vector<WayFile> files{{"scene.toml", design_scene(design, picture.size(), size)}};
+  if (design.look.empty()) return files;
+  cv::Mat behind;
+  cv::resize(picture, behind, size, 0, 0, cv::INTER_AREA);
+  std::vector<std::uint8_t> png;
+  cv::imencode(".png", behind, png);
+  files.push_back({"behind.png", {png.begin(), png.end()}});
+  return files;
 }
 
 /// What was said of the paths, as `freshet synth stills --keys` explains it.
@@ -67,11 +69,11 @@ std::string stills_edits(const Stills& stills) {
   std::map<std::string, std::pair<std::vector<std::string>, std::vector<std::string>>> of_region;
   for (const StillsPath& path : stills.paths) {
     auto& [refused, turned] = of_region[path.region];
-    (path.refused ? refused : turned).push_back(list_of(path.names));
+    (path.refused ? refused : turned).push_back(toml_list(path.names));
   }
   std::string toml = fmt::format("speed = {}\nsplit = {}\n", stills.speed, stills.split);
   for (const auto& [region, paths] : of_region)
-    toml += fmt::format("[[region]]\nname = \"{}\"\nrefuse = [{}]\nturn = [{}]\n", region,
+    toml += fmt::format("[[region]]\nname = {}\nrefuse = [{}]\nturn = [{}]\n", toml_text(region),
                         fmt::join(paths.first, ", "), fmt::join(paths.second, ", "));
   return toml;
 }
@@ -79,7 +81,6 @@ std::string stills_edits(const Stills& stills) {
 /// A moving scene from the stills that lie in the way's folder.
 WayPlan plan_stills(const Stills& stills) {
   WayPlan plan{.folder = "stills",
-               .files = {{"edits.toml", stills_edits(stills)}},
                .commands = {{"synth", "stills", "ways/stills/pictures", "--edits", "ways/stills/edits.toml",
                              "--seconds", fmt::format("{}", stills.seconds), "-o", "ways/stills/film.mp4",
                              "--sheet", "ways/stills/regions.png", "--page", "ways/stills/page.html",
@@ -120,7 +121,6 @@ std::string found_name(const Document& document) {
 WayPlan plan_lines(const Document& document) {
   const std::string found = found_name(document);
   WayPlan plan{.folder = "flowlines",
-               .files = {},
                .commands = {flowlines_of(document)},
                .film = "",
                .answer = found + ".json",
@@ -135,7 +135,6 @@ WayPlan plan_lines(const Document& document) {
 WayPlan plan_flowlines(const Document& document) {
   const Endless& endless = document.endless;
   WayPlan plan{.folder = "flowlines",
-               .files = {},
                .commands = {flowlines_of(document)},
                .film = "ways/flowlines/film.mp4",
                .answer = "made.json",
@@ -144,12 +143,8 @@ WayPlan plan_flowlines(const Document& document) {
   const auto say = [&](std::initializer_list<std::string> more) { words.insert(words.end(), more); };
   say({"--frames", std::to_string(endless.frames)});
   if (endless.loop) say({"--loop"});
-  if (!endless.lines.empty()) {
-    plan.files.push_back({"lines.svg", clip_lines_svg(endless.lines)});
-    say({"--lines", "ways/flowlines/lines.svg"});
-  }
+  if (!endless.lines.empty()) say({"--lines", "ways/flowlines/lines.svg"});
   if (!endless.edited.empty()) {
-    plan.files.push_back({"edited.svg", clip_lines_svg(endless.edited)});
     say({"--edited", "ways/flowlines/edited.svg"});
     if (endless.join > 0) say({"--join", fmt::format("{:g}", endless.join)});
     if (endless.stretched) say({"--correspondence", "stretched"});
@@ -159,14 +154,44 @@ WayPlan plan_flowlines(const Document& document) {
   return plan;
 }
 
+std::vector<WayFile> flowlines_files(const Endless& endless) {
+  std::vector<WayFile> files;
+  if (!endless.lines.empty()) files.push_back({"lines.svg", clip_lines_svg(endless.lines)});
+  if (!endless.edited.empty()) files.push_back({"edited.svg", clip_lines_svg(endless.edited)});
+  return files;
+}
+
+/// The picture in layers under one wind.
+WayPlan plan_scene(const Layered& layered) {
+  if (layered.layers.empty()) throw Error(ErrorKind::kUsage, "layers", "there is none", "Add one");
+  return {.folder = "scene",
+          .commands = {{"synth", "scene", "ways/scene/scene.toml", "-o", "ways/scene/film.mp4", "--draw",
+                        "ways/scene/understood.png", "--json", "--overwrite"}},
+          .film = "ways/scene/film.mp4",
+          .answer = "made.json",
+          .shown = {"understood.png"}};
+}
+
 }  // namespace
 
-WayPlan plan_way(const std::string& way, const Document& document, const cv::Mat& picture) {
-  if (way == "design") return plan_design(document, picture);
+WayPlan plan_way(const std::string& way, const Document& document) {
+  if (way == "design") return plan_design(document);
   if (way == "stills") return plan_stills(document.stills);
   if (way == "flowlines") return plan_flowlines(document);
   if (way == "lines") return plan_lines(document);
+  if (way == "scene") return plan_scene(document.layered);
   throw Error(ErrorKind::kNotFound, way, "there is no such way");
+}
+
+std::vector<WayFile> way_files(const std::string& way, const Document& document, const cv::Mat& picture,
+                               const std::string& picture_file) {
+  if (way == "design") return design_files(document.design, picture);
+  if (way == "stills") return {{"edits.toml", stills_edits(document.stills)}};
+  if (way == "flowlines") return flowlines_files(document.endless);
+  if (way == "scene")
+    return layer_scene(document.layered, picture.size(),
+                       {.picture = "../../" + picture_file, .store = document.store});
+  return {};
 }
 
 }  // namespace freshet::studio

@@ -7,18 +7,13 @@
 #include <opencv2/core.hpp>
 
 #include "studio/drawing/document.h"
+#include "studio/ways/way_file.h"
 
 namespace freshet::studio {
 
-struct WayFile {
-  std::string name;  // in the way's folder
-  std::string bytes;
-};
-
-/// What is written into PROJECT/ways/FOLDER, and then run, one after another, in the project's folder.
+/// What is run, one after another, in the project's folder; all that it reads and leaves lies in PROJECT/ways/FOLDER.
 struct WayPlan {
   std::string folder;
-  std::vector<WayFile> files;
   std::vector<std::vector<std::string>> commands;  // without the program's name
   std::string film;         // MP4 that the last one leaves, from the project's folder; "": none
   std::string answer = {};  // file of the way's folder that takes what the last one prints, JSON
@@ -26,9 +21,13 @@ struct WayPlan {
       {};  // files of the way's folder that a page may look at: .png, .html, .svg
 };
 
-/// way       "design", "stills", "flowlines"; "lines", which finds a clip's flow lines for the last one.
-/// picture   CV_8UC3, the project's.
+/// way       "design", "stills", "flowlines", "scene"; "lines", which finds a clip's flow lines for the last one.
 /// Throws    Error{kNotFound} for no way's name; Error{kUsage} where what was drawn is too little, saying what is missing.
-WayPlan plan_way(const std::string& way, const Document& document, const cv::Mat& picture);
+WayPlan plan_way(const std::string& way, const Document& document);
+
+/// What is written into the folder before, and named by the commands.
+/// picture   CV_8UC3, the project's. picture_file   its name in the project's folder. Throws as plan_way.
+std::vector<WayFile> way_files(const std::string& way, const Document& document, const cv::Mat& picture,
+                               const std::string& picture_file);
 
 }  // namespace freshet::studio

@@ -462,6 +462,65 @@ test("a clip that is dropped becomes a project of its own", async () => {
   await api(`projects/${id}`, { method: "DELETE" });
 });
 
+test("layers of every kind are painted, one wind moves them, and the command line makes the same film", async () => {
+  const page = await open(`${url}#/still`);
+  await page.locator(".bar").waitFor();
+  await page.keyboard.press("8");
+  const tool = (name) => page.getByRole("group", { name: "Drawing tools" }).getByRole("button", { name, exact: true }).click();
+  const made = async () => (await document("still")).layered.layers;
+  const add = async (kind, area, line) => {
+    const before = (await made()).length;
+    await page.getByRole("combobox", { name: "Add a layer" }).selectOption({ label: kind });
+    await until(async () => (await made()).length === before + 1);
+    if (!area) return page.getByRole("radio", { name: "The rest" }).click();
+    await tool("Area");
+    const [left, top, right, bottom] = area;
+    await drag(page, [[left, top], [right, top], [right, bottom], [left, bottom]]);
+    await until(async () => (await made())[0].paint.length === 1);
+    if (!line) return;
+    await tool("Line");
+    await drag(page, line);
+    await until(async () => (await made())[0].lines.length === 1);
+  };
+  await add("Stands still");
+  await add("Clouds", [5, 5, 315, 60]);
+  await add("Water", [5, 100, 315, 195], [[10, 95], [310, 95]]);
+  await add("Boat", [200, 110, 250, 130], [[204, 128], [246, 128]]);
+  await add("Tree or plant", [20, 40, 70, 150], [[45, 148], [45, 50]]);
+  await add("Fluid of the store", [130, 70, 180, 180], [[155, 80], [155, 170]]);
+  await tool("Erase");
+  await drag(page, [[135, 75], [135, 90]]);
+  await until(async () => (await made())[0].paint.length === 2);
+  await page.keyboard.press("Control+z");
+  await until(async () => (await made())[0].paint.length === 1);
+  await page.getByRole("textbox", { name: "Name" }).fill('the "fall"');
+  await page.getByRole("textbox", { name: "Name" }).press("Enter");
+  await until(async () => (await made())[0].name === "the fall");
+  await page.getByRole("button", { name: "Further" }).click();
+  await until(async () => (await made())[1].name === "the fall");
+  await page.getByLabel("Length").fill("0.4");
+  await until(async () => (await document("still")).layered.frames === 10);
+  await page.getByRole("button", { name: "Make it" }).click();
+  await page.getByRole("img", { name: /The layers, their lines/ }).waitFor();
+  await page.waitForFunction(() => globalThis.document.querySelector("video.film")?.currentTime > 0.1);
+  await expectAccessible(page, "layers");
+  await shot(page, "layers-made");
+  const project = at("room/projects/still");
+  const film = readFileSync(join(project, "ways/scene/film.mp4"));
+  const line = await page.locator(".command code").textContent();
+  const again = spawnSync("sh", ["-c", line.replace(/^freshet/, FRESHET)], { cwd: project, encoding: "utf8" });
+  assert.equal(again.status, 0, again.stderr);
+  assert.ok(film.equals(readFileSync(join(project, "ways/scene/film.mp4"))));
+  // What is missing is said.
+  await page.getByRole("button", { name: "Clear lines" }).click();
+  await page.getByRole("button", { name: "Clear paint" }).click();
+  await until(async () => (await made())[1].paint.length === 0);
+  await page.getByRole("button", { name: "Make it" }).click();
+  await page.getByText("Paint where it is").waitFor();
+  assert.deepEqual(page.faults, []);
+  await page.context().close();
+});
+
 /** A picture of 24 Mpix without anything to install: a BMP of stripes, blue above and green below. */
 function writeLarge(path, width = 6000, height = 4000) {
   const head = Buffer.alloc(54);
@@ -586,7 +645,7 @@ for (const [theme, size, width, height] of [
     assert.equal(await page.evaluate(() => globalThis.broken), undefined);
     await page.goto(`${url}#/still`);
     await page.locator(".bar").waitFor();
-    for (const [key, name] of [["1", "fluid"], ["2", "flow"], ["3", "look"], ["4", "why"], ["5", "design"], ["6", "stills"], ["7", "endless"]]) {
+    for (const [key, name] of [["1", "fluid"], ["2", "flow"], ["3", "look"], ["4", "why"], ["5", "design"], ["6", "stills"], ["7", "endless"], ["8", "layers"]]) {
       await page.keyboard.press(key);
       await look(name);
     }

@@ -104,6 +104,7 @@ const kModes: readonly (readonly [state.Mode, string, string])[] = [
   ["design", "Design", "5"],
   ["stills", "Stills", "6"],
   ["endless", "Endless", "7"],
+  ["layers", "Layers", "8"],
 ];
 
 function Work(): JSX.Element {
@@ -179,7 +180,7 @@ export function stageWords(stage: string): string {
   return words.charAt(0).toUpperCase() + words.slice(1);
 }
 
-const kOtherWays: readonly state.Mode[] = ["design", "stills", "endless"];
+const kOtherWays: readonly state.Mode[] = ["design", "stills", "endless", "layers"];
 
 function statusWords(): string {
   if (state.problem.value) return state.problem.value;
@@ -267,7 +268,7 @@ function useShortcuts(canvas: { current: Canvas | null }, exportNow: () => void)
       }
       const tools: Record<string, view.FluidTool> = { b: "fluid", n: "still", p: "paint", e: "erase", a: "area", h: "hold" };
       const chosen = tools[key];
-      const index = "1234567".indexOf(key);
+      const index = "12345678".indexOf(key);
       if (chosen && state.mode.value === "fluid") view.fluidTool.value = chosen;
       else if (index >= 0) state.mode.value = kModes[index]?.[0] ?? "fluid";
       else if (key === "[") view.brush.value = Math.max(2, view.brush.value / 1.2);

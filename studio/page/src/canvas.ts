@@ -8,10 +8,11 @@ import { Line } from "konva/lib/shapes/Line";
 import { Rect } from "konva/lib/shapes/Rect";
 import { address } from "./api";
 import { addLine as addClipLine, changeLine, inputLines, shownLines } from "./cliplines";
+import { addLayerLine, chosenLayer, layerShape, paintLayer } from "./layers";
 import { flat, lengthOf, PenLine, rounded, type Run, widthOf } from "./pen";
 import * as state from "./state";
 import { Streaks } from "./streaks";
-import type { ClipLine, Design, Document, Drawn, Point, Stroke, Tempo } from "./types";
+import type { ClipLine, Design, Document, DrawnLayer, Drawn, Point, Stroke, Tempo } from "./types";
 import * as view from "./view";
 
 const kLongest = 2048; // px of the copy of the picture that is always here
@@ -187,6 +188,8 @@ export class Canvas {
       effect(() => {
         void state.mode.value;
         void view.fluidTool.value;
+        void view.layerTool.value;
+        void view.layer.value;
         this.dropCorners();
       }),
       effect(() => {
@@ -212,12 +215,13 @@ export class Canvas {
         void view.lineTool.value;
         void view.line.value;
         void view.foundLines.value;
+        void view.layer.value;
         this.redrawDrawing();
       }),
       effect(() => {
         const drags = view.panning.value;
         const mode = state.mode.value;
-        this.box.style.cursor = drags ? "grab" : mode === "fluid" || mode === "flow" || mode === "design" || mode === "endless" ? "crosshair" : "default";
+        this.box.style.cursor = drags ? "grab" : mode === "fluid" || mode === "flow" || mode === "design" || mode === "endless" || mode === "layers" ? "crosshair" : "default";
       }),
     );
   }
@@ -288,6 +292,7 @@ export class Canvas {
       if (state.mode.value === "why") this.addPieces();
       if (state.mode.value === "design") this.addDesign(document.design);
       if (state.mode.value === "endless" && view.ground.value) this.addClipLines();
+      if (state.mode.value === "layers") document.layered.layers.forEach((layer, i) => this.addLayer(layer, i));
     }
     this.drawing.batchDraw();
   }
@@ -390,6 +395,17 @@ export class Canvas {
     });
     this.drawing.add(arrow);
     if (chosen) this.addHandles(line.points, (points) => changeLine(index, { points }));
+  }
+
+  private addLayer(layer: DrawnLayer, index: number): void {
+    const { width, height } = this.size();
+    const chosen = view.layer.value === index;
+    const scale = this.stage.scaleX();
+    if (layer.matte === "scribbled" && chosen) this.addScribbles(layer.paint);
+    else if (layer.matte !== "rest") this.drawing.add(new KonvaImage({ image: layerShape(layer.paint, view.clipColour(index), width, height), width, height, opacity: chosen ? 0.5 : 0.22, listening: false }));
+    for (const { points } of layer.lines)
+      for (const [colour, across] of [["#00171a", 5.5], [chosen ? "#fff" : view.clipColour(index), 2.4]] as const)
+        this.drawing.add(new Arrow({ points: flat(points), stroke: colour, fill: colour, strokeWidth: across / scale, pointerLength: 9 / scale, pointerWidth: 8 / scale, lineCap: "round", listening: false }));
   }
 
   private addPieces(): void {
@@ -603,15 +619,17 @@ export class Canvas {
     this.erasing = event.button === 2 || event.altKey;
     this.line = new PenLine(point, widthOf(event, view.brush.value));
     if (mode === "flow") view.selected.value = null;
-    if (mode === "endless" && !view.ground.value) this.line = null;
+    if ((mode === "endless" && !view.ground.value) || (mode === "layers" && !chosenLayer())) this.line = null;
     this.addLive();
   }
 
   private drawsArea(): boolean {
-    return state.mode.value === "fluid" && view.fluidTool.value === "area";
+    const mode = state.mode.value;
+    return (mode === "fluid" && view.fluidTool.value === "area") || (mode === "layers" && view.layerTool.value === "area");
   }
   private drawsArrow(): boolean {
     const mode = state.mode.value;
+    if (mode === "layers") return view.layerTool.value === "line";
     return mode === "endless" || (mode === "flow" && view.flowTool.value === "line") || (mode === "design" && view.designTool.value === "wind");
   }
 
@@ -634,6 +652,7 @@ export class Canvas {
   private penColour(): string {
     if (state.mode.value === "design") return designColour(view.designTool.value === "source");
     if (state.mode.value === "flow") return tempoColour(this.erasing ? 1 : view.tempo.value);
+    if (state.mode.value === "layers") return (view.layerTool.value === "erase") !== this.erasing ? "#e5484d" : view.clipColour(view.layer.value);
     const tool = view.fluidTool.value;
     const takes = tool === "still" || tool === "erase";
     if (tool === "hold") return this.erasing ? "#555" : "#e9b44c";
@@ -651,7 +670,7 @@ export class Canvas {
     }
     const scale = this.stage.scaleX();
     const mode = state.mode.value;
-    const brushes = (mode === "fluid" || mode === "flow" || mode === "design") && !this.drawsArea() && !this.drawsArrow() && event.pointerType !== "touch";
+    const brushes = (mode === "fluid" || mode === "flow" || mode === "design" || mode === "layers") && !this.drawsArea() && !this.drawsArrow() && event.pointerType !== "touch";
     this.cursor.setAttrs({ x: point[0], y: point[1], radius: widthOf(event, view.brush.value) / 2, visible: brushes && !view.panning.value });
     if (this.line) {
       const width = this.drawsArea() || this.drawsArrow() ? this.line.last.width : widthOf(event, view.brush.value);
@@ -681,6 +700,8 @@ export class Canvas {
       else addClipLine(runs.flatMap(({ points }) => points));
     } else if (state.mode.value === "design") {
       this.addToDesign(document, runs, isClick);
+    } else if (state.mode.value === "layers" && this.drawsArrow()) {
+      if (!isClick) addLayerLine(runs.flatMap(({ points }) => points));
     } else if (this.drawsArrow()) {
       if (!isClick) this.addLine(document, runs.flatMap(({ points }) => points));
     } else if (state.mode.value === "flow") {
@@ -689,6 +710,9 @@ export class Canvas {
     } else if (this.drawsArea()) {
       if (isClick || this.corners.length > 0) this.addCorner(line.points[0] as Point);
       else this.draw(document, runs.map(({ points }) => ({ points, width: 0, adds: !this.erasing, area: true })));
+    } else if (state.mode.value === "layers") {
+      const adds = (view.layerTool.value === "paint") !== this.erasing;
+      paintLayer(runs.map((run) => ({ ...run, adds, area: false })));
     } else {
       const tool = view.fluidTool.value;
       const adds = (tool !== "still" && tool !== "erase") !== this.erasing;
@@ -715,6 +739,7 @@ export class Canvas {
   }
 
   private draw(document: Document, drawn: Drawn[]): void {
+    if (state.mode.value === "layers") return paintLayer(drawn);
     const tool = view.fluidTool.value;
     if (tool === "fluid" || tool === "still") state.edit({ scribbles: [...document.scribbles, ...drawn], ...(document.matte_base === "whole" ? { matte_base: "scribbles" as const } : {}) });
     else if (tool === "hold") state.edit({ held: [...document.held, ...drawn] });

@@ -6,6 +6,7 @@ import * as api from "./api";
 import { Choice, IconButton, Section, Slider, Strip, Switch } from "./parts";
 import { DesignPanel } from "./designpanel";
 import { EndlessPanel } from "./endlesspanel";
+import { LayersPanel } from "./layerspanel";
 import { lengthOf } from "./pen";
 import { StillsPanel } from "./stillspanel";
 import * as state from "./state";
@@ -26,6 +27,7 @@ export function Panel(): JSX.Element | null {
       {state.mode.value === "design" && <DesignPanel document={document} />}
       {state.mode.value === "stills" && <StillsPanel document={document} />}
       {state.mode.value === "endless" && <EndlessPanel document={document} />}
+      {state.mode.value === "layers" && <LayersPanel document={document} />}
     </aside>
   );
 }

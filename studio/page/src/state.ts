@@ -8,7 +8,7 @@ import type { Document, Field, Home, Job, MatteNews, Pieces, Project, ReelNews }
 export interface IngestReport {
   clips: { name: string; outcome: string; reasons: string[]; notes: string[] }[];
 }
-export type Mode = "fluid" | "flow" | "look" | "why" | "design" | "stills" | "endless";
+export type Mode = "fluid" | "flow" | "look" | "why" | "design" | "stills" | "endless" | "layers";
 
 export const pageId = Math.random().toString(36).slice(2, 12);
 export const home = signal<Home | null>(null);

@@ -54,6 +54,36 @@ export interface Document {
   design: Design;
   stills: Stills;
   endless: Endless;
+  layered: Layered;
+}
+
+export type LayerMotion = "still" | "tree" | "water" | "boat" | "clouds" | "patches";
+export type LayerMatte = "painted" | "scribbled" | "rest";
+
+/** Of what its motion does not have, the values do not matter. */
+export interface DrawnLayer {
+  name: string;
+  motion: LayerMotion;
+  matte: LayerMatte;
+  paint: Drawn[];
+  lines: Stroke[];
+  plant: "tree" | "flower" | "grass";
+  shimmer: number;
+  waves: number;
+  mirrors: boolean;
+  roll: number;
+  drift: number;
+  class: string;
+}
+
+/** A picture in layers that one wind moves, nearest first. */
+export interface Layered {
+  wind: number;
+  direction: number;
+  gustiness: number;
+  frames: number;
+  loop: boolean;
+  layers: DrawnLayer[];
 }
 
 /** A line that particles of a clip ride, px of its frames. */

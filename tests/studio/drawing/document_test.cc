@@ -54,6 +54,25 @@ Document full() {
                       .frames = 77,
                       .loop = true,
                       .moving_camera = true};
+  document.layered = {
+      .wind = 7.5,
+      .direction = -90,
+      .gustiness = 0.5,
+      .frames = 33,
+      .loop = false,
+      .layers = {{.name = "an oak",
+                  .motion = "tree",
+                  .matte = LayerMatte::kScribbled,
+                  .paint = {{.points = {{5, 5}}, .width = 9, .adds = false, .is_area = false}},
+                  .lines = {{.points = {{1, 1}, {9, 1}}, .speed = {}}},
+                  .plant = "flower",
+                  .shimmer = 1.5,
+                  .waves = 0.25,
+                  .mirrors = true,
+                  .roll = 3,
+                  .drift = -4,
+                  .class_name = "fall"},
+                 {.name = "land", .matte = LayerMatte::kRest}}};
   return document;
 }
 
@@ -78,11 +97,13 @@ TEST(Document, WithoutOtherWaysIsAnOlderOne) {
   older.erase("design");
   older.erase("stills");
   older.erase("endless");
+  older.erase("layered");
   Document expected = full();
   expected.tempo.clear();
   expected.design = {};
   expected.stills = {};
   expected.endless = {};
+  expected.layered = {};
   EXPECT_EQ(document_from_json(older.dump(), "document"), expected);
 }
 
@@ -108,7 +129,7 @@ TEST(Document, RefusesWhatItDoesNotKnow) {
        {std::pair{"seconds", Json(0)},
         {"split", Json(2.5)},
         {"paths", {{{"region", "1"}, {"names", {"a"}}, {"refused", true}}}},
-        {"names", {{{"region", "1"}, {"names", {"a\"", "b"}}, {"refused", true}}}},
+        {"names", {{{"region", "1"}, {"names", {"a\n", "b"}}, {"refused", true}}}},
         {"x", Json(1)}}) {
     Json stills = good["stills"];
     stills[std::string(name) == "names" ? "paths" : name] = value;
@@ -132,6 +153,25 @@ TEST(Document, RefusesWhatItDoesNotKnow) {
         value;
     expect_refused(with("endless", endless), name);
   }
+  for (const auto& [name, value] :
+       {std::pair{"wind", Json(-1)}, {"gustiness", Json(2)}, {"frames", Json(0)}, {"x", Json(1)}}) {
+    Json layered = good["layered"];
+    layered[name] = value;
+    expect_refused(with("layered", layered), name);
+  }
+  for (const auto& [name, value] : {std::pair{"name", Json("a\"b")},
+                                    {"motion", Json("fly")},
+                                    {"matte", Json("guess")},
+                                    {"plant", Json("cactus")},
+                                    {"shimmer", Json(99)},
+                                    {"x", Json(1)}}) {
+    Json layered = good["layered"];
+    layered["layers"][0][name] = value;
+    expect_refused(with("layered", layered), name);
+  }
+  Json namesakes = good["layered"];
+  namesakes["layers"][1]["name"] = "an oak";
+  expect_refused(with("layered", namesakes), "another layer");
   Json doubled = good["endless"];
   doubled["edited"][1]["id"] = "l1";
   expect_refused(with("endless", doubled), "another line");

@@ -4,8 +4,11 @@
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
 
 #include "freshet/error.h"
+#include "studio/ways/layer_scene.h"
 #include "tests/tools/sample.h"
 
 namespace freshet::studio {
@@ -24,15 +27,21 @@ Document designed() {
 
 const cv::Mat kPicture(151, 193, CV_8UC3, cv::Scalar(40, 60, 80));
 
+void write_files(const tools::WorkFolder& folder, const std::string& way, const Document& document) {
+  const std::string at = "ways/" + plan_way(way, document).folder + "/";
+  std::filesystem::create_directories(folder / at);
+  for (const WayFile& file : way_files(way, document, kPicture, "picture.png"))
+    folder.file(at + file.name, file.bytes);
+}
+
 TEST(WayPlan, EveryFluidIsASceneThatTheCommandLineTakes) {
   for (const char* fluid : {"smoke", "fire", "water"}) {
     const tools::WorkFolder folder;
     Document document = designed();
     document.design.fluid = fluid;
-    const WayPlan plan = plan_way("design", document, kPicture);
+    const WayPlan plan = plan_way("design", document);
     ASSERT_EQ(plan.commands.size(), 1u);
-    std::filesystem::create_directories(folder / "ways/design");
-    for (const WayFile& file : plan.files) folder.file("ways/design/" + file.name, file.bytes);
+    write_files(folder, "design", document);
     const tools::Outcome outcome = folder.freshet(plan.commands[0]);
     EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
     EXPECT_TRUE(std::filesystem::exists(folder / plan.film)) << fluid;
@@ -43,12 +52,12 @@ TEST(WayPlan, ALookIsASecondCommandOverThePicture) {
   Document document = designed();
   document.design.look = "fire/1.mp4";
   document.store = "/a/fire.freshet";
-  const WayPlan plan = plan_way("design", document, kPicture);
+  const WayPlan plan = plan_way("design", document);
   ASSERT_EQ(plan.commands.size(), 2u);
   EXPECT_EQ(plan.commands[1][1], "transfer");
-  EXPECT_EQ(plan.files.back().name, "behind.png");
+  EXPECT_EQ(way_files("design", document, kPicture, "picture.png").back().name, "behind.png");
   document.store.clear();
-  EXPECT_THROW(plan_way("design", document, kPicture), Error);
+  EXPECT_THROW(plan_way("design", document), Error);
 }
 
 TEST(WayPlan, WhatIsSaidOfStillsIsHeededByTheCommandLine) {
@@ -63,8 +72,8 @@ TEST(WayPlan, WhatIsSaidOfStillsIsHeededByTheCommandLine) {
   Document document;
   document.stills.seconds = 1;
   const auto run = [&] {
-    const WayPlan plan = plan_way("stills", document, kPicture);
-    for (const WayFile& file : plan.files) folder.file("ways/stills/" + file.name, file.bytes);
+    const WayPlan plan = plan_way("stills", document);
+    write_files(folder, "stills", document);
     const tools::Outcome outcome = folder.freshet(plan.commands.at(0));
     EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
     EXPECT_TRUE(std::filesystem::exists(folder / plan.film));
@@ -79,14 +88,15 @@ TEST(WayPlan, WhatIsSaidOfStillsIsHeededByTheCommandLine) {
   for (const nlohmann::json& path : after.at("paths")) EXPECT_NE(path.get<std::vector<std::string>>(), first);
 }
 
-/// Runs a plan's only command in a project's folder.
-nlohmann::json run_in(const tools::WorkFolder& folder, const WayPlan& plan) {
-  std::filesystem::create_directories(folder / ("ways/" + plan.folder));
-  for (const WayFile& file : plan.files) folder.file("ways/" + plan.folder + "/" + file.name, file.bytes);
+/// Runs a way's only command in a project's folder.
+nlohmann::json run_in(const tools::WorkFolder& folder, const std::string& way, const Document& document) {
+  const WayPlan plan = plan_way(way, document);
+  write_files(folder, way, document);
   const tools::Outcome outcome = folder.freshet(plan.commands.at(0));
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
   for (const std::string& shown : plan.shown)
     EXPECT_TRUE(std::filesystem::exists(folder / ("ways/" + plan.folder + "/" + shown))) << shown;
+  EXPECT_EQ(std::filesystem::is_regular_file(folder / plan.film), !plan.film.empty());
   return outcome.exit_code == 0 ? nlohmann::json::parse(outcome.out) : nlohmann::json();
 }
 
@@ -96,42 +106,145 @@ TEST(WayPlan, AClipGoesOnAlongLinesThatWereMoved) {
   document.store = tools::sample().store;
   document.endless.clip = "fall/1.mkv";
   document.endless.frames = 20;
-  EXPECT_GT(run_in(folder, plan_way("lines", document, kPicture))["lines"], 0);
+  EXPECT_GT(run_in(folder, "lines", document)["lines"], 0);
   document.endless.lines = {{.id = "a", .points = {{80, 10}, {80, 130}}, .speeds = {}},
                             {.id = "b", .points = {{100, 10}, {100, 130}}, .speeds = {}}};
   document.endless.edited = {{.id = "a", .points = {{70, 10}, {60, 130}}, .speeds = {2}},
                              {.id = "b-2", .points = {{110, 10}, {120, 130}}, .speeds = {0.5f, 1}}};
-  const WayPlan plan = plan_way("flowlines", document, kPicture);
-  const nlohmann::json report = run_in(folder, plan);
-  EXPECT_EQ(report["lines"], 2);
-  EXPECT_TRUE(std::filesystem::exists(folder / plan.film));
+  EXPECT_EQ(run_in(folder, "flowlines", document)["lines"], 2);
   EXPECT_NE(tools::text_of(folder / "ways/flowlines/edited.svg").find("data-speed=\"0.5 1\""),
             std::string::npos);
 }
 
 TEST(WayPlan, AClipIsTheStoresOrTheProjects) {
   Document document;
-  EXPECT_THROW(plan_way("flowlines", document, kPicture), Error);
+  EXPECT_THROW(plan_way("flowlines", document), Error);
   document.endless.clip = "--draw";
-  EXPECT_THROW(plan_way("lines", document, kPicture), Error) << "of no store";
+  EXPECT_THROW(plan_way("lines", document), Error) << "of no store";
   document.store = "/a/b.freshet";
-  const std::vector<std::string> stored = plan_way("lines", document, kPicture).commands[0];
+  const std::vector<std::string> stored = plan_way("lines", document).commands[0];
   EXPECT_EQ(stored[3], "--clip=--draw");
   document.endless.dropped = true;
   document.endless.clip = "fall.mp4";
-  EXPECT_EQ(plan_way("lines", document, kPicture).commands[0][2], "ways/flowlines/clips/fall.mp4");
+  EXPECT_EQ(plan_way("lines", document).commands[0][2], "ways/flowlines/clips/fall.mp4");
   document.endless.moving_camera = true;
   document.endless.loop = true;
-  const std::vector<std::string> words = plan_way("flowlines", document, kPicture).commands[0];
+  const std::vector<std::string> words = plan_way("flowlines", document).commands[0];
   for (const char* word : {"--moving-camera", "--loop"})
     EXPECT_NE(std::find(words.begin(), words.end(), word), words.end()) << word;
+}
+
+Drawn area(float left, float top, float right, float bottom) {
+  return {.points = {{left, top}, {right, top}, {right, bottom}, {left, bottom}},
+          .width = 0,
+          .adds = true,
+          .is_area = true};
+}
+
+/// Sky, water with a boat, and a tree before them, on a picture of 193 x 151 px.
+Layered layers() {
+  Layered layered;
+  layered.frames = 6;
+  layered.layers = {{.name = "oak",
+                     .motion = "tree",
+                     .paint = {area(10, 20, 50, 140)},
+                     .lines = {{.points = {{30, 138}, {30, 30}}, .speed = {}}},
+                     .plant = "grass",
+                     .shimmer = 1},
+                    {.name = "a boat",
+                     .motion = "boat",
+                     .paint = {area(100, 90, 140, 112)},
+                     .lines = {{.points = {{102, 110}, {138, 110}}, .speed = {}}},
+                     .roll = 2},
+                    {.name = "lake",
+                     .motion = "water",
+                     .paint = {area(0, 80, 193, 151)},
+                     .lines = {{.points = {{0, 75}, {193, 75}}, .speed = {}}},
+                     .waves = 0.1,
+                     .mirrors = true},
+                    {.name = "sky", .motion = "clouds", .paint = {area(0, 0, 193, 70)}, .drift = 12},
+                    {.name = "land", .motion = "still", .matte = LayerMatte::kRest}};
+  return layered;
+}
+
+/// A photograph's stand-in of kPicture's size.
+void write_picture(const tools::WorkFolder& folder) {
+  cv::Mat picture;
+  cv::resize(cv::imread(tools::sample().still), picture, kPicture.size());
+  ASSERT_TRUE(cv::imwrite(folder / "picture.png", picture));
+}
+
+TEST(WayPlan, LayersOfEveryKindAreAScene) {
+  const tools::WorkFolder folder;
+  write_picture(folder);
+  Document document;
+  document.layered = layers();
+  const nlohmann::json made = run_in(folder, "scene", document);
+  EXPECT_EQ(made["layers"], 5);
+  EXPECT_EQ(made["frames"], 6);
+  // A layer that is scribbled on, and beside.
+  document.layered.layers[0].matte = LayerMatte::kScribbled;
+  document.layered.layers[0].paint.push_back(area(60, 20, 80, 60));
+  document.layered.layers[0].paint.back().adds = false;
+  EXPECT_EQ(run_in(folder, "scene", document)["layers"], 5);
+}
+
+TEST(WayPlan, ALayerOfPatchesTakesAStoreOfAnyName) {
+  const tools::WorkFolder folder;
+  write_picture(folder);
+  const std::string odd = "a \"store\" \\ of mine.freshet";
+  std::filesystem::copy_file(tools::sample().store, folder / odd);
+  Document document;
+  document.store = folder / odd;
+  document.layered.frames = 4;
+  document.layered.layers = {{.name = "fall",
+                              .motion = "patches",
+                              .paint = {area(20, 20, 150, 140)},
+                              .lines = {{.points = {{60, 30}, {60, 120}}, .speed = {}}},
+                              .class_name = "fall"}};
+  EXPECT_EQ(run_in(folder, "scene", document)["layers"], 2) << "and the rest";
+}
+
+TEST(WayPlan, ALayerSaysWhatItLacks) {
+  const auto fault_of = [](const Layered& layered, const std::string& store = {}) {
+    try {
+      layer_scene(layered, kPicture.size(), {.picture = "../../picture.png", .store = store});
+    } catch (const Error& fault) {
+      EXPECT_EQ(fault.kind(), ErrorKind::kUsage);
+      return std::string(fault.what());
+    }
+    return std::string();
+  };
+  EXPECT_EQ(fault_of(layers()), "");
+  EXPECT_NE(fault_of({}).find("Add one"), std::string::npos);
+  for (std::size_t i = 0; i < 3; ++i) {
+    Layered lacking = layers();
+    lacking.layers[i].lines.clear();
+    EXPECT_NE(fault_of(lacking).find(lacking.layers[i].name), std::string::npos);
+    lacking = layers();
+    lacking.layers[i].paint.clear();
+    EXPECT_NE(fault_of(lacking).find("nowhere"), std::string::npos);
+  }
+  Layered patches = layers();
+  patches.layers[0].motion = "patches";
+  EXPECT_NE(fault_of(patches).find("store"), std::string::npos);
+  EXPECT_EQ(fault_of(patches, "/a/b.freshet"), "");
+}
+
+TEST(WayPlan, NamesOfStillsAreQuoted) {
+  Document document;
+  const std::string odd = "a \"b\" \\ c.png";
+  document.stills.paths = {{.region = odd, .names = {odd, "d.png"}, .refused = true}};
+  const std::string toml = way_files("stills", document, kPicture, "picture.png").at(0).bytes;
+  EXPECT_NE(toml.find("name = \"a \\\"b\\\" \\\\ c.png\""), std::string::npos) << toml;
+  EXPECT_NE(toml.find("refuse = [[\"a \\\"b\\\" \\\\ c.png\", \"d.png\"]]"), std::string::npos) << toml;
 }
 
 TEST(WayPlan, WantsASource) {
   Document document = designed();
   document.design.sources.erase(document.design.sources.begin());
-  EXPECT_THROW(plan_way("design", document, kPicture), Error);
-  EXPECT_THROW(plan_way("elsewhere", designed(), kPicture), Error);
+  EXPECT_THROW(plan_way("design", document), Error);
+  EXPECT_THROW(plan_way("elsewhere", designed()), Error);
 }
 
 }  // namespace

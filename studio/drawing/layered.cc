@@ -1,0 +1,89 @@
+#include "studio/drawing/layered.h"
+
+#include <set>
+#include <string_view>
+
+#include <nlohmann/json.hpp>
+
+#include "studio/drawing/fields.h"
+
+namespace freshet::studio {
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr std::size_t kMostLayers = 64, kLongestName = 60;
+
+constexpr const char* kMattes[] = {"painted", "scribbled", "rest"};  // by LayerMatte
+
+/// A name that a scene file takes.
+std::string layer_name(const Fields& fields) {
+  constexpr std::string_view kLetters = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_- ";
+  std::string name = fields.text("name");
+  if (name.empty() || name.size() > kLongestName || name.find_first_not_of(kLetters) != std::string::npos)
+    fields.fail("\"name\" is no name of a layer: 1 to 60 letters, digits, '-', '_' and spaces");
+  return name;
+}
+
+DrawnLayer read_layer(const Fields& fields) {
+  fields.only({"name", "motion", "matte", "paint", "lines", "plant", "shimmer", "waves", "mirrors", "roll",
+               "drift", "class"});
+  const std::string matte = fields.word("matte", {std::begin(kMattes), std::end(kMattes)});
+  return {.name = layer_name(fields),
+          .motion = fields.word("motion", {"still", "tree", "water", "boat", "clouds", "patches"}),
+          .matte = matte == kMattes[0]   ? LayerMatte::kPainted
+                   : matte == kMattes[1] ? LayerMatte::kScribbled
+                                         : LayerMatte::kRest,
+          .paint = fields.drawn("paint"),
+          .lines = fields.strokes("lines"),
+          .plant = fields.word("plant", {"tree", "flower", "grass"}),
+          .shimmer = fields.number("shimmer", 0, 20),
+          .waves = fields.number("waves", 0, 100),
+          .mirrors = fields.flag("mirrors"),
+          .roll = fields.number("roll", 0, 100),
+          .drift = fields.number("drift", -1000, 1000),
+          .class_name = fields.text("class")};
+}
+
+Json layer_json(const DrawnLayer& layer) {
+  return {{"name", layer.name},
+          {"motion", layer.motion},
+          {"matte", kMattes[static_cast<int>(layer.matte)]},
+          {"paint", drawn_json(layer.paint)},
+          {"lines", strokes_json(layer.lines)},
+          {"plant", layer.plant},
+          {"shimmer", layer.shimmer},
+          {"waves", layer.waves},
+          {"mirrors", layer.mirrors},
+          {"roll", layer.roll},
+          {"drift", layer.drift},
+          {"class", layer.class_name}};
+}
+
+}  // namespace
+
+Layered read_layered(const Fields& fields) {
+  fields.only({"wind", "direction", "gustiness", "frames", "loop", "layers"});
+  Layered layered{.wind = fields.number("wind", 0, 60),
+                  .direction = fields.number("direction", -360, 360),
+                  .gustiness = fields.number("gustiness", 0, 1),
+                  .frames = fields.integer("frames", 1, 2000),
+                  .loop = fields.flag("loop"),
+                  .layers = {}};
+  std::set<std::string> names;
+  for (const Json& item : fields.list("layers", kMostLayers)) {
+    const Fields layer = fields.below(item, "layers", layered.layers.size());
+    layered.layers.push_back(read_layer(layer));
+    if (!names.insert(layered.layers.back().name).second) layer.fail("another layer has this \"name\"");
+  }
+  return layered;
+}
+
+Json layered_json(const Layered& layered) {
+  Json json{{"wind", layered.wind},     {"direction", layered.direction}, {"gustiness", layered.gustiness},
+            {"frames", layered.frames}, {"loop", layered.loop},           {"layers", Json::array()}};
+  for (const DrawnLayer& layer : layered.layers) json["layers"].push_back(layer_json(layer));
+  return json;
+}
+
+}  // namespace freshet::studio

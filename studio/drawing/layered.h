@@ -1,0 +1,54 @@
+// studio/drawing/layered.h — a picture in layers that one wind moves, as they are painted over it.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <nlohmann/json_fwd.hpp>
+#include <opencv2/core.hpp>
+
+#include "studio/drawing/drawn.h"
+
+namespace freshet::studio {
+
+class Fields;
+
+/// Where a layer is: exactly what was painted, what is found from scribbles on it and beside it, or what all others
+/// leave.
+enum class LayerMatte { kPainted, kScribbled, kRest };
+
+/// One layer. Of what its motion does not have, the values do not matter.
+struct DrawnLayer {
+  std::string name;              // 1 to 60 letters, digits, '-', '_' and spaces; unique
+  std::string motion = "still";  // "still", "tree", "water", "boat", "clouds", "patches"
+  LayerMatte matte = LayerMatte::kPainted;
+  std::vector<Drawn> paint{};
+  /// From the first point to the last: armatures of a tree, from the root; water's horizon and a boat's hull line, of which
+  /// the first line counts; strokes of patches.
+  std::vector<DrawnStroke> lines{};
+  std::string plant = "tree";  // "tree", "flower", "grass"
+  double shimmer = 0;          // of leaves, px, 0..20
+  double waves = 0;            // amplitude, 0..100; 0: the usual
+  bool mirrors = false;        // of water: what moves above it
+  double roll = 1;             // of a boat, and how much it heaves, 0..100
+  double drift = 0;            // of clouds, px/s, -1000..1000; 0: as the wind blows
+  std::string class_name{};    // of patches; empty: all
+  bool operator==(const DrawnLayer&) const = default;
+};
+
+struct Layered {
+  double wind = 5;  // m/s, 0..60
+  double direction =
+      0;  // degrees, where it blows to, seen from above: 0 right, 90 away from the viewer; -360..360
+  double gustiness = 0;  // 0..1
+  int frames = 100;      // 1..2000
+  bool loop = true;
+  std::vector<DrawnLayer> layers{};  // nearest first
+  bool operator==(const Layered&) const = default;
+};
+
+/// Checks everything, as document_from_json says.
+Layered read_layered(const Fields& fields);
+nlohmann::json layered_json(const Layered& layered);
+
+}  // namespace freshet::studio

@@ -1,0 +1,104 @@
+// The layers of a picture as they are changed.
+import { rounded } from "./pen";
+import * as state from "./state";
+import type { Drawn, DrawnLayer, Layered, LayerMotion, Point } from "./types";
+import * as view from "./view";
+
+const kUsualNames: Record<LayerMotion, string> = { still: "still", tree: "tree", water: "water", boat: "boat", clouds: "clouds", patches: "fluid" };
+
+/** What a line is, of the motions that have one. */
+export const lineWords: Partial<Record<LayerMotion, string>> = {
+  tree: "Draw from a root to a tip: what sways. Several lines each move what is near.",
+  water: "Draw a line on the horizon, where the water's plane ends.",
+  boat: "Draw a line along the hull, at the water.",
+  patches: "Draw lines along the flow.",
+};
+
+const layered = (): Layered | undefined => state.doc.value?.layered;
+export const chosenLayer = (): DrawnLayer | undefined => layered()?.layers[view.layer.value];
+
+export function changeScene(part: Partial<Layered>, key = ""): void {
+  const now = layered();
+  if (now) state.edit({ layered: { ...now, ...part } }, key);
+}
+
+export function changeLayer(part: Partial<DrawnLayer>, key = ""): void {
+  const now = layered();
+  if (now) changeScene({ layers: now.layers.map((layer, i) => (i === view.layer.value ? { ...layer, ...part } : layer)) }, key);
+}
+
+/** A new layer lies before all others, and is drawn on. */
+export function addLayer(motion: LayerMotion): void {
+  const layers = layered()?.layers ?? [];
+  const usual = kUsualNames[motion];
+  let name = usual;
+  for (let number = 2; layers.some((layer) => layer.name === name); ++number) name = `${usual} ${number}`;
+  const made: DrawnLayer = { name, motion, matte: "painted", paint: [], lines: [], plant: "tree", shimmer: 0, waves: 0, mirrors: false, roll: 1, drift: 0, class: "" };
+  changeScene({ layers: [made, ...layers] });
+  view.layer.value = 0;
+  view.layerTool.value = "paint";
+}
+
+export function removeLayer(): void {
+  const layers = layered()?.layers ?? [];
+  changeScene({ layers: layers.filter((_, i) => i !== view.layer.value) });
+  view.layer.value = Math.max(0, Math.min(view.layer.value, layers.length - 2));
+}
+
+/** The chosen layer goes before the one before it, or behind the one behind it. */
+export function moveLayer(by: -1 | 1): void {
+  const layers = [...(layered()?.layers ?? [])];
+  const from = view.layer.value;
+  const [one, other] = [layers[from], layers[from + by]];
+  if (!one || !other) return;
+  [layers[from], layers[from + by]] = [other, one];
+  changeScene({ layers });
+  view.layer.value = from + by;
+}
+
+export function paintLayer(drawn: Drawn[]): void {
+  const layer = chosenLayer();
+  if (layer) changeLayer({ paint: [...layer.paint, ...drawn], ...(layer.matte === "rest" ? { matte: "painted" as const } : {}) });
+}
+
+export function addLayerLine(points: Point[]): void {
+  const layer = chosenLayer();
+  if (!layer || !lineWords[layer.motion]) return;
+  const ends = [points[0], points[points.length - 1]].map((point): Point => [rounded(point?.[0] ?? 0), rounded(point?.[1] ?? 0)]);
+  const line = { points: layer.motion === "patches" ? points : ends, speed: null };
+  const others = layer.motion === "tree" || layer.motion === "patches" ? layer.lines : [];
+  changeLayer({ lines: [...others, line] });
+}
+
+const kLongest = 1024; // px of a matte as it is shown
+const kShown = new WeakMap<Drawn[], { colour: string; canvas: HTMLCanvasElement }>();
+
+/** Where a layer was painted, in one colour. */
+export function layerShape(paint: Drawn[], colour: string, width: number, height: number): HTMLCanvasElement {
+  const known = kShown.get(paint);
+  if (known?.colour === colour) return known.canvas;
+  const canvas = document.createElement("canvas");
+  const scale = Math.min(1, kLongest / Math.max(width, height));
+  canvas.width = Math.max(1, Math.round(width * scale));
+  canvas.height = Math.max(1, Math.round(height * scale));
+  const context = canvas.getContext("2d");
+  if (context) {
+    context.scale(scale, scale);
+    context.strokeStyle = context.fillStyle = colour;
+    context.lineCap = context.lineJoin = "round";
+    for (const line of paint) {
+      context.globalCompositeOperation = line.adds ? "source-over" : "destination-out";
+      context.beginPath();
+      line.points.forEach(([x, y], i) => (i === 0 ? context.moveTo(x, y) : context.lineTo(x, y)));
+      if (line.area) context.fill();
+      else {
+        const [first] = line.points;
+        if (line.points.length === 1 && first) context.lineTo(first[0], first[1]);
+        context.lineWidth = line.width;
+        context.stroke();
+      }
+    }
+  }
+  kShown.set(paint, { colour, canvas });
+  return canvas;
+}

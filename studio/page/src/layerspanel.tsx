@@ -1,0 +1,217 @@
+// A picture in layers that one wind moves: where each is, what it is, and what is drawn for it.
+import type { JSX } from "preact";
+import { ArrowDown, ArrowUp, Brush, Eraser, Shapes, Spline, Trash2 } from "lucide-preact";
+import * as api from "./api";
+import { FilmSection, useWay } from "./filmsection";
+import { addLayer, changeLayer, changeScene, chosenLayer, lineWords, moveLayer, removeLayer } from "./layers";
+import { Choice, IconButton, Section, Slider, Switch } from "./parts";
+import * as state from "./state";
+import type { Document, DrawnLayer, Layered, LayerMatte, LayerMotion } from "./types";
+import * as view from "./view";
+
+const kWay = "scene";
+const kMotions: readonly (readonly [LayerMotion, string])[] = [
+  ["tree", "Tree or plant"],
+  ["water", "Water"],
+  ["boat", "Boat"],
+  ["clouds", "Clouds"],
+  ["patches", "Fluid of the store"],
+  ["still", "Stands still"],
+];
+const kMattes: readonly (readonly [LayerMatte, string])[] = [["painted", "Painted"], ["scribbled", "Scribbled"], ["rest", "The rest"]];
+const kTools = [
+  ["paint", "Paint", Brush],
+  ["erase", "Erase", Eraser],
+  ["area", "Area", Shapes],
+  ["line", "Line", Spline],
+] as const;
+
+export function LayersPanel({ document }: { document: Document }): JSX.Element {
+  const { layered } = document;
+  const way = useWay(kWay, layered);
+  const id = state.project.value?.id ?? "";
+  const layer = chosenLayer();
+  return (
+    <>
+      <ListSection layers={layered.layers} />
+      {layer && <LayerSection layer={layer} />}
+      {layered.layers.length > 0 && (
+        <>
+          <WindSection layered={layered} />
+          <FilmSection name={kWay} way={way} ready={true} />
+          {way?.made && way.shown[0] && (
+            <Section title="What was understood">
+              <img class="sheet" src={api.address.wayFile(id, kWay, way.shown[0], way.made)} alt="The layers, their lines, and the water's plane" />
+            </Section>
+          )}
+        </>
+      )}
+    </>
+  );
+}
+
+function ListSection({ layers }: { layers: DrawnLayer[] }): JSX.Element {
+  const chosen = view.layer.value;
+  return (
+    <Section title="Layers" aside={<span class="figure">{layers.length || ""}</span>}>
+      <p class="hint">{layers.length === 0 ? "Add what moves: it is painted over the picture. What is left stands still." : "The nearest first."}</p>
+      {layers.length > 0 && (
+        <ul class="layers">
+          {layers.map((layer, i) => (
+            <li key={layer.name}>
+              <button type="button" aria-pressed={i === chosen} onClick={() => (view.layer.value = i)}>
+                <span class="swatch" style={{ background: view.clipColour(i) }} aria-hidden />
+                <span class="name">{layer.name}</span>
+                <small>{kMotions.find(([motion]) => motion === layer.motion)?.[1]}</small>
+              </button>
+            </li>
+          ))}
+        </ul>
+      )}
+      <label class="field">
+        <span>Add a layer</span>
+        <select
+          value=""
+          onChange={(event) => {
+            addLayer(event.currentTarget.value as LayerMotion);
+            event.currentTarget.value = "";
+          }}
+        >
+          <option value="">Of what kind?</option>
+          {kMotions.map(([motion, label]) => (
+            <option key={motion} value={motion}>
+              {label}
+            </option>
+          ))}
+        </select>
+      </label>
+    </Section>
+  );
+}
+
+function LayerSection({ layer }: { layer: DrawnLayer }): JSX.Element {
+  const tool = view.layerTool.value;
+  const words = lineWords[layer.motion];
+  const tools = kTools.filter(([id]) => id === "line" ? !!words : layer.matte !== "rest");
+  const hints: Record<view.LayerTool, string> = {
+    paint: layer.matte === "scribbled" ? "Scribble on the layer; the rest of it is found when it is made." : "Paint where the layer is.",
+    erase: layer.matte === "scribbled" ? "Scribble beside the layer." : "Take away where the layer is not.",
+    area: "Draw around the layer, or click its corners and then the first one again.",
+    line: words ?? "",
+  };
+  return (
+    <Section
+      title={layer.name}
+      aside={
+        <span class="row">
+          <IconButton icon={ArrowUp} label="Nearer" onClick={() => moveLayer(-1)} />
+          <IconButton icon={ArrowDown} label="Further" onClick={() => moveLayer(1)} />
+          <IconButton icon={Trash2} label="Remove this layer" onClick={removeLayer} />
+        </span>
+      }
+    >
+      <LayerName layer={layer} />
+      <Choice label="Where the layer is" value={layer.matte} options={kMattes} onChange={(matte) => changeLayer({ matte })} />
+      {tools.length > 0 && (
+        <div class="tools four" role="group" aria-label="Drawing tools">
+          {tools.map(([id, label, Icon]) => (
+            <button key={id} type="button" class="tool" aria-pressed={tool === id} onClick={() => (view.layerTool.value = id)}>
+              <Icon size={18} strokeWidth={1.75} aria-hidden />
+              <span>{label}</span>
+            </button>
+          ))}
+        </div>
+      )}
+      {tools.some(([id]) => id === tool) && <p class="hint">{hints[tool]}</p>}
+      {(tool === "paint" || tool === "erase") && layer.matte !== "rest" && (
+        <Slider label="Brush" value={view.brush.value} min={2} max={400} logarithmic shown={`${Math.round(view.brush.value)} px`} onInput={(value) => (view.brush.value = value)} />
+      )}
+      <MotionOptions layer={layer} />
+      <div class="row">
+        <button type="button" class="quiet" disabled={layer.paint.length === 0} onClick={() => changeLayer({ paint: [] })}>
+          Clear paint
+        </button>
+        {words && (
+          <button type="button" class="quiet" disabled={layer.lines.length === 0} onClick={() => changeLayer({ lines: [] })}>
+            Clear lines
+          </button>
+        )}
+      </div>
+    </Section>
+  );
+}
+
+function LayerName({ layer }: { layer: DrawnLayer }): JSX.Element {
+  const rename = (text: string): void => {
+    const name = text.replace(/[^A-Za-z0-9_-]+/g, " ").trim().slice(0, 60);
+    const taken = state.doc.value?.layered.layers.some((other) => other !== layer && other.name === name);
+    if (name && !taken) changeLayer({ name });
+    else if (taken) state.toast.value = "Another layer has this name.";
+  };
+  return (
+    <label class="field">
+      <span>Name</span>
+      <input key={layer.name} value={layer.name} onChange={(event) => rename(event.currentTarget.value)} />
+    </label>
+  );
+}
+
+function MotionOptions({ layer }: { layer: DrawnLayer }): JSX.Element | null {
+  const classes = [...new Set(state.store.value?.clips.map((clip) => clip.class) ?? [])].sort();
+  switch (layer.motion) {
+    case "tree":
+      return (
+        <>
+          <label class="field">
+            <span>Plant</span>
+            <select value={layer.plant} onChange={(event) => changeLayer({ plant: event.currentTarget.value as DrawnLayer["plant"] })}>
+              <option value="tree">Tree</option>
+              <option value="flower">Flower</option>
+              <option value="grass">Grass</option>
+            </select>
+          </label>
+          <Slider label="Shimmer of leaves" value={layer.shimmer} min={0} max={4} step={0.1} shown={`${layer.shimmer.toFixed(1)} px`} onInput={(shimmer) => changeLayer({ shimmer }, "layer-shimmer")} />
+        </>
+      );
+    case "water":
+      return (
+        <>
+          <Slider label="Waves" value={layer.waves} min={0} max={1} step={0.01} shown={layer.waves === 0 ? "as usual" : layer.waves.toFixed(2)} onInput={(waves) => changeLayer({ waves }, "layer-waves")} />
+          <Switch label="Mirrors" hint="What moves above it moves in it, too" checked={layer.mirrors} onChange={(mirrors) => changeLayer({ mirrors })} />
+        </>
+      );
+    case "boat":
+      return <Slider label="Rocks" value={layer.roll} min={0} max={10} step={0.1} shown={`${layer.roll.toFixed(1)} ×`} onInput={(roll) => changeLayer({ roll }, "layer-roll")} />;
+    case "clouds":
+      return <Slider label="Drift" value={layer.drift} min={-60} max={60} step={1} shown={layer.drift === 0 ? "with the wind" : `${layer.drift} px/s`} onInput={(drift) => changeLayer({ drift }, "layer-drift")} />;
+    case "patches":
+      return (
+        <label class="field">
+          <span>Kind of fluid</span>
+          <select value={layer.class} onChange={(event) => changeLayer({ class: event.currentTarget.value })}>
+            <option value="">Any</option>
+            {classes.map((each) => (
+              <option key={each} value={each}>
+                {each}
+              </option>
+            ))}
+          </select>
+        </label>
+      );
+    case "still":
+      return null;
+  }
+}
+
+function WindSection({ layered }: { layered: Layered }): JSX.Element {
+  return (
+    <Section title="Wind">
+      <Slider label="Wind" value={layered.wind} min={0} max={20} step={0.5} shown={`${layered.wind.toFixed(1)} m/s`} onInput={(wind) => changeScene({ wind }, "wind")} />
+      <Slider label="Blows to" value={layered.direction} min={-180} max={180} step={5} shown={`${layered.direction}°`} onInput={(direction) => changeScene({ direction }, "wind-direction")} />
+      <Slider label="Gusts" value={layered.gustiness} min={0} max={1} step={0.05} shown={layered.gustiness === 0 ? "none" : layered.gustiness.toFixed(2)} onInput={(gustiness) => changeScene({ gustiness }, "gusts")} />
+      <p class="hint">0° to the right, 90° away, 180° to the left, as seen from above.</p>
+      <Slider label="Length" value={layered.frames / 25} min={0.4} max={20} step={0.2} shown={`${(layered.frames / 25).toFixed(1)} s`} onInput={(seconds) => changeScene({ frames: Math.max(1, Math.round(seconds * 25)) }, "scene-frames")} />
+      <Switch label="Loop" hint="Its end runs into its beginning" checked={layered.loop} onChange={(loop) => changeScene({ loop })} />
+    </Section>
+  );
+}

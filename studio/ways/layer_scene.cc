@@ -1,0 +1,131 @@
+#include "studio/ways/layer_scene.h"
+
+#include <algorithm>
+#include <cstdint>
+
+#include <fmt/format.h>
+#include <opencv2/imgcodecs.hpp>
+
+#include "freshet/error.h"
+#include "studio/drawing/drawn_matte.h"
+#include "studio/drawing/toml_text.h"
+
+namespace freshet::studio {
+namespace {
+
+[[noreturn]] void lacks(const DrawnLayer& layer, const std::string& what, const std::string& remedy) {
+  throw Error(ErrorKind::kUsage, "layer " + layer.name, what, remedy);
+}
+
+std::string png(const cv::Mat& picture) {
+  std::vector<std::uint8_t> bytes;
+  cv::imencode(".png", picture, bytes);
+  return {bytes.begin(), bytes.end()};
+}
+
+/// White where the layer is.
+cv::Mat painted(const DrawnLayer& layer, cv::Size size) {
+  cv::Mat matte = cv::Mat::zeros(size, CV_8U);
+  paint(layer.paint, matte);
+  return matte;
+}
+
+/// White on the layer, black beside it, transparent where nothing was said.
+cv::Mat scribbled(const DrawnLayer& layer, cv::Size size) {
+  cv::Mat said = cv::Mat::zeros(size, CV_8U), white = cv::Mat::zeros(size, CV_8U);
+  std::vector<Drawn> everywhere = layer.paint;
+  for (Drawn& line : everywhere) line.adds = true;
+  paint(everywhere, said);
+  paint(layer.paint, white);
+  // Half of an edge's pixel says nothing.
+  const cv::Mat sure = said == 255;
+  cv::Mat scribbles;
+  cv::merge(std::vector<cv::Mat>{white, white, white, sure}, scribbles);
+  return scribbles;
+}
+
+void expect_drawn(const DrawnLayer& layer, const SceneFiles& files) {
+  const bool is_somewhere =
+      std::any_of(layer.paint.begin(), layer.paint.end(), [](const Drawn& line) { return line.adds; });
+  if (layer.matte != LayerMatte::kRest && !is_somewhere) lacks(layer, "it is nowhere", "Paint where it is");
+  if (layer.motion == "patches" && files.store.empty())
+    lacks(layer, "its patches have no store", "Choose one under Look");
+  if (!layer.lines.empty()) return;
+  if (layer.motion == "tree") lacks(layer, "it has no armature", "Draw one from its root to its tip");
+  if (layer.motion == "water") lacks(layer, "it has no horizon", "Draw a line on the horizon");
+  if (layer.motion == "boat") lacks(layer, "it has no hull line", "Draw one along its waterline");
+}
+
+/// What its motion has to say.
+std::string motion_keys(const DrawnLayer& layer, const SceneFiles& files) {
+  if (layer.motion == "tree")
+    return fmt::format("plant = \"{}\"\nshimmer = {}\n", layer.plant, layer.shimmer);
+  if (layer.motion == "water")
+    return (layer.waves > 0 ? fmt::format("amplitude = {}\n", layer.waves) : "") +
+           fmt::format("mirrors = {}\n", layer.mirrors);
+  if (layer.motion == "boat") return fmt::format("heave = {0}\nroll = {0}\n", layer.roll);
+  if (layer.motion == "clouds") return layer.drift != 0 ? fmt::format("speed = {}\n", layer.drift) : "";
+  if (layer.motion != "patches") return "";
+  return "store = " + toml_text(files.store) + "\n" +
+         (layer.class_name.empty() ? "" : "class = " + toml_text(layer.class_name) + "\n");
+}
+
+bool has_lines(const DrawnLayer& layer) {
+  return !layer.lines.empty() && layer.motion != "still" && layer.motion != "clouds";
+}
+
+/// The lines that count.
+std::string marks_svg(const Layered& layered, cv::Size size) {
+  std::string svg = fmt::format(
+      "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0}\" height=\"{1}\" viewBox=\"0 0 {0} {1}\">\n",
+      size.width, size.height);
+  for (const DrawnLayer& layer : layered.layers) {
+    if (!has_lines(layer)) continue;
+    const bool one = layer.motion == "water" || layer.motion == "boat";
+    svg += fmt::format("<g data-layer=\"{}\" fill=\"none\" stroke=\"#fff\">\n", layer.name);
+    for (const DrawnStroke& line : layer.lines) {
+      std::string points;
+      for (const cv::Point2f& point : line.points)
+        points += fmt::format("{}{:.2f},{:.2f}", points.empty() ? "" : " ", point.x, point.y);
+      svg += fmt::format("  <polyline points=\"{}\"/>\n", points);
+      if (one) break;
+    }
+    svg += "</g>\n";
+  }
+  return svg + "</svg>\n";
+}
+
+}  // namespace
+
+std::vector<WayFile> layer_scene(const Layered& layered, cv::Size size, const SceneFiles& files) {
+  if (layered.layers.empty()) throw Error(ErrorKind::kUsage, "layers", "there is none", "Add one");
+  std::vector<WayFile> made;
+  std::string toml = fmt::format("picture = {}\nframes = {}\nfps = 25\nloop = {}\n", toml_text(files.picture),
+                                 layered.frames, layered.loop);
+  if (std::any_of(layered.layers.begin(), layered.layers.end(), has_lines)) {
+    toml += "marks = \"marks.svg\"\n";
+    made.push_back({"marks.svg", marks_svg(layered, size)});
+  }
+  toml += fmt::format("[wind]\nspeed = {}\ndirection = {}\ngustiness = {}\n", layered.wind, layered.direction,
+                      layered.gustiness);
+  int place = 0;
+  for (const DrawnLayer& layer : layered.layers) {
+    expect_drawn(layer, files);
+    const std::string file = fmt::format("layer-{}.png", ++place);
+    toml += fmt::format("[[layer]]\nname = {}\nmotion = \"{}\"\n", toml_text(layer.name), layer.motion);
+    if (layer.matte == LayerMatte::kRest) {
+      toml += "matte = \"rest\"\n";
+    } else if (layer.matte == LayerMatte::kPainted) {
+      toml += fmt::format("matte = \"{}\"\n", file);
+      made.push_back({file, png(painted(layer, size))});
+    } else {
+      toml += fmt::format("scribbles = \"{}\"\n", file);
+      made.push_back({file, png(scribbled(layer, size))});
+    }
+    toml += motion_keys(layer, files);
+  }
+  made.push_back({"scene.toml", toml});
+  return made;
+}
+
+}  // namespace freshet::studio

@@ -1,0 +1,25 @@
+// studio/ways/layer_scene.h — layers that were painted over a picture, as the files of `synth scene`.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <opencv2/core.hpp>
+
+#include "studio/drawing/layered.h"
+#include "studio/ways/way_file.h"
+
+namespace freshet::studio {
+
+/// What a scene names from where it lies.
+struct SceneFiles {
+  std::string picture;  // "../../picture.png"
+  std::string store;    // of layers of patches; empty: none
+};
+
+/// scene.toml, marks.svg where lines were drawn, and a grey matte or scribbles for each layer that has its own:
+/// layer-1.png and so on. size   px, of the picture.
+/// Throws Error{kUsage} for a layer that is nowhere, or lacks its line or store, saying what is missing.
+std::vector<WayFile> layer_scene(const Layered& layered, cv::Size size, const SceneFiles& files);
+
+}  // namespace freshet::studio
