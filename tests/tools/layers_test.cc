@@ -7,6 +7,7 @@
 
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
 
 #include "tests/tools/sample.h"
 
@@ -316,6 +317,20 @@ TEST_F(Layers, PresetsChooseByPurpose) {
   EXPECT_TRUE(holds(probe("archive.mkv", "codec_name,pix_fmt"), "codec_name=ffv1\npix_fmt=gbrp16le"));
   EXPECT_TRUE(holds(probe("preset.gif", "codec_name,width,height"), "codec_name=gif\nwidth=192\nheight=144"));
   EXPECT_EQ(lines_of(must({"identify", "preset.gif"})).size(), std::size_t{kAnimated});
+}
+
+TEST_F(Layers, AnotherSizeIsWrittenOfTheSameFrames) {
+  made("as_it_is/%04d.png");
+  made("half/%04d.png", {"--width", "96", "--matte-out", "half_mattes/%04d.png"});
+  cv::Mat expected;
+  cv::resize(read("as_it_is/0003.png"), expected, {96, 72}, 0, 0, cv::INTER_AREA);
+  EXPECT_EQ(cv::norm(read("half/0003.png"), expected, cv::NORM_INF), 0);
+  EXPECT_EQ(read("half_mattes/0003.png").size(), cv::Size(96, 72));
+  made("large.mov", {"--width", "300", "--layer", "fluid"});
+  EXPECT_TRUE(holds(probe("large.mov", "width,height"), "width=300\nheight=225"));
+  const Outcome outcome = animate("refused/%04d.png", {"--width", "96", "--motion-out", "refused/%04d.exr"});
+  EXPECT_EQ(outcome.exit_code, 2) << outcome.err;
+  EXPECT_TRUE(holds(outcome.err, "--width asks for another size")) << outcome.err;
 }
 
 TEST_F(Layers, AnOddSizeIsSaidBeforeTheWork) {

@@ -86,6 +86,12 @@ void OutputOptions::add_to(CLI::App& command) {
   add_frames_to(command);
   command.get_option("--output")->required();
   command
+      .add_option("--width", width_,
+                  "Width of what is written, px, its height in proportion: frames are made as large as the "
+                  "picture, and reduced or enlarged then [the picture's]")
+      ->check(CLI::Range(16, 16384))
+      ->group(kGroup);
+  command
       .add_option(
           "--layer", layer_,
           "whole (the picture with the fluid in it), fluid (the fluid alone with alpha, to lie over the "
@@ -148,7 +154,7 @@ cv::Size OutputOptions::apply_preset(const Kind& kind, cv::Size size) {
   if (preset_ == "web") file_options_.crf = 20;
   if (preset_ == "social") {
     file_options_.crf = 14;
-    if (const int longest = std::max(size.width, size.height); longest > kSocialSide) {
+    if (const int longest = std::max(size.width, size.height); width_ == 0 && longest > kSocialSide) {
       const double by = static_cast<double>(kSocialSide) / longest;
       const cv::Size smaller(2 * cvRound(size.width * by / 2), 2 * cvRound(size.height * by / 2));
       say(fmt::format("{}: reduced from {} x {} to {} x {} px for --preset social", out_, size.width,
@@ -198,7 +204,14 @@ std::unique_ptr<AnimationFiles> OutputOptions::open(const TargetFiles::Loaded& l
   auto files = std::make_unique<AnimationFiles>();
   const FrameNumbers numbered = numbers(options.frames);
   const Kind kind = kind_of_output(numbered.from == numbered.to);
-  const cv::Size size = apply_preset(kind, loaded.picture.size());
+  cv::Size size = apply_preset(kind, loaded.picture.size());
+  if (width_ > 0) {
+    const double by = static_cast<double>(width_) / loaded.picture.cols;
+    size = {width_, std::max(1, cvRound(by * loaded.picture.rows))};
+    if (!motion_out_.empty())
+      refuse("--motion-out", "it is in px of the picture, and --width asks for another size",
+             "Leave one of them out");
+  }
   const bool deep = !loaded.still.deep.empty();
   const media::Samples samples = choose_samples(kind, deep);
   const bool moving = options.boundary.boundary == Boundary::kMoving;
@@ -228,12 +241,15 @@ std::unique_ptr<AnimationFiles> OutputOptions::open(const TargetFiles::Loaded& l
   files->numbers_ = numbered;
   files->frame_ = files->matte_frame_ = files->motion_frame_ = numbered.first;
   files->size_ = size;
+  files->colours_ =
+      alpha == media::AlphaForm::kStraight ? media::Colours::kStraight : media::Colours::kPremultiplied;
   files->motion_out_ = motion_out_;
   files->sink_.emplace(out_, size, count, options.fps, file_options_);
   if (!matte_out_.empty()) {
     media::VideoWriterOptions mattes;
     mattes.first_number = numbered.from;
-    files->matte_sink_.emplace(matte_out_, loaded.picture.size(), count, options.fps, mattes);
+    files->matte_size_ = width_ > 0 ? size : loaded.picture.size();
+    files->matte_sink_.emplace(matte_out_, files->matte_size_, count, options.fps, mattes);
     options.matte_sink = [to = files.get()](const cv::Mat& matte) { to->write_matte(matte); };
   }
   if (!motion_out_.empty())
@@ -264,9 +280,7 @@ std::vector<std::string> OutputOptions::files() const {
 
 cv::Mat AnimationFiles::write(const cv::Mat& frame) {
   if (wanted(frame_++)) {
-    cv::Mat out = layers_ ? layers_->frame(frame) : frame;
-    if (out.size() != size_) cv::resize(out, out, size_, 0, 0, cv::INTER_AREA);
-    sink_->write(out);
+    sink_->write(media::resized(layers_ ? layers_->frame(frame) : frame, size_, colours_));
   }
   return layers_ ? layers_->shown(frame) : frame;
 }
@@ -276,7 +290,7 @@ void AnimationFiles::write_matte(const cv::Mat& matte) {
   cv::Mat grey, colour;
   matte.convertTo(grey, CV_8U, 255);
   cv::merge(std::vector<cv::Mat>(3, grey), colour);
-  matte_sink_->write(colour);
+  matte_sink_->write(media::resized(colour, matte_size_));
 }
 
 void AnimationFiles::write_motion(const cv::Mat& motion) {

@@ -9,6 +9,7 @@
 #include <CLI/CLI.hpp>
 
 #include "media/picture/layers.h"
+#include "media/picture/resized.h"
 #include "media/video/picture_sink.h"
 #include "synth/animate/animate.h"
 #include "tools/console/output_names.h"
@@ -41,7 +42,8 @@ class AnimationFiles {
 
   FrameNumbers numbers_;
   std::int64_t frame_ = 0, matte_frame_ = 0, motion_frame_ = 0;  // numbers of the next ones
-  cv::Size size_;                                                // of what is written
+  cv::Size size_, matte_size_;                                   // of what is written
+  media::Colours colours_ = media::Colours::kPremultiplied;      // of frames with alpha
   cv::Mat picture_;
   std::optional<media::Layers> layers_;  // nothing: frames are written as they come
   std::optional<media::PictureSink> sink_, matte_sink_;
@@ -51,7 +53,7 @@ class AnimationFiles {
 /// What is written of an animation: itself, its mattes and its motion, frame by frame.
 class OutputOptions {
  public:
-  /// --output, --layer, --alpha, --depth, --preset, --start-number, --range, --matte-out, --motion-out, --overwrite.
+  /// --output, --width, --layer, --alpha, --depth, --preset, --start-number, --range, --matte-out, --motion-out, --overwrite.
   void add_to(CLI::App& command);
   /// Of these, what any frames need: --output (which open() asks for), --depth, --preset, --start-number, --range,
   /// --overwrite.
@@ -83,6 +85,7 @@ class OutputOptions {
   std::string out_, layer_ = "whole", alpha_, depth_ = "auto", preset_, range_, matte_out_;
   std::vector<std::string> motion_out_;
   std::int64_t first_number_ = 0;
+  int width_ = 0;  // 0: the picture's
   media::VideoWriterOptions file_options_;
 };
 
