@@ -48,6 +48,10 @@ Document reduced(const Document& document, double factor) {
     for (cv::Point2f& point : stroke.points) point *= scale;
     if (stroke.speed) *stroke.speed *= scale;
   }
+  for (Drawn& line : small.directions) {
+    for (cv::Point2f& point : line.points) point *= scale;
+    line.width *= scale;
+  }
   return small;
 }
 
@@ -165,7 +169,8 @@ void Easel::tell_settled(const Document& document) {
 void Easel::work(const Document& document, OpenedStore* store, query::LabelCache* cache, const Job& job) {
   const std::shared_ptr<const FoundMatte> matte = find_matte(document, job);
   stop_if_asked(job);
-  if (!document.strokes.empty() || document.store.empty() || store == nullptr) tell_field(document);
+  const bool is_said = !flow_strokes(document, project_->size()).empty();
+  if (is_said || document.store.empty() || store == nullptr) tell_field(document);
   stop_if_asked(job);
   if (!document.tempo.empty()) project_->write_tempo(draw_tempo(document, project_->size()));
   project_->write_recipe(document);
@@ -215,8 +220,9 @@ void Easel::keep_matte(const Document& document, DrawnMatte drawn, Care care) {
 
 void Easel::tell_field(const Document& document) {
   const cv::Size size = project_->size();
-  const std::string field =
-      document.strokes.empty() ? "null" : field_text(asked_motion(document, size), size, "strokes");
+  const std::string field = flow_strokes(document, size).empty()
+                                ? "null"
+                                : field_text(asked_motion(document, size), size, "strokes");
   {
     const std::lock_guard lock(guard_);
     if (results_.field == field) return;
@@ -256,7 +262,7 @@ std::shared_ptr<const LabelledPicture> Easel::find_labels(const Document& docume
   project_->write_assignment(query::to_json(labelled->labelling.assignment));
   project_->write_recipe(document);
   std::string field;
-  if (document.strokes.empty()) {
+  if (flow_strokes(document, still->bgr.size()).empty()) {
     cv::Mat motion = assigned_motion(*labelled, still->bgr.size());
     cv::resize(motion, motion, coarse(still->bgr.size()), 0, 0, cv::INTER_AREA);
     field = field_text(motion, still->bgr.size(), "patches");

@@ -101,7 +101,7 @@ query::LabelRequest request_of(const Document& document, cv::Size picture) {
   request.options.hint_search = query::HintSearch::kWide;
   request.options.guide_costs = query::default_guide_costs(query::HintSearch::kWide);
   request.options.guide.tolerance_deg = request.options.candidates.direction_tolerance_deg;
-  if (!document.strokes.empty()) {
+  if (!flow_strokes(document, picture).empty()) {
     // By way of the file that the command line will read, so that both see the same numbers.
     const std::string svg = strokes_svg(document, picture);
     const query::StrokeField field =

@@ -183,14 +183,15 @@ void Project::write_assignment(const std::string& json) {
 void Project::write_recipe(const Document& document) {
   const std::lock_guard lock(guard_);
   const auto present = [&](const char* name) { return holds(name) ? std::string(name) : std::string(); };
-  write("project.toml",
-        recipe_toml(document, {.picture = picture_file_,
-                               .matte = present("matte.png"),
-                               .held = present("hold.png"),
-                               .whole = whole_,
-                               .strokes = document.strokes.empty() ? "" : present("strokes.svg"),
-                               .tempo = document.tempo.empty() ? "" : present("tempo.png"),
-                               .assignment = document.pins.empty() ? "" : present("assignment.json")}));
+  write(
+      "project.toml",
+      recipe_toml(document, {.picture = picture_file_,
+                             .matte = present("matte.png"),
+                             .held = present("hold.png"),
+                             .whole = whole_,
+                             .strokes = flow_strokes(document, size()).empty() ? "" : present("strokes.svg"),
+                             .tempo = document.tempo.empty() ? "" : present("tempo.png"),
+                             .assignment = document.pins.empty() ? "" : present("assignment.json")}));
 }
 
 void Project::write_way(const std::string& way, const std::vector<WayFile>& files) const {

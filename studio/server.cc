@@ -135,6 +135,7 @@ std::vector<std::string> export_options(const Json& json) {
       {"preset", "abcdefghijklmnopqrstuvwxyz"},
       {"depth", "abcdefghijklmnopqrstuvwxyz0123456789"},
       {"range", "0123456789-"},
+      {"width", "0123456789"},
       {"start-number", "0123456789"}};
   std::vector<std::string> options;
   for (const auto& [name, letters] : kKnown) {

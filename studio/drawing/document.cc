@@ -7,6 +7,7 @@
 
 #include "freshet/error.h"
 #include "platform/text_file.h"
+#include "studio/drawing/direction_brush.h"
 #include "studio/drawing/fields.h"
 
 namespace freshet::studio {
@@ -28,6 +29,11 @@ const char* to_string(MatteBase base) {
       break;
   }
   return "scribbles";
+}
+
+std::vector<Drawn> read_directions(const Fields& fields) {
+  if (!fields.has("directions")) return {};  // of a document that is older than it
+  return fields.drawn("directions");
 }
 
 std::vector<DrawnTempo> read_tempo(const Fields& fields) {
@@ -143,6 +149,7 @@ Json labels_json(const Document& document) {
   json["frames"] = document.frames;
   json["fps"] = document.fps;
   json["strokes"] = strokes_json(document.strokes);
+  json["directions"] = drawn_json(document.directions);
   json["pins"] = Json::array();
   for (const Pin& pin : document.pins)
     json["pins"].push_back({{"x", pin.corner.x},
@@ -211,9 +218,10 @@ Document document_from_json(std::string_view json, const std::string& where) {
   }
   std::size_t points = 0;
   const Fields fields(parsed, where, points);
-  fields.only({"matte_base",     "edge",           "scribbles", "paint",   "held",    "store",  "class",
-               "excluded_clips", "frames",         "fps",       "strokes", "tempo",   "pins",   "loop",
-               "speed",          "moving_outline", "design",    "stills",  "endless", "layered"});
+  fields.only({"matte_base", "edge",           "scribbles", "paint", "held",           "store",
+               "class",      "excluded_clips", "frames",    "fps",   "strokes",        "directions",
+               "tempo",      "pins",           "loop",      "speed", "moving_outline", "design",
+               "stills",     "endless",        "layered"});
   Document document{.store = fields.text("store"),
                     .matte_base = read_base(fields),
                     .edge = fields.text("edge"),
@@ -221,6 +229,7 @@ Document document_from_json(std::string_view json, const std::string& where) {
                     .paint = fields.drawn("paint"),
                     .held = fields.drawn("held"),
                     .strokes = fields.strokes("strokes"),
+                    .directions = read_directions(fields),
                     .tempo = read_tempo(fields),
                     .class_name = fields.text("class"),
                     .excluded_clips = {},
@@ -243,11 +252,18 @@ Document document_from_json(std::string_view json, const std::string& where) {
   return document;
 }
 
+std::vector<DrawnStroke> flow_strokes(const Document& document, cv::Size picture) {
+  std::vector<DrawnStroke> strokes = document.strokes;
+  std::vector<DrawnStroke> brushed = brush_strokes(document.directions, picture);
+  strokes.insert(strokes.end(), brushed.begin(), brushed.end());
+  return strokes;
+}
+
 std::string strokes_svg(const Document& document, cv::Size picture) {
   std::string svg = fmt::format(
       "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0}\" height=\"{1}\" viewBox=\"0 0 {0} {1}\">\n",
       picture.width, picture.height);
-  for (const DrawnStroke& stroke : document.strokes) {
+  for (const DrawnStroke& stroke : flow_strokes(document, picture)) {
     svg += "  <polyline fill=\"none\" stroke=\"#fff\" stroke-width=\"2\"";
     if (stroke.speed) svg += fmt::format(" data-speed=\"{:g}\"", *stroke.speed);
     svg += " points=\"";

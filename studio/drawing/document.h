@@ -74,6 +74,7 @@ struct Document {
   std::vector<Drawn> paint;      // laid over it as it is
   std::vector<Drawn> held;       // what stands still in front of the fluid, painted
   std::vector<DrawnStroke> strokes;
+  std::vector<Drawn> directions;  // a brush along the flow; a later line lies over earlier ones
   std::vector<DrawnTempo> tempo;
   std::string class_name;  // empty: all
   std::vector<std::string> excluded_clips;
@@ -96,7 +97,9 @@ std::string to_json(const Document& document);
 /// Throws Error{kInput} naming `where` and the field; above 16 MB, 20,000 lines or a million points too.
 Document document_from_json(std::string_view json, const std::string& where);
 
-/// The strokes as the SVG that `--strokes` reads. picture   px.
+/// What is said of the flow: the strokes, and those that the brush of direction means. picture   px.
+std::vector<DrawnStroke> flow_strokes(const Document& document, cv::Size picture);
+/// These as the SVG that `--strokes` reads.
 std::string strokes_svg(const Document& document, cv::Size picture);
 /// The scribbles as the JSON that `synth matte --marks` reads.
 std::string marks_json(const Document& document);

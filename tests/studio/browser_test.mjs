@@ -238,7 +238,7 @@ test("steps back live over a reload", async () => {
   await page.context().close();
 });
 
-test("a pen's pressure, an area's corners and a painted pace", async () => {
+test("a pen's pressure, an area's corners, a painted pace and a brushed direction", async () => {
   const page = await open(`${url}#/still`);
   await page.locator(".bar").waitFor();
   const before = await document("still");
@@ -281,6 +281,24 @@ test("a pen's pressure, an area's corners and a painted pace", async () => {
   assert.match(readFileSync(at("room/projects/still/project.toml"), "utf8"), /retiming-map = "tempo.png"/);
   await page.keyboard.press("Control+z");
   await until(async () => (await document("still")).tempo.length === 0);
+
+  await page.getByRole("radio", { name: "Brush" }).click();
+  const lines = () => readFileSync(at("room/projects/still/strokes.svg"), "utf8").match(/<polyline/g).length;
+  const drawn = lines();
+  await drag(page, [[230, 40], [300, 60]]);
+  await until(async () => (await document("still")).directions.length === 1);
+  assert.equal(lines(), drawn + 5);
+  await settled(page);
+  await shot(page, "brush-wide");
+  await page.keyboard.down("Alt");
+  await drag(page, [[265, 20], [265, 90]]);
+  await page.keyboard.up("Alt");
+  await until(async () => (await document("still")).directions.length === 2);
+  assert.equal(lines(), drawn + 10); // cut in two
+  for (const left of [1, 0]) {
+    await page.keyboard.press("Control+z");
+    await until(async () => (await document("still")).directions.length === left);
+  }
   assert.deepEqual(page.faults, []);
   await page.context().close();
 });
@@ -290,7 +308,9 @@ test("a sequence of some frames is a folder", async () => {
   await page.locator(".bar").waitFor();
   await page.getByRole("button", { name: "Export" }).click();
   await page.getByText("PNG sequence").click();
-  await page.getByText("Frames and depth").click();
+  await page.getByText("Size, frames and depth").click();
+  await page.getByLabel("Width").fill("160");
+  await page.getByText("160 × 100 px").waitFor();
   await page.getByLabel("From frame").fill("1003");
   await page.getByLabel("To frame").fill("1004");
   await page.getByLabel("First number").fill("1001");
@@ -299,8 +319,10 @@ test("a sequence of some frames is a folder", async () => {
   await page.getByText("2 pictures").waitFor();
   await shot(page, "sequence-wide");
   const line = await page.locator(".command code").textContent();
-  assert.match(line, /-o 'exports\/still\/still.####.png' --depth=16 --range=1003-1004 --start-number=1001/);
+  assert.match(line, /-o 'exports\/still\/still.####.png' --depth=16 --range=1003-1004 --width=160 --start-number=1001/);
   assert.ok(readFileSync(at("room/projects/still/exports/still/still.1004.png")).length > 1000);
+  const header = readFileSync(at("room/projects/still/exports/still/still.1004.png")).subarray(16, 24);
+  assert.deepEqual([header.readUInt32BE(0), header.readUInt32BE(4)], [160, 100]);
   assert.deepEqual(page.faults, []);
   await page.context().close();
 });

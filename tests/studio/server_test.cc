@@ -344,6 +344,21 @@ TEST_F(Server, PaintedPaceIsTheCommandLinesToo) {
   EXPECT_TRUE(tools::text_of(exports / "slow.mkv") == tools::text_of(exports / "half.mkv"));
 }
 
+TEST_F(Server, ABrushedDirectionIsTheCommandLinesToo) {
+  const std::string id = running().open_still("brushed.png");
+  Json drawn = drawing();
+  drawn["strokes"] = Json::array();
+  drawn["directions"] = {{{"points", {{60, 30}, {130, 90}}}, {"width", 40}, {"adds", true}, {"area", false}}};
+  running().draw(id, drawn);
+  EXPECT_EQ(running().json("api/projects/" + id + "/field")["source"], "strokes");
+  expect_same_bytes(running(), id, "brushed.mkv", {{"width", "128"}});
+  // Beside the picture there is nothing to direct.
+  drawn["directions"][0]["points"] = {{-600, 30}, {-300, 90}};
+  running().draw(id, drawn);
+  EXPECT_EQ(running().json("api/projects/" + id)["made"]["problem"], "");
+  expect_same_bytes(running(), id, "guessed.mkv", Json::object());
+}
+
 TEST_F(Server, ASequenceIsAFolderOfPictures) {
   const std::string id = running().open_still("sequence.png");
   running().draw(id, drawing());

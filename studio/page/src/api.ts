@@ -123,6 +123,7 @@ export interface ExportRequest {
   preset?: string;
   depth?: string;
   range?: string;
+  width?: string;
   "start-number"?: string;
 }
 export const startExport = (

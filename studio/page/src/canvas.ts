@@ -286,6 +286,7 @@ export class Canvas {
     if (document) {
       if (state.mode.value === "fluid") this.addScribbles(document.scribbles);
       if (state.mode.value === "flow") {
+        this.addDirections(document.directions);
         if (view.flowTool.value === "tempo") this.addTempo(document.tempo);
         document.strokes.forEach((stroke, i) => this.addStroke(stroke, i));
       }
@@ -318,6 +319,15 @@ export class Canvas {
     const scale = this.stage.scaleX();
     for (const { points } of winds)
       this.drawing.add(new Arrow({ points: flat(points), stroke: "#fff", fill: "#fff", strokeWidth: 2.6 / scale, pointerLength: 11 / scale, pointerWidth: 10 / scale, lineCap: "round", listening: false }));
+  }
+
+  private addDirections(lines: Drawn[]): void {
+    const scale = this.stage.scaleX();
+    const strong = view.flowTool.value === "direction";
+    for (const { points, width, adds } of lines) {
+      this.drawing.add(new Line({ points: [...flat(points), ...flat(points.slice(-1))], stroke: adds ? accent() : "#00171a", strokeWidth: width, lineCap: "round", lineJoin: "round", opacity: strong ? 0.3 : 0.14, listening: false }));
+      if (adds && points.length > 1) this.drawing.add(new Arrow({ points: flat(points), stroke: "#fff", fill: "#fff", strokeWidth: 1.6 / scale, pointerLength: 9 / scale, pointerWidth: 8 / scale, opacity: strong ? 0.9 : 0.5, listening: false }));
+    }
   }
 
   private addTempo(lines: Tempo[]): void {
@@ -651,6 +661,7 @@ export class Canvas {
 
   private penColour(): string {
     if (state.mode.value === "design") return designColour(view.designTool.value === "source");
+    if (state.mode.value === "flow" && view.flowTool.value === "direction") return this.erasing ? "#e5484d" : accent();
     if (state.mode.value === "flow") return tempoColour(this.erasing ? 1 : view.tempo.value);
     if (state.mode.value === "layers") return (view.layerTool.value === "erase") !== this.erasing ? "#e5484d" : view.clipColour(view.layer.value);
     const tool = view.fluidTool.value;
@@ -704,6 +715,9 @@ export class Canvas {
       if (!isClick) addLayerLine(runs.flatMap(({ points }) => points));
     } else if (this.drawsArrow()) {
       if (!isClick) this.addLine(document, runs.flatMap(({ points }) => points));
+    } else if (state.mode.value === "flow" && view.flowTool.value === "direction") {
+      // A dot has no direction; it can take away.
+      if (!isClick || this.erasing) state.edit({ directions: [...document.directions, ...runs.map((run) => ({ ...run, adds: !this.erasing, area: false }))] });
     } else if (state.mode.value === "flow") {
       const factor = this.erasing ? 1 : view.tempo.value;
       state.edit({ tempo: [...document.tempo, ...runs.map((run) => ({ ...run, factor }))] });

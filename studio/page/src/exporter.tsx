@@ -39,6 +39,7 @@ export function Exporter(props: { open: boolean; onClose: () => void }): JSX.Ele
   const [first, setFirst] = useState("");
   const [last, setLast] = useState("");
   const [number, setNumber] = useState("");
+  const [width, setWidth] = useState("");
   const [fault, setFault] = useState("");
   const chosen = kFormats[format] as Format;
   const stem = (title || project?.id || "animation").replace(/[^A-Za-z0-9._-]+/g, "-").replace(/^[.-]+/, "") || "animation";
@@ -67,6 +68,7 @@ export function Exporter(props: { open: boolean; onClose: () => void }): JSX.Ele
         ...(chosen.layer && { layer: chosen.layer }),
         ...(depth && chosen.depths.includes(depth) && { depth }),
         ...(range && { range }),
+        ...(width && width !== String(project?.width) && { width }),
         ...(number && { "start-number": number }),
       }));
     } catch (error) {
@@ -91,8 +93,9 @@ export function Exporter(props: { open: boolean; onClose: () => void }): JSX.Ele
         <input value={title} placeholder={project?.id} onInput={(event) => setTitle(event.currentTarget.value)} />
       </label>
       <details class="more">
-        <summary>Frames and depth</summary>
+        <summary>Size, frames and depth</summary>
         <div class="quarters">
+          <Whole label="Width" value={width} placeholder={String(project?.width ?? "")} onInput={setWidth} />
           <Whole label="From frame" value={first} placeholder={String(begins)} onInput={setFirst} />
           <Whole label="To frame" value={last} placeholder={String(ends)} onInput={setLast} />
           <Whole label="First number" value={number} placeholder="0" onInput={setNumber} />
@@ -109,6 +112,11 @@ export function Exporter(props: { open: boolean; onClose: () => void }): JSX.Ele
           </label>
         </div>
       </details>
+      {width && project && (
+        <p class="hint">
+          {width} × {Math.max(1, Math.round((Number(width) * project.height) / project.width))} px
+        </p>
+      )}
       <div class="row">
         <span class="hint">{isSequence ? `${stem}/${stem}.####${chosen.ending}` : name}</span>
         <span class="spread" />

@@ -177,8 +177,8 @@ function FlowPanel({ document }: { document: Document }): JSX.Element {
             ? "Draw a line along the flow, and it moves that way. A few lines are enough; without any, the way is guessed."
             : "Click a line to change it. Delete removes it."}
         </p>
-        <Choice label="What the pointer draws" value={view.flowTool.value} options={[["line", "Lines"], ["tempo", "Pace"]] as const} onChange={(tool) => (view.flowTool.value = tool)} />
-        {document.strokes.length === 0 && (
+        <Choice label="What the pointer draws" value={view.flowTool.value} options={[["line", "Lines"], ["direction", "Brush"], ["tempo", "Pace"]] as const} onChange={(tool) => (view.flowTool.value = tool)} />
+        {document.strokes.length + document.directions.length === 0 && (
           <div class="compass" role="group" aria-label="All of it goes one way">
             {kDirections.map(([arrow, dx, dy, words]) =>
               arrow ? (
@@ -199,6 +199,7 @@ function FlowPanel({ document }: { document: Document }): JSX.Element {
           </button>
         )}
       </Section>
+      {view.flowTool.value === "direction" && <DirectionSection document={document} />}
       {view.flowTool.value === "tempo" && <TempoSection document={document} />}
       {stroke && chosen !== null && (
         <Section
@@ -229,6 +230,20 @@ function FlowPanel({ document }: { document: Document }): JSX.Element {
         </Section>
       )}
     </>
+  );
+}
+
+function DirectionSection({ document }: { document: Document }): JSX.Element {
+  return (
+    <Section title="Brush">
+      <p class="hint">Brush along the flow: all that the brush covers goes that way. The right button or Alt takes it away.</p>
+      <Slider label="Brush" value={view.brush.value} min={2} max={400} logarithmic shown={`${Math.round(view.brush.value)} px`} onInput={(value) => (view.brush.value = value)} />
+      {document.directions.length > 0 && (
+        <button type="button" class="quiet" onClick={() => state.edit({ directions: [] })}>
+          Clear what was brushed
+        </button>
+      )}
+    </Section>
   );
 }
 

@@ -42,6 +42,7 @@ export interface Document {
   paint: Drawn[];
   held: Drawn[];
   strokes: Stroke[];
+  directions: Drawn[]; // what does not add takes away
   tempo: Tempo[];
   class: string;
   excluded_clips: string[];

@@ -21,6 +21,7 @@ Document full() {
   document.held = {{.points = {{5, 5}}, .width = 3, .adds = true, .is_area = false}};
   document.strokes = {{.points = {{10, 10}, {10, 40}}, .speed = 80.0f},
                       {.points = {{20, 10}, {30, 40}}, .speed = {}}};
+  document.directions = {{.points = {{10, 10}, {10, 40}}, .width = 20, .adds = true, .is_area = false}};
   document.tempo = {{.points = {{5, 5}, {9, 5}}, .width = 12, .factor = 0.5f}};
   document.class_name = "water";
   document.excluded_clips = {"water/<b>1</b>.mp4"};
@@ -94,12 +95,14 @@ TEST(Document, ComesBackFromItsText) {
 TEST(Document, WithoutOtherWaysIsAnOlderOne) {
   Json older = Json::parse(to_json(full()));
   older.erase("tempo");
+  older.erase("directions");
   older.erase("design");
   older.erase("stills");
   older.erase("endless");
   older.erase("layered");
   Document expected = full();
   expected.tempo.clear();
+  expected.directions.clear();
   expected.design = {};
   expected.stills = {};
   expected.endless = {};
@@ -202,7 +205,7 @@ TEST(Document, RefusesWhatWouldEndTheProcess) {
 TEST(Document, StrokesAreReadAsTheyWereDrawn) {
   const auto strokes =
       query::read_svg_strokes(strokes_svg(full(), {640, 360}), "strokes", {640, 360}, nullptr);
-  ASSERT_EQ(strokes.size(), 2u);
+  ASSERT_EQ(strokes.size(), 2u + 5u) << "and five of the brush";
   EXPECT_EQ(strokes[0].points.front(), cv::Point2f(10, 10));
   EXPECT_EQ(strokes[0].points.back(), cv::Point2f(10, 40));
   EXPECT_EQ(strokes[0].speed_px_per_s, 80.0f);
