@@ -527,6 +527,8 @@ test("layers of every kind are painted, one wind moves them, and the command lin
   await page.waitForFunction(() => globalThis.document.querySelector("video.film")?.currentTime > 0.1);
   await expectAccessible(page, "layers");
   await shot(page, "layers-made");
+  await page.getByRole("switch", { name: "Show what is drawn" }).click();
+  await shot(page, "layers-film");
   const project = at("room/projects/still");
   const film = readFileSync(join(project, "ways/scene/film.mp4"));
   const line = await page.locator(".command code").textContent();

@@ -16,6 +16,7 @@ import type { ClipLine, Design, Document, DrawnLayer, Drawn, Point, Stroke, Temp
 import * as view from "./view";
 
 const kLongest = 2048; // px of the copy of the picture that is always here
+const kBetweenStreaks = 30; // ms
 const kRest = 150; // ms that a view rests before it is sharpened
 const accent = (): string => getComputedStyle(document.documentElement).getPropertyValue("--accent").trim() || "#4fc3c7";
 
@@ -65,7 +66,8 @@ export class Canvas {
   private readonly outline: Line = new Line({ points: [], closed: true, opacity: 0.6, visible: false });
   private panFrom: { x: number; y: number; at: { x: number; y: number } } | null = null;
   private pinch: { distance: number; centre: { x: number; y: number } } | null = null;
-  private last = 0;
+  private last = 0; // ms, when streaks were drawn
+  private streaksShown = false;
 
   constructor(private readonly box: HTMLDivElement) {
     const holder = document.createElement("div");
@@ -135,8 +137,9 @@ export class Canvas {
         void frame;
         const bitmap = player.bitmap();
         const away = !!view.ground.value; // the picture, and all that is made of it
-        this.picture.visible(!away);
-        this.moving.setAttrs({ image: bitmap ?? undefined, width, height, visible: !away && !!reel && !!bitmap });
+        const moves = !away && !!reel && !!bitmap;
+        this.picture.visible(!away && !moves); // which a frame covers
+        this.moving.setAttrs({ image: bitmap ?? undefined, width, height, visible: moves });
         const shown = !away && split !== null;
         this.original.visible(shown);
         this.divider.visible(shown);
@@ -216,6 +219,8 @@ export class Canvas {
         void view.line.value;
         void view.foundLines.value;
         void view.layer.value;
+        void view.drawn.value;
+        void view.film.value;
         this.redrawDrawing();
       }),
       effect(() => {
@@ -283,7 +288,7 @@ export class Canvas {
   private redrawDrawing(): void {
     this.drawing.destroyChildren();
     const document = state.doc.value;
-    if (document) {
+    if (document && (view.drawn.value || !view.film.value)) {
       if (state.mode.value === "fluid") this.addScribbles(document.scribbles);
       if (state.mode.value === "flow") {
         this.addDirections(document.directions);
@@ -443,15 +448,19 @@ export class Canvas {
         this.drawing.add(new Rect({ x: chosen[0], y: chosen[1], width: found.side, height: found.side, stroke: colour, strokeWidth: width / this.stage.scaleX(), cornerRadius: 3 / this.stage.scaleX(), listening: false }));
   }
 
+  /** Thirty times a second: while the page draws, what is waited for is made by the same processor. */
   private drawStreaks(now: number): void {
-    const seconds = Math.min(0.05, (now - this.last) / 1000);
+    const shows = view.streaks.value && state.mode.value === "flow" && !this.flowing.empty;
+    if ((!shows && !this.streaksShown) || now - this.last < kBetweenStreaks) return;
+    const seconds = Math.min(0.1, (now - this.last) / 1000);
     this.last = now;
+    this.streaksShown = shows;
     const context = this.overlay.getContext("2d");
     if (!context) return;
     const ratio = window.devicePixelRatio || 1;
     context.setTransform(1, 0, 0, 1, 0, 0);
     context.clearRect(0, 0, this.overlay.width, this.overlay.height);
-    if (!view.streaks.value || state.mode.value !== "flow" || this.flowing.empty) return;
+    if (!shows) return;
     const scale = this.stage.scaleX();
     context.setTransform(ratio * scale, 0, 0, ratio * scale, ratio * this.stage.x(), ratio * this.stage.y());
     this.flowing.draw(context, seconds, scale);

@@ -3,7 +3,7 @@ import type { JSX } from "preact";
 import { useEffect, useState } from "preact/hooks";
 import * as api from "./api";
 import { stageWords } from "./app";
-import { CommandLine, Running, Section } from "./parts";
+import { CommandLine, Running, Section, Switch } from "./parts";
 import * as state from "./state";
 import type { Job, Way } from "./types";
 import * as view from "./view";
@@ -62,6 +62,7 @@ export function FilmSection({ name, way, ready }: { name: string; way: Way | nul
           </button>
         )}
       </div>
+      {source && <Switch label="Show what is drawn" checked={view.drawn.value} onChange={(yes) => (view.drawn.value = yes)} />}
       {runs && job && <Running job={job} label="Film" words={stageWords(job.stage)} />}
       {(fault || job?.state === "failed") && <p class="problem">{fault || job?.fault}</p>}
       {way?.commands.map((line) => <CommandLine key={line} text={line} />)}

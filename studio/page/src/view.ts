@@ -21,6 +21,7 @@ export const line = signal<number | null>(null); // of those that the tool chang
 export const foundLines = signal<ClipLine[]>([]); // in the clip that is chosen
 /** What lies on the canvas in place of the picture. */
 export const ground = signal<HTMLImageElement | null>(null);
+export const drawn = signal(true); // whether what was drawn lies over the film
 export const film = signal<string | null>(null); // address of the film that plays over the picture
 export const corners = signal(0); // of the area that is being clicked together
 export const selected = signal<number | null>(null); // a stroke
