@@ -478,7 +478,8 @@ void Server::Impl::change_project(const Words& words, const httplib::Request& re
     const std::string name = word_of(asked, "name");
     const std::vector<std::string> options = export_options(asked);
     const JobId job = studio.export_animation(id, name, options);
-    const Project& project = studio.easel(id)->project();
+    const std::shared_ptr<Easel> easel = studio.easel(id);  // it is ours while other projects are opened
+    const Project& project = easel->project();
     return answer(response,
                   Json{{"job", job},
                        {"folder", project.folder().string()},

@@ -393,11 +393,11 @@ std::string Studio::way_json(const std::string& project, const std::string& way)
   };
   try {
     if (!plan.answer.empty()) {
-      const Project& holder = easel(project)->project();
-      const Json found = Json::parse(holder.read_way(plan.folder, plan.answer), nullptr, false);
+      const std::shared_ptr<Easel> easel = this->easel(project);
+      const Json found = Json::parse(easel->project().read_way(plan.folder, plan.answer), nullptr, false);
       if (!found.is_discarded()) {
         json["found"] = found;
-        json["made"] = number(holder.folder() / "ways" / plan.folder / plan.answer);
+        json["made"] = number(easel->project().folder() / "ways" / plan.folder / plan.answer);
       }
     }
     if (!plan.film.empty()) json["film"] = number(film(project, way));
@@ -444,12 +444,12 @@ std::string Studio::open_clip(const fs::path& file, const std::string& name) {
     fs::remove(picture, fault);
     throw;
   }
-  fs::remove(picture, fault);  // of a picture that was there already
-  Project& holder = easel(id)->project();
-  Project::State state = holder.state();
+  fs::remove(picture, fault);                            // of a picture that was there already
+  const std::shared_ptr<Easel> easel = this->easel(id);  // it is ours while others are opened
+  Project::State state = easel->project().state();
   state.document.endless.clip = add_clip(id, file, name);
   state.document.endless.dropped = true;
-  holder.save(state.document, state.version);
+  easel->project().save(state.document, state.version);
   return id;
 }
 

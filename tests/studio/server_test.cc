@@ -1,6 +1,9 @@
 #include "studio/server.h"
 
+#include <atomic>
 #include <fstream>
+#include <thread>
+#include <vector>
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -189,6 +192,19 @@ TEST_F(Server, ClipsAreTakenShownAndMadeEndless) {
   EXPECT_EQ(running().json(ways + "lines")["film"], Json());
   EXPECT_EQ(status(running().get(ways + "lines/film")), 404);
   EXPECT_EQ(running().get(ways + "flowlines/film")->get_header_value("Content-Type"), "video/mp4");
+}
+
+TEST_F(Server, ProjectsThatMakeRoomForOthersAreWholeMeanwhile) {
+  std::vector<std::thread> pages;
+  std::atomic<int> answered{0};
+  for (const char* name : {"one.png", "two.png", "three.png", "four.png"})  // two are kept open
+    pages.emplace_back([&answered, id = running().open_still(name)] {
+      for (int i = 0; i < 25; ++i)
+        answered += status(running().get("api/projects/" + id + "/ways/stills")) == 200 &&
+                    status(running().get("api/projects/" + id + "/exports")) == 200;
+    });
+  for (std::thread& page : pages) page.join();
+  EXPECT_EQ(answered, 100);
 }
 
 TEST_F(Server, GivesNamesAsTheyAre) {
