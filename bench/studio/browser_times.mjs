@@ -4,7 +4,7 @@
 // usage: FRESHET=... PAGE=... MODULES=... node bench/studio/browser_times.mjs STORE PICTURE MATTE CLASS [--times N] [--json FILE]
 // (the environment as tests/studio/browser_test.sh sets it)
 import { spawn } from "node:child_process";
-import { mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
+import { mkdtempSync, readdirSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { createRequire } from "node:module";
 import { cpus, loadavg, tmpdir } from "node:os";
 import { basename, join, resolve } from "node:path";
@@ -27,10 +27,31 @@ const sorted = (values) => [...values].sort((a, b) => a - b);
 const quantile = (values, share) => sorted(values)[Math.min(values.length - 1, Math.floor(share * values.length))];
 const median = (values) => quantile(values, 0.5);
 
-/** Seconds of user and system that the server has taken. */
-function serverSeconds() {
-  const fields = readFileSync(`/proc/${server.pid}/stat`, "utf8").split(") ")[1].split(" ");
-  return (Number(fields[11]) + Number(fields[12])) / 100;
+/** Of a process or a thread: its parent, and the seconds of user and system that it has taken. */
+function taken(path) {
+  const fields = readFileSync(path, "utf8").split(") ")[1].split(" ");
+  return { parent: Number(fields[1]), seconds: (Number(fields[11]) + Number(fields[12])) / 100 };
+}
+const serverSeconds = () => taken(`/proc/${server.pid}/stat`).seconds;
+
+/** What the server's threads have taken, each. */
+function threadSeconds() {
+  const folder = `/proc/${server.pid}/task`;
+  return Object.fromEntries(readdirSync(folder).map((thread) => [thread, taken(`${folder}/${thread}/stat`).seconds]));
+}
+
+/** What the browser has taken: all processes that we or it began, but for the server. */
+function browserSeconds() {
+  const all = new Map();
+  for (const id of readdirSync("/proc").filter((name) => /^\d+$/.test(name))) {
+    try {
+      all.set(Number(id), taken(`/proc/${id}/stat`));
+    } catch {
+      // it has ended
+    }
+  }
+  const isOurs = (id) => id !== server.pid && (id === process.pid || (all.has(id) && isOurs(all.get(id).parent)));
+  return [...all].filter(([id]) => id !== process.pid && isOurs(id)).reduce((sum, [, { seconds }]) => sum + seconds, 0);
 }
 
 const api = async (rest, init) => (await fetch(`${url}api/${rest}`, init)).json();
@@ -92,10 +113,11 @@ async function drawLine(i) {
 }
 
 async function strokeTimes() {
-  const found = { first: [], full: [], firstCpu: [], cpu: [] };
+  const found = { first: [], full: [], firstCpu: [], cpu: [], busiest: [], browser: [] };
   for (let i = 0; i < times; ++i) {
     const before = await reel();
-    const cpu = serverSeconds();
+    const [cpu, threads, page0] = [serverSeconds(), threadSeconds(), browserSeconds()];
+    const started = performance.now();
     const ended = await drawLine(i);
     const first = await until((known) => Number(globalThis.document.querySelector("[data-reel]").dataset.reel) > known, before);
     const moves = await page.evaluate(() => globalThis.document.querySelector("[aria-label=Frame]").value);
@@ -105,6 +127,9 @@ async function strokeTimes() {
     found.first.push(Math.max(first, moving) - ended);
     found.full.push((await now()) - ended);
     found.cpu.push(serverSeconds() - cpu);
+    const each = Object.entries(threadSeconds()).map(([thread, seconds]) => seconds - (threads[thread] ?? 0));
+    found.busiest.push(Math.max(...each) / found.cpu.at(-1));
+    found.browser.push((1000 * (browserSeconds() - page0)) / (performance.now() - started));
     await page.keyboard.press("Control+z");
     await settle();
   }
@@ -188,6 +213,8 @@ const result = {
   full_ms_p90: quantile(strokes.full, 0.9),
   first_cpu_s: median(strokes.firstCpu),
   stroke_cpu_s: median(strokes.cpu),
+  busiest_thread: median(strokes.busiest),
+  browser_cores: median(strokes.browser),
   scrub_per_s: rate(scrub),
   drawing_per_s: rate(drawing),
   drawing_gap_ms_p95: quantile(drawing, 0.95),
@@ -199,6 +226,8 @@ row("line to first preview that moves, median", `${result.first_ms.toFixed(0)} m
 row("line to full preview, median", `${result.full_ms.toFixed(0)} ms`, "4000 ms");
 row("CPU of the server till the first one moves", `${result.first_cpu_s.toFixed(2)} s`, "");
 row("CPU of the server for a line", `${result.stroke_cpu_s.toFixed(2)} s`, "");
+row("of it, by the busiest thread", `${(100 * result.busiest_thread).toFixed(0)} %`, "");
+row("cores that the browser takes meanwhile", result.browser_cores.toFixed(2), "");
 row("scrubbing", `${result.scrub_per_s.toFixed(0)}/s`, "24/s");
 row("drawing while a label runs", `${result.drawing_per_s.toFixed(0)}/s`, "60/s");
 if (jsonFile) writeFileSync(jsonFile, `${JSON.stringify(result, null, 2)}\n`);
