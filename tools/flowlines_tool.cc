@@ -132,6 +132,8 @@ nlohmann::json report_json(const flowlines::FlowlinesReport& report, const std::
                            double render_s) {
   return {{"files", files},
           {"lines", report.lines},
+          {"edited", report.drawn},
+          {"joining", report.interpolated},
           {"streams", report.streams},
           {"stationary", report.stationary},
           {"gain", report.gain},
@@ -167,6 +169,9 @@ std::unique_ptr<AnimationFiles> open_output(FlowlinesCommand& command, const flo
 void tell(const flowlines::Flowlines& engine, const flowlines::Footage& footage) {
   for (const std::string& notice : engine.report().notices) say(footage.name + ": " + notice);
   say(summary(engine.report(), footage.fps));
+  if (engine.report().drawn > 0)
+    say(fmt::format("{} edited lines, and {} that join them", engine.report().drawn,
+                    engine.report().interpolated));
 }
 
 void write_lines(const FlowlinesCommand& command, const flowlines::Footage& footage,
@@ -332,9 +337,10 @@ void add_particles(CLI::App& sub, FlowlinesCommand& command) {
                  "[3 patches]")
       ->check(CLI::Range(0.0, 100000.0))
       ->group(particles);
-  sub.add_option("--blend", command.blend,
-                 "Where particles of two runs overlap: feather (averages, as printed), contrast (keeps their "
-                 "contrast), or cut (where they are most alike)")
+  sub.add_option(
+         "--blend", command.blend,
+         "Where particles of two runs overlap: feather (averages, as printed), contrast (gives back their "
+         "fine detail), or cut (where they are most alike)")
       ->check(CLI::IsMember({"feather", "contrast", "cut"}))
       ->capture_default_str()
       ->group(particles);

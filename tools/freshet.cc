@@ -113,19 +113,29 @@ void end_at_unreadable_page(int) {
   ::_exit(1);
 }
 
-/// An error that nothing can catch, thrown while another goes through or a destructor runs: OpenCV's buffers do so when
-/// one of several cannot be allocated.
+/// Whether memory was wanting: OpenCV's buffers throw an error of their own where one of several was not allocated.
+bool lacks_memory(const std::exception& fault) {
+  const auto* const opencv = dynamic_cast<const cv::Exception*>(&fault);
+  return dynamic_cast<const std::bad_alloc*>(&fault) != nullptr ||
+         (opencv != nullptr && (opencv->code == cv::Error::StsNoMem || opencv->func == "cleanup"));
+}
+
+/// An error that nothing can catch, thrown while another goes through or a destructor runs.
 [[noreturn]] void end_uncaught() {
-  write_plainly("freshet: ended in a library that cannot go on, most often for want of memory");
   try {
     if (std::current_exception()) throw;
+    write_plainly("freshet: unexpected end. Please report it with the command line\n");
   } catch (const std::exception& fault) {
-    write_plainly(" (");
-    write_plainly(fault.what());
-    write_plainly(")");
-  } catch (...) {  // nothing more is known of it
+    if (lacks_memory(fault)) {
+      write_plainly("freshet: not enough memory\n");
+    } else {
+      write_plainly("freshet: unexpected failure, which nothing could catch: ");
+      write_plainly(fault.what());
+      write_plainly(". Please report it with the command line\n");
+    }
+  } catch (...) {
+    write_plainly("freshet: unexpected failure of no known kind. Please report it with the command line\n");
   }
-  write_plainly("\n");
   ::_exit(1);
 }
 
@@ -195,12 +205,8 @@ int run(int argc, char** argv) {
     }
     tools::say(fault.what());
     return exit_code(fault.kind());
-  } catch (const std::bad_alloc&) {
-    tools::say(kNoMemory);
-    return 1;
   } catch (const std::exception& fault) {
-    const auto* const opencv = dynamic_cast<const cv::Exception*>(&fault);
-    if (opencv != nullptr && opencv->code == cv::Error::StsNoMem) {
+    if (lacks_memory(fault)) {
       tools::say(kNoMemory);
       return 1;
     }

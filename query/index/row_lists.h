@@ -40,8 +40,7 @@ class RowLists {
   static constexpr std::size_t kFewOf = 64;  // a list of one row in so many, or fewer, is kept as numbers
 
   /// words   below word_count, which is at most 256.
-  /// Cost    half of the 1.3 us of CPU per row that two passes took, shared by all threads; 460 bytes per row, and some 80
-  ///         more while they are made.
+  /// Cost    .7 us of CPU per row, shared by all threads; 460 bytes per row, and some 80 more while they are made.
   RowLists(std::span<const vision::WordMap> words, std::size_t word_count);
 
   /// A list: bits of all rows, or where that is null, numbers in rising order.

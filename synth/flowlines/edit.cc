@@ -172,6 +172,22 @@ bool are_sheet(const FlowLine& a, const FlowLine& b, const FlowLine& of_a, const
          (!mirrored || stretch >= 1 / kMirrored);
 }
 
+/// By drawn line, from its name.
+std::vector<int> times_of(const std::vector<FlowLine>& inputs, const std::vector<FlowLine>& drawn,
+                          const std::vector<int>& partner) {
+  std::vector<std::string> copies{""};
+  std::vector<int> out;
+  for (std::size_t i = 0; i < drawn.size(); ++i) {
+    const std::string& of = inputs[static_cast<std::size_t>(partner[i])].name;
+    const std::string copy = drawn[i].name.substr(of.size());
+    auto found = std::ranges::find(copies, copy);
+    if (found == copies.end()) found = copies.insert(copies.end(), copy);
+    const auto number = static_cast<int>(found - copies.begin());
+    out.push_back(number == 0 ? 0 : 1 + (number - 1) % (kTimes - 1));
+  }
+  return out;
+}
+
 /// Lines with those that join consecutive ones, in their order.
 /// joins    whether line i is joined with the one before it.
 std::vector<EditedLine> joined(const std::vector<FlowLine>& drawn, const EditOptions& options,
@@ -240,21 +256,6 @@ std::vector<int> partners(const std::vector<FlowLine>& inputs, const std::vector
   return out;
 }
 
-std::vector<int> times_of(const std::vector<FlowLine>& inputs, const std::vector<FlowLine>& drawn,
-                          const std::vector<int>& partner) {
-  std::vector<std::string> copies{""};
-  std::vector<int> out;
-  for (std::size_t i = 0; i < drawn.size(); ++i) {
-    const std::string& of = inputs[static_cast<std::size_t>(partner[i])].name;
-    const std::string copy = drawn[i].name.substr(of.size());
-    auto found = std::ranges::find(copies, copy);
-    if (found == copies.end()) found = copies.insert(copies.end(), copy);
-    const auto number = static_cast<int>(found - copies.begin());
-    out.push_back(number == 0 ? 0 : 1 + (number - 1) % (kTimes - 1));
-  }
-  return out;
-}
-
 std::vector<EditedLine> densify(const std::vector<FlowLine>& inputs, const std::vector<FlowLine>& drawn,
                                 const std::vector<int>& partner, const std::vector<cv::Mat>& frames,
                                 const EditOptions& options) {
@@ -262,15 +263,23 @@ std::vector<EditedLine> densify(const std::vector<FlowLine>& inputs, const std::
   const auto of = [&](std::size_t i) -> const FlowLine& {
     return inputs[static_cast<std::size_t>(partner[i])];
   };
+  // No sheet has a line twice: with it another copy begins.
+  std::vector<int> sheet(partner.begin(), partner.begin() + std::min<std::ptrdiff_t>(1, std::ssize(partner)));
   const auto joins = [&](std::size_t i) {
-    return are_sheet(drawn[i - 1], drawn[i], of(i - 1), of(i), options);
+    const bool again = options.join_px <= 0 && std::ranges::find(sheet, partner[i]) != sheet.end();
+    const bool joined = !again && are_sheet(drawn[i - 1], drawn[i], of(i - 1), of(i), options);
+    if (!joined) sheet.clear();
+    sheet.push_back(partner[i]);
+    return joined;
   };
   std::vector<EditedLine> dense = joined(drawn, options, joins, &chain_begins);
   for (std::size_t i = 0, given = 0; i < dense.size(); ++i)
     if (dense[i].drawn) dense[i].input = partner[given++];
-  const std::vector<int> times = times_of(inputs, drawn, partner);
-  for (EditedLine& line : dense) line.time = times[line.from];
   chain_begins.push_back(dense.size());
+  const std::vector<int> times = times_of(inputs, drawn, partner);
+  for (std::size_t c = 0; c + 1 < chain_begins.size(); ++c)
+    for (std::size_t i = chain_begins[c]; i < chain_begins[c + 1]; ++i)
+      dense[i].time = times[dense[chain_begins[c]].from];
   const Shown shown(frames, options.frames);
   for (std::size_t c = 0; c + 1 < chain_begins.size(); ++c) {
     const std::size_t first = chain_begins[c], count = chain_begins[c + 1] - first;

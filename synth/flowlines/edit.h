@@ -30,7 +30,9 @@ struct EditedLine {
   /// The drawn lines between which it lies, and where: of a drawn one it is both.
   std::size_t from = 0, to = 0;
   float share = 0;
-  /// 0: as the clip is shown; else a copy, which is shown in a time of its own with all copies of that number.
+  /// 0: as the clip is shown; else a copy, which is shown in a time of its own with all copies of that number, so that
+  /// two chimneys do not puff alike at every moment. Copies are told apart by what their names have behind the input
+  /// line's ("l4-2" and "foam-2" go together), and the lines of a sheet by that of its first.
   int time = 0;
 };
 
@@ -51,11 +53,6 @@ std::vector<int> partners(const std::vector<FlowLine>& inputs, const std::vector
 
 /// The input lines, and behind them those that join consecutive ones: what interpolated edited lines choose from.
 std::vector<FlowLine> dense_inputs(const std::vector<FlowLine>& inputs, const EditOptions& options);
-
-/// Which time each drawn line has: copies are told apart by what their names have behind the input line's ("l4-2" and
-/// "l5-2" go together), so that two chimneys do not puff alike at every moment.
-std::vector<int> times_of(const std::vector<FlowLine>& inputs, const std::vector<FlowLine>& drawn,
-                          const std::vector<int>& partner);
 
 /// The dense set: drawn lines with those interpolated between consecutive ones, and input lines for the latter by
 /// pair_lines.

@@ -246,7 +246,7 @@ void EditedView::gather() {
     alpha_.at<float>(static_cast<int>(p) / size.width, static_cast<int>(p) % size.width) =
         sum > 0 ? covered(all_[p]) * fluid / sum : 0.0f;
     share_out(of);
-    if (!of.empty()) {
+    if (alpha_.at<float>(static_cast<int>(p) / size.width, static_cast<int>(p) % size.width) > 0) {
       cv::Vec3f average(0, 0, 0);
       for (std::size_t i = first_.back(); i < sources_.size(); ++i)
         average += sampled(mean_, sources_[i].x, sources_[i].y) * sources_[i].weight;

@@ -32,14 +32,14 @@ struct Plan {
 ///
 /// ladders   of the clip's working frames, of size `picture`.
 /// frames    of the clip.
-/// Throws    Error{kUsage} when there is no room for so many entries, or no loop of that length, or
-///           one of more than 10000 frames; Error{kCancelled}.
+/// Throws    Error{kUsage} when there is no room for so many entries, or for a loop of more than 10000 frames;
+///           Error{kCancelled}.
 Plan plan_repeats(const Ladders& ladders, const std::vector<FlowLine>& lines, const Rides& rides,
                   cv::Size picture, int frames, const PlanOptions& options, const Job& job);
 
 /// The order in which each stream's runs follow each other.
-/// time     0: as the clip begins; others are as good, and elsewhere in it at any moment.
-/// Throws   as plan_repeats.
+/// time     0: as the clip begins; others are as good, begin elsewhere in it, and go their own way.
+/// Throws   Error{kUsage} when there is no loop of that length.
 std::vector<Order> orders_of(const Plan& plan, const PlanOptions& options, int time = 0);
 
 }  // namespace freshet::synth::flowlines

@@ -93,7 +93,7 @@ TreeSway::TreeSway(const TreeMotion& tree, const Gusts& gusts, const Cycle& cycl
   grid_.create(cells, CV_32FC2);
   if (branches_.size() < 2) return;
   const int count = static_cast<int>(branches_.size());
-  const float apart2 = between2(tree.armatures);
+  const float apart2 = std::max(kNearPx2, between2(tree.armatures));  // some lie in one place
   weights_.create(cells.height, cells.width * count, CV_32F);
   for (int r = 0; r < cells.height; ++r) {
     for (int c = 0; c < cells.width; ++c) {

@@ -26,7 +26,8 @@ WaterMapping mapping_seen(const WaterMotion& water, const cv::Rect& region, cv::
 /// Displacement as printed (Eq. 10): what lies on the plane is lifted by the height above it. The inverse is the
 /// negative of the displacement at the pixel itself, as in the paper: it is continuous; the true inverse folds where waves
 /// are steep, and would show water from behind a crest twice. The negative folds too where rows that follow each other
-/// are displaced by amounts that differ by more than a pixel, and looks torn: there waves are made lower.
+/// are displaced by amounts that differ by more than a pixel, and looks torn: there the
+/// shortest waves are left out.
 ///
 /// Normals: a mirror image moves by what the reflected ray turns, twice the surface's slope: 2 f
 /// slope_away up or down, and to the side 2 f slope_right times the sine of the angle at which the plane is

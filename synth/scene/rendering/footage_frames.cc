@@ -60,7 +60,7 @@ FootageCourse footage_course(int scene_frames, bool loop, int footage_frames, bo
 
 FootageFrames::FootageFrames(const std::filesystem::path& file, cv::Point at, int scene_frames, bool loop)
     : file_(file), at_(at) {
-  const Read read = read_through(file, scene_frames + kFadeMost);
+  const Read read = read_through(file, scene_frames + (loop ? kFadeMost : 0));
   course_ = footage_course(scene_frames, loop, read.frames, read.comes_round);
   playing_ = std::make_unique<FootageReader>(file_);
   if (!course_.from_last) return;

@@ -40,6 +40,20 @@ std::vector<int> between_lines(const std::vector<FlowLine>& drawn, const EditOpt
   return out;
 }
 
+/// The times of the drawn lines; those between have their chain's.
+std::vector<int> times(const std::vector<FlowLine>& drawn, const EditOptions& options) {
+  const std::vector<cv::Mat> frames(4, cv::Mat(120, 400, CV_8UC3, cv::Scalar::all(90)));
+  std::vector<int> out;
+  for (const EditedLine& line : densify(kPlume, drawn, partners(kPlume, drawn, "e.svg"), frames, options)) {
+    if (!line.drawn) {
+      EXPECT_EQ(line.time, out.back());
+      continue;
+    }
+    out.push_back(line.time);
+  }
+  return out;
+}
+
 TEST(Edit, LinesOfASheetAreJoinedAndItsCopiesAreNot) {
   // Patches as large as for smoke: 4 of them reach over the whole picture.
   const EditOptions large{.patch_px = 100, .spacing_px = 10};
@@ -57,15 +71,27 @@ TEST(Edit, LinesOfASheetAreJoinedAndItsCopiesAreNot) {
 }
 
 TEST(Edit, CopiesHaveATimeOfTheirOwnAndGoTogether) {
-  const std::vector<FlowLine> drawn =
-      both(both(kPlume, beside(90, "-2")), {down(300, "b-3"), down(330, "c-2")});
-  EXPECT_EQ(times_of(kPlume, drawn, partners(kPlume, drawn, "e.svg")),
+  const EditOptions large{.patch_px = 100, .spacing_px = 10};
+  EXPECT_EQ(times(both(both(kPlume, beside(90, "-2")), {down(300, "b-3"), down(380, "c-2")}), large),
             (std::vector<int>{0, 0, 0, 1, 1, 1, 2, 1}));
+  // A drawing program may give each line of a copy an ending of its own.
+  EXPECT_EQ(times(both(kPlume, {down(140, "a-3"), down(170, "b-6"), down(200, "c-1")}), large),
+            (std::vector<int>{0, 0, 0, 1, 1, 1}));
   std::vector<FlowLine> many;
   for (int i = 0; i < 9; ++i) many.push_back(down(20.0f * static_cast<float>(i), "a-" + std::to_string(i)));
-  for (const int time : times_of(kPlume, many, partners(kPlume, many, "e.svg"))) {
+  for (const int time : times(many, large)) {
     EXPECT_GT(time, 0);
     EXPECT_LT(time, kTimes);
+  }
+}
+
+TEST(Edit, CopiesBesideEachOtherStayTwoWhateverTheirOrder) {
+  const EditOptions large{.patch_px = 100, .spacing_px = 10};
+  const std::vector<FlowLine> sheet{down(70, "b"), down(40, "a"), down(100, "c")};
+  for (const float way : {24.0f, 48.0f, 60.0f, 90.0f}) {
+    std::vector<FlowLine> copy;
+    for (const FlowLine& line : sheet) copy.push_back(down(line.points.front().x + way, line.name + "-2"));
+    EXPECT_EQ(between_lines(both(sheet, copy), large)[2], 0) << way;
   }
 }
 

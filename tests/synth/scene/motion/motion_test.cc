@@ -86,6 +86,11 @@ TEST(TreeSway, AStandSwaysTogetherAndNothingTurnsTooFar) {
   }
   EXPECT_GT(most, 0.35);
   EXPECT_LT(most, 0.41);
+  grass.armatures[1] = grass.armatures[0];  // twice the same
+  TreeSway one_place(grass, gusts, kCycle, 1, kBox);
+  one_place.go_to(3);
+  for (int x = 90; x < 110; ++x)
+    for (int y = 40; y < 220; ++y) ASSERT_LT(std::abs(moved(one_place, x, y).x), 100) << x << ", " << y;
 }
 
 TEST(TreeSway, TipGoesToItsSideByItsDisplacement) {
