@@ -1,6 +1,6 @@
 // The page: a way in, and the work area.
 import type { JSX } from "preact";
-import { useEffect, useRef, useState } from "preact/hooks";
+import { useEffect, useLayoutEffect, useRef, useState } from "preact/hooks";
 import { ArrowLeft, Download, Maximize, Moon, Pause, Play, Redo2, Repeat, SlidersHorizontal, SplitSquareHorizontal, Sun, Undo2, ZoomIn, ZoomOut } from "lucide-preact";
 import { Canvas } from "./canvas";
 import { removeLine } from "./cliplines";
@@ -246,7 +246,8 @@ function Transport(): JSX.Element {
 }
 
 function useShortcuts(canvas: { current: Canvas | null }, exportNow: () => void): void {
-  useEffect(() => {
+  // With the first sight of the page: an effect that waits for a frame lost keys on a busy machine.
+  useLayoutEffect(() => {
     const down = (event: KeyboardEvent): void => {
       const target = event.target as HTMLElement;
       const types = target.matches("input:not([type=range], [type=checkbox]), textarea, select") || !!target.closest("dialog");
