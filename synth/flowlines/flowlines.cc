@@ -32,8 +32,9 @@ double default_patch(cv::Size picture) {
 struct Flowlines::Impl {
   Impl(const Footage& clip, const FlowlinesOptions& asked, const Job& job) : footage(clip), options(asked) {
     Stopwatch watch;
-    // Positions first: a slip in them should not cost the preparation.
+    // Positions and names first: a slip in them should not cost the preparation.
     moving.emplace(options.edited, options.loop_frames / output_fps(), options.edited_name);
+    if (!options.lines.empty()) partners(options.lines, moving->at(0), options.edited_name);
     working = working_clip(footage, job);
     if (!options.moving_camera) judge_camera(working, footage.name, report.notices);
     report.patch_px = options.patch_px > 0 ? options.patch_px : default_patch(footage.size());
