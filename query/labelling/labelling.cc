@@ -106,14 +106,17 @@ Labelling label(const store::Snapshot& snapshot, CandidateSearch search, const L
       return costs;
     });
     known = stages.run("choosing patches", labelling.seconds.minimize, [&] {
-      return minimize_spread(base.table, candidates, options.reuse, options.minimizer, options.max_iterations,
-                             mrf);
+      Solution solution = minimize_spread(base.table, candidates, options.reuse, options.minimizer,
+                                          options.max_iterations, mrf);
+      solution.margins = margins(mrf, solution.labels);
+      return solution;
     });
     if (memo != nullptr) memo->keep_solution(key, *known);
   }
   labelling.assignment =
       make_assignment(snapshot, labelling.search, *known, options.minimizer, options.costs.form);
   labelling.labels = std::move(known->labels);
+  labelling.margins = std::move(known->margins);
   labelling.iterations = known->iterations;
   return labelling;
 }

@@ -68,7 +68,8 @@ CandidateSearch search_candidates(const store::Snapshot&, const SearchBase&&, co
 
 struct Labelling {
   Assignment assignment;
-  Labels labels;  // of each piece, its candidate's place among them
+  Labels labels;               // of each piece, its candidate's place among them
+  std::vector<float> margins;  // how sure each is (mrf.h)
   CandidateSearch search;
   LabelSeconds seconds;
   int iterations = 0;

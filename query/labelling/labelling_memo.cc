@@ -277,8 +277,10 @@ std::optional<Solution> LabellingMemo::find_solution(const CacheKey& key, const 
   Reading reading(*bytes);
   Solution solution;
   solution.labels.resize(target.size());
+  solution.margins.resize(target.size());
   if (!reading.get(solution.energy) || !reading.get(solution.lower_bound) ||
-      !reading.get(solution.iterations) || !reading.get(std::span(solution.labels)) || reading.left() > 0)
+      !reading.get(solution.iterations) || !reading.get(std::span(solution.labels)) ||
+      !reading.get(std::span(solution.margins)) || reading.left() > 0)
     return std::nullopt;
   for (std::size_t piece = 0; piece < target.size(); ++piece)
     if (solution.labels[piece] >= candidates.counts[piece]) return std::nullopt;
@@ -294,6 +296,7 @@ void LabellingMemo::keep_solution(const CacheKey& key, const Solution& solution)
   bytes.put(solution.lower_bound);
   bytes.put(solution.iterations);
   bytes.put(std::span<const std::uint32_t>(solution.labels));
+  bytes.put(std::span<const float>(solution.margins));
   cache_.keep(key, bytes.bytes());
 }
 

@@ -74,4 +74,17 @@ void add_neighbour_costs(const Mrf& mrf, const Adjacency& adjacency, std::size_t
   }
 }
 
+std::vector<float> margins(const Mrf& mrf, const Labels& labels) {
+  const Adjacency adjacency(mrf);
+  std::vector<float> rises(mrf.nodes(), std::numeric_limits<float>::infinity()), costs;
+  for (std::size_t node = 0; node < mrf.nodes(); ++node) {
+    const auto unary = mrf.unary_of(node);
+    costs.assign(unary.begin(), unary.end());
+    add_neighbour_costs(mrf, adjacency, node, labels, costs);
+    for (std::size_t label = 0; label < costs.size(); ++label)
+      if (label != labels[node]) rises[node] = std::min(rises[node], costs[label] - costs[labels[node]]);
+  }
+  return rises;
+}
+
 }  // namespace freshet::query

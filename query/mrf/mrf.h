@@ -52,6 +52,7 @@ struct Solution {
   double energy = 0;
   double lower_bound = -std::numeric_limits<double>::infinity();  // no labelling costs less; -inf: not known
   int iterations = 0;
+  std::vector<float> margins = {};  // as below; empty: not known
   bool operator==(const Solution&) const = default;
 };
 
@@ -71,5 +72,9 @@ struct Adjacency {
 /// costs[l] += cost of every edge of `node` when it takes label l and its neighbours keep theirs.
 void add_neighbour_costs(const Mrf& mrf, const Adjacency& adjacency, std::size_t node, const Labels& labels,
                          std::span<float> costs);
+
+/// How sure each label is: by how much the energy rises at least when a node takes another one and its neighbours keep
+/// theirs. Negative where it falls; infinite for nodes of one label.
+std::vector<float> margins(const Mrf& mrf, const Labels& labels);
 
 }  // namespace freshet::query
