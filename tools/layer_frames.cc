@@ -199,7 +199,7 @@ std::unique_ptr<scene::LayerFrames> frames_of_layer(const scene::Scene& asked, c
       return std::make_unique<TransferFrames>(asked, layer, context);
     default:
       return std::make_unique<scene::FootageFrames>(layer.footage.file, layer.footage.at, asked.frames,
-                                                    asked.loop);
+                                                    asked.loop, layer.footage.width);
   }
 }
 

@@ -127,6 +127,7 @@ struct TransferMotion {
 struct FootageMotion {
   std::filesystem::path file{};
   cv::Point at{0, 0};
+  int width = 0;  // px that it is shown wide, in its own shape; 0: as it is
 };
 
 /// One layer. The fields of the motion that `kind` names hold.

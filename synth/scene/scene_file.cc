@@ -139,6 +139,7 @@ void read_transfer(Section& section, TransferMotion& transfer) {
 void read_footage(Section& section, FootageMotion& footage) {
   footage.file = read_path(section, "file", true);
   footage.at = read_place(section);
+  section.read("width", footage.width, {1, 65536});
 }
 
 MatteFrom read_matte(Section& section, bool needed) {
@@ -412,6 +413,7 @@ at             [0, 0]   px, of its upper left corner
 footage:       brings its own pixels; where it is shorter, and in a loop, its end goes over into its beginning
 file           a numbered sequence (f.####.png) or video with alpha; needed
 at             [0, 0]   px, of its upper left corner
+width          [its own] px that it is shown wide; its height goes with it
 )";
 }
 

@@ -58,19 +58,20 @@ FootageCourse footage_course(int scene_frames, bool loop, int footage_frames, bo
   return course;
 }
 
-FootageFrames::FootageFrames(const std::filesystem::path& file, cv::Point at, int scene_frames, bool loop)
-    : file_(file), at_(at) {
+FootageFrames::FootageFrames(const std::filesystem::path& file, cv::Point at, int scene_frames, bool loop,
+                             int width)
+    : file_(file), at_(at), width_(width) {
   const Read read = read_through(file, scene_frames + (loop ? kFadeMost : 0));
   course_ = footage_course(scene_frames, loop, read.frames, read.comes_round);
-  playing_ = std::make_unique<FootageReader>(file_);
+  playing_ = std::make_unique<FootageReader>(file_, width_);
   if (!course_.from_last) return;
-  before_ = std::make_unique<FootageReader>(file_);
+  before_ = std::make_unique<FootageReader>(file_, width_);
   for (int i = 0; i < course_.lengths.back(); ++i) before_->next();
 }
 
 const cv::Mat& FootageFrames::next() {
   if (place_ == course_.lengths[which_]) {
-    before_ = std::exchange(playing_, std::make_unique<FootageReader>(file_));
+    before_ = std::exchange(playing_, std::make_unique<FootageReader>(file_, width_));
     which_ = (which_ + 1) % course_.lengths.size();
     place_ = 0;
   }

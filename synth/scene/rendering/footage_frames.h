@@ -28,14 +28,15 @@ inline constexpr int kFadeMost = 24;  // frames
 /// jumps. Never backwards: water would rise.
 class FootageFrames : public LayerFrames {
  public:
-  /// Reads the file once, as far as the scene lasts, to know its length. Throws as FootageReader.
-  FootageFrames(const std::filesystem::path& file, cv::Point at, int scene_frames, bool loop);
+  /// Reads the file once, as far as the scene lasts, to know its length. width   as FootageReader. Throws as it does.
+  FootageFrames(const std::filesystem::path& file, cv::Point at, int scene_frames, bool loop, int width = 0);
   const cv::Mat& next() override;
   cv::Point at() const override { return at_; }
 
  private:
   std::filesystem::path file_;
   cv::Point at_;
+  int width_;
   FootageCourse course_;
   std::size_t which_ = 0;                            // course
   int place_ = 0;                                    // in it

@@ -1,6 +1,9 @@
 #include "synth/scene/rendering/footage_reader.h"
 
+#include <algorithm>
+
 #include <fmt/format.h>
+#include <opencv2/imgproc.hpp>
 
 #include "freshet/error.h"
 #include "media/frame/bgra.h"
@@ -22,7 +25,7 @@ void premultiply(const cv::Mat& bgra, double white, cv::Mat& out) {
 
 }  // namespace
 
-FootageReader::FootageReader(const std::filesystem::path& file) : file_(file) {
+FootageReader::FootageReader(const std::filesystem::path& file, int width) : file_(file), width_(width) {
   if (media::is_pattern(file))
     pictures_ = media::list_pattern(file).files;
   else if (std::filesystem::is_directory(file))
@@ -42,19 +45,28 @@ const cv::Mat& FootageReader::next() {
     }
     if (!ahead_)
       throw Error(ErrorKind::kInput, file_.string(), "no frame of it can be decoded", "Check the file");
-    premultiply(media::to_bgra(*ahead_), 255, frame_);
+    const cv::Mat& frame = taken(media::to_bgra(*ahead_), 255);
     ahead_ = reader_->next();
-    return frame_;
+    return frame;
   }
   if (picture_ == pictures_.size()) picture_ = 0;
-  premultiply(media::read_deep_picture(pictures_[picture_]).values, 65535, frame_);
+  const cv::Mat& frame = taken(media::read_deep_picture(pictures_[picture_]).values, 65535);
   if (!before.empty() && before != frame_.size())
     throw Error(ErrorKind::kInput, pictures_[picture_].string(),
                 fmt::format("it has {} x {} px, the frames before it {} x {}", frame_.cols, frame_.rows,
                             before.width, before.height),
                 "Give frames of one size");
   ++picture_;
-  return frame_;
+  return frame;
+}
+
+const cv::Mat& FootageReader::taken(const cv::Mat& bgra, double white) {
+  premultiply(bgra, white, frame_);
+  if (width_ == 0 || width_ == frame_.cols) return frame_;
+  const cv::Size size(width_, std::max(1, cvRound(1.0 * frame_.rows * width_ / frame_.cols)));
+  // Of colours times alpha: what is transparent gives no colour to an edge.
+  cv::resize(frame_, sized_, size, 0, 0, width_ < frame_.cols ? cv::INTER_AREA : cv::INTER_LINEAR);
+  return sized_;
 }
 
 }  // namespace freshet::synth::scene

@@ -34,6 +34,10 @@ class Sequence {
     for (int i = 0; i < asked; ++i) out.push_back(255 * footage.next().at<cv::Vec4f>(1, 1)[0]);
     return out;
   }
+  cv::Mat first(int width) const {
+    FootageFrames footage(folder_, {0, 0}, 2, false, width);
+    return footage.next().clone();
+  }
 
  private:
   fs::path folder_;
@@ -105,6 +109,15 @@ TEST(FootageFrames, WhatComesRoundIsNotFaded) {
   const std::vector<double> shown = sequence.shown(50, true, 100);
   EXPECT_EQ(shown[3], shown[53]);
   EXPECT_LT(greatest_step(shown), 25);
+}
+
+TEST(FootageFrames, AreAsWideAsIsAsked) {
+  const Sequence sequence({40, 80});
+  EXPECT_EQ(sequence.first(0).size(), cv::Size(6, 4));
+  EXPECT_EQ(sequence.first(12).size(), cv::Size(12, 8));
+  EXPECT_EQ(sequence.first(3).size(), cv::Size(3, 2));
+  EXPECT_EQ(sequence.first(1).size(), cv::Size(1, 1));
+  EXPECT_NEAR(255 * sequence.first(12).at<cv::Vec4f>(4, 5)[0], 40, 0.01);
 }
 
 }  // namespace
