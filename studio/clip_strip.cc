@@ -80,6 +80,19 @@ cv::Mat clip_strip(const std::vector<cv::Mat>& frames, int width) {
   return side_by_side(parts);
 }
 
+cv::Mat clip_strip(const std::filesystem::path& video, int width) {
+  constexpr int kApart = 2;  // frames: where a rate is claimed and not kept, two seconds may be days
+  media::VideoReader reader(video);
+  std::vector<cv::Mat> small;
+  for (int i = 0; i < kStripFrames * kApart; ++i) {
+    const std::optional<media::Frame> frame = reader.next();
+    if (!frame) break;
+    if (i % kApart == 0) small.push_back(clip_strip({media::to_bgr(*frame)}, width));
+  }
+  if (small.empty()) throw Error(ErrorKind::kInput, video.filename().string(), "it has no frame");
+  return side_by_side(small);
+}
+
 cv::Mat patch_strip(const std::vector<cv::Mat>& frames, const vision::Variant& variant, const cv::Rect& patch,
                     int side) {
   // Straight from the source to what is shown: a whole frame turned for each of 24 patches would be waited for.

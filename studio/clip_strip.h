@@ -43,6 +43,9 @@ class ClipSamples {
 /// Frames side by side, CV_8UC3: each at most `width` px wide, with the clip's shape.
 cv::Mat clip_strip(const std::vector<cv::Mat>& frames, int width);
 
+/// The same of a video's first frames, two seconds of them at most. Throws Error{kInput}.
+cv::Mat clip_strip(const std::filesystem::path& video, int width);
+
 /// The same of a patch alone, as its variant shows it: `side` px wide and high. patch   px, in the variant's frame.
 cv::Mat patch_strip(const std::vector<cv::Mat>& frames, const vision::Variant& variant, const cv::Rect& patch,
                     int side);

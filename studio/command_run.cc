@@ -161,7 +161,7 @@ std::string to_text(const Command& command) {
   return text;
 }
 
-CommandAnswer run(const Command& command, const Job& job) {
+CommandAnswer run_to_end(const Command& command, const Job& job) {
   CommandAnswer answer;
   Pipe out, err;
   const pid_t process = start(command, out, err);
@@ -177,15 +177,24 @@ CommandAnswer run(const Command& command, const Job& job) {
   int status = 0;
   while (::waitpid(process, &status, 0) < 0 && errno == EINTR) continue;
   if (job.stop.stop_requested()) throw Error(ErrorKind::kCancelled, "freshet", "stopped");
-  if (!WIFEXITED(status) || WEXITSTATUS(status) != 0) {
-    constexpr std::size_t kTold = 4;  // of its last messages
-    std::string told;
-    const std::size_t first = answer.messages.size() - std::min(kTold, answer.messages.size());
-    for (std::size_t i = first; i < answer.messages.size(); ++i)
-      told += (told.empty() ? "" : " ") + answer.messages[i];
-    throw Error(ErrorKind::kIo, "freshet " + command.arguments.front(),
-                told.empty() ? "ended without a word" : told);
-  }
+  answer.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  return answer;
+}
+
+void expect_done(const Command& command, const CommandAnswer& answer) {
+  constexpr std::size_t kTold = 4;  // of its last messages
+  if (answer.exit_code == 0) return;
+  std::string told;
+  const std::size_t first = answer.messages.size() - std::min(kTold, answer.messages.size());
+  for (std::size_t i = first; i < answer.messages.size(); ++i)
+    told += (told.empty() ? "" : " ") + answer.messages[i];
+  throw Error(ErrorKind::kIo, "freshet " + command.arguments.front(),
+              told.empty() ? "ended without a word" : told);
+}
+
+CommandAnswer run(const Command& command, const Job& job) {
+  CommandAnswer answer = run_to_end(command, job);
+  expect_done(command, answer);
   return answer;
 }
 

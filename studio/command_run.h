@@ -22,10 +22,15 @@ std::string to_text(const Command& command);
 struct CommandAnswer {
   std::string output;                 // of its stdout, at most 4 MB
   std::vector<std::string> messages;  // of its stderr, without its name; the last 200
+  int exit_code = 0;                  // -1: a signal ended it
 };
 
 /// Waits for it, at a lower priority than ours. A stop request interrupts it, so that it removes what it has begun.
-/// Throws Error{kIo} with its last message when it fails; Error{kCancelled}.
+/// Throws Error{kCancelled}.
+CommandAnswer run_to_end(const Command& command, const Job& job);
+/// Throws Error{kIo} with its last messages when it has failed.
+void expect_done(const Command& command, const CommandAnswer& answer);
+/// Both.
 CommandAnswer run(const Command& command, const Job& job);
 
 }  // namespace freshet::studio

@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include <nlohmann/json.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "query/search/picture_scale.h"
@@ -52,6 +53,32 @@ std::optional<std::string> FrameReel::frame(int index) const {
   return frames_[static_cast<std::size_t>(index)];
 }
 
+void FrameReel::add_outline(const cv::Mat& matte) {
+  constexpr double kTidy = 0.7;  // px that a line may leave its pixels by
+  std::vector<std::vector<cv::Point>> lines;
+  cv::findContours(matte >= 0.5, lines, cv::RETR_LIST, cv::CHAIN_APPROX_SIMPLE);
+  for (std::vector<cv::Point>& line : lines) cv::approxPolyDP(line, line, kTidy, true);
+  std::erase_if(lines, [](const std::vector<cv::Point>& line) { return line.size() < 3; });
+  const std::lock_guard lock(guard_);
+  outlines_.push_back(std::move(lines));
+}
+
+std::string FrameReel::outlines_json() const {
+  nlohmann::json json = nlohmann::json::array();
+  const std::lock_guard lock(guard_);
+  for (const std::vector<std::vector<cv::Point>>& lines : outlines_) {
+    nlohmann::json& frame = json.emplace_back(nlohmann::json::array());
+    for (const std::vector<cv::Point>& line : lines) {
+      nlohmann::json& points = frame.emplace_back(nlohmann::json::array());
+      for (const cv::Point& point : line) {
+        points.push_back(point.x);
+        points.push_back(point.y);
+      }
+    }
+  }
+  return json.dump();
+}
+
 void render(const LabelledPicture& labelled, const Document& document, const Scene& scene, FrameReel& reel,
             const std::function<void()>& told, const Job& job) {
   namespace animate = synth::animate;
@@ -62,7 +89,10 @@ void render(const LabelledPicture& labelled, const Document& document, const Sce
   options.memory_bytes = kMemory;
   options.motion_alone = scene.motion_alone;
   options.tiles = labelled.store->tiles;
-  if (document.moving_outline) options.boundary.boundary = animate::Boundary::kMoving;
+  if (document.moving_outline) {
+    options.boundary.boundary = animate::Boundary::kMoving;
+    options.matte_sink = [&](const cv::Mat& matte) { reel.add_outline(matte); };
+  }
   options.boundary.held = scene.held;
   query::Assignment assignment = labelled.labelling.assignment;
   const cv::Size labelled_size = assignment.picture;

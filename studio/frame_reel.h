@@ -16,7 +16,7 @@
 
 namespace freshet::studio {
 
-/// JPEGs of one animation. Written by one thread, read by many.
+/// JPEGs of one animation, and where its fluid ends in each of them. Safe from many threads.
 class FrameReel {
  public:
   FrameReel(std::uint64_t number, std::string stage, cv::Size size, int total, double fps);
@@ -31,9 +31,16 @@ class FrameReel {
   int ready() const;
   std::optional<std::string> frame(int index) const;
 
+  /// matte   CV_32F 0..1, of the next frame whose outline is not known yet.
+  void add_outline(const cv::Mat& matte);
+  /// Of each frame, the closed lines where its matte is one half, each "[x0,y0,x1,y1,..]" px of the reel. JSON; empty
+  /// where the outline stands still.
+  std::string outlines_json() const;
+
  private:
   mutable std::mutex guard_;
   std::vector<std::string> frames_;
+  std::vector<std::vector<std::vector<cv::Point>>> outlines_;
 };
 
 /// What is animated, of one size. A copy of the labelled picture reduced by `factor`, or itself.

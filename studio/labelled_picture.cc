@@ -1,6 +1,7 @@
 #include "studio/labelled_picture.h"
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 
 #include <fmt/format.h>
@@ -157,8 +158,10 @@ std::string pieces_json(const LabelledPicture& labelled) {
   for (std::size_t i = 0; i < assignment.pieces.size(); ++i) {
     const query::AssignedPiece& piece = assignment.pieces[i];
     ++used[piece.clip];
+    const float margin = labelled.labelling.margins[i];
     json["pieces"].push_back({piece.corner.x * scale, piece.corner.y * scale, piece.clip, piece.score,
-                              static_cast<bool>(labelled.pinned[i])});
+                              static_cast<bool>(labelled.pinned[i]),
+                              std::isfinite(margin) ? Json(margin) : Json()});
   }
   for (std::size_t i = 0; i < assignment.clips.size(); ++i)
     json["clips"].push_back({{"name", assignment.clips[i].name},

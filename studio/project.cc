@@ -182,16 +182,23 @@ void Project::write_assignment(const std::string& json) {
 
 void Project::write_recipe(const Document& document) {
   const std::lock_guard lock(guard_);
+  write("project.toml", recipe_toml(document, files_of(document)));
+}
+
+RecipeFiles Project::recipe_files(const Document& document) const {
+  const std::lock_guard lock(guard_);
+  return files_of(document);
+}
+
+RecipeFiles Project::files_of(const Document& document) const {
   const auto present = [&](const char* name) { return holds(name) ? std::string(name) : std::string(); };
-  write(
-      "project.toml",
-      recipe_toml(document, {.picture = picture_file_,
-                             .matte = present("matte.png"),
-                             .held = present("hold.png"),
-                             .whole = whole_,
-                             .strokes = flow_strokes(document, size()).empty() ? "" : present("strokes.svg"),
-                             .tempo = document.tempo.empty() ? "" : present("tempo.png"),
-                             .assignment = document.pins.empty() ? "" : present("assignment.json")}));
+  return {.picture = picture_file_,
+          .matte = present("matte.png"),
+          .held = present("hold.png"),
+          .whole = whole_,
+          .strokes = flow_strokes(document, size()).empty() ? "" : present("strokes.svg"),
+          .tempo = document.tempo.empty() ? "" : present("tempo.png"),
+          .assignment = document.pins.empty() ? "" : present("assignment.json")};
 }
 
 void Project::write_way(const std::string& way, const std::vector<WayFile>& files) const {
@@ -204,12 +211,16 @@ void Project::write_way(const std::string& way, const std::vector<WayFile>& file
   for (const WayFile& file : files) write_whole(folder / file.name, file.bytes);
 }
 
-std::string Project::read_way(const std::string& way, const std::string& name) const {
-  constexpr std::size_t kMost = 32u << 20;
+fs::path Project::way_path(const std::string& way, const std::string& name) const {
   const fs::path path = folder_ / "ways" / way / name;
   if (!fs::is_regular_file(fs::symlink_status(path)) || fs::canonical(path) != path)
     throw Error(ErrorKind::kNotFound, name, "it has not been made yet");
-  return read_text_file(path, kMost, "");
+  return path;
+}
+
+std::string Project::read_way(const std::string& way, const std::string& name) const {
+  constexpr std::size_t kMost = 32u << 20;
+  return read_text_file(way_path(way, name), kMost, "");
 }
 
 fs::path Project::export_path(const std::string& name) const {

@@ -71,11 +71,14 @@ class Project {
   void write_tempo(const cv::Mat& map);
   void write_assignment(const std::string& json);
   void write_recipe(const Document& document);
+  /// Which of these files there are.
+  RecipeFiles recipe_files(const Document& document) const;
 
   /// Writes files into ways/WAY, which is made. Throws Error{kIo} when it is no folder of ours.
-  /// Throws Error{kNotFound}.
-  std::string read_way(const std::string& way, const std::string& name) const;
   void write_way(const std::string& way, const std::vector<WayFile>& files) const;
+  /// Where a file of ways/WAY lies. Throws Error{kNotFound}, for links too.
+  std::filesystem::path way_path(const std::string& way, const std::string& name) const;
+  std::string read_way(const std::string& way, const std::string& name) const;
 
   /// exports/NAME; the folder is made. Throws Error{kUsage} for a name that is no plain file name.
   std::filesystem::path export_path(const std::string& name) const;
@@ -87,6 +90,7 @@ class Project {
   void write(const std::string& name, std::string_view bytes) const;
   void write_or_remove(const char* name, const cv::Mat& map) const;
   bool holds(const std::string& name) const;
+  RecipeFiles files_of(const Document& document) const;  // the guard is held
   void read_document();
 
   std::filesystem::path folder_;

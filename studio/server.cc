@@ -274,6 +274,8 @@ void Server::Impl::get(const httplib::Request& request, httplib::Response& respo
   if (words.size() == 3 && words[1] == "stores") return answer(response, studio.store(words[2])->to_json());
   if (words.size() == 5 && words[1] == "stores" && words[3] == "clips")
     return answer_for_good(response, studio.store(words[2])->strip(number(words[4]), 240), "image/jpeg");
+  if (words.size() == 3 && words[1] == "screened")  // api/screened/NUMBER
+    return answer_for_good(response, studio.screened_strip(number(words[2])), "image/jpeg");
   throw Error(ErrorKind::kNotFound, std::string(rest), "there is nothing here");
 }
 
@@ -290,10 +292,12 @@ void Server::Impl::get_project(const Words& words, const httplib::Request& reque
   if (what == "ways" && words.size() == 7 && words[5] == "files" && words[6] == "film.mp4")
     return send_file(studio.film(id, words[4]), "video/mp4", response);  // as the way's own page calls it
   if (what == "ways" && words.size() == 7 && words[5] == "files")
-    return answer(response, studio.way_file(id, words[4], words[6]),
-                  words[6].ends_with(".html")  ? "text/html; charset=utf-8"
-                  : words[6].ends_with(".svg") ? "image/svg+xml"
-                                               : "image/png");
+    return send_file(studio.way_file(id, words[4], words[6]),
+                     words[6].ends_with(".html")  ? "text/html; charset=utf-8"
+                     : words[6].ends_with(".svg") ? "image/svg+xml"
+                     : words[6].ends_with(".mp4") ? "video/mp4"
+                                                  : "image/png",
+                     response);
   if (what == "clips" && words.size() == 4) return answer(response, studio.clips_json(id));
   if (what == "clips" && words.size() == 5 && words[4] == "frame")
     return answer(
@@ -326,8 +330,9 @@ void Server::Impl::get_project(const Words& words, const httplib::Request& reque
     return answer_for_good(response, easel->matte_png(words[5] == "held" ? matte->held : matte->alpha, 2048),
                            "image/png");
   }
-  if (what == "reels" && words.size() == 6) {  // reels/NUMBER/FRAME
+  if (what == "reels" && words.size() == 6) {  // reels/NUMBER/FRAME, reels/NUMBER/outlines
     const std::shared_ptr<const FrameReel> reel = easel->reel(number(words[4]));
+    if (reel && words[5] == "outlines") return answer(response, reel->outlines_json());
     const std::optional<std::string> frame =
         reel ? reel->frame(static_cast<int>(std::min<std::uint64_t>(number(words[5]), 1u << 30)))
              : std::nullopt;
@@ -358,7 +363,7 @@ void Server::Impl::send_file(const fs::path& path, const char* type, httplib::Re
   const auto file = std::make_shared<std::ifstream>(path, std::ios::binary);
   const auto bytes = static_cast<std::size_t>(fs::file_size(path));
   if (!*file) throw Error(ErrorKind::kIo, path.filename().string(), "it cannot be read");
-  response.status = 200;
+  // Its status is left to whoever reads the range that was asked for: a film is sought in.
   response.set_content_provider(
       bytes, type, [file](std::size_t offset, std::size_t length, httplib::DataSink& sink) {
         std::array<char, 65536> buffer;

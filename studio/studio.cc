@@ -285,24 +285,25 @@ JobId Studio::export_animation(const std::string& project, const std::string& na
   words.emplace_back("--overwrite");
   return commands_->submit("export " + project + "/" + name, "Export " + name,
                            [this, easel, project, name, words](const Job& job) {
-                             // What was drawn last is exported, not what was there before it: the matte and pinned pieces are made by previews.
-                             while (previews_->is_busy_with(project)) {
-                               if (job.stop.stop_requested())
-                                 throw Error(ErrorKind::kCancelled, "export", "stopped");
-                               if (job.progress) job.progress({"waiting for the preview", 0, 0});
-                               std::this_thread::sleep_for(std::chrono::milliseconds(50));
-                             }
-                             const Project& from = easel->project();
-                             const Document now = from.state().document;
-                             const std::shared_ptr<const FoundMatte> matte = easel->matte();
-                             if (!matte || matte->key != matte_key(now) || matte->alpha.empty())
-                               throw Error(ErrorKind::kUsage, project, "it has no matte", "Say what flows");
-                             if (!now.pins.empty() && !easel->is_labelled(now))
-                               throw Error(ErrorKind::kUsage, project, "its pieces were not chosen",
-                                           "See what the preview says");
-                             run(export_command(options_.program, from, name, words), job);
+                             await_previews(project, *easel, job);
+                             run(export_command(options_.program, easel->project(), name, words), job);
                              feed_.publish("export", text({{"project", project}, {"name", name}}));
                            });
+}
+
+void Studio::await_previews(const std::string& project, const Easel& easel, const Job& job) const {
+  // What was drawn last is made, not what was there before it: the matte and pinned pieces are made by previews.
+  while (previews_->is_busy_with(project)) {
+    if (job.stop.stop_requested()) throw Error(ErrorKind::kCancelled, project, "stopped");
+    if (job.progress) job.progress({"waiting for the preview", 0, 0});
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  }
+  const Document now = easel.project().state().document;
+  const std::shared_ptr<const FoundMatte> matte = easel.matte();
+  if (!matte || matte->key != matte_key(now) || matte->alpha.empty())
+    throw Error(ErrorKind::kUsage, project, "it has no matte", "Say what flows");
+  if (!now.pins.empty() && !easel.is_labelled(now))
+    throw Error(ErrorKind::kUsage, project, "its pieces were not chosen", "See what the preview says");
 }
 
 std::string Studio::exports_json(const std::string& project) {
@@ -333,8 +334,10 @@ JobId Studio::run_way(const std::string& project, const std::string& way) {
   return commands_->submit(
       "way " + project + "/" + way, project + ": " + way,
       [this, easel, document, plan, project, way](const Job& job) {
+        if (plan.animates) await_previews(project, *easel, job);
         Project& holder = easel->project();
-        holder.write_way(plan.folder, way_files(way, document, holder.picture()->bgr, holder.picture_file()));
+        holder.write_way(plan.folder,
+                         way_files(way, document, holder.picture()->bgr, holder.recipe_files(document)));
         CommandAnswer answer;
         for (const std::vector<std::string>& words : plan.commands)
           answer = run({.program = options_.program, .arguments = words, .folder = holder.folder()}, job);
@@ -354,11 +357,11 @@ fs::path Studio::film(const std::string& project, const std::string& way) {
   return path;
 }
 
-std::string Studio::way_file(const std::string& project, const std::string& way, const std::string& name) {
+fs::path Studio::way_file(const std::string& project, const std::string& way, const std::string& name) {
   const WayPlan plan = this->plan(project, way);
   if (std::find(plan.shown.begin(), plan.shown.end(), name) == plan.shown.end())
     throw Error(ErrorKind::kNotFound, name, "there is no such file");
-  return easel(project)->project().read_way(plan.folder, name);
+  return easel(project)->project().way_path(plan.folder, name);
 }
 
 std::string Studio::stills_json(const std::string& project) {
@@ -487,13 +490,48 @@ JobId Studio::ingest(const std::string& id, const std::string& licence) {
                         .arguments = {"ingest", store->path(), clips, "--json"},
                         .folder = options_.folder};
         if (!licence.empty()) command.arguments.push_back("--licence=" + licence);
-        const CommandAnswer answer = run(command, job);
-        std::error_code fault;
-        fs::remove_all(clips, fault);
+        const struct Sent {
+          fs::path clips;
+          ~Sent() {
+            std::error_code fault;
+            fs::remove_all(clips, fault);
+          }
+        } sent{clips};
+        const CommandAnswer answer = run_to_end(command, job);
+        // Where no clip was taken, the reasons are an answer too.
+        Json report = Json::parse(answer.output, nullptr, false);
+        if (!report.is_object() || !report.contains("clips")) expect_done(command, answer);
+        add_strips(clips, report);
         store->refresh();
-        const Json report = Json::parse(answer.output, nullptr, false);
         feed_.publish("ingested", text({{"store", id}, {"report", report.is_discarded() ? Json() : report}}));
       });
+}
+
+void Studio::add_strips(const fs::path& clips, Json& report) {
+  constexpr std::size_t kMostStrips = 60;
+  constexpr int kWidth = 240;  // px
+  std::map<std::uint64_t, std::string> strips;
+  if (report.is_object() && report.contains("clips"))
+    for (Json& clip : report["clips"]) {
+      if (strips.size() >= kMostStrips) break;
+      try {
+        const fs::path video = clips / clip.at("name").get<std::string>();
+        const std::uint64_t number = next_number();
+        strips[number] = encoded(clip_strip(video, kWidth));
+        clip["strip"] = number;
+      } catch (const Error&) {
+        continue;  // what cannot be decoded cannot be shown; why is said in words
+      }
+    }
+  const std::lock_guard lock(guard_);
+  strips_ = std::move(strips);
+}
+
+std::string Studio::screened_strip(std::uint64_t number) const {
+  const std::lock_guard lock(guard_);
+  const auto found = strips_.find(number);
+  if (found == strips_.end()) throw Error(ErrorKind::kNotFound, "clip", "it is no longer there");
+  return found->second;
 }
 
 std::string Studio::jobs_json() const {

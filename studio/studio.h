@@ -10,6 +10,8 @@
 #include <string_view>
 #include <vector>
 
+#include <nlohmann/json_fwd.hpp>
+
 #include "query/labelling/label_cache.h"
 #include "studio/command_run.h"
 #include "studio/easel.h"
@@ -80,8 +82,8 @@ class Studio {
   std::string way_json(const std::string& project, const std::string& way);
   /// Where its film lies. Throws Error{kNotFound}.
   std::filesystem::path film(const std::string& project, const std::string& way);
-  /// The bytes of a file that the way shows (WayPlan::shown). Throws Error{kNotFound}.
-  std::string way_file(const std::string& project, const std::string& way, const std::string& name);
+  /// Where a file lies that the way shows (WayPlan::shown). Throws Error{kNotFound}.
+  std::filesystem::path way_file(const std::string& project, const std::string& way, const std::string& name);
 
   /// The stills of the project's scene (still_folder.h).
   std::string stills_json(const std::string& project);
@@ -107,6 +109,9 @@ class Studio {
   std::filesystem::path clip_path(const std::string& store, const std::string& class_name,
                                   const std::string& file);
   JobId ingest(const std::string& store, const std::string& licence);
+  /// JPEG of clip_strip() of one of the clips that the last ingest was given, whether it was taken or not.
+  /// Throws Error{kNotFound}.
+  std::string screened_strip(std::uint64_t number) const;
 
   std::string jobs_json() const;
   bool stop_job(const std::string& lane, JobId id);
@@ -117,8 +122,13 @@ class Studio {
   void add_store(const std::filesystem::path& path);
   std::shared_ptr<OpenedStore> store_of(const Document& document) const;
   WayPlan plan(const std::string& project, const std::string& way);
+  /// Until the previews of a project have made what an animation reads of it. Throws Error{kUsage} where they could not,
+  /// and Error{kCancelled}.
+  void await_previews(const std::string& project, const Easel& easel, const Job& job) const;
   void tell_way(const std::string& project, const std::string& way);
   std::string likely_store() const;  // its path, for a new document; the guard is held
+  /// Adds "strip", a number, to what ingest reports of each clip, of the first kMostStrips that can be decoded.
+  void add_strips(const std::filesystem::path& clips, nlohmann::json& report);
   std::filesystem::path project_folder(const std::string& id) const;
   JobQueue::Watcher watcher(const char* lane);
 
@@ -130,6 +140,7 @@ class Studio {
   std::vector<std::string> recently_;                           // projects of easels_, last used last
   std::unique_ptr<query::LabelCache> cache_;
   std::uint64_t incoming_ = 0;
+  std::map<std::uint64_t, std::string> strips_;    // of the last ingest's clips
   std::unique_ptr<JobQueue> previews_, commands_;  // last: they use all of the above
 };
 

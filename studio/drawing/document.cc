@@ -126,6 +126,11 @@ Layered read_layered_of(const Fields& document) {
   return read_layered(document.below(document.at("layered"), "layered", 0));
 }
 
+Sweep read_sweep_of(const Fields& document) {
+  if (!document.has("sweep")) return {};  // of a document that is older than it
+  return read_sweep(document.below(document.at("sweep"), "sweep", 0));
+}
+
 MatteBase read_base(const Fields& fields) {
   const std::string name = fields.text("matte_base");
   for (const MatteBase base : {MatteBase::kScribbles, MatteBase::kAlpha, MatteBase::kWhole, MatteBase::kFile})
@@ -201,6 +206,7 @@ std::string to_json(const Document& document) {
   json["stills"] = stills_json(document.stills);
   json["endless"] = endless_json(document.endless);
   json["layered"] = layered_json(document.layered);
+  json["sweep"] = sweep_json(document.sweep);
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
@@ -221,7 +227,7 @@ Document document_from_json(std::string_view json, const std::string& where) {
   fields.only({"matte_base", "edge",           "scribbles", "paint", "held",           "store",
                "class",      "excluded_clips", "frames",    "fps",   "strokes",        "directions",
                "tempo",      "pins",           "loop",      "speed", "moving_outline", "design",
-               "stills",     "endless",        "layered"});
+               "stills",     "endless",        "layered",   "sweep"});
   Document document{.store = fields.text("store"),
                     .matte_base = read_base(fields),
                     .edge = fields.text("edge"),
@@ -242,7 +248,8 @@ Document document_from_json(std::string_view json, const std::string& where) {
                     .design = read_design(fields),
                     .stills = read_stills(fields),
                     .endless = read_endless_of(fields),
-                    .layered = read_layered_of(fields)};
+                    .layered = read_layered_of(fields),
+                    .sweep = read_sweep_of(fields)};
   if (document.edge != "guided" && document.edge != "information-flow" && document.edge != "none")
     fields.fail("\"edge\" is none of guided, information-flow, none");
   for (const Json& name : fields.list("excluded_clips", kMaxNames)) {

@@ -12,6 +12,7 @@
 #include "studio/drawing/drawn.h"
 #include "studio/drawing/endless.h"
 #include "studio/drawing/layered.h"
+#include "studio/drawing/sweep.h"
 
 namespace freshet::studio {
 
@@ -88,6 +89,7 @@ struct Document {
   Stills stills;
   Endless endless;
   Layered layered;
+  Sweep sweep;
   bool operator==(const Document&) const = default;
 };
 

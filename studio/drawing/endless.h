@@ -11,11 +11,19 @@ namespace freshet::studio {
 
 class Fields;
 
+/// Where a line that moves lies later.
+struct LinePosition {
+  double time = 0;  // s of what is made, above 0; .01..1000
+  std::vector<cv::Point2f> points;
+  bool operator==(const LinePosition&) const = default;
+};
+
 /// A line that particles of the clip ride, px of its frames, in the direction of the flow.
 struct ClipLine {
   std::string id;  // of an edited line: its input line's, or that with "-" and something behind it
-  std::vector<cv::Point2f> points;  // two or more
-  std::vector<float> speeds{};      // times as fast, .05..20, at even distances along it; empty: 1
+  std::vector<cv::Point2f> points;    // two or more
+  std::vector<float> speeds{};        // times as fast, .05..20, at even distances along it; empty: 1
+  std::vector<LinePosition> later{};  // of an edited line that moves, by time; points: where it is at first
   bool operator==(const ClipLine&) const = default;
 };
 

@@ -27,22 +27,27 @@ std::string layer_name(const Fields& fields) {
 
 DrawnLayer read_layer(const Fields& fields) {
   fields.only({"name", "motion", "matte", "paint", "lines", "plant", "shimmer", "waves", "mirrors", "roll",
-               "drift", "class"});
+               "drift", "class", "clip"});
   const std::string matte = fields.word("matte", {std::begin(kMattes), std::end(kMattes)});
-  return {.name = layer_name(fields),
-          .motion = fields.word("motion", {"still", "tree", "water", "boat", "clouds", "patches"}),
-          .matte = matte == kMattes[0]   ? LayerMatte::kPainted
-                   : matte == kMattes[1] ? LayerMatte::kScribbled
-                                         : LayerMatte::kRest,
-          .paint = fields.drawn("paint"),
-          .lines = fields.strokes("lines"),
-          .plant = fields.word("plant", {"tree", "flower", "grass"}),
-          .shimmer = fields.number("shimmer", 0, 20),
-          .waves = fields.number("waves", 0, 100),
-          .mirrors = fields.flag("mirrors"),
-          .roll = fields.number("roll", 0, 100),
-          .drift = fields.number("drift", -1000, 1000),
-          .class_name = fields.text("class")};
+  DrawnLayer layer{
+      .name = layer_name(fields),
+      .motion = fields.word("motion", {"still", "tree", "water", "boat", "clouds", "patches", "film"}),
+      .matte = matte == kMattes[0]   ? LayerMatte::kPainted
+               : matte == kMattes[1] ? LayerMatte::kScribbled
+                                     : LayerMatte::kRest,
+      .paint = fields.drawn("paint"),
+      .lines = fields.strokes("lines"),
+      .plant = fields.word("plant", {"tree", "flower", "grass"}),
+      .shimmer = fields.number("shimmer", 0, 20),
+      .waves = fields.number("waves", 0, 100),
+      .mirrors = fields.flag("mirrors"),
+      .roll = fields.number("roll", 0, 100),
+      .drift = fields.number("drift", -1000, 1000),
+      .class_name = fields.text("class"),
+      .clip = fields.has("clip") ? fields.text("clip") : ""};  // older documents have none
+  if (layer.clip.find('/') != std::string::npos || layer.clip.starts_with('.'))
+    fields.fail("\"clip\" is no file of the project");
+  return layer;
 }
 
 Json layer_json(const DrawnLayer& layer) {
@@ -57,7 +62,8 @@ Json layer_json(const DrawnLayer& layer) {
           {"mirrors", layer.mirrors},
           {"roll", layer.roll},
           {"drift", layer.drift},
-          {"class", layer.class_name}};
+          {"class", layer.class_name},
+          {"clip", layer.clip}};
 }
 
 }  // namespace

@@ -20,11 +20,11 @@ enum class LayerMatte { kPainted, kScribbled, kRest };
 /// One layer. Of what its motion does not have, the values do not matter.
 struct DrawnLayer {
   std::string name;              // 1 to 60 letters, digits, '-', '_' and spaces; unique
-  std::string motion = "still";  // "still", "tree", "water", "boat", "clouds", "patches"
+  std::string motion = "still";  // "still", "tree", "water", "boat", "clouds", "patches", "film"
   LayerMatte matte = LayerMatte::kPainted;
   std::vector<Drawn> paint{};
   /// From the first point to the last: armatures of a tree, from the root; water's horizon and a boat's hull line, of which
-  /// the first line counts; strokes of patches.
+  /// the first line counts; strokes of patches. Of a film, from its upper left corner to its lower right one.
   std::vector<DrawnStroke> lines{};
   std::string plant = "tree";  // "tree", "flower", "grass"
   double shimmer = 0;          // of leaves, px, 0..20
@@ -33,6 +33,7 @@ struct DrawnLayer {
   double roll = 1;             // of a boat, and how much it heaves, 0..100
   double drift = 0;            // of clouds, px/s, -1000..1000; 0: as the wind blows
   std::string class_name{};    // of patches; empty: all
+  std::string clip{};          // of a film: one that was dropped (own_clip_path); empty: what Design has made
   bool operator==(const DrawnLayer&) const = default;
 };
 

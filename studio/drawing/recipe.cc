@@ -6,11 +6,11 @@
 
 namespace freshet::studio {
 
-std::string recipe_toml(const Document& document, const RecipeFiles& files) {
-  std::string toml =
-      "# In this folder: freshet synth animate --config project.toml -o OUT.mp4\n[synth.animate]\n";
+std::string recipe_lines(const Document& document, const RecipeFiles& files,
+                         const std::set<std::string>& without) {
+  std::string toml;
   const auto say = [&](const char* name, const std::string& value) {
-    toml += fmt::format("{} = {}\n", name, value);
+    if (!without.contains(name)) toml += fmt::format("{} = {}\n", name, value);
   };
   if (!document.store.empty()) say("STORE", toml_text(document.store));
   say("PICTURE", toml_text(files.picture));
@@ -33,6 +33,11 @@ std::string recipe_toml(const Document& document, const RecipeFiles& files) {
   if (!files.tempo.empty()) say("retiming-map", toml_text(files.tempo));
   if (document.moving_outline) say("boundary", "\"moving\"");
   return toml;
+}
+
+std::string recipe_toml(const Document& document, const RecipeFiles& files) {
+  return "# In this folder: freshet synth animate --config project.toml -o OUT.mp4\n[synth.animate]\n" +
+         recipe_lines(document, files);
 }
 
 }  // namespace freshet::studio

@@ -1,6 +1,7 @@
 // studio/drawing/recipe.h — a project as the file of options with which the command line makes the same animation.
 #pragma once
 
+#include <set>
 #include <string>
 
 #include "studio/drawing/document.h"
@@ -17,7 +18,11 @@ struct RecipeFiles {
   std::string assignment;   // "": patches are chosen anew; they are the same
 };
 
-/// For `freshet synth animate --config project.toml`, run in the project's folder.
+/// The options of `freshet synth animate`, a line each, for a file that is read in the project's folder.
+/// without   options that are left out.
+std::string recipe_lines(const Document& document, const RecipeFiles& files,
+                         const std::set<std::string>& without = {});
+/// For `freshet synth animate --config project.toml`.
 std::string recipe_toml(const Document& document, const RecipeFiles& files);
 
 }  // namespace freshet::studio

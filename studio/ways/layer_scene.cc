@@ -1,6 +1,7 @@
 #include "studio/ways/layer_scene.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 
 #include <fmt/format.h>
@@ -45,6 +46,11 @@ cv::Mat scribbled(const DrawnLayer& layer, cv::Size size) {
 }
 
 void expect_drawn(const DrawnLayer& layer, const SceneFiles& files) {
+  if (layer.motion == "film") {
+    if (layer.clip.empty() && files.design.empty())
+      lacks(layer, "it has no film", "Drop one with alpha, or give a motion its look under Design");
+    return;
+  }
   const bool is_somewhere =
       std::any_of(layer.paint.begin(), layer.paint.end(), [](const Drawn& line) { return line.adds; });
   if (layer.matte != LayerMatte::kRest && !is_somewhere) lacks(layer, "it is nowhere", "Paint where it is");
@@ -54,6 +60,16 @@ void expect_drawn(const DrawnLayer& layer, const SceneFiles& files) {
   if (layer.motion == "tree") lacks(layer, "it has no armature", "Draw one from its root to its tip");
   if (layer.motion == "water") lacks(layer, "it has no horizon", "Draw a line on the horizon");
   if (layer.motion == "boat") lacks(layer, "it has no hull line", "Draw one along its waterline");
+}
+
+/// Where a film lies: over all of the picture's width, unless a line says otherwise.
+std::string film_keys(const DrawnLayer& layer, cv::Size size, const SceneFiles& files) {
+  cv::Point2f from(0, 0), to(static_cast<float>(size.width), 0);
+  if (!layer.lines.empty()) from = layer.lines.front().points.front(), to = layer.lines.front().points.back();
+  const std::string file = layer.clip.empty() ? files.design : files.clips + "/" + layer.clip;
+  return fmt::format("file = {}\nat = [{}, {}]\nwidth = {}\n", toml_text(file),
+                     cvRound(std::min(from.x, to.x)), cvRound(std::min(from.y, to.y)),
+                     std::max(1, cvRound(std::abs(to.x - from.x))));
 }
 
 /// What its motion has to say.
@@ -71,7 +87,8 @@ std::string motion_keys(const DrawnLayer& layer, const SceneFiles& files) {
 }
 
 bool has_lines(const DrawnLayer& layer) {
-  return !layer.lines.empty() && layer.motion != "still" && layer.motion != "clouds";
+  return !layer.lines.empty() && layer.motion != "still" && layer.motion != "clouds" &&
+         layer.motion != "film";
 }
 
 /// The lines that count.
@@ -112,8 +129,12 @@ std::vector<WayFile> layer_scene(const Layered& layered, cv::Size size, const Sc
   for (const DrawnLayer& layer : layered.layers) {
     expect_drawn(layer, files);
     const std::string file = fmt::format("layer-{}.png", ++place);
-    toml += fmt::format("[[layer]]\nname = {}\nmotion = \"{}\"\n", toml_text(layer.name), layer.motion);
-    if (layer.matte == LayerMatte::kRest) {
+    const bool is_film = layer.motion == "film";
+    toml += fmt::format("[[layer]]\nname = {}\nmotion = \"{}\"\n", toml_text(layer.name),
+                        is_film ? "footage" : layer.motion);
+    if (is_film) {
+      toml += film_keys(layer, size, files);
+    } else if (layer.matte == LayerMatte::kRest) {
       toml += "matte = \"rest\"\n";
     } else if (layer.matte == LayerMatte::kPainted) {
       toml += fmt::format("matte = \"{}\"\n", file);

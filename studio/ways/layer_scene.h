@@ -15,6 +15,8 @@ namespace freshet::studio {
 struct SceneFiles {
   std::string picture;  // "../../picture.png"
   std::string store;    // of layers of patches; empty: none
+  std::string design;   // what Design makes, with alpha; empty: it has no look
+  std::string clips;    // the folder of clips that were dropped
 };
 
 /// scene.toml, marks.svg where lines were drawn, and a grey matte or scribbles for each layer that has its own:

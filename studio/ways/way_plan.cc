@@ -16,6 +16,7 @@
 #include "studio/drawing/toml_text.h"
 #include "studio/ways/design_scene.h"
 #include "studio/ways/layer_scene.h"
+#include "studio/ways/sweep_recipe.h"
 
 namespace freshet::studio {
 namespace {
@@ -172,6 +173,22 @@ WayPlan plan_scene(const Layered& layered) {
           .shown = {"understood.png"}};
 }
 
+/// The animation under several settings, whose films lie beside each other.
+WayPlan plan_sweep(const Document& document) {
+  const std::vector<std::string> varied = sweep_words(document);
+  WayPlan plan{.folder = "sweep",
+               .commands = {{"synth", "sweep", "--config", "ways/sweep/sweep.toml"}},
+               .film = "",
+               .answer = "made.json",
+               .shown = {"sheet.png"},
+               .animates = true};
+  std::vector<std::string>& words = plan.commands[0];
+  words.insert(words.end(), varied.begin(), varied.end());
+  words.insert(words.end(), {"-o", "ways/sweep", "--json", "--overwrite"});
+  for (std::size_t i = 1; i <= swept(document.sweep); ++i) plan.shown.push_back(fmt::format("{:02}.mp4", i));
+  return plan;
+}
+
 }  // namespace
 
 WayPlan plan_way(const std::string& way, const Document& document) {
@@ -180,17 +197,22 @@ WayPlan plan_way(const std::string& way, const Document& document) {
   if (way == "flowlines") return plan_flowlines(document);
   if (way == "lines") return plan_lines(document);
   if (way == "scene") return plan_scene(document.layered);
+  if (way == "sweep") return plan_sweep(document);
   throw Error(ErrorKind::kNotFound, way, "there is no such way");
 }
 
 std::vector<WayFile> way_files(const std::string& way, const Document& document, const cv::Mat& picture,
-                               const std::string& picture_file) {
+                               const RecipeFiles& files) {
   if (way == "design") return design_files(document.design, picture);
   if (way == "stills") return {{"edits.toml", stills_edits(document.stills)}};
   if (way == "flowlines") return flowlines_files(document.endless);
   if (way == "scene")
     return layer_scene(document.layered, picture.size(),
-                       {.picture = "../../" + picture_file, .store = document.store});
+                       {.picture = "../../" + files.picture,
+                        .store = document.store,
+                        .design = document.design.look.empty() ? "" : "../design/fluid.mkv",
+                        .clips = "../flowlines/clips"});
+  if (way == "sweep") return {{"sweep.toml", sweep_toml(document, files)}};
   return {};
 }
 

@@ -7,6 +7,7 @@
 #include <opencv2/core.hpp>
 
 #include "studio/drawing/document.h"
+#include "studio/drawing/recipe.h"
 #include "studio/ways/way_file.h"
 
 namespace freshet::studio {
@@ -18,16 +19,18 @@ struct WayPlan {
   std::string film;         // MP4 that the last one leaves, from the project's folder; "": none
   std::string answer = {};  // file of the way's folder that takes what the last one prints, JSON
   std::vector<std::string> shown =
-      {};  // files of the way's folder that a page may look at: .png, .html, .svg
+      {};                 // files of the way's folder that a page may look at: .png, .html, .svg, .mp4
+  bool animates = false;  // it reads what a preview leaves: the matte, and pieces that were pinned
 };
 
-/// way       "design", "stills", "flowlines", "scene"; "lines", which finds a clip's flow lines for the last one.
+/// way       "design", "stills", "flowlines", "scene"; "lines", which finds a clip's flow lines; "sweep", which tries
+///           settings of the animation.
 /// Throws    Error{kNotFound} for no way's name; Error{kUsage} where what was drawn is too little, saying what is missing.
 WayPlan plan_way(const std::string& way, const Document& document);
 
 /// What is written into the folder before, and named by the commands.
-/// picture   CV_8UC3, the project's. picture_file   its name in the project's folder. Throws as plan_way.
+/// picture   CV_8UC3, the project's. files   what lies in the project's folder. Throws as plan_way.
 std::vector<WayFile> way_files(const std::string& way, const Document& document, const cv::Mat& picture,
-                               const std::string& picture_file);
+                               const RecipeFiles& files);
 
 }  // namespace freshet::studio

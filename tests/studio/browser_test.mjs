@@ -95,6 +95,30 @@ async function expectAccessible(page, where) {
   );
 }
 
+/** Tab goes through all that can be used, in the page's order and back, and what it stands on is seen. */
+async function expectKeyboard(page, where) {
+  const count = await page.evaluate(() => {
+    const usable = (each) => !each.disabled && each.tabIndex >= 0 && each.checkVisibility({ visibilityProperty: true });
+    globalThis.stops = [...globalThis.document.querySelectorAll("a[href], button, input, select, summary, textarea, [tabindex]")].filter(usable);
+    globalThis.stops[0].focus();
+    return globalThis.stops.length;
+  });
+  const at = () =>
+    page.evaluate(() => {
+      const each = globalThis.document.activeElement;
+      const shown = each.matches(".unseen") ? each.closest("label") : each;
+      return { stop: globalThis.stops.indexOf(each), seen: getComputedStyle(shown).outlineStyle !== "none", is: each.outerHTML.slice(0, 120) };
+    });
+  for (let stop = 1; stop < count; ++stop) {
+    await page.keyboard.press("Tab");
+    const now = await at();
+    assert.equal(now.stop, stop, `${where}: Tab came to ${now.is}`);
+    assert.ok(now.seen, `${where}: it is not seen that ${now.is} has the focus`);
+  }
+  await page.keyboard.press("Shift+Tab");
+  assert.equal((await at()).stop, count - 2, where);
+}
+
 /** The middle of the picture as it is shown, and its size on the screen. */
 async function shown(page) {
   return page.evaluate(() => {
@@ -164,6 +188,7 @@ test("a picture becomes an animation in nine clicks, and its export is the comma
   await others.nth(2).click({ timeout: 20000 });
   await page.getByRole("button", { name: "Let go" }).waitFor({ timeout: 30000 });
   await settled(page);
+  await page.getByRole("radio", { name: "How sure" }).click();
   await shot(page, "why-wide");
   assert.equal((await document("still")).pins.length, 1);
   await page.keyboard.press("Control+z");
@@ -327,6 +352,66 @@ test("a sequence of some frames is a folder", async () => {
   await page.context().close();
 });
 
+test("settings are tried side by side, in step, and one of them is taken", async () => {
+  const page = await open(`${url}#/still`);
+  await page.locator(".bar").waitFor();
+  const before = await document("still");
+  await page.keyboard.press("3");
+  await page.getByRole("combobox", { name: "What varies" }).selectOption({ label: "Speed" });
+  await page.getByRole("textbox", { name: "Times as fast" }).fill("0.5, 2, 99");
+  await page.getByRole("textbox", { name: "Times as fast" }).press("Enter");
+  await until(async () => (await document("still")).sweep.axes[0]?.values.join() === "0.5,2");
+  await page.getByRole("combobox", { name: "And" }).selectOption({ label: "Outline" });
+  await page.getByRole("button", { name: "Try them" }).click();
+  await page.getByRole("button", { name: "Look at 4" }).click();
+  const films = page.locator(".swept video");
+  await until(async () => (await films.count()) === 4);
+  const times = () => films.evaluateAll((all) => all.map((film) => film.currentTime));
+  await until(async () => (await times()).every((time) => time > 0.2));
+  await until(async () => {
+    const now = await times();
+    return Math.max(...now) - Math.min(...now) < 0.12;
+  });
+  await page.getByRole("slider", { name: "Time of all" }).fill("0.5");
+  await until(async () => {
+    const now = await times();
+    return now[0] > 0.5 && now.every((time) => Math.abs(time - now[0]) < 0.01);
+  });
+  await expectAccessible(page, "sweep");
+  await shot(page, "sweep-wide");
+  await page.getByRole("button", { name: "Take 2 × as fast, outline moves" }).click();
+  await until(async () => (await document("still")).speed === 2);
+  assert.ok((await document("still")).moving_outline);
+  const project = at("room/projects/still");
+  const film = readFileSync(join(project, "ways/sweep/04.mp4"));
+  const line = await page.locator(".command code", { hasText: "synth sweep" }).textContent();
+  const again = spawnSync("sh", ["-c", line.replace(/^freshet/, FRESHET)], { cwd: project, encoding: "utf8" });
+  assert.equal(again.status, 0, again.stderr);
+  assert.ok(film.equals(readFileSync(join(project, "ways/sweep/04.mp4"))));
+
+  // Its outline moves now: where it was and will be can be seen.
+  await settled(page);
+  const answer = page.waitForResponse(/reels\/\d+\/outlines/);
+  await page.getByRole("button", { name: "Outlines before and after" }).click();
+  const outlines = await (await answer).json();
+  assert.equal(outlines.length, (await document("still")).frames);
+  assert.ok(outlines.every((lines) => lines.length > 0 && lines.every((points) => points.length >= 6)));
+  await until(async () =>
+    page.evaluate(() => {
+      const over = globalThis.document.querySelectorAll(".stage canvas")[1];
+      return over.getContext("2d").getImageData(0, 0, over.width, over.height).data.some((each, i) => i % 4 === 3 && each > 0);
+    }),
+  );
+  await shot(page, "onion-wide");
+  while (JSON.stringify((await document("still")).sweep) !== JSON.stringify(before.sweep)) {
+    await page.keyboard.press("Control+z");
+    await page.waitForTimeout(200);
+  }
+  assert.equal((await document("still")).speed, before.speed);
+  assert.deepEqual(page.faults, []);
+  await page.context().close();
+});
+
 test("a motion is drawn, simulated and given a clip's look; the command lines make it again", async () => {
   const page = await open(`${url}#/still`);
   await page.locator(".bar").waitFor();
@@ -445,6 +530,16 @@ test("a clip's lines are found, one is moved, and it goes on without an end; the
   await page.getByRole("heading", { name: `Line ${first.id}` }).waitFor();
   await drag(page, [middle, [middle[0] + 9, middle[1]], [middle[0] + 12, middle[1]]]);
   await until(async () => Math.abs((await document("still")).endless.edited[0].points[0][0] - first.points[0][0]) > 8);
+  // It moves in time: where it lies half a second later is dragged too.
+  await page.getByRole("button", { name: "Moves in time…" }).click();
+  await until(async () => (await document("still")).endless.edited[0].later.length === 1);
+  await page.getByRole("slider", { name: "At" }).fill("0.6");
+  await until(async () => (await document("still")).endless.edited[0].later[0].time === 0.6);
+  const now = (await document("still")).endless.edited[0];
+  const lies = [0, 1].map((axis) => (now.points[0][axis] + now.points[1][axis]) / 2);
+  await drag(page, [lies, [lies[0] + 6, lies[1]], [lies[0] + 14, lies[1]]]);
+  await until(async () => Math.abs((await document("still")).endless.edited[0].later[0].points[0][0] - now.points[0][0]) > 8);
+  assert.deepEqual((await document("still")).endless.edited[0].points, now.points);
   await page.getByRole("slider", { name: "Length" }).press("Home");
   await until(async () => (await document("still")).endless.frames === 25);
   await page.getByRole("button", { name: "Make it" }).click();
@@ -510,16 +605,22 @@ test("layers of every kind are painted, one wind moves them, and the command lin
   await add("Boat", [200, 110, 250, 130], [[204, 128], [246, 128]]);
   await add("Tree or plant", [20, 40, 70, 150], [[45, 148], [45, 50]]);
   await add("Fluid of the store", [130, 70, 180, 180], [[155, 80], [155, 170]]);
+  await page.getByRole("combobox", { name: "Add a layer" }).selectOption({ label: "Film with alpha" });
+  await page.setInputFiles("input[aria-label=\"Choose a clip's file\"]", at("clips/fall/1.mkv"));
+  await until(async () => (await made())[0].clip === "1.mkv");
+  await drag(page, [[260, 20], [310, 60]]);
+  await until(async () => (await made())[0].lines.length === 1);
+  await page.getByRole("button", { name: "fluid Fluid of the store" }).click();
   await tool("Erase");
   await drag(page, [[135, 75], [135, 90]]);
-  await until(async () => (await made())[0].paint.length === 2);
+  await until(async () => (await made())[1].paint.length === 2);
   await page.keyboard.press("Control+z");
-  await until(async () => (await made())[0].paint.length === 1);
+  await until(async () => (await made())[1].paint.length === 1);
   await page.getByRole("textbox", { name: "Name" }).fill('the "fall"');
   await page.getByRole("textbox", { name: "Name" }).press("Enter");
-  await until(async () => (await made())[0].name === "the fall");
-  await page.getByRole("button", { name: "Further" }).click();
   await until(async () => (await made())[1].name === "the fall");
+  await page.getByRole("button", { name: "Further" }).click();
+  await until(async () => (await made())[2].name === "the fall");
   await page.getByLabel("Length").fill("0.4");
   await until(async () => (await document("still")).layered.frames === 10);
   await page.getByRole("button", { name: "Make it" }).click();
@@ -538,7 +639,7 @@ test("layers of every kind are painted, one wind moves them, and the command lin
   // What is missing is said.
   await page.getByRole("button", { name: "Clear lines" }).click();
   await page.getByRole("button", { name: "Clear paint" }).click();
-  await until(async () => (await made())[1].paint.length === 0);
+  await until(async () => (await made())[2].paint.length === 0);
   await page.getByRole("button", { name: "Make it" }).click();
   await page.getByText("Paint where it is").waitFor();
   assert.deepEqual(page.faults, []);
@@ -658,6 +759,7 @@ for (const [theme, size, width, height] of [
       await page.waitForTimeout(SHOTS ? 1500 : 100);
       await shot(page, `${name}-${theme}-${size}`);
       if (size !== "middle") await expectAccessible(page, name);
+      if (theme === "dark" && name !== "export") await expectKeyboard(page, name);
       const beyond = await page.evaluate(() => globalThis.document.documentElement.scrollWidth - globalThis.innerWidth);
       assert.ok(beyond <= 0, `${name} is ${beyond} px wider than the window`);
     };
@@ -669,6 +771,10 @@ for (const [theme, size, width, height] of [
     assert.equal(await page.evaluate(() => globalThis.broken), undefined);
     await page.goto(`${url}#/still`);
     await page.locator(".bar").waitFor();
+    // Without the pointer: a mode by its button, from where Tab comes to.
+    await page.getByRole("button", { name: "Look", exact: true }).focus();
+    await page.keyboard.press("Enter");
+    await page.getByRole("button", { name: "Look", pressed: true }).waitFor();
     for (const [key, name] of [["1", "fluid"], ["2", "flow"], ["3", "look"], ["4", "why"], ["5", "design"], ["6", "stills"], ["7", "endless"], ["8", "layers"]]) {
       await page.keyboard.press(key);
       await look(name);

@@ -192,6 +192,11 @@ TEST_F(Server, ClipsAreTakenShownAndMadeEndless) {
   EXPECT_EQ(running().json(ways + "lines")["film"], Json());
   EXPECT_EQ(status(running().get(ways + "lines/film")), 404);
   EXPECT_EQ(running().get(ways + "flowlines/film")->get_header_value("Content-Type"), "video/mp4");
+  // A browser seeks in it by asking for a part.
+  const std::string film = running().get(ways + "flowlines/film")->body;
+  const httplib::Result part = running().get(ways + "flowlines/film", {{"Range", "bytes=100-299"}});
+  EXPECT_EQ(status(part), 206);
+  EXPECT_EQ(part->body, film.substr(100, 200));
 }
 
 TEST_F(Server, ProjectsThatMakeRoomForOthersAreWholeMeanwhile) {
@@ -421,6 +426,39 @@ TEST_F(Server, AStoreGrowsByWhatIsSent) {
   ASSERT_EQ(found["clips"].size(), 1u) << found << running().json("api/jobs");
   EXPECT_EQ(found["clips"][0]["licence"], "ours; -o /x");
   EXPECT_EQ(status(running().get("api/stores/" + store + "/clips/0")), 200);
+}
+
+TEST_F(Server, WhatIsRefusedIsShownWithItsReasons) {
+  const std::string store =
+      Json::parse(running().send("POST", "api/stores", R"({"name": "refused"})")->body)["id"];
+  const std::string at = "api/stores/" + store;
+  const tools::WorkFolder folder;
+  ASSERT_EQ(
+      folder
+          .freshet({"synth", "simulate", "waterfall", "--size", "96x72", "--frames", "3", "-o", "short.mkv"})
+          .exit_code,
+      0);
+  ASSERT_EQ(status(running().send("POST", at + "/clips?class=fall&name=short.mkv",
+                                  tools::text_of(folder / "short.mkv"))),
+            200);
+  ASSERT_EQ(status(running().send("POST", at + "/clips?class=fall&name=broken.mkv", "no video")), 200);
+  const std::uint64_t before = running().studio().feed().last();
+  ASSERT_EQ(status(running().send("POST", at + "/ingest", R"({"licence": ""})")), 200);
+  running().studio().wait();
+  Json clips;
+  for (const Event& event : running().studio().feed().after(before, std::chrono::milliseconds(0)))
+    if (event.type == "ingested") clips = Json::parse(event.data)["report"]["clips"];
+  ASSERT_EQ(clips.size(), 2u) << running().json("api/jobs");
+  for (const Json& clip : clips) {
+    EXPECT_NE(clip["outcome"], "added") << clip;
+    EXPECT_FALSE(clip["reasons"].empty()) << clip;
+    const bool is_video = clip["name"] == "fall/short.mkv";
+    ASSERT_EQ(clip.contains("strip"), is_video) << clip;
+    if (!is_video) continue;
+    const auto number = clip["strip"].get<std::uint64_t>();
+    EXPECT_EQ(status(running().get(fmt::format("api/screened/{}", number))), 200);
+  }
+  EXPECT_EQ(status(running().get("api/screened/1")), 404);
 }
 
 TEST_F(Server, AJobIsStopped) {

@@ -43,6 +43,7 @@ export const address = {
   patch: (project: string, piece: number, candidate: number, version: number): string =>
     `${at(project)}/pieces/${piece}/${candidate}?v=${version}`,
   clip: (store: string, clip: number): string => `api/stores/${name(store)}/clips/${clip}`,
+  screened: (number: number): string => `api/screened/${number}`,
   exported: (project: string, file: string): string => `${at(project)}/exports/${name(file)}`,
   film: (project: string, way: string, number: string): string => `${at(project)}/ways/${way}/film?n=${number}`,
   wayFile: (project: string, way: string, file: string, number: string): string => `${at(project)}/ways/${way}/files/${name(file)}?n=${number}`,
@@ -56,6 +57,8 @@ export const jobs = (): Promise<Job[]> => get("api/jobs");
 export const project = (id: string): Promise<Project> => get(at(id));
 export const field = (id: string): Promise<Field | null> => get(`${at(id)}/field`);
 export const pieces = (id: string): Promise<Pieces> => get(`${at(id)}/pieces`);
+/** Of each frame that is there, closed lines of x0, y0, x1, y1, .. px of the reel. */
+export const outlines = (id: string, reel: number): Promise<number[][][]> => get(`${at(id)}/reels/${reel}/outlines`);
 export const candidates = (id: string, piece: number): Promise<Candidates> => get(`${at(id)}/pieces/${piece}`);
 export const credits = async (id: string): Promise<string> => (await ask(address.credits(id))).text();
 

@@ -1,7 +1,7 @@
 // The page: a way in, and the work area.
 import type { JSX } from "preact";
 import { useEffect, useLayoutEffect, useRef, useState } from "preact/hooks";
-import { ArrowLeft, Download, Maximize, Moon, Pause, Play, Redo2, Repeat, SlidersHorizontal, SplitSquareHorizontal, Sun, Undo2, ZoomIn, ZoomOut } from "lucide-preact";
+import { ArrowLeft, CircleDashed, Download, Maximize, Moon, Pause, Play, Redo2, Repeat, SlidersHorizontal, SplitSquareHorizontal, Sun, Undo2, ZoomIn, ZoomOut } from "lucide-preact";
 import { Canvas } from "./canvas";
 import { removeLine } from "./cliplines";
 import { Exporter } from "./exporter";
@@ -229,6 +229,9 @@ function Transport(): JSX.Element {
           ))}
         </select>
         <IconButton icon={Repeat} label="Play again and again" pressed={player.loop.value} onClick={() => (player.loop.value = !player.loop.value)} />
+        {state.doc.value?.moving_outline && (
+          <IconButton icon={CircleDashed} label="Outlines before and after" shortcut="O" pressed={view.onion.value} onClick={() => (view.onion.value = !view.onion.value)} />
+        )}
         <IconButton icon={SplitSquareHorizontal} label="Compare with the picture" shortcut="C" pressed={view.compare.value !== null} onClick={() => (view.compare.value = view.compare.value === null ? 0.5 : null)} />
       </div>
       {view.compare.value !== null && (
@@ -277,6 +280,7 @@ function useShortcuts(canvas: { current: Canvas | null }, exportNow: () => void)
       else if (key === "+" || key === "=") canvas.current?.zoomBy(1.4);
       else if (key === "-") canvas.current?.zoomBy(1 / 1.4);
       else if (key === "0") canvas.current?.fit();
+      else if (key === "o" && state.doc.value?.moving_outline) view.onion.value = !view.onion.value;
       else if (key === "c") view.compare.value = view.compare.value === null ? 0.5 : null;
       else if ((key === "arrowleft" || key === "arrowright") && !target.matches("input, button")) {
         state.player.playing.value = false;

@@ -7,8 +7,9 @@ import { Image as KonvaImage } from "konva/lib/shapes/Image";
 import { Line } from "konva/lib/shapes/Line";
 import { Rect } from "konva/lib/shapes/Rect";
 import { address } from "./api";
-import { addLine as addClipLine, changeLine, inputLines, shownLines } from "./cliplines";
+import { addLine as addClipLine, inputLines, moveLine, pointsAt, shownLines } from "./cliplines";
 import { addLayerLine, chosenLayer, layerShape, paintLayer } from "./layers";
+import { followOutlines, outlineLook, outlinesNow } from "./onion";
 import { flat, lengthOf, PenLine, rounded, type Run, widthOf } from "./pen";
 import * as state from "./state";
 import { Streaks } from "./streaks";
@@ -49,6 +50,7 @@ export class Canvas {
   private readonly divider = new Line({ points: [], stroke: "#fff", strokeWidth: 2, visible: false });
   private readonly tint = new KonvaImage({ image: undefined });
   private readonly held = new KonvaImage({ image: undefined });
+  private readonly onion = new Konva.Group({ listening: false });
   private readonly cursor = new Circle({ stroke: "#fff", visible: false, shadowColor: "#000" });
   private readonly overlay: HTMLCanvasElement;
   private readonly film = document.createElement("video"); // that another way has made, over the picture
@@ -78,7 +80,7 @@ export class Canvas {
     Object.assign(this.film, { className: "film", muted: true, loop: true, autoplay: true, playsInline: true, hidden: true });
     this.stage = new Konva.Stage({ container: holder, width: box.clientWidth || 10, height: box.clientHeight || 10 });
     this.below.add(this.picture, this.moving, this.detail, this.original, this.divider, this.ground);
-    this.over.add(this.tint, this.held);
+    this.over.add(this.tint, this.held, this.onion);
     this.cursorLayer.add(this.outline, this.cursor);
     this.stage.add(this.below, this.over, this.drawing, this.cursorLayer);
     this.drawing.getNativeCanvasElement().before(this.overlay, this.film); // below the lines that were drawn
@@ -155,6 +157,11 @@ export class Canvas {
         }
         this.below.batchDraw();
       }),
+      followOutlines(),
+      effect(() => {
+        void view.zoom.value;
+        this.redrawOnion();
+      }),
       effect(() => {
         const image = view.ground.value;
         this.ground.setAttrs({ image: image ?? undefined, width: image?.naturalWidth ?? 1, height: image?.naturalHeight ?? 1, visible: !!image });
@@ -217,6 +224,7 @@ export class Canvas {
         void view.zoom.value;
         void view.lineTool.value;
         void view.line.value;
+        void view.position.value;
         void view.foundLines.value;
         void view.layer.value;
         void view.drawn.value;
@@ -282,6 +290,18 @@ export class Canvas {
         this.held.setAttrs({ image: stands, width, height, visible: true });
       }
     }
+    this.over.batchDraw();
+  }
+
+  private redrawOnion(): void {
+    const around = view.ground.value ? [] : outlinesNow();
+    if (around.length === 0 && !this.onion.hasChildren()) return;
+    this.onion.destroyChildren();
+    const reel = state.player.reel.value?.news;
+    const size = reel ? this.size().width / reel.width : 1;
+    for (const { by, lines } of around)
+      for (const points of lines)
+        this.onion.add(new Line({ ...outlineLook(by), points: points.map((each) => (each + 0.5) * size), closed: true, strokeWidth: (by === 0 ? 2 : 1.4) / this.stage.scaleX() }));
     this.over.batchDraw();
   }
 
@@ -389,33 +409,50 @@ export class Canvas {
     if (view.lineTool.value === "edited")
       for (const { points } of inputLines())
         this.drawing.add(new Line({ points: flat(points), stroke: "#9fb4bd", strokeWidth: 1.2 / scale, dash: [5 / scale, 4 / scale], listening: false }));
-    shownLines().forEach((line, index) => this.addClipLine(line, index));
+    const lines = shownLines();
+    const chosen = view.line.value ?? -1;
+    lines.forEach((line, index) => index !== chosen && this.addClipLine(line, index));
+    // Above all others: it is the one that is dragged.
+    if (lines[chosen]) this.addClipLine(lines[chosen], chosen);
   }
 
   private addClipLine(line: ClipLine, index: number): void {
     const chosen = view.line.value === index;
     const scale = this.stage.scaleX();
-    const shape = { points: flat(line.points), pointerLength: 9 / scale, pointerWidth: 8 / scale, lineCap: "round" as const, lineJoin: "round" as const };
-    this.drawing.add(new Arrow({ ...shape, stroke: "#00171a", fill: "#00171a", strokeWidth: 5 / scale, opacity: 0.5, listening: false }));
+    const position = chosen ? Math.min(view.position.value, line.later.length) : 0;
+    const points = pointsAt(line, position);
+    const shape = { points: flat(points), pointerLength: 9 / scale, pointerWidth: 8 / scale, lineCap: "round" as const, lineJoin: "round" as const };
     const colour = chosen ? accent() : "#fff";
+    // Where it lies at other times.
+    for (let other = 0; other <= line.later.length; ++other)
+      if (other !== position)
+        this.drawing.add(new Arrow({ ...shape, points: flat(pointsAt(line, other)), stroke: colour, fill: colour, strokeWidth: 1.2 / scale, opacity: 0.55, listening: false }));
+    this.drawing.add(new Arrow({ ...shape, stroke: "#00171a", fill: "#00171a", strokeWidth: 5 / scale, opacity: 0.5, listening: false }));
     const arrow = new Arrow({ ...shape, stroke: colour, fill: colour, strokeWidth: 2.2 / scale, hitStrokeWidth: 14 / scale, draggable: chosen });
     arrow.on("pointerdown", (event) => {
       if (view.panning.value || event.evt.button !== 0) return;
       event.cancelBubble = true;
+      if (view.line.value !== index) view.position.value = 0;
       view.line.value = index;
     });
     arrow.on("dragend", () => {
       const [dx, dy] = [arrow.x(), arrow.y()];
-      changeLine(index, { points: line.points.map(([x, y]): Point => [rounded(x + dx), rounded(y + dy)]) });
+      moveLine(index, points.map(([x, y]): Point => [rounded(x + dx), rounded(y + dy)]));
     });
     this.drawing.add(arrow);
-    if (chosen) this.addHandles(line.points, (points) => changeLine(index, { points }));
+    if (chosen) this.addHandles(points, (moved) => moveLine(index, moved));
   }
 
   private addLayer(layer: DrawnLayer, index: number): void {
     const { width, height } = this.size();
     const chosen = view.layer.value === index;
     const scale = this.stage.scaleX();
+    const [place] = layer.lines;
+    if (layer.motion === "film") {
+      const [[left, top], [right, bottom]] = place ? [place.points[0] as Point, place.points[place.points.length - 1] as Point] : [[0, 0], [width, height]];
+      this.drawing.add(new Rect({ x: Math.min(left, right), y: Math.min(top, bottom), width: Math.abs(right - left), height: Math.abs(bottom - top), stroke: view.clipColour(index), strokeWidth: (chosen ? 2.4 : 1.2) / scale, dash: [6 / scale, 4 / scale], listening: false }));
+      return;
+    }
     if (layer.matte === "scribbled" && chosen) this.addScribbles(layer.paint);
     else if (layer.matte !== "rest") this.drawing.add(new KonvaImage({ image: layerShape(layer.paint, view.clipColour(index), width, height), width, height, opacity: chosen ? 0.5 : 0.22, listening: false }));
     for (const { points } of layer.lines)
@@ -427,15 +464,18 @@ export class Canvas {
     const found = state.pieces.value;
     if (!found) return;
     const map = view.pieceMap.value;
+    const margins = found.pieces.map((piece) => piece[5] ?? Infinity).sort((a, b) => a - b);
+    // How sure it is means little as a number: where it stands among all pieces is shown.
+    const place = (margin: number | null): number => margins.findIndex((each) => each >= (margin ?? Infinity)) / Math.max(1, margins.length - 1);
     if (map !== "none")
-      for (const [x, y, clip, score] of found.pieces)
+      for (const [x, y, clip, score, , margin] of found.pieces)
         this.drawing.add(
           new Rect({
             x: x + found.side / 4,
             y: y + found.side / 4,
             width: found.side / 2,
             height: found.side / 2,
-            fill: map === "clip" ? view.clipColour(clip) : `hsl(${Math.min(150, score * 360)} 65% 50%)`,
+            fill: map === "clip" ? view.clipColour(clip) : `hsl(${map === "score" ? Math.min(150, score * 360) : 150 * place(margin)} 65% 50%)`,
             opacity: 0.55,
             listening: false,
           }),

@@ -12,7 +12,7 @@ export function linesOf(svg: string): ClipLine[] {
   return [...page.querySelectorAll("path[id]")].flatMap((path): ClipLine[] => {
     const numbers = (path.getAttribute("d") ?? "").match(/-?\d+(\.\d+)?/g)?.map(Number) ?? [];
     const points = numbers.flatMap((x, i): Point[] => (i % 2 === 0 && i + 1 < numbers.length ? [[x, numbers[i + 1] as number]] : []));
-    return points.length > 1 ? [{ id: path.id, points: simplified(points, 0.3), speeds: [] }] : [];
+    return points.length > 1 ? [{ id: path.id, points: simplified(points, 0.3), speeds: [], later: [] }] : [];
   });
 }
 
@@ -63,6 +63,48 @@ export function changeLine(index: number, part: Partial<ClipLine>, key = ""): vo
   takeLines(shownLines().map((line, i) => (i === index ? { ...line, ...part } : line)), key);
 }
 
+/** Where a line lies at one of its positions; 0 is the first. */
+export const pointsAt = (line: ClipLine, position: number): Point[] => line.later[position - 1]?.points ?? line.points;
+
+/** Moves the chosen position of a line. */
+export function moveLine(index: number, points: Point[]): void {
+  const line = shownLines()[index];
+  const position = view.position.value;
+  if (!line?.later[position - 1]) return changeLine(index, { points });
+  changeLine(index, { later: line.later.map((each, i) => (i === position - 1 ? { ...each, points } : each)) });
+}
+
+const kBetween = 1; // s between a new position and the last
+
+/** One more position, after the last, where the line lies then. */
+export function addPosition(index: number): void {
+  const line = shownLines()[index];
+  if (!line) return;
+  const last = line.later[line.later.length - 1];
+  changeLine(index, { later: [...line.later, { time: (last?.time ?? 0) + kBetween, points: pointsAt(line, line.later.length) }] });
+  view.position.value = line.later.length + 1;
+}
+
+/** The chosen position happens at another time, between those beside it. */
+export function timePosition(index: number, seconds: number): void {
+  const line = shownLines()[index];
+  const at = view.position.value - 1;
+  if (!line?.later[at]) return;
+  const apart = 0.04;
+  const from = (line.later[at - 1]?.time ?? 0) + apart;
+  const to = (line.later[at + 1]?.time ?? 1000 + apart) - apart;
+  const time = Number(Math.max(from, Math.min(to, seconds)).toFixed(2));
+  changeLine(index, { later: line.later.map((each, i) => (i === at ? { ...each, time } : each)) }, "line-time");
+}
+
+export function removePosition(index: number): void {
+  const line = shownLines()[index];
+  const at = view.position.value - 1;
+  if (!line?.later[at]) return;
+  view.position.value -= 1;
+  changeLine(index, { later: line.later.filter((_, i) => i !== at) });
+}
+
 /** The edited line shows another input line's texture. */
 export function pairLine(index: number, input: string): void {
   const others = editedLines().filter((_, i) => i !== index);
@@ -75,14 +117,15 @@ export function addLine(points: Point[]): void {
   if (view.lineTool.value === "lines") {
     let number = lines.length + 1;
     while (lines.some(({ id }) => id === `m${number}`)) ++number;
-    takeLines([...lines, { id: `m${number}`, points, speeds: [] }]);
+    takeLines([...lines, { id: `m${number}`, points, speeds: [], later: [] }]);
   } else {
     const chosen = view.line.value === null ? undefined : lines[view.line.value];
     const input = chosen ? inputOf(chosen.id, inputLines()) : nearest(points);
     if (!input) return;
-    takeLines([...lines, { id: freshId(input, lines), points, speeds: [] }]);
+    takeLines([...lines, { id: freshId(input, lines), points, speeds: [], later: [] }]);
   }
   view.line.value = lines.length;
+  view.position.value = 0;
 }
 
 function nearest(points: Point[]): string | undefined {

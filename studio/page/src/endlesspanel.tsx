@@ -1,11 +1,12 @@
 // A clip that goes on without an end: its flow lines, and where they shall lie instead.
 import type { JSX } from "preact";
-import { useEffect, useState } from "preact/hooks";
-import { Film, Trash2 } from "lucide-preact";
+import { useEffect } from "preact/hooks";
+import { Trash2 } from "lucide-preact";
 import * as api from "./api";
 import { stageWords } from "./app";
-import { changeLine, inputLines, inputOf, linesOf, pairLine, removeLine, shownLines } from "./cliplines";
+import { addPosition, changeLine, inputLines, inputOf, linesOf, pairLine, removeLine, removePosition, shownLines, timePosition } from "./cliplines";
 import { FilmSection, useWay, wayJob } from "./filmsection";
+import { DropClip, useOwnClips } from "./ownclips";
 import { Choice, CommandLine, IconButton, Running, Section, Slider, Switch } from "./parts";
 import * as state from "./state";
 import type { ClipLine, Document, Endless, Ground, Way } from "./types";
@@ -87,25 +88,10 @@ function useFoundLines(found: Way | null): void {
 }
 
 function ClipSection({ endless }: { endless: Endless }): JSX.Element {
-  const id = state.project.value?.id ?? "";
-  const [own, setOwn] = useState<string[]>([]);
-  const [sent, setSent] = useState("");
-  useEffect(() => {
-    api.clips(id).then(setOwn, () => setOwn([]));
-  }, [id, endless.clip]);
+  const own = useOwnClips(endless.clip);
   const choose = (clip: string, dropped: boolean): void => {
     view.foundLines.value = [];
     state.edit({ endless: { ...endless, clip, dropped, lines: [], edited: [] } });
-  };
-  const take = async (file: File | undefined): Promise<void> => {
-    if (!file) return;
-    setSent(`Sending ${file.name}`);
-    try {
-      choose(await api.sendOwnClip(id, file), true);
-    } catch (fault) {
-      state.toast.value = (fault as Error).message;
-    }
-    setSent("");
   };
   const clips = state.store.value?.clips ?? [];
   const value = endless.clip ? `${endless.dropped ? "own" : "store"}:${endless.clip}` : "";
@@ -133,11 +119,7 @@ function ClipSection({ endless }: { endless: Endless }): JSX.Element {
           ))}
         </select>
       </label>
-      <label class="drop small" onDragOver={(event) => event.preventDefault()} onDrop={(event) => { event.preventDefault(); void take(event.dataTransfer?.files[0]); }}>
-        <Film size={20} strokeWidth={1.5} aria-hidden />
-        <strong>{sent || "Drop a clip, or choose a file"}</strong>
-        <input type="file" class="unseen" aria-label="Choose a clip's file" accept="video/*,.mkv" onChange={(event) => void take(event.currentTarget.files?.[0])} />
-      </label>
+      <DropClip taken={(clip) => choose(clip, true)} />
     </Section>
   );
 }
@@ -243,6 +225,37 @@ function EditedLine({ line, index }: { line: ClipLine; index: number }): JSX.Ele
       <Slider label={changes ? "Pace where it begins" : "Pace"} value={first} min={0.25} max={4} logarithmic shown={times(first)} onInput={(speed) => (changes ? say(speed, last) : say(speed))} />
       {changes && <Slider label="Pace where it ends" value={last} min={0.25} max={4} logarithmic shown={times(last)} onInput={(speed) => say(first, speed)} />}
       <Switch label="Another pace at its end" checked={changes} onChange={(yes) => (yes ? say(first, last) : say(first))} />
+      <Positions line={line} index={index} />
+    </>
+  );
+}
+
+/** A line that moves: where it lies at which time. */
+function Positions({ line, index }: { line: ClipLine; index: number }): JSX.Element {
+  const chosen = Math.min(view.position.value, line.later.length);
+  const now = line.later[chosen - 1];
+  return (
+    <>
+      <div class="row wraps" role="group" aria-label="Positions in time">
+        {line.later.length > 0 &&
+          [0, ...line.later.map(({ time }) => time)].map((time, i) => (
+            <button key={i} type="button" class="small" aria-pressed={i === chosen} onClick={() => (view.position.value = i)}>
+              {time.toFixed(2)} s
+            </button>
+          ))}
+        <button type="button" class="small quiet" onClick={() => addPosition(index)}>
+          {line.later.length > 0 ? "Another" : "Moves in time…"}
+        </button>
+      </div>
+      {line.later.length > 0 && <p class="hint">Drag the line to where it lies at that time. In a loop it goes back to the first.</p>}
+      {now && (
+        <>
+          <Slider label="At" value={now.time} min={0.04} max={20} step={0.04} shown={`${now.time.toFixed(2)} s`} onInput={(time) => timePosition(index, time)} />
+          <button type="button" class="quiet" onClick={() => removePosition(index)}>
+            Take this position away
+          </button>
+        </>
+      )}
     </>
   );
 }

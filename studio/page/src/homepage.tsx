@@ -199,12 +199,13 @@ function OutcomeDialog(): JSX.Element {
       <ul class="outcome">
         {clips.map((clip) => (
           <li key={clip.name}>
+            {clip.strip ? <Strip source={api.address.screened(clip.strip)} aspect={clip.width / clip.height} label={`${clip.name}, playing`} /> : <span />}
             <span class={clip.outcome === "added" ? "" : "refused"}>
               {clip.name}: {clip.outcome}
+              {[...clip.reasons, ...clip.notes].map((reason) => (
+                <small key={reason}>{reason}</small>
+              ))}
             </span>
-            {[...clip.reasons, ...clip.notes].map((reason) => (
-              <small key={reason}>{reason}</small>
-            ))}
           </li>
         ))}
       </ul>

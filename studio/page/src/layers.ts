@@ -4,7 +4,7 @@ import * as state from "./state";
 import type { Drawn, DrawnLayer, Layered, LayerMotion, Point } from "./types";
 import * as view from "./view";
 
-const kUsualNames: Record<LayerMotion, string> = { still: "still", tree: "tree", water: "water", boat: "boat", clouds: "clouds", patches: "fluid" };
+const kUsualNames: Record<LayerMotion, string> = { still: "still", tree: "tree", water: "water", boat: "boat", clouds: "clouds", patches: "fluid", film: "film" };
 
 /** What a line is, of the motions that have one. */
 export const lineWords: Partial<Record<LayerMotion, string>> = {
@@ -12,6 +12,7 @@ export const lineWords: Partial<Record<LayerMotion, string>> = {
   water: "Draw a line on the horizon, where the water's plane ends.",
   boat: "Draw a line along the hull, at the water.",
   patches: "Draw lines along the flow.",
+  film: "Draw from its upper left corner to its lower right one: it is as wide as that.",
 };
 
 const layered = (): Layered | undefined => state.doc.value?.layered;
@@ -33,10 +34,10 @@ export function addLayer(motion: LayerMotion): void {
   const usual = kUsualNames[motion];
   let name = usual;
   for (let number = 2; layers.some((layer) => layer.name === name); ++number) name = `${usual} ${number}`;
-  const made: DrawnLayer = { name, motion, matte: "painted", paint: [], lines: [], plant: "tree", shimmer: 0, waves: 0, mirrors: false, roll: 1, drift: 0, class: "" };
+  const made: DrawnLayer = { name, motion, matte: "painted", paint: [], lines: [], plant: "tree", shimmer: 0, waves: 0, mirrors: false, roll: 1, drift: 0, class: "", clip: "" };
   changeScene({ layers: [made, ...layers] });
   view.layer.value = 0;
-  view.layerTool.value = "paint";
+  view.layerTool.value = motion === "film" ? "line" : "paint";
 }
 
 export function removeLayer(): void {

@@ -4,6 +4,7 @@ import { ArrowDown, ArrowUp, Brush, Eraser, Shapes, Spline, Trash2 } from "lucid
 import * as api from "./api";
 import { FilmSection, useWay } from "./filmsection";
 import { addLayer, changeLayer, changeScene, chosenLayer, lineWords, moveLayer, removeLayer } from "./layers";
+import { DropClip, useOwnClips } from "./ownclips";
 import { Choice, IconButton, Section, Slider, Switch } from "./parts";
 import * as state from "./state";
 import type { Document, DrawnLayer, Layered, LayerMatte, LayerMotion } from "./types";
@@ -16,6 +17,7 @@ const kMotions: readonly (readonly [LayerMotion, string])[] = [
   ["boat", "Boat"],
   ["clouds", "Clouds"],
   ["patches", "Fluid of the store"],
+  ["film", "Film with alpha"],
   ["still", "Stands still"],
 ];
 const kMattes: readonly (readonly [LayerMatte, string])[] = [["painted", "Painted"], ["scribbled", "Scribbled"], ["rest", "The rest"]];
@@ -92,7 +94,8 @@ function ListSection({ layers }: { layers: DrawnLayer[] }): JSX.Element {
 function LayerSection({ layer }: { layer: DrawnLayer }): JSX.Element {
   const tool = view.layerTool.value;
   const words = lineWords[layer.motion];
-  const tools = kTools.filter(([id]) => id === "line" ? !!words : layer.matte !== "rest");
+  const film = layer.motion === "film"; // it brings its own pixels, and has no matte
+  const tools = kTools.filter(([id]) => id === "line" ? !!words : !film && layer.matte !== "rest");
   const hints: Record<view.LayerTool, string> = {
     paint: layer.matte === "scribbled" ? "Scribble on the layer; the rest of it is found when it is made." : "Paint where the layer is.",
     erase: layer.matte === "scribbled" ? "Scribble beside the layer." : "Take away where the layer is not.",
@@ -111,7 +114,7 @@ function LayerSection({ layer }: { layer: DrawnLayer }): JSX.Element {
       }
     >
       <LayerName layer={layer} />
-      <Choice label="Where the layer is" value={layer.matte} options={kMattes} onChange={(matte) => changeLayer({ matte })} />
+      {!film && <Choice label="Where the layer is" value={layer.matte} options={kMattes} onChange={(matte) => changeLayer({ matte })} />}
       {tools.length > 0 && (
         <div class="tools four" role="group" aria-label="Drawing tools">
           {tools.map(([id, label, Icon]) => (
@@ -123,17 +126,19 @@ function LayerSection({ layer }: { layer: DrawnLayer }): JSX.Element {
         </div>
       )}
       {tools.some(([id]) => id === tool) && <p class="hint">{hints[tool]}</p>}
-      {(tool === "paint" || tool === "erase") && layer.matte !== "rest" && (
+      {(tool === "paint" || tool === "erase") && !film && layer.matte !== "rest" && (
         <Slider label="Brush" value={view.brush.value} min={2} max={400} logarithmic shown={`${Math.round(view.brush.value)} px`} onInput={(value) => (view.brush.value = value)} />
       )}
       <MotionOptions layer={layer} />
       <div class="row">
-        <button type="button" class="quiet" disabled={layer.paint.length === 0} onClick={() => changeLayer({ paint: [] })}>
-          Clear paint
-        </button>
+        {!film && (
+          <button type="button" class="quiet" disabled={layer.paint.length === 0} onClick={() => changeLayer({ paint: [] })}>
+            Clear paint
+          </button>
+        )}
         {words && (
           <button type="button" class="quiet" disabled={layer.lines.length === 0} onClick={() => changeLayer({ lines: [] })}>
-            Clear lines
+            {film ? "As wide as the picture" : "Clear lines"}
           </button>
         )}
       </div>
@@ -151,7 +156,7 @@ function LayerName({ layer }: { layer: DrawnLayer }): JSX.Element {
   return (
     <label class="field">
       <span>Name</span>
-      <input key={layer.name} value={layer.name} onChange={(event) => rename(event.currentTarget.value)} />
+      <input key={layer.name} defaultValue={layer.name} onChange={(event) => rename(event.currentTarget.value)} />
     </label>
   );
 }
@@ -198,9 +203,32 @@ function MotionOptions({ layer }: { layer: DrawnLayer }): JSX.Element | null {
           </select>
         </label>
       );
+    case "film":
+      return <FilmChoice layer={layer} />;
     case "still":
       return null;
   }
+}
+
+function FilmChoice({ layer }: { layer: DrawnLayer }): JSX.Element {
+  const own = useOwnClips(layer.clip);
+  const look = state.doc.value?.design.look ?? "";
+  return (
+    <>
+      <label class="field">
+        <span>Film</span>
+        <select value={layer.clip} onChange={(event) => changeLayer({ clip: event.currentTarget.value })}>
+          <option value="">{look ? "What Design has made" : "Choose one"}</option>
+          {own.map((name) => (
+            <option key={name} value={name}>
+              {name}
+            </option>
+          ))}
+        </select>
+      </label>
+      <DropClip taken={(clip) => changeLayer({ clip })} />
+    </>
+  );
 }
 
 function WindSection({ layered }: { layered: Layered }): JSX.Element {

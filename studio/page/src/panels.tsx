@@ -10,6 +10,7 @@ import { LayersPanel } from "./layerspanel";
 import { lengthOf } from "./pen";
 import { StillsPanel } from "./stillspanel";
 import * as state from "./state";
+import { SweepSection } from "./sweepsection";
 import type { Candidate, Candidates, Document, Edge, MatteBase } from "./types";
 import * as view from "./view";
 
@@ -333,6 +334,7 @@ function LookPanel({ document }: { document: Document }): JSX.Element {
       <Section title="Outline">
         <Switch label="Moves with the fluid" hint="For fire and smoke" checked={document.moving_outline} onChange={(moving_outline) => state.edit({ moving_outline })} />
       </Section>
+      <SweepSection document={document} />
     </>
   );
 }
@@ -368,9 +370,11 @@ function WhyPanel({ document }: { document: Document }): JSX.Element {
         <Choice
           label="Map over the picture"
           value={view.pieceMap.value}
-          options={[["none", "No map"], ["clip", "By clip"], ["score", "By likeness"]] as const}
+          options={[["none", "None"], ["clip", "Clip"], ["score", "Likeness"], ["sure", "How sure"]] as const}
           onChange={(map) => (view.pieceMap.value = map)}
         />
+        {view.pieceMap.value === "sure" && <p class="hint">Red: another patch would do there about as well. Green: nothing else fits.</p>}
+        {view.pieceMap.value === "score" && <p class="hint">Red: the patch looks little like the picture there. Green: much.</p>}
         <ul class="shares">
           {found.clips
             .map((clip, i) => ({ ...clip, i }))

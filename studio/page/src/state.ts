@@ -6,7 +6,7 @@ import { Player } from "./player";
 import type { Document, Field, Home, Job, MatteNews, Pieces, Project, ReelNews } from "./types";
 
 export interface IngestReport {
-  clips: { name: string; outcome: string; reasons: string[]; notes: string[] }[];
+  clips: { name: string; outcome: string; reasons: string[]; notes: string[]; width: number; height: number; strip?: number }[];
 }
 export type Mode = "fluid" | "flow" | "look" | "why" | "design" | "stills" | "endless" | "layers";
 

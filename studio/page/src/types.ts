@@ -56,9 +56,33 @@ export interface Document {
   stills: Stills;
   endless: Endless;
   layered: Layered;
+  sweep: Sweep;
 }
 
-export type LayerMotion = "still" | "tree" | "water" | "boat" | "clouds" | "patches";
+export type SweepSetting = "speed" | "class" | "outline" | "lines";
+export interface SweepAxis {
+  setting: SweepSetting;
+  values: string[];
+}
+
+/** Settings that are tried beside each other. */
+export interface Sweep {
+  axes: SweepAxis[];
+  full: boolean;
+}
+
+/** One film of them; its settings are options of the command line. */
+export interface SweptAnimation {
+  settings: Record<string, string>;
+  result: string;
+  video: string;
+  assignment: string;
+}
+export interface FoundSweep {
+  animations: SweptAnimation[];
+}
+
+export type LayerMotion = "still" | "tree" | "water" | "boat" | "clouds" | "patches" | "film";
 export type LayerMatte = "painted" | "scribbled" | "rest";
 
 /** Of what its motion does not have, the values do not matter. */
@@ -75,6 +99,7 @@ export interface DrawnLayer {
   roll: number;
   drift: number;
   class: string;
+  clip: string; // of a film, that was dropped; empty: what Design has made
 }
 
 /** A picture in layers that one wind moves, nearest first. */
@@ -87,11 +112,18 @@ export interface Layered {
   layers: DrawnLayer[];
 }
 
+/** Where a line that moves lies later, s. */
+export interface LinePosition {
+  time: number;
+  points: Point[];
+}
+
 /** A line that particles of a clip ride, px of its frames. */
 export interface ClipLine {
   id: string;
   points: Point[];
   speeds: number[]; // times as fast, at even distances along it; none: 1
+  later: LinePosition[]; // of an edited line that moves, by time
 }
 
 /** A clip that is to go on without an end. */
@@ -235,8 +267,8 @@ export interface Field {
   v: number[];
 }
 
-/** x, y, clip, score, pinned */
-export type Piece = [number, number, number, number, boolean];
+/** x, y, clip, score, pinned, by how much the next best patch there is worse (null: there is none) */
+export type Piece = [number, number, number, number, boolean, number | null];
 
 export interface Pieces {
   side: number;

@@ -18,6 +18,7 @@ export const layer = signal(0); // of the picture's layers, that is drawn on
 export type LineTool = "edited" | "lines";
 export const lineTool = signal<LineTool>("edited");
 export const line = signal<number | null>(null); // of those that the tool changes
+export const position = signal(0); // of the chosen line's, that is changed; 0: the first
 export const foundLines = signal<ClipLine[]>([]); // in the clip that is chosen
 /** What lies on the canvas in place of the picture. */
 export const ground = signal<HTMLImageElement | null>(null);
@@ -26,9 +27,11 @@ export const film = signal<string | null>(null); // address of the film that pla
 export const corners = signal(0); // of the area that is being clicked together
 export const selected = signal<number | null>(null); // a stroke
 export const fastByLength = signal(false);
-export const pieceMap = signal<"none" | "clip" | "score">("none");
+export const pieceMap = signal<"none" | "clip" | "score" | "sure">("none");
 export const piece = signal<number | null>(null);
 export const compare = signal<number | null>(null); // 0..1 of the picture's width that shows the original; null: none
+/** Outlines of the frames before and after the one that is shown. */
+export const onion = signal(false);
 export const zoom = signal(1);
 export const panning = signal(false); // the space bar is held
 

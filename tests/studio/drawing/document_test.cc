@@ -48,7 +48,10 @@ Document full() {
                       .dropped = true,
                       .lines = {{.id = "l1", .points = {{1, 2}, {1, 40}}, .speeds = {}}},
                       .edited = {{.id = "l1", .points = {{1, 2}, {9, 40}}, .speeds = {}},
-                                 {.id = "l1-2", .points = {{5, 2}, {9, 40}}, .speeds = {0.5f, 2}}},
+                                 {.id = "l1-2",
+                                  .points = {{5, 2}, {9, 40}},
+                                  .speeds = {0.5f, 2},
+                                  .later = {{.time = 1.5, .points = {{7, 2}, {9, 30}}}}}},
                       .join = 12.5,
                       .stretched = true,
                       .ground = "black",
@@ -73,7 +76,11 @@ Document full() {
                   .roll = 3,
                   .drift = -4,
                   .class_name = "fall"},
+                 {.name = "fire", .motion = "film", .clip = "fire 1.mkv"},
                  {.name = "land", .matte = LayerMatte::kRest}}};
+  document.sweep = {.axes = {{.setting = "speed", .values = {"0.5", "2"}},
+                             {.setting = "class", .values = {"", "a, \\ b", "fall"}}},
+                    .full = true};
   return document;
 }
 
@@ -100,6 +107,7 @@ TEST(Document, WithoutOtherWaysIsAnOlderOne) {
   older.erase("stills");
   older.erase("endless");
   older.erase("layered");
+  older.erase("sweep");
   Document expected = full();
   expected.tempo.clear();
   expected.directions.clear();
@@ -107,6 +115,7 @@ TEST(Document, WithoutOtherWaysIsAnOlderOne) {
   expected.stills = {};
   expected.endless = {};
   expected.layered = {};
+  expected.sweep = {};
   EXPECT_EQ(document_from_json(older.dump(), "document"), expected);
 }
 
@@ -167,11 +176,37 @@ TEST(Document, RefusesWhatItDoesNotKnow) {
                                     {"matte", Json("guess")},
                                     {"plant", Json("cactus")},
                                     {"shimmer", Json(99)},
+                                    {"clip", Json("../a.mkv")},
                                     {"x", Json(1)}}) {
     Json layered = good["layered"];
     layered["layers"][0][name] = value;
     expect_refused(with("layered", layered), name);
   }
+  const auto axis = [](const char* setting, const Json& values) {
+    return Json{{{"setting", setting}, {"values", values}}};
+  };
+  for (const auto& [word, axes] :
+       {std::pair{"setting", axis("colour", {"red"})},
+        {"values", axis("speed", {"0"})},
+        {"values", axis("speed", {"1; rm"})},
+        {"values", axis("outline", {"gone"})},
+        {"values", axis("class", {"a\nb"})},
+        {"twice", axis("lines", {"with", "with"})},
+        {"16",
+         {{{"setting", "speed"}, {"values", {"1", "2", "3", "4", "5", "6", "7", "8", "9"}}},
+          {{"setting", "lines"}, {"values", {"with", "without"}}}}},
+        {"another axis",
+         {{{"setting", "speed"}, {"values", {"1"}}}, {{"setting", "speed"}, {"values", {"2"}}}}}})
+    expect_refused(with("sweep", {{"axes", axes}, {"full", false}}), word);
+  Json moving = good["endless"];
+  moving["edited"][1]["later"][0]["time"] = 0;
+  expect_refused(with("endless", moving), "time");
+  moving = good["endless"];
+  moving["edited"][1]["later"].push_back(moving["edited"][1]["later"][0]);
+  expect_refused(with("endless", moving), "time");
+  moving = good["endless"];
+  moving["lines"][0]["later"] = moving["edited"][1]["later"];
+  expect_refused(with("endless", moving), "moves");
   Json namesakes = good["layered"];
   namesakes["layers"][1]["name"] = "an oak";
   expect_refused(with("layered", namesakes), "another layer");

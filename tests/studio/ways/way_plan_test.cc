@@ -9,6 +9,7 @@
 
 #include "freshet/error.h"
 #include "studio/ways/layer_scene.h"
+#include "studio/ways/sweep_recipe.h"
 #include "tests/tools/sample.h"
 
 namespace freshet::studio {
@@ -27,10 +28,20 @@ Document designed() {
 
 const cv::Mat kPicture(151, 193, CV_8UC3, cv::Scalar(40, 60, 80));
 
-void write_files(const tools::WorkFolder& folder, const std::string& way, const Document& document) {
+/// Of a project that is all fluid.
+const RecipeFiles kFiles{.picture = "picture.png",
+                         .matte = {},
+                         .held = {},
+                         .whole = true,
+                         .strokes = "strokes.svg",
+                         .tempo = {},
+                         .assignment = {}};
+
+void write_files(const tools::WorkFolder& folder, const std::string& way, const Document& document,
+                 const RecipeFiles& files = kFiles) {
   const std::string at = "ways/" + plan_way(way, document).folder + "/";
   std::filesystem::create_directories(folder / at);
-  for (const WayFile& file : way_files(way, document, kPicture, "picture.png"))
+  for (const WayFile& file : way_files(way, document, kPicture, files))
     folder.file(at + file.name, file.bytes);
 }
 
@@ -55,7 +66,7 @@ TEST(WayPlan, ALookIsASecondCommandOverThePicture) {
   const WayPlan plan = plan_way("design", document);
   ASSERT_EQ(plan.commands.size(), 2u);
   EXPECT_EQ(plan.commands[1][1], "transfer");
-  EXPECT_EQ(way_files("design", document, kPicture, "picture.png").back().name, "behind.png");
+  EXPECT_EQ(way_files("design", document, kPicture, kFiles).back().name, "behind.png");
   document.store.clear();
   EXPECT_THROW(plan_way("design", document), Error);
 }
@@ -89,9 +100,10 @@ TEST(WayPlan, WhatIsSaidOfStillsIsHeededByTheCommandLine) {
 }
 
 /// Runs a way's only command in a project's folder.
-nlohmann::json run_in(const tools::WorkFolder& folder, const std::string& way, const Document& document) {
+nlohmann::json run_in(const tools::WorkFolder& folder, const std::string& way, const Document& document,
+                      const RecipeFiles& files = kFiles) {
   const WayPlan plan = plan_way(way, document);
-  write_files(folder, way, document);
+  write_files(folder, way, document, files);
   const tools::Outcome outcome = folder.freshet(plan.commands.at(0));
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
   for (const std::string& shown : plan.shown)
@@ -114,6 +126,9 @@ TEST(WayPlan, AClipGoesOnAlongLinesThatWereMoved) {
   EXPECT_EQ(run_in(folder, "flowlines", document)["lines"], 2);
   EXPECT_NE(tools::text_of(folder / "ways/flowlines/edited.svg").find("data-speed=\"0.5 1\""),
             std::string::npos);
+  document.endless.edited[0].later = {{.time = 0.4, .points = {{30, 10}, {20, 130}}},
+                                      {.time = 0.72, .points = {{50, 10}, {60, 130}}}};
+  EXPECT_EQ(run_in(folder, "flowlines", document)["lines"], 2) << "one of which moves";
 }
 
 TEST(WayPlan, AClipIsTheStoresOrTheProjects) {
@@ -205,10 +220,79 @@ TEST(WayPlan, ALayerOfPatchesTakesAStoreOfAnyName) {
   EXPECT_EQ(run_in(folder, "scene", document)["layers"], 2) << "and the rest";
 }
 
+TEST(WayPlan, AFilmIsALayerWhereItWasPlaced) {
+  const tools::WorkFolder folder;
+  write_picture(folder);
+  std::filesystem::create_directories(folder / "ways/flowlines/clips");
+  const tools::Outcome white = folder.freshet({"synth", "simulate", "fire", "--size", "96x72", "--frames",
+                                               "4", "-o", "ways/flowlines/clips/a fire.mkv"});
+  ASSERT_EQ(white.exit_code, 0) << white.err;
+  Document document;
+  document.layered.frames = 4;
+  document.layered.layers = {{.name = "fire",
+                              .motion = "film",
+                              .lines = {{.points = {{150, 20}, {60, 90}}, .speed = {}}},
+                              .clip = "a fire.mkv"}};
+  EXPECT_EQ(run_in(folder, "scene", document)["layers"], 2) << "and the rest";
+  const std::string toml = tools::text_of(folder / "ways/scene/scene.toml");
+  EXPECT_NE(toml.find("at = [60, 20]\nwidth = 90\n"), std::string::npos) << toml;
+  document.layered.layers[0].clip.clear();
+  EXPECT_THROW(way_files("scene", document, kPicture, kFiles), Error) << "Design has made none";
+  document.design.look = "fire/1.mp4";
+  EXPECT_NE(way_files("scene", document, kPicture, kFiles).back().bytes.find("../design/fluid.mkv"),
+            std::string::npos);
+}
+
+TEST(WayPlan, SettingsAreTriedBesideEachOther) {
+  const tools::WorkFolder folder;
+  write_picture(folder);
+  Document document;
+  document.store = tools::sample().store;
+  document.class_name = "fall";
+  document.frames = 5;
+  document.strokes = {{.points = {{90, 20}, {90, 120}}, .speed = {}}};
+  folder.file("strokes.svg", strokes_svg(document, kPicture.size()));
+  document.sweep.axes = {{.setting = "speed", .values = {"0.5", "2"}},
+                         {.setting = "lines", .values = {"with", "without"}}};
+  const nlohmann::json found = run_in(folder, "sweep", document).at("animations");
+  ASSERT_EQ(found.size(), 4u);
+  EXPECT_EQ(found[3].at("settings"), (nlohmann::json{{"speed", "2"}, {"strokes", "-"}}));
+  document.sweep.axes = {{.setting = "outline", .values = {"still", "moving"}},
+                         {.setting = "class", .values = {"", "fall"}}};
+  cv::Mat matte = cv::Mat::zeros(kPicture.size(), CV_8U);
+  cv::rectangle(matte, {40, 30}, {150, 130}, 255, cv::FILLED);
+  ASSERT_TRUE(cv::imwrite(folder / "matte.png", matte));
+  RecipeFiles files = kFiles;
+  files.whole = false;
+  files.matte = "matte.png";
+  EXPECT_EQ(run_in(folder, "sweep", document, files).at("animations").size(), 4u);
+  document.sweep.axes = {{.setting = "speed", .values = {"2"}}};
+  EXPECT_THROW(plan_way("sweep", document), Error);
+  document.sweep.axes = {{.setting = "lines", .values = {"with", "without"}}};
+  document.strokes.clear();
+  EXPECT_THROW(plan_way("sweep", document), Error);
+}
+
+TEST(WayPlan, ASweepKeepsPinnedPiecesWhereNoOthersAreChosen) {
+  Document document;
+  document.frames = 500;
+  RecipeFiles files = kFiles;
+  files.assignment = "assignment.json";
+  document.sweep.axes = {{.setting = "speed", .values = {"1", "2"}}};
+  EXPECT_NE(sweep_toml(document, files).find("assignment.json"), std::string::npos);
+  EXPECT_NE(sweep_toml(document, files).find("frames = 48\n"), std::string::npos);
+  document.sweep.full = true;
+  EXPECT_NE(sweep_toml(document, files).find("frames = 500\n"), std::string::npos);
+  document.sweep.axes = {{.setting = "class", .values = {"a", "b, c"}}};
+  EXPECT_EQ(sweep_toml(document, files).find("assignment"), std::string::npos);
+  EXPECT_EQ(sweep_words(document), std::vector<std::string>{"--vary=class=a,b\\, c"});
+}
+
 TEST(WayPlan, ALayerSaysWhatItLacks) {
   const auto fault_of = [](const Layered& layered, const std::string& store = {}) {
     try {
-      layer_scene(layered, kPicture.size(), {.picture = "../../picture.png", .store = store});
+      layer_scene(layered, kPicture.size(),
+                  {.picture = "../../picture.png", .store = store, .design = {}, .clips = {}});
     } catch (const Error& fault) {
       EXPECT_EQ(fault.kind(), ErrorKind::kUsage);
       return std::string(fault.what());
@@ -235,7 +319,7 @@ TEST(WayPlan, NamesOfStillsAreQuoted) {
   Document document;
   const std::string odd = "a \"b\" \\ c.png";
   document.stills.paths = {{.region = odd, .names = {odd, "d.png"}, .refused = true}};
-  const std::string toml = way_files("stills", document, kPicture, "picture.png").at(0).bytes;
+  const std::string toml = way_files("stills", document, kPicture, kFiles).at(0).bytes;
   EXPECT_NE(toml.find("name = \"a \\\"b\\\" \\\\ c.png\""), std::string::npos) << toml;
   EXPECT_NE(toml.find("refuse = [[\"a \\\"b\\\" \\\\ c.png\", \"d.png\"]]"), std::string::npos) << toml;
 }
