@@ -514,6 +514,8 @@ void Studio::add_strips(const fs::path& clips, Json& report) {
   if (report.is_object() && report.contains("clips"))
     for (Json& clip : report["clips"]) {
       if (strips.size() >= kMostStrips) break;
+      // What ingest could not decode, in a process of its own, is not tried in this one.
+      if (clip.value("frames", 0) < 1) continue;
       try {
         const fs::path video = clips / clip.at("name").get<std::string>();
         const std::uint64_t number = next_number();

@@ -28,7 +28,8 @@ export function SweepSection({ document }: { document: Document }): JSX.Element 
   const job = wayJob(id, kWay);
   const runs = job?.state === "running" || job?.state === "waiting";
   const count = sweep.axes.reduce((product, { values }) => product * values.length, sweep.axes.length === 0 ? 0 : 1);
-  const found = way?.found as FoundSweep | null | undefined;
+  // Of an earlier try with more films, those that are no longer looked after are left out.
+  const found = (way?.found as FoundSweep | null | undefined)?.animations.filter(({ video }) => way?.shown.includes(video)) ?? [];
   const start = async (): Promise<void> => {
     setFault("");
     try {
@@ -47,9 +48,9 @@ export function SweepSection({ document }: { document: Document }): JSX.Element 
       {count > kMost && <p class="problem">At most {kMost} films.</p>}
       {sweep.axes.length > 0 && (
         <div class="row">
-          {found && way?.made && (
+          {found.length > 0 && (
             <button type="button" class="quiet" onClick={() => setShown(true)}>
-              Look at {found.animations.length}
+              Look at {found.length}
             </button>
           )}
           <span class="spread" />
@@ -67,8 +68,8 @@ export function SweepSection({ document }: { document: Document }): JSX.Element 
       {runs && job && <Running job={job} label="Trying settings" words={stageWords(job.stage)} />}
       {(fault || job?.state === "failed") && <p class="problem">{fault || job?.fault}</p>}
       {sweep.axes.length > 0 && way?.commands.map((line) => <CommandLine key={line} text={line} />)}
-      <Dialog title="Side by side" open={shown && !!found} onClose={() => setShown(false)} wide>
-        {found && way?.made && <Grid id={id} found={found} number={way.made} done={() => setShown(false)} />}
+      <Dialog title="Side by side" open={shown && found.length > 0} onClose={() => setShown(false)} wide>
+        {way?.made && <Grid id={id} swept={found} number={way.made} done={() => setShown(false)} />}
       </Dialog>
     </Section>
   );
@@ -176,7 +177,7 @@ function take(settings: Record<string, string>): void {
   });
 }
 
-function Grid(props: { id: string; found: FoundSweep; number: string; done: () => void }): JSX.Element {
+function Grid(props: { id: string; swept: SweptAnimation[]; number: string; done: () => void }): JSX.Element {
   const box = useRef<HTMLDivElement>(null);
   const [plays, setPlays] = useState(!window.matchMedia("(prefers-reduced-motion: reduce)").matches);
   const [at, setAt] = useState(0); // 0..1
@@ -208,7 +209,6 @@ function Grid(props: { id: string; found: FoundSweep; number: string; done: () =
     for (const film of films()) if (film.duration > 0) film.currentTime = to * film.duration * 0.999;
     setAt(to);
   };
-  const swept = props.found.animations;
   return (
     <>
       <div class="row">
@@ -216,7 +216,7 @@ function Grid(props: { id: string; found: FoundSweep; number: string; done: () =
         <input type="range" class="scrub" aria-label="Time of all" min={0} max={1} step="any" value={at} style={{ "--fill": `${100 * at}%` }} onInput={(event) => seek(event.currentTarget.valueAsNumber)} />
       </div>
       <div class="swept" ref={box}>
-        {swept.map((animation) => (
+        {props.swept.map((animation) => (
           <Swept key={animation.assignment} animation={animation} source={api.address.wayFile(props.id, kWay, animation.video, props.number)} done={props.done} />
         ))}
       </div>
