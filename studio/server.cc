@@ -304,6 +304,8 @@ void Server::Impl::get_project(const Words& words, const httplib::Request& reque
         response,
         studio.clip_frame(id, request.get_param_value("clip"), request.get_param_value("own") == "1"),
         "image/jpeg");
+  if (what == "layers" && words.size() == 6 && words[5] == "matte")  // layers/NUMBER/matte
+    return answer(response, studio.layer_matte_png(id, number(words[4])), "image/png");
   if (what == "stills" && words.size() == 4) return answer(response, studio.stills_json(id));
   if (what == "stills" && words.size() == 5)
     return answer(response, studio.still_thumbnail(id, words[4]), "image/jpeg");

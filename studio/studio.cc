@@ -364,6 +364,20 @@ fs::path Studio::way_file(const std::string& project, const std::string& way, co
   return easel(project)->project().way_path(plan.folder, name);
 }
 
+std::string Studio::layer_matte_png(const std::string& project, std::uint64_t layer) {
+  constexpr int kLongest = 1024;  // px
+  const std::shared_ptr<Easel> easel = this->easel(project);
+  const Document drawn = easel->project().state().document;
+  if (layer >= drawn.layered.layers.size())
+    throw Error(ErrorKind::kNotFound, "layer", "there is no such layer");
+  Document scribbles;
+  scribbles.scribbles = drawn.layered.layers[layer].paint;
+  const std::optional<DrawnMatte> matte =
+      draw_matte(scribbles, easel->project().picture()->bgr, {}, {}, Care::kDraft);
+  if (!matte) throw Error(ErrorKind::kNotFound, "layer", "nothing is scribbled on it");
+  return easel->matte_png(matte->alpha, kLongest);
+}
+
 std::string Studio::stills_json(const std::string& project) {
   return text(still_names(easel(project)->project().folder()));
 }

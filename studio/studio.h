@@ -85,6 +85,9 @@ class Studio {
   /// Where a file lies that the way shows (WayPlan::shown). Throws Error{kNotFound}.
   std::filesystem::path way_file(const std::string& project, const std::string& way, const std::string& name);
 
+  /// PNG, white, with the matte that a layer's scribbles mean as its alpha, for the eye: a draft. Throws Error{kNotFound}.
+  std::string layer_matte_png(const std::string& project, std::uint64_t layer);
+
   /// The stills of the project's scene (still_folder.h).
   std::string stills_json(const std::string& project);
   std::string still_thumbnail(const std::string& project, const std::string& name);

@@ -616,6 +616,13 @@ test("layers of every kind are painted, one wind moves them, and the command lin
   await until(async () => (await made())[1].paint.length === 2);
   await page.keyboard.press("Control+z");
   await until(async () => (await made())[1].paint.length === 1);
+  // Scribbled, it is found while one draws.
+  const found = page.waitForResponse(/layers\/1\/matte/);
+  await page.getByRole("radio", { name: "Scribbled" }).click();
+  assert.equal((await found).status(), 200);
+  await shot(page, "layers-scribbled");
+  await page.keyboard.press("Control+z");
+  await until(async () => (await made())[1].matte === "painted");
   await page.getByRole("textbox", { name: "Name" }).fill('the "fall"');
   await page.getByRole("textbox", { name: "Name" }).press("Enter");
   await until(async () => (await made())[1].name === "the fall");

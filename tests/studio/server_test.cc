@@ -10,6 +10,7 @@
 #include <netinet/in.h>
 #include <sys/socket.h>
 #include <unistd.h>
+#include <opencv2/imgcodecs.hpp>
 
 #include "tests/studio/running_studio.h"
 #include "tests/tools/sample.h"
@@ -410,6 +411,42 @@ TEST_F(Server, WhatCanBeUndoneIsKept) {
   EXPECT_EQ(status(running().send("PUT", rest, std::string(50'000, '['))), 400);
   EXPECT_EQ(status(running().send("PUT", rest, '"' + std::string(5u << 20, 'x') + '"')), 400);
   EXPECT_EQ(running().get(rest)->body, steps);
+}
+
+TEST_F(Server, ALayersScribblesAreAMatteAtOnce) {
+  const std::string id = running().open_still("scribbled.png");
+  const std::string at = "api/projects/" + id + "/layers/";
+  Json layered = running().json("api/projects/" + id)["document"]["layered"];
+  const auto scribble = [](double x, bool adds) {
+    return Json{{"points", {{x, 30}, {x, 110}}}, {"width", 8}, {"adds", adds}, {"area", false}};
+  };
+  layered["layers"] = Json::array(
+      {{{"name", "fall"},
+        {"motion", "patches"},
+        {"matte", "scribbled"},
+        {"paint", {scribble(90, true), scribble(8, false)}}},
+       {{"name", "rest"}, {"motion", "still"}, {"matte", "scribbled"}, {"paint", {scribble(8, false)}}}});
+  for (Json& layer : layered["layers"])
+    layer.update({{"lines", Json::array()},
+                  {"plant", "tree"},
+                  {"shimmer", 0},
+                  {"waves", 0},
+                  {"mirrors", false},
+                  {"roll", 1},
+                  {"drift", 0},
+                  {"class", ""},
+                  {"clip", ""}});
+  running().draw(id, {{"layered", layered}});
+  const httplib::Result found = running().get(at + "0/matte");
+  ASSERT_EQ(status(found), 200) << found->body;
+  const std::vector<std::uint8_t> bytes(found->body.begin(), found->body.end());
+  const cv::Mat matte = cv::imdecode(bytes, cv::IMREAD_UNCHANGED);
+  ASSERT_EQ(matte.type(), CV_8UC4);
+  EXPECT_GT(matte.at<cv::Vec4b>(70, 90)[3], 200) << "on the scribble";
+  EXPECT_LT(matte.at<cv::Vec4b>(70, 8)[3], 50) << "beside it";
+  EXPECT_EQ(status(running().get(at + "1/matte")), 404) << "nothing is scribbled on it";
+  EXPECT_EQ(status(running().get(at + "2/matte")), 404);
+  EXPECT_EQ(status(running().get(at + "x/matte")), 404);
 }
 
 TEST_F(Server, AStoreGrowsByWhatIsSent) {

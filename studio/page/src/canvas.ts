@@ -8,7 +8,7 @@ import { Line } from "konva/lib/shapes/Line";
 import { Rect } from "konva/lib/shapes/Rect";
 import { address } from "./api";
 import { addLine as addClipLine, inputLines, moveLine, pointsAt, shownLines } from "./cliplines";
-import { addLayerLine, chosenLayer, layerShape, paintLayer } from "./layers";
+import { addLayerLine, chosenLayer, foundShape, layerShape, paintLayer } from "./layers";
 import { followOutlines, outlineLook, outlinesNow } from "./onion";
 import { flat, lengthOf, PenLine, rounded, type Run, widthOf } from "./pen";
 import * as state from "./state";
@@ -227,6 +227,7 @@ export class Canvas {
         void view.position.value;
         void view.foundLines.value;
         void view.layer.value;
+        void view.foundLayers.value;
         void view.drawn.value;
         void view.film.value;
         this.redrawDrawing();
@@ -453,8 +454,10 @@ export class Canvas {
       this.drawing.add(new Rect({ x: Math.min(left, right), y: Math.min(top, bottom), width: Math.abs(right - left), height: Math.abs(bottom - top), stroke: view.clipColour(index), strokeWidth: (chosen ? 2.4 : 1.2) / scale, dash: [6 / scale, 4 / scale], listening: false }));
       return;
     }
+    const found = layer.matte === "scribbled" ? foundShape(layer.paint, view.clipColour(index)) : null;
+    if (found) this.drawing.add(new KonvaImage({ image: found, width, height, opacity: chosen ? 0.5 : 0.22, listening: false }));
     if (layer.matte === "scribbled" && chosen) this.addScribbles(layer.paint);
-    else if (layer.matte !== "rest") this.drawing.add(new KonvaImage({ image: layerShape(layer.paint, view.clipColour(index), width, height), width, height, opacity: chosen ? 0.5 : 0.22, listening: false }));
+    else if (!found && layer.matte !== "rest") this.drawing.add(new KonvaImage({ image: layerShape(layer.paint, view.clipColour(index), width, height), width, height, opacity: chosen ? 0.5 : 0.22, listening: false }));
     for (const { points } of layer.lines)
       for (const [colour, across] of [["#00171a", 5.5], [chosen ? "#fff" : view.clipColour(index), 2.4]] as const)
         this.drawing.add(new Arrow({ points: flat(points), stroke: colour, fill: colour, strokeWidth: across / scale, pointerLength: 9 / scale, pointerWidth: 8 / scale, lineCap: "round", listening: false }));

@@ -1,4 +1,5 @@
 // The layers of a picture as they are changed.
+import { address } from "./api";
 import { rounded } from "./pen";
 import * as state from "./state";
 import type { Drawn, DrawnLayer, Layered, LayerMotion, Point } from "./types";
@@ -69,6 +70,43 @@ export function addLayerLine(points: Point[]): void {
   const line = { points: layer.motion === "patches" ? points : ends, speed: null };
   const others = layer.motion === "tree" || layer.motion === "patches" ? layer.lines : [];
   changeLayer({ lines: [...others, line] });
+}
+
+const kFound = new WeakMap<Drawn[], HTMLImageElement>();
+let asked = 0;
+
+/** Asks for the matte that the chosen layer's scribbles mean; the server has them by now. */
+export function findLayer(project: string): void {
+  const layer = chosenLayer();
+  if (layer?.matte !== "scribbled" || !layer.paint.some(({ adds }) => adds) || kFound.has(layer.paint)) return;
+  const image = new Image();
+  image.onload = () => {
+    kFound.set(layer.paint, image);
+    view.foundLayers.value += 1;
+  };
+  image.src = address.layerMatte(project, view.layer.value, ++asked); // what cannot be found is said when it is made
+}
+
+const kTinted = new WeakMap<HTMLImageElement, { colour: string; canvas: HTMLCanvasElement }>();
+
+/** Where a layer is that was found from scribbles, in one colour; null: it is not known yet. */
+export function foundShape(paint: Drawn[], colour: string): HTMLCanvasElement | null {
+  const image = kFound.get(paint);
+  if (!image) return null;
+  const known = kTinted.get(image);
+  if (known?.colour === colour) return known.canvas;
+  const canvas = document.createElement("canvas");
+  canvas.width = image.naturalWidth;
+  canvas.height = image.naturalHeight;
+  const context = canvas.getContext("2d");
+  if (context) {
+    context.drawImage(image, 0, 0);
+    context.globalCompositeOperation = "source-in";
+    context.fillStyle = colour;
+    context.fillRect(0, 0, canvas.width, canvas.height);
+  }
+  kTinted.set(image, { colour, canvas });
+  return canvas;
 }
 
 const kLongest = 1024; // px of a matte as it is shown

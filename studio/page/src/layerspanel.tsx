@@ -1,9 +1,10 @@
 // A picture in layers that one wind moves: where each is, what it is, and what is drawn for it.
 import type { JSX } from "preact";
+import { useEffect } from "preact/hooks";
 import { ArrowDown, ArrowUp, Brush, Eraser, Shapes, Spline, Trash2 } from "lucide-preact";
 import * as api from "./api";
 import { FilmSection, useWay } from "./filmsection";
-import { addLayer, changeLayer, changeScene, chosenLayer, lineWords, moveLayer, removeLayer } from "./layers";
+import { addLayer, changeLayer, changeScene, chosenLayer, findLayer, lineWords, moveLayer, removeLayer } from "./layers";
 import { DropClip, useOwnClips } from "./ownclips";
 import { Choice, IconButton, Section, Slider, Switch } from "./parts";
 import * as state from "./state";
@@ -33,6 +34,10 @@ export function LayersPanel({ document }: { document: Document }): JSX.Element {
   const way = useWay(kWay, layered);
   const id = state.project.value?.id ?? "";
   const layer = chosenLayer();
+  const saved = state.saving.value === "saved";
+  useEffect(() => {
+    if (saved) findLayer(id);
+  }, [id, saved, layer?.paint, layer?.matte]);
   return (
     <>
       <ListSection layers={layered.layers} />
@@ -97,7 +102,7 @@ function LayerSection({ layer }: { layer: DrawnLayer }): JSX.Element {
   const film = layer.motion === "film"; // it brings its own pixels, and has no matte
   const tools = kTools.filter(([id]) => id === "line" ? !!words : !film && layer.matte !== "rest");
   const hints: Record<view.LayerTool, string> = {
-    paint: layer.matte === "scribbled" ? "Scribble on the layer; the rest of it is found when it is made." : "Paint where the layer is.",
+    paint: layer.matte === "scribbled" ? "Scribble on the layer; the rest of it is found." : "Paint where the layer is.",
     erase: layer.matte === "scribbled" ? "Scribble beside the layer." : "Take away where the layer is not.",
     area: "Draw around the layer, or click its corners and then the first one again.",
     line: words ?? "",

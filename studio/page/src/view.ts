@@ -15,6 +15,7 @@ export const designTool = signal<DesignTool>("source");
 export type LayerTool = "paint" | "erase" | "area" | "line";
 export const layerTool = signal<LayerTool>("paint");
 export const layer = signal(0); // of the picture's layers, that is drawn on
+export const foundLayers = signal(0); // counts the layers' mattes that were found from scribbles
 export type LineTool = "edited" | "lines";
 export const lineTool = signal<LineTool>("edited");
 export const line = signal<number | null>(null); // of those that the tool changes
