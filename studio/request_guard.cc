@@ -12,7 +12,7 @@ namespace freshet::studio {
 namespace {
 
 constexpr std::size_t kTextBytes = 16u << 20, kPictureBytes = std::size_t{512} << 20,
-                      kClipBytes = std::size_t{2} << 30;
+                      kClipBytes = std::size_t{2} << 30, kStoreBytes = std::size_t{4} << 30;
 
 /// Takes as long for a wrong token as for the right one.
 bool same_text(std::string_view a, std::string_view b) {
@@ -72,6 +72,7 @@ std::string_view RequestGuard::rest(std::string_view path) {
 std::size_t largest_body(std::string_view method, std::string_view rest) {
   if (method != "POST" && method != "PUT") return 0;
   if (rest == "api/projects" || rest.ends_with("/matte") || rest.ends_with("/stills")) return kPictureBytes;
+  if (rest == "api/stores/file") return kStoreBytes;
   if (rest == "api/clips" || rest.ends_with("/clips")) return kClipBytes;
   return kTextBytes;
 }

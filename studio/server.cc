@@ -186,7 +186,7 @@ Server::Impl::Impl(Studio& made, const ServerOptions& options)
   // A connection that stays open keeps a thread, and what is left of a body that was refused would be its next request.
   server.set_keep_alive_max_count(1);
   server.set_read_timeout(30);
-  server.set_payload_max_length(largest_body("POST", "api/stores/x/clips"));
+  server.set_payload_max_length(largest_body("POST", "api/stores/file"));
   server.set_tcp_nodelay(true);
   server.set_default_headers({{"Content-Security-Policy", kPolicy},
                               {"X-Content-Type-Options", "nosniff"},
@@ -423,6 +423,12 @@ void Server::Impl::change(const httplib::Request& request, httplib::Response& re
     read_file(request, reader, incoming.path);
     return answer(response,
                   Json{{"id", studio.open_clip(incoming.path, request.get_param_value("name"))}}.dump());
+  }
+  if (posts && rest == "api/stores/file") {
+    const Incoming incoming{studio.incoming_file()};
+    read_file(request, reader, incoming.path);
+    return answer(response,
+                  Json{{"id", studio.open_store(incoming.path, request.get_param_value("name"))}}.dump());
   }
   if (posts && rest == "api/stores")
     return answer(response,

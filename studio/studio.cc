@@ -477,6 +477,31 @@ std::shared_ptr<OpenedStore> Studio::store(const std::string& id) const {
   return found->second;
 }
 
+std::string Studio::open_store(const fs::path& file, const std::string& name) {
+  std::error_code fault;
+  try {
+    store::Store::open_read(file).snapshot();
+  } catch (const Error& error) {
+    fs::remove(file.string() + "-lock", fault);
+    throw Error(ErrorKind::kInput, name, std::string("it is no store that can be opened: ") + error.what());
+  }
+  fs::remove(file.string() + "-lock", fault);
+  const std::string stem = tame(fs::path(name).stem(), 60);
+  for (int number = 1; number < 1000; ++number) {
+    const fs::path path = options_.folder / "stores" /
+                          (number == 1 ? stem + ".freshet" : fmt::format("{}-{}.freshet", stem, number));
+    if (fs::exists(fs::symlink_status(path))) {
+      if (fs::is_symlink(fs::symlink_status(path)) || !same_bytes(path, file)) continue;
+    } else {
+      fs::rename(file, path);
+    }
+    const std::lock_guard lock(guard_);
+    auto store = std::make_shared<OpenedStore>(path);
+    return stores_.emplace(store->id(), store).first->second->id();
+  }
+  throw Error(ErrorKind::kUsage, name, "there are very many stores of this name", "Give it another name");
+}
+
 std::string Studio::new_store(const std::string& name) {
   const fs::path path = options_.folder / "stores" / (tame(name, 60) + ".freshet");
   const std::lock_guard lock(guard_);

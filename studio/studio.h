@@ -106,6 +106,9 @@ class Studio {
   std::string open_clip(const std::filesystem::path& file, const std::string& name);
 
   std::shared_ptr<OpenedStore> store(const std::string& id) const;
+  /// A store's file, taken into the studio's folder; one of the same bytes and name is there once. file   moved.
+  /// Returns its id. Throws Error{kInput} for what is none.
+  std::string open_store(const std::filesystem::path& file, const std::string& name);
   /// A new, empty one in the studio's folder. Returns its id.
   std::string new_store(const std::string& name);
   /// Where a clip for a store is to be put before ingest. Throws Error{kUsage} for a name that is no video's.

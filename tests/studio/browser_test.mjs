@@ -240,6 +240,40 @@ test("nothing is lost by a reload, nor by the end of the server", async () => {
   await page.context().close();
 });
 
+test("a project's folder and a store are dropped, and are here", async () => {
+  const page = await open(url);
+  await page.getByText("Drop a picture").waitFor();
+  const copy = at("copied fall");
+  mkdirSync(copy);
+  for (const name of ["picture.png", "document.json"]) copyFileSync(at("room/projects/still", name), join(copy, name));
+  await page.setInputFiles("input[aria-label=\"Open a project's folder\"]", copy);
+  await page.locator(".bar").waitFor();
+  const id = decodeURIComponent(new URL(page.url()).hash.slice(2));
+  assert.equal(id, "copied-fall");
+  const [here, there] = [await document(id), await document("still")];
+  assert.deepEqual(here, there);
+  // A second time it is opened, not written over.
+  await page.keyboard.press("2");
+  await drag(page, [[100, 50], [100, 150]]);
+  await until(async () => (await document(id)).strokes.length === here.strokes.length + 1);
+  await page.getByRole("button", { name: "All projects" }).click();
+  await page.setInputFiles("input[aria-label=\"Open a project's folder\"]", copy);
+  await page.getByText("is here already").waitFor();
+  assert.equal((await document(id)).strokes.length, here.strokes.length + 1);
+  await page.getByRole("button", { name: "All projects" }).click();
+  await page.getByText("Drop a picture").waitFor();
+
+  copyFileSync(at("demo.freshet"), at("given.freshet"));
+  await page.setInputFiles("input[aria-label='Choose a picture']", at("given.freshet"));
+  await page.getByRole("heading", { name: "given" }).waitFor();
+  writeFileSync(at("none.freshet"), "no store");
+  await page.setInputFiles("input[aria-label='Choose a picture']", at("none.freshet"));
+  await page.getByText("it is no store that can be opened").waitFor();
+  assert.deepEqual(page.faults, []);
+  await page.context().close();
+  await api(`projects/${id}`, { method: "DELETE" });
+});
+
 test("steps back live over a reload", async () => {
   const page = await open(`${url}#/still`);
   await page.locator(".bar").waitFor();
@@ -774,7 +808,7 @@ for (const [theme, size, width, height] of [
     await page.locator(".strip").first().waitFor();
     await look("home");
     // A name that is a page's source is text.
-    assert.ok((await page.locator(".cards.clips").textContent()).includes("<img src=x"));
+    assert.ok((await page.locator(".cards.clips").first().textContent()).includes("<img src=x"));
     assert.equal(await page.evaluate(() => globalThis.broken), undefined);
     await page.goto(`${url}#/still`);
     await page.locator(".bar").waitFor();

@@ -465,6 +465,25 @@ TEST_F(Server, AStoreGrowsByWhatIsSent) {
   EXPECT_EQ(status(running().get("api/stores/" + store + "/clips/0")), 200);
 }
 
+TEST_F(Server, AStoreIsTakenOver) {
+  const std::string bytes = tools::text_of(tools::sample().store);
+  const auto given = [&](const std::string& name, const std::string& body) {
+    return running().send("POST", "api/stores/file?name=" + name, body);
+  };
+  const httplib::Result taken = given("..%2F..%2Fmine.freshet", bytes);
+  ASSERT_EQ(status(taken), 200) << taken->body;
+  const std::string id = Json::parse(taken->body)["id"];
+  EXPECT_EQ(running().json("api/stores/" + id)["clips"].size(),
+            store::Store::open_read(tools::sample().store).snapshot().clips().size());
+  EXPECT_TRUE(fs::exists(running().room() / "stores/mine.freshet"));
+  EXPECT_EQ(Json::parse(given("mine.freshet", bytes)->body)["id"], id) << "it is there once";
+  EXPECT_EQ(status(given("none.freshet", "no store")), 400);
+  EXPECT_EQ(status(given("cut.freshet", bytes.substr(0, bytes.size() / 2))), 400);
+  EXPECT_FALSE(fs::exists(running().room() / "stores/none.freshet"));
+  for (const fs::directory_entry& entry : fs::directory_iterator(running().room() / "incoming"))
+    EXPECT_TRUE(entry.is_directory()) << entry.path();
+}
+
 TEST_F(Server, WhatIsRefusedIsShownWithItsReasons) {
   const std::string store =
       Json::parse(running().send("POST", "api/stores", R"({"name": "refused"})")->body)["id"];

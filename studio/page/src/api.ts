@@ -68,6 +68,10 @@ export async function openPicture(file: File): Promise<string> {
   return ((await answer.json()) as { id: string }).id;
 }
 
+export async function openStore(file: File): Promise<void> {
+  await ask(`api/stores/file?name=${name(file.name)}`, { method: "POST", body: file });
+}
+
 /** A project that begins with a clip. */
 export async function openClip(file: File): Promise<string> {
   const answer = await ask(`api/clips?name=${name(file.name)}`, { method: "POST", body: file });

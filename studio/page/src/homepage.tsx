@@ -4,6 +4,7 @@ import { useState } from "preact/hooks";
 import { ImagePlus, Plus, Trash2 } from "lucide-preact";
 import * as api from "./api";
 import { go, ThemeButton } from "./app";
+import { chosen, type Dropped, dropped, isStore, openProject, projectAmong } from "./dropped";
 import { Dialog, IconButton, Strip } from "./parts";
 import * as state from "./state";
 import { sendStills } from "./stillspanel";
@@ -23,25 +24,38 @@ export function HomePage(): JSX.Element {
   const [busy, setBusy] = useState("");
   const [clips, setClips] = useState<File[] | null>(null);
   const home = state.home.value;
-  const take = async (files: File[]): Promise<void> => {
+  const take = async (all: Dropped[]): Promise<void> => {
+    const project = projectAmong(all);
+    const stores = all.filter(isStore);
+    const files = all.filter((each) => !isStore(each)).map(({ file }) => file);
     const videos = files.filter(isVideo);
     const pictures = files.filter((file) => !isVideo(file));
     const picture = pictures[0];
-    if (videos.length > 0) setClips(videos);
-    else if (picture) {
-      setBusy(picture.name);
-      try {
+    try {
+      if (project) {
+        setBusy(project.name);
+        go(await openProject(project.name, project.files));
+      } else if (stores.length > 0) {
+        for (const { file } of stores) {
+          setBusy(file.name);
+          await api.openStore(file);
+        }
+        await state.showHome();
+      } else if (videos.length > 0) {
+        setClips(videos);
+      } else if (picture) {
+        setBusy(picture.name);
         const id = await api.openPicture(picture);
         if (pictures.length > 1) {
           await sendStills(id, pictures, (count) => setBusy(`${count} of ${pictures.length} stills`));
           state.beginWith("stills");
         }
         go(id);
-      } catch (fault) {
-        state.toast.value = (fault as Error).message;
       }
-      setBusy("");
+    } catch (fault) {
+      state.toast.value = (fault as Error).message;
     }
+    setBusy("");
   };
   return (
     <main
@@ -54,7 +68,7 @@ export function HomePage(): JSX.Element {
       onDrop={(event) => {
         event.preventDefault();
         setOver(false);
-        void take([...(event.dataTransfer?.files ?? [])]);
+        void dropped(event.dataTransfer).then(take);
       }}
     >
       <header class="home-bar">
@@ -66,12 +80,18 @@ export function HomePage(): JSX.Element {
       <label class="drop">
         <ImagePlus size={30} strokeWidth={1.4} aria-hidden />
         <strong>{busy ? `Opening ${busy}` : "Drop a picture of water, fire, smoke or clouds"}</strong>
-        <span>or choose one: PNG, JPEG, TIFF, WebP, EXR. Ten stills of one scene become a moving one.</span>
-        <input type="file" multiple class="unseen" aria-label="Choose a picture" accept="image/*,.exr,.tif,.tiff" onChange={(event) => void take([...(event.currentTarget.files ?? [])])} />
+        <span>or choose one: PNG, JPEG, TIFF, WebP, EXR. Ten stills of one scene become a moving one; a project's folder, a store or clips can be dropped too.</span>
+        <input type="file" multiple class="unseen" aria-label="Choose a picture" accept="image/*,.exr,.tif,.tiff,.freshet" onChange={(event) => void take(chosen(event.currentTarget.files))} />
       </label>
-      {home && home.projects.length > 0 && (
-        <section>
+      <section>
+        <header class="row">
           <h2>Projects</h2>
+          <label class="button quiet">
+            Open a folder
+            <input type="file" class="unseen" aria-label="Open a project's folder" {...{ webkitdirectory: true }} onChange={(event) => void take(chosen(event.currentTarget.files))} />
+          </label>
+        </header>
+        {home && home.projects.length > 0 && (
           <ul class="cards">
             {home.projects.map((each) => (
               <li key={each.id} class="card">
@@ -86,8 +106,8 @@ export function HomePage(): JSX.Element {
               </li>
             ))}
           </ul>
-        </section>
-      )}
+        )}
+      </section>
       <section>
         <header class="row">
           <h2>Stores of clips</h2>
