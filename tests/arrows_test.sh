@@ -33,7 +33,7 @@ synth/field:
 synth/toml: synth/field
 synth/animate/sampling: vision query/search
 synth/animate/placement: store vision query/search query/labelling
-synth/animate/blend: synth/animate/sampling synth/animate/placement
+synth/animate/blend: vision synth/animate/sampling synth/animate/placement
 synth/animate/clips: store media/frame vision query/stored synth/animate/sampling synth/animate/placement synth/animate/blend
 synth/animate/still: vision synth/animate/sampling synth/animate/motion
 synth/animate/motion: store vision query/stored query/search synth/animate/sampling synth/animate/placement

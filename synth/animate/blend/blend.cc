@@ -12,6 +12,7 @@
 #include "platform/vectors.h"
 #include "synth/animate/placement/piece_values.h"
 #include "synth/animate/sampling/square_pyramid.h"
+#include "vision/pyramid.h"
 
 namespace freshet::synth::animate {
 namespace {
@@ -243,13 +244,7 @@ cv::Mat Blender::take_detail(int frame) {
   if (bands.empty()) return cv::Mat::zeros(self.canvas.size(), CV_32F);
   for (std::size_t level = 0; level < bands.size(); ++level)
     cv::multiply(bands[level], self.gain[level], bands[level]);
-  cv::Mat field = bands.back(), up;
-  for (int level = self.options.levels - 1; level >= 0; --level) {
-    cv::pyrUp(field, up, bands[level].size());
-    cv::add(up, bands[level], field);
-  }
-  bands.clear();
-  return field;
+  return vision::collapse(std::exchange(bands, {}));
 }
 
 cv::Mat Blender::take_level(int frame) {

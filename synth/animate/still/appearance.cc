@@ -224,7 +224,7 @@ AppearanceModel::AppearanceModel(const cv::Mat& target, const cv::Mat& matte,
   std::vector<cv::Mat> matched(samples.size());
   oneapi::tbb::parallel_for(std::size_t{0}, samples.size(), [&](std::size_t i) {
     for (int level = 0; level < levels_; ++level) apply_band(bands_[level], sample_bands[i][level]);
-    matched[i] = vision::collapse(sample_bands[i]);
+    matched[i] = vision::collapse(std::move(sample_bands[i]));
   });
   picture_ = fit(target, matte, matched, options.region_px * 1.5, options.max_level_gain, false);
 }
@@ -233,7 +233,7 @@ cv::Mat AppearanceModel::apply(const cv::Mat& luma) const {
   std::vector<cv::Mat> bands;
   vision::laplacian_pyramid(luma, levels_, bands);
   for (int level = 0; level < levels_; ++level) apply_band(bands_[level], bands[level]);
-  cv::Mat out = vision::collapse(bands);
+  cv::Mat out = vision::collapse(std::move(bands));
   apply_band(picture_, out);
   return out;
 }
