@@ -332,11 +332,12 @@ class Animation {
                       .wander = static_cast<int>(std::lround(wander_s * options_.fps)),
                       .patch = kLifePatch_px * placement_.piece_scale / CarriedBase::kStep});
       renewing_ = renewing_places();
-      renewing_pieces_ = canvas_.cut_samples(renewing_, field_->step());
+      cv::Mat renewing_pieces = canvas_.cut_samples(renewing_, field_->step());
       if (!motion_alone_) {
         cv::multiply(renewing_, canvas_.sampled(renewal_->places(), field_->step(), renewing_.size()),
                      renewing_);
-        cv::multiply(renewing_pieces_, renewal_->places(), renewing_pieces_);
+        cv::multiply(renewing_pieces, renewal_->places(), renewing_pieces);
+        renewing_counts_ = Renewal::counts_of(renewing_pieces);
       }
       standing_.emplace(planes, alpha_, shares_that_stand());
     }
@@ -431,7 +432,7 @@ class Animation {
       standing_->colour(*made.brought, stands);
       if (motion_alone_) return made;
       field = renewed;
-      renewal_->show(field, made.luma, shares, renewing_pieces_);
+      renewal_->show(field, made.luma, shares, renewing_counts_);
       cv::Mat level = blender_->take_level(slot);
       limit_level(level);
       cv::scaleAdd(level, anew, field, field);
@@ -565,8 +566,8 @@ class Animation {
   cv::Mat behind_, alpha_, base_luma_;
   ColourModel colours_;
   std::shared_ptr<const MotionSequence> sequence_;
-  // CV_32F: how much of what comes anew is for a place, 0..1, sampled as the field, and on the canvas.
-  cv::Mat renewing_, renewing_pieces_;
+  cv::Mat renewing_;  // CV_32F, sampled as the field: how much of what comes anew is for a place, 0..1
+  std::vector<cv::Mat> renewing_counts_;  // the same on the canvas, for Renewal::show
   std::optional<StandingDetail> standing_;
   double half_life_s_ = 0;  // of carried detail
   std::shared_ptr<const CarryingField> field_;

@@ -16,6 +16,7 @@ cv::Mat PiecesCanvas::cut(const cv::Mat& plane) const {
   const cv::Rect all = rect_ | cv::Rect({}, reduced_);
   cv::Mat reduced = plane, wide;
   if (reduced_ != plane.size()) cv::resize(plane, reduced, reduced_, 0, 0, cv::INTER_AREA);
+  if (all.size() == reduced_) return reduced(rect_);
   cv::copyMakeBorder(reduced, wide, -all.y, all.br().y - reduced_.height, -all.x, all.br().x - reduced_.width,
                      cv::BORDER_REFLECT_101);
   return wide(rect_ - all.tl());

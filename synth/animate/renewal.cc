@@ -96,9 +96,13 @@ cv::Mat Renewal::advance(const cv::Mat& displacement, int step, const cv::Mat& f
   return carried_.advance(displacement, step, fresh).clone();
 }
 
+std::vector<cv::Mat> Renewal::counts_of(const cv::Mat& where) {
+  return BandContrast::counts_of(where, kLevels, Neighbourhood::kClose);
+}
+
 void Renewal::show(cv::Mat& detail, const cv::Mat& luma, std::span<const double> shares,
-                   const cv::Mat& where) const {
-  BandContrast(canvas_.cut(luma), kLevels, Neighbourhood::kClose, where)
+                   std::span<const cv::Mat> counts) const {
+  BandContrast(canvas_.cut(luma), kLevels, Neighbourhood::kClose, counts)
       .take_share(detail, shares, options_.max_gain, kNoise);
 }
 

@@ -56,9 +56,12 @@ class Renewal {
 
   /// The next frame's, all threads. displacement: from the frame before, every `step` px. fresh: of the blender.
   cv::Mat advance(const cv::Mat& displacement, int step, const cv::Mat& fresh);
+  /// How much is renewed where, for show(). where: on the canvas, >= 0.
+  static std::vector<cv::Mat> counts_of(const cv::Mat& where);
   /// What is shown of a frame's detail, changed in place: where there is detail in `luma` (the frame's, the picture's
-  /// size). What lies smooth between edges stays smooth. where: on the canvas, >= 0. Safe from many threads.
-  void show(cv::Mat& detail, const cv::Mat& luma, std::span<const double> shares, const cv::Mat& where) const;
+  /// size). What lies smooth between edges stays smooth. Safe from many threads.
+  void show(cv::Mat& detail, const cv::Mat& luma, std::span<const double> shares,
+            std::span<const cv::Mat> counts) const;
 
  private:
   std::vector<double> anew_of(const ClipLayer::DetailPower& power) const;

@@ -6,6 +6,8 @@
 #include <oneapi/tbb/parallel_for.h>
 #include <opencv2/imgproc.hpp>
 
+#include "platform/vectors.h"
+
 namespace freshet::synth::animate {
 namespace {
 
@@ -15,11 +17,27 @@ constexpr float kMinTurnScale =
 constexpr double kSlowFraction = 0.2;  // of the mean speed: slower places have no direction of their own
 constexpr double kSmoothing = 4;       // samples: the turn is smooth, where strokes meet slow places
 constexpr int kMeasured = 64;          // frames that means and limits are measured on
+// Frames kept: some more than one batch goes on by, and more as far as they fit into this.
+constexpr std::size_t kMinKept = 24, kKeptBytes = 32 << 20;
 
 float length(const cv::Vec2f& v) { return std::hypot(v[0], v[1]); }
 
 cv::Vec2f product(const cv::Vec2f& a, const cv::Vec2f& b) {
   return {a[0] * b[0] - a[1] * b[1], a[0] * b[1] + a[1] * b[0]};
+}
+
+/// Fluctuations about the assigned mean, turned, bounded, and added to the mean that is asked. Pairs.
+FRESHET_WIDE void fluctuate(const float* assigned, const float* turn, const float* mean, const float* limit,
+                            int n, float* v) {
+  for (int x = 0; x < n; ++x) {
+    const float a = v[2 * x] - assigned[2 * x], b = v[2 * x + 1] - assigned[2 * x + 1];
+    const float du = a * turn[2 * x] - b * turn[2 * x + 1], dv = a * turn[2 * x + 1] + b * turn[2 * x];
+    const double u = du, w = dv;
+    const auto size = static_cast<float>(std::sqrt(u * u + w * w));
+    const float less = size > limit[x] ? limit[x] / size : 1.0f;
+    v[2 * x] = mean[2 * x] + du * less;
+    v[2 * x + 1] = mean[2 * x + 1] + dv * less;
+  }
 }
 
 double mean_speed(const cv::Mat& field) {
@@ -64,6 +82,10 @@ CarryingField::CarryingField(std::shared_ptr<const MotionSequence> sequence, con
     : sequence_(std::move(sequence)), frames_(frames), step_(step), loop_(loop), fps_(fps) {
   const cv::Size size((asked.cols + step - 1) / step, (asked.rows + step - 1) / step);
   cv::resize(asked, mean_, size, 0, 0, cv::INTER_AREA);
+
+  const std::size_t fit = kKeptBytes / (static_cast<std::size_t>(size.area()) * sizeof(cv::Vec2f));
+  kept_.assign(std::clamp<std::size_t>(fit, kMinKept, std::max(kMinKept, static_cast<std::size_t>(frames))),
+               {-1, cv::Mat()});
 
   // What is measured on an even selection of frames.
   const int measured = std::min(frames, kMeasured);
@@ -129,22 +151,25 @@ int CarryingField::inside(int i) const {
 
 cv::Mat CarryingField::at(int i) const {
   const int frame = inside(i);
+  auto& place = kept_[static_cast<std::size_t>(frame) % kept_.size()];
+  {
+    const std::lock_guard lock(guard_);
+    if (place.first == frame) return place.second;
+  }
+  cv::Mat field = made(frame);
+  const std::lock_guard lock(guard_);
+  place = {frame, field};
+  return field;
+}
+
+cv::Mat CarryingField::made(int frame) const {
   cv::Mat field = sequence_->at(stands_for_[frame], step_, size());
   if (stands_after_[frame] != stands_for_[frame])
     cv::addWeighted(field, 1 - fraction_[frame], sequence_->at(stands_after_[frame], step_, size()),
                     fraction_[frame], 0, field);
-  for (int y = 0; y < field.rows; ++y) {
-    auto* v = field.ptr<cv::Vec2f>(y);
-    const auto *assigned = assigned_.ptr<cv::Vec2f>(y), *turn = turn_.ptr<cv::Vec2f>(y),
-               *mean = mean_.ptr<cv::Vec2f>(y);
-    const auto* limit = limit_.ptr<float>(y);
-    for (int x = 0; x < field.cols; ++x) {
-      cv::Vec2f d = product(v[x] - assigned[x], turn[x]);
-      const float size_of = length(d);
-      if (size_of > limit[x]) d *= limit[x] / size_of;
-      v[x] = mean[x] + d;
-    }
-  }
+  for (int y = 0; y < field.rows; ++y)
+    fluctuate(assigned_.ptr<float>(y), turn_.ptr<float>(y), mean_.ptr<float>(y), limit_.ptr<float>(y),
+              field.cols, field.ptr<float>(y));
   return field;
 }
 

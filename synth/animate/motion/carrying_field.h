@@ -2,6 +2,8 @@
 #pragma once
 
 #include <memory>
+#include <mutex>
+#include <utility>
 #include <vector>
 
 #include <opencv2/core.hpp>
@@ -37,8 +39,9 @@ class CarryingField {
   CarryingField(std::shared_ptr<const MotionSequence> sequence, const cv::Mat& asked, int frames, double fps,
                 int step, bool loop, const CarryingOptions& options);
 
-  /// Displacement from output frame i to the next, px of the picture: CV_32FC2, size(). Any i. Safe from many
-  /// threads; one warp of the coarse field.
+  /// Displacement from output frame i to the next, px of the picture: CV_32FC2, size(), to be read alone. Any i. Safe from
+  /// many threads; one warp of the coarse field, or none: every copy that is alive asks for the same frames, and the last
+  /// ones are kept.
   cv::Mat at(int i) const;
   /// Root mean square speed of each place, px a frame: CV_32F, size().
   const cv::Mat& activity() const { return activity_; }
@@ -47,6 +50,7 @@ class CarryingField {
 
  private:
   int inside(int i) const;
+  cv::Mat made(int frame) const;
 
   std::shared_ptr<const MotionSequence> sequence_;
   int frames_ = 1, step_ = 4;
@@ -60,6 +64,8 @@ class CarryingField {
   std::vector<int> stands_for_;    // by frame: the frame whose flow is used before it ...
   std::vector<int> stands_after_;  // ... and after it; equal where it is its own
   std::vector<float> fraction_;    // of the second
+  mutable std::mutex guard_;
+  mutable std::vector<std::pair<int, cv::Mat>> kept_;  // frame i at i modulo their number
 };
 
 }  // namespace freshet::synth::animate

@@ -9,6 +9,8 @@
 #include <opencv2/imgproc.hpp>
 
 #include "platform/random.h"
+#include "platform/vectors.h"
+#include "synth/animate/sampling/remapped.h"
 
 namespace freshet::synth::animate {
 namespace {
@@ -34,30 +36,34 @@ constexpr float kTooShallow = 0.25f, kDeepEnough = 0.75f;  // of the place's own
 constexpr int kKeptEvery = 16;                             // frames
 constexpr std::uint64_t kSeed = 0x636f70696573;
 
+FRESHET_WIDE void place_row(const float* displacement, float unit, float y, int n, float* to) {
+  for (int x = 0; x < n; ++x) {
+    to[2 * x] = static_cast<float>(x) + unit * displacement[2 * x];
+    to[2 * x + 1] = y + unit * displacement[2 * x + 1];
+  }
+}
+
 /// Places `displacement` px away from each sample's own, in samples.
 cv::Mat places(const cv::Mat& displacement, float sign, int step) {
   cv::Mat out(displacement.size(), CV_32FC2);
   const float unit = sign / static_cast<float>(step);
-  for (int y = 0; y < out.rows; ++y) {
-    const auto* d = displacement.ptr<cv::Vec2f>(y);
-    auto* to = out.ptr<cv::Vec2f>(y);
-    for (int x = 0; x < out.cols; ++x)
-      to[x] = {static_cast<float>(x) + unit * d[x][0], static_cast<float>(y) + unit * d[x][1]};
-  }
+  for (int y = 0; y < out.rows; ++y)
+    place_row(displacement.ptr<float>(y), unit, static_cast<float>(y), out.cols, out.ptr<float>(y));
   return out;
 }
 
-cv::Mat read_at(const cv::Mat& field, const cv::Mat& where) {
-  cv::Mat out;
-  cv::remap(field, out, where, cv::noArray(), cv::INTER_LINEAR, cv::BORDER_REPLICATE);
-  return out;
+FRESHET_WIDE void add_signed(const float* from, float sign, int n, float* sum) {
+  for (int i = 0; i < n; ++i) sum[i] = sign * from[i] + sum[i];
 }
 
 /// Sources one frame further from a copy's own. velocity: px a frame, of the frame between; sign -1: fluid that
 /// has come from there, 1: that will be there. Mid-point rule, then the map before read where that leads.
 cv::Mat step_on(const cv::Mat& sources, const cv::Mat& velocity, float sign, int step) {
-  const cv::Mat middle = read_at(velocity, places(velocity, sign * 0.5f, step));
-  return sign * middle + read_at(sources, places(middle, sign, step));
+  cv::Mat middle, out;
+  read_remapped(velocity, places(velocity, sign * 0.5f, step), Beyond::kEdge, middle);
+  read_remapped(sources, places(middle, sign, step), Beyond::kEdge, out);
+  for (int y = 0; y < out.rows; ++y) add_signed(middle.ptr<float>(y), sign, 2 * out.cols, out.ptr<float>(y));
+  return out;
 }
 
 /// The divisor of `whole` nearest to `wanted`, on a scale of ratios, and not below half of it. `whole` itself is one.
@@ -85,32 +91,65 @@ cv::Mat smooth_noise(cv::Size size, double patch, std::uint64_t stream) {
   return out;
 }
 
-/// How well what a copy brings goes with the place that it is brought to, 0..1.
-float suits(const cv::Vec4f& brought, const cv::Vec4f& own) {
-  const float luma = (brought[1] - own[1]) / kLumaApart, blue = (brought[2] - own[2]) / kColourApart,
-              red = (brought[3] - own[3]) / kColourApart;
-  // From nearer to an edge than the place itself: the edge would come along.
-  const float ratio = (brought[0] + kShallow) / (own[0] + kShallow);
-  const float deep = std::clamp((ratio - kTooShallow) / (kDeepEnough - kTooShallow), 0.0f, 1.0f);
-  return deep * deep * std::exp(-0.5f * (luma * luma + blue * blue + red * red));
+/// How well what a copy brings goes with the place that it is brought to: how deep it comes from, 0..1, and how unlike it
+/// looks, in squares of deviations. Fours of depth, luma, blue, red.
+FRESHET_WIDE void compare(const float* brought, const float* own, int n, float* deep, float* unlike) {
+  for (int x = 0; x < n; ++x) {
+    const float luma = (brought[4 * x + 1] - own[4 * x + 1]) / kLumaApart,
+                blue = (brought[4 * x + 2] - own[4 * x + 2]) / kColourApart,
+                red = (brought[4 * x + 3] - own[4 * x + 3]) / kColourApart;
+    // From nearer to an edge than the place itself: the edge would come along.
+    const float ratio = (brought[4 * x] + kShallow) / (own[4 * x] + kShallow);
+    const float from = (ratio - kTooShallow) / (kDeepEnough - kTooShallow);
+    const float low = from < 0.0f ? 0.0f : from, enough = 1.0f < low ? 1.0f : low;
+    deep[x] = enough * enough;
+    unlike[x] = luma * luma + blue * blue + red * red;
+  }
 }
 
-/// How evenly a copy is laid out about a place, 0..1: what is drawn out to thrice its length is strings and haze, what
-/// is squeezed as much crumbs. By the singular values of the map from places to their sources.
-float evenness(const cv::Mat& source, int x, int y, float per_px) {
-  const int left = std::max(x - 1, 0), right = std::min(x + 1, source.cols - 1);
-  const int above = std::max(y - 1, 0), below = std::min(y + 1, source.rows - 1);
-  const auto across = (source.at<cv::Vec2f>(y, right) - source.at<cv::Vec2f>(y, left)) *
-                      (per_px / static_cast<float>(std::max(right - left, 1)));
-  const auto down = (source.at<cv::Vec2f>(below, x) - source.at<cv::Vec2f>(above, x)) *
-                    (per_px / static_cast<float>(std::max(below - above, 1)));
-  const float a = 1 + across[0], b = down[0], c = across[1], d = 1 + down[1];
-  const float total = a * a + b * b + c * c + d * d, area = a * d - b * c;
-  const float largest = 0.5f * (total + std::sqrt(std::max(total * total - 4 * area * area, 0.0f)));
-  if (largest <= 0) return 0;
-  const float least = std::abs(area) / std::sqrt(largest);
-  const float even = std::min(least, 1 / std::sqrt(largest));
-  return std::clamp((even - kTorn) / (kEven - kTorn), 0.0f, 1.0f);
+/// How evenly copies are laid out about places, 0..1: what is drawn out to thrice its length is strings and haze, what is
+/// squeezed as much crumbs. By the singular values of the map from places to their sources. Pairs of a row, those of the
+/// rows above and below, and by what differences to the sides and down are multiplied; n places of which the first is
+/// at +left of its neighbour to the left, and so on.
+FRESHET_WIDE void find_evenness(const float* left, const float* right, const float* above, const float* below,
+                                float per_across, float per_down, int n, float* out) {
+  for (int x = 0; x < n; ++x) {
+    const float a = 1 + (right[2 * x] - left[2 * x]) * per_across,
+                c = (right[2 * x + 1] - left[2 * x + 1]) * per_across;
+    const float b = (below[2 * x] - above[2 * x]) * per_down,
+                d = 1 + (below[2 * x + 1] - above[2 * x + 1]) * per_down;
+    const float total = a * a + b * b + c * c + d * d, area = a * d - b * c;
+    const float spread = total * total - 4 * area * area, over = spread < 0.0f ? 0.0f : spread;
+    const float largest = 0.5f * (total + std::sqrt(over));
+    const float root = std::sqrt(largest), least = std::abs(area) / root, inverse = 1 / root;
+    const float even = inverse < least ? inverse : least;
+    const float from = (even - kTorn) / (kEven - kTorn);
+    const float low = from < 0.0f ? 0.0f : from, found = 1.0f < low ? 1.0f : low;
+    out[x] = largest > 0 ? found : 0.0f;
+  }
+}
+
+/// The same for all places of a map.
+cv::Mat evenness(const cv::Mat& source, int step) {
+  cv::Mat out(source.size(), CV_32F);
+  const float per_px = 1 / static_cast<float>(step);
+  const int n = source.cols;
+  for (int y = 0; y < out.rows; ++y) {
+    const int before = std::max(y - 1, 0), after = std::min(y + 1, source.rows - 1);
+    const float *row = source.ptr<float>(y), *above = source.ptr<float>(before),
+                *below = source.ptr<float>(after);
+    const float per_down = per_px / static_cast<float>(std::max(after - before, 1));
+    auto* to = out.ptr<float>(y);
+    const auto one = [&](int x) {
+      const int left = std::max(x - 1, 0), right = std::min(x + 1, n - 1);
+      find_evenness(row + 2 * left, row + 2 * right, above + 2 * x, below + 2 * x,
+                    per_px / static_cast<float>(std::max(right - left, 1)), per_down, 1, to + x);
+    };
+    one(0);
+    if (n > 2) find_evenness(row, row + 4, above + 2, below + 2, per_px / 2, per_down, n - 2, to + 1);
+    if (n > 1) one(n - 1);
+  }
+  return out;
 }
 
 int floor_div(int a, int b) { return a >= 0 ? a / b : -((-a + b - 1) / b); }
@@ -208,50 +247,59 @@ double CopyMaps::still(int i) const {
   return t * t * (3 - 2 * t);
 }
 
-/// How well what a copy brings goes with each place, > 0.
-cv::Mat CopyMaps::suitability(const cv::Mat& source) const {
-  cv::Mat out(places_.size(), CV_32F), even(places_.size(), CV_32F), brought;
-  cv::remap(places_, brought, places(source, 1, step_), cv::noArray(), cv::INTER_LINEAR, cv::BORDER_CONSTANT,
-            cv::Scalar::all(0));
-  const float per_px = 1 / static_cast<float>(step_);
-  for (int y = 0; y < out.rows; ++y)
-    for (int x = 0; x < out.cols; ++x) even.at<float>(y, x) = evenness(source, x, y, per_px);
+/// How well what a copy brings goes with each place, > 0. from: places of its sources, in samples.
+cv::Mat CopyMaps::suitability(const cv::Mat& source, const cv::Mat& from) const {
+  constexpr float kNothing = 14;  // of unlikeness, halved: exp(-14) is less than kLeast
+  cv::Mat even = evenness(source, step_), brought, out(places_.size(), CV_32F);
+  read_remapped(places_, from, Beyond::kZero, brought);
   cv::GaussianBlur(even, even, {}, kEvenOver, kEvenOver, cv::BORDER_REPLICATE);
+  std::vector<float> deep(out.cols), unlike(out.cols);
   for (int y = 0; y < out.rows; ++y) {
+    compare(brought.ptr<float>(y), places_.ptr<float>(y), out.cols, deep.data(), unlike.data());
     auto* to = out.ptr<float>(y);
-    const auto *theirs = brought.ptr<cv::Vec4f>(y), *own = places_.ptr<cv::Vec4f>(y);
     const auto* evenly = even.ptr<float>(y);
-    for (int x = 0; x < out.cols; ++x)
-      to[x] = std::max(suits(theirs[x], own[x]) * std::max(evenly[x] * evenly[x], kUneven), kLeast);
+    for (int x = 0; x < out.cols; ++x) {
+      const float away = 0.5f * unlike[x];
+      const float like = away < kNothing ? deep[x] * std::exp(-away) : 0.0f;
+      to[x] = std::max(like * std::max(evenly[x] * evenly[x], kUneven), kLeast);
+    }
   }
   return out;
 }
 
-/// How far the places that a copy brings show, before all copies' weights are brought to a sum of 1.
-cv::Mat CopyMaps::weights(const Copy& copy, const cv::Mat& source, int age) const {
+/// How far the places that a copy brings show by their time, before all copies' weights are brought to a sum of 1.
+cv::Mat CopyMaps::timeliness(const Copy& copy, const cv::Mat& from, int age) const {
+  // c below is 1/4 there, and its fourth power less than kPast.
+  constexpr float kOver = kReach * 2 / 3;
   cv::Mat out;
-  cv::remap(copy.later, out, places(source, 1, step_), cv::noArray(), cv::INTER_LINEAR, cv::BORDER_REPLICATE);
+  read_remapped(copy.later, from, Beyond::kEdge, out);
   const float unit = 1 / static_cast<float>(options_.interval), now = static_cast<float>(age) * unit;
   for (int y = 0; y < out.rows; ++y) {
     auto* to = out.ptr<float>(y);
     for (int x = 0; x < out.cols; ++x) {
-      const float intervals = std::min(std::abs(now - to[x]), kReach);
+      const float intervals = std::abs(now - to[x]);
+      if (intervals > kOver) {
+        to[x] = kPast;
+        continue;
+      }
       const float c = 0.5f + 0.5f * std::cos(std::numbers::pi_v<float> / kReach * intervals);
       to[x] = std::max(c * c * c * c, kPast);
     }
   }
-  return out.mul(suitability(source));
+  return out;
 }
 
 std::vector<CopyMap> CopyMaps::at(int i) const {
   std::vector<CopyMap> out;
   const auto still_here = static_cast<float>(still(i));
-  cv::Mat sum = cv::Mat::zeros(places_.size(), CV_32F);
+  cv::Mat sum = cv::Mat::zeros(places_.size(), CV_32F), own_suits;
   for (int copy = first_copy(i); copy <= last_copy(i); ++copy) {
     const int age = i - middle(copy);
     const Copy& maps = copies_.at(copy);
     const cv::Mat& source = maps.sources.at(i);
-    out.push_back({weights(maps, source, age), source});
+    const cv::Mat from = places(source, 1, step_), suits = suitability(source, from);
+    if (number(copy) == 0 && std::abs(age) < options_.interval) own_suits = suits;
+    out.push_back({timeliness(maps, from, age).mul(suits), source});
     sum += out.back().weight;
   }
   const cv::Mat shown = cv::min(sum / kWanted, 1);
@@ -270,7 +318,7 @@ std::vector<CopyMap> CopyMaps::at(int i) const {
   }
   if (still_here > 0 && own >= 0) {
     // Around a still frame its own copy takes over, but where what it has to bring lay beside the fluid.
-    const cv::Mat taken = still_here * suitability(out[own].source);
+    const cv::Mat taken = still_here * own_suits;
     for (CopyMap& copy : out) cv::multiply(copy.weight, 1 - taken, copy.weight);
     out[own].weight += taken;
   }

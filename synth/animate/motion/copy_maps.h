@@ -83,8 +83,8 @@ class CopyMaps {
   int number(int copy) const;  // the same for copies a loop apart
   int middle(int copy) const { return copy * options_.interval; }
   void carry(int number, Copy& copy, int first, int end) const;
-  cv::Mat suitability(const cv::Mat& source) const;
-  cv::Mat weights(const Copy& copy, const cv::Mat& source, int age) const;
+  cv::Mat suitability(const cv::Mat& source, const cv::Mat& from) const;
+  cv::Mat timeliness(const Copy& copy, const cv::Mat& from, int age) const;
 
   std::function<cv::Mat(int)> displacement_;
   cv::Mat places_;

@@ -57,6 +57,7 @@ inline constexpr int kMinSquare = 4;
     const float *upper = current + 2 * n * y, *lower = upper + n;
     const float *upper_weight = weight + 2 * n * y, *lower_weight = upper_weight + n;
     float *upper_sum = sum + 2 * y * stride, *lower_sum = upper_sum + stride;
+#pragma GCC ivdep  // nine rows that share nothing: too many for the compiler to ask
     for (int x = 0; x < n; ++x) {
       upper_sum[x] += (upper[x] - ((a[x] + c[x]) + 6 * b[x]) * kUnit) * upper_weight[x];
       lower_sum[x] += (lower[x] - 4 * (b[x] + c[x]) * kUnit) * lower_weight[x];

@@ -19,8 +19,11 @@ class BandContrast {
  public:
   /// luma    CV_32F, 0..1.
   /// levels  band-pass levels, detail up to 2^levels px; fewer in a small picture.
-  /// where   CV_32F, luma's shape: what its variance counts there, 0..1. Empty: 1.
-  BandContrast(const cv::Mat& luma, int levels, Neighbourhood neighbourhood, const cv::Mat& where = {});
+  /// counts  by level, what its variance counts, 0..1 (counts_of). Empty: 1.
+  BandContrast(const cv::Mat& luma, int levels, Neighbourhood neighbourhood,
+               std::span<const cv::Mat> counts = {});
+  /// where   CV_32F, a picture's shape: what its variance counts there; for all pictures of this shape.
+  static std::vector<cv::Mat> counts_of(const cv::Mat& where, int levels, Neighbourhood neighbourhood);
 
   /// Gives each band of `detail` (CV_32F, the picture's size, changed in place) its share of the picture's variance
   /// there; what lies below the bands goes. Nothing is amplified by more than max_gain, nor what is below `noise`.

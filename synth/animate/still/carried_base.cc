@@ -49,6 +49,7 @@ FRESHET_WIDE void sources(const float* mixed, const std::int32_t* first, const f
 FRESHET_WIDE void values(const float* mixed, const std::int32_t* first, const float* fraction, int n,
                          float* out) {
   const int begin = first[0];
+#pragma GCC ivdep
   for (int i = 0; i < n; ++i) {
     const float a = mixed[first[i] - begin], b = mixed[first[i] - begin + 1];
     out[i] = a + fraction[i] * (b - a);

@@ -6,6 +6,7 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include "platform/vectors.h"
 #include "synth/animate/still/carried_base.h"
 
 namespace freshet::synth::animate {
@@ -13,6 +14,25 @@ namespace {
 
 constexpr double kSmooth = 2.5;       // steps
 constexpr double kLeastShare = 1e-4;  // of the fluid's pixels: fewer at a luminance tell little
+
+FRESHET_WIDE void follow_row(const std::int16_t* from, const float* to, const float* of_blue,
+                             const float* of_red, float most, int n, float* blue, float* red) {
+  const float unit = most / CarriedFrame::kOne;
+#pragma GCC ivdep
+  for (int i = 0; i < n; ++i) {
+    const float before = unit * static_cast<float>(from[i]), after = most * to[i];
+    const float a0 = before < 0.0f ? 0.0f : before, a = most < a0 ? most : a0;
+    const float b0 = after < 0.0f ? 0.0f : after, b = most < b0 ? most : b0;
+    const int below_a = static_cast<int>(a), below_b = static_cast<int>(b);
+    const float beyond_a = a - static_cast<float>(below_a), beyond_b = b - static_cast<float>(below_b);
+    const float blue_a = of_blue[below_a], blue_b = of_blue[below_b], red_a = of_red[below_a],
+                red_b = of_red[below_b];
+    blue[i] += blue_b + beyond_b * (of_blue[below_b + 1] - blue_b) - blue_a -
+               beyond_a * (of_blue[below_a + 1] - blue_a);
+    red[i] +=
+        red_b + beyond_b * (of_red[below_b + 1] - red_b) - red_a - beyond_a * (of_red[below_a + 1] - red_a);
+  }
+}
 
 }  // namespace
 
@@ -45,19 +65,7 @@ ColourCurve::ColourCurve(const cv::Mat& bgr, const cv::Mat& luma, const cv::Mat&
 }
 
 void ColourCurve::follow(const std::int16_t* from, const float* to, int n, float* blue, float* red) const {
-  constexpr float kMost = kSteps, kUnit = kMost / CarriedFrame::kOne;
-  for (int i = 0; i < n; ++i) {
-    const float a = std::clamp(kUnit * static_cast<float>(from[i]), 0.0f, kMost),
-                b = std::clamp(kMost * to[i], 0.0f, kMost);
-    const int below_a = static_cast<int>(a), below_b = static_cast<int>(b);
-    const float beyond_a = a - static_cast<float>(below_a), beyond_b = b - static_cast<float>(below_b);
-    const auto change = [&](const auto& chroma) {
-      return chroma[below_b] + beyond_b * (chroma[below_b + 1] - chroma[below_b]) - chroma[below_a] -
-             beyond_a * (chroma[below_a + 1] - chroma[below_a]);
-    };
-    blue[i] += change(chroma_[0]);
-    red[i] += change(chroma_[1]);
-  }
+  follow_row(from, to, chroma_[0].data(), chroma_[1].data(), kSteps, n, blue, red);
 }
 
 }  // namespace freshet::synth::animate

@@ -6,6 +6,8 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include "platform/vectors.h"
+#include "synth/animate/sampling/widened_rows.h"
 #include "vision/pyramid.h"
 
 namespace freshet::synth::animate {
@@ -18,15 +20,19 @@ namespace {
   return 1 / (1 + q * (1 + 0.5f * q));
 }
 
+FRESHET_WIDE void square_lengths(const float* pairs, int n, float* to) {
+  for (int x = 0; x < n; ++x) to[x] = pairs[2 * x] * pairs[2 * x] + pairs[2 * x + 1] * pairs[2 * x + 1];
+}
+
 /// Squares of lengths, CV_32F.
 cv::Mat squared_lengths(const cv::Mat& vectors) {
   cv::Mat out(vectors.size(), CV_32F);
-  for (int y = 0; y < out.rows; ++y) {
-    const auto* from = vectors.ptr<cv::Vec2f>(y);
-    auto* to = out.ptr<float>(y);
-    for (int x = 0; x < out.cols; ++x) to[x] = from[x].dot(from[x]);
-  }
+  for (int y = 0; y < out.rows; ++y) square_lengths(vectors.ptr<float>(y), out.cols, out.ptr<float>(y));
   return out;
+}
+
+FRESHET_WIDE void add_agreement(const float* weight, const float* squared, float unit, int n, float* sums) {
+  for (int x = 0; x < n; ++x) sums[x] += weight[x] * agreement(squared[x], unit);
 }
 
 /// Weights and distances of what is mixed, sampled as the copies' maps.
@@ -35,8 +41,7 @@ struct Term {
 
   /// Adds how far it agrees, weighed, to a row of sums.
   void add(int y, float unit, float* sums) const {
-    const auto *w = weight.ptr<float>(y), *d = squared.ptr<float>(y);
-    for (int x = 0; x < weight.cols; ++x) sums[x] += w[x] * agreement(d[x], unit);
+    add_agreement(weight.ptr<float>(y), squared.ptr<float>(y), unit, weight.cols, sums);
   }
 };
 
@@ -46,6 +51,23 @@ struct LevelShares {
   double most;            // gain
   double agreement_px;
 };
+
+/// What a mixture of this variance, and the picture of this covariance with it, is multiplied by.
+/// places: how much of what comes anew each place leaves.
+FRESHET_WIDE void share_out(const float* variance, const float* covariance, const float* places, float anew,
+                            float share, float most, int n, float* of_copies, float* of_picture) {
+  for (int x = 0; x < n; ++x) {
+    const float kept = std::sqrt(1 - anew * places[x]);
+    const float found = 1 / std::sqrt(variance[x]);
+    const float gain = most < found ? most : found;
+    const float both = covariance[x] * gain;
+    const float alike = both < 1.0f ? both : 1.0f;
+    const float own = share * (1 - alike);
+    const float left = std::sqrt(1 - own * own * (1 - alike * alike)) - own * alike;
+    of_copies[x] = kept * gain * left;
+    of_picture[x] = kept * own;
+  }
+}
 
 /// What the copies of one frame have in common, with each other and with the picture where it lies.
 class Mixture {
@@ -72,22 +94,14 @@ class Mixture {
     const auto anew = static_cast<float>(level.anew), share = static_cast<float>(level.standing),
                most = static_cast<float>(level.most);
     std::vector<float> variance(own_.cols), covariance(own_.cols);
+    const std::vector<float> everywhere(where.empty() ? own_.cols : 0, 1.0f);
     for (int y = 0; y < own_.rows; ++y) {
       std::copy_n(own_.ptr<float>(y), own_.cols, variance.data());
       std::fill(covariance.begin(), covariance.end(), 0.0f);
       for (const Term& pair : pairs_) pair.add(y, unit, variance.data());
       for (const Term& copy : stood_) copy.add(y, unit, covariance.data());
-      const auto* place = where.empty() ? nullptr : where.ptr<float>(y);
-      auto *of_copies = carried.ptr<float>(y), *of_picture = stands.ptr<float>(y);
-      for (int x = 0; x < own_.cols; ++x) {
-        const float kept = std::sqrt(1 - anew * (place ? place[x] : 1.0f));
-        const float gain = std::min(1 / std::sqrt(variance[x]), most);
-        const float alike = std::min(1.0f, covariance[x] * gain);
-        const float own = share * (1 - alike);
-        const float left = std::sqrt(1 - own * own * (1 - alike * alike)) - own * alike;
-        of_copies[x] = kept * gain * left;
-        of_picture[x] = kept * own;
-      }
+      share_out(variance.data(), covariance.data(), where.empty() ? everywhere.data() : where.ptr<float>(y),
+                anew, share, most, own_.cols, carried.ptr<float>(y), stands.ptr<float>(y));
     }
   }
 
@@ -97,14 +111,39 @@ class Mixture {
   std::vector<Term> stood_;  // a_i, from a place to the copy's source
 };
 
-/// Times `gain` a band that is sampled as the maps are, and larger.
-void multiply_by(const cv::Mat& gain, int step, int level, cv::Mat& band) {
-  // Maps are sampled in the middles of squares of step px, as resize takes it.
+/// A gain that is sampled as the maps are, for a band: larger, and cut to the band's size. Maps are sampled in the middles
+/// of squares of step px, as resize takes it.
+WidenedRows rows_of(const cv::Mat& gain, int step, int level, cv::Size band) {
   const cv::Size covered(gain.cols * step >> level, gain.rows * step >> level);
-  cv::Mat wide;
-  cv::resize(gain, wide, {std::max(covered.width, band.cols), std::max(covered.height, band.rows)}, 0, 0,
-             cv::INTER_LINEAR);
-  cv::multiply(band, wide(cv::Rect({}, band.size())), band);
+  return {gain, {std::max(covered.width, band.width), std::max(covered.height, band.height)}};
+}
+
+FRESHET_WIDE void mix_row(const WidenedRows::Row& carried, const WidenedRows::Row& stands, const float* own,
+                          int n, float* band) {
+  const float a = carried.of_upper, b = carried.of_lower, c = stands.of_upper, d = stands.of_lower;
+  const float *cu = carried.upper, *cl = carried.lower, *su = stands.upper, *sl = stands.lower;
+  for (int x = 0; x < n; ++x) band[x] = band[x] * (cu[x] * a + cl[x] * b) + own[x] * (su[x] * c + sl[x] * d);
+}
+
+/// band = band * carried + own * stands.
+void mix(const cv::Mat& carried, const cv::Mat& stands, const cv::Mat& own, int step, int level,
+         cv::Mat& band) {
+  WidenedRows of_band = rows_of(carried, step, level, band.size()),
+              of_own = rows_of(stands, step, level, band.size());
+  for (int y = 0; y < band.rows; ++y)
+    mix_row(of_band.at(y), of_own.at(y), own.ptr<float>(y), band.cols, band.ptr<float>(y));
+}
+
+FRESHET_WIDE void add_row(const WidenedRows::Row& share, const float* own, int n, float* band) {
+  const float a = share.of_upper, b = share.of_lower;
+  const float *u = share.upper, *l = share.lower;
+  for (int x = 0; x < n; ++x) band[x] += (own[x] - band[x]) * (u[x] * a + l[x] * b);
+}
+
+/// band += (own - band) * share.
+void bring_to(const cv::Mat& own, const cv::Mat& share, int step, int level, cv::Mat& band) {
+  WidenedRows of_own = rows_of(share, step, level, band.size());
+  for (int y = 0; y < band.rows; ++y) add_row(of_own.at(y), own.ptr<float>(y), band.cols, band.ptr<float>(y));
 }
 
 }  // namespace
@@ -117,7 +156,8 @@ cv::Mat restore_contrast(cv::Mat& luma, std::span<const CopyMap> copies, int ste
   std::vector<cv::Mat> bands;
   vision::laplacian_pyramid(luma, levels, bands);
   const auto mean_place = where.empty() ? 1.0 : cv::mean(where)[0];
-  cv::Mat carried(mixture.size(), CV_32F), stands(mixture.size(), CV_32F), own;
+  cv::Mat carried(mixture.size(), CV_32F), stands(mixture.size(), CV_32F);
+  std::vector<float> matched;
   for (int level = 0; level < levels; ++level) {
     const auto at = static_cast<std::size_t>(level);
     const LevelShares shares{.anew = at < renewed.size() ? renewed[at] : 0.0,
@@ -125,21 +165,16 @@ cv::Mat restore_contrast(cv::Mat& luma, std::span<const CopyMap> copies, int ste
                              .most = options.max_gain,
                              .agreement_px = options.agreement_px * (1 << level)};
     mixture.gains(shares, where, carried, stands);
-    multiply_by(carried, step, level, bands[at]);
-    standing.band(level).copyTo(own);
-    multiply_by(stands, step, level, own);
-    bands[at] += own;
-    standing.match(bands[at], level, std::sqrt(1 - shares.anew * mean_place), begun);
+    mix(carried, stands, standing.band(level), step, level, bands[at]);
+    matched.push_back(standing.match(bands[at], level, std::sqrt(1 - shares.anew * mean_place), begun));
   }
   mixture.gains({.anew = 0,
                  .standing = standing.share(levels),
                  .most = 1,
                  .agreement_px = options.agreement_px * (1 << levels)},
                 {}, carried, stands);
-  cv::subtract(standing.band(levels), bands.back(), own);
-  multiply_by(stands, step, levels, own);
-  bands.back() += own;
-  luma = vision::collapse(bands);
+  bring_to(standing.band(levels), stands, step, levels, bands.back());
+  luma = vision::collapse(std::move(bands), matched);
   return stands;
 }
 

@@ -38,11 +38,12 @@ StandingDetail::StandingDetail(const FluidPlanes& planes, const cv::Mat& matte, 
   }
 }
 
-void StandingDetail::match(cv::Mat& band, int level, double kept, double strength) const {
+float StandingDetail::match(const cv::Mat& band, int level, double kept, double strength) const {
   const auto at = static_cast<std::size_t>(level);
   const double found = cv::Mat(cv::abs(band)).dot(within_[at]);
-  if (found > 0)
-    band *= std::pow(std::clamp(kept * magnitude_[at] / found, 1 / kMatchedBy, kMatchedBy), strength);
+  if (found <= 0) return 1;
+  return static_cast<float>(
+      std::pow(std::clamp(kept * magnitude_[at] / found, 1 / kMatchedBy, kMatchedBy), strength));
 }
 
 void StandingDetail::colour(CarriedFrame& frame, const cv::Mat& stands) const {

@@ -28,11 +28,11 @@ class StandingDetail {
   double share(int level) const { return shares_[static_cast<std::size_t>(level)]; }
   /// The picture's band, CV_32F (vision::laplacian_pyramid); beyond the matte the fluid's own values go on.
   const cv::Mat& band(int level) const { return bands_[static_cast<std::size_t>(level)]; }
-  /// Brings a band, changed in place, to `kept` of the picture's mean magnitude over the whole matte, by a factor of at
-  /// most 1.4: mixed, stretched and renewed it neither gains nor loses. Magnitudes, not squares: an edge that is spread
+  /// What a band is multiplied by to bring it to `kept` of the picture's mean magnitude over the whole matte, at most 1.4
+  /// or as much less than 1: mixed, stretched and renewed it neither gains nor loses. Magnitudes, not squares: an edge that is spread
   /// into grain has as much power, and looks like more.
   /// strength: the power of that factor, 0..1.
-  void match(cv::Mat& band, int level, double kept, double strength) const;
+  float match(const cv::Mat& band, int level, double kept, double strength) const;
   /// Brings the colour of what is carried to the picture's as far as the low-pass rest stands, and no finer than that.
   /// stands   CV_32F: the rest's share, sampled in even squares of the picture.
   void colour(CarriedFrame& frame, const cv::Mat& stands) const;
