@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <vector>
 
@@ -116,6 +117,30 @@ void pack(std::span<const std::uint8_t> symbols, unsigned bits, std::vector<std:
   packed.resize(static_cast<std::size_t>(large - packed.data()));
 }
 
+FRESHET_WIDE void expand_pairs(const std::uint8_t* packed, std::size_t bytes, std::uint8_t* symbols) {
+#pragma GCC ivdep
+  for (std::size_t i = 0; i < bytes; ++i) {
+    symbols[2 * i] = packed[i] & 15;
+    symbols[2 * i + 1] = packed[i] >> 4;
+  }
+}
+
+FRESHET_WIDE void expand_fours(const std::uint8_t* packed, std::size_t bytes, std::uint8_t* symbols) {
+#pragma GCC ivdep
+  for (std::size_t i = 0; i < bytes; ++i) {
+    symbols[4 * i] = packed[i] & 3;
+    symbols[4 * i + 1] = packed[i] >> 2 & 3;
+    symbols[4 * i + 2] = packed[i] >> 4 & 3;
+    symbols[4 * i + 3] = packed[i] >> 6;
+  }
+}
+
+/// Whether one of 8 bytes is zero.
+bool has_zero(std::uint64_t bytes) {
+  constexpr std::uint64_t kOnes = 0x0101010101010101, kTops = 0x8080808080808080;
+  return ((bytes - kOnes) & ~bytes & kTops) != 0;
+}
+
 // False when the stream has too few or too many bytes.
 bool unpack(std::span<const std::uint8_t> packed, unsigned bits, std::span<std::uint8_t> symbols) {
   if (bits == 8) {
@@ -124,21 +149,30 @@ bool unpack(std::span<const std::uint8_t> packed, unsigned bits, std::span<std::
     return true;
   }
   const unsigned per_byte = 8 / bits, escape = (1u << bits) - 1;
-  const std::size_t bytes = (symbols.size() + per_byte - 1) / per_byte;
+  const std::size_t bytes = (symbols.size() + per_byte - 1) / per_byte, whole = symbols.size() / per_byte;
   if (packed.size() < bytes) return false;
-  std::size_t large = bytes, i = 0;
-  for (std::size_t b = 0; b < bytes; ++b) {
-    unsigned byte = packed[b];
-    for (unsigned k = 0; k < per_byte && i < symbols.size(); ++k, ++i, byte >>= bits) {
-      unsigned symbol = byte & escape;
-      if (symbol == escape) {
-        if (large == packed.size()) return false;
-        symbol = packed[large++];
-      }
-      symbols[i] = static_cast<std::uint8_t>(symbol);
+  (bits == 4 ? expand_pairs : expand_fours)(packed.data(), whole, symbols.data());
+  unsigned last = whole < bytes ? packed[whole] : 0;
+  for (std::size_t i = whole * per_byte; i < symbols.size(); ++i, last >>= bits)
+    symbols[i] = static_cast<std::uint8_t>(last & escape);
+  // What is too large is rare: eight symbols without are passed over at once.
+  std::size_t large = bytes;
+  const auto put_large = [&](std::size_t from, std::size_t to) {
+    for (std::size_t i = from; i < to; ++i) {
+      if (symbols[i] != escape) continue;
+      if (large == packed.size()) return false;
+      symbols[i] = packed[large++];
     }
+    return true;
+  };
+  const std::uint64_t escapes = 0x0101010101010101 * std::uint64_t{escape};
+  std::size_t i = 0;
+  for (; i + 8 <= symbols.size(); i += 8) {
+    std::uint64_t group;
+    std::memcpy(&group, symbols.data() + i, sizeof group);
+    if (has_zero(group ^ escapes) && !put_large(i, i + 8)) return false;
   }
-  return large == packed.size();
+  return put_large(i, symbols.size()) && large == packed.size();
 }
 
 void append_number(Bytes& to, std::size_t value) {
