@@ -34,17 +34,19 @@ FRESHET_WIDE void luma_of_words(const std::uint16_t* from, const float* luma_of,
 }
 
 /// One row of one component of the flow between its rows, in `mixed` from its second value on, and the values
-/// before and after it, which are those on its ends.
-FRESHET_WIDE void mix_flow(const short* upper, const short* lower, float down, int samples, float* mixed) {
-  for (int i = 0; i < samples; ++i) mixed[i + 1] = upper[i] + down * static_cast<float>(lower[i] - upper[i]);
+/// before and after it, which are those on its ends. worked: at least the samples, whole vectors if there are so many.
+[[gnu::always_inline]] inline void mix_flow(const short* upper, const short* lower, float down, int samples,
+                                            int worked, float* mixed) {
+  for (int i = 0; i < worked; ++i) mixed[i + 1] = upper[i] + down * static_cast<float>(lower[i] - upper[i]);
   mixed[0] = mixed[1];
   mixed[samples + 1] = mixed[samples];
 }
 
 /// Between its columns: `first` from begin on.
-FRESHET_WIDE void flow_of_row(const float* mixed, const std::int32_t* first, const float* fraction, int n,
-                              float* flow) {
+[[gnu::always_inline]] inline void flow_of_row(const float* mixed, const std::int32_t* first,
+                                               const float* fraction, int n, float* flow) {
   const int begin = first[0] - 1;
+#pragma GCC ivdep
   for (int i = 0; i < n; ++i) {
     const float a = mixed[first[i] - begin], b = mixed[first[i] - begin + 1];
     flow[i] = a + fraction[i] * (b - a);
@@ -52,23 +54,53 @@ FRESHET_WIDE void flow_of_row(const float* mixed, const std::int32_t* first, con
 }
 
 /// The same of a flow at half size, and an even column: by far the most common.
-FRESHET_WIDE void flow_of_row_halved(const float* mixed, int n, float* flow) {
+[[gnu::always_inline]] inline void flow_of_row_halved(const float* mixed, int n, float* flow) {
   for (int i = 0; i < n / 2; ++i) {
     flow[2 * i] = 0.25f * mixed[i] + 0.75f * mixed[i + 1];
     flow[2 * i + 1] = 0.75f * mixed[i + 1] + 0.25f * mixed[i + 2];
   }
 }
 
-/// Places in steps (cubic.h), `fraction` px for each unit of the flow from `origin` px on; not beyond -1 and
-/// limit, from where on the frame's edge goes on.
-FRESHET_WIDE void places_of_row(const float* flow, int origin, int step, float fraction, int limit, int n,
-                                std::int32_t* places) {
-  for (int i = 0; i < n; ++i) {
-    const float at = static_cast<float>(origin + step * i) + fraction * flow[i];
-    const float inside = std::min(std::max(at, -1.0f), static_cast<float>(limit));
-    // Positive where it is cut off: rounded down.
-    places[i] = static_cast<std::int32_t>(inside * kCubicSteps + (kCubicSteps + 0.5f)) - kCubicSteps;
+/// Which samples of a component of the flow a cell lies between.
+struct FlowCell {
+  const std::int32_t *first_row, *first_column;  // by row and column of the cell
+  const float *down, *across;                    // fractions of the next
+  int last_row, samples, worked;  // of the component; of the columns that are needed, and worked on
+  int width, height;              // of the cell
+  int before;  // of a halved flow: 0 at the region's left edge, else 1; -1: it is not halved
+};
+
+/// One component of a cell's flow. plane   from the cell's first needed column on.
+FRESHET_WIDE void flow_of_component(const short* plane, std::ptrdiff_t stride, const FlowCell& cell,
+                                    float* mixed, float* flow) {
+  for (int row = 0; row < cell.height; ++row, flow += cell.width) {
+    const int y0 = cell.first_row[row], y1 = y0 < cell.last_row ? y0 + 1 : y0;
+    mix_flow(plane + y0 * stride, plane + y1 * stride, cell.down[row], cell.samples, cell.worked, mixed);
+    if (cell.before >= 0)
+      flow_of_row_halved(mixed + cell.before, cell.width, flow);
+    else
+      flow_of_row(mixed, cell.first_column, cell.across, cell.width, flow);
   }
+}
+
+/// Places of a cell in steps (cubic.h), `fraction` px for each unit of the flow from `origin` px on, which goes on by
+/// `across` from column to column and by `down` from row to row; not beyond -1 and limit, from where on the frame's edge
+/// goes on.
+FRESHET_WIDE void places_of_cell(const float* flow, int origin, int across, int down, float fraction,
+                                 int limit, int width, int height, std::int32_t* places) {
+  for (int row = 0; row < height; ++row, flow += width, places += width)
+    for (int i = 0; i < width; ++i) {
+      const float at = static_cast<float>(origin + down * row + across * i) + fraction * flow[i];
+      const float inside = std::min(std::max(at, -1.0f), static_cast<float>(limit));
+      // Positive where it is cut off: rounded down.
+      places[i] = static_cast<std::int32_t>(inside * kCubicSteps + (kCubicSteps + 0.5f)) - kCubicSteps;
+    }
+}
+
+/// So many that the last vector is whole, if there are that many.
+int whole_vectors(int wanted, int there) {
+  constexpr int kVector = 16;
+  return std::min((wanted + kVector - 1) / kVector * kVector, there);
 }
 
 struct Range {
@@ -129,7 +161,10 @@ void read_block(const Plane& plane, const cv::Rect& block, std::span<const std::
   const std::size_t row_bytes = static_cast<std::size_t>(block.width) * bytes,
                     frame_bytes = row_bytes * block.height;
   const std::uint32_t first = run.front(), count = run.back() - first + 1;
-  std::vector<std::byte> samples(frame_bytes * count);
+  thread_local std::vector<std::byte>
+      kept;  // a block's bytes are many, and are cleared only when there are more
+  if (kept.size() < frame_bytes * count) kept.resize(frame_bytes * count);
+  const std::span samples(kept.data(), frame_bytes * count);
   query::read_samples(plane.snapshot, plane.tiles, plane.clip, plane.stream, plane.number,
                       {static_cast<std::uint32_t>(block.x), static_cast<std::uint32_t>(block.y),
                        static_cast<std::uint32_t>(block.width), static_cast<std::uint32_t>(block.height)},
@@ -283,12 +318,15 @@ void ClipLuma::read_flows(std::span<const std::uint32_t> missing) {
   });
 }
 
-void ClipLuma::row(std::uint32_t frame, int x, int y, int n, float* out) const {
-  const cv::Mat& samples = frames_.at(frame);
+void ClipLuma::row(const cv::Mat& samples, int x, int y, int n, float* out) const {
   if (samples.depth() == CV_8U)
-    luma_of_bytes(samples.ptr(y - region_.y) + (x - region_.x), black_, per_span_, n, out);
+    luma_of_bytes(samples.ptr(y) + x, black_, per_span_, n, out);
   else
-    luma_of_words(samples.ptr<std::uint16_t>(y - region_.y) + (x - region_.x), luma_of_.data(), n, out);
+    luma_of_words(samples.ptr<std::uint16_t>(y) + x, luma_of_.data(), n, out);
+}
+
+void ClipLuma::row(std::uint32_t frame, int x, int y, int n, float* out) const {
+  row(frames_.at(frame), x - region_.x, y - region_.y, n, out);
 }
 
 float ClipLuma::mean(std::uint32_t frame, std::span<const cv::Point> places) const {
@@ -318,24 +356,24 @@ void ClipLuma::flow_of_cell(std::uint32_t frame, const cv::Rect& cell, Scratch& 
   const std::int32_t* first = flow_across_.first.data() + corner.x;
   const int begin = first[0], samples = std::min(first[cell.width - 1] + 2, flow_region_.width) - begin;
   const bool halved = flow_step_ == 2 && cell.x % 2 == 0 && cell.width % 2 == 0;
-  // Of a halved flow the first column of a cell lies after the sample before it; at the region's edge there
-  // is none.
-  const int before = halved && (cell.x + 1) / 2 - flow_region_.x > begin ? 1 : 0;
-  for (int row = 0; row < cell.height; ++row) {
-    const int y0 = flow_down_.first[corner.y + row], y1 = std::min(y0 + 1, flow_region_.height - 1);
-    const float down = flow_down_.fraction[corner.y + row];
-    const auto interpolate = [&](const cv::Mat& component, std::vector<float>& flow) {
-      mix_flow(component.ptr<short>(y0) + begin, component.ptr<short>(y1) + begin, down, samples,
-               s.mixed.data());
-      float* to = flow.data() + row * cell.width;
-      if (halved)
-        flow_of_row_halved(s.mixed.data() + before, cell.width, to);
-      else
-        flow_of_row(s.mixed.data(), first, flow_across_.fraction.data() + corner.x, cell.width, to);
-    };
-    interpolate(by.u, s.u);
-    interpolate(by.v, s.v);
-  }
+  const FlowCell places{
+      .first_row = flow_down_.first.data() + corner.y,
+      .first_column = first,
+      .down = flow_down_.fraction.data() + corner.y,
+      .across = flow_across_.fraction.data() + corner.x,
+      .last_row = flow_region_.height - 1,
+      .samples = samples,
+      .worked = whole_vectors(samples, flow_region_.width - begin),
+      .width = cell.width,
+      .height = cell.height,
+      // Of a halved flow the first column of a cell lies after the sample before it; at the region's edge there is none.
+      .before = !halved                                     ? -1
+                : (cell.x + 1) / 2 - flow_region_.x > begin ? 1
+                                                            : 0};
+  flow_of_component(by.u.ptr<short>() + begin, static_cast<std::ptrdiff_t>(by.u.step1()), places,
+                    s.mixed.data(), s.u.data());
+  flow_of_component(by.v.ptr<short>() + begin, static_cast<std::ptrdiff_t>(by.v.step1()), places,
+                    s.mixed.data(), s.v.data());
 }
 
 void ClipLuma::between(std::uint32_t frame, float fraction, const cv::Rect& cell, float* out,
@@ -371,26 +409,24 @@ void ClipLuma::carried(std::uint32_t frame, float fraction, const cv::Rect& cell
                        Scratch& s) const {
   const cv::Point corner = cell.tl() - region_.tl();
   const float unit = fraction * vision::kFlowUnit;
-  for (int row = 0; row < cell.height; ++row) {
-    const int at = row * cell.width;
-    places_of_row(s.u.data() + at, corner.x, 1, unit, region_.width, cell.width, s.x.data() + at);
-    places_of_row(s.v.data() + at, corner.y + row, 0, unit, region_.height, cell.width, s.y.data() + at);
-  }
+  places_of_cell(s.u.data(), corner.x, 1, 0, unit, region_.width, cell.width, cell.height, s.x.data());
+  places_of_cell(s.v.data(), corner.y, 0, 1, unit, region_.height, cell.width, cell.height, s.y.data());
   // The samples around all places, beyond the region its edge.
   Range x, y;
   range_of(s.x.data(), cell.area(), x);
   range_of(s.y.data(), cell.area(), y);
   const int left = (x.minimum >> kCubicShift) - 1, right = (x.maximum >> kCubicShift) + 3;
   const int top = (y.minimum >> kCubicShift) - 1, bottom = (y.maximum >> kCubicShift) + 3;
-  const int stride = right - left;
-  s.window.resize(static_cast<std::size_t>(stride) * (bottom - top));
   const int from = std::max(left, 0), to = std::min(right, region_.width);
+  const int worked = whole_vectors(to - from, region_.width - from), missing = from - left;
+  const int stride = missing + std::max(worked, right - from);
+  s.window.resize(static_cast<std::size_t>(stride) * (bottom - top));
+  const cv::Mat& samples = frames_.at(frame);
   for (int i = top; i < bottom; ++i) {
     float* line = s.window.data() + static_cast<std::size_t>(i - top) * stride;
-    row(frame, region_.x + from, region_.y + std::clamp(i, 0, region_.height - 1), to - from,
-        line + (from - left));
-    std::fill(line, line + (from - left), line[from - left]);
-    std::fill(line + (to - left), line + stride, line[to - left - 1]);
+    row(samples, from, std::clamp(i, 0, region_.height - 1), worked, line + missing);
+    std::fill(line, line + missing, line[missing]);
+    std::fill(line + (to - left), line + (right - left), line[to - left - 1]);
   }
   const std::ptrdiff_t offset = -static_cast<std::ptrdiff_t>(top) * stride - left;
   read_places(s.window.data(), offset, stride, s.x.data(), s.y.data(), cell.area(), out);

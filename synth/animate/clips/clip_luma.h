@@ -73,6 +73,7 @@ class ClipLuma {
   std::size_t flow_bytes() const;
 
  private:
+  void row(const cv::Mat& samples, int x, int y, int n, float* out) const;  // from the region's corner
   void read_frames(std::span<const std::uint32_t> missing);
   void read_flows(std::span<const std::uint32_t> missing);
   void between(std::uint32_t frame, float fraction, const cv::Rect& cell, float* out, Scratch& scratch) const;
