@@ -9,8 +9,10 @@
 #include <mutex>
 #include <numeric>
 #include <optional>
+#include <span>
 #include <tuple>
 #include <utility>
+#include <vector>
 
 #include <oneapi/tbb/parallel_for.h>
 #include <oneapi/tbb/parallel_invoke.h>
@@ -67,12 +69,27 @@ cv::Mat in_units(const cv::Mat& picture) {
 }
 
 /// A picture has one light: fires breathe by less than kMostLevel, and what goes beyond it is a clip's flash, or a puff
-/// that crosses it.
-void limit_level(cv::Mat& level) {
+/// that crosses it. spans: columns of each row that count; a hyperbola for every pixel of a frame is dear.
+void limit_level(cv::Mat& level, std::span<const cv::Range> spans) {
   for (int y = 0; y < level.rows; ++y) {
     auto* at = level.ptr<float>(y);
-    for (int x = 0; x < level.cols; ++x) at[x] = kMostLevel * std::tanh(at[x] / kMostLevel);
+    for (int x = spans[y].start; x < spans[y].end; ++x) at[x] = kMostLevel * std::tanh(at[x] / kMostLevel);
   }
+}
+
+/// Of each row of a canvas that lies on a picture as large as its matte, the columns between which the matte is more than 0.
+std::vector<cv::Range> spans_of(const cv::Rect& canvas, const cv::Mat& matte) {
+  std::vector<cv::Range> spans(canvas.height, cv::Range(0, 0));
+  for (int row = 0; row < canvas.height; ++row) {
+    const int y = canvas.y + row;
+    if (y < 0 || y >= matte.rows) continue;
+    const auto* at = matte.ptr<std::uint8_t>(y);
+    int begin = std::max(canvas.x, 0), end = std::min(canvas.br().x, matte.cols);
+    while (begin < end && at[begin] == 0) ++begin;
+    while (end > begin && at[end - 1] == 0) --end;
+    if (begin < end) spans[row] = {begin - canvas.x, end - canvas.x};
+  }
+  return spans;
 }
 
 /// A field that is sampled every few px, for every pixel; 0 where nothing is fluid.
@@ -338,6 +355,11 @@ class Animation {
                      renewing_);
         cv::multiply(renewing_pieces, renewal_->places(), renewing_pieces);
         renewing_counts_ = Renewal::counts_of(renewing_pieces);
+        // What is enlarged mixes neighbours, and a moving outline goes beyond the matte.
+        if (moving_ || placement_.piece_scale != 1)
+          level_spans_.assign(canvas_.rect().height, cv::Range(0, canvas_.rect().width));
+        else
+          level_spans_ = spans_of(canvas_.rect(), matte_);
       }
       standing_.emplace(planes, alpha_, shares_that_stand());
     }
@@ -434,7 +456,7 @@ class Animation {
       field = renewed;
       renewal_->show(field, made.luma, shares, renewing_counts_);
       cv::Mat level = blender_->take_level(slot);
-      limit_level(level);
+      limit_level(level, level_spans_);
       cv::scaleAdd(level, anew, field, field);
     } else {
       field = blender_->take(slot);
@@ -568,6 +590,7 @@ class Animation {
   std::shared_ptr<const MotionSequence> sequence_;
   cv::Mat renewing_;  // CV_32F, sampled as the field: how much of what comes anew is for a place, 0..1
   std::vector<cv::Mat> renewing_counts_;  // the same on the canvas, for Renewal::show
+  std::vector<cv::Range> level_spans_;    // of the canvas, by row: where the patches' light shows
   std::optional<StandingDetail> standing_;
   double half_life_s_ = 0;  // of carried detail
   std::shared_ptr<const CarryingField> field_;
