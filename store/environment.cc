@@ -209,8 +209,9 @@ void Environment::open_tables(bool create) {
     }
     throw_lmdb(file_, "cannot open its tables", code);
   }
-  const int code = mdb_txn_commit(txn);
+  const int opened = mdb_dbi_open(txn, nullptr, 0, &table_of_tables_), code = mdb_txn_commit(txn);
   end(nullptr);
+  check_lmdb(file_, "cannot open its tables", opened);
   check_lmdb(file_, "cannot open its tables", code);
 }
 
@@ -321,6 +322,14 @@ void Environment::end_write(MDB_txn* txn) {
   end(txn);
   writer_thread_ = std::thread::id();
   writer_mutex_.unlock();
+}
+
+void Environment::cut_uncommitted() {
+  MDB_envinfo info{};
+  if (mdb_env_info(env_, &info) != 0) return;
+  const std::uint64_t committed = (std::uint64_t{info.me_last_pgno} + 1) * page_bytes();
+  // When it cannot be cut, the next transaction writes over what is there.
+  if (file_bytes() > committed && ftruncate(fd_, static_cast<off_t>(committed)) != 0) return;
 }
 
 bool Environment::lock_alone() { return lock_byte(fd_, kUserByte, F_WRLCK); }

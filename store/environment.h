@@ -81,13 +81,15 @@ class Environment : public std::enable_shared_from_this<Environment> {
   /// The same for the one writer: other threads wait here, where begin_mutex_ is free.
   MDB_txn* begin_write();
   void end_write(MDB_txn* txn);
+  /// Takes pages off the file's end that no committed state has: what an undone transaction has written out. The writer's.
+  void cut_uncommitted();
 
   std::filesystem::path file_;
   std::filesystem::path at_;  // the name that it has: another one while it is made
   Access access_;
   int fd_ = -1;
   MDB_env* env_ = nullptr;
-  MDB_dbi tables_[kTables] = {};
+  MDB_dbi tables_[kTables] = {}, table_of_tables_ = 0;
   std::uint64_t store_id_ = 0;
   bool unlocked_reader_ = false;  // opened without LMDB's lock file
   std::size_t map_bytes_ = 0;
@@ -125,6 +127,7 @@ class ReadTransaction {
 };
 
 /// The one writer's transaction; it belongs to the thread that made it. Destruction without commit undoes it.
+/// Memory  some kMostUnwritten of values, whatever is put: the rest has been written to pages that nothing leads to yet.
 class WriteTransaction {
  public:
   explicit WriteTransaction(std::shared_ptr<Environment> environment);
@@ -138,6 +141,7 @@ class WriteTransaction {
   /// Keys that come in ascending order are appended: pages are filled instead of split. A value that is there
   /// already is erased first, so that no value has more pages than it needs.
   void put(Table table, ByteSpan key, ByteSpan value);
+  static constexpr std::size_t kMostUnwritten = std::size_t{64} << 20;  // bytes
   void erase(Table table, ByteSpan prefix);
   std::optional<Bytes> get(Table table, ByteSpan key) const;
   /// Calls visit(key, value) for every entry of the table.
@@ -150,9 +154,12 @@ class WriteTransaction {
 
  private:
   void expect_freeable(Table table, ByteSpan key, ByteSpan value) const;
+  void write_out();
 
   std::shared_ptr<Environment> environment_;
   MDB_txn* txn_ = nullptr;
+  std::size_t unwritten_ = 0;  // bytes of values
+  bool has_written_out_ = false;
 };
 
 /// The account of clips and blobs as the transaction sees it. Throws Error{kDamaged}.

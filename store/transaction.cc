@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cstring>
 #include <utility>
 
 #include "freshet/error.h"
@@ -97,7 +98,12 @@ WriteTransaction::WriteTransaction(std::shared_ptr<Environment> environment)
 }
 
 WriteTransaction::~WriteTransaction() {
-  if (txn_ != nullptr) environment_->end_write(txn_);
+  if (txn_ == nullptr) return;
+  if (has_written_out_) {
+    mdb_txn_abort(std::exchange(txn_, nullptr));
+    environment_->cut_uncommitted();
+  }
+  environment_->end_write(txn_);
 }
 
 // LMDB frees as many pages as the value's first one names, be they another's.
@@ -122,6 +128,21 @@ void WriteTransaction::put(Table table, ByteSpan key, ByteSpan value) {
     code = mdb_put(txn_, dbi, &at, &bytes, 0);
   }
   check_lmdb(environment_->file(), "cannot be written", code);
+  unwritten_ += value.size();
+  if (unwritten_ > kMostUnwritten) write_out();
+}
+
+// LMDB writes dirty pages out before the commit when it may run out of room for a list of 131,071 of them, but a value of
+// many pages takes one place in that list: 131,071 values of 256 KB would be 34 GB of memory. There is no call for it. It
+// makes room before it looks at what is put, though: a value of some 100,000 pages asks for all of the room there is, and
+// as its key is a table's name, it is then refused, with nothing changed.
+void WriteTransaction::write_out() {
+  MDB_val name{std::strlen(kTableNames[0]), const_cast<char*>(kTableNames[0])};
+  MDB_val value{std::size_t{100'000} * environment_->page_bytes(), nullptr};
+  const int code = mdb_put(txn_, environment_->table_of_tables_, &name, &value, 0);
+  if (code != MDB_INCOMPATIBLE) check_lmdb(environment_->file(), "cannot be written", code);
+  unwritten_ = 0;
+  has_written_out_ = true;
 }
 
 void WriteTransaction::erase(Table table, ByteSpan prefix) {

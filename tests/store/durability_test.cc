@@ -7,6 +7,7 @@
 #include <xxhash.h>
 
 #include <csignal>
+#include <random>
 
 #include "tests/store/raw_file.h"
 
@@ -104,6 +105,73 @@ TEST(Durability, AFullDiskLeavesTheStoreAsItWas) {
   EXPECT_EQ(store.snapshot().clips().size(), 2u);
   EXPECT_TRUE(store.snapshot().verify().empty());
   add_clip(store, numbered(1));
+}
+
+// A clip's columns of 16 MB that no compression makes smaller.
+std::vector<std::uint64_t> noise_of_16_mb() {
+  std::vector<std::uint64_t> noise(std::size_t{2} << 20);
+  std::mt19937_64 random(1);
+  for (std::uint64_t& value : noise) value = random();
+  return noise;
+}
+ClipWriter write_large_clip(Store& store, const std::vector<std::uint64_t>& noise, int columns) {
+  ClipWriter writer = write_clip(store, numbered(7));
+  for (int i = 0; i < columns; ++i)
+    writer.column<std::uint64_t>("noise " + std::to_string(i), std::span(noise));
+  return writer;
+}
+
+TEST(Durability, ALargeClipIsWrittenBeforeItsCommitAndNotKeptInMemory) {
+  const TestFolder folder;
+  Store store = Store::create(folder / "a", "");
+  add_clip(store, numbered(0));
+  const std::string digest = store.snapshot().digest();
+  const auto before = std::filesystem::file_size(folder / "a");
+  const std::vector<std::uint64_t> noise = noise_of_16_mb();
+  {
+    const ClipWriter dropped = write_large_clip(store, noise, 10);
+    EXPECT_GT(std::filesystem::file_size(folder / "a"), before + (std::uintmax_t{90} << 20));
+    // Nothing leads to what is written.
+    EXPECT_EQ(store.snapshot().digest(), digest);
+    EXPECT_TRUE(store.snapshot().verify().empty());
+  }
+  // And it goes with the clip.
+  EXPECT_LE(std::filesystem::file_size(folder / "a"), before);
+  EXPECT_EQ(store.snapshot().digest(), digest);
+
+  write_large_clip(store, noise, 10).commit(numbered(7).record());
+  const Snapshot snapshot = store.snapshot();
+  EXPECT_TRUE(snapshot.verify().empty());
+  EXPECT_EQ(snapshot.column<std::uint64_t>(ClipId{1}, "noise 3"), noise);
+  EXPECT_TRUE(reads_back(snapshot, ClipId{0}, numbered(0)));
+}
+
+TEST(Durability, ADiskThatIsFullBeforeALargeClipsCommitLeavesTheStoreAsItWas) {
+  const TestFolder folder;
+  {
+    Store store = Store::create(folder / "a", "");
+    add_clip(store, numbered(0));
+  }
+  const auto before = std::filesystem::file_size(folder / "a");
+  const int code = in_child([&] {
+    std::signal(SIGXFSZ, SIG_IGN);
+    const rlimit limit{before + (rlim_t{100} << 20), RLIM_INFINITY};
+    setrlimit(RLIMIT_FSIZE, &limit);
+    Store store = Store::open_write(folder / "a");
+    try {
+      write_large_clip(store, noise_of_16_mb(), 10);
+      return 1;
+    } catch (const Error& error) {
+      if (error.kind() != ErrorKind::kIo) return 2;
+    }
+    if (std::filesystem::file_size(folder / "a") > before) return 3;
+    add_clip(store, numbered(1));
+    return 0;
+  });
+  EXPECT_EQ(code, 0);
+  const Snapshot snapshot = Store::open_read(folder / "a").snapshot();
+  EXPECT_EQ(snapshot.clips().size(), 2u);
+  EXPECT_TRUE(snapshot.verify().empty());
 }
 
 TEST(Durability, AFileThatCannotBeWrittenInAFolderThatCannotCanBeRead) {
