@@ -41,6 +41,7 @@ class Occurrences {
 // Which lists are columns is decided on evenly spread rows, on all of them where there are few. A list that is judged
 // wrongly is only longer than it might be.
 constexpr std::size_t kSampledRows = std::size_t{1} << 16;
+constexpr std::size_t kParts = 16;              // that numbers are put into lists in, at once
 constexpr std::uint32_t kNumbers = 0xffffffff;  // no column: a list of numbers
 
 // A row of a block that belongs to a list of numbers is kept as the list, then the row.
@@ -64,23 +65,31 @@ void RowColumns::Unmap::operator()(RowBits* at) const { munmap(at, bytes); }
 RowLists::RowLists(std::span<const vision::WordMap> words, std::size_t word_count)
     : words_(word_count), places_(kCells * word_count * kMaxCount) {
   const std::vector<std::uint32_t> column_of = choose_columns(words);
-  // Bits go to their columns at once; numbers are collected block by block, as it is not known how many there are.
+  // Numbers are collected block by block, as it is not known how many there are.
   const std::size_t blocks = (words.size() + kBlockRows - 1) / kBlockRows;
+  const std::size_t columns = column_groups_ == 0 ? 0 : columns_.size() / column_groups_;
   std::vector<std::vector<std::uint32_t>> few(blocks);
   oneapi::tbb::parallel_for(std::size_t{0}, blocks, [&](std::size_t b) {
     Occurrences occurrences;
+    // A row's bits go to some hundred columns, each in a page of its own: they are set in a group of rows that lies
+    // together, and go to their places a cache line at a time. 4.5 s of CPU for five million rows were 3.4.
+    std::vector<RowBits> group(columns);
     const std::size_t first = b * kBlockRows, end = std::min(first + kBlockRows, words.size());
-    for (std::size_t row = first; row < end; ++row) {
-      RowBits* const group = columns_.data() + row / RowBits::kRows;
-      const std::size_t word_of_bits = row / 64 % 8;
-      const std::uint64_t bit = std::uint64_t{1} << row % 64;
-      occurrences.visit(words[row], [&](std::size_t cell, std::size_t word, std::size_t n) {
-        const std::size_t i = place_of(cell, word, n);
-        if (const std::uint32_t number = column_of[i]; number != kNumbers)
-          group[number * column_groups_].words[word_of_bits] |= bit;
-        else
-          few[b].push_back(static_cast<std::uint32_t>(i << kRowBits | (row - first)));
-      });
+    for (std::size_t begin = first; begin < end; begin += RowBits::kRows) {
+      std::ranges::fill(group, RowBits{});
+      for (std::size_t row = begin; row < std::min(begin + RowBits::kRows, end); ++row) {
+        const std::size_t word_of_bits = row / 64 % 8;
+        const std::uint64_t bit = std::uint64_t{1} << row % 64;
+        occurrences.visit(words[row], [&](std::size_t cell, std::size_t word, std::size_t n) {
+          const std::size_t i = place_of(cell, word, n);
+          if (const std::uint32_t number = column_of[i]; number != kNumbers)
+            group[number].words[word_of_bits] |= bit;
+          else
+            few[b].push_back(static_cast<std::uint32_t>(i << kRowBits | (row - first)));
+        });
+      }
+      RowBits* const to = columns_.data() + begin / RowBits::kRows;
+      for (std::size_t column = 0; column < columns; ++column) to[column * column_groups_] = group[column];
     }
   });
   put_numbers(few);
@@ -109,23 +118,34 @@ std::vector<std::uint32_t> RowLists::choose_columns(std::span<const vision::Word
 }
 
 void RowLists::put_numbers(std::span<std::vector<std::uint32_t>> few) {
-  for (const auto& of_block : few)
-    for (const std::uint32_t one : of_block) ++places_[one >> kRowBits].count;
+  // Each part of the blocks counts its own, and writes behind the parts before it.
+  const std::size_t parts = std::min<std::size_t>(few.size(), kParts);
+  const auto block = [&](std::size_t part) { return part * few.size() / parts; };
+  std::vector<std::vector<std::uint32_t>> counts(parts);
+  oneapi::tbb::parallel_for(std::size_t{0}, parts, [&](std::size_t part) {
+    counts[part].resize(places_.size());
+    for (std::size_t b = block(part); b < block(part + 1); ++b)
+      for (const std::uint32_t one : few[b]) ++counts[part][one >> kRowBits];
+  });
   std::size_t numbers = 0;
-  for (Place& place : places_) {
+  for (std::size_t i = 0; i < places_.size(); ++i) {
+    Place& place = places_[i];
     if (place.count == kColumn) continue;
     place.at = numbers;
-    numbers += std::exchange(place.count, 0);
+    for (auto& of_part : counts) place.count += std::exchange(of_part[i], place.count);
+    numbers += place.count;
   }
   rows_.resize(numbers);
-  for (std::size_t b = 0; b < few.size(); ++b) {
-    for (const std::uint32_t one : few[b]) {
-      Place& place = places_[one >> kRowBits];
-      rows_[place.at + place.count++] =
-          static_cast<std::uint32_t>(b * kBlockRows + (one & ((1u << kRowBits) - 1)));
+  oneapi::tbb::parallel_for(std::size_t{0}, parts, [&](std::size_t part) {
+    for (std::size_t b = block(part); b < block(part + 1); ++b) {
+      for (const std::uint32_t one : few[b]) {
+        const std::size_t i = one >> kRowBits;
+        rows_[places_[i].at + counts[part][i]++] =
+            static_cast<std::uint32_t>(b * kBlockRows + (one & ((1u << kRowBits) - 1)));
+      }
+      few[b] = {};
     }
-    few[b] = {};
-  }
+  });
 }
 
 std::size_t RowLists::bytes() const {
