@@ -2,9 +2,14 @@
 # Installs what is needed, builds, and runs every test. Works from nothing but a checkout on Debian 12.
 # ./test.sh --long: the campaigns of tests/faults alone, at full length (hours).
 # ./test.sh --soak [MINUTES]: many processes on one store, an hour unless said otherwise.
+# ./test.sh --tsan [CTEST ARGUMENT..]: the tests under the thread sanitizer.
 # ./test.sh --fuzz [SECONDS [TARGET..]]: coverage-guided fuzzing, two hours a target unless said otherwise.
 set -eu
 cd "$(dirname "$0")"
+if [ "${1:-}" = --tsan ]; then
+  shift
+  exec tests/tsan/run.sh "$@"
+fi
 cmake/prepare.sh release
 if [ "${1:-}" = --long ]; then
   shift
