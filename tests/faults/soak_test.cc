@@ -23,10 +23,10 @@ using Clock = std::chrono::steady_clock;
 
 /// What may stand against a command while others work on the store, and is no fault.
 bool is_excused(const Outcome& outcome) {
-  for (const char* reason :
-       {"another process is writing to it", "is being compacted by another process",
-        "has been replaced while it was", "is open in another", "it holds no patches", "has no index",
-        "has no codebook", "no clip named", "has no clip", "there is no such clip", "no patch"})
+  for (const char* reason : {"another process is writing to it", "is being compacted by another process",
+                             "has been replaced while it was", "is open in another", "it holds no patches",
+                             "has no index", "have been added since its index", "has no codebook",
+                             "no clip named", "has no clip", "there is no such clip", "no patch"})
     if (outcome.exit_code == 1 && outcome.err.find(reason) != std::string::npos) return true;
   return false;
 }
@@ -84,11 +84,12 @@ class Soak {
   std::vector<std::string> faults_;
 };
 
-long median_of(std::vector<long> values, std::size_t first, std::size_t end) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>((first + end) / 2);
-  std::nth_element(values.begin() + static_cast<std::ptrdiff_t>(first), middle,
+/// What one in ten exceeds: many an ingest finds its clips there, and does nothing.
+long high_of(std::vector<long> values, std::size_t first, std::size_t end) {
+  const auto high = values.begin() + static_cast<std::ptrdiff_t>(first + (end - first) * 9 / 10);
+  std::nth_element(values.begin() + static_cast<std::ptrdiff_t>(first), high,
                    values.begin() + static_cast<std::ptrdiff_t>(end));
-  return *middle;
+  return *high;
 }
 
 /// The commands that change f.store, and those that read it.
@@ -135,8 +136,7 @@ TEST(Soak, OfManyProcessesLosesNothingAndGrowsNowhere) {
               << tally.stopped << " stopped";
     // Of the first and of the last quarter, where there are enough to compare.
     if (const std::size_t n = tally.peaks_kib.size(); n >= 40) {
-      const long first = median_of(tally.peaks_kib, 0, n / 4),
-                 last = median_of(tally.peaks_kib, n - n / 4, n);
+      const long first = high_of(tally.peaks_kib, 0, n / 4), last = high_of(tally.peaks_kib, n - n / 4, n);
       std::cout << "; peak memory " << first / 1024 << " MiB, later " << last / 1024 << " MiB";
       EXPECT_LT(static_cast<double>(last), 1.15 * static_cast<double>(first)) << name;
     }
