@@ -64,9 +64,13 @@ void FrameReel::add_outline(const cv::Mat& matte) {
 }
 
 std::string FrameReel::outlines_json() const {
+  std::vector<std::vector<std::vector<cv::Point>>> known;
+  {
+    const std::lock_guard lock(guard_);
+    known = outlines_;
+  }
   nlohmann::json json = nlohmann::json::array();
-  const std::lock_guard lock(guard_);
-  for (const std::vector<std::vector<cv::Point>>& lines : outlines_) {
+  for (const std::vector<std::vector<cv::Point>>& lines : known) {
     nlohmann::json& frame = json.emplace_back(nlohmann::json::array());
     for (const std::vector<cv::Point>& line : lines) {
       nlohmann::json& points = frame.emplace_back(nlohmann::json::array());

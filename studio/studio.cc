@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cerrno>
 #include <chrono>
 #include <optional>
 #include <system_error>
@@ -75,6 +76,17 @@ Json sequence_json(const fs::directory_entry& folder) {
     ++pictures;
   }
   return {{"name", folder.path().filename().string()}, {"bytes", bytes}, {"pictures", pictures}};
+}
+
+/// Whether ingest went through all clips and took none: the reasons are an answer too, though it ends with 1.
+bool only_refused(const Json& report) {
+  if (!report.is_object() || !report.contains("clips") || report["clips"].empty() ||
+      report.contains("stopped"))
+    return false;
+  return std::none_of(report["clips"].begin(), report["clips"].end(), [](const Json& clip) {
+    const std::string outcome = clip.value("outcome", "");
+    return outcome != "refused" && outcome != "failed";
+  });
 }
 
 }  // namespace
@@ -338,6 +350,11 @@ JobId Studio::run_way(const std::string& project, const std::string& way) {
         Project& holder = easel->project();
         holder.write_way(plan.folder,
                          way_files(way, document, holder.picture()->bgr, holder.recipe_files(document)));
+        if (plan.animates) {
+          // Its films are made one by one: what was found of those before them does not say what they show.
+          holder.write_way(plan.folder, {{plan.answer, "null"}});
+          tell_way(project, way);
+        }
         CommandAnswer answer;
         for (const std::vector<std::string>& words : plan.commands)
           answer = run({.program = options_.program, .arguments = words, .folder = holder.folder()}, job);
@@ -490,10 +507,11 @@ std::string Studio::open_store(const fs::path& file, const std::string& name) {
   for (int number = 1; number < 1000; ++number) {
     const fs::path path = options_.folder / "stores" /
                           (number == 1 ? stem + ".freshet" : fmt::format("{}-{}.freshet", stem, number));
-    if (fs::exists(fs::symlink_status(path))) {
-      if (fs::is_symlink(fs::symlink_status(path)) || !same_bytes(path, file)) continue;
-    } else {
-      fs::rename(file, path);
+    // A link, not a rename: of two that come at once, one finds the other's.
+    if (::link(file.c_str(), path.c_str()) != 0) {
+      const bool is_there = errno == EEXIST;
+      if (is_there && (fs::is_symlink(fs::symlink_status(path)) || !same_bytes(path, file))) continue;
+      if (!is_there) fs::rename(file, path);  // a file system without links
     }
     const std::lock_guard lock(guard_);
     auto store = std::make_shared<OpenedStore>(path);
@@ -529,19 +547,13 @@ JobId Studio::ingest(const std::string& id, const std::string& licence) {
                         .arguments = {"ingest", store->path(), clips, "--json"},
                         .folder = options_.folder};
         if (!licence.empty()) command.arguments.push_back("--licence=" + licence);
-        const struct Sent {
-          fs::path clips;
-          ~Sent() {
-            std::error_code fault;
-            fs::remove_all(clips, fault);
-          }
-        } sent{clips};
-        const CommandAnswer answer = run_to_end(command, job);
-        // Where no clip was taken, the reasons are an answer too.
+        const CommandAnswer answer = run_to_end(command, job);  // what is stopped or fails keeps its clips
         Json report = Json::parse(answer.output, nullptr, false);
-        if (!report.is_object() || !report.contains("clips")) expect_done(command, answer);
-        add_strips(clips, report);
+        if (!only_refused(report)) expect_done(command, answer);
         store->refresh();
+        add_strips(clips, report);
+        std::error_code fault;
+        fs::remove_all(clips, fault);
         feed_.publish("ingested", text({{"store", id}, {"report", report.is_discarded() ? Json() : report}}));
       });
 }
@@ -560,7 +572,7 @@ void Studio::add_strips(const fs::path& clips, Json& report) {
         const std::uint64_t number = next_number();
         strips[number] = encoded(clip_strip(video, kWidth));
         clip["strip"] = number;
-      } catch (const Error&) {
+      } catch (const std::exception&) {
         continue;  // what cannot be decoded cannot be shown; why is said in words
       }
     }

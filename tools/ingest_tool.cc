@@ -129,6 +129,7 @@ void run(const IngestCommand& command, RunContext& context) {
   if (command.json) {
     nlohmann::json json{{"store", command.store}, {"clips", nlohmann::json::array()}};
     for (const ingest::ClipReport& clip : report.clips) json["clips"].push_back(to_json(clip));
+    if (report.stopped) json["stopped"] = report.stopped->what();
     fmt::print("{}\n", json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
   } else if (!report.clips.empty()) {
     print_report(report);

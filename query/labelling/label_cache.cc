@@ -34,7 +34,7 @@ bool is_ours(const fs::path& path) {
 constexpr std::size_t kMaxPacks = 256;
 constexpr std::array<char, 8> kMagic{'F', 'R', 'E', 'L', 'A', 'B', 'E', 'L'};
 // Raised when what is kept, or how it is computed, changes: older packs are then as good as none.
-constexpr std::uint32_t kVersion = 3;
+constexpr std::uint32_t kVersion = 4;
 
 // Little endian, as on every machine that we run on.
 struct Header {

@@ -28,7 +28,8 @@ struct Sweep {
   bool operator==(const Sweep&) const = default;
 };
 
-inline constexpr std::size_t kMostAxes = 2, kMostSwept = 16;  // animations
+inline constexpr std::size_t kMostAxes = 2, kMostValues = 64;
+inline constexpr std::size_t kMostSwept = 16;  // animations that are made
 inline constexpr int kShortSweep = 48;
 
 /// How many animations it is.

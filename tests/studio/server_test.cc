@@ -465,6 +465,20 @@ TEST_F(Server, AStoreGrowsByWhatIsSent) {
   EXPECT_EQ(status(running().get("api/stores/" + store + "/clips/0")), 200);
 }
 
+TEST_F(Server, AnIngestThatStopsAnotherTakesItsClipsToo) {
+  const std::string store =
+      Json::parse(running().send("POST", "api/stores", R"({"name": "twice"})")->body)["id"];
+  const std::string clip = tools::text_of(tools::sample().clips / "fall/1.mkv");
+  for (const char* name : {"one.mkv", "two.mkv"}) {
+    const std::string at = "api/stores/" + store;
+    ASSERT_EQ(status(running().send("POST", at + "/clips?class=" + name + "&name=" + name, clip + name)),
+              200);
+    ASSERT_EQ(status(running().send("POST", at + "/ingest", R"({"licence": ""})")), 200);
+  }
+  running().studio().wait();
+  EXPECT_EQ(running().json("api/stores/" + store)["clips"].size(), 2u) << running().json("api/jobs");
+}
+
 TEST_F(Server, AStoreIsTakenOver) {
   const std::string bytes = tools::text_of(tools::sample().store);
   const auto given = [&](const std::string& name, const std::string& body) {

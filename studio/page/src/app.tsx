@@ -210,16 +210,16 @@ function Transport(): JSX.Element {
           aria-label="Frame"
           min={0}
           max={Math.max(1, total - 1)}
-          value={player.frame.value}
+          value={player.told.value}
           disabled={!reel}
-          style={{ "--fill": `${(100 * player.frame.value) / Math.max(1, total - 1)}%` }}
+          style={{ "--fill": `${(100 * player.told.value) / Math.max(1, total - 1)}%` }}
           onInput={(event) => {
             player.playing.value = false;
             player.seek(event.currentTarget.valueAsNumber);
           }}
         />
         <output class="time">
-          {reel ? `${(player.frame.value / reel.news.fps).toFixed(2)} s` : "–"}
+          {reel ? `${(player.told.value / reel.news.fps).toFixed(2)} s` : "–"}
         </output>
         <select class="rate" aria-label="Speed of playing" value={String(player.rate.value)} onChange={(event) => (player.rate.value = Number(event.currentTarget.value))}>
           {[0.25, 0.5, 1, 2].map((rate) => (

@@ -7,7 +7,7 @@ import { Image as KonvaImage } from "konva/lib/shapes/Image";
 import { Line } from "konva/lib/shapes/Line";
 import { Rect } from "konva/lib/shapes/Rect";
 import { address } from "./api";
-import { addLine as addClipLine, inputLines, moveLine, pointsAt, shownLines } from "./cliplines";
+import { addLine as addClipLine, inputLines, moveLine, pointsAt, positionOf, shownLines } from "./cliplines";
 import { addLayerLine, chosenLayer, foundShape, layerShape, paintLayer } from "./layers";
 import { followOutlines, outlineLook, outlinesNow } from "./onion";
 import { flat, lengthOf, PenLine, rounded, type Run, widthOf } from "./pen";
@@ -18,6 +18,7 @@ import * as view from "./view";
 
 const kLongest = 2048; // px of the copy of the picture that is always here
 const kBetweenStreaks = 30; // ms
+const kBetweenWaiting = 80; // ms
 const kRest = 150; // ms that a view rests before it is sharpened
 const accent = (): string => getComputedStyle(document.documentElement).getPropertyValue("--accent").trim() || "#4fc3c7";
 
@@ -420,7 +421,7 @@ export class Canvas {
   private addClipLine(line: ClipLine, index: number): void {
     const chosen = view.line.value === index;
     const scale = this.stage.scaleX();
-    const position = chosen ? Math.min(view.position.value, line.later.length) : 0;
+    const position = chosen ? positionOf(line) : 0;
     const points = pointsAt(line, position);
     const shape = { points: flat(points), pointerLength: 9 / scale, pointerWidth: 8 / scale, lineCap: "round" as const, lineJoin: "round" as const };
     const colour = chosen ? accent() : "#fff";
@@ -467,7 +468,7 @@ export class Canvas {
     const found = state.pieces.value;
     if (!found) return;
     const map = view.pieceMap.value;
-    const margins = found.pieces.map((piece) => piece[5] ?? Infinity).sort((a, b) => a - b);
+    const margins = map === "sure" ? found.pieces.map((piece) => piece[5] ?? Infinity).sort((a, b) => a - b) : [];
     // How sure it is means little as a number: where it stands among all pieces is shown.
     const place = (margin: number | null): number => margins.findIndex((each) => each >= (margin ?? Infinity)) / Math.max(1, margins.length - 1);
     if (map !== "none")
@@ -491,10 +492,11 @@ export class Canvas {
         this.drawing.add(new Rect({ x: chosen[0], y: chosen[1], width: found.side, height: found.side, stroke: colour, strokeWidth: width / this.stage.scaleX(), cornerRadius: 3 / this.stage.scaleX(), listening: false }));
   }
 
-  /** Thirty times a second: while the page draws, what is waited for is made by the same processor. */
+  /** Thirty times a second; less while a preview is made, for it is the same processor that makes it. */
   private drawStreaks(now: number): void {
     const shows = view.streaks.value && state.mode.value === "flow" && !this.flowing.empty;
-    if ((!shows && !this.streaksShown) || now - this.last < kBetweenStreaks) return;
+    const between = state.previewJob.value ? kBetweenWaiting : kBetweenStreaks;
+    if ((!shows && !this.streaksShown) || now - this.last < between) return;
     const seconds = Math.min(0.1, (now - this.last) / 1000);
     this.last = now;
     this.streaksShown = shows;

@@ -66,20 +66,25 @@ export function changeLine(index: number, part: Partial<ClipLine>, key = ""): vo
 /** Where a line lies at one of its positions; 0 is the first. */
 export const pointsAt = (line: ClipLine, position: number): Point[] => line.later[position - 1]?.points ?? line.points;
 
+/** The chosen position of a line; one that was taken back is none. */
+export const positionOf = (line: ClipLine): number => Math.min(view.position.value, line.later.length);
+
 /** Moves the chosen position of a line. */
 export function moveLine(index: number, points: Point[]): void {
   const line = shownLines()[index];
-  const position = view.position.value;
-  if (!line?.later[position - 1]) return changeLine(index, { points });
+  if (!line) return;
+  const position = positionOf(line);
+  if (position === 0) return changeLine(index, { points });
   changeLine(index, { later: line.later.map((each, i) => (i === position - 1 ? { ...each, points } : each)) });
 }
 
 const kBetween = 1; // s between a new position and the last
+export const kMostPositions = 60; // of a line, beside the first
 
 /** One more position, after the last, where the line lies then. */
 export function addPosition(index: number): void {
   const line = shownLines()[index];
-  if (!line) return;
+  if (!line || line.later.length >= kMostPositions) return;
   const last = line.later[line.later.length - 1];
   changeLine(index, { later: [...line.later, { time: (last?.time ?? 0) + kBetween, points: pointsAt(line, line.later.length) }] });
   view.position.value = line.later.length + 1;
@@ -88,7 +93,7 @@ export function addPosition(index: number): void {
 /** The chosen position happens at another time, between those beside it. */
 export function timePosition(index: number, seconds: number): void {
   const line = shownLines()[index];
-  const at = view.position.value - 1;
+  const at = line ? positionOf(line) - 1 : -1;
   if (!line?.later[at]) return;
   const apart = 0.04;
   const from = (line.later[at - 1]?.time ?? 0) + apart;
@@ -99,9 +104,9 @@ export function timePosition(index: number, seconds: number): void {
 
 export function removePosition(index: number): void {
   const line = shownLines()[index];
-  const at = view.position.value - 1;
+  const at = line ? positionOf(line) - 1 : -1;
   if (!line?.later[at]) return;
-  view.position.value -= 1;
+  view.position.value = at;
   changeLine(index, { later: line.later.filter((_, i) => i !== at) });
 }
 

@@ -23,7 +23,9 @@ export async function dropped(transfer: DataTransfer | null): Promise<Dropped[]>
 }
 
 async function walk(entry: FileSystemEntry, above: string, found: Dropped[]): Promise<void> {
-  if (found.length >= kMostFiles) return;
+  if (entry.name.startsWith(".") || entry.name === "Thumbs.db") return;
+  if (entry.isDirectory && entry.name === "exports") return; // of a project: what can be made again
+  if (found.length >= kMostFiles) throw new Error(`There are more than ${kMostFiles} files in it.`);
   const path = above + entry.name;
   if (entry.isFile) {
     found.push({ path, file: await new Promise<File>((resolve, reject) => (entry as FileSystemFileEntry).file(resolve, reject)) });
@@ -61,6 +63,16 @@ export async function openProject(name: string, files: Map<string, File>): Promi
     state.toast.value = `${name} is here already: it was opened as it is here.`;
     return id;
   }
+  try {
+    await fill(id, text, files);
+  } catch (fault) {
+    await api.removeProject(id); // half of one would be taken for the whole the next time
+    throw fault;
+  }
+  return id;
+}
+
+async function fill(id: string, text: string, files: Map<string, File>): Promise<void> {
   const matte = files.get("given_matte.png");
   if (matte) await api.giveMatte(id, matte);
   for (const [path, file] of files) {
@@ -71,6 +83,6 @@ export async function openProject(name: string, files: Map<string, File>): Promi
   const document = JSON.parse(text) as Document;
   // A store that is not open here cannot be named.
   if (!home.stores.some(({ path }) => path === document.store)) document.store = opened.document.store;
-  await api.save(id, document, opened.version, "opening");
-  return id;
+  const saved = await api.save(id, document, opened.version, "opening");
+  if (!saved.taken) throw new Error("Another window is at this project.");
 }

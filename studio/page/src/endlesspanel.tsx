@@ -4,7 +4,7 @@ import { useEffect } from "preact/hooks";
 import { Trash2 } from "lucide-preact";
 import * as api from "./api";
 import { stageWords } from "./app";
-import { addPosition, changeLine, inputLines, inputOf, linesOf, pairLine, removeLine, removePosition, shownLines, timePosition } from "./cliplines";
+import { addPosition, changeLine, inputLines, inputOf, linesOf, kMostPositions, pairLine, positionOf, removeLine, removePosition, shownLines, timePosition } from "./cliplines";
 import { FilmSection, useWay, wayJob } from "./filmsection";
 import { DropClip, useOwnClips } from "./ownclips";
 import { Choice, CommandLine, IconButton, Running, Section, Slider, Switch } from "./parts";
@@ -91,7 +91,7 @@ function ClipSection({ endless }: { endless: Endless }): JSX.Element {
   const own = useOwnClips(endless.clip);
   const choose = (clip: string, dropped: boolean): void => {
     view.foundLines.value = [];
-    state.edit({ endless: { ...endless, clip, dropped, lines: [], edited: [] } });
+    state.edit({ endless: { ...(state.doc.value?.endless ?? endless), clip, dropped, lines: [], edited: [] } });
   };
   const clips = state.store.value?.clips ?? [];
   const value = endless.clip ? `${endless.dropped ? "own" : "store"}:${endless.clip}` : "";
@@ -232,7 +232,7 @@ function EditedLine({ line, index }: { line: ClipLine; index: number }): JSX.Ele
 
 /** A line that moves: where it lies at which time. */
 function Positions({ line, index }: { line: ClipLine; index: number }): JSX.Element {
-  const chosen = Math.min(view.position.value, line.later.length);
+  const chosen = positionOf(line);
   const now = line.later[chosen - 1];
   return (
     <>
@@ -243,7 +243,7 @@ function Positions({ line, index }: { line: ClipLine; index: number }): JSX.Elem
               {time.toFixed(2)} s
             </button>
           ))}
-        <button type="button" class="small quiet" onClick={() => addPosition(index)}>
+        <button type="button" class="small quiet" disabled={line.later.length >= kMostPositions} onClick={() => addPosition(index)}>
           {line.later.length > 0 ? "Another" : "Moves in time…"}
         </button>
       </div>

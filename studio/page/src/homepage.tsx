@@ -24,14 +24,15 @@ export function HomePage(): JSX.Element {
   const [busy, setBusy] = useState("");
   const [clips, setClips] = useState<File[] | null>(null);
   const home = state.home.value;
-  const take = async (all: Dropped[]): Promise<void> => {
-    const project = projectAmong(all);
-    const stores = all.filter(isStore);
-    const files = all.filter((each) => !isStore(each)).map(({ file }) => file);
-    const videos = files.filter(isVideo);
-    const pictures = files.filter((file) => !isVideo(file));
-    const picture = pictures[0];
+  const take = async (coming: Dropped[] | Promise<Dropped[]>): Promise<void> => {
     try {
+      const all = await coming;
+      const project = projectAmong(all);
+      const stores = all.filter(isStore);
+      const files = all.filter((each) => !isStore(each)).map(({ file }) => file);
+      const videos = files.filter(isVideo);
+      const pictures = files.filter((file) => !isVideo(file));
+      const picture = pictures[0];
       if (project) {
         setBusy(project.name);
         go(await openProject(project.name, project.files));
@@ -68,7 +69,7 @@ export function HomePage(): JSX.Element {
       onDrop={(event) => {
         event.preventDefault();
         setOver(false);
-        void dropped(event.dataTransfer).then(take);
+        void take(dropped(event.dataTransfer));
       }}
     >
       <header class="home-bar">

@@ -25,8 +25,20 @@ export function changeScene(part: Partial<Layered>, key = ""): void {
 }
 
 export function changeLayer(part: Partial<DrawnLayer>, key = ""): void {
+  const chosen = chosenLayer();
+  if (chosen) changeLayerOf(chosen.name, part, key);
+}
+
+/** Of this name, whichever is chosen by now. */
+export function changeLayerOf(name: string, part: Partial<DrawnLayer>, key = ""): void {
   const now = layered();
-  if (now) changeScene({ layers: now.layers.map((layer, i) => (i === view.layer.value ? { ...layer, ...part } : layer)) }, key);
+  if (now) changeScene({ layers: now.layers.map((layer) => (layer.name === name ? { ...layer, ...part } : layer)) }, key);
+}
+
+/** Is drawn on from now on. */
+export function chooseLayer(index: number): void {
+  view.layer.value = index;
+  if (chosenLayer()?.motion === "film") view.layerTool.value = "line";
 }
 
 /** A new layer lies before all others, and is drawn on. */
@@ -60,7 +72,7 @@ export function moveLayer(by: -1 | 1): void {
 
 export function paintLayer(drawn: Drawn[]): void {
   const layer = chosenLayer();
-  if (layer) changeLayer({ paint: [...layer.paint, ...drawn], ...(layer.matte === "rest" ? { matte: "painted" as const } : {}) });
+  if (layer && layer.motion !== "film") changeLayer({ paint: [...layer.paint, ...drawn], ...(layer.matte === "rest" ? { matte: "painted" as const } : {}) });
 }
 
 export function addLayerLine(points: Point[]): void {

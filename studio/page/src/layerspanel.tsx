@@ -4,7 +4,7 @@ import { useEffect } from "preact/hooks";
 import { ArrowDown, ArrowUp, Brush, Eraser, Shapes, Spline, Trash2 } from "lucide-preact";
 import * as api from "./api";
 import { FilmSection, useWay } from "./filmsection";
-import { addLayer, changeLayer, changeScene, chosenLayer, findLayer, lineWords, moveLayer, removeLayer } from "./layers";
+import { addLayer, changeLayer, changeLayerOf, changeScene, chooseLayer, chosenLayer, findLayer, lineWords, moveLayer, removeLayer } from "./layers";
 import { DropClip, useOwnClips } from "./ownclips";
 import { Choice, IconButton, Section, Slider, Switch } from "./parts";
 import * as state from "./state";
@@ -66,7 +66,7 @@ function ListSection({ layers }: { layers: DrawnLayer[] }): JSX.Element {
         <ul class="layers">
           {layers.map((layer, i) => (
             <li key={layer.name}>
-              <button type="button" aria-pressed={i === chosen} onClick={() => (view.layer.value = i)}>
+              <button type="button" aria-pressed={i === chosen} onClick={() => chooseLayer(i)}>
                 <span class="swatch" style={{ background: view.clipColour(i) }} aria-hidden />
                 <span class="name">{layer.name}</span>
                 <small>{kMotions.find(([motion]) => motion === layer.motion)?.[1]}</small>
@@ -231,7 +231,7 @@ function FilmChoice({ layer }: { layer: DrawnLayer }): JSX.Element {
           ))}
         </select>
       </label>
-      <DropClip taken={(clip) => changeLayer({ clip })} />
+      <DropClip taken={(clip) => changeLayerOf(layer.name, { clip })} />
     </>
   );
 }

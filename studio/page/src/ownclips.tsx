@@ -23,7 +23,8 @@ export function DropClip({ taken }: { taken: (name: string) => void }): JSX.Elem
     if (!file || !id) return;
     setSent(`Sending ${file.name}`);
     try {
-      taken(await api.sendOwnClip(id, file));
+      const name = await api.sendOwnClip(id, file);
+      if (state.project.value?.id === id) taken(name);
     } catch (fault) {
       state.toast.value = (fault as Error).message;
     }

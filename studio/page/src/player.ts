@@ -1,10 +1,11 @@
 // The animation's frames: fetched as they are made, and played.
-import { signal } from "@preact/signals";
+import { effect, signal } from "@preact/signals";
 import { address } from "./api";
 import type { ReelNews } from "./types";
 
 const kAtOnce = 4; // requests
 const kPatience = 1000; // ms until a frame that did not come is asked for again
+const kBetweenTold = 120; // ms
 const kEnough = 6; // frames with which a first preview begins
 
 export interface Reel {
@@ -19,6 +20,7 @@ export class Player {
   readonly playing = signal(true);
   readonly loop = signal(true);
   readonly frame = signal(0);
+  readonly told = signal(0); // the frame, as numbers and sliders tell it: while it plays, a few times a second
   readonly rate = signal(1);
   private project = "";
   private next = 0; // of the coming reel, to be asked for
@@ -26,6 +28,14 @@ export class Player {
   private time = 0;
 
   constructor() {
+    let last = 0;
+    effect(() => {
+      const frame = this.frame.value;
+      const now = performance.now();
+      if (this.playing.value && now - last < kBetweenTold) return;
+      last = now;
+      this.told.value = frame;
+    });
     const tick = (now: number): void => {
       this.advance(now);
       requestAnimationFrame(tick);

@@ -5,6 +5,7 @@ const kStreaks = 240;
 const kLife = 2.2; // s
 const kTrail = 30; // px of the screen, at most
 const kShown = 0.3; // s of its way that a streak shows
+const kShades = 6; // of how faint it is
 
 interface Streak {
   x: number;
@@ -66,7 +67,8 @@ export class Streaks {
 
   /** Moves all by so many seconds, and draws them; the context is in px of the picture. */
   draw(context: CanvasRenderingContext2D, seconds: number, scale: number): void {
-    context.lineCap = "round";
+    // Streaks that are as faint as each other are one path: each stroke has its price.
+    const paths = Array.from({ length: kShades }, () => new Path2D());
     for (let i = 0; i < this.streaks.length; ++i) {
       const streak = this.streaks[i] as Streak;
       const [u, v, inside] = this.velocity(streak.x, streak.y);
@@ -80,18 +82,19 @@ export class Streaks {
       const speed = Math.hypot(u, v) || 1;
       const length = Math.min(speed * kShown, kTrail / scale) / speed;
       const fade = Math.max(0, Math.min(1, streak.age * 3, (kLife - streak.age) * 2));
-      context.beginPath();
-      context.moveTo(streak.x - u * length, streak.y - v * length);
-      context.lineTo(streak.x, streak.y);
-      // Light on dark, so that they are seen on white water and on night alike.
-      context.globalAlpha = 0.35 * fade;
-      context.strokeStyle = "#00252b";
-      context.lineWidth = 3 / scale;
-      context.stroke();
-      context.globalAlpha = 0.9 * fade;
-      context.strokeStyle = "#c8fcff";
-      context.lineWidth = 1.4 / scale;
-      context.stroke();
+      const path = paths[Math.ceil(fade * kShades) - 1];
+      path?.moveTo(streak.x - u * length, streak.y - v * length);
+      path?.lineTo(streak.x, streak.y);
+    }
+    context.lineCap = "round";
+    // Light on dark, so that they are seen on white water and on night alike.
+    for (const [colour, alpha, width] of [["#00252b", 0.35, 3], ["#c8fcff", 0.9, 1.4]] as const) {
+      context.strokeStyle = colour;
+      context.lineWidth = width / scale;
+      paths.forEach((path, shade) => {
+        context.globalAlpha = (alpha * (shade + 1)) / kShades;
+        context.stroke(path);
+      });
     }
     context.globalAlpha = 1;
   }

@@ -128,7 +128,7 @@ type Set = (axis: SweepAxis) => void;
 
 function Speeds({ axis, set }: { axis: SweepAxis; set: Set }): JSX.Element {
   const take = (text: string): void => {
-    const values = [...new Set(text.split(/[\s,;]+/).map(Number).filter((speed) => speed >= 0.05 && speed <= 20))];
+    const values = [...new Set(text.split(/[\s,;]+/).map(Number).filter((speed) => speed >= 0.05 && speed <= 20))].slice(0, kMost);
     set({ ...axis, values: values.map(String) });
   };
   return (
@@ -142,7 +142,7 @@ function Speeds({ axis, set }: { axis: SweepAxis; set: Set }): JSX.Element {
 function Classes({ axis, set }: { axis: SweepAxis; set: Set }): JSX.Element {
   const classes = ["", ...new Set(state.store.value?.clips.map((clip) => clip.class) ?? [])].sort();
   const toggle = (each: string): void =>
-    set({ ...axis, values: axis.values.includes(each) ? axis.values.filter((value) => value !== each) : [...axis.values, each] });
+    set({ ...axis, values: axis.values.includes(each) ? axis.values.filter((value) => value !== each) : [...axis.values, each].slice(0, kMost) });
   return (
     <div class="chips" role="group" aria-label="Kinds that are tried">
       {classes.map((each) => (

@@ -109,8 +109,7 @@ FRESHET_WIDE void compare(const float* brought, const float* own, int n, float* 
 
 /// How evenly copies are laid out about places, 0..1: what is drawn out to thrice its length is strings and haze, what is
 /// squeezed as much crumbs. By the singular values of the map from places to their sources. Pairs of a row, those of the
-/// rows above and below, and by what differences to the sides and down are multiplied; n places of which the first is
-/// at +left of its neighbour to the left, and so on.
+/// rows above and below, n of each, and by what differences across and down are multiplied.
 FRESHET_WIDE void find_evenness(const float* left, const float* right, const float* above, const float* below,
                                 float per_across, float per_down, int n, float* out) {
   for (int x = 0; x < n; ++x) {

@@ -13,6 +13,8 @@
 namespace freshet::synth::scene {
 namespace {
 
+constexpr int kTallest = 65536;  // px
+
 /// Straight alpha of any depth to colours times alpha.
 void premultiply(const cv::Mat& bgra, double white, cv::Mat& out) {
   bgra.convertTo(out, CV_32F, 1 / white);
@@ -64,6 +66,10 @@ const cv::Mat& FootageReader::taken(const cv::Mat& bgra, double white) {
   premultiply(bgra, white, frame_);
   if (width_ == 0 || width_ == frame_.cols) return frame_;
   const cv::Size size(width_, std::max(1, cvRound(1.0 * frame_.rows * width_ / frame_.cols)));
+  if (size.height > kTallest)
+    throw Error(ErrorKind::kInput, file_.string(),
+                fmt::format("{} px wide it would be {} px high", size.width, size.height),
+                "Ask for a smaller width");
   // Of colours times alpha: what is transparent gives no colour to an edge.
   cv::resize(frame_, sized_, size, 0, 0, width_ < frame_.cols ? cv::INTER_AREA : cv::INTER_LINEAR);
   return sized_;

@@ -192,9 +192,6 @@ TEST(Document, RefusesWhatItDoesNotKnow) {
         {"values", axis("outline", {"gone"})},
         {"values", axis("class", {"a\nb"})},
         {"twice", axis("lines", {"with", "with"})},
-        {"16",
-         {{{"setting", "speed"}, {"values", {"1", "2", "3", "4", "5", "6", "7", "8", "9"}}},
-          {{"setting", "lines"}, {"values", {"with", "without"}}}}},
         {"another axis",
          {{{"setting", "speed"}, {"values", {"1"}}}, {{"setting", "speed"}, {"values", {"2"}}}}}})
     expect_refused(with("sweep", {{"axes", axes}, {"full", false}}), word);

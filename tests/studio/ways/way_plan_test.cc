@@ -270,6 +270,9 @@ TEST(WayPlan, SettingsAreTriedBesideEachOther) {
   EXPECT_THROW(plan_way("sweep", document), Error);
   document.sweep.axes = {{.setting = "lines", .values = {"with", "without"}}};
   document.strokes.clear();
+  EXPECT_THROW(way_files("sweep", document, kPicture, kFiles), Error);
+  document.sweep.axes = {{.setting = "speed", .values = {"1", "2", "3", "4", "5", "6", "7", "8", "9"}},
+                         {.setting = "outline", .values = {"still", "moving"}}};
   EXPECT_THROW(plan_way("sweep", document), Error);
 }
 
