@@ -78,6 +78,7 @@ export class Canvas {
     box.append(holder);
     this.overlay = document.createElement("canvas");
     this.overlay.className = "streaks";
+    this.overlay.style.display = "none";
     Object.assign(this.film, { className: "film", muted: true, loop: true, autoplay: true, playsInline: true, hidden: true });
     this.stage = new Konva.Stage({ container: holder, width: box.clientWidth || 10, height: box.clientHeight || 10 });
     this.below.add(this.picture, this.moving, this.detail, this.original, this.divider, this.ground);
@@ -249,7 +250,7 @@ export class Canvas {
     this.held.visible(false);
     if (!image || look === "off") {
       this.tint.visible(false);
-      this.over.batchDraw();
+      this.drawOver();
       return;
     }
     const canvas = document.createElement("canvas");
@@ -292,7 +293,19 @@ export class Canvas {
         this.held.setAttrs({ image: stands, width, height, visible: true });
       }
     }
+    this.drawOver();
+  }
+
+  // What is empty is no layer: each is as large as the window, and put together with the others for every frame.
+
+  private drawOver(): void {
+    this.over.visible(this.tint.visible() || this.onion.hasChildren());
     this.over.batchDraw();
+  }
+
+  private drawCursor(): void {
+    this.cursorLayer.visible(this.live.length > 0 || this.outline.visible() || this.cursor.visible());
+    this.cursorLayer.batchDraw();
   }
 
   private redrawOnion(): void {
@@ -304,7 +317,7 @@ export class Canvas {
     for (const { by, lines } of around)
       for (const points of lines)
         this.onion.add(new Line({ ...outlineLook(by), points: points.map((each) => (each + 0.5) * size), closed: true, strokeWidth: (by === 0 ? 2 : 1.4) / this.stage.scaleX() }));
-    this.over.batchDraw();
+    this.drawOver();
   }
 
   private redrawDrawing(): void {
@@ -499,6 +512,7 @@ export class Canvas {
     if ((!shows && !this.streaksShown) || now - this.last < between) return;
     const seconds = Math.min(0.1, (now - this.last) / 1000);
     this.last = now;
+    if (shows !== this.streaksShown) this.overlay.style.display = shows ? "" : "none";
     this.streaksShown = shows;
     const context = this.overlay.getContext("2d");
     if (!context) return;
@@ -629,7 +643,7 @@ export class Canvas {
     this.stage.on("pointerup pointercancel", () => this.finish());
     this.stage.on("mouseleave", () => {
       this.cursor.visible(false);
-      this.cursorLayer.batchDraw();
+      this.drawCursor();
     });
     this.stage.on("touchmove", (event) => this.twoFingers(event.evt));
     this.stage.on("touchend", () => (this.pinch = null));
@@ -665,7 +679,7 @@ export class Canvas {
     this.line = null;
     for (const each of this.live) each.destroy();
     this.live = [];
-    this.cursorLayer.batchDraw();
+    this.drawCursor();
   }
 
   private begin(event: PointerEvent): void {
@@ -710,7 +724,7 @@ export class Canvas {
       : new Line({ ...ends, stroke: colour, fill: area ? colour : undefined, closed: area, strokeWidth: area ? 1.5 / scale : width, opacity: 0.6 });
     this.live.push(made);
     this.cursorLayer.add(made);
-    this.cursorLayer.batchDraw();
+    this.drawCursor();
   }
 
   private penColour(): string {
@@ -745,7 +759,7 @@ export class Canvas {
     } else if (this.corners.length > 0) {
       this.showCorners(point);
     }
-    this.cursorLayer.batchDraw();
+    this.drawCursor();
   }
 
   private finish(): void {
@@ -837,14 +851,14 @@ export class Canvas {
     this.corners = [];
     view.corners.value = 0;
     this.outline.visible(false);
-    this.cursorLayer.batchDraw();
+    this.drawCursor();
   }
 
   private showCorners(pointer: Point): void {
     view.corners.value = this.corners.length;
     const colour = this.cornersTake ? "#e5484d" : accent();
     this.outline.setAttrs({ points: flat([...this.corners, pointer]), stroke: colour, fill: colour, strokeWidth: 1.5 / this.stage.scaleX(), visible: true });
-    this.cursorLayer.batchDraw();
+    this.drawCursor();
   }
 
   private choosePiece(point: Point): void {
