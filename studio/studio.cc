@@ -442,6 +442,12 @@ std::string Studio::way_json(const std::string& project, const std::string& way)
 }
 
 std::string Studio::add_clip(const std::string& project, const fs::path& file, const std::string& name) {
+  try {
+    first_frame(file);
+  } catch (const Error&) {
+    throw Error(ErrorKind::kInput, name, "it is no video that can be read",
+                "Give MP4, MOV, MKV, AVI or WebM");
+  }
   return studio::add_clip(easel(project)->project().folder(), file, name);
 }
 
@@ -498,9 +504,11 @@ std::string Studio::open_store(const fs::path& file, const std::string& name) {
   std::error_code fault;
   try {
     store::Store::open_read(file).snapshot();
-  } catch (const Error& error) {
+  } catch (const Error&) {
     fs::remove(file.string() + "-lock", fault);
-    throw Error(ErrorKind::kInput, name, std::string("it is no store that can be opened: ") + error.what());
+    throw Error(
+        ErrorKind::kInput, name, "it is no store that can be opened",
+        "Give a file that freshet ingest made; freshet store verify says what is wrong with a damaged one");
   }
   fs::remove(file.string() + "-lock", fault);
   const std::string stem = tame(fs::path(name).stem(), 60);

@@ -426,7 +426,7 @@ test("settings are tried side by side, in step, and one of them is taken", async
   // Its outline moves now: where it was and will be can be seen.
   await settled(page);
   const answer = page.waitForResponse(/reels\/\d+\/outlines/);
-  await page.getByRole("button", { name: "Outlines before and after" }).click();
+  await page.getByRole("button", { name: /Outlines before/ }).click();
   const outlines = await (await answer).json();
   assert.equal(outlines.length, (await document("still")).frames);
   assert.ok(outlines.every((lines) => lines.length > 0 && lines.every((points) => points.length >= 6)));

@@ -161,6 +161,7 @@ TEST_F(Server, ClipsAreTakenShownAndMadeEndless) {
   EXPECT_EQ(status(running().send("POST", at + "?name=..%2f..%2fa.mkv", clip)), 200);
   EXPECT_EQ(status(running().send("POST", at + "?name=a.sh", "#!/bin/sh")), 400);
   EXPECT_EQ(status(running().send("POST", "api/clips?name=a.mkv", "no clip")), 400);
+  EXPECT_EQ(status(running().send("POST", "api/projects/" + id + "/clips?name=a.mkv", "no clip")), 400);
   EXPECT_EQ(running().json(at), Json({"a-fall.mkv", "a.mkv"}));
   EXPECT_TRUE(fs::is_empty(running().room() / "incoming"));
   const httplib::Result frame = running().get(at + "/frame?clip=a.mkv&own=1");

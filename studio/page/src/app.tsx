@@ -230,7 +230,7 @@ function Transport(): JSX.Element {
         </select>
         <IconButton icon={Repeat} label="Play again and again" pressed={player.loop.value} onClick={() => (player.loop.value = !player.loop.value)} />
         {state.doc.value?.moving_outline && (
-          <IconButton icon={CircleDashed} label="Outlines before and after" shortcut="O" pressed={view.onion.value} onClick={() => (view.onion.value = !view.onion.value)} />
+          <IconButton icon={CircleDashed} label="Outlines before (blue) and after (orange)" shortcut="O" pressed={view.onion.value} onClick={() => (view.onion.value = !view.onion.value)} />
         )}
         <IconButton icon={SplitSquareHorizontal} label="Compare with the picture" shortcut="C" pressed={view.compare.value !== null} onClick={() => (view.compare.value = view.compare.value === null ? 0.5 : null)} />
       </div>

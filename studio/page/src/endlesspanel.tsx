@@ -250,7 +250,7 @@ function Positions({ line, index }: { line: ClipLine; index: number }): JSX.Elem
       {line.later.length > 0 && <p class="hint">Drag the line to where it lies at that time. In a loop it goes back to the first.</p>}
       {now && (
         <>
-          <Slider label="At" value={now.time} min={0.04} max={20} step={0.04} shown={`${now.time.toFixed(2)} s`} onInput={(time) => timePosition(index, time)} />
+          <Slider label="At" value={now.time} min={0.04} max={Math.max(now.time, (state.doc.value?.endless.frames ?? 500) / 25)} step={0.04} shown={`${now.time.toFixed(2)} s`} onInput={(time) => timePosition(index, time)} />
           <button type="button" class="quiet" onClick={() => removePosition(index)}>
             Take this position away
           </button>

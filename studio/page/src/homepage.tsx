@@ -24,10 +24,11 @@ export function HomePage(): JSX.Element {
   const [busy, setBusy] = useState("");
   const [clips, setClips] = useState<File[] | null>(null);
   const home = state.home.value;
-  const take = async (coming: Dropped[] | Promise<Dropped[]>): Promise<void> => {
+  const take = async (coming: Dropped[] | Promise<Dropped[]>, wantsProject = false): Promise<void> => {
     try {
       const all = await coming;
       const project = projectAmong(all);
+      if (wantsProject && !project) throw new Error("This folder holds no project: a project has a document.json and a picture.");
       const stores = all.filter(isStore);
       const files = all.filter((each) => !isStore(each)).map(({ file }) => file);
       const videos = files.filter(isVideo);
@@ -89,7 +90,7 @@ export function HomePage(): JSX.Element {
           <h2>Projects</h2>
           <label class="button quiet">
             Open a folder
-            <input type="file" class="unseen" aria-label="Open a project's folder" {...{ webkitdirectory: true }} onChange={(event) => void take(chosen(event.currentTarget.files))} />
+            <input type="file" class="unseen" aria-label="Open a project's folder" {...{ webkitdirectory: true }} onChange={(event) => void take(chosen(event.currentTarget.files), true)} />
           </label>
         </header>
         {home && home.projects.length > 0 && (

@@ -87,16 +87,17 @@ export function addLayerLine(points: Point[]): void {
 const kFound = new WeakMap<Drawn[], HTMLImageElement>();
 let asked = 0;
 
-/** Asks for the matte that the chosen layer's scribbles mean; the server has them by now. */
-export function findLayer(project: string): void {
-  const layer = chosenLayer();
-  if (layer?.matte !== "scribbled" || !layer.paint.some(({ adds }) => adds) || kFound.has(layer.paint)) return;
-  const image = new Image();
-  image.onload = () => {
-    kFound.set(layer.paint, image);
-    view.foundLayers.value += 1;
-  };
-  image.src = address.layerMatte(project, view.layer.value, ++asked); // what cannot be found is said when it is made
+/** Asks for the mattes that layers' scribbles mean; the server has them by now. */
+export function findLayers(project: string): void {
+  layered()?.layers.forEach(({ matte, paint }, index) => {
+    if (matte !== "scribbled" || !paint.some(({ adds }) => adds) || kFound.has(paint)) return;
+    const image = new Image();
+    image.onload = () => {
+      kFound.set(paint, image);
+      view.foundLayers.value += 1;
+    };
+    image.src = address.layerMatte(project, index, ++asked); // what cannot be found is said when it is made
+  });
 }
 
 const kTinted = new WeakMap<HTMLImageElement, { colour: string; canvas: HTMLCanvasElement }>();
@@ -122,12 +123,12 @@ export function foundShape(paint: Drawn[], colour: string): HTMLCanvasElement | 
 }
 
 const kLongest = 1024; // px of a matte as it is shown
-const kShown = new WeakMap<Drawn[], { colour: string; canvas: HTMLCanvasElement }>();
+const kShown = new WeakMap<Drawn[], { colour: string; width: number; height: number; canvas: HTMLCanvasElement }>();
 
 /** Where a layer was painted, in one colour. */
 export function layerShape(paint: Drawn[], colour: string, width: number, height: number): HTMLCanvasElement {
   const known = kShown.get(paint);
-  if (known?.colour === colour) return known.canvas;
+  if (known?.colour === colour && known.width === width && known.height === height) return known.canvas;
   const canvas = document.createElement("canvas");
   const scale = Math.min(1, kLongest / Math.max(width, height));
   canvas.width = Math.max(1, Math.round(width * scale));
@@ -150,6 +151,6 @@ export function layerShape(paint: Drawn[], colour: string, width: number, height
       }
     }
   }
-  kShown.set(paint, { colour, canvas });
+  kShown.set(paint, { colour, width, height, canvas });
   return canvas;
 }

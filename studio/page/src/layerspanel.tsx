@@ -4,7 +4,7 @@ import { useEffect } from "preact/hooks";
 import { ArrowDown, ArrowUp, Brush, Eraser, Shapes, Spline, Trash2 } from "lucide-preact";
 import * as api from "./api";
 import { FilmSection, useWay } from "./filmsection";
-import { addLayer, changeLayer, changeLayerOf, changeScene, chooseLayer, chosenLayer, findLayer, lineWords, moveLayer, removeLayer } from "./layers";
+import { addLayer, changeLayer, changeLayerOf, changeScene, chooseLayer, chosenLayer, findLayers, lineWords, moveLayer, removeLayer } from "./layers";
 import { DropClip, useOwnClips } from "./ownclips";
 import { Choice, IconButton, Section, Slider, Switch } from "./parts";
 import * as state from "./state";
@@ -36,8 +36,8 @@ export function LayersPanel({ document }: { document: Document }): JSX.Element {
   const layer = chosenLayer();
   const saved = state.saving.value === "saved";
   useEffect(() => {
-    if (saved) findLayer(id);
-  }, [id, saved, layer?.paint, layer?.matte]);
+    if (saved) findLayers(id);
+  }, [id, saved, layered.layers]);
   return (
     <>
       <ListSection layers={layered.layers} />

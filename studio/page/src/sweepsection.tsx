@@ -45,6 +45,8 @@ export function SweepSection({ document }: { document: Document }): JSX.Element 
       {count > 1 && document.frames > 48 && (
         <Switch label="In full length" hint="Without it two seconds" checked={sweep.full} onChange={(full) => state.edit({ sweep: { ...sweep, full } })} />
       )}
+      {count === 1 && <p class="hint">Two values or more are compared, such as 0.5, 2.</p>}
+      {count === 0 && sweep.axes.length > 0 && <p class="hint">Say what is tried: speeds are numbers from 0.05 to 20.</p>}
       {count > kMost && <p class="problem">At most {kMost} films.</p>}
       {sweep.axes.length > 0 && (
         <div class="row">
@@ -230,6 +232,7 @@ function Swept({ animation, source, done }: { animation: SweptAnimation; source:
     <figure>
       <video src={source} muted loop playsInline preload="auto" aria-label={title} />
       <figcaption>
+        <span class="figure">{animation.assignment.replace(".json", "")}</span>
         <span class="name">
           {title}
           <small>{animation.result}</small>
