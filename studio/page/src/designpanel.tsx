@@ -2,9 +2,9 @@
 import type { JSX } from "preact";
 import { Circle, Square, Wind } from "lucide-preact";
 import { FilmSection, useWay } from "./filmsection";
-import { Choice, Section, Slider, Switch } from "./parts";
+import { Choice, named, Section, Select, Slider, Switch } from "./parts";
 import * as state from "./state";
-import type { Design, Document, Ground } from "./types";
+import type { Design, Document } from "./types";
 import * as view from "./view";
 
 const kWay = "design";
@@ -41,26 +41,9 @@ export function DesignPanel({ document }: { document: Document }): JSX.Element {
         </button>
       </Section>
       <Section title="Looks like">
-        <label class="field">
-          <span>Clip</span>
-          <select value={design.look} onChange={(event) => change({ look: event.currentTarget.value })}>
-            <option value="">As simulated (quick)</option>
-            {clips.map((clip) => (
-              <option key={clip.name} value={clip.name}>
-                {clip.name}
-              </option>
-            ))}
-          </select>
-        </label>
+        <Select label="Clip" value={design.look} options={[["", "As simulated (quick)"], ...named(clips.map(({ name }) => name))]} onChange={(look) => change({ look })} />
         {design.look && (
-          <label class="field">
-            <span>It was filmed</span>
-            <select value={design.ground} onChange={(event) => change({ ground: event.currentTarget.value as Ground })}>
-              <option value="black">on black (light: fire)</option>
-              <option value="white">on white</option>
-              <option value="none">all of it fluid</option>
-            </select>
-          </label>
+          <Select label="It was filmed" value={design.ground} options={[["black", "on black (light: fire)"], ["white", "on white"], ["none", "all of it fluid"]] as const} onChange={(ground) => change({ ground })} />
         )}
         <Slider label="Length" value={design.frames / 25} min={0.4} max={8} step={0.2} shown={`${(design.frames / 25).toFixed(1)} s`} onInput={(value) => change({ frames: Math.round(value * 25) }, "design-frames")} />
         <Switch label="Full size" hint="Without it a draft, 400 px wide or high" checked={design.full} onChange={(full) => change({ full })} />

@@ -5,11 +5,11 @@ import { Trash2 } from "lucide-preact";
 import * as api from "./api";
 import { stageWords } from "./app";
 import { addPosition, changeLine, inputLines, inputOf, linesOf, kMostPositions, pairLine, positionOf, removeLine, removePosition, shownLines, timePosition } from "./cliplines";
-import { FilmSection, useWay, wayJob } from "./filmsection";
+import { FilmSection, runKept, useWay, wayJob } from "./filmsection";
 import { DropClip, useOwnClips } from "./ownclips";
-import { Choice, CommandLine, IconButton, Running, Section, Slider, Switch } from "./parts";
+import { Choice, CommandLine, IconButton, named, Running, Section, Select, Slider, Switch } from "./parts";
 import * as state from "./state";
-import type { ClipLine, Document, Endless, Ground, Way } from "./types";
+import type { ClipLine, Document, Endless, Way } from "./types";
 import * as view from "./view";
 
 const kWay = "flowlines";
@@ -158,14 +158,7 @@ function LinesSection({ endless, found, change }: { endless: Endless; found: Way
         <>
           <Slider label="Join neighbours" value={endless.join} min={0} max={400} step={5} shown={endless.join === 0 ? "as they lie" : `${endless.join} px`} onInput={(join) => change({ join }, "endless-join")} />
           <Switch label="Stretched" hint="The whole line's texture onto the changed one" checked={endless.stretched} onChange={(stretched) => change({ stretched })} />
-          <label class="field">
-            <span>It was filmed</span>
-            <select value={endless.ground} onChange={(event) => change({ ground: event.currentTarget.value as Ground })}>
-              <option value="none">in front of something</option>
-              <option value="black">on black (light: fire)</option>
-              <option value="white">on white</option>
-            </select>
-          </label>
+          <Select label="It was filmed" value={endless.ground} options={[["none", "in front of something"], ["black", "on black (light: fire)"], ["white", "on white"]] as const} onChange={(ground) => change({ ground })} />
           <button type="button" class="quiet" onClick={() => { view.line.value = null; change({ edited: [] }); }}>
             As it flows in the clip
           </button>
@@ -176,11 +169,9 @@ function LinesSection({ endless, found, change }: { endless: Endless; found: Way
   );
 }
 
-/** Waits for what was changed to be kept: the command reads it from there. */
 async function find(id: string): Promise<void> {
   try {
-    await state.kept();
-    await api.runWay(id, kFind);
+    await runKept(id, kFind);
   } catch (fault) {
     state.toast.value = (fault as Error).message;
   }
@@ -212,16 +203,7 @@ function EditedLine({ line, index }: { line: ClipLine; index: number }): JSX.Ele
   const times = (speed: number): string => `${speed.toFixed(2)} ×`;
   return (
     <>
-      <label class="field">
-        <span>Shows the texture of</span>
-        <select value={inputOf(line.id, input)} onChange={(event) => pairLine(index, event.currentTarget.value)}>
-          {input.map(({ id }) => (
-            <option key={id} value={id}>
-              {id}
-            </option>
-          ))}
-        </select>
-      </label>
+      <Select label="Shows the texture of" value={inputOf(line.id, input)} options={named(input.map(({ id }) => id))} onChange={(id) => pairLine(index, id)} />
       <Slider label={changes ? "Pace where it begins" : "Pace"} value={first} min={0.25} max={4} logarithmic shown={times(first)} onInput={(speed) => (changes ? say(speed, last) : say(speed))} />
       {changes && <Slider label="Pace where it ends" value={last} min={0.25} max={4} logarithmic shown={times(last)} onInput={(speed) => say(first, speed)} />}
       <Switch label="Another pace at its end" checked={changes} onChange={(yes) => (yes ? say(first, last) : say(first))} />

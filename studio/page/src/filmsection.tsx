@@ -26,6 +26,12 @@ export function wayJob(id: string, name: string): Job | undefined {
   return Object.values(state.jobs.value).filter((each) => each.key === `way ${id}/${name}`).at(-1);
 }
 
+/** Runs a way when what was changed is kept: its commands read it from there. */
+export async function runKept(id: string, name: string): Promise<void> {
+  await state.kept();
+  await api.runWay(id, name);
+}
+
 export function FilmSection({ name, way, ready }: { name: string; way: Way | null; ready: boolean }): JSX.Element {
   const id = state.project.value?.id ?? "";
   const [fault, setFault] = useState("");

@@ -144,7 +144,7 @@ function Remove({ id }: { id: string }): JSX.Element {
 }
 
 function StoreSection({ store }: { store: Store }): JSX.Element {
-  const kinds = [...new Set(store.clips.map((clip) => clip.class))].sort();
+  const kinds = state.classesOf(store);
   const [kind, setKind] = useState("");
   const shown = store.clips.map((clip, index) => ({ clip, index })).filter(({ clip }) => !kind || clip.class === kind);
   return (

@@ -6,7 +6,7 @@ import * as api from "./api";
 import { FilmSection, useWay } from "./filmsection";
 import { addLayer, changeLayer, changeLayerOf, changeScene, chooseLayer, chosenLayer, findLayers, lineWords, moveLayer, removeLayer } from "./layers";
 import { DropClip, useOwnClips } from "./ownclips";
-import { Choice, IconButton, Section, Slider, Switch } from "./parts";
+import { Choice, IconButton, named, Section, Select, Slider, Switch } from "./parts";
 import * as state from "./state";
 import type { Document, DrawnLayer, Layered, LayerMatte, LayerMotion } from "./types";
 import * as view from "./view";
@@ -167,19 +167,11 @@ function LayerName({ layer }: { layer: DrawnLayer }): JSX.Element {
 }
 
 function MotionOptions({ layer }: { layer: DrawnLayer }): JSX.Element | null {
-  const classes = [...new Set(state.store.value?.clips.map((clip) => clip.class) ?? [])].sort();
   switch (layer.motion) {
     case "tree":
       return (
         <>
-          <label class="field">
-            <span>Plant</span>
-            <select value={layer.plant} onChange={(event) => changeLayer({ plant: event.currentTarget.value as DrawnLayer["plant"] })}>
-              <option value="tree">Tree</option>
-              <option value="flower">Flower</option>
-              <option value="grass">Grass</option>
-            </select>
-          </label>
+          <Select label="Plant" value={layer.plant} options={[["tree", "Tree"], ["flower", "Flower"], ["grass", "Grass"]] as const} onChange={(plant) => changeLayer({ plant })} />
           <Slider label="Shimmer of leaves" value={layer.shimmer} min={0} max={4} step={0.1} shown={`${layer.shimmer.toFixed(1)} px`} onInput={(shimmer) => changeLayer({ shimmer }, "layer-shimmer")} />
         </>
       );
@@ -196,17 +188,7 @@ function MotionOptions({ layer }: { layer: DrawnLayer }): JSX.Element | null {
       return <Slider label="Drift" value={layer.drift} min={-60} max={60} step={1} shown={layer.drift === 0 ? "with the wind" : `${layer.drift} px/s`} onInput={(drift) => changeLayer({ drift }, "layer-drift")} />;
     case "patches":
       return (
-        <label class="field">
-          <span>Kind of fluid</span>
-          <select value={layer.class} onChange={(event) => changeLayer({ class: event.currentTarget.value })}>
-            <option value="">Any</option>
-            {classes.map((each) => (
-              <option key={each} value={each}>
-                {each}
-              </option>
-            ))}
-          </select>
-        </label>
+        <Select label="Kind of fluid" value={layer.class} options={[["", "Any"], ...named(state.classesOf(state.store.value))]} onChange={(kind) => changeLayer({ class: kind })} />
       );
     case "film":
       return <FilmChoice layer={layer} />;
@@ -220,17 +202,7 @@ function FilmChoice({ layer }: { layer: DrawnLayer }): JSX.Element {
   const look = state.doc.value?.design.look ?? "";
   return (
     <>
-      <label class="field">
-        <span>Film</span>
-        <select value={layer.clip} onChange={(event) => changeLayer({ clip: event.currentTarget.value })}>
-          <option value="">{look ? "What Design has made" : "Choose one"}</option>
-          {own.map((name) => (
-            <option key={name} value={name}>
-              {name}
-            </option>
-          ))}
-        </select>
-      </label>
+      <Select label="Film" value={layer.clip} options={[["", look ? "What Design has made" : "Choose one"], ...named(own)]} onChange={(clip) => changeLayer({ clip })} />
       <DropClip taken={(clip) => changeLayerOf(layer.name, { clip })} />
     </>
   );

@@ -3,7 +3,7 @@ import type { JSX } from "preact";
 import { useEffect, useState } from "preact/hooks";
 import { Brush, Eraser, Hand, Pencil, Pin as PinIcon, Shapes, Spline, Trash2, X } from "lucide-preact";
 import * as api from "./api";
-import { Choice, IconButton, Section, Slider, Strip, Switch } from "./parts";
+import { Choice, IconButton, named, Section, Select, Slider, Strip, Switch } from "./parts";
 import { DesignPanel } from "./designpanel";
 import { EndlessPanel } from "./endlesspanel";
 import { LayersPanel } from "./layerspanel";
@@ -266,7 +266,7 @@ function TempoSection({ document }: { document: Document }): JSX.Element {
 function LookPanel({ document }: { document: Document }): JSX.Element {
   const stores = state.home.value?.stores ?? [];
   const store = state.store.value;
-  const classes = [...new Set(store?.clips.map((clip) => clip.class) ?? [])].sort();
+  const classes = state.classesOf(store);
   const seconds = document.frames / document.fps;
   return (
     <>
@@ -283,17 +283,7 @@ function LookPanel({ document }: { document: Document }): JSX.Element {
           </select>
         </label>
         {classes.length > 0 && (
-          <label class="field">
-            <span>Kind</span>
-            <select value={document.class} onChange={(event) => state.edit({ class: event.currentTarget.value })}>
-              <option value="">Any</option>
-              {classes.map((each) => (
-                <option key={each} value={each}>
-                  {each}
-                </option>
-              ))}
-            </select>
-          </label>
+          <Select label="Kind" value={document.class} options={[["", "Any"], ...named(classes)]} onChange={(kind) => state.edit({ class: kind })} />
         )}
         {document.excluded_clips.length > 0 && (
           <ul class="chips" aria-label="Clips that are left out">

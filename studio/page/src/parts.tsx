@@ -66,6 +66,30 @@ export function Choice<T extends string>(props: {
   );
 }
 
+/** One of many, by name. options   values and their words. */
+export function Select<T extends string>(props: {
+  label: string;
+  value: T;
+  options: readonly (readonly [T, string])[];
+  onChange: (value: T) => void;
+}): JSX.Element {
+  return (
+    <label class="field">
+      <span>{props.label}</span>
+      <select value={props.value} onChange={(event) => props.onChange(event.currentTarget.value as T)}>
+        {props.options.map(([value, text]) => (
+          <option key={value} value={value}>
+            {text}
+          </option>
+        ))}
+      </select>
+    </label>
+  );
+}
+
+/** A name is its own word. */
+export const named = (names: readonly string[]): (readonly [string, string])[] => names.map((name) => [name, name]);
+
 export function Slider(props: {
   label: string;
   value: number;

@@ -3,7 +3,7 @@ import { batch, computed, signal } from "@preact/signals";
 import * as api from "./api";
 import { canonical, History } from "./history";
 import { Player } from "./player";
-import type { Document, Field, Home, Job, MatteNews, Pieces, Project, ReelNews } from "./types";
+import type { Document, Field, Home, Job, MatteNews, Pieces, Project, ReelNews, Store } from "./types";
 
 export interface IngestReport {
   clips: { name: string; outcome: string; reasons: string[]; notes: string[]; width: number; height: number; strip?: number }[];
@@ -36,6 +36,8 @@ export function beginWith(wanted: Mode): void {
 }
 
 export const store = computed(() => home.value?.stores.find((each) => each.path === doc.value?.store) ?? null);
+/** The kinds of fluid that a store has. */
+export const classesOf = (of: Store | null): string[] => [...new Set(of?.clips.map((clip) => clip.class) ?? [])].sort();
 export const previewJob = computed(() =>
   Object.values(jobs.value).find(
     (job) => job.lane === "preview" && job.key === project.value?.id && isBusy(job),

@@ -4,8 +4,8 @@ import { useEffect, useRef, useState } from "preact/hooks";
 import { Pause, Play } from "lucide-preact";
 import * as api from "./api";
 import { stageWords } from "./app";
-import { useWay, wayJob } from "./filmsection";
-import { CommandLine, Dialog, IconButton, Running, Section, Switch } from "./parts";
+import { runKept, useWay, wayJob } from "./filmsection";
+import { CommandLine, Dialog, IconButton, Running, Section, Select, Switch } from "./parts";
 import * as state from "./state";
 import type { Document, FoundSweep, Sweep, SweepAxis, SweepSetting, SweptAnimation } from "./types";
 
@@ -17,6 +17,7 @@ const kSettings: readonly (readonly [SweepSetting, string])[] = [
   ["lines", "Lines"],
 ];
 const kMost = 16; // animations
+const kShort = 48; // frames, unless all are asked for
 const kApart = 0.05; // s that two films may be apart while they play
 
 export function SweepSection({ document }: { document: Document }): JSX.Element {
@@ -33,8 +34,7 @@ export function SweepSection({ document }: { document: Document }): JSX.Element 
   const start = async (): Promise<void> => {
     setFault("");
     try {
-      await state.kept();
-      await api.runWay(id, kWay);
+      await runKept(id, kWay);
     } catch (error) {
       setFault((error as Error).message);
     }
@@ -42,7 +42,7 @@ export function SweepSection({ document }: { document: Document }): JSX.Element 
   return (
     <Section title="Try settings" aside={<span class="figure">{count > 1 ? `${count} films` : ""}</span>}>
       {[0, 1].map((place) => (sweep.axes.length < place ? null : <Axis key={place} sweep={sweep} place={place} />))}
-      {count > 1 && document.frames > 48 && (
+      {count > 1 && document.frames > kShort && (
         <Switch label="In full length" hint="Without it two seconds" checked={sweep.full} onChange={(full) => state.edit({ sweep: { ...sweep, full } })} />
       )}
       {count === 1 && <p class="hint">Two values or more are compared, such as 0.5, 2.</p>}
@@ -78,12 +78,11 @@ export function SweepSection({ document }: { document: Document }): JSX.Element 
 }
 
 function usual(setting: SweepSetting): string[] {
-  const classes = [...new Set(state.store.value?.clips.map((clip) => clip.class) ?? [])].sort();
   switch (setting) {
     case "speed":
       return ["0.5", "1", "2"];
     case "class":
-      return classes.slice(0, 4);
+      return state.classesOf(state.store.value).slice(0, 4);
     case "outline":
       return ["still", "moving"];
     case "lines":
@@ -95,31 +94,18 @@ function Axis({ sweep, place }: { sweep: Sweep; place: number }): JSX.Element {
   const axis = sweep.axes[place];
   const others = sweep.axes.filter((_, i) => i !== place);
   const set = (changed: SweepAxis | undefined): void => {
-    const axes = sweep.axes.flatMap((each, i) => (i === place ? [] : [each]));
+    const axes = [...others];
     if (changed) axes.splice(place, 0, changed);
     state.edit({ sweep: { ...sweep, axes } });
   };
   return (
     <>
-      <label class="field">
-        <span>{place === 0 ? "What varies" : "And"}</span>
-        <select
-          value={axis?.setting ?? ""}
-          onChange={(event) => {
-            const setting = event.currentTarget.value as SweepSetting | "";
-            set(setting ? { setting, values: usual(setting) } : undefined);
-          }}
-        >
-          <option value="">Nothing</option>
-          {kSettings
-            .filter(([setting]) => others.every((each) => each.setting !== setting))
-            .map(([setting, label]) => (
-              <option key={setting} value={setting}>
-                {label}
-              </option>
-            ))}
-        </select>
-      </label>
+      <Select
+        label={place === 0 ? "What varies" : "And"}
+        value={axis?.setting ?? ""}
+        options={[["", "Nothing"], ...kSettings.filter(([setting]) => others.every((each) => each.setting !== setting))]}
+        onChange={(setting) => set(setting ? { setting, values: usual(setting) } : undefined)}
+      />
       {axis?.setting === "speed" && <Speeds axis={axis} set={set} />}
       {axis?.setting === "class" && <Classes axis={axis} set={set} />}
     </>
@@ -142,7 +128,7 @@ function Speeds({ axis, set }: { axis: SweepAxis; set: Set }): JSX.Element {
 }
 
 function Classes({ axis, set }: { axis: SweepAxis; set: Set }): JSX.Element {
-  const classes = ["", ...new Set(state.store.value?.clips.map((clip) => clip.class) ?? [])].sort();
+  const classes = ["", ...state.classesOf(state.store.value)];
   const toggle = (each: string): void =>
     set({ ...axis, values: axis.values.includes(each) ? axis.values.filter((value) => value !== each) : [...axis.values, each].slice(0, kMost) });
   return (
