@@ -1,6 +1,7 @@
 #!/bin/sh
 # Installs what is needed, builds, and runs every test. Works from nothing but a checkout on Debian 12.
 # ./test.sh --long: the campaigns of tests/faults alone, at full length (hours).
+# FRESHET_LONG_MINUTES=N ./test.sh --long: of each as many cases, in a mixed order, as N minutes allow.
 # ./test.sh --soak [MINUTES]: many processes on one store, an hour unless said otherwise.
 # ./test.sh --tsan [CTEST ARGUMENT..]: the tests under the thread sanitizer.
 # ./test.sh --fuzz [SECONDS [TARGET..]]: coverage-guided fuzzing, two hours a target unless said otherwise.

@@ -1,8 +1,12 @@
 #include "tests/faults/campaign.h"
 
+#include <algorithm>
 #include <cstdlib>
 #include <filesystem>
+#include <iostream>
 #include <nlohmann/json.hpp>
+#include <numeric>
+#include <random>
 #include <stdexcept>
 
 namespace freshet::tools {
@@ -10,6 +14,30 @@ namespace freshet::tools {
 namespace fs = std::filesystem;
 
 bool at_full_length() { return std::getenv("FRESHET_LONG") != nullptr; }
+
+Walk::Walk(std::string name, std::size_t cases) : name_(std::move(name)), order_(cases) {
+  std::iota(order_.begin(), order_.end(), std::size_t{0});
+  const char* const minutes = std::getenv("FRESHET_LONG_MINUTES");
+  if (!at_full_length() || minutes == nullptr) return;
+  end_ = start_ + std::chrono::seconds(60 * std::stol(minutes));
+  std::shuffle(order_.begin(), order_.end(), std::mt19937(31));
+}
+
+bool Walk::next() {
+  const Clock::time_point now = Clock::now();
+  if (begun_ == order_.size() || now >= end_) return false;
+  if (at_full_length() && now - said_ > std::chrono::minutes(1)) {
+    std::cerr << name_ << ": " << begun_ << " of " << order_.size() << "\n";
+    said_ = now;
+  }
+  ++begun_;
+  return true;
+}
+
+Walk::~Walk() {
+  const auto took = std::chrono::duration_cast<std::chrono::seconds>(Clock::now() - start_);
+  std::cout << name_ << ": " << begun_ << " of " << order_.size() << " cases, " << took.count() << " s\n";
+}
 
 Campaign::Campaign() {
   for (int i = 1; i <= 3; ++i) {

@@ -1,9 +1,13 @@
 // tests/faults/campaign.h — the stores that campaigns disturb, what disturbs them, and what is right afterwards.
 #pragma once
 
+#include <chrono>
+#include <cstddef>
 #include <set>
 #include <string>
 #include <vector>
+
+#include <gtest/gtest.h>
 
 #include "tests/tools/work_folder.h"
 
@@ -11,6 +15,39 @@ namespace freshet::tools {
 
 /// Campaigns at full length: ./test.sh --long.
 bool at_full_length();
+
+/// The cases of a campaign in turn. At full length all of them; where FRESHET_LONG_MINUTES says for how many minutes, in
+/// an order that is mixed, until these are over. Says how many there were, at full length once a minute as well.
+class Walk {
+ public:
+  Walk(std::string name, std::size_t cases);
+  Walk(const Walk&) = delete;
+  Walk& operator=(const Walk&) = delete;
+  ~Walk();
+  /// Whether there is another one, which is then at().
+  bool next();
+  std::size_t at() const { return order_[begun_ - 1]; }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  std::string name_;
+  std::vector<std::size_t> order_;
+  std::size_t begun_ = 0;
+  Clock::time_point start_ = Clock::now(), said_ = start_, end_ = Clock::time_point::max();
+};
+
+/// attempt(case) for the cases that a Walk comes by; the rest is left out after a fatal failure.
+template <class Case, class Attempt>
+void walk(const std::string& name, const std::vector<Case>& cases, const Attempt& attempt) {
+  for (Walk walk(name, cases.size()); !testing::Test::HasFatalFailure() && walk.next();)
+    attempt(cases[walk.at()]);
+}
+
+/// The same where the cases are rounds, which differ by what is drawn.
+template <class Attempt>
+void walk_rounds(const std::string& name, int rounds, const Attempt& attempt) {
+  walk(name, std::vector<int>(static_cast<std::size_t>(rounds)), [&](int) { attempt(); });
+}
 
 /// Three small clips, and the stores that undisturbed runs make of them.
 struct Campaign {

@@ -73,9 +73,11 @@ TEST(Interrupts, AtAnyInstantEndWithinASecondsWorkAndLeaveNothing) {
        .arguments = {"synth", "simulate", "river", "--size", "96x96", "--frames", "48", "-o", "s.mkv"},
        .before = "",
        .after = ""});
-  const int rounds = at_full_length() ? 300 : 2;
-  double most = 0;
-  int stopped = 0;
+  struct Kind {
+    Job job;
+    std::chrono::microseconds took{};
+  };
+  std::vector<Kind> cases;
   for (const Job& job : all) {
     c.begin_with(job.begins_with, "f.store");
     const auto start = std::chrono::steady_clock::now();
@@ -83,26 +85,30 @@ TEST(Interrupts, AtAnyInstantEndWithinASecondsWorkAndLeaveNothing) {
     const auto took =
         std::chrono::duration_cast<std::chrono::microseconds>(std::chrono::steady_clock::now() - start);
     fs::remove(c.folder / "s.mkv");
-    for (int round = 0; round < rounds; ++round) {
-      c.begin_with(job.begins_with, "f.store");
-      const auto before = others(c);
-      const int number = random() % 2 == 0 ? SIGINT : SIGTERM;
-      const auto [outcome, cpu_after] =
-          interrupt(c, job.arguments, number,
-                    std::chrono::microseconds(random() % static_cast<std::uint32_t>(took.count())));
-      const std::string what = job.name + ", round " + std::to_string(round) + ": " + outcome.err;
-      EXPECT_TRUE(outcome.exit_code == 0 || outcome.signal == number) << what << outcome.exit_code;
-      most = std::max(most, cpu_after);
-      stopped += outcome.signal != 0 ? 1 : 0;
-      if (job.name == "simulate") {
-        EXPECT_EQ(fs::exists(c.folder / "s.mkv"), outcome.exit_code == 0) << what;
-        fs::remove(c.folder / "s.mkv");
-      } else {
-        EXPECT_EQ(judge_again(c, job), "") << what;
-      }
-      EXPECT_EQ(others(c), before) << what;
-    }
+    cases.insert(cases.end(), at_full_length() ? 300 : 2, {job, took});
   }
+  double most = 0;
+  int stopped = 0;
+  walk("signals", cases, [&](const Kind& tried) {
+    const Job& job = tried.job;
+    c.begin_with(job.begins_with, "f.store");
+    const auto before = others(c);
+    const int number = random() % 2 == 0 ? SIGINT : SIGTERM;
+    const auto [outcome, cpu_after] =
+        interrupt(c, job.arguments, number,
+                  std::chrono::microseconds(random() % static_cast<std::uint32_t>(tried.took.count())));
+    const std::string what = job.name + ": " + outcome.err;
+    EXPECT_TRUE(outcome.exit_code == 0 || outcome.signal == number) << what << outcome.exit_code;
+    most = std::max(most, cpu_after);
+    stopped += outcome.signal != 0 ? 1 : 0;
+    if (job.name == "simulate") {
+      EXPECT_EQ(fs::exists(c.folder / "s.mkv"), outcome.exit_code == 0) << what;
+      fs::remove(c.folder / "s.mkv");
+    } else {
+      EXPECT_EQ(judge_again(c, job), "") << what;
+    }
+    EXPECT_EQ(others(c), before) << what;
+  });
   std::cout << stopped << " stopped; at most " << most << " s of CPU after the signal\n";
   EXPECT_GT(stopped, 0);
   EXPECT_LT(most, 1.0);

@@ -69,6 +69,7 @@ TEST(FailingCalls, LeaveTheStoreAsItWasAndSayWhy) {
   const Campaign& c = campaign();
   std::mt19937 random(7);
   const std::vector<std::string> kinds{"enospc", "full", "eio", "eintr", "short", "kill"};
+  std::vector<std::pair<Job, std::string>> cases;
   for (const Job& run : jobs()) {
     const long calls = calls_of(c, run);
     ASSERT_GT(calls, 5) << run.name;
@@ -87,11 +88,11 @@ TEST(FailingCalls, LeaveTheStoreAsItWasAndSayWhy) {
         faults.insert({"kill", 1 + static_cast<long>(random() % calls)});
       for (int i = 0; i < 2; ++i) faults.insert({kinds[random() % 5], somewhere()});
     }
-    for (const auto& [kind, n] : faults) {
-      const std::string fault = kind + ":" + std::to_string(n);
-      EXPECT_EQ(judge_fault(c, run, fault), "") << run.name << ", " << fault;
-    }
+    for (const auto& [kind, n] : faults) cases.emplace_back(run, kind + ":" + std::to_string(n));
   }
+  walk("failing calls", cases, [&](const auto& tried) {
+    EXPECT_EQ(judge_fault(c, tried.first, tried.second), "") << tried.first.name << ", " << tried.second;
+  });
 }
 
 /// Commands that only read the store.
@@ -144,7 +145,12 @@ TEST(FailingReads, AreAnErrorAndNeverAnotherStore) {
   std::mt19937 random(19);
   std::vector<Job> all = readings();
   for (const Job& job : jobs()) all.push_back(job);
-  int tried = 0;
+  struct Case {
+    Job job;
+    std::string files, fault;
+    Outcome undisturbed;
+  };
+  std::vector<Case> cases;
   for (const Job& job : all)
     for (const std::string files : {"f.store", "clip"}) {
       if (files == "clip" && job.arguments.front() != "ingest") continue;
@@ -154,13 +160,13 @@ TEST(FailingReads, AreAnErrorAndNeverAnotherStore) {
       ASSERT_EQ(undisturbed.exit_code, 0) << undisturbed.err;
       const long reads = std::stol(text_of(c.folder / "count"));
       if (reads == 0) continue;
-      for (const std::string& fault : faults_of({"eio", "eintr", "short"}, reads, 1, random)) {
-        EXPECT_EQ(judge_read_fault(c, job, files, fault, undisturbed), "")
-            << job.name << ", " << files << ", " << fault;
-        ++tried;
-      }
+      for (const std::string& fault : faults_of({"eio", "eintr", "short"}, reads, 1, random))
+        cases.push_back({job, files, fault, undisturbed});
     }
-  std::cout << tried << " reads failed\n";
+  walk("failing reads", cases, [&](const Case& tried) {
+    EXPECT_EQ(judge_read_fault(c, tried.job, tried.files, tried.fault, tried.undisturbed), "")
+        << tried.job.name << ", " << tried.files << ", " << tried.fault;
+  });
 }
 
 TEST(FailingReads, APageThatCannotBeReadIsAnError) {
@@ -187,32 +193,36 @@ TEST(FailingAllocations, EndInAnErrorAndLeaveTheStore) {
   std::mt19937 random(23);
   std::vector<Job> all = readings();
   for (const Job& job : jobs()) all.push_back(job);
-  int tried = 0, refused = 0;
+  int refused = 0, without_a_clip = 0;
+  std::vector<std::pair<Job, std::string>> cases;
   for (const Job& job : all) {
     c.begin_with(job.begins_with, "f.store");
     ASSERT_EQ(run_with_fault(c, job, "alloc:0").exit_code, 0);
     const long allocations = std::stol(text_of(c.folder / "count"));
     ASSERT_GT(allocations, 100) << job.name;
-    for (const std::string& fault : faults_of({"alloc", "allocs"}, allocations, 1, random)) {
-      c.begin_with(job.begins_with, "f.store");
-      const Outcome outcome = run_with_fault(c, job, fault);
-      const std::string what = job.name + ", " + fault + ": " + outcome.err;
-      ++tried;
-      refused += outcome.exit_code != 0 ? 1 : 0;
-      EXPECT_EQ(outcome.signal, 0) << what;
-      EXPECT_TRUE(outcome.exit_code == 0 || outcome.exit_code == 1) << what;
-      // A clip for which there was no memory is said to have failed, and the others are taken.
-      const bool without = job.in_steps && outcome.err.find(" failed: ") != std::string::npos;
-      if (outcome.exit_code == 0 && !without) {
-        EXPECT_EQ(c.judge("f.store", {job.after}), "") << what;
-      }
-      if (without) {
-        EXPECT_EQ(c.run({"store", "verify", "f.store"}).exit_code, 0) << what;
-      }
-      EXPECT_EQ(judge_again(c, job), "") << what;
-    }
+    for (const std::string& fault : faults_of({"alloc", "allocs"}, allocations, 1, random))
+      cases.emplace_back(job, fault);
   }
-  std::cout << tried << " allocations failed, " << refused << " runs ended in an error\n";
+  walk("failing allocations", cases, [&](const auto& tried) {
+    const auto& [job, fault] = tried;
+    c.begin_with(job.begins_with, "f.store");
+    const Outcome outcome = run_with_fault(c, job, fault);
+    const std::string what = job.name + ", " + fault + ": " + outcome.err;
+    EXPECT_EQ(outcome.signal, 0) << what;
+    EXPECT_TRUE(outcome.exit_code == 0 || outcome.exit_code == 1) << what;
+    // A clip for which there was no memory is said to have failed, and the others are taken.
+    const bool without = job.in_steps && outcome.err.find(" failed: ") != std::string::npos;
+    refused += outcome.exit_code != 0 && !without ? 1 : 0;
+    without_a_clip += without ? 1 : 0;
+    if (outcome.exit_code == 0 && !without) {
+      EXPECT_EQ(c.judge("f.store", {job.after}), "") << what;
+    }
+    if (without) {
+      EXPECT_EQ(c.run({"store", "verify", "f.store"}).exit_code, 0) << what;
+    }
+    EXPECT_EQ(judge_again(c, job), "") << what;
+  });
+  std::cout << refused << " runs ended in an error, " << without_a_clip << " without a clip\n";
   EXPECT_GT(refused, 0);
 }
 

@@ -4,6 +4,7 @@
 
 #include <chrono>
 #include <csignal>
+#include <iostream>
 #include <random>
 #include <thread>
 
@@ -32,65 +33,86 @@ std::string judge_killed(const Campaign& c, const std::string& store, std::size_
   return "";
 }
 
+/// Starts f.store's or k.store's command and kills it at an instant of a time as long as an undisturbed run of it takes.
+class Killer {
+ public:
+  Killer(const Campaign& c, const std::vector<std::string>& arguments, unsigned seed)
+      : c_(c), command_(arguments), random_(seed) {
+    const auto start = std::chrono::steady_clock::now();
+    EXPECT_EQ(c.run(arguments).exit_code, 0);
+    took_ = std::chrono::duration_cast<std::chrono::microseconds>(std::chrono::steady_clock::now() - start);
+    command_.insert(command_.begin(), executable());
+  }
+  Outcome run() {
+    const Started started = c_.folder.start(command_);
+    std::this_thread::sleep_for(
+        std::chrono::microseconds(random_() % static_cast<std::uint32_t>(took_.count() + 1000)));
+    ::kill(started.process, SIGKILL);
+    Outcome outcome = WorkFolder::wait(started);
+    killed_ += outcome.signal == SIGKILL ? 1 : 0;
+    return outcome;
+  }
+  int killed() const { return killed_; }
+
+ private:
+  const Campaign& c_;
+  std::vector<std::string> command_;
+  std::mt19937 random_;
+  std::chrono::microseconds took_{};
+  int killed_ = 0;
+};
+
 TEST(Kills, AnIngestAtAnyInstantLosesAtMostTheClipInHand) {
   const Campaign& c = campaign();
-  std::mt19937 random(3);
-  const int rounds = at_full_length() ? 10000 : 3;
   const std::vector<std::string> ingest = c.ingest("k.store", {"clip1.mkv", "clip2.mkv", "clip3.mkv"});
-  for (int round = 0; round < rounds; ++round) {
+  c.begin_with("", "k.store");
+  Killer killer(c, ingest, 3);
+  walk_rounds("ingests", at_full_length() ? 10000 : 3, [&] {
     c.begin_with("", "k.store");
-    std::vector<std::string> command = ingest;
-    command.insert(command.begin(), executable());
-    const Started started = c.folder.start(command);
-    std::this_thread::sleep_for(std::chrono::microseconds(random() % 900000));
-    ::kill(started.process, SIGKILL);
-    const Outcome outcome = WorkFolder::wait(started);
+    const Outcome outcome = killer.run();
     const std::size_t committed = outcome.exit_code == 0 ? 3 : reported(outcome.err);
-    ASSERT_EQ(judge_killed(c, "k.store", committed), "") << "round " << round;
+    ASSERT_EQ(judge_killed(c, "k.store", committed), "");
     ASSERT_EQ(c.run(ingest).exit_code, 0);
-    ASSERT_EQ(c.judge("k.store", {c.all}), "") << "round " << round;
-  }
+    ASSERT_EQ(c.judge("k.store", {c.all}), "");
+  });
+  std::cout << killer.killed() << " killed\n";
 }
 
 TEST(Kills, AnIndexAtAnyInstantLeavesTheClips) {
   const Campaign& c = campaign();
-  std::mt19937 random(5);
-  const int rounds = at_full_length() ? 2000 : 2;
-  for (int round = 0; round < rounds; ++round) {
+  c.begin_with("all.store", "k.store");
+  Killer killer(c, {"index", "k.store"}, 5);
+  walk_rounds("indexes", at_full_length() ? 2000 : 2, [&] {
     c.begin_with("all.store", "k.store");
-    const Started started = c.folder.start({executable(), "index", "k.store"});
-    std::this_thread::sleep_for(std::chrono::microseconds(random() % 600000));
-    ::kill(started.process, SIGKILL);
-    WorkFolder::wait(started);
-    ASSERT_EQ(c.judge("k.store", {c.all, c.indexed}), "") << "round " << round;
+    killer.run();
+    ASSERT_EQ(c.judge("k.store", {c.all, c.indexed}), "");
     ASSERT_EQ(c.run({"index", "k.store"}).exit_code, 0);
-    ASSERT_EQ(c.judge("k.store", {c.indexed}), "") << "round " << round;
-  }
+    ASSERT_EQ(c.judge("k.store", {c.indexed}), "");
+  });
+  std::cout << killer.killed() << " killed\n";
 }
 
 TEST(Kills, ARewriteAtAnyInstantIsDoneOrNot) {
   const Campaign& c = campaign();
-  std::mt19937 random(9);
-  const int rounds = at_full_length() ? 500 : 1;
+  struct Kind {
+    Job job;
+    Killer killer;
+  };
+  std::vector<Kind> kinds;
+  std::vector<std::size_t> cases;
   for (const Job& job : rewrites()) {
     c.begin_with(job.begins_with, "f.store");
-    const auto start = std::chrono::steady_clock::now();
-    ASSERT_EQ(c.run(job.arguments).exit_code, 0) << job.name;
-    const std::chrono::microseconds took =
-        std::chrono::duration_cast<std::chrono::microseconds>(std::chrono::steady_clock::now() - start);
-    for (int round = 0; round < rounds; ++round) {
-      c.begin_with(job.begins_with, "f.store");
-      std::vector<std::string> command = job.arguments;
-      command.insert(command.begin(), executable());
-      const Started started = c.folder.start(command);
-      std::this_thread::sleep_for(
-          std::chrono::microseconds(random() % static_cast<std::uint32_t>(took.count() + 1000)));
-      ::kill(started.process, SIGKILL);
-      WorkFolder::wait(started);
-      ASSERT_EQ(c.judge("f.store", {job.before, job.after}), "") << job.name << ", round " << round;
-      ASSERT_EQ(judge_again(c, job), "") << job.name << ", round " << round;
-    }
+    cases.insert(cases.end(), at_full_length() ? 500 : 1, kinds.size());
+    kinds.push_back({job, Killer(c, job.arguments, 9)});
   }
+  walk("rewrites", cases, [&](std::size_t which) {
+    auto& [job, killer] = kinds[which];
+    c.begin_with(job.begins_with, "f.store");
+    killer.run();
+    ASSERT_EQ(c.judge("f.store", {job.before, job.after}), "") << job.name;
+    ASSERT_EQ(judge_again(c, job), "") << job.name;
+  });
+  for (const Kind& kind : kinds) std::cout << kind.job.name << ": " << kind.killer.killed() << " killed\n";
 }
 
 TEST(Kills, ALostClipThatIsPlantedIsSeen) {

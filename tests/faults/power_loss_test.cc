@@ -9,7 +9,6 @@
 
 #include <cstring>
 #include <fstream>
-#include <iostream>
 #include <map>
 #include <random>
 
@@ -156,24 +155,31 @@ std::string judge_power_loss(const Campaign& c, const Job& job, bool ended) {
 TEST(PowerLoss, LeavesWhatWasCommitted) {
   const Campaign& c = campaign();
   std::mt19937 random(13);
-  int states = 0;
+  struct Kind {
+    Job job;
+    std::vector<LogEntry> log;
+    std::map<std::string, std::string> before;
+  };
+  std::vector<Kind> kinds;
+  std::vector<std::pair<std::size_t, int>> cases;
   for (const Job& job : jobs()) {
-    const std::vector<LogEntry> log = logged(c, job);
-    ASSERT_GT(log.size(), 5u) << job.name;
-    const auto before = begun(c, job);
-    const int rounds = at_full_length() ? 400 : 4;
-    for (int round = 0; round < rounds; ++round, ++states) {
-      // Often at the very end, where all that was reported must be there.
-      const std::size_t end = round % 4 == 0 ? log.size() : random() % (log.size() + 1);
-      lay_out(c, after_power_loss(before, log, end, Syncs::kKept, random));
-      ASSERT_EQ(judge_power_loss(c, job, end == log.size()), "")
-          << job.name << ", after " << end << " of " << log.size() << " entries, round " << round;
-      if (round % 4 == 1) {
-        ASSERT_EQ(judge_again(c, job), "") << job.name << ", after " << end << " of " << log.size();
-      }
-    }
+    kinds.push_back({job, logged(c, job), begun(c, job)});
+    ASSERT_GT(kinds.back().log.size(), 5u) << job.name;
+    for (int round = 0; round < (at_full_length() ? 400 : 4); ++round)
+      cases.emplace_back(kinds.size() - 1, round);
   }
-  std::cout << states << " states\n";
+  walk("states", cases, [&](const auto& tried) {
+    const auto& [job, log, before] = kinds[tried.first];
+    const int round = tried.second;
+    // Often at the very end, where all that was reported must be there.
+    const std::size_t end = round % 4 == 0 ? log.size() : random() % (log.size() + 1);
+    lay_out(c, after_power_loss(before, log, end, Syncs::kKept, random));
+    ASSERT_EQ(judge_power_loss(c, job, end == log.size()), "")
+        << job.name << ", after " << end << " of " << log.size() << " entries, round " << round;
+    if (round % 4 == 1) {
+      ASSERT_EQ(judge_again(c, job), "") << job.name << ", after " << end << " of " << log.size();
+    }
+  });
 }
 
 TEST(PowerLoss, ADiskThatOnlySaysThatItSyncsIsSeen) {
