@@ -189,6 +189,10 @@ void Environment::open_map(const std::filesystem::path& at) {
     code = try_open_map(at, map_bytes, flags);
     while (code == ENOMEM && map_bytes / 2 >= min_bytes) code = try_open_map(at, map_bytes /= 2, flags);
   }
+  // Its pages have just been read, or written: LMDB calls it so where it gets less than it asks for.
+  if (code == MDB_INVALID)
+    throw Error(ErrorKind::kIo, file_.string(), "its first page could not be read whole",
+                "Check the disk and run again");
   check_lmdb(file_, "cannot be opened", code);
 }
 

@@ -1,5 +1,9 @@
 #include "media/frame/decoder.h"
 
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
@@ -69,44 +73,46 @@ void require_file(const std::filesystem::path& path) {
 }
 
 struct Decoder::File {
-  std::FILE* stream = nullptr;
+  int descriptor = -1;
+  int fault = 0;  // errno of a read that the machine refused
   AVIOContext* window = nullptr;
 
-  explicit File(const std::filesystem::path& path) {
-    stream = std::fopen(path.c_str(), "rb");
-    if (!stream) throw Error(ErrorKind::kInput, path.string(), std::strerror(errno), "Check its permissions");
+  explicit File(const std::filesystem::path& path) : descriptor(::open(path.c_str(), O_RDONLY | O_CLOEXEC)) {
+    if (descriptor < 0)
+      throw Error(ErrorKind::kInput, path.string(), std::strerror(errno), "Check its permissions");
     auto* buffer = static_cast<unsigned char*>(av_malloc(kWindow));
-    window = buffer ? avio_alloc_context(buffer, kWindow, 0, stream, read, nullptr, seek) : nullptr;
+    window = buffer ? avio_alloc_context(buffer, kWindow, 0, this, read, nullptr, seek) : nullptr;
     if (!window) {
       av_free(buffer);
-      std::fclose(stream);
+      ::close(descriptor);
       throw std::bad_alloc();
     }
   }
   ~File() {
     av_freep(&window->buffer);
     avio_context_free(&window);
-    std::fclose(stream);
+    ::close(descriptor);
   }
   File(const File&) = delete;
   File& operator=(const File&) = delete;
 
   static int read(void* opaque, std::uint8_t* to, int bytes) {
-    auto* from = static_cast<std::FILE*>(opaque);
-    const std::size_t got = std::fread(to, 1, static_cast<std::size_t>(bytes), from);
-    if (got > 0) return static_cast<int>(got);
-    return std::ferror(from) ? AVERROR(EIO) : AVERROR_EOF;
+    auto* const file = static_cast<File*>(opaque);
+    for (;;) {
+      const ssize_t got = ::read(file->descriptor, to, static_cast<std::size_t>(bytes));
+      if (got > 0) return static_cast<int>(got);
+      if (got == 0) return AVERROR_EOF;
+      if (errno == EINTR) continue;
+      file->fault = errno;
+      return AVERROR(errno);
+    }
   }
   static std::int64_t seek(void* opaque, std::int64_t offset, int whence) {
-    auto* from = static_cast<std::FILE*>(opaque);
-    if (whence == AVSEEK_SIZE) {
-      const off_t here = ftello(from);
-      if (here < 0 || fseeko(from, 0, SEEK_END) != 0) return AVERROR(EIO);
-      const off_t size = ftello(from);
-      return fseeko(from, here, SEEK_SET) == 0 ? size : AVERROR(EIO);
-    }
-    if (fseeko(from, offset, whence & ~AVSEEK_FORCE) != 0) return AVERROR(errno);
-    return ftello(from);
+    const int from = static_cast<File*>(opaque)->descriptor;
+    struct stat status {};
+    if (whence == AVSEEK_SIZE) return fstat(from, &status) == 0 ? status.st_size : AVERROR(errno);
+    const off_t at = lseek(from, offset, whence & ~AVSEEK_FORCE);
+    return at < 0 ? AVERROR(errno) : at;
   }
 };
 
@@ -131,7 +137,7 @@ void Decoder::open_container(bool picture) {
   const std::string hint = !picture && looks_like_video(path) ? "video" + path.extension().string() : "";
   const AVInputFormat* format = nullptr;
   int code = av_probe_input_buffer2(container->pb, &format, hint.c_str(), nullptr, 0, 0);
-  if (code >= 0 && !own_format(*format)) {
+  if (code >= 0 && file_->fault == 0 && !own_format(*format)) {
     avformat_free_context(container);
     throw Error(ErrorKind::kInput, name_,
                 std::string("is of a format (") + (format->long_name ? format->long_name : format->name) +
@@ -145,11 +151,13 @@ void Decoder::open_container(bool picture) {
     code = avformat_open_input(&container, hint.c_str(), format, nullptr);
   else
     avformat_free_context(container);
-  if (code < 0)  // which has freed the container
+  if (code >= 0) container_.reset(container);  // else it has been freed
+  refuse_if_machine_failed(code);
+  if (code < 0)
     throw Error(ErrorKind::kInput, name_, "not a video that FFmpeg can read (" + libav_fault(code) + ")",
                 "Convert it with ffmpeg, or leave it out");
-  container_.reset(container);
   if (!picture && (code = avformat_find_stream_info(container, nullptr)) < 0) note(code);
+  refuse_if_machine_failed(code);
 
   bool sound = false;
   for (unsigned i = 0; i < container->nb_streams; ++i) {
@@ -186,6 +194,7 @@ void Decoder::open_codec(const DecoderOptions& options) {
   const int threads = options.threads > 0 ? options.threads : av_cpu_count();
   context_->thread_count = options.picture ? 1 : std::clamp(threads, 1, kMaxThreads);
   if (code >= 0) code = avcodec_open2(context_.get(), codec, nullptr);
+  refuse_if_machine_failed(code);
   if (code < 0)
     throw Error(ErrorKind::kInput, name_,
                 std::string("its ") + codec->name + " stream cannot be opened (" + libav_fault(code) + ")",
@@ -196,10 +205,21 @@ void Decoder::note(int code) {
   if (fault_.empty()) fault_ = libav_fault(code);
 }
 
+// What the machine does not give is not the file's damage: without it, other frames would be taken for the file's own.
+void Decoder::refuse_if_machine_failed(int code) const {
+  if (file_->fault != 0)
+    throw Error(ErrorKind::kInput, name_, std::string("could not be read: ") + std::strerror(file_->fault),
+                "Check the disk, and try again");
+  if (code == AVERROR(ENOMEM))
+    throw Error(ErrorKind::kInput, name_, "there was not the memory that it asks for",
+                "End other programs, and try again");
+}
+
 // One packet of our stream into the decoder, or the end mark.
 void Decoder::feed() {
   for (;;) {
     const int code = av_read_frame(container_.get(), packet_.get());
+    refuse_if_machine_failed(code);
     if (code < 0) {
       if (code != AVERROR_EOF) {
         note(code);
@@ -213,6 +233,7 @@ void Decoder::feed() {
     const int sent = ours ? avcodec_send_packet(context_.get(), packet_.get()) : 0;
     av_packet_unref(packet_.get());
     if (!ours) continue;
+    refuse_if_machine_failed(sent);
     if (sent < 0) {
       note(sent);
       ++damaged_packets_;
@@ -233,6 +254,7 @@ AvOwner<AVFrame> Decoder::next() {
     }
     if (code == AVERROR_EOF) return nullptr;
     if (code != AVERROR(EAGAIN)) {
+      refuse_if_machine_failed(code);
       note(code);
       ++damaged_packets_;
       ++faults_in_a_row_;
@@ -248,7 +270,10 @@ AvOwner<AVFrame> Decoder::next() {
 std::vector<std::int64_t> Decoder::packet_stamps() {
   std::vector<std::int64_t> stamps;
   drained_ = true;
-  while (av_read_frame(container_.get(), packet_.get()) >= 0) {
+  for (;;) {
+    const int code = av_read_frame(container_.get(), packet_.get());
+    refuse_if_machine_failed(code);
+    if (code < 0) break;
     const bool shown = packet_->stream_index == stream_->index && (packet_->flags & AV_PKT_FLAG_DISCARD) == 0;
     if (shown && packet_->pts != AV_NOPTS_VALUE) stamps.push_back(packet_->pts);
     av_packet_unref(packet_.get());

@@ -22,7 +22,8 @@ struct DecoderOptions {
 };
 
 /// Frames of one file in presentation order. Opens that one file and nothing that it may name (playlists,
-/// external tracks). Throws Error{kInput} naming the file.
+/// external tracks). Throws Error{kInput} naming the file, at any call also where the disk or memory fails: what is left
+/// out for that is not the file's damage. (FFmpeg's reader of Matroska passes over packets without memory, and says nothing.)
 class Decoder {
  public:
   explicit Decoder(const std::filesystem::path& path, const DecoderOptions& options);
@@ -56,6 +57,7 @@ class Decoder {
   void open_codec(const DecoderOptions& options);
   void feed();
   void note(int code);
+  void refuse_if_machine_failed(int code) const;
 
   std::string name_;
   std::shared_ptr<File> file_;  // outlives container_

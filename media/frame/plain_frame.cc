@@ -85,6 +85,19 @@ AVPixelFormat plain_format(AVPixelFormat format) {
   return without_jpeg_range(format);
 }
 
+namespace {
+
+/// Decoders put there what the file says (MPEG-2: any byte), and to load what an enumeration does not have is undefined.
+template <class Enumeration>
+int number_of(const Enumeration& coded) {
+  int number = 0;
+  static_assert(sizeof coded == sizeof number);
+  std::memcpy(&number, &coded, sizeof number);
+  return number;
+}
+
+}  // namespace
+
 PixelLayout layout_of(const AVFrame& frame) {
   const auto format = static_cast<AVPixelFormat>(frame.format);
   PixelLayout layout;
@@ -92,10 +105,10 @@ PixelLayout layout_of(const AVFrame& frame) {
   layout.format = name ? name : "none";
   layout.width = frame.width;
   layout.height = frame.height;
-  layout.range = is_jpeg_range(format) ? AVCOL_RANGE_JPEG : frame.color_range;
-  layout.matrix = frame.colorspace;
-  layout.primaries = frame.color_primaries;
-  layout.transfer = frame.color_trc;
+  layout.range = is_jpeg_range(format) ? static_cast<int>(AVCOL_RANGE_JPEG) : number_of(frame.color_range);
+  layout.matrix = number_of(frame.colorspace);
+  layout.primaries = number_of(frame.color_primaries);
+  layout.transfer = number_of(frame.color_trc);
   if (frame.sample_aspect_ratio.num > 0 && frame.sample_aspect_ratio.den > 0) {
     layout.sar_num = frame.sample_aspect_ratio.num;
     layout.sar_den = frame.sample_aspect_ratio.den;

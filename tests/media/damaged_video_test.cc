@@ -1,4 +1,5 @@
 // Broken input: whatever the bytes, frames or a freshet::Error, and in bounded time.
+#include <climits>
 #include <random>
 #include <set>
 #include <string>
@@ -6,6 +7,11 @@
 
 #include <gtest/gtest.h>
 
+extern "C" {
+#include <libavutil/mem.h>
+}
+
+#include "media/frame/decoder.h"
 #include "media/frame/frame_md5.h"
 #include "media/picture/picture.h"
 #include "media/video/video_reader.h"
@@ -124,6 +130,28 @@ TEST(Damaged, DamageDecodesAlikeForAnyNumberOfThreads) {
     damaged += one != outcome(scratch / "a.mp4", 1);
   }
   EXPECT_GT(damaged, 5);
+}
+
+TEST(Damaged, WhatThereIsNoMemoryForIsNoDamage) {
+  if (!have_ffmpeg()) GTEST_SKIP() << "the ffmpeg program is missing: no clip to decode";
+  const Scratch scratch;
+  // Longer than what is read ahead to know its rate.
+  make_clip("-f lavfi -i testsrc=s=48x32:r=10:d=20,noise=alls=20:allf=t -c:v mpeg4", scratch / "a.mp4");
+  const auto without_memory = [](const std::function<void()>& action) {
+    av_max_alloc(700);  // for each block: less than a packet or a frame
+    const std::string fault = fault_of(ErrorKind::kInput, action);
+    av_max_alloc(INT_MAX);
+    return fault;
+  };
+  Decoder decoder(scratch / "a.mp4", {.threads = 1});
+  EXPECT_NE(without_memory([&] {
+              while (decoder.next()) {
+              }
+            }).find("a.mp4: there was not the memory"),
+            std::string::npos);
+  Decoder stamps(scratch / "a.mp4", {.threads = 1});
+  EXPECT_NE(without_memory([&] { stamps.packet_stamps(); }).find("a.mp4: there was not the memory"),
+            std::string::npos);
 }
 
 TEST(Damaged, PicturesGiveAPictureOrAnError) {
