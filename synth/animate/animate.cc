@@ -69,27 +69,12 @@ cv::Mat in_units(const cv::Mat& picture) {
 }
 
 /// A picture has one light: fires breathe by less than kMostLevel, and what goes beyond it is a clip's flash, or a puff
-/// that crosses it. spans: columns of each row that count; a hyperbola for every pixel of a frame is dear.
-void limit_level(cv::Mat& level, std::span<const cv::Range> spans) {
+/// that crosses it.
+void limit_level(cv::Mat& level) {
   for (int y = 0; y < level.rows; ++y) {
     auto* at = level.ptr<float>(y);
-    for (int x = spans[y].start; x < spans[y].end; ++x) at[x] = kMostLevel * std::tanh(at[x] / kMostLevel);
+    for (int x = 0; x < level.cols; ++x) at[x] = kMostLevel * std::tanh(at[x] / kMostLevel);
   }
-}
-
-/// Of each row of a canvas that lies on a picture as large as its matte, the columns between which the matte is more than 0.
-std::vector<cv::Range> spans_of(const cv::Rect& canvas, const cv::Mat& matte) {
-  std::vector<cv::Range> spans(canvas.height, cv::Range(0, 0));
-  for (int row = 0; row < canvas.height; ++row) {
-    const int y = canvas.y + row;
-    if (y < 0 || y >= matte.rows) continue;
-    const auto* at = matte.ptr<std::uint8_t>(y);
-    int begin = std::max(canvas.x, 0), end = std::min(canvas.br().x, matte.cols);
-    while (begin < end && at[begin] == 0) ++begin;
-    while (end > begin && at[end - 1] == 0) --end;
-    if (begin < end) spans[row] = {begin - canvas.x, end - canvas.x};
-  }
-  return spans;
 }
 
 /// A field that is sampled every few px, for every pixel; 0 where nothing is fluid.
@@ -204,9 +189,10 @@ class Animation {
         placement_(placement),
         options_(enlarged(asked, placement.piece_scale)),
         carried_(options_.method == Method::kCarried),
+        detail_placement_(carried_ ? halved(placement) : placement),
         motion_alone_(carried_ && options_.motion_alone),
         moving_(options_.boundary.boundary == Boundary::kMoving),
-        canvas_(placement, picture.size()),
+        canvas_(detail_placement_, picture.size()),
         progress_(progress),
         stop_(std::move(stop)) {
     if (carried_) {
@@ -255,7 +241,7 @@ class Animation {
 
   /// The clips, how many frames are in hand at once, and which ones the appearance model is fitted to.
   void lay_out() {
-    layers_ = layers_of(snapshot_, settings_, placement_, options_);
+    layers_ = layers_of(snapshot_, settings_, detail_placement_, options_);
     batch_ =
         motion_alone_ ? options_.frames : batch_of(layers_, picture_.size(), canvas_.rect().size(), options_);
     in_one_ = batch_ == options_.frames;
@@ -269,7 +255,7 @@ class Animation {
     const int sampled = std::min({options_.frames, kSampledFrames,
                                   std::max(kMinSampledFrames, kSampledPixels / picture_.size().area())});
     for (int i = 0; i < sampled; ++i) samples_.push_back(i * options_.frames / sampled);
-    if (!motion_alone_) blender_.emplace(placement_, std::max(batch_, sampled), options_.blend);
+    if (!motion_alone_) blender_.emplace(detail_placement_, std::max(batch_, sampled), options_.blend);
     if (carried_) measure_lives();
   }
 
@@ -355,11 +341,6 @@ class Animation {
                      renewing_);
         cv::multiply(renewing_pieces, renewal_->places(), renewing_pieces);
         renewing_counts_ = Renewal::counts_of(renewing_pieces);
-        // What is enlarged mixes neighbours, and a moving outline goes beyond the matte.
-        if (moving_ || placement_.piece_scale != 1)
-          level_spans_.assign(canvas_.rect().height, cv::Range(0, canvas_.rect().width));
-        else
-          level_spans_ = spans_of(canvas_.rect(), matte_);
       }
       standing_.emplace(planes, alpha_, shares_that_stand());
     }
@@ -419,7 +400,7 @@ class Animation {
     report_.half_life_s = half_life_s_;
     if (motion_alone_) return;
     renewal_.emplace(
-        placement_, canvas_, target_luma_, *blender_,
+        detail_placement_, canvas_, target_luma_, *blender_,
         RenewalOptions{
             .share = options_.renewal, .max_gain = options_.max_renewal_gain, .fps = options_.fps});
   }
@@ -446,22 +427,22 @@ class Animation {
     if (carried_) {
       // At the beginning the picture is all, then what is new comes in; in a loop it has gone before the end.
       const double anew = 1 - copies_->still(output);
-      std::vector<double> shares(Renewal::kLevels);
+      std::vector<double> shares(static_cast<std::size_t>(standing_->levels()));
       for (std::size_t level = 0; !motion_alone_ && level < shares.size(); ++level)
-        shares[level] = anew * renewal_->share(level);
+        shares[level] = anew * renewal_->share_of_picture(static_cast<int>(level));
       const cv::Mat stands = restore_contrast(made.luma, copies, CarriedBase::kStep, shares, renewing_,
                                               *standing_, anew, options_.contrast);
       standing_->colour(*made.brought, stands);
       if (motion_alone_) return made;
       field = renewed;
-      renewal_->show(field, made.luma, shares, renewing_counts_);
+      renewal_->show(field, made.luma, anew, renewing_counts_);
       cv::Mat level = blender_->take_level(slot);
-      limit_level(level, level_spans_);
+      limit_level(level);
       cv::scaleAdd(level, anew, field, field);
     } else {
       field = blender_->take(slot);
     }
-    add_enlarged(field, canvas_.rect(), placement_.piece_scale, made.luma);
+    add_enlarged(field, canvas_.rect(), canvas_.scale(), made.luma);
     return made;
   }
 
@@ -571,7 +552,9 @@ class Animation {
   const cv::Mat &picture_, &matte_;
   const Placement& placement_;
   AnimateOptions options_;
-  const bool carried_, motion_alone_, moving_;
+  const bool carried_;
+  const Placement detail_placement_;  // innovations are found and merged at half the size
+  const bool motion_alone_, moving_;
   const PiecesCanvas canvas_;
   const ProgressFunction& progress_;
   std::stop_token stop_;
@@ -590,7 +573,6 @@ class Animation {
   std::shared_ptr<const MotionSequence> sequence_;
   cv::Mat renewing_;  // CV_32F, sampled as the field: how much of what comes anew is for a place, 0..1
   std::vector<cv::Mat> renewing_counts_;  // the same on the canvas, for Renewal::show
-  std::vector<cv::Range> level_spans_;    // of the canvas, by row: where the patches' light shows
   std::optional<StandingDetail> standing_;
   double half_life_s_ = 0;  // of carried detail
   std::shared_ptr<const CarryingField> field_;
