@@ -62,8 +62,8 @@ Measured measured(double left, double right, const RenewalOptions& options = {})
 TEST(Renewal, FindsHowMuchOfAClipComesAnew) {
   for (const double anew : {0.05, 0.2, 0.4}) {
     const Measured found = measured(anew, anew);
-    EXPECT_NEAR(found.shares[1], anew, 0.15 * anew + 0.01) << anew;
-    EXPECT_NEAR(found.shares[0], anew * 2 / 3, 0.15 * anew + 0.01) << anew;
+    EXPECT_NEAR(found.shares[1], anew * 2 / 3, 0.15 * anew + 0.01) << anew;
+    EXPECT_NEAR(found.shares[0], anew / 3, 0.15 * anew + 0.01) << anew;
   }
 }
 
@@ -77,8 +77,8 @@ TEST(Renewal, APlaceRenewsAsItsPatchesDo) {
   const Measured found = measured(0.05, 0.35);
   const double left = found.places.at<float>(24, 12) * found.shares[1],
                right = found.places.at<float>(24, 84) * found.shares[1];
-  EXPECT_NEAR(left, 0.05, 0.03);
-  EXPECT_NEAR(right, 0.35, 0.06);
+  EXPECT_NEAR(left, 0.05 * 2 / 3, 0.03);
+  EXPECT_NEAR(right, 0.35 * 2 / 3, 0.06);
 }
 
 TEST(Renewal, ThePicturesBandsAreTheCanvassAtHalfTheSize) {
