@@ -77,6 +77,16 @@ void limit_level(cv::Mat& level) {
   }
 }
 
+/// Adds this much of what a frame is short of. CV_16SC3, levels.
+void add_missing(const cv::Mat& missing, float share, cv::Mat& frame) {
+  for (int y = 0; y < frame.rows; ++y) {
+    auto* to = frame.ptr<std::uint8_t>(y);
+    const auto* more = missing.ptr<std::int16_t>(y);
+    for (int i = 0; i < 3 * frame.cols; ++i)
+      to[i] = cv::saturate_cast<std::uint8_t>(to[i] + share * static_cast<float>(more[i]));
+  }
+}
+
 /// A field that is sampled every few px, for every pixel; 0 where nothing is fluid.
 cv::Mat for_every_pixel(const cv::Mat& field, int step, const cv::Mat& alpha) {
   cv::Mat out;
@@ -411,28 +421,30 @@ class Animation {
     std::optional<CarriedFrame> brought;
   };
 
+  /// What is carried of an output frame, before anything comes anew: `anew` of what will.
+  Made carry(int output, double anew) {
+    Made made;
+    const std::vector<CopyMap> copies = copies_->at(output);
+    made.brought = carried_base_->frame(copies);
+    show_carried(*made.brought, base_luma_, made.luma);
+    if (moving_) made.luma = pull_push(made.luma, alpha_);
+    std::vector<double> shares(static_cast<std::size_t>(standing_->levels()));
+    for (std::size_t level = 0; !motion_alone_ && level < shares.size(); ++level)
+      shares[level] = anew * renewal_->share_of_picture(static_cast<int>(level));
+    const cv::Mat stands = restore_contrast(made.luma, copies, CarriedBase::kStep, shares, renewing_,
+                                            *standing_, anew, options_.contrast);
+    standing_->colour(*made.brought, stands);
+    return made;
+  }
+
   /// Luminance of an output frame, whose differences lie in a slot of the blender; once.
   Made make(int output, int slot, const cv::Mat& renewed) {
     Made made;
-    std::vector<CopyMap> copies;
-    if (carried_) {
-      copies = copies_->at(output);
-      made.brought = carried_base_->frame(copies);
-      show_carried(*made.brought, base_luma_, made.luma);
-    } else {
-      base_luma_.copyTo(made.luma);
-    }
-    if (moving_) made.luma = pull_push(made.luma, alpha_);
     cv::Mat field;
     if (carried_) {
       // At the beginning the picture is all, then what is new comes in; in a loop it has gone before the end.
       const double anew = 1 - copies_->still(output);
-      std::vector<double> shares(static_cast<std::size_t>(standing_->levels()));
-      for (std::size_t level = 0; !motion_alone_ && level < shares.size(); ++level)
-        shares[level] = anew * renewal_->share_of_picture(static_cast<int>(level));
-      const cv::Mat stands = restore_contrast(made.luma, copies, CarriedBase::kStep, shares, renewing_,
-                                              *standing_, anew, options_.contrast);
-      standing_->colour(*made.brought, stands);
+      made = carry(output, anew);
       if (motion_alone_) return made;
       field = renewed;
       renewal_->show(field, made.luma, anew, renewing_counts_);
@@ -440,10 +452,22 @@ class Animation {
       limit_level(level);
       cv::scaleAdd(level, anew, field, field);
     } else {
+      base_luma_.copyTo(made.luma);
+      if (moving_) made.luma = pull_push(made.luma, alpha_);
       field = blender_->take(slot);
     }
     add_enlarged(field, canvas_.rect(), canvas_.scale(), made.luma);
     return made;
+  }
+
+  /// With a moving outline, what lies behind the fluid and beyond it is guessed, and shows through a thin matte from the
+  /// first frame on. What that is short of the picture is added there, and goes as the still frame does.
+  void begin_as_the_still(const cv::Mat& fluid) {
+    if (!moving_ || !carried_ || options_.form != FrameForm::kWhole) return;
+    copies_->prepare(0, 1);
+    cv::Mat whole;
+    target_.convertTo(whole, CV_8U, 255);
+    cv::subtract(whole, finish(carry(0, 0), fluid, 0), missing_, cv::noArray(), CV_16S);
   }
 
   /// The innovations of successive output frames, which lie in the blender from `slot` on, carried on.
@@ -480,14 +504,17 @@ class Animation {
   }
 
   /// Matched, coloured, laid into the picture through the matte.
-  cv::Mat finish(Made made, const cv::Mat& fluid) const {
+  cv::Mat finish(Made made, const cv::Mat& fluid, int output) const {
     if (model_)
       made.luma = model_->apply(made.luma);
     else if (options_.matching == AppearanceMatching::kFrame)
       made.luma = model_of(std::span(&made.luma, 1)).apply(made.luma);
     const CarriedFrame* const brought = made.brought ? &*made.brought : nullptr;
-    return options_.form == FrameForm::kFluid ? finisher_->finish_fluid(made.luma, fluid, brought)
-                                              : finisher_->finish(made.luma, fluid, brought);
+    if (options_.form == FrameForm::kFluid) return finisher_->finish_fluid(made.luma, fluid, brought);
+    cv::Mat frame = finisher_->finish(made.luma, fluid, brought);
+    if (!missing_.empty() && copies_->still(output) > 0)
+      add_missing(missing_, static_cast<float>(copies_->still(output)), frame);
+    return frame;
   }
 
   /// Frames, in order, some made at once while those before are handed on.
@@ -516,6 +543,7 @@ class Animation {
             std::min(finished.size(), static_cast<std::size_t>(std::max(0, from - first - done)));
         if (boundary)
           for (cv::Mat& fluid : mattes) fluid = boundary->next();
+        if (first + done == 0) begin_as_the_still(mattes.front());
         if (options_.matte_sink)
           for (std::size_t i = passed; i < mattes.size(); ++i) options_.matte_sink(mattes[i]);
         if (options_.motion_sink && carried_)
@@ -535,7 +563,7 @@ class Animation {
           Made made = found != ready_.end()
                           ? Made{std::exchange(found->second, {}), std::nullopt}
                           : make(output, in_one_ ? output : done + static_cast<int>(i), renewed[i]);
-          finished[i] = finish(std::move(made), mattes[i]);
+          finished[i] = finish(std::move(made), mattes[i], output);
         });
         finished.erase(finished.begin(), finished.begin() + static_cast<std::ptrdiff_t>(passed));
         handover.take(std::move(finished));
@@ -569,6 +597,7 @@ class Animation {
   cv::Mat target_, target_luma_;           // the picture, CV_32FC3, and its luma, CV_32F; 1 is white
   cv::Mat assigned_motion_, mean_motion_;  // CV_32FC2, px/s: the patches' own, and as it is asked
   cv::Mat behind_, alpha_, base_luma_;
+  cv::Mat missing_;  // the picture less the first frame, CV_16SC3, levels; or empty
   ColourModel colours_;
   std::shared_ptr<const MotionSequence> sequence_;
   cv::Mat renewing_;  // CV_32F, sampled as the field: how much of what comes anew is for a place, 0..1
