@@ -57,7 +57,7 @@ struct Asked {
   bool loop = false;
   std::vector<std::string> hints{"guess", "direction", "strokes+speed", "maps"};
   std::vector<std::string> methods{"ours", "paper", "eulerian", "eulerian-varying"}, ablate{"nothing"}, tries;
-  std::string set, json_path, html;
+  std::string set, json_path, html, films;
 };
 
 /// Of a table of settings, those named (or all), each on top of `plain`.
@@ -240,6 +240,7 @@ class Trial {
     if (asked_.loop)
       judged.distance.loop = bench::motion_after_loop(luma, static_cast<int>(frames), case_.matte);
     made.resize(frames);
+    if (!asked_.films.empty()) bench::write_film(asked_.films, case_, judged.method, made);
     if (!asked_.html.empty())
       judged.video = bench::write_panels(asked_.html, case_, made, judged.method, strokes);
   }
@@ -307,6 +308,7 @@ int run(const Asked& asked) {
       fmt::print(stderr, "  left out together: {}\n", fmt::join(clip->same_scene, ", "));
     if (clip->strokes.empty()) fmt::print(stderr, "  nothing flows: no strokes\n");
     add_references(*clip, judged);
+    if (!asked.films.empty()) bench::write_film(asked.films, *clip, "real", clip->truth);
     Trial trial(snapshot, base, asked, *clip);
     const auto attempt = [&](const std::string& what, const auto& judge) {
       try {
@@ -376,6 +378,9 @@ int main(int argc, char** argv) {
   app.add_option("--json", asked.json_path, "Figures as JSON");
   app.add_option("--html", asked.html,
                  "Folder for a page that plays the films; it holds footage, do not share it");
+  app.add_option("--films", asked.films,
+                 "Folder for the films at full size, FOLDER/CLIP/METHOD.mp4 and FOLDER/CLIP/real.mp4, as "
+                 "bench_blind_look takes them");
   CLI11_PARSE(app, argc, argv);
   try {
     return run(asked);

@@ -23,6 +23,10 @@ std::string file_name_of(const std::string& text) {
   return name;
 }
 
+media::VideoWriterOptions written_at(double fps, int crf) {
+  return {.fps_num = std::lround(fps * 1000), .fps_den = 1000, .crf = crf};
+}
+
 cv::Mat annotated(const Case& asked, bool with_strokes) {
   cv::Mat picture = asked.still.clone();
   std::vector<std::vector<cv::Point>> outlines;
@@ -96,17 +100,13 @@ std::string write_panels(const std::filesystem::path& folder, const Case& asked,
   const cv::Size panel(static_cast<int>(from.width * scale) / 2 * 2,
                        static_cast<int>(from.height * scale) / 2 * 2);
   const std::string name = file_name_of(asked.name + "_" + method) + ".mp4";
-  media::VideoWriterOptions options;
-  options.fps_num = std::lround(asked.fps * 1000);
-  options.fps_den = 1000;
-  options.crf = 20;
   cv::Mat sheet(panel.height, 3 * panel.width + 8, CV_8UC3, cv::Scalar::all(0)), small;
   const auto place = [&](const cv::Mat& picture, int column) {
     cv::resize(picture, small, panel, 0, 0, cv::INTER_AREA);
     small.copyTo(sheet(cv::Rect(column * (panel.width + 4), 0, panel.width, panel.height)));
   };
   place(annotated(asked, with_strokes), 2);
-  media::VideoWriter writer(folder / name, sheet.size(), options);
+  media::VideoWriter writer(folder / name, sheet.size(), written_at(asked.fps, 20));
   for (std::size_t i = 0; i < made.size(); ++i) {
     place(asked.truth[i], 0);
     place(made[i], 1);
@@ -114,6 +114,16 @@ std::string write_panels(const std::filesystem::path& folder, const Case& asked,
   }
   writer.finish();
   return name;
+}
+
+void write_film(const std::filesystem::path& folder, const Case& asked, const std::string& method,
+                const std::vector<cv::Mat>& frames) {
+  const std::filesystem::path of_clip = folder / file_name_of(asked.name);
+  std::filesystem::create_directories(of_clip);
+  media::VideoWriter writer(of_clip / (file_name_of(method) + ".mp4"), frames.front().size(),
+                            written_at(asked.fps, 12));
+  for (const cv::Mat& frame : frames) writer.write(frame);
+  writer.finish();
 }
 
 void write_page(const std::filesystem::path& folder, const std::vector<Judged>& judged,

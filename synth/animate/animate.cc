@@ -69,27 +69,22 @@ cv::Mat in_units(const cv::Mat& picture) {
 }
 
 /// A picture has one light: fires breathe by less than kMostLevel, and what goes beyond it is a clip's flash, or a puff
-/// that crosses it. spans: columns of each row that count; a hyperbola for every pixel of a frame is dear.
-void limit_level(cv::Mat& level, std::span<const cv::Range> spans) {
+/// that crosses it.
+void limit_level(cv::Mat& level) {
   for (int y = 0; y < level.rows; ++y) {
     auto* at = level.ptr<float>(y);
-    for (int x = spans[y].start; x < spans[y].end; ++x) at[x] = kMostLevel * std::tanh(at[x] / kMostLevel);
+    for (int x = 0; x < level.cols; ++x) at[x] = kMostLevel * std::tanh(at[x] / kMostLevel);
   }
 }
 
-/// Of each row of a canvas that lies on a picture as large as its matte, the columns between which the matte is more than 0.
-std::vector<cv::Range> spans_of(const cv::Rect& canvas, const cv::Mat& matte) {
-  std::vector<cv::Range> spans(canvas.height, cv::Range(0, 0));
-  for (int row = 0; row < canvas.height; ++row) {
-    const int y = canvas.y + row;
-    if (y < 0 || y >= matte.rows) continue;
-    const auto* at = matte.ptr<std::uint8_t>(y);
-    int begin = std::max(canvas.x, 0), end = std::min(canvas.br().x, matte.cols);
-    while (begin < end && at[begin] == 0) ++begin;
-    while (end > begin && at[end - 1] == 0) --end;
-    if (begin < end) spans[row] = {begin - canvas.x, end - canvas.x};
+/// Adds this much of what a frame is short of. CV_16SC3, levels.
+void add_missing(const cv::Mat& missing, float share, cv::Mat& frame) {
+  for (int y = 0; y < frame.rows; ++y) {
+    auto* to = frame.ptr<std::uint8_t>(y);
+    const auto* more = missing.ptr<std::int16_t>(y);
+    for (int i = 0; i < 3 * frame.cols; ++i)
+      to[i] = cv::saturate_cast<std::uint8_t>(to[i] + share * static_cast<float>(more[i]));
   }
-  return spans;
 }
 
 /// A field that is sampled every few px, for every pixel; 0 where nothing is fluid.
@@ -204,9 +199,10 @@ class Animation {
         placement_(placement),
         options_(enlarged(asked, placement.piece_scale)),
         carried_(options_.method == Method::kCarried),
+        detail_placement_(carried_ ? halved(placement) : placement),
         motion_alone_(carried_ && options_.motion_alone),
         moving_(options_.boundary.boundary == Boundary::kMoving),
-        canvas_(placement, picture.size()),
+        canvas_(detail_placement_, picture.size()),
         progress_(progress),
         stop_(std::move(stop)) {
     if (carried_) {
@@ -255,7 +251,7 @@ class Animation {
 
   /// The clips, how many frames are in hand at once, and which ones the appearance model is fitted to.
   void lay_out() {
-    layers_ = layers_of(snapshot_, settings_, placement_, options_);
+    layers_ = layers_of(snapshot_, settings_, detail_placement_, options_);
     batch_ =
         motion_alone_ ? options_.frames : batch_of(layers_, picture_.size(), canvas_.rect().size(), options_);
     in_one_ = batch_ == options_.frames;
@@ -269,7 +265,7 @@ class Animation {
     const int sampled = std::min({options_.frames, kSampledFrames,
                                   std::max(kMinSampledFrames, kSampledPixels / picture_.size().area())});
     for (int i = 0; i < sampled; ++i) samples_.push_back(i * options_.frames / sampled);
-    if (!motion_alone_) blender_.emplace(placement_, std::max(batch_, sampled), options_.blend);
+    if (!motion_alone_) blender_.emplace(detail_placement_, std::max(batch_, sampled), options_.blend);
     if (carried_) measure_lives();
   }
 
@@ -355,11 +351,6 @@ class Animation {
                      renewing_);
         cv::multiply(renewing_pieces, renewal_->places(), renewing_pieces);
         renewing_counts_ = Renewal::counts_of(renewing_pieces);
-        // What is enlarged mixes neighbours, and a moving outline goes beyond the matte.
-        if (moving_ || placement_.piece_scale != 1)
-          level_spans_.assign(canvas_.rect().height, cv::Range(0, canvas_.rect().width));
-        else
-          level_spans_ = spans_of(canvas_.rect(), matte_);
       }
       standing_.emplace(planes, alpha_, shares_that_stand());
     }
@@ -419,7 +410,7 @@ class Animation {
     report_.half_life_s = half_life_s_;
     if (motion_alone_) return;
     renewal_.emplace(
-        placement_, canvas_, target_luma_, *blender_,
+        detail_placement_, canvas_, target_luma_, *blender_,
         RenewalOptions{
             .share = options_.renewal, .max_gain = options_.max_renewal_gain, .fps = options_.fps});
   }
@@ -430,39 +421,53 @@ class Animation {
     std::optional<CarriedFrame> brought;
   };
 
+  /// What is carried of an output frame, before anything comes anew: `anew` of what will.
+  Made carry(int output, double anew) {
+    Made made;
+    const std::vector<CopyMap> copies = copies_->at(output);
+    made.brought = carried_base_->frame(copies);
+    show_carried(*made.brought, base_luma_, made.luma);
+    if (moving_) made.luma = pull_push(made.luma, alpha_);
+    std::vector<double> shares(static_cast<std::size_t>(standing_->levels()));
+    for (std::size_t level = 0; !motion_alone_ && level < shares.size(); ++level)
+      shares[level] = anew * renewal_->share_of_picture(static_cast<int>(level));
+    const cv::Mat stands = restore_contrast(made.luma, copies, CarriedBase::kStep, shares, renewing_,
+                                            *standing_, anew, options_.contrast);
+    standing_->colour(*made.brought, stands);
+    return made;
+  }
+
   /// Luminance of an output frame, whose differences lie in a slot of the blender; once.
   Made make(int output, int slot, const cv::Mat& renewed) {
     Made made;
-    std::vector<CopyMap> copies;
-    if (carried_) {
-      copies = copies_->at(output);
-      made.brought = carried_base_->frame(copies);
-      show_carried(*made.brought, base_luma_, made.luma);
-    } else {
-      base_luma_.copyTo(made.luma);
-    }
-    if (moving_) made.luma = pull_push(made.luma, alpha_);
     cv::Mat field;
     if (carried_) {
       // At the beginning the picture is all, then what is new comes in; in a loop it has gone before the end.
       const double anew = 1 - copies_->still(output);
-      std::vector<double> shares(Renewal::kLevels);
-      for (std::size_t level = 0; !motion_alone_ && level < shares.size(); ++level)
-        shares[level] = anew * renewal_->share(level);
-      const cv::Mat stands = restore_contrast(made.luma, copies, CarriedBase::kStep, shares, renewing_,
-                                              *standing_, anew, options_.contrast);
-      standing_->colour(*made.brought, stands);
+      made = carry(output, anew);
       if (motion_alone_) return made;
       field = renewed;
-      renewal_->show(field, made.luma, shares, renewing_counts_);
+      renewal_->show(field, made.luma, anew, renewing_counts_);
       cv::Mat level = blender_->take_level(slot);
-      limit_level(level, level_spans_);
+      limit_level(level);
       cv::scaleAdd(level, anew, field, field);
     } else {
+      base_luma_.copyTo(made.luma);
+      if (moving_) made.luma = pull_push(made.luma, alpha_);
       field = blender_->take(slot);
     }
-    add_enlarged(field, canvas_.rect(), placement_.piece_scale, made.luma);
+    add_enlarged(field, canvas_.rect(), canvas_.scale(), made.luma);
     return made;
+  }
+
+  /// With a moving outline, what lies behind the fluid and beyond it is guessed, and shows through a thin matte from the
+  /// first frame on. What that is short of the picture is added there, and goes as the still frame does.
+  void begin_as_the_still(const cv::Mat& fluid) {
+    if (!moving_ || !carried_ || options_.form != FrameForm::kWhole) return;
+    copies_->prepare(0, 1);
+    cv::Mat whole;
+    target_.convertTo(whole, CV_8U, 255);
+    cv::subtract(whole, finish(carry(0, 0), fluid, 0), missing_, cv::noArray(), CV_16S);
   }
 
   /// The innovations of successive output frames, which lie in the blender from `slot` on, carried on.
@@ -499,14 +504,17 @@ class Animation {
   }
 
   /// Matched, coloured, laid into the picture through the matte.
-  cv::Mat finish(Made made, const cv::Mat& fluid) const {
+  cv::Mat finish(Made made, const cv::Mat& fluid, int output) const {
     if (model_)
       made.luma = model_->apply(made.luma);
     else if (options_.matching == AppearanceMatching::kFrame)
       made.luma = model_of(std::span(&made.luma, 1)).apply(made.luma);
     const CarriedFrame* const brought = made.brought ? &*made.brought : nullptr;
-    return options_.form == FrameForm::kFluid ? finisher_->finish_fluid(made.luma, fluid, brought)
-                                              : finisher_->finish(made.luma, fluid, brought);
+    if (options_.form == FrameForm::kFluid) return finisher_->finish_fluid(made.luma, fluid, brought);
+    cv::Mat frame = finisher_->finish(made.luma, fluid, brought);
+    if (!missing_.empty() && copies_->still(output) > 0)
+      add_missing(missing_, static_cast<float>(copies_->still(output)), frame);
+    return frame;
   }
 
   /// Frames, in order, some made at once while those before are handed on.
@@ -535,6 +543,7 @@ class Animation {
             std::min(finished.size(), static_cast<std::size_t>(std::max(0, from - first - done)));
         if (boundary)
           for (cv::Mat& fluid : mattes) fluid = boundary->next();
+        if (first + done == 0) begin_as_the_still(mattes.front());
         if (options_.matte_sink)
           for (std::size_t i = passed; i < mattes.size(); ++i) options_.matte_sink(mattes[i]);
         if (options_.motion_sink && carried_)
@@ -554,7 +563,7 @@ class Animation {
           Made made = found != ready_.end()
                           ? Made{std::exchange(found->second, {}), std::nullopt}
                           : make(output, in_one_ ? output : done + static_cast<int>(i), renewed[i]);
-          finished[i] = finish(std::move(made), mattes[i]);
+          finished[i] = finish(std::move(made), mattes[i], output);
         });
         finished.erase(finished.begin(), finished.begin() + static_cast<std::ptrdiff_t>(passed));
         handover.take(std::move(finished));
@@ -571,7 +580,9 @@ class Animation {
   const cv::Mat &picture_, &matte_;
   const Placement& placement_;
   AnimateOptions options_;
-  const bool carried_, motion_alone_, moving_;
+  const bool carried_;
+  const Placement detail_placement_;  // innovations are found and merged at half the size
+  const bool motion_alone_, moving_;
   const PiecesCanvas canvas_;
   const ProgressFunction& progress_;
   std::stop_token stop_;
@@ -586,11 +597,11 @@ class Animation {
   cv::Mat target_, target_luma_;           // the picture, CV_32FC3, and its luma, CV_32F; 1 is white
   cv::Mat assigned_motion_, mean_motion_;  // CV_32FC2, px/s: the patches' own, and as it is asked
   cv::Mat behind_, alpha_, base_luma_;
+  cv::Mat missing_;  // the picture less the first frame, CV_16SC3, levels; or empty
   ColourModel colours_;
   std::shared_ptr<const MotionSequence> sequence_;
   cv::Mat renewing_;  // CV_32F, sampled as the field: how much of what comes anew is for a place, 0..1
   std::vector<cv::Mat> renewing_counts_;  // the same on the canvas, for Renewal::show
-  std::vector<cv::Range> level_spans_;    // of the canvas, by row: where the patches' light shows
   std::optional<StandingDetail> standing_;
   double half_life_s_ = 0;  // of carried detail
   std::shared_ptr<const CarryingField> field_;

@@ -42,7 +42,8 @@ enum class AppearanceMatching {
 enum class FrameForm {
   kWhole,  // CV_8UC3: the picture with the fluid in it
   kFluid,  // CV_32FC4: the fluid alone, its colour (1 is white) times its matte, and the matte; nothing rounded.
-           // Over the picture, or what lies behind a moving outline (behind_fluid), it is the whole
+  // Over the picture it is the whole; over what lies behind a moving outline (behind_fluid) too, once the
+  // still that the whole begins with has gone
 };
 
 struct AnimateOptions {

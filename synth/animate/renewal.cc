@@ -15,8 +15,9 @@ namespace freshet::synth::animate {
 namespace {
 
 constexpr double kNoise = 0.003;  // luma: of what is fainter, the more is coding noise
-// Of the finest band a third of what is found is taken, of the next two thirds: what flow does not explain of the finest
-// detail is mostly the clip's noise, and rapids looked like sandpaper.
+// Of the canvas's finest band a third of what is found is taken, of the next two thirds; of the picture's finest, which the
+// canvas has not, nothing (placement.h, halved). What flow does not explain of the finest detail is mostly the clip's noise,
+// and between samples at half the size their reading: rapids looked like sandpaper, flames had crumbs on their edges.
 constexpr double kTrustedFrom = 3;
 constexpr double kMostAnew = 0.6;
 constexpr double kReach = 1;  // sigma, pieces: neighbours renew alike
@@ -100,8 +101,19 @@ std::vector<cv::Mat> Renewal::counts_of(const cv::Mat& where) {
   return BandContrast::counts_of(where, kLevels, Neighbourhood::kClose);
 }
 
-void Renewal::show(cv::Mat& detail, const cv::Mat& luma, std::span<const double> shares,
+double Renewal::share_of_picture(int level) const {
+  const double at = level - std::log2(canvas_.scale()), below = std::floor(at);
+  // Of bands that are not the canvas's nothing comes anew.
+  const auto of_canvas = [this](double canvas_level) {
+    return canvas_level < 0 || canvas_level >= kLevels ? 0.0 : share(static_cast<std::size_t>(canvas_level));
+  };
+  return of_canvas(below) + (at - below) * (of_canvas(below + 1) - of_canvas(below));
+}
+
+void Renewal::show(cv::Mat& detail, const cv::Mat& luma, double begun,
                    std::span<const cv::Mat> counts) const {
+  std::vector<double> shares(kLevels);
+  for (std::size_t level = 0; level < shares.size(); ++level) shares[level] = begun * share(level);
   BandContrast(canvas_.cut(luma), kLevels, Neighbourhood::kClose, counts)
       .take_share(detail, shares, options_.max_gain, kNoise);
 }

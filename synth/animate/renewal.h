@@ -34,7 +34,7 @@ struct RenewalOptions {
 /// frame, and the rest goes along, the frame less the mean of its neighbours, brought to it, has (3/2 - 2 k + k^2 / 2) x P.
 class Renewal {
  public:
-  static constexpr int kLevels = 5;
+  static constexpr int kLevels = 4;  // of the canvas, which has half the picture's size
 
   /// luma     of the picture, CV_32F, 0..1.
   /// blender  takes the innovations; outlives this, as `canvas` does.
@@ -49,6 +49,8 @@ class Renewal {
 
   /// Of a band's variance, what comes anew, all pieces together.
   double share(std::size_t level) const { return shares_[std::min(level, shares_.size() - 1)]; }
+  /// The same of the whole picture's bands, between those of the canvas; nothing of what is finer.
+  double share_of_picture(int level) const;
   /// Of all detail's variance.
   double overall() const { return overall_; }
   /// The canvas, CV_32F: how much more than all pieces together a place renews, >= 0; times any level's share < 1.
@@ -59,9 +61,8 @@ class Renewal {
   /// How much is renewed where, for show(). where: on the canvas, >= 0.
   static std::vector<cv::Mat> counts_of(const cv::Mat& where);
   /// What is shown of a frame's detail, changed in place: where there is detail in `luma` (the frame's, the picture's
-  /// size). What lies smooth between edges stays smooth. Safe from many threads.
-  void show(cv::Mat& detail, const cv::Mat& luma, std::span<const double> shares,
-            std::span<const cv::Mat> counts) const;
+  /// size). What lies smooth between edges stays smooth. begun: of its share, 0..1. Safe from many threads.
+  void show(cv::Mat& detail, const cv::Mat& luma, double begun, std::span<const cv::Mat> counts) const;
 
  private:
   std::vector<double> anew_of(const ClipLayer::DetailPower& power) const;

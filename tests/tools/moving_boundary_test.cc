@@ -58,6 +58,27 @@ TEST(MovingBoundary, TheMatteMovesKeepsItsAreaAndIsWhereTheFrameDiffersFromThePi
   }
 }
 
+TEST(MovingBoundary, TheFirstFrameIsTheStill) {
+  const WorkFolder folder;
+  // Half seen through everywhere: what is guessed behind it would show.
+  cv::Mat thin = cv::imread(sample().matte, cv::IMREAD_GRAYSCALE) * 0.6;
+  cv::imwrite(folder / "thin.png", thin);
+  const cv::Mat still = cv::imread(sample().still, cv::IMREAD_COLOR);
+  for (const char* name : {"once", "loop"}) {
+    std::vector<std::string> more{"--matte", "thin.png", "--boundary", "moving"};
+    if (name == std::string("loop")) more.push_back("--loop");
+    const Outcome outcome = animate(folder, name, more);
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    const auto frames = read_frames(folder / name, cv::IMREAD_COLOR);
+    const cv::Mat within = thin > 8;
+    const auto off = [&](const cv::Mat& frame) {
+      return cv::norm(frame, still, cv::NORM_L1, within) / (3.0 * cv::countNonZero(within));
+    };
+    EXPECT_LT(off(frames[0]), 2) << name;
+    EXPECT_GT(off(frames[kAnimated / 2]), 2 * off(frames[0])) << name;
+  }
+}
+
 TEST(MovingBoundary, ABackgroundOfAnotherSizeIsRefusedByName) {
   const WorkFolder folder;
   cv::imwrite(folder / "small.png", cv::Mat::zeros(10, 20, CV_8UC3));

@@ -18,7 +18,7 @@ namespace freshet::synth::animate {
 namespace {
 
 constexpr std::uint32_t kChunk = 32;  // frames read at once in the first pass: two slabs of tiles
-constexpr int kFlowMargin = 16;       // px around a patch that flow may reach for
+constexpr int kFlowMargin = 16;       // px of the source around a patch that flow may reach for
 const cv::Size kCell(ClipLuma::kCellWidth, ClipLuma::kCellHeight);
 
 std::vector<PatchWindow> windows_of(cv::Size source, const Placement& placement,
@@ -29,10 +29,8 @@ std::vector<PatchWindow> windows_of(cv::Size source, const Placement& placement,
   return windows;
 }
 
-std::vector<cv::Rect> needed_by(std::span<const PatchWindow> windows, Resampling resampling,
-                                cv::Size source) {
+std::vector<cv::Rect> needed_by(std::span<const PatchWindow> windows, int margin, cv::Size source) {
   std::vector<cv::Rect> needed;
-  const int margin = resampling == Resampling::kFlow ? kFlowMargin : 0;
   for (const PatchWindow& window : windows) {
     const cv::Rect own = window.needed();
     needed.push_back(
@@ -42,8 +40,18 @@ std::vector<cv::Rect> needed_by(std::span<const PatchWindow> windows, Resampling
   return needed;
 }
 
-cv::Size size_of(const store::ClipRecord& record) {
-  return {static_cast<int>(record.width), static_cast<int>(record.height)};
+ClipLuma::Size size_for(ClipDetail detail) {
+  return detail == ClipDetail::kInnovation ? ClipLuma::Size::kHalf : ClipLuma::Size::kWhole;
+}
+
+cv::Size source_of(const store::ClipRecord& record, ClipDetail detail) {
+  return ClipLuma::size_of({static_cast<int>(record.width), static_cast<int>(record.height)},
+                           size_for(detail));
+}
+
+int margin_of(Resampling resampling, ClipDetail detail) {
+  if (detail == ClipDetail::kInnovation) return kFlowMargin / 2;
+  return resampling == Resampling::kFlow ? kFlowMargin : 0;
 }
 
 FRESHET_WIDE void add_weighed(const float* from, float weight, int n, float* to) {
@@ -68,10 +76,9 @@ ClipLayer::ClipLayer(const store::Snapshot& snapshot, store::ClipId clip, int fl
                      query::DecodedTiles* tiles)
     : placement_(placement),
       patches_(std::move(patches)),
-      windows_(windows_of(size_of(snapshot.clip(clip)), placement, patches_)),
-      luma_(snapshot, clip,
-            needed_by(windows_, detail == ClipDetail::kInnovation ? Resampling::kFlow : resampling,
-                      size_of(snapshot.clip(clip))),
+      windows_(windows_of(source_of(snapshot.clip(clip), detail), placement, patches_)),
+      luma_(snapshot, clip, size_for(detail),
+            needed_by(windows_, margin_of(resampling, detail), source_of(snapshot.clip(clip), detail)),
             flow_step, tiles),
       detail_(detail) {
   const store::ClipRecord& record = snapshot.clip(clip);

@@ -42,6 +42,7 @@ enum class ClipDetail {
 /// Patches of one clip. Those that play at one speed share one timeline, so that neighbours stay in step.
 class ClipLayer {
  public:
+  /// placement for innovations halved (placement.h): they are found at half size (clip_luma.h).
   /// patches   of the placement that lie in this clip. options.speed, .phase and .whole are set here.
   /// tiles     of this snapshot, decoded earlier; may be null.
   /// Throws    as timeline().

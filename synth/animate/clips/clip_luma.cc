@@ -17,6 +17,7 @@ namespace {
 
 constexpr int kBlock = query::DecodedTiles::kSide;
 constexpr std::uint32_t kSlab = query::DecodedTiles::kFrames;
+constexpr int kBorder = 4;  // px around a frame at half size: of what is read at once, two beyond its edge
 constexpr int kCell = ClipLuma::kCellWidth * ClipLuma::kCellHeight;
 
 template <class Sample>
@@ -31,6 +32,36 @@ FRESHET_WIDE void luma_of_bytes(const std::uint8_t* from, float black, float per
 
 FRESHET_WIDE void luma_of_words(const std::uint16_t* from, const float* luma_of, int n, float* to) {
   look_up(from, luma_of, n, to);
+}
+
+/// Sums of two rows' samples, two by two, as luma.
+FRESHET_WIDE void halve_bytes(const std::uint8_t* upper, const std::uint8_t* lower, float black,
+                              float per_span, int n, float* to) {
+  const float four = 4 * black, quarter = 0.25f * per_span;
+  for (int i = 0; i < n; ++i) {
+    const int sum = upper[2 * i] + upper[2 * i + 1] + lower[2 * i] + lower[2 * i + 1];
+    to[i] = std::min(std::max((static_cast<float>(sum) - four) * quarter, 0.0f), 1.0f);
+  }
+}
+
+FRESHET_WIDE void halve_words(const std::uint16_t* upper, const std::uint16_t* lower, const float* luma_of,
+                              int n, float* to) {
+  for (int i = 0; i < n; ++i)
+    to[i] = 0.25f * ((luma_of[upper[2 * i]] + luma_of[upper[2 * i + 1]]) +
+                     (luma_of[lower[2 * i]] + luma_of[lower[2 * i + 1]]));
+}
+
+/// A plane's values go on beyond its edges, `border` px of it on each side.
+void extend(cv::Mat& plane, int border) {
+  for (int y = border; y < plane.rows - border; ++y) {
+    auto* row = plane.ptr<float>(y);
+    std::fill(row, row + border, row[border]);
+    std::fill(row + plane.cols - border, row + plane.cols, row[plane.cols - border - 1]);
+  }
+  for (int y = 0; y < border; ++y) {
+    plane.row(border).copyTo(plane.row(y));
+    plane.row(plane.rows - border - 1).copyTo(plane.row(plane.rows - 1 - y));
+  }
 }
 
 /// One row of one component of the flow between its rows, in `mixed` from its second value on, and the values
@@ -59,6 +90,13 @@ FRESHET_WIDE void luma_of_words(const std::uint16_t* from, const float* luma_of,
     flow[2 * i] = 0.25f * mixed[i] + 0.75f * mixed[i + 1];
     flow[2 * i + 1] = 0.75f * mixed[i + 1] + 0.25f * mixed[i + 2];
   }
+}
+
+/// A component of a cell's flow where it has a sample for each pixel.
+FRESHET_WIDE void flow_as_it_is(const short* plane, std::ptrdiff_t stride, int width, int height,
+                                float* flow) {
+  for (int row = 0; row < height; ++row, plane += stride, flow += width)
+    for (int i = 0; i < width; ++i) flow[i] = plane[i];
 }
 
 /// Which samples of a component of the flow a cell lies between.
@@ -153,10 +191,10 @@ struct Plane {
   int bytes;
 };
 
-/// One block of a plane in the frames of a run, copied into pictures whose top left corner lies at `origin`.
-template <class PictureOf>
+/// One block of a plane in the frames of a run. use   takes a frame and the block's rows, one after another.
+template <class Use>
 void read_block(const Plane& plane, const cv::Rect& block, std::span<const std::uint32_t> run,
-                cv::Point origin, const PictureOf& picture_of) {
+                const Use& use) {
   const int bytes = plane.bytes;
   const std::size_t row_bytes = static_cast<std::size_t>(block.width) * bytes,
                     frame_bytes = row_bytes * block.height;
@@ -169,12 +207,14 @@ void read_block(const Plane& plane, const cv::Rect& block, std::span<const std::
                       {static_cast<std::uint32_t>(block.x), static_cast<std::uint32_t>(block.y),
                        static_cast<std::uint32_t>(block.width), static_cast<std::uint32_t>(block.height)},
                       first, count, samples);
-  for (std::uint32_t frame : run) {
-    cv::Mat& into = picture_of(frame);
-    for (int row = 0; row < block.height; ++row)
-      std::memcpy(into.ptr(block.y - origin.y + row) + static_cast<std::size_t>(block.x - origin.x) * bytes,
-                  samples.data() + (frame - first) * frame_bytes + row * row_bytes, row_bytes);
-  }
+  for (std::uint32_t frame : run) use(frame, samples.data() + (frame - first) * frame_bytes);
+}
+
+/// A block's rows into a picture, from this pixel on.
+void put_rows(const std::byte* rows, const cv::Rect& block, int bytes, cv::Point at, cv::Mat& into) {
+  const std::size_t row_bytes = static_cast<std::size_t>(block.width) * bytes;
+  for (int row = 0; row < block.height; ++row, rows += row_bytes)
+    std::memcpy(into.ptr(at.y + row) + static_cast<std::size_t>(at.x) * bytes, rows, row_bytes);
 }
 
 /// What of `wanted` is not a key of `held`; what is held and not wanted is dropped.
@@ -189,34 +229,46 @@ std::vector<std::uint32_t> keep_only(Held& held, std::span<const std::uint32_t> 
   return missing;
 }
 
+/// Of a rectangle of samples, what they are reduced to; its corner lies on a multiple of `by`.
+cv::Rect reduced_by(int by, const cv::Rect& samples) {
+  return {cv::Point(samples.x / by, samples.y / by),
+          cv::Point((samples.br().x + by - 1) / by, (samples.br().y + by - 1) / by)};
+}
+
 FRESHET_WIDE void less_mean(const float* a, const float* b, int n, float* out) {
   for (int i = 0; i < n; ++i) out[i] -= 0.5f * (a[i] + b[i]);
 }
 
 }  // namespace
 
-ClipLuma::ClipLuma(const store::Snapshot& snapshot, store::ClipId clip, std::span<const cv::Rect> needed,
-                   int flow_step, query::DecodedTiles* tiles)
+ClipLuma::ClipLuma(const store::Snapshot& snapshot, store::ClipId clip, Size size,
+                   std::span<const cv::Rect> needed, int flow_step, query::DecodedTiles* tiles)
     : snapshot_(snapshot),
       clip_(clip),
       tiles_(tiles),
       clip_frames_(snapshot, clip),  // checks that layout, planes and size agree
       layout_(clip_frames_.layout()),
       raw_(media::luma_in_plane_0(layout_)),
+      by_(size == Size::kHalf ? 2 : 1),
       flow_step_(std::max(1, flow_step)) {
   const store::ClipRecord& record = snapshot.clip(clip);
-  source_ = {static_cast<int>(record.width), static_cast<int>(record.height)};
-  flow_size_ = {(source_.width + flow_step_ - 1) / flow_step_,
-                (source_.height + flow_step_ - 1) / flow_step_};
-  blocks_ = cells_touched(needed, cv::Rect({}, source_), {kBlock, kBlock});
-  for (const cv::Rect& block : blocks_) region_ |= block;
-  flow_region_ = cv::Rect(cv::Point(region_.x / flow_step_, region_.y / flow_step_),
-                          cv::Point((region_.br().x + flow_step_ - 1) / flow_step_,
-                                    (region_.br().y + flow_step_ - 1) / flow_step_));
+  const cv::Size whole(static_cast<int>(record.width), static_cast<int>(record.height));
+  source_ = size_of(whole, size);
+  flow_size_ = {(whole.width + flow_step_ - 1) / flow_step_, (whole.height + flow_step_ - 1) / flow_step_};
+  std::vector<cv::Rect> needed_samples;
+  for (const cv::Rect& each : needed) needed_samples.emplace_back(each.tl() * by_, each.br() * by_);
+  stored_ = cells_touched(needed_samples, cv::Rect({}, whole), {kBlock, kBlock});
+  cv::Rect samples;
+  for (const cv::Rect& block : stored_) {
+    samples |= block;
+    blocks_.push_back(reduced_by(by_, block));
+  }
+  region_ = reduced_by(by_, samples);
+  flow_region_ = reduced_by(flow_step_, samples);
   const auto between_samples = [this](int begin, int n, int flow_begin, int flow_n) {
     Between places;
     for (int i = begin; i < begin + n; ++i) {
-      const double at = std::clamp((i + 0.5) / flow_step_ - 0.5 - flow_begin, 0.0, flow_n - 1.0);
+      const double at = std::clamp((i + 0.5) * by_ / flow_step_ - 0.5 - flow_begin, 0.0, flow_n - 1.0);
       places.first.push_back(static_cast<std::int32_t>(at));
       places.fraction.push_back(static_cast<float>(at - std::floor(at)));
     }
@@ -247,7 +299,12 @@ ClipLuma::ClipLuma(const store::Snapshot& snapshot, store::ClipId clip, std::spa
 ClipLuma::Scratch::Scratch()
     : x(kCell), y(kCell), u(kCell), v(kCell), from(kCell), to(kCell), mixed(kCell + 2) {}
 
+cv::Size ClipLuma::size_of(cv::Size whole, Size size) {
+  return size == Size::kWhole ? whole : cv::Size((whole.width + 1) / 2, (whole.height + 1) / 2);
+}
+
 std::size_t ClipLuma::frame_bytes() const {
+  if (by_ == 2) return static_cast<std::size_t>(plane_size().area()) * sizeof(float);
   const int bytes = raw_ ? snapshot_.clip(clip_).frames.planes[0].bytes_per_sample : 1;
   return static_cast<std::size_t>(region_.area()) * bytes;
 }
@@ -261,26 +318,68 @@ void ClipLuma::load(std::span<const std::uint32_t> frames, std::span<const std::
 
 void ClipLuma::read_frames(std::span<const std::uint32_t> missing) {
   const auto runs = by_slab(missing);
+  const int bytes = raw_ ? snapshot_.clip(clip_).frames.planes[0].bytes_per_sample : 1;
+  for (std::uint32_t frame : missing)
+    frames_[frame] = cv::Mat::zeros(plane_size(), by_ == 2 ? CV_32F : bytes == 1 ? CV_8U : CV_16U);
+  const auto put = [&](std::uint32_t frame, const cv::Rect& block, const std::byte* rows) {
+    if (by_ == 2)
+      put_halved(rows, block, bytes, frames_.at(frame));
+    else
+      put_rows(rows, block, bytes, block.tl() - region_.tl(), frames_.at(frame));
+  };
   if (raw_) {
-    const int bytes = snapshot_.clip(clip_).frames.planes[0].bytes_per_sample;
-    for (std::uint32_t frame : missing)
-      frames_[frame] = cv::Mat::zeros(region_.size(), bytes == 1 ? CV_8U : CV_16U);
-    oneapi::tbb::parallel_for(std::size_t{0}, blocks_.size() * runs.size(), [&](std::size_t task) {
-      read_block({snapshot_, tiles_, clip_, store::Stream::kFrames, 0, bytes}, blocks_[task % blocks_.size()],
-                 runs[task / blocks_.size()], region_.tl(),
-                 [&](std::uint32_t frame) -> cv::Mat& { return frames_.at(frame); });
+    oneapi::tbb::parallel_for(std::size_t{0}, stored_.size() * runs.size(), [&](std::size_t task) {
+      const cv::Rect& block = stored_[task % stored_.size()];
+      read_block({snapshot_, tiles_, clip_, store::Stream::kFrames, 0, bytes}, block,
+                 runs[task / stored_.size()],
+                 [&](std::uint32_t frame, const std::byte* rows) { put(frame, block, rows); });
     });
-    return;
+  } else {
+    // Colour planes: luminance needs all of them, so whole frames are read, a slab of tiles at a time, and
+    // reduced.
+    for (const auto& run : runs) {
+      const std::vector<media::Frame> slab = clip_frames_.read(run.front(), run.back() - run.front() + 1);
+      oneapi::tbb::parallel_for(std::size_t{0}, run.size(), [&](std::size_t i) {
+        const cv::Mat luma = media::to_luma(slab[run[i] - run.front()]);
+        for (const cv::Rect& block : stored_) {
+          const cv::Mat rows = luma(block).clone();
+          put(run[i], block, reinterpret_cast<const std::byte*>(rows.data));
+        }
+      });
+    }
   }
-  // Colour planes: luminance needs all of them, so whole frames are read, a slab of tiles at a time, and
-  // reduced.
-  for (const auto& run : runs) {
-    const std::vector<media::Frame> slab = clip_frames_.read(run.front(), run.back() - run.front() + 1);
-    for (std::uint32_t frame : run) frames_[frame] = cv::Mat();
-    oneapi::tbb::parallel_for(std::size_t{0}, run.size(), [&](std::size_t i) {
-      frames_.at(run[i]) = media::to_luma(slab[run[i] - run.front()])(region_).clone();
+  if (by_ == 2)
+    oneapi::tbb::parallel_for(std::size_t{0}, missing.size(),
+                              [&](std::size_t i) { extend(frames_.at(missing[i]), kBorder); });
+}
+
+cv::Size ClipLuma::plane_size() const {
+  const int more = by_ == 2 ? 2 * kBorder : 0;
+  return {region_.width + more, region_.height + more};
+}
+
+/// Rows of a block of stored samples, two by two, as luma.
+void ClipLuma::put_halved(const std::byte* rows, const cv::Rect& block, int bytes, cv::Mat& into) const {
+  const cv::Point at = cv::Point(block.x / 2, block.y / 2) - region_.tl() + cv::Point(kBorder, kBorder);
+  const int pairs = block.width / 2;
+  const auto halve = [&](const auto* samples, const auto& all) {
+    for (int y = 0; y < block.height; y += 2) {
+      const auto *upper = samples + y * block.width,
+                 *lower = y + 1 < block.height ? upper + block.width : upper;
+      auto* to = into.ptr<float>(at.y + y / 2) + at.x;
+      all(upper, lower, pairs, to);
+      if (block.width % 2 == 0) continue;
+      const std::array above{upper[2 * pairs], upper[2 * pairs]}, below{lower[2 * pairs], lower[2 * pairs]};
+      all(above.data(), below.data(), 1, to + pairs);
+    }
+  };
+  if (bytes == 1)
+    halve(reinterpret_cast<const std::uint8_t*>(rows), [&](const auto* a, const auto* b, int n, float* to) {
+      halve_bytes(a, b, black_, per_span_, n, to);
     });
-  }
+  else
+    halve(reinterpret_cast<const std::uint16_t*>(rows),
+          [&](const auto* a, const auto* b, int n, float* to) { halve_words(a, b, luma_of_.data(), n, to); });
 }
 
 void ClipLuma::check_flow() const {
@@ -298,7 +397,7 @@ void ClipLuma::read_flows(std::span<const std::uint32_t> missing) {
   check_flow();
   // Tiles of the flow's planes under the blocks.
   std::vector<cv::Rect> under;
-  for (const cv::Rect& block : blocks_)
+  for (const cv::Rect& block : stored_)
     under.emplace_back(cv::Point(block.x / flow_step_, block.y / flow_step_),
                        cv::Point((block.br().x - 1) / flow_step_ + 1, (block.br().y - 1) / flow_step_ + 1));
   std::vector<cv::Rect> tiles = cells_touched(under, cv::Rect({}, flow_size_), {kBlock, kBlock});
@@ -310,10 +409,11 @@ void ClipLuma::read_flows(std::span<const std::uint32_t> missing) {
   oneapi::tbb::parallel_for(std::size_t{0}, 2 * tiles.size() * runs.size(), [&](std::size_t task) {
     const std::uint32_t plane = task % 2;
     const auto& run = runs[task / 2 / tiles.size()];
-    read_block({snapshot_, tiles_, clip_, store::Stream::kFlow, plane, 2}, tiles[task / 2 % tiles.size()],
-               run, flow_region_.tl(), [&](std::uint32_t frame) -> cv::Mat& {
+    const cv::Rect& tile = tiles[task / 2 % tiles.size()];
+    read_block({snapshot_, tiles_, clip_, store::Stream::kFlow, plane, 2}, tile, run,
+               [&](std::uint32_t frame, const std::byte* rows) {
                  Flow& flow = flows_.at(frame);
-                 return plane == 0 ? flow.u : flow.v;
+                 put_rows(rows, tile, 2, tile.tl() - flow_region_.tl(), plane == 0 ? flow.u : flow.v);
                });
   });
 }
@@ -326,7 +426,12 @@ void ClipLuma::row(const cv::Mat& samples, int x, int y, int n, float* out) cons
 }
 
 void ClipLuma::row(std::uint32_t frame, int x, int y, int n, float* out) const {
-  row(frames_.at(frame), x - region_.x, y - region_.y, n, out);
+  const cv::Mat& samples = frames_.at(frame);
+  const cv::Point at = cv::Point(x, y) - region_.tl();
+  if (by_ == 2)
+    std::copy_n(samples.ptr<float>(at.y + kBorder) + at.x + kBorder, n, out);
+  else
+    row(samples, at.x, at.y, n, out);
 }
 
 float ClipLuma::mean(std::uint32_t frame, std::span<const cv::Point> places) const {
@@ -334,6 +439,10 @@ float ClipLuma::mean(std::uint32_t frame, std::span<const cv::Point> places) con
   double sum = 0;
   for (const cv::Point& place : places) {
     const cv::Point at = place - region_.tl();
+    if (by_ == 2) {
+      sum += samples.at<float>(at + cv::Point(kBorder, kBorder));
+      continue;
+    }
     sum +=
         samples.depth() == CV_8U
             ? std::clamp((static_cast<float>(samples.at<std::uint8_t>(at)) - black_) * per_span_, 0.0f, 1.0f)
@@ -343,6 +452,7 @@ float ClipLuma::mean(std::uint32_t frame, std::span<const cv::Point> places) con
 }
 
 void ClipLuma::at(double moment, const cv::Rect& cell, float* out, Scratch& scratch) const {
+  CV_Assert(by_ == 1);
   const auto frame = static_cast<std::uint32_t>(moment);
   const auto fraction = static_cast<float>(moment - frame);
   if (fraction > 0) return between(frame, fraction, cell, out, scratch);
@@ -353,9 +463,16 @@ void ClipLuma::at(double moment, const cv::Rect& cell, float* out, Scratch& scra
 void ClipLuma::flow_of_cell(std::uint32_t frame, const cv::Rect& cell, Scratch& s) const {
   const Flow& by = flows_.at(frame);
   const cv::Point corner = cell.tl() - region_.tl();
+  if (flow_step_ == by_) {
+    flow_as_it_is(by.u.ptr<short>(corner.y) + corner.x, static_cast<std::ptrdiff_t>(by.u.step1()), cell.width,
+                  cell.height, s.u.data());
+    flow_as_it_is(by.v.ptr<short>(corner.y) + corner.x, static_cast<std::ptrdiff_t>(by.v.step1()), cell.width,
+                  cell.height, s.v.data());
+    return;
+  }
   const std::int32_t* first = flow_across_.first.data() + corner.x;
   const int begin = first[0], samples = std::min(first[cell.width - 1] + 2, flow_region_.width) - begin;
-  const bool halved = flow_step_ == 2 && cell.x % 2 == 0 && cell.width % 2 == 0;
+  const bool halved = flow_step_ == 2 && by_ == 1 && cell.x % 2 == 0 && cell.width % 2 == 0;
   const FlowCell places{
       .first_row = flow_down_.first.data() + corner.y,
       .first_column = first,
@@ -386,6 +503,7 @@ void ClipLuma::between(std::uint32_t frame, float fraction, const cv::Rect& cell
 }
 
 void ClipLuma::innovation(std::uint32_t frame, const cv::Rect& cell, float* out, Scratch& s) const {
+  CV_Assert(by_ == 2);
   for (int y = 0; y < cell.height; ++y) row(frame, cell.x, cell.y + y, cell.width, out + y * cell.width);
   const bool before = frame > 0 && frames_.contains(frame - 1) && flows_.contains(frame - 1);
   const bool after = frames_.contains(frame + 1) && flows_.contains(frame);
@@ -408,9 +526,15 @@ void ClipLuma::innovation(std::uint32_t frame, const cv::Rect& cell, float* out,
 void ClipLuma::carried(std::uint32_t frame, float fraction, const cv::Rect& cell, float* out,
                        Scratch& s) const {
   const cv::Point corner = cell.tl() - region_.tl();
-  const float unit = fraction * vision::kFlowUnit;
+  const float unit = fraction * vision::kFlowUnit / static_cast<float>(by_);
   places_of_cell(s.u.data(), corner.x, 1, 0, unit, region_.width, cell.width, cell.height, s.x.data());
   places_of_cell(s.v.data(), corner.y, 0, 1, unit, region_.height, cell.width, cell.height, s.y.data());
+  if (by_ == 2) {
+    const cv::Mat& plane = frames_.at(frame);
+    const auto stride = static_cast<std::ptrdiff_t>(plane.step1());
+    return read_places(plane.ptr<float>(), kBorder * stride + kBorder, stride, s.x.data(), s.y.data(),
+                       cell.area(), out);
+  }
   // The samples around all places, beyond the region its edge.
   Range x, y;
   range_of(s.x.data(), cell.area(), x);

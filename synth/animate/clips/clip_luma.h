@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <map>
 #include <span>
@@ -16,8 +17,8 @@
 
 namespace freshet::synth::animate {
 
-/// Frames of one clip in memory: raw samples of the 64 x 64 blocks that the needed rectangles touch, and the
-/// flow between them where moments between frames are asked for.
+/// Frames of one clip in memory, where the needed rectangles touch 64 x 64 blocks of it: raw samples, or at half size,
+/// and the flow between them where it is asked for. All px and rectangles are of the frame in that size.
 ///
 /// A moment between two frames is made of both, each brought there along the flow kept in the store, and
 /// mixed by their distance in time. Where the two disagree the nearer one counts more: a mixture of what does
@@ -25,11 +26,17 @@ namespace freshet::synth::animate {
 /// the flow of fluids is smooth, and the motion between frames is a few pixels.
 class ClipLuma {
  public:
-  /// needed     px of the source frame; beyond them luminance may be anything.
+  enum class Size {
+    kWhole,  // raw samples, for at()
+    kHalf,   // luma of squares of two by two, CV_32F, for innovation(): the flow tells no finer
+  };
+  /// needed     rectangles of the frame; beyond them luminance may be anything.
   /// flow_step  of the store's settings.
   /// tiles      of this snapshot, decoded earlier; may be null.
-  ClipLuma(const store::Snapshot& snapshot, store::ClipId clip, std::span<const cv::Rect> needed,
+  ClipLuma(const store::Snapshot& snapshot, store::ClipId clip, Size size, std::span<const cv::Rect> needed,
            int flow_step, query::DecodedTiles* tiles = nullptr);
+  /// Of a whole frame, odd sides with half a sample more.
+  static cv::Size size_of(cv::Size whole, Size size);
 
   /// Holds exactly these frames (ascending), and the flows from frames `flows` to their next (ascending).
   /// What is there already is kept, all else is read, each tile once. All threads. Throws Error{kDamaged}
@@ -47,12 +54,12 @@ class ClipLuma {
     std::vector<std::int32_t> x, y;
     std::vector<float> u, v, from, to, mixed, window;
   };
-  /// Luma at a moment of frames that are loaded, 0..1, in a rectangle of source() within region(), no larger
+  /// Luma at a moment of frames that are loaded, whole, 0..1, in a rectangle of source() within region(), no larger
   /// than a cell: out holds its rows one after another. Safe from many threads.
   void at(double moment, const cv::Rect& cell, float* out, Scratch& scratch) const;
   /// What of a frame carrying its neighbours in time does not explain: the frame less the mean of the one before
   /// and the one after, each brought to it along the flow kept in the store. The neighbours that there are, and
-  /// the flows from `frame` and from the one before it, are loaded. Else as at().
+  /// the flows from `frame` and from the one before it, are loaded. At half size. Else as at().
   void innovation(std::uint32_t frame, const cv::Rect& cell, float* out, Scratch& scratch) const;
   /// Luma of a loaded frame at row y, columns x .. x + n - 1 of source(), within region().
   void row(std::uint32_t frame, int x, int y, int n, float* out) const;
@@ -64,7 +71,7 @@ class ClipLuma {
   bool holds_flow(std::uint32_t frame) const { return flows_.contains(frame); }
   const cv::Rect& flow_region() const { return flow_region_; }
 
-  /// px of the source frame: the blocks that are read, and the rectangle around all of them.
+  /// The blocks that are read, and the rectangle around all of them.
   std::span<const cv::Rect> blocks() const { return blocks_; }
   const cv::Rect& region() const { return region_; }
   cv::Size source() const { return source_; }
@@ -75,6 +82,8 @@ class ClipLuma {
  private:
   void row(const cv::Mat& samples, int x, int y, int n, float* out) const;  // from the region's corner
   void read_frames(std::span<const std::uint32_t> missing);
+  cv::Size plane_size() const;
+  void put_halved(const std::byte* rows, const cv::Rect& block, int bytes, cv::Mat& into) const;
   void read_flows(std::span<const std::uint32_t> missing);
   void between(std::uint32_t frame, float fraction, const cv::Rect& cell, float* out, Scratch& scratch) const;
   void flow_of_cell(std::uint32_t frame, const cv::Rect& cell, Scratch& scratch) const;
@@ -87,10 +96,11 @@ class ClipLuma {
   query::ClipFrames clip_frames_;
   media::PixelLayout layout_;
   bool raw_ = true;  // luma samples as stored, else 8-bit luma that had to be computed
+  int by_ = 1;       // px of the source that a frame's sides are reduced by
   int flow_step_ = 2;
   cv::Size source_, flow_size_;
   cv::Rect region_, flow_region_;
-  std::vector<cv::Rect> blocks_;             // px of the source
+  std::vector<cv::Rect> blocks_, stored_;    // the same blocks, of the reduced and the stored frame
   float black_ = 0, per_span_ = 1.0f / 255;  // of samples of a byte
   std::vector<float> luma_of_;               // by sample, of two bytes
   // Where a column and a row of the region lie between samples of the flow's region.
@@ -99,7 +109,7 @@ class ClipLuma {
     std::vector<float> fraction;  // of the one after it
   };
   Between flow_across_, flow_down_;
-  std::map<std::uint32_t, cv::Mat> frames_;
+  std::map<std::uint32_t, cv::Mat> frames_;  // raw, or at half size with a border
   struct Flow {
     cv::Mat u, v;  // CV_16S, 1/64 px
   };

@@ -10,17 +10,13 @@
 namespace freshet::synth::animate {
 namespace {
 
-constexpr int kEvery = 2;  // px of a patch
-
-/// Pixels of the clip that a patch shows.
+/// Pixels of the clip that a patch shows, one for each of its own.
 std::vector<cv::Point> spots_of(cv::Size source, const PlacedPatch& placed, int side) {
   const vision::VariantFrame frame = vision::variant_frame(source, placed.variant);
   std::vector<cv::Point> spots;
-  for (int y = 0; y < side; y += kEvery)
-    for (int x = 0; x < side; x += kEvery) {
-      const double middle = (kEvery - 1) / 2.0;
-      const cv::Vec2d at =
-          frame.source_from_variant * cv::Vec3d(placed.patch.x + x + middle, placed.patch.y + y + middle, 1);
+  for (int y = 0; y < side; ++y)
+    for (int x = 0; x < side; ++x) {
+      const cv::Vec2d at = frame.source_from_variant * cv::Vec3d(placed.patch.x + x, placed.patch.y + y, 1);
       spots.emplace_back(std::clamp(static_cast<int>(std::lround(at[0])), 0, source.width - 1),
                          std::clamp(static_cast<int>(std::lround(at[1])), 0, source.height - 1));
     }

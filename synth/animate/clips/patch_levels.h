@@ -16,7 +16,7 @@
 namespace freshet::synth::animate {
 
 /// Mean luma of patches that share a timeline. A mean of a whole patch hardly tells moments between frames from the mix
-/// of the frames around them, so no flow is asked; every second pixel of the patch's side is read.
+/// of the frames around them, so no flow is asked.
 class PatchLevels {
  public:
   /// source    size of the clip's frames.

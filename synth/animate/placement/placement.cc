@@ -21,6 +21,20 @@ void check(const Placement& placement) {
                 "Label the picture again: freshet query label");
 }
 
+Placement halved(const Placement& placement) {
+  Placement half = placement;
+  half.side /= 2;
+  half.stride /= 2;
+  half.piece_scale *= 2;
+  // Down to whole pixels: pieces that lie a stride apart still do.
+  const auto down = [](int at) { return at >= 0 ? at / 2 : -((1 - at) / 2); };
+  for (PlacedPatch& placed : half.patches) {
+    placed.piece = {down(placed.piece.x), down(placed.piece.y)};
+    placed.patch = {down(placed.patch.x), down(placed.patch.y)};
+  }
+  return half;
+}
+
 int common_step(const Placement& placement, int max_step) {
   int step = 1;
   while (2 * step <= max_step && placement.side % (2 * step) == 0 && placement.stride % (2 * step) == 0)

@@ -33,6 +33,9 @@ struct Placement {
 /// four pieces overlap across: an assignment file can say so.
 void check(const Placement& placement);
 
+/// The same on the picture at half the size, from clips at half the size: to half a pixel.
+Placement halved(const Placement& placement);
+
 /// The largest power of two, at most `max_step`, that divides side and stride: in steps of
 /// it pieces and canvas coincide.
 int common_step(const Placement& placement, int max_step);

@@ -31,13 +31,14 @@ Placement halves(store::ClipId left, store::ClipId right) {
 struct Measured {
   std::vector<double> shares;
   double overall = 0;
+  std::vector<double> of_picture;
   cv::Mat places;
 };
 
 Measured measured(double left, double right, const RenewalOptions& options = {}) {
   const std::vector<FlowingClip> clips{renewed_by(left, 1), renewed_by(right, 2)};
   const FlowingStore store(clips);
-  const Placement placement = halves(store.id(0), store.id(1));
+  const Placement placement = halved(halves(store.id(0), store.id(1)));
   const PiecesCanvas canvas(placement, kPicture);
   Blender blender(placement, 12, {});
   cv::Mat luma(kPicture, CV_32F);
@@ -52,15 +53,15 @@ Measured measured(double left, double right, const RenewalOptions& options = {})
     renewal.measure(layer, kSamples);
   }
   renewal.settle();
-  Measured found{.shares = {}, .overall = renewal.overall(), .places = renewal.places()};
+  Measured found{.shares = {}, .overall = renewal.overall(), .of_picture = {}, .places = renewal.places()};
   for (std::size_t level = 0; level < Renewal::kLevels; ++level) found.shares.push_back(renewal.share(level));
+  for (int level = 0; level < 8; ++level) found.of_picture.push_back(renewal.share_of_picture(level));
   return found;
 }
 
 TEST(Renewal, FindsHowMuchOfAClipComesAnew) {
   for (const double anew : {0.05, 0.2, 0.4}) {
     const Measured found = measured(anew, anew);
-    EXPECT_NEAR(found.shares[2], anew, 0.15 * anew + 0.01) << anew;
     EXPECT_NEAR(found.shares[1], anew * 2 / 3, 0.15 * anew + 0.01) << anew;
     EXPECT_NEAR(found.shares[0], anew / 3, 0.15 * anew + 0.01) << anew;
   }
@@ -74,17 +75,26 @@ TEST(Renewal, OfWhatOnlyMovesNothingComesAnew) {
 
 TEST(Renewal, APlaceRenewsAsItsPatchesDo) {
   const Measured found = measured(0.05, 0.35);
-  const double left = found.places.at<float>(48, 24) * found.shares[2],
-               right = found.places.at<float>(48, 168) * found.shares[2];
-  EXPECT_NEAR(left, 0.05, 0.03);
-  EXPECT_NEAR(right, 0.35, 0.06);
+  const double left = found.places.at<float>(24, 12) * found.shares[1],
+               right = found.places.at<float>(24, 84) * found.shares[1];
+  EXPECT_NEAR(left, 0.05 * 2 / 3, 0.03);
+  EXPECT_NEAR(right, 0.35 * 2 / 3, 0.06);
+}
+
+TEST(Renewal, ThePicturesBandsAreTheCanvassAtHalfTheSize) {
+  const Measured found = measured(0.2, 0.2);
+  EXPECT_EQ(found.of_picture[0], 0);
+  for (std::size_t level = 0; level < Renewal::kLevels; ++level)
+    EXPECT_EQ(found.of_picture[level + 1], found.shares[level]);
+  for (std::size_t level = Renewal::kLevels + 1; level < found.of_picture.size(); ++level)
+    EXPECT_EQ(found.of_picture[level], 0);
 }
 
 TEST(Renewal, TakesWhatIsAskedOfIt) {
   const Measured all = measured(0.3, 0.3), half = measured(0.3, 0.3, {.share = 0.5}),
                  none = measured(0.3, 0.3, {.share = 0});
-  EXPECT_NEAR(half.shares[2], all.shares[2] / 2, 1e-9);
-  EXPECT_EQ(none.shares[2], 0);
+  EXPECT_NEAR(half.shares[1], all.shares[1] / 2, 1e-9);
+  EXPECT_EQ(none.shares[1], 0);
   EXPECT_EQ(cv::countNonZero(none.places), 0);
 }
 

@@ -45,7 +45,7 @@ std::vector<int> all_outputs() {
 /// Luma of the whole clip at a moment.
 cv::Mat luma_at(const FlowingStore& store, const FlowingClip& clip, double moment) {
   const cv::Rect whole({}, clip.size);
-  ClipLuma luma(store.snapshot(), store.id(), std::vector{whole}, clip.flow_step);
+  ClipLuma luma(store.snapshot(), store.id(), ClipLuma::Size::kWhole, std::vector{whole}, clip.flow_step);
   const auto frame = static_cast<std::uint32_t>(moment);
   if (moment > frame)
     luma.load(std::vector{frame, frame + 1}, std::vector{frame});
@@ -171,23 +171,29 @@ TEST(ClipLayer, IsTheSameHoweverMuchIsKeptInMemoryAndForAnyNumberOfThreads) {
 }
 
 TEST(ClipLayer, InnovationsComeWithTheLevelsOfTheDifferences) {
-  const FlowingClip clip{.frames = 75, .steady = {1, 0.5f}, .varying = 1.5f};
+  const FlowingClip clip{.size = {152, 112}, .frames = 75, .steady = {1, 0.5f}, .varying = 1.5f};
   const FlowingStore store({clip});
   const Placement placement = some_placement(store.id(), 6, 2.3);
   const auto levels_of = [&](ClipDetail detail, const std::vector<int>& kept) {
-    ClipLayer layer(store.snapshot(), store.id(), clip.flow_step, placement, all_patches(placement),
+    const bool half = detail == ClipDetail::kInnovation;
+    const Placement placed = half ? halved(placement) : placement;
+    ClipLayer layer(store.snapshot(), store.id(), clip.flow_step, placed, all_patches(placed),
                     {.frames = kOutputs}, Resampling::kFlow, detail);
     layer.measure(kept);
-    Blender blender(placement, kOutputs, {.low_band_reach = 0.3});
+    Blender blender(placed, kOutputs, {.low_band_reach = 0.3});
     layer.add(all_outputs(), blender);
     cv::Mat levels;
-    for (int i = 0; i < kOutputs; ++i) levels.push_back(blender.take_level(i));
+    for (int i = 0; i < kOutputs; ++i) {
+      cv::Mat level = blender.take_level(i), of_half = level;
+      if (!half) cv::resize(level, of_half, {}, 0.5, 0.5, cv::INTER_AREA);
+      levels.push_back(of_half);
+    }
     return levels;
   };
   const cv::Mat differences = levels_of(ClipDetail::kDifference, all_outputs());
   const cv::Mat innovations = levels_of(ClipDetail::kInnovation, all_outputs());
   EXPECT_GT(cv::norm(differences, cv::NORM_INF), 0.02);
-  // Every second pixel, and no flow between frames.
+  // Of means of two by two, and no flow between frames.
   EXPECT_LT(cv::norm(differences, innovations), 0.1 * cv::norm(differences));
   for (const std::vector<int>& kept : {std::vector<int>{}, std::vector<int>{0, 5, 11}})
     EXPECT_EQ(cv::norm(levels_of(ClipDetail::kInnovation, kept), innovations, cv::NORM_INF), 0);
