@@ -460,10 +460,11 @@ class Animation {
     return made;
   }
 
-  /// With a moving outline, what lies behind the fluid and beyond it is guessed, and shows through a thin matte from the
-  /// first frame on. What that is short of the picture is added there, and goes as the still frame does.
+  /// With a moving outline, what lies behind the fluid is guessed where nobody gives it, and shows through a thin matte
+  /// from the first frame on. What that is short of the picture is added there, and goes as the still frame does.
   void begin_as_the_still(const cv::Mat& fluid) {
-    if (!moving_ || !carried_ || options_.form != FrameForm::kWhole) return;
+    if (!moving_ || !carried_ || options_.form != FrameForm::kWhole || !options_.boundary.background.empty())
+      return;
     copies_->prepare(0, 1);
     cv::Mat whole;
     target_.convertTo(whole, CV_8U, 255);

@@ -38,12 +38,11 @@ enum class AppearanceMatching {
   kSequence,  // one model for the whole animation
 };
 
-/// What the sink is given.
+/// What the sink is given. kFluid over the picture is the whole; so it is over what lies behind a moving outline
+/// (behind_fluid), where that is guessed once the still that the whole begins with has gone.
 enum class FrameForm {
   kWhole,  // CV_8UC3: the picture with the fluid in it
-  kFluid,  // CV_32FC4: the fluid alone, its colour (1 is white) times its matte, and the matte; nothing rounded.
-  // Over the picture it is the whole; over what lies behind a moving outline (behind_fluid) too, once the
-  // still that the whole begins with has gone
+  kFluid,  // CV_32FC4: the fluid alone, its colour (1 is white) times its matte, and the matte; nothing rounded
 };
 
 struct AnimateOptions {
