@@ -19,8 +19,10 @@ mkdir -p "$out"
 set --
 for peer in river:00981_00048 cove:00982_03204 turquoise:00987_00156 beach:00994_00000; do
   scene=${peer%%:*} folder=$footage/peers/${peer#*:}
+  # What is no water is grey in these mattes.
+  convert "$folder/mask.jpg" -colorspace gray -level 60%,90% "$out/${scene}_matte.png"
   # As long as the others' films, which are of 61 or 62 frames at 30 a second.
-  "$freshet" synth animate "$store" "$folder/input.jpg" --matte "$folder/mask.jpg" --class water \
+  "$freshet" synth animate "$store" "$folder/input.jpg" --matte "$out/${scene}_matte.png" --class water \
     --strokes "$drawn/$scene.svg" --frames 61 --fps 30 -o "$out/$scene.mp4" --overwrite >/dev/null
   set -- "$@" --film "$scene:ours=$out/$scene.mp4"
   for film in "$folder"/result_*.mp4; do
