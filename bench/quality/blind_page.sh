@@ -9,7 +9,7 @@
 # OUT/page, its key OUT/page-key.json. It holds footage: do not share it beyond those whom you ask. FRESHET and BENCH
 # name the program and the folder of the benches: build/release/tools/freshet, build/release/bench.
 set -eu
-[ $# -ge 3 ] || { sed -n '2,12s/^# \{0,1\}//p' "$0"; exit 2; }
+[ $# -ge 3 ] || { sed -n '2,10s/^# \{0,1\}//p' "$0"; exit 2; }
 footage=$1 store=$2 out=$3
 clips=${4:-rapids,waterfall_dusk,brook_mossy,flames_wall,campfire,chimney,smoke_puffs,cumulus}
 drawn=$(dirname "$0")/peers

@@ -25,13 +25,14 @@ cv::Mat luma_of(const FlowingStore& store, const FlowingClip& clip, int i) {
   return media::luma_from_plane(query::ClipFrames(store.snapshot(), store.id()).layout(), clip.frame(i));
 }
 
-/// A component of the flow at a pixel, px: between samples, which stand in the middles of theirs.
-double flow_at(const cv::Mat& flow, int step, int x, int y) {
-  const double fx = std::clamp((x + 0.5) / step - 0.5, 0.0, flow.cols - 1.0);
-  const double fy = std::clamp((y + 0.5) / step - 0.5, 0.0, flow.rows - 1.0);
+/// A component of the flow at a pixel of the frame reduced by so much, px of that: between samples, which stand in the
+/// middles of theirs.
+double flow_at(const cv::Mat& flow, int step, int x, int y, int by = 1) {
+  const double fx = std::clamp((x + 0.5) * by / step - 0.5, 0.0, flow.cols - 1.0);
+  const double fy = std::clamp((y + 0.5) * by / step - 0.5, 0.0, flow.rows - 1.0);
   const int x0 = static_cast<int>(fx), y0 = static_cast<int>(fy);
   const int x1 = std::min(x0 + 1, flow.cols - 1), y1 = std::min(y0 + 1, flow.rows - 1);
-  const auto at = [&](int px, int py) { return flow.at<std::int16_t>(py, px) / 64.0; };
+  const auto at = [&](int px, int py) { return flow.at<std::int16_t>(py, px) / (64.0 * by); };
   const double upper = at(x0, y0) + (fx - x0) * (at(x1, y0) - at(x0, y0));
   const double lower = at(x0, y1) + (fx - x0) * (at(x1, y1) - at(x0, y1));
   return upper + (fy - y0) * (lower - upper);
@@ -143,18 +144,6 @@ cv::Mat halved(const cv::Mat& luma) {
   return half;
 }
 
-/// A component of the flow at a pixel of half the size, px of that.
-double half_flow_at(const cv::Mat& flow, int step, int x, int y) {
-  const double fx = std::clamp((x + 0.5) * 2 / step - 0.5, 0.0, flow.cols - 1.0);
-  const double fy = std::clamp((y + 0.5) * 2 / step - 0.5, 0.0, flow.rows - 1.0);
-  const int x0 = static_cast<int>(fx), y0 = static_cast<int>(fy);
-  const int x1 = std::min(x0 + 1, flow.cols - 1), y1 = std::min(y0 + 1, flow.rows - 1);
-  const auto at = [&](int px, int py) { return flow.at<std::int16_t>(py, px) / 128.0; };
-  const double upper = at(x0, y0) + (fx - x0) * (at(x1, y0) - at(x0, y0));
-  const double lower = at(x0, y1) + (fx - x0) * (at(x1, y1) - at(x0, y1));
-  return upper + (fy - y0) * (lower - upper);
-}
-
 TEST_P(AtEveryFlowStep, AnInnovationIsWhatCarryingTheNeighboursDoesNotExplain) {
   for (const cv::Size size : {cv::Size(150, 110), cv::Size(151, 111)}) {
     const FlowingClip clip{.size = size, .flow_step = GetParam(), .steady = {2.5f, -1.7f}, .varying = 2};
@@ -168,8 +157,8 @@ TEST_P(AtEveryFlowStep, AnInnovationIsWhatCarryingTheNeighboursDoesNotExplain) {
     ClipLuma::Scratch scratch;
     std::vector<float> out(ClipLuma::kCellWidth * ClipLuma::kCellHeight), row(half.width);
     const auto carried = [&](int frame, int flow, double way, cv::Point at) {
-      const double u = half_flow_at(clip.flow(flow)[0], clip.flow_step, at.x, at.y);
-      const double v = half_flow_at(clip.flow(flow)[1], clip.flow_step, at.x, at.y);
+      const double u = flow_at(clip.flow(flow)[0], clip.flow_step, at.x, at.y, 2);
+      const double v = flow_at(clip.flow(flow)[1], clip.flow_step, at.x, at.y, 2);
       return read_at(halved(luma_of(store, clip, frame)), at.x + way * u, at.y + way * v);
     };
     const cv::Rect cell(half.width - ClipLuma::kCellWidth, half.height - ClipLuma::kCellHeight,
