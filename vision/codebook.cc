@@ -16,6 +16,7 @@ namespace freshet::vision {
 namespace {
 
 constexpr int kBlock = 256;      // descriptors of one product; fixed, so that threads change nothing
+constexpr int kMaxWords = 256;   // a word is one byte
 constexpr int kFinalRounds = 3;  // of k-means over all words, after the bisections
 // Columns counted at run time: with 128 fixed ones g++ 12 sees a loop of Eigen's run out of bounds and warns.
 using Block = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
@@ -75,8 +76,11 @@ int block_size(std::size_t count, int block) {
   return static_cast<int>(std::min<std::size_t>(kBlock, count - static_cast<std::size_t>(block) * kBlock));
 }
 
+// Room for a whole block, of which the first rows are used: Eigen frees before it allocates, so that a matrix that is
+// resized where there is no memory is freed twice.
+Block whole_block() { return Block(kBlock, kDescriptorSize); }
+
 void load(const Descriptor* values, int count, const Vector& centre, Block& block) {
-  block.resize(count, kDescriptorSize);
   for (int i = 0; i < count; ++i) {
     for (int d = 0; d < kDescriptorSize; ++d) block(i, d) = static_cast<float>(values[i][d]) - centre[d];
   }
@@ -114,10 +118,10 @@ class Bisection {
     oneapi::tbb::parallel_for(0, blocks_of(members_.size()), [&](int b) {
       const int count = block_size(members_.size(), b);
       const std::size_t first = static_cast<std::size_t>(b) * kBlock;
-      thread_local Block block;
-      thread_local Eigen::VectorXf side;
+      thread_local Block block = whole_block();
+      thread_local Eigen::VectorXf side(kBlock);
       load(members_.data() + first, count, centre, block);
-      side.noalias() = block * normal;
+      side.head(count).noalias() = block.topRows(count) * normal;
       for (int i = 0; i < count; ++i) upper_[first + i] = side[i] > 0;
       partial_[b] =
           block_moments(members_.data() + first, count, [&](int i) { return upper_[first + i] != 0; });
@@ -193,10 +197,11 @@ struct Centred {
 
 // |x - w|^2 / 2 less |x|^2 / 2, for a block of descriptors at once; the smallest index wins ties.
 void assign_block(const Centred& centred, const Descriptor* values, int count, std::uint8_t* assigned) {
-  thread_local Block block;
-  thread_local Eigen::MatrixXf products;  // count x words, a word's column contiguous
+  thread_local Block block = whole_block();
+  thread_local Eigen::MatrixXf room(kBlock, kMaxWords);
   load(values, count, centred.centre, block);
-  products.noalias() = block * centred.words.transpose();
+  auto products = room.topLeftCorner(count, centred.words.rows());  // a word's column contiguous
+  products.noalias() = block.topRows(count) * centred.words.transpose();
   std::array<float, kBlock> best;
   std::array<std::int32_t, kBlock> word{};
   best.fill(std::numeric_limits<float>::infinity());
@@ -243,7 +248,7 @@ void k_means_round(std::span<const Descriptor> samples, Codebook& codebook,
 }  // namespace
 
 Codebook train_codebook(std::span<const Descriptor> samples, const CodebookOptions& options) {
-  if (options.words < 1 || options.words > 256 || options.iterations < 0) {
+  if (options.words < 1 || options.words > kMaxWords || options.iterations < 0) {
     throw Error(ErrorKind::kUsage, "codebook", std::to_string(options.words) + " words; 1 to 256 expected");
   }
   if (samples.empty()) throw Error(ErrorKind::kInput, "codebook", "no descriptors to learn words from");
@@ -277,7 +282,7 @@ Codebook train_codebook(std::span<const Descriptor> samples, const CodebookOptio
 
 void assign_words(const Codebook& codebook, std::span<const Descriptor> descriptors,
                   std::span<std::uint8_t> words) {
-  if (codebook.words < 1 || codebook.words > 256 ||
+  if (codebook.words < 1 || codebook.words > kMaxWords ||
       codebook.centres.size() != static_cast<std::size_t>(codebook.words) * kDescriptorSize) {
     throw Error(ErrorKind::kDamaged, "codebook",
                 std::to_string(codebook.words) + " words and " + std::to_string(codebook.centres.size()) +

@@ -170,7 +170,9 @@ struct MotionAccumulator::Impl {
     if (bins == 0) return;
     const int tasks = (cells.rows + kCellRowsPerTask - 1) / kCellRowsPerTask;
     oneapi::tbb::parallel_for(0, tasks, [&](int task) {
-      Matrix panel_u(dft.length, kPanel), panel_v(dft.length, kPanel), wave_u, wave_v;
+      // Whole panels, of which the first columns are used: a matrix that Eigen resizes where there is no memory is freed twice.
+      Matrix panel_u(dft.length, kPanel), panel_v(dft.length, kPanel);
+      Matrix wave_u(dft.rows.rows(), kPanel), wave_v(dft.rows.rows(), kPanel);
       Matrix power(3 * bands, flow_size.width);  // of u, of v, crossed; of one row of cells
       const int last_row = std::min(cells.rows, (task + 1) * kCellRowsPerTask);
       for (int row = task * kCellRowsPerTask; row < last_row; ++row) {
@@ -188,11 +190,14 @@ struct MotionAccumulator::Impl {
               for (int i = 0; i < width; ++i) to_u[i] = u[i];
               for (int i = 0; i < width; ++i) to_v[i] = v[i];
             }
-            wave_u.noalias() = dft.rows * panel_u.leftCols(width);
-            wave_v.noalias() = dft.rows * panel_v.leftCols(width);
+            wave_u.leftCols(width).noalias() = dft.rows * panel_u.leftCols(width);
+            wave_v.leftCols(width).noalias() = dft.rows * panel_v.leftCols(width);
             for (int k = 0; k < bins; ++k) {
-              const auto ur = wave_u.row(2 * k).array(), ui = wave_u.row(2 * k + 1).array();
-              const auto vr = wave_v.row(2 * k).array(), vi = wave_v.row(2 * k + 1).array();
+              const auto bin = [&](const Matrix& wave, int which) {
+                return wave.row(which).head(width).array();
+              };
+              const auto ur = bin(wave_u, 2 * k), ui = bin(wave_u, 2 * k + 1);
+              const auto vr = bin(wave_v, 2 * k), vi = bin(wave_v, 2 * k + 1);
               const int band = 3 * dft.band[k];
               power.row(band).segment(x, width).array() += ur * ur + ui * ui;
               power.row(band + 1).segment(x, width).array() += vr * vr + vi * vi;

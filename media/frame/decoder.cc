@@ -46,6 +46,15 @@ const AVCodec* decoder_for(const AVStream& stream) {
   return avcodec_find_decoder(id);
 }
 
+// What one of FFmpeg's functions answers. Some pass over what there is no memory for without a word, as its reader of
+// Matroska does with a packet; but where an allocation fails, the C library leaves ENOMEM behind.
+template <class Function>
+int observed(const Function& function) {
+  errno = 0;
+  const int code = function();
+  return errno == ENOMEM ? AVERROR(ENOMEM) : code;
+}
+
 }  // namespace
 
 namespace {
@@ -147,16 +156,18 @@ void Decoder::open_container(bool picture) {
   // Whatever a file of an allowed format asks for inside, nothing else is opened.
   container->protocol_whitelist = av_strdup("file");
   container->format_whitelist = av_strdup(kOwnFormats);
+  int opened = code;
   if (code >= 0)
-    code = avformat_open_input(&container, hint.c_str(), format, nullptr);
+    code = observed([&] { return opened = avformat_open_input(&container, hint.c_str(), format, nullptr); });
   else
     avformat_free_context(container);
-  if (code >= 0) container_.reset(container);  // else it has been freed
+  if (opened >= 0) container_.reset(container);  // else it has been freed
   refuse_if_machine_failed(code);
   if (code < 0)
     throw Error(ErrorKind::kInput, name_, "not a video that FFmpeg can read (" + libav_fault(code) + ")",
                 "Convert it with ffmpeg, or leave it out");
-  if (!picture && (code = avformat_find_stream_info(container, nullptr)) < 0) note(code);
+  code = picture ? 0 : observed([&] { return avformat_find_stream_info(container, nullptr); });
+  if (code < 0) note(code);
   refuse_if_machine_failed(code);
 
   bool sound = false;
@@ -215,11 +226,16 @@ void Decoder::refuse_if_machine_failed(int code) const {
                 "End other programs, and try again");
 }
 
+int Decoder::read_packet() {
+  const int code = observed([&] { return av_read_frame(container_.get(), packet_.get()); });
+  refuse_if_machine_failed(code);
+  return code;
+}
+
 // One packet of our stream into the decoder, or the end mark.
 void Decoder::feed() {
   for (;;) {
-    const int code = av_read_frame(container_.get(), packet_.get());
-    refuse_if_machine_failed(code);
+    const int code = read_packet();
     if (code < 0) {
       if (code != AVERROR_EOF) {
         note(code);
@@ -230,7 +246,7 @@ void Decoder::feed() {
       return;
     }
     const bool ours = packet_->stream_index == stream_->index;
-    const int sent = ours ? avcodec_send_packet(context_.get(), packet_.get()) : 0;
+    const int sent = ours ? observed([&] { return avcodec_send_packet(context_.get(), packet_.get()); }) : 0;
     av_packet_unref(packet_.get());
     if (!ours) continue;
     refuse_if_machine_failed(sent);
@@ -246,7 +262,7 @@ void Decoder::feed() {
 AvOwner<AVFrame> Decoder::next() {
   AvOwner<AVFrame> frame = new_frame();
   for (;;) {
-    const int code = avcodec_receive_frame(context_.get(), frame.get());
+    const int code = observed([&] { return avcodec_receive_frame(context_.get(), frame.get()); });
     if (code >= 0) {
       faults_in_a_row_ = 0;
       if (frame->decode_error_flags != 0 || (frame->flags & AV_FRAME_FLAG_CORRUPT)) ++damaged_frames_;
@@ -271,8 +287,7 @@ std::vector<std::int64_t> Decoder::packet_stamps() {
   std::vector<std::int64_t> stamps;
   drained_ = true;
   for (;;) {
-    const int code = av_read_frame(container_.get(), packet_.get());
-    refuse_if_machine_failed(code);
+    const int code = read_packet();
     if (code < 0) break;
     const bool shown = packet_->stream_index == stream_->index && (packet_->flags & AV_PKT_FLAG_DISCARD) == 0;
     if (shown && packet_->pts != AV_NOPTS_VALUE) stamps.push_back(packet_->pts);

@@ -55,6 +55,7 @@ class Decoder {
 
   void open_container(bool picture);
   void open_codec(const DecoderOptions& options);
+  int read_packet();
   void feed();
   void note(int code);
   void refuse_if_machine_failed(int code) const;

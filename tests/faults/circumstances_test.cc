@@ -39,9 +39,7 @@ struct Interrupted {
 
 Interrupted interrupt(const Campaign& c, const std::vector<std::string>& arguments, int number,
                       std::chrono::microseconds after) {
-  std::vector<std::string> command = arguments;
-  command.insert(command.begin(), executable());
-  const Started started = c.folder.start(command);
+  const Started started = c.start(arguments);
   std::this_thread::sleep_for(after);
   const double at_signal = cpu_seconds(started.process);
   ::kill(started.process, number);
@@ -122,9 +120,7 @@ TEST(Circumstances, ACopyThatIsTakenWhileItIsWrittenIsTrueOrRefused) {
   int copies = 0, refused = 0;
   for (int round = 0; round < (at_full_length() ? 30 : 1); ++round) {
     c.begin_with("one.store", "f.store");
-    std::vector<std::string> command = c.ingest("f.store", {"clip2.mkv", "clip3.mkv"});
-    command.insert(command.begin(), executable());
-    const Started started = c.folder.start(command);
+    const Started started = c.start(c.ingest("f.store", {"clip2.mkv", "clip3.mkv"}));
     std::vector<std::string> taken;
     for (siginfo_t info{}; info.si_pid == 0 && taken.size() < 40;) {
       std::string bytes;
@@ -162,19 +158,9 @@ TEST(Circumstances, ASlowDiskAndAClockThatJumpsChangeNothing) {
   const Campaign& c = campaign();
   for (const char* how : {"FRESHET_FAULT=slow:1", "FRESHET_CLOCK_JUMPS=1"}) {
     c.begin_with("", "f.store");
-    for (std::vector<std::string> arguments :
+    for (const std::vector<std::string>& arguments :
          {c.ingest("f.store", {"clip1.mkv", "clip2.mkv", "clip3.mkv"}), {"index", "f.store"}}) {
-      std::vector<std::string> command{"timeout",
-                                       "-s",
-                                       "KILL",
-                                       "300",
-                                       "env",
-                                       "LD_PRELOAD=" FRESHET_FAILING_CALLS,
-                                       "FRESHET_FAULT_FILES=f.store",
-                                       how,
-                                       executable()};
-      command.insert(command.end(), arguments.begin(), arguments.end());
-      const Outcome outcome = c.folder.run(command);
+      const Outcome outcome = c.run_failing(arguments, {"FRESHET_FAULT_FILES=f.store", how});
       ASSERT_EQ(outcome.exit_code, 0) << how << ": " << outcome.err;
     }
     EXPECT_EQ(c.judge("f.store", {c.indexed}), "") << how;

@@ -41,7 +41,8 @@ struct Plan {
   char kind[16] = "";
   long at = 0;
   const char* files = std::getenv("FRESHET_FAULT_FILES");
-  const bool reads = std::getenv("FRESHET_FAULT_READS") != nullptr;
+  bool reads = std::getenv("FRESHET_FAULT_READS") != nullptr;
+  bool clock_jumps = std::getenv("FRESHET_CLOCK_JUMPS") != nullptr;
   Plan() {
     const char* text = std::getenv("FRESHET_FAULT");
     if (text != nullptr) std::sscanf(text, "%15[a-z]:%ld", kind, &at);
@@ -49,8 +50,9 @@ struct Plan {
   bool is(const char* name) const { return std::strcmp(kind, name) == 0; }
 };
 
-const Plan& plan() {
-  static const Plan made;
+// Made when it is first asked for, and anew where main begins: the environment may be another one then.
+Plan& plan() {
+  static Plan made;
   return made;
 }
 
@@ -93,7 +95,7 @@ std::atomic<long> allocations{0};
 
 bool allocation_fails() {
   if (!counting.load(std::memory_order_relaxed)) return false;
-  static const bool once = plan().is("alloc"), on = plan().is("allocs");
+  static const bool once = plan().is("alloc"), on = plan().is("allocs");  // asked first in main
   static const long at = plan().at;
   const long number = ++allocations;
   if (at == 0 || !(once ? number == at : on && number >= at)) return false;
@@ -238,10 +240,9 @@ ssize_t pread64(int fd, void* into, size_t bytes, off_t at) { return pread(fd, i
 
 int clock_gettime(clockid_t clock, timespec* now) {
   static auto* const go = real<int(clockid_t, timespec*)>("clock_gettime");
-  static const bool jumps = std::getenv("FRESHET_CLOCK_JUMPS") != nullptr;
   static std::atomic<unsigned> looks{1};
   const int code = go(clock, now);
-  if (jumps && code == 0 && clock == CLOCK_REALTIME)
+  if (plan().clock_jumps && code == 0 && clock == CLOCK_REALTIME)
     now->tv_sec += static_cast<int>(++looks * 2654435761u >> 8) % 7200 - 3600;
   return code;
 }
@@ -282,6 +283,8 @@ int posix_memalign(void** at, size_t alignment, size_t bytes) {
 namespace {
 int (*true_main)(int, char**, char**);
 int counted_main(int count, char** arguments, char** environment) {
+  plan() = Plan();
+  calls = 0;
   counting = true;
   const int code = true_main(count, arguments, environment);
   counting = false;

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <csignal>
 #include <iostream>
 #include <random>
 
@@ -16,18 +17,10 @@ namespace fs = std::filesystem;
 /// more   of the environment.
 Outcome run_with_fault(const Campaign& c, const Job& run, const std::string& fault,
                        const std::vector<std::string>& more = {"FRESHET_FAULT_FILES=f.store"}) {
-  std::vector<std::string> command{"timeout",
-                                   "-s",
-                                   "KILL",
-                                   "120",
-                                   "env",
-                                   "LD_PRELOAD=" FRESHET_FAILING_CALLS,
-                                   "FRESHET_FAULT=" + fault,
-                                   "FRESHET_FAULT_COUNT=" + (c.folder / "count").string()};
-  command.insert(command.end(), more.begin(), more.end());
-  command.push_back(executable());
-  command.insert(command.end(), run.arguments.begin(), run.arguments.end());
-  return c.folder.run(command);
+  std::vector<std::string> environment{"FRESHET_FAULT=" + fault,
+                                       "FRESHET_FAULT_COUNT=" + (c.folder / "count").string()};
+  environment.insert(environment.end(), more.begin(), more.end());
+  return c.run_failing(run.arguments, environment);
 }
 
 /// The number of calls of an undisturbed run.
@@ -46,7 +39,7 @@ std::string judge_fault(const Campaign& c, const Job& run, const std::string& fa
   if (outcome.exit_code == 0) {
     states = {run.after};
   } else if (killed) {
-    if (outcome.exit_code != 137 && outcome.signal == 0) return "it was not killed";
+    if (outcome.signal != SIGKILL) return "it was not killed";
   } else {
     if (outcome.signal != 0 || outcome.exit_code > 3 || outcome.exit_code < 0)
       return "it died, " + std::to_string(outcome.exit_code) + ": " + outcome.err;
@@ -57,7 +50,7 @@ std::string judge_fault(const Campaign& c, const Job& run, const std::string& fa
   if (!run.in_steps || outcome.exit_code == 0) {
     if (const std::string wrong = c.judge("f.store", states); !wrong.empty()) return wrong;
   } else if (fs::exists(c.folder / "f.store")) {
-    const Outcome verify = c.run({"store", "verify", "f.store"});
+    const Outcome verify = c.ask({"store", "verify", "f.store"});
     if (verify.exit_code != 0) return "verify: " + verify.out + verify.err;
   } else if (!run.before.empty()) {
     return "the store is gone";
@@ -108,7 +101,7 @@ std::vector<Job> readings() {
   return all;
 }
 
-/// KIND:N for each kind: at full length each of n calls, or 3000 of them; else `some` at random.
+/// KIND:N for each kind: at full length each of n calls, or 500 of them; else `some` at random.
 std::vector<std::string> faults_of(const std::vector<std::string>& kinds, long n, int some,
                                    std::mt19937& random) {
   const auto any = [&] { return 1 + static_cast<long>(random() % static_cast<unsigned long>(n)); };
@@ -116,8 +109,8 @@ std::vector<std::string> faults_of(const std::vector<std::string>& kinds, long n
   for (int i = 0; i < some && !at_full_length(); ++i)
     faults.push_back(kinds[random() % kinds.size()] + ":" + std::to_string(any()));
   for (const std::string& kind : kinds)
-    for (long i = 1; i <= std::min(n, 3000L) && at_full_length(); ++i)
-      faults.push_back(kind + ":" + std::to_string(n <= 3000 ? i : any()));
+    for (long i = 1; i <= std::min(n, 500L) && at_full_length(); ++i)
+      faults.push_back(kind + ":" + std::to_string(n <= 500 ? i : any()));
   return faults;
 }
 
@@ -135,7 +128,7 @@ std::string judge_read_fault(const Campaign& c, const Job& job, const std::strin
   if (outcome.exit_code == 0) {
     if (job.arguments[1] == "digest" && outcome.out != undisturbed.out) return "another digest";
     if (without) {
-      const Outcome verify = c.run({"store", "verify", "f.store"});
+      const Outcome verify = c.ask({"store", "verify", "f.store"});
       if (verify.exit_code != 0) return "verify: " + verify.out + verify.err;
     } else if (const std::string wrong = c.judge("f.store", {job.after}); !wrong.empty())
       return wrong;
@@ -220,12 +213,32 @@ TEST(FailingReads, APageThatCannotBeReadIsAnError) {
   }
 }
 
+/// The C library ends the process where it cannot write down what a thread is to destroy at its end.
+bool ended_by_c_library(const Outcome& outcome) {
+  return outcome.signal == SIGABRT &&
+         outcome.err.find("failed to register TLS destructor") != std::string::npos;
+}
+
+// Eigen's matrices free before they allocate, and what is resized in vain is freed again by its destructor.
+TEST(FailingAllocations, OfAnIndexFreeNothingTwice) {
+  const Campaign& c = campaign();
+  const Job index = jobs()[2];
+  c.begin_with(index.begins_with, "f.store");
+  ASSERT_EQ(run_with_fault(c, index, "alloc:0").exit_code, 0);
+  const long allocations = std::stol(text_of(c.folder / "count"));
+  for (long n = allocations / 2; n <= allocations; n += 1 + allocations / 60) {
+    c.begin_with(index.begins_with, "f.store");
+    const Outcome outcome = run_with_fault(c, index, "allocs:" + std::to_string(n));
+    EXPECT_TRUE(outcome.exit_code == 1 || ended_by_c_library(outcome)) << n << ": " << outcome.err;
+  }
+}
+
 TEST(FailingAllocations, EndInAnErrorAndLeaveTheStore) {
   const Campaign& c = campaign();
   std::mt19937 random(23);
   std::vector<Job> all = readings();
   for (const Job& job : jobs()) all.push_back(job);
-  int refused = 0, without_a_clip = 0;
+  int refused = 0, without_a_clip = 0, by_c_library = 0;
   std::vector<std::pair<Job, std::string>> cases;
   for (const Job& job : all) {
     c.begin_with(job.begins_with, "f.store");
@@ -240,21 +253,23 @@ TEST(FailingAllocations, EndInAnErrorAndLeaveTheStore) {
     c.begin_with(job.begins_with, "f.store");
     const Outcome outcome = run_with_fault(c, job, fault);
     const std::string what = job.name + ", " + fault + ": " + outcome.err;
-    EXPECT_EQ(outcome.signal, 0) << what;
-    EXPECT_TRUE(outcome.exit_code == 0 || outcome.exit_code == 1) << what;
+    const bool ended = ended_by_c_library(outcome);
+    EXPECT_TRUE(outcome.exit_code == 0 || outcome.exit_code == 1 || ended) << outcome.signal << ", " << what;
+    by_c_library += ended ? 1 : 0;
     // A clip for which there was no memory is said to have failed, and the others are taken.
     const bool without = job.in_steps && outcome.err.find(" failed: ") != std::string::npos;
-    refused += outcome.exit_code != 0 && !without ? 1 : 0;
+    refused += outcome.exit_code == 1 && !without ? 1 : 0;
     without_a_clip += without ? 1 : 0;
     if (outcome.exit_code == 0 && !without) {
       EXPECT_EQ(c.judge("f.store", {job.after}), "") << what;
     }
     if (without && fs::exists(c.folder / "f.store")) {
-      EXPECT_EQ(c.run({"store", "verify", "f.store"}).exit_code, 0) << what;
+      EXPECT_EQ(c.ask({"store", "verify", "f.store"}).exit_code, 0) << what;
     }
     EXPECT_EQ(judge_again(c, job), "") << what;
   });
-  std::cout << refused << " runs ended in an error, " << without_a_clip << " without a clip\n";
+  std::cout << refused << " runs ended in an error, " << without_a_clip << " without a clip, " << by_c_library
+            << " by the C library\n";
   EXPECT_GT(refused, 0);
 }
 

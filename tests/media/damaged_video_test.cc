@@ -1,5 +1,9 @@
 // Broken input: whatever the bytes, frames or a freshet::Error, and in bounded time.
+#include <sys/resource.h>
+#include <unistd.h>
+
 #include <climits>
+#include <fstream>
 #include <random>
 #include <set>
 #include <string>
@@ -40,6 +44,13 @@ std::vector<std::string> outcome(const fs::path& file, int threads) {
     digests.emplace_back("error");
   }
   return digests;
+}
+
+// Of the address space of this process.
+std::size_t mapped_bytes() {
+  std::size_t pages = 0;
+  std::ifstream("/proc/self/statm") >> pages;
+  return pages * static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
 }
 
 std::vector<char> mutant(std::vector<char> bytes, std::mt19937& random) {
@@ -152,6 +163,27 @@ TEST(Damaged, WhatThereIsNoMemoryForIsNoDamage) {
   Decoder stamps(scratch / "a.mp4", {.threads = 1});
   EXPECT_NE(without_memory([&] { stamps.packet_stamps(); }).find("a.mp4: there was not the memory"),
             std::string::npos);
+}
+
+// Some of FFmpeg's readers pass over such a packet by themselves, that of Matroska for one.
+TEST(Damaged, APacketThatThereIsNoMemoryForIsNotPassedOver) {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  GTEST_SKIP() << "a sanitizer ends the program where there is no memory";
+#endif
+  if (!have_ffmpeg()) GTEST_SKIP() << "the ffmpeg program is missing: no clip to decode";
+  const Scratch scratch;
+  for (const char* name : {"a.mkv", "a.avi"}) {
+    make_clip("-f lavfi -i testsrc=s=2560x1440:r=10:d=0.5 -c:v rawvideo -pix_fmt yuv420p", scratch / name);
+    rlimit given{};
+    getrlimit(RLIMIT_AS, &given);
+
+    const rlimit little{.rlim_cur = mapped_bytes() + (3u << 20), .rlim_max = given.rlim_max};
+    setrlimit(RLIMIT_AS, &little);
+    const std::string fault =
+        fault_of(ErrorKind::kInput, [&] { Decoder(scratch / name, {.threads = 1}).packet_stamps(); });
+    setrlimit(RLIMIT_AS, &given);
+    EXPECT_NE(fault.find("there was not the memory"), std::string::npos) << name << ": " << fault;
+  }
 }
 
 TEST(Damaged, PicturesGiveAPictureOrAnError) {

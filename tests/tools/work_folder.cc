@@ -35,11 +35,15 @@ fs::path WorkFolder::file(const std::string& name, const std::string& text) cons
   return path_ / name;
 }
 
-Started WorkFolder::start(const std::vector<std::string>& command) const {
+Started WorkFolder::named() const {
   static std::atomic<int> count{0};
   const std::string number = std::to_string(count++);
-  // Files, not pipes: nothing then waits for a reader. They lie beside the folder, which a test may list.
-  Started started{.out = path_.string() + ".out" + number, .err = path_.string() + ".err" + number};
+  // Files, not pipes: nothing then waits for a reader.
+  return {.out = path_.string() + ".out" + number, .err = path_.string() + ".err" + number};
+}
+
+Started WorkFolder::start(const std::vector<std::string>& command) const {
+  Started started = named();
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
   posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);

@@ -44,6 +44,8 @@ class WorkFolder {
   Outcome freshet_after(const std::string& preparation, const std::vector<std::string>& arguments) const;
 
   Started start(const std::vector<std::string>& command) const;
+  /// Files for what a command will say; it is yet to be started. They lie beside the folder, which a test may list.
+  Started named() const;
   static Outcome wait(const Started& started);
 
  private:

@@ -1,0 +1,68 @@
+#include "tests/faults/kept_loaded.h"
+
+#include <spawn.h>
+#include <sys/prctl.h>
+#include <sys/socket.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <stdexcept>
+
+namespace freshet::tools {
+
+KeptLoaded::KeptLoaded(const std::string& preloaded) {
+  int ends[2];
+  if (prctl(PR_SET_CHILD_SUBREAPER, 1) != 0 ||
+      socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, ends) != 0)
+    throw std::runtime_error("the executable cannot be kept loaded");
+  socket_ = ends[0];
+  const int theirs = dup(ends[1]);  // which the program that is started keeps
+  close(ends[1]);
+  const std::string preload = "LD_PRELOAD=" + (preloaded.empty() ? "" : preloaded + ":") +
+                              FRESHET_KEPT_LOADED_LIBRARY,
+                    socket = "FRESHET_KEPT_LOADED=" + std::to_string(theirs);
+  std::vector<char*> environment{const_cast<char*>(preload.c_str()), const_cast<char*>(socket.c_str())};
+  for (char** each = environ; *each != nullptr; ++each) environment.push_back(*each);
+  environment.push_back(nullptr);
+  std::string path = executable();
+  char* const arguments[] = {path.data(), nullptr};
+  // A shell starts what runs in the background with SIGINT ignored, and what we start would ignore it too.
+  posix_spawnattr_t attributes;
+  posix_spawnattr_init(&attributes);
+  sigset_t heeded;
+  sigemptyset(&heeded);
+  for (const int signal : {SIGINT, SIGTERM}) sigaddset(&heeded, signal);
+  posix_spawnattr_setsigdefault(&attributes, &heeded);
+  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGDEF);
+  const int failed =
+      posix_spawn(&process_, path.c_str(), nullptr, &attributes, arguments, environment.data());
+  posix_spawnattr_destroy(&attributes);
+  close(theirs);
+  if (failed != 0) throw std::runtime_error(path + " cannot be started");
+}
+
+KeptLoaded::~KeptLoaded() {
+  close(socket_);  // which ends it
+  waitpid(process_, nullptr, 0);
+}
+
+Started KeptLoaded::start(const WorkFolder& folder, const std::vector<std::string>& arguments,
+                          const std::vector<std::string>& environment) const {
+  Started started = folder.named();
+  std::string request;
+  const auto add = [&](const std::string& word) { request.append(word).push_back('\0'); };
+  for (const std::string& word : {folder.path().string(), started.out.string(), started.err.string(),
+                                  std::string("120"), std::to_string(environment.size())})
+    add(word);
+  for (const std::string& variable : environment) add(variable);
+  add(executable());
+  for (const std::string& argument : arguments) add(argument);
+  const std::lock_guard lock(mutex_);
+  if (send(socket_, request.data(), request.size(), MSG_NOSIGNAL) != static_cast<ssize_t>(request.size()) ||
+      recv(socket_, &started.process, sizeof started.process, 0) != sizeof started.process)
+    throw std::runtime_error("the executable that was kept loaded has ended");
+  return started;
+}
+
+}  // namespace freshet::tools
