@@ -119,6 +119,8 @@ class ReadTransaction {
   std::optional<Entry> floor(Table table, ByteSpan key) const;
   /// All entries whose keys begin with `prefix`, in order.
   std::vector<Entry> entries(Table table, ByteSpan prefix = {}) const;
+  /// Has the system fetch the values of these, and nothing beside them.
+  void prefetch(Table table, ByteSpan prefix) const;
 
  private:
   std::shared_ptr<Environment> environment_;

@@ -220,6 +220,10 @@ bool Snapshot::has_column(ClipId id, std::string_view name) const {
   return impl_->stored(id).columns.contains(name);
 }
 
+void Snapshot::prefetch_column(ClipId id, std::string_view name) const {
+  impl_->txn.prefetch(Table::kColumns, column_prefix(id, name));
+}
+
 void Snapshot::column_into(ClipId id, std::string_view name, std::uint32_t element_size,
                            std::span<std::byte> (*resize)(void*, std::size_t), void* context) const {
   const StoredClip& clip = impl_->stored(id);

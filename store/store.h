@@ -147,6 +147,9 @@ class Snapshot {
     return values;
   }
   bool has_column(ClipId id, std::string_view name) const;
+  /// Has the system fetch a column that is about to be read, and waits for nothing; of one that is not there nothing. Where
+  /// a page is missed instead, it reads on for megabytes: of five million patches all 7 GB, for half a gigabyte.
+  void prefetch_column(ClipId id, std::string_view name) const;
   std::optional<std::vector<std::byte>> blob(std::string_view name) const;
   std::vector<std::string> blob_names() const;
 

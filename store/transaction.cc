@@ -1,4 +1,8 @@
+#include <sys/mman.h>
+#include <unistd.h>
+
 #include <algorithm>
+#include <cstdint>
 #include <cstring>
 #include <utility>
 
@@ -82,6 +86,14 @@ std::vector<ReadTransaction::Entry> ReadTransaction::entries(Table table, ByteSp
     found.push_back({from_val(key), from_val(value)});
   }
   return found;
+}
+
+void ReadTransaction::prefetch(Table table, ByteSpan prefix) const {
+  static const auto page = static_cast<std::uintptr_t>(sysconf(_SC_PAGESIZE));
+  for (const Entry& entry : entries(table, prefix)) {
+    const auto at = reinterpret_cast<std::uintptr_t>(entry.value.data()), begin = at / page * page;
+    ::madvise(reinterpret_cast<void*>(begin), at + entry.value.size() - begin, MADV_WILLNEED);  // a hint
+  }
 }
 
 WriteTransaction::WriteTransaction(std::shared_ptr<Environment> environment)

@@ -13,8 +13,14 @@ namespace {
 
 constexpr int kPoints = vision::kGridSide * vision::kGridSide;
 constexpr std::size_t kBlockRows = PyramidSums::kRows;
+constexpr std::size_t kWords = RowBits::kRows / 64;
 
-// Calls visit(cell, word, n) for each point on levels 0 and 1: the word's n-th time in that cell.
+// Of levels 0 and 1: a word in a cell.
+constexpr std::size_t kBins = RowLists::kCells * 256;
+constexpr std::size_t cell_of(std::size_t bin) { return bin / 256; }
+constexpr std::size_t word_of(std::size_t bin) { return bin % 256; }
+
+// Calls visit(bin, n) for each point on levels 0 and 1: the word's n-th time in that cell.
 class Occurrences {
  public:
   template <class Visit>
@@ -29,13 +35,13 @@ class Occurrences {
     counts_.fill(0);
     for (int point = 0; point < kPoints; ++point) {
       const std::size_t word = map[point], quarter = kQuarters[point];
-      visit(std::size_t{0}, word, ++counts_[word]);
-      visit(quarter, word, ++counts_[quarter * 256 + word]);
+      visit(word, std::size_t{++counts_[word]});
+      visit(quarter * 256 + word, std::size_t{++counts_[quarter * 256 + word]});
     }
   }
 
  private:
-  std::array<std::uint8_t, RowLists::kCells * 256> counts_;
+  std::array<std::uint8_t, kBins> counts_;
 };
 
 // Which lists are columns is decided on evenly spread rows, on all of them where there are few. A list that is judged
@@ -43,6 +49,33 @@ class Occurrences {
 constexpr std::size_t kSampledRows = std::size_t{1} << 16;
 constexpr std::size_t kParts = 16;              // that numbers are put into lists in, at once
 constexpr std::uint32_t kNumbers = 0xffffffff;  // no column: a list of numbers
+
+// The columns of a word's first times in a cell, as nearly all are that are asked for: a small table, which stays in the
+// first cache.
+class FirstTimes {
+ public:
+  static constexpr std::size_t kTimes = 3;
+  /// none   what is answered where there is no column, or n is more than kTimes.
+  template <class ColumnOf>
+  FirstTimes(std::size_t word_count, std::size_t none, ColumnOf&& column_of) {
+    columns_.fill(static_cast<std::uint16_t>(none));
+    for (std::size_t n = 1; n <= kTimes; ++n)
+      for (std::size_t bin = 0; bin < kBins; ++bin)
+        if (word_of(bin) < word_count)
+          if (const std::uint32_t column = column_of(bin, n); column != kNumbers)
+            columns_[(n - 1) * kBins + bin] = static_cast<std::uint16_t>(column);
+  }
+  std::size_t column(std::size_t bin, std::size_t n) const {
+    return columns_[(std::min(n, kTimes + 1) - 1) * kBins + bin];
+  }
+
+ private:
+  std::array<std::uint16_t, (kTimes + 1) * kBins> columns_;
+};
+static_assert(2 * kPoints * RowLists::kFewOf < 0xffff, "columns, of which each has one row in kFewOf");
+
+// What has none of these columns is put aside, for to branch at each point takes longer: a row of 64, n and a bin.
+constexpr unsigned kAsideN = 6, kAsideBin = kAsideN + 7;
 
 // A row of a block that belongs to a list of numbers is kept as the list, then the row.
 constexpr unsigned kRowBits = 14;
@@ -69,27 +102,45 @@ RowLists::RowLists(std::span<const vision::WordMap> words, std::size_t word_coun
   const std::size_t blocks = (words.size() + kBlockRows - 1) / kBlockRows;
   const std::size_t columns = column_groups_ == 0 ? 0 : columns_.size() / column_groups_;
   std::vector<std::vector<std::uint32_t>> few(blocks);
+  const FirstTimes first_times(word_count, columns, [&](std::size_t bin, std::size_t n) {
+    return column_of[place_of(cell_of(bin), word_of(bin), n)];
+  });
   oneapi::tbb::parallel_for(std::size_t{0}, blocks, [&](std::size_t b) {
     Occurrences occurrences;
-    // A row's bits go to some hundred columns, each in a page of its own: they are set in a group of rows that lies
-    // together, and go to their places a cache line at a time. 4.5 s of CPU for five million rows were 3.4.
-    std::vector<RowBits> group(columns);
+    // A row's bits go to some hundred columns, each in a page of its own: those of 64 rows are set in memory that lies
+    // together and stays in the first cache, and of a group of rows they go to their places a cache line at a time.
+    const std::size_t stride = columns + 1;  // the last one is of what has no column
+    std::vector<std::uint64_t> group(stride * kWords);
+    std::vector<std::uint32_t> aside(64 * 2 * kPoints);
     const std::size_t first = b * kBlockRows, end = std::min(first + kBlockRows, words.size());
     for (std::size_t begin = first; begin < end; begin += RowBits::kRows) {
-      std::ranges::fill(group, RowBits{});
-      for (std::size_t row = begin; row < std::min(begin + RowBits::kRows, end); ++row) {
-        const std::size_t word_of_bits = row / 64 % 8;
-        const std::uint64_t bit = std::uint64_t{1} << row % 64;
-        occurrences.visit(words[row], [&](std::size_t cell, std::size_t word, std::size_t n) {
-          const std::size_t i = place_of(cell, word, n);
-          if (const std::uint32_t number = column_of[i]; number != kNumbers)
-            group[number].words[word_of_bits] |= bit;
+      std::ranges::fill(group, 0);
+      for (std::size_t w = 0; w < kWords && begin + w * 64 < end; ++w) {
+        const std::size_t at = begin + w * 64;
+        std::uint64_t* const bits = group.data() + w * stride;
+        std::uint32_t* last = aside.data();
+        for (std::size_t row = 0; row < std::min<std::size_t>(64, end - at); ++row)
+          occurrences.visit(words[at + row], [&, columns](std::size_t bin, std::size_t n) {
+            const std::size_t column = first_times.column(bin, n);
+            bits[column] |= std::uint64_t{1} << row;
+            *last = static_cast<std::uint32_t>(bin << kAsideBin | n << kAsideN | row);
+            last += column == columns ? 1 : 0;
+          });
+        for (const std::uint32_t one : std::span(aside.data(), last)) {
+          const std::size_t bin = one >> kAsideBin, n = one >> kAsideN & 127, row = one & 63;
+          const std::size_t place = place_of(cell_of(bin), word_of(bin), n);
+          if (column_of[place] != kNumbers)
+            bits[column_of[place]] |= std::uint64_t{1} << row;
           else
-            few[b].push_back(static_cast<std::uint32_t>(i << kRowBits | (row - first)));
-        });
+            few[b].push_back(static_cast<std::uint32_t>(place << kRowBits | (at + row - first)));
+        }
       }
       RowBits* const to = columns_.data() + begin / RowBits::kRows;
-      for (std::size_t column = 0; column < columns; ++column) to[column * column_groups_] = group[column];
+      for (std::size_t column = 0; column < columns; ++column) {
+        RowBits line;
+        for (std::size_t w = 0; w < kWords; ++w) line.words[w] = group[w * stride + column];
+        to[column * column_groups_] = line;
+      }
     }
   });
   put_numbers(few);
@@ -101,9 +152,9 @@ std::vector<std::uint32_t> RowLists::choose_columns(std::span<const vision::Word
   const std::size_t sampled = std::min(words.size(), kSampledRows);
   Occurrences occurrences;
   for (std::size_t i = 0; i < sampled; ++i)
-    occurrences.visit(
-        words[i * words.size() / sampled],
-        [&](std::size_t cell, std::size_t word, std::size_t n) { ++lengths[place_of(cell, word, n)]; });
+    occurrences.visit(words[i * words.size() / sampled], [&](std::size_t bin, std::size_t n) {
+      ++lengths[place_of(cell_of(bin), word_of(bin), n)];
+    });
   // An odd number of cache lines: columns that lie a power of two apart would fight for the same places of
   // the cache.
   column_groups_ = (words.size() + RowBits::kRows - 1) / RowBits::kRows | 1;

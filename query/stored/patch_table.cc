@@ -14,6 +14,9 @@
 namespace freshet::query {
 namespace {
 
+constexpr std::array kColumns{"patch.variant", "patch.x",        "patch.y",
+                              "patch.words",   "patch.coverage", "patch.motion"};
+
 [[noreturn]] void fail(const store::ClipRecord& record, const std::string& fault) {
   throw Error(ErrorKind::kDamaged, record.name, fault, "Run freshet store verify");
 }
@@ -106,6 +109,8 @@ PatchTable read_patch_table(const store::Snapshot& snapshot) {
     table.clips.push_back(clip);
     table.first_row.push_back(table.first_row.back() + static_cast<Row>(record.rows));
   }
+  for (const store::ClipId clip : table.clips)
+    for (const char* column : kColumns) snapshot.prefetch_column(clip, column);
   // Half a gigabyte for some million patches: cleared by several threads, as it is read.
   oneapi::tbb::parallel_invoke([&] { table.words.resize(rows); }, [&] { table.clip.resize(rows); },
                                [&] { table.mean_u.resize(rows); }, [&] { table.mean_v.resize(rows); },

@@ -1,8 +1,13 @@
 #include "store/store.h"
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <sys/mman.h>
+#include <unistd.h>
 
+#include <algorithm>
 #include <optional>
+#include <random>
 #include <thread>
 
 #include "store/rewrite/rewrite.h"
@@ -129,6 +134,54 @@ TEST(Store, ReplacesAColumnOfACommittedClip) {
   EXPECT_FALSE(store.snapshot().has_column(id, "patch.wor"));
   EXPECT_EQ(error_of([&] { store.snapshot().column<float>(id, "patch.words"); }), ErrorKind::kUsage);
   EXPECT_EQ(error_of([&] { store.snapshot().column<float>(id, "none"); }), ErrorKind::kNotFound);
+}
+
+/// Pages of a file that lie in the system's cache.
+std::size_t cached_pages(const std::filesystem::path& file) {
+  const std::size_t bytes = std::filesystem::file_size(file), pages = (bytes + 4095) / 4096;
+  const int descriptor = ::open(file.c_str(), O_RDONLY);
+  void* const at = mmap(nullptr, bytes, PROT_READ, MAP_SHARED, descriptor, 0);
+  ::close(descriptor);
+  std::vector<unsigned char> cached(pages);
+  EXPECT_EQ(mincore(at, bytes, cached.data()), 0);
+  munmap(at, bytes);
+  return static_cast<std::size_t>(
+      std::count_if(cached.begin(), cached.end(), [](unsigned char page) { return (page & 1) != 0; }));
+}
+
+TEST(Store, PrefetchesAColumnAndNothingBesideIt) {
+  const TestFolder folder;
+  constexpr std::size_t kRows = 1 << 20;
+  {
+    Store store = Store::create(folder / "a", "");
+    TestClip clip;
+    clip.rows = kRows;
+    ClipWriter writer = write_clip(store, clip);
+    std::mt19937 random(3);
+    for (const char* name : {"wanted", "other"}) {
+      std::vector<std::uint32_t> noise(kRows);
+      for (std::uint32_t& value : noise) value = static_cast<std::uint32_t>(random());
+      writer.column<std::uint32_t>(name, noise);
+    }
+    writer.commit(clip.record());
+  }
+  const int descriptor = ::open((folder / "a").c_str(), O_RDONLY);
+  fsync(descriptor);
+  posix_fadvise(descriptor, 0, 0, POSIX_FADV_DONTNEED);
+  ::close(descriptor);
+  const Snapshot snapshot = Store::open_read(folder / "a").snapshot();
+  const std::size_t before = cached_pages(folder / "a"), column = kRows * 4 / 4096;
+  if (before > column / 2) GTEST_SKIP() << "needs a disk: this file lies in memory";
+  const ClipId clip = snapshot.clips()[0];
+  snapshot.prefetch_column(clip, "no such column");
+  snapshot.prefetch_column(clip, "wanted");
+  std::size_t fetched = 0;
+  for (int i = 0; i < 500 && fetched < column; ++i) {
+    usleep(10'000);
+    fetched = cached_pages(folder / "a") - before;
+  }
+  EXPECT_GE(fetched, column);
+  EXPECT_LT(fetched, column + column / 4);
 }
 
 TEST(Store, RefusesAClipItHas) {
