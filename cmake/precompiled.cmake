@@ -1,0 +1,63 @@
+# The headers of others that most files include are parsed once for each kind of target, and not 900 times. No header of
+# ours is among them, and the presets debug and fuzz do without: an include that is missing is found there.
+
+# All targets below a folder, into a variable.
+function(targets_below folder result)
+  get_property(found DIRECTORY ${folder} PROPERTY BUILDSYSTEM_TARGETS)
+  get_property(subfolders DIRECTORY ${folder} PROPERTY SUBDIRECTORIES)
+  foreach(subfolder ${subfolders})
+    targets_below(${subfolder} below)
+    list(APPEND found ${below})
+  endforeach()
+  set(${result} ${found} PARENT_SCOPE)
+endfunction()
+
+# precompile(KIND FOLDERS <folder>.. LIBRARIES <what the headers need>.. OPTIONS <option>.. HEADERS <header>..): the
+# headers for the programs and archives below the folders, which are compiled with the options too.
+function(precompile kind)
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "FOLDERS;LIBRARIES;OPTIONS;HEADERS")
+  set(carrier freshet_precompiled_${kind})
+  file(CONFIGURE OUTPUT ${CMAKE_CURRENT_BINARY_DIR}/${carrier}.cc CONTENT "")
+  add_library(${carrier} STATIC EXCLUDE_FROM_ALL ${CMAKE_CURRENT_BINARY_DIR}/${carrier}.cc)
+  target_link_libraries(${carrier} PRIVATE freshet_flags ${arg_LIBRARIES})
+  target_precompile_headers(${carrier} PRIVATE ${arg_HEADERS})
+  target_compile_options(${carrier} PRIVATE ${arg_OPTIONS})
+  foreach(folder ${arg_FOLDERS})
+    targets_below(${folder} targets)
+    foreach(target ${targets})
+      get_target_property(type ${target} TYPE)
+      get_target_property(without ${target} DISABLE_PRECOMPILE_HEADERS)
+      if(type MATCHES "EXECUTABLE|STATIC_LIBRARY" AND NOT without)
+        target_precompile_headers(${target} REUSE_FROM ${carrier})
+        target_compile_options(${target} PRIVATE ${arg_OPTIONS})
+      endif()
+    endforeach()
+  endforeach()
+endfunction()
+
+# Clang wants every flag of the languages alike; GCC takes what a file adds to them. GCC 12 warns of overruns in strings
+# that are put together when their header is precompiled, and only then.
+if(CMAKE_CXX_COMPILER_ID STREQUAL GNU AND NOT CMAKE_DISABLE_PRECOMPILE_HEADERS)
+  if(CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
+    set(mistaken -Wno-array-bounds -Wno-restrict -Wno-stringop-overflow -Wno-stringop-overread)
+  endif()
+  set(common <algorithm> <array> <cmath> <cstdint> <filesystem> <fstream> <functional> <map> <memory> <optional>
+             <random> <set> <span> <string> <thread> <vector> <opencv2/core.hpp> <opencv2/imgproc.hpp>
+             <oneapi/tbb/parallel_for.h> <nlohmann/json.hpp>)
+  set(libraries opencv_core opencv_imgproc TBB::tbb nlohmann_json::nlohmann_json)
+  precompile(engine FOLDERS report store media vision ingest query synth studio library
+             OPTIONS ${mistaken} LIBRARIES ${libraries} HEADERS ${common})
+  # What reads options and what is a test runs once: it is compiled faster, and what it calls is as fast as ever.
+  set(once $<$<CONFIG:Release>:-O1>)
+  find_package(CLI11 REQUIRED)
+  precompile(commands FOLDERS tools OPTIONS ${mistaken} ${once}
+             LIBRARIES ${libraries} fmt::fmt CLI11::CLI11 HEADERS ${common} <fmt/format.h> <CLI/CLI.hpp>)
+  if(FRESHET_TESTS)
+    find_package(GTest REQUIRED)
+    precompile(tests FOLDERS tests OPTIONS ${mistaken} ${once}
+               LIBRARIES ${libraries} GTest::gtest HEADERS ${common} <gtest/gtest.h>)
+  endif()
+  if(FRESHET_BENCH)
+    precompile(benches FOLDERS bench OPTIONS ${mistaken} LIBRARIES ${libraries} HEADERS ${common})
+  endif()
+endif()
