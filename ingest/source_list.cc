@@ -11,7 +11,7 @@
 #include <xxhash.h>
 
 #include "freshet/error.h"
-#include "media/frame/video_name.h"
+#include "media/frame/file_format.h"
 #include "media/picture/picture.h"
 #include "media/picture/picture_sequence.h"
 #include "media/video/video_reader.h"

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "freshet/error.h"
+#include "media/frame/file_format.h"
 #include "studio/drawing/endless.h"
 #include "studio/dropped_files.h"
 
@@ -14,12 +15,10 @@ namespace fs = std::filesystem;
 DroppedFiles clips_of(const fs::path& project) {
   return {.project = project,
           .within = fs::path(own_clip_path("x")).parent_path(),
-          .endings = {".mp4", ".mov", ".mkv", ".avi", ".webm", ".m4v", ".mpg", ".mpeg", ".mxf"}};
+          .wanted = media::looks_like_video};
 }
 
 }  // namespace
-
-bool is_video(const std::string& name) { return clips_of({}).takes(name); }
 
 std::vector<std::string> clip_names(const fs::path& project) { return clips_of(project).names(); }
 

@@ -17,7 +17,4 @@ std::string add_clip(const std::filesystem::path& project, const std::filesystem
                      const std::string& name);
 inline constexpr std::size_t kMostClips = 20;
 
-/// Whether a file of this name is a video by its ending: MP4, MOV, MKV, AVI, WebM, M4V, MPEG, MXF.
-bool is_video(const std::string& name);
-
 }  // namespace freshet::studio

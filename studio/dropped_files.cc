@@ -14,10 +14,6 @@ namespace freshet::studio {
 
 namespace fs = std::filesystem;
 
-bool DroppedFiles::takes(const std::string& name) const {
-  return std::find(endings.begin(), endings.end(), lower_ending(name)) != endings.end();
-}
-
 fs::path DroppedFiles::folder() const {
   const fs::path whole = project / within;
   for (fs::path path = whole; path != project; path = path.parent_path())

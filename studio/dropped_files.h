@@ -9,12 +9,11 @@ namespace freshet::studio {
 
 /// A folder of a project, and which files it takes.
 struct DroppedFiles {
-  std::filesystem::path project;  // the project's folder
-  std::filesystem::path within;   // from there: "ways/stills/pictures"
-  std::vector<std::string> endings;
+  std::filesystem::path project;                           // the project's folder
+  std::filesystem::path within;                            // from there: "ways/stills/pictures"
+  bool (*wanted)(const std::filesystem::path&) = nullptr;  // by its name
 
-  /// By its ending, in any case.
-  bool takes(const std::string& name) const;
+  bool takes(const std::string& name) const { return wanted(name); }
   /// Throws Error{kIo} where a link leads out of the project.
   std::filesystem::path folder() const;
   /// In order; empty where there are none.

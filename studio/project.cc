@@ -15,6 +15,8 @@
 #include <opencv2/imgproc.hpp>
 
 #include "freshet/error.h"
+#include "media/frame/file_format.h"
+#include "platform/printable.h"
 #include "platform/text_file.h"
 
 namespace freshet::studio {
@@ -72,9 +74,7 @@ std::string picture_in(const fs::path& folder) {
 
 std::shared_ptr<Project> Project::create(const fs::path& folder, const fs::path& bytes,
                                          const std::string& ending) {
-  static const std::vector<std::string> kEndings{".png",  ".jpg",  ".jpeg", ".tif",
-                                                 ".tiff", ".webp", ".exr",  ".bmp"};
-  if (std::find(kEndings.begin(), kEndings.end(), ending) == kEndings.end())
+  if (!media::looks_like_picture("picture" + ending))
     throw Error(ErrorKind::kInput, "a file ending in \"" + ending + "\"",
                 "it is no picture that can be opened", "Give a PNG, JPEG, TIFF, WebP or EXR");
   std::error_code fault;
@@ -225,7 +225,8 @@ std::string Project::read_way(const std::string& way, const std::string& name) c
 
 fs::path Project::export_path(const std::string& name) const {
   if (!is_plain_file_name(name))
-    throw Error(ErrorKind::kUsage, name, "it is no plain file name", "Use letters, digits, dots and dashes");
+    throw Error(ErrorKind::kUsage, printable(name), "it is no plain file name",
+                "Use letters, digits, dots and dashes");
   const fs::path folder = folder_ / "exports";
   std::error_code fault;
   fs::create_directory(folder, fault);
@@ -237,10 +238,8 @@ fs::path Project::export_path(const std::string& name) const {
 }
 
 std::string Project::export_output(const std::string& name) {
-  static const std::vector<std::string> kPictures{".png", ".exr", ".tif"};
   const fs::path file(name);
-  if (std::find(kPictures.begin(), kPictures.end(), file.extension()) == kPictures.end())
-    return "exports/" + name;
+  if (!media::means_sequence(file)) return "exports/" + name;
   const std::string stem = file.stem();
   return fmt::format("exports/{0}/{0}.####{1}", stem, file.extension().string());
 }

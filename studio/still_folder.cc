@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "freshet/error.h"
+#include "media/frame/file_format.h"
 #include "media/picture/picture.h"
 #include "studio/dropped_files.h"
 #include "studio/project.h"
@@ -18,9 +19,7 @@ namespace fs = std::filesystem;
 constexpr int kThumbnailSide = 160;  // px
 
 DroppedFiles stills_of(const fs::path& project) {
-  return {.project = project,
-          .within = "ways/stills/pictures",
-          .endings = {".png", ".jpg", ".jpeg", ".tif", ".tiff"}};
+  return {.project = project, .within = "ways/stills/pictures", .wanted = media::looks_like_picture};
 }
 
 }  // namespace

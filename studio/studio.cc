@@ -16,6 +16,7 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "freshet/error.h"
+#include "media/frame/file_format.h"
 #include "platform/text.h"
 #include "platform/whole_file.h"
 #include "studio/clip_folder.h"
@@ -125,6 +126,28 @@ fs::path Studio::project_folder(const std::string& id) const {
   return options_.folder / "projects" / id;
 }
 
+namespace {
+
+/// What an export can be: rows of the table of endings that are offered.
+Json offered_formats() {
+  Json formats = Json::array();
+  for (const media::FileFormat& each : media::file_formats()) {
+    if (each.name.empty()) continue;
+    Json depths = Json::array();
+    for (const media::Depth depth : media::kDepths)
+      if (each.depths.has(depth)) depths.push_back(to_string(depth));
+    formats.push_back({{"ending", each.ending},
+                       {"name", each.name},
+                       {"use", each.use},
+                       {"alpha", each.alpha},
+                       {"sequence", each.kind == media::FormatKind::kPicture},
+                       {"depths", depths}});
+  }
+  return formats;
+}
+
+}  // namespace
+
 std::string Studio::home_json() const {
   std::vector<std::pair<fs::file_time_type, std::string>> found;
   std::error_code fault;
@@ -135,7 +158,10 @@ std::string Studio::home_json() const {
     if (!fault) found.emplace_back(changed, id);
   }
   std::sort(found.rbegin(), found.rend());
-  Json json{{"projects", Json::array()}, {"stores", Json::array()}, {"folder", options_.folder.string()}};
+  Json json{{"projects", Json::array()},
+            {"stores", Json::array()},
+            {"folder", options_.folder.string()},
+            {"formats", offered_formats()}};
   for (const auto& [changed, id] : found) {
     const auto ago =
         std::chrono::duration_cast<std::chrono::seconds>(fs::file_time_type::clock::now() - changed);
@@ -470,7 +496,7 @@ std::string Studio::clip_frame(const std::string& project, const std::string& cl
 }
 
 std::string Studio::open_clip(const fs::path& file, const std::string& name) {
-  if (!is_video(name))
+  if (!media::looks_like_video(name))
     throw Error(ErrorKind::kInput, name, "its ending names no video", "Give MP4, MOV, MKV, AVI or WebM");
   std::vector<std::uint8_t> png;
   cv::imencode(".png", first_frame(file), png);
@@ -537,7 +563,7 @@ std::string Studio::new_store(const std::string& name) {
 }
 
 fs::path Studio::clip_path(const std::string& store, const std::string& class_name, const std::string& file) {
-  if (!is_video(file))
+  if (!media::looks_like_video(file))
     throw Error(ErrorKind::kUsage, file, "its ending names no video", "Give MP4, MOV, MKV, AVI or WebM");
   const fs::path folder = options_.folder / "incoming" / this->store(store)->id() /
                           tame(class_name.empty() ? "unsorted" : class_name, 40);

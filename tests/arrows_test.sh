@@ -54,7 +54,7 @@ synth/flowlines: vision query/hints query/mrf synth/animate/sampling synth/anima
 synth/flowlines/jumps:
 synth/flowlines/lines:
 synth/flowlines/files: media/* store query/stored query/hints synth/flowlines synth/flowlines/lines
-synth/stills: media/picture vision query/hints query/labelling synth/matte synth/toml report
+synth/stills: media/frame media/picture vision query/hints query/labelling synth/matte synth/toml report
 synth/transfer: synth/field
 synth/transfer/files: store media/* vision query/stored synth/transfer synth/animate/clips
 studio/drawing: synth/matte

@@ -14,9 +14,9 @@
 #include "freshet/error.h"
 #include "media/picture/layers.h"
 #include "media/picture/picture.h"
+#include "media/video/output_format.h"
 #include "media/video/picture_sink.h"
 #include "platform/stopwatch.h"
-#include "platform/text.h"
 #include "synth/animate/frame_sheet.h"
 #include "synth/scene/rendering/scene_animation.h"
 #include "synth/scene/rendering/scene_cut.h"
@@ -71,22 +71,18 @@ class LayerFiles {
   /// name   with {layer} in it; empty: nothing is written.
   LayerFiles(const std::string& name, const scene::Scene& asked, cv::Size size) {
     if (name.empty()) return;
-    const std::string ending = lower_ending(name);
     const std::size_t at = name.find(kLayer);
     if (at == std::string::npos)
       throw Error(ErrorKind::kUsage, "--layers-out " + name, "it does not say where the layer's name stands",
                   "For example --layers-out 'layers/{layer}.####.exr', or '{layer}.mov'");
-    const bool light = ending == ".exr";
-    if (!light && ending != ".mov" && ending != ".mkv" && ending != ".png" && ending != ".tif" &&
-        ending != ".webp")
+    const media::OutputFormat format = media::output_format(name, asked.frames);
+    if (!format.alpha())
       throw Error(ErrorKind::kUsage, "--layers-out " + name, "the ending names no format with alpha",
-                  "Use .exr (half floats, linear light), .mov (ProRes 4444), .mkv, .png, .tif or .webp");
-    const media::Samples samples = light                                   ? media::Samples::kLight
-                                   : ending == ".png" || ending == ".webp" ? media::Samples::k8
-                                                                           : media::Samples::k16;
+                  "Use " + media::written_endings([](const media::FileFormat& each) { return each.alpha; }));
     layers_.emplace(cv::Mat(size, CV_32FC3, cv::Scalar::all(0)), cv::Mat(size, CV_8UC3, cv::Scalar::all(0)),
                     cv::Mat(size, CV_8U, cv::Scalar(255)), media::Layer::kFluid,
-                    light ? media::AlphaForm::kPremultiplied : media::AlphaForm::kStraight, samples);
+                    format.light() ? media::AlphaForm::kPremultiplied : media::AlphaForm::kStraight,
+                    format.samples());
     for (const scene::SceneLayer& layer : asked.layers) {
       std::string file = name;
       file.replace(at, std::string(kLayer).size(), layer.name);
@@ -237,7 +233,8 @@ void add_scene(CLI::App& synth_command, RunContext& context) {
   sub->add_option(
          "--layers-out", command->layers_out,
          "Also write each layer alone, with alpha: 'layers/{layer}.####.exr' (half floats, linear light, "
-         "premultiplied), '{layer}.mov' (ProRes 4444, straight), .mkv, .png, .tif, .webp")
+         "premultiplied), '{layer}.mov' (ProRes 4444, straight), or another format with alpha, as deep as it "
+         "holds")
       ->group("Output");
   sub->add_flag("--keys", command->print_keys, "Print what a scene file can say");
   sub->add_option("--sheet", command->sheet, "Write a contact sheet of the picture and frames (PNG, JPEG)");

@@ -107,6 +107,9 @@ void run_simulate(const SimulateCommand& command, const RunContext& context) {
   std::optional<media::PictureSink> alpha;
   if (!command.alpha.empty() && !deep) alpha.emplace(command.alpha, scene.size, scene.frames, scene.fps);
 
+  if (!folder) say_size(command.out, scene.size);
+  say_size(command.alpha, scene.size);
+
   sim::Simulation simulation(scene);
   sim::SimulatedFrame frame;
   cv::Mat alpha_picture;

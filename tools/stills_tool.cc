@@ -16,7 +16,6 @@
 #include "media/picture/picture_sequence.h"
 #include "media/video/picture_sink.h"
 #include "platform/stopwatch.h"
-#include "platform/text.h"
 #include "platform/whole_file.h"
 #include "synth/stills/alignment.h"
 #include "synth/stills/page.h"
@@ -131,26 +130,11 @@ void refuse_double_words(const StillsCommand& command) {
                 "Give one of --regions, --scribbles and --one-region");
 }
 
-/// What the output holds of 16 bits.
-bool keeps_deep(const fs::path& out) {
-  const std::string ending = lower_ending(out);
-  return ending == ".mkv" || ending == ".mov" || ending == ".tif" || ending == ".tiff" ||
-         (ending == ".png" && media::is_pattern(out));
-}
-
 void write_frames(const StillsCommand& command, const stills::Plan& plan, const stills::StillSet& set,
                   const Job& job) {
-  const bool narrow = set.pictures[0].depth() == CV_16U && !keeps_deep(command.out);
-  media::VideoWriterOptions options;
-  media::PictureSink sink(command.out, set.size(), command.render.frames, command.fps, options);
-  cv::Mat eight;
+  media::PictureSink sink(command.out, set.size(), command.render.frames, command.fps);
   stills::render_frames(
-      plan, set.pictures, command.render,
-      [&](const cv::Mat& frame) {
-        if (narrow) frame.convertTo(eight, CV_8U, 1.0 / 257);
-        sink.write(narrow ? eight : frame);
-      },
-      job);
+      plan, set.pictures, command.render, [&](const cv::Mat& frame) { sink.write(frame); }, job);
   sink.finish();
 }
 
@@ -234,6 +218,7 @@ void run_stills(StillsCommand command, RunContext& context) {
 
   stills::StillSet set = stills::read_stills(command.folder, command.preview ? kPreviewSide : 0, job);
   media::PictureSink::check(command.out, set.size(), command.render.frames, command.fps);
+  say_size(command.out, set.size());
   took.read = watch.lap();
   std::vector<std::string> said = straighten(command, set, job);
   took.align = watch.lap();
@@ -329,10 +314,9 @@ void add_stills(CLI::App& synth_command, RunContext& context) {
   CLI::App* sub = synth_command.add_subcommand("stills", "Make a moving scene from some stills of it");
   sub->add_option("FOLDER", command->folder,
                   "Ten to twenty stills of a scene (PNG, JPEG, TIFF), in any order");
-  sub->add_option(
-      "-o,--output", command->out,
-      "The animation: .mp4, .mkv (lossless), .mov, .webp, .apng, or a sequence such as out/%05d.png; stills "
-      "of 16 bits keep them in .mkv, .mov and sequences of .png or .tif");
+  sub->add_option("-o,--output", command->out,
+                  "The animation: " + frames_endings() +
+                      " such as out/%05d.png; stills of 16 bits keep them where the format can");
   sub->add_option("--seconds", command->seconds, "Length, s")
       ->check(CLI::Range(0.04, 3600.0))
       ->capture_default_str();

@@ -181,7 +181,10 @@ void export_clip(const StoreCommand& command, const RunContext& context) {
   const store::ClipRecord& clip = snapshot.clip(id);
   const query::ClipFrames frames(snapshot, id);
   check_frames_output(command.out, static_cast<int>(frames.size()));
-  const bool native = std::filesystem::path(command.out).extension() == ".mkv";
+  const cv::Size size(static_cast<int>(clip.width), static_cast<int>(clip.height));
+  const media::OutputFormat format = media::output_format(command.out);
+  const bool native = format.coding() == media::Coding::kFfv1;
+  say_size(command.out, size);
   const bool varies = snapshot.has_column(id, "flow.rate");
   if (varies && !native)
     say(
@@ -189,8 +192,7 @@ void export_clip(const StoreCommand& command, const RunContext& context) {
                     "{:.2f} frames/s; .mkv keeps their times",
                     clip.name, fps_of(clip)));
   media::VideoWriter writer(
-      command.out, cv::Size(static_cast<int>(clip.width), static_cast<int>(clip.height)),
-      {.fps_num = clip.fps_num, .fps_den = clip.fps_den, .own_times = varies && native});
+      command.out, size, {.fps_num = clip.fps_num, .fps_den = clip.fps_den, .own_times = varies && native});
   Progress progress;
   for (std::uint32_t first = 0; first < frames.size(); first += kSlab) {
     if (context.stop.stop_requested()) throw Error(ErrorKind::kCancelled, "export", "stopped");
@@ -199,7 +201,7 @@ void export_clip(const StoreCommand& command, const RunContext& context) {
       if (native)
         writer.write(frame);
       else
-        writer.write(media::to_bgr(frame));
+        writer.write(media::as_held(media::to_bgr(frame), format));
     }
     progress.show("export", first + count, frames.size(), "frames");
   }

@@ -63,39 +63,39 @@ cv::Point parse_place(const std::string& text) {
   return at;
 }
 
-/// Where frames go: straight into a sequence, or, for a file that holds them all, into the resume folder
+/// Where frames go: straight into a sequence that holds all 16 bits, or, for everything else, into the resume folder
 /// until all are there.
 class FrameFiles {
  public:
   FrameFiles(const TransferCommand& command, cv::Size size, int frames)
-      : out_(command.out), fps_(command.fps), bits_(command.bits), frames_(frames) {
-    const std::string ending = lower_ending(out_);
-    const auto is = [&](std::initializer_list<const char*> endings) {
-      return std::find(endings.begin(), endings.end(), ending) != endings.end();
-    };
-    sequence_ = media::is_pattern(out_);
-    const bool picture = sequence_ || (frames == 1 && is({".png", ".tif", ".tiff"}));
-    if (picture ? !is({".png", ".tif", ".tiff"}) : !is({".mkv", ".mov", ".webp", ".apng", ".png"}))
+      : out_(command.out), bits_(command.bits) {
+    const media::OutputFormat format = media::output_format(out_, frames);
+    if (!format.alpha())
       throw Error(ErrorKind::kUsage, out_.string(),
-                  "the ending \"" + ending + "\" names no format with alpha",
-                  "Use frames/%05d.png, .mkv (lossless), .mov (ProRes 4444), .webp or .apng; "
-                  "--over and --composite make an .mp4");
-    if (bits_ == 16 && is({".webp", ".apng"}))
+                  "the ending \"" + lower_ending(out_) + "\" names no format with alpha",
+                  "Use " + media::written_endings([](const media::FileFormat& each) { return each.alpha; }) +
+                      "; --over and --composite make an .mp4");
+    if (bits_ == 16 && format.samples() == media::Samples::k8)
       throw Error(ErrorKind::kUsage, "--bits 16", out_.string() + " holds 8 bits per channel",
                   "Use .png, .mkv or .mov");
-    deep_ = bits_ == 16 || ending == ".mov";
+    direct_ = keeps_frames(format);
+    deep_ = bits_ == 16 || !format.holds(media::Depth::k8);
     // The frames of a run that was stopped are its own.
-    if (!sequence_ || !fs::exists(transfer::ResumeFolder::beside(out_))) check_frames_output(out_, frames);
-    if (!sequence_) media::PictureSink::check(out_, size, frames, fps_);
+    if (!direct_ || !fs::exists(transfer::ResumeFolder::beside(out_))) check_frames_output(out_, frames);
+    if (!direct_) media::PictureSink::check(out_, size, frames, command.fps);
+  }
+  /// Whether frames that were written are read again without loss.
+  static bool keeps_frames(const media::OutputFormat& format) {
+    return format.form() == media::OutputFormat::Form::kSequence && format.holds(media::Depth::k16);
   }
   /// The folder is known once the inputs have been read.
-  void keep_in(const fs::path& folder) { kept_ = sequence_ ? out_ : folder / kFrameName; }
+  void keep_in(const fs::path& folder) { kept_ = direct_ ? out_ : folder / kFrameName; }
 
   void write(int frame, const cv::Mat& bgra) const {
     cv::Mat picture;
     bgra.convertTo(picture, CV_16U, 65535);
     // By way of 16 bits, so that a sequence and a video have the same 8.
-    if (sequence_ && bits_ == 8) picture.convertTo(picture, CV_8U, 1.0 / 257);
+    if (direct_ && bits_ == 8) picture.convertTo(picture, CV_8U, 1.0 / 257);
     media::write_picture(media::numbered(kept_, frame), picture);
   }
   /// As written: 8 or 16 bits.
@@ -111,13 +111,12 @@ class FrameFiles {
         throw Error(ErrorKind::kInput, file.string(), "this frame of the unfinished run is gone",
                     "Begin anew with --restart");
   }
-  bool is_sequence() const { return sequence_; }
+  bool direct() const { return direct_; }
 
  private:
   fs::path out_, kept_;
-  double fps_;
-  int bits_, frames_;
-  bool sequence_ = false, deep_ = false;
+  int bits_;
+  bool direct_ = false, deep_ = false;
 };
 
 /// A background, where the animation lies on it, and where the two together go.
@@ -162,6 +161,7 @@ std::optional<Composite> open_composite(const TransferCommand& command, cv::Size
                     size.height, composite.background.size().width, composite.background.size().height),
         "Give its top left corner in the background, px");
   check_frames_output(composite.out, frames);
+  say_size(composite.out, composite.background.size());
   media::PictureSink::check(composite.out, composite.background.size(), frames, command.fps);
   return composite;
 }
@@ -175,7 +175,8 @@ nlohmann::json job_of(const TransferCommand& command, const transfer::DesignFile
           {"exemplar", exemplar.hash()},
           {"frames", design.frames()},
           {"output", media::is_pattern(command.out) ? command.out.filename().string() : "one file"},
-          {"bits", media::is_pattern(command.out) ? command.bits : 16},
+          {"bits",
+           FrameFiles::keeps_frames(media::output_format(command.out, design.frames())) ? command.bits : 16},
           {"patch", options.patch},
           {"lambda", options.lambda},
           {"eta", options.eta},
@@ -386,7 +387,7 @@ class TransferRun {
   void assemble() {
     const int frames = design_.frames();
     std::optional<media::PictureSink> sink, composed;
-    if (!files_->is_sequence()) sink.emplace(command_.out, design_.size(), frames, command_.fps);
+    if (!files_->direct()) sink.emplace(command_.out, design_.size(), frames, command_.fps);
     if (composite_) composed.emplace(composite_->out, composite_->background.size(), frames, command_.fps);
     for (int i = 0; (sink || composed) && i < frames; ++i) {
       const cv::Mat picture = files_->read(i);
@@ -504,13 +505,14 @@ void add_inputs(CLI::App& sub, TransferCommand& command) {
       ->group(design);
   sub.add_option(
          "-o,--output", command.out,
-         "The animation with straight alpha: frames/%05d.png (or .tif), .mkv (FFV1, lossless), .mov (ProRes "
-         "4444), .webp or .apng. A run that was stopped goes on where it was: it keeps a folder that "
+         "The animation with alpha: frames/%05d.png (or .tif), .mkv (FFV1, lossless), .mov (ProRes 4444), "
+         ".webp or .apng, with colours straight, or frames/%05d.exr, premultiplied. A run that was stopped "
+         "goes on where it was: it keeps a folder that "
          "ends in .resume beside the output")
       ->required()
       ->group(output);
   sub.add_option("--bits", command.bits,
-                 "Bits per channel of .png, .tif and .mkv: 8 or 16; ProRes has its own")
+                 "Bits per channel of .png, .tif and .mkv: 8 or 16; ProRes and EXR have their own")
       ->check(CLI::IsMember({8, 16}))
       ->capture_default_str()
       ->group(output);

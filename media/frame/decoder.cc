@@ -15,8 +15,8 @@ extern "C" {
 }
 
 #include "freshet/error.h"
+#include "media/frame/file_format.h"
 #include "media/frame/plain_frame.h"
-#include "media/frame/video_name.h"
 
 namespace freshet::media {
 namespace {

@@ -16,7 +16,7 @@
 
 #include "freshet/error.h"
 #include "media/frame/decoder.h"
-#include "media/frame/video_name.h"
+#include "media/frame/file_format.h"
 #include "media/picture/colour_profile.h"
 #include "media/picture/exr_picture.h"
 #include "media/picture/light.h"

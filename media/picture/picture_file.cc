@@ -14,7 +14,7 @@
 
 #include "freshet/error.h"
 #include "media/frame/decoder.h"
-#include "media/picture/picture_sequence.h"
+#include "media/frame/file_format.h"
 #include "platform/standard_descriptors.h"
 
 namespace freshet::media {

@@ -1,13 +1,12 @@
 #include "media/picture/picture_sequence.h"
 
 #include <algorithm>
-#include <array>
 #include <numeric>
 #include <optional>
 #include <string_view>
 
 #include "freshet/error.h"
-#include "platform/text.h"
+#include "media/frame/file_format.h"
 
 namespace freshet::media {
 namespace {
@@ -185,14 +184,6 @@ bool natural_less(std::string_view a, std::string_view b) {
   }
   if (i < a.size() || j < b.size()) return j < b.size();
   return a < b;  // equal except for leading zeros
-}
-
-bool looks_like_picture(const fs::path& path) {
-  static constexpr std::array<std::string_view, 14> kEndings = {".png", ".jpg",  ".jpeg", ".tif", ".tiff",
-                                                                ".bmp", ".webp", ".ppm",  ".pgm", ".pnm",
-                                                                ".exr", ".dpx",  ".jp2",  ".sgi"};
-  const std::string ending = lower_ending(path);
-  return std::find(kEndings.begin(), kEndings.end(), ending) != kEndings.end();
 }
 
 }  // namespace freshet::media

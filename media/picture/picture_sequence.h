@@ -42,7 +42,4 @@ std::optional<std::filesystem::path> first_missing(const PictureSequence& sequen
 /// Runs of digits compare as numbers, all else byte by byte. A strict total order.
 bool natural_less(std::string_view a, std::string_view b);
 
-/// By the name's ending, in any case.
-bool looks_like_picture(const std::filesystem::path& path);
-
 }  // namespace freshet::media

@@ -8,7 +8,8 @@
 
 namespace freshet::media {
 
-/// A single frame with a picture's ending becomes that picture; everything else goes through VideoWriter.
+/// As output_format() says: a single frame with a picture's ending becomes that picture; everything else goes through
+/// VideoWriter.
 class PictureSink {
  public:
   /// options   beside the rate.
@@ -18,12 +19,16 @@ class PictureSink {
   /// Throws what the constructor would, and leaves nothing: for those who compute long before they write.
   static void check(const std::filesystem::path& path, cv::Size size, int frames, double fps);
 
+  /// CV_8U or CV_16U of sRGB code, 3 channels or 4 with straight alpha, brought to what the format holds (as_held); or
+  /// CV_32F as VideoWriter takes it. Alpha is refused where the format holds none.
   void write(const cv::Mat& picture);
   void finish();
 
  private:
   std::filesystem::path path_;
+  OutputFormat format_;
   ExrSamples exr_;
+  int bits_;  // of H.264
   std::optional<VideoWriter> writer_;
 };
 

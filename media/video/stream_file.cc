@@ -1,6 +1,7 @@
 #include "media/video/stream_file.h"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <cstring>
 #include <new>
@@ -25,6 +26,7 @@ namespace {
 // Fixed, because x264's bytes depend on the number of its threads; FFV1's only on that of its slices.
 constexpr int kThreads = 4;
 constexpr int kFfv1Slices = 4;
+constexpr int kSmallestSliced = 8;  // px; half of it in planes of chroma
 constexpr std::int64_t kKeyEvery_s = 60;
 constexpr AVRational kMillisecond{1, 1000};  // what Matroska counts in
 constexpr const char* kWebpQuality = "90";
@@ -32,40 +34,33 @@ constexpr const char* kWebpQuality = "90";
 // and SSIM .9896 and .9957 after .9901 and .9962. Encoding was a quarter of a run's time.
 constexpr const char* kX264Preset = "faster";
 
-const char* muxer_of(StreamKind kind) {
-  switch (kind) {
-    case StreamKind::kMp4:
-      return "mp4";
-    case StreamKind::kMatroska:
-      return "matroska";
-    case StreamKind::kProRes:
-      return "mov";
-    case StreamKind::kWebp:
-      return "webp";
-    case StreamKind::kApng:
-      return "apng";
-    case StreamKind::kGif:
-      return "gif";
-  }
-  return "";
-}
+struct Codec {
+  const char* muxer;
+  const char* encoder;
+};
 
-const char* encoder_of(StreamKind kind) {
-  switch (kind) {
-    case StreamKind::kMp4:
-      return "libx264";
-    case StreamKind::kMatroska:
-      return "ffv1";
-    case StreamKind::kProRes:
-      return "prores_ks";
-    case StreamKind::kWebp:
-      return "libwebp_anim";
-    case StreamKind::kApng:
-      return "apng";
-    case StreamKind::kGif:
-      return "gif";
+// Their names in FFmpeg.
+Codec codec_of(Coding coding) {
+  switch (coding) {
+    case Coding::kH264:
+      return {"mp4", "libx264"};
+    case Coding::kFfv1:
+      return {"matroska", "ffv1"};
+    case Coding::kProRes:
+      return {"mov", "prores_ks"};
+    case Coding::kWebp:
+      return {"webp", "libwebp_anim"};
+    case Coding::kApng:
+      return {"apng", "apng"};
+    case Coding::kGif:
+      return {"gif", "gif"};
+    case Coding::kNone:
+    case Coding::kPicture:
+    case Coding::kExr:
+      break;
   }
-  return "";
+  assert(!"a film's coding");
+  return {};
 }
 
 PixelLayout layout_of_picture(const cv::Mat& picture) {
@@ -83,35 +78,39 @@ PixelLayout layout_of_picture(const cv::Mat& picture) {
   return layout;
 }
 
-// How a BGR picture of `given` is coded in a file of `kind`.
-PixelLayout coded_picture(const PixelLayout& given, StreamKind kind, int bits) {
+// How a BGR picture of `given` is coded.
+PixelLayout coded_picture(const PixelLayout& given, Coding coding, int bits) {
   const bool deep = given.format == "bgra64le" || given.format == "bgr48le";
   const bool alpha = given.format == "bgra" || given.format == "bgra64le";
   PixelLayout coded = given;
-  switch (kind) {
-    case StreamKind::kMp4:
+  switch (coding) {
+    case Coding::kH264:
       coded.format = bits == 10 ? "yuv420p10le" : "yuv420p";
       coded.range = AVCOL_RANGE_MPEG;
       coded.matrix = AVCOL_SPC_BT709;
       coded.transfer = AVCOL_TRC_BT709;
       break;
-    case StreamKind::kMatroska:
+    case Coding::kFfv1:
       coded.format = deep ? (alpha ? "gbrap16le" : "gbrp16le") : (alpha ? "bgra" : "bgr0");
       break;
-    case StreamKind::kProRes:
+    case Coding::kProRes:
       coded.format = alpha ? "yuva444p10le" : "yuv444p10le";
       coded.range = AVCOL_RANGE_MPEG;
       coded.matrix = AVCOL_SPC_BT709;
       coded.transfer = AVCOL_TRC_BT709;
       break;
-    case StreamKind::kWebp:
+    case Coding::kWebp:
       coded.format = "bgra";
       break;
-    case StreamKind::kApng:
+    case Coding::kApng:
       coded.format = alpha ? "rgba" : "rgb24";
       break;
-    case StreamKind::kGif:
+    case Coding::kGif:
       coded.format = "pal8";
+      break;
+    case Coding::kNone:
+    case Coding::kPicture:
+    case Coding::kExr:
       break;
   }
   return coded;
@@ -142,15 +141,15 @@ void StreamFile::CloseContainer::operator()(AVFormatContext* container) const {
   avformat_free_context(container);
 }
 
-StreamFile::StreamFile(std::filesystem::path path, StreamKind kind, const VideoWriterOptions& options)
-    : path_(std::move(path)), kind_(kind), options_(options) {
+StreamFile::StreamFile(std::filesystem::path path, Coding coding, const VideoWriterOptions& options)
+    : path_(std::move(path)), coding_(coding), options_(options) {
   quiet_libav();
   require_folder_of(path_);
   temporary_ = temporary_beside(path_);
   packet_ = new_packet();
   AVFormatContext* container = nullptr;
   const std::string url = "file:" + temporary_.string();
-  int code = avformat_alloc_output_context2(&container, nullptr, muxer_of(kind_), url.c_str());
+  int code = avformat_alloc_output_context2(&container, nullptr, codec_of(coding_).muxer, url.c_str());
   if (code < 0) fail(code, "FFmpeg's muxer cannot be opened");
   container_.reset(container);
   container_->flags |= AVFMT_FLAG_BITEXACT;
@@ -172,10 +171,10 @@ void StreamFile::fail(int code, const std::string& doing) {
 }
 
 void StreamFile::open(const PixelLayout& coded) {
-  const AVCodec* codec = avcodec_find_encoder_by_name(encoder_of(kind_));
+  const AVCodec* codec = avcodec_find_encoder_by_name(codec_of(coding_).encoder);
   if (!codec)
     throw Error(ErrorKind::kIo, path_.string(),
-                std::string("this FFmpeg has no encoder ") + encoder_of(kind_),
+                std::string("this FFmpeg has no encoder ") + codec_of(coding_).encoder,
                 "Install FFmpeg with it or choose another ending");
   const AVPixelFormat format = av_get_pix_fmt(coded.format.c_str());
   if (!codes(*codec, format))
@@ -201,8 +200,8 @@ void StreamFile::open(const PixelLayout& coded) {
 
   AVDictionary* coding = nullptr;
   AVDictionary* muxing = nullptr;
-  switch (kind_) {
-    case StreamKind::kMp4:
+  switch (coding_) {
+    case Coding::kH264:
       // A key frame codes anew what stands still: with one every two seconds a waterfall's rocks jumped by .34 grey
       // levels at each (.10 at most elsewhere), and lower ratios of quantisers did not help. So there is the first,
       // and another every minute for players that jump; scene cuts are none of ours.
@@ -220,26 +219,32 @@ void StreamFile::open(const PixelLayout& coded) {
                     0);  // lossless is above High
       av_dict_set(&muxing, "movflags", "+faststart", 0);
       break;
-    case StreamKind::kMatroska:
-      context_->level = 3;
+    case Coding::kFfv1:
       context_->gop_size = 1;
+      // Level 3 refuses, or loses, slices of less than a pixel: FFmpeg 5.1 gives 1 x 9 and 2 x 2 px back black.
+      context_->level = std::min(coded.width, coded.height) < kSmallestSliced ? 1 : 3;
+      if (context_->level < 3) break;
       context_->slices = kFfv1Slices;
       av_dict_set(&coding, "slicecrc", "1", 0);
       break;
-    case StreamKind::kProRes:
+    case Coding::kProRes:
       av_dict_set(&coding, "profile", "4444", 0);
       av_dict_set(&coding, "vendor", "apl0", 0);  // some programs open no other maker's
       av_dict_set(&coding, "alpha_bits", "16", 0);
       break;
-    case StreamKind::kWebp:
+    case Coding::kWebp:
       av_dict_set(&coding, "quality", kWebpQuality, 0);
       av_dict_set(&muxing, "loop", "0", 0);
       break;
-    case StreamKind::kApng:
+    case Coding::kApng:
       av_dict_set(&muxing, "plays", "0", 0);
       break;
-    case StreamKind::kGif:
+    case Coding::kGif:
       av_dict_set(&muxing, "loop", "0", 0);
+      break;
+    case Coding::kNone:
+    case Coding::kPicture:
+    case Coding::kExr:
       break;
   }
 
@@ -259,7 +264,7 @@ void StreamFile::open(const PixelLayout& coded) {
   av_dict_free(&muxing);
   if (code < 0)
     fail(code, "encoding " + std::to_string(coded.width) + " x " + std::to_string(coded.height) + " as " +
-                   encoder_of(kind_) + " cannot begin");
+                   codec_of(coding_).encoder + " cannot begin");
 }
 
 void StreamFile::encode(const AVFrame* frame) {
@@ -343,22 +348,22 @@ void StreamFile::write_to_palette(const cv::Mat& picture) {
 }
 
 void StreamFile::write(const cv::Mat& picture) {
-  if (kind_ == StreamKind::kGif) return write_to_palette(picture);
+  if (coding_ == Coding::kGif) return write_to_palette(picture);
   cv::Mat even = picture;
   // 4:2:0 has one chroma sample for two columns and rows.
-  if (kind_ == StreamKind::kMp4 && (picture.cols % 2 != 0 || picture.rows % 2 != 0))
+  if (coding_ == Coding::kH264 && (picture.cols % 2 != 0 || picture.rows % 2 != 0))
     cv::copyMakeBorder(picture, even, 0, picture.rows % 2, 0, picture.cols % 2, cv::BORDER_REPLICATE);
   Frame source;
   source.layout = layout_of_picture(even);
   source.planes = plane_shapes(source.layout);
   source.planes[0].data = reinterpret_cast<std::byte*>(even.data);
   source.planes[0].stride = static_cast<std::ptrdiff_t>(even.step[0]);
-  convert_and_encode(source.layout, source, coded_picture(source.layout, kind_, options_.bits));
+  convert_and_encode(source.layout, source, coded_picture(source.layout, coding_, options_.bits));
 }
 
 void StreamFile::write(const Frame& frame) {
   PixelLayout coded = frame.layout;
-  const AVCodec* codec = avcodec_find_encoder_by_name(encoder_of(kind_));
+  const AVCodec* codec = avcodec_find_encoder_by_name(codec_of(coding_).encoder);
   if (codec && !codes(*codec, av_get_pix_fmt(coded.format.c_str()))) coded.format = repacked(coded.format);
   convert_and_encode(frame.layout, frame, coded);
 }

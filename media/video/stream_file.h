@@ -8,6 +8,7 @@
 
 #include <opencv2/core.hpp>
 
+#include "media/frame/file_format.h"
 #include "media/frame/filter_graph.h"
 #include "media/frame/frame.h"
 #include "media/frame/libav.h"
@@ -15,21 +16,12 @@
 
 namespace freshet::media {
 
-/// What a name's ending asks for.
-enum class StreamKind {
-  kMp4,       // H.264
-  kMatroska,  // FFV1
-  kProRes,    // 4444 in QuickTime
-  kWebp,      // animated
-  kApng,
-  kGif,  // one palette for all frames
-};
-
 /// Opened lazily by the first frame, which alone gives the pixel format; the file is made at once, under a
 /// temporary name. Faults of FFmpeg and of the disk become Error{kIo} naming the target.
 class StreamFile {
  public:
-  StreamFile(std::filesystem::path path, StreamKind kind, const VideoWriterOptions& options);
+  /// coding   of a film.
+  StreamFile(std::filesystem::path path, Coding coding, const VideoWriterOptions& options);
   ~StreamFile();  // removes the temporary file unless finish() has moved it into place
   StreamFile(const StreamFile&) = delete;
   StreamFile& operator=(const StreamFile&) = delete;
@@ -52,7 +44,7 @@ class StreamFile {
   [[noreturn]] void fail(int code, const std::string& doing);
 
   std::filesystem::path path_, temporary_;
-  StreamKind kind_;
+  Coding coding_;
   VideoWriterOptions options_;
   std::unique_ptr<AVFormatContext, CloseContainer> container_;
   AVStream* stream_ = nullptr;

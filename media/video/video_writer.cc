@@ -17,31 +17,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::optional<StreamKind> kind_of(const fs::path& path) {
-  const std::string ending = lower_ending(path);
-  if (ending == ".mp4") return StreamKind::kMp4;
-  if (ending == ".mkv") return StreamKind::kMatroska;
-  if (ending == ".mov") return StreamKind::kProRes;
-  if (ending == ".webp") return StreamKind::kWebp;
-  if (ending == ".gif") return StreamKind::kGif;
-  if (ending == ".png" || ending == ".apng") return StreamKind::kApng;
-  return std::nullopt;
-}
-
-// Longest side that a format takes, px.
-int longest_side(StreamKind kind) {
-  switch (kind) {
-    case StreamKind::kMp4:
-      return 16384;  // libx264's own
-    case StreamKind::kWebp:
-      return 16383;
-    default:
-      return 65535;
-  }
-}
-
-void require_size(const fs::path& path, StreamKind kind, cv::Size size) {
-  const int longest = longest_side(kind);
+void require_size(const fs::path& path, const OutputFormat& format, cv::Size size) {
+  const int longest = format.max_side();
   if (size.width > longest || size.height > longest)
     throw Error(ErrorKind::kUsage, path.string(),
                 "frames of " + std::to_string(size.width) + " x " + std::to_string(size.height) +
@@ -65,7 +42,7 @@ cv::Mat picture_of(const Frame& frame) {
 }  // namespace
 
 std::string size_notice(const fs::path& path, cv::Size size) {
-  if (is_pattern(path) || kind_of(path) != StreamKind::kMp4) return {};
+  if (output_format(path).coding() != Coding::kH264) return {};
   std::string text;
   if (const cv::Size even(size.width + size.width % 2, size.height + size.height % 2); even != size)
     text = "H.264 takes even sides only: the video has " + std::to_string(even.width) + " x " +
@@ -81,10 +58,13 @@ struct VideoWriter::Impl {
   fs::path path;
   cv::Size size;
   VideoWriterOptions options;
-  std::optional<StreamKind> kind;  // nothing: a sequence
-  std::optional<StreamFile> file;
+  OutputFormat format;
+  std::optional<StreamFile> file;  // nothing: a sequence
   std::int64_t pictures = 0;
   bool finished = false;
+
+  Impl(const fs::path& target, cv::Size frame, const VideoWriterOptions& asked)
+      : path(target), size(frame), options(asked), format(output_format(target)) {}
 
   void require_open(cv::Size given) const {
     if (finished) throw Error(ErrorKind::kUsage, path.string(), "a frame came after finish()");
@@ -105,10 +85,7 @@ struct VideoWriter::Impl {
 };
 
 VideoWriter::VideoWriter(const fs::path& path, cv::Size size, const VideoWriterOptions& options)
-    : impl_(std::make_unique<Impl>()) {
-  impl_->path = path;
-  impl_->size = size;
-  impl_->options = options;
+    : impl_(std::make_unique<Impl>(path, size, options)) {
   constexpr std::int64_t kMaxRate = 1 << 30;
   if (size.width < 1 || size.height < 1 || size.width > (1 << 16) || size.height > (1 << 16))
     throw Error(ErrorKind::kUsage, path.string(),
@@ -119,21 +96,11 @@ VideoWriter::VideoWriter(const fs::path& path, cv::Size size, const VideoWriterO
                 "Give it as 25 or 30000/1001");
   if (options.crf < 0 || options.crf > 51)
     throw Error(ErrorKind::kUsage, path.string(), "crf is out of range", "Choose 0 (lossless) to 51");
-  if (is_pattern(path)) {
-    if (!looks_like_picture(path))
-      throw Error(ErrorKind::kUsage, path.string(),
-                  "the ending \"" + path.extension().string() + "\" is no picture format that is known",
-                  "Use .png, .jpg or .tif for a sequence");
+  require_size(path, impl_->format, size);
+  if (impl_->format.form() == OutputFormat::Form::kFilm)
+    impl_->file.emplace(path, impl_->format.coding(), options);
+  else
     require_folder_of(path);
-    return;
-  }
-  impl_->kind = kind_of(path);
-  if (!impl_->kind)
-    throw Error(ErrorKind::kUsage, path.string(),
-                "the ending \"" + path.extension().string() + "\" names no video format that is written",
-                "Use .mp4, .mkv, .mov, .webp, .apng, .gif or a pattern such as frame%05d.png");
-  require_size(path, *impl_->kind, size);
-  impl_->file.emplace(path, *impl_->kind, options);
 }
 
 VideoWriter::VideoWriter(VideoWriter&&) noexcept = default;
@@ -141,30 +108,32 @@ VideoWriter::~VideoWriter() = default;
 
 void VideoWriter::write(const cv::Mat& picture) {
   impl_->require_open(picture.size());
-  const bool deep = picture.depth() == CV_16U, light = picture.depth() == CV_32F;
-  if (light != (!impl_->kind && lower_ending(impl_->path) == ".exr"))
-    throw Error(ErrorKind::kUsage, impl_->path.string(),
-                light ? "linear light goes into sequences of .exr alone" : "it holds linear light, CV_32F");
-  if ((picture.depth() != CV_8U && !deep && !light) || (picture.channels() != 3 && picture.channels() != 4))
+  const OutputFormat& format = impl_->format;
+  const int depth = picture.depth();
+  if ((depth == CV_32F) != format.light())
+    throw Error(
+        ErrorKind::kUsage, impl_->path.string(),
+        format.light() ? "it holds linear light, CV_32F" : "linear light goes into sequences of .exr alone");
+  if ((depth != CV_8U && depth != CV_16U && depth != CV_32F) ||
+      (picture.channels() != 3 && picture.channels() != 4))
     throw Error(ErrorKind::kUsage, impl_->path.string(),
                 "a picture that is not BGR or BGRA of 8 or 16 bits was given");
-  if (!impl_->kind) return impl_->write_next(picture);
-  if ((*impl_->kind == StreamKind::kMp4 || *impl_->kind == StreamKind::kGif) && picture.channels() == 4)
-    throw Error(ErrorKind::kUsage, impl_->path.string(),
-                *impl_->kind == StreamKind::kMp4 ? "H.264 in MP4 holds no alpha channel"
-                                                 : "GIF holds no alpha channel",
-                "Use .mkv, .mov, .webp or .png");
-  if (deep && *impl_->kind != StreamKind::kMatroska && *impl_->kind != StreamKind::kProRes &&
-      !(*impl_->kind == StreamKind::kMp4 && impl_->options.bits == 10))
+  if (picture.channels() == 4 && !format.alpha())
+    throw Error(ErrorKind::kUsage, impl_->path.string(), "the format holds no alpha channel",
+                "Use " + written_endings([](const FileFormat& each) { return each.alpha; }));
+  if (depth == CV_16U && format.samples(impl_->options.bits) == Samples::k8)
     throw Error(ErrorKind::kUsage, impl_->path.string(), "it holds 8 bits per channel, not 16",
                 "Use .mkv, .mov or a sequence");
-  impl_->file->write(picture);
+  if (impl_->file)
+    impl_->file->write(picture);
+  else
+    impl_->write_next(picture);
 }
 
 void VideoWriter::write(const Frame& frame) {
   impl_->require_open({frame.layout.width, frame.layout.height});
-  if (!impl_->kind) return impl_->write_next(picture_of(frame));
-  if (*impl_->kind != StreamKind::kMatroska)
+  if (!impl_->file) return impl_->write_next(as_held(picture_of(frame), impl_->format));
+  if (impl_->format.coding() != Coding::kFfv1)
     throw Error(ErrorKind::kUsage, impl_->path.string(),
                 "native frames are written losslessly, which this is not", "Use .mkv");
   impl_->file->write(frame);

@@ -9,6 +9,7 @@
 
 #include "media/frame/frame.h"
 #include "media/picture/exr_picture.h"
+#include "media/video/output_format.h"
 
 namespace freshet::media {
 
@@ -25,7 +26,7 @@ struct VideoWriterOptions {
 /// players do not show. Empty: nothing to say, or a name that VideoWriter refuses.
 std::string size_notice(const std::filesystem::path& path, cv::Size size);
 
-/// The ending says what is written:
+/// The ending says what is written, as output_format() has it:
 ///   .mp4           H.264 High, yuv420p, BT.709 tagged, faststart: plays in a browser. Odd sizes are padded
 ///                  by repeating the last column or row.
 ///   .mkv           FFV1 level 3, lossless
@@ -43,9 +44,8 @@ class VideoWriter {
   VideoWriter(const std::filesystem::path& path, cv::Size size, const VideoWriterOptions& options = {});
   VideoWriter(VideoWriter&&) noexcept;
   ~VideoWriter();
-  /// CV_8UC3 BGR or CV_8UC4 BGRA (straight alpha; kept by .mkv, .mov, .webp, .png; refused by .mp4), or
-  /// CV_16UC3 and CV_16UC4, 0..65535 (.mkv, .mov, .mp4 of 10 bits, and sequences of .png and .tif), or CV_32FC3 and
-  /// CV_32FC4: linear light, colours times alpha (sequences of .exr, which take nothing else).
+  /// What the format holds, and nothing that it would lose: CV_8U or CV_16U of sRGB code, BGR or BGRA with straight
+  /// alpha; or, into formats of light alone, CV_32F of linear light, colours times alpha.
   void write(const cv::Mat& picture);
   /// A frame in native planes, written unchanged with its colour tags, aspect and rotation (.mkv only): the
   /// lossless way back out of a store. Layouts that FFV1 lacks hold the same samples in another order (rgb24

@@ -13,6 +13,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "freshet/error.h"
+#include "media/frame/file_format.h"
 #include "media/picture/capture_time.h"
 #include "media/picture/picture.h"
 #include "media/picture/picture_sequence.h"

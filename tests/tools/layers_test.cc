@@ -358,7 +358,7 @@ TEST_F(Layers, WhatDoesNotGoTogetherIsSaidBeforeTheWork) {
       {"a.mp4", {"--depth", "16"}, "--depth 16: a.mp4 does not hold it"},
       {"a.webp", {"--depth", "10"}, "--depth 10: a.webp does not hold it"},
       {"a.mov", {"--depth", "8"}, "ProRes 4444 has 10 bits"},
-      {"a/%04d.png", {"--depth", "half"}, "linear light goes into .exr"},
+      {"a/%04d.png", {"--depth", "half"}, "PNG has 8 or 16 bits. Leave --depth out, or use .exr"},
       {"a/%04d.exr", {"--depth", "16"}, "EXR has half or float"},
       {"a.mkv", {"--preset", "web"}, "--preset web: it makes .mp4 files, and a.mkv is none"},
       {"a.mkv", {"--motion-out", "m.flo"}, "--motion-out m.flo: it is no numbered sequence"},

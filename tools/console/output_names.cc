@@ -9,8 +9,11 @@
 #include <fmt/format.h>
 
 #include "freshet/error.h"
+#include "media/frame/file_format.h"
 #include "media/picture/picture.h"
 #include "media/picture/picture_sequence.h"
+#include "media/video/video_writer.h"
+#include "tools/console/run_context.h"
 
 namespace freshet::tools {
 namespace {
@@ -113,6 +116,9 @@ void check_output_folder(const fs::path& path) {
   std::error_code fault;
   if (fs::is_directory(path, fault))
     throw Error(ErrorKind::kUsage, path.string(), "it is a folder", "Name a file in it");
+  if (fs::exists(path, fault) && !fs::is_regular_file(path, fault))
+    throw Error(ErrorKind::kUsage, path.string(), "it is a pipe or a device, which a file would replace",
+                "Name a file");
   if (!overwrites && fs::is_regular_file(path, fault))
     throw Error(ErrorKind::kUsage, path.string(), "it exists, and is kept",
                 "Name another file, or replace it with --overwrite");
@@ -151,6 +157,22 @@ void check_frames_output(const fs::path& path, const FrameNumbers& numbers) {
 
 void check_frames_output(const fs::path& path, int frames) {
   check_frames_output(path, {.first = 0, .last = frames - 1, .from = 0, .to = frames - 1});
+}
+
+void say_size(const fs::path& path, cv::Size size) {
+  if (path.empty()) return;
+  if (const std::string notice = media::size_notice(path, size); !notice.empty())
+    say(path.string() + ": " + notice);
+}
+
+std::string frames_endings() {
+  std::string films;
+  for (const media::FileFormat& each : media::file_formats())
+    if (each.kind == media::FormatKind::kFilm && each.coding != media::Coding::kNone && each.ending != ".png")
+      films += fmt::format("{} ({}), ", each.ending, each.codec);
+  return films + "or a sequence of " + media::written_endings([](const media::FileFormat& each) {
+           return each.kind == media::FormatKind::kPicture;
+         });
 }
 
 void check_folder_output(const fs::path& folder) {

@@ -3,8 +3,10 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <string>
 
 #include <CLI/CLI.hpp>
+#include <opencv2/core.hpp>
 
 namespace freshet::tools {
 
@@ -30,6 +32,11 @@ struct FrameNumbers {
 void check_frames_output(const std::filesystem::path& path, const FrameNumbers& numbers);
 /// Frames numbered from 0, all of them.
 void check_frames_output(const std::filesystem::path& path, int frames);
+
+/// Says what the format makes of frames of this size, where that is worth a word: an .mp4 of odd sides is larger.
+void say_size(const std::filesystem::path& path, cv::Size size);
+/// What an animation can be written as, for --help: ".mp4 (H.264), ..., or a sequence of .png, .exr or .tif".
+std::string frames_endings();
 
 /// A folder that a command fills; made when it is not there. Throws Error{kUsage} when something lies in it and
 /// --overwrite was not given; Error{kIo} when it cannot be made.

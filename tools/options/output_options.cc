@@ -28,33 +28,11 @@ std::string ending_of_preset(const std::string& preset) {
   return preset == "edit" ? ".mov" : preset == "archive" ? ".mkv" : ".mp4";
 }
 
-bool is_one_of(const std::string& text, std::initializer_list<const char*> of) {
-  return std::find(of.begin(), of.end(), text) != of.end();
-}
-
 }  // namespace
 
-/// What a name's ending can hold.
-struct OutputOptions::Kind {
-  std::string ending;
-  bool alpha = false, deep = false, light = false;
-};
-
-OutputOptions::Kind OutputOptions::kind_of_output(bool one_frame) const {
-  Kind kind{.ending = lower_ending(out_)};
-  kind.light = kind.ending == ".exr";
-  kind.alpha =
-      kind.light || is_one_of(kind.ending, {".mov", ".mkv", ".webp", ".png", ".apng", ".tif", ".tiff"});
-  const bool picture = media::is_pattern(out_) || one_frame;
-  kind.deep = is_one_of(kind.ending, {".mov", ".mkv", ".tif", ".tiff"}) || (kind.ending == ".png" && picture);
-  return kind;
-}
-
 void OutputOptions::add_frames_to(CLI::App& command) {
-  command.add_option(
-      "-o,--output", out_,
-      "The animation: .mp4 (H.264), .mov (ProRes 4444), .mkv (FFV1, lossless), .webp, .apng or .gif "
-      "(animated), or a sequence of .png, .tif or .exr such as shot/f.%04d.exr or shot/f.####.png");
+  command.add_option("-o,--output", out_,
+                     "The animation: " + frames_endings() + " such as shot/f.%04d.exr or shot/f.####.png");
   command
       .add_option(
           "--depth", depth_,
@@ -142,13 +120,13 @@ void OutputOptions::add_ending() {
 }
 
 bool OutputOptions::plays_in_browsers() const {
-  return lower_ending(out_) == ".mp4" && file_options_.bits != 10;
+  return media::output_format(out_).coding() == media::Coding::kH264 && file_options_.bits != 10;
 }
 
-cv::Size OutputOptions::apply_preset(const Kind& kind, cv::Size size) {
+cv::Size OutputOptions::apply_preset(cv::Size size) {
   if (preset_.empty()) return size;
   const std::string ending = ending_of_preset(preset_);
-  if (kind.ending != ending)
+  if (lower_ending(out_) != ending)
     refuse("--preset " + preset_, fmt::format("it makes {} files, and {} is none", ending, out_),
            "Name the output so, or leave the preset out");
   if (preset_ == "web") file_options_.crf = 20;
@@ -166,35 +144,26 @@ cv::Size OutputOptions::apply_preset(const Kind& kind, cv::Size size) {
   return size;
 }
 
-media::Samples OutputOptions::choose_samples(const Kind& kind, bool deep) {
-  media::Samples samples = media::Samples::k8;
-  const auto holds = [&](const char* what) {
-    refuse("--depth " + depth_, fmt::format("{} does not hold it: {}", out_, what),
-           "Leave --depth out, or name another format");
-  };
-  if (kind.light) {
-    if (!is_one_of(depth_, {"auto", "half", "float"})) holds("EXR has half or float");
-    samples = media::Samples::kLight;
-    file_options_.exr = depth_ == "float" ? media::ExrSamples::kFloat : media::ExrSamples::kHalf;
-    return samples;
+media::Samples OutputOptions::choose_samples(const media::OutputFormat& format, bool deep) {
+  using media::Depth;
+  if (depth_ == "auto") {
+    // ProRes has more than 8 bits, and 16 of alpha: for what is blended they are not wasted.
+    const bool keeps = deep || format.light() || !format.holds(Depth::k8);
+    return keeps ? format.samples() : media::Samples::k8;
   }
-  if (is_one_of(depth_, {"half", "float"})) holds("linear light goes into .exr");
-  if (depth_ == "10") {
-    if (!is_one_of(kind.ending, {".mp4", ".mov"})) holds("10 bits go into .mp4 or .mov");
-    samples = media::Samples::k16;
-    file_options_.bits = 10;
-    if (kind.ending == ".mp4") say(out_ + ": H.264 of 10 bits, which browsers and most phones do not show");
+  const Depth depth = *std::ranges::find(media::kDepths, depth_, [](Depth each) { return to_string(each); });
+  if (!format.holds(depth))
+    refuse("--depth " + depth_, fmt::format("{} does not hold it: {}", out_, format.depths_text()),
+           "Leave --depth out, or use " +
+               media::written_endings([&](const media::FileFormat& each) { return each.depths.has(depth); }));
+  if (format.light()) {
+    file_options_.exr = depth == Depth::kFloat ? media::ExrSamples::kFloat : media::ExrSamples::kHalf;
+    return media::Samples::kLight;
   }
-  if (depth_ == "16") {
-    if (!kind.deep || kind.ending == ".mov")
-      holds(kind.ending == ".mov" ? "ProRes 4444 has 10 bits"
-                                  : "16 bits go into .png or .tif sequences and .mkv");
-    samples = media::Samples::k16;
-  }
-  if (depth_ == "8" && kind.ending == ".mov") holds("ProRes 4444 has 10 bits");
-  // ProRes has more than 8 bits, and 16 of alpha: for what is blended they are not wasted.
-  if (depth_ == "auto" && kind.deep && (deep || kind.ending == ".mov")) samples = media::Samples::k16;
-  return samples;
+  if (depth == Depth::k10) file_options_.bits = 10;
+  if (depth == Depth::k10 && format.coding() == media::Coding::kH264)
+    say(out_ + ": H.264 of 10 bits, which browsers and most phones do not show");
+  return depth == Depth::k8 ? media::Samples::k8 : media::Samples::k16;
 }
 
 std::unique_ptr<AnimationFiles> OutputOptions::open(const TargetFiles::Loaded& loaded,
@@ -203,8 +172,9 @@ std::unique_ptr<AnimationFiles> OutputOptions::open(const TargetFiles::Loaded& l
   if (out_.empty()) throw CLI::RequiredError("--output");
   auto files = std::make_unique<AnimationFiles>();
   const FrameNumbers numbered = numbers(options.frames);
-  const Kind kind = kind_of_output(numbered.from == numbered.to);
-  cv::Size size = apply_preset(kind, loaded.picture.size());
+  const int count = static_cast<int>(numbered.to - numbered.from + 1);
+  const media::OutputFormat format = media::output_format(out_, count);
+  cv::Size size = apply_preset(loaded.picture.size());
   if (width_ > 0) {
     const double by = static_cast<double>(width_) / loaded.picture.cols;
     size = {width_, std::max(1, cvRound(by * loaded.picture.rows))};
@@ -213,16 +183,16 @@ std::unique_ptr<AnimationFiles> OutputOptions::open(const TargetFiles::Loaded& l
              "Leave one of them out");
   }
   const bool deep = !loaded.still.deep.empty();
-  const media::Samples samples = choose_samples(kind, deep);
+  const media::Samples samples = choose_samples(format, deep);
   const bool moving = options.boundary.boundary == Boundary::kMoving;
-  if (layer_ == "fluid" && !kind.alpha)
+  if (layer_ == "fluid" && !format.alpha())
     refuse("--layer fluid", out_ + " holds no alpha", "Use .mov, .webp, or a sequence of .exr or .png");
   if (layer_ == "light" && !moving)
     refuse("--layer light", "only a fluid with a moving outline has a background that it adds to",
            "Add --boundary moving, or ask for --layer fluid");
   if (!alpha_.empty() && layer_ != "fluid")
     refuse("--alpha", "the whole picture has none", "Add --layer fluid");
-  const media::AlphaForm alpha = alpha_ == "premultiplied" || (alpha_.empty() && kind.light)
+  const media::AlphaForm alpha = alpha_ == "premultiplied" || (alpha_.empty() && format.light())
                                      ? media::AlphaForm::kPremultiplied
                                      : media::AlphaForm::kStraight;
   for (const std::string& pattern : motion_out_)
@@ -235,8 +205,7 @@ std::unique_ptr<AnimationFiles> OutputOptions::open(const TargetFiles::Loaded& l
   check_frames_output(out_, numbered);
   check_frames_output(matte_out_, numbered);
   for (const std::string& pattern : motion_out_) check_frames_output(pattern, numbered);
-  if (const std::string notice = media::size_notice(out_, size); !notice.empty()) say(out_ + ": " + notice);
-  const int count = static_cast<int>(numbered.to - numbered.from + 1);
+  say_size(out_, size);
   file_options_.first_number = numbered.from;
   files->numbers_ = numbered;
   files->frame_ = files->matte_frame_ = files->motion_frame_ = numbered.first;

@@ -10,6 +10,7 @@
 
 #include "media/picture/layers.h"
 #include "media/picture/resized.h"
+#include "media/video/output_format.h"
 #include "media/video/picture_sink.h"
 #include "synth/animate/animate.h"
 #include "tools/console/output_names.h"
@@ -76,10 +77,8 @@ class OutputOptions {
   std::vector<std::string> files() const;
 
  private:
-  struct Kind;
-  Kind kind_of_output(bool one_frame) const;
-  cv::Size apply_preset(const Kind& kind, cv::Size size);
-  media::Samples choose_samples(const Kind& kind, bool deep);
+  cv::Size apply_preset(cv::Size size);
+  media::Samples choose_samples(const media::OutputFormat& format, bool deep);
   FrameNumbers numbers(int frames) const;
 
   std::string out_, layer_ = "whole", alpha_, depth_ = "auto", preset_, range_, matte_out_;

@@ -3,28 +3,8 @@ import type { JSX } from "preact";
 import { useEffect, useState } from "preact/hooks";
 import * as api from "./api";
 import { stageWords } from "./app";
-import { CommandLine, CopyButton, Dialog, Running } from "./parts";
+import { CommandLine, CopyButton, Dialog, Running, Switch } from "./parts";
 import * as state from "./state";
-
-interface Format {
-  ending: string;
-  name: string;
-  text: string;
-  layer?: string;
-  depths: readonly string[]; // bits per channel that it can hold
-}
-
-const kFormats: readonly Format[] = [
-  { ending: ".mp4", name: "MP4", text: "H.264, plays anywhere", depths: ["8", "10"] },
-  { ending: ".webp", name: "WebP", text: "Animated picture, for sharing", depths: [] },
-  { ending: ".gif", name: "GIF", text: "For where nothing else goes", depths: [] },
-  { ending: ".mov", name: "ProRes", text: "10 bits, for editing", depths: [] },
-  { ending: ".mov", name: "ProRes, fluid alone", text: "With alpha, to lay over the picture", layer: "fluid", depths: [] },
-  { ending: ".mkv", name: "FFV1", text: "Lossless", depths: ["8", "16"] },
-  { ending: ".png", name: "PNG sequence", text: "A folder of pictures", depths: ["8", "16"] },
-  { ending: ".exr", name: "EXR sequence", text: "Linear light, for compositing", depths: ["half", "float"] },
-  { ending: ".exr", name: "EXR, fluid alone", text: "Premultiplied, for compositing", layer: "fluid", depths: ["half", "float"] },
-];
 
 const size = (bytes: number): string => (bytes > 1 << 20 ? `${(bytes / (1 << 20)).toFixed(1)} MB` : `${Math.round(bytes / 1024)} KB`);
 
@@ -41,9 +21,11 @@ export function Exporter(props: { open: boolean; onClose: () => void }): JSX.Ele
   const [number, setNumber] = useState("");
   const [width, setWidth] = useState("");
   const [fault, setFault] = useState("");
-  const chosen = kFormats[format] as Format;
+  const [alone, setAlone] = useState(false);
+  const formats = state.home.value?.formats ?? [];
+  const chosen = formats[format];
   const stem = (title || project?.id || "animation").replace(/[^A-Za-z0-9._-]+/g, "-").replace(/^[.-]+/, "") || "animation";
-  const name = stem + chosen.ending;
+  const name = stem + (chosen?.ending ?? "");
   const job = made ? state.jobs.value[`command ${made.job}`] : undefined;
   const done = job?.state === "done";
   const running = job?.state === "running" || job?.state === "waiting";
@@ -55,18 +37,19 @@ export function Exporter(props: { open: boolean; onClose: () => void }): JSX.Ele
         setFolder(found.folder);
       });
   }, [props.open, id, events, done]);
-  const isSequence = chosen.ending === ".png" || chosen.ending === ".exr";
+  const isSequence = chosen?.sequence ?? false;
+  const depths = chosen && chosen.depths.length > 1 ? chosen.depths : [];
   const begins = Number(number || 0);
   const ends = begins + (state.doc.value?.frames ?? 1) - 1;
   const range = first || last ? `${first || begins}-${last || ends}` : "";
   const start = async (): Promise<void> => {
-    if (!id) return;
+    if (!id || !chosen) return;
     setFault("");
     try {
       setMade(await api.startExport(id, {
         name,
-        ...(chosen.layer && { layer: chosen.layer }),
-        ...(depth && chosen.depths.includes(depth) && { depth }),
+        ...(alone && chosen.alpha && { layer: "fluid" }),
+        ...(depths.includes(depth) && { depth }),
         ...(range && { range }),
         ...(width && width !== String(project?.width) && { width }),
         ...(number && { "start-number": number }),
@@ -80,14 +63,15 @@ export function Exporter(props: { open: boolean; onClose: () => void }): JSX.Ele
     <Dialog title="Export" open={props.open} onClose={props.onClose}>
       <fieldset class="formats">
         <legend class="unseen">Format</legend>
-        {kFormats.map((each, i) => (
+        {formats.map((each, i) => (
           <label key={each.name} class="format">
             <input type="radio" name="format" class="unseen" checked={i === format} onChange={() => setFormat(i)} />
             <strong>{each.name}</strong>
-            <span>{each.text}</span>
+            <span>{each.use}</span>
           </label>
         ))}
       </fieldset>
+      {chosen?.alpha && <Switch label="The fluid alone" hint="With alpha, to lay over the picture" checked={alone} onChange={setAlone} />}
       <label class="field">
         <span>Name</span>
         <input value={title} placeholder={project?.id} onInput={(event) => setTitle(event.currentTarget.value)} />
@@ -101,9 +85,9 @@ export function Exporter(props: { open: boolean; onClose: () => void }): JSX.Ele
           <Whole label="First number" value={number} placeholder="0" onInput={setNumber} />
           <label class="field">
             <span>Bits</span>
-            <select value={chosen.depths.includes(depth) ? depth : ""} disabled={chosen.depths.length === 0} onChange={(event) => setDepth(event.currentTarget.value)}>
+            <select value={depths.includes(depth) ? depth : ""} disabled={depths.length === 0} onChange={(event) => setDepth(event.currentTarget.value)}>
               <option value="">as fits</option>
-              {chosen.depths.map((each) => (
+              {depths.map((each) => (
                 <option key={each} value={each}>
                   {each}
                 </option>
@@ -118,7 +102,7 @@ export function Exporter(props: { open: boolean; onClose: () => void }): JSX.Ele
         </p>
       )}
       <div class="row">
-        <span class="hint">{isSequence ? `${stem}/${stem}.####${chosen.ending}` : name}</span>
+        <span class="hint">{isSequence ? `${stem}/${stem}.####${chosen?.ending}` : name}</span>
         <span class="spread" />
         {running && made ? (
           <button type="button" onClick={() => void api.stopJob("command", made.job)}>

@@ -211,10 +211,21 @@ export interface Store {
   fault?: string;
 }
 
+/** What an export can be: a row of the engine's table of endings. */
+export interface OutputFormat {
+  ending: string;
+  name: string;
+  use: string;
+  alpha: boolean;
+  sequence: boolean; // a folder of pictures
+  depths: string[]; // bits per channel that it can hold
+}
+
 export interface Home {
   projects: { id: string; seconds_ago: number }[];
   stores: Store[];
   folder: string;
+  formats: OutputFormat[];
 }
 
 export interface MatteNews {

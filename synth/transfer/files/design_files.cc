@@ -9,6 +9,7 @@
 
 #include "freshet/error.h"
 #include "media/frame/bgra.h"
+#include "media/frame/file_format.h"
 #include "media/picture/motion_file.h"
 #include "media/picture/picture.h"
 #include "media/picture/picture_sequence.h"

@@ -371,6 +371,22 @@ TEST(VideoWriter, AnimatedPngAndSequencesAreExact) {
             0);
 }
 
+TEST(VideoWriter, SmallPicturesAreTakenByEveryFormat) {
+  const Scratch scratch;
+  for (const cv::Size size : {cv::Size(1, 1), cv::Size(1, 9), cv::Size(9, 1), cv::Size(2, 2), cv::Size(3, 3)})
+    for (const char* name : {"a.mp4", "a.mkv", "a.mov", "a.webp", "a.apng", "a.gif", "f%05d.png"}) {
+      SCOPED_TRACE(std::string(name) + " " + std::to_string(size.width) + " x " +
+                   std::to_string(size.height));
+      const std::vector<cv::Mat> pictures(2, noise(size, CV_8UC3, 3));
+      ASSERT_NO_THROW(write_all(scratch / name, pictures));
+      if (std::string(name) == "a.webp") continue;  // which FFmpeg does not read
+      const std::vector<Frame> frames = read_all(scratch / name);
+      ASSERT_FALSE(frames.empty());
+      if (std::string(name) != "a.mkv") continue;
+      EXPECT_EQ(cv::norm(to_bgr(frames[0]), pictures[0], cv::NORM_INF), 0);
+    }
+}
+
 TEST(VideoWriter, AnimatedWebpHoldsEveryFrame) {
   const Scratch scratch;
   std::vector<cv::Mat> pictures;
