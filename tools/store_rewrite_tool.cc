@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "freshet/error.h"
+#include "platform/printable.h"
 #include "query/index/index_builder.h"
 #include "store/rewrite/rewrite.h"
 #include "tools/commands.h"
@@ -84,14 +85,16 @@ void print_lost(const RewriteCommand& command, const store::RepairReport& report
   for (const auto& clip : report.lost) {
     const std::string fault = clip.fault.substr(0, clip.fault.find(". Restore "));
     if (clip.name.empty())
-      fmt::print("lost: clip {}: {}\n", static_cast<std::uint32_t>(clip.id), fault);
+      fmt::print("lost: clip {}: {}\n", static_cast<std::uint32_t>(clip.id), printable(fault));
     else
-      fmt::print("lost: {}: {}. Ingest it again from the source with hash {}\n", clip.name, fault,
-                 clip.source_hash);
+      fmt::print("lost: {}: {}. Ingest it again from the source with hash {}\n", printable(clip.name),
+                 printable(fault), printable(clip.source_hash));
   }
   if (report.unknown > 0)
     fmt::print("lost: {} more clips, of which not even the names are left\n", report.unknown);
-  for (const std::string& blob : report.lost_blobs) fmt::print("lost: what was stored as \"{}\"\n", blob);
+  for (const std::string& blob : report.lost_blobs)
+    fmt::print("lost: what was stored as \"{}\"\n", printable(blob));
+  for (const std::string& doubt : report.doubts) fmt::print("not certain: {}\n", doubt);
   fmt::print("{}: {} clips, {}{}\n", command.out, report.clips, size_text(report.bytes),
              report.index_left_out ? fmt::format(". {}", kIndexAgain) : "");
 }
@@ -112,6 +115,7 @@ void repair(const RewriteCommand& command, RunContext& context) {
                                       {"lost", lost},
                                       {"lost_without_name", report.unknown},
                                       {"lost_blobs", report.lost_blobs},
+                                      {"doubts", report.doubts},
                                       {"bytes", report.bytes},
                                       {"index_left_out", report.index_left_out}}
                            .dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
@@ -119,8 +123,11 @@ void repair(const RewriteCommand& command, RunContext& context) {
     print_lost(command, report);
   }
   const std::size_t lost = report.lost.size() + report.unknown + report.lost_blobs.size();
-  if (lost == 0) return;
-  say(fmt::format("{}: {} of its clips could not be saved; the file is as it was", command.store, lost));
+  if (report.saved_all()) return;
+  say(lost > 0
+          ? fmt::format("{}: {} of its clips could not be saved; the file is as it was", command.store, lost)
+          : fmt::format("{}: all that was found is saved, but more may be lost; the file is as it was",
+                        command.store));
   context.exit_code = 3;
 }
 
@@ -144,7 +151,7 @@ void add_store_rewrites(CLI::App& store, RunContext& context) {
     auto [sub, command] =
         add("repair",
             "Save every clip that is whole out of a damaged store into a new one, and say what is lost; exit "
-            "code 3 when something is. The damaged file is left as it is",
+            "code 3 when something is, or may be. The damaged file is left as it is",
             repair);
     sub->add_option("STORE", command->store, kStore)->required();
     add_out(sub, *command);

@@ -4,7 +4,6 @@
 #include <utility>
 
 #include "freshet/error.h"
-#include "store/records/tile_record.h"
 
 namespace freshet::store {
 namespace {
@@ -60,36 +59,6 @@ Contents read_contents(const std::shared_ptr<Environment>& environment) {
   if (found != account->clips) throw_damaged(account_at, "the clips are not those that were written");
   contents.held = txn;
   return contents;
-}
-
-void check_array(const Contents& contents, Table table, ByteSpan prefix, const ArrayAccount& account) {
-  RecordSum sum;
-  std::uint64_t bytes = 0;
-  for (const auto& [key, value] : contents.entries(table, prefix)) {
-    const RecordPlace at = contents.place(table, key);
-    const Record record = open_record(at, value);
-    if (key.size() != prefix.size() + 4 || load_big_endian(key.data() + prefix.size()) != sum.records)
-      throw_damaged(at, "the chunk before it is missing");
-    bytes += record.header.raw_bytes;
-    sum.add(value);
-  }
-  if (sum == account.sum && bytes == account.bytes) return;
-  throw_damaged(contents.place(table, prefix), "the records are not those that were written last");
-}
-
-void check_stream(const Contents& contents, ClipId id, Stream stream, const RecordSum& written) {
-  const Bytes first = tile_key(id, stream, 0);
-  RecordSum sum;
-  for (const auto& [key, value] : contents.entries(Table::kTiles, ByteSpan(first).first(5))) {
-    const RecordPlace at = contents.place(Table::kTiles, key);
-    const TileRecord record(at, value);
-    for (std::uint32_t t = 0; t < record.count(); ++t) record.tile(at, t);
-    sum.add(value);
-  }
-  if (sum == written) return;
-  throw_damaged(contents.place(Table::kTiles, first), std::to_string(written.records) +
-                                                          " records were written and " +
-                                                          std::to_string(sum.records) + " of them are there");
 }
 
 }  // namespace freshet::store

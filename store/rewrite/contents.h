@@ -43,9 +43,4 @@ struct Rebuildable {
   std::set<std::string, std::less<>> columns, blobs;
 };
 
-/// Reads what the array has and compares it with its account. Throws Error{kDamaged}.
-void check_array(const Contents& contents, Table table, ByteSpan prefix, const ArrayAccount& account);
-/// The same of one stream's tiles: every record is whole, and they are those that were written.
-void check_stream(const Contents& contents, ClipId id, Stream stream, const RecordSum& written);
-
 }  // namespace freshet::store

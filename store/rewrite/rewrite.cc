@@ -8,7 +8,6 @@
 #include "freshet/error.h"
 #include "store/new_file.h"
 #include "store/records/identity.h"
-#include "store/rewrite/salvage.h"
 #include "store/rewrite/store_copy.h"
 
 namespace freshet::store {
@@ -109,36 +108,6 @@ std::uint64_t write_new(const StoreCopy& copy, const std::filesystem::path& out,
   return bytes;
 }
 
-/// Without what is rebuildable. Empty when the clip is whole, else what is wrong with it.
-std::string fault_of(const Contents& contents, ClipId id, const Rebuildable& index) {
-  const StoredClip& clip = contents.clips.at(id);
-  try {
-    for (std::size_t s = 0; s < kStreams; ++s)
-      check_stream(contents, id, static_cast<Stream>(s), clip.tiles[s]);
-    for (const auto& [name, account] : clip.columns)
-      if (!index.columns.contains(name))
-        check_array(contents, Table::kColumns, column_prefix(id, name), account);
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return {};
-}
-
-/// Whether all that is rebuildable is there, and is what was built of just these clips.
-bool index_is_whole(const Contents& contents, const Rebuildable& index) {
-  try {
-    for (const auto& [id, clip] : contents.clips)
-      for (const auto& [name, account] : clip.columns)
-        if (index.columns.contains(name))
-          check_array(contents, Table::kColumns, column_prefix(id, name), account);
-    for (const auto& [name, account] : contents.blobs)
-      if (index.blobs.contains(name)) check_array(contents, Table::kBlobs, blob_prefix(name), account);
-  } catch (const Error&) {
-    return false;
-  }
-  return true;
-}
-
 }  // namespace
 
 FileSizes compacted_size(const std::filesystem::path& file) {
@@ -196,46 +165,9 @@ MergeReport merge(std::span<const std::filesystem::path> files, const std::files
 
 RepairReport repair(const std::filesystem::path& file, const std::filesystem::path& out,
                     const Rebuildable& index, const Job& job) {
-  Salvage found = salvage(file, job);
-  Contents& contents = found.contents;
-  RepairReport report;
-  const std::size_t clips_found = contents.clips.size();
-  for (auto clip = contents.clips.begin(); clip != contents.clips.end();) {
-    const std::string fault = fault_of(contents, clip->first, index);
-    const auto here = clip++;
-    if (fault.empty()) continue;
-    const ClipRecord& record = here->second.record;
-    report.lost.push_back({here->first, record.name, record.source_hash, fault});
-    contents.clips.erase(here);
-  }
-  const std::uint32_t expected = found.clips ? found.clips->records : 0;
-  const auto known = static_cast<std::uint32_t>(clips_found);
-  std::uint32_t missing = expected > known ? expected - known : 0;
-  for (const ClipId id : found.nameless) {
-    if (static_cast<std::uint32_t>(id) >= contents.next_clip || (found.clips && missing == 0)) continue;
-    report.lost.push_back({id, "", "", "its record, and with it its name and source, is lost"});
-    if (missing > 0) --missing;
-  }
-  report.unknown = missing;
-
-  StoreCopy copy = whole(contents);
-  const bool had_index = has_index(contents, index);
-  if (!report.lost.empty() || report.unknown > 0 || !found.clips || !index_is_whole(contents, index)) {
-    leave_out(copy, index);
-    report.index_left_out = had_index || !found.clips;
-  }
-  for (const auto& [name, account] : contents.blobs) {
-    if (index.blobs.contains(name)) continue;
-    try {
-      check_array(contents, Table::kBlobs, blob_prefix(name), account);
-    } catch (const Error&) {
-      report.lost_blobs.push_back(name);
-      copy.without.insert(name);
-    }
-  }
-  report.clips = copy.clips.size();
-  report.bytes = write_new(copy, out, job);
-  return report;
+  Salvage found = salvage(file, index, job);
+  found.report.bytes = write_new(whole(found.contents), out, job);
+  return std::move(found.report);
 }
 
 }  // namespace freshet::store

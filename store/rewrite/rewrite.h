@@ -10,7 +10,7 @@
 #include <span>
 
 #include "freshet/job.h"
-#include "store/rewrite/contents.h"
+#include "store/rewrite/salvage.h"
 #include "store/store.h"
 
 namespace freshet::store {
@@ -52,21 +52,8 @@ struct MergeReport {
 MergeReport merge(std::span<const std::filesystem::path> files, const std::filesystem::path& out,
                   const Rebuildable& index, const Job& job = {});
 
-struct RepairReport {
-  struct Lost {
-    ClipId id;
-    std::string name, source_hash;  // empty when the clip's record is lost
-    std::string fault;
-  };
-  std::vector<Lost> lost;               // clips
-  std::uint32_t unknown = 0;            // more clips of which nothing at all is left
-  std::size_t clips = 0;                // of the new store
-  std::vector<std::string> lost_blobs;  // that are not rebuildable
-  bool index_left_out = false;
-  std::uint64_t bytes = 0;
-};
-/// A new store of the clips, each whole, that can still be read in a damaged one; their numbers stay, and so does the
-/// store's id. `out` must not exist. Of a store that is whole, all is taken.
+/// A new store of what salvage() finds in a damaged one; clips keep their numbers, and the store its id. `out` must not
+/// exist. Of a store that is whole, all is taken.
 /// Throws as salvage() and merge() do.
 RepairReport repair(const std::filesystem::path& file, const std::filesystem::path& out,
                     const Rebuildable& index, const Job& job = {});
