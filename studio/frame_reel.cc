@@ -91,7 +91,7 @@ void render(const LabelledPicture& labelled, const Document& document, const Sce
   options.fps = reel.fps;
   options.loop = document.loop && reel.total > 1;
   options.memory_bytes = kMemory;
-  options.motion_alone = scene.motion_alone;
+  if (scene.motion_alone) options.method = animate::CarriedOptions{.innovations = std::nullopt};
   options.tiles = labelled.store->tiles;
   if (document.moving_outline) {
     options.boundary.boundary = animate::Boundary::kMoving;

@@ -49,7 +49,7 @@ struct Scene {
   cv::Mat held;            // CV_8U; empty: nothing
   cv::Mat tempo;           // draw_tempo(); empty: as filmed
   double factor = 1;
-  bool motion_alone = false;  // for a first look (AnimateOptions::motion_alone)
+  bool motion_alone = false;  // for a first look (CarriedOptions::innovations)
 };
 
 /// Renders what a labelling of a picture assigned into a reel.

@@ -37,7 +37,10 @@ synth/animate/blend: vision synth/animate/sampling synth/animate/placement
 synth/animate/clips: store media/frame vision query/stored synth/animate/sampling synth/animate/placement synth/animate/blend
 synth/animate/still: vision synth/animate/sampling synth/animate/motion
 synth/animate/motion: store vision query/stored query/search synth/animate/sampling synth/animate/placement
-synth/animate: report store vision query/* synth/animate/*
+synth/animate/frames: store vision query/stored query/search synth/animate/sampling synth/animate/placement synth/animate/blend synth/animate/clips synth/animate/still synth/animate/motion
+synth/animate/carried: vision synth/animate/frames synth/animate/sampling synth/animate/placement synth/animate/blend synth/animate/clips synth/animate/still synth/animate/motion
+synth/animate/paper: synth/animate/frames synth/animate/sampling synth/animate/blend synth/animate/clips synth/animate/still synth/animate/motion
+synth/animate: report store vision query/labelling query/search synth/animate/*
 synth/matte: report media/picture query/search
 synth/scene/layers: media/picture synth/animate/motion synth/matte
 synth/simulate/solver: synth/field

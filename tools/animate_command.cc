@@ -58,12 +58,12 @@ void AnimateCommand::add_making_to(CLI::App& app) {
 }
 
 void AnimateCommand::add_carrying_to(CLI::App& app) {
-  app.add_option("--shutter", options.base.shutter_s,
+  app.add_option("--shutter", base.shutter_s,
                  "Exposure of what stands still below, s: blurs it along the motion")
       ->check(CLI::Range(0.0, 10.0))
       ->capture_default_str()
       ->group(kRendering);
-  app.add_option("--softness", options.base.gaussian_s,
+  app.add_option("--softness", base.gaussian_s,
                  "Further blur in all directions: sigma in px for each px/s of speed")
       ->check(CLI::Range(0.0, 10.0))
       ->capture_default_str()
@@ -76,26 +76,26 @@ void AnimateCommand::add_carrying_to(CLI::App& app) {
       ->capture_default_str()
       ->group(kRendering);
   app.add_option(
-         "--variation", options.carrying.variation,
+         "--variation", carried.carrying.variation,
          "How much of the patches' own flow, beside its mean, carries the picture (0: a steady field)")
       ->check(CLI::Range(0.0, 4.0))
       ->capture_default_str()
       ->group(kRendering);
   app.add_option(
-         "--renewal", options.renewal,
+         "--renewal", carried.innovations->renewal.share,
          "Of what comes anew in the patches from frame to frame, how much comes anew in the picture, 0 to 1; "
          "the rest is the picture's own, carried along")
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str()
       ->group(kRendering);
   app.add_option(
-         "--standing", options.standing,
+         "--standing", carried.standing,
          "Of the light and dark that stays in its place in the patches while the fluid goes by, how much "
          "the picture keeps, 0 to 1; 0: all goes along")
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str()
       ->group(kRendering);
-  app.add_option("--detail-life", options.half_life_s,
+  app.add_option("--detail-life", carried.half_life_s,
                  "After how long half of the detail that is carried along is new, s: .2 for rapids and "
                  "flames, several for "
                  "clouds; 0: as in the patches that are shown")
@@ -121,7 +121,7 @@ void AnimateCommand::add_blending_to(CLI::App& app) {
       ->check(CLI::IsMember({"sequence", "frame", "none"}))
       ->capture_default_str()
       ->group(kRendering);
-  app.add_option("--max-gain", options.appearance.max_gain, "Most that matching amplifies a band")
+  app.add_option("--max-gain", paper.appearance.max_gain, "Most that matching amplifies a band")
       ->check(CLI::Range(1.0, 20.0))
       ->capture_default_str()
       ->group(kRendering);
@@ -129,18 +129,30 @@ void AnimateCommand::add_blending_to(CLI::App& app) {
 
 synth::animate::AnimateOptions AnimateCommand::rendering() const {
   using namespace synth::animate;
-  AnimateOptions made = options;
+  AnimateOptions made;
   made.frames = duration.frames;
   made.fps = duration.fps;
   play.apply(made);
-  made.method = method == "paper" ? Method::kPaper : Method::kCarried;
-  made.blend.weights = weights == "paper" ? BlendWeights::kPaper : BlendWeights::kVariance;
-  made.blend.low_band = low_band == "keep"     ? LowBand::kKeep
-                        : low_band == "remove" ? LowBand::kRemove
-                                               : LowBand::kShared;
-  made.matching = matching == "none"    ? AppearanceMatching::kNone
-                  : matching == "frame" ? AppearanceMatching::kFrame
-                                        : AppearanceMatching::kSequence;
+  const BlendWeights blend = weights == "paper" ? BlendWeights::kPaper : BlendWeights::kVariance;
+  if (method == "carried") {
+    CarriedOptions of_carried = carried;
+    of_carried.resampling = play.resampling();
+    of_carried.base = base;
+    of_carried.innovations->weights = blend;
+    made.method = of_carried;
+    return made;
+  }
+  PaperOptions of_paper = paper;
+  of_paper.resampling = play.resampling();
+  of_paper.base = base;
+  of_paper.blend.weights = blend;
+  of_paper.blend.low_band = low_band == "keep"     ? LowBand::kKeep
+                            : low_band == "remove" ? LowBand::kRemove
+                                                   : LowBand::kShared;
+  of_paper.matching = matching == "none"    ? AppearanceMatching::kNone
+                      : matching == "frame" ? AppearanceMatching::kFrame
+                                            : AppearanceMatching::kSequence;
+  made.method = of_paper;
   return made;
 }
 
@@ -156,6 +168,11 @@ std::vector<PlannedStage> AnimateCommand::stages() const {
   return stages;
 }
 
+std::function<void(const cv::Mat&)>* AnimateInputs::motion_sink() {
+  auto* const carried = std::get_if<synth::animate::CarriedOptions>(&options.method);
+  return carried != nullptr ? &carried->motion_sink : nullptr;
+}
+
 AnimateInputs read_inputs(const AnimateCommand& command) {
   AnimateInputs inputs{
       .loaded = command.target.load_with_matte(), .options = command.rendering(), .asked = {}, .playing = {}};
@@ -164,8 +181,7 @@ AnimateInputs read_inputs(const AnimateCommand& command) {
   inputs.options.boundary.held = held;
   inputs.asked =
       command.motion.read(inputs.loaded, command.search,
-                          inputs.options.method == synth::animate::Method::kPaper ? query::HintSearch::kNarrow
-                                                                                  : query::HintSearch::kWide);
+                          command.method == "paper" ? query::HintSearch::kNarrow : query::HintSearch::kWide);
   inputs.playing = command.play.read(inputs.loaded.picture.size());
   return inputs;
 }

@@ -39,7 +39,9 @@ struct AnimateCommand {
   OutputOptions output;
   std::string assignment, sheet;
   std::string method = "carried", weights = "variance", low_band = "shared", matching = "sequence";
-  synth::animate::AnimateOptions options;
+  synth::animate::BaseImageOptions base;
+  synth::animate::CarriedOptions carried;
+  synth::animate::PaperOptions paper;
   bool json = false;
 
   /// All options, and what --help leaves to --help-all.
@@ -63,6 +65,9 @@ struct AnimateInputs {
   synth::animate::AnimateOptions options;
   AskedMotion asked;
   synth::animate::Playing playing;
+
+  /// Where the motion of carried frames goes; null where the method carries nothing.
+  std::function<void(const cv::Mat&)>* motion_sink();
 };
 /// Says what had to be changed about the files. Throws as their readers.
 AnimateInputs read_inputs(const AnimateCommand& command);

@@ -74,7 +74,7 @@ void run_animate(AnimateCommand& command, const RunContext& context) {
   // The output first: a mistyped folder should not cost a labelling.
   command.motion.check_outputs();
   check_picture_output(command.sheet);
-  const std::unique_ptr<AnimationFiles> output = command.output.open(loaded, options);
+  const std::unique_ptr<AnimationFiles> output = command.output.open(loaded, options, inputs.motion_sink());
 
   const auto cache = command.cache.open();
   const ChosenPatches chosen = choose_patches(

@@ -153,17 +153,12 @@ nlohmann::json report_json(const flowlines::FlowlinesReport& report, const std::
 
 /// The output's files, open before the preparation: a mistyped folder should not cost it.
 std::unique_ptr<AnimationFiles> open_output(FlowlinesCommand& command, const flowlines::Footage& footage,
-                                            synth::animate::AnimateOptions& options) {
+                                            synth::animate::FrameOptions& options) {
   TargetFiles::Loaded loaded;
   loaded.picture = footage.frames.front();
   loaded.still.bgr = loaded.picture;
   loaded.matte = cv::Mat(footage.size(), CV_8U, cv::Scalar(255));
-  std::unique_ptr<AnimationFiles> output = command.output.open(loaded, options);
-  if (options.motion_sink)
-    throw Error(ErrorKind::kUsage, "--motion-out",
-                "flow lines play the clip's own frames, whose motion is not kept",
-                "Leave it out, or ingest the result: a store keeps its flow");
-  return output;
+  return command.output.open(loaded, options);
 }
 
 void tell(const flowlines::Flowlines& engine, const flowlines::Footage& footage) {
@@ -184,7 +179,7 @@ void write_lines(const FlowlinesCommand& command, const flowlines::Footage& foot
 
 /// All frames, and the sheet of some. Returns the seconds that rendering took, writing apart.
 double write_frames(const FlowlinesCommand& command, const flowlines::Footage& footage,
-                    const synth::animate::AnimateOptions& options, flowlines::Flowlines& engine,
+                    const synth::animate::FrameOptions& options, flowlines::Flowlines& engine,
                     AnimationFiles& output, RunContext& context) {
   synth::animate::FrameSheet sheet(
       footage.frames.front(), cv::Mat(footage.size(), CV_8U, cv::Scalar(255)), command.frames,
@@ -216,7 +211,7 @@ void run_flowlines(FlowlinesCommand& command, RunContext& context) {
   check_output_folder(command.lines_out);
   check_picture_output(command.sheet.string());
   const flowlines::Footage footage = read_clip(command);
-  synth::animate::AnimateOptions frame_options;
+  synth::animate::FrameOptions frame_options;
   frame_options.frames = command.frames;
   frame_options.fps = command.fps > 0 ? command.fps : footage.fps;
   const std::unique_ptr<AnimationFiles> output = open_output(command, footage, frame_options);

@@ -128,7 +128,7 @@ void run_scene(SceneCommand& command, const RunContext& context) {
   std::vector<std::string> notices;
   scene::read_marks(asked, loaded.picture.size(), &notices);
 
-  synth::animate::AnimateOptions form;
+  synth::animate::FrameOptions form;
   form.frames = asked.frames;
   form.fps = asked.fps;
   check_picture_output(command.sheet);

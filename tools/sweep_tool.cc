@@ -98,7 +98,7 @@ class Sweep {
   void check() {
     for (SweepPoint& point : points_) {
       AnimateInputs inputs = read_inputs(point.command());
-      point.command().output.open(inputs.loaded, inputs.options);
+      point.command().output.open(inputs.loaded, inputs.options, inputs.motion_sink());
       if (still_.empty()) still_ = inputs.loaded.picture;
       region_ |= report::shown_region(inputs.loaded.matte);
     }
@@ -186,7 +186,8 @@ class Sweep {
 
   void render_point(SweepPoint& point, AnimateInputs& inputs, SweptAnimation& animation) {
     OutputOptions& names = point.command().output;
-    const std::unique_ptr<AnimationFiles> output = names.open(inputs.loaded, inputs.options);
+    const std::unique_ptr<AnimationFiles> output =
+        names.open(inputs.loaded, inputs.options, inputs.motion_sink());
     const synth::animate::AnimateOptions& options = inputs.options;
     const fs::path file = names.name();
     animation.file = file.filename().string();

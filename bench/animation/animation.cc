@@ -45,8 +45,9 @@ std::vector<Choice> choices() {
   std::vector<Choice> all{{"defaults", defaults}};
   const auto add = [&](const char* name, auto&& change) {
     all.push_back({name, defaults});
-    all.back().options.method = synth::animate::Method::kPaper;
-    change(all.back().options);
+    synth::animate::PaperOptions paper;
+    change(paper);
+    all.back().options.method = paper;
   };
   add("plain averaging (paper)", [](auto& o) { o.blend.weights = synth::animate::BlendWeights::kPaper; });
   add("low band kept", [](auto& o) { o.blend.low_band = synth::animate::LowBand::kKeep; });

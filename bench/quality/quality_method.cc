@@ -2,6 +2,7 @@
 
 #include <functional>
 #include <sstream>
+#include <variant>
 
 #include <fmt/format.h>
 
@@ -45,8 +46,21 @@ std::function<void(Method&, const std::string&)> to(Field&& field) {
   };
 }
 
+/// What the method's renderer has of these; Error{kUsage} where that is another one.
+template <class Options>
+Options& of(Method& method) {
+  if (auto* const options = std::get_if<Options>(&method.animate.method)) return *options;
+  throw Error(ErrorKind::kUsage, "a setting", "the method makes its frames without it",
+              "Put method= before it");
+}
+
 const std::vector<Setting>& all_settings() {
   using synth::animate::AppearanceMatching, synth::animate::BlendWeights, synth::animate::LowBand;
+  using synth::animate::CarriedOptions, synth::animate::PaperOptions;
+  static constexpr auto base_of = [](Method& m) -> synth::animate::BaseImageOptions& {
+    return std::visit(
+        [](auto& options) -> auto& { return options.base; }, m.animate.method);
+  };
   static const std::vector<Setting> settings{
       {"renderer", "animate, eulerian or eulerian-varying (see --methods)", false,
        [](Method& m, const std::string& text) {
@@ -92,49 +106,53 @@ const std::vector<Setting>& all_settings() {
        to([](Method & m) -> auto& { return m.label.guide_costs.speed; })},
       {"weights", "of blending: variance or paper", false,
        [](Method& m, const std::string& text) {
-         m.animate.blend.weights = one_of<BlendWeights>(
+         const auto weights = one_of<BlendWeights>(
              text, {{"variance", BlendWeights::kVariance}, {"paper", BlendWeights::kPaper}});
+         if (auto* const paper = std::get_if<PaperOptions>(&m.animate.method))
+           paper->blend.weights = weights;
+         else
+           of<CarriedOptions>(m).innovations->weights = weights;
        }},
       {"low-band", "shared, keep or remove", false,
        [](Method& m, const std::string& text) {
-         m.animate.blend.low_band = one_of<LowBand>(
+         of<PaperOptions>(m).blend.low_band = one_of<LowBand>(
              text, {{"shared", LowBand::kShared}, {"keep", LowBand::kKeep}, {"remove", LowBand::kRemove}});
        }},
       {"low-band-reach", "of the shared low band, pieces", false,
-       to([](Method & m) -> auto& { return m.animate.blend.low_band_reach; })},
+       to([](Method & m) -> auto& { return of<CarriedOptions>(m).innovations->low_band_reach; })},
       {"matching", "of appearance: sequence, frame or none", false,
        [](Method& m, const std::string& text) {
-         m.animate.matching = one_of<AppearanceMatching>(text, {{"sequence", AppearanceMatching::kSequence},
-                                                                {"frame", AppearanceMatching::kFrame},
-                                                                {"none", AppearanceMatching::kNone}});
+         of<PaperOptions>(m).matching =
+             one_of<AppearanceMatching>(text, {{"sequence", AppearanceMatching::kSequence},
+                                               {"frame", AppearanceMatching::kFrame},
+                                               {"none", AppearanceMatching::kNone}});
        }},
       {"max-gain", "of a band's contrast", false,
-       to([](Method & m) -> auto& { return m.animate.appearance.max_gain; })},
+       to([](Method & m) -> auto& { return of<PaperOptions>(m).appearance.max_gain; })},
       {"max-level-gain", "of the picture's own levels", false,
-       to([](Method & m) -> auto& { return m.animate.appearance.max_level_gain; })},
+       to([](Method & m) -> auto& { return of<PaperOptions>(m).appearance.max_level_gain; })},
       {"method", "of making frames: carried or paper", false,
        [](Method& m, const std::string& text) {
-         using FrameMethod = synth::animate::Method;
-         m.animate.method =
-             one_of<FrameMethod>(text, {{"carried", FrameMethod::kCarried}, {"paper", FrameMethod::kPaper}});
+         m.animate.method = one_of<decltype(m.animate.method)>(
+             text, {{"carried", CarriedOptions{}}, {"paper", PaperOptions{}}});
        }},
       {"variation", "of the patches' flow about its mean, that carries the picture", false,
-       to([](Method & m) -> auto& { return m.animate.carrying.variation; })},
+       to([](Method & m) -> auto& { return of<CarriedOptions>(m).carrying.variation; })},
       {"renewal", "of what comes anew in the patches, how much the picture takes", false,
-       to([](Method & m) -> auto& { return m.animate.renewal; })},
+       to([](Method & m) -> auto& { return of<CarriedOptions>(m).innovations->renewal.share; })},
       {"detail-life", "until half of carried detail is new, s; 0: as in the clips", false,
-       to([](Method & m) -> auto& { return m.animate.half_life_s; })},
+       to([](Method & m) -> auto& { return of<CarriedOptions>(m).half_life_s; })},
       {"life-pace", "power of the pace that lives are divided by", false,
-       to([](Method & m) -> auto& { return m.animate.life_pace; })},
+       to([](Method & m) -> auto& { return of<CarriedOptions>(m).life_pace; })},
       {"contrast-gain", "most that lost contrast is brought back by", false,
-       to([](Method & m) -> auto& { return m.animate.contrast.max_gain; })},
+       to([](Method & m) -> auto& { return of<CarriedOptions>(m).contrast.max_gain; })},
       {"standing", "of what stays in its place in the patches, how much the picture keeps", false,
-       to([](Method & m) -> auto& { return m.animate.standing; })},
+       to([](Method & m) -> auto& { return of<CarriedOptions>(m).standing; })},
       {"own", "1: the clip itself is a candidate too", true, to([](Method & m) -> auto& { return m.own; })},
       {"shutter", "of the base image, s", false,
-       to([](Method & m) -> auto& { return m.animate.base.shutter_s; })},
+       to([](Method & m) -> auto& { return base_of(m).shutter_s; })},
       {"gaussian", "of the base image, s", false,
-       to([](Method & m) -> auto& { return m.animate.base.gaussian_s; })},
+       to([](Method & m) -> auto& { return base_of(m).gaussian_s; })},
   };
   return settings;
 }

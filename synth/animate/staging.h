@@ -1,8 +1,6 @@
 // synth/animate/staging.h — what leads from an assignment to its animation, the same for every program.
 #pragma once
 
-#include <cstddef>
-
 #include <opencv2/core.hpp>
 
 #include "query/labelling/assignment.h"
@@ -33,8 +31,5 @@ struct Staging {
 /// Throws    as placement_from and retime.
 Staging stage(const store::Snapshot& snapshot, const query::Assignment& assignment, cv::Size picture,
               const query::MotionGuide& asked, const Playing& playing, const AnimateOptions& options);
-
-/// What an animation holds beside its batch of frames, bytes per pixel of the picture.
-inline constexpr std::size_t kPictureBytesPerPixel = 280;
 
 }  // namespace freshet::synth::animate

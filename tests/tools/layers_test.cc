@@ -362,7 +362,9 @@ TEST_F(Layers, WhatDoesNotGoTogetherIsSaidBeforeTheWork) {
       {"a/%04d.exr", {"--depth", "16"}, "EXR has half or float"},
       {"a.mkv", {"--preset", "web"}, "--preset web: it makes .mp4 files, and a.mkv is none"},
       {"a.mkv", {"--motion-out", "m.flo"}, "--motion-out m.flo: it is no numbered sequence"},
-      {"a.mkv", {"--motion-out", "m/%04d.flo", "--method", "paper"}, "--method paper carries nothing"}};
+      {"a.mkv",
+       {"--motion-out", "m/%04d.flo", "--method", "paper"},
+       "--motion-out: these frames are not carried"}};
   for (const Case& one : cases) {
     const Outcome outcome = animate(one.out, one.more);
     EXPECT_EQ(outcome.exit_code, 2) << one.message;

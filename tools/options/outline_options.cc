@@ -49,7 +49,7 @@ void OutlineOptions::check() const {
       throw Error(ErrorKind::kUsage, name, "it belongs to a moving outline", "Add --boundary moving");
 }
 
-void OutlineOptions::apply(synth::animate::AnimateOptions& options, cv::Size picture) const {
+void OutlineOptions::apply(synth::animate::FrameOptions& options, cv::Size picture) const {
   check();
   if (kind_ == "static") return;
   options.boundary.boundary = synth::animate::Boundary::kMoving;

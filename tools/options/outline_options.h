@@ -5,7 +5,7 @@
 
 #include <CLI/CLI.hpp>
 
-#include "synth/animate/animate.h"
+#include "synth/animate/frames/animation.h"
 
 namespace freshet::tools {
 
@@ -15,7 +15,7 @@ class OutlineOptions {
   /// Throws Error{kUsage} for options of a moving outline with a still one.
   void check() const;
   /// Reads the background. Sets boundary of the options.
-  void apply(synth::animate::AnimateOptions& options, cv::Size picture) const;
+  void apply(synth::animate::FrameOptions& options, cv::Size picture) const;
 
  private:
   std::string kind_ = "static", background_, inpaint_ = "navier-stokes";

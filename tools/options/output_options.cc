@@ -167,8 +167,8 @@ media::Samples OutputOptions::choose_samples(const media::OutputFormat& format, 
 }
 
 std::unique_ptr<AnimationFiles> OutputOptions::open(const TargetFiles::Loaded& loaded,
-                                                    synth::animate::AnimateOptions& options) {
-  using synth::animate::Boundary;
+                                                    synth::animate::FrameOptions& options,
+                                                    std::function<void(const cv::Mat&)>* motion_sink) {
   if (out_.empty()) throw CLI::RequiredError("--output");
   auto files = std::make_unique<AnimationFiles>();
   const FrameNumbers numbered = numbers(options.frames);
@@ -184,7 +184,7 @@ std::unique_ptr<AnimationFiles> OutputOptions::open(const TargetFiles::Loaded& l
   }
   const bool deep = !loaded.still.deep.empty();
   const media::Samples samples = choose_samples(format, deep);
-  const bool moving = options.boundary.boundary == Boundary::kMoving;
+  const bool moving = options.moving();
   if (layer_ == "fluid" && !format.alpha())
     refuse("--layer fluid", out_ + " holds no alpha", "Use .mov, .webp, or a sequence of .exr or .png");
   if (layer_ == "light" && !moving)
@@ -199,8 +199,8 @@ std::unique_ptr<AnimationFiles> OutputOptions::open(const TargetFiles::Loaded& l
     if (!media::is_pattern(pattern) || !media::looks_like_motion(pattern))
       refuse("--motion-out " + pattern, "it is no numbered sequence of .flo or .exr",
              "For example --motion-out motion/%05d.exr");
-  if (!motion_out_.empty() && options.method != synth::animate::Method::kCarried)
-    refuse("--motion-out", "--method paper carries nothing", "Leave one of them out");
+  if (!motion_out_.empty() && motion_sink == nullptr)
+    refuse("--motion-out", "these frames are not carried along a motion", "Leave it out");
 
   check_frames_output(out_, numbered);
   check_frames_output(matte_out_, numbered);
@@ -222,7 +222,7 @@ std::unique_ptr<AnimationFiles> OutputOptions::open(const TargetFiles::Loaded& l
     options.matte_sink = [to = files.get()](const cv::Mat& matte) { to->write_matte(matte); };
   }
   if (!motion_out_.empty())
-    options.motion_sink = [to = files.get()](const cv::Mat& motion) { to->write_motion(motion); };
+    *motion_sink = [to = files.get()](const cv::Mat& motion) { to->write_motion(motion); };
 
   options.from = static_cast<int>(numbered.from - numbered.first);
   options.until = static_cast<int>(numbered.to - numbered.first + 1);

@@ -1,6 +1,7 @@
 // tools/options/output_options.h — what of an animation goes into which files, in what form.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -12,7 +13,7 @@
 #include "media/picture/resized.h"
 #include "media/video/output_format.h"
 #include "media/video/picture_sink.h"
-#include "synth/animate/animate.h"
+#include "synth/animate/frames/animation.h"
 #include "tools/console/output_names.h"
 #include "tools/options/search_options.h"
 
@@ -31,7 +32,7 @@ class AnimationFiles {
   /// The next frame as animate() hands it on; frames outside --range are passed over. Returns it for a person to look
   /// at, CV_8UC3.
   cv::Mat write(const cv::Mat& frame);
-  /// For who makes no frame before --range (AnimateOptions::from): the next one is its first.
+  /// For who makes no frame before --range (FrameOptions::from): the next one is its first.
   void skip_to_range() { frame_ = matte_frame_ = motion_frame_ = numbers_.from; }
   void finish();
 
@@ -62,9 +63,11 @@ class OutputOptions {
 
   /// Opens all files, and asks the options for frames in the form that they need. Says what a codec makes of the
   /// picture's size. Throws for whatever names, forms and formats do not go together: before the work.
-  /// options   with frames, fps and boundary; what they are given must not outlive the files.
+  /// options       with frames, fps and boundary; what they are given must not outlive the files.
+  /// motion_sink   where frames' motion is to go, likewise; null where nothing is carried.
   std::unique_ptr<AnimationFiles> open(const TargetFiles::Loaded& loaded,
-                                       synth::animate::AnimateOptions& options);
+                                       synth::animate::FrameOptions& options,
+                                       std::function<void(const cv::Mat&)>* motion_sink = nullptr);
   /// Gives a name without an ending the one of what is asked: the preset's, .webp for the fluid alone, .mp4.
   void add_ending();
   /// Whether browsers play the file.

@@ -38,14 +38,16 @@ void PlayOptions::add_to(CLI::App& command) {
       ->capture_default_str();
 }
 
-void PlayOptions::apply(synth::animate::AnimateOptions& options) const {
+void PlayOptions::apply(synth::animate::FrameOptions& options) const {
   if (loop_ && options.frames < 2)
     throw Error(ErrorKind::kUsage, "--loop", "one frame is no animation to go round",
                 "Ask for 2 --frames or more");
   options.loop = loop_;
-  options.resampling =
-      resampling_ == "nearest" ? synth::animate::Resampling::kNearest : synth::animate::Resampling::kFlow;
   options.memory_bytes = static_cast<std::size_t>(memory_mb_) << 20;
+}
+
+synth::animate::Resampling PlayOptions::resampling() const {
+  return resampling_ == "nearest" ? synth::animate::Resampling::kNearest : synth::animate::Resampling::kFlow;
 }
 
 synth::animate::Playing PlayOptions::read(cv::Size picture) const {

@@ -6,7 +6,8 @@
 
 #include <CLI/CLI.hpp>
 
-#include "synth/animate/animate.h"
+#include "synth/animate/clips/clip_layer.h"
+#include "synth/animate/frames/animation.h"
 #include "synth/animate/staging.h"
 
 namespace freshet::tools {
@@ -14,8 +15,9 @@ namespace freshet::tools {
 class PlayOptions {
  public:
   void add_to(CLI::App& command);
-  /// Sets loop, resampling and memory.
-  void apply(synth::animate::AnimateOptions& options) const;
+  /// Sets loop and memory.
+  void apply(synth::animate::FrameOptions& options) const;
+  synth::animate::Resampling resampling() const;
   /// Reads the map and says what had to be changed about it.
   synth::animate::Playing read(cv::Size picture) const;
 

@@ -1,4 +1,4 @@
-#include "synth/animate/pieces_canvas.h"
+#include "synth/animate/frames/pieces_canvas.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-// synth/animate/handover.h — finished frames handed on, in order, while others are made.
+// synth/animate/frames/handover.h — finished frames handed on, in order, while others are made.
 #pragma once
 
 #include <functional>

@@ -1,4 +1,4 @@
-#include "synth/animate/renewal.h"
+#include "synth/animate/carried/renewal.h"
 
 #include <algorithm>
 #include <cmath>
@@ -22,19 +22,17 @@ constexpr double kTrustedFrom = 3;
 constexpr double kMostAnew = 0.6;
 constexpr double kReach = 1;  // sigma, pieces: neighbours renew alike
 
-double kept_per_frame(const RenewalOptions& options) {
-  return std::pow(0.5, 1 / (options.half_life_s * options.fps));
-}
+double kept_per_frame(double half_life_s, double fps) { return std::pow(0.5, 1 / (half_life_s * fps)); }
 
 }  // namespace
 
 Renewal::Renewal(const Placement& placement, const PiecesCanvas& canvas, const cv::Mat& luma,
-                 Blender& blender, const RenewalOptions& options)
+                 Blender& blender, double fps, const RenewalOptions& options)
     : placement_(placement),
       canvas_(canvas),
       blender_(blender),
       options_(options),
-      kept_(kept_per_frame(options)),
+      kept_(kept_per_frame(options.half_life_s, fps)),
       power_(placement.patches.size()),
       anew_(placement.patches.size()),
       carried_(canvas.rect(), canvas.scale(), kept_) {

@@ -1,4 +1,4 @@
-// synth/animate/pieces_canvas.h — the picture as the pieces lie on it.
+// synth/animate/frames/pieces_canvas.h — the picture as the pieces lie on it.
 #pragma once
 
 #include <opencv2/core.hpp>

@@ -1,4 +1,4 @@
-// synth/animate/renewal.h — what comes anew: the patches' innovations, in the share of the picture's contrast that
+// synth/animate/carried/renewal.h — what comes anew: the patches' innovations, in the share of the picture's contrast that
 // is theirs.
 #pragma once
 
@@ -10,8 +10,8 @@
 
 #include "synth/animate/blend/blend.h"
 #include "synth/animate/clips/clip_layer.h"
+#include "synth/animate/frames/pieces_canvas.h"
 #include "synth/animate/motion/carried_detail.h"
-#include "synth/animate/pieces_canvas.h"
 
 namespace freshet::synth::animate {
 
@@ -24,7 +24,6 @@ struct RenewalOptions {
   /// the next, beside what lives on. With .05 s in place of lives as long as the carried picture's (.1 to 1 s), six clips
   /// came from 5.3 to 4.7 dB of the footage's spectrum, contrast and structure as before.
   double half_life_s = 0.05;
-  double fps = 25;
 };
 
 /// Innovations go into a Blender piece by piece, scaled to the still's contrast; merged, they are carried on along the
@@ -37,9 +36,10 @@ class Renewal {
   static constexpr int kLevels = 4;  // of the canvas, which has half the picture's size
 
   /// luma     of the picture, CV_32F, 0..1.
+  /// fps      of the animation.
   /// blender  takes the innovations; outlives this, as `canvas` does.
   Renewal(const Placement& placement, const PiecesCanvas& canvas, const cv::Mat& luma, Blender& blender,
-          const RenewalOptions& options);
+          double fps, const RenewalOptions& options);
 
   /// How much comes anew in a clip's patches; what they bring from now on is scaled to it. samples: output frames by
   /// which it is judged.

@@ -1,4 +1,4 @@
-#include "synth/animate/renewal.h"
+#include "synth/animate/carried/renewal.h"
 
 #include <cmath>
 #include <vector>
@@ -11,10 +11,11 @@ namespace freshet::synth::animate {
 namespace {
 
 const cv::Size kPicture(192, 96);
+constexpr double kFps = 25;
 const std::vector<int> kSamples{2, 5, 8, 11};
 
 FlowingClip renewed_by(double anew, std::uint64_t seed) {
-  const double kept = std::pow(0.5, 1 / (RenewalOptions{}.half_life_s * RenewalOptions{}.fps));
+  const double kept = std::pow(0.5, 1 / (RenewalOptions{}.half_life_s * kFps));
   return {.size = {192, 144}, .steady = {2, -1}, .varying = 0, .seed = seed, .anew = anew, .kept = kept};
 }
 
@@ -43,7 +44,7 @@ Measured measured(double left, double right, const RenewalOptions& options = {})
   Blender blender(placement, 12, {});
   cv::Mat luma(kPicture, CV_32F);
   cv::RNG(7).fill(luma, cv::RNG::UNIFORM, 0, 1);
-  Renewal renewal(placement, canvas, luma, blender, options);
+  Renewal renewal(placement, canvas, luma, blender, kFps, options);
   for (std::size_t clip = 0; clip < clips.size(); ++clip) {
     std::vector<std::size_t> patches;
     for (std::size_t p = 0; p < placement.patches.size(); ++p)

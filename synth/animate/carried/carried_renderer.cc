@@ -1,0 +1,255 @@
+#include "synth/animate/carried/carried_renderer.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include <opencv2/imgproc.hpp>
+
+#include "synth/animate/clips/piece_lives.h"
+#include "synth/animate/clips/piece_standing.h"
+#include "synth/animate/motion/copy_maps.h"
+#include "synth/animate/motion/motion_field.h"
+#include "synth/animate/motion/motion_sequence.h"
+#include "synth/animate/sampling/coarse_samples.h"
+#include "synth/animate/sampling/pull_push.h"
+#include "synth/animate/still/fluid_planes.h"
+#include "synth/animate/still/standing_detail.h"
+#include "vision/pyramid.h"
+
+namespace freshet::synth::animate {
+namespace {
+
+constexpr double kMinHalfLife_s = 0.1, kMaxHalfLife_s = 6;
+constexpr double kMaxLasting = 3;  // times that, of what does not come anew at once
+// How far copies go from their own frames: forms should have left their place, but a pool is not to climb its fall.
+constexpr double kMinWander_s = 0.4, kMaxWander_s = 6, kMaxWander_px = 220;
+// Of a band of which a share s of the variance stands, s of the picture's own is the best guess of what does, and the root
+// of s has its variance. Fine bands take the guess: what stands falsely is seen as a veil. From this level on (32 px) the
+// light and dark of a scene are to stay as strong as they are.
+constexpr double kWideLevel = 3;
+constexpr float kLively = 0.25f;      // of the fastest places' speed: what is slower is renewed less
+constexpr double kLifePatch_px = 48;  // over which the picture's detail lives and goes together
+
+/// Lengths in px are meant for pieces of their own size: enlarged ones are carried as widely.
+CarriedBaseOptions enlarged(CarriedBaseOptions options, double scale) {
+  options.edge_px *= scale;
+  options.look_px *= scale;
+  return options;
+}
+
+/// Adds this much of what a frame is short of. CV_16SC3, levels.
+void add_missing(const cv::Mat& missing, float share, cv::Mat& frame) {
+  for (int y = 0; y < frame.rows; ++y) {
+    auto* to = frame.ptr<std::uint8_t>(y);
+    const auto* more = missing.ptr<std::int16_t>(y);
+    for (int i = 0; i < 3 * frame.cols; ++i)
+      to[i] = cv::saturate_cast<std::uint8_t>(to[i] + share * static_cast<float>(more[i]));
+  }
+}
+
+/// A field that is sampled every few px, for every pixel; 0 where nothing is fluid.
+cv::Mat for_every_pixel(const cv::Mat& field, int step, const cv::Mat& alpha) {
+  cv::Mat out;
+  cv::warpAffine(field, out, samples_from_pixels(step), alpha.size(), cv::INTER_LINEAR | cv::WARP_INVERSE_MAP,
+                 cv::BORDER_REPLICATE);
+  out.setTo(cv::Scalar::all(0), alpha <= 0);
+  return out;
+}
+
+/// Of the fluid, the speed that one place in twenty exceeds: px a frame, > 0.
+float fast_per_frame(const CarryingField& field, const cv::Mat& places) {
+  std::vector<float> within;
+  for (int y = 0; y < places.rows; ++y)
+    for (int x = 0; x < places.cols; ++x)
+      if (places.at<cv::Vec4f>(y, x)[0] > 0.5f) within.push_back(field.activity().at<float>(y, x));
+  if (within.empty()) return 1;
+  const auto fast = within.begin() + static_cast<std::ptrdiff_t>(within.size() * 19 / 20);
+  std::nth_element(within.begin(), fast, within.end());
+  return std::max(*fast, 1e-3f);
+}
+
+class CarriedRenderer final : public Renderer {
+ public:
+  CarriedRenderer(Animation& animation, const StillPart& still, const CarriedOptions& options)
+      : animation_(animation), still_(still), options_(options) {
+    measure_life();
+    measure_clips();
+    animation.tell("base", 0, 0);
+    lay_copies();
+    animation.report.base_s += animation.watch.lap();
+  }
+
+  int batch() const override { return innovations_ ? innovations_->batch() : animation_.options.frames; }
+  cv::Mat motion(int output) const override { return sequence_->at(output); }
+
+  void read(std::span<const int> outputs) override {
+    if (innovations_) innovations_->read(outputs);
+  }
+
+  void prepare(std::span<const int> outputs, std::span<const cv::Mat> mattes, std::size_t passed) override {
+    if (outputs.front() == 0) begin_as_the_still(mattes.front());
+    if (options_.motion_sink)
+      for (std::size_t i = passed; i < outputs.size(); ++i)
+        options_.motion_sink(for_every_pixel(field_->at(outputs[i]), field_->step(), mattes[i]));
+    if (passed < outputs.size()) copies_->prepare(outputs[passed], static_cast<int>(outputs.size() - passed));
+    if (innovations_) innovations_->advance(outputs, passed, *field_);
+  }
+
+  cv::Mat finish(int output, const cv::Mat& matte) override {
+    // At the beginning the picture is all, then what is new comes in; in a loop it has gone before the end.
+    const double still = copies_->still(output);
+    Carried carried = carry(output, 1 - still);
+    if (innovations_) innovations_->add(output, 1 - still, carried.luma);
+    if (animation_.options.form == FrameForm::kFluid)
+      return finisher_->finish_fluid(carried.luma, matte, &carried.frame);
+    cv::Mat frame = finisher_->finish(carried.luma, matte, &carried.frame);
+    if (!missing_.empty() && still > 0) add_missing(missing_, static_cast<float>(still), frame);
+    return frame;
+  }
+
+ private:
+  /// One output frame before anything comes anew, and before it is coloured.
+  struct Carried {
+    CarriedFrame frame;
+    cv::Mat luma;
+  };
+
+  /// As long as detail does in the patches that are shown, but shorter where they are made to go faster: eddies of
+  /// one size turn over in a time that falls as their speed rises.
+  void measure_life() {
+    half_life_s_ = options_.half_life_s;
+    if (half_life_s_ == 0) {
+      const double faster =
+          std::pow(pace(still_.assigned_motion, still_.asked_motion, animation_.matte), options_.life_pace);
+      half_life_s_ = std::clamp(piece_lives(animation_.snapshot, animation_.placement).overall_s / faster,
+                                kMinHalfLife_s, kMaxHalfLife_s);
+    }
+    animation_.report.half_life_s = half_life_s_;
+  }
+
+  /// How the patches move, and what of them comes anew.
+  void measure_clips() {
+    MotionSums motion(animation_.snapshot, animation_.settings, animation_.placement,
+                      animation_.picture.size(), animation_.options.frames, animation_.options.tiles.get());
+    if (options_.innovations) {
+      innovations_.emplace(animation_, still_.luma, options_.resampling, *options_.innovations);
+      innovations_->measure(motion);
+      animation_.report.renewed = innovations_->overall();
+    } else {
+      // Of the clips' flow alone.
+      const auto layers =
+          clip_layers(animation_, halved(animation_.placement), options_.resampling, ClipDetail::kInnovation);
+      animation_.report.clips = layers.size();
+      for (const auto& layer : layers) add_motion(animation_, *layer, motion);
+    }
+    sequence_ = std::make_shared<const MotionSequence>(std::move(motion).means());
+  }
+
+  /// The picture as a long exposure along its motion, the copies that are carried over it, and what of it stands.
+  void lay_copies() {
+    const FrameOptions& frames = animation_.options;
+    const double scale = animation_.placement.piece_scale;
+    const int loop_frames = frames.loop ? frames.frames : 0;
+    Exposure exposure = expose(animation_, still_, options_.base);
+    exposure_ = exposure.luma;
+    CarryingOptions carrying = options_.carrying;
+    if (frames.guide.direction.empty() && frames.guide.speed.empty()) carrying.max_of_asked = 0;
+    field_ = std::make_shared<const CarryingField>(sequence_, still_.asked_motion, frames.frames, frames.fps,
+                                                   CarriedBase::kStep, frames.loop, carrying);
+    const FluidPlanes planes = fluid_planes(still_.target, still_.luma, still_.alpha);
+    base_.emplace(planes, still_.alpha, enlarged(options_.carry, scale));
+    const float fast = fast_per_frame(*field_, base_->places());
+    // As far as the fastest fluid goes in that time: what stands in the picture's order is not to be mixed up.
+    const double wander_s =
+        std::clamp(kMaxWander_px * scale / (fast * frames.fps), kMinWander_s, kMaxWander_s);
+    copies_.emplace([field = field_](int i) { return field->at(i); }, base_->places(), field_->step(),
+                    CopyOptions{.interval = CopyMaps::interval_of(lasting_life(), frames.fps, loop_frames),
+                                .loop_frames = loop_frames,
+                                .wander = static_cast<int>(std::lround(wander_s * frames.fps)),
+                                .patch = kLifePatch_px * scale / CarriedBase::kStep});
+    // What stands is not renewed: a rock in the matte, or what an artist holds still.
+    renewing_ = field_->activity() / (kLively * fast);
+    cv::multiply(renewing_, renewing_, renewing_);
+    renewing_ = cv::min(renewing_, 1.0);
+    if (innovations_) renewing_ = innovations_->restrict_to(renewing_, field_->step());
+    standing_.emplace(planes, still_.alpha, shares_that_stand());
+    finisher_.emplace(finisher_of(animation_, still_, exposure.colour,
+                                  ColourCurve(still_.target, still_.luma, still_.alpha)));
+  }
+
+  /// How long what does not come anew at once is to live, so that all together keeps half for as long as the patches'
+  /// detail does.
+  double lasting_life() const {
+    if (!innovations_ || options_.half_life_s > 0) return half_life_s_;
+    const double lasting = std::log(2.0) + std::log(1 - innovations_->overall());
+    return half_life_s_ * std::min(kMaxLasting, lasting > 0 ? std::log(2.0) / lasting : kMaxLasting);
+  }
+
+  /// By level of the picture, what of it keeps its place.
+  std::vector<double> shares_that_stand() const {
+    const int levels = vision::levels_within(still_.target.size(), options_.contrast.levels);
+    std::vector<double> shares = standing_shares(animation_.snapshot, animation_.placement, levels);
+    for (std::size_t level = 0; level < shares.size(); ++level) {
+      const double guessed = 0.5 * std::min(1.0, static_cast<double>(level) / kWideLevel);
+      shares[level] = options_.standing * std::pow(shares[level], 1 - guessed);
+    }
+    return shares;
+  }
+
+  /// What is carried of an output frame, before anything comes anew: `anew` of what will.
+  Carried carry(int output, double anew) {
+    Carried carried;
+    const std::vector<CopyMap> copies = copies_->at(output);
+    carried.frame = base_->frame(copies);
+    show_carried(carried.frame, exposure_, carried.luma);
+    if (animation_.options.moving()) carried.luma = pull_push(carried.luma, still_.alpha);
+    const std::vector<double> shares =
+        innovations_ ? innovations_->shares(standing_->levels(), anew)
+                     : std::vector<double>(static_cast<std::size_t>(standing_->levels()));
+    const cv::Mat stands = restore_contrast(carried.luma, copies, CarriedBase::kStep, shares, renewing_,
+                                            *standing_, anew, options_.contrast);
+    standing_->colour(carried.frame, stands);
+    return carried;
+  }
+
+  /// With a moving outline, what lies behind the fluid is guessed where nobody gives it, and shows through a thin matte
+  /// from the first frame on. What that is short of the picture is added there, and goes as the still frame does.
+  void begin_as_the_still(const cv::Mat& matte) {
+    const FrameOptions& frames = animation_.options;
+    if (!frames.moving() || frames.form != FrameForm::kWhole || !frames.boundary.background.empty()) return;
+    copies_->prepare(0, 1);
+    const Carried first = carry(0, 0);
+    cv::Mat whole;
+    still_.target.convertTo(whole, CV_8U, 255);
+    cv::subtract(whole, finisher_->finish(first.luma, matte, &first.frame), missing_, cv::noArray(), CV_16S);
+  }
+
+  Animation& animation_;
+  const StillPart& still_;
+  const CarriedOptions options_;
+  double half_life_s_ = 0;  // of carried detail
+  std::optional<Innovations> innovations_;
+  std::shared_ptr<const MotionSequence> sequence_;
+  std::shared_ptr<const CarryingField> field_;
+  cv::Mat exposure_;  // luma
+  std::optional<CarriedBase> base_;
+  std::optional<CopyMaps> copies_;
+  cv::Mat renewing_;  // CV_32F, sampled as the field: how much of what comes anew is for a place, 0..1
+  std::optional<StandingDetail> standing_;
+  std::optional<FrameFinisher> finisher_;
+  cv::Mat missing_;  // the picture less the first frame, CV_16SC3, levels; or empty
+};
+
+}  // namespace
+
+std::unique_ptr<Renderer> make_renderer(Animation& animation, const StillPart& still,
+                                        const CarriedOptions& options) {
+  return std::make_unique<CarriedRenderer>(animation, still, options);
+}
+
+}  // namespace freshet::synth::animate

@@ -1,0 +1,54 @@
+// synth/animate/carried/carried_renderer.h — motion from the patches, look from the picture: the picture is carried
+// along the patches' motion.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+
+#include <opencv2/core.hpp>
+
+#include "synth/animate/carried/innovations.h"
+#include "synth/animate/clips/clip_layer.h"
+#include "synth/animate/frames/animation.h"
+#include "synth/animate/frames/renderer.h"
+#include "synth/animate/frames/still_part.h"
+#include "synth/animate/motion/carrying_field.h"
+#include "synth/animate/still/base_image.h"
+#include "synth/animate/still/carried_base.h"
+#include "synth/animate/still/lost_contrast.h"
+
+namespace freshet::synth::animate {
+
+struct CarriedOptions {
+  Resampling resampling = Resampling::kFlow;
+  BaseImageOptions base{};  // of what lies below the copies
+  /// The motion, the copies of the picture that it carries, and the contrast that they lose.
+  CarryingOptions carrying{};
+  CarriedBaseOptions carry{};
+  LostContrastOptions contrast{};
+  /// How long detail lives that is carried along, s, until half of it is left; 0: as long as in the clips that are
+  /// shown.
+  double half_life_s = 0;
+  /// How much shorter detail lives where the fluid is made to go faster than its patches (pace): lives are
+  /// divided by pace to this power. Eddies of one size turn over in a time that falls as their speed rises. .5 and 1
+  /// bring clouds' spectrum from 4.2 to 4.0 and 3.8 dB and all kinds nearer in detail; at 1 fire's lives are too short.
+  double life_pace = 0.5;
+  /// Of what stays in its place in the patches (standing_shares), how much the picture keeps, 0..1; 0: all that is
+  /// fluid goes.
+  double standing = 1;
+  /// What comes from the patches' pixels. Nothing: the motion alone, and no frame of a clip is read. For a first look: a
+  /// third of the time.
+  std::optional<InnovationOptions> innovations = InnovationOptions{};
+  /// Where what lies at a pixel goes until the next frame, CV_32FC2, px, the picture's size; 0 beside the matte.
+  std::function<void(const cv::Mat&)> motion_sink{};
+};
+
+/// Copies of the picture are carried along the motion of the assigned patches (CopyMaps, CarriedBase), their contrast is
+/// brought back, what stands in the patches stands in the picture (StandingDetail), and what comes anew in the patches
+/// comes anew in it (Innovations). Frame 0 is the picture.
+/// Source: not in Okabe et al. 2011; see the parts.
+std::unique_ptr<Renderer> make_renderer(Animation& animation, const StillPart& still,
+                                        const CarriedOptions& options);
+
+}  // namespace freshet::synth::animate

@@ -1,0 +1,83 @@
+#include "synth/animate/carried/innovations.h"
+
+#include <cmath>
+#include <utility>
+
+#include <oneapi/tbb/parallel_for.h>
+
+#include "synth/animate/sampling/enlarge.h"
+
+namespace freshet::synth::animate {
+namespace {
+
+constexpr float kMaxLevel = 0.08f;  // luma
+
+/// A picture has one light: fires breathe by less than kMaxLevel, and what goes beyond it is a clip's flash, or a puff
+/// that crosses it.
+void limit_level(cv::Mat& level) {
+  for (int y = 0; y < level.rows; ++y) {
+    auto* at = level.ptr<float>(y);
+    for (int x = 0; x < level.cols; ++x) at[x] = kMaxLevel * std::tanh(at[x] / kMaxLevel);
+  }
+}
+
+BlendOptions blend_options(const InnovationOptions& options) {
+  return {.weights = options.weights, .low_band = LowBand::kShared, .low_band_reach = options.low_band_reach};
+}
+
+}  // namespace
+
+Innovations::Innovations(Animation& animation, const cv::Mat& luma, Resampling resampling,
+                         const InnovationOptions& options)
+    : animation_(animation),
+      placement_(halved(animation.placement)),
+      canvas_(placement_, animation.picture.size()),
+      batches_(animation, placement_, resampling, ClipDetail::kInnovation, blend_options(options)),
+      renewal_(placement_, canvas_, luma, batches_.blender(), animation.options.fps, options.renewal) {}
+
+void Innovations::measure(MotionSums& motion) {
+  // They are carried on from frame to frame, and nothing comes back from frames behind the last wanted.
+  batches_.begin(animation_.options.end(), false, [&](ClipLayer& layer, std::span<const int> kept) {
+    // Before all frames are held: it needs the samples alone, and what it holds is kept for the next step.
+    renewal_.measure(layer, batches_.samples());
+    layer.measure(kept);
+    add_motion(animation_, layer, motion);
+  });
+  renewal_.settle();
+}
+
+std::vector<double> Innovations::shares(int levels, double begun) const {
+  std::vector<double> shares;
+  for (int level = 0; level < levels; ++level) shares.push_back(begun * renewal_.share_of_picture(level));
+  return shares;
+}
+
+cv::Mat Innovations::restrict_to(const cv::Mat& lively, int step) {
+  cv::Mat on_canvas = canvas_.cut_samples(lively, step);
+  cv::multiply(on_canvas, renewal_.places(), on_canvas);
+  counts_ = Renewal::counts_of(on_canvas);
+  return lively.mul(canvas_.sampled(renewal_.places(), step, lively.size()));
+}
+
+void Innovations::advance(std::span<const int> outputs, std::size_t passed, const CarryingField& field) {
+  Blender& blender = batches_.blender();
+  first_ = outputs.front();
+  advanced_.assign(outputs.size(), {});
+  oneapi::tbb::parallel_for(std::size_t{0}, outputs.size(), [&](std::size_t i) {
+    advanced_[i] = blender.take_detail(batches_.slot(outputs[i]));
+  });
+  for (std::size_t i = 0; i < outputs.size(); ++i)
+    advanced_[i] = renewal_.advance(field.at(outputs[i] - 1), field.step(), advanced_[i]);
+  for (std::size_t i = 0; i < passed; ++i) blender.drop(batches_.slot(outputs[i]));
+}
+
+void Innovations::add(int output, double begun, cv::Mat& luma) {
+  cv::Mat field = std::move(advanced_[static_cast<std::size_t>(output - first_)]);
+  renewal_.show(field, luma, begun, counts_);
+  cv::Mat level = batches_.blender().take_level(batches_.slot(output));
+  limit_level(level);
+  cv::scaleAdd(level, begun, field, field);
+  add_enlarged(field, canvas_.rect(), canvas_.scale(), luma);
+}
+
+}  // namespace freshet::synth::animate

@@ -1,0 +1,64 @@
+// synth/animate/carried/innovations.h — what the patches' pixels add to the carried picture: detail that comes anew, and
+// how light a place is.
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include <opencv2/core.hpp>
+
+#include "synth/animate/carried/renewal.h"
+#include "synth/animate/frames/animation.h"
+#include "synth/animate/frames/clip_batches.h"
+#include "synth/animate/frames/pieces_canvas.h"
+#include "synth/animate/motion/carrying_field.h"
+
+namespace freshet::synth::animate {
+
+struct InnovationOptions {
+  /// Where pieces overlap.
+  BlendWeights weights = BlendWeights::kVariance;
+  double low_band_reach =
+      3;  // pieces: sigma of the neighbourhood that shares how light it is (LowBand::kShared)
+  RenewalOptions renewal{};
+};
+
+/// The clips' innovations of one animation, merged at half the picture's size and carried on from frame to frame.
+class Innovations {
+ public:
+  /// luma   of the picture. animation and what it views outlive this.
+  Innovations(Animation& animation, const cv::Mat& luma, Resampling resampling,
+              const InnovationOptions& options);
+  Innovations(const Innovations&) = delete;
+  Innovations& operator=(const Innovations&) = delete;
+
+  /// Measures all clips, and adds how they move. First.
+  void measure(MotionSums& motion);
+  /// Of all detail's variance, what comes anew in a frame, 0..1.
+  double overall() const { return renewal_.overall(); }
+  /// By level of the picture, the fraction of its variance that is left for them; `begun` of it, 0..1.
+  std::vector<double> shares(int levels, double begun) const;
+  /// Where how much may come anew: `lively` (CV_32F, 0..1, every `step` px) times what each place renews. Before frames.
+  cv::Mat restrict_to(const cv::Mat& lively, int step);
+
+  int batch() const { return batches_.batch(); }
+  void read(std::span<const int> outputs) { batches_.read(outputs); }
+  /// The innovations of successive frames, of which the first `passed` are not wanted.
+  void advance(std::span<const int> outputs, std::size_t passed, const CarryingField& field);
+  /// Adds a frame's to its luma; once for each that was advanced to and is wanted. begun: of their share, 0..1. Safe from
+  /// many threads.
+  void add(int output, double begun, cv::Mat& luma);
+
+ private:
+  Animation& animation_;
+  const Placement placement_;  // at half the size
+  const PiecesCanvas canvas_;
+  ClipBatches batches_;
+  Renewal renewal_;
+  std::vector<cv::Mat> counts_;  // on the canvas, for Renewal::show
+  std::vector<cv::Mat> advanced_;
+  int first_ = 0;  // the output frame of the first of them
+};
+
+}  // namespace freshet::synth::animate

@@ -1,0 +1,72 @@
+#include "synth/animate/frames/frame_batches.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <numeric>
+#include <optional>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include <oneapi/tbb/parallel_for.h>
+
+#include "synth/animate/frames/handover.h"
+
+namespace freshet::synth::animate {
+namespace {
+
+constexpr int kGroup = 8;  // frames rendered at once before they are handed on in order
+
+/// Output frames in the order in which they are shown.
+std::vector<int> order_of(const FrameOptions& options, int first) {
+  std::vector<int> order(options.frames);
+  std::iota(order.begin(), order.end(), 0);
+  std::rotate(order.begin(), order.begin() + first, order.end());
+  return order;
+}
+
+}  // namespace
+
+void make_frames(Animation& animation, const StillPart& still, Renderer& renderer,
+                 const std::function<void(const cv::Mat&)>& sink) {
+  const FrameOptions& options = animation.options;
+  const std::vector<int> order = order_of(options, renderer.first());
+  std::optional<BoundarySequence> boundary;
+  if (options.moving())
+    boundary.emplace(
+        still.alpha, still.asked_motion, options.fps, options.boundary.matte,
+        [&](int i) { return renderer.motion(order[static_cast<std::size_t>(i) % order.size()]); },
+        options.loop ? options.frames : 0, options.boundary.held);
+  Handover handover(sink);
+  const int batch = renderer.batch(), end = options.end(), from = std::clamp(options.from, 0, end);
+  animation.report.batches = (options.frames + batch - 1) / batch;
+  for (int first = 0; first < end; first += batch) {
+    const std::span<const int> read = std::span(order).subspan(first, std::min(batch, end - first));
+    renderer.read(read);
+    for (std::size_t done = 0; done < read.size(); done += kGroup) {
+      animation.throw_if_stopped();
+      const std::span<const int> outputs =
+          read.subspan(done, std::min<std::size_t>(kGroup, read.size() - done));
+      const int before = first + static_cast<int>(done);
+      const std::size_t passed =
+          std::min(outputs.size(), static_cast<std::size_t>(std::max(0, from - before)));
+      std::vector<cv::Mat> mattes(outputs.size(), still.alpha), finished(outputs.size() - passed);
+      if (boundary)
+        for (cv::Mat& matte : mattes) matte = boundary->next();
+      if (options.matte_sink)
+        for (std::size_t i = passed; i < mattes.size(); ++i) options.matte_sink(mattes[i]);
+      renderer.prepare(outputs, mattes, passed);
+      oneapi::tbb::parallel_for(std::size_t{0}, finished.size(), [&](std::size_t i) {
+        finished[i] = renderer.finish(outputs[passed + i], mattes[passed + i]);
+      });
+      handover.take(std::move(finished));
+      animation.tell("render", static_cast<std::size_t>(std::min(before + kGroup, end)),
+                     static_cast<std::size_t>(end));
+    }
+    animation.report.render_s += animation.watch.lap();
+  }
+  handover.wait();
+  animation.report.render_s += animation.watch.lap();
+}
+
+}  // namespace freshet::synth::animate

@@ -1,0 +1,73 @@
+#include "synth/animate/frames/still_part.h"
+
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include <oneapi/tbb/parallel_invoke.h>
+
+#include "synth/animate/motion/motion_field.h"
+#include "synth/animate/sampling/pull_push.h"
+
+namespace freshet::synth::animate {
+namespace {
+
+/// CV_32FC3, 1 is white.
+cv::Mat in_units(const cv::Mat& picture) {
+  cv::Mat out = picture;
+  if (picture.depth() == CV_8U) picture.convertTo(out, CV_32F, 1.0 / 255);
+  return out;
+}
+
+}  // namespace
+
+StillPart read_still(const Animation& animation) {
+  StillPart still;
+  const FrameOptions& options = animation.options;
+  if (options.moving()) still.behind = behind_fluid(animation.picture, animation.matte, options.boundary);
+  still.target = in_units(animation.picture);
+  still.luma = luma_of(still.target);
+  animation.matte.convertTo(still.alpha, CV_32F, 1.0 / 255);
+  oneapi::tbb::parallel_invoke(
+      [&] {
+        still.assigned_motion = motion_field(animation.snapshot, animation.settings, animation.placement,
+                                             animation.picture.size());
+        still.asked_motion = apply_guide(still.assigned_motion, options.guide);
+      },
+      [&] {
+        still.colours = fit_colour(still.target, still.luma, still.alpha,
+                                   static_cast<int>(std::lround(12 * animation.placement.piece_scale)));
+      });
+  return still;
+}
+
+Exposure expose(const Animation& animation, const StillPart& still, const BaseImageOptions& options) {
+  BaseImageOptions enlarged = options;
+  enlarged.max_length_px *= animation.placement.piece_scale;
+  enlarged.max_sigma_px *= animation.placement.piece_scale;
+  std::array<cv::Mat, 3> own;
+  {
+    cv::Mat modelled;
+    apply_colour(still.colours, still.luma, modelled);
+    cv::split(still.target - modelled, own.data());
+  }
+  // The model keeps luma: two of the three colours tell the third, and one pass blurs all.
+  cv::Mat together;
+  cv::merge(std::vector<cv::Mat>{still.luma, own[0], own[2]}, together);
+  std::array<cv::Mat, 3> blurred;
+  cv::split(base_image(together, still.alpha, still.asked_motion, enlarged), blurred.data());
+  const cv::Mat green = -(kBlueLuma * blurred[1] + kRedLuma * blurred[2]) / kGreenLuma;
+  Exposure exposure{.luma = blurred[0], .colour = {}};
+  cv::merge(std::vector<cv::Mat>{blurred[1], green, blurred[2]}, exposure.colour);
+  return exposure;
+}
+
+FrameFinisher finisher_of(const Animation& animation, const StillPart& still, const cv::Mat& own_colour,
+                          const ColourCurve& curve) {
+  if (!animation.options.moving()) return FrameFinisher(still.colours, curve, own_colour, still.target);
+  return FrameFinisher({.slope = pull_push(still.colours.slope, still.alpha),
+                        .offset = pull_push(still.colours.offset, still.alpha)},
+                       curve, pull_push(own_colour, still.alpha), still.behind);
+}
+
+}  // namespace freshet::synth::animate

@@ -1,0 +1,40 @@
+// synth/animate/frames/still_part.h — what of an animation stands still: the picture in the forms that frames are made
+// from.
+#pragma once
+
+#include <opencv2/core.hpp>
+
+#include "synth/animate/frames/animation.h"
+#include "synth/animate/still/base_image.h"
+#include "synth/animate/still/colour_curve.h"
+#include "synth/animate/still/colour_model.h"
+#include "synth/animate/still/finished_frame.h"
+
+namespace freshet::synth::animate {
+
+/// All of the picture's size.
+struct StillPart {
+  cv::Mat target, luma;  // the picture, CV_32FC3, and its luma, CV_32F; 1 is white
+  cv::Mat alpha;         // the matte, CV_32F 0..1
+  cv::Mat behind;        // with a moving outline: behind_fluid
+  cv::Mat assigned_motion,
+      asked_motion;  // CV_32FC2, px/s: the patches' own, and as it is asked (apply_guide)
+  ColourModel colours;
+};
+/// Throws   as behind_fluid, before any other work.
+StillPart read_still(const Animation& animation);
+
+/// The picture as a long exposure along its motion.
+struct Exposure {
+  cv::Mat luma;    // CV_32F
+  cv::Mat colour;  // CV_32FC3, BGR: what colour does beside luminance (StillPart::colours)
+};
+/// Lengths of the options are px of a piece's own size.
+Exposure expose(const Animation& animation, const StillPart& still, const BaseImageOptions& options);
+
+/// The last step of frames. With a moving outline the fluid's layers go on beyond the still matte, for it to uncover.
+/// curve   of what is carried; empty where nothing is.
+FrameFinisher finisher_of(const Animation& animation, const StillPart& still, const cv::Mat& own_colour,
+                          const ColourCurve& curve = {});
+
+}  // namespace freshet::synth::animate
