@@ -1,12 +1,7 @@
 #include "studio/project.h"
 
-#include <fcntl.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <cctype>
-#include <cerrno>
-#include <cstring>
 #include <system_error>
 
 #include <fmt/format.h>
@@ -30,31 +25,6 @@ constexpr const char* kDocument = "document.json";
 constexpr const char* kHistory = "history.json";
 constexpr const char* kThumbnail = "thumbnail.jpg";
 constexpr int kThumbnailSide = 480;  // px
-
-[[noreturn]] void fail_writing(const fs::path& path, int fault) {
-  throw Error(ErrorKind::kIo, path.string(), fmt::format("cannot be written ({})", std::strerror(fault)),
-              "Free space on the disk");
-}
-
-/// Beside its place, and renamed: who reads it finds the old or the new, whenever we are killed.
-void write_whole(const fs::path& path, std::string_view bytes) {
-  const fs::path beside = path.string() + ".new";
-  const int fd = ::open(beside.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_NOFOLLOW, 0644);
-  if (fd < 0) fail_writing(beside, errno);
-  for (std::size_t done = 0; done < bytes.size();) {
-    const ssize_t put = ::write(fd, bytes.data() + done, bytes.size() - done);
-    if (put < 0 && errno == EINTR) continue;
-    if (put < 0) {
-      const int fault = errno;
-      ::close(fd);
-      ::unlink(beside.c_str());
-      fail_writing(beside, fault);
-    }
-    done += static_cast<std::size_t>(put);
-  }
-  ::close(fd);
-  if (::rename(beside.c_str(), path.c_str()) != 0) fail_writing(path, errno);
-}
 
 std::string png(const cv::Mat& map) {
   std::vector<std::uint8_t> bytes;
@@ -107,7 +77,7 @@ void Project::read_document() {
   const fs::path path = folder_ / kDocument;
   if (!holds(kDocument)) return;
   try {
-    state_.document = document_from_json(read_text_file(path, kMaxDocument, ""), path.string());
+    state_.document = document_from_json(read_beneath(folder_, kDocument, kMaxDocument), path.string());
   } catch (const Error& fault) {
     std::error_code ignored;
     fs::rename(path, folder_ / "document.damaged", ignored);
@@ -156,7 +126,7 @@ void Project::write_history(std::string_view json) {
 
 std::string Project::history() const {
   const std::lock_guard lock(guard_);
-  return holds(kHistory) ? read_text_file(folder_ / kHistory, kMaxHistory, "") : "null";
+  return holds(kHistory) ? read_beneath(folder_, kHistory, kMaxHistory) : "null";
 }
 
 void Project::write_mattes(const cv::Mat& alpha, const cv::Mat& held) {
@@ -202,28 +172,19 @@ RecipeFiles Project::files_of(const Document& document) const {
 }
 
 void Project::write_way(const std::string& way, const std::vector<WayFile>& files) const {
-  const fs::path folder = folder_ / "ways" / way;
-  std::error_code fault;
-  fs::create_directories(folder, fault);
-  if (fs::is_symlink(folder.parent_path(), fault) || fs::is_symlink(folder, fault) ||
-      !fs::is_directory(folder, fault))
-    throw Error(ErrorKind::kIo, folder.string(), "is no folder");
-  for (const WayFile& file : files) write_whole(folder / file.name, file.bytes);
+  for (const WayFile& file : files) write_beneath(folder_, fs::path("ways") / way / file.name, file.bytes);
 }
 
-fs::path Project::way_path(const std::string& way, const std::string& name) const {
-  const fs::path path = folder_ / "ways" / way / name;
-  if (!fs::is_regular_file(fs::symlink_status(path)) || fs::canonical(path) != path)
-    throw Error(ErrorKind::kNotFound, name, "it has not been made yet");
-  return path;
+std::shared_ptr<const OpenFile> Project::open_way(const std::string& way, const std::string& name) const {
+  return open_beneath(folder_, fs::path("ways") / way / name);
 }
 
 std::string Project::read_way(const std::string& way, const std::string& name) const {
   constexpr std::size_t kMost = 32u << 20;
-  return read_text_file(way_path(way, name), kMost, "");
+  return read_beneath(folder_, fs::path("ways") / way / name, kMost);
 }
 
-fs::path Project::export_path(const std::string& name) const {
+void Project::expect_export(const std::string& name) const {
   if (!is_plain_file_name(name))
     throw Error(ErrorKind::kUsage, printable(name), "it is no plain file name",
                 "Use letters, digits, dots and dashes");
@@ -234,7 +195,11 @@ fs::path Project::export_path(const std::string& name) const {
     throw Error(ErrorKind::kIo, folder.string(), "is no folder");
   if (fs::is_symlink(folder / fs::path(name).stem(), fault))
     throw Error(ErrorKind::kUsage, name, "a symbolic link has its name", "Use another");
-  return folder / name;
+}
+
+std::shared_ptr<const OpenFile> Project::open_export(const std::string& name) const {
+  if (!is_plain_file_name(name)) throw Error(ErrorKind::kNotFound, name, "there is no such export");
+  return open_beneath(folder_, fs::path("exports") / name);
 }
 
 std::string Project::export_output(const std::string& name) {
@@ -245,7 +210,7 @@ std::string Project::export_output(const std::string& name) {
 }
 
 void Project::write(const std::string& name, std::string_view bytes) const {
-  write_whole(folder_ / name, bytes);
+  write_beneath(folder_, name, bytes);
 }
 
 void Project::write_or_remove(const char* name, const cv::Mat& map) const {
@@ -264,10 +229,7 @@ bool Project::holds(const std::string& name) const {
 
 std::string thumbnail(const fs::path& folder) {
   constexpr std::size_t kMost = 4u << 20;
-  const fs::path path = folder / kThumbnail;
-  if (fs::is_symlink(fs::symlink_status(folder)) || !fs::is_regular_file(fs::symlink_status(path)))
-    throw Error(ErrorKind::kNotFound, folder.filename().string(), "it has no thumbnail");
-  return read_text_file(path, kMost, "");
+  return read_beneath(folder, kThumbnail, kMost);
 }
 
 std::string small_jpeg(const cv::Mat& picture, int side) {

@@ -13,6 +13,7 @@
 #include <opencv2/core.hpp>
 
 #include "media/picture/picture.h"
+#include "studio/beneath.h"
 #include "studio/drawing/document.h"
 #include "studio/drawing/recipe.h"
 #include "studio/ways/way_file.h"
@@ -74,14 +75,16 @@ class Project {
   /// Which of these files there are.
   RecipeFiles recipe_files(const Document& document) const;
 
-  /// Writes files into ways/WAY, which is made. Throws Error{kIo} when it is no folder of ours.
+  /// Writes files into ways/WAY, which is made. Throws Error{kIo} where a link is on the way.
   void write_way(const std::string& way, const std::vector<WayFile>& files) const;
-  /// Where a file of ways/WAY lies. Throws Error{kNotFound}, for links too.
-  std::filesystem::path way_path(const std::string& way, const std::string& name) const;
+  /// A file of ways/WAY. Throws Error{kNotFound}, for links too.
+  std::shared_ptr<const OpenFile> open_way(const std::string& way, const std::string& name) const;
   std::string read_way(const std::string& way, const std::string& name) const;
 
-  /// exports/NAME; the folder is made. Throws Error{kUsage} for a name that is no plain file name.
-  std::filesystem::path export_path(const std::string& name) const;
+  /// Makes exports/, for a file of this name. Throws Error{kUsage} for a name that is no plain file name, or a link's.
+  void expect_export(const std::string& name) const;
+  /// exports/NAME. Throws Error{kNotFound}, for links too.
+  std::shared_ptr<const OpenFile> open_export(const std::string& name) const;
   /// What `synth animate -o` is told for it, from the project's folder: "exports/fall.mp4"; for a sequence, of pictures,
   /// "exports/fall/fall.####.exr".
   static std::string export_output(const std::string& name);

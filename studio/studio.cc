@@ -46,14 +46,6 @@ std::string tame(const std::string& name, std::size_t most) {
   return tamed;
 }
 
-void make_folder(const fs::path& folder) {
-  std::error_code fault;
-  fs::create_directories(folder, fault);
-  if (!fs::is_directory(folder))
-    throw Error(ErrorKind::kIo, folder.string(), "the studio's folder cannot be made",
-                "Choose another with --folder");
-}
-
 Json view_json(const JobView& view, const char* lane) {
   return {{"lane", lane},
           {"id", view.id},
@@ -92,14 +84,12 @@ bool only_refused(const Json& report) {
 
 }  // namespace
 
-Studio::Studio(StudioOptions options) : options_(std::move(options)) {
-  for (const char* name : {"projects", "stores", "incoming", "cache"}) make_folder(options_.folder / name);
-  options_.folder = fs::canonical(options_.folder);
+Studio::Studio(StudioOptions options) : options_(std::move(options)), folder_(options_.folder) {
   std::error_code fault;
-  for (const fs::directory_entry& entry : fs::directory_iterator(options_.folder / "stores", fault))
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder_.stores(), fault))
     if (entry.path().extension() == ".freshet" && entry.is_regular_file()) add_store(entry.path());
   for (const fs::path& path : options_.stores) add_store(path);
-  cache_ = std::make_unique<query::LabelCache>(options_.folder / "cache", kCacheBytes);
+  cache_ = std::make_unique<query::LabelCache>(folder_.cache(), kCacheBytes);
   previews_ = std::make_unique<JobQueue>(watcher("preview"));
   commands_ = std::make_unique<JobQueue>(watcher("command"));
 }
@@ -116,14 +106,9 @@ void Studio::add_store(const fs::path& path) {
   stores_.emplace(store->id(), store);
 }
 
-fs::path Studio::incoming_file() {
-  const std::lock_guard lock(guard_);
-  return options_.folder / "incoming" / fmt::format("{}-{}.part", ::getpid(), ++incoming_);
-}
-
 fs::path Studio::project_folder(const std::string& id) const {
   if (!is_project_name(id)) throw Error(ErrorKind::kNotFound, "project", "there is no such project");
-  return options_.folder / "projects" / id;
+  return folder_.projects() / id;
 }
 
 namespace {
@@ -151,7 +136,7 @@ Json offered_formats() {
 std::string Studio::home_json() const {
   std::vector<std::pair<fs::file_time_type, std::string>> found;
   std::error_code fault;
-  for (const fs::directory_entry& entry : fs::directory_iterator(options_.folder / "projects", fault)) {
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder_.projects(), fault)) {
     const std::string id = entry.path().filename();
     if (!is_project_name(id) || entry.is_symlink() || !entry.is_directory()) continue;
     const fs::file_time_type changed = fs::last_write_time(entry.path() / "document.json", fault);
@@ -160,7 +145,7 @@ std::string Studio::home_json() const {
   std::sort(found.rbegin(), found.rend());
   Json json{{"projects", Json::array()},
             {"stores", Json::array()},
-            {"folder", options_.folder.string()},
+            {"folder", folder_.path().string()},
             {"formats", offered_formats()}};
   for (const auto& [changed, id] : found) {
     const auto ago =
@@ -264,10 +249,10 @@ std::string Studio::project_json(const std::string& project) {
                {"made", Json::parse(easel->overview_json())}});
 }
 
-std::shared_ptr<OpenedStore> Studio::store_of(const Document& document) const {
+std::shared_ptr<OpenedStore> Studio::store_at(const std::string& path) const {
   const std::lock_guard lock(guard_);
   for (const auto& [id, store] : stores_)
-    if (store->path() == document.store) return store;
+    if (store->path() == path) return store;
   return nullptr;
 }
 
@@ -315,7 +300,7 @@ Command Studio::export_command(const std::string& program, const Project& projec
 JobId Studio::export_animation(const std::string& project, const std::string& name,
                                const std::vector<std::string>& options) {
   const std::shared_ptr<Easel> easel = this->easel(project);
-  easel->project().export_path(name);  // refused here, not minutes later
+  easel->project().expect_export(name);  // refused here, not minutes later
   const Document document = easel->project().state().document;
   const std::shared_ptr<OpenedStore> store = store_of(document);
   if (!store) throw Error(ErrorKind::kUsage, project, "no store is chosen", "Choose one");
@@ -324,6 +309,7 @@ JobId Studio::export_animation(const std::string& project, const std::string& na
   return commands_->submit("export " + project + "/" + name, "Export " + name,
                            [this, easel, project, name, words](const Job& job) {
                              await_previews(project, *easel, job);
+                             expect_no_links(easel->project().folder());
                              run(export_command(options_.program, easel->project(), name, words), job);
                              feed_.publish("export", text({{"project", project}, {"name", name}}));
                            });
@@ -369,6 +355,9 @@ JobId Studio::run_way(const std::string& project, const std::string& way) {
   // What is drawn now is what is made, whatever is drawn while it waits.
   const Document document = easel->project().state().document;
   const WayPlan plan = plan_way(way, document);
+  // A document may come from elsewhere, and name any store of the disk.
+  if (!plan.store.empty() && !store_at(plan.store))
+    throw Error(ErrorKind::kUsage, plan.store, "this store is not open", "Give it to freshet studio");
   return commands_->submit(
       "way " + project + "/" + way, project + ": " + way,
       [this, easel, document, plan, project, way](const Job& job) {
@@ -382,6 +371,7 @@ JobId Studio::run_way(const std::string& project, const std::string& way) {
           tell_way(project, way);
         }
         CommandAnswer answer;
+        expect_no_links(holder.folder());
         for (const std::vector<std::string>& words : plan.commands)
           answer = run({.program = options_.program, .arguments = words, .folder = holder.folder()}, job);
         if (!plan.answer.empty()) holder.write_way(plan.folder, {{plan.answer, answer.output}});
@@ -393,18 +383,16 @@ void Studio::tell_way(const std::string& project, const std::string& way) {
   feed_.publish("way", text({{"project", project}, {"way", way}}));
 }
 
-fs::path Studio::film(const std::string& project, const std::string& way) {
-  const fs::path folder = easel(project)->project().folder(), path = folder / plan(project, way).film;
-  if (!fs::is_regular_file(fs::symlink_status(path)) || fs::canonical(path) != path)
-    throw Error(ErrorKind::kNotFound, way, "it has made no film yet");
-  return path;
+std::shared_ptr<const OpenFile> Studio::film(const std::string& project, const std::string& way) {
+  return open_beneath(easel(project)->project().folder(), plan(project, way).film);
 }
 
-fs::path Studio::way_file(const std::string& project, const std::string& way, const std::string& name) {
+std::shared_ptr<const OpenFile> Studio::way_file(const std::string& project, const std::string& way,
+                                                 const std::string& name) {
   const WayPlan plan = this->plan(project, way);
   if (std::find(plan.shown.begin(), plan.shown.end(), name) == plan.shown.end())
     throw Error(ErrorKind::kNotFound, name, "there is no such file");
-  return easel(project)->project().way_path(plan.folder, name);
+  return easel(project)->project().open_way(plan.folder, name);
 }
 
 std::string Studio::layer_matte_png(const std::string& project, std::uint64_t layer) {
@@ -448,19 +436,16 @@ std::string Studio::way_json(const std::string& project, const std::string& way)
             {"shown", plan.shown}};
   for (const std::vector<std::string>& words : plan.commands)
     json["commands"].push_back(to_text({.program = {}, .arguments = words, .folder = {}}));
-  const auto number = [](const fs::path& path) {
-    return std::to_string(fs::last_write_time(path).time_since_epoch().count());
-  };
   try {
     if (!plan.answer.empty()) {
       const std::shared_ptr<Easel> easel = this->easel(project);
       const Json found = Json::parse(easel->project().read_way(plan.folder, plan.answer), nullptr, false);
       if (!found.is_discarded()) {
         json["found"] = found;
-        json["made"] = number(easel->project().folder() / "ways" / plan.folder / plan.answer);
+        json["made"] = std::to_string(easel->project().open_way(plan.folder, plan.answer)->changed_ns());
       }
     }
-    if (!plan.film.empty()) json["film"] = number(film(project, way));
+    if (!plan.film.empty()) json["film"] = std::to_string(film(project, way)->changed_ns());
   } catch (const Error&) {
     return text(json);  // there is none yet
   }
@@ -500,17 +485,9 @@ std::string Studio::open_clip(const fs::path& file, const std::string& name) {
     throw Error(ErrorKind::kInput, name, "its ending names no video", "Give MP4, MOV, MKV, AVI or WebM");
   std::vector<std::uint8_t> png;
   cv::imencode(".png", first_frame(file), png);
-  const fs::path picture = incoming_file();
-  std::string id;
-  std::error_code fault;
-  try {
-    write_whole_file(picture, {png.begin(), png.end()});
-    id = open_picture(picture, project_name(name) + ".png");
-  } catch (...) {
-    fs::remove(picture, fault);
-    throw;
-  }
-  fs::remove(picture, fault);                            // of a picture that was there already
+  const IncomingFile picture = incoming_file();
+  write_whole_file(picture.path(), {png.begin(), png.end()});
+  const std::string id = open_picture(picture.path(), project_name(name) + ".png");
   const std::shared_ptr<Easel> easel = this->easel(id);  // it is ours while others are opened
   Project::State state = easel->project().state();
   state.document.endless.clip = add_clip(id, file, name);
@@ -539,8 +516,8 @@ std::string Studio::open_store(const fs::path& file, const std::string& name) {
   fs::remove(file.string() + "-lock", fault);
   const std::string stem = tame(fs::path(name).stem(), 60);
   for (int number = 1; number < 1000; ++number) {
-    const fs::path path = options_.folder / "stores" /
-                          (number == 1 ? stem + ".freshet" : fmt::format("{}-{}.freshet", stem, number));
+    const fs::path path =
+        folder_.stores() / (number == 1 ? stem + ".freshet" : fmt::format("{}-{}.freshet", stem, number));
     // A link, not a rename: of two that come at once, one finds the other's.
     if (::link(file.c_str(), path.c_str()) != 0) {
       const bool is_there = errno == EEXIST;
@@ -555,7 +532,7 @@ std::string Studio::open_store(const fs::path& file, const std::string& name) {
 }
 
 std::string Studio::new_store(const std::string& name) {
-  const fs::path path = options_.folder / "stores" / (tame(name, 60) + ".freshet");
+  const fs::path path = folder_.stores() / (tame(name, 60) + ".freshet");
   const std::lock_guard lock(guard_);
   auto store = std::make_shared<OpenedStore>(path);
   stores_.emplace(store->id(), store);
@@ -565,7 +542,7 @@ std::string Studio::new_store(const std::string& name) {
 fs::path Studio::clip_path(const std::string& store, const std::string& class_name, const std::string& file) {
   if (!media::looks_like_video(file))
     throw Error(ErrorKind::kUsage, file, "its ending names no video", "Give MP4, MOV, MKV, AVI or WebM");
-  const fs::path folder = options_.folder / "incoming" / this->store(store)->id() /
+  const fs::path folder = folder_.incoming_clips(this->store(store)->id()) /
                           tame(class_name.empty() ? "unsorted" : class_name, 40);
   make_folder(folder);
   return folder / tame(fs::path(file).filename(), 100);
@@ -573,13 +550,13 @@ fs::path Studio::clip_path(const std::string& store, const std::string& class_na
 
 JobId Studio::ingest(const std::string& id, const std::string& licence) {
   const std::shared_ptr<OpenedStore> store = this->store(id);
-  const fs::path clips = options_.folder / "incoming" / id;
+  const fs::path clips = folder_.incoming_clips(id);
   return commands_->submit(
       "ingest " + id, "Ingest into " + store->path().stem().string(),
       [this, store, clips, licence, id](const Job& job) {
         Command command{.program = options_.program,
                         .arguments = {"ingest", store->path(), clips, "--json"},
-                        .folder = options_.folder};
+                        .folder = folder_.path()};
         if (!licence.empty()) command.arguments.push_back("--licence=" + licence);
         const CommandAnswer answer = run_to_end(command, job);  // what is stopped or fails keeps its clips
         Json report = Json::parse(answer.output, nullptr, false);

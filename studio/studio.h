@@ -19,6 +19,7 @@
 #include "studio/job_queue.h"
 #include "studio/opened_store.h"
 #include "studio/project.h"
+#include "studio/studio_folder.h"
 #include "studio/ways/way_plan.h"
 
 namespace freshet::studio {
@@ -34,15 +35,15 @@ struct StudioOptions {
 /// wrong with something that was sent.
 class Studio {
  public:
-  /// Throws Error{kIo} when the folder cannot be made.
+  /// Throws as StudioFolder.
   explicit Studio(StudioOptions options);
   Studio(const Studio&) = delete;
   Studio& operator=(const Studio&) = delete;
   ~Studio();
 
   EventFeed& feed() { return feed_; }
-  /// A new file's path, for what is being sent; the caller removes it.
-  std::filesystem::path incoming_file();
+  /// For what is being sent.
+  IncomingFile incoming_file() { return folder_.incoming_file(); }
 
   std::string home_json() const;
   /// Projects that hold the same picture already are opened again. file   moved.
@@ -80,10 +81,11 @@ class Studio {
   /// Its "film", a number that another film does not have, or null; its "commands"; what the last one "found", and "made",
   /// a number as the film's, or null; and the names of what is "shown".
   std::string way_json(const std::string& project, const std::string& way);
-  /// Where its film lies. Throws Error{kNotFound}.
-  std::filesystem::path film(const std::string& project, const std::string& way);
-  /// Where a file lies that the way shows (WayPlan::shown). Throws Error{kNotFound}.
-  std::filesystem::path way_file(const std::string& project, const std::string& way, const std::string& name);
+  /// Throws Error{kNotFound} before it is made.
+  std::shared_ptr<const OpenFile> film(const std::string& project, const std::string& way);
+  /// A file that the way shows (WayPlan::shown). Throws Error{kNotFound}.
+  std::shared_ptr<const OpenFile> way_file(const std::string& project, const std::string& way,
+                                           const std::string& name);
 
   /// PNG, white, with the matte that a layer's scribbles mean as its alpha, for the eye: a draft. Throws Error{kNotFound}.
   std::string layer_matte_png(const std::string& project, std::uint64_t layer);
@@ -126,7 +128,8 @@ class Studio {
 
  private:
   void add_store(const std::filesystem::path& path);
-  std::shared_ptr<OpenedStore> store_of(const Document& document) const;
+  std::shared_ptr<OpenedStore> store_of(const Document& document) const { return store_at(document.store); }
+  std::shared_ptr<OpenedStore> store_at(const std::string& path) const;  // null: it is not open
   WayPlan plan(const std::string& project, const std::string& way);
   /// Until the previews of a project have made what an animation reads of it. Throws Error{kUsage} where they could not,
   /// and Error{kCancelled}.
@@ -139,13 +142,13 @@ class Studio {
   JobQueue::Watcher watcher(const char* lane);
 
   StudioOptions options_;
+  StudioFolder folder_;
   EventFeed feed_;
   mutable std::mutex guard_;
   std::map<std::string, std::shared_ptr<OpenedStore>> stores_;  // by id
   std::map<std::string, std::shared_ptr<Easel>> easels_;        // by project; at most kMostEasels
   std::vector<std::string> recently_;                           // projects of easels_, last used last
   std::unique_ptr<query::LabelCache> cache_;
-  std::uint64_t incoming_ = 0;
   std::map<std::uint64_t, std::string> strips_;    // of the last ingest's clips
   std::unique_ptr<JobQueue> previews_, commands_;  // last: they use all of the above
 };

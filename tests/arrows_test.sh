@@ -62,11 +62,12 @@ synth/transfer: synth/field
 synth/transfer/files: store media/* vision query/stored synth/transfer synth/animate/clips
 studio/drawing: synth/matte
 studio/ways: studio/drawing synth/simulate/design
-studio: store media/* vision query/* synth/animate/* synth/matte studio/*
+studio: store media/* vision query/* synth/animate/* synth/matte studio/drawing studio/ways
+studio/http: studio
 library: store media/* vision ingest query/* synth/*
 tools/console: store media/* vision query/*
 tools/options: vision media/picture media/video query/* synth/animate/* synth/matte tools/console
-tools: report store/* media/* vision ingest query/* synth/* studio tools/*
+tools: report store/* media/* vision ingest query/* synth/* studio studio/http tools/*
 '
 rooms="include platform report store media vision ingest query synth studio library tools"
 max_units=16  # headers, with or without a source file, in one folder

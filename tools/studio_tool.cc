@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 
 #include "freshet/error.h"
-#include "studio/server.h"
+#include "studio/http/server.h"
 #include "studio/studio.h"
 #include "tools/commands.h"
 
@@ -90,12 +90,10 @@ void run_studio(const StudioCommand& command, const RunContext& context) {
                          .page = command.page.empty() ? default_page(program) : fs::path(command.page)});
   std::string url = server.url();
   if (!pictures.empty()) {
-    const fs::path copy = studio.incoming_file();
-    fs::copy_file(pictures[0], copy);
-    url += "#/" + studio.open_picture(copy, pictures[0].filename(),
+    const studio::IncomingFile copy = studio.incoming_file();
+    fs::copy_file(pictures[0], copy.path());
+    url += "#/" + studio.open_picture(copy.path(), pictures[0].filename(),
                                       options.stores.empty() ? "" : options.stores[0].string());
-    std::error_code ignored;
-    fs::remove(copy, ignored);
   }
   if (command.address != "127.0.0.1")
     say(fmt::format(

@@ -46,6 +46,7 @@ WayPlan plan_design(const Document& document) {
                .film = "ways/design/motion/preview.mp4"};
   if (design.look.empty()) return plan;
   plan.film = "ways/design/film.mp4";
+  plan.store = document.store;
   plan.commands.push_back({"synth", "transfer", "--design", "ways/design/motion", "--store", document.store,
                            "--exemplar", design.look, "--ground", design.ground, "-o",
                            "ways/design/fluid.mkv", "--over", "ways/design/behind.png", "--composite",
@@ -94,6 +95,8 @@ WayPlan plan_stills(const Stills& stills) {
   return plan;
 }
 
+std::string clip_store(const Document& document) { return document.endless.dropped ? "" : document.store; }
+
 /// The clip that is chosen, as `synth flowlines` is told of it.
 std::vector<std::string> flowlines_of(const Document& document) {
   const Endless& endless = document.endless;
@@ -125,7 +128,8 @@ WayPlan plan_lines(const Document& document) {
                .commands = {flowlines_of(document)},
                .film = "",
                .answer = found + ".json",
-               .shown = {found + ".svg"}};
+               .shown = {found + ".svg"},
+               .store = clip_store(document)};
   std::vector<std::string>& words = plan.commands[0];
   words.insert(words.end(), {"--frames", "1", "-o", "ways/flowlines/first.png", "--lines-out",
                              "ways/flowlines/" + found + ".svg", "--json", "--overwrite"});
@@ -139,7 +143,8 @@ WayPlan plan_flowlines(const Document& document) {
                .commands = {flowlines_of(document)},
                .film = "ways/flowlines/film.mp4",
                .answer = "made.json",
-               .shown = {"drawn.png"}};
+               .shown = {"drawn.png"},
+               .store = clip_store(document)};
   std::vector<std::string>& words = plan.commands[0];
   const auto say = [&](std::initializer_list<std::string> more) { words.insert(words.end(), more); };
   say({"--frames", std::to_string(endless.frames)});
@@ -163,14 +168,18 @@ std::vector<WayFile> flowlines_files(const Endless& endless) {
 }
 
 /// The picture in layers under one wind.
-WayPlan plan_scene(const Layered& layered) {
+WayPlan plan_scene(const Document& document) {
+  const Layered& layered = document.layered;
+  const bool searches = std::any_of(layered.layers.begin(), layered.layers.end(),
+                                    [](const DrawnLayer& layer) { return layer.motion == "patches"; });
   if (layered.layers.empty()) throw Error(ErrorKind::kUsage, "layers", "there is none", "Add one");
   return {.folder = "scene",
           .commands = {{"synth", "scene", "ways/scene/scene.toml", "-o", "ways/scene/film.mp4", "--draw",
                         "ways/scene/understood.png", "--json", "--overwrite"}},
           .film = "ways/scene/film.mp4",
           .answer = "made.json",
-          .shown = {"understood.png"}};
+          .shown = {"understood.png"},
+          .store = searches ? document.store : ""};
 }
 
 /// The animation under several settings, whose films lie beside each other.
@@ -181,6 +190,7 @@ WayPlan plan_sweep(const Document& document) {
                .film = "",
                .answer = "made.json",
                .shown = {"sheet.png"},
+               .store = document.store,
                .animates = true};
   std::vector<std::string>& words = plan.commands[0];
   words.insert(words.end(), varied.begin(), varied.end());
@@ -196,7 +206,7 @@ WayPlan plan_way(const std::string& way, const Document& document) {
   if (way == "stills") return plan_stills(document.stills);
   if (way == "flowlines") return plan_flowlines(document);
   if (way == "lines") return plan_lines(document);
-  if (way == "scene") return plan_scene(document.layered);
+  if (way == "scene") return plan_scene(document);
   if (way == "sweep") return plan_sweep(document);
   throw Error(ErrorKind::kNotFound, way, "there is no such way");
 }

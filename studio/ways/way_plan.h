@@ -19,8 +19,9 @@ struct WayPlan {
   std::string film;         // MP4 that the last one leaves, from the project's folder; "": none
   std::string answer = {};  // file of the way's folder that takes what the last one prints, JSON
   std::vector<std::string> shown =
-      {};                 // files of the way's folder that a page may look at: .png, .html, .svg, .mp4
-  bool animates = false;  // it reads what a preview leaves: the matte, and pieces that were pinned
+      {};                  // files of the way's folder that a page may look at: .png, .html, .svg, .mp4
+  std::string store = {};  // that the commands read, as the document names it; "": none
+  bool animates = false;   // it reads what a preview leaves: the matte, and pieces that were pinned
 };
 
 /// way       "design", "stills", "flowlines", "scene"; "lines", which finds a clip's flow lines; "sweep", which tries

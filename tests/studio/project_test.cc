@@ -72,7 +72,7 @@ TEST(Project, LeavesItsFolderByNoLink) {
   EXPECT_THROW(Project(folder / "projects/link"), Error);
   const Project project(folder / "projects/fall");
   fs::create_directory_symlink(folder / "outside", folder / "projects/fall/exports");
-  EXPECT_THROW(project.export_path("a.mp4"), Error);
+  EXPECT_THROW(project.expect_export("a.mp4"), Error);
   fs::create_symlink(folder / "outside/document", folder / "projects/fall/document.json.new");
   Project linked(folder / "projects/fall");
   EXPECT_THROW(linked.save(Document(), 0), Error);

@@ -8,7 +8,7 @@
 #include <httplib.h>
 #include <nlohmann/json.hpp>
 
-#include "studio/server.h"
+#include "studio/http/server.h"
 #include "studio/studio.h"
 #include "tests/tools/work_folder.h"
 

@@ -1,18 +1,16 @@
-#include "studio/request_guard.h"
+#include "studio/http/request_guard.h"
 
 #include <sys/random.h>
 
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <utility>
 
 #include "freshet/error.h"
 
 namespace freshet::studio {
 namespace {
-
-constexpr std::size_t kTextBytes = 16u << 20, kPictureBytes = std::size_t{512} << 20,
-                      kClipBytes = std::size_t{2} << 30, kStoreBytes = std::size_t{4} << 30;
 
 /// Takes as long for a wrong token as for the right one.
 bool same_text(std::string_view a, std::string_view b) {
@@ -30,8 +28,8 @@ std::string_view token_of(std::string_view path) {
 
 }  // namespace
 
-RequestGuard::RequestGuard(std::string token, std::vector<std::string> hosts)
-    : token_(std::move(token)), hosts_(std::move(hosts)) {}
+RequestGuard::RequestGuard(std::string token, std::vector<std::string> hosts, LargestBody largest_body)
+    : token_(std::move(token)), hosts_(std::move(hosts)), largest_body_(std::move(largest_body)) {}
 
 std::optional<Refusal> RequestGuard::refusal(const RequestHead& head) const {
   if (std::find(hosts_.begin(), hosts_.end(), head.host) == hosts_.end())
@@ -49,13 +47,18 @@ std::optional<Refusal> RequestGuard::refusal(const RequestHead& head) const {
     return Refusal{403, "Another page asked for this."};
   if (head.method != "GET" && head.method != "POST" && head.method != "PUT" && head.method != "DELETE")
     return Refusal{405, "There is nothing to do so."};
+  // A body is the bytes of the file that is sent: httplib would take parts out of it, and blow up what is packed.
+  if (head.content_type.starts_with("multipart/"))
+    return Refusal{415, "Send the file itself, without multipart/form-data."};
+  if (!head.content_encoding.empty() && head.content_encoding != "identity")
+    return Refusal{415, "Send it as it is, without Content-Encoding."};
   if (!head.transfer_encoding.empty()) return Refusal{411, "Say how long it is: Content-Length."};
   if (!head.content_length.empty()) {
     std::size_t bytes = 0;
     const char* const end = head.content_length.data() + head.content_length.size();
     const auto [last, fault] = std::from_chars(head.content_length.data(), end, bytes);
     if (fault != std::errc() || last != end) return Refusal{400, "Content-Length is no number."};
-    if (bytes > largest_body(head.method, rest(head.path)))
+    if (bytes > largest_body_(head.method, rest(head.path)))
       return Refusal{413, "It is larger than what is taken here."};
   } else if (head.method == "POST" || head.method == "PUT") {
     return Refusal{411, "Say how long it is: Content-Length."};
@@ -67,14 +70,6 @@ std::string_view RequestGuard::rest(std::string_view path) {
   if (path.empty()) return {};
   const std::size_t slash = path.find('/', 1);
   return slash == std::string_view::npos ? std::string_view() : path.substr(slash + 1);
-}
-
-std::size_t largest_body(std::string_view method, std::string_view rest) {
-  if (method != "POST" && method != "PUT") return 0;
-  if (rest == "api/projects" || rest.ends_with("/matte") || rest.ends_with("/stills")) return kPictureBytes;
-  if (rest == "api/stores/file") return kStoreBytes;
-  if (rest == "api/clips" || rest.ends_with("/clips")) return kClipBytes;
-  return kTextBytes;
 }
 
 std::string fresh_token() {

@@ -1,4 +1,4 @@
-#include "studio/page_files.h"
+#include "studio/http/page_files.h"
 
 #include <system_error>
 

@@ -1,4 +1,4 @@
-// studio/request_guard.h — who is let in: pages of our own address that know the token, and nobody else.
+// studio/http/request_guard.h — who is let in: pages of our own address that know the token, and nobody else.
 //
 // A server on this machine can be reached by every page that its user has open: by its own address, or by a name that
 // was made to point here (DNS rebinding). So a request must name an address that we serve (Host), come from a page of
@@ -8,6 +8,7 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -17,7 +18,8 @@ namespace freshet::studio {
 
 /// What a request says of itself before its body; "" for what it does not say.
 struct RequestHead {
-  std::string method, path, host, origin, fetch_site, transfer_encoding, content_length;
+  std::string method, path, host, origin, fetch_site, transfer_encoding, content_length, content_type,
+      content_encoding;
 };
 
 struct Refusal {
@@ -27,8 +29,11 @@ struct Refusal {
 
 class RequestGuard {
  public:
+  /// How long a body may be, bytes, by method and what stands behind the token.
+  using LargestBody = std::function<std::size_t(std::string_view method, std::string_view rest)>;
+
   /// hosts   what a Host may say: "127.0.0.1:8470", "localhost:8470".
-  RequestGuard(std::string token, std::vector<std::string> hosts);
+  RequestGuard(std::string token, std::vector<std::string> hosts, LargestBody largest_body);
   /// Nothing: let in.
   std::optional<Refusal> refusal(const RequestHead& head) const;
   /// What stands behind the token, "api/home"; the path must have been let in.
@@ -38,10 +43,8 @@ class RequestGuard {
  private:
   std::string token_;
   std::vector<std::string> hosts_;
+  LargestBody largest_body_;
 };
-
-/// How long a body may be, bytes: by method and what stands behind the token.
-std::size_t largest_body(std::string_view method, std::string_view rest);
 
 /// 32 hex digits that nobody can guess. Throws Error{kIo}.
 std::string fresh_token();

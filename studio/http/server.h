@@ -1,10 +1,11 @@
-// studio/server.h — the studio over HTTP, for pages on this machine.
+// studio/http/server.h — the studio over HTTP, for pages on this machine.
 #pragma once
 
 #include <filesystem>
 #include <memory>
 #include <string>
 
+#include "studio/http/connections.h"
 #include "studio/studio.h"
 
 namespace freshet::studio {
@@ -14,10 +15,11 @@ struct ServerOptions {
   int port = 0;                       // 0: any that is free
   std::string token;                  // "": a fresh one
   std::filesystem::path page;         // folder of the built page
+  ConnectionLimits limits = {};
 };
 
-/// Answers nobody but pages of its own address that know the token (request_guard.h). Every answer forbids a page to
-/// load anything from elsewhere. Cost: 24 threads, of which most sleep.
+/// Answers nobody but pages of its own address that know the token (request_guard.h), in the words of routes.h. Every
+/// answer forbids a page to load anything from elsewhere. Cost: 24 threads, of which most sleep.
 class Server {
  public:
   /// Binds. Throws Error{kIo} when the port is taken, and as read_page.

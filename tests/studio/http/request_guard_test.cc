@@ -1,4 +1,4 @@
-#include "studio/request_guard.h"
+#include "studio/http/request_guard.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,9 @@ namespace {
 std::string guard_host() { return "127.0.0.1:80"; }
 
 const RequestGuard& guard() {
-  static const RequestGuard made("secret", {"127.0.0.1:80", "localhost:80"});
+  static const RequestGuard made(
+      "secret", {"127.0.0.1:80", "localhost:80"},
+      [](std::string_view method, std::string_view) { return method == "PUT" ? 1u << 20 : 0; });
   return made;
 }
 
@@ -86,6 +88,21 @@ TEST(RequestGuard, BoundsWhatIsSent) {
   RequestHead talkative = good();
   talkative.content_length = std::to_string(1);
   EXPECT_EQ(status(talkative), 413);
+}
+
+TEST(RequestGuard, TakesABodyOnlyAsItIs) {
+  RequestHead head = head_of("PUT", "/secret/api/projects/a/document");
+  head.content_length = std::string("10");
+  for (const char* type : {"", "application/json", "application/x-www-form-urlencoded"}) {
+    head.content_type = type;
+    EXPECT_EQ(status(head), 200) << type;
+  }
+  head.content_encoding = std::string("gzip");
+  EXPECT_EQ(status(head), 415);
+  head.content_encoding = std::string("identity");
+  EXPECT_EQ(status(head), 200);
+  head.content_type = std::string("multipart/form-data; boundary=x");
+  EXPECT_EQ(status(head), 415);
 }
 
 TEST(RequestGuard, DrawsTokensThatDiffer) {

@@ -1,0 +1,77 @@
+#include <string>
+
+#include "studio/http/routes.h"
+#include "studio/incoming_file.h"
+
+namespace freshet::studio {
+namespace {
+
+using Json = nlohmann::json;
+
+const char* type_of(const std::string& name) {
+  if (name.ends_with(".html")) return "text/html; charset=utf-8";
+  if (name.ends_with(".svg")) return "image/svg+xml";
+  return name.ends_with(".mp4") ? "video/mp4" : "image/png";
+}
+
+}  // namespace
+
+std::vector<Route> way_routes(Studio& studio) {
+  const auto film = [&studio](Call& call) {
+    call.answer_file(studio.film(call.value("id"), call.value("way")), "video/mp4");
+  };
+  return {
+      {"GET", "api/projects/:id/ways/:way", kNoBody,
+       [&](Call& call) { call.answer(studio.way_json(call.value("id"), call.value("way"))); }},
+      {"POST", "api/projects/:id/ways/:way", kTextBody,
+       [&](Call& call) {
+         call.answer(Json{{"job", studio.run_way(call.value("id"), call.value("way"))}}.dump());
+       }},
+      {"GET", "api/projects/:id/ways/:way/film", kNoBody, film},
+      {"GET", "api/projects/:id/ways/:way/files/film.mp4", kNoBody, film},  // as the way's own page calls it
+      {"GET", "api/projects/:id/ways/:way/files/:name", kNoBody,
+       [&](Call& call) {
+         const std::string& name = call.value("name");
+         call.answer_file(studio.way_file(call.value("id"), call.value("way"), name), type_of(name));
+       }},
+      {"GET", "api/projects/:id/layers/:layer/matte", kNoBody,
+       [&](Call& call) {
+         call.answer(studio.layer_matte_png(call.value("id"), call.number("layer")), "image/png");
+       }},
+      {"GET", "api/projects/:id/stills", kNoBody,
+       [&](Call& call) { call.answer(studio.stills_json(call.value("id"))); }},
+      {"GET", "api/projects/:id/stills/:name", kNoBody,
+       [&](Call& call) {
+         call.answer(studio.still_thumbnail(call.value("id"), call.value("name")), "image/jpeg");
+       }},
+      {"POST", "api/projects/:id/stills", kPictureBody,
+       [&](Call& call) {
+         const IncomingFile file = studio.incoming_file();
+         call.receive(file.path());
+         studio.add_still(call.value("id"), file.path(), call.parameter("name"));
+         call.answer("{}");
+       }},
+      {"DELETE", "api/projects/:id/stills", kNoBody,
+       [&](Call& call) {
+         studio.remove_stills(call.value("id"));
+         call.answer("{}");
+       }},
+      {"GET", "api/projects/:id/clips", kNoBody,
+       [&](Call& call) { call.answer(studio.clips_json(call.value("id"))); }},
+      {"GET", "api/projects/:id/clips/frame", kNoBody,
+       [&](Call& call) {
+         call.answer(
+             studio.clip_frame(call.value("id"), call.parameter("clip"), call.parameter("own") == "1"),
+             "image/jpeg");
+       }},
+      {"POST", "api/projects/:id/clips", kClipBody,
+       [&](Call& call) {
+         const IncomingFile file = studio.incoming_file();
+         call.receive(file.path());
+         call.answer(
+             Json{{"name", studio.add_clip(call.value("id"), file.path(), call.parameter("name"))}}.dump());
+       }},
+  };
+}
+
+}  // namespace freshet::studio
