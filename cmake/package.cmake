@@ -2,7 +2,7 @@
 # include/freshet. The rooms behind it are installed as archives alone: no header of theirs.
 include(CMakePackageConfigHelpers)
 
-set(rooms report store media vision ingest query field toml animate matte simulate transfer transfer_files)
+set(rooms report cache store media hints vision stored ingest query field toml sampling outline playing animate matte simulate transfer transfer_files)
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/freshet)
 foreach(room ${rooms})
   set_target_properties(freshet_${room} PROPERTIES EXPORT_NAME ${room})

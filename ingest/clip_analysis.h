@@ -7,8 +7,8 @@
 
 #include <opencv2/core.hpp>
 
-#include "vision/motion_cells.h"
 #include "vision/settings.h"
+#include "vision/temporal_spectrum.h"
 
 namespace freshet::ingest {
 

@@ -15,8 +15,8 @@
 #include "store/store.h"
 #include "vision/detail_lifetime.h"
 #include "vision/loop_rule.h"
-#include "vision/motion_cells.h"
 #include "vision/settings.h"
+#include "vision/temporal_spectrum.h"
 
 namespace freshet::ingest {
 

@@ -6,11 +6,11 @@
 #include "freshet/picture.h"
 #include "library/opencv_threads.h"
 #include "library/states.h"
-#include "media/picture/layers.h"
+#include "media/picture/passes.h"
 #include "media/picture/picture.h"
 #include "synth/animate/animate.h"
-#include "synth/animate/motion/moving_boundary.h"
 #include "synth/animate/staging.h"
+#include "synth/outline/moving_boundary.h"
 
 namespace freshet {
 
@@ -45,7 +45,7 @@ AnimateReport animate(const Labelling& labelling, const std::function<void(const
   rendering.memory_bytes = options.memory_bytes;
   rendering.boundary.held = search.held;
   if (options.moving_outline) {
-    rendering.boundary.boundary = synth::animate::Boundary::kMoving;
+    rendering.boundary.boundary = synth::outline::Boundary::kMoving;
     rendering.boundary.background = rendered(options.background);
   }
   const bool deep = !options.deep.empty();
@@ -54,7 +54,7 @@ AnimateReport animate(const Labelling& labelling, const std::function<void(const
   if (deep) {
     rendering.form = synth::animate::FrameForm::kFluid;
     layers.emplace(options.moving_outline
-                       ? synth::animate::behind_fluid(picture, search.matte, rendering.boundary)
+                       ? synth::outline::behind_fluid(picture, search.matte, rendering.boundary)
                        : picture,
                    options.deep, search.matte, media::Layer::kWhole, media::AlphaForm::kStraight,
                    options.deep.depth() == CV_16U ? media::Samples::k16 : media::Samples::kLight);

@@ -6,18 +6,18 @@
 #include <fmt/ranges.h>
 
 #include "freshet/error.h"
+#include "hints/stroke_field.h"
+#include "hints/strokes.h"
 #include "library/opencv_threads.h"
 #include "library/states.h"
-#include "query/hints/stroke_field.h"
-#include "query/hints/strokes.h"
 #include "synth/matte/held.h"
 
 namespace freshet {
 
 MotionGuide read_strokes(const std::filesystem::path& path, cv::Size picture,
                          std::vector<std::string>* notices) {
-  const query::StrokeField field =
-      query::interpolate(query::read_strokes(path, picture, notices), picture, path.string());
+  const hints::StrokeField field =
+      hints::interpolate(hints::read_strokes(path, picture, notices), picture, path.string());
   return {.direction = field.direction, .speed = field.speed};
 }
 

@@ -12,7 +12,7 @@
 #include "freshet/error.h"
 #include "media/frame/frame.h"
 #include "media/video/video_reader.h"
-#include "query/stored/clip_frames.h"
+#include "stored/clip_frames.h"
 
 namespace freshet::studio {
 namespace {
@@ -21,7 +21,7 @@ constexpr std::uint32_t kSlab = 16;  // frames that a store decodes together
 constexpr double kShown = 2;         // s
 
 std::vector<cv::Mat> read_frames(const store::Snapshot& snapshot, store::ClipId clip) {
-  const query::ClipFrames frames(snapshot, clip);
+  const stored::ClipFrames frames(snapshot, clip);
   const store::ClipRecord& record = snapshot.clip(clip);
   const double fps =
       static_cast<double>(record.fps_num) / static_cast<double>(std::max<std::uint64_t>(1, record.fps_den));
@@ -127,7 +127,7 @@ std::array<cv::Point2d, 4> patch_in_clip(const store::ClipRecord& clip, const vi
 cv::Mat first_frame(const store::Snapshot& snapshot, const std::string& clip) {
   const std::optional<store::ClipId> id = snapshot.find(clip);
   if (!id) throw Error(ErrorKind::kNotFound, clip, "the store has no clip of this name");
-  return media::to_bgr(query::ClipFrames(snapshot, *id).read(0, 1).at(0));
+  return media::to_bgr(stored::ClipFrames(snapshot, *id).read(0, 1).at(0));
 }
 
 cv::Mat first_frame(const std::filesystem::path& video) {

@@ -148,7 +148,7 @@ std::shared_ptr<const FrameReel> Easel::reel(std::uint64_t number) const {
   return nullptr;
 }
 
-void Easel::bring_up_to_date(OpenedStore* store, query::LabelCache* cache, const Job& job) {
+void Easel::bring_up_to_date(OpenedStore* store, cache::ResultCache* cache, const Job& job) {
   const Document document = project_->state().document;
   tell_problem("");
   try {
@@ -166,7 +166,7 @@ void Easel::tell_settled(const Document& document) {
   tell_("settled", text({{"project", project_->id()}, {"reel", stands ? reel_json(*now.full) : Json()}}));
 }
 
-void Easel::work(const Document& document, OpenedStore* store, query::LabelCache* cache, const Job& job) {
+void Easel::work(const Document& document, OpenedStore* store, cache::ResultCache* cache, const Job& job) {
   const std::shared_ptr<const FoundMatte> matte = find_matte(document, job);
   stop_if_asked(job);
   const bool is_said = !flow_strokes(document, project_->size()).empty();
@@ -250,7 +250,7 @@ void Easel::render_small(const Document& document, const FoundMatte& matte,
 
 std::shared_ptr<const LabelledPicture> Easel::find_labels(const Document& document, const FoundMatte& matte,
                                                           const std::shared_ptr<const StoreBase>& base,
-                                                          query::LabelCache* cache, const Job& job) {
+                                                          cache::ResultCache* cache, const Job& job) {
   {
     const Results now = results();
     if (now.labelled && now.labels_key == labels_key(document) && now.labelled->store == base)

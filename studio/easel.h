@@ -11,8 +11,8 @@
 
 #include <opencv2/core.hpp>
 
+#include "cache/result_cache.h"
 #include "freshet/job.h"
-#include "query/labelling/label_cache.h"
 #include "studio/drawing/document.h"
 #include "studio/drawing/drawn_matte.h"
 #include "studio/frame_reel.h"
@@ -43,7 +43,7 @@ class Easel {
   /// told as it is there; at the end "settled", with the full preview that stands, if any: one that was begun for a
   /// change that was taken back is not waited for. store   null: none is chosen. cache   may be null.
   /// Throws Error{kCancelled}; whatever else is wrong is told as "problem", and kept in overview_json().
-  void bring_up_to_date(OpenedStore* store, query::LabelCache* cache, const Job& job);
+  void bring_up_to_date(OpenedStore* store, cache::ResultCache* cache, const Job& job);
 
   std::shared_ptr<const FoundMatte> matte() const;
   std::shared_ptr<const LabelledPicture> labelled() const;
@@ -71,7 +71,7 @@ class Easel {
     std::shared_ptr<FrameReel> small, full;
     std::string field = "null", problem;
   };
-  void work(const Document& document, OpenedStore* store, query::LabelCache* cache, const Job& job);
+  void work(const Document& document, OpenedStore* store, cache::ResultCache* cache, const Job& job);
   std::shared_ptr<const FoundMatte> find_matte(const Document& document, const Job& job);
   void keep_matte(const Document& document, DrawnMatte drawn, Care care);
   void tell_field(const Document& document);
@@ -79,7 +79,7 @@ class Easel {
                     const std::shared_ptr<const StoreBase>& base, const Job& job);
   std::shared_ptr<const LabelledPicture> find_labels(const Document& document, const FoundMatte& matte,
                                                      const std::shared_ptr<const StoreBase>& base,
-                                                     query::LabelCache* cache, const Job& job);
+                                                     cache::ResultCache* cache, const Job& job);
   void render_full(const Document& document, const FoundMatte& matte, const LabelledPicture& labelled,
                    const Job& job);
   void roll(const std::shared_ptr<FrameReel>& reel,

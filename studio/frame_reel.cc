@@ -94,7 +94,7 @@ void render(const LabelledPicture& labelled, const Document& document, const Sce
   if (scene.motion_alone) options.method = animate::CarriedOptions{.innovations = std::nullopt};
   options.tiles = labelled.store->tiles;
   if (document.moving_outline) {
-    options.boundary.boundary = animate::Boundary::kMoving;
+    options.boundary.boundary = synth::outline::Boundary::kMoving;
     options.matte_sink = [&](const cv::Mat& matte) { reel.add_outline(matte); };
   }
   options.boundary.held = scene.held;

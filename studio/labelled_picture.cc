@@ -9,8 +9,8 @@
 #include <nlohmann/json.hpp>
 
 #include "freshet/error.h"
-#include "query/hints/stroke_field.h"
-#include "query/hints/svg_strokes.h"
+#include "hints/stroke_field.h"
+#include "hints/svg_strokes.h"
 #include "query/labelling/labelling_memo.h"
 #include "query/labelling/shares.h"
 #include "studio/clip_strip.h"
@@ -26,21 +26,21 @@ constexpr int kPatchSide = 96;      // px, of one that is shown playing
 std::string text(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
 
 /// The row of a pin's patch; nothing when the store has none such.
-std::optional<query::Row> row_of(const StoreBase& store, const Pin& pin) {
+std::optional<stored::Row> row_of(const StoreBase& store, const Pin& pin) {
   const std::optional<store::ClipId> clip = store.snapshot.find(pin.clip);
   if (!clip) return std::nullopt;
-  const query::PatchTable& table = store.base.table;
+  const stored::PatchTable& table = store.base.table;
   const auto at = std::find(table.clips.begin(), table.clips.end(), *clip);
   if (at == table.clips.end()) return std::nullopt;
   const auto index = static_cast<std::size_t>(at - table.clips.begin());
-  for (query::Row row = table.first_row[index]; row < table.first_row[index + 1]; ++row)
+  for (stored::Row row = table.first_row[index]; row < table.first_row[index + 1]; ++row)
     if (table.variant[row] == pin.variant && table.x[row] == pin.patch.x && table.y[row] == pin.patch.y)
       return row;
   return std::nullopt;
 }
 
 /// A piece's only candidate from now on.
-void pin_candidate(query::Candidates& candidates, std::size_t piece, query::Row row) {
+void pin_candidate(query::Candidates& candidates, std::size_t piece, stored::Row row) {
   const std::size_t first = piece * candidates.k;
   std::size_t from = 0;
   while (from < candidates.counts[piece] && candidates.rows[first + from] != row) ++from;
@@ -51,7 +51,7 @@ void pin_candidate(query::Candidates& candidates, std::size_t piece, query::Row 
     candidates.steadiness[first] = candidates.steadiness[first + from];
   candidates.rows[first] = row;
   std::fill(candidates.rows.begin() + static_cast<std::ptrdiff_t>(first + 1),
-            candidates.rows.begin() + static_cast<std::ptrdiff_t>(first + candidates.k), query::kNoRow);
+            candidates.rows.begin() + static_cast<std::ptrdiff_t>(first + candidates.k), stored::kNoRow);
   candidates.counts[piece] = 1;
 }
 
@@ -60,7 +60,7 @@ std::vector<bool> pin_pieces(const StoreBase& store, const Document& document,
   std::vector<bool> pinned(search.target.size(), false);
   for (const Pin& pin : document.pins) {
     const auto at = std::find(search.target.corners.begin(), search.target.corners.end(), pin.corner);
-    const std::optional<query::Row> row = row_of(store, pin);
+    const std::optional<stored::Row> row = row_of(store, pin);
     if (at == search.target.corners.end() || !row)
       continue;  // it sleeps until its piece or its clip is there again
     const auto piece = static_cast<std::size_t>(at - search.target.corners.begin());
@@ -70,14 +70,14 @@ std::vector<bool> pin_pieces(const StoreBase& store, const Document& document,
   return pinned;
 }
 
-cv::Rect patch_of(const LabelledPicture& labelled, query::Row row) {
-  const query::PatchTable& table = labelled.store->base.table;
+cv::Rect patch_of(const LabelledPicture& labelled, stored::Row row) {
+  const stored::PatchTable& table = labelled.store->base.table;
   const int side = labelled.labelling.search.target.side;
   return {table.x[row], table.y[row], side, side};
 }
 
-Json candidate_json(const LabelledPicture& labelled, query::Row row, float score) {
-  const query::PatchTable& table = labelled.store->base.table;
+Json candidate_json(const LabelledPicture& labelled, stored::Row row, float score) {
+  const stored::PatchTable& table = labelled.store->base.table;
   const std::vector<vision::Variant> variants = labelled.store->base.settings.variants();
   const vision::Variant& variant = variants[table.variant[row]];
   const store::ClipRecord& clip = labelled.store->snapshot.clip(table.clips[table.clip[row]]);
@@ -105,8 +105,8 @@ query::LabelRequest request_of(const Document& document, cv::Size picture) {
   if (!flow_strokes(document, picture).empty()) {
     // By way of the file that the command line will read, so that both see the same numbers.
     const std::string svg = strokes_svg(document, picture);
-    const query::StrokeField field =
-        query::interpolate(query::read_svg_strokes(svg, "strokes", picture, nullptr), picture, "strokes");
+    const hints::StrokeField field =
+        hints::interpolate(hints::read_svg_strokes(svg, "strokes", picture, nullptr), picture, "strokes");
     request.options.guide.direction = field.direction;
     request.options.guide.speed = field.speed;
   }
@@ -114,7 +114,7 @@ query::LabelRequest request_of(const Document& document, cv::Size picture) {
 }
 
 LabelledPicture label_picture(std::shared_ptr<const StoreBase> store, const cv::Mat& picture,
-                              const cv::Mat& matte, const Document& document, query::LabelCache* cache,
+                              const cv::Mat& matte, const Document& document, cache::ResultCache* cache,
                               const Job& job) {
   LabelledPicture labelled{
       .store = std::move(store), .request = {}, .labelling = {}, .pinned = {}, .notices = {}};
@@ -197,8 +197,8 @@ std::string candidate_strip(const LabelledPicture& labelled, std::size_t piece, 
   const query::CandidateSearch& search = labelled.labelling.search;
   if (piece >= search.target.size() || candidate >= search.candidates.counts[piece])
     throw Error(ErrorKind::kNotFound, "candidate", "there is no such candidate");
-  const query::Row row = search.candidates.rows_of(piece)[candidate];
-  const query::PatchTable& table = labelled.store->base.table;
+  const stored::Row row = search.candidates.rows_of(piece)[candidate];
+  const stored::PatchTable& table = labelled.store->base.table;
   const ClipSamples::Frames frames = labelled.store->samples->frames(table.clips[table.clip[row]]);
   return encoded(patch_strip(*frames, labelled.store->base.settings.variants()[table.variant[row]],
                              patch_of(labelled, row), kPatchSide));

@@ -7,8 +7,8 @@
 
 #include <opencv2/core.hpp>
 
+#include "cache/result_cache.h"
 #include "freshet/job.h"
-#include "query/labelling/label_cache.h"
 #include "query/labelling/label_request.h"
 #include "query/labelling/labelling.h"
 #include "studio/drawing/document.h"
@@ -32,7 +32,7 @@ query::LabelRequest request_of(const Document& document, cv::Size picture);
 /// picture  CV_8UC3. matte   CV_8U of its size, less what is held.
 /// cache    of earlier labellings; may be null. Throws as query::label.
 LabelledPicture label_picture(std::shared_ptr<const StoreBase> store, const cv::Mat& picture,
-                              const cv::Mat& matte, const Document& document, query::LabelCache* cache,
+                              const cv::Mat& matte, const Document& document, cache::ResultCache* cache,
                               const Job& job);
 
 /// Pieces, clips and figures, for the page. where   px, of the picture.

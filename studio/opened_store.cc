@@ -51,7 +51,7 @@ std::shared_ptr<const StoreBase> OpenedStore::base(const ProgressFunction& progr
     if (progress) progress({"reading the index", 0, 0});
     base_ = std::make_shared<const StoreBase>(
         StoreBase{snapshot, query::open_search(snapshot), samples(),
-                  std::make_shared<query::DecodedTiles>(snapshot, kTileBytes)});
+                  std::make_shared<stored::DecodedTiles>(snapshot, kTileBytes)});
   }
   return base_;
 }

@@ -11,8 +11,8 @@
 
 #include "freshet/job.h"
 #include "query/index/search_base.h"
-#include "query/stored/decoded_tiles.h"
 #include "store/store.h"
+#include "stored/decoded_tiles.h"
 #include "studio/clip_strip.h"
 
 namespace freshet::studio {
@@ -22,7 +22,7 @@ struct StoreBase {
   store::Snapshot snapshot;
   query::SearchBase base;
   std::shared_ptr<ClipSamples> samples;
-  std::shared_ptr<query::DecodedTiles> tiles;  // of its previews
+  std::shared_ptr<stored::DecodedTiles> tiles;  // of its previews
 };
 
 /// Opened once, and shared by all that is done with it. Safe from many threads.

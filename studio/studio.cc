@@ -89,7 +89,7 @@ Studio::Studio(StudioOptions options) : options_(std::move(options)), folder_(op
   for (const fs::directory_entry& entry : fs::directory_iterator(folder_.stores(), fault))
     if (entry.path().extension() == ".freshet" && entry.is_regular_file()) add_store(entry.path());
   for (const fs::path& path : options_.stores) add_store(path);
-  cache_ = std::make_unique<query::LabelCache>(folder_.cache(), kCacheBytes);
+  cache_ = std::make_unique<cache::ResultCache>(folder_.cache(), kCacheBytes);
   previews_ = std::make_unique<JobQueue>(watcher("preview"));
   commands_ = std::make_unique<JobQueue>(watcher("command"));
 }

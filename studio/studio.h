@@ -12,7 +12,7 @@
 
 #include <nlohmann/json_fwd.hpp>
 
-#include "query/labelling/label_cache.h"
+#include "cache/result_cache.h"
 #include "studio/command_run.h"
 #include "studio/easel.h"
 #include "studio/event_feed.h"
@@ -148,7 +148,7 @@ class Studio {
   std::map<std::string, std::shared_ptr<OpenedStore>> stores_;  // by id
   std::map<std::string, std::shared_ptr<Easel>> easels_;        // by project; at most kMostEasels
   std::vector<std::string> recently_;                           // projects of easels_, last used last
-  std::unique_ptr<query::LabelCache> cache_;
+  std::unique_ptr<cache::ResultCache> cache_;
   std::map<std::uint64_t, std::string> strips_;    // of the last ingest's clips
   std::unique_ptr<JobQueue> previews_, commands_;  // last: they use all of the above
 };

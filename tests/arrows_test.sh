@@ -5,72 +5,77 @@
 set -eu
 cd "$1"
 
-# Every folder with sources, and what it may include besides itself. A name stands for that folder alone; NAME/* for it
-# and all below it. The public headers (include/freshet) and platform/ are open to all.
+# Every folder with sources, lower ones first, and what it includes besides itself: neither more nor less. The public
+# headers (include/freshet) and platform/ are open to all.
 arrows='
 include/freshet:
 platform:
-report: platform
+report:
+cache:
 store/format:
 store/codec: store/format
 store/records: store/format store/codec
 store: store/format store/codec store/records
-store/rewrite: store store/format store/records
+store/rewrite: store/format store/records store
 media/frame:
 media/picture: media/frame
 media/video: media/frame media/picture
+hints: media/picture
 vision:
-ingest: store media/* vision
-query/stored: store media/frame vision
-query/index: store store/rewrite vision query/stored
-query/hints: media/picture
+stored: store media/frame vision
+ingest: store media/frame media/picture media/video vision
+query/index: store store/rewrite vision stored
 query/mrf:
-query/search: store vision query/stored query/index query/mrf
-query/costs: store vision query/stored query/mrf query/search
-query/labelling: report store vision query/stored query/index query/mrf query/search query/costs
-query/benchmark: report store query/stored query/index query/search query/labelling
+query/search: store vision stored query/index
+query/costs: store vision stored query/mrf query/search
+query/labelling: report cache store vision stored query/index query/mrf query/search query/costs
+query/benchmark: report store stored query/index query/search query/labelling
 synth/field:
 synth/toml: synth/field
-synth/animate/sampling: vision query/search
+synth/sampling: vision
+synth/outline: synth/sampling
+synth/playing: vision
 synth/animate/placement: store vision query/search query/labelling
-synth/animate/blend: vision synth/animate/sampling synth/animate/placement
-synth/animate/clips: store media/frame vision query/stored synth/animate/sampling synth/animate/placement synth/animate/blend
-synth/animate/still: vision synth/animate/sampling synth/animate/motion
-synth/animate/motion: store vision query/stored query/search synth/animate/sampling synth/animate/placement
-synth/animate/frames: store vision query/stored query/search synth/animate/sampling synth/animate/placement synth/animate/blend synth/animate/clips synth/animate/still synth/animate/motion
-synth/animate/carried: vision synth/animate/frames synth/animate/sampling synth/animate/placement synth/animate/blend synth/animate/clips synth/animate/still synth/animate/motion
-synth/animate/paper: synth/animate/frames synth/animate/sampling synth/animate/blend synth/animate/clips synth/animate/still synth/animate/motion
-synth/animate: report store vision query/labelling query/search synth/animate/*
+synth/animate/blend: vision synth/sampling synth/animate/placement
+synth/animate/clips: store media/frame vision stored synth/sampling synth/playing synth/animate/placement synth/animate/blend
+synth/animate/motion: store vision stored query/search synth/sampling synth/animate/placement
+synth/animate/still: vision synth/sampling synth/animate/motion
+synth/animate/frames: store vision stored query/search synth/sampling synth/outline synth/animate/placement synth/animate/blend synth/animate/clips synth/animate/motion synth/animate/still
+synth/animate/paper: synth/sampling synth/animate/blend synth/animate/clips synth/animate/motion synth/animate/still synth/animate/frames
+synth/animate/carried: vision synth/sampling synth/animate/placement synth/animate/blend synth/animate/clips synth/animate/motion synth/animate/still synth/animate/frames
+synth/animate: report store vision query/search query/labelling synth/animate/placement synth/animate/frames synth/animate/paper synth/animate/carried
 synth/matte: report media/picture query/search
-synth/scene/layers: media/picture synth/animate/motion synth/matte
+synth/scene/layers: media/picture synth/outline synth/matte
 synth/simulate/solver: synth/field
 synth/simulate/scene: synth/field synth/simulate/solver
 synth/simulate/clips: synth/field synth/simulate/solver synth/simulate/scene
 synth/simulate/design: media/picture synth/field synth/toml synth/simulate/solver synth/simulate/scene
-synth/simulate: synth/simulate/*
-synth/scene: query/hints synth/field synth/toml
+synth/simulate: synth/simulate/scene
+synth/scene: hints synth/toml
 synth/scene/wind: synth/scene
 synth/scene/water: synth/scene synth/scene/wind
 synth/scene/motion: synth/scene synth/scene/wind synth/scene/water
-synth/scene/rendering: media/* synth/scene synth/scene/* synth/animate/sampling synth/matte
-synth/flowlines: vision query/hints query/mrf synth/animate/sampling synth/animate/motion synth/flowlines/jumps synth/flowlines/lines
+synth/scene/rendering: media/frame media/picture media/video synth/sampling synth/matte synth/scene/layers synth/scene synth/scene/wind synth/scene/water synth/scene/motion
 synth/flowlines/jumps:
 synth/flowlines/lines:
-synth/flowlines/files: media/* store query/stored query/hints synth/flowlines synth/flowlines/lines
-synth/stills: media/frame media/picture vision query/hints query/labelling synth/matte synth/toml report
+synth/flowlines: vision synth/sampling synth/outline synth/flowlines/jumps synth/flowlines/lines
+synth/flowlines/files: store media/video hints stored synth/flowlines/lines synth/flowlines
+synth/stills: report cache media/frame media/picture hints vision synth/toml synth/matte
 synth/transfer: synth/field
-synth/transfer/files: store media/* vision query/stored synth/transfer synth/animate/clips
+synth/transfer/files: cache store media/frame media/picture media/video vision stored synth/playing synth/transfer
 studio/drawing: synth/matte
-studio/ways: studio/drawing synth/simulate/design
-studio: store media/* vision query/* synth/animate/* synth/matte studio/drawing studio/ways
+studio/ways: synth/simulate/design studio/drawing
+studio: cache store media/frame media/picture media/video hints vision stored query/index query/search query/labelling synth/animate/motion synth/animate synth/matte studio/drawing studio/ways
 studio/http: studio
-library: store media/* vision ingest query/* synth/*
-tools/console: store media/* vision query/*
-tools/options: vision media/picture media/video query/* synth/animate/* synth/matte tools/console
-tools: report store/* media/* vision ingest query/* synth/* studio studio/http tools/*
+library: store media/picture media/video hints vision ingest query/index query/labelling synth/outline synth/animate synth/matte synth/simulate/design synth/simulate synth/transfer synth/transfer/files
+tools/console: store media/frame media/picture media/video query/index
+tools/options: cache media/picture media/video hints vision query/index query/mrf query/search query/costs synth/outline synth/animate/clips synth/animate/frames synth/animate synth/matte tools/console
+tools: store store/rewrite media/frame media/video stored ingest query/index studio studio/http tools/console tools/options
+tools/query: media/picture stored query/labelling query/benchmark synth/animate/placement synth/animate/motion tools/console tools/options tools
+tools/synth: report store media/picture media/video hints query/labelling synth/sampling synth/animate/motion synth/animate synth/matte synth/scene/layers synth/simulate/design synth/simulate synth/scene synth/scene/rendering synth/flowlines synth/flowlines/files synth/stills synth/transfer synth/transfer/files tools/console tools/options tools tools/query
 '
-rooms="include platform report store media vision ingest query synth studio library tools"
-max_units=16  # headers, with or without a source file, in one folder
+rooms="include platform report cache store media hints vision stored ingest query synth studio library tools"
+max_units=17  # in one folder: a header and its source file are one, and so is a source file without a header
 
 find $rooms -name '*.h' -o -name '*.cc' | sort | xargs awk -v arrows="$arrows" -v max_units="$max_units" '
 BEGIN {
@@ -79,22 +84,17 @@ BEGIN {
     if (line[i] == "") continue
     split(line[i], part, ":")
     known[part[1]] = 1
-    may_use[part[1]] = part[2]
+    n = split(part[2], words, " ")
+    for (k = 1; k <= n; ++k) {
+      if (!(words[k] in known)) {
+        print part[1] "/ may not use " words[k] "/: it is no folder, or stands higher"
+        failed = 1
+      }
+      allowed[part[1], words[k]] = 1
+    }
   }
 }
 function folder_of(path) { sub(/\/[^\/]*$/, "", path); return path }
-function may(from, to,    words, n, i, root) {
-  if (from == to || to == "include/freshet" || to == "platform") return 1
-  n = split(may_use[from], words, " ")
-  for (i = 1; i <= n; ++i) {
-    if (words[i] == to) return 1
-    if (words[i] ~ /\/\*$/) {
-      root = substr(words[i], 1, length(words[i]) - 2)
-      if (to == root || index(to, root "/") == 1) return 1
-    }
-  }
-  return 0
-}
 FNR == 1 {
   folder = folder_of(FILENAME)
   if (!(folder in known)) {
@@ -102,7 +102,10 @@ FNR == 1 {
     known[folder] = 1
     failed = 1
   }
-  if (FILENAME ~ /\.h$/) ++units[folder]
+  unit = FILENAME
+  sub(/\.[^.]*$/, "", unit)
+  if (!(unit in counted)) ++units[folder]
+  counted[unit] = 1
 }
 /^[ \t]*#[ \t]*include[ \t]*["<]/ {
   name = $0
@@ -113,15 +116,23 @@ FNR == 1 {
     failed = 1
   }
   to = name ~ /^freshet\// ? "include/freshet" : folder_of(name)
-  if (to in known && !may(folder, to)) {
+  if (!(to in known) || to == folder || to == "include/freshet" || to == "platform") next
+  used[folder, to] = 1
+  if (!((folder, to) in allowed)) {
     print FILENAME ":" FNR ": " folder "/ may not include " to "/: see docs/architecture.md"
     failed = 1
   }
 }
 END {
+  for (arrow in allowed)
+    if (!(arrow in used)) {
+      split(arrow, part, SUBSEP)
+      print part[1] "/ does not include " part[2] "/: take the arrow out of tests/arrows_test.sh"
+      failed = 1
+    }
   for (folder in units)
     if (units[folder] > max_units) {
-      print folder "/ holds " units[folder] " headers, more than " max_units ": it has found a second subject"
+      print folder "/ holds " units[folder] " units, more than " max_units ": it has found a second subject"
       failed = 1
     }
   exit failed

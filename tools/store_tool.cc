@@ -9,9 +9,9 @@
 #include "media/frame/frame_md5.h"
 #include "media/frame/layout_json.h"
 #include "media/video/video_writer.h"
-#include "query/stored/clip_frames.h"
 #include "store/rewrite/rewrite.h"
 #include "store/store.h"
+#include "stored/clip_frames.h"
 #include "tools/commands.h"
 #include "tools/console/output_names.h"
 #include "tools/console/progress.h"
@@ -166,7 +166,7 @@ void framemd5(const StoreCommand& command) {
   const store::Snapshot snapshot = store::Store::open_read(command.store).snapshot();
   const store::ClipId id = find_clip(snapshot, command.store, command.clip);
   const store::ClipRecord& clip = snapshot.clip(id);
-  const query::ClipFrames frames(snapshot, id);
+  const stored::ClipFrames frames(snapshot, id);
   fmt::print("{}", media::framemd5_header(frames.layout(), clip.fps_den, clip.fps_num));
   for (std::uint32_t first = 0; first < frames.size(); first += kSlab) {
     const std::uint32_t count = std::min(kSlab, frames.size() - first);
@@ -179,7 +179,7 @@ void export_clip(const StoreCommand& command, const RunContext& context) {
   const store::Snapshot snapshot = store::Store::open_read(command.store).snapshot();
   const store::ClipId id = find_clip(snapshot, command.store, command.clip);
   const store::ClipRecord& clip = snapshot.clip(id);
-  const query::ClipFrames frames(snapshot, id);
+  const stored::ClipFrames frames(snapshot, id);
   check_frames_output(command.out, static_cast<int>(frames.size()));
   const cv::Size size(static_cast<int>(clip.width), static_cast<int>(clip.height));
   const media::OutputFormat format = media::output_format(command.out);

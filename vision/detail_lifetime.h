@@ -8,7 +8,7 @@
 #include <opencv2/core.hpp>
 
 #include "vision/flow_outliers.h"
-#include "vision/motion_cells.h"
+#include "vision/temporal_spectrum.h"
 
 namespace freshet::vision {
 

@@ -3,7 +3,7 @@
 
 #include <span>
 
-#include "vision/motion_cells.h"
+#include "vision/temporal_spectrum.h"
 #include "vision/textureness.h"
 #include "vision/variant.h"
 

@@ -6,8 +6,8 @@
 
 #include "vision/codebook.h"
 #include "vision/flow.h"
-#include "vision/motion_cells.h"
 #include "vision/patch_grid.h"
+#include "vision/temporal_spectrum.h"
 #include "vision/variant.h"
 
 namespace freshet::vision {

@@ -6,7 +6,7 @@
 
 #include <opencv2/core.hpp>
 
-#include "vision/motion_cells.h"
+#include "vision/temporal_spectrum.h"
 
 namespace freshet::vision {
 

@@ -151,7 +151,7 @@ class Watcher {
 double mean_speed(const query::CandidateSearch& search, const query::Labels& labels) {
   double sum = 0;
   for (std::size_t piece = 0; piece < labels.size(); ++piece) {
-    const query::Row row = search.candidates.rows_of(piece)[labels[piece]];
+    const stored::Row row = search.candidates.rows_of(piece)[labels[piece]];
     sum += std::hypot(search.table().mean_u[row], search.table().mean_v[row]);
   }
   return sum / static_cast<double>(labels.size());

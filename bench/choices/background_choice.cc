@@ -18,7 +18,7 @@
 
 #include "media/picture/picture.h"
 #include "platform/stopwatch.h"
-#include "synth/animate/motion/background.h"
+#include "synth/outline/background.h"
 
 namespace {
 
@@ -79,11 +79,11 @@ int main(int argc, char** argv) {
                                      radius * picture.rows);
           cv::Mat spoiled = picture.clone();
           spoiled.setTo(cv::Scalar(40, 160, 255), matte);
-          synth::animate::InpaintOptions options;
-          options.method = synth::animate::parse_inpaint_method(method);
+          synth::outline::InpaintOptions options;
+          options.method = synth::outline::parse_inpaint_method(method);
           options.margin_px = 0;
           const Stopwatch watch;
-          const cv::Mat guess = synth::animate::inpaint_background(spoiled, matte, options);
+          const cv::Mat guess = synth::outline::inpaint_background(spoiled, matte, options);
           seconds += watch.seconds();
           if (cv::norm(guess, picture, cv::NORM_INF, ~matte) > 0) {
             fmt::print(stderr, "{} changed the picture outside the matte\n", method);

@@ -32,8 +32,8 @@
 #include "media/frame/frame.h"
 #include "query/index/index_builder.h"
 #include "query/labelling/labelling.h"
-#include "query/stored/clip_frames.h"
 #include "store/store.h"
+#include "stored/clip_frames.h"
 #include "vision/flow.h"
 
 namespace {
@@ -86,7 +86,7 @@ query::PairwiseOptions costs_of(query::CostForm form, const query::FeatureShape&
 }
 
 /// Two neighbouring pieces, each with as many candidates as there are rows for it.
-query::Mrf edge_between(const std::vector<query::Row>& rows, const Measured& measured, query::CostForm form,
+query::Mrf edge_between(const std::vector<stored::Row>& rows, const Measured& measured, query::CostForm form,
                         const query::FeatureSource& source) {
   query::Target target;
   target.columns = 2, target.rows = 1;
@@ -104,7 +104,7 @@ query::Mrf edge_between(const std::vector<query::Row>& rows, const Measured& mea
 
 /// The reference is what the paper says: a pixel's power against a slow transform of its flow, and the raw
 /// cost of some pairs against Eq. 2, 3 and 6 in plain loops.
-void check_reference(const Measured& exact, const Footage& footage, const std::vector<query::Row>& rows,
+void check_reference(const Measured& exact, const Footage& footage, const std::vector<stored::Row>& rows,
                      const query::FeatureSource& source) {
   const auto& spectrum = exact.settings.spectrum;
   const cv::Point pixel(footage.luma[0].cols / 2, footage.luma[0].rows / 2);
@@ -203,7 +203,7 @@ std::vector<query::CandidateSearch> search_all(const store::Snapshot& snapshot,
                                                const query::SearchBase& base) {
   std::vector<query::CandidateSearch> searches;
   for (const store::ClipId id : base.table.clips) {
-    const query::ClipFrames frames(snapshot, id);
+    const stored::ClipFrames frames(snapshot, id);
     const cv::Mat frame = media::to_bgr(frames.read(frames.size() / 2));
     const cv::Size part(std::min(264, frame.cols), std::min(168, frame.rows));
     const cv::Point corner((frame.cols - part.width) / 2, (frame.rows - part.height) / 2);
@@ -263,7 +263,7 @@ int main(int argc, char** argv) try {
   query::build_index(store);
   const store::Snapshot snapshot = store.snapshot();
   const query::SearchBase base = query::open_search(snapshot);
-  const query::PatchTable& table = base.table;
+  const stored::PatchTable& table = base.table;
 
   std::vector<Measured> measured;
   for (const Setting& setting : kSettings) measured.push_back({with(setting), {}, {}});
@@ -275,12 +275,12 @@ int main(int argc, char** argv) try {
   }
 
   std::mt19937 random(7);
-  std::vector<query::Row> rows;
+  std::vector<stored::Row> rows;
   while (rows.size() < 2 * kPatches) {  // as many of each clip
     const std::size_t clip = rows.size() % table.clips.size();
-    const query::Row from = table.first_row[clip], count = table.first_row[clip + 1] - from;
+    const stored::Row from = table.first_row[clip], count = table.first_row[clip + 1] - from;
     if (count == 0) throw Error(ErrorKind::kInput, clips[clip].string(), "has no patch that moves");
-    rows.push_back(from + static_cast<query::Row>(random() % count));
+    rows.push_back(from + static_cast<stored::Row>(random() % count));
   }
   std::shuffle(rows.begin(), rows.end(), random);
   std::vector<query::FeatureSource> sources;

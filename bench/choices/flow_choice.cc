@@ -35,9 +35,9 @@
 #include "query/costs/stored_features.h"
 #include "query/index/index_builder.h"
 #include "query/labelling/labelling.h"
-#include "query/stored/clip_cells.h"
-#include "query/stored/clip_frames.h"
 #include "store/store.h"
+#include "stored/clip_cells.h"
+#include "stored/clip_frames.h"
 #include "vision/flow.h"
 #include "vision/patch_features.h"
 
@@ -163,7 +163,7 @@ cv::Mat moving_mask(const Side& side, store::ClipId id) {
     sum[i % pixels] += std::hypot(static_cast<float>(planes[0][i]), static_cast<float>(planes[1][i]));
   }
   speed *= vision::kFlowUnit / static_cast<float>(record.flow.frames);
-  const query::ClipFrames frames(*side.snapshot, id);
+  const stored::ClipFrames frames(*side.snapshot, id);
   ingest::LumaStatistics luma(cv::Size(static_cast<int>(record.width), static_cast<int>(record.height)));
   for (const media::Frame& frame : frames.read(0, frames.size())) luma.add(media::to_luma(frame));
   const double fps = static_cast<double>(record.fps_num) / static_cast<double>(record.fps_den);
@@ -173,7 +173,7 @@ cv::Mat moving_mask(const Side& side, store::ClipId id) {
 // ---- Motion got against motion had --------------------------------------------------------------------
 
 std::vector<cv::Vec2f> motion_had(const Side& side, store::ClipId id, const query::Target& target) {
-  const vision::CellMap cells = query::motion_cells(*side.snapshot, side.settings, id);
+  const vision::CellMap cells = stored::motion_cells(*side.snapshot, side.settings, id);
   const vision::VariantFrame frame = vision::variant_frame(target.picture, {});
   std::vector<cv::Vec2f> motion;
   for (const cv::Point& corner : target.corners) {
@@ -185,7 +185,7 @@ std::vector<cv::Vec2f> motion_had(const Side& side, store::ClipId id, const quer
 std::vector<cv::Vec2f> motion_got(const query::CandidateSearch& search, const query::Labels& labels) {
   std::vector<cv::Vec2f> motion;
   for (std::size_t piece = 0; piece < labels.size(); ++piece) {
-    const query::Row row = search.candidates.rows_of(piece)[labels[piece]];
+    const stored::Row row = search.candidates.rows_of(piece)[labels[piece]];
     motion.emplace_back(search.table().mean_u[row], search.table().mean_v[row]);
   }
   return motion;
@@ -284,7 +284,7 @@ std::array<Side, 2> make_sides(const std::vector<fs::path>& clips, const fs::pat
   for (std::size_t m = 0; m < 2; ++m) {
     sides[m] = make_side(kMethods[m], clips, folder / fmt::format("{}.freshet", m));
     fmt::print("{} store: {:.1f} s of flow, {} patches\n", kNames[m], sides[m].flow_seconds,
-               query::read_patch_table(*sides[m].snapshot).size());
+               stored::read_patch_table(*sides[m].snapshot).size());
     std::fflush(stdout);
   }
   return sides;
@@ -320,7 +320,7 @@ class HeldOut {
 
 void HeldOut::label(store::ClipId id) {
   const store::ClipRecord& record = sides_[0].snapshot->clip(id);
-  const query::ClipFrames frames(*sides_[0].snapshot, id);
+  const stored::ClipFrames frames(*sides_[0].snapshot, id);
   Still still{id, record, media::to_bgr(frames.read(frames.size() / 2)),
               moving_mask(sides_[0], id) & moving_mask(sides_[1], id), std::nullopt};
   if (cv::countNonZero(still.matte) == 0) {

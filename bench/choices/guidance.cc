@@ -24,9 +24,9 @@
 #include <vector>
 
 #include "bench/harness/machine.h"
+#include "hints/motion_maps.h"
+#include "hints/stroke_field.h"
 #include "media/picture/picture.h"
-#include "query/hints/motion_maps.h"
-#include "query/hints/stroke_field.h"
 #include "query/labelling/labelling.h"
 #include "store/store.h"
 #include "synth/animate/motion/motion_field.h"
@@ -84,14 +84,14 @@ nlohmann::json to_json(const Distance& distance) {
           {"log2_speed", distance.mean_speed()}};
 }
 
-std::vector<query::Row> rows_of(const query::Labelling& labelling) {
-  std::vector<query::Row> rows;
+std::vector<stored::Row> rows_of(const query::Labelling& labelling) {
+  std::vector<stored::Row> rows;
   for (std::size_t piece = 0; piece < labelling.labels.size(); ++piece)
     rows.push_back(labelling.search.candidates.rows_of(piece)[labelling.labels[piece]]);
   return rows;
 }
 
-cv::Vec2f motion_of(const query::PatchTable& table, query::Row row) {
+cv::Vec2f motion_of(const stored::PatchTable& table, stored::Row row) {
   return {table.mean_u[row], table.mean_v[row]};
 }
 
@@ -100,10 +100,10 @@ struct Honoured {
   int opened = 0;
 };
 
-Honoured honoured(const query::PatchTable& table, const query::Labelling& labelling,
+Honoured honoured(const stored::PatchTable& table, const query::Labelling& labelling,
                   const std::vector<query::PieceMotion>& asked) {
   Honoured found;
-  const std::vector<query::Row> rows = rows_of(labelling);
+  const std::vector<stored::Row> rows = rows_of(labelling);
   for (std::size_t piece = 0; piece < rows.size(); ++piece) {
     const std::vector<int>& steps = labelling.search.candidates.opened;
     const bool opened = !steps.empty() && steps[piece] > 0;
@@ -126,15 +126,15 @@ query::MotionGuide through_files(const cv::Mat& motion, const cv::Mat& matte, bo
   const std::filesystem::path way_file = folder / (mark + "-way.png"),
                               speed_file = folder / (mark + "-speed.png");
   const double white = 1000;
-  query::write_orientation_map(way_file, motion, matte);
-  query::write_speed_map(speed_file, motion, matte, white);
+  hints::write_orientation_map(way_file, motion, matte);
+  hints::write_speed_map(speed_file, motion, matte, white);
   query::MotionGuide guide;
-  guide.direction = query::read_orientation_map(way_file, motion.size());
-  guide.speed = query::read_speed_map(speed_file, motion.size(), white);
+  guide.direction = hints::read_orientation_map(way_file, motion.size());
+  guide.speed = hints::read_speed_map(speed_file, motion.size(), white);
   std::filesystem::remove(way_file);
   std::filesystem::remove(speed_file);
   cv::Mat direction, speed;
-  query::split_motion(motion, matte, direction, speed);
+  hints::split_motion(motion, matte, direction, speed);
   for (int y = 0; y < motion.rows; ++y)
     for (int x = 0; x < motion.cols; ++x) {
       const float written = speed.at<float>(y, x);
@@ -154,8 +154,8 @@ bool measure(const store::Snapshot& snapshot, const query::SearchBase& base, con
   options.guide_costs = query::default_guide_costs(options.hint_search);
   const query::Labelling free = query::label(snapshot, base, given.picture, given.matte, options);
 
-  const query::StrokeField field = query::interpolate(
-      query::read_strokes(given.strokes, given.picture.size()), given.picture.size(), given.strokes);
+  const hints::StrokeField field = hints::interpolate(
+      hints::read_strokes(given.strokes, given.picture.size()), given.picture.size(), given.strokes);
   options.guide.direction = field.direction;
   options.guide.speed = field.speed;
   const query::Labelling guided = query::label(snapshot, base, given.picture, given.matte, options);
@@ -168,7 +168,7 @@ bool measure(const store::Snapshot& snapshot, const query::SearchBase& base, con
   bool right = true;
   options.guide = through_files(motion, given.matte, right);
   const query::Labelling again = query::label(snapshot, base, given.picture, given.matte, options);
-  const std::vector<query::Row> first = rows_of(guided), second = rows_of(again);
+  const std::vector<stored::Row> first = rows_of(guided), second = rows_of(again);
   Distance apart;
   int same_patch = 0, same_clip = 0;
   for (std::size_t piece = 0; piece < first.size(); ++piece) {

@@ -27,8 +27,8 @@
 #include "bench/harness/machine.h"
 #include "bench/harness/median.h"
 #include "freshet/error.h"
+#include "hints/motion_maps.h"
 #include "media/picture/picture.h"
-#include "query/hints/motion_maps.h"
 #include "query/labelling/label_map.h"
 #include "query/labelling/label_request.h"
 #include "vision/flow.h"
@@ -60,8 +60,8 @@ Case read_case(const std::filesystem::path& folder) {
             {}};
   const cv::Size size = read.still.size();
   read.matte = media::read_matte(folder / "matte.png", size).alpha;
-  const cv::Mat way = query::read_orientation_map(folder / "way.png", size),
-                speed = query::read_speed_map(folder / "speed.png", size,
+  const cv::Mat way = hints::read_orientation_map(folder / "way.png", size),
+                speed = hints::read_speed_map(folder / "speed.png", size,
                                               std::stod(first_line(folder / "white")));
   read.motion.create(size, CV_32FC2);
   for (int y = 0; y < size.height; ++y)
@@ -156,12 +156,12 @@ Figures measure(const store::Snapshot& snapshot, const query::SearchBase& base, 
   const auto& s = labelling.seconds;
   figures.seconds = s.search + s.costs + s.minimize;
   std::map<std::uint32_t, double> clips;
-  std::map<query::Row, double> rows;
-  std::vector<query::Row> chosen;
+  std::map<stored::Row, double> rows;
+  std::vector<stored::Row> chosen;
   double moving = 0, blocks = 0, back = 0, angle = 0, log2 = 0, abs_log2 = 0;
   std::vector<double> truths, speeds;  // log2: of moving pieces, of all their candidates
   for (std::size_t i = 0; i < target.size(); ++i) {
-    const query::Row row = labelling.search.candidates.rows_of(i)[labelling.labels[i]];
+    const stored::Row row = labelling.search.candidates.rows_of(i)[labelling.labels[i]];
     chosen.push_back(row);
     figures.score += assignment.pieces[i].score / figures.pieces;
     clips[base.table.clip[row]] += 1 / figures.pieces;
@@ -174,7 +174,7 @@ Figures measure(const store::Snapshot& snapshot, const query::SearchBase& base, 
     if (cv::norm(truth) < kMoving) continue;
     ++moving;
     truths.push_back(std::log2(cv::norm(truth)));
-    for (const query::Row candidate : labelling.search.candidates.rows_of(i))
+    for (const stored::Row candidate : labelling.search.candidates.rows_of(i))
       speeds.push_back(
           std::log2(std::max(0.1, std::hypot(static_cast<double>(base.table.mean_u[candidate]),
                                              static_cast<double>(base.table.mean_v[candidate])))));
@@ -206,7 +206,7 @@ Figures measure(const store::Snapshot& snapshot, const query::SearchBase& base, 
   for (const auto& [row, share] : rows) figures.patch = std::max(figures.patch, share);
   for (const auto& [p, q] : target.edges) {
     const cv::Point step = (target.places[q] - target.places[p]) * target.stride;
-    const query::Row a = chosen[p], b = chosen[q];
+    const stored::Row a = chosen[p], b = chosen[q];
     figures.coherent +=
         base.table.clip[a] == base.table.clip[b] && base.table.variant[a] == base.table.variant[b] &&
         base.table.x[b] - base.table.x[a] == step.x && base.table.y[b] - base.table.y[a] == step.y;
@@ -276,7 +276,7 @@ int main(int argc, char** argv) try {
         for (std::string part; std::getline(stream, part, ',');)
           set(request, part.substr(0, part.find('=')), part.substr(part.find('=') + 1));
         cv::Mat direction, speed;
-        query::split_motion(given.motion, given.matte, direction, speed);
+        hints::split_motion(given.motion, given.matte, direction, speed);
         if (hint == "maps") {
           request.options.guide.direction = direction;
           request.options.guide.speed = speed;

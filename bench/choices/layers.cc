@@ -26,7 +26,7 @@
 #include "bench/harness/machine.h"
 #include "bench/quality/quality_measures.h"
 #include "media/picture/picture.h"
-#include "synth/animate/motion/background.h"
+#include "synth/outline/background.h"
 #include "synth/scene/layers/cut_layers.h"
 
 namespace {
@@ -184,11 +184,11 @@ void measure_fill(const std::vector<bench::KnownLayers>& cases, bool shift_map,
   if (shift_map) others.emplace_back("shift-map");
   for (const std::string& name : others)
     rows.emplace_back(name, [name](const cv::Mat& bgr, const cv::Mat& hole, const cv::Mat&) {
-      synth::animate::InpaintOptions options;
-      options.method = synth::animate::parse_inpaint_method(name);
+      synth::outline::InpaintOptions options;
+      options.method = synth::outline::parse_inpaint_method(name);
       options.margin_px = 0;
       options.max_side_px = wide;
-      return synth::animate::inpaint_background(bgr, hole, options);
+      return synth::outline::inpaint_background(bgr, hole, options);
     });
   for (const auto& [patch, search] : {std::pair(9, 24), std::pair(9, 48), std::pair(9, 96), std::pair(7, 48),
                                       std::pair(13, 48), std::pair(9, 192)})

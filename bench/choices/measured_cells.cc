@@ -7,7 +7,7 @@
 
 #include "freshet/error.h"
 #include "media/frame/frame.h"
-#include "query/stored/clip_frames.h"
+#include "stored/clip_frames.h"
 #include "vision/flow.h"
 #include "vision/patch_features.h"
 #include "vision/textureness.h"
@@ -27,7 +27,7 @@ std::uint64_t bytes_of(const store::Store& store, const std::string& what) {
 }  // namespace
 
 Footage read_footage(const store::Snapshot& snapshot, store::ClipId id, std::uint32_t max_frames) {
-  const query::ClipFrames frames(snapshot, id);
+  const stored::ClipFrames frames(snapshot, id);
   const store::ClipRecord& record = snapshot.clip(id);
   Footage footage;
   footage.fps = static_cast<double>(record.fps_num) / static_cast<double>(record.fps_den);
@@ -88,7 +88,7 @@ void measure(const Footage& footage, const store::ClipRecord& record, const std:
 }
 
 query::FeatureSource source_of(const Measured& measured, const store::Snapshot& snapshot,
-                               const query::PatchTable& table) {
+                               const stored::PatchTable& table) {
   const auto variants = measured.settings.variants();
   std::vector<std::vector<vision::VariantFrame>> frames;
   for (const store::ClipId id : table.clips) {
@@ -101,7 +101,7 @@ query::FeatureSource source_of(const Measured& measured, const store::Snapshot& 
   }
   const query::FeatureShape shape = query::feature_shape(measured.settings);
   const int side = shape.square() * measured.settings.spectrum.cell, across = shape.squares();
-  return {[&table, side, across](query::Row row, std::span<query::Square> out) {
+  return {[&table, side, across](stored::Row row, std::span<query::Square> out) {
             for (int k = 0; k < across * across; ++k)
               out[static_cast<std::size_t>(k)] = {
                   table.clip[row], table.variant[row],

@@ -8,10 +8,10 @@
 #include <opencv2/core.hpp>
 
 #include "query/costs/pairwise.h"
-#include "query/stored/patch_table.h"
 #include "store/store.h"
-#include "vision/motion_cells.h"
+#include "stored/patch_table.h"
 #include "vision/settings.h"
+#include "vision/temporal_spectrum.h"
 
 namespace freshet::bench {
 
@@ -37,6 +37,6 @@ void measure(const Footage& footage, const store::ClipRecord& record, const std:
 
 /// Features of the table's patches out of measured cells, clips in the table's order. Must not outlive them.
 query::FeatureSource source_of(const Measured& measured, const store::Snapshot& snapshot,
-                               const query::PatchTable& table);
+                               const stored::PatchTable& table);
 
 }  // namespace freshet::bench

@@ -35,8 +35,8 @@
 #include "query/labelling/label_request.h"
 #include "query/labelling/labelling.h"
 #include "query/labelling/motion_guess.h"
-#include "query/stored/clip_cells.h"
-#include "query/stored/clip_frames.h"
+#include "stored/clip_cells.h"
+#include "stored/clip_frames.h"
 
 namespace {
 
@@ -66,19 +66,20 @@ std::optional<Question> ask(const store::Snapshot& snapshot, const vision::Setti
                             store::ClipId clip) {
   const store::ClipRecord& record = snapshot.clip(clip);
   Question question{record.name, record.class_name, {}, {}, {}};
-  question.still = media::to_bgr(query::ClipFrames(snapshot, clip).read(record.frame_count / 2));
+  question.still = media::to_bgr(stored::ClipFrames(snapshot, clip).read(record.frame_count / 2));
   const cv::Size frame = question.still.size();
   const double scale = std::min(1.0, kLongest / std::max(frame.width, frame.height));
   const cv::Size size(static_cast<int>(std::lround(frame.width * scale)),
                       static_cast<int>(std::lround(frame.height * scale)));
   cv::resize(question.still, question.still, size, 0, 0, cv::INTER_AREA);
   // Mean motion, and the root of its mean square: what moves.
-  const cv::Mat values =
-      from_cells(query::motion_cells(snapshot, settings, clip), frame, size, [](std::span<const float> cell) {
-        float square = cell[0] * cell[0] + cell[1] * cell[1];
-        for (std::size_t i = 2; i < cell.size(); i += 3) square += cell[i] + cell[i + 1];
-        return cv::Vec3f(cell[0], cell[1], std::sqrt(square));
-      });
+  const cv::Mat values = from_cells(stored::motion_cells(snapshot, settings, clip), frame, size,
+                                    [](std::span<const float> cell) {
+                                      float square = cell[0] * cell[0] + cell[1] * cell[1];
+                                      for (std::size_t i = 2; i < cell.size(); i += 3)
+                                        square += cell[i] + cell[i + 1];
+                                      return cv::Vec3f(cell[0], cell[1], std::sqrt(square));
+                                    });
   std::vector<cv::Mat> parts;
   cv::split(values, parts);
   question.matte = parts[2] >= settings.min_motion_px * 25;
@@ -192,7 +193,7 @@ std::vector<cv::Vec2f> assigned(const query::Labelling& labelling) {
   std::vector<cv::Vec2f> motion;
   const query::CandidateSearch& search = labelling.search;
   for (std::size_t piece = 0; piece < search.target.size(); ++piece) {
-    const query::Row row = search.candidates.rows_of(piece)[labelling.labels[piece]];
+    const stored::Row row = search.candidates.rows_of(piece)[labelling.labels[piece]];
     motion.emplace_back(search.table().mean_u[row], search.table().mean_v[row]);
   }
   return motion;

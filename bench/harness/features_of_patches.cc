@@ -5,7 +5,7 @@
 namespace freshet::bench {
 
 std::vector<float> features_of_patches(const query::FeatureSource& source, const query::FeatureShape& shape,
-                                       std::span<const query::Row> rows) {
+                                       std::span<const stored::Row> rows) {
   const auto across = static_cast<std::size_t>(shape.squares()),
              side = static_cast<std::size_t>(shape.square());
   std::vector<query::Square> squares(rows.size() * across * across);

@@ -10,6 +10,6 @@ namespace freshet::bench {
 
 /// All features of patches, shape.values() each, as vision::patch_features lays them out.
 std::vector<float> features_of_patches(const query::FeatureSource& source, const query::FeatureShape& shape,
-                                       std::span<const query::Row> rows);
+                                       std::span<const stored::Row> rows);
 
 }  // namespace freshet::bench

@@ -15,9 +15,9 @@ namespace {
 using nlohmann::json;
 
 /// The same patches, where another store has them.
-query::PatchTable in_store(const store::Snapshot& there, const store::Snapshot& here,
-                           const query::PatchTable& table) {
-  query::PatchTable moved;
+stored::PatchTable in_store(const store::Snapshot& there, const store::Snapshot& here,
+                            const stored::PatchTable& table) {
+  stored::PatchTable moved;
   moved.variant = table.variant;
   moved.clip = table.clip;
   moved.x = table.x;
@@ -77,7 +77,7 @@ json measure_exact(const store::Snapshot& pooled, const store::Snapshot& exact,
     throw Error(ErrorKind::kUsage, "the exact store", "has other variants than the pooled one");
   const query::FeatureShape shape = query::feature_shape(base.settings),
                             pooled_shape = query::feature_shape(pooled_settings);
-  const query::PatchTable table = in_store(pooled, exact, base.table);
+  const stored::PatchTable table = in_store(pooled, exact, base.table);
   const query::StoredFeatures exact_features(exact, base.settings, base.table),
       pooled_features(pooled, pooled_settings, table);
   const query::PartsWanted usual;

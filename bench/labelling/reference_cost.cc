@@ -37,7 +37,7 @@ class ReferenceCost {
   ReferenceCost(const query::FeatureShape& shape, const query::PairwiseOptions& options)
       : shape_(shape), options_(options) {}
   using Patch = std::vector<std::vector<double>>;  // log features of its cells, row-major
-  std::vector<Patch> patches(const query::FeatureSource& source, std::span<const query::Row> rows) const {
+  std::vector<Patch> patches(const query::FeatureSource& source, std::span<const stored::Row> rows) const {
     const std::vector<float> features = features_of_patches(source, shape_, rows);
     const float* from = features.data();
     std::vector<Patch> patches(rows.size());

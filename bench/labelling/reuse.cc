@@ -15,7 +15,7 @@
 
 #include "bench/harness/machine.h"
 #include "bench/harness/picture_argument.h"
-#include "query/hints/stroke_field.h"
+#include "hints/stroke_field.h"
 #include "query/labelling/labelling.h"
 #include "query/labelling/labelling_memo.h"
 
@@ -27,13 +27,13 @@ query::MotionGuide guide_of(cv::Size size, double turned_deg) {
   const auto w = static_cast<float>(size.width), h = static_cast<float>(size.height);
   const auto stroke = [&](float x, float y, double degrees) {
     const double angle = degrees * CV_PI / 180;
-    return query::Stroke{{{x * w, y * h},
+    return hints::Stroke{{{x * w, y * h},
                           {x * w + 0.12f * w * static_cast<float>(std::cos(angle)),
                            y * h + 0.12f * h * static_cast<float>(std::sin(angle))}}};
   };
   query::MotionGuide guide;
   guide.direction =
-      query::interpolate({stroke(0.2f, 0.2f, 30), stroke(0.7f, 0.2f, 60), stroke(0.5f, 0.5f, 45),
+      hints::interpolate({stroke(0.2f, 0.2f, 30), stroke(0.7f, 0.2f, 60), stroke(0.5f, 0.5f, 45),
                           stroke(0.2f, 0.75f, 20), stroke(0.75f, 0.75f, 30 + turned_deg)},
                          size)
           .direction;
@@ -52,7 +52,7 @@ query::Labelling run(const store::Snapshot& snapshot, const bench::PictureArgume
                      const char* what) {
   const Seconds start;
   const query::SearchBase base = query::open_search(snapshot, {.built_late = !folder.empty()});
-  std::optional<query::LabelCache> cache;
+  std::optional<cache::ResultCache> cache;
   std::optional<query::LabellingMemo> memo;
   if (!folder.empty()) memo.emplace(cache.emplace(folder), snapshot, base);
   query::Labelling labelling =

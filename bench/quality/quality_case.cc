@@ -6,8 +6,8 @@
 #include <fmt/format.h>
 #include <opencv2/imgproc.hpp>
 
+#include "hints/motion_maps.h"
 #include "ingest/clip_analysis.h"
-#include "query/hints/motion_maps.h"
 #include "query/search/target.h"
 
 namespace freshet::bench {
@@ -110,7 +110,7 @@ std::optional<Case> make_case(Footage footage, const vision::Settings& settings,
 
 cv::Mat true_direction(const Case& clip) {
   cv::Mat direction, speed;
-  query::split_motion(clip.motion, clip.matte, direction, speed);
+  hints::split_motion(clip.motion, clip.matte, direction, speed);
   return direction;
 }
 

@@ -25,7 +25,7 @@ struct Case {
   cv::Mat motion;                      // CV_32FC2, the picture's size, px/s: their mean over time
   cv::Mat still;                       // CV_8UC3: the middle one of these
   cv::Mat matte;                       // CV_8U: where it really moves, soft at the edge
-  std::vector<query::Stroke> strokes;  // empty where nothing flows
+  std::vector<hints::Stroke> strokes;  // empty where nothing flows
   Region region;
   Film film;                      // of the truth
   std::optional<Distance> half;   // the clip before its middle against the clip after it: the ceiling

@@ -9,8 +9,8 @@
 #include "bench/quality/quality_measures.h"
 #include "media/frame/frame.h"
 #include "media/video/video_reader.h"
-#include "query/stored/average_image.h"
-#include "query/stored/clip_frames.h"
+#include "stored/average_image.h"
+#include "stored/clip_frames.h"
 
 namespace freshet::bench {
 namespace {
@@ -31,7 +31,7 @@ cv::Mat reduced(const media::Frame& frame, int longest) {
 /// Frames [first, first + count) of a stored clip.
 std::vector<cv::Mat> read_stored(const store::Snapshot& snapshot, store::ClipId clip, std::uint32_t first,
                                  std::uint32_t count, int longest) {
-  const query::ClipFrames frames(snapshot, clip);
+  const stored::ClipFrames frames(snapshot, clip);
   std::vector<cv::Mat> read(count);
   constexpr std::uint32_t kSlab = 16;
   for (std::uint32_t at = first; at < first + count;) {
@@ -63,7 +63,7 @@ std::vector<std::string> clips_of_scene(const store::Snapshot& snapshot, const s
     if (record.name != name) {
       const double theirs = static_cast<double>(record.width) / record.height;
       if (record.class_name != class_name || std::abs(theirs / aspect - 1) > 0.002) continue;
-      const cv::Mat other = thumbnail(query::average_image(snapshot, clip));
+      const cv::Mat other = thumbnail(stored::average_image(snapshot, clip));
       if (ours.dot(other) <= kSameScene * cv::norm(ours) * cv::norm(other)) continue;
     }
     names.push_back(record.name);
@@ -96,7 +96,7 @@ Footage stored_footage(const store::Snapshot& snapshot, store::ClipId clip, cons
   footage.class_name = record.class_name;
   footage.fps = static_cast<double>(record.fps_num) / static_cast<double>(record.fps_den);
   footage.same_scene =
-      clips_of_scene(snapshot, record.name, record.class_name, query::average_image(snapshot, clip),
+      clips_of_scene(snapshot, record.name, record.class_name, stored::average_image(snapshot, clip),
                      static_cast<double>(record.width) / record.height);
   const Range range = around_middle(static_cast<int>(record.frame_count), options.frames, footage);
   footage.frames = read_stored(snapshot, clip, range.first, range.count, options.width);

@@ -4,7 +4,7 @@
 #include <numbers>
 
 #include "freshet/error.h"
-#include "query/hints/motion_maps.h"
+#include "hints/motion_maps.h"
 #include "query/labelling/motion_guess.h"
 
 namespace freshet::bench {
@@ -66,7 +66,7 @@ AskedOf ask(Hint hint, const Case& clip, const store::Snapshot& snapshot, const 
       asked.direction = asked.labels.direction;
       break;
     case Hint::kMaps:
-      query::split_motion(clip.motion, clip.matte, asked.labels.direction, asked.labels.speed);
+      hints::split_motion(clip.motion, clip.matte, asked.labels.direction, asked.labels.speed);
       asked.rendering = asked.labels;
       asked.direction = asked.labels.direction;
       break;

@@ -32,7 +32,7 @@ cv::Mat annotated(const Case& asked, bool with_strokes) {
   std::vector<std::vector<cv::Point>> outlines;
   cv::findContours(cv::Mat(asked.matte > 127), outlines, cv::RETR_LIST, cv::CHAIN_APPROX_SIMPLE);
   cv::drawContours(picture, outlines, -1, {255, 255, 0}, 1, cv::LINE_AA);
-  for (const query::Stroke& stroke : asked.strokes) {
+  for (const hints::Stroke& stroke : asked.strokes) {
     if (!with_strokes) break;
     for (std::size_t i = 1; i < stroke.points.size(); ++i) {
       const cv::Point a(stroke.points[i - 1]), b(stroke.points[i]);

@@ -6,7 +6,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "bench/quality/quality_measures.h"
-#include "query/hints/stroke_field.h"
+#include "hints/stroke_field.h"
 
 namespace freshet::bench {
 namespace {
@@ -69,7 +69,7 @@ double by_fifths(double speed) {
 
 }  // namespace
 
-std::vector<query::Stroke> draw_strokes(const cv::Mat& motion, const cv::Mat& matte) {
+std::vector<hints::Stroke> draw_strokes(const cv::Mat& motion, const cv::Mat& matte) {
   const double diagonal = std::hypot(matte.cols, matte.rows), area = cv::countNonZero(matte > 127);
   const cv::Mat smooth = smoothed(motion, matte, diagonal / 80);
   const double fraction = area / static_cast<double>(matte.total());
@@ -92,7 +92,7 @@ std::vector<query::Stroke> draw_strokes(const cv::Mat& motion, const cv::Mat& ma
   const cv::Mat inner = cv::min(edge, kEdge) / kEdge;
   const double apart = 0.4 * std::sqrt(area / wanted);
   cv::Mat drawn(matte.size(), CV_8U, cv::Scalar(255)), distance(matte.size(), CV_32F, cv::Scalar(1));
-  std::vector<query::Stroke> strokes;
+  std::vector<hints::Stroke> strokes;
   while (static_cast<int>(strokes.size()) < wanted) {
     double best = 0;
     cv::Point seed;
@@ -104,7 +104,7 @@ std::vector<query::Stroke> draw_strokes(const cv::Mat& motion, const cv::Mat& ma
     line.push_back(from);
     const std::vector<cv::Point2f> ahead = streamline.follow(from, 1, diagonal / 16);
     line.insert(line.end(), ahead.begin(), ahead.end());
-    query::Stroke stroke;
+    hints::Stroke stroke;
     double sum = 0;
     for (std::size_t i = 0; i < line.size(); ++i) {
       sum += cv::norm(streamline.at(line[i]));
@@ -120,9 +120,9 @@ std::vector<query::Stroke> draw_strokes(const cv::Mat& motion, const cv::Mat& ma
   return strokes;
 }
 
-void guide_by(const std::vector<query::Stroke>& strokes, cv::Size picture, bool with_speed,
+void guide_by(const std::vector<hints::Stroke>& strokes, cv::Size picture, bool with_speed,
               query::MotionGuide& guide) {
-  query::StrokeField field = query::interpolate(strokes, picture);
+  hints::StrokeField field = hints::interpolate(strokes, picture);
   guide.direction = std::move(field.direction);
   guide.speed = with_speed ? std::move(field.speed) : cv::Mat();
 }

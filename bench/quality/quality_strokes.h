@@ -5,7 +5,7 @@
 
 #include <opencv2/core.hpp>
 
-#include "query/hints/strokes.h"
+#include "hints/strokes.h"
 #include "query/search/motion_guide.h"
 
 namespace freshet::bench {
@@ -16,11 +16,11 @@ namespace freshet::bench {
 /// Fewer, or none, where nothing flows at kMinSpeed.
 /// motion   CV_32FC2, px/s, x right, y down, of any size: stretched to the matte's.
 /// matte    CV_8U; fluid where above 127.
-std::vector<query::Stroke> draw_strokes(const cv::Mat& motion, const cv::Mat& matte);
+std::vector<hints::Stroke> draw_strokes(const cv::Mat& motion, const cv::Mat& matte);
 
-/// What the strokes, at least one, ask of the picture's motion (query::interpolate): directions, and speeds
+/// What the strokes, at least one, ask of the picture's motion (hints::interpolate): directions, and speeds
 /// where with_speed.
-void guide_by(const std::vector<query::Stroke>& strokes, cv::Size picture, bool with_speed,
+void guide_by(const std::vector<hints::Stroke>& strokes, cv::Size picture, bool with_speed,
               query::MotionGuide& guide);
 
 }  // namespace freshet::bench

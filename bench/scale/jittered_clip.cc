@@ -317,7 +317,7 @@ JitteredClip jittered_clip(const SourceClip& source, const vision::Settings& set
   const std::vector<vision::Variant> variants = settings.variants();
   const query::PatchPoints points(record, settings, variants,
                                   {clip.patches.variant, clip.patches.x, clip.patches.y});
-  cv::Mat average_8(clip.average.size(), CV_8U);  // as query::average_image reads it
+  cv::Mat average_8(clip.average.size(), CV_8U);  // as stored::average_image reads it
   for (std::size_t i = 0; i < clip.average.total(); ++i)
     average_8.data[i] = static_cast<std::uint8_t>((clip.average.ptr<std::uint16_t>()[i] + 128u) / 257u);
   std::vector<std::vector<vision::Descriptor>> descriptors;

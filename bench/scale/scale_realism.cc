@@ -32,8 +32,8 @@
 #include "freshet/error.h"
 #include "query/index/exact_index.h"
 #include "query/search/target.h"
-#include "query/stored/patch_table.h"
-#include "query/stored/stored_codebook.h"
+#include "stored/patch_table.h"
+#include "stored/stored_codebook.h"
 
 namespace {
 
@@ -250,7 +250,7 @@ int run(int argc, char** argv) {
   const store::Store store = store::Store::open_read(source);
   const store::Snapshot snapshot = store.snapshot();
   const vision::Settings settings = vision::settings_from_json(snapshot.settings());
-  const vision::Codebook codebook = query::read_codebook(snapshot);
+  const vision::Codebook codebook = stored::read_codebook(snapshot);
   const Real real = read_real(snapshot);
   Realism realism{snapshot, real, codebook.words, {}, {}};
   realism.result["machine"] = bench::to_json(bench::this_machine());

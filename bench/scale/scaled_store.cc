@@ -15,7 +15,7 @@
 #include "bench/harness/seeded_random.h"
 #include "freshet/error.h"
 #include "query/index/index_builder.h"
-#include "query/stored/stored_codebook.h"
+#include "stored/stored_codebook.h"
 
 namespace freshet::bench {
 namespace {
@@ -134,7 +134,7 @@ void write_clip(store::Store& store, JitteredClip clip) {
 void generate(const store::Snapshot& source, const ScaleOptions& options,
               const std::function<void(JitteredClip&&, std::uint64_t)>& take) {
   const vision::Settings settings = vision::settings_from_json(source.settings());
-  const vision::Codebook codebook = query::read_codebook(source);
+  const vision::Codebook codebook = stored::read_codebook(source);
   Rounds rounds(source, options);
   std::map<store::ClipId, SourceClip> sources;
   std::uint64_t given = 0;
@@ -173,7 +173,7 @@ ScaleReport write_scaled_store(const store::Snapshot& source, const std::filesys
                                const std::function<void(std::uint64_t)>& progress) {
   const double start = wall_seconds();
   ScaleReport report;
-  const vision::Codebook codebook = query::read_codebook(source);
+  const vision::Codebook codebook = stored::read_codebook(source);
   store::Store store = store::Store::create(path, source.settings());
   generate(source, options, [&](JitteredClip&& clip, std::uint64_t before) {
     report.patches = before + clip.patches.size();
@@ -181,8 +181,8 @@ ScaleReport write_scaled_store(const store::Snapshot& source, const std::filesys
     write_clip(store, std::move(clip));
     if (progress) progress(report.patches);
   });
-  const auto bytes = query::to_bytes({codebook, query::hash_of_clips(store.snapshot())});
-  const store::Store::Blob blob{query::kCodebookBlob, bytes, true};
+  const auto bytes = stored::to_bytes({codebook, stored::hash_of_clips(store.snapshot())});
+  const store::Store::Blob blob{stored::kCodebookBlob, bytes, true};
   store.write({&blob, 1});
   query::build_index(store);  // whatever else a search is opened with; words are up to date
   report.bytes = std::filesystem::file_size(path);

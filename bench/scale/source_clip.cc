@@ -9,8 +9,8 @@
 
 #include "ingest/clip_analysis.h"
 #include "media/frame/frame.h"
-#include "query/stored/clip_cells.h"
-#include "query/stored/clip_frames.h"
+#include "stored/clip_cells.h"
+#include "stored/clip_frames.h"
 #include "vision/flow.h"
 
 namespace freshet::bench {
@@ -49,7 +49,7 @@ std::vector<std::uint32_t> spread_slabs(std::uint32_t frames) {
 
 cv::Mat what_moves(const store::Snapshot& snapshot, const vision::Settings& settings, store::ClipId clip) {
   const store::ClipRecord& record = snapshot.clip(clip);
-  const query::ClipFrames frames(snapshot, clip);
+  const stored::ClipFrames frames(snapshot, clip);
   ingest::LumaStatistics statistics(
       cv::Size(static_cast<int>(record.width), static_cast<int>(record.height)));
   for (const std::uint32_t first : spread_slabs(record.frame_count)) {
@@ -89,12 +89,12 @@ SourceClip read_source_clip(const store::Snapshot& snapshot, const vision::Setti
       clip, store::Stream::kAverage, 0, {0, 0, record.width, record.height}, 0, 1,
       std::as_writable_bytes(std::span(source.average.ptr<std::uint16_t>(), source.average.total())));
   source.moving = what_moves(snapshot, settings, clip);
-  source.motion = query::motion_cells(snapshot, settings, clip);
+  source.motion = stored::motion_cells(snapshot, settings, clip);
   for (std::size_t scale = 0; scale < settings.scales.size(); ++scale)
-    source.texture.push_back(query::texture_cells(snapshot, settings, clip, scale));
+    source.texture.push_back(stored::texture_cells(snapshot, settings, clip, scale));
 
   const std::uint32_t kept = std::min(static_cast<std::uint32_t>(frames), record.frame_count);
-  const query::ClipFrames stored(snapshot, clip);
+  const stored::ClipFrames stored(snapshot, clip);
   for (const media::Frame& frame : stored.read(0, kept)) source.frames.push_back(media::to_luma(frame));
   const std::uint32_t flows = std::min(kept - 1, record.flow.frames);
   const auto u = flow_plane(snapshot, clip, 0, 0, flows), v = flow_plane(snapshot, clip, 1, 0, flows);

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "store/store.h"
-#include "vision/motion_cells.h"
 #include "vision/settings.h"
+#include "vision/temporal_spectrum.h"
 
 namespace freshet::bench {
 

@@ -6,7 +6,7 @@
 #include <opencv2/core.hpp>
 
 #include "media/frame/file_format.h"
-#include "media/picture/layers.h"
+#include "media/picture/passes.h"
 
 namespace freshet::media {
 

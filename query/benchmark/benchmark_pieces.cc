@@ -7,13 +7,13 @@
 
 #include "freshet/error.h"
 #include "query/search/picture_scale.h"
-#include "query/stored/average_image.h"
+#include "stored/average_image.h"
 
 namespace freshet::query {
 namespace {
 
 // Of the clips that have patches, the one with the median number of them.
-std::size_t median_clip(const PatchTable& table) {
+std::size_t median_clip(const stored::PatchTable& table) {
   std::vector<std::size_t> clips;
   const auto rows_of = [&](std::size_t clip) { return table.first_row[clip + 1] - table.first_row[clip]; };
   for (std::size_t clip = 0; clip < table.clips.size(); ++clip)
@@ -25,9 +25,9 @@ std::size_t median_clip(const PatchTable& table) {
 
 }  // namespace
 
-std::vector<Row> evenly(std::span<const Row> rows, std::size_t count) {
+std::vector<stored::Row> evenly(std::span<const stored::Row> rows, std::size_t count) {
   if (count >= rows.size()) return {rows.begin(), rows.end()};
-  std::vector<Row> some(count);
+  std::vector<stored::Row> some(count);
   for (std::size_t i = 0; i < count; ++i) some[i] = rows[i * rows.size() / count];
   return some;
 }
@@ -37,13 +37,13 @@ BenchmarkPieces benchmark_pieces(const store::Snapshot& snapshot, const SearchBa
                                  std::size_t rows) {
   BenchmarkPieces made;
   made.pictures = std::move(pictures);
-  const PatchTable& table = base.table;
-  Row left_out = 0, until = 0;
+  const stored::PatchTable& table = base.table;
+  stored::Row left_out = 0, until = 0;
   if (made.pictures.empty()) {
     const std::size_t clip = median_clip(table);
     made.held_out = snapshot.clip(table.clips[clip]).name;
     BenchmarkPicture own{made.held_out, {}, {}};
-    cv::cvtColor(average_image(snapshot, table.clips[clip]), own.picture, cv::COLOR_GRAY2BGR);
+    cv::cvtColor(stored::average_image(snapshot, table.clips[clip]), own.picture, cv::COLOR_GRAY2BGR);
     own.matte = cv::Mat(own.picture.size(), CV_8U, cv::Scalar(255));
     made.pictures.push_back(std::move(own));
     if (table.first_row[clip + 1] - table.first_row[clip] < table.size()) {
@@ -51,7 +51,7 @@ BenchmarkPieces benchmark_pieces(const store::Snapshot& snapshot, const SearchBa
       until = table.first_row[clip + 1];
     }
   }
-  for (Row row = 0; row < table.size(); ++row)
+  for (stored::Row row = 0; row < table.size(); ++row)
     if (row < left_out || row >= until) made.rows.push_back(row);
   if (rows > made.rows.size())
     throw Error(ErrorKind::kUsage, snapshot.path().string(),

@@ -20,7 +20,7 @@ struct BenchmarkPicture {
 struct BenchmarkPieces {
   std::vector<BenchmarkPicture> pictures;
   std::string held_out;             // the clip whose average image is the picture; empty: pictures were given
-  std::vector<Row> rows;            // that are searched, ascending: the table's, without that clip's
+  std::vector<stored::Row> rows;    // that are searched, ascending: the table's, without that clip's
   std::vector<PieceQuery> queries;  // `max_pieces` at most, evenly spread over all pictures' pieces
   std::vector<std::size_t> pieces;  // how many each picture has in all
 };
@@ -35,6 +35,6 @@ BenchmarkPieces benchmark_pieces(const store::Snapshot& snapshot, const SearchBa
                                  std::size_t rows);
 
 /// `count` of the rows, evenly spread, in their order; all when there are no more.
-std::vector<Row> evenly(std::span<const Row> rows, std::size_t count);
+std::vector<stored::Row> evenly(std::span<const stored::Row> rows, std::size_t count);
 
 }  // namespace freshet::query

@@ -111,7 +111,7 @@ class AllBins final : public CandidateIndex {
         for (std::size_t i = 0; i < count; ++i)
           if (found.rows[i] >= 0)
             scored_patches.push_back(
-                {static_cast<Row>(found.rows[i]),
+                {static_cast<stored::Row>(found.rows[i]),
                  score_of(query_max_score, static_cast<std::uint32_t>(found.distances[i]))});
         return scored_patches;
       });
@@ -156,7 +156,7 @@ class InvertedFile final : public CandidateIndex {
     for (std::size_t row = 0; row < rows_; ++row) {
       projected(row, one);
       const auto list = static_cast<std::size_t>(ask(quantizer_, one, 1).rows[0]);
-      rows_of_[list].push_back(static_cast<Row>(row));
+      rows_of_[list].push_back(static_cast<stored::Row>(row));
       histograms_of_[list].insert(histograms_of_[list].end(), bytes.begin(), bytes.end());
     }
   }
@@ -212,7 +212,7 @@ class InvertedFile final : public CandidateIndex {
   faiss::RandomRotationMatrix projection_;
   std::array<float, 256> roots_{};
   faiss::IndexFlatL2 quantizer_;
-  std::vector<std::vector<Row>> rows_of_;  // of each list
+  std::vector<std::vector<stored::Row>> rows_of_;  // of each list
   std::vector<std::vector<unsigned char>> histograms_of_;
   std::size_t probed_ = 1;
 };

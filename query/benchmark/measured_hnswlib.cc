@@ -65,7 +65,7 @@ class Graph final : public CandidateIndex {
         std::vector<ScoredPatch> scored_patches;
         for (; !found.empty(); found.pop())
           scored_patches.push_back(
-              {static_cast<Row>(found.top().second),
+              {static_cast<stored::Row>(found.top().second),
                score_of(query_max_score, static_cast<std::uint32_t>(found.top().first))});
         return scored_patches;
       });

@@ -28,7 +28,7 @@ class Scan final : public CandidateIndex {
       for (std::size_t row = 0; row < rows_; ++row) {
         if (!search_filter.admits(number, row)) continue;
         const std::uint32_t distance = l1_distance(asked.data(), histograms_.data() + row * bins, bins);
-        scored_patches.push_back({static_cast<Row>(row), score_of(max_score(query), distance)});
+        scored_patches.push_back({static_cast<stored::Row>(row), score_of(max_score(query), distance)});
       }
       const std::size_t kept = std::min(k, scored_patches.size());
       std::partial_sort(scored_patches.begin(), scored_patches.begin() + static_cast<std::ptrdiff_t>(kept),

@@ -43,7 +43,7 @@ std::size_t free_memory() {
 std::vector<ScoredPatch> brute_force(const SearchSpace& space, const PieceQuery& piece) {
   std::vector<ScoredPatch> scored_patches(space.words.size());
   for (std::size_t row = 0; row < scored_patches.size(); ++row)
-    scored_patches[row] = {static_cast<Row>(row),
+    scored_patches[row] = {static_cast<stored::Row>(row),
                            static_cast<std::uint32_t>(vision::intersection(piece.words, space.words[row],
                                                                            space.word_count, &piece.mask))};
   const std::size_t k = std::min(kBest, scored_patches.size());
@@ -55,7 +55,7 @@ std::vector<ScoredPatch> brute_force(const SearchSpace& space, const PieceQuery&
 
 // Some rows of the table and what is true of them.
 struct Ground {
-  std::vector<Row> rows;
+  std::vector<stored::Row> rows;
   std::vector<vision::WordMap> words;
   SearchSpace space;
   std::unique_ptr<const ExactIndex> index;
@@ -150,7 +150,7 @@ class Benchmark {
     Ground& ground = grounds_[count];
     if (ground.index) return ground;
     ground.rows = evenly(asked_.rows, count);
-    for (const Row row : ground.rows) ground.words.push_back(base_.table.words[row]);
+    for (const stored::Row row : ground.rows) ground.words.push_back(base_.table.words[row]);
     ground.space = {ground.words, base_.codebook.words};
     ground.index = std::make_unique<ExactIndex>(ground.words, base_.codebook.words);
     ground.exact = ground.index->search(asked_.queries, kBest);
@@ -169,7 +169,7 @@ class Benchmark {
   // The class that is nearest to a quarter of the patches, and the direction nearest to a sixth; and one
   // clip.
   void make_conditions() {
-    const PatchTable& table = base_.table;
+    const stored::PatchTable& table = base_.table;
     const auto total = static_cast<double>(table.size());
     std::map<std::string, double> classes;
     for (std::size_t c = 0; c < table.clips.size(); ++c)
@@ -180,7 +180,7 @@ class Benchmark {
     });
     if (chosen->second < 1) {
       Condition condition{"class " + chosen->first, RowFilter(table.size()), {}};
-      for (Row row = 0; row < table.size(); ++row)
+      for (stored::Row row = 0; row < table.size(); ++row)
         if (snapshot_.clip(table.clips[table.clip[row]]).class_name != chosen->first)
           condition.rows->forbid(row);
       conditions_.push_back(std::move(condition));
@@ -197,7 +197,7 @@ class Benchmark {
       direction.window.v = static_cast<float>(-std::sin(angle));
       direction.window.min_cosine = static_cast<float>(std::cos(std::numbers::pi / 6));
       direction.window.min_speed = 2.5F;
-      for (Row row = 0; row < table.size(); ++row)
+      for (stored::Row row = 0; row < table.size(); ++row)
         direction.fraction += direction.window.admits(table.mean_u[row], table.mean_v[row]) / total;
       directions.push_back(direction);
     }
@@ -211,7 +211,8 @@ class Benchmark {
                              std::vector(asked_.queries.size(), best->window)});
     const std::uint32_t clip = table.clip[asked_.rows[asked_.rows.size() / 2]];
     Condition one{"clip " + snapshot_.clip(table.clips[clip]).name, RowFilter(table.size(), false), {}};
-    for (Row row = table.first_row[clip]; row < table.first_row[clip + 1]; ++row) one.rows->allow(row);
+    for (stored::Row row = table.first_row[clip]; row < table.first_row[clip + 1]; ++row)
+      one.rows->allow(row);
     conditions_.push_back(std::move(one));
   }
 
@@ -277,9 +278,9 @@ class Benchmark {
       }
     }
     const auto try_part = [&](std::size_t rows) {
-      const std::vector<Row> some = evenly(asked_.rows, rows);
+      const std::vector<stored::Row> some = evenly(asked_.rows, rows);
       std::vector<vision::WordMap> words;
-      for (const Row row : some) words.push_back(base_.table.words[row]);
+      for (const stored::Row row : some) words.push_back(base_.table.words[row]);
       const Cost cost = build_once(kind, {words, base_.codebook.words}, built);
       built = {};
       return cost;
@@ -467,7 +468,7 @@ Recall recall_of(std::span<const std::vector<ScoredPatch>> found,
   std::vector<std::uint32_t> scores;
   for (std::size_t i = 0; i < found.size(); ++i) {
     scores.clear();
-    std::set<Row> seen;
+    std::set<stored::Row> seen;
     for (const ScoredPatch& scored : found[i]) {
       if (scored.row >= space.words.size() || !seen.insert(scored.row).second) continue;
       scores.push_back(static_cast<std::uint32_t>(vision::intersection(

@@ -4,7 +4,8 @@
 
 namespace freshet::query {
 
-SubsetIndex::SubsetIndex(const CandidateIndex& inner, std::span<const Row> rows, std::size_t table_rows)
+SubsetIndex::SubsetIndex(const CandidateIndex& inner, std::span<const stored::Row> rows,
+                         std::size_t table_rows)
     : inner_(inner), rows_(rows), table_rows_(table_rows) {
   assert(inner.rows() == rows.size());
 }
@@ -19,7 +20,7 @@ std::vector<std::vector<ScoredPatch>> SubsetIndex::search(std::span<const PieceQ
   return answers;
 }
 
-SubsetFilter::SubsetFilter(const SearchFilter& search_filter, std::span<const Row> rows)
+SubsetFilter::SubsetFilter(const SearchFilter& search_filter, std::span<const stored::Row> rows)
     : filter_(rows.size()) {
   if (search_filter.rows != nullptr) {
     for (std::size_t i = 0; i < rows.size(); ++i)
@@ -27,7 +28,7 @@ SubsetFilter::SubsetFilter(const SearchFilter& search_filter, std::span<const Ro
     search_filter_.rows = &filter_;
   }
   if (search_filter.windows.empty()) return;
-  for (const Row row : rows) {
+  for (const stored::Row row : rows) {
     mean_u_.push_back(search_filter.mean_u[row]);
     mean_v_.push_back(search_filter.mean_v[row]);
   }

@@ -81,7 +81,7 @@ using SquareSink = std::function<void(std::size_t place, std::span<const float> 
 /// Where features come from.
 struct FeatureSource {
   /// The squares of a patch, shape.squares() on a side, row by row. Called from many threads.
-  std::function<void(Row, std::span<Square>)> squares;
+  std::function<void(stored::Row, std::span<Square>)> squares;
   /// Hands over the features of squares (ascending, distinct), each once, in any order.
   std::function<void(std::span<const Square>, const SquareSink&)> read;
 };

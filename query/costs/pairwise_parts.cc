@@ -19,9 +19,9 @@ namespace {
 
 // What of the picture is wanted, by rows of pieces.
 struct Rows {
-  std::vector<std::vector<std::uint32_t>> pieces;  // whose candidates' features are needed
-  std::vector<std::vector<std::size_t>> edges;     // by the row of q
-  std::vector<std::vector<Row>> candidates;        // ascending, distinct
+  std::vector<std::vector<std::uint32_t>> pieces;    // whose candidates' features are needed
+  std::vector<std::vector<std::size_t>> edges;       // by the row of q
+  std::vector<std::vector<stored::Row>> candidates;  // ascending, distinct
 };
 
 Rows lay_rows(const Target& target, const Candidates& candidates, const PartsWanted& wanted) {
@@ -41,7 +41,7 @@ Rows lay_rows(const Target& target, const Candidates& candidates, const PartsWan
   for (std::uint32_t piece = 0; piece < target.size(); ++piece)
     if (needed[piece]) rows.pieces[target.places[piece].y].push_back(piece);
   oneapi::tbb::parallel_for(std::size_t{0}, rows.pieces.size(), [&](std::size_t row) {
-    std::vector<Row>& found = rows.candidates[row];
+    std::vector<stored::Row>& found = rows.candidates[row];
     for (const std::uint32_t piece : rows.pieces[row]) {
       const auto of_piece = candidates.rows_of(piece);
       found.insert(found.end(), of_piece.begin(), of_piece.end());
@@ -75,7 +75,7 @@ class Comparison {
         across_(static_cast<std::size_t>(shape.squares())) {}
 
   /// The squares that the candidates of a row of pieces consist of: ascending, distinct.
-  std::vector<Square> squares_of(const std::vector<Row>& rows) const {
+  std::vector<Square> squares_of(const std::vector<stored::Row>& rows) const {
     std::vector<Square> squares(rows.size() * across_ * across_);
     for (std::size_t i = 0; i < rows.size(); ++i)
       source_.squares(rows[i], std::span(squares).subspan(i * across_ * across_, across_ * across_));
@@ -85,7 +85,7 @@ class Comparison {
   }
 
   /// Reads log features of all candidates of some rows of pieces, in place of those that were held.
-  void read(std::vector<Row> rows, const std::vector<Square>& squares) {
+  void read(std::vector<stored::Row> rows, const std::vector<Square>& squares) {
     rows_ = std::move(rows);
     const std::size_t values = shape_.square_values();
     log_features_ = std::make_unique_for_overwrite<Value[]>(squares.size() * values);
@@ -119,7 +119,7 @@ class Comparison {
     motion.clear();
     dynamics.clear();
     const double unit = unit_of_square() / static_cast<double>(shape_.cells * shape_.cells);
-    for (const Row row : candidates_.rows_of(number)) {
+    for (const stored::Row row : candidates_.rows_of(number)) {
       const std::uint32_t* squares = squares_of_row(row);
       double sums[2] = {0, 0};
       for (std::size_t k = 0; k < across_ * across_; ++k)
@@ -174,14 +174,14 @@ class Comparison {
     return static_cast<double>(sum);
   }
 
-  const std::uint32_t* squares_of_row(Row row) const {
+  const std::uint32_t* squares_of_row(stored::Row row) const {
     const auto place = std::lower_bound(rows_.begin(), rows_.end(), row) - rows_.begin();
     return places_.data() + static_cast<std::size_t>(place) * across_ * across_;
   }
 
   void find_squares(std::size_t piece, std::vector<const std::uint32_t*>& squares) const {
     squares.clear();
-    for (const Row row : candidates_.rows_of(piece)) squares.push_back(squares_of_row(row));
+    for (const stored::Row row : candidates_.rows_of(piece)) squares.push_back(squares_of_row(row));
   }
 
   // far   the strip at the right or lower edge of a patch, else the one at its left or upper edge.
@@ -212,7 +212,7 @@ class Comparison {
   const FeatureSource& source_;
   const std::array<std::size_t, kParts> channels_;
   const std::size_t cells_, across_;              // of a square; squares on a patch's side
-  std::vector<Row> rows_;                         // ascending
+  std::vector<stored::Row> rows_;                 // ascending
   std::vector<std::uint32_t> places_;             // of their squares
   std::unique_ptr<Value[]> log_features_;         // by square
   std::vector<std::array<double, 2>> strengths_;  // by square: sums of squares of motion and of dynamics
@@ -237,7 +237,7 @@ void visit(const Target& target, const Candidates& candidates, const FeatureShap
     throw_if_cancelled();
     // As many rows as fit, and at least one, together with the one above them.
     std::vector<Square> squares;
-    std::vector<Row> held;
+    std::vector<stored::Row> held;
     if (first > 0) squares = squares_of[first - 1], held = rows.candidates[first - 1];
     for (; end < rows.pieces.size(); ++end) {
       std::vector<Square> more = merged(squares, squares_of[end]);

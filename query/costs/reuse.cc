@@ -26,13 +26,10 @@ float overlap(const Place& a, const Place& b) {
          std::max(0.0f, 1 - std::abs(a.middle_y - b.middle_y) / extent);
 }
 
-constexpr int kRounds = 4;
-constexpr std::size_t kFewPieces = 20;  // may well come from one clip
-
 }  // namespace
 
 void add_reuse_costs(const store::Snapshot& snapshot, const vision::Settings& settings,
-                     const PatchTable& table, const Target& target, const Candidates& candidates,
+                     const stored::PatchTable& table, const Target& target, const Candidates& candidates,
                      const ReuseCosts& weights, Mrf& mrf) {
   if (weights.overlap <= 0) return;
   assert(mrf.edges.size() == target.edges.size());
@@ -40,8 +37,8 @@ void add_reuse_costs(const store::Snapshot& snapshot, const vision::Settings& se
   std::map<std::pair<std::uint32_t, std::uint8_t>, vision::VariantFrame> frames;
   std::vector<Place> places(candidates.rows.size());
   for (std::size_t i = 0; i < places.size(); ++i) {
-    const Row row = candidates.rows[i];
-    if (row == kNoRow) continue;
+    const stored::Row row = candidates.rows[i];
+    if (row == stored::kNoRow) continue;
     Place& place = places[i];
     place = {.clip = table.clip[row], .variant = table.variant[row], .x = table.x[row], .y = table.y[row]};
     auto found = frames.find({place.clip, place.variant});
@@ -75,35 +72,6 @@ void add_reuse_costs(const store::Snapshot& snapshot, const vision::Settings& se
         if (const float shared = overlap(a, b); shared > 0) *cost = *cost + weight * shared;
       }
   });
-}
-
-Solution minimize_spread(const PatchTable& table, const Candidates& candidates, const ReuseCosts& weights,
-                         Minimizer minimizer, int max_iterations, Mrf& mrf) {
-  Solution solution = minimize(mrf, minimizer, max_iterations);
-  const std::size_t pieces = candidates.pieces();
-  if (weights.crowd <= 0 || pieces < kFewPieces) return solution;
-  const Solution first = solution;
-  const std::vector<float> unpriced = mrf.unary;
-  for (int round = 0; round < kRounds; ++round) {
-    std::vector<std::size_t> uses(table.clips.size(), 0);
-    for (std::size_t piece = 0; piece < pieces; ++piece)
-      ++uses[table.clip[candidates.rows_of(piece)[solution.labels[piece]]]];
-    const auto most = std::max_element(uses.begin(), uses.end());
-    if (2 * *most <= pieces) break;
-    const auto crowded = static_cast<std::uint32_t>(most - uses.begin());
-    for (std::size_t piece = 0; piece < pieces; ++piece) {
-      const auto rows = candidates.rows_of(piece);
-      for (std::size_t i = 0; i < rows.size(); ++i)
-        if (table.clip[rows[i]] == crowded)
-          mrf.unary[mrf.first_unary[piece] + i] += static_cast<float>(weights.crowd);
-    }
-    const int before = solution.iterations;
-    solution = minimize(mrf, minimizer, max_iterations);
-    solution.iterations += before;
-  }
-  if (solution.labels != first.labels) return solution;
-  mrf.unary = unpriced;
-  return first;
 }
 
 }  // namespace freshet::query

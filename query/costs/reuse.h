@@ -1,7 +1,6 @@
 // query/costs/reuse.h — what it costs neighbours to show the same place of a clip twice.
 #pragma once
 
-#include "query/mrf/minimizer.h"
 #include "query/mrf/mrf.h"
 #include "query/search/candidates.h"
 #include "query/search/target.h"
@@ -16,7 +15,7 @@ namespace freshet::query {
 /// except that patches which continue each other pay nothing: they show the clip as it was.
 struct ReuseCosts {
   double overlap = 0.1;  // 0.3 does no more
-  /// Of each patch of a clip that has more than half of the pieces, in each round (minimize_spread); 0: one round.
+  /// Of each patch of a clip that has more than half of the pieces, in each round (mrf/spread.h); 0: one round.
   double crowd = 0.02;
 };
 
@@ -24,17 +23,7 @@ struct ReuseCosts {
 /// mrf     nodes and edges in the order of target's, labels in that of candidates.
 /// Cost    15 million pairs (500 pieces of 124 candidates): 0.1 s of CPU.
 void add_reuse_costs(const store::Snapshot& snapshot, const vision::Settings& settings,
-                     const PatchTable& table, const Target& target, const Candidates& candidates,
+                     const stored::PatchTable& table, const Target& target, const Candidates& candidates,
                      const ReuseCosts& weights, Mrf& mrf);
-
-/// Minimises; then, at most four times, while a clip has more than half of at least 20 pieces, adds the price of
-/// crowds to all of its candidates and minimises again. Pieces that no other clip is like keep it all the same; and
-/// where none changes, nothing is priced.
-/// mrf       with all other costs; the prices are added to it.
-/// Returns   the last labels, with the energy and the bound of the field with its prices: the gap says how far
-///           these labels can be from the best under those prices, not whether others would have been paid less.
-///           Iterations of all rounds.
-Solution minimize_spread(const PatchTable& table, const Candidates& candidates, const ReuseCosts& weights,
-                         Minimizer minimizer, int max_iterations, Mrf& mrf);
 
 }  // namespace freshet::query

@@ -6,7 +6,7 @@
 
 #include <oneapi/tbb/parallel_for.h>
 
-#include "query/stored/clip_cells.h"
+#include "stored/clip_cells.h"
 
 namespace freshet::query {
 namespace {
@@ -22,7 +22,7 @@ double of_patch(const vision::CellMap& cells, const vision::VariantFrame& frame,
     for (int column = 0; column < across; ++column) {
       const cv::Vec2d at = frame.source_from_variant * cv::Vec3d(x + (column + 0.5) * cells.cell - 0.5,
                                                                  y + (row + 0.5) * cells.cell - 0.5, 1);
-      const std::span<const float> cell = covering_cell(cells, at);
+      const std::span<const float> cell = stored::covering_cell(cells, at);
       u += cell[0];
       v += cell[1];
       for (int band = 0; band < bands; ++band) {
@@ -40,11 +40,11 @@ double of_patch(const vision::CellMap& cells, const vision::VariantFrame& frame,
 }  // namespace
 
 std::vector<float> steadiness(const store::Snapshot& snapshot, const vision::Settings& settings,
-                              const PatchTable& table, std::span<const Row> rows) {
-  std::vector<Row> distinct(rows.begin(), rows.end());
+                              const stored::PatchTable& table, std::span<const stored::Row> rows) {
+  std::vector<stored::Row> distinct(rows.begin(), rows.end());
   std::sort(distinct.begin(), distinct.end());
   distinct.erase(std::unique(distinct.begin(), distinct.end()), distinct.end());
-  while (!distinct.empty() && distinct.back() == kNoRow) distinct.pop_back();
+  while (!distinct.empty() && distinct.back() == stored::kNoRow) distinct.pop_back();
   std::vector<float> values(distinct.size());
 
   std::vector<std::size_t> first;  // of each clip, whose rows lie together
@@ -56,10 +56,10 @@ std::vector<float> steadiness(const store::Snapshot& snapshot, const vision::Set
     const store::ClipId clip = table.clips[table.clip[distinct[first[c]]]];
     const store::ClipRecord& record = snapshot.clip(clip);
     const cv::Size frame(static_cast<int>(record.width), static_cast<int>(record.height));
-    const vision::CellMap cells = motion_cells(snapshot, settings, clip);
+    const vision::CellMap cells = stored::motion_cells(snapshot, settings, clip);
     std::vector<std::optional<vision::VariantFrame>> frames(variants.size());
     for (std::size_t i = first[c]; i < first[c + 1]; ++i) {
-      const Row row = distinct[i];
+      const stored::Row row = distinct[i];
       auto& turned = frames[table.variant[row]];
       if (!turned) turned = vision::variant_frame(frame, variants[table.variant[row]]);
       values[i] =

@@ -4,8 +4,8 @@
 #include <span>
 #include <vector>
 
-#include "query/stored/patch_table.h"
 #include "store/store.h"
+#include "stored/patch_table.h"
 #include "vision/settings.h"
 
 namespace freshet::query {
@@ -18,6 +18,6 @@ namespace freshet::query {
 /// Throws   as motion_cells.
 /// Cost     1 us per distinct row; one clip's cells a thread.
 std::vector<float> steadiness(const store::Snapshot& snapshot, const vision::Settings& settings,
-                              const PatchTable& table, std::span<const Row> rows);
+                              const stored::PatchTable& table, std::span<const stored::Row> rows);
 
 }  // namespace freshet::query

@@ -7,20 +7,20 @@
 #include <map>
 #include <optional>
 
-#include "query/stored/clip_cells.h"
+#include "stored/clip_cells.h"
 #include "vision/patch_features.h"
 
 namespace freshet::query {
 
 StoredFeatures::StoredFeatures(const store::Snapshot& snapshot, const vision::Settings& settings,
-                               const PatchTable& table)
+                               const stored::PatchTable& table)
     : snapshot_(snapshot),
       settings_(settings),
       table_(table),
       shape_(feature_shape(settings)),
       variants_(settings.variants()) {}
 
-void StoredFeatures::squares(Row row, std::span<Square> out) const {
+void StoredFeatures::squares(stored::Row row, std::span<Square> out) const {
   const int side = shape_.square() * settings_.spectrum.cell, count = shape_.squares();
   std::size_t at = 0;
   for (int y = 0; y < count; ++y)
@@ -45,7 +45,7 @@ void StoredFeatures::read_clip(std::span<const Square> squares, std::size_t firs
   const store::ClipId id = table_.clips[squares[0].clip];
   const store::ClipRecord& record = snapshot_.clip(id);
   const cv::Size frame(static_cast<int>(record.width), static_cast<int>(record.height));
-  const vision::CellMap motion = motion_cells(snapshot_, settings_, id);
+  const vision::CellMap motion = stored::motion_cells(snapshot_, settings_, id);
   std::map<std::size_t, vision::CellMap> texture;  // by scale
   struct VariantView {
     vision::VariantFrame frame;
@@ -55,10 +55,10 @@ void StoredFeatures::read_clip(std::span<const Square> squares, std::size_t firs
   for (const Square& square : squares) {
     const vision::Variant& variant = variants_[square.variant];
     if (views[square.variant]) continue;
-    const std::size_t scale = scale_index(settings_, variant);
+    const std::size_t scale = stored::scale_index(settings_, variant);
     auto cells = texture.find(scale);
     if (cells == texture.end())
-      cells = texture.emplace(scale, texture_cells(snapshot_, settings_, id, scale)).first;
+      cells = texture.emplace(scale, stored::texture_cells(snapshot_, settings_, id, scale)).first;
     views[square.variant] = VariantView{vision::variant_frame(frame, variant), &cells->second};
   }
   // Isolated: a thread that waits here takes no other clip, whose cells would come on top of these.
@@ -79,7 +79,7 @@ void StoredFeatures::read_clip(std::span<const Square> squares, std::size_t firs
 }
 
 FeatureSource StoredFeatures::source() const& {
-  return {[this](Row row, std::span<Square> out) { squares(row, out); },
+  return {[this](stored::Row row, std::span<Square> out) { squares(row, out); },
           [this](std::span<const Square> all, const SquareSink& sink) { read(all, sink); }};
 }
 

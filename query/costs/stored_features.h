@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "query/costs/pairwise.h"
-#include "query/stored/patch_table.h"
 #include "store/store.h"
+#include "stored/patch_table.h"
 #include "vision/settings.h"
 
 namespace freshet::query {
@@ -16,23 +16,24 @@ namespace freshet::query {
 class StoredFeatures {
  public:
   /// Throws as feature_shape.
-  StoredFeatures(const store::Snapshot& snapshot, const vision::Settings& settings, const PatchTable& table);
-  StoredFeatures(const store::Snapshot&, const vision::Settings&&, const PatchTable&) = delete;
-  StoredFeatures(const store::Snapshot&, const vision::Settings&, const PatchTable&&) = delete;
-  StoredFeatures(const store::Snapshot&, const vision::Settings&&, const PatchTable&&) = delete;
+  StoredFeatures(const store::Snapshot& snapshot, const vision::Settings& settings,
+                 const stored::PatchTable& table);
+  StoredFeatures(const store::Snapshot&, const vision::Settings&&, const stored::PatchTable&) = delete;
+  StoredFeatures(const store::Snapshot&, const vision::Settings&, const stored::PatchTable&&) = delete;
+  StoredFeatures(const store::Snapshot&, const vision::Settings&&, const stored::PatchTable&&) = delete;
   /// This, as build_mrf takes it; must not outlive it. Cost of reading: 20 million cells per second and core,
   /// and the decoding of each clip that is read from.
   FeatureSource source() const&;
   FeatureSource source() && = delete;
 
  private:
-  void squares(Row row, std::span<Square> out) const;
+  void squares(stored::Row row, std::span<Square> out) const;
   void read(std::span<const Square> squares, const SquareSink& sink) const;
   void read_clip(std::span<const Square> squares, std::size_t first, const SquareSink& sink) const;
 
   store::Snapshot snapshot_;
   const vision::Settings& settings_;
-  const PatchTable& table_;
+  const stored::PatchTable& table_;
   FeatureShape shape_;
   std::vector<vision::Variant> variants_;
 };

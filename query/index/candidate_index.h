@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "query/index/motion_window.h"
-#include "query/stored/patch_table.h"
+#include "stored/patch_table.h"
 #include "vision/spatial_pyramid.h"
 
 namespace freshet::query {
@@ -20,7 +20,7 @@ struct PieceQuery {
 
 /// A row and its weighted histogram intersection with the query, 0..max_score(query).
 struct ScoredPatch {
-  Row row = kNoRow;
+  stored::Row row = stored::kNoRow;
   std::uint32_t score = 0;
   bool operator==(const ScoredPatch&) const = default;
 };

@@ -21,7 +21,7 @@ class Best {
   explicit Best(std::size_t k) : k_(k) { scored_patches_.reserve(2 * k + kSpare); }
   /// No row of a lower score can be among the best; 0 until there are k.
   std::uint32_t min_score() const { return min_score_; }
-  void offer(Row row, std::uint32_t score) {
+  void offer(stored::Row row, std::uint32_t score) {
     if (score < min_score_) return;
     scored_patches_.push_back({row, score});
     if (scored_patches_.size() == 2 * k_ + kSpare) shrink();
@@ -172,7 +172,7 @@ class Search {
       }
     for (const std::uint16_t row : std::span(scratch.rows).first(count)) {
       if (!search_filter.admits(number_, block.first_row + row)) continue;
-      best_.offer(static_cast<Row>(block.first_row + row),
+      best_.offer(static_cast<stored::Row>(block.first_row + row),
                   scratch.sums.sum_of(row) + vision::kLevelWeights[2] * fine_.intersection(block.words[row]));
     }
     best_.shrink();

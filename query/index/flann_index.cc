@@ -344,7 +344,7 @@ std::vector<std::vector<ScoredPatch>> FlannIndex::search(std::span<const PieceQu
     std::vector<ScoredPatch>& scored_patches = answers[i];
     for (const auto& [distance, row] : found.rows())
       scored_patches.push_back(
-          {static_cast<Row>(row), score_of(query_max_score, static_cast<std::uint32_t>(distance))});
+          {static_cast<stored::Row>(row), score_of(query_max_score, static_cast<std::uint32_t>(distance))});
     std::sort(scored_patches.begin(), scored_patches.end(), better);
   });
   return answers;

@@ -21,15 +21,15 @@ struct Question {
 };
 
 std::vector<Question> questions_of(std::span<const vision::WordMap> words, int word_count,
-                                   std::span<const Row> clip_rows, std::size_t count) {
+                                   std::span<const stored::Row> clip_rows, std::size_t count) {
   const ExactIndex exact(words, word_count);
   std::vector<Question> questions;
   for (std::size_t i = 0; i < count; ++i) {
-    const auto row = static_cast<Row>((2 * i + 1) * words.size() / (2 * count));
+    const auto row = static_cast<stored::Row>((2 * i + 1) * words.size() / (2 * count));
     Question question{whole_query(words[row]), RowFilter(words.size()), {}};
     const auto next = std::upper_bound(clip_rows.begin(), clip_rows.end(), row);
     if (*(next - 1) > 0 || *next < words.size()) {
-      for (Row own = *(next - 1); own < *next; ++own) question.others.forbid(own);
+      for (stored::Row own = *(next - 1); own < *next; ++own) question.others.forbid(own);
     }
     question.exact = exact.search(std::span(&question.query, 1), kBest, {.rows = &question.others})[0];
     questions.push_back(std::move(question));
@@ -53,7 +53,7 @@ double recall(FlannIndex& index, const std::vector<Question>& questions, std::ui
 }  // namespace
 
 void tune_flann(FlannIndex& index, std::span<const vision::WordMap> words, int word_count,
-                std::span<const Row> clip_rows, const FlannTuningOptions& options) {
+                std::span<const stored::Row> clip_rows, const FlannTuningOptions& options) {
   assert(index.rows() == words.size() && !clip_rows.empty() && clip_rows.back() == words.size());
   if (words.empty()) return;
   const auto questions = questions_of(words, word_count, clip_rows, std::min(options.queries, words.size()));

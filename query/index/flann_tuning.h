@@ -22,6 +22,6 @@ struct FlannTuningOptions {
 /// clip_rows   first row of each clip, and the number of rows at the end.
 /// Cost        the queries some ten times; 246,477 patches: seconds.
 void tune_flann(FlannIndex& index, std::span<const vision::WordMap> words, int word_count,
-                std::span<const Row> clip_rows, const FlannTuningOptions& options = {});
+                std::span<const stored::Row> clip_rows, const FlannTuningOptions& options = {});
 
 }  // namespace freshet::query

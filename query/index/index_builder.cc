@@ -9,8 +9,8 @@
 #include "platform/stopwatch.h"
 #include "query/index/flann_tuning.h"
 #include "query/index/patch_descriptors.h"
-#include "query/stored/average_image.h"
-#include "query/stored/stored_codebook.h"
+#include "stored/average_image.h"
+#include "stored/stored_codebook.h"
 #include "vision/settings.h"
 
 namespace freshet::query {
@@ -57,8 +57,8 @@ class Build {
       throw Error(ErrorKind::kNotFound, store_.path().string(), "the store holds no patches",
                   "Ingest clips of moving fluid first");
     }
-    std::optional<StoredCodebook> known;
-    if (!options_.rebuild) known = find_codebook(snapshot_);
+    std::optional<stored::StoredCodebook> known;
+    if (!options_.rebuild) known = stored::find_codebook(snapshot_);
     if (known && up_to_date(*known)) {
       report_.words = known->codebook.words;
       if (!options_.flann.empty()) {
@@ -69,10 +69,10 @@ class Build {
       return report_;
     }
     report_.words_built = true;
-    StoredCodebook trained{train(sample()), hash_of_clips(snapshot_)};
+    stored::StoredCodebook trained{train(sample()), stored::hash_of_clips(snapshot_)};
     report_.words = trained.codebook.words;
     assign(trained.codebook);
-    blobs_.push_back({kCodebookBlob, to_bytes(trained), true});
+    blobs_.push_back({stored::kCodebookBlob, stored::to_bytes(trained), true});
     for (const FlannKind kind : kFlannKinds) {
       if (snapshot_.blob(blob_name(kind))) erased_.push_back(blob_name(kind));
     }
@@ -89,8 +89,8 @@ class Build {
     if (progress_) progress_({stage, done, total});
   }
 
-  bool up_to_date(const StoredCodebook& known) const {
-    if (known.clips_hash != hash_of_clips(snapshot_)) return false;
+  bool up_to_date(const stored::StoredCodebook& known) const {
+    if (known.clips_hash != stored::hash_of_clips(snapshot_)) return false;
     return std::all_of(clips_.begin(), clips_.end(), [&](store::ClipId clip) {
       return snapshot_.clip(clip).rows == 0 || snapshot_.has_column(clip, kWords);
     });
@@ -98,13 +98,13 @@ class Build {
 
   PatchPoints points_of(store::ClipId clip) const {
     return PatchPoints(snapshot_.clip(clip), settings_, variants_,
-                       read_clip_patches(snapshot_, settings_, variants_, clip));
+                       stored::read_clip_patches(snapshot_, settings_, variants_, clip));
   }
 
   std::vector<Descriptors> describe(store::ClipId clip, const PatchPoints& points) const {
     std::vector<Descriptors> all;
     if (points.sheets().empty()) return all;
-    const cv::Mat average = average_image(snapshot_, clip);
+    const cv::Mat average = stored::average_image(snapshot_, clip);
     for (const PatchPoints::Sheet& sheet : points.sheets()) all.push_back(points.describe(sheet, average));
     return all;
   }
@@ -114,7 +114,7 @@ class Build {
                             std::span<const std::size_t> chosen) const {
     Descriptors some;
     if (chosen.empty()) return some;
-    const cv::Mat average = average_image(snapshot_, clip);
+    const cv::Mat average = stored::average_image(snapshot_, clip);
     std::vector<std::uint32_t> of_sheet;
     std::size_t before = 0, next = 0;
     for (const PatchPoints::Sheet& sheet : points.sheets()) {
@@ -208,13 +208,13 @@ class Build {
     std::sort(by_id.begin(), by_id.end(),
               [&](std::size_t a, std::size_t b) { return clips_[a] < clips_[b]; });
     std::vector<vision::WordMap> rows;
-    std::vector<Row> clip_rows{0};
+    std::vector<stored::Row> clip_rows{0};
     for (std::size_t i = 0; i < options_.flann.size(); ++i) {
       say(stage::kFlann, i, options_.flann.size());
       if (rows.empty()) {
         for (const std::size_t c : by_id) {
           rows.insert(rows.end(), words_[c].begin(), words_[c].end());
-          clip_rows.push_back(static_cast<Row>(rows.size()));
+          clip_rows.push_back(static_cast<stored::Row>(rows.size()));
         }
       }
       FlannOptions options = options_.flann_options;
@@ -272,7 +272,7 @@ IndexReport build_index(store::Store& store, const IndexOptions& options, const 
 }
 
 store::Rebuildable rebuildable() {
-  store::Rebuildable index{.columns = {kWords}, .blobs = {kCodebookBlob}};
+  store::Rebuildable index{.columns = {kWords}, .blobs = {stored::kCodebookBlob}};
   for (const FlannKind kind : kFlannKinds) index.blobs.insert(blob_name(kind));
   return index;
 }

@@ -16,7 +16,7 @@ SharedGrid shared_grid(const vision::PatchGrid& grid) {
 }
 
 PatchPoints::PatchPoints(const store::ClipRecord& clip, const vision::Settings& settings,
-                         std::span<const vision::Variant> variants, const ClipPatches& patches) {
+                         std::span<const vision::Variant> variants, const stored::ClipPatches& patches) {
   const SharedGrid shared = shared_grid(settings.grid);
   step_ = shared.step;
   spread_ = shared.spread;

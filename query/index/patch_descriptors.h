@@ -7,7 +7,7 @@
 
 #include <opencv2/core.hpp>
 
-#include "query/stored/patch_table.h"
+#include "stored/patch_table.h"
 #include "vision/codebook.h"
 #include "vision/dense_sift.h"
 #include "vision/settings.h"
@@ -20,7 +20,7 @@ class PatchPoints {
  public:
   /// Throws Error{kDamaged} when a patch does not lie on its variant's grid.
   PatchPoints(const store::ClipRecord& clip, const vision::Settings& settings,
-              std::span<const vision::Variant> variants, const ClipPatches& patches);
+              std::span<const vision::Variant> variants, const stored::ClipPatches& patches);
 
   /// One unflipped variant that has patches, or whose twin has.
   struct Sheet {

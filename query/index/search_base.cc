@@ -6,7 +6,7 @@
 #include "freshet/error.h"
 #include "platform/stopwatch.h"
 #include "query/index/exact_index.h"
-#include "query/stored/stored_codebook.h"
+#include "stored/stored_codebook.h"
 
 namespace freshet::query {
 
@@ -53,8 +53,8 @@ SearchBase open_search(const store::Snapshot& snapshot, const IndexChoice& choic
   const Stopwatch watch;
   SearchBase base;
   base.settings = vision::settings_from_json(snapshot.settings());
-  base.codebook = read_codebook(snapshot);
-  base.table = read_patch_table(snapshot);
+  base.codebook = stored::read_codebook(snapshot);
+  base.table = stored::read_patch_table(snapshot);
   base.index = open_index(snapshot, base, choice);
   base.is_exact = !choice.flann;
   base.seconds = watch.seconds();

@@ -6,8 +6,8 @@
 
 #include "query/index/candidate_index.h"
 #include "query/index/flann_index.h"
-#include "query/stored/patch_table.h"
 #include "store/store.h"
+#include "stored/patch_table.h"
 #include "vision/codebook.h"
 #include "vision/settings.h"
 
@@ -17,7 +17,7 @@ namespace freshet::query {
 struct SearchBase {
   vision::Settings settings;
   vision::Codebook codebook;
-  PatchTable table;
+  stored::PatchTable table;
   std::unique_ptr<const CandidateIndex> index;
   bool is_exact = true;  // the index: its answers depend on words and rows alone
   double seconds = 0;    // that opening took

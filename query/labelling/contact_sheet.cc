@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "query/search/picture_scale.h"
-#include "query/stored/middle_frame.h"
 #include "report/sheet_words.h"
+#include "stored/middle_frame.h"
 #include "vision/settings.h"
 
 namespace freshet::query {
@@ -45,7 +45,7 @@ cv::Mat contact_sheet(const store::Snapshot& snapshot, const cv::Mat& picture, c
 
   // What is to be shown where, gathered by clip and variant, so that each image is read and turned once.
   struct Spot {
-    Row row;
+    stored::Row row;
     cv::Point at;
   };
   std::map<std::pair<std::uint32_t, std::uint8_t>, std::vector<Spot>> spots;
@@ -65,7 +65,7 @@ cv::Mat contact_sheet(const store::Snapshot& snapshot, const cv::Mat& picture, c
     const auto scores = search.candidates.scores_of(piece);
     const auto put = [&](std::size_t rank, int column) {
       const cv::Point spot = at + cv::Point(column * width, 0);
-      const Row row = rows[rank];
+      const stored::Row row = rows[rank];
       spots[{search.table().clip[row], search.table().variant[row]}].push_back({row, spot});
       caption(sheet,
               fmt::format("{:.0f} #{}", 100 * scores[rank],
@@ -85,7 +85,7 @@ cv::Mat contact_sheet(const store::Snapshot& snapshot, const cv::Mat& picture, c
   cv::Mat whole;
   for (const auto& [key, places] : spots) {
     if (key.first != clip_at_hand)
-      whole = middle_frame(snapshot, search.table().clips[clip_at_hand = key.first]);
+      whole = stored::middle_frame(snapshot, search.table().clips[clip_at_hand = key.first]);
     const cv::Mat frame = vision::warp_to_variant(whole, variants[key.second]);
     for (const Spot& spot : places) {
       const cv::Rect patch(search.table().x[spot.row], search.table().y[spot.row], target.side, target.side);

@@ -7,6 +7,7 @@
 #include "platform/stopwatch.h"
 #include "query/costs/steadiness.h"
 #include "query/costs/stored_features.h"
+#include "query/mrf/spread.h"
 #include "query/search/coherent_candidates.h"
 #include "query/search/picture_scale.h"
 
@@ -87,7 +88,7 @@ Labelling label(const store::Snapshot& snapshot, CandidateSearch search, const L
   const Target& target = labelling.search.target;
   const Candidates& candidates = labelling.search.candidates;
   Stages stages(progress, stop);
-  CacheKey key;
+  cache::Key key;
   std::optional<Solution> known;
   if (memo != nullptr) {
     key = memo->solution_key(target, candidates, options.costs, options.guide_costs, options.reuse,
@@ -106,8 +107,11 @@ Labelling label(const store::Snapshot& snapshot, CandidateSearch search, const L
       return costs;
     });
     known = stages.run("choosing patches", labelling.seconds.minimize, [&] {
-      Solution solution = minimize_spread(base.table, candidates, options.reuse, options.minimizer,
-                                          options.max_iterations, mrf);
+      std::vector<std::uint32_t> clips;  // of each label
+      for (std::size_t piece = 0; piece < candidates.pieces(); ++piece)
+        for (const stored::Row row : candidates.rows_of(piece)) clips.push_back(base.table.clip[row]);
+      Solution solution =
+          minimize_spread(clips, options.reuse.crowd, options.minimizer, options.max_iterations, mrf);
       solution.margins = margins(mrf, solution.labels);
       return solution;
     });
@@ -131,7 +135,7 @@ Labelling label(const store::Snapshot& snapshot, const SearchBase& base, const c
 Assignment make_assignment(const store::Snapshot& snapshot, const CandidateSearch& search,
                            const Labels& labels) {
   const std::vector<vision::Variant> variants = search.base->settings.variants();
-  const PatchTable& table = search.table();
+  const stored::PatchTable& table = search.table();
   Assignment assignment;
   assignment.picture = search.picture;
   assignment.piece_scale = search.piece_scale;
@@ -139,7 +143,7 @@ Assignment make_assignment(const store::Snapshot& snapshot, const CandidateSearc
   assignment.stride = search.target.stride;
   std::map<std::uint32_t, std::uint32_t> number_of;  // clip of the table, clip of the assignment
   for (std::size_t piece = 0; piece < search.target.size(); ++piece) {
-    const Row row = search.candidates.rows_of(piece)[labels[piece]];
+    const stored::Row row = search.candidates.rows_of(piece)[labels[piece]];
     const std::uint32_t clip = table.clip[row];
     const auto [entry, is_new] = number_of.emplace(clip, static_cast<std::uint32_t>(assignment.clips.size()));
     if (is_new) {

@@ -7,6 +7,7 @@
 #include <opencv2/core.hpp>
 
 #include "freshet/job.h"
+#include "query/costs/guide_costs.h"
 #include "query/costs/pairwise.h"
 #include "query/costs/reuse.h"
 #include "query/index/search_base.h"
@@ -48,7 +49,7 @@ struct CandidateSearch {
   Candidates candidates;
   LabelSeconds seconds;
 
-  const PatchTable& table() const { return base->table; }
+  const stored::PatchTable& table() const { return base->table; }
 };
 
 /// The first half: pieces and their candidates.

@@ -15,8 +15,8 @@ namespace {
 // What a hash is of, so that equal bytes of different meaning differ.
 enum class Kind : std::uint8_t { kIdentity, kFilter, kRows, kAnswer, kStrength, kTable, kSolution };
 
-KeyHash hash_of(Kind kind) {
-  KeyHash hash;
+cache::KeyHash hash_of(Kind kind) {
+  cache::KeyHash hash;
   hash.add(kind);
   return hash;
 }
@@ -105,9 +105,10 @@ std::string to_string(const Reuse& reuse) {
                      reuse.pieces, reuse.reused_edges, reuse.edges);
 }
 
-LabellingMemo::LabellingMemo(LabelCache& cache, const store::Snapshot& snapshot, const SearchBase& base)
+LabellingMemo::LabellingMemo(cache::ResultCache& cache, const store::Snapshot& snapshot,
+                             const SearchBase& base)
     : cache_(cache), base_(base) {
-  KeyHash hash = hash_of(Kind::kIdentity);
+  cache::KeyHash hash = hash_of(Kind::kIdentity);
   hash.add(snapshot.settings());
   hash.add(base.codebook.words);
   hash.add(std::span<const float>(base.codebook.centres));
@@ -117,8 +118,8 @@ LabellingMemo::LabellingMemo(LabelCache& cache, const store::Snapshot& snapshot,
     hash.add(record.source_hash);
     hash.add(record.metadata);  // how its cells lie
   }
-  const PatchTable& table = base.table;
-  hash.add(std::span<const Row>(table.first_row));
+  const stored::PatchTable& table = base.table;
+  hash.add(std::span<const stored::Row>(table.first_row));
   hash.add(std::span<const std::uint8_t>(table.variant));
   hash.add(std::span<const std::uint16_t>(table.x));
   hash.add(std::span<const std::uint16_t>(table.y));
@@ -135,16 +136,16 @@ Candidates LabellingMemo::find_candidates(const Target& target, const cv::Mat& m
   reuse_.edges = target.edges.size();
   if (!base_.is_exact)
     return query::find_candidates(*base_.index, base_.table, target, matte, k, filter, guide);
-  KeyHash filtered = hash_of(Kind::kFilter);
+  cache::KeyHash filtered = hash_of(Kind::kFilter);
   filtered.add(filter.bit_words());
-  const CacheKey rows = filtered.key();
+  const cache::Key rows = filtered.key();
   std::vector<PieceMotion> asked;
   if (!guide.empty()) asked = asked_motion(guide, target, matte);
-  std::vector<CacheKey> keys;
+  std::vector<cache::Key> keys;
   std::vector<std::optional<PieceAnswer>> answers(target.size());
   for (std::size_t piece = 0; piece < target.size(); ++piece) {
     const PieceQuery& query = target.queries[piece];
-    KeyHash hash = hash_of(Kind::kAnswer);
+    cache::KeyHash hash = hash_of(Kind::kAnswer);
     hash.add(identity_);
     hash.add(rows);
     hash.add(std::uint64_t{k});
@@ -171,8 +172,8 @@ Candidates LabellingMemo::find_candidates(const Target& target, const cv::Mat& m
   return candidates;
 }
 
-CacheKey LabellingMemo::key_of_candidates(std::span<const Row> rows) const {
-  KeyHash hash = hash_of(Kind::kRows);
+cache::Key LabellingMemo::key_of_candidates(std::span<const stored::Row> rows) const {
+  cache::KeyHash hash = hash_of(Kind::kRows);
   hash.add(identity_);
   hash.add(rows);
   return hash.key();
@@ -184,7 +185,7 @@ Mrf LabellingMemo::build_mrf(const Target& target, const Candidates& candidates,
   check_weights(options);
   Mrf mrf = unconnected_field(target, candidates);
   if (shape.overlap == 0 || options.lambda == 0) return mrf;
-  std::vector<CacheKey> rows_of, strength_of, table_of;
+  std::vector<cache::Key> rows_of, strength_of, table_of;
   PartsWanted wanted{std::vector<bool>(target.size()), std::vector<bool>(target.edges.size())};
   const auto unary_of = [&](std::size_t piece) {
     return std::span(mrf.unary).subspan(mrf.first_unary[piece], mrf.label_count[piece]);
@@ -196,7 +197,7 @@ Mrf LabellingMemo::build_mrf(const Target& target, const Candidates& candidates,
   };
   for (std::size_t piece = 0; piece < target.size(); ++piece) {
     rows_of.push_back(key_of_candidates(candidates.rows_of(piece)));
-    KeyHash hash = hash_of(Kind::kStrength);
+    cache::KeyHash hash = hash_of(Kind::kStrength);
     hash.add(rows_of.back());
     hash.add(options.form);
     strength_of.push_back(hash.key());
@@ -212,7 +213,7 @@ Mrf LabellingMemo::build_mrf(const Target& target, const Candidates& candidates,
   }
   for (std::size_t e = 0; e < target.edges.size(); ++e) {
     const auto [p, q] = target.edges[e];
-    KeyHash hash = hash_of(Kind::kTable);
+    cache::KeyHash hash = hash_of(Kind::kTable);
     hash.add(rows_of[p]);
     hash.add(rows_of[q]);
     hash.add(target.places[p].y == target.places[q].y);
@@ -244,10 +245,11 @@ Mrf LabellingMemo::build_mrf(const Target& target, const Candidates& candidates,
   return mrf;
 }
 
-CacheKey LabellingMemo::solution_key(const Target& target, const Candidates& candidates,
-                                     const PairwiseOptions& options, const GuideCosts& guide_costs,
-                                     const ReuseCosts& reuse, Minimizer minimizer, int max_iterations) const {
-  KeyHash hash = hash_of(Kind::kSolution);
+cache::Key LabellingMemo::solution_key(const Target& target, const Candidates& candidates,
+                                       const PairwiseOptions& options, const GuideCosts& guide_costs,
+                                       const ReuseCosts& reuse, Minimizer minimizer,
+                                       int max_iterations) const {
+  cache::KeyHash hash = hash_of(Kind::kSolution);
   hash.add(identity_);
   for (const cv::Point place : target.places) {
     hash.add(place.x);
@@ -270,7 +272,7 @@ CacheKey LabellingMemo::solution_key(const Target& target, const Candidates& can
   return hash.key();
 }
 
-std::optional<Solution> LabellingMemo::find_solution(const CacheKey& key, const Target& target,
+std::optional<Solution> LabellingMemo::find_solution(const cache::Key& key, const Target& target,
                                                      const Candidates& candidates) {
   const auto bytes = cache_.find(key);
   if (!bytes) return std::nullopt;
@@ -290,7 +292,7 @@ std::optional<Solution> LabellingMemo::find_solution(const CacheKey& key, const 
   return solution;
 }
 
-void LabellingMemo::keep_solution(const CacheKey& key, const Solution& solution) {
+void LabellingMemo::keep_solution(const cache::Key& key, const Solution& solution) {
   Bytes bytes;
   bytes.put(solution.energy);
   bytes.put(solution.lower_bound);

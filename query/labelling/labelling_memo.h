@@ -17,10 +17,11 @@
 #include <string>
 #include <vector>
 
+#include "cache/result_cache.h"
+#include "query/costs/guide_costs.h"
 #include "query/costs/pairwise.h"
 #include "query/costs/reuse.h"
 #include "query/index/search_base.h"
-#include "query/labelling/label_cache.h"
 #include "query/mrf/minimizer.h"
 #include "query/search/candidates.h"
 #include "store/store.h"
@@ -41,8 +42,8 @@ class LabellingMemo {
  public:
   /// Cost: 10 ms for 357,650 patches. Answers of an approximate index are neither looked up nor kept: its
   /// bytes are not part of what is hashed.
-  LabellingMemo(LabelCache& cache, const store::Snapshot& snapshot, const SearchBase& base);
-  LabellingMemo(LabelCache&, const store::Snapshot&, const SearchBase&&) = delete;
+  LabellingMemo(cache::ResultCache& cache, const store::Snapshot& snapshot, const SearchBase& base);
+  LabellingMemo(cache::ResultCache&, const store::Snapshot&, const SearchBase&&) = delete;
 
   /// As query::find_candidates.
   Candidates find_candidates(const Target& target, const cv::Mat& matte, std::size_t k,
@@ -52,22 +53,22 @@ class LabellingMemo {
                 const PairwiseOptions& options, const FeatureSource& source, std::stop_token stop);
 
   /// Of everything that a solution of this field depends on.
-  CacheKey solution_key(const Target& target, const Candidates& candidates, const PairwiseOptions& options,
-                        const GuideCosts& guide_costs, const ReuseCosts& reuse, Minimizer minimizer,
-                        int max_iterations) const;
-  std::optional<Solution> find_solution(const CacheKey& key, const Target& target,
+  cache::Key solution_key(const Target& target, const Candidates& candidates, const PairwiseOptions& options,
+                          const GuideCosts& guide_costs, const ReuseCosts& reuse, Minimizer minimizer,
+                          int max_iterations) const;
+  std::optional<Solution> find_solution(const cache::Key& key, const Target& target,
                                         const Candidates& candidates);
-  void keep_solution(const CacheKey& key, const Solution& solution);
+  void keep_solution(const cache::Key& key, const Solution& solution);
 
   /// Of the last labelling.
   const Reuse& reuse() const { return reuse_; }
 
  private:
-  CacheKey key_of_candidates(std::span<const Row> rows) const;
+  cache::Key key_of_candidates(std::span<const stored::Row> rows) const;
 
-  LabelCache& cache_;
+  cache::ResultCache& cache_;
   const SearchBase& base_;
-  CacheKey identity_;
+  cache::Key identity_;
   Reuse reuse_;
 };
 

@@ -41,7 +41,7 @@ double concentration(double length) { return length * (2 - length * length) / (1
 
 std::map<std::string, ClassPull> pulls_of(const store::Snapshot& snapshot, const CandidateSearch& search,
                                           double min_speed) {
-  const PatchTable& table = search.table();
+  const stored::PatchTable& table = search.table();
   struct Sum {
     double down = 0, count = 0;
     void add(double value, double weight) {
@@ -52,7 +52,7 @@ std::map<std::string, ClassPull> pulls_of(const store::Snapshot& snapshot, const
   std::map<std::string, Sum> clips_down;
   for (std::size_t clip = 0; clip < table.clips.size(); ++clip) {
     Sum patches;
-    for (Row row = table.first_row[clip]; row < table.first_row[clip + 1]; ++row) {
+    for (stored::Row row = table.first_row[clip]; row < table.first_row[clip + 1]; ++row) {
       const double speed = std::hypot(table.mean_u[row], table.mean_v[row]);
       if (search.filtered.rows.allows(row) && speed >= min_speed) patches.add(table.mean_v[row] / speed, 1);
     }
@@ -115,7 +115,7 @@ class TextureAxes {
 
 void add_votes(const CandidateSearch& search, std::size_t piece, const GuessOptions& options,
                Directions& evidence) {
-  const PatchTable& table = search.table();
+  const stored::PatchTable& table = search.table();
   const auto rows = search.candidates.rows_of(piece);
   const auto scores = search.candidates.scores_of(piece);
   Directions votes{};

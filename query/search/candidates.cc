@@ -37,7 +37,8 @@ bool is_endless(const store::ClipRecord& clip) {
 // Takes conditions one after another and counts what each leaves.
 class Narrowing {
  public:
-  Narrowing(const store::Snapshot& snapshot, const PatchTable& table) : snapshot_(snapshot), table_(table) {
+  Narrowing(const store::Snapshot& snapshot, const stored::PatchTable& table)
+      : snapshot_(snapshot), table_(table) {
     filtered_.rows = RowFilter(table.size());
     note("all");
   }
@@ -46,14 +47,15 @@ class Narrowing {
   void clips(const std::string& what, Keep&& keep) {
     for (std::size_t c = 0; c < table_.clips.size(); ++c) {
       if (keep(snapshot_.clip(table_.clips[c]), has_rows(c))) continue;
-      for (Row row = table_.first_row[c]; row < table_.first_row[c + 1]; ++row) filtered_.rows.forbid(row);
+      for (stored::Row row = table_.first_row[c]; row < table_.first_row[c + 1]; ++row)
+        filtered_.rows.forbid(row);
     }
     note(what);
   }
 
   template <class Keep>
   void patches(const std::string& what, Keep&& keep) {
-    for (Row row = 0; row < table_.size(); ++row) {
+    for (stored::Row row = 0; row < table_.size(); ++row) {
       if (filtered_.rows.allows(row) && !keep(row)) filtered_.rows.forbid(row);
     }
     note(what);
@@ -64,7 +66,7 @@ class Narrowing {
 
  private:
   bool has_rows(std::size_t c) const {
-    for (Row row = table_.first_row[c]; row < table_.first_row[c + 1]; ++row) {
+    for (stored::Row row = table_.first_row[c]; row < table_.first_row[c + 1]; ++row) {
       if (filtered_.rows.allows(row)) return true;
     }
     return false;
@@ -76,11 +78,11 @@ class Narrowing {
   }
 
   const store::Snapshot& snapshot_;
-  const PatchTable& table_;
+  const stored::PatchTable& table_;
   Filtered filtered_;
 };
 
-std::string classes_of(const store::Snapshot& snapshot, const PatchTable& table) {
+std::string classes_of(const store::Snapshot& snapshot, const stored::PatchTable& table) {
   std::set<std::string> names;
   for (const store::ClipId clip : table.clips) names.insert(snapshot.clip(clip).class_name);
   return fmt::format("{}", fmt::join(names, ", "));
@@ -131,7 +133,7 @@ void check_names(const store::Snapshot& snapshot, const CandidateOptions& option
         did_you_mean(name, classes) + fmt::format("The store has the classes {}", fmt::join(classes, ", ")));
 }
 
-Filtered filter_rows(const store::Snapshot& snapshot, const PatchTable& table,
+Filtered filter_rows(const store::Snapshot& snapshot, const stored::PatchTable& table,
                      std::span<const vision::Variant> variants, const CandidateOptions& options) {
   if (options.direction_deg) check_range("direction", *options.direction_deg, -360, 360);
   check_range("direction tolerance", options.direction_tolerance_deg, 0, 180);
@@ -188,7 +190,7 @@ Filtered filter_rows(const store::Snapshot& snapshot, const PatchTable& table,
   if (options.min_scale > 0 || options.max_rotation_deg < 180) {
     narrowing.patches(fmt::format("scale of at least {:g}, turned by {:g} degrees at most", options.min_scale,
                                   options.max_rotation_deg),
-                      [&](Row row) {
+                      [&](stored::Row row) {
                         const vision::Variant& variant = variants[table.variant[row]];
                         return variant.scale >= options.min_scale &&
                                std::abs(variant.rotation_deg) <= options.max_rotation_deg;
@@ -206,7 +208,7 @@ Filtered filter_rows(const store::Snapshot& snapshot, const PatchTable& table,
     const double to_u = std::cos(wanted), to_v = -std::sin(wanted);  // y points down in a frame
     narrowing.patches(fmt::format("direction {:g} +- {:g} degrees", *options.direction_deg,
                                   options.direction_tolerance_deg),
-                      [&](Row row) {
+                      [&](stored::Row row) {
                         const double u = table.mean_u[row], v = table.mean_v[row], speed = std::hypot(u, v);
                         return speed >= options.min_speed_px_per_s &&
                                u * to_u + v * to_v >= min_cosine * speed;
@@ -256,9 +258,10 @@ std::string opening_note(const Candidates& candidates, const Target& target, con
 }
 
 // Searches the given pieces, opening the tolerances of those that find too few.
-void search_pieces(const CandidateIndex& index, const PatchTable& table, const Target& target, std::size_t k,
-                   const RowFilter& filter, const MotionGuide& guide, std::span<const PieceMotion> asked,
-                   std::vector<std::size_t> open, std::vector<std::optional<PieceAnswer>>& answers) {
+void search_pieces(const CandidateIndex& index, const stored::PatchTable& table, const Target& target,
+                   std::size_t k, const RowFilter& filter, const MotionGuide& guide,
+                   std::span<const PieceMotion> asked, std::vector<std::size_t> open,
+                   std::vector<std::optional<PieceAnswer>>& answers) {
   for (int steps = 0; !open.empty(); ++steps) {
     std::vector<PieceQuery> queries;
     std::vector<MotionWindow> windows;
@@ -283,7 +286,7 @@ void search_pieces(const CandidateIndex& index, const PatchTable& table, const T
 
 }  // namespace
 
-Candidates find_candidates(const CandidateIndex& index, const PatchTable& table, const Target& target,
+Candidates find_candidates(const CandidateIndex& index, const stored::PatchTable& table, const Target& target,
                            const cv::Mat& matte, std::size_t k, const RowFilter& filter,
                            const MotionGuide& guide, std::vector<std::optional<PieceAnswer>>* answers) {
   if (k < 1 || k > 65535) {
@@ -306,7 +309,7 @@ Candidates find_candidates(const CandidateIndex& index, const PatchTable& table,
     if (std::string note = opening_note(candidates, target, guide); !note.empty())
       candidates.notes.push_back(std::move(note));
   }
-  candidates.rows.assign(pieces * k, kNoRow);
+  candidates.rows.assign(pieces * k, stored::kNoRow);
   candidates.scores.assign(pieces * k, 0);
   std::size_t short_of = 0;
   for (std::size_t piece = 0; piece < pieces; ++piece) {
@@ -328,84 +331,6 @@ Candidates find_candidates(const CandidateIndex& index, const PatchTable& table,
         fmt::format("{} of {} pieces have fewer than {} candidates", short_of, pieces, k));
   }
   return candidates;
-}
-
-GuideCosts default_guide_costs(HintSearch search) {
-  if (search == HintSearch::kNarrow) return {.direction = 0.3, .speed = 0.05, .unsteady = 0};
-  return {};
-}
-
-double guide_price(const PieceMotion& asked, float mean_u, float mean_v, float steadiness,
-                   const GuideCosts& weights) {
-  const double u = mean_u, v = mean_v, speed = std::hypot(u, v);
-  double price = 0;
-  if (asked.direction != cv::Vec2f(0, 0)) {
-    if (speed > 0)
-      price += weights.direction * (1 - (u * asked.direction[0] + v * asked.direction[1]) / speed);
-    price += weights.unsteady * (1 - steadiness);
-  }
-  if (asked.speed >= 0) {
-    // A tenth of a pixel per second is as slow as can be told.
-    const double ratio = std::log2(std::max(speed, 0.1) / std::max<double>(asked.speed, 0.1));
-    price += weights.speed * ratio * ratio;
-  }
-  return price;
-}
-
-namespace {
-
-/// Of each candidate of a piece.
-std::vector<double> guide_prices(const PatchTable& table, const Candidates& candidates, std::size_t piece,
-                                 const PieceMotion& asked, const GuideCosts& weights) {
-  const auto rows = candidates.rows_of(piece);
-  const auto steadiness = candidates.steadiness_of(piece);
-  std::vector<double> prices(rows.size());
-  for (std::size_t i = 0; i < rows.size(); ++i)
-    prices[i] = guide_price(asked, table.mean_u[rows[i]], table.mean_v[rows[i]],
-                            steadiness.empty() ? 1 : steadiness[i], weights);
-  return prices;
-}
-
-}  // namespace
-
-void add_guide_costs(const PatchTable& table, const Candidates& candidates, const GuideCosts& weights,
-                     Mrf& mrf) {
-  for (std::size_t piece = 0; piece < candidates.asked.size(); ++piece) {
-    float* const unary = mrf.unary.data() + mrf.first_unary[piece];
-    const std::vector<double> prices =
-        guide_prices(table, candidates, piece, candidates.asked[piece], weights);
-    for (std::size_t i = 0; i < prices.size(); ++i) unary[i] += static_cast<float>(prices[i]);
-  }
-}
-
-void keep_best_paid(const PatchTable& table, const GuideCosts& weights, std::size_t keep,
-                    Candidates& candidates) {
-  if (candidates.asked.empty()) return;
-  Candidates kept = candidates;
-  kept.k = std::min(keep, candidates.k);
-  const std::size_t pieces = candidates.pieces();
-  kept.rows.assign(pieces * kept.k, kNoRow);
-  kept.scores.assign(pieces * kept.k, 0);
-  kept.steadiness.assign(candidates.steadiness.empty() ? 0 : pieces * kept.k, 0);
-  for (std::size_t piece = 0; piece < pieces; ++piece) {
-    const auto rows = candidates.rows_of(piece);
-    const auto scores = candidates.scores_of(piece), steadiness = candidates.steadiness_of(piece);
-    const std::vector<double> prices =
-        guide_prices(table, candidates, piece, in_steps(candidates.asked[piece]), weights);
-    std::vector<std::size_t> order(rows.size());
-    std::iota(order.begin(), order.end(), std::size_t{0});
-    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-      return scores[a] - prices[a] > scores[b] - prices[b];
-    });
-    order.resize(std::min(order.size(), kept.k));
-    for (std::size_t i = 0; i < order.size(); ++i) {
-      kept.rows[piece * kept.k + i] = rows[order[i]];
-      kept.scores[piece * kept.k + i] = scores[order[i]];
-      if (!steadiness.empty()) kept.steadiness[piece * kept.k + i] = steadiness[order[i]];
-    }
-    kept.counts[piece] = static_cast<std::uint32_t>(order.size());
-  }
-  candidates = std::move(kept);
 }
 
 }  // namespace freshet::query

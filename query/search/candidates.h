@@ -8,11 +8,10 @@
 #include <vector>
 
 #include "query/index/candidate_index.h"
-#include "query/mrf/mrf.h"
 #include "query/search/motion_guide.h"
 #include "query/search/target.h"
-#include "query/stored/patch_table.h"
 #include "store/store.h"
+#include "stored/patch_table.h"
 
 namespace freshet::query {
 
@@ -57,13 +56,13 @@ void check_names(const store::Snapshot& snapshot, const CandidateOptions& option
 /// variants   settings.variants().
 /// Throws as check_names, Error{kNotFound} when none is left, naming the condition that removed the last and what there is;
 /// Error{kUsage} for a number out of range.
-Filtered filter_rows(const store::Snapshot& snapshot, const PatchTable& table,
+Filtered filter_rows(const store::Snapshot& snapshot, const stored::PatchTable& table,
                      std::span<const vision::Variant> variants, const CandidateOptions& options);
 
 /// Candidates of all pieces, best first; rows beyond a piece's count are kNoRow.
 struct Candidates {
   std::size_t k = 0;
-  std::vector<Row> rows;              // pieces * k
+  std::vector<stored::Row> rows;      // pieces * k
   std::vector<float> scores;          // pieces * k: intersection / max_score of the piece, 0..1
   std::vector<std::uint32_t> counts;  // of each piece, 1..k
   std::vector<PieceMotion> asked;     // of each piece, by a guide; empty: nothing was asked
@@ -73,7 +72,7 @@ struct Candidates {
   std::vector<std::string> notes;  // for a person: "12 pieces have fewer than 100 candidates"
 
   std::size_t pieces() const { return counts.size(); }
-  std::span<const Row> rows_of(std::size_t piece) const {
+  std::span<const stored::Row> rows_of(std::size_t piece) const {
     return std::span(rows).subspan(piece * k, counts[piece]);
   }
   std::span<const float> scores_of(std::size_t piece) const {
@@ -99,32 +98,9 @@ struct PieceAnswer {
 /// matte     see asked_motion.
 /// answers   one per piece, or null: those that are there are taken, the rest is searched and filled in.
 /// Throws    Error{kNotFound} when an approximate index finds nothing allowed for a piece.
-Candidates find_candidates(const CandidateIndex& index, const PatchTable& table, const Target& target,
+Candidates find_candidates(const CandidateIndex& index, const stored::PatchTable& table, const Target& target,
                            const cv::Mat& matte, std::size_t k, const RowFilter& filter,
                            const MotionGuide& guide = {},
                            std::vector<std::optional<PieceAnswer>>* answers = nullptr);
-
-/// What it costs a candidate not to move quite as asked. Pieces of which nothing is asked pay nothing. Added to
-/// the unary costs, which are 1 - score:
-///   direction * (1 - cos of the angle) + speed * (log2 of the ratio)^2 + unsteady * (1 - steadiness)
-/// the last where a direction is asked.
-///
-/// Where the search is narrow, patches move about as asked already, and are shown as they are: what is left costs
-/// much. Where it is wide the animation turns and scales them, and looks decide: over 23 clips and their true
-/// motion a candidate is 0.313 alike where nothing else counts, 0.299 with these prices, 31 degrees and 1.2
-/// octaves off, and 0.217 when narrow (docs/measurements/labelling.md).
-struct GuideCosts {
-  double direction = 0.05, speed = 0.01, unsteady = 0.05;
-};
-GuideCosts default_guide_costs(HintSearch search);
-/// steadiness   0..1, see steadiness.h; 1 where it is not known.
-double guide_price(const PieceMotion& asked, float mean_u, float mean_v, float steadiness,
-                   const GuideCosts& weights);
-void add_guide_costs(const PatchTable& table, const Candidates& candidates, const GuideCosts& weights,
-                     Mrf& mrf);
-
-/// Sorts each piece's candidates by score less the price of what is asked in_steps, and keeps the first `keep`.
-void keep_best_paid(const PatchTable& table, const GuideCosts& weights, std::size_t keep,
-                    Candidates& candidates);
 
 }  // namespace freshet::query

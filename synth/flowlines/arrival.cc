@@ -9,7 +9,7 @@
 #include <Eigen/Dense>
 #include <opencv2/imgproc.hpp>
 
-#include "synth/animate/sampling/pull_push.h"
+#include "synth/sampling/pull_push.h"
 
 namespace freshet::synth::flowlines {
 namespace {
@@ -210,7 +210,7 @@ class Spread {
     const double enough = 0.05 * step_ / sigma_;  // a twentieth of what a line brings to its own middle
     cv::min(weight_ * (1 / enough), 1.0, trust);
     values.setTo(0, trust < 1e-3f);
-    out = animate::pull_push(values, trust);
+    out = sampling::pull_push(values, trust);
     cv::GaussianBlur(out, out, cv::Size(), sigma_ / step_);
     return out;
   }

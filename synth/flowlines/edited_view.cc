@@ -8,7 +8,7 @@
 #include <tbb/parallel_for.h>
 #include <opencv2/imgproc.hpp>
 
-#include "synth/animate/motion/background.h"
+#include "synth/outline/background.h"
 
 namespace freshet::synth::flowlines {
 namespace {
@@ -160,7 +160,7 @@ EditedView::EditedView(const std::vector<cv::Mat>& frames, cv::Size working, std
   const cv::Mat hole = was_ > 0.05f;
   // Fluid all over leaves nothing to fill in from: then it stands still behind itself.
   behind_ = cv::countNonZero(hole) < 0.9 * static_cast<double>(hole.total())
-                ? animate::inpaint_background(mean, hole)
+                ? outline::inpaint_background(mean, hole)
                 : mean;
 }
 

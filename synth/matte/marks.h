@@ -29,7 +29,7 @@ using Marks = cv::Mat;
 Marks read_scribbles(const std::filesystem::path& path, const cv::Mat& picture,
                      std::vector<std::string>* notices = nullptr);
 
-/// Reads marks from JSON, px of the picture as in query/hints/strokes.h. Later entries lie over earlier ones.
+/// Reads marks from JSON, px of the picture as in hints/strokes.h. Later entries lie over earlier ones.
 ///
 /// {"format": "freshet-marks", "version": 1, "marks": [
 ///   {"is": "fluid",      "points": [[x, y], ...], "width": 9},

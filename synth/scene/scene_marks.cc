@@ -7,9 +7,9 @@
 #include <opencv2/imgproc.hpp>
 
 #include "freshet/error.h"
+#include "hints/svg_strokes.h"
 #include "platform/text.h"
 #include "platform/text_file.h"
-#include "query/hints/svg_strokes.h"
 
 namespace freshet::synth::scene {
 namespace {
@@ -44,7 +44,7 @@ const SceneLayer* named(const Scene& scene, const std::string& name) {
   return nullptr;
 }
 
-const SceneLayer* layer_of(const Scene& scene, const query::Stroke& stroke) {
+const SceneLayer* layer_of(const Scene& scene, const hints::Stroke& stroke) {
   if (!stroke.layer.empty()) {
     for (const SceneLayer& layer : scene.layers)
       if (layer.name == stroke.layer) return &layer;
@@ -58,10 +58,10 @@ const SceneLayer* layer_of(const Scene& scene, const query::Stroke& stroke) {
   return nullptr;
 }
 
-std::vector<query::Stroke> drawn(const Scene& scene, cv::Size picture, std::vector<std::string>* notices) {
+std::vector<hints::Stroke> drawn(const Scene& scene, cv::Size picture, std::vector<std::string>* notices) {
   if (scene.marks.empty()) return {};
   const std::string text = read_text_file(scene.marks, kMaxBytes, "Give the drawing as SVG");
-  return query::read_svg_strokes(text, scene.marks.string(), picture, notices);
+  return hints::read_svg_strokes(text, scene.marks.string(), picture, notices);
 }
 
 void take(SceneLayer& layer, const Line& line, bool& used) {
@@ -131,7 +131,7 @@ double part_on(const Line& line, const cv::Mat& alpha, int near) {
 }  // namespace
 
 void read_marks(Scene& scene, cv::Size picture, std::vector<std::string>* notices) {
-  for (const query::Stroke& stroke : drawn(scene, picture, notices)) {
+  for (const hints::Stroke& stroke : drawn(scene, picture, notices)) {
     const SceneLayer* found = layer_of(scene, stroke);
     bool used = found != nullptr;
     if (found != nullptr) {
@@ -166,9 +166,9 @@ void read_marks(Scene& scene, cv::Size picture, std::vector<std::string>* notice
   }
 }
 
-std::vector<query::Stroke> strokes_of(const Scene& scene, const SceneLayer& layer, cv::Size picture) {
-  std::vector<query::Stroke> own;
-  for (query::Stroke& stroke : drawn(scene, picture, nullptr))
+std::vector<hints::Stroke> strokes_of(const Scene& scene, const SceneLayer& layer, cv::Size picture) {
+  std::vector<hints::Stroke> own;
+  for (hints::Stroke& stroke : drawn(scene, picture, nullptr))
     if (const SceneLayer* of = layer_of(scene, stroke); of != nullptr && of->name == layer.name)
       own.push_back(std::move(stroke));
   return own;

@@ -6,7 +6,7 @@
 
 #include <opencv2/core.hpp>
 
-#include "query/hints/strokes.h"
+#include "hints/strokes.h"
 #include "synth/scene/scene.h"
 
 namespace freshet::synth::scene {
@@ -22,7 +22,7 @@ namespace freshet::synth::scene {
 void read_marks(Scene& scene, cv::Size picture, std::vector<std::string>* notices = nullptr);
 
 /// What of the drawing belongs to a layer of patches: its strokes.
-std::vector<query::Stroke> strokes_of(const Scene& scene, const SceneLayer& layer, cv::Size picture);
+std::vector<hints::Stroke> strokes_of(const Scene& scene, const SceneLayer& layer, cv::Size picture);
 
 /// Whether a layer's lines fit where it is. alpha   CV_32F, the layer's; the picture's size.
 /// Throws   Error{kInput} naming scene, layer and remedy: a layer that is nowhere, an armature whose

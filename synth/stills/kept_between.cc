@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "cache/content_hash.h"
+
 namespace freshet::synth::stills {
 namespace {
 
@@ -16,23 +18,12 @@ std::span<const std::byte> bytes_of(const cv::Mat& plane) {
 
 }  // namespace
 
-query::CacheKey content_of(const cv::Mat& picture) {
-  query::KeyHash hash;
-  hash.add(std::int32_t{picture.type()});
-  hash.add(std::int32_t{picture.cols});
-  hash.add(std::int32_t{picture.rows});
-  for (int y = 0; y < picture.rows; ++y)
-    hash.bytes(std::as_bytes(std::span(picture.ptr<std::uint8_t>(y),
-                                       static_cast<std::size_t>(picture.cols) * picture.elemSize())));
-  return hash.key();
-}
-
 FlowPair KeptBetween::flow(const cv::Mat& from, const cv::Mat& to) const {
   if (cache_ == nullptr) return flow_between(from, to);
-  query::KeyHash hash;
+  cache::KeyHash hash;
   hash.add(std::string("stills flow 2"));
-  hash.add(content_of(from));
-  hash.add(content_of(to));
+  hash.add(cache::content_hash(from));
+  hash.add(cache::content_hash(to));
   const std::size_t plane = 2 * sizeof(std::int16_t) * from.total();
   if (const auto kept = cache_->find(hash.key()); kept && kept->size() == 2 * plane) {
     FlowPair flow{cv::Mat(from.size(), CV_16SC2), cv::Mat(from.size(), CV_16SC2)};
@@ -50,7 +41,7 @@ FlowPair KeptBetween::flow(const cv::Mat& from, const cv::Mat& to) const {
 
 cv::Mat KeptBetween::picture(const BetweenKey& key, int type, const std::function<cv::Mat()>& make) const {
   if (cache_ == nullptr) return make();
-  query::KeyHash hash;
+  cache::KeyHash hash;
   hash.add(std::string("stills between 2"));
   hash.add(key.a);
   hash.add(key.b);

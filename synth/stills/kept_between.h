@@ -5,7 +5,7 @@
 
 #include <opencv2/core.hpp>
 
-#include "query/labelling/label_cache.h"
+#include "cache/result_cache.h"
 #include "synth/stills/between.h"
 
 namespace freshet::synth::stills {
@@ -13,21 +13,18 @@ namespace freshet::synth::stills {
 /// What a picture between two stills depends on. Not on orders, speeds or other regions: after an edit of
 /// those it is the same.
 struct BetweenKey {
-  query::CacheKey a, b;  // content_of the whole stills: flow reads them beyond the box
-  cv::Rect box;          // px of the stills
-  double phase = 0;      // 0..1
-  int flow_side = 0;     // px
+  cache::Key a, b;    // content_hash of the whole stills: flow reads them beyond the box
+  cv::Rect box;       // px of the stills
+  double phase = 0;   // 0..1
+  int flow_side = 0;  // px
 };
-
-/// Of the pixels, their type and size.
-query::CacheKey content_of(const cv::Mat& picture);
 
 /// Hands out what an earlier run kept, and keeps what is made. What is kept is what would be made, to the
 /// bit. Safe from many threads.
 class KeptBetween {
  public:
   /// cache   borrowed; null: all is made, nothing kept.
-  explicit KeptBetween(query::LabelCache* cache) : cache_(cache) {}
+  explicit KeptBetween(cache::ResultCache* cache) : cache_(cache) {}
 
   /// flow_between(from, to); both continuous.
   FlowPair flow(const cv::Mat& from, const cv::Mat& to) const;
@@ -36,7 +33,7 @@ class KeptBetween {
   cv::Mat picture(const BetweenKey& key, int type, const std::function<cv::Mat()>& make) const;
 
  private:
-  query::LabelCache* cache_;
+  cache::ResultCache* cache_;
 };
 
 }  // namespace freshet::synth::stills

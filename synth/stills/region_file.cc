@@ -9,9 +9,9 @@
 #include <opencv2/imgproc.hpp>
 
 #include "freshet/error.h"
+#include "hints/strokes.h"
 #include "media/picture/picture.h"
 #include "platform/text.h"
-#include "query/hints/strokes.h"
 #include "synth/matte/marks.h"
 #include "synth/stills/region_proposal.h"
 
@@ -45,7 +45,7 @@ std::vector<Region> drawn_regions(const std::filesystem::path& path, cv::Size fu
   std::vector<Region> regions;
   const double sx = static_cast<double>(work.width) / full.width,
                sy = static_cast<double>(work.height) / full.height;
-  for (const query::Stroke& stroke : query::read_strokes(path, full, &notices)) {
+  for (const hints::Stroke& stroke : hints::read_strokes(path, full, &notices)) {
     std::vector<cv::Point> corners;
     for (const cv::Point2f& p : stroke.points)
       corners.emplace_back(cvRound(p.x * sx - .5), cvRound(p.y * sy - .5));

@@ -15,7 +15,7 @@ namespace freshet::synth::stills {
 ///
 /// SVG      each closed outline is a region, named after its element's id; an id that begins with "slow" or
 ///          "standing"
-///          says its kind. Drawn over a still, as strokes are (query/hints/strokes.h).
+///          says its kind. Drawn over a still, as strokes are (hints/strokes.h).
 /// picture  of the stills' proportions. Black stands still. A middle grey (64 to 191) is slow. A colour is
 ///          one region,
 ///          wherever it lies; of white each area that hangs together is one.

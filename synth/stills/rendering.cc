@@ -14,6 +14,7 @@
 #include <oneapi/tbb/task_arena.h>
 #include <opencv2/imgproc.hpp>
 
+#include "cache/content_hash.h"
 #include "freshet/error.h"
 #include "synth/stills/kept_between.h"
 #include "synth/stills/still_set.h"
@@ -218,8 +219,9 @@ class Renderer {
     }
     if (by_area.empty() || !by_area.front()->kept) return;
     content_.resize(pictures_.size());
-    oneapi::tbb::parallel_for(std::size_t{0}, pictures_.size(),
-                              [&](std::size_t still) { content_[still] = content_of(pictures_[still]); });
+    oneapi::tbb::parallel_for(std::size_t{0}, pictures_.size(), [&](std::size_t still) {
+      content_[still] = cache::content_hash(pictures_[still]);
+    });
   }
 
   void find_flow(const Job& job) {
@@ -262,7 +264,7 @@ class Renderer {
   RenderOptions options_;
   KeptBetween kept_;
   std::vector<Layer> layers_;
-  std::vector<query::CacheKey> content_;  // of the stills; empty where no layer is kept
+  std::vector<cache::Key> content_;  // of the stills; empty where no layer is kept
 };
 
 }  // namespace

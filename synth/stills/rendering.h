@@ -6,8 +6,8 @@
 
 #include <opencv2/core.hpp>
 
+#include "cache/result_cache.h"
 #include "freshet/job.h"
-#include "query/labelling/label_cache.h"
 #include "synth/stills/between.h"
 #include "synth/stills/plan.h"
 
@@ -21,7 +21,7 @@ struct RenderOptions {
   double feather_px = 12;  // of the work size
   bool flow = true;        // false: cross-fades alone
   /// Flow and pictures between stills that lie in it are not made again; may be null.
-  query::LabelCache* cache = nullptr;
+  cache::ResultCache* cache = nullptr;
 };
 
 using FrameSink = std::function<void(const cv::Mat&)>;

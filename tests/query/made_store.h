@@ -16,6 +16,7 @@
 
 #include "media/frame/layout_json.h"
 #include "store/store.h"
+#include "tests/harness/scratch_folder.h"
 #include "vision/patch_features.h"
 #include "vision/settings.h"
 
@@ -156,20 +157,6 @@ inline void add_made_clip(store::Store& store, const vision::Settings& settings,
       nlohmann::json{{"cells", cells}, {"layout", nlohmann::json::parse(media::to_json(layout))}}.dump();
   writer.commit(record);
 }
-
-/// A folder that goes when the test does.
-class ScratchFolder {
- public:
-  ScratchFolder() {
-    std::string name = (std::filesystem::temp_directory_path() / "freshet-query-XXXXXX").string();
-    path_ = mkdtemp(name.data());
-  }
-  ~ScratchFolder() { std::filesystem::remove_all(path_); }
-  const std::filesystem::path& path() const { return path_; }
-
- private:
-  std::filesystem::path path_;
-};
 
 inline store::Store made_store(const std::filesystem::path& path, const std::vector<MadeClip>& clips,
                                const vision::Settings& settings = made_settings()) {

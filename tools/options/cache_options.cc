@@ -35,14 +35,14 @@ void CacheOptions::add_to(CLI::App& command, const std::string& kept) {
       ->group(group);
 }
 
-std::unique_ptr<query::LabelCache> CacheOptions::open() const {
+std::unique_ptr<cache::ResultCache> CacheOptions::open() const {
   if (folder_.empty()) return nullptr;
-  return std::make_unique<query::LabelCache>(
+  return std::make_unique<cache::ResultCache>(
       folder_ == "auto" ? home_of_caches() : std::filesystem::path(folder_),
       static_cast<std::uintmax_t>(megabytes_) << 20);
 }
 
-void finish_cache(query::LabelCache* cache) {
+void finish_cache(cache::ResultCache* cache) {
   if (cache == nullptr) return;
   cache->finish();
   for (const std::string& notice : cache->take_notices()) say(notice);

@@ -6,7 +6,7 @@
 
 #include <CLI/CLI.hpp>
 
-#include "query/labelling/label_cache.h"
+#include "cache/result_cache.h"
 
 namespace freshet::tools {
 
@@ -19,7 +19,7 @@ class CacheOptions {
                   "candidates, tables and labels in this folder, and use what is there: after a "
                   "changed stroke only the pieces it touches are searched again");
   /// Null when none was asked for. Throws Error{kIo}, and Error{kUsage} for "auto" without a home.
-  std::unique_ptr<query::LabelCache> open() const;
+  std::unique_ptr<cache::ResultCache> open() const;
 
  private:
   std::string folder_;
@@ -27,6 +27,6 @@ class CacheOptions {
 };
 
 /// Writes what was kept, and says what was wrong. cache   may be null.
-void finish_cache(query::LabelCache* cache);
+void finish_cache(cache::ResultCache* cache);
 
 }  // namespace freshet::tools

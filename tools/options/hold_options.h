@@ -6,7 +6,7 @@
 #include <CLI/CLI.hpp>
 #include <opencv2/core.hpp>
 
-#include "tools/options/search_options.h"
+#include "tools/options/target_files.h"
 
 namespace freshet::tools {
 

@@ -6,10 +6,10 @@
 #include <opencv2/imgproc.hpp>
 
 #include "freshet/error.h"
+#include "hints/field_drawing.h"
+#include "hints/motion_maps.h"
+#include "hints/stroke_field.h"
 #include "media/picture/picture.h"
-#include "query/hints/field_drawing.h"
-#include "query/hints/motion_maps.h"
-#include "query/hints/stroke_field.h"
 #include "tools/console/output_names.h"
 #include "tools/console/run_context.h"
 
@@ -19,7 +19,7 @@ namespace {
 constexpr const char* kGroup = "Motion";
 
 /// Does some of a stroke lie on fluid?
-bool on_fluid(const query::Stroke& stroke, const cv::Mat& matte) {
+bool on_fluid(const hints::Stroke& stroke, const cv::Mat& matte) {
   cv::Mat drawn = cv::Mat::zeros(matte.size(), CV_8U);
   std::vector<cv::Point> points;
   for (const cv::Point2f& point : stroke.points)
@@ -35,7 +35,7 @@ void say_all(const std::string& file, const std::vector<std::string>& notices) {
 }  // namespace
 
 void MotionOptions::add_to(CLI::App& command) {
-  speed_white_ = query::kSpeedWhite;
+  speed_white_ = hints::kSpeedWhite;
   speed_ratio_ = query::MotionGuide{}.speed_ratio;
   command
       .add_option("--hint", hint_,
@@ -110,7 +110,7 @@ void MotionOptions::check_outputs() const {
   check_picture_output(drawing_);
   for (const std::string& path : {orientation_out_, speed_out_}) {
     check_output_folder(path);
-    if (!path.empty()) query::check_map_name(path);
+    if (!path.empty()) hints::check_map_name(path);
   }
 }
 
@@ -124,25 +124,25 @@ AskedMotion MotionOptions::read(const TargetFiles::Loaded& loaded, const SearchO
   const cv::Size picture = loaded.picture.size();
   std::vector<std::string> notices;
   if (!strokes_.empty()) {
-    asked.strokes = query::read_strokes(strokes_, picture, &notices);
+    asked.strokes = hints::read_strokes(strokes_, picture, &notices);
     say_all(strokes_, notices);
-    for (const query::Stroke& stroke : asked.strokes)
+    for (const hints::Stroke& stroke : asked.strokes)
       if (!on_fluid(stroke, loaded.matte))
         say(fmt::format("{}: {} lies wholly outside the matte; is it meant for this picture?", strokes_,
                         stroke.name.empty() ? "a stroke" : stroke.name));
-    query::StrokeField field = query::interpolate(asked.strokes, picture, strokes_);
+    hints::StrokeField field = hints::interpolate(asked.strokes, picture, strokes_);
     asked.guide.direction = field.direction;
     asked.guide.speed = field.speed;
   }
   notices.clear();
   if (!orientation_map_.empty()) {
-    asked.guide.direction = query::read_orientation_map(orientation_map_, picture, &notices);
+    asked.guide.direction = hints::read_orientation_map(orientation_map_, picture, &notices);
     say_all(orientation_map_, notices);
   }
   notices.clear();
   if (!speed_map_.empty()) {
     if (!asked.guide.speed.empty()) say("the speed map is used, and not the strokes' speeds");
-    asked.guide.speed = query::read_speed_map(speed_map_, picture, speed_white_, &notices);
+    asked.guide.speed = hints::read_speed_map(speed_map_, picture, speed_white_, &notices);
     say_all(speed_map_, notices);
   }
   return asked;
@@ -156,16 +156,16 @@ void MotionOptions::draw(const TargetFiles::Loaded& loaded, const AskedMotion& a
     if (motion.empty())
       throw Error(ErrorKind::kUsage, "--draw " + drawing_, "no motion is asked",
                   "Give --strokes, --orientation-map or --speed-map");
-    query::split_motion(motion, loaded.matte, direction, speed);
+    hints::split_motion(motion, loaded.matte, direction, speed);
   }
   media::write_picture(drawing_,
-                       query::draw_field(loaded.picture, loaded.matte, direction, speed, asked.strokes));
+                       hints::draw_field(loaded.picture, loaded.matte, direction, speed, asked.strokes));
 }
 
 void MotionOptions::write_maps(const TargetFiles::Loaded& loaded, const cv::Mat& motion) const {
-  if (!orientation_out_.empty()) query::write_orientation_map(orientation_out_, motion, loaded.matte);
+  if (!orientation_out_.empty()) hints::write_orientation_map(orientation_out_, motion, loaded.matte);
   if (speed_out_.empty()) return;
-  const double cut = query::write_speed_map(speed_out_, motion, loaded.matte, speed_white_);
+  const double cut = hints::write_speed_map(speed_out_, motion, loaded.matte, speed_white_);
   if (cut > 0)
     say(fmt::format(
         "{}: {:.1f} % of the moving pixels are faster than white; a greater --speed-white shows them",

@@ -8,16 +8,17 @@
 #include <CLI/CLI.hpp>
 #include <opencv2/core.hpp>
 
-#include "query/hints/strokes.h"
+#include "hints/strokes.h"
 #include "query/search/motion_guide.h"
 #include "tools/options/search_options.h"
+#include "tools/options/target_files.h"
 
 namespace freshet::tools {
 
 /// What strokes and maps ask of one picture.
 struct AskedMotion {
   query::MotionGuide guide;            // empty: nothing was asked
-  std::vector<query::Stroke> strokes;  // as read, for the drawing
+  std::vector<hints::Stroke> strokes;  // as read, for the drawing
   bool guesses = true;                 // where nobody says a direction, one may be guessed
   query::HintSearch search = query::HintSearch::kWide;
 };

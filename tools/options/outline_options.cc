@@ -52,9 +52,9 @@ void OutlineOptions::check() const {
 void OutlineOptions::apply(synth::animate::FrameOptions& options, cv::Size picture) const {
   check();
   if (kind_ == "static") return;
-  options.boundary.boundary = synth::animate::Boundary::kMoving;
+  options.boundary.boundary = synth::outline::Boundary::kMoving;
   options.boundary.matte = matte_;
-  options.boundary.inpaint.method = synth::animate::parse_inpaint_method(inpaint_);
+  options.boundary.inpaint.method = synth::outline::parse_inpaint_method(inpaint_);
   if (!background_.empty()) {
     const media::Still background = media::read_still(background_);
     for (const std::string& notice : background.notices) say(background_ + ": " + notice);

@@ -19,7 +19,7 @@ class OutlineOptions {
 
  private:
   std::string kind_ = "static", background_, inpaint_ = "navier-stokes";
-  synth::animate::DynamicMatteOptions matte_;
+  synth::outline::DynamicMatteOptions matte_;
   const CLI::App* command_ = nullptr;
 };
 

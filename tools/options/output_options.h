@@ -9,13 +9,13 @@
 
 #include <CLI/CLI.hpp>
 
-#include "media/picture/layers.h"
+#include "media/picture/passes.h"
 #include "media/picture/resized.h"
 #include "media/video/output_format.h"
 #include "media/video/picture_sink.h"
 #include "synth/animate/frames/animation.h"
 #include "tools/console/output_names.h"
-#include "tools/options/search_options.h"
+#include "tools/options/target_files.h"
 
 namespace freshet::tools {
 

@@ -11,7 +11,7 @@
 
 #include "platform/vectors.h"
 #include "synth/animate/placement/piece_values.h"
-#include "synth/animate/sampling/square_pyramid.h"
+#include "synth/sampling/square_pyramid.h"
 #include "vision/pyramid.h"
 
 namespace freshet::synth::animate {
@@ -20,9 +20,9 @@ namespace {
 /// One level: adds its band, leaves the next one's square in `low`.
 FRESHET_WIDE void add_level(const float* current, const float* weight, int n, float* line, float* low,
                             float* wide, float* sum, std::ptrdiff_t stride) {
-  reduce_square(current, n, line, low);
-  widen_square(low, n, line, wide);
-  add_band(current, wide, weight, n, sum, stride);
+  sampling::reduce_square(current, n, line, low);
+  sampling::widen_square(low, n, line, wide);
+  sampling::add_band(current, wide, weight, n, sum, stride);
 }
 
 FRESHET_WIDE void scale_weights(const float* weight, float gain, int n, float* to) {
@@ -150,7 +150,7 @@ Blender::Blender(const Placement& placement, int frames, const BlendOptions& opt
   // A level whose samples fall between the lattice's would lay the pieces beside their places.
   const auto step = static_cast<unsigned>(common_step(placement, 1 << options.levels));
   int levels = std::countr_zero(step);
-  while (levels > 0 && placement.side >> (levels - 1) < kMinSquare) --levels;
+  while (levels > 0 && placement.side >> (levels - 1) < sampling::kMinSquare) --levels;
   impl_->options.levels = levels;
   impl_->canvas = canvas_of(placement);
   impl_->lattice.emplace(placement);

@@ -15,10 +15,10 @@
 #include "synth/animate/motion/copy_maps.h"
 #include "synth/animate/motion/motion_field.h"
 #include "synth/animate/motion/motion_sequence.h"
-#include "synth/animate/sampling/coarse_samples.h"
-#include "synth/animate/sampling/pull_push.h"
 #include "synth/animate/still/fluid_planes.h"
 #include "synth/animate/still/standing_detail.h"
+#include "synth/sampling/coarse_samples.h"
+#include "synth/sampling/pull_push.h"
 #include "vision/pyramid.h"
 
 namespace freshet::synth::animate {
@@ -55,8 +55,8 @@ void add_missing(const cv::Mat& missing, float share, cv::Mat& frame) {
 /// A field that is sampled every few px, for every pixel; 0 where nothing is fluid.
 cv::Mat for_every_pixel(const cv::Mat& field, int step, const cv::Mat& alpha) {
   cv::Mat out;
-  cv::warpAffine(field, out, samples_from_pixels(step), alpha.size(), cv::INTER_LINEAR | cv::WARP_INVERSE_MAP,
-                 cv::BORDER_REPLICATE);
+  cv::warpAffine(field, out, sampling::samples_from_pixels(step), alpha.size(),
+                 cv::INTER_LINEAR | cv::WARP_INVERSE_MAP, cv::BORDER_REPLICATE);
   out.setTo(cv::Scalar::all(0), alpha <= 0);
   return out;
 }
@@ -207,7 +207,7 @@ class CarriedRenderer final : public Renderer {
     const std::vector<CopyMap> copies = copies_->at(output);
     carried.frame = base_->frame(copies);
     show_carried(carried.frame, exposure_, carried.luma);
-    if (animation_.options.moving()) carried.luma = pull_push(carried.luma, still_.alpha);
+    if (animation_.options.moving()) carried.luma = sampling::pull_push(carried.luma, still_.alpha);
     const std::vector<double> shares =
         innovations_ ? innovations_->shares(standing_->levels(), anew)
                      : std::vector<double>(static_cast<std::size_t>(standing_->levels()));

@@ -5,7 +5,7 @@
 
 #include <oneapi/tbb/parallel_for.h>
 
-#include "synth/animate/sampling/enlarge.h"
+#include "synth/animate/frames/enlarge.h"
 
 namespace freshet::synth::animate {
 namespace {

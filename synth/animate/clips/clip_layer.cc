@@ -11,8 +11,8 @@
 #include "freshet/error.h"
 #include "platform/stopwatch.h"
 #include "platform/vectors.h"
-#include "synth/animate/clips/clip_loop.h"
-#include "synth/animate/sampling/cells.h"
+#include "stored/clip_loop.h"
+#include "synth/sampling/cells.h"
 
 namespace freshet::synth::animate {
 namespace {
@@ -21,17 +21,17 @@ constexpr std::uint32_t kChunk = 32;  // frames read at once in the first pass: 
 constexpr int kFlowMargin = 16;       // px of the source around a patch that flow may reach for
 const cv::Size kCell(ClipLuma::kCellWidth, ClipLuma::kCellHeight);
 
-std::vector<PatchWindow> windows_of(cv::Size source, const Placement& placement,
-                                    std::span<const std::size_t> patches) {
-  std::vector<PatchWindow> windows;
+std::vector<sampling::PatchWindow> windows_of(cv::Size source, const Placement& placement,
+                                              std::span<const std::size_t> patches) {
+  std::vector<sampling::PatchWindow> windows;
   for (std::size_t p : patches)
     windows.emplace_back(source, placement.patches[p].variant, placement.patches[p].patch, placement.side);
   return windows;
 }
 
-std::vector<cv::Rect> needed_by(std::span<const PatchWindow> windows, int margin, cv::Size source) {
+std::vector<cv::Rect> needed_by(std::span<const sampling::PatchWindow> windows, int margin, cv::Size source) {
   std::vector<cv::Rect> needed;
-  for (const PatchWindow& window : windows) {
+  for (const sampling::PatchWindow& window : windows) {
     const cv::Rect own = window.needed();
     needed.push_back(
         cv::Rect(own.x - margin, own.y - margin, own.width + 2 * margin, own.height + 2 * margin) &
@@ -72,8 +72,8 @@ std::uint32_t nearest_frame(double moment) { return static_cast<std::uint32_t>(s
 
 ClipLayer::ClipLayer(const store::Snapshot& snapshot, store::ClipId clip, int flow_step,
                      const Placement& placement, std::vector<std::size_t> patches,
-                     const TimelineOptions& options, Resampling resampling, ClipDetail detail,
-                     query::DecodedTiles* tiles)
+                     const playing::TimelineOptions& options, Resampling resampling, ClipDetail detail,
+                     stored::DecodedTiles* tiles)
     : placement_(placement),
       patches_(std::move(patches)),
       windows_(windows_of(source_of(snapshot.clip(clip), detail), placement, patches_)),
@@ -94,14 +94,15 @@ ClipLayer::ClipLayer(const store::Snapshot& snapshot, store::ClipId clip, int fl
   const double longest =
       (options.frames - 1) * (by_speed.rbegin()->first / options.fps);  // as Timeline has it
   std::optional<vision::LoopRule> rule;
-  if (options.loop || longest > times.back() - times.front() + interval) rule = loop_rule(snapshot, clip);
+  if (options.loop || longest > times.back() - times.front() + interval)
+    rule = stored::loop_rule(snapshot, clip);
   for (auto& [speed, members] : by_speed) {
-    TimelineOptions own = options;
+    playing::TimelineOptions own = options;
     own.speed = speed;
     own.whole = resampling == Resampling::kNearest;
     SpeedGroup& group = groups_.emplace_back();
     group.members = std::move(members);
-    group.moments = timeline(times, interval, rule, record.name, own);
+    group.moments = playing::timeline(times, interval, rule, record.name, own);
     lay_out(group);
   }
   if (detail_ == ClipDetail::kDifference) return;
@@ -118,7 +119,7 @@ void ClipLayer::lay_out(SpeedGroup& group) const {
   for (std::size_t i : group.members) by_scale[placement_.patches[patches_[i]].variant.scale].push_back(i);
   std::vector<cv::Rect> needed;
   for (auto& [scale, members] : by_scale) {
-    const cv::Size size = reduced_to_scale(luma_.source(), scale);
+    const cv::Size size = sampling::reduced_to_scale(luma_.source(), scale);
     std::vector<cv::Rect> read;
     for (std::size_t i : members) read.push_back(windows_[i].read());
     if (size == luma_.source()) {
@@ -126,13 +127,13 @@ void ClipLayer::lay_out(SpeedGroup& group) const {
       group.whole.insert(group.whole.end(), members.begin(), members.end());
       continue;
     }
-    Reduced reduced{.reduction = AreaReduction(luma_.source(), size),
-                    .cells = cells_touched(read, cv::Rect({}, size), kCell),
+    Reduced reduced{.reduction = sampling::AreaReduction(luma_.source(), size),
+                    .cells = sampling::cells_touched(read, cv::Rect({}, size), kCell),
                     .members = std::move(members)};
     for (const cv::Rect& cell : reduced.cells) needed.push_back(reduced.reduction.source_of(cell));
     group.reduced.push_back(std::move(reduced));
   }
-  group.cells = cells_touched(needed, cv::Rect({}, luma_.source()), kCell);
+  group.cells = sampling::cells_touched(needed, cv::Rect({}, luma_.source()), kCell);
   for (cv::Rect& cell : group.cells) cell &= luma_.region();
 }
 
@@ -155,8 +156,8 @@ std::size_t ClipLayer::bytes_per_output() const {
   for (const SpeedGroup& group : groups_) {
     std::set<std::uint32_t> distinct;
     bool flow = false;
-    for (const Moment& moment : group.moments) {
-      each_frame(moment, [&](std::uint32_t frame, double) { distinct.insert(frame); });
+    for (const playing::Moment& moment : group.moments) {
+      playing::each_frame(moment, [&](std::uint32_t frame, double) { distinct.insert(frame); });
       flow = flow || moment.at[0] != std::floor(moment.at[0]);
     }
     const double frames = std::min(3.0, 1 + static_cast<double>(distinct.size()) / group.moments.size());
@@ -170,8 +171,8 @@ void ClipLayer::load(std::span<const int> outputs, std::span<const std::uint32_t
   std::set<std::uint32_t> frames(more.begin(), more.end()), flows;
   for (const SpeedGroup& group : groups_)
     for (int output : outputs) {
-      const Moment& moment = group.moments[output];
-      each_frame(moment, [&](std::uint32_t frame, double) { frames.insert(frame); });
+      const playing::Moment& moment = group.moments[output];
+      playing::each_frame(moment, [&](std::uint32_t frame, double) { frames.insert(frame); });
       for (int i = 0; i < moment.count(); ++i)
         if (moment.at[i] != std::floor(moment.at[i])) flows.insert(static_cast<std::uint32_t>(moment.at[i]));
       for (int i = 0; detail_ == ClipDetail::kInnovation && i < moment.count(); ++i) {
@@ -190,18 +191,18 @@ std::vector<int> ClipLayer::shown_by(std::uint32_t frame, std::span<const int> o
   for (int output : outputs) {
     bool past = true;
     for (const SpeedGroup& group : groups_)
-      each_frame(group.moments[output],
-                 [&](std::uint32_t needed, double) { past = past && needed <= frame; });
+      playing::each_frame(group.moments[output],
+                          [&](std::uint32_t needed, double) { past = past && needed <= frame; });
     if (past) shown.push_back(output);
   }
   return shown;
 }
 
 void ClipLayer::measure(std::span<const int> kept, std::vector<double>* change) {
-  std::vector<FrameWeights> weights;
-  for (const SpeedGroup& group : groups_) weights.push_back(frame_weights(group.moments));
+  std::vector<playing::FrameWeights> weights;
+  for (const SpeedGroup& group : groups_) weights.push_back(playing::frame_weights(group.moments));
   std::set<std::uint32_t> shown;
-  for (const FrameWeights& of_group : weights)
+  for (const playing::FrameWeights& of_group : weights)
     for (const auto& [frame, weight] : of_group) shown.insert(frame);
   if (detail_ == ClipDetail::kDifference)
     for (SpeedGroup& group : groups_) group.average = cv::Mat::zeros(luma_.region().size(), CV_32F);
@@ -230,7 +231,7 @@ void ClipLayer::measure(std::span<const int> kept, std::vector<double>* change) 
 }
 
 /// Adds a stretch to the averages. steps: if not null, by frame, how far each of them is from the one before.
-void ClipLayer::add_to_averages(const Stretch& stretch, std::span<const FrameWeights> weights,
+void ClipLayer::add_to_averages(const Stretch& stretch, std::span<const playing::FrameWeights> weights,
                                 std::vector<float>* steps) {
   const std::span<const cv::Rect> blocks = luma_.blocks();
   const std::size_t count = stretch.end - stretch.first;
@@ -249,7 +250,7 @@ void ClipLayer::add_to_averages(const Stretch& stretch, std::span<const FrameWei
 
 /// The same of one block. steps: by frame of the stretch, sums of |difference|; empty when nobody asks.
 void ClipLayer::add_block(const cv::Rect& block, const Stretch& stretch,
-                          std::span<const FrameWeights> weights, std::span<double> steps) {
+                          std::span<const playing::FrameWeights> weights, std::span<double> steps) {
   std::vector<float> luma(block.width), before(block.width);
   const cv::Point corner = block.tl() - luma_.region().tl();
   for (std::size_t i = stretch.first; i < stretch.end; ++i) {
@@ -278,7 +279,7 @@ void ClipLayer::add_change(std::span<const std::uint32_t> frames, std::span<cons
   for (const SpeedGroup& group : groups_) {
     const std::size_t outputs = group.moments.size();
     for (std::size_t i = 0; i < outputs; ++i) {
-      const Moment &a = group.moments[i], &b = group.moments[(i + 1) % outputs];
+      const playing::Moment &a = group.moments[i], &b = group.moments[(i + 1) % outputs];
       double power = 0;
       for (int k = 0; k < a.count(); ++k) {
         const double moved = k < b.count() ? std::min(1.5, std::abs(b.at[k] - a.at[k])) : 1;
@@ -290,7 +291,7 @@ void ClipLayer::add_change(std::span<const std::uint32_t> frames, std::span<cons
 }
 
 /// What a speed group's patches are made of, less its average, into scratch.shown; the rest of it may be anything.
-void ClipLayer::difference(const SpeedGroup& group, const Moment& moment, Scratch& s) const {
+void ClipLayer::difference(const SpeedGroup& group, const playing::Moment& moment, Scratch& s) const {
   if (s.shown.empty()) s.shown = cv::Mat::zeros(luma_.source(), CV_32F);
   s.part.resize(static_cast<std::size_t>(kCell.area()));
   for (const cv::Rect& cell : group.cells)
@@ -310,7 +311,7 @@ void ClipLayer::difference(const SpeedGroup& group, const Moment& moment, Scratc
 }
 
 /// The innovations of what a speed group's patches are made of, into scratch.innovation.
-void ClipLayer::innovation(const SpeedGroup& group, const Moment& moment, Scratch& s) const {
+void ClipLayer::innovation(const SpeedGroup& group, const playing::Moment& moment, Scratch& s) const {
   if (s.innovation.empty()) s.innovation = cv::Mat::zeros(luma_.source(), CV_32F);
   s.part.resize(static_cast<std::size_t>(kCell.area()));
   for (const cv::Rect& cell : group.cells)
@@ -356,7 +357,7 @@ void ClipLayer::add(std::span<const int> outputs, Blender& blender) {
     Scratch& s = scratches.local();
     const int frame = static_cast<int>(slot);
     for (const SpeedGroup& group : groups_) {
-      const Moment& moment = group.moments[outputs[slot]];
+      const playing::Moment& moment = group.moments[outputs[slot]];
       if (detail_ == ClipDetail::kDifference) {
         difference(group, moment, s);
         each_window(group, s.shown, s,
@@ -382,7 +383,7 @@ std::map<std::size_t, ClipLayer::DetailPower> ClipLayer::detail_power(std::span<
   oneapi::tbb::parallel_for(std::size_t{0}, outputs.size(), [&](std::size_t slot) {
     Scratch& s = scratches.local();
     for (const SpeedGroup& group : groups_) {
-      const Moment& moment = group.moments[outputs[slot]];
+      const playing::Moment& moment = group.moments[outputs[slot]];
       innovation(group, moment, s);
       each_window(group, s.innovation, s, [&](std::size_t i, const cv::Mat& window) {
         by_output[slot][patches_[i]].anew = blender.band_power(window);

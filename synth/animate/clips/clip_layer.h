@@ -14,10 +14,10 @@
 #include "synth/animate/blend/blend.h"
 #include "synth/animate/clips/clip_luma.h"
 #include "synth/animate/clips/patch_levels.h"
-#include "synth/animate/clips/timeline.h"
 #include "synth/animate/placement/placement.h"
-#include "synth/animate/sampling/area_reduction.h"
-#include "synth/animate/sampling/patch_window.h"
+#include "synth/playing/timeline.h"
+#include "synth/sampling/area_reduction.h"
+#include "synth/sampling/patch_window.h"
 
 namespace freshet::synth::animate {
 
@@ -47,8 +47,8 @@ class ClipLayer {
   /// tiles     of this snapshot, decoded earlier; may be null.
   /// Throws    as timeline().
   ClipLayer(const store::Snapshot& snapshot, store::ClipId clip, int flow_step, const Placement& placement,
-            std::vector<std::size_t> patches, const TimelineOptions& options, Resampling resampling,
-            ClipDetail detail = ClipDetail::kDifference, query::DecodedTiles* tiles = nullptr);
+            std::vector<std::size_t> patches, const playing::TimelineOptions& options, Resampling resampling,
+            ClipDetail detail = ClipDetail::kDifference, stored::DecodedTiles* tiles = nullptr);
 
   /// The averages over all output frames, which every difference needs, or the patches' levels, in one pass through the
   /// clip.
@@ -75,7 +75,7 @@ class ClipLayer {
   /// Patches of the placement that share a timeline, and what each output frame shows of them.
   struct Played {
     std::vector<std::size_t> patches;
-    std::span<const Moment> moments;
+    std::span<const playing::Moment> moments;
   };
   std::vector<Played> played() const;
   const ClipLuma& luma() const { return luma_; }
@@ -88,13 +88,13 @@ class ClipLayer {
 
  private:
   struct Reduced {  // what is shown at one scale
-    AreaReduction reduction;
+    sampling::AreaReduction reduction;
     std::vector<cv::Rect> cells;       // of the reduced frame
     std::vector<std::size_t> members;  // into patches_
   };
   struct SpeedGroup {                  // patches at one speed
     std::vector<std::size_t> members;  // into patches_
-    std::vector<Moment> moments;
+    std::vector<playing::Moment> moments;
     std::vector<cv::Rect> cells;     // px of the source that its patches are made of
     std::vector<std::size_t> whole;  // members at whole size
     std::vector<Reduced> reduced;
@@ -112,22 +112,22 @@ class ClipLayer {
   };
   void lay_out(SpeedGroup& group) const;
   std::vector<int> shown_by(std::uint32_t frame, std::span<const int> outputs) const;
-  void add_to_averages(const Stretch& stretch, std::span<const FrameWeights> weights,
+  void add_to_averages(const Stretch& stretch, std::span<const playing::FrameWeights> weights,
                        std::vector<float>* steps);
-  void add_block(const cv::Rect& block, const Stretch& stretch, std::span<const FrameWeights> weights,
-                 std::span<double> steps);
+  void add_block(const cv::Rect& block, const Stretch& stretch,
+                 std::span<const playing::FrameWeights> weights, std::span<double> steps);
   void add_change(std::span<const std::uint32_t> frames, std::span<const float> steps,
                   std::vector<double>& change) const;
   void load(std::span<const int> outputs, std::span<const std::uint32_t> more = {});
-  void difference(const SpeedGroup& group, const Moment& moment, Scratch& scratch) const;
-  void innovation(const SpeedGroup& group, const Moment& moment, Scratch& scratch) const;
+  void difference(const SpeedGroup& group, const playing::Moment& moment, Scratch& scratch) const;
+  void innovation(const SpeedGroup& group, const playing::Moment& moment, Scratch& scratch) const;
   void frame(const SpeedGroup& group, std::uint32_t frame, Scratch& scratch) const;
   template <class Use>
   void each_window(const SpeedGroup& group, const cv::Mat& shown, Scratch& scratch, const Use& use);
 
   const Placement& placement_;
   std::vector<std::size_t> patches_;
-  std::vector<PatchWindow> windows_;
+  std::vector<sampling::PatchWindow> windows_;
   ClipLuma luma_;
   std::vector<SpeedGroup> groups_;
   ClipDetail detail_ = ClipDetail::kDifference;

@@ -8,15 +8,15 @@
 
 #include "freshet/error.h"
 #include "platform/vectors.h"
-#include "synth/animate/sampling/cells.h"
-#include "synth/animate/sampling/cubic.h"
+#include "synth/sampling/cells.h"
+#include "synth/sampling/cubic.h"
 #include "vision/flow.h"
 
 namespace freshet::synth::animate {
 namespace {
 
-constexpr int kBlock = query::DecodedTiles::kSide;
-constexpr std::uint32_t kSlab = query::DecodedTiles::kFrames;
+constexpr int kBlock = stored::DecodedTiles::kSide;
+constexpr std::uint32_t kSlab = stored::DecodedTiles::kFrames;
 constexpr int kBorder = 4;  // px around a frame at half size: of what is read at once, two beyond its edge
 constexpr int kCell = ClipLuma::kCellWidth * ClipLuma::kCellHeight;
 
@@ -131,7 +131,8 @@ FRESHET_WIDE void places_of_cell(const float* flow, int origin, int across, int 
       const float at = static_cast<float>(origin + down * row + across * i) + fraction * flow[i];
       const float inside = std::min(std::max(at, -1.0f), static_cast<float>(limit));
       // Positive where it is cut off: rounded down.
-      places[i] = static_cast<std::int32_t>(inside * kCubicSteps + (kCubicSteps + 0.5f)) - kCubicSteps;
+      places[i] = static_cast<std::int32_t>(inside * sampling::kCubicSteps + (sampling::kCubicSteps + 0.5f)) -
+                  sampling::kCubicSteps;
     }
 }
 
@@ -155,7 +156,7 @@ FRESHET_WIDE void range_of(const std::int32_t* values, int n, Range& range) {
 
 FRESHET_WIDE void read_places(const float* plane, std::ptrdiff_t offset, std::ptrdiff_t stride,
                               const std::int32_t* x, const std::int32_t* y, int n, float* out) {
-  cubic(plane, offset, stride, x, y, n, out);
+  sampling::cubic(plane, offset, stride, x, y, n, out);
 }
 
 /// Two pictures of one moment mixed: kDisagreement of luma apart, the nearer one alone counts.
@@ -184,7 +185,7 @@ std::vector<std::span<const std::uint32_t>> by_slab(std::span<const std::uint32_
 /// One plane of a clip, of samples of so many bytes.
 struct Plane {
   const store::Snapshot& snapshot;
-  query::DecodedTiles* tiles;
+  stored::DecodedTiles* tiles;
   store::ClipId clip;
   store::Stream stream;
   std::uint32_t number;
@@ -203,10 +204,10 @@ void read_block(const Plane& plane, const cv::Rect& block, std::span<const std::
       kept;  // a block's bytes are many, and are cleared only when there are more
   if (kept.size() < frame_bytes * count) kept.resize(frame_bytes * count);
   const std::span samples(kept.data(), frame_bytes * count);
-  query::read_samples(plane.snapshot, plane.tiles, plane.clip, plane.stream, plane.number,
-                      {static_cast<std::uint32_t>(block.x), static_cast<std::uint32_t>(block.y),
-                       static_cast<std::uint32_t>(block.width), static_cast<std::uint32_t>(block.height)},
-                      first, count, samples);
+  stored::read_samples(plane.snapshot, plane.tiles, plane.clip, plane.stream, plane.number,
+                       {static_cast<std::uint32_t>(block.x), static_cast<std::uint32_t>(block.y),
+                        static_cast<std::uint32_t>(block.width), static_cast<std::uint32_t>(block.height)},
+                       first, count, samples);
   for (std::uint32_t frame : run) use(frame, samples.data() + (frame - first) * frame_bytes);
 }
 
@@ -242,7 +243,7 @@ FRESHET_WIDE void less_mean(const float* a, const float* b, int n, float* out) {
 }  // namespace
 
 ClipLuma::ClipLuma(const store::Snapshot& snapshot, store::ClipId clip, Size size,
-                   std::span<const cv::Rect> needed, int flow_step, query::DecodedTiles* tiles)
+                   std::span<const cv::Rect> needed, int flow_step, stored::DecodedTiles* tiles)
     : snapshot_(snapshot),
       clip_(clip),
       tiles_(tiles),
@@ -257,7 +258,7 @@ ClipLuma::ClipLuma(const store::Snapshot& snapshot, store::ClipId clip, Size siz
   flow_size_ = {(whole.width + flow_step_ - 1) / flow_step_, (whole.height + flow_step_ - 1) / flow_step_};
   std::vector<cv::Rect> needed_samples;
   for (const cv::Rect& each : needed) needed_samples.emplace_back(each.tl() * by_, each.br() * by_);
-  stored_ = cells_touched(needed_samples, cv::Rect({}, whole), {kBlock, kBlock});
+  stored_ = sampling::cells_touched(needed_samples, cv::Rect({}, whole), {kBlock, kBlock});
   cv::Rect samples;
   for (const cv::Rect& block : stored_) {
     samples |= block;
@@ -400,7 +401,7 @@ void ClipLuma::read_flows(std::span<const std::uint32_t> missing) {
   for (const cv::Rect& block : stored_)
     under.emplace_back(cv::Point(block.x / flow_step_, block.y / flow_step_),
                        cv::Point((block.br().x - 1) / flow_step_ + 1, (block.br().y - 1) / flow_step_ + 1));
-  std::vector<cv::Rect> tiles = cells_touched(under, cv::Rect({}, flow_size_), {kBlock, kBlock});
+  std::vector<cv::Rect> tiles = sampling::cells_touched(under, cv::Rect({}, flow_size_), {kBlock, kBlock});
   for (cv::Rect& tile : tiles) tile &= flow_region_;
   for (std::uint32_t frame : missing)
     flows_[frame] = {cv::Mat::zeros(flow_region_.size(), CV_16S),
@@ -539,8 +540,8 @@ void ClipLuma::carried(std::uint32_t frame, float fraction, const cv::Rect& cell
   Range x, y;
   range_of(s.x.data(), cell.area(), x);
   range_of(s.y.data(), cell.area(), y);
-  const int left = (x.minimum >> kCubicShift) - 1, right = (x.maximum >> kCubicShift) + 3;
-  const int top = (y.minimum >> kCubicShift) - 1, bottom = (y.maximum >> kCubicShift) + 3;
+  const int left = (x.minimum >> sampling::kCubicShift) - 1, right = (x.maximum >> sampling::kCubicShift) + 3;
+  const int top = (y.minimum >> sampling::kCubicShift) - 1, bottom = (y.maximum >> sampling::kCubicShift) + 3;
   const int from = std::max(left, 0), to = std::min(right, region_.width);
   const int worked = whole_vectors(to - from, region_.width - from), missing = from - left;
   const int stride = missing + std::max(worked, right - from);

@@ -11,9 +11,9 @@
 #include <opencv2/core.hpp>
 
 #include "media/frame/frame.h"
-#include "query/stored/clip_frames.h"
-#include "query/stored/decoded_tiles.h"
 #include "store/store.h"
+#include "stored/clip_frames.h"
+#include "stored/decoded_tiles.h"
 
 namespace freshet::synth::animate {
 
@@ -34,7 +34,7 @@ class ClipLuma {
   /// flow_step  of the store's settings.
   /// tiles      of this snapshot, decoded earlier; may be null.
   ClipLuma(const store::Snapshot& snapshot, store::ClipId clip, Size size, std::span<const cv::Rect> needed,
-           int flow_step, query::DecodedTiles* tiles = nullptr);
+           int flow_step, stored::DecodedTiles* tiles = nullptr);
   /// Of a whole frame, odd sides with half a sample more.
   static cv::Size size_of(cv::Size whole, Size size);
 
@@ -92,8 +92,8 @@ class ClipLuma {
 
   store::Snapshot snapshot_;
   store::ClipId clip_;
-  query::DecodedTiles* tiles_ = nullptr;
-  query::ClipFrames clip_frames_;
+  stored::DecodedTiles* tiles_ = nullptr;
+  stored::ClipFrames clip_frames_;
   media::PixelLayout layout_;
   bool raw_ = true;  // luma samples as stored, else 8-bit luma that had to be computed
   int by_ = 1;       // px of the source that a frame's sides are reduced by

@@ -26,8 +26,8 @@ std::vector<cv::Point> spots_of(cv::Size source, const PlacedPatch& placed, int 
 }  // namespace
 
 PatchLevels::PatchLevels(cv::Size source, const Placement& placement, std::span<const std::size_t> patches,
-                         std::span<const Moment> moments)
-    : moments_(moments), weights_(frame_weights(moments)), average_(patches.size(), 0) {
+                         std::span<const playing::Moment> moments)
+    : moments_(moments), weights_(playing::frame_weights(moments)), average_(patches.size(), 0) {
   for (const std::size_t p : patches)
     spots_.push_back(spots_of(source, placement.patches[p], placement.side));
 }
@@ -49,7 +49,7 @@ void PatchLevels::measure(const ClipLuma& luma, std::span<const std::uint32_t> f
 
 float PatchLevels::at(std::size_t i, int output) const {
   double level = 0;
-  each_frame(moments_[static_cast<std::size_t>(output)], [&](std::uint32_t frame, double weight) {
+  playing::each_frame(moments_[static_cast<std::size_t>(output)], [&](std::uint32_t frame, double weight) {
     level += weight * (means_.at(frame)[i] - average_[i]);
   });
   return static_cast<float>(level);

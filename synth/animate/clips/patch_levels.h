@@ -10,8 +10,8 @@
 #include <opencv2/core.hpp>
 
 #include "synth/animate/clips/clip_luma.h"
-#include "synth/animate/clips/timeline.h"
 #include "synth/animate/placement/placement.h"
+#include "synth/playing/timeline.h"
 
 namespace freshet::synth::animate {
 
@@ -23,7 +23,7 @@ class PatchLevels {
   /// patches   into Placement::patches, of this clip.
   /// moments   what each output frame shows; outlives this.
   PatchLevels(cv::Size source, const Placement& placement, std::span<const std::size_t> patches,
-              std::span<const Moment> moments);
+              std::span<const playing::Moment> moments);
 
   /// Takes the means of those of the frames, all loaded, that any moment shows and that it has not seen. All threads; the
   /// same for any number, and for any parts of the clip in ascending order.
@@ -32,9 +32,9 @@ class PatchLevels {
   float at(std::size_t i, int output) const;
 
  private:
-  std::span<const Moment> moments_;
+  std::span<const playing::Moment> moments_;
   std::vector<std::vector<cv::Point>> spots_;  // by patch: px of the source
-  FrameWeights weights_;
+  playing::FrameWeights weights_;
   std::map<std::uint32_t, std::vector<float>> means_;  // by clip frame: of each patch
   std::vector<double> average_;                        // by patch
 };

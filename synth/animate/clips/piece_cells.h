@@ -6,7 +6,7 @@
 
 #include "store/store.h"
 #include "synth/animate/placement/placement.h"
-#include "vision/motion_cells.h"
+#include "vision/temporal_spectrum.h"
 #include "vision/variant.h"
 
 namespace freshet::synth::animate {

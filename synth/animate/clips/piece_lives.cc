@@ -3,7 +3,7 @@
 #include <cmath>
 #include <cstddef>
 
-#include "query/stored/patch_life.h"
+#include "stored/patch_life.h"
 #include "synth/animate/clips/piece_cells.h"
 
 namespace freshet::synth::animate {
@@ -51,11 +51,11 @@ double overall(const PieceLives& lives) {
 
 PieceLives piece_lives(const store::Snapshot& snapshot, const Placement& placement) {
   PieceLives lives;
-  each_piece(snapshot, placement, query::life_cells,
+  each_piece(snapshot, placement, stored::life_cells,
              [&](const PlacedPatch& patch, const vision::CellMap* cells, const vision::VariantFrame& frame) {
-               query::PatchLife life;
+               stored::PatchLife life;
                if (cells)
-                 life = query::patch_life(*cells, frame, patch.variant.scale, patch.patch, placement.side);
+                 life = stored::patch_life(*cells, frame, patch.variant.scale, patch.patch, placement.side);
                for (double& half_life : life.half_life_s) half_life /= patch.speed;
                lives.half_life_s.push_back(life.half_life_s);
                lives.power.push_back(life.power);

@@ -16,7 +16,7 @@ using LifeBands = std::array<double, vision::kLifeBands>;
 /// Rows are the placement's patches.
 struct PieceLives {
   /// Seconds of the animation after which a band, followed along the patch's flow, keeps half of its correlation with
-  /// itself: the patch's own (query::patch_life), over the speed at which it plays. > 0.
+  /// itself: the patch's own (stored::patch_life), over the speed at which it plays. > 0.
   std::vector<LifeBands> half_life_s;
   std::vector<LifeBands> power;  // mean square of the patch's bands, luma in 0..1
   /// Of all bands and pieces together: the mean of the logarithm, bands by their power, pieces alike.
@@ -25,7 +25,7 @@ struct PieceLives {
 
 /// What is not known takes the mean (of the logarithm) of the band's other pieces; a band that no piece knows the next
 /// finer one's, or the next coarser; with none at all (clips that were ingested before lives were measured) 1 s.
-/// Throws   Error{kDamaged} as query::life_cells.
+/// Throws   Error{kDamaged} as stored::life_cells.
 /// Cost     one column of each clip; microseconds a piece.
 PieceLives piece_lives(const store::Snapshot& snapshot, const Placement& placement);
 

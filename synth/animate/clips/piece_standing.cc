@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <optional>
 
-#include "query/stored/patch_standing.h"
+#include "stored/patch_standing.h"
 #include "synth/animate/clips/piece_cells.h"
 
 namespace freshet::synth::animate {
@@ -25,11 +25,11 @@ std::optional<std::array<double, kBands>> mean_standing(const store::Snapshot& s
                                                         const Placement& placement) {
   std::array<double, kBands> sum{};
   int known = 0;
-  each_piece(snapshot, placement, query::standing_cells,
+  each_piece(snapshot, placement, stored::standing_cells,
              [&](const PlacedPatch& patch, const vision::CellMap* cells, const vision::VariantFrame& frame) {
                if (!cells) return;
                const std::array<double, kBands> own =
-                   query::patch_standing(*cells, frame, patch.variant.scale, patch.patch, placement.side);
+                   stored::patch_standing(*cells, frame, patch.variant.scale, patch.patch, placement.side);
                for (std::size_t b = 0; b < kBands; ++b) sum[b] += own[b];
                ++known;
              });

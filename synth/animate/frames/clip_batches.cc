@@ -51,7 +51,8 @@ std::vector<std::unique_ptr<ClipLayer>> clip_layers(const Animation& animation, 
     const double phase = std::fmod(0.618034 * static_cast<double>(layers.size()), 1.0);
     layers.push_back(std::make_unique<ClipLayer>(
         animation.snapshot, clip, animation.settings.flow_step, placement, std::move(patches),
-        TimelineOptions{.frames = options.frames, .fps = options.fps, .loop = options.loop, .phase = phase},
+        playing::TimelineOptions{
+            .frames = options.frames, .fps = options.fps, .loop = options.loop, .phase = phase},
         resampling, detail, options.tiles.get()));
   }
   return layers;
@@ -65,7 +66,7 @@ void add_motion(const Animation& animation, const ClipLayer& layer, MotionSums& 
     PlayedPatches played{.clip = one.clip, .patches = group.patches, .shown = {}};
     const std::uint32_t last = animation.snapshot.clip(one.clip).flow.frames - 1;
     bool all_held = true;
-    for (const Moment& moment : group.moments) {
+    for (const playing::Moment& moment : group.moments) {
       // In a cross-fade the louder of the two moments moves the fluid.
       const auto at = static_cast<std::uint32_t>(moment.louder());
       played.shown.push_back({.frame = at, .rate = one.speed});

@@ -31,7 +31,7 @@ void make_frames(Animation& animation, const StillPart& still, Renderer& rendere
                  const std::function<void(const cv::Mat&)>& sink) {
   const FrameOptions& options = animation.options;
   const std::vector<int> order = order_of(options, renderer.first());
-  std::optional<BoundarySequence> boundary;
+  std::optional<outline::BoundarySequence> boundary;
   if (options.moving())
     boundary.emplace(
         still.alpha, still.asked_motion, options.fps, options.boundary.matte,

@@ -3,7 +3,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "query/search/picture_scale.h"
-#include "synth/animate/sampling/coarse_samples.h"
+#include "synth/sampling/coarse_samples.h"
 
 namespace freshet::synth::animate {
 
@@ -24,14 +24,14 @@ cv::Mat PiecesCanvas::cut(const cv::Mat& plane) const {
 
 cv::Mat PiecesCanvas::cut_samples(const cv::Mat& samples, int step) const {
   cv::Mat out;
-  cv::warpAffine(samples, out, samples_from_pixels(step, scale_, rect_.tl()), rect_.size(),
+  cv::warpAffine(samples, out, sampling::samples_from_pixels(step, scale_, rect_.tl()), rect_.size(),
                  cv::INTER_LINEAR | cv::WARP_INVERSE_MAP, cv::BORDER_REPLICATE);
   return out;
 }
 
 cv::Mat PiecesCanvas::sampled(const cv::Mat& plane, int step, cv::Size size) const {
   cv::Mat out, pixels_from_samples;
-  cv::invertAffineTransform(samples_from_pixels(step, scale_, rect_.tl()), pixels_from_samples);
+  cv::invertAffineTransform(sampling::samples_from_pixels(step, scale_, rect_.tl()), pixels_from_samples);
   cv::warpAffine(plane, out, pixels_from_samples, size, cv::INTER_LINEAR | cv::WARP_INVERSE_MAP,
                  cv::BORDER_REPLICATE);
   return out;

@@ -7,7 +7,7 @@
 #include <oneapi/tbb/parallel_invoke.h>
 
 #include "synth/animate/motion/motion_field.h"
-#include "synth/animate/sampling/pull_push.h"
+#include "synth/sampling/pull_push.h"
 
 namespace freshet::synth::animate {
 namespace {
@@ -24,7 +24,8 @@ cv::Mat in_units(const cv::Mat& picture) {
 StillPart read_still(const Animation& animation) {
   StillPart still;
   const FrameOptions& options = animation.options;
-  if (options.moving()) still.behind = behind_fluid(animation.picture, animation.matte, options.boundary);
+  if (options.moving())
+    still.behind = outline::behind_fluid(animation.picture, animation.matte, options.boundary);
   still.target = in_units(animation.picture);
   still.luma = luma_of(still.target);
   animation.matte.convertTo(still.alpha, CV_32F, 1.0 / 255);
@@ -65,9 +66,9 @@ Exposure expose(const Animation& animation, const StillPart& still, const BaseIm
 FrameFinisher finisher_of(const Animation& animation, const StillPart& still, const cv::Mat& own_colour,
                           const ColourCurve& curve) {
   if (!animation.options.moving()) return FrameFinisher(still.colours, curve, own_colour, still.target);
-  return FrameFinisher({.slope = pull_push(still.colours.slope, still.alpha),
-                        .offset = pull_push(still.colours.offset, still.alpha)},
-                       curve, pull_push(own_colour, still.alpha), still.behind);
+  return FrameFinisher({.slope = sampling::pull_push(still.colours.slope, still.alpha),
+                        .offset = sampling::pull_push(still.colours.offset, still.alpha)},
+                       curve, sampling::pull_push(own_colour, still.alpha), still.behind);
 }
 
 }  // namespace freshet::synth::animate

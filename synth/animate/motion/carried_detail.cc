@@ -5,7 +5,7 @@
 #include <oneapi/tbb/parallel_for.h>
 #include <opencv2/imgproc.hpp>
 
-#include "synth/animate/sampling/coarse_samples.h"
+#include "synth/sampling/coarse_samples.h"
 
 namespace freshet::synth::animate {
 namespace {
@@ -28,7 +28,8 @@ const cv::Mat& CarriedDetail::advance(const cv::Mat& displacement, int step, con
   oneapi::tbb::parallel_for(0, strips, [&](int strip) {
     const int top = strip * kStrip, rows = std::min(kStrip, canvas_.height - top);
     cv::Mat where;
-    cv::warpAffine(displacement, where, samples_from_pixels(step, scale_, canvas_.tl() + cv::Point(0, top)),
+    cv::warpAffine(displacement, where,
+                   sampling::samples_from_pixels(step, scale_, canvas_.tl() + cv::Point(0, top)),
                    {canvas_.width, rows}, cv::INTER_LINEAR | cv::WARP_INVERSE_MAP, cv::BORDER_REPLICATE);
     const auto per_px = static_cast<float>(1 / scale_);
     for (int y = 0; y < rows; ++y) {

@@ -10,7 +10,7 @@
 
 #include "platform/random.h"
 #include "platform/vectors.h"
-#include "synth/animate/sampling/remapped.h"
+#include "synth/sampling/remapped.h"
 
 namespace freshet::synth::animate {
 namespace {
@@ -60,8 +60,8 @@ FRESHET_WIDE void add_signed(const float* from, float sign, int n, float* sum) {
 /// has come from there, 1: that will be there. Mid-point rule, then the map before read where that leads.
 cv::Mat step_on(const cv::Mat& sources, const cv::Mat& velocity, float sign, int step) {
   cv::Mat middle, out;
-  read_remapped(velocity, places(velocity, sign * 0.5f, step), Beyond::kEdge, middle);
-  read_remapped(sources, places(middle, sign, step), Beyond::kEdge, out);
+  sampling::read_remapped(velocity, places(velocity, sign * 0.5f, step), sampling::Beyond::kEdge, middle);
+  sampling::read_remapped(sources, places(middle, sign, step), sampling::Beyond::kEdge, out);
   for (int y = 0; y < out.rows; ++y) add_signed(middle.ptr<float>(y), sign, 2 * out.cols, out.ptr<float>(y));
   return out;
 }
@@ -250,7 +250,7 @@ double CopyMaps::still(int i) const {
 cv::Mat CopyMaps::suitability(const cv::Mat& source, const cv::Mat& from) const {
   constexpr float kNothing = 14;  // of unlikeness, halved: exp(-14) is less than kLeast
   cv::Mat even = evenness(source, step_), brought, out(places_.size(), CV_32F);
-  read_remapped(places_, from, Beyond::kZero, brought);
+  sampling::read_remapped(places_, from, sampling::Beyond::kZero, brought);
   cv::GaussianBlur(even, even, {}, kEvenOver, kEvenOver, cv::BORDER_REPLICATE);
   std::vector<float> deep(out.cols), unlike(out.cols);
   for (int y = 0; y < out.rows; ++y) {
@@ -271,7 +271,7 @@ cv::Mat CopyMaps::timeliness(const Copy& copy, const cv::Mat& from, int age) con
   // c below is 1/4 there, and its fourth power less than kPast.
   constexpr float kOver = kReach * 2 / 3;
   cv::Mat out;
-  read_remapped(copy.later, from, Beyond::kEdge, out);
+  sampling::read_remapped(copy.later, from, sampling::Beyond::kEdge, out);
   const float unit = 1 / static_cast<float>(options_.interval), now = static_cast<float>(age) * unit;
   for (int y = 0; y < out.rows; ++y) {
     auto* to = out.ptr<float>(y);

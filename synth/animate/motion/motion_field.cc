@@ -7,7 +7,7 @@
 
 #include <opencv2/imgproc.hpp>
 
-#include "query/stored/clip_cells.h"
+#include "stored/clip_cells.h"
 #include "vision/patch_features.h"
 
 namespace freshet::synth::animate {
@@ -25,7 +25,7 @@ cv::Mat motion_field(const store::Snapshot& snapshot, const vision::Settings& se
   for (const PlacedPatch& placed : placement.patches) {
     auto found = cells.find(placed.clip);
     if (found == cells.end())
-      found = cells.emplace(placed.clip, query::motion_cells(snapshot, settings, placed.clip)).first;
+      found = cells.emplace(placed.clip, stored::motion_cells(snapshot, settings, placed.clip)).first;
     const store::ClipRecord& record = snapshot.clip(placed.clip);
     const vision::VariantFrame frame = vision::variant_frame(
         {static_cast<int>(record.width), static_cast<int>(record.height)}, placed.variant);

@@ -16,8 +16,8 @@
 
 #include "freshet/error.h"
 #include "query/search/picture_scale.h"
-#include "synth/animate/sampling/patch_window.h"
-#include "synth/animate/sampling/pull_push.h"
+#include "synth/sampling/patch_window.h"
+#include "synth/sampling/pull_push.h"
 #include "vision/flow.h"
 
 namespace freshet::synth::animate {
@@ -26,7 +26,7 @@ namespace {
 constexpr float kFastest = 2.5f;     // times the mean speed of a frame
 constexpr double kSmoothing = 1.25;  // squares
 constexpr int kSquare = 8;           // px: finer than flow is true, fine enough for a flame's edge
-constexpr std::uint32_t kSlab = query::DecodedTiles::kFrames;  // decoded together
+constexpr std::uint32_t kSlab = stored::DecodedTiles::kFrames;  // decoded together
 
 /// The grid of squares on which motion is summed. It coincides with the pieces' and holds the whole picture, reduced
 /// as they are.
@@ -80,7 +80,7 @@ const store::StreamShape& checked_flow(const store::ClipRecord& record, int step
 /// The part of one clip's flow that its patches need.
 struct NeededFlow {
   const store::Snapshot& snapshot;
-  query::DecodedTiles* tiles;
+  stored::DecodedTiles* tiles;
   store::ClipId clip;
   int step = 0;  // px of the clip between samples
   std::uint32_t frames = 0;
@@ -102,14 +102,15 @@ std::vector<double> px_per_s_of(const store::Snapshot& snapshot, store::ClipId c
   return rates;
 }
 
-NeededFlow needed_flow(const store::Snapshot& snapshot, query::DecodedTiles* tiles, int step,
+NeededFlow needed_flow(const store::Snapshot& snapshot, stored::DecodedTiles* tiles, int step,
                        const Placement& placement, const PlayedPatches& group) {
   const store::ClipRecord& record = snapshot.clip(group.clip);
   const store::StreamShape& flow = checked_flow(record, step);
   const cv::Size source(static_cast<int>(record.width), static_cast<int>(record.height));
   cv::Rect needed;
   for (const std::size_t p : group.patches)
-    needed |= PatchWindow(source, placement.patches[p].variant, placement.patches[p].patch, placement.side)
+    needed |= sampling::PatchWindow(source, placement.patches[p].variant, placement.patches[p].patch,
+                                    placement.side)
                   .needed();
   cv::Rect samples(cv::Point(needed.x / step - kSquare, needed.y / step - kSquare),
                    cv::Point(needed.br().x / step + kSquare, needed.br().y / step + kSquare));
@@ -167,10 +168,10 @@ class DecodedFlow {
     const cv::Rect& s = flow.samples;
     for (std::uint32_t p = 0; p < 2; ++p) {
       planes_[p].resize(static_cast<std::size_t>(s.area()) * count);
-      query::read_samples(flow.snapshot, flow.tiles, flow.clip, store::Stream::kFlow, p,
-                          {static_cast<std::uint32_t>(s.x), static_cast<std::uint32_t>(s.y),
-                           static_cast<std::uint32_t>(s.width), static_cast<std::uint32_t>(s.height)},
-                          first, count, std::as_writable_bytes(std::span(planes_[p])));
+      stored::read_samples(flow.snapshot, flow.tiles, flow.clip, store::Stream::kFlow, p,
+                           {static_cast<std::uint32_t>(s.x), static_cast<std::uint32_t>(s.y),
+                            static_cast<std::uint32_t>(s.width), static_cast<std::uint32_t>(s.height)},
+                           first, count, std::as_writable_bytes(std::span(planes_[p])));
     }
   }
 
@@ -293,7 +294,7 @@ void spread(cv::Mat& squares, const cv::Mat& mass) {
   cv::Mat trust = speed / (mean / 2);
   cv::min(trust, 1.0, trust);
   trust = trust.mul(trust);
-  squares = pull_push(squares, trust);
+  squares = sampling::pull_push(squares, trust);
   cv::GaussianBlur(squares, squares, {}, kSmoothing, kSmoothing, cv::BORDER_REPLICATE);
 }
 
@@ -345,7 +346,7 @@ struct MotionSequence::Impl {
 
 struct MotionSums::Impl {
   const store::Snapshot& snapshot;
-  query::DecodedTiles* tiles;
+  stored::DecodedTiles* tiles;
   const Placement& placement;
   int flow_step = 0;
   std::size_t frames = 0;
@@ -353,7 +354,7 @@ struct MotionSums::Impl {
 };
 
 MotionSums::MotionSums(const store::Snapshot& snapshot, const vision::Settings& settings,
-                       const Placement& placement, cv::Size picture, int frames, query::DecodedTiles* tiles)
+                       const Placement& placement, cv::Size picture, int frames, stored::DecodedTiles* tiles)
     : impl_(std::make_unique<Impl>(Impl{snapshot, tiles, placement, settings.flow_step,
                                         static_cast<std::size_t>(frames),
                                         std::make_shared<MotionSequence::Impl>()})) {

@@ -9,8 +9,8 @@
 
 #include <opencv2/core.hpp>
 
-#include "query/stored/decoded_tiles.h"
 #include "store/store.h"
+#include "stored/decoded_tiles.h"
 #include "synth/animate/placement/placement.h"
 #include "vision/settings.h"
 
@@ -69,7 +69,7 @@ class MotionSums {
   /// snapshot and placement outlive this.
   /// tiles   of this snapshot, decoded earlier; may be null.
   MotionSums(const store::Snapshot& snapshot, const vision::Settings& settings, const Placement& placement,
-             cv::Size picture, int frames, query::DecodedTiles* tiles = nullptr);
+             cv::Size picture, int frames, stored::DecodedTiles* tiles = nullptr);
   ~MotionSums();
 
   /// Patches that are in no other group. held: the clip's flow, of every frame that is shown; null: it is read, in one pass,

@@ -12,10 +12,10 @@
 #include <oneapi/tbb/parallel_for.h>
 
 #include "synth/animate/frames/clip_batches.h"
+#include "synth/animate/frames/enlarge.h"
 #include "synth/animate/frames/pieces_canvas.h"
 #include "synth/animate/motion/motion_sequence.h"
-#include "synth/animate/sampling/enlarge.h"
-#include "synth/animate/sampling/pull_push.h"
+#include "synth/sampling/pull_push.h"
 
 namespace freshet::synth::animate {
 namespace {
@@ -39,7 +39,7 @@ class PaperRenderer final : public Renderer {
     measure_clips(options.resampling);
     animation.tell("base", 0, 0);
     const Exposure exposure = expose(animation, still, options.base);
-    exposure_ = animation.options.moving() ? pull_push(exposure.luma, still.alpha) : exposure.luma;
+    exposure_ = animation.options.moving() ? sampling::pull_push(exposure.luma, still.alpha) : exposure.luma;
     finisher_.emplace(finisher_of(animation, still, exposure.colour));
     animation.report.base_s += animation.watch.lap();
     if (matching_ == AppearanceMatching::kSequence) match();

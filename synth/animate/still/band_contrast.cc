@@ -6,7 +6,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "platform/vectors.h"
-#include "synth/animate/sampling/widened_rows.h"
+#include "synth/sampling/widened_rows.h"
 #include "vision/pyramid.h"
 
 namespace freshet::synth::animate {
@@ -26,8 +26,9 @@ cv::Size cells_of(cv::Size band, int cell) {
   return {(band.width + cell - 1) / cell, (band.height + cell - 1) / cell};
 }
 
-FRESHET_WIDE void amplify_row(const WidenedRows::Row& wanted, const WidenedRows::Row& found, float share,
-                              float most, int n, float* band) {
+FRESHET_WIDE void amplify_row(const sampling::WidenedRows::Row& wanted,
+                              const sampling::WidenedRows::Row& found, float share, float most, int n,
+                              float* band) {
   const float a = wanted.of_upper, b = wanted.of_lower, c = found.of_upper, d = found.of_lower;
   const float *wu = wanted.upper, *wl = wanted.lower, *fu = found.upper, *fl = found.lower;
   for (int x = 0; x < n; ++x) {
@@ -38,7 +39,7 @@ FRESHET_WIDE void amplify_row(const WidenedRows::Row& wanted, const WidenedRows:
 
 /// Times share * wanted / found, sampled in cells, and at most `most`.
 void amplify(const cv::Mat& wanted, const cv::Mat& found, double share, double most, cv::Mat& band) {
-  WidenedRows of_wanted(wanted, band.size()), of_found(found, band.size());
+  sampling::WidenedRows of_wanted(wanted, band.size()), of_found(found, band.size());
   for (int y = 0; y < band.rows; ++y)
     amplify_row(of_wanted.at(y), of_found.at(y), static_cast<float>(share), static_cast<float>(most),
                 band.cols, band.ptr<float>(y));

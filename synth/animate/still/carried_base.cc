@@ -9,8 +9,8 @@
 #include <opencv2/imgproc.hpp>
 
 #include "platform/vectors.h"
-#include "synth/animate/sampling/cells.h"
-#include "synth/animate/sampling/cubic.h"
+#include "synth/sampling/cells.h"
+#include "synth/sampling/cubic.h"
 
 namespace freshet::synth::animate {
 namespace {
@@ -41,7 +41,8 @@ FRESHET_WIDE void sources(const float* mixed, const std::int32_t* first, const f
     const float a = mixed[first[i] - begin], b = mixed[first[i] - begin + 1];
     const float at = static_cast<float>(origin + step * i) + (a + fraction[i] * (b - a));
     const float inside = std::min(std::max(at, -2.0f), static_cast<float>(limit + 1));
-    out[i] = static_cast<std::int32_t>(inside * kCubicSteps + (2 * kCubicSteps + 0.5f)) - 2 * kCubicSteps;
+    out[i] = static_cast<std::int32_t>(inside * sampling::kCubicSteps + (2 * sampling::kCubicSteps + 0.5f)) -
+             2 * sampling::kCubicSteps;
   }
 }
 
@@ -61,14 +62,14 @@ FRESHET_WIDE void half_sources(const std::int32_t* upper, const std::int32_t* lo
                                std::int32_t* out) {
   for (int i = 0; i < n; ++i) {
     const std::int32_t sum = upper[2 * i] + upper[2 * i + 1] + lower[2 * i] + lower[2 * i + 1];
-    out[i] = (((sum >> 2) + kCubicSteps / 2) >> 1) - kCubicSteps / 2;
+    out[i] = (((sum >> 2) + sampling::kCubicSteps / 2) >> 1) - sampling::kCubicSteps / 2;
   }
 }
 
 FRESHET_WIDE void read_pairs(const float* plane, std::ptrdiff_t offset, std::ptrdiff_t stride,
                              const std::int32_t* x, const std::int32_t* y, int n, float* luma,
                              float* weight) {
-  cubic_pairs(plane, offset, stride, x, y, n, luma, weight);
+  sampling::cubic_pairs(plane, offset, stride, x, y, n, luma, weight);
 }
 
 FRESHET_WIDE void add_copy(const float* luma, const float* weight, const float* most, const float* share,
@@ -86,10 +87,10 @@ FRESHET_WIDE void add_colours(const float* plane, std::ptrdiff_t offset, std::pt
                               const float* share, int n, float* sums) {
   typedef float Quad __attribute__((vector_size(16)));
   for (int i = 0; i < n; ++i) {
-    const auto* from = reinterpret_cast<const Quad*>(plane) + offset + (y[i] >> kCubicShift) * stride +
-                       (x[i] >> kCubicShift);
-    const float fx = static_cast<float>(x[i] & (kCubicSteps - 1)) / kCubicSteps;
-    const float fy = static_cast<float>(y[i] & (kCubicSteps - 1)) / kCubicSteps;
+    const auto* from = reinterpret_cast<const Quad*>(plane) + offset +
+                       (y[i] >> sampling::kCubicShift) * stride + (x[i] >> sampling::kCubicShift);
+    const float fx = static_cast<float>(x[i] & (sampling::kCubicSteps - 1)) / sampling::kCubicSteps;
+    const float fy = static_cast<float>(y[i] & (sampling::kCubicSteps - 1)) / sampling::kCubicSteps;
     const Quad upper = from[0] + fx * (from[1] - from[0]);
     const Quad lower = from[stride] + fx * (from[stride + 1] - from[stride]);
     Quad own = upper + fy * (lower - upper);
@@ -166,7 +167,8 @@ CarriedBase::CarriedBase(const FluidPlanes& planes, const cv::Mat& matte, const 
   depth = depth(cv::Rect({1, 1}, size_)) / std::max(options.edge_px, 1.0);
   const cv::Mat weight = matte.mul(cv::min(cv::max(depth, kMinDepth), 1.0));
 
-  for (const cv::Rect& cell : cells_touched(std::vector{cv::Rect({}, size_)}, cv::Rect({}, size_), kCell)) {
+  for (const cv::Rect& cell :
+       sampling::cells_touched(std::vector{cv::Rect({}, size_)}, cv::Rect({}, size_), kCell)) {
     // Fractions are read between samples: what is next to a cell reaches into it.
     const cv::Rect around =
         cv::Rect(cell.x - 2, cell.y - 2, cell.width + 4, cell.height + 4) & cv::Rect({}, size_);
@@ -298,9 +300,9 @@ void CarriedBase::carry(const cv::Rect& cell, std::span<const Copy> copies, Carr
       for (int i = 0; i < half.width; ++i) s.half_share[row * half.width + i] = s.share[upper + 2 * i];
       if (cell.width % 2 != 0) {
         const int last = cell.width - 1, to = row * half.width + half.width - 1;
-        s.half_x[to] = ((s.x[upper + last] + kCubicSteps) >> 1) - kCubicSteps / 2;
-        s.half_y[to] =
-            ((((s.y[upper + last] + s.y[lower + last]) >> 1) + kCubicSteps / 2) >> 1) - kCubicSteps / 2;
+        s.half_x[to] = ((s.x[upper + last] + sampling::kCubicSteps) >> 1) - sampling::kCubicSteps / 2;
+        s.half_y[to] = ((((s.y[upper + last] + s.y[lower + last]) >> 1) + sampling::kCubicSteps / 2) >> 1) -
+                       sampling::kCubicSteps / 2;
       }
     }
     const auto colour_stride = static_cast<std::ptrdiff_t>(colour_.cols);

@@ -3,7 +3,7 @@
 #include <array>
 #include <vector>
 
-#include "synth/animate/sampling/pull_push.h"
+#include "synth/sampling/pull_push.h"
 
 namespace freshet::synth::animate {
 namespace {
@@ -18,7 +18,7 @@ FluidPlanes fluid_planes(const cv::Mat& picture, const cv::Mat& luma, const cv::
   cv::Mat values;
   cv::merge(std::vector<cv::Mat>{luma, bgr[0] - luma, bgr[2] - luma}, values);
   const cv::Mat trusted = cv::min(kTrusted * matte, 1.0);
-  cv::split(pull_push(values, trusted), planes.data());
+  cv::split(sampling::pull_push(values, trusted), planes.data());
   return {.luma = planes[0], .blue = planes[1], .red = planes[2], .trusted = trusted};
 }
 

@@ -7,7 +7,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "platform/vectors.h"
-#include "synth/animate/sampling/widened_rows.h"
+#include "synth/sampling/widened_rows.h"
 #include "vision/pyramid.h"
 
 namespace freshet::synth::animate {
@@ -113,13 +113,13 @@ class Mixture {
 
 /// A gain that is sampled as the maps are, for a band: larger, and cut to the band's size. Maps are sampled in the middles
 /// of squares of step px, as resize takes it.
-WidenedRows rows_of(const cv::Mat& gain, int step, int level, cv::Size band) {
+sampling::WidenedRows rows_of(const cv::Mat& gain, int step, int level, cv::Size band) {
   const cv::Size covered(gain.cols * step >> level, gain.rows * step >> level);
   return {gain, {std::max(covered.width, band.width), std::max(covered.height, band.height)}};
 }
 
-FRESHET_WIDE void mix_row(const WidenedRows::Row& carried, const WidenedRows::Row& stands, const float* own,
-                          int n, float* band) {
+FRESHET_WIDE void mix_row(const sampling::WidenedRows::Row& carried, const sampling::WidenedRows::Row& stands,
+                          const float* own, int n, float* band) {
   const float a = carried.of_upper, b = carried.of_lower, c = stands.of_upper, d = stands.of_lower;
   const float *cu = carried.upper, *cl = carried.lower, *su = stands.upper, *sl = stands.lower;
   for (int x = 0; x < n; ++x) band[x] = band[x] * (cu[x] * a + cl[x] * b) + own[x] * (su[x] * c + sl[x] * d);
@@ -128,13 +128,13 @@ FRESHET_WIDE void mix_row(const WidenedRows::Row& carried, const WidenedRows::Ro
 /// band = band * carried + own * stands.
 void mix(const cv::Mat& carried, const cv::Mat& stands, const cv::Mat& own, int step, int level,
          cv::Mat& band) {
-  WidenedRows of_band = rows_of(carried, step, level, band.size()),
-              of_own = rows_of(stands, step, level, band.size());
+  sampling::WidenedRows of_band = rows_of(carried, step, level, band.size()),
+                        of_own = rows_of(stands, step, level, band.size());
   for (int y = 0; y < band.rows; ++y)
     mix_row(of_band.at(y), of_own.at(y), own.ptr<float>(y), band.cols, band.ptr<float>(y));
 }
 
-FRESHET_WIDE void add_row(const WidenedRows::Row& share, const float* own, int n, float* band) {
+FRESHET_WIDE void add_row(const sampling::WidenedRows::Row& share, const float* own, int n, float* band) {
   const float a = share.of_upper, b = share.of_lower;
   const float *u = share.upper, *l = share.lower;
   for (int x = 0; x < n; ++x) band[x] += (own[x] - band[x]) * (u[x] * a + l[x] * b);
@@ -142,7 +142,7 @@ FRESHET_WIDE void add_row(const WidenedRows::Row& share, const float* own, int n
 
 /// band += (own - band) * share.
 void bring_to(const cv::Mat& own, const cv::Mat& share, int step, int level, cv::Mat& band) {
-  WidenedRows of_own = rows_of(share, step, level, band.size());
+  sampling::WidenedRows of_own = rows_of(share, step, level, band.size());
   for (int y = 0; y < band.rows; ++y) add_row(of_own.at(y), own.ptr<float>(y), band.cols, band.ptr<float>(y));
 }
 

@@ -7,7 +7,7 @@
 
 #include "freshet/error.h"
 #include "media/video/video_reader.h"
-#include "query/stored/clip_frames.h"
+#include "stored/clip_frames.h"
 
 namespace freshet::synth::flowlines {
 namespace {
@@ -80,7 +80,7 @@ Footage read_footage(const store::Snapshot& snapshot, const std::string& clip,
                 "the store has no clip of this name; it has " + (names.empty() ? std::string("none") : names),
                 "Name one of those that freshet store info lists");
   }
-  const query::ClipFrames frames(snapshot, *id);
+  const stored::ClipFrames frames(snapshot, *id);
   const store::ClipRecord& record = snapshot.clip(*id);
   Footage footage{.name = clip,
                   .frames = {},

@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 #include <opencv2/imgproc.hpp>
 
-#include "query/hints/motion_maps.h"
+#include "hints/motion_maps.h"
 
 namespace freshet::synth::flowlines {
 namespace {
@@ -19,7 +19,7 @@ int thickness(const cv::Mat& picture) { return std::max(1, picture.cols / 400); 
 void draw_line(cv::Mat& out, const FlowLine& line, int thick) {
   for (int s = 0; s + 3 < line.samples(); s += 3) {
     const cv::Point2f along = tangent(line, s);
-    const cv::Vec3f colour = query::colour_of_direction(cv::Vec2f(along.x, along.y)) * 255;
+    const cv::Vec3f colour = hints::colour_of_direction(cv::Vec2f(along.x, along.y)) * 255;
     cv::line(out, cv::Point(line.points[static_cast<std::size_t>(s)]),
              cv::Point(line.points[static_cast<std::size_t>(s) + 3]),
              cv::Scalar(colour[0], colour[1], colour[2]), thick, cv::LINE_AA);

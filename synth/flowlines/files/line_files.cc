@@ -8,7 +8,7 @@
 #include <fmt/ranges.h>
 
 #include "freshet/error.h"
-#include "query/hints/strokes.h"
+#include "hints/strokes.h"
 
 namespace freshet::synth::flowlines {
 namespace {
@@ -51,7 +51,7 @@ std::vector<cv::Point2f> inside_of(const std::vector<cv::Point2f>& chain, cv::Si
 }
 
 /// Speeds along the line; it may be stretched so far, or pressed together.
-std::vector<float> speeds_of(const query::Stroke& stroke, const std::string& where) {
+std::vector<float> speeds_of(const hints::Stroke& stroke, const std::string& where) {
   std::vector<float> speeds = stroke.speeds;
   if (speeds.empty() && stroke.speed_px_per_s) speeds.push_back(*stroke.speed_px_per_s);
   for (const float speed : speeds)
@@ -69,7 +69,7 @@ std::vector<FlowLine> read_lines(const std::filesystem::path& path, cv::Size pic
                                  std::vector<std::string>* notices) {
   std::vector<FlowLine> lines;
   std::set<std::string> names;
-  for (const query::Stroke& stroke : query::read_strokes(path, picture, notices)) {
+  for (const hints::Stroke& stroke : hints::read_strokes(path, picture, notices)) {
     std::vector<cv::Point2f> chain = stroke.points;
     for (cv::Point2f& point : chain) point -= cv::Point2f(0.5f, 0.5f);
     std::string name = stroke.line.empty() ? id_of(stroke.name) : stroke.line;

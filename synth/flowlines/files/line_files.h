@@ -11,7 +11,7 @@
 
 namespace freshet::synth::flowlines {
 
-/// Lines drawn over the picture (query::read_strokes: SVG, or JSON). A line's name is its SVG id; lines without one
+/// Lines drawn over the picture (hints::read_strokes: SVG, or JSON). A line's name is its SVG id; lines without one
 /// are named by their place, "line 3". data-speed of an SVG element is how many times as fast its particles ride: one
 /// number, or several at even distances along it. Lines of one name with a data-time each are one line that moves.
 ///

@@ -10,7 +10,7 @@
 namespace freshet::synth::flowlines {
 
 /// Samples one px apart (the last stretch may be shorter), at least two. Here (0, 0) is the middle of the picture's
-/// upper left pixel: half a pixel less than in a query::Stroke.
+/// upper left pixel: half a pixel less than in a hints::Stroke.
 struct FlowLine {
   std::vector<cv::Point2f> points;
   std::string name{};

@@ -9,8 +9,8 @@
 
 #include "freshet/error.h"
 #include "platform/stopwatch.h"
-#include "synth/animate/motion/background.h"
 #include "synth/matte/soft_edge.h"
+#include "synth/outline/background.h"
 
 namespace freshet::synth::scene {
 namespace {
@@ -142,7 +142,7 @@ void fill_deep(cv::Mat& picture, const cv::Mat& known) {
   cv::Mat bytes, filled;
   picture.convertTo(bytes, CV_8U, 255);
   // It is a guess at any size: on a copy of at most 640 px.
-  filled = animate::inpaint_background(bytes, known == 0, {.margin_px = 0});
+  filled = outline::inpaint_background(bytes, known == 0, {.margin_px = 0});
   filled.convertTo(filled, CV_32F, 1 / 255.0);
   filled.copyTo(picture, known == 0);
 }

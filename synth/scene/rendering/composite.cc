@@ -9,14 +9,14 @@
 #include <oneapi/tbb/parallel_for.h>
 
 #include "platform/vectors.h"
-#include "synth/animate/sampling/cubic.h"
+#include "synth/sampling/cubic.h"
 
 namespace freshet::synth::scene {
 namespace {
 
-using animate::kCubic;
-using animate::kCubicShift;
-using animate::kCubicSteps;
+using sampling::kCubic;
+using sampling::kCubicShift;
+using sampling::kCubicSteps;
 
 constexpr int kRowsAtOnce = 8;
 constexpr float kFurthest = 8000;  // px; further displacements are cut

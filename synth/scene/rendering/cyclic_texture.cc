@@ -7,7 +7,7 @@
 #include <oneapi/tbb/parallel_for.h>
 #include <opencv2/imgproc.hpp>
 
-#include "synth/animate/sampling/pull_push.h"
+#include "synth/sampling/pull_push.h"
 #include "synth/scene/layers/exemplar_fill.h"
 
 namespace freshet::synth::scene {
@@ -130,7 +130,7 @@ cv::Mat cyclic_texture(const cv::Mat& colour, const cv::Mat& known, int period) 
   const cv::Size reduced(std::max(1, cvRound(scale * period)), std::max(1, cvRound(scale * colour.rows)));
   cv::Mat standing;
   copy_from(reduced_sources(canvas, reduced), canvas, standing);
-  cv::Mat texture = unrolled(animate::pull_push(canvas.colour, standing), canvas.split);
+  cv::Mat texture = unrolled(sampling::pull_push(canvas.colour, standing), canvas.split);
   const int width = colour.cols;
   const int join = std::clamp(cvRound(kJoinShare * width), 1, std::max(1, (period - width) / 2));
   fade_step(texture, width - 1, width, 1, join);

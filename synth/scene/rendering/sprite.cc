@@ -4,7 +4,7 @@
 
 #include <opencv2/imgproc.hpp>
 
-#include "synth/animate/sampling/pull_push.h"
+#include "synth/sampling/pull_push.h"
 #include "synth/scene/rendering/cyclic_texture.h"
 
 namespace freshet::synth::scene {
@@ -60,7 +60,7 @@ Sprite make_sprite(const cv::Mat& colour, const cv::Mat& alpha, Outline outline,
     alpha(inside).copyTo(sprite.held);
     const cv::Mat whole = outline == Outline::kCyclic
                               ? cyclic_texture(colour(inside), alpha(inside) > kStands, period)
-                              : animate::pull_push(colour(inside), alpha(inside));
+                              : sampling::pull_push(colour(inside), alpha(inside));
     const cv::Mat opaque(whole.size(), CV_32F, cv::Scalar(1));
     cv::copyMakeBorder(premultiplied(whole, opaque), sprite.texture, kBorder, kBorder, kBorder, kBorder,
                        cv::BORDER_REPLICATE);

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <opencv2/imgproc.hpp>
 
+#include "cache/content_hash.h"
 #include "freshet/error.h"
 #include "media/frame/bgra.h"
 #include "media/frame/file_format.h"
@@ -14,7 +15,6 @@
 #include "media/picture/picture.h"
 #include "media/picture/picture_sequence.h"
 #include "media/video/video_reader.h"
-#include "synth/transfer/files/content_hash.h"
 
 namespace freshet::synth::transfer {
 namespace {
@@ -178,7 +178,7 @@ DesignFiles::~DesignFiles() = default;
 void DesignFiles::check(const std::function<void(std::size_t, std::size_t)>& progress,
                         const std::stop_token& stop) {
   Impl& design = *impl_;
-  ContentHash of_luma, of_alpha, of_flow;
+  cache::KeyHash of_luma, of_alpha, of_flow;
   int luma_empty = 0, alpha_empty = 0;
   bool luma_full = true, alpha_full = true;
   for (int frame = 0; frame < design.frames; ++frame) {
@@ -195,18 +195,18 @@ void DesignFiles::check(const std::function<void(std::size_t, std::size_t)>& pro
              fmt::format("it has {} x {} px, {} {} x {}", masks->luma.cols, masks->luma.rows,
                          design.mask_name(0), design.size.width, design.size.height),
              "All masks are of one size");
-    const auto look = [](const cv::Mat& mask, int& empty, bool& full, ContentHash& hash) {
+    const auto look = [](const cv::Mat& mask, int& empty, bool& full, cache::KeyHash& hash) {
       double minimum = 0, maximum = 0;
       cv::minMaxLoc(mask, &minimum, &maximum);
       empty += maximum <= 0;
       full = full && minimum > 1 - 1e-6;
-      hash.add(mask);
+      cache::add_content(hash, mask);
     };
     look(masks->luma, luma_empty, luma_full, of_luma);
     look(masks->alpha, alpha_empty, alpha_full, of_alpha);
     const cv::Mat field = media::read_motion(design.fields.files[static_cast<std::size_t>(frame)]);
     design.check_field(frame, field);
-    of_flow.add(field);
+    cache::add_content(of_flow, field);
     if (progress) progress(static_cast<std::size_t>(frame) + 1, static_cast<std::size_t>(design.frames));
   }
   if (design.asked == 0 && design.pictures.files.empty() && design.read_masks(design.frames)) {
@@ -217,7 +217,7 @@ void DesignFiles::check(const std::function<void(std::size_t, std::size_t)>& pro
   design.from_alpha = !alpha_full;
   design.full = design.from_alpha ? alpha_full : luma_full;
   design.empty = design.from_alpha ? alpha_empty : luma_empty;
-  design.hash = (design.from_alpha ? of_alpha : of_luma).text() + of_flow.text();
+  design.hash = cache::hex((design.from_alpha ? of_alpha : of_luma).key()) + cache::hex(of_flow.key());
   if (design.empty == design.frames)
     refuse(design.alpha.string(), "the masks are black everywhere in all frames, so nothing in them is fluid",
            "Paint the fluid white");

@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 #include <opencv2/imgproc.hpp>
 
+#include "cache/content_hash.h"
 #include "freshet/error.h"
 #include "media/frame/bgra.h"
 #include "media/frame/file_format.h"
@@ -17,10 +18,9 @@
 #include "media/picture/picture_sequence.h"
 #include "media/video/video_reader.h"
 #include "platform/likeness.h"
-#include "query/stored/clip_frames.h"
-#include "synth/animate/clips/clip_loop.h"
-#include "synth/animate/clips/timeline.h"
-#include "synth/transfer/files/content_hash.h"
+#include "stored/clip_frames.h"
+#include "stored/clip_loop.h"
+#include "synth/playing/timeline.h"
 
 namespace freshet::synth::transfer {
 namespace {
@@ -114,12 +114,12 @@ Frames stored(const store::Snapshot& snapshot, const std::string& name) {
     throw Error(ErrorKind::kNotFound, name, "the store has no clip of this name",
                 did_you_mean(name, names) + "freshet store info lists them");
   }
-  auto frames = std::make_shared<query::ClipFrames>(snapshot, *clip);
+  auto frames = std::make_shared<stored::ClipFrames>(snapshot, *clip);
   return {.name = name,
           .count = static_cast<int>(frames->size()),
           .read = [frames](int i) { return deep(frames->read(static_cast<std::uint32_t>(i))); },
           .name_of = [name](int i) { return fmt::format("{}, frame {}", name, i); },
-          .loop = [snapshot, id = *clip] { return synth::animate::loop_rule(snapshot, id); }};
+          .loop = [snapshot, id = *clip] { return stored::loop_rule(snapshot, id); }};
 }
 
 cv::Mat premultiplied(const cv::Mat& bgra) {
@@ -167,7 +167,7 @@ struct ExemplarFiles::Impl {
   cv::Size size;
   bool opaque = true;
   std::optional<vision::LoopRule> loop;
-  std::vector<animate::Moment> moments;  // by frame of the animation
+  std::vector<playing::Moment> moments;  // by frame of the animation
   cv::Mat average;                       // of a loop's frames, premultiplied
   std::string hash;
   std::deque<std::pair<int, cv::Mat>> remembered;
@@ -215,7 +215,7 @@ struct ExemplarFiles::Impl {
     return mask;
   }
 
-  cv::Mat moment(const animate::Moment& at) const {
+  cv::Mat moment(const playing::Moment& at) const {
     if (at.count() == 1) return own(static_cast<int>(at.at[0]));
     cv::Mat sum = average.clone();
     for (std::size_t i = 0; i < 2; ++i) {
@@ -247,7 +247,7 @@ struct ExemplarFiles::Impl {
     }
     std::vector<double> times(static_cast<std::size_t>(frames.count));
     std::iota(times.begin(), times.end(), 0.0);
-    moments = animate::timeline(
+    moments = playing::timeline(
         times, 1, loop, frames.name,
         {.frames = options.frames, .fps = 1, .speed = 1, .loop = false, .phase = 0, .whole = true});
   }
@@ -297,7 +297,7 @@ void ExemplarFiles::check(const std::function<void(std::size_t, std::size_t)>& p
   Impl& exemplar = *impl_;
   exemplar.find_moments();
   const int used = exemplar.used();
-  ContentHash hash;
+  cache::KeyHash hash;
   double max_alpha = 0;
   for (int i = 0; i < used; ++i) {
     if (stop.stop_requested()) throw Error(ErrorKind::kCancelled, "transfer", "stopped");
@@ -327,7 +327,7 @@ void ExemplarFiles::check(const std::function<void(std::size_t, std::size_t)>& p
       refuse(name,
              "the exemplar's first frame is transparent everywhere: there is no fluid in it to begin with",
              "Cut off the frames before the fluid");
-    hash.add(bgra);
+    cache::add_content(hash, bgra);
     if (exemplar.loop) {
       if (exemplar.average.empty()) exemplar.average = cv::Mat(bgra.size(), CV_32FC4, cv::Scalar::all(0));
       exemplar.average += premultiplied(bgra);
@@ -339,7 +339,7 @@ void ExemplarFiles::check(const std::function<void(std::size_t, std::size_t)>& p
            "the exemplar is transparent everywhere: there is no fluid in it",
            "Give a mask that is white where the fluid is with --exemplar-alpha");
   if (exemplar.loop) exemplar.average /= used;
-  exemplar.hash = hash.text();
+  exemplar.hash = cache::hex(hash.key());
 }
 
 const ExemplarOptions& ExemplarFiles::options() const { return impl_->options; }

@@ -33,7 +33,7 @@ struct ExemplarOptions {
 };
 
 /// Frame by frame as the animation goes; where it is shorter, looped by the rules of a store's clips: from a
-/// late frame to an early one like it, cross-faded as synth/animate/clips/timeline.h says.
+/// late frame to an early one like it, cross-faded as synth/playing/timeline.h says.
 class ExemplarFiles {
  public:
   /// A picture, a folder or a pattern of pictures, or a video. Throws Error{kInput} naming the file: nothing

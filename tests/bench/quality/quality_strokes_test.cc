@@ -21,7 +21,7 @@ cv::Mat motion_of(const std::function<cv::Vec2f(float x, float y)>& flow) {
 cv::Mat whole() { return cv::Mat(kPicture, CV_8U, cv::Scalar(255)); }
 
 /// Cosine of the angle between a stroke's parts and the flow where they lie; the minimum.
-double min_cosine(const query::Stroke& stroke, const std::function<cv::Vec2f(float x, float y)>& flow) {
+double min_cosine(const hints::Stroke& stroke, const std::function<cv::Vec2f(float x, float y)>& flow) {
   double minimum = 1;
   for (std::size_t i = 1; i < stroke.points.size(); ++i) {
     const cv::Point2f along = stroke.points[i] - stroke.points[i - 1];
@@ -34,10 +34,10 @@ double min_cosine(const query::Stroke& stroke, const std::function<cv::Vec2f(flo
 
 TEST(QualityStrokes, FollowTheFlow) {
   const auto whirl = [](float x, float y) { return cv::Vec2f(-(y - 176), x - 320) * 0.5f; };
-  const std::vector<query::Stroke> strokes = draw_strokes(motion_of(whirl), whole());
+  const std::vector<hints::Stroke> strokes = draw_strokes(motion_of(whirl), whole());
   ASSERT_GE(strokes.size(), 4u);
   EXPECT_LE(strokes.size(), 12u);
-  for (const query::Stroke& stroke : strokes) {
+  for (const hints::Stroke& stroke : strokes) {
     ASSERT_GE(stroke.points.size(), 2u);
     EXPECT_GT(min_cosine(stroke, whirl), 0.9);
   }
@@ -47,7 +47,7 @@ TEST(QualityStrokes, TellSpeedToAFifth) {
   for (const float speed : {4.0f, 31.0f, 170.0f}) {
     const auto strokes = draw_strokes(motion_of([&](float, float) { return cv::Vec2f(0, speed); }), whole());
     ASSERT_FALSE(strokes.empty());
-    for (const query::Stroke& stroke : strokes) {
+    for (const hints::Stroke& stroke : strokes) {
       EXPECT_LE(std::abs(std::log(*stroke.speed_px_per_s / speed)), std::log(1.2) / 2 + 1e-3);
       const double step = std::log(*stroke.speed_px_per_s) / std::log(1.2);
       EXPECT_NEAR(step, std::round(step), 1e-4);
@@ -62,7 +62,7 @@ TEST(QualityStrokes, StayInTheFluidAndAreFewerInLessOfIt) {
   const auto strokes = draw_strokes(motion_of([](float, float) { return cv::Vec2f(40, 0); }), matte);
   ASSERT_GE(strokes.size(), 2u);
   EXPECT_LE(strokes.size(), 6u);
-  for (const query::Stroke& stroke : strokes)
+  for (const hints::Stroke& stroke : strokes)
     for (const cv::Point2f& point : stroke.points) EXPECT_TRUE(fluid.contains(cv::Point(point)));
 }
 

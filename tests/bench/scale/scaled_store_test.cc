@@ -12,8 +12,8 @@
 #include "query/index/index_builder.h"
 #include "query/index/patch_descriptors.h"
 #include "query/index/search_base.h"
-#include "query/stored/average_image.h"
-#include "query/stored/stored_codebook.h"
+#include "stored/average_image.h"
+#include "stored/stored_codebook.h"
 #include "tests/ingest/synthetic_clip.h"
 #include "tests/ingest/temporary_folder.h"
 
@@ -73,7 +73,7 @@ constexpr Jitter kNone{.rotation_deg = 0,
 
 TEST_F(ScaledStore, WithoutJitterACopyIsItsSource) {
   const store::Snapshot snapshot = source();
-  const vision::Codebook codebook = query::read_codebook(snapshot);
+  const vision::Codebook codebook = stored::read_codebook(snapshot);
   for (const store::ClipId id : snapshot.clips()) {
     const SourceClip clip = read_source_clip(snapshot, kSettings, id, 3);
     const JitteredClip copy = jittered_clip(clip, kSettings, codebook, kNone, clip.average.size(), 1, 0);
@@ -101,7 +101,7 @@ TEST_F(ScaledStore, WithoutJitterACopyIsItsSource) {
 
 TEST_F(ScaledStore, MotionIsTurnedZoomedMirroredAndSpedUp) {
   const store::Snapshot snapshot = source();
-  const vision::Codebook codebook = query::read_codebook(snapshot);
+  const vision::Codebook codebook = stored::read_codebook(snapshot);
   SourceClip clip = read_source_clip(snapshot, kSettings, snapshot.clips()[0], 3);
   const auto channels = static_cast<std::size_t>(clip.motion.channels);
   for (std::size_t i = 0; i < clip.motion.values.size(); i += channels) {
@@ -154,14 +154,14 @@ TEST_F(ScaledStore, HoldsExactlyAsManyPatchesAndIsWhole) {
 TEST_F(ScaledStore, WordsAreThoseThatAnIndexBuildWouldGive) {
   const store::Store store = scaled("words.store", {.patches = 600, .window = {160, 120}});
   const store::Snapshot snapshot = store.snapshot();
-  const vision::Codebook codebook = query::read_codebook(snapshot);
+  const vision::Codebook codebook = stored::read_codebook(snapshot);
   const auto variants = kSettings.variants();
   const store::ClipId id = snapshot.clips()[0];
   const query::PatchPoints points(snapshot.clip(id), kSettings, variants,
-                                  query::read_clip_patches(snapshot, kSettings, variants, id));
+                                  stored::read_clip_patches(snapshot, kSettings, variants, id));
   std::vector<std::vector<vision::Descriptor>> descriptors;
   for (const auto& sheet : points.sheets())
-    descriptors.push_back(points.describe(sheet, query::average_image(snapshot, id)));
+    descriptors.push_back(points.describe(sheet, stored::average_image(snapshot, id)));
   EXPECT_EQ(points.words(codebook, descriptors), snapshot.column<vision::WordMap>(id, "patch.words"));
 }
 
@@ -182,8 +182,8 @@ TEST_F(ScaledStore, IsTheSameForASeedWhateverTheThreads) {
 TEST_F(ScaledStore, ASmallerOneIsTheBeginningOfALarger) {
   const store::Store small = scaled("small.store", {.patches = 500, .window = {160, 120}}),
                      large = scaled("large.store", {.patches = 1500, .window = {160, 120}});
-  const auto few = query::read_patch_table(small.snapshot()).words,
-             many = query::read_patch_table(large.snapshot()).words;
+  const auto few = stored::read_patch_table(small.snapshot()).words,
+             many = stored::read_patch_table(large.snapshot()).words;
   ASSERT_EQ(few.size(), 500u);
   ASSERT_EQ(many.size(), 1500u);
   EXPECT_TRUE(std::equal(few.begin(), few.end(), many.begin()));

@@ -11,7 +11,7 @@
 #include "query/benchmark/subset_index.h"
 #include "query/index/exact_index.h"
 #include "query/index/index_builder.h"
-#include "query/stored/stored_codebook.h"
+#include "stored/stored_codebook.h"
 #include "tests/query/index/random_words.h"
 #include "tests/query/made_store.h"
 
@@ -28,8 +28,8 @@ struct Opened {
 
   Opened() {
     base.settings = vision::settings_from_json(snapshot.settings());
-    base.codebook = read_codebook(snapshot);
-    base.table = read_patch_table(snapshot);
+    base.codebook = stored::read_codebook(snapshot);
+    base.table = stored::read_patch_table(snapshot);
   }
 };
 
@@ -126,7 +126,7 @@ TEST(SearchBenchmark, WithoutPicturesAsksForOneClipAmongTheOthers) {
   EXPECT_EQ(report.indexes[0].settings[0].recall.at_100, 1);
   const BenchmarkPieces pieces = benchmark_pieces(opened.snapshot, opened.base, {}, 10, 100);
   EXPECT_EQ(pieces.rows.size(), 100U);
-  for (const Row row : pieces.rows)
+  for (const stored::Row row : pieces.rows)
     EXPECT_NE(opened.snapshot.clip(opened.base.table.clips[opened.base.table.clip[row]]).name,
               pieces.held_out);
 }
@@ -253,23 +253,23 @@ TEST(Recall, ATieAtTheEndIsAsGood) {
   const std::vector queries{whole(words[0])};
   const std::vector<std::vector<ScoredPatch>> exact{brute_force(words, 50, queries[0], 100)};
   std::vector<std::vector<ScoredPatch>> other(1);
-  for (Row row = 100; row < 200; ++row) other[0].push_back({row, 324});
+  for (stored::Row row = 100; row < 200; ++row) other[0].push_back({row, 324});
   EXPECT_EQ(recall_of(other, exact, queries, space).at_100, 1);
   EXPECT_EQ(recall_of(other, exact, queries, space).at_1, 1);
 }
 
 TEST(SubsetIndex, AnswersAsAnIndexOfThoseRowsInTheTablesNumbers) {
   const auto words = random_words({.rows = 500, .words = 50, .clusters = 5});
-  std::vector<Row> rows;
+  std::vector<stored::Row> rows;
   std::vector<vision::WordMap> some;
-  for (Row row = 3; row < words.size(); row += 3) {
+  for (stored::Row row = 3; row < words.size(); row += 3) {
     rows.push_back(row);
     some.push_back(words[row]);
   }
   const ExactIndex inner(some, 50);
   const SubsetIndex subset(inner, rows, words.size());
   RowFilter only(words.size(), false), allowed(words.size());
-  for (const Row row : rows) only.allow(row);
+  for (const stored::Row row : rows) only.allow(row);
   for (std::size_t row = 0; row < words.size(); row += 2) {
     allowed.forbid(row);
     only.forbid(row);
@@ -287,7 +287,7 @@ TEST(SearchWidening, GivesAllAdmittedRowsThatThereAre) {
   const auto ask = [&](std::size_t count) {
     asked.push_back(count);
     std::vector<ScoredPatch> scored_patches;
-    for (Row row = 0; row < count; ++row) scored_patches.push_back({row, 1000 - row});
+    for (stored::Row row = 0; row < count; ++row) scored_patches.push_back({row, 1000 - row});
     return scored_patches;
   };
   EXPECT_EQ(search_widening(1000, 2, {.rows = &filter}, 0, ask),

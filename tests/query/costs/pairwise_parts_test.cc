@@ -89,11 +89,11 @@ TEST(PairwiseParts, OnlyWhatIsWantedIsComputedAndOnlyItsCandidatesAreRead) {
     wanted.edges[edge] = true;
     const std::uint32_t other = static_cast<std::uint32_t>(target.size() - 1);
     wanted.pieces[other] = true;
-    std::set<Row> needed;
+    std::set<stored::Row> needed;
     for (const std::uint32_t piece : {target.edges[edge].first, target.edges[edge].second, other})
       needed.insert(candidates.rows_of(piece).begin(), candidates.rows_of(piece).end());
     FeatureSource source = source_of(shape);
-    std::set<Row> read;
+    std::set<stored::Row> read;
     source.read = [&, inner = source.read](std::span<const Square> squares, const SquareSink& to) {
       for (const Square& square : squares) read.insert(square.clip);
       inner(squares, to);

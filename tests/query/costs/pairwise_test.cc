@@ -19,7 +19,8 @@ namespace freshet::query {
 namespace {
 
 // Eq. 2, 3 and 6, cell by cell, in double precision.
-double naive_cost(const FeatureShape& shape, const PairwiseOptions& options, Row a, Row b, bool beside) {
+double naive_cost(const FeatureShape& shape, const PairwiseOptions& options, stored::Row a, stored::Row b,
+                  bool beside) {
   const auto of_a = features_of(a, shape), of_b = features_of(b, shape);
   const int first = shape.cells - shape.overlap;
   double sum = 0;
@@ -53,7 +54,7 @@ double naive_cost(const FeatureShape& shape, const PairwiseOptions& options, Row
 
 // How strongly a patch moves, in double precision: its cost beside a patch that stands still, textureness
 // aside, as a mean over all of its cells.
-double naive_strength(const FeatureShape& shape, const PairwiseOptions& options, Row row) {
+double naive_strength(const FeatureShape& shape, const PairwiseOptions& options, stored::Row row) {
   const auto features = features_of(row, shape);
   double sum = 0;
   for (std::size_t at = 0; at < features.size(); at += static_cast<std::size_t>(shape.channels())) {
@@ -74,7 +75,8 @@ TEST(Pairwise, CandidatesVoteOnHowStronglyAPieceMoves) {
   const Mrf mrf = build_mrf(target, candidates, shape, options, source_of(shape));
   for (std::size_t piece = 0; piece < target.size(); ++piece) {
     std::vector<double> strengths;
-    for (const Row row : candidates.rows_of(piece)) strengths.push_back(naive_strength(shape, options, row));
+    for (const stored::Row row : candidates.rows_of(piece))
+      strengths.push_back(naive_strength(shape, options, row));
     std::vector<double> sorted = strengths;
     std::sort(sorted.begin(), sorted.end());
     const double median = sorted[sorted.size() / 2];
@@ -151,7 +153,7 @@ TEST(Pairwise, ReadsEachSquareOfAPatchOnce) {
   std::set<Square> needed;
   FeatureSource source = source_of(shape);
   for (std::size_t piece = 0; piece < target.size(); ++piece) {
-    for (const Row row : candidates.rows_of(piece)) {
+    for (const stored::Row row : candidates.rows_of(piece)) {
       Square squares[4];
       source.squares(row, squares);
       needed.insert(std::begin(squares), std::end(squares));

@@ -15,10 +15,10 @@ class Neighbours : public testing::Test {
   Neighbours() : store_(made_store(folder_.path() / "a.store", some_clips())), snapshot_(store_.snapshot()) {
     build_index(store_);
     snapshot_ = store_.snapshot();
-    table_ = read_patch_table(snapshot_);
+    table_ = stored::read_patch_table(snapshot_);
   }
   /// What two neighbouring pieces, the second to the right, pay for a row each.
-  float cost(Row left, Row right) const {
+  float cost(stored::Row left, stored::Row right) const {
     Target target;
     target.places = {{0, 0}, {1, 0}};
     target.corners = {{0, 0}, {24, 0}};
@@ -35,7 +35,7 @@ class Neighbours : public testing::Test {
     add_reuse_costs(snapshot_, made_settings(), table_, target, candidates, {.overlap = 2}, mrf);
     return *mrf.table(mrf.edges[0]);
   }
-  Row at(std::uint32_t clip, const vision::Variant& variant, int x, int y) const {
+  stored::Row at(std::uint32_t clip, const vision::Variant& variant, int x, int y) const {
     const auto variants = made_settings().variants();
     const auto number = std::find(variants.begin(), variants.end(), variant) - variants.begin();
     return find_patch(table_, clip, static_cast<std::uint8_t>(number), x, y);
@@ -44,13 +44,13 @@ class Neighbours : public testing::Test {
   const ScratchFolder folder_;
   store::Store store_;
   store::Snapshot snapshot_;
-  PatchTable table_;
+  stored::PatchTable table_;
 };
 
 TEST_F(Neighbours, PayForWhatBothShowUnlessOneContinuesTheOther) {
   const vision::Variant plain{}, mirrored{.flip = true}, half{.scale = 0.5f};
-  const Row row = at(0, plain, 48, 24);
-  ASSERT_NE(row, kNoRow);
+  const stored::Row row = at(0, plain, 48, 24);
+  ASSERT_NE(row, stored::kNoRow);
   EXPECT_NEAR(cost(row, row), 2, 1e-3) << "a stamp";
   EXPECT_EQ(cost(row, at(0, plain, 72, 24)), 0) << "the clip as it was";
   EXPECT_NEAR(cost(row, at(0, plain, 24, 24)), 1, 1e-3) << "the same step, backwards";
@@ -82,34 +82,6 @@ TEST_F(Neighbours, AnEvenPictureIsNotStamped) {
   };
   EXPECT_GT(equal_neighbours(0), 3);
   EXPECT_EQ(equal_neighbours(0.5), 0);
-}
-
-TEST(Crowds, LeaveAClipThatHasMoreThanHalfWhereOthersAreNearlyAsGood) {
-  // 30 pieces, each between two clips; the first is the better one by a little, for ten of them by much.
-  PatchTable table;
-  table.clips.resize(2);
-  table.clip = {0, 1};
-  Candidates candidates;
-  candidates.k = 2;
-  Mrf mrf;
-  for (int piece = 0; piece < 30; ++piece) {
-    candidates.rows.insert(candidates.rows.end(), {0, 1});
-    candidates.scores.insert(candidates.scores.end(), {1, 1});
-    candidates.counts.push_back(2);
-    const float worse = piece < 10 ? 0.5f : 0.001f * static_cast<float>(piece);
-    mrf.add_node(std::vector<float>{0, worse});
-  }
-  const auto of_first = [&](double crowd, Mrf field) {
-    const Solution solution =
-        minimize_spread(table, candidates, {.overlap = 0, .crowd = crowd}, Minimizer::kTrwS, 20, field);
-    EXPECT_NEAR(solution.energy, energy(field, solution.labels), 1e-6) << "of the field with its prices";
-    EXPECT_LE(solution.lower_bound, solution.energy + 1e-6);
-    return std::count(solution.labels.begin(), solution.labels.end(), 0u);
-  };
-  EXPECT_EQ(of_first(0, mrf), 30);
-  EXPECT_LE(of_first(0.02, mrf), 15);
-  EXPECT_GE(of_first(0.02, mrf), 10);
-  EXPECT_EQ(of_first(0.001, mrf), 30) << "four rounds at most";
 }
 
 }  // namespace

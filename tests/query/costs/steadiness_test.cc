@@ -24,14 +24,14 @@ class Surf : public testing::Test {
 
 TEST_F(Surf, MeanAgainstLowBandsInEveryVariant) {
   const store::Snapshot snapshot = store_.snapshot();
-  const PatchTable table = read_patch_table(snapshot);
-  std::vector<Row> rows(table.size());
-  for (Row row = 0; row < rows.size(); ++row) rows[row] = row;
-  rows.push_back(kNoRow);
+  const stored::PatchTable table = stored::read_patch_table(snapshot);
+  std::vector<stored::Row> rows(table.size());
+  for (stored::Row row = 0; row < rows.size(); ++row) rows[row] = row;
+  rows.push_back(stored::kNoRow);
   rows.push_back(0);
   const auto values = steadiness(snapshot, made_settings(), table, rows);
   ASSERT_EQ(values.size(), rows.size());
-  for (Row row = 0; row < table.size(); ++row) {
+  for (stored::Row row = 0; row < table.size(); ++row) {
     const bool surf = snapshot.clip(table.clips[table.clip[row]]).name == "surf.mp4";
     ASSERT_NEAR(values[row], surf ? 100.0 / (100 + 2 * 400) : 1, 1e-5);
   }

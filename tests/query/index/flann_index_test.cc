@@ -168,7 +168,7 @@ TEST(FlannIndex, KeepsAPiecesWindowOfMotion) {
 
 TEST(FlannTuning, FindsChecksThatReachTheRecallAmongOtherClipsAndKeepsThem) {
   const auto rows = random_words({.rows = 2000, .words = kWords, .clusters = 30, .noise = 0.6, .seed = 9});
-  const std::vector<Row> clips{0, 500, 500, 1250, 2000};
+  const std::vector<stored::Row> clips{0, 500, 500, 1250, 2000};
   for (const FlannKind kind : {FlannKind::kKMeans, FlannKind::kHierarchical}) {
     FlannIndex index(rows, kWords, {.kind = kind});
     tune_flann(index, rows, kWords, clips);
@@ -191,7 +191,7 @@ TEST(FlannTuning, TakesStoresOfOneClipAndOfFewRows) {
   for (const std::size_t count : {1u, 5u, 70u}) {
     const auto rows = random_words({.rows = count, .words = kWords});
     FlannIndex index(rows, kWords);
-    tune_flann(index, rows, kWords, std::vector<Row>{0, static_cast<Row>(count)});
+    tune_flann(index, rows, kWords, std::vector<stored::Row>{0, static_cast<stored::Row>(count)});
     EXPECT_GE(index.tuning().recall, 0.9F) << count;
   }
 }

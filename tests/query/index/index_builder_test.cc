@@ -6,9 +6,9 @@
 #include <algorithm>
 
 #include "freshet/error.h"
-#include "query/stored/average_image.h"
-#include "query/stored/patch_table.h"
-#include "query/stored/stored_codebook.h"
+#include "stored/average_image.h"
+#include "stored/patch_table.h"
+#include "stored/stored_codebook.h"
 #include "tests/query/made_store.h"
 #include "vision/dense_sift.h"
 
@@ -23,16 +23,16 @@ TEST(IndexBuilder, GivesEveryPatchTheWordsOfItsOwnPixels) {
   EXPECT_TRUE(report.words_built);
   EXPECT_EQ(report.words, 40);
   const store::Snapshot snapshot = store.snapshot();
-  const PatchTable table = read_patch_table(snapshot);
-  const vision::Codebook codebook = read_codebook(snapshot);
+  const stored::PatchTable table = stored::read_patch_table(snapshot);
+  const vision::Codebook codebook = stored::read_codebook(snapshot);
   EXPECT_EQ(report.patches, table.size());
   const auto variants = settings.variants();
   // The slow twin: each patch described by itself, flipped ones in the flipped frame.
   std::size_t same = 0, points = 0, flipped_same = 0, flipped_points = 0;
-  for (Row row = 0; row < table.size(); row += 5) {
+  for (stored::Row row = 0; row < table.size(); row += 5) {
     const vision::Variant& variant = variants[table.variant[row]];
     const cv::Mat frame =
-        vision::warp_to_variant(average_image(snapshot, table.clips[table.clip[row]]), variant);
+        vision::warp_to_variant(stored::average_image(snapshot, table.clips[table.clip[row]]), variant);
     const auto grid =
         vision::dense_sift(frame, {table.x[row], table.y[row]}, vision::kGridSide, vision::kGridSide);
     vision::WordMap words;
@@ -75,7 +75,7 @@ TEST(IndexBuilder, DependsOnTheClipsAndNotOnTheirHistory) {
   ASSERT_TRUE(in_steps.snapshot().blob("flann-kdtree"));
   for (std::size_t i = 2; i < clips.size(); ++i) add_made_clip(in_steps, made_settings(), clips[i]);
   try {
-    read_codebook(in_steps.snapshot());
+    stored::read_codebook(in_steps.snapshot());
     FAIL() << "an index that lacks clips was taken for whole";
   } catch (const Error& error) {
     EXPECT_EQ(error.kind(), ErrorKind::kNotFound);
@@ -125,9 +125,9 @@ TEST(IndexBuilder, LeavesTheStoreAsItWasWhenStopped) {
 TEST(IndexBuilder, SaysThatThereIsNothingToIndex) {
   const ScratchFolder folder;
   store::Store store = made_store(folder.path() / "a.store", {{.name = "empty.mp4", .patches = false}});
-  for (auto&& work :
-       {+[](store::Store& s) { build_index(s); }, +[](store::Store& s) { read_patch_table(s.snapshot()); },
-        +[](store::Store& s) { read_codebook(s.snapshot()); }}) {
+  for (auto&& work : {+[](store::Store& s) { build_index(s); },
+                      +[](store::Store& s) { stored::read_patch_table(s.snapshot()); },
+                      +[](store::Store& s) { stored::read_codebook(s.snapshot()); }}) {
     try {
       work(store);
       FAIL();
@@ -141,7 +141,7 @@ TEST(PatchTable, AsksForAnIndexWhenThereIsNone) {
   const ScratchFolder folder;
   store::Store store = made_store(folder.path() / "a.store", some_clips());
   try {
-    read_patch_table(store.snapshot());
+    stored::read_patch_table(store.snapshot());
     FAIL();
   } catch (const Error& error) {
     EXPECT_EQ(error.kind(), ErrorKind::kNotFound);
@@ -165,26 +165,26 @@ TEST(PatchTable, RefusesPatchesBeyondTheirFrame) {
     };
     write(column);
     try {
-      read_patch_table(store.snapshot());
+      stored::read_patch_table(store.snapshot());
       FAIL() << name;
     } catch (const Error& error) {
       EXPECT_EQ(error.kind(), ErrorKind::kDamaged);
     }
     write(whole);
   }
-  EXPECT_GT(read_patch_table(store.snapshot()).size(), 0u);
+  EXPECT_GT(stored::read_patch_table(store.snapshot()).size(), 0u);
 }
 
 TEST(StoredCodebook, RefusesBytesThatCannotBeOne) {
   const ScratchFolder folder;
   store::Store store = made_store(folder.path() / "a.store", some_clips());
   build_index(store);
-  const std::vector<std::byte> whole = *store.snapshot().blob(kCodebookBlob);
+  const std::vector<std::byte> whole = *store.snapshot().blob(stored::kCodebookBlob);
   const auto refused = [&](std::vector<std::byte> bytes) {
-    const store::Store::Blob blob{kCodebookBlob, bytes, true};
+    const store::Store::Blob blob{stored::kCodebookBlob, bytes, true};
     store.write(std::span(&blob, 1));
     try {
-      find_codebook(store.snapshot());
+      stored::find_codebook(store.snapshot());
     } catch (const Error& error) {
       return error.kind() == ErrorKind::kDamaged;
     }

@@ -57,8 +57,9 @@ inline std::vector<ScoredPatch> brute_force(std::span<const vision::WordMap> row
   std::vector<ScoredPatch> scored_patches;
   for (std::size_t row = 0; row < rows.size(); ++row) {
     if (filter != nullptr && !filter->allows(row)) continue;
-    scored_patches.push_back({static_cast<Row>(row), static_cast<std::uint32_t>(vision::intersection(
-                                                         query.words, rows[row], words, &query.mask))});
+    scored_patches.push_back(
+        {static_cast<stored::Row>(row),
+         static_cast<std::uint32_t>(vision::intersection(query.words, rows[row], words, &query.mask))});
   }
   std::sort(scored_patches.begin(), scored_patches.end(), better);
   if (scored_patches.size() > k) scored_patches.resize(k);

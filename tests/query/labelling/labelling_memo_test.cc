@@ -46,7 +46,7 @@ class Recall : public testing::Test {
   }
   /// With what is in the folder; reuse_ and notices_ say what was.
   Labelling warm(const LabelOptions& options, const SearchBase& base = *base_) {
-    LabelCache cache(folder_.path());
+    cache::ResultCache cache(folder_.path());
     LabellingMemo memo(cache, *snapshot_, base);
     Labelling labelling = label(*snapshot_, base, picture_, matte_, options, {}, {}, &memo);
     cache.finish();
@@ -169,10 +169,10 @@ TEST_F(Recall, DamagedPacksAreLeftOutWithANotice) {
 TEST_F(Recall, EntriesThatCannotBeAreComputedAgain) {
   const LabelOptions asked = options();
   const Labelling fresh = cold(asked);
-  LabelCache cache(folder_.path());
+  cache::ResultCache cache(folder_.path());
   LabellingMemo memo(cache, *snapshot_, *base_);
-  const CacheKey key = memo.solution_key(fresh.search.target, fresh.search.candidates, asked.costs,
-                                         asked.guide_costs, {}, asked.minimizer, asked.max_iterations);
+  const cache::Key key = memo.solution_key(fresh.search.target, fresh.search.candidates, asked.costs,
+                                           asked.guide_costs, {}, asked.minimizer, asked.max_iterations);
   Solution wrong{fresh.labels, 1, 0, 3};
   wrong.labels[2] = 1000;
   memo.keep_solution(key, wrong);
@@ -189,7 +189,7 @@ TEST_F(Recall, AnotherStoreHasNothingInCommon) {
   build_index(store);
   const store::Snapshot snapshot = store.snapshot();
   const SearchBase base = open_search(snapshot);
-  LabelCache cache(folder_.path());
+  cache::ResultCache cache(folder_.path());
   LabellingMemo memo(cache, snapshot, base);
   label(snapshot, base, picture_, matte_, options(), {}, {}, &memo);
   EXPECT_EQ(memo.reuse().reused_pieces, 0u);

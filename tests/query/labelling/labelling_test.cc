@@ -29,11 +29,12 @@ concept Labellable = requires(const store::Snapshot& snapshot, Base&& base, cons
 };
 static_assert(Searchable<const SearchBase&> && !Searchable<SearchBase>);
 static_assert(Labellable<const SearchBase&> && !Labellable<SearchBase>);
-static_assert(!std::is_constructible_v<LabellingMemo, LabelCache&, const store::Snapshot&, SearchBase>);
 static_assert(
-    !std::is_constructible_v<StoredFeatures, const store::Snapshot&, vision::Settings, const PatchTable&>);
-static_assert(
-    !std::is_constructible_v<StoredFeatures, const store::Snapshot&, const vision::Settings&, PatchTable>);
+    !std::is_constructible_v<LabellingMemo, cache::ResultCache&, const store::Snapshot&, SearchBase>);
+static_assert(!std::is_constructible_v<StoredFeatures, const store::Snapshot&, vision::Settings,
+                                       const stored::PatchTable&>);
+static_assert(!std::is_constructible_v<StoredFeatures, const store::Snapshot&, const vision::Settings&,
+                                       stored::PatchTable>);
 
 // One indexed store for all tests here; none of them writes to it.
 class OnAStore : public testing::Test {
@@ -57,7 +58,9 @@ class OnAStore : public testing::Test {
     return bgr;
   }
   static cv::Mat whole_matte() { return cv::Mat(144, 192, CV_8U, cv::Scalar(255)); }
-  static std::string clip_of(Row row) { return snapshot_->clip(table_->clips[table_->clip[row]]).name; }
+  static std::string clip_of(stored::Row row) {
+    return snapshot_->clip(table_->clips[table_->clip[row]]).name;
+  }
   static Error error_of(const CandidateOptions& options) {
     try {
       filter_rows(*snapshot_, *table_, base_->settings.variants(), options);
@@ -71,12 +74,12 @@ class OnAStore : public testing::Test {
   static ScratchFolder* folder_;
   static store::Snapshot* snapshot_;
   static SearchBase* base_;
-  static const PatchTable* table_;
+  static const stored::PatchTable* table_;
 };
 ScratchFolder* OnAStore::folder_ = nullptr;
 store::Snapshot* OnAStore::snapshot_ = nullptr;
 SearchBase* OnAStore::base_ = nullptr;
-const PatchTable* OnAStore::table_ = nullptr;
+const stored::PatchTable* OnAStore::table_ = nullptr;
 
 using Filter = OnAStore;
 using Label = OnAStore;
@@ -91,7 +94,7 @@ TEST_F(Filter, KeepsAllWithoutConditions) {
 TEST_F(Filter, KeepsTheClassAskedForAndNamesTheOthersWhenThereIsNone) {
   const Filtered filtered =
       filter_rows(*snapshot_, *table_, base_->settings.variants(), {.class_name = "fire"});
-  for (Row row = 0; row < table_->size(); ++row) {
+  for (stored::Row row = 0; row < table_->size(); ++row) {
     EXPECT_EQ(filtered.rows.allows(row), clip_of(row) == "fire/camp.mp4");
   }
   const Error error = error_of({.class_name = "smoke"});
@@ -110,7 +113,7 @@ TEST_F(Filter, KeepsPatchesThatMoveAsAskedOnTheScreen) {
     const Filtered narrow = filter_rows(*snapshot_, *table_, base_->settings.variants(), options);
     EXPECT_GT(wide, narrow.rows.count());
     EXPECT_GT(narrow.rows.count(), 0u);
-    for (Row row = 0; row < table_->size(); ++row) {
+    for (stored::Row row = 0; row < table_->size(); ++row) {
       if (narrow.rows.allows(row)) {
         EXPECT_EQ(clip_of(row), clip) << direction;
       }
@@ -137,8 +140,8 @@ TEST(FilterByTimes, AClipLastsAsLongAsItsFramesSayWhateverItsRate) {
                   {.name = "twice as fast.mp4", .seconds = 2, .texture = 2, .frame_s = 0.02}});
   build_index(store);
   const store::Snapshot snapshot = store.snapshot();
-  const Filtered filtered =
-      filter_rows(snapshot, read_patch_table(snapshot), made_settings().variants(), {.min_duration_s = 2});
+  const Filtered filtered = filter_rows(snapshot, stored::read_patch_table(snapshot),
+                                        made_settings().variants(), {.min_duration_s = 2});
   EXPECT_EQ(filtered.too_short, std::vector<std::string>{"twice as fast.mp4"});
   EXPECT_EQ(filtered.steps.back().clips, 1u);
 }
@@ -146,7 +149,7 @@ TEST(FilterByTimes, AClipLastsAsLongAsItsFramesSayWhateverItsRate) {
 TEST_F(Filter, LeavesOutClipsByNameAndKnowsWhichThereAre) {
   const Filtered filtered = filter_rows(*snapshot_, *table_, base_->settings.variants(),
                                         {.excluded_clips = {"fall.mp4", "river.mp4"}});
-  for (Row row = 0; row < table_->size(); ++row) {
+  for (stored::Row row = 0; row < table_->size(); ++row) {
     EXPECT_EQ(filtered.rows.allows(row), clip_of(row) != "fall.mp4" && clip_of(row) != "river.mp4");
   }
   EXPECT_EQ(error_of({.excluded_clips = {"fal.mp4"}}).kind(), ErrorKind::kNotFound);

@@ -14,10 +14,10 @@
 
 namespace freshet::query {
 
-inline constexpr Row kRows = 60;
+inline constexpr stored::Row kRows = 60;
 
 // Features with the spread of real ones: still places and torrents.
-inline std::vector<float> features_of(Row row, const FeatureShape& shape) {
+inline std::vector<float> features_of(stored::Row row, const FeatureShape& shape) {
   std::mt19937_64 random(row);
   std::normal_distribution<float> normal;
   std::vector<float> values(shape.values());
@@ -38,7 +38,7 @@ inline std::vector<float> features_of(Row row, const FeatureShape& shape) {
 
 inline FeatureSource source_of(const FeatureShape& shape) {
   const int side = shape.square(), across = shape.squares();
-  return {[=](Row row, std::span<Square> out) {
+  return {[=](stored::Row row, std::span<Square> out) {
             for (int k = 0; k < across * across; ++k)
               out[static_cast<std::size_t>(k)] = {row, 0, static_cast<std::uint16_t>(k / across * side),
                                                   static_cast<std::uint16_t>(k % across * side)};
@@ -67,13 +67,13 @@ inline Target some_target() {
 inline Candidates some_candidates(std::size_t pieces, std::size_t k) {
   Candidates candidates;
   candidates.k = k;
-  candidates.rows.assign(pieces * k, kNoRow);
+  candidates.rows.assign(pieces * k, stored::kNoRow);
   candidates.scores.assign(pieces * k, 0);
   std::mt19937_64 random(4);
   for (std::size_t piece = 0; piece < pieces; ++piece) {
     candidates.counts.push_back(static_cast<std::uint32_t>(1 + random() % k));
     for (std::size_t i = 0; i < candidates.counts[piece]; ++i) {
-      candidates.rows[piece * k + i] = static_cast<Row>(random() % kRows);
+      candidates.rows[piece * k + i] = static_cast<stored::Row>(random() % kRows);
       candidates.scores[piece * k + i] = 1 - 0.05f * static_cast<float>(i);
     }
   }

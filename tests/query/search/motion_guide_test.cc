@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "freshet/error.h"
+#include "query/costs/guide_costs.h"
 #include "query/index/index_builder.h"
 #include "query/labelling/labelling.h"
 #include "tests/query/made_store.h"
@@ -148,7 +149,7 @@ TEST_F(Guided, AWideSearchForbidsNothingAndPutsFirstWhatIsBestWhenItHasPaid) {
       last = paid;
     }
     other = other || !std::equal(rows.begin(), rows.end(), free.candidates.rows_of(piece).begin());
-    for (const Row row : dear.candidates.rows_of(piece))
+    for (const stored::Row row : dear.candidates.rows_of(piece))
       EXPECT_GT(dear.table().mean_v[row], 0) << "there are enough that fall";
   }
   EXPECT_TRUE(other);
@@ -163,7 +164,7 @@ TEST_F(Guided, PiecesGetOnlyWhatMovesAsAsked) {
   for (std::size_t piece = 0; piece < found.target.size(); ++piece) {
     EXPECT_EQ(found.candidates.opened[piece], 0);
     EXPECT_GE(found.candidates.counts[piece], 10u);
-    for (const Row row : found.candidates.rows_of(piece)) {
+    for (const stored::Row row : found.candidates.rows_of(piece)) {
       EXPECT_GT(found.table().mean_v[row], 20 * std::cos(0.53));
       EXPECT_LE(std::hypot(found.table().mean_u[row], found.table().mean_v[row]), 45.01);
     }
@@ -185,39 +186,6 @@ TEST_F(Guided, TolerancesOpenWhereTooFewMoveAsAskedAndANoteSaysSo) {
   }
   ASSERT_EQ(found.candidates.notes.size(), 1u);
   EXPECT_NE(found.candidates.notes[0].find("opened"), std::string::npos);
-}
-
-TEST_F(Guided, CandidatesPayForNotMovingQuiteAsAsked) {
-  const PatchTable table{.clips = {},
-                         .first_row = {},
-                         .clip = {0, 0, 0},
-                         .variant = {},
-                         .x = {},
-                         .y = {},
-                         .mean_u = {10, 0, 40},
-                         .mean_v = {0, 10, 0},
-                         .coverage = {},
-                         .words = {}};
-  Candidates candidates;
-  candidates.k = 3;
-  candidates.rows = {0, 1, 2};
-  candidates.scores = {1, 1, 1};
-  candidates.counts = {3};
-  candidates.asked.push_back({.direction = cv::Vec2f(1, 0), .speed = 20});
-  candidates.opened = {0};
-  Mrf mrf;
-  mrf.add_node(std::vector<float>{0, 0, 0});
-  add_guide_costs(table, candidates, {.direction = 2, .speed = 0.5, .unsteady = 0}, mrf);
-  EXPECT_NEAR(mrf.unary[0], 0.5, 1e-6);      // half the speed
-  EXPECT_NEAR(mrf.unary[1], 2 + 0.5, 1e-6);  // and a right angle
-  EXPECT_NEAR(mrf.unary[2], 0.5, 1e-6);      // twice the speed
-  candidates.steadiness = {1, 0.25, 0};
-  mrf.unary = {0, 0, 0};
-  add_guide_costs(table, candidates, {.direction = 0, .speed = 0, .unsteady = 2}, mrf);
-  EXPECT_EQ(mrf.unary, (std::vector<float>{0, 1.5, 2}));
-  candidates.asked[0].direction = {0, 0};
-  add_guide_costs(table, candidates, {.direction = 0, .speed = 0, .unsteady = 2}, mrf);
-  EXPECT_EQ(mrf.unary, (std::vector<float>{0, 1.5, 2})) << "nobody asked where to";
 }
 
 }  // namespace

@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "freshet/error.h"
-#include "query/hints/svg_strokes.h"
+#include "hints/svg_strokes.h"
 
 namespace freshet::studio {
 namespace {
@@ -236,7 +236,7 @@ TEST(Document, RefusesWhatWouldEndTheProcess) {
 
 TEST(Document, StrokesAreReadAsTheyWereDrawn) {
   const auto strokes =
-      query::read_svg_strokes(strokes_svg(full(), {640, 360}), "strokes", {640, 360}, nullptr);
+      hints::read_svg_strokes(strokes_svg(full(), {640, 360}), "strokes", {640, 360}, nullptr);
   ASSERT_EQ(strokes.size(), 2u + 5u) << "and five of the brush";
   EXPECT_EQ(strokes[0].points.front(), cv::Point2f(10, 10));
   EXPECT_EQ(strokes[0].points.back(), cv::Point2f(10, 40));

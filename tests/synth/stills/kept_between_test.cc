@@ -7,6 +7,7 @@
 
 #include <unistd.h>
 
+#include "cache/content_hash.h"
 #include "synth/stills/rendering.h"
 #include "tests/synth/stills/made_stills.h"
 
@@ -32,9 +33,9 @@ TEST_F(Kept, APictureIsMadeOnceAndAgainWhenItsStillsChange) {
   const std::vector<cv::Mat> stills = made_pendulum({.3, .5, .7});
   int made = 0;
   const auto picture = [&](int a, int b, double phase, cv::Point corner = {}) {
-    query::LabelCache cache(folder_);
+    cache::ResultCache cache(folder_);
     const cv::Rect box(corner, cv::Size(64, 64));
-    const BetweenKey key{content_of(stills[a]), content_of(stills[b]), box, phase, 160};
+    const BetweenKey key{cache::content_hash(stills[a]), cache::content_hash(stills[b]), box, phase, 160};
     return KeptBetween(&cache).picture(key, stills[a].type(), [&] {
       ++made;
       cv::Mat mean;
@@ -75,7 +76,7 @@ struct TwoPendulums {
       regions.back().mask(cv::Rect(x, 20, 140, 56)).setTo(255);
     }
   }
-  std::vector<cv::Mat> frames(const std::vector<RegionEdits>& edits, query::LabelCache* cache) const {
+  std::vector<cv::Mat> frames(const std::vector<RegionEdits>& edits, cache::ResultCache* cache) const {
     const Plan plan = make_plan(stills, names, regions, {.seconds = 2, .edits = edits});
     std::vector<cv::Mat> out;
     render_frames(plan, stills,
@@ -88,7 +89,7 @@ struct TwoPendulums {
 TEST_F(Kept, AfterAnEditOnlyTheEditedRegionIsMadeAnew) {
   const TwoPendulums scene;
   const auto with_cache = [&](const std::vector<RegionEdits>& edits) {
-    query::LabelCache cache(folder_);
+    cache::ResultCache cache(folder_);
     return scene.frames(edits, &cache);
   };
   RegionEdits slower;
@@ -113,7 +114,7 @@ TEST_F(Kept, APixelOutsideARegionsBoxMakesItsPicturesAnew) {
   TwoPendulums scene;
   scene.regions.resize(1);
   const auto with_cache = [&] {
-    query::LabelCache cache(folder_);
+    cache::ResultCache cache(folder_);
     scene.frames({}, &cache);
   };
   with_cache();

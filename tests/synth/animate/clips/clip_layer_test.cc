@@ -70,7 +70,7 @@ std::vector<cv::Mat> obvious_fields(const FlowingStore& store, const FlowingClip
   for (const ClipLayer::Played& group : layer.played()) {
     cv::Mat average = cv::Mat::zeros(clip.size, CV_32F);
     double total = 0;
-    for (const Moment& moment : group.moments)
+    for (const playing::Moment& moment : group.moments)
       for (int k = 0; k < moment.count(); ++k) {
         // Of a moment between two frames the average has both, by their distance.
         const double at = moment.at[k], fraction = at - std::floor(at), weight = moment.weight[k];
@@ -81,18 +81,18 @@ std::vector<cv::Mat> obvious_fields(const FlowingStore& store, const FlowingClip
     average /= total;
     for (int i = 0; i < kOutputs; ++i) {
       cv::Mat difference = cv::Mat::zeros(clip.size, CV_32F);
-      const Moment& moment = group.moments[i];
+      const playing::Moment& moment = group.moments[i];
       for (int k = 0; k < moment.count(); ++k)
         difference += moment.weight[k] * (luma_at(store, clip, moment.at[k]) - average);
       for (const std::size_t p : group.patches) {
         const PlacedPatch& placed = placement.patches[p];
         cv::Mat reduced, window;
-        const cv::Size size = reduced_to_scale(clip.size, placed.variant.scale);
+        const cv::Size size = sampling::reduced_to_scale(clip.size, placed.variant.scale);
         if (size == clip.size)
           reduced = difference;
         else
           cv::resize(difference, reduced, size, 0, 0, cv::INTER_AREA);
-        PatchWindow(clip.size, placed.variant, placed.patch, placement.side).cut(reduced, window);
+        sampling::PatchWindow(clip.size, placed.variant, placed.patch, placement.side).cut(reduced, window);
         blender.add(i, p, window);
       }
     }

@@ -22,7 +22,7 @@ double keys(double t) {
 
 /// Luma of whole frames, 0..1, as the layout has it.
 cv::Mat luma_of(const FlowingStore& store, const FlowingClip& clip, int i) {
-  return media::luma_from_plane(query::ClipFrames(store.snapshot(), store.id()).layout(), clip.frame(i));
+  return media::luma_from_plane(stored::ClipFrames(store.snapshot(), store.id()).layout(), clip.frame(i));
 }
 
 /// A component of the flow at a pixel of the frame reduced by so much, px of that: between samples, which stand in the

@@ -9,7 +9,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "freshet/error.h"
-#include "synth/animate/sampling/pull_push.h"
+#include "synth/sampling/pull_push.h"
 #include "tests/synth/animate/flowing_clip.h"
 
 namespace freshet::synth::animate {
@@ -150,7 +150,7 @@ cv::Mat obvious_squares(const FlowingClip& clip, const Placement& placement, std
       if (speed > 2.5 * mean) v *= 2.5 * mean / speed;
       trust.at<float>(y, x) = static_cast<float>(std::pow(std::min(1.0, 2 * speed / mean), 2));
     }
-  cv::Mat smooth = pull_push(squares, trust);
+  cv::Mat smooth = sampling::pull_push(squares, trust);
   cv::GaussianBlur(smooth, smooth, {}, 1.25, 1.25, cv::BORDER_REPLICATE);
   return smooth;
 }

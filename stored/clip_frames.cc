@@ -1,0 +1,71 @@
+#include "stored/clip_frames.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+#include <oneapi/tbb/parallel_for.h>
+
+#include "freshet/error.h"
+#include "media/frame/layout_json.h"
+
+namespace freshet::stored {
+
+ClipFrames::ClipFrames(const store::Snapshot& snapshot, store::ClipId clip)
+    : snapshot_(snapshot), clip_(clip), layout_(media::layout_from_json(snapshot.clip(clip).metadata)) {
+  const store::ClipRecord& record = snapshot_.clip(clip_);
+  const std::vector<media::Plane> planes = media::plane_shapes(layout_);
+  bool same = planes.size() == record.frames.planes.size() &&
+              static_cast<std::uint32_t>(layout_.width) == record.width &&
+              static_cast<std::uint32_t>(layout_.height) == record.height;
+  for (std::size_t p = 0; same && p < planes.size(); ++p) {
+    const store::PlaneShape& shape = record.frames.planes[p];
+    same = static_cast<std::uint32_t>(planes[p].width) == shape.width &&
+           static_cast<std::uint32_t>(planes[p].height) == shape.height &&
+           planes[p].bytes_per_sample == shape.bytes_per_sample;
+  }
+  if (!same)
+    throw Error(ErrorKind::kDamaged, record.name,
+                "its planes are not those of the pixel format " + layout_.format, "Run freshet store verify");
+  times_ = snapshot_.column<double>(clip_, "frame.time");
+  if (times_.size() != record.frame_count)
+    throw Error(ErrorKind::kDamaged, record.name, "its frame times do not match its frames",
+                "Run freshet store verify");
+  if (!std::all_of(times_.begin(), times_.end(), [](double time) { return std::isfinite(time); }) ||
+      !std::is_sorted(times_.begin(), times_.end()))
+    throw Error(ErrorKind::kDamaged, record.name, "its frame times are no times in their order",
+                "Run freshet store verify");
+}
+
+std::uint32_t ClipFrames::size() const { return snapshot_.clip(clip_).frame_count; }
+
+media::Frame ClipFrames::read(std::uint32_t frame) const { return std::move(read(frame, 1).front()); }
+
+std::vector<media::Frame> ClipFrames::read(std::uint32_t first, std::uint32_t count) const {
+  const store::ClipRecord& record = snapshot_.clip(clip_);
+  std::vector<media::Frame> frames;
+  for (std::uint32_t i = 0; i < count; ++i) {
+    frames.push_back(media::make_frame(layout_));
+    frames.back().time_s = times_[first + i];
+  }
+  // Bands of a tile's height: each is decoded once, by one thread.
+  constexpr std::uint32_t kBand = 64;
+  for (std::size_t p = 0; p < record.frames.planes.size(); ++p) {
+    const store::PlaneShape& shape = record.frames.planes[p];
+    const std::size_t row_bytes = static_cast<std::size_t>(shape.width) * shape.bytes_per_sample;
+    oneapi::tbb::parallel_for(0u, (shape.height + kBand - 1) / kBand, [&](std::uint32_t band) {
+      const std::uint32_t top = band * kBand, rows = std::min(kBand, shape.height - top);
+      std::vector<std::byte> samples(row_bytes * rows * count);
+      snapshot_.read(clip_, store::Stream::kFrames, static_cast<std::uint32_t>(p),
+                     {0, top, shape.width, rows}, first, count, samples);
+      for (std::uint32_t i = 0; i < count; ++i)
+        for (std::uint32_t row = 0; row < rows; ++row)
+          std::memcpy(
+              frames[i].planes[p].data + static_cast<std::ptrdiff_t>(top + row) * frames[i].planes[p].stride,
+              samples.data() + (static_cast<std::size_t>(i) * rows + row) * row_bytes, row_bytes);
+    });
+  }
+  return frames;
+}
+
+}  // namespace freshet::stored

@@ -1,0 +1,54 @@
+#include "tools/options/solver_options.h"
+
+namespace freshet::tools {
+
+void SolverOptions::add_to(CLI::App& command) {
+  command.add_option("--solver", solver_, "trw-s (with a lower bound), alpha-expansion (the paper's), icm")
+      ->check(CLI::IsMember({"trw-s", "alpha-expansion", "icm"}))
+      ->capture_default_str();
+  command.add_option("--iterations", iterations_, "Passes of the solver, at most")
+      ->check(CLI::Range(1, 100000))
+      ->capture_default_str();
+  command
+      .add_option("--costs", costs_,
+                  "log: distances of logarithms; power: the paper's, which drift to calm motion")
+      ->check(CLI::IsMember({"log", "power"}))
+      ->capture_default_str();
+  lambda_option_ = command.add_option("--lambda", lambda_, "Weight of neighbours against likeness [0.01]")
+                       ->check(CLI::NonNegativeNumber);
+  sigma_option_ =
+      command.add_option("--sigma", sigma_, "Weight of dynamics against mean motion [log 0.125, power 100]")
+          ->check(CLI::NonNegativeNumber);
+  vote_option_ =
+      command
+          .add_option("--vote", vote_,
+                      "Weight of the candidates' vote on how strongly a piece moves [log 4, power 0]")
+          ->check(CLI::NonNegativeNumber);
+  command.add_option("--reuse", reuse_.overlap, "Price of a clip's place shown twice by neighbours")
+      ->check(CLI::Range(0.0, 1000.0))
+      ->capture_default_str();
+  command
+      .add_option(
+          "--crowd", reuse_.crowd,
+          "Price of each patch of a clip that has more than half of the pieces; added up to four times")
+      ->check(CLI::Range(0.0, 1000.0))
+      ->capture_default_str();
+  rho_option_ =
+      command.add_option("--rho", rho_, "Weight of textureness against mean motion [log 0.25, power 10000]")
+          ->check(CLI::NonNegativeNumber);
+}
+
+query::Minimizer SolverOptions::solver() const { return query::parse_minimizer(solver_); }
+
+query::PairwiseOptions SolverOptions::costs() const { return costs(query::parse_cost_form(costs_)); }
+
+query::PairwiseOptions SolverOptions::costs(query::CostForm form) const {
+  query::PairwiseOptions costs = query::default_costs(form);
+  if (lambda_option_->count() > 0) costs.lambda = lambda_;
+  if (sigma_option_->count() > 0) costs.sigma = sigma_;
+  if (rho_option_->count() > 0) costs.rho = rho_;
+  if (vote_option_->count() > 0) costs.vote = vote_;
+  return costs;
+}
+
+}  // namespace freshet::tools

@@ -1,0 +1,49 @@
+#include "tools/options/target_files.h"
+
+#include "freshet/error.h"
+#include "tools/console/run_context.h"
+
+namespace freshet::tools {
+
+void TargetFiles::add_to(CLI::App& command) {
+  command.add_option("STORE", store, "The store file")->required();
+  command.add_option("PICTURE", picture, "The still picture (PNG, JPEG, TIFF, ...)")->required();
+  CLI::Option* given = command.add_option("--matte", matte,
+                                          "Grey picture, white where the fluid is [the picture's own alpha]");
+  command.add_flag("--whole", whole, "All of the picture is fluid [off]")->excludes(given);
+}
+
+TargetFiles::Loaded TargetFiles::load() const {
+  Loaded loaded{.picture = {}, .matte = {}, .still = media::read_still(picture)};
+  for (const std::string& notice : loaded.still.notices) say(picture.string() + ": " + notice);
+  loaded.picture = loaded.still.bgr;
+  media::Matte read;
+  if (!matte.empty()) {
+    read = media::read_matte(matte, loaded.picture.size());
+    for (const std::string& notice : read.notices) say(matte.string() + ": " + notice);
+    if (!loaded.still.alpha.empty()) say(picture.string() + ": alpha channel ignored, as there is a matte");
+  } else if (!loaded.still.alpha.empty() && !whole) {
+    read = media::matte_of_alpha(loaded.still.alpha, picture);
+    say(picture.string() + ": its alpha channel is the matte");
+    for (const std::string& notice : read.notices) say(picture.string() + ": " + notice);
+  }
+  loaded.matte_known = whole || !read.alpha.empty();
+  loaded.matte = read.alpha.empty() ? cv::Mat(loaded.picture.size(), CV_8U, cv::Scalar(255)) : read.alpha;
+  return loaded;
+}
+
+TargetFiles::Loaded TargetFiles::load_with_matte() const {
+  Loaded loaded = load();
+  if (!loaded.matte_known)
+    throw Error(
+        ErrorKind::kUsage, picture.string(), "nothing says where its fluid is",
+        "Give --matte (freshet synth matte makes one from a few strokes), a picture with alpha, or --whole "
+        "where all of it moves");
+  return loaded;
+}
+
+void say_reduction(const TargetFiles& target, const TargetFiles::Loaded& loaded) {
+  if (!loaded.still.reduction.empty()) say(target.picture.string() + ": " + loaded.still.reduction);
+}
+
+}  // namespace freshet::tools

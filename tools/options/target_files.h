@@ -1,0 +1,38 @@
+// tools/options/target_files.h — the picture that is animated, and where its fluid is.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include <CLI/CLI.hpp>
+#include <opencv2/core.hpp>
+
+#include "media/picture/picture.h"
+
+namespace freshet::tools {
+
+/// What is searched for: a picture and where its fluid is.
+struct TargetFiles {
+  std::string store;
+  std::filesystem::path picture, matte;
+
+  bool whole = false;  // the whole picture is fluid, whatever its alpha says
+
+  /// STORE, PICTURE, --matte, --whole.
+  void add_to(CLI::App& command);
+  struct Loaded {
+    cv::Mat picture, matte;  // CV_8UC3, CV_8U
+    media::Still still;      // with all that the file holds
+    bool matte_known = false;
+  };
+  /// Reads both; says what had to be changed about them. Without a matte the picture's alpha is it; without that
+  /// the whole picture is fluid.
+  Loaded load() const;
+  /// The same for what is rendered: throws Error{kUsage} where nobody says where the fluid is.
+  Loaded load_with_matte() const;
+};
+
+/// Says that bits were lost, for commands that use eight of them.
+void say_reduction(const TargetFiles& target, const TargetFiles::Loaded& loaded);
+
+}  // namespace freshet::tools

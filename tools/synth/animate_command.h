@@ -1,0 +1,101 @@
+// tools/synth/animate_command.h — what freshet synth animate is asked, and the steps from there to its frames.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+#include <opencv2/core.hpp>
+
+#include "query/labelling/assignment.h"
+#include "synth/animate/animate.h"
+#include "synth/animate/staging.h"
+#include "tools/console/progress.h"
+#include "tools/options/cache_options.h"
+#include "tools/options/duration.h"
+#include "tools/options/hold_options.h"
+#include "tools/options/motion_options.h"
+#include "tools/options/outline_options.h"
+#include "tools/options/output_options.h"
+#include "tools/options/play_options.h"
+#include "tools/options/search_options.h"
+#include "tools/options/solver_options.h"
+#include "tools/options/target_files.h"
+#include "tools/query/label_run.h"
+
+namespace freshet::tools {
+
+/// The command's options, wherever they are parsed. Stays where it is once it was added to a command line.
+struct AnimateCommand {
+  TargetFiles target;
+  HoldOptions hold;
+  SearchOptions search;
+  MotionOptions motion;
+  Duration duration;
+  SolverOptions labelling;
+  CacheOptions cache;
+  PlayOptions play;
+  OutlineOptions boundary;
+  OutputOptions output;
+  std::string assignment, sheet;
+  std::string method = "carried", weights = "variance", low_band = "shared", matching = "sequence";
+  synth::animate::BaseImageOptions base;
+  synth::animate::CarriedOptions carried;
+  synth::animate::PaperOptions paper;
+  bool json = false;
+
+  /// All options, and what --help leaves to --help-all.
+  void add_to(CLI::App& app);
+  /// Those that say how an animation is made, whoever asks for it and wherever it goes.
+  void add_making_to(CLI::App& app);
+  /// Those that can only change which patches are chosen, or what is read from files.
+  void add_choosing_to(CLI::App& app);
+
+  synth::animate::AnimateOptions rendering() const;
+  std::vector<PlannedStage> stages() const;
+
+ private:
+  void add_carrying_to(CLI::App& app);
+  void add_blending_to(CLI::App& app);
+};
+
+/// What its files hold and its options come to, before a patch is looked for.
+struct AnimateInputs {
+  TargetFiles::Loaded loaded;
+  synth::animate::AnimateOptions options;
+  AskedMotion asked;
+  synth::animate::Playing playing;
+
+  /// Where the motion of carried frames goes; null where the method carries nothing.
+  std::function<void(const cv::Mat&)>* motion_sink();
+};
+/// Says what had to be changed about the files. Throws as their readers.
+AnimateInputs read_inputs(const AnimateCommand& command);
+
+struct ChosenPatches {
+  query::Assignment assignment;
+  nlohmann::json labelled;  // null for an assignment from a file
+};
+
+/// Where the base of a search comes from: one may serve many.
+using BaseSource = std::function<std::shared_ptr<const query::SearchBase>(const SearchOptions&)>;
+
+/// One patch for each piece, searched and labelled or read; asked.guide becomes what the animation is turned to.
+/// cache   may be null.
+ChosenPatches choose_patches(const AnimateCommand& command, const store::Snapshot& snapshot,
+                             const TargetFiles::Loaded& loaded, AskedMotion& asked, const BaseSource& base,
+                             cache::ResultCache* cache, const RunContext& context);
+
+/// What the patches and the inputs come to.
+synth::animate::Staging stage(const store::Snapshot& snapshot, const AnimateInputs& inputs,
+                              const query::Assignment& assignment);
+/// picture   of the inputs, as deep as its output asks.
+synth::animate::AnimateReport render(const store::Snapshot& snapshot, const AnimateInputs& inputs,
+                                     const synth::animate::Staging& staging, const cv::Mat& picture,
+                                     const std::function<void(const cv::Mat&)>& sink,
+                                     const ProgressFunction& progress, const RunContext& context);
+
+}  // namespace freshet::tools

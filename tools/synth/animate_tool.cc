@@ -1,0 +1,166 @@
+#include <memory>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "freshet/error.h"
+#include "hints/stroke_field.h"
+#include "media/picture/picture.h"
+#include "synth/animate/frame_sheet.h"
+#include "synth/animate/motion/motion_field.h"
+#include "tools/commands.h"
+#include "tools/console/output_names.h"
+#include "tools/console/progress.h"
+#include "tools/synth/animate_command.h"
+#include "tools/synth/animate_run.h"
+
+namespace freshet::tools {
+namespace {
+
+void say_made(const synth::animate::AnimateReport& report, const AnimateInputs& inputs) {
+  const int frames = inputs.options.until - inputs.options.from;
+  say(fmt::format(
+      "{} frames of {} x {} from {} pieces of {} clips in {:.1f} s, {:.1f} frames/s (decode {:.1f}, blend "
+      "{:.1f}, base {:.1f}, match {:.1f}, render and write {:.1f})",
+      frames, inputs.loaded.picture.cols, inputs.loaded.picture.rows, report.pieces, report.clips,
+      report.total_s, frames / report.total_s, report.decode_s, report.blend_s, report.base_s,
+      report.appearance_s, report.render_s));
+  if (report.half_life_s > 0)
+    say(
+        fmt::format("{:.0f} % of the detail comes anew in each frame (--renewal), half of all after {:.2f} s "
+                    "(--detail-life)",
+                    100 * report.renewed, report.half_life_s));
+}
+
+/// For a program, or the names of the files alone.
+void print_made(const AnimateCommand& command, const AnimateInputs& inputs, const ChosenPatches& chosen,
+                const synth::animate::AnimateReport& report) {
+  std::vector<std::string> files = command.output.files();
+  files.push_back(command.sheet);
+  for (const std::string& path : command.motion.outputs()) files.push_back(path);
+  std::erase(files, "");
+  if (!command.json) {
+    for (const std::string& path : files) fmt::print("{}\n", path);
+    return;
+  }
+  fmt::print("{}\n", nlohmann::json{{"files", files},
+                                    {"frames", inputs.options.frames},
+                                    {"width", inputs.loaded.picture.cols},
+                                    {"height", inputs.loaded.picture.rows},
+                                    {"fps", inputs.options.fps},
+                                    {"pieces", report.pieces},
+                                    {"clips", report.clips},
+                                    {"batches", report.batches},
+                                    {"half_life_s", report.half_life_s},
+                                    {"renewed", report.renewed},
+                                    {"labelling", chosen.labelled},
+                                    {"shares", shares_json(chosen.assignment)},
+                                    {"seconds",
+                                     {{"decode", report.decode_s},
+                                      {"blend", report.blend_s},
+                                      {"base", report.base_s},
+                                      {"match", report.appearance_s},
+                                      {"render", report.render_s},
+                                      {"total", report.total_s}}}}
+                         .dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
+}
+
+void run_animate(AnimateCommand& command, const RunContext& context) {
+  plan_stages(command.stages());
+  const store::Snapshot snapshot = store::Store::open_read(command.target.store).snapshot();
+  AnimateInputs inputs = read_inputs(command);
+  const TargetFiles::Loaded& loaded = inputs.loaded;
+  synth::animate::AnimateOptions& options = inputs.options;
+  // The output first: a mistyped folder should not cost a labelling.
+  command.motion.check_outputs();
+  check_picture_output(command.sheet);
+  const std::unique_ptr<AnimationFiles> output = command.output.open(loaded, options, inputs.motion_sink());
+
+  const auto cache = command.cache.open();
+  const ChosenPatches chosen = choose_patches(
+      command, snapshot, loaded, inputs.asked,
+      [&](const SearchOptions& search) { return open_with_progress(snapshot, search, cache != nullptr); },
+      cache.get(), context);
+  const query::Assignment& assignment = chosen.assignment;
+  const synth::animate::Staging staging = stage(snapshot, inputs, assignment);
+  const cv::Mat motion =
+      command.motion.needs_motion(inputs.asked)
+          ? synth::animate::motion_field(snapshot, vision::settings_from_json(snapshot.settings()),
+                                         staging.placement, loaded.picture.size())
+          : cv::Mat();
+  command.motion.draw(loaded, inputs.asked, motion);
+  command.motion.write_maps(loaded, motion);
+
+  output->skip_to_range();
+  synth::animate::FrameSheet sheet(loaded.picture, loaded.matte, options.until - options.from,
+                                   {.fps = options.fps,
+                                    .first_number = command.output.first_number(),
+                                    .first = options.from,
+                                    .shown = 8,
+                                    .width_px = 480});
+  Progress progress;
+  const synth::animate::AnimateReport report = render(
+      snapshot, inputs, staging, output->picture(),
+      [&](const cv::Mat& frame) { sheet.add(output->write(frame)); }, progress.callback(), context);
+  output->finish();
+  progress.finish();
+  if (!command.sheet.empty()) media::write_picture(command.sheet, sheet.draw());
+  say_made(report, inputs);
+  print_made(command, inputs, chosen, report);
+}
+
+}  // namespace
+
+void animate_layer(const AnimateRequest& request, const std::function<void(const cv::Mat&)>& sink,
+                   const RunContext& context) {
+  AnimateCommand command;
+  CLI::App app("options of freshet synth animate", "options");
+  command.add_making_to(app);
+  try {
+    app.parse(std::vector<std::string>(request.words.rbegin(), request.words.rend()));
+  } catch (const CLI::ParseError& fault) {
+    throw Error(ErrorKind::kUsage, request.where, fmt::format("options: {}", fault.what()),
+                "freshet synth animate --help-all explains those that there are, but for files and length");
+  }
+  command.target.store = request.store;
+  command.duration = {.frames = request.frames, .fps = request.fps};
+  const store::Snapshot snapshot = store::Store::open_read(request.store).snapshot();
+  const std::unique_ptr<cache::ResultCache> cache = command.cache.open();
+  AnimateInputs inputs{.loaded = request.loaded,
+                       .options = command.rendering(),
+                       .asked = command.motion.read(request.loaded, command.search),
+                       .playing = command.play.read(request.loaded.picture.size())};
+  inputs.options.loop = request.loop;
+  inputs.options.form = synth::animate::FrameForm::kFluid;
+  command.boundary.apply(inputs.options, request.loaded.picture.size());
+  if (!request.strokes.empty() && inputs.asked.strokes.empty()) {
+    const hints::StrokeField field =
+        hints::interpolate(request.strokes, request.loaded.picture.size(), request.where);
+    inputs.asked.guide.direction = field.direction;
+    inputs.asked.guide.speed = field.speed;
+  }
+  const ChosenPatches chosen = choose_patches(
+      command, snapshot, request.loaded, inputs.asked,
+      [&](const SearchOptions& search) { return open_with_progress(snapshot, search, cache != nullptr); },
+      cache.get(), context);
+  render(snapshot, inputs, stage(snapshot, inputs, chosen.assignment), request.loaded.picture, sink, {},
+         context);
+}
+
+void add_animate(CLI::App& synth_command, RunContext& context) {
+  auto command = std::make_shared<AnimateCommand>();
+  CLI::App* sub =
+      synth_command.add_subcommand("animate", "Animate a still picture with the patches of a store");
+  command->add_to(*sub);
+  sub->callback([command, sub, &context] {
+    if (!command->assignment.empty())
+      for (const char* name :
+           {"--class", "--direction", "--exclude", "--piece", "--piece-scale", "--solver", "--hint",
+            "--hint-search", "--strokes", "--orientation-map", "--speed-map", "--cache"})
+        if (sub->count(name) > 0)
+          say(fmt::format("{} has no effect: {} says which patches are used", name, command->assignment));
+    run_animate(*command, context);
+  });
+}
+
+}  // namespace freshet::tools

@@ -1,0 +1,246 @@
+// freshet synth scene: a picture's layers, all moved by one wind.
+
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "freshet/error.h"
+#include "media/picture/passes.h"
+#include "media/picture/picture.h"
+#include "media/video/output_format.h"
+#include "media/video/picture_sink.h"
+#include "platform/stopwatch.h"
+#include "synth/animate/frame_sheet.h"
+#include "synth/scene/rendering/scene_animation.h"
+#include "synth/scene/rendering/scene_cut.h"
+#include "synth/scene/rendering/scene_drawing.h"
+#include "synth/scene/scene_file.h"
+#include "synth/scene/scene_marks.h"
+#include "tools/commands.h"
+#include "tools/console/output_names.h"
+#include "tools/console/progress.h"
+#include "tools/options/output_options.h"
+#include "tools/synth/layer_frames.h"
+
+namespace freshet::tools {
+namespace {
+
+namespace fs = std::filesystem;
+namespace scene = synth::scene;
+
+struct SceneCommand {
+  std::string file, init, sheet, drawing, layers_out;
+  OutputOptions output;
+  bool print_keys = false, json = false;
+};
+
+void say_all(const std::vector<std::string>& notices) {
+  for (const std::string& notice : notices) say(notice);
+}
+
+/// Leaves a scene to start from.
+void write_first_scene(const SceneCommand& command) {
+  const fs::path out = command.output.name();
+  if (out.empty()) throw CLI::RequiredError("--output");
+  if (out.extension() != ".toml")
+    throw Error(ErrorKind::kUsage, out.string(), "a scene is a TOML file", "Name it SCENE.toml");
+  check_output_folder(out);
+  const media::Picture picture = media::read_picture(command.init);
+  const fs::path folder = fs::absolute(out).parent_path();
+  std::ofstream file(out);
+  file << scene::first_scene(fs::relative(fs::absolute(command.init), folder).generic_string(),
+                             picture.bgr.size());
+  file.close();
+  if (!file)
+    throw Error(ErrorKind::kIo, out.string(), "it cannot be written", "Check the folder and its free space");
+  fmt::print("{}\n", out.string());
+}
+
+constexpr const char* kLayer = "{layer}";
+
+/// Each layer's frames, alone and with alpha, in files of their own.
+class LayerFiles {
+ public:
+  /// name   with {layer} in it; empty: nothing is written.
+  LayerFiles(const std::string& name, const scene::Scene& asked, cv::Size size) {
+    if (name.empty()) return;
+    const std::size_t at = name.find(kLayer);
+    if (at == std::string::npos)
+      throw Error(ErrorKind::kUsage, "--layers-out " + name, "it does not say where the layer's name stands",
+                  "For example --layers-out 'layers/{layer}.####.exr', or '{layer}.mov'");
+    const media::OutputFormat format = media::output_format(name, asked.frames);
+    if (!format.alpha())
+      throw Error(ErrorKind::kUsage, "--layers-out " + name, "the ending names no format with alpha",
+                  "Use " + media::written_endings([](const media::FileFormat& each) { return each.alpha; }));
+    layers_.emplace(cv::Mat(size, CV_32FC3, cv::Scalar::all(0)), cv::Mat(size, CV_8UC3, cv::Scalar::all(0)),
+                    cv::Mat(size, CV_8U, cv::Scalar(255)), media::Layer::kFluid,
+                    format.light() ? media::AlphaForm::kPremultiplied : media::AlphaForm::kStraight,
+                    format.samples());
+    for (const scene::SceneLayer& layer : asked.layers) {
+      std::string file = name;
+      file.replace(at, std::string(kLayer).size(), layer.name);
+      check_frames_output(file, asked.frames);
+      sinks_.push_back(std::make_unique<media::PictureSink>(file, size, asked.frames, asked.fps));
+      files_.push_back(file);
+    }
+  }
+  void write(const scene::SceneAnimation& animation) {
+    for (std::size_t i = 0; i < sinks_.size(); ++i) {
+      animation.layer(i, layer_);
+      sinks_[i]->write(layers_->frame(layer_));
+    }
+  }
+  void finish() {
+    for (const auto& sink : sinks_) sink->finish();
+  }
+  const std::vector<std::string>& files() const { return files_; }
+
+ private:
+  std::optional<media::Layers> layers_;
+  std::vector<std::unique_ptr<media::PictureSink>> sinks_;
+  std::vector<std::string> files_;
+  cv::Mat layer_;
+};
+
+void run_scene(SceneCommand& command, const RunContext& context) {
+  if (command.print_keys) {
+    fmt::print("{}", scene::scene_keys());
+    return;
+  }
+  if (!command.init.empty()) {
+    write_first_scene(command);
+    return;
+  }
+  if (command.file.empty()) throw CLI::RequiredError("SCENE");
+  plan_stages({{"cut", "cutting layers"}, {"render", "rendering"}});
+  scene::Scene asked = scene::read_scene(command.file);
+  TargetFiles::Loaded loaded{.picture = {}, .matte = {}, .still = media::read_still(asked.picture)};
+  for (const std::string& notice : loaded.still.notices) say(asked.picture.string() + ": " + notice);
+  loaded.picture = loaded.still.bgr;
+  loaded.matte = cv::Mat(loaded.picture.size(), CV_8U, cv::Scalar(255));
+  std::vector<std::string> notices;
+  scene::read_marks(asked, loaded.picture.size(), &notices);
+
+  synth::animate::FrameOptions form;
+  form.frames = asked.frames;
+  form.fps = asked.fps;
+  check_picture_output(command.sheet);
+  check_picture_output(command.drawing);
+  std::unique_ptr<AnimationFiles> output;
+  if (!command.output.name().empty() || command.drawing.empty()) output = command.output.open(loaded, form);
+  LayerFiles layer_files(output == nullptr ? "" : command.layers_out, asked, loaded.picture.size());
+
+  Stopwatch watch;
+  Progress progress;
+  const std::vector<scene::LayerPixels> pixels = scene::cut_scene(
+      asked, loaded.still, {},
+      [&](std::size_t layer, const std::string&) {
+        progress.show("cut", layer, asked.layers.size(), "layers");
+      },
+      &notices, context.stop);
+  const double cut_s = watch.lap();
+  if (!command.drawing.empty())
+    media::write_picture(command.drawing, scene::draw_scene(loaded.picture, asked, pixels));
+  if (output == nullptr) {
+    progress.finish();
+    say_all(notices);
+    fmt::print("{}\n", command.drawing);
+    return;
+  }
+  scene::SceneAnimation animation(
+      asked, pixels, loaded.picture.size(),
+      [&](const scene::SceneLayer& layer, const scene::LayerPixels& own) {
+        return frames_of_layer(asked, layer, own, context);
+      },
+      &notices);
+  say_all(notices);
+  const double stage_s = watch.lap();
+
+  synth::animate::FrameSheet sheet(
+      loaded.picture, loaded.matte, asked.frames,
+      {.fps = asked.fps, .first_number = command.output.first_number(), .shown = 8, .width_px = 480});
+  const bool deep = form.form == synth::animate::FrameForm::kFluid;
+  cv::Mat frame(loaded.picture.size(), deep ? CV_32FC4 : CV_8UC3);
+  for (int i = 0; i < asked.frames && i < form.until; ++i) {
+    if (context.stop.stop_requested()) throw Error(ErrorKind::kCancelled, "scene", "stopped");
+    animation.render(i, frame);
+    sheet.add(output->write(frame));
+    layer_files.write(animation);
+    progress.show("render", static_cast<std::size_t>(i + 1), static_cast<std::size_t>(asked.frames),
+                  "frames");
+  }
+  output->finish();
+  layer_files.finish();
+  progress.finish();
+  if (!command.sheet.empty()) media::write_picture(command.sheet, sheet.draw());
+  const double render_s = watch.lap();
+  const scene::SceneSeconds& seconds = animation.seconds();
+  say(
+      fmt::format("{} frames of {} x {} from {} layers in {:.1f} s (cut {:.1f}, stage {:.1f}; motion {:.1f}, "
+                  "composite {:.1f}, "
+                  "layers' own frames {:.1f}, write {:.1f}); sprites {:.0f} MB",
+                  asked.frames, frame.cols, frame.rows, asked.layers.size(), cut_s + stage_s + render_s,
+                  cut_s, stage_s, seconds.motion, seconds.composite, seconds.frames,
+                  render_s - seconds.motion - seconds.composite - seconds.frames,
+                  1e-6 * static_cast<double>(animation.bytes())));
+  std::vector<std::string> files = command.output.files();
+  files.insert(files.end(), layer_files.files().begin(), layer_files.files().end());
+  for (const std::string& file : {command.sheet, command.drawing})
+    if (!file.empty()) files.push_back(file);
+  if (!command.json) {
+    for (const std::string& path : files) fmt::print("{}\n", path);
+    return;
+  }
+  fmt::print("{}\n", nlohmann::json{{"files", files},
+                                    {"frames", asked.frames},
+                                    {"layers", asked.layers.size()},
+                                    {"width", frame.cols},
+                                    {"height", frame.rows},
+                                    {"fps", asked.fps},
+                                    {"seconds",
+                                     {{"cut", cut_s},
+                                      {"stage", stage_s},
+                                      {"motion", seconds.motion},
+                                      {"composite", seconds.composite},
+                                      {"layers", seconds.frames},
+                                      {"render", render_s}}}}
+                         .dump(2));
+}
+
+}  // namespace
+
+void add_scene(CLI::App& synth_command, RunContext& context) {
+  auto command = std::make_shared<SceneCommand>();
+  CLI::App* sub = synth_command.add_subcommand(
+      "scene",
+      "Animate a picture's layers under one wind: trees, water, boats, clouds, and what other commands make");
+  sub->add_option("SCENE", command->file, "The scene file (.toml); see --init and --keys");
+  command->output.add_frames_to(*sub);
+  sub->add_option("--init", command->init,
+                  "Write a commented scene for this picture to -o SCENE.toml, to be edited")
+      ->type_name("PICTURE");
+  sub->add_option(
+      "--draw", command->drawing,
+      "Write the picture with what was understood: layers, armatures, the water's plane, hull lines (PNG, "
+      "JPEG); alone, nothing is rendered");
+  sub->add_option(
+         "--layers-out", command->layers_out,
+         "Also write each layer alone, with alpha: 'layers/{layer}.####.exr' (half floats, linear light, "
+         "premultiplied), '{layer}.mov' (ProRes 4444, straight), or another format with alpha, as deep as it "
+         "holds")
+      ->group("Output");
+  sub->add_flag("--keys", command->print_keys, "Print what a scene file can say");
+  sub->add_option("--sheet", command->sheet, "Write a contact sheet of the picture and frames (PNG, JPEG)");
+  sub->add_flag("--json", command->json, "Print files and seconds by stage as JSON");
+  add_threads(*sub);
+  sub->callback([command, &context] { run_scene(*command, context); });
+}
+
+}  // namespace freshet::tools
