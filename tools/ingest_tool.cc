@@ -152,26 +152,26 @@ void add_ingest(CLI::App& app, RunContext& context) {
   auto command = std::make_shared<IngestCommand>();
   CLI::App* sub = app.add_subcommand(
       "ingest",
-      "Add clips of fluid to a store, which is made if it does not exist. Clips that are already there are "
-      "passed over, so an interrupted run is simply run again; clips that are unfit are named and left out.");
+      "Add clips of fluid to a store, and create it if it does not exist. Clips that the store has are "
+      "skipped, so an interrupted run can be repeated. Unfit clips are named and left out.");
   sub->add_option("STORE", command->store, "The store file")->required();
   sub->add_option("CLIP", command->paths, "Videos, or folders of videos (searched to any depth)")->required();
-  sub->add_option("--class", command->options.class_name,
-                  "Class of all clips given [the name of the folder that a clip lies in]");
+  sub->add_option("--class", command->options.class_name, "Class of all given clips [each clip's folder]");
   sub->add_option("--licence", command->options.licence,
-                  "Licence of all clips given; kept with every use of them");
+                  "Licence of all given clips; recorded with every use of them");
   sub->add_flag(
       "--force", command->options.force,
-      "Keep clips that screening refuses (moving camera, cuts, too short); what was found is still reported");
+      "Keep clips that screening refuses (moving camera, cuts, too short); the findings are still reported");
   sub->add_flag("--deinterlace", command->options.repairs.deinterlace,
-                "Make whole pictures of interlaced ones. The frames kept are then not the source's own");
+                "Deinterlace. The stored frames then differ from the source's");
   sub->add_flag("--deblock", command->options.repairs.deblock,
-                "Smooth the borders of 8 x 8 blocks of coarsely compressed clips; as above");
+                "Smooth 8 x 8 block borders of coarsely compressed clips. The stored frames then differ from "
+                "the source's");
   sub->add_option("--shard", command->shard,
-                  "Take only the I-th of N parts of the list, for stores built apart")
+                  "Ingest only part I of N of the list, for stores that are built separately and merged")
       ->type_name("I/N")
       ->capture_default_str();
-  sub->add_flag("--no-index", command->no_index, "Do not bring the index up to date at the end");
+  sub->add_flag("--no-index", command->no_index, "Do not update the index at the end");
   sub->add_flag("--json", command->json, "Print the report as JSON");
   add_threads(*sub);
   command->settings.add_to(*sub);

@@ -108,7 +108,7 @@ void refuse_overwriting(const CLI::App& app) {
 void add_overwrite(CLI::App& command) {
   command.add_flag_callback(
       "--overwrite", [] { overwrites = true; },
-      "Replace outputs that exist; without it they are kept, and the command does not begin [off]");
+      "Replace existing outputs; without it the command refuses to start [off]");
 }
 
 void check_output_folder(const fs::path& path) {

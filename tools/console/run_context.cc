@@ -75,7 +75,7 @@ void add_threads(CLI::App& command) {
   command
       .add_option_function<int>(
           "-j,--threads", [](int n) { use_threads(n); },
-          "Threads to work with; results do not depend on it [all cores]")
+          "Number of threads; results do not depend on it [all cores]")
       ->check(CLI::Range(1, 1024))
       ->type_name("N");
 }

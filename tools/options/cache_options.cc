@@ -29,7 +29,7 @@ void CacheOptions::add_to(CLI::App& command, const std::string& kept) {
       ->group(group);
   command
       .add_option("--cache-size", megabytes_,
-                  "MB that the cache may hold; what was not used for longest goes")
+                  "Size of the cache, MB; the least recently used results go first")
       ->check(CLI::Range(1, 1 << 20))
       ->capture_default_str()
       ->group(group);

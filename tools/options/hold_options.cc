@@ -9,7 +9,9 @@
 namespace freshet::tools {
 
 void HoldOptions::add_to(CLI::App& command) {
-  command.add_option("--hold", hold_, "White where something stands before the fluid or beside it [nothing]");
+  command.add_option(
+      "--hold", hold_,
+      "Picture, white where something stands in front of the fluid or in it: it keeps still [none]");
 }
 
 cv::Mat HoldOptions::take_out(TargetFiles::Loaded& loaded) const {

@@ -12,47 +12,46 @@ void SearchOptions::add_to(CLI::App& command) {
                      "Only clips of this class (see freshet store info) [all]");
   command.add_option(
       "--direction", direction_,
-      "Where the fluid goes: up, down, left, right, up-left, ..., or degrees (0 right, 90 up) [any]");
+      "Direction of the flow: up, down, left, right, up-left, ..., or degrees (0 right, 90 up) [any]");
   command
       .add_option("--tolerance", options_.direction_tolerance_deg,
-                  "Degrees to either side of what is asked, in a narrow search (--hint-search)")
+                  "Tolerance of the direction in a narrow search (--hint-search), degrees to either side")
       ->check(CLI::Range(1.0, 180.0))
       ->capture_default_str();
-  command.add_option("-k,--candidates", options_.k, "Candidates per piece")
+  command.add_option("-k,--candidates", options_.k, "Number of candidates for each piece")
       ->check(CLI::Range(1, 10000))
       ->capture_default_str();
   command
       .add_option("--coherent", options_.coherent,
-                  "Of each neighbour's best candidates, how many are continued into a piece's own list")
+                  "Number of each neighbour's best candidates that are continued into a piece's list")
       ->check(CLI::Range(0, 1000))
       ->capture_default_str();
-  command.add_option("--min-scale", options_.min_scale, "Only patches of clips reduced to no less than this")
+  command.add_option("--min-scale", options_.min_scale, "Smallest scale of the patches")
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();
-  command.add_option("--max-rotation", options_.max_rotation_deg, "Only patches turned by no more, degrees")
+  command.add_option("--max-rotation", options_.max_rotation_deg, "Largest rotation of the patches, degrees")
       ->check(CLI::Range(0.0, 180.0))
       ->capture_default_str();
-  command.add_option("--exclude", options_.excluded_clips, "Leave this clip out; may be given several times");
+  command.add_option("--exclude", options_.excluded_clips, "Clip to exclude; may be given several times");
   command
       .add_option("--piece", piece_,
-                  "Side of the pieces that the picture is cut into, px: that of the store's patches (freshet "
-                  "ingest --patch), which is all that it can be; another is refused [the store's]")
+                  "Side of the pieces, px. It must be that of the store's patches (freshet ingest --patch) "
+                  "[the store's]")
       ->check(CLI::Range(8, 1024));
   command
       .add_option(
           "--piece-scale", piece_scale_,
-          "What the picture's sides are divided by before it is cut, 1 to 16; patches are shown enlarged by "
-          "it. auto brings the longer side near 1280 px: 1 below 1600 px, 1.5 at 1920, 3 at 3840")
+          "Divisor of the picture's sides before it is cut into pieces, 1 to 16; patches are enlarged by it. "
+          "auto: a longer side near 1280 px (1 below 1600 px, 1.5 at 1920, 3 at 3840)")
       ->check(CLI::IsMember({"auto"}) | CLI::Range(1.0, query::kMaxPieceScale))
       ->capture_default_str();
-  command.add_option("--index", index_, "exact, or one of FLANN's that freshet index --flann has built")
+  command.add_option("--index", index_, "exact, or a FLANN index that freshet index --flann has built")
       ->check(CLI::IsMember({"exact", "flann-kdtree", "flann-kmeans", "flann-hierarchical"}))
       ->capture_default_str();
   command
-      .add_option(
-          "--checks", flann_options_.checks,
-          "Patches that a FLANN index looks at: recall for time. 0: as many as freshet index found it "
-          "to need for a recall@100 of .9")
+      .add_option("--checks", flann_options_.checks,
+                  "Number of patches that a FLANN index looks at; more finds more and takes longer. 0: "
+                  "enough for a recall@100 of .9")
       ->check(CLI::Range(0, 1 << 24))
       ->capture_default_str();
 }

@@ -25,44 +25,41 @@ void SettingsOptions::add_to(CLI::App& command) {
       ->capture_default_str();
   add("/flips", command.add_flag("--no-flips", no_flips_, "Do not mirror clips"));
   add("/patch", command.add_option("--patch", settings_.grid.patch,
-                                   "Side of a patch, px: 24, 32, 40, 48, 64, 72, 80 or 96. Pictures are cut "
-                                   "into pieces of this size: small ones follow thin streams, large ones "
-                                   "keep whole waves and flames, and fewer of them fit into a clip"))
+                                   "Side of a patch, px. Small patches follow thin streams; large ones keep "
+                                   "whole waves and flames, and fewer of them fit into a clip"))
       ->check(CLI::IsMember({24, 32, 40, 48, 64, 72, 80, 96}))
       ->capture_default_str();
-  stride_ =
-      add("/stride", command.add_option("--stride", settings_.grid.stride,
-                                        "Distance between patches, px, a quarter of the patch to all of "
-                                        "it; at all of it they do not overlap, and squares show: for "
-                                        "measuring"))
-          ->check(CLI::Range(4, 96))
-          ->default_str("half of the patch");
-  add("/min_coverage", command.add_option("--min-coverage", settings_.min_coverage,
-                                          "Fraction of a patch that must move, 0..1"))
+  stride_ = add("/stride", command.add_option("--stride", settings_.grid.stride,
+                                              "Distance between patches, px: from a quarter of a patch to a "
+                                              "whole one. At a whole patch squares show: for measuring"))
+                ->check(CLI::Range(4, 96))
+                ->default_str("half of the patch");
+  add("/min_coverage",
+      command.add_option("--min-coverage", settings_.min_coverage, "Share of a patch that must move, 0 to 1"))
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();
   add("/min_motion_px", command.add_option("--min-motion", settings_.min_motion_px,
-                                           "Mean motion that counts, px per frame at 25 frames/s"))
+                                           "Smallest mean motion that counts, px a frame at 25 frames/s"))
       ->check(CLI::Range(0.0, 100.0))
       ->capture_default_str();
   add("/flow/method",
       command.add_option("--flow", flow_, "Optical flow: dis, or the paper's tv-l1 (5 times slower)"))
       ->check(CLI::IsMember({"dis", "tv-l1"}))
       ->capture_default_str();
-  add("/flow/step",
-      command.add_option("--flow-step", settings_.flow_step, "Flow is kept at 1/STEP of the resolution"))
+  add("/flow/step", command.add_option("--flow-step", settings_.flow_step,
+                                       "Divisor of the resolution at which flow is stored"))
       ->check(CLI::IsMember({1, 2, 4}))
       ->capture_default_str();
   add("/spectrum/cell", command.add_option("--cell", settings_.spectrum.cell,
-                                           "Side of a cell of spectra and textureness, px; 1 is exact"))
+                                           "Side of a cell of spectra and textureness, px; 1: every pixel"))
       ->check(CLI::IsMember({1, 2, 4, 8}))
       ->capture_default_str();
   add("/spectrum/bands", command.add_option("--bands", settings_.spectrum.bands,
-                                            "Bands of the spectra; 0 keeps every frequency"))
+                                            "Number of bands of the spectra; 0: every frequency"))
       ->check(CLI::Range(0, 16))
       ->capture_default_str();
   add("/codebook/words",
-      command.add_option("--words", settings_.codebook.words, "Visual words in the codebook"))
+      command.add_option("--words", settings_.codebook.words, "Number of visual words in the codebook"))
       ->check(CLI::Range(2, 256))
       ->capture_default_str();
 }

@@ -6,12 +6,13 @@ void SolverOptions::add_to(CLI::App& command) {
   command.add_option("--solver", solver_, "trw-s (with a lower bound), alpha-expansion (the paper's), icm")
       ->check(CLI::IsMember({"trw-s", "alpha-expansion", "icm"}))
       ->capture_default_str();
-  command.add_option("--iterations", iterations_, "Passes of the solver, at most")
+  command.add_option("--iterations", iterations_, "Maximum number of passes of the solver")
       ->check(CLI::Range(1, 100000))
       ->capture_default_str();
   command
-      .add_option("--costs", costs_,
-                  "log: distances of logarithms; power: the paper's, which drift to calm motion")
+      .add_option(
+          "--costs", costs_,
+          "Pairwise costs: log (distances of logarithms) or power (the paper's, which drift to calm motion)")
       ->check(CLI::IsMember({"log", "power"}))
       ->capture_default_str();
   lambda_option_ = command.add_option("--lambda", lambda_, "Weight of neighbours against likeness [0.01]")
@@ -24,13 +25,15 @@ void SolverOptions::add_to(CLI::App& command) {
           .add_option("--vote", vote_,
                       "Weight of the candidates' vote on how strongly a piece moves [log 4, power 0]")
           ->check(CLI::NonNegativeNumber);
-  command.add_option("--reuse", reuse_.overlap, "Price of a clip's place shown twice by neighbours")
+  command
+      .add_option("--reuse", reuse_.overlap,
+                  "Cost of showing one place of a clip twice in neighbouring pieces")
       ->check(CLI::Range(0.0, 1000.0))
       ->capture_default_str();
   command
       .add_option(
           "--crowd", reuse_.crowd,
-          "Price of each patch of a clip that has more than half of the pieces; added up to four times")
+          "Cost of each patch of a clip that has more than half of the pieces; added up to four times")
       ->check(CLI::Range(0.0, 1000.0))
       ->capture_default_str();
   rho_option_ =

@@ -155,44 +155,40 @@ void add_bench(CLI::App& query_command, RunContext& context) {
   CLI::App* sub = query_command.add_subcommand(
       "bench", "Measure every index for candidate search on your store and pictures, beside other libraries");
   sub->add_option("STORE", command->store, "The store file")->required();
-  sub->add_option(
-      "--pictures", command->pictures,
-      "Whose pieces are searched for, PICTURE or PICTURE:MATTE each [the average image of one clip, "
-      "whose own patches are left out]");
+  sub->add_option("--pictures", command->pictures,
+                  "Pictures whose pieces are searched for, PICTURE or PICTURE:MATTE [one clip's average "
+                  "image, without that clip's patches]");
   sub->add_option(
          "--index", command->indexes,
          "Only these: exact, scan, flann-kdtree, flann-kmeans, flann-hierarchical, hnswlib, faiss-flat, "
          "faiss-hnsw, faiss-ivf [all]")
       ->delimiter(',');
   query::SearchBenchmarkOptions& options = command->options;
-  sub->add_option("--rows", options.rows,
-                  "Search among this many patches, evenly spread over the store [all]")
+  sub->add_option("--rows", options.rows, "Number of patches to search, evenly spread over the store [all]")
       ->check(CLI::Range(1, 1 << 30));
-  sub->add_option("--pieces", options.pieces, "Ask for this many pieces, evenly spread over the pictures")
+  sub->add_option("--pieces", options.pieces, "Number of pieces, evenly spread over the pictures")
       ->check(CLI::Range(1, 1'000'000))
       ->capture_default_str();
   sub->add_option(
          "--limit", options.build_limit_s,
-         "Seconds of one core to build an index: one that would take longer is built of as many patches "
-         "as fit")
+         "Limit for building an index, s of one core; a slower one is built of as many patches as fit")
       ->check(CLI::Range(0.01, 1e6))
       ->capture_default_str();
-  sub->add_option("--seconds", options.setting_limit_s,
-                  "Seconds of one core to ask with one setting; then no more pieces are asked")
+  sub->add_option("--seconds", options.setting_limit_s, "Limit for searching with one setting, s of one core")
       ->check(CLI::Range(0.01, 1e6))
       ->capture_default_str();
-  sub->add_option("--check", options.checked, "Pieces whose exact answer is compared with brute force")
+  sub->add_option("--check", options.checked, "Number of pieces that are compared with brute force")
       ->check(CLI::Range(0, 1'000'000))
       ->capture_default_str();
   sub->add_flag(
       "--no-label", command->no_label,
-      "Do not label the first picture with each setting's candidates, to see what energy they lose");
-  sub->add_flag("--no-filters", command->no_filters, "Do not measure search under conditions");
+      "Skip labelling the first picture with each setting's candidates, which shows the energy lost");
+  sub->add_flag("--no-filters", command->no_filters, "Skip search under conditions");
   command->json_option =
-      sub->add_option("--json", command->json, "Write the results as JSON to this file, or print them")
+      sub->add_option("--json", command->json, "Write the results as JSON to FILE, or print them")
           ->expected(0, 1)
           ->type_name("[FILE]");
-  sub->add_option("--page", command->page, "Write one HTML page with the curves drawn");
+  sub->add_option("--page", command->page, "Write an HTML page with the curves");
   add_overwrite(*sub);
   add_threads(*sub);
   sub->callback([command, &context] { run(*command, context); });

@@ -241,14 +241,14 @@ void run_flowlines(FlowlinesCommand& command, RunContext& context) {
 
 void add_clip(CLI::App& sub, FlowlinesCommand& command) {
   sub.add_option("CLIP", command.clip, "The clip: a video file, a folder or a pattern of pictures");
-  sub.add_option("--store", command.store, "The store that holds the clip, in place of CLIP [none]");
+  sub.add_option("--store", command.store, "Store that holds the clip, instead of CLIP [none]");
   sub.add_option("--clip", command.stored_clip, "Name of the clip in --store");
-  sub.add_option("--from", command.footage.from, "First frame of the clip that is used")
+  sub.add_option("--from", command.footage.from, "First frame to use")
       ->check(CLI::Range(0, 1000000))
       ->capture_default_str();
-  sub.add_option("--input-frames", command.footage.frames, "Frames of the clip that are used [all that fit]")
+  sub.add_option("--input-frames", command.footage.frames, "Number of frames to use [all that fit]")
       ->check(CLI::Range(16, 100000));
-  sub.add_option("--memory", command.memory_mb, "For the clip's frames, MB (3 bytes a pixel)")
+  sub.add_option("--memory", command.memory_mb, "Memory for the clip's frames, MB (3 bytes a pixel)")
       ->check(CLI::Range(16, 1000000))
       ->capture_default_str();
   sub.add_option("--frames", command.frames, "Frames of the output")
@@ -256,90 +256,83 @@ void add_clip(CLI::App& sub, FlowlinesCommand& command) {
       ->capture_default_str();
   sub.add_option("--fps", command.fps, "Frames per second of the output [the clip's]")
       ->check(CLI::Range(1.0, 240.0));
-  sub.add_flag("--loop", command.loop, "The last frame is followed by the first, without a seam [off]");
+  sub.add_flag("--loop", command.loop, "Seamless loop [off]");
 }
 
 void add_lines(CLI::App& sub, FlowlinesCommand& command) {
   const std::string lines = "Lines";
   sub.add_option("--lines", command.lines,
-                 "Flow lines over the clip, drawn as SVG in the direction of the flow [found from the clip]")
+                 "Flow lines as SVG, drawn over the clip in the direction of the flow [from the clip]")
       ->group(lines);
-  sub.add_option("--matte", command.matte, "Grey picture, white where lines may lie [what moves]")
+  sub.add_option("--matte", command.matte,
+                 "Grey picture, white where lines are allowed [where the clip moves]")
       ->group(lines);
-  sub.add_option("--spacing", command.options.spacing_px, "Between lines that are found, px [half a patch]")
+  sub.add_option("--spacing", command.options.spacing_px, "Distance between lines, px [half a patch]")
       ->check(CLI::Range(2.0, 1000.0))
       ->group(lines);
   sub.add_option("--draw", command.draw,
-                 "Write a picture of the clip with its lines, and beside it the edited ones (PNG, JPEG)")
+                 "Write a picture of the clip with its lines and the edited ones (PNG, JPEG)")
       ->group(lines);
-  sub.add_option("--lines-out", command.lines_out, "Write the lines as SVG, to be changed and given back")
-      ->group(lines);
+  sub.add_option("--lines-out", command.lines_out, "Write the lines as SVG, for editing")->group(lines);
 }
 
 void add_editing(CLI::App& sub, FlowlinesCommand& command) {
   const std::string editing = "Editing";
   sub.add_option("--edited", command.edited,
-                 "Where the fluid shall go: SVG lines with the ids of the input lines whose texture they "
-                 "show (fall, or fall-2 for another copy); input lines without one are taken away; "
-                 "data-speed changes "
-                 "their speed, data-time says when they lie there [as in the clip]")
+                 "New paths of the fluid: SVG lines with the ids of the input lines whose texture they show "
+                 "(fall, or fall-2 for a second copy). Input lines without one are removed. data-speed sets "
+                 "a speed factor, data-time the time of a position, s [as in the clip]")
       ->group(editing);
   sub.add_option("--correspondence", command.correspondence,
-                 "equal (texture keeps its size along the line) or stretched (the whole input line onto the "
-                 "edited one)")
+                 "equal (texture keeps its size) or stretched (the whole input line maps to the edited one)")
       ->check(CLI::IsMember({"equal", "stretched"}))
       ->capture_default_str()
       ->group(editing);
-  sub.add_option(
-         "--join", command.options.join_px,
-         "Consecutive edited lines no further apart than this are joined by interpolated ones, px [where "
-         "their input lines lie beside each other as they do]")
+  sub.add_option("--join", command.options.join_px,
+                 "Maximum distance at which neighbouring edited lines are joined by interpolated ones, px "
+                 "[from their input lines]")
       ->check(CLI::Range(1.0, 100000.0))
       ->group(editing);
-  sub.add_option(
-         "--ground", command.ground,
-         "What the fluid stands on and is seen through to: black (fire), white (smoke), or none (opaque)")
+  sub.add_option("--ground", command.ground,
+                 "Background that makes the fluid transparent: black (fire), white (smoke), or none (opaque)")
       ->check(CLI::IsMember({"none", "black", "white"}))
       ->capture_default_str()
       ->group(editing);
-  sub.add_option("--background", command.background,
-                 "Picture of what lies behind fluid that is taken away [guessed]")
+  sub.add_option("--background", command.background, "Picture of what lies behind removed fluid [guessed]")
       ->group(editing);
   sub.add_flag("--on-background", command.options.view.on_background,
-               "Show the edited fluid on the background alone, without the rest of the clip [off]")
+               "Show the edited fluid over the background alone [off]")
       ->group(editing);
 }
 
 void add_particles(CLI::App& sub, FlowlinesCommand& command) {
   const std::string particles = "Particles";
-  sub.add_option(
-         "--patch", command.options.patch_px,
-         "Side of a particle's texture, px; flames want larger ones, 100 at 320 px of width [24 at 320 px "
-         "of the longer side, and in proportion]")
+  sub.add_option("--patch", command.options.patch_px,
+                 "Side of a particle's texture, px; larger for flames: 100 in a clip 320 px wide [24 in a "
+                 "clip of 320 px, in proportion]")
       ->check(CLI::Range(4.0, 1000.0))
       ->group(particles);
-  sub.add_option("--dynamics", command.dynamics,
-                 "stationary (one speed a place), non-stationary (a speed a particle), or auto (measured)")
+  sub.add_option(
+         "--dynamics", command.dynamics,
+         "stationary (one speed for each place), non-stationary (one for each particle), or auto (measured)")
       ->check(CLI::IsMember({"auto", "stationary", "non-stationary"}))
       ->capture_default_str()
       ->group(particles);
   sub.add_option("--entries", command.options.entries,
-                 "Frames whose entering particles are repeated (K) [chosen for the least discontinuity]")
+                 "Number of frames whose particles repeat (K) [chosen for the smallest discontinuity]")
       ->check(CLI::Range(8, 100000))
       ->group(particles);
   sub.add_option("--strand", command.options.strand_px,
-                 "Strands of the fluid so wide repeat in an order of their own, px; 0: all of it together "
-                 "[3 patches]")
+                 "Width of independently repeating strands, px; 0: one order for all [3 patches]")
       ->check(CLI::Range(0.0, 100000.0))
       ->group(particles);
-  sub.add_option(
-         "--blend", command.blend,
-         "Where particles of two runs overlap: feather (averages, as printed), contrast (gives back their "
-         "fine detail), or cut (where they are most alike)")
+  sub.add_option("--blend", command.blend,
+                 "How two repeats meet: feather (averages, as printed), contrast (restores their fine "
+                 "detail), or cut (seam where they are most alike)")
       ->check(CLI::IsMember({"feather", "contrast", "cut"}))
       ->capture_default_str()
       ->group(particles);
-  sub.add_option("--seed", command.options.seed, "Another seed, another order of repeats")
+  sub.add_option("--seed", command.options.seed, "Seed of the order of repeats")
       ->capture_default_str()
       ->group(particles);
 }
@@ -348,18 +341,17 @@ void add_particles(CLI::App& sub, FlowlinesCommand& command) {
 
 void add_flowlines(CLI::App& synth_command, RunContext& context) {
   auto command = std::make_shared<FlowlinesCommand>();
-  CLI::App* sub = synth_command.add_subcommand(
-      "flowlines",
-      "Make a short clip of flowing water, fire or smoke go on for ever (after Bhat et al. 2004)");
+  CLI::App* sub = synth_command.add_subcommand("flowlines",
+                                               "Extend a short clip of flowing water, fire or smoke to any "
+                                               "length, or redirect its fluid (Bhat et al. 2004)");
   add_clip(*sub, *command);
   command->output.add_to(*sub);
   add_lines(*sub, *command);
   add_editing(*sub, *command);
   add_particles(*sub, *command);
-  sub->add_flag("--moving-camera", command->options.moving_camera,
-                "Take a clip whose camera moves, too [off]");
+  sub->add_flag("--moving-camera", command->options.moving_camera, "Accept a moving camera [off]");
   sub->add_option("--sheet", command->sheet, "Write a contact sheet of frames (PNG, JPEG)");
-  sub->add_flag("--json", command->json, "Print what was found, and seconds by stage, as JSON");
+  sub->add_flag("--json", command->json, "Print lines, repeats and seconds by stage as JSON");
   add_threads(*sub);
   sub->callback([command, &context] { run_flowlines(*command, context); });
 }

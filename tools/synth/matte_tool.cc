@@ -174,14 +174,13 @@ void add_matte(CLI::App& synth_command, RunContext& context) {
   sub->add_option("-o,--output", command->out, "The matte: 8-bit grey, white where the fluid is (.png)")
       ->required();
   sub->add_option("--sheet", command->sheet,
-                  "Write picture, marks, matte and cut-out side by side (PNG, JPEG)");
+                  "Write picture, scribbles, matte and cut-out side by side (PNG, JPEG)");
   const std::string marking = "Where the fluid is";
-  sub->add_option(
-         "--scribbles", command->scribbles,
-         "A picture of the same size with strokes: white or green on fluid, black or red on "
-         "background. All else is unknown: what is transparent; or grey; or, where the strokes are "
-         "painted over the picture itself, whatever equals it. Strokes of fluid alone: the picture's "
-         "border is background. Of background alone: the rest may be fluid")
+  sub->add_option("--scribbles", command->scribbles,
+                  "Picture of scribbles, of the same size: white or green on fluid, black or red on "
+                  "background. Transparent or grey pixels are unknown; so are pixels that equal the picture, "
+                  "if you scribble over a copy of it. Without background scribbles the picture's border is "
+                  "background; without fluid scribbles the rest may be fluid")
       ->group(marking);
   sub->add_option("--marks", command->marks,
                   R"(Lines, dots and boxes as JSON, px: {"format": "freshet-marks", "version": 1, "marks": )"
@@ -189,7 +188,7 @@ void add_matte(CLI::App& synth_command, RunContext& context) {
                   R"([x, y, width, height]}, {"is": "within", "box": [...]}]})")
       ->group(marking);
   sub->add_option("--box", command->boxes,
-                  "All fluid lies inside this box, px; several: inside any of them. Strokes go first")
+                  "Box that holds all fluid, px; may be given several times. Scribbles override it")
       ->type_name("X,Y,W,H")
       ->delimiter(' ')
       ->expected(1)
@@ -197,34 +196,31 @@ void add_matte(CLI::App& synth_command, RunContext& context) {
       ->group(marking);
   sub->add_option(
          "--auto", command->store,
-         "Ask this store: parts of the picture whose best candidates are good are proposed as fluid. A "
-         "guess, blind to colour, best on water: look at the --sheet, and correct it by strokes and boxes, "
-         "which "
-         "go first")
+         "Store that proposes fluid: places whose best candidates score high. A guess, blind to colour, best "
+         "on water: check the --sheet and correct it with scribbles and boxes, which override it")
       ->type_name("STORE")
       ->group(marking);
   sub->add_option("--class", command->candidates.class_name, "With --auto: only clips of this class [all]")
       ->group(marking);
   sub->add_option("--exclude", command->candidates.excluded_clips,
-                  "With --auto: leave this clip out; may be given several times")
+                  "With --auto: clip to exclude; may be given several times")
       ->group(marking);
   const std::string edges = "Edge";
   sub->add_option("--edge", command->edge,
-                  "guided (light), information-flow (fine detail; some seconds), or none (hard)")
+                  "Soft edge: guided (fast), information-flow (fine detail, some seconds) or none")
       ->check(CLI::IsMember({"guided", "information-flow", "none"}))
       ->capture_default_str()
       ->group(edges);
   sub->add_option("--edge-width", command->options.edge.width_px,
-                  "Width, px, of the band along the region's edge in which alpha is found "
-                  "[8 % of the picture's longer side; guided 2 %]")
+                  "Width of the band along the edge in which alpha is estimated, px [8 % of the picture's "
+                  "longer side; guided 2 %]")
       ->check(CLI::Range(1.0, 10000.0))
       ->group(edges);
-  sub->add_option("--iterations", command->options.region.iterations,
-                  "Times that GrabCut adapts the marks' colours to what it found")
+  sub->add_option("--iterations", command->options.region.iterations, "GrabCut iterations")
       ->check(CLI::Range(0, 100))
       ->capture_default_str()
       ->group(edges);
-  sub->add_flag("--json", command->json, "Print fraction of fluid (0..1) and seconds by stage as JSON");
+  sub->add_flag("--json", command->json, "Print the share of fluid (0 to 1) and seconds by stage as JSON");
   add_overwrite(*sub);
   add_threads(*sub);
   sub->callback([command, &context] { run_matte(*command, context); });

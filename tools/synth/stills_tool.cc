@@ -244,34 +244,32 @@ void run_stills(StillsCommand command, RunContext& context) {
 
 void add_motion_options(CLI::App& sub, StillsCommand& command) {
   const std::string group = "Motion";
-  sub.add_option("--step", command.plan.timing.step_s, "Mean time from still to still, s")
+  sub.add_option("--step", command.plan.timing.step_s, "Mean time between stills, s")
       ->check(CLI::Range(0.04, 60.0))
       ->capture_default_str()
       ->group(group);
-  sub.add_option("--speed", command.plan.timing.speed, "Times as fast")
+  sub.add_option("--speed", command.plan.timing.speed, "Speed factor")
       ->check(CLI::Range(0.05, 20.0))
       ->capture_default_str()
       ->group(group);
-  sub.add_option("--sigma", command.plan.sampling.sigma,
-                 "How freely the sequence departs from the paths that were found")
+  sub.add_option("--sigma", command.plan.sampling.sigma, "Freedom to leave the paths; larger is freer")
       ->check(CLI::Range(1e-4, 100.0))
       ->capture_default_str()
       ->group(group);
   sub.add_option("--irregularity", command.plan.sampling.irregularity,
-                 "Chance, 0..1, that motion may turn within a path")
+                 "Probability that motion turns within a path")
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str()
       ->group(group);
-  sub.add_flag("--even-turns", command.no_slow_turns, "Do not slow down where motion turns")->group(group);
-  sub.add_flag("--no-dead-ends", command.plan.sampling.avoid_dead_ends,
-               "Do not walk branches from which one can only turn back, where something is left without them")
+  sub.add_flag("--even-turns", command.no_slow_turns, "Keep the pace where motion turns")->group(group);
+  sub.add_flag("--no-dead-ends", command.plan.sampling.avoid_dead_ends, "Skip dead-end branches")
       ->group(group);
   sub.add_option("--cut-above", command.plan.graph.cut_above,
-                 "Stills are no neighbours when a step between them weighs more than so many times the mean")
+                 "Cut steps that weigh more than this many times the mean")
       ->check(CLI::Range(0.01, 1000.0))
       ->capture_default_str()
       ->group(group);
-  sub.add_option("--seed", command.plan.sampling.seed, "Another seed, another sequence")
+  sub.add_option("--seed", command.plan.sampling.seed, "Seed of the sequence")
       ->capture_default_str()
       ->group(group);
 }
@@ -279,32 +277,31 @@ void add_motion_options(CLI::App& sub, StillsCommand& command) {
 void add_region_options(CLI::App& sub, StillsCommand& command) {
   const std::string group = "Regions";
   sub.add_option("--regions", command.regions,
-                 "Regions that move by themselves: an SVG drawn over a still (closed outlines; names with "
-                 "\"slow\" or "
-                 "\"standing\" say so), or a picture: black stands still, grey is slow, each colour and each "
-                 "white area "
-                 "is a region [proposed from what varies together]")
+                 "Regions that move independently. An SVG over a still: closed outlines, with \"slow\" or "
+                 "\"standing\" in their names where that applies. Or a picture: black stands still, grey is "
+                 "slow, each colour and each white area is a region [proposed]")
       ->group(group);
+  sub.add_option("--scribbles", command.scribbles,
+                 "Picture of scribbles, of a still's size: white or green on each thing that moves, black or "
+                 "red on what stands still")
+      ->group(group);
+  sub.add_flag("--one-region", command.one_region, "Treat the whole picture as one region")->group(group);
   sub.add_option(
-         "--scribbles", command.scribbles,
-         "A picture of a still's size with strokes: white or green on each thing that moves, black or red on "
-         "what stands still")
-      ->group(group);
-  sub.add_flag("--one-region", command.one_region, "The whole picture is one region")->group(group);
-  sub.add_option("--split", command.plan.split,
-                 "Cut each region into so many parts that move half by themselves; 5 for a lake or the sea")
+         "--split", command.plan.split,
+         "Number of parts of each region that follow their neighbours loosely; 5 for a lake or the sea")
       ->check(CLI::Range(1, 8))
       ->capture_default_str()
       ->group(group);
   sub.add_option("--feather", command.render.feather_px,
-                 "Width over which a region fades out at its edge, px of a picture of 960")
+                 "Width of a region's soft edge, px in a picture of 960 px")
       ->check(CLI::Range(0.0, 200.0))
       ->capture_default_str()
       ->group(group);
-  sub.add_option("--edits", command.edits,
-                 "A TOML file: paths refused or turned, edges cut, orders given, speeds; --keys explains it")
+  sub.add_option(
+         "--edits", command.edits,
+         "TOML file that refuses or turns paths, cuts edges, sets orders and speeds; --keys explains it")
       ->group(group);
-  sub.add_flag("--keys", command.keys, "Print what an edits file can say")->group(group);
+  sub.add_flag("--keys", command.keys, "Print the keys of an edits file")->group(group);
 }
 
 }  // namespace
@@ -323,30 +320,28 @@ void add_stills(CLI::App& synth_command, RunContext& context) {
   sub->add_option("--fps", command->fps, "Frames per second")
       ->check(CLI::Range(1.0, 240.0))
       ->capture_default_str();
-  sub->add_flag("--loop", command->plan.loop, "The end goes over into the beginning, exactly");
+  sub->add_flag("--loop", command->plan.loop, "Exact loop");
   sub->add_flag("--preview", command->preview, "Small and fast: 480 px, 12.5 frames per second");
-  sub->add_option(
-         "--camera", command->camera,
-         "auto: stills from the hand are found, aligned and cropped to what all share; tripod: left as they "
-         "are; hand: aligned, and levelled too")
+  sub->add_option("--camera", command->camera,
+                  "auto: hand-held stills are detected, aligned and cropped; tripod: unchanged; hand: "
+                  "aligned and matched in exposure")
       ->check(CLI::IsMember({"auto", "tripod", "hand"}))
       ->capture_default_str();
   sub->add_option(
          "--level", command->levelling,
-         "Bring all stills to one exposure and white balance, by what stands still: on, off, or auto: where "
-         "they are from the hand")
+         "Match exposure and white balance by what stands still: on, off, or auto (hand-held stills)")
       ->check(CLI::IsMember({"auto", "on", "off"}))
       ->capture_default_str();
   sub->add_option("--flow-side", command->render.flow_side,
-                  "Longer side, px, at which the flow of a region is found between stills")
+                  "Longer side at which flow between stills is computed, px")
       ->check(CLI::Range(64, 8192))
       ->capture_default_str();
   add_region_options(*sub, *command);
   add_motion_options(*sub, *command);
-  sub->add_option("--sheet", command->sheet, "Write a picture of the regions and of what varies (PNG, JPEG)");
-  sub->add_option(
-      "--page", command->page,
-      "Write a page: graphs with thumbnails, paths and sequences, and the lines that change them (.html)");
+  sub->add_option("--sheet", command->sheet,
+                  "Write a picture of the regions and of the variation (PNG, JPEG)");
+  sub->add_option("--page", command->page,
+                  "Write a page of graphs, paths and sequences, with the lines that edit them (.html)");
   sub->add_flag("--json", command->json, "Print paths, sequence and regions as JSON");
   command->cache.add_to(
       *sub,
