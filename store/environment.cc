@@ -41,6 +41,20 @@ std::pair<dev_t, ino_t> file_identity(int fd) {
   return {status.st_dev, status.st_ino};
 }
 
+/// Empty when nothing has the name.
+std::optional<std::uint64_t> inode_of(const std::string& name) {
+  struct stat named {};
+  if (::stat(name.c_str(), &named) != 0) return std::nullopt;
+  return named.st_ino;
+}
+
+/// The name under which LMDB keeps a lock file for it: that of the file that symbolic links lead to.
+std::filesystem::path name_for_locks(const std::filesystem::path& file) {
+  std::error_code unknown;
+  std::filesystem::path found = std::filesystem::canonical(file, unknown);
+  return unknown ? file : found;
+}
+
 [[noreturn]] void throw_not_created(const std::filesystem::path& file, int code) {
   throw Error(ErrorKind::kIo, file.string(), std::string("cannot be created (") + std::strerror(code) + ")",
               code == EEXIST                     ? "Choose another name, or remove it first"
@@ -70,7 +84,7 @@ std::shared_ptr<Environment> Environment::create(const std::filesystem::path& fi
     mdb_env_close(std::exchange(made->env_, nullptr));
     if (!rename_to_new(fresh, file)) throw_not_created(file, errno);
     sync_folder_of(file);
-    made->open_map(file);
+    made->open_map(name_for_locks(file));
     made->open_tables(false);
   } catch (...) {
     if (made->env_ != nullptr) mdb_env_close(std::exchange(made->env_, nullptr));
@@ -111,9 +125,10 @@ std::shared_ptr<Environment> Environment::open(const std::filesystem::path& file
       throw Error(ErrorKind::kIo, file.string(), "is already open in this process", "Close it there first");
     }
   }
-  made->take_locks(file);
+  const std::filesystem::path at = name_for_locks(file);
+  made->take_locks(at);
   check_pages(fd, file);
-  made->open_map(file);
+  made->open_map(at);
   made->open_tables(false);
   made->read_identity();
   open_files().files[identity] = made;
@@ -169,13 +184,35 @@ int Environment::try_open_map(const std::filesystem::path& at, std::size_t map_b
   return code;
 }
 
-void Environment::open_map(const std::filesystem::path& at) {
-  at_ = std::filesystem::absolute(at);
-  const std::size_t min_bytes = std::max<std::size_t>(2 * file_bytes(), std::size_t{1} << 26);
-  unsigned flags = access_ == Access::kRead ? MDB_RDONLY : 0;
+int Environment::open_largest_map(const std::filesystem::path& at, std::size_t min_bytes, unsigned flags) {
   std::size_t map_bytes = kFirstMapBytes;
   int code = try_open_map(at, map_bytes, flags);
   while (code == ENOMEM && map_bytes / 2 >= min_bytes) code = try_open_map(at, map_bytes /= 2, flags);
+  return code;
+}
+
+void Environment::open_map(const std::filesystem::path& at) {
+  at_ = std::filesystem::absolute(at);
+  const std::size_t min_bytes = std::max<std::size_t>(2 * file_bytes(), std::size_t{1} << 26);
+  const unsigned flags = access_ == Access::kRead ? MDB_RDONLY : 0;
+  const std::string lock_file = at.string() + "-lock";
+  std::optional<std::uint64_t> before = inode_of(lock_file);
+  int code = open_largest_map(at, min_bytes, flags);
+  // LMDB does not say which file it has opened. It is that which bore the name both before and after.
+  for (int attempt = 0; code == 0; ++attempt) {
+    const std::optional<std::uint64_t> after = inode_of(lock_file);
+    if (after && after == before) {
+      bind_lock_file(*after);
+      break;
+    }
+    mdb_env_close(std::exchange(env_, nullptr));
+    if (attempt == 20)
+      throw Error(ErrorKind::kIo, file_.string(),
+                  "its lock file " + lock_file + " is replaced again and again",
+                  "Stop the program that does so and run again");
+    before = after;
+    code = open_largest_map(at, min_bytes, flags);
+  }
   if ((code == EACCES || code == EPERM || code == EROFS) && access_ == Access::kRead) {
     // No lock file can be made here. Pages are safe as long as nobody writes, and the locks on the store say
     // so.
@@ -185,15 +222,28 @@ void Environment::open_map(const std::filesystem::path& at) {
       throw Error(ErrorKind::kIo, file_.string(), "is being written, and its lock file cannot be opened",
                   "Get permission to write to " + file_.string() + "-lock, or wait for the writer");
     }
-    flags |= MDB_NOLOCK;
-    code = try_open_map(at, map_bytes, flags);
-    while (code == ENOMEM && map_bytes / 2 >= min_bytes) code = try_open_map(at, map_bytes /= 2, flags);
+    code = open_largest_map(at, min_bytes, flags | MDB_NOLOCK);
   }
   // Its pages have just been read, or written: LMDB calls it so where it gets less than it asks for.
   if (code == MDB_INVALID)
     throw Error(ErrorKind::kIo, file_.string(), "its first page could not be read whole",
                 "Check the disk and run again");
   check_lmdb(file_, "cannot be opened", code);
+}
+
+void Environment::bind_lock_file(std::uint64_t lock_file) {
+  const off_t own = kLockFileBytes + static_cast<off_t>(lock_file % static_cast<std::uint64_t>(kLockFiles)),
+              end = kLockFileBytes + kLockFiles;
+  lock_bytes(fd_, kLockFileBytes, kLockFiles, F_UNLCK);  // of the name under which it was made
+  const bool alone =
+      access_ == Access::kRead || (lock_bytes(fd_, kLockFileBytes, own - kLockFileBytes, F_WRLCK) &&
+                                   lock_bytes(fd_, own + 1, end - own - 1, F_WRLCK));
+  if (alone && lock_byte(fd_, own, F_RDLCK)) return;
+  throw Error(ErrorKind::kIo, file_.string(),
+              std::string("is being ") + (access_ == Access::kRead ? "written" : "read") +
+                  " under another name (a hard link), or by a program whose lock file " + at_.string() +
+                  "-lock was removed or replaced",
+              "Wait for that program, and use one name of the store");
 }
 
 void Environment::open_tables(bool create) {

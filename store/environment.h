@@ -66,6 +66,10 @@ class Environment : public std::enable_shared_from_this<Environment> {
   void take_locks(const std::filesystem::path& at);
   void open_map(const std::filesystem::path& at);
   int try_open_map(const std::filesystem::path& at, std::size_t map_bytes, unsigned flags);
+  /// Opens LMDB's environment with the largest map that there is room for, at least min_bytes. Returns LMDB's code.
+  int open_largest_map(const std::filesystem::path& at, std::size_t min_bytes, unsigned flags);
+  /// Throws Error{kIo} where a writer and a reader would use two lock files.
+  void bind_lock_file(std::uint64_t lock_file);
   void open_tables(bool create);
   void read_identity();
   void write_identity(const std::string& settings, std::optional<std::uint64_t> store_id);

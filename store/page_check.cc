@@ -227,7 +227,9 @@ class PageWalk {
     if (leaf) {
       const bool allowed = flags == 0 || flags == kBigData || (flags == kSubTree && kind_ == Kind::kMain);
       const bool outside = kNodeHeader + key_bytes + value_bytes > max_node(page_bytes_);
-      if (!allowed || outside != (flags == kBigData)) {
+      // LMDB may write a list of free pages twice, and leaves the shorter one where the longer one was.
+      const bool shortened = kind_ == Kind::kFree && flags == kBigData;
+      if (!allowed || (outside != (flags == kBigData) && !shortened)) {
         throw_damaged_file(name + " has an entry with flags " + std::to_string(flags) + " and " +
                            std::to_string(value_bytes) + " bytes, which no store has");
       }
@@ -298,7 +300,8 @@ class PageWalk {
     ++seen_.entries;
     if (node.flags == kBigData) {
       const auto first = load<std::uint64_t>(node.data);
-      const std::uint64_t count = pages_of(node.value_bytes, page_bytes_);
+      std::uint64_t count = pages_of(node.value_bytes, page_bytes_);
+      if (kind_ == Kind::kFree) count = std::max<std::uint64_t>(count, stated_pages(first));
       take_pages(first, count);
       seen_.overflow += count;
       if (depth_ == PageCheck::kAll || kind_ == Kind::kFree) check_value_pages(first, count);
@@ -309,6 +312,12 @@ class PageWalk {
       throw_damaged_file(name + " has a garbled table");
     tables_.push_back({{reinterpret_cast<const char*>(node.key.data()), node.key.size()},
                        node.flags == kSubTree ? std::optional<Tree>(node.data) : std::nullopt});
+  }
+
+  // How many pages the header of a long value names; 0 where there is none.
+  std::uint64_t stated_pages(std::uint64_t first) const {
+    if (first < 2 || first > last_page_ || (first + 1) * page_bytes_ > file_bytes_) return 0;
+    return load<std::uint32_t>(&read_at(first * page_bytes_, kPageHeader)[12]);
   }
 
   // The header of a long value's pages: LMDB frees and copies as many as it names.

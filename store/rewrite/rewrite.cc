@@ -60,6 +60,7 @@ class Replaced {
         opened.st_ino != named.st_ino || opened.st_dev != named.st_dev)
       throw Error(ErrorKind::kIo, environment_->file().string(), "has been moved away or replaced meanwhile",
                   "Run again");
+    sizes.old_names = opened.st_nlink - 1;
     fresh.commit();
     return sizes;
   }

@@ -18,6 +18,7 @@ namespace freshet::store {
 /// Sizes of a store's file, bytes.
 struct FileSizes {
   std::uint64_t before = 0, after = 0;
+  std::uint64_t old_names = 0;  // more names of the file that was replaced (hard links): they have it still
 };
 
 /// What compact() would make of it. Reads keys and headers, no payload; the store may be in use.

@@ -260,5 +260,129 @@ TEST(Upheaval, AStoreOf200GigabytesIsReadAndWrittenAsAnyOther) {
   EXPECT_LT(status.st_blocks * 512, 100 << 20) << "on the disk";
 }
 
+/// Replaces what there is, so that freed pages are used again.
+void write_much(const std::filesystem::path& file) {
+  Store store = Store::open_write(file);
+  for (std::uint64_t i = 0; i < 6; ++i) write_blob(store, "noise", noise(2 * kMiB, 10 + i));
+}
+
+// LMDB leaves a list of free pages that became shorter while it was written on pages of its own.
+TEST(Upheaval, AStoreWhoseFreePagesWereUsedAgainIsOpened) {
+  const TestFolder folder;
+  const auto file = folder / "a";
+  Store::create(file, "");
+  {
+    Store store = Store::open_write(file);
+    write_blob(store, "noise", noise(2 * kMiB, 1));
+    write_blob(store, "other", noise(2 * kMiB, 2));
+  }
+  for (int run = 0; run < 6; ++run) {
+    write_much(file);
+    const std::vector<std::string> faults = Store::open_read(file).snapshot().verify();
+    ASSERT_TRUE(faults.empty()) << run << ": " << faults.front();
+  }
+}
+
+/// A store of a clip and a blob, which a process beside this one reads in the midst of what `upheaval` does to it. Returns
+/// its exit status: 0 when it read what was there when it began.
+int read_across(const std::filesystem::path& file, const std::filesystem::path& name,
+                const std::function<void()>& upheaval) {
+  const auto blob = noise(2 * kMiB, 1);
+  {
+    Store store = Store::create(file, "");
+    add_clip(store, numbered(0));
+    write_blob(store, "noise", blob);
+    write_blob(store, "other", noise(2 * kMiB, 2));
+  }
+  const Beside reader([&](const Beside& self) {
+    const Store store = Store::open_read(name);
+    const Snapshot snapshot = store.snapshot();
+    self.say_and_wait();
+    return snapshot.verify().empty() && reads_back(snapshot, ClipId{0}, numbered(0)) &&
+                   snapshot.blob("noise") == blob
+               ? 0
+               : 1;
+  });
+  reader.hear();
+  upheaval();
+  reader.tell();
+  return reader.end();
+}
+
+void expect_refused(const std::function<void()>& act) {
+  try {
+    act();
+    ADD_FAILURE() << "it was not refused";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::kIo);
+    EXPECT_NE(std::string(error.what()).find("another name"), std::string::npos) << error.what();
+  }
+}
+
+// LMDB's table of readers is in a file beside the store, by the store's name.
+TEST(Upheaval, AReaderByASymbolicLinkKeepsItsPages) {
+  const TestFolder folder;
+  const auto file = folder / "a", link = folder / "link";
+  std::filesystem::create_symlink("a", link);
+  EXPECT_EQ(read_across(file, link, [&] { write_much(file); }), 0);
+  EXPECT_FALSE(std::filesystem::exists(folder / "link-lock"));
+}
+
+TEST(Upheaval, AWriterByAHardLinkWaitsForReadersByAnother) {
+  const TestFolder folder;
+  const auto file = folder / "a", link = folder / "link";
+  Store::create(file, "");
+  std::filesystem::create_hard_link(file, link);
+  {
+    Store store = Store::open_write(file);
+    write_blob(store, "noise", noise(2 * kMiB, 1));
+    write_blob(store, "other", noise(2 * kMiB, 2));
+  }
+  const Beside reader([&](const Beside& self) {
+    const Store store = Store::open_read(link);
+    const Snapshot snapshot = store.snapshot();
+    self.say_and_wait();
+    return snapshot.blob("noise") == noise(2 * kMiB, 1) ? 0 : 1;
+  });
+  reader.hear();
+  expect_refused([&] { write_much(file); });
+  write_much(link);  // by its own name the reader is seen
+  reader.tell();
+  EXPECT_EQ(reader.end(), 0);
+  write_much(file);
+}
+
+TEST(Upheaval, AReaderByAHardLinkWaitsForAWriterByAnother) {
+  const TestFolder folder;
+  const auto file = folder / "a", link = folder / "link";
+  Store::create(file, "");
+  std::filesystem::create_hard_link(file, link);
+  const Beside writer([&](const Beside& self) {
+    Store store = Store::open_write(file);
+    self.say_and_wait();
+    write_blob(store, "noise", noise(kMiB, 1));
+    return 0;
+  });
+  writer.hear();
+  expect_refused([&] { Store::open_read(link); });
+  { const Store store = Store::open_read(file); }
+  writer.tell();
+  EXPECT_EQ(writer.end(), 0);
+  EXPECT_EQ(Store::open_read(link).snapshot().blob("noise"), noise(kMiB, 1));
+}
+
+TEST(Upheaval, AReaderWhoseLockFileWasRemovedKeepsItsPages) {
+  const TestFolder folder;
+  const auto file = folder / "a";
+  EXPECT_EQ(read_across(file, file,
+                        [&] {
+                          std::filesystem::remove(folder / "a-lock");
+                          expect_refused([&] { write_much(file); });
+                        }),
+            0);
+  write_much(file);
+  EXPECT_TRUE(Store::open_read(file).snapshot().verify().empty());
+}
+
 }  // namespace
 }  // namespace freshet::store

@@ -132,6 +132,15 @@ TEST_F(Rewrite, CompactionRefusesWhatIsOpenAndLeavesALinkALink) {
   expect_whole(a_);
 }
 
+TEST_F(Rewrite, CompactionSaysThatAnotherNameKeepsTheOldFile) {
+  make(a_, {kA});
+  EXPECT_EQ(compact(a_).old_names, 0u);
+  fs::create_hard_link(a_, b_);
+  EXPECT_EQ(compact(a_).old_names, 1u);
+  EXPECT_FALSE(fs::equivalent(a_, b_));
+  expect_whole(b_);
+}
+
 TEST_F(Rewrite, StoppedItLeavesEverythingAsItWas) {
   make(a_, {kA, kB});
   make(b_, {kC});
