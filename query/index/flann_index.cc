@@ -6,7 +6,6 @@
 #include <array>
 #include <cassert>
 #include <cmath>
-#include <cstdio>
 #include <cstring>
 #include <limits>
 #include <random>
@@ -15,6 +14,7 @@
 #include "platform/stopwatch.h"
 #include "platform/vectors.h"
 #include "query/index/dense_histogram.h"
+#include "query/index/flann_trees.h"
 
 // FLANN 1.9.2 shuffles by std::random_device inside its kd-trees and draws from std::rand: two builds differ,
 // whatever is given to flann::seed_random, and no public parameter or override reaches either. FLANN is all
@@ -94,10 +94,41 @@ struct Distance {
 };
 using Index = seeded_flann::NNIndex<Distance>;
 
-// What stands before FLANN's own bytes. FLANN's loader ends the process on damage, so it sees only bytes
-// whose hash is right and that were written for these very words.
+// FLANN's fields one after another. Its own archives compress them, and believe the sizes that they read.
+class FieldWriter : public seeded_flann::serialization::OutputArchive<FieldWriter> {
+ public:
+  template <class T>
+  void save(const T& value) {
+    save_binary(&value, sizeof value);
+  }
+  void save_binary(const void* from, std::size_t bytes) {
+    const auto* first = static_cast<const std::byte*>(from);
+    written.insert(written.end(), first, first + bytes);
+  }
+  std::vector<std::byte> written;
+};
+
+// Of bytes that fault_of_flann_trees() has walked: they are as many as FLANN asks for.
+class FieldReader : public seeded_flann::serialization::InputArchive<FieldReader> {
+ public:
+  explicit FieldReader(std::span<const std::byte> bytes) : left_(bytes) {}
+  template <class T>
+  void load(T& value) {
+    load_binary(&value, sizeof value);
+  }
+  void load_binary(void* to, std::size_t bytes) {
+    if (bytes > left_.size()) throw seeded_flann::FLANNException("it ends in the midst of its trees");
+    std::memcpy(to, left_.data(), bytes);
+    left_ = left_.subspan(bytes);
+  }
+
+ private:
+  std::span<const std::byte> left_;
+};
+
+// What stands before FLANN's own fields.
 struct Header {
-  std::array<char, 8> magic{'F', 'R', 'S', 'H', 'F', 'L', 'N', '2'};
+  std::array<char, 8> magic{'F', 'R', 'S', 'H', 'F', 'L', 'N', '3'};
   std::uint32_t kind = 0;
   std::uint32_t word_count = 0;
   std::uint64_t rows = 0;
@@ -108,11 +139,6 @@ struct Header {
   std::uint32_t zero = 0;
 };
 static_assert(sizeof(Header) == 64);
-
-struct CloseFile {
-  void operator()(std::FILE* file) const { std::fclose(file); }
-};
-using File = std::unique_ptr<std::FILE, CloseFile>;
 
 std::uint64_t hash_of(std::span<const vision::WordMap> words) {
   return XXH3_64bits(words.data(), words.size_bytes());
@@ -183,6 +209,22 @@ struct FlannIndex::Impl {
     }
   }
 
+  /// Takes FLANN's fields to an archive, or from one.
+  template <class Archive>
+  void serialise(Archive& archive) const {
+    switch (options.kind) {
+      case FlannKind::kKdTree:
+        archive& static_cast<seeded_flann::KDTreeIndex<Distance>&>(*index);
+        break;
+      case FlannKind::kKMeans:
+        archive& static_cast<seeded_flann::KMeansIndex<Distance>&>(*index);
+        break;
+      case FlannKind::kHierarchical:
+        archive& static_cast<seeded_flann::HierarchicalClusteringIndex<Distance>&>(*index);
+        break;
+    }
+  }
+
   [[noreturn]] void fail(const std::string& fault) const {
     throw Error(ErrorKind::kDamaged, blob_name(options.kind), fault,
                 std::string("Build it again: freshet index --flann ") + name_of(options.kind));
@@ -223,10 +265,12 @@ FlannIndex::FlannIndex(std::span<const vision::WordMap> words, int word_count,
   }
   impl_->tuning = header.tuning;
   if (!impl_->index) return;
-  const File file(fmemopen(const_cast<std::byte*>(payload.data()), payload.size(), "rb"));
-  if (!file) impl_->fail("cannot be opened in memory");
+  if (const std::string fault = fault_of_flann_trees(options.kind, payload, impl_->rows, impl_->bins);
+      !fault.empty())
+    impl_->fail(fault);
+  FieldReader reader(payload);
   try {
-    impl_->index->loadIndex(file.get());
+    impl_->serialise(reader);
   } catch (const seeded_flann::FLANNException& error) {
     impl_->fail(error.what());
   }
@@ -246,34 +290,26 @@ void FlannIndex::set_tuning(std::uint32_t checks, float recall) {
 void FlannIndex::set_checks(int checks) { impl_->options.checks = checks; }
 
 std::vector<std::byte> FlannIndex::serialize() const {
-  char* memory = nullptr;
-  std::size_t size = 0;
-  const std::string where = blob_name(impl_->options.kind);
-  File file(open_memstream(&memory, &size));
-  if (!file) throw Error(ErrorKind::kIo, where, "no memory to write it to");
-  std::unique_ptr<char, decltype(&std::free)> owner(nullptr, &std::free);
-  try {
-    if (impl_->index) impl_->index->saveIndex(file.get());
-  } catch (const seeded_flann::FLANNException& error) {
-    file.reset();
-    owner.reset(memory);
-    throw Error(ErrorKind::kIo, where, error.what());
+  FieldWriter fields;
+  if (impl_->index) {
+    impl_->serialise(fields);
+    // What could not be loaded again is not written.
+    if (const std::string fault =
+            fault_of_flann_trees(impl_->options.kind, fields.written, impl_->rows, impl_->bins);
+        !fault.empty())
+      throw Error(ErrorKind::kUsage, blob_name(impl_->options.kind), fault, "Use another kind of index");
   }
-  const bool failed = std::ferror(file.get()) != 0 || std::fflush(file.get()) != 0;  // FLANN does not look
-  file.reset();
-  owner.reset(memory);
-  if (failed) throw Error(ErrorKind::kIo, where, "no memory to write it to");
   Header header;
   header.kind = static_cast<std::uint32_t>(impl_->options.kind);
   header.word_count = static_cast<std::uint32_t>(impl_->word_count);
   header.rows = impl_->rows;
   header.words_hash = impl_->words_hash;
-  header.payload_size = size;
+  header.payload_size = fields.written.size();
   header.tuning = impl_->tuning;
-  header.payload_hash = XXH3_64bits(memory, size);
-  std::vector<std::byte> bytes(sizeof header + size);
+  header.payload_hash = XXH3_64bits(fields.written.data(), fields.written.size());
+  std::vector<std::byte> bytes(sizeof header);
   std::memcpy(bytes.data(), &header, sizeof header);
-  if (size > 0) std::memcpy(bytes.data() + sizeof header, memory, size);
+  bytes.insert(bytes.end(), fields.written.begin(), fields.written.end());
   return bytes;
 }
 

@@ -1,6 +1,10 @@
 #include "query/index/flann_index.h"
 
 #include <gtest/gtest.h>
+#include <xxhash.h>
+
+#include <cstring>
+#include <random>
 
 #include "freshet/error.h"
 #include "query/index/exact_index.h"
@@ -217,6 +221,57 @@ TEST(FlannIndex, RefusesBytesThatAreNotItsOwn) {
   }
   rows[3][3] ^= 1;
   EXPECT_EQ(kind_of_error(rows, bytes), ErrorKind::kDamaged);
+}
+
+// A header of 64 bytes, in which the hash and the size of the rest stand from byte 32 on.
+void seal(std::vector<std::byte>& bytes) {
+  const std::uint64_t size = bytes.size() - 64, hash = XXH3_64bits(bytes.data() + 64, size);
+  std::memcpy(&bytes[32], &hash, 8);
+  std::memcpy(&bytes[40], &size, 8);
+}
+
+// Whoever makes a store computes its hashes.
+TEST(FlannIndex, WalksTreesThatAreGarbledAndSealedAgain) {
+  const auto rows = random_words({.rows = 200, .words = kWords, .clusters = 20, .seed = 4});
+  const std::vector<PieceQuery> queries{whole(rows[0]), whole(rows[150])};
+  std::mt19937 random(12);
+  for (const FlannKind kind : kKinds) {
+    const FlannOptions options{.kind = kind, .branching = 8, .checks = 150};
+    const std::vector<std::byte> built = FlannIndex(rows, kWords, options).serialize();
+    int refused = 0, taken = 0;
+    for (int round = 0; round < 700; ++round) {
+      std::vector<std::byte> bytes = built;
+      // Half of them among the counts that stand first.
+      const std::size_t at = 64 + random() % (round % 2 == 0 ? bytes.size() - 72 : 300);
+      const std::uint64_t odd[] = {~0ull, 1ull << 63, 1ull << 32, (1ull << 31) - 1, 1000000, rows.size(),
+                                   2,     1,          0};
+      const std::uint64_t value = odd[random() % std::size(odd)];
+      switch (random() % 4) {
+        case 0:
+          std::memcpy(&bytes[at], &value, 8);
+          break;
+        case 1:
+          std::memcpy(&bytes[at], &value, 4);
+          break;
+        case 2:
+          bytes[at] ^= static_cast<std::byte>(1 << random() % 8);
+          break;
+        default:
+          bytes.resize(at);
+      }
+      seal(bytes);
+      try {
+        const FlannIndex index(rows, kWords, bytes, options);
+        index.search(queries, 100);
+        ++taken;
+      } catch (const Error& error) {
+        EXPECT_EQ(error.kind(), ErrorKind::kDamaged);
+        ++refused;
+      }
+    }
+    EXPECT_GT(refused, 200) << name_of(kind);
+    EXPECT_GT(taken, 20) << name_of(kind);
+  }
 }
 
 TEST(FlannIndex, SaysWhatToDoWhenItWouldTakeTooMuchMemory) {
