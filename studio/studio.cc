@@ -22,6 +22,7 @@
 #include "studio/clip_folder.h"
 #include "studio/clip_strip.h"
 #include "studio/still_folder.h"
+#include "synth/scene/scene_file.h"
 
 namespace freshet::studio {
 namespace {
@@ -146,7 +147,10 @@ std::string Studio::home_json() const {
   Json json{{"projects", Json::array()},
             {"stores", Json::array()},
             {"folder", folder_.path().string()},
-            {"formats", offered_formats()}};
+            {"formats", offered_formats()},
+            {"ranges", Json::object()}};
+  for (const synth::scene::SceneRange& each : synth::scene::scene_ranges())
+    json["ranges"][each.table + "." + each.key] = {each.slider.low, each.slider.high};
   for (const auto& [changed, id] : found) {
     const auto ago =
         std::chrono::duration_cast<std::chrono::seconds>(fs::file_time_type::clock::now() - changed);

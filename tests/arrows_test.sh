@@ -51,7 +51,8 @@ synth/simulate/scene: synth/field synth/simulate/solver
 synth/simulate/clips: synth/field synth/simulate/solver synth/simulate/scene
 synth/simulate/design: media/picture synth/field synth/toml synth/simulate/solver synth/simulate/scene
 synth/simulate: synth/simulate/scene
-synth/scene: hints synth/toml
+synth/scene/kinds: synth/toml
+synth/scene: hints synth/toml synth/scene/kinds
 synth/scene/wind: synth/scene
 synth/scene/water: synth/scene synth/scene/wind
 synth/scene/motion: synth/scene synth/scene/wind synth/scene/water
@@ -63,9 +64,9 @@ synth/flowlines/files: store media/video hints stored synth/flowlines/lines synt
 synth/stills: report cache media/frame media/picture hints vision synth/toml synth/matte
 synth/transfer: synth/field
 synth/transfer/files: cache store media/frame media/picture media/video vision stored synth/playing synth/transfer
-studio/drawing: synth/matte
+studio/drawing: synth/matte synth/scene
 studio/ways: synth/simulate/design studio/drawing
-studio: cache store media/frame media/picture media/video hints vision stored query/index query/search query/labelling synth/animate/motion synth/animate synth/matte studio/drawing studio/ways
+studio: cache store media/frame media/picture media/video hints vision stored query/index query/search query/labelling synth/animate/motion synth/animate synth/matte synth/scene studio/drawing studio/ways
 studio/http: studio
 library: store media/picture media/video hints vision ingest query/index query/labelling synth/outline synth/animate synth/matte synth/simulate/design synth/simulate synth/transfer synth/transfer/files
 tools/console: store media/frame media/picture media/video query/index

@@ -120,7 +120,7 @@ nlohmann::json measure(cv::Size size, int frames, int runs, bool cut) {
   double moving = 0;
   for (std::size_t i = 0; i < drawn.alphas.size(); ++i) {
     pixels.push_back({drawn.picture, drawn.alphas[i]});
-    if (asked.layers[i].kind != scene::MotionKind::kStill) moving += cv::mean(drawn.alphas[i])[0];
+    if (asked.layers[i].as<scene::StillMotion>() == nullptr) moving += cv::mean(drawn.alphas[i])[0];
   }
   nlohmann::json row{{"width", size.width},
                      {"height", size.height},

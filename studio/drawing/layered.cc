@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "studio/drawing/fields.h"
+#include "synth/scene/scene_file.h"
 
 namespace freshet::studio {
 namespace {
@@ -25,6 +26,12 @@ std::string layer_name(const Fields& fields) {
   return name;
 }
 
+/// A number that goes into the scene file as it is. table, key   of the scene (scene_ranges).
+double number(const Fields& fields, const char* name, const char* table, const char* key) {
+  const synth::Range range = synth::scene::scene_range(table, key).range;
+  return fields.number(name, range.low, range.high);
+}
+
 DrawnLayer read_layer(const Fields& fields) {
   fields.only({"name", "motion", "matte", "paint", "lines", "plant", "shimmer", "waves", "mirrors", "roll",
                "drift", "class", "clip"});
@@ -38,11 +45,11 @@ DrawnLayer read_layer(const Fields& fields) {
       .paint = fields.drawn("paint"),
       .lines = fields.strokes("lines"),
       .plant = fields.word("plant", {"tree", "flower", "grass"}),
-      .shimmer = fields.number("shimmer", 0, 20),
-      .waves = fields.number("waves", 0, 100),
+      .shimmer = number(fields, "shimmer", "tree", "shimmer"),
+      .waves = number(fields, "waves", "water", "amplitude"),
       .mirrors = fields.flag("mirrors"),
-      .roll = fields.number("roll", 0, 100),
-      .drift = fields.number("drift", -1000, 1000),
+      .roll = number(fields, "roll", "boat", "roll"),
+      .drift = number(fields, "drift", "clouds", "speed"),
       .class_name = fields.text("class"),
       .clip = fields.has("clip") ? fields.text("clip") : ""};  // older documents have none
   if (layer.clip.find('/') != std::string::npos || layer.clip.starts_with('.'))
@@ -70,9 +77,9 @@ Json layer_json(const DrawnLayer& layer) {
 
 Layered read_layered(const Fields& fields) {
   fields.only({"wind", "direction", "gustiness", "frames", "loop", "layers"});
-  Layered layered{.wind = fields.number("wind", 0, 60),
-                  .direction = fields.number("direction", -360, 360),
-                  .gustiness = fields.number("gustiness", 0, 1),
+  Layered layered{.wind = number(fields, "wind", "wind", "speed"),
+                  .direction = number(fields, "direction", "wind", "direction"),
+                  .gustiness = number(fields, "gustiness", "wind", "gustiness"),
                   .frames = fields.integer("frames", 1, 2000),
                   .loop = fields.flag("loop"),
                   .layers = {}};

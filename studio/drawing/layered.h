@@ -27,22 +27,21 @@ struct DrawnLayer {
   /// the first line counts; strokes of patches. Of a film, from its upper left corner to its lower right one.
   std::vector<DrawnStroke> lines{};
   std::string plant = "tree";  // "tree", "flower", "grass"
-  double shimmer = 0;          // of leaves, px, 0..20
-  double waves = 0;            // amplitude, 0..100; 0: the usual
+  double shimmer = 0;          // of leaves, px; this and the other numbers in the scene file's ranges
+  double waves = 0;            // amplitude; 0: the usual
   bool mirrors = false;        // of water: what moves above it
-  double roll = 1;             // of a boat, and how much it heaves, 0..100
-  double drift = 0;            // of clouds, px/s, -1000..1000; 0: as the wind blows
+  double roll = 1;             // of a boat, and how much it heaves
+  double drift = 0;            // of clouds, px/s; 0: as the wind blows
   std::string class_name{};    // of patches; empty: all
   std::string clip{};          // of a film: one that was dropped (own_clip_path); empty: what Design has made
   bool operator==(const DrawnLayer&) const = default;
 };
 
 struct Layered {
-  double wind = 5;  // m/s, 0..60
-  double direction =
-      0;  // degrees, where it blows to, seen from above: 0 right, 90 away from the viewer; -360..360
-  double gustiness = 0;  // 0..1
-  int frames = 100;      // 1..2000
+  double wind = 5;       // m/s
+  double direction = 0;  // degrees, where it blows to, seen from above: 0 right, 90 away from the viewer
+  double gustiness = 0;
+  int frames = 100;  // 1..2000
   bool loop = true;
   std::vector<DrawnLayer> layers{};  // nearest first
   bool operator==(const Layered&) const = default;

@@ -4,10 +4,12 @@
 #include <filesystem>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include <opencv2/core.hpp>
 
 #include "synth/scene/scene.h"
+#include "synth/toml/range.h"
 
 namespace freshet::synth::scene {
 
@@ -20,6 +22,15 @@ Scene parse_scene(std::string_view text, const std::filesystem::path& name);
 
 /// Every key with unit, range and default, for a person.
 std::string scene_keys();
+
+/// What a number of a scene may be. table   "wind", or a kind of motion.
+struct SceneRange {
+  std::string table, key;
+  Range range, slider;  // slider: the part in which one looks first
+};
+std::vector<SceneRange> scene_ranges();
+/// Throws Error{kUsage} where there is no such number.
+SceneRange scene_range(const std::string& table, const std::string& key);
 
 /// A commented scene for this picture to start from. picture   as the scene names it.
 std::string first_scene(const std::string& picture, cv::Size size);

@@ -64,24 +64,17 @@ std::vector<hints::Stroke> drawn(const Scene& scene, cv::Size picture, std::vect
   return hints::read_svg_strokes(text, scene.marks.string(), picture, notices);
 }
 
-void take(SceneLayer& layer, const Line& line, bool& used) {
-  switch (layer.kind) {
-    case MotionKind::kTree:
-      layer.tree.armatures.push_back(line);
-      return;
-    case MotionKind::kWater:
-      used = !layer.water.horizon.has_value();
-      if (used) layer.water.horizon = line;
-      return;
-    case MotionKind::kBoat:
-      used = !layer.boat.hull.has_value();
-      if (used) layer.boat.hull = line;
-      return;
-    case MotionKind::kPatches:
-      return;
-    default:
-      used = false;
-  }
+/// Whether the layer's motion needs the line, which it is given then.
+bool take(SceneLayer& layer, const Line& line) {
+  const auto first = [&](std::optional<Line>& own) {
+    if (own) return false;
+    own = line;
+    return true;
+  };
+  if (auto* tree = layer.as<TreeMotion>()) return tree->armatures.push_back(line), true;
+  if (auto* water = layer.as<WaterMotion>()) return first(water->horizon);
+  if (auto* boat = layer.as<BoatMotion>()) return first(boat->hull);
+  return layer.as<PatchesMotion>() != nullptr;  // strokes_of gives them
 }
 
 void need(const Scene& scene, const SceneLayer& layer, bool there, const char* what, const char* key) {
@@ -136,7 +129,7 @@ void read_marks(Scene& scene, cv::Size picture, std::vector<std::string>* notice
     bool used = found != nullptr;
     if (found != nullptr) {
       SceneLayer& layer = scene.layers[static_cast<std::size_t>(found - scene.layers.data())];
-      take(layer, {cv::Point2d(stroke.points.front()), cv::Point2d(stroke.points.back())}, used);
+      used = take(layer, {cv::Point2d(stroke.points.front()), cv::Point2d(stroke.points.back())});
     }
     if (used || notices == nullptr) continue;
     notices->push_back(
@@ -144,25 +137,26 @@ void read_marks(Scene& scene, cv::Size picture, std::vector<std::string>* notice
             ? fmt::format("{}: {} names no layer, and is left out; put it into a group called as its layer",
                           scene.marks.string(), stroke.name)
             : fmt::format("{}: {} is left out, {} ({}) needs no further line", scene.marks.string(),
-                          stroke.name, found->name, to_string(found->kind)));
+                          stroke.name, found->name, found->kind()));
   }
   for (const SceneLayer& layer : scene.layers) {
-    if (layer.kind == MotionKind::kTree) {
-      need(scene, layer, !layer.tree.armatures.empty(), "armature, from root to tip", "armature");
-      for (const Line& line : layer.tree.armatures) check_length(scene, layer, line, "armature");
+    if (const auto* tree = layer.as<TreeMotion>()) {
+      need(scene, layer, !tree->armatures.empty(), "armature, from root to tip", "armature");
+      for (const Line& line : tree->armatures) check_length(scene, layer, line, "armature");
     }
-    if (layer.kind == MotionKind::kWater) {
-      need(scene, layer, layer.water.horizon.has_value(), "horizon", "horizon");
-      check_length(scene, layer, *layer.water.horizon, "horizon");
-      if (std::abs(layer.water.horizon->to.x - layer.water.horizon->from.x) < kShortest)
+    if (const auto* water = layer.as<WaterMotion>()) {
+      need(scene, layer, water->horizon.has_value(), "horizon", "horizon");
+      check_length(scene, layer, *water->horizon, "horizon");
+      if (std::abs(water->horizon->to.x - water->horizon->from.x) < kShortest)
         throw Error(ErrorKind::kInput, scene.file.string(),
                     fmt::format("layer {}: its horizon stands upright", layer.name),
                     "Draw it from left to right");
     }
-    if (layer.kind == MotionKind::kBoat && layer.boat.reflection_of.empty())
-      need(scene, layer, layer.boat.hull.has_value(), "hull line, along the waterline", "hull");
-    if (layer.kind == MotionKind::kBoat && layer.boat.hull)
-      check_length(scene, layer, *layer.boat.hull, "hull line");
+    if (const auto* boat = layer.as<BoatMotion>()) {
+      if (boat->reflection_of.empty())
+        need(scene, layer, boat->hull.has_value(), "hull line, along the waterline", "hull");
+      if (boat->hull) check_length(scene, layer, *boat->hull, "hull line");
+    }
   }
 }
 
@@ -182,21 +176,23 @@ void check_marks(const Scene& scene, const SceneLayer& layer, const cv::Mat& alp
   };
   const cv::Rect box = cv::boundingRect(cv::Mat(alpha > kThere));
   if (box.empty()) {
-    if (layer.kind == MotionKind::kStill) return;
+    if (layer.as<StillMotion>() != nullptr) return;
     fail("nothing of it is to be seen", "Look at its matte, and at those of nearer layers, with --draw");
   }
   const int near = std::max(3, std::max(alpha.cols, alpha.rows) / 50);
-  if (layer.kind == MotionKind::kTree)
-    for (const Line& line : layer.tree.armatures)
+  if (const auto* tree = layer.as<TreeMotion>())
+    for (const Line& line : tree->armatures)
       if (part_on(line, alpha, near) < 0.5)
         fail(fmt::format("its armature from ({:.0f}, {:.0f}) to ({:.0f}, {:.0f}) lies outside of it",
                          line.from.x, line.from.y, line.to.x, line.to.y),
              fmt::format("It is seen in x {} to {}, y {} to {}: draw the line there, from root to tip", box.x,
                          box.br().x, box.y, box.br().y));
-  if (layer.kind == MotionKind::kBoat && layer.boat.hull && part_on(*layer.boat.hull, alpha, 2 * near) < 0.5)
+  if (const auto* boat = layer.as<BoatMotion>();
+      boat != nullptr && boat->hull && part_on(*boat->hull, alpha, 2 * near) < 0.5)
     fail("its hull line lies outside of it", "Draw it along the waterline, from bow to stern");
-  if (layer.kind != MotionKind::kWater) return;
-  const Line& horizon = *layer.water.horizon;
+  const auto* water = layer.as<WaterMotion>();
+  if (water == nullptr) return;
+  const Line& horizon = *water->horizon;
   double above = 0, clearly_above = 0, all = 0;
   const double soft = kSoftShare * std::max(alpha.cols, alpha.rows);
   int highest = alpha.rows;

@@ -6,6 +6,7 @@
 #include <fmt/ranges.h>
 
 #include "freshet/error.h"
+#include "platform/printable.h"
 #include "platform/text_file.h"
 
 namespace freshet::synth {
@@ -22,7 +23,7 @@ std::string kind_of(const toml::node& node) {
     case toml::node_type::array:
       return "a list";
     case toml::node_type::string:
-      return "the text \"" + node.ref<std::string>() + "\"";
+      return "the text \"" + printable(node.ref<std::string>()) + "\"";
     case toml::node_type::integer:
       return fmt::format("{}", node.ref<std::int64_t>());
     case toml::node_type::floating_point:
@@ -70,6 +71,24 @@ void Section::expect_whole(const toml::node& node, const std::string& key) const
   if (!node.is_integer()) refuse(node, key, fmt::format("a whole number is expected, not {}", kind_of(node)));
 }
 
+void Section::read(const std::string& key, std::optional<double>& value, Range range) {
+  if (const toml::node* node = find(key)) value = number(*node, key, range);
+}
+
+void Section::read(const std::string& key, bool& value, Range) { value = flag(key, value); }
+
+void Section::read(const std::string& key, std::string& value, Range) {
+  if (const std::optional<std::string> given = text(key)) value = *given;
+}
+
+void Section::read(const std::string& key, std::filesystem::path& value, Range) {
+  if (const std::optional<std::string> name = text(key)) value = beside(*name);
+}
+
+void Section::read(const std::string& key, std::vector<std::string>& value, Range) {
+  if (find(key) != nullptr) value = texts(key);
+}
+
 bool Section::read(const std::string& key, Vec2& value, Range range) {
   const toml::node* node = find(key);
   if (node != nullptr) value = pair(*node, key, range);
@@ -83,12 +102,20 @@ void Section::read(const std::string& key, Rgb& value) {
   value = {static_cast<float>(v[0]), static_cast<float>(v[1]), static_cast<float>(v[2])};
 }
 
+// A NUL would end every name and message that it gets into.
+const std::string& Section::text_of(const toml::node& node, const std::string& key) const {
+  const std::string& text = node.ref<std::string>();
+  if (text.find('\0') != std::string::npos)
+    refuse(node, key, fmt::format("\"{}\" holds a NUL", printable(text)), "Take \\u0000 out of the text");
+  return text;
+}
+
 std::optional<std::string> Section::text(const std::string& key) {
   const toml::node* node = find(key);
   if (node == nullptr) return std::nullopt;
   if (!node->is_string())
     refuse(*node, key, fmt::format("text in quotes is expected, not {}", kind_of(*node)));
-  return node->ref<std::string>();
+  return text_of(*node, key);
 }
 
 std::optional<std::size_t> Section::word(const std::string& key, const std::vector<std::string>& words) {
@@ -134,7 +161,7 @@ std::vector<std::string> Section::texts(const std::string& key) {
   const auto is_text = [](const toml::node& each) { return each.is_string(); };
   if (list == nullptr || list->size() > kMaxTexts || !std::all_of(list->begin(), list->end(), is_text))
     refuse(*node, key, fmt::format("a list of texts is expected, not {}", kind_of(*node)));
-  for (const toml::node& each : *list) result.push_back(each.ref<std::string>());
+  for (const toml::node& each : *list) result.push_back(text_of(each, key));
   return result;
 }
 

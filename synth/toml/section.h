@@ -13,13 +13,9 @@
 #include <toml++/toml.h>
 
 #include "synth/field/grid.h"
+#include "synth/toml/range.h"
 
 namespace freshet::synth {
-
-/// Smallest and greatest value that a key takes.
-struct Range {
-  double low, high;
-};
 
 /// One table of the file. Keys are asked for by name; done() refuses those that nobody asked for. It borrows the file's
 /// path and table. All that it throws is an Error{kInput} "FILE:LINE: TABLE.KEY: FAULT. REMEDY".
@@ -47,8 +43,15 @@ class Section {
     if (std::is_integral_v<T>) expect_whole(*node, key);
     value = static_cast<T>(number(*node, key, range));
   }
+  void read(const std::string& key, std::optional<double>& value, Range range);
   bool read(const std::string& key, Vec2& value, Range range);
   void read(const std::string& key, Rgb& value);
+
+  /// Values without a range. A path that the file names lies beside it.
+  void read(const std::string& key, bool& value, Range);
+  void read(const std::string& key, std::string& value, Range);
+  void read(const std::string& key, std::filesystem::path& value, Range);
+  void read(const std::string& key, std::vector<std::string>& value, Range);
 
   std::optional<std::string> text(const std::string& key);
   /// One of several words; its place among them.
@@ -79,6 +82,7 @@ class Section {
 
  private:
   void expect_whole(const toml::node& node, const std::string& key) const;
+  const std::string& text_of(const toml::node& node, const std::string& key) const;
 
   const std::filesystem::path* file_;
   const toml::table* table_;

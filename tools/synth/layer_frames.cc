@@ -88,19 +88,19 @@ class PushedFrames : public scene::LayerFrames {
 };
 
 std::unique_ptr<scene::LayerFrames> patches(const scene::Scene& asked, const scene::SceneLayer& layer,
+                                            const scene::PatchesMotion& motion,
                                             const scene::LayerPixels& pixels, const RunContext& context) {
   AnimateRequest request;
-  request.store = layer.patches.store.string();
-  request.words = layer.patches.options;
+  request.store = motion.store.string();
+  request.words = motion.options;
   request.frames = asked.frames;
   request.fps = asked.fps;
   request.loop = asked.loop;
   request.where = fmt::format("{}: layer {}", asked.file.string(), layer.name);
-  if (!layer.patches.class_name.empty())
-    request.words.insert(request.words.end(), {"--class", layer.patches.class_name});
+  if (!motion.class_name.empty()) request.words.insert(request.words.end(), {"--class", motion.class_name});
   const std::vector<hints::Stroke> drawn = scene::strokes_of(asked, layer, pixels.alpha.size());
-  if (!layer.patches.strokes.empty())
-    request.words.insert(request.words.end(), {"--strokes", layer.patches.strokes.string()});
+  if (!motion.strokes.empty())
+    request.words.insert(request.words.end(), {"--strokes", motion.strokes.string()});
   // The fluid's own colours go on beyond its matte: copies of its rim bring nothing of what is beside it.
   const cv::Mat own = synth::sampling::pull_push(pixels.colour, pixels.alpha);
   TargetFiles::Loaded& loaded = request.loaded;
@@ -129,24 +129,25 @@ int fade_of(const scene::Scene& asked, const scene::SceneLayer& layer, int desig
 /// The look of an exemplar on a designed motion, frame by frame; the design's last frame stays.
 class TransferFrames : public scene::LayerFrames {
  public:
-  TransferFrames(const scene::Scene& scene, const scene::SceneLayer& layer, const RunContext& context)
-      : at_(layer.transfer.at),
-        files_(layer.transfer.design_alpha, layer.transfer.design_flow, 0),
+  TransferFrames(const scene::Scene& scene, const scene::SceneLayer& layer,
+                 const scene::TransferMotion& motion, const RunContext& context)
+      : at_(motion.at),
+        files_(motion.design_alpha, motion.design_flow, 0),
         frames_(scene.frames),
         fade_(fade_of(scene, layer, files_.frames())),
-        exemplar_(layer.transfer.exemplar, {.alpha = layer.transfer.exemplar_alpha,
-                                            .ground = static_cast<transfer::Ground>(layer.transfer.ground),
-                                            .patch = transfer::TransferOptions{}.patch,
-                                            .frames = std::min(scene.frames + fade_, files_.frames())}) {
+        exemplar_(motion.exemplar, {.alpha = motion.exemplar_alpha,
+                                    .ground = static_cast<transfer::Ground>(motion.ground),
+                                    .patch = transfer::TransferOptions{}.patch,
+                                    .frames = std::min(scene.frames + fade_, files_.frames())}) {
     files_.check({}, context.stop);
-    if (layer.transfer.ground != scene::ExemplarGround::kNone) {
+    if (motion.ground != scene::ExemplarGround::kNone) {
       const transfer::TransferOptions options;
       const transfer::Extent extent = transfer::mean_extent(files_.frames(), kSeen, options,
                                                             [this](int i) { return files_.read(i).alpha; });
       exemplar_.fit_body(extent, options);
     }
     exemplar_.check({}, context.stop);
-    transfer::check_outline(files_, exemplar_, layer.transfer.design_alpha);
+    transfer::check_outline(files_, exemplar_, motion.design_alpha);
     making_.emplace([this](int t) { return exemplar_.at(t); }, transfer::TransferOptions{});
   }
   const cv::Mat& next() override {
@@ -192,15 +193,13 @@ class TransferFrames : public scene::LayerFrames {
 std::unique_ptr<scene::LayerFrames> frames_of_layer(const scene::Scene& asked, const scene::SceneLayer& layer,
                                                     const scene::LayerPixels& pixels,
                                                     const RunContext& context) {
-  switch (layer.kind) {
-    case scene::MotionKind::kPatches:
-      return patches(asked, layer, pixels, context);
-    case scene::MotionKind::kTransfer:
-      return std::make_unique<TransferFrames>(asked, layer, context);
-    default:
-      return std::make_unique<scene::FootageFrames>(layer.footage.file, layer.footage.at, asked.frames,
-                                                    asked.loop, layer.footage.width);
-  }
+  if (const auto* motion = layer.as<scene::PatchesMotion>())
+    return patches(asked, layer, *motion, pixels, context);
+  if (const auto* motion = layer.as<scene::TransferMotion>())
+    return std::make_unique<TransferFrames>(asked, layer, *motion, context);
+  const auto& footage = *layer.as<scene::FootageMotion>();
+  return std::make_unique<scene::FootageFrames>(footage.file, footage.at, asked.frames, asked.loop,
+                                                footage.width);
 }
 
 }  // namespace freshet::tools

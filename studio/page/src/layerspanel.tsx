@@ -172,20 +172,20 @@ function MotionOptions({ layer }: { layer: DrawnLayer }): JSX.Element | null {
       return (
         <>
           <Select label="Plant" value={layer.plant} options={[["tree", "Tree"], ["flower", "Flower"], ["grass", "Grass"]] as const} onChange={(plant) => changeLayer({ plant })} />
-          <Slider label="Shimmer of leaves" value={layer.shimmer} min={0} max={4} step={0.1} shown={`${layer.shimmer.toFixed(1)} px`} onInput={(shimmer) => changeLayer({ shimmer }, "layer-shimmer")} />
+          <Slider label="Shimmer of leaves" value={layer.shimmer} {...state.range("tree.shimmer")} step={0.1} shown={`${layer.shimmer.toFixed(1)} px`} onInput={(shimmer) => changeLayer({ shimmer }, "layer-shimmer")} />
         </>
       );
     case "water":
       return (
         <>
-          <Slider label="Waves" value={layer.waves} min={0} max={1} step={0.01} shown={layer.waves === 0 ? "as usual" : layer.waves.toFixed(2)} onInput={(waves) => changeLayer({ waves }, "layer-waves")} />
+          <Slider label="Waves" value={layer.waves} {...state.range("water.amplitude")} step={0.01} shown={layer.waves === 0 ? "as usual" : layer.waves.toFixed(2)} onInput={(waves) => changeLayer({ waves }, "layer-waves")} />
           <Switch label="Mirrors" hint="What moves above it moves in it, too" checked={layer.mirrors} onChange={(mirrors) => changeLayer({ mirrors })} />
         </>
       );
     case "boat":
-      return <Slider label="Rocks" value={layer.roll} min={0} max={10} step={0.1} shown={`${layer.roll.toFixed(1)} ×`} onInput={(roll) => changeLayer({ roll }, "layer-roll")} />;
+      return <Slider label="Rocks" value={layer.roll} {...state.range("boat.roll")} step={0.1} shown={`${layer.roll.toFixed(1)} ×`} onInput={(roll) => changeLayer({ roll }, "layer-roll")} />;
     case "clouds":
-      return <Slider label="Drift" value={layer.drift} min={-60} max={60} step={1} shown={layer.drift === 0 ? "with the wind" : `${layer.drift} px/s`} onInput={(drift) => changeLayer({ drift }, "layer-drift")} />;
+      return <Slider label="Drift" value={layer.drift} {...state.range("clouds.speed")} step={1} shown={layer.drift === 0 ? "with the wind" : `${layer.drift} px/s`} onInput={(drift) => changeLayer({ drift }, "layer-drift")} />;
     case "patches":
       return (
         <Select label="Kind of fluid" value={layer.class} options={[["", "Any"], ...named(state.classesOf(state.store.value))]} onChange={(kind) => changeLayer({ class: kind })} />
@@ -211,9 +211,9 @@ function FilmChoice({ layer }: { layer: DrawnLayer }): JSX.Element {
 function WindSection({ layered }: { layered: Layered }): JSX.Element {
   return (
     <Section title="Wind">
-      <Slider label="Wind" value={layered.wind} min={0} max={20} step={0.5} shown={`${layered.wind.toFixed(1)} m/s`} onInput={(wind) => changeScene({ wind }, "wind")} />
-      <Slider label="Blows to" value={layered.direction} min={-180} max={180} step={5} shown={`${layered.direction}°`} onInput={(direction) => changeScene({ direction }, "wind-direction")} />
-      <Slider label="Gusts" value={layered.gustiness} min={0} max={1} step={0.05} shown={layered.gustiness === 0 ? "none" : layered.gustiness.toFixed(2)} onInput={(gustiness) => changeScene({ gustiness }, "gusts")} />
+      <Slider label="Wind" value={layered.wind} {...state.range("wind.speed")} step={0.5} shown={`${layered.wind.toFixed(1)} m/s`} onInput={(wind) => changeScene({ wind }, "wind")} />
+      <Slider label="Blows to" value={layered.direction} {...state.range("wind.direction")} step={5} shown={`${layered.direction}°`} onInput={(direction) => changeScene({ direction }, "wind-direction")} />
+      <Slider label="Gusts" value={layered.gustiness} {...state.range("wind.gustiness")} step={0.05} shown={layered.gustiness === 0 ? "none" : layered.gustiness.toFixed(2)} onInput={(gustiness) => changeScene({ gustiness }, "gusts")} />
       <p class="hint">0° to the right, 90° away, 180° to the left, as seen from above.</p>
       <Slider label="Length" value={layered.frames / 25} min={0.4} max={20} step={0.2} shown={`${(layered.frames / 25).toFixed(1)} s`} onInput={(seconds) => changeScene({ frames: Math.max(1, Math.round(seconds * 25)) }, "scene-frames")} />
       <Switch label="Loop" hint="Its end runs into its beginning" checked={layered.loop} onChange={(loop) => changeScene({ loop })} />

@@ -35,6 +35,11 @@ export function beginWith(wanted: Mode): void {
   firstMode = wanted;
 }
 
+/** Ends of the slider for a number of the scene, by table and key. */
+export function range(key: string): { min: number; max: number } {
+  const [min, max] = home.value?.ranges[key] ?? [0, 1];
+  return { min, max };
+}
 export const store = computed(() => home.value?.stores.find((each) => each.path === doc.value?.store) ?? null);
 /** The kinds of fluid that a store has. */
 export const classesOf = (of: Store | null): string[] => [...new Set(of?.clips.map((clip) => clip.class) ?? [])].sort();

@@ -226,6 +226,7 @@ export interface Home {
   stores: Store[];
   folder: string;
   formats: OutputFormat[];
+  ranges: Record<string, [number, number]>; // of a scene's numbers, by table and key: what sliders show
 }
 
 export interface MatteNews {

@@ -26,44 +26,45 @@ cv::Rect around(const cv::Rect& box, cv::Size picture) {
 }
 
 Outline outline_of(const SceneLayer& layer) {
-  if (layer.kind == MotionKind::kWater && !layer.water.edge_moves) return Outline::kHeld;
-  if (layer.kind == MotionKind::kClouds) return Outline::kCyclic;
+  if (const auto* water = layer.as<WaterMotion>(); water != nullptr && !water->edge_moves)
+    return Outline::kHeld;
+  if (layer.as<CloudMotion>() != nullptr) return Outline::kCyclic;
   return Outline::kMoves;
 }
 
 /// box   of the layer, px.
-CloudCourse course_of(const Scene& scene, const SceneLayer& layer, const cv::Rect& box, cv::Size picture) {
-  return course_of(layer.clouds, scene.wind, cycle_of(scene), scene.loop, box.width, picture.width);
+CloudCourse course_in(const Scene& scene, const CloudMotion& clouds, const cv::Rect& box, cv::Size picture) {
+  return course_of(clouds, scene.wind, cycle_of(scene), scene.loop, box.width, picture.width);
 }
 
 Sprite sprite_of(const Scene& scene, const SceneLayer& layer, const LayerPixels& pixels) {
   const cv::Mat& alpha = pixels.alpha;
-  const int period =
-      layer.kind == MotionKind::kClouds ? course_of(scene, layer, box_of(alpha), alpha.size()).period_px : 0;
+  const auto* clouds = layer.as<CloudMotion>();
+  const int period = clouds ? course_in(scene, *clouds, box_of(alpha), alpha.size()).period_px : 0;
   return make_sprite(pixels.colour, alpha, outline_of(layer), period);
 }
 
 /// The layer that a boat floats on; there is one (read_scene).
-const SceneLayer& water_under(const Scene& scene, const SceneLayer& boat) {
-  return *std::find_if(scene.layers.begin(), scene.layers.end(), [&](const SceneLayer& other) {
-    return other.kind == MotionKind::kWater && (boat.boat.water.empty() || other.name == boat.boat.water);
+const SceneLayer& water_under(const Scene& scene, const BoatMotion& boat) {
+  return *std::ranges::find_if(scene.layers, [&](const SceneLayer& other) {
+    return other.as<WaterMotion>() != nullptr && (boat.water.empty() || other.name == boat.water);
   });
 }
 
 /// A reflection without a hull line has that of its boat.
-Line hull_of(const Scene& scene, const SceneLayer& boat) {
-  if (boat.boat.hull) return *boat.boat.hull;
-  return *std::find_if(scene.layers.begin(), scene.layers.end(), [&](const SceneLayer& other) {
-            return other.name == boat.boat.reflection_of;
-          })->boat.hull;
+Line hull_of(const Scene& scene, const BoatMotion& boat) {
+  if (boat.hull) return *boat.hull;
+  const auto above = std::ranges::find(scene.layers, boat.reflection_of, &SceneLayer::name);
+  return *above->as<BoatMotion>()->hull;
 }
 
 /// px, where boats lie on this water.
 cv::Rect boats_on(const Scene& scene, const SceneLayer& water) {
   cv::Rect all;
   for (const SceneLayer& layer : scene.layers) {
-    if (layer.kind != MotionKind::kBoat || &water_under(scene, layer) != &water) continue;
-    const Line hull = hull_of(scene, layer);
+    const auto* boat = layer.as<BoatMotion>();
+    if (boat == nullptr || &water_under(scene, *boat) != &water) continue;
+    const Line hull = hull_of(scene, *boat);
     const cv::Point from(cvFloor(std::min(hull.from.x, hull.to.x)),
                          cvFloor(std::min(hull.from.y, hull.to.y)));
     const cv::Point to(cvCeil(std::max(hull.from.x, hull.to.x)), cvCeil(std::max(hull.from.y, hull.to.y)));
@@ -82,19 +83,17 @@ SceneAnimation::SceneAnimation(const Scene& scene, std::span<const LayerPixels> 
   placed_.resize(scene.layers.size());
   oneapi::tbb::parallel_for(std::size_t{0}, placed_.size(), [&](std::size_t i) {
     const SceneLayer& layer = scene.layers[i];
-    if (layer.is_cut() && layer.kind != MotionKind::kPatches)
-      placed_[i].sprite = sprite_of(scene, layer, pixels[i]);
+    if (!layer.brings_frames()) placed_[i].sprite = sprite_of(scene, layer, pixels[i]);
   });
   // Boats ride on water: their motions come last.
   for (const bool rides : {false, true}) {
     for (std::size_t i = 0; i < placed_.size(); ++i) {
       Placed& placed = placed_[i];
       const SceneLayer& layer = scene.layers[i];
-      if ((layer.kind == MotionKind::kBoat) != rides) continue;
+      if ((layer.as<BoatMotion>() != nullptr) != rides) continue;
       placed.rides = rides;
-      placed.motion = motion_of(scene, layer, placed.sprite, picture);
-      const bool brings = layer.kind == MotionKind::kPatches || !layer.is_cut();
-      if (brings) placed.frames = frames(layer, pixels[i]);
+      place_motion(scene, i);
+      if (layer.brings_frames()) placed.frames = frames(layer, pixels[i]);
     }
   }
   for (const Placed& placed : placed_) moved_.push_back({&placed.sprite, placed.motion.get()});
@@ -103,8 +102,8 @@ SceneAnimation::SceneAnimation(const Scene& scene, std::span<const LayerPixels> 
 
 void SceneAnimation::place_mirrors(const Scene& scene, std::span<const LayerPixels> pixels) {
   const auto mirrors = [&](std::size_t i) {
-    const SceneLayer& layer = scene.layers[i];
-    return layer.kind == MotionKind::kWater && layer.water.mirrors && !placed_[i].sprite.box.empty();
+    const auto* water = scene.layers[i].as<WaterMotion>();
+    return water != nullptr && water->mirrors && !placed_[i].sprite.box.empty();
   };
   const Stillness still;
   std::vector<Sprite> as_cut;
@@ -112,55 +111,54 @@ void SceneAnimation::place_mirrors(const Scene& scene, std::span<const LayerPixe
   std::vector<MovedSprite> unmoved;
   for (std::size_t i = 0; i < placed_.size(); ++i) {
     const SceneLayer& layer = scene.layers[i];
-    if (layer.kind == MotionKind::kWater || layer.kind == MotionKind::kBoat) continue;
+    if (layer.as<WaterMotion>() != nullptr || layer.as<BoatMotion>() != nullptr) continue;
     mirrored_.push_back(moved_[i]);
     if (!layer.is_cut()) continue;
-    const bool brings = layer.kind == MotionKind::kPatches;
+    const bool brings = layer.brings_frames();
     if (brings) as_cut.push_back(make_sprite(pixels[i].colour, pixels[i].alpha, Outline::kMoves));
     unmoved.push_back({brings ? &as_cut.back() : &placed_[i].sprite, &still});
   }
   for (std::size_t i = 0; i < placed_.size(); ++i) {
     if (!mirrors(i)) continue;
     if (beyond_.empty()) composite(unmoved, beyond_ = cv::Mat(picture_, CV_32FC4));
-    placed_[i].mirror =
-        std::make_unique<WaterMirror>(placed_[i].sprite, *scene.layers[i].water.horizon, beyond_);
+    placed_[i].mirror = std::make_unique<WaterMirror>(placed_[i].sprite,
+                                                      *scene.layers[i].as<WaterMotion>()->horizon, beyond_);
   }
 }
 
-std::unique_ptr<Motion> SceneAnimation::motion_of(const Scene& scene, const SceneLayer& layer,
-                                                  const Sprite& sprite, cv::Size picture) {
-  if (sprite.box.empty()) return std::make_unique<Stillness>();
-  switch (layer.kind) {
-    case MotionKind::kTree:
-      return std::make_unique<TreeSway>(layer.tree, gusts_, cycle_, layer.seed, around(sprite.box, picture));
-    case MotionKind::kWater: {
-      WaterMotion water = layer.water;
-      water.focal_px = water.focal_or_usual(picture);
-      if (!water.mapping) water.mapping = mapping_seen(water, sprite.box, picture);
-      // Reflections ask about the water beside the layer too, for it lies behind them.
-      const cv::Rect region(0, sprite.box.y, picture.width, picture.height - sprite.box.y);
-      return std::make_unique<WaterSurface>(water, gusts_, cycle_, scene.wind.seed * 64 + layer.seed, region,
-                                            picture, boats_on(scene, layer));
-    }
-    case MotionKind::kBoat: {
-      const SceneLayer& water = water_under(scene, layer);
-      const auto* surface = dynamic_cast<const WaterSurface*>(
-          placed_[static_cast<std::size_t>(&water - scene.layers.data())].motion.get());
-      if (surface == nullptr)
-        throw Error(
-            ErrorKind::kInput, scene.file.string(),
-            fmt::format("nothing of the water {} on which {} floats is to be seen", water.name, layer.name),
-            "Give that layer a matte that shows some of it");
-      BoatMotion boat = layer.boat;
-      boat.hull = hull_of(scene, layer);
-      return std::make_unique<BoatRide>(boat, *surface, !boat.reflection_of.empty(),
-                                        around(sprite.box, picture));
-    }
-    case MotionKind::kClouds:
-      return std::make_unique<CloudDrift>(course_of(scene, layer, sprite.box, picture), layer.clouds, cycle_,
-                                          sprite.box, scene.wind.seed * 64 + layer.seed);
-    default:
-      return std::make_unique<Stillness>();
+void SceneAnimation::place_motion(const Scene& scene, std::size_t i) {
+  const SceneLayer& layer = scene.layers[i];
+  Placed& placed = placed_[i];
+  const cv::Rect& box = placed.sprite.box;
+  placed.motion = std::make_unique<Stillness>();
+  if (box.empty()) return;
+  if (const auto* tree = layer.as<TreeMotion>()) {
+    placed.motion = std::make_unique<TreeSway>(*tree, gusts_, cycle_, layer.seed, around(box, picture_));
+  } else if (const auto* asked = layer.as<WaterMotion>()) {
+    WaterMotion water = *asked;
+    water.focal_px = water.focal_or_usual(picture_);
+    if (!water.mapping) water.mapping = mapping_seen(water, box, picture_);
+    // Reflections ask about the water beside the layer too, for it lies behind them.
+    const cv::Rect region(0, box.y, picture_.width, picture_.height - box.y);
+    auto surface = std::make_unique<WaterSurface>(water, gusts_, cycle_, scene.wind.seed * 64 + layer.seed,
+                                                  region, picture_, boats_on(scene, layer));
+    placed.surface = surface.get();
+    placed.motion = std::move(surface);
+  } else if (const auto* floating = layer.as<BoatMotion>()) {
+    const SceneLayer& water = water_under(scene, *floating);
+    const WaterSurface* surface = placed_[static_cast<std::size_t>(&water - scene.layers.data())].surface;
+    if (surface == nullptr)
+      throw Error(
+          ErrorKind::kInput, scene.file.string(),
+          fmt::format("nothing of the water {} on which {} floats is to be seen", water.name, layer.name),
+          "Give that layer a matte that shows some of it");
+    BoatMotion boat = *floating;
+    boat.hull = hull_of(scene, *floating);
+    placed.motion =
+        std::make_unique<BoatRide>(boat, *surface, !boat.reflection_of.empty(), around(box, picture_));
+  } else if (const auto* clouds = layer.as<CloudMotion>()) {
+    placed.motion = std::make_unique<CloudDrift>(course_in(scene, *clouds, box, picture_), *clouds, cycle_,
+                                                 box, scene.wind.seed * 64 + layer.seed);
   }
 }
 

@@ -20,6 +20,8 @@
 
 namespace freshet::synth::scene {
 
+class WaterSurface;
+
 /// A layer's pixels: what cutting gave. Both empty for layers that bring their own.
 struct LayerPixels {
   cv::Mat colour;  // CV_32FC3, sRGB code, straight
@@ -66,10 +68,10 @@ class SceneAnimation {
     std::unique_ptr<Motion> motion;
     std::unique_ptr<LayerFrames> frames;
     std::unique_ptr<WaterMirror> mirror;
-    bool rides = false;  // on another layer's motion, which goes first
+    const WaterSurface* surface = nullptr;  // the motion, where it is water that is to be seen
+    bool rides = false;                     // on another layer's motion, which goes first
   };
-  std::unique_ptr<Motion> motion_of(const Scene& scene, const SceneLayer& layer, const Sprite& sprite,
-                                    cv::Size picture);
+  void place_motion(const Scene& scene, std::size_t i);
   void place_mirrors(const Scene& scene, std::span<const LayerPixels> pixels);
   void go_to(int frame);
 

@@ -27,21 +27,23 @@ constexpr double kWaves =
 
 /// How far the layer's own motion can uncover what lies behind it, px; negative: as usual.
 double uncovers(const Scene& scene, const SceneLayer& layer, cv::Size picture) {
-  if (layer.kind == MotionKind::kStill || layer.kind == MotionKind::kClouds ||
-      layer.kind == MotionKind::kPatches || (layer.kind == MotionKind::kWater && !layer.water.edge_moves))
+  const auto* water = layer.as<WaterMotion>();
+  const auto* tree = layer.as<TreeMotion>();
+  if (layer.as<StillMotion>() || layer.as<CloudMotion>() || layer.as<PatchesMotion>() ||
+      (water != nullptr && !water->edge_moves))
     return kUnmoved;
-  if (layer.kind != MotionKind::kTree || layer.tree.armatures.empty()) return -1;
+  if (tree == nullptr || tree->armatures.empty()) return -1;
   const Cycle cycle = cycle_of(scene);
   const Gusts gusts(scene.wind, cycle, picture.width);
-  const TreeSway sway(layer.tree, gusts, cycle, layer.seed, cv::Rect(0, 0, 8, 8));
+  const TreeSway sway(*tree, gusts, cycle, layer.seed, cv::Rect(0, 0, 8, 8));
   double furthest = kUnmoved;
-  for (std::size_t i = 0; i < layer.tree.armatures.size(); ++i) {
-    const cv::Point2d way = layer.tree.armatures[i].to - layer.tree.armatures[i].from;
+  for (std::size_t i = 0; i < tree->armatures.size(); ++i) {
+    const cv::Point2d way = tree->armatures[i].to - tree->armatures[i].from;
     float most = 0;
     for (const float tip : sway.tip(i)) most = std::max(most, std::abs(tip));
     furthest = std::max(furthest, kSafety * most * std::hypot(way.x, way.y));
   }
-  return std::min(furthest + 4 * layer.tree.shimmer_px, kFurthest * picture.width);
+  return std::min(furthest + 4 * tree->shimmer_px, kFurthest * picture.width);
 }
 
 /// How far what moves behind the layer at `at` comes out from behind it, px.
@@ -49,12 +51,13 @@ double comes_out(const Scene& scene, std::size_t at, cv::Size picture) {
   double furthest = 0;
   for (std::size_t i = at + 1; i < scene.layers.size(); ++i) {
     const SceneLayer& layer = scene.layers[i];
-    if (layer.kind == MotionKind::kWater)
+    if (layer.as<WaterMotion>() != nullptr)
       furthest = std::max(furthest, kWaves * std::max(picture.width, picture.height));
-    if (layer.kind != MotionKind::kClouds) continue;
+    const auto* clouds = layer.as<CloudMotion>();
+    if (clouds == nullptr) continue;
     const Cycle shown{.frames = scene.frames, .fps = scene.fps};
     const CloudCourse course =
-        course_of(layer.clouds, scene.wind, shown, scene.loop, picture.width, picture.width);
+        course_of(*clouds, scene.wind, shown, scene.loop, picture.width, picture.width);
     furthest = std::max(furthest, std::abs(course.speed_px_per_s) * shown.seconds() + kUnmoved);
   }
   return std::min(furthest, kFurthest * picture.width);

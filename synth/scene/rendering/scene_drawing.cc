@@ -91,13 +91,16 @@ cv::Mat draw_scene(const cv::Mat& picture, const Scene& scene, std::span<const L
   for (std::size_t i = scene.layers.size(); i-- > 0;) {
     const SceneLayer& layer = scene.layers[i];
     const cv::Scalar colour = colour_of(i);
-    if (layer.kind == MotionKind::kWater && layer.water.horizon) draw_plane(out, layer.water, colour);
-    for (const Line& line : layer.tree.armatures) {
-      draw_line(out, line, colour, 2);
-      cv::circle(out, fixed(line.from), 5 << kShift, colour, -1, cv::LINE_AA, kShift);
-      cv::arrowedLine(out, line.from, line.to, colour, 2, cv::LINE_AA, 0, 0.06);
-    }
-    if (layer.boat.hull) draw_line(out, *layer.boat.hull, colour, 3);
+    if (const auto* water = layer.as<WaterMotion>(); water != nullptr && water->horizon)
+      draw_plane(out, *water, colour);
+    if (const auto* tree = layer.as<TreeMotion>())
+      for (const Line& line : tree->armatures) {
+        draw_line(out, line, colour, 2);
+        cv::circle(out, fixed(line.from), 5 << kShift, colour, -1, cv::LINE_AA, kShift);
+        cv::arrowedLine(out, line.from, line.to, colour, 2, cv::LINE_AA, 0, 0.06);
+      }
+    if (const auto* boat = layer.as<BoatMotion>(); boat != nullptr && boat->hull)
+      draw_line(out, *boat->hull, colour, 3);
   }
   for (std::size_t i = 0; i < scene.layers.size(); ++i)
     if (!pixels[i].alpha.empty())

@@ -2,9 +2,11 @@
 
 #include <filesystem>
 #include <fstream>
+#include <map>
 
 #include <unistd.h>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -16,7 +18,9 @@ namespace freshet::synth::scene {
 namespace {
 
 using ::testing::AllOf;
+using ::testing::AnyOf;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 template <class Work>
 std::string fault_of(Work&& work) {
@@ -38,21 +42,21 @@ TEST(SceneFile, ReadsWhatStandsInIt) {
   EXPECT_TRUE(scene.loop);
   EXPECT_EQ(scene.wind.direction_deg, 30);
   ASSERT_EQ(scene.layers.size(), 5u);
-  EXPECT_EQ(scene.layers[0].tree.armatures.at(0).to, cv::Point2d(30, 20));
-  EXPECT_EQ(scene.layers[2].kind, MotionKind::kWater);
-  EXPECT_EQ(scene.layers[2].water.amplitude, 6);
+  EXPECT_EQ(scene.layers[0].as<TreeMotion>()->armatures.at(0).to, cv::Point2d(30, 20));
+  EXPECT_STREQ(scene.layers[2].kind(), "water");
+  EXPECT_EQ(scene.layers[2].as<WaterMotion>()->amplitude, 6);
   // What nobody speaks of stays where it is.
   EXPECT_EQ(scene.layers[4].matte.kind, MatteFrom::Kind::kRest);
-  EXPECT_EQ(scene.layers[4].kind, MotionKind::kStill);
+  EXPECT_STREQ(scene.layers[4].kind(), "still");
 }
 
 TEST(SceneFile, APlantSetsWhatIsUsualAndNoMore) {
   const auto tree = [](const std::string& keys) {
-    return parse_scene(
-               kTop + "[[layer]]\nname=\"a\"\nmatte=\"rest\"\nmotion=\"tree\"\narmature=[1,9,1,2]\n" + keys,
-               "a.toml")
-        .layers[0]
-        .tree;
+    return *parse_scene(
+                kTop + "[[layer]]\nname=\"a\"\nmatte=\"rest\"\nmotion=\"tree\"\narmature=[1,9,1,2]\n" + keys,
+                "a.toml")
+                .layers[0]
+                .as<TreeMotion>();
   };
   EXPECT_EQ(tree("plant=\"tree\"").mass, tree("").mass);
   EXPECT_EQ(tree("plant=\"flower\"").frequency_hz, 1.6);
@@ -92,10 +96,10 @@ TEST(SceneFile, TheSceneToStartFromIsOne) {
       all.erase(at + 1, 2);
   const Scene whole = parse_scene(all, "a.toml");
   EXPECT_EQ(whole.layers.size(), 4u);
-  EXPECT_EQ(whole.layers[2].water.horizon->from.y, 240);
+  EXPECT_EQ(whole.layers[2].as<WaterMotion>()->horizon->from.y, 240);
 }
 
-TEST(SceneFile, EveryKeyIsExplained) {
+TEST(SceneFile, EveryKeyIsExplainedInTheManualToo) {
   const std::string keys = scene_keys();
   for (const char* key :
        {"picture",   "marks",         "paint",        "cut",           "frames",   "fps",
@@ -103,6 +107,41 @@ TEST(SceneFile, EveryKeyIsExplained) {
         "focal",     "camera_height", "roughness",    "against",       "hull",     "reflection_of",
         "far_speed", "store",         "design_alpha", "exemplar_alpha"})
     EXPECT_THAT(keys, HasSubstr(std::string("\n") + key)) << key;
+  std::ifstream file(FRESHET_SOURCE_DIR "/docs/scene.md");
+  const std::string page(std::istreambuf_iterator<char>(file), {});
+  EXPECT_THAT(page, HasSubstr("```text\n" + keys + "```\n")) << "docs/scene.md holds what --keys prints";
+}
+
+TEST(SceneFile, EveryNumberIsHeldToTheRangeThatIsShown) {
+  const std::map<std::string, std::string> needed{
+      {"patches", "store=\"s\"\n"},
+      {"transfer", "design_alpha=\"a\"\ndesign_flow=\"f\"\nexemplar=\"e\"\n"},
+      {"footage", "file=\"f.mov\"\n"}};
+  EXPECT_GE(scene_ranges().size(), 20u);
+  for (const SceneRange& range : scene_ranges()) {
+    const bool own = range.table == "transfer" || range.table == "footage";
+    const auto fault = [&](double value) {
+      const std::string line = fmt::format("{} = {:f}\n", range.key, value);
+      if (range.table == "wind")
+        return parse_fault(kTop + "[[layer]]\nname=\"a\"\nmatte=\"rest\"\nmotion=\"still\"\n[wind]\n" + line);
+      const auto more = needed.find(range.table);
+      return parse_fault(kTop + "[[layer]]\nname=\"a\"\nmotion=\"" + range.table + "\"\n" +
+                         (own ? "" : "matte=\"rest\"\n") + (more == needed.end() ? "" : more->second) + line);
+    };
+    EXPECT_TRUE(range.range.low <= range.slider.low && range.slider.high <= range.range.high) << range.key;
+    EXPECT_THAT(fault(range.range.high + 1), AnyOf(HasSubstr("out of range"), HasSubstr("whole number")))
+        << range.key;
+    EXPECT_THAT(fault(range.range.low - 1), AnyOf(HasSubstr("out of range"), HasSubstr("whole number")))
+        << range.key;
+    EXPECT_THAT(fault(range.range.low), Not(HasSubstr("out of range"))) << range.table << "." << range.key;
+    EXPECT_THAT(fault(range.range.low), Not(HasSubstr("no such key"))) << range.table << "." << range.key;
+  }
+}
+
+TEST(SceneFile, ANameWithANulIsRefusedWithFaultAndRemedy) {
+  EXPECT_THAT(
+      parse_fault(kTop + "[[layer]]\nname=\"a\"\nmatte=\"p\\u0000x\"\nmotion=\"still\"\n"),
+      AllOf(HasSubstr("a.toml:4"), HasSubstr("layer 1 (a).matte"), HasSubstr("p\\x00x"), HasSubstr("Take")));
 }
 
 TEST(SceneFile, MistakesNameLineKeyAndRemedy) {
@@ -238,10 +277,10 @@ TEST(SceneMarks, LinesBelongToTheLayerThatNamesThem) {
   Scene scene = drawing.scene();
   std::vector<std::string> notices;
   read_marks(scene, kMadeSize, &notices);
-  ASSERT_EQ(scene.layers[0].tree.armatures.size(), 2u);
-  EXPECT_EQ(scene.layers[0].tree.armatures[0].to, cv::Point2d(31, 20));
-  EXPECT_EQ(scene.layers[1].boat.hull->to, cv::Point2d(120, 91));
-  EXPECT_EQ(scene.layers[2].water.horizon->from, cv::Point2d(0, 58));
+  ASSERT_EQ(scene.layers[0].as<TreeMotion>()->armatures.size(), 2u);
+  EXPECT_EQ(scene.layers[0].as<TreeMotion>()->armatures[0].to, cv::Point2d(31, 20));
+  EXPECT_EQ(scene.layers[1].as<BoatMotion>()->hull->to, cv::Point2d(120, 91));
+  EXPECT_EQ(scene.layers[2].as<WaterMotion>()->horizon->from, cv::Point2d(0, 58));
   ASSERT_EQ(notices.size(), 1u);
   EXPECT_THAT(notices[0], AllOf(HasSubstr("line7"), HasSubstr("names no layer")));
 }

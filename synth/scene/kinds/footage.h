@@ -1,0 +1,24 @@
+// synth/scene/kinds/footage.h — a sequence or video with alpha.
+#pragma once
+
+#include <filesystem>
+
+#include <opencv2/core.hpp>
+
+#include "synth/scene/kinds/kind.h"
+
+namespace freshet::synth::scene {
+
+struct FootageMotion {
+  static constexpr const char* kName = "footage";
+  static constexpr Pixels kPixels = Pixels::kOwn;
+
+  std::filesystem::path file{};
+  cv::Point at{0, 0};
+  int width = 0;  // px that it is shown wide, in its own shape; 0: as it is
+};
+
+template <>
+const std::vector<Key<FootageMotion>>& keys_of<FootageMotion>();
+
+}  // namespace freshet::synth::scene
