@@ -37,14 +37,24 @@ struct Snapshot::Impl::AccountCheck {
   bool header_fits(const RecordPlace& place, ByteSpan value, bool of_tiles);
   enum class Owner { kKnown, kUnread, kNone };
   Owner owner(ByteSpan key) const;
-  void compare(const RecordPlace& place, const RecordSum& written, const RecordSum& found);
+  /// Records that are there.
+  struct Found {
+    RecordSum sum;
+    std::uint64_t raw_bytes = 0;  // as their headers say
+    void add(ByteSpan value) {
+      sum.add(value);
+      raw_bytes += load<std::uint64_t>(value.data() + 16);
+    }
+  };
+  void compare(const RecordPlace& place, const RecordSum& written, std::uint64_t raw_bytes,
+               const Found& found);
   struct Chunk {
     std::string name;
     std::uint32_t number;
   };
   std::optional<Chunk> chunk_of(const RecordPlace& place, ByteSpan rest, std::size_t max_name);
   void arrays(Table table, const Bytes& prefix, const ArrayAccounts& accounts,
-              std::map<std::string, RecordSum>& found);
+              std::map<std::string, Found>& found);
 };
 
 bool Snapshot::Impl::AccountCheck::header_fits(const RecordPlace& place, ByteSpan value, bool of_tiles) {
@@ -63,13 +73,14 @@ Snapshot::Impl::AccountCheck::Owner Snapshot::Impl::AccountCheck::owner(ByteSpan
 }
 
 void Snapshot::Impl::AccountCheck::compare(const RecordPlace& place, const RecordSum& written,
-                                           const RecordSum& found) {
-  if (written == found) return;
+                                           std::uint64_t raw_bytes, const Found& found) {
+  if (written == found.sum && raw_bytes == found.raw_bytes) return;
   note([&] {
-    throw_damaged(place, written.records != found.records
+    throw_damaged(place, written.records != found.sum.records
                              ? std::to_string(written.records) + " records were written and " +
-                                   std::to_string(found.records) + " are there"
-                             : "the records are not those that were written last");
+                                   std::to_string(found.sum.records) + " are there"
+                         : written != found.sum ? "the records are not those that were written last"
+                                                : "the records' headers give another size than was written");
   });
 }
 
@@ -92,7 +103,7 @@ void Snapshot::Impl::AccountCheck::clips() {
 }
 
 void Snapshot::Impl::AccountCheck::tiles() {
-  std::map<std::pair<ClipId, std::size_t>, RecordSum> found;
+  std::map<std::pair<ClipId, std::size_t>, Found> found;
   for (const auto& [key, value] : impl.txn.entries(Table::kTiles)) {
     const RecordPlace place = impl.txn.place(Table::kTiles, key);
     if (key.size() != kTileKeyBytes || static_cast<std::size_t>(key[4]) >= kStreams) {
@@ -108,7 +119,12 @@ void Snapshot::Impl::AccountCheck::tiles() {
   for (const auto& [id, clip] : impl.records)
     for (std::size_t s = 0; s < kStreams; ++s) {
       const Bytes first = tile_key(id, static_cast<Stream>(s), 0);
-      compare(impl.txn.place(Table::kTiles, first), clip.tiles[s], found[{id, s}]);
+      std::uint64_t frame_bytes = 0;
+      const StreamShape& shape = clip.grids[s].shape();
+      for (const PlaneShape& plane : shape.planes)
+        frame_bytes += std::uint64_t{plane.width} * plane.height * plane.bytes_per_sample;
+      compare(impl.txn.place(Table::kTiles, first), clip.tiles[s], frame_bytes * shape.frames,
+              found[{id, s}]);
     }
 }
 
@@ -128,13 +144,13 @@ std::optional<Snapshot::Impl::AccountCheck::Chunk> Snapshot::Impl::AccountCheck:
 // All columns of a clip, or all blobs.
 // prefix   of their keys, which the names follow.
 void Snapshot::Impl::AccountCheck::arrays(Table table, const Bytes& prefix, const ArrayAccounts& accounts,
-                                          std::map<std::string, RecordSum>& found) {
+                                          std::map<std::string, Found>& found) {
   for (const auto& [name, account] : accounts) {
     Bytes key = prefix;
     const Bytes rest = blob_prefix(name);
     key.insert(key.end(), rest.begin(), rest.end());
     key.resize(key.size() + 4);  // its first chunk
-    compare(impl.txn.place(table, key), account.sum, found[name]);
+    compare(impl.txn.place(table, key), account.sum, account.bytes, found[name]);
     found.erase(name);
   }
   for (const auto& [name, sum] : found) {
@@ -146,7 +162,7 @@ void Snapshot::Impl::AccountCheck::arrays(Table table, const Bytes& prefix, cons
 }
 
 void Snapshot::Impl::AccountCheck::columns() {
-  std::map<ClipId, std::map<std::string, RecordSum>> found;
+  std::map<ClipId, std::map<std::string, Found>> found;
   for (const auto& [key, value] : impl.txn.entries(Table::kColumns)) {
     const RecordPlace place = impl.txn.place(Table::kColumns, key);
     if (key.size() < 4) {
@@ -164,7 +180,7 @@ void Snapshot::Impl::AccountCheck::columns() {
 }
 
 void Snapshot::Impl::AccountCheck::blobs() {
-  std::map<std::string, RecordSum> found;
+  std::map<std::string, Found> found;
   for (const auto& [key, value] : impl.txn.entries(Table::kBlobs)) {
     const RecordPlace place = impl.txn.place(Table::kBlobs, key);
     const auto chunk = chunk_of(place, key, kMaxBlobName);

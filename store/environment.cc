@@ -108,6 +108,7 @@ std::shared_ptr<Environment> Environment::open(const std::filesystem::path& file
   if (fd < 0) {
     const ErrorKind kind =
         errno == EACCES || errno == EROFS || errno == EPERM ? ErrorKind::kIo : ErrorKind::kInput;
+    if (errno == EMFILE || errno == ENFILE) throw_lmdb(file, "cannot be opened", errno);
     throw Error(kind, file.string(), std::string("cannot be opened (") + std::strerror(errno) + ")",
                 "Check the name and the permissions");
   }

@@ -1,6 +1,7 @@
 #include "store/lmdb_error.h"
 
 #include <lmdb.h>
+#include <sys/statvfs.h>
 
 #include <cerrno>
 
@@ -9,6 +10,9 @@
 namespace freshet::store {
 
 void throw_lmdb(const std::filesystem::path& file, const std::string& doing, int code) {
+  // A full disk comes out of LMDB 0.9 as EIO as often as as ENOSPC: a short write is not looked into.
+  struct statvfs disk {};
+  if (code == EIO && ::statvfs(file.c_str(), &disk) == 0 && disk.f_bavail == 0) code = ENOSPC;
   const std::string fault = doing + " (" + mdb_strerror(code) + ")";
   switch (code) {
     case MDB_CORRUPTED:
@@ -35,7 +39,10 @@ void throw_lmdb(const std::filesystem::path& file, const std::string& doing, int
                   "Check the permissions of the file and of its folder");
     case ENOMEM:
       throw Error(ErrorKind::kIo, file.string(), fault, "Free memory and run again");
-    // A full disk comes out of LMDB 0.9 as EIO as often as as ENOSPC: a short write is not looked into.
+    case EMFILE:
+    case ENFILE:
+      throw Error(ErrorKind::kIo, file.string(), fault,
+                  "Raise the limit of open files (ulimit -n), or close programs, and run again");
     default:
       throw Error(ErrorKind::kIo, file.string(), fault,
                   "The store is as before; free space on the disk and run again");

@@ -61,7 +61,8 @@ class Store {
   /// are checksummed, and compressed where that makes them smaller. Nothing is borrowed beyond the call.
   ///
   /// Throws   Error{kNotFound} for a clip that is not in the store, Error{kUsage} for a name that is empty or
-  ///          too long (kMaxBlobName, kMaxColumnName) and for bytes that are no whole number of elements,
+  ///          too long (kMaxBlobName, kMaxColumnName), for bytes that are no whole number of elements, and
+  ///          for a column "patch.*" that has not the clip's rows,
   ///          Error{kIo} on a full disk. The store is then as before.
   void write(std::span<const Blob> blobs, std::span<const Column> columns = {},
              std::span<const std::string> erased_blobs = {});

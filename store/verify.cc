@@ -141,8 +141,13 @@ void Snapshot::Impl::Verification::check_array(Table table, const Bytes& prefix,
                                                const ArrayAccount& account) {
   note(faults, [&] {
     const Chunks chunks = impl.chunks(table, prefix, account);
-    Bytes bytes(chunks.total_bytes);
-    impl.decode_chunks(table, chunks, bytes);
+    Bytes bytes;
+    for (const auto& [key, value] : chunks.entries) {
+      const RecordPlace place = impl.txn.place(table, key);
+      const Record record = open_record(place, value);
+      bytes.resize(record.header.raw_bytes);
+      decode_record(place, record, bytes);
+    }
   });
 }
 

@@ -288,8 +288,12 @@ void Store::write(std::span<const Blob> blobs, std::span<const Column> columns,
     }
     const Bytes prefix = column_prefix(column.clip, column.name);
     txn.erase(Table::kColumns, prefix);
-    changed.at(column.clip).columns[column.name] =
+    StoredClip& clip = changed.at(column.clip);
+    const ArrayAccount& put = clip.columns[column.name] =
         put_column(txn, column.clip, column.name, column.bytes, column.element_size);
+    if (column.name.starts_with(kPatchColumns) && !has_rows(put, clip.record.rows))
+      throw Error(ErrorKind::kUsage, "column \"" + column.name + "\"",
+                  "has not the " + std::to_string(clip.record.rows) + " rows of the clip's patches");
   }
   for (const auto& [id, clip] : changed) {
     const Bytes key = clip_key(id), value = encode_clip(txn, key, clip);

@@ -13,6 +13,12 @@ constexpr std::size_t kMaxDepth = 1000;
 constexpr int kMaxTrees = 1024;
 constexpr int kCentreChoices = 4;  // flann_centers_init_t
 
+// flann_datatype_t and flann_algorithm_t; another number in one of them is undefined behaviour.
+constexpr std::uint32_t kBytes = 4;
+std::uint32_t type_of(FlannKind kind) {
+  return kind == FlannKind::kKdTree ? 1 : kind == FlannKind::kKMeans ? 2 : 5;
+}
+
 struct Fault {
   std::string text;
 };
@@ -23,7 +29,7 @@ class TreeWalk {
       : bytes_(bytes), rows_(rows), bins_(bins) {}
 
   void walk(FlannKind kind) {
-    index();
+    index(kind);
     switch (kind) {
       case FlannKind::kKdTree: {
         const auto trees = count(1, kMaxTrees, "trees");
@@ -77,9 +83,10 @@ class TreeWalk {
   }
 
   /// What every index of FLANN begins with.
-  void index() {
-    skip(24 + 16);                   // signature and version
-    skip(2 * sizeof(std::int32_t));  // types of elements and of the index; FLANN compares both
+  void index(FlannKind kind) {
+    skip(24 + 16);  // signature and version
+    expect(take<std::uint32_t>(), kBytes, "elements of its type");
+    expect(take<std::uint32_t>(), type_of(kind), "indexes of its type");
     expect(take<std::uint64_t>(), rows_, "its rows");
     expect(take<std::uint64_t>(), bins_, "its bins");
     skip(2 * sizeof(std::uint64_t));  // compression and the first block's size: there is none

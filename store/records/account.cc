@@ -1,5 +1,7 @@
 #include "store/records/account.h"
 
+#include <algorithm>
+
 #include "store/records/byte_cursor.h"
 #include "store/records/record.h"
 
@@ -54,13 +56,19 @@ ArrayAccounts take_arrays(ByteCursor& cursor, std::size_t max_name) {
     array.sum = take_sum(cursor);
     if (!cursor.good()) break;
     const bool new_name = name_fits(name, max_name) && (arrays.empty() || arrays.rbegin()->first < name);
-    if (!new_name || array.element_bytes == 0) {
+    if (!new_name || array.element_bytes == 0 || array.element_bytes > kChunkBytes ||
+        array.sum.records != chunks_of(array)) {
       cursor.spoil();
       break;
     }
     arrays.emplace(std::move(name), array);
   }
   return arrays;
+}
+
+std::uint64_t chunks_of(const ArrayAccount& array) {
+  const std::uint64_t step = kChunkBytes / array.element_bytes * array.element_bytes;
+  return std::max<std::uint64_t>(array.bytes / step + (array.bytes % step != 0 ? 1 : 0), 1);
 }
 
 Bytes serialise_account(const StoreAccount& account) {

@@ -32,6 +32,9 @@ struct ArrayAccount {
   bool operator==(const ArrayAccount&) const = default;
 };
 
+/// How many records an array of so many bytes has. element_bytes is 1 to kChunkBytes.
+std::uint64_t chunks_of(const ArrayAccount& array);
+
 /// By name, in the order of keys: names have no zero bytes.
 using ArrayAccounts = std::map<std::string, ArrayAccount, std::less<>>;
 

@@ -4,6 +4,26 @@
 #include "store/records/byte_cursor.h"
 
 namespace freshet::store {
+
+bool has_rows(const ArrayAccount& column, std::uint64_t rows) {
+  return column.bytes % column.element_bytes == 0 && column.bytes / column.element_bytes == rows;
+}
+
+namespace {
+
+// Readers allocate for the clip's rows what its columns are then read into.
+bool rows_are_those_of_columns(const StoredClip& clip) {
+  bool any = false;
+  for (const auto& [name, column] : clip.columns) {
+    if (!name.starts_with(kPatchColumns)) continue;
+    any = true;
+    if (!has_rows(column, clip.record.rows)) return false;
+  }
+  return any || clip.record.rows == 0;
+}
+
+}  // namespace
+
 Bytes serialise_clip(const StoredClip& clip) {
   const ClipRecord& record = clip.record;
   Bytes bytes;
@@ -70,7 +90,7 @@ std::optional<StoredClip> parse_clip(ByteSpan bytes) {
   }
   for (RecordSum& sum : clip.tiles) sum = take_sum(cursor);
   clip.columns = take_arrays(cursor, kMaxColumnName);
-  if (!cursor.finished()) return std::nullopt;
+  if (!cursor.finished() || !rows_are_those_of_columns(clip)) return std::nullopt;
   return clip;
 }
 

@@ -25,9 +25,13 @@ inline StreamShape& stream_shape(ClipRecord& record, std::size_t stream) {
   return stream == 0 ? record.frames : stream == 1 ? record.flow : record.average;
 }
 
+/// What the names of columns with a row a patch begin with.
+inline constexpr std::string_view kPatchColumns = "patch.";
+bool has_rows(const ArrayAccount& column, std::uint64_t rows);
+
 Bytes serialise_clip(const StoredClip& clip);
 
-/// Empty when the bytes are no clip record of this version.
+/// Empty when the bytes are no clip record of this version, or when a patch column has not the clip's rows.
 std::optional<StoredClip> parse_clip(ByteSpan bytes);
 
 }  // namespace freshet::store

@@ -126,11 +126,13 @@ TEST(Store, KeepsBlobsOfAnySizeAndReplacesThem) {
 TEST(Store, ReplacesAColumnOfACommittedClip) {
   const TestFolder folder;
   Store store = Store::create(folder / "a", "");
-  const ClipId id = add_clip(store, {});
-  const std::vector<std::uint16_t> words(700000, 5);
+  const ClipId id = add_clip(store, {.rows = 700000});
+  std::vector<std::uint16_t> words(700000, 5);
   const Store::Column column{id, "patch.words", std::as_bytes(std::span(words)), 2};
   store.write({}, {&column, 1});
   EXPECT_EQ(store.snapshot().column<std::uint16_t>(id, "patch.words"), words);
+  const Store::Column shorter{id, "patch.words", std::as_bytes(std::span(words).first(10)), 2};
+  EXPECT_EQ(error_of([&] { store.write({}, {&shorter, 1}); }), ErrorKind::kUsage);
   EXPECT_FALSE(store.snapshot().has_column(id, "patch.wor"));
   EXPECT_EQ(error_of([&] { store.snapshot().column<float>(id, "patch.words"); }), ErrorKind::kUsage);
   EXPECT_EQ(error_of([&] { store.snapshot().column<float>(id, "none"); }), ErrorKind::kNotFound);

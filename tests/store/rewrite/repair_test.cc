@@ -12,6 +12,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr std::uint32_t kWordBytes = 5;  // of a patch
 const Rebuildable kIndex{.columns = {"patch.words"}, .blobs = {"codebook"}};
 
 /// Nine clips, of which three have records that stand in pages of keys.
@@ -38,10 +39,9 @@ void add_index(Store& store, char number) {
   const Snapshot snapshot = store.snapshot();
   std::vector<std::vector<std::byte>> words;
   std::vector<Store::Column> columns;
-  for (const ClipId id : snapshot.clips())
-    words.push_back(bytes(300 + 2000 * (static_cast<unsigned>(id) % 3)));
+  for (const ClipId id : snapshot.clips()) words.push_back(bytes(kWordBytes * snapshot.clip(id).rows));
   for (std::size_t i = 0; i < words.size(); ++i)
-    columns.push_back({snapshot.clips()[i], "patch.words", words[i]});
+    columns.push_back({snapshot.clips()[i], "patch.words", words[i], kWordBytes});
   const std::vector<std::byte> codebook = bytes(9000);
   const Store::Blob blob{"codebook", codebook};
   store.write({&blob, 1}, columns);
@@ -113,7 +113,7 @@ class Repair : public testing::Test {
       }
       // A clip that is newer than the index has none.
       if (!snapshot.has_column(id, "patch.words")) continue;
-      ASSERT_EQ(snapshot.column<std::byte>(id, "patch.words").at(0), codebook->at(0))
+      ASSERT_EQ(snapshot.records<std::byte>(id, "patch.words", kWordBytes).at(0), codebook->at(0))
           << what << ": the words of clip " << static_cast<int>(id) << " are of another codebook";
     }
   }

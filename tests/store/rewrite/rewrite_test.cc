@@ -24,10 +24,11 @@ void make(const fs::path& file, std::initializer_list<TestClip> clips, const std
 /// As freshet index leaves it: a blob, and a column in every clip.
 void add_index(const fs::path& file) {
   Store store = Store::open_write(file);
-  const std::vector<std::byte> words(5000, std::byte{7}), codebook(3 << 20, std::byte{9});
+  const std::vector<std::byte> words(81'000, std::byte{7}), codebook(3 << 20, std::byte{9});
   std::vector<Store::Column> columns;
   const Snapshot snapshot = store.snapshot();
-  for (const ClipId id : snapshot.clips()) columns.push_back({id, "patch.words", words});
+  for (const ClipId id : snapshot.clips())
+    columns.push_back({id, "patch.words", std::span(words).first(81 * snapshot.clip(id).rows), 81});
   const Store::Blob blob{"codebook", codebook};
   store.write({&blob, 1}, columns);
 }
