@@ -1,8 +1,11 @@
 // freshet: one executable, a subcommand for each tool. Results go to stdout, everything else to stderr.
 
+#include <fcntl.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
+#include <charconv>
 #include <csignal>
 #include <cstdio>
 #include <cstring>
@@ -11,6 +14,8 @@
 #include <memory>
 #include <new>
 #include <optional>
+#include <span>
+#include <string_view>
 
 #include <fmt/format.h>
 #include <opencv2/core/utility.hpp>
@@ -101,16 +106,50 @@ int exit_code(freshet::ErrorKind kind) {
 }
 
 /// Where nothing can be allocated, nor a destructor run.
-void write_plainly(const char* text) {
-  [[maybe_unused]] const auto written = ::write(STDERR_FILENO, text, std::strlen(text));
+void write_plainly(std::string_view text) {
+  [[maybe_unused]] const auto written = ::write(STDERR_FILENO, text.data(), text.size());
+}
+
+/// Of the mapped files, as the system lists them, that in which the address lies; empty when there is none. Calls nothing
+/// that a signal's handler may not.
+std::string_view mapped_file(std::uintptr_t address, std::span<char> line) {
+  const int maps = ::open("/proc/self/maps", O_RDONLY | O_CLOEXEC);
+  std::size_t length = 0;
+  for (char c = 0; ::read(maps, &c, 1) == 1;) {
+    if (c != '\n') {
+      if (length < line.size()) line[length++] = c == '\t' || (c >= ' ' && c <= '~') ? c : '?';
+      continue;
+    }
+    // "from-to mode offset device inode   /name"
+    const char* const end = line.data() + length;
+    std::uintptr_t first = 0, last = 0;
+    const auto from = std::from_chars(line.data(), end, first, 16);
+    std::from_chars(std::min(from.ptr + 1, end), end, last, 16);
+    const std::string_view text(line.data(), length);
+    if (const auto name = text.find('/'); first <= address && address < last && name != text.npos)
+      return text.substr(name);
+    length = 0;
+  }
+  return {};
 }
 
 /// A page of a mapped file that cannot be read: the disk failed, or another program has cut the file.
-void end_at_unreadable_page(int) {
+void end_at_unreadable_page(int, siginfo_t* info, void*) {
+  char line[512];
+  const std::string_view file = mapped_file(reinterpret_cast<std::uintptr_t>(info->si_addr), line);
+  write_plainly("freshet: ");
+  write_plainly(file.empty() ? "a mapped file, most likely the store" : file);
   write_plainly(
-      "freshet: a part of a mapped file, most likely of the store, could not be read: the disk has failed,\n"
-      "or another program has cut the file. Run freshet store verify\n");
+      ": a part of it could not be read: the disk has failed, or another program has cut\n"
+      "the file. Run freshet store verify\n");
   ::_exit(1);
+}
+
+void handle_unreadable_pages() {
+  struct sigaction action {};
+  action.sa_sigaction = end_at_unreadable_page;
+  action.sa_flags = SA_SIGINFO;
+  ::sigaction(SIGBUS, &action, nullptr);
 }
 
 /// Whether memory was wanting: OpenCV's buffers throw an error of their own where one of several was not allocated.
@@ -148,7 +187,7 @@ int run(int argc, char** argv) {
     return 1;  // there is nowhere to say why
   }
   keep_freed_memory();
-  std::signal(SIGBUS, end_at_unreadable_page);
+  handle_unreadable_pages();
   std::set_terminate(end_uncaught);
   // OpenCV's own threads would compete with ours, which share out whole frames.
   cv::setNumThreads(1);

@@ -37,7 +37,8 @@ void print_sizes(const RewriteCommand& command, const store::FileSizes& sizes) {
         nlohmann::json{{"store", command.store}, {"bytes_before", sizes.before}, {"bytes_after", sizes.after}}
             .dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
   else
-    fmt::print("{}: {} before, {} now\n", command.store, size_text(sizes.before), size_text(sizes.after));
+    fmt::print("{}: {} before, {} now\n", printable(command.store), size_text(sizes.before),
+               size_text(sizes.after));
 }
 
 /// Runs what takes a job, with progress.
@@ -81,7 +82,8 @@ void merge(const RewriteCommand& command, const RunContext& context) {
   for (const auto& one : report.doubles)
     say(fmt::format("{}: its clip \"{}\" comes from the same source as \"{}\", and is left out", one.store,
                     one.name, one.kept_as));
-  fmt::print("{}: {} clips, {}. {}\n", command.out, report.clips, size_text(report.bytes), kIndexAgain);
+  fmt::print("{}: {} clips, {}. {}\n", printable(command.out), report.clips, size_text(report.bytes),
+             kIndexAgain);
 }
 
 void print_lost(const RewriteCommand& command, const store::RepairReport& report) {
@@ -98,7 +100,7 @@ void print_lost(const RewriteCommand& command, const store::RepairReport& report
   for (const std::string& blob : report.lost_blobs)
     fmt::print("lost: what was stored as \"{}\"\n", printable(blob));
   for (const std::string& doubt : report.doubts) fmt::print("not certain: {}\n", doubt);
-  fmt::print("{}: {} clips, {}{}\n", command.out, report.clips, size_text(report.bytes),
+  fmt::print("{}: {} clips, {}{}\n", printable(command.out), report.clips, size_text(report.bytes),
              report.index_left_out ? fmt::format(". {}", kIndexAgain) : "");
 }
 

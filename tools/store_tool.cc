@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <filesystem>
+#include <iterator>
 #include <memory>
 
 #include <fmt/format.h>
@@ -9,6 +10,7 @@
 #include "media/frame/frame_md5.h"
 #include "media/frame/layout_json.h"
 #include "media/video/video_writer.h"
+#include "platform/printable.h"
 #include "store/rewrite/rewrite.h"
 #include "store/store.h"
 #include "stored/clip_frames.h"
@@ -39,9 +41,15 @@ store::ClipId find_clip(const store::Snapshot& snapshot, const std::string& stor
               "Its clips are:" + names);
 }
 
+/// Null where it is none.
+nlohmann::json json_of(const std::string& text) {
+  nlohmann::json json = nlohmann::json::parse(text, nullptr, /*allow_exceptions=*/false);
+  return json.is_discarded() ? nlohmann::json() : json;
+}
+
 /// Half-lives of a clip's finest and coarsest detail, s.
 std::string half_lives_of(const store::ClipRecord& clip) {
-  const nlohmann::json metadata = nlohmann::json::parse(clip.metadata, nullptr, /*allow_exceptions=*/false);
+  const nlohmann::json metadata = json_of(clip.metadata);
   const nlohmann::json lives =
       metadata.is_object() ? metadata.value("half_life_s", nlohmann::json()) : nlohmann::json();
   if (!lives.is_array() || lives.empty() || !lives.front().is_number() || !lives.back().is_number())
@@ -60,6 +68,17 @@ std::vector<store::ClipRecord> readable_clips(const store::Snapshot& snapshot) {
     }
   }
   return clips;
+}
+
+/// Texts that are to be JSON and are none; the store itself gives them no meaning.
+std::vector<std::string> json_faults(const std::string& store, const store::Snapshot& snapshot,
+                                     const std::vector<store::ClipRecord>& readable) {
+  std::vector<std::string> faults;
+  if (!nlohmann::json::accept(snapshot.settings())) faults.push_back(store + ": its settings are no JSON");
+  for (const store::ClipRecord& clip : readable)
+    if (!nlohmann::json::accept(clip.metadata))
+      faults.push_back(fmt::format("{}, clip \"{}\": its metadata is no JSON", store, clip.name));
+  return faults;
 }
 
 /// Says what is wrong with a store, where something is.
@@ -84,9 +103,11 @@ std::string gain_text(const std::string& file) {
 /// Numbers come from records' headers: these are compared with what the clips say of them.
 void info(const StoreCommand& command, RunContext& context) {
   const store::Snapshot snapshot = store::Store::open_read(command.store).snapshot();
-  const std::vector<std::string> faults = snapshot.check_account();
+  std::vector<std::string> faults = snapshot.check_account();
   const std::vector<store::ClipRecord> readable = readable_clips(snapshot);
-  const nlohmann::json settings = nlohmann::json::parse(snapshot.settings());
+  const bool whole = faults.empty();
+  std::ranges::move(json_faults(command.store, snapshot, readable), std::back_inserter(faults));
+  const nlohmann::json settings = json_of(snapshot.settings());
   if (command.json) {
     nlohmann::json json{{"store", command.store}, {"settings", settings}, {"blobs", snapshot.blob_names()}};
     for (const store::ClipRecord& clip : readable) {
@@ -100,17 +121,15 @@ void info(const StoreCommand& command, RunContext& context) {
                                {"fps", fps_of(clip)},
                                {"frames", clip.frame_count},
                                {"patches", clip.rows},
-                               {"metadata", nlohmann::json::parse(clip.metadata)}});
+                               {"metadata", json_of(clip.metadata)}});
     }
     for (const auto& use : snapshot.usage())
       json["usage"].push_back({{"what", use.what},
                                {"records", use.records},
                                {"stored_bytes", use.stored_bytes},
                                {"raw_bytes", use.raw_bytes}});
-    if (!faults.empty())
-      json["damaged"] = faults;
-    else
-      json["compacted_bytes"] = store::compacted_size(command.store).after;
+    if (!faults.empty()) json["damaged"] = faults;
+    if (whole) json["compacted_bytes"] = store::compacted_size(command.store).after;
     fmt::print("{}\n", json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
     report_faults(command.store, faults, context);
     return;
@@ -135,21 +154,24 @@ void info(const StoreCommand& command, RunContext& context) {
                    : "-"});
   fmt::print("{}\n{} clips, {} patches, index: {}\n\n{}{}\nsettings {}\n", clips.text(), readable.size(),
              patches, snapshot.blob("codebook") ? "ready" : "none (run freshet index)", usage.text(),
-             faults.empty() ? gain_text(command.store) : "",
+             whole ? gain_text(command.store) : "",
              settings.dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
-  for (const std::string& fault : faults) fmt::print("damaged: {}\n", fault);
+  for (const std::string& fault : faults) fmt::print("damaged: {}\n", printable(fault));
   report_faults(command.store, faults, context);
 }
 
 void verify(const StoreCommand& command, RunContext& context) {
-  const std::vector<std::string> faults = store::Store::open_read(command.store).snapshot().verify();
+  const store::Snapshot snapshot = store::Store::open_read(command.store).snapshot();
+  std::vector<std::string> faults = snapshot.verify();
+  std::ranges::move(json_faults(command.store, snapshot, readable_clips(snapshot)),
+                    std::back_inserter(faults));
   if (command.json)
     fmt::print("{}\n", nlohmann::json{{"store", command.store}, {"damaged", faults}}.dump(
                            2, ' ', false, nlohmann::json::error_handler_t::replace));
   else if (faults.empty())
-    fmt::print("{}: every record is as it was written\n", command.store);
+    fmt::print("{}: every record is as it was written\n", printable(command.store));
   else
-    for (const std::string& fault : faults) fmt::print("{}\n", fault);
+    for (const std::string& fault : faults) fmt::print("{}\n", printable(fault));
   report_faults(command.store, faults, context);
 }
 

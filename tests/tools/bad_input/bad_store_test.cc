@@ -6,6 +6,7 @@
 
 #include <cstring>
 
+#include "store/store.h"
 #include "tests/tools/sample.h"
 
 namespace freshet::tools {
@@ -158,6 +159,29 @@ TEST_F(BadStore, InfoNamesARecordThatIsLost) {
   EXPECT_EQ(outcome.exit_code, 3) << outcome.err;
   EXPECT_NE(outcome.out.find("damaged: copy.store, clip 0, column"), std::string::npos) << outcome.out;
   EXPECT_NE(outcome.err.find("1 damaged records"), std::string::npos) << outcome.err;
+}
+
+// Whoever makes a store writes what he likes, with hashes that are right.
+TEST_F(BadStore, TextsThatAreNoJsonAreNamedAndNamesMoveNoTerminal) {
+  const fs::path file = folder_ / "odd.store";
+  {
+    store::Store odd = store::Store::create(file, "{\"patch\": ");
+    store::ClipWriter writer = odd.add_clip();
+    store::ClipRecord record;
+    record.name = "x\033]0;PWNED\007";
+    record.source_hash = "a";
+    record.metadata = "[1, ";
+    writer.commit(record);
+  }
+  for (const char* command : {"info", "verify"}) {
+    const Outcome outcome = folder_.freshet({"store", command, "odd.store"});
+    EXPECT_EQ(outcome.exit_code, 3) << outcome.err;
+    EXPECT_NE(outcome.out.find("odd.store, clip \"x"), std::string::npos) << outcome.out;
+    EXPECT_NE(outcome.out.find("odd.store: its settings are no JSON"), std::string::npos) << outcome.out;
+    EXPECT_EQ((outcome.out + outcome.err).find_first_of("\033\007"), std::string::npos) << outcome.out;
+    EXPECT_EQ(outcome.err.find("unexpected"), std::string::npos) << outcome.err;
+  }
+  EXPECT_EQ(folder_.freshet({"store", "info", "odd.store", "--json"}).exit_code, 3);
 }
 
 TEST_F(BadStore, WhateverByteIsDamagedAnAnswerIsRightOrThereIsNone) {
