@@ -26,6 +26,7 @@
 #include "freshet/error.h"
 #include "media/video/video_writer.h"
 #include "report/html_text.h"
+#include "report/page.h"
 
 namespace {
 
@@ -38,41 +39,11 @@ struct Film {
 };
 using Scenes = std::map<std::string, std::vector<Film>>;
 
-constexpr const char* kHead = R"(<!doctype html>
-<meta charset="utf-8"><meta name="viewport" content="width=device-width">
-<title>Which of these is most like the real thing?</title>
-<style>
-body { font: 16px/1.5 sans-serif; background: #16181c; color: #ddd; margin: 1rem auto; max-width: 1320px; padding: 0 1rem; }
-section { margin: 2rem 0; } .films { display: grid; gap: 10px; grid-template-columns: repeat(auto-fill, minmax(min(400px, 100%), 1fr)); }
-figure { margin: 0; } video { width: 100%; display: block; background: #000; }
-figcaption { display: flex; gap: 1.2em; padding: .3em 0; } textarea { width: 100%; font: inherit; }
-button { font: inherit; padding: .4em 1em; } label { white-space: nowrap; }
-</style>
-<h1>Which of these is most like the real thing?</h1>
-<p>Each row shows one scene several times. Look at each film as long as you like (they play in step), then say which one
-looks most real, which one least, and what gives it away. At the end, copy the answers.</p>
-)";
-
-constexpr const char* kTail = R"(<p><button id="copy">Copy the answers</button> <span id="done"></span></p>
-<textarea id="answers" rows="6" readonly aria-label="Answers"></textarea>
-<script>
-for (const section of document.querySelectorAll('section')) {
-  const films = [...section.querySelectorAll('video')];
-  const seen = new IntersectionObserver(all => all[0].isIntersecting
-    ? films.forEach(f => { f.currentTime = 0; f.play(); }) : films.forEach(f => f.pause()));
-  seen.observe(section);
-}
-const said = name => (document.querySelector(`input[name="${CSS.escape(name)}"]:checked`) || {}).value || '-';
-document.getElementById('copy').onclick = async () => {
-  const text = [...document.querySelectorAll('section')].map(s => {
-    const id = s.dataset.scene;
-    return `${id}: best ${said('best-' + id)}, worst ${said('worst-' + id)}; ${s.querySelector('textarea').value.replace(/\s+/g, ' ')}`;
-  }).join('\n');
-  document.getElementById('answers').value = text;
-  try { await navigator.clipboard.writeText(text); document.getElementById('done').textContent = 'copied'; } catch {}
-};
-</script>
-)";
+// clang-format off
+constexpr std::string_view kTemplate =
+#include "embedded/blind_look.html"
+    ;
+// clang-format on
 
 Scenes scenes_of(const std::vector<std::string>& named) {
   Scenes scenes;
@@ -135,7 +106,7 @@ void run(const fs::path& folder, const std::vector<std::string>& named, unsigned
   const Scenes scenes = scenes_of(named);
   std::mt19937 random(seed);
   fs::create_directories(folder);
-  std::string page = kHead;
+  std::string sections;
   nlohmann::json key;
   int number = 0;
   for (const auto& [scene, films] : scenes) {
@@ -143,9 +114,10 @@ void run(const fs::path& folder, const std::vector<std::string>& named, unsigned
       throw Error(ErrorKind::kUsage, "scene " + scene, "2 to 26 films expected");
     const std::string prefix = fmt::format("s{}", ++number);
     key[scene] = write_scene(folder, prefix, films, random, width);
-    page += section_of(scene, prefix, films.size());
+    sections += section_of(scene, prefix, films.size());
   }
-  std::ofstream(folder / "index.html") << page << kTail;
+  std::ofstream(folder / "index.html") << report::page_html(
+      "Which of these is most like the real thing?", report::filled(kTemplate, {{"sections", sections}}));
   fs::path beside = folder.lexically_normal();
   if (!beside.has_filename()) beside = beside.parent_path();
   beside += "-key.json";

@@ -1,14 +1,15 @@
 #include "bench/quality/quality_page.h"
 
 #include <cmath>
-#include <fstream>
 
 #include <fmt/format.h>
 #include <opencv2/imgproc.hpp>
 
 #include "freshet/error.h"
 #include "media/video/video_writer.h"
+#include "platform/whole_file.h"
 #include "report/html_text.h"
+#include "report/page.h"
 
 namespace freshet::bench {
 namespace {
@@ -45,51 +46,11 @@ cv::Mat annotated(const Case& asked, bool with_strokes) {
   return picture;
 }
 
-constexpr const char* kHead = R"(<!doctype html>
-<meta charset="utf-8"><meta name="viewport" content="width=device-width">
-<title>TITLE</title>
-<style>
-body { font: 14px/1.4 sans-serif; background: #16181c; color: #ddd; margin: 1rem; }
-h1 { font-size: 1.2rem; } button { font: inherit; margin: 0 .2rem .2rem 0; cursor: pointer; }
-button.on { background: #fc6; } select { font: inherit; }
-.card { margin: 1rem 0; } video { width: 100%; max-width: 1290px; display: block; background: #000; }
-.card b { color: #fff; } .figure { display: inline-block; margin-right: 1.1em; white-space: nowrap; }
-.figure i { color: #999; font-style: normal; } pre { overflow-x: auto; font-size: 12px; }
-</style>
-<h1>TITLE</h1>
-<p>Each film: what was filmed, what was made, and the still it was made of (matte outlined, strokes in red).
-Worst first by <span id="keys"></span>
-<label>method <select id="method"></select></label></p>
-<div id="cards">
-)";
-
-constexpr const char* kScript = R"(
-<script>
-const cards = [...document.querySelectorAll('.card')], box = document.getElementById('cards');
-const keys = document.getElementById('keys'), method = document.getElementById('method');
-function sort(key, better) {
-  const size = c => (Math.abs(+c.dataset[key]) || 0) * (better ? -1 : 1);
-  cards.sort((a, b) => size(b) - size(a)).forEach(c => box.append(c));
-  [...keys.children].forEach(k => k.classList.toggle('on', k.dataset.key === key));
-}
-for (const [key, head, better] of FIGURES) {
-  const button = document.createElement('button');
-  button.textContent = head; button.dataset.key = key;
-  button.onclick = () => sort(key, better); keys.append(button);
-}
-for (const name of ['all', ...new Set(cards.map(c => c.dataset.method))]) method.append(new Option(name, name));
-method.onchange = () => cards.forEach(c => c.hidden = method.value !== 'all' && c.dataset.method !== method.value);
-const seen = new IntersectionObserver(all => all.forEach(e => e.isIntersecting ? e.target.play() : e.target.pause()));
-document.querySelectorAll('video').forEach(v => seen.observe(v));
-sort(FIGURES[0][0], FIGURES[0][2]);
-</script>
-)";
-
-std::string replaced(std::string text, const std::string& what, const std::string& with) {
-  for (std::size_t at = 0; (at = text.find(what, at)) != std::string::npos; at += with.size())
-    text.replace(at, what.size(), with);
-  return text;
-}
+// clang-format off
+constexpr std::string_view kTemplate =
+#include "embedded/quality_page.html"
+    ;
+// clang-format on
 
 }  // namespace
 
@@ -128,30 +89,31 @@ void write_film(const std::filesystem::path& folder, const Case& asked, const st
 
 void write_page(const std::filesystem::path& folder, const std::vector<Judged>& judged,
                 const std::string& title) {
-  std::ofstream page(folder / "index.html");
-  page << replaced(kHead, "TITLE", html_text(title));
+  std::string cards;
   for (const Judged& one : judged) {
     if (one.video.empty()) continue;
-    page << fmt::format("<div class=\"card\" data-method=\"{}\"", html_text(one.method));
+    cards += fmt::format("<div class=\"card\" data-method=\"{}\"", html_text(one.method));
     for (const Figure& figure : figures())
-      page << fmt::format(" data-{}=\"{:.4f}\"", figure.key, figure.value(one.distance));
-    page << fmt::format(
-        "><b>{}</b>, {}<video src=\"{}\" loop muted playsinline preload=\"metadata\"></video>",
-        html_text(one.clip), html_text(one.method), one.video);
+      cards += fmt::format(" data-{}=\"{:.4f}\"", figure.key, figure.value(one.distance));
+    cards +=
+        fmt::format("><b>{}</b>, {}<video src=\"{}\" loop muted playsinline preload=\"metadata\"></video>",
+                    html_text(one.clip), html_text(one.method), one.video);
     for (const Figure& figure : figures()) {
       const double value = figure.value(one.distance);
       if (!std::isnan(value))
-        page << fmt::format("<span class=\"figure\"><i>{}</i> {}</span>", figure.head,
-                            to_string(figure, value));
+        cards +=
+            fmt::format("<span class=\"figure\"><i>{}</i> {}</span>", figure.head, to_string(figure, value));
     }
-    page << "</div>\n";
+    cards += "</div>\n";
   }
-  page << "</div>\n<h1>Means and medians</h1>\n<pre>" << html_text(summary_table(judged))
-       << "</pre>\n<h1>By clip</h1>\n<pre>" << html_text(clip_table(judged)) << "</pre>\n";
   nlohmann::json keys = nlohmann::json::array();
   for (const Figure& figure : figures()) keys.push_back({figure.key, figure.head, figure.more_is_better});
-  page << replaced(kScript, "FIGURES", keys.dump());
-  if (!page.flush()) throw Error(ErrorKind::kIo, (folder / "index.html").string(), "cannot be written");
+  write_whole_file(
+      folder / "index.html",
+      report::page_html(title, report::filled(kTemplate, {{"cards", cards},
+                                                          {"summary", html_text(summary_table(judged))},
+                                                          {"clips", html_text(clip_table(judged))},
+                                                          {"figures", keys.dump()}})));
 }
 
 }  // namespace freshet::bench

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "report/html_text.h"
+#include "report/page.h"
 
 namespace freshet::bench {
 namespace {
@@ -87,61 +88,45 @@ std::string number(double value) {
   return fmt::format("{:.{}f}", value, size >= 100 ? 0 : size >= 10 ? 1 : size >= 1 ? 2 : 4);
 }
 
-std::string style() {
-  return report::chart_style() +
-         "body { font: 15px/1.45 sans-serif; color: var(--ink); background: var(--paper); max-width: 60rem;\n"
-         "  margin: 1.5rem auto; padding: 0 1rem; } h1 { font-size: 1.35rem; } h2 { font-size: 1.1rem;\n"
-         "  margin-top: 2.2rem; } p { color: var(--faint); } table { border-collapse: collapse;\n"
-         "  font-size: 13px; display: block; overflow-x: auto; } th, td { text-align: right;\n"
-         "  padding: .15rem .6rem; border-bottom: 1px solid var(--rule); white-space: nowrap; }\n"
-         "th:first-child, td:first-child { text-align: left; }\n";
-}
-
 std::string exponent_table(std::span<const json> results) {
-  std::string out =
-      "<table><tr><th>cost</th><th>build</th><th>unit</th><th>exponent</th><th>error</th>"
-      "<th>from 200,000 patches</th><th>error</th></tr>\n";
+  report::HtmlTable table({"cost", "build", "unit", "exponent", "error", "from 200,000 patches", "error"});
   for (const Group& group : kGroups) {
     for (const json& result : results) {
       for (const json& fit : cost_fits(result)) {
         if (fit.at("group") != group.key) continue;
-        out += fmt::format("<tr><td>{}: {}</td><td>{}</td><td>{}</td><td>{:.2f}</td><td>{:.2f}</td>",
-                           group.title, html_text(fit.at("name").get<std::string>()),
-                           html_text(build_of(result)), html_text(fit.at("unit").get<std::string>()),
-                           fit.at("exponent").get<double>(), fit.at("error").get<double>());
-        out += fit.contains("large_exponent")
-                   ? fmt::format("<td>{:.2f}</td><td>{:.2f}</td></tr>\n", fit["large_exponent"].get<double>(),
-                                 fit["large_error"].get<double>())
-                   : "<td></td><td></td></tr>\n";
+        const auto figure = [&](const char* key) {
+          return fit.contains(key) ? fmt::format("{:.2f}", fit[key].get<double>()) : std::string();
+        };
+        table.add({fmt::format("{}: {}", group.title, html_text(fit.at("name").get<std::string>())),
+                   html_text(build_of(result)), html_text(fit.at("unit").get<std::string>()),
+                   figure("exponent"), figure("error"), figure("large_exponent"), figure("large_error")});
       }
     }
   }
-  return out + "</table>\n";
+  return table.html();
 }
 
 std::string figure_table(const json& result) {
   std::vector<json> sizes;
   for (const json& size : result.at("sizes")) sizes.push_back(size);
-  std::string out =
-      fmt::format("<h2>All figures, {} build</h2>\n<table><tr><th>patches</th>", html_text(build_of(result)));
-  for (const json& size : sizes) out += fmt::format("<th>{}</th>", size.at("patches").get<std::uint64_t>());
-  out += "</tr>\n<tr><td>clips</td>";
-  for (const json& size : sizes) out += fmt::format("<td>{}</td>", size.value("clips", 0));
-  out += "</tr>\n";
+  std::vector<std::string> heads{"patches"}, clips{"clips"};
+  for (const json& size : sizes) {
+    heads.push_back(at(size, "/patches").dump());
+    clips.push_back(std::to_string(size.value("clips", 0)));
+  }
+  report::HtmlTable table(heads);
+  table.add(clips);
   for (const Figure& figure : kFigures) {
-    std::string row;
-    bool any = false;
+    std::vector<std::string> row{
+        fmt::format("{}: {}, {}", figure.group, html_text(figure.name), html_text(figure.unit))};
     for (const json& size : sizes) {
       const json value = at(size, figure.where);
-      any = any || value.is_number();
-      row += value.is_number() ? fmt::format("<td>{}</td>", number(value.get<double>() * figure.factor))
-                               : "<td></td>";
+      row.push_back(value.is_number() ? number(value.get<double>() * figure.factor) : "");
     }
-    if (any)
-      out += fmt::format("<tr><td>{}: {}, {}</td>{}</tr>\n", figure.group, html_text(figure.name),
-                         html_text(figure.unit), row);
+    if (std::any_of(row.begin() + 1, row.end(), [](const std::string& cell) { return !cell.empty(); }))
+      table.add(row);
   }
-  return out + "</table>\n";
+  return fmt::format("<h2>All figures, {} build</h2>\n", html_text(build_of(result))) + table.html();
 }
 
 }  // namespace
@@ -220,11 +205,7 @@ json cost_fits(const json& result) {
 
 std::string cost_page(std::span<const json> results) {
   const json& first = results.front();
-  std::string out =
-      "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
-      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
-      "<title>What a store costs, by its size</title>\n<style>\n" +
-      style() + "</style>\n</head>\n<body>\n<h1>What a store costs, by its size</h1>\n";
+  std::string out;
   std::string builds;
   for (const json& result : results) builds += (builds.empty() ? "" : ", ") + build_of(result);
   out += fmt::format(
@@ -259,7 +240,7 @@ std::string cost_page(std::span<const json> results) {
       "exponent's standard error.</p>\n" +
       exponent_table(results);
   for (const json& result : results) out += figure_table(result);
-  return out + "</body>\n</html>\n";
+  return report::page_html("What a store costs, by its size", out);
 }
 
 }  // namespace freshet::bench

@@ -7,6 +7,7 @@
 
 #include "report/curve_chart.h"
 #include "report/html_text.h"
+#include "report/page.h"
 
 namespace freshet::bench {
 namespace {
@@ -28,32 +29,20 @@ constexpr Measure kMeasures[] = {
      "Mean difference between a frame and the one before, carried along the flow."},
 };
 
-std::string style() {
-  return report::chart_style() +
-         "body { font: 15px/1.45 sans-serif; color: var(--ink); background: var(--paper); max-width: 60rem;\n"
-         "  margin: 1.5rem auto; padding: 0 1rem; } h1 { font-size: 1.35rem; } h2 { font-size: 1.1rem;\n"
-         "  margin-top: 2.2rem; } p { color: var(--faint); } table { border-collapse: collapse;\n"
-         "  font-size: 13px; } th, td { text-align: right; padding: .15rem .6rem;\n"
-         "  border-bottom: 1px solid var(--rule); } th:first-child, td:first-child { text-align: left; }\n";
-}
-
 std::string promises(const json& runs) {
-  std::string out =
-      "<table><tr><th>exemplar</th><th>design</th><th>px</th><th>method</th><th>frames</th>"
-      "<th>frames not uniform</th><th>violations</th><th>CPU s per frame</th></tr>\n";
+  report::HtmlTable table({"exemplar", "design", "px", "method", "frames", "frames not uniform", "violations",
+                           "CPU s per frame"});
   for (const json& run : runs) {
     const std::size_t frames = run.at("sharpness").size();
-    out += fmt::format(
-        "<tr><td>{}</td><td>{}</td><td>{} x "
-        "{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{:.2f}</td>"
-        "</tr>\n",
-        html_text(run.at("exemplar").get<std::string>()), html_text(run.at("design").get<std::string>()),
-        run.at("size").at(0).get<int>(), run.at("size").at(1).get<int>(),
-        html_text(run.at("method").get<std::string>()), frames, run.at("not_uniform").get<int>(),
-        run.at("violations").get<std::int64_t>(),
-        run.at("cpu_s").get<double>() / static_cast<double>(frames));
+    table.add({html_text(run.at("exemplar").get<std::string>()),
+               html_text(run.at("design").get<std::string>()),
+               fmt::format("{} x {}", run.at("size").at(0).get<int>(), run.at("size").at(1).get<int>()),
+               html_text(run.at("method").get<std::string>()), std::to_string(frames),
+               std::to_string(run.at("not_uniform").get<int>()),
+               std::to_string(run.at("violations").get<std::int64_t>()),
+               fmt::format("{:.2f}", run.at("cpu_s").get<double>() / static_cast<double>(frames))});
   }
-  return out + "</table>\n";
+  return table.html();
 }
 
 report::CurveChart chart_of(const json& runs, const std::string& exemplar, const Measure& measure) {
@@ -79,20 +68,18 @@ report::CurveChart chart_of(const json& runs, const std::string& exemplar, const
 std::string cost_curve(const json& curve) {
   report::CurveChart chart{
       .title = "", .x = {"Mpix", true}, .y = {"CPU s per frame", true}, .series = {}, .height = 380};
-  std::string table =
-      "<table><tr><th>Mpix</th><th>CPU s</th><th>wall s</th><th>prepare</th><th>search</th><th>assign</th>"
-      "<th>vote</th></tr>\n";
+  report::HtmlTable table({"Mpix", "CPU s", "wall s", "prepare", "search", "assign", "vote"});
   report::ChartSeries cpu{"CPU, all stages", {}, report::ChartLine::kPower};
   for (const json& point : curve) {
     const double mpix = point.at("mpix").get<double>();
     cpu.points.push_back({mpix, point.at("cpu_s").get<double>()});
-    table += fmt::format("<tr><td>{:.2f}</td>", mpix);
+    std::vector<std::string> row{fmt::format("{:.2f}", mpix)};
     for (const char* key : {"cpu_s", "wall_s", "prepare_s", "search_s", "assign_s", "vote_s"})
-      table += fmt::format("<td>{:.1f}</td>", point.at(key).get<double>());
-    table += "</tr>\n";
+      row.push_back(fmt::format("{:.1f}", point.at(key).get<double>()));
+    table.add(row);
   }
   chart.series.push_back(std::move(cpu));
-  return report::to_svg(chart) + table + "</table>\n";
+  return report::to_svg(chart) + table.html();
 }
 
 }  // namespace
@@ -100,15 +87,10 @@ std::string cost_curve(const json& curve) {
 std::string transfer_page(const json& result) {
   const json& runs = result.at("runs");
   std::string out = fmt::format(
-      "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>Appearance transfer</title>\n"
-      "<style>\n{}</style></head>\n<body>\n<h1>Appearance transfer, frame by frame</h1>\n"
       "<p>{}, {} threads, compiler {}. \"uniform\" is the method of Jamriska et al. 2015, \"nearest\" the "
-      "retrieval "
-      "and "
-      "vote of Kwatra et al. 2005, \"no coherence\" the first with &lambda; = 0. A mark is the mean of five "
-      "frames; "
-      "the JSON file has each.</p>\n",
-      style(), html_text(result.at("machine").at("processor").get<std::string>()),
+      "retrieval and vote of Kwatra et al. 2005, \"no coherence\" the first with &lambda; = 0. A mark is the "
+      "mean of five frames; the JSON file has each.</p>\n",
+      html_text(result.at("machine").at("processor").get<std::string>()),
       result.at("machine").at("threads").dump(),
       html_text(result.at("machine").at("compiler").get<std::string>()));
   out +=
@@ -131,7 +113,7 @@ std::string transfer_page(const json& result) {
         "frame, "
         "above 1 Mpix the first. Stages in wall clock, on a machine that others used.</p>\n" +
         cost_curve(result.at("curve"));
-  return out + "</body>\n</html>\n";
+  return report::page_html("Appearance transfer, frame by frame", out);
 }
 
 }  // namespace freshet::bench

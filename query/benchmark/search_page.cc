@@ -4,6 +4,7 @@
 
 #include "report/curve_chart.h"
 #include "report/html_text.h"
+#include "report/page.h"
 
 namespace freshet::query {
 namespace {
@@ -105,26 +106,16 @@ std::string filter_table(const SearchReport& report) {
          rows + "</tbody>\n</table></div>\n";
 }
 
-constexpr const char* kStyle =
-    "body { font: 16px/1.45 sans-serif; background: var(--paper); color: var(--ink); margin: 1rem auto; "
-    "max-width: 62rem; padding: 0 1rem; }\n"
-    "h1 { font-size: 1.4rem; } h2 { font-size: 1.1rem; margin-top: 2rem; }\n"
-    ".wide { overflow-x: auto; } table { border-collapse: collapse; font-size: .85rem; white-space: nowrap; "
-    "}\n"
-    "th, td { text-align: left; padding: .15rem .8rem .15rem 0; } thead th { vertical-align: bottom; }\n"
-    "tr.first > *, tbody { border-top: 1px solid var(--rule); }\n"
-    "td.n, thead th:nth-child(n+3) { text-align: right; } td.n { font-variant-numeric: tabular-nums; }\n"
-    "td:not(.n) { text-align: left; } small, dd, .faint { color: var(--faint); }\n"
-    "dt { font-weight: bold; } dd { margin: 0 0 .3rem 1rem; }\n";
+// clang-format off
+constexpr std::string_view kStyle =
+#include "embedded/search_page.html"
+    ;
+// clang-format on
 
 }  // namespace
 
 std::string search_page(const SearchReport& report) {
-  std::string page = fmt::format(
-      "<!doctype html>\n<html lang=\"en\">\n<meta charset=\"utf-8\">\n"
-      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
-      "<title>Candidate search in {0}</title>\n<style>\n{1}{2}</style>\n<h1>Candidate search in {0}</h1>\n",
-      report::html_text(report.store), report::chart_style(), kStyle);
+  std::string page(kStyle);
   std::string pictures;
   for (std::size_t i = 0; i < report.pictures.size(); ++i)
     pictures += fmt::format("{}{} ({} pieces)", i == 0 ? "" : ", ", report::html_text(report.pictures[i]),
@@ -175,9 +166,9 @@ std::string search_page(const SearchReport& report) {
   page += fmt::format(
       "</dl>\n<h2>Machine and limits</h2>\n<p>{}. At most {:g} s of one core to build an index, {:g} s to "
       "ask "
-      "with one setting.</p>\n</html>\n",
+      "with one setting.</p>\n",
       report::html_text(to_string(report.machine)), report.build_limit_s, report.setting_limit_s);
-  return page;
+  return report::page_html("Candidate search in " + report.store, page);
 }
 
 }  // namespace freshet::query

@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 
 #include "freshet/error.h"
-#include "synth/toml/section.h"
+#include "synth/toml/keys.h"
 
 namespace freshet::synth::stills {
 namespace {
@@ -41,30 +41,51 @@ std::vector<Names> lists_in(Section& section, const std::string& key, std::size_
   return lists;
 }
 
-template <class T>
-void read_into(Section& section, const std::string& key, std::optional<T>& value, Range range) {
-  if (!section.has(key)) {
-    section.find(key);
-    return;
-  }
-  T found{};
-  section.read(key, found, range);
-  value = found;
+void take_kind(RegionEdits& edits, std::size_t word) {
+  constexpr RegionKind kKinds[] = {RegionKind::kIndependent, RegionKind::kSlow, RegionKind::kStanding};
+  edits.kind = kKinds[word];
+}
+
+const std::vector<Key<RegionEdits>>& region_keys() {
+  static const std::vector<Key<RegionEdits>> keys{
+      {"speed", &RegionEdits::speed, {.05, 20}, "", "times as fast", "--speed"},
+      {"step", &RegionEdits::step_s, {.04, 60}, "s", "mean time from still to still", "--step"},
+      {"sigma",
+       &RegionEdits::sigma,
+       {1e-4, 100},
+       "",
+       "how freely the sequence departs from the paths (Eq. 2)",
+       "--sigma"},
+      {"irregularity",
+       &RegionEdits::irregularity,
+       {0, 1},
+       "",
+       "chance that a turn within a path is accepted",
+       "--irregularity"},
+      {"slow_turns",
+       &RegionEdits::slow_turns,
+       {},
+       "",
+       "true: slow down before a turn, gather speed after it",
+       "true"},
+      {"kind",
+       Words<RegionEdits>{{"independent", "slow", "standing"}, take_kind},
+       {},
+       "",
+       "how the region moves",
+       "as found"},
+      {"split",
+       &RegionEdits::split,
+       {1, 8},
+       "",
+       "parts of the region that move half by themselves",
+       "--split"}};
+  return keys;
 }
 
 RegionEdits read_region(Section& section) {
-  static const std::vector<std::string> kKinds{"independent", "slow", "standing"};
   RegionEdits edits;
-  read_into(section, "speed", edits.speed, {.05, 20});
-  read_into(section, "step", edits.step_s, {.04, 60});
-  read_into(section, "sigma", edits.sigma, {1e-4, 100});
-  read_into(section, "irregularity", edits.irregularity, {0, 1});
-  read_into(section, "split", edits.split, {1, 8});
-  if (section.has("slow_turns")) edits.slow_turns = section.flag("slow_turns", true);
-  if (const auto kind = section.word("kind", kKinds))
-    edits.kind = static_cast<RegionKind>(*kind == 0   ? RegionKind::kIndependent
-                                         : *kind == 1 ? RegionKind::kSlow
-                                                      : RegionKind::kStanding);
+  read_keys(section, region_keys(), edits, "");
   edits.refuse = lists_in(section, "refuse", 2, 10000);
   edits.turn = lists_in(section, "turn", 2, 10000);
   edits.order = lists_in(section, "order", 2, 10000);
@@ -106,24 +127,18 @@ std::vector<RegionEdits> read_edits(const std::filesystem::path& path) {
 }
 
 std::string edit_keys() {
-  return R"(What an edits file may say, at its top for all regions, or below [[region]] for the one called `name`:
+  return "What an edits file may say, at its top for all regions, or below [[region]] for the one called "
+         "`name`:\n\n" +
+         key_lines(key_texts(region_keys())) + R"(
+refuse = [["a.jpg", "c.jpg"]]           paths that hold these stills in this order, or its reverse, are not walked
+turn = [["c.jpg", "a.jpg"]]             paths that hold them are walked in this order alone
+order = [["a.jpg", "b.jpg", "c.jpg"]]   a path more
+cut = [["a.jpg", "d.jpg"]]              these two stills are not alike: no step leads from one to the other
+sequence = ["a.jpg", "b.jpg", "a.jpg"]  show the stills in this order; nothing is drawn
 
-  speed = 1.0         times as fast, 0.05 to 20
-  step = 0.5          s from still to still in the mean, 0.04 to 60
-  sigma = 0.1         how freely the sequence departs from the paths (Eq. 2)
-  irregularity = 0.2  chance that a turn within a path is accepted, 0 to 1
-  slow_turns = true   slow down before a turn, gather speed after it
-  kind = "slow"       independent, slow, or standing
-  split = 5           cut the region into so many parts that move half by themselves
-  refuse = [["a.jpg", "c.jpg"]]           paths that hold these stills in this order, or its reverse, are not walked
-  turn = [["c.jpg", "a.jpg"]]             paths that hold them are walked in this order alone
-  order = [["a.jpg", "b.jpg", "c.jpg"]]   a path more
-  cut = [["a.jpg", "d.jpg"]]              these two stills are not alike: no step leads from one to the other
-  sequence = ["a.jpg", "b.jpg", "a.jpg"]  show the stills in this order; nothing is drawn
-
-  [[region]]
-  name = "2"          as the page and the sheet call it; what holds for a region holds for its parts
-  speed = 0.5
+[[region]]
+name = "2"          as the page and the sheet call it; what holds for a region holds for its parts
+speed = 0.5
 )";
 }
 

@@ -10,6 +10,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "report/html_text.h"
+#include "report/page.h"
 #include "synth/stills/still_set.h"
 
 namespace freshet::synth::stills {
@@ -180,15 +181,11 @@ class RegionPart {
   std::vector<cv::Mat> thumbs_;
 };
 
-constexpr const char* kStyle = R"(
-body { font: 16px/1.45 sans-serif; background: #fff; color: #1a1a1a; margin: 1rem auto; max-width: 1100px; padding: 0 1rem; }
-h1 { font-size: 1.25rem; } h2 { font-size: 1.1rem; margin-top: 2rem; } h3 { font-size: 1rem; margin: .8rem 0 .3rem; }
-svg text { font: 10px sans-serif; fill: currentColor; } .graph { width: 100%; height: auto; border: 1px solid #bbb; }
-.edge { stroke: #888; stroke-width: 1.5; } .path { fill: none; stroke-width: 3; opacity: .85; }
-.strip { overflow-x: auto; } img, video { max-width: 100%; height: auto; }
-p { margin: .3rem 0; } code { background: #eee; padding: .1rem .3rem; font-size: .85em; overflow-wrap: anywhere; }
-@media (prefers-color-scheme: dark) { body { background: #17191c; color: #e6e6e6; } code { background: #2a2d31; } }
-)";
+// clang-format off
+constexpr std::string_view kTemplate =
+#include "embedded/stills_page.html"
+    ;
+// clang-format on
 
 }  // namespace
 
@@ -223,15 +220,7 @@ std::vector<cv::Point2d> laid_out(const Square<double>& distances) {
 
 std::string stills_page(const Plan& plan, const std::vector<cv::Mat>& small, const cv::Mat& sheet,
                         const PageFacts& facts) {
-  std::string out = fmt::format(
-      "<!doctype html>\n<html lang=\"en\">\n<meta charset=\"utf-8\">\n<meta name=\"viewport\" "
-      "content=\"width=device-width, "
-      "initial-scale=1\">\n<title>{0}</title>\n<style>{1}</style>\n<h1>{0}</h1>\n",
-      html_text(facts.title), kStyle);
-  out += fmt::format(
-      "<p>{} stills, {} moving regions, {:.2f} s. Near stills are alike; a grey line is an edge, a "
-      "coloured one a path. The lines beside a path go into a TOML file for <code>--edits</code>.</p>\n",
-      small.size(), plan.regions.size(), facts.seconds);
+  std::string out;
   for (const std::string& notice : facts.notices) out += "<p>" + html_text(notice) + "</p>\n";
   if (!facts.video.empty())
     out +=
@@ -239,7 +228,11 @@ std::string stills_page(const Plan& plan, const std::vector<cv::Mat>& small, con
   if (!sheet.empty()) out += fmt::format("<p><img alt=\"Regions\" src=\"{}\"></p>\n", picture_address(sheet));
   for (std::size_t i = 0; i < plan.regions.size(); ++i)
     out += RegionPart(plan.regions[i], i, small, facts).html();
-  return out + "</html>\n";
+  return report::page_html(
+      facts.title,
+      report::filled(kTemplate, {{"counts", fmt::format("{} stills, {} moving regions, {:.2f} s",
+                                                        small.size(), plan.regions.size(), facts.seconds)},
+                                 {"rest", out}}));
 }
 
 }  // namespace freshet::synth::stills

@@ -28,10 +28,11 @@ using ReadKey = void (*)(Section&, Object&);
 
 /// Where a key's value goes. Nothing: another row reads it too, and this one explains it.
 template <class Object>
-using KeyField = std::variant<std::monostate, double Object::*, int Object::*, std::uint64_t Object::*,
-                              std::optional<double> Object::*, bool Object::*, std::string Object::*,
-                              std::filesystem::path Object::*, std::vector<std::string> Object::*,
-                              Words<Object>, ReadKey<Object>>;
+using KeyField =
+    std::variant<std::monostate, double Object::*, float Object::*, int Object::*, std::uint64_t Object::*,
+                 std::optional<double> Object::*, std::optional<int> Object::*, std::optional<bool> Object::*,
+                 bool Object::*, std::string Object::*, std::filesystem::path Object::*,
+                 std::vector<std::string> Object::*, Words<Object>, ReadKey<Object>>;
 
 /// Of a key without which the table says nothing.
 inline constexpr std::string_view kNeeded = "needed";
@@ -85,7 +86,8 @@ std::string usual(const Key<Object>& key, const Object& object) {
   return std::visit(
       [&](const auto& field) -> std::string {
         using Field = std::decay_t<decltype(field)>;
-        if constexpr (std::is_same_v<Field, double Object::*> || std::is_same_v<Field, int Object::*>)
+        if constexpr (std::is_same_v<Field, double Object::*> || std::is_same_v<Field, float Object::*> ||
+                      std::is_same_v<Field, int Object::*>)
           return number(object.*field);
         else if constexpr (std::is_same_v<Field, std::uint64_t Object::*>)
           return fmt::format("{}", object.*field);
@@ -101,8 +103,10 @@ std::string usual(const Key<Object>& key, const Object& object) {
 
 template <class Object>
 bool is_number(const KeyField<Object>& field) {
-  return std::holds_alternative<double Object::*>(field) || std::holds_alternative<int Object::*>(field) ||
-         std::holds_alternative<std::optional<double> Object::*>(field);
+  return std::holds_alternative<double Object::*>(field) || std::holds_alternative<float Object::*>(field) ||
+         std::holds_alternative<int Object::*>(field) ||
+         std::holds_alternative<std::optional<double> Object::*>(field) ||
+         std::holds_alternative<std::optional<int> Object::*>(field);
 }
 
 }  // namespace key_text

@@ -71,10 +71,6 @@ void Section::expect_whole(const toml::node& node, const std::string& key) const
   if (!node.is_integer()) refuse(node, key, fmt::format("a whole number is expected, not {}", kind_of(node)));
 }
 
-void Section::read(const std::string& key, std::optional<double>& value, Range range) {
-  if (const toml::node* node = find(key)) value = number(*node, key, range);
-}
-
 void Section::read(const std::string& key, bool& value, Range) { value = flag(key, value); }
 
 void Section::read(const std::string& key, std::string& value, Range) {

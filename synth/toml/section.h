@@ -43,7 +43,13 @@ class Section {
     if (std::is_integral_v<T>) expect_whole(*node, key);
     value = static_cast<T>(number(*node, key, range));
   }
-  void read(const std::string& key, std::optional<double>& value, Range range);
+  template <typename T>
+  void read(const std::string& key, std::optional<T>& value, Range range) {
+    if (find(key) == nullptr) return;
+    T found{};
+    read(key, found, range);
+    value = found;
+  }
   bool read(const std::string& key, Vec2& value, Range range);
   void read(const std::string& key, Rgb& value);
 

@@ -8,6 +8,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "report/html_text.h"
+#include "report/page.h"
 #include "report/sheet_words.h"
 
 namespace freshet::tools {
@@ -29,65 +30,11 @@ std::string address_of(const std::string& name) {
   return out;
 }
 
-constexpr const char* kHead = R"(<!doctype html>
-<html lang="en">
-<meta charset="utf-8">
-<meta name="viewport" content="width=device-width, initial-scale=1">
-<title>{title}</title>
-<style>
-body {{ font: 16px/1.45 sans-serif; background: #fff; color: #1a1a1a; margin: 1rem; }}
-h1 {{ font-size: 1.25rem; margin: 0 0 .5rem; }} ul {{ margin: .3rem 0 .6rem; padding-left: 1.2rem; }}
-nav {{ position: sticky; top: 0; background: inherit; padding: .4rem 0; z-index: 1; display: flex; flex-wrap: wrap; gap: .4rem; align-items: center; }}
-button {{ font: inherit; padding: .2rem .7rem; }} #scrub {{ flex: 1 1 12rem; }} output {{ font-variant-numeric: tabular-nums; min-width: 9rem; }}
-main {{ display: grid; gap: 1rem; margin: 1rem 0; grid-template-columns: repeat(auto-fill, minmax(min(100%, {column}px), 1fr)); }}
-figure {{ margin: 0; }} figcaption b {{ display: block; }}
-.view {{ position: relative; overflow: hidden; aspect-ratio: {crop_width} / {crop_height}; background: #ddd; }}
-.view > * {{ position: absolute; display: block; width: {view_width}%; left: {view_left}%; top: {view_top}%; height: auto; }}
-.whole .view {{ aspect-ratio: {width} / {height}; }} .whole .view > * {{ width: 100%; left: 0; top: 0; }}
-.rows {{ overflow-x: auto; }} table {{ border-collapse: collapse; min-width: 56rem; }}
-th, td {{ text-align: left; vertical-align: top; padding: .15rem .8rem .15rem 0; border-bottom: 1px solid #ccc; }}
-li, figcaption, td:nth-child(2), td:nth-child(3) {{ overflow-wrap: anywhere; }} td:nth-child(2), td:nth-child(3) {{ min-width: 10rem; }} td:last-child {{ min-width: 18rem; }}
-td.n {{ text-align: right; font-variant-numeric: tabular-nums; }} code {{ font-size: .8rem; overflow-wrap: anywhere; }}
-@media (prefers-color-scheme: dark) {{ body {{ background: #17191c; color: #e6e6e6; }} a {{ color: #8cbfff; }} th, td {{ border-color: #444; }} }}
-</style>
-<h1>{title}</h1>
-<p>What differs from one to the next:</p>
-<ul>
-{axes}</ul>
-<nav>
-<button type="button" id="play">Pause</button><button type="button" id="back" title="One frame back">&#8249;</button><button type="button" id="on" title="One frame on">&#8250;</button>
-<input type="range" id="scrub" min="0" max="1" step="any" value="0" aria-label="Time">
-<output id="time"></output>
-<label><input type="checkbox" id="whole"> whole picture</label>
-</nav>
-<main>
-<figure><div class="view"><img src="{still}" alt="The still picture"></div><figcaption><b>the still</b></figcaption></figure>
-)";
-
-// One clock for all: videos play by themselves, and whoever strays from it by more than a frame is set right. Those
-// that are shorter begin again by themselves.
-constexpr const char* kScript = R"(<script>
-const fps = {fps}, videos = [...document.querySelectorAll('video')];
-const by = id => document.getElementById(id);
-let playing = false, begun = 0, at = 0;
-const longest = () => Math.max(0.001, ...videos.map(v => v.duration || 0));
-const now = () => playing ? (at + (performance.now() - begun) / 1000) % longest() : at;
-const set = (v, t) => {{ const to = t % (v.duration || 1); let off = Math.abs(v.currentTime - to); off = Math.min(off, (v.duration || 1) - off); if (off > (playing ? 1.5 / fps : 0.001)) v.currentTime = to; }};
-const show = () => {{ const t = now(); videos.forEach(v => set(v, t)); by('scrub').value = t / longest(); by('time').textContent = t.toFixed(2) + ' s, frame ' + Math.floor(t * fps + 0.001); }};
-const tick = () => {{ if (!playing) return; show(); requestAnimationFrame(tick); }};
-const play = () => {{ playing = true; begun = performance.now(); by('play').textContent = 'Pause'; videos.forEach(v => v.play().catch(() => {{}})); tick(); }};
-const pause = t => {{ at = t; playing = false; by('play').textContent = 'Play'; videos.forEach(v => v.pause()); show(); }};
-const step = frames => {{ const n = Math.round(longest() * fps); pause(((Math.floor(now() * fps + 0.001) + frames + n) % n + 0.5) / fps); }};
-by('play').onclick = () => playing ? pause(now()) : play();
-by('back').onclick = () => step(-1);
-by('on').onclick = () => step(1);
-by('scrub').oninput = e => pause(e.target.value * longest() * 0.9999);
-by('whole').onchange = e => document.body.classList.toggle('whole', e.target.checked);
-const ready = v => v.readyState > 2 ? Promise.resolve() : new Promise(done => {{ v.oncanplay = v.onerror = done; }});
-Promise.all(videos.map(ready)).then(() => matchMedia('(prefers-reduced-motion: reduce)').matches ? pause(0) : play());
-</script>
-</html>
-)";
+// clang-format off
+constexpr std::string_view kTemplate =
+#include "embedded/sweep_page.html"
+    ;
+// clang-format on
 
 std::string figure_of(const SweptAnimation& animation) {
   return fmt::format(
@@ -97,16 +44,17 @@ std::string figure_of(const SweptAnimation& animation) {
       html_text(animation.result));
 }
 
-std::string row_of(const SweptAnimation& animation) {
+std::vector<std::string> cells_of(const SweptAnimation& animation) {
   const auto link = [](const std::string& file, const char* name) {
     return fmt::format("<a href=\"{}\">{}</a>", address_of(file), name);
   };
-  return fmt::format(
-      "<tr><th scope=\"row\">{}</th><td>{}</td><td>{}</td><td class=\"n\">{:.3f}</td>"
-      "<td class=\"n\">{}</td><td>{} {}</td><td><code>{}</code></td></tr>\n",
-      animation.number, html_text(animation.title), html_text(animation.result), animation.energy,
-      std::isfinite(animation.gap) ? fmt::format("{:.2f}%", 100 * animation.gap) : "-",
-      link(animation.file, "animation"), link(animation.assignment, "patches"), html_text(animation.command));
+  return {animation.number,
+          html_text(animation.title),
+          html_text(animation.result),
+          fmt::format("{:.3f}", animation.energy),
+          std::isfinite(animation.gap) ? fmt::format("{:.2f}%", 100 * animation.gap) : "-",
+          link(animation.file, "animation") + " " + link(animation.assignment, "patches"),
+          "<code>" + html_text(animation.command) + "</code>"};
 }
 
 }  // namespace
@@ -149,27 +97,28 @@ cv::Mat sweep_sheet(const SweepWords& words, const cv::Mat& still,
 std::string sweep_page(const SweepWords& words, const std::vector<SweptAnimation>& animations) {
   std::string axes;
   for (const std::string& axis : words.axes) axes += "<li>" + html_text(axis) + "</li>\n";
-  const cv::Rect& crop = words.region;
-  std::string page = fmt::format(
-      kHead, fmt::arg("title", html_text(words.title)), fmt::arg("column", std::clamp(crop.width, 240, 460)),
-      fmt::arg("axes", axes), fmt::arg("still", address_of(words.still)), fmt::arg("width", words.size.width),
-      fmt::arg("height", words.size.height), fmt::arg("crop_width", crop.width),
-      fmt::arg("crop_height", crop.height),
-      fmt::arg("view_width", fmt::format("{:.4f}", 100.0 * words.size.width / crop.width)),
-      fmt::arg("view_left", fmt::format("{:.4f}", -100.0 * crop.x / crop.width)),
-      fmt::arg("view_top", fmt::format("{:.4f}", -100.0 * crop.y / crop.height)));
-  std::string rows;
+  std::string figures;
+  report::HtmlTable table({"", "settings", "what came out", "energy", "gap", "files", "alone"});
   for (const SweptAnimation& animation : animations) {
-    if (animation.same_as < 0) page += figure_of(animation);
-    rows += row_of(animation);
+    if (animation.same_as < 0) figures += figure_of(animation);
+    table.add(cells_of(animation));
   }
-  page +=
-      "</main>\n<div class=\"rows\"><table>\n<thead><tr><th scope=\"col\"></th><th "
-      "scope=\"col\">settings</th>"
-      "<th scope=\"col\">what came out</th><th scope=\"col\">energy</th><th scope=\"col\">gap</th>"
-      "<th scope=\"col\">files</th><th scope=\"col\">alone</th></tr></thead>\n<tbody>\n" +
-      rows + "</tbody>\n</table></div>\n";
-  return page + fmt::format(kScript, fmt::arg("fps", fmt::format("{}", words.fps)));
+  const cv::Rect& crop = words.region;
+  const auto percent = [](double share) { return fmt::format("{:.4f}", 100 * share); };
+  return report::page_html(
+      words.title, report::filled(kTemplate, {{"column", std::to_string(std::clamp(crop.width, 240, 460))},
+                                              {"axes", axes},
+                                              {"still", address_of(words.still)},
+                                              {"width", std::to_string(words.size.width)},
+                                              {"height", std::to_string(words.size.height)},
+                                              {"crop_width", std::to_string(crop.width)},
+                                              {"crop_height", std::to_string(crop.height)},
+                                              {"view_width", percent(1.0 * words.size.width / crop.width)},
+                                              {"view_left", percent(-1.0 * crop.x / crop.width)},
+                                              {"view_top", percent(-1.0 * crop.y / crop.height)},
+                                              {"figures", figures},
+                                              {"table", table.html()},
+                                              {"fps", fmt::format("{}", words.fps)}}));
 }
 
 }  // namespace freshet::tools

@@ -30,10 +30,6 @@ constexpr std::array kDesigns{
     Named{"dragon-breath", "a jet of fire that shoots sideways and billows",
 #include "embedded/dragon-breath.toml"
     }};
-
-constexpr const char* kKeys =
-#include "embedded/scene_keys.txt"
-    ;
 // clang-format on
 
 std::string clip_summary(SceneKind kind) {
@@ -83,7 +79,5 @@ std::string preset_scene(std::string_view name) {
   throw Error(ErrorKind::kUsage, "preset", fmt::format("'{}' is not known", name),
               fmt::format("Choose one of {}, or give a scene file (.toml)", names));
 }
-
-std::string scene_keys() { return kKeys; }
 
 }  // namespace freshet::synth::simulate

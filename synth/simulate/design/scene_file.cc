@@ -11,13 +11,19 @@
 #include "freshet/error.h"
 #include "media/picture/picture.h"
 #include "synth/simulate/design/shape.h"
-#include "synth/toml/section.h"
+#include "synth/toml/keys.h"
 
 namespace freshet::synth::simulate {
 namespace {
 
 constexpr const char* kSceneRemedy =
     "Give a TOML file; freshet synth simulate --print-scene plume prints one";
+
+// clang-format off
+constexpr const char* kKeys =
+#include "embedded/scene_keys.txt"
+    ;
+// clang-format on
 
 namespace fs = std::filesystem;
 
@@ -170,19 +176,32 @@ Force read_force(Section& section) {
   return force;
 }
 
-void read_fluid(Section& section, FluidOptions& fluid) {
-  section.read("buoyancy", fluid.buoyancy, {-100.0, 100.0});
-  section.read("gravity", fluid.gravity, {-100.0, 100.0});
-  section.read("weight", fluid.weight, {1.0, 100.0});
-  section.read("vorticity", fluid.vorticity, {0.0, 20.0});
-  section.read("dissipation", fluid.dissipation, {0.0, 20.0});
-  section.read("burning", fluid.burning, {0.0, 20.0});
-  section.read("cooling", fluid.cooling, {0.0, 20.0});
-  section.read("viscosity", fluid.viscosity, {0.0, 0.01});
-  section.read("drag", fluid.drag, {0.0, 20.0});
-  section.read("still_air", fluid.still_air, {0.0, 20.0});
-  section.read("top_speed", fluid.top_speed, {0.0, 20.0});
-  section.done();
+const std::vector<Key<FluidOptions>>& fluid_keys() {
+  static const std::vector<Key<FluidOptions>> keys{
+      {"buoyancy", &FluidOptions::buoyancy, {-100, 100}, "heights/s^2", "upwards for heat 1"},
+      {"gravity", &FluidOptions::gravity, {-100, 100}, "heights/s^2", "downwards for density 1"},
+      {"weight",
+       &FluidOptions::weight,
+       {1, 100},
+       "",
+       "times heavier than the air: falls and shoots on as water does"},
+      {"top_speed",
+       &FluidOptions::top_speed,
+       {0, 20},
+       "heights/s",
+       "speed at which drag holds against buoyancy and gravity; 0: none"},
+      {"vorticity", &FluidOptions::vorticity, {0, 20}, "1/s", "vorticity confinement: curls"},
+      {"dissipation", &FluidOptions::dissipation, {0, 20}, "1/s", "fraction of the density lost per second"},
+      {"burning",
+       &FluidOptions::burning,
+       {0, 20},
+       "1/s",
+       "density lost per second, whatever there is: tongues"},
+      {"cooling", &FluidOptions::cooling, {0, 20}, "1/s", "fraction of the heat lost per second"},
+      {"viscosity", &FluidOptions::viscosity, {0, 0.01}, "heights^2/s", "viscosity"},
+      {"drag", &FluidOptions::drag, {0, 20}, "1/s", "fraction of the velocity lost per second"},
+      {"still_air", &FluidOptions::still_air, {0, 20}, "1/s", "the same where there is no fluid"}};
+  return keys;
 }
 
 void read_sides(Section& section, Design& design) {
@@ -225,7 +244,10 @@ SceneOptions read_file(Section& file) {
   file.read("warm_up", design.warm_up_s, {0.0, 600.0});
   file.read("grid", design.rows, {kMinRows, kMaxRows});
   file.read("steps", design.steps, {1.0, kMaxSteps});
-  if (auto section = file.table("fluid")) read_fluid(*section, design.fluid);
+  if (auto section = file.table("fluid")) {
+    read_keys(*section, fluid_keys(), design.fluid, "");
+    section->done();
+  }
   if (auto section = file.table("sides")) read_sides(*section, design);
   if (auto section = file.table("look")) read_look(*section, design.look);
   for (Section& section : file.tables("emitter"))
@@ -240,6 +262,12 @@ SceneOptions read_file(Section& file) {
 }
 
 }  // namespace
+
+std::string scene_keys() {
+  std::string text = kKeys;
+  constexpr std::string_view kFluid = "{fluid}\n";
+  return text.replace(text.find(kFluid), kFluid.size(), key_lines(key_texts(fluid_keys())));
+}
 
 bool names_scene_file(const std::filesystem::path& scene) { return scene.extension() == ".toml"; }
 
