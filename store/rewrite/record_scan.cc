@@ -105,8 +105,9 @@ class Scan {
       for (std::size_t at = page * page_; at + kNodeHeader <= end; at += 2) take(at, end);
     }
     const auto is_live = [](const auto& each) { return each.live; };
-    std::ranges::stable_partition(found_.entries, is_live);
-    std::ranges::stable_partition(found_.identities, is_live);
+    // Clang 14 does not compile the one of std::ranges.
+    std::stable_partition(found_.entries.begin(), found_.entries.end(), is_live);
+    std::stable_partition(found_.identities.begin(), found_.identities.end(), is_live);
     return std::move(found_);
   }
 

@@ -114,7 +114,7 @@ bool Settlement::may_stand(Table table, ByteSpan key) {
 }
 
 void Settlement::take(const RecordScan::Entry& entry) {
-  const auto& [key, value, live] = entry;
+  const ByteSpan key = entry.key, value = entry.value;
   for (std::size_t t = 0; t < kTables; ++t) {
     const auto table = static_cast<Table>(t);
     if (!may_stand(table, key)) continue;
@@ -141,7 +141,7 @@ void Settlement::take(const RecordScan::Entry& entry) {
       } else {
         open_record(at, value);
       }
-      versions_[t][key].push_back({key, value, live});
+      versions_[t][key].push_back({key, value, entry.live});
       return;
     } catch (const Error&) {
       // Not of this table, or damaged.
