@@ -71,8 +71,9 @@ cv::Mat moving_mask(const cv::Mat& mean_speed_px, const cv::Mat& deviation, doub
 
 namespace {
 
-PatchColumns patches_of_variant(const cv::Mat& moving, const vision::CellMap& motion, std::uint8_t number,
-                                const vision::Variant& variant, const vision::Settings& settings) {
+stored::PatchColumns patches_of_variant(const cv::Mat& moving, const vision::CellMap& motion,
+                                        std::uint8_t number, const vision::Variant& variant,
+                                        const vision::Settings& settings) {
   const int patch = settings.grid.patch;
   const vision::VariantFrame frame = vision::variant_frame(moving.size(), variant);
   const std::vector<cv::Point> positions = vision::patch_positions(frame.size, settings.grid, variant.flip);
@@ -84,7 +85,7 @@ PatchColumns patches_of_variant(const cv::Mat& moving, const vision::CellMap& mo
   const std::vector<float> coverage = vision::patch_coverage(moves, positions, patch);
   const float whole = 1 - 0.5f / static_cast<float>(patch * patch);
 
-  PatchColumns columns;
+  stored::PatchColumns columns;
   for (std::size_t i = 0; i < positions.size(); ++i) {
     if (inside[i] < whole || coverage[i] < settings.min_coverage) continue;
     columns.variant.push_back(number);
@@ -104,15 +105,15 @@ void append(std::vector<T>& all, const std::vector<T>& more) {
 
 }  // namespace
 
-PatchColumns find_patches(const cv::Mat& moving, const vision::CellMap& motion,
-                          const vision::Settings& settings) {
+stored::PatchColumns find_patches(const cv::Mat& moving, const vision::CellMap& motion,
+                                  const vision::Settings& settings) {
   const std::vector<vision::Variant> variants = settings.variants();
-  std::vector<PatchColumns> parts(variants.size());
+  std::vector<stored::PatchColumns> parts(variants.size());
   tbb::parallel_for(std::size_t{0}, variants.size(), [&](std::size_t i) {
     parts[i] = patches_of_variant(moving, motion, static_cast<std::uint8_t>(i), variants[i], settings);
   });
-  PatchColumns all;
-  for (const PatchColumns& part : parts) {
+  stored::PatchColumns all;
+  for (const stored::PatchColumns& part : parts) {
     append(all.variant, part.variant);
     append(all.x, part.x);
     append(all.y, part.y);

@@ -1,12 +1,12 @@
 // clip_analysis.h — what of a clip moves, and the patches that are kept of it.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <vector>
 
 #include <opencv2/core.hpp>
 
+#include "stored/clip_columns.h"
 #include "vision/settings.h"
 #include "vision/temporal_spectrum.h"
 
@@ -34,19 +34,10 @@ class LumaStatistics {
 cv::Mat moving_mask(const cv::Mat& mean_speed_px, const cv::Mat& deviation, double fps,
                     const vision::Settings& settings);
 
-/// A clip's patch columns, variant by variant, each in row-major order of its grid.
-struct PatchColumns {
-  std::vector<std::uint8_t> variant;
-  std::vector<std::uint16_t> x, y;           // px, top-left corner in the variant's frame
-  std::vector<std::array<float, 2>> motion;  // px/s, mean u, v in the variant's frame
-  std::vector<float> coverage;               // 0..1
-  std::size_t size() const { return variant.size(); }
-};
-
 /// Patches that lie wholly inside the source and of which at least settings.min_coverage moves.
-/// moving   CV_8U at source size. All threads; the same for any number.
-PatchColumns find_patches(const cv::Mat& moving, const vision::CellMap& motion,
-                          const vision::Settings& settings);
+/// moving   CV_8U at source size. Without words. All threads; the same for any number.
+stored::PatchColumns find_patches(const cv::Mat& moving, const vision::CellMap& motion,
+                                  const vision::Settings& settings);
 
 /// The smallest side, px, of a frame in which a patch of the largest scale fits.
 int min_side(const vision::Settings& settings);

@@ -220,7 +220,7 @@ ClipMeasures stream_clip(media::VideoReader& reader, double fps, const std::stri
     if (stop.stop_requested()) throw Error(ErrorKind::kCancelled, where, "stopped; the clip was not added");
     Slab following;
     Aside decoding([&] { following = decode_slab(reader, seconds.decode); });
-    for (const media::Frame& frame : slab.frames) measures.times_s.push_back(frame.time_s);
+    for (const media::Frame& frame : slab.frames) measures.columns.times_s.push_back(frame.time_s);
     pass.add(slab);
     measures.frames += static_cast<std::uint32_t>(slab.frames.size());
     on_slab(measures.frames);
@@ -236,16 +236,21 @@ ClipMeasures stream_clip(media::VideoReader& reader, double fps, const std::stri
 
   const TimedScope watch(seconds.patches);
   measures.screening = pass.screener.finish();
-  measures.screening.timing = timing_of(measures.times_s);
-  measures.rates = std::move(pass.rates);
+  measures.screening.timing = timing_of(measures.columns.times_s);
+  if (!measures.screening.timing.steady) measures.columns.rates = std::move(pass.rates);
   measures.loop = pass.loop.finish();
-  measures.average = pass.statistics.mean_u16();
+  measures.columns.average = pass.statistics.mean_u16();
   measures.moving = moving_mask(pass.motion.mean_speed_px(), pass.statistics.deviation(), fps, settings);
   measures.screening.static_fraction = 1 - static_cast<double>(cv::countNonZero(measures.moving)) /
                                                static_cast<double>(measures.moving.total());
-  measures.motion = pass.motion.finish();
-  measures.life = pass.life.finish(measures.moving);
-  for (const auto& scale : pass.texture) measures.texture.push_back(scale->finish());
+  measures.columns.motion = pass.motion.finish();
+  for (const auto& scale : pass.texture) measures.columns.texture.push_back(scale->finish());
+  vision::DetailLifetimes life = pass.life.finish(measures.moving);
+  measures.columns.life = std::move(life.cells);
+  measures.columns.standing = std::move(life.standing);
+  measures.columns.flow_outliers = std::move(life.flow_outliers);
+  measures.half_life_s = life.clip;
+  measures.standing = life.clip_standing;
   return measures;
 }
 

@@ -1,6 +1,7 @@
 // clip_pipeline.h — one pass over a clip's frames: stored, and measured in every way that needs all of them.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <optional>
@@ -13,6 +14,7 @@
 #include "ingest/screening.h"
 #include "media/video/video_reader.h"
 #include "store/store.h"
+#include "stored/clip_columns.h"
 #include "vision/detail_lifetime.h"
 #include "vision/loop_rule.h"
 #include "vision/settings.h"
@@ -28,14 +30,11 @@ inline constexpr std::uint32_t kMinAnalysedFrames = 9;
 /// What one pass leaves behind.
 struct ClipMeasures {
   std::uint32_t frames = 0;
-  std::vector<double> times_s;  // a frame
-  std::vector<double> rates;    // a pair of frames one after another: how many such lie in a second
   Screening screening;
-  cv::Mat average;  // CV_16U, luma over 0..65535
-  cv::Mat moving;   // CV_8U, see moving_mask
-  vision::CellMap motion;
-  std::vector<vision::CellMap> texture;  // a scale of the settings
-  vision::DetailLifetimes life;
+  cv::Mat moving;               // CV_8U, see moving_mask
+  stored::ClipColumns columns;  // without patches
+  std::array<float, vision::kLifeBands> half_life_s{},
+      standing{};                        // vision::DetailLifetimes::clip, clip_standing
   std::optional<vision::LoopRule> loop;  // none: too short to have one
 };
 

@@ -1,4 +1,5 @@
 #include "ingest/growing_store.h"
+#include "stored/store_settings.h"
 
 namespace freshet::ingest {
 
@@ -14,7 +15,7 @@ GrowingStore::GrowingStore(const std::filesystem::path& path, std::span<const st
   } else {
     store_ = store::Store::open_write(path);
   }
-  settings_ = vision::settings_from_json(store_->snapshot().settings());
+  settings_ = stored::settings_of(store_->snapshot());
 }
 
 bool GrowingStore::remove_if_empty() {

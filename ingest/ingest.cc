@@ -1,7 +1,6 @@
 #include "ingest/ingest.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <map>
 #include <new>
@@ -14,11 +13,11 @@
 #include "ingest/clip_analysis.h"
 #include "ingest/clip_pipeline.h"
 #include "ingest/frame_timing.h"
-#include "media/frame/layout_json.h"
 #include "media/video/frame_stamps.h"
 #include "media/video/video_reader.h"
 #include "platform/stopwatch.h"
-#include "vision/textureness.h"
+#include "stored/clip_columns.h"
+#include "stored/clip_metadata.h"
 
 namespace freshet::ingest {
 namespace {
@@ -28,16 +27,6 @@ using nlohmann::json;
 
 constexpr int kMaxSide =
     32768;  // px: patch corners are kept in 16 bits, also in a frame turned by 45 degrees
-
-json cells_json(const vision::CellMap& cells) {
-  return {
-      {"rows", cells.rows}, {"columns", cells.columns}, {"channels", cells.channels}, {"cell", cells.cell}};
-}
-
-json loop_json(const std::optional<vision::LoopRule>& loop) {
-  if (!loop) return nullptr;
-  return {{"from", loop->from}, {"to", loop->to}, {"fade", loop->fade}, {"distance", loop->distance}};
-}
 
 json screening_json(const Screening& screening, const Verdict& verdict) {
   return {{"frames", screening.frames},
@@ -53,57 +42,22 @@ json screening_json(const Screening& screening, const Verdict& verdict) {
           {"overridden", verdict.refusals}};
 }
 
-/// Everything that is kept of a clip and is neither pixels nor columns. No times and no paths: the same clip
-/// has the same metadata wherever and however fast it was read.
-std::string metadata_of(const media::VideoInfo& info, const ClipMeasures& measures, const Verdict& verdict,
-                        const ClipReport& report, const media::Repairs& repairs) {
-  json cells{{"motion", cells_json(measures.motion)},
-             {"texture", json::array()},
-             {"life", cells_json(measures.life.cells)},
-             {"standing", cells_json(measures.life.standing)}};
-  for (const vision::CellMap& scale : measures.texture) cells["texture"].push_back(cells_json(scale));
-  const json metadata{{"layout", json::parse(media::to_json(info.layout))},
-                      {"codec", info.codec},
-                      {"container", info.container},
-                      {"variable_frame_rate", !measures.screening.timing.steady},
-                      {"repairs", media::filter_text(repairs)},
-                      {"screening", screening_json(measures.screening, verdict)},
-                      {"notices", report.notes},
-                      {"cells", cells},
-                      {"loop", loop_json(measures.loop)},
-                      {"half_life_s", measures.life.clip},
-                      {"standing", measures.life.clip_standing},
-                      {"patches", report.patches_by_variant}};
-  return metadata.dump(-1, ' ', false, json::error_handler_t::replace);
-}
-
-void write_columns(store::ClipWriter& writer, const ClipMeasures& measures, const PatchColumns& patches) {
-  const cv::Mat& average = measures.average;
-  const store::PlaneShape shape{static_cast<std::uint32_t>(average.cols),
-                                static_cast<std::uint32_t>(average.rows), 2};
-  const store::PlaneView view{reinterpret_cast<const std::byte*>(average.data),
-                              static_cast<std::ptrdiff_t>(average.step)};
-  writer.begin_stream(store::Stream::kAverage, {&shape, 1});
-  writer.append(store::Stream::kAverage, {&view, 1});
-
-  const auto write_cells = [&](const std::string& name, const vision::CellMap& cells) {
-    writer.column_bytes(name, std::as_bytes(std::span(cells.values)),
-                        static_cast<std::uint32_t>(cells.channels * sizeof(float)));
-  };
-  writer.column<double>("frame.time", measures.times_s);
-  if (!measures.screening.timing.steady) writer.column<double>("flow.rate", measures.rates);
-  write_cells("cells.motion", measures.motion);
-  for (std::size_t i = 0; i < measures.texture.size(); ++i) {
-    write_cells(fmt::format("cells.texture.{}", i), measures.texture[i]);
-  }
-  write_cells("cells.life", measures.life.cells);
-  write_cells("cells.standing", measures.life.standing);
-  writer.column<vision::FlowOutlier>("flow.outlier", measures.life.flow_outliers);
-  writer.column<std::uint8_t>("patch.variant", patches.variant);
-  writer.column<std::uint16_t>("patch.x", patches.x);
-  writer.column<std::uint16_t>("patch.y", patches.y);
-  writer.column<std::array<float, 2>>("patch.motion", patches.motion);
-  writer.column<float>("patch.coverage", patches.coverage);
+/// No times and no paths: the same clip has the same metadata wherever and however fast it was read.
+stored::ClipMetadata metadata_of(const media::VideoInfo& info, const ClipMeasures& measures,
+                                 const Verdict& verdict, const ClipReport& report,
+                                 const media::Repairs& repairs) {
+  return {.layout = info.layout,
+          .codec = info.codec,
+          .container = info.container,
+          .variable_frame_rate = !measures.screening.timing.steady,
+          .repairs = media::filter_text(repairs),
+          .notices = report.notes,
+          .cells = stored::shapes_of(measures.columns),
+          .patches = report.patches_by_variant,
+          .loop = measures.loop,
+          .half_life_s = measures.half_life_s,
+          .standing = measures.standing,
+          .more = {{"screening", screening_json(measures.screening, verdict)}}};
 }
 
 /// Faults that need no frame to be seen, none of which force overrides.
@@ -266,10 +220,10 @@ class ClipIngest {
     }
     report.screening = measures.screening;
 
-    PatchColumns patches;
+    stored::PatchColumns& patches = measures.columns.patches;
     {
       const TimedScope watch(report.seconds.patches);
-      patches = find_patches(measures.moving, measures.motion, settings_);
+      patches = find_patches(measures.moving, measures.columns.motion, settings_);
     }
     Verdict verdict = judge(measures.screening, options_.limits);
     report.notes.insert(report.notes.end(), verdict.notes.begin(), verdict.notes.end());
@@ -298,10 +252,10 @@ class ClipIngest {
     record.pixel_format = info.layout.format;
     record.width = report.width;
     record.height = report.height;
-    record.metadata = metadata_of(info, measures, verdict, report, options_.repairs);
+    record.metadata = to_json(metadata_of(info, measures, verdict, report, options_.repairs));
     {
       const TimedScope watch(report.seconds.commit);
-      write_columns(writer, measures, patches);
+      stored::write_columns(writer, measures.columns);
       writer.commit(std::move(record));
     }
     report.reasons = std::move(verdict.refusals);

@@ -84,22 +84,8 @@ struct IngestProgress {
 /// Streams   kFrames: native planes.
 ///           kFlow: u, v at 1 / settings.flow_step, frame t from t to t + 1, one frame fewer than the clip.
 ///           kAverage: one plane of 16 bits, mean luma over 0..65535, source size.
-/// Columns   "frame.time": double, s, a row per frame.
-///           "flow.rate": double, a row per flow frame, only of clips whose frame rate varies: so many of its pairs
-///           of frames lie in a second. Of other clips that is fps.
-///           "cells.motion": vision::motion_channels floats per row, cells row-major.
-///           "cells.texture.<i>": vision::kTextureLevels floats per row, for the i-th scale of the settings.
-///           "cells.life": vision::kLifeBands floats per row, s: half-lives of detail along the flow, finest band
-///           first; 0: not known.
-///           "cells.standing": vision::kStandingChannels floats per row, 0..1: how much of a band's variance stays where
-///           it is while the flow goes by.
-///           "flow.outlier": u8, vision::FlowOutlier, a row per flow frame.
-///           "patch.variant" u8, "patch.x", "patch.y" u16, "patch.motion" 2 floats, px/s, in the variant's
-///           frame, "patch.coverage" float, 0..1.
-/// Metadata  JSON: "layout" (media::layout_from_json reads it), "codec", "container",
-///           "variable_frame_rate", "repairs" (filters that changed the frames; empty: none), "screening",
-///           "notices", "cells" (rows, columns, channels, cell), "patches" (by variant), "loop"
-///           (vision::LoopRule; null: too short), "half_life_s", "standing" (of the whole clip, by band).
+/// Columns   stored/clip_schema.h: all but the index's.
+/// Metadata  stored/clip_metadata.h: all fields, and the screening's report.
 ///
 /// What is wrong with a clip ends up in its row, and the run goes on. What is wrong with the store or the
 /// machine, and a stop request, ends the run: the clip in hand leaves no trace, those before are kept, and

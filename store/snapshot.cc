@@ -224,15 +224,25 @@ void Snapshot::prefetch_column(ClipId id, std::string_view name) const {
   impl_->txn.prefetch(Table::kColumns, column_prefix(id, name));
 }
 
-void Snapshot::column_into(ClipId id, std::string_view name, std::uint32_t element_size,
-                           std::span<std::byte> (*resize)(void*, std::size_t), void* context) const {
-  const StoredClip& clip = impl_->stored(id);
+const ArrayAccount& Snapshot::Impl::column(ClipId id, std::string_view name) const {
+  const StoredClip& clip = stored(id);
   const auto column = clip.columns.find(name);
   if (column == clip.columns.end()) {
     throw Error(ErrorKind::kNotFound, clip.record.name, "has no column \"" + std::string(name) + "\"",
                 "Ingest the clip again with this version of Freshet");
   }
-  const ArrayAccount& account = column->second;
+  return column->second;
+}
+
+std::uint64_t Snapshot::column_rows(ClipId id, std::string_view name) const {
+  const ArrayAccount& account = impl_->column(id, name);
+  if (account.element_bytes == 0) return 0;
+  return impl_->chunks(Table::kColumns, column_prefix(id, name), account).total_bytes / account.element_bytes;
+}
+
+void Snapshot::column_into(ClipId id, std::string_view name, std::uint32_t element_size,
+                           std::span<std::byte> (*resize)(void*, std::size_t), void* context) const {
+  const ArrayAccount& account = impl_->column(id, name);
   if (account.element_bytes != element_size || account.bytes % element_size != 0) {
     throw_usage("Snapshot::column", "column \"" + std::string(name) + "\" has elements of " +
                                         std::to_string(account.element_bytes) + " bytes, asked for " +

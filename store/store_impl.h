@@ -31,6 +31,8 @@ struct Snapshot::Impl {
   void read(ClipId id, Stream stream, std::uint32_t plane, Rect region, std::uint32_t first,
             std::uint32_t count, std::span<std::byte> out) const;
 
+  /// Error{kNotFound} when the clip has no such column.
+  const ArrayAccount& column(ClipId id, std::string_view name) const;
   /// The chunks of a column or blob put together.
   struct Chunks {
     std::uint64_t total_bytes = 0;

@@ -1,7 +1,5 @@
 #include "stored/clip_cells.h"
 
-#include <nlohmann/json.hpp>
-
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -9,12 +7,11 @@
 
 #include "freshet/error.h"
 #include "platform/vectors.h"
+#include "stored/clip_schema.h"
 #include "vision/textureness.h"
 
 namespace freshet::stored {
 namespace {
-
-using Json = nlohmann::json;
 
 [[noreturn]] void fail(const store::ClipRecord& record, const std::string& column, const std::string& fault) {
   throw Error(ErrorKind::kDamaged, record.name + ", column " + column, fault, "Run freshet store verify");
@@ -32,24 +29,15 @@ FRESHET_WIDE bool all_finite(const float* values, std::size_t count) {
 }  // namespace
 
 vision::CellMap clip_cells(const store::Snapshot& snapshot, store::ClipId clip, const std::string& column,
-                           const std::string& where, int channels) {
+                           const std::optional<CellShape>& shape, int channels) {
   const store::ClipRecord& record = snapshot.clip(clip);
-  vision::CellMap cells;
-  try {
-    const Json shape = Json::parse(record.metadata).at(Json::json_pointer(where));
-    cells.rows = shape.at("rows").get<int>();
-    cells.columns = shape.at("columns").get<int>();
-    cells.channels = shape.at("channels").get<int>();
-    cells.cell = shape.at("cell").get<float>();
-  } catch (const Json::exception&) {
-    fail(record, column, "the clip's metadata do not give its shape");
-  }
-  constexpr int kMaxCells = 1 << 16;  // on a side; frames have at most 32767 px
-  if (cells.rows < 1 || cells.columns < 1 || cells.rows > kMaxCells || cells.columns > kMaxCells ||
-      !(cells.cell > 0) || !std::isfinite(cells.cell) || cells.channels != channels) {
-    fail(record, column, "the shape in the clip's metadata is impossible");
-  }
-  cells.values = snapshot.records<float>(clip, column, static_cast<std::size_t>(channels));
+  if (!shape) fail(record, column, "the clip's metadata do not give its shape");
+  if (shape->channels != channels) fail(record, column, "the shape in the clip's metadata is impossible");
+  vision::CellMap cells{.rows = shape->rows,
+                        .columns = shape->columns,
+                        .channels = shape->channels,
+                        .cell = shape->cell,
+                        .values = snapshot.records<float>(clip, column, static_cast<std::size_t>(channels))};
   const std::size_t expected = static_cast<std::size_t>(cells.rows) *
                                static_cast<std::size_t>(cells.columns) * static_cast<std::size_t>(channels);
   if (cells.values.size() != expected) {
@@ -64,7 +52,7 @@ vision::CellMap clip_cells(const store::Snapshot& snapshot, store::ClipId clip, 
 
 vision::CellMap motion_cells(const store::Snapshot& snapshot, const vision::Settings& settings,
                              store::ClipId clip) {
-  return clip_cells(snapshot, clip, "cells.motion", "/cells/motion",
+  return clip_cells(snapshot, clip, kMotionCells, metadata_of(snapshot, clip).cells.motion,
                     vision::motion_channels(settings.spectrum));
 }
 
@@ -73,8 +61,9 @@ vision::CellMap texture_cells(const store::Snapshot& snapshot, const vision::Set
   if (scale >= settings.scales.size()) {
     throw Error(ErrorKind::kUsage, "scale " + std::to_string(scale), "the store has no such scale");
   }
-  const std::string number = std::to_string(scale);
-  return clip_cells(snapshot, clip, "cells.texture." + number, "/cells/texture/" + number,
+  const std::vector<CellShape> shapes = metadata_of(snapshot, clip).cells.texture;
+  return clip_cells(snapshot, clip, texture_cells_name(scale),
+                    scale < shapes.size() ? std::optional(shapes[scale]) : std::nullopt,
                     vision::kTextureLevels);
 }
 

@@ -3,27 +3,29 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <span>
 #include <string>
 
 #include <opencv2/core.hpp>
 
 #include "store/store.h"
+#include "stored/clip_metadata.h"
 #include "vision/settings.h"
 #include "vision/temporal_spectrum.h"
 
 namespace freshet::stored {
 
-/// A column of cells whose shape (rows, columns, channels, cell) stands in the clip's metadata.
-/// where    JSON pointer to the shape.
+/// A column of cells.
+/// shape    as the clip's metadata give it; nothing: they do not.
 /// Throws   Error{kDamaged} when the column is of another length or has a value that is no number, and when the shape
-///          is missing, impossible, or not of as many channels; Error{kNotFound} when the column is missing.
+///          is missing or not of as many channels; Error{kNotFound} when the column is missing.
 vision::CellMap clip_cells(const store::Snapshot& snapshot, store::ClipId clip, const std::string& column,
-                           const std::string& where, int channels);
+                           const std::optional<CellShape>& shape, int channels);
 
-/// Columns "cells.motion" and "cells.texture.<scale>": rows and columns of cells are derived from the clip's
+/// Rows and columns of cells are derived from the clip's
 /// size (a cell at the right or lower edge may overhang), as vision's accumulators make them.
-/// Throws   Error{kDamaged} when a column does not hold that many cells, Error{kNotFound} when it is missing.
+/// Throws   as clip_cells and metadata_of.
 vision::CellMap motion_cells(const store::Snapshot& snapshot, const vision::Settings& settings,
                              store::ClipId clip);
 /// scale   index into settings.scales.

@@ -7,12 +7,24 @@
 #include <oneapi/tbb/parallel_for.h>
 
 #include "freshet/error.h"
-#include "media/frame/layout_json.h"
+#include "stored/clip_metadata.h"
+#include "stored/clip_schema.h"
 
 namespace freshet::stored {
+namespace {
+
+media::PixelLayout layout_of(const store::Snapshot& snapshot, store::ClipId clip) {
+  const ClipMetadata metadata = metadata_of(snapshot, clip);
+  if (!metadata.layout)
+    throw Error(ErrorKind::kDamaged, snapshot.clip(clip).name, "its metadata hold no pixel layout",
+                "Run freshet store verify");
+  return *metadata.layout;
+}
+
+}  // namespace
 
 ClipFrames::ClipFrames(const store::Snapshot& snapshot, store::ClipId clip)
-    : snapshot_(snapshot), clip_(clip), layout_(media::layout_from_json(snapshot.clip(clip).metadata)) {
+    : snapshot_(snapshot), clip_(clip), layout_(layout_of(snapshot, clip)) {
   const store::ClipRecord& record = snapshot_.clip(clip_);
   const std::vector<media::Plane> planes = media::plane_shapes(layout_);
   bool same = planes.size() == record.frames.planes.size() &&
@@ -27,7 +39,7 @@ ClipFrames::ClipFrames(const store::Snapshot& snapshot, store::ClipId clip)
   if (!same)
     throw Error(ErrorKind::kDamaged, record.name,
                 "its planes are not those of the pixel format " + layout_.format, "Run freshet store verify");
-  times_ = snapshot_.column<double>(clip_, "frame.time");
+  times_ = kFrameTime.read(snapshot_, clip_);
   if (times_.size() != record.frame_count)
     throw Error(ErrorKind::kDamaged, record.name, "its frame times do not match its frames",
                 "Run freshet store verify");

@@ -2,11 +2,10 @@
 
 #include <algorithm>
 
-#include <nlohmann/json.hpp>
-
 #include "freshet/error.h"
 #include "media/frame/frame.h"
 #include "stored/clip_frames.h"
+#include "stored/clip_metadata.h"
 
 namespace freshet::stored {
 namespace {
@@ -26,20 +25,11 @@ std::optional<vision::LoopRule> measured(const store::Snapshot& snapshot, store:
 }  // namespace
 
 std::optional<vision::LoopRule> loop_rule(const store::Snapshot& snapshot, store::ClipId clip) {
+  const ClipMetadata metadata = metadata_of(snapshot, clip);
+  if (!metadata.loop_known) return measured(snapshot, clip);
+  const std::optional<vision::LoopRule>& rule = metadata.loop;
+  if (!rule) return std::nullopt;
   const store::ClipRecord& record = snapshot.clip(clip);
-  std::optional<vision::LoopRule> rule;
-  try {
-    const auto metadata = nlohmann::json::parse(record.metadata);
-    const auto found = metadata.find("loop");
-    if (found == metadata.end()) return measured(snapshot, clip);
-    if (found->is_null()) return std::nullopt;
-    rule = vision::LoopRule{.from = found->at("from").get<std::uint32_t>(),
-                            .to = found->at("to").get<std::uint32_t>(),
-                            .fade = found->at("fade").get<std::uint32_t>(),
-                            .distance = found->at("distance").get<double>()};
-  } catch (const nlohmann::json::exception&) {
-    throw Error(ErrorKind::kDamaged, record.name, "its loop rule cannot be read", "Run freshet store verify");
-  }
   const std::uint64_t half = rule->fade / 2;
   if (rule->from <= rule->to || rule->fade > rule->length() || rule->fade < 2 || half > rule->to ||
       rule->from + half >= record.frame_count || !(rule->distance >= 0))

@@ -6,6 +6,7 @@
 
 #include "freshet/error.h"
 #include "stored/clip_cells.h"
+#include "stored/clip_schema.h"
 #include "stored/patch_cells.h"
 
 namespace freshet::stored {
@@ -34,13 +35,13 @@ SourceBand between(const SourceBand& a, const SourceBand& b, double fraction) {
 }  // namespace
 
 std::optional<vision::CellMap> life_cells(const store::Snapshot& snapshot, store::ClipId clip) {
-  constexpr const char* kColumn = "cells.life";
-  if (!snapshot.has_column(clip, kColumn)) return std::nullopt;
-  vision::CellMap cells = clip_cells(snapshot, clip, kColumn, "/cells/life", vision::kLifeChannels);
+  if (!snapshot.has_column(clip, kLifeCells)) return std::nullopt;
+  vision::CellMap cells =
+      clip_cells(snapshot, clip, kLifeCells, metadata_of(snapshot, clip).cells.life, vision::kLifeChannels);
   for (std::size_t i = 0; i < cells.values.size(); ++i)
     if (cells.values[i] < 0 ||
         (i % vision::kLifeChannels < vision::kLifeBands && cells.values[i] > vision::kLongestLife_s))
-      throw Error(ErrorKind::kDamaged, snapshot.clip(clip).name + ", column " + kColumn,
+      throw Error(ErrorKind::kDamaged, snapshot.clip(clip).name + ", column " + kLifeCells,
                   "a half-life or a contrast that cannot be", "Run freshet store verify");
   return cells;
 }

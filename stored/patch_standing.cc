@@ -7,15 +7,17 @@
 
 #include "freshet/error.h"
 #include "stored/clip_cells.h"
+#include "stored/clip_schema.h"
 #include "stored/patch_cells.h"
 
 namespace freshet::stored {
+
 std::optional<vision::CellMap> standing_cells(const store::Snapshot& snapshot, store::ClipId clip) {
-  constexpr const char* kColumn = "cells.standing";
-  if (!snapshot.has_column(clip, kColumn)) return std::nullopt;
-  vision::CellMap cells = clip_cells(snapshot, clip, kColumn, "/cells/standing", vision::kStandingChannels);
+  if (!snapshot.has_column(clip, kStandingCells)) return std::nullopt;
+  vision::CellMap cells = clip_cells(snapshot, clip, kStandingCells,
+                                     metadata_of(snapshot, clip).cells.standing, vision::kStandingChannels);
   if (!std::all_of(cells.values.begin(), cells.values.end(), [](float v) { return v >= 0 && v <= 1; }))
-    throw Error(ErrorKind::kDamaged, snapshot.clip(clip).name + ", column " + kColumn,
+    throw Error(ErrorKind::kDamaged, snapshot.clip(clip).name + ", column " + kStandingCells,
                 "a share that cannot be", "Run freshet store verify");
   return cells;
 }

@@ -9,27 +9,32 @@
 #include <optional>
 
 #include "freshet/error.h"
+#include "stored/clip_schema.h"
+#include "stored/store_settings.h"
 #include "vision/settings.h"
 
 namespace freshet::stored {
 namespace {
 
-constexpr std::array kColumns{"patch.variant", "patch.x",        "patch.y",
-                              "patch.words",   "patch.coverage", "patch.motion"};
+constexpr std::array kColumns{kPatchVariant.name, kPatchX.name,        kPatchY.name,
+                              kPatchWords.name,   kPatchCoverage.name, kPatchMotion.name};
 
 [[noreturn]] void fail(const store::ClipRecord& record, const std::string& fault) {
   throw Error(ErrorKind::kDamaged, record.name, fault, "Run freshet store verify");
 }
 
-template <class T>
-std::vector<T> rows_of(const store::Snapshot& snapshot, store::ClipId clip, const char* name) {
-  std::vector<T> values = snapshot.column<T>(clip, name);
+/// Before anything is as long as the clip says: the columns' own records tell how many rows there are.
+void check_rows(const store::Snapshot& snapshot, store::ClipId clip, const char* column) {
   const store::ClipRecord& record = snapshot.clip(clip);
-  if (values.size() != record.rows) {
-    fail(record, std::string("column ") + name + " has " + std::to_string(values.size()) +
-                     " rows, the clip " + std::to_string(record.rows));
-  }
-  return values;
+  if (const std::uint64_t rows = snapshot.column_rows(clip, column); rows != record.rows)
+    fail(record, std::string("column ") + column + " has " + std::to_string(rows) + " rows, the clip " +
+                     std::to_string(record.rows));
+}
+
+template <class T>
+std::vector<T> rows_of(const store::Snapshot& snapshot, store::ClipId clip, const Column<T>& column) {
+  check_rows(snapshot, clip, column.name);
+  return column.read(snapshot, clip);
 }
 
 template <class T>
@@ -47,9 +52,9 @@ void read_clip(const store::Snapshot& snapshot, const vision::Settings& settings
   put(table.variant, first, patches.variant);
   put(table.x, first, patches.x);
   put(table.y, first, patches.y);
-  put(table.words, first, rows_of<vision::WordMap>(snapshot, clip, "patch.words"));
-  put(table.coverage, first, rows_of<float>(snapshot, clip, "patch.coverage"));
-  const auto motion = rows_of<std::array<float, 2>>(snapshot, clip, "patch.motion");
+  put(table.words, first, rows_of(snapshot, clip, kPatchWords));
+  put(table.coverage, first, rows_of(snapshot, clip, kPatchCoverage));
+  const auto motion = rows_of(snapshot, clip, kPatchMotion);
   for (std::size_t i = 0; i < motion.size(); ++i) {
     const auto& [u, v] = motion[i];
     if (!std::isfinite(u) || !std::isfinite(v))
@@ -67,9 +72,9 @@ ClipPatches read_clip_patches(const store::Snapshot& snapshot, const vision::Set
   const store::ClipRecord& record = snapshot.clip(clip);
   ClipPatches patches;
   if (record.rows == 0) return patches;
-  patches.variant = rows_of<std::uint8_t>(snapshot, clip, "patch.variant");
-  patches.x = rows_of<std::uint16_t>(snapshot, clip, "patch.x");
-  patches.y = rows_of<std::uint16_t>(snapshot, clip, "patch.y");
+  patches.variant = rows_of(snapshot, clip, kPatchVariant);
+  patches.x = rows_of(snapshot, clip, kPatchX);
+  patches.y = rows_of(snapshot, clip, kPatchY);
   // No patch may reach beyond its variant's frame, whatever the file says.
   std::vector<std::optional<cv::Size>> sizes(variants.size());
   const cv::Size source(static_cast<int>(record.width), static_cast<int>(record.height));
@@ -86,7 +91,7 @@ ClipPatches read_clip_patches(const store::Snapshot& snapshot, const vision::Set
 }
 
 PatchTable read_patch_table(const store::Snapshot& snapshot) {
-  const vision::Settings settings = vision::settings_from_json(snapshot.settings());
+  const vision::Settings settings = settings_of(snapshot);
   const std::vector<vision::Variant> variants = settings.variants();
   PatchTable table;
   table.first_row.push_back(0);
@@ -102,7 +107,7 @@ PatchTable read_patch_table(const store::Snapshot& snapshot) {
   }
   for (const store::ClipId clip : snapshot.clips()) {
     const store::ClipRecord& record = snapshot.clip(clip);
-    if (record.rows != 0 && !snapshot.has_column(clip, "patch.words")) {
+    if (record.rows != 0 && !kPatchWords.is_in(snapshot, clip)) {
       throw Error(ErrorKind::kNotFound, snapshot.path().string(), "clip " + record.name + " has no index",
                   "Run freshet index");
     }
@@ -111,6 +116,10 @@ PatchTable read_patch_table(const store::Snapshot& snapshot) {
   }
   for (const store::ClipId clip : table.clips)
     for (const char* column : kColumns) snapshot.prefetch_column(clip, column);
+  for (const store::ClipId clip : table.clips) {
+    if (snapshot.clip(clip).rows == 0) continue;
+    for (const char* column : kColumns) check_rows(snapshot, clip, column);
+  }
   // Half a gigabyte for some million patches: cleared by several threads, as it is read.
   oneapi::tbb::parallel_invoke([&] { table.words.resize(rows); }, [&] { table.clip.resize(rows); },
                                [&] { table.mean_u.resize(rows); }, [&] { table.mean_v.resize(rows); },

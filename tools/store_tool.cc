@@ -1,19 +1,23 @@
 #include <algorithm>
 #include <filesystem>
-#include <iterator>
 #include <memory>
+#include <optional>
+#include <string>
+#include <vector>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "freshet/error.h"
 #include "media/frame/frame_md5.h"
-#include "media/frame/layout_json.h"
 #include "media/video/video_writer.h"
 #include "platform/printable.h"
 #include "store/rewrite/rewrite.h"
 #include "store/store.h"
 #include "stored/clip_frames.h"
+#include "stored/clip_metadata.h"
+#include "stored/clip_schema.h"
+#include "stored/stored_codebook.h"
 #include "tools/commands.h"
 #include "tools/console/output_names.h"
 #include "tools/console/progress.h"
@@ -41,44 +45,45 @@ store::ClipId find_clip(const store::Snapshot& snapshot, const std::string& stor
               "Its clips are:" + names);
 }
 
-/// Null where it is none.
-nlohmann::json json_of(const std::string& text) {
-  nlohmann::json json = nlohmann::json::parse(text, nullptr, /*allow_exceptions=*/false);
-  return json.is_discarded() ? nlohmann::json() : json;
-}
+/// A clip whose record can be read, with its metadata where they can be, too.
+struct ReadableClip {
+  store::ClipRecord record;
+  std::optional<stored::ClipMetadata> metadata;
+};
 
-/// Half-lives of a clip's finest and coarsest detail, s.
-std::string half_lives_of(const store::ClipRecord& clip) {
-  const nlohmann::json metadata = json_of(clip.metadata);
-  const nlohmann::json lives =
-      metadata.is_object() ? metadata.value("half_life_s", nlohmann::json()) : nlohmann::json();
-  if (!lives.is_array() || lives.empty() || !lives.front().is_number() || !lives.back().is_number())
-    return "-";
-  return fmt::format("{:.2f}-{:.2f}", lives.front().get<double>(), lives.back().get<double>());
-}
-
-/// The clips whose records can be read.
-std::vector<store::ClipRecord> readable_clips(const store::Snapshot& snapshot) {
-  std::vector<store::ClipRecord> clips;
+/// Adds to `faults` what is wrong with metadata; check_account() names the records that cannot be read.
+std::vector<ReadableClip> readable_clips(const store::Snapshot& snapshot, std::vector<std::string>& faults) {
+  std::vector<ReadableClip> clips;
   for (const store::ClipId id : snapshot.clips()) {
     try {
-      clips.push_back(snapshot.clip(id));
+      clips.push_back({snapshot.clip(id), std::nullopt});
     } catch (const Error& fault) {
-      if (fault.kind() != ErrorKind::kDamaged) throw;  // else check_account() names it
+      if (fault.kind() != ErrorKind::kDamaged) throw;
+      continue;
+    }
+    try {
+      clips.back().metadata = stored::metadata_of(snapshot, id);
+    } catch (const Error& fault) {
+      if (fault.kind() != ErrorKind::kDamaged) throw;
+      faults.push_back(fault.what());
     }
   }
   return clips;
 }
 
-/// Texts that are to be JSON and are none; the store itself gives them no meaning.
-std::vector<std::string> json_faults(const std::string& store, const store::Snapshot& snapshot,
-                                     const std::vector<store::ClipRecord>& readable) {
-  std::vector<std::string> faults;
-  if (!nlohmann::json::accept(snapshot.settings())) faults.push_back(store + ": its settings are no JSON");
-  for (const store::ClipRecord& clip : readable)
-    if (!nlohmann::json::accept(clip.metadata))
-      faults.push_back(fmt::format("{}, clip \"{}\": its metadata is no JSON", store, clip.name));
-  return faults;
+/// Half-lives of a clip's finest and coarsest detail, s.
+std::string half_lives_of(const ReadableClip& clip) {
+  if (!clip.metadata || !clip.metadata->half_life_s) return "-";
+  return fmt::format("{:.2f}-{:.2f}", clip.metadata->half_life_s->front(),
+                     clip.metadata->half_life_s->back());
+}
+
+/// As JSON; null, and a fault more, where they are none.
+nlohmann::json settings_of(const store::Snapshot& snapshot, std::vector<std::string>& faults) {
+  nlohmann::json settings = nlohmann::json::parse(snapshot.settings(), nullptr, /*allow_exceptions=*/false);
+  if (!settings.is_discarded()) return settings;
+  faults.push_back(snapshot.path().string() + ": its settings are no JSON");
+  return nullptr;
 }
 
 /// Says what is wrong with a store, where something is.
@@ -104,24 +109,24 @@ std::string gain_text(const std::string& file) {
 void info(const StoreCommand& command, RunContext& context) {
   const store::Snapshot snapshot = store::Store::open_read(command.store).snapshot();
   std::vector<std::string> faults = snapshot.check_account();
-  const std::vector<store::ClipRecord> readable = readable_clips(snapshot);
   const bool whole = faults.empty();
-  std::ranges::move(json_faults(command.store, snapshot, readable), std::back_inserter(faults));
-  const nlohmann::json settings = json_of(snapshot.settings());
+  const std::vector<ReadableClip> readable = readable_clips(snapshot, faults);
+  const nlohmann::json settings = settings_of(snapshot, faults);
   if (command.json) {
     nlohmann::json json{{"store", command.store}, {"settings", settings}, {"blobs", snapshot.blob_names()}};
-    for (const store::ClipRecord& clip : readable) {
-      json["clips"].push_back({{"name", clip.name},
-                               {"class", clip.class_name},
-                               {"licence", clip.licence},
-                               {"source", clip.source_hash},
-                               {"format", clip.pixel_format},
-                               {"width", clip.width},
-                               {"height", clip.height},
-                               {"fps", fps_of(clip)},
-                               {"frames", clip.frame_count},
-                               {"patches", clip.rows},
-                               {"metadata", json_of(clip.metadata)}});
+    for (const auto& [clip, metadata] : readable) {
+      json["clips"].push_back(
+          {{"name", clip.name},
+           {"class", clip.class_name},
+           {"licence", clip.licence},
+           {"source", clip.source_hash},
+           {"format", clip.pixel_format},
+           {"width", clip.width},
+           {"height", clip.height},
+           {"fps", fps_of(clip)},
+           {"frames", clip.frame_count},
+           {"patches", clip.rows},
+           {"metadata", metadata ? nlohmann::json::parse(clip.metadata) : nlohmann::json()}});
     }
     for (const auto& use : snapshot.usage())
       json["usage"].push_back({{"what", use.what},
@@ -137,11 +142,12 @@ void info(const StoreCommand& command, RunContext& context) {
   Table clips(
       {"clip", "class", "format", "size", "fps", "frames", "seconds", "half-life s", "patches", "licence"});
   std::uint64_t patches = 0;
-  for (const store::ClipRecord& clip : readable) {
+  for (const ReadableClip& each : readable) {
+    const store::ClipRecord& clip = each.record;
     patches += clip.rows;
     clips.row({clip.name, clip.class_name, clip.pixel_format, fmt::format("{}x{}", clip.width, clip.height),
                fmt::format("{:.2f}", fps_of(clip)), fmt::format("{}", clip.frame_count),
-               fmt::format("{:.1f}", clip.frame_count / fps_of(clip)), half_lives_of(clip),
+               fmt::format("{:.1f}", clip.frame_count / fps_of(clip)), half_lives_of(each),
                fmt::format("{}", clip.rows), clip.licence});
   }
   Table usage({"what", "records", "stored", "raw", "ratio"});
@@ -153,8 +159,8 @@ void info(const StoreCommand& command, RunContext& context) {
                                  static_cast<double>(use.raw_bytes) / static_cast<double>(use.stored_bytes))
                    : "-"});
   fmt::print("{}\n{} clips, {} patches, index: {}\n\n{}{}\nsettings {}\n", clips.text(), readable.size(),
-             patches, snapshot.blob("codebook") ? "ready" : "none (run freshet index)", usage.text(),
-             whole ? gain_text(command.store) : "",
+             patches, snapshot.blob(stored::kCodebookBlob) ? "ready" : "none (run freshet index)",
+             usage.text(), whole ? gain_text(command.store) : "",
              settings.dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
   for (const std::string& fault : faults) fmt::print("damaged: {}\n", printable(fault));
   report_faults(command.store, faults, context);
@@ -163,8 +169,8 @@ void info(const StoreCommand& command, RunContext& context) {
 void verify(const StoreCommand& command, RunContext& context) {
   const store::Snapshot snapshot = store::Store::open_read(command.store).snapshot();
   std::vector<std::string> faults = snapshot.verify();
-  std::ranges::move(json_faults(command.store, snapshot, readable_clips(snapshot)),
-                    std::back_inserter(faults));
+  readable_clips(snapshot, faults);  // the store itself gives metadata and settings no meaning
+  settings_of(snapshot, faults);
   if (command.json)
     fmt::print("{}\n", nlohmann::json{{"store", command.store}, {"damaged", faults}}.dump(
                            2, ' ', false, nlohmann::json::error_handler_t::replace));
@@ -207,7 +213,7 @@ void export_clip(const StoreCommand& command, const RunContext& context) {
   const media::OutputFormat format = media::output_format(command.out);
   const bool native = format.coding() == media::Coding::kFfv1;
   say_size(command.out, size);
-  const bool varies = snapshot.has_column(id, "flow.rate");
+  const bool varies = stored::kFlowRate.is_in(snapshot, id);
   if (varies && !native)
     say(
         fmt::format("the frame rate of {} varies; what is written has all frames, evenly, at the mean of "

@@ -9,7 +9,7 @@
 namespace freshet::vision {
 namespace {
 
-constexpr int kMaxChannels = 2 + 3 * kMaxBands;
+constexpr int kMaxChannels = first_channel(kMaxBands);
 
 // Bilinear readings of a cell map at points of the source, all channels at once. Beyond the centres of the
 // outermost cells the map goes on as they are.
@@ -98,7 +98,7 @@ void patch_features(const CellMap& motion, const CellMap& texture, const Variant
     to[1] = c * here[0] + d * here[1];
     float *power_u = to + 2, *power_v = power_u + bands;
     for (int band = 0; band < bands; ++band) {
-      const float uu = here[2 + 3 * band], vv = here[3 + 3 * band], uv = here[4 + 3 * band];
+      const auto [uu, vv, uv] = band_power(here.data(), band);
       power_u[band] = std::max(0.0f, aa * uu + ab * uv + bb * vv);  // rounding may leave a trace below zero
       power_v[band] = std::max(0.0f, cc * uu + cd * uv + dd * vv);
     }

@@ -105,7 +105,7 @@ int motion_bands(const SpectrumOptions& options) {
   return options.bands == 0 ? bins : std::min(options.bands, bins);
 }
 
-int motion_channels(const SpectrumOptions& options) { return 2 + 3 * motion_bands(options); }
+int motion_channels(const SpectrumOptions& options) { return first_channel(motion_bands(options)); }
 
 std::vector<double> band_edges_hz(const SpectrumOptions& options) {
   std::vector<double> edges;
@@ -173,7 +173,7 @@ struct MotionAccumulator::Impl {
       // Whole panels, of which the first columns are used: a matrix that Eigen resizes where there is no memory is freed twice.
       Matrix panel_u(dft.length, kPanel), panel_v(dft.length, kPanel);
       Matrix wave_u(dft.rows.rows(), kPanel), wave_v(dft.rows.rows(), kPanel);
-      Matrix power(3 * bands, flow_size.width);  // of u, of v, crossed; of one row of cells
+      Matrix power(kBandChannels * bands, flow_size.width);  // of u, of v, crossed; of one row of cells
       const int last_row = std::min(cells.rows, (task + 1) * kCellRowsPerTask);
       for (int row = task * kCellRowsPerTask; row < last_row; ++row) {
         power.setZero();
@@ -198,16 +198,17 @@ struct MotionAccumulator::Impl {
               };
               const auto ur = bin(wave_u, 2 * k), ui = bin(wave_u, 2 * k + 1);
               const auto vr = bin(wave_v, 2 * k), vi = bin(wave_v, 2 * k + 1);
-              const int band = 3 * dft.band[k];
+              const int band = kBandChannels * dft.band[k];
               power.row(band).segment(x, width).array() += ur * ur + ui * ui;
               power.row(band + 1).segment(x, width).array() += vr * vr + vi * vi;
               power.row(band + 2).segment(x, width).array() += ur * vr + ui * vi;
             }
           }
         }
-        for (int channel = 0; channel < 3 * bands; ++channel) {
+        for (int channel = 0; channel < kBandChannels * bands; ++channel) {
           const float* values = &power(channel, 0);
-          for (int x = 0; x < flow_size.width; ++x) at(row, x / cell_side)[2 + channel] += values[x];
+          for (int x = 0; x < flow_size.width; ++x)
+            at(row, x / cell_side)[kMeanChannels + channel] += values[x];
         }
       }
     });

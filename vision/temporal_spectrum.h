@@ -21,9 +21,25 @@ struct SpectrumOptions {
   double max_hz = 12.5;  // frequencies above are left out
 };
 
-/// Number of values of one cell: mean u, mean v, then for each band: power of u, power of v, cross power
-/// (the real part of U conj(V), without which power could not be turned with a rotated variant).
+/// The values of one cell: mean u, mean v, then for each band its BandPower.
+inline constexpr int kMeanChannels = 2, kBandChannels = 3;
+/// (px/s)^2. cross is the real part of U conj(V), without which power could not be turned with a rotated variant.
+struct BandPower {
+  float u, v, cross;
+};
+constexpr int first_channel(int band) { return kMeanChannels + kBandChannels * band; }
+/// cell   the values of one.
+inline BandPower band_power(const float* cell, int band) {
+  const float* at = cell + first_channel(band);
+  return {at[0], at[1], at[2]};
+}
+inline void set_band_power(float* cell, int band, const BandPower& power) {
+  float* at = cell + first_channel(band);
+  at[0] = power.u, at[1] = power.v, at[2] = power.cross;
+}
 int motion_channels(const SpectrumOptions& options);
+/// The inverse of it.
+constexpr int bands_of(int motion_channels) { return (motion_channels - kMeanChannels) / kBandChannels; }
 
 /// The number of bands, the same for every clip. Throws Error{kUsage} unless 1 <= N <= kMaxBands and
 /// 0 < window_s <= 60.

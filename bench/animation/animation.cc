@@ -24,6 +24,7 @@
 #include "bench/harness/picture_argument.h"
 #include "freshet/error.h"
 #include "query/labelling/labelling.h"
+#include "stored/store_settings.h"
 #include "synth/animate/animate.h"
 #include "synth/animate/placement/assigned.h"
 #include "vision/pyramid.h"
@@ -168,7 +169,7 @@ int run(int argc, char** argv) {
   const bench::Machine machine = bench::this_machine();
   fmt::print("{}\n{} frames a rendering\n\n", bench::to_string(machine), kFrames);
   const store::Snapshot snapshot = store::Store::open_read(store).snapshot();
-  const vision::Settings settings = vision::settings_from_json(snapshot.settings());
+  const vision::Settings settings = stored::settings_of(snapshot);
   nlohmann::json json{
       {"machine", bench::to_json(machine)}, {"frames", kFrames}, {"rows", nlohmann::json::array()}};
   fmt::print(

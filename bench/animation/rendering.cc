@@ -34,6 +34,7 @@
 #include "platform/allocation.h"
 #include "query/labelling/labelling.h"
 #include "query/search/picture_scale.h"
+#include "stored/store_settings.h"
 #include "synth/animate/animate.h"
 #include "synth/animate/placement/assigned.h"
 
@@ -124,8 +125,8 @@ class Rendering {
   synth::animate::AnimateReport render(const store::Snapshot& snapshot,
                                        const synth::animate::Placement& placement,
                                        const std::function<void(const cv::Mat&)>& sink) const {
-    return synth::animate::animate(snapshot, vision::settings_from_json(snapshot.settings()), target_.picture,
-                                   target_.matte, placement, animate_, sink);
+    return synth::animate::animate(snapshot, stored::settings_of(snapshot), target_.picture, target_.matte,
+                                   placement, animate_, sink);
   }
 
   /// Seconds to the finished file.

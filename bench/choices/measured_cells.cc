@@ -1,12 +1,13 @@
 #include "bench/choices/measured_cells.h"
 
-#include <fmt/format.h>
 #include <oneapi/tbb/parallel_for.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "freshet/error.h"
 #include "media/frame/frame.h"
+#include "stored/clip_columns.h"
 #include "stored/clip_frames.h"
 #include "vision/flow.h"
 #include "vision/patch_features.h"
@@ -52,31 +53,20 @@ void measure(const Footage& footage, const store::ClipRecord& record, const std:
   cv::Mat u, v;
   for (std::size_t i = 0; i < footage.flow.size(); ++i) {
     vision::quantize_flow(footage.flow[i], settings.flow_step, u, v);
-    if (i == 0) {
-      const store::PlaneShape shape{static_cast<std::uint32_t>(u.cols), static_cast<std::uint32_t>(u.rows),
-                                    2};
-      writer.begin_stream(store::Stream::kFlow, std::vector{shape, shape});
-    }
-    const auto view = [](const cv::Mat& plane) {
-      return store::PlaneView{reinterpret_cast<const std::byte*>(plane.data),
-                              static_cast<std::ptrdiff_t>(plane.step)};
-    };
-    writer.append(store::Stream::kFlow, std::vector{view(u), view(v)});
+    if (i == 0) stored::begin_stream(writer, store::Stream::kFlow, {u, v});
+    stored::append(writer, store::Stream::kFlow, {u, v});
     motion.add(u, v);
   }
-  const auto keep = [&](const std::string& name, const vision::CellMap& cells) {
-    writer.column_bytes(name, std::as_bytes(std::span(cells.values)),
-                        static_cast<std::uint32_t>(cells.channels * sizeof(float)));
-  };
-  to.motion.push_back(motion.finish());
-  keep("cells.motion", to.motion.back());
-  to.texture.emplace_back();
+  stored::ClipColumns columns;
+  columns.motion = motion.finish();
   for (const float scale : settings.scales) {
     vision::TexturenessAccumulator texture(size, scale, settings.texture_cell);
     for (const cv::Mat& luma : footage.luma) texture.add(luma);
-    to.texture.back().push_back(texture.finish());
-    keep(fmt::format("cells.texture.{}", to.texture.back().size() - 1), to.texture.back().back());
+    columns.texture.push_back(texture.finish());
   }
+  stored::write_columns(writer, columns);
+  to.motion.push_back(std::move(columns.motion));
+  to.texture.push_back(std::move(columns.texture));
   store::ClipRecord copy = record;
   copy.frames = copy.flow = copy.average = {};
   writer.commit(copy);

@@ -73,13 +73,15 @@ std::optional<Question> ask(const store::Snapshot& snapshot, const vision::Setti
                       static_cast<int>(std::lround(frame.height * scale)));
   cv::resize(question.still, question.still, size, 0, 0, cv::INTER_AREA);
   // Mean motion, and the root of its mean square: what moves.
-  const cv::Mat values = from_cells(stored::motion_cells(snapshot, settings, clip), frame, size,
-                                    [](std::span<const float> cell) {
-                                      float square = cell[0] * cell[0] + cell[1] * cell[1];
-                                      for (std::size_t i = 2; i < cell.size(); i += 3)
-                                        square += cell[i] + cell[i + 1];
-                                      return cv::Vec3f(cell[0], cell[1], std::sqrt(square));
-                                    });
+  const cv::Mat values = from_cells(
+      stored::motion_cells(snapshot, settings, clip), frame, size, [](std::span<const float> cell) {
+        float square = cell[0] * cell[0] + cell[1] * cell[1];
+        for (int b = 0; b < vision::bands_of(static_cast<int>(cell.size())); ++b) {
+          const vision::BandPower power = vision::band_power(cell.data(), b);
+          square += power.u + power.v;
+        }
+        return cv::Vec3f(cell[0], cell[1], std::sqrt(square));
+      });
   std::vector<cv::Mat> parts;
   cv::split(values, parts);
   question.matte = parts[2] >= settings.min_motion_px * 25;

@@ -8,6 +8,7 @@
 #include "query/costs/pairwise_parts.h"
 #include "query/costs/stored_features.h"
 #include "query/labelling/labelling.h"
+#include "stored/store_settings.h"
 
 namespace freshet::bench {
 namespace {
@@ -72,7 +73,7 @@ json measure_exact(const store::Snapshot& pooled, const store::Snapshot& exact,
   const query::SearchBase base = query::open_search(exact);
   const query::CandidateSearch search =
       query::search_candidates(exact, base, picture.picture, picture.matte, {});
-  const vision::Settings pooled_settings = vision::settings_from_json(pooled.settings());
+  const vision::Settings pooled_settings = stored::settings_of(pooled);
   if (base.settings.variants() != pooled_settings.variants())
     throw Error(ErrorKind::kUsage, "the exact store", "has other variants than the pooled one");
   const query::FeatureShape shape = query::feature_shape(base.settings),

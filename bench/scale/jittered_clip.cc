@@ -11,7 +11,7 @@
 #include <string>
 
 #include "bench/harness/seeded_random.h"
-#include "media/frame/layout_json.h"
+#include "ingest/clip_analysis.h"
 #include "platform/text.h"
 #include "query/index/patch_descriptors.h"
 #include "vision/flow.h"
@@ -199,11 +199,12 @@ vision::CellMap turned_motion(const vision::CellMap& source, const Placement& pl
     read_cells(source, from, here.data());
     to[0] = a * here[0] + b * here[1];
     to[1] = c * here[0] + d * here[1];
-    for (int i = 2; i + 2 < source.channels; i += 3) {
-      const float uu = here[i], vv = here[i + 1], uv = here[i + 2];
-      to[i] = std::max(0.0f, a * a * uu + 2 * a * b * uv + b * b * vv);
-      to[i + 1] = std::max(0.0f, c * c * uu + 2 * c * d * uv + d * d * vv);
-      to[i + 2] = a * c * uu + (a * d + b * c) * uv + b * d * vv;
+    for (int band = 0; band < vision::bands_of(source.channels); ++band) {
+      const auto [uu, vv, uv] = vision::band_power(here.data(), band);
+      vision::set_band_power(to, band,
+                             {.u = std::max(0.0f, a * a * uu + 2 * a * b * uv + b * b * vv),
+                              .v = std::max(0.0f, c * c * uu + 2 * c * d * uv + d * d * vv),
+                              .cross = a * c * uu + (a * d + b * c) * uv + b * d * vv});
     }
   });
   return cells;
@@ -253,11 +254,6 @@ std::array<cv::Mat, 2> turned_flow(const cv::Mat& source, const Placement& place
   return planes;
 }
 
-nlohmann::json cells_json(const vision::CellMap& cells) {
-  return {
-      {"rows", cells.rows}, {"columns", cells.columns}, {"channels", cells.channels}, {"cell", cells.cell}};
-}
-
 std::string hash_text(const std::string& text) {
   const XXH128_hash_t hash = XXH3_128bits(text.data(), text.size());
   return hex(hash.high64) + hex(hash.low64);
@@ -288,7 +284,7 @@ JitteredClip jittered_clip(const SourceClip& source, const vision::Settings& set
     added = (std::sqrt(1 - jitter.detail * jitter.detail) - 1) * own + jitter.detail * foreign;
     average += added;
   }
-  clip.average = toned<std::uint16_t>(average, tone, jitter.noise / 255, random, CV_16U);
+  clip.columns.average = toned<std::uint16_t>(average, tone, jitter.noise / 255, random, CV_16U);
   for (const cv::Mat& frame : source.frames) {
     cv::Mat luma = resampled(frame, map);
     if (!added.empty()) luma += added;
@@ -296,12 +292,12 @@ JitteredClip jittered_clip(const SourceClip& source, const vision::Settings& set
   }
   for (const cv::Mat& flow : source.flow)
     clip.flow.push_back(turned_flow(flow, place, settings.flow_step, speed));
-  clip.motion = turned_motion(source.motion, place, speed);
+  clip.columns.motion = turned_motion(source.motion, place, speed);
   for (const vision::CellMap& scale : source.texture)
-    clip.texture.push_back(turned_texture(scale, place, tone, average));
+    clip.columns.texture.push_back(turned_texture(scale, place, tone, average));
   cv::Mat moving;
   cv::remap(source.moving, moving, map, {}, cv::INTER_NEAREST, cv::BORDER_REFLECT_101);
-  clip.patches = ingest::find_patches(moving, clip.motion, settings);
+  clip.columns.patches = ingest::find_patches(moving, clip.columns.motion, settings);
 
   store::ClipRecord& record = clip.record;
   record.class_name = source.record.class_name;
@@ -315,52 +311,44 @@ JitteredClip jittered_clip(const SourceClip& source, const vision::Settings& set
   record.fps_den = source.record.fps_den;
 
   const std::vector<vision::Variant> variants = settings.variants();
-  const query::PatchPoints points(record, settings, variants,
-                                  {clip.patches.variant, clip.patches.x, clip.patches.y});
-  cv::Mat average_8(clip.average.size(), CV_8U);  // as stored::average_image reads it
-  for (std::size_t i = 0; i < clip.average.total(); ++i)
-    average_8.data[i] = static_cast<std::uint8_t>((clip.average.ptr<std::uint16_t>()[i] + 128u) / 257u);
+  const query::PatchPoints points(
+      record, settings, variants,
+      {clip.columns.patches.variant, clip.columns.patches.x, clip.columns.patches.y});
+  cv::Mat average_8(clip.columns.average.size(), CV_8U);  // as stored::average_image reads it
+  for (std::size_t i = 0; i < clip.columns.average.total(); ++i)
+    average_8.data[i] =
+        static_cast<std::uint8_t>((clip.columns.average.ptr<std::uint16_t>()[i] + 128u) / 257u);
   std::vector<std::vector<vision::Descriptor>> descriptors;
   for (const query::PatchPoints::Sheet& sheet : points.sheets())
     descriptors.push_back(points.describe(sheet, average_8));
-  clip.words = points.words(codebook, descriptors);
+  clip.columns.patches.words = points.words(codebook, descriptors);
 
   media::PixelLayout layout;
   layout.format = "gray";
   layout.width = place.size.width;
   layout.height = place.size.height;
   layout.range = 2;
-  std::vector<std::uint64_t> by_variant(variants.size(), 0);
-  for (const std::uint8_t variant : clip.patches.variant) ++by_variant[variant];
-  nlohmann::json cells{{"motion", cells_json(clip.motion)}, {"texture", nlohmann::json::array()}};
-  for (const vision::CellMap& scale : clip.texture) cells["texture"].push_back(cells_json(scale));
-  nlohmann::json loop =
-      nullptr;  // the shortest that a rule can describe, so that animating needs no long clip
-  if (clip.frames.size() >= 5) loop = {{"from", 3}, {"to", 1}, {"fade", 2}, {"distance", 1.0}};
-  nlohmann::json metadata{{"layout", nlohmann::json::parse(media::to_json(layout))},
-                          {"codec", "generated"},
-                          {"container", "generated"},
-                          {"variable_frame_rate", false},
-                          {"repairs", ""},
-                          {"notices", {"made by bench_scaled_store from " + source.record.name}},
-                          {"cells", cells},
-                          {"loop", loop},
-                          {"patches", by_variant},
-                          {"generated",
-                           {{"source", source.record.name},
-                            {"seed", seed},
-                            {"number", number},
-                            {"rotation_deg", place.variant.rotation_deg},
-                            {"zoom", place.variant.scale},
-                            {"mirrored", place.variant.flip},
-                            {"centre", {place.centre.x, place.centre.y}},
-                            {"gain", tone.gain},
-                            {"gamma", tone.gamma},
-                            {"speed", speed}}}};
-  const auto of_source = nlohmann::json::parse(source.record.metadata, nullptr, false);
-  if (of_source.is_object() && of_source.contains("screening"))
-    metadata["screening"] = of_source["screening"];
-  record.metadata = metadata.dump();
+  stored::ClipMetadata& metadata = clip.metadata;
+  metadata.layout = layout;
+  metadata.codec = metadata.container = "generated";
+  metadata.notices = {"made by bench_scaled_store from " + source.record.name};
+  metadata.cells = stored::shapes_of(clip.columns);
+  metadata.patches.assign(variants.size(), 0);
+  for (const std::uint8_t variant : clip.columns.patches.variant) ++metadata.patches[variant];
+  // The shortest that a rule can describe, so that animating needs no long clip.
+  if (clip.frames.size() >= 5) metadata.loop = {.from = 3, .to = 1, .fade = 2, .distance = 1};
+  metadata.more["generated"] = {{"source", source.record.name},
+                                {"seed", seed},
+                                {"number", number},
+                                {"rotation_deg", place.variant.rotation_deg},
+                                {"zoom", place.variant.scale},
+                                {"mirrored", place.variant.flip},
+                                {"centre", {place.centre.x, place.centre.y}},
+                                {"gain", tone.gain},
+                                {"gamma", tone.gamma},
+                                {"speed", speed}};
+  if (const auto found = source.metadata.more.find("screening"); found != source.metadata.more.end())
+    metadata.more["screening"] = *found;
   return clip;
 }
 

@@ -8,7 +8,6 @@
 #include <opencv2/core.hpp>
 
 #include "bench/scale/source_clip.h"
-#include "ingest/clip_analysis.h"
 #include "vision/codebook.h"
 #include "vision/settings.h"
 #include "vision/spatial_pyramid.h"
@@ -32,14 +31,11 @@ struct Jitter {
 
 /// All that a store keeps of a clip.
 struct JitteredClip {
-  store::ClipRecord record;                  // without shapes of streams and rows
-  cv::Mat average;                           // CV_16U
+  store::ClipRecord record;                  // without shapes of streams, rows and metadata
+  stored::ClipMetadata metadata;             // more: "generated", how it was made
   std::vector<cv::Mat> frames;               // CV_8U: grey, whatever the source's were
   std::vector<std::array<cv::Mat, 2>> flow;  // u, v, CV_16S
-  vision::CellMap motion;
-  std::vector<vision::CellMap> texture;  // a scale of the settings
-  ingest::PatchColumns patches;          // may be empty: nothing moves in the window
-  std::vector<vision::WordMap> words;    // of the patches
+  stored::ClipColumns columns;  // without times; patches may be none: nothing moves in the window
 };
 
 /// The copy numbered `number` of those that `seed` makes.

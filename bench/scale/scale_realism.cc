@@ -32,7 +32,9 @@
 #include "freshet/error.h"
 #include "query/index/exact_index.h"
 #include "query/search/target.h"
+#include "stored/clip_schema.h"
 #include "stored/patch_table.h"
+#include "stored/store_settings.h"
 #include "stored/stored_codebook.h"
 
 namespace {
@@ -58,7 +60,7 @@ Real read_real(const store::Snapshot& snapshot) {
     if (record.rows == 0) continue;
     real.names.push_back(record.name);
     real.classes.push_back(record.class_name);
-    real.words.push_back(snapshot.column<vision::WordMap>(clip, "patch.words"));
+    real.words.push_back(stored::kPatchWords.read(snapshot, clip));
     real.rows += real.words.back().size();
   }
   return real;
@@ -117,7 +119,8 @@ Generated generate(const store::Snapshot& snapshot, const Real& real, const benc
   Generated generated;
   std::uint64_t copy = 0;
   bench::generate(snapshot, options, [&](bench::JitteredClip&& clip, std::uint64_t) {
-    generated.words.insert(generated.words.end(), clip.words.begin(), clip.words.end());
+    generated.words.insert(generated.words.end(), clip.columns.patches.words.begin(),
+                           clip.columns.patches.words.end());
     const std::string& name = clip.record.name;
     generated.source.resize(generated.words.size(), index.at(name.substr(0, name.rfind('#'))));
     generated.copy.resize(generated.words.size(), copy++);
@@ -249,7 +252,7 @@ int run(int argc, char** argv) {
 
   const store::Store store = store::Store::open_read(source);
   const store::Snapshot snapshot = store.snapshot();
-  const vision::Settings settings = vision::settings_from_json(snapshot.settings());
+  const vision::Settings settings = stored::settings_of(snapshot);
   const vision::Codebook codebook = stored::read_codebook(snapshot);
   const Real real = read_real(snapshot);
   Realism realism{snapshot, real, codebook.words, {}, {}};

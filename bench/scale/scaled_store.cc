@@ -15,6 +15,8 @@
 #include "bench/harness/seeded_random.h"
 #include "freshet/error.h"
 #include "query/index/index_builder.h"
+#include "stored/clip_columns.h"
+#include "stored/store_settings.h"
 #include "stored/stored_codebook.h"
 
 namespace freshet::bench {
@@ -69,63 +71,23 @@ class Rounds {
 
 /// Leaves the first rows.
 void cut_rows(JitteredClip& clip, std::size_t rows) {
-  auto metadata = nlohmann::json::parse(clip.record.metadata);
-  nlohmann::json& by_variant = metadata["patches"];
-  for (std::size_t row = rows; row < clip.patches.size(); ++row) {
-    nlohmann::json& count = by_variant[clip.patches.variant[row]];
-    count = count.get<std::uint64_t>() - 1;
-  }
-  clip.record.metadata = metadata.dump();
-  clip.patches.variant.resize(rows);
-  clip.patches.x.resize(rows);
-  clip.patches.y.resize(rows);
-  clip.patches.motion.resize(rows);
-  clip.patches.coverage.resize(rows);
-  clip.words.resize(rows);
-}
-
-store::PlaneView view_of(const cv::Mat& plane) {
-  return {reinterpret_cast<const std::byte*>(plane.data), static_cast<std::ptrdiff_t>(plane.step)};
-}
-
-void write_stream(store::ClipWriter& writer, store::Stream stream, std::span<const cv::Mat> planes,
-                  std::size_t planes_per_frame) {
-  std::vector<store::PlaneShape> shapes;
-  for (const cv::Mat& plane : planes.first(planes_per_frame)) {
-    shapes.push_back({static_cast<std::uint32_t>(plane.cols), static_cast<std::uint32_t>(plane.rows),
-                      static_cast<std::uint8_t>(plane.elemSize1())});
-  }
-  std::vector<store::PlaneView> views;
-  for (const cv::Mat& plane : planes) views.push_back(view_of(plane));
-  writer.begin_stream(stream, shapes);
-  writer.append(stream, views);
+  stored::PatchColumns& patches = clip.columns.patches;
+  for (std::size_t row = rows; row < patches.size(); ++row) --clip.metadata.patches[patches.variant[row]];
+  patches.keep_first(rows);
 }
 
 void write_clip(store::Store& store, JitteredClip clip) {
   store::ClipWriter writer = store.add_clip();
-  write_stream(writer, store::Stream::kFrames, clip.frames, 1);
-  std::vector<cv::Mat> flow;
-  for (const auto& planes : clip.flow) flow.insert(flow.end(), planes.begin(), planes.end());
-  if (!flow.empty()) write_stream(writer, store::Stream::kFlow, flow, 2);
-  write_stream(writer, store::Stream::kAverage, {&clip.average, 1}, 1);
-
-  const auto write_cells = [&](const std::string& name, const vision::CellMap& cells) {
-    writer.column_bytes(name, std::as_bytes(std::span(cells.values)),
-                        static_cast<std::uint32_t>(static_cast<std::size_t>(cells.channels) * sizeof(float)));
-  };
+  stored::begin_stream(writer, store::Stream::kFrames, {clip.frames.at(0)});
+  for (const cv::Mat& frame : clip.frames) stored::append(writer, store::Stream::kFrames, {frame});
+  if (!clip.flow.empty())
+    stored::begin_stream(writer, store::Stream::kFlow, {clip.flow[0][0], clip.flow[0][1]});
+  for (const auto& [u, v] : clip.flow) stored::append(writer, store::Stream::kFlow, {u, v});
   const double interval = static_cast<double>(clip.record.fps_den) / static_cast<double>(clip.record.fps_num);
-  std::vector<double> times;
-  for (std::size_t i = 0; i < clip.frames.size(); ++i) times.push_back(static_cast<double>(i) * interval);
-  writer.column<double>("frame.time", times);
-  write_cells("cells.motion", clip.motion);
-  for (std::size_t i = 0; i < clip.texture.size(); ++i)
-    write_cells(fmt::format("cells.texture.{}", i), clip.texture[i]);
-  writer.column<std::uint8_t>("patch.variant", clip.patches.variant);
-  writer.column<std::uint16_t>("patch.x", clip.patches.x);
-  writer.column<std::uint16_t>("patch.y", clip.patches.y);
-  writer.column<std::array<float, 2>>("patch.motion", clip.patches.motion);
-  writer.column<float>("patch.coverage", clip.patches.coverage);
-  writer.column<vision::WordMap>("patch.words", clip.words);
+  for (std::size_t i = 0; i < clip.frames.size(); ++i)
+    clip.columns.times_s.push_back(static_cast<double>(i) * interval);
+  stored::write_columns(writer, clip.columns);
+  clip.record.metadata = to_json(clip.metadata);
   writer.commit(std::move(clip.record));
 }
 
@@ -133,7 +95,7 @@ void write_clip(store::Store& store, JitteredClip clip) {
 
 void generate(const store::Snapshot& source, const ScaleOptions& options,
               const std::function<void(JitteredClip&&, std::uint64_t)>& take) {
-  const vision::Settings settings = vision::settings_from_json(source.settings());
+  const vision::Settings settings = stored::settings_of(source);
   const vision::Codebook codebook = stored::read_codebook(source);
   Rounds rounds(source, options);
   std::map<store::ClipId, SourceClip> sources;
@@ -159,9 +121,9 @@ void generate(const store::Snapshot& source, const ScaleOptions& options,
                               first + i);
     });
     for (JitteredClip& clip : made) {
-      if (clip.patches.size() == 0 || given >= options.patches) continue;
-      if (clip.patches.size() > options.patches - given) cut_rows(clip, options.patches - given);
-      const std::uint64_t patches = clip.patches.size();
+      if (clip.columns.patches.size() == 0 || given >= options.patches) continue;
+      if (clip.columns.patches.size() > options.patches - given) cut_rows(clip, options.patches - given);
+      const std::uint64_t patches = clip.columns.patches.size();
       take(std::move(clip), given);
       given += patches;
     }
@@ -176,7 +138,7 @@ ScaleReport write_scaled_store(const store::Snapshot& source, const std::filesys
   const vision::Codebook codebook = stored::read_codebook(source);
   store::Store store = store::Store::create(path, source.settings());
   generate(source, options, [&](JitteredClip&& clip, std::uint64_t before) {
-    report.patches = before + clip.patches.size();
+    report.patches = before + clip.columns.patches.size();
     ++report.clips;
     write_clip(store, std::move(clip));
     if (progress) progress(report.patches);

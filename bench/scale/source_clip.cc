@@ -83,6 +83,7 @@ SourceClip read_source_clip(const store::Snapshot& snapshot, const vision::Setti
                             store::ClipId clip, int frames) {
   SourceClip source;
   source.record = snapshot.clip(clip);
+  source.metadata = stored::metadata_of(snapshot, clip);
   const store::ClipRecord& record = source.record;
   source.average = cv::Mat(static_cast<int>(record.height), static_cast<int>(record.width), CV_16U);
   snapshot.read(

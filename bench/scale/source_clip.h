@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "store/store.h"
+#include "stored/clip_metadata.h"
 #include "vision/settings.h"
 #include "vision/temporal_spectrum.h"
 
@@ -12,6 +13,7 @@ namespace freshet::bench {
 
 struct SourceClip {
   store::ClipRecord record;
+  stored::ClipMetadata metadata;
   cv::Mat average;                       // CV_16U, luma over 0..65535
   cv::Mat moving;                        // CV_8U: 255 where it moves, see ingest::moving_mask
   vision::CellMap motion;                // as the store keeps them

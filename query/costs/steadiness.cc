@@ -16,7 +16,7 @@ constexpr double kLeast = 1e-9;  // (px/s)^2: what does not move at all surges
 
 double of_patch(const vision::CellMap& cells, const vision::VariantFrame& frame, int x, int y, int patch) {
   const int across = std::max(1, static_cast<int>(std::lround(patch / cells.cell)));
-  const int bands = std::min(kLowBands, (cells.channels - 2) / 3);
+  const int bands = std::min(kLowBands, vision::bands_of(cells.channels));
   double u = 0, v = 0, uu = 0, vv = 0, uv = 0;
   for (int row = 0; row < across; ++row)
     for (int column = 0; column < across; ++column) {
@@ -26,9 +26,10 @@ double of_patch(const vision::CellMap& cells, const vision::VariantFrame& frame,
       u += cell[0];
       v += cell[1];
       for (int band = 0; band < bands; ++band) {
-        uu += cell[2 + 3 * band];
-        vv += cell[3 + 3 * band];
-        uv += cell[4 + 3 * band];
+        const vision::BandPower power = vision::band_power(cell.data(), band);
+        uu += power.u;
+        vv += power.v;
+        uv += power.cross;
       }
     }
   const double count = across * across, square = (u * u + v * v) / (count * count);

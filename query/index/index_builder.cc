@@ -10,6 +10,8 @@
 #include "query/index/flann_tuning.h"
 #include "query/index/patch_descriptors.h"
 #include "stored/average_image.h"
+#include "stored/clip_schema.h"
+#include "stored/store_settings.h"
 #include "stored/stored_codebook.h"
 #include "vision/settings.h"
 
@@ -22,7 +24,6 @@ constexpr const char *kSample = "sampling descriptors", *kTrain = "training the 
                      *kAssign = "assigning words", *kFlann = "building FLANN indexes", *kWrite = "writing";
 }
 constexpr FlannKind kFlannKinds[] = {FlannKind::kKdTree, FlannKind::kKMeans, FlannKind::kHierarchical};
-constexpr const char* kWords = "patch.words";
 
 using Descriptors = std::vector<vision::Descriptor>;
 
@@ -41,7 +42,7 @@ class Build {
         progress_(progress),
         stop_(std::move(stop)),
         snapshot_(store.snapshot()),
-        settings_(vision::settings_from_json(snapshot_.settings())),
+        settings_(stored::settings_of(snapshot_)),
         variants_(settings_.variants()) {
     clips_.assign(snapshot_.clips().begin(), snapshot_.clips().end());
     std::sort(clips_.begin(), clips_.end(), [&](store::ClipId a, store::ClipId b) {
@@ -92,7 +93,7 @@ class Build {
   bool up_to_date(const stored::StoredCodebook& known) const {
     if (known.clips_hash != stored::hash_of_clips(snapshot_)) return false;
     return std::all_of(clips_.begin(), clips_.end(), [&](store::ClipId clip) {
-      return snapshot_.clip(clip).rows == 0 || snapshot_.has_column(clip, kWords);
+      return snapshot_.clip(clip).rows == 0 || stored::kPatchWords.is_in(snapshot_, clip);
     });
   }
 
@@ -195,7 +196,7 @@ class Build {
     words_.resize(clips_.size());
     for (std::size_t c = 0; c < clips_.size(); ++c) {
       if (snapshot_.clip(clips_[c]).rows > 0) {
-        words_[c] = snapshot_.column<vision::WordMap>(clips_[c], kWords);
+        words_[c] = stored::kPatchWords.read(snapshot_, clips_[c]);
       }
     }
   }
@@ -238,7 +239,8 @@ class Build {
     std::vector<store::Store::Column> columns;
     for (std::size_t c = 0; report_.words_built && c < clips_.size(); ++c) {
       if (words_[c].empty()) continue;
-      columns.push_back({clips_[c], kWords, std::as_bytes(std::span(words_[c])), sizeof(vision::WordMap)});
+      columns.push_back({clips_[c], stored::kPatchWords.name, std::as_bytes(std::span(words_[c])),
+                         sizeof(vision::WordMap)});
     }
     store_.write(blobs, columns, erased_);
     report_.write_s = watch.lap();
@@ -272,7 +274,7 @@ IndexReport build_index(store::Store& store, const IndexOptions& options, const 
 }
 
 store::Rebuildable rebuildable() {
-  store::Rebuildable index{.columns = {kWords}, .blobs = {stored::kCodebookBlob}};
+  store::Rebuildable index{.columns = {stored::kPatchWords.name}, .blobs = {stored::kCodebookBlob}};
   for (const FlannKind kind : kFlannKinds) index.blobs.insert(blob_name(kind));
   return index;
 }

@@ -6,6 +6,7 @@
 #include "freshet/error.h"
 #include "platform/stopwatch.h"
 #include "query/index/exact_index.h"
+#include "stored/store_settings.h"
 #include "stored/stored_codebook.h"
 
 namespace freshet::query {
@@ -52,7 +53,7 @@ std::unique_ptr<const CandidateIndex> open_index(const store::Snapshot& snapshot
 SearchBase open_search(const store::Snapshot& snapshot, const IndexChoice& choice) {
   const Stopwatch watch;
   SearchBase base;
-  base.settings = vision::settings_from_json(snapshot.settings());
+  base.settings = stored::settings_of(snapshot);
   base.codebook = stored::read_codebook(snapshot);
   base.table = stored::read_patch_table(snapshot);
   base.index = open_index(snapshot, base, choice);

@@ -10,6 +10,7 @@
 #include "query/search/picture_scale.h"
 #include "report/sheet_words.h"
 #include "stored/middle_frame.h"
+#include "stored/store_settings.h"
 #include "vision/settings.h"
 
 namespace freshet::query {
@@ -34,7 +35,7 @@ cv::Mat enlarged(const cv::Mat& part) {
 
 cv::Mat contact_sheet(const store::Snapshot& snapshot, const cv::Mat& picture, const CandidateSearch& search,
                       const Labels* labels, const ContactSheetOptions& options) {
-  const std::vector<vision::Variant> variants = vision::settings_from_json(snapshot.settings()).variants();
+  const std::vector<vision::Variant> variants = stored::settings_of(snapshot).variants();
   const Target& target = search.target;
   const auto pieces = static_cast<int>(target.size());
   const int shown = std::max(1, std::min(options.pieces, pieces)), across = std::max(1, options.candidates);

@@ -1,7 +1,6 @@
 #include "query/search/candidates.h"
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <cassert>
@@ -13,25 +12,21 @@
 
 #include "freshet/error.h"
 #include "platform/likeness.h"
+#include "stored/clip_metadata.h"
+#include "stored/clip_schema.h"
 
 namespace freshet::query {
 namespace {
 
 // From the first frame to the end of the last, by the frames' own times: a header's rate may be a guess, and
 // a clip that a labelling has chosen must last as long as it was taken to.
-double duration_s(const store::Snapshot& snapshot, const store::ClipRecord& clip) {
+double duration_s(const store::Snapshot& snapshot, store::ClipId id) {
+  const store::ClipRecord& clip = snapshot.clip(id);
   if (clip.fps_num <= 0 || clip.fps_den <= 0) return 0;
   const double interval = static_cast<double>(clip.fps_den) / static_cast<double>(clip.fps_num);
-  const auto id = snapshot.find(clip.name);
-  if (!id || !snapshot.has_column(*id, "frame.time")) return clip.frame_count * interval;
-  const std::vector<double> times = snapshot.column<double>(*id, "frame.time");
+  if (!stored::kFrameTime.is_in(snapshot, id)) return clip.frame_count * interval;
+  const std::vector<double> times = stored::kFrameTime.read(snapshot, id);
   return times.empty() ? 0 : times.back() - times.front() + interval;
-}
-
-// A clip with a loop rule plays for as long as one likes.
-bool is_endless(const store::ClipRecord& clip) {
-  const auto metadata = nlohmann::json::parse(clip.metadata, nullptr, false);
-  return metadata.is_object() && metadata.contains("loop") && metadata["loop"].is_object();
 }
 
 // Takes conditions one after another and counts what each leaves.
@@ -46,7 +41,7 @@ class Narrowing {
   template <class Keep>
   void clips(const std::string& what, Keep&& keep) {
     for (std::size_t c = 0; c < table_.clips.size(); ++c) {
-      if (keep(snapshot_.clip(table_.clips[c]), has_rows(c))) continue;
+      if (keep(table_.clips[c], has_rows(c))) continue;
       for (stored::Row row = table_.first_row[c]; row < table_.first_row[c + 1]; ++row)
         filtered_.rows.forbid(row);
     }
@@ -142,9 +137,9 @@ Filtered filter_rows(const store::Snapshot& snapshot, const stored::PatchTable& 
   Narrowing narrowing(snapshot, table);
 
   if (!options.excluded_clips.empty()) {
-    narrowing.clips("without excluded clips", [&](const store::ClipRecord& clip, bool) {
-      return std::find(options.excluded_clips.begin(), options.excluded_clips.end(), clip.name) ==
-             options.excluded_clips.end();
+    narrowing.clips("without excluded clips", [&](store::ClipId id, bool) {
+      return std::find(options.excluded_clips.begin(), options.excluded_clips.end(),
+                       snapshot.clip(id).name) == options.excluded_clips.end();
     });
     if (narrowing.none_left()) {
       throw Error(ErrorKind::kNotFound, snapshot.path().string(), "all clips with patches are excluded",
@@ -153,8 +148,8 @@ Filtered filter_rows(const store::Snapshot& snapshot, const stored::PatchTable& 
   }
 
   if (!options.class_name.empty()) {
-    narrowing.clips("class " + options.class_name, [&](const store::ClipRecord& clip, bool) {
-      return clip.class_name == options.class_name;
+    narrowing.clips("class " + options.class_name, [&](store::ClipId id, bool) {
+      return snapshot.clip(id).class_name == options.class_name;
     });
     if (narrowing.none_left()) {
       throw Error(ErrorKind::kNotFound, snapshot.path().string(),
@@ -166,14 +161,14 @@ Filtered filter_rows(const store::Snapshot& snapshot, const stored::PatchTable& 
   if (options.min_duration_s > 0) {
     double longest = 0;
     narrowing.clips(fmt::format("at least {:g} s long, or looped", options.min_duration_s),
-                    [&](const store::ClipRecord& clip, bool still_in) {
+                    [&](store::ClipId id, bool still_in) {
                       if (!still_in) return false;
-                      if (is_endless(clip)) return true;
+                      if (stored::metadata_of(snapshot, id).loop) return true;
                       // Stamps are often whole milliseconds: one is forgiven.
-                      const double seconds = duration_s(snapshot, clip) + 1e-3;
+                      const double seconds = duration_s(snapshot, id) + 1e-3;
                       longest = std::max(longest, seconds);
                       if (seconds >= options.min_duration_s) return true;
-                      narrowing.result().too_short.push_back(clip.name);
+                      narrowing.result().too_short.push_back(snapshot.clip(id).name);
                       return false;
                     });
     if (narrowing.none_left()) {

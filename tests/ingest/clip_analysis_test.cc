@@ -64,7 +64,7 @@ TEST(FindPatches, KeepsNoPatchThatReachesOutsideTheSource) {
   vision::CellMap motion{36, 48, vision::motion_channels(settings.spectrum), 4, {}};
   motion.values.assign(static_cast<std::size_t>(motion.rows) * motion.columns * motion.channels, 1.0f);
   const cv::Mat moving(144, 192, CV_8U, cv::Scalar(255));
-  const PatchColumns patches = find_patches(moving, motion, settings);
+  const stored::PatchColumns patches = find_patches(moving, motion, settings);
   const std::vector<vision::Variant> variants = settings.variants();
   ASSERT_GT(patches.size(), 0u);
   for (std::size_t i = 0; i < patches.size(); ++i) {

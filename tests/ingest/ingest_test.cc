@@ -14,10 +14,11 @@
 #include <opencv2/imgproc.hpp>
 
 #include "ingest/clip_analysis.h"
-#include "media/frame/layout_json.h"
 #include "media/video/frame_stamps.h"
 #include "media/video/video_reader.h"
 #include "media/video/video_writer.h"
+#include "stored/clip_metadata.h"
+#include "stored/clip_schema.h"
 #include "tests/ingest/synthetic_clip.h"
 #include "tests/ingest/temporary_folder.h"
 #include "vision/detail_lifetime.h"
@@ -78,7 +79,7 @@ TEST(Ingest, StoresFramesAsTheDecoderGaveThem) {
   EXPECT_EQ(record.width, 195u);
 
   media::VideoReader reader(one.folder / "water/clip.mkv");
-  const std::vector<double> times = snapshot.column<double>(id, "frame.time");
+  const std::vector<double> times = stored::kFrameTime.read(snapshot, id);
   ASSERT_EQ(times.size(), 40u);
   std::vector<std::byte> stored;
   for (std::uint32_t t = 0; t < 40; ++t) {
@@ -161,10 +162,9 @@ TEST(Ingest, KeepsPatchesOnlyWhereItMoves) {
   ASSERT_EQ(one.row.outcome, Outcome::kAdded) << reason(one.row);
   const store::Snapshot snapshot = one.snapshot();
   const store::ClipId id = one.id();
-  const auto variant = snapshot.column<std::uint8_t>(id, "patch.variant");
-  const auto x = snapshot.column<std::uint16_t>(id, "patch.x"),
-             y = snapshot.column<std::uint16_t>(id, "patch.y");
-  const auto coverage = snapshot.column<float>(id, "patch.coverage");
+  const auto variant = stored::kPatchVariant.read(snapshot, id);
+  const auto x = stored::kPatchX.read(snapshot, id), y = stored::kPatchY.read(snapshot, id);
+  const auto coverage = stored::kPatchCoverage.read(snapshot, id);
   ASSERT_EQ(variant.size(), one.row.patches);
   const std::vector<vision::Variant> variants = kSettings.variants();
   cv::Mat truth = cv::Mat::zeros(clip.size, CV_8U);
@@ -204,10 +204,9 @@ TEST(Ingest, PatchMotionIsTheTextureVelocityTurnedIntoEachVariant) {
   const OneClip one(clip, {.force = true});
   const store::Snapshot snapshot = one.snapshot();
   const store::ClipId id = one.id();
-  const auto variant = snapshot.column<std::uint8_t>(id, "patch.variant");
-  const auto x = snapshot.column<std::uint16_t>(id, "patch.x"),
-             y = snapshot.column<std::uint16_t>(id, "patch.y");
-  const auto motion = snapshot.column<std::array<float, 2>>(id, "patch.motion");
+  const auto variant = stored::kPatchVariant.read(snapshot, id);
+  const auto x = stored::kPatchX.read(snapshot, id), y = stored::kPatchY.read(snapshot, id);
+  const auto motion = stored::kPatchMotion.read(snapshot, id);
   const std::vector<vision::Variant> variants = kSettings.variants();
   std::vector<int> judged(variants.size());
   const cv::Rect well_inside(clip.moving.x + 8, clip.moving.y + 8, clip.moving.width - 16,
@@ -275,7 +274,7 @@ TEST(Ingest, AVariableFrameRateKeepsItsTimesAndItsSpeeds) {
   EXPECT_NEAR(row.fps, 63 / 3.76, 0.01);
   const store::Snapshot snapshot = store.snapshot();
   const store::ClipId id = snapshot.clips()[0];
-  const std::vector<double> times = snapshot.column<double>(id, "frame.time"),
+  const std::vector<double> times = stored::kFrameTime.read(snapshot, id),
                             rates = snapshot.column<double>(id, "flow.rate");
   ASSERT_EQ(times.size(), 64u);
   ASSERT_EQ(rates.size(), 63u);
@@ -346,7 +345,7 @@ TEST(Ingest, KeepsCellsAndTheirShapes) {
   const auto cells = snapshot.column<TextureCell>(id, "cells.texture.0");
   const nlohmann::json& shape = metadata.at("cells").at("texture").at(0);
   EXPECT_EQ(cells.size(), shape.at("rows").get<std::size_t>() * shape.at("columns").get<std::size_t>());
-  EXPECT_EQ(media::layout_from_json(snapshot.clip(id).metadata).width, 192);
+  EXPECT_EQ(stored::metadata_of(snapshot, id).layout.value().width, 192);
   EXPECT_EQ(metadata.at("screening").at("frames"), 40);
 }
 

@@ -1,21 +1,19 @@
 // tests/query/made_store.h — a store of clips whose patches and motion are known, made without any video.
 #pragma once
 
-#include <array>
 #include <cmath>
-#include <cstring>
 #include <filesystem>
 #include <random>
 #include <string>
 #include <vector>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "media/frame/layout_json.h"
 #include "store/store.h"
+#include "stored/clip_columns.h"
+#include "stored/clip_metadata.h"
 #include "tests/harness/scratch_folder.h"
 #include "vision/patch_features.h"
 #include "vision/settings.h"
@@ -74,58 +72,46 @@ inline void add_made_clip(store::Store& store, const vision::Settings& settings,
 
   store::ClipWriter writer = store.add_clip();
   const auto frames = static_cast<std::uint32_t>(std::lround(made.seconds * 25));
-  const std::vector<store::PlaneShape> frame_planes{{width, height, 1}}, average_planes{{width, height, 2}};
-  writer.begin_stream(store::Stream::kFrames, frame_planes);
-  const std::vector<store::PlaneView> views(
-      frames, {reinterpret_cast<const std::byte*>(texture.data), static_cast<std::ptrdiff_t>(texture.step)});
-  writer.append(store::Stream::kFrames, views);
-  cv::Mat average;
-  texture.convertTo(average, CV_16U, 257);
-  writer.begin_stream(store::Stream::kAverage, average_planes);
-  const std::vector<store::PlaneView> average_view{
-      {reinterpret_cast<const std::byte*>(average.data), static_cast<std::ptrdiff_t>(average.step)}};
-  writer.append(store::Stream::kAverage, average_view);
+  stored::begin_stream(writer, store::Stream::kFrames, {texture});
+  for (std::uint32_t frame = 0; frame < frames; ++frame)
+    stored::append(writer, store::Stream::kFrames, {texture});
+  stored::ClipColumns columns;
+  texture.convertTo(columns.average, CV_16U, 257);
 
   // Everywhere the same motion, some power, some texture: enough to tell clips apart.
   std::mt19937_64 random(made.texture);
-  nlohmann::json cells{{"texture", nlohmann::json::array()}};
-  const auto column_of_cells = [&](const std::string& name, int channels, double cell, auto&& fill) {
-    const int rows = static_cast<int>(std::ceil(height / cell)),
-              columns = static_cast<int>(std::ceil(width / cell));
-    std::vector<float> values;
-    for (int i = 0; i < rows * columns; ++i) fill(values);
-    writer.column_bytes(name, std::as_bytes(std::span(values)),
-                        static_cast<std::uint32_t>(channels) * sizeof(float));
-    return nlohmann::json{{"rows", rows}, {"columns", columns}, {"channels", channels}, {"cell", cell}};
+  const auto made_cells = [&](int channels, double cell, auto&& fill) {
+    vision::CellMap cells{.rows = static_cast<int>(std::ceil(height / cell)),
+                          .columns = static_cast<int>(std::ceil(width / cell)),
+                          .channels = channels,
+                          .cell = static_cast<float>(cell),
+                          .values = {}};
+    for (int i = 0; i < cells.rows * cells.columns; ++i) fill(cells.values);
+    return cells;
   };
   const int bands = vision::motion_bands(settings.spectrum);
-  cells["motion"] = column_of_cells("cells.motion", vision::motion_channels(settings.spectrum),
-                                    settings.spectrum.cell, [&](std::vector<float>& values) {
-                                      values.push_back(made.motion[0]);
-                                      values.push_back(made.motion[1]);
-                                      for (int b = 0; b < bands; ++b) {
-                                        const auto power = static_cast<float>(random() % 1000);
-                                        if (made.surge >= 0 && b < 2)
-                                          values.insert(values.end(), {made.surge, made.surge, 0});
-                                        else
-                                          values.insert(values.end(), {power, power / 2, 0});
-                                      }
-                                    });
-  for (std::size_t s = 0; s < settings.scales.size(); ++s) {
-    cells["texture"].push_back(column_of_cells(
-        fmt::format("cells.texture.{}", s), vision::kTextureLevels,
-        settings.texture_cell / static_cast<double>(settings.scales[s]), [&](std::vector<float>& values) {
-          for (int l = 0; l < vision::kTextureLevels; ++l) {
-            values.push_back(static_cast<float>(random() % 100) / 1000);
-          }
-        }));
-  }
+  columns.motion = made_cells(vision::motion_channels(settings.spectrum), settings.spectrum.cell,
+                              [&](std::vector<float>& values) {
+                                values.push_back(made.motion[0]);
+                                values.push_back(made.motion[1]);
+                                for (int b = 0; b < bands; ++b) {
+                                  const auto power = static_cast<float>(random() % 1000);
+                                  if (made.surge >= 0 && b < 2)
+                                    values.insert(values.end(), {made.surge, made.surge, 0});
+                                  else
+                                    values.insert(values.end(), {power, power / 2, 0});
+                                }
+                              });
+  for (const float scale : settings.scales)
+    columns.texture.push_back(made_cells(vision::kTextureLevels,
+                                         settings.texture_cell / static_cast<double>(scale),
+                                         [&](std::vector<float>& values) {
+                                           for (int l = 0; l < vision::kTextureLevels; ++l)
+                                             values.push_back(static_cast<float>(random() % 100) / 1000);
+                                         }));
 
   const auto variants = settings.variants();
-  std::vector<std::uint8_t> variant;
-  std::vector<std::uint16_t> x, y;
-  std::vector<std::array<float, 2>> motion;
-  std::vector<float> coverage;
+  stored::PatchColumns& patches = columns.patches;
   for (std::size_t v = 0; made.patches && v < variants.size(); ++v) {
     const vision::VariantFrame frame = vision::variant_frame(texture.size(), variants[v]);
     const cv::Mat valid = vision::valid_mask(texture.size(), variants[v]);
@@ -134,27 +120,19 @@ inline void add_made_clip(store::Store& store, const vision::Settings& settings,
     const cv::Vec2d turned = frame.variant_from_source_velocity * cv::Vec2d(made.motion[0], made.motion[1]);
     for (std::size_t i = 0; i < positions.size(); ++i) {
       if (inside[i] < 1) continue;
-      variant.push_back(static_cast<std::uint8_t>(v));
-      x.push_back(static_cast<std::uint16_t>(positions[i].x));
-      y.push_back(static_cast<std::uint16_t>(positions[i].y));
-      motion.push_back({static_cast<float>(turned[0]), static_cast<float>(turned[1])});
-      coverage.push_back(1);
+      patches.variant.push_back(static_cast<std::uint8_t>(v));
+      patches.x.push_back(static_cast<std::uint16_t>(positions[i].x));
+      patches.y.push_back(static_cast<std::uint16_t>(positions[i].y));
+      patches.motion.push_back({static_cast<float>(turned[0]), static_cast<float>(turned[1])});
+      patches.coverage.push_back(1);
     }
   }
-  std::vector<double> times;
-  for (std::uint32_t frame = 0; frame < frames; ++frame) times.push_back(frame * made.frame_s);
-  writer.column<double>("frame.time", times);
-  if (made.patches) {
-    writer.column<std::uint8_t>("patch.variant", variant);
-    writer.column<std::uint16_t>("patch.x", x);
-    writer.column<std::uint16_t>("patch.y", y);
-    writer.column<std::array<float, 2>>("patch.motion", motion);
-    writer.column<float>("patch.coverage", coverage);
-  }
+  for (std::uint32_t frame = 0; frame < frames; ++frame) columns.times_s.push_back(frame * made.frame_s);
+  stored::write_columns(writer, columns);
   const media::PixelLayout layout{
       .format = "gray", .width = texture.cols, .height = texture.rows, .range = 2};
-  record.metadata =
-      nlohmann::json{{"cells", cells}, {"layout", nlohmann::json::parse(media::to_json(layout))}}.dump();
+  record.metadata = to_json(
+      stored::ClipMetadata{.layout = layout, .cells = stored::shapes_of(columns), .loop_known = false});
   writer.commit(record);
 }
 

@@ -8,7 +8,9 @@
 #include <nlohmann/json.hpp>
 
 #include "freshet/error.h"
-#include "tests/query/made_store.h"
+#include "stored/clip_metadata.h"
+#include "stored/clip_schema.h"
+#include "tests/harness/scratch_folder.h"
 
 namespace freshet::stored {
 namespace {
@@ -99,19 +101,14 @@ struct OneColumn {
     store::Store store = store::Store::create(folder.path() / "a.store", "{}");
     store::ClipWriter writer = store.add_clip();
     const cv::Mat frame(kSource, CV_8U, cv::Scalar(0));
-    const store::PlaneShape shape{320, 192, 1};
-    const store::PlaneView view{reinterpret_cast<const std::byte*>(frame.data),
-                                static_cast<std::ptrdiff_t>(frame.step)};
-    writer.begin_stream(store::Stream::kFrames, {&shape, 1});
-    writer.append(store::Stream::kFrames, {&view, 1});
+    begin_stream(writer, store::Stream::kFrames, {frame});
+    append(writer, store::Stream::kFrames, {frame});
     store::ClipRecord record;
     record.name = "a", record.source_hash = "b", record.width = 320, record.height = 192, record.fps_num = 25;
-    record.metadata =
-        nlohmann::json{
-            {"cells", {{"life", {{"rows", 6}, {"columns", 10}, {"channels", channels}, {"cell", 32}}}}}}
-            .dump();
+    const CellShape shape{.rows = 6, .columns = 10, .channels = channels, .cell = 32};
+    record.metadata = to_json(ClipMetadata{.cells = {.life = shape}});
     if (cells)
-      writer.column_bytes("cells.life", std::as_bytes(std::span(cells->values)),
+      writer.column_bytes(kLifeCells, std::as_bytes(std::span(cells->values)),
                           static_cast<std::uint32_t>(channels) * sizeof(float));
     id = writer.commit(record);
     snapshot = store.snapshot();

@@ -4,6 +4,7 @@
 
 #include "freshet/error.h"
 #include "query/search/picture_scale.h"
+#include "stored/store_settings.h"
 
 namespace freshet::tools {
 
@@ -69,7 +70,7 @@ std::optional<double> SearchOptions::piece_scale() const {
 
 void SearchOptions::check(const store::Snapshot& snapshot) const {
   query::check_names(snapshot, options_);
-  const int patch = vision::settings_from_json(snapshot.settings()).grid.patch;
+  const int patch = stored::settings_of(snapshot).grid.patch;
   if (piece_ != 0 && piece_ != patch)
     throw Error(
         ErrorKind::kUsage, snapshot.path().string(),

@@ -14,6 +14,7 @@
 #include "query/benchmark/measured_indexes.h"
 #include "query/benchmark/search_benchmark.h"
 #include "query/benchmark/search_page.h"
+#include "stored/store_settings.h"
 #include "stored/stored_codebook.h"
 #include "tools/commands.h"
 #include "tools/console/output_names.h"
@@ -118,7 +119,7 @@ void run(const BenchCommand& command, const RunContext& context) {
   std::vector<query::BenchmarkPicture> pictures;
   for (const std::string& argument : command.pictures) pictures.push_back(read_picture(argument));
   query::SearchBase base;
-  base.settings = vision::settings_from_json(snapshot.settings());
+  base.settings = stored::settings_of(snapshot);
   base.codebook = stored::read_codebook(snapshot);
   base.table = stored::read_patch_table(snapshot);
   query::SearchBenchmarkOptions options = command.options;

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "freshet/error.h"
+#include "stored/store_settings.h"
 #include "tools/console/run_context.h"
 
 namespace freshet::tools {
@@ -222,9 +223,8 @@ synth::animate::AnimateReport render(const store::Snapshot& snapshot, const Anim
                                      const synth::animate::Staging& staging, const cv::Mat& picture,
                                      const std::function<void(const cv::Mat&)>& sink,
                                      const ProgressFunction& progress, const RunContext& context) {
-  return synth::animate::animate(snapshot, vision::settings_from_json(snapshot.settings()), picture,
-                                 inputs.loaded.matte, staging.placement, staging.options, sink, progress,
-                                 context.stop);
+  return synth::animate::animate(snapshot, stored::settings_of(snapshot), picture, inputs.loaded.matte,
+                                 staging.placement, staging.options, sink, progress, context.stop);
 }
 
 }  // namespace freshet::tools

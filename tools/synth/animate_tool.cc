@@ -6,6 +6,7 @@
 #include "freshet/error.h"
 #include "hints/stroke_field.h"
 #include "media/picture/picture.h"
+#include "stored/store_settings.h"
 #include "synth/animate/frame_sheet.h"
 #include "synth/animate/motion/motion_field.h"
 #include "tools/commands.h"
@@ -83,11 +84,10 @@ void run_animate(AnimateCommand& command, const RunContext& context) {
       cache.get(), context);
   const query::Assignment& assignment = chosen.assignment;
   const synth::animate::Staging staging = stage(snapshot, inputs, assignment);
-  const cv::Mat motion =
-      command.motion.needs_motion(inputs.asked)
-          ? synth::animate::motion_field(snapshot, vision::settings_from_json(snapshot.settings()),
-                                         staging.placement, loaded.picture.size())
-          : cv::Mat();
+  const cv::Mat motion = command.motion.needs_motion(inputs.asked)
+                             ? synth::animate::motion_field(snapshot, stored::settings_of(snapshot),
+                                                            staging.placement, loaded.picture.size())
+                             : cv::Mat();
   command.motion.draw(loaded, inputs.asked, motion);
   command.motion.write_maps(loaded, motion);
 

@@ -12,6 +12,7 @@
 #include "platform/stopwatch.h"
 #include "platform/vectors.h"
 #include "stored/clip_loop.h"
+#include "stored/clip_schema.h"
 #include "synth/sampling/cells.h"
 
 namespace freshet::synth::animate {
@@ -83,7 +84,7 @@ ClipLayer::ClipLayer(const store::Snapshot& snapshot, store::ClipId clip, int fl
       detail_(detail) {
   const store::ClipRecord& record = snapshot.clip(clip);
   frame_count_ = record.frame_count;
-  const std::vector<double> times = snapshot.column<double>(clip, "frame.time");
+  const std::vector<double> times = stored::kFrameTime.read(snapshot, clip);
   if (times.empty() || !std::is_sorted(times.begin(), times.end()))
     throw Error(ErrorKind::kDamaged, record.name, "its frame times are not in order",
                 "Run freshet store verify");

@@ -16,6 +16,7 @@
 
 #include "freshet/error.h"
 #include "query/search/picture_scale.h"
+#include "stored/clip_schema.h"
 #include "synth/sampling/patch_window.h"
 #include "synth/sampling/pull_push.h"
 #include "vision/flow.h"
@@ -93,7 +94,7 @@ std::vector<double> px_per_s_of(const store::Snapshot& snapshot, store::ClipId c
   const store::ClipRecord& record = snapshot.clip(clip);
   const double fps = static_cast<double>(record.fps_num) / static_cast<double>(record.fps_den);
   std::vector<double> rates(record.flow.frames, fps);
-  if (snapshot.has_column(clip, "flow.rate")) rates = snapshot.column<double>(clip, "flow.rate");
+  if (stored::kFlowRate.is_in(snapshot, clip)) rates = stored::kFlowRate.read(snapshot, clip);
   if (rates.size() != record.flow.frames ||
       !std::all_of(rates.begin(), rates.end(), [](double rate) { return rate > 0 && std::isfinite(rate); }))
     throw Error(ErrorKind::kDamaged, record.name, "the rates of its flow do not fit it",

@@ -13,6 +13,7 @@
 #include "query/index/patch_descriptors.h"
 #include "query/index/search_base.h"
 #include "stored/average_image.h"
+#include "stored/clip_schema.h"
 #include "stored/stored_codebook.h"
 #include "tests/ingest/synthetic_clip.h"
 #include "tests/ingest/temporary_folder.h"
@@ -77,24 +78,25 @@ TEST_F(ScaledStore, WithoutJitterACopyIsItsSource) {
   for (const store::ClipId id : snapshot.clips()) {
     const SourceClip clip = read_source_clip(snapshot, kSettings, id, 3);
     const JitteredClip copy = jittered_clip(clip, kSettings, codebook, kNone, clip.average.size(), 1, 0);
-    ASSERT_EQ(copy.average.size(), clip.average.size());
-    EXPECT_LE(cv::norm(copy.average, clip.average, cv::NORM_INF), 2) << "of 65535";
+    ASSERT_EQ(copy.columns.average.size(), clip.average.size());
+    EXPECT_LE(cv::norm(copy.columns.average, clip.average, cv::NORM_INF), 2) << "of 65535";
     ASSERT_EQ(copy.frames.size(), 3u);
     EXPECT_EQ(cv::norm(copy.frames[2], clip.frames[2], cv::NORM_INF), 0);
-    EXPECT_EQ(copy.motion.values, clip.motion.values);
-    ASSERT_EQ(copy.texture.size(), clip.texture.size());
+    EXPECT_EQ(copy.columns.motion.values, clip.motion.values);
+    ASSERT_EQ(copy.columns.texture.size(), clip.texture.size());
     for (std::size_t scale = 0; scale < clip.texture.size(); ++scale)
-      EXPECT_EQ(copy.texture[scale].values, clip.texture[scale].values);
+      EXPECT_EQ(copy.columns.texture[scale].values, clip.texture[scale].values);
     // What moves is measured again: the patches are the ones that ingest found.
-    EXPECT_EQ(copy.patches.variant, snapshot.column<std::uint8_t>(id, "patch.variant"));
-    EXPECT_EQ(copy.patches.x, snapshot.column<std::uint16_t>(id, "patch.x"));
-    EXPECT_EQ(copy.patches.y, snapshot.column<std::uint16_t>(id, "patch.y"));
-    EXPECT_EQ(copy.patches.coverage, snapshot.column<float>(id, "patch.coverage"));
-    const auto words = snapshot.column<vision::WordMap>(id, "patch.words");
+    EXPECT_EQ(copy.columns.patches.variant, stored::kPatchVariant.read(snapshot, id));
+    EXPECT_EQ(copy.columns.patches.x, stored::kPatchX.read(snapshot, id));
+    EXPECT_EQ(copy.columns.patches.y, stored::kPatchY.read(snapshot, id));
+    EXPECT_EQ(copy.columns.patches.coverage, stored::kPatchCoverage.read(snapshot, id));
+    const auto words = stored::kPatchWords.read(snapshot, id);
     ASSERT_GT(words.size(), 50u);
-    ASSERT_EQ(copy.words.size(), words.size());
+    ASSERT_EQ(copy.columns.patches.words.size(), words.size());
     std::size_t other = 0;
-    for (std::size_t row = 0; row < words.size(); ++row) other += copy.words[row] != words[row];
+    for (std::size_t row = 0; row < words.size(); ++row)
+      other += copy.columns.patches.words[row] != words[row];
     EXPECT_LE(other, words.size() / 20) << "a step of rounding in the average image may turn a word";
   }
 }
@@ -110,20 +112,18 @@ TEST_F(ScaledStore, MotionIsTurnedZoomedMirroredAndSpedUp) {
     std::fill_n(clip.motion.values.begin() + static_cast<std::ptrdiff_t>(i), channels, 0.0f);
     clip.motion.values[i] = u;
     clip.motion.values[i + 1] = v;
-    clip.motion.values[i + 2] = u * u;
-    clip.motion.values[i + 3] = v * v;
-    clip.motion.values[i + 4] = u * v;
+    vision::set_band_power(&clip.motion.values[i], 0, {.u = u * u, .v = v * v, .cross = u * v});
   }
   std::set<bool> mirrored;
   for (std::uint64_t number = 0; number < 8; ++number) {
     const JitteredClip copy = jittered_clip(clip, kSettings, codebook, {}, {160, 120}, 1, number);
-    const auto made = nlohmann::json::parse(copy.record.metadata).at("generated");
+    const auto made = nlohmann::json::parse(to_json(copy.metadata)).at("generated");
     const vision::Variant variant{made.at("zoom"), made.at("rotation_deg"), made.at("mirrored")};
     mirrored.insert(variant.flip);
     const double speed = made.at("speed");
     const cv::Vec2d expected =
         vision::variant_frame({256, 144}, variant).variant_from_source_velocity * cv::Vec2d(30, 10) * speed;
-    const auto cell = copy.motion.at(3, 4);
+    const auto cell = copy.columns.motion.at(3, 4);
     EXPECT_NEAR(cell[0], expected[0], 1e-3);
     EXPECT_NEAR(cell[1], expected[1], 1e-3);
     EXPECT_NEAR(cell[2], expected[0] * expected[0], 0.01);
@@ -162,7 +162,7 @@ TEST_F(ScaledStore, WordsAreThoseThatAnIndexBuildWouldGive) {
   std::vector<std::vector<vision::Descriptor>> descriptors;
   for (const auto& sheet : points.sheets())
     descriptors.push_back(points.describe(sheet, stored::average_image(snapshot, id)));
-  EXPECT_EQ(points.words(codebook, descriptors), snapshot.column<vision::WordMap>(id, "patch.words"));
+  EXPECT_EQ(points.words(codebook, descriptors), stored::kPatchWords.read(snapshot, id));
 }
 
 TEST_F(ScaledStore, IsTheSameForASeedWhateverTheThreads) {

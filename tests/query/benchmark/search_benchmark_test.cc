@@ -11,6 +11,7 @@
 #include "query/benchmark/subset_index.h"
 #include "query/index/exact_index.h"
 #include "query/index/index_builder.h"
+#include "stored/store_settings.h"
 #include "stored/stored_codebook.h"
 #include "tests/query/index/random_words.h"
 #include "tests/query/made_store.h"
@@ -27,7 +28,7 @@ struct Opened {
   SearchBase base;
 
   Opened() {
-    base.settings = vision::settings_from_json(snapshot.settings());
+    base.settings = stored::settings_of(snapshot);
     base.codebook = stored::read_codebook(snapshot);
     base.table = stored::read_patch_table(snapshot);
   }

@@ -9,12 +9,13 @@
 #include <string>
 #include <vector>
 
-#include <nlohmann/json.hpp>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "media/frame/layout_json.h"
+#include "media/frame/frame.h"
 #include "store/store.h"
+#include "stored/clip_columns.h"
+#include "stored/clip_metadata.h"
 #include "vision/settings.h"
 
 namespace freshet::synth::animate {
@@ -101,31 +102,23 @@ struct FlowingClip {
   }
 
   store::ClipId add_to(store::Store& store, const std::string& name) const {
-    const auto shape = [](cv::Size s, int bytes) {
-      return store::PlaneShape{static_cast<std::uint32_t>(s.width), static_cast<std::uint32_t>(s.height),
-                               static_cast<std::uint8_t>(bytes)};
-    };
-    const auto view = [](const cv::Mat& plane) {
-      return store::PlaneView{reinterpret_cast<const std::byte*>(plane.data),
-                              static_cast<std::ptrdiff_t>(plane.step)};
-    };
     store::ClipWriter writer = store.add_clip();
-    const std::vector<store::PlaneShape> frame_planes{shape(size, 1)}, flow_planes(2, shape(flow_size(), 2));
-    writer.begin_stream(store::Stream::kFrames, frame_planes);
-    writer.begin_stream(store::Stream::kFlow, flow_planes);
-    std::vector<double> times;
+    stored::ClipColumns columns;
+    columns.rates = rates;
+    if (life) columns.life = *life;
+    if (standing) columns.standing = *standing;
     for (int i = 0; i < frames; ++i) {
       const cv::Mat picture = frame(i);
-      const std::vector<store::PlaneView> views{view(picture)};
-      writer.append(store::Stream::kFrames, views);
-      times.push_back(i / 25.0);
-      if (i + 1 == frames) continue;
-      const auto by = flow(i);
-      const std::vector<store::PlaneView> flow_views{view(by[0]), view(by[1])};
-      writer.append(store::Stream::kFlow, flow_views);
+      const std::array<cv::Mat, 2> by = flow(i);
+      if (i == 0) {
+        stored::begin_stream(writer, store::Stream::kFrames, {picture});
+        stored::begin_stream(writer, store::Stream::kFlow, {by[0], by[1]});
+      }
+      stored::append(writer, store::Stream::kFrames, {picture});
+      columns.times_s.push_back(i / 25.0);
+      if (i + 1 < frames) stored::append(writer, store::Stream::kFlow, {by[0], by[1]});
     }
-    writer.column<double>("frame.time", times);
-    if (!rates.empty()) writer.column<double>("flow.rate", rates);
+    stored::write_columns(writer, columns);
     store::ClipRecord record;
     record.name = name;
     record.class_name = "water";
@@ -136,19 +129,8 @@ struct FlowingClip {
     record.fps_num = 25;
     const media::PixelLayout layout{
         .format = "gray", .width = size.width, .height = size.height, .range = range};
-    nlohmann::json metadata{{"layout", nlohmann::json::parse(media::to_json(layout))}};
-    const auto add_cells = [&](const std::string& column, const std::optional<vision::CellMap>& cells) {
-      if (!cells) return;
-      metadata["cells"][column] = {{"rows", cells->rows},
-                                   {"columns", cells->columns},
-                                   {"channels", cells->channels},
-                                   {"cell", cells->cell}};
-      writer.column_bytes("cells." + column, std::as_bytes(std::span(cells->values)),
-                          static_cast<std::uint32_t>(cells->channels * sizeof(float)));
-    };
-    add_cells("life", life);
-    add_cells("standing", standing);
-    record.metadata = metadata.dump();
+    record.metadata = to_json(
+        stored::ClipMetadata{.layout = layout, .cells = stored::shapes_of(columns), .loop_known = false});
     return writer.commit(record);
   }
 };

@@ -1,0 +1,57 @@
+#include "stored/patch_table.h"
+
+#include <sys/resource.h>
+
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "freshet/error.h"
+#include "stored/clip_schema.h"
+#include "tests/query/made_store.h"
+#include "tests/stored/altered_record.h"
+
+namespace freshet::stored {
+namespace {
+
+long peak_kib() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return usage.ru_maxrss;
+}
+
+TEST(PatchTable, TakesNoMemoryForRowsThatNoColumnHolds) {
+  const ScratchFolder folder;
+  const std::filesystem::path file = folder.path() / "a.store";
+  {
+    store::Store store = query::made_store(file, {{.name = "fall.mp4"}});
+    const store::Snapshot snapshot = store.snapshot();
+    const std::vector<vision::WordMap> words(snapshot.clip(snapshot.clips()[0]).rows);
+    const store::Store::Column column{snapshot.clips()[0], kPatchWords.name, std::as_bytes(std::span(words)),
+                                      sizeof(vision::WordMap)};
+    store.write({}, {&column, 1});
+    EXPECT_EQ(read_patch_table(store.snapshot()).size(), words.size());
+  }
+  // The record and its account of the columns agree; the chunks are not there.
+  alter_first_clip(file, [](store::StoredClip& clip) {
+    clip.record.rows = 10'000'000;  // of 110 bytes each
+    for (auto& [name, column] : clip.columns) {
+      if (!name.starts_with("patch.")) continue;
+      column.bytes = clip.record.rows * column.element_bytes;
+      column.sum.records = static_cast<std::uint32_t>(store::chunks_of(column));
+    }
+  });
+  const store::Snapshot snapshot = store::Store::open_read(file).snapshot();
+  const long before = peak_kib();
+  try {
+    read_patch_table(snapshot);
+    FAIL() << "read as if it were whole";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::kDamaged);
+    EXPECT_NE(std::string(error.what()).find("patch."), std::string::npos) << error.what();
+  }
+  EXPECT_LT(peak_kib() - before, 100'000);
+}
+
+}  // namespace
+}  // namespace freshet::stored
