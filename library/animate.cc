@@ -10,7 +10,7 @@
 #include "media/picture/picture.h"
 #include "synth/animate/animate.h"
 #include "synth/animate/staging.h"
-#include "synth/outline/moving_boundary.h"
+#include "synth/outline/moving_outline.h"
 
 namespace freshet {
 
@@ -43,10 +43,10 @@ AnimateReport animate(const Labelling& labelling, const std::function<void(const
   rendering.fps = search.fps;
   rendering.loop = options.loop;
   rendering.memory_bytes = options.memory_bytes;
-  rendering.boundary.held = search.held;
+  rendering.outline.held = search.held;
   if (options.moving_outline) {
-    rendering.boundary.boundary = synth::outline::Boundary::kMoving;
-    rendering.boundary.background = rendered(options.background);
+    rendering.outline.kind = synth::outline::Outline::kMoving;
+    rendering.outline.background = rendered(options.background);
   }
   const bool deep = !options.deep.empty();
   const cv::Mat picture = rendered(deep ? options.deep : search.picture);
@@ -54,7 +54,7 @@ AnimateReport animate(const Labelling& labelling, const std::function<void(const
   if (deep) {
     rendering.form = synth::animate::FrameForm::kFluid;
     layers.emplace(options.moving_outline
-                       ? synth::outline::behind_fluid(picture, search.matte, rendering.boundary)
+                       ? synth::outline::behind_fluid(picture, search.matte, rendering.outline)
                        : picture,
                    options.deep, search.matte, media::Layer::kWhole, media::AlphaForm::kStraight,
                    options.deep.depth() == CV_16U ? media::Samples::k16 : media::Samples::kLight);

@@ -94,10 +94,10 @@ void render(const LabelledPicture& labelled, const Document& document, const Sce
   if (scene.motion_alone) options.method = animate::CarriedOptions{.innovations = std::nullopt};
   options.tiles = labelled.store->tiles;
   if (document.moving_outline) {
-    options.boundary.boundary = synth::outline::Boundary::kMoving;
+    options.outline.kind = synth::outline::Outline::kMoving;
     options.matte_sink = [&](const cv::Mat& matte) { reel.add_outline(matte); };
   }
-  options.boundary.held = scene.held;
+  options.outline.held = scene.held;
   query::Assignment assignment = labelled.labelling.assignment;
   const cv::Size labelled_size = assignment.picture;
   const cv::Size size = scene.picture.size();

@@ -358,7 +358,7 @@ Json run_candles(const fs::path& footage, const std::string& sheet) {
           picture(cv::Rect(candle % 3 * width, candle / 3 * one.height, width, one.height)));
     made.push_back(picture);
   }
-  const stills::Proposal proposal = stills::propose_regions(made);
+  const stills::RegionProposal proposal = stills::propose_regions(made);
   int independent = 0, right = 0;
   for (const stills::Region& region : proposal.regions) {
     if (region.kind != stills::RegionKind::kIndependent) continue;

@@ -84,7 +84,7 @@ std::vector<Piece> pieces_of(const cv::Mat& mask, const cv::Mat& variation, doub
 /// Cuts pieces where two peaks of variation that go their own ways have a valley between them.
 class Splitter {
  public:
-  Splitter(const std::vector<cv::Mat>& stills, const cv::Mat& variation, const ProposalOptions& options)
+  Splitter(const std::vector<cv::Mat>& stills, const cv::Mat& variation, const RegionProposalOptions& options)
       : stills_(stills), variation_(variation), options_(options) {}
 
   void split(const Piece& piece, std::vector<Piece>& out) const {
@@ -134,12 +134,12 @@ class Splitter {
 
   const std::vector<cv::Mat>& stills_;
   const cv::Mat& variation_;
-  const ProposalOptions& options_;
+  const RegionProposalOptions& options_;
 };
 
 /// Pieces that one order serves, as one.
 std::vector<Piece> joined(const std::vector<Piece>& pieces, const std::vector<cv::Mat>& stills,
-                          const ProposalOptions& options) {
+                          const RegionProposalOptions& options) {
   std::vector<Square<double>> tables;
   for (const Piece& piece : pieces) tables.push_back(still_distances(stills, piece.mask));
   std::vector<Piece> out;
@@ -229,9 +229,9 @@ cv::Mat variation_of(const std::vector<cv::Mat>& stills) {
   return mean;
 }
 
-Proposal propose_regions(const std::vector<cv::Mat>& small, const ProposalOptions& options) {
+RegionProposal propose_regions(const std::vector<cv::Mat>& small, const RegionProposalOptions& options) {
   const std::vector<cv::Mat> stills = reduced(small, options.side);
-  Proposal proposal{.regions = {}, .variation = variation_of(stills), .notices = {}};
+  RegionProposal proposal{.regions = {}, .variation = variation_of(stills), .notices = {}};
   const cv::Mat& variation = proposal.variation;
   const cv::Size size = variation.size();
   const double strongest = percentile(variation, .999);

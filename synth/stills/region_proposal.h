@@ -10,7 +10,7 @@
 
 namespace freshet::synth::stills {
 
-struct ProposalOptions {
+struct RegionProposalOptions {
   int side = 320;      // px, longer side of the copies that are looked at
   double moves = 0.2;  // of the strongest variation: what varies more moves
   double together =
@@ -20,7 +20,7 @@ struct ProposalOptions {
   int most = 12;        // regions
 };
 
-struct Proposal {
+struct RegionProposal {
   std::vector<Region>
       regions;        // independent ones from left to right; then "slow", where there is any; not what stands
   cv::Mat variation;  // CV_32F, of 255: standard deviation over the stills, at the copies' size
@@ -37,7 +37,7 @@ struct Proposal {
 ///          segment by. Which
 ///          stills are alike they do show, place by place. (Agreement of tables: Mantel 1967.)
 /// Cost     .3 s for 14 stills.
-Proposal propose_regions(const std::vector<cv::Mat>& small, const ProposalOptions& options = {});
+RegionProposal propose_regions(const std::vector<cv::Mat>& small, const RegionProposalOptions& options = {});
 
 /// Standard deviation over the stills, CV_32F, of 255.
 cv::Mat variation_of(const std::vector<cv::Mat>& stills);

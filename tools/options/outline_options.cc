@@ -52,9 +52,9 @@ void OutlineOptions::check() const {
 void OutlineOptions::apply(synth::animate::FrameOptions& options, cv::Size picture) const {
   check();
   if (kind_ == "static") return;
-  options.boundary.boundary = synth::outline::Boundary::kMoving;
-  options.boundary.matte = matte_;
-  options.boundary.inpaint.method = synth::outline::parse_inpaint_method(inpaint_);
+  options.outline.kind = synth::outline::Outline::kMoving;
+  options.outline.matte = matte_;
+  options.outline.inpaint.method = synth::outline::parse_inpaint_method(inpaint_);
   if (!background_.empty()) {
     const media::Still background = media::read_still(background_);
     for (const std::string& notice : background.notices) say(background_ + ": " + notice);
@@ -63,7 +63,7 @@ void OutlineOptions::apply(synth::animate::FrameOptions& options, cv::Size pictu
                   fmt::format("a background of {} x {} px, and the target has {} x {}", background.bgr.cols,
                               background.bgr.rows, picture.width, picture.height),
                   "Scale or crop it to the target's size");
-    options.boundary.background = background.deep.empty() ? background.bgr : media::coded_picture(background);
+    options.outline.background = background.deep.empty() ? background.bgr : media::coded_picture(background);
   }
 }
 

@@ -14,7 +14,7 @@ class OutlineOptions {
   void add_to(CLI::App& command);
   /// Throws Error{kUsage} for options of a moving outline with a still one.
   void check() const;
-  /// Reads the background. Sets boundary of the options.
+  /// Reads the background. Sets outline of the options.
   void apply(synth::animate::FrameOptions& options, cv::Size picture) const;
 
  private:

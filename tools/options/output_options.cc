@@ -11,7 +11,7 @@
 #include "media/picture/motion_file.h"
 #include "media/picture/picture_sequence.h"
 #include "platform/text.h"
-#include "synth/outline/moving_boundary.h"
+#include "synth/outline/moving_outline.h"
 #include "tools/console/run_context.h"
 
 namespace freshet::tools {
@@ -230,8 +230,8 @@ std::unique_ptr<AnimationFiles> OutputOptions::open(const TargetFiles::Loaded& l
   if (layer_ == "whole" && samples == media::Samples::k8 && !deep) return files;
   files->picture_ = media::coded_picture(loaded.still);
   options.form = synth::animate::FrameForm::kFluid;
-  const cv::Mat below = moving ? synth::outline::behind_fluid(files->picture_, loaded.matte, options.boundary)
-                               : files->picture_;
+  const cv::Mat below =
+      moving ? synth::outline::behind_fluid(files->picture_, loaded.matte, options.outline) : files->picture_;
   const media::Layer layer = layer_ == "fluid"   ? media::Layer::kFluid
                              : layer_ == "light" ? media::Layer::kLight
                                                  : media::Layer::kWhole;

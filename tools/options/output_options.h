@@ -63,7 +63,7 @@ class OutputOptions {
 
   /// Opens all files, and asks the options for frames in the form that they need. Says what a codec makes of the
   /// picture's size. Throws for whatever names, forms and formats do not go together: before the work.
-  /// options       with frames, fps and boundary; what they are given must not outlive the files.
+  /// options       with frames, fps and outline; what they are given must not outlive the files.
   /// motion_sink   where frames' motion is to go, likewise; null where nothing is carried.
   std::unique_ptr<AnimationFiles> open(const TargetFiles::Loaded& loaded,
                                        synth::animate::FrameOptions& options,

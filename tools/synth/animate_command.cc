@@ -53,7 +53,7 @@ void AnimateCommand::add_making_to(CLI::App& app) {
   labelling.add_to(app);
   cache.add_to(app);
   play.add_to(app);
-  boundary.add_to(app);
+  outline.add_to(app);
   add_carrying_to(app);
   add_blending_to(app);
 }
@@ -178,8 +178,8 @@ AnimateInputs read_inputs(const AnimateCommand& command) {
   AnimateInputs inputs{
       .loaded = command.target.load_with_matte(), .options = command.rendering(), .asked = {}, .playing = {}};
   const cv::Mat held = command.hold.take_out(inputs.loaded);
-  command.boundary.apply(inputs.options, inputs.loaded.picture.size());
-  inputs.options.boundary.held = held;
+  command.outline.apply(inputs.options, inputs.loaded.picture.size());
+  inputs.options.outline.held = held;
   inputs.asked =
       command.motion.read(inputs.loaded, command.search,
                           command.method == "paper" ? query::HintSearch::kNarrow : query::HintSearch::kWide);

@@ -38,7 +38,7 @@ struct AnimateCommand {
   SolverOptions labelling;
   CacheOptions cache;
   PlayOptions play;
-  OutlineOptions boundary;
+  OutlineOptions outline;
   OutputOptions output;
   std::string assignment, sheet;
   std::string method = "carried", weights = "variance", low_band = "shared", matching = "sequence";

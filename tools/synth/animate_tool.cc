@@ -132,7 +132,7 @@ void animate_layer(const AnimateRequest& request, const std::function<void(const
                        .playing = command.play.read(request.loaded.picture.size())};
   inputs.options.loop = request.loop;
   inputs.options.form = synth::animate::FrameForm::kFluid;
-  command.boundary.apply(inputs.options, request.loaded.picture.size());
+  command.outline.apply(inputs.options, request.loaded.picture.size());
   if (!request.strokes.empty() && inputs.asked.strokes.empty()) {
     const hints::StrokeField field =
         hints::interpolate(request.strokes, request.loaded.picture.size(), request.where);

@@ -27,7 +27,7 @@
 #include "tools/console/output_names.h"
 #include "tools/console/progress.h"
 #include "tools/options/output_options.h"
-#include "tools/synth/layer_frames.h"
+#include "tools/synth/made_layers.h"
 
 namespace freshet::tools {
 namespace {

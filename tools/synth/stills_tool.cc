@@ -118,7 +118,7 @@ std::vector<stills::Region> choose_regions(const StillsCommand& command, const s
     if (still.depth() == CV_16U) still.convertTo(still, CV_8U, 1.0 / 257);
     return stills::scribbled_regions(command.scribbles, still, small, said);
   }
-  stills::Proposal proposal = stills::propose_regions(small);
+  stills::RegionProposal proposal = stills::propose_regions(small);
   if (command.one_region)
     return {{.name = "1", .mask = cv::Mat(small[0].size(), CV_8U, cv::Scalar(255)), .parent = {}}};
   return std::move(proposal.regions);

@@ -58,7 +58,7 @@ cache::Key key_of(const SweepPoint& point, const AnimateInputs& inputs) {
   cache::KeyHash hash;
   for (const std::string& word : point.rendering_words()) hash.add(word);
   for (const cv::Mat& map :
-       {inputs.loaded.picture, inputs.loaded.still.deep, inputs.loaded.matte, inputs.options.boundary.held,
+       {inputs.loaded.picture, inputs.loaded.still.deep, inputs.loaded.matte, inputs.options.outline.held,
         inputs.asked.guide.direction, inputs.asked.guide.speed})
     add(hash, map);
   return hash.key();

@@ -221,7 +221,7 @@ class CarriedRenderer final : public Renderer {
   /// from the first frame on. What that is short of the picture is added there, and goes as the still frame does.
   void begin_as_the_still(const cv::Mat& matte) {
     const FrameOptions& frames = animation_.options;
-    if (!frames.moving() || frames.form != FrameForm::kWhole || !frames.boundary.background.empty()) return;
+    if (!frames.moving() || frames.form != FrameForm::kWhole || !frames.outline.background.empty()) return;
     copies_->prepare(0, 1);
     const Carried first = carry(0, 0);
     cv::Mat whole;

@@ -17,7 +17,7 @@
 #include "store/store.h"
 #include "stored/decoded_tiles.h"
 #include "synth/animate/placement/placement.h"
-#include "synth/outline/moving_boundary.h"
+#include "synth/outline/moving_outline.h"
 #include "vision/settings.h"
 
 namespace freshet::synth::animate {
@@ -43,14 +43,14 @@ struct FrameOptions {
   std::size_t memory_bytes = std::size_t{2000} << 20;
   /// What was asked of the motion: the picture is blurred and carried so (apply_guide).
   query::MotionGuide guide{};
-  outline::BoundaryOptions boundary{};
+  synth::outline::MovingOutlineOptions outline{};
   /// Of the snapshot, decoded for earlier animations; null: none are kept. It changes the time taken, and nothing else.
   std::shared_ptr<stored::DecodedTiles> tiles{};
   std::function<void(const cv::Mat&)> matte_sink{};  // each frame's matte, CV_32F 0..1
 
   /// The frame after the last one that is made.
   int end() const { return until > 0 ? std::min(until, frames) : frames; }
-  bool moving() const { return boundary.boundary == outline::Boundary::kMoving; }
+  bool moving() const { return outline.kind == synth::outline::Outline::kMoving; }
 };
 
 /// Where the time went, and with what.

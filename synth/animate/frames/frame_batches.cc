@@ -31,12 +31,12 @@ void make_frames(Animation& animation, const StillPart& still, Renderer& rendere
                  const std::function<void(const cv::Mat&)>& sink) {
   const FrameOptions& options = animation.options;
   const std::vector<int> order = order_of(options, renderer.first());
-  std::optional<outline::BoundarySequence> boundary;
+  std::optional<outline::MatteSequence> moving_matte;
   if (options.moving())
-    boundary.emplace(
-        still.alpha, still.asked_motion, options.fps, options.boundary.matte,
+    moving_matte.emplace(
+        still.alpha, still.asked_motion, options.fps, options.outline.matte,
         [&](int i) { return renderer.motion(order[static_cast<std::size_t>(i) % order.size()]); },
-        options.loop ? options.frames : 0, options.boundary.held);
+        options.loop ? options.frames : 0, options.outline.held);
   Handover handover(sink);
   const int batch = renderer.batch(), end = options.end(), from = std::clamp(options.from, 0, end);
   animation.report.batches = (options.frames + batch - 1) / batch;
@@ -51,8 +51,8 @@ void make_frames(Animation& animation, const StillPart& still, Renderer& rendere
       const std::size_t passed =
           std::min(outputs.size(), static_cast<std::size_t>(std::max(0, from - before)));
       std::vector<cv::Mat> mattes(outputs.size(), still.alpha), finished(outputs.size() - passed);
-      if (boundary)
-        for (cv::Mat& matte : mattes) matte = boundary->next();
+      if (moving_matte)
+        for (cv::Mat& matte : mattes) matte = moving_matte->next();
       if (options.matte_sink)
         for (std::size_t i = passed; i < mattes.size(); ++i) options.matte_sink(mattes[i]);
       renderer.prepare(outputs, mattes, passed);

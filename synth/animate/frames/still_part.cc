@@ -25,7 +25,7 @@ StillPart read_still(const Animation& animation) {
   StillPart still;
   const FrameOptions& options = animation.options;
   if (options.moving())
-    still.behind = outline::behind_fluid(animation.picture, animation.matte, options.boundary);
+    still.behind = outline::behind_fluid(animation.picture, animation.matte, options.outline);
   still.target = in_units(animation.picture);
   still.luma = luma_of(still.target);
   animation.matte.convertTo(still.alpha, CV_32F, 1.0 / 255);

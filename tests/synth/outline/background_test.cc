@@ -4,7 +4,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "freshet/error.h"
-#include "synth/outline/moving_boundary.h"
+#include "synth/outline/moving_outline.h"
 
 namespace freshet::synth::outline {
 namespace {
@@ -67,7 +67,7 @@ TEST(Background, AnEmptyMatteHidesNothing) {
 
 TEST(Background, AGivenOneLiesInsideTheMatteOnly) {
   const Scene s = scene();
-  BoundaryOptions options;
+  MovingOutlineOptions options;
   options.background = cv::Mat(s.picture.size(), CV_8UC3, cv::Scalar(10, 20, 30));
   cv::Mat behind = behind_fluid(s.picture, s.matte, options), picture;
   s.picture.convertTo(picture, CV_32F, 1.0 / 255);
@@ -79,7 +79,7 @@ TEST(Background, AGivenOneLiesInsideTheMatteOnly) {
 
 TEST(Background, OneOfAnotherSizeIsRefused) {
   const Scene s = scene();
-  BoundaryOptions options;
+  MovingOutlineOptions options;
   options.background = cv::Mat::zeros(90, 100, CV_8UC3);
   try {
     behind_fluid(s.picture, s.matte, options);

@@ -33,7 +33,7 @@ std::vector<cv::Mat> three_pendulums(bool together) {
 }
 
 TEST(RegionProposal, FindsThingsThatMoveByThemselves) {
-  const Proposal proposal = propose_regions(three_pendulums(false));
+  const RegionProposal proposal = propose_regions(three_pendulums(false));
   ASSERT_GE(proposal.regions.size(), 3u);
   for (int i = 0; i < 3; ++i) {
     const cv::Rect box = cv::boundingRect(proposal.regions[i].mask);
@@ -44,7 +44,7 @@ TEST(RegionProposal, FindsThingsThatMoveByThemselves) {
 }
 
 TEST(RegionProposal, WhatVariesTogetherIsOneRegion) {
-  const Proposal proposal = propose_regions(three_pendulums(true));
+  const RegionProposal proposal = propose_regions(three_pendulums(true));
   const auto moving =
       std::count_if(proposal.regions.begin(), proposal.regions.end(),
                     [](const Region& region) { return region.kind == RegionKind::kIndependent; });
@@ -65,7 +65,7 @@ std::vector<cv::Mat> crowd_of(int columns, int gap) {
 }
 
 TEST(RegionProposal, ACrowdOfPiecesThatTouchIsOneSurface) {
-  const auto independent = [](const Proposal& proposal) {
+  const auto independent = [](const RegionProposal& proposal) {
     return std::count_if(proposal.regions.begin(), proposal.regions.end(),
                          [](const Region& region) { return region.kind == RegionKind::kIndependent; });
   };

@@ -1,4 +1,4 @@
-#include "synth/outline/moving_boundary.h"
+#include "synth/outline/moving_outline.h"
 
 #include <algorithm>
 #include <string>
@@ -41,7 +41,7 @@ cv::Mat behind_held(const cv::Mat& alpha, const cv::Mat& seen) {
 
 }  // namespace
 
-cv::Mat behind_fluid(const cv::Mat& picture, const cv::Mat& matte, const BoundaryOptions& options) {
+cv::Mat behind_fluid(const cv::Mat& picture, const cv::Mat& matte, const MovingOutlineOptions& options) {
   if (!options.background.empty() && options.background.size() != picture.size()) {
     const auto size = [](const cv::Mat& of) {
       return std::to_string(of.cols) + " x " + std::to_string(of.rows);
@@ -69,16 +69,16 @@ cv::Mat behind_fluid(const cv::Mat& picture, const cv::Mat& matte, const Boundar
   return out;
 }
 
-BoundarySequence::BoundarySequence(const cv::Mat& alpha, const cv::Mat& mean_motion, double fps,
-                                   const DynamicMatteOptions& options, std::function<cv::Mat(int)> motion,
-                                   int ring, const cv::Mat& held)
+MatteSequence::MatteSequence(const cv::Mat& alpha, const cv::Mat& mean_motion, double fps,
+                             const DynamicMatteOptions& options, std::function<cv::Mat(int)> motion, int ring,
+                             const cv::Mat& held)
     : seen_(seen_of(held)),
       matte_(behind_held(alpha, seen_), mean_motion, fps, options),
       motion_(std::move(motion)) {
   for (int i = 0; i < ring; ++i) matte_.step(motion_(i));
 }
 
-cv::Mat BoundarySequence::next() {
+cv::Mat MatteSequence::next() {
   // Frame i's motion leads to frame i + 1.
   if (frame_ > 0) matte_.step(motion_(frame_ - 1));
   ++frame_;

@@ -1,4 +1,4 @@
-#include "synth/outline/moving_boundary.h"
+#include "synth/outline/moving_outline.h"
 
 #include <algorithm>
 
@@ -24,12 +24,12 @@ Held flame_behind_a_log() {
   return made;
 }
 
-TEST(BoundarySequence, TheHoleOfWhatIsHeldIsNotCarriedUpWithTheFlames) {
+TEST(MatteSequence, TheHoleOfWhatIsHeldIsNotCarriedUpWithTheFlames) {
   const Held made = flame_behind_a_log();
   const cv::Mat up(kSize, CV_32FC2, cv::Scalar(0, -50));  // 2 px a frame
   const auto motion = [&](int) { return up; };
-  BoundarySequence mattes(made.alpha, up, 25, {}, motion, 0, made.log);
-  BoundarySequence unaware(made.alpha, up, 25, {}, motion);
+  MatteSequence mattes(made.alpha, up, 25, {}, motion, 0, made.log);
+  MatteSequence unaware(made.alpha, up, 25, {}, motion);
   const cv::Rect above(kFlame.x + 12, kLog.y - 10, 24, 8);  // where the hole would be after some frames
   double least = 1, least_unaware = 1;
   for (int frame = 0; frame < 12; ++frame) {
@@ -48,12 +48,12 @@ TEST(BoundarySequence, TheHoleOfWhatIsHeldIsNotCarriedUpWithTheFlames) {
   EXPECT_LT(least_unaware, 0.5) << "nothing to be kept from";
 }
 
-TEST(BoundarySequence, NothingHeldChangesNothing) {
+TEST(MatteSequence, NothingHeldChangesNothing) {
   const Held made = flame_behind_a_log();
   const cv::Mat up(kSize, CV_32FC2, cv::Scalar(0, -50));
   const auto motion = [&](int) { return up; };
-  BoundarySequence without(made.alpha, up, 25, {}, motion);
-  BoundarySequence with(made.alpha, up, 25, {}, motion, 0, cv::Mat(kSize, CV_8U, cv::Scalar(0)));
+  MatteSequence without(made.alpha, up, 25, {}, motion);
+  MatteSequence with(made.alpha, up, 25, {}, motion, 0, cv::Mat(kSize, CV_8U, cv::Scalar(0)));
   for (int frame = 0; frame < 4; ++frame)
     EXPECT_LT(cv::norm(without.next(), with.next(), cv::NORM_INF), 1e-5) << "frame " << frame;
 }

@@ -1,4 +1,4 @@
-// synth/outline/moving_boundary.h — the fluid's moving outline: a matte per frame, and its background.
+// synth/outline/moving_outline.h — the fluid's moving outline: a matte per frame, and its background.
 #pragma once
 
 #include <functional>
@@ -10,13 +10,13 @@
 
 namespace freshet::synth::outline {
 
-enum class Boundary {
+enum class Outline {
   kStatic,  // the still picture's matte, in every frame
   kMoving,  // carried along by the fluid: for fire and smoke, whose outlines change
 };
 
-struct BoundaryOptions {
-  Boundary boundary = Boundary::kStatic;
+struct MovingOutlineOptions {
+  Outline kind = Outline::kStatic;
   DynamicMatteOptions matte;
   cv::Mat held;  // CV_8U, the picture's size, 255 where something stands before the fluid; or empty
   /// CV_8UC3 or CV_32FC3 (1 is white), the picture's size: what lies behind the fluid; empty: inpainted.
@@ -30,19 +30,19 @@ struct BoundaryOptions {
 /// picture  CV_8UC3, or CV_32FC3: 1 is white.
 /// matte    CV_8U.
 /// Throws   Error{kInput} for a background of another size, or a matte that leaves none to be seen.
-cv::Mat behind_fluid(const cv::Mat& picture, const cv::Mat& matte, const BoundaryOptions& options);
+cv::Mat behind_fluid(const cv::Mat& picture, const cv::Mat& matte, const MovingOutlineOptions& options);
 
 /// Mattes of the frames one after the other, first the still one; asked for in order.
-class BoundarySequence {
+class MatteSequence {
  public:
   /// motion   velocity in frame i, CV_32FC2, px/s, as MotionSequence::at.
   /// ring     0, or the number of frames after which the motion begins again. The matte is then brought to
   ///          its own period first, and so has no seam; it no longer begins as the still one.
-  /// held     BoundaryOptions::held: alpha is less that already. The fluid goes on behind it, as it is beside
+  /// held     MovingOutlineOptions::held: alpha is less that already. The fluid goes on behind it, as it is beside
   ///          it, and comes out on the other side.
-  BoundarySequence(const cv::Mat& alpha, const cv::Mat& mean_motion, double fps,
-                   const DynamicMatteOptions& options, std::function<cv::Mat(int)> motion, int ring = 0,
-                   const cv::Mat& held = {});
+  MatteSequence(const cv::Mat& alpha, const cv::Mat& mean_motion, double fps,
+                const DynamicMatteOptions& options, std::function<cv::Mat(int)> motion, int ring = 0,
+                const cv::Mat& held = {});
   /// CV_32F, 0..1; shares nothing with later ones.
   cv::Mat next();
 

@@ -1,4 +1,4 @@
-#include "tools/synth/layer_frames.h"
+#include "tools/synth/made_layers.h"
 
 #include <condition_variable>
 #include <deque>
