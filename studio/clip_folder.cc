@@ -4,7 +4,7 @@
 
 #include "freshet/error.h"
 #include "media/frame/file_format.h"
-#include "studio/drawing/endless.h"
+#include "studio/drawing/flowlines.h"
 #include "studio/dropped_files.h"
 
 namespace freshet::studio {

@@ -11,7 +11,7 @@
 #include "freshet/error.h"
 #include "query/labelling/assignment.h"
 #include "query/search/picture_scale.h"
-#include "studio/event_feed.h"
+#include "studio/jobs/event_feed.h"
 #include "synth/matte/held.h"
 
 namespace freshet::studio {
@@ -338,10 +338,10 @@ std::string Easel::picture_jpeg(const cv::Rect& part, int longest) const {
 std::string Easel::matte_png(const cv::Mat& alpha, int longest) const {
   const cv::Mat small = reduced(alpha, reduction(alpha.size(), longest));
   const cv::Mat white(small.size(), CV_8U, cv::Scalar(255));
-  cv::Mat layered;
-  cv::merge(std::vector<cv::Mat>{white, white, white, small}, layered);
+  cv::Mat scene;
+  cv::merge(std::vector<cv::Mat>{white, white, white, small}, scene);
   std::vector<std::uint8_t> bytes;
-  cv::imencode(".png", layered, bytes, {cv::IMWRITE_PNG_COMPRESSION, 1});
+  cv::imencode(".png", scene, bytes, {cv::IMWRITE_PNG_COMPRESSION, 1});
   return {bytes.begin(), bytes.end()};
 }
 

@@ -1,6 +1,6 @@
 #!/bin/sh
-# Fails when an #include goes against the arrows of docs/architecture.md, between rooms or inside one, or when a folder
-# holds more units than a reader can keep in mind.
+# Fails when an #include goes against the arrows of docs/architecture.md, between rooms or inside one, when a folder
+# holds more units than a reader can keep in mind, or when files of the studio's page import each other in a circle.
 # usage: tests/arrows_test.sh ROOT
 set -eu
 cd "$1"
@@ -65,8 +65,9 @@ synth/stills: report cache media/frame media/picture hints vision synth/toml syn
 synth/transfer: synth/field
 synth/transfer/files: cache store media/frame media/picture media/video vision stored synth/playing synth/transfer
 studio/drawing: synth/matte synth/scene
-studio/ways: synth/simulate/design studio/drawing
-studio: cache store media/frame media/picture media/video hints vision stored query/index query/search query/labelling synth/animate/motion synth/animate synth/matte synth/scene studio/drawing studio/ways
+studio/jobs:
+studio/ways: cache synth/simulate/design studio/drawing
+studio: cache store media/frame media/picture media/video hints vision stored query/index query/search query/labelling synth/animate/motion synth/animate synth/matte synth/scene studio/drawing studio/jobs studio/ways
 studio/http: studio
 library: store media/picture media/video hints vision ingest query/index query/labelling synth/outline synth/animate synth/matte synth/simulate/design synth/simulate synth/transfer synth/transfer/files
 tools/console: store media/frame media/picture media/video query/index
@@ -138,3 +139,14 @@ END {
     }
   exit failed
 }'
+
+# No two files of the page have the same name, whatever their folder.
+circle=$(find studio/page/src -name '*.ts*' | sort | xargs awk '
+FNR == 1 { file = FILENAME; sub(/.*\//, "", file); sub(/\.tsx?$/, "", file) }
+/from "\.\.?\// { to = $0; sub(/.*from "/, "", to); sub(/".*/, "", to); sub(/.*\//, "", to); print file, to }
+' | tsort 2>&1 > /dev/null || true)
+if [ -n "$circle" ]; then
+  echo "studio/page/src: files import each other in a circle:"
+  echo "$circle"
+  exit 1
+fi

@@ -90,10 +90,10 @@ void run_studio(const StudioCommand& command, const RunContext& context) {
                          .page = command.page.empty() ? default_page(program) : fs::path(command.page)});
   std::string url = server.url();
   if (!pictures.empty()) {
-    const studio::IncomingFile copy = studio.incoming_file();
+    const studio::IncomingFile copy = studio.folder().incoming_file();
     fs::copy_file(pictures[0], copy.path());
-    url += "#/" + studio.open_picture(copy.path(), pictures[0].filename(),
-                                      options.stores.empty() ? "" : options.stores[0].string());
+    url += "#/" + studio.projects().open_picture(copy.path(), pictures[0].filename(),
+                                                 options.stores.empty() ? "" : options.stores[0].string());
   }
   if (command.address != "127.0.0.1")
     say(fmt::format(

@@ -1,6 +1,8 @@
 #include "studio/drawing/document.h"
 
 #include <functional>
+#include <set>
+#include <string>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -63,74 +65,6 @@ std::vector<Pin> read_pins(const Fields& fields) {
   return pins;
 }
 
-Design read_design(const Fields& document) {
-  if (!document.has("design")) return {};  // of a document that is older than it
-  const Fields fields = document.below(document.at("design"), "design", 0);
-  fields.only({"fluid", "sources", "winds", "look", "ground", "frames", "full"});
-  Design design{.fluid = fields.text("fluid"),
-                .sources = fields.drawn("sources"),
-                .winds = fields.strokes("winds"),
-                .look = fields.text("look"),
-                .ground = fields.text("ground"),
-                .frames = fields.integer("frames", 1, 500),
-                .full = fields.flag("full")};
-  if (design.fluid != "smoke" && design.fluid != "fire" && design.fluid != "water")
-    fields.fail("\"fluid\" is none of smoke, fire, water");
-  if (design.ground != "none" && design.ground != "black" && design.ground != "white")
-    fields.fail("\"ground\" is none of none, black, white");
-  if (design.look.starts_with('-')) fields.fail("\"look\" is no clip's name");
-  return design;
-}
-
-/// Of files and regions.
-std::string full_name(const Fields& fields, const char* name) {
-  std::string text = fields.text(name);
-  if (text.empty()) fields.fail(fmt::format("\"{}\" is no name", name));
-  return text;
-}
-
-std::vector<StillsPath> read_stills_paths(const Fields& stills) {
-  std::vector<StillsPath> paths;
-  for (const Json& item : stills.list("paths", kMaxNames)) {
-    const Fields fields = stills.below(item, "paths", paths.size());
-    fields.only({"region", "names", "refused"});
-    paths.push_back({.region = full_name(fields, "region"), .names = {}, .refused = fields.flag("refused")});
-    for (const Json& name : fields.list("names", kMaxNames)) {
-      const Json holder{{"names", name}};
-      paths.back().names.push_back(full_name(fields.below(holder, "names", 0), "names"));
-    }
-    if (paths.back().names.size() < 2) fields.fail("a path has two stills or more");
-  }
-  return paths;
-}
-
-Stills read_stills(const Fields& document) {
-  if (!document.has("stills")) return {};  // of a document that is older than it
-  const Fields fields = document.below(document.at("stills"), "stills", 0);
-  fields.only({"seconds", "speed", "loop", "split", "full", "paths"});
-  return {.seconds = fields.number("seconds", 0.4, 120),
-          .speed = fields.number("speed", 0.05, 20),
-          .loop = fields.flag("loop"),
-          .split = fields.integer("split", 1, 8),
-          .full = fields.flag("full"),
-          .paths = read_stills_paths(fields)};
-}
-
-Endless read_endless_of(const Fields& document) {
-  if (!document.has("endless")) return {};  // of a document that is older than it
-  return read_endless(document.below(document.at("endless"), "endless", 0));
-}
-
-Layered read_layered_of(const Fields& document) {
-  if (!document.has("layered")) return {};  // of a document that is older than it
-  return read_layered(document.below(document.at("layered"), "layered", 0));
-}
-
-Sweep read_sweep_of(const Fields& document) {
-  if (!document.has("sweep")) return {};  // of a document that is older than it
-  return read_sweep(document.below(document.at("sweep"), "sweep", 0));
-}
-
 MatteBase read_base(const Fields& fields) {
   const std::string name = fields.text("matte_base");
   for (const MatteBase base : {MatteBase::kScribbles, MatteBase::kAlpha, MatteBase::kWhole, MatteBase::kFile})
@@ -178,23 +112,24 @@ Json frames_json(const Document& document) {
   return json;
 }
 
-Json design_json(const Design& design) {
-  return {{"fluid", design.fluid},
-          {"sources", drawn_json(design.sources)},
-          {"winds", strokes_json(design.winds)},
-          {"look", design.look},
-          {"ground", design.ground},
-          {"frames", design.frames},
-          {"full", design.full}};
+/// What the document holds of one of the other ways: a row each.
+struct Part {
+  const char* name;
+  void (*read)(const Fields& fields, Document& document);
+  Json (*write)(const Document& document);
+};
+
+template <auto member, auto read, auto write>
+constexpr Part part(const char* name) {
+  return {name, [](const Fields& fields, Document& document) { document.*member = read(fields); },
+          [](const Document& document) -> Json { return write(document.*member); }};
 }
 
-Json stills_json(const Stills& stills) {
-  Json json{{"seconds", stills.seconds}, {"speed", stills.speed}, {"loop", stills.loop},
-            {"split", stills.split},     {"full", stills.full},   {"paths", Json::array()}};
-  for (const StillsPath& path : stills.paths)
-    json["paths"].push_back({{"region", path.region}, {"names", path.names}, {"refused", path.refused}});
-  return json;
-}
+constexpr Part kParts[] = {part<&Document::design, read_design, design_json>("design"),
+                           part<&Document::stills, read_stills, stills_json>("stills"),
+                           part<&Document::flowlines, read_flowlines, flowlines_json>("flowlines"),
+                           part<&Document::scene, read_scene, scene_json>("scene"),
+                           part<&Document::sweep, read_sweep, sweep_json>("sweep")};
 
 std::uint64_t hash_of(const Json& json) { return std::hash<std::string>()(json.dump()); }
 
@@ -202,11 +137,7 @@ std::uint64_t hash_of(const Json& json) { return std::hash<std::string>()(json.d
 
 std::string to_json(const Document& document) {
   Json json = frames_json(document);
-  json["design"] = design_json(document.design);
-  json["stills"] = stills_json(document.stills);
-  json["endless"] = endless_json(document.endless);
-  json["layered"] = layered_json(document.layered);
-  json["sweep"] = sweep_json(document.sweep);
+  for (const Part& part : kParts) json[part.name] = part.write(document);
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
@@ -224,10 +155,11 @@ Document document_from_json(std::string_view json, const std::string& where) {
   }
   std::size_t points = 0;
   const Fields fields(parsed, where, points);
-  fields.only({"matte_base", "edge",           "scribbles", "paint", "held",           "store",
-               "class",      "excluded_clips", "frames",    "fps",   "strokes",        "directions",
-               "tempo",      "pins",           "loop",      "speed", "moving_outline", "design",
-               "stills",     "endless",        "layered",   "sweep"});
+  std::set<std::string> names{
+      "matte_base", "edge",    "scribbles",  "paint", "held", "store", "class", "excluded_clips", "frames",
+      "fps",        "strokes", "directions", "tempo", "pins", "loop",  "speed", "moving_outline"};
+  for (const Part& part : kParts) names.insert(part.name);
+  fields.only(names);
   Document document{.store = fields.text("store"),
                     .matte_base = read_base(fields),
                     .edge = fields.text("edge"),
@@ -245,11 +177,13 @@ Document document_from_json(std::string_view json, const std::string& where) {
                     .loop = fields.flag("loop"),
                     .speed = fields.number("speed", 0.05, 20),
                     .moving_outline = fields.flag("moving_outline"),
-                    .design = read_design(fields),
-                    .stills = read_stills(fields),
-                    .endless = read_endless_of(fields),
-                    .layered = read_layered_of(fields),
-                    .sweep = read_sweep_of(fields)};
+                    .design = {},
+                    .stills = {},
+                    .flowlines = {},
+                    .scene = {},
+                    .sweep = {}};
+  for (const Part& part : kParts)
+    if (fields.has(part.name)) part.read(fields.below(fields.at(part.name), part.name, 0), document);
   if (document.edge != "guided" && document.edge != "information-flow" && document.edge != "none")
     fields.fail("\"edge\" is none of guided, information-flow, none");
   for (const Json& name : fields.list("excluded_clips", kMaxNames)) {

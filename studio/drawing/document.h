@@ -9,9 +9,11 @@
 
 #include <opencv2/core.hpp>
 
+#include "studio/drawing/design.h"
 #include "studio/drawing/drawn.h"
-#include "studio/drawing/endless.h"
-#include "studio/drawing/layered.h"
+#include "studio/drawing/drawn_scene.h"
+#include "studio/drawing/flowlines.h"
+#include "studio/drawing/stills.h"
 #include "studio/drawing/sweep.h"
 
 namespace freshet::studio {
@@ -31,37 +33,6 @@ struct Pin {
   int variant = 0;   // index into the store's
   cv::Point patch;   // px, in the variant's frame
   bool operator==(const Pin&) const = default;
-};
-
-/// A motion that is simulated, and may be given the look of a clip.
-struct Design {
-  std::string fluid = "smoke";     // "smoke", "fire", "water"
-  std::vector<Drawn> sources;      // what does not add is an obstacle
-  std::vector<DrawnStroke> winds;  // of which the first and the last point count
-  std::string look;                // a clip of the store; empty: as simulated
-  std::string ground = "black";    // of that clip: as `synth transfer --ground`
-  int frames = 72;                 // 1..500
-  bool full = false;               // the picture's size, not a draft's
-  bool operator==(const Design&) const = default;
-};
-
-/// What a person says of an order of stills that was found.
-struct StillsPath {
-  std::string region;
-  std::vector<std::string> names;  // of the stills' files, two or more
-  bool refused = false;            // not walked at all; else in this order alone
-  bool operator==(const StillsPath&) const = default;
-};
-
-/// A moving scene from some stills of it.
-struct Stills {
-  double seconds = 8;  // 0.4..120
-  double speed = 1;    // 0.05..20
-  bool loop = true;
-  int split = 1;      // parts of each region, 1..8
-  bool full = false;  // the stills' size, not a draft's
-  std::vector<StillsPath> paths;
-  bool operator==(const Stills&) const = default;
 };
 
 enum class MatteBase { kScribbles, kAlpha, kWhole, kFile };
@@ -87,8 +58,8 @@ struct Document {
   bool moving_outline = false;
   Design design;
   Stills stills;
-  Endless endless;
-  Layered layered;
+  Flowlines flowlines;
+  DrawnScene scene;
   Sweep sweep;
   bool operator==(const Document&) const = default;
 };

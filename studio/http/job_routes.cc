@@ -58,14 +58,14 @@ void send_events(EventFeed& feed, const std::shared_ptr<std::atomic<int>>& liste
 
 std::vector<Route> job_routes(Studio& studio) {
   return {
-      {"GET", "api/jobs", kNoBody, [&](Call& call) { call.answer(studio.jobs_json()); }},
+      {"GET", "api/jobs", kNoBody, [&](Call& call) { call.answer(studio.jobs().to_json()); }},
       {"DELETE", "api/jobs/:lane/:id", kNoBody,
        [&](Call& call) {
-         call.answer(Json{{"stopped", studio.stop_job(call.value("lane"), call.number("id"))}}.dump());
+         call.answer(Json{{"stopped", studio.jobs().stop(call.value("lane"), call.number("id"))}}.dump());
        }},
       {"GET", "api/events", kNoBody,
        [&studio, listeners = std::make_shared<std::atomic<int>>(0)](Call& call) {
-         send_events(studio.feed(), listeners, call);
+         send_events(studio.jobs().feed(), listeners, call);
        }},
   };
 }

@@ -37,23 +37,25 @@ void export_animation(Studio& studio, Call& call) {
   const Json asked = call.object();
   const std::string &id = call.value("id"), name = word_of(asked, "name");
   const std::vector<std::string> options = export_options(asked);
-  const JobId job = studio.export_animation(id, name, options);
-  const std::shared_ptr<Easel> easel = studio.easel(id);  // it is ours while other projects are opened
+  const JobId job = studio.ways().export_animation(id, name, options);
+  const std::shared_ptr<Easel> easel =
+      studio.projects().easel(id);  // it is ours while other projects are opened
   const Project& project = easel->project();
   call.answer(Json{{"job", job},
                    {"folder", project.folder().string()},
-                   {"command", to_text(Studio::export_command("freshet", project, name, options))}}
+                   {"command", to_text(Ways::export_command("freshet", project, name, options))}}
                   .dump());
 }
 
 void send_export(Studio& studio, Call& call) {
   const std::string& name = call.value("name");
-  call.answer_file(studio.easel(call.value("id"))->project().open_export(name), "application/octet-stream");
+  call.answer_file(studio.projects().easel(call.value("id"))->project().open_export(name),
+                   "application/octet-stream");
   call.response().set_header("Content-Disposition", "attachment; filename=\"" + name + "\"");
 }
 
 void save_document(Studio& studio, Call& call) {
-  const Studio::Saved saved = studio.save_document(
+  const Projects::Saved saved = studio.projects().save(
       call.value("id"), call.text(), call.number_parameter("base"), call.parameter("page").substr(0, 64));
   call.answer(saved.json);
   if (!saved.taken) call.response().status = 409;
@@ -68,12 +70,13 @@ void send_picture(Studio& studio, Call& call) {
   };
   const cv::Rect part(asked("x", 0, 0, kFarthest), asked("y", 0, 0, kFarthest),
                       asked("width", 0, 0, kFarthest), asked("height", 0, 0, kFarthest));
-  call.answer(studio.easel(call.value("id"))->picture_jpeg(part, asked("longest", 16, 2048, kLongest)),
-              "image/jpeg");
+  call.answer(
+      studio.projects().easel(call.value("id"))->picture_jpeg(part, asked("longest", 16, 2048, kLongest)),
+      "image/jpeg");
 }
 
 void send_matte(Studio& studio, Call& call) {
-  const std::shared_ptr<Easel> easel = studio.easel(call.value("id"));
+  const std::shared_ptr<Easel> easel = studio.projects().easel(call.value("id"));
   const std::shared_ptr<const FoundMatte> matte = easel->matte();
   if (!matte || matte->number != call.number("number"))
     throw Error(ErrorKind::kNotFound, "matte", "it is no longer there");
@@ -83,7 +86,8 @@ void send_matte(Studio& studio, Call& call) {
 
 /// A frame of a reel, or its outlines.
 void send_reel(Studio& studio, Call& call) {
-  const std::shared_ptr<const FrameReel> reel = studio.easel(call.value("id"))->reel(call.number("number"));
+  const std::shared_ptr<const FrameReel> reel =
+      studio.projects().easel(call.value("id"))->reel(call.number("number"));
   if (!reel) throw Error(ErrorKind::kNotFound, "reel", "it is not there");
   if (call.value("frame") == "outlines") return call.answer(reel->outlines_json());
   const std::optional<std::string> frame =
@@ -93,7 +97,7 @@ void send_reel(Studio& studio, Call& call) {
 }
 
 std::shared_ptr<const LabelledPicture> labelled(Studio& studio, const Call& call) {
-  std::shared_ptr<const LabelledPicture> labelled = studio.easel(call.value("id"))->labelled();
+  std::shared_ptr<const LabelledPicture> labelled = studio.projects().easel(call.value("id"))->labelled();
   if (!labelled) throw Error(ErrorKind::kNotFound, call.value("id"), "nothing has been chosen for it yet");
   return labelled;
 }
@@ -101,26 +105,27 @@ std::shared_ptr<const LabelledPicture> labelled(Studio& studio, const Call& call
 }  // namespace
 
 std::vector<Route> project_routes(Studio& studio) {
-  const auto easel = [&studio](const Call& call) { return studio.easel(call.value("id")); };
+  const auto easel = [&studio](const Call& call) { return studio.projects().easel(call.value("id")); };
   return {
       {"GET", "api/home", kNoBody, [&](Call& call) { call.answer(studio.home_json()); }},
       {"POST", "api/projects", kPictureBody,
        [&](Call& call) {
-         const IncomingFile file = studio.incoming_file();
+         const IncomingFile file = studio.folder().incoming_file();
          call.receive(file.path());
-         call.answer(Json{{"id", studio.open_picture(file.path(), call.parameter("name"))}}.dump());
+         call.answer(
+             Json{{"id", studio.projects().open_picture(file.path(), call.parameter("name"))}}.dump());
        }},
       {"POST", "api/clips", kClipBody,
        [&](Call& call) {
-         const IncomingFile file = studio.incoming_file();
+         const IncomingFile file = studio.folder().incoming_file();
          call.receive(file.path());
-         call.answer(Json{{"id", studio.open_clip(file.path(), call.parameter("name"))}}.dump());
+         call.answer(Json{{"id", studio.ways().open_clip(file.path(), call.parameter("name"))}}.dump());
        }},
       {"GET", "api/projects/:id", kNoBody,
-       [&](Call& call) { call.answer(studio.project_json(call.value("id"))); }},
+       [&](Call& call) { call.answer(studio.projects().to_json(call.value("id"))); }},
       {"DELETE", "api/projects/:id", kNoBody,
        [&](Call& call) {
-         studio.remove_project(call.value("id"));
+         studio.projects().remove(call.value("id"));
          call.answer("{}");
        }},
       {"PUT", "api/projects/:id/document", kTextBody, [&](Call& call) { save_document(studio, call); }},
@@ -133,13 +138,13 @@ std::vector<Route> project_routes(Studio& studio) {
        }},
       {"POST", "api/projects/:id/matte", kPictureBody,
        [&](Call& call) {
-         const IncomingFile file = studio.incoming_file();
+         const IncomingFile file = studio.folder().incoming_file();
          call.receive(file.path());
-         studio.give_matte(call.value("id"), file.path());
+         studio.projects().give_matte(call.value("id"), file.path());
          call.answer("{}");
        }},
       {"GET", "api/projects/:id/thumbnail", kNoBody,
-       [&](Call& call) { call.answer(studio.thumbnail_of(call.value("id")), "image/jpeg"); }},
+       [&](Call& call) { call.answer(studio.projects().thumbnail_of(call.value("id")), "image/jpeg"); }},
       {"GET", "api/projects/:id/picture", kNoBody, [&](Call& call) { send_picture(studio, call); }},
       {"GET", "api/projects/:id/field", kNoBody,
        [easel](Call& call) { call.answer(easel(call)->field_json()); }},
@@ -160,7 +165,7 @@ std::vector<Route> project_routes(Studio& studio) {
       {"GET", "api/projects/:id/credits", kNoBody,
        [&](Call& call) { call.answer(credits(*labelled(studio, call)), "text/plain; charset=utf-8"); }},
       {"GET", "api/projects/:id/exports", kNoBody,
-       [&](Call& call) { call.answer(studio.exports_json(call.value("id"))); }},
+       [&](Call& call) { call.answer(studio.ways().exports_json(call.value("id"))); }},
       {"POST", "api/projects/:id/exports", kTextBody, [&](Call& call) { export_animation(studio, call); }},
       {"GET", "api/projects/:id/exports/:name", kNoBody, [&](Call& call) { send_export(studio, call); }},
   };

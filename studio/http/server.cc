@@ -243,7 +243,7 @@ void Server::serve() {
 }
 
 void Server::stop() {
-  impl_->studio.feed().close();
+  impl_->studio.jobs().feed().close();
   impl_->connections.stop();
 }
 

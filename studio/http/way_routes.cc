@@ -18,58 +18,64 @@ const char* type_of(const std::string& name) {
 
 std::vector<Route> way_routes(Studio& studio) {
   const auto film = [&studio](Call& call) {
-    call.answer_file(studio.film(call.value("id"), call.value("way")), "video/mp4");
+    call.answer_file(studio.ways().film(call.value("id"), call.value("way")), "video/mp4");
   };
   return {
       {"GET", "api/projects/:id/ways/:way", kNoBody,
-       [&](Call& call) { call.answer(studio.way_json(call.value("id"), call.value("way"))); }},
+       [&](Call& call) { call.answer(studio.ways().to_json(call.value("id"), call.value("way"))); }},
       {"POST", "api/projects/:id/ways/:way", kTextBody,
        [&](Call& call) {
-         call.answer(Json{{"job", studio.run_way(call.value("id"), call.value("way"))}}.dump());
+         call.answer(Json{{"job", studio.ways().run(call.value("id"), call.value("way"))}}.dump());
+       }},
+      {"POST", "api/projects/:id/ways/:way/exports", kTextBody,
+       [&](Call& call) {
+         const std::string name = word_of(call.object(), "name");
+         call.answer(studio.ways().export_film(call.value("id"), call.value("way"), name));
        }},
       {"GET", "api/projects/:id/ways/:way/film", kNoBody, film},
       {"GET", "api/projects/:id/ways/:way/files/film.mp4", kNoBody, film},  // as the way's own page calls it
       {"GET", "api/projects/:id/ways/:way/files/:name", kNoBody,
        [&](Call& call) {
          const std::string& name = call.value("name");
-         call.answer_file(studio.way_file(call.value("id"), call.value("way"), name), type_of(name));
+         call.answer_file(studio.ways().file(call.value("id"), call.value("way"), name), type_of(name));
        }},
       {"GET", "api/projects/:id/layers/:layer/matte", kNoBody,
        [&](Call& call) {
-         call.answer(studio.layer_matte_png(call.value("id"), call.number("layer")), "image/png");
+         call.answer(studio.ways().layer_matte_png(call.value("id"), call.number("layer")), "image/png");
        }},
       {"GET", "api/projects/:id/stills", kNoBody,
-       [&](Call& call) { call.answer(studio.stills_json(call.value("id"))); }},
+       [&](Call& call) { call.answer(studio.ways().stills_json(call.value("id"))); }},
       {"GET", "api/projects/:id/stills/:name", kNoBody,
        [&](Call& call) {
-         call.answer(studio.still_thumbnail(call.value("id"), call.value("name")), "image/jpeg");
+         call.answer(studio.ways().still_thumbnail(call.value("id"), call.value("name")), "image/jpeg");
        }},
       {"POST", "api/projects/:id/stills", kPictureBody,
        [&](Call& call) {
-         const IncomingFile file = studio.incoming_file();
+         const IncomingFile file = studio.folder().incoming_file();
          call.receive(file.path());
-         studio.add_still(call.value("id"), file.path(), call.parameter("name"));
+         studio.ways().add_still(call.value("id"), file.path(), call.parameter("name"));
          call.answer("{}");
        }},
       {"DELETE", "api/projects/:id/stills", kNoBody,
        [&](Call& call) {
-         studio.remove_stills(call.value("id"));
+         studio.ways().remove_stills(call.value("id"));
          call.answer("{}");
        }},
       {"GET", "api/projects/:id/clips", kNoBody,
-       [&](Call& call) { call.answer(studio.clips_json(call.value("id"))); }},
+       [&](Call& call) { call.answer(studio.ways().clips_json(call.value("id"))); }},
       {"GET", "api/projects/:id/clips/frame", kNoBody,
        [&](Call& call) {
          call.answer(
-             studio.clip_frame(call.value("id"), call.parameter("clip"), call.parameter("own") == "1"),
+             studio.ways().clip_frame(call.value("id"), call.parameter("clip"), call.parameter("own") == "1"),
              "image/jpeg");
        }},
       {"POST", "api/projects/:id/clips", kClipBody,
        [&](Call& call) {
-         const IncomingFile file = studio.incoming_file();
+         const IncomingFile file = studio.folder().incoming_file();
          call.receive(file.path());
          call.answer(
-             Json{{"name", studio.add_clip(call.value("id"), file.path(), call.parameter("name"))}}.dump());
+             Json{{"name", studio.ways().add_clip(call.value("id"), file.path(), call.parameter("name"))}}
+                 .dump());
        }},
   };
 }

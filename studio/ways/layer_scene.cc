@@ -92,11 +92,11 @@ bool has_lines(const DrawnLayer& layer) {
 }
 
 /// The lines that count.
-std::string marks_svg(const Layered& layered, cv::Size size) {
+std::string marks_svg(const DrawnScene& scene, cv::Size size) {
   std::string svg = fmt::format(
       "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0}\" height=\"{1}\" viewBox=\"0 0 {0} {1}\">\n",
       size.width, size.height);
-  for (const DrawnLayer& layer : layered.layers) {
+  for (const DrawnLayer& layer : scene.layers) {
     if (!has_lines(layer)) continue;
     const bool one = layer.motion == "water" || layer.motion == "boat";
     svg += fmt::format("<g data-layer=\"{}\" fill=\"none\" stroke=\"#fff\">\n", layer.name);
@@ -114,19 +114,19 @@ std::string marks_svg(const Layered& layered, cv::Size size) {
 
 }  // namespace
 
-std::vector<WayFile> layer_scene(const Layered& layered, cv::Size size, const SceneFiles& files) {
-  if (layered.layers.empty()) throw Error(ErrorKind::kUsage, "layers", "there is none", "Add one");
+std::vector<WayFile> layer_scene(const DrawnScene& scene, cv::Size size, const SceneFiles& files) {
+  if (scene.layers.empty()) throw Error(ErrorKind::kUsage, "layers", "there is none", "Add one");
   std::vector<WayFile> made;
   std::string toml = fmt::format("picture = {}\nframes = {}\nfps = 25\nloop = {}\n", toml_text(files.picture),
-                                 layered.frames, layered.loop);
-  if (std::any_of(layered.layers.begin(), layered.layers.end(), has_lines)) {
+                                 scene.frames, scene.loop);
+  if (std::any_of(scene.layers.begin(), scene.layers.end(), has_lines)) {
     toml += "marks = \"marks.svg\"\n";
-    made.push_back({"marks.svg", marks_svg(layered, size)});
+    made.push_back({"marks.svg", marks_svg(scene, size)});
   }
-  toml += fmt::format("[wind]\nspeed = {}\ndirection = {}\ngustiness = {}\n", layered.wind, layered.direction,
-                      layered.gustiness);
+  toml += fmt::format("[wind]\nspeed = {}\ndirection = {}\ngustiness = {}\n", scene.wind, scene.direction,
+                      scene.gustiness);
   int place = 0;
-  for (const DrawnLayer& layer : layered.layers) {
+  for (const DrawnLayer& layer : scene.layers) {
     expect_drawn(layer, files);
     const std::string file = fmt::format("layer-{}.png", ++place);
     const bool is_film = layer.motion == "film";

@@ -6,7 +6,7 @@
 
 #include <opencv2/core.hpp>
 
-#include "studio/drawing/layered.h"
+#include "studio/drawing/drawn_scene.h"
 #include "studio/ways/way_file.h"
 
 namespace freshet::studio {
@@ -22,6 +22,6 @@ struct SceneFiles {
 /// scene.toml, marks.svg where lines were drawn, and a grey matte or scribbles for each layer that has its own:
 /// layer-1.png and so on. size   px, of the picture.
 /// Throws Error{kUsage} for a layer that is nowhere, or lacks its line or store, saying what is missing.
-std::vector<WayFile> layer_scene(const Layered& layered, cv::Size size, const SceneFiles& files);
+std::vector<WayFile> layer_scene(const DrawnScene& scene, cv::Size size, const SceneFiles& files);
 
 }  // namespace freshet::studio

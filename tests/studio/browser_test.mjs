@@ -544,43 +544,43 @@ test("a clip's lines are found, one is moved, and it goes on without an end; the
   await page.getByRole("button", { name: "Find lines" }).click();
   await page.getByRole("button", { name: "Find lines" }).waitFor();
   await page.locator(".section", { hasText: "Flow lines" }).locator(".figure", { hasText: /^\d+$/ }).waitFor();
-  await shot(page, "endless-found");
+  await shot(page, "flowlines-found");
   // A line of one's own: a copy of the nearest one, beside copies of all.
   await drag(page, [[60, 20], [50, 120]]);
-  await until(async () => (await document("still")).endless.edited.length > 1);
-  const drawn = (await document("still")).endless;
+  await until(async () => (await document("still")).flowlines.edited.length > 1);
+  const drawn = (await document("still")).flowlines;
   assert.equal(drawn.edited.length, drawn.lines.length + 1);
   assert.match(drawn.edited.at(-1).id, /^l\d+-2$/);
   await page.getByRole("slider", { name: "Pace" }).press("End");
-  await until(async () => (await document("still")).endless.edited.at(-1).speeds[0] > 3.5);
+  await until(async () => (await document("still")).flowlines.edited.at(-1).speeds[0] > 3.5);
   await page.keyboard.press("Control+z");
-  await until(async () => (await document("still")).endless.edited.at(-1).speeds.length === 0);
+  await until(async () => (await document("still")).flowlines.edited.at(-1).speeds.length === 0);
   await page.keyboard.press("Delete");
-  await until(async () => (await document("still")).endless.edited.length === drawn.lines.length);
+  await until(async () => (await document("still")).flowlines.edited.length === drawn.lines.length);
   // One of those that are there is chosen, and dragged.
-  const [first] = (await document("still")).endless.edited;
+  const [first] = (await document("still")).flowlines.edited;
   const middle = [0, 1].map((axis) => (first.points[0][axis] + first.points[1][axis]) / 2);
   await drag(page, [middle, middle]);
   await page.getByRole("heading", { name: `Line ${first.id}` }).waitFor();
   await drag(page, [middle, [middle[0] + 9, middle[1]], [middle[0] + 12, middle[1]]]);
-  await until(async () => Math.abs((await document("still")).endless.edited[0].points[0][0] - first.points[0][0]) > 8);
+  await until(async () => Math.abs((await document("still")).flowlines.edited[0].points[0][0] - first.points[0][0]) > 8);
   // It moves in time: where it lies half a second later is dragged too.
   await page.getByRole("button", { name: "Moves in time…" }).click();
-  await until(async () => (await document("still")).endless.edited[0].later.length === 1);
+  await until(async () => (await document("still")).flowlines.edited[0].later.length === 1);
   await page.getByRole("slider", { name: "At" }).fill("0.6");
-  await until(async () => (await document("still")).endless.edited[0].later[0].time === 0.6);
-  const now = (await document("still")).endless.edited[0];
+  await until(async () => (await document("still")).flowlines.edited[0].later[0].time === 0.6);
+  const now = (await document("still")).flowlines.edited[0];
   const lies = [0, 1].map((axis) => (now.points[0][axis] + now.points[1][axis]) / 2);
   await drag(page, [lies, [lies[0] + 6, lies[1]], [lies[0] + 14, lies[1]]]);
-  await until(async () => Math.abs((await document("still")).endless.edited[0].later[0].points[0][0] - now.points[0][0]) > 8);
-  assert.deepEqual((await document("still")).endless.edited[0].points, now.points);
+  await until(async () => Math.abs((await document("still")).flowlines.edited[0].later[0].points[0][0] - now.points[0][0]) > 8);
+  assert.deepEqual((await document("still")).flowlines.edited[0].points, now.points);
   await page.getByRole("slider", { name: "Length" }).press("Home");
-  await until(async () => (await document("still")).endless.frames === 25);
+  await until(async () => (await document("still")).flowlines.frames === 25);
   await page.getByRole("button", { name: "Make it" }).click();
   await page.getByRole("link", { name: "Save" }).waitFor();
   await page.waitForFunction(() => globalThis.document.querySelector("video.film")?.currentTime > 0.1);
-  await expectAccessible(page, "endless");
-  await shot(page, "endless-moved");
+  await expectAccessible(page, "flowlines");
+  await shot(page, "flowlines-moved");
   const project = at("room/projects/still");
   const made = readFileSync(join(project, "ways/flowlines/film.mp4"));
   const line = await page.locator(".command code", { hasText: "film.mp4" }).textContent();
@@ -590,7 +590,7 @@ test("a clip's lines are found, one is moved, and it goes on without an end; the
   assert.ok(made.equals(readFileSync(join(project, "ways/flowlines/film.mp4"))));
   // A long one is stopped in the middle.
   await page.getByRole("slider", { name: "Length" }).press("End");
-  await until(async () => (await document("still")).endless.frames > 2000);
+  await until(async () => (await document("still")).flowlines.frames > 2000);
   await page.getByRole("button", { name: "Make it" }).click();
   await page.getByRole("button", { name: "Stop", exact: true }).click();
   await page.getByRole("button", { name: "Make it" }).waitFor();
@@ -605,7 +605,7 @@ test("a clip that is dropped becomes a project of its own", async () => {
   await page.getByRole("button", { name: "Make it endless" }).click();
   await page.getByRole("button", { name: "Find lines" }).waitFor();
   const id = decodeURIComponent(new URL(page.url()).hash.slice(2));
-  assert.deepEqual((await document(id)).endless.clip, "1.mkv");
+  assert.deepEqual((await document(id)).flowlines.clip, "1.mkv");
   await page.getByRole("button", { name: "Find lines" }).click();
   await page.locator(".section", { hasText: "Flow lines" }).locator(".figure", { hasText: /^\d+$/ }).waitFor();
   assert.deepEqual(page.faults, []);
@@ -618,7 +618,7 @@ test("layers of every kind are painted, one wind moves them, and the command lin
   await page.locator(".bar").waitFor();
   await page.keyboard.press("8");
   const tool = (name) => page.getByRole("group", { name: "Drawing tools" }).getByRole("button", { name, exact: true }).click();
-  const made = async () => (await document("still")).layered.layers;
+  const made = async () => (await document("still")).scene.layers;
   const add = async (kind, area, line) => {
     const before = (await made()).length;
     await page.getByRole("combobox", { name: "Add a layer" }).selectOption({ label: kind });
@@ -654,7 +654,7 @@ test("layers of every kind are painted, one wind moves them, and the command lin
   const found = page.waitForResponse(/layers\/1\/matte/);
   await page.getByRole("radio", { name: "Scribbled" }).click();
   assert.equal((await found).status(), 200);
-  await shot(page, "layers-scribbled");
+  await shot(page, "scene-scribbled");
   await page.keyboard.press("Control+z");
   await until(async () => (await made())[1].matte === "painted");
   await page.getByRole("textbox", { name: "Name" }).fill('the "fall"');
@@ -663,26 +663,102 @@ test("layers of every kind are painted, one wind moves them, and the command lin
   await page.getByRole("button", { name: "Further" }).click();
   await until(async () => (await made())[2].name === "the fall");
   await page.getByLabel("Length").fill("0.4");
-  await until(async () => (await document("still")).layered.frames === 10);
+  await until(async () => (await document("still")).scene.frames === 10);
   await page.getByRole("button", { name: "Make it" }).click();
   await page.getByRole("img", { name: /The layers, their lines/ }).waitFor();
   await page.waitForFunction(() => globalThis.document.querySelector("video.film")?.currentTime > 0.1);
-  await expectAccessible(page, "layers");
-  await shot(page, "layers-made");
+  await expectAccessible(page, "scene");
+  await shot(page, "scene-made");
   await page.getByRole("switch", { name: "Show what is drawn" }).click();
-  await shot(page, "layers-film");
+  await shot(page, "scene-film");
   const project = at("room/projects/still");
   const film = readFileSync(join(project, "ways/scene/film.mp4"));
   const line = await page.locator(".command code").textContent();
   const again = spawnSync("sh", ["-c", line.replace(/^freshet/, FRESHET)], { cwd: project, encoding: "utf8" });
   assert.equal(again.status, 0, again.stderr);
   assert.ok(film.equals(readFileSync(join(project, "ways/scene/film.mp4"))));
+  // Export makes what is on the screen: this film, not the animation.
+  await page.getByRole("button", { name: "Export" }).click();
+  const dialog = page.getByRole("dialog", { name: /Scene/ });
+  await dialog.getByText("Lossless").click();
+  await dialog.getByLabel("Name").fill("harbour");
+  await dialog.getByRole("button", { name: "Make it" }).click();
+  const [saved] = await Promise.all([page.waitForEvent("download"), dialog.getByRole("listitem").filter({ hasText: "harbour.mkv" }).getByRole("link", { name: "Save" }).click()]);
+  assert.match(await dialog.locator(".command code").textContent(), /freshet synth scene .* -o exports\/harbour\.mkv/);
+  assert.ok(readFileSync(await saved.path()).equals(readFileSync(join(project, "exports/harbour.mkv"))));
+  await page.keyboard.press("Escape");
   // What is missing is said.
   await page.getByRole("button", { name: "Clear lines" }).click();
   await page.getByRole("button", { name: "Clear paint" }).click();
   await until(async () => (await made())[2].paint.length === 0);
   await page.getByRole("button", { name: "Make it" }).click();
   await page.getByText("Paint where it is").waitFor();
+  assert.deepEqual(page.faults, []);
+  await page.context().close();
+});
+
+test("a quiet page has no faults; it says that it saved, zooms by small steps, and plays on after it was moved", async () => {
+  const opened = await api("projects?name=quiet.png", { method: "POST", body: readFileSync(at("still.png")) });
+  const { id } = await opened.json();
+  const page = await open(url);
+  page.on("response", (response) => response.status() >= 400 && page.faults.push(`${response.status()} ${response.url()}`));
+  page.on("console", (message) => message.type() === "error" && page.faults.push(message.text()));
+  // A picture that is slow to come is said to come, and seen small meanwhile.
+  await page.route(/picture\?longest/, async (route) => {
+    await new Promise((resolve) => setTimeout(resolve, 1500));
+    await route.continue();
+  });
+  await page.goto(`${url}#/${id}`);
+  await page.getByText("Opening the picture").waitFor({ timeout: 1400 });
+  await page.getByText("Opening the picture").waitFor({ state: "detached" });
+  for (const name of ["Fluid", "Flow", "Look", "Why", "Design", "Stills", "Flow lines", "Scene"]) {
+    const modes = page.locator(".modes");
+    await modes.getByRole("button", { name, exact: true }).click();
+    await modes.getByRole("button", { name, exact: true, pressed: true }).waitFor();
+    await page.waitForTimeout(150);
+  }
+  assert.deepEqual(page.faults, []);
+
+  await page.keyboard.press("1");
+  await drag(page, [[160, 30], [165, 100], [160, 170]]);
+  await page.locator(".saved", { hasText: "Saved" }).waitFor();
+  await settled(page);
+
+  const before = (await shown(page)).scale;
+  await page.mouse.move(600, 400);
+  await page.keyboard.down("Control");
+  await page.mouse.wheel(0, -120); // a notch
+  await page.keyboard.up("Control");
+  await until(async () => (await shown(page)).scale > before);
+  assert.ok((await shown(page)).scale < 1.3 * before);
+
+  const play = page.getByRole("button", { name: "Play", exact: true });
+  const pause = page.getByRole("button", { name: "Pause", exact: true });
+  if (await play.isVisible()) await play.click();
+  await pause.waitFor();
+  for (const clicks of [false, true]) {
+    if (clicks) {
+      // The button that was clicked has the focus.
+      await pause.click();
+      await play.click();
+    }
+    const { left } = await shown(page);
+    await page.mouse.move(600, 400);
+    await page.keyboard.down("Space");
+    await page.mouse.down();
+    await page.mouse.move(640, 400, { steps: 2 });
+    await page.mouse.up();
+    await page.keyboard.up("Space");
+    assert.ok((await shown(page)).left > left + 30, "it was moved");
+    await page.waitForTimeout(100);
+    assert.ok(await pause.isVisible(), "it plays on");
+  }
+  await page.keyboard.press("Space");
+  await play.waitFor();
+  await page.keyboard.press("?");
+  await page.getByRole("dialog", { name: "Keys" }).getByText("Compare with the picture").waitFor();
+  await expectAccessible(page, "keys");
+  await page.keyboard.press("Escape");
   assert.deepEqual(page.faults, []);
   await page.context().close();
 });
@@ -816,7 +892,7 @@ for (const [theme, size, width, height] of [
     await page.getByRole("button", { name: "Look", exact: true }).focus();
     await page.keyboard.press("Enter");
     await page.getByRole("button", { name: "Look", pressed: true }).waitFor();
-    for (const [key, name] of [["1", "fluid"], ["2", "flow"], ["3", "look"], ["4", "why"], ["5", "design"], ["6", "stills"], ["7", "endless"], ["8", "layers"]]) {
+    for (const [key, name] of [["1", "fluid"], ["2", "flow"], ["3", "look"], ["4", "why"], ["5", "design"], ["6", "stills"], ["7", "flowlines"], ["8", "scene"]]) {
       await page.keyboard.press(key);
       await look(name);
     }

@@ -15,4 +15,18 @@ if ! cmp -s "$here/../../studio/page/package-lock.json" "$2/installed.json"; the
   npm ping --loglevel=error > /dev/null 2>&1 || skip "the npm registry cannot be reached"
 fi
 "$here/../../studio/page/build.sh" "$2" "$3"
+
+# What the page takes a document for (types.ts) is what the server writes (document_test.cc): no field more or less.
+scratch=$2/types
+mkdir -p "$scratch"
+cp "$here/../../studio/page/src/types.ts" "$scratch/"
+{
+  echo 'import type { Document } from "./types";'
+  printf 'export const document: Document = '
+  cat "$here/drawing/document.json"
+  echo ';'
+} > "$scratch/document.ts"
+node "$2/node_modules/typescript/bin/tsc" --noEmit --strict --target es2022 --module esnext --moduleResolution bundler \
+  "$scratch/document.ts"
+
 exec env FRESHET="$1" PAGE="$3" MODULES="$2/node_modules" node --test --test-reporter=spec "$here/browser_test.mjs"

@@ -65,7 +65,7 @@ void RunningStudio::draw(const std::string& project, const nlohmann::json& edit)
       send("PUT", "api/projects/" + project + "/document?page=test&base=" + base, document.dump());
   ASSERT_TRUE(answer);
   ASSERT_EQ(answer->status, 200) << answer->body;
-  studio_->wait();
+  studio_->jobs().wait();
 }
 
 }  // namespace freshet::studio

@@ -139,6 +139,10 @@ export const startExport = (
   request: ExportRequest,
 ): Promise<{ job: number; folder: string; command: string }> => post(`${at(id)}/exports`, request);
 
+/** The film of a way, made again as a file of this name. */
+export const exportWay = (id: string, way: string, file: string): Promise<{ job: number; folder: string; command: string }> =>
+  post(`${at(id)}/ways/${way}/exports`, { name: file });
+
 export const newStore = (title: string): Promise<{ id: string }> => post("api/stores", { name: title });
 export async function sendClip(store: string, kind: string, file: File): Promise<void> {
   await ask(`api/stores/${name(store)}/clips?class=${name(kind)}&name=${name(file.name)}`, {

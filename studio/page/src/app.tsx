@@ -1,29 +1,25 @@
 // The page: a way in, and the work area.
 import type { JSX } from "preact";
 import { useEffect, useLayoutEffect, useRef, useState } from "preact/hooks";
-import { ArrowLeft, CircleDashed, Download, Maximize, Moon, Pause, Play, Redo2, Repeat, SlidersHorizontal, SplitSquareHorizontal, Sun, Undo2, ZoomIn, ZoomOut } from "lucide-preact";
+import { ArrowLeft, CircleDashed, Download, Maximize, Pause, Play, Redo2, Repeat, SlidersHorizontal, SplitSquareHorizontal, Undo2, ZoomIn, ZoomOut } from "lucide-preact";
 import { Canvas } from "./canvas";
 import { removeLine } from "./cliplines";
 import { Exporter } from "./exporter";
 import { HomePage } from "./homepage";
+import { KeysDialog } from "./keys";
+import { kModeNames, kModes } from "./modes";
+import { addressed, go } from "./navigation";
 import { IconButton } from "./parts";
-import { Panel } from "./panels";
 import * as state from "./state";
+import { ThemeButton } from "./themebutton";
 import * as view from "./view";
-
-function parseAddress(): string {
-  return decodeURIComponent(location.hash.replace(/^#\/?/, ""));
-}
-
-export function go(project: string): void {
-  location.hash = project ? `#/${encodeURIComponent(project)}` : "#/";
-}
+import { stageWords } from "./words";
 
 export function App(): JSX.Element {
   const [fault, setFault] = useState("");
   useEffect(() => {
     const open = (): void => {
-      const id = parseAddress();
+      const id = addressed();
       setFault("");
       (id ? state.openProject(id) : state.showHome()).catch((error: Error) => setFault(error.message));
     };
@@ -77,41 +73,12 @@ function Toast(): JSX.Element {
   );
 }
 
-export function ThemeButton(): JSX.Element {
-  const system = window.matchMedia("(prefers-color-scheme: light)").matches ? "light" : "dark";
-  const [theme, setTheme] = useState(localStorage.getItem("theme") ?? system);
-  useEffect(() => {
-    document.documentElement.dataset["theme"] = theme;
-  }, [theme]);
-  const other = theme === "light" ? "dark" : "light";
-  return (
-    <IconButton
-      icon={theme === "light" ? Moon : Sun}
-      label={`Use the ${other} theme`}
-      onClick={() => {
-        localStorage.setItem("theme", other);
-        setTheme(other);
-      }}
-    />
-  );
-}
-
-const kModes: readonly (readonly [state.Mode, string, string])[] = [
-  ["fluid", "Fluid", "1"],
-  ["flow", "Flow", "2"],
-  ["look", "Look", "3"],
-  ["why", "Why", "4"],
-  ["design", "Design", "5"],
-  ["stills", "Stills", "6"],
-  ["endless", "Endless", "7"],
-  ["layers", "Layers", "8"],
-];
-
 function Work(): JSX.Element {
   const box = useRef<HTMLDivElement>(null);
   const canvas = useRef<Canvas | null>(null);
   const [exporting, setExporting] = useState(false);
   const [panel, setPanel] = useState(true);
+  const [keys, setKeys] = useState(false);
   const open = state.project.value;
   useEffect(() => {
     if (!box.current) return;
@@ -122,27 +89,27 @@ function Work(): JSX.Element {
   useEffect(() => canvas.current?.refit(), [panel]);
   // Where there is no room for all of them, the one that is chosen is in sight.
   useEffect(() => document.querySelector(".modes [aria-pressed=true]")?.scrollIntoView({ block: "nearest", inline: "center" }), [state.mode.value]);
-  useShortcuts(canvas, () => setExporting(true));
+  useShortcuts(canvas, () => setExporting(true), () => setKeys(true));
   const zoom = view.zoom.value;
   return (
     <main class={`work ${panel ? "" : "panel-away"}`}>
       <h1 class="unseen">{open?.id}</h1>
       <div class="canvas" ref={box} role="application" aria-label="The picture: draw on it with the pointer" onContextMenu={(event) => event.preventDefault()} />
       <header class="bar">
-        <IconButton icon={ArrowLeft} label="All projects" onClick={() => (location.hash = "#/")} />
+        <IconButton icon={ArrowLeft} label="All projects" onClick={() => go("")} />
         <span class="title" title={open?.folder}>
           {open?.id}
         </span>
         <nav class="modes" aria-label="What to work on">
-          {kModes.map(([id, label, key]) => (
-            <button key={id} type="button" aria-pressed={state.mode.value === id} title={`${label}  (${key})`} onClick={() => { state.mode.value = id; setPanel(true); }}>
-              {label}
+          {kModeNames.map((id, i) => (
+            <button key={id} type="button" aria-pressed={state.mode.value === id} title={`${kModes[id].label}  (${i + 1})`} onClick={() => { state.mode.value = id; setPanel(true); }}>
+              {kModes[id].label}
             </button>
           ))}
         </nav>
         <span class="spread" />
         <span class="saved" role="status">
-          {state.saving.value === "offline" ? "Not saved" : state.saving.value === "saving" ? "Saving" : ""}
+          {state.saving.value === "offline" ? "Not saved" : state.saving.value === "saving" ? "Saving" : "Saved"}
         </span>
         <IconButton icon={Undo2} label="Undo" shortcut="Ctrl+Z" disabled={!state.canUndo.value} onClick={state.undo} />
         <IconButton icon={Redo2} label="Redo" shortcut="Ctrl+Shift+Z" disabled={!state.canRedo.value} onClick={state.redo} />
@@ -162,35 +129,32 @@ function Work(): JSX.Element {
         <IconButton icon={ZoomIn} label="Larger" shortcut="+" onClick={() => canvas.current?.zoomBy(1.4)} />
         <IconButton icon={Maximize} label="Fit" shortcut="0" onClick={() => canvas.current?.fit()} />
       </div>
+      <KeysDialog open={keys} onClose={() => setKeys(false)} />
       <Exporter open={exporting} onClose={() => setExporting(false)} />
     </main>
   );
 }
 
-const kStages: Record<string, string> = {
-  blend: "Reading the clips",
-  base: "Preparing the picture",
-  match: "Matching contrast",
-  render: "Rendering",
-  "ways/design/scene.toml": "Simulating",
-  "measuring flow": "Measuring the flow",
-};
-export function stageWords(stage: string): string {
-  const words = kStages[stage] ?? stage;
-  return words.charAt(0).toUpperCase() + words.slice(1);
-}
-
-const kOtherWays: readonly state.Mode[] = ["design", "stills", "endless", "layers"];
-
 function statusWords(): string {
   if (state.problem.value) return state.problem.value;
   const job = state.previewJob.value;
-  if (kOtherWays.includes(state.mode.value)) return "";
+  if (view.arriving.value) return "Opening the picture…";
+  if (kModes[state.mode.value].way) return "";
   if (!state.doc.value?.store) return "Choose a store under Look, and it moves.";
   if (!state.matte.value && !job) return "Scribble on what flows.";
   if (job && job.state === "running" && job.stage)
     return job.of > 0 ? `${stageWords(job.stage)} ${Math.round((100 * job.done) / job.of)} %` : `${stageWords(job.stage)}…`;
   return "";
+}
+
+function Panel(): JSX.Element | null {
+  const document = state.doc.value;
+  const Chosen = kModes[state.mode.value].panel;
+  return document && (
+    <aside class="panel" aria-label="Settings">
+      <Chosen document={document} />
+    </aside>
+  );
 }
 
 function Transport(): JSX.Element {
@@ -248,10 +212,15 @@ function Transport(): JSX.Element {
   );
 }
 
-function useShortcuts(canvas: { current: Canvas | null }, exportNow: () => void): void {
+function useShortcuts(canvas: { current: Canvas | null }, exportNow: () => void, showKeys: () => void): void {
   // With the first sight of the page: an effect that waits for a frame lost keys on a busy machine.
   useLayoutEffect(() => {
+    let byPointer = false; // how what has the focus was come to; :focus-visible is true for any once a key is pressed
+    const press = (): void => {
+      byPointer = true;
+    };
     const down = (event: KeyboardEvent): void => {
+      if (event.key === "Tab") byPointer = false;
       const target = event.target as HTMLElement;
       const types = target.matches("input:not([type=range], [type=checkbox]), textarea, select") || !!target.closest("dialog");
       if (types) return;
@@ -265,21 +234,24 @@ function useShortcuts(canvas: { current: Canvas | null }, exportNow: () => void)
         return;
       }
       if (event.key === " ") {
-        if (target.matches("button, summary, a, [type=checkbox]")) return;
+        // A button that was clicked keeps the focus, but is not what the space bar is for; one that Tab came to is.
+        if (target.matches("summary, a, [type=checkbox]") || (target.matches("button") && !byPointer)) return;
+        if (target.matches("button")) target.blur();
         event.preventDefault();
         if (!event.repeat) spaceDown(true);
         return;
       }
       const tools: Record<string, view.FluidTool> = { b: "fluid", n: "still", p: "paint", e: "erase", a: "area", h: "hold" };
       const chosen = tools[key];
-      const index = "12345678".indexOf(key);
+      const numbered = kModeNames[Number(key) - 1];
       if (chosen && state.mode.value === "fluid") view.fluidTool.value = chosen;
-      else if (index >= 0) state.mode.value = kModes[index]?.[0] ?? "fluid";
+      else if (numbered) state.mode.value = numbered;
       else if (key === "[") view.brush.value = Math.max(2, view.brush.value / 1.2);
       else if (key === "]") view.brush.value = Math.min(400, view.brush.value * 1.2);
       else if (key === "+" || key === "=") canvas.current?.zoomBy(1.4);
       else if (key === "-") canvas.current?.zoomBy(1 / 1.4);
       else if (key === "0") canvas.current?.fit();
+      else if (key === "?") showKeys();
       else if (key === "o" && state.doc.value?.moving_outline) view.onion.value = !view.onion.value;
       else if (key === "c") view.compare.value = view.compare.value === null ? 0.5 : null;
       else if ((key === "arrowleft" || key === "arrowright") && !target.matches("input, button")) {
@@ -297,9 +269,11 @@ function useShortcuts(canvas: { current: Canvas | null }, exportNow: () => void)
     const up = (event: KeyboardEvent): void => {
       if (event.key === " ") spaceDown(false);
     };
+    window.addEventListener("pointerdown", press, true);
     window.addEventListener("keydown", down);
     window.addEventListener("keyup", up);
     return () => {
+      window.removeEventListener("pointerdown", press, true);
       window.removeEventListener("keydown", down);
       window.removeEventListener("keyup", up);
     };
@@ -311,17 +285,18 @@ let spaceTime = 0;
 function spaceDown(yes: boolean): void {
   if (yes) {
     spaceTime = performance.now();
+    view.panned.value = false;
     view.panning.value = true;
     return;
   }
-  if (view.panning.value && performance.now() - spaceTime < 250) state.player.toggle();
+  if (view.panning.value && !view.panned.value && performance.now() - spaceTime < 250) state.player.toggle();
   view.panning.value = false;
 }
 
 function removeSelected(): void {
   const chosen = view.selected.value;
   const document = state.doc.value;
-  if (state.mode.value === "endless") return removeLine();
+  if (state.mode.value === "flowlines") return removeLine();
   if (chosen === null || !document || state.mode.value !== "flow") return;
   state.edit({ strokes: document.strokes.filter((_, i) => i !== chosen) });
   view.selected.value = null;

@@ -5,22 +5,20 @@ import { Arrow } from "konva/lib/shapes/Arrow";
 import { Circle } from "konva/lib/shapes/Circle";
 import { Image as KonvaImage } from "konva/lib/shapes/Image";
 import { Line } from "konva/lib/shapes/Line";
-import { Rect } from "konva/lib/shapes/Rect";
 import { address } from "./api";
-import { addLine as addClipLine, inputLines, moveLine, pointsAt, positionOf, shownLines } from "./cliplines";
-import { addLayerLine, chosenLayer, foundShape, layerShape, paintLayer } from "./layers";
+import { kModes } from "./modes";
 import { followOutlines, outlineLook, outlinesNow } from "./onion";
-import { flat, lengthOf, PenLine, rounded, type Run, widthOf } from "./pen";
+import { flat, lengthOf, PenLine, rounded, widthOf } from "./pen";
 import * as state from "./state";
 import { Streaks } from "./streaks";
-import type { ClipLine, Design, Document, DrawnLayer, Drawn, Point, Stroke, Tempo } from "./types";
+import { accent, type Gesture, kTakes, type Tool } from "./tools/tool";
+import type { Point } from "./types";
 import * as view from "./view";
 
 const kLongest = 2048; // px of the copy of the picture that is always here
 const kBetweenStreaks = 30; // ms
 const kBetweenWaiting = 80; // ms
 const kRest = 150; // ms that a view rests before it is sharpened
-const accent = (): string => getComputedStyle(document.documentElement).getPropertyValue("--accent").trim() || "#4fc3c7";
 
 function loadImage(source: string): Promise<HTMLImageElement> {
   return new Promise((resolve, reject) => {
@@ -31,10 +29,13 @@ function loadImage(source: string): Promise<HTMLImageElement> {
   });
 }
 
-/** Slower is blue, faster orange: told apart by those who see fewer hues. */
-const tempoColour = (factor: number): string => (factor === 1 ? "#c9d3d6" : factor < 1 ? "#4f8fe6" : "#f28f3b");
+const kWheelStep = 1.2; // times larger or smaller, at most, by one event of the wheel
 
-const designColour = (source: boolean): string => (source ? "#f28f3b" : "#7d8b90");
+/** A touchpad's pinch comes as many small turns with Ctrl, a wheel's notch as one large one. */
+function wheelFactor(event: WheelEvent): number {
+  const factor = Math.exp(-event.deltaY * (event.ctrlKey ? 0.01 : 0.0015));
+  return Math.max(1 / kWheelStep, Math.min(kWheelStep, factor));
+}
 
 export class Canvas {
   private readonly stage: Konva.Stage;
@@ -108,6 +109,10 @@ export class Canvas {
     this.film.remove();
   }
 
+  private get tool(): Tool {
+    return kModes[state.mode.value].tool;
+  }
+
   private size(): { width: number; height: number } {
     const open = state.project.value;
     const ground = view.ground.value;
@@ -124,11 +129,22 @@ export class Canvas {
         const open = state.project.value;
         if (!open || open.id === shownProject) return;
         shownProject = open.id;
-        void loadImage(address.picture(open.id, kLongest)).then((image) => {
+        const show = (image: HTMLImageElement): void => {
           if (state.project.value?.id !== open.id) return;
           for (const node of [this.picture, this.original]) node.setAttrs({ image, width: open.width, height: open.height });
           this.below.batchDraw();
-        });
+        };
+        // A small one is there at once; until the whole one is, it is said that it comes.
+        let whole = false;
+        view.arriving.value = true;
+        for (const node of [this.picture, this.original]) node.image(undefined);
+        loadImage(address.thumbnail(open.id)).then((image) => !whole && show(image), () => undefined);
+        void loadImage(address.picture(open.id, kLongest))
+          .then((image) => {
+            whole = true;
+            show(image);
+          })
+          .finally(() => (view.arriving.value = false));
         this.fitted = true;
         queueMicrotask(() => this.resize());
       }),
@@ -216,28 +232,11 @@ export class Canvas {
         else this.film.removeAttribute("src");
       }),
       effect(() => {
-        void state.doc.value;
-        void state.mode.value;
-        void view.selected.value;
-        void view.flowTool.value;
-        void view.piece.value;
-        void view.pieceMap.value;
-        void state.pieces.value;
-        void view.zoom.value;
-        void view.lineTool.value;
-        void view.line.value;
-        void view.position.value;
-        void view.foundLines.value;
-        void view.layer.value;
-        void view.foundLayers.value;
-        void view.drawn.value;
-        void view.film.value;
+        void view.zoom.value; // on which widths depend; what else is shown, the tool reads
         this.redrawDrawing();
       }),
       effect(() => {
-        const drags = view.panning.value;
-        const mode = state.mode.value;
-        this.box.style.cursor = drags ? "grab" : mode === "fluid" || mode === "flow" || mode === "design" || mode === "endless" || mode === "layers" ? "crosshair" : "default";
+        this.box.style.cursor = view.panning.value ? "grab" : this.tool.pen() === "none" ? "default" : "crosshair";
       }),
     );
   }
@@ -245,7 +244,7 @@ export class Canvas {
   /** The matte in one colour, with what lies outside of it darkened, or as an outline. */
   private redrawMatte(): void {
     const { width, height } = this.size();
-    const look = state.mode.value === "fluid" ? view.matteLook.value : "off";
+    const look = this.tool.showsMatte ? view.matteLook.value : "off";
     const image = this.matteImage;
     this.held.visible(false);
     if (!image || look === "off") {
@@ -322,192 +321,15 @@ export class Canvas {
 
   private redrawDrawing(): void {
     this.drawing.destroyChildren();
-    const document = state.doc.value;
-    if (document && (view.drawn.value || !view.film.value)) {
-      if (state.mode.value === "fluid") this.addScribbles(document.scribbles);
-      if (state.mode.value === "flow") {
-        this.addDirections(document.directions);
-        if (view.flowTool.value === "tempo") this.addTempo(document.tempo);
-        document.strokes.forEach((stroke, i) => this.addStroke(stroke, i));
-      }
-      if (state.mode.value === "why") this.addPieces();
-      if (state.mode.value === "design") this.addDesign(document.design);
-      if (state.mode.value === "endless" && view.ground.value) this.addClipLines();
-      if (state.mode.value === "layers") document.layered.layers.forEach((layer, i) => this.addLayer(layer, i));
-    }
-    this.drawing.batchDraw();
-  }
-
-  private addScribbles(lines: Drawn[]): void {
-    for (const line of lines)
-      this.drawing.add(
-        new Line({
-          points: line.points.length === 1 ? [...flat(line.points), ...flat(line.points)] : flat(line.points),
-          stroke: line.adds ? "#e8fffb" : "#e5484d",
-          strokeWidth: line.width,
-          lineCap: "round",
-          lineJoin: "round",
-          opacity: line.adds ? 0.55 : 0.6,
-          listening: false,
-        }),
-      );
-  }
-
-  private addDesign({ sources, winds }: Design): void {
-    for (const { points, width, adds } of sources)
-      this.drawing.add(new Line({ points: [...flat(points), ...flat(points.slice(-1))], stroke: designColour(adds), strokeWidth: width, lineCap: "round", lineJoin: "round", opacity: 0.6, listening: false }));
-    const scale = this.stage.scaleX();
-    for (const { points } of winds)
-      this.drawing.add(new Arrow({ points: flat(points), stroke: "#fff", fill: "#fff", strokeWidth: 2.6 / scale, pointerLength: 11 / scale, pointerWidth: 10 / scale, lineCap: "round", listening: false }));
-  }
-
-  private addDirections(lines: Drawn[]): void {
-    const scale = this.stage.scaleX();
-    const strong = view.flowTool.value === "direction";
-    for (const { points, width, adds } of lines) {
-      this.drawing.add(new Line({ points: [...flat(points), ...flat(points.slice(-1))], stroke: adds ? accent() : "#00171a", strokeWidth: width, lineCap: "round", lineJoin: "round", opacity: strong ? 0.3 : 0.14, listening: false }));
-      if (adds && points.length > 1) this.drawing.add(new Arrow({ points: flat(points), stroke: "#fff", fill: "#fff", strokeWidth: 1.6 / scale, pointerLength: 9 / scale, pointerWidth: 8 / scale, opacity: strong ? 0.9 : 0.5, listening: false }));
-    }
-  }
-
-  private addTempo(lines: Tempo[]): void {
-    for (const { points, width, factor } of lines)
-      this.drawing.add(new Line({ points: [...flat(points), ...flat(points.slice(-1))], stroke: tempoColour(factor), strokeWidth: width, lineCap: "round", lineJoin: "round", opacity: 0.5, listening: false }));
-  }
-
-  private addStroke(stroke: Stroke, index: number): void {
-    const chosen = view.selected.value === index;
-    const scale = this.stage.scaleX();
-    const shape = {
-      points: flat(stroke.points),
-      tension: stroke.points.length > 2 ? 0.35 : 0,
-      pointerLength: 11 / scale,
-      pointerWidth: 10 / scale,
-      lineCap: "round" as const,
-      lineJoin: "round" as const,
-    };
-    this.drawing.add(new Arrow({ ...shape, stroke: "#00171a", fill: "#00171a", strokeWidth: 6 / scale, opacity: 0.55, listening: false }));
-    const colour = chosen ? accent() : "#fff";
-    const arrow = new Arrow({ ...shape, stroke: colour, fill: colour, strokeWidth: 2.6 / scale, hitStrokeWidth: 18 / scale });
-    arrow.on("pointerdown", (event) => {
-      if (view.panning.value || event.evt.button !== 0 || view.flowTool.value !== "line") return;
-      event.cancelBubble = true;
-      view.selected.value = index;
-    });
-    this.drawing.add(arrow);
-    if (!chosen || view.flowTool.value !== "line") return;
-    this.addHandles(stroke.points, (points) => {
-      const strokes = state.doc.value?.strokes ?? [];
-      state.edit({ strokes: strokes.map((each, i) => (i === index ? { ...each, points } : each)) });
-    });
-  }
-
-  /** Where a line's points can be taken hold of. */
-  private addHandles(points: Point[], moved: (points: Point[]) => void): void {
-    const scale = this.stage.scaleX();
-    points.forEach((point, k) => {
-      if (k !== 0 && k !== points.length - 1 && points.length > 8 && k % 3 !== 0) return;
-      // The last one stands beyond the arrow's tip, which it would cover.
-      const before = points[k - 1] ?? point;
-      const length = Math.hypot(point[0] - before[0], point[1] - before[1]) || 1;
-      const beyond = k === points.length - 1 ? 13 / scale / length : 0;
-      const [dx, dy] = [(point[0] - before[0]) * beyond, (point[1] - before[1]) * beyond];
-      const handle = new Circle({ x: point[0] + dx, y: point[1] + dy, radius: 5 / scale, fill: "#fff", stroke: accent(), strokeWidth: 2 / scale, draggable: true, hitStrokeWidth: 14 / scale });
-      handle.on("pointerdown", (event) => (event.cancelBubble = true));
-      handle.on("dragend", () => moved(points.map((each, i): Point => (i === k ? [rounded(handle.x() - dx), rounded(handle.y() - dy)] : each))));
-      this.drawing.add(handle);
-    });
-  }
-
-  private addClipLines(): void {
-    const scale = this.stage.scaleX();
-    if (view.lineTool.value === "edited")
-      for (const { points } of inputLines())
-        this.drawing.add(new Line({ points: flat(points), stroke: "#9fb4bd", strokeWidth: 1.2 / scale, dash: [5 / scale, 4 / scale], listening: false }));
-    const lines = shownLines();
-    const chosen = view.line.value ?? -1;
-    lines.forEach((line, index) => index !== chosen && this.addClipLine(line, index));
-    // Above all others: it is the one that is dragged.
-    if (lines[chosen]) this.addClipLine(lines[chosen], chosen);
-  }
-
-  private addClipLine(line: ClipLine, index: number): void {
-    const chosen = view.line.value === index;
-    const scale = this.stage.scaleX();
-    const position = chosen ? positionOf(line) : 0;
-    const points = pointsAt(line, position);
-    const shape = { points: flat(points), pointerLength: 9 / scale, pointerWidth: 8 / scale, lineCap: "round" as const, lineJoin: "round" as const };
-    const colour = chosen ? accent() : "#fff";
-    // Where it lies at other times.
-    for (let other = 0; other <= line.later.length; ++other)
-      if (other !== position)
-        this.drawing.add(new Arrow({ ...shape, points: flat(pointsAt(line, other)), stroke: colour, fill: colour, strokeWidth: 1.2 / scale, opacity: 0.55, listening: false }));
-    this.drawing.add(new Arrow({ ...shape, stroke: "#00171a", fill: "#00171a", strokeWidth: 5 / scale, opacity: 0.5, listening: false }));
-    const arrow = new Arrow({ ...shape, stroke: colour, fill: colour, strokeWidth: 2.2 / scale, hitStrokeWidth: 14 / scale, draggable: chosen });
-    arrow.on("pointerdown", (event) => {
-      if (view.panning.value || event.evt.button !== 0) return;
-      event.cancelBubble = true;
-      if (view.line.value !== index) view.position.value = 0;
-      view.line.value = index;
-    });
-    arrow.on("dragend", () => {
-      const [dx, dy] = [arrow.x(), arrow.y()];
-      moveLine(index, points.map(([x, y]): Point => [rounded(x + dx), rounded(y + dy)]));
-    });
-    this.drawing.add(arrow);
-    if (chosen) this.addHandles(points, (moved) => moveLine(index, moved));
-  }
-
-  private addLayer(layer: DrawnLayer, index: number): void {
     const { width, height } = this.size();
-    const chosen = view.layer.value === index;
-    const scale = this.stage.scaleX();
-    const [place] = layer.lines;
-    if (layer.motion === "film") {
-      const [[left, top], [right, bottom]] = place ? [place.points[0] as Point, place.points[place.points.length - 1] as Point] : [[0, 0], [width, height]];
-      this.drawing.add(new Rect({ x: Math.min(left, right), y: Math.min(top, bottom), width: Math.abs(right - left), height: Math.abs(bottom - top), stroke: view.clipColour(index), strokeWidth: (chosen ? 2.4 : 1.2) / scale, dash: [6 / scale, 4 / scale], listening: false }));
-      return;
-    }
-    const found = layer.matte === "scribbled" ? foundShape(layer.paint, view.clipColour(index)) : null;
-    if (found) this.drawing.add(new KonvaImage({ image: found, width, height, opacity: chosen ? 0.5 : 0.22, listening: false }));
-    if (layer.matte === "scribbled" && chosen) this.addScribbles(layer.paint);
-    else if (!found && layer.matte !== "rest") this.drawing.add(new KonvaImage({ image: layerShape(layer.paint, view.clipColour(index), width, height), width, height, opacity: chosen ? 0.5 : 0.22, listening: false }));
-    for (const { points } of layer.lines)
-      for (const [colour, across] of [["#00171a", 5.5], [chosen ? "#fff" : view.clipColour(index), 2.4]] as const)
-        this.drawing.add(new Arrow({ points: flat(points), stroke: colour, fill: colour, strokeWidth: across / scale, pointerLength: 9 / scale, pointerWidth: 8 / scale, lineCap: "round", listening: false }));
-  }
-
-  private addPieces(): void {
-    const found = state.pieces.value;
-    if (!found) return;
-    const map = view.pieceMap.value;
-    const margins = map === "sure" ? found.pieces.map((piece) => piece[5] ?? Infinity).sort((a, b) => a - b) : [];
-    // How sure it is means little as a number: where it stands among all pieces is shown.
-    const place = (margin: number | null): number => margins.findIndex((each) => each >= (margin ?? Infinity)) / Math.max(1, margins.length - 1);
-    if (map !== "none")
-      for (const [x, y, clip, score, , margin] of found.pieces)
-        this.drawing.add(
-          new Rect({
-            x: x + found.side / 4,
-            y: y + found.side / 4,
-            width: found.side / 2,
-            height: found.side / 2,
-            fill: map === "clip" ? view.clipColour(clip) : `hsl(${map === "score" ? Math.min(150, score * 360) : 150 * place(margin)} 65% 50%)`,
-            opacity: 0.55,
-            listening: false,
-          }),
-        );
-    for (const [x, y, , , pinned] of found.pieces)
-      if (pinned) this.drawing.add(new Circle({ x: x + found.side / 2, y: y + found.side / 2, radius: 5 / this.stage.scaleX(), fill: accent(), stroke: "#fff", strokeWidth: 1.5 / this.stage.scaleX(), listening: false }));
-    const chosen = view.piece.value === null ? undefined : found.pieces[view.piece.value];
-    if (chosen)
-      for (const [colour, width] of [["#00171a", 5], [accent(), 2.5]] as const)
-        this.drawing.add(new Rect({ x: chosen[0], y: chosen[1], width: found.side, height: found.side, stroke: colour, strokeWidth: width / this.stage.scaleX(), cornerRadius: 3 / this.stage.scaleX(), listening: false }));
+    if (state.doc.value && (view.drawn.value || !view.film.value))
+      this.tool.show({ scale: this.stage.scaleX(), width, height, add: (node) => this.drawing.add(node) });
+    this.drawing.batchDraw();
   }
 
   /** Thirty times a second; less while a preview is made, for it is the same processor that makes it. */
   private drawStreaks(now: number): void {
-    const shows = view.streaks.value && state.mode.value === "flow" && !this.flowing.empty;
+    const shows = view.streaks.value && this.tool.showsStreaks && !this.flowing.empty;
     const between = state.previewJob.value ? kBetweenWaiting : kBetweenStreaks;
     if ((!shows && !this.streaksShown) || now - this.last < between) return;
     const seconds = Math.min(0.1, (now - this.last) / 1000);
@@ -590,7 +412,7 @@ export class Canvas {
 
   /** Whether the picture as it was given is looked at, and not an animation's frame. */
   private showsStill(): boolean {
-    return !state.player.reel.value || (state.mode.value === "fluid" && !state.player.playing.value);
+    return !state.player.reel.value || (this.tool.showsStill && !state.player.playing.value);
   }
 
   /** Where the picture's copy here has fewer pixels than the screen, the part that is seen is asked for, when the view rests. */
@@ -635,7 +457,7 @@ export class Canvas {
     this.stage.on("wheel", (event) => {
       event.evt.preventDefault();
       const centre = this.stage.getPointerPosition() ?? undefined;
-      if (event.evt.ctrlKey || !event.evt.shiftKey) this.zoomBy(Math.exp(-event.evt.deltaY * (event.evt.ctrlKey ? 0.01 : 0.0015)), centre);
+      if (event.evt.ctrlKey || !event.evt.shiftKey) this.zoomBy(wheelFactor(event.evt), centre);
       else this.panBy(-event.evt.deltaY, 0);
     });
     this.stage.on("pointerdown", (event) => this.begin(event.evt));
@@ -648,7 +470,7 @@ export class Canvas {
     this.stage.on("touchmove", (event) => this.twoFingers(event.evt));
     this.stage.on("touchend", () => (this.pinch = null));
     this.stage.on("dblclick dbltap", () => {
-      if (state.mode.value === "look") this.fit();
+      if (this.tool.pans) this.fit();
     });
     const letGo = (): void => this.finish();
     window.addEventListener("pointerup", letGo);
@@ -685,30 +507,18 @@ export class Canvas {
   private begin(event: PointerEvent): void {
     const point = this.at();
     if (!point) return;
-    const mode = state.mode.value;
-    if (event.button === 1 || view.panning.value || mode === "look" || mode === "stills") {
+    const { tool } = this;
+    if (event.button === 1 || view.panning.value || tool.pans) {
       const from = this.stage.getPointerPosition();
+      view.panned.value = true;
       if (from) this.panFrom = { x: from.x, y: from.y, at: { x: this.stage.x(), y: this.stage.y() } };
       this.box.style.cursor = "grabbing";
       return;
     }
-    if (event.button !== 0 && event.button !== 2) return;
-    if (mode === "why") return this.choosePiece(point);
+    if ((event.button !== 0 && event.button !== 2) || !tool.press(point)) return;
     this.erasing = event.button === 2 || event.altKey;
     this.line = new PenLine(point, widthOf(event, view.brush.value));
-    if (mode === "flow") view.selected.value = null;
-    if ((mode === "endless" && !view.ground.value) || (mode === "layers" && !chosenLayer())) this.line = null;
     this.addLive();
-  }
-
-  private drawsArea(): boolean {
-    const mode = state.mode.value;
-    return (mode === "fluid" && view.fluidTool.value === "area") || (mode === "layers" && view.layerTool.value === "area");
-  }
-  private drawsArrow(): boolean {
-    const mode = state.mode.value;
-    if (mode === "layers") return view.layerTool.value === "line";
-    return mode === "endless" || (mode === "flow" && view.flowTool.value === "line") || (mode === "design" && view.designTool.value === "wind");
   }
 
   /** What is seen of the run that is being drawn. */
@@ -717,25 +527,14 @@ export class Canvas {
     const { points, width } = this.line.last;
     const scale = this.stage.scaleX();
     const ends = { points: [...flat(points), ...flat(points.slice(-1))], lineCap: "round" as const, lineJoin: "round" as const };
-    const area = this.drawsArea();
-    const colour = this.penColour();
-    const made = this.drawsArrow()
+    const area = this.tool.pen() === "area";
+    const colour = this.tool.colour(this.erasing);
+    const made = this.tool.pen() === "arrow"
       ? new Arrow({ ...ends, stroke: accent(), fill: accent(), strokeWidth: 3 / scale, pointerLength: 11 / scale, pointerWidth: 10 / scale })
       : new Line({ ...ends, stroke: colour, fill: area ? colour : undefined, closed: area, strokeWidth: area ? 1.5 / scale : width, opacity: 0.6 });
     this.live.push(made);
     this.cursorLayer.add(made);
     this.drawCursor();
-  }
-
-  private penColour(): string {
-    if (state.mode.value === "design") return designColour(view.designTool.value === "source");
-    if (state.mode.value === "flow" && view.flowTool.value === "direction") return this.erasing ? "#e5484d" : accent();
-    if (state.mode.value === "flow") return tempoColour(this.erasing ? 1 : view.tempo.value);
-    if (state.mode.value === "layers") return (view.layerTool.value === "erase") !== this.erasing ? "#e5484d" : view.clipColour(view.layer.value);
-    const tool = view.fluidTool.value;
-    const takes = tool === "still" || tool === "erase";
-    if (tool === "hold") return this.erasing ? "#555" : "#e9b44c";
-    return takes !== this.erasing ? "#e5484d" : accent();
   }
 
   private go(event: PointerEvent): void {
@@ -748,11 +547,11 @@ export class Canvas {
       return;
     }
     const scale = this.stage.scaleX();
-    const mode = state.mode.value;
-    const brushes = (mode === "fluid" || mode === "flow" || mode === "design" || mode === "layers") && !this.drawsArea() && !this.drawsArrow() && event.pointerType !== "touch";
+    const isBrush = this.tool.pen() === "brush";
+    const brushes = isBrush && event.pointerType !== "touch";
     this.cursor.setAttrs({ x: point[0], y: point[1], radius: widthOf(event, view.brush.value) / 2, visible: brushes && !view.panning.value });
     if (this.line) {
-      const width = this.drawsArea() || this.drawsArrow() ? this.line.last.width : widthOf(event, view.brush.value);
+      const width = isBrush ? widthOf(event, view.brush.value) : this.line.last.width;
       if (this.line.add(point, width, 2 / scale)) this.addLive();
       const { points } = this.line.last;
       this.live[this.live.length - 1]?.points(flat(points.length > 1 ? points : [...points, point]));
@@ -769,63 +568,19 @@ export class Canvas {
     }
     const line = this.line;
     this.cancel();
-    const document = state.doc.value;
-    if (!line || !document) return;
+    if (!line || !state.doc.value) return;
     const scale = this.stage.scaleX();
     const runs = line.simple(0.7 / scale);
-    const isClick = lengthOf(line.points) * scale < 8;
-    if (state.mode.value === "endless") {
-      if (isClick) view.line.value = null;
-      else addClipLine(runs.flatMap(({ points }) => points));
-    } else if (state.mode.value === "design") {
-      this.addToDesign(document, runs, isClick);
-    } else if (state.mode.value === "layers" && this.drawsArrow()) {
-      if (!isClick) addLayerLine(runs.flatMap(({ points }) => points));
-    } else if (this.drawsArrow()) {
-      if (!isClick) this.addLine(document, runs.flatMap(({ points }) => points));
-    } else if (state.mode.value === "flow" && view.flowTool.value === "direction") {
-      // A dot has no direction; it can take away.
-      if (!isClick || this.erasing) state.edit({ directions: [...document.directions, ...runs.map((run) => ({ ...run, adds: !this.erasing, area: false }))] });
-    } else if (state.mode.value === "flow") {
-      const factor = this.erasing ? 1 : view.tempo.value;
-      state.edit({ tempo: [...document.tempo, ...runs.map((run) => ({ ...run, factor }))] });
-    } else if (this.drawsArea()) {
-      if (isClick || this.corners.length > 0) this.addCorner(line.points[0] as Point);
-      else this.draw(document, runs.map(({ points }) => ({ points, width: 0, adds: !this.erasing, area: true })));
-    } else if (state.mode.value === "layers") {
-      const adds = (view.layerTool.value === "paint") !== this.erasing;
-      paintLayer(runs.map((run) => ({ ...run, adds, area: false })));
-    } else {
-      const tool = view.fluidTool.value;
-      const adds = (tool !== "still" && tool !== "erase") !== this.erasing;
-      this.draw(document, runs.map((run) => ({ ...run, adds, area: false })));
-    }
-  }
-
-  private addLine(document: Document, points: Point[]): void {
-    const speed = view.fastByLength.value ? Math.round(lengthOf(points)) : null;
-    state.edit({ strokes: [...document.strokes, { points, speed }] });
-    view.selected.value = document.strokes.length;
-  }
-
-  private addToDesign(document: Document, runs: Run[], isClick: boolean): void {
-    const { design } = document;
-    if (!this.drawsArrow()) {
-      const adds = view.designTool.value === "source";
-      state.edit({ design: { ...design, sources: [...design.sources, ...runs.map((run) => ({ ...run, adds, area: false }))] } });
-    } else if (!isClick) {
-      const points = runs.flatMap((run) => run.points);
-      const ends = [points[0], points[points.length - 1]] as Point[];
-      state.edit({ design: { ...design, winds: [...design.winds, { points: ends, speed: null }] } });
-    }
-  }
-
-  private draw(document: Document, drawn: Drawn[]): void {
-    if (state.mode.value === "layers") return paintLayer(drawn);
-    const tool = view.fluidTool.value;
-    if (tool === "fluid" || tool === "still") state.edit({ scribbles: [...document.scribbles, ...drawn], ...(document.matte_base === "whole" ? { matte_base: "scribbles" as const } : {}) });
-    else if (tool === "hold") state.edit({ held: [...document.held, ...drawn] });
-    else state.edit({ paint: [...document.paint, ...drawn] });
+    const area = this.tool.pen() === "area";
+    const gesture: Gesture = {
+      runs: area ? runs.map(({ points }) => ({ points, width: 0 })) : runs,
+      points: runs.flatMap(({ points }) => points),
+      area,
+      isClick: lengthOf(line.points) * scale < 8,
+      erasing: this.erasing,
+    };
+    if (area && (gesture.isClick || this.corners.length > 0)) this.addCorner(line.points[0] as Point);
+    else this.tool.finish(gesture);
   }
 
   // ---- an area, corner by corner
@@ -843,7 +598,7 @@ export class Canvas {
   closeCorners(): void {
     const points = this.corners.map(([x, y]): Point => [rounded(x), rounded(y)]);
     this.dropCorners();
-    if (points.length > 2 && state.doc.value) this.draw(state.doc.value, [{ points, width: 0, adds: !this.cornersTake, area: true }]);
+    if (points.length > 2 && state.doc.value) this.tool.finish({ runs: [{ points, width: 0 }], points, area: true, isClick: false, erasing: this.cornersTake });
   }
 
   /** Escape, or another tool. */
@@ -856,20 +611,8 @@ export class Canvas {
 
   private showCorners(pointer: Point): void {
     view.corners.value = this.corners.length;
-    const colour = this.cornersTake ? "#e5484d" : accent();
+    const colour = this.cornersTake ? kTakes : accent();
     this.outline.setAttrs({ points: flat([...this.corners, pointer]), stroke: colour, fill: colour, strokeWidth: 1.5 / this.stage.scaleX(), visible: true });
     this.drawCursor();
-  }
-
-  private choosePiece(point: Point): void {
-    const found = state.pieces.value;
-    if (!found) return;
-    let best = -1;
-    let nearest = found.side / 2;
-    found.pieces.forEach(([x, y], i) => {
-      const distance = Math.max(Math.abs(x + found.side / 2 - point[0]), Math.abs(y + found.side / 2 - point[1]));
-      if (distance < nearest) [nearest, best] = [distance, i];
-    });
-    view.piece.value = best >= 0 ? best : null;
   }
 }

@@ -1,7 +1,7 @@
 // The lines of a clip as they are changed: copies of those that are there go by their names.
 import { simplified } from "./pen";
 import * as state from "./state";
-import type { ClipLine, Endless, Point } from "./types";
+import type { ClipLine, Flowlines, Point } from "./types";
 import * as view from "./view";
 
 const kTidy = 1.5; // px that a copy may leave its line by, so that it has few handles
@@ -31,17 +31,17 @@ function freshId(input: string, lines: ClipLine[]): string {
   return `${input}-${number}`;
 }
 
-const endless = (): Endless | undefined => state.doc.value?.endless;
+const flowlines = (): Flowlines | undefined => state.doc.value?.flowlines;
 
 /** Where it flows: as it was drawn, or else found. */
 export function inputLines(): ClipLine[] {
-  const drawn = endless()?.lines ?? [];
+  const drawn = flowlines()?.lines ?? [];
   return drawn.length > 0 ? drawn : view.foundLines.value;
 }
 
 /** Where it shall flow; without a change, where it flows. */
 export function editedLines(): ClipLine[] {
-  const changed = endless()?.edited ?? [];
+  const changed = flowlines()?.edited ?? [];
   return changed.length > 0 ? changed : inputLines().map((line) => ({ ...line, points: simplified(line.points, kTidy) }));
 }
 
@@ -49,13 +49,13 @@ export const shownLines = (): ClipLine[] => (view.lineTool.value === "edited" ? 
 
 /** Takes changed lines of the tool that is chosen. key   as state.edit. */
 export function takeLines(changed: ClipLine[], key = ""): void {
-  const now = endless();
+  const now = flowlines();
   if (!now) return;
-  if (view.lineTool.value === "edited") state.edit({ endless: { ...now, lines: inputLines(), edited: changed } }, key);
+  if (view.lineTool.value === "edited") state.edit({ flowlines: { ...now, lines: inputLines(), edited: changed } }, key);
   else {
     // Edited lines without an input line would show nothing.
     const edited = now.edited.filter(({ id }) => changed.some((line) => line.id === inputOf(id, changed)));
-    state.edit({ endless: { ...now, lines: changed, edited: changed.length > 0 ? edited : [] } }, key);
+    state.edit({ flowlines: { ...now, lines: changed, edited: changed.length > 0 ? edited : [] } }, key);
   }
 }
 

@@ -2,9 +2,10 @@
 import type { JSX } from "preact";
 import { useEffect, useState } from "preact/hooks";
 import * as api from "./api";
-import { stageWords } from "./app";
+import { kModes } from "./modes";
 import { CommandLine, CopyButton, Dialog, Running, Switch } from "./parts";
 import * as state from "./state";
+import { stageWords } from "./words";
 
 const size = (bytes: number): string => (bytes > 1 << 20 ? `${(bytes / (1 << 20)).toFixed(1)} MB` : `${Math.round(bytes / 1024)} KB`);
 
@@ -24,6 +25,8 @@ export function Exporter(props: { open: boolean; onClose: () => void }): JSX.Ele
   const [alone, setAlone] = useState(false);
   const formats = state.home.value?.formats ?? [];
   const chosen = formats[format];
+  const mode = state.mode.value;
+  const way = kModes[mode].way ? mode : null; // what is on the screen is that way's film
   const stem = (title || project?.id || "animation").replace(/[^A-Za-z0-9._-]+/g, "-").replace(/^[.-]+/, "") || "animation";
   const name = stem + (chosen?.ending ?? "");
   const job = made ? state.jobs.value[`command ${made.job}`] : undefined;
@@ -46,7 +49,8 @@ export function Exporter(props: { open: boolean; onClose: () => void }): JSX.Ele
     if (!id || !chosen) return;
     setFault("");
     try {
-      setMade(await api.startExport(id, {
+      await state.kept();
+      setMade(way ? await api.exportWay(id, way, name) : await api.startExport(id, {
         name,
         ...(alone && chosen.alpha && { layer: "fluid" }),
         ...(depths.includes(depth) && { depth }),
@@ -60,7 +64,7 @@ export function Exporter(props: { open: boolean; onClose: () => void }): JSX.Ele
   };
   const line = made ? `cd '${made.folder}' && ${made.command}` : "";
   return (
-    <Dialog title="Export" open={props.open} onClose={props.onClose}>
+    <Dialog title={way ? `Export: ${kModes[mode].label}` : "Export"} open={props.open} onClose={props.onClose}>
       <fieldset class="formats">
         <legend class="unseen">Format</legend>
         {formats.map((each, i) => (
@@ -71,12 +75,12 @@ export function Exporter(props: { open: boolean; onClose: () => void }): JSX.Ele
           </label>
         ))}
       </fieldset>
-      {chosen?.alpha && <Switch label="The fluid alone" hint="With alpha, to lay over the picture" checked={alone} onChange={setAlone} />}
+      {!way && chosen?.alpha && <Switch label="The fluid alone" hint="With alpha, to lay over the picture" checked={alone} onChange={setAlone} />}
       <label class="field">
         <span>Name</span>
         <input value={title} placeholder={project?.id} onInput={(event) => setTitle(event.currentTarget.value)} />
       </label>
-      <details class="more">
+      {!way && <details class="more">
         <summary>Size, frames and depth</summary>
         <div class="quarters">
           <Whole label="Width" value={width} placeholder={String(project?.width ?? "")} onInput={setWidth} />
@@ -95,8 +99,8 @@ export function Exporter(props: { open: boolean; onClose: () => void }): JSX.Ele
             </select>
           </label>
         </div>
-      </details>
-      {width && project && (
+      </details>}
+      {!way && width && project && (
         <p class="hint">
           {width} × {Math.max(1, Math.round((Number(width) * project.height) / project.width))} px
         </p>
@@ -109,13 +113,13 @@ export function Exporter(props: { open: boolean; onClose: () => void }): JSX.Ele
             Stop
           </button>
         ) : (
-          <button type="button" class="primary" disabled={!state.matte.value || !state.store.value} onClick={() => void start()}>
+          <button type="button" class="primary" disabled={!way && (!state.matte.value || !state.store.value)} onClick={() => void start()}>
             Make it
           </button>
         )}
       </div>
-      {!state.matte.value && <p class="hint">Say what flows first.</p>}
-      {!state.store.value && <p class="hint">Choose a store first, under Look.</p>}
+      {!way && !state.matte.value && <p class="hint">Say what flows first.</p>}
+      {!way && !state.store.value && <p class="hint">Choose a store first, under Look.</p>}
       {job && running && <Running job={job} label="Export" words={stageWords(job.stage)} />}
       {(fault || job?.state === "failed") && <p class="problem">{fault || job?.fault}</p>}
       {line && <CommandLine text={line} />}

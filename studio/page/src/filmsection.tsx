@@ -2,11 +2,11 @@
 import type { JSX } from "preact";
 import { useEffect, useState } from "preact/hooks";
 import * as api from "./api";
-import { stageWords } from "./app";
 import { CommandLine, Running, Section, Switch } from "./parts";
 import * as state from "./state";
 import type { Job, Way } from "./types";
 import * as view from "./view";
+import { stageWords } from "./words";
 
 /** What the server has of a way; asked anew when what was drawn for it is saved, and when a film is there. */
 export function useWay(name: string, drawn: unknown): Way | null {
@@ -16,7 +16,10 @@ export function useWay(name: string, drawn: unknown): Way | null {
   const films = state.filmed.value;
   useEffect(() => {
     if (!saved) return;
-    api.way(id, name).then(setWay, () => setWay(null)); // nothing is drawn yet
+    api.way(id, name).then(
+      (found) => setWay(found.lacks ? null : found),
+      () => setWay(null),
+    );
   }, [id, saved, films, drawn]);
   return way;
 }

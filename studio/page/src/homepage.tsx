@@ -3,11 +3,12 @@ import type { JSX } from "preact";
 import { useState } from "preact/hooks";
 import { ImagePlus, Plus, Trash2 } from "lucide-preact";
 import * as api from "./api";
-import { go, ThemeButton } from "./app";
 import { chosen, type Dropped, dropped, isStore, openProject, projectAmong } from "./dropped";
+import { go } from "./navigation";
 import { Dialog, IconButton, Strip } from "./parts";
 import * as state from "./state";
 import { sendStills } from "./stillspanel";
+import { ThemeButton } from "./themebutton";
 import type { Job, Store } from "./types";
 
 function ago(seconds: number): string {
@@ -268,7 +269,7 @@ function ClipsDialog(props: { files: File[] | null; onClose: () => void }): JSX.
     setSent(0);
     try {
       const id = await api.openClip(files[0] as File);
-      state.beginWith("endless");
+      state.beginWith("flowlines");
       props.onClose();
       go(id);
     } catch (fault) {

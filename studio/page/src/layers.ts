@@ -2,7 +2,7 @@
 import { address } from "./api";
 import { rounded } from "./pen";
 import * as state from "./state";
-import type { Drawn, DrawnLayer, Layered, LayerMotion, Point } from "./types";
+import type { Drawn, DrawnLayer, DrawnScene, LayerMotion, Point } from "./types";
 import * as view from "./view";
 
 const kUsualNames: Record<LayerMotion, string> = { still: "still", tree: "tree", water: "water", boat: "boat", clouds: "clouds", patches: "fluid", film: "film" };
@@ -16,12 +16,12 @@ export const lineWords: Partial<Record<LayerMotion, string>> = {
   film: "Draw from its upper left corner to its lower right one: it is as wide as that.",
 };
 
-const layered = (): Layered | undefined => state.doc.value?.layered;
-export const chosenLayer = (): DrawnLayer | undefined => layered()?.layers[view.layer.value];
+const scene = (): DrawnScene | undefined => state.doc.value?.scene;
+export const chosenLayer = (): DrawnLayer | undefined => scene()?.layers[view.layer.value];
 
-export function changeScene(part: Partial<Layered>, key = ""): void {
-  const now = layered();
-  if (now) state.edit({ layered: { ...now, ...part } }, key);
+export function changeScene(part: Partial<DrawnScene>, key = ""): void {
+  const now = scene();
+  if (now) state.edit({ scene: { ...now, ...part } }, key);
 }
 
 export function changeLayer(part: Partial<DrawnLayer>, key = ""): void {
@@ -31,7 +31,7 @@ export function changeLayer(part: Partial<DrawnLayer>, key = ""): void {
 
 /** Of this name, whichever is chosen by now. */
 export function changeLayerOf(name: string, part: Partial<DrawnLayer>, key = ""): void {
-  const now = layered();
+  const now = scene();
   if (now) changeScene({ layers: now.layers.map((layer) => (layer.name === name ? { ...layer, ...part } : layer)) }, key);
 }
 
@@ -43,7 +43,7 @@ export function chooseLayer(index: number): void {
 
 /** A new layer lies before all others, and is drawn on. */
 export function addLayer(motion: LayerMotion): void {
-  const layers = layered()?.layers ?? [];
+  const layers = scene()?.layers ?? [];
   const usual = kUsualNames[motion];
   let name = usual;
   for (let number = 2; layers.some((layer) => layer.name === name); ++number) name = `${usual} ${number}`;
@@ -54,14 +54,14 @@ export function addLayer(motion: LayerMotion): void {
 }
 
 export function removeLayer(): void {
-  const layers = layered()?.layers ?? [];
+  const layers = scene()?.layers ?? [];
   changeScene({ layers: layers.filter((_, i) => i !== view.layer.value) });
   view.layer.value = Math.max(0, Math.min(view.layer.value, layers.length - 2));
 }
 
 /** The chosen layer goes before the one before it, or behind the one behind it. */
 export function moveLayer(by: -1 | 1): void {
-  const layers = [...(layered()?.layers ?? [])];
+  const layers = [...(scene()?.layers ?? [])];
   const from = view.layer.value;
   const [one, other] = [layers[from], layers[from + by]];
   if (!one || !other) return;
@@ -89,7 +89,7 @@ let asked = 0;
 
 /** Asks for the mattes that layers' scribbles mean; the server has them by now. */
 export function findLayers(project: string): void {
-  layered()?.layers.forEach(({ matte, paint }, index) => {
+  scene()?.layers.forEach(({ matte, paint }, index) => {
     if (matte !== "scribbled" || !paint.some(({ adds }) => adds) || kFound.has(paint)) return;
     const image = new Image();
     image.onload = () => {

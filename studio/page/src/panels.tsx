@@ -1,14 +1,10 @@
-// The panel beside the picture: what can be said and seen in each mode.
+// The panels beside the picture of the animation: what can be said and seen of it.
 import type { JSX } from "preact";
 import { useEffect, useState } from "preact/hooks";
 import { Brush, Eraser, Hand, Pencil, Pin as PinIcon, Shapes, Spline, Trash2, X } from "lucide-preact";
 import * as api from "./api";
 import { Choice, IconButton, named, Section, Select, Slider, Strip, Switch } from "./parts";
-import { DesignPanel } from "./designpanel";
-import { EndlessPanel } from "./endlesspanel";
-import { LayersPanel } from "./layerspanel";
 import { lengthOf } from "./pen";
-import { StillsPanel } from "./stillspanel";
 import * as state from "./state";
 import { SweepSection } from "./sweepsection";
 import type { Candidate, Candidates, Document, Edge, MatteBase } from "./types";
@@ -16,24 +12,7 @@ import * as view from "./view";
 
 const percent = (share: number): string => `${Math.round(share * 100)} %`;
 
-export function Panel(): JSX.Element | null {
-  const document = state.doc.value;
-  if (!document) return null;
-  return (
-    <aside class="panel" aria-label="Settings">
-      {state.mode.value === "fluid" && <FluidPanel document={document} />}
-      {state.mode.value === "flow" && <FlowPanel document={document} />}
-      {state.mode.value === "look" && <LookPanel document={document} />}
-      {state.mode.value === "why" && <WhyPanel document={document} />}
-      {state.mode.value === "design" && <DesignPanel document={document} />}
-      {state.mode.value === "stills" && <StillsPanel document={document} />}
-      {state.mode.value === "endless" && <EndlessPanel document={document} />}
-      {state.mode.value === "layers" && <LayersPanel document={document} />}
-    </aside>
-  );
-}
-
-function FluidPanel({ document }: { document: Document }): JSX.Element {
+export function FluidPanel({ document }: { document: Document }): JSX.Element {
   const tool = view.fluidTool.value;
   const found = state.matte.value;
   const alpha = state.project.value?.alpha ?? false;
@@ -165,7 +144,7 @@ function oneDirection(dx: number, dy: number): void {
   });
 }
 
-function FlowPanel({ document }: { document: Document }): JSX.Element {
+export function FlowPanel({ document }: { document: Document }): JSX.Element {
   const chosen = view.selected.value;
   const stroke = chosen === null ? undefined : document.strokes[chosen];
   const change = (speed: number | null, key = ""): void =>
@@ -263,7 +242,7 @@ function TempoSection({ document }: { document: Document }): JSX.Element {
   );
 }
 
-function LookPanel({ document }: { document: Document }): JSX.Element {
+export function LookPanel({ document }: { document: Document }): JSX.Element {
   const stores = state.home.value?.stores ?? [];
   const store = state.store.value;
   const classes = state.classesOf(store);
@@ -319,7 +298,7 @@ function LookPanel({ document }: { document: Document }): JSX.Element {
             ))}
           </select>
         </label>
-        <Switch label="Without an end" hint="The last frame runs into the first" checked={document.loop} onChange={(loop) => state.edit({ loop })} />
+        <Switch label="Seamless loop" checked={document.loop} onChange={(loop) => state.edit({ loop })} />
       </Section>
       <Section title="Outline">
         <Switch label="Moves with the fluid" hint="For fire and smoke" checked={document.moving_outline} onChange={(moving_outline) => state.edit({ moving_outline })} />
@@ -329,7 +308,7 @@ function LookPanel({ document }: { document: Document }): JSX.Element {
   );
 }
 
-function WhyPanel({ document }: { document: Document }): JSX.Element {
+export function WhyPanel({ document }: { document: Document }): JSX.Element {
   const found = state.pieces.value;
   const id = state.project.value?.id;
   const index = view.piece.value;

@@ -154,10 +154,13 @@ export function CopyButton({ text, label }: { text: string; label: string }): JS
 /** A command line, to be copied. */
 export function CommandLine({ text }: { text: string }): JSX.Element {
   return (
-    <div class="command">
-      <code>{text}</code>
-      <CopyButton text={text} label="Copy the command line" />
-    </div>
+    <details class="command">
+      <summary>Command line</summary>
+      <div>
+        <code>{text}</code>
+        <CopyButton text={text} label="Copy the command line" />
+      </div>
+    </details>
   );
 }
 

@@ -3,12 +3,11 @@ import { batch, computed, signal } from "@preact/signals";
 import * as api from "./api";
 import { canonical, History } from "./history";
 import { Player } from "./player";
-import type { Document, Field, Home, Job, MatteNews, Pieces, Project, ReelNews, Store } from "./types";
+import type { Document, Field, Home, Job, MatteNews, Mode, Pieces, Project, ReelNews, Store } from "./types";
 
 export interface IngestReport {
   clips: { name: string; outcome: string; reasons: string[]; notes: string[]; width: number; height: number; strip?: number }[];
 }
-export type Mode = "fluid" | "flow" | "look" | "why" | "design" | "stills" | "endless" | "layers";
 
 export const pageId = Math.random().toString(36).slice(2, 12);
 export const home = signal<Home | null>(null);

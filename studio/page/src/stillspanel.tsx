@@ -28,7 +28,7 @@ export function StillsPanel({ document }: { document: Document }): JSX.Element {
         <Slider label="Length" value={stills.seconds} min={1} max={30} step={0.5} shown={`${stills.seconds.toFixed(1)} s`} onInput={(seconds) => change({ seconds }, "stills-seconds")} />
         <Slider label="Speed" value={stills.speed} min={0.25} max={4} logarithmic shown={`${stills.speed.toFixed(2)} ×`} onInput={(speed) => change({ speed: Number(speed.toFixed(2)) }, "stills-speed")} />
         <Slider label="Parts of each region" value={stills.split} min={1} max={8} shown={stills.split === 1 ? "whole" : String(stills.split)} onInput={(split) => change({ split }, "stills-split")} />
-        <Switch label="Loop" hint="Its end goes over into its beginning" checked={stills.loop} onChange={(loop) => change({ loop })} />
+        <Switch label="Seamless loop" checked={stills.loop} onChange={(loop) => change({ loop })} />
         <Switch label="Full size" hint="Without it a draft, 480 px wide or high" checked={stills.full} onChange={(full) => change({ full })} />
       </Section>
       <FilmSection name={kWay} way={way} ready={names.length > 1} />

@@ -3,11 +3,11 @@ import type { JSX } from "preact";
 import { useEffect, useRef, useState } from "preact/hooks";
 import { Pause, Play } from "lucide-preact";
 import * as api from "./api";
-import { stageWords } from "./app";
 import { runKept, useWay, wayJob } from "./filmsection";
 import { CommandLine, Dialog, IconButton, Running, Section, Select, Switch } from "./parts";
 import * as state from "./state";
 import type { Document, FoundSweep, Sweep, SweepAxis, SweepSetting, SweptAnimation } from "./types";
+import { stageWords } from "./words";
 
 const kWay = "sweep";
 const kSettings: readonly (readonly [SweepSetting, string])[] = [

@@ -31,6 +31,9 @@ export interface Pin {
   patch_y: number;
 }
 
+/** What one works on: documents, ways, folders and commands of these have the same names. */
+export type Mode = "fluid" | "flow" | "look" | "why" | "design" | "stills" | "flowlines" | "scene";
+
 export type MatteBase = "scribbles" | "alpha" | "whole" | "file";
 export type Edge = "guided" | "information-flow" | "none";
 
@@ -54,8 +57,8 @@ export interface Document {
   moving_outline: boolean;
   design: Design;
   stills: Stills;
-  endless: Endless;
-  layered: Layered;
+  flowlines: Flowlines;
+  scene: DrawnScene;
   sweep: Sweep;
 }
 
@@ -103,7 +106,7 @@ export interface DrawnLayer {
 }
 
 /** A picture in layers that one wind moves, nearest first. */
-export interface Layered {
+export interface DrawnScene {
   wind: number;
   direction: number;
   gustiness: number;
@@ -127,7 +130,7 @@ export interface ClipLine {
 }
 
 /** A clip that is to go on without an end. */
-export interface Endless {
+export interface Flowlines {
   clip: string;
   dropped: boolean;
   lines: ClipLine[];
@@ -189,6 +192,7 @@ export interface Way {
   found: unknown;
   shown: string[]; // names of files
   commands: string[];
+  lacks: string; // what has to be drawn before; empty: nothing
 }
 
 export interface Clip {

@@ -35,6 +35,8 @@ export const compare = signal<number | null>(null); // 0..1 of the picture's wid
 export const onion = signal(false);
 export const zoom = signal(1);
 export const panning = signal(false); // the space bar is held
+export const panned = signal(false); // the pointer has moved the picture since then
+export const arriving = signal(false); // the picture is not there yet
 
 /** Colours of clips in maps: told apart by eye, and by those who see fewer hues by their lightness. */
 export const clipColours = [

@@ -1,5 +1,8 @@
 #include "studio/drawing/document.h"
 
+#include <fstream>
+#include <iterator>
+
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
@@ -44,40 +47,39 @@ Document full() {
                      .split = 3,
                      .full = true,
                      .paths = {{.region = "1", .names = {"a.jpg", "c d.jpg"}, .refused = true}}};
-  document.endless = {.clip = "fall \"1\".mp4",
-                      .dropped = true,
-                      .lines = {{.id = "l1", .points = {{1, 2}, {1, 40}}, .speeds = {}}},
-                      .edited = {{.id = "l1", .points = {{1, 2}, {9, 40}}, .speeds = {}},
-                                 {.id = "l1-2",
-                                  .points = {{5, 2}, {9, 40}},
-                                  .speeds = {0.5f, 2},
-                                  .later = {{.time = 1.5, .points = {{7, 2}, {9, 30}}}}}},
-                      .join = 12.5,
-                      .stretched = true,
-                      .ground = "black",
-                      .frames = 77,
-                      .loop = true,
-                      .moving_camera = true};
-  document.layered = {
-      .wind = 7.5,
-      .direction = -90,
-      .gustiness = 0.5,
-      .frames = 33,
-      .loop = false,
-      .layers = {{.name = "an oak",
-                  .motion = "tree",
-                  .matte = LayerMatte::kScribbled,
-                  .paint = {{.points = {{5, 5}}, .width = 9, .adds = false, .is_area = false}},
-                  .lines = {{.points = {{1, 1}, {9, 1}}, .speed = {}}},
-                  .plant = "flower",
-                  .shimmer = 1.5,
-                  .waves = 0.25,
-                  .mirrors = true,
-                  .roll = 3,
-                  .drift = -4,
-                  .class_name = "fall"},
-                 {.name = "fire", .motion = "film", .clip = "fire 1.mkv"},
-                 {.name = "land", .matte = LayerMatte::kRest}}};
+  document.flowlines = {.clip = "fall \"1\".mp4",
+                        .dropped = true,
+                        .lines = {{.id = "l1", .points = {{1, 2}, {1, 40}}, .speeds = {}}},
+                        .edited = {{.id = "l1", .points = {{1, 2}, {9, 40}}, .speeds = {}},
+                                   {.id = "l1-2",
+                                    .points = {{5, 2}, {9, 40}},
+                                    .speeds = {0.5f, 2},
+                                    .later = {{.time = 1.5, .points = {{7, 2}, {9, 30}}}}}},
+                        .join = 12.5,
+                        .stretched = true,
+                        .ground = "black",
+                        .frames = 77,
+                        .loop = true,
+                        .moving_camera = true};
+  document.scene = {.wind = 7.5,
+                    .direction = -90,
+                    .gustiness = 0.5,
+                    .frames = 33,
+                    .loop = false,
+                    .layers = {{.name = "an oak",
+                                .motion = "tree",
+                                .matte = LayerMatte::kScribbled,
+                                .paint = {{.points = {{5, 5}}, .width = 9, .adds = false, .is_area = false}},
+                                .lines = {{.points = {{1, 1}, {9, 1}}, .speed = {}}},
+                                .plant = "flower",
+                                .shimmer = 1.5,
+                                .waves = 0.25,
+                                .mirrors = true,
+                                .roll = 3,
+                                .drift = -4,
+                                .class_name = "fall"},
+                               {.name = "fire", .motion = "film", .clip = "fire 1.mkv"},
+                               {.name = "land", .matte = LayerMatte::kRest}}};
   document.sweep = {.axes = {{.setting = "speed", .values = {"0.5", "2"}},
                              {.setting = "class", .values = {"", "a, \\ b", "fall"}}},
                     .full = true};
@@ -105,16 +107,16 @@ TEST(Document, WithoutOtherWaysIsAnOlderOne) {
   older.erase("directions");
   older.erase("design");
   older.erase("stills");
-  older.erase("endless");
-  older.erase("layered");
+  older.erase("flowlines");
+  older.erase("scene");
   older.erase("sweep");
   Document expected = full();
   expected.tempo.clear();
   expected.directions.clear();
   expected.design = {};
   expected.stills = {};
-  expected.endless = {};
-  expected.layered = {};
+  expected.flowlines = {};
+  expected.scene = {};
   expected.sweep = {};
   EXPECT_EQ(document_from_json(older.dump(), "document"), expected);
 }
@@ -159,17 +161,17 @@ TEST(Document, RefusesWhatItDoesNotKnow) {
                                     {"id", line("a\"/>", {{1, 1}, {2, 2}}, Json::array())},
                                     {"speeds", line("a", {{1, 1}, {2, 2}}, {0})},
                                     {"edited", Json::array()}}) {
-    Json endless = good["endless"];
+    Json flowlines = good["flowlines"];
     const std::string field = name;
-    endless[field == "points" || field == "id" || field == "speeds" || field == "edited" ? "lines" : field] =
-        value;
-    expect_refused(with("endless", endless), name);
+    flowlines[field == "points" || field == "id" || field == "speeds" || field == "edited" ? "lines"
+                                                                                           : field] = value;
+    expect_refused(with("flowlines", flowlines), name);
   }
   for (const auto& [name, value] :
        {std::pair{"wind", Json(-1)}, {"gustiness", Json(2)}, {"frames", Json(0)}, {"x", Json(1)}}) {
-    Json layered = good["layered"];
-    layered[name] = value;
-    expect_refused(with("layered", layered), name);
+    Json scene = good["scene"];
+    scene[name] = value;
+    expect_refused(with("scene", scene), name);
   }
   for (const auto& [name, value] : {std::pair{"name", Json("a\"b")},
                                     {"motion", Json("fly")},
@@ -178,9 +180,9 @@ TEST(Document, RefusesWhatItDoesNotKnow) {
                                     {"shimmer", Json(99)},
                                     {"clip", Json("../a.mkv")},
                                     {"x", Json(1)}}) {
-    Json layered = good["layered"];
-    layered["layers"][0][name] = value;
-    expect_refused(with("layered", layered), name);
+    Json scene = good["scene"];
+    scene["layers"][0][name] = value;
+    expect_refused(with("scene", scene), name);
   }
   const auto axis = [](const char* setting, const Json& values) {
     return Json{{{"setting", setting}, {"values", values}}};
@@ -195,21 +197,21 @@ TEST(Document, RefusesWhatItDoesNotKnow) {
         {"another axis",
          {{{"setting", "speed"}, {"values", {"1"}}}, {{"setting", "speed"}, {"values", {"2"}}}}}})
     expect_refused(with("sweep", {{"axes", axes}, {"full", false}}), word);
-  Json moving = good["endless"];
+  Json moving = good["flowlines"];
   moving["edited"][1]["later"][0]["time"] = 0;
-  expect_refused(with("endless", moving), "time");
-  moving = good["endless"];
+  expect_refused(with("flowlines", moving), "time");
+  moving = good["flowlines"];
   moving["edited"][1]["later"].push_back(moving["edited"][1]["later"][0]);
-  expect_refused(with("endless", moving), "time");
-  moving = good["endless"];
+  expect_refused(with("flowlines", moving), "time");
+  moving = good["flowlines"];
   moving["lines"][0]["later"] = moving["edited"][1]["later"];
-  expect_refused(with("endless", moving), "moves");
-  Json namesakes = good["layered"];
+  expect_refused(with("flowlines", moving), "moves");
+  Json namesakes = good["scene"];
   namesakes["layers"][1]["name"] = "an oak";
-  expect_refused(with("layered", namesakes), "another layer");
-  Json doubled = good["endless"];
+  expect_refused(with("scene", namesakes), "another layer");
+  Json doubled = good["flowlines"];
   doubled["edited"][1]["id"] = "l1";
-  expect_refused(with("endless", doubled), "another line");
+  expect_refused(with("flowlines", doubled), "another line");
   expect_refused(with("tempo", {{{"points", {{1, 1}}}, {"width", 9}, {"factor", 3}}}), "factor");
   expect_refused(with("frames", 2.5), "frames");
   expect_refused(with("frames", 1e9), "frames");
@@ -258,6 +260,13 @@ TEST(Document, KeysChangeWithWhatTheyStandFor) {
   after = before;
   after.held.clear();
   EXPECT_NE(matte_key(after), matte_key(before));
+}
+
+/// browser_test.sh checks the page's types against this file.
+TEST(Document, IsWhatThePageIsCheckedAgainst) {
+  std::ifstream file(DOCUMENT_JSON);
+  const std::string text((std::istreambuf_iterator<char>(file)), {});
+  EXPECT_EQ(Json::parse(to_json(full())).dump(1) + "\n", text) << "write it anew, and look at types.ts";
 }
 
 }  // namespace

@@ -196,6 +196,29 @@ TEST_F(Server, RefusesWhatIsNoPicture) {
   EXPECT_TRUE(fs::is_empty(running().room() / "incoming"));
 }
 
+TEST_F(Server, FaultsNameThePersonsFile) {
+  const std::string png = tools::text_of(tools::sample().still);
+  for (const std::string& bytes : {std::string("no picture"), png.substr(0, png.size() / 2)}) {
+    const httplib::Result answer = running().send("POST", "api/projects?name=My%20fall.png", bytes);
+    ASSERT_EQ(status(answer), 400);
+    const std::string fault = Json::parse(answer->body)["fault"];
+    EXPECT_TRUE(fault.starts_with("My fall.png: ")) << fault;
+    EXPECT_EQ(fault.find(running().room().string()), std::string::npos) << fault;
+  }
+}
+
+TEST_F(Server, WhatIsAskedOfAWayBeforeItIsDrawnIsNoFault) {
+  const std::string id = running().open_still("undrawn.png");
+  for (const char* way : {"design", "flowlines", "lines", "scene", "sweep"}) {
+    const Json found = running().json("api/projects/" + id + "/ways/" + way);
+    EXPECT_FALSE(found["lacks"].get<std::string>().empty()) << way;
+    EXPECT_EQ(found["film"], Json()) << way;
+    EXPECT_EQ(status(running().send("POST", "api/projects/" + id + "/ways/" + way, "{}")), 400) << way;
+  }
+  EXPECT_EQ(running().json("api/projects/" + id + "/ways/stills")["lacks"], "");
+  EXPECT_EQ(status(running().get("api/projects/" + id + "/ways/elsewhere")), 404);
+}
+
 TEST_F(Server, StillsAreTakenShownAndRemoved) {
   const std::string id = running().open_still();
   const std::string at = "api/projects/" + id + "/stills";
@@ -217,7 +240,7 @@ TEST_F(Server, StillsAreTakenShownAndRemoved) {
 TEST_F(Server, ClipsAreTakenShownAndMadeEndless) {
   const std::string clip = tools::text_of(tools::sample().clips / "fall/1.mkv");
   const std::string id = Json::parse(running().send("POST", "api/clips?name=A%20Fall.mkv", clip)->body)["id"];
-  EXPECT_EQ(running().json("api/projects/" + id)["document"]["endless"]["clip"], "a-fall.mkv");
+  EXPECT_EQ(running().json("api/projects/" + id)["document"]["flowlines"]["clip"], "a-fall.mkv");
   EXPECT_EQ(Json::parse(running().send("POST", "api/clips?name=A%20Fall.mkv", clip)->body)["id"], id);
   const std::string at = "api/projects/" + id + "/clips";
   EXPECT_EQ(running().json(at), Json({"a-fall.mkv"}));
@@ -234,7 +257,7 @@ TEST_F(Server, ClipsAreTakenShownAndMadeEndless) {
   for (const char* clip_name : {"b.mkv", "..%2f..%2fpicture.png", "..%2fclips%2fa.mkv", ""})
     EXPECT_EQ(status(running().get(at + "/frame?own=1&clip=" + clip_name)), 404) << clip_name;
 
-  running().draw(id, {{"endless",
+  running().draw(id, {{"flowlines",
                        {{"clip", "a.mkv"},
                         {"dropped", true},
                         {"lines", Json::array()},
@@ -249,7 +272,7 @@ TEST_F(Server, ClipsAreTakenShownAndMadeEndless) {
   for (const char* way : {"lines", "flowlines"}) {
     EXPECT_EQ(running().json(ways + way)["made"], Json()) << way;
     EXPECT_EQ(status(running().send("POST", ways + way, "{}")), 200);
-    running().studio().wait();
+    running().studio().jobs().wait();
     EXPECT_TRUE(running().json(ways + way)["made"].is_string()) << running().json("api/jobs");
   }
   const std::string found = running().json(ways + "lines")["shown"][0];
@@ -257,6 +280,17 @@ TEST_F(Server, ClipsAreTakenShownAndMadeEndless) {
   EXPECT_EQ(running().json(ways + "lines")["film"], Json());
   EXPECT_EQ(status(running().get(ways + "lines/film")), 404);
   EXPECT_EQ(running().get(ways + "flowlines/film")->get_header_value("Content-Type"), "video/mp4");
+  // As another kind of file, by the same command.
+  const httplib::Result exported =
+      running().send("POST", ways + "flowlines/exports", R"({"name": "endless.mkv"})");
+  ASSERT_EQ(status(exported), 200) << exported->body;
+  running().studio().jobs().wait();
+  const fs::path project = running().room() / "projects" / id;
+  EXPECT_GT(fs::file_size(project / "exports/endless.mkv"), 1000u) << running().json("api/jobs");
+  EXPECT_NE(Json::parse(exported->body)["command"].get<std::string>().find("-o exports/endless.mkv"),
+            std::string::npos);
+  EXPECT_EQ(status(running().send("POST", ways + "flowlines/exports", R"({"name": "../a.mkv"})")), 400);
+  EXPECT_EQ(status(running().send("POST", ways + "lines/exports", R"({"name": "a.mkv"})")), 400);
   // A browser seeks in it by asking for a part.
   const std::string film = running().get(ways + "flowlines/film")->body;
   const httplib::Result part = running().get(ways + "flowlines/film", {{"Range", "bytes=100-299"}});
@@ -269,7 +303,7 @@ std::string fault_of(RunningStudio& running, const std::string& id, const std::s
   std::string fault = "it was not run";
   const httplib::Result answer = running.send("POST", "api/projects/" + id + "/ways/" + way, "{}");
   if (!answer || answer->status != 200) return answer ? answer->body : "no answer";
-  running.studio().wait();
+  running.studio().jobs().wait();
   for (const Json& job : running.json("api/jobs"))
     if (job["id"] == Json::parse(answer->body)["job"] && job["lane"] == "command") fault = job["fault"];
   return fault;
@@ -299,9 +333,9 @@ TEST_F(Server, CommandsFollowNoLinkOfAProject) {
   fs::copy_file(tools::sample().clips / "fall/1.mkv", outside / "private.mkv");
   fs::create_directories(project / "ways/flowlines/clips");
   fs::create_symlink(outside / "private.mkv", project / "ways/flowlines/clips/leak.mkv");
-  Json endless = running().json("api/projects/" + id)["document"]["endless"];
-  endless.update({{"clip", "leak.mkv"}, {"dropped", true}, {"frames", 4}});
-  running().draw(id, {{"endless", endless}});
+  Json flowlines = running().json("api/projects/" + id)["document"]["flowlines"];
+  flowlines.update({{"clip", "leak.mkv"}, {"dropped", true}, {"frames", 4}});
+  running().draw(id, {{"flowlines", flowlines}});
   EXPECT_NE(fault_of(running(), id, "flowlines").find("symbolic link"), std::string::npos);
   EXPECT_EQ(status(running().get("api/projects/" + id + "/ways/flowlines/film")), 404);
 }
@@ -313,21 +347,21 @@ TEST_F(Server, ADocumentOpensNoStoreThatIsNotOpen) {
   Json document = running().json("api/projects/" + id)["document"];
   document.update(smoke(document, "fall/1.mkv"));
   document["store"] = store.string();
-  document["endless"].update({{"clip", "fall/1.mkv"}, {"dropped", false}, {"frames", 4}});
+  document["flowlines"].update({{"clip", "fall/1.mkv"}, {"dropped", false}, {"frames", 4}});
   document["sweep"]["axes"] = {{{"setting", "speed"}, {"values", {"1", "2"}}}};
-  document["layered"]["layers"] = Json::array({{{"name", "fall"},
-                                                {"motion", "patches"},
-                                                {"matte", "rest"},
-                                                {"paint", Json::array()},
-                                                {"lines", Json::array()},
-                                                {"plant", "tree"},
-                                                {"shimmer", 0},
-                                                {"waves", 0},
-                                                {"mirrors", false},
-                                                {"roll", 1},
-                                                {"drift", 0},
-                                                {"class", ""},
-                                                {"clip", ""}}});
+  document["scene"]["layers"] = Json::array({{{"name", "fall"},
+                                              {"motion", "patches"},
+                                              {"matte", "rest"},
+                                              {"paint", Json::array()},
+                                              {"lines", Json::array()},
+                                              {"plant", "tree"},
+                                              {"shimmer", 0},
+                                              {"waves", 0},
+                                              {"mirrors", false},
+                                              {"roll", 1},
+                                              {"drift", 0},
+                                              {"class", ""},
+                                              {"clip", ""}}});
   // A page cannot say this, a file can: in a folder that came from somebody else.
   const fs::path planted = running().room() / "projects/planted-store";
   fs::copy(running().room() / "projects" / id, planted, fs::copy_options::recursive);
@@ -408,11 +442,11 @@ TEST_F(Server, AChangeThatIsTakenBackLeavesTheAnimationThatStood) {
     };
     for (int tries = 0; !begun() && tries < 2000; ++tries) ::usleep(10'000);
     ASSERT_TRUE(begun()) << stage;
-    const std::uint64_t news = running().studio().feed().last();
+    const std::uint64_t news = running().studio().jobs().feed().last();
     change(running(), id, {{"speed", 1}, {"frames", 12}});
-    running().studio().wait();
+    running().studio().jobs().wait();
     Json settled;
-    for (const Event& event : running().studio().feed().after(news, std::chrono::milliseconds(0)))
+    for (const Event& event : running().studio().jobs().feed().after(news, std::chrono::milliseconds(0)))
       if (event.type == "settled") settled = Json::parse(event.data);
     ASSERT_TRUE(settled["reel"].is_object()) << stage;
     EXPECT_EQ(settled["reel"]["total"], 12) << stage;
@@ -448,7 +482,7 @@ void expect_same_bytes(RunningStudio& running, const std::string& id, const std:
   const httplib::Result answer = running.send("POST", "api/projects/" + id + "/exports", request.dump());
   ASSERT_TRUE(answer);
   ASSERT_EQ(answer->status, 200) << answer->body;
-  running.studio().wait();
+  running.studio().jobs().wait();
   const Json told = Json::parse(answer->body);
   for (const Json& job : running.json("api/jobs"))
     if (job["id"] == told["job"]) {
@@ -527,7 +561,7 @@ TEST_F(Server, ASequenceIsAFolderOfPictures) {
       "POST", "api/projects/" + id + "/exports",
       R"({"name": "fluid.exr", "layer": "fluid", "depth": "half", "range": "1003-1005", "start-number": "1001"})");
   ASSERT_EQ(status(answer), 200) << answer->body;
-  running().studio().wait();
+  running().studio().jobs().wait();
   const fs::path folder = running().room() / "projects" / id / "exports/fluid";
   for (const char* name : {"fluid.1003.exr", "fluid.1004.exr", "fluid.1005.exr"})
     EXPECT_TRUE(fs::exists(folder / name)) << name;
@@ -555,17 +589,17 @@ TEST_F(Server, WhatCanBeUndoneIsKept) {
 TEST_F(Server, ALayersScribblesAreAMatteAtOnce) {
   const std::string id = running().open_still("scribbled.png");
   const std::string at = "api/projects/" + id + "/layers/";
-  Json layered = running().json("api/projects/" + id)["document"]["layered"];
+  Json scene = running().json("api/projects/" + id)["document"]["scene"];
   const auto scribble = [](double x, bool adds) {
     return Json{{"points", {{x, 30}, {x, 110}}}, {"width", 8}, {"adds", adds}, {"area", false}};
   };
-  layered["layers"] = Json::array(
+  scene["layers"] = Json::array(
       {{{"name", "fall"},
         {"motion", "patches"},
         {"matte", "scribbled"},
         {"paint", {scribble(90, true), scribble(8, false)}}},
        {{"name", "rest"}, {"motion", "still"}, {"matte", "scribbled"}, {"paint", {scribble(8, false)}}}});
-  for (Json& layer : layered["layers"])
+  for (Json& layer : scene["layers"])
     layer.update({{"lines", Json::array()},
                   {"plant", "tree"},
                   {"shimmer", 0},
@@ -575,7 +609,7 @@ TEST_F(Server, ALayersScribblesAreAMatteAtOnce) {
                   {"drift", 0},
                   {"class", ""},
                   {"clip", ""}});
-  running().draw(id, {{"layered", layered}});
+  running().draw(id, {{"scene", scene}});
   const httplib::Result found = running().get(at + "0/matte");
   ASSERT_EQ(status(found), 200) << found->body;
   const std::vector<std::uint8_t> bytes(found->body.begin(), found->body.end());
@@ -597,7 +631,7 @@ TEST_F(Server, AStoreGrowsByWhatIsSent) {
   ASSERT_EQ(
       status(running().send("POST", "api/stores/" + store + "/ingest", R"({"licence": "ours; -o /x"})")),
       200);
-  running().studio().wait();
+  running().studio().jobs().wait();
   const Json found = running().json("api/stores/" + store);
   ASSERT_EQ(found["clips"].size(), 1u) << found << running().json("api/jobs");
   EXPECT_EQ(found["clips"][0]["licence"], "ours; -o /x");
@@ -614,7 +648,7 @@ TEST_F(Server, AnIngestThatStopsAnotherTakesItsClipsToo) {
               200);
     ASSERT_EQ(status(running().send("POST", at + "/ingest", R"({"licence": ""})")), 200);
   }
-  running().studio().wait();
+  running().studio().jobs().wait();
   EXPECT_EQ(running().json("api/stores/" + store)["clips"].size(), 2u) << running().json("api/jobs");
 }
 
@@ -651,11 +685,11 @@ TEST_F(Server, WhatIsRefusedIsShownWithItsReasons) {
                                   tools::text_of(folder / "short.mkv"))),
             200);
   ASSERT_EQ(status(running().send("POST", at + "/clips?class=fall&name=broken.mkv", "no video")), 200);
-  const std::uint64_t before = running().studio().feed().last();
+  const std::uint64_t before = running().studio().jobs().feed().last();
   ASSERT_EQ(status(running().send("POST", at + "/ingest", R"({"licence": ""})")), 200);
-  running().studio().wait();
+  running().studio().jobs().wait();
   Json clips;
-  for (const Event& event : running().studio().feed().after(before, std::chrono::milliseconds(0)))
+  for (const Event& event : running().studio().jobs().feed().after(before, std::chrono::milliseconds(0)))
     if (event.type == "ingested") clips = Json::parse(event.data)["report"]["clips"];
   ASSERT_EQ(clips.size(), 2u) << running().json("api/jobs");
   for (const Json& clip : clips) {
@@ -684,7 +718,7 @@ TEST_F(Server, AJobIsStopped) {
   EXPECT_EQ(
       Json::parse(running().send("DELETE", fmt::format("api/jobs/preview/{}", job), "")->body)["stopped"],
       true);
-  running().studio().wait();
+  running().studio().jobs().wait();
   for (const Json& each : running().json("api/jobs")) {
     if (each["lane"] != "preview" || each["id"] != job) continue;
     EXPECT_EQ(each["state"], "stopped");

@@ -1,4 +1,4 @@
-// studio/job_queue.h — long work, one after another, of which a person can stop each.
+// studio/jobs/job_queue.h — long work, one after another, of which a person can stop each.
 #pragma once
 
 #include <condition_variable>

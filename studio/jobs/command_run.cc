@@ -1,4 +1,4 @@
-#include "studio/command_run.h"
+#include "studio/jobs/command_run.h"
 
 #include <fcntl.h>
 #include <poll.h>

@@ -1,11 +1,11 @@
-#include "studio/job_queue.h"
+#include "studio/jobs/job_queue.h"
 
 #include <algorithm>
 #include <chrono>
 #include <exception>
 
 #include "freshet/error.h"
-#include "studio/event_feed.h"
+#include "studio/jobs/event_feed.h"
 
 namespace freshet::studio {
 namespace {

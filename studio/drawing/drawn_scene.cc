@@ -1,4 +1,4 @@
-#include "studio/drawing/layered.h"
+#include "studio/drawing/drawn_scene.h"
 
 #include <set>
 #include <string_view>
@@ -75,27 +75,27 @@ Json layer_json(const DrawnLayer& layer) {
 
 }  // namespace
 
-Layered read_layered(const Fields& fields) {
+DrawnScene read_scene(const Fields& fields) {
   fields.only({"wind", "direction", "gustiness", "frames", "loop", "layers"});
-  Layered layered{.wind = number(fields, "wind", "wind", "speed"),
-                  .direction = number(fields, "direction", "wind", "direction"),
-                  .gustiness = number(fields, "gustiness", "wind", "gustiness"),
-                  .frames = fields.integer("frames", 1, 2000),
-                  .loop = fields.flag("loop"),
-                  .layers = {}};
+  DrawnScene scene{.wind = number(fields, "wind", "wind", "speed"),
+                   .direction = number(fields, "direction", "wind", "direction"),
+                   .gustiness = number(fields, "gustiness", "wind", "gustiness"),
+                   .frames = fields.integer("frames", 1, 2000),
+                   .loop = fields.flag("loop"),
+                   .layers = {}};
   std::set<std::string> names;
   for (const Json& item : fields.list("layers", kMostLayers)) {
-    const Fields layer = fields.below(item, "layers", layered.layers.size());
-    layered.layers.push_back(read_layer(layer));
-    if (!names.insert(layered.layers.back().name).second) layer.fail("another layer has this \"name\"");
+    const Fields layer = fields.below(item, "layers", scene.layers.size());
+    scene.layers.push_back(read_layer(layer));
+    if (!names.insert(scene.layers.back().name).second) layer.fail("another layer has this \"name\"");
   }
-  return layered;
+  return scene;
 }
 
-Json layered_json(const Layered& layered) {
-  Json json{{"wind", layered.wind},     {"direction", layered.direction}, {"gustiness", layered.gustiness},
-            {"frames", layered.frames}, {"loop", layered.loop},           {"layers", Json::array()}};
-  for (const DrawnLayer& layer : layered.layers) json["layers"].push_back(layer_json(layer));
+Json scene_json(const DrawnScene& scene) {
+  Json json{{"wind", scene.wind},     {"direction", scene.direction}, {"gustiness", scene.gustiness},
+            {"frames", scene.frames}, {"loop", scene.loop},           {"layers", Json::array()}};
+  for (const DrawnLayer& layer : scene.layers) json["layers"].push_back(layer_json(layer));
   return json;
 }
 

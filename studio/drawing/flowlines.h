@@ -1,4 +1,4 @@
-// studio/drawing/endless.h — a clip that is to go on without an end, and the lines that its fluid rides.
+// studio/drawing/flowlines.h — a clip that is to go on without an end, and the lines that its fluid rides.
 #pragma once
 
 #include <string>
@@ -27,7 +27,7 @@ struct ClipLine {
   bool operator==(const ClipLine&) const = default;
 };
 
-struct Endless {
+struct Flowlines {
   std::string clip;              // its name in the store; where it was dropped, its file's; empty: none yet
   bool dropped = false;          // it lies in the project's folder: own_clip_path()
   std::vector<ClipLine> lines;   // where it flows; empty: found
@@ -38,12 +38,12 @@ struct Endless {
   int frames = 250;              // 1..20000
   bool loop = false;
   bool moving_camera = false;  // take it though the camera moves
-  bool operator==(const Endless&) const = default;
+  bool operator==(const Flowlines&) const = default;
 };
 
 /// Checks everything, as document_from_json says.
-Endless read_endless(const Fields& fields);
-nlohmann::json endless_json(const Endless& endless);
+Flowlines read_flowlines(const Fields& fields);
+nlohmann::json flowlines_json(const Flowlines& flowlines);
 
 /// Of a clip that was dropped, from the project's folder: "ways/flowlines/clips/fall.mp4".
 std::string own_clip_path(const std::string& clip);

@@ -1,4 +1,4 @@
-#include "studio/ways/way_plan.h"
+#include "studio/ways/way.h"
 
 #include <algorithm>
 
@@ -37,20 +37,24 @@ const RecipeFiles kFiles{.picture = "picture.png",
                          .tempo = {},
                          .assignment = {}};
 
-void write_files(const tools::WorkFolder& folder, const std::string& way, const Document& document,
-                 const RecipeFiles& files = kFiles) {
-  const std::string at = "ways/" + plan_way(way, document).folder + "/";
-  std::filesystem::create_directories(folder / at);
-  for (const WayFile& file : way_files(way, document, kPicture, files))
-    folder.file(at + file.name, file.bytes);
+std::vector<WayFile> files_of(const std::string& way, const Document& document,
+                              const RecipeFiles& files = kFiles) {
+  return way_of(way).files({document, kPicture, files});
 }
 
-TEST(WayPlan, EveryFluidIsASceneThatTheCommandLineTakes) {
+void write_files(const tools::WorkFolder& folder, const std::string& way, const Document& document,
+                 const RecipeFiles& files = kFiles) {
+  const std::string at = "ways/" + way_of(way).plan(document).folder + "/";
+  std::filesystem::create_directories(folder / at);
+  for (const WayFile& file : files_of(way, document, files)) folder.file(at + file.name, file.bytes);
+}
+
+TEST(Way, EveryFluidIsASceneThatTheCommandLineTakes) {
   for (const char* fluid : {"smoke", "fire", "water"}) {
     const tools::WorkFolder folder;
     Document document = designed();
     document.design.fluid = fluid;
-    const WayPlan plan = plan_way("design", document);
+    const WayPlan plan = way_of("design").plan(document);
     ASSERT_EQ(plan.commands.size(), 1u);
     write_files(folder, "design", document);
     const tools::Outcome outcome = folder.freshet(plan.commands[0]);
@@ -59,19 +63,19 @@ TEST(WayPlan, EveryFluidIsASceneThatTheCommandLineTakes) {
   }
 }
 
-TEST(WayPlan, ALookIsASecondCommandOverThePicture) {
+TEST(Way, ALookIsASecondCommandOverThePicture) {
   Document document = designed();
   document.design.look = "fire/1.mp4";
   document.store = "/a/fire.freshet";
-  const WayPlan plan = plan_way("design", document);
+  const WayPlan plan = way_of("design").plan(document);
   ASSERT_EQ(plan.commands.size(), 2u);
   EXPECT_EQ(plan.commands[1][1], "transfer");
-  EXPECT_EQ(way_files("design", document, kPicture, kFiles).back().name, "behind.png");
+  EXPECT_EQ(files_of("design", document).back().name, "behind.png");
   document.store.clear();
-  EXPECT_THROW(plan_way("design", document), Error);
+  EXPECT_THROW(way_of("design").plan(document), Error);
 }
 
-TEST(WayPlan, WhatIsSaidOfStillsIsHeededByTheCommandLine) {
+TEST(Way, WhatIsSaidOfStillsIsHeededByTheCommandLine) {
   const tools::WorkFolder folder;
   std::filesystem::create_directories(folder / "ways/stills/pictures");
   for (const std::string seed : {"1", "2", "3", "4", "5", "6", "7", "8"}) {
@@ -83,7 +87,7 @@ TEST(WayPlan, WhatIsSaidOfStillsIsHeededByTheCommandLine) {
   Document document;
   document.stills.seconds = 1;
   const auto run = [&] {
-    const WayPlan plan = plan_way("stills", document);
+    const WayPlan plan = way_of("stills").plan(document);
     write_files(folder, "stills", document);
     const tools::Outcome outcome = folder.freshet(plan.commands.at(0));
     EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
@@ -102,7 +106,7 @@ TEST(WayPlan, WhatIsSaidOfStillsIsHeededByTheCommandLine) {
 /// Runs a way's only command in a project's folder.
 nlohmann::json run_in(const tools::WorkFolder& folder, const std::string& way, const Document& document,
                       const RecipeFiles& files = kFiles) {
-  const WayPlan plan = plan_way(way, document);
+  const WayPlan plan = way_of(way).plan(document);
   write_files(folder, way, document, files);
   const tools::Outcome outcome = folder.freshet(plan.commands.at(0));
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
@@ -112,39 +116,39 @@ nlohmann::json run_in(const tools::WorkFolder& folder, const std::string& way, c
   return outcome.exit_code == 0 ? nlohmann::json::parse(outcome.out) : nlohmann::json();
 }
 
-TEST(WayPlan, AClipGoesOnAlongLinesThatWereMoved) {
+TEST(Way, AClipGoesOnAlongLinesThatWereMoved) {
   const tools::WorkFolder folder;
   Document document;
   document.store = tools::sample().store;
-  document.endless.clip = "fall/1.mkv";
-  document.endless.frames = 20;
+  document.flowlines.clip = "fall/1.mkv";
+  document.flowlines.frames = 20;
   EXPECT_GT(run_in(folder, "lines", document)["lines"], 0);
-  document.endless.lines = {{.id = "a", .points = {{80, 10}, {80, 130}}, .speeds = {}},
-                            {.id = "b", .points = {{100, 10}, {100, 130}}, .speeds = {}}};
-  document.endless.edited = {{.id = "a", .points = {{70, 10}, {60, 130}}, .speeds = {2}},
-                             {.id = "b-2", .points = {{110, 10}, {120, 130}}, .speeds = {0.5f, 1}}};
+  document.flowlines.lines = {{.id = "a", .points = {{80, 10}, {80, 130}}, .speeds = {}},
+                              {.id = "b", .points = {{100, 10}, {100, 130}}, .speeds = {}}};
+  document.flowlines.edited = {{.id = "a", .points = {{70, 10}, {60, 130}}, .speeds = {2}},
+                               {.id = "b-2", .points = {{110, 10}, {120, 130}}, .speeds = {0.5f, 1}}};
   EXPECT_EQ(run_in(folder, "flowlines", document)["lines"], 2);
   EXPECT_NE(tools::text_of(folder / "ways/flowlines/edited.svg").find("data-speed=\"0.5 1\""),
             std::string::npos);
-  document.endless.edited[0].later = {{.time = 0.4, .points = {{30, 10}, {20, 130}}},
-                                      {.time = 0.72, .points = {{50, 10}, {60, 130}}}};
+  document.flowlines.edited[0].later = {{.time = 0.4, .points = {{30, 10}, {20, 130}}},
+                                        {.time = 0.72, .points = {{50, 10}, {60, 130}}}};
   EXPECT_EQ(run_in(folder, "flowlines", document)["lines"], 2) << "one of which moves";
 }
 
-TEST(WayPlan, AClipIsTheStoresOrTheProjects) {
+TEST(Way, AClipIsTheStoresOrTheProjects) {
   Document document;
-  EXPECT_THROW(plan_way("flowlines", document), Error);
-  document.endless.clip = "--draw";
-  EXPECT_THROW(plan_way("lines", document), Error) << "of no store";
+  EXPECT_THROW(way_of("flowlines").plan(document), Error);
+  document.flowlines.clip = "--draw";
+  EXPECT_THROW(way_of("lines").plan(document), Error) << "of no store";
   document.store = "/a/b.freshet";
-  const std::vector<std::string> stored = plan_way("lines", document).commands[0];
+  const std::vector<std::string> stored = way_of("lines").plan(document).commands[0];
   EXPECT_EQ(stored[3], "--clip=--draw");
-  document.endless.dropped = true;
-  document.endless.clip = "fall.mp4";
-  EXPECT_EQ(plan_way("lines", document).commands[0][2], "ways/flowlines/clips/fall.mp4");
-  document.endless.moving_camera = true;
-  document.endless.loop = true;
-  const std::vector<std::string> words = plan_way("flowlines", document).commands[0];
+  document.flowlines.dropped = true;
+  document.flowlines.clip = "fall.mp4";
+  EXPECT_EQ(way_of("lines").plan(document).commands[0][2], "ways/flowlines/clips/fall.mp4");
+  document.flowlines.moving_camera = true;
+  document.flowlines.loop = true;
+  const std::vector<std::string> words = way_of("flowlines").plan(document).commands[0];
   for (const char* word : {"--moving-camera", "--loop"})
     EXPECT_NE(std::find(words.begin(), words.end(), word), words.end()) << word;
 }
@@ -157,29 +161,29 @@ Drawn area(float left, float top, float right, float bottom) {
 }
 
 /// Sky, water with a boat, and a tree before them, on a picture of 193 x 151 px.
-Layered layers() {
-  Layered layered;
-  layered.frames = 6;
-  layered.layers = {{.name = "oak",
-                     .motion = "tree",
-                     .paint = {area(10, 20, 50, 140)},
-                     .lines = {{.points = {{30, 138}, {30, 30}}, .speed = {}}},
-                     .plant = "grass",
-                     .shimmer = 1},
-                    {.name = "a boat",
-                     .motion = "boat",
-                     .paint = {area(100, 90, 140, 112)},
-                     .lines = {{.points = {{102, 110}, {138, 110}}, .speed = {}}},
-                     .roll = 2},
-                    {.name = "lake",
-                     .motion = "water",
-                     .paint = {area(0, 80, 193, 151)},
-                     .lines = {{.points = {{0, 75}, {193, 75}}, .speed = {}}},
-                     .waves = 0.1,
-                     .mirrors = true},
-                    {.name = "sky", .motion = "clouds", .paint = {area(0, 0, 193, 70)}, .drift = 12},
-                    {.name = "land", .motion = "still", .matte = LayerMatte::kRest}};
-  return layered;
+DrawnScene layers() {
+  DrawnScene scene;
+  scene.frames = 6;
+  scene.layers = {{.name = "oak",
+                   .motion = "tree",
+                   .paint = {area(10, 20, 50, 140)},
+                   .lines = {{.points = {{30, 138}, {30, 30}}, .speed = {}}},
+                   .plant = "grass",
+                   .shimmer = 1},
+                  {.name = "a boat",
+                   .motion = "boat",
+                   .paint = {area(100, 90, 140, 112)},
+                   .lines = {{.points = {{102, 110}, {138, 110}}, .speed = {}}},
+                   .roll = 2},
+                  {.name = "lake",
+                   .motion = "water",
+                   .paint = {area(0, 80, 193, 151)},
+                   .lines = {{.points = {{0, 75}, {193, 75}}, .speed = {}}},
+                   .waves = 0.1,
+                   .mirrors = true},
+                  {.name = "sky", .motion = "clouds", .paint = {area(0, 0, 193, 70)}, .drift = 12},
+                  {.name = "land", .motion = "still", .matte = LayerMatte::kRest}};
+  return scene;
 }
 
 /// A photograph's stand-in of kPicture's size.
@@ -189,38 +193,38 @@ void write_picture(const tools::WorkFolder& folder) {
   ASSERT_TRUE(cv::imwrite(folder / "picture.png", picture));
 }
 
-TEST(WayPlan, LayersOfEveryKindAreAScene) {
+TEST(Way, LayersOfEveryKindAreAScene) {
   const tools::WorkFolder folder;
   write_picture(folder);
   Document document;
-  document.layered = layers();
+  document.scene = layers();
   const nlohmann::json made = run_in(folder, "scene", document);
   EXPECT_EQ(made["layers"], 5);
   EXPECT_EQ(made["frames"], 6);
   // A layer that is scribbled on, and beside.
-  document.layered.layers[0].matte = LayerMatte::kScribbled;
-  document.layered.layers[0].paint.push_back(area(60, 20, 80, 60));
-  document.layered.layers[0].paint.back().adds = false;
+  document.scene.layers[0].matte = LayerMatte::kScribbled;
+  document.scene.layers[0].paint.push_back(area(60, 20, 80, 60));
+  document.scene.layers[0].paint.back().adds = false;
   EXPECT_EQ(run_in(folder, "scene", document)["layers"], 5);
 }
 
-TEST(WayPlan, ALayerOfPatchesTakesAStoreOfAnyName) {
+TEST(Way, ALayerOfPatchesTakesAStoreOfAnyName) {
   const tools::WorkFolder folder;
   write_picture(folder);
   const std::string odd = "a \"store\" \\ of mine.freshet";
   std::filesystem::copy_file(tools::sample().store, folder / odd);
   Document document;
   document.store = folder / odd;
-  document.layered.frames = 4;
-  document.layered.layers = {{.name = "fall",
-                              .motion = "patches",
-                              .paint = {area(20, 20, 150, 140)},
-                              .lines = {{.points = {{60, 30}, {60, 120}}, .speed = {}}},
-                              .class_name = "fall"}};
+  document.scene.frames = 4;
+  document.scene.layers = {{.name = "fall",
+                            .motion = "patches",
+                            .paint = {area(20, 20, 150, 140)},
+                            .lines = {{.points = {{60, 30}, {60, 120}}, .speed = {}}},
+                            .class_name = "fall"}};
   EXPECT_EQ(run_in(folder, "scene", document)["layers"], 2) << "and the rest";
 }
 
-TEST(WayPlan, AFilmIsALayerWhereItWasPlaced) {
+TEST(Way, AFilmIsALayerWhereItWasPlaced) {
   const tools::WorkFolder folder;
   write_picture(folder);
   std::filesystem::create_directories(folder / "ways/flowlines/clips");
@@ -228,22 +232,21 @@ TEST(WayPlan, AFilmIsALayerWhereItWasPlaced) {
                                                "4", "-o", "ways/flowlines/clips/a fire.mkv"});
   ASSERT_EQ(white.exit_code, 0) << white.err;
   Document document;
-  document.layered.frames = 4;
-  document.layered.layers = {{.name = "fire",
-                              .motion = "film",
-                              .lines = {{.points = {{150, 20}, {60, 90}}, .speed = {}}},
-                              .clip = "a fire.mkv"}};
+  document.scene.frames = 4;
+  document.scene.layers = {{.name = "fire",
+                            .motion = "film",
+                            .lines = {{.points = {{150, 20}, {60, 90}}, .speed = {}}},
+                            .clip = "a fire.mkv"}};
   EXPECT_EQ(run_in(folder, "scene", document)["layers"], 2) << "and the rest";
   const std::string toml = tools::text_of(folder / "ways/scene/scene.toml");
   EXPECT_NE(toml.find("at = [60, 20]\nwidth = 90\n"), std::string::npos) << toml;
-  document.layered.layers[0].clip.clear();
-  EXPECT_THROW(way_files("scene", document, kPicture, kFiles), Error) << "Design has made none";
+  document.scene.layers[0].clip.clear();
+  EXPECT_THROW(files_of("scene", document), Error) << "Design has made none";
   document.design.look = "fire/1.mp4";
-  EXPECT_NE(way_files("scene", document, kPicture, kFiles).back().bytes.find("../design/fluid.mkv"),
-            std::string::npos);
+  EXPECT_NE(files_of("scene", document).back().bytes.find("../design/fluid.mkv"), std::string::npos);
 }
 
-TEST(WayPlan, SettingsAreTriedBesideEachOther) {
+TEST(Way, SettingsAreTriedBesideEachOther) {
   const tools::WorkFolder folder;
   write_picture(folder);
   Document document;
@@ -267,16 +270,16 @@ TEST(WayPlan, SettingsAreTriedBesideEachOther) {
   files.matte = "matte.png";
   EXPECT_EQ(run_in(folder, "sweep", document, files).at("animations").size(), 4u);
   document.sweep.axes = {{.setting = "speed", .values = {"2"}}};
-  EXPECT_THROW(plan_way("sweep", document), Error);
+  EXPECT_THROW(way_of("sweep").plan(document), Error);
   document.sweep.axes = {{.setting = "lines", .values = {"with", "without"}}};
   document.strokes.clear();
-  EXPECT_THROW(way_files("sweep", document, kPicture, kFiles), Error);
+  EXPECT_THROW(files_of("sweep", document), Error);
   document.sweep.axes = {{.setting = "speed", .values = {"1", "2", "3", "4", "5", "6", "7", "8", "9"}},
                          {.setting = "outline", .values = {"still", "moving"}}};
-  EXPECT_THROW(plan_way("sweep", document), Error);
+  EXPECT_THROW(way_of("sweep").plan(document), Error);
 }
 
-TEST(WayPlan, ASweepKeepsPinnedPiecesWhereNoOthersAreChosen) {
+TEST(Way, ASweepKeepsPinnedPiecesWhereNoOthersAreChosen) {
   Document document;
   document.frames = 500;
   RecipeFiles files = kFiles;
@@ -291,10 +294,10 @@ TEST(WayPlan, ASweepKeepsPinnedPiecesWhereNoOthersAreChosen) {
   EXPECT_EQ(sweep_words(document), std::vector<std::string>{"--vary=class=a,b\\, c"});
 }
 
-TEST(WayPlan, ALayerSaysWhatItLacks) {
-  const auto fault_of = [](const Layered& layered, const std::string& store = {}) {
+TEST(Way, ALayerSaysWhatItLacks) {
+  const auto fault_of = [](const DrawnScene& scene, const std::string& store = {}) {
     try {
-      layer_scene(layered, kPicture.size(),
+      layer_scene(scene, kPicture.size(),
                   {.picture = "../../picture.png", .store = store, .design = {}, .clips = {}});
     } catch (const Error& fault) {
       EXPECT_EQ(fault.kind(), ErrorKind::kUsage);
@@ -305,33 +308,33 @@ TEST(WayPlan, ALayerSaysWhatItLacks) {
   EXPECT_EQ(fault_of(layers()), "");
   EXPECT_NE(fault_of({}).find("Add one"), std::string::npos);
   for (std::size_t i = 0; i < 3; ++i) {
-    Layered lacking = layers();
+    DrawnScene lacking = layers();
     lacking.layers[i].lines.clear();
     EXPECT_NE(fault_of(lacking).find(lacking.layers[i].name), std::string::npos);
     lacking = layers();
     lacking.layers[i].paint.clear();
     EXPECT_NE(fault_of(lacking).find("nowhere"), std::string::npos);
   }
-  Layered patches = layers();
+  DrawnScene patches = layers();
   patches.layers[0].motion = "patches";
   EXPECT_NE(fault_of(patches).find("store"), std::string::npos);
   EXPECT_EQ(fault_of(patches, "/a/b.freshet"), "");
 }
 
-TEST(WayPlan, NamesOfStillsAreQuoted) {
+TEST(Way, NamesOfStillsAreQuoted) {
   Document document;
   const std::string odd = "a \"b\" \\ c.png";
   document.stills.paths = {{.region = odd, .names = {odd, "d.png"}, .refused = true}};
-  const std::string toml = way_files("stills", document, kPicture, kFiles).at(0).bytes;
+  const std::string toml = files_of("stills", document).at(0).bytes;
   EXPECT_NE(toml.find("name = \"a \\\"b\\\" \\\\ c.png\""), std::string::npos) << toml;
   EXPECT_NE(toml.find("refuse = [[\"a \\\"b\\\" \\\\ c.png\", \"d.png\"]]"), std::string::npos) << toml;
 }
 
-TEST(WayPlan, WantsASource) {
+TEST(Way, WantsASource) {
   Document document = designed();
   document.design.sources.erase(document.design.sources.begin());
-  EXPECT_THROW(plan_way("design", document), Error);
-  EXPECT_THROW(plan_way("elsewhere", designed()), Error);
+  EXPECT_THROW(way_of("design").plan(document), Error);
+  EXPECT_THROW(way_of("elsewhere").plan(designed()), Error);
 }
 
 }  // namespace

@@ -3,40 +3,40 @@ import type { JSX } from "preact";
 import { useEffect } from "preact/hooks";
 import { Trash2 } from "lucide-preact";
 import * as api from "./api";
-import { stageWords } from "./app";
 import { addPosition, changeLine, inputLines, inputOf, linesOf, kMostPositions, pairLine, positionOf, removeLine, removePosition, shownLines, timePosition } from "./cliplines";
 import { FilmSection, runKept, useWay, wayJob } from "./filmsection";
 import { DropClip, useOwnClips } from "./ownclips";
 import { Choice, CommandLine, IconButton, named, Running, Section, Select, Slider, Switch } from "./parts";
 import * as state from "./state";
-import type { ClipLine, Document, Endless, Way } from "./types";
+import type { ClipLine, Document, Flowlines, Way } from "./types";
 import * as view from "./view";
+import { stageWords } from "./words";
 
 const kWay = "flowlines";
 const kFind = "lines";
 
-type Change = (part: Partial<Endless>, key?: string) => void;
+type Change = (part: Partial<Flowlines>, key?: string) => void;
 
-export function EndlessPanel({ document }: { document: Document }): JSX.Element {
-  const { endless } = document;
-  const way = useWay(kWay, endless);
-  const found = useWay(kFind, endless.clip);
-  useFrame(endless, document.store);
+export function FlowlinesPanel({ document }: { document: Document }): JSX.Element {
+  const { flowlines } = document;
+  const way = useWay(kWay, flowlines);
+  const found = useWay(kFind, flowlines.clip);
+  useFrame(flowlines, document.store);
   useFoundLines(found);
-  const change: Change = (part, key = "") => state.edit({ endless: { ...endless, ...part } }, key);
-  const clip = endless.dropped ? undefined : state.store.value?.clips.find(({ name }) => name === endless.clip);
+  const change: Change = (part, key = "") => state.edit({ flowlines: { ...flowlines, ...part } }, key);
+  const clip = flowlines.dropped ? undefined : state.store.value?.clips.find(({ name }) => name === flowlines.clip);
   const fps = clip?.fps ?? 25;
   return (
     <>
-      <ClipSection endless={endless} />
-      {endless.clip && (
+      <ClipSection flowlines={flowlines} />
+      {flowlines.clip && (
         <>
-          <LinesSection endless={endless} found={found} change={change} />
+          <LinesSection flowlines={flowlines} found={found} change={change} />
           <LineSection />
           <Section title="How it goes on">
-            <Slider label="Length" value={endless.frames} min={25} max={2500} logarithmic shown={clip ? `${(endless.frames / fps).toFixed(1)} s` : `${endless.frames} frames`} onInput={(frames) => change({ frames: Math.round(frames) }, "endless-frames")} />
-            <Switch label="Loop" hint="The last frame leads into the first" checked={endless.loop} onChange={(loop) => change({ loop })} />
-            <Switch label="A camera that moves" hint="Without it such a clip is refused" checked={endless.moving_camera} onChange={(moving_camera) => change({ moving_camera })} />
+            <Slider label="Length" value={flowlines.frames} min={25} max={2500} logarithmic shown={clip ? `${(flowlines.frames / fps).toFixed(1)} s` : `${flowlines.frames} frames`} onInput={(frames) => change({ frames: Math.round(frames) }, "flowlines-frames")} />
+            <Switch label="Seamless loop" checked={flowlines.loop} onChange={(loop) => change({ loop })} />
+            <Switch label="A camera that moves" hint="Without it such a clip is refused" checked={flowlines.moving_camera} onChange={(moving_camera) => change({ moving_camera })} />
           </Section>
           <FilmSection name={kWay} way={way} ready={true} />
         </>
@@ -46,7 +46,7 @@ export function EndlessPanel({ document }: { document: Document }): JSX.Element 
 }
 
 /** The clip's first frame on the canvas, in place of the picture. */
-function useFrame({ clip, dropped }: Endless, store: string): void {
+function useFrame({ clip, dropped }: Flowlines, store: string): void {
   const id = state.project.value?.id ?? "";
   useEffect(() => {
     if (!clip) return;
@@ -87,14 +87,14 @@ function useFoundLines(found: Way | null): void {
   }, [id, file, number]);
 }
 
-function ClipSection({ endless }: { endless: Endless }): JSX.Element {
-  const own = useOwnClips(endless.clip);
+function ClipSection({ flowlines }: { flowlines: Flowlines }): JSX.Element {
+  const own = useOwnClips(flowlines.clip);
   const choose = (clip: string, dropped: boolean): void => {
     view.foundLines.value = [];
-    state.edit({ endless: { ...(state.doc.value?.endless ?? endless), clip, dropped, lines: [], edited: [] } });
+    state.edit({ flowlines: { ...(state.doc.value?.flowlines ?? flowlines), clip, dropped, lines: [], edited: [] } });
   };
   const clips = state.store.value?.clips ?? [];
-  const value = endless.clip ? `${endless.dropped ? "own" : "store"}:${endless.clip}` : "";
+  const value = flowlines.clip ? `${flowlines.dropped ? "own" : "store"}:${flowlines.clip}` : "";
   return (
     <Section title="A clip without an end">
       <label class="field">
@@ -124,13 +124,13 @@ function ClipSection({ endless }: { endless: Endless }): JSX.Element {
   );
 }
 
-function LinesSection({ endless, found, change }: { endless: Endless; found: Way | null; change: Change }): JSX.Element {
+function LinesSection({ flowlines, found, change }: { flowlines: Flowlines; found: Way | null; change: Change }): JSX.Element {
   const id = state.project.value?.id ?? "";
   const job = wayJob(id, kFind);
   const runs = job?.state === "running" || job?.state === "waiting";
   const saved = state.saving.value === "saved";
   const input = inputLines();
-  const edits = endless.edited.length > 0;
+  const edits = flowlines.edited.length > 0;
   return (
     <Section title="Flow lines" aside={<span class="figure">{input.length || ""}</span>}>
       <p class="hint">
@@ -156,9 +156,9 @@ function LinesSection({ endless, found, change }: { endless: Endless; found: Way
       <Choice label="Which lines the pointer changes" value={view.lineTool.value} options={[["edited", "Shall flow"], ["lines", "Flows"]] as const} onChange={(tool) => { view.lineTool.value = tool; view.line.value = null; }} />
       {edits && (
         <>
-          <Slider label="Join neighbours" value={endless.join} min={0} max={400} step={5} shown={endless.join === 0 ? "as they lie" : `${endless.join} px`} onInput={(join) => change({ join }, "endless-join")} />
-          <Switch label="Stretched" hint="The whole line's texture onto the changed one" checked={endless.stretched} onChange={(stretched) => change({ stretched })} />
-          <Select label="It was filmed" value={endless.ground} options={[["none", "in front of something"], ["black", "on black (light: fire)"], ["white", "on white"]] as const} onChange={(ground) => change({ ground })} />
+          <Slider label="Join neighbours" value={flowlines.join} min={0} max={400} step={5} shown={flowlines.join === 0 ? "as they lie" : `${flowlines.join} px`} onInput={(join) => change({ join }, "flowlines-join")} />
+          <Switch label="Stretched" hint="The whole line's texture onto the changed one" checked={flowlines.stretched} onChange={(stretched) => change({ stretched })} />
+          <Select label="It was filmed" value={flowlines.ground} options={[["none", "in front of something"], ["black", "on black (light: fire)"], ["white", "on white"]] as const} onChange={(ground) => change({ ground })} />
           <button type="button" class="quiet" onClick={() => { view.line.value = null; change({ edited: [] }); }}>
             As it flows in the clip
           </button>
@@ -232,7 +232,7 @@ function Positions({ line, index }: { line: ClipLine; index: number }): JSX.Elem
       {line.later.length > 0 && <p class="hint">Drag the line to where it lies at that time. In a loop it goes back to the first.</p>}
       {now && (
         <>
-          <Slider label="At" value={now.time} min={0.04} max={Math.max(now.time, (state.doc.value?.endless.frames ?? 500) / 25)} step={0.04} shown={`${now.time.toFixed(2)} s`} onInput={(time) => timePosition(index, time)} />
+          <Slider label="At" value={now.time} min={0.04} max={Math.max(now.time, (state.doc.value?.flowlines.frames ?? 500) / 25)} step={0.04} shown={`${now.time.toFixed(2)} s`} onInput={(time) => timePosition(index, time)} />
           <button type="button" class="quiet" onClick={() => removePosition(index)}>
             Take this position away
           </button>

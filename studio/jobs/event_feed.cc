@@ -1,4 +1,4 @@
-#include "studio/event_feed.h"
+#include "studio/jobs/event_feed.h"
 
 #include <atomic>
 

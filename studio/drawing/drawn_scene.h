@@ -1,4 +1,4 @@
-// studio/drawing/layered.h — a picture in layers that one wind moves, as they are painted over it.
+// studio/drawing/drawn_scene.h — a picture in layers that one wind moves, as they are painted over it.
 #pragma once
 
 #include <string>
@@ -37,18 +37,18 @@ struct DrawnLayer {
   bool operator==(const DrawnLayer&) const = default;
 };
 
-struct Layered {
+struct DrawnScene {
   double wind = 5;       // m/s
   double direction = 0;  // degrees, where it blows to, seen from above: 0 right, 90 away from the viewer
   double gustiness = 0;
   int frames = 100;  // 1..2000
   bool loop = true;
   std::vector<DrawnLayer> layers{};  // nearest first
-  bool operator==(const Layered&) const = default;
+  bool operator==(const DrawnScene&) const = default;
 };
 
 /// Checks everything, as document_from_json says.
-Layered read_layered(const Fields& fields);
-nlohmann::json layered_json(const Layered& layered);
+DrawnScene read_scene(const Fields& fields);
+nlohmann::json scene_json(const DrawnScene& scene);
 
 }  // namespace freshet::studio

@@ -1,4 +1,4 @@
-// studio/event_feed.h — what happens, told to every page that is open, as server-sent events.
+// studio/jobs/event_feed.h — what happens, told to every page that is open, as server-sent events.
 #pragma once
 
 #include <chrono>

@@ -1,4 +1,4 @@
-#include "studio/job_queue.h"
+#include "studio/jobs/job_queue.h"
 
 #include <atomic>
 #include <chrono>

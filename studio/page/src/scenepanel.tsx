@@ -8,7 +8,7 @@ import { addLayer, changeLayer, changeLayerOf, changeScene, chooseLayer, chosenL
 import { DropClip, useOwnClips } from "./ownclips";
 import { Choice, IconButton, named, Section, Select, Slider, Switch } from "./parts";
 import * as state from "./state";
-import type { Document, DrawnLayer, Layered, LayerMatte, LayerMotion } from "./types";
+import type { Document, DrawnLayer, DrawnScene, LayerMatte, LayerMotion } from "./types";
 import * as view from "./view";
 
 const kWay = "scene";
@@ -29,22 +29,22 @@ const kTools = [
   ["line", "Line", Spline],
 ] as const;
 
-export function LayersPanel({ document }: { document: Document }): JSX.Element {
-  const { layered } = document;
-  const way = useWay(kWay, layered);
+export function ScenePanel({ document }: { document: Document }): JSX.Element {
+  const { scene } = document;
+  const way = useWay(kWay, scene);
   const id = state.project.value?.id ?? "";
   const layer = chosenLayer();
   const saved = state.saving.value === "saved";
   useEffect(() => {
     if (saved) findLayers(id);
-  }, [id, saved, layered.layers]);
+  }, [id, saved, scene.layers]);
   return (
     <>
-      <ListSection layers={layered.layers} />
+      <ListSection layers={scene.layers} />
       {layer && <LayerSection layer={layer} />}
-      {layered.layers.length > 0 && (
+      {scene.layers.length > 0 && (
         <>
-          <WindSection layered={layered} />
+          <WindSection scene={scene} />
           <FilmSection name={kWay} way={way} ready={true} />
           {way?.made && way.shown[0] && (
             <Section title="What was understood">
@@ -154,7 +154,7 @@ function LayerSection({ layer }: { layer: DrawnLayer }): JSX.Element {
 function LayerName({ layer }: { layer: DrawnLayer }): JSX.Element {
   const rename = (text: string): void => {
     const name = text.replace(/[^A-Za-z0-9_-]+/g, " ").trim().slice(0, 60);
-    const taken = state.doc.value?.layered.layers.some((other) => other !== layer && other.name === name);
+    const taken = state.doc.value?.scene.layers.some((other) => other !== layer && other.name === name);
     if (name && !taken) changeLayer({ name });
     else if (taken) state.toast.value = "Another layer has this name.";
   };
@@ -208,15 +208,15 @@ function FilmChoice({ layer }: { layer: DrawnLayer }): JSX.Element {
   );
 }
 
-function WindSection({ layered }: { layered: Layered }): JSX.Element {
+function WindSection({ scene }: { scene: DrawnScene }): JSX.Element {
   return (
     <Section title="Wind">
-      <Slider label="Wind" value={layered.wind} {...state.range("wind.speed")} step={0.5} shown={`${layered.wind.toFixed(1)} m/s`} onInput={(wind) => changeScene({ wind }, "wind")} />
-      <Slider label="Blows to" value={layered.direction} {...state.range("wind.direction")} step={5} shown={`${layered.direction}°`} onInput={(direction) => changeScene({ direction }, "wind-direction")} />
-      <Slider label="Gusts" value={layered.gustiness} {...state.range("wind.gustiness")} step={0.05} shown={layered.gustiness === 0 ? "none" : layered.gustiness.toFixed(2)} onInput={(gustiness) => changeScene({ gustiness }, "gusts")} />
+      <Slider label="Wind" value={scene.wind} {...state.range("wind.speed")} step={0.5} shown={`${scene.wind.toFixed(1)} m/s`} onInput={(wind) => changeScene({ wind }, "wind")} />
+      <Slider label="Blows to" value={scene.direction} {...state.range("wind.direction")} step={5} shown={`${scene.direction}°`} onInput={(direction) => changeScene({ direction }, "wind-direction")} />
+      <Slider label="Gusts" value={scene.gustiness} {...state.range("wind.gustiness")} step={0.05} shown={scene.gustiness === 0 ? "none" : scene.gustiness.toFixed(2)} onInput={(gustiness) => changeScene({ gustiness }, "gusts")} />
       <p class="hint">0° to the right, 90° away, 180° to the left, as seen from above.</p>
-      <Slider label="Length" value={layered.frames / 25} min={0.4} max={20} step={0.2} shown={`${(layered.frames / 25).toFixed(1)} s`} onInput={(seconds) => changeScene({ frames: Math.max(1, Math.round(seconds * 25)) }, "scene-frames")} />
-      <Switch label="Loop" hint="Its end runs into its beginning" checked={layered.loop} onChange={(loop) => changeScene({ loop })} />
+      <Slider label="Length" value={scene.frames / 25} min={0.4} max={20} step={0.2} shown={`${(scene.frames / 25).toFixed(1)} s`} onInput={(seconds) => changeScene({ frames: Math.max(1, Math.round(seconds * 25)) }, "scene-frames")} />
+      <Switch label="Seamless loop" checked={scene.loop} onChange={(loop) => changeScene({ loop })} />
     </Section>
   );
 }

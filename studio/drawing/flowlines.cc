@@ -1,4 +1,4 @@
-#include "studio/drawing/endless.h"
+#include "studio/drawing/flowlines.h"
 
 #include <set>
 #include <string_view>
@@ -72,39 +72,39 @@ Json lines_json(const std::vector<ClipLine>& lines) {
 
 }  // namespace
 
-Endless read_endless(const Fields& fields) {
+Flowlines read_flowlines(const Fields& fields) {
   fields.only({"clip", "dropped", "lines", "edited", "join", "stretched", "ground", "frames", "loop",
                "moving_camera"});
-  Endless endless{.clip = fields.text("clip"),
-                  .dropped = fields.flag("dropped"),
-                  .lines = read_lines(fields, "lines"),
-                  .edited = read_lines(fields, "edited"),
-                  .join = fields.number("join", 0, 10000),
-                  .stretched = fields.flag("stretched"),
-                  .ground = fields.word("ground", {"none", "black", "white"}),
-                  .frames = fields.integer("frames", 1, 20000),
-                  .loop = fields.flag("loop"),
-                  .moving_camera = fields.flag("moving_camera")};
-  if (endless.dropped && (endless.clip.find('/') != std::string::npos || endless.clip.starts_with('.')))
+  Flowlines flowlines{.clip = fields.text("clip"),
+                      .dropped = fields.flag("dropped"),
+                      .lines = read_lines(fields, "lines"),
+                      .edited = read_lines(fields, "edited"),
+                      .join = fields.number("join", 0, 10000),
+                      .stretched = fields.flag("stretched"),
+                      .ground = fields.word("ground", {"none", "black", "white"}),
+                      .frames = fields.integer("frames", 1, 20000),
+                      .loop = fields.flag("loop"),
+                      .moving_camera = fields.flag("moving_camera")};
+  if (flowlines.dropped && (flowlines.clip.find('/') != std::string::npos || flowlines.clip.starts_with('.')))
     fields.fail("\"clip\" is no file of the project");
-  for (const ClipLine& line : endless.lines)
+  for (const ClipLine& line : flowlines.lines)
     if (!line.later.empty()) fields.fail("\"lines\" has one that moves; only \"edited\" ones can");
-  if (!endless.edited.empty() && endless.lines.empty())
+  if (!flowlines.edited.empty() && flowlines.lines.empty())
     fields.fail("\"edited\" lines are copies of \"lines\", of which there are none");
-  return endless;
+  return flowlines;
 }
 
-Json endless_json(const Endless& endless) {
-  return {{"clip", endless.clip},
-          {"dropped", endless.dropped},
-          {"lines", lines_json(endless.lines)},
-          {"edited", lines_json(endless.edited)},
-          {"join", endless.join},
-          {"stretched", endless.stretched},
-          {"ground", endless.ground},
-          {"frames", endless.frames},
-          {"loop", endless.loop},
-          {"moving_camera", endless.moving_camera}};
+Json flowlines_json(const Flowlines& flowlines) {
+  return {{"clip", flowlines.clip},
+          {"dropped", flowlines.dropped},
+          {"lines", lines_json(flowlines.lines)},
+          {"edited", lines_json(flowlines.edited)},
+          {"join", flowlines.join},
+          {"stretched", flowlines.stretched},
+          {"ground", flowlines.ground},
+          {"frames", flowlines.frames},
+          {"loop", flowlines.loop},
+          {"moving_camera", flowlines.moving_camera}};
 }
 
 std::string own_clip_path(const std::string& clip) { return "ways/flowlines/clips/" + clip; }

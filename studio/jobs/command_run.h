@@ -1,4 +1,4 @@
-// studio/command_run.h — a command of freshet, run beside the studio: what takes minutes, or reads what a stranger made,
+// studio/jobs/command_run.h — a command of freshet, run beside the studio: what takes minutes, or reads what a stranger made,
 // takes nothing with it when it fails.
 #pragma once
 

@@ -1,0 +1,188 @@
+#include "studio/projects.h"
+
+#include <algorithm>
+#include <chrono>
+#include <system_error>
+#include <thread>
+#include <utility>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "freshet/error.h"
+#include "platform/text.h"
+#include "platform/whole_file.h"
+
+namespace freshet::studio {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+constexpr std::size_t kMostEasels = 2;  // each holds a picture, its mattes and its frames
+constexpr std::uintmax_t kCacheBytes = std::uintmax_t{1} << 30;
+
+/// Of what is wrong with the file, it is said by the name that a person knows.
+std::shared_ptr<Project> create_project(const fs::path& folder, const fs::path& file, const std::string& name,
+                                        const std::string& ending) {
+  try {
+    return Project::create(folder, file, ending);
+  } catch (const Error& fault) {
+    const std::string path = folder / ("picture" + ending), text = fault.what();
+    if (!text.starts_with(path + ": ") || !text.ends_with('.')) throw;
+    throw Error(fault.kind(), name, text.substr(path.size() + 2, text.size() - path.size() - 3));
+  }
+}
+
+}  // namespace
+
+Projects::Projects(StudioFolder& folder, Jobs& jobs, Stores& stores)
+    : folder_(folder), jobs_(jobs), stores_(stores), cache_(folder.cache(), kCacheBytes) {}
+
+Json Projects::list() const {
+  std::vector<std::pair<fs::file_time_type, std::string>> found;
+  std::error_code fault;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder_.projects(), fault)) {
+    const std::string id = entry.path().filename();
+    if (!is_project_name(id) || entry.is_symlink() || !entry.is_directory()) continue;
+    const fs::file_time_type changed = fs::last_write_time(entry.path() / "document.json", fault);
+    if (!fault) found.emplace_back(changed, id);
+  }
+  std::sort(found.rbegin(), found.rend());
+  Json list = Json::array();
+  for (const auto& [changed, id] : found) {
+    const auto ago =
+        std::chrono::duration_cast<std::chrono::seconds>(fs::file_time_type::clock::now() - changed);
+    list.push_back({{"id", id}, {"seconds_ago", ago.count()}});
+  }
+  return list;
+}
+
+fs::path Projects::folder_of(const std::string& id) const {
+  if (!is_project_name(id)) throw Error(ErrorKind::kNotFound, "project", "there is no such project");
+  return folder_.projects() / id;
+}
+
+std::string Projects::open_picture(const fs::path& file, const std::string& name, const std::string& store) {
+  const std::string stem = project_name(name), ending = lower_ending(name);
+  const std::lock_guard lock(guard_);
+  for (int number = 1; number < 1000; ++number) {
+    const std::string id = number == 1 ? stem : fmt::format("{}-{}", stem, number);
+    const fs::path folder = folder_of(id);
+    if (!fs::exists(fs::symlink_status(folder))) {
+      const std::shared_ptr<Project> project = create_project(folder, file, name, ending);
+      Document document;
+      const bool transparent = !project->picture()->alpha.empty();
+      if (transparent) document.matte_base = MatteBase::kAlpha;
+      document.store = store.empty() ? stores_.likely() : store;
+      project->save(document, 0);
+      return id;
+    }
+    try {
+      if (same_bytes(folder / Project(folder).picture_file(), file)) return id;
+    } catch (const Error&) {
+      continue;  // something else of this name lies there
+    }
+  }
+  throw Error(ErrorKind::kUsage, name, "there are very many projects of this name", "Give it another name");
+}
+
+void Projects::remove(const std::string& id) {
+  const fs::path folder = folder_of(id);
+  jobs_.previews().stop_key(id);
+  const std::lock_guard lock(guard_);
+  easels_.erase(id);
+  if (fs::is_symlink(fs::symlink_status(folder)) || !fs::is_directory(folder))
+    throw Error(ErrorKind::kNotFound, id, "there is no such project");
+  std::error_code fault;
+  fs::remove_all(folder, fault);
+}
+
+std::shared_ptr<Easel> Projects::easel(const std::string& project) {
+  const std::lock_guard lock(guard_);
+  const fs::path folder = folder_of(project);
+  std::erase(recently_, project);
+  recently_.push_back(project);
+  const auto found = easels_.find(project);
+  if (found != easels_.end()) return found->second;
+  if (!fs::exists(fs::symlink_status(folder))) {
+    std::erase(recently_, project);
+    throw Error(ErrorKind::kNotFound, project, "there is no such project");
+  }
+  auto opened = std::make_shared<Easel>(
+      std::make_shared<Project>(folder),
+      [this](const std::string& type, const std::string& data) { jobs_.feed().publish(type, data); });
+  while (recently_.size() > kMostEasels) {
+    easels_.erase(recently_.front());
+    recently_.erase(recently_.begin());
+  }
+  easels_[project] = opened;
+  return opened;
+}
+
+std::string Projects::to_json(const std::string& project) {
+  const std::shared_ptr<Easel> easel = this->easel(project);
+  const Project::State state = easel->project().state();
+  const cv::Size size = easel->project().size();
+  if (!jobs_.previews().is_busy_with(project)) update(project);
+  return json_text({{"id", project},
+                    {"folder", easel->project().folder().string()},
+                    {"width", size.width},
+                    {"height", size.height},
+                    {"alpha", !easel->project().picture()->alpha.empty()},
+                    {"notices", easel->project().picture()->notices},
+                    {"notice", easel->project().notice()},
+                    {"document", Json::parse(studio::to_json(state.document))},
+                    {"version", state.version},
+                    {"event", jobs_.feed().last()},
+                    {"made", Json::parse(easel->overview_json())}});
+}
+
+Projects::Saved Projects::save(const std::string& project, std::string_view json, std::uint64_t base,
+                               const std::string& page) {
+  const std::shared_ptr<Easel> easel = this->easel(project);
+  const Document document = document_from_json(json, "document");
+  // A page may name only what is open here: a store's path is one of the disk.
+  if (!document.store.empty() && !stores_.at(document.store) &&
+      document.store != easel->project().state().document.store)
+    throw Error(ErrorKind::kUsage, document.store, "this store is not open", "Give it to freshet studio");
+  const std::optional<std::uint64_t> version = easel->project().save(document, base);
+  if (!version) {
+    const Project::State now = easel->project().state();
+    return {.taken = false,
+            .json = json_text(
+                {{"version", now.version}, {"document", Json::parse(studio::to_json(now.document))}})};
+  }
+  jobs_.feed().publish("document", json_text({{"project", project}, {"version", *version}, {"page", page}}));
+  const JobId job = update(project);
+  return {.taken = true, .json = json_text({{"version", *version}, {"job", job}})};
+}
+
+void Projects::give_matte(const std::string& project, const fs::path& file) {
+  easel(project)->project().give_matte(file);
+}
+
+JobId Projects::update(const std::string& project) {
+  const std::shared_ptr<Easel> easel = this->easel(project);
+  const std::shared_ptr<OpenedStore> store = stores_.at(easel->project().state().document.store);
+  return jobs_.previews().submit(project, "Preview", [this, easel, store](const Job& job) {
+    easel->bring_up_to_date(store.get(), &cache_, job);
+  });
+}
+
+void Projects::await_previews(const std::string& project, const Easel& easel, const Job& job) const {
+  // What was drawn last is made, not what was there before it: the matte and pinned pieces are made by previews.
+  while (jobs_.previews().is_busy_with(project)) {
+    if (job.stop.stop_requested()) throw Error(ErrorKind::kCancelled, project, "stopped");
+    if (job.progress) job.progress({"waiting for the preview", 0, 0});
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  }
+  const Document now = easel.project().state().document;
+  const std::shared_ptr<const FoundMatte> matte = easel.matte();
+  if (!matte || matte->key != matte_key(now) || matte->alpha.empty())
+    throw Error(ErrorKind::kUsage, project, "it has no matte", "Say what flows");
+  if (!now.pins.empty() && !easel.is_labelled(now))
+    throw Error(ErrorKind::kUsage, project, "its pieces were not chosen", "See what the preview says");
+}
+
+}  // namespace freshet::studio

@@ -1,0 +1,70 @@
+// studio/projects.h — the projects of a studio's folder: opened, changed, and brought up to date.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "cache/result_cache.h"
+#include "studio/easel.h"
+#include "studio/jobs/jobs.h"
+#include "studio/project.h"
+#include "studio/stores.h"
+#include "studio/studio_folder.h"
+
+namespace freshet::studio {
+
+/// Texts are JSON. Safe from many threads.
+/// Errors: Error{kNotFound} for a project that is not there, Error{kUsage} for what cannot be asked, Error{kInput} for
+/// what is wrong with something that was sent.
+class Projects {
+ public:
+  /// All must outlive this.
+  Projects(StudioFolder& folder, Jobs& jobs, Stores& stores);
+  Projects(const Projects&) = delete;
+  Projects& operator=(const Projects&) = delete;
+
+  /// "id" and "seconds_ago" of each, the last that was changed first.
+  nlohmann::json list() const;
+  /// Projects that hold the same picture already are opened again. file   moved.
+  /// store   of the new document; "": Stores::likely(). Returns its id.
+  std::string open_picture(const std::filesystem::path& file, const std::string& name,
+                           const std::string& store = {});
+  void remove(const std::string& id);
+  std::string thumbnail_of(const std::string& project) const { return thumbnail(folder_of(project)); }
+  std::shared_ptr<Easel> easel(const std::string& project);
+  /// Document, version, size and what has been computed; brings it up to date where it is not.
+  std::string to_json(const std::string& project);
+  /// Takes a changed document. Returns JSON with "version" and the "job" that brings it up to date, or with the document
+  /// of somebody else where `base` is old.
+  struct Saved {
+    bool taken = false;
+    std::string json;
+  };
+  Saved save(const std::string& project, std::string_view json, std::uint64_t base, const std::string& page);
+  void give_matte(const std::string& project, const std::filesystem::path& file);
+  JobId update(const std::string& project);
+  /// Until the previews of a project have made what an animation reads of it. Throws Error{kUsage} where they could not,
+  /// and Error{kCancelled}.
+  void await_previews(const std::string& project, const Easel& easel, const Job& job) const;
+
+ private:
+  std::filesystem::path folder_of(const std::string& id) const;
+
+  StudioFolder& folder_;
+  Jobs& jobs_;
+  Stores& stores_;
+  cache::ResultCache cache_;
+  mutable std::mutex guard_;
+  std::map<std::string, std::shared_ptr<Easel>> easels_;  // by project; at most kMostEasels
+  std::vector<std::string> recently_;                     // projects of easels_, last used last
+};
+
+}  // namespace freshet::studio

@@ -1,0 +1,38 @@
+#include <algorithm>
+
+#include "freshet/error.h"
+#include "studio/ways/layer_scene.h"
+#include "studio/ways/way.h"
+
+namespace freshet::studio {
+namespace {
+
+/// The picture in layers under one wind.
+WayPlan plan_scene(const Document& document) {
+  const DrawnScene& scene = document.scene;
+  const bool searches = std::any_of(scene.layers.begin(), scene.layers.end(),
+                                    [](const DrawnLayer& layer) { return layer.motion == "patches"; });
+  if (scene.layers.empty()) throw Error(ErrorKind::kUsage, "layers", "there is none", "Add one");
+  return {.folder = "scene",
+          .commands = {{"synth", "scene", "ways/scene/scene.toml", "-o", "ways/scene/film.mp4", "--draw",
+                        "ways/scene/understood.png", "--json", "--overwrite"}},
+          .film = "ways/scene/film.mp4",
+          .answer = "made.json",
+          .shown = {"understood.png"},
+          .store = searches ? document.store : ""};
+}
+
+std::vector<WayFile> scene_files(const WayInput& input) {
+  const Document& document = input.document;
+  return layer_scene(document.scene, input.picture.size(),
+                     {.picture = "../../" + input.files.picture,
+                      .store = document.store,
+                      .design = document.design.look.empty() ? "" : "../design/fluid.mkv",
+                      .clips = "../flowlines/clips"});
+}
+
+}  // namespace
+
+const Way kSceneWay{.name = "scene", .plan = plan_scene, .files = scene_files};
+
+}  // namespace freshet::studio
