@@ -34,6 +34,7 @@
 #include "bench/quality/quality_hints.h"
 #include "bench/quality/quality_method.h"
 #include "bench/quality/quality_page.h"
+#include "bench/quality/quality_recurrence.h"
 #include "bench/quality/quality_report.h"
 #include "bench/quality/quality_rivals.h"
 #include "freshet/error.h"
@@ -231,6 +232,8 @@ class Trial {
     const bench::Film film = bench::measure(std::span(luma).first(frames),
                                             std::span(motions).first(frames - 1), case_.fps, case_.region);
     judged.distance = bench::compare(film, case_.film, case_.region);
+    judged.distance.drift =
+        bench::colour_drift(std::span<const cv::Mat>(made).first(frames), case_.still, case_.matte);
     judged.lifetime = film.lifetime;
     judged.distance.start = bench::detail_correlation(luma[0], bench::luma_of({case_.still})[0], case_.matte);
     const bench::Reversals back =
@@ -273,6 +276,7 @@ void add_references(const bench::Case& clip, std::vector<bench::Judged>& judged)
   bench::Distance real = bench::compare(clip.film, clip.film, clip.region);
   const bench::Reversals back =
       bench::reversals(clip.film.by_second, bench::true_direction(clip), clip.matte);
+  real.drift = bench::colour_drift(clip.truth, clip.still, clip.matte);
   real.back_seconds = back.seconds;
   real.back_blocks = back.blocks;
   add("real", real, clip.film.lifetime);

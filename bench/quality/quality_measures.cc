@@ -10,6 +10,8 @@
 #include "vision/flow.h"
 #include "vision/pyramid.h"
 
+#include "bench/quality/quality_recurrence.h"
+
 namespace freshet::bench {
 namespace {
 
@@ -276,6 +278,7 @@ Film measure(std::span<const cv::Mat> luma, std::span<const PairMotion> motions,
   film.half_life_s = half_life_s(film.lifetime, fps);
   film.patches = sample_patches(luma, region.matte);
   film.coherence = mean_coherence(luma, region.matte);
+  film.again = comes_again(luma, region.matte);
   return film;
 }
 
@@ -342,6 +345,8 @@ Distance compare(const Film& film, const Film& truth, const Region& region) {
   distance.ribbon = log2_ratio(film.coherence, truth.coherence, kCoherenceFloor);
   distance.lifetime = curve_distance(film.lifetime, truth.lifetime);
   distance.half_life_s = film.half_life_s;
+  distance.again = film.again;
+  distance.again_beyond = film.again - truth.again;
   const auto patches_apart = patch_distances(film.patches, truth.patches);
   for (int l = 0; l < kPatchLevels; ++l)
     distance.patches[l] = patches_apart[l] / std::max(truth.halves_apart[l], kPatchFloor);

@@ -57,6 +57,7 @@ struct Film {
   double half_life_s = 0;                        // of it
   PatchSample patches;                           // of its frames
   double coherence = 0;                          // see mean_coherence
+  double again = kNotMeasured;                   // see comes_again
   /// Of a truth: how far apart the patches of its clip's two halves are, by level (grey levels). NaN when not
   /// known. Set by whoever has the halves.
   std::array<double, kPatchLevels> halves_apart{kNotMeasured, kNotMeasured, kNotMeasured, kNotMeasured,
@@ -97,21 +98,24 @@ struct Distance {
   double angle_deg = 0;  // mean over blocks of the angle between mean motions, where the truth's is at least
                          // kMinSpeed; 90 where nothing moves in the film
   double speed = 0;      // log2 of the ratio of mean speeds over these blocks; signed
-  double block_speed = 0;          // mean over these blocks of |log2 of the ratio of speeds|
-  double texture = 0;              // mean over levels of |log2 of the ratio|
-  double contrast = 0;             // the same, signed: below 0 detail was lost
-  double ssim = 0;                 // of mean images; 1 is best
-  double flicker = 0;              // log2 of the ratio; signed
-  double seam = 0;                 // the film's own
-  double dead = 0;                 // the film's own
-  double moving = 0;               // fraction of the matte's blocks that angle and speed are measured over
-  double pace = 0;                 // log2 of the ratio of Film::pace; signed
+  double block_speed = 0;       // mean over these blocks of |log2 of the ratio of speeds|
+  double texture = 0;           // mean over levels of |log2 of the ratio|
+  double contrast = 0;          // the same, signed: below 0 detail was lost
+  double ssim = 0;              // of mean images; 1 is best
+  double flicker = 0;           // log2 of the ratio; signed
+  double seam = 0;              // the film's own
+  double dead = 0;              // the film's own
+  double moving = 0;            // fraction of the matte's blocks that angle and speed are measured over
+  double pace = 0;              // log2 of the ratio of Film::pace; signed
+  double again = kNotMeasured;  // comes_again, the film's own
+  double again_beyond = kNotMeasured;  // the same less the truth's; signed: above 0 forms come back
   double ribbon = 0;               // log2 of the ratio of mean coherences; signed: below 0 structure was torn
   double lifetime = kNotMeasured;  // mean |difference| of the lifetime curves
   double half_life_s = kNotMeasured;  // the film's own
   /// Distance of patches by level over that of the truth's own halves: 1 is as good as footage of the scene.
   std::array<double, kPatchLevels> patches{kNotMeasured, kNotMeasured, kNotMeasured, kNotMeasured,
                                            kNotMeasured};
+  double drift = kNotMeasured;  // colour_drift; compare() knows luma alone
   // What compare() cannot know; see quality_asked.h.
   double start = kNotMeasured;         // detail_correlation of the first frame with the still
   double back_seconds = kNotMeasured;  // reversals
