@@ -148,6 +148,11 @@ const std::vector<Setting>& all_settings() {
        to([](Method & m) -> auto& { return of<CarriedOptions>(m).contrast.max_gain; })},
       {"standing", "of what stays in its place in the patches, how much the picture keeps", false,
        to([](Method & m) -> auto& { return of<CarriedOptions>(m).standing; })},
+      {"layout", "of the picture: stands, goes, or as the clips do (auto)", false,
+       [](Method& m, const std::string& text) {
+         of<CarriedOptions>(m).layout_stands =
+             one_of<std::optional<bool>>(text, {{"stands", true}, {"goes", false}, {"auto", std::nullopt}});
+       }},
       {"own", "1: the clip itself is a candidate too", true, to([](Method & m) -> auto& { return m.own; })},
       {"shutter", "of the base image, s", false,
        to([](Method & m) -> auto& { return base_of(m).shutter_s; })},

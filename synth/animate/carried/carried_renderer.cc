@@ -17,6 +17,7 @@
 #include "synth/animate/motion/motion_sequence.h"
 #include "synth/animate/still/fluid_planes.h"
 #include "synth/animate/still/standing_detail.h"
+#include "synth/animate/still/standing_layout.h"
 #include "synth/sampling/coarse_samples.h"
 #include "synth/sampling/pull_push.h"
 #include "vision/pyramid.h"
@@ -32,8 +33,20 @@ constexpr double kMinWander_s = 0.4, kMaxWander_s = 6, kMaxWander_px = 220;
 // of s has its variance. Fine bands take the guess: what stands falsely is seen as a veil. From this level on (32 px) the
 // light and dark of a scene are to stay as strong as they are.
 constexpr double kWideLevel = 3;
-constexpr float kLively = 0.25f;      // of the fastest places' speed: what is slower is renewed less
-constexpr double kLifePatch_px = 48;  // over which the picture's detail lives and goes together
+constexpr float kLively = 0.25f;               // of the fastest places' speed: what is slower is renewed less
+constexpr double kFast = 0.95, kUsual = 0.75;  // quantiles of the fluid's speed
+constexpr double kLifePatch_px = 48;           // over which the picture's detail lives and goes together
+constexpr double kMaxLevel = 0.08;             // luma: fires breathe by less
+// A layout stands where this share of the variance of the coarsest band that clips know (32 px) does, this much of the
+// flow's power is its mean's, and fast fluid goes so far while a copy shows. Medians of clips by class: clouds .09,
+// fire .21, smoke .11, water .33; rapids .46, a fall .86; a swell, whose crests are no layout, .25.
+constexpr double kStandingShare = 0.35, kSteady = 0.5, kFar_px = 24;
+constexpr int kStandingLevel = 3;
+// Of texture: how far the usual place's goes until half of it is new, for how many intervals a copy shows, and how far
+// copies begin from their own places (sigma).
+constexpr double kTextureTravel_px = 36, kShownIntervals = 1.5, kSpread_px = 70;
+constexpr double kMaxTextureGain = 1.5;  // two copies that begin displaced agree in nothing: they lose 1.41
+constexpr double kMaxLayoutLevel = 2.0 / 255;  // luma: its light is the still's
 
 /// Lengths in px are meant for pieces of their own size: enlarged ones are carried as widely.
 CarriedBaseOptions enlarged(CarriedBaseOptions options, double scale) {
@@ -61,16 +74,30 @@ cv::Mat for_every_pixel(const cv::Mat& field, int step, const cv::Mat& alpha) {
   return out;
 }
 
-/// Of the fluid, the speed that one place in twenty exceeds: px a frame, > 0.
-float fast_per_frame(const CarryingField& field, const cv::Mat& places) {
+/// Of the fluid, the speed that a share of 1 - quantile of all places exceeds: px a frame, > 0.
+/// fluid   CV_32F, sampled as the field: counted where above 0.5.
+float speed_per_frame(const CarryingField& field, const cv::Mat& fluid, double quantile) {
   std::vector<float> within;
-  for (int y = 0; y < places.rows; ++y)
-    for (int x = 0; x < places.cols; ++x)
-      if (places.at<cv::Vec4f>(y, x)[0] > 0.5f) within.push_back(field.activity().at<float>(y, x));
+  for (int y = 0; y < fluid.rows; ++y)
+    for (int x = 0; x < fluid.cols; ++x)
+      if (fluid.at<float>(y, x) > 0.5f) within.push_back(field.activity().at<float>(y, x));
   if (within.empty()) return 1;
-  const auto fast = within.begin() + static_cast<std::ptrdiff_t>(within.size() * 19 / 20);
-  std::nth_element(within.begin(), fast, within.end());
-  return std::max(*fast, 1e-3f);
+  const auto at = within.begin() + static_cast<std::ptrdiff_t>(static_cast<double>(within.size()) * quantile);
+  std::nth_element(within.begin(), at, within.end());
+  return std::max(*at, 1e-3f);
+}
+
+/// Vectors of length 1, or 0 where there are none to speak of.
+cv::Mat directions(const cv::Mat& motion, cv::Size size) {
+  cv::Mat out;
+  cv::resize(motion, out, size, 0, 0, cv::INTER_AREA);
+  for (int y = 0; y < out.rows; ++y)
+    for (int x = 0; x < out.cols; ++x) {
+      auto& v = out.at<cv::Vec2f>(y, x);
+      const float length = std::hypot(v[0], v[1]);
+      v = length > 1e-3f ? cv::Vec2f(v / length) : cv::Vec2f(0, 0);
+    }
+  return out;
 }
 
 class CarriedRenderer final : public Renderer {
@@ -104,10 +131,11 @@ class CarriedRenderer final : public Renderer {
     // At the beginning the picture is all, then what is new comes in; in a loop it has gone before the end.
     const double still = copies_->still(output);
     Carried carried = carry(output, 1 - still);
-    if (innovations_) innovations_->add(output, 1 - still, carried.luma);
+    if (innovations_)
+      innovations_->add(output, 1 - still, layout_ ? kMaxLayoutLevel : kMaxLevel, carried.luma);
     if (animation_.options.form == FrameForm::kFluid)
-      return finisher_->finish_fluid(carried.luma, matte, &carried.frame);
-    cv::Mat frame = finisher_->finish(carried.luma, matte, &carried.frame);
+      return finisher_->finish_fluid(carried.luma, matte, carried.colour());
+    cv::Mat frame = finisher_->finish(carried.luma, matte, carried.colour());
     if (!missing_.empty() && still > 0) add_missing(missing_, static_cast<float>(still), frame);
     return frame;
   }
@@ -115,8 +143,10 @@ class CarriedRenderer final : public Renderer {
  private:
   /// One output frame before anything comes anew, and before it is coloured.
   struct Carried {
-    CarriedFrame frame;
+    std::optional<CarriedFrame> frame;  // what brings its colour; a layout keeps its own
     cv::Mat luma;
+
+    const CarriedFrame* colour() const { return frame ? &*frame : nullptr; }
   };
 
   /// As long as detail does in the patches that are shown, but shorter where they are made to go faster: eddies of
@@ -150,36 +180,97 @@ class CarriedRenderer final : public Renderer {
     sequence_ = std::make_shared<const MotionSequence>(std::move(motion).means());
   }
 
-  /// The picture as a long exposure along its motion, the copies that are carried over it, and what of it stands.
+  /// What is carried, along which field, and what of the picture stands.
   void lay_copies() {
     const FrameOptions& frames = animation_.options;
-    const double scale = animation_.placement.piece_scale;
-    const int loop_frames = frames.loop ? frames.frames : 0;
-    Exposure exposure = expose(animation_, still_, options_.base);
-    exposure_ = exposure.luma;
     CarryingOptions carrying = options_.carrying;
     if (frames.guide.direction.empty() && frames.guide.speed.empty()) carrying.max_of_asked = 0;
     field_ = std::make_shared<const CarryingField>(sequence_, still_.asked_motion, frames.frames, frames.fps,
                                                    CarriedBase::kStep, frames.loop, carrying);
+    cv::resize(still_.alpha, fluid_, field_->size(), 0, 0, cv::INTER_AREA);
     const FluidPlanes planes = fluid_planes(still_.target, still_.luma, still_.alpha);
+    animation_.report.layout_stands = layout_stands();
+    if (animation_.report.layout_stands)
+      lay_texture_copies(planes);
+    else
+      lay_picture_copies(planes);
+  }
+
+  /// The picture as a long exposure along its motion, and the copies that are carried over it.
+  void lay_picture_copies(const FluidPlanes& planes) {
+    const FrameOptions& frames = animation_.options;
+    const double scale = animation_.placement.piece_scale;
+    Exposure exposure = expose(animation_, still_, options_.base);
+    exposure_ = exposure.luma;
     base_.emplace(planes, still_.alpha, enlarged(options_.carry, scale));
-    const float fast = fast_per_frame(*field_, base_->places());
+    cv::Mat deep;
+    cv::extractChannel(base_->places(), deep, 0);
+    const float fast = speed_per_frame(*field_, deep, kFast);
     // As far as the fastest fluid goes in that time: what stands in the picture's order is not to be mixed up.
     const double wander_s =
         std::clamp(kMaxWander_px * scale / (fast * frames.fps), kMinWander_s, kMaxWander_s);
+    CopyOptions copies = copy_options(lasting_life());
+    copies.wander = static_cast<int>(std::lround(wander_s * frames.fps));
     copies_.emplace([field = field_](int i) { return field->at(i); }, base_->places(), field_->step(),
-                    CopyOptions{.interval = CopyMaps::interval_of(lasting_life(), frames.fps, loop_frames),
-                                .loop_frames = loop_frames,
-                                .wander = static_cast<int>(std::lround(wander_s * frames.fps)),
-                                .patch = kLifePatch_px * scale / CarriedBase::kStep});
-    // What stands is not renewed: a rock in the matte, or what an artist holds still.
+                    copies);
+    renew_what_goes(fast);
+    standing_.emplace(planes, still_.alpha, shares_that_stand());
+    finisher_.emplace(finisher_of(animation_, still_, exposure.colour,
+                                  ColourCurve(still_.target, still_.luma, still_.alpha)));
+  }
+
+  /// The picture's texture, and the copies of it that are carried over the layout.
+  void lay_texture_copies(const FluidPlanes& planes) {
+    const FrameOptions& frames = animation_.options;
+    const double scale = animation_.placement.piece_scale;
+    // Detail that is carried far is unlike itself before it arrives, whatever speed is asked.
+    const double usual_per_s = speed_per_frame(*field_, fluid_, kUsual) * frames.fps;
+    const CopyOptions copies =
+        copy_options(std::min(lasting_life(), kTextureTravel_px * scale / usual_per_s));
+    const LayoutMotion motion{.direction = directions(still_.asked_motion, field_->size()),
+                              .travel = field_->activity() * (kShownIntervals * copies.interval)};
+    std::vector<double> shares = measured_shares();
+    shares.pop_back();
+    layout_.emplace(planes, still_.alpha, motion, shares);
+    exposure_ = cv::Mat::zeros(still_.luma.size(), CV_32F);
+    base_.emplace(planes, still_.alpha, enlarged(options_.carry, scale), layout_->texture());
+    copies_.emplace([field = field_](int i) { return field->at(i); }, base_->places(), field_->step(), copies,
+                    CopyStarts{.direction = motion.direction,
+                               .edges = layout_->edges(),
+                               .spread = kSpread_px * scale / CarriedBase::kStep});
+    renew_what_goes(speed_per_frame(*field_, fluid_, kFast));
+    cv::Mat modelled;
+    apply_colour(still_.colours, still_.luma, modelled);
+    finisher_.emplace(finisher_of(animation_, still_, still_.target - modelled));
+    // The bands that a sum of bands falls into are not quite those: what the first frame is short of the picture.
+    copies_->prepare(0, 1);
+    rest_of_still_ = still_.luma - carry(0, 0).luma;
+  }
+
+  CopyOptions copy_options(double life_s) const {
+    const FrameOptions& frames = animation_.options;
+    const int loop_frames = frames.loop ? frames.frames : 0;
+    return {.interval = CopyMaps::interval_of(life_s, frames.fps, loop_frames),
+            .loop_frames = loop_frames,
+            .patch = kLifePatch_px * animation_.placement.piece_scale / CarriedBase::kStep};
+  }
+
+  /// What stands is not renewed: a rock in the matte, or what an artist holds still.
+  void renew_what_goes(float fast) {
     renewing_ = field_->activity() / (kLively * fast);
     cv::multiply(renewing_, renewing_, renewing_);
     renewing_ = cv::min(renewing_, 1.0);
     if (innovations_) renewing_ = innovations_->restrict_to(renewing_, field_->step());
-    standing_.emplace(planes, still_.alpha, shares_that_stand());
-    finisher_.emplace(finisher_of(animation_, still_, exposure.colour,
-                                  ColourCurve(still_.target, still_.luma, still_.alpha)));
+  }
+
+  bool layout_stands() const {
+    if (options_.layout_stands) return *options_.layout_stands;
+    const double scale = animation_.placement.piece_scale;
+    const std::vector<double> shares =
+        standing_shares(animation_.snapshot, animation_.placement,
+                        kStandingLevel + static_cast<int>(std::lround(std::log2(scale))));
+    const double far = speed_per_frame(*field_, fluid_, kFast) * copy_options(lasting_life()).interval;
+    return shares.back() >= kStandingShare && field_->steadiness() >= kSteady && far >= kFar_px * scale;
   }
 
   /// How long what does not come anew at once is to live, so that all together keeps half for as long as the patches'
@@ -190,10 +281,15 @@ class CarriedRenderer final : public Renderer {
     return half_life_s_ * std::min(kMaxLasting, lasting > 0 ? std::log(2.0) / lasting : kMaxLasting);
   }
 
+  /// By level of the picture, and of the low-pass rest, how much stands in the patches.
+  std::vector<double> measured_shares() const {
+    return standing_shares(animation_.snapshot, animation_.placement,
+                           vision::levels_within(still_.target.size(), options_.contrast.levels));
+  }
+
   /// By level of the picture, what of it keeps its place.
   std::vector<double> shares_that_stand() const {
-    const int levels = vision::levels_within(still_.target.size(), options_.contrast.levels);
-    std::vector<double> shares = standing_shares(animation_.snapshot, animation_.placement, levels);
+    std::vector<double> shares = measured_shares();
     for (std::size_t level = 0; level < shares.size(); ++level) {
       const double guessed = 0.5 * std::min(1.0, static_cast<double>(level) / kWideLevel);
       shares[level] = options_.standing * std::pow(shares[level], 1 - guessed);
@@ -206,14 +302,23 @@ class CarriedRenderer final : public Renderer {
     Carried carried;
     const std::vector<CopyMap> copies = copies_->at(output);
     carried.frame = base_->frame(copies);
-    show_carried(carried.frame, exposure_, carried.luma);
+    show_carried(*carried.frame, exposure_, carried.luma);
+    const int levels = layout_ ? layout_->levels() : standing_->levels();
+    const std::vector<double> shares = innovations_ ? innovations_->shares(levels, anew)
+                                                    : std::vector<double>(static_cast<std::size_t>(levels));
+    if (layout_) {
+      carried.frame.reset();
+      LostContrastOptions contrast = options_.contrast;
+      contrast.max_gain = std::max(contrast.max_gain, kMaxTextureGain);
+      lay_texture(carried.luma, copies, CarriedBase::kStep, shares, renewing_, *layout_, contrast);
+      if (!rest_of_still_.empty())
+        cv::scaleAdd(rest_of_still_, copies_->still(output), carried.luma, carried.luma);
+      return carried;
+    }
     if (animation_.options.moving()) carried.luma = sampling::pull_push(carried.luma, still_.alpha);
-    const std::vector<double> shares =
-        innovations_ ? innovations_->shares(standing_->levels(), anew)
-                     : std::vector<double>(static_cast<std::size_t>(standing_->levels()));
     const cv::Mat stands = restore_contrast(carried.luma, copies, CarriedBase::kStep, shares, renewing_,
                                             *standing_, anew, options_.contrast);
-    standing_->colour(carried.frame, stands);
+    standing_->colour(*carried.frame, stands);
     return carried;
   }
 
@@ -226,7 +331,8 @@ class CarriedRenderer final : public Renderer {
     const Carried first = carry(0, 0);
     cv::Mat whole;
     still_.target.convertTo(whole, CV_8U, 255);
-    cv::subtract(whole, finisher_->finish(first.luma, matte, &first.frame), missing_, cv::noArray(), CV_16S);
+    cv::subtract(whole, finisher_->finish(first.luma, matte, first.colour()), missing_, cv::noArray(),
+                 CV_16S);
   }
 
   Animation& animation_;
@@ -236,11 +342,14 @@ class CarriedRenderer final : public Renderer {
   std::optional<Innovations> innovations_;
   std::shared_ptr<const MotionSequence> sequence_;
   std::shared_ptr<const CarryingField> field_;
-  cv::Mat exposure_;  // luma
+  cv::Mat fluid_;     // CV_32F, the matte as the field is sampled
+  cv::Mat exposure_;  // luma; of a texture 0
   std::optional<CarriedBase> base_;
   std::optional<CopyMaps> copies_;
   cv::Mat renewing_;  // CV_32F, sampled as the field: how much of what comes anew is for a place, 0..1
-  std::optional<StandingDetail> standing_;
+  std::optional<StandingDetail> standing_;  // one of the two
+  std::optional<StandingLayout> layout_;
+  cv::Mat rest_of_still_;  // CV_32F: with a layout, the picture's luma less the first frame's
   std::optional<FrameFinisher> finisher_;
   cv::Mat missing_;  // the picture less the first frame, CV_16SC3, levels; or empty
 };

@@ -37,6 +37,10 @@ struct CarriedOptions {
   /// Of what stays in its place in the patches (standing_shares), how much the picture keeps, 0..1; 0: all that is
   /// fluid goes.
   double standing = 1;
+  /// Whether the picture's layout stands and only its texture goes (StandingLayout). Unset: it does where the clips
+  /// that are shown are such, as falls and rapids are: their coarse detail stands, their flow is steady, and it carries
+  /// detail farther than its own size.
+  std::optional<bool> layout_stands{};
   /// What comes from the patches' pixels. Nothing: the motion alone, and no frame of a clip is read. For a first look: a
   /// third of the time.
   std::optional<InnovationOptions> innovations = InnovationOptions{};
@@ -46,7 +50,9 @@ struct CarriedOptions {
 
 /// Copies of the picture are carried along the motion of the assigned patches (CopyMaps, CarriedBase), their contrast is
 /// brought back, what stands in the patches stands in the picture (StandingDetail), and what comes anew in the patches
-/// comes anew in it (Innovations). Frame 0 is the picture.
+/// comes anew in it (Innovations). Of fast water only the texture is carried, over a layout that stands
+/// (StandingLayout).
+/// Frame 0 is the picture.
 /// Source: not in Okabe et al. 2011; see the parts.
 std::unique_ptr<Renderer> make_renderer(Animation& animation, const StillPart& still,
                                         const CarriedOptions& options);

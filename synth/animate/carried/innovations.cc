@@ -10,14 +10,11 @@
 namespace freshet::synth::animate {
 namespace {
 
-constexpr float kMaxLevel = 0.08f;  // luma
-
-/// A picture has one light: fires breathe by less than kMaxLevel, and what goes beyond it is a clip's flash, or a puff
-/// that crosses it.
-void limit_level(cv::Mat& level) {
+/// A picture has one light: what goes beyond `most` is a clip's flash, or a puff that crosses it.
+void limit_level(float most, cv::Mat& level) {
   for (int y = 0; y < level.rows; ++y) {
     auto* at = level.ptr<float>(y);
-    for (int x = 0; x < level.cols; ++x) at[x] = kMaxLevel * std::tanh(at[x] / kMaxLevel);
+    for (int x = 0; x < level.cols; ++x) at[x] = most * std::tanh(at[x] / most);
   }
 }
 
@@ -71,11 +68,11 @@ void Innovations::advance(std::span<const int> outputs, std::size_t passed, cons
   for (std::size_t i = 0; i < passed; ++i) blender.drop(batches_.slot(outputs[i]));
 }
 
-void Innovations::add(int output, double begun, cv::Mat& luma) {
+void Innovations::add(int output, double begun, double max_level, cv::Mat& luma) {
   cv::Mat field = std::move(advanced_[static_cast<std::size_t>(output - first_)]);
   renewal_.show(field, luma, begun, counts_);
   cv::Mat level = batches_.blender().take_level(batches_.slot(output));
-  limit_level(level);
+  limit_level(static_cast<float>(max_level), level);
   cv::scaleAdd(level, begun, field, field);
   add_enlarged(field, canvas_.rect(), canvas_.scale(), luma);
 }

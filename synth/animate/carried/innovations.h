@@ -46,9 +46,9 @@ class Innovations {
   void read(std::span<const int> outputs) { batches_.read(outputs); }
   /// The innovations of successive frames, of which the first `passed` are not wanted.
   void advance(std::span<const int> outputs, std::size_t passed, const CarryingField& field);
-  /// Adds a frame's to its luma; once for each that was advanced to and is wanted. begun: of their share, 0..1. Safe from
-  /// many threads.
-  void add(int output, double begun, cv::Mat& luma);
+  /// Adds a frame's to its luma; once for each that was advanced to and is wanted. begun: of their share, 0..1.
+  /// max_level: by how much a place becomes lighter or darker at most, luma. Safe from many threads.
+  void add(int output, double begun, double max_level, cv::Mat& luma);
 
  private:
   Animation& animation_;

@@ -34,7 +34,13 @@ constexpr float kLeast = 1e-6f;   // so that some copy shows everywhere
 constexpr float kShallow = 1e-3f;
 constexpr float kTooShallow = 0.25f, kDeepEnough = 0.75f;  // of the place's own depth
 constexpr int kKeptEvery = 16;                             // frames
-constexpr std::uint64_t kSeed = 0x636f70696573;
+constexpr std::uint64_t kSeed = 0x636f70696573, kSeedOfStarts = 0x737461727473;
+// Of copies that begin displaced.
+constexpr int kDrawn = 16;                           // displacements to choose from
+constexpr double kLeastAway = 0.5;                   // of the spread
+constexpr float kSameWay = 0.95f, kOtherWay = 0.8f;  // cosines: goes with the place, does not
+constexpr float kTextureDeep = 0.15f;                // of the depth: from there on no edge comes along
+constexpr float kLooksCount = 1 / 9.0f;              // of looks: the place's magnitude is not brought
 
 FRESHET_WIDE void place_row(const float* displacement, float unit, float y, int n, float* to) {
   for (int x = 0; x < n; ++x) {
@@ -107,6 +113,15 @@ FRESHET_WIDE void compare(const float* brought, const float* own, int n, float* 
   }
 }
 
+/// How far enough a copy of a texture comes from, 0..1. Fours of depth and looks.
+FRESHET_WIDE void compare_depths(const float* brought, const float* own, int n, float* deep) {
+  for (int x = 0; x < n; ++x) {
+    const float wanted = own[4 * x] < kTextureDeep ? own[4 * x] : kTextureDeep;
+    const float ratio = (brought[4 * x] + kShallow) / (wanted + kShallow);
+    deep[x] = ratio < 1.0f ? ratio : 1.0f;
+  }
+}
+
 /// How evenly copies are laid out about places, 0..1: what is drawn out to thrice its length is strings and haze, what is
 /// squeezed as much crumbs. By the singular values of the map from places to their sources. Pairs of a row, those of the
 /// rows above and below, n of each, and by what differences across and down are multiplied.
@@ -161,13 +176,14 @@ int CopyMaps::interval_of(double half_life_s, double fps, int loop_frames) {
 }
 
 CopyMaps::CopyMaps(std::function<cv::Mat(int)> displacement, const cv::Mat& places, int step,
-                   const CopyOptions& options)
+                   const CopyOptions& options, std::optional<CopyStarts> starts)
     : displacement_(std::move(displacement)),
       places_(places),
       step_(step),
       options_(options),
+      starts_(std::move(starts)),
       reach_(static_cast<int>(std::ceil((kReach + options.stagger) * options.interval))) {
-  options_.wander = std::max(options_.wander, options_.interval);
+  options_.wander = starts_ ? 0 : std::max(options_.wander, options_.interval);
 }
 
 // A copy is alive reach_ frames around its middle.
@@ -189,6 +205,46 @@ int CopyMaps::own_frame(int copy) const {
   return middle(copy) + static_cast<int>(std::lround((n % 2 == 0 ? -away : away) * options_.wander));
 }
 
+/// How well each place of the picture goes with the one that lies `away` samples before it, 0..1.
+cv::Mat CopyMaps::fit(cv::Point away) const {
+  cv::Mat out = cv::Mat::zeros(places_.size(), CV_32F);
+  const cv::Rect whole({}, places_.size()), from = whole & (whole + away);
+  std::vector<float> deep(static_cast<std::size_t>(from.width)), unlike(deep);
+  for (int y = from.y; y < from.br().y; ++y) {
+    const float *brought = places_.ptr<float>(y) + 4 * from.x,
+                *own = places_.ptr<float>(y - away.y) + 4 * (from.x - away.x);
+    const auto *goes = starts_->direction.ptr<cv::Vec2f>(y) + from.x,
+               *went = starts_->direction.ptr<cv::Vec2f>(y - away.y) + (from.x - away.x);
+    const auto* edge = starts_->edges.ptr<float>(y) + from.x;
+    compare(brought, own, from.width, deep.data(), unlike.data());
+    auto* to = out.ptr<float>(y) + from.x;
+    for (int x = 0; x < from.width; ++x) {
+      const float same = std::clamp((goes[x].dot(went[x]) - kOtherWay) / (kSameWay - kOtherWay), 0.0f, 1.0f);
+      const bool fluid = own[4 * x] > 0 && brought[4 * x] > 0;
+      to[x] = fluid ? same * (1 - edge[x]) * std::exp(-0.5f * kLooksCount * unlike[x]) : 0.0f;
+    }
+  }
+  return out;
+}
+
+/// Of displacements drawn for a copy, that with which most of the fluid goes: samples.
+cv::Point CopyMaps::start(int number, cv::Mat& fits) const {
+  const Random random(kSeedOfStarts, static_cast<std::uint64_t>(this->number(number)));
+  cv::Point best;
+  double most = -1;
+  for (std::uint64_t i = 0; i < kDrawn; ++i) {
+    // Evenly over a ring's radii and angles; across its own place a copy would agree with the still.
+    const double away = starts_->spread * (kLeastAway + (2 - kLeastAway) * random.at(2 * i));
+    const double angle = 2 * std::numbers::pi * random.at(2 * i + 1);
+    const cv::Point drawn(static_cast<int>(std::lround(away * std::cos(angle))),
+                          static_cast<int>(std::lround(away * std::sin(angle))));
+    cv::Mat found = fit(drawn);
+    const double served = cv::sum(found)[0];
+    if (served > most) most = served, best = drawn, fits = found;
+  }
+  return best;
+}
+
 /// Sources of a copy's frames in [first, end), as far as it is alive.
 void CopyMaps::carry(int number, Copy& copy, int first, int end) const {
   const int own = own_frame(number);
@@ -200,7 +256,8 @@ void CopyMaps::carry(int number, Copy& copy, int first, int end) const {
     copy.later =
         smooth_noise(places_.size(), options_.patch, static_cast<std::uint64_t>(this->number(number)));
     copy.later *= options_.stagger;
-    copy.latest = {own, cv::Mat::zeros(places_.size(), CV_32FC2)};
+    const cv::Point away = starts_ && this->number(number) != 0 ? start(number, copy.fits) : cv::Point();
+    copy.latest = {own, cv::Mat(places_.size(), CV_32FC2, cv::Scalar(step_ * away.x, step_ * away.y))};
     // Kept at fixed distances from its own frame: what is found again is the same to the bit.
     cv::Mat source = copy.latest.second;
     copy.earlier.emplace(own, source);
@@ -247,16 +304,25 @@ double CopyMaps::still(int i) const {
 }
 
 /// How well what a copy brings goes with each place, > 0. from: places of its sources, in samples.
-cv::Mat CopyMaps::suitability(const cv::Mat& source, const cv::Mat& from) const {
+cv::Mat CopyMaps::suitability(const Copy& copy, const cv::Mat& source, const cv::Mat& from) const {
   constexpr float kNothing = 14;  // of unlikeness, halved: exp(-14) is less than kLeast
-  cv::Mat even = evenness(source, step_), brought, out(places_.size(), CV_32F);
+  cv::Mat even = evenness(source, step_), brought, fits, out(places_.size(), CV_32F);
   sampling::read_remapped(places_, from, sampling::Beyond::kZero, brought);
+  if (!copy.fits.empty()) sampling::read_remapped(copy.fits, from, sampling::Beyond::kZero, fits);
   cv::GaussianBlur(even, even, {}, kEvenOver, kEvenOver, cv::BORDER_REPLICATE);
   std::vector<float> deep(out.cols), unlike(out.cols);
   for (int y = 0; y < out.rows; ++y) {
-    compare(brought.ptr<float>(y), places_.ptr<float>(y), out.cols, deep.data(), unlike.data());
     auto* to = out.ptr<float>(y);
     const auto* evenly = even.ptr<float>(y);
+    if (starts_) {
+      compare_depths(brought.ptr<float>(y), places_.ptr<float>(y), out.cols, deep.data());
+      const auto* fitting = fits.empty() ? nullptr : fits.ptr<float>(y);
+      for (int x = 0; x < out.cols; ++x)
+        to[x] = std::max(deep[x] * (fitting ? fitting[x] : 1.0f) * std::max(evenly[x] * evenly[x], kUneven),
+                         kLeast);
+      continue;
+    }
+    compare(brought.ptr<float>(y), places_.ptr<float>(y), out.cols, deep.data(), unlike.data());
     for (int x = 0; x < out.cols; ++x) {
       const float away = 0.5f * unlike[x];
       const float like = away < kNothing ? deep[x] * std::exp(-away) : 0.0f;
@@ -296,12 +362,14 @@ std::vector<CopyMap> CopyMaps::at(int i) const {
     const int age = i - middle(copy);
     const Copy& maps = copies_.at(copy);
     const cv::Mat& source = maps.sources.at(i);
-    const cv::Mat from = places(source, 1, step_), suits = suitability(source, from);
+    const cv::Mat from = places(source, 1, step_), suits = suitability(maps, source, from);
     if (number(copy) == 0 && std::abs(age) < options_.interval) own_suits = suits;
     out.push_back({timeliness(maps, from, age).mul(suits), source});
     sum += out.back().weight;
   }
-  const cv::Mat shown = cv::min(sum / kWanted, 1);
+  // A texture has no long exposure below it.
+  const cv::Mat shown =
+      starts_ ? cv::Mat(sum.size(), CV_32F, cv::Scalar(1)) : cv::Mat(cv::min(sum / kWanted, 1));
   cv::Mat clear = cv::Mat::zeros(places_.size(), CV_32F);
   for (CopyMap& copy : out) {
     cv::divide(copy.weight, sum, copy.weight);

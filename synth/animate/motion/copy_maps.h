@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <map>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -33,6 +34,14 @@ struct CopyOptions {
   double patch = 12;
 };
 
+/// Where copies may begin beside their own places, for a texture without a layout (StandingLayout). Sampled as the
+/// field.
+struct CopyStarts {
+  cv::Mat direction;   // CV_32FC2: unit vectors of the mean motion, (0, 0) where nothing moves
+  cv::Mat edges;       // CV_32F, 0..1: what no copy may bring
+  double spread = 24;  // sigma of the displacement across and down, samples
+};
+
 /// Copies of the picture are carried along a field that changes from frame to frame: to where what the picture
 /// shows in a copy's own frame has gone since, or will have come from. So fluid comes in and goes out at borders.
 ///
@@ -42,6 +51,10 @@ struct CopyOptions {
 /// whole, and the fluid's correlation with itself falls steadily.
 ///
 /// Output frame 0 is the picture, and a loop goes through it: around it the weights go over to its own copy.
+///
+/// With `starts` every other copy begins displaced, to where the flow goes the same way and looks alike: of a few
+/// displacements drawn for it the one that fits the most places. So nothing comes again. It is carried from the middle
+/// of its life, both ways; looks do not bar it on its way, for texture has none.
 /// Source: textures carried and regenerated, Max and Becker 1995, Neyret 2003; here along unsteady flow, both
 /// ways in time, each part in its own time. Not in Okabe et al. 2011.
 class CopyMaps {
@@ -54,7 +67,7 @@ class CopyMaps {
   ///               one whose forms the motion has drawn out or squeezed there: foam stays where water breaks, a pool at
   ///               the foot of its fall, and a fall is no haze.
   CopyMaps(std::function<cv::Mat(int)> displacement, const cv::Mat& fluid, int step,
-           const CopyOptions& options);
+           const CopyOptions& options, std::optional<CopyStarts> starts = std::nullopt);
 
   /// Makes what at() needs of output frames [first, first + count), and forgets what lies before. In ascending
   /// order. All threads. Memory: of each copy one map in 16 frames that lie before its own, and `count` and 16.
@@ -72,6 +85,8 @@ class CopyMaps {
  private:
   struct Copy {
     cv::Mat later;  // CV_32F: intervals by which a place of the picture lives later than the copy
+    cv::Mat
+        fits;  // CV_32F: how well a place of the picture goes with where it is displaced to; empty: it is not
     // Of frames before the copy's own, which are reached from it backwards: some, from which those between are found
     // again. By frame.
     std::map<int, cv::Mat> earlier;
@@ -81,15 +96,18 @@ class CopyMaps {
   int first_copy(int i) const;
   int last_copy(int i) const;
   int number(int copy) const;  // the same for copies a loop apart
+  cv::Mat fit(cv::Point away) const;
+  cv::Point start(int number, cv::Mat& fits) const;
   int middle(int copy) const { return copy * options_.interval; }
   void carry(int number, Copy& copy, int first, int end) const;
-  cv::Mat suitability(const cv::Mat& source, const cv::Mat& from) const;
+  cv::Mat suitability(const Copy& copy, const cv::Mat& source, const cv::Mat& from) const;
   cv::Mat timeliness(const Copy& copy, const cv::Mat& from, int age) const;
 
   std::function<cv::Mat(int)> displacement_;
   cv::Mat places_;
   int step_ = 1;
   CopyOptions options_;
+  std::optional<CopyStarts> starts_;
   int reach_ = 1;  // frames from the middle of a copy's life to its last place's end
   std::map<int, Copy> copies_;
 };

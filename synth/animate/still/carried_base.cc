@@ -155,8 +155,10 @@ struct CarriedBase::Scratch {
   std::array<float, 32> mixed;
 };
 
-CarriedBase::CarriedBase(const FluidPlanes& planes, const cv::Mat& matte, const CarriedBaseOptions& options)
+CarriedBase::CarriedBase(const FluidPlanes& planes, const cv::Mat& matte, const CarriedBaseOptions& options,
+                         const cv::Mat& texture)
     : fraction_(static_cast<float>(options.fraction)),
+      carries_colour_(texture.empty()),
       size_(matte.size()),
       half_((size_.width + 1) / 2, (size_.height + 1) / 2) {
   // Copies fade towards the matte's edge and the picture's: carried on, an edge would go through the fluid as
@@ -183,7 +185,7 @@ CarriedBase::CarriedBase(const FluidPlanes& planes, const cv::Mat& matte, const 
     cv::copyMakeBorder(of, wider, kMargin, kMargin + after, kMargin, kMargin + after, kind, cv::Scalar(0));
     return wider;
   };
-  cv::merge(std::vector<cv::Mat>{with_margin(plane[0], 0, cv::BORDER_REPLICATE),
+  cv::merge(std::vector<cv::Mat>{with_margin(carries_colour_ ? plane[0] : texture, 0, cv::BORDER_REPLICATE),
                                  with_margin(weight, 0, cv::BORDER_CONSTANT)},
             fluid_);
   const auto halved = [this](const cv::Mat& of) {
@@ -291,6 +293,7 @@ void CarriedBase::carry(const cv::Rect& cell, std::span<const Copy> copies, Carr
     add_copy(s.luma.data(), s.weight.data(), s.most.data(), s.share.data(), cell.area(), s.sum.data(),
              s.mass.data());
 
+    if (!carries_colour_) continue;
     for (int row = 0; row < half.height; ++row) {
       const int upper = 2 * row * cell.width, lower = std::min(2 * row + 1, cell.height - 1) * cell.width;
       half_sources(s.x.data() + upper, s.x.data() + lower, cell.width / 2,
@@ -314,6 +317,9 @@ void CarriedBase::carry(const cv::Rect& cell, std::span<const Copy> copies, Carr
               out.luma.ptr<std::int16_t>(cell.y + row) + cell.x);
   for (int row = 0; row < half.height; ++row) {
     const int y = half.y + row;
+    if (!carries_colour_)
+      for (int x = 0; x < half.width; ++x)
+        s.colours[4 * (row * half.width + x) + 2] = own_.ptr<float>(y)[half.x + x];
     pack_colours(s.colours.data() + 4 * row * half.width, fraction_, own_.ptr<float>(y) + half.x, half.width,
                  out.blue.ptr<std::int16_t>(y) + half.x, out.red.ptr<std::int16_t>(y) + half.x,
                  out.fraction.ptr<std::int16_t>(y) + half.x);

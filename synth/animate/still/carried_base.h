@@ -37,8 +37,11 @@ struct CarriedFrame {
 class CarriedBase {
  public:
   /// planes    of the picture (fluid_planes); matte as they were made with.
+  /// texture   CV_32F: carried in place of the picture's luma, without colour (StandingLayout::texture); empty: the
+  ///           picture is carried.
   /// Memory    some 30 bytes a pixel.
-  CarriedBase(const FluidPlanes& planes, const cv::Mat& matte, const CarriedBaseOptions& options);
+  CarriedBase(const FluidPlanes& planes, const cv::Mat& matte, const CarriedBaseOptions& options,
+              const cv::Mat& texture = {});
 
   /// What the copies bring, sampled every 4 px. Safe from many threads; no scratch to speak of.
   CarriedFrame frame(std::span<const CopyMap> copies) const;
@@ -62,6 +65,7 @@ class CarriedBase {
   cv::Mat places_;
   cv::Mat own_;  // CV_32F, at half: the place's own weight
   float fraction_ = 1;
+  bool carries_colour_ = true;
   std::vector<cv::Rect> cells_;                 // px, where anything is carried
   std::vector<std::int32_t> map_x_, map_y_;     // by column, row: the sample of a map before it
   std::vector<float> fraction_x_, fraction_y_;  // of the one after that

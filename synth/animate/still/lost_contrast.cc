@@ -146,6 +146,13 @@ void bring_to(const cv::Mat& own, const cv::Mat& share, int step, int level, cv:
   for (int y = 0; y < band.rows; ++y) add_row(of_own.at(y), own.ptr<float>(y), band.cols, band.ptr<float>(y));
 }
 
+FRESHET_WIDE void scale_row(const sampling::WidenedRows::Row& carried, const float* magnitude, int n,
+                            float* band) {
+  const float a = carried.of_upper, b = carried.of_lower;
+  const float *u = carried.upper, *l = carried.lower;
+  for (int x = 0; x < n; ++x) band[x] *= magnitude[x] * (u[x] * a + l[x] * b);
+}
+
 }  // namespace
 
 cv::Mat restore_contrast(cv::Mat& luma, std::span<const CopyMap> copies, int step,
@@ -176,6 +183,29 @@ cv::Mat restore_contrast(cv::Mat& luma, std::span<const CopyMap> copies, int ste
   bring_to(standing.band(levels), stands, step, levels, bands.back());
   luma = vision::collapse(std::move(bands), matched);
   return stands;
+}
+
+void lay_texture(cv::Mat& luma, std::span<const CopyMap> copies, int step, std::span<const double> renewed,
+                 const cv::Mat& where, const StandingLayout& layout, const LostContrastOptions& options) {
+  const Mixture mixture(copies);
+  std::vector<cv::Mat> bands;
+  vision::laplacian_pyramid(luma, layout.levels(), bands);
+  cv::Mat carried(mixture.size(), CV_32F), none(mixture.size(), CV_32F);
+  for (int level = 0; level < layout.levels(); ++level) {
+    const auto at = static_cast<std::size_t>(level);
+    mixture.gains({.anew = at < renewed.size() ? renewed[at] : 0.0,
+                   .standing = 0,
+                   .most = options.max_gain,
+                   .agreement_px = options.agreement_px * (1 << level)},
+                  where, carried, none);
+    cv::Mat& band = bands[at];
+    sampling::WidenedRows gains = rows_of(carried, step, level, band.size());
+    for (int y = 0; y < band.rows; ++y)
+      scale_row(gains.at(y), layout.magnitude(level).ptr<float>(y), band.cols, band.ptr<float>(y));
+    layout.lay(band, level);
+  }
+  layout.stands(layout.levels()).copyTo(bands.back());
+  luma = vision::collapse(std::move(bands));
 }
 
 }  // namespace freshet::synth::animate

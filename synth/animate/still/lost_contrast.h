@@ -7,6 +7,7 @@
 
 #include "synth/animate/motion/copy_maps.h"
 #include "synth/animate/still/standing_detail.h"
+#include "synth/animate/still/standing_layout.h"
 
 namespace freshet::synth::animate {
 
@@ -40,5 +41,10 @@ struct LostContrastOptions {
 cv::Mat restore_contrast(cv::Mat& luma, std::span<const CopyMap> copies, int step,
                          std::span<const double> renewed, const cv::Mat& where,
                          const StandingDetail& standing, double begun, const LostContrastOptions& options);
+
+/// The same of a texture: `luma` is what the copies bring of StandingLayout::texture, and becomes the frame's. Each
+/// band takes the magnitude of its place, and lies over what stands there.
+void lay_texture(cv::Mat& luma, std::span<const CopyMap> copies, int step, std::span<const double> renewed,
+                 const cv::Mat& where, const StandingLayout& layout, const LostContrastOptions& options);
 
 }  // namespace freshet::synth::animate

@@ -176,6 +176,79 @@ TEST(CopyMaps, ACopyThatLooksUnlikeThePlaceLeavesItToOthers) {
   EXPECT_LT(climbed(places), 0.75 * climbed(kFluid));
 }
 
+/// Copies of a texture: all goes right, or the lower half left; no edges.
+CopyStarts starts(bool parted = false) {
+  CopyStarts out{cv::Mat(kSize, CV_32FC2, cv::Scalar(1, 0)), cv::Mat::zeros(kSize, CV_32F), 8};
+  if (parted) out.direction.rowRange(15, kSize.height).setTo(cv::Scalar(-1, 0));
+  return out;
+}
+const auto standing_water = [](int) { return cv::Mat(cv::Mat::zeros(kSize, CV_32FC2)); };
+
+TEST(CopyMaps, CopiesOfATextureBeginDisplacedEachByAnother) {
+  CopyMaps maps(standing_water, kFluid, kStep, {.interval = kInterval, .patch = 6}, starts());
+  std::set<std::pair<float, float>> seen;
+  for (int i = 0; i < 8 * kInterval; i += kInterval) {
+    maps.prepare(i, 1);
+    for (const CopyMap& copy : maps.at(i)) {
+      const cv::Vec2f away = copy.source.at<cv::Vec2f>(15, 20);
+      seen.insert({away[0], away[1]});
+      if (cv::norm(away) > 0) {
+        EXPECT_GE(cv::norm(away), 0.5 * 8 * kStep - kStep) << i;
+      }
+    }
+  }
+  EXPECT_GE(seen.size(), 8U);
+}
+
+TEST(CopyMaps, ATextureBeginsAsTheStillAndCoversAllPlaces) {
+  CopyMaps maps(everywhere, kFluid, kStep, {.interval = kInterval, .patch = 6}, starts());
+  maps.prepare(0, 1);
+  const std::vector<CopyMap> first = maps.at(0);
+  ASSERT_EQ(first.size(), 1U);
+  EXPECT_EQ(cv::norm(first[0].source, cv::NORM_INF), 0);
+  for (int i = 1; i < 40; ++i) {
+    maps.prepare(i, 1);
+    cv::Mat sum = cv::Mat::zeros(kSize, CV_32F);
+    for (const CopyMap& copy : maps.at(i)) sum += copy.weight;
+    EXPECT_LT(cv::norm(sum, cv::Mat(kSize, CV_32F, cv::Scalar(1)), cv::NORM_INF), 1e-4) << i;
+  }
+}
+
+TEST(CopyMaps, ATextureComesFromWhereTheFlowGoesTheSameWayAndBringsNoEdge) {
+  CopyStarts parted = starts(true);
+  parted.edges.colRange(10, 14).setTo(1);
+  CopyMaps maps(standing_water, kFluid, kStep, {.interval = kInterval, .patch = 6}, parted);
+  double other_way = 0, edge = 0, all = 0;
+  for (int i = 3 * kInterval; i < 12 * kInterval; i += 3) {
+    maps.prepare(i, 1);
+    for (const CopyMap& copy : maps.at(i))
+      for (int y = 0; y < kSize.height; ++y)
+        for (int x = 0; x < kSize.width; ++x) {
+          const cv::Vec2f away = copy.source.at<cv::Vec2f>(y, x) / kStep;
+          const auto from_x = static_cast<float>(x) + away[0], from_y = static_cast<float>(y) + away[1];
+          const float weight = copy.weight.at<float>(y, x);
+          all += weight;
+          if ((y < 15) != (from_y < 15)) other_way += weight;
+          if (from_x >= 10 && from_x <= 13) edge += weight;
+        }
+  }
+  EXPECT_LT(other_way, 0.1 * all);
+  EXPECT_LT(edge, 0.02 * all);  // .1 of the picture
+}
+
+TEST(CopyMaps, OfALoopTheDisplacementsComeAgainToo) {
+  const auto right = [](int) { return cv::Mat(kSize, CV_32FC2, cv::Scalar(2, 1)); };
+  CopyMaps maps(right, kFluid, kStep, {.interval = kInterval, .loop_frames = 5 * kInterval, .patch = 6},
+                starts());
+  maps.prepare(0, 5 * kInterval + 3);
+  for (int i = 0; i < 3; ++i) {
+    const auto a = maps.at(i), b = maps.at(i + 5 * kInterval);
+    ASSERT_EQ(a.size(), b.size());
+    for (std::size_t k = 0; k < a.size(); ++k)
+      EXPECT_LT(cv::norm(a[k].weight, b[k].weight, cv::NORM_INF), 1e-4);
+  }
+}
+
 TEST(CopyMaps, AreTheSameWhateverIsPreparedAtOnce) {
   CopyMaps one = blown_copies(), many = blown_copies();
   many.prepare(0, 40);
