@@ -17,6 +17,7 @@ extern "C" {
 #include "freshet/error.h"
 #include "media/frame/file_format.h"
 #include "media/frame/plain_frame.h"
+#include "media/frame/png_chunks.h"
 
 namespace freshet::media {
 namespace {
@@ -166,7 +167,12 @@ void Decoder::open_container(bool picture) {
   if (code < 0)
     throw Error(ErrorKind::kInput, name_, "not a video that FFmpeg can read (" + libav_fault(code) + ")",
                 "Convert it with ffmpeg, or leave it out");
-  code = picture ? 0 : observed([&] { return avformat_find_stream_info(container, nullptr); });
+  for (unsigned i = 0; i < container->nb_streams; ++i) keep_pixel_chunks(*container->streams[i]->codecpar);
+  // It opens decoders of its own.
+  std::vector<AVDictionary*> limits(container->nb_streams);
+  for (AVDictionary*& limit : limits) av_dict_set_int(&limit, "max_pixels", kMaxPixels, 0);
+  code = picture ? 0 : observed([&] { return avformat_find_stream_info(container, limits.data()); });
+  for (AVDictionary*& limit : limits) av_dict_free(&limit);
   if (code < 0) note(code);
   refuse_if_machine_failed(code);
 
@@ -186,6 +192,31 @@ void Decoder::open_container(bool picture) {
     throw Error(ErrorKind::kInput, name_,
                 sound ? "holds sound but no video stream" : "not a video: no video stream was found in it",
                 "Leave it out");
+}
+
+// What an APNG's file begins with, before its first frame is decoded to learn of its format.
+void Decoder::keep_pixel_chunks(AVCodecParameters& parameters) const {
+  if (parameters.codec_id != AV_CODEC_ID_APNG || parameters.extradata_size <= 0) return;
+  const std::vector<std::uint8_t> kept =
+      pixel_chunks({parameters.extradata, static_cast<std::size_t>(parameters.extradata_size)}, name_);
+  std::copy(kept.begin(), kept.end(), parameters.extradata);
+  std::fill(parameters.extradata + kept.size(), parameters.extradata + parameters.extradata_size, 0);
+  parameters.extradata_size = static_cast<int>(kept.size());
+}
+
+// The decoder's packet, of a PNG without what its pixels do not need.
+int Decoder::send_packet() {
+  if (codec() != AV_CODEC_ID_PNG) return avcodec_send_packet(context_.get(), packet_.get());
+  const std::vector<std::uint8_t> kept =
+      pixel_chunks({packet_->data, static_cast<std::size_t>(packet_->size)}, name_);
+  if (kept.size() == static_cast<std::size_t>(packet_->size))
+    return avcodec_send_packet(context_.get(), packet_.get());
+  const AvOwner<AVPacket> smaller = new_packet();
+  if (av_new_packet(smaller.get(), static_cast<int>(kept.size())) < 0 ||
+      av_packet_copy_props(smaller.get(), packet_.get()) < 0)
+    throw std::bad_alloc();
+  std::copy(kept.begin(), kept.end(), smaller->data);
+  return avcodec_send_packet(context_.get(), smaller.get());
 }
 
 void Decoder::open_codec(const DecoderOptions& options) {
@@ -246,7 +277,7 @@ void Decoder::feed() {
       return;
     }
     const bool ours = packet_->stream_index == stream_->index;
-    const int sent = ours ? observed([&] { return avcodec_send_packet(context_.get(), packet_.get()); }) : 0;
+    const int sent = ours ? observed([&] { return send_packet(); }) : 0;
     av_packet_unref(packet_.get());
     if (!ours) continue;
     refuse_if_machine_failed(sent);

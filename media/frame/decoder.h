@@ -55,7 +55,9 @@ class Decoder {
 
   void open_container(bool picture);
   void open_codec(const DecoderOptions& options);
+  void keep_pixel_chunks(AVCodecParameters& parameters) const;
   int read_packet();
+  int send_packet();
   void feed();
   void note(int code);
   void refuse_if_machine_failed(int code) const;

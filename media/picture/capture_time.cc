@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "media/picture/picture_file.h"
+#include "media/picture/tiff_tags.h"
 
 namespace freshet::media {
 namespace {
@@ -47,40 +48,11 @@ Bytes exif_of(Bytes file) {
   return {};
 }
 
-class TiffDirectories {
- public:
-  explicit TiffDirectories(Bytes bytes) : bytes_(bytes), little_(!bytes.empty() && bytes[0] == 'I') {}
-
-  std::size_t first() const { return number(4, 4); }
-  // Where the entry's four bytes of value lie; 0: it has none of this tag.
-  std::size_t find(std::size_t directory, unsigned tag) const {
-    const std::size_t entries = number(directory, 2);
-    for (std::size_t i = 0; i < entries; ++i) {
-      const std::size_t at = directory + 2 + 12 * i;
-      if (at + 12 > bytes_.size()) return 0;
-      if (number(at, 2) == tag) return at + 8;
-    }
-    return 0;
-  }
-  // 0 where the bytes end before it.
-  std::size_t number(std::size_t at, int count) const {
-    if (at > bytes_.size() || bytes_.size() - at < static_cast<std::size_t>(count)) return 0;
-    std::size_t value = 0;
-    for (int i = 0; i < count; ++i)
-      value |= std::size_t{bytes_[at + static_cast<std::size_t>(i)]} << 8 * (little_ ? i : count - 1 - i);
-    return value;
-  }
-  std::string date(std::size_t value_at) const {
-    const std::size_t at = value_at == 0 ? 0 : number(value_at, 4);
-    if (at == 0 || at > bytes_.size() || bytes_.size() - at < kDateLength) return {};
-    return {bytes_.begin() + static_cast<std::ptrdiff_t>(at),
-            bytes_.begin() + static_cast<std::ptrdiff_t>(at + kDateLength)};
-  }
-
- private:
-  Bytes bytes_;
-  bool little_;
-};
+std::string date(const TiffTags& exif, const std::optional<TiffTags::Tag>& tag) {
+  const Bytes text = tag ? exif.bytes_of(*tag) : Bytes();
+  if (text.size() < kDateLength) return {};
+  return {text.begin(), text.begin() + static_cast<std::ptrdiff_t>(kDateLength)};
+}
 
 std::optional<std::chrono::sys_seconds> parsed(const std::string& date) {
   using namespace std::chrono;
@@ -97,12 +69,10 @@ std::optional<std::chrono::sys_seconds> parsed(const std::string& date) {
 
 std::optional<std::chrono::sys_seconds> capture_time(const std::filesystem::path& path) {
   const std::vector<std::uint8_t> file = read_bytes(path);
-  const TiffDirectories exif(exif_of(file));
-  const std::size_t main = exif.first();
-  if (main == 0) return std::nullopt;
-  if (const std::size_t own = exif.find(main, kExifDirectory); own != 0)
-    if (const auto taken = parsed(exif.date(exif.find(exif.number(own, 4), kDateTimeOriginal)))) return taken;
-  return parsed(exif.date(exif.find(main, kDateTime)));
+  const TiffTags exif(exif_of(file));
+  if (const auto own = exif.find(kExifDirectory))
+    if (const auto taken = parsed(date(exif, exif.find(kDateTimeOriginal, exif.number(*own))))) return taken;
+  return parsed(date(exif, exif.find(kDateTime)));
 }
 
 }  // namespace freshet::media

@@ -9,6 +9,7 @@
 #include <lcms2.h>
 
 #include "freshet/error.h"
+#include "media/picture/tiff_tags.h"
 
 namespace freshet::media {
 namespace {
@@ -67,27 +68,13 @@ std::string name_of(cmsHPROFILE profile) {
 }  // namespace
 
 std::vector<std::uint8_t> tiff_profile(std::span<const std::uint8_t> bytes) {
-  if (bytes.size() < 8 || (bytes[0] != 'I' && bytes[0] != 'M')) return {};
-  const bool little = bytes[0] == 'I';
-  const auto number = [&](std::size_t at, int count) {
-    std::uint32_t value = 0;
-    for (int i = 0; i < count; ++i)
-      value |= static_cast<std::uint32_t>(bytes[at + static_cast<std::size_t>(i)])
-               << 8 * (little ? i : count - 1 - i);
-    return std::size_t{value};
-  };
-  const std::size_t directory = number(4, 4);
-  if (directory + 2 > bytes.size()) return {};
-  for (std::size_t i = 0; i < number(directory, 2); ++i) {
-    const std::size_t at = directory + 2 + 12 * i;
-    if (at + 12 > bytes.size()) return {};
-    if (number(at, 2) != 34675) continue;
-    const std::size_t length = number(at + 4, 4), begin = number(at + 8, 4);
-    if (begin > bytes.size() || length > bytes.size() - begin) return {};
-    return {bytes.begin() + static_cast<std::ptrdiff_t>(begin),
-            bytes.begin() + static_cast<std::ptrdiff_t>(begin + length)};
-  }
-  return {};
+  constexpr unsigned kProfile = 34675;
+  const TiffTags tiff(bytes);
+  const std::optional<TiffTags::Tag> tag = tiff.find(kProfile);
+  if (!tag) return {};
+  const std::span<const std::uint8_t> profile = tiff.bytes_of(*tag);
+  if (profile.size() != TiffTags::length_of(*tag)) return {};
+  return {profile.begin(), profile.end()};
 }
 
 std::string bring_to_srgb(std::span<const std::uint8_t> icc, cv::Mat& bgr,

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -13,8 +14,11 @@
 
 namespace freshet::media {
 
-/// Opens the bytes and hands the file on. A header that claims more pixels than `most`, or than its bytes can hold, is
-/// refused before anything is allocated.
+/// Throws   Error{kInput, where} for headers that claim more pixels than `most`, or than the bytes can hold, or attributes,
+///          tables or tiles that are not there. OpenEXR allocates what they say.
+void require_bounded_exr(std::span<const std::uint8_t> bytes, const std::string& where, std::int64_t most);
+
+/// Opens the bytes, where they are bounded, and hands the file on.
 /// where    names the file in messages.
 /// Throws   Error{kInput} for what OpenEXR cannot read; what `read` throws.
 void read_exr(const std::vector<std::uint8_t>& bytes, const std::string& where, std::int64_t most,

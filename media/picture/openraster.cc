@@ -17,6 +17,7 @@
 
 #include "freshet/error.h"
 #include "media/frame/decoder.h"
+#include "media/picture/picture_bounds.h"
 #include "media/picture/picture_file.h"
 
 namespace freshet::media {
@@ -27,9 +28,11 @@ using Bytes = std::vector<std::uint8_t>;
 
 constexpr const char* kMime = "image/openraster";
 constexpr std::int64_t kMaxAllPixels = 2 * kMaxPicturePixels;
-constexpr std::uint64_t kMaxXmlBytes = 4u << 20, kMaxPartBytes = std::uint64_t{1} << 30;
+constexpr std::uint64_t kMaxXmlBytes = 4u << 20;
+// A layer's PNG: at most eight bytes for a pixel, one more for each row, and what it says beside its pixels.
+constexpr std::uint64_t kMaxPixelBytes = 9, kMaxOtherBytes = 1u << 20;
 constexpr zip_int64_t kMaxParts = 10'000;
-constexpr std::size_t kMaxLayers = 1000, kMaxName = 200;
+constexpr std::size_t kMaxLayers = 1000, kMaxName = 200, kMaxLayerName = 1000;
 constexpr int kDeepest = 100;
 constexpr int kThumbnail = 256;  // px of its longer side, as the format asks
 constexpr const char* kSaveAgain = "Save it again from the program that wrote it";
@@ -74,41 +77,64 @@ class Archive {
     throw Error(ErrorKind::kInput, path_.string(), fault, remedy);
   }
 
+  const fs::path& path() const { return path_; }
+
+  /// What a part begins with, at most so many bytes; nothing where there is none.
+  std::optional<Bytes> beginning(const std::string& name, std::size_t most) const {
+    const std::optional<Entry> entry = find(name);
+    if (!entry) return std::nullopt;
+    Bytes bytes(most);
+    const zip_int64_t got = zip_fread(entry->file.get(), bytes.data(), bytes.size());
+    bytes.resize(got > 0 ? static_cast<std::size_t>(got) : 0);
+    return bytes;
+  }
+
   /// All of a part; nothing where there is none. Throws where it is longer than it may be, or than it says.
   std::optional<Bytes> part(const std::string& name, std::uint64_t most) const {
+    const std::optional<Entry> entry = find(name);
+    if (!entry) return std::nullopt;
+    if (entry->size > most)
+      refuse(fmt::format("{} in it says that it unpacks to {} bytes, at most {} are expected", name,
+                         entry->size, most),
+             kSaveAgain);
+    // In steps, so that a wrong size allocates no more than is there; a byte more than it says is too much.
+    constexpr std::size_t kStep = 1u << 20;
+    Bytes bytes;
+    while (true) {
+      const std::size_t done = bytes.size();
+      bytes.resize(std::min<std::size_t>(done + kStep, entry->size + 1));
+      const zip_int64_t got = zip_fread(entry->file.get(), bytes.data() + done, bytes.size() - done);
+      if (got < 0)
+        refuse(fmt::format("{} in it is damaged ({})", name, text_of(*zip_file_get_error(entry->file.get()))),
+               kSaveAgain);
+      bytes.resize(done + static_cast<std::size_t>(got));
+      if (got == 0) break;
+      if (bytes.size() > entry->size) refuse(name + " in it unpacks to more than it says", kSaveAgain);
+    }
+    if (bytes.size() != entry->size) refuse(name + " in it unpacks to less than it says", kSaveAgain);
+    return bytes;
+  }
+
+ private:
+  struct Entry {
+    std::uint64_t size = 0;  // unpacked, as the archive says
+    std::unique_ptr<zip_file_t, CloseZipFile> file;
+  };
+  std::optional<Entry> find(const std::string& name) const {
     const zip_int64_t index = zip_name_locate(zip_.get(), name.c_str(), 0);
     if (index < 0) return std::nullopt;
     zip_stat_t stat;
     if (zip_stat_index(zip_.get(), static_cast<zip_uint64_t>(index), 0, &stat) != 0 ||
         (stat.valid & ZIP_STAT_SIZE) == 0)
       refuse(name + " in it is damaged", kSaveAgain);
-    if (stat.size > most)
-      refuse(fmt::format("{} in it says that it unpacks to {} bytes, at most {} are expected", name,
-                         stat.size, most),
-             kSaveAgain);
-    const std::unique_ptr<zip_file_t, CloseZipFile> file(
-        zip_fopen_index(zip_.get(), static_cast<zip_uint64_t>(index), 0));
-    if (!file)
+    Entry entry;
+    entry.size = stat.size;
+    entry.file.reset(zip_fopen_index(zip_.get(), static_cast<zip_uint64_t>(index), 0));
+    if (!entry.file)
       refuse(fmt::format("{} in it cannot be read ({})", name, zip_strerror(zip_.get())), kSaveAgain);
-    // In steps, so that a wrong size allocates no more than is there; a byte more than it says is too much.
-    constexpr std::size_t kStep = 1u << 20;
-    Bytes bytes;
-    while (true) {
-      const std::size_t done = bytes.size();
-      bytes.resize(std::min<std::size_t>(done + kStep, stat.size + 1));
-      const zip_int64_t got = zip_fread(file.get(), bytes.data() + done, bytes.size() - done);
-      if (got < 0)
-        refuse(fmt::format("{} in it is damaged ({})", name, text_of(*zip_file_get_error(file.get()))),
-               kSaveAgain);
-      bytes.resize(done + static_cast<std::size_t>(got));
-      if (got == 0) break;
-      if (bytes.size() > stat.size) refuse(name + " in it unpacks to more than it says", kSaveAgain);
-    }
-    if (bytes.size() != stat.size) refuse(name + " in it unpacks to less than it says", kSaveAgain);
-    return bytes;
+    return entry;
   }
 
- private:
   fs::path path_;
   Bytes bytes_;
   Zip zip_;
@@ -198,6 +224,10 @@ class Reader {
     if (out_.layers.size() == kMaxLayers)
       archive_.refuse(fmt::format("it has more than {} layers", kMaxLayers), "Merge some");
     RasterLayer layer{.name = node.attribute("name").value(), .pixels = {}, .at = {}};
+    if (layer.name.size() > kMaxLayerName)
+      archive_.refuse(fmt::format("a layer's name has {} bytes, at most {} are expected", layer.name.size(),
+                                  kMaxLayerName),
+                      "Give it a shorter name");
     layer.opacity = group.opacity;
     layer.visible = group.visible;
     const std::string called = "layer \"" + layer.name.substr(0, kMaxName) + "\"";
@@ -215,29 +245,36 @@ class Reader {
       archive_.refuse(fmt::format("{}: its source \"{}\" is no name inside of the file", called,
                                   source.substr(0, kMaxName)),
                       kSaveAgain);
-    const std::optional<Bytes> png = archive_.part(source, kMaxPartBytes);
-    if (!png)
+    const std::string what = called + ": " + source.substr(0, kMaxName);
+    const std::optional<Bytes> header = archive_.beginning(source, 64);
+    if (!header)
       archive_.refuse(fmt::format("{}: its picture {} is missing", called, source.substr(0, kMaxName)),
                       kSaveAgain);
-    layer.pixels = decode(*png, called + ": " + source.substr(0, kMaxName));
+    const auto pixels = static_cast<std::uint64_t>(pixels_of(*header, what));
+    layer.pixels = decode(archive_.part(source, kMaxPixelBytes * pixels + kMaxOtherBytes).value(), what);
     out_.layers.push_back(std::move(layer));
   }
 
-  cv::Mat decode(const Bytes& png, const std::string& what) {
-    const std::optional<cv::Size> size = claimed_size(png);
-    if (!size || png[0] != 0x89)
+  std::int64_t pixels_of(const Bytes& png, const std::string& what) {
+    const cv::Size size = claimed_size(png).value_or(cv::Size());
+    if (size.empty() || png[0] != 0x89)
       archive_.refuse(what + " is no PNG", "Save raster layers alone, as OpenRaster");
-    const std::int64_t pixels = std::int64_t{size->width} * size->height;
-    if (pixels < 1 || pixels > kMaxPicturePixels || (pixels_ += pixels) > kMaxAllPixels)
+    const std::int64_t pixels = std::int64_t{size.width} * size.height;
+    if (pixels > kMaxPicturePixels || (pixels_ += pixels) > kMaxAllPixels)
       archive_.refuse(fmt::format("{} is {} x {} px: too large, alone or with those before it", what,
-                                  size->width, size->height),
+                                  size.width, size.height),
                       "Reduce it: 2^28 px in a layer, 2^29 in all");
+    return pixels;
+  }
+
+  cv::Mat decode(const Bytes& png, const std::string& what) {
     // OpenCV fills what a cut PNG lacks, and says so on stderr alone.
     if (png.size() < 12 || std::memcmp(png.data() + png.size() - 8, "IEND", 4) != 0)
       archive_.refuse(what + " is cut short", kSaveAgain);
     cv::Mat pixels_read;
     try {
-      pixels_read = cv::imdecode(png, cv::IMREAD_UNCHANGED);
+      pixels_read =
+          cv::imdecode(bounded_picture(png, archive_.path().string() + ": " + what), cv::IMREAD_UNCHANGED);
     } catch (const cv::Exception&) {
     }
     if (pixels_read.empty() || (pixels_read.depth() != CV_8U && pixels_read.depth() != CV_16U))

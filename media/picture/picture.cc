@@ -8,7 +8,6 @@
 #include <cstdio>
 #include <cstring>
 #include <numeric>
-#include <optional>
 #include <string_view>
 
 #include <opencv2/imgcodecs.hpp>
@@ -19,7 +18,9 @@
 #include "media/frame/file_format.h"
 #include "media/picture/colour_profile.h"
 #include "media/picture/exr_picture.h"
+#include "media/picture/exr_stream.h"
 #include "media/picture/light.h"
+#include "media/picture/picture_bounds.h"
 #include "media/picture/picture_file.h"
 
 namespace freshet::media {
@@ -65,15 +66,22 @@ bool has_alpha(const AVFrame* frame, const std::vector<std::uint8_t>& bytes) {
   return (av_pix_fmt_desc_get(static_cast<AVPixelFormat>(frame->format))->flags & AV_PIX_FMT_FLAG_ALPHA) != 0;
 }
 
-// The file's bytes, after all that can be said without OpenCV: whether its size can be borne.
+bool is_exr(const std::vector<std::uint8_t>& bytes) {
+  return bytes.size() > 4 && std::memcmp(bytes.data(), "\x76\x2f\x31\x01", 4) == 0;
+}
+
+// The file's bytes, as far as they can be borne.
 std::vector<std::uint8_t> bytes_of(const fs::path& path) {
   std::vector<std::uint8_t> bytes = read_bytes(path);
-  if (const std::optional<cv::Size> size = claimed_size(bytes);
-      size && std::int64_t{size->width} * size->height > kMaxPicturePixels)
-    throw Error(ErrorKind::kInput, path.string(),
-                "is " + std::to_string(size->width) + " x " + std::to_string(size->height) + " pixels large",
-                "Reduce it below 2^28 pixels");
-  return bytes;
+  if (is_exr(bytes)) {
+    require_bounded_exr(bytes, path.string(), kMaxPicturePixels);
+    return bytes;
+  }
+  if (!claimed_size(bytes) && looks_like_video(path))
+    throw Error(
+        ErrorKind::kInput, path.string(), "a video, where a picture is expected",
+        "Take a frame of it, for example ffmpeg -ss 1 -i " + path.string() + " -frames:v 1 still.png");
+  return bounded_picture(std::move(bytes), path.string());
 }
 
 cv::Mat decode_with_opencv(const fs::path& path, const std::vector<std::uint8_t>& bytes, int flags) {
@@ -84,19 +92,12 @@ cv::Mat decode_with_opencv(const fs::path& path, const std::vector<std::uint8_t>
   } catch (const cv::Exception& fault) {
     throw Error(ErrorKind::kInput, name, "cannot be decoded (" + fault.err + ")", "Save it again as PNG");
   }
-  if (samples.empty() && looks_like_video(path))
-    throw Error(ErrorKind::kInput, name, "a video, where a picture is expected",
-                "Take a frame of it, for example ffmpeg -ss 1 -i " + name + " -frames:v 1 still.png");
   if (samples.empty())
     throw Error(ErrorKind::kInput, name, "not a picture that OpenCV can read",
                 "Save it as PNG, JPEG or TIFF");
   if (std::int64_t{samples.cols} * samples.rows > kMaxPicturePixels)
     throw Error(ErrorKind::kInput, name, "is above 2^28 pixels", "Reduce it");
   return samples;
-}
-
-bool is_exr(const std::vector<std::uint8_t>& bytes) {
-  return bytes.size() > 4 && std::memcmp(bytes.data(), "\x76\x2f\x31\x01", 4) == 0;
 }
 
 std::vector<std::uint8_t> profile_of(const AVFrame* frame, const std::vector<std::uint8_t>& bytes) {

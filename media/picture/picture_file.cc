@@ -1,6 +1,5 @@
 #include "media/picture/picture_file.h"
 
-#include <algorithm>
 #include <atomic>
 #include <cerrno>
 #include <cstdio>
@@ -25,58 +24,6 @@ namespace fs = std::filesystem;
 using StdFile = std::unique_ptr<std::FILE, int (*)(std::FILE*)>;
 using Bytes = std::vector<std::uint8_t>;
 
-std::uint32_t big_endian(const Bytes& bytes, std::size_t at, int count) {
-  std::uint32_t value = 0;
-  for (int i = 0; i < count; ++i) value = value << 8 | bytes[at + static_cast<std::size_t>(i)];
-  return value;
-}
-
-std::uint32_t little_endian(const Bytes& bytes, std::size_t at, int count) {
-  std::uint32_t value = 0;
-  for (int i = count; i-- > 0;) value = value << 8 | bytes[at + static_cast<std::size_t>(i)];
-  return value;
-}
-
-cv::Size clipped(std::uint32_t width, std::uint32_t height) {
-  constexpr std::uint32_t kMax = 0x7FFFFFFF;
-  return {static_cast<int>(std::min(width, kMax)), static_cast<int>(std::min(height, kMax))};
-}
-
-// The first start-of-frame segment; C4, C8 and CC in that range are other things.
-std::optional<cv::Size> jpeg_size(const Bytes& bytes) {
-  std::size_t at = 2;
-  while (at + 9 < bytes.size()) {
-    if (bytes[at] != 0xFF) return std::nullopt;
-    const std::uint8_t marker = bytes[at + 1];
-    if (marker == 0xFF) {
-      ++at;
-      continue;
-    }
-    if (marker >= 0xC0 && marker <= 0xCF && marker != 0xC4 && marker != 0xC8 && marker != 0xCC)
-      return clipped(big_endian(bytes, at + 7, 2), big_endian(bytes, at + 5, 2));
-    at += 2 + big_endian(bytes, at + 2, 2);
-  }
-  return std::nullopt;
-}
-
-std::optional<cv::Size> tiff_size(const Bytes& bytes) {
-  const auto number = bytes[0] == 'I' ? little_endian : big_endian;
-  const std::size_t directory = number(bytes, 4, 4);
-  if (directory + 2 > bytes.size()) return std::nullopt;
-  const std::uint32_t entries = number(bytes, directory, 2);
-  std::uint32_t width = 0, height = 0;
-  for (std::uint32_t i = 0; i < entries; ++i) {
-    const std::size_t at = directory + 2 + std::size_t{12} * i;
-    if (at + 12 > bytes.size()) break;
-    const std::uint32_t tag = number(bytes, at, 2);
-    const std::uint32_t value = number(bytes, at + 8, number(bytes, at + 2, 2) == 3 ? 2 : 4);
-    if (tag == 256) width = value;
-    if (tag == 257) height = value;
-  }
-  if (width == 0 || height == 0) return std::nullopt;
-  return clipped(width, height);
-}
-
 [[noreturn]] void fail_io(const fs::path& path, int code) {
   throw Error(ErrorKind::kIo, path.string(), std::string("cannot be written (") + std::strerror(code) + ")",
               code == ENOSPC || code == EFBIG || code == EDQUOT ? "Make room on the disk"
@@ -99,21 +46,6 @@ Bytes read_bytes(const fs::path& path) {
   if (bytes.empty())
     throw Error(ErrorKind::kInput, path.string(), "nothing can be read from it", "Check the disk");
   return bytes;
-}
-
-std::optional<cv::Size> claimed_size(const Bytes& bytes) {
-  if (bytes.size() < 26) return std::nullopt;
-  if (std::memcmp(bytes.data(), "\x89PNG", 4) == 0)
-    return clipped(big_endian(bytes, 16, 4), big_endian(bytes, 20, 4));
-  if (bytes[0] == 0xFF && bytes[1] == 0xD8) return jpeg_size(bytes);
-  if (bytes[0] == 'B' && bytes[1] == 'M') {
-    const auto rows = static_cast<std::int32_t>(little_endian(bytes, 22, 4));  // negative: top row first
-    return clipped(little_endian(bytes, 18, 4),
-                   rows < 0 ? 0u - static_cast<std::uint32_t>(rows) : static_cast<std::uint32_t>(rows));
-  }
-  if (std::memcmp(bytes.data(), "II*\0", 4) == 0 || std::memcmp(bytes.data(), "MM\0*", 4) == 0)
-    return tiff_size(bytes);
-  return std::nullopt;
 }
 
 Bytes encode_picture(const fs::path& path, const cv::Mat& picture) {

@@ -1,9 +1,8 @@
-// media/picture/picture_file.h — a picture file's bytes: read, sized, encoded, written. Private to this room.
+// media/picture/picture_file.h — a picture file's bytes: read, encoded, written. Private to this room.
 #pragma once
 
 #include <cstdint>
 #include <filesystem>
-#include <optional>
 #include <vector>
 
 #include <opencv2/core.hpp>
@@ -12,10 +11,6 @@ namespace freshet::media {
 
 /// The whole file. Throws Error{kInput}: missing, not a file, empty, above 2 GiB, unreadable.
 std::vector<std::uint8_t> read_bytes(const std::filesystem::path& path);
-
-/// Width and height that the header of a PNG, JPEG, BMP or TIFF claims, without decoding; a few bytes can
-/// claim gigabytes. Nothing for other formats and broken headers.
-std::optional<cv::Size> claimed_size(const std::vector<std::uint8_t>& bytes);
 
 /// Encodes by the name's ending. Throws Error{kUsage} for an unknown ending or a picture that the format
 /// cannot hold (depth, channels, size).

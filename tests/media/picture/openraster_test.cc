@@ -235,6 +235,10 @@ TEST(OpenRaster, FaultsNameThePartAndTheRemedy) {
   EXPECT_TRUE(holds(with(stack("<layer name='up' src='/etc/passwd'/>")), "no name inside of the file"));
   EXPECT_TRUE(holds(with(stack("<layer name='gone' src='data/9.png'/>")), "data/9.png is missing"));
   EXPECT_TRUE(holds(with(stack("<layer name='far' src='data/1.png' x='1e30'/>")), "x of a layer"));
+  const std::string long_name =
+      with(stack("<layer name='" + std::string(1 << 20, 'A') + "' src='data/1.png'/>"));
+  EXPECT_TRUE(holds(long_name, "a layer's name has 1048576 bytes"));
+  EXPECT_LT(long_name.size(), 300U);
   EXPECT_TRUE(holds(with(stack(layer), "GIF89a, and what follows in such a file"), "is no PNG"));
   EXPECT_TRUE(holds(with(stack(layer), picture.substr(0, picture.size() / 2)), "is cut short"));
   std::string nested;
