@@ -26,9 +26,9 @@ fi
 here=$PWD
 cd "$(dirname "$0")"
 if [ -n "$studio" ]; then
-  cmake/prepare.sh release freshet studio_page
+  cmake/prepare.sh --for build,page release freshet studio_page
 else
-  cmake/prepare.sh release freshet
+  cmake/prepare.sh --for build release freshet
 fi
 freshet=$PWD/build/release/tools/freshet
 out=${FRESHET_DEMO:-$PWD/demo}

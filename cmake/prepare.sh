@@ -1,15 +1,21 @@
 #!/bin/sh
 # Installs the packages that are missing (Debian 12, as root or through sudo) and builds a preset.
-# usage: cmake/prepare.sh PRESET [TARGET...]
+# usage: cmake/prepare.sh [--for PURPOSES] PRESET [TARGET...]
+# PURPOSES   of packages, in one word with commas, as cmake/debian-packages.txt has them: build, page, tests, bench [all]
 set -eu
 cd "$(dirname "$0")/.."
+purposes=build,page,tests,bench
+if [ "$1" = --for ]; then
+  purposes=$2
+  shift 2
+fi
 preset=$1
 shift
 
 missing= extra=
 [ "$preset" != fuzz ] || extra="clang libclang-rt-14-dev"
 # shellcheck disable=SC2013
-for package in $(cat cmake/debian-packages.txt) $extra; do
+for package in $(awk -v for_="$purposes" 'index("," for_ ",", "," $2 ",") { print $1 }' cmake/debian-packages.txt) $extra; do
   # Other makers' packages of node bring npm along, and cannot stand beside Debian's.
   [ "$package" = npm ] && command -v npm > /dev/null && continue
   dpkg-query -W -f='${Status}' "$package" 2>/dev/null | grep -q '^install ok installed' || missing="$missing $package"
@@ -24,12 +30,31 @@ if [ -n "$missing" ]; then
     }
     root=sudo
   fi
-  $root apt-get update -qq >&2
+  # Another apt may be at work, as it is in a machine's first minutes: it is waited for.
+  wait="-o DPkg::Lock::Timeout=600"
   # shellcheck disable=SC2086
-  $root env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends $missing >&2
+  for attempt in 1 2 3 4 5 6 7 8 9 10; do
+    $root apt-get $wait update -qq >&2 && break  # its own lock on the lists knows of no time
+    [ "$attempt" -lt 10 ] || exit 1
+    sleep 15
+  done
+  # shellcheck disable=SC2086
+  $root env DEBIAN_FRONTEND=noninteractive apt-get $wait install -y -qq --no-install-recommends $missing >&2
 fi
 
-[ -f "build/$preset/build.ninja" ] || cmake --preset "$preset" >&2
+# A tree that has tests and benches keeps them; a new one has what packages were asked for. Other presets say it themselves.
+configure=
+[ -f "build/$preset/build.ninja" ] || configure=" "
+if [ "$preset" = release ]; then
+  for part in tests:FRESHET_TESTS bench:FRESHET_BENCH; do
+    case ",$purposes," in
+      *",${part%:*},"*) configure="$configure -D${part#*:}=ON" ;;
+      *) [ -z "$configure" ] || configure="$configure -D${part#*:}=OFF" ;;
+    esac
+  done
+fi
+# shellcheck disable=SC2086
+[ -z "$configure" ] || cmake --preset "$preset" $configure >&2
 if [ $# -gt 0 ]; then
   cmake --build --preset "$preset" --target "$@" >&2
 else
