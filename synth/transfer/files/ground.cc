@@ -1,8 +1,10 @@
 #include "synth/transfer/files/ground.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstdint>
+#include <vector>
 
 #include <opencv2/imgproc.hpp>
 
@@ -23,11 +25,42 @@ cv::Mat brightest(const cv::Mat& bgra) {
   return out;
 }
 
+/// Each sample becomes the greatest on a disc around it, as by cv::dilate; O(pixels x rows of the disc), where OpenCV's
+/// cost grows with the disc's area.
+cv::Mat dilated(const cv::Mat& from, const cv::Mat& disc) {
+  const int radius = disc.rows / 2, padded = from.cols + 2 * radius;
+  std::vector<int> half_width;  // of each row of the disc
+  for (int i = 0; i < disc.rows; ++i) half_width.push_back(cv::countNonZero(disc.row(i)) / 2);
+  // level k   the greatest of 2^k samples from each one on.
+  std::vector<std::vector<std::uint16_t>> levels;
+  for (int width = 1; width <= disc.cols; width *= 2) levels.emplace_back(static_cast<std::size_t>(padded));
+  cv::Mat to(from.size(), CV_16U, cv::Scalar(0));
+  for (int y = 0; y < from.rows; ++y) {
+    std::copy_n(from.ptr<std::uint16_t>(y), from.cols, levels[0].begin() + radius);
+    for (std::size_t k = 1; k < levels.size(); ++k) {
+      const int half = 1 << (k - 1);
+      const std::uint16_t* const narrow = levels[k - 1].data();
+      for (int x = 0; x + 2 * half <= padded; ++x) levels[k][x] = std::max(narrow[x], narrow[x + half]);
+    }
+    for (int i = 0; i < disc.rows; ++i) {
+      const int row = y + i - radius, width = 2 * half_width[i] + 1;
+      if (row < 0 || row >= to.rows) continue;
+      const std::size_t k = static_cast<std::size_t>(std::bit_width(static_cast<unsigned>(width))) - 1;
+      const std::uint16_t* const left = levels[k].data() + radius - half_width[i];
+      const std::uint16_t* const right = left + width - (1 << k);
+      std::uint16_t* const at = to.ptr<std::uint16_t>(row);
+      for (int x = 0; x < to.cols; ++x) at[x] = std::max({at[x], left[x], right[x]});
+    }
+  }
+  return to;
+}
+
 cv::Mat body_of(const cv::Mat& light, float body_begins) {
-  const int gap = std::max(1, static_cast<int>(std::lround(kGap * light.rows)));
+  // A disc that is wider than the picture closes no other gaps.
+  const int gap =
+      std::clamp(static_cast<int>(std::lround(kGap * light.rows)), 1, std::max(1, light.cols / 2));
   const cv::Mat disc = cv::getStructuringElement(cv::MORPH_ELLIPSE, {2 * gap + 1, 2 * gap + 1});
-  cv::Mat body;
-  cv::morphologyEx(light, body, cv::MORPH_CLOSE, disc);
+  cv::Mat body = kMax - dilated(kMax - dilated(light, disc), disc);
   for (int y = 0; y < body.rows; ++y) {
     auto* row = body.ptr<std::uint16_t>(y);
     for (int x = 0; x < body.cols; ++x) {

@@ -2,9 +2,15 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
+#include <cmath>
 #include <cstdint>
+#include <utility>
+#include <vector>
 
 #include <gtest/gtest.h>
+
+#include <opencv2/imgproc.hpp>
 
 namespace freshet::synth::transfer {
 namespace {
@@ -54,6 +60,45 @@ TEST(Ground, TheBodyOfLightHoldsTheGapsBetweenItsFilaments) {
   EXPECT_EQ(known.at<cv::Vec4w>(10, 10)[3], kMax);
   EXPECT_EQ(known.at<cv::Vec4w>(65, 96)[3], 60000);
   EXPECT_EQ(known.at<cv::Vec4w>(65, 101)[3], 500);
+}
+
+/// Alpha as it was defined: the light, closed with a disc by OpenCV.
+cv::Mat slow_alpha(const cv::Mat& light, int gap) {
+  const cv::Mat disc = cv::getStructuringElement(cv::MORPH_ELLIPSE, {2 * gap + 1, 2 * gap + 1});
+  cv::Mat body;
+  cv::morphologyEx(light, body, cv::MORPH_CLOSE, disc);
+  body.forEach<std::uint16_t>([](std::uint16_t& value, const int*) {
+    const float at = std::clamp((static_cast<float>(value) / kMax - 0.03f) / (0.6f - 0.03f), 0.0f, 1.0f);
+    value = static_cast<std::uint16_t>(std::lround(at * at * (3 - 2 * at) * kMax));
+  });
+  return cv::max(light, body);
+}
+
+TEST(Ground, TheBodyIsWhatAClosingWithADiscGives) {
+  cv::RNG random(5);
+  for (const auto& [size, gap] : {std::pair(cv::Size(70, 50), 1), std::pair(cv::Size(40, 420), 8),
+                                  std::pair(cv::Size(9, 333), 4), std::pair(cv::Size(33, 600), 12)}) {
+    cv::Mat light(size, CV_16U);
+    random.fill(light, cv::RNG::UNIFORM, 0, kMax);
+    std::vector<cv::Mat> channels(4, light);
+    channels[3] = cv::Mat(size, CV_16U, cv::Scalar(kMax));
+    cv::Mat picture, alpha;
+    cv::merge(channels, picture);
+    take_off_ground(picture, Ground::kBlack);
+    cv::extractChannel(picture, alpha, 3);
+    EXPECT_EQ(cv::norm(alpha, slow_alpha(light, gap), cv::NORM_INF), 0) << size;
+  }
+}
+
+TEST(Ground, ATallExemplarTakesNoLongerThanAWideOne) {
+  const auto seconds_of = [](cv::Size size) {
+    cv::Mat picture(size, CV_16UC4, cv::Scalar::all(20000));
+    const auto begin = std::chrono::steady_clock::now();
+    take_off_ground(picture, Ground::kBlack);
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  };
+  for (const cv::Size tall : {cv::Size(1, 65535), cv::Size(20, 20000), cv::Size(300, 6000)})
+    EXPECT_LT(seconds_of(tall), 2) << tall;
 }
 
 TEST(Ground, WhatHasAnAlphaIsLaidOnTheGroundFirst) {
