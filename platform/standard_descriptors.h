@@ -13,7 +13,8 @@
 
 namespace freshet {
 
-/// Where descriptors 0, 1 or 2 are closed, /dev/null stands in for them as long as this lives.
+/// Where descriptors 0, 1 or 2 are closed, /dev/null stands in for them as long as this lives. In the place of standard
+/// output it can only be read: who writes a result there learns that nobody gets it.
 ///
 /// The next file that is opened gets the lowest free number. A program that was started with its stderr closed
 /// (`2>&-`) would open its store as descriptor 2, and the first message of anyone in the process, be it a
@@ -36,6 +37,11 @@ class StandardDescriptors {
         return;
       }
       held_[count_++] = fd;
+      if (fd != STDOUT_FILENO) continue;
+      const int unwritable = ::open("/dev/null", O_RDONLY);
+      if (unwritable < 0) continue;
+      ::dup2(unwritable, fd);
+      ::close(unwritable);
     }
   }
   ~StandardDescriptors() { release(); }

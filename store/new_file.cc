@@ -60,6 +60,7 @@ NewFile::NewFile(std::filesystem::path file, Existing existing)
     ::close(std::exchange(fd_, -1));
     throw Error(ErrorKind::kIo, file_.string(), "another process is making it", "Wait for it and run again");
   }
+  listed_.emplace(unfinished_);
   if (ftruncate(fd_, 0) != 0) {  // what a killed run has left
     const int code = errno;
     ::close(std::exchange(fd_, -1));

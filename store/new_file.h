@@ -2,6 +2,9 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
+
+#include "platform/unfinished_files.h"
 
 namespace freshet::store {
 
@@ -36,6 +39,7 @@ class NewFile {
   [[noreturn]] void fail(const char* doing, int code) const;
 
   std::filesystem::path file_, unfinished_;
+  std::optional<UnfinishedFile> listed_;  // once it is ours
   Existing existing_;
   int fd_ = -1;
 };

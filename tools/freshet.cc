@@ -74,8 +74,12 @@ std::string usage_fault(const CLI::App& app, const CLI::ParseError& fault) {
 /// A result that did not reach its reader is no success: 0 would say that it had.
 void finish_output() {
   if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return;
+  const int code = errno;
+  if (code == EBADF)
+    throw freshet::Error(freshet::ErrorKind::kIo, "standard output", "cannot be written: it is closed",
+                         "Send it somewhere, and run again");
   throw freshet::Error(freshet::ErrorKind::kIo, "standard output",
-                       fmt::format("cannot be written ({})", std::strerror(errno)),
+                       fmt::format("cannot be written ({})", std::strerror(code)),
                        "Free space on the disk, or send it elsewhere, and run again");
 }
 
@@ -226,22 +230,20 @@ int run(int argc, char** argv) {
     finish_output();
     return context.exit_code;
   } catch (const CLI::ParseError& fault) {
-    if (fault.get_exit_code() == 0) return app.exit(fault);  // --help, --version
+    if (fault.get_exit_code() == 0) {  // --help, --version
+      app.exit(fault);
+      try {
+        finish_output();
+        return 0;
+      } catch (const Error& lost) {
+        tools::say(lost.what());
+        return 1;
+      }
+    }
     tools::say(usage_fault(app, fault));
     return 2;
   } catch (const Error& fault) {
-    if (fault.kind() == ErrorKind::kCancelled && stop.signal() != 0) {
-      // Die of the signal itself, so that a calling shell script stops too.
-      tools::say("stopped; " + (context.kept.empty() ? "nothing unfinished was kept" : context.kept));
-      const int number = stop.signal();
-      std::signal(number, SIG_DFL);
-      sigset_t only;
-      sigemptyset(&only);
-      sigaddset(&only, number);
-      std::raise(number);
-      pthread_sigmask(SIG_UNBLOCK, &only, nullptr);
-      return 128 + number;
-    }
+    if (fault.kind() == ErrorKind::kCancelled && stop.signal() != 0) tools::StopOnSignal::end();
     tools::say(fault.what());
     return exit_code(fault.kind());
   } catch (const std::exception& fault) {

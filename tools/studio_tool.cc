@@ -130,7 +130,8 @@ void add_studio(CLI::App& app, RunContext& context) {
   sub->add_flag("--no-browser", command->no_browser, "Only print the address [off: the browser is opened]");
   add_threads(*sub);
   sub->callback([command, &context] {
-    context.kept = "projects are kept";
+    keeps_when_stopped("projects are kept");
+    let_stop_take(std::chrono::seconds(5));  // it ends the commands that it runs
     run_studio(*command, context);
   });
 }

@@ -15,6 +15,7 @@
 #include "media/frame/decoder.h"
 #include "media/frame/file_format.h"
 #include "platform/standard_descriptors.h"
+#include "platform/unfinished_files.h"
 
 namespace freshet::media {
 namespace {
@@ -101,6 +102,7 @@ void move_into_place(const fs::path& temporary, const fs::path& path) {
 void write_bytes(const fs::path& path, const Bytes& bytes) {
   require_folder_of(path);
   const fs::path temporary = temporary_beside(path);
+  const UnfinishedFile unfinished(temporary);
   const StandardDescriptors standing_in;
   std::FILE* file = std::fopen(temporary.c_str(), "wb");
   if (!file) fail_io(path, errno);

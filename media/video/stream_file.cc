@@ -146,6 +146,7 @@ StreamFile::StreamFile(std::filesystem::path path, Coding coding, const VideoWri
   quiet_libav();
   require_folder_of(path_);
   temporary_ = temporary_beside(path_);
+  unfinished_.emplace(temporary_);
   packet_ = new_packet();
   AVFormatContext* container = nullptr;
   const std::string url = "file:" + temporary_.string();

@@ -13,6 +13,7 @@
 #include "media/frame/frame.h"
 #include "media/frame/libav.h"
 #include "media/video/video_writer.h"
+#include "platform/unfinished_files.h"
 
 namespace freshet::media {
 
@@ -44,6 +45,7 @@ class StreamFile {
   [[noreturn]] void fail(int code, const std::string& doing);
 
   std::filesystem::path path_, temporary_;
+  std::optional<UnfinishedFile> unfinished_;
   Coding coding_;
   VideoWriterOptions options_;
   std::unique_ptr<AVFormatContext, CloseContainer> container_;

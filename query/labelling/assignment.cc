@@ -11,6 +11,7 @@
 
 #include "freshet/error.h"
 #include "platform/text_file.h"
+#include "platform/unfinished_files.h"
 #include "query/search/picture_scale.h"
 
 namespace freshet::query {
@@ -208,6 +209,7 @@ void write_assignment(const std::filesystem::path& path, const Assignment& assig
   const std::string json = to_json(assignment);
   std::filesystem::path beside = path;
   beside += ".part";
+  const UnfinishedFile unfinished(beside);
   std::ofstream file(beside, std::ios::binary | std::ios::trunc);
   file << json;
   file.close();

@@ -58,7 +58,11 @@ std::string word_of(const Json& json, const char* name) {
   const auto found = json.find(name);
   if (found == json.end()) return {};
   if (!found->is_string()) throw Error(ErrorKind::kUsage, "request", fmt::format("\"{}\" is no text", name));
-  return found->get<std::string>();
+  const auto& word = found->get_ref<const std::string&>();
+  // It would end a file's name, and the message about it, there.
+  if (word.find('\0') != std::string::npos)
+    throw Error(ErrorKind::kUsage, "request", fmt::format("\"{}\" has a NUL in it", name), "Remove it");
+  return word;
 }
 
 Call::Call(const httplib::Request& request, httplib::Response& response, const httplib::ContentReader* reader,

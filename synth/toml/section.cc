@@ -231,6 +231,19 @@ std::filesystem::path Section::beside(const std::string& name) const {
   return path.is_relative() ? file_->parent_path() / path : path;
 }
 
+unsigned line_with_nul(const toml::node& node) {
+  if (const toml::table* table = node.as_table())
+    for (const auto& [key, below] : *table) {
+      if (key.str().find('\0') != std::string_view::npos) return key.source().begin.line;
+      if (const unsigned line = line_with_nul(below); line != 0) return line;
+    }
+  if (const toml::array* list = node.as_array())
+    for (const toml::node& below : *list)
+      if (const unsigned line = line_with_nul(below); line != 0) return line;
+  const auto* const text = node.as_string();
+  return text != nullptr && text->get().find('\0') != std::string::npos ? node.source().begin.line : 0;
+}
+
 TomlText::TomlText(std::string_view text, const std::filesystem::path& name, const std::string& remedy)
     : name_(name) {
   expect_nesting(toml_nesting(text), kDeepest, name.string(), remedy);
@@ -240,6 +253,9 @@ TomlText::TomlText(std::string_view text, const std::filesystem::path& name, con
     throw Error(ErrorKind::kInput, fmt::format("{}:{}", name.string(), fault.source().begin.line),
                 fmt::format("it is not TOML: {}", fault.description()), remedy);
   }
+  if (const unsigned line = line_with_nul(table_); line != 0)
+    throw Error(ErrorKind::kInput, fmt::format("{}:{}", name.string(), line),
+                "a text in it has a NUL (\\u0000)", "Remove it");
 }
 
 std::string toml_file_text(const std::filesystem::path& path, const std::string& remedy) {

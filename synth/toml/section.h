@@ -96,11 +96,14 @@ class Section {
   std::vector<std::string> known_;
 };
 
+/// The line of a key or text with a NUL in it, which would cut a path or a message short there; 0: there is none.
+unsigned line_with_nul(const toml::node& node);
+
 /// A file of tables, parsed.
 class TomlText {
  public:
   /// name     stands for the file in messages. remedy   what a person should give instead of what is no TOML.
-  /// Throws   Error{kInput}: no TOML, nested deeper than anything that is meant.
+  /// Throws   Error{kInput}: no TOML, nested deeper than anything that is meant, a NUL in a text.
   TomlText(std::string_view text, const std::filesystem::path& name, const std::string& remedy);
   TomlText(const TomlText&) = delete;
   TomlText& operator=(const TomlText&) = delete;

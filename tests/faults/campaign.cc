@@ -1,6 +1,7 @@
 #include "tests/faults/campaign.h"
 
 #include <algorithm>
+#include <csignal>
 #include <cstdlib>
 #include <filesystem>
 #include <iostream>
@@ -158,6 +159,16 @@ std::string judge_again(const Campaign& c, const Job& job) {
   }
   if (const std::string wrong = c.judge("f.store", {job.after}); !wrong.empty()) return wrong;
   return fs::exists(c.folder / "f.store.making") ? "f.store.making was left" : "";
+}
+
+std::string judge_file(const Outcome& outcome) {
+  if (outcome.exit_code == 137 || outcome.signal == SIGKILL) return "it hung, or took all memory";
+  if (outcome.signal != 0 || outcome.exit_code < 0 || outcome.exit_code > 2)
+    return "it died, " + std::to_string(outcome.exit_code) + ": " + outcome.err;
+  if (outcome.err.find("unexpected") != std::string::npos) return outcome.err;
+  if (outcome.exit_code != 0 && outcome.err.find("freshet: ") == std::string::npos) return "it says nothing";
+  if (outcome.peak_kib > kMaxFileKib) return "it took " + std::to_string(outcome.peak_kib >> 10) + " MiB";
+  return "";
 }
 
 }  // namespace freshet::tools

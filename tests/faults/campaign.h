@@ -97,6 +97,10 @@ std::vector<Job> rewrites();
 /// These, and ingest and index.
 std::vector<Job> jobs();
 
+/// What is wrong with the answer to a file, however broken; empty when nothing is.
+std::string judge_file(const Outcome& outcome);
+inline constexpr long kMaxFileKib = 1 << 20;  // of memory, for small files
+
 /// What is wrong when the job is run again, undisturbed; empty when it ends as it should.
 std::string judge_again(const Campaign& c, const Job& job);
 

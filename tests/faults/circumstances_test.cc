@@ -13,6 +13,9 @@
 #include <sstream>
 #include <thread>
 
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+
 #include "tests/faults/campaign.h"
 
 namespace freshet::tools {
@@ -59,6 +62,93 @@ std::set<std::string> others(const Campaign& c) {
   names.erase("f.store");
   names.erase("f.store-lock");
   return names;
+}
+
+/// Files that libraries read, and computations that know of no request to stop, for many seconds.
+TEST(Interrupts, AtAnyStageOfEveryCommandTakeASecond) {
+  const Campaign& c = campaign();
+  cv::Mat large(5000, 6000, CV_8UC3), matte(large.size(), CV_8U, cv::Scalar(0));
+  cv::randu(large, 0, 255);
+  matte(cv::Rect(1000, 1000, 3000, 3000)).setTo(255);
+  cv::GaussianBlur(matte, matte, {}, 40);
+  cv::imwrite((c.folder / "large.png").string(), large, {cv::IMWRITE_PNG_COMPRESSION, 1});
+  cv::imwrite((c.folder / "large_matte.png").string(), matte);
+  c.folder.file(
+      "large.toml",
+      "picture = \"large.png\"\nframes = 100\n[[layer]]\nname = \"a\"\nmatte = \"large_matte.png\"\nmotion = "
+      "\"clouds\"\n[[layer]]\nname = \"b\"\nmotion = \"still\"\nmatte = \"rest\"\n");
+  fs::create_directory(c.folder / "large_stills");
+  for (int i = 0; i < 4; ++i) {
+    cv::randu(large, 0, 255);
+    cv::imwrite((c.folder / ("large_stills/" + std::to_string(i) + ".png")).string(), large,
+                {cv::IMWRITE_PNG_COMPRESSION, 1});
+  }
+  ASSERT_EQ(c.folder
+                .run({"ffmpeg", "-v", "error", "-y", "-f", "lavfi", "-i",
+                      "testsrc2=size=1920x1080:rate=25:duration=3", "-c:v", "libx264", "-preset", "ultrafast",
+                      "large.mp4"})
+                .exit_code,
+            0);
+  c.begin_with("indexed.store", "q.store");
+  ASSERT_EQ(c.run({"synth", "simulate", "plume", "--frames", "2", "--size", "640x480", "--overwrite", "-o",
+                   "design"})
+                .exit_code,
+            0);
+  const std::vector<std::vector<std::string>> commands{
+      {"ingest", "l.store", "large.mp4", "--force"},
+      {"query", "candidates", "q.store", "large.png", "--matte", "large_matte.png"},
+      {"query", "label", "q.store", "large.png", "--whole", "--frames", "8", "-o", "s.json"},
+      {"query", "bench", "q.store"},
+      {"synth", "animate", "q.store", "large.png", "--matte", "large_matte.png", "--frames", "8", "-o",
+       "s.mkv"},
+      {"synth", "animate", "q.store", "large.png", "--whole", "--method", "paper", "--frames", "8", "-o",
+       "s.mkv"},
+      {"synth", "matte", "large.png", "--box", "1000,1000,4000,4000", "-o", "s.png"},
+      {"synth", "scene", "large.toml", "-o", "s.mkv"},
+      {"synth", "layers", "large.toml", "-o", "s.ora"},
+      {"synth", "sweep", "q.store", "large.png", "--whole", "--frames", "8", "-o", "s.html"},
+      {"synth", "transfer", "--design", "design", "--exemplar", "large.png", "--ground", "black", "-o",
+       "s.mkv"},
+      {"synth", "flowlines", "large.mp4", "-o", "s.mkv"},
+      {"synth", "stills", "large_stills", "-o", "s.mkv"},
+      {"synth", "simulate", "fireball", "--size", "1920x1080", "--grid", "1024", "-o", "s_design"},
+      {"synth", "simulate", "smoke", "--size", "1920x1080", "-o", "s.mkv"}};
+  struct Case {
+    const std::vector<std::string>* command;
+    int number, after_ms;
+  };
+  std::vector<Case> cases;
+  int turn = 0;
+  for (const auto& command : commands)
+    for (const int after_ms : at_full_length()
+                                  ? std::vector{30, 100, 300, 700, 1500, 3000, 6000, 12000, 25000}
+                                  : std::vector{300, 2500})
+      cases.push_back({&command, ++turn % 2 == 0 ? SIGINT : SIGTERM, after_ms});
+  double most = 0;
+  int stopped = 0;
+  walk("stages", cases, [&](const Case& tried) {
+    const auto before = others(c);
+    const auto [outcome, cpu_after] =
+        interrupt(c, *tried.command, tried.number, std::chrono::milliseconds(tried.after_ms));
+    const std::string what = (*tried.command)[0] + ' ' + (*tried.command)[1] + " after " +
+                             std::to_string(tried.after_ms) + " ms: " + outcome.err;
+    EXPECT_TRUE(outcome.signal == tried.number || outcome.exit_code == 0 || outcome.exit_code == 1)
+        << what << outcome.exit_code;
+    // As many seconds of CPU as there are cores, and what a busy machine delays.
+    EXPECT_LT(cpu_after, 1.0 * std::thread::hardware_concurrency() + 0.3) << what;
+    most = std::max(most, cpu_after);
+    stopped += outcome.signal != 0 ? 1 : 0;
+    for (const std::string& name : others(c))
+      if (!before.contains(name)) {
+        EXPECT_TRUE(name.ends_with("-lock") || name.starts_with("s.") || name.starts_with("s_") ||
+                    name.starts_with("l.store"))
+            << what << name;
+        fs::remove_all(c.folder / name);
+      }
+  });
+  std::cout << stopped << " of " << cases.size() << " stopped; at most " << most
+            << " s of CPU after the signal\n";
+  EXPECT_GT(stopped, static_cast<int>(cases.size()) / 2);
 }
 
 TEST(Interrupts, AtAnyInstantEndWithinASecondsWorkAndLeaveNothing) {

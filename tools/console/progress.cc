@@ -3,6 +3,8 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <atomic>
+#include <csignal>
 #include <cstdio>
 #include <utility>
 
@@ -18,7 +20,7 @@ bool on_terminal() {
   static const bool answer = isatty(STDERR_FILENO) != 0;
   return answer;
 }
-bool line_is_drawn = false;
+std::atomic<bool> line_is_drawn{false};
 bool as_json = false;
 std::vector<PlannedStage> planned;
 
@@ -44,8 +46,7 @@ void print_json(const std::string& stage, std::size_t done, std::size_t total) {
     json["step"] = i + 1;
     json["steps"] = planned.size();
   }
-  fmt::print(stderr, "{}\n", json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
-  std::fflush(stderr);
+  tell(json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
 }
 
 }  // namespace
@@ -60,18 +61,28 @@ void add_progress(CLI::App& app) {
 
 void plan_stages(std::vector<PlannedStage> stages) { planned = std::move(stages); }
 
+void tell(std::string_view text) {
+  sigset_t pipe, before;
+  sigemptyset(&pipe);
+  sigaddset(&pipe, SIGPIPE);
+  pthread_sigmask(SIG_BLOCK, &pipe, &before);
+  if (std::fwrite(text.data(), 1, text.size(), stderr) != text.size() || std::fflush(stderr) != 0) {
+    std::clearerr(stderr);
+    const timespec at_once{};
+    if (sigismember(&before, SIGPIPE) == 0) sigtimedwait(&pipe, nullptr, &at_once);
+  }
+  pthread_sigmask(SIG_SETMASK, &before, nullptr);
+}
+
 void clear_progress_line() {
   if (!line_is_drawn) return;
-  fmt::print(stderr, "\r\033[K");
+  tell("\r\033[K");
   line_is_drawn = false;
 }
 
 Progress::~Progress() { finish(); }
 
-void Progress::finish() {
-  clear_progress_line();
-  std::fflush(stderr);
-}
+void Progress::finish() { clear_progress_line(); }
 
 void Progress::show(const std::string& stage, std::size_t done, std::size_t total, const std::string& unit) {
   const Clock::time_point now = Clock::now();
@@ -102,12 +113,11 @@ void Progress::show(const std::string& stage, std::size_t done, std::size_t tota
   if (on_terminal()) {
     constexpr std::size_t kWidth = 24;
     const std::size_t full = total > 0 ? std::min(kWidth, kWidth * done / total) : 0;
-    fmt::print(stderr, "\r\033[K[{}{}] {}", std::string(full, '='), std::string(kWidth - full, ' '), text);
+    tell(fmt::format("\r\033[K[{}{}] {}", std::string(full, '='), std::string(kWidth - full, ' '), text));
     line_is_drawn = true;
   } else {
-    fmt::print(stderr, "{}\n", text);
+    tell(text + "\n");
   }
-  std::fflush(stderr);
 }
 
 }  // namespace freshet::tools

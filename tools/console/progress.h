@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cstddef>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <CLI/CLI.hpp>
@@ -44,6 +45,10 @@ class Progress {
   Clock::time_point stage_start_{}, last_shown_{};
   std::size_t first_done_ = 0;
 };
+
+/// Writes to stderr. Where that cannot be written (a full disk, a pipe that nobody reads) nothing happens: no command
+/// fails for what it would have said.
+void tell(std::string_view text);
 
 /// Removes a half-drawn bar, before something else is written to stderr.
 void clear_progress_line();

@@ -12,8 +12,15 @@ namespace {
   throw Error(ErrorKind::kUsage, "--config", fault, "Give a TOML file with a table for each command");
 }
 
+/// A NUL would cut a path, or a message, short there.
+const std::string& without_nul(const std::string& text, const toml::node& value) {
+  if (text.find('\0') != std::string::npos)
+    refuse(fmt::format("the text in line {} has a NUL (\\u0000)", value.source().begin.line));
+  return text;
+}
+
 std::string text_of(const toml::node& value, const std::string& name) {
-  if (const auto* text = value.as_string()) return text->get();
+  if (const auto* text = value.as_string()) return without_nul(text->get(), value);
   if (const auto* number = value.as_integer()) return fmt::format("{}", number->get());
   if (const auto* number = value.as_floating_point()) return fmt::format("{}", number->get());
   if (const auto* flag = value.as_boolean()) return flag->get() ? "true" : "false";
@@ -23,7 +30,7 @@ std::string text_of(const toml::node& value, const std::string& name) {
 void take(const toml::table& table, const std::vector<std::string>& parents,
           std::vector<CLI::ConfigItem>& items) {
   for (const auto& [key, value] : table) {
-    const std::string name(key.str());
+    const std::string name = without_nul(std::string(key.str()), value);
     if (const toml::table* below = value.as_table()) {
       std::vector<std::string> path = parents;
       path.push_back(name);

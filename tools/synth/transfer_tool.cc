@@ -326,7 +326,7 @@ class TransferRun {
     assemble();
     progress_.finish();
     kept.remove();
-    context_.kept.clear();
+    keeps_when_stopped({});
     print();
   }
 
@@ -441,8 +441,8 @@ class TransferRun {
                    "frames");
   }
   void remember_what_is_kept(const transfer::ResumeFolder& kept, int frames) const {
-    context_.kept = fmt::format("{} of {} frames are kept in {}; the same command goes on from there", frames,
-                                design_.frames(), kept.path().string());
+    keeps_when_stopped(fmt::format("{} of {} frames are kept in {}; the same command goes on from there",
+                                   frames, design_.frames(), kept.path().string()));
   }
 
   const Stopwatch total_;

@@ -73,6 +73,29 @@ TEST_F(BadText, AbsurdNestingIsRefusedByName) {
   }
 }
 
+TEST_F(BadText, ANulHidesNeitherFaultNorRemedy) {
+  folder_.file("scene.toml",
+               "picture = \"still.png\"\nframes = 3\n[[layer]]\nname = \"a\"\nmotion = \"clouds\"\n"
+               "matte = \"p\\u0000x\"\n");
+  folder_.file("key.toml", "\"pic\\u0000ture\" = \"still.png\"\n");
+  folder_.file("run.toml", "[synth.simulate]\noutput = \"out\\u0000.mkv\"\n");
+  expect_refusals({{"synth", "scene", "scene.toml", "-o", "out.mkv"}},
+                  "scene.toml:6: a text in it has a NUL (\\u0000). Remove it");
+  expect_refusals({{"synth", "simulate", "key.toml", "-o", "out.mkv"}}, "key.toml:1: a text in it has a NUL");
+  expect_refusals({{"--config", "run.toml", "synth", "simulate", "river"}}, "the text in line 2 has a NUL");
+}
+
+TEST_F(BadText, AMessageStaysReadable) {
+  folder_.file("scene.toml", "picture = \"" + std::string(1 << 20, 'A') +
+                                 "\"\nframes = 3\n[[layer]]\nname = \"" + std::string(1 << 20, 'B') +
+                                 "\"\nmotion = \"none\"\n");
+  const Outcome outcome = folder_.freshet({"synth", "scene", "scene.toml", "-o", "out.mkv"});
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_EQ(outcome.err.rfind("freshet: ", 0), 0U);
+  EXPECT_LT(outcome.err.size(), 5000U);
+  EXPECT_NE(outcome.err.find("bytes more"), std::string::npos);
+}
+
 TEST_F(BadText, EntitiesOfADrawingAreNotExpanded) {
   std::string bomb = "<?xml version=\"1.0\"?><!DOCTYPE svg [<!ENTITY a \"aaaaaaaaaa\">";
   for (char c = 'b'; c < 'm'; ++c) {
