@@ -1,6 +1,6 @@
 #!/bin/sh
-# Fails when an #include goes against the arrows of docs/architecture.md, between rooms or inside one, when a folder
-# holds more units than a reader can keep in mind, or when files of the studio's page import each other in a circle.
+# Fails when an #include goes against the arrows of docs/architecture.md, between rooms or inside one, when modules of the
+# page import each other in a circle, or when a folder holds more units than a reader can keep in mind.
 # usage: tests/arrows_test.sh ROOT
 set -eu
 cd "$1"
@@ -150,3 +150,40 @@ if [ -n "$circle" ]; then
   echo "$circle"
   exit 1
 fi
+
+# The page: no circle of imports between its modules.
+find studio/page/src -name '*.ts' -o -name '*.tsx' | sort | xargs awk '
+FNR == 1 {
+  module = FILENAME
+  sub(/\.tsx?$/, "", module)
+  modules[module] = 1
+}
+/(from|import) "\.\.?\/[^"]+"/ {
+  name = $0
+  sub(/^.*(from|import) "/, "", name)
+  sub(/".*$/, "", name)
+  to = module
+  sub(/\/[^\/]*$/, "", to)
+  while (name ~ /^\.\.?\//) {
+    if (name ~ /^\.\.\//) sub(/\/[^\/]*$/, "", to)
+    sub(/^\.\.?\//, "", name)
+  }
+  imports[module] = imports[module] " " to "/" name
+}
+function visit(module, path,    words, n, i) {
+  if (seen[module] == 2) return
+  if (seen[module] == 1) {
+    print "a circle of imports:" path " " module
+    failed = 1
+    return
+  }
+  seen[module] = 1
+  n = split(imports[module], words, " ")
+  for (i = 1; i <= n; ++i)
+    if (words[i] in modules) visit(words[i], path " " module)
+  seen[module] = 2
+}
+END {
+  for (module in modules) visit(module, "")
+  exit failed
+}'
