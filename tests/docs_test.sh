@@ -14,6 +14,8 @@ trap 'rm -rf "$scratch"' EXIT
 missing=$scratch/missing
 : > "$missing"
 cat $(find tools -name '*.cc') > "$scratch/tools"
+# A setting of a method is an option too (tools/options/method_options.h).
+grep -oE '"[a-z][a-z-]+"' synth/animate/method_settings.cc | sed 's/"/"--/' >> "$scratch/tools"
 any=$(echo $rooms | tr ' ' '|')
 path="($any)/[A-Za-z0-9_./*-]*"
 

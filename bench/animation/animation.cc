@@ -2,8 +2,8 @@
 //
 //   bench_animation STORE CLASS:DIRECTION:PICTURE[:MATTE]... [--json FILE]
 //
-// Each picture is labelled once, then rendered (48 frames) with the defaults and with one choice changed at a
-// time. Measured inside the matte: contrast by pyramid level against the picture's own (log2 of the ratio of
+// Each picture is labelled once, then rendered (48 frames) with the defaults, and by the paper's method with one choice
+// changed at a time. Measured inside the matte: contrast by pyramid level against the picture's own (log2 of the ratio of
 // mean magnitudes; 0 is right), flicker (standard deviation of the mean level over frames, in grey levels),
 // step (mean level of the animation less the picture's), dead (fraction of pixels whose deviation over time
 // is below one grey level), seam (mean temporal difference across the borders of pieces over that elsewhere;
@@ -14,6 +14,7 @@
 #include <cmath>
 #include <fstream>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -26,6 +27,7 @@
 #include "query/labelling/labelling.h"
 #include "stored/store_settings.h"
 #include "synth/animate/animate.h"
+#include "synth/animate/method_settings.h"
 #include "synth/animate/placement/assigned.h"
 #include "vision/pyramid.h"
 
@@ -40,22 +42,21 @@ struct Choice {
   synth::animate::AnimateOptions options;
 };
 
+/// The defaults, and the paper's rendering with one setting changed at a time.
 std::vector<Choice> choices() {
-  synth::animate::AnimateOptions defaults;
-  defaults.frames = kFrames;
-  std::vector<Choice> all{{"defaults", defaults}};
-  const auto add = [&](const char* name, auto&& change) {
-    all.push_back({name, defaults});
-    synth::animate::PaperOptions paper;
-    change(paper);
-    all.back().options.method = paper;
-  };
-  add("plain averaging (paper)", [](auto& o) { o.blend.weights = synth::animate::BlendWeights::kPaper; });
-  add("low band kept", [](auto& o) { o.blend.low_band = synth::animate::LowBand::kKeep; });
-  add("low band removed", [](auto& o) { o.blend.low_band = synth::animate::LowBand::kRemove; });
-  add("no matching", [](auto& o) { o.matching = synth::animate::AppearanceMatching::kNone; });
-  add("matching by frame (paper)", [](auto& o) { o.matching = synth::animate::AppearanceMatching::kFrame; });
-  add("differences on the exposure", [](auto&) {});
+  synth::animate::AnimateOptions options;
+  options.frames = kFrames;
+  std::vector<Choice> all{{"carried", options}};
+  synth::animate::method_setting("method").set(options.method, "paper");
+  all.push_back({"matching by sequence, low band shared", options});
+  for (const auto& [name, value] : std::vector<std::pair<std::string, std::string>>{{"blend", "paper"},
+                                                                                    {"low-band", "keep"},
+                                                                                    {"low-band", "remove"},
+                                                                                    {"matching", "none"},
+                                                                                    {"matching", "frame"}}) {
+    all.push_back({"--" + name + " " + value, options});
+    synth::animate::method_setting(name).set(all.back().options.method, value);
+  }
   return all;
 }
 

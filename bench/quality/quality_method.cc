@@ -2,17 +2,17 @@
 
 #include <functional>
 #include <sstream>
-#include <variant>
 
 #include <fmt/format.h>
 
 #include "freshet/error.h"
+#include "synth/animate/method_settings.h"
 
 namespace freshet::bench {
 namespace {
 
 struct Setting {
-  const char *key, *what;
+  std::string key, what;
   bool of_labels;  // else of rendering alone
   std::function<void(Method&, const std::string&)> set;
 };
@@ -46,119 +46,60 @@ std::function<void(Method&, const std::string&)> to(Field&& field) {
   };
 }
 
-/// What the method's renderer has of these; Error{kUsage} where that is another one.
-template <class Options>
-Options& of(Method& method) {
-  if (auto* const options = std::get_if<Options>(&method.animate.method)) return *options;
-  throw Error(ErrorKind::kUsage, "a setting", "the method makes its frames without it",
-              "Put method= before it");
-}
-
 const std::vector<Setting>& all_settings() {
-  using synth::animate::AppearanceMatching, synth::animate::BlendWeights, synth::animate::LowBand;
-  using synth::animate::CarriedOptions, synth::animate::PaperOptions;
-  static constexpr auto base_of = [](Method& m) -> synth::animate::BaseImageOptions& {
-    return std::visit(
-        [](auto& options) -> auto& { return options.base; }, m.animate.method);
-  };
-  static const std::vector<Setting> settings{
-      {"renderer", "animate, eulerian or eulerian-varying (see --methods)", false,
-       [](Method& m, const std::string& text) {
-         m.renderer = one_of<Renderer>(text, {{"animate", Renderer::kAnimate},
-                                              {"eulerian", Renderer::kCarried},
-                                              {"eulerian-varying", Renderer::kCarriedVarying}});
-       }},
-      {"costs", "log or power; resets the four weights that follow", true,
-       [](Method& m, const std::string& text) {
-         m.label.costs = query::default_costs(query::parse_cost_form(text));
-       }},
-      {"lambda", "weight of neighbours", true, to([](Method & m) -> auto& { return m.label.costs.lambda; })},
-      {"sigma", "weight of temporal spectra", true,
-       to([](Method & m) -> auto& { return m.label.costs.sigma; })},
-      {"rho", "weight of textureness", true, to([](Method & m) -> auto& { return m.label.costs.rho; })},
-      {"vote", "weight of the candidates' vote", true,
-       to([](Method & m) -> auto& { return m.label.costs.vote; })},
-      {"k", "candidates per piece", true, to([](Method & m) -> auto& { return m.label.candidates.k; })},
-      {"coherent", "continued candidates of each neighbour", true,
-       to([](Method & m) -> auto& { return m.label.candidates.coherent; })},
-      {"min-scale", "of a variant", true,
-       to([](Method & m) -> auto& { return m.label.candidates.min_scale; })},
-      {"max-rotation", "of a variant, degrees", true,
-       to([](Method & m) -> auto& { return m.label.candidates.max_rotation_deg; })},
-      {"same-class", "1: candidates of the clip's class alone", true,
-       to([](Method & m) -> auto& { return m.same_class; })},
-      {"tolerance", "of the hint's direction, degrees", true,
-       to([](Method & m) -> auto& { return m.label.guide.tolerance_deg; })},
-      {"speed-ratio", "tolerance of the hint's speed", true,
-       to([](Method & m) -> auto& { return m.label.guide.speed_ratio; })},
-      {"hint-search", "wide or narrow; resets the three prices that follow", true,
-       [](Method& m, const std::string& text) {
-         m.label.hint_search = query::parse_hint_search(text);
-         m.label.guide_costs = query::default_guide_costs(m.label.hint_search);
-       }},
-      {"guide-unsteady", "cost of going to and fro where a direction is asked", true,
-       to([](Method & m) -> auto& { return m.label.guide_costs.unsteady; })},
-      {"reuse", "cost of a place shown twice by neighbours", true,
-       to([](Method & m) -> auto& { return m.label.reuse.overlap; })},
-      {"guide-direction", "cost of an angle to the hint", true,
-       to([](Method & m) -> auto& { return m.label.guide_costs.direction; })},
-      {"guide-speed", "cost of another speed than the hint's", true,
-       to([](Method & m) -> auto& { return m.label.guide_costs.speed; })},
-      {"weights", "of blending: variance or paper", false,
-       [](Method& m, const std::string& text) {
-         const auto weights = one_of<BlendWeights>(
-             text, {{"variance", BlendWeights::kVariance}, {"paper", BlendWeights::kPaper}});
-         if (auto* const paper = std::get_if<PaperOptions>(&m.animate.method))
-           paper->blend.weights = weights;
-         else
-           of<CarriedOptions>(m).innovations->weights = weights;
-       }},
-      {"low-band", "shared, keep or remove", false,
-       [](Method& m, const std::string& text) {
-         of<PaperOptions>(m).blend.low_band = one_of<LowBand>(
-             text, {{"shared", LowBand::kShared}, {"keep", LowBand::kKeep}, {"remove", LowBand::kRemove}});
-       }},
-      {"low-band-reach", "of the shared low band, pieces", false,
-       to([](Method & m) -> auto& { return of<CarriedOptions>(m).innovations->low_band_reach; })},
-      {"matching", "of appearance: sequence, frame or none", false,
-       [](Method& m, const std::string& text) {
-         of<PaperOptions>(m).matching =
-             one_of<AppearanceMatching>(text, {{"sequence", AppearanceMatching::kSequence},
-                                               {"frame", AppearanceMatching::kFrame},
-                                               {"none", AppearanceMatching::kNone}});
-       }},
-      {"max-gain", "of a band's contrast", false,
-       to([](Method & m) -> auto& { return of<PaperOptions>(m).appearance.max_gain; })},
-      {"max-level-gain", "of the picture's own levels", false,
-       to([](Method & m) -> auto& { return of<PaperOptions>(m).appearance.max_level_gain; })},
-      {"method", "of making frames: carried or paper", false,
-       [](Method& m, const std::string& text) {
-         m.animate.method = one_of<decltype(m.animate.method)>(
-             text, {{"carried", CarriedOptions{}}, {"paper", PaperOptions{}}});
-       }},
-      {"variation", "of the patches' flow about its mean, that carries the picture", false,
-       to([](Method & m) -> auto& { return of<CarriedOptions>(m).carrying.variation; })},
-      {"renewal", "of what comes anew in the patches, how much the picture takes", false,
-       to([](Method & m) -> auto& { return of<CarriedOptions>(m).innovations->renewal.share; })},
-      {"detail-life", "until half of carried detail is new, s; 0: as in the clips", false,
-       to([](Method & m) -> auto& { return of<CarriedOptions>(m).half_life_s; })},
-      {"life-pace", "power of the pace that lives are divided by", false,
-       to([](Method & m) -> auto& { return of<CarriedOptions>(m).life_pace; })},
-      {"contrast-gain", "most that lost contrast is brought back by", false,
-       to([](Method & m) -> auto& { return of<CarriedOptions>(m).contrast.max_gain; })},
-      {"standing", "of what stays in its place in the patches, how much the picture keeps", false,
-       to([](Method & m) -> auto& { return of<CarriedOptions>(m).standing; })},
-      {"layout", "of the picture: stands, goes, or as the clips do (auto)", false,
-       [](Method& m, const std::string& text) {
-         of<CarriedOptions>(m).layout_stands =
-             one_of<std::optional<bool>>(text, {{"stands", true}, {"goes", false}, {"auto", std::nullopt}});
-       }},
-      {"own", "1: the clip itself is a candidate too", true, to([](Method & m) -> auto& { return m.own; })},
-      {"shutter", "of the base image, s", false,
-       to([](Method & m) -> auto& { return base_of(m).shutter_s; })},
-      {"gaussian", "of the base image, s", false,
-       to([](Method & m) -> auto& { return base_of(m).gaussian_s; })},
-  };
+  static const std::vector<Setting> settings = [] {
+    std::vector<Setting> all{
+        {"renderer", "animate, eulerian or eulerian-varying (see --methods)", false,
+         [](Method& m, const std::string& text) {
+           m.renderer = one_of<Renderer>(text, {{"animate", Renderer::kAnimate},
+                                                {"eulerian", Renderer::kCarried},
+                                                {"eulerian-varying", Renderer::kCarriedVarying}});
+         }},
+        {"costs", "log or power; resets the four weights that follow", true,
+         [](Method& m, const std::string& text) {
+           m.label.costs = query::default_costs(query::parse_cost_form(text));
+         }},
+        {"lambda", "weight of neighbours", true,
+         to([](Method & m) -> auto& { return m.label.costs.lambda; })},
+        {"sigma", "weight of temporal spectra", true,
+         to([](Method & m) -> auto& { return m.label.costs.sigma; })},
+        {"rho", "weight of textureness", true, to([](Method & m) -> auto& { return m.label.costs.rho; })},
+        {"vote", "weight of the candidates' vote", true,
+         to([](Method & m) -> auto& { return m.label.costs.vote; })},
+        {"k", "candidates per piece", true, to([](Method & m) -> auto& { return m.label.candidates.k; })},
+        {"coherent", "continued candidates of each neighbour", true,
+         to([](Method & m) -> auto& { return m.label.candidates.coherent; })},
+        {"min-scale", "of a variant", true,
+         to([](Method & m) -> auto& { return m.label.candidates.min_scale; })},
+        {"max-rotation", "of a variant, degrees", true,
+         to([](Method & m) -> auto& { return m.label.candidates.max_rotation_deg; })},
+        {"same-class", "1: candidates of the clip's class alone", true,
+         to([](Method & m) -> auto& { return m.same_class; })},
+        {"tolerance", "of the hint's direction, degrees", true,
+         to([](Method & m) -> auto& { return m.label.guide.tolerance_deg; })},
+        {"speed-ratio", "tolerance of the hint's speed", true,
+         to([](Method & m) -> auto& { return m.label.guide.speed_ratio; })},
+        {"hint-search", "wide or narrow; resets the three prices that follow", true,
+         [](Method& m, const std::string& text) {
+           m.label.hint_search = query::parse_hint_search(text);
+           m.label.guide_costs = query::default_guide_costs(m.label.hint_search);
+         }},
+        {"guide-unsteady", "cost of going to and fro where a direction is asked", true,
+         to([](Method & m) -> auto& { return m.label.guide_costs.unsteady; })},
+        {"reuse", "cost of a place shown twice by neighbours", true,
+         to([](Method & m) -> auto& { return m.label.reuse.overlap; })},
+        {"guide-direction", "cost of an angle to the hint", true,
+         to([](Method & m) -> auto& { return m.label.guide_costs.direction; })},
+        {"guide-speed", "cost of another speed than the hint's", true,
+         to([](Method & m) -> auto& { return m.label.guide_costs.speed; })},
+        {"own", "1: the clip itself is a candidate too", true, to([](Method & m) -> auto& { return m.own; })},
+    };
+    for (const synth::animate::MethodSetting& setting : synth::animate::method_settings())
+      all.push_back({setting.name, setting.text, false, [&setting](Method& m, const std::string& text) {
+                       setting.set(m.animate.method, text);
+                     }});
+    return all;
+  }();
   return settings;
 }
 
@@ -167,7 +108,7 @@ const std::vector<Setting>& all_settings() {
 const std::vector<NamedSettings>& methods() {
   static const std::vector<NamedSettings> all{
       {"ours", "", "the defaults"},
-      {"paper", "method=paper weights=paper low-band=keep matching=frame",
+      {"paper", "method=paper blend=paper low-band=keep matching=frame",
        "Okabe et al. 2011: averaged differences on the long exposure, matched frame by frame"},
       {"eulerian", "renderer=eulerian",
        "two copies of the still carried along the clip's true mean motion; no hint, no labels"},
@@ -187,7 +128,7 @@ const std::vector<NamedSettings>& ablations() {
       {"no-coherent", "coherent=0", "no continuations of neighbours' candidates"},
       {"one-scale", "min-scale=1", "clips at whole size only"},
       {"no-rotation", "max-rotation=0", "upright clips only"},
-      {"paper-blend", "weights=paper", "innovations are averaged where pieces overlap"},
+      {"paper-blend", "blend=paper", "innovations are averaged where pieces overlap"},
       {"steady", "variation=0", "the picture is carried along a field that does not change"},
       {"no-renewal", "renewal=0", "nothing comes anew from the patches but their level"},
       {"no-contrast", "contrast-gain=1", "contrast that mixing loses is not brought back place by place"},

@@ -59,6 +59,25 @@ class Reading {
   std::span<const std::byte> left_;
 };
 
+// Field by field, so that a weight that is added to its struct and not to the hash does not compile.
+void add_table_weights(const PairwiseOptions& options, cache::KeyHash& hash) {
+  const auto& [form, lambda, sigma, rho, vote] = options;  // the vote is of pieces, not of edges
+  hash.add(form);
+  for (const double weight : {lambda, sigma, rho}) hash.add(weight);
+}
+void add_weights(const PairwiseOptions& options, cache::KeyHash& hash) {
+  add_table_weights(options, hash);
+  hash.add(options.vote);
+}
+void add_weights(const GuideCosts& costs, cache::KeyHash& hash) {
+  const auto& [direction, speed, unsteady] = costs;
+  for (const double weight : {direction, speed, unsteady}) hash.add(weight);
+}
+void add_weights(const ReuseCosts& costs, cache::KeyHash& hash) {
+  const auto& [overlap, crowd] = costs;
+  for (const double weight : {overlap, crowd}) hash.add(weight);
+}
+
 constexpr int kMaxOpenings = 100;
 
 std::vector<std::byte> bytes_of(const PieceAnswer& answer) {
@@ -155,8 +174,8 @@ Candidates LabellingMemo::find_candidates(const Target& target, const cv::Mat& m
     for (int steps = 0; !asked.empty() && steps < kMaxOpenings; ++steps) {
       const MotionWindow window = window_of(asked[piece], guide, steps);
       if (window.is_any()) break;
-      for (const float value : {window.u, window.v, window.min_cosine, window.min_speed, window.max_speed})
-        hash.add(value);
+      const auto& [u, v, min_cosine, min_speed, max_speed] = window;
+      for (const float value : {u, v, min_cosine, min_speed, max_speed}) hash.add(value);
     }
     keys.push_back(hash.key());
     if (const auto bytes = cache_.find(keys.back()))
@@ -217,8 +236,7 @@ Mrf LabellingMemo::build_mrf(const Target& target, const Candidates& candidates,
     hash.add(rows_of[p]);
     hash.add(rows_of[q]);
     hash.add(target.places[p].y == target.places[q].y);
-    hash.add(options.form);
-    for (const double weight : {options.lambda, options.sigma, options.rho}) hash.add(weight);
+    add_table_weights(options, hash);
     table_of.push_back(hash.key());
     wanted.edges[e] = true;
     const std::span<PairCost> table(mrf.table(mrf.edges[e]),
@@ -261,12 +279,11 @@ cache::Key LabellingMemo::solution_key(const Target& target, const Candidates& c
     hash.add(candidates.steadiness_of(piece));
   }
   hash.add(std::uint64_t{candidates.asked.size()});
-  for (const PieceMotion& asked : candidates.asked)
-    for (const float value : {asked.direction[0], asked.direction[1], asked.speed}) hash.add(value);
-  hash.add(options.form);
-  for (const double weight : {options.lambda, options.sigma, options.rho, options.vote, guide_costs.direction,
-                              guide_costs.speed, guide_costs.unsteady, reuse.overlap, reuse.crowd})
-    hash.add(weight);
+  for (const auto& [direction, speed] : candidates.asked)
+    for (const float value : {direction[0], direction[1], speed}) hash.add(value);
+  add_weights(options, hash);
+  add_weights(guide_costs, hash);
+  add_weights(reuse, hash);
   hash.add(minimizer);
   hash.add(max_iterations);
   return hash.key();

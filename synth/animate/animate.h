@@ -17,9 +17,11 @@
 
 namespace freshet::synth::animate {
 
+/// How frames are made: one renderer's options (renderer.h).
+using Method = std::variant<CarriedOptions, PaperOptions>;
+
 struct AnimateOptions : FrameOptions {
-  /// How frames are made: one renderer's options (renderer.h).
-  std::variant<CarriedOptions, PaperOptions> method{};
+  Method method{};
 };
 
 /// Renders the animation frame by frame into `sink`: the picture's size, in order, one at a time, while the next

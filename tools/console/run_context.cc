@@ -31,22 +31,21 @@ std::mutex guard;
 std::string kept;                           // by guard
 std::optional<std::set<std::string>> said;  // while a SayOnce lives
 
+constexpr const char* kInDetail = ", in detail";
+
 /// Some options are left out of the help, not of the command: CLI11's own way, a group without a name, takes their
 /// names too, from messages and from whoever looks for outputs among the options.
 class ShortHelp : public CLI::Formatter {
  public:
-  explicit ShortHelp(std::vector<std::string> hidden) : hidden_(std::move(hidden)) {}
-  void show_all() { hidden_.clear(); }
+  void show_all() { all_ = true; }
   std::string make_group(std::string group, bool is_positional,
                          std::vector<const CLI::Option*> options) const override {
-    std::erase_if(options, [&](const CLI::Option* option) {
-      return std::ranges::any_of(hidden_, [&](const std::string& name) { return option->check_name(name); });
-    });
-    return options.empty() ? "" : CLI::Formatter::make_group(std::move(group), is_positional, options);
+    if (!all_ && group.ends_with(kInDetail)) return "";
+    return CLI::Formatter::make_group(std::move(group), is_positional, options);
   }
 
  private:
-  std::vector<std::string> hidden_;
+  bool all_ = false;
 };
 
 /// A message that quotes a name of a megabyte keeps what it begins with, where and what, and its end, the remedy.
@@ -132,8 +131,10 @@ void add_threads(CLI::App& command) {
       ->type_name("N");
 }
 
-void add_short_help(CLI::App& command, const std::vector<std::string>& hidden) {
-  const auto formatter = std::make_shared<ShortHelp>(hidden);
+std::string in_detail(const std::string& group) { return group + kInDetail; }
+
+void add_short_help(CLI::App& command) {
+  const auto formatter = std::make_shared<ShortHelp>();
   command.formatter(formatter);
   command
       .add_flag_callback(

@@ -43,9 +43,10 @@ void add_threads(CLI::App& command);
 /// Limits all work to n threads; 0 means all cores.
 void use_threads(int n);
 
-/// Leaves these options out of --help, and adds --help-all, which explains them too. Called when all options are
-/// there.
-void add_short_help(CLI::App& command, const std::vector<std::string>& hidden);
+/// The group of options that a short help leaves out, beside `group`.
+std::string in_detail(const std::string& group);
+/// Leaves options of such groups out of --help, and adds --help-all, which explains them too.
+void add_short_help(CLI::App& command);
 
 /// A message for a person, on stderr, prefixed with the program's name.
 void say(const std::string& message);

@@ -22,17 +22,19 @@ std::filesystem::path home_of_caches() {
 
 void CacheOptions::add_to(CLI::App& command, const std::string& kept) {
   const std::string group = "Cache";
-  command
-      .add_option("--cache", folder_,
-                  "Keep " + kept + ". auto: $XDG_CACHE_HOME/freshet or ~/.cache/freshet [none]")
-      ->type_name("DIR")
-      ->group(group);
+  CLI::Option* const cache =
+      command
+          .add_option("--cache", folder_,
+                      "Keep " + kept + ". auto: $XDG_CACHE_HOME/freshet or ~/.cache/freshet [none]")
+          ->type_name("DIR")
+          ->group(group);
   command
       .add_option("--cache-size", megabytes_,
                   "Size of the cache, MB; the least recently used results go first")
       ->check(CLI::Range(1, 1 << 20))
       ->capture_default_str()
-      ->group(group);
+      ->needs(cache)
+      ->group(in_detail(group));
 }
 
 std::unique_ptr<cache::ResultCache> CacheOptions::open() const {

@@ -1,6 +1,7 @@
 #include "tools/options/motion_options.h"
 
 #include <cmath>
+#include <initializer_list>
 
 #include <fmt/format.h>
 #include <opencv2/imgproc.hpp>
@@ -36,23 +37,7 @@ void say_all(const std::string& file, const std::vector<std::string>& notices) {
 
 void MotionOptions::add_to(CLI::App& command) {
   speed_white_ = hints::kSpeedWhite;
-  speed_ratio_ = query::MotionGuide{}.speed_ratio;
-  command
-      .add_option("--hint", hint_,
-                  "Where no direction is asked: auto (guess one from the candidates' classes and the "
-                  "picture's texture, and say so) or none")
-      ->check(CLI::IsMember({"auto", "none"}))
-      ->capture_default_str()
-      ->group(kGroup);
-  command
-      .add_option(
-          "--hint-search", hint_search_,
-          "What a direction or speed that is asked does to the search: wide (looks choose, and the "
-          "animation turns and scales what a patch does), narrow (only patches that move so, as in the "
-          "paper), or auto: wide, but for --method paper narrow")
-      ->check(CLI::IsMember({"auto", "wide", "narrow"}))
-      ->capture_default_str()
-      ->group(kGroup);
+  add_search_to(command);
   CLI::Option* strokes =
       command
           .add_option(
@@ -73,25 +58,45 @@ void MotionOptions::add_to(CLI::App& command) {
           "--speed-map", speed_map_,
           "Speeds as a grey picture of the same size: black still, white --speed-white; transparent: any")
       ->group(kGroup);
-  command
-      .add_option("--speed-white", speed_white_,
-                  "Speed that white stands for, px/s, in maps read and written")
-      ->check(CLI::Range(1.0, 100000.0))
-      ->capture_default_str()
-      ->group(kGroup);
-  command
-      .add_option(
-          "--speed-tolerance", speed_ratio_,
-          "Ratio by which patches may be slower or faster than asked by strokes or a speed map, in a narrow "
-          "search")
-      ->check(CLI::Range(1.0, 16.0))
-      ->capture_default_str()
-      ->group(kGroup);
+  speed_white_option_ = command
+                            .add_option("--speed-white", speed_white_,
+                                        "Speed that white stands for, px/s, in maps read and written")
+                            ->check(CLI::Range(1.0, 100000.0))
+                            ->capture_default_str()
+                            ->group(in_detail(kGroup));
   command
       .add_option(
           "--draw", drawing_,
           "Write the picture with arrows of the motion that is asked, or else was assigned (PNG, JPEG)")
       ->group(kGroup);
+}
+
+void MotionOptions::add_search_to(CLI::App& command) {
+  speed_ratio_ = query::MotionGuide{}.speed_ratio;
+  command
+      .add_option("--hint", hint_,
+                  "Where no direction is asked: auto (guess one from the candidates' classes and the "
+                  "picture's texture, and say so) or none")
+      ->check(CLI::IsMember({"auto", "none"}))
+      ->capture_default_str()
+      ->group(in_detail(kGroup));
+  command
+      .add_option(
+          "--hint-search", hint_search_,
+          "What a direction or speed that is asked does to the search: wide (looks choose, and the "
+          "animation turns and scales what a patch does), narrow (only patches that move so, as in the "
+          "paper), or auto: wide, but for --method paper narrow")
+      ->check(CLI::IsMember({"auto", "wide", "narrow"}))
+      ->capture_default_str()
+      ->group(kGroup);
+  speed_tolerance_option_ = command
+                                .add_option("--speed-tolerance", speed_ratio_,
+                                            "Ratio by which patches may be slower or faster than asked by "
+                                            "strokes or a speed map, in a narrow "
+                                            "search")
+                                ->check(CLI::Range(1.0, 16.0))
+                                ->capture_default_str()
+                                ->group(in_detail(kGroup));
 }
 
 void MotionOptions::add_outputs_to(CLI::App& command) {
@@ -119,6 +124,15 @@ AskedMotion MotionOptions::read(const TargetFiles::Loaded& loaded, const SearchO
   AskedMotion asked;
   asked.search = hint_search_ == "auto" ? automatic : query::parse_hint_search(hint_search_);
   asked.guesses = hint_ == "auto";
+  if (asked.search == query::HintSearch::kWide)
+    for (const CLI::Option* narrow :
+         std::initializer_list<const CLI::Option*>{&search.tolerance(), speed_tolerance_option_})
+      if (narrow->count() > 0)
+        throw Error(ErrorKind::kUsage, narrow->get_name(), "it belongs to a narrow search",
+                    "Add --hint-search narrow");
+  if (speed_white_option_->count() > 0 && speed_map_.empty() && speed_out_.empty())
+    throw Error(ErrorKind::kUsage, speed_white_option_->get_name(), "it belongs to a map of speeds",
+                "Add --speed-map or --speed-out");
   asked.guide.tolerance_deg = search.options().direction_tolerance_deg;
   asked.guide.speed_ratio = speed_ratio_;
   const cv::Size picture = loaded.picture.size();

@@ -27,12 +27,15 @@ class MotionOptions {
  public:
   /// --hint, --hint-search, --strokes, --orientation-map, --speed-map, --speed-white, --speed-tolerance, --draw.
   void add_to(CLI::App& command);
+  /// Of these, what says how patches are searched: --hint, --hint-search, --speed-tolerance.
+  void add_search_to(CLI::App& command);
   /// --orientation-out, --speed-out: for commands that assign patches.
   void add_outputs_to(CLI::App& command);
 
   /// Throws for outputs whose names are wrong, before anything is computed.
   void check_outputs() const;
-  /// Reads what was given; says what was left out. The tolerance in degrees is that of --direction.
+  /// Reads what was given; says what was left out. Throws Error{kUsage} for options of a narrow search in a wide one, and
+  /// for --speed-white without a map of speeds. The tolerance in degrees is that of --direction.
   /// automatic   what --hint-search auto means.
   AskedMotion read(const TargetFiles::Loaded& loaded, const SearchOptions& search,
                    query::HintSearch automatic = query::HintSearch::kWide) const;
@@ -53,6 +56,7 @@ class MotionOptions {
   std::string hint_ = "auto", hint_search_ = "auto", strokes_, orientation_map_, speed_map_, drawing_,
               orientation_out_, speed_out_;
   double speed_white_ = 0, speed_ratio_ = 0;
+  CLI::Option *speed_white_option_ = nullptr, *speed_tolerance_option_ = nullptr;
 };
 
 }  // namespace freshet::tools

@@ -24,7 +24,7 @@ void OutlineOptions::add_to(CLI::App& command) {
                       moving)
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str()
-      ->group(group);
+      ->group(in_detail(group));
   command
       .add_option("--background", background_,
                   "Picture of what lies behind the fluid, as large as the target; without it that is guessed "
@@ -39,7 +39,7 @@ void OutlineOptions::add_to(CLI::App& command) {
               moving)
       ->check(CLI::IsMember({"navier-stokes", "telea", "shift-map", "fsr", "outward"}))
       ->capture_default_str()
-      ->group(group);
+      ->group(in_detail(group));
 }
 
 void OutlineOptions::check() const {

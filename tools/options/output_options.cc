@@ -61,6 +61,20 @@ void OutputOptions::add_frames_to(CLI::App& command) {
 }
 
 void OutputOptions::add_to(CLI::App& command) {
+  add_fluid_to(command, {"whole", "fluid", "light"},
+               ", light (what a moving fluid adds to its background, on black: for add)");
+  command
+      .add_option(
+          "--motion-out", motion_out_,
+          "Also write the motion, px to the next frame: motion/%05d.flo (y down), or motion/%05d.exr (y up); "
+          "may be given twice")
+      ->group(kGroup);
+}
+
+void OutputOptions::add_fluid_to(CLI::App& command) { add_fluid_to(command, {"whole", "fluid"}, ""); }
+
+void OutputOptions::add_fluid_to(CLI::App& command, const std::vector<std::string>& layers,
+                                 const std::string& more) {
   add_frames_to(command);
   command.get_option("--output")->required();
   command
@@ -73,8 +87,9 @@ void OutputOptions::add_to(CLI::App& command) {
       .add_option(
           "--layer", layer_,
           "whole (the picture with the fluid in it), fluid (the fluid alone with alpha, to lie over the "
-          "picture), light (what a moving fluid adds to its background, on black: for add)")
-      ->check(CLI::IsMember({"whole", "fluid", "light"}))
+          "picture)" +
+              more)
+      ->check(CLI::IsMember(layers))
       ->capture_default_str()
       ->group(kGroup);
   command
@@ -87,12 +102,6 @@ void OutputOptions::add_to(CLI::App& command) {
   command
       .add_option("--matte-out", matte_out_,
                   "Also write every frame's matte, in grey: mattes/%05d.png, or a video")
-      ->group(kGroup);
-  command
-      .add_option(
-          "--motion-out", motion_out_,
-          "Also write the motion, px to the next frame: motion/%05d.flo (y down), or motion/%05d.exr (y up); "
-          "may be given twice")
       ->group(kGroup);
 }
 

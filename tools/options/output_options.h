@@ -57,7 +57,10 @@ class OutputOptions {
  public:
   /// --output, --width, --layer, --alpha, --depth, --preset, --start-number, --range, --matte-out, --motion-out, --overwrite.
   void add_to(CLI::App& command);
-  /// Of these, what any frames need: --output (which open() asks for), --depth, --preset, --start-number, --range,
+  /// Of these, what frames of a fluid need that is neither carried nor has a moving outline: no --layer light, no
+  /// --motion-out.
+  void add_fluid_to(CLI::App& command);
+  /// And what any frames need: --output (which open() asks for), --depth, --preset, --start-number, --range,
   /// --overwrite.
   void add_frames_to(CLI::App& command);
 
@@ -80,6 +83,7 @@ class OutputOptions {
   std::vector<std::string> files() const;
 
  private:
+  void add_fluid_to(CLI::App& command, const std::vector<std::string>& layers, const std::string& more);
   cv::Size apply_preset(cv::Size size);
   media::Samples choose_samples(const media::OutputFormat& format, bool deep);
   FrameNumbers numbers(int frames) const;

@@ -25,12 +25,6 @@ void PlayOptions::add_to(CLI::App& command) {
                   "Grey picture of the same size, times --speed: black 0.5, mid-grey (128) 1, white 2 [none]")
       ->group(group);
   command
-      .add_option("--resampling", resampling_,
-                  "Moments between a clip's frames: flow (made along the motion) or nearest (frame)")
-      ->check(CLI::IsMember({"flow", "nearest"}))
-      ->capture_default_str()
-      ->group(group);
-  command
       .add_option("--memory", memory_mb_,
                   "MB that frames in the making may take; more of them are made in batches, the same to the "
                   "bit. Large pictures need more by themselves (2.3 GB at 3840 x 2160)")
@@ -44,10 +38,6 @@ void PlayOptions::apply(synth::animate::FrameOptions& options) const {
                 "Ask for 2 --frames or more");
   options.loop = loop_;
   options.memory_bytes = static_cast<std::size_t>(memory_mb_) << 20;
-}
-
-synth::animate::Resampling PlayOptions::resampling() const {
-  return resampling_ == "nearest" ? synth::animate::Resampling::kNearest : synth::animate::Resampling::kFlow;
 }
 
 synth::animate::Playing PlayOptions::read(cv::Size picture) const {

@@ -6,7 +6,6 @@
 
 #include <CLI/CLI.hpp>
 
-#include "synth/animate/clips/clip_layer.h"
 #include "synth/animate/frames/animation.h"
 #include "synth/animate/staging.h"
 
@@ -17,7 +16,6 @@ class PlayOptions {
   void add_to(CLI::App& command);
   /// Sets loop and memory.
   void apply(synth::animate::FrameOptions& options) const;
-  synth::animate::Resampling resampling() const;
   /// Reads the map and says what had to be changed about it.
   synth::animate::Playing read(cv::Size picture) const;
 
@@ -25,7 +23,6 @@ class PlayOptions {
   bool loop_ = false;
   double speed_ = 1;
   std::filesystem::path map_;
-  std::string resampling_ = "flow";
   int memory_mb_ = 2000;
 };
 

@@ -17,6 +17,8 @@ class SearchOptions {
   void add_to(CLI::App& command);
   query::CandidateOptions options() const;
   query::IndexChoice index() const;
+  /// --tolerance, which means something to a narrow search alone.
+  const CLI::Option& tolerance() const { return *tolerance_option_; }
   /// Nothing for auto.
   std::optional<double> piece_scale() const;
   /// Before long work. Throws Error{kUsage} when pieces of another size were asked for than the store was made for,
@@ -28,6 +30,7 @@ class SearchOptions {
   query::FlannOptions flann_options_;
   std::string direction_, index_ = "exact", piece_scale_ = "auto";
   int piece_ = 0;
+  CLI::Option *tolerance_option_ = nullptr, *checks_option_ = nullptr;
 };
 
 }  // namespace freshet::tools

@@ -17,6 +17,7 @@
 #include "tools/options/cache_options.h"
 #include "tools/options/duration.h"
 #include "tools/options/hold_options.h"
+#include "tools/options/method_options.h"
 #include "tools/options/motion_options.h"
 #include "tools/options/outline_options.h"
 #include "tools/options/output_options.h"
@@ -39,12 +40,9 @@ struct AnimateCommand {
   CacheOptions cache;
   PlayOptions play;
   OutlineOptions outline;
+  MethodOptions method;
   OutputOptions output;
   std::string assignment, sheet;
-  std::string method = "carried", weights = "variance", low_band = "shared", matching = "sequence";
-  synth::animate::BaseImageOptions base;
-  synth::animate::CarriedOptions carried;
-  synth::animate::PaperOptions paper;
   bool json = false;
 
   /// All options, and what --help leaves to --help-all.
@@ -53,13 +51,13 @@ struct AnimateCommand {
   void add_making_to(CLI::App& app);
   /// Those that can only change which patches are chosen, or what is read from files.
   void add_choosing_to(CLI::App& app);
+  /// Those that can only change which patches are chosen.
+  void add_search_to(CLI::App& app);
 
   synth::animate::AnimateOptions rendering() const;
   std::vector<PlannedStage> stages() const;
-
- private:
-  void add_carrying_to(CLI::App& app);
-  void add_blending_to(CLI::App& app);
+  /// What a direction or speed that is asked does to the search, where nobody says so.
+  query::HintSearch hint_search() const;
 };
 
 /// What its files hold and its options come to, before a patch is looked for.

@@ -111,6 +111,16 @@ void run_animate(AnimateCommand& command, const RunContext& context) {
   print_made(command, inputs, chosen, report);
 }
 
+/// Options that an assignment leaves nothing to do.
+void say_unused(const CLI::App& given, const std::string& assignment) {
+  CLI::App searching;
+  AnimateCommand options;
+  options.add_search_to(searching);
+  for (const CLI::Option* option : searching.get_options())
+    if (const std::string name = option->get_name(); given.count(name) > 0)
+      say(fmt::format("{} has no effect: {} says which patches are used", name, assignment));
+}
+
 }  // namespace
 
 void animate_layer(const AnimateRequest& request, const std::function<void(const cv::Mat&)>& sink,
@@ -130,7 +140,7 @@ void animate_layer(const AnimateRequest& request, const std::function<void(const
   const std::unique_ptr<cache::ResultCache> cache = command.cache.open();
   AnimateInputs inputs{.loaded = request.loaded,
                        .options = command.rendering(),
-                       .asked = command.motion.read(request.loaded, command.search),
+                       .asked = command.motion.read(request.loaded, command.search, command.hint_search()),
                        .playing = command.play.read(request.loaded.picture.size())};
   inputs.options.loop = request.loop;
   inputs.options.form = synth::animate::FrameForm::kFluid;
@@ -155,12 +165,7 @@ void add_animate(CLI::App& synth_command, RunContext& context) {
       synth_command.add_subcommand("animate", "Animate a still picture with the patches of a store");
   command->add_to(*sub);
   sub->callback([command, sub, &context] {
-    if (!command->assignment.empty())
-      for (const char* name :
-           {"--class", "--direction", "--exclude", "--piece", "--piece-scale", "--solver", "--hint",
-            "--hint-search", "--strokes", "--orientation-map", "--speed-map", "--cache"})
-        if (sub->count(name) > 0)
-          say(fmt::format("{} has no effect: {} says which patches are used", name, command->assignment));
+    if (!command->assignment.empty()) say_unused(*sub, command->assignment);
     run_animate(*command, context);
   });
 }

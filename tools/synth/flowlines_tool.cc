@@ -345,7 +345,7 @@ void add_flowlines(CLI::App& synth_command, RunContext& context) {
                                                "Extend a short clip of flowing water, fire or smoke to any "
                                                "length, or redirect its fluid (Bhat et al. 2004)");
   add_clip(*sub, *command);
-  command->output.add_to(*sub);
+  command->output.add_fluid_to(*sub);
   add_lines(*sub, *command);
   add_editing(*sub, *command);
   add_particles(*sub, *command);

@@ -32,8 +32,8 @@ struct FlowingClip {
       -1;  // >= 0: frames are a texture that goes along `steady`, and of its variance this part dies away,
   double kept = 0;              // by this from frame to frame
   std::vector<double> rates{};  // column "flow.rate", of clips whose frame rate varies
-  std::optional<vision::CellMap> life{},
-      standing{};  // columns "cells.life" and "cells.standing", as ingest writes them
+  std::optional<vision::CellMap> life{}, standing{},
+      motion{};  // columns "cells.life", "cells.standing" and "cells.motion", as ingest writes them
 
   static cv::Mat moved(const cv::Mat& from, cv::Point by) {
     cv::Mat out(from.size(), from.type());
@@ -107,6 +107,7 @@ struct FlowingClip {
     columns.rates = rates;
     if (life) columns.life = *life;
     if (standing) columns.standing = *standing;
+    if (motion) columns.motion = *motion;
     for (int i = 0; i < frames; ++i) {
       const cv::Mat picture = frame(i);
       const std::array<cv::Mat, 2> by = flow(i);

@@ -1,0 +1,270 @@
+#include "synth/animate/animate.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <ostream>
+#include <stop_token>
+#include <string>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <oneapi/tbb/global_control.h>
+#include <opencv2/imgproc.hpp>
+
+#include "freshet/error.h"
+#include "tests/synth/animate/flowing_clip.h"
+#include "vision/temporal_spectrum.h"
+
+namespace freshet::synth::animate {
+namespace {
+
+using Frames = std::vector<cv::Mat>;
+
+/// A way to make frames, and what it made of the scene below when its golden hash was taken.
+struct Case {
+  std::string name;
+  AnimateOptions options;
+  std::uint64_t golden = 0;
+};
+void PrintTo(const Case& one, std::ostream* out) { *out << one.name; }
+
+Case with(std::string name, std::uint64_t golden, decltype(AnimateOptions::method) method, bool loop = false,
+          outline::Outline boundary = outline::Outline::kStatic) {
+  Case one{.name = std::move(name), .options = {}, .golden = golden};
+  one.options.frames = 20;
+  one.options.loop = loop;
+  one.options.outline.kind = boundary;
+  one.options.method = std::move(method);
+  return one;
+}
+
+std::vector<Case> cases() {
+  const CarriedOptions motion_alone{.innovations = std::nullopt};
+  const PaperOptions by_frame{.matching = AppearanceMatching::kFrame},
+      nearest{.resampling = Resampling::kNearest};
+  return {with("Carried", 0x0d6b9a2acee2dbcb, CarriedOptions{}),
+          with("CarriedLoop", 0xa264bc8772af623f, CarriedOptions{}, true),
+          with("CarriedMoving", 0x25838b40616db8c6, CarriedOptions{}, false, outline::Outline::kMoving),
+          with("MotionAlone", 0x724195f60c8fde27, motion_alone),
+          with("MotionAloneMoving", 0x89ace2b25cdcc3f2, motion_alone, false, outline::Outline::kMoving),
+          with("Paper", 0x3dfe0b4ad08f6d6d, PaperOptions{}),
+          with("PaperByFrame", 0x850851d95d502cce, by_frame),
+          with("PaperLoopOfWholeFrames", 0x979fab7519d8db73, nearest, true),
+          with("PaperMoving", 0x976b5069a0f30feb, PaperOptions{}, false, outline::Outline::kMoving)};
+}
+
+/// A clip whose metadata know its motion.
+FlowingClip measured(FlowingClip clip) {
+  vision::MotionAccumulator motion(clip.size, clip.flow_step, 25, vision::Settings{}.spectrum);
+  for (int i = 0; i + 1 < clip.frames; ++i) {
+    const auto flow = clip.flow(i);
+    motion.add(flow[0], flow[1]);
+  }
+  clip.motion = motion.finish();
+  return clip;
+}
+
+/// A picture whose fluid two clips move.
+class Animated : public testing::TestWithParam<Case> {
+ protected:
+  static void SetUpTestSuite() {
+    scene_ = new Scene;
+    for (int y = 0; y + 48 <= 110; y += 24)
+      for (int x = 0; x + 48 <= 150; x += 24)
+        scene_->placement.patches.push_back({.piece = {x, y},
+                                             .clip = scene_->store.id(x < 60 ? 0 : 1),
+                                             .variant = {},
+                                             .patch = {x, y},
+                                             .speed = x < 60 ? 1 : 0.8});
+    cv::RNG(3).fill(scene_->picture, cv::RNG::UNIFORM, 0, 255);
+    cv::GaussianBlur(scene_->picture, scene_->picture, {}, 2);
+    scene_->matte(cv::Rect(10, 10, 120, 80)).setTo(255);
+    cv::blur(scene_->matte, scene_->matte, {7, 7});
+  }
+  static void TearDownTestSuite() { delete scene_; }
+
+  struct Made {
+    Frames frames;
+    AnimateReport report;
+  };
+  static Made animated(const AnimateOptions& options, std::stop_token stop = {}) {
+    Made made;
+    made.report = animate(
+        scene_->store.snapshot(), scene_->store.settings(), scene_->picture, scene_->matte, scene_->placement,
+        options, [&](const cv::Mat& frame) { made.frames.push_back(frame.clone()); }, {}, std::move(stop));
+    return made;
+  }
+  /// Of the parameter's options, made once.
+  static const Frames& whole() {
+    static std::string of;
+    static Frames frames;
+    if (of != GetParam().name) {
+      of = GetParam().name;
+      frames = animated(GetParam().options).frames;
+    }
+    return frames;
+  }
+  static const cv::Mat& picture() { return scene_->picture; }
+  static const cv::Mat& matte() { return scene_->matte; }
+
+ private:
+  struct Scene {
+    FlowingStore store{{measured({.frames = 26}), measured({.frames = 26, .steady = {2, 1}, .seed = 5})}};
+    Placement placement{.side = 48, .stride = 24, .patches = {}};
+    cv::Mat picture = cv::Mat(100, 144, CV_8UC3), matte = cv::Mat(100, 144, CV_8U, cv::Scalar(0));
+  };
+  inline static Scene* scene_ = nullptr;
+};
+
+bool same(const cv::Mat& one, const cv::Mat& other) {
+  if (one.size() != other.size() || one.type() != other.type()) return false;
+  for (int y = 0; y < one.rows; ++y)
+    if (std::memcmp(one.ptr(y), other.ptr(y), static_cast<std::size_t>(one.cols) * one.elemSize()) != 0)
+      return false;
+  return true;
+}
+
+void expect_same(const Frames& one, const Frames& other) {
+  ASSERT_EQ(one.size(), other.size());
+  for (std::size_t i = 0; i < one.size(); ++i) EXPECT_TRUE(same(one[i], other[i])) << "frame " << i;
+}
+
+/// FNV-1a.
+std::uint64_t hash_of(const Frames& frames) {
+  std::uint64_t hash = 1469598103934665603u;
+  for (const cv::Mat& frame : frames)
+    for (int y = 0; y < frame.rows; ++y)
+      for (std::size_t i = 0; i < frame.cols * frame.elemSize(); ++i)
+        hash = (hash ^ frame.ptr(y)[i]) * 1099511628211u;
+  return hash;
+}
+
+TEST_P(Animated, FramesAreThoseOfTheGoldenHash) { EXPECT_EQ(hash_of(whole()), GetParam().golden); }
+
+TEST_P(Animated, FramesAreTheSameForAnyMemory) {
+  AnimateOptions options = GetParam().options;
+  options.memory_bytes = 1;
+  const Made small = animated(options);
+  const auto* const carried = std::get_if<CarriedOptions>(&options.method);
+  EXPECT_EQ(small.report.batches, carried != nullptr && !carried->innovations ? 1 : 2);
+  expect_same(whole(), small.frames);
+}
+
+TEST_P(Animated, FramesAreTheSameForAnyNumberOfThreads) {
+  for (const std::size_t threads : {1, 3}) {
+    const oneapi::tbb::global_control control(oneapi::tbb::global_control::max_allowed_parallelism, threads);
+    expect_same(whole(), animated(GetParam().options).frames);
+  }
+}
+
+TEST_P(Animated, APartIsThatPartOfTheWhole) {
+  for (const std::size_t memory : {std::size_t{1}, std::size_t{1} << 31})
+    for (const auto& [from, until] : {std::pair{0, 3}, {9, 13}, {17, 0}}) {
+      AnimateOptions options = GetParam().options;
+      options.memory_bytes = memory;
+      options.from = from;
+      options.until = until;
+      const Frames frames(whole().begin() + from, until == 0 ? whole().end() : whole().begin() + until);
+      expect_same(frames, animated(options).frames);
+    }
+}
+
+TEST_P(Animated, WhereTheMatteIs0AFrameIsThePicture) {
+  if (GetParam().options.moving()) GTEST_SKIP() << "the outline goes beyond the matte";
+  for (const cv::Mat& frame : whole()) {
+    cv::Mat different;
+    cv::absdiff(frame, picture(), different);
+    different.setTo(cv::Scalar::all(0), matte());
+    EXPECT_EQ(cv::countNonZero(different.reshape(1)), 0);
+  }
+}
+
+TEST_P(Animated, TheFluidMoves) {
+  for (std::size_t i = 1; i < whole().size(); ++i) {
+    cv::Mat different;
+    cv::absdiff(whole()[i], whole()[i - 1], different);
+    EXPECT_GT(cv::mean(different, matte())[0], 0.3) << i;
+  }
+}
+
+TEST_P(Animated, TheFluidAloneOverThePictureIsTheWhole) {
+  if (GetParam().options.moving()) GTEST_SKIP() << "it lies over what is behind the fluid";
+  AnimateOptions options = GetParam().options;
+  options.form = FrameForm::kFluid;
+  const Frames fluid = animated(options).frames;
+  ASSERT_EQ(fluid.size(), whole().size());
+  for (std::size_t i = 0; i < fluid.size(); ++i) {
+    ASSERT_EQ(fluid[i].type(), CV_32FC4);
+    double worst = 0;
+    for (int y = 0; y < picture().rows; ++y)
+      for (int x = 0; x < picture().cols; ++x)
+        for (int c = 0; c < 3; ++c) {
+          const cv::Vec4f& over = fluid[i].at<cv::Vec4f>(y, x);
+          const float laid =
+              255 * over[c] + (1 - over[3]) * static_cast<float>(picture().at<cv::Vec3b>(y, x)[c]);
+          worst = std::max(
+              worst, std::abs(double{std::clamp(laid, 0.f, 255.f)} - whole()[i].at<cv::Vec3b>(y, x)[c]));
+        }
+    EXPECT_LE(worst, 1) << "frame " << i;
+  }
+}
+
+TEST_P(Animated, EachFrameHasItsMatteAndItsMotion) {
+  AnimateOptions options = GetParam().options;
+  options.from = 5;
+  Frames mattes, motions;
+  options.matte_sink = [&](const cv::Mat& matte) { mattes.push_back(matte.clone()); };
+  auto* const carried = std::get_if<CarriedOptions>(&options.method);
+  if (carried != nullptr)
+    carried->motion_sink = [&](const cv::Mat& motion) { motions.push_back(motion.clone()); };
+  const Frames frames = animated(options).frames;
+  EXPECT_EQ(frames.size(), 15u);
+  EXPECT_EQ(mattes.size(), frames.size());
+  EXPECT_EQ(motions.size(), carried != nullptr ? frames.size() : 0u);
+  for (const cv::Mat& matte : mattes) EXPECT_EQ(matte.type(), CV_32F);
+  for (std::size_t i = 0; i < motions.size(); ++i) {
+    EXPECT_EQ(motions[i].type(), CV_32FC2);
+    EXPECT_GT(cv::norm(motions[i], cv::NORM_INF), 0.5);
+    cv::Mat beside = motions[i].clone();
+    beside.setTo(cv::Scalar::all(0), mattes[i] > 0);
+    EXPECT_EQ(cv::norm(beside, cv::NORM_INF), 0);
+  }
+}
+
+TEST_P(Animated, StopsWhereItIsAskedTo) {
+  std::stop_source stop;
+  AnimateOptions options = GetParam().options;
+  options.matte_sink = [&](const cv::Mat&) { stop.request_stop(); };
+  try {
+    animated(options, stop.get_token());
+    FAIL() << "it went on";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::kCancelled);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Methods, Animated, testing::ValuesIn(cases()),
+                         [](const auto& one) { return one.param.name; });
+
+struct Carried : Animated {};
+
+TEST_P(Carried, BeginsAsThePicture) {
+  cv::Mat different;
+  cv::absdiff(whole().front(), picture(), different);
+  // Colour is carried at half the size: of this noise a little is lost.
+  EXPECT_LE(cv::norm(different, cv::NORM_INF), 8);
+  EXPECT_LT(cv::mean(different, matte())[0], 0.5);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Methods, Carried,
+    testing::Values(with("Static", 0, CarriedOptions{}), with("Loop", 0, CarriedOptions{}, true),
+                    with("Moving", 0, CarriedOptions{}, false, outline::Outline::kMoving)),
+    [](const auto& one) { return one.param.name; });
+
+}  // namespace
+}  // namespace freshet::synth::animate
