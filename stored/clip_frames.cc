@@ -54,15 +54,32 @@ std::uint32_t ClipFrames::size() const { return snapshot_.clip(clip_).frame_coun
 media::Frame ClipFrames::read(std::uint32_t frame) const { return std::move(read(frame, 1).front()); }
 
 std::vector<media::Frame> ClipFrames::read(std::uint32_t first, std::uint32_t count) const {
-  const store::ClipRecord& record = snapshot_.clip(clip_);
   std::vector<media::Frame> frames;
   for (std::uint32_t i = 0; i < count; ++i) {
     frames.push_back(media::make_frame(layout_));
     frames.back().time_s = times_[first + i];
   }
+  read_planes(snapshot_.clip(clip_).frames.planes.size(), first, frames);
+  return frames;
+}
+
+std::vector<cv::Mat> ClipFrames::read_luma(std::uint32_t first, std::uint32_t count) const {
+  std::vector<media::Frame> frames;
+  for (std::uint32_t i = 0; i < count; ++i) frames.push_back(media::make_frame(layout_));
+  read_planes(media::luma_in_plane_0(layout_) ? 1 : snapshot_.clip(clip_).frames.planes.size(), first,
+              frames);
+  std::vector<cv::Mat> lumas(count);
+  oneapi::tbb::parallel_for(0u, count, [&](std::uint32_t i) { lumas[i] = media::to_luma(frames[i]); });
+  return lumas;
+}
+
+void ClipFrames::read_planes(std::size_t planes, std::uint32_t first,
+                             std::vector<media::Frame>& frames) const {
+  const store::ClipRecord& record = snapshot_.clip(clip_);
+  const auto count = static_cast<std::uint32_t>(frames.size());
   // Bands of a tile's height: each is decoded once, by one thread.
   constexpr std::uint32_t kBand = 64;
-  for (std::size_t p = 0; p < record.frames.planes.size(); ++p) {
+  for (std::size_t p = 0; p < planes; ++p) {
     const store::PlaneShape& shape = record.frames.planes[p];
     const std::size_t row_bytes = static_cast<std::size_t>(shape.width) * shape.bytes_per_sample;
     oneapi::tbb::parallel_for(0u, (shape.height + kBand - 1) / kBand, [&](std::uint32_t band) {
@@ -77,7 +94,6 @@ std::vector<media::Frame> ClipFrames::read(std::uint32_t first, std::uint32_t co
               samples.data() + (static_cast<std::size_t>(i) * rows + row) * row_bytes, row_bytes);
     });
   }
-  return frames;
 }
 
 }  // namespace freshet::stored

@@ -2,6 +2,9 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
+
+#include <opencv2/core.hpp>
 
 #include "media/frame/frame.h"
 #include "store/store.h"
@@ -20,8 +23,12 @@ class ClipFrames {
   media::Frame read(std::uint32_t frame) const;
   /// Frames [first, first + count), decoded together.
   std::vector<media::Frame> read(std::uint32_t first, std::uint32_t count) const;
+  /// Their luminance alone, CV_8U, as media::to_luma has it: chroma that it does not need stays unread.
+  std::vector<cv::Mat> read_luma(std::uint32_t first, std::uint32_t count) const;
 
  private:
+  void read_planes(std::size_t planes, std::uint32_t first, std::vector<media::Frame>& frames) const;
+
   store::Snapshot snapshot_;
   store::ClipId clip_;
   media::PixelLayout layout_;

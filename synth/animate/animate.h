@@ -10,6 +10,7 @@
 #include "freshet/job.h"
 #include "store/store.h"
 #include "synth/animate/carried/carried_renderer.h"
+#include "synth/animate/forms/forms_renderer.h"
 #include "synth/animate/frames/animation.h"
 #include "synth/animate/paper/paper_renderer.h"
 #include "synth/animate/placement/placement.h"
@@ -18,7 +19,7 @@
 namespace freshet::synth::animate {
 
 /// How frames are made: one renderer's options (renderer.h).
-using Method = std::variant<CarriedOptions, PaperOptions>;
+using Method = std::variant<CarriedOptions, FormsOptions, PaperOptions>;
 
 struct AnimateOptions : FrameOptions {
   Method method{};

@@ -17,8 +17,8 @@ namespace {
 
 /// Each method with its defaults, by name.
 const std::vector<std::pair<std::string, Method>>& methods() {
-  static const std::vector<std::pair<std::string, Method>> all{{"carried", CarriedOptions{}},
-                                                               {"paper", PaperOptions{}}};
+  static const std::vector<std::pair<std::string, Method>> all{
+      {"carried", CarriedOptions{}}, {"forms", FormsOptions{}}, {"paper", PaperOptions{}}};
   return all;
 }
 
@@ -93,9 +93,11 @@ MethodSetting method_itself() {
   MethodSetting setting{
       .name = "method",
       .text =
-          "carried: the picture, carried along the patches' motion; paper: the patches' differences on a "
-          "long "
-          "exposure of the picture (Okabe et al. 2011)",
+          "carried: the picture, carried along the patches' motion; forms: flames of clips over the "
+          "picture's "
+          "ground, for fires; paper: the patches' differences on a long exposure of the picture (Okabe et "
+          "al. "
+          "2011)",
       .words = {},
       .value = [](const Method& method) { return std::optional(methods()[method.index()].first); }};
   for (const auto& [name, unused] : methods()) setting.words.push_back(name);

@@ -31,7 +31,7 @@ struct MethodSetting {
 const std::vector<MethodSetting>& method_settings();
 /// Throws Error{kUsage} for a name that is none.
 const MethodSetting& method_setting(const std::string& name);
-/// "carried", "paper".
+/// "carried", "forms", "paper".
 std::string method_name(const Method& method);
 /// The defaults of the first method that has the setting.
 std::string default_value(const MethodSetting& setting);

@@ -59,6 +59,10 @@ synth::animate::AnimateOptions AnimateCommand::rendering() const {
   made.fps = duration.fps;
   play.apply(made);
   made.method = method.method();
+  if (auto* const forms = std::get_if<synth::animate::FormsOptions>(&made.method)) {
+    forms->excluded = search.options().excluded_clips;
+    forms->placed_only = !assignment.empty();
+  }
   return made;
 }
 
@@ -72,9 +76,14 @@ std::vector<PlannedStage> AnimateCommand::stages() const {
   if (assignment.empty())
     stages = {{"reading the index", ""},    {"guessing the motion", ""},  {"describing the picture", ""},
               {"searching candidates", ""}, {"comparing neighbours", ""}, {"choosing patches", ""}};
-  stages.push_back({"blend", "reading the clips"});
-  stages.push_back({"base", "preparing the picture"});
-  if (std::holds_alternative<synth::animate::PaperOptions>(method.method()))
+  const synth::animate::Method made = method.method();
+  if (std::holds_alternative<synth::animate::FormsOptions>(made)) {
+    stages.push_back({"choosing forms", ""});
+  } else {
+    stages.push_back({"blend", "reading the clips"});
+    stages.push_back({"base", "preparing the picture"});
+  }
+  if (std::holds_alternative<synth::animate::PaperOptions>(made))
     stages.push_back({"match", "matching contrast"});
   stages.push_back({"render", "rendering"});
   return stages;

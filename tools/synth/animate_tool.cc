@@ -18,6 +18,31 @@
 namespace freshet::tools {
 namespace {
 
+/// Whose flames are shown, and what speaks against them.
+void say_forms(const store::Snapshot& snapshot, const synth::animate::AnimateReport& report) {
+  for (const synth::animate::ShownForm& form : report.forms)
+    say(fmt::format("forms of {} from frame {} on, fit {:.2f}", snapshot.clip(form.clip).name, form.first,
+                    form.fit));
+  if (!report.forms_lack.empty())
+    say(fmt::format("the forms may not suit the picture: {}. --method carried does without",
+                    report.forms_lack));
+}
+
+/// With what is needed to credit a clip, as an assignment names it.
+nlohmann::json forms_json(const store::Snapshot& snapshot, const synth::animate::AnimateReport& report) {
+  nlohmann::json forms = nlohmann::json::array();
+  for (const synth::animate::ShownForm& form : report.forms) {
+    const store::ClipRecord& clip = snapshot.clip(form.clip);
+    forms.push_back({{"clip", clip.name},
+                     {"class", clip.class_name},
+                     {"licence", clip.licence},
+                     {"source_hash", clip.source_hash},
+                     {"first_frame", form.first},
+                     {"fit", form.fit}});
+  }
+  return forms;
+}
+
 void say_made(const synth::animate::AnimateReport& report, const AnimateInputs& inputs) {
   const int frames = inputs.options.until - inputs.options.from;
   say(fmt::format(
@@ -35,8 +60,8 @@ void say_made(const synth::animate::AnimateReport& report, const AnimateInputs& 
 }
 
 /// For a program, or the names of the files alone.
-void print_made(const AnimateCommand& command, const AnimateInputs& inputs, const ChosenPatches& chosen,
-                const synth::animate::AnimateReport& report) {
+void print_made(const AnimateCommand& command, const store::Snapshot& snapshot, const AnimateInputs& inputs,
+                const ChosenPatches& chosen, const synth::animate::AnimateReport& report) {
   std::vector<std::string> files = command.output.files();
   files.push_back(command.sheet);
   for (const std::string& path : command.motion.outputs()) files.push_back(path);
@@ -50,6 +75,10 @@ void print_made(const AnimateCommand& command, const AnimateInputs& inputs, cons
                                     {"width", inputs.loaded.picture.cols},
                                     {"height", inputs.loaded.picture.rows},
                                     {"fps", inputs.options.fps},
+                                    {"method", report.method},
+                                    {"forms", forms_json(snapshot, report)},
+                                    {"forms_fit", report.forms_fit},
+                                    {"forms_lack", report.forms_lack},
                                     {"pieces", report.pieces},
                                     {"clips", report.clips},
                                     {"batches", report.batches},
@@ -107,8 +136,9 @@ void run_animate(AnimateCommand& command, const RunContext& context) {
   output->finish();
   progress.finish();
   if (!command.sheet.empty()) media::write_picture(command.sheet, sheet.draw());
+  say_forms(snapshot, report);
   say_made(report, inputs);
-  print_made(command, inputs, chosen, report);
+  print_made(command, snapshot, inputs, chosen, report);
 }
 
 /// Options that an assignment leaves nothing to do.

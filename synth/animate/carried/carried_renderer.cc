@@ -358,6 +358,7 @@ class CarriedRenderer final : public Renderer {
 
 std::unique_ptr<Renderer> make_renderer(Animation& animation, const StillPart& still,
                                         const CarriedOptions& options) {
+  animation.report.method = "carried";
   return std::make_unique<CarriedRenderer>(animation, still, options);
 }
 

@@ -4,9 +4,12 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <stop_token>
+#include <string>
+#include <vector>
 
 #include <opencv2/core.hpp>
 
@@ -53,8 +56,19 @@ struct FrameOptions {
   bool moving() const { return outline.kind == synth::outline::Outline::kMoving; }
 };
 
+/// A clip whose flames are shown.
+struct ShownForm {
+  store::ClipId clip{};
+  std::uint32_t first = 0;  // of its frames, the one that the animation begins with
+  double fit = 0;           // 0..1
+};
+
 /// Where the time went, and with what.
 struct AnimateReport {
+  std::string method;            // carried, forms or paper: which made the frames
+  std::vector<ShownForm> forms;  // one for each fire in the picture
+  double forms_fit = 0;          // of all of them, 0..1
+  std::string forms_lack;        // what speaks against them; for a person
   std::size_t clips = 0, pieces = 0;
   int batches = 1;             // of frames
   double half_life_s = 0;      // of all detail; 0: none was carried

@@ -131,6 +131,7 @@ class PaperRenderer final : public Renderer {
 
 std::unique_ptr<Renderer> make_renderer(Animation& animation, const StillPart& still,
                                         const PaperOptions& options) {
+  animation.report.method = "paper";
   return std::make_unique<PaperRenderer>(animation, still, options);
 }
 

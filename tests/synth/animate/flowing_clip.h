@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <span>
 #include <string>
@@ -30,7 +31,9 @@ struct FlowingClip {
   std::uint64_t seed = 1;
   double anew =
       -1;  // >= 0: frames are a texture that goes along `steady`, and of its variance this part dies away,
-  double kept = 0;              // by this from frame to frame
+  double kept = 0;                      // by this from frame to frame
+  std::function<cv::Mat(int)> drawn{};  // CV_8U, `size`: frames as this draws them
+  std::string class_name = "water";
   std::vector<double> rates{};  // column "flow.rate", of clips whose frame rate varies
   std::optional<vision::CellMap> life{}, standing{},
       motion{};  // columns "cells.life", "cells.standing" and "cells.motion", as ingest writes them
@@ -75,6 +78,7 @@ struct FlowingClip {
   }
   /// CV_8U: waves that go their way, and noise that stays.
   cv::Mat frame(int i) const {
+    if (drawn) return drawn(i);
     if (anew >= 0) return renewed_frame(i);
     cv::Mat grain(size, CV_8U), out(size, CV_8U);
     cv::RNG(seed + 7).fill(grain, cv::RNG::UNIFORM, 0, 30);
@@ -122,7 +126,7 @@ struct FlowingClip {
     stored::write_columns(writer, columns);
     store::ClipRecord record;
     record.name = name;
-    record.class_name = "water";
+    record.class_name = class_name;
     record.source_hash = "hash of " + name;
     record.pixel_format = "gray";
     record.width = static_cast<std::uint32_t>(size.width);

@@ -29,7 +29,7 @@ std::string fault_of(const MethodSetting& setting, Method method, const std::str
 }
 
 TEST(MethodSettings, EachChangesItsOwnFieldAndNoOther) {
-  for (const Method& method : {Method(CarriedOptions{}), Method(PaperOptions{})})
+  for (const Method& method : {Method(CarriedOptions{}), Method(FormsOptions{}), Method(PaperOptions{})})
     for (const MethodSetting& setting : method_settings()) {
       if (setting.name == "method" || !setting.value(method)) continue;
       Method changed = method;

@@ -1,0 +1,128 @@
+#include "synth/animate/forms/forms_renderer.h"
+
+#include <algorithm>
+#include <map>
+#include <utility>
+
+#include "freshet/error.h"
+#include "synth/animate/forms/form_frames.h"
+#include "synth/animate/forms/forms_plan.h"
+
+namespace freshet::synth::animate {
+namespace {
+
+constexpr const char* kFire = "fire";
+
+bool is_fire(const store::Snapshot& snapshot, store::ClipId clip) {
+  return snapshot.clip(clip).class_name == kFire;
+}
+
+/// Those of the placement first, by how many pieces show them.
+std::vector<store::ClipId> clips_of(const Animation& animation, const FormsOptions& options) {
+  std::map<store::ClipId, std::size_t> placed;
+  for (const PlacedPatch& patch : animation.placement.patches) ++placed[patch.clip];
+  std::vector<store::ClipId> clips;
+  for (const store::ClipId clip : animation.snapshot.clips()) {
+    const std::string& name = animation.snapshot.clip(clip).name;
+    const bool excluded =
+        std::find(options.excluded.begin(), options.excluded.end(), name) != options.excluded.end();
+    if (is_fire(animation.snapshot, clip) && !excluded && (!options.placed_only || placed.contains(clip)))
+      clips.push_back(clip);
+  }
+  std::stable_sort(clips.begin(), clips.end(),
+                   [&](store::ClipId a, store::ClipId b) { return placed[a] > placed[b]; });
+  return clips;
+}
+
+double mean_speed(const Placement& placement) {
+  double sum = 0;
+  for (const PlacedPatch& patch : placement.patches) sum += patch.speed;
+  return placement.patches.empty() ? 1 : sum / static_cast<double>(placement.patches.size());
+}
+
+FormsPlan plan_of(const Animation& animation, const StillPart& still, const FormsOptions& options) {
+  animation.tell("choosing forms", 0, 1);
+  const FrameOptions& frames = animation.options;
+  return plan_forms(animation.snapshot, animation.settings.flow_step, still.target, still.alpha,
+                    clips_of(animation, options),
+                    {.frames = frames.frames, .fps = frames.fps, .speed = mean_speed(animation.placement)},
+                    frames.tiles.get());
+}
+
+class FormsRenderer final : public Renderer {
+ public:
+  FormsRenderer(Animation& animation, const StillPart& still, FormsPlan plan, const FormsOptions& options)
+      : animation_(animation),
+        still_(still),
+        plan_(std::move(plan)),
+        frames_(still.target, still.alpha, plan_.still, plan_.forms, plan_.players,
+                {.frames = animation.options.frames,
+                 .fps = animation.options.fps,
+                 .loop = animation.options.loop,
+                 .handover_s = options.handover_s,
+                 .lighting = options.lighting}) {
+    AnimateReport& report = animation_.report;
+    report.method = "forms";
+    report.forms_fit = plan_.fit;
+    report.forms_lack = plan_.lack;
+    for (std::size_t f = 0; f < plan_.forms.size(); ++f)
+      report.forms.push_back(
+          {.clip = plan_.clips[f], .first = plan_.forms[f].first, .fit = plan_.forms[f].fit});
+    std::vector<store::ClipId> different = plan_.clips;
+    std::sort(different.begin(), different.end());
+    report.clips =
+        static_cast<std::size_t>(std::unique(different.begin(), different.end()) - different.begin());
+    report.base_s += animation_.watch.lap();
+  }
+
+  int batch() const override { return std::min(kBatch, animation_.options.frames); }
+  cv::Mat motion(int) const override { return cv::Mat::zeros(still_.target.size(), CV_32FC2); }
+  void read(std::span<const int> outputs) override {
+    frames_.load(outputs.front(), static_cast<int>(outputs.size()));
+    animation_.report.decode_s += animation_.watch.lap();
+  }
+  void prepare(std::span<const int>, std::span<const cv::Mat>, std::size_t) override {}
+
+  cv::Mat finish(int output, const cv::Mat& matte) override {
+    const cv::Mat frame = frames_.frame(output);
+    if (animation_.options.form == FrameForm::kWhole) {
+      cv::Mat whole;
+      frame.convertTo(whole, CV_8U, 255);
+      return whole;
+    }
+    // Of the colour that lies below the matte: the frame's own is mixed with the picture by it.
+    cv::Mat fluid(frame.size(), CV_32FC4);
+    for (int y = 0; y < frame.rows; ++y)
+      for (int x = 0; x < frame.cols; ++x) {
+        const float share = matte.at<float>(y, x);
+        const cv::Vec3f over = frame.at<cv::Vec3f>(y, x) - (1 - share) * still_.target.at<cv::Vec3f>(y, x);
+        fluid.at<cv::Vec4f>(y, x) = {over[0], over[1], over[2], share};
+      }
+    return fluid;
+  }
+
+ private:
+  static constexpr int kBatch = 16;  // frames: a slab of a clip's tiles
+
+  Animation& animation_;
+  const StillPart& still_;
+  FormsPlan plan_;
+  FormFrames frames_;
+};
+
+}  // namespace
+
+std::unique_ptr<Renderer> make_renderer(Animation& animation, const StillPart& still,
+                                        const FormsOptions& options) {
+  if (animation.options.moving())
+    throw Error(ErrorKind::kInput, "forms of clips",
+                "they bring an outline of their own, and a moving one was asked",
+                "Leave out --boundary moving, or add --method carried");
+  FormsPlan plan = plan_of(animation, still, options);
+  if (plan.forms.empty())
+    throw Error(ErrorKind::kInput, "forms of clips", plan.lack,
+                "Add --method carried, or ingest clips of flames before a dark ground");
+  return std::make_unique<FormsRenderer>(animation, still, std::move(plan), options);
+}
+
+}  // namespace freshet::synth::animate

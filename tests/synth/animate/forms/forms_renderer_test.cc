@@ -1,0 +1,128 @@
+#include "synth/animate/forms/forms_renderer.h"
+
+#include <variant>
+
+#include <gtest/gtest.h>
+#include <oneapi/tbb/global_control.h>
+
+#include "freshet/error.h"
+#include "synth/animate/animate.h"
+#include "tests/synth/animate/forms/burning.h"
+
+namespace freshet::synth::animate {
+namespace {
+
+const BurningPicture kPicture;
+
+cv::Mat matte() {
+  cv::Mat out = cv::Mat::zeros(kPicture.size, CV_8U);
+  out(cv::Rect(60, 20, 100, 120)).setTo(255);
+  return out;
+}
+
+Placement placed(store::ClipId clip) {
+  Placement placement{.side = 48, .stride = 24, .patches = {}};
+  for (int y = 0; y + 48 <= 160; y += 24)
+    for (int x = 0; x + 48 <= 192; x += 24)
+      placement.patches.push_back(
+          {.piece = {x, y}, .clip = clip, .variant = {}, .patch = {x % 96, y % 60}, .speed = 1});
+  return placement;
+}
+
+struct Made {
+  std::vector<cv::Mat> frames;
+  AnimateReport report;
+};
+
+Made made_with(const FlowingStore& store, const AnimateOptions& options) {
+  Made made;
+  made.report = animate(store.snapshot(), store.settings(), kPicture.draw(), matte(), placed(store.id()),
+                        options, [&](const cv::Mat& frame) { made.frames.push_back(frame.clone()); });
+  return made;
+}
+
+AnimateOptions forms(int frames = 24) {
+  AnimateOptions options;
+  options.frames = frames;
+  options.method = FormsOptions{};
+  return options;
+}
+
+double apart(const cv::Mat& a, const cv::Mat& b) { return cv::norm(a, b, cv::NORM_INF); }
+
+TEST(Forms, TheFirstFrameIsThePictureAndFlamesLeapAfterIt) {
+  const FlowingStore store({BurningClip{}.clip()});
+  const Made made = made_with(store, forms());
+  ASSERT_EQ(made.frames.size(), 24);
+  EXPECT_EQ(apart(made.frames[0], kPicture.draw()), 0);
+  const cv::Mat outside = matte() == 0;
+  for (std::size_t i = 1; i < made.frames.size(); ++i) {
+    EXPECT_EQ(cv::norm(made.frames[i], kPicture.draw(), cv::NORM_INF, outside), 0) << i;
+    EXPECT_GT(apart(made.frames[i], made.frames[i - 1]), 20) << i;
+  }
+  EXPECT_EQ(made.report.method, "forms");
+  ASSERT_EQ(made.report.forms.size(), 1);
+  EXPECT_EQ(made.report.forms[0].clip, store.id());
+}
+
+TEST(Forms, NeitherGreyNorBlueComesIntoTheFlames) {
+  const FlowingStore store({BurningClip{}.clip()});
+  for (const cv::Mat& frame : made_with(store, forms()).frames)
+    for (int y = 20; y < 140; ++y)
+      for (int x = 60; x < 160; ++x) {
+        const cv::Vec3b c = frame.at<cv::Vec3b>(y, x);
+        if (c[2] > 60) {
+          EXPECT_GT(c[2], c[0]) << x << ", " << y;
+        }
+      }
+}
+
+TEST(Forms, ALoopLeadsBackToThePicture) {
+  const FlowingStore store({BurningClip{}.clip()});
+  AnimateOptions options = forms();
+  options.loop = true;
+  const Made made = made_with(store, options);
+  EXPECT_EQ(apart(made.frames[0], kPicture.draw()), 0);
+  const auto changed = [](const cv::Mat& a, const cv::Mat& b) { return cv::norm(a, b, cv::NORM_L1); };
+  EXPECT_LT(changed(made.frames.back(), made.frames[0]), 0.7 * changed(made.frames[12], made.frames[0]));
+}
+
+TEST(Forms, AreTheSameForAnyThreadsAndAnyRange) {
+  const FlowingStore store({BurningClip{}.clip()});
+  const Made whole = made_with(store, forms());
+  const oneapi::tbb::global_control one(oneapi::tbb::global_control::max_allowed_parallelism, 1);
+  AnimateOptions options = forms();
+  options.from = 7;
+  options.until = 19;
+  const Made part = made_with(store, options);
+  ASSERT_EQ(part.frames.size(), 12);
+  for (std::size_t i = 0; i < part.frames.size(); ++i)
+    EXPECT_EQ(apart(part.frames[i], whole.frames[7 + i]), 0) << i;
+}
+
+TEST(Forms, TheFluidOverThePictureIsTheFrame) {
+  const FlowingStore store({BurningClip{}.clip()});
+  const Made whole = made_with(store, forms(12));
+  AnimateOptions options = forms(12);
+  options.form = FrameForm::kFluid;
+  const Made fluid = made_with(store, options);
+  const cv::Mat picture = kPicture.units();
+  for (std::size_t i = 0; i < whole.frames.size(); ++i)
+    for (int y = 0; y < picture.rows; ++y)
+      for (int x = 0; x < picture.cols; ++x) {
+        const cv::Vec4f over = fluid.frames[i].at<cv::Vec4f>(y, x);
+        for (int k = 0; k < 3; ++k)
+          EXPECT_NEAR(255 * (over[k] + (1 - over[3]) * picture.at<cv::Vec3f>(y, x)[k]),
+                      whole.frames[i].at<cv::Vec3b>(y, x)[k], 0.51);
+      }
+}
+
+TEST(Forms, SayWhatIsLacking) {
+  const FlowingStore store({BurningClip{}.clip()});
+  AnimateOptions options = forms();
+  std::get<FormsOptions>(options.method).excluded = {"0.mkv"};
+  EXPECT_THROW(made_with(store, options), Error);
+}
+
+}  // namespace
+}  // namespace freshet::synth::animate
