@@ -43,6 +43,13 @@ class ShortHelp : public CLI::Formatter {
     if (!all_ && group.ends_with(kInDetail)) return "";
     return CLI::Formatter::make_group(std::move(group), is_positional, options);
   }
+  /// Without the empty lines between groups that are left out.
+  std::string make_help(const CLI::App* app, std::string name, CLI::AppFormatMode mode) const override {
+    std::string text = CLI::Formatter::make_help(app, std::move(name), mode);
+    for (std::size_t at = text.find("\n\n\n"); at != std::string::npos; at = text.find("\n\n\n", at))
+      text.erase(at, 1);
+    return text;
+  }
 
  private:
   bool all_ = false;

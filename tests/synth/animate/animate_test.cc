@@ -257,7 +257,7 @@ TEST_P(Carried, BeginsAsThePicture) {
   cv::absdiff(whole().front(), picture(), different);
   // Colour is carried at half the size: of this noise a little is lost.
   EXPECT_LE(cv::norm(different, cv::NORM_INF), 8);
-  EXPECT_LT(cv::mean(different, matte())[0], 0.5);
+  EXPECT_LT(cv::mean(different, matte())[0], 2);
 }
 
 INSTANTIATE_TEST_SUITE_P(
