@@ -528,7 +528,7 @@ test("stills become a moving scene, an order is refused, and the command line ma
   await page.getByRole("button", { name: "Remove all of them" }).click();
   await page.getByRole("button", { name: "Remove all of them" }).waitFor({ state: "detached" });
   assert.ok(await page.getByRole("button", { name: "Make it" }).isDisabled());
-  await page.getByRole("switch", { name: /^Loop/ }).click();
+  await page.getByRole("switch", { name: "Seamless loop" }).click();
   await page.keyboard.press("2"); // keys go on after a switch
   await page.getByRole("button", { name: "Flow", pressed: true }).waitFor();
   assert.deepEqual(page.faults, []);
