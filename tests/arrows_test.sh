@@ -141,17 +141,6 @@ END {
   exit failed
 }'
 
-# No two files of the page have the same name, whatever their folder.
-circle=$(find studio/page/src -name '*.ts*' | sort | xargs awk '
-FNR == 1 { file = FILENAME; sub(/.*\//, "", file); sub(/\.tsx?$/, "", file) }
-/from "\.\.?\// { to = $0; sub(/.*from "/, "", to); sub(/".*/, "", to); sub(/.*\//, "", to); print file, to }
-' | tsort 2>&1 > /dev/null || true)
-if [ -n "$circle" ]; then
-  echo "studio/page/src: files import each other in a circle:"
-  echo "$circle"
-  exit 1
-fi
-
 # The page: no circle of imports between its modules.
 find studio/page/src -name '*.ts' -o -name '*.tsx' | sort | xargs awk '
 FNR == 1 {
