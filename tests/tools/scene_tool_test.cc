@@ -59,12 +59,12 @@ TEST(SceneTool, GivesFramesLayersAndADrawing) {
   for (const char* layer : {"(rest)", "lake", "tree"}) {
     const cv::Mat one =
         cv::imread((folder / fmt::format("l/{}.03.png", layer)).string(), cv::IMREAD_UNCHANGED);
-    ASSERT_EQ(one.type(), CV_8UC4) << layer;
+    ASSERT_EQ(one.type(), CV_16UC4) << layer;
     for (int y = 0; y < sum.rows; ++y)
       for (int x = 0; x < sum.cols; ++x) {
-        const cv::Vec4b v = one.at<cv::Vec4b>(y, x);
+        const cv::Vec4w v = one.at<cv::Vec4w>(y, x);
         for (int c = 0; c < 3; ++c)
-          sum.at<cv::Vec3f>(y, x)[c] += (v[c] - sum.at<cv::Vec3f>(y, x)[c]) * v[3] / 255.0f;
+          sum.at<cv::Vec3f>(y, x)[c] += (v[c] / 257.0f - sum.at<cv::Vec3f>(y, x)[c]) * v[3] / 65535.0f;
       }
   }
   cv::Mat expected;

@@ -264,6 +264,8 @@ class CarriedRenderer final : public Renderer {
   }
 
   bool layout_stands() const {
+    // Fluid that leaves the still outline would bring what lies beyond it.
+    if (animation_.options.moving()) return false;
     if (options_.layout_stands) return *options_.layout_stands;
     const double scale = animation_.placement.piece_scale;
     const std::vector<double> shares =

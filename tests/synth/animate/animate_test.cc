@@ -44,11 +44,15 @@ Case with(std::string name, std::uint64_t golden, decltype(AnimateOptions::metho
 
 std::vector<Case> cases() {
   const CarriedOptions motion_alone{.innovations = std::nullopt};
+  CarriedOptions layout;
+  layout.layout_stands = true;
   const PaperOptions by_frame{.matching = AppearanceMatching::kFrame},
       nearest{.resampling = Resampling::kNearest};
   return {with("Carried", 0x0d6b9a2acee2dbcb, CarriedOptions{}),
           with("CarriedLoop", 0xa264bc8772af623f, CarriedOptions{}, true),
           with("CarriedMoving", 0x25838b40616db8c6, CarriedOptions{}, false, outline::Outline::kMoving),
+          with("Layout", 0xcdc7b0a07342ffa4, layout),
+          with("LayoutLoop", 0x74e153283072b85f, layout, true),
           with("MotionAlone", 0x724195f60c8fde27, motion_alone),
           with("MotionAloneMoving", 0x89ace2b25cdcc3f2, motion_alone, false, outline::Outline::kMoving),
           with("Paper", 0x3dfe0b4ad08f6d6d, PaperOptions{}),
@@ -258,6 +262,16 @@ TEST_P(Carried, BeginsAsThePicture) {
   // Colour is carried at half the size: of this noise a little is lost.
   EXPECT_LE(cv::norm(different, cv::NORM_INF), 8);
   EXPECT_LT(cv::mean(different, matte())[0], 2);
+}
+
+TEST_P(Carried, ALayoutStandsInsideAFixedOutlineAlone) {
+  AnimateOptions options = GetParam().options;
+  std::get<CarriedOptions>(options.method).layout_stands = true;
+  const Made made = animated(options);
+  EXPECT_EQ(made.report.layout_stands, !options.moving());
+  cv::Mat different;
+  cv::absdiff(made.frames.front(), picture(), different);
+  EXPECT_LE(cv::norm(different, cv::NORM_INF), 8);
 }
 
 INSTANTIATE_TEST_SUITE_P(
