@@ -249,18 +249,17 @@ std::vector<cv::Mat> model(const Case& of, const cv::Mat& still, int frames, dou
                               : fmt::format("horizon = [0, {}, {}, {}]\nedge = \"held\"\n", of.line[0] * h, w,
                                             of.line[0] * h);
   scene::Scene asked = scene::parse_scene(text, "case.toml");
-  asked.layers[0].tree.mass /= amplitude;
+  if (auto* const tree = asked.layers[0].as<scene::TreeMotion>()) tree->mass /= amplitude;
   cv::Mat coded, alpha(still.size(), CV_32F, cv::Scalar(1));
   still.convertTo(coded, CV_32F, 1 / 255.0);
   if (of.motion == "water") alpha.rowRange(0, std::max(0, static_cast<int>(of.line[0] * h))).setTo(0);
   scene::read_marks(asked, still.size());
-  if (of.motion == "water") {
-    scene::WaterMotion& water = asked.layers[0].water;
+  if (auto* const water = asked.layers[0].as<scene::WaterMotion>()) {
     // As the scene does, for the usual amplitude follows from it.
-    water.focal_px = water.focal_or_usual(still.size());
-    if (!water.mapping)
-      water.mapping = scene::mapping_seen(water, {0, 0, still.cols, still.rows}, still.size());
-    water.amplitude = amplitude * water.amplitude_or_usual();
+    water->focal_px = water->focal_or_usual(still.size());
+    if (!water->mapping)
+      water->mapping = scene::mapping_seen(*water, {0, 0, still.cols, still.rows}, still.size());
+    water->amplitude = amplitude * water->amplitude_or_usual();
   }
   const std::vector<scene::LayerPixels> pixels{{coded, alpha}};
   scene::SceneAnimation animation(asked, pixels, still.size());
