@@ -98,20 +98,12 @@ void Section::read(const std::string& key, Rgb& value) {
   value = {static_cast<float>(v[0]), static_cast<float>(v[1]), static_cast<float>(v[2])};
 }
 
-// A NUL would end every name and message that it gets into.
-const std::string& Section::text_of(const toml::node& node, const std::string& key) const {
-  const std::string& text = node.ref<std::string>();
-  if (text.find('\0') != std::string::npos)
-    refuse(node, key, fmt::format("\"{}\" holds a NUL", printable(text)), "Take \\u0000 out of the text");
-  return text;
-}
-
 std::optional<std::string> Section::text(const std::string& key) {
   const toml::node* node = find(key);
   if (node == nullptr) return std::nullopt;
   if (!node->is_string())
     refuse(*node, key, fmt::format("text in quotes is expected, not {}", kind_of(*node)));
-  return text_of(*node, key);
+  return node->ref<std::string>();
 }
 
 std::optional<std::size_t> Section::word(const std::string& key, const std::vector<std::string>& words) {
@@ -157,7 +149,7 @@ std::vector<std::string> Section::texts(const std::string& key) {
   const auto is_text = [](const toml::node& each) { return each.is_string(); };
   if (list == nullptr || list->size() > kMaxTexts || !std::all_of(list->begin(), list->end(), is_text))
     refuse(*node, key, fmt::format("a list of texts is expected, not {}", kind_of(*node)));
-  for (const toml::node& each : *list) result.push_back(text_of(each, key));
+  for (const toml::node& each : *list) result.push_back(each.ref<std::string>());
   return result;
 }
 

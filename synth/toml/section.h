@@ -88,7 +88,6 @@ class Section {
 
  private:
   void expect_whole(const toml::node& node, const std::string& key) const;
-  const std::string& text_of(const toml::node& node, const std::string& key) const;
 
   const std::filesystem::path* file_;
   const toml::table* table_;
