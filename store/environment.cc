@@ -207,6 +207,11 @@ void Environment::open_map(const std::filesystem::path& at) {
       break;
     }
     mdb_env_close(std::exchange(env_, nullptr));
+    if (!after && !before && access_ == Access::kRead) {
+      // On a file system that is read-only, LMDB reads without a lock file and says nothing.
+      code = EROFS;
+      break;
+    }
     if (attempt == 20)
       throw Error(ErrorKind::kIo, file_.string(),
                   "its lock file " + lock_file + " is replaced again and again",

@@ -81,7 +81,8 @@ std::optional<double> SearchOptions::piece_scale() const {
 }
 
 void SearchOptions::check(const store::Snapshot& snapshot) const {
-  if (checks_option_->count() > 0 && index_ == "exact")
+  // Without a command nobody gave it.
+  if (checks_option_ != nullptr && checks_option_->count() > 0 && index_ == "exact")
     throw Error(ErrorKind::kUsage, "--checks", "the exact index looks at all patches",
                 "Add --index with one of FLANN's, or leave it out");
   query::check_names(snapshot, options_);

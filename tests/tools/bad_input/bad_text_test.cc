@@ -86,9 +86,9 @@ TEST_F(BadText, ANulHidesNeitherFaultNorRemedy) {
 }
 
 TEST_F(BadText, AMessageStaysReadable) {
-  folder_.file("scene.toml", "picture = \"" + std::string(1 << 20, 'A') +
-                                 "\"\nframes = 3\n[[layer]]\nname = \"" + std::string(1 << 20, 'B') +
-                                 "\"\nmotion = \"none\"\n");
+  folder_.file("scene.toml",
+               "picture = \"" + std::string(1 << 20, 'A') +
+                   "\"\nframes = 3\n[[layer]]\nname = \"a\"\nmatte = \"rest\"\nmotion = \"clouds\"\n");
   const Outcome outcome = folder_.freshet({"synth", "scene", "scene.toml", "-o", "out.mkv"});
   EXPECT_EQ(outcome.exit_code, 1);
   EXPECT_EQ(outcome.err.rfind("freshet: ", 0), 0U);
