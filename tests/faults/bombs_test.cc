@@ -92,7 +92,7 @@ std::vector<std::vector<std::string>> doors(const std::string& kind, const std::
       {"query", "candidates", "q.store", "still.png", "--whole", "--hold", name, "--frames", "2"},
       {"query", "candidates", "q.store", "still.png", "--whole", "--speed-map", name, "--frames", "2"},
       {"query", "candidates", "q.store", "still.png", "--whole", "--orientation-map", name, "--frames", "2"},
-      {"synth", "matte", name, "--box", "10,10,50,50", "-o", "matte.png", "--overwrite"},
+      {"synth", "matte", name, "--box", "4,4,50,40", "-o", "matte.png", "--overwrite"},
       {"synth", "matte", "still.png", "--scribbles", name, "-o", "matte.png", "--overwrite"},
       {"synth", "animate", "q.store", name, "--whole", "--frames", "2", "-o", "out.mkv", "--overwrite"},
       {"synth", "transfer", "--design", "design", "--exemplar", name, "--ground", "black", "--frames", "1",
@@ -110,7 +110,7 @@ struct Cost {
 
 TEST(Bombs, ThroughEveryDoorTakeNeitherAGigabyteNorAMinute) {
   const Campaign& c = campaign();
-  cv::Mat still(96, 96, CV_8UC3);
+  cv::Mat still(48, 64, CV_8UC3);  // as large as the bombs that can be read
   cv::randu(still, 0, 255);
   cv::imwrite((c.folder / "still.png").string(), still);
   c.begin_with("indexed.store", "q.store");
@@ -136,7 +136,7 @@ TEST(Bombs, ThroughEveryDoorTakeNeitherAGigabyteNorAMinute) {
     fs::remove_all(c.folder / "stills");
     fs::create_directory(c.folder / "stills");
     for (int i = 0; i < 3; ++i)
-      fs::copy_file(c.folder / "still.png", c.folder / ("stills/" + std::to_string(i) + ".png"));
+      cv::imwrite((c.folder / ("stills/" + std::to_string(i) + ".png")).string(), still + 20 * i);
     fs::copy_file(c.folder / name, c.folder / ("stills/" + name));
     for (const std::string key : {"paint", "cut"})
       c.folder.file(key + ".toml", key + " = \"" + name + "\"\n" + scene());
