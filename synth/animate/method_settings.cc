@@ -136,10 +136,10 @@ std::vector<MethodSetting> rows() {
              "Half-life of moving detail, s: short for rapids and flames (.2), long for clouds (4); 0: the "
              "clips' own",
              {0, 60}, [](CarriedOptions& o) { return &o.half_life_s; }),
-      of_benches(word<std::optional<bool>>("layout",
-                                           "Layout of the picture: stands, goes, or as the clips do (auto)",
-                                           {{"stands", true}, {"goes", false}, {"auto", std::nullopt}},
-                                           [](CarriedOptions& o) { return &o.layout_stands; })),
+      word<bool>("layout",
+                 "What moves: goes (the picture with its forms) or stands (its texture alone: for falls and "
+                 "rapids whose ledges and brinks must not move)",
+                 {{"goes", false}, {"stands", true}}, [](CarriedOptions& o) { return &o.layout_stands; }),
       of_benches(number("life-pace", "Power of the pace that half-lives are divided by", {0, 4},
                         [](CarriedOptions& o) { return &o.life_pace; })),
       of_benches(number("contrast-gain", "Limit of the gain that restores lost contrast", {1, 4},

@@ -56,7 +56,6 @@ void say_made(const synth::animate::AnimateReport& report, const AnimateInputs& 
         fmt::format("{:.0f} % of the detail comes anew in each frame (--renewal), half of all after {:.2f} s "
                     "(--detail-life)",
                     100 * report.renewed, report.half_life_s));
-  if (report.layout_stands) say("fast water: its layout stands, its texture goes");
 }
 
 /// For a program, or the names of the files alone.
@@ -84,7 +83,6 @@ void print_made(const AnimateCommand& command, const store::Snapshot& snapshot, 
                                     {"batches", report.batches},
                                     {"half_life_s", report.half_life_s},
                                     {"renewed", report.renewed},
-                                    {"layout_stands", report.layout_stands},
                                     {"labelling", chosen.labelled},
                                     {"shares", shares_json(chosen.assignment)},
                                     {"seconds",

@@ -10,6 +10,7 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include "freshet/error.h"
 #include "synth/animate/clips/piece_lives.h"
 #include "synth/animate/clips/piece_standing.h"
 #include "synth/animate/motion/copy_maps.h"
@@ -37,11 +38,6 @@ constexpr float kLively = 0.25f;               // of the fastest places' speed: 
 constexpr double kFast = 0.95, kUsual = 0.75;  // quantiles of the fluid's speed
 constexpr double kLifePatch_px = 48;           // over which the picture's detail lives and goes together
 constexpr double kMaxLevel = 0.08;             // luma: fires breathe by less
-// A layout stands where this share of the variance of the coarsest band that clips know (32 px) does, this much of the
-// flow's power is its mean's, and fast fluid goes so far while a copy shows. Medians of clips by class: clouds .09,
-// fire .21, smoke .11, water .33; rapids .46, a fall .86; a swell, whose crests are no layout, .25.
-constexpr double kStandingShare = 0.35, kSteady = 0.5, kFar_px = 24;
-constexpr int kStandingLevel = 3;
 // Of texture: how far the usual place's goes until half of it is new, for how many intervals a copy shows, and how far
 // copies begin from their own places (sigma).
 constexpr double kTextureTravel_px = 36, kShownIntervals = 1.5, kSpread_px = 70;
@@ -189,8 +185,7 @@ class CarriedRenderer final : public Renderer {
                                                    CarriedBase::kStep, frames.loop, carrying);
     cv::resize(still_.alpha, fluid_, field_->size(), 0, 0, cv::INTER_AREA);
     const FluidPlanes planes = fluid_planes(still_.target, still_.luma, still_.alpha);
-    animation_.report.layout_stands = layout_stands();
-    if (animation_.report.layout_stands)
+    if (options_.layout_stands)
       lay_texture_copies(planes);
     else
       lay_picture_copies(planes);
@@ -261,18 +256,6 @@ class CarriedRenderer final : public Renderer {
     cv::multiply(renewing_, renewing_, renewing_);
     renewing_ = cv::min(renewing_, 1.0);
     if (innovations_) renewing_ = innovations_->restrict_to(renewing_, field_->step());
-  }
-
-  bool layout_stands() const {
-    // Fluid that leaves the still outline would bring what lies beyond it.
-    if (animation_.options.moving()) return false;
-    if (options_.layout_stands) return *options_.layout_stands;
-    const double scale = animation_.placement.piece_scale;
-    const std::vector<double> shares =
-        standing_shares(animation_.snapshot, animation_.placement,
-                        kStandingLevel + static_cast<int>(std::lround(std::log2(scale))));
-    const double far = speed_per_frame(*field_, fluid_, kFast) * copy_options(lasting_life()).interval;
-    return shares.back() >= kStandingShare && field_->steadiness() >= kSteady && far >= kFar_px * scale;
   }
 
   /// How long what does not come anew at once is to live, so that all together keeps half for as long as the patches'
@@ -361,6 +344,11 @@ class CarriedRenderer final : public Renderer {
 std::unique_ptr<Renderer> make_renderer(Animation& animation, const StillPart& still,
                                         const CarriedOptions& options) {
   animation.report.method = "carried";
+  // Fluid that leaves the still outline would bring what lies beyond it.
+  if (options.layout_stands && animation.options.moving())
+    throw Error(ErrorKind::kUsage, "--layout stands",
+                "the outline moves, and a layout has none beyond the matte",
+                "Leave out --boundary moving, or --layout stands");
   return std::make_unique<CarriedRenderer>(animation, still, options);
 }
 

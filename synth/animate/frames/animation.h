@@ -70,10 +70,9 @@ struct AnimateReport {
   double forms_fit = 0;          // of all of them, 0..1
   std::string forms_lack;        // what speaks against them; for a person
   std::size_t clips = 0, pieces = 0;
-  int batches = 1;             // of frames
-  double half_life_s = 0;      // of all detail; 0: none was carried
-  bool layout_stands = false;  // of the picture only the texture was carried
-  double renewed = 0;          // of the variance of the patches' detail, what is new in each frame, 0..1
+  int batches = 1;         // of frames
+  double half_life_s = 0;  // of all detail; 0: none was carried
+  double renewed = 0;      // of the variance of the patches' detail, what is new in each frame, 0..1
   double decode_s = 0, blend_s = 0, base_s = 0, appearance_s = 0, render_s = 0, total_s = 0;
 };
 

@@ -95,9 +95,6 @@ CarryingField::CarryingField(std::shared_ptr<const MotionSequence> sequence, con
   assigned_ = cv::Mat::zeros(size, CV_32FC2);
   for (const cv::Mat& field : fields) assigned_ += field;
   assigned_ /= measured;
-  double all = 0;
-  for (const cv::Mat& field : fields) all += field.dot(field) / measured;
-  steadiness_ = all > 0 ? assigned_.dot(assigned_) / all : 0;
   turn_ = turn_between(assigned_, mean_) * (options.variation / fps);
   mean_ /= fps;
   cv::Mat power = cv::Mat::zeros(size, CV_32F);

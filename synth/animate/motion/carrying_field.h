@@ -45,8 +45,6 @@ class CarryingField {
   cv::Mat at(int i) const;
   /// Root mean square speed of each place, px a frame: CV_32F, size().
   const cv::Mat& activity() const { return activity_; }
-  /// Of the power of the patches' own flow, how much its mean has, 0..1: 1 flows on, 0 goes to and fro.
-  double steadiness() const { return steadiness_; }
   cv::Size size() const { return mean_.size(); }
   int step() const { return step_; }
 
@@ -57,7 +55,7 @@ class CarryingField {
   std::shared_ptr<const MotionSequence> sequence_;
   int frames_ = 1, step_ = 4;
   bool loop_ = false;
-  double fps_ = 25, steadiness_ = 0;
+  double fps_ = 25;
   cv::Mat mean_;      // CV_32FC2, px a frame: asked
   cv::Mat assigned_;  // CV_32FC2, px/s: the sequence's own mean
   cv::Mat turn_;      // CV_32FC2: fluctuations are multiplied by this complex number, frames a px/s
