@@ -2,7 +2,6 @@
 // index is that of one state or absent.
 
 #include <gtest/gtest.h>
-#include <xxhash.h>
 
 #include <iostream>
 #include <nlohmann/json.hpp>
@@ -10,79 +9,13 @@
 
 #include "store/store.h"
 #include "tests/faults/campaign.h"
+#include "tests/faults/grown_store.h"
 #include "tests/store/rewrite/slow_salvage.h"
 
 namespace freshet::tools {
 namespace {
 
 namespace fs = std::filesystem;
-
-using Hash = std::uint64_t;
-
-/// What a store holds, each by its hash.
-struct Holdings {
-  std::map<store::ReadableClip, Hash> clips;
-  Hash codebook = 0;  // 0: none
-  std::map<store::ReadableClip, Hash> words;
-};
-
-Hash hash_of(std::span<const std::byte> bytes, Hash before = 1) {
-  return XXH3_64bits_withSeed(bytes.data(), bytes.size(), before);
-}
-
-Holdings holdings_of(const std::string& file) {
-  const store::Snapshot snapshot = store::Store::open_read(file).snapshot();
-  Holdings held;
-  if (const auto codebook = snapshot.blob("codebook")) held.codebook = hash_of(*codebook);
-  for (const store::ClipId id : snapshot.clips()) {
-    const store::ClipRecord& record = snapshot.clip(id);
-    Hash hash = 1;
-    for (const auto& [stream, shape] : {std::pair(store::Stream::kFrames, &record.frames),
-                                        {store::Stream::kFlow, &record.flow},
-                                        {store::Stream::kAverage, &record.average}})
-      for (std::uint32_t p = 0; p < shape->planes.size(); ++p) {
-        const store::PlaneShape& plane = shape->planes[p];
-        std::vector<std::byte> samples(std::size_t{plane.width} * plane.height * plane.bytes_per_sample *
-                                       shape->frames);
-        snapshot.read(id, stream, p, {0, 0, plane.width, plane.height}, 0, shape->frames, samples);
-        hash = hash_of(samples, hash);
-      }
-    const store::ReadableClip clip{record.name, record.source_hash};
-    held.clips[clip] = hash_of(std::as_bytes(std::span(record.metadata)), hash);
-    if (!snapshot.has_column(id, "patch.words")) continue;
-    const auto words = snapshot.column<std::array<std::byte, 81>>(id, "patch.words");
-    held.words[clip] = hash_of(std::as_bytes(std::span(words)));
-  }
-  return held;
-}
-
-/// A store that grew clip by clip, with an index after each, and its file after each run.
-struct Grown {
-  std::vector<std::string> files;
-  std::vector<Holdings> states;
-
-  Grown() {
-    const Campaign& c = campaign();
-    c.begin_with("one.store", "g.store");
-    const auto keep = [&] {
-      files.push_back(text_of(c.folder / "g.store"));
-      states.push_back(holdings_of(c.folder / "g.store"));
-    };
-    const auto run = [&](const std::vector<std::string>& arguments) {
-      const Outcome outcome = c.run(arguments);
-      if (outcome.exit_code == 0) return keep();
-      throw std::runtime_error("the campaign's store cannot be made: " + outcome.err);
-    };
-    keep();
-    run({"index", "g.store"});
-    run(c.ingest("g.store", {"clip2.mkv"}));
-    run({"index", "g.store"});
-    run(c.ingest("g.store", {"clip3.mkv"}));
-    run({"index", "g.store"});
-    run({"index", "--rebuild", "--samples", "1000", "g.store"});
-  }
-  const std::string& last() const { return files.back(); }
-};
 
 /// What is wrong with what was made of damaged bytes; empty when nothing is.
 std::string judge_repair(const Grown& grown, const std::string& bytes, const Outcome& outcome,
@@ -195,11 +128,6 @@ std::string try_repair(const Grown& grown, const std::string& bytes, int* made) 
   const std::string out = c.folder / "r.store";
   if (made != nullptr && fs::exists(out)) ++*made;
   return judge_repair(grown, bytes, outcome, out);
-}
-
-const Grown& grown() {
-  static const Grown made;
-  return made;
 }
 
 TEST(Repairs, OfAWholeStoreSaveAll) { EXPECT_EQ(try_repair(grown(), grown().last(), nullptr), ""); }
