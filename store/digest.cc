@@ -113,9 +113,10 @@ Bytes Snapshot::Impl::Digest::array(Table table, ByteSpan prefix, const ArrayAcc
 std::string Snapshot::digest() const {
   const Impl& impl = *impl_;
   if (const std::vector<std::string> faults = check_account(); !faults.empty()) {
-    throw Error(
-        ErrorKind::kDamaged, path().string(),
-        "is damaged, in " + std::to_string(faults.size()) + " places at least. The first: " + faults.front());
+    std::string first = faults.front();
+    if (first.ends_with('.')) first.pop_back();  // which an error adds
+    throw Error(ErrorKind::kDamaged, path().string(),
+                "is damaged, in " + std::to_string(faults.size()) + " places at least. The first: " + first);
   }
   const Impl::Digest digest{impl};
   std::vector<ClipId> order = impl.clips;

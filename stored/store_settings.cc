@@ -8,7 +8,10 @@ vision::Settings settings_of(const store::Snapshot& snapshot) {
   try {
     return vision::settings_from_json(snapshot.settings());
   } catch (const Error& fault) {
-    throw Error(fault.kind(), snapshot.path().string(), fault.what(), "Restore the file from a copy");
+    std::string what = fault.what();
+    what.pop_back();  // the full stop, which an error adds
+    throw Error(fault.kind(), snapshot.path().string(), what,
+                "Make the store again, or restore it from a copy");
   }
 }
 

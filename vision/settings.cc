@@ -13,8 +13,7 @@ namespace {
 using nlohmann::json;
 
 [[noreturn]] void damaged(const std::string& fault) {
-  throw Error(ErrorKind::kDamaged, "settings of the store", fault,
-              "Make the store again, or restore it from a copy");
+  throw Error(ErrorKind::kDamaged, "settings of the store", fault);
 }
 
 const char* name_of(FlowMethod method) { return method == FlowMethod::kDis ? "dis" : "tv-l1"; }
