@@ -43,7 +43,7 @@ synth/animate/still: vision synth/sampling synth/animate/motion
 synth/animate/frames: store vision stored query/search synth/sampling synth/outline synth/animate/placement synth/animate/blend synth/animate/clips synth/animate/motion synth/animate/still
 synth/animate/paper: synth/sampling synth/animate/blend synth/animate/clips synth/animate/motion synth/animate/still synth/animate/frames
 synth/animate/carried: vision synth/sampling synth/animate/placement synth/animate/blend synth/animate/clips synth/animate/motion synth/animate/still synth/animate/frames
-synth/animate/forms: store vision media/picture stored synth/sampling synth/playing synth/animate/clips synth/animate/still synth/animate/frames
+synth/animate/forms: store vision media/picture stored synth/sampling synth/playing synth/animate/clips synth/animate/still synth/animate/frames synth/animate/carried
 synth/animate: report store vision query/search query/labelling synth/animate/placement synth/animate/frames synth/animate/paper synth/animate/carried synth/animate/forms
 synth/matte: report media/picture query/search
 synth/scene/layers: media/picture synth/outline synth/matte

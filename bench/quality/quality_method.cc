@@ -97,6 +97,7 @@ const std::vector<Setting>& all_settings() {
     for (const synth::animate::MethodSetting& setting : synth::animate::method_settings())
       all.push_back({setting.name, setting.text, false, [&setting](Method& m, const std::string& text) {
                        setting.set(m.animate.method, text);
+                       if (setting.name == "method") m.animate.for_fires.reset();
                      }});
     return all;
   }();

@@ -8,6 +8,21 @@
 #include "synth/animate/frames/still_part.h"
 
 namespace freshet::synth::animate {
+namespace {
+
+std::unique_ptr<Renderer> renderer_of(Animation& animation, const StillPart& still,
+                                      const AnimateOptions& options) {
+  const auto* const carried = std::get_if<CarriedOptions>(&options.method);
+  if (options.for_fires && carried != nullptr && !carried->layout_stands && !options.moving()) {
+    FormsOptions fires = *options.for_fires;
+    fires.carried = *carried;
+    if (std::unique_ptr<Renderer> renderer = fire_renderer(animation, still, fires)) return renderer;
+  }
+  return std::visit([&](const auto& method) { return make_renderer(animation, still, method); },
+                    options.method);
+}
+
+}  // namespace
 
 AnimateReport animate(const store::Snapshot& snapshot, const vision::Settings& settings,
                       const cv::Mat& picture, const cv::Mat& matte, const Placement& placement,
@@ -26,8 +41,7 @@ AnimateReport animate(const store::Snapshot& snapshot, const vision::Settings& s
   animation.report.pieces = placement.patches.size();
   const StillPart still = read_still(animation);
   animation.report.base_s = animation.watch.lap();
-  const std::unique_ptr<Renderer> renderer =
-      std::visit([&](const auto& method) { return make_renderer(animation, still, method); }, options.method);
+  const std::unique_ptr<Renderer> renderer = renderer_of(animation, still, options);
   make_frames(animation, still, *renderer, sink);
   animation.report.total_s = total.seconds();
   return animation.report;

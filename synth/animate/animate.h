@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <stop_token>
 #include <variant>
 
@@ -23,6 +24,9 @@ using Method = std::variant<CarriedOptions, FormsOptions, PaperOptions>;
 
 struct AnimateOptions : FrameOptions {
   Method method{};
+  /// In place of CarriedOptions in `method`, whose they take, where the picture is of a fire (fire_renderer). Nothing where
+  /// somebody named the method.
+  std::optional<FormsOptions> for_fires = FormsOptions{.flames = Flames::kOwn};
 };
 
 /// Renders the animation frame by frame into `sink`: the picture's size, in order, one at a time, while the next

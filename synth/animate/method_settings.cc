@@ -93,11 +93,10 @@ MethodSetting method_itself() {
   MethodSetting setting{
       .name = "method",
       .text =
-          "carried: the picture, carried along the patches' motion; forms: flames of clips over the "
-          "picture's "
-          "ground, for fires; paper: the patches' differences on a long exposure of the picture (Okabe et "
-          "al. "
-          "2011)",
+          "carried: the picture, carried along the patches' motion (of a fire its flames alone, unless it is "
+          "named); forms: flames over the picture's ground, for fires; paper: the patches' differences on a "
+          "long "
+          "exposure of the picture (Okabe et al. 2011)",
       .words = {},
       .value = [](const Method& method) { return std::optional(methods()[method.index()].first); }};
   for (const auto& [name, unused] : methods()) setting.words.push_back(name);
@@ -140,6 +139,9 @@ std::vector<MethodSetting> rows() {
                  "What moves: goes (the picture with its forms) or stands (its texture alone: for falls and "
                  "rapids whose ledges and brinks must not move)",
                  {{"goes", false}, {"stands", true}}, [](CarriedOptions& o) { return &o.layout_stands; }),
+      word<Flames>(
+          "flames", "Whose flames burn: clips (of the store) or own (the picture's, carried as light)",
+          {{"clips", Flames::kClips}, {"own", Flames::kOwn}}, [](FormsOptions& o) { return &o.flames; }),
       of_benches(number("life-pace", "Power of the pace that half-lives are divided by", {0, 4},
                         [](CarriedOptions& o) { return &o.life_pace; })),
       of_benches(number("contrast-gain", "Limit of the gain that restores lost contrast", {1, 4},

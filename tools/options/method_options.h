@@ -17,6 +17,8 @@ class MethodOptions {
   void add_to(CLI::App& command);
   /// Throws Error{kUsage} naming an option that the method does without.
   synth::animate::Method method() const;
+  /// --method is given.
+  bool names_method() const { return !given_.empty() && !given_.front().empty(); }
 
  private:
   std::vector<std::string> given_;  // by setting; empty: its default

@@ -59,6 +59,7 @@ synth::animate::AnimateOptions AnimateCommand::rendering() const {
   made.fps = duration.fps;
   play.apply(made);
   made.method = method.method();
+  if (method.names_method()) made.for_fires.reset();
   if (auto* const forms = std::get_if<synth::animate::FormsOptions>(&made.method)) {
     forms->excluded = search.options().excluded_clips;
     forms->placed_only = !assignment.empty();

@@ -20,6 +20,9 @@ namespace {
 
 /// Whose flames are shown, and what speaks against them.
 void say_forms(const store::Snapshot& snapshot, const synth::animate::AnimateReport& report) {
+  if (report.by_itself)
+    say("a fire: its own flames move as light, over the ground, which stands. --method carried moves all of "
+        "the matte");
   for (const synth::animate::ShownForm& form : report.forms)
     say(fmt::format("forms of {} from frame {} on, fit {:.2f}", snapshot.clip(form.clip).name, form.first,
                     form.fit));
@@ -75,6 +78,8 @@ void print_made(const AnimateCommand& command, const store::Snapshot& snapshot, 
                                     {"height", inputs.loaded.picture.rows},
                                     {"fps", inputs.options.fps},
                                     {"method", report.method},
+                                    {"by_itself", report.by_itself},
+                                    {"flames", report.flames},
                                     {"forms", forms_json(snapshot, report)},
                                     {"forms_fit", report.forms_fit},
                                     {"forms_lack", report.forms_lack},

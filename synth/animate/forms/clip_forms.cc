@@ -18,8 +18,10 @@ constexpr std::size_t kDarkOf = 32;  // frames that the darkest level is found f
 constexpr double kDark = 0.1;        // of them may be darker
 constexpr float kNeverDark = 0.42f;  // level: embers and lit logs stay below
 constexpr float kSteady = 0.1f,
-                kBright = 0.93f;  // levels: what changes less, and is darker, is wax or a lit wall
-constexpr float kFaint = 0.1f;    // of the brightest: what of the mean is no flame
+                kBright = 0.93f;    // levels: what changes less, and is darker, is wax or a lit wall
+constexpr std::size_t kBeats = 48;  // frames that tell how much of a clip beats as one
+constexpr double kBeatsBy = 3;      // samples that make one of theirs, across and down
+constexpr float kFaint = 0.1f;      // of the brightest: what of the mean is no flame
 
 }  // namespace
 
@@ -52,6 +54,24 @@ cv::Mat darkest(const std::vector<cv::Mat>& frames) {
   return cv::min(dark, guess);
 }
 
+double beats_as_one(const std::vector<cv::Mat>& levels) {
+  const std::size_t n = std::min(levels.size(), kBeats);
+  cv::Mat rows, reduced;
+  for (std::size_t i = 0; i < n; ++i) {
+    cv::resize(levels[i * levels.size() / n], reduced, {}, 1 / kBeatsBy, 1 / kBeatsBy, cv::INTER_AREA);
+    cv::Mat row;
+    reduced.reshape(1, 1).convertTo(row, CV_32F);
+    rows.push_back(row);
+  }
+  cv::Mat mean, products, shares;
+  cv::reduce(rows, mean, 0, cv::REDUCE_AVG);
+  for (int i = 0; i < rows.rows; ++i) rows.row(i) -= mean;
+  cv::mulTransposed(rows, products, false);
+  cv::eigen(products, shares);
+  const double all = cv::sum(cv::max(shares, 0.0))[0];
+  return all > 0 ? shares.at<float>(0) / all : 0;
+}
+
 ClipForms clip_forms(const store::Snapshot& snapshot, store::ClipId clip) {
   const stored::ClipFrames frames(snapshot, clip);
   ClipForms forms{.clip = clip,
@@ -61,6 +81,7 @@ ClipForms clip_forms(const store::Snapshot& snapshot, store::ClipId clip) {
                   .by = 1,
                   .levels = {},
                   .mean = {},
+                  .as_one = 0,
                   .seats = {}};
   forms.by =
       std::max(1.0, std::max(forms.source.width, forms.source.height) / static_cast<double>(kFormSamples));
@@ -88,6 +109,7 @@ ClipForms clip_forms(const store::Snapshot& snapshot, store::ClipId clip) {
   double brightest = 0;
   cv::minMaxLoc(forms.mean, nullptr, &brightest);
   forms.mean.setTo(0, forms.mean < kFaint * brightest);
+  forms.as_one = beats_as_one(forms.levels);
   forms.seats = seats_of(forms.mean);
   if (forms.seats.size() > 1) forms.seats.push_back(together(forms.seats, size.width));
   return forms;

@@ -22,6 +22,7 @@ struct ClipForms {
   double by = 1;                // px of the source that a sample is wide and high
   std::vector<cv::Mat> levels;  // of each frame's light, CV_8U
   cv::Mat mean;                 // CV_32F, 0..1: the level of their mean light
+  double as_one = 0;            // of all change over time, what goes up and down together everywhere, 0..1
   std::vector<Seat>
       seats;  // of the mean, in samples; where there are several, all of them together come last
 };
@@ -31,6 +32,12 @@ struct ClipForms {
 ClipForms clip_forms(const store::Snapshot& snapshot, store::ClipId clip);
 inline constexpr int kFormSamples = 224;
 inline constexpr std::uint32_t kMaxFormFrames = 480;
+
+/// Share of the variance over time that its first principal component has, 0..1. Of flames, whose tongues burn each for
+/// itself, .1 to .4; a candle's glass, or a wall, is lit as a whole: .5 and more.
+/// levels  CV_8U, at least one.
+/// Cost    of some 48 of them at an eighth of the samples.
+double beats_as_one(const std::vector<cv::Mat>& levels);
 
 /// The darkest that each place shows, but for one frame in ten: of frames of CV_8U luma, CV_8U. Where it never gets dark
 /// and does not stand still, or is clipped, there is always a flame: there it is continued from around.

@@ -18,8 +18,11 @@ constexpr double kMeanBlur = 0.06, kFrameBlur = 0.02;  // sigma, of the seat's h
 constexpr double kMaxEnlarged = 1.5;                   // beyond it softness shows
 constexpr double kCut = 0.7;                           // what a form costs that its frame cuts on all sides
 constexpr double kOtherSize = 0.12;                    // what a form of twice the size costs, log2
-constexpr double kOtherShape = 0.5;   // what half or twice the width costs that it can have, log2
-constexpr double kBusyness = 0.75;    // what twice as busy flames cost, log2
+constexpr double kOtherShape = 0.5;  // what half or twice the width costs that it can have, log2
+constexpr double kBusyness = 0.75;   // what twice as busy flames cost, log2
+constexpr double kFlames = 0.35,
+                 kNoFlames = 0.6;     // as_one: below it a clip's light is all flames, above none
+constexpr double kAsOne = 0.35;       // what is left of the fit of one that is none
 constexpr int kCanvasRows = 100;      // that a seat's canvas is compared on
 constexpr std::size_t kNarrowed = 8;  // best by their means: whose frames are looked at
 constexpr double kApart = 0.3;        // of the clip: two seats that share it are so far apart in time
@@ -125,7 +128,8 @@ double drawback(const ClipForms& clip, const Seat& form, const Laid& laid) {
   // Small fires flicker faster than large ones.
   const double size = std::exp2(-kOtherSize * std::abs(std::log2(laid.down / clip.by)));
   const double shape = std::exp2(-kOtherShape * std::abs(std::log2(laid.stretched)));
-  return soft * size * shape * (1 - kCut * cut_off(clip, form));
+  const double burns = std::clamp((kNoFlames - clip.as_one) / (kNoFlames - kFlames), kAsOne, 1.0);
+  return soft * size * shape * burns * (1 - kCut * cut_off(clip, form));
 }
 
 std::vector<Laid> by_means(const Canvas& canvas, const Seat& seat, std::span<const ClipForms> clips) {

@@ -104,13 +104,7 @@ FormFrames::FormFrames(const cv::Mat& picture, const cv::Mat& alpha, const Parte
       options_(options),
       colours_(still.light, still.level),
       beside_(beside(alpha)) {
-  double tallest = 1;
-  for (const ChosenForm& form : forms) tallest = std::max(tallest, form.seat.height());
   beside_ = cv::max(beside_, kBehind * still.before);
-  cv::GaussianBlur(still.level, reach_, {}, kLitAround * tallest, 0, cv::BORDER_REPLICATE);
-  double most = 0;
-  cv::minMaxLoc(reach_, nullptr, &most);
-  reach_ = cv::min(reach_ * (2 / std::max(most, 1e-6)), 1.0);
   match_levels();
   draw_to_picture();
   follow_flames();
@@ -128,12 +122,13 @@ void FormFrames::load(int first, int count) {
   for (auto& player : players_) player->load(moments);
 }
 
-/// One map for each form, from moments of all of the animation; and how bright the fire is in the mean.
+/// One map for each form, from moments of all of the animation; and how bright the fire is in the mean, place by place.
 void FormFrames::match_levels() {
   std::vector<int> sampled;
   for (int i = 0; i < kSampled; ++i) sampled.push_back(i * options_.frames / kSampled);
   sampled.erase(std::unique(sampled.begin(), sampled.end()), sampled.end());
-  mean_light_ = 0;
+  cv::Mat usual = cv::Mat::zeros(picture_.size(), CV_32F);
+  double tallest = 1;
   for (std::size_t f = 0; f < forms_.size(); ++f) {
     players_[f]->load(sampled);
     std::vector<cv::Mat> levels(sampled.size());
@@ -142,18 +137,17 @@ void FormFrames::match_levels() {
     const cv::Rect& rect = players_[f]->rect();
     maps_.emplace_back(part_of(still_.level, rect), levels, forms_[f].seat.top - rect.y,
                        forms_[f].seat.bed - rect.y);
-    for (cv::Mat& level : levels) {
-      maps_.back().apply(level);
-      mean_light_ += light_sum(level) / static_cast<double>(levels.size());
+    const cv::Rect both = rect & cv::Rect({}, picture_.size());
+    for (cv::Mat& level : levels) maps_.back().apply(level);
+    soft_.push_back(softness(part_of(still_.level, rect), levels));
+    for (const cv::Mat& level : levels) {
+      if (both.empty()) continue;
+      cv::Mat sum = usual(both);
+      cv::scaleAdd(light_of(level(both - rect.tl())), 1.0 / static_cast<double>(levels.size()), sum, sum);
     }
+    tallest = std::max(tallest, forms_[f].seat.height());
   }
-}
-
-double FormFrames::light_sum(const cv::Mat& level) const {
-  double sum = 0;
-  for (int y = 0; y < level.rows; y += 2)
-    for (int x = 0; x < level.cols; x += 2) sum += light_of(level.at<float>(y, x));
-  return sum;
+  ground_ = std::make_unique<LitGround>(still_, level_of(usual), kLitAround * tallest, options_.lighting);
 }
 
 cv::Mat FormFrames::drawn_to_picture(const cv::Mat& level, std::size_t form) const {
@@ -209,6 +203,7 @@ cv::Mat FormFrames::placed(std::size_t form, int index, const Drawn* drawn) cons
     if (share > 0) level = moved(level, ends ? drawn->end : drawn->start, share);
   }
   maps_[form].apply(level);
+  if (soft_[form] > 0) cv::GaussianBlur(level, level, {}, soft_[form]);
   return level;
 }
 
@@ -261,22 +256,18 @@ cv::Mat FormFrames::frame(int index) const {
   if (index == 0) return picture_.clone();
   cv::Mat flames = level(index);
   const float left = remaining(index, options_.handover_s);
-  // The fire's brightness, of its mean; at first the picture's own is the measure.
-  const double beat =
-      mean_light_ > 0 ? std::clamp(light_sum(flames) / mean_light_ - 1, -0.7, 0.7) * (1 - left) : 0;
-  const auto lit = static_cast<float>(options_.lighting * beat);
+  const cv::Mat bright = ground_->brightening(flames, 1 - left);
   const cv::Mat own = thinned_light(index);
   cv::Mat out = picture_.clone();
   for (int y = 0; y < out.rows; ++y) {
     auto* to = out.ptr<cv::Vec3f>(y);
     const auto* fluid = alpha_.ptr<float>(y);
     const auto* level = flames.ptr<float>(y);
-    const auto* reach = reach_.ptr<float>(y);
+    const auto* brighter = bright.ptr<float>(y);
     const auto* ground = still_.ground.ptr<cv::Vec3f>(y);
     const auto* picture = own.empty() ? nullptr : own.ptr<cv::Vec3f>(y);
     for (int x = 0; x < out.cols; ++x) {
       if (fluid[x] <= 0) continue;
-      const float more = 1 + lit * reach[x];
       const float shown = left > 0 ? thinned(level[x], left * left) : level[x];
       const cv::Vec3f flame = colours_.at(std::min(shown, 1.0f));
       // The brighter one, without an edge where they are alike.
@@ -284,7 +275,7 @@ cv::Mat FormFrames::frame(int index) const {
           picture == nullptr ? 1 : std::clamp(0.5f + 8 * (luma_at(flame) - luma_at(picture[x])), 0.0f, 1.0f);
       for (int k = 0; k < 3; ++k) {
         const float light = share == 1 ? flame[k] : picture[x][k] + share * (flame[k] - picture[x][k]);
-        const float code = level_of(more * ground[x][k] + light);
+        const float code = level_of(brighter[x] * ground[x][k] + light);
         to[x][k] += fluid[x] * (code - to[x][k]);
       }
     }

@@ -9,6 +9,7 @@
 #include "synth/animate/forms/form_choice.h"
 #include "synth/animate/forms/form_look.h"
 #include "synth/animate/forms/form_player.h"
+#include "synth/animate/forms/lit_ground.h"
 #include "synth/animate/forms/parted_still.h"
 
 namespace freshet::synth::animate {
@@ -19,8 +20,8 @@ struct FormFramesOptions {
   bool loop = false;
   double handover_s = 0.2;  // after which nothing of the picture's own flames is left
   double settle_s = 0.6;    // after which the clip's flames, drawn to the picture's at first, burn as filmed
-  /// How far the ground brightens and darkens with the fire's light near it, of the fire's own change; 0: not at all.
-  double lighting = 0.35;
+  /// How far the ground follows the light that falls on it (LitGround), 0..1.
+  double lighting = 0.5;
 };
 
 /// Each pixel is ground, lit by the fire's level, plus the brighter of: flames of the clips, in the picture's levels and
@@ -54,7 +55,6 @@ class FormFrames {
   void follow_flames();
   cv::Mat drawn_to_picture(const cv::Mat& level, std::size_t form) const;
   cv::Mat thinned_light(int index) const;
-  double light_sum(const cv::Mat& level) const;
 
   const cv::Mat& picture_;
   const cv::Mat& alpha_;
@@ -64,12 +64,12 @@ class FormFrames {
   FormFramesOptions options_;
   LightColours colours_;
   std::vector<LevelMaps> maps_;
+  std::vector<double> soft_;  // sigma, px, by form
   std::vector<Drawn> drawn_;
   std::vector<cv::Mat> carried_up_,
       carried_down_;  // by frame of a handover: where the picture's flames come from
   cv::Mat beside_;  // CV_32F: levels that flames lose at the matte's edge, and behind what stands before them
-  cv::Mat reach_;   // CV_32F, 0..1: how far the ground is lit by the fire
-  double mean_light_ = 1;
+  std::unique_ptr<LitGround> ground_;
 };
 
 }  // namespace freshet::synth::animate

@@ -110,6 +110,36 @@ void LevelMaps::apply(cv::Mat& level) const {
   }
 }
 
+namespace {
+
+/// Of the level's variance, what is finer than some 4 px.
+double fineness(const cv::Mat& level) {
+  cv::Mat coarse;
+  cv::GaussianBlur(level, coarse, {}, 1.5);
+  const double fine = cv::norm(level - coarse, cv::NORM_L2SQR), all = cv::norm(level, cv::NORM_L2SQR);
+  return all > 0 ? fine / all : 0;
+}
+
+}  // namespace
+
+double softness(const cv::Mat& still, std::span<const cv::Mat> forms) {
+  const double wanted = fineness(still);
+  if (wanted <= 0) return 0;
+  for (const double sigma : {0.0, 0.4, 0.6, 0.8, 1.0, 1.3, 1.6, 2.0, 2.5}) {
+    double given = 0;
+    for (const cv::Mat& form : forms) {
+      cv::Mat soft;
+      if (sigma > 0)
+        cv::GaussianBlur(form, soft, {}, sigma);
+      else
+        soft = form;
+      given += fineness(soft) / static_cast<double>(forms.size());
+    }
+    if (given <= wanted) return sigma;
+  }
+  return 2.5;
+}
+
 LightColours::LightColours(const cv::Mat& light, const cv::Mat& level) {
   cv::Mat count = cv::Mat::zeros(1, kSteps + 1, CV_64F), sums = cv::Mat::zeros(1, kSteps + 1, CV_64FC3);
   for (int y = 0; y < level.rows; ++y)

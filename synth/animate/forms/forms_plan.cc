@@ -7,8 +7,7 @@
 namespace freshet::synth::animate {
 namespace {
 
-// Where more of the fluid shines, and where it is hardly lighter than what is around it, flames are no light over a ground.
-constexpr double kMostShare = 0.75, kLeastContrast = 0.2;
+constexpr double kMostShare = 0.75;  // where more of the fluid shines, flames are no light over a ground
 constexpr double kWallTop = 0.08,
                  kWallSides = 0.04;  // of the picture: a fire that meets these has no form of its own
 

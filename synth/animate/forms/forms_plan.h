@@ -27,6 +27,8 @@ struct FormsPlan {
   std::string lack;  // what speaks against it, for a person; empty: nothing does
 };
 
+/// Flames that are lighter by less are no light over a ground (PartedStill::contrast).
+inline constexpr double kLeastContrast = 0.2;
 /// A fit below this is warned of.
 inline constexpr double kFormsFit = 0.6;
 

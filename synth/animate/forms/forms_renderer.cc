@@ -7,6 +7,8 @@
 #include "freshet/error.h"
 #include "synth/animate/forms/form_frames.h"
 #include "synth/animate/forms/forms_plan.h"
+#include "synth/animate/forms/handed_frame.h"
+#include "synth/animate/forms/own_flames.h"
 
 namespace freshet::synth::animate {
 namespace {
@@ -63,6 +65,7 @@ class FormsRenderer final : public Renderer {
                  .lighting = options.lighting}) {
     AnimateReport& report = animation_.report;
     report.method = "forms";
+    report.flames = "clips";
     report.forms_fit = plan_.fit;
     report.forms_lack = plan_.lack;
     for (std::size_t f = 0; f < plan_.forms.size(); ++f)
@@ -84,21 +87,7 @@ class FormsRenderer final : public Renderer {
   void prepare(std::span<const int>, std::span<const cv::Mat>, std::size_t) override {}
 
   cv::Mat finish(int output, const cv::Mat& matte) override {
-    const cv::Mat frame = frames_.frame(output);
-    if (animation_.options.form == FrameForm::kWhole) {
-      cv::Mat whole;
-      frame.convertTo(whole, CV_8U, 255);
-      return whole;
-    }
-    // Of the colour that lies below the matte: the frame's own is mixed with the picture by it.
-    cv::Mat fluid(frame.size(), CV_32FC4);
-    for (int y = 0; y < frame.rows; ++y)
-      for (int x = 0; x < frame.cols; ++x) {
-        const float share = matte.at<float>(y, x);
-        const cv::Vec3f over = frame.at<cv::Vec3f>(y, x) - (1 - share) * still_.target.at<cv::Vec3f>(y, x);
-        fluid.at<cv::Vec4f>(y, x) = {over[0], over[1], over[2], share};
-      }
-    return fluid;
+    return handed_on(frames_.frame(output), still_.target, matte, animation_.options.form);
   }
 
  private:
@@ -110,6 +99,22 @@ class FormsRenderer final : public Renderer {
   FormFrames frames_;
 };
 
+std::unique_ptr<Renderer> of_own(Animation& animation, const StillPart& still, PartedStill parted,
+                                 const FormsOptions& options) {
+  animation.report.method = "forms";
+  animation.report.flames = "own";
+  return own_flames(
+      animation, still, std::move(parted),
+      {.carried = options.carried, .handover_s = options.handover_s, .lighting = options.lighting});
+}
+
+bool places_fire(const Animation& animation) {
+  std::size_t fires = 0;
+  for (const PlacedPatch& patch : animation.placement.patches)
+    fires += is_fire(animation.snapshot, patch.clip) ? 1 : 0;
+  return 2 * fires > animation.placement.patches.size();
+}
+
 }  // namespace
 
 std::unique_ptr<Renderer> make_renderer(Animation& animation, const StillPart& still,
@@ -118,11 +123,28 @@ std::unique_ptr<Renderer> make_renderer(Animation& animation, const StillPart& s
     throw Error(ErrorKind::kInput, "forms of clips",
                 "they bring an outline of their own, and a moving one was asked",
                 "Leave out --boundary moving, or add --method carried");
+  if (options.flames == Flames::kOwn) {
+    PartedStill parted = part(still.target, still.alpha);
+    if (parted.contrast <= 0)
+      throw Error(ErrorKind::kInput, "forms of the picture's own flames",
+                  "no flames are found in the picture", "Add --method carried");
+    return of_own(animation, still, std::move(parted), options);
+  }
   FormsPlan plan = plan_of(animation, still, options);
   if (plan.forms.empty())
     throw Error(ErrorKind::kInput, "forms of clips", plan.lack,
                 "Add --method carried, or ingest clips of flames before a dark ground");
   return std::make_unique<FormsRenderer>(animation, still, std::move(plan), options);
+}
+
+std::unique_ptr<Renderer> fire_renderer(Animation& animation, const StillPart& still,
+                                        const FormsOptions& options) {
+  if (!places_fire(animation)) return nullptr;
+  PartedStill parted = part(still.target, still.alpha);
+  if (parted.contrast < kLeastContrast) return nullptr;
+  animation.report.by_itself = true;
+  return options.flames == Flames::kOwn ? of_own(animation, still, std::move(parted), options)
+                                        : make_renderer(animation, still, options);
 }
 
 }  // namespace freshet::synth::animate

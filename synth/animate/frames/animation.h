@@ -66,7 +66,9 @@ struct ShownForm {
 /// Where the time went, and with what.
 struct AnimateReport {
   std::string method;            // carried, forms or paper: which made the frames
-  std::vector<ShownForm> forms;  // one for each fire in the picture
+  bool by_itself = false;        // nobody named it: the picture is of a fire
+  std::string flames;            // with forms, whose: clips or own
+  std::vector<ShownForm> forms;  // of clips: one for each fire in the picture
   double forms_fit = 0;          // of all of them, 0..1
   std::string forms_lack;        // what speaks against them; for a person
   std::size_t clips = 0, pieces = 0;

@@ -17,7 +17,7 @@
 
 #include "freshet/error.h"
 #include "tests/synth/animate/flowing_clip.h"
-#include "vision/temporal_spectrum.h"
+#include "tests/synth/animate/measured_clip.h"
 
 namespace freshet::synth::animate {
 namespace {
@@ -59,17 +59,6 @@ std::vector<Case> cases() {
           with("PaperByFrame", 0x850851d95d502cce, by_frame),
           with("PaperLoopOfWholeFrames", 0x979fab7519d8db73, nearest, true),
           with("PaperMoving", 0x976b5069a0f30feb, PaperOptions{}, false, outline::Outline::kMoving)};
-}
-
-/// A clip whose metadata know its motion.
-FlowingClip measured(FlowingClip clip) {
-  vision::MotionAccumulator motion(clip.size, clip.flow_step, 25, vision::Settings{}.spectrum);
-  for (int i = 0; i + 1 < clip.frames; ++i) {
-    const auto flow = clip.flow(i);
-    motion.add(flow[0], flow[1]);
-  }
-  clip.motion = motion.finish();
-  return clip;
 }
 
 /// A picture whose fluid two clips move.

@@ -1,5 +1,8 @@
 #include "synth/animate/forms/form_choice.h"
 
+#include <cmath>
+#include <vector>
+
 #include <gtest/gtest.h>
 
 #include "synth/animate/forms/clip_forms.h"
@@ -71,6 +74,24 @@ TEST(ChooseForms, WithoutFlamesInClipOrPictureThereAreNone) {
   const std::vector<ClipForms> clips{clip_forms(store.snapshot(), store.id())};
   EXPECT_TRUE(choose_forms(parted({}), clips, 1).empty());
   EXPECT_EQ(overall_fit({}), 0);
+}
+
+TEST(BeatsAsOne, AreALampsAndNotAFires) {
+  std::vector<cv::Mat> lamp, fire;
+  for (int i = 0; i < 30; ++i) {
+    cv::Mat lit, burning = cv::Mat::zeros(90, 120, CV_32F);
+    const cv::Mat shade = flame({120, 90}, {60, 80}, 60, 60);
+    cv::Mat((0.6 + 0.4 * std::sin(0.8 * i)) * 255 * shade).convertTo(lit, CV_8U);
+    lamp.push_back(lit.clone());
+    for (int k = 0; k < 5; ++k)
+      burning = cv::max(burning, flame({120, 90}, {15 + 22 * k, 80}, 16,
+                                       cvRound(40 + 20 * std::sin((0.7 + 0.23 * k) * i + k))));
+    cv::Mat(255 * burning).convertTo(lit, CV_8U);
+    fire.push_back(lit);
+  }
+  EXPECT_GT(beats_as_one(lamp), 0.95);
+  EXPECT_LT(beats_as_one(fire), 0.4);
+  EXPECT_EQ(beats_as_one({lamp[0], lamp[0]}), 0);
 }
 
 }  // namespace

@@ -30,6 +30,15 @@ TEST(LevelMaps, MakeDimFlamesAsBrightAsThePictures) {
   EXPECT_NEAR(level.at<float>(80, 50), 0.9, 0.08);
 }
 
+TEST(Softness, IsWhatACrisperFormLacks) {
+  const cv::Mat crisp = flame({100, 100}, {50, 90}, 12, 70);
+  cv::Mat soft;
+  cv::GaussianBlur(crisp, soft, {}, 2);
+  EXPECT_GT(softness(soft, std::vector{crisp}), 1);
+  EXPECT_EQ(softness(crisp, std::vector{crisp}), 0);
+  EXPECT_EQ(softness(crisp, std::vector{soft}), 0);
+}
+
 TEST(LightColours, AreThePicturesOwn) {
   const PartedStill parted = part(BurningPicture{}.units(), cv::Mat(160, 200, CV_32F, cv::Scalar(1)));
   const LightColours colours(parted.light, parted.level);

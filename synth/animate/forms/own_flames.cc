@@ -1,0 +1,180 @@
+#include "synth/animate/forms/own_flames.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include <opencv2/imgproc.hpp>
+
+#include "synth/animate/forms/form_look.h"
+#include "synth/animate/forms/handed_frame.h"
+#include "synth/animate/forms/light.h"
+#include "synth/animate/forms/lit_ground.h"
+
+namespace freshet::synth::animate {
+namespace {
+
+constexpr double kReach = 0.08;       // sigma of the light around a flame, of the picture's longer side
+constexpr double kNearFlames = 0.08;  // of the same: so far from the picture's flames light may come anew
+constexpr float kBehind = 0.6f;       // levels that flames lose behind what may stand before them
+constexpr double kBelow = 0.012;      // of the same: over which light ends below the bed
+constexpr double kBedBeside = 0.004;  // of the same: columns that share their bed
+
+cv::Mat thrice(const cv::Mat& level) {
+  cv::Mat out;
+  cv::merge(std::vector<cv::Mat>{level, level, level}, out);
+  return out;
+}
+
+/// 0..1: where light may be. Near the picture's flames, but not below them: what burns before a log or a rim has its foot
+/// there, and copies that begin farther down do not show through.
+cv::Mat reach_of(const cv::Mat& level) {
+  const double side = std::max(level.cols, level.rows), near = kNearFlames * side, below = kBelow * side;
+  const cv::Mat shines = level > 0.1f;
+  cv::Mat distance, reach(level.size(), CV_32F);
+  cv::distanceTransform(~shines, distance, cv::DIST_L2, 3);
+  std::vector<int> bed(level.cols, -1);
+  for (int y = 0; y < level.rows; ++y)
+    for (int x = 0; x < level.cols; ++x)
+      if (shines.at<std::uint8_t>(y, x) != 0) bed[x] = y;
+  const int wide = std::max(1, static_cast<int>(std::lround(kBedBeside * side)));
+  for (int x = 0; x < level.cols; ++x) {
+    const auto first = bed.begin() + std::max(0, x - wide);
+    const auto last = bed.begin() + std::min(level.cols, x + wide + 1);
+    const int lowest = *std::max_element(first, last);
+    for (int y = 0; y < level.rows; ++y) {
+      const double far = distance.at<float>(y, x) / near, under = lowest < 0 ? 0 : (y - lowest) / below;
+      reach.at<float>(y, x) = static_cast<float>(std::clamp(std::min(2 - far, 1 - under), 0.0, 1.0));
+    }
+  }
+  return reach;
+}
+
+/// The light alone as a picture: grey, on black.
+StillPart light_as_still(const StillPart& still, const PartedStill& parted) {
+  StillPart light = still;
+  light.target = thrice(parted.level);
+  light.luma = parted.level;
+  light.behind.release();
+  light.colours.slope = cv::Mat::zeros(parted.level.size(), CV_32FC3);
+  light.colours.offset = cv::Mat::zeros(parted.level.size(), CV_32FC3);
+  return light;
+}
+
+FrameOptions of_light(const FrameOptions& options) {
+  FrameOptions out = options;
+  out.form = FrameForm::kFluid;
+  out.matte_sink = {};
+  return out;
+}
+
+class OwnFlames final : public Renderer {
+ public:
+  OwnFlames(Animation& animation, const StillPart& still, PartedStill parted, const OwnFlamesOptions& options)
+      : animation_(animation),
+        still_(still),
+        parted_(std::move(parted)),
+        options_(options),
+        light_(light_as_still(still, parted_)),
+        light_options_(of_light(animation.options)),
+        inner_{.snapshot = animation.snapshot,
+               .settings = animation.settings,
+               .picture = light_.target,
+               .matte = animation.matte,
+               .placement = animation.placement,
+               .options = light_options_,
+               .progress = animation.progress,
+               .stop = animation.stop},
+        carried_(make_renderer(inner_, light_, options.carried)),
+        colours_(parted_.light, parted_.level),
+        ground_(parted_, parted_.level, kReach * std::max(still.target.cols, still.target.rows),
+                options.lighting) {
+    AnimateReport& report = animation_.report;
+    report.clips = inner_.report.clips;
+    report.half_life_s = inner_.report.half_life_s;
+    report.renewed = inner_.report.renewed;
+    report.base_s += animation_.watch.lap();
+    own_ = parted_.light.clone();
+    for (int y = 0; y < own_.rows; ++y)
+      for (int x = 0; x < own_.cols; ++x)
+        own_.at<cv::Vec3f>(y, x) -= colours_.at(std::clamp(parted_.level.at<float>(y, x), 0.0f, 1.0f));
+    reach_ = reach_of(parted_.level);
+  }
+
+  int batch() const override { return carried_->batch(); }
+  cv::Mat motion(int output) const override { return carried_->motion(output); }
+  void read(std::span<const int> outputs) override {
+    carried_->read(outputs);
+    animation_.report.decode_s += animation_.watch.lap();
+  }
+  void prepare(std::span<const int> outputs, std::span<const cv::Mat> mattes, std::size_t passed) override {
+    carried_->prepare(outputs, mattes, passed);
+  }
+
+  cv::Mat finish(int output, const cv::Mat& matte) override {
+    const cv::Mat fluid = carried_->finish(output, matte);
+    const float still = remaining(output);
+    cv::Mat level(fluid.size(), CV_32F);
+    for (int y = 0; y < level.rows; ++y)
+      for (int x = 0; x < level.cols; ++x) {
+        const cv::Vec4f f = fluid.at<cv::Vec4f>(y, x);
+        const float own = parted_.level.at<float>(y, x);
+        const float now = f[3] > 0 ? std::clamp(f[1] / f[3], 0.0f, 1.0f) : own;
+        level.at<float>(y, x) =
+            output == 0 ? own
+                        : thinned(now * reach_.at<float>(y, x), kBehind * parted_.before.at<float>(y, x));
+      }
+    const cv::Mat more = ground_.brightening(level, output == 0 ? 0.0f : 1.0f);
+    cv::Mat frame(level.size(), CV_32FC3);
+    for (int y = 0; y < frame.rows; ++y)
+      for (int x = 0; x < frame.cols; ++x) {
+        const cv::Vec3f picture = still_.target.at<cv::Vec3f>(y, x);
+        const float share = matte.at<float>(y, x);
+        cv::Vec3f& to = frame.at<cv::Vec3f>(y, x) = picture;
+        if (share <= 0 || output == 0) continue;
+        // Where light has gone on, none of its own colour stays behind: it would be blue on white.
+        const float now = level.at<float>(y, x), before = parted_.level.at<float>(y, x);
+        const float kept = now < before ? light_of(now) / light_of(before) : 1.0f;
+        const cv::Vec3f flame = colours_.at(now) + still * kept * kept * own_.at<cv::Vec3f>(y, x);
+        const cv::Vec3f& ground = parted_.ground.at<cv::Vec3f>(y, x);
+        for (int k = 0; k < 3; ++k) {
+          const float code = level_of(std::max(0.0f, more.at<float>(y, x) * ground[k] + flame[k]));
+          to[k] += share * (code - to[k]);
+        }
+      }
+    return handed_on(frame, still_.target, matte, animation_.options.form);
+  }
+
+ private:
+  /// Of what the picture's light has beside the colour of its level, how much is left: 1 at frame 0, to 0.
+  float remaining(int output) const {
+    const FrameOptions& options = animation_.options;
+    const int apart = options.loop ? std::min(output, options.frames - output) : output;
+    const double left = 1 - apart / std::max(2.0, options_.handover_s * options.fps);
+    return static_cast<float>(std::clamp(left, 0.0, 1.0));
+  }
+
+  Animation& animation_;
+  const StillPart& still_;
+  const PartedStill parted_;
+  const OwnFlamesOptions options_;
+  const StillPart light_;
+  const FrameOptions light_options_;
+  Animation inner_;
+  std::unique_ptr<Renderer> carried_;
+  LightColours colours_;
+  LitGround ground_;
+  cv::Mat own_;    // CV_32FC3: the light less the colour of its level
+  cv::Mat reach_;  // CV_32F, 0..1: near the picture's flames
+};
+
+}  // namespace
+
+std::unique_ptr<Renderer> own_flames(Animation& animation, const StillPart& still, PartedStill parted,
+                                     const OwnFlamesOptions& options) {
+  return std::make_unique<OwnFlames>(animation, still, std::move(parted), options);
+}
+
+}  // namespace freshet::synth::animate

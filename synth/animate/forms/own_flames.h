@@ -1,0 +1,27 @@
+// synth/animate/forms/own_flames.h — the picture's own flames, carried as light over the ground, which stands.
+#pragma once
+
+#include <memory>
+
+#include "synth/animate/carried/carried_renderer.h"
+#include "synth/animate/forms/parted_still.h"
+#include "synth/animate/frames/animation.h"
+#include "synth/animate/frames/renderer.h"
+#include "synth/animate/frames/still_part.h"
+
+namespace freshet::synth::animate {
+
+struct OwnFlamesOptions {
+  CarriedOptions carried{};  // how the light is carried
+  double handover_s = 0.2;   // after which a flame's colour is its level's alone
+  double lighting = 0.5;     // how far the ground follows the light that falls on it, 0..1
+};
+
+/// The level of the picture's light is carried as a picture of its own would be; its colour follows the picture's curve
+/// over level (LightColours), so a flame that gets darker turns red, not grey. Logs, rims and embers do not move.
+/// Frame 0 is the picture.
+/// parted  of this picture, with contrast.
+std::unique_ptr<Renderer> own_flames(Animation& animation, const StillPart& still, PartedStill parted,
+                                     const OwnFlamesOptions& options);
+
+}  // namespace freshet::synth::animate

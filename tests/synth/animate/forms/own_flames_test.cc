@@ -1,0 +1,140 @@
+#include "synth/animate/forms/own_flames.h"
+
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <oneapi/tbb/global_control.h>
+
+#include "freshet/error.h"
+#include "synth/animate/animate.h"
+#include "tests/synth/animate/forms/burning.h"
+#include "tests/synth/animate/measured_clip.h"
+
+namespace freshet::synth::animate {
+namespace {
+
+const BurningPicture kPicture;
+
+/// A clip whose flames rise by 40 px/s everywhere.
+FlowingClip rising(const std::string& class_name = "fire") {
+  FlowingClip clip = BurningClip{}.clip();
+  clip.class_name = class_name;
+  clip.steady = {0, -1.6f};
+  clip.varying = 0.4f;
+  return measured(clip);
+}
+
+struct Made {
+  std::vector<cv::Mat> frames;
+  AnimateReport report;
+};
+
+Made made_with(const FlowingStore& store, const AnimateOptions& options) {
+  Placement placement{.side = 48, .stride = 24, .patches = {}};
+  for (int y = 0; y + 48 <= 160; y += 24)
+    for (int x = 0; x + 48 <= 192; x += 24)
+      placement.patches.push_back(
+          {.piece = {x, y}, .clip = store.id(), .variant = {}, .patch = {x % 96, y % 60}, .speed = 1});
+  Made made;
+  made.report = animate(store.snapshot(), store.settings(), kPicture.draw(),
+                        cv::Mat(kPicture.size, CV_8U, cv::Scalar(255)), placement, options,
+                        [&](const cv::Mat& frame) { made.frames.push_back(frame.clone()); });
+  return made;
+}
+
+AnimateOptions by_itself(int frames = 20) {
+  AnimateOptions options;
+  options.frames = frames;
+  return options;
+}
+
+double apart(const cv::Mat& a, const cv::Mat& b) { return cv::norm(a, b, cv::NORM_INF); }
+
+TEST(OwnFlames, AreTakenByThemselvesForAFireAndNothingElse) {
+  const Made fire = made_with(FlowingStore({rising()}), by_itself());
+  EXPECT_EQ(fire.report.method, "forms");
+  EXPECT_EQ(fire.report.flames, "own");
+  EXPECT_TRUE(fire.report.by_itself);
+  const Made water = made_with(FlowingStore({rising("water")}), by_itself());
+  EXPECT_EQ(water.report.method, "carried");
+  EXPECT_FALSE(water.report.by_itself);
+}
+
+TEST(OwnFlames, YieldToAMethodThatIsNamedAndToAMovingOutline) {
+  const FlowingStore store({rising()});
+  AnimateOptions options = by_itself(4);
+  options.for_fires.reset();
+  EXPECT_EQ(made_with(store, options).report.method, "carried");
+  options = by_itself(4);
+  options.outline.kind = outline::Outline::kMoving;
+  options.outline.background = kPicture.draw();
+  EXPECT_EQ(made_with(store, options).report.method, "carried");
+}
+
+TEST(OwnFlames, BurnOverAGroundThatStands) {
+  const Made made = made_with(FlowingStore({rising()}), by_itself());
+  const cv::Mat picture = kPicture.draw();
+  ASSERT_EQ(made.frames.size(), 20);
+  EXPECT_EQ(apart(made.frames[0], picture), 0);
+  const cv::Rect flame(90, 50, 40, 80), below(90, 136, 40, 20), beside(0, 0, 40, 160);
+  for (std::size_t i = 4; i < made.frames.size(); ++i) {
+    EXPECT_GT(apart(made.frames[i](flame), picture(flame)), 20) << i;
+    // It brightens and darkens with the fire, and no flame comes over it.
+    EXPECT_LT(apart(made.frames[i](below), picture(below)), 12) << i;
+    EXPECT_LT(apart(made.frames[i](beside), picture(beside)), 6) << i;
+  }
+}
+
+TEST(OwnFlames, TurnNeitherGreyNorBlue) {
+  for (const cv::Mat& frame : made_with(FlowingStore({rising()}), by_itself()).frames)
+    for (int y = 0; y < frame.rows; ++y)
+      for (int x = 0; x < frame.cols; ++x)
+        if (const cv::Vec3b c = frame.at<cv::Vec3b>(y, x); c[2] > 60) {
+          EXPECT_GT(c[2], c[0]) << x << ", " << y;
+        }
+}
+
+TEST(OwnFlames, AreTheSameForAnyThreadsAndAnyRange) {
+  const FlowingStore store({rising()});
+  const Made whole = made_with(store, by_itself());
+  const oneapi::tbb::global_control one(oneapi::tbb::global_control::max_allowed_parallelism, 1);
+  AnimateOptions options = by_itself();
+  options.from = 7;
+  options.until = 15;
+  const Made part = made_with(store, options);
+  ASSERT_EQ(part.frames.size(), 8);
+  for (std::size_t i = 0; i < part.frames.size(); ++i)
+    EXPECT_EQ(apart(part.frames[i], whole.frames[7 + i]), 0) << i;
+}
+
+TEST(OwnFlames, TheFluidOverThePictureIsTheFrame) {
+  const FlowingStore store({rising()});
+  const Made whole = made_with(store, by_itself(8));
+  AnimateOptions options = by_itself(8);
+  options.form = FrameForm::kFluid;
+  const Made fluid = made_with(store, options);
+  for (std::size_t i = 0; i < whole.frames.size(); ++i)
+    for (int y = 0; y < kPicture.size.height; ++y)
+      for (int x = 0; x < kPicture.size.width; ++x)
+        for (int k = 0; k < 3; ++k)
+          EXPECT_NEAR(255 * fluid.frames[i].at<cv::Vec4f>(y, x)[k], whole.frames[i].at<cv::Vec3b>(y, x)[k],
+                      0.51);
+}
+
+TEST(OwnFlames, AskedOfAPictureWithoutFlamesAreRefused) {
+  AnimateOptions options = by_itself(4);
+  options.method = FormsOptions{.flames = Flames::kOwn};
+  cv::Mat dark(kPicture.size, CV_8UC3, cv::Scalar(60, 40, 20));
+  const FlowingStore store({rising()});
+  Placement placement{.side = 48, .stride = 24, .patches = {}};
+  placement.patches.push_back(
+      {.piece = {0, 0}, .clip = store.id(), .variant = {}, .patch = {0, 0}, .speed = 1});
+  EXPECT_THROW(
+      animate(store.snapshot(), store.settings(), dark, cv::Mat(kPicture.size, CV_8U, cv::Scalar(255)),
+              placement, options, [](const cv::Mat&) {}),
+      Error);
+}
+
+}  // namespace
+}  // namespace freshet::synth::animate
