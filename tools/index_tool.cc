@@ -1,3 +1,4 @@
+#include <limits>
 #include <memory>
 
 #include <fmt/format.h>
@@ -13,11 +14,17 @@ struct IndexCommand {
   std::string store;
   std::vector<std::string> flann;
   query::IndexOptions options;
-  bool json = false;
+  bool no_flann = false, json = false;
 };
 
 void run(const IndexCommand& command, const RunContext& context) {
   query::IndexOptions options = command.options;
+  if (command.no_flann) options.flann.clear();
+  if (!command.flann.empty()) {
+    // What is asked for by name is built whatever it takes, or refused.
+    options.flann.clear();
+    options.flann_max_bytes = std::numeric_limits<std::size_t>::max();
+  }
   for (const std::string& name : command.flann) options.flann.push_back(query::parse_flann_kind(name));
   store::Store store = store::Store::open_write(command.store);
   const query::IndexReport report = update_index(store, options, context);
@@ -36,6 +43,7 @@ void run(const IndexCommand& command, const RunContext& context) {
                                       {"patches", report.patches},
                                       {"samples", report.samples},
                                       {"flann", flann},
+                                      {"flann_too_large", report.flann_too_large},
                                       {"seconds",
                                        {{"sample", report.sample_s},
                                         {"train", report.train_s},
@@ -50,13 +58,17 @@ void run(const IndexCommand& command, const RunContext& context) {
 void add_index(CLI::App& app, RunContext& context) {
   auto command = std::make_shared<IndexCommand>();
   CLI::App* sub = app.add_subcommand(
-      "index", "Rebuild a store's codebook and visual words when clips are new; build FLANN indexes");
+      "index", "Rebuild a store's codebook, visual words and FLANN index when clips are new");
   sub->add_option("STORE", command->store, "The store file")->required();
-  sub->add_option(
-         "--flann", command->flann,
-         "Also build and keep these FLANN indexes (kdtree, kmeans, hierarchical). None is needed: the exact "
-         "index is faster, and is built from the words when a store is searched")
-      ->delimiter(',');
+  CLI::Option* flann =
+      sub->add_option(
+             "--flann", command->flann,
+             "FLANN indexes to build and keep, for searches with --index: kdtree, kmeans, "
+             "hierarchical. The exact index, by which a store is searched otherwise, is faster and is "
+             "built from the words [hierarchical]")
+          ->delimiter(',');
+  sub->add_flag("--no-flann", command->no_flann, "Build no FLANN index, and drop those that the store holds")
+      ->excludes(flann);
   sub->add_flag("--rebuild", command->options.rebuild, "Build everything anew, even when no clip is new");
   sub->add_option("--samples", command->options.samples, "Descriptors that the codebook is trained on")
       ->check(CLI::Range(1000, 10'000'000))

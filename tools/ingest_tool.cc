@@ -26,7 +26,7 @@ struct IngestCommand {
   std::string shard = "1/1";
   ingest::IngestOptions options;
   SettingsOptions settings;
-  bool no_index = false, json = false;
+  bool no_index = false, no_flann = false, json = false;
 };
 
 ingest::Shard parse_shard(const std::string& text) {
@@ -140,7 +140,11 @@ void run(const IngestCommand& command, RunContext& context) {
     throw Error(ErrorKind::kInput, command.store, "no clip was taken, for the reasons above",
                 growing.is_new() ? "The store was not made" : "");
   }
-  if (!command.no_index) update_index(growing.store(), {}, context);
+  if (!command.no_index) {
+    query::IndexOptions index;
+    if (command.no_flann) index.flann.clear();
+    update_index(growing.store(), index, context);
+  }
   if (report.count(ingest::Outcome::kFailed) + report.count(ingest::Outcome::kRefused) > 0 &&
       report.count(ingest::Outcome::kAdded) + report.count(ingest::Outcome::kAlreadyThere) == 0)
     context.exit_code = 1;
@@ -171,7 +175,11 @@ void add_ingest(CLI::App& app, RunContext& context) {
                   "Ingest only part I of N of the list, for stores that are built separately and merged")
       ->type_name("I/N")
       ->capture_default_str();
-  sub->add_flag("--no-index", command->no_index, "Do not update the index at the end");
+  CLI::Option* no_index =
+      sub->add_flag("--no-index", command->no_index, "Do not update the index at the end");
+  sub->add_flag("--no-flann", command->no_flann,
+                "Leave FLANN's index out of the store. Searches with --index flann-hierarchical alone use it")
+      ->excludes(no_index);
   sub->add_flag("--json", command->json, "Print the report as JSON");
   add_threads(*sub);
   command->settings.add_to(*sub);

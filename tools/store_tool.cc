@@ -105,6 +105,15 @@ std::string gain_text(const std::string& file) {
                      bytes_text(static_cast<double>(sizes.before - sizes.after)));
 }
 
+/// What a store can be searched by.
+std::string index_text(const store::Snapshot& snapshot) {
+  if (!snapshot.blob(stored::kCodebookBlob)) return "none (run freshet index)";
+  std::string text = "ready";
+  for (const std::string& name : snapshot.blob_names())
+    if (name.starts_with("flann-")) text += ", " + printable(name);
+  return text;
+}
+
 /// Numbers come from records' headers: these are compared with what the clips say of them.
 void info(const StoreCommand& command, RunContext& context) {
   const store::Snapshot snapshot = store::Store::open_read(command.store).snapshot();
@@ -159,8 +168,7 @@ void info(const StoreCommand& command, RunContext& context) {
                                  static_cast<double>(use.raw_bytes) / static_cast<double>(use.stored_bytes))
                    : "-"});
   fmt::print("{}\n{} clips, {} patches, index: {}\n\n{}{}\nsettings {}\n", clips.text(), readable.size(),
-             patches, snapshot.blob(stored::kCodebookBlob) ? "ready" : "none (run freshet index)",
-             usage.text(), whole ? gain_text(command.store) : "",
+             patches, index_text(snapshot), usage.text(), whole ? gain_text(command.store) : "",
              settings.dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
   for (const std::string& fault : faults) fmt::print("damaged: {}\n", printable(fault));
   report_faults(command.store, faults, context);

@@ -227,7 +227,7 @@ struct FlannIndex::Impl {
 
   [[noreturn]] void fail(const std::string& fault) const {
     throw Error(ErrorKind::kDamaged, blob_name(options.kind), fault,
-                std::string("Build it again: freshet index --flann ") + name_of(options.kind));
+                std::string("Build it again: freshet index --rebuild --flann ") + name_of(options.kind));
   }
 };
 

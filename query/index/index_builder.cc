@@ -7,6 +7,7 @@
 #include "freshet/error.h"
 #include "platform/random.h"
 #include "platform/stopwatch.h"
+#include "query/index/dense_histogram.h"
 #include "query/index/flann_tuning.h"
 #include "query/index/patch_descriptors.h"
 #include "stored/average_image.h"
@@ -62,11 +63,11 @@ class Build {
     if (!options_.rebuild) known = stored::find_codebook(snapshot_);
     if (known && up_to_date(*known)) {
       report_.words = known->codebook.words;
-      if (!options_.flann.empty()) {
-        read_words();
-        add_flann();
-        write();
-      }
+      const std::vector<FlannKind> missing = missing_flann();
+      if (options_.flann.empty()) erase_flann();
+      if (!missing.empty()) read_words();
+      add_flann(missing);
+      if (!blobs_.empty() || !erased_.empty()) write();
       return report_;
     }
     report_.words_built = true;
@@ -74,10 +75,8 @@ class Build {
     report_.words = trained.codebook.words;
     assign(trained.codebook);
     blobs_.push_back({stored::kCodebookBlob, stored::to_bytes(trained), true});
-    for (const FlannKind kind : kFlannKinds) {
-      if (snapshot_.blob(blob_name(kind))) erased_.push_back(blob_name(kind));
-    }
-    add_flann();
+    erase_flann();
+    add_flann(options_.flann);
     write();
     return report_;
   }
@@ -201,7 +200,33 @@ class Build {
     }
   }
 
-  void add_flann() {
+  void erase_flann() {
+    const std::vector<std::string> names = snapshot_.blob_names();
+    for (const FlannKind kind : kFlannKinds)
+      if (std::find(names.begin(), names.end(), blob_name(kind)) != names.end())
+        erased_.push_back(blob_name(kind));
+  }
+
+  std::vector<FlannKind> missing_flann() const {
+    std::vector<FlannKind> missing;
+    for (const FlannKind kind : options_.flann) {
+      std::optional<std::vector<std::byte>> bytes;
+      try {
+        bytes = snapshot_.blob(blob_name(kind));
+      } catch (const Error& fault) {
+        if (fault.kind() != ErrorKind::kDamaged) throw;
+      }
+      if (!bytes) missing.push_back(kind);
+    }
+    return missing;
+  }
+
+  void add_flann(const std::vector<FlannKind>& kinds) {
+    if (kinds.empty()) return;
+    if (report_.patches > options_.flann_max_bytes / histogram_bins(report_.words)) {
+      report_.flann_too_large = true;
+      return;
+    }
     Stopwatch watch;
     // Rows are numbered by clip id, words_ stands in order of source hash.
     std::vector<std::size_t> by_id(clips_.size());
@@ -210,8 +235,8 @@ class Build {
               [&](std::size_t a, std::size_t b) { return clips_[a] < clips_[b]; });
     std::vector<vision::WordMap> rows;
     std::vector<stored::Row> clip_rows{0};
-    for (std::size_t i = 0; i < options_.flann.size(); ++i) {
-      say(stage::kFlann, i, options_.flann.size());
+    for (std::size_t i = 0; i < kinds.size(); ++i) {
+      say(stage::kFlann, i, kinds.size());
       if (rows.empty()) {
         for (const std::size_t c : by_id) {
           rows.insert(rows.end(), words_[c].begin(), words_[c].end());
@@ -219,7 +244,7 @@ class Build {
         }
       }
       FlannOptions options = options_.flann_options;
-      options.kind = options_.flann[i];
+      options.kind = kinds[i];
       FlannIndex index(rows, report_.words, options);
       tune_flann(index, rows, report_.words, clip_rows);
       blobs_.push_back({blob_name(options.kind), index.serialize(), false});

@@ -14,9 +14,13 @@
 namespace freshet::query {
 
 struct IndexOptions {
-  std::vector<FlannKind> flann{};  // FLANN indexes to build as well; none is needed for exact search
-  FlannOptions flann_options{};    // trees, branching, ...; `kind` is taken from the list
-  bool rebuild = false;            // even when nothing has changed
+  /// FLANN indexes that the store is to hold: those that it lacks are built. Empty: it is to hold none.
+  std::vector<FlannKind> flann{FlannKind::kHierarchical};
+  FlannOptions flann_options{};  // trees, branching, ...; `kind` is taken from the list
+  /// Of the dense histograms that FLANN builds from, 21 * words bytes a patch. A store that needs more gets no
+  /// FLANN index, and the report says so: 2 GiB are half a million patches at 200 words.
+  std::size_t flann_max_bytes = std::size_t{2} << 30;
+  bool rebuild = false;           // even when nothing has changed
   std::size_t samples = 200'000;  // descriptors that the codebook is trained on, spread evenly over the clips
   /// For descriptors, kept from the first pass over the clips for the second. Of clips that do not fit, only
   /// the samples are made twice.
@@ -33,6 +37,7 @@ struct IndexReport {
     std::size_t bytes = 0;  // in the store
   };
   std::vector<Flann> flann_built;
+  bool flann_too_large = false;  // left out: flann_max_bytes
   double sample_s = 0, train_s = 0, assign_s = 0, flann_s = 0, write_s = 0;
 };
 
@@ -45,13 +50,14 @@ struct IndexReport {
 /// number of threads has a part.
 ///
 /// When clips are new, everything is trained again: the words of a store depend on its clips, not on its
-/// history. FLANN indexes are erased when words change. When no clip is new, only the FLANN indexes asked for
-/// are built. Each is tuned (tune_flann).
+/// history. FLANN indexes are erased when words change. Those in the list are built where the store has none
+/// that can be read, and tuned (tune_flann); those of other kinds stay while the words do.
 ///
 /// progress    "sampling descriptors", "training the codebook", "assigning words", "building FLANN indexes",
 ///             "writing"; counts clips, or indexes. Called from the calling thread; may be empty.
 /// Throws      Error{kNotFound} when there is no patch, Error{kCancelled} when stopped, Error{kDamaged}.
-/// Memory      samples * 128 bytes and what training takes of it, cache_bytes, 81 bytes per patch.
+/// Memory      samples * 128 bytes and what training takes of it, cache_bytes, 81 bytes per patch; then, for a FLANN
+///             index, the dense histograms.
 IndexReport build_index(store::Store& store, const IndexOptions& options = {},
                         const ProgressFunction& progress = {}, std::stop_token stop = {});
 

@@ -50,5 +50,40 @@ TEST(SameStore, AnIndexMadeLaterIsTheSame) {
   EXPECT_EQ(digest(folder / "a.store"), sample_digest());
 }
 
+TEST(SameStore, HoldsAFlannIndexUnlessItIsLeftOut) {
+  const WorkFolder folder;
+  const fs::path store = copy_of_store(folder);
+  const auto find = [&](const std::string& index) {
+    return folder.freshet({"query", "candidates", store, sample().still, "--frames", "16", "--index", index});
+  };
+  const auto has_flann = [&] {
+    return folder.freshet({"store", "info", store}).out.find("ready, flann-hierarchical") !=
+           std::string::npos;
+  };
+  EXPECT_TRUE(has_flann());
+  EXPECT_EQ(find("flann-hierarchical").exit_code, 0);
+  const Outcome kdtree = find("flann-kdtree");
+  EXPECT_EQ(kdtree.exit_code, 1) << "the index that was asked for is not the one that answers";
+
+  ASSERT_EQ(folder.freshet({"index", store, "--no-flann"}).exit_code, 0);
+  EXPECT_FALSE(has_flann());
+  EXPECT_EQ(digest(store), sample_digest());
+  const Outcome none = find("flann-hierarchical");
+  EXPECT_EQ(none.exit_code, 1);
+  EXPECT_NE(none.err.find("copy.store: it has no FLANN index hierarchical"), std::string::npos) << none.err;
+  EXPECT_NE(folder.freshet({"index", store, "--no-flann", "--flann", "kdtree"}).exit_code, 0);
+
+  // Whose clips change has none until its index is made anew.
+  ASSERT_EQ(folder.freshet({"ingest", store, sample().clips}).exit_code, 0);
+  EXPECT_TRUE(has_flann());
+  ASSERT_EQ(folder.freshet({"store", "compact", store}).exit_code, 0);
+  EXPECT_TRUE(has_flann());
+  ASSERT_EQ(folder.freshet({"store", "remove", store, "fall/1.mkv"}).exit_code, 0);
+  EXPECT_FALSE(has_flann());
+  ASSERT_EQ(folder.freshet({"ingest", "none.store", sample().clips, "--no-flann"}).exit_code, 0);
+  EXPECT_EQ(digest(folder / "none.store"), sample_digest());
+  EXPECT_EQ(folder.freshet({"store", "info", "none.store"}).out.find("flann"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace freshet::tools

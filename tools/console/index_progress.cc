@@ -23,6 +23,9 @@ query::IndexReport update_index(store::Store& store, const query::IndexOptions& 
                     query::blob_name(flann.kind), flann.tuning.build_seconds,
                     bytes_text(static_cast<double>(flann.bytes)), flann.tuning.checks,
                     100 * flann.tuning.recall));
+  if (report.flann_too_large)
+    say("index: no FLANN index, as its histograms of so many patches would take more than 2 GiB of memory; "
+        "freshet index --flann hierarchical builds one all the same");
   return report;
 }
 

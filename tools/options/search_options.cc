@@ -55,7 +55,10 @@ void SearchOptions::add_to(CLI::App& command) {
       ->check(CLI::IsMember({"auto"}) | CLI::Range(1.0, query::kMaxPieceScale))
       ->capture_default_str()
       ->group(in_detail("Search"));
-  command.add_option("--index", index_, "exact, or a FLANN index that freshet index --flann has built")
+  command
+      .add_option("--index", index_,
+                  "exact, or a FLANN index of the store: freshet ingest makes flann-hierarchical, "
+                  "freshet index --flann the others")
       ->check(CLI::IsMember({"exact", "flann-kdtree", "flann-kmeans", "flann-hierarchical"}))
       ->capture_default_str()
       ->group(in_detail("Search"));

@@ -88,19 +88,39 @@ TEST(IndexBuilder, DependsOnTheClipsAndNotOnTheirHistory) {
 TEST(IndexBuilder, DoesNothingWhenNoClipIsNew) {
   const ScratchFolder folder;
   store::Store store = made_store(folder.path() / "a.store", some_clips());
-  build_index(store);
+  const IndexReport first = build_index(store);
+  ASSERT_EQ(first.flann_built.size(), 1U);
+  EXPECT_EQ(first.flann_built[0].kind, FlannKind::kHierarchical);
+  EXPECT_GT(first.flann_built[0].tuning.checks, 0U);
+  EXPECT_GE(first.flann_built[0].tuning.recall, 0.9F);
   const std::string digest = store.snapshot().digest();
-  EXPECT_FALSE(build_index(store).words_built);
-  const IndexReport with_flann = build_index(store, {.flann = {FlannKind::kHierarchical}});
-  EXPECT_FALSE(with_flann.words_built);
-  ASSERT_EQ(with_flann.flann_built.size(), 1U);
-  EXPECT_EQ(with_flann.flann_built[0].kind, FlannKind::kHierarchical);
-  EXPECT_GT(with_flann.flann_built[0].tuning.checks, 0U);
-  EXPECT_GE(with_flann.flann_built[0].tuning.recall, 0.9F);
-  EXPECT_TRUE(store.snapshot().blob("flann-hierarchical"));
-  EXPECT_EQ(store.snapshot().digest(), digest);
+  const auto trees = store.snapshot().blob("flann-hierarchical");
+  ASSERT_TRUE(trees);
+  const IndexReport again = build_index(store);
+  EXPECT_FALSE(again.words_built);
+  EXPECT_TRUE(again.flann_built.empty());
+  EXPECT_EQ(store.snapshot().blob("flann-hierarchical"), trees);
   EXPECT_TRUE(build_index(store, {.rebuild = true}).words_built);
   EXPECT_EQ(store.snapshot().digest(), digest);
+}
+
+TEST(IndexBuilder, HoldsTheFlannIndexesThatAreWantedAndNoStoreDiffersByThem) {
+  const ScratchFolder folder;
+  store::Store store = made_store(folder.path() / "a.store", some_clips());
+  const auto holds = [&](const char* name) { return store.snapshot().blob(name).has_value(); };
+  EXPECT_TRUE(build_index(store, {.flann = {}}).flann_built.empty());
+  EXPECT_FALSE(holds("flann-hierarchical"));
+  const std::string digest = store.snapshot().digest();
+  EXPECT_EQ(build_index(store, {.flann = {FlannKind::kKMeans}}).flann_built.size(), 1U);
+  EXPECT_EQ(build_index(store).flann_built.size(), 1U);
+  EXPECT_TRUE(holds("flann-hierarchical") && holds("flann-kmeans"));
+  EXPECT_EQ(store.snapshot().digest(), digest);
+
+  EXPECT_FALSE(build_index(store, {.flann = {}}).words_built);
+  EXPECT_FALSE(holds("flann-hierarchical") || holds("flann-kmeans"));
+  const IndexReport large = build_index(store, {.flann_max_bytes = 1000});
+  EXPECT_TRUE(large.flann_too_large && large.flann_built.empty());
+  EXPECT_FALSE(holds("flann-hierarchical"));
 }
 
 TEST(IndexBuilder, LeavesTheStoreAsItWasWhenStopped) {
