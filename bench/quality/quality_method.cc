@@ -88,6 +88,10 @@ const std::vector<Setting>& all_settings() {
          to([](Method & m) -> auto& { return m.label.guide_costs.unsteady; })},
         {"reuse", "cost of a place shown twice by neighbours", true,
          to([](Method & m) -> auto& { return m.label.reuse.overlap; })},
+        {"crowd", "cost of each patch of a clip that has more than half of the pieces", true,
+         to([](Method & m) -> auto& { return m.label.reuse.crowd; })},
+        {"solver", "trw-s, alpha-expansion or icm", true,
+         [](Method& m, const std::string& text) { m.label.minimizer = query::parse_minimizer(text); }},
         {"guide-direction", "cost of an angle to the hint", true,
          to([](Method & m) -> auto& { return m.label.guide_costs.direction; })},
         {"guide-speed", "cost of another speed than the hint's", true,
@@ -109,8 +113,13 @@ const std::vector<Setting>& all_settings() {
 const std::vector<NamedSettings>& methods() {
   static const std::vector<NamedSettings> all{
       {"ours", "", "the defaults"},
-      {"paper", "method=paper blend=paper low-band=keep matching=frame",
-       "Okabe et al. 2011: averaged differences on the long exposure, matched frame by frame"},
+      {"paper",
+       "hint-search=narrow guide-direction=0 guide-speed=0 guide-unsteady=0 costs=power vote=0 coherent=0 "
+       "reuse=0 crowd=0 solver=alpha-expansion method=paper resampling=nearest blend=paper low-band=keep "
+       "matching=frame max-gain=20",
+       "Okabe et al. 2011 as printed, labels too: what freshet synth animate --as-printed does"},
+      {"paper-rendering", "method=paper blend=paper low-band=keep matching=frame",
+       "its rendering alone, of our labels: averaged differences on the long exposure, matched by frame"},
       {"eulerian", "renderer=eulerian",
        "two copies of the still carried along the clip's true mean motion; no hint, no labels"},
       {"eulerian-varying", "renderer=eulerian-varying",

@@ -29,10 +29,12 @@ MotionGuide guide_of_animation(const LabelRequest& request, cv::Size picture) {
 
 void adopt_guess(const MotionGuide& guess, LabelOptions& options) {
   if (options.hint_search == HintSearch::kWide) {
-    const double unsteady = options.guide_costs.unsteady;
+    // What they were weighed by stays.
+    const GuideCosts wide = default_guide_costs(HintSearch::kWide),
+                     narrow = default_guide_costs(HintSearch::kNarrow);
     options.hint_search = HintSearch::kNarrow;
-    options.guide_costs = default_guide_costs(HintSearch::kNarrow);
-    options.guide_costs.unsteady = unsteady;
+    options.guide_costs.direction = narrow.direction * (options.guide_costs.direction / wide.direction);
+    options.guide_costs.speed = narrow.speed * (options.guide_costs.speed / wide.speed);
     options.guide = widened(options.guide);
   }
   options.guide.direction = guess.direction;

@@ -146,6 +146,7 @@ struct Flowlines::Impl {
     return {.strands = strands(),
             .entries = options.entries,
             .loop_frames = options.loop_frames,
+            .in_turn = options.in_turn,
             .seed = options.seed};
   }
 

@@ -38,8 +38,9 @@ struct FlowlinesOptions {
   Dynamics dynamics = Dynamics::kMeasured;
   /// Strands of the fluid so wide, px, repeat in an order of their own; 0: all together; below 0: 3 patches.
   double strand_px = -1;
-  int entries = 0;      // K; 0: chosen
-  int loop_frames = 0;  // > 0: the output repeats after so many frames, without a seam
+  int entries = 0;       // K; 0: chosen
+  int loop_frames = 0;   // > 0: the output repeats after so many frames, without a seam
+  bool in_turn = false;  // all K entries one after the other, as printed; else in an order that varies
   std::uint64_t seed = 1;
   /// Of runs where they overlap; how alike they are is measured: likeness_of.
   Mixing mixing = Mixing::kCut;

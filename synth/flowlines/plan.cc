@@ -20,7 +20,7 @@ constexpr double kTurn =
     0.382;  // of a round, between times: the golden section keeps any number of them apart
 
 RepeatOptions repeats_of(const PlanOptions& options, std::size_t stream) {
-  return {.seed = options.seed * 1000 + stream};
+  return {.in_turn = options.in_turn, .seed = options.seed * 1000 + stream};
 }
 
 /// All streams' ladders; price: what their discontinuities weigh together, by area.
@@ -50,6 +50,10 @@ Order order_of(const Plan& plan, std::size_t stream, const PlanOptions& options,
     return {ladder, repeats,
             static_cast<int>(plan.arrivals.streams[stream].duration) + 2 * plan.margin + 4 + lead};
   std::vector<Run> period = cyclic(ladder.cost, options.loop_frames, repeats);
+  if (period.empty() && options.in_turn)
+    throw Error(ErrorKind::kUsage, fmt::format("--loop --frames {}", options.loop_frames),
+                fmt::format("{} entries repeat in turn, which do not divide it", ladder.entries()),
+                "Give --entries a number that does, or leave --repeats in-turn out");
   if (period.empty()) {
     int longest = 0;
     for (const Ladder& other : plan.ladders) longest = std::max(longest, other.min_run);

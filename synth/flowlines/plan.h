@@ -14,8 +14,9 @@ namespace freshet::synth::flowlines {
 
 struct PlanOptions {
   StrandOptions strands{};
-  int entries = 0;      // K of every stream; 0: chosen
-  int loop_frames = 0;  // > 0: the order closes after so many frames
+  int entries = 0;       // K of every stream; 0: chosen
+  int loop_frames = 0;   // > 0: the order closes after so many frames
+  bool in_turn = false;  // RepeatOptions
   std::uint64_t seed = 1;
 };
 

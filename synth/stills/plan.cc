@@ -195,7 +195,7 @@ class Planner {
     const RegionEdits edits = edits_of(options_.edits, region);
     cv::Mat mask;
     cv::resize(region.mask, mask, looked_at_[0].size(), 0, 0, cv::INTER_AREA);
-    Square<double> rms = still_distances(looked_at_, mask > 127);
+    Square<double> rms = still_distances(looked_at_, mask > 127, options_.blur_px);
     StillGraph graph = make_graph(rms, graph_options(edits));
     if (graph.parts() > 1)
       plan_.notices.push_back(fmt::format(

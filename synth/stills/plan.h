@@ -23,6 +23,7 @@ struct PlanOptions {
   TimingOptions timing{};
   double slow_step_s = 2.5;  // of slow regions
   int side = 200;            // px, longer side of the copies whose distances are taken
+  double blur_px = 0;        // of those; 0: the six of still_distances
   int split = 1;             // parts of each independent region
   double follow = 0.05;      // lambda of Eq. 3, of the graph's mean edge weight
   std::vector<RegionEdits> edits{};

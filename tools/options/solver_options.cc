@@ -45,6 +45,14 @@ void SolverOptions::add_to(CLI::App& command) {
       ->check(CLI::Range(0.0, 1000.0))
       ->capture_default_str()
       ->group(in_detail("Labelling"));
+  command
+      .add_option(
+          "--hint-weight", hint_weight_,
+          "Weight, among a piece's candidates, of moving as asked; 0: of those that the search found, the "
+          "looks alone choose")
+      ->check(CLI::Range(0.0, 100.0))
+      ->capture_default_str()
+      ->group(in_detail("Labelling"));
   rho_option_ =
       command.add_option("--rho", rho_, "Weight of textureness against mean motion [log 0.25, power 10000]")
           ->check(CLI::NonNegativeNumber)
@@ -52,6 +60,12 @@ void SolverOptions::add_to(CLI::App& command) {
 }
 
 query::Minimizer SolverOptions::solver() const { return query::parse_minimizer(solver_); }
+
+query::GuideCosts SolverOptions::guide_costs(query::HintSearch search) const {
+  query::GuideCosts costs = query::default_guide_costs(search);
+  for (double* const cost : {&costs.direction, &costs.speed, &costs.unsteady}) *cost *= hint_weight_;
+  return costs;
+}
 
 query::PairwiseOptions SolverOptions::costs() const { return costs(query::parse_cost_form(costs_)); }
 

@@ -35,6 +35,7 @@ query::LabelRequest request_of(const SearchOptions& search, const AskedMotion& a
   if (labelling != nullptr) {
     request.options.costs = labelling->costs();
     request.options.reuse = labelling->reuse();
+    request.options.guide_costs = labelling->guide_costs(asked.search);
     request.options.minimizer = labelling->solver();
     request.options.max_iterations = labelling->iterations();
   }

@@ -14,6 +14,7 @@
 #include "synth/animate/animate.h"
 #include "synth/animate/staging.h"
 #include "tools/console/progress.h"
+#include "tools/options/as_printed.h"
 #include "tools/options/cache_options.h"
 #include "tools/options/duration.h"
 #include "tools/options/hold_options.h"
@@ -42,6 +43,7 @@ struct AnimateCommand {
   OutlineOptions outline;
   MethodOptions method;
   OutputOptions output;
+  AsPrinted as_printed;  // of the command line alone
   std::string assignment, sheet;
   bool json = false;
 

@@ -20,6 +20,7 @@
 #include "tools/commands.h"
 #include "tools/console/output_names.h"
 #include "tools/console/progress.h"
+#include "tools/options/as_printed.h"
 #include "tools/options/output_options.h"
 
 namespace freshet::tools {
@@ -33,11 +34,12 @@ struct FlowlinesCommand {
   fs::path lines, edited, background, matte, draw, lines_out, sheet;
   flowlines::FootageOptions footage;
   flowlines::FlowlinesOptions options;
-  std::string dynamics = "auto", blend = "cut", correspondence = "equal", ground = "none";
+  std::string dynamics = "auto", blend = "cut", correspondence = "equal", ground = "none", repeats = "varied";
   int frames = 500, memory_mb = 1200;
   double fps = 0;
   bool loop = false, json = false;
   OutputOptions output;
+  AsPrinted as_printed;
 };
 
 flowlines::Footage read_clip(const FlowlinesCommand& command) {
@@ -61,6 +63,7 @@ flowlines::FlowlinesOptions options_of(const FlowlinesCommand& command, const fl
   options.dynamics = command.dynamics == "stationary"       ? flowlines::Dynamics::kStationary
                      : command.dynamics == "non-stationary" ? flowlines::Dynamics::kNonStationary
                                                             : flowlines::Dynamics::kMeasured;
+  options.in_turn = command.repeats == "in-turn";
   options.mixing = command.blend == "feather"    ? flowlines::Mixing::kFeather
                    : command.blend == "contrast" ? flowlines::Mixing::kContrast
                                                  : flowlines::Mixing::kCut;
@@ -322,6 +325,12 @@ void add_particles(CLI::App& sub, FlowlinesCommand& command) {
                  "Number of frames whose particles repeat (K) [chosen for the smallest discontinuity]")
       ->check(CLI::Range(8, 100000))
       ->group(particles);
+  sub.add_option(
+         "--repeats", command.repeats,
+         "Order of the repeats: varied, or in-turn (all K frames' particles again and again, as printed)")
+      ->check(CLI::IsMember({"varied", "in-turn"}))
+      ->capture_default_str()
+      ->group(particles);
   sub.add_option("--strand", command.options.strand_px,
                  "Width of independently repeating strands, px; 0: one order for all [3 patches]")
       ->check(CLI::Range(0.0, 100000.0))
@@ -353,7 +362,19 @@ void add_flowlines(CLI::App& synth_command, RunContext& context) {
   sub->add_option("--sheet", command->sheet, "Write a contact sheet of frames (PNG, JPEG)");
   sub->add_flag("--json", command->json, "Print lines, repeats and seconds by stage as JSON");
   add_threads(*sub);
-  sub->callback([command, &context] { run_flowlines(*command, context); });
+  // Spacing, texture size, dynamics and correspondence are the artist's.
+  command->as_printed.add_to(*sub, "Bhat et al. 2004",
+                             {{"--blend", "feather", "Sec. 3"},
+                              {"--repeats", "in-turn", "Sec. 3, Fig. 3"},
+                              {"--strand", "0", "Sec. 3"},
+                              {"--ground", "none", "Sec. 6"}});
+  sub->callback([command, &context] {
+    command->as_printed.apply();
+    if (command->as_printed.asked() && command->lines.empty())
+      throw Error(ErrorKind::kUsage, "--as-printed", "an artist draws the paper's lines, and there are none",
+                  "Give --lines; --lines-out writes those that are found, to be edited");
+    run_flowlines(*command, context);
+  });
 }
 
 }  // namespace freshet::tools

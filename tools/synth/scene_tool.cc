@@ -18,6 +18,7 @@
 #include "media/video/picture_sink.h"
 #include "platform/stopwatch.h"
 #include "synth/animate/frame_sheet.h"
+#include "synth/scene/printed_scene.h"
 #include "synth/scene/rendering/scene_animation.h"
 #include "synth/scene/rendering/scene_cut.h"
 #include "synth/scene/rendering/scene_drawing.h"
@@ -38,7 +39,7 @@ namespace scene = synth::scene;
 struct SceneCommand {
   std::string file, init, sheet, drawing, layers_out;
   OutputOptions output;
-  bool print_keys = false, json = false;
+  bool as_printed = false, print_keys = false, json = false;
 };
 
 void say_all(const std::vector<std::string>& notices) {
@@ -120,7 +121,8 @@ void run_scene(SceneCommand& command, const RunContext& context) {
   }
   if (command.file.empty()) throw CLI::RequiredError("SCENE");
   plan_stages({{"cut", "cutting layers"}, {"render", "rendering"}});
-  scene::Scene asked = scene::read_scene(command.file);
+  scene::Scene asked =
+      command.as_printed ? scene::read_printed_scene(command.file) : scene::read_scene(command.file);
   TargetFiles::Loaded loaded{.picture = {}, .matte = {}, .still = media::read_still(asked.picture)};
   for (const std::string& notice : loaded.still.notices) say(asked.picture.string() + ": " + notice);
   loaded.picture = loaded.still.bgr;
@@ -236,6 +238,11 @@ void add_scene(CLI::App& synth_command, RunContext& context) {
          "premultiplied), '{layer}.mov' (ProRes 4444, straight), or another format with alpha, as deep as it "
          "holds")
       ->group("Output");
+  std::string keys;
+  for (const scene::PrintedKey& key : scene::printed_keys())
+    keys += fmt::format("{}{}.{} = {}", keys.empty() ? "" : ", ", key.table, key.key, key.value);
+  sub->add_flag("--as-printed", command->as_printed,
+                "The method as Chuang et al. 2005 print it, whole: " + keys);
   sub->add_flag("--keys", command->print_keys, "Print what a scene file can say");
   sub->add_option("--sheet", command->sheet, "Write a contact sheet of the picture and frames (PNG, JPEG)");
   sub->add_flag("--json", command->json, "Print files and seconds by stage as JSON");

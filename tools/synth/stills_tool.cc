@@ -27,6 +27,7 @@
 #include "tools/commands.h"
 #include "tools/console/output_names.h"
 #include "tools/console/progress.h"
+#include "tools/options/as_printed.h"
 #include "tools/options/cache_options.h"
 
 namespace freshet::tools {
@@ -36,17 +37,19 @@ namespace fs = std::filesystem;
 namespace stills = synth::stills;
 using Json = nlohmann::json;
 
-constexpr int kWorkSide = 960;  // px: regions and weights are kept so large
+constexpr int kWorkSide = 960;      // px: regions and weights are kept so large
+constexpr double kUnblurred = 0.1;  // px: a Gaussian of one sample
 constexpr int kPreviewSide = 480, kPreviewFlowSide = 320;
 
 struct StillsCommand {
   fs::path folder, out, regions, scribbles, edits, sheet, page;
   double seconds = 8, fps = 25;
-  std::string camera = "auto", levelling = "auto";
+  std::string camera = "auto", levelling = "auto", distance = "paths", normalise = "mean";
   bool one_region = false, preview = false, json = false, keys = false, no_slow_turns = false;
   stills::PlanOptions plan;
   stills::RenderOptions render;
   CacheOptions cache;
+  AsPrinted as_printed;
 };
 
 Json names_of(const std::vector<int>& shown, const std::vector<std::string>& names) {
@@ -152,6 +155,11 @@ void settle(StillsCommand& command) {
   command.render.frames = std::max(1, static_cast<int>(std::lround(command.seconds * command.fps)));
   command.plan.seconds = command.render.frames / command.fps;
   command.plan.timing.slow_turns = !command.no_slow_turns;
+  command.plan.sampling.by_sum = command.normalise == "sum";
+  if (command.distance == "l2") {
+    command.plan.blur_px = kUnblurred;
+    command.plan.graph.power = 1;
+  }
   check_frames_output(command.out, command.render.frames);
   check_picture_output(command.sheet);
   check_output_folder(command.page);
@@ -256,6 +264,20 @@ void add_motion_options(CLI::App& sub, StillsCommand& command) {
       ->check(CLI::Range(1e-4, 100.0))
       ->capture_default_str()
       ->group(group);
+  sub.add_option(
+         "--distance", command.distance,
+         "How unlike two stills are: paths (at six blurs, to the power 8, so that paths go through many "
+         "stills) or l2 (the L2 norm, as printed: most paths have two stills)")
+      ->check(CLI::IsMember({"paths", "l2"}))
+      ->capture_default_str()
+      ->group(group);
+  sub.add_option(
+         "--normalise", command.normalise,
+         "What a step's penalty is divided by, times sigma: the mean of all, or their sum (as printed: "
+         "the more paths, the more even the draw)")
+      ->check(CLI::IsMember({"mean", "sum"}))
+      ->capture_default_str()
+      ->group(group);
   sub.add_option("--irregularity", command.plan.sampling.irregularity,
                  "Probability that motion turns within a path")
       ->check(CLI::Range(0.0, 1.0))
@@ -349,7 +371,21 @@ void add_stills(CLI::App& synth_command, RunContext& context) {
       "is new is found again");
   add_overwrite(*sub);
   add_threads(*sub);
-  sub->callback([command, &context] { run_stills(*command, context); });
+  // Sigma, irregularity, slow turns and the regions are the person's.
+  command->as_printed.add_to(*sub, "Lin et al. 2007",
+                             {{"--camera", "tripod", "Sec. 1"},
+                              {"--level", "off", "Sec. 1"},
+                              {"--distance", "l2", "Sec. 3.1"},
+                              {"--cut-above", "2", "Sec. 3.1"},
+                              {"--normalise", "sum", "Eq. 2"}});
+  sub->callback([command, &context] {
+    command->as_printed.apply();
+    if (command->as_printed.asked() && command->regions.empty() && command->scribbles.empty() &&
+        !command->one_region && !command->keys)
+      throw Error(ErrorKind::kUsage, "--as-printed", "a person marks the paper's regions, and none is marked",
+                  "Give --regions, --scribbles or --one-region");
+    run_stills(*command, context);
+  });
 }
 
 }  // namespace freshet::tools

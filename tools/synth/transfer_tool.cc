@@ -32,6 +32,7 @@
 #include "tools/commands.h"
 #include "tools/console/output_names.h"
 #include "tools/console/progress.h"
+#include "tools/options/as_printed.h"
 
 namespace freshet::tools {
 namespace {
@@ -53,6 +54,7 @@ struct TransferCommand {
   std::string uniformity = "on", initialise = "warped", search = "patchmatch", rotations = "1";
   transfer::TransferOptions options;
   bool restart = false, json = false;
+  AsPrinted as_printed;
 };
 
 cv::Point parse_place(const std::string& text) {
@@ -588,7 +590,21 @@ void add_transfer(CLI::App& synth_command, RunContext& context) {
                 "Print a report as JSON: uniformity, violations, distance and seconds by stage, by frame");
   add_overwrite(*sub);
   add_threads(*sub);
-  sub->callback([command, &context] { TransferRun(*command, context).run(); });
+  command->as_printed.add_to(*sub, "Jamriska et al. 2015",
+                             {{"--uniformity", "on", "Sec. 4.1"},
+                              {"--search", "exact", "Sec. 4.1"},
+                              {"--initialise", "warped", "Sec. 4.3"},
+                              {"--rotations", "4", "Sec. 4.5"},
+                              {"--exemplar-scale", "1", "Sec. 3"},
+                              {"--ground", "none", "Sec. 3"},
+                              {"--patch", "5", "Sec. 5"},
+                              {"--lambda", "0.2", "Sec. 5"},
+                              {"--lower", "0.1", "Sec. 5"},
+                              {"--upper", "0.9", "Sec. 5"}});
+  sub->callback([command, &context] {
+    command->as_printed.apply();
+    TransferRun(*command, context).run();
+  });
 }
 
 }  // namespace freshet::tools

@@ -49,6 +49,13 @@ double Repeats::chance() { return drawn(random_++); }
 
 Run Repeats::next() {
   const int entries = cost_.cols;
+  if (options_.in_turn) {
+    const Run whole{.start = start_, .first = 0, .length = entries};
+    jump_ = jump_to_come_;
+    jump_to_come_ = static_cast<double>(cost_.at<float>(entries, 0));
+    start_ += entries;
+    return whole;
+  }
   Run run{.start = start_, .first = first_, .length = 0};
   double least = std::numeric_limits<double>::max();
   int next = 0;
@@ -86,6 +93,12 @@ Run Repeats::next() {
 
 std::vector<Run> cyclic(const cv::Mat& cost, int frames, const RepeatOptions& options) {
   const int entries = cost.cols, least = options.min_run;
+  if (options.in_turn) {
+    std::vector<Run> runs;
+    for (int start = 0; frames % entries == 0 && start < frames; start += entries)
+      runs.push_back({.start = start, .first = 0, .length = entries});
+    return runs;
+  }
   constexpr float kNever = std::numeric_limits<float>::max();
   const auto unit = static_cast<float>(unit_of(cost));
   const int firsts = entries - least + 1;  // entries at which a run can begin

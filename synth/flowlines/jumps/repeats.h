@@ -23,6 +23,9 @@ struct RepeatOptions {
   /// Frames that a jump wants to go over in, half of them to either side: between jumps that come sooner than in
   /// twice that it is seen the more.
   double fade = 0;
+  /// All entries in turn, again and again, as Bhat et al. 2004 repeat the first K diagonals (Fig. 3 b): of what stands
+  /// above nothing counts.
+  bool in_turn = false;
   std::uint64_t seed = 1;
 };
 
@@ -56,7 +59,7 @@ class Repeats {
 /// Runs that fill exactly `frames` frames, and the last of which leads into the first: of all such, those of least
 /// cost, chance included.
 /// frames    at least 2 min_run.
-/// Returns   none when there is no such order.
+/// Returns   none when there is no such order; in turn, when K does not divide `frames`.
 std::vector<Run> cyclic(const cv::Mat& cost, int frames, const RepeatOptions& options = {});
 
 }  // namespace freshet::synth::flowlines

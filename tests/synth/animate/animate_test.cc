@@ -271,5 +271,99 @@ INSTANTIATE_TEST_SUITE_P(
                     with("Moving", 0, CarriedOptions{}, false, outline::Outline::kMoving)),
     [](const auto& one) { return one.param.name; });
 
+struct Paper : Animated {
+  static AnimateOptions printed(AppearanceMatching matching) {
+    AnimateOptions options = GetParam().options;
+    std::get<PaperOptions>(options.method).matching = matching;
+    return options;
+  }
+  /// Standard deviation of luma inside the matte.
+  static double contrast(const cv::Mat& frame) {
+    cv::Mat luma;
+    cv::cvtColor(frame, luma, cv::COLOR_BGR2GRAY);
+    cv::Scalar mean, deviation;
+    cv::meanStdDev(luma, mean, deviation, matte() == 255);
+    return deviation[0];
+  }
+  /// The least and the most of any frame, in the picture's.
+  static std::pair<double, double> contrasts(AppearanceMatching matching) {
+    double least = 1e9, most = 0;
+    for (const cv::Mat& frame : animated(printed(matching)).frames) {
+      least = std::min(least, contrast(frame) / contrast(picture()));
+      most = std::max(most, contrast(frame) / contrast(picture()));
+    }
+    return {least, most};
+  }
+};
+
+TEST_P(Paper, MatchingByFrameGivesEveryFrameThePicturesContrast) {
+  const auto [least, most] = contrasts(AppearanceMatching::kFrame);
+  EXPECT_GT(least, 0.8);
+  EXPECT_LT(most, 1.2);
+  const auto [least_sequence, most_sequence] = contrasts(AppearanceMatching::kSequence);
+  EXPECT_GT(most_sequence - least_sequence, 1.5 * (most - least)) << "one model leaves frames their own";
+  const auto [least_raw, most_raw] = contrasts(AppearanceMatching::kNone);
+  EXPECT_GT(least_raw, 1.5) << "the clips have more of it";
+}
+
+TEST_P(Paper, ALoopOfWholeFramesBeginsAtTheLeastChange) {
+  AnimateOptions options = printed(AppearanceMatching::kNone);
+  std::get<PaperOptions>(options.method).resampling = Resampling::kNearest;
+  options.loop = true;
+  const Frames frames = animated(options).frames;
+  std::vector<double> changes;
+  for (std::size_t i = 0; i < frames.size(); ++i)
+    changes.push_back(cv::norm(frames[i], frames[(i + 1) % frames.size()], cv::NORM_L1));
+  // What changes least is estimated from the clips' frames, before they are blended.
+  const auto smaller = std::ranges::count_if(changes, [&](double change) { return change < changes.back(); });
+  EXPECT_LE(smaller, 3);
+}
+
+INSTANTIATE_TEST_SUITE_P(Methods, Paper, testing::Values(with("Printed", 0, PaperOptions{})),
+                         [](const auto& one) { return one.param.name; });
+
+TEST(PaperBlend, BandsGoOverFromPieceToPieceOverTheirOwnWidths) {
+  // To the left a level that swings and a fine grating that flickers, to the right nothing.
+  const auto left = [](int i) {
+    cv::Mat out(110, 150, CV_8U);
+    for (int x = 0; x < out.cols; ++x)
+      out.col(x).setTo(128 + (i % 2 == 0 ? 1 : -1) * (30 + (x % 4 < 2 ? 30 : -30)));
+    return out;
+  };
+  const auto right = [](int) { return cv::Mat(110, 150, CV_8U, cv::Scalar(128)); };
+  const FlowingStore store({measured({.frames = 20, .varying = 0, .drawn = left}),
+                            measured({.frames = 20, .varying = 0, .drawn = right})});
+  Placement placement{.side = 48, .stride = 24, .patches = {}};
+  for (int y = 0; y + 48 <= 96; y += 24)
+    for (int x = 0; x + 48 <= 144; x += 24)
+      placement.patches.push_back(
+          {.piece = {x, y}, .clip = store.id(x < 60 ? 0 : 1), .variant = {}, .patch = {0, 0}});
+  AnimateOptions options;
+  options.frames = 10;
+  options.method = PaperOptions{.resampling = Resampling::kNearest,
+                                .blend = {.weights = BlendWeights::kPaper, .low_band = LowBand::kKeep},
+                                .matching = AppearanceMatching::kNone};
+  Frames frames;
+  animate(store.snapshot(), store.settings(), cv::Mat(96, 144, CV_8UC3, cv::Scalar::all(128)),
+          cv::Mat(96, 144, CV_8U, cv::Scalar(255)), placement, options,
+          [&](const cv::Mat& frame) { frames.push_back(frame.clone()); });
+  cv::Mat first, luma;
+  cv::cvtColor(frames[0], first, cv::COLOR_BGR2GRAY);
+  first.convertTo(luma, CV_32F, 1, -128);
+  // Of four columns, one period of the grating.
+  const auto level = [&](int x) { return std::abs(cv::mean(luma(cv::Rect(x, 40, 4, 8)))[0]); };
+  const auto grating = [&](int x) {
+    return std::abs(cv::mean(luma(cv::Rect(x, 40, 2, 8)))[0] - cv::mean(luma(cv::Rect(x + 2, 40, 2, 8)))[0]) /
+           2;
+  };
+  // Its owner changes at 84: a level goes over within the whole overlap, fine detail within a few px.
+  EXPECT_NEAR(level(60), 30, 1);
+  EXPECT_LT(level(76), 26);
+  EXPECT_GT(grating(76), 28);
+  EXPECT_GT(level(88), 5);
+  EXPECT_LT(grating(88), 3);
+  EXPECT_LT(level(100), 1);
+}
+
 }  // namespace
 }  // namespace freshet::synth::animate

@@ -105,5 +105,49 @@ TEST(Edit, SmallPatchesDoNotReachFar) {
   EXPECT_EQ(between_lines(kPlume, {.patch_px = 7, .spacing_px = 3}), (std::vector<int>{0, 0, 0}));
 }
 
+TEST(Edit, LinesBetweenShowWhatMatchesTheirNeighbours) {
+  // Of a picture whose colours change across the lines, those of the plume beside it show what lies in order.
+  std::vector<cv::Mat> frames;
+  for (int t = 0; t < 4; ++t) {
+    cv::Mat frame(120, 400, CV_8UC3);
+    for (int y = 0; y < frame.rows; ++y)
+      for (int x = 0; x < frame.cols; ++x)
+        frame.at<cv::Vec3b>(y, x) = cv::Vec3b(static_cast<unsigned char>(std::min(255, 2 * x)),
+                                              static_cast<unsigned char>(255 - std::min(255, 2 * x)), 90);
+    frames.push_back(frame);
+  }
+  const EditOptions options{.patch_px = 24, .spacing_px = 6};
+  const std::vector<FlowLine> inputs = dense_inputs(kPlume, options);
+  ASSERT_GT(inputs.size(), 10u);
+  const std::vector<FlowLine> drawn = beside(160, "");
+  const std::vector<EditedLine> dense =
+      densify(inputs, drawn, partners(inputs, drawn, "e.svg"), frames, options);
+  ASSERT_GT(dense.size(), 10u);
+  for (const EditedLine& line : dense)
+    EXPECT_NEAR(inputs[static_cast<std::size_t>(line.input)].points.front().x + 160,
+                line.line.points.front().x, 4);
+}
+
+TEST(Edit, ErrorsOfOverlapsAreMeansOverTheFrames) {
+  // The first frame says that all inputs are alike, the other three that they are in order.
+  std::vector<cv::Mat> frames(4, cv::Mat(120, 400, CV_8UC3, cv::Scalar::all(90)));
+  for (std::size_t t = 1; t < 4; ++t) {
+    frames[t] = frames[t].clone();
+    for (int x = 0; x < 400; ++x) frames[t].col(x).setTo(cv::Scalar::all(std::min(255, 2 * x)));
+  }
+  EditOptions options{.patch_px = 24, .spacing_px = 6};
+  const std::vector<FlowLine> inputs = dense_inputs(kPlume, options), drawn = beside(160, "");
+  const auto apart = [&] {
+    double sum = 0;
+    for (const EditedLine& line : densify(inputs, drawn, partners(inputs, drawn, "e.svg"), frames, options))
+      sum += std::abs(static_cast<double>(inputs[static_cast<std::size_t>(line.input)].points.front().x +
+                                          160 - line.line.points.front().x));
+    return sum;
+  };
+  const double of_all = apart();
+  options.frames = 1;
+  EXPECT_LT(of_all, 0.25 * apart());
+}
+
 }  // namespace
 }  // namespace freshet::synth::flowlines

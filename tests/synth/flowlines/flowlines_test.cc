@@ -172,5 +172,29 @@ TEST(Flowlines, SayWhyAClipCannotBeUsed) {
   EXPECT_NE(unpaired.find("--lines-out"), std::string::npos) << unpaired;
 }
 
+/// Mean |Laplacian| of the channel.
+double detail_of(const std::vector<cv::Mat>& frames, const cv::Rect& channel) {
+  double sum = 0;
+  for (const cv::Mat& frame : frames) {
+    cv::Mat laplacian;
+    cv::Laplacian(frame(channel), laplacian, CV_32F);
+    sum += cv::mean(cv::abs(laplacian))[0];
+  }
+  return sum / static_cast<double>(frames.size());
+}
+
+TEST(Flowlines, ContrastGivesBackTheDetailThatFeatheringCosts) {
+  const Footage footage = made_stream();
+  const cv::Rect channel(44, 16, 40, 64);
+  const auto detail = [&](Mixing mixing) {
+    Flowlines engine(footage, {.mixing = mixing});
+    return detail_of(frames_of(engine, 120), channel) / detail_of(footage.frames, channel);
+  };
+  const double feathered = detail(Mixing::kFeather), contrast = detail(Mixing::kContrast);
+  EXPECT_LT(feathered, 0.97);
+  EXPECT_GT(contrast, feathered + 0.3 * (1 - feathered));
+  EXPECT_LT(contrast, 1.05);
+}
+
 }  // namespace
 }  // namespace freshet::synth::flowlines

@@ -103,5 +103,21 @@ TEST(Repeats, ALoopCostsAsLittleAsExhaustiveSearchFinds) {
   }
 }
 
+TEST(Repeats, InTurnAreAllEntriesAgainAndAgain) {
+  const cv::Mat cost = random_cost(16, 3);
+  Repeats repeats(cost, {.min_run = 5, .in_turn = true});
+  for (int i = 0; i < 5; ++i) {
+    const auto run = repeats.next();
+    EXPECT_EQ(run.start, 16 * i);
+    EXPECT_EQ(run.first, 0);
+    EXPECT_EQ(run.length, 16);
+    if (i > 0) {
+      EXPECT_EQ(repeats.jump(), static_cast<double>(cost.at<float>(16, 0)));
+    }
+  }
+  EXPECT_EQ(cyclic(cost, 48, {.min_run = 5, .in_turn = true}).size(), 3u);
+  EXPECT_TRUE(cyclic(cost, 47, {.min_run = 5, .in_turn = true}).empty());
+}
+
 }  // namespace
 }  // namespace freshet::synth::flowlines

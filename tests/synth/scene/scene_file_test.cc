@@ -11,6 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "freshet/error.h"
+#include "synth/scene/printed_scene.h"
 #include "synth/scene/scene_marks.h"
 #include "tests/synth/scene/made_scene.h"
 
@@ -289,6 +290,34 @@ TEST(SceneMarks, ALineForNoLayerIsAnError) {
   Scene scene = drawing.scene();
   EXPECT_THAT(fault_of([&] { read_marks(scene, kMadeSize); }),
               AllOf(HasSubstr("\"oak\" is no layer"), HasSubstr(".svg")));
+}
+
+TEST(SceneFile, AsPrintedHasThePapersValuesAndRefusesOthersByName) {
+  const std::string text = made_scene_text("speed = 7\n");
+  const auto with = [&](const std::string& from, const std::string& to) {
+    std::string changed = text;
+    changed.replace(changed.find(from), from.size(), to);
+    return changed;
+  };
+  const auto fault = [](const std::string& of) {
+    return fault_of([&] { parse_printed_scene(of, "folder/a.toml"); });
+  };
+  const std::string printable = with("shimmer = 0.5\n", "");
+  const Scene plain = parse_scene(printable, "a.toml"), printed = parse_printed_scene(printable, "a.toml");
+  const auto& water = *printed.layers[2].as<WaterMotion>();
+  EXPECT_EQ(plain.layers[2].as<WaterMotion>()->against, 0.3);
+  EXPECT_EQ(water.against, 1);
+  EXPECT_TRUE(water.edge_moves);
+  EXPECT_EQ(water.mapping, WaterMapping::kDisplacement);
+  EXPECT_EQ(water.amplitude, 6) << "what the paper leaves to a person stays";
+  EXPECT_EQ(printed.wind.speed_m_per_s, 7);
+  EXPECT_EQ(printed.layers[3].as<CloudMotion>()->far_speed, 1);
+
+  EXPECT_THAT(fault(text), AllOf(HasSubstr("folder/a.toml:14"), HasSubstr("tree"), HasSubstr("shimmer"),
+                                 HasSubstr("the paper prints 0")));
+  EXPECT_THAT(fault(printable + "[[layer]]\nname = \"film\"\nmotion = \"footage\"\nfile = \"a.mp4\"\n"),
+              AllOf(HasSubstr("film"), HasSubstr("none of the paper's motions")));
+  EXPECT_THAT(fault("picture = 3\n"), HasSubstr("picture"));
 }
 
 }  // namespace

@@ -153,5 +153,54 @@ TEST(Page, LaysOutALineAsALine) {
   for (int i = 0; i + 1 < 4; ++i) EXPECT_NEAR(std::abs(at[i + 1].x - at[i].x), 2. / 3, 1e-6);
 }
 
+/// Two fields of texture, with a calm band between them, that slide to and fro together.
+struct Sea {
+  std::vector<cv::Mat> stills;
+  std::vector<Region> regions{
+      {.name = "sea", .mask = cv::Mat(200, 320, CV_8U, cv::Scalar(255)), .parent = {}}};
+  Sea() {
+    for (const int shift : {0, 6, 12, 18, 24}) {
+      cv::Mat still(200, 320, CV_8UC3, cv::Scalar(90, 80, 70));
+      for (const int top : {0, 115}) {
+        cv::Mat noise(85, 400, CV_8UC3);
+        cv::RNG(static_cast<std::uint64_t>(top) + 1).fill(noise, cv::RNG::UNIFORM, 0, 255);
+        cv::GaussianBlur(noise, noise, {}, 3);
+        cv::normalize(noise, noise, 0, 255, cv::NORM_MINMAX);
+        noise(cv::Rect(40 - shift, 0, 320, 85)).copyTo(still(cv::Rect(0, top, 320, 85)));
+      }
+      stills.push_back(still);
+    }
+  }
+};
+
+/// Share of the steps in which a part goes the way of the one that it follows.
+double together(const Sea& sea, double follow) {
+  int steps = 0, same = 0;
+  for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+    PlanOptions options{.seconds = 20, .split = 2, .follow = follow};
+    options.sampling.seed = seed;
+    options.sampling.irregularity = 0;
+    const Plan plan = make_plan(sea.stills, kNames, sea.regions, options);
+    EXPECT_EQ(plan.regions.size(), 2u);
+    if (plan.regions.size() != 2) return 0;
+    EXPECT_EQ(plan.regions[0].reference, "");
+    EXPECT_EQ(plan.regions[1].reference, plan.regions[0].region.name);
+    const std::vector<int>&first = plan.regions[0].sequence, &other = plan.regions[1].sequence;
+    for (std::size_t k = 0; k + 1 < std::min(first.size(), other.size()); ++k) {
+      ++steps;
+      same += (first[k + 1] > first[k]) == (other[k + 1] > other[k]);
+    }
+  }
+  return same / static_cast<double>(steps);
+}
+
+TEST(Plan, PartsOfARegionFollowEachOtherAsEquation3Says) {
+  const Sea sea;
+  const double alone = together(sea, 0), led = together(sea, PlanOptions{}.follow);
+  EXPECT_EQ(PlanOptions{}.follow, 0.05) << "as printed";
+  EXPECT_LT(alone, 0.55);
+  EXPECT_GT(led, 0.65);
+}
+
 }  // namespace
 }  // namespace freshet::synth::stills

@@ -95,5 +95,48 @@ TEST(Timeline, ALoopTakesExactlyItsTime) {
   EXPECT_NEAR(timeline.seconds(), 8, 1e-9);
 }
 
+/// Stills of which each is as far from another as they are apart in a row; only neighbours are joined.
+StillGraph row_of(int n) {
+  Square<double> rms(n);
+  for (int i = 0; i < n; ++i)
+    for (int j = 0; j < n; ++j) rms(i, j) = std::abs(i - j);
+  return make_graph(rms, {.power = 1, .cut_above = 0.75});
+}
+
+/// How often, of walks that come from 1 to 2, the next step goes on to 3.
+double goes_on(const StillGraph& graph, SamplingOptions options) {
+  const std::vector<Path> paths{{0, 1, 2, 3, 4}, {4, 3, 2, 1, 0}};
+  options.steps = 2;
+  options.irregularity = 1;  // no turn is taken back: the chain's own law
+  int all = 0, on = 0;
+  for (options.seed = 1; options.seed <= 60000; ++options.seed) {
+    const std::vector<int> walk = sample_sequence(graph, paths, options);
+    if (walk[0] != 1 || walk[1] != 2) continue;
+    ++all;
+    on += walk[2] == 3;
+  }
+  EXPECT_GT(all, 5000);
+  return on / static_cast<double>(all);
+}
+
+TEST(Sampling, AStepOfTheSecondOrderGoesOnAndOneOfTheFirstDoesNotKnowWhereto) {
+  const StillGraph graph = row_of(5);
+  // Places (before, at -> after) of both paths, and their distances from (1, 2), Eq. 1:
+  //   on: (1, 2 -> 3) 0, (2, 3 -> 4) 2, (3, 4 -> 3) 4; back: (1, 0 -> 1) 2, (3, 2 -> 1) 2, (2, 1 -> 0) 2; mean 2
+  const auto share = [](std::initializer_list<double> on, std::initializer_list<double> back, double scale) {
+    double forth = 0, all = 0;
+    for (const double penalty : on) forth += std::exp(-penalty / scale);
+    for (const double penalty : back) all += std::exp(-penalty / scale);
+    return forth / (forth + all);
+  };
+  const double second = share({0, 2, 4}, {2, 2, 2}, 0.3 * 2), printed = share({0, 2, 4}, {2, 2, 2}, 0.3 * 12),
+               first = share({0, 1, 2}, {2, 0, 1}, 0.3 * 1);
+  EXPECT_NEAR(goes_on(graph, {.sigma = 0.3}), second, 0.015);
+  EXPECT_NEAR(goes_on(graph, {.sigma = 0.3, .by_sum = true}), printed, 0.015) << "Eq. 2 as printed";
+  EXPECT_NEAR(goes_on(graph, {.sigma = 0.3, .order = 1}), first, 0.015);
+  EXPECT_GT(second, 0.85);
+  EXPECT_LT(first, 0.55);
+}
+
 }  // namespace
 }  // namespace freshet::synth::stills

@@ -400,5 +400,33 @@ TEST(CloudDrift, ComesRoundAWholeNumberOfTimesWhereItCan) {
   }
 }
 
+TEST(TreeSway, ForeshorteningScalesAlongTheArmature) {
+  const Gusts gusts({.speed_m_per_s = 8}, kCycle, 200);
+  const auto with = [&](double share) {
+    TreeMotion tree = one_tree();
+    tree.foreshortening = share;
+    return TreeSway(tree, gusts, kCycle, 1, kBox);
+  };
+  TreeSway none = with(0), some = with(0.1), more = with(0.2);
+  const cv::Point2f root(100, 220);
+  // How much longer the armature is shown than it is, from where a pixel on the row of its middle comes from.
+  const auto grown = [&](TreeSway& sway, int frame, int y) {
+    sway.go_to(frame);
+    const cv::Point2f p(100.5f, static_cast<float>(y) + 0.5f);
+    return cv::norm(p - root) / cv::norm(p + moved(sway, 100, y) - root) - 1;
+  };
+  double most = 0, least = 0;
+  for (int frame = 0; frame < kCycle.frames; frame += 5) {
+    EXPECT_NEAR(grown(none, frame, 80), 0, 2e-3) << "a turn keeps lengths";
+    const double once = grown(some, frame, 80);
+    EXPECT_NEAR(grown(more, frame, 80), 2 * once, 3e-3);
+    EXPECT_NEAR(grown(some, frame, 160), once, 3e-3) << "all of it is scaled alike";
+    most = std::max(most, once);
+    least = std::min(least, once);
+  }
+  EXPECT_GT(most, 0.005);
+  EXPECT_LT(least, -0.003);
+}
+
 }  // namespace
 }  // namespace freshet::synth::scene

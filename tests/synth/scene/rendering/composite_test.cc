@@ -204,5 +204,39 @@ TEST(SceneAnimation, FramesMoveAndAreNotTheStill) {
   EXPECT_GT(cv::norm(a, b, cv::NORM_L1) / static_cast<double>(a.total()), 0.05);
 }
 
+/// How much the lake's alpha at its upper border, and far below it, changes over the frames.
+struct BorderChange {
+  double border = 0, below = 0;
+};
+BorderChange border_change(const char* edge) {
+  MadeScene made(made_scene_text("speed = 8\n"));
+  auto& water = std::get<WaterMotion>(made.scene().layers[2].motion);
+  water.edge_moves = std::string(edge) == "moving";
+  cv::Mat alpha(kMadeSize, CV_32F, cv::Scalar(0));
+  alpha(cv::Rect(0, 85, 160, 35)).setTo(1);
+  made.pixels()[2].alpha = alpha;
+  SceneAnimation& animation = made.animation();
+  BorderChange change;
+  cv::Mat frame(kMadeSize, CV_32FC4), layer;
+  for (int t = 0; t < 20; t += 2) {
+    animation.render(t, frame);
+    animation.layer(2, layer);
+    cv::Mat covered, different;
+    cv::extractChannel(layer, covered, 3);
+    covered.convertTo(covered, CV_32F);
+    cv::absdiff(covered, alpha, different);
+    change.border = std::max(change.border, cv::norm(different.rowRange(80, 90), cv::NORM_INF));
+    change.below = std::max(change.below, cv::norm(different.rowRange(104, 112), cv::NORM_INF));
+  }
+  return change;
+}
+
+TEST(SceneAnimation, AMatteMovesWithItsWaterWhereItsEdgeDoes) {
+  const BorderChange held = border_change("held"), moving = border_change("moving");
+  EXPECT_LT(held.border, 0.01);
+  EXPECT_GT(moving.border, 0.3);
+  EXPECT_LT(moving.below, 0.01);
+}
+
 }  // namespace
 }  // namespace freshet::synth::scene

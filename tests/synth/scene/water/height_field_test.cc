@@ -204,5 +204,42 @@ TEST(ReducedTile, GivesTheTileItselfWhereAPixelIsMuchSmallerThanASample) {
   for (int x = 0; x < kN; ++x) EXPECT_NEAR(row[static_cast<std::size_t>(x)], wave.at<float>(7, x), 1e-6);
 }
 
+TEST(HeightField, HasTheSpectrumOfPhillips) {
+  // At one moment a wave and its opposite stand on each other: for both directions of the wind as printed.
+  WaterMotion water = small_water();
+  water.against = 1;
+  const Wind wind{.speed_m_per_s = 5, .direction_deg = 30};
+  const double length = 5 * 5 / 9.81 / water.roughness;
+  const cv::Point2d blows(std::cos(kTurn / 12), std::sin(kTurn / 12));
+  constexpr int kFields = 300, kOctaves = 4, kAngles = 3;
+  double found[kOctaves][kAngles] = {}, printed[kOctaves][kAngles] = {}, all_found = 0, all_printed = 0;
+  for (std::uint64_t seed = 1; seed <= kFields; ++seed) {
+    HeightField field(water, wind, kCycle, seed);
+    field.go_to(0);
+    cv::Mat spectrum;
+    cv::dft(field.plane(0), spectrum, cv::DFT_COMPLEX_OUTPUT | cv::DFT_SCALE);
+    const int n = field.samples();
+    for (int y = 0; y < n; ++y)
+      for (int x = 0; x < n; ++x) {
+        if (x == n / 2 || y == n / 2 || (x == 0 && y == 0)) continue;
+        const cv::Point2d k(kTurn * (x <= n / 2 ? x : x - n) / field.side_m(0),
+                            kTurn * (y <= n / 2 ? y : y - n) / field.side_m(0));
+        const double s = std::hypot(k.x, k.y), cosine = k.dot(blows) / s;
+        const int octave = std::min(kOctaves - 1, static_cast<int>(std::log2(std::hypot(
+                                                      x <= n / 2 ? x : x - n, y <= n / 2 ? y : y - n)))),
+                  angle = std::min(kAngles - 1, static_cast<int>(kAngles * std::abs(cosine)));
+        const cv::Vec2f v = spectrum.at<cv::Vec2f>(y, x);
+        // Eq. 11.
+        const double power = std::exp(-1 / (s * length * s * length)) / (s * s * s * s) * cosine * cosine;
+        found[octave][angle] += v.dot(v), all_found += v.dot(v);
+        printed[octave][angle] += power, all_printed += power;
+      }
+  }
+  for (int octave = 0; octave < kOctaves; ++octave)
+    for (int angle = 0; angle < kAngles; ++angle)
+      EXPECT_NEAR((found[octave][angle] / all_found) / (printed[octave][angle] / all_printed), 1, 0.25)
+          << "octave " << octave << ", third " << angle;
+}
+
 }  // namespace
 }  // namespace freshet::synth::scene

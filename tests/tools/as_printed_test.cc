@@ -1,0 +1,79 @@
+// --as-printed: one word for all options of a paper, and what contradicts it.
+
+#include <gtest/gtest.h>
+
+#include "tests/tools/sample.h"
+
+namespace freshet::tools {
+namespace {
+
+using Words = std::vector<std::string>;
+
+Outcome animate(const WorkFolder& folder, const std::string& name, const Words& more) {
+  std::filesystem::create_directories(folder / name);
+  Words arguments{"synth",    "animate", sample().store, sample().still,     "--matte", sample().matte,
+                  "--frames", "8",       "-o",           name + "/%05d.png", "--class", "fall"};
+  arguments.insert(arguments.end(), more.begin(), more.end());
+  return folder.freshet(arguments);
+}
+
+bool same(const std::vector<cv::Mat>& one, const std::vector<cv::Mat>& other) {
+  if (one.size() != other.size()) return false;
+  for (std::size_t i = 0; i < one.size(); ++i)
+    if (cv::norm(one[i], other[i], cv::NORM_INF) != 0) return false;
+  return !one.empty();
+}
+
+TEST(AsPrinted, OfAnimateIsTheWholeOfItsOptions) {
+  const WorkFolder folder;
+  const Words all{"--method",     "paper",   "--piece-scale", "1",     "--candidates",  "100",
+                  "--coherent",   "0",       "--hint",        "none",  "--hint-search", "narrow",
+                  "--costs",      "power",   "--vote",        "0",     "--hint-weight", "0",
+                  "--reuse",      "0",       "--crowd",       "0",     "--solver",      "alpha-expansion",
+                  "--resampling", "nearest", "--blend",       "paper", "--low-band",    "keep",
+                  "--matching",   "frame",   "--max-gain",    "20",    "--direction",   "down"};
+  const Outcome one = animate(folder, "one", {"--as-printed", "--direction", "down", "--vote", "0.0"});
+  ASSERT_EQ(one.exit_code, 0) << one.err;
+  const Outcome whole = animate(folder, "all", all);
+  ASSERT_EQ(whole.exit_code, 0) << whole.err;
+  const Outcome rendering = animate(folder, "rendering", {"--method", "paper", "--direction", "down"});
+  ASSERT_EQ(rendering.exit_code, 0) << rendering.err;
+  const std::vector<cv::Mat> printed = read_frames(folder / "one");
+  EXPECT_TRUE(same(printed, read_frames(folder / "all")));
+  EXPECT_FALSE(same(printed, read_frames(folder / "rendering")));
+}
+
+TEST(AsPrinted, RefusesWhatContradictsItByName) {
+  const WorkFolder folder;
+  const std::string scene =
+      "picture = \"p.png\"\n[[layer]]\nname = \"lake\"\nmatte = \"rest\"\n"
+      "motion = \"water\"\nhorizon = [0, 10, 100, 10]\nagainst = 0.5\n";
+  folder.file("a.toml", scene);
+  const std::vector<std::pair<Words, std::string>> cases{
+      {{"synth", "animate", sample().store, sample().still, "--matte", sample().matte, "-o", "a.mp4",
+        "--blend", "variance"},
+       "--blend variance contradicts it: the paper prints paper (Sec. 6)"},
+      {{"synth", "animate", sample().store, sample().still, "--matte", sample().matte, "-o", "a.mp4",
+        "--vote", "4"},
+       "--vote 4 contradicts it: the paper prints 0"},
+      {{"synth", "transfer", "--exemplar", "a.png", "--design", "d", "-o", "%05d.png", "--search",
+        "patchmatch"},
+       "--search patchmatch contradicts it: the paper prints exact"},
+      {{"synth", "stills", "folder", "-o", "a.mp4", "--one-region", "--distance", "paths"},
+       "--distance paths contradicts it: the paper prints l2"},
+      {{"synth", "stills", "folder", "-o", "a.mp4"}, "a person marks the paper's regions"},
+      {{"synth", "flowlines", "a.mp4", "-o", "b.mp4", "--lines", "a.svg", "--blend", "cut"},
+       "--blend cut contradicts it: the paper prints feather"},
+      {{"synth", "flowlines", "a.mp4", "-o", "b.mp4"}, "an artist draws the paper's lines"},
+      {{"synth", "scene", "a.toml", "-o", "a.mp4"},
+       "against: 0.5 contradicts --as-printed: the paper prints 1"}};
+  for (auto [words, fault] : cases) {
+    words.emplace_back("--as-printed");
+    const Outcome outcome = folder.freshet(words);
+    EXPECT_NE(outcome.exit_code, 0) << words[1];
+    EXPECT_NE(outcome.err.find(fault), std::string::npos) << words[1] << ": " << outcome.err;
+  }
+}
+
+}  // namespace
+}  // namespace freshet::tools
