@@ -12,14 +12,17 @@ function(targets_below folder result)
   set(${result} ${found} PARENT_SCOPE)
 endfunction()
 
-# precompile(KIND FOLDERS <folder>.. LIBRARIES <what the headers need>.. OPTIONS <option>.. HEADERS <header>..): the
+# precompile(KIND [SHARED] FOLDERS <folder>.. LIBRARIES <what the headers need>.. OPTIONS <option>.. HEADERS <header>..): the
 # headers for the programs and archives below the folders, which are compiled with the options too.
 function(precompile kind)
-  cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "FOLDERS;LIBRARIES;OPTIONS;HEADERS")
+  cmake_parse_arguments(PARSE_ARGV 1 arg "SHARED" "" "FOLDERS;LIBRARIES;OPTIONS;HEADERS")
   set(carrier freshet_precompiled_${kind})
   file(CONFIGURE OUTPUT ${CMAKE_CURRENT_BINARY_DIR}/${carrier}.cc CONTENT "")
   add_library(${carrier} STATIC EXCLUDE_FROM_ALL ${CMAKE_CURRENT_BINARY_DIR}/${carrier}.cc)
   target_link_libraries(${carrier} PRIVATE freshet_flags ${arg_LIBRARIES})
+  if(arg_SHARED AND (FRESHET_PYTHON OR BUILD_SHARED_LIBS))
+    set_target_properties(${carrier} PROPERTIES POSITION_INDEPENDENT_CODE ON)
+  endif()
   target_precompile_headers(${carrier} PRIVATE ${arg_HEADERS})
   target_compile_options(${carrier} PRIVATE ${arg_OPTIONS})
   foreach(folder ${arg_FOLDERS})
@@ -45,7 +48,7 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL GNU AND NOT CMAKE_DISABLE_PRECOMPILE_HEADERS)
              <random> <set> <span> <string> <thread> <vector> <opencv2/core.hpp> <opencv2/imgproc.hpp>
              <oneapi/tbb/parallel_for.h> <nlohmann/json.hpp>)
   set(libraries opencv_core opencv_imgproc TBB::tbb nlohmann_json::nlohmann_json)
-  precompile(engine FOLDERS report cache store media hints vision stored ingest query synth studio library
+  precompile(engine SHARED FOLDERS report cache store media hints vision stored ingest query synth studio library
              OPTIONS ${mistaken} LIBRARIES ${libraries} HEADERS ${common})
   # What reads options and what is a test runs once: it is compiled faster, and what it calls is as fast as ever.
   set(once $<$<CONFIG:Release>:-O1>)

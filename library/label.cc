@@ -19,8 +19,8 @@ Labelling label(const Search& search, const LabelOptions& options, const Job& jo
   query::check_weights(chosen.costs);
   query::Labelling found =
       query::label(search.impl().store.impl().snapshot, search.impl().found, chosen, job.progress, job.stop);
-  return Labelling(std::make_shared<const Labelling::Impl>(
-      Labelling::Impl{.search = search, .assignment = std::move(found.assignment)}));
+  return Labelling(std::make_shared<const Labelling::Impl>(Labelling::Impl{
+      .search = search, .labels = std::move(found.labels), .assignment = std::move(found.assignment)}));
 }
 
 Search Labelling::search() const { return impl_->search; }
@@ -28,6 +28,15 @@ Search Labelling::search() const { return impl_->search; }
 Candidate Labelling::chosen(std::size_t piece) const {
   const query::AssignedPiece& assigned = impl_->assignment.pieces.at(piece);
   return {.clip = impl_->assignment.clips[assigned.clip].name, .score = assigned.score};
+}
+
+cv::Mat Labelling::patches() const {
+  const query::Candidates& candidates = impl_->search.impl().found.candidates;
+  cv::Mat patches(static_cast<int>(impl_->labels.size()), 1, CV_32S);
+  for (std::size_t piece = 0; piece < impl_->labels.size(); ++piece)
+    patches.at<int>(static_cast<int>(piece), 0) =
+        static_cast<int>(candidates.rows_of(piece)[static_cast<std::size_t>(impl_->labels[piece])]);
+  return patches;
 }
 
 std::vector<UsedClip> Labelling::clips() const {

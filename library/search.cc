@@ -21,8 +21,21 @@ MotionGuide read_strokes(const std::filesystem::path& path, cv::Size picture,
   return {.direction = field.direction, .speed = field.speed};
 }
 
+void check_picture(const cv::Mat& picture, const cv::Mat& matte) {
+  if (picture.empty() || picture.type() != CV_8UC3 ||
+      (!matte.empty() && (matte.type() != CV_8U || matte.size() != picture.size())))
+    throw Error(ErrorKind::kUsage, "picture and matte",
+                "8-bit BGR and 8-bit grey of the same size are expected");
+}
+
+void check_count(int k) {
+  if (k < 1 || k > 10000)
+    throw Error(ErrorKind::kUsage, "number of candidates", fmt::format("{}; 1 to 10000 expected", k));
+}
+
 Search search(const Store& store, const cv::Mat& picture, const cv::Mat& matte, const SearchOptions& options,
               const Job& job) {
+  check_picture(picture, matte);
   if (options.frames < 1 || !(options.fps >= 1 && options.fps <= 240))
     throw Error(ErrorKind::kUsage, "length of the animation",
                 fmt::format("{} frames at {:g} per second, and at least 1 at 1 to 240 are expected",
@@ -93,6 +106,21 @@ std::vector<Candidate> Search::candidates(std::size_t piece) const {
     candidates.push_back(
         {.clip = snapshot.clip(found.table().clips[found.table().clip[rows[i]]]).name, .score = scores[i]});
   return candidates;
+}
+
+PatchTable Search::candidates() const {
+  const query::Candidates& found = impl_->found.candidates;
+  const auto pieces = static_cast<int>(found.pieces()), k = static_cast<int>(found.k);
+  PatchTable table{cv::Mat(pieces, k, CV_32S, cv::Scalar(-1)), cv::Mat::zeros(pieces, k, CV_32F)};
+  for (int piece = 0; piece < pieces; ++piece) {
+    const auto rows = found.rows_of(static_cast<std::size_t>(piece));
+    const auto scores = found.scores_of(static_cast<std::size_t>(piece));
+    for (int i = 0; i < static_cast<int>(rows.size()); ++i) {
+      table.patches.at<int>(piece, i) = static_cast<int>(rows[static_cast<std::size_t>(i)]);
+      table.scores.at<float>(piece, i) = scores[static_cast<std::size_t>(i)];
+    }
+  }
+  return table;
 }
 
 std::vector<std::string> Search::notices() const { return impl_->notices; }

@@ -32,6 +32,13 @@ std::vector<Clip> Store::clips() const {
   return clips;
 }
 
+std::vector<std::uint64_t> Store::first_patches() const {
+  std::vector<std::uint64_t> first{0};
+  for (const store::ClipId id : impl_->snapshot.clips())
+    first.push_back(first.back() + impl_->snapshot.clip(id).rows);
+  return first;
+}
+
 std::string Store::digest() const { return impl_->snapshot.digest(); }
 
 std::vector<std::string> Store::verify() const { return impl_->snapshot.verify(); }

@@ -35,6 +35,12 @@ build/simulate 7 out.mkv still.png matte.png
 build/ingest my.store clips > listing 2> log || { cat log; exit 1; }
 grep -q '^fall/1.mkv [1-9]' listing && grep -q '^fall/2.mkv [1-9]' listing
 
+# What it holds, which clips are like a picture, and an index of one's own beside Freshet's.
+build/read my.store > listing
+grep -q 'patch.words' listing && grep -q '  motion ' listing
+build/search my.store still.png | grep -qE 'fall/[12].mkv 0\.[0-9]'
+build/own_index my.store | grep -q '"brute force"'
+
 # The same animation as the program's, to the byte.
 build/animate my.store still.png matte.png out.mp4
 "$prefix/bin/freshet" synth animate my.store still.png --matte matte.png --class fall --frames 8 -o same.mp4 > log 2>&1

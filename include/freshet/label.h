@@ -8,6 +8,8 @@
 #include <utility>
 #include <vector>
 
+#include <opencv2/core.hpp>
+
 #include "freshet/job.h"
 #include "freshet/search.h"
 
@@ -32,6 +34,8 @@ class Labelling {
   Search search() const;
   /// The candidate chosen for a piece.
   Candidate chosen(std::size_t piece) const;
+  /// Of all pieces: CV_32S, pieces x 1, numbered as in PatchTable.
+  cv::Mat patches() const;
   /// In order of their first piece.
   std::vector<UsedClip> clips() const;
   double energy() const;

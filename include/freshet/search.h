@@ -31,7 +31,7 @@ struct SearchOptions {
   /// Whether a direction is guessed, from the candidates' classes and the picture's texture, where neither
   /// direction_deg nor the guide says one.
   bool guess = true;
-  /// Candidates per piece, 1 to 10000.
+  /// Candidates per piece, 1 to 10000; continuations of its neighbours' best ones join them.
   int candidates = 100;
   /// What the picture's sides are divided by before it is cut into pieces, 1 to 16; patches are shown enlarged
   /// by it. Nothing: what brings the longer side near 1280 px.
@@ -52,6 +52,13 @@ struct Candidate {
   double score = 0;  // likeness, 0 to 1; above 0.2 is good
 };
 
+/// Patches for each of several questions, best first. Patches are numbered through the store: those of its first clip, then
+/// those of the next, ... (Store::first_patches).
+struct PatchTable {
+  cv::Mat patches;  // CV_32S, a row for each question, as wide as the most found; -1 where there are fewer
+  cv::Mat scores;   // CV_32F, the same shape: likeness, 0 to 1; 0 where there are fewer
+};
+
 /// What a search found: pieces and their candidates, with the picture, the store and the options. Copies
 /// share; there is no empty one. Safe from many threads.
 class Search {
@@ -61,6 +68,8 @@ class Search {
   cv::Rect2d area(std::size_t piece) const;
   /// Best first, at least one.
   std::vector<Candidate> candidates(std::size_t piece) const;
+  /// Of all pieces at once.
+  PatchTable candidates() const;
   /// For a person: what was guessed, which clips are too short, where candidates were few.
   std::vector<std::string> notices() const;
 
@@ -86,5 +95,18 @@ class Search {
 ///          The same answer for any number of threads.
 Search search(const Store& store, const cv::Mat& picture, const cv::Mat& matte = {},
               const SearchOptions& options = {}, const Job& job = {});
+
+/// The patches that are most like descriptions of one's own, by weighted histogram intersection.
+/// words      CV_8U, Q x 81: visual words of a grid of 9 x 9 (Footage::column, "patch.words"); points of words beyond the
+///            store's do not count.
+/// k          1 to 10000.
+/// Throws     Error{kNotFound} when the store has no index, Error{kUsage} for another shape.
+/// Cost       as search().
+PatchTable nearest_by_words(const Store& store, const cv::Mat& words, int k = 100);
+/// histograms   CV_8U, Q x bins, as histograms_of gives them.
+/// Cost         all patches are scanned: some 1 us a patch and question.
+PatchTable nearest_by_histograms(const Store& store, const cv::Mat& histograms, int k = 100);
+/// Spatial pyramids of words, CV_8U, Q x 21 cells * the store's words: weights 1, 1, 2 by level.
+cv::Mat histograms_of(const Store& store, const cv::Mat& words);
 
 }  // namespace freshet

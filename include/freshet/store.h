@@ -32,6 +32,8 @@ class Store {
   std::filesystem::path path() const;
   /// In the order in which they were added.
   std::vector<Clip> clips() const;
+  /// The number of each clip's first patch, patches being numbered through the store; and of all at the end.
+  std::vector<std::uint64_t> first_patches() const;
   /// One hash (32 hex digits) of all content, whatever the order of the clips. Reads everything.
   std::string digest() const;
   /// Reads everything. One line per damaged record; empty when all is well.

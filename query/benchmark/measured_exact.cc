@@ -1,4 +1,4 @@
-#include "query/benchmark/measured_index.h"
+#include "query/benchmark/measured_indexes.h"
 #include "query/index/exact_index.h"
 
 namespace freshet::query {

@@ -3,8 +3,6 @@
 namespace freshet::query {
 
 // Each in a file of its own.
-MeasuredIndex measured_exact();
-MeasuredIndex measured_scan();
 MeasuredIndex measured_flann_kdtree();
 MeasuredIndex measured_flann_kmeans();
 MeasuredIndex measured_flann_hierarchical();

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "query/benchmark/measured_index.h"
+#include "query/benchmark/measured_indexes.h"
 #include "query/index/dense_histogram.h"
 
 namespace freshet::query {

@@ -9,8 +9,10 @@
 
 #include "freshet/animate.h"
 #include "freshet/error.h"
+#include "freshet/footage.h"
 #include "freshet/ingest.h"
 #include "freshet/picture.h"
+#include "freshet/sample.h"
 #include "freshet/simulate.h"
 #include "freshet/transfer.h"
 
@@ -20,6 +22,7 @@ namespace {
 template <class T>
 constexpr bool never_null = !std::is_default_constructible_v<T>;
 static_assert(never_null<Store> && never_null<Search> && never_null<Labelling>);
+static_assert(never_null<Footage> && never_null<Sampler>);
 static_assert(never_null<VideoWriter> && never_null<Simulation>);
 static_assert(!std::is_move_constructible_v<VideoWriter> && !std::is_move_constructible_v<Simulation>);
 
