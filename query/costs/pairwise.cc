@@ -71,6 +71,7 @@ Mrf unconnected_field(const Target& target, const Candidates& candidates) {
   std::vector<float> costs;
   for (std::size_t piece = 0; piece < target.size(); ++piece) {
     costs.clear();
+    // Eq. 5 prints V = I; Eq. 4 is minimised, and would choose what is least alike.
     for (const float score : candidates.scores_of(piece)) costs.push_back(1 - score);
     mrf.add_node(costs);
   }
