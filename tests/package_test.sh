@@ -19,7 +19,8 @@ for name in $(grep -oE 'PACKAGE_NAME "[a-z0-9.-]+"' "$build/CPackConfig.cmake" |
   ls packages/"$name"_*.deb > /dev/null || fail "there is no package $name"
 done
 
-export LD_LIBRARY_PATH="$scratch/root/usr/lib/$(dpkg-architecture -qDEB_HOST_MULTIARCH)"
+LD_LIBRARY_PATH=$(dirname "$(find "$scratch/root/usr" -name 'libfreshet.so.*' | head -n 1)")
+export LD_LIBRARY_PATH
 freshet=$scratch/root/usr/bin/freshet
 "$freshet" --version | grep -q '^freshet [0-9]'
 "$freshet" synth simulate fire --size 64x48 --frames 2 -o fire.mkv > log 2>&1
