@@ -20,6 +20,7 @@ constexpr double kAround = 0.06;  // of the picture's longer side: surroundings 
 constexpr double kEmberSide = 0.012;  // of the same: sigma over which embers are told from flames
 constexpr double kGlow = 0.05;        // of the same: how far from flames there may be faint ones
 constexpr float kDark = 0.25f;  // luma: grounds below that are believed, lighter ones are seldom below flames
+constexpr float kNotBelow = 0.97f;  // of that, what is lost below a fire: a rim that it burns behind
 constexpr double kSpeck = 0.04;  // of the largest flame: a smaller one that is not near a larger one is none
 constexpr double kLeastShining = 16;  // px
 constexpr double kCore = 0.012;       // of the longer side: white this near to what is warm is a flame's core
@@ -49,6 +50,8 @@ cv::Mat warmth(const cv::Mat& picture, double side) {
   }
   return cv::max(warm, cv::min(near, white));
 }
+
+float luma_at(const cv::Vec3f& c) { return kBlueLuma * c[0] + kGreenLuma * c[1] + kRedLuma * c[2]; }
 
 double threshold_of(const cv::Mat& luma, const cv::Mat& where) {
   std::array<double, 256> count{};
@@ -209,6 +212,7 @@ PartedStill part(const cv::Mat& picture, const cv::Mat& alpha) {
     for (int x = 0; x < trust.cols; ++x) {
       const float l = luma.at<float>(y, x), covered = std::min(1.0f, 4 * hidden.at<float>(y, x));
       trust.at<float>(y, x) = (1 - covered) * (1 - 0.95f * embers.at<float>(y, x)) *
+                              (1 - kNotBelow * lowness(seats, x, y, 0.03, -0.03)) *
                               (0.001f + std::exp(-l * l / (kDark * kDark)));
     }
   cv::Mat guess = sampling::pull_push(whole, trust);
@@ -221,15 +225,15 @@ PartedStill part(const cv::Mat& picture, const cv::Mat& alpha) {
   cv::GaussianBlur(shine, enclosed, {}, std::max(1.0, 0.1 * tallest), 0, cv::BORDER_REPLICATE);
   for (int y = 0; y < picture.rows; ++y)
     for (int x = 0; x < picture.cols; ++x) {
-      const cv::Vec3f p = whole.at<cv::Vec3f>(y, x), g = guess.at<cv::Vec3f>(y, x);
+      const cv::Vec3f p = whole.at<cv::Vec3f>(y, x);
+      // Light adds up: the ground is no lighter than the picture.
+      cv::Vec3f g = guess.at<cv::Vec3f>(y, x);
+      g *= std::min(1.0f, luma_at(p) / std::max(luma_at(g), 1e-6f));
       const float share = std::min(1.0f, 1.5f * hidden.at<float>(y, x));
       const cv::Vec3f behind = p + share * (g - p), light = p - behind;
       parted.ground.at<cv::Vec3f>(y, x) = behind;
       parted.light.at<cv::Vec3f>(y, x) = light;
-      if (share > 0)
-        parted.level.at<float>(y, x) =
-            (1 - embers.at<float>(y, x)) *
-            level_of(kBlueLuma * light[0] + kGreenLuma * light[1] + kRedLuma * light[2]);
+      if (share > 0) parted.level.at<float>(y, x) = (1 - embers.at<float>(y, x)) * level_of(luma_at(light));
       parted.before.at<float>(y, x) = ramp(enclosed.at<float>(y, x), 0.25f, 0.45f) *
                                       (1 - ramp(luma.at<float>(y, x), 0.4f * threshold, 0.8f * threshold)) *
                                       lowness(seats, x, y, 0.55, 0.35);

@@ -8,11 +8,11 @@ namespace freshet::synth::animate {
 /// picture = ground + light, of light (light.h), everywhere and to rounding. Logs, rims and chimneys are ground; so are
 /// embers, which glow and have no flame's form.
 struct PartedStill {
-  cv::Mat ground;    // CV_32FC3: continued below the flames from the dark around them
-  cv::Mat light;     // CV_32FC3, below 0 where a flame is darker than what it hides; 0 outside of the matte
-  cv::Mat level;     // CV_32F, 0..1: of the light's luma, where flames and their glow are; else 0
-  cv::Mat before;    // CV_32F, 0..1: what is dark between the feet of flames, and so may stand before them
-  double share = 0;  // of the matte that shines, 0..1
+  cv::Mat ground;       // CV_32FC3: continued below the flames from the dark around them
+  cv::Mat light;        // CV_32FC3, its luma 0 and more, a colour of it also less; 0 outside of the matte
+  cv::Mat level;        // CV_32F, 0..1: of the light's luma, where flames and their glow are; else 0
+  cv::Mat before;       // CV_32F, 0..1: what is dark between the feet of flames, and so may stand before them
+  double share = 0;     // of the matte that shines, 0..1
   double contrast = 0;  // mean level of what shines less that of what lies around it, 0..1; 0: nothing does
 };
 

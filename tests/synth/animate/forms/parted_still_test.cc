@@ -27,6 +27,20 @@ TEST(PartedStill, TheGroundGoesOnBelowTheFlames) {
   EXPECT_EQ(parted.level.at<float>(10, 10), 0);
 }
 
+TEST(PartedStill, TheGroundIsNoLighterThanThePicture) {
+  const BurningPicture fire;
+  cv::Mat picture = fire.units();
+  // A light wall around a fire that has a dark gap.
+  picture.rowRange(0, 40).setTo(cv::Scalar(0.6, 0.6, 0.6));
+  picture(cv::Rect(105, 80, 10, 12)).setTo(cv::Scalar(0.02, 0.02, 0.03));
+  const PartedStill parted = part(picture, kAll);
+  cv::Mat luma;
+  cv::transform(parted.light, luma, cv::Matx13f(0.114f, 0.587f, 0.299f));
+  double least = 0;
+  cv::minMaxLoc(luma, &least, nullptr);
+  EXPECT_GT(least, -1e-5);
+}
+
 TEST(PartedStill, NothingShinesOutsideOfTheMatte) {
   const BurningPicture fire;
   cv::Mat alpha = kAll.clone();
