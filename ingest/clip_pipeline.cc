@@ -248,6 +248,7 @@ ClipMeasures stream_clip(media::VideoReader& reader, double fps, const std::stri
   vision::DetailLifetimes life = pass.life.finish(measures.moving);
   measures.columns.life = std::move(life.cells);
   measures.columns.standing = std::move(life.standing);
+  measures.columns.layout = std::move(life.layout);
   measures.columns.flow_outliers = std::move(life.flow_outliers);
   measures.half_life_s = life.clip;
   measures.standing = life.clip_standing;

@@ -60,6 +60,7 @@ void write_columns(store::ClipWriter& writer, const ClipColumns& columns) {
     write_cells(writer, texture_cells_name(scale), columns.texture[scale]);
   write_cells(writer, kLifeCells, columns.life);
   write_cells(writer, kStandingCells, columns.standing);
+  write_cells(writer, kLayoutCells, columns.layout);
   write_unless_empty(writer, kFlowOutlier, columns.flow_outliers);
   write_unless_empty(writer, kPatchVariant, columns.patches.variant);
   write_unless_empty(writer, kPatchX, columns.patches.x);

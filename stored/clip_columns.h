@@ -35,6 +35,7 @@ struct ClipColumns {
   vision::CellMap motion;       // vision::motion_channels
   std::vector<vision::CellMap> texture;  // of each scale of the settings, vision::kTextureLevels
   vision::CellMap life, standing;        // vision::kLifeChannels, vision::kStandingChannels
+  vision::CellMap layout;                // vision::kLayoutChannels
   std::vector<vision::FlowOutlier> flow_outliers;
   PatchColumns patches;
 };

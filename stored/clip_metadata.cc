@@ -32,6 +32,7 @@ Json json_of(const CellShapes& shapes) {
   if (shapes.motion) json["motion"] = json_of(*shapes.motion);
   if (shapes.life) json["life"] = json_of(*shapes.life);
   if (shapes.standing) json["standing"] = json_of(*shapes.standing);
+  if (shapes.layout) json["layout"] = json_of(*shapes.layout);
   return json;
 }
 
@@ -72,6 +73,7 @@ CellShapes shapes_from(const Json& json) {
   shapes.motion = one("motion");
   shapes.life = one("life");
   shapes.standing = one("standing");
+  shapes.layout = one("layout");
   if (json.contains("texture"))
     for (const Json& scale : json["texture"]) shapes.texture.push_back(shape_from(scale, "cells texture"));
   return shapes;
@@ -131,6 +133,7 @@ CellShapes shapes_of(const ClipColumns& columns) {
   CellShapes shapes{.motion = shape_of(columns.motion),
                     .life = shape_of(columns.life),
                     .standing = shape_of(columns.standing),
+                    .layout = shape_of(columns.layout),
                     .texture = {}};
   for (const vision::CellMap& scale : columns.texture) shapes.texture.push_back(shape_of(scale).value());
   return shapes;

@@ -24,7 +24,7 @@ struct CellShape {
 };
 
 struct CellShapes {
-  std::optional<CellShape> motion{}, life{}, standing{};
+  std::optional<CellShape> motion{}, life{}, standing{}, layout{};
   std::vector<CellShape> texture{};  // a scale of the settings
 };
 CellShapes shapes_of(const ClipColumns& columns);

@@ -50,6 +50,7 @@ inline constexpr Column<vision::WordMap> kPatchWords{"patch.words"};  // of the 
 inline constexpr const char* kMotionCells = "cells.motion";      // vision/temporal_spectrum.h
 inline constexpr const char* kLifeCells = "cells.life";          // vision::DetailLifetimes::cells
 inline constexpr const char* kStandingCells = "cells.standing";  // vision::DetailLifetimes::standing
+inline constexpr const char* kLayoutCells = "cells.layout";      // vision::DetailLifetimes::layout
 /// vision/textureness.h, of a scale of the settings.
 inline std::string texture_cells_name(std::size_t scale) { return "cells.texture." + std::to_string(scale); }
 

@@ -25,6 +25,13 @@ constexpr std::size_t kOutlierSpan = 256;  // frames
 constexpr double kMinMoving = 0.25;        // of a cell
 constexpr double kPoolSamples = 50;        // weight of the neighbours, and of the clip among them
 constexpr double kLeast = 0.01;            // a correlation below is noise
+// Of local contrast, which is found at half of a band's samples.
+constexpr float kFaint = 2e-3f;             // luma: of what is flat
+constexpr double kContrastReach = 1.5;      // sigma of the mean of magnitudes, samples
+constexpr int kAroundStep = 4;              // samples, in steps of which ...
+constexpr double kAroundReach = 1.75;       // ... sigma of what a place stands out of
+constexpr float kContrastGone = 2;          // wavelengths that the flow has gone by
+constexpr std::uint32_t kContrastFrom = 4;  // lag, frames: it changes slowly
 
 using Bands = std::array<float, kLifeBands>;
 
@@ -85,6 +92,9 @@ struct LagSums {
   std::array<Real, kLifeBands> product{}, first{}, second{};
   // Of detail whose place has been left by the flow, there.
   std::array<Real, kLifeBands> left{}, stood{}, left_first{}, left_second{};
+  // The same of local contrast; and that along the flow.
+  std::array<Real, kLifeBands> contrasts{}, contrast_stood{}, contrast_went{}, contrast_first{},
+      contrast_here{}, contrast_there{};
 
   template <class Other>
   void add(const LagSums<Other>& from) {
@@ -95,6 +105,9 @@ struct LagSums {
     gather(product, from.product), gather(first, from.first), gather(second, from.second);
     gather(left, from.left), gather(stood, from.stood);
     gather(left_first, from.left_first), gather(left_second, from.left_second);
+    gather(contrasts, from.contrasts), gather(contrast_stood, from.contrast_stood);
+    gather(contrast_went, from.contrast_went), gather(contrast_first, from.contrast_first);
+    gather(contrast_here, from.contrast_here), gather(contrast_there, from.contrast_there);
   }
 };
 
@@ -106,8 +119,8 @@ struct Beginning {
   std::vector<float> x, y;
   std::vector<cv::Vec2f> from;  // where each began, px
   std::vector<std::uint32_t> cell;
-  std::vector<Bands> bands;          // at the beginning
-  std::vector<LagSums<float>> sums;  // lag by lag, cell by cell
+  std::vector<Bands> bands, contrast;  // at the beginning
+  std::vector<LagSums<float>> sums;    // lag by lag, cell by cell
 };
 
 /// Correlations by lag, with the weight of each in independent samples; the power, and the share of noise in it.
@@ -184,6 +197,22 @@ Stood stood_of(std::span<const LagSums<double>> sums, std::size_t band) {
   return {std::clamp(product / std::sqrt(powers), 0.0, 1.0), count * per_sample / kLagCount};
 }
 
+/// Of local contrast, what was found where it had been, or where the flow had taken it.
+Stood contrast_of(std::span<const LagSums<double>> sums, std::size_t band,
+                  std::array<double, kLifeBands> LagSums<double>::*product,
+                  std::array<double, kLifeBands> LagSums<double>::*found) {
+  double count = 0, products = 0, first = 0, second = 0;
+  for (const LagSums<double>& sum : sums) {
+    count += sum.contrasts[band];
+    products += (sum.*product)[band];
+    first += sum.contrast_first[band];
+    second += (sum.*found)[band];
+  }
+  if (first <= 0 || second <= 0) return {};
+  const double per_sample = std::min(1.0, kSpacing * kSpacing / std::pow(8 << band, 2));
+  return {std::clamp(products / std::sqrt(first * second), 0.0, 1.0), count * per_sample / kLagCount};
+}
+
 /// Frames until half of the correlation is left; 0: not known.
 double half_life_frames(const Curve& curve) {
   if (curve.weight[0] <= 0) return 0;
@@ -216,6 +245,7 @@ struct DetailLifetimeAccumulator::Impl {
   std::uint32_t begun = 0;                     // beginnings
   std::array<cv::Mat, kLifeBands> bands;       // of the frame that came last, where it is needed
   std::array<cv::Mat, kLifeBands + 1> levels;  // luma in 0..1, halved each time
+  std::array<cv::Mat, kLifeBands> contrast;    // of the bands, at half their size, where it is needed
   std::vector<float> speeds;                   // by flow frame
   std::deque<Beginning> in_hand;               // oldest first
   std::vector<Beginning> spare;                // their memory is used again
@@ -242,13 +272,33 @@ struct DetailLifetimeAccumulator::Impl {
     }
   }
 
-  Bands bands_at(float x, float y) const {
+  /// How much more a band varies at a place than around it, log.
+  void take_contrast() {
+    for (std::size_t b = 0; b < kLifeBands; ++b) {
+      const auto part = [](int n, int by) { return std::max(1, (n + by - 1) / by); };
+      cv::Mat magnitude = cv::abs(bands[b]), around;
+      cv::resize(magnitude, contrast[b], {part(magnitude.cols, 2), part(magnitude.rows, 2)}, 0, 0,
+                 cv::INTER_AREA);
+      cv::GaussianBlur(contrast[b], contrast[b], {}, kContrastReach, kContrastReach, cv::BORDER_REPLICATE);
+      cv::log(contrast[b] + kFaint, contrast[b]);
+      cv::resize(contrast[b], around,
+                 {part(contrast[b].cols, kAroundStep), part(contrast[b].rows, kAroundStep)}, 0, 0,
+                 cv::INTER_AREA);
+      cv::GaussianBlur(around, around, {}, kAroundReach, kAroundReach, cv::BORDER_REPLICATE);
+      cv::resize(around, magnitude, contrast[b].size(), 0, 0, cv::INTER_LINEAR);
+      contrast[b] -= magnitude;
+    }
+  }
+
+  static Bands found_at(const std::array<cv::Mat, kLifeBands>& planes, float x, float y, float scale) {
     Bands found;
-    float scale = 1;
     for (std::size_t b = 0; b < kLifeBands; ++b, scale *= 0.5f)
-      found[b] = sample(bands[b], x * scale, y * scale);
+      found[b] = sample(planes[b], std::min(x * scale, static_cast<float>(planes[b].cols - 1)),
+                        std::min(y * scale, static_cast<float>(planes[b].rows - 1)));
     return found;
   }
+  Bands bands_at(float x, float y) const { return found_at(bands, x, y, 1); }
+  Bands contrast_at(float x, float y) const { return found_at(contrast, x, y, 0.5f); }
 
   bool inside(float x, float y) const {
     return x >= 1 && y >= 1 && x <= static_cast<float>(frame.width - 2) &&
@@ -274,7 +324,7 @@ struct DetailLifetimeAccumulator::Impl {
     beginning.frame = at;
     beginning.lag = 0;
     beginning.x.clear(), beginning.y.clear(), beginning.from.clear();
-    beginning.cell.clear(), beginning.bands.clear();
+    beginning.cell.clear(), beginning.bands.clear(), beginning.contrast.clear();
     beginning.sums.assign(cells() * kLagCount, {});
     const int shift_x = static_cast<int>(begun % kSpacing),
               shift_y = static_cast<int>((3 * begun + begun / 4) % kSpacing);
@@ -290,6 +340,7 @@ struct DetailLifetimeAccumulator::Impl {
         beginning.from.emplace_back(px, py);
         beginning.cell.push_back(static_cast<std::uint32_t>(y / kLifeCell * columns + x / kLifeCell));
         beginning.bands.push_back(bands_at(px, py));
+        beginning.contrast.push_back(contrast_at(px, py));
       }
     in_hand.push_back(std::move(beginning));
     next = at + kEvery;
@@ -307,10 +358,11 @@ struct DetailLifetimeAccumulator::Impl {
       tracks.from[kept] = tracks.from[i];
       tracks.cell[kept] = tracks.cell[i];
       tracks.bands[kept] = tracks.bands[i];
+      tracks.contrast[kept] = tracks.contrast[i];
       ++kept;
     }
     tracks.x.resize(kept), tracks.y.resize(kept), tracks.from.resize(kept);
-    tracks.cell.resize(kept), tracks.bands.resize(kept);
+    tracks.cell.resize(kept), tracks.bands.resize(kept), tracks.contrast.resize(kept);
   }
 
   void compare(Beginning& tracks) const {
@@ -327,6 +379,7 @@ struct DetailLifetimeAccumulator::Impl {
         sum.second[b] += now[b] * now[b];
       }
       compare_place(tracks, i, sum);
+      if (tracks.lag >= kContrastFrom) compare_contrast(tracks, i, sum);
     }
   }
 
@@ -341,6 +394,23 @@ struct DetailLifetimeAccumulator::Impl {
       sum.stood[b] += then[b] * here[b];
       sum.left_first[b] += then[b] * then[b];
       sum.left_second[b] += here[b] * here[b];
+    }
+  }
+
+  /// Local contrast, at the old place and along the flow.
+  void compare_contrast(const Beginning& tracks, std::size_t i, LagSums<float>& sum) const {
+    const cv::Vec2f way = cv::Vec2f(tracks.x[i], tracks.y[i]) - tracks.from[i];
+    const float gone = way.dot(way) / (kContrastGone * kContrastGone);
+    if (gone < wavelength_px(0) * wavelength_px(0)) return;
+    const Bands here = contrast_at(tracks.from[i][0], tracks.from[i][1]), &then = tracks.contrast[i],
+                there = contrast_at(tracks.x[i], tracks.y[i]);
+    for (int b = 0; b < kLifeBands && gone >= wavelength_px(b) * wavelength_px(b); ++b) {
+      sum.contrasts[b] += 1;
+      sum.contrast_stood[b] += then[b] * here[b];
+      sum.contrast_went[b] += then[b] * there[b];
+      sum.contrast_first[b] += then[b] * then[b];
+      sum.contrast_here[b] += here[b] * here[b];
+      sum.contrast_there[b] += there[b] * there[b];
     }
   }
 
@@ -370,19 +440,22 @@ struct DetailLifetimeAccumulator::Impl {
         if (r != row || c != column) use(static_cast<std::size_t>(r) * columns + c);
   }
 
-  /// Of one band, after the finer ones. own: what each cell says of it.
-  void find_standing(std::size_t band, std::span<const Curve> own, DetailLifetimes& lifetimes) const {
+  /// Of one band, after the finer ones: one channel of `cells`, pooled, of what each cell says; 0 before the first that
+  /// is known. own: what each cell says of the band's lives.
+  template <class Of>
+  void pool(std::size_t band, std::size_t channel, std::span<const Curve> own, const Of& of,
+            CellMap& cells_of, float& of_clip) const {
     std::vector<Stood> stood(cells());
     Stood clip;
     for (std::size_t cell = 0; cell < stood.size(); ++cell) {
       if (own[cell].power <= 0) continue;
-      stood[cell] = stood_of(std::span(totals).subspan(cell * kLagCount, kLagCount), band);
+      stood[cell] = of(std::span<const LagSums<double>>(totals).subspan(cell * kLagCount, kLagCount));
       clip.add(stood[cell], own[cell].power);
     }
     const auto or_finer = [band](const Stood& found, float finer) {
       return found.weight > 0 || band == 0 ? static_cast<float>(found.share) : finer;
     };
-    lifetimes.clip_standing[band] = or_finer(clip, band > 0 ? lifetimes.clip_standing[band - 1] : 0);
+    of_clip = or_finer(clip, of_clip);
     // Weighed by power, its samples do not count as such.
     clip.weight = clip.weight > 0 ? kPoolSamples : 0;
     for (std::size_t cell = 0; cell < stood.size(); ++cell) {
@@ -390,9 +463,33 @@ struct DetailLifetimeAccumulator::Impl {
       each_neighbour(cell, [&](std::size_t neighbour) { around.add(stood[neighbour], 1); });
       Stood pooled = around.limited(kPoolSamples);
       pooled.add(stood[cell], 1);
-      float* values = lifetimes.standing.values.data() + cell * kStandingChannels;
-      values[band] = or_finer(pooled, band > 0 ? values[band - 1] : 0);
+      float* values = cells_of.values.data() + cell * static_cast<std::size_t>(cells_of.channels) + channel;
+      *values = or_finer(pooled, band > 0 ? *(values - 1) : 0);
     }
+  }
+
+  void find_standing(std::size_t band, std::span<const Curve> own, DetailLifetimes& lifetimes) const {
+    float& of_clip = lifetimes.clip_standing[band];
+    of_clip = band > 0 ? lifetimes.clip_standing[band - 1] : 0;
+    pool(
+        band, band, own, [band](auto sums) { return stood_of(sums, band); }, lifetimes.standing, of_clip);
+    using Sums = LagSums<double>;
+    float unused = 0;
+    pool(
+        band, band, own,
+        [band](auto sums) { return contrast_of(sums, band, &Sums::contrast_stood, &Sums::contrast_here); },
+        lifetimes.layout, unused);
+    pool(
+        band, kLifeBands + band, own,
+        [band](auto sums) { return contrast_of(sums, band, &Sums::contrast_went, &Sums::contrast_there); },
+        lifetimes.layout, unused);
+  }
+
+  bool needs_contrast() const {
+    return at >= next || std::any_of(in_hand.begin(), in_hand.end(), [](const Beginning& tracks) {
+             return tracks.lag >= kContrastFrom &&
+                    std::find(kLags.begin(), kLags.end(), tracks.lag) != kLags.end();
+           });
   }
 
   bool needs_bands() const {
@@ -416,6 +513,7 @@ DetailLifetimeAccumulator::~DetailLifetimeAccumulator() = default;
 void DetailLifetimeAccumulator::begin(const cv::Mat& luma) {
   CV_Assert(luma.type() == CV_8U && luma.size() == impl_->frame && impl_->at == 0);
   impl_->take_bands(luma);
+  impl_->take_contrast();
 }
 
 void DetailLifetimeAccumulator::add(const cv::Mat& u, const cv::Mat& v, const cv::Mat& luma) {
@@ -430,6 +528,7 @@ void DetailLifetimeAccumulator::add(const cv::Mat& u, const cv::Mat& v, const cv
   ++s.at;
   for (Beginning& tracks : s.in_hand) s.advance(tracks, flow);
   if (s.needs_bands()) s.take_bands(luma);
+  if (s.needs_contrast()) s.take_contrast();
   for (Beginning& tracks : s.in_hand) s.compare(tracks);
   while (!s.in_hand.empty() && s.in_hand.front().lag == kLags.back()) {
     s.settle(s.in_hand.front());
@@ -452,6 +551,9 @@ DetailLifetimes DetailLifetimeAccumulator::finish(const cv::Mat& moving) {
   lifetimes.standing = lifetimes.cells;
   lifetimes.standing.channels = kStandingChannels;
   lifetimes.standing.values.resize(s.cells() * kStandingChannels);
+  lifetimes.layout = lifetimes.cells;
+  lifetimes.layout.channels = kLayoutChannels;
+  lifetimes.layout.values.resize(s.cells() * kLayoutChannels);
   const auto seconds = [&](const Curve& curve) {
     return static_cast<float>(std::min(kLongestLife_s, half_life_frames(curve) / s.fps));
   };

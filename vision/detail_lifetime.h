@@ -20,6 +20,7 @@ inline constexpr double kDetailNoise =
 
 inline constexpr int kLifeChannels = 2 * kLifeBands;
 inline constexpr int kStandingChannels = kLifeBands;
+inline constexpr int kLayoutChannels = 2 * kLifeBands;
 
 /// Half-lives in seconds: > 0, <= kLongestLife_s; 0 stands for "not known".
 struct DetailLifetimes {
@@ -32,7 +33,10 @@ struct DetailLifetimes {
   /// by, 0..1.
   CellMap standing;
   std::array<float, kLifeBands> clip_standing{};  // of all cells together, each by its power
-  std::vector<FlowOutlier> flow_outliers;         // by flow frame
+  /// The same cells, kLayoutChannels values each: how much of a band's local contrast stays where it is while the flow
+  /// goes by, by band; then how much goes along. 0..1.
+  CellMap layout;
+  std::vector<FlowOutlier> flow_outliers;  // by flow frame
 };
 
 /// The time after which a band of luma (vision::laplacian_pyramid at the frame's own size), followed along the flow,
@@ -62,8 +66,13 @@ struct DetailLifetimes {
 /// has gone by its wavelength at least, what is found at the old place correlates with it, at all lags together. What is
 /// mere texture does not. Pooled as the lives; a band that is never carried so far has what the next finer one has.
 ///
-/// Memory  5 beginnings in hand, whatever the clip's length: 46 bytes a track (one in 16 px) and 930 bytes a
-///         cell.
+/// Where contrast stands: over the rock of a fall new water is rough where the old one was, while a sea's roughness goes
+/// with its crests. Local contrast is the logarithm of a band's magnitude over some three of its wavelengths, less that
+/// over some ten. Of places that the flow has left by two wavelengths, what is found there later, and what is found where
+/// the flow has gone, correlates with it. Pooled as what stands. Of the band of 8 px, stays / goes: a brook .83 / .63, a
+/// fall at dusk .50 / .24, rapids .19 / .23, a dark sea 0 / .46, a shore's foam 0 / .19, clouds .08 to .10 / .80 to .86.
+///
+/// Memory  5 beginnings in hand, whatever the clip's length: 62 bytes a track (one in 16 px) and 1.7 KB a cell.
 /// Cost    CPU per frame of 640 x 360 in which all moves: 1.2 to 1.4 ms; without what stands 1.1 to 1.2. One thread; memory is taken for each of the first
 ///         beginnings, and used again.
 class DetailLifetimeAccumulator {

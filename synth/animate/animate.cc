@@ -13,7 +13,7 @@ namespace {
 std::unique_ptr<Renderer> renderer_of(Animation& animation, const StillPart& still,
                                       const AnimateOptions& options) {
   const auto* const carried = std::get_if<CarriedOptions>(&options.method);
-  if (options.for_fires && carried != nullptr && !carried->layout_stands && !options.moving()) {
+  if (options.for_fires && carried != nullptr && carried->layout != Layout::kStands && !options.moving()) {
     FormsOptions fires = *options.for_fires;
     fires.carried = *carried;
     if (std::unique_ptr<Renderer> renderer = fire_renderer(animation, still, fires)) return renderer;

@@ -135,10 +135,13 @@ std::vector<MethodSetting> rows() {
              "Half-life of moving detail, s: short for rapids and flames (.2), long for clouds (4); 0: the "
              "clips' own",
              {0, 60}, [](CarriedOptions& o) { return &o.half_life_s; }),
-      word<bool>("layout",
-                 "What moves: goes (the picture with its forms) or stands (its texture alone: for falls and "
-                 "rapids whose ledges and brinks must not move)",
-                 {{"goes", false}, {"stands", true}}, [](CarriedOptions& o) { return &o.layout_stands; }),
+      word<Layout>(
+          "layout",
+          "What moves: goes (the picture with its forms: seas, clouds), stands (its texture alone: "
+          "falls and rapids, whose ledges and brinks do not move) or measured (place by place, as in "
+          "the clips)",
+          {{"measured", Layout::kMeasured}, {"goes", Layout::kGoes}, {"stands", Layout::kStands}},
+          [](CarriedOptions& o) { return &o.layout; }),
       word<Flames>(
           "flames", "Whose flames burn: clips (of the store) or own (the picture's, carried as light)",
           {{"clips", Flames::kClips}, {"own", Flames::kOwn}}, [](FormsOptions& o) { return &o.flames; }),

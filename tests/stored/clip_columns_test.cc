@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "stored/average_image.h"
+#include "stored/clip_metadata.h"
 #include "stored/clip_schema.h"
 #include "tests/harness/scratch_folder.h"
 
@@ -24,6 +25,8 @@ TEST(ClipColumns, ComeBackByTheirNames) {
                      {.rows = 1, .columns = 1, .channels = 4, .cell = 128, .values = {5, 6, 7, 8}}};
   columns.life = {.rows = 1, .columns = 1, .channels = 8, .cell = 32, .values = std::vector<float>(8, 1)};
   columns.standing = {.rows = 1, .columns = 1, .channels = 4, .cell = 32, .values = {0, 0, 1, 1}};
+  columns.layout = {
+      .rows = 1, .columns = 1, .channels = 8, .cell = 32, .values = std::vector<float>(8, 0.5f)};
   columns.flow_outliers = {vision::FlowOutlier::kNone, vision::FlowOutlier::kFast};
   columns.patches = {.variant = {0, 1},
                      .x = {3, 4},
@@ -57,6 +60,8 @@ TEST(ClipColumns, ComeBackByTheirNames) {
   EXPECT_EQ(snapshot.records<float>(id, texture_cells_name(1), 4), columns.texture[1].values);
   EXPECT_EQ(snapshot.records<float>(id, kLifeCells, 8), columns.life.values);
   EXPECT_EQ(snapshot.records<float>(id, kStandingCells, 4), columns.standing.values);
+  EXPECT_EQ(snapshot.records<float>(id, kLayoutCells, 8), columns.layout.values);
+  EXPECT_EQ(shapes_of(columns).layout->channels, 8);
 }
 
 TEST(ClipColumns, ThatAreEmptyAreNotWritten) {
@@ -71,7 +76,7 @@ TEST(ClipColumns, ThatAreEmptyAreNotWritten) {
   record.name = "a", record.source_hash = "b", record.width = 64, record.height = 48, record.fps_num = 25;
   const store::ClipId id = writer.commit(record);
   for (const char* name : {kFrameTime.name, kFlowRate.name, kFlowOutlier.name, kPatchX.name, kPatchWords.name,
-                           kMotionCells, kLifeCells, kStandingCells})
+                           kMotionCells, kLifeCells, kStandingCells, kLayoutCells})
     EXPECT_FALSE(store.snapshot().has_column(id, name)) << name;
 }
 

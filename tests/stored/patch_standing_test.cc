@@ -54,5 +54,16 @@ TEST(PatchStanding, BandsOfAScaledPatchAreCoarserOnesOfTheSource) {
   }
 }
 
+TEST(PatchLayout, IsWhatStaysAndDoesNotGoAlong) {
+  vision::CellMap cells{
+      .rows = 6, .columns = 10, .channels = vision::kLayoutChannels, .cell = 32, .values = {}};
+  for (int i = 0; i < 60; ++i)  // a fall, a sea, neither, both
+    cells.values.insert(cells.values.end(), {0.8f, 0, 0, 0.4f, 0, 0.8f, 0, 0.4f});
+  const std::array<double, 4> found =
+      patch_layout(cells, vision::variant_frame(kSource, {}), 1, {64, 60}, 48);
+  const std::array wanted{0.8, 0.0, 0.0, 0.24};
+  for (int b = 0; b < 4; ++b) EXPECT_NEAR(found[b], wanted[b], 1e-6) << b;
+}
+
 }  // namespace
 }  // namespace freshet::stored

@@ -161,6 +161,42 @@ TEST(DetailStanding, OfNothingThatMovesIsNone) {
   for (const float share : life.standing.values) EXPECT_EQ(share, 0);
 }
 
+/// A texture that goes 3 px to the right in every frame, strong and weak in spots of some 40 px: these stand, or go along.
+Clip spotted(bool stands) {
+  const cv::Size size(320, 192);
+  constexpr int kFrames = 80, kBy = 3;
+  cv::RNG random(5);
+  const cv::Size long_size(size.width + kBy * (kFrames - 1), size.height);
+  cv::Mat going = rich(long_size, random), spots(stands ? size : long_size, CV_32F);
+  random.fill(spots, cv::RNG::NORMAL, 0, 1);
+  cv::GaussianBlur(spots, spots, {}, 10);
+  cv::exp(spots * 30, spots);
+  Clip clip;
+  for (int i = 0; i < kFrames; ++i) {
+    const cv::Rect now({kBy * (kFrames - 1 - i), 0}, size);
+    append(clip, 8 * going(now).mul(stands ? spots : spots(now)) + 128, {static_cast<double>(kBy), 0});
+  }
+  return clip;
+}
+
+TEST(DetailLayout, TellsContrastThatStandsFromContrastThatGoes) {
+  for (const bool stands : {false, true}) {
+    const CellMap layout = measured(spotted(stands)).layout;
+    ASSERT_EQ(layout.values.size(), 60u * kLayoutChannels);
+    double stayed = 0, went = 0;  // of the band of 8 px
+    for (int cell = 0; cell < 60; ++cell) {
+      stayed += layout.at(cell / 10, cell % 10)[1] / 60;
+      went += layout.at(cell / 10, cell % 10)[kLifeBands + 1] / 60;
+    }
+    EXPECT_GT(stands ? stayed : went, 0.6) << stands;
+    EXPECT_LT(stands ? went : stayed, 0.35) << stands;
+  }
+}
+
+TEST(DetailLayout, OfNothingThatMovesIsNone) {
+  for (const float share : measured(over_standing(0.5, 0.5, {0, 0})).layout.values) EXPECT_EQ(share, 0);
+}
+
 TEST(DetailLifetime, OfNoiseIsLessThanAFrame) {
   Clip clip;
   cv::RNG random(3);

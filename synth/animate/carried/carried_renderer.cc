@@ -16,7 +16,10 @@
 #include "synth/animate/motion/copy_maps.h"
 #include "synth/animate/motion/motion_field.h"
 #include "synth/animate/motion/motion_sequence.h"
+#include "synth/animate/placement/piece_values.h"
 #include "synth/animate/still/fluid_planes.h"
+#include "synth/animate/still/layout_share.h"
+#include "synth/animate/still/standing_colour.h"
 #include "synth/animate/still/standing_detail.h"
 #include "synth/animate/still/standing_layout.h"
 #include "synth/sampling/coarse_samples.h"
@@ -43,6 +46,7 @@ constexpr double kMaxLevel = 0.08;             // luma: fires breathe by less
 constexpr double kTextureTravel_px = 36, kShownIntervals = 1.5, kSpread_px = 70;
 constexpr double kMaxTextureGain = 1.5;  // two copies that begin displaced agree in nothing: they lose 1.41
 constexpr double kMaxLayoutLevel = 2.0 / 255;  // luma: its light is the still's
+constexpr double kShareReach = 1;              // pieces: neighbours stand alike
 
 /// Lengths in px are meant for pieces of their own size: enlarged ones are carried as widely.
 CarriedBaseOptions enlarged(CarriedBaseOptions options, double scale) {
@@ -119,16 +123,17 @@ class CarriedRenderer final : public Renderer {
     if (options_.motion_sink)
       for (std::size_t i = passed; i < outputs.size(); ++i)
         options_.motion_sink(for_every_pixel(field_->at(outputs[i]), field_->step(), mattes[i]));
-    if (passed < outputs.size()) copies_->prepare(outputs[passed], static_cast<int>(outputs.size() - passed));
+    if (passed < outputs.size()) prepare_copies(outputs[passed], static_cast<int>(outputs.size() - passed));
     if (innovations_) innovations_->advance(outputs, passed, *field_);
   }
 
   cv::Mat finish(int output, const cv::Mat& matte) override {
     // At the beginning the picture is all, then what is new comes in; in a loop it has gone before the end.
-    const double still = copies_->still(output);
+    const double still = still_share(output);
     Carried carried = carry(output, 1 - still);
     if (innovations_)
-      innovations_->add(output, 1 - still, layout_ ? kMaxLayoutLevel : kMaxLevel, carried.luma);
+      innovations_->add(output, 1 - still, std::lerp(kMaxLevel, kMaxLayoutLevel, share_.mean()),
+                        carried.luma);
     if (animation_.options.form == FrameForm::kFluid)
       return finisher_->finish_fluid(carried.luma, matte, carried.colour());
     cv::Mat frame = finisher_->finish(carried.luma, matte, carried.colour());
@@ -139,7 +144,7 @@ class CarriedRenderer final : public Renderer {
  private:
   /// One output frame before anything comes anew, and before it is coloured.
   struct Carried {
-    std::optional<CarriedFrame> frame;  // what brings its colour; a layout keeps its own
+    std::optional<CarriedFrame> frame;  // what brings its colour; where a layout stands it keeps its own
     cv::Mat luma;
 
     const CarriedFrame* colour() const { return frame ? &*frame : nullptr; }
@@ -185,33 +190,69 @@ class CarriedRenderer final : public Renderer {
                                                    CarriedBase::kStep, frames.loop, carrying);
     cv::resize(still_.alpha, fluid_, field_->size(), 0, 0, cv::INTER_AREA);
     const FluidPlanes planes = fluid_planes(still_.target, still_.luma, still_.alpha);
-    if (options_.layout_stands)
-      lay_texture_copies(planes);
-    else
-      lay_picture_copies(planes);
+    colour_.emplace(planes, still_.alpha);
+    share_ = layout_share();
+    if (share_.stands_somewhere()) lay_texture_copies(planes);
+    cv::Mat own_colour;  // beside the model
+    if (layout_) {
+      cv::Mat modelled;
+      apply_colour(still_.colours, still_.luma, modelled);
+      own_colour = still_.target - modelled;
+    }
+    if (share_.goes_somewhere()) {
+      const cv::Mat of_exposure = lay_picture_copies(planes);
+      if (layout_) {
+        stands_ = share_.over_picture(still_.luma.size());
+        cv::Mat three;
+        cv::merge(std::vector<cv::Mat>(3, stands_), three);
+        own_colour = of_exposure + three.mul(own_colour - of_exposure);
+        cv::resize(stands_, stands_, {(stands_.cols + 1) / 2, (stands_.rows + 1) / 2}, 0, 0, cv::INTER_AREA);
+      } else {
+        own_colour = of_exposure;
+      }
+    }
+    renew_what_goes();
+    finisher_.emplace(
+        finisher_of(animation_, still_, own_colour,
+                    copies_ ? ColourCurve(still_.target, still_.luma, still_.alpha) : ColourCurve()));
+    if (!layout_) return;
+    // The bands that a sum of bands falls into are not quite those, and mixed layers agree at first: what the first frame
+    // is short of the picture.
+    prepare_copies(0, 1);
+    rest_of_still_ = still_.luma - carry(0, 0).luma;
   }
 
-  /// The picture as a long exposure along its motion, and the copies that are carried over it.
-  void lay_picture_copies(const FluidPlanes& planes) {
+  /// How far the layout stands where, as it is asked.
+  LayoutShare layout_share() const {
+    if (options_.layout == Layout::kStands) return LayoutShare(1);
+    if (options_.layout == Layout::kGoes || animation_.options.moving()) return LayoutShare(0);
+    const PieceValues lattice(animation_.placement);
+    const PiecesCanvas canvas(animation_.placement, still_.luma.size());
+    std::vector<cv::Mat> shares =
+        layout_shares(animation_.snapshot, animation_.placement,
+                      vision::levels_within(still_.target.size(), options_.contrast.levels));
+    for (cv::Mat& share : shares)
+      share = canvas.sampled(lattice.over_canvas(share, kShareReach), field_->step(), field_->size());
+    return LayoutShare(std::move(shares), still_.alpha);
+  }
+
+  /// The picture as a long exposure along its motion, and the copies that are carried over it. Returns the exposure's
+  /// colour.
+  cv::Mat lay_picture_copies(const FluidPlanes& planes) {
     const FrameOptions& frames = animation_.options;
     const double scale = animation_.placement.piece_scale;
     Exposure exposure = expose(animation_, still_, options_.base);
     exposure_ = exposure.luma;
     base_.emplace(planes, still_.alpha, enlarged(options_.carry, scale));
-    cv::Mat deep;
-    cv::extractChannel(base_->places(), deep, 0);
-    const float fast = speed_per_frame(*field_, deep, kFast);
     // As far as the fastest fluid goes in that time: what stands in the picture's order is not to be mixed up.
     const double wander_s =
-        std::clamp(kMaxWander_px * scale / (fast * frames.fps), kMinWander_s, kMaxWander_s);
+        std::clamp(kMaxWander_px * scale / (fastest() * frames.fps), kMinWander_s, kMaxWander_s);
     CopyOptions copies = copy_options(lasting_life());
     copies.wander = static_cast<int>(std::lround(wander_s * frames.fps));
     copies_.emplace([field = field_](int i) { return field->at(i); }, base_->places(), field_->step(),
                     copies);
-    renew_what_goes(fast);
     standing_.emplace(planes, still_.alpha, shares_that_stand());
-    finisher_.emplace(finisher_of(animation_, still_, exposure.colour,
-                                  ColourCurve(still_.target, still_.luma, still_.alpha)));
+    return exposure.colour;
   }
 
   /// The picture's texture, and the copies of it that are carried over the layout.
@@ -227,19 +268,31 @@ class CarriedRenderer final : public Renderer {
     std::vector<double> shares = measured_shares();
     shares.pop_back();
     layout_.emplace(planes, still_.alpha, motion, shares);
-    exposure_ = cv::Mat::zeros(still_.luma.size(), CV_32F);
-    base_.emplace(planes, still_.alpha, enlarged(options_.carry, scale), layout_->texture());
-    copies_.emplace([field = field_](int i) { return field->at(i); }, base_->places(), field_->step(), copies,
-                    CopyStarts{.direction = motion.direction,
-                               .edges = layout_->edges(),
-                               .spread = kSpread_px * scale / CarriedBase::kStep});
-    renew_what_goes(speed_per_frame(*field_, fluid_, kFast));
-    cv::Mat modelled;
-    apply_colour(still_.colours, still_.luma, modelled);
-    finisher_.emplace(finisher_of(animation_, still_, still_.target - modelled));
-    // The bands that a sum of bands falls into are not quite those: what the first frame is short of the picture.
-    copies_->prepare(0, 1);
-    rest_of_still_ = still_.luma - carry(0, 0).luma;
+    texture_base_.emplace(planes, still_.alpha, enlarged(options_.carry, scale), layout_->texture());
+    texture_copies_.emplace([field = field_](int i) { return field->at(i); }, texture_base_->places(),
+                            field_->step(), copies,
+                            CopyStarts{.direction = motion.direction,
+                                       .edges = layout_->edges(),
+                                       .spread = kSpread_px * scale / CarriedBase::kStep});
+  }
+
+  void prepare_copies(int first, int count) {
+    if (copies_) copies_->prepare(first, count);
+    if (texture_copies_) texture_copies_->prepare(first, count);
+  }
+
+  /// How far a frame is the picture itself.
+  double still_share(int output) const {
+    if (!copies_) return texture_copies_->still(output);
+    if (!texture_copies_) return copies_->still(output);
+    return std::lerp(copies_->still(output), texture_copies_->still(output), share_.mean());
+  }
+
+  /// px a frame.
+  float fastest() const {
+    cv::Mat deep;
+    cv::extractChannel(base_ ? base_->places() : texture_base_->places(), deep, 0);
+    return speed_per_frame(*field_, deep, kFast);
   }
 
   CopyOptions copy_options(double life_s) const {
@@ -251,8 +304,8 @@ class CarriedRenderer final : public Renderer {
   }
 
   /// What stands is not renewed: a rock in the matte, or what an artist holds still.
-  void renew_what_goes(float fast) {
-    renewing_ = field_->activity() / (kLively * fast);
+  void renew_what_goes() {
+    renewing_ = field_->activity() / (kLively * fastest());
     cv::multiply(renewing_, renewing_, renewing_);
     renewing_ = cv::min(renewing_, 1.0);
     if (innovations_) renewing_ = innovations_->restrict_to(renewing_, field_->step());
@@ -285,26 +338,51 @@ class CarriedRenderer final : public Renderer {
   /// What is carried of an output frame, before anything comes anew: `anew` of what will.
   Carried carry(int output, double anew) {
     Carried carried;
+    if (copies_) carried = carry_picture(output, anew);
+    if (layout_) {
+      cv::Mat laid = carry_texture(output, anew);
+      if (copies_) {
+        share_.mix(laid, *layout_, carried.luma);
+        cv::multiply(carried.frame->fraction, 1 - stands_, carried.frame->fraction, 1, CV_16S);
+      } else {
+        carried.luma = laid;
+      }
+      if (!rest_of_still_.empty())
+        cv::scaleAdd(rest_of_still_, still_share(output), carried.luma, carried.luma);
+    }
+    if (options_.holds_light) colour_->hold(carried.luma, carried.frame ? &*carried.frame : nullptr);
+    return carried;
+  }
+
+  std::vector<double> renewed_shares(int levels, double anew) const {
+    return innovations_ ? innovations_->shares(levels, anew)
+                        : std::vector<double>(static_cast<std::size_t>(levels));
+  }
+
+  /// The picture with its forms.
+  Carried carry_picture(int output, double anew) {
+    Carried carried;
     const std::vector<CopyMap> copies = copies_->at(output);
     carried.frame = base_->frame(copies);
     show_carried(*carried.frame, exposure_, carried.luma);
-    const int levels = layout_ ? layout_->levels() : standing_->levels();
-    const std::vector<double> shares = innovations_ ? innovations_->shares(levels, anew)
-                                                    : std::vector<double>(static_cast<std::size_t>(levels));
-    if (layout_) {
-      carried.frame.reset();
-      LostContrastOptions contrast = options_.contrast;
-      contrast.max_gain = std::max(contrast.max_gain, kMaxTextureGain);
-      lay_texture(carried.luma, copies, CarriedBase::kStep, shares, renewing_, *layout_, contrast);
-      if (!rest_of_still_.empty())
-        cv::scaleAdd(rest_of_still_, copies_->still(output), carried.luma, carried.luma);
-      return carried;
-    }
     if (animation_.options.moving()) carried.luma = sampling::pull_push(carried.luma, still_.alpha);
-    const cv::Mat stands = restore_contrast(carried.luma, copies, CarriedBase::kStep, shares, renewing_,
-                                            *standing_, anew, options_.contrast);
-    standing_->colour(*carried.frame, stands);
+    const cv::Mat stands =
+        restore_contrast(carried.luma, copies, CarriedBase::kStep, renewed_shares(standing_->levels(), anew),
+                         renewing_, *standing_, anew, options_.contrast);
+    colour_->bring(*carried.frame, stands);
     return carried;
+  }
+
+  /// Its texture over its layout: luma.
+  cv::Mat carry_texture(int output, double anew) {
+    const std::vector<CopyMap> copies = texture_copies_->at(output);
+    cv::Mat luma;
+    show_carried(texture_base_->frame(copies), cv::Mat::zeros(still_.luma.size(), CV_32F), luma);
+    LostContrastOptions contrast = options_.contrast;
+    contrast.max_gain = std::max(contrast.max_gain, kMaxTextureGain);
+    lay_texture(luma, copies, CarriedBase::kStep, renewed_shares(layout_->levels(), anew), renewing_,
+                *layout_, contrast);
+    return luma;
   }
 
   /// With a moving outline, what lies behind the fluid is guessed where nobody gives it, and shows through a thin matte
@@ -312,7 +390,7 @@ class CarriedRenderer final : public Renderer {
   void begin_as_the_still(const cv::Mat& matte) {
     const FrameOptions& frames = animation_.options;
     if (!frames.moving() || frames.form != FrameForm::kWhole || !frames.outline.background.empty()) return;
-    copies_->prepare(0, 1);
+    prepare_copies(0, 1);
     const Carried first = carry(0, 0);
     cv::Mat whole;
     still_.target.convertTo(whole, CV_8U, 255);
@@ -328,13 +406,20 @@ class CarriedRenderer final : public Renderer {
   std::shared_ptr<const MotionSequence> sequence_;
   std::shared_ptr<const CarryingField> field_;
   cv::Mat fluid_;     // CV_32F, the matte as the field is sampled
-  cv::Mat exposure_;  // luma; of a texture 0
+  cv::Mat renewing_;  // CV_32F, sampled as the field: how much of what comes anew is for a place, 0..1
+  std::optional<StandingColour> colour_;
+  LayoutShare share_{0};
+  // Of what goes with its forms, where anything does.
+  cv::Mat exposure_;  // luma
   std::optional<CarriedBase> base_;
   std::optional<CopyMaps> copies_;
-  cv::Mat renewing_;  // CV_32F, sampled as the field: how much of what comes anew is for a place, 0..1
-  std::optional<StandingDetail> standing_;  // one of the two
+  std::optional<StandingDetail> standing_;
+  // Of what stands, where anything does.
   std::optional<StandingLayout> layout_;
-  cv::Mat rest_of_still_;  // CV_32F: with a layout, the picture's luma less the first frame's
+  std::optional<CarriedBase> texture_base_;
+  std::optional<CopyMaps> texture_copies_;
+  cv::Mat rest_of_still_;  // CV_32F: the picture's luma less the first frame's
+  cv::Mat stands_;         // CV_32F, of half the width and height: with both, share_ of all levels together
   std::optional<FrameFinisher> finisher_;
   cv::Mat missing_;  // the picture less the first frame, CV_16SC3, levels; or empty
 };
@@ -345,7 +430,7 @@ std::unique_ptr<Renderer> make_renderer(Animation& animation, const StillPart& s
                                         const CarriedOptions& options) {
   animation.report.method = "carried";
   // Fluid that leaves the still outline would bring what lies beyond it.
-  if (options.layout_stands && animation.options.moving())
+  if (options.layout == Layout::kStands && animation.options.moving())
     throw Error(ErrorKind::kUsage, "--layout stands",
                 "the outline moves, and a layout has none beyond the matte",
                 "Leave out --boundary moving, or --layout stands");

@@ -70,6 +70,13 @@ FrameOptions of_light(const FrameOptions& options) {
   return out;
 }
 
+/// A flame has no layout, and its level is what it does.
+CarriedOptions of_flames(CarriedOptions options) {
+  options.layout = Layout::kGoes;
+  options.holds_light = false;
+  return options;
+}
+
 class OwnFlames final : public Renderer {
  public:
   OwnFlames(Animation& animation, const StillPart& still, PartedStill parted, const OwnFlamesOptions& options)
@@ -87,7 +94,7 @@ class OwnFlames final : public Renderer {
                .options = light_options_,
                .progress = animation.progress,
                .stop = animation.stop},
-        carried_(make_renderer(inner_, light_, options.carried)),
+        carried_(make_renderer(inner_, light_, of_flames(options.carried))),
         colours_(parted_.light, parted_.level),
         ground_(parted_, parted_.level, kReach * std::max(still.target.cols, still.target.rows),
                 options.lighting) {

@@ -1,7 +1,6 @@
 // synth/animate/still/standing_detail.h — what of the picture stays in its place while the fluid goes by.
 #pragma once
 
-#include <array>
 #include <vector>
 
 #include <opencv2/core.hpp>
@@ -33,15 +32,11 @@ class StandingDetail {
   /// into grain has as much power, and looks like more.
   /// strength: the power of that factor, 0..1.
   float match(const cv::Mat& band, int level, double kept, double strength) const;
-  /// Brings the colour of what is carried to the picture's as far as the low-pass rest stands, and no finer than that.
-  /// stands   CV_32F: the rest's share, sampled in even squares of the picture.
-  void colour(CarriedFrame& frame, const cv::Mat& stands) const;
 
  private:
   std::vector<double> shares_;
   std::vector<cv::Mat> bands_, within_;  // within: the matte by level, CV_32F
   std::vector<double> magnitude_;        // of the bands, summed over the matte
-  std::array<cv::Mat, 2> colour_;        // blue and red less luma, as CarriedFrame has them
 };
 
 }  // namespace freshet::synth::animate

@@ -35,8 +35,8 @@ struct FlowingClip {
   std::function<cv::Mat(int)> drawn{};  // CV_8U, `size`: frames as this draws them
   std::string class_name = "water";
   std::vector<double> rates{};  // column "flow.rate", of clips whose frame rate varies
-  std::optional<vision::CellMap> life{}, standing{},
-      motion{};  // columns "cells.life", "cells.standing" and "cells.motion", as ingest writes them
+  std::optional<vision::CellMap> life{}, standing{}, contrast{},
+      motion{};  // columns "cells.life", "cells.standing", "cells.layout" and "cells.motion", as ingest writes them
 
   static cv::Mat moved(const cv::Mat& from, cv::Point by) {
     cv::Mat out(from.size(), from.type());
@@ -111,6 +111,7 @@ struct FlowingClip {
     columns.rates = rates;
     if (life) columns.life = *life;
     if (standing) columns.standing = *standing;
+    if (contrast) columns.layout = *contrast;
     if (motion) columns.motion = *motion;
     for (int i = 0; i < frames; ++i) {
       const cv::Mat picture = frame(i);

@@ -82,5 +82,33 @@ TEST(PieceStanding, ThatCannotBeIsRefused) {
   }
 }
 
+/// Cells of a clip of 150 x 110 px of which this much of the contrast stays, and this much goes.
+vision::CellMap contrasts(float stays, float goes) {
+  vision::CellMap made{
+      .rows = 4, .columns = 5, .channels = vision::kLayoutChannels, .cell = 32, .values = {}};
+  for (int i = 0; i < 20; ++i)
+    for (int channel = 0; channel < vision::kLayoutChannels; ++channel)
+      made.values.push_back(channel < vision::kLifeBands ? stays : goes);
+  return made;
+}
+
+TEST(PieceLayout, StandsWhereThePatchesDo) {
+  const FlowingClip fall{.frames = 9, .contrast = contrasts(0.8f, 0.6f)},
+      sea{.frames = 9, .contrast = contrasts(0.05f, 0.7f)},
+      between{.frames = 9, .contrast = contrasts(0.2f, 0.45f)}, older{.frames = 9};
+  const FlowingStore store({fall, sea, between, older});
+  Placement placement = placed({store.id(0), store.id(1), store.id(2), store.id(3)});
+  for (int i = 0; i < 4; ++i) placement.patches[static_cast<std::size_t>(i)].piece.x = placement.stride * i;
+  const std::vector<cv::Mat> shares = layout_shares(store.snapshot(), placement, 5);
+  ASSERT_EQ(shares.size(), 5u);
+  for (const cv::Mat& share : shares) {
+    ASSERT_EQ(share.cols, 4);
+    EXPECT_EQ(share.at<float>(0, 0), 1);
+    EXPECT_EQ(share.at<float>(0, 1), 0);
+    EXPECT_NEAR(share.at<float>(0, 2), 0.216, 0.02);
+    EXPECT_EQ(share.at<float>(0, 3), 0);
+  }
+}
+
 }  // namespace
 }  // namespace freshet::synth::animate

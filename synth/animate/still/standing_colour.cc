@@ -1,0 +1,80 @@
+#include "synth/animate/still/standing_colour.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <opencv2/imgproc.hpp>
+
+namespace freshet::synth::animate {
+namespace {
+
+constexpr int kColourStep = 8;            // of half the picture: what is finer goes with the fluid
+constexpr int kCells = 48;                // along the longer side, in which means are taken
+constexpr double kReach = kCells / 12.0;  // cells: sigma
+constexpr double kLeastMass = 1e-4;
+// A Gaussian passes only a part of what is as wide as a quarter of the picture: what is left of it is taken away again.
+// Of a wavelength of half the longer side .18 and .07 stay, of a quarter .8 and .7.
+constexpr int kLumaPasses = 2, kColourPasses = 3;
+
+cv::Mat around(const cv::Mat& cells) {
+  cv::Mat out;
+  cv::GaussianBlur(cells, out, {}, kReach, kReach, cv::BORDER_REPLICATE);
+  return out;
+}
+
+}  // namespace
+
+StandingColour::StandingColour(const FluidPlanes& planes, const cv::Mat& matte)
+    : luma_(planes.luma), matte_(matte) {
+  const cv::Size half((matte.cols + 1) / 2, (matte.rows + 1) / 2);
+  const std::array<const cv::Mat*, 2> colours{&planes.blue, &planes.red};
+  for (std::size_t k = 0; k < colour_.size(); ++k) {
+    cv::Mat reduced;
+    cv::resize(*colours[k], reduced, half, 0, 0, cv::INTER_AREA);
+    reduced.convertTo(colour_[k], CV_16S, CarriedFrame::kOne);
+  }
+  cv::resize(matte, half_matte_, half, 0, 0, cv::INTER_AREA);
+  const double unit = kCells / static_cast<double>(std::max(matte.cols, matte.rows));
+  const auto cells = [unit](int n) { return std::max(1, static_cast<int>(std::lround(unit * n))); };
+  cv::resize(matte, cells_, {cells(matte.cols), cells(matte.rows)}, 0, 0, cv::INTER_AREA);
+  mass_ = cv::max(around(cells_), kLeastMass);
+}
+
+void StandingColour::bring(CarriedFrame& frame, const cv::Mat& stands) const {
+  const cv::Size half = frame.blue.size();
+  const cv::Size coarse((half.width + kColourStep - 1) / kColourStep,
+                        (half.height + kColourStep - 1) / kColourStep);
+  const cv::Mat empty = frame.fraction <= 0;
+  const std::array<cv::Mat*, 2> planes{&frame.blue, &frame.red};
+  cv::Mat share, away, wide;
+  cv::resize(stands, share, coarse, 0, 0, cv::INTER_LINEAR);
+  for (std::size_t k = 0; k < planes.size(); ++k) {
+    cv::subtract(colour_[k], *planes[k], away, cv::noArray(), CV_32F);
+    away.setTo(0, empty);
+    cv::resize(away, wide, coarse, 0, 0, cv::INTER_AREA);
+    cv::resize(wide.mul(share), away, half, 0, 0, cv::INTER_LINEAR);
+    cv::add(*planes[k], away, *planes[k], cv::noArray(), CV_16S);
+  }
+}
+
+void StandingColour::hold(cv::Mat& luma, CarriedFrame* frame) const {
+  hold_mean(luma_, matte_, kLumaPasses, luma);
+  if (!frame) return;
+  hold_mean(colour_[0], half_matte_, kColourPasses, frame->blue);
+  hold_mean(colour_[1], half_matte_, kColourPasses, frame->red);
+}
+
+void StandingColour::hold_mean(const cv::Mat& own, const cv::Mat& weight, int passes, cv::Mat& plane) const {
+  cv::Mat away, left, all = cv::Mat::zeros(mass_.size(), CV_32F);
+  cv::subtract(own, plane, away, cv::noArray(), CV_32F);
+  cv::resize(away.mul(weight), left, mass_.size(), 0, 0, cv::INTER_AREA);
+  for (int pass = 0; pass < passes; ++pass) {
+    const cv::Mat mean = around(left) / mass_;
+    all += mean;
+    left -= mean.mul(cells_);
+  }
+  cv::resize(all, away, plane.size(), 0, 0, cv::INTER_LINEAR);
+  cv::add(plane, away, plane, cv::noArray(), plane.type());
+}
+
+}  // namespace freshet::synth::animate
