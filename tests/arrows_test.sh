@@ -73,7 +73,7 @@ studio/http: studio
 library: store media/frame media/picture media/video hints vision stored ingest query/index query/labelling query/benchmark synth/outline synth/animate synth/matte synth/simulate/design synth/simulate synth/transfer synth/transfer/files
 python/binding:
 tools/console: store media/frame media/picture media/video query/index
-tools/options: cache media/picture media/video hints vision stored query/index query/mrf query/search query/costs synth/outline synth/animate/frames synth/animate synth/matte tools/console
+tools/options: cache media/picture media/video hints vision query/index query/mrf query/search query/costs synth/outline synth/animate/frames synth/animate synth/matte tools/console
 tools: store store/rewrite media/frame media/video stored ingest query/index studio studio/http tools/console tools/options
 tools/query: media/picture stored query/labelling query/benchmark synth/animate/placement synth/animate/motion tools/console tools/options tools
 tools/synth: report store media/picture media/video hints stored query/labelling synth/sampling synth/animate/motion synth/animate synth/matte synth/scene/layers synth/simulate/design synth/simulate synth/scene synth/scene/rendering synth/flowlines synth/flowlines/files synth/stills synth/transfer synth/transfer/files tools/console tools/options tools tools/query

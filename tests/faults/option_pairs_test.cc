@@ -2,112 +2,79 @@
 // The options are those that each command's own --help lists, with the types and ranges that it gives.
 
 #include <gtest/gtest.h>
+#include <opencv2/imgproc.hpp>
 
 #include <algorithm>
 #include <array>
 #include <csignal>
 #include <iostream>
-#include <optional>
+#include <map>
 #include <random>
-#include <regex>
 
 #include "tests/faults/campaign.h"
+#include "tests/faults/command_tree.h"
 
 namespace freshet::tools {
 namespace {
 
 namespace fs = std::filesystem;
 
-struct Option {
-  std::string name;                    // "--frames"
-  bool is_flag = false;                // takes no value
-  std::vector<std::string> good = {};  // at the ends of what is allowed; empty where only a person knows
-  std::vector<std::string> bad = {};   // must be refused
-};
-
 struct Command {
-  std::vector<std::string> words;  // that run it, with what it cannot do without
   std::string help;                // "synth animate"
+  std::vector<std::string> words;  // that run it, with what it cannot do without
+  std::vector<Option> options;     // but for those among the words
 };
 
-const std::vector<Command>& commands() {
-  static const std::vector<Command> all{
-      {{"ingest", "new.store", "clip1.mkv"}, "ingest"},
-      {{"index", "f.store"}, "index"},
-      {{"store", "info", "f.store"}, "store info"},
-      {{"store", "verify", "f.store"}, "store verify"},
-      {{"store", "digest", "f.store"}, "store digest"},
-      {{"store", "framemd5", "f.store", "clip1.mkv"}, "store framemd5"},
-      {{"store", "export", "f.store", "clip1.mkv", "-o", "out.mkv"}, "store export"},
-      {{"store", "compact", "f.store"}, "store compact"},
-      {{"store", "remove", "f.store", "clip1.mkv"}, "store remove"},
-      {{"store", "merge", "one.store", "rest.store", "-o", "new.store"}, "store merge"},
-      {{"store", "repair", "f.store", "-o", "new.store"}, "store repair"},
-      {{"query", "candidates", "f.store", "still.png", "--whole"}, "query candidates"},
-      {{"query", "label", "f.store", "still.png", "--whole"}, "query label"},
-      {{"query", "bench", "f.store"}, "query bench"},
-      {{"synth", "animate", "f.store", "still.png", "--whole", "-o", "out.mkv"}, "synth animate"},
-      {{"synth", "sweep", "f.store", "still.png", "--whole", "--vary", "tau=0,1", "-o", "sweep"},
-       "synth sweep"},
-      {{"synth", "matte", "still.png", "-o", "matte.png"}, "synth matte"},
-      {{"synth", "simulate", "river", "-o", "out.mkv"}, "synth simulate"},
-      {{"synth", "transfer", "--exemplar", "still.png", "-o", "out.mkv"}, "synth transfer"}};
+/// What a command cannot do without.
+const std::map<std::string, std::string> kNeeded{
+    {"ingest", "new.store clip1.mkv"},
+    {"index", "f.store"},
+    {"store info", "f.store"},
+    {"store verify", "f.store"},
+    {"store digest", "f.store"},
+    {"store framemd5", "f.store clip1.mkv"},
+    {"store export", "f.store clip1.mkv -o out.mkv"},
+    {"store compact", "f.store"},
+    {"store remove", "f.store clip1.mkv"},
+    {"store merge", "one.store rest.store -o new.store"},
+    {"store repair", "f.store -o new.store"},
+    {"query candidates", "f.store still.png --whole"},
+    {"query label", "f.store still.png --whole"},
+    {"query bench", "f.store"},
+    {"synth animate", "f.store still.png --whole -o out.mkv"},
+    {"synth sweep", "f.store still.png --whole --vary tau=0,1 -o sweep"},
+    {"synth matte", "still.png -o matte.png"},
+    {"synth simulate", "river -o out.mkv"},
+    {"synth stills", "stills -o out.mkv"},
+    {"synth transfer", "--exemplar still.png -o out.mkv"},
+    {"synth scene", "scene.toml -o out.mkv"},
+    {"synth layers", "scene.toml -o out.ora"},
+    {"synth flowlines", "clip1.mkv -o out.mkv"},
+    {"studio", "--folder projects --no-browser"}};
+
+/// All commands of the executable, as its help lists them.
+const std::vector<Command>& commands(const Campaign& c) {
+  static const std::vector<Command> all = [&] {
+    std::vector<Command> found;
+    for (const std::string& name : commands_of(c)) {
+      const auto needed = kNeeded.find(name);
+      EXPECT_NE(needed, kNeeded.end()) << name << ": say what it cannot do without";
+      if (needed == kNeeded.end()) continue;
+      Command command{name, words_of(name + " " + needed->second), options_of(c, name)};
+      EXPECT_FALSE(command.options.empty()) << name;
+      std::erase_if(command.options, [&](const Option& option) {
+        return option.name == "--overwrite" ||
+               std::ranges::find(command.words, option.name) != command.words.end();
+      });
+      found.push_back(std::move(command));
+    }
+    return found;
+  }();
   return all;
 }
 
-/// The text between brackets that follows a type, split at commas.
-std::vector<std::string> choices_of(const std::string& text) {
-  std::vector<std::string> choices(1);
-  for (const char c : text)
-    if (c == ',')
-      choices.emplace_back();
-    else
-      choices.back() += c;
-  return choices;
-}
-
-/// What a line of --help says of an option: "  --fps FLOAT:FLOAT in [1 - 240]=25   Frames ...".
-std::optional<Option> parse_option(const std::string& line) {
-  static const std::regex kOption(R"(^  (?:-\w,)?(--[a-z][a-z-]*)( (.*))?$)"),
-      kRange(R"((INT|FLOAT|UINT) in \[([-+.\de]+) - ([-+.\de]+)\])"), kChoice(R"(^[A-Z]+:\{([^}]*)\})");
-  std::smatch found;
-  if (!std::regex_match(line, found, kOption)) return std::nullopt;
-  Option option{.name = found[1]};
-  const std::string rest = found[3];
-  const std::string type = rest.substr(0, rest.find("   "));
-  if (option.name.starts_with("--help") || option.name == "--overwrite") return std::nullopt;
-  if (std::smatch range; std::regex_search(type, range, kRange)) {
-    const bool whole = range[1] != "FLOAT";
-    option.good = {range[2], range[3]};
-    option.bad = {
-        "nan", "x", "1e999", "-1e18", whole ? "1.5" : "inf", whole ? "99999999999999999999" : "-inf"};
-    if (type.find("OR") != std::string::npos) option.good.clear();
-  } else if (std::smatch choice; std::regex_search(type, choice, kChoice)) {
-    option.good = choices_of(choice[1]);
-    option.bad = {"nonsense", "nan", "-1"};
-  } else if (type.starts_with("FLOAT") || type.starts_with("INT") || type.starts_with("UINT")) {
-    option.good = {"0", "1"};
-    option.bad = {"nan", "x", "-1"};
-  } else if (rest.empty() || rest[0] == ' ' || type.starts_with("Excludes")) {
-    option.is_flag = true;
-  }  // else a text: what is right, only the command knows
-  return option;
-}
-
-std::vector<Option> options_of(const Campaign& c, const Command& command) {
-  std::vector<std::string> words;
-  for (const std::string& word : choices_of(std::regex_replace(command.help, std::regex(" "), ",")))
-    words.push_back(word);
-  std::vector<std::string> all = words;
-  all.emplace_back("--help-all");
-  words.emplace_back("--help");
-  Outcome help = c.run(all);
-  if (help.exit_code != 0) help = c.run(words);
-  EXPECT_EQ(help.exit_code, 0) << command.help;
-  std::vector<Option> options;
-  for (const std::string& line : lines_of(help.out))
-    if (auto option = parse_option(line)) options.push_back(std::move(*option));
-  return options;
+const Command& command_named(const Campaign& c, const std::string& name) {
+  return *std::ranges::find(commands(c), name, &Command::help);
 }
 
 /// One case: some options and their values.
@@ -126,7 +93,8 @@ std::string text_of_case(const Case& one) {
 /// What is wrong with the answer; empty when it is right.
 std::string judge_case(const Campaign& c, const Case& one, int seconds) {
   c.begin_with("indexed.store", "f.store");
-  for (const char* name : {"new.store", "new.store-lock", "out.mkv", "matte.png", "sweep", "nonsense"})
+  for (const char* name :
+       {"new.store", "new.store-lock", "out.mkv", "out.ora", "matte.png", "sweep", "nonsense", "projects"})
     fs::remove_all(c.folder / name);
   // SIGINT first: a run of valid options may take its time, and is then stopped in order.
   std::vector<std::string> words{"timeout", "-s", "INT", "-k", "20", std::to_string(seconds), executable()};
@@ -150,10 +118,9 @@ std::string judge_case(const Campaign& c, const Case& one, int seconds) {
 }
 
 /// Each option alone with each of its bad values, or with one of them.
-std::vector<Case> single_cases(const Command& command, const std::vector<Option>& options, bool all,
-                               std::mt19937& random) {
+std::vector<Case> single_cases(const Command& command, bool all, std::mt19937& random) {
   std::vector<Case> cases;
-  for (const Option& option : options) {
+  for (const Option& option : command.options) {
     if (option.bad.empty()) continue;
     const std::size_t first = random() % option.bad.size();
     for (std::size_t i = 0; i < (all ? option.bad.size() : 1); ++i)
@@ -165,8 +132,8 @@ std::vector<Case> single_cases(const Command& command, const std::vector<Option>
 
 /// Cases that hold every pair of two options' values at least once, as few as a greedy choice finds. A value is the
 /// low end, the high end, or "-" for an option that is not given; a text is nonsense.
-std::vector<Case> pair_cases(const Command& command, const std::vector<Option>& options,
-                             std::mt19937& random) {
+std::vector<Case> pair_cases(const Command& command, std::mt19937& random) {
+  const std::vector<Option>& options = command.options;
   std::vector<std::vector<std::string>> values;  // "-": not given
   for (const Option& option : options) {
     values.push_back({"-"});
@@ -214,10 +181,19 @@ std::vector<Case> pair_cases(const Command& command, const std::vector<Option>& 
   return cases;
 }
 
+/// A picture, a folder of stills, and a scene.
 void make_still(const Campaign& c) {
   cv::Mat still(96, 96, CV_8UC3);
   cv::randu(still, 0, 255);
   cv::imwrite((c.folder / "still.png").string(), still);
+  fs::create_directories(c.folder / "stills");
+  for (int i = 0; i < 4; ++i) {
+    cv::Mat moved = still.clone();
+    cv::circle(moved, {20 + 18 * i, 48}, 10, cv::Scalar::all(250), cv::FILLED);
+    cv::imwrite((c.folder / "stills" / (std::to_string(i) + ".png")).string(), moved);
+  }
+  fs::remove(c.folder / "scene.toml");
+  EXPECT_EQ(c.run({"synth", "scene", "--init", "still.png", "-o", "scene.toml"}).exit_code, 0);
 }
 
 TEST(OptionPairs, NonsenseIsRefusedByName) {
@@ -225,10 +201,8 @@ TEST(OptionPairs, NonsenseIsRefusedByName) {
   make_still(c);
   std::mt19937 random(19);
   std::size_t cases = 0;
-  for (const Command& command : commands()) {
-    const std::vector<Option> options = options_of(c, command);
-    ASSERT_FALSE(options.empty()) << command.help;
-    std::vector<Case> all = single_cases(command, options, at_full_length(), random);
+  for (const Command& command : commands(c)) {
+    std::vector<Case> all = single_cases(command, at_full_length(), random);
     if (!at_full_length()) {  // of options that several commands share, each command tries others
       std::ranges::shuffle(all, random);
       all.resize(std::min<std::size_t>(all.size(), 7));
@@ -247,8 +221,8 @@ TEST(OptionPairs, ExtremesInPairsAreDoneOrRefused) {
   make_still(c);
   std::mt19937 random(23);
   std::size_t tried = 0, all = 0;
-  for (const Command& command : commands()) {
-    std::vector<Case> cases = pair_cases(command, options_of(c, command), random);
+  for (const Command& command : commands(c)) {
+    std::vector<Case> cases = pair_cases(command, random);
     all += cases.size();
     if (!at_full_length()) cases.resize(std::min<std::size_t>(cases.size(), 2));
     for (const Case& one : cases) {
@@ -262,10 +236,11 @@ TEST(OptionPairs, ExtremesInPairsAreDoneOrRefused) {
 TEST(OptionPairs, AnOptionThatIsIgnoredIsSeen) {
   const Campaign& c = campaign();
   make_still(c);
+  const Command& verify = command_named(c, "store verify");
   // Planted: a value that is right is said to be wrong, and one that nobody knows not to be named.
-  EXPECT_NE(judge_case(c, {&commands()[3], {{"--threads", "1"}}, {"--threads"}}, 20), "");
-  EXPECT_NE(judge_case(c, {&commands()[3], {{"--threads", "nan"}}, {"--nothing"}}, 20), "");
-  EXPECT_EQ(judge_case(c, {&commands()[3], {{"--threads", "nan"}}, {"--threads"}}, 20), "");
+  EXPECT_NE(judge_case(c, {&verify, {{"--threads", "1"}}, {"--threads"}}, 20), "");
+  EXPECT_NE(judge_case(c, {&verify, {{"--threads", "nan"}}, {"--nothing"}}, 20), "");
+  EXPECT_EQ(judge_case(c, {&verify, {{"--threads", "nan"}}, {"--threads"}}, 20), "");
 }
 
 }  // namespace

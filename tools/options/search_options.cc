@@ -1,10 +1,7 @@
 #include "tools/options/search_options.h"
 
-#include <fmt/format.h>
-
 #include "freshet/error.h"
 #include "query/search/picture_scale.h"
-#include "stored/store_settings.h"
 #include "tools/console/run_context.h"
 
 namespace freshet::tools {
@@ -41,12 +38,6 @@ void SearchOptions::add_to(CLI::App& command) {
       ->capture_default_str()
       ->group(in_detail("Search"));
   command.add_option("--exclude", options_.excluded_clips, "Clip to exclude; may be given several times");
-  command
-      .add_option("--piece", piece_,
-                  "Side of the pieces, px. It must be that of the store's patches (freshet ingest --patch) "
-                  "[the store's]")
-      ->check(CLI::Range(8, 1024))
-      ->group(in_detail("Search"));
   command
       .add_option(
           "--piece-scale", piece_scale_,
@@ -89,14 +80,6 @@ void SearchOptions::check(const store::Snapshot& snapshot) const {
     throw Error(ErrorKind::kUsage, "--checks", "the exact index looks at all patches",
                 "Add --index with one of FLANN's, or leave it out");
   query::check_names(snapshot, options_);
-  const int patch = stored::settings_of(snapshot).grid.patch;
-  if (piece_ != 0 && piece_ != patch)
-    throw Error(
-        ErrorKind::kUsage, snapshot.path().string(),
-        fmt::format("its patches are {} px wide, and pieces of {} px were asked for", patch, piece_),
-        fmt::format("Make a store with freshet ingest --patch {}, or change how much of the picture a "
-                    "piece covers with --piece-scale",
-                    piece_));
 }
 
 query::IndexChoice SearchOptions::index() const {

@@ -21,15 +21,14 @@ class SearchOptions {
   const CLI::Option& tolerance() const { return *tolerance_option_; }
   /// Nothing for auto.
   std::optional<double> piece_scale() const;
-  /// Before long work. Throws Error{kUsage} when pieces of another size were asked for than the store was made for,
-  /// Error{kNotFound} for a class or a clip that it does not have.
+  /// Before long work. Throws Error{kUsage} for --checks without an index that has any, Error{kNotFound} for a class or
+  /// a clip that the store does not have.
   void check(const store::Snapshot& snapshot) const;
 
  private:
   query::CandidateOptions options_;
   query::FlannOptions flann_options_;
   std::string direction_, index_ = "exact", piece_scale_ = "auto";
-  int piece_ = 0;
   CLI::Option *tolerance_option_ = nullptr, *checks_option_ = nullptr;
 };
 

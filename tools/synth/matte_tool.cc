@@ -216,7 +216,8 @@ void add_matte(CLI::App& synth_command, RunContext& context) {
                   "longer side; guided 2 %]")
       ->check(CLI::Range(1.0, 10000.0))
       ->group(edges);
-  sub->add_option("--iterations", command->options.region.iterations, "GrabCut iterations")
+  sub->add_option("--iterations", command->options.region.iterations,
+                  "GrabCut iterations; at least 3 where no fluid is marked, as with --box alone")
       ->check(CLI::Range(0, 100))
       ->capture_default_str()
       ->group(edges);
