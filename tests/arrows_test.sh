@@ -35,6 +35,7 @@ synth/toml: synth/field
 synth/sampling: vision
 synth/outline: synth/sampling
 synth/playing: vision
+synth/judging: report vision
 synth/animate/placement: store vision query/search query/labelling
 synth/animate/blend: vision synth/sampling synth/animate/placement
 synth/animate/clips: store media/frame vision stored synth/sampling synth/playing synth/animate/placement synth/animate/blend
@@ -45,6 +46,7 @@ synth/animate/paper: synth/sampling synth/animate/blend synth/animate/clips synt
 synth/animate/carried: vision synth/sampling synth/animate/placement synth/animate/blend synth/animate/clips synth/animate/motion synth/animate/still synth/animate/frames
 synth/animate/forms: store vision media/picture stored synth/sampling synth/playing synth/animate/clips synth/animate/still synth/animate/frames synth/animate/carried
 synth/animate: report store vision query/search query/labelling synth/animate/placement synth/animate/frames synth/animate/paper synth/animate/carried synth/animate/forms
+synth/takes: report store vision query/search query/labelling synth/judging synth/animate
 synth/matte: report media/picture query/search
 synth/scene/layers: media/picture synth/outline synth/matte
 synth/simulate/solver: synth/field
@@ -76,7 +78,8 @@ tools/console: store media/frame media/picture media/video query/index
 tools/options: cache media/picture media/video hints vision query/index query/mrf query/search query/costs synth/outline synth/animate/frames synth/animate synth/matte tools/console
 tools: store store/rewrite media/frame media/video stored ingest query/index studio studio/http tools/console tools/options
 tools/query: media/picture stored query/labelling query/benchmark synth/animate/placement synth/animate/motion tools/console tools/options tools
-tools/synth: report store media/picture media/video hints stored query/labelling synth/sampling synth/animate/motion synth/animate synth/matte synth/scene/layers synth/simulate/design synth/simulate synth/scene synth/scene/rendering synth/flowlines synth/flowlines/files synth/stills synth/transfer synth/transfer/files tools/console tools/options tools tools/query
+tools/judging: media/frame media/picture media/video hints query/labelling synth/judging tools/console
+tools/synth: report store media/picture media/video hints stored query/labelling synth/sampling synth/judging synth/animate/placement synth/animate/motion synth/animate synth/takes synth/matte synth/scene/layers synth/simulate/design synth/simulate synth/scene synth/scene/rendering synth/flowlines synth/flowlines/files synth/stills synth/transfer synth/transfer/files tools/console tools/options tools tools/query tools/judging
 '
 rooms="include platform report cache store media hints vision stored ingest query synth studio library python tools"
 max_units=17  # in one folder: a header and its source file are one, and so is a source file without a header

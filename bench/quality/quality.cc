@@ -28,13 +28,13 @@
 #include <opencv2/core/utility.hpp>
 
 #include "bench/harness/machine.h"
+#include "bench/quality/quality_agreement.h"
 #include "bench/quality/quality_asked.h"
 #include "bench/quality/quality_case.h"
 #include "bench/quality/quality_footage.h"
 #include "bench/quality/quality_hints.h"
 #include "bench/quality/quality_method.h"
 #include "bench/quality/quality_page.h"
-#include "bench/quality/quality_recurrence.h"
 #include "bench/quality/quality_report.h"
 #include "bench/quality/quality_rivals.h"
 #include "freshet/error.h"
@@ -42,6 +42,10 @@
 #include "query/labelling/label_request.h"
 #include "query/labelling/shares.h"
 #include "synth/animate/placement/assigned.h"
+#include "synth/animate/placement/retiming.h"
+#include "synth/judging/colour_drift.h"
+#include "synth/judging/critic.h"
+#include "synth/takes/take.h"
 
 namespace {
 
@@ -151,6 +155,14 @@ std::vector<Chosen> chosen_clips(const store::Snapshot& snapshot, const Asked& a
   return clips;
 }
 
+/// What the critic says, who does not know what the clip did.
+synth::judging::Verdict critic_of(const bench::Case& clip, std::span<const cv::Mat> frames,
+                                  const synth::judging::Asked& asked) {
+  synth::judging::Evidence film(clip.still, clip.matte, clip.fps);
+  for (const cv::Mat& frame : frames) film.add(frame);
+  return synth::judging::judge(film, clip.class_name, asked);
+}
+
 /// One clip under all hints and methods.
 class Trial {
  public:
@@ -185,13 +197,18 @@ class Trial {
     options.frames = std::max(static_cast<int>(case_.truth.size()), asked_.loop ? 0 : asked_.frames_made);
     options.fps = case_.fps;
     options.loop = asked_.loop;
-    options.guide = labels.asked.rendering;
+    query::MotionGuide guide = labels.asked.rendering;
+    synth::animate::Placement placement = labels.placement;
+    synth::animate::Playing playing;
+    synth::takes::apply({.speed = method.speed}, 0, options, guide, playing);
+    if (playing.factor != 1) synth::animate::retime(placement, playing.factor, {}, case_.still.size());
+    options.guide = guide;
     std::vector<cv::Mat> made;
-    synth::animate::animate(snapshot_, base_.settings, case_.still, case_.matte, labels.placement, options,
+    synth::animate::animate(snapshot_, base_.settings, case_.still, case_.matte, placement, options,
                             [&](const cv::Mat& frame) { made.push_back(frame.clone()); });
     judged.render_s = bench::wall_seconds() - start - judged.label_s;
     const bool strokes = hint.hint == bench::Hint::kStrokes || hint.hint == bench::Hint::kStrokesSpeed;
-    compare(made, labels.asked.direction, strokes, judged);
+    compare(made, labels.asked.direction, strokes, judged, labels.asked.rendering.speed);
     judged.distance.clip_share = labels.shares.clip;
     judged.distance.patch_share = labels.shares.patch;
     return judged;
@@ -226,8 +243,9 @@ class Trial {
   }
 
   /// All measures of what was made, and its place on the page.
-  void compare(std::vector<cv::Mat> made, const cv::Mat& asked_direction, bool strokes,
-               bench::Judged& judged) const {
+  /// asked_speed   px/s, negative where none was asked; may be empty.
+  void compare(std::vector<cv::Mat> made, const cv::Mat& asked_direction, bool strokes, bench::Judged& judged,
+               const cv::Mat& asked_speed = {}) const {
     const std::vector<cv::Mat> luma = bench::luma_of(made);
     const std::vector<bench::PairMotion> motions = bench::pair_motions(luma);
     const std::size_t frames = case_.truth.size();
@@ -235,7 +253,10 @@ class Trial {
                                             std::span(motions).first(frames - 1), case_.fps, case_.region);
     judged.distance = bench::compare(film, case_.film, case_.region);
     judged.distance.drift =
-        bench::colour_drift(std::span<const cv::Mat>(made).first(frames), case_.still, case_.matte);
+        synth::judging::colour_drift(std::span<const cv::Mat>(made).first(frames), case_.still, case_.matte);
+    judged.verdict = critic_of(case_, std::span<const cv::Mat>(made).first(frames),
+                               {.direction = asked_direction, .speed = asked_speed});
+    judged.distance.faults = judged.verdict.faults;
     judged.lifetime = film.lifetime;
     judged.distance.start = bench::detail_correlation(luma[0], bench::luma_of({case_.still})[0], case_.matte);
     const bench::Reversals back =
@@ -278,10 +299,15 @@ void add_references(const bench::Case& clip, std::vector<bench::Judged>& judged)
   bench::Distance real = bench::compare(clip.film, clip.film, clip.region);
   const bench::Reversals back =
       bench::reversals(clip.film.by_second, bench::true_direction(clip), clip.matte);
-  real.drift = bench::colour_drift(clip.truth, clip.still, clip.matte);
+  real.drift = synth::judging::colour_drift(clip.truth, clip.still, clip.matte);
   real.back_seconds = back.seconds;
   real.back_blocks = back.blocks;
   add("real", real, clip.film.lifetime);
+  // As a film that begins with the clip's first frame, as ours begin with their still.
+  synth::judging::Evidence film(clip.truth.front(), clip.matte, clip.fps);
+  for (const cv::Mat& frame : clip.truth) film.add(frame);
+  judged.back().verdict = synth::judging::judge(film, clip.class_name);
+  judged.back().distance.faults = judged.back().verdict.faults;
   if (clip.half) add("ceiling", *clip.half, clip.half_lifetime);
   bench::LifetimeCurve whole;
   whole.fill(1);
@@ -334,7 +360,8 @@ int run(const Asked& asked) {
     if (!asked.html.empty()) bench::write_page(asked.html, judged, "Animated stills beside what was filmed");
     if (!asked.json_path.empty()) write_json(asked, judged);
   }
-  fmt::print("{}\n{}", bench::clip_table(judged), bench::summary_table(judged));
+  fmt::print("{}\n{}\n{}", bench::clip_table(judged), bench::summary_table(judged),
+             bench::agreement_table(bench::agreements(judged)));
   fmt::print("\n{:.0f} s, {:.0f} s of CPU\n", bench::wall_seconds() - start, bench::process_seconds());
   return 0;
 }

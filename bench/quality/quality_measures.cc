@@ -7,10 +7,10 @@
 #include <oneapi/tbb/parallel_for.h>
 #include <opencv2/imgproc.hpp>
 
+#include "synth/judging/coherence.h"
+#include "synth/judging/recurrence.h"
 #include "vision/flow.h"
 #include "vision/pyramid.h"
-
-#include "bench/quality/quality_recurrence.h"
 
 namespace freshet::bench {
 namespace {
@@ -277,8 +277,8 @@ Film measure(std::span<const cv::Mat> luma, std::span<const PairMotion> motions,
   }
   film.half_life_s = half_life_s(film.lifetime, fps);
   film.patches = sample_patches(luma, region.matte);
-  film.coherence = mean_coherence(luma, region.matte);
-  film.again = comes_again(luma, region.matte);
+  film.coherence = synth::judging::mean_coherence(luma, region.matte);
+  film.again = synth::judging::recurrence(luma, region.matte).value;
   return film;
 }
 

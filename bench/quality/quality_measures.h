@@ -56,8 +56,8 @@ struct Film {
   LifetimeCurve lifetime{};                      // NaN when not measured
   double half_life_s = 0;                        // of it
   PatchSample patches;                           // of its frames
-  double coherence = 0;                          // see mean_coherence
-  double again = kNotMeasured;                   // see comes_again
+  double coherence = 0;                          // see synth::judging
+  double again = kNotMeasured;                   // see synth::judging::recurrence
   /// Of a truth: how far apart the patches of its clip's two halves are, by level (grey levels). NaN when not
   /// known. Set by whoever has the halves.
   std::array<double, kPatchLevels> halves_apart{kNotMeasured, kNotMeasured, kNotMeasured, kNotMeasured,
@@ -107,7 +107,7 @@ struct Distance {
   double dead = 0;              // the film's own
   double moving = 0;            // fraction of the matte's blocks that angle and speed are measured over
   double pace = 0;              // log2 of the ratio of Film::pace; signed
-  double again = kNotMeasured;  // comes_again, the film's own
+  double again = kNotMeasured;  // synth::judging::recurrence, the film's own
   double again_beyond = kNotMeasured;  // the same less the truth's; signed: above 0 forms come back
   double ribbon = 0;               // log2 of the ratio of mean coherences; signed: below 0 structure was torn
   double lifetime = kNotMeasured;  // mean |difference| of the lifetime curves
@@ -115,7 +115,8 @@ struct Distance {
   /// Distance of patches by level over that of the truth's own halves: 1 is as good as footage of the scene.
   std::array<double, kPatchLevels> patches{kNotMeasured, kNotMeasured, kNotMeasured, kNotMeasured,
                                            kNotMeasured};
-  double drift = kNotMeasured;  // colour_drift; compare() knows luma alone
+  double drift = kNotMeasured;   // synth::judging::colour_drift; compare() knows luma alone
+  double faults = kNotMeasured;  // synth::judging::Verdict::faults: what the critic says, who knows no truth
   // What compare() cannot know; see quality_asked.h.
   double start = kNotMeasured;         // detail_correlation of the first frame with the still
   double back_seconds = kNotMeasured;  // reversals

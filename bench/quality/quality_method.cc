@@ -96,6 +96,8 @@ const std::vector<Setting>& all_settings() {
          to([](Method & m) -> auto& { return m.label.guide_costs.direction; })},
         {"guide-speed", "cost of another speed than the hint's", true,
          to([](Method & m) -> auto& { return m.label.guide_costs.speed; })},
+        {"speed", "times the speeds that are asked, else that the clips play at", false,
+         to([](Method & m) -> auto& { return m.speed; })},
         {"own", "1: the clip itself is a candidate too", true, to([](Method & m) -> auto& { return m.own; })},
     };
     for (const synth::animate::MethodSetting& setting : synth::animate::method_settings())

@@ -22,6 +22,7 @@ struct Method {
   query::LabelOptions label;
   synth::animate::AnimateOptions animate;
   bool own = false;         // the clip itself among the candidates: what rendering alone costs
+  double speed = 1;         // times what is asked, or played (synth::takes::apply)
   bool same_class = false;  // candidates of the clip's class alone, as one who knows what is to be seen asks
   std::string labels_settings;  // what of its settings labels depend on: methods that agree share labels
 };

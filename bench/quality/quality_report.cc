@@ -112,6 +112,7 @@ const std::vector<Figure>& figures() {
       {"comes_again", "comes again", [](D d) { return d.again; }, 2, kLook},
       {"comes_again_beyond", "again +-", [](D d) { return d.again_beyond; }, 2, kLook, false, true},
       {"colour_drift", "colour drift", [](D d) { return d.drift; }, 1, kLook},
+      {"faults", "critic", [](D d) { return d.faults; }, 1, kLook},
       {"start", "start", [](D d) { return d.start; }, 2, kAsked, true},
       {"back_seconds", "seconds back", [](D d) { return d.back_seconds; }, 2, kAsked},
       {"back_blocks", "blocks back", [](D d) { return d.back_blocks; }, 2, kAsked},
@@ -171,6 +172,9 @@ nlohmann::json to_json(const std::vector<Judged>& judged) {
                        {"label_s", one.label_s}, {"render_s", one.render_s}};
     for (const Figure& figure : figures()) row[figure.key] = figure.value(one.distance);
     row["lifetime_curve"] = one.lifetime;
+    for (const synth::judging::Finding& finding : one.verdict.findings)
+      row["critic"][synth::judging::words_of(finding.measure).name] = {{"value", finding.reading.value},
+                                                                       {"fault", finding.fault}};
     rows.push_back(std::move(row));
   }
   for (const Group& group : groups_of(judged)) {

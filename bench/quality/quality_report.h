@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "bench/quality/quality_measures.h"
+#include "synth/judging/critic.h"
 
 namespace freshet::bench {
 
@@ -14,9 +15,10 @@ namespace freshet::bench {
 struct Judged {
   std::string clip, class_name, method{};
   Distance distance{};
-  LifetimeCurve lifetime{};          // of the film itself
-  double label_s = 0, render_s = 0;  // wall clock
-  std::string video{};               // beside the page; may be empty
+  LifetimeCurve lifetime{};           // of the film itself
+  double label_s = 0, render_s = 0;   // wall clock
+  std::string video{};                // beside the page; may be empty
+  synth::judging::Verdict verdict{};  // the critic's; without findings where it was not asked
 };
 
 /// Tables have a dozen columns each, or nobody reads them.

@@ -8,15 +8,14 @@
 #include <opencv2/imgproc.hpp>
 
 #include "bench/harness/seeded_random.h"
+#include "synth/judging/coherence.h"
 #include "vision/pyramid.h"
 
 namespace freshet::bench {
 namespace {
 
-constexpr std::size_t kSampledFrames = 16;
 constexpr std::size_t kPatchesPerFrame = 400, kMinPatches = 9;
 constexpr int kPatchPixels = kPatchSide * kPatchSide;
-constexpr double kTensorSigma = 6;  // px
 
 /// Unit vectors, column per projection.
 cv::Mat projections() {
@@ -63,16 +62,9 @@ void quantiles_of(std::vector<float>& values, float* quantiles) {
 
 }  // namespace
 
-std::vector<std::size_t> spread_frames(std::size_t frames) {
-  const std::size_t count = std::min(kSampledFrames, frames);
-  std::vector<std::size_t> indices;
-  for (std::size_t i = 0; i < count; ++i) indices.push_back(count > 1 ? i * (frames - 1) / (count - 1) : 0);
-  return indices;
-}
-
 PatchSample sample_patches(std::span<const cv::Mat> luma, const cv::Mat& matte) {
   static const cv::Mat directions = projections();
-  const std::vector<std::size_t> chosen = spread_frames(luma.size());
+  const std::vector<std::size_t> chosen = synth::judging::spread_frames(luma.size());
   std::vector<PatchSample> by_frame(chosen.size());
   oneapi::tbb::parallel_for(std::size_t{0}, chosen.size(), [&](std::size_t i) {
     std::vector<cv::Mat> bands;
@@ -107,25 +99,6 @@ std::array<double, kPatchLevels> patch_distances(const PatchSample& a, const Pat
                        ? std::numeric_limits<double>::quiet_NaN()
                        : cv::norm(a[l], b[l], cv::NORM_L1) / static_cast<double>(a[l].total());
   return distances;
-}
-
-double mean_coherence(std::span<const cv::Mat> luma, const cv::Mat& matte) {
-  const std::vector<std::size_t> chosen = spread_frames(luma.size());
-  const cv::Mat mask = matte > 127;
-  std::vector<double> coherence(chosen.size());
-  oneapi::tbb::parallel_for(std::size_t{0}, chosen.size(), [&](std::size_t i) {
-    cv::Mat dx, dy, xx, xy, yy, apart;
-    cv::Sobel(luma[chosen[i]], dx, CV_32F, 1, 0);
-    cv::Sobel(luma[chosen[i]], dy, CV_32F, 0, 1);
-    cv::GaussianBlur(dx.mul(dx), xx, {}, kTensorSigma);
-    cv::GaussianBlur(dx.mul(dy), xy, {}, kTensorSigma);
-    cv::GaussianBlur(dy.mul(dy), yy, {}, kTensorSigma);
-    cv::magnitude(xx - yy, 2 * xy, apart);  // difference of the tensor's eigenvalues; their sum is xx + yy
-    coherence[i] = cv::mean(apart, mask)[0] / (cv::mean(xx + yy, mask)[0] + 1e-6);
-  });
-  double sum = 0;
-  for (double value : coherence) sum += value;
-  return sum / static_cast<double>(coherence.size());
 }
 
 }  // namespace freshet::bench

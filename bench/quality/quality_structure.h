@@ -1,5 +1,4 @@
-// quality_structure.h — whether single frames look like the clip's at every size: patches by level, ribbons.
-// far structure runs one way.
+// quality_structure.h — whether single frames look like the clip's at every size: patches by level.
 #pragma once
 
 #include <array>
@@ -17,9 +16,6 @@ inline constexpr int kPatchProjections = 256, kPatchQuantiles = 512;
 /// A level that is too small for patches in the matte is empty.
 using PatchSample = std::array<cv::Mat, kPatchLevels>;
 
-/// Indices of up to 16 frames, evenly spread from the first to the last.
-std::vector<std::size_t> spread_frames(std::size_t frames);
-
 /// Patches of kPatchSide px, middles in the matte, up to 400 a frame and level, from the spread frames'
 /// Laplacian pyramids; the coarsest level is the low-pass rest. Places depend on the matte, the frame's place
 /// in the sample and the level alone: a film sampled twice is the same.
@@ -29,9 +25,5 @@ std::vector<std::size_t> spread_frames(std::size_t frames);
 PatchSample sample_patches(std::span<const cv::Mat> luma, const cv::Mat& matte);
 /// Mean |difference| of quantiles over the projections, grey levels; NaN for an empty level.
 std::array<double, kPatchLevels> patch_distances(const PatchSample& a, const PatchSample& b);
-
-/// Coherence of the structure tensor (Sobel, blurred by sigma 6 px) of the spread frames, weighted by its
-/// strength, in the matte: 1 where all is streaks, 0 where no direction stands out. Torn flames lose it.
-double mean_coherence(std::span<const cv::Mat> luma, const cv::Mat& matte);
 
 }  // namespace freshet::bench

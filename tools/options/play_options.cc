@@ -15,10 +15,18 @@ void PlayOptions::add_to(CLI::App& command) {
                 "An animation without an end: the last frame runs into the first with no seam [off]")
       ->group(group);
   command
-      .add_option("--speed", speed_,
-                  "How fast everything plays: 1 as filmed, 0.5 slow motion, 2 twice as fast")
-      ->check(CLI::Range(0.05, 20.0))
-      ->capture_default_str()
+      .add_option_function<std::string>(
+          "--speed",
+          [this](const std::string& given) {
+            const bool number = CLI::detail::lexical_cast(given, speed_);
+            pace_ = number ? "" : given;
+            if (!number) speed_ = 1;
+          },
+          "How fast everything plays: 1 as filmed, 0.5 slow motion, 2 twice as fast; or slow, natural, fast: "
+          "as the "
+          "kind of fluid goes at the picture's size")
+      ->check(CLI::IsMember({"slow", "natural", "fast"}) | CLI::Range(0.05, 20.0))
+      ->default_str("1")
       ->group(group);
   command
       .add_option("--retiming-map", map_,

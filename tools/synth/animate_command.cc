@@ -1,11 +1,15 @@
 #include "tools/synth/animate_command.h"
 
+#include <algorithm>
 #include <variant>
 
 #include <fmt/format.h>
 
 #include "freshet/error.h"
 #include "stored/store_settings.h"
+#include "synth/animate/motion/motion_field.h"
+#include "synth/animate/placement/assigned.h"
+#include "synth/judging/usual.h"
 #include "tools/console/run_context.h"
 
 namespace freshet::tools {
@@ -15,6 +19,12 @@ void AnimateCommand::add_to(CLI::App& app) {
   hold.add_to(app);
   output.add_to(app);
   app.add_option("--sheet", sheet, "Write a contact sheet of the picture and frames (PNG, JPEG)");
+  app.add_option(
+         "--takes", takes,
+         "Small takes to try (speed, layout, life of detail, flames of clips: what no option says), of which "
+         "the one with fewest faults is made; --sheet shows them. 1: as asked")
+      ->check(CLI::Range(1, synth::takes::kMaxTakes))
+      ->capture_default_str();
   app.add_option("--assignment", assignment,
                  "Use this assignment, from freshet query label, in place of searching and labelling")
       ->group(in_detail("Labelling"));
@@ -60,7 +70,9 @@ synth::animate::AnimateOptions AnimateCommand::rendering() const {
   play.apply(made);
   made.method = method.method();
   if (method.names_method()) made.for_fires.reset();
-  if (auto* const forms = std::get_if<synth::animate::FormsOptions>(&made.method)) {
+  auto* forms = std::get_if<synth::animate::FormsOptions>(&made.method);
+  if (forms == nullptr && made.for_fires) forms = &*made.for_fires;  // a take may show clips' flames
+  if (forms != nullptr) {
     forms->excluded = search.options().excluded_clips;
     forms->placed_only = !assignment.empty();
   }
@@ -77,6 +89,7 @@ std::vector<PlannedStage> AnimateCommand::stages() const {
   if (assignment.empty())
     stages = {{"reading the index", ""},    {"guessing the motion", ""},  {"describing the picture", ""},
               {"searching candidates", ""}, {"comparing neighbours", ""}, {"choosing patches", ""}};
+  if (takes > 1) stages.push_back({"takes", "trying takes"});
   const synth::animate::Method made = method.method();
   if (std::holds_alternative<synth::animate::FormsOptions>(made)) {
     stages.push_back({"choosing forms", ""});
@@ -103,6 +116,7 @@ AnimateInputs read_inputs(const AnimateCommand& command) {
   inputs.options.outline.held = held;
   inputs.asked = command.motion.read(inputs.loaded, command.search, command.hint_search());
   inputs.playing = command.play.read(inputs.loaded.picture.size());
+  inputs.pace = command.play.pace();
   return inputs;
 }
 
@@ -130,6 +144,24 @@ ChosenPatches choose_patches(const AnimateCommand& command, const store::Snapsho
                 "Label this picture with freshet query label");
   say_shares(chosen.assignment);
   return chosen;
+}
+
+void pace_it(const store::Snapshot& snapshot, AnimateInputs& inputs, const query::Assignment& assignment,
+             const std::string& kind) {
+  if (inputs.pace.empty()) return;
+  const cv::Size picture = inputs.loaded.picture.size();
+  const cv::Mat motion = synth::animate::motion_field(
+      snapshot, stored::settings_of(snapshot), synth::animate::placement_from(assignment, snapshot), picture);
+  std::vector<cv::Mat> parts;
+  cv::split(motion, parts);
+  cv::Mat speed;
+  cv::magnitude(parts[0], parts[1], speed);
+  const double filmed = cv::mean(speed, inputs.loaded.matte > 127)[0];
+  const double wanted = synth::judging::speed_of(kind, inputs.pace, picture);
+  inputs.playing.factor = std::clamp(wanted / std::max(filmed, 1e-3), 0.05, 20.0);
+  say(fmt::format("--speed {}: {:.0f} px/s is usual for {}; as filmed {:.0f}, so it plays at {:.2f}",
+                  inputs.pace, wanted, kind.empty() ? "all kinds" : kind, filmed, inputs.playing.factor));
+  inputs.pace.clear();
 }
 
 synth::animate::Staging stage(const store::Snapshot& snapshot, const AnimateInputs& inputs,

@@ -13,6 +13,7 @@
 #include "query/labelling/assignment.h"
 #include "synth/animate/animate.h"
 #include "synth/animate/staging.h"
+#include "synth/takes/take.h"
 #include "tools/console/progress.h"
 #include "tools/options/as_printed.h"
 #include "tools/options/cache_options.h"
@@ -45,6 +46,8 @@ struct AnimateCommand {
   OutputOptions output;
   AsPrinted as_printed;  // of the command line alone
   std::string assignment, sheet;
+  int takes = 1;            // to try before one is made whole
+  synth::takes::Open open;  // what they may vary
   bool json = false;
 
   /// All options, and what --help leaves to --help-all.
@@ -68,6 +71,7 @@ struct AnimateInputs {
   synth::animate::AnimateOptions options;
   AskedMotion asked;
   synth::animate::Playing playing;
+  std::string pace{};  // PlayOptions::pace, until pace_it() has made it a factor
 
   /// Where the motion of carried frames goes; null where the method carries nothing.
   std::function<void(const cv::Mat&)>* motion_sink();
@@ -88,6 +92,11 @@ using BaseSource = std::function<std::shared_ptr<const query::SearchBase>(const 
 ChosenPatches choose_patches(const AnimateCommand& command, const store::Snapshot& snapshot,
                              const TargetFiles::Loaded& loaded, AskedMotion& asked, const BaseSource& base,
                              cache::ResultCache* cache, const RunContext& context);
+
+/// Makes a pace that was asked the factor of playing at which the assigned motion has it, and says so.
+/// kind   of the fluid, a store's class.
+void pace_it(const store::Snapshot& snapshot, AnimateInputs& inputs, const query::Assignment& assignment,
+             const std::string& kind);
 
 /// What the patches and the inputs come to.
 synth::animate::Staging stage(const store::Snapshot& snapshot, const AnimateInputs& inputs,

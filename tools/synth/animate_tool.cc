@@ -1,4 +1,5 @@
 #include <memory>
+#include <optional>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -9,11 +10,15 @@
 #include "stored/store_settings.h"
 #include "synth/animate/frame_sheet.h"
 #include "synth/animate/motion/motion_field.h"
+#include "synth/judging/critic.h"
+#include "synth/takes/takes_sheet.h"
 #include "tools/commands.h"
 #include "tools/console/output_names.h"
 #include "tools/console/progress.h"
+#include "tools/judging/verdict_report.h"
 #include "tools/synth/animate_command.h"
 #include "tools/synth/animate_run.h"
+#include "tools/synth/takes_run.h"
 
 namespace freshet::tools {
 namespace {
@@ -63,7 +68,8 @@ void say_made(const synth::animate::AnimateReport& report, const AnimateInputs& 
 
 /// For a program, or the names of the files alone.
 void print_made(const AnimateCommand& command, const store::Snapshot& snapshot, const AnimateInputs& inputs,
-                const ChosenPatches& chosen, const synth::animate::AnimateReport& report) {
+                const ChosenPatches& chosen, const synth::animate::AnimateReport& report,
+                const nlohmann::json& verdict, const nlohmann::json& takes) {
   std::vector<std::string> files = command.output.files();
   files.push_back(command.sheet);
   for (const std::string& path : command.motion.outputs()) files.push_back(path);
@@ -90,6 +96,8 @@ void print_made(const AnimateCommand& command, const store::Snapshot& snapshot, 
                                     {"renewed", report.renewed},
                                     {"labelling", chosen.labelled},
                                     {"shares", shares_json(chosen.assignment)},
+                                    {"verdict", verdict},
+                                    {"takes", takes},
                                     {"seconds",
                                      {{"decode", report.decode_s},
                                       {"blend", report.blend_s},
@@ -98,6 +106,22 @@ void print_made(const AnimateCommand& command, const store::Snapshot& snapshot, 
                                       {"render", report.render_s},
                                       {"total", report.total_s}}}}
                          .dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
+}
+
+/// Says what was assumed and what looks worst; the whole verdict for a program. Null for a film too short, or too
+/// faint a matte, to judge.
+nlohmann::json judged(const AnimateInputs& inputs, const ShownKind& kind,
+                      const synth::judging::Evidence& film) {
+  if (film.count() < synth::judging::kFewestFrames || cv::countNonZero(film.fluid()) == 0) return nullptr;
+  const query::MotionGuide& asked = inputs.asked.guide;
+  const Assumed assumed{.kind = kind,
+                        .direction_asked = !asked.direction.empty(),
+                        .speed_asked = !asked.speed.empty(),
+                        .holds = !inputs.options.outline.held.empty()};
+  const synth::judging::Verdict verdict =
+      synth::judging::judge(film, assumed.kind.name, {.direction = asked.direction, .speed = asked.speed});
+  say(take_words(assumed, verdict, film));
+  return verdict_json(verdict, film, assumed.kind.name);
 }
 
 void run_animate(AnimateCommand& command, const RunContext& context) {
@@ -117,6 +141,12 @@ void run_animate(AnimateCommand& command, const RunContext& context) {
       [&](const SearchOptions& search) { return open_with_progress(snapshot, search, cache != nullptr); },
       cache.get(), context);
   const query::Assignment& assignment = chosen.assignment;
+  const ShownKind kind = kind_of(command.search.options().class_name, assignment);
+  pace_it(snapshot, inputs, assignment, kind.name);
+  const std::optional<synth::takes::Trial> trial =
+      command.takes > 1
+          ? choose_take(snapshot, inputs, assignment, kind.name, command.takes, command.open, context)
+          : std::nullopt;
   const synth::animate::Staging staging = stage(snapshot, inputs, assignment);
   const cv::Mat motion = command.motion.needs_motion(inputs.asked)
                              ? synth::animate::motion_field(snapshot, stored::settings_of(snapshot),
@@ -132,16 +162,24 @@ void run_animate(AnimateCommand& command, const RunContext& context) {
                                     .first = options.from,
                                     .shown = 8,
                                     .width_px = 480});
+  synth::judging::Evidence film(loaded.picture, loaded.matte, options.fps);
   Progress progress;
   const synth::animate::AnimateReport report = render(
       snapshot, inputs, staging, output->picture(),
-      [&](const cv::Mat& frame) { sheet.add(output->write(frame)); }, progress.callback(), context);
+      [&](const cv::Mat& frame) {
+        const cv::Mat shown = output->write(frame);
+        sheet.add(shown);
+        film.add(shown);
+      },
+      progress.callback(), context);
   output->finish();
   progress.finish();
-  if (!command.sheet.empty()) media::write_picture(command.sheet, sheet.draw());
+  if (!command.sheet.empty())
+    media::write_picture(command.sheet,
+                         trial ? synth::takes::with_takes(sheet.draw(), *trial) : sheet.draw());
   say_forms(snapshot, report);
   say_made(report, inputs);
-  print_made(command, snapshot, inputs, chosen, report);
+  print_made(command, snapshot, inputs, chosen, report, judged(inputs, kind, film), takes_json(trial));
 }
 
 /// Options that an assignment leaves nothing to do.
@@ -174,7 +212,8 @@ void animate_layer(const AnimateRequest& request, const std::function<void(const
   AnimateInputs inputs{.loaded = request.loaded,
                        .options = command.rendering(),
                        .asked = command.motion.read(request.loaded, command.search, command.hint_search()),
-                       .playing = command.play.read(request.loaded.picture.size())};
+                       .playing = command.play.read(request.loaded.picture.size()),
+                       .pace = command.play.pace()};
   inputs.options.loop = request.loop;
   inputs.options.form = synth::animate::FrameForm::kFluid;
   command.outline.apply(inputs.options, request.loaded.picture.size());
@@ -188,6 +227,8 @@ void animate_layer(const AnimateRequest& request, const std::function<void(const
       command, snapshot, request.loaded, inputs.asked,
       [&](const SearchOptions& search) { return open_with_progress(snapshot, search, cache != nullptr); },
       cache.get(), context);
+  pace_it(snapshot, inputs, chosen.assignment,
+          kind_of(command.search.options().class_name, chosen.assignment).name);
   render(snapshot, inputs, stage(snapshot, inputs, chosen.assignment), request.loaded.picture, sink, {},
          context);
 }
@@ -219,6 +260,7 @@ void add_animate(CLI::App& synth_command, RunContext& context) {
   sub->callback([command, sub, &context] {
     if (!command->assignment.empty()) say_unused(*sub, command->assignment);
     command->as_printed.apply();
+    command->open = open_of(*sub);
     run_animate(*command, context);
   });
 }

@@ -19,6 +19,7 @@
 #include "report/sheet_words.h"
 #include "tools/commands.h"
 #include "tools/console/output_names.h"
+#include "tools/judging/verdict_report.h"
 #include "tools/synth/animate_command.h"
 #include "tools/synth/sweep_page.h"
 #include "tools/synth/sweep_point.h"
@@ -153,6 +154,8 @@ class Sweep {
         point.command(), snapshot_, inputs.loaded, inputs.asked,
         [this](const SearchOptions& search) { return base_of(search); }, &cache, context_);
     made_.push_back({std::move(chosen.assignment), key_of(point, inputs)});
+    pace_it(snapshot_, inputs, made_.back().assignment,
+            kind_of(point.command().search.options().class_name, made_.back().assignment).name);
     const query::Assignment& assignment = made_.back().assignment;
     SweptAnimation& animation = animations_.emplace_back();
     animation.number = fmt::format("{:02}", i + 1);

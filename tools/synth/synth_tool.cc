@@ -1,6 +1,7 @@
 #include <CLI/CLI.hpp>
 
 #include "tools/commands.h"
+#include "tools/judging/judge_tool.h"
 
 namespace freshet::tools {
 
@@ -10,6 +11,7 @@ void add_synth(CLI::App& app, RunContext& context) {
   synth_command->require_subcommand(1);
   add_animate(*synth_command, context);
   add_sweep(*synth_command, context);
+  add_judge(*synth_command, context);
   add_matte(*synth_command, context);
   add_simulate(*synth_command, context);
   add_stills(*synth_command, context);

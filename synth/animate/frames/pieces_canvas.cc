@@ -2,7 +2,7 @@
 
 #include <opencv2/imgproc.hpp>
 
-#include "query/search/picture_scale.h"
+#include "synth/animate/placement/pieces_picture.h"
 #include "synth/sampling/coarse_samples.h"
 
 namespace freshet::synth::animate {
@@ -10,7 +10,7 @@ namespace freshet::synth::animate {
 PiecesCanvas::PiecesCanvas(const Placement& placement, cv::Size picture)
     : rect_(canvas_of(placement)),
       scale_(placement.piece_scale),
-      reduced_(query::reduced_size(picture, placement.piece_scale)) {}
+      reduced_(pieces_picture(placement, picture)) {}
 
 cv::Mat PiecesCanvas::cut(const cv::Mat& plane) const {
   const cv::Rect all = rect_ | cv::Rect({}, reduced_);

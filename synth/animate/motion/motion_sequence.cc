@@ -15,8 +15,8 @@
 #include <opencv2/imgproc.hpp>
 
 #include "freshet/error.h"
-#include "query/search/picture_scale.h"
 #include "stored/clip_schema.h"
+#include "synth/animate/placement/pieces_picture.h"
 #include "synth/sampling/patch_window.h"
 #include "synth/sampling/pull_push.h"
 #include "vision/flow.h"
@@ -53,7 +53,7 @@ SquareGrid grid_of(const Placement& placement, cv::Size picture) {
   SquareGrid grid;
   const int square = grid.square = common_step(placement, kSquare);
   grid.per_side = placement.side / square;
-  const cv::Size reduced = query::reduced_size(picture, placement.piece_scale);
+  const cv::Size reduced = pieces_picture(placement, picture);
   const cv::Rect canvas = canvas_of(placement);
   const auto whole = [&](int length) { return (std::max(length, 0) + square - 1) / square; };
   const cv::Point before(whole(canvas.x), whole(canvas.y));

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "freshet/error.h"
-#include "query/search/picture_scale.h"
+#include "synth/animate/placement/pieces_picture.h"
 
 namespace freshet::synth::animate {
 
@@ -59,7 +59,7 @@ cv::Rect canvas_of(const Placement& placement) {
 }
 
 cv::Matx23d squares_from_picture(const Placement& placement, cv::Point corner, int square, cv::Size picture) {
-  const cv::Size reduced = query::reduced_size(picture, placement.piece_scale);
+  const cv::Size reduced = pieces_picture(placement, picture);
   const double x = static_cast<double>(reduced.width) / picture.width,
                y = static_cast<double>(reduced.height) / picture.height;
   // Pixel p of the picture has its middle at (p + 1/2) x - 1/2 of the reduced one.

@@ -112,11 +112,9 @@ TEST(QualityStructure, WhatIsOutsideTheMatteDoesNotCount) {
   cv::Mat matte = everywhere();
   matte(cv::Rect(160, 0, 160, 256)) = 0;
   const PatchSample before = sample_patches(film, matte);
-  const double coherence = mean_coherence(film, matte);
   for (cv::Mat& frame : film)
     frame(cv::Rect(240, 0, 80, 256)) = 0;  // beyond all patches of the coarsest level
   EXPECT_EQ(patch_distances(before, sample_patches(film, matte))[0], 0);
-  EXPECT_NEAR(mean_coherence(film, matte), coherence, 1e-6);
 }
 
 TEST(QualityStructure, ALevelWithoutPatchesIsNotMeasured) {
@@ -124,35 +122,6 @@ TEST(QualityStructure, ALevelWithoutPatchesIsNotMeasured) {
   const auto distances = patch_distances(sample, sample);
   EXPECT_EQ(distances[0], 0);
   EXPECT_TRUE(std::isnan(distances[4]));  // 4 x 4 px
-}
-
-TEST(QualityStructure, SpreadFramesReachFromFirstToLast) {
-  EXPECT_EQ(spread_frames(1), std::vector<std::size_t>{0});
-  EXPECT_EQ(spread_frames(3), (std::vector<std::size_t>{0, 1, 2}));
-  const std::vector<std::size_t> many = spread_frames(100);
-  EXPECT_EQ(many.size(), 16u);
-  EXPECT_EQ(many.front(), 0u);
-  EXPECT_EQ(many.back(), 99u);
-}
-
-std::vector<cv::Mat> stripes(double angle) {
-  cv::Mat luma(kSize, CV_8U);
-  for (int y = 0; y < luma.rows; ++y)
-    for (int x = 0; x < luma.cols; ++x)
-      luma.at<std::uint8_t>(y, x) = cv::saturate_cast<std::uint8_t>(
-          128 + 80 * std::sin(0.5 * (x * std::cos(angle) + y * std::sin(angle))));
-  return {luma};
-}
-
-TEST(QualityStructure, StripesAreCoherentAndGrainIsNot) {
-  for (const double angle : {0.0, 0.6, 1.2}) EXPECT_GT(mean_coherence(stripes(angle), everywhere()), 0.97);
-  EXPECT_LT(mean_coherence(grain(20, 9), everywhere()), 0.2);
-}
-
-// Half across, half along, in squares far larger than the tensor's reach against both mixed in each place.
-TEST(QualityStructure, CrossedStripesHaveNoDirection) {
-  const cv::Mat crossed = stripes(0)[0] / 2 + stripes(std::numbers::pi / 2)[0] / 2;
-  EXPECT_LT(mean_coherence(std::vector{crossed}, everywhere()), 0.15);
 }
 
 }  // namespace
