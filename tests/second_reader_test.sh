@@ -1,11 +1,11 @@
 #!/bin/sh
 # The reader in contrib/, which was written from docs/format.md, gives the frames and the digest that the engine gives;
-# and none of a store that is damaged. Skipped, loudly, without python3-zstandard.
+# and none of a store that is damaged. Skipped, loudly, without python3-xxhash and python3-zstandard.
 # usage: tests/second_reader_test.sh ROOT FRESHET
 set -eu
 reader=$1/contrib/freshet_store.py freshet=$2 python=/usr/bin/python3
-if ! "$python" -c 'import zstandard' 2> /dev/null; then
-  echo "SKIPPED: the second reader is not tried: install python3-zstandard" >&2
+if ! "$python" -c 'import xxhash, zstandard' 2> /dev/null; then
+  echo "SKIPPED: the second reader is not tried: install python3-xxhash and python3-zstandard" >&2
   exit 77
 fi
 scratch=$(mktemp -d)
