@@ -12,7 +12,7 @@
 #include <string>
 
 #include "freshet/error.h"
-#include "tests/ingest/temporary_folder.h"
+#include "tests/harness/scratch_folder.h"
 
 namespace freshet::fuzz {
 
@@ -51,7 +51,7 @@ class InputFile {
 
  private:
   static const std::filesystem::path& folder() {
-    static const ingest::TemporaryFolder own;
+    static const ScratchFolder own;
     return own.path();
   }
   std::filesystem::path path_;

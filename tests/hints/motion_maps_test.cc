@@ -6,6 +6,7 @@
 
 #include "freshet/error.h"
 #include "media/picture/picture.h"
+#include "tests/harness/fault.h"
 #include "tests/harness/scratch_folder.h"
 
 namespace freshet::hints {
@@ -31,13 +32,7 @@ class MotionMaps : public testing::Test {
   std::filesystem::path file(const char* name) const { return folder_.path() / name; }
   template <class Read>
   static std::string fault(Read&& read, ErrorKind kind = ErrorKind::kInput) {
-    try {
-      read();
-    } catch (const Error& error) {
-      EXPECT_EQ(error.kind(), kind) << error.what();
-      return error.what();
-    }
-    return "";
+    return fault_of(kind, [&] { read(); });
   }
   ScratchFolder folder_;
 };

@@ -19,8 +19,8 @@
 #include "media/video/video_writer.h"
 #include "stored/clip_metadata.h"
 #include "stored/clip_schema.h"
+#include "tests/harness/scratch_folder.h"
 #include "tests/ingest/synthetic_clip.h"
-#include "tests/ingest/temporary_folder.h"
 #include "vision/detail_lifetime.h"
 #include "vision/flow.h"
 #include "vision/loop_rule.h"
@@ -51,7 +51,7 @@ bool says(const std::vector<std::string>& sentences, const std::string& words) {
 
 /// A clip's file, a fresh store, and the row that came of it.
 struct OneClip {
-  TemporaryFolder folder;
+  ScratchFolder folder;
   store::Store store = new_store(folder / "test.freshet");
   ClipReport row;
 
@@ -262,7 +262,7 @@ ScrollMotion scroll_motion(const store::Snapshot& snapshot, store::ClipId id, co
 TEST(Ingest, AVariableFrameRateKeepsItsTimesAndItsSpeeds) {
   const SyntheticClip clip{
       .size = {320, 240}, .frames = 96, .moving = {20, 20, 280, 200}, .velocity = {1.5, -0.5}};
-  const TemporaryFolder folder;
+  const ScratchFolder folder;
   fs::create_directories(folder / "water");
   // Two thirds of each second lack every other frame, as a phone's do where it gets dark.
   if (!write_with_gaps(folder / "water/clip.mkv", clip, "lt(mod(n,24),8)+not(mod(n,2))"))
@@ -291,7 +291,7 @@ TEST(Ingest, AVariableFrameRateKeepsItsTimesAndItsSpeeds) {
 }
 
 TEST(Ingest, ALongGapIsNoMotion) {
-  const TemporaryFolder folder;
+  const ScratchFolder folder;
   fs::create_directories(folder / "water");
   if (!write_with_gaps(folder / "water/clip.mkv", {.frames = 60, .changing = true}, "lt(n,25)+gt(n,40)"))
     GTEST_SKIP() << "needs the ffmpeg tool: apt-get install ffmpeg";
@@ -310,7 +310,7 @@ TEST(Ingest, AnUnsteadyStampIsNoVariableRate) {
 }
 
 TEST(Ingest, AnInterlacedClipHasTheRateOfItsFrames) {
-  const TemporaryFolder folder;
+  const ScratchFolder folder;
   fs::create_directories(folder / "water");
   const fs::path whole = folder / "whole.mkv";
   write_clip(whole, {.frames = 60, .fps = 50, .changing = true});
@@ -389,7 +389,7 @@ TEST(Ingest, KeepsHowLongDetailLivesAlongTheFlowThatIsKept) {
 }
 
 TEST(Ingest, TakesColouredAndTransparentClips) {
-  const TemporaryFolder folder;
+  const ScratchFolder folder;
   media::VideoWriter writer(folder / "alpha.mkv", {192, 144});
   for (const cv::Mat& frame : render({})) {
     const cv::Mat alpha(frame.size(), CV_8U, cv::Scalar(200));
@@ -405,7 +405,7 @@ TEST(Ingest, TakesColouredAndTransparentClips) {
 }
 
 TEST(Ingest, TakesAPictureSequenceForAClip) {
-  const TemporaryFolder folder;
+  const ScratchFolder folder;
   fs::create_directories(folder / "clips/fire/burst");
   write_clip(folder / "clips/fire/burst/f%03d.png", {});
   store::Store store = new_store(folder / "test.freshet");
@@ -416,7 +416,7 @@ TEST(Ingest, TakesAPictureSequenceForAClip) {
 }
 
 TEST(Ingest, ASecondRunAddsNothing) {
-  const TemporaryFolder folder;
+  const ScratchFolder folder;
   fs::create_directories(folder / "water");
   write_clip(folder / "water/a.mkv", {});
   write_clip(folder / "water/b.mkv", {.seed = 2});
@@ -443,7 +443,7 @@ TEST(Ingest, ANameWithOtherContentIsAnErrorUnlessNamesAreSkipped) {
 }
 
 TEST(Ingest, DuplicatesInOneRunAreTakenOnceAndSaid) {
-  const TemporaryFolder folder;
+  const ScratchFolder folder;
   fs::create_directories(folder / "water");
   write_clip(folder / "water/a.mkv", {});
   fs::copy_file(folder / "water/a.mkv", folder / "water/b.mkv");
@@ -461,7 +461,7 @@ TEST(Ingest, DuplicatesInOneRunAreTakenOnceAndSaid) {
 }
 
 TEST(Ingest, AStopRequestDropsTheClipInHandAndARestartGoesOn) {
-  const TemporaryFolder folder;
+  const ScratchFolder folder;
   fs::create_directories(folder / "water");
   write_clip(folder / "water/a.mkv", {});
   write_clip(folder / "water/b.mkv", {.seed = 2});
@@ -485,7 +485,7 @@ TEST(Ingest, AStopRequestDropsTheClipInHandAndARestartGoesOn) {
 }
 
 TEST(Ingest, ProgressCountsFramesAndEndsEachClipWithItsRow) {
-  const TemporaryFolder folder;
+  const ScratchFolder folder;
   write_clip(folder / "a.mkv", {});
   store::Store store = new_store(folder / "test.freshet");
   const fs::path paths[] = {folder / "a.mkv"};
@@ -505,7 +505,7 @@ TEST(Ingest, ProgressCountsFramesAndEndsEachClipWithItsRow) {
 }
 
 TEST(Ingest, TheDigestDependsNeitherOnThreadsNorOnOrderNorOnShards) {
-  const TemporaryFolder folder;
+  const ScratchFolder folder;
   std::vector<fs::path> paths;
   for (int i = 0; i < 3; ++i) {
     paths.push_back(folder / ("clip" + std::to_string(i) + ".mkv"));
@@ -571,7 +571,7 @@ TEST(Ingest, FailsEvenWhenForcedWhereThereIsNothingToKeep) {
 }
 
 TEST(Ingest, KeepsAClipUprightThatIsStoredLying) {
-  const TemporaryFolder folder;
+  const ScratchFolder folder;
   write_clip(folder / "lying.mp4", {});
   std::fstream file(folder / "lying.mp4", std::ios::binary | std::ios::in | std::ios::out);
   std::string bytes{std::istreambuf_iterator<char>(file), {}};
@@ -601,7 +601,7 @@ TEST(Ingest, TakesTheSmallestFrameThatHoldsAPatch) {
 }
 
 TEST(Ingest, GoesOnPastFilesThatAreNoClips) {
-  const TemporaryFolder folder;
+  const ScratchFolder folder;
   folder.file("water/a_text.mp4", "this is no video\n");
   folder.file("water/b_empty.mp4", "");
   write_clip(folder / "water/c_good.mkv", {});

@@ -10,7 +10,8 @@
 
 #include "freshet/error.h"
 #include "media/picture/picture.h"
-#include "tests/ingest/temporary_folder.h"
+#include "tests/harness/fault.h"
+#include "tests/harness/scratch_folder.h"
 
 namespace freshet::ingest {
 namespace {
@@ -24,7 +25,7 @@ std::vector<std::string> names(const std::vector<Source>& sources) {
 }
 
 TEST(ListSources, NamesClipsRelativeToTheFolderAndClassesByTheFolderTheyLieIn) {
-  const TemporaryFolder folder;
+  const ScratchFolder folder;
   folder.file("clips/water/f10.mp4", "x");
   folder.file("clips/water/f9.mp4", "x");
   folder.file("clips/fire/deep/a.mkv", "x");
@@ -38,7 +39,7 @@ TEST(ListSources, NamesClipsRelativeToTheFolderAndClassesByTheFolderTheyLieIn) {
 }
 
 TEST(ListSources, AFileGivenDirectlyGoesByItsFileNameWhateverItsEnding) {
-  const TemporaryFolder folder;
+  const ScratchFolder folder;
   const fs::path given[] = {folder.file("smoke/strange.ending", "x")};
   const std::vector<Source> sources = list_sources(given);
   ASSERT_EQ(sources.size(), 1u);
@@ -47,7 +48,7 @@ TEST(ListSources, AFileGivenDirectlyGoesByItsFileNameWhateverItsEnding) {
 }
 
 TEST(ListSources, IsTheSameForAnyOrderOfPathsAndListsAPathOnce) {
-  const TemporaryFolder folder;
+  const ScratchFolder folder;
   folder.file("a/1.mp4", "x");
   folder.file("b/2.mp4", "x");
   const fs::path one[] = {folder / "a", folder / "b", folder / "a"};
@@ -57,7 +58,7 @@ TEST(ListSources, IsTheSameForAnyOrderOfPathsAndListsAPathOnce) {
 }
 
 TEST(ListSources, ShardsAreDisjointAndTogetherTheWhole) {
-  const TemporaryFolder folder;
+  const ScratchFolder folder;
   for (int i = 0; i < 11; ++i) folder.file(fmt::format("clip{}.mp4", i), "x");
   const fs::path given[] = {folder.path()};
   std::multiset<std::string> all;
@@ -73,7 +74,7 @@ TEST(ListSources, ShardsAreDisjointAndTogetherTheWhole) {
 }
 
 TEST(ListSources, TakesEightNumberedPicturesOfOneSizeForAClip) {
-  const TemporaryFolder folder;
+  const ScratchFolder folder;
   fs::create_directories(folder / "fire/burst");
   const cv::Mat picture(20, 30, CV_8UC3, cv::Scalar(1, 2, 3));
   for (int i = 1; i < kMinSequence; ++i)
@@ -92,22 +93,17 @@ TEST(ListSources, TakesEightNumberedPicturesOfOneSizeForAClip) {
 }
 
 TEST(ListSources, SaysWhatIsMissing) {
-  const TemporaryFolder folder;
+  const ScratchFolder folder;
   const fs::path missing[] = {folder / "nothing"};
   const fs::path empty[] = {folder.path()};
-  try {
-    list_sources(missing);
-    FAIL();
-  } catch (const Error& error) {
-    EXPECT_EQ(error.kind(), ErrorKind::kInput);
-    EXPECT_NE(std::string(error.what()).find("nothing"), std::string::npos);
-  }
+  const std::string fault = fault_of(ErrorKind::kInput, [&] { list_sources(missing); });
+  EXPECT_NE(fault.find("nothing"), std::string::npos);
   EXPECT_THROW(list_sources(empty), Error);
   EXPECT_THROW(list_sources({}), Error);
 }
 
 TEST(SourceHash, IsOfBytesAndNotOfNames) {
-  const TemporaryFolder folder;
+  const ScratchFolder folder;
   const std::string one = source_hash(folder.file("one.mp4", "same"));
   EXPECT_EQ(one.size(), 32u);
   EXPECT_EQ(one, source_hash(folder.file("two.mp4", "same")));
@@ -118,7 +114,7 @@ TEST(SourceHash, IsOfBytesAndNotOfNames) {
 }
 
 TEST(SourceHash, OfASequenceIsOfItsPicturesNamesAndBytes) {
-  const TemporaryFolder folder;
+  const ScratchFolder folder;
   folder.file("a/f1.png", "x"), folder.file("a/f2.png", "y");
   folder.file("b/f1.png", "x"), folder.file("b/f2.png", "y"), folder.file("b/notes.txt", "z");
   folder.file("c/f1.png", "xy"), folder.file("c/f2.png", "");

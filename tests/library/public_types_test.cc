@@ -15,6 +15,7 @@
 #include "freshet/sample.h"
 #include "freshet/simulate.h"
 #include "freshet/transfer.h"
+#include "tests/harness/fault.h"
 
 namespace freshet {
 namespace {
@@ -25,16 +26,6 @@ static_assert(never_null<Store> && never_null<Search> && never_null<Labelling>);
 static_assert(never_null<Footage> && never_null<Sampler>);
 static_assert(never_null<VideoWriter> && never_null<Simulation>);
 static_assert(!std::is_move_constructible_v<VideoWriter> && !std::is_move_constructible_v<Simulation>);
-
-ErrorKind kind_of(const auto& work) {
-  try {
-    work();
-  } catch (const Error& fault) {
-    return fault.kind();
-  }
-  ADD_FAILURE() << "nothing was thrown";
-  return ErrorKind::kUsage;
-}
 
 TEST(PublicTypes, WhatIsMissingIsNamedByAnError) {
   EXPECT_EQ(kind_of([] { Store("/no/such.store"); }), ErrorKind::kInput);

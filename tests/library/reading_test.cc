@@ -17,7 +17,7 @@
 #include "freshet/sample.h"
 #include "freshet/search.h"
 #include "query/index/index_builder.h"
-#include "tests/query/made_store.h"
+#include "tests/stored/made_store.h"
 
 namespace freshet {
 namespace {
@@ -28,8 +28,7 @@ struct Opened {
 
   Opened() : store(made(folder.path() / "made.store")) {}
   static std::filesystem::path made(const std::filesystem::path& path) {
-    store::Store store =
-        query::made_store(path, {{.name = "a"}, {.name = "b", .texture = 2, .frame_s = 0.05}});
+    store::Store store = made_store(path, {{.name = "a"}, {.name = "b", .texture = 2, .frame_s = 0.05}});
     query::build_index(store, {});
     return path;
   }
@@ -62,7 +61,7 @@ TEST(Footage, GivesWhatTheStoreKeeps) {
   EXPECT_EQ(kind_of([&] { footage.bgr(1, 0xffffffff); }), ErrorKind::kUsage);
   EXPECT_EQ(kind_of([&] { Footage(opened.store, "c"); }), ErrorKind::kNotFound);
   for (const std::string& name : footage.columns()) EXPECT_FALSE(footage.column(name).empty()) << name;
-  EXPECT_EQ(variants(opened.store).size(), query::made_settings().variants().size());
+  EXPECT_EQ(variants(opened.store).size(), made_settings().variants().size());
 }
 
 TEST(Nearest, TheExactIndexAndTheScanAgree) {

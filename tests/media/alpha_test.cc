@@ -13,6 +13,7 @@
 #include "media/frame/bgra.h"
 #include "media/video/video_reader.h"
 #include "media/video/video_writer.h"
+#include "tests/harness/scratch_folder.h"
 #include "tests/media/generated_clip.h"
 
 namespace freshet::media {
@@ -49,7 +50,7 @@ void write_soft(const fs::path& path, int depth) {
 }
 
 // The file's frames as the ffmpeg program decodes them.
-std::vector<cv::Mat> by_ffmpeg(const Scratch& scratch, const fs::path& path, int depth) {
+std::vector<cv::Mat> by_ffmpeg(const ScratchFolder& scratch, const fs::path& path, int depth) {
   // Not bgra64le: to that swscale has no exact way from PNG's own order.
   const std::string format = depth == CV_8U ? "rgba" : "rgba64le";
   make_clip(
@@ -81,7 +82,7 @@ TEST(Alpha, MatroskaAndPngAreExactForFfmpeg) {
   if (!have_ffmpeg()) GTEST_SKIP() << "the ffmpeg program is missing: nothing to compare with";
   for (const int depth : {CV_8U, CV_16U})
     for (const char* name : {"a.mkv", "f%03d.png", "g####.png"}) {
-      const Scratch scratch;
+      const ScratchFolder scratch;
       write_soft(scratch / name, depth);
       const fs::path read = name[0] == 'g' ? scratch / "g%04d.png" : scratch / name;
       const std::vector<cv::Mat> frames = by_ffmpeg(scratch, read, depth);
@@ -94,7 +95,7 @@ TEST(Alpha, MatroskaAndPngAreExactForFfmpeg) {
 TEST(Alpha, ProResKeepsAlphaAndColourWithinItsLoss) {
   if (!have_ffmpeg()) GTEST_SKIP() << "the ffmpeg program is missing: nothing to compare with";
   for (const int depth : {CV_8U, CV_16U}) {
-    const Scratch scratch;
+    const ScratchFolder scratch;
     write_soft(scratch / "a.mov", depth);
     const VideoInfo info = VideoReader(scratch / "a.mov").info();
     EXPECT_EQ(info.codec, "prores");
@@ -112,7 +113,7 @@ TEST(Alpha, ProResKeepsAlphaAndColourWithinItsLoss) {
 }
 
 TEST(Alpha, IsReadAsItWasWritten) {
-  const Scratch scratch;
+  const ScratchFolder scratch;
   for (const char* name : {"a.mkv", "a.apng", "f%03d.png", "a.mov"}) {
     write_soft(scratch / name, CV_8U);
     VideoReader reader(scratch / name);
@@ -140,7 +141,7 @@ TEST(Alpha, IsFullWhereALayoutHasNone) {
 }
 
 TEST(Alpha, SixteenBitsAreRefusedWhereTheyWouldBeLost) {
-  const Scratch scratch;
+  const ScratchFolder scratch;
   for (const char* name : {"a.mp4", "a.webp", "a.apng"}) {
     VideoWriter writer(scratch / name, {kWidth, kHeight});
     const std::string fault =

@@ -19,6 +19,7 @@ extern "C" {
 #include "media/frame/frame_md5.h"
 #include "media/picture/picture.h"
 #include "media/video/video_reader.h"
+#include "tests/harness/scratch_folder.h"
 #include "tests/media/generated_clip.h"
 
 namespace freshet::media {
@@ -73,7 +74,7 @@ class Damaged : public testing::TestWithParam<Victim> {};
 
 TEST_P(Damaged, MutantsGiveFramesOrAnErrorAndNeverACrash) {
   if (!have_ffmpeg()) GTEST_SKIP() << "the ffmpeg program is missing: no clip to damage";
-  const Scratch scratch;
+  const ScratchFolder scratch;
   const fs::path whole = scratch / GetParam().file;
   make_clip(kSource + GetParam().options, whole);
   const std::vector<char> bytes = bytes_of(whole);
@@ -102,7 +103,7 @@ INSTANTIATE_TEST_SUITE_P(
 
 TEST(Damaged, ATruncatedFileGivesItsFirstFramesAndSaysHowMany) {
   if (!have_ffmpeg()) GTEST_SKIP() << "the ffmpeg program is missing: no clip to cut";
-  const Scratch scratch;
+  const ScratchFolder scratch;
   make_clip(std::string(kSource) + "-c:v libx264 -g 5 -pix_fmt yuv420p -movflags faststart",
             scratch / "a.mp4");
   const std::vector<std::string> truth = our_hashes(scratch / "a.mp4");
@@ -125,7 +126,7 @@ TEST(Damaged, ATruncatedFileGivesItsFirstFramesAndSaysHowMany) {
 
 TEST(Damaged, DamageDecodesAlikeForAnyNumberOfThreads) {
   if (!have_ffmpeg()) GTEST_SKIP() << "the ffmpeg program is missing: no clip to damage";
-  const Scratch scratch;
+  const ScratchFolder scratch;
   make_clip(std::string(kSource) + "-c:v libx264 -bf 2 -g 8 -pix_fmt yuv420p", scratch / "a.mp4");
   const std::vector<char> bytes = bytes_of(scratch / "a.mp4");
   std::mt19937 random(3);
@@ -145,7 +146,7 @@ TEST(Damaged, DamageDecodesAlikeForAnyNumberOfThreads) {
 
 TEST(Damaged, WhatThereIsNoMemoryForIsNoDamage) {
   if (!have_ffmpeg()) GTEST_SKIP() << "the ffmpeg program is missing: no clip to decode";
-  const Scratch scratch;
+  const ScratchFolder scratch;
   // Longer than what is read ahead to know its rate.
   make_clip("-f lavfi -i testsrc=s=48x32:r=10:d=20,noise=alls=20:allf=t -c:v mpeg4", scratch / "a.mp4");
   const auto without_memory = [](const std::function<void()>& action) {
@@ -171,7 +172,7 @@ TEST(Damaged, APacketThatThereIsNoMemoryForIsNotPassedOver) {
   GTEST_SKIP() << "a sanitizer ends the program where there is no memory";
 #endif
   if (!have_ffmpeg()) GTEST_SKIP() << "the ffmpeg program is missing: no clip to decode";
-  const Scratch scratch;
+  const ScratchFolder scratch;
   for (const char* name : {"a.mkv", "a.avi"}) {
     make_clip("-f lavfi -i testsrc=s=2560x1440:r=10:d=0.5 -c:v rawvideo -pix_fmt yuv420p", scratch / name);
     rlimit given{};
@@ -188,7 +189,7 @@ TEST(Damaged, APacketThatThereIsNoMemoryForIsNotPassedOver) {
 
 TEST(Damaged, PicturesGiveAPictureOrAnError) {
   if (!have_ffmpeg()) GTEST_SKIP() << "the ffmpeg program is missing: no picture to damage";
-  const Scratch scratch;
+  const ScratchFolder scratch;
   std::mt19937 random(11);
   for (const char* name : {"a.png", "a.jpg", "a.tif", "a.bmp", "a.webp"}) {
     make_clip("-f lavfi -i testsrc=s=48x32 -frames:v 1", scratch / name);

@@ -12,21 +12,11 @@
 
 #include "media/frame/frame_md5.h"
 #include "media/video/video_reader.h"
+#include "tests/harness/scratch_folder.h"
 
 namespace freshet::media {
 
 namespace fs = std::filesystem;
-
-Scratch::Scratch() {
-  std::string name = (fs::temp_directory_path() / "freshet-media-XXXXXX").string();
-  if (!::mkdtemp(name.data())) throw std::runtime_error("no scratch folder");
-  folder_ = name;
-}
-
-Scratch::~Scratch() {
-  std::error_code ignored;
-  fs::remove_all(folder_, ignored);
-}
 
 bool have_ffmpeg() {
   static const bool have = std::system("ffmpeg -version > /dev/null 2>&1") == 0;
@@ -66,17 +56,6 @@ std::vector<char> bytes_of(const fs::path& file) {
 
 void put_bytes(const fs::path& file, const std::vector<char>& bytes) {
   std::ofstream(file, std::ios::binary).write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-}
-
-std::string fault_of(ErrorKind kind, const std::function<void()>& action) {
-  try {
-    action();
-  } catch (const Error& error) {
-    EXPECT_EQ(error.kind(), kind) << error.what();
-    return error.what();
-  }
-  ADD_FAILURE() << "nothing was thrown";
-  return {};
 }
 
 }  // namespace freshet::media

@@ -2,25 +2,13 @@
 #pragma once
 
 #include <filesystem>
-#include <functional>
 #include <string>
 #include <vector>
 
-#include "freshet/error.h"
+#include "tests/harness/fault.h"
+#include "tests/harness/scratch_folder.h"
 
 namespace freshet::media {
-
-/// A folder of this test alone, removed at the end.
-class Scratch {
- public:
-  Scratch();
-  ~Scratch();
-  std::filesystem::path operator/(const std::string& name) const { return folder_ / name; }
-  const std::filesystem::path& folder() const { return folder_; }
-
- private:
-  std::filesystem::path folder_;
-};
 
 /// False, loudly, where the ffmpeg program is missing.
 bool have_ffmpeg();
@@ -34,8 +22,5 @@ std::vector<std::string> our_hashes(const std::filesystem::path& file, int threa
 
 std::vector<char> bytes_of(const std::filesystem::path& file);
 void put_bytes(const std::filesystem::path& file, const std::vector<char>& bytes);
-
-/// What an action throws, as text; fails the test when it throws nothing or another kind.
-std::string fault_of(ErrorKind kind, const std::function<void()>& action);
 
 }  // namespace freshet::media

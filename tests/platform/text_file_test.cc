@@ -4,6 +4,8 @@
 
 #include <fstream>
 
+#include "tests/harness/scratch_folder.h"
+
 namespace freshet {
 namespace {
 
@@ -21,18 +23,14 @@ TEST(TextFile, NestingIsThatOfTheTextAndNotOfItsStrings) {
 }
 
 TEST(TextFile, OnlyRegularFilesWithinTheLimitAreRead) {
-  std::string folder = (std::filesystem::temp_directory_path() / "freshet_text_XXXXXX").string();
-  ASSERT_NE(mkdtemp(folder.data()), nullptr);
-  const std::filesystem::path file = std::filesystem::path(folder) / "a",
-                              pipe = std::filesystem::path(folder) / "b";
-  std::ofstream(file) << "twelve bytes";
+  const ScratchFolder folder;
+  const std::filesystem::path file = folder.file("a", "twelve bytes"), pipe = folder / "b";
   ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
   EXPECT_EQ(read_text_file(file, 12, ""), "twelve bytes");
   EXPECT_THROW(read_text_file(file, 11, ""), Error);
   EXPECT_THROW(read_text_file(pipe, 100, ""), Error);
-  EXPECT_THROW(read_text_file(folder, 100, ""), Error);
+  EXPECT_THROW(read_text_file(folder.path(), 100, ""), Error);
   EXPECT_THROW(read_text_file("/dev/zero", 100, ""), Error);
-  std::filesystem::remove_all(folder);
 }
 
 }  // namespace

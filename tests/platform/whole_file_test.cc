@@ -5,6 +5,9 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/harness/fault.h"
+#include "tests/harness/scratch_folder.h"
+
 namespace freshet {
 namespace {
 
@@ -12,14 +15,10 @@ namespace fs = std::filesystem;
 
 class WholeFile : public testing::Test {
  protected:
-  WholeFile() { fs::create_directories(folder_); }
-  ~WholeFile() override { fs::remove_all(folder_); }
   fs::path at(const std::string& name) const { return folder_ / name; }
 
  private:
-  fs::path folder_ =
-      fs::temp_directory_path() /
-      ("freshet_whole_file_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
+  ScratchFolder folder_;
 };
 
 TEST_F(WholeFile, IsWhatWasWritten) {
@@ -43,13 +42,8 @@ TEST_F(WholeFile, AnotherByteAnotherLengthAndWhatCannotBeReadAreNotTheSame) {
 }
 
 TEST_F(WholeFile, AFolderThatIsNotThereIsNamed) {
-  try {
-    write_whole_file(at("none") / "a", "one");
-    FAIL();
-  } catch (const Error& error) {
-    EXPECT_EQ(error.kind(), ErrorKind::kIo);
-    EXPECT_NE(std::string(error.what()).find("none"), std::string::npos);
-  }
+  const std::string fault = fault_of(ErrorKind::kIo, [&] { write_whole_file(at("none") / "a", "one"); });
+  EXPECT_NE(fault.find("none"), std::string::npos);
 }
 
 }  // namespace

@@ -1,8 +1,6 @@
 // tests/store/clip_samples.h — clips made from a seed, and a store in a folder of its own.
 #pragma once
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -10,28 +8,12 @@
 
 #include "freshet/error.h"
 #include "store/store.h"
+#include "tests/harness/fault.h"
+#include "tests/harness/scratch_folder.h"
 
 namespace freshet::store {
 
 using Samples = std::vector<std::byte>;
-
-/// A folder that goes when the test ends.
-class TestFolder {
- public:
-  TestFolder() {
-    std::string name = (std::filesystem::temp_directory_path() / "freshet_store_XXXXXX").string();
-    path_ = mkdtemp(name.data());
-  }
-  ~TestFolder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
-  const std::filesystem::path& path() const { return path_; }
-
- private:
-  std::filesystem::path path_;
-};
 
 /// One plane of a clip over time: drifting waves, noise, and a part that stands still.
 inline Samples moving_plane(const PlaneShape& shape, std::uint32_t frames, std::uint64_t seed) {
@@ -139,17 +121,6 @@ inline bool reads_back(const Snapshot& snapshot, ClipId id, const TestClip& clip
     if (read_plane(snapshot, id, Stream::kFlow, p) != clip.flow(p)) return false;
   }
   return snapshot.column<float>(id, "patch.mean_u") == clip.column();
-}
-
-/// The kind of the error that `act` throws; nothing when it throws none.
-template <class Act>
-std::optional<ErrorKind> error_of(const Act& act) {
-  try {
-    act();
-  } catch (const Error& error) {
-    return error.kind();
-  }
-  return std::nullopt;
 }
 
 }  // namespace freshet::store

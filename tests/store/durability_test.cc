@@ -36,7 +36,7 @@ int in_child(const Act& act) {
 TestClip numbered(std::uint64_t i) { return {.name = "clip " + std::to_string(i), .seed = i}; }
 
 TEST(Durability, AKilledWriterLeavesTheClipsWhoseCommitReturned) {
-  const TestFolder folder;
+  const ScratchFolder folder;
   for (unsigned delay_ms : {5, 15, 30, 60, 90}) {
     const auto file = folder / ("a" + std::to_string(delay_ms));
     Store::create(file, "");
@@ -72,7 +72,7 @@ TEST(Durability, AKilledWriterLeavesTheClipsWhoseCommitReturned) {
 }
 
 TEST(Durability, AFullDiskLeavesTheStoreAsItWas) {
-  const TestFolder folder;
+  const ScratchFolder folder;
   {
     Store store = Store::create(folder / "a", "");
     add_clip(store, numbered(0));
@@ -122,7 +122,7 @@ ClipWriter write_large_clip(Store& store, const std::vector<std::uint64_t>& nois
 }
 
 TEST(Durability, ALargeClipIsWrittenBeforeItsCommitAndNotKeptInMemory) {
-  const TestFolder folder;
+  const ScratchFolder folder;
   Store store = Store::create(folder / "a", "");
   add_clip(store, numbered(0));
   const std::string digest = store.snapshot().digest();
@@ -147,7 +147,7 @@ TEST(Durability, ALargeClipIsWrittenBeforeItsCommitAndNotKeptInMemory) {
 }
 
 TEST(Durability, ADiskThatIsFullBeforeALargeClipsCommitLeavesTheStoreAsItWas) {
-  const TestFolder folder;
+  const ScratchFolder folder;
   {
     Store store = Store::create(folder / "a", "");
     add_clip(store, numbered(0));
@@ -175,7 +175,7 @@ TEST(Durability, ADiskThatIsFullBeforeALargeClipsCommitLeavesTheStoreAsItWas) {
 }
 
 TEST(Durability, AFileThatCannotBeWrittenInAFolderThatCannotCanBeRead) {
-  const TestFolder folder;
+  const ScratchFolder folder;
   const auto sealed = folder / "sealed", file = sealed / "a";
   std::filesystem::create_directory(sealed);
   {
@@ -188,7 +188,7 @@ TEST(Durability, AFileThatCannotBeWrittenInAFolderThatCannotCanBeRead) {
   chmod(folder.path().c_str(), 0755);
   const int code = in_child([&] {
     if (geteuid() == 0 && (setgid(65534) != 0 || setuid(65534) != 0)) return 7;
-    const bool refused = error_of([&] { Store::open_write(file); }) == ErrorKind::kIo;
+    const bool refused = kind_of([&] { Store::open_write(file); }) == ErrorKind::kIo;
     const Store store = Store::open_read(file);
     return refused && reads_back(store.snapshot(), ClipId{0}, numbered(0)) ? 0 : 1;
   });
@@ -198,7 +198,7 @@ TEST(Durability, AFileThatCannotBeWrittenInAFolderThatCannotCanBeRead) {
 }
 
 TEST(Durability, AStoreIsNeverStandardErrorWhereThatIsClosed) {
-  const TestFolder folder;
+  const ScratchFolder folder;
   const int code = in_child([&] {
     close(STDERR_FILENO);
     Store store = Store::create(folder / "a", "");
@@ -215,11 +215,11 @@ TEST(Durability, AStoreIsNeverStandardErrorWhereThatIsClosed) {
 }
 
 TEST(Durability, OneWriterAtATimeAndReadersInOtherProcesses) {
-  const TestFolder folder;
+  const ScratchFolder folder;
   const auto file = folder / "a";
   Store store = Store::create(file, "");
   add_clip(store, numbered(0));
-  EXPECT_EQ(error_of([&] { Store::open_write(file); }), ErrorKind::kIo);
+  EXPECT_EQ(kind_of([&] { Store::open_write(file); }), ErrorKind::kIo);
   EXPECT_EQ(Store::open_read(file).snapshot().clips().size(), 1u);
   EXPECT_EQ(in_child([&] {
               // A child of fork must not use its parent's store; it opens its own through another name.
@@ -232,7 +232,7 @@ TEST(Durability, OneWriterAtATimeAndReadersInOtherProcesses) {
       self + " --gtest_also_run_disabled_tests --gtest_filter=Child.DISABLED_Reads > /dev/null";
   setenv("FRESHET_TEST_STORE", file.c_str(), 1);
   EXPECT_EQ(std::system(reader.c_str()), 0);
-  EXPECT_EQ(error_of([&] {
+  EXPECT_EQ(kind_of([&] {
               ClipWriter first = store.add_clip();
               ClipWriter second = store.add_clip();
             }),
@@ -244,7 +244,7 @@ TEST(Child, DISABLED_Reads) {
   const char* file = std::getenv("FRESHET_TEST_STORE");
   ASSERT_NE(file, nullptr);
   EXPECT_EQ(Store::open_read(file).snapshot().clips().size(), 1u);
-  EXPECT_EQ(error_of([&] { Store::open_write(file); }), ErrorKind::kIo);
+  EXPECT_EQ(kind_of([&] { Store::open_write(file); }), ErrorKind::kIo);
 }
 
 /// Equal for equal records: the store's id is given, and hashes depend on nothing else.
@@ -265,7 +265,7 @@ std::uint64_t hash_of_records(const std::filesystem::path& file) {
 }
 
 TEST(Durability, TheFileIsTheSameForAnyNumberOfThreads) {
-  const TestFolder folder;
+  const ScratchFolder folder;
   std::vector<std::uint64_t> hashes;
   for (const std::size_t threads : {1, 2, 8}) {
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
@@ -282,7 +282,7 @@ TEST(Durability, TheFileIsTheSameForAnyNumberOfThreads) {
 }
 
 TEST(Durability, TheDigestDoesNotDependOnTheOrderOfClips) {
-  const TestFolder folder;
+  const ScratchFolder folder;
   std::string digests[2];
   for (int i = 0; i < 2; ++i) {
     Store store = Store::create(folder / std::to_string(i), "{}");
@@ -304,7 +304,7 @@ TEST(Durability, TheDigestDoesNotDependOnTheOrderOfClips) {
 // The bytes of the format. A change here is a change of the format: raise kFormatVersion. zstd's own bytes
 // may change with its version; these are of 1.5.4.
 TEST(Format, BytesArePinned) {
-  const TestFolder folder;
+  const ScratchFolder folder;
   std::string digest;
   {
     Store store = Store::create(folder / "a", "{\"patch\":48}", kStoreId);

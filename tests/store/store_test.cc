@@ -17,7 +17,7 @@ namespace freshet::store {
 namespace {
 
 TEST(Store, GivesBackClipsOfAnyShape) {
-  const TestFolder folder;
+  const ScratchFolder folder;
   Store store = Store::create(folder / "a.freshet", "{\"patch\": 48}");
   std::vector<TestClip> clips;
   std::mt19937_64 random(7);
@@ -50,7 +50,7 @@ TEST(Store, GivesBackClipsOfAnyShape) {
 }
 
 TEST(Store, KeepsClipsWhenClosedAndOpenedAgain) {
-  const TestFolder folder;
+  const ScratchFolder folder;
   const TestClip clip;
   {
     Store store = Store::create(folder / "a", "s");
@@ -64,7 +64,7 @@ TEST(Store, KeepsClipsWhenClosedAndOpenedAgain) {
 
 // What is checked before a file is mapped must hold for whatever LMDB makes of a life of changes.
 TEST(Store, IsFoundWholeAfterAnyChanges) {
-  const TestFolder folder;
+  const ScratchFolder folder;
   std::mt19937_64 random(41);
   std::optional<Store> store = Store::create(folder / "a", "");
   std::uint64_t clips = 0;
@@ -106,7 +106,7 @@ TEST(Store, IsFoundWholeAfterAnyChanges) {
 }
 
 TEST(Store, KeepsBlobsOfAnySizeAndReplacesThem) {
-  const TestFolder folder;
+  const ScratchFolder folder;
   Store store = Store::create(folder / "a", "");
   std::mt19937_64 random(3);
   for (const std::size_t size : {0, 1, 1000, 1 << 20, (3 << 20) + 17}) {
@@ -124,7 +124,7 @@ TEST(Store, KeepsBlobsOfAnySizeAndReplacesThem) {
 }
 
 TEST(Store, ReplacesAColumnOfACommittedClip) {
-  const TestFolder folder;
+  const ScratchFolder folder;
   Store store = Store::create(folder / "a", "");
   const ClipId id = add_clip(store, {.rows = 700000});
   std::vector<std::uint16_t> words(700000, 5);
@@ -132,10 +132,10 @@ TEST(Store, ReplacesAColumnOfACommittedClip) {
   store.write({}, {&column, 1});
   EXPECT_EQ(store.snapshot().column<std::uint16_t>(id, "patch.words"), words);
   const Store::Column shorter{id, "patch.words", std::as_bytes(std::span(words).first(10)), 2};
-  EXPECT_EQ(error_of([&] { store.write({}, {&shorter, 1}); }), ErrorKind::kUsage);
+  EXPECT_EQ(kind_of([&] { store.write({}, {&shorter, 1}); }), ErrorKind::kUsage);
   EXPECT_FALSE(store.snapshot().has_column(id, "patch.wor"));
-  EXPECT_EQ(error_of([&] { store.snapshot().column<float>(id, "patch.words"); }), ErrorKind::kUsage);
-  EXPECT_EQ(error_of([&] { store.snapshot().column<float>(id, "none"); }), ErrorKind::kNotFound);
+  EXPECT_EQ(kind_of([&] { store.snapshot().column<float>(id, "patch.words"); }), ErrorKind::kUsage);
+  EXPECT_EQ(kind_of([&] { store.snapshot().column<float>(id, "none"); }), ErrorKind::kNotFound);
 }
 
 /// Pages of a file that lie in the system's cache.
@@ -152,7 +152,7 @@ std::size_t cached_pages(const std::filesystem::path& file) {
 }
 
 TEST(Store, PrefetchesAColumnAndNothingBesideIt) {
-  const TestFolder folder;
+  const ScratchFolder folder;
   constexpr std::size_t kRows = 1 << 20;
   {
     Store store = Store::create(folder / "a", "");
@@ -188,18 +188,18 @@ TEST(Store, PrefetchesAColumnAndNothingBesideIt) {
 }
 
 TEST(Store, RefusesAClipItHas) {
-  const TestFolder folder;
+  const ScratchFolder folder;
   Store store = Store::create(folder / "a", "");
   add_clip(store, {});
-  EXPECT_EQ(error_of([&] { add_clip(store, {}); }), ErrorKind::kInput);
+  EXPECT_EQ(kind_of([&] { add_clip(store, {}); }), ErrorKind::kInput);
   EXPECT_EQ(store.snapshot().clips().size(), 1u);
 }
 
 TEST(Store, KnowsItsClipsWhateverWasWrittenBetween) {
-  const TestFolder folder;
+  const ScratchFolder folder;
   std::optional<Store> store = Store::create(folder / "a", "");
   const auto refuses = [&](const std::string& name) {
-    return error_of([&] { add_clip(*store, {.name = name, .frames = 2}); }) == ErrorKind::kInput;
+    return kind_of([&] { add_clip(*store, {.name = name, .frames = 2}); }) == ErrorKind::kInput;
   };
   add_clip(*store, {.name = "a", .frames = 2});
   { const ClipWriter dropped = write_clip(*store, {.name = "b", .frames = 2}); }
@@ -217,15 +217,15 @@ TEST(Store, KnowsItsClipsWhateverWasWrittenBetween) {
   // The same source under another name, and another source under a known name.
   ClipRecord record = TestClip{.name = "d"}.record();
   record.source_hash = TestClip{.name = "b"}.record().source_hash;
-  EXPECT_EQ(error_of([&] { write_clip(*store, {.name = "d"}).commit(record); }), ErrorKind::kInput);
+  EXPECT_EQ(kind_of([&] { write_clip(*store, {.name = "d"}).commit(record); }), ErrorKind::kInput);
   record = TestClip{.name = "c"}.record();
   record.source_hash = "another";
-  EXPECT_EQ(error_of([&] { write_clip(*store, {.name = "c"}).commit(record); }), ErrorKind::kInput);
+  EXPECT_EQ(kind_of([&] { write_clip(*store, {.name = "c"}).commit(record); }), ErrorKind::kInput);
   EXPECT_EQ(store->snapshot().clips().size(), 3u);
 }
 
 TEST(Store, AClipWithoutCommitLeavesNoTrace) {
-  const TestFolder folder;
+  const ScratchFolder folder;
   Store store = Store::create(folder / "a", "");
   add_clip(store, {});
   const std::string digest = store.snapshot().digest();
@@ -236,7 +236,7 @@ TEST(Store, AClipWithoutCommitLeavesNoTrace) {
 }
 
 TEST(Store, ReadersGoOnWhileAWriterCommits) {
-  const TestFolder folder;
+  const ScratchFolder folder;
   Store store = Store::create(folder / "a", "");
   const TestClip first;
   add_clip(store, first);
@@ -257,7 +257,7 @@ TEST(Store, ReadersGoOnWhileAWriterCommits) {
 }
 
 TEST(Store, ReadsOfRegionsAgreeWithReadsOfWholePlanes) {
-  const TestFolder folder;
+  const ScratchFolder folder;
   Store store = Store::create(folder / "a", "");
   const TestClip clip{.planes = {{200, 150, 1}, {100, 75, 1}}, .frames = 37};
   const ClipId id = add_clip(store, clip);
@@ -299,7 +299,7 @@ Samples whole_number_plane(const PlaneShape& shape, std::uint32_t frames, std::u
 
 // The digest names a store's content wherever it was made: a clip of whole numbers has this one on every machine.
 TEST(Store, DigestIsTheOneThatItWasOnOtherMachines) {
-  const TestFolder folder;
+  const ScratchFolder folder;
   Store store = Store::create(folder / "a.store", R"({"settings": 1})");
   const TestClip clip;
   ClipWriter writer = store.add_clip();

@@ -11,6 +11,7 @@
 #include <random>
 
 #include "store/format/lmdb_layout.h"
+#include "tests/harness/fault.h"
 #include "tests/store/raw_file.h"
 
 namespace freshet::store {
@@ -90,7 +91,7 @@ constexpr std::size_t kMiB = 1 << 20;
 
 // The writer maps a terabyte; a reader that was to do the same was left without any map, and died.
 TEST(Upheaval, AReaderInLittleAddressSpaceFollowsAStoreThatGrows) {
-  const TestFolder folder;
+  const ScratchFolder folder;
   const auto file = folder / "a";
   {
     Store store = Store::create(file, "");
@@ -114,7 +115,7 @@ TEST(Upheaval, AReaderInLittleAddressSpaceFollowsAStoreThatGrows) {
 }
 
 TEST(Upheaval, AReaderThatCannotFollowSaysSo) {
-  const TestFolder folder;
+  const ScratchFolder folder;
   const auto file = folder / "a";
   {
     Store store = Store::create(file, "");
@@ -125,7 +126,7 @@ TEST(Upheaval, AReaderThatCannotFollowSaysSo) {
     const Store store = Store::open_read(file);
     self.say_and_wait();
     for (int i = 0; i < 2; ++i)
-      if (error_of([&] { store.snapshot(); }) != ErrorKind::kIo) return 1;
+      if (kind_of([&] { store.snapshot(); }) != ErrorKind::kIo) return 1;
     return 0;
   });
   reader.hear();
@@ -136,7 +137,7 @@ TEST(Upheaval, AReaderThatCannotFollowSaysSo) {
 }
 
 TEST(Upheaval, AWriterInLittleAddressSpaceStopsAndLeavesAWholeStore) {
-  const TestFolder folder;
+  const ScratchFolder folder;
   const auto file = folder / "a";
   {
     Store store = Store::create(file, "");
@@ -147,7 +148,7 @@ TEST(Upheaval, AWriterInLittleAddressSpaceStopsAndLeavesAWholeStore) {
     Store store = Store::open_write(file);
     for (int i = 0; i < 20; ++i) {
       const auto bytes = noise(10 * kMiB, static_cast<std::uint64_t>(i));
-      if (error_of([&] { write_blob(store, "noise" + std::to_string(i), bytes); }) == ErrorKind::kIo)
+      if (kind_of([&] { write_blob(store, "noise" + std::to_string(i), bytes); }) == ErrorKind::kIo)
         return i > 1 ? 0 : 1;
     }
     return 2;
@@ -160,7 +161,7 @@ TEST(Upheaval, AWriterInLittleAddressSpaceStopsAndLeavesAWholeStore) {
 
 // Its pages were kept until the store was opened anew: with each change the file grew by what was changed.
 TEST(Upheaval, AReaderThatDiedHoldsNothingBack) {
-  const TestFolder folder;
+  const ScratchFolder folder;
   const auto file = folder / "a";
   Store store = Store::create(file, "");
   const auto blob = noise(kMiB, 1);
@@ -185,7 +186,7 @@ TEST(Reader, DISABLED_Dies) {
 }
 
 TEST(Upheaval, WhatIsMovedOrRemovedIsReadOnAndWrittenNoMore) {
-  const TestFolder folder;
+  const ScratchFolder folder;
   for (const bool removed : {false, true}) {
     const auto file = folder / (removed ? "removed" : "moved"), other = folder / "other";
     Store store = Store::create(file, "");
@@ -199,9 +200,9 @@ TEST(Upheaval, WhatIsMovedOrRemovedIsReadOnAndWrittenNoMore) {
         std::filesystem::rename(file, other);
       ClipRecord record;
       record.name = "in hand";
-      EXPECT_EQ(error_of([&] { in_hand.commit(record); }), ErrorKind::kIo);
+      EXPECT_EQ(kind_of([&] { in_hand.commit(record); }), ErrorKind::kIo);
     }
-    EXPECT_EQ(error_of([&] { add_clip(store, numbered(1)); }), ErrorKind::kIo);
+    EXPECT_EQ(kind_of([&] { add_clip(store, numbered(1)); }), ErrorKind::kIo);
     EXPECT_TRUE(reads_back(snapshot, ClipId{0}, numbered(0)));
     EXPECT_TRUE(reads_back(store.snapshot(), ClipId{0}, numbered(0)));
     if (removed) continue;
@@ -227,7 +228,7 @@ void make_vast(const std::filesystem::path& file, std::uint64_t bytes) {
 }
 
 TEST(Upheaval, AStoreOf200GigabytesIsReadAndWrittenAsAnyOther) {
-  const TestFolder folder;
+  const ScratchFolder folder;
   const auto file = folder / "a", small = folder / "b";
   std::string expected;
   for (const auto& path : {small, file}) {
@@ -268,7 +269,7 @@ void write_much(const std::filesystem::path& file) {
 
 // LMDB leaves a list of free pages that became shorter while it was written on pages of its own.
 TEST(Upheaval, AStoreWhoseFreePagesWereUsedAgainIsOpened) {
-  const TestFolder folder;
+  const ScratchFolder folder;
   const auto file = folder / "a";
   Store::create(file, "");
   {
@@ -310,18 +311,13 @@ int read_across(const std::filesystem::path& file, const std::filesystem::path& 
 }
 
 void expect_refused(const std::function<void()>& act) {
-  try {
-    act();
-    ADD_FAILURE() << "it was not refused";
-  } catch (const Error& error) {
-    EXPECT_EQ(error.kind(), ErrorKind::kIo);
-    EXPECT_NE(std::string(error.what()).find("another name"), std::string::npos) << error.what();
-  }
+  const std::string fault = fault_of(ErrorKind::kIo, [&] { act(); });
+  EXPECT_NE(fault.find("another name"), std::string::npos) << fault;
 }
 
 // LMDB's table of readers is in a file beside the store, by the store's name.
 TEST(Upheaval, AReaderByASymbolicLinkKeepsItsPages) {
-  const TestFolder folder;
+  const ScratchFolder folder;
   const auto file = folder / "a", link = folder / "link";
   std::filesystem::create_symlink("a", link);
   EXPECT_EQ(read_across(file, link, [&] { write_much(file); }), 0);
@@ -329,7 +325,7 @@ TEST(Upheaval, AReaderByASymbolicLinkKeepsItsPages) {
 }
 
 TEST(Upheaval, AWriterByAHardLinkWaitsForReadersByAnother) {
-  const TestFolder folder;
+  const ScratchFolder folder;
   const auto file = folder / "a", link = folder / "link";
   Store::create(file, "");
   std::filesystem::create_hard_link(file, link);
@@ -353,7 +349,7 @@ TEST(Upheaval, AWriterByAHardLinkWaitsForReadersByAnother) {
 }
 
 TEST(Upheaval, AReaderByAHardLinkWaitsForAWriterByAnother) {
-  const TestFolder folder;
+  const ScratchFolder folder;
   const auto file = folder / "a", link = folder / "link";
   Store::create(file, "");
   std::filesystem::create_hard_link(file, link);
@@ -372,7 +368,7 @@ TEST(Upheaval, AReaderByAHardLinkWaitsForAWriterByAnother) {
 }
 
 TEST(Upheaval, AReaderWhoseLockFileWasRemovedKeepsItsPages) {
-  const TestFolder folder;
+  const ScratchFolder folder;
   const auto file = folder / "a";
   EXPECT_EQ(read_across(file, file,
                         [&] {

@@ -6,8 +6,9 @@
 
 #include "freshet/error.h"
 #include "stored/store_settings.h"
-#include "tests/query/made_store.h"
+#include "tests/harness/fault.h"
 #include "tests/stored/altered_record.h"
+#include "tests/stored/made_store.h"
 
 namespace freshet::stored {
 namespace {
@@ -15,7 +16,7 @@ namespace {
 /// A store of one clip, whose metadata are put in its place.
 class Metadata : public testing::Test {
  protected:
-  Metadata() { query::made_store(file_, {{.name = "fall.mp4"}}); }
+  Metadata() { made_store(file_, {{.name = "fall.mp4"}}); }
 
   ClipMetadata read(const std::string& text) {
     alter_first_clip(file_, [&](store::StoredClip& clip) { clip.record.metadata = text; });
@@ -99,13 +100,8 @@ TEST_F(Metadata, OfOtherTypesOrOutOfRangeAreRefused) {
 TEST(StoreSettings, ThatAreNoneAreNamedByStore) {
   const ScratchFolder folder;
   store::Store store = store::Store::create(folder.path() / "a.store", "no settings");
-  try {
-    settings_of(store.snapshot());
-    FAIL();
-  } catch (const Error& error) {
-    EXPECT_EQ(error.kind(), ErrorKind::kDamaged);
-    EXPECT_TRUE(std::string(error.what()).starts_with((folder.path() / "a.store").string())) << error.what();
-  }
+  const std::string fault = fault_of(ErrorKind::kDamaged, [&] { settings_of(store.snapshot()); });
+  EXPECT_TRUE(fault.starts_with((folder.path() / "a.store").string())) << fault;
 }
 
 }  // namespace

@@ -15,8 +15,8 @@
 #include "stored/average_image.h"
 #include "stored/clip_schema.h"
 #include "stored/stored_codebook.h"
+#include "tests/harness/scratch_folder.h"
 #include "tests/ingest/synthetic_clip.h"
-#include "tests/ingest/temporary_folder.h"
 
 namespace freshet::bench {
 namespace {
@@ -32,7 +32,7 @@ const vision::Settings kSettings = [] {
 class ScaledStore : public testing::Test {
  protected:
   static void SetUpTestSuite() {
-    folder_ = new ingest::TemporaryFolder;
+    folder_ = new ScratchFolder;
     std::filesystem::create_directories(*folder_ / "water");
     ingest::write_clip(
         *folder_ / "water/wide.mkv",
@@ -56,10 +56,10 @@ class ScaledStore : public testing::Test {
     return store::Store::open_read(out(name));
   }
 
-  static ingest::TemporaryFolder* folder_;
+  static ScratchFolder* folder_;
   static store::Store* source_;
 };
-ingest::TemporaryFolder* ScaledStore::folder_ = nullptr;
+ScratchFolder* ScaledStore::folder_ = nullptr;
 store::Store* ScaledStore::source_ = nullptr;
 
 constexpr Jitter kNone{.rotation_deg = 0,

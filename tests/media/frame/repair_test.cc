@@ -10,6 +10,7 @@
 
 #include "media/frame/frame_md5.h"
 #include "media/video/video_reader.h"
+#include "tests/harness/scratch_folder.h"
 #include "tests/media/generated_clip.h"
 
 namespace freshet::media {
@@ -29,7 +30,7 @@ constexpr const char* kCoarse =
 
 TEST(Repair, GivesTheFramesOfTheSameFiltersInFfmpeg) {
   if (!have_ffmpeg()) GTEST_SKIP() << "the ffmpeg program is missing: nothing to compare with";
-  const Scratch scratch;
+  const ScratchFolder scratch;
   make_clip(kCoarse, scratch / "coarse.avi");
   make_clip("-f lavfi -i testsrc2=s=160x96:r=50:d=0.6 -vf interlace -c:v ffv1 -pix_fmt yuv420p",
             scratch / "fields.mkv");
@@ -62,7 +63,7 @@ double blockiness(const fs::path& file, const Repairs& repairs) {
 
 TEST(Repair, BlocksAreSeenLess) {
   if (!have_ffmpeg()) GTEST_SKIP() << "the ffmpeg program is missing: nothing to make a clip with";
-  const Scratch scratch;
+  const ScratchFolder scratch;
   make_clip(
       "-f lavfi -i nullsrc=s=160x96:r=25:d=0.4,geq=lum='128+60*sin((X+4*N)/17)*cos(Y/13)':cb=128:cr=128 "
       "-c:v mpeg4 -q:v 31 -pix_fmt yuv420p",
@@ -73,7 +74,7 @@ TEST(Repair, BlocksAreSeenLess) {
 
 TEST(Repair, KeepsTimesAndNumbersOfFrames) {
   if (!have_ffmpeg()) GTEST_SKIP() << "the ffmpeg program is missing: nothing to make a clip with";
-  const Scratch scratch;
+  const ScratchFolder scratch;
   make_clip(kCoarse, scratch / "coarse.avi");
   VideoReader plain(scratch / "coarse.avi"), repaired(scratch / "coarse.avi", 0, {true, true});
   for (;;) {
@@ -87,7 +88,7 @@ TEST(Repair, KeepsTimesAndNumbersOfFrames) {
 
 TEST(Repair, WhatCannotBeRepairedIsNamed) {
   if (!have_ffmpeg()) GTEST_SKIP() << "the ffmpeg program is missing: nothing to make a clip with";
-  const Scratch scratch;
+  const ScratchFolder scratch;
   make_clip("-f lavfi -i testsrc=s=64x64:r=25:d=0.2 -c:v rawvideo -pix_fmt bgr24", scratch / "a.avi");
   const std::string fault = fault_of(
       ErrorKind::kInput, [&] { VideoReader(scratch / "a.avi", 0, {.deinterlace = true, .deblock = true}); });

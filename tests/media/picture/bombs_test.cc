@@ -18,6 +18,7 @@
 #include "media/picture/motion_file.h"
 #include "media/picture/openraster.h"
 #include "media/picture/picture.h"
+#include "tests/harness/scratch_folder.h"
 #include "tests/media/generated_clip.h"
 
 namespace freshet::media {
@@ -88,7 +89,7 @@ void expect_cheap(const std::string& name, const Cost& cost) {
 }
 
 TEST(PictureBombs, CostNoMoreThanTheirPixels) {
-  const Scratch scratch;
+  const ScratchFolder scratch;
   for (const Bomb& bomb : picture_bombs()) {
     const fs::path file = scratch / bomb.name;
     put_bytes(file, {bomb.bytes.begin(), bomb.bytes.end()});
@@ -110,7 +111,7 @@ TEST(PictureBombs, CostNoMoreThanTheirPixels) {
 }
 
 TEST(PictureBombs, AsClipsCostNoMoreThanTheirFrames) {
-  const Scratch scratch;
+  const ScratchFolder scratch;
   for (const Bomb& bomb : picture_bombs()) {
     const fs::path file = scratch / bomb.name;
     put_bytes(file, {bomb.bytes.begin(), bomb.bytes.end()});
@@ -123,7 +124,7 @@ TEST(PictureBombs, AsClipsCostNoMoreThanTheirFrames) {
 }
 
 TEST(PictureBombs, InOpenRasterCostNoMoreThanItsPixels) {
-  const Scratch scratch;
+  const ScratchFolder scratch;
   for (const Bomb& bomb : openraster_bombs()) {
     put_bytes(scratch / bomb.name, {bomb.bytes.begin(), bomb.bytes.end()});
     expect_cheap(bomb.name, cost_of([&] { read_openraster(scratch / bomb.name); }));

@@ -19,6 +19,8 @@
 #include <ImfOutputFile.h>
 
 #include "freshet/error.h"
+#include "tests/harness/fault.h"
+#include "tests/harness/scratch_folder.h"
 
 namespace freshet::media {
 namespace {
@@ -27,11 +29,6 @@ namespace fs = std::filesystem;
 
 class MotionFile : public ::testing::Test {
  protected:
-  MotionFile() : folder_(fs::temp_directory_path() / ("freshet_motion_file_" + std::to_string(::getpid()))) {
-    fs::create_directories(folder_);
-  }
-  ~MotionFile() override { fs::remove_all(folder_); }
-
   static cv::Mat ramp(int width, int height) {
     cv::Mat motion(height, width, CV_32FC2);
     for (int y = 0; y < height; ++y) {
@@ -51,15 +48,10 @@ class MotionFile : public ::testing::Test {
   }
   void expect_refused(const std::string& bytes) const { expect_refused(with_bytes(bytes)); }
   static void expect_refused(const fs::path& path) {
-    try {
-      read_motion(path);
-      ADD_FAILURE() << "accepted " << fs::file_size(path) << " bytes";
-    } catch (const Error& error) {
-      EXPECT_EQ(error.kind(), ErrorKind::kInput);
-      EXPECT_NE(std::string(error.what()).find("hostile."), std::string::npos);
-    }
+    const std::string fault = fault_of(ErrorKind::kInput, [&] { read_motion(path); });
+    EXPECT_NE(fault.find("hostile."), std::string::npos);
   }
-  fs::path folder_;
+  ScratchFolder folder_;
 };
 
 TEST_F(MotionFile, ReadsBackWhatWasWritten) {
@@ -189,12 +181,7 @@ TEST_F(MotionFile, RefusesADamagedExr) {
 
 TEST_F(MotionFile, NamesAMissingFileAndAMissingFolder) {
   EXPECT_THROW(read_motion(folder_ / "absent.flo"), Error);
-  try {
-    write_motion(folder_ / "absent" / "a.flo", ramp(2, 2));
-    FAIL();
-  } catch (const Error& error) {
-    EXPECT_EQ(error.kind(), ErrorKind::kIo);
-  }
+  fault_of(ErrorKind::kIo, [&] { write_motion(folder_ / "absent" / "a.flo", ramp(2, 2)); });
   EXPECT_THROW(write_motion(folder_ / "a.flo", cv::Mat(2, 2, CV_32F)), Error);
   EXPECT_THROW(write_motion(folder_ / "a.png", ramp(2, 2)), Error);
   EXPECT_FALSE(fs::exists(folder_ / "a.flo"));

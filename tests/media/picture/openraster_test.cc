@@ -15,6 +15,9 @@
 
 #include "freshet/error.h"
 #include "media/picture/picture.h"
+#include "tests/harness/fault.h"
+#include "tests/harness/noise.h"
+#include "tests/harness/scratch_folder.h"
 #include "tests/media/generated_clip.h"
 
 namespace freshet::media {
@@ -22,15 +25,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-cv::Mat noise(cv::Size size, int type, std::uint64_t seed) {
-  cv::Mat picture(size, type);
-  cv::RNG random(seed);
-  random.fill(picture, cv::RNG::UNIFORM, 0, CV_MAT_DEPTH(type) == CV_8U ? 256 : 65536);
-  return picture;
-}
-
 OpenRaster two_layers() {
-  cv::Mat front = noise({20, 16}, CV_8UC4, 1), behind = noise({64, 48}, CV_16UC4, 2);
+  cv::Mat front = noise({20, 16}, CV_8UC4, 1), behind = noise({64, 48}, CV_16UC4, 2, 0, 65536);
   front.row(0).setTo(cv::Scalar::all(0));  // cropped when it is written
   behind.forEach<cv::Vec4w>([](cv::Vec4w& pixel, const int*) { pixel[3] = 65535; });
   return {.canvas = {64, 48},
@@ -65,20 +61,15 @@ std::string stack(const std::string& layers, const std::string& size = "w='8' h=
 }
 
 std::string fault_of(const fs::path& path) {
-  try {
-    read_openraster(path);
-  } catch (const Error& error) {
-    EXPECT_EQ(error.kind(), ErrorKind::kInput);
-    EXPECT_EQ(std::string(error.what()).find(path.string()), 0u);
-    return error.what();
-  }
-  return "none";
+  const std::string said = fault_of(ErrorKind::kInput, [&] { read_openraster(path); });
+  EXPECT_EQ(said.find(path.string()), 0u);
+  return said;
 }
 
 bool holds(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
 TEST(OpenRaster, ComesBackAsWritten) {
-  const Scratch scratch;
+  const ScratchFolder scratch;
   const OpenRaster written = two_layers();
   write_openraster(scratch / "a.ora", written);
   const OpenRaster back = read_openraster(scratch / "a.ora");
@@ -98,7 +89,7 @@ TEST(OpenRaster, ComesBackAsWritten) {
 }
 
 TEST(OpenRaster, IsTheSameBytesEachTimeWithTheMimetypeFirstAndPlain) {
-  const Scratch scratch;
+  const ScratchFolder scratch;
   write_openraster(scratch / "a.ora", two_layers());
   write_openraster(scratch / "b.ora", two_layers());
   const std::string bytes = bytes_of(scratch / "a.ora");
@@ -108,7 +99,7 @@ TEST(OpenRaster, IsTheSameBytesEachTimeWithTheMimetypeFirstAndPlain) {
 }
 
 TEST(OpenRaster, OthersReadWhatTheLayersGiveTogether) {
-  const Scratch scratch;
+  const ScratchFolder scratch;
   OpenRaster written = two_layers();
   written.layers.push_back(
       {.name = "hidden", .pixels = noise({64, 48}, CV_8UC4, 5), .at = {}, .visible = false});
@@ -121,7 +112,7 @@ TEST(OpenRaster, OthersReadWhatTheLayersGiveTogether) {
       "z.infolist()[0].compress_type or "
       "not {'stack.xml', 'mergedimage.png', 'Thumbnails/thumbnail.png'} <= set(n) else "
       "z.extractall('" +
-      scratch.folder().string() + "'))\"";
+      scratch.path().string() + "'))\"";
   const int status = std::system((command + " 2>/dev/null").c_str());
   if (WIFEXITED(status) && WEXITSTATUS(status) == 127)
     GTEST_SKIP() << "no python3: no other reader was asked";
@@ -151,7 +142,7 @@ TEST(OpenRaster, MergesFromBelow) {
 }
 
 TEST(OpenRaster, GroupsAreDissolved) {
-  const Scratch scratch;
+  const ScratchFolder scratch;
   write_zip(scratch / "a.ora",
             {{"stack.xml", stack("<stack opacity='0.5' visibility='hidden' name='g'>"
                                  "<layer name='inside' src='data/1.png' opacity='0.5' x='2' y='-1'/></stack>"
@@ -177,7 +168,7 @@ TEST(OpenRaster, ACornerFarOutsideIsBorne) {
 }
 
 TEST(OpenRaster, CutAnywhereItIsRefused) {
-  const Scratch scratch;
+  const ScratchFolder scratch;
   write_openraster(scratch / "a.ora", two_layers());
   const std::string bytes = bytes_of(scratch / "a.ora");
   for (std::size_t length = 1; length < bytes.size(); length += bytes.size() / 23) {
@@ -187,7 +178,7 @@ TEST(OpenRaster, CutAnywhereItIsRefused) {
 }
 
 TEST(OpenRaster, AFlippedByteIsRefusedOrChangesNothingThatIsRead) {
-  const Scratch scratch;
+  const ScratchFolder scratch;
   write_openraster(scratch / "a.ora", two_layers());
   const OpenRaster whole = read_openraster(scratch / "a.ora");
   const std::string bytes = bytes_of(scratch / "a.ora");
@@ -211,14 +202,15 @@ TEST(OpenRaster, AFlippedByteIsRefusedOrChangesNothingThatIsRead) {
 }
 
 TEST(OpenRaster, FaultsNameThePartAndTheRemedy) {
-  const Scratch scratch;
+  const ScratchFolder scratch;
   const fs::path path = scratch / "a.ora";
   const std::string layer = "<layer name='one' src='data/1.png'/>", picture = png(noise({8, 6}, CV_8UC4, 1));
   const auto fault = [&](const std::vector<std::pair<std::string, std::string>>& parts) {
     write_zip(path, parts);
     return fault_of(path);
   };
-  EXPECT_EQ(fault({{"mimetype", kMime}, {"stack.xml", stack(layer)}, {"data/1.png", picture}}), "none");
+  write_zip(path, {{"mimetype", kMime}, {"stack.xml", stack(layer)}, {"data/1.png", picture}});
+  EXPECT_NO_THROW(read_openraster(path));
   EXPECT_TRUE(holds(fault({{"stack.xml", stack(layer)}}), "without a mimetype"));
   EXPECT_TRUE(holds(fault({{"mimetype", "application/zip"}}), "its mimetype is \"application/zip\""));
   EXPECT_TRUE(holds(fault({{"mimetype", kMime}}), "stack.xml, which lists the layers, is missing"));
@@ -252,7 +244,7 @@ TEST(OpenRaster, FaultsNameThePartAndTheRemedy) {
 }
 
 TEST(OpenRaster, EntitiesAreNotExpanded) {
-  const Scratch scratch;
+  const ScratchFolder scratch;
   const std::string text =
       "<?xml version='1.0'?><!DOCTYPE image [<!ENTITY a SYSTEM 'file:///etc/passwd'>"
       "<!ENTITY b '&a;&a;&a;&a;&a;&a;'>]>"
@@ -263,7 +255,7 @@ TEST(OpenRaster, EntitiesAreNotExpanded) {
 }
 
 TEST(OpenRaster, WhatUnpacksToTooMuchIsRefusedBeforeItIsUnpacked) {
-  const Scratch scratch;
+  const ScratchFolder scratch;
   const fs::path path = scratch / "bomb.ora";
   // 64 MB of spaces are packed to 64 KB; stack.xml may have 4 MB.
   write_zip(path, {{"mimetype", kMime}, {"stack.xml", std::string(64u << 20, ' ')}});
@@ -277,7 +269,7 @@ TEST(OpenRaster, WhatUnpacksToTooMuchIsRefusedBeforeItIsUnpacked) {
     bytes.replace(at, 4, small);
   ASSERT_GE(changed, 1);
   std::ofstream(path, std::ios::binary) << bytes;
-  EXPECT_NE(fault_of(path), "none");
+  fault_of(path);
   // A picture that claims more pixels than its bytes could hold.
   std::string picture = png(noise({8, 6}, CV_8UC4, 1));
   picture.replace(16, 8, std::string("\0\1\0\0\0\1\0\0", 8));
@@ -288,7 +280,7 @@ TEST(OpenRaster, WhatUnpacksToTooMuchIsRefusedBeforeItIsUnpacked) {
 }
 
 TEST(OpenRaster, NothingIsWrittenOfWhatNoFileCanHold) {
-  const Scratch scratch;
+  const ScratchFolder scratch;
   EXPECT_THROW(write_openraster(scratch / "a.ora", {}), Error);
   OpenRaster wrong = two_layers();
   wrong.layers[0].pixels = noise({4, 4}, CV_8UC3, 1);

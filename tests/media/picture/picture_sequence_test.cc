@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/harness/scratch_folder.h"
 #include "tests/media/generated_clip.h"
 
 namespace freshet::media {
@@ -27,7 +28,7 @@ TEST(Pattern, ARunOfHashesStandsForAsManyDigits) {
   EXPECT_EQ(numbered("f##.png", 123), "f123.png");
   for (const char* name : {"take#1.png", "a##b##.png", "shot##/f.png", "plain.png"})
     EXPECT_FALSE(is_pattern(name)) << name;
-  const Scratch scratch;
+  const ScratchFolder scratch;
   for (const char* name : {"f.0099.png", "f.0100.png", "f.101.png", "g.0001.png"})
     put_bytes(scratch / name, {'x'});
   const PictureSequence found = list_pattern(scratch / "f.####.png");
@@ -50,11 +51,11 @@ TEST(FirstMissing, NamesTheFileOfTheFirstGap) {
 }
 
 TEST(ListFolder, PassesOverWhatIsHiddenOrNoPicture) {
-  const Scratch scratch;
+  const ScratchFolder scratch;
   for (const char* name : {"f10.png", "f9.PNG", "._f9.png", ".f8.png", "notes.txt"})
     put_bytes(scratch / name, {'x'});
   std::vector<std::string> names;
-  for (const auto& file : list_folder(scratch.folder()).files) names.push_back(file.filename().string());
+  for (const auto& file : list_folder(scratch.path()).files) names.push_back(file.filename().string());
   EXPECT_EQ(names, (std::vector<std::string>{"f9.PNG", "f10.png"}));
 }
 

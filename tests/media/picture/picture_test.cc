@@ -13,6 +13,7 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "media/picture/exr_picture.h"
+#include "tests/harness/scratch_folder.h"
 #include "tests/media/generated_clip.h"
 
 namespace freshet::media {
@@ -28,7 +29,7 @@ cv::Mat noise(int type, double top = 256) {
 }
 
 TEST(Picture, ComesBackAsWritten) {
-  const Scratch scratch;
+  const ScratchFolder scratch;
   const cv::Mat picture = noise(CV_8UC3);
   for (const char* name : {"a.png", "a.bmp", "a.tif"}) {
     write_picture(scratch / name, picture);
@@ -39,7 +40,7 @@ TEST(Picture, ComesBackAsWritten) {
 }
 
 TEST(Picture, SixteenBitsAreReducedByRoundingAndSaid) {
-  const Scratch scratch;
+  const ScratchFolder scratch;
   const cv::Mat deep = noise(CV_16UC3, 65536);
   write_picture(scratch / "a.png", deep);
   const Picture back = read_picture(scratch / "a.png");
@@ -52,7 +53,7 @@ TEST(Picture, SixteenBitsAreReducedByRoundingAndSaid) {
 }
 
 TEST(Picture, AlphaIsIgnoredAndSaidAndGreyIsSpread) {
-  const Scratch scratch;
+  const ScratchFolder scratch;
   const cv::Mat clear = noise(CV_8UC4), grey = noise(CV_8UC1);
   write_picture(scratch / "a.png", clear);
   const Picture back = read_picture(scratch / "a.png");
@@ -65,7 +66,7 @@ TEST(Picture, AlphaIsIgnoredAndSaidAndGreyIsSpread) {
 }
 
 TEST(Picture, IsTurnedUprightByItsExifTag) {
-  const Scratch scratch;
+  const ScratchFolder scratch;
   cv::Mat picture(16, 32, CV_8UC3, cv::Scalar::all(0));
   picture.colRange(0, 16).setTo(cv::Scalar::all(255));  // left half white
   write_picture(scratch / "a.jpg", picture);
@@ -84,7 +85,7 @@ TEST(Picture, IsTurnedUprightByItsExifTag) {
 }
 
 TEST(Picture, FaultsNameTheFile) {
-  const Scratch scratch;
+  const ScratchFolder scratch;
   const auto fault = [&](const char* name) {
     const std::string text = fault_of(ErrorKind::kInput, [&] { read_picture(scratch / name); });
     EXPECT_EQ(text.find((scratch / name).string() + ": "), 0u) << text;
@@ -100,7 +101,7 @@ TEST(Picture, FaultsNameTheFile) {
 }
 
 TEST(Picture, AHeaderThatClaimsGigabytesIsRefusedBeforeAllocation) {
-  const Scratch scratch;
+  const ScratchFolder scratch;
   write_picture(scratch / "a.png", noise(CV_8UC3));
   std::vector<char> bytes = bytes_of(scratch / "a.png");
   bytes[16] = bytes[20] = 0x01;  // 16 million pixels per side
@@ -135,7 +136,7 @@ std::string matte_fault(const fs::path& path, cv::Size size = {33, 17}) {
 bool holds(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
 TEST(Matte, IsGreyOfThePicturesSize) {
-  const Scratch scratch;
+  const ScratchFolder scratch;
   const cv::Mat grey = ramp(CV_8UC1);
   cv::Mat tinted = ramp(CV_8UC3);
   tinted.at<cv::Vec3b>(3, 30)[1] = 200;
@@ -153,7 +154,7 @@ TEST(Matte, IsGreyOfThePicturesSize) {
 }
 
 TEST(Matte, IsTheAlphaOfAFileThatHasOne) {
-  const Scratch scratch;
+  const ScratchFolder scratch;
   cv::Mat cut_out = noise(CV_8UC4), alpha = ramp(CV_8UC1);
   cv::insertChannel(alpha, cut_out, 3);
   write_picture(scratch / "a.png", cut_out);
@@ -167,7 +168,7 @@ TEST(Matte, IsTheAlphaOfAFileThatHasOne) {
 }
 
 TEST(Matte, OfAnotherSizeIsScaledAndSaidAndOfAnotherShapeRefused) {
-  const Scratch scratch;
+  const ScratchFolder scratch;
   write_picture(scratch / "a.png", ramp(CV_8UC1));
   const Matte matte = read_matte(scratch / "a.png", {66, 34});
   EXPECT_EQ(matte.alpha.size(), cv::Size(66, 34));
@@ -178,7 +179,7 @@ TEST(Matte, OfAnotherSizeIsScaledAndSaidAndOfAnotherShapeRefused) {
 }
 
 TEST(Matte, FaintGreyLeavesThePictureAsItIs) {
-  const Scratch scratch;
+  const ScratchFolder scratch;
   write_picture(scratch / "faint.png", ramp(CV_8UC1, 5));
   const cv::Mat black(17, 33, CV_8UC1, cv::Scalar(0));
   const Matte matte = read_matte(scratch / "faint.png", {33, 17});
@@ -188,7 +189,7 @@ TEST(Matte, FaintGreyLeavesThePictureAsItIs) {
 }
 
 TEST(Matte, WhatCannotBeMeantIsTold) {
-  const Scratch scratch;
+  const ScratchFolder scratch;
   const auto told = [&](const cv::Mat& matte) {
     write_picture(scratch / "m.png", matte);
     return matte_fault(scratch / "m.png");
@@ -204,7 +205,7 @@ TEST(Matte, WhatCannotBeMeantIsTold) {
 }
 
 TEST(Matte, ASoftOneWithoutBlackIsTakenAndSaid) {
-  const Scratch scratch;
+  const ScratchFolder scratch;
   cv::Mat soft(17, 33, CV_8UC1, cv::Scalar(255));
   for (int x = 0; x < 8; ++x) soft.col(x).setTo(21 + 29 * x);
   write_picture(scratch / "soft.png", soft);
@@ -215,7 +216,7 @@ TEST(Matte, ASoftOneWithoutBlackIsTakenAndSaid) {
 }
 
 TEST(Picture, ADeepOneKeepsItsBits) {
-  const Scratch scratch;
+  const ScratchFolder scratch;
   const cv::Mat deep = noise(CV_16UC3, 65536);
   write_picture(scratch / "a.png", deep);
   const Still still = read_still(scratch / "a.png");
@@ -229,7 +230,7 @@ TEST(Picture, ADeepOneKeepsItsBits) {
 }
 
 TEST(Picture, ALinearOneIsCodedAndAboveWhiteKept) {
-  const Scratch scratch;
+  const ScratchFolder scratch;
   cv::Mat light(4, 5, CV_32FC4, cv::Scalar(0.25, 0.5, 4, 1));
   light.at<cv::Vec4f>(1, 1) = {0, 0, 0, 0};
   write_exr_picture(scratch / "a.exr", light, ExrSamples::kFloat);
@@ -264,7 +265,7 @@ void save_profile(const fs::path& path, const cmsCIExyYTRIPLE& primaries) {
 }
 
 TEST(Picture, AWideGamutIsBroughtToSrgbAndSaid) {
-  const Scratch scratch;
+  const ScratchFolder scratch;
   save_profile(scratch / "p3.icc",
                {{0.680, 0.320, 1}, {0.265, 0.690, 1}, {0.150, 0.060, 1}});  // Display P3's
   save_profile(scratch / "srgb.icc", {{0.64, 0.33, 1}, {0.30, 0.60, 1}, {0.15, 0.06, 1}});
@@ -293,7 +294,7 @@ TEST(Picture, AWideGamutIsBroughtToSrgbAndSaid) {
 }
 
 TEST(Picture, PrimariesOfAnotherSpaceInAnExrAreRefused) {
-  const Scratch scratch;
+  const ScratchFolder scratch;
   write_exr_picture(scratch / "a.exr", cv::Mat(4, 5, CV_32FC3, cv::Scalar::all(0.5)), ExrSamples::kHalf);
   run("oiiotool " + (scratch / "a.exr").string() +
       " --attrib:type=float[8] chromaticities "
@@ -304,7 +305,7 @@ TEST(Picture, PrimariesOfAnotherSpaceInAnExrAreRefused) {
 }
 
 TEST(Picture, WritingFaultsNameTheFile) {
-  const Scratch scratch;
+  const ScratchFolder scratch;
   const cv::Mat picture = noise(CV_8UC3);
   EXPECT_NE(fault_of(ErrorKind::kIo, [&] { write_picture(scratch / "no" / "a.png", picture); })
                 .find("does not exist"),

@@ -9,6 +9,7 @@
 #include <opencv2/core.hpp>
 
 #include "media/frame/frame_md5.h"
+#include "tests/harness/scratch_folder.h"
 #include "tests/media/generated_clip.h"
 
 namespace freshet::media {
@@ -95,7 +96,7 @@ class Formats : public testing::TestWithParam<Case> {};
 TEST_P(Formats, DecodesToTheBytesOfFfmpeg) {
   NEEDS_FFMPEG();
   const Case& c = GetParam();
-  const Scratch scratch;
+  const ScratchFolder scratch;
   const fs::path file = scratch / c.file;
   make_clip(kSource + c.options, file);
   const std::vector<std::string> truth = ffmpeg_hashes(file, c.before, c.after);
@@ -136,7 +137,7 @@ TEST(VideoReader, RealClipsDecodeToTheBytesOfFfmpeg) {
 
 TEST(VideoReader, ReportsRotationRangeColourAndAspectWithoutApplyingThem) {
   NEEDS_FFMPEG();
-  const Scratch scratch;
+  const ScratchFolder scratch;
   const fs::path plain = scratch / "plain.mp4", turned = scratch / "turned.mp4";
   make_clip(std::string(kSource) +
                 "-vf scale=64:36,setsar=4/3 -c:v libx264 -pix_fmt yuv420p -color_range tv -colorspace bt709 "
@@ -166,7 +167,7 @@ TEST(VideoReader, ReportsRotationRangeColourAndAspectWithoutApplyingThem) {
 
 TEST(VideoReader, SetsUprightWhatLiesAsFfmpegDoes) {
   NEEDS_FFMPEG();
-  const Scratch scratch;
+  const ScratchFolder scratch;
   const fs::path plain = scratch / "plain.mp4";
   make_clip(std::string(kSource) + "-vf scale=64:36,setsar=4/3 -c:v libx264 -pix_fmt yuv420p", plain);
   for (const int turn : {90, 180, 270}) {
@@ -189,14 +190,14 @@ TEST(VideoReader, SetsUprightWhatLiesAsFfmpegDoes) {
 
 TEST(VideoReader, JpegVideoIsFullRange) {
   NEEDS_FFMPEG();
-  const Scratch scratch;
+  const ScratchFolder scratch;
   make_clip(std::string(kSource) + "-c:v mjpeg -pix_fmt yuvj422p", scratch / "a.avi");
   EXPECT_EQ(VideoReader(scratch / "a.avi").info().layout.range, 2);
 }
 
 TEST(VideoReader, TimesFollowTheStampsOfAVariableRate) {
   NEEDS_FFMPEG();
-  const Scratch scratch;
+  const ScratchFolder scratch;
   make_clip(std::string(kSource) + "-vf \"select='not(eq(n,0))*not(eq(n,3))'\" -fps_mode vfr -c:v ffv1",
             scratch / "a.mkv");
   VideoReader reader(scratch / "a.mkv");
@@ -209,7 +210,7 @@ TEST(VideoReader, TimesFollowTheStampsOfAVariableRate) {
 
 TEST(VideoReader, ReadsPatternsAndFoldersInTheOrderOfTheirNumbers) {
   NEEDS_FFMPEG();
-  const Scratch scratch;
+  const ScratchFolder scratch;
   const fs::path folder = scratch / "frames";
   fs::create_directory(folder);
   make_clip(std::string(kSource) + "-start_number 1007 -pix_fmt rgb24", folder / "f%d.png");
@@ -238,7 +239,7 @@ TEST(VideoReader, ReadsPatternsAndFoldersInTheOrderOfTheirNumbers) {
 
 TEST(VideoReader, ABrokenPictureOfASequenceIsPassedOverAndTold) {
   NEEDS_FFMPEG();
-  const Scratch scratch;
+  const ScratchFolder scratch;
   make_clip(std::string(kSource) + "-start_number 1 -pix_fmt rgb24", scratch / "f%03d.png");
   put_bytes(scratch / "f003.png", {'n', 'o'});
   VideoReader reader(scratch / "f%03d.png");
@@ -250,7 +251,7 @@ TEST(VideoReader, ABrokenPictureOfASequenceIsPassedOverAndTold) {
 
 TEST(VideoReader, RefusesASequenceWhoseSizeChanges) {
   NEEDS_FFMPEG();
-  const Scratch scratch;
+  const ScratchFolder scratch;
   make_clip(std::string(kSource) + "-start_number 1 -pix_fmt rgb24", scratch / "f%03d.png");
   make_clip("-f lavfi -i testsrc=s=40x20 -frames:v 1 -pix_fmt rgb24", scratch / "f003.png");
   const std::string fault = fault_of(ErrorKind::kInput, [&] { our_hashes(scratch / "f%03d.png"); });
@@ -261,7 +262,7 @@ TEST(VideoReader, RefusesASequenceWhoseSizeChanges) {
 
 TEST(VideoReader, NamesTheFileAndTheFault) {
   NEEDS_FFMPEG();
-  const Scratch scratch;
+  const ScratchFolder scratch;
   const auto fault = [&](const std::string& name) {
     const std::string text = fault_of(ErrorKind::kInput, [&] { VideoReader(scratch / name); });
     EXPECT_EQ(text.find((scratch / name).string() + ": "), 0u) << text;
@@ -298,7 +299,7 @@ TEST(VideoReader, NamesTheFileAndTheFault) {
 
 TEST(VideoReader, AFragmentedFileIsWhole) {
   NEEDS_FFMPEG();
-  const Scratch scratch;
+  const ScratchFolder scratch;
   make_clip(
       std::string(kSource) + "-vf scale=34:18 -c:v libx264 -g 2 -pix_fmt yuv420p -movflags frag_keyframe",
       scratch / "a.mp4");
@@ -311,7 +312,7 @@ TEST(VideoReader, AFragmentedFileIsWhole) {
 
 TEST(VideoReader, OpensNoOtherFileThatAPlaylistNames) {
   NEEDS_FFMPEG();
-  const Scratch scratch;
+  const ScratchFolder scratch;
   make_clip(std::string(kSource) + "-vf scale=34:18 -c:v libx264 -pix_fmt yuv420p", scratch / "secret.ts");
   const std::string list = "#EXTM3U\n#EXT-X-TARGETDURATION:1\n#EXTINF:1,\n" +
                            (scratch / "secret.ts").string() + "\n#EXT-X-ENDLIST\n";
@@ -323,7 +324,7 @@ TEST(VideoReader, OpensNoOtherFileThatAPlaylistNames) {
 
 TEST(VideoReader, AFileWithAPercentSignOrAColonInItsNameIsThatFile) {
   NEEDS_FFMPEG();
-  const Scratch scratch;
+  const ScratchFolder scratch;
   make_clip(std::string(kSource) + "-c:v ffv1", scratch / "a.mkv");
   fs::copy(scratch / "a.mkv", scratch / "f%05d.mkv");
   fs::copy(scratch / "a.mkv", scratch / "concat:b.mkv");
@@ -333,7 +334,7 @@ TEST(VideoReader, AFileWithAPercentSignOrAColonInItsNameIsThatFile) {
 
 TEST(FrameMd5, PrintsTheLinesOfFfmpeg) {
   NEEDS_FFMPEG();
-  const Scratch scratch;
+  const ScratchFolder scratch;
   make_clip(std::string(kSource) + "-c:v ffv1 -pix_fmt yuv420p", scratch / "a.mkv");
   make_clip("-bitexact -i '" + (scratch / "a.mkv").string() + "' -f framemd5 -fflags bitexact",
             scratch / "truth");

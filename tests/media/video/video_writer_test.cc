@@ -21,19 +21,14 @@
 
 #include "media/frame/frame_md5.h"
 #include "media/video/video_reader.h"
+#include "tests/harness/noise.h"
+#include "tests/harness/scratch_folder.h"
 #include "tests/media/generated_clip.h"
 
 namespace freshet::media {
 namespace {
 
 namespace fs = std::filesystem;
-
-cv::Mat noise(cv::Size size, int type, std::uint64_t seed) {
-  cv::Mat picture(size, type);
-  cv::RNG random(seed);
-  random.fill(picture, cv::RNG::UNIFORM, 0, 256);
-  return picture;
-}
 
 void write_all(const fs::path& path, const std::vector<cv::Mat>& pictures,
                const VideoWriterOptions& options = {}) {
@@ -69,7 +64,7 @@ std::vector<cv::Mat> falling_water(cv::Size size, int frames) {
 }
 
 TEST(VideoWriter, AnMp4DoesNotDependOnWhatLiesInMemory) {
-  const Scratch scratch;
+  const ScratchFolder scratch;
   // No multiple of 16 macroblocks wide: there an encoder was found to read what nobody had written.
   const std::vector<cv::Mat> pictures = falling_water({960, 270}, 12);
   std::set<std::string> files;
@@ -84,7 +79,7 @@ TEST(VideoWriter, AnMp4DoesNotDependOnWhatLiesInMemory) {
 }
 
 TEST(VideoWriter, MatroskaKeepsEveryBitOfBgrAndAlpha) {
-  const Scratch scratch;
+  const ScratchFolder scratch;
   for (const int type : {CV_8UC3, CV_8UC4}) {
     std::vector<cv::Mat> pictures;
     for (std::uint64_t i = 0; i < 5; ++i) pictures.push_back(noise({33, 17}, type, i));
@@ -107,7 +102,7 @@ TEST(VideoWriter, MatroskaKeepsEveryBitOfBgrAndAlpha) {
 }
 
 TEST(VideoWriter, MatroskaKeepsNativeFramesAndTheirTags) {
-  const Scratch scratch;
+  const ScratchFolder scratch;
   for (const char* format : {"yuv420p", "yuv422p10le", "yuva420p", "gray", "gray16le", "yuv444p12le",
                              "gbrp16le", "gbrap12le", "yuv411p"}) {
     PixelLayout layout;
@@ -159,7 +154,7 @@ TEST(VideoWriter, MatroskaKeepsNativeFramesAndTheirTags) {
 }
 
 TEST(VideoWriter, LayoutsThatFfv1LacksAreRepackedWithoutLoss) {
-  const Scratch scratch;
+  const ScratchFolder scratch;
   for (const char* format : {"rgb24", "bgr24", "gbrp", "rgba", "argb", "nv12", "yuyv422", "p010le"}) {
     PixelLayout layout;
     layout.format = format;
@@ -198,7 +193,7 @@ TEST(VideoWriter, LayoutsThatFfv1LacksAreRepackedWithoutLoss) {
 
 // swscale's way back from bgra to gbrap is not exact, so that ffmpeg cannot judge this one.
 TEST(VideoWriter, PlanarRgbWithAlphaIsRepackedWithoutLoss) {
-  const Scratch scratch;
+  const ScratchFolder scratch;
   PixelLayout layout;
   layout.format = "gbrap";
   layout.width = 33;
@@ -222,7 +217,7 @@ TEST(VideoWriter, PlanarRgbWithAlphaIsRepackedWithoutLoss) {
 }
 
 TEST(VideoWriter, Mp4HasTheRightSizeRateTagsAndColours) {
-  const Scratch scratch;
+  const ScratchFolder scratch;
   const std::vector<cv::Scalar> colours = {
       {0, 0, 255}, {0, 255, 0}, {255, 0, 0}, {128, 128, 128}, {255, 255, 255}};
   for (const cv::Scalar& colour : colours) {
@@ -248,7 +243,7 @@ TEST(VideoWriter, Mp4HasTheRightSizeRateTagsAndColours) {
 }
 
 TEST(VideoWriter, Mp4StartsWithItsIndexAndPadsOddSizes) {
-  const Scratch scratch;
+  const ScratchFolder scratch;
   write_all(scratch / "a.mp4", std::vector<cv::Mat>(3, cv::Mat(17, 33, CV_8UC3, cv::Scalar(40, 90, 160))));
   const std::vector<char> bytes = bytes_of(scratch / "a.mp4");
   const std::string text(bytes.begin(), bytes.end());
@@ -264,7 +259,7 @@ TEST(VideoWriter, Mp4StartsWithItsIndexAndPadsOddSizes) {
 }
 
 TEST(VideoWriter, WhatStandsStillInAnMp4DoesNotPulse) {
-  const Scratch scratch;
+  const ScratchFolder scratch;
   cv::Mat ground;
   cv::resize(noise({80, 60}, CV_8UC3, 1), ground, {320, 240}, 0, 0, cv::INTER_CUBIC);
   std::vector<cv::Mat> pictures;
@@ -295,7 +290,7 @@ TEST(VideoWriter, SaysWhatACodecMakesOfASize) {
 }
 
 TEST(VideoWriter, TenBitsOfH264KeepMoreLevelsThanEight) {
-  const Scratch scratch;
+  const ScratchFolder scratch;
   cv::Mat ramp(64, 512, CV_16UC3);
   for (int x = 0; x < ramp.cols; ++x)
     ramp.col(x).setTo(cv::Scalar::all(30000 + 20 * x));  // 40 levels of 8 bits
@@ -310,7 +305,7 @@ TEST(VideoWriter, TenBitsOfH264KeepMoreLevelsThanEight) {
 }
 
 TEST(VideoWriter, GifsGoRoundAndHoldStillWhatStandsStill) {
-  const Scratch scratch;
+  const ScratchFolder scratch;
   std::vector<cv::Mat> pictures;
   for (int i = 0; i < 6; ++i) {
     cv::Mat picture(48, 64, CV_8UC3);
@@ -331,16 +326,16 @@ TEST(VideoWriter, GifsGoRoundAndHoldStillWhatStandsStill) {
 }
 
 TEST(VideoWriter, SequencesAreNumberedFromWhereTheyAreToldTo) {
-  const Scratch scratch;
+  const ScratchFolder scratch;
   write_all(scratch / "f.####.png", std::vector<cv::Mat>(2, noise({33, 17}, CV_8UC3, 1)),
             {.first_number = 1001});
   EXPECT_TRUE(fs::exists(scratch / "f.1001.png"));
   EXPECT_TRUE(fs::exists(scratch / "f.1002.png"));
-  EXPECT_EQ(files_in(scratch.folder()), 2u);
+  EXPECT_EQ(files_in(scratch.path()), 2u);
 }
 
 TEST(VideoWriter, SamePicturesGiveSameBytes) {
-  const Scratch scratch;
+  const ScratchFolder scratch;
   std::vector<cv::Mat> pictures;
   for (std::uint64_t i = 0; i < 12; ++i) pictures.push_back(noise({64, 48}, CV_8UC3, i));
   for (const char* ending : {"mp4", "mkv", "webp", "apng", "gif"}) {
@@ -353,7 +348,7 @@ TEST(VideoWriter, SamePicturesGiveSameBytes) {
 }
 
 TEST(VideoWriter, AnimatedPngAndSequencesAreExact) {
-  const Scratch scratch;
+  const ScratchFolder scratch;
   std::vector<cv::Mat> pictures;
   for (std::uint64_t i = 0; i < 4; ++i) pictures.push_back(noise({33, 17}, CV_8UC3, i));
   for (const char* name : {"a.apng", "b.png", "f%05d.png", "t%04d.tif"}) {
@@ -372,7 +367,7 @@ TEST(VideoWriter, AnimatedPngAndSequencesAreExact) {
 }
 
 TEST(VideoWriter, SmallPicturesAreTakenByEveryFormat) {
-  const Scratch scratch;
+  const ScratchFolder scratch;
   for (const cv::Size size : {cv::Size(1, 1), cv::Size(1, 9), cv::Size(9, 1), cv::Size(2, 2), cv::Size(3, 3)})
     for (const char* name : {"a.mp4", "a.mkv", "a.mov", "a.webp", "a.apng", "a.gif", "f%05d.png"}) {
       SCOPED_TRACE(std::string(name) + " " + std::to_string(size.width) + " x " +
@@ -388,7 +383,7 @@ TEST(VideoWriter, SmallPicturesAreTakenByEveryFormat) {
 }
 
 TEST(VideoWriter, AnimatedWebpHoldsEveryFrame) {
-  const Scratch scratch;
+  const ScratchFolder scratch;
   std::vector<cv::Mat> pictures;
   for (std::uint64_t i = 0; i < 4; ++i) pictures.push_back(noise({40, 30}, CV_8UC3, i));
   write_all(scratch / "a.webp", pictures);
@@ -401,7 +396,7 @@ TEST(VideoWriter, AnimatedWebpHoldsEveryFrame) {
 }
 
 TEST(VideoWriter, DeepGreySequenceKeepsSixteenBits) {
-  const Scratch scratch;
+  const ScratchFolder scratch;
   PixelLayout layout;
   layout.format = "gray16le";
   layout.width = 5;
@@ -417,18 +412,18 @@ TEST(VideoWriter, DeepGreySequenceKeepsSixteenBits) {
 }
 
 TEST(VideoWriter, AnUnfinishedVideoLeavesNothingBehind) {
-  const Scratch scratch;
+  const ScratchFolder scratch;
   for (const char* name : {"a.mp4", "a.mkv", "a.webp", "a.apng"}) {
     VideoWriter writer(scratch / name, {64, 48});
     for (int i = 0; i < 3; ++i) writer.write(noise({64, 48}, CV_8UC3, 1));
     EXPECT_FALSE(fs::exists(scratch / name));
   }
   { const VideoWriter untouched(scratch / "b.mp4", {64, 48}); }
-  EXPECT_EQ(files_in(scratch.folder()), 0u);
+  EXPECT_EQ(files_in(scratch.path()), 0u);
 }
 
 TEST(VideoWriter, NamesTheFileTheFaultAndTheRemedy) {
-  const Scratch scratch;
+  const ScratchFolder scratch;
   const auto fault = [&](ErrorKind kind, const fs::path& path, const std::function<void()>& action) {
     const std::string text = fault_of(kind, action);
     EXPECT_EQ(text.find(path.string() + ": "), 0u) << text;
@@ -488,11 +483,11 @@ TEST(VideoWriter, NamesTheFileTheFaultAndTheRemedy) {
             std::string::npos);
   fault(ErrorKind::kUsage, mp4, [&] { VideoWriter(mp4, {64, 48}).write(cv::Mat(48, 64, CV_16UC3)); });
   fault(ErrorKind::kUsage, mp4, [&] { VideoWriter(mp4, {64, 48}).write(cv::Mat(48, 64, CV_32FC3)); });
-  EXPECT_EQ(files_in(scratch.folder()), 0u);
+  EXPECT_EQ(files_in(scratch.path()), 0u);
 }
 
 TEST(VideoWriter, AFullDiskIsToldAndLeavesNothingBehind) {
-  const Scratch scratch;
+  const ScratchFolder scratch;
   std::signal(SIGXFSZ, SIG_IGN);
   rlimit before{};
   ASSERT_EQ(getrlimit(RLIMIT_FSIZE, &before), 0);
@@ -507,7 +502,7 @@ TEST(VideoWriter, AFullDiskIsToldAndLeavesNothingBehind) {
     });
     setrlimit(RLIMIT_FSIZE, &before);
     EXPECT_NE(fault.find("Make room on the disk"), std::string::npos) << fault;
-    EXPECT_EQ(files_in(scratch.folder()), 0u) << name;
+    EXPECT_EQ(files_in(scratch.path()), 0u) << name;
   }
 }
 

@@ -9,6 +9,7 @@
 #include "freshet/error.h"
 #include "query/index/exact_index.h"
 #include "query/index/flann_tuning.h"
+#include "tests/harness/fault.h"
 #include "tests/query/index/random_words.h"
 
 namespace freshet::query {
@@ -200,14 +201,9 @@ TEST(FlannTuning, TakesStoresOfOneClipAndOfFewRows) {
   }
 }
 
-ErrorKind kind_of_error(std::span<const vision::WordMap> rows, std::span<const std::byte> bytes) {
-  try {
-    const FlannIndex index(rows, kWords, bytes);
-  } catch (const Error& error) {
-    return error.kind();
-  }
-  ADD_FAILURE() << "accepted";
-  return ErrorKind::kUsage;
+std::optional<ErrorKind> kind_of_error(std::span<const vision::WordMap> rows,
+                                       std::span<const std::byte> bytes) {
+  return kind_of([&] { FlannIndex(rows, kWords, bytes); });
 }
 
 TEST(FlannIndex, RefusesBytesThatAreNotItsOwn) {
@@ -276,13 +272,9 @@ TEST(FlannIndex, WalksTreesThatAreGarbledAndSealedAgain) {
 
 TEST(FlannIndex, SaysWhatToDoWhenItWouldTakeTooMuchMemory) {
   const auto rows = random_words({.rows = 1000, .words = kWords});
-  try {
-    FlannIndex(rows, kWords, {.max_bytes = 1 << 20});
-    FAIL();
-  } catch (const Error& error) {
-    EXPECT_EQ(error.kind(), ErrorKind::kUsage);
-    EXPECT_NE(std::string(error.what()).find("exact index"), std::string::npos);
-  }
+  const std::string fault =
+      fault_of(ErrorKind::kUsage, [&] { FlannIndex(rows, kWords, {.max_bytes = 1 << 20}); });
+  EXPECT_NE(fault.find("exact index"), std::string::npos);
 }
 
 TEST(FlannIndex, AcceptsNoRows) {

@@ -9,7 +9,8 @@
 #include "stored/average_image.h"
 #include "stored/patch_table.h"
 #include "stored/stored_codebook.h"
-#include "tests/query/made_store.h"
+#include "tests/harness/fault.h"
+#include "tests/stored/made_store.h"
 #include "vision/dense_sift.h"
 
 namespace freshet::query {
@@ -74,12 +75,7 @@ TEST(IndexBuilder, DependsOnTheClipsAndNotOnTheirHistory) {
   build_index(in_steps, {.flann = {FlannKind::kKdTree}});
   ASSERT_TRUE(in_steps.snapshot().blob("flann-kdtree"));
   for (std::size_t i = 2; i < clips.size(); ++i) add_made_clip(in_steps, made_settings(), clips[i]);
-  try {
-    stored::read_codebook(in_steps.snapshot());
-    FAIL() << "an index that lacks clips was taken for whole";
-  } catch (const Error& error) {
-    EXPECT_EQ(error.kind(), ErrorKind::kNotFound);
-  }
+  fault_of(ErrorKind::kNotFound, [&] { stored::read_codebook(in_steps.snapshot()); });
   EXPECT_TRUE(build_index(in_steps).words_built);
   EXPECT_FALSE(in_steps.snapshot().blob("flann-kdtree")) << "an index of words that are gone";
   EXPECT_EQ(in_steps.snapshot().digest(), at_once.snapshot().digest());
@@ -128,17 +124,14 @@ TEST(IndexBuilder, LeavesTheStoreAsItWasWhenStopped) {
   store::Store store = made_store(folder.path() / "a.store", some_clips());
   const std::string digest = store.snapshot().digest();
   std::stop_source source;
-  try {
+  fault_of(ErrorKind::kCancelled, [&] {
     build_index(
         store, {},
         [&](const Progress& at) {
           if (at.stage == "assigning words") source.request_stop();
         },
         source.get_token());
-    FAIL();
-  } catch (const Error& error) {
-    EXPECT_EQ(error.kind(), ErrorKind::kCancelled);
-  }
+  });
   EXPECT_EQ(store.snapshot().digest(), digest);
 }
 
@@ -148,25 +141,16 @@ TEST(IndexBuilder, SaysThatThereIsNothingToIndex) {
   for (auto&& work : {+[](store::Store& s) { build_index(s); },
                       +[](store::Store& s) { stored::read_patch_table(s.snapshot()); },
                       +[](store::Store& s) { stored::read_codebook(s.snapshot()); }}) {
-    try {
-      work(store);
-      FAIL();
-    } catch (const Error& error) {
-      EXPECT_EQ(error.kind(), ErrorKind::kNotFound);
-    }
+    fault_of(ErrorKind::kNotFound, [&] { work(store); });
   }
 }
 
 TEST(PatchTable, AsksForAnIndexWhenThereIsNone) {
   const ScratchFolder folder;
   store::Store store = made_store(folder.path() / "a.store", some_clips());
-  try {
-    stored::read_patch_table(store.snapshot());
-    FAIL();
-  } catch (const Error& error) {
-    EXPECT_EQ(error.kind(), ErrorKind::kNotFound);
-    EXPECT_NE(std::string(error.what()).find("freshet index"), std::string::npos);
-  }
+  const std::string fault =
+      fault_of(ErrorKind::kNotFound, [&] { stored::read_patch_table(store.snapshot()); });
+  EXPECT_NE(fault.find("freshet index"), std::string::npos);
 }
 
 TEST(PatchTable, RefusesPatchesBeyondTheirFrame) {
@@ -184,12 +168,7 @@ TEST(PatchTable, RefusesPatchesBeyondTheirFrame) {
       store.write({}, std::span(&replaced, 1));
     };
     write(column);
-    try {
-      stored::read_patch_table(store.snapshot());
-      FAIL() << name;
-    } catch (const Error& error) {
-      EXPECT_EQ(error.kind(), ErrorKind::kDamaged);
-    }
+    fault_of(ErrorKind::kDamaged, [&] { stored::read_patch_table(store.snapshot()); });
     write(whole);
   }
   EXPECT_GT(stored::read_patch_table(store.snapshot()).size(), 0u);
@@ -203,12 +182,7 @@ TEST(StoredCodebook, RefusesBytesThatCannotBeOne) {
   const auto refused = [&](std::vector<std::byte> bytes) {
     const store::Store::Blob blob{stored::kCodebookBlob, bytes, true};
     store.write(std::span(&blob, 1));
-    try {
-      stored::find_codebook(store.snapshot());
-    } catch (const Error& error) {
-      return error.kind() == ErrorKind::kDamaged;
-    }
-    return false;
+    return kind_of([&] { stored::find_codebook(store.snapshot()); }) == ErrorKind::kDamaged;
   };
   EXPECT_TRUE(refused({}));
   EXPECT_TRUE(refused({whole.begin(), whole.begin() + 20}));

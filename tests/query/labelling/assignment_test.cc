@@ -7,7 +7,8 @@
 #include <nlohmann/json.hpp>
 
 #include "freshet/error.h"
-#include "tests/query/made_store.h"
+#include "tests/harness/fault.h"
+#include "tests/stored/made_store.h"
 
 namespace freshet::query {
 namespace {
@@ -40,12 +41,7 @@ TEST(Assignment, IsReadBackAsItWasWritten) {
 }
 
 bool refused(const std::string& json) {
-  try {
-    assignment_from_json(json, "a");
-  } catch (const Error& error) {
-    return error.kind() == ErrorKind::kInput;
-  }
-  return false;
+  return kind_of([&] { assignment_from_json(json, "a"); }) == ErrorKind::kInput;
 }
 
 TEST(Assignment, RefusesWhatIsMissingOfAnotherTypeOrOutOfRange) {
@@ -176,14 +172,9 @@ TEST(Assignment, OfAReducedPictureIsAnotherVersionThatKnowsItsScale) {
 TEST(Assignment, ARefusalNamesTheFileThePieceAndTheField) {
   auto json = nlohmann::json::parse(to_json(some_assignment()));
   json["pieces"][2]["score"] = 1.5;
-  try {
-    assignment_from_json(json.dump(), "some.json");
-    FAIL() << "accepted";
-  } catch (const Error& error) {
-    const std::string what = error.what();
-    for (const char* part : {"some.json", "piece 2", "\"score\"", "1.5"})
-      EXPECT_NE(what.find(part), std::string::npos) << what;
-  }
+  const std::string what = fault_of([&] { assignment_from_json(json.dump(), "some.json"); });
+  for (const char* part : {"some.json", "piece 2", "\"score\"", "1.5"})
+    EXPECT_NE(what.find(part), std::string::npos) << what;
 }
 
 TEST(Assignment, NamesThatAreNoUtf8DoNotBreakTheFile) {
@@ -227,25 +218,15 @@ TEST(Assignment, FindsItsClipsInAStoreBySourceHashAndNamesThoseItLacks) {
   ASSERT_EQ(ids.size(), 2u);
   EXPECT_EQ(snapshot.clip(ids[0]).name, "river.mp4");
   EXPECT_EQ(snapshot.clip(ids[1]).name, "still.mp4");
-  const auto error_of = [&] {
-    try {
-      find_clips(assignment, snapshot);
-    } catch (const Error& error) {
-      return error;
-    }
-    ADD_FAILURE() << "accepted";
-    return Error(ErrorKind::kIo, "", "");
-  };
+  const auto found = [&] { find_clips(assignment, snapshot); };
   // Frames are 192 px wide.
   assignment.pieces[1].patch = {192 - 48, 0};
   EXPECT_NO_THROW(find_clips(assignment, snapshot));
   assignment.pieces[1].patch = {192 - 47, 0};
-  EXPECT_EQ(error_of().kind(), ErrorKind::kInput);
-  EXPECT_NE(std::string(error_of().what()).find("piece 1"), std::string::npos);
+  EXPECT_NE(fault_of(found).find("piece 1"), std::string::npos);
   assignment.pieces[1].patch = {0, 0};
   assignment.clips[1] = {"unknown.mp4", "", "", std::string(32, '0')};
-  EXPECT_EQ(error_of().kind(), ErrorKind::kNotFound);
-  EXPECT_NE(std::string(error_of().what()).find("unknown.mp4"), std::string::npos);
+  EXPECT_NE(fault_of(ErrorKind::kNotFound, found).find("unknown.mp4"), std::string::npos);
 }
 
 }  // namespace

@@ -5,7 +5,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "query/index/index_builder.h"
-#include "tests/query/made_store.h"
+#include "tests/stored/made_store.h"
 
 namespace freshet::query {
 namespace {

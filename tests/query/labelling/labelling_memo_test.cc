@@ -6,7 +6,7 @@
 
 #include "query/index/index_builder.h"
 #include "query/labelling/labelling.h"
-#include "tests/query/made_store.h"
+#include "tests/stored/made_store.h"
 
 namespace freshet::query {
 namespace {

@@ -13,7 +13,8 @@
 #include "query/index/index_builder.h"
 #include "query/labelling/contact_sheet.h"
 #include "query/labelling/label_map.h"
-#include "tests/query/made_store.h"
+#include "tests/harness/fault.h"
+#include "tests/stored/made_store.h"
 
 namespace freshet::query {
 namespace {
@@ -230,27 +231,19 @@ TEST_F(Label, SearchesThroughFlannWhenAsked) {
   for (std::size_t piece = 0; piece < search.target.size(); ++piece) {
     EXPECT_EQ(search.candidates.scores_of(piece)[0], 1);
   }
-  try {
-    open_search(*snapshot_, {.flann = FlannKind::kKMeans});
-    FAIL();
-  } catch (const Error& error) {
-    EXPECT_EQ(error.kind(), ErrorKind::kNotFound);
-  }
+  fault_of(ErrorKind::kNotFound, [&] { open_search(*snapshot_, {.flann = FlannKind::kKMeans}); });
 }
 
 TEST_F(Label, StopsWhenAsked) {
   std::stop_source source;
-  try {
+  fault_of(ErrorKind::kCancelled, [&] {
     label(
         *snapshot_, *base_, picture(1), whole_matte(), {},
         [&](const Progress& at) {
           if (at.stage == "comparing neighbours") source.request_stop();
         },
         source.get_token());
-    FAIL();
-  } catch (const Error& error) {
-    EXPECT_EQ(error.kind(), ErrorKind::kCancelled);
-  }
+  });
 }
 
 TEST_F(Label, IsShownAsSheetAndMap) {

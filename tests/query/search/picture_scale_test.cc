@@ -7,7 +7,7 @@
 #include "freshet/error.h"
 #include "query/index/index_builder.h"
 #include "query/labelling/labelling.h"
-#include "tests/query/made_store.h"
+#include "tests/stored/made_store.h"
 
 namespace freshet::query {
 namespace {

@@ -6,7 +6,8 @@
 #include <set>
 
 #include "freshet/error.h"
-#include "tests/query/made_store.h"
+#include "tests/harness/fault.h"
+#include "tests/stored/made_store.h"
 #include "vision/dense_sift.h"
 
 namespace freshet::query {
@@ -67,12 +68,7 @@ TEST(Target, KeepsPiecesByTheirShareAndCoversEverySpeck) {
 }
 
 TEST(Target, RefusesAMatteWithoutFluid) {
-  try {
-    lay_out(cv::Mat::zeros(50, 50, CV_8U), {});
-    FAIL();
-  } catch (const Error& error) {
-    EXPECT_EQ(error.kind(), ErrorKind::kInput);
-  }
+  fault_of(ErrorKind::kInput, [&] { lay_out(cv::Mat::zeros(50, 50, CV_8U), {}); });
 }
 
 vision::Codebook made_codebook() {

@@ -119,7 +119,7 @@ class Repair : public testing::Test {
   }
 
   const std::vector<TestClip> clips_ = all_clips();
-  const TestFolder folder_;
+  const ScratchFolder folder_;
   const fs::path file_ = folder_ / "a", damaged_ = folder_ / "d", out_ = folder_ / "o";
   std::vector<std::vector<char>> states_;  // the file after each transaction
   int refused_ = 0;

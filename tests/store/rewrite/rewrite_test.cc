@@ -5,6 +5,7 @@
 
 #include <stop_token>
 
+#include "tests/harness/fault.h"
 #include "tests/store/raw_file.h"
 
 namespace freshet::store {
@@ -41,15 +42,6 @@ void expect_whole(const fs::path& file) {
   EXPECT_FALSE(fs::exists(file.string() + ".making"));
 }
 
-std::string message_of(const std::function<void()>& act) {
-  try {
-    act();
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "no error";
-}
-
 /// Turns a bit in the middle of the first record that `is_meant`, where it lies in the file. (Through LMDB the old
 /// copy would stay on a free page, and be found there.)
 void damage(const fs::path& file,
@@ -69,7 +61,7 @@ void damage(const fs::path& file,
 
 class Rewrite : public testing::Test {
  protected:
-  const TestFolder folder_;
+  const ScratchFolder folder_;
   const fs::path a_ = folder_ / "a", b_ = folder_ / "b", c_ = folder_ / "c";
 };
 
@@ -125,7 +117,7 @@ TEST_F(Rewrite, CompactionRefusesWhatIsOpenAndLeavesALinkALink) {
   fs::permissions(a_, fs::perms::owner_read | fs::perms::owner_write);
   {
     const Snapshot snapshot = Store::open_read(a_).snapshot();
-    EXPECT_EQ(error_of([&] { compact(a_); }), ErrorKind::kIo);
+    EXPECT_EQ(kind_of([&] { compact(a_); }), ErrorKind::kIo);
   }
   compact(b_);
   EXPECT_TRUE(fs::is_symlink(b_));
@@ -150,9 +142,9 @@ TEST_F(Rewrite, StoppedItLeavesEverythingAsItWas) {
   stop.request_stop();
   const Job job{.stop = stop.get_token()};
   const fs::path files[] = {a_, b_};
-  EXPECT_EQ(error_of([&] { compact(a_, job); }), ErrorKind::kCancelled);
-  EXPECT_EQ(error_of([&] { merge(files, c_, kIndex, job); }), ErrorKind::kCancelled);
-  EXPECT_EQ(error_of([&] { repair(a_, c_, kIndex, job); }), ErrorKind::kCancelled);
+  EXPECT_EQ(kind_of([&] { compact(a_, job); }), ErrorKind::kCancelled);
+  EXPECT_EQ(kind_of([&] { merge(files, c_, kIndex, job); }), ErrorKind::kCancelled);
+  EXPECT_EQ(kind_of([&] { repair(a_, c_, kIndex, job); }), ErrorKind::kCancelled);
   EXPECT_EQ(file_bytes(a_), before);
   EXPECT_FALSE(fs::exists(c_) || fs::exists(c_.string() + ".making") || fs::exists(a_.string() + ".making"));
 }
@@ -174,7 +166,7 @@ TEST_F(Rewrite, AClipThatIsNotThereIsNotRemoved) {
   make(a_, {kA});
   const std::vector<char> before = file_bytes(a_);
   const std::string names[] = {kA.name, "none"};
-  EXPECT_EQ(error_of([&] { remove_clips(a_, names, kIndex); }), ErrorKind::kNotFound);
+  EXPECT_EQ(kind_of([&] { remove_clips(a_, names, kIndex); }), ErrorKind::kNotFound);
   EXPECT_EQ(file_bytes(a_), before);
 }
 
@@ -192,7 +184,7 @@ TEST_F(Rewrite, MergedStoresAreWhatOneIngestMakes) {
   expect_whole(folder_ / "m");
   const Store store = Store::open_read(folder_ / "m");
   EXPECT_TRUE(reads_back(store.snapshot(), ClipId{2}, kB));
-  EXPECT_EQ(error_of([&] { merge(files, folder_ / "m", kIndex); }), ErrorKind::kIo);
+  EXPECT_EQ(kind_of([&] { merge(files, folder_ / "m", kIndex); }), ErrorKind::kIo);
 }
 
 TEST_F(Rewrite, AClipOfTwoStoresIsMergedOnce) {
@@ -210,8 +202,7 @@ TEST_F(Rewrite, StoresThatDoNotGoTogetherAreNotMerged) {
   make(a_, {kA});
   make(b_, {kB}, "{\"patch\": 32}");
   const fs::path files[] = {a_, b_};
-  EXPECT_NE(message_of([&] { merge(files, folder_ / "m", kIndex); }).find("other settings"),
-            std::string::npos);
+  EXPECT_NE(fault_of([&] { merge(files, folder_ / "m", kIndex); }).find("other settings"), std::string::npos);
   make(c_, {});
   {
     Store store = Store::open_write(c_);
@@ -221,7 +212,7 @@ TEST_F(Rewrite, StoresThatDoNotGoTogetherAreNotMerged) {
     writer.commit(record);
   }
   const fs::path same_name[] = {a_, c_};
-  EXPECT_NE(message_of([&] { merge(same_name, folder_ / "m", kIndex); }).find("another source"),
+  EXPECT_NE(fault_of([&] { merge(same_name, folder_ / "m", kIndex); }).find("another source"),
             std::string::npos);
   EXPECT_FALSE(fs::exists(folder_ / "m"));
 }
@@ -244,7 +235,7 @@ TEST_F(Rewrite, ADamagedRecordCostsItsClipAlone) {
   damage(a_, [](const std::string& table, const std::string& key) {
     return table == "tiles" && key.starts_with(std::string("\0\0\0\1\1", 5));
   });
-  EXPECT_EQ(error_of([&] { compact(a_); }), ErrorKind::kDamaged);
+  EXPECT_EQ(kind_of([&] { compact(a_); }), ErrorKind::kDamaged);
   const RepairReport report = repair(a_, b_, kIndex);
   ASSERT_EQ(report.lost.size(), 1u);
   EXPECT_EQ(report.lost[0].name, kB.name);
@@ -346,10 +337,10 @@ TEST_F(Rewrite, WhatIsSavedOfAnyDamageIsTrue) {
 TEST_F(Rewrite, WhatIsNoStoreIsNotRepaired) {
   write_file(a_, std::vector<char>(100000, 'x'));
   write_file(b_, {});
-  EXPECT_EQ(error_of([&] { repair(a_, c_, kIndex); }), ErrorKind::kInput);
-  EXPECT_EQ(error_of([&] { repair(b_, c_, kIndex); }), ErrorKind::kInput);
-  EXPECT_EQ(error_of([&] { repair(folder_.path(), c_, kIndex); }), ErrorKind::kInput);
-  EXPECT_EQ(error_of([&] { repair(folder_ / "none", c_, kIndex); }), ErrorKind::kInput);
+  EXPECT_EQ(kind_of([&] { repair(a_, c_, kIndex); }), ErrorKind::kInput);
+  EXPECT_EQ(kind_of([&] { repair(b_, c_, kIndex); }), ErrorKind::kInput);
+  EXPECT_EQ(kind_of([&] { repair(folder_.path(), c_, kIndex); }), ErrorKind::kInput);
+  EXPECT_EQ(kind_of([&] { repair(folder_ / "none", c_, kIndex); }), ErrorKind::kInput);
   EXPECT_FALSE(fs::exists(c_));
 }
 

@@ -8,6 +8,7 @@
 
 #include "freshet/error.h"
 #include "hints/svg_strokes.h"
+#include "tests/harness/fault.h"
 
 namespace freshet::studio {
 namespace {
@@ -87,13 +88,8 @@ Document full() {
 }
 
 void expect_refused(const Json& json, const std::string& word) {
-  try {
-    document_from_json(json.dump(), "document");
-    FAIL() << "taken: " << json.dump().substr(0, 200);
-  } catch (const Error& fault) {
-    EXPECT_EQ(fault.kind(), ErrorKind::kInput);
-    EXPECT_NE(std::string(fault.what()).find(word), std::string::npos) << fault.what();
-  }
+  const std::string fault = fault_of(ErrorKind::kInput, [&] { document_from_json(json.dump(), "document"); });
+  EXPECT_NE(fault.find(word), std::string::npos) << fault;
 }
 
 TEST(Document, ComesBackFromItsText) {

@@ -16,6 +16,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "freshet/error.h"
+#include "tests/harness/fault.h"
 #include "tests/synth/animate/flowing_clip.h"
 #include "tests/synth/animate/measured_clip.h"
 
@@ -246,12 +247,7 @@ TEST_P(Animated, StopsWhereItIsAskedTo) {
   std::stop_source stop;
   AnimateOptions options = GetParam().options;
   options.matte_sink = [&](const cv::Mat&) { stop.request_stop(); };
-  try {
-    animated(options, stop.get_token());
-    FAIL() << "it went on";
-  } catch (const Error& error) {
-    EXPECT_EQ(error.kind(), ErrorKind::kCancelled);
-  }
+  fault_of(ErrorKind::kCancelled, [&] { animated(options, stop.get_token()); });
 }
 
 INSTANTIATE_TEST_SUITE_P(Methods, Animated, testing::ValuesIn(cases()),

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "freshet/error.h"
+#include "tests/harness/fault.h"
 
 namespace freshet::synth::animate {
 namespace {
@@ -19,13 +20,7 @@ std::string other_value(const MethodSetting& setting, const std::string& now) {
 }
 
 std::string fault_of(const MethodSetting& setting, Method method, const std::string& value) {
-  try {
-    setting.set(method, value);
-  } catch (const Error& error) {
-    EXPECT_EQ(error.kind(), ErrorKind::kUsage);
-    return error.what();
-  }
-  return "";
+  return fault_of(ErrorKind::kUsage, [&] { setting.set(method, value); });
 }
 
 TEST(MethodSettings, EachChangesItsOwnFieldAndNoOther) {

@@ -7,6 +7,8 @@
 #include <fstream>
 
 #include "freshet/error.h"
+#include "tests/harness/fault.h"
+#include "tests/harness/scratch_folder.h"
 
 namespace freshet::synth::flowlines {
 namespace {
@@ -14,21 +16,15 @@ namespace {
 class LineFiles : public testing::Test {
  protected:
   std::filesystem::path write(const std::string& paths) const {
-    std::ofstream(file_) << "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"100\" height=\"80\">" << paths
-                         << "</svg>";
-    return file_;
+    return folder_.file(
+        "lines.svg",
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"100\" height=\"80\">" + paths + "</svg>");
   }
   std::string fault(const std::string& paths) const {
-    try {
-      read_lines(write(paths), {100, 80}, 10);
-    } catch (const Error& error) {
-      return error.what();
-    }
-    return "";
+    return fault_of([&] { read_lines(write(paths), {100, 80}, 10); });
   }
-  void TearDown() override { std::filesystem::remove(file_); }
-  std::filesystem::path file_ =
-      std::filesystem::temp_directory_path() / ("lines_" + std::to_string(::getpid()) + ".svg");
+  const ScratchFolder folder_;
+  const std::filesystem::path file_ = folder_ / "lines.svg";
 };
 
 TEST_F(LineFiles, KeepNamesPlacesAndSpeeds) {

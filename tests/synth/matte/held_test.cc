@@ -24,7 +24,8 @@ TEST(Held, AllOfTheFluidCannotBeHeld) {
   cv::Mat alpha(20, 20, CV_8U, cv::Scalar(0)), held(20, 20, CV_8U, cv::Scalar(0));
   alpha(cv::Rect(5, 5, 8, 8)).setTo(255);
   held(cv::Rect(4, 4, 10, 10)).setTo(255);
-  EXPECT_NE(message_of([&] { less_held(alpha, held, "held.png"); }).find("held.png"), std::string::npos);
+  EXPECT_NE(fault_of(ErrorKind::kInput, [&] { less_held(alpha, held, "held.png"); }).find("held.png"),
+            std::string::npos);
 }
 
 }  // namespace

@@ -8,6 +8,8 @@
 
 #include <opencv2/imgcodecs.hpp>
 
+#include "tests/harness/scratch_folder.h"
+
 namespace freshet::synth::matte {
 
 MadePicture made_picture(cv::Size size, double softness) {
@@ -37,22 +39,9 @@ double sad_fraction(const cv::Mat& alpha, const cv::Mat& truth) {
   return cv::norm(alpha, truth, cv::NORM_L1) / cv::sum(truth)[0];
 }
 
-Folder::Folder() {
-  std::string name = (std::filesystem::temp_directory_path() / "freshet-matte-XXXXXX").string();
-  if (mkdtemp(name.data()) == nullptr) throw std::runtime_error("no temporary folder");
-  path_ = name;
-}
-
-Folder::~Folder() { std::filesystem::remove_all(path_); }
-
-std::filesystem::path Folder::write(const std::string& name, const std::string& text) const {
-  std::ofstream(path_ / name) << text;
-  return path_ / name;
-}
-
-std::filesystem::path Folder::write(const std::string& name, const cv::Mat& picture) const {
-  cv::imwrite(path_ / name, picture);
-  return path_ / name;
+std::filesystem::path written(const ScratchFolder& folder, const std::string& name, const cv::Mat& picture) {
+  cv::imwrite(folder / name, picture);
+  return folder / name;
 }
 
 }  // namespace freshet::synth::matte

@@ -8,6 +8,8 @@
 
 #include "freshet/error.h"
 #include "synth/matte/marks.h"
+#include "tests/harness/fault.h"
+#include "tests/harness/scratch_folder.h"
 
 namespace freshet::synth::matte {
 
@@ -22,30 +24,7 @@ MadePicture made_picture(cv::Size size = {160, 120}, double softness = 6);
 /// Sum of absolute differences, alpha 0..1, as a fraction of the truth's own area.
 double sad_fraction(const cv::Mat& alpha, const cv::Mat& truth);
 
-/// A folder that is removed with the test.
-class Folder {
- public:
-  Folder();
-  ~Folder();
-  Folder(const Folder&) = delete;
-  Folder& operator=(const Folder&) = delete;
-  std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
-  std::filesystem::path write(const std::string& name, const std::string& text) const;
-  std::filesystem::path write(const std::string& name, const cv::Mat& picture) const;
-
- private:
-  std::filesystem::path path_;
-};
-
-/// What the Error says that this throws; empty when it throws none.
-template <typename Action>
-std::string message_of(const Action& action) {
-  try {
-    action();
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return {};
-}
+/// Writes a picture into a test's folder.
+std::filesystem::path written(const ScratchFolder& folder, const std::string& name, const cv::Mat& picture);
 
 }  // namespace freshet::synth::matte

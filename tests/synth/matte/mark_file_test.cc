@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/harness/scratch_folder.h"
 #include "tests/synth/matte/made_picture.h"
 
 namespace freshet::synth::matte {
@@ -14,9 +15,9 @@ std::string file_of(const std::string& marks) {
 }
 
 TEST(MarkFile, LinesDotsAndBoxes) {
-  const Folder folder;
+  const ScratchFolder folder;
   const Marks marks = read_marks(
-      folder.write("m.json", file_of(R"({"is": "fluid", "points": [[20.5, 10.5], [40.5, 10.5]], "width": 3},
+      folder.file("m.json", file_of(R"({"is": "fluid", "points": [[20.5, 10.5], [40.5, 10.5]], "width": 3},
                                         {"is": "fluid", "points": [[30.5, 30.5]], "width": 5},
                                         {"is": "background", "box": [60, 0, 5, 60]},
                                         {"is": "within", "box": [10, 0, 70, 60]})")),
@@ -31,7 +32,7 @@ TEST(MarkFile, LinesDotsAndBoxes) {
 }
 
 TEST(MarkFile, BadOnesSayWhichMarkAndWhatIsExpected) {
-  const Folder folder;
+  const ScratchFolder folder;
   const std::vector<std::pair<std::string, std::string>> cases{
       {"", "no mark in it"},
       {R"({"is": "sea", "points": [[1, 1]]})", "mark 1: \"is\" is none of fluid, background, within"},
@@ -46,14 +47,14 @@ TEST(MarkFile, BadOnesSayWhichMarkAndWhatIsExpected) {
       {R"({"is": "within", "box": [90, 0, 10, 10]})", "mark 1: its box has no area in the picture"},
       {"7", "mark 1 is not an object"}};
   for (const auto& [marks, message] : cases) {
-    const auto path = folder.write("bad.json", file_of(marks));
-    const std::string said = message_of([&] { read_marks(path, kSize); });
+    const auto path = folder.file("bad.json", file_of(marks));
+    const std::string said = fault_of(ErrorKind::kInput, [&] { read_marks(path, kSize); });
     EXPECT_NE(said.find("bad.json: " + message), std::string::npos) << marks << "\n" << said;
     EXPECT_NE(said.find("Expected: {\"format\""), std::string::npos) << said;
   }
   const auto whole = [&](const std::string& text) {
-    const auto path = folder.write("bad.json", text);
-    return message_of([&] { read_marks(path, kSize); });
+    const auto path = folder.file("bad.json", text);
+    return fault_of(ErrorKind::kInput, [&] { read_marks(path, kSize); });
   };
   EXPECT_NE(whole("{").find("not a JSON file"), std::string::npos);
   EXPECT_NE(whole("[]").find("\"format\" is not"), std::string::npos);
@@ -61,8 +62,9 @@ TEST(MarkFile, BadOnesSayWhichMarkAndWhatIsExpected) {
             std::string::npos);
   EXPECT_NE(whole(R"({"format": "freshet-marks", "version": 1})").find("\"marks\" is not a list"),
             std::string::npos);
-  EXPECT_NE(message_of([&] { read_marks(folder / "missing.json", kSize); }).find("no such file"),
-            std::string::npos);
+  EXPECT_NE(
+      fault_of(ErrorKind::kInput, [&] { read_marks(folder / "missing.json", kSize); }).find("no such file"),
+      std::string::npos);
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 // Scribbles as people draw them, and boxes.
 
 #include "synth/matte/marks.h"
+#include "tests/harness/scratch_folder.h"
 
 #include <gtest/gtest.h>
 
@@ -40,60 +41,60 @@ Marks expected() {
 int differing(const Marks& a, const Marks& b) { return cv::countNonZero(a != b); }
 
 TEST(Scribbles, OnATransparentGround) {
-  const Folder folder;
+  const ScratchFolder folder;
   cv::Mat drawn(kRows, kCols, CV_8UC4, cv::Scalar(255, 255, 255, 0));
   draw(drawn);
-  EXPECT_EQ(differing(read_scribbles(folder.write("s.png", drawn), picture()), expected()), 0);
+  EXPECT_EQ(differing(read_scribbles(written(folder, "s.png", drawn), picture()), expected()), 0);
 }
 
 TEST(Scribbles, OnGrey) {
-  const Folder folder;
+  const ScratchFolder folder;
   cv::Mat drawn(kRows, kCols, CV_8UC3, cv::Scalar::all(128));
   draw(drawn);
-  EXPECT_EQ(differing(read_scribbles(folder.write("s.png", drawn), picture()), expected()), 0);
+  EXPECT_EQ(differing(read_scribbles(written(folder, "s.png", drawn), picture()), expected()), 0);
 }
 
 // The picture's own black is no stroke, and a black stroke over it cannot be told from it.
 TEST(Scribbles, PaintedOverThePicture) {
-  const Folder folder;
+  const ScratchFolder folder;
   cv::Mat drawn = picture();
   draw(drawn);
   std::vector<std::string> notices;
   Marks wanted = expected();
   wanted(kThree).setTo(kUnknown);
-  EXPECT_EQ(differing(read_scribbles(folder.write("s.png", drawn), picture(), &notices), wanted), 0);
+  EXPECT_EQ(differing(read_scribbles(written(folder, "s.png", drawn), picture(), &notices), wanted), 0);
   ASSERT_EQ(notices.size(), 1u);
   EXPECT_NE(notices[0].find("painted over the picture"), std::string::npos);
 }
 
 // A whole matte in black and white is one, even over a picture that is black and white too.
 TEST(Scribbles, ATrimapOfTwoColours) {
-  const Folder folder;
+  const ScratchFolder folder;
   cv::Mat drawn(kRows, kCols, CV_8UC3, cv::Scalar::all(0));
   drawn(kOne).setTo(cv::Scalar::all(255));
-  const Marks marks = read_scribbles(folder.write("s.png", drawn), picture());
+  const Marks marks = read_scribbles(written(folder, "s.png", drawn), picture());
   EXPECT_EQ(cv::countNonZero(marks == kFluid), kOne.area());
   EXPECT_EQ(cv::countNonZero(marks == kBackground), kRows * kCols - kOne.area());
 }
 
 TEST(Scribbles, BadOnesSayWhatToDo) {
-  const Folder folder;
+  const ScratchFolder folder;
   const auto answer = [&](const std::filesystem::path& path) {
-    return message_of([&] { read_scribbles(path, picture()); });
+    return fault_of(ErrorKind::kInput, [&] { read_scribbles(path, picture()); });
   };
-  const std::string small = answer(folder.write("small.png", cv::Mat(30, 40, CV_8UC3, cv::Scalar::all(255))));
+  const std::string small =
+      answer(written(folder, "small.png", cv::Mat(30, 40, CV_8UC3, cv::Scalar::all(255))));
   EXPECT_NE(small.find("small.png: the scribbles are 40 x 30 px, the picture 80 x 60"), std::string::npos)
       << small;
   for (const std::string& empty :
-       {answer(folder.write("clear.png", cv::Mat(kRows, kCols, CV_8UC4, cv::Scalar(255, 255, 255, 0)))),
-        answer(folder.write("grey.png", cv::Mat(kRows, kCols, CV_8UC3, cv::Scalar::all(128)))),
-        answer(folder.write("same.png", picture()))}) {
+       {answer(written(folder, "clear.png", cv::Mat(kRows, kCols, CV_8UC4, cv::Scalar(255, 255, 255, 0)))),
+        answer(written(folder, "grey.png", cv::Mat(kRows, kCols, CV_8UC3, cv::Scalar::all(128)))),
+        answer(written(folder, "same.png", picture()))}) {
     EXPECT_NE(empty.find("no stroke in it"), std::string::npos) << empty;
     EXPECT_NE(empty.find("white or green where the fluid is"), std::string::npos) << empty;
   }
   EXPECT_NE(answer(folder / "missing.png").find("no such file"), std::string::npos);
-  EXPECT_NE(answer(folder.write("text.png", std::string("no picture"))).find("not a picture"),
-            std::string::npos);
+  EXPECT_NE(answer(folder.file("text.png", "no picture")).find("not a picture"), std::string::npos);
 }
 
 TEST(KeepWithin, MarksWhatIsOutsideOfAllBoxesAndUnknown) {
@@ -109,7 +110,7 @@ TEST(KeepWithin, ABoxOutsideOrWithoutAreaIsRefused) {
   Marks marks(kRows, kCols, CV_8U, cv::Scalar(kUnknown));
   for (const cv::Rect2d& box :
        {cv::Rect2d(100, 0, 10, 10), cv::Rect2d(0, 0, 0, 10), cv::Rect2d(5, 5, -3, 4)}) {
-    const std::string said = message_of([&] { keep_within(marks, {box}, "--box"); });
+    const std::string said = fault_of(ErrorKind::kInput, [&] { keep_within(marks, {box}, "--box"); });
     EXPECT_NE(said.find("--box: the box"), std::string::npos) << said;
     EXPECT_NE(said.find("has no area in the picture of 80 x 60 px"), std::string::npos) << said;
   }

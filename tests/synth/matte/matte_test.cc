@@ -129,7 +129,7 @@ TEST(Matte, PicturesWithoutContrastOrSizeDoNotFail) {
       MatteOptions options;
       options.edge.edge = edge;
       if (size.width == 1) {
-        EXPECT_NE(message_of([&] { make_matte(flat, marks, options, "marks"); }), "");
+        EXPECT_NE(fault_of(ErrorKind::kInput, [&] { make_matte(flat, marks, options, "marks"); }), "");
       } else {
         EXPECT_GT(make_matte(flat, marks, options, "marks").fraction, 0) << size;
       }
@@ -140,7 +140,7 @@ TEST(Matte, PicturesWithoutContrastOrSizeDoNotFail) {
 TEST(Matte, MarksThatLeaveNothingToFindAreRefused) {
   const MadePicture made = made_picture();
   const auto answer = [&](const Marks& marks) {
-    return message_of([&] { make_matte(made.picture, marks, {}, "s.png"); });
+    return fault_of(ErrorKind::kInput, [&] { make_matte(made.picture, marks, {}, "s.png"); });
   };
   EXPECT_NE(answer(Marks(made.picture.size(), CV_8U, cv::Scalar(kUnknown))).find("s.png: nothing is marked"),
             std::string::npos);
@@ -154,7 +154,7 @@ TEST(Matte, MarksThatLeaveNothingToFindAreRefused) {
   const cv::Mat flat(60, 80, CV_8UC3, cv::Scalar(80, 80, 80));
   Marks most(flat.size(), CV_8U, cv::Scalar(kBackground));
   most.at<std::uint8_t>(30, 40) = kUnknown;
-  const std::string said = message_of([&] { make_matte(flat, most, {}, "s.png"); });
+  const std::string said = fault_of(ErrorKind::kInput, [&] { make_matte(flat, most, {}, "s.png"); });
   EXPECT_NE(said.find("s.png: no pixel came out as fluid"), std::string::npos) << said;
 }
 

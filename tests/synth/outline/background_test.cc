@@ -5,6 +5,7 @@
 
 #include "freshet/error.h"
 #include "synth/outline/moving_outline.h"
+#include "tests/harness/fault.h"
 
 namespace freshet::synth::outline {
 namespace {
@@ -50,13 +51,10 @@ TEST(Background, IsFoundOnAReducedCopyOfALargePicture) {
 
 TEST(Background, AMatteThatCoversEverythingLeavesNoneToBeSeen) {
   const Scene s = scene();
-  try {
+  const std::string fault = fault_of(ErrorKind::kInput, [&] {
     inpaint_background(s.picture, cv::Mat(s.picture.size(), CV_8U, cv::Scalar(255)));
-    FAIL();
-  } catch (const Error& error) {
-    EXPECT_EQ(error.kind(), ErrorKind::kInput);
-    EXPECT_NE(std::string(error.what()).find("--background"), std::string::npos) << error.what();
-  }
+  });
+  EXPECT_NE(fault.find("--background"), std::string::npos) << fault;
 }
 
 TEST(Background, AnEmptyMatteHidesNothing) {
@@ -81,13 +79,8 @@ TEST(Background, OneOfAnotherSizeIsRefused) {
   const Scene s = scene();
   MovingOutlineOptions options;
   options.background = cv::Mat::zeros(90, 100, CV_8UC3);
-  try {
-    behind_fluid(s.picture, s.matte, options);
-    FAIL();
-  } catch (const Error& error) {
-    EXPECT_EQ(error.kind(), ErrorKind::kInput);
-    EXPECT_NE(std::string(error.what()).find("100 x 90"), std::string::npos) << error.what();
-  }
+  const std::string fault = fault_of(ErrorKind::kInput, [&] { behind_fluid(s.picture, s.matte, options); });
+  EXPECT_NE(fault.find("100 x 90"), std::string::npos) << fault;
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "freshet/error.h"
+#include "tests/harness/fault.h"
 
 namespace freshet::synth::playing {
 namespace {
@@ -116,16 +117,11 @@ TEST(Timeline, PhasesSpreadTheFades) {
 
 TEST(Timeline, SaysWhichClipIsTooShort) {
   for (const bool loop : {false, true}) {
-    try {
-      play({.frames = loop ? 8 : 50, .loop = loop}, std::nullopt, 25, 11);
-      FAIL();
-    } catch (const Error& error) {
-      EXPECT_EQ(error.kind(), ErrorKind::kInput);
-      const std::string what = error.what();
-      EXPECT_NE(what.find("clip"), std::string::npos) << what;
-      EXPECT_NE(what.find("11 frames"), std::string::npos) << what;
-      EXPECT_NE(what.find("20 frames are needed"), std::string::npos) << what;
-    }
+    const std::string what = fault_of(
+        ErrorKind::kInput, [&] { play({.frames = loop ? 8 : 50, .loop = loop}, std::nullopt, 25, 11); });
+    EXPECT_NE(what.find("clip"), std::string::npos) << what;
+    EXPECT_NE(what.find("11 frames"), std::string::npos) << what;
+    EXPECT_NE(what.find("20 frames are needed"), std::string::npos) << what;
   }
 }
 

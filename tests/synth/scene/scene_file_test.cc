@@ -13,6 +13,7 @@
 #include "freshet/error.h"
 #include "synth/scene/printed_scene.h"
 #include "synth/scene/scene_marks.h"
+#include "tests/harness/scratch_folder.h"
 #include "tests/synth/scene/made_scene.h"
 
 namespace freshet::synth::scene {
@@ -245,27 +246,25 @@ TEST(SceneMarks, AnArmatureOutsideItsLayerIsRefused) {
 /// A drawing in a file that goes away.
 class Drawing {
  public:
-  explicit Drawing(const std::string& body)
-      : path_(std::filesystem::temp_directory_path() /
-              ("scene_marks_" + std::to_string(::getpid()) + ".svg")) {
-    std::ofstream(path_) << "<svg xmlns='http://www.w3.org/2000/svg' "
-                            "xmlns:inkscape='http://www.inkscape.org/namespaces/inkscape' "
-                            "width='160' height='120'>"
-                         << body << "</svg>";
+  explicit Drawing(const std::string& body) {
+    folder_.file("marks.svg",
+                 "<svg xmlns='http://www.w3.org/2000/svg' "
+                 "xmlns:inkscape='http://www.inkscape.org/namespaces/inkscape' "
+                 "width='160' height='120'>" +
+                     body + "</svg>");
   }
-  ~Drawing() { std::filesystem::remove(path_); }
   Scene scene() const {
     std::string text = made_scene_text("speed = 5");
     text = replaced(text, "armature = [30, 80, 30, 20]\n", "");
     text = replaced(text, "hull = [80, 90, 120, 90]\n", "");
     text = replaced(text, "horizon = [0, 58, 160, 58]\n", "");
     Scene scene = parse_scene(text, "made.toml");
-    scene.marks = path_;
+    scene.marks = folder_ / "marks.svg";
     return scene;
   }
 
  private:
-  std::filesystem::path path_;
+  ScratchFolder folder_;
 };
 
 TEST(SceneMarks, LinesBelongToTheLayerThatNamesThem) {

@@ -9,6 +9,7 @@
 
 #include "cache/content_hash.h"
 #include "synth/stills/rendering.h"
+#include "tests/harness/scratch_folder.h"
 #include "tests/synth/stills/made_stills.h"
 
 namespace freshet::synth::stills {
@@ -18,15 +19,14 @@ namespace fs = std::filesystem;
 
 class Kept : public testing::Test {
  protected:
-  Kept() : folder_(fs::temp_directory_path() / ("kept_between_test_" + std::to_string(::getpid()))) {}
-  ~Kept() override { fs::remove_all(folder_); }
   std::uintmax_t bytes() const {
     std::uintmax_t sum = 0;
     for (const auto& each : fs::directory_iterator(folder_))
       if (each.is_regular_file()) sum += each.file_size();
     return sum;
   }
-  const fs::path folder_;
+  const ScratchFolder scratch_;
+  const fs::path folder_ = scratch_ / "kept";
 };
 
 TEST_F(Kept, APictureIsMadeOnceAndAgainWhenItsStillsChange) {

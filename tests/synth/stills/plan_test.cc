@@ -15,6 +15,8 @@
 #include "freshet/error.h"
 #include "synth/stills/page.h"
 #include "synth/stills/rendering.h"
+#include "tests/harness/fault.h"
+#include "tests/harness/scratch_folder.h"
 #include "tests/synth/stills/made_stills.h"
 
 namespace freshet::synth::stills {
@@ -30,23 +32,15 @@ struct Scene {
 
 class Edits : public testing::Test {
  protected:
-  Edits()
-      : file_(std::filesystem::temp_directory_path() /
-              ("edits_test_" + std::to_string(::getpid()) + ".toml")) {}
-  ~Edits() override { std::filesystem::remove(file_); }
   std::vector<RegionEdits> read(const std::string& text) const {
     std::ofstream(file_) << text;
     return read_edits(file_);
   }
   std::string fault(const std::string& text) const {
-    try {
-      read(text);
-    } catch (const Error& error) {
-      return error.what();
-    }
-    return "nothing";
+    return fault_of([&] { read(text); });
   }
-  std::filesystem::path file_;
+  const ScratchFolder folder_;
+  const std::filesystem::path file_ = folder_ / "edits.toml";
 };
 
 TEST_F(Edits, SpeedAndPathsOfOneRegionAreHeeded) {

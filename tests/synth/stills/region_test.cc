@@ -9,6 +9,7 @@
 #include "freshet/error.h"
 #include "synth/stills/region_proposal.h"
 #include "synth/stills/region_split.h"
+#include "tests/harness/fault.h"
 #include "tests/synth/stills/made_stills.h"
 
 namespace freshet::synth::stills {
@@ -79,12 +80,8 @@ TEST(RegionProposal, ACrowdOfPiecesThatTouchIsOneSurface) {
 
 TEST(RegionProposal, SaysWhenNothingMoves) {
   const cv::Mat ground = made_ground(kSize);
-  try {
-    propose_regions({ground, ground.clone(), ground.clone()});
-    FAIL() << "nothing was said";
-  } catch (const Error& fault) {
-    EXPECT_NE(std::string(fault.what()).find("nothing moves"), std::string::npos);
-  }
+  const std::string fault = fault_of([&] { propose_regions({ground, ground.clone(), ground.clone()}); });
+  EXPECT_NE(fault.find("nothing moves"), std::string::npos);
 }
 
 TEST(RegionWeights, ASlowRegionDoesNotReachIntoWhatMoves) {

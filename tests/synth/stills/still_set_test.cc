@@ -13,6 +13,8 @@
 #include "freshet/error.h"
 #include "media/picture/capture_time.h"
 #include "synth/stills/region_file.h"
+#include "tests/harness/fault.h"
+#include "tests/harness/scratch_folder.h"
 #include "tests/synth/stills/made_stills.h"
 
 namespace freshet::synth::stills {
@@ -22,11 +24,6 @@ namespace fs = std::filesystem;
 
 class StillFolder : public testing::Test {
  protected:
-  StillFolder() : folder_(fs::temp_directory_path() / ("stills_test_" + std::to_string(::getpid()))) {
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
-  }
-  ~StillFolder() override { fs::remove_all(folder_); }
   void write(const std::string& name, const cv::Mat& picture) const {
     cv::imwrite((folder_ / name).string(), picture);
   }
@@ -35,21 +32,15 @@ class StillFolder : public testing::Test {
     for (int i = 0; i < 3; ++i) write(std::string(1, static_cast<char>('a' + i)) + ".png", stills[i]);
   }
   std::string refusal() const {
-    try {
-      read_stills(folder_);
-    } catch (const Error& fault) {
-      EXPECT_EQ(fault.kind(), ErrorKind::kInput);
-      return fault.what();
-    }
-    return "nothing was refused";
+    return fault_of(ErrorKind::kInput, [&] { read_stills(folder_.path()); });
   }
-  fs::path folder_;
+  ScratchFolder folder_;
 };
 
 TEST_F(StillFolder, AVideoAmongThemIsPassedOverAndTold) {
   write_pendulum();
   std::ofstream(folder_ / "clip.mp4") << "no picture";
-  const StillSet set = read_stills(folder_);
+  const StillSet set = read_stills(folder_.path());
   EXPECT_EQ(set.count(), 3);
   ASSERT_EQ(set.notices.size(), 1u);
   EXPECT_NE(set.notices[0].find("clip.mp4"), std::string::npos);
@@ -59,7 +50,7 @@ TEST_F(StillFolder, ADamagedStillIsLeftOutAndTold) {
   write_pendulum();
   write("d.jpg", made_pendulum({.7})[0]);
   fs::resize_file(folder_ / "d.jpg", fs::file_size(folder_ / "d.jpg") / 2);
-  const StillSet set = read_stills(folder_);
+  const StillSet set = read_stills(folder_.path());
   EXPECT_EQ(set.names, (std::vector<std::string>{"a.png", "b.png", "c.png"}));
   ASSERT_EQ(set.notices.size(), 1u);
   EXPECT_NE(set.notices[0].find("d.jpg"), std::string::npos);
@@ -87,7 +78,7 @@ TEST_F(StillFolder, SixteenBitsAreKept) {
   cv::Mat deep;
   made_pendulum({.3})[0].convertTo(deep, CV_16U, 256);
   write("deep.tif", deep);
-  const StillSet set = read_stills(folder_);
+  const StillSet set = read_stills(folder_.path());
   ASSERT_EQ(set.count(), 4);
   for (const cv::Mat& each : set.pictures) EXPECT_EQ(each.type(), CV_16UC3);
   EXPECT_EQ(cv::norm(set.pictures[3], deep, cv::NORM_INF), 0);
@@ -128,7 +119,7 @@ TEST_F(StillFolder, ExifTurnsAStillAndItsTimeIsToldButOrdersNothing) {
     std::ofstream(folder_ / (std::string(1, static_cast<char>('a' + i)) + ".jpg"), std::ios::binary)
         .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
   }
-  const StillSet set = read_stills(folder_);
+  const StillSet set = read_stills(folder_.path());
   EXPECT_EQ(set.names, (std::vector<std::string>{"a.jpg", "b.jpg", "c.jpg"}));
   for (int i = 0; i < 3; ++i) {
     ASSERT_EQ(set.pictures[i].size(), stills[i].size());

@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include "freshet/error.h"
+#include "tests/harness/scratch_folder.h"
 
 namespace freshet::synth::transfer {
 namespace {
@@ -15,17 +16,14 @@ namespace {
 class StateFile : public ::testing::Test {
  protected:
   StateFile() {
-    std::filesystem::create_directories(folder);
     state.frame = 7;
     state.picture = PixelGrid(3, 2, {{0.1f, 0.2f, 0.3f, 0.4f}});
     state.mask = Grid(3, 2, 0.5f);
     state.flow = VectorGrid(3, 2, {1, -2});
     state.sources = GridOf<std::int32_t>(3, 2, 41);
   }
-  ~StateFile() override { std::filesystem::remove_all(folder); }
 
-  std::filesystem::path folder =
-      std::filesystem::temp_directory_path() / ("freshet_state_" + std::to_string(::getpid()));
+  ScratchFolder folder;
   std::filesystem::path path = folder / "state";
   State state;
 };

@@ -12,6 +12,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "freshet/error.h"
+#include "tests/harness/scratch_folder.h"
 #include "tests/synth/transfer/made_exemplar.h"
 
 namespace freshet::synth::transfer {
@@ -88,15 +89,14 @@ TEST(Transfer, IsTheSameForAnyNumberOfThreads) {
 }
 
 TEST(Transfer, GoesOnFromASavedState) {
-  const std::filesystem::path path =
-      std::filesystem::temp_directory_path() / ("freshet_transfer_" + std::to_string(::getpid()));
+  const ScratchFolder folder;
+  const std::filesystem::path path = folder / "state";
   const TransferOptions options{.iterations = 2, .seed = 4};
   const cv::Mat look = blot({48, 44}, 1);
   Transfer whole(still(look), options), again(still(look), options);
   for (int t = 0; t < 2; ++t) whole.next(turning_disc(kFrame, t));
   whole.save_state(path);
   again.load_state(path);
-  std::filesystem::remove(path);
   EXPECT_EQ(again.frame(), 2);
   for (int t = 2; t < 4; ++t)
     EXPECT_TRUE(same(whole.next(turning_disc(kFrame, t)).bgra, again.next(turning_disc(kFrame, t)).bgra));

@@ -6,6 +6,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "freshet/error.h"
+#include "tests/harness/noise.h"
 
 namespace freshet::synth::animate {
 namespace {
@@ -24,13 +25,6 @@ Placement grid(int columns, int rows, bool one_clip, int stride = 24) {
   return placement;
 }
 
-cv::Mat noise(cv::Size size, std::uint64_t seed) {
-  cv::Mat out(size, CV_32F);
-  cv::RNG rng(seed);
-  rng.fill(out, cv::RNG::NORMAL, 0, 0.1);
-  return out;
-}
-
 double deviation(const cv::Mat& field) {
   cv::Scalar mean, deviation;
   cv::meanStdDev(field, mean, deviation);
@@ -43,7 +37,7 @@ cv::Mat middle(const cv::Mat& field) { return field(cv::Rect(48, 48, field.cols 
 cv::Mat blend_noise(const Placement& placement, const BlendOptions& options) {
   Blender blender(placement, 1, options);
   for (std::size_t p = 0; p < placement.patches.size(); ++p) {
-    cv::Mat piece = noise({48, 48}, p + 1);
+    cv::Mat piece = normal_noise({48, 48}, p + 1, 0, 0.1);
     piece -= cv::mean(piece)[0];
     blender.add(0, p, piece);
   }
@@ -52,7 +46,7 @@ cv::Mat blend_noise(const Placement& placement, const BlendOptions& options) {
 
 TEST(Blend, ShowsOneClipAsItIs) {
   const Placement placement = grid(6, 5, true);
-  const cv::Mat frame = noise(canvas_of(placement).size(), 7);
+  const cv::Mat frame = normal_noise(canvas_of(placement).size(), 7, 0, 0.1);
   for (BlendWeights weights : {BlendWeights::kPaper, BlendWeights::kVariance}) {
     Blender blender(placement, 1, {.weights = weights, .low_band = LowBand::kKeep});
     for (std::size_t p = 0; p < placement.patches.size(); ++p)
@@ -66,7 +60,7 @@ TEST(Blend, ShowsOneClipAsItIs) {
 TEST(Blend, ShowsOneClipAsItIsWhateverTheStride) {
   for (int stride : {12, 24, 36}) {
     const Placement placement = grid(12, 12, true, stride);
-    cv::Mat frame = noise(canvas_of(placement).size(), 7);
+    cv::Mat frame = normal_noise(canvas_of(placement).size(), 7, 0, 0.1);
     cv::GaussianBlur(frame, frame, {}, 4);  // what the coarse levels carry
     Blender blender(placement, 1, {.low_band = LowBand::kKeep});
     for (std::size_t p = 0; p < placement.patches.size(); ++p)
@@ -89,7 +83,7 @@ TEST(Placement, IsRefusedWhenItsPiecesCannotBeBlended) {
 
 TEST(Blend, VarianceWeightsKeepTheContrastOfUnrelatedPieces) {
   const Placement placement = grid(8, 8, false);
-  const double before = deviation(noise({480, 480}, 99));
+  const double before = deviation(normal_noise({480, 480}, 99, 0, 0.1));
   const double variance = deviation(middle(blend_noise(placement, {.weights = BlendWeights::kVariance})));
   const double paper = deviation(middle(blend_noise(placement, {.weights = BlendWeights::kPaper})));
   EXPECT_NEAR(variance / before, 1, 0.06);

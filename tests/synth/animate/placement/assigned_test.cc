@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "freshet/error.h"
+#include "tests/harness/fault.h"
 #include "tests/synth/animate/flowing_clip.h"
 
 namespace freshet::synth::animate {
@@ -38,13 +39,9 @@ TEST(Assigned, EachPieceIsLaidWithThePatchOfItsClip) {
 
 TEST(Assigned, AClipThatTheStoreLacksIsNamed) {
   const FlowingStore store({FlowingClip{.frames = 4}});
-  try {
-    placement_from(assignment(), store.snapshot());
-    FAIL() << "it was found";
-  } catch (const Error& error) {
-    EXPECT_EQ(error.kind(), ErrorKind::kNotFound);
-    EXPECT_NE(std::string(error.what()).find("1.mkv"), std::string::npos);
-  }
+  const std::string fault =
+      fault_of(ErrorKind::kNotFound, [&] { placement_from(assignment(), store.snapshot()); });
+  EXPECT_NE(fault.find("1.mkv"), std::string::npos);
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 #include <opencv2/imgproc.hpp>
 
+#include "tests/harness/noise.h"
 #include "vision/pyramid.h"
 
 namespace freshet::synth::animate {
@@ -13,13 +14,6 @@ namespace {
 
 const cv::Size kSize(512, 320);
 constexpr int kLevels = 4;
-
-cv::Mat noise(int seed, double deviation) {
-  cv::Mat out(kSize, CV_32F);
-  cv::RNG random(seed);
-  random.fill(out, cv::RNG::NORMAL, 0, deviation);
-  return out;
-}
 
 /// Mean squares of the bands of a part of a picture.
 std::vector<double> powers(const cv::Mat& of, const cv::Rect& part) {
@@ -36,10 +30,10 @@ std::vector<double> powers(const cv::Mat& of, const cv::Rect& part) {
 
 TEST(BandContrast, DetailGetsItsShareOfEachBandPlaceByPlace) {
   // Twice as much contrast on the right.
-  cv::Mat picture = noise(1, 0.05);
+  cv::Mat picture = normal_noise(kSize, 1, 0, 0.05);
   picture(cv::Rect(256, 0, 256, 320)) *= 2;
   const BandContrast contrast(picture, kLevels, Neighbourhood::kClose);
-  cv::Mat detail = noise(2, 0.01);
+  cv::Mat detail = normal_noise(kSize, 2, 0, 0.01);
   const std::vector<double> shares{0.1, 0.2, 0.4, 0.4};
   contrast.take_share(detail, shares, 1000, 1e-6);
   for (const cv::Rect part : {cv::Rect(16, 16, 160, 288), cv::Rect(336, 16, 160, 288)}) {
@@ -52,12 +46,12 @@ TEST(BandContrast, DetailGetsItsShareOfEachBandPlaceByPlace) {
 
 TEST(BandContrast, DetailComesWhereThePictureHasItAndNotBesideIt) {
   // Stripes of 24 px with detail, as wide ones without.
-  cv::Mat picture = noise(1, 0.05);
+  cv::Mat picture = normal_noise(kSize, 1, 0, 0.05);
   for (int x = 0; x < kSize.width; x += 48) picture.colRange(x, std::min(x + 24, kSize.width)).setTo(0);
   const BandContrast close(picture, kLevels, Neighbourhood::kClose),
       wide(picture, kLevels, Neighbourhood::kWide);
   const auto smooth_of_lively = [&](const BandContrast& contrast) {
-    cv::Mat detail = noise(2, 0.01);
+    cv::Mat detail = normal_noise(kSize, 2, 0, 0.01);
     contrast.take_share(detail, std::vector<double>{0.25, 0, 0, 0}, 1000, 1e-6);
     // Fourteen pixels in the middle of a stripe.
     return cv::norm(detail.colRange(48 * 5 + 5, 48 * 5 + 19)) /
@@ -68,9 +62,9 @@ TEST(BandContrast, DetailComesWhereThePictureHasItAndNotBesideIt) {
 }
 
 TEST(BandContrast, NoiseIsNotAmplified) {
-  const BandContrast contrast(noise(1, 0.05), kLevels, Neighbourhood::kClose);
+  const BandContrast contrast(normal_noise(kSize, 1, 0, 0.05), kLevels, Neighbourhood::kClose);
   const std::vector<double> shares(kLevels, 0.25);
-  cv::Mat faint = noise(2, 0.0005), limited = noise(2, 0.001);
+  cv::Mat faint = normal_noise(kSize, 2, 0, 0.0005), limited = normal_noise(kSize, 2, 0, 0.001);
   const double before = cv::norm(faint), of_limited = cv::norm(limited);
   contrast.take_share(faint, shares, 1000, 0.003);
   EXPECT_LT(cv::norm(faint), 10 * before);  // to the full share it would be 50 times
@@ -79,8 +73,8 @@ TEST(BandContrast, NoiseIsNotAmplified) {
 }
 
 TEST(BandContrast, WithoutAShareNothingIsLeft) {
-  const BandContrast contrast(noise(1, 0.05), kLevels, Neighbourhood::kClose);
-  cv::Mat detail = noise(2, 0.05);
+  const BandContrast contrast(normal_noise(kSize, 1, 0, 0.05), kLevels, Neighbourhood::kClose);
+  cv::Mat detail = normal_noise(kSize, 2, 0, 0.05);
   contrast.take_share(detail, std::vector<double>(kLevels, 0.0), 4, 0.003);
   EXPECT_EQ(cv::norm(detail, cv::NORM_INF), 0);
 }

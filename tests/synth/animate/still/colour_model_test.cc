@@ -2,15 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/harness/noise.h"
+
 namespace freshet::synth::animate {
 namespace {
-
-cv::Mat random_luma(cv::Size size, std::uint64_t seed) {
-  cv::Mat out(size, CV_32F);
-  cv::RNG rng(seed);
-  rng.fill(out, cv::RNG::UNIFORM, 0.1, 0.9);
-  return out;
-}
 
 TEST(ColourModel, KeepsLuminanceExactly) {
   cv::Mat bgr(96, 128, CV_32FC3), coloured;
@@ -18,14 +13,14 @@ TEST(ColourModel, KeepsLuminanceExactly) {
   rng.fill(bgr, cv::RNG::UNIFORM, 0.0, 1.0);
   const cv::Mat matte(bgr.size(), CV_32F, cv::Scalar(1));
   const ColourModel model = fit_colour(bgr, luma_of(bgr), matte);
-  const cv::Mat other = random_luma(bgr.size(), 8);
+  const cv::Mat other = noise(bgr.size(), CV_32F, 8, 0.1, 0.9);
   apply_colour(model, other, coloured);
   EXPECT_LT(cv::norm(luma_of(coloured), other, cv::NORM_INF), 1e-4);
 }
 
 TEST(ColourModel, FindsTheColourThatGoesWithLuminance) {
   // Dark red to bright yellow, as flames are.
-  const cv::Mat key = random_luma({128, 96}, 4);
+  const cv::Mat key = noise({128, 96}, CV_32F, 4, 0.1, 0.9);
   cv::Mat bgr(key.size(), CV_32FC3), coloured;
   for (int y = 0; y < key.rows; ++y)
     for (int x = 0; x < key.cols; ++x) {

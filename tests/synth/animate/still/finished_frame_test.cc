@@ -6,21 +6,17 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/harness/noise.h"
+
 namespace freshet::synth::animate {
 namespace {
 
 const cv::Size kSize(77, 41);  // odd: rows end in the middle of a vector
 
-cv::Mat random_planes(int type, double low, double high, std::uint64_t seed) {
-  cv::Mat out(kSize, type);
-  cv::RNG(seed).fill(out, cv::RNG::UNIFORM, low, high);
-  return out;
-}
-
 struct Parts {
-  ColourModel model{random_planes(CV_32FC3, -0.4, 0.4, 1), random_planes(CV_32FC3, -0.1, 0.1, 2)};
-  cv::Mat own_colour = random_planes(CV_32FC3, -0.1, 0.1, 3), still = random_planes(CV_32FC3, 0, 1, 4);
-  cv::Mat luma = random_planes(CV_32F, -0.2, 1.2, 5), fluid = random_planes(CV_32F, 0, 1, 6);
+  ColourModel model{noise(kSize, CV_32FC3, 1, -0.4, 0.4), noise(kSize, CV_32FC3, 2, -0.1, 0.1)};
+  cv::Mat own_colour = noise(kSize, CV_32FC3, 3, -0.1, 0.1), still = noise(kSize, CV_32FC3, 4, 0, 1);
+  cv::Mat luma = noise(kSize, CV_32F, 5, -0.2, 1.2), fluid = noise(kSize, CV_32F, 6, 0, 1);
   ColourCurve curve{still, luma_of(still), cv::Mat(kSize, CV_32F, cv::Scalar(1))};
   FrameFinisher finisher{model, curve, own_colour, still};
 
@@ -38,7 +34,7 @@ struct Parts {
 
 /// A carried frame of the picture in motion.
 CarriedFrame carried_frame() {
-  const cv::Mat picture = random_planes(CV_32FC3, 0, 1, 7);
+  const cv::Mat picture = noise(kSize, CV_32FC3, 7, 0, 1);
   const cv::Mat matte(kSize, CV_32F, cv::Scalar(1));
   const CarriedBase base(fluid_planes(picture, luma_of(picture), matte), matte, {.edge_px = 4});
   const cv::Size samples((kSize.width + CarriedBase::kStep - 1) / CarriedBase::kStep,

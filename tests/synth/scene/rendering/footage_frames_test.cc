@@ -10,6 +10,8 @@
 #include <gtest/gtest.h>
 #include <opencv2/imgcodecs.hpp>
 
+#include "tests/harness/scratch_folder.h"
+
 namespace freshet::synth::scene {
 namespace {
 
@@ -18,29 +20,25 @@ namespace fs = std::filesystem;
 /// A folder of grey frames of these values.
 class Sequence {
  public:
-  explicit Sequence(const std::vector<int>& greys)
-      : folder_(fs::temp_directory_path() / fmt::format("footage_frames_{}", ::getpid())) {
-    fs::remove_all(folder_);
-    fs::create_directory(folder_);
+  explicit Sequence(const std::vector<int>& greys) {
     for (std::size_t i = 0; i < greys.size(); ++i)
       cv::imwrite((folder_ / fmt::format("{:03}.png", i)).string(),
                   cv::Mat(4, 6, CV_8UC3, cv::Scalar::all(greys[i])));
   }
-  ~Sequence() { fs::remove_all(folder_); }
   /// What a scene shows of it.
   std::vector<double> shown(int frames, bool loop, int asked) const {
-    FootageFrames footage(folder_, {0, 0}, frames, loop);
+    FootageFrames footage(folder_.path(), {0, 0}, frames, loop);
     std::vector<double> out;
     for (int i = 0; i < asked; ++i) out.push_back(255 * footage.next().at<cv::Vec4f>(1, 1)[0]);
     return out;
   }
   cv::Mat first(int width) const {
-    FootageFrames footage(folder_, {0, 0}, 2, false, width);
+    FootageFrames footage(folder_.path(), {0, 0}, 2, false, width);
     return footage.next().clone();
   }
 
  private:
-  fs::path folder_;
+  ScratchFolder folder_;
 };
 
 double greatest_step(const std::vector<double>& values) {

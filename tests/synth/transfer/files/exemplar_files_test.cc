@@ -13,6 +13,7 @@
 
 #include "freshet/error.h"
 #include "media/video/video_writer.h"
+#include "tests/harness/scratch_folder.h"
 
 namespace freshet::synth::transfer {
 namespace {
@@ -21,11 +22,7 @@ namespace fs = std::filesystem;
 
 class ExemplarFilesTest : public testing::Test {
  protected:
-  ExemplarFilesTest()
-      : folder_(fs::temp_directory_path() / ("freshet_exemplar_" + std::to_string(::getpid()))) {
-    fs::create_directories(folder_ / "frames");
-  }
-  ~ExemplarFilesTest() override { fs::remove_all(folder_); }
+  ExemplarFilesTest() { fs::create_directories(folder_ / "frames"); }
 
   /// A wave that goes by once in so many frames: frame and frame + period are alike.
   static cv::Mat wave(int frame, int period) {
@@ -49,7 +46,7 @@ class ExemplarFilesTest : public testing::Test {
     return picture;
   }
 
-  fs::path folder_;
+  const ScratchFolder folder_;
 };
 
 TEST_F(ExemplarFilesTest, AStillIsTheSameMatForEveryFrame) {

@@ -1,4 +1,4 @@
-// tests/query/made_store.h — a store of clips whose patches and motion are known, made without any video.
+// tests/stored/made_store.h — a store of clips whose patches and motion are known, made without any video.
 #pragma once
 
 #include <cmath>
@@ -18,7 +18,7 @@
 #include "vision/patch_features.h"
 #include "vision/settings.h"
 
-namespace freshet::query {
+namespace freshet {
 
 struct MadeClip {
   std::string name;
@@ -150,4 +150,4 @@ inline std::vector<MadeClip> some_clips() {
           {.name = "still.mp4", .motion = {0.5, 0}, .seconds = 6, .texture = 4}};
 }
 
-}  // namespace freshet::query
+}  // namespace freshet
