@@ -30,7 +30,6 @@
 
 #include "bench/harness/machine.h"
 #include "bench/labelling/exact_tables.h"
-#include "bench/labelling/fusion_moves.h"
 #include "bench/labelling/labelling_run.h"
 #include "bench/labelling/reference_cost.h"
 #include "freshet/error.h"
@@ -38,7 +37,6 @@
 #include "query/costs/stored_features.h"
 #include "query/labelling/labelling.h"
 #include "query/mrf/minimizer.h"
-#include "query/mrf/trw_s.h"
 #include "store/store.h"
 
 namespace {
@@ -65,12 +63,6 @@ std::vector<Run> run_solvers(const query::Mrf& mrf) {
   for (const auto minimizer :
        {query::Minimizer::kTrwS, query::Minimizer::kAlphaExpansion, query::Minimizer::kIcm})
     run(query::name_of(minimizer), [&] { return query::minimize(mrf, minimizer); });
-  const auto fused = [&](query::Solution solution) {
-    bench::fusion_moves(mrf, solution);
-    return solution;
-  };
-  run("fusion moves", [&] { return fused(floor); });
-  run("trw-s, then fusion", [&] { return fused(query::trw_s(mrf)); });
   runs.push_back({"unary minimum", std::move(floor)});
   return runs;
 }

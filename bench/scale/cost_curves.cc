@@ -10,8 +10,7 @@
 // verify). Each in a process of its own. REPORT is what `freshet ingest --json` printed of real footage: sums
 // over subsets of its clips are the curve of ingest, for the making of generated stores is none.
 //
-// Leaves DIR/cost_curves.json (cost_curves_plain.json of a build without wide vectors) and one page of all
-// such files in DIR, cost_curves.html, with curves and exponents.
+// Leaves DIR/cost_curves.json (cost_curves_plain.json of a build without wide vectors), with exponents.
 
 #include <fmt/format.h>
 
@@ -29,8 +28,8 @@
 #include "bench/harness/page_cache.h"
 #include "bench/harness/seeded_random.h"
 #include "bench/harness/subprocess.h"
+#include "bench/scale/cost_fits.h"
 #include "bench/scale/cost_measure.h"
-#include "bench/scale/cost_page.h"
 #include "bench/scale/scaled_store.h"
 #include "freshet/error.h"
 #include "platform/whole_file.h"
@@ -46,8 +45,7 @@ constexpr const char* kVectors = "wide";
 #else
 constexpr const char* kVectors = "plain";
 #endif
-constexpr const char* kResultNames[] = {"cost_curves.json", "cost_curves_plain.json"};  // wide, plain
-constexpr int kOrders = 25;                                                             // of real clips
+constexpr int kOrders = 25;  // of real clips
 
 struct Command {
   std::string source, out, stores, ingest;
@@ -173,7 +171,7 @@ int run(int argc, char** argv) {
   app.add_option("SOURCE", command.source, "A store of real clips, with its index")->required();
   app.add_option("PICTURE", command.pictures, "PICTURE[:MATTE]; the first is opened and labelled")
       ->required();
-  app.add_option("--out", command.out, "Folder of the page and its JSON")->required();
+  app.add_option("--out", command.out, "Folder of the JSON")->required();
   app.add_option("--sizes", command.sizes, "Patches of each store")->delimiter(',')->capture_default_str();
   app.add_option("--stores", command.stores, "Folder of the stores [that of --out]");
   app.add_flag("--keep", command.keep, "Leave the stores where they are, for another run");
@@ -196,7 +194,9 @@ int run(int argc, char** argv) {
               {"seed", command.seed},
               {"sizes", json::array()}};
   if (!command.ingest.empty()) result["ingest"] = ingest_sums(read_json(command.ingest));
-  const fs::path json_file = fs::path(command.out) / kResultNames[std::string(kVectors) == "plain" ? 1 : 0];
+  const fs::path json_file =
+      fs::path(command.out) /
+      (std::string(kVectors) == "plain" ? "cost_curves_plain.json" : "cost_curves.json");
 
   fmt::print("{}, {} vectors\n", bench::to_string(bench::this_machine()), kVectors);
   fmt::print("{:>9}{:>7}{:>9}{:>9}{:>9}{:>9}{:>9}{:>9}{:>9}{:>9}{:>9}\n", "patches", "clips", "MB", "cold s",
@@ -209,11 +209,6 @@ int run(int argc, char** argv) {
     write_whole_file(json_file, result.dump(2) + "\n");  // after each: the next one may take an hour
   }
 
-  std::vector<json> results;
-  for (const char* name : kResultNames) {
-    if (fs::exists(fs::path(command.out) / name)) results.push_back(read_json(fs::path(command.out) / name));
-  }
-  write_whole_file(fs::path(command.out) / "cost_curves.html", bench::cost_page(results));
   fmt::print("\n{:<10}{:<26}{:<12}{:>9}{:>8}{:>10}\n", "", "", "", "exponent", "error", ">= 200 k");
   for (const json& fit : result["fits"]) {
     fmt::print(

@@ -1,8 +1,7 @@
 // Does appearance transfer keep the exemplar's look for 180 frames, does it hold together, what does it cost?
 //
 //   bench_transfer EXEMPLAR... [--frames 180] [--width 160] [--store STORE] [--write FOLDER]
-//                  [--curve MPIX,...] [--json FILE] [--html FILE]
-//   bench_transfer --page RESULT.json... [--json FILE] [--html FILE]
+//                  [--curve MPIX,...] [--json FILE]
 //
 // EXEMPLAR is NAME[:GROUND][@DESIGN]. NAME: a picture, a folder of pictures, a video, a clip of the store, or
 // a ready-made clip of synth/simulate (fire, waterfall, ...). GROUND: black or white, on which it stands.
@@ -17,8 +16,7 @@
 //   change     mean difference between a frame and the previous one carried along the flow, levels of 255
 // --curve 0.1,0.5,1 also makes frames of so many megapixels, all fluid, from the first exemplar, 360 px high,
 // and prints seconds by stage, wall clock and processor time; of the second frame, which has a past, and
-// above 1 megapixel of the first. Prints tables; --json has every frame's numbers, --html draws them. --page
-// puts several such JSON files into one.
+// above 1 megapixel of the first. Prints tables; --json has every frame's numbers.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
@@ -33,7 +31,6 @@
 #include <opencv2/imgproc.hpp>
 
 #include "bench/harness/machine.h"
-#include "bench/transfer/transfer_page.h"
 #include "media/picture/picture.h"
 #include "store/store.h"
 #include "synth/simulate/design/scene_file.h"
@@ -51,9 +48,8 @@ using namespace freshet::synth::transfer;
 struct Settings {
   std::vector<std::string> exemplars;
   int frames = 180, width = 160;
-  std::filesystem::path store, write, json_file, html_file;
+  std::filesystem::path store, write, json_file;
   std::vector<double> curve;  // megapixels
-  bool page = false;
   cv::Size size() const { return {width, width * 3 / 4}; }
 };
 
@@ -341,22 +337,6 @@ void shorten(nlohmann::json& json) {
 void write_result(const Settings& settings, nlohmann::json json) {
   shorten(json);
   if (!settings.json_file.empty()) std::ofstream(settings.json_file) << json.dump() << '\n';
-  if (!settings.html_file.empty()) std::ofstream(settings.html_file) << bench::transfer_page(json);
-}
-
-int write_page(const Settings& settings) {
-  nlohmann::json all;
-  for (const std::string& file : settings.exemplars) {
-    const nlohmann::json one = nlohmann::json::parse(std::ifstream(file));
-    if (all.is_null()) {
-      all = one;
-      continue;
-    }
-    for (const char* part : {"runs", "curve"})
-      for (const nlohmann::json& each : one.at(part)) all[part].push_back(each);
-  }
-  write_result(settings, all);
-  return 0;
 }
 
 }  // namespace
@@ -364,8 +344,7 @@ int write_page(const Settings& settings) {
 int main(int argc, char** argv) try {
   Settings settings;
   CLI::App app("Does appearance transfer keep the exemplar's look, hold together, and at what cost?");
-  app.add_option("EXEMPLAR", settings.exemplars, "NAME[:GROUND][@DESIGN]; with --page: RESULT.json")
-      ->required();
+  app.add_option("EXEMPLAR", settings.exemplars, "NAME[:GROUND][@DESIGN]")->required();
   app.add_option("--frames", settings.frames, "Of each run; 0: only the curve")->capture_default_str();
   app.add_option("--width", settings.width, "Of a frame, px")->capture_default_str();
   app.add_option("--store", settings.store, "Store of the clips that are named");
@@ -373,11 +352,8 @@ int main(int argc, char** argv) try {
   app.add_option("--curve", settings.curve, "Sizes of one frame that are timed, Mpx")
       ->delimiter(',')
       ->allow_extra_args(false);
-  app.add_flag("--page", settings.page, "Only the figures of earlier runs, together");
   app.add_option("--json", settings.json_file, "Write the figures here");
-  app.add_option("--html", settings.html_file, "Write a page of them here");
   CLI11_PARSE(app, argc, argv);
-  if (settings.page) return write_page(settings);
   const bench::Machine machine = bench::this_machine();
   fmt::print("{}; {} x {} px, {} frames\n\n", to_string(machine), settings.width, settings.size().height,
              settings.frames);

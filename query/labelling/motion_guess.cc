@@ -15,8 +15,6 @@ namespace freshet::query {
 namespace {
 
 constexpr int kDirections = 32;
-constexpr double kNarrowness = 4;          // of a vote's lobe: 30 degrees to either side
-constexpr double kVoteFloor = 0.05;        // fraction of votes that go anywhere: no vote forbids
 constexpr double kTextureSigma = 2.5;      // px; finer grain is codecs' and sensors'
 constexpr double kFaintTexture = 1;        // grey levels a px, squared: gradients of this power count half
 constexpr double kUnseenClips = 1;         // of a class, that would move anyhow: few clips prove little
@@ -112,29 +110,6 @@ class TextureAxes {
   }
   cv::Mat xx_, xy_, yy_, area_;
 };
-
-void add_votes(const CandidateSearch& search, std::size_t piece, const GuessOptions& options,
-               Directions& evidence) {
-  const stored::PatchTable& table = search.table();
-  const auto rows = search.candidates.rows_of(piece);
-  const auto scores = search.candidates.scores_of(piece);
-  Directions votes{};
-  double total = 0;
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    const double u = table.mean_u[rows[i]], v = table.mean_v[rows[i]];
-    if (std::hypot(u, v) < options.min_speed_px_per_s) continue;
-    const double likeness = scores[i] / std::max(scores[0], 1e-6f), weight = std::pow(likeness, 4);
-    const double angle = std::atan2(v, u);
-    for (int d = 0; d < kDirections; ++d) {
-      const double vote = weight * std::exp(kNarrowness * (std::cos(angle_of(d) - angle) - 1));
-      votes[d] += vote;
-      total += vote;
-    }
-  }
-  if (total <= 0) return;
-  for (int d = 0; d < kDirections; ++d)
-    evidence[d] += options.votes * std::log((1 - kVoteFloor) * votes[d] / total + kVoteFloor / kDirections);
-}
 
 // What each piece says by itself, and then with its neighbours: the mean, by a Gaussian of their distance.
 std::vector<Directions> spread(const std::vector<Directions>& own, const Target& target, double sigma) {
@@ -266,7 +241,6 @@ MotionGuess guess_motion(const store::Snapshot& snapshot, const CandidateSearch&
       own[piece][d] +=
           options.edges * (axis[0] * std::cos(2 * angle_of(d)) + axis[1] * std::sin(2 * angle_of(d))) +
           options.gravity * down * std::sin(angle_of(d));
-    if (options.votes > 0) add_votes(search, piece, options, own[piece]);
   }
 
   MotionGuess guess;

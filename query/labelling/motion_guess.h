@@ -12,8 +12,10 @@
 
 namespace freshet::query {
 
-/// Three things speak for a direction, each as a logarithm of likelihood: their sum, averaged over
-/// neighbours. Figures: bench/choices/motion_guess.cc, docs/measurements/motion.md.
+/// Two things speak for a direction, each as a logarithm of likelihood: their sum, averaged over
+/// neighbours. Figures: docs/measurements/motion.md.
+/// The candidates' own motion says nothing: every patch has its mirror image in the store, so that they cannot tell left
+/// from right; with their votes a guess is 61 degrees off instead of 52.
 struct GuessOptions {
   /// Of the classes' pull: how far the clips of a class go up or down together, by the store's own patches;
   /// each class counts by its fraction of the candidates.
@@ -22,9 +24,6 @@ struct GuessOptions {
   /// 46 real stills the axis is 35 degrees off, where chance is 45, and 78 on glittering seas: it turns a
   /// pull, or blurs it, and never makes one.
   double edges = 4;
-  /// Of the candidates' own motion. Off: every patch has its mirror image in the store, so that they cannot
-  /// tell left from right; with them a guess is 61 degrees off instead of 52.
-  double votes = 0;
   double reach_px = 48;             // sigma over which neighbours speak for a piece: two pieces' stride
   double min_certainty = 0.15;      // length of the mean direction, 0..1, from which a piece dares
   double min_speed_px_per_s = 2.5;  // slower patches say nothing

@@ -27,7 +27,7 @@ struct InpaintOptions {
 /// picture  CV_8UC3.
 /// matte    CV_8U, same size: a pixel above 0 is not background.
 /// Throws   Error{kInput} when the matte leaves no background to be seen.
-/// Cost     bench/choices/background_choice.cc.
+/// Cost     CPU seconds for 640 px, a blob of 16 % of the height: Navier-Stokes .06, Telea .18.
 cv::Mat inpaint_background(const cv::Mat& picture, const cv::Mat& matte, const InpaintOptions& options = {});
 
 }  // namespace freshet::synth::outline

@@ -1,4 +1,4 @@
-#include "bench/scale/cost_page.h"
+#include "bench/scale/cost_fits.h"
 
 #include <gtest/gtest.h>
 
@@ -33,7 +33,7 @@ const json& fit_of(const json& fits, const std::string& name) {
   throw std::runtime_error("no fit of " + name);
 }
 
-TEST(CostPage, FitsAPowerAndSaysHowSurelyIt) {
+TEST(CostFits, FitsAPowerAndSaysHowSurelyIt) {
   std::vector<report::ChartPoint> points;
   for (const double x : {10.0, 100.0, 1000.0, 10000.0}) points.push_back({x, 3 * std::pow(x, 0.7), {}});
   const auto exact = fit_costs(points);
@@ -50,32 +50,20 @@ TEST(CostPage, FitsAPowerAndSaysHowSurelyIt) {
   EXPECT_NEAR(rough->error, std::sqrt(1.8 * l * l / 2 / (5 * step * step)), 1e-12);
 }
 
-TEST(CostPage, NoFitOfLessThanTwoSizes) {
+TEST(CostFits, NoFitOfLessThanTwoSizes) {
   EXPECT_FALSE(fit_costs({{10, 1, {}}}));
   EXPECT_FALSE(fit_costs({{10, 1, {}}, {20, 0, {}}})) << "nothing has no logarithm";
   EXPECT_FALSE(fit_costs({{10, 1, {}}, {10, 2, {}}}));
   EXPECT_FALSE(fit_costs({{10, 1, {}}, {1000, 2, {}}}, 100));
 }
 
-TEST(CostPage, ExponentsAreThoseOfTheFigures) {
+TEST(CostFits, ExponentsAreThoseOfTheFigures) {
   const json fits = cost_fits(made_result("wide", 1.25));
   EXPECT_NEAR(fit_of(fits, "file")["exponent"].get<double>(), 1, 1e-9);
   EXPECT_NEAR(fit_of(fits, "median")["exponent"].get<double>(), 1.25, 1e-9);
   EXPECT_NEAR(fit_of(fits, "median")["large_exponent"].get<double>(), 1.25, 1e-9);
   EXPECT_EQ(fit_of(fits, "freshet index")["points"], 2);
   EXPECT_FALSE(fit_of(fits, "freshet index").contains("large_exponent"));
-}
-
-TEST(CostPage, HoldsBothBuildsAndNothingFromElsewhere) {
-  const json results[] = {made_result("wide", 1.25), made_result("plain", 1.5)};
-  const std::string page = cost_page(results);
-  EXPECT_NE(page.find("<svg"), std::string::npos);
-  EXPECT_NE(page.find("median x^1.25"), std::string::npos);
-  EXPECT_NE(page.find("median (plain) x^1.50"), std::string::npos);
-  EXPECT_NE(page.find("a &lt;processor&gt;"), std::string::npos);
-  EXPECT_EQ(page.find("file (plain)"), std::string::npos) << "the same bytes in both";
-  for (const char* outside : {"src=", "href=", "@import", "url("})
-    EXPECT_EQ(page.find(outside), std::string::npos) << outside;
 }
 
 }  // namespace

@@ -1,9 +1,8 @@
-// bench/scale/cost_page.h — costs against the number of patches: curves, exponents, one page.
+// bench/scale/cost_fits.h — costs against the number of patches: curves and their exponents.
 #pragma once
 
 #include <nlohmann/json.hpp>
 #include <optional>
-#include <span>
 #include <string>
 #include <vector>
 
@@ -32,9 +31,5 @@ std::vector<CostCurve> cost_curves(const nlohmann::json& result);
 /// The exponents of all curves, as they go into the JSON: "group", "name", "unit", "exponent", "error",
 /// "points"; "large_exponent" and "large_error" over the sizes from 200,000 patches up.
 nlohmann::json cost_fits(const nlohmann::json& result);
-
-/// One self-contained page: a chart a group, curves of all results in it (those of a plain build named so),
-/// the table of exponents and that of figures.
-std::string cost_page(std::span<const nlohmann::json> results);
 
 }  // namespace freshet::bench

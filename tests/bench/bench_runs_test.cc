@@ -1,0 +1,135 @@
+// Every bench, on simulated clips: it runs, and prints the rows and columns that its published table has.
+
+#include <algorithm>
+#include <filesystem>
+#include <set>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "tests/tools/sample.h"
+
+namespace freshet::tools {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct BenchRun {
+  std::string bench;
+  std::vector<std::string> arguments;
+  std::string chapter;  // below docs/
+  std::vector<std::string>
+      names;  // of rows and columns, in the chapter and in what is printed; capitals aside
+};
+
+std::string lowered(std::string text) {
+  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::tolower(c); });
+  return text;
+}
+
+/// White on the fluid, black on the ground, nothing between.
+void write_scribbles(const fs::path& file) {
+  const cv::Mat matte = cv::imread(sample().matte, cv::IMREAD_GRAYSCALE);
+  cv::Mat fluid, ground, marks(matte.size(), CV_8UC4, cv::Scalar::all(0));
+  cv::erode(matte > 150, fluid, {}, {-1, -1}, 8);
+  cv::erode(matte < 100, ground, {}, {-1, -1}, 6);
+  marks.setTo(cv::Scalar::all(255), fluid);
+  marks.setTo(cv::Scalar(0, 0, 0, 255), ground);
+  cv::imwrite(file, marks);
+}
+
+std::vector<BenchRun> runs(const WorkFolder& folder) {
+  const std::string store = sample().store, fall = sample().clips / "fall/1.mkv",
+                    other = sample().clips / "fall/2.mkv", river = sample().clips / "river/1.mkv",
+                    still = sample().still, matte = sample().matte, target = still + ":" + matte;
+  folder.freshet({"synth", "simulate", "waterfall", "--size", "192x144", "--frames", "16", "-o", "fall.mp4"});
+  write_scribbles(folder / "marks.png");
+  return {
+      {"bench_store_io", {"fall.mp4", "--frames", "16"}, "measurements/store.md", {"FFV1", "ratio"}},
+      {"bench_ingest",
+       {fall, "--frames", "8"},
+       "measurements/ingest.md",
+       {"DIS", "TV-L1", "frames/s", "flow"}},
+      {"bench_labelling",
+       {store, target, "--runs", "1"},
+       "measurements/labelling.md",
+       {"TRW-S", "alpha-expansion", "ICM", "bound", "cold", "warm", "open", "search", "tables", "solver"}},
+      {"bench_reuse", {store, target, "fall"}, "measurements/labelling.md", {"edges", "candidates"}},
+      {"bench_rendering",
+       {store, "fall:" + target, "--sizes", "160x120", "--frames", "8", "--runs", "1"},
+       "measurements/animation.md",
+       {"frames/s", "with a file", "encoder", "end to end", "cold"}},
+      {"bench_quality",
+       {store, "--frames", "24", "--width", "192", "--hints", "strokes+speed", "--methods", "ours,nothing",
+        "--limit", "1"},
+       "measurements/quality.md",
+       {"spectrum", "of matte", "angle", "speed", "texture", "lifetime", "SWD", "ribbon", "comes again",
+        "colour drift", "floor"}},
+      {"bench_films", {fall, other}, "measurements/quality.md", {"spectrum", "SWD", "flicker", "ceiling"}},
+      {"bench_blind_look",
+       {"blind", "--film", "fall:ours=" + fall, "--film", "fall:real=" + other},
+       "measurements/quality.md",
+       {}},
+      {"bench_scene",
+       {"--sizes", "160x120", "--frames", "4", "--runs", "1"},
+       "scene.md",
+       {"size", "frames/s", "peak MB"}},
+      {"bench_flowlines",
+       {river, "--seconds", "1", "--output-seconds", "2", "--width", "96", "--brief"},
+       "flowlines.md",
+       {"jump", "dip", "repeats", "kept"}},
+      {"bench_scaled_store",
+       {store, "scaled.store", "--patches", "300"},
+       "measurements/scale.md",
+       {"patches"}},
+      {"bench_cost_curves",
+       {store, target, "--out", "costs", "--sizes", "300,600"},
+       "measurements/scale.md",
+       {"patches", "cold", "500", "peak MB", "label", "verify s"}},
+      {"bench_transfer",
+       {fall, "--frames", "2", "--width", "64"},
+       "measurements/transfer.md",
+       {"exemplar", "method", "sharpness", "uniform", "nearest", "no coherence"}},
+      {"bench_layers",
+       {still, still, "--width", "100", "--no-smoke", "--only", "alpha"},
+       "measurements/layers.md",
+       {"SAD", "tree", "outline", "Bayesian", "information flow", "over grey"}},
+      {"bench_layers",
+       {still, still, "--width", "100", "--no-smoke", "--only", "fill"},
+       "measurements/layers.md",
+       {"PSNR", "SSIM", "Telea", "Navier-Stokes", "patches of 9 px within 96"}},
+      {"bench_matting",
+       {still + ":marks.png:" + matte},
+       "measurements/mattes.md",
+       {"GrabCut alone", "guided, band 2 %"}},
+  };
+}
+
+TEST(BenchRuns, EachPrintsTheNamesOfItsPublishedTable) {
+  const WorkFolder folder;
+  std::set<std::string> ran;
+  for (const BenchRun& run : runs(folder)) {
+    SCOPED_TRACE(run.bench);
+    std::vector<std::string> command{FRESHET_BENCHES "/" + run.bench};
+    command.insert(command.end(), run.arguments.begin(), run.arguments.end());
+    const Outcome outcome = folder.run(command);
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    const std::string chapter = lowered(text_of(fs::path(FRESHET_SOURCE_DIR "/docs") / run.chapter));
+    EXPECT_NE(chapter.find(run.bench), std::string::npos);
+    for (const std::string& name : run.names) {
+      EXPECT_NE(lowered(outcome.out).find(lowered(name)), std::string::npos) << name << " is not printed:\n"
+                                                                             << outcome.out.substr(0, 2000);
+      EXPECT_NE(chapter.find(lowered(name)), std::string::npos) << name << " is not in " << run.chapter;
+    }
+    ran.insert(run.bench);
+  }
+  std::istringstream targets(FRESHET_BENCH_TARGETS);
+  for (std::string name; targets >> name;) EXPECT_TRUE(ran.contains(name)) << name << " is run by no test";
+}
+
+}  // namespace
+}  // namespace freshet::tools
