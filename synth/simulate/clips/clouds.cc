@@ -29,8 +29,9 @@ class Clouds final : public Scene {
     const float speed = random.between(0.0055f, 0.0125f) * 1.4f / (horizon_ - 0.33f),
                 turn = random.between(-0.09f, 0.09f);
     wind_ = {random.sign() * speed * cos_turns(turn) * rate_, speed * sin_turns(turn) * rate_};
-    size_of_cloud_ = random.between(1.3f, 2.2f) * (horizon_ - 0.3f);
-    clear_ = random.between(-0.12f, 0.3f);
+    size_of_cloud_ = random.between(1.3f, 2.2f) * (horizon_ - 0.3f) / options.variation.zoom;
+    wind_ = {options.variation.zoom * wind_.x, options.variation.zoom * wind_.y};
+    clear_ = random.between(-0.12f, 0.3f) - 0.3f * (options.variation.amount - 1.0f);
     soft_ = random.between(0.25f, 0.55f);
     sun_ = {random.between(-0.25f, 0.25f), random.between(0.10f, 0.25f)};
     origin_ = {random.between(0.0f, 900.0f), random.between(0.0f, 900.0f)};

@@ -25,7 +25,7 @@ class Fire final : public Scene {
   explicit Fire(const SceneOptions& options)
       : noise_(options.seed),
         rate_(25.0f / static_cast<float>(options.fps)),
-        gas_(Domain(options.size, 0.08f, 0.06f, 0.10f), flow_options(), 1,
+        gas_(Domain(options, 0.08f, 0.06f, 0.10f), options.variation.zoom, flow_options(), 1,
              std::max(6, static_cast<int>(9.0f / rate_))),
         cells_(gas_.domain.width, gas_.domain.height),
         sparks_(90),
@@ -39,7 +39,8 @@ class Fire final : public Scene {
       beds_.push_back(
           {.x = static_cast<float>(d.left) + (0.08f + 0.84f * fraction) * w,
            .y = static_cast<float>(d.top) + random.between(0.93f, 1.0f) * h,
-           .half_width = random.between(0.13f, 0.26f) * w / (0.6f + 0.4f * static_cast<float>(beds)),
+           .half_width = random.between(0.13f, 0.26f) * w / (0.6f + 0.4f * static_cast<float>(beds)) *
+                         (options.variation.zoom * options.variation.amount),
            .strength = random.between(0.85f, 1.15f),
            .phase = random.between(0.0f, 60.0f)});
     }
@@ -47,6 +48,7 @@ class Fire final : public Scene {
     cooling_ = random.between(0.007f, 0.013f) * rate_;
     wind_ = random.between(-1.6f, 1.6f) * rate_ * speed_unit();
     detail_ = random.between(0.045f, 0.065f);
+    spark_rate_ = 0.03f * rate_ * std::min(1.0f, options.variation.amount);
     // Wood burns orange; gas and salts shift it a little either way.
     const float hue = random.between(-1.0f, 1.0f);
     tint_ = {1.0f, 1.0f + 0.14f * hue, 1.0f - 0.5f * hue};
@@ -158,7 +160,7 @@ class Fire final : public Scene {
       Spark& s = sparks_[i];
       const std::uint64_t draw = (static_cast<std::uint64_t>(clock_) << 20) + i * 4;
       if (s.heat <= 0.0f) {
-        if (random.at(draw) > 0.03f * rate_) continue;
+        if (random.at(draw) > spark_rate_) continue;
         const Bed& bed = beds_[random.bits(draw + 1) % beds_.size()];
         s = {bed.x + (2.0f * random.at(draw + 2) - 1.0f) * bed.half_width * 0.8f, bed.y - 20.0f * d.scale,
              0.6f + 0.4f * random.at(draw + 3)};
@@ -207,6 +209,7 @@ class Fire final : public Scene {
   std::vector<Spark> sparks_;
   std::uint64_t seed_;
   float buoyancy_, cooling_, wind_, detail_;
+  float spark_rate_;  // share of those that are out which are lit in a frame
   Rgb tint_, backdrop_;
   int clock_ = 0;
 };

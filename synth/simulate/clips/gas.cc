@@ -12,8 +12,9 @@ int cell_step(cv::Size picture) { return std::clamp(std::min(picture.width, pict
 
 }  // namespace
 
-Domain::Domain(cv::Size size, float margin_x, float margin_top, float margin_bottom)
-    : picture(size), step(cell_step(size)) {
+Domain::Domain(const SceneOptions& options, float margin_x, float margin_top, float margin_bottom)
+    : picture(options.size), step(cell_step(options.size)) {
+  const cv::Size size = picture;
   const auto margin = [&](float fraction, int side) {
     return static_cast<int>(fraction * static_cast<float>(side)) / step * step;
   };
@@ -21,12 +22,13 @@ Domain::Domain(cv::Size size, float margin_x, float margin_top, float margin_bot
   top = margin(margin_top, size.height);
   width = std::max(8, (size.width + 2 * left + step - 1) / step);
   height = std::max(8, (size.height + top + margin(margin_bottom, size.height) + step - 1) / step);
-  scale = static_cast<float>(std::min(size.width, size.height)) / 360.0f;
+  scale = options.variation.zoom * static_cast<float>(std::min(size.width, size.height)) / 360.0f;
 }
 
-Gas::Gas(const Domain& where, const StableFluidsOptions& options, int field_count, int texture_life,
-         const GridOf<std::uint8_t>& solid)
+Gas::Gas(const Domain& where, float nearness, const StableFluidsOptions& options, int field_count,
+         int texture_life, const GridOf<std::uint8_t>& solid)
     : domain(where),
+      zoom(nearness),
       flow(where.width, where.height, options, solid),
       texture(where.width, where.height, texture_life, texture_life / 3),
       fields(static_cast<std::size_t>(field_count), Grid(where.fine_width(), where.fine_height())),
@@ -55,6 +57,7 @@ void Gas::advance(Edges edges) {
 }
 
 void Gas::stir(const Noise& noise, float time, float size_cells, float strength, const Grid& amount) {
+  size_cells *= zoom;
   const float pitch = 1.0f / size_cells;
   for_rows(stream_.height, [&](int y) {
     for (int x = 0; x < stream_.width; ++x) {

@@ -7,6 +7,7 @@
 #include <opencv2/core.hpp>
 
 #include "synth/simulate/clips/carried_texture.h"
+#include "synth/simulate/scene/scene_options.h"
 #include "synth/simulate/solver/noise.h"
 #include "synth/simulate/solver/stable_fluids.h"
 
@@ -16,13 +17,13 @@ namespace freshet::synth::simulate {
 /// so that no rim shows.
 struct Domain {
   /// Margins in fractions of the picture.
-  Domain(cv::Size picture, float margin_x, float margin_top, float margin_bottom);
+  Domain(const SceneOptions& options, float margin_x, float margin_top, float margin_bottom);
 
   cv::Size picture;
   int step;           // px per cell
   int width, height;  // cells
   int left, top;      // px of the domain left of and above the picture
-  float scale;        // picture px per px of a 640 x 360 design
+  float scale;        // picture px per px of a 640 x 360 design, with the zoom
 
   int fine_width() const { return width * step; }
   int fine_height() const { return height * step; }
@@ -31,10 +32,11 @@ struct Domain {
 
 class Gas {
  public:
-  Gas(const Domain& domain, const StableFluidsOptions& options, int fields, int texture_life,
+  Gas(const Domain& domain, float zoom, const StableFluidsOptions& options, int fields, int texture_life,
       const GridOf<std::uint8_t>& solid = {});
 
   const Domain domain;
+  const float zoom;  // of the eddies that stir() adds: cells do not grow with it
   StableFluids flow;
   CarriedTexture texture;
   std::vector<Grid> fields;  // px of the domain

@@ -21,7 +21,7 @@ class Ink final : public Scene {
   explicit Ink(const SceneOptions& options)
       : noise_(options.seed),
         rate_(25.0f / static_cast<float>(options.fps)),
-        gas_(Domain(options.size, 0.08f, 0.08f, 0.10f), flow_options(), 2,
+        gas_(Domain(options, 0.08f, 0.08f, 0.10f), options.variation.zoom, flow_options(), 2,
              std::max(8, static_cast<int>(16.0f / rate_))),
         cells_{Grid(gas_.domain.width, gas_.domain.height), Grid(gas_.domain.width, gas_.domain.height)},
         thick_{Grid(options.size.width, options.size.height), Grid(options.size.width, options.size.height)} {
@@ -45,8 +45,9 @@ class Ink final : public Scene {
     drift_ = random.between(-0.8f, 0.8f) * rate_ * speed_unit();
     // What an ink absorbs: a hue for each, at least a third of the circle apart.
     const float hue = random.next();
-    absorb_[0] = absorption(hue) * random.between(3.4f, 5.0f);
-    absorb_[1] = absorption(hue + random.between(0.33f, 0.5f)) * random.between(3.2f, 4.6f);
+    absorb_[0] = absorption(hue) * (options.variation.amount * random.between(3.4f, 5.0f));
+    absorb_[1] = absorption(hue + random.between(0.33f, 0.5f)) *
+                 (options.variation.amount * random.between(3.2f, 4.6f));
     water_ = Rgb{0.80f, 0.85f, 0.90f} * random.between(0.8f, 1.1f);
     light_ = random.sign() * random.between(0.3f, 0.9f);
   }

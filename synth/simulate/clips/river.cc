@@ -65,9 +65,9 @@ class River final : public Scene {
       : noise_(options.seed),
         rate_(25.0f / static_cast<float>(options.fps)),
         course_(options.seed),
-        domain_(options.size, 0.08f, 0.0f, 0.05f),
+        domain_(options, 0.08f, 0.0f, 0.05f),
         solid_(solid_cells(domain_, course_, noise_)),
-        gas_(domain_,
+        gas_(domain_, options.variation.zoom,
              {.left = Edge::kFixed,
               .top = Edge::kFixed,
               .bottom = Edge::kFixed,
@@ -83,7 +83,7 @@ class River final : public Scene {
     mirrored_ = random.sign() > 0.0f;
     horizon_ = -random.between(0.25f, 0.7f);
     speed_ = random.between(4.2f, 7.0f) * rate_ * domain_.scale / static_cast<float>(domain_.step);
-    white_ = random.between(0.55f, 1.5f);
+    white_ = random.between(0.55f, 1.5f) * options.variation.amount;
     chop_ = random.between(0.8f, 1.3f);
     const float kind = random.next();  // glacial, peaty or grey-green
     deep_ = kind < 0.4f   ? mix(Rgb{0.004f, 0.10f, 0.12f}, Rgb{0.02f, 0.20f, 0.19f}, random.next())

@@ -21,7 +21,7 @@ class Smoke final : public Scene {
   explicit Smoke(const SceneOptions& options)
       : noise_(options.seed),
         rate_(25.0f / static_cast<float>(options.fps)),
-        gas_(Domain(options.size, 0.10f, 0.06f, 0.06f), flow_options(), 1,
+        gas_(Domain(options, 0.10f, 0.06f, 0.06f), options.variation.zoom, flow_options(), 1,
              std::max(8, static_cast<int>(13.0f / rate_))),
         cells_(gas_.domain.width, gas_.domain.height),
         thick_(options.size.width, options.size.height),
@@ -46,7 +46,7 @@ class Smoke final : public Scene {
     wind_ = random.sign() * random.between(0.0f, 1.1f) * rate_ * speed_unit();
     gust_ = random.between(0.2f, 0.8f);
     light_ = random.sign() * random.between(0.4f, 0.9f);
-    opacity_ = random.between(0.9f, 1.7f);
+    opacity_ = random.between(0.9f, 1.7f) * options.variation.amount;
     detail_ = random.between(0.045f, 0.07f);
 
     // White steam, grey smoke, or a coloured light on either; always over a dark, still backdrop.

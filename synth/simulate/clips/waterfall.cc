@@ -29,7 +29,8 @@ class Waterfall final : public Scene {
       : size_(options.size),
         noise_(options.seed),
         rate_(25.0f / static_cast<float>(options.fps)),
-        scale_(static_cast<float>(std::min(options.size.width, options.size.height)) / 360.0f),
+        scale_(options.variation.zoom *
+               static_cast<float>(std::min(options.size.width, options.size.height)) / 360.0f),
         rock_(size_.width, size_.height),
         fall_time_(size_.width, size_.height),
         strand_(fall_time_),
@@ -52,7 +53,7 @@ class Waterfall final : public Scene {
     half_width_ = random.between(0.16f, 0.5f);
     spread_ = random.between(0.0f, 0.35f);
     lean_ = random.between(-0.12f, 0.12f);
-    fullness_ = random.between(-0.05f, 0.35f);
+    fullness_ = random.between(-0.05f, 0.35f) + 0.4f * (options.variation.amount - 1.0f);
     strand_px_ = random.between(9.0f, 16.0f);
     const float warm = random.between(-1.0f, 1.0f), bright = random.between(0.75f, 1.1f);
     white_ = Rgb{0.93f + 0.07f * warm, 0.97f, 1.02f - 0.1f * warm} * (1.15f * bright);

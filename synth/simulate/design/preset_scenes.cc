@@ -46,6 +46,12 @@ std::string clip_summary(SceneKind kind) {
       return "a clip of a river with rocks";
     case SceneKind::kClouds:
       return "a clip of clouds in the wind";
+    case SceneKind::kSea:
+      return "a clip of waves under a low sun";
+    case SceneKind::kRain:
+      return "a clip of rain on a pool";
+    case SceneKind::kFountain:
+      return "a clip of a fountain's jets";
     case SceneKind::kDesign:
       break;
   }

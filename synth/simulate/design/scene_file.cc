@@ -204,6 +204,14 @@ const std::vector<Key<FluidOptions>>& fluid_keys() {
   return keys;
 }
 
+const std::vector<Key<ClipVariation>>& clip_keys() {
+  static const std::vector<Key<ClipVariation>> keys{
+      {"speed", &ClipVariation::speed, {0.1, 10}, "", "of all motion"},
+      {"zoom", &ClipVariation::zoom, {0.2, 5}, "", "size of all forms; speeds in px grow with it"},
+      {"amount", &ClipVariation::amount, {0.1, 10}, "", "how much fluid, foam or cover there is"}};
+  return keys;
+}
+
 void read_sides(Section& section, Design& design) {
   const auto side = [&](const char* name, Side& value) {
     if (const auto word = section.word(name, {"open", "closed"}))
@@ -222,21 +230,33 @@ void read_look(Section& section, Look& look) {
   section.done();
 }
 
+void read_frames(Section& section, SceneOptions& scene) {
+  Vec2 size{static_cast<float>(scene.size.width), static_cast<float>(scene.size.height)};
+  section.read("size", size, {16.0, 4096.0});
+  scene.size = {static_cast<int>(size.x), static_cast<int>(size.y)};
+  section.read("frames", scene.frames, {1.0, 1e6});
+  section.read("fps", scene.fps, {1.0, 240.0});
+  std::int64_t seed = static_cast<std::int64_t>(scene.seed);
+  section.read("seed", seed, {0.0, 9e15});
+  scene.seed = static_cast<std::uint64_t>(seed);
+}
+
+/// False where the table names no clip.
+bool read_clip_keys(Section& section, SceneOptions& scene) {
+  std::vector<std::string> clips;
+  for (const SceneKind kind : all_clip_kinds()) clips.emplace_back(scene_kind_name(kind));
+  const auto clip = section.word("clip", clips);
+  if (!clip) return false;
+  scene.kind = all_clip_kinds()[*clip];
+  read_keys(section, clip_keys(), scene.variation, "");
+  return true;
+}
+
 SceneOptions read_file(Section& file) {
   SceneOptions scene;
   Design& design = scene.design;
-  Vec2 size{640.0f, 360.0f};
-  file.read("size", size, {16.0, 4096.0});
-  scene.size = {static_cast<int>(size.x), static_cast<int>(size.y)};
-  file.read("frames", scene.frames, {1.0, 1e6});
-  file.read("fps", scene.fps, {1.0, 240.0});
-  std::int64_t seed = 1;
-  file.read("seed", seed, {0.0, 9e15});
-  scene.seed = static_cast<std::uint64_t>(seed);
-  std::vector<std::string> clips;
-  for (const SceneKind kind : all_clip_kinds()) clips.emplace_back(scene_kind_name(kind));
-  if (const auto clip = file.word("clip", clips)) {
-    scene.kind = all_clip_kinds()[*clip];
+  read_frames(file, scene);
+  if (read_clip_keys(file, scene)) {
     file.done();
     return scene;
   }
@@ -263,10 +283,23 @@ SceneOptions read_file(Section& file) {
 
 }  // namespace
 
+SceneOptions read_clip(Section& table, const SceneOptions& usual) {
+  SceneOptions scene = usual;
+  read_frames(table, scene);
+  if (!read_clip_keys(table, scene))
+    table.refuse_whole("it names no clip", "Give clip = \"fire\", or another of the ready-made ones");
+  table.done();
+  return scene;
+}
+
 std::string scene_keys() {
   std::string text = kKeys;
-  constexpr std::string_view kFluid = "{fluid}\n";
-  return text.replace(text.find(kFluid), kFluid.size(), key_lines(key_texts(fluid_keys())));
+  const auto fill = [&](std::string_view place, const std::string& lines) {
+    text.replace(text.find(place), place.size(), lines);
+  };
+  fill("{clip}\n", key_lines(key_texts(clip_keys())));
+  fill("{fluid}\n", key_lines(key_texts(fluid_keys())));
+  return text;
 }
 
 bool names_scene_file(const std::filesystem::path& scene) { return scene.extension() == ".toml"; }

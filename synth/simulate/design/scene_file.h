@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "synth/simulate/scene/scene_options.h"
+#include "synth/toml/section.h"
 
 namespace freshet::synth::simulate {
 
@@ -20,6 +21,10 @@ SceneOptions read_scene(const std::filesystem::path& path);
 /// The same from text.
 /// name   stands for the file in messages.
 SceneOptions parse_scene(std::string_view text, const std::filesystem::path& name);
+
+/// A table of another file that describes a ready-made clip by the same keys (size, frames, fps, seed, clip, speed, zoom,
+/// amount). usual   holds for those that it leaves out. Throws as read_scene, and for keys of a design.
+SceneOptions read_clip(Section& table, const SceneOptions& usual);
 
 /// Whether a name is that of a scene file, and not of a preset: it ends in .toml.
 bool names_scene_file(const std::filesystem::path& scene);

@@ -10,9 +10,11 @@
 namespace freshet::synth::simulate {
 namespace {
 
-constexpr std::array<SceneKind, 6> kClipKinds{SceneKind::kSmoke,     SceneKind::kFire,  SceneKind::kInk,
-                                              SceneKind::kWaterfall, SceneKind::kRiver, SceneKind::kClouds};
-constexpr std::array<std::string_view, 6> kNames{"smoke", "fire", "ink", "waterfall", "river", "clouds"};
+constexpr std::array<SceneKind, 9> kClipKinds{SceneKind::kSmoke,     SceneKind::kFire,  SceneKind::kInk,
+                                              SceneKind::kWaterfall, SceneKind::kRiver, SceneKind::kClouds,
+                                              SceneKind::kSea,       SceneKind::kRain,  SceneKind::kFountain};
+constexpr std::array<std::string_view, 9> kNames{"smoke",  "fire", "ink",  "waterfall", "river",
+                                                 "clouds", "sea",  "rain", "fountain"};
 constexpr int kMinSide = 16, kMaxSide = 4096;
 constexpr int kMaxFrames = 1'000'000, kMaxWarmUp = 100'000;
 
@@ -50,6 +52,15 @@ void check(const SceneOptions& options) {
     refuse("warm-up", fmt::format("{} is out of range", options.warm_up_frames),
            fmt::format("Give 0 to {} frames, or -1 for the preset's own", kMaxWarmUp));
   }
+  const auto vary = [&](const char* option, float value, float least, float most) {
+    if (!(value >= least && value <= most))
+      refuse(option, fmt::format("{} is out of range", value), fmt::format("Give {} to {}", least, most));
+  };
+  vary("speed", options.variation.speed, 0.1f, 10.0f);
+  vary("zoom", options.variation.zoom, 0.2f, 5.0f);
+  vary("amount", options.variation.amount, 0.1f, 10.0f);
+  if (options.kind == SceneKind::kDesign && options.variation != ClipVariation{})
+    refuse("speed, zoom, amount", "only the ready-made clips have them", "Change the design itself");
   if (options.alpha_bits != 8 && !(options.alpha_bits == 16 && options.kind == SceneKind::kDesign)) {
     refuse("alpha-bits", fmt::format("{} cannot be had", options.alpha_bits),
            "Give 8, or 16 for a design; the ready-made clips have 8");

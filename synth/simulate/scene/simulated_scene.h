@@ -1,4 +1,4 @@
-// synth/simulate/scene/simulated_scene.h — the interface of what can be simulated: six clips, and designs.
+// synth/simulate/scene/simulated_scene.h — the interface of what can be simulated: nine clips, and designs.
 #pragma once
 
 #include <memory>
@@ -29,6 +29,9 @@ std::unique_ptr<Scene> make_ink(const SceneOptions& options);
 std::unique_ptr<Scene> make_waterfall(const SceneOptions& options);
 std::unique_ptr<Scene> make_river(const SceneOptions& options);
 std::unique_ptr<Scene> make_clouds(const SceneOptions& options);
+std::unique_ptr<Scene> make_sea(const SceneOptions& options);
+std::unique_ptr<Scene> make_rain(const SceneOptions& options);
+std::unique_ptr<Scene> make_fountain(const SceneOptions& options);
 std::unique_ptr<Scene> make_design(const SceneOptions& options);
 
 }  // namespace freshet::synth::simulate

@@ -67,7 +67,7 @@ struct Carried {
   double mass_before = 0.0, mass_after = 0.0;
 };
 Carried carry(Gas::Edges edges, float inside, float outside) {
-  Gas gas(Domain({96, 80}, 0.1f, 0.1f, 0.1f),
+  Gas gas(Domain({.size = {96, 80}}, 0.1f, 0.1f, 0.1f), 1.0f,
           {.left = Edge::kFixed, .right = Edge::kFixed, .top = Edge::kFixed, .bottom = Edge::kFixed}, 1, 20);
   Grid& field = gas.fields[0];
   for (int y = 0; y < field.height; ++y) {
