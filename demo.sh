@@ -1,10 +1,11 @@
 #!/bin/sh
 # The main job, end to end, from nothing but a checkout on Debian 12.
 #
-#   ./demo.sh                                    with clips that Freshet simulates itself
-#   ./demo.sh CLIPS_FOLDER PICTURE [MATTE]       with your own clips (folders in it name the classes) and picture;
+#   ./demo.sh                                    a simulated still, animated with the starter store of simulated clips
+#   ./demo.sh PICTURE [MATTE]                    your own picture, with the starter store;
 #                                                MATTE is grey, white where the fluid is
-#   ./demo.sh --studio [STORE] [PICTURE]         opens the studio in the browser: with the simulated clips, or your own
+#   ./demo.sh CLIPS_FOLDER PICTURE [MATTE]       with your own clips too (folders in it name the classes)
+#   ./demo.sh --studio [STORE] [PICTURE]         opens the studio in the browser
 #
 # Everything that it makes lies in demo/ (or $FRESHET_DEMO). What is there already is used again.
 set -eu
@@ -13,14 +14,17 @@ if [ "${1:-}" = --studio ]; then
   studio=yes
   shift
 elif [ $# -gt 0 ]; then
-  if [ $# -lt 2 ] || [ $# -gt 3 ]; then
-    sed -n '2,10p' "$0" | sed 's/^# \{0,1\}//' >&2
+  if [ -d "$1" ] && [ $# -ge 2 ]; then
+    clips=$(realpath -e "$1")
+    shift
+  fi
+  if [ $# -gt 2 ]; then
+    sed -n '2,12p' "$0" | sed 's/^# \{0,1\}//' >&2
     exit 2
   fi
-  clips=$(realpath -e "$1") || { echo "demo.sh: $1: no such folder" >&2; exit 1; }
-  picture=$(realpath -e "$2") || { echo "demo.sh: $2: no such picture" >&2; exit 1; }
-  if [ $# -eq 3 ]; then
-    matte=$(realpath -e "$3") || { echo "demo.sh: $3: no such matte" >&2; exit 1; }
+  picture=$(realpath -e "$1") || { echo "demo.sh: $1: no such picture" >&2; exit 1; }
+  if [ $# -eq 2 ]; then
+    matte=$(realpath -e "$2") || { echo "demo.sh: $2: no such matte" >&2; exit 1; }
   fi
 fi
 here=$PWD
@@ -38,30 +42,24 @@ if [ -n "$studio" ] && [ $# -gt 0 ]; then
   exec "$freshet" studio "$@"
 fi
 
-if [ -z "$clips" ]; then
-  # A small database of our own: several clips of each kind of fluid, each from its own seed.
-  clips=$out/clips
-  for kind in waterfall river fire smoke; do
-    mkdir -p "$clips/$kind"
-    for seed in 1 2 3; do
-      [ -s "$clips/$kind/$seed.mkv" ] ||
-        "$freshet" synth simulate $kind --size 480x270 --frames 100 --seed $seed --overwrite -o "$clips/$kind/$seed.mkv"
-    done
-  done
-  # The still: one frame of a waterfall that is not in the database, and the part of it that moves.
+set --
+if [ -z "$picture" ]; then
+  # One frame of a simulated waterfall, and the part of it that moves.
   picture=$out/still.png
   matte=$out/still_matte.png
   [ -s "$matte" ] ||
     "$freshet" synth simulate waterfall --size 640x360 --frames 1 --seed 12 --overwrite -o "$picture" --alpha "$matte"
-  name=simulated
-  set -- --class waterfall --direction down
-else
-  name=$(basename "$clips")-$(basename "$picture" | sed 's/\.[^.]*$//')
-  set --
+  set -- --class water --direction down
 fi
-store=$out/$(basename "$clips").freshet
-
-"$freshet" ingest "$store" "$clips"
+name=$(basename "$picture" | sed 's/\.[^.]*$//')
+if [ -n "$clips" ]; then
+  store=$out/$(basename "$clips").freshet
+  name=$(basename "$clips")-$name
+  "$freshet" ingest "$store" "$clips"
+else
+  store=$out/starter.freshet
+  [ -s "$store" ] || "$freshet" store starter -o "$store"
+fi
 [ -z "$studio" ] || exec "$freshet" studio "$store" "$picture"
 "$freshet" query candidates "$store" "$picture" ${matte:+--matte "$matte"} "$@" --overwrite \
   --sheet "$out/$name-candidates.png"

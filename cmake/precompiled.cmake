@@ -48,7 +48,7 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL GNU AND NOT CMAKE_DISABLE_PRECOMPILE_HEADERS)
              <random> <set> <span> <string> <thread> <vector> <opencv2/core.hpp> <opencv2/imgproc.hpp>
              <oneapi/tbb/parallel_for.h> <nlohmann/json.hpp>)
   set(libraries opencv_core opencv_imgproc TBB::tbb nlohmann_json::nlohmann_json)
-  precompile(engine SHARED FOLDERS report cache store media hints vision stored ingest query synth studio library
+  precompile(engine SHARED FOLDERS report cache store media hints vision stored ingest query synth starter studio library
              OPTIONS ${mistaken} LIBRARIES ${libraries} HEADERS ${common})
   # What reads options and what is a test runs once: it is compiled faster, and what it calls is as fast as ever.
   set(once $<$<CONFIG:Release>:-O1>)

@@ -67,6 +67,7 @@ synth/flowlines/files: store media/video hints stored synth/flowlines/lines synt
 synth/stills: report cache media/frame media/picture hints vision synth/toml synth/matte
 synth/transfer: synth/field
 synth/transfer/files: cache store media/frame media/picture media/video vision stored synth/playing synth/transfer
+starter: cache store media/video vision ingest query/index synth/toml synth/simulate/scene synth/simulate/design synth/simulate
 studio/drawing: synth/matte synth/scene
 studio/jobs:
 studio/ways: cache synth/simulate/design studio/drawing
@@ -75,13 +76,13 @@ studio/http: studio
 library: store media/frame media/picture media/video hints vision stored ingest query/index query/labelling query/benchmark synth/outline synth/animate synth/matte synth/simulate/design synth/simulate synth/transfer synth/transfer/files
 python/binding:
 tools/console: store media/frame media/picture media/video query/index
-tools/options: cache media/picture media/video hints vision query/index query/mrf query/search query/costs synth/outline synth/animate/frames synth/animate synth/matte tools/console
-tools: store store/rewrite media/frame media/video stored ingest query/index studio studio/http tools/console tools/options
+tools/options: cache store starter media/picture media/video hints vision query/index query/mrf query/search query/costs synth/outline synth/animate/frames synth/animate synth/matte tools/console
+tools: store store/rewrite media/frame media/video stored ingest query/index synth/toml starter studio studio/http tools/console tools/options
 tools/query: media/picture stored query/labelling query/benchmark synth/animate/placement synth/animate/motion tools/console tools/options tools
 tools/judging: media/frame media/picture media/video hints query/labelling synth/judging tools/console
 tools/synth: report store media/picture media/video hints stored query/labelling synth/sampling synth/judging synth/animate/placement synth/animate/motion synth/animate synth/takes synth/matte synth/scene/layers synth/simulate/design synth/simulate synth/scene synth/scene/rendering synth/flowlines synth/flowlines/files synth/stills synth/transfer synth/transfer/files tools/console tools/options tools tools/query tools/judging
 '
-rooms="include platform report cache store media hints vision stored ingest query synth studio library python tools"
+rooms="include platform report cache store media hints vision stored ingest query synth starter studio library python tools"
 max_units=17  # in one folder: a header and its source file are one, and so is a source file without a header
 
 find $rooms -name '*.h' -o -name '*.cc' | sort | xargs awk -v arrows="$arrows" -v max_units="$max_units" '

@@ -33,7 +33,10 @@
 namespace {
 
 constexpr const char* kFooter = R"(
-A first animation:
+A first animation, from a picture alone (the starter store is made once, and kept):
+  freshet synth animate PICTURE.png --matte MATTE.png --direction down -o OUT.mp4
+
+With clips of your own:
   freshet ingest water.store CLIPS/               clips into a store (folders in CLIPS name the classes)
   freshet query candidates water.store PICTURE.png --sheet candidates.png
   freshet synth animate water.store PICTURE.png --matte MATTE.png --direction down -o OUT.mp4

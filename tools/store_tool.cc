@@ -12,12 +12,14 @@
 #include "media/frame/frame_md5.h"
 #include "media/video/video_writer.h"
 #include "platform/printable.h"
+#include "starter/starter_store.h"
 #include "store/rewrite/rewrite.h"
 #include "store/store.h"
 #include "stored/clip_frames.h"
 #include "stored/clip_metadata.h"
 #include "stored/clip_schema.h"
 #include "stored/stored_codebook.h"
+#include "synth/toml/section.h"
 #include "tools/commands.h"
 #include "tools/console/output_names.h"
 #include "tools/console/progress.h"
@@ -246,6 +248,28 @@ void export_clip(const StoreCommand& command, const RunContext& context) {
   fmt::print("{}\n", command.out);
 }
 
+struct StarterCommand {
+  std::string out, recipe;
+  bool print = false;
+};
+
+void make_starter(const StarterCommand& command, const RunContext& context) {
+  const starter::Recipe recipe =
+      command.recipe.empty()
+          ? starter::own_recipe()
+          : starter::parse_recipe(synth::toml_file_text(command.recipe, "Give a TOML file"), command.recipe);
+  if (command.print) {
+    fmt::print("{}", recipe.text);
+    return;
+  }
+  if (command.out.empty()) throw CLI::RequiredError("--output");
+  check_output_folder(command.out);
+  Progress progress;
+  starter::make_store(command.out, recipe, {.progress = progress.callback(), .stop = context.stop});
+  progress.finish();
+  fmt::print("{}\n", command.out);
+}
+
 }  // namespace
 
 void add_store(CLI::App& app, RunContext& context) {
@@ -281,6 +305,18 @@ void add_store(CLI::App& app, RunContext& context) {
   sub->add_option("-o,--output", command->out, "NAME.mkv, or a numbered sequence such as frames/%05d.png")
       ->required();
   add_overwrite(*sub);
+  CLI::App* made = store->add_subcommand("starter",
+                                         "Make the store that commands use where none is given: simulated "
+                                         "clips of water, fire, smoke and clouds");
+  auto starter = std::make_shared<StarterCommand>();
+  made->add_option("-o,--output", starter->out, "The store file");
+  made->add_option(
+      "--recipe", starter->recipe,
+      "TOML file of clips, each a table [[clip]] with a name (CLASS/NAME) and the keys of a ready-made clip "
+      "(synth simulate --keys) [Freshet's own]");
+  made->add_flag("--print-recipe", starter->print, "Print the recipe, to be edited")->excludes("--output");
+  add_threads(*made);
+  made->callback([starter, &context] { make_starter(*starter, context); });
   add_store_rewrites(*store, context);
 }
 

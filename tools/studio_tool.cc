@@ -12,6 +12,7 @@
 #include "studio/http/server.h"
 #include "studio/studio.h"
 #include "tools/commands.h"
+#include "tools/options/starter_option.h"
 
 namespace freshet::tools {
 namespace {
@@ -22,7 +23,7 @@ struct StudioCommand {
   std::vector<std::string> given;  // stores and a picture, in any order
   std::string folder, address = "127.0.0.1", page;
   int port = 0;
-  bool no_browser = false;
+  bool no_browser = false, no_starter = false;
 };
 
 fs::path own_path() {
@@ -46,14 +47,12 @@ fs::path default_page(const fs::path& program) {
   return program.parent_path().parent_path() / "share" / "freshet" / "studio";
 }
 
-bool is_store(const fs::path& path) {
-  try {
-    store::Store::open_read(path);
-    return true;
-  } catch (const Error& fault) {
-    if (fault.kind() == ErrorKind::kDamaged) throw;
-    return false;
-  }
+/// Whether the page has made or taken some before.
+bool has_stores(const fs::path& folder) {
+  std::error_code none;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder / "stores", none))
+    if (entry.path().extension() == ".freshet") return true;
+  return false;
 }
 
 /// Opens the address in the desktop's browser, where there is a desktop.
@@ -81,6 +80,8 @@ void run_studio(const StudioCommand& command, const RunContext& context) {
   if (pictures.size() > 1)
     throw Error(ErrorKind::kUsage, pictures[1].string(),
                 "two pictures were given, and one is opened at first", "Open the other in the page");
+  if (options.stores.empty() && !command.no_starter && !has_stores(options.folder))
+    options.stores.push_back(starter_store(context));
   studio::Studio studio(options);
   const char* const token = std::getenv("FRESHET_STUDIO_TOKEN");
   studio::Server server(studio,
@@ -116,7 +117,9 @@ void add_studio(CLI::App& app, RunContext& context) {
                                      "Draw on a picture in the browser and see it move. Prints the address "
                                      "of its page, serves until Ctrl-C, and keeps "
                                      "what is drawn as it is drawn.");
-  sub->add_option("STORE_OR_PICTURE", command->given, "Stores to use, and a picture to open; none is needed");
+  sub->add_option(
+      "STORE_OR_PICTURE", command->given,
+      "Stores to use [the starter store, which Freshet makes itself, once], and a picture to open");
   sub->add_option("--folder", command->folder, "Where projects are kept [~/freshet-studio]");
   sub->add_option("--port", command->port, "Port to listen on; 0: any that is free")
       ->check(CLI::Range(0, 65535))
@@ -128,6 +131,8 @@ void add_studio(CLI::App& app, RunContext& context) {
       ->capture_default_str();
   sub->add_option("--page", command->page, "Folder of the built page [beside the program]");
   sub->add_flag("--no-browser", command->no_browser, "Only print the address [off: the browser is opened]");
+  sub->add_flag("--no-starter", command->no_starter,
+                "Begin without a store where there is none [off: the starter store is opened]");
   add_threads(*sub);
   sub->callback([command, &context] {
     keeps_when_stopped("projects are kept");

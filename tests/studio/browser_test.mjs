@@ -27,7 +27,7 @@ function freshet(...words) {
 
 /** Starts the server; on the same port and with the same token as the one before, as a person's page expects. */
 async function serve(port = 0, ...given) {
-  server = spawn(FRESHET, ["studio", ...given, "--folder", at("room"), "--page", PAGE, "--no-browser", "--port", String(port)], {
+  server = spawn(FRESHET, ["studio", ...given, "--folder", at("room"), "--page", PAGE, "--no-browser", "--no-starter", "--port", String(port)], {
     cwd: folder,
     env: { ...process.env, FRESHET_STUDIO_TOKEN: kToken },
     stdio: ["ignore", "pipe", "inherit"],

@@ -11,7 +11,7 @@ namespace {
 
 /// `freshet studio` that ends at once where the folder is taken.
 tools::Outcome second(const tools::WorkFolder& folder) {
-  return folder.freshet({"studio", "--no-browser", "--folder", "room", "--page", "page"});
+  return folder.freshet({"studio", "--no-browser", "--no-starter", "--folder", "room", "--page", "page"});
 }
 
 TEST(StudioFolder, IsOneServersAlone) {

@@ -5,10 +5,13 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "starter/starter_store.h"
 #include "tests/tools/sample.h"
 
 namespace freshet::tools {
 namespace {
+
+namespace fs = std::filesystem;
 
 bool holds(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
@@ -75,6 +78,8 @@ TEST(CommandLine, WrongUsageIsSaidInOneLine) {
       {"query", "nosuch"},
       "there is no command \"nosuch\"; there are candidates, label, bench. See freshet query --help");
   expect_usage_fault({"ingest"}, "STORE is required. See freshet ingest --help");
+  expect_usage_fault({"query", "label"}, "PICTURE is required. See freshet query label --help");
+  expect_usage_fault({"synth", "animate", sample().store, "-o", "x.mp4"}, "PICTURE is required");
   expect_usage_fault({"query", "label", "a", "b", "--nosuch"}, "--nosuch");
   expect_usage_fault({"query", "label", "a", "b", "-k", "0"}, "not in range");
   expect_usage_fault({"synth", "simulate", "lava", "-o", "x.mkv"}, "Choose one of plume, fireball");
@@ -124,6 +129,39 @@ TEST(CommandLine, ExitCodesTellACommandLineFromWhatItMeets) {
     EXPECT_EQ(outcome.exit_code, code) << outcome.err;
     EXPECT_EQ(outcome.out, "");
   }
+}
+
+TEST(CommandLine, WithoutAStoreTheStarterStoreIsTakenWhichTheCacheHas) {
+  const WorkFolder folder;
+  // A name alone is the picture: before a store is made, it has to be there.
+  const Outcome missing = folder.freshet({"query", "candidates", "no.png"});
+  EXPECT_EQ(missing.exit_code, 1);
+  EXPECT_TRUE(holds(missing.err, "no.png: there is no such file")) << missing.err;
+  const std::vector<std::string> search{"query", "candidates", sample().still, "--matte", sample().matte};
+  const Outcome homeless = folder.freshet_after("unset HOME XDG_CACHE_HOME", search);
+  EXPECT_EQ(homeless.exit_code, 2);
+  EXPECT_TRUE(holds(homeless.err, "neither XDG_CACHE_HOME nor HOME is set. Name a store")) << homeless.err;
+  // The store that is kept under the recipe's name is used as it is.
+  const std::string name = starter::kept_name("freshet", starter::own_recipe()).string();
+  fs::create_directories(folder / "cache/freshet");
+  fs::copy_file(sample().store, folder / ("cache/" + name));
+  const Outcome found = folder.freshet_after("XDG_CACHE_HOME=$PWD/cache; export XDG_CACHE_HOME", search);
+  EXPECT_EQ(found.exit_code, 0) << found.err;
+  EXPECT_TRUE(holds(found.out, "fall/1.mkv")) << found.out;
+}
+
+TEST(CommandLine, AStarterStoreIsMadeOfARecipeOfOnesOwn) {
+  const WorkFolder folder;
+  folder.file("tiny.toml",
+              "size = [96, 96]\nframes = 9\n[[clip]]\nname = \"fire/small\"\nclip = \"fire\"\nspeed = 2\n");
+  const std::vector<std::string> make{"store", "starter", "--recipe", "tiny.toml", "-o", "deep/tiny.store"};
+  const Outcome made = folder.freshet(make);
+  ASSERT_EQ(made.exit_code, 0) << made.err;
+  EXPECT_EQ(made.out, "deep/tiny.store\n");
+  EXPECT_TRUE(holds(folder.freshet({"store", "info", "deep/tiny.store"}).out, "fire/small"));
+  EXPECT_EQ(folder.freshet(make).exit_code, 2) << "it is there";
+  EXPECT_EQ(folder.freshet({"store", "starter"}).exit_code, 2);
+  EXPECT_TRUE(holds(folder.freshet({"store", "starter", "--print-recipe"}).out, "name = \"fire/camp fire\""));
 }
 
 TEST(CommandLine, SettingsThatDoNotGoTogetherLeaveNoStoreBehind) {

@@ -7,18 +7,13 @@
 #include "tools/console/run_context.h"
 
 namespace freshet::tools {
-namespace {
-
-// As the XDG Base Directory Specification has it; its paths count only when they are absolute.
-std::filesystem::path home_of_caches() {
+std::filesystem::path user_cache_folder(const std::string& where, const std::string& remedy) {
   for (const auto& [variable, below] : {std::pair{"XDG_CACHE_HOME", ""}, std::pair{"HOME", ".cache"}}) {
     const char* value = std::getenv(variable);
     if (value != nullptr && value[0] == '/') return std::filesystem::path(value) / below / "freshet";
   }
-  throw Error(ErrorKind::kUsage, "--cache auto", "neither XDG_CACHE_HOME nor HOME is set", "Name a folder");
+  throw Error(ErrorKind::kUsage, where, "neither XDG_CACHE_HOME nor HOME is set", remedy);
 }
-
-}  // namespace
 
 void CacheOptions::add_to(CLI::App& command, const std::string& kept) {
   const std::string group = "Cache";
@@ -40,7 +35,7 @@ void CacheOptions::add_to(CLI::App& command, const std::string& kept) {
 std::unique_ptr<cache::ResultCache> CacheOptions::open() const {
   if (folder_.empty()) return nullptr;
   return std::make_unique<cache::ResultCache>(
-      folder_ == "auto" ? home_of_caches() : std::filesystem::path(folder_),
+      folder_ == "auto" ? user_cache_folder("--cache auto", "Name a folder") : std::filesystem::path(folder_),
       static_cast<std::uintmax_t>(megabytes_) << 20);
 }
 

@@ -1,6 +1,7 @@
 // tools/options/cache_options.h — where results are kept from one run to the next.
 #pragma once
 
+#include <filesystem>
 #include <memory>
 #include <string>
 
@@ -9,6 +10,11 @@
 #include "cache/result_cache.h"
 
 namespace freshet::tools {
+
+/// Freshet's folder for what can be made again: $XDG_CACHE_HOME/freshet or ~/.cache/freshet. As the XDG Base Directory
+/// Specification has it, paths that are not absolute do not count.
+/// Throws Error{kUsage} with `where` and `remedy` where neither variable names one.
+std::filesystem::path user_cache_folder(const std::string& where, const std::string& remedy);
 
 class CacheOptions {
  public:

@@ -1,16 +1,33 @@
 #include "tools/options/target_files.h"
 
+#include <utility>
+
 #include "freshet/error.h"
-#include "tools/console/run_context.h"
+#include "tools/options/starter_option.h"
 
 namespace freshet::tools {
 
 void TargetFiles::add_to(CLI::App& command) {
-  command.add_option("STORE", store, "The store file")->required();
-  command.add_option("PICTURE", picture, "The still picture (PNG, JPEG, TIFF, ...)")->required();
+  command.add_option("STORE", store, "The store file [the starter store, which Freshet makes itself, once]");
+  command.add_option("PICTURE", picture, "REQUIRED. The still picture (PNG, JPEG, TIFF, ...)");
+  command.parse_complete_callback([this] {
+    if (!picture.empty()) return;
+    if (store.empty() || is_store(store)) throw CLI::RequiredError("PICTURE");
+    picture = std::exchange(store, "");
+  });
   CLI::Option* given = command.add_option("--matte", matte,
                                           "Grey picture, white where the fluid is [the picture's own alpha]");
   command.add_flag("--whole", whole, "All of the picture is fluid [off]")->excludes(given);
+}
+
+store::Snapshot TargetFiles::open_store(const RunContext& context) {
+  if (store.empty()) {
+    // First what costs nothing to find out.
+    if (!std::filesystem::exists(picture))
+      throw Error(ErrorKind::kInput, picture.string(), "there is no such file", "Check the name");
+    store = starter_store(context).string();
+  }
+  return store::Store::open_read(store).snapshot();
 }
 
 TargetFiles::Loaded TargetFiles::load() const {

@@ -8,18 +8,22 @@
 #include <opencv2/core.hpp>
 
 #include "media/picture/picture.h"
+#include "store/store.h"
+#include "tools/console/run_context.h"
 
 namespace freshet::tools {
 
 /// What is searched for: a picture and where its fluid is.
 struct TargetFiles {
-  std::string store;
+  std::string store;  // empty: the starter store
   std::filesystem::path picture, matte;
 
   bool whole = false;  // the whole picture is fluid, whatever its alpha says
 
-  /// STORE, PICTURE, --matte, --whole.
+  /// STORE, PICTURE, --matte, --whole. One name alone is the picture. This must outlive the command.
   void add_to(CLI::App& command);
+  /// Opens the store; the starter store, from then on in `store`, where none was given.
+  store::Snapshot open_store(const RunContext& context);
   struct Loaded {
     cv::Mat picture, matte;  // CV_8UC3, CV_8U
     media::Still still;      // with all that the file holds

@@ -124,10 +124,10 @@ nlohmann::json candidates_json(const store::Snapshot& snapshot, const query::Can
   return pieces;
 }
 
-void run_candidates(const CandidatesCommand& command, const RunContext& context) {
+void run_candidates(CandidatesCommand& command, const RunContext& context) {
   check_picture_output(command.sheet);
   command.question.motion.check_outputs();
-  const store::Snapshot snapshot = store::Store::open_read(command.question.target.store).snapshot();
+  const store::Snapshot snapshot = command.question.target.open_store(context);
   TargetFiles::Loaded loaded = command.question.load();
   AskedMotion asked = command.question.motion.read(loaded, command.question.search);
   const query::LabelRequest request = request_of(command.question.search, asked, command.question.duration);
@@ -167,12 +167,12 @@ void run_candidates(const CandidatesCommand& command, const RunContext& context)
   if (!command.sheet.empty()) fmt::print("{}\n", command.sheet);
 }
 
-void run_label(const LabelCommand& command, const RunContext& context) {
+void run_label(LabelCommand& command, const RunContext& context) {
   check_output_folder(command.assignment);
   check_picture_output(command.map);
   check_picture_output(command.sheet);
   command.question.motion.check_outputs();
-  const store::Snapshot snapshot = store::Store::open_read(command.question.target.store).snapshot();
+  const store::Snapshot snapshot = command.question.target.open_store(context);
   TargetFiles::Loaded loaded = command.question.load();
   AskedMotion asked = command.question.motion.read(loaded, command.question.search);
   const query::LabelRequest request =

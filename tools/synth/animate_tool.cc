@@ -126,7 +126,7 @@ nlohmann::json judged(const AnimateInputs& inputs, const ShownKind& kind,
 
 void run_animate(AnimateCommand& command, const RunContext& context) {
   plan_stages(command.stages());
-  const store::Snapshot snapshot = store::Store::open_read(command.target.store).snapshot();
+  const store::Snapshot snapshot = command.target.open_store(context);
   AnimateInputs inputs = read_inputs(command);
   const TargetFiles::Loaded& loaded = inputs.loaded;
   synth::animate::AnimateOptions& options = inputs.options;

@@ -92,7 +92,7 @@ class Sweep {
   Sweep(SweepCommand& command, std::vector<SweepPoint> points, const RunContext& context)
       : command_(command),
         context_(context),
-        snapshot_(store::Store::open_read(command.shared.target.store).snapshot()),
+        snapshot_(command.shared.target.open_store(context)),
         points_(std::move(points)) {}
 
   /// What is wrong with any point is said before the first is made.
