@@ -38,6 +38,7 @@ const std::map<std::string, std::string> kNeeded{
     {"store remove", "f.store clip1.mkv"},
     {"store merge", "one.store rest.store -o new.store"},
     {"store repair", "f.store -o new.store"},
+    {"store starter", "--recipe recipe.toml -o new.store"},
     {"query candidates", "f.store still.png --whole"},
     {"query label", "f.store still.png --whole"},
     {"query bench", "f.store"},
@@ -50,7 +51,7 @@ const std::map<std::string, std::string> kNeeded{
     {"synth scene", "scene.toml -o out.mkv"},
     {"synth layers", "scene.toml -o out.ora"},
     {"synth flowlines", "clip1.mkv -o out.mkv"},
-    {"studio", "--folder projects --no-browser"}};
+    {"studio", "--folder projects --no-browser --no-starter"}};
 
 /// All commands of the executable, as its help lists them.
 const std::vector<Command>& commands(const Campaign& c) {
