@@ -10,17 +10,16 @@ namespace freshet::tools {
 void TargetFiles::add_to(CLI::App& command) {
   command.add_option("STORE", store, "The store file [the starter store, which Freshet makes itself, once]");
   command.add_option("PICTURE", picture, "REQUIRED. The still picture (PNG, JPEG, TIFF, ...)");
-  command.parse_complete_callback([this] {
-    if (!picture.empty()) return;
-    if (store.empty() || is_store(store)) throw CLI::RequiredError("PICTURE");
-    picture = std::exchange(store, "");
-  });
   CLI::Option* given = command.add_option("--matte", matte,
                                           "Grey picture, white where the fluid is [the picture's own alpha]");
   command.add_flag("--whole", whole, "All of the picture is fluid [off]")->excludes(given);
 }
 
 store::Snapshot TargetFiles::open_store(const RunContext& context) {
+  if (picture.empty()) {  // not while the command line is read: a file of options may name both
+    if (store.empty() || is_store(store)) throw CLI::RequiredError("PICTURE");
+    picture = std::exchange(store, "");
+  }
   if (store.empty()) {
     // First what costs nothing to find out.
     if (!std::filesystem::exists(picture))

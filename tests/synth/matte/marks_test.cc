@@ -110,7 +110,7 @@ TEST(KeepWithin, ABoxOutsideOrWithoutAreaIsRefused) {
   Marks marks(kRows, kCols, CV_8U, cv::Scalar(kUnknown));
   for (const cv::Rect2d& box :
        {cv::Rect2d(100, 0, 10, 10), cv::Rect2d(0, 0, 0, 10), cv::Rect2d(5, 5, -3, 4)}) {
-    const std::string said = fault_of(ErrorKind::kInput, [&] { keep_within(marks, {box}, "--box"); });
+    const std::string said = fault_of(ErrorKind::kUsage, [&] { keep_within(marks, {box}, "--box"); });
     EXPECT_NE(said.find("--box: the box"), std::string::npos) << said;
     EXPECT_NE(said.find("has no area in the picture of 80 x 60 px"), std::string::npos) << said;
   }
