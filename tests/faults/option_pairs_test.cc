@@ -44,6 +44,7 @@ const std::map<std::string, std::string> kNeeded{
     {"query bench", "f.store"},
     {"synth animate", "f.store still.png --whole -o out.mkv"},
     {"synth sweep", "f.store still.png --whole --vary tau=0,1 -o sweep"},
+    {"synth judge", "clip1.mkv still.png --whole"},
     {"synth matte", "still.png -o matte.png"},
     {"synth simulate", "river -o out.mkv"},
     {"synth stills", "stills -o out.mkv"},

@@ -31,13 +31,14 @@ std::string typed(const PrintedOption& option) {
 
 }  // namespace
 
-void AsPrinted::add_to(CLI::App& command, const std::string& paper, std::vector<PrintedOption> options) {
+CLI::Option* AsPrinted::add_to(CLI::App& command, const std::string& paper,
+                               std::vector<PrintedOption> options) {
   command_ = &command;
   options_ = std::move(options);
   std::vector<std::string> all;
   for (const PrintedOption& option : options_) all.push_back(typed(option));
-  command.add_flag("--as-printed", asked_,
-                   fmt::format("The method as {} prints it, whole: {}", paper, fmt::join(all, ", ")));
+  return command.add_flag("--as-printed", asked_,
+                          fmt::format("The method as {} prints it, whole: {}", paper, fmt::join(all, ", ")));
 }
 
 void AsPrinted::apply() const {

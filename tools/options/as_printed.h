@@ -19,7 +19,8 @@ struct PrintedOption {
 class AsPrinted {
  public:
   /// options   of `command`, which has them already.
-  void add_to(CLI::App& command, const std::string& paper, std::vector<PrintedOption> options);
+  /// Returns the option.
+  CLI::Option* add_to(CLI::App& command, const std::string& paper, std::vector<PrintedOption> options);
   /// Where it was asked for, gives every option of the list its printed value; once the command line is parsed, before
   /// options are read. Throws Error{kUsage} naming the option that was given another value.
   void apply() const;
