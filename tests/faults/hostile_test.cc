@@ -414,7 +414,7 @@ const std::vector<Command>& doors() {
        "--overwrite", "-o", "h.mkv"},
       {"synth", "animate", "h.store", "still.png", "--whole", "--hint", "none", "--frames", "20", "--loop",
        "--method", "paper", "--overwrite", "-o", "h.mkv"},
-      {"store", "repair", "h.store", "-o", "hr.store", "--overwrite"},
+      {"store", "repair", "h.store", "-o", "hr.store"},
       {"store", "compact", "h.store"},
       {"store", "remove", "h.store", "clip2.mkv"},
       {"index", "--rebuild", "h.store"},
