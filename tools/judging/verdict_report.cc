@@ -72,7 +72,7 @@ std::string take_words(const Assumed& assumed, const judging::Verdict& verdict,
       assumed.kind.asked
           ? ""
           : fmt::format(", as {:.0f} % of its patches are (--class)", 100 * assumed.kind.share),
-      assumed.direction_asked ? "the direction asked" : "a direction that was guessed (--strokes)",
+      assumed.direction_asked ? "the direction asked" : "no direction asked (--strokes)",
       verdict.of(judging::Measure::kSpeed).reading.value, assumed.speed_asked ? " as asked" : "",
       usual.slow * side, usual.fast * side,
       assumed.holds ? "what --hold says stands" : "nothing in the matte stands (--hold)",
