@@ -5,6 +5,8 @@
 #include <functional>
 #include <optional>
 
+#include "store/records/record.h"
+
 namespace freshet::tools {
 
 namespace {
@@ -82,18 +84,7 @@ std::optional<Entry> an_entry(Aim& aim, const Wanted& wanted) {
 }
 
 bool any_record(const Entry& entry) { return entry.is_record(); }
-bool inside(const Entry& entry) { return entry.is_record() && (entry.flags & 3) == 0; }
-
-/// Two records of one table with values of one length.
-std::optional<std::pair<Entry, Entry>> two_alike(Aim& aim, const Wanted& wanted) {
-  const auto a = an_entry(aim, wanted);
-  if (!a) return std::nullopt;
-  const auto b = an_entry(aim, [&](const Entry& each) {
-    return wanted(each) && each.at != a->at && each.tree == a->tree && each.flags == a->flags;
-  });
-  if (!b) return std::nullopt;
-  return std::pair(*a, *b);
-}
+bool inside(const Entry& entry) { return entry.is_record() && (entry.flags & (kBigData | kSubTree)) == 0; }
 
 const LmdbFile& a_past(Aim& aim) { return one_of(aim, aim.stores.past); }
 
@@ -191,10 +182,14 @@ void long_value_pointer(Aim& aim) {
 }
 
 void long_values_exchanged(Aim& aim) {
-  const auto two = two_alike(aim, [](const Entry& each) { return each.is_record() && each.apart(); });
-  if (!two) return;
-  exchange(aim, two->first.value, two->second.value, 8);
-  exchange(aim, two->first.at, two->second.at, 4);  // their lengths
+  const auto a = an_entry(aim, [](const Entry& each) { return each.is_record() && each.apart(); });
+  if (!a) return;
+  const auto b = an_entry(aim, [&](const Entry& each) {
+    return each.is_record() && each.apart() && each.tree == a->tree && each.at != a->at;
+  });
+  if (!b) return;
+  exchange(aim, a->value, b->value, 8);
+  exchange(aim, a->at, b->at, 4);  // their lengths
 }
 
 void values_exchanged(Aim& aim) {
@@ -205,18 +200,19 @@ void values_exchanged(Aim& aim) {
   if (b) exchange(aim, a->value, b->value, a->value_bytes);
 }
 
-constexpr std::size_t kRecordHeader = 48;
-
 void record_header(Aim& aim) {
-  if (const auto e = an_entry(
-          aim, [](const Entry& each) { return each.is_record() && each.value_bytes >= kRecordHeader; }))
-    flip(aim, aim.stores.whole.value_at(*e) + below(aim, kRecordHeader));
+  if (const auto e = an_entry(aim, [](const Entry& each) {
+        return each.is_record() && each.value_bytes >= store::kRecordHeaderBytes;
+      }))
+    flip(aim, aim.stores.whole.value_at(*e) + below(aim, store::kRecordHeaderBytes));
 }
 
 void payload_bit(Aim& aim) {
-  if (const auto e = an_entry(
-          aim, [](const Entry& each) { return each.is_record() && each.value_bytes > kRecordHeader; }))
-    flip(aim, aim.stores.whole.value_at(*e) + kRecordHeader + below(aim, e->value_bytes - kRecordHeader));
+  if (const auto e = an_entry(aim, [](const Entry& each) {
+        return each.is_record() && each.value_bytes > store::kRecordHeaderBytes;
+      }))
+    flip(aim, aim.stores.whole.value_at(*e) + store::kRecordHeaderBytes +
+                  below(aim, e->value_bytes - store::kRecordHeaderBytes));
 }
 
 std::size_t a_tree(Aim& aim) {
@@ -381,7 +377,7 @@ void entry_taken_out(Aim& aim) {
   put_number(aim.bytes, tree + 32, 8, number_at(aim.bytes, tree + 32, 8) - 1);
   if (e->apart())
     put_number(aim.bytes, tree + 24, 8,
-               number_at(aim.bytes, tree + 24, 8) - (kPageHeader + e->value_bytes + kPage - 1) / kPage);
+               number_at(aim.bytes, tree + 24, 8) - store::lmdb::pages_of(e->value_bytes, kPage));
   aim.what += " entry " + std::to_string(e->index) + " of page " + std::to_string(e->page);
 }
 

@@ -12,7 +12,7 @@
 #include "store/records/identity.h"
 #include "store/records/record.h"
 #include "tests/faults/campaign.h"
-#include "tests/faults/lmdb_file.h"
+#include "tests/store/raw_file.h"
 #include "tests/store/sealed_tables.h"
 
 namespace freshet::tools {
@@ -43,24 +43,21 @@ struct Hostile {
 };
 
 /// The records of a whole store as they lie in its file, under the store's own id.
-SealedTables tables_of(const std::string& bytes) {
-  const LmdbFile file(bytes);
+SealedTables tables_of(const std::filesystem::path& file) {
+  const auto as_bytes = [](const std::string& text) {
+    const store::ByteSpan span = store::bytes_of(text);
+    return Bytes(span.begin(), span.end());
+  };
   std::uint64_t id = 0;
-  for (const LmdbFile::Entry& entry : file.entries)
-    if (entry.tree == "meta" && entry.leaf && file.key_of(entry) == store::kIdentityKey)
-      id = store::parse_identity(store::bytes_of(file.value_of(entry))).value();
-  SealedTables tables(id);
-  for (const LmdbFile::Entry& entry : file.entries)
-    for (std::size_t t = 0; t < store::kTables; ++t)
-      if (entry.leaf && entry.tree == store::kTableNames[t]) {
-        const std::string key = file.key_of(entry), value = file.value_of(entry);
-        const auto as_bytes = [](const std::string& text) {
-          const store::ByteSpan span = store::bytes_of(text);
-          return Bytes(span.begin(), span.end());
-        };
-        tables.table(static_cast<store::Table>(t)).emplace(as_bytes(key), as_bytes(value));
-      }
-  return tables;
+  std::array<SealedTables::Records, store::kTables> tables;
+  store::each_record(file, [&](const std::string& table, const std::string& key, const std::string& value) {
+    if (table == "meta" && key == store::kIdentityKey)
+      id = store::parse_identity(store::bytes_of(value)).value();
+    tables[static_cast<std::size_t>(std::ranges::find(store::kTableNames, table) - store::kTableNames)]
+        .emplace(as_bytes(key), as_bytes(value));
+    return false;
+  });
+  return SealedTables(id, std::move(tables));
 }
 
 std::string text(const char* begin, std::size_t size) { return {begin, size}; }
@@ -477,7 +474,7 @@ SealedTables whole(bool with_flann) {
   if (with_flann) {
     EXPECT_EQ(c.run({"index", "--flann", "hierarchical", "--", "h.store"}).exit_code, 0);
   }
-  return tables_of(text_of(c.folder / "h.store"));
+  return tables_of(c.folder / "h.store");
 }
 
 TEST(Hostile, AStoreThatIsSealedAgainAnswersAsBefore) {

@@ -25,7 +25,7 @@ LmdbFile::LmdbFile(std::string file) : bytes(std::move(file)) {
   walk("main");
   const std::vector<Entry> named = entries;
   for (const Entry& entry : named)
-    if (entry.tree == "main" && entry.leaf && entry.flags == 2) trees[key_of(entry)] = entry.value;
+    if (entry.tree == "main" && entry.leaf && entry.flags == kSubTree) trees[key_of(entry)] = entry.value;
   for (const auto& [name, at] : trees)
     if (name != "free" && name != "main") walk(name);
 }
@@ -59,7 +59,7 @@ void LmdbFile::walk_page(const std::string& tree, std::uint64_t number, std::uin
       entry.value_bytes = number_at(bytes, at, 4);
       if (entry.apart())
         apart.push_back(
-            {tree, number_at(bytes, entry.value, 8), (kPageHeader + entry.value_bytes + kPage - 1) / kPage});
+            {tree, number_at(bytes, entry.value, 8), store::lmdb::pages_of(entry.value_bytes, kPage)});
     }
     entries.push_back(entry);
     if (!entry.leaf) walk_page(tree, number_at(bytes, at, 6), depth - 1);

@@ -1,5 +1,5 @@
 // tests/faults/lmdb_file.h — the bytes of a whole LMDB file taken apart: where its trees, pages, entries and long values lie.
-// Follows LMDB 0.9's layout (lmdb.h, mdb.c: MDB_meta, MDB_db, MDB_page, MDB_node) for pages of 4096 bytes.
+// For pages of 4096 bytes.
 #pragma once
 
 #include <cstdint>
@@ -7,10 +7,13 @@
 #include <string>
 #include <vector>
 
+#include "store/format/lmdb_layout.h"
+
 namespace freshet::tools {
 
-inline constexpr std::size_t kPage = 4096, kPageHeader = 16, kTreeBytes = 48;
-inline constexpr std::uint64_t kNoPage = ~std::uint64_t{0};
+inline constexpr std::size_t kPage = 4096;
+using store::lmdb::kBigData, store::lmdb::kNoPage, store::lmdb::kPageHeader, store::lmdb::kSubTree,
+    store::lmdb::kTreeBytes;
 
 /// The `bytes` low bytes of a number, at a place of a file.
 std::uint64_t number_at(const std::string& file, std::size_t at, std::size_t bytes);
@@ -26,10 +29,10 @@ struct LmdbFile {
     std::size_t page, index, at;  // of the page; on it; of the entry's header in the file
     bool leaf;
     std::size_t key_bytes, value_bytes;
-    std::uint16_t flags;  // 1: the value lies on pages of its own, 2: it is a tree's record
+    std::uint16_t flags;  // kBigData: the value lies on pages of its own; kSubTree: it is a tree's record
     std::size_t value;    // where the value lies, or the number of its first page
     std::size_t key() const { return at + 8; }
-    bool apart() const { return leaf && (flags & 1) != 0; }
+    bool apart() const { return leaf && (flags & kBigData) != 0; }
     /// Of the store's own records: not of the free list, nor of the list of trees.
     bool is_record() const { return leaf && tree != "free" && tree != "main"; }
   };

@@ -23,7 +23,8 @@ class SealedTables {
   };
   using Records = std::map<Bytes, Bytes, ByKey>;  // values, header first, by their keys
 
-  explicit SealedTables(std::uint64_t store_id) : id_(store_id) {}
+  explicit SealedTables(std::uint64_t store_id, std::array<Records, kTables> tables = {})
+      : id_(store_id), tables_(std::move(tables)) {}
 
   Records& table(Table table) { return tables_[static_cast<std::size_t>(table)]; }
   /// A value of at least kRecordHeaderBytes, given the hashes of what is there; replaces what has the key.

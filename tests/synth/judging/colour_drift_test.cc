@@ -6,22 +6,11 @@
 #include <gtest/gtest.h>
 #include <opencv2/imgproc.hpp>
 
+#include "tests/synth/judging/grain.h"
 #include "tests/synth/judging/made_film.h"
 
 namespace freshet::synth::judging {
 namespace {
-
-const cv::Size kSize(160, 96);
-
-cv::Mat everywhere() { return cv::Mat(kSize, CV_8U, cv::Scalar(255)); }
-
-cv::Mat grain(int seed) {
-  cv::Mat luma(kSize, CV_8U);
-  cv::RNG random(static_cast<std::uint64_t>(seed) * 0x9E3779B97F4A7C15u);
-  random.fill(luma, cv::RNG::UNIFORM, 60, 196);
-  cv::GaussianBlur(luma, luma, {}, 1.5);
-  return luma;
-}
 
 TEST(JudgingColourDrift, DriftIsThatOfTheFarthestFrameAndChannelInsideTheMatte) {
   const cv::Mat still(kSize, CV_8UC3, cv::Scalar(50, 100, 150));

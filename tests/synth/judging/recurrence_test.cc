@@ -6,20 +6,10 @@
 #include <gtest/gtest.h>
 #include <opencv2/imgproc.hpp>
 
+#include "tests/synth/judging/grain.h"
+
 namespace freshet::synth::judging {
 namespace {
-
-const cv::Size kSize(160, 96);
-
-cv::Mat everywhere() { return cv::Mat(kSize, CV_8U, cv::Scalar(255)); }
-
-cv::Mat grain(int seed) {
-  cv::Mat luma(kSize, CV_8U);
-  cv::RNG random(static_cast<std::uint64_t>(seed) * 0x9E3779B97F4A7C15u);
-  random.fill(luma, cv::RNG::UNIFORM, 60, 196);
-  cv::GaussianBlur(luma, luma, {}, 1.5);
-  return luma;
-}
 
 TEST(JudgingRecurrence, FormsThatAreNewInEveryFrameDoNotComeAgain) {
   std::vector<cv::Mat> film;
