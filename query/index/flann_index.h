@@ -1,4 +1,4 @@
-// query/index/flann_index.h — approximate candidate search by FLANN, for comparison with the exact index.
+// query/index/flann_index.h — approximate candidate search by FLANN, which a store holds beside the exact index.
 #pragma once
 
 #include <cstddef>

@@ -3,16 +3,13 @@
 #include <variant>
 
 #include <gtest/gtest.h>
-#include <oneapi/tbb/global_control.h>
 
 #include "freshet/error.h"
 #include "synth/animate/animate.h"
-#include "tests/synth/animate/forms/burning.h"
+#include "tests/synth/animate/forms/burnt_film.h"
 
 namespace freshet::synth::animate {
 namespace {
-
-const BurningPicture kPicture;
 
 cv::Mat matte() {
   cv::Mat out = cv::Mat::zeros(kPicture.size, CV_8U);
@@ -20,25 +17,8 @@ cv::Mat matte() {
   return out;
 }
 
-Placement placed(store::ClipId clip) {
-  Placement placement{.side = 48, .stride = 24, .patches = {}};
-  for (int y = 0; y + 48 <= 160; y += 24)
-    for (int x = 0; x + 48 <= 192; x += 24)
-      placement.patches.push_back(
-          {.piece = {x, y}, .clip = clip, .variant = {}, .patch = {x % 96, y % 60}, .speed = 1});
-  return placement;
-}
-
-struct Made {
-  std::vector<cv::Mat> frames;
-  AnimateReport report;
-};
-
 Made made_with(const FlowingStore& store, const AnimateOptions& options) {
-  Made made;
-  made.report = animate(store.snapshot(), store.settings(), kPicture.draw(), matte(), placed(store.id()),
-                        options, [&](const cv::Mat& frame) { made.frames.push_back(frame.clone()); });
-  return made;
+  return made_with(store, options, matte());
 }
 
 AnimateOptions forms(int frames = 24) {
@@ -47,8 +27,6 @@ AnimateOptions forms(int frames = 24) {
   options.method = FormsOptions{};
   return options;
 }
-
-double apart(const cv::Mat& a, const cv::Mat& b) { return cv::norm(a, b, cv::NORM_INF); }
 
 TEST(Forms, TheFirstFrameIsThePictureAndFlamesLeapAfterIt) {
   const FlowingStore store({BurningClip{}.clip()});
@@ -88,16 +66,7 @@ TEST(Forms, ALoopLeadsBackToThePicture) {
 }
 
 TEST(Forms, AreTheSameForAnyThreadsAndAnyRange) {
-  const FlowingStore store({BurningClip{}.clip()});
-  const Made whole = made_with(store, forms());
-  const oneapi::tbb::global_control one(oneapi::tbb::global_control::max_allowed_parallelism, 1);
-  AnimateOptions options = forms();
-  options.from = 7;
-  options.until = 19;
-  const Made part = made_with(store, options);
-  ASSERT_EQ(part.frames.size(), 12);
-  for (std::size_t i = 0; i < part.frames.size(); ++i)
-    EXPECT_EQ(apart(part.frames[i], whole.frames[7 + i]), 0) << i;
+  expect_same_for_any_threads_and_range(FlowingStore({BurningClip{}.clip()}), forms(), 19, matte());
 }
 
 TEST(Forms, TheFluidOverThePictureIsTheFrame) {

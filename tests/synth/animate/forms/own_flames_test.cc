@@ -4,17 +4,13 @@
 #include <vector>
 
 #include <gtest/gtest.h>
-#include <oneapi/tbb/global_control.h>
 
 #include "freshet/error.h"
-#include "synth/animate/animate.h"
-#include "tests/synth/animate/forms/burning.h"
+#include "tests/synth/animate/forms/burnt_film.h"
 #include "tests/synth/animate/measured_clip.h"
 
 namespace freshet::synth::animate {
 namespace {
-
-const BurningPicture kPicture;
 
 /// A clip whose flames rise by 40 px/s everywhere.
 FlowingClip rising(const std::string& class_name = "fire") {
@@ -25,22 +21,8 @@ FlowingClip rising(const std::string& class_name = "fire") {
   return measured(clip);
 }
 
-struct Made {
-  std::vector<cv::Mat> frames;
-  AnimateReport report;
-};
-
 Made made_with(const FlowingStore& store, const AnimateOptions& options) {
-  Placement placement{.side = 48, .stride = 24, .patches = {}};
-  for (int y = 0; y + 48 <= 160; y += 24)
-    for (int x = 0; x + 48 <= 192; x += 24)
-      placement.patches.push_back(
-          {.piece = {x, y}, .clip = store.id(), .variant = {}, .patch = {x % 96, y % 60}, .speed = 1});
-  Made made;
-  made.report = animate(store.snapshot(), store.settings(), kPicture.draw(),
-                        cv::Mat(kPicture.size, CV_8U, cv::Scalar(255)), placement, options,
-                        [&](const cv::Mat& frame) { made.frames.push_back(frame.clone()); });
-  return made;
+  return made_with(store, options, cv::Mat(kPicture.size, CV_8U, cv::Scalar(255)));
 }
 
 AnimateOptions by_itself(int frames = 20) {
@@ -48,8 +30,6 @@ AnimateOptions by_itself(int frames = 20) {
   options.frames = frames;
   return options;
 }
-
-double apart(const cv::Mat& a, const cv::Mat& b) { return cv::norm(a, b, cv::NORM_INF); }
 
 TEST(OwnFlames, AreTakenByThemselvesForAFireAndNothingElse) {
   const Made fire = made_with(FlowingStore({rising()}), by_itself());
@@ -96,16 +76,8 @@ TEST(OwnFlames, TurnNeitherGreyNorBlue) {
 }
 
 TEST(OwnFlames, AreTheSameForAnyThreadsAndAnyRange) {
-  const FlowingStore store({rising()});
-  const Made whole = made_with(store, by_itself());
-  const oneapi::tbb::global_control one(oneapi::tbb::global_control::max_allowed_parallelism, 1);
-  AnimateOptions options = by_itself();
-  options.from = 7;
-  options.until = 15;
-  const Made part = made_with(store, options);
-  ASSERT_EQ(part.frames.size(), 8);
-  for (std::size_t i = 0; i < part.frames.size(); ++i)
-    EXPECT_EQ(apart(part.frames[i], whole.frames[7 + i]), 0) << i;
+  expect_same_for_any_threads_and_range(FlowingStore({rising()}), by_itself(), 15,
+                                        cv::Mat(kPicture.size, CV_8U, cv::Scalar(255)));
 }
 
 TEST(OwnFlames, TheFluidOverThePictureIsTheFrame) {
