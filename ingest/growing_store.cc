@@ -1,4 +1,7 @@
 #include "ingest/growing_store.h"
+
+#include "freshet/error.h"
+#include "store/store_list.h"
 #include "stored/store_settings.h"
 
 namespace freshet::ingest {
@@ -6,6 +9,9 @@ namespace freshet::ingest {
 GrowingStore::GrowingStore(const std::filesystem::path& path, std::span<const std::filesystem::path> sources,
                            Shard shard, const std::function<vision::Settings()>& for_new)
     : path_(path) {
+  if (store::is_store_list(path))
+    throw Error(ErrorKind::kUsage, path.string(), "clips are added to one store, and this is a list of some",
+                "Name one of them");
   list_sources(sources, shard);
   is_new_ = !std::filesystem::exists(path);
   if (is_new_) {

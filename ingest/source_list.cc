@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <fstream>
+#include <map>
 #include <memory>
 #include <optional>
 #include <system_error>
@@ -131,6 +132,24 @@ struct HashState {
   }
 };
 
+/// Equal for equal contents, and hardly ever for others: sizes, and the beginning of the first file.
+std::string likely_content(const fs::path& path) {
+  std::error_code error;
+  std::vector<fs::path> files{path};
+  if (fs::is_directory(path, error)) files = list_folder(path).files;
+  std::erase_if(files,
+                [&](const fs::path& file) { return file != path && !media::looks_like_picture(file); });
+  std::string content;
+  for (const fs::path& file : files) content += hex(fs::file_size(file, error));
+  std::string beginning(std::size_t{1} << 16, '\0');
+  std::ifstream first(files.front(), std::ios::binary);
+  first.read(beginning.data(), static_cast<std::streamsize>(beginning.size()));
+  HashState hash;
+  hash.add({beginning.data(), static_cast<std::size_t>(first.gcount())});
+  hash.add(content);
+  return hash.hex();
+}
+
 }  // namespace
 
 std::vector<Source> list_sources(std::span<const fs::path> paths, Shard shard) {
@@ -168,10 +187,13 @@ std::vector<Source> list_sources(std::span<const fs::path> paths, Shard shard) {
   });
   all.erase(std::ranges::unique(all, {}, &Source::path).begin(), all.end());
 
+  if (shard.count == 1) return all;
   std::vector<Source> taken;
-  for (std::size_t i = static_cast<std::size_t>(shard.index) - 1; i < all.size();
-       i += static_cast<std::size_t>(shard.count)) {
-    taken.push_back(std::move(all[i]));
+  std::map<std::string, std::size_t> order;  // of contents, as they come
+  for (Source& source : all) {
+    const std::size_t number = order.emplace(likely_content(source.path), order.size()).first->second;
+    if (number % static_cast<std::size_t>(shard.count) == static_cast<std::size_t>(shard.index) - 1)
+      taken.push_back(std::move(source));
   }
   return taken;
 }

@@ -17,8 +17,9 @@ struct Source {
   bool operator==(const Source&) const = default;
 };
 
-/// Which part of the list this run takes: every `count`-th source, beginning with the `index`-th (1-based).
-/// Shards are disjoint, and together they are the whole list.
+/// Which part of the list this run takes: every `count`-th source, beginning with the `index`-th (1-based). Sources of equal
+/// contents go together, so that of them the same one is ingested for any `count`. Shards are disjoint, and together they
+/// are the whole list.
 struct Shard {
   int index = 1, count = 1;
 };
@@ -30,6 +31,8 @@ struct Shard {
 ///
 /// The list is in media::natural_less order of names ("f9" before "f10", ties by bytes), the same on every
 /// machine. The same path given twice is listed once.
+///
+/// Of one shard of several the first 64 KB of each source are read.
 ///
 /// Throws Error{kInput} when a path does not exist or cannot be listed, and when there is no clip at all;
 /// Error{kUsage} for a shard outside 1..count.

@@ -190,14 +190,21 @@ void Snapshot::Impl::AccountCheck::blobs() {
   if (impl.account) arrays(Table::kBlobs, {}, impl.account->blobs, found);
 }
 
-std::vector<std::string> Snapshot::check_account() const {
-  Impl::AccountCheck check{*impl_};
+std::vector<std::string> Snapshot::Impl::check_account() const {
+  Impl::AccountCheck check{*this};
   check.meta();
   check.clips();
   check.tiles();
   check.columns();
   check.blobs();
   return std::move(check.faults);
+}
+
+std::vector<std::string> Snapshot::check_account() const {
+  std::vector<std::string> faults;
+  for (const Impl* file : each_file())
+    for (std::string& fault : file->check_account()) faults.push_back(std::move(fault));
+  return faults;
 }
 
 }  // namespace freshet::store

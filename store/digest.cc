@@ -111,34 +111,35 @@ Bytes Snapshot::Impl::Digest::array(Table table, ByteSpan prefix, const ArrayAcc
 }
 
 std::string Snapshot::digest() const {
-  const Impl& impl = *impl_;
   if (const std::vector<std::string> faults = check_account(); !faults.empty()) {
     std::string first = faults.front();
     if (first.ends_with('.')) first.pop_back();  // which an error adds
     throw Error(ErrorKind::kDamaged, path().string(),
                 "is damaged, in " + std::to_string(faults.size()) + " places at least. The first: " + first);
   }
-  const Impl::Digest digest{impl};
-  std::vector<ClipId> order = impl.clips;
+  std::vector<ClipId> order(clips().begin(), clips().end());
   std::ranges::sort(order, {}, [&](ClipId id) {
-    const ClipRecord& record = impl.stored(id).record;
+    const ClipRecord& record = clip(id);
     return std::tie(record.source_hash, record.name);
   });
   std::vector<XXH128_canonical_t> clip_hashes(order.size());
-  tbb::parallel_for(std::size_t{0}, order.size(),
-                    [&](std::size_t i) { clip_hashes[i] = digest.clip(order[i]); });
+  tbb::parallel_for(std::size_t{0}, order.size(), [&](std::size_t i) {
+    const Place at = place(order[i]);
+    clip_hashes[i] = Impl::Digest{at.file}.clip(at.id);
+  });
 
   Hasher whole;
   whole.text("freshet digest 1");
-  whole.text(impl.settings);
+  whole.text(settings());
   whole.number(order.size());
   for (const XXH128_canonical_t& hash : clip_hashes) whole.bytes(as_bytes(hash));
-  for (const auto& [name, account] : impl.accounted().blobs) {
+  for (const auto& [name, account] : each_file().front()->accounted().blobs) {
     if ((account.flags & kOutsideDigest) != 0) continue;
-    const Bytes bytes = digest.array(Table::kBlobs, blob_prefix(name), account);
+    const std::optional<Bytes> bytes = blob(name);
+    if (!bytes) continue;
     whole.text(name);
-    whole.number(bytes.size());
-    whole.bytes(bytes);
+    whole.number(bytes->size());
+    whole.bytes(*bytes);
   }
   return hex(whole.result());
 }

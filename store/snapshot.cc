@@ -1,7 +1,9 @@
 #include <algorithm>
+#include <set>
 #include <utility>
 
 #include "freshet/error.h"
+#include "store/clip_union.h"
 #include "store/codec/tile_codec.h"
 #include "store/records/tile_record.h"
 #include "store/store_impl.h"
@@ -178,31 +180,84 @@ void Snapshot::Impl::decode_chunks(Table table, const Chunks& chunks, std::span<
   }
 }
 
-const std::filesystem::path& Snapshot::path() const { return impl_->txn.environment().file(); }
-const std::string& Snapshot::settings() const { return impl_->settings; }
-std::span<const ClipId> Snapshot::clips() const { return impl_->clips; }
-const ClipRecord& Snapshot::clip(ClipId id) const { return impl_->stored(id).record; }
+Snapshot::Joined::Joined(std::filesystem::path list,
+                         const std::vector<std::shared_ptr<Environment>>& environments)
+    : path(std::move(list)) {
+  ClipUnion all;
+  for (const std::shared_ptr<Environment>& environment : environments) {
+    const Impl& file = *files.emplace_back(std::make_shared<const Impl>(environment));
+    all.expect_settings(environment->file(), file.settings);
+    for (const ClipId id : file.clips) {
+      const auto stored =
+          file.records.find(id);  // a damaged one keeps its place, and says so when it is read
+      if (stored != file.records.end() && all.add(environment->file(), stored->second.record) != nullptr)
+        continue;
+      const auto as = ClipId{static_cast<std::uint32_t>(clips.size())};
+      clips.push_back(as);
+      places.push_back({files.size() - 1, id});
+      if (stored == file.records.end()) continue;
+      by_name.emplace(stored->second.record.name, as);
+      by_source.emplace(stored->second.record.source_hash, as);
+    }
+  }
+}
+
+Snapshot::Place Snapshot::place(ClipId id) const {
+  if (joined_ == nullptr) return {*impl_, id};
+  const auto number = static_cast<std::size_t>(id);
+  if (number >= joined_->places.size())
+    throw Error(ErrorKind::kNotFound, joined_->path.string(), "has no clip " + std::to_string(number));
+  const Joined::Clip& clip = joined_->places[number];
+  return {*joined_->files[clip.file], clip.id};
+}
+
+const std::filesystem::path& Snapshot::path() const {
+  return joined_ != nullptr ? joined_->path : impl_->txn.environment().file();
+}
+
+std::vector<std::filesystem::path> Snapshot::files() const {
+  std::vector<std::filesystem::path> names;
+  for (const Impl* file : each_file()) names.push_back(file->txn.environment().file());
+  return names;
+}
+
+const std::filesystem::path& Snapshot::file_of(ClipId id) const {
+  return place(id).file.txn.environment().file();
+}
+
+const std::string& Snapshot::settings() const { return each_file().front()->settings; }
+std::span<const ClipId> Snapshot::clips() const { return joined_ != nullptr ? joined_->clips : impl_->clips; }
+const ClipRecord& Snapshot::clip(ClipId id) const {
+  const Place at = place(id);
+  return at.file.stored(at.id).record;
+}
 
 std::optional<ClipId> Snapshot::find(std::string_view name) const {
-  if (const auto found = impl_->by_name.find(name); found != impl_->by_name.end()) return found->second;
-  impl_->expect_whole();
+  const auto& clips = joined_ != nullptr ? joined_->by_name : impl_->by_name;
+  if (const auto found = clips.find(name); found != clips.end()) return found->second;
+  expect_whole();
   return std::nullopt;
 }
 
 std::optional<ClipId> Snapshot::find_source(std::string_view source_hash) const {
-  if (const auto found = impl_->by_source.find(source_hash); found != impl_->by_source.end())
-    return found->second;
-  impl_->expect_whole();
+  const auto& clips = joined_ != nullptr ? joined_->by_source : impl_->by_source;
+  if (const auto found = clips.find(source_hash); found != clips.end()) return found->second;
+  expect_whole();
   return std::nullopt;
+}
+
+void Snapshot::expect_whole() const {
+  for (const Impl* file : each_file()) file->expect_whole();
 }
 
 void Snapshot::read(ClipId id, Stream stream, std::uint32_t plane, Rect region, std::uint32_t first,
                     std::uint32_t count, std::span<std::byte> out) const {
   if (static_cast<std::size_t>(stream) >= kStreams) throw_usage("Snapshot::read", "there is no such stream");
-  const StreamShape& shape = impl_->grid(id, stream).shape();
+  const auto [file, own] = place(id);
+  const StreamShape& shape = file.grid(own, stream).shape();
   if (plane >= shape.planes.size()) {
     throw Error(
-        ErrorKind::kNotFound, impl_->stored(id).record.name,
+        ErrorKind::kNotFound, file.stored(own).record.name,
         "has no plane " + std::to_string(plane) + " in stream " + std::to_string(static_cast<int>(stream)));
   }
   const PlaneShape& size = shape.planes[plane];
@@ -213,15 +268,17 @@ void Snapshot::read(ClipId id, Stream stream, std::uint32_t plane, Rect region, 
   if (out.size() != std::size_t{region.width} * region.height * count * size.bytes_per_sample) {
     throw_usage("Snapshot::read", "out has not the size of the region");
   }
-  impl_->read(id, stream, plane, region, first, count, out);
+  file.read(own, stream, plane, region, first, count, out);
 }
 
 bool Snapshot::has_column(ClipId id, std::string_view name) const {
-  return impl_->stored(id).columns.contains(name);
+  const Place at = place(id);
+  return at.file.stored(at.id).columns.contains(name);
 }
 
 void Snapshot::prefetch_column(ClipId id, std::string_view name) const {
-  impl_->txn.prefetch(Table::kColumns, column_prefix(id, name));
+  const Place at = place(id);
+  at.file.txn.prefetch(Table::kColumns, column_prefix(at.id, name));
 }
 
 const ArrayAccount& Snapshot::Impl::column(ClipId id, std::string_view name) const {
@@ -235,39 +292,57 @@ const ArrayAccount& Snapshot::Impl::column(ClipId id, std::string_view name) con
 }
 
 std::uint64_t Snapshot::column_rows(ClipId id, std::string_view name) const {
-  const ArrayAccount& account = impl_->column(id, name);
+  const auto [file, own] = place(id);
+  const ArrayAccount& account = file.column(own, name);
   if (account.element_bytes == 0) return 0;
-  return impl_->chunks(Table::kColumns, column_prefix(id, name), account).total_bytes / account.element_bytes;
+  return file.chunks(Table::kColumns, column_prefix(own, name), account).total_bytes / account.element_bytes;
 }
 
 void Snapshot::column_into(ClipId id, std::string_view name, std::uint32_t element_size,
                            std::span<std::byte> (*resize)(void*, std::size_t), void* context) const {
-  const ArrayAccount& account = impl_->column(id, name);
+  const auto [file, own] = place(id);
+  const ArrayAccount& account = file.column(own, name);
   if (account.element_bytes != element_size || account.bytes % element_size != 0) {
     throw_usage("Snapshot::column", "column \"" + std::string(name) + "\" has elements of " +
                                         std::to_string(account.element_bytes) + " bytes, asked for " +
                                         std::to_string(element_size));
   }
-  const Bytes prefix = column_prefix(id, name);
-  const auto chunks = impl_->chunks(Table::kColumns, prefix, account);
-  impl_->decode_chunks(Table::kColumns, chunks, resize(context, chunks.total_bytes / element_size));
+  const Bytes prefix = column_prefix(own, name);
+  const auto chunks = file.chunks(Table::kColumns, prefix, account);
+  file.decode_chunks(Table::kColumns, chunks, resize(context, chunks.total_bytes / element_size));
+}
+
+std::optional<Bytes> Snapshot::Impl::blob(std::string_view name) const {
+  const ArrayAccounts& blobs = accounted().blobs;
+  const auto account_of = blobs.find(name);
+  if (account_of == blobs.end()) return std::nullopt;
+  const Bytes prefix = blob_prefix(name);
+  const auto parts = chunks(Table::kBlobs, prefix, account_of->second);
+  Bytes bytes(parts.total_bytes);
+  decode_chunks(Table::kBlobs, parts, bytes);
+  return bytes;
 }
 
 std::optional<std::vector<std::byte>> Snapshot::blob(std::string_view name) const {
-  const ArrayAccounts& blobs = impl_->accounted().blobs;
-  const auto account = blobs.find(name);
-  if (account == blobs.end()) return std::nullopt;
-  const Bytes prefix = blob_prefix(name);
-  const auto chunks = impl_->chunks(Table::kBlobs, prefix, account->second);
-  Bytes bytes(chunks.total_bytes);
-  impl_->decode_chunks(Table::kBlobs, chunks, bytes);
+  if (joined_ == nullptr) return impl_->blob(name);
+  std::optional<Bytes> bytes = joined_->files.front()->blob(name);
+  for (std::size_t i = 1; bytes && i < joined_->files.size(); ++i)
+    if (joined_->files[i]->blob(name) != bytes) bytes.reset();
   return bytes;
 }
 
 std::vector<std::string> Snapshot::blob_names() const {
-  std::vector<std::string> names;
-  for (const auto& [name, account] : impl_->accounted().blobs) names.push_back(name);
-  return names;
+  std::set<std::string> names;
+  for (const Impl* file : each_file())
+    for (const auto& [name, account] : file->accounted().blobs) names.insert(name);
+  return {names.begin(), names.end()};
+}
+
+std::vector<const Snapshot::Impl*> Snapshot::each_file() const {
+  if (joined_ == nullptr) return {impl_.get()};
+  std::vector<const Impl*> files;
+  for (const auto& file : joined_->files) files.push_back(file.get());
+  return files;
 }
 
 }  // namespace freshet::store

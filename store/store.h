@@ -24,6 +24,10 @@ class Snapshot;
 class ClipWriter;
 
 /// An open store. Copies share it. One process opens a given file once at a time for writing.
+///
+/// Several files can be opened as one, by their names or by that of a list (store_list.h): the store that merging them
+/// would make, but for its bytes. Clips are numbered through the files in their order; of clips from the same source the
+/// first is there.
 class Store {
  public:
   /// Creates a store file with the given settings (JSON, kept as they are; they take part in the digest).
@@ -35,13 +39,17 @@ class Store {
   /// Opens for reading. Needs no write permission, neither on the file nor on its folder.
   /// Throws Error{kInput} when there is no such file or it is no store, Error{kDamaged} when it was one.
   static Store open_read(const std::filesystem::path& path);
+  /// Several as one. Throws also Error{kInput} when settings differ, or two clips of one name come from different sources:
+  /// then, or when the snapshot is taken.
+  static Store open_read(std::span<const std::filesystem::path> paths);
   /// Opens for reading and writing. Throws as open_read, and Error{kIo} when another process is writing.
   static Store open_write(const std::filesystem::path& path);
 
-  const std::filesystem::path& path() const;
+  const std::filesystem::path& path() const;  // of several the list's, or the first's
   Snapshot snapshot() const;
 
   /// Starts adding a clip: one write transaction, owned by the calling thread until commit or destruction.
+  /// Throws Error{kUsage} where several files are open.
   ClipWriter add_clip();
 
   /// A named value of the whole store (codebook, indexes), read by Snapshot::blob.
@@ -59,6 +67,7 @@ class Store {
   };
   /// Erases the blobs named last, then writes or replaces blobs and columns, all in one transaction. Values
   /// are checksummed, and compressed where that makes them smaller. Nothing is borrowed beyond the call.
+  /// Of several files each gets its clips' columns and all blobs, in a transaction of its own.
   ///
   /// Throws   Error{kNotFound} for a clip that is not in the store, Error{kUsage} for a name that is empty or
   ///          too long (kMaxBlobName, kMaxColumnName), for bytes that are no whole number of elements, and
@@ -112,7 +121,9 @@ class ClipWriter {
 /// naming the record.
 class Snapshot {
  public:
-  const std::filesystem::path& path() const;  // of the store's file, as it was opened
+  const std::filesystem::path& path() const;  // of the store's file or list, as it was opened
+  std::vector<std::filesystem::path> files() const;
+  const std::filesystem::path& file_of(ClipId id) const;
   const std::string& settings() const;
   std::span<const ClipId> clips() const;    // ascending
   const ClipRecord& clip(ClipId id) const;  // Error{kNotFound}
@@ -153,8 +164,9 @@ class Snapshot {
   /// Has the system fetch a column that is about to be read, and waits for nothing; of one that is not there nothing. Where
   /// a page is missed instead, it reads on for megabytes: of five million patches all 7 GB, for half a gigabyte.
   void prefetch_column(ClipId id, std::string_view name) const;
+  /// Of several files nothing when they do not all have the same.
   std::optional<std::vector<std::byte>> blob(std::string_view name) const;
-  std::vector<std::string> blob_names() const;
+  std::vector<std::string> blob_names() const;  // of several files those of any
 
   /// Bytes on disk, by what they hold, with the number of records; file size last.
   struct Usage {
@@ -185,8 +197,14 @@ class Snapshot {
   }
   void column_into(ClipId id, std::string_view name, std::uint32_t element_size,
                    std::span<std::byte> (*resize)(void*, std::size_t), void* context) const;
-  struct Impl;
+  struct Impl;    // of one file
+  struct Joined;  // of several
+  struct Place;   // a clip where it lies
+  Place place(ClipId id) const;
+  std::vector<const Impl*> each_file() const;
+  void expect_whole() const;
   std::shared_ptr<const Impl> impl_;
+  std::shared_ptr<const Joined> joined_;
 };
 
 }  // namespace freshet::store

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <map>
+#include <vector>
 
 #include "store/environment.h"
 #include "store/records/clip_record.h"
@@ -10,7 +11,14 @@
 namespace freshet::store {
 
 struct Store::Impl {
-  std::shared_ptr<Environment> environment;
+  std::filesystem::path path;
+  std::vector<std::shared_ptr<Environment>> files;  // one, or those that are read as one
+
+  /// Throws Error{kUsage} where there are several.
+  const std::shared_ptr<Environment>& only_file() const;
+  /// As Store::write, into one of them.
+  static void write(const std::shared_ptr<Environment>& file, std::span<const Blob> blobs,
+                    std::span<const Column> columns, std::span<const std::string> erased_blobs);
 };
 
 struct Snapshot::Impl {
@@ -44,6 +52,12 @@ struct Snapshot::Impl {
   Chunks chunks(Table table, ByteSpan prefix, const ArrayAccount& account) const;
   void decode_chunks(Table table, const Chunks& chunks, std::span<std::byte> out) const;
 
+  std::optional<Bytes> blob(std::string_view name) const;
+
+  std::vector<Usage> usage() const;
+  std::vector<std::string> check_account() const;
+  std::vector<std::string> verify() const;
+
   struct AccountCheck;  // account_check.cc
   struct Digest;        // digest.cc
   struct Verification;  // verify.cc
@@ -56,6 +70,26 @@ struct Snapshot::Impl {
   std::optional<StoreAccount> account;    // empty when it cannot be read
   std::string account_fault;  // what is wrong with it, or with the clips as a whole; empty: nothing
   std::map<std::string, ClipId, std::less<>> by_name, by_source;
+};
+
+struct Snapshot::Joined {
+  struct Clip {
+    std::size_t file;
+    ClipId id;  // there
+  };
+  /// Throws Error{kInput} when the stores do not go together.
+  Joined(std::filesystem::path path, const std::vector<std::shared_ptr<Environment>>& environments);
+
+  std::filesystem::path path;
+  std::vector<std::shared_ptr<const Impl>> files;
+  std::vector<ClipId> clips;  // 0, 1, ...
+  std::vector<Clip> places;   // of each
+  std::map<std::string, ClipId, std::less<>> by_name, by_source;
+};
+
+struct Snapshot::Place {
+  const Impl& file;
+  ClipId id;
 };
 
 }  // namespace freshet::store

@@ -22,7 +22,7 @@ std::uint64_t stated_raw_bytes(ByteSpan value) {
 
 }  // namespace
 
-std::vector<Snapshot::Usage> Snapshot::usage() const {
+std::vector<Snapshot::Usage> Snapshot::Impl::usage() const {
   static constexpr const char* kNames[] = {"meta", "clips", "", "columns", "blobs"};
   std::vector<Usage> usage;
   const auto add = [](Usage& to, const ReadTransaction::Entry& entry) {
@@ -31,7 +31,7 @@ std::vector<Snapshot::Usage> Snapshot::usage() const {
     to.raw_bytes += stated_raw_bytes(entry.value);
   };
   std::array<Usage, kStreams> streams{Usage{"frames"}, Usage{"flow"}, Usage{"average"}};
-  for (const auto& entry : impl_->txn.entries(Table::kTiles)) {
+  for (const auto& entry : txn.entries(Table::kTiles)) {
     const std::size_t stream =
         entry.key.size() == kTileKeyBytes ? static_cast<std::size_t>(entry.key[4]) : kStreams;
     if (stream < kStreams) add(streams[stream], entry);
@@ -39,7 +39,7 @@ std::vector<Snapshot::Usage> Snapshot::usage() const {
   usage.insert(usage.end(), streams.begin(), streams.end());
   for (const Table table : {Table::kColumns, Table::kBlobs, Table::kClips, Table::kMeta}) {
     Usage sum{kNames[static_cast<std::size_t>(table)]};
-    for (const auto& entry : impl_->txn.entries(table)) add(sum, entry);
+    for (const auto& entry : txn.entries(table)) add(sum, entry);
     usage.push_back(std::move(sum));
   }
   Usage file{"file"};
@@ -47,9 +47,24 @@ std::vector<Snapshot::Usage> Snapshot::usage() const {
     file.records += part.records;
     file.raw_bytes += part.raw_bytes;
   }
-  file.stored_bytes = impl_->txn.environment().file_bytes();
+  file.stored_bytes = txn.environment().file_bytes();
   usage.push_back(std::move(file));
   return usage;
+}
+
+std::vector<Snapshot::Usage> Snapshot::usage() const {
+  std::vector<Usage> all;
+  for (const Impl* file : each_file()) {
+    const std::vector<Usage> of_file = file->usage();
+    if (all.empty()) all.resize(of_file.size());
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      all[i].what = of_file[i].what;
+      all[i].records += of_file[i].records;
+      all[i].stored_bytes += of_file[i].stored_bytes;
+      all[i].raw_bytes += of_file[i].raw_bytes;
+    }
+  }
+  return all;
 }
 
 }  // namespace freshet::store

@@ -151,9 +151,9 @@ void Snapshot::Impl::Verification::check_array(Table table, const Bytes& prefix,
   });
 }
 
-std::vector<std::string> Snapshot::verify() const {
-  Impl::Verification verification(*impl_);
-  const Environment& environment = impl_->txn.environment();
+std::vector<std::string> Snapshot::Impl::verify() const {
+  Impl::Verification verification(*this);
+  const Environment& environment = txn.environment();
   note(verification.faults,
        [&] { check_pages(environment.descriptor(), environment.file(), PageCheck::kAll); });
   verification.tiles();
@@ -164,6 +164,13 @@ std::vector<std::string> Snapshot::verify() const {
     if (std::ranges::find(verification.faults, fault) == verification.faults.end())
       verification.faults.push_back(std::move(fault));
   return std::move(verification.faults);
+}
+
+std::vector<std::string> Snapshot::verify() const {
+  std::vector<std::string> faults;
+  for (const Impl* file : each_file())
+    for (std::string& fault : file->verify()) faults.push_back(std::move(fault));
+  return faults;
 }
 
 }  // namespace freshet::store

@@ -79,6 +79,11 @@ std::uint64_t column_rows(std::string_view name, std::size_t bytes, std::uint32_
   return bytes / element_size;
 }
 
+[[noreturn]] void throw_no_clip(ClipId id) {
+  throw Error(ErrorKind::kNotFound, "clip " + std::to_string(static_cast<std::uint32_t>(id)),
+              "is not in the store");
+}
+
 }  // namespace
 
 struct ClipWriter::Impl {
@@ -192,7 +197,7 @@ ClipWriter::ClipWriter(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 ClipWriter::ClipWriter(ClipWriter&&) noexcept = default;
 ClipWriter::~ClipWriter() = default;
 
-ClipWriter Store::add_clip() { return ClipWriter(std::make_unique<ClipWriter::Impl>(impl_->environment)); }
+ClipWriter Store::add_clip() { return ClipWriter(std::make_unique<ClipWriter::Impl>(impl_->only_file())); }
 
 void ClipWriter::begin_stream(Stream stream, std::span<const PlaneShape> planes) {
   Impl::StreamState& state = impl_->streams.at(static_cast<std::size_t>(stream));
@@ -258,7 +263,22 @@ ClipId ClipWriter::commit(ClipRecord record) {
 
 void Store::write(std::span<const Blob> blobs, std::span<const Column> columns,
                   std::span<const std::string> erased_blobs) {
-  WriteTransaction txn(impl_->environment);
+  if (impl_->files.size() == 1) return Impl::write(impl_->files.front(), blobs, columns, erased_blobs);
+  const Snapshot::Joined joined(impl_->path, impl_->files);
+  std::vector<std::vector<Column>> of_file(impl_->files.size());
+  for (const Column& column : columns) {
+    const auto number = static_cast<std::size_t>(column.clip);
+    if (number >= joined.places.size()) throw_no_clip(column.clip);
+    const Snapshot::Joined::Clip& clip = joined.places[number];
+    of_file[clip.file].push_back({clip.id, column.name, column.bytes, column.element_size});
+  }
+  for (std::size_t i = 0; i < of_file.size(); ++i)
+    Impl::write(impl_->files[i], blobs, of_file[i], erased_blobs);
+}
+
+void Store::Impl::write(const std::shared_ptr<Environment>& file, std::span<const Blob> blobs,
+                        std::span<const Column> columns, std::span<const std::string> erased_blobs) {
+  WriteTransaction txn(file);
   StoreAccount account = read_account(txn);
   const auto erase_blob = [&](std::string_view name) {
     check_name(name, kMaxBlobName);
@@ -279,10 +299,7 @@ void Store::write(std::span<const Blob> blobs, std::span<const Column> columns,
     if (!changed.contains(column.clip)) {
       const Bytes key = clip_key(column.clip);
       const auto value = txn.get(Table::kClips, key);
-      if (!value) {
-        throw Error(ErrorKind::kNotFound, "clip " + std::to_string(static_cast<std::uint32_t>(column.clip)),
-                    "is not in the store");
-      }
+      if (!value) throw_no_clip(column.clip);
       changed.emplace(column.clip, decode_clip(txn, key, *value));
       account.clips.subtract(*value);
     }

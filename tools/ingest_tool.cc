@@ -16,6 +16,7 @@
 #include "tools/console/progress.h"
 #include "tools/console/table.h"
 #include "tools/options/settings_options.h"
+#include "tools/options/shard_option.h"
 
 namespace freshet::tools {
 namespace {
@@ -23,21 +24,11 @@ namespace {
 struct IngestCommand {
   std::string store;
   std::vector<std::filesystem::path> paths;
-  std::string shard = "1/1";
+  ShardOption shard;
   ingest::IngestOptions options;
   SettingsOptions settings;
   bool no_index = false, no_flann = false, json = false;
 };
-
-ingest::Shard parse_shard(const std::string& text) {
-  ingest::Shard shard;
-  char rest = 0;
-  if (std::sscanf(text.c_str(), "%d/%d%c", &shard.index, &shard.count, &rest) != 2 || shard.count < 1 ||
-      shard.index < 1 || shard.index > shard.count)
-    throw Error(ErrorKind::kUsage, "--shard " + text, "expected I/N with 1 <= I <= N",
-                "For example --shard 2/8");
-  return shard;
-}
 
 nlohmann::json to_json(const ingest::ClipReport& clip) {
   const ingest::Screening& s = clip.screening;
@@ -109,7 +100,8 @@ void say_reasons(const ingest::ClipReport& clip) {
 
 void run(const IngestCommand& command, RunContext& context) {
   ingest::IngestOptions options = command.options;
-  options.shard = parse_shard(command.shard);
+  const Shard shard = command.shard.read();
+  options.shard = {shard.index, shard.count};
   ingest::GrowingStore growing(command.store, command.paths, options.shard,
                                [&] { return command.settings.for_new_store(); });
   if (!growing.is_new()) command.settings.check_against(growing.settings(), command.store);
@@ -171,10 +163,8 @@ void add_ingest(CLI::App& app, RunContext& context) {
   sub->add_flag("--deblock", command->options.repairs.deblock,
                 "Smooth 8 x 8 block borders of coarsely compressed clips. The stored frames then differ from "
                 "the source's");
-  sub->add_option("--shard", command->shard,
-                  "Ingest only part I of N of the list, for stores that are built separately and merged")
-      ->type_name("I/N")
-      ->capture_default_str();
+  command->shard.add_to(
+      *sub, "Ingest only part I of N of the list, for stores that are built separately and merged [all]");
   CLI::Option* no_index =
       sub->add_flag("--no-index", command->no_index, "Do not update the index at the end");
   sub->add_flag("--no-flann", command->no_flann,

@@ -112,7 +112,7 @@ std::string index_text(const store::Snapshot& snapshot) {
   if (!snapshot.blob(stored::kCodebookBlob)) return "none (run freshet index)";
   std::string text = "ready";
   for (const std::string& name : snapshot.blob_names())
-    if (name.starts_with("flann-")) text += ", " + printable(name);
+    if (name.starts_with("flann-") && snapshot.blob(name)) text += ", " + printable(name);
   return text;
 }
 
@@ -120,7 +120,7 @@ std::string index_text(const store::Snapshot& snapshot) {
 void info(const StoreCommand& command, RunContext& context) {
   const store::Snapshot snapshot = store::Store::open_read(command.store).snapshot();
   std::vector<std::string> faults = snapshot.check_account();
-  const bool whole = faults.empty();
+  const bool whole = faults.empty(), one_file = snapshot.files().size() == 1;
   const std::vector<ReadableClip> readable = readable_clips(snapshot, faults);
   const nlohmann::json settings = settings_of(snapshot, faults);
   if (command.json) {
@@ -145,7 +145,7 @@ void info(const StoreCommand& command, RunContext& context) {
                                {"stored_bytes", use.stored_bytes},
                                {"raw_bytes", use.raw_bytes}});
     if (!faults.empty()) json["damaged"] = faults;
-    if (whole) json["compacted_bytes"] = store::compacted_size(command.store).after;
+    if (whole && one_file) json["compacted_bytes"] = store::compacted_size(command.store).after;
     fmt::print("{}\n", json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
     report_faults(command.store, faults, context);
     return;
@@ -170,7 +170,7 @@ void info(const StoreCommand& command, RunContext& context) {
                                  static_cast<double>(use.raw_bytes) / static_cast<double>(use.stored_bytes))
                    : "-"});
   fmt::print("{}\n{} clips, {} patches, index: {}\n\n{}{}\nsettings {}\n", clips.text(), readable.size(),
-             patches, index_text(snapshot), usage.text(), whole ? gain_text(command.store) : "",
+             patches, index_text(snapshot), usage.text(), whole && one_file ? gain_text(command.store) : "",
              settings.dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
   for (const std::string& fault : faults) fmt::print("damaged: {}\n", printable(fault));
   report_faults(command.store, faults, context);

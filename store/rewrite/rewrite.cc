@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "freshet/error.h"
+#include "store/clip_union.h"
 #include "store/new_file.h"
 #include "store/records/identity.h"
 #include "store/rewrite/store_copy.h"
@@ -71,35 +72,18 @@ class Replaced {
   Contents contents_;
 };
 
-void expect_settings(const Contents& first, const Contents& other) {
-  if (first.settings == other.settings) return;
-  throw Error(ErrorKind::kInput, other.file.string(), "has other settings than " + first.file.string(),
-              "Merge stores that were made with the same settings (freshet store info shows them)");
-}
-
 /// Which clips of several stores are to be in one.
 void choose_clips(const std::vector<Contents>& stores, StoreCopy& copy, MergeReport& report) {
-  struct Taken {
-    std::string name, store;
-  };
-  std::map<std::string, Taken, std::less<>> by_source;
-  std::map<std::string, std::string, std::less<>> store_of_name;
-  for (const Contents& store : stores)
+  ClipUnion all;
+  for (const Contents& store : stores) {
+    all.expect_settings(store.file, store.settings);
     for (const auto& [id, clip] : store.clips) {
-      const std::string& name = clip.record.name;
-      const auto same = by_source.find(clip.record.source_hash);
-      if (same != by_source.end()) {
-        report.doubles.push_back({name, store.file.string(), same->second.name});
-        continue;
-      }
-      if (const auto taken = store_of_name.find(name); taken != store_of_name.end())
-        throw Error(ErrorKind::kInput, store.file.string(),
-                    "its clip \"" + name + "\" comes from another source than that of " + taken->second,
-                    "Ingest one of them under another name, or remove it first (freshet store remove)");
-      by_source.emplace(clip.record.source_hash, Taken{name, store.file.string()});
-      store_of_name.emplace(name, store.file.string());
-      copy.clips.push_back({&store, id, ClipId{copy.next_clip++}});
+      if (const ClipUnion::Taken* same = all.add(store.file, clip.record))
+        report.doubles.push_back({clip.record.name, store.file.string(), same->name});
+      else
+        copy.clips.push_back({&store, id, ClipId{copy.next_clip++}});
     }
+  }
 }
 
 std::uint64_t write_new(const StoreCopy& copy, const std::filesystem::path& out, const Job& job) {
@@ -143,10 +127,8 @@ FileSizes remove_clips(const std::filesystem::path& file, std::span<const std::s
 MergeReport merge(std::span<const std::filesystem::path> files, const std::filesystem::path& out,
                   const Rebuildable& index, const Job& job) {
   std::vector<Contents> stores;
-  for (const std::filesystem::path& file : files) {
+  for (const std::filesystem::path& file : files)
     stores.push_back(read_contents(Environment::open(file, Access::kRead)));
-    expect_settings(stores.front(), stores.back());
-  }
   MergeReport report;
   StoreCopy copy{.store_id = draw_store_id(), .settings = stores.front().settings};
   leave_out(copy, index);

@@ -59,7 +59,7 @@ TEST(ListSources, IsTheSameForAnyOrderOfPathsAndListsAPathOnce) {
 
 TEST(ListSources, ShardsAreDisjointAndTogetherTheWhole) {
   const ScratchFolder folder;
-  for (int i = 0; i < 11; ++i) folder.file(fmt::format("clip{}.mp4", i), "x");
+  for (int i = 0; i < 11; ++i) folder.file(fmt::format("clip{}.mp4", i), std::to_string(i));
   const fs::path given[] = {folder.path()};
   std::multiset<std::string> all;
   for (int i = 1; i <= 3; ++i) {
@@ -71,6 +71,15 @@ TEST(ListSources, ShardsAreDisjointAndTogetherTheWhole) {
             (std::vector<std::string>{"clip1.mp4", "clip5.mp4", "clip9.mp4"}));
   EXPECT_THROW(list_sources(given, {0, 3}), Error);
   EXPECT_THROW(list_sources(given, {4, 3}), Error);
+}
+
+TEST(ListSources, EqualContentsAreOfOneShard) {
+  const ScratchFolder folder;
+  for (int i = 0; i < 12; ++i) folder.file(fmt::format("{}.mp4", i), std::to_string(i % 4));
+  const fs::path given[] = {folder.path()};
+  EXPECT_EQ(names(list_sources(given, {1, 3})),
+            (std::vector<std::string>{"0.mp4", "3.mp4", "4.mp4", "7.mp4", "8.mp4", "11.mp4"}));
+  EXPECT_EQ(names(list_sources(given, {3, 3})), (std::vector<std::string>{"2.mp4", "6.mp4", "10.mp4"}));
 }
 
 TEST(ListSources, TakesEightNumberedPicturesOfOneSizeForAClip) {

@@ -2,6 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <map>
+#include <set>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
 #include "tests/tools/sample.h"
 
 namespace freshet::tools {
@@ -38,6 +44,58 @@ TEST(SameStore, PartsMakeTheWhole) {
     ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   }
   EXPECT_EQ(digest(folder / "a.store"), sample_digest());
+}
+
+TEST(SameStore, SeveralStoresAreSearchedAsOne) {
+  const WorkFolder folder;
+  for (const char* part : {"1/3", "2/3", "3/3"}) {
+    const std::string name = std::string("part") + part[0] + ".store";
+    ASSERT_EQ(folder.freshet({"ingest", name, sample().clips, "--shard", part, "--no-index"}).exit_code, 0);
+  }
+  folder.file("all.stores", "part1.store\npart2.store\npart3.store\n");
+  const auto candidates = [&](std::vector<std::string> stores) {
+    std::vector<std::string> words{"query", "candidates"};
+    words.insert(words.end(), stores.begin(), stores.end());
+    words.insert(words.end(), {"--frames", "16", "--json"});
+    const Outcome outcome = folder.freshet(words);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    return outcome.exit_code == 0 ? nlohmann::json::parse(outcome.out)["pieces"] : nlohmann::json();
+  };
+  ASSERT_EQ(folder.freshet({"index", "all.stores"}).exit_code, 0);
+  EXPECT_EQ(digest(folder / "all.stores"), sample_digest());
+  const nlohmann::json of_list = candidates({"all.stores", sample().still});
+  EXPECT_EQ(candidates({sample().still, "--store", "part1.store", "--store", "part2.store", "--store",
+                        "part3.store"}),
+            of_list);
+  EXPECT_EQ(candidates({"part1.store", sample().still, "--store", "part2.store", "--store", "part3.store"}),
+            of_list);
+  // As the merged store's, but that each says whose it is.
+  nlohmann::json unnamed = of_list;
+  std::map<std::string, std::set<std::string>> store_of_clip;
+  for (nlohmann::json& piece : unnamed)
+    for (nlohmann::json& candidate : piece["candidates"]) {
+      store_of_clip[candidate["clip"]].insert(candidate["store"].get<std::string>());
+      candidate.erase("store");
+    }
+  for (const auto& [clip, stores] : store_of_clip) {
+    ASSERT_EQ(stores.size(), 1u);
+    EXPECT_NE(folder.freshet({"store", "info", *stores.begin()}).out.find(clip), std::string::npos);
+  }
+  EXPECT_EQ(unnamed, candidates({sample().store, sample().still}));
+
+  const auto animated = [&](const std::string& store, const std::string& out) {
+    const Outcome outcome = folder.freshet({"synth", "animate", store, sample().still, "--matte",
+                                            sample().matte, "--frames", "6", "-o", out + "/%02d.png"});
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    std::string all;
+    for (int i = 0; i < 6; ++i) all += text_of(folder / fmt::format("{}/{:02}.png", out, i));
+    return all;
+  };
+  EXPECT_TRUE(animated("all.stores", "joined") == animated(sample().store, "merged"));
+  const Outcome ingest = folder.freshet({"ingest", "all.stores", sample().clips});
+  EXPECT_EQ(ingest.exit_code, 2);
+  EXPECT_EQ(folder.freshet({"store", "info", "all.stores"}).exit_code, 0);
+  EXPECT_EQ(folder.freshet({"store", "verify", "all.stores"}).exit_code, 0);
 }
 
 TEST(SameStore, AnIndexMadeLaterIsTheSame) {

@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <map>
 
 #include <nlohmann/json.hpp>
 #include <opencv2/core.hpp>
@@ -146,6 +147,55 @@ TEST(Sweep, APictureOf16BitsIsSweptAsDeepAsAnimateMakesIt) {
                 .exit_code,
             0);
   EXPECT_TRUE(text_of(folder / "out/01.mkv") == text_of(folder / "alone.mkv"));
+}
+
+/// Every file below a folder, by name, but for what a sweep took of time.
+std::map<std::string, std::string> files_below(const fs::path& folder) {
+  std::map<std::string, std::string> files;
+  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder)) {
+    if (!entry.is_regular_file()) continue;
+    std::string text = text_of(entry.path());
+    if (entry.path().filename() == "sweep.json") {
+      json report = json::parse(text);
+      report.erase("seconds");
+      text = report.dump();
+    }
+    files[fs::relative(entry.path(), folder).string()] = text;
+  }
+  return files;
+}
+
+TEST(Sweep, ShardsAndAGatheringLeaveWhatOneRunLeaves) {
+  const WorkFolder folder;
+  // Six points: a file that browsers do not play, equal ones in one shard and in two.
+  const std::vector<std::string> axes{"--vary", "preset=-,archive", "--vary", "speed=-,1.0,2"};
+  const auto run = [&](std::vector<std::string> more) {
+    more.insert(more.end(), axes.begin(), axes.end());
+    return sweep(folder, more);
+  };
+  ASSERT_EQ(run({}).exit_code, 0);
+  const auto whole = files_below(folder / "out");
+  fs::remove_all(folder / "out");
+  for (const char* shard : {"3/3", "1/3"}) ASSERT_EQ(run({"--shard", shard}).exit_code, 0);
+  const Outcome early = run({"--gather"});
+  EXPECT_EQ(early.exit_code, 1);
+  EXPECT_TRUE(holds(early.err, "not yet made: 02, 05")) << early.err;
+  ASSERT_EQ(run({"--shard", "2/3", "-j", "1"}).exit_code, 0);
+  // Again: all is there. Another sweep's parts are not taken.
+  const fs::file_time_type made = fs::last_write_time(folder / "out/parts/02/02.mp4");
+  EXPECT_EQ(run({"--shard", "1/1"}).out, "");
+  EXPECT_EQ(fs::last_write_time(folder / "out/parts/02/02.mp4"), made);
+  const Outcome other = run({"--shard", "1/1", "--direction", "left"});
+  EXPECT_EQ(other.exit_code, 2);
+  EXPECT_TRUE(holds(other.err, "parts/01: was made by another command")) << other.err;
+  ASSERT_EQ(run({"--gather"}).exit_code, 0);
+  const auto gathered = files_below(folder / "out");
+  EXPECT_EQ(gathered.size(), whole.size());
+  for (const auto& [name, text] : whole) {
+    ASSERT_TRUE(gathered.contains(name)) << name;
+    EXPECT_TRUE(gathered.at(name) == text) << name;
+  }
+  EXPECT_EQ(run({"--shard", "4/3"}).exit_code, 2);
 }
 
 TEST(Sweep, SaysWhatIsWrongWithItsText) {

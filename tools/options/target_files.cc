@@ -8,8 +8,15 @@
 namespace freshet::tools {
 
 void TargetFiles::add_to(CLI::App& command) {
-  command.add_option("STORE", store, "The store file [the starter store, which Freshet makes itself, once]");
+  command.add_option(
+      "STORE", store,
+      "The store file, or a list of stores (NAME.stores, a name a line) that are searched as one [the "
+      "starter store, which Freshet makes itself, once]");
   command.add_option("PICTURE", picture, "REQUIRED. The still picture (PNG, JPEG, TIFF, ...)");
+  command
+      .add_option("--store", added,
+                  "Another store, searched together with STORE as one; may be given several times [none]")
+      ->allow_extra_args(false);
   CLI::Option* given = command.add_option("--matte", matte,
                                           "Grey picture, white where the fluid is [the picture's own alpha]");
   command.add_flag("--whole", whole, "All of the picture is fluid [off]")->excludes(given);
@@ -20,13 +27,15 @@ store::Snapshot TargetFiles::open_store(const RunContext& context) {
     if (store.empty() || is_store(store)) throw CLI::RequiredError("PICTURE");
     picture = std::exchange(store, "");
   }
-  if (store.empty()) {
+  if (store.empty() && added.empty()) {
     // First what costs nothing to find out.
     if (!std::filesystem::exists(picture))
       throw Error(ErrorKind::kInput, picture.string(), "there is no such file", "Check the name");
     store = starter_store(context).string();
   }
-  return store::Store::open_read(store).snapshot();
+  std::vector<std::filesystem::path> stores = added;
+  if (!store.empty()) stores.insert(stores.begin(), store);
+  return store::Store::open_read(stores).snapshot();
 }
 
 TargetFiles::Loaded TargetFiles::load() const {

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 #include <opencv2/core.hpp>
@@ -15,14 +16,15 @@ namespace freshet::tools {
 
 /// What is searched for: a picture and where its fluid is.
 struct TargetFiles {
-  std::string store;  // empty: the starter store
+  std::string store;                         // empty: the starter store
+  std::vector<std::filesystem::path> added;  // stores that are searched with it as one
   std::filesystem::path picture, matte;
 
   bool whole = false;  // the whole picture is fluid, whatever its alpha says
 
-  /// STORE, PICTURE, --matte, --whole. One name alone is the picture. This must outlive the command.
+  /// STORE, PICTURE, --store, --matte, --whole. One name alone is the picture. This must outlive the command.
   void add_to(CLI::App& command);
-  /// Opens the store; the starter store, from then on in `store`, where none was given. To be called before what needs the
+  /// Opens the stores; the starter store, from then on in `store`, where none was given. To be called before what needs the
   /// picture. Throws CLI::RequiredError when there is none.
   store::Snapshot open_store(const RunContext& context);
   struct Loaded {

@@ -88,18 +88,26 @@ void print_candidates(const store::Snapshot& snapshot, const query::CandidateSea
   std::vector<std::pair<std::uint32_t, Count>> order(clips.begin(), clips.end());
   std::stable_sort(order.begin(), order.end(),
                    [](const auto& a, const auto& b) { return a.second.best > b.second.best; });
-  Table table({"clip", "class", "best of pieces", "mean score", "among candidates of"});
+  const bool several = snapshot.files().size() > 1;
+  std::vector<std::string> head{"clip", "class", "best of pieces", "mean score", "among candidates of"};
+  if (several) head.push_back("store");
+  Table table(head);
   for (const auto& [clip, count] : order) {
-    const store::ClipRecord& record = snapshot.clip(search.table().clips[clip]);
-    table.row({record.name, record.class_name, fmt::format("{}", count.best),
-               count.best ? fmt::format("{:.2f}", count.score / static_cast<double>(count.best)) : "-",
-               fmt::format("{}", count.among)});
+    const store::ClipId id = search.table().clips[clip];
+    const store::ClipRecord& record = snapshot.clip(id);
+    std::vector<std::string> row{
+        record.name, record.class_name, fmt::format("{}", count.best),
+        count.best ? fmt::format("{:.2f}", count.score / static_cast<double>(count.best)) : "-",
+        fmt::format("{}", count.among)};
+    if (several) row.push_back(snapshot.file_of(id).string());
+    table.row(row);
   }
   fmt::print("{}", table.text());
 }
 
 nlohmann::json candidates_json(const store::Snapshot& snapshot, const query::CandidateSearch& search,
                                const std::vector<vision::Variant>& variants) {
+  const bool several = snapshot.files().size() > 1;
   nlohmann::json pieces = nlohmann::json::array();
   for (std::size_t piece = 0; piece < search.candidates.pieces(); ++piece) {
     nlohmann::json found = nlohmann::json::array();
@@ -107,15 +115,17 @@ nlohmann::json candidates_json(const store::Snapshot& snapshot, const query::Can
     const auto scores = search.candidates.scores_of(piece);
     for (std::size_t i = 0; i < rows.size(); ++i) {
       const stored::Row row = rows[i];
+      const store::ClipId clip = search.table().clips[search.table().clip[row]];
       const vision::Variant& variant = variants[search.table().variant[row]];
       found.push_back({{"row", row},
-                       {"clip", snapshot.clip(search.table().clips[search.table().clip[row]]).name},
+                       {"clip", snapshot.clip(clip).name},
                        {"scale", variant.scale},
                        {"rotation", variant.rotation_deg},
                        {"flip", variant.flip},
                        {"x", search.table().x[row]},
                        {"y", search.table().y[row]},
                        {"score", scores[i]}});
+      if (several) found.back()["store"] = snapshot.file_of(clip).string();
     }
     pieces.push_back({{"x", search.target.corners[piece].x},
                       {"y", search.target.corners[piece].y},

@@ -90,7 +90,7 @@ SweepAxis parse_axis(const std::string& text, const CLI::App& animate) {
     refuse(text, "no \"=\"", "Write an option and its values, for example --vary speed=0.5,1,2");
   SweepAxis axis{.name = text.substr(0, equals), .description = {}, .values = {}, .words = {}};
   const CLI::Option* const option =
-      axis.name.empty() ? nullptr : animate.get_option_no_throw("--" + axis.name);
+      axis.name.empty() || axis.name == "store" ? nullptr : animate.get_option_no_throw("--" + axis.name);
   if (option == nullptr)
     refuse(text, fmt::format("freshet synth animate has no option --{} that can be varied", axis.name),
            "freshet synth animate --help-all explains those that there are");
@@ -160,7 +160,7 @@ std::vector<std::string> SweepPoint::rendering_words() const {
 }
 
 std::vector<SweepPoint> make_points(const std::vector<SweepAxis>& axes, const CLI::App& given,
-                                    const std::string& folder) {
+                                    const std::string& folder, bool a_folder_each) {
   std::size_t count = 1;
   for (std::size_t i = 0; i < axes.size(); ++i) {
     const std::string& name = axes[i].name;
@@ -189,9 +189,13 @@ std::vector<SweepPoint> make_points(const std::vector<SweepAxis>& axes, const CL
       settings[i] = {axes[i].name, axes[i].values[value]};
       words.insert(words.end(), axes[i].words[value].begin(), axes[i].words[value].end());
     }
-    points.emplace_back(std::move(settings), std::move(words), fmt::format("{}/{:02}", folder, number + 1));
+    const std::string name = number_of(number);
+    points.emplace_back(std::move(settings), std::move(words),
+                        folder + "/" + (a_folder_each ? name + "/" : "") + name);
   }
   return points;
 }
+
+std::string number_of(std::size_t point) { return fmt::format("{:02}", point + 1); }
 
 }  // namespace freshet::tools

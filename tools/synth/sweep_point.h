@@ -46,6 +46,8 @@ class SweepPoint {
   AnimateCommand& command() { return *command_; }
   /// Option and value of each axis.
   const std::vector<std::pair<std::string, std::string>>& settings() const { return settings_; }
+  /// Of animate's command line, but for its output.
+  const std::vector<std::string>& words() const { return words_; }
   /// "speed 2, without strokes".
   std::string title() const;
   /// What a person types to make it alone, ready for a shell.
@@ -64,8 +66,10 @@ class SweepPoint {
 /// The product of all axes, the last one changing fastest.
 /// given    animate's command line as it was parsed for all points. Throws Error{kUsage} for an option that is both
 ///          given and varied, for an axis given twice, for more than kMaxPoints, and as SweepPoint.
-/// folder   of the outputs, "01", "02", ...
+/// folder   of the outputs, "01", "02", ...; or of a folder of each, "01/01", ...
 std::vector<SweepPoint> make_points(const std::vector<SweepAxis>& axes, const CLI::App& given,
-                                    const std::string& folder);
+                                    const std::string& folder, bool a_folder_each = false);
+/// "01".
+std::string number_of(std::size_t point);
 
 }  // namespace freshet::tools

@@ -1,7 +1,12 @@
 // freshet synth sweep: one picture animated with all combinations of some of animate's options.
 
+#include <stdlib.h>
+
 #include <algorithm>
+#include <cerrno>
 #include <cmath>
+#include <cstring>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -14,12 +19,14 @@
 #include "media/picture/picture.h"
 #include "media/video/picture_sink.h"
 #include "platform/stopwatch.h"
+#include "platform/text_file.h"
 #include "platform/whole_file.h"
 #include "query/labelling/shares.h"
 #include "report/sheet_words.h"
 #include "tools/commands.h"
 #include "tools/console/output_names.h"
 #include "tools/judging/verdict_report.h"
+#include "tools/options/shard_option.h"
 #include "tools/synth/animate_command.h"
 #include "tools/synth/sweep_page.h"
 #include "tools/synth/sweep_point.h"
@@ -34,7 +41,8 @@ struct SweepCommand {
   const CLI::App* given = nullptr;
   std::vector<std::string> axes;
   std::string folder;
-  bool json = false;
+  ShardOption shard;
+  bool gather = false, json = false;
 };
 
 std::vector<SweepAxis> parse_axes(const std::vector<std::string>& texts) {
@@ -65,6 +73,15 @@ cache::Key key_of(const SweepPoint& point, const AnimateInputs& inputs) {
   return hash.key();
 }
 
+/// Of all that a point's part depends on, but for what the store holds.
+cache::Key key_of_part(const SweepPoint& point, const AnimateInputs& inputs) {
+  cache::KeyHash hash;
+  hash.add(cache::hex(key_of(point, inputs)));
+  for (const std::string& word : point.words())
+    if (!word.starts_with("--threads=") && !word.starts_with("--cache")) hash.add(word);
+  return hash.key();
+}
+
 /// Of pieces, how many show another patch than the first's do; negative where the pieces are others.
 double fraction_unlike(const query::Assignment& one, const query::Assignment& first) {
   if (one.pieces.size() != first.pieces.size() || one.piece_scale != first.piece_scale) return -1;
@@ -86,6 +103,83 @@ double mean_difference(const cv::Mat& one, const cv::Mat& other, const cv::Mat& 
   return (mean[0] + mean[1] + mean[2]) / 3;
 }
 
+/// One animation of a sweep that several runs share, in a folder of its own, which has its name when all in it is written:
+/// NN.mp4, NN_page.mp4 where the page plays another file, NN.json, and what is shown of it.
+class Part {
+ public:
+  Part(const fs::path& sweep, std::size_t point)
+      : folder_(sweep / kParts / number_of(point)), name_(number_of(point)) {}
+  static constexpr const char* kParts = "parts";
+  static constexpr const char* kManifest = "part.json";
+
+  const fs::path& folder() const { return folder_; }
+  fs::path assignment() const { return folder_ / (name_ + ".json"); }
+  std::string page_video() const { return name_ + "_page.mp4"; }
+  cv::Mat frame() const { return media::read_picture(folder_ / kFrame).bgr; }
+  int frame_number() const { return manifest()["frame"].get<int>(); }
+
+  /// Throws Error{kUsage} where it is there and another sweep's.
+  bool is_made(const cache::Key& key) const {
+    if (!fs::exists(folder_)) return false;
+    if (manifest()["key"] == cache::hex(key)) return true;
+    throw Error(ErrorKind::kUsage, folder_.string(), "was made by another command",
+                "Name a new folder, or remove that one");
+  }
+
+  /// making   a folder beside it with the animation's files, which takes its name.
+  static void seal(const fs::path& making, const Part& part, const cache::Key& key,
+                   const query::Assignment& assignment, const cv::Mat& frame, int number) {
+    query::write_assignment(making / part.assignment().filename(), assignment);
+    media::write_picture(making / kFrame, frame);
+    write_whole_file(making / kManifest,
+                     nlohmann::json{{"key", cache::hex(key)}, {"frame", number}}.dump() + "\n");
+    std::error_code fault;
+    fs::rename(making, part.folder_, fault);
+    if (fault && !part.is_made(key))  // or another run has made it meanwhile, the same
+      throw Error(ErrorKind::kIo, part.folder_.string(), "cannot be made (" + fault.message() + ")",
+                  "Check the folder and the disk");
+  }
+
+ private:
+  static constexpr const char* kFrame = "frame.png";
+
+  nlohmann::json manifest() const {
+    nlohmann::json read = nlohmann::json::parse(
+        read_text_file(folder_ / kManifest, 4096, "Remove the folder " + folder_.string()), nullptr, false);
+    if (!read.is_object() || !read["key"].is_string() || !read["frame"].is_number_integer())
+      throw Error(ErrorKind::kInput, (folder_ / kManifest).string(), "is garbled",
+                  "Remove the folder " + folder_.string());
+    return read;
+  }
+
+  fs::path folder_;
+  std::string name_;
+};
+
+/// A folder for what is not done, which goes when this does.
+class Making {
+ public:
+  explicit Making(const fs::path& sweep) {
+    std::error_code fault;
+    fs::create_directories(sweep / Part::kParts, fault);
+    std::string name = (sweep / Part::kParts / ".making-XXXXXX").string();
+    if (mkdtemp(name.data()) == nullptr)
+      throw Error(ErrorKind::kIo, name, std::string("cannot be made (") + std::strerror(errno) + ")",
+                  "Name another place");
+    folder_ = name;
+  }
+  ~Making() {
+    std::error_code ignored;
+    fs::remove_all(folder_, ignored);
+  }
+  Making(const Making&) = delete;
+  Making& operator=(const Making&) = delete;
+  const fs::path& folder() const { return folder_; }
+
+ private:
+  fs::path folder_;
+};
+
 /// All points, one after another, with what they share.
 class Sweep {
  public:
@@ -99,30 +193,79 @@ class Sweep {
   void check() {
     for (SweepPoint& point : points_) {
       AnimateInputs inputs = read_inputs(point.command());
-      point.command().output.open(inputs.loaded, inputs.options, inputs.motion_sink());
+      if (!command_.gather) {
+        point.command().output.open(inputs.loaded, inputs.options, inputs.motion_sink());
+        if (&point == points_.data()) frame_ = (inputs.options.from + inputs.options.until) / 2;
+      }
       if (still_.empty()) still_ = inputs.loaded.picture;
       region_ |= report::shown_region(inputs.loaded.matte);
     }
   }
 
   void run() {
-    // What labellings share lies in a cache, for the time of the sweep where nobody asks for a longer one.
-    const fs::path own = fs::path(command_.folder) / ".labels";
-    std::unique_ptr<cache::ResultCache> cache = command_.shared.cache.open();
-    const bool for_now = cache == nullptr;
-    if (for_now) cache = std::make_unique<cache::ResultCache>(own);
-    const auto forget = [&] {
-      cache.reset();
-      std::error_code fault;
-      if (for_now) fs::remove_all(own, fault);
-    };
-    try {
-      for (std::size_t i = 0; i < points_.size(); ++i) make(i, *cache);
-    } catch (...) {
-      forget();
-      throw;
+    with_cache(command_.folder, [&](cache::ResultCache& cache) {
+      for (std::size_t i = 0; i < points_.size(); ++i) {
+        say_point(i);
+        AnimateInputs inputs = read_inputs(points_[i].command());
+        query::Assignment assignment = choose(i, inputs, cache);
+        const cache::Key key = key_of(points_[i], inputs);
+        add(i, inputs.loaded.matte, std::move(assignment), key,
+            [&](SweptAnimation& animation, const query::Assignment& chosen) {
+              Rendered made = render_point(i, inputs, chosen);
+              animation.file = made.file;
+              animation.video = made.video;
+              animation.frame = made.frame;
+            });
+      }
+    });
+  }
+
+  /// The points of a shard, each a Part; those that are there are left. Returns the numbers of those made.
+  std::vector<std::string> make_parts(const Shard& shard, const fs::path& making) {
+    std::vector<std::string> made;
+    with_cache(making, [&](cache::ResultCache& cache) {
+      for (std::size_t i = 0; i < points_.size(); ++i) {
+        if (!shard.takes(i)) continue;
+        const Part part(command_.folder, i);
+        AnimateInputs inputs = read_inputs(points_[i].command());
+        const cache::Key key = key_of_part(points_[i], inputs);
+        if (part.is_made(key)) continue;
+        say_point(i);
+        const query::Assignment assignment = choose(i, inputs, cache);
+        const Rendered rendered = render_point(i, inputs, assignment);
+        Part::seal(making / number_of(i), part, key, assignment, rendered.frame, frame_);
+        made.push_back(number_of(i));
+      }
+    });
+    return made;
+  }
+
+  /// What run() leaves, from the parts that shards have left.
+  void gather() {
+    std::vector<AnimateInputs> inputs;
+    std::string missing;
+    for (std::size_t i = 0; i < points_.size(); ++i) {
+      inputs.push_back(read_inputs(points_[i].command()));
+      if (!Part(command_.folder, i).is_made(key_of_part(points_[i], inputs.back())))
+        missing += (missing.empty() ? "" : ", ") + number_of(i);
     }
-    forget();
+    if (!missing.empty())
+      throw Error(ErrorKind::kNotFound, (fs::path(command_.folder) / Part::kParts).string(),
+                  "not yet made: " + missing, "Run the command with --shard for them");
+    frame_ = Part(command_.folder, 0).frame_number();
+    for (std::size_t i = 0; i < points_.size(); ++i) {
+      const Part part(command_.folder, i);
+      add(i, inputs[i].loaded.matte, query::read_assignment(part.assignment()), {},
+          [&](SweptAnimation& animation, const auto&) {
+            animation.file = fs::path(points_[i].command().output.name()).filename();
+            animation.video =
+                fs::exists(part.folder() / part.page_video()) ? part.page_video() : animation.file;
+            animation.frame = part.frame();
+            for (const std::string& name : {animation.file, animation.video})
+              fs::copy_file(part.folder() / name, fs::path(command_.folder) / name,
+                            fs::copy_options::overwrite_existing);
+          });
+    }
   }
 
   const std::vector<SweptAnimation>& animations() const { return animations_; }
@@ -134,8 +277,34 @@ class Sweep {
  private:
   struct Made {
     query::Assignment assignment;
-    cache::Key key;
+    std::optional<cache::Key>
+        key;  // of what it is rendered from; nothing: only its frames tell what it is like
   };
+  /// Names of files.
+  struct Rendered {
+    std::string file, video;
+    cv::Mat frame;
+  };
+
+  /// What labellings share lies in a cache, for the time of the sweep where nobody asks for a longer one.
+  void with_cache(const fs::path& folder, const std::function<void(cache::ResultCache&)>& work) {
+    const fs::path own = folder / ".labels";
+    std::unique_ptr<cache::ResultCache> cache = command_.shared.cache.open();
+    const bool for_now = cache == nullptr;
+    if (for_now) cache = std::make_unique<cache::ResultCache>(own);
+    const auto forget = [&] {
+      cache.reset();
+      std::error_code fault;
+      if (for_now) fs::remove_all(own, fault);
+    };
+    try {
+      work(*cache);
+    } catch (...) {
+      forget();
+      throw;
+    }
+    forget();
+  }
 
   std::shared_ptr<const query::SearchBase> base_of(const SearchOptions& search) {
     search.check(snapshot_);
@@ -145,36 +314,48 @@ class Sweep {
     return base;
   }
 
-  void make(std::size_t i, cache::ResultCache& cache) {
-    SweepPoint& point = points_[i];
-    say(fmt::format("animation {} of {}: {}", i + 1, points_.size(), point.title()));
-    plan_stages(point.command().stages());
-    AnimateInputs inputs = read_inputs(point.command());
+  void say_point(std::size_t i) {
+    say(fmt::format("animation {} of {}: {}", i + 1, points_.size(), points_[i].title()));
+    plan_stages(points_[i].command().stages());
+  }
+
+  query::Assignment choose(std::size_t i, AnimateInputs& inputs, cache::ResultCache& cache) {
+    AnimateCommand& command = points_[i].command();
     ChosenPatches chosen = choose_patches(
-        point.command(), snapshot_, inputs.loaded, inputs.asked,
+        command, snapshot_, inputs.loaded, inputs.asked,
         [this](const SearchOptions& search) { return base_of(search); }, &cache, context_);
-    made_.push_back({std::move(chosen.assignment), key_of(point, inputs)});
-    pace_it(snapshot_, inputs, made_.back().assignment,
-            kind_of(point.command().search.options().class_name, made_.back().assignment).name);
+    pace_it(snapshot_, inputs, chosen.assignment,
+            kind_of(command.search.options().class_name, chosen.assignment).name);
+    return std::move(chosen.assignment);
+  }
+
+  /// make   gives it its files and a frame, unless they are those of an animation before.
+  void add(std::size_t i, const cv::Mat& matte, query::Assignment chosen,
+           const std::optional<cache::Key>& key,
+           const std::function<void(SweptAnimation&, const query::Assignment&)>& make) {
+    SweepPoint& point = points_[i];
+    made_.push_back({std::move(chosen), key});
     const query::Assignment& assignment = made_.back().assignment;
     SweptAnimation& animation = animations_.emplace_back();
-    animation.number = fmt::format("{:02}", i + 1);
+    animation.number = number_of(i);
     animation.title = point.title();
     animation.command = point.command_line();
     animation.energy = assignment.energy;
     animation.gap = assignment.gap();
     animation.clips = assignment.clips.size();
     animation.changed = fraction_unlike(assignment, made_.front().assignment);
-    const auto twin = std::find_if(made_.begin(), made_.end() - 1, [&](const Made& before) {
-      return before.key == made_.back().key && before.assignment.pieces == assignment.pieces &&
-             before.assignment.clips == assignment.clips;
-    });
     animation.assignment = animation.number + ".json";
     query::write_assignment(fs::path(command_.folder) / animation.assignment, assignment);
-    if (twin != made_.end() - 1)
+    const auto twin = std::find_if(made_.begin(), made_.end() - 1, [&](const Made& before) {
+      return key && before.key == key && before.assignment.pieces == assignment.pieces &&
+             before.assignment.clips == assignment.clips;
+    });
+    if (twin != made_.end() - 1) {
       take_from(static_cast<std::size_t>(twin - made_.begin()), animation);
-    else
-      render_point(point, inputs, animation);
+    } else {
+      make(animation, assignment);
+      compare(animation, matte);
+    }
     animation.result = result_of(animation);
     say("  " + animation.result);
   }
@@ -187,43 +368,47 @@ class Sweep {
     animation.difference = of.difference;
   }
 
-  void render_point(SweepPoint& point, AnimateInputs& inputs, SweptAnimation& animation) {
-    OutputOptions& names = point.command().output;
+  /// Options may be without effect: what came out tells.
+  void compare(SweptAnimation& animation, const cv::Mat& matte) const {
+    const fs::path folder = command_.folder;
+    for (std::size_t i = 0; i + 1 < animations_.size(); ++i)
+      if (animations_[i].same_as < 0 && same_bytes(folder / animation.file, folder / animations_[i].file)) {
+        fs::remove(folder / animation.file);
+        fs::remove(folder / animation.video);
+        animation.frame.release();
+        return take_from(i, animation);
+      }
+    animation.difference = mean_difference(animation.frame, animations_.front().frame, matte);
+  }
+
+  Rendered render_point(std::size_t i, AnimateInputs& inputs, const query::Assignment& assignment) {
+    OutputOptions& names = points_[i].command().output;
     const std::unique_ptr<AnimationFiles> output =
         names.open(inputs.loaded, inputs.options, inputs.motion_sink());
     const synth::animate::AnimateOptions& options = inputs.options;
     const fs::path file = names.name();
-    animation.file = file.filename().string();
-    animation.video = names.plays_in_browsers() ? animation.file : animation.number + "_page.mp4";
+    Rendered made{.file = file.filename().string(), .video = {}, .frame = {}};
+    made.video = names.plays_in_browsers() ? made.file : Part(command_.folder, i).page_video();
     std::optional<media::PictureSink> page;
-    if (animation.video != animation.file)
-      page.emplace(file.parent_path() / animation.video, inputs.loaded.picture.size(),
+    if (made.video != made.file)
+      page.emplace(file.parent_path() / made.video, inputs.loaded.picture.size(),
                    options.until - options.from, options.fps);
     output->skip_to_range();
-    if (animations_.size() == 1) frame_ = (options.from + options.until) / 2;
     const int kept = std::clamp(frame_, options.from, options.until - 1);
     int at = options.from;
     Progress progress;
     render(
-        snapshot_, inputs, stage(snapshot_, inputs, made_.back().assignment), output->picture(),
+        snapshot_, inputs, stage(snapshot_, inputs, assignment), output->picture(),
         [&](const cv::Mat& frame) {
           const cv::Mat shown = output->write(frame);
           if (page) page->write(shown);
-          if (at++ == kept) animation.frame = shown.clone();
+          if (at++ == kept) made.frame = shown.clone();
         },
         progress.callback(), context_);
     output->finish();
     if (page) page->finish();
     progress.finish();
-    // Options may be without effect: what came out tells.
-    for (std::size_t i = 0; i + 1 < animations_.size(); ++i)
-      if (animations_[i].same_as < 0 && same_bytes(file, file.parent_path() / animations_[i].file)) {
-        fs::remove(file);
-        if (page) fs::remove(file.parent_path() / animation.video);
-        animation.frame.release();
-        return take_from(i, animation);
-      }
-    animation.difference = mean_difference(animation.frame, animations_.front().frame, inputs.loaded.matte);
+    return made;
   }
 
   std::string result_of(const SweptAnimation& animation) const {
@@ -277,15 +462,31 @@ nlohmann::json report_of(const Sweep& sweep, double seconds) {
   return {{"animations", list}, {"seconds", seconds}};
 }
 
+/// One shard of a sweep.
+void run_shard(SweepCommand& command, const std::vector<SweepAxis>& axes, const RunContext& context) {
+  const Shard shard = command.shard.read();
+  const Making making(command.folder);
+  Sweep sweep(command, make_points(axes, *command.given, making.folder().string(), true), context);
+  const SayOnce once;
+  sweep.check();
+  const std::vector<std::string> made = sweep.make_parts(shard, making.folder());
+  if (command.json)
+    fmt::print("{}\n", nlohmann::json{{"made", made}}.dump(2));
+  else
+    for (const std::string& number : made)
+      fmt::print("{}\n", (fs::path(command.folder) / Part::kParts / number).string());
+}
+
 void run_sweep(SweepCommand& command, const RunContext& context) {
   Stopwatch watch;
   const std::vector<SweepAxis> axes = parse_axes(command.axes);
+  if (command.shard.given()) return run_shard(command, axes, context);
   Sweep sweep(command, make_points(axes, *command.given, command.folder), context);
-  check_folder_output(command.folder);
+  if (!command.gather) check_folder_output(command.folder);
   {
     const SayOnce once;
     sweep.check();
-    sweep.run();
+    command.gather ? sweep.gather() : sweep.run();
   }
   const fs::path folder = command.folder;
   SweepWords words{.title = "Sweep of " + command.shared.target.picture.filename().string(),
@@ -304,6 +505,7 @@ void run_sweep(SweepCommand& command, const RunContext& context) {
   const std::string report =
       report_of(sweep, watch.seconds()).dump(2, ' ', false, nlohmann::json::error_handler_t::replace);
   write_whole_file(folder / "sweep.json", report + "\n");
+  if (command.gather) fs::remove_all(folder / Part::kParts);
   if (command.json) {
     fmt::print("{}\n", report);
     return;
@@ -333,6 +535,12 @@ void add_sweep(CLI::App& synth_command, RunContext& context) {
                   "combination; made when it is not there")
       ->required()
       ->type_name("DIR");
+  command->shard.add_to(
+      *sub,
+      "Make only part I of N of the animations, each in a folder of its own below DIR/parts, and no page. "
+      "What is there is left, so an interrupted run can be repeated [all]");
+  sub->add_flag("--gather", command->gather, "Make the page and the sheet of what all shards have left [off]")
+      ->excludes("--shard");
   sub->add_flag("--json", command->json, "Print the result as JSON");
   command->given = sub;
   sub->callback([command, &context] { run_sweep(*command, context); });

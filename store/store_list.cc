@@ -1,0 +1,32 @@
+#include "store/store_list.h"
+
+#include <sstream>
+
+#include "freshet/error.h"
+#include "platform/text.h"
+#include "platform/text_file.h"
+
+namespace freshet::store {
+
+bool is_store_list(const std::filesystem::path& path) { return lower_ending(path) == ".stores"; }
+
+std::vector<std::filesystem::path> read_store_list(const std::filesystem::path& path) {
+  constexpr std::size_t kMaxBytes = 1 << 20;
+  static constexpr const char* kSpace = " \t\r";
+  const char* const remedy = "Write the name of a store in each of its lines";
+  std::istringstream text(read_text_file(path, kMaxBytes, remedy));
+  std::vector<std::filesystem::path> stores;
+  for (std::string line; std::getline(text, line);) {
+    const std::size_t begin = line.find_first_not_of(kSpace);
+    if (begin == std::string::npos || line[begin] == '#') continue;
+    const std::filesystem::path store =
+        path.parent_path() / line.substr(begin, line.find_last_not_of(kSpace) + 1 - begin);
+    if (is_store_list(store))
+      throw Error(ErrorKind::kInput, path.string(), "names another list, " + store.string(), remedy);
+    stores.push_back(store);
+  }
+  if (stores.empty()) throw Error(ErrorKind::kInput, path.string(), "names no store", remedy);
+  return stores;
+}
+
+}  // namespace freshet::store

@@ -1,0 +1,16 @@
+// store/store_list.h — a file that names several stores, which are read as one.
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+namespace freshet::store {
+
+/// Whether a name is that of a list: it ends in ".stores".
+bool is_store_list(const std::filesystem::path& path);
+
+/// A store a line, relative to the list's folder; empty lines, and those that begin with #, say nothing.
+/// Throws Error{kInput} when it cannot be read or names none.
+std::vector<std::filesystem::path> read_store_list(const std::filesystem::path& path);
+
+}  // namespace freshet::store
