@@ -31,10 +31,9 @@ import freshet
 assert len(list(freshet.simulate("fire", size=(64, 48), frames=2))) == 2'
 fi
 if [ -e "$LD_LIBRARY_PATH/pkgconfig/freshet.pc" ]; then
-  PKG_CONFIG_PATH=$LD_LIBRARY_PATH/pkgconfig
-  export PKG_CONFIG_PATH PKG_CONFIG_SYSROOT_DIR=$scratch/root
+  unpacked() { PKG_CONFIG_PATH=$LD_LIBRARY_PATH/pkgconfig PKG_CONFIG_SYSROOT_DIR=$scratch/root pkg-config "$@" freshet; }
   # shellcheck disable=SC2046
-  c++ -std=c++20 "$root/tests/install/read.cc" -I/usr/include/opencv4 $(pkg-config --cflags --libs freshet) -o read
+  c++ -std=c++20 "$root/tests/install/read.cc" -I/usr/include/opencv4 $(unpacked --cflags --libs) -o read
   status=0
   ./read none.store 2> log || status=$?
   [ $status -eq 1 ] && grep -q none.store log
