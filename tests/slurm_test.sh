@@ -99,8 +99,8 @@ finish() {  # JOB
       killed=$((killed + 1))
       start_node $node
       scontrol update nodename=$node state=resume 2> /dev/null || true
-      for job in $(squeue -h -t pending -r -o %A); do  # not after Slurm's two minutes
-        scontrol update jobid="$job" starttime=now 2> /dev/null || true
+      for job in $(squeue -h -t pending -r -o %A); do  # not after the two minutes that Slurm waits, nor while it ends the one before
+        scontrol update jobid="$job" starttime=now+4 2> /dev/null || true
       done
     fi
   done

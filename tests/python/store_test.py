@@ -98,6 +98,19 @@ class Stores(unittest.TestCase):
             self.assertEqual((cells.ndim, cells.dtype), (3, numpy.float32))
         self.assertIn("motion", footage.cell_maps)
 
+    def test_a_list_of_stores_is_one_store(self):
+        folder = self.scene.folder
+        for seed in (1, 2):
+            freshet.ingest(folder / f"part{seed}.store", [self.scene.clips / f"fall/{seed}.mkv"], class_name="fall")
+        (folder / "all.stores").write_text("part1.store\npart2.store\n")
+        program("index", folder / "all.stores")
+        both = freshet.Store(folder / "all.stores")
+        self.assertEqual([clip.name for clip in both.clips], ["1.mkv", "2.mkv"])
+        numpy.testing.assert_array_equal(both["2.mkv"].bgr(count=2), self.store["fall/2.mkv"].bgr(count=2))
+        words = self.store["fall/1.mkv"].column("patch.words")[:3]
+        numpy.testing.assert_array_equal(freshet.nearest_by_words(both, words, k=5).patches,
+                                         freshet.nearest_by_words(self.store, words, k=5).patches)
+
     def test_views_are_read_only_and_outlive_their_store(self):
         store = freshet.Store(self.scene.store)
         footage = store["fall/1.mkv"]
