@@ -3,8 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <random>
 #include <set>
 
+#include <fmt/format.h>
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
@@ -286,6 +288,37 @@ TEST_F(Layers, ARangeIsTheSameWhateverIsLeftOutBeforeIt) {
         EXPECT_TRUE(text_of(*folder_ / ("whole" + std::string(folder) + name)) ==
                     text_of(*folder_ / ("some" + std::string(folder) + name)))
             << said << " " << folder << name;
+  }
+}
+
+TEST_F(Layers, AnySplitOfTheFramesOverMachinesGivesTheSameFrames) {
+  constexpr int kSplit = 18;
+  std::mt19937_64 random(3);
+  for (const std::vector<std::string>& kind :
+       {std::vector<std::string>{}, {"--loop"}, {"--method", "paper"}}) {
+    const auto run = [&](const std::string& to, std::vector<std::string> more) {
+      more.insert(more.end(), kind.begin(), kind.end());
+      more.insert(more.end(), {"--frames", std::to_string(kSplit)});
+      const Outcome outcome = folder_->freshet([&] {
+        std::vector<std::string> words{"synth",   "animate",      sample().store, sample().still,
+                                       "--matte", sample().matte, "-o",           to + "/%04d.png"};
+        words.insert(words.end(), more.begin(), more.end());
+        return words;
+      }());
+      ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    };
+    for (const char* name : {"one", "many"}) fs::remove_all(*folder_ / name);
+    run("one", {});
+    for (int from = 0; from < kSplit;) {
+      const int to = std::min(kSplit, from + 1 + static_cast<int>(random() % 7));
+      run("many", {"--range", fmt::format("{}-{}", from, to - 1), "-j", std::to_string(1 + random() % 3)});
+      from = to;
+    }
+    for (int frame = 0; frame < kSplit; ++frame) {
+      const std::string name = fmt::format("/{:04}.png", frame);
+      EXPECT_TRUE(text_of(*folder_ / ("one" + name)) == text_of(*folder_ / ("many" + name)))
+          << name << (kind.empty() ? "" : " " + kind.back());
+    }
   }
 }
 
