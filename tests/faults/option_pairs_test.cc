@@ -41,6 +41,7 @@ const std::map<std::string, std::string> kNeeded{
     {"store starter", "--recipe recipe.toml -o new.store"},
     {"query candidates", "f.store still.png --whole"},
     {"query label", "f.store still.png --whole"},
+    {"query kind", "still.png"},
     {"query bench", "f.store"},
     {"synth animate", "f.store still.png --whole -o out.mkv"},
     {"synth sweep", "f.store still.png --whole --vary tau=0,1 -o sweep"},

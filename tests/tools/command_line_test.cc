@@ -76,7 +76,7 @@ TEST(CommandLine, WrongUsageIsSaidInOneLine) {
   expect_usage_fault({"nosuch"}, "there is no command \"nosuch\"");
   expect_usage_fault(
       {"query", "nosuch"},
-      "there is no command \"nosuch\"; there are candidates, label, bench. See freshet query --help");
+      "there is no command \"nosuch\"; there are candidates, label, kind, bench. See freshet query --help");
   expect_usage_fault({"ingest"}, "STORE is required. See freshet ingest --help");
   expect_usage_fault({"query", "label"}, "PICTURE is required. See freshet query label --help");
   expect_usage_fault({"synth", "animate", sample().store, "-o", "x.mp4"}, "PICTURE is required");

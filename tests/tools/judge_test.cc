@@ -57,6 +57,25 @@ TEST(Judge, AnimateSaysOfItsOwnFilmWhatJudgeSaysOfItsFile) {
   EXPECT_FALSE(cv::imread(folder / "sheet.png").empty());
 }
 
+TEST(Judge, TheKindIsSaidWithSharesAndReadings) {
+  const WorkFolder folder;
+  cv::Mat fire(120, 160, CV_8UC3, cv::Scalar(4, 4, 6)), matte(120, 160, CV_8U, cv::Scalar(0));
+  for (int x = 55; x <= 105; x += 12) {
+    cv::ellipse(fire, {x, 85}, {11, 31}, 0, 0, 360, {15, 70, 210}, cv::FILLED);
+    cv::ellipse(fire, {x, 92}, {6, 20}, 0, 0, 360, {60, 190, 255}, cv::FILLED);
+    cv::ellipse(matte, {x, 85}, {12, 32}, 0, 0, 360, 255, cv::FILLED);
+  }
+  cv::imwrite(folder / "fire.png", fire);
+  cv::imwrite(folder / "fire_matte.png", matte);
+  const Outcome told = folder.freshet({"query", "kind", "fire.png", "--matte", "fire_matte.png", "--json"});
+  ASSERT_EQ(told.exit_code, 0) << told.err;
+  const nlohmann::json json = nlohmann::json::parse(told.out);
+  EXPECT_EQ(json.at("class"), "fire");
+  EXPECT_EQ(json.at("sure"), true) << told.out;
+  EXPECT_EQ(json.at("shares").size(), 4U);
+  EXPECT_EQ(json.at("readings").size(), 25U);
+}
+
 TEST(Judge, AFilmThatIsSpoiledHasMoreFaults) {
   const WorkFolder folder;
   ASSERT_EQ(animate(folder, "film").exit_code, 0);

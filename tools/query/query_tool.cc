@@ -27,6 +27,7 @@
 #include "tools/options/solver_options.h"
 #include "tools/options/target_files.h"
 #include "tools/query/label_run.h"
+#include "vision/fluid_kind.h"
 
 namespace freshet::tools {
 namespace {
@@ -65,6 +66,11 @@ struct LabelCommand {
   SolverOptions labelling;
   CacheOptions cache;
   std::string assignment, map, sheet;
+  bool json = false;
+};
+
+struct KindCommand {
+  TargetFiles target;
   bool json = false;
 };
 
@@ -232,6 +238,27 @@ void run_label(LabelCommand& command, const RunContext& context) {
     if (!path.empty()) fmt::print("{}\n", path);
 }
 
+/// Needs no store: what is known of the kinds' looks comes with the program.
+void run_kind(const KindCommand& command) {
+  const TargetFiles::Loaded loaded = command.target.load();
+  const auto look = vision::fluid_look(loaded.picture, loaded.matte);
+  const vision::FluidKind kind = vision::fluid_kind(look);
+  if (command.json) {
+    nlohmann::json shares, readings;
+    for (std::size_t i = 0; i < kind.share.size(); ++i) shares[vision::kFluidKinds[i]] = kind.share[i];
+    for (std::size_t i = 0; i < look.size(); ++i) readings[vision::kLookNames[i]] = look[i];
+    const nlohmann::json json{
+        {"class", kind.name()}, {"sure", kind.sure()}, {"shares", shares}, {"readings", readings}};
+    fmt::print("{}\n", json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
+    return;
+  }
+  Table table({"class", "share"});
+  for (std::size_t i = 0; i < kind.share.size(); ++i)
+    table.row({vision::kFluidKinds[i], fmt::format("{:.2f}", kind.share[i])});
+  fmt::print("{}", table.text());
+  if (!kind.sure()) say(fmt::format("unsure: it may be {}. --class says what it is", kind.name()));
+}
+
 }  // namespace
 
 void add_query(CLI::App& app, RunContext& context) {
@@ -265,6 +292,16 @@ void add_query(CLI::App& app, RunContext& context) {
   add_overwrite(*sub);
   add_threads(*sub);
   sub->callback([label, &context] { run_label(*label, context); });
+
+  auto kind = std::make_shared<KindCommand>();
+  sub = query->add_subcommand("kind", "Water, fire, smoke or clouds: the class of fluid that a picture shows");
+  sub->add_option("PICTURE", kind->target.picture, "The still picture (PNG, JPEG, TIFF, ...)")->required();
+  CLI::Option* const matte = sub->add_option(
+      "--matte", kind->target.matte, "Grey picture, white where the fluid is [the picture's own alpha]");
+  sub->add_flag("--whole", kind->target.whole, "All of the picture is fluid [off]")->excludes(matte);
+  sub->add_flag("--json", kind->json,
+                "Print class, whether it is sure (a share of .8), shares and readings as JSON");
+  sub->callback([kind] { run_kind(*kind); });
 
   add_bench(*query, context);
 }

@@ -19,6 +19,7 @@
 #include "tools/synth/animate_command.h"
 #include "tools/synth/animate_run.h"
 #include "tools/synth/takes_run.h"
+#include "vision/fluid_kind.h"
 
 namespace freshet::tools {
 namespace {
@@ -68,8 +69,9 @@ void say_made(const synth::animate::AnimateReport& report, const AnimateInputs& 
 
 /// For a program, or the names of the files alone.
 void print_made(const AnimateCommand& command, const store::Snapshot& snapshot, const AnimateInputs& inputs,
-                const ChosenPatches& chosen, const synth::animate::AnimateReport& report,
-                const nlohmann::json& verdict, const nlohmann::json& takes) {
+                const ChosenPatches& chosen, const vision::FluidKind& look,
+                const synth::animate::AnimateReport& report, const nlohmann::json& verdict,
+                const nlohmann::json& takes) {
   std::vector<std::string> files = command.output.files();
   files.push_back(command.sheet);
   for (const std::string& path : command.motion.outputs()) files.push_back(path);
@@ -96,6 +98,10 @@ void print_made(const AnimateCommand& command, const store::Snapshot& snapshot, 
                                     {"renewed", report.renewed},
                                     {"labelling", chosen.labelled},
                                     {"shares", shares_json(chosen.assignment)},
+                                    {"looks_like",
+                                     {{"class", look.name()},
+                                      {"share", look.sureness()},
+                                      {"sure", look.sure()}}},
                                     {"verdict", verdict},
                                     {"takes", takes},
                                     {"seconds",
@@ -106,6 +112,19 @@ void print_made(const AnimateCommand& command, const store::Snapshot& snapshot, 
                                       {"render", report.render_s},
                                       {"total", report.total_s}}}}
                          .dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
+}
+
+/// Where no class was asked: what the look says of it, if its patches are of something else and the store has it.
+void say_other_kind(const AnimateCommand& command, const store::Snapshot& snapshot,
+                    const vision::FluidKind& look, const ShownKind& kind) {
+  if (!command.search.options().class_name.empty() || !look.sure() || look.name() == kind.name) return;
+  for (const store::ClipId clip : snapshot.clips())
+    if (snapshot.clip(clip).class_name == look.name()) {
+      say(fmt::format("it looks like {} ({:.0f} %), and most patches are of {}: --class {} takes no other",
+                      look.name(), 100 * look.sureness(), kind.name.empty() ? "no class" : kind.name,
+                      look.name()));
+      return;
+    }
 }
 
 /// Says what was assumed and what looks worst; the whole verdict for a program. Null for a film too short, or too
@@ -142,6 +161,8 @@ void run_animate(AnimateCommand& command, const RunContext& context) {
       cache.get(), context);
   const query::Assignment& assignment = chosen.assignment;
   const ShownKind kind = kind_of(command.search.options().class_name, assignment);
+  const vision::FluidKind look = vision::fluid_kind(vision::fluid_look(loaded.picture, loaded.matte));
+  say_other_kind(command, snapshot, look, kind);
   pace_it(snapshot, inputs, assignment, kind.name);
   const std::optional<synth::takes::Trial> trial =
       command.takes > 1
@@ -179,7 +200,7 @@ void run_animate(AnimateCommand& command, const RunContext& context) {
                          trial ? synth::takes::with_takes(sheet.draw(), *trial) : sheet.draw());
   say_forms(snapshot, report);
   say_made(report, inputs);
-  print_made(command, snapshot, inputs, chosen, report, judged(inputs, kind, film), takes_json(trial));
+  print_made(command, snapshot, inputs, chosen, look, report, judged(inputs, kind, film), takes_json(trial));
 }
 
 /// Options that an assignment leaves nothing to do.
