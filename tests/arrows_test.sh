@@ -22,6 +22,7 @@ media/picture: media/frame
 media/video: media/frame media/picture
 hints: media/picture
 vision:
+vision/look:
 stored: store media/frame vision
 ingest: store media/frame media/picture media/video vision stored
 query/index: store store/rewrite vision stored
@@ -78,9 +79,9 @@ python/binding:
 tools/console: store media/frame media/picture media/video query/index
 tools/options: cache store starter media/picture media/video hints vision query/index query/mrf query/search query/costs synth/outline synth/animate/frames synth/animate synth/matte tools/console
 tools: store store/rewrite media/frame media/video stored ingest query/index synth/toml starter studio studio/http tools/console tools/options
-tools/query: media/picture stored query/labelling query/benchmark synth/animate/placement synth/animate/motion tools/console tools/options tools
+tools/query: media/picture vision/look stored query/labelling query/benchmark synth/animate/placement synth/animate/motion tools/console tools/options tools
 tools/judging: media/frame media/picture media/video hints query/labelling synth/judging tools/console
-tools/synth: report store media/picture media/video hints stored query/labelling synth/sampling synth/judging synth/animate/placement synth/animate/motion synth/animate synth/takes synth/matte synth/scene/layers synth/simulate/design synth/simulate synth/scene synth/scene/rendering synth/flowlines synth/flowlines/files synth/stills synth/transfer synth/transfer/files tools/console tools/options tools tools/query tools/judging
+tools/synth: report store media/picture media/video hints vision/look stored query/labelling synth/sampling synth/judging synth/animate/placement synth/animate/motion synth/animate synth/takes synth/matte synth/scene/layers synth/simulate/design synth/simulate synth/scene synth/scene/rendering synth/flowlines synth/flowlines/files synth/stills synth/transfer synth/transfer/files tools/console tools/options tools tools/query tools/judging
 '
 rooms="include platform report cache store media hints vision stored ingest query synth starter studio library python tools"
 max_units=17  # in one folder: a header and its source file are one, and so is a source file without a header

@@ -27,7 +27,7 @@
 #include "tools/options/solver_options.h"
 #include "tools/options/target_files.h"
 #include "tools/query/label_run.h"
-#include "vision/fluid_kind.h"
+#include "vision/look/fluid_kind.h"
 
 namespace freshet::tools {
 namespace {
@@ -294,7 +294,8 @@ void add_query(CLI::App& app, RunContext& context) {
   sub->callback([label, &context] { run_label(*label, context); });
 
   auto kind = std::make_shared<KindCommand>();
-  sub = query->add_subcommand("kind", "Water, fire, smoke or clouds: the class of fluid that a picture shows");
+  sub =
+      query->add_subcommand("kind", "Water, fire, smoke or clouds: the class of fluid that a picture shows");
   sub->add_option("PICTURE", kind->target.picture, "The still picture (PNG, JPEG, TIFF, ...)")->required();
   CLI::Option* const matte = sub->add_option(
       "--matte", kind->target.matte, "Grey picture, white where the fluid is [the picture's own alpha]");

@@ -19,7 +19,7 @@
 #include "tools/synth/animate_command.h"
 #include "tools/synth/animate_run.h"
 #include "tools/synth/takes_run.h"
-#include "vision/fluid_kind.h"
+#include "vision/look/fluid_kind.h"
 
 namespace freshet::tools {
 namespace {
@@ -80,38 +80,37 @@ void print_made(const AnimateCommand& command, const store::Snapshot& snapshot, 
     for (const std::string& path : files) fmt::print("{}\n", path);
     return;
   }
-  fmt::print("{}\n", nlohmann::json{{"files", files},
-                                    {"frames", inputs.options.frames},
-                                    {"width", inputs.loaded.picture.cols},
-                                    {"height", inputs.loaded.picture.rows},
-                                    {"fps", inputs.options.fps},
-                                    {"method", report.method},
-                                    {"by_itself", report.by_itself},
-                                    {"flames", report.flames},
-                                    {"forms", forms_json(snapshot, report)},
-                                    {"forms_fit", report.forms_fit},
-                                    {"forms_lack", report.forms_lack},
-                                    {"pieces", report.pieces},
-                                    {"clips", report.clips},
-                                    {"batches", report.batches},
-                                    {"half_life_s", report.half_life_s},
-                                    {"renewed", report.renewed},
-                                    {"labelling", chosen.labelled},
-                                    {"shares", shares_json(chosen.assignment)},
-                                    {"looks_like",
-                                     {{"class", look.name()},
-                                      {"share", look.sureness()},
-                                      {"sure", look.sure()}}},
-                                    {"verdict", verdict},
-                                    {"takes", takes},
-                                    {"seconds",
-                                     {{"decode", report.decode_s},
-                                      {"blend", report.blend_s},
-                                      {"base", report.base_s},
-                                      {"match", report.appearance_s},
-                                      {"render", report.render_s},
-                                      {"total", report.total_s}}}}
-                         .dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
+  fmt::print("{}\n",
+             nlohmann::json{
+                 {"files", files},
+                 {"frames", inputs.options.frames},
+                 {"width", inputs.loaded.picture.cols},
+                 {"height", inputs.loaded.picture.rows},
+                 {"fps", inputs.options.fps},
+                 {"method", report.method},
+                 {"by_itself", report.by_itself},
+                 {"flames", report.flames},
+                 {"forms", forms_json(snapshot, report)},
+                 {"forms_fit", report.forms_fit},
+                 {"forms_lack", report.forms_lack},
+                 {"pieces", report.pieces},
+                 {"clips", report.clips},
+                 {"batches", report.batches},
+                 {"half_life_s", report.half_life_s},
+                 {"renewed", report.renewed},
+                 {"labelling", chosen.labelled},
+                 {"shares", shares_json(chosen.assignment)},
+                 {"looks_like", {{"class", look.name()}, {"share", look.sureness()}, {"sure", look.sure()}}},
+                 {"verdict", verdict},
+                 {"takes", takes},
+                 {"seconds",
+                  {{"decode", report.decode_s},
+                   {"blend", report.blend_s},
+                   {"base", report.base_s},
+                   {"match", report.appearance_s},
+                   {"render", report.render_s},
+                   {"total", report.total_s}}}}
+                 .dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
 }
 
 /// Where no class was asked: what the look says of it, if its patches are of something else and the store has it.

@@ -1,4 +1,4 @@
-#include "vision/fluid_kind.h"
+#include "vision/look/fluid_kind.h"
 
 #include <cmath>
 #include <string_view>
@@ -32,9 +32,9 @@ Drawn sea() {
     for (int x = 0; x < 320; ++x) {
       const double wave = std::sin(y * .9 + 1.7 * std::sin(x * .11)) + .6 * std::sin(x * .23 + y * .31);
       const double level = 85 + 22 * wave;
-      d.picture.at<cv::Vec3b>(y, x) = cv::Vec3b(cv::saturate_cast<std::uint8_t>(level + 25),
-                                                cv::saturate_cast<std::uint8_t>(level + 8),
-                                                cv::saturate_cast<std::uint8_t>(level - 20));
+      d.picture.at<cv::Vec3b>(y, x) =
+          cv::Vec3b(cv::saturate_cast<std::uint8_t>(level + 25), cv::saturate_cast<std::uint8_t>(level + 8),
+                    cv::saturate_cast<std::uint8_t>(level - 20));
     }
   return d;
 }
