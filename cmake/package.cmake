@@ -48,6 +48,7 @@ if(FRESHET_PYTHON3)
   install(FILES ${pages}/fish/freshet.fish DESTINATION ${CMAKE_INSTALL_DATADIR}/fish/vendor_completions.d COMPONENT freshet)
 endif()
 install(FILES cmake/package/freshet.desktop DESTINATION ${CMAKE_INSTALL_DATADIR}/applications COMPONENT freshet)
+install(FILES cmake/package/freshet.xml DESTINATION ${CMAKE_INSTALL_DATADIR}/mime/packages COMPONENT freshet)
 install(FILES studio/page/src/icon.svg DESTINATION ${CMAKE_INSTALL_DATADIR}/icons/hicolor/scalable/apps RENAME freshet.svg
         COMPONENT freshet)
 install(FILES docs/manual.md DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/freshet COMPONENT freshet)

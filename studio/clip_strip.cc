@@ -130,6 +130,18 @@ cv::Mat first_frame(const store::Snapshot& snapshot, const std::string& clip) {
   return media::to_bgr(stored::ClipFrames(snapshot, *id).read(0, 1).at(0));
 }
 
+std::vector<cv::Mat> spread_frames(const store::Snapshot& snapshot, const std::string& clip,
+                                   std::size_t count) {
+  const std::optional<store::ClipId> id = snapshot.find(clip);
+  if (!id) throw Error(ErrorKind::kNotFound, clip, "the store has no clip of this name");
+  const stored::ClipFrames frames(snapshot, *id);
+  const std::size_t all = frames.size(), wanted = std::min(all, count);
+  std::vector<cv::Mat> spread;
+  for (std::size_t i = 0; i < wanted; ++i)
+    spread.push_back(media::to_bgr(frames.read(static_cast<std::uint32_t>(i * all / wanted))));
+  return spread;
+}
+
 cv::Mat first_frame(const std::filesystem::path& video) {
   const std::optional<media::Frame> frame = media::VideoReader(video).next();
   if (!frame) throw Error(ErrorKind::kInput, video.filename().string(), "it has no frame");

@@ -57,6 +57,9 @@ std::array<cv::Point2d, 4> patch_in_clip(const store::ClipRecord& clip, const vi
 
 /// CV_8UC3. Throws Error{kNotFound} where the store has no clip of this name, Error{kDamaged}.
 cv::Mat first_frame(const store::Snapshot& snapshot, const std::string& clip);
+/// So many of its frames, spread evenly over it; all where it has fewer. Throws as first_frame.
+std::vector<cv::Mat> spread_frames(const store::Snapshot& snapshot, const std::string& clip,
+                                   std::size_t count);
 /// Of a video's file. Throws Error{kInput}.
 cv::Mat first_frame(const std::filesystem::path& video);
 

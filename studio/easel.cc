@@ -278,17 +278,38 @@ std::shared_ptr<const LabelledPicture> Easel::find_labels(const Document& docume
   return labelled;
 }
 
-void Easel::render_full(const Document& document, const FoundMatte& matte, const LabelledPicture& labelled,
-                        const Job& job) {
+Scene Easel::full_scene(const Document& document, const FoundMatte& matte,
+                        const LabelledPicture& labelled) const {
   const std::shared_ptr<const media::Still> still = project_->picture();
   // Never below the size at which it was cut into pieces.
   const double factor =
       std::min(reduction(still->bgr.size(), kFullSide), labelled.labelling.assignment.piece_scale);
-  const Scene scene = scene_of(*still, matte, document, factor);
+  return scene_of(*still, matte, document, factor);
+}
+
+void Easel::render_full(const Document& document, const FoundMatte& matte, const LabelledPicture& labelled,
+                        const Job& job) {
+  const Scene scene = full_scene(document, matte, labelled);
   const auto reel =
       std::make_shared<FrameReel>(next_number(), "full", scene.picture.size(), document.frames, document.fps);
   roll(reel, [&](const std::function<void()>& told) { render(labelled, document, scene, *reel, told, job); });
 }
+
+void Easel::find_takes(const Job& job) {
+  const Document document = project_->state().document;
+  const Results now = results();
+  if (!now.matte || !now.labelled || now.frames_key != frames_key(document))
+    throw Error(ErrorKind::kNotFound, project_->id(), "its animation is not there", "Wait for the preview");
+  const Scene scene = full_scene(document, *now.matte, *now.labelled);
+  auto takes = std::make_shared<const FoundTakes>(studio::find_takes(*now.labelled, document, scene, job));
+  {
+    const std::lock_guard lock(guard_);
+    results_.takes = takes;
+  }
+  tell_("takes", text({{"project", project_->id()}, {"number", takes->number}}));
+}
+
+std::shared_ptr<const FoundTakes> Easel::takes() const { return results().takes; }
 
 void Easel::roll(const std::shared_ptr<FrameReel>& reel,
                  const std::function<void(const std::function<void()>&)>& frames) {

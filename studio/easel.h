@@ -15,6 +15,7 @@
 #include "freshet/job.h"
 #include "studio/drawing/document.h"
 #include "studio/drawing/drawn_matte.h"
+#include "studio/found_takes.h"
 #include "studio/frame_reel.h"
 #include "studio/labelled_picture.h"
 #include "studio/opened_store.h"
@@ -49,6 +50,10 @@ class Easel {
   std::shared_ptr<const LabelledPicture> labelled() const;
   /// Whether the labels are those of this document.
   bool is_labelled(const Document& document) const;
+  /// Makes the takes of the animation that is there (found_takes.h), and tells "takes". Throws Error{kNotFound} before there
+  /// is any, and as studio::find_takes.
+  void find_takes(const Job& job);
+  std::shared_ptr<const FoundTakes> takes() const;  // the last ones; null: none were asked for
   /// By its number, of the two that are kept.
   std::shared_ptr<const FrameReel> reel(std::uint64_t number) const;
 
@@ -69,6 +74,7 @@ class Easel {
     std::shared_ptr<const LabelledPicture> labelled;
     std::uint64_t labels_key = 0, frames_key = 0;  // of what is there; 0: nothing
     std::shared_ptr<FrameReel> small, full;
+    std::shared_ptr<const FoundTakes> takes;
     std::string field = "null", problem;
   };
   void work(const Document& document, OpenedStore* store, cache::ResultCache* cache, const Job& job);
@@ -82,6 +88,7 @@ class Easel {
                                                      cache::ResultCache* cache, const Job& job);
   void render_full(const Document& document, const FoundMatte& matte, const LabelledPicture& labelled,
                    const Job& job);
+  Scene full_scene(const Document& document, const FoundMatte& matte, const LabelledPicture& labelled) const;
   void roll(const std::shared_ptr<FrameReel>& reel,
             const std::function<void(const std::function<void()>&)>& frames);
   void tell_problem(const std::string& text);

@@ -1,15 +1,14 @@
 #include "studio/frame_reel.h"
 
 #include <utility>
+#include <variant>
 
 #include <nlohmann/json.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "query/search/picture_scale.h"
 #include "studio/clip_strip.h"
-#include "synth/animate/animate.h"
 #include "synth/animate/motion/motion_field.h"
-#include "synth/animate/staging.h"
 
 namespace freshet::studio {
 namespace {
@@ -28,6 +27,23 @@ query::MotionGuide guide_of(const query::LabelRequest& request, cv::Size labelle
   fit(guide.direction);
   fit(guide.speed);
   return guide;
+}
+
+/// As `synth animate` takes the same words of project.toml.
+synth::animate::Method method_of(const Document& document) {
+  namespace animate = synth::animate;
+  if (document.flames == "clips") {
+    animate::FormsOptions forms;
+    forms.flames = animate::Flames::kClips;
+    forms.excluded = document.excluded_clips;
+    forms.placed_only = !document.pins.empty();
+    return forms;
+  }
+  animate::CarriedOptions carried;
+  if (document.layout == "goes") carried.layout = animate::Layout::kGoes;
+  if (document.layout == "stands") carried.layout = animate::Layout::kStands;
+  carried.half_life_s = document.detail_life;
+  return carried;
 }
 
 }  // namespace
@@ -83,30 +99,42 @@ std::string FrameReel::outlines_json() const {
   return json.dump();
 }
 
+Rendering rendering_of(const LabelledPicture& labelled, const Document& document, const Scene& scene,
+                       int frames, double fps) {
+  namespace animate = synth::animate;
+  const cv::Size size = scene.picture.size();
+  Rendering made{
+      .assignment = labelled.labelling.assignment,
+      .asked = guide_of(labelled.request, labelled.labelling.assignment.picture, scene.factor, size),
+      .playing = {.factor = document.speed, .map = scene.tempo},
+      .options = {}};
+  made.assignment.picture = size;
+  made.assignment.piece_scale /= scene.factor;
+  animate::AnimateOptions& options = made.options;
+  options.frames = frames;
+  options.fps = fps;
+  options.loop = document.loop && frames > 1;
+  options.memory_bytes = kMemory;
+  options.method = method_of(document);
+  if (!document.flames.empty()) options.for_fires.reset();
+  if (auto* const carried = std::get_if<animate::CarriedOptions>(&options.method);
+      carried != nullptr && scene.motion_alone)
+    carried->innovations.reset();
+  options.tiles = labelled.store->tiles;
+  if (document.moving_outline) options.outline.kind = synth::outline::Outline::kMoving;
+  options.outline.held = scene.held;
+  return made;
+}
+
 void render(const LabelledPicture& labelled, const Document& document, const Scene& scene, FrameReel& reel,
             const std::function<void()>& told, const Job& job) {
   namespace animate = synth::animate;
-  animate::AnimateOptions options;
-  options.frames = reel.total;
-  options.fps = reel.fps;
-  options.loop = document.loop && reel.total > 1;
-  options.memory_bytes = kMemory;
-  if (scene.motion_alone) options.method = animate::CarriedOptions{.innovations = std::nullopt};
-  options.tiles = labelled.store->tiles;
-  if (document.moving_outline) {
-    options.outline.kind = synth::outline::Outline::kMoving;
-    options.matte_sink = [&](const cv::Mat& matte) { reel.add_outline(matte); };
-  }
-  options.outline.held = scene.held;
-  query::Assignment assignment = labelled.labelling.assignment;
-  const cv::Size labelled_size = assignment.picture;
-  const cv::Size size = scene.picture.size();
-  assignment.picture = size;
-  assignment.piece_scale /= scene.factor;
+  Rendering made = rendering_of(labelled, document, scene, reel.total, reel.fps);
+  if (document.moving_outline)
+    made.options.matte_sink = [&](const cv::Mat& matte) { reel.add_outline(matte); };
   const animate::Staging staging =
-      animate::stage(labelled.store->snapshot, assignment, size,
-                     guide_of(labelled.request, labelled_size, scene.factor, size),
-                     {.factor = document.speed, .map = scene.tempo}, options);
+      animate::stage(labelled.store->snapshot, made.assignment, scene.picture.size(), made.asked,
+                     made.playing, made.options);
   animate::animate(
       labelled.store->snapshot, labelled.store->base.settings, scene.picture, scene.matte, staging.placement,
       staging.options,

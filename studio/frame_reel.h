@@ -13,6 +13,8 @@
 #include "freshet/job.h"
 #include "studio/drawing/document.h"
 #include "studio/labelled_picture.h"
+#include "synth/animate/animate.h"
+#include "synth/animate/staging.h"
 
 namespace freshet::studio {
 
@@ -51,6 +53,16 @@ struct Scene {
   double factor = 1;
   bool motion_alone = false;  // for a first look (CarriedOptions::innovations)
 };
+
+/// What an animation is made of.
+struct Rendering {
+  query::Assignment assignment;  // of the scene's picture
+  query::MotionGuide asked;
+  synth::animate::Playing playing;
+  synth::animate::AnimateOptions options;
+};
+Rendering rendering_of(const LabelledPicture& labelled, const Document& document, const Scene& scene,
+                       int frames, double fps);
 
 /// Renders what a labelling of a picture assigned into a reel.
 /// told     called after each frame. Throws as synth::animate::animate.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <optional>
 
 #include <fmt/format.h>
@@ -14,6 +15,7 @@
 #include "query/labelling/labelling_memo.h"
 #include "query/labelling/shares.h"
 #include "studio/clip_strip.h"
+#include "synth/judging/usual.h"
 
 namespace freshet::studio {
 namespace {
@@ -94,6 +96,42 @@ Json candidate_json(const LabelledPicture& labelled, stored::Row row, float scor
 
 }  // namespace
 
+std::string kind_of(const query::Assignment& assignment) {
+  std::map<std::string, std::size_t> pieces;
+  for (const query::AssignedPiece& piece : assignment.pieces)
+    ++pieces[assignment.clips[piece.clip].class_name];
+  const auto most = std::ranges::max_element(pieces, {}, [](const auto& each) { return each.second; });
+  return most == pieces.end() ? "" : most->first;
+}
+
+namespace {
+
+/// px/s of the picture, mean over its pieces, as their patches were filmed.
+double filmed_speed(const LabelledPicture& labelled) {
+  const query::CandidateSearch& search = labelled.labelling.search;
+  const stored::PatchTable& table = labelled.store->base.table;
+  double sum = 0;
+  for (std::size_t i = 0; i < labelled.labelling.labels.size(); ++i) {
+    const stored::Row row = search.candidates.rows_of(i)[labelled.labelling.labels[i]];
+    sum += std::hypot(table.mean_u[row], table.mean_v[row]);
+  }
+  const double count = static_cast<double>(std::max<std::size_t>(1, labelled.labelling.labels.size()));
+  return labelled.labelling.assignment.piece_scale * sum / count;
+}
+
+/// How fast it plays (Document::speed) to be slow, natural or fast, as the kind of most pieces has it.
+Json paces_json(const LabelledPicture& labelled) {
+  const query::Assignment& assignment = labelled.labelling.assignment;
+  const double filmed = std::max(filmed_speed(labelled), 1e-3);
+  const std::string kind = kind_of(assignment);
+  Json paces = Json::object();
+  for (const char* const pace : {"slow", "natural", "fast"})
+    paces[pace] = std::clamp(synth::judging::speed_of(kind, pace, assignment.picture) / filmed, 0.05, 20.0);
+  return paces;
+}
+
+}  // namespace
+
 query::LabelRequest request_of(const Document& document, cv::Size picture) {
   query::LabelRequest request{
       .options = {}, .piece_scale = {}, .duration_s = document.frames / document.fps, .guesses = true};
@@ -148,11 +186,8 @@ LabelledPicture label_picture(std::shared_ptr<const StoreBase> store, const cv::
 std::string pieces_json(const LabelledPicture& labelled) {
   const query::Assignment& assignment = labelled.labelling.assignment;
   const double scale = assignment.piece_scale;
-  Json json{{"side", assignment.side * scale},
-            {"energy", assignment.energy},
-            {"notices", labelled.notices},
-            {"clips", Json::array()},
-            {"pieces", Json::array()}};
+  Json json{{"side", assignment.side * scale}, {"energy", assignment.energy}, {"notices", labelled.notices},
+            {"paces", paces_json(labelled)},   {"clips", Json::array()},      {"pieces", Json::array()}};
   if (std::isfinite(assignment.gap())) json["gap"] = assignment.gap();
   std::vector<std::size_t> used(assignment.clips.size());
   for (std::size_t i = 0; i < assignment.pieces.size(); ++i) {

@@ -8,6 +8,8 @@
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
 
 #include "freshet/error.h"
 #include "platform/text.h"
@@ -22,15 +24,39 @@ using Json = nlohmann::json;
 constexpr std::size_t kMostEasels = 2;  // each holds a picture, its mattes and its frames
 constexpr std::uintmax_t kCacheBytes = std::uintmax_t{1} << 30;
 
-/// Of what is wrong with the file, it is said by the name that a person knows.
+/// What is wrong with a file is said by the name that a person knows. path   that it has here.
+[[noreturn]] void rethrow_named(const Error& fault, const std::string& path, const std::string& name) {
+  const std::string text = fault.what();
+  if (name.empty() || !text.starts_with(path + ": ") || !text.ends_with('.')) throw fault;
+  throw Error(fault.kind(), name, text.substr(path.size() + 2, text.size() - path.size() - 3));
+}
+
 std::shared_ptr<Project> create_project(const fs::path& folder, const fs::path& file, const std::string& name,
                                         const std::string& ending) {
   try {
     return Project::create(folder, file, ending);
   } catch (const Error& fault) {
-    const std::string path = folder / ("picture" + ending), text = fault.what();
-    if (!text.starts_with(path + ": ") || !text.ends_with('.')) throw;
-    throw Error(fault.kind(), name, text.substr(path.size() + 2, text.size() - path.size() - 3));
+    rethrow_named(fault, folder / ("picture" + ending), name);
+  }
+}
+
+std::string takes_key(const std::string& project) { return "takes " + project; }
+
+/// What a project is given and what is drawn for it, in a folder that is made; links are left out.
+void copy_drawn(const fs::path& from, const fs::path& to) {
+  fs::create_directory(to);
+  for (auto at = fs::recursive_directory_iterator(from); at != fs::recursive_directory_iterator(); ++at) {
+    const fs::path within = at->path().lexically_relative(from);
+    const bool given = *within.begin() != "exports" &&
+                       (*within.begin() != "ways" || within.string().starts_with("ways/stills") ||
+                        within.string().starts_with("ways/flowlines") || within == "ways");
+    if (at->is_symlink() || !given) {
+      if (at->is_directory()) at.disable_recursion_pending();
+    } else if (at->is_directory()) {
+      fs::create_directory(to / within);
+    } else if (at->is_regular_file()) {
+      fs::copy_file(at->path(), to / within);
+    }
   }
 }
 
@@ -98,6 +124,68 @@ void Projects::remove(const std::string& id) {
   fs::remove_all(folder, fault);
 }
 
+std::string Projects::rename(const std::string& id, const std::string& name) {
+  const std::string wanted = project_name(name);
+  const fs::path from = folder_of(id), to = folder_of(wanted);
+  if (wanted == id) return id;
+  jobs_.previews().stop_key(id);
+  jobs_.previews().stop_key(takes_key(id));
+  const std::lock_guard lock(guard_);
+  if (fs::is_symlink(fs::symlink_status(from)) || !fs::is_directory(from))
+    throw Error(ErrorKind::kNotFound, id, "there is no such project");
+  if (fs::exists(fs::symlink_status(to)))
+    throw Error(ErrorKind::kUsage, name, "another project has this name", "Choose another");
+  easels_.erase(id);
+  std::erase(recently_, id);
+  std::error_code fault;
+  fs::rename(from, to, fault);
+  if (fault) throw Error(ErrorKind::kIo, to.string(), "the folder cannot be renamed");
+  return wanted;
+}
+
+std::string Projects::duplicate(const std::string& id, int longest) {
+  if (longest > 0) return reduced(id, longest);
+  const fs::path from = folder_of(id);
+  const std::lock_guard lock(guard_);
+  if (fs::is_symlink(fs::symlink_status(from)) || !fs::is_directory(from))
+    throw Error(ErrorKind::kNotFound, id, "there is no such project");
+  for (int number = 2; number < 1000; ++number) {
+    const std::string copy = fmt::format("{}-{}", id, number);
+    if (fs::exists(fs::symlink_status(folder_of(copy)))) continue;
+    try {
+      copy_drawn(from, folder_of(copy));
+    } catch (const fs::filesystem_error& fault) {
+      std::error_code ignored;
+      fs::remove_all(folder_of(copy), ignored);
+      throw Error(ErrorKind::kIo, id, fmt::format("it cannot be copied ({})", fault.code().message()));
+    }
+    return copy;
+  }
+  throw Error(ErrorKind::kUsage, id, "there are very many projects of this name", "Rename it");
+}
+
+std::string Projects::reduced(const std::string& id, int longest) {
+  const std::shared_ptr<Easel> easel = this->easel(id);
+  const std::shared_ptr<const media::Still> still = easel->project().picture();
+  const cv::Size size = still->bgr.size();
+  const double factor = std::max(size.width, size.height) / static_cast<double>(longest);
+  if (factor <= 1) throw Error(ErrorKind::kUsage, id, "its picture is not larger than that");
+  // All of its bits, and its alpha: the file is read again.
+  cv::Mat small = cv::imread((easel->project().folder() / easel->project().picture_file()).string(),
+                             cv::IMREAD_UNCHANGED | cv::IMREAD_IGNORE_ORIENTATION);
+  if (small.size() != size || small.depth() == CV_32F || (small.channels() != 3 && small.channels() != 4))
+    small = still->bgr;  // turned upright, or light that PNG does not hold
+  cv::resize(small, small,
+             {std::max(1, cvRound(size.width / factor)), std::max(1, cvRound(size.height / factor))}, 0, 0,
+             cv::INTER_AREA);
+  std::vector<std::uint8_t> bytes;
+  cv::imencode(".png", small, bytes, {cv::IMWRITE_PNG_COMPRESSION, 1});
+  const IncomingFile file = folder_.incoming_file();
+  write_whole_file(file.path(), {bytes.begin(), bytes.end()});
+  return open_picture(file.path(), fmt::format("{}-{}.png", id, longest),
+                      easel->project().state().document.store);
+}
+
 std::shared_ptr<Easel> Projects::easel(const std::string& project) {
   const std::lock_guard lock(guard_);
   const fs::path folder = folder_of(project);
@@ -158,11 +246,22 @@ Projects::Saved Projects::save(const std::string& project, std::string_view json
   return {.taken = true, .json = json_text({{"version", *version}, {"job", job}})};
 }
 
-void Projects::give_matte(const std::string& project, const fs::path& file) {
-  easel(project)->project().give_matte(file);
+void Projects::give_matte(const std::string& project, const fs::path& file, const std::string& name) {
+  try {
+    easel(project)->project().give_matte(file);
+  } catch (const Error& fault) {
+    rethrow_named(fault, file, name);
+  }
+}
+
+JobId Projects::find_takes(const std::string& project) {
+  const std::shared_ptr<Easel> easel = this->easel(project);
+  return jobs_.previews().submit(takes_key(project), "Takes",
+                                 [easel](const Job& job) { easel->find_takes(job); });
 }
 
 JobId Projects::update(const std::string& project) {
+  jobs_.previews().stop_key(takes_key(project));
   const std::shared_ptr<Easel> easel = this->easel(project);
   const std::shared_ptr<OpenedStore> store = stores_.at(easel->project().state().document.store);
   return jobs_.previews().submit(project, "Preview", [this, easel, store](const Job& job) {

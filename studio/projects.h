@@ -38,6 +38,11 @@ class Projects {
   std::string open_picture(const std::filesystem::path& file, const std::string& name,
                            const std::string& store = {});
   void remove(const std::string& id);
+  /// Returns the new id, of project_name(name). Throws Error{kUsage} where another project has it.
+  std::string rename(const std::string& id, const std::string& name);
+  /// A copy, without what was exported and what the ways made. longest   px that its picture is reduced to, and what was
+  /// drawn is left out; 0: as it is. Returns its id.
+  std::string duplicate(const std::string& id, int longest);
   std::string thumbnail_of(const std::string& project) const { return thumbnail(folder_of(project)); }
   std::shared_ptr<Easel> easel(const std::string& project);
   /// Document, version, size and what has been computed; brings it up to date where it is not.
@@ -49,14 +54,18 @@ class Projects {
     std::string json;
   };
   Saved save(const std::string& project, std::string_view json, std::uint64_t base, const std::string& page);
-  void give_matte(const std::string& project, const std::filesystem::path& file);
+  /// name   that a person knows the file by, for what is wrong with it; may be empty.
+  void give_matte(const std::string& project, const std::filesystem::path& file, const std::string& name);
   JobId update(const std::string& project);
+  /// Takes of its animation (Easel::find_takes), in the lane of previews: the next change stops them.
+  JobId find_takes(const std::string& project);
   /// Until the previews of a project have made what an animation reads of it. Throws Error{kUsage} where they could not,
   /// and Error{kCancelled}.
   void await_previews(const std::string& project, const Easel& easel, const Job& job) const;
 
  private:
   std::filesystem::path folder_of(const std::string& id) const;
+  std::string reduced(const std::string& id, int longest);
 
   StudioFolder& folder_;
   Jobs& jobs_;

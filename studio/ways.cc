@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <optional>
+#include <span>
 #include <system_error>
 #include <utility>
 
@@ -21,6 +22,12 @@ namespace {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
+
+void write_png(const fs::path& path, const cv::Mat& picture) {
+  std::vector<std::uint8_t> bytes;
+  cv::imencode(".png", picture, bytes);
+  write_whole_file(path, {bytes.begin(), bytes.end()});
+}
 
 /// A folder of pictures that were exported.
 Json sequence_json(const fs::directory_entry& folder) {
@@ -249,19 +256,54 @@ std::string Ways::clip_frame(const std::string& project, const std::string& clip
   return encoded(first_frame(store->snapshot(), clip));
 }
 
-std::string Ways::open_clip(const fs::path& file, const std::string& name) {
+std::string Ways::open_frame(const cv::Mat& frame, const std::string& name, const std::string& store) {
+  const IncomingFile picture = folder_.incoming_file();
+  write_png(picture.path(), frame);
+  return projects_.open_picture(picture.path(), project_name(name) + ".png", store);
+}
+
+std::string Ways::open_clip(const fs::path& file, const std::string& name, bool endless) {
   if (!media::looks_like_video(name))
     throw Error(ErrorKind::kInput, name, "its ending names no video", "Give MP4, MOV, MKV, AVI or WebM");
-  std::vector<std::uint8_t> png;
-  cv::imencode(".png", first_frame(file), png);
-  const IncomingFile picture = folder_.incoming_file();
-  write_whole_file(picture.path(), {png.begin(), png.end()});
-  const std::string id = projects_.open_picture(picture.path(), project_name(name) + ".png");
+  cv::Mat frame;
+  try {
+    frame = first_frame(file);
+  } catch (const Error&) {
+    throw Error(ErrorKind::kInput, name, "it is no video that can be read",
+                "Give MP4, MOV, MKV, AVI or WebM");
+  }
+  const std::string id = open_frame(frame, name, {});
+  if (!endless) return id;
   const std::shared_ptr<Easel> easel = projects_.easel(id);  // it is ours while others are opened
   Project::State state = easel->project().state();
   state.document.flowlines.clip = add_clip(id, file, name);
   state.document.flowlines.dropped = true;
   easel->project().save(state.document, state.version);
+  return id;
+}
+
+std::string Ways::open_stored_clip(const std::string& store, std::size_t clip, bool as_stills) {
+  const std::shared_ptr<OpenedStore> opened = stores_.get(store);
+  const store::Snapshot snapshot = opened->snapshot();
+  const std::span<const store::ClipId> clips = snapshot.clips();
+  if (clip >= clips.size()) throw Error(ErrorKind::kNotFound, "clip", "there is no such clip");
+  const std::string name = snapshot.clip(clips[clip]).name, path = opened->path().string();
+  if (!as_stills) {
+    const std::string id = open_frame(first_frame(snapshot, name), name, path);
+    const std::shared_ptr<Easel> easel = projects_.easel(id);
+    Project::State state = easel->project().state();
+    if (!state.document.flowlines.clip.empty()) return id;
+    state.document.flowlines.clip = name;
+    easel->project().save(state.document, state.version);
+    return id;
+  }
+  const std::vector<cv::Mat> frames = spread_frames(snapshot, name, kStillsOfAClip);
+  const std::string id = open_frame(frames.at(0), fs::path(name).stem().string() + " stills", path);
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    const IncomingFile file = folder_.incoming_file();
+    write_png(file.path(), frames[i]);
+    add_still(id, file.path(), fmt::format("{:02}.png", i + 1));
+  }
   return id;
 }
 

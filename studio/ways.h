@@ -65,8 +65,13 @@ class Ways {
   std::string clips_json(const std::string& project);
   /// The first frame, as it is, JPEG. own   the project's, else its store's. Throws Error{kNotFound}, Error{kInput}.
   std::string clip_frame(const std::string& project, const std::string& clip, bool own);
-  /// A project of the clip's first frame, begun with it; or the one that there is already. file   moved. Returns its id.
-  std::string open_clip(const std::filesystem::path& file, const std::string& name);
+  /// A project of the clip's first frame, begun with it; or the one that there is already. file   moved. endless   the clip
+  /// goes on without an end in it. Returns its id.
+  std::string open_clip(const std::filesystem::path& file, const std::string& name, bool endless);
+  /// The same of a clip of a store: one that goes on without an end; or, as_stills, kStillsOfAClip frames of it as the
+  /// stills of a scene. clip   its place in the store.
+  std::string open_stored_clip(const std::string& store, std::size_t clip, bool as_stills);
+  static constexpr std::size_t kStillsOfAClip = 12;
 
  private:
   WayPlan plan(const std::string& project, const std::string& way);
@@ -74,6 +79,7 @@ class Ways {
   JobId submit(const std::shared_ptr<Easel>& easel, const Way& way, const Document& document,
                const WayPlan& plan, const std::string& exported);
   void tell(const std::string& project, const std::string& way);
+  std::string open_frame(const cv::Mat& frame, const std::string& name, const std::string& store);
 
   StudioFolder& folder_;
   Jobs& jobs_;

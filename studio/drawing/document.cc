@@ -1,6 +1,8 @@
 #include "studio/drawing/document.h"
 
+#include <algorithm>
 #include <functional>
+#include <initializer_list>
 #include <set>
 #include <string>
 
@@ -65,6 +67,14 @@ std::vector<Pin> read_pins(const Fields& fields) {
   return pins;
 }
 
+/// One of some words; the first where a document is older than the field.
+std::string read_word(const Fields& fields, const char* name, std::initializer_list<const char*> words) {
+  const std::string word = fields.has(name) ? fields.text(name) : *words.begin();
+  if (std::find(words.begin(), words.end(), word) == words.end())
+    fields.fail(fmt::format("\"{}\" is none of its words", name));
+  return word;
+}
+
 MatteBase read_base(const Fields& fields) {
   const std::string name = fields.text("matte_base");
   for (const MatteBase base : {MatteBase::kScribbles, MatteBase::kAlpha, MatteBase::kWhole, MatteBase::kFile})
@@ -109,6 +119,9 @@ Json frames_json(const Document& document) {
     json["tempo"].push_back(
         {{"points", points_json(line.points)}, {"width", line.width}, {"factor", line.factor}});
   json["moving_outline"] = document.moving_outline;
+  json["layout"] = document.layout;
+  json["detail_life"] = document.detail_life;
+  json["flames"] = document.flames;
   return json;
 }
 
@@ -155,9 +168,10 @@ Document document_from_json(std::string_view json, const std::string& where) {
   }
   std::size_t points = 0;
   const Fields fields(parsed, where, points);
-  std::set<std::string> names{
-      "matte_base", "edge",    "scribbles",  "paint", "held", "store", "class", "excluded_clips", "frames",
-      "fps",        "strokes", "directions", "tempo", "pins", "loop",  "speed", "moving_outline"};
+  std::set<std::string> names{"matte_base", "edge",           "scribbles",      "paint",       "held",
+                              "store",      "class",          "excluded_clips", "frames",      "fps",
+                              "strokes",    "directions",     "tempo",          "pins",        "loop",
+                              "speed",      "moving_outline", "layout",         "detail_life", "flames"};
   for (const Part& part : kParts) names.insert(part.name);
   fields.only(names);
   Document document{.store = fields.text("store"),
@@ -177,6 +191,9 @@ Document document_from_json(std::string_view json, const std::string& where) {
                     .loop = fields.flag("loop"),
                     .speed = fields.number("speed", 0.05, 20),
                     .moving_outline = fields.flag("moving_outline"),
+                    .layout = read_word(fields, "layout", {"", "goes", "stands"}),
+                    .detail_life = fields.has("detail_life") ? fields.number("detail_life", 0, 60) : 0,
+                    .flames = read_word(fields, "flames", {"", "clips"}),
                     .design = {},
                     .stills = {},
                     .flowlines = {},

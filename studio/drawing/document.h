@@ -56,6 +56,10 @@ struct Document {
   bool loop = true;
   double speed = 1;  // 0.05..20
   bool moving_outline = false;
+  // What a take changes, as options of `synth animate`:
+  std::string layout;      // --layout goes or stands; empty: as in the clips
+  double detail_life = 0;  // --detail-life, s, 0..60; 0: the clips' own
+  std::string flames;      // --method forms --flames clips; empty: no method is named
   Design design;
   Stills stills;
   Flowlines flowlines;

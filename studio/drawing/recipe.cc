@@ -32,6 +32,13 @@ std::string recipe_lines(const Document& document, const RecipeFiles& files,
   if (document.speed != 1) say("speed", fmt::format("{}", document.speed));
   if (!files.tempo.empty()) say("retiming-map", toml_text(files.tempo));
   if (document.moving_outline) say("boundary", "\"moving\"");
+  if (!document.flames.empty()) {
+    say("method", "\"forms\"");
+    say("flames", toml_text(document.flames));
+  } else {
+    if (!document.layout.empty()) say("layout", toml_text(document.layout));
+    if (document.detail_life != 0) say("detail-life", fmt::format("{}", document.detail_life));
+  }
   return toml;
 }
 

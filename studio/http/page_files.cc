@@ -20,6 +20,10 @@ const std::map<std::string, std::string>& types() {
                                                             {".css", "text/css; charset=utf-8"},
                                                             {".woff2", "font/woff2"},
                                                             {".svg", "image/svg+xml"},
+                                                            {".png", "image/png"},
+                                                            {".jpg", "image/jpeg"},
+                                                            {".webp", "image/webp"},
+                                                            {".webmanifest", "application/manifest+json"},
                                                             {".txt", "text/plain; charset=utf-8"}};
   return by_ending;
 }

@@ -96,6 +96,18 @@ void send_reel(Studio& studio, Call& call) {
   call.answer_for_good(*frame, "image/jpeg");
 }
 
+/// A take's strip by its place, or the map of what is worst.
+void send_take(Studio& studio, Call& call) {
+  const std::shared_ptr<const FoundTakes> takes = studio.projects().easel(call.value("id"))->takes();
+  if (!takes || takes->number != call.number("number"))
+    throw Error(ErrorKind::kNotFound, "takes", "they are no longer there");
+  const bool worst = call.value("which") == "worst";
+  const std::size_t take = worst ? 0 : call.number("which");
+  const std::string bytes = worst ? takes->worst : take < takes->strips.size() ? takes->strips[take] : "";
+  if (bytes.empty()) throw Error(ErrorKind::kNotFound, call.value("which"), "there is no such take");
+  call.answer_for_good(bytes, worst ? "image/png" : "image/jpeg");
+}
+
 std::shared_ptr<const LabelledPicture> labelled(Studio& studio, const Call& call) {
   std::shared_ptr<const LabelledPicture> labelled = studio.projects().easel(call.value("id"))->labelled();
   if (!labelled) throw Error(ErrorKind::kNotFound, call.value("id"), "nothing has been chosen for it yet");
@@ -119,7 +131,9 @@ std::vector<Route> project_routes(Studio& studio) {
        [&](Call& call) {
          const IncomingFile file = studio.folder().incoming_file();
          call.receive(file.path());
-         call.answer(Json{{"id", studio.ways().open_clip(file.path(), call.parameter("name"))}}.dump());
+         const bool picture = call.parameter("as") == "picture";
+         call.answer(
+             Json{{"id", studio.ways().open_clip(file.path(), call.parameter("name"), !picture)}}.dump());
        }},
       {"GET", "api/projects/:id", kNoBody,
        [&](Call& call) { call.answer(studio.projects().to_json(call.value("id"))); }},
@@ -127,6 +141,19 @@ std::vector<Route> project_routes(Studio& studio) {
        [&](Call& call) {
          studio.projects().remove(call.value("id"));
          call.answer("{}");
+       }},
+      {"POST", "api/projects/:id/name", kTextBody,
+       [&](Call& call) {
+         const std::string name = word_of(call.object(), "name");
+         call.answer(Json{{"id", studio.projects().rename(call.value("id"), name)}}.dump());
+       }},
+      {"POST", "api/projects/:id/copies", kTextBody,
+       [&](Call& call) {
+         const bool reduces = !call.parameter("longest").empty();
+         const std::uint64_t longest =
+             reduces ? std::clamp<std::uint64_t>(call.number_parameter("longest"), 16, 1u << 20) : 0;
+         call.answer(
+             Json{{"id", studio.projects().duplicate(call.value("id"), static_cast<int>(longest))}}.dump());
        }},
       {"PUT", "api/projects/:id/document", kTextBody, [&](Call& call) { save_document(studio, call); }},
       {"GET", "api/projects/:id/history", kNoBody,
@@ -140,7 +167,7 @@ std::vector<Route> project_routes(Studio& studio) {
        [&](Call& call) {
          const IncomingFile file = studio.folder().incoming_file();
          call.receive(file.path());
-         studio.projects().give_matte(call.value("id"), file.path());
+         studio.projects().give_matte(call.value("id"), file.path(), call.parameter("name"));
          call.answer("{}");
        }},
       {"GET", "api/projects/:id/thumbnail", kNoBody,
@@ -162,6 +189,16 @@ std::vector<Route> project_routes(Studio& studio) {
          call.answer(candidate_strip(*labelled(studio, call), call.number("piece"), call.number("candidate")),
                      "image/jpeg");
        }},
+      {"GET", "api/projects/:id/takes", kNoBody,
+       [easel](Call& call) {
+         const std::shared_ptr<const FoundTakes> takes = easel(call)->takes();
+         call.answer(takes ? takes->json : "null");
+       }},
+      {"POST", "api/projects/:id/takes", kTextBody,
+       [&](Call& call) {
+         call.answer(Json{{"job", studio.projects().find_takes(call.value("id"))}}.dump());
+       }},
+      {"GET", "api/projects/:id/takes/:number/:which", kNoBody, [&](Call& call) { send_take(studio, call); }},
       {"GET", "api/projects/:id/credits", kNoBody,
        [&](Call& call) { call.answer(credits(*labelled(studio, call)), "text/plain; charset=utf-8"); }},
       {"GET", "api/projects/:id/exports", kNoBody,

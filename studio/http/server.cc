@@ -32,7 +32,8 @@ constexpr std::chrono::milliseconds kPatience{30'000};  // for each part of a bo
 /// Everything comes from us, scripts too; what is drawn from numbers (blobs) is ours as well.
 constexpr const char* kPolicy =
     "default-src 'none'; script-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' blob: data:; "
-    "media-src 'self' blob:; font-src 'self'; connect-src 'self'; base-uri 'none'; form-action 'none'; "
+    "media-src 'self' blob:; font-src 'self'; manifest-src 'self'; connect-src 'self'; base-uri 'none'; "
+    "form-action 'none'; "
     "frame-ancestors 'none'";
 
 int status_of(ErrorKind kind) {

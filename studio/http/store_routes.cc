@@ -46,6 +46,12 @@ std::vector<Route> store_routes(Studio& studio) {
          call.answer_for_good(studio.stores().get(call.value("id"))->strip(call.number("clip"), kStripWidth),
                               "image/jpeg");
        }},
+      {"POST", "api/stores/:id/clips/:clip/projects", kTextBody,
+       [&](Call& call) {
+         call.answer(Json{{"id", studio.ways().open_stored_clip(call.value("id"), call.number("clip"),
+                                                                call.parameter("as") == "stills")}}
+                         .dump());
+       }},
       {"POST", "api/stores/:id/clips", kClipBody, [&](Call& call) { take_clip(studio, call); }},
       {"POST", "api/stores/:id/ingest", kTextBody,
        [&](Call& call) {

@@ -24,4 +24,7 @@ await build({
   logLevel: "warning",
 });
 await cp(join(here, "src/index.html"), join(out, "index.html"));
-await cp(join(here, "src/icon.svg"), join(out, "icon.svg"));
+for (const name of ["icon.svg", "icon-192.png", "icon-512.png", "freshet.webmanifest"]) await cp(join(here, "src", name), join(out, name));
+// An example of our own, which needs no file at hand (docs/pictures.md). EXAMPLES: where docs/pictures lies.
+const examples = process.env.EXAMPLES ?? join(here, "../../docs/pictures");
+for (const name of [".jpg", ".webp", "_matte.png", "_flow.svg"]) await cp(join(examples, `bay_evening${name}`), join(out, `example${name}`));

@@ -18,4 +18,4 @@ if ! cmp -s package-lock.json installed.json; then
   cp package-lock.json installed.json
 fi
 node node_modules/typescript/bin/tsc --noEmit
-node build.mjs "$out"
+EXAMPLES="$source/../../docs/pictures" node build.mjs "$out"

@@ -465,6 +465,17 @@ test("a motion is drawn, simulated and given a clip's look; the command lines ma
   await film.waitFor();
   await page.waitForFunction(() => globalThis.document.querySelector("video.film").currentTime > 0.1);
   await shot(page, "design-motion");
+  // It lies over the picture, and the transport has it.
+  assert.equal(await film.evaluate((video) => getComputedStyle(video).mixBlendMode), "screen");
+  await page.getByRole("button", { name: "Pause", exact: true }).click();
+  assert.ok(await film.evaluate((video) => video.paused));
+  await page.getByRole("slider", { name: "Frame" }).fill("0.5");
+  await until(async () => Math.abs((await film.evaluate((video) => video.currentTime / video.duration)) - 0.5) < 0.1);
+  await page.keyboard.press("c");
+  assert.match(await film.evaluate((video) => video.style.clipPath), /50%/);
+  await page.keyboard.press("c");
+  await page.keyboard.press("Space");
+  await until(async () => !(await film.evaluate((video) => video.paused)));
   await page.getByRole("combobox", { name: "Clip" }).selectOption("fall/1.mkv");
   await page.getByRole("button", { name: "Make it" }).click();
   await page.getByRole("button", { name: "Stop" }).waitFor();
@@ -763,6 +774,133 @@ test("a quiet page has no faults; it says that it saved, zooms by small steps, a
   await page.context().close();
 });
 
+test("three doors: an example moves at once, is guessed, told how fast, and another take of it is taken", async () => {
+  const page = await open(url);
+  await page.waitForFunction(() => globalThis.document.querySelector(".door img")?.naturalWidth > 0); // it moves by itself
+  await page.getByRole("button", { name: "Try this one" }).click();
+  await page.locator(".bar").waitFor();
+  const id = "bay-in-the-evening";
+  await settled(page);
+  const begun = await document(id);
+  assert.deepEqual([begun.matte_base, begun.strokes.length], ["file", 5]);
+  await page.keyboard.press("1");
+  await page.getByText("guessed").waitFor(); // of the store's one kind
+  await page.getByRole("group", { name: "Kind of fluid" }).getByRole("button", { name: "fall" }).click();
+  await until(async () => (await document(id)).class === "fall");
+  await page.getByRole("button", { name: "fast" }).click();
+  await until(async () => (await document(id)).speed !== begun.speed);
+  await page.getByRole("button", { name: "fast", pressed: true }).waitFor();
+  await settled(page);
+
+  await page.keyboard.press("t");
+  const others = page.getByRole("button", { name: /^Take it/ });
+  await others.first().waitFor();
+  await expectAccessible(page, "takes");
+  await shot(page, "takes-wide");
+  const { takes, marked } = await (await api(`projects/${id}/takes`)).json();
+  assert.ok(takes.length >= 3 && takes.every(({ faults }) => faults >= 0), JSON.stringify(takes));
+  assert.equal(await page.getByRole("switch", { name: "Mark where" }).count(), marked ? 1 : 0);
+  const before = await document(id);
+  const slower = takes.findIndex(({ name }) => name === "half as fast");
+  await others.nth(slower - 1).click();
+  await until(async () => JSON.stringify((await document(id)).strokes) !== JSON.stringify(before.strokes));
+  assert.equal((await document(id)).strokes[0].speed, before.strokes[0].speed / 2);
+  await page.keyboard.press("Control+z");
+  await until(async () => JSON.stringify((await document(id)).strokes) === JSON.stringify(before.strokes));
+  await page.keyboard.press("t");
+
+  // A click holds what lies there, up to its edge: the headland, of another colour than the sky.
+  await page.keyboard.press("h");
+  await drag(page, [[100, 136], [100, 136]]);
+  await until(async () => (await document(id)).held.length === 1);
+  const [held] = (await document(id)).held;
+  assert.ok(held.area && held.points.length > 4, JSON.stringify(held));
+  assert.deepEqual(page.faults, []);
+  await page.context().close();
+  await api(`projects/${id}`, { method: "DELETE" });
+});
+
+test("a clip and stills of the store, and a dropped clip's frame, are begun with at the doors", async () => {
+  const page = await open(url);
+  await page.getByRole("button", { name: "Try this clip" }).click();
+  await page.getByRole("button", { name: "Find lines" }).waitFor();
+  const looped = decodeURIComponent(new URL(page.url()).hash.slice(2));
+  assert.match((await document(looped)).flowlines.clip, /^fall\//);
+  await page.getByRole("button", { name: "All projects" }).click();
+  await page.getByRole("button", { name: "Try these stills" }).click();
+  await page.getByRole("button", { name: "Remove all of them" }).waitFor();
+  const filmed = decodeURIComponent(new URL(page.url()).hash.slice(2));
+  assert.equal((await (await api(`projects/${filmed}/stills`)).json()).length, 12);
+  await page.getByRole("button", { name: "All projects" }).click();
+  await page.getByRole("button", { name: "Add clips" }).click();
+  copyFileSync(at("clips/fall/1.mkv"), at("dropped.mkv"));
+  await page.setInputFiles("input[aria-label='Choose clips']", at("dropped.mkv"));
+  await page.getByRole("button", { name: "Animate its first frame" }).click();
+  await page.getByText("Scribble on what flows").first().waitFor();
+  const framed = decodeURIComponent(new URL(page.url()).hash.slice(2));
+  assert.equal((await document(framed)).flowlines.clip, "");
+  assert.deepEqual(page.faults, []);
+  await page.context().close();
+  for (const id of new Set([looped, filmed, framed])) await api(`projects/${id}`, { method: "DELETE" });
+});
+
+test("projects are renamed, duplicated and found; the page can be installed", async () => {
+  for (const name of ["one", "two", "three", "four", "five", "six"]) await api(`projects?name=${name}.png`, { method: "POST", body: readFileSync(at("still.png")) });
+  const page = await open(url);
+  const card = (name) => page.locator(".card", { has: page.getByRole("link", { name: new RegExp(`^${name} `) }) });
+  await card("six").hover();
+  await page.getByRole("button", { name: "Rename six" }).click();
+  await page.getByRole("dialog", { name: "Rename" }).getByLabel("Name").fill("The Fall, again");
+  await page.keyboard.press("Enter");
+  await card("the-fall-again").waitFor();
+  await page.getByRole("button", { name: "Duplicate the-fall-again" }).click();
+  await card("the-fall-again-2").waitFor();
+  await page.getByLabel("Find a project by name").fill("the fall");
+  await until(async () => (await page.locator(".cards:not(.clips) .card").count()) === 2);
+  await page.getByRole("link", { name: /^the-fall-again-2/ }).click();
+  await page.locator(".bar").waitFor();
+  await page.getByRole("button", { name: "the-fall-again-2" }).click();
+  await page.getByRole("dialog", { name: "Rename" }).getByLabel("Name").fill("one");
+  await page.keyboard.press("Enter");
+  await page.getByText("another project has this name").waitFor();
+
+  const manifest = await page.evaluate(async () => (await fetch(globalThis.document.querySelector("link[rel=manifest]").href)).json());
+  assert.equal(manifest.display, "standalone");
+  for (const { src, sizes } of manifest.icons.filter(({ type }) => type === "image/png"))
+    assert.equal(await page.evaluate(async (address) => (await createImageBitmap(await (await fetch(address)).blob())).width, src), Number(sizes.split("x")[0]));
+  assert.deepEqual(page.faults, []);
+  await page.context().close();
+  for (const id of ["one", "two", "three", "four", "five", "the-fall-again", "the-fall-again-2"]) await api(`projects/${id}`, { method: "DELETE" });
+});
+
+test("a hand beside the pen draws nothing", async () => {
+  const page = await open(`${url}#/still`, { hasTouch: true });
+  await page.locator(".bar").waitFor();
+  await page.keyboard.press("1");
+  await page.keyboard.press("p");
+  const before = (await document("still")).paint.length;
+  const { left, top, scale } = await shown(page);
+  const devtools = await page.context().newCDPSession(page);
+  const pen = (type, x, y) => devtools.send("Input.dispatchMouseEvent", { type, x: left + x * scale, y: top + y * scale, force: 0.5, pointerType: "pen", button: "left", buttons: type === "mouseReleased" ? 0 : 1, clickCount: 1 });
+  const hand = (type, points) => devtools.send("Input.dispatchTouchEvent", { type, touchPoints: points.map(([x, y], id) => ({ x: left + x * scale, y: top + y * scale, id })) });
+  const view = await page.locator(".canvas").getAttribute("data-view");
+  await pen("mousePressed", 60, 60);
+  await hand("touchStart", [[200, 150], [240, 170]]);
+  await hand("touchMove", [[190, 140], [250, 180]]);
+  for (let i = 1; i <= 10; ++i) await pen("mouseMoved", 60 + 5 * i, 60);
+  await hand("touchEnd", []);
+  await pen("mouseReleased", 110, 60);
+  await until(async () => (await document("still")).paint.length > before);
+  await page.waitForTimeout(300);
+  const drawn = (await document("still")).paint.slice(before).flatMap(({ points }) => points);
+  assert.ok(drawn.every(([, y]) => Math.abs(y - 60) < 2), JSON.stringify(drawn));
+  assert.equal(await page.locator(".canvas").getAttribute("data-view"), view); // neither moved nor zoomed
+  await page.keyboard.press("Control+z");
+  await until(async () => (await document("still")).paint.length === before);
+  assert.deepEqual(page.faults, []);
+  await page.context().close();
+});
+
 /** A picture of 24 Mpix without anything to install: a BMP of stripes, blue above and green below. */
 function writeLarge(path, width = 6000, height = 4000) {
   const head = Buffer.alloc(54);
@@ -788,6 +926,9 @@ test("a picture of 24 Mpix is drawn on, panned, and seen pixel by pixel", async 
   await page.setInputFiles("input[type=file][accept^='image']", at("large.bmp"));
   await page.locator(".bar").waitFor();
   await page.locator(".canvas[data-view]").waitFor();
+  const offer = page.getByRole("dialog", { name: "24 megapixels" });
+  await offer.getByText("3840 × 2560").waitFor();
+  await offer.getByRole("button", { name: "Keep all pixels" }).click();
   await drag(page, [[1000, 300], [5000, 300]]);
   await page.locator(".panel .figure", { hasText: "%" }).waitFor();
   const { left, top, scale } = await shown(page);
@@ -888,6 +1029,7 @@ for (const [theme, size, width, height] of [
     assert.equal(await page.evaluate(() => globalThis.broken), undefined);
     await page.goto(`${url}#/still`);
     await page.locator(".bar").waitFor();
+    if (size === "narrow") await page.locator(".modes[data-more~=after]").waitFor(); // there are more beyond the edge
     // Without the pointer: a mode by its button, from where Tab comes to.
     await page.getByRole("button", { name: "Look", exact: true }).focus();
     await page.keyboard.press("Enter");

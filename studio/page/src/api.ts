@@ -1,6 +1,6 @@
 // The server, as functions. Addresses are relative: the token stands in the page's own.
 import type { Kept } from "./history";
-import type { Candidates, Document, Field, Home, Job, Pieces, Project, Way } from "./types";
+import type { Candidates, Document, Field, Home, Job, Pieces, Project, Takes, Way } from "./types";
 
 export class Fault extends Error {
   constructor(readonly status: number, text: string) {
@@ -42,6 +42,7 @@ export const address = {
   frame: (project: string, reel: number, frame: number): string => `${at(project)}/reels/${reel}/${frame}`,
   patch: (project: string, piece: number, candidate: number, version: number): string =>
     `${at(project)}/pieces/${piece}/${candidate}?v=${version}`,
+  take: (project: string, number: number, take: number | "worst"): string => `${at(project)}/takes/${number}/${take}`,
   clip: (store: string, clip: number): string => `api/stores/${name(store)}/clips/${clip}`,
   screened: (number: number): string => `api/screened/${number}`,
   exported: (project: string, file: string): string => `${at(project)}/exports/${name(file)}`,
@@ -72,18 +73,30 @@ export async function openStore(file: File): Promise<void> {
   await ask(`api/stores/file?name=${name(file.name)}`, { method: "POST", body: file });
 }
 
-/** A project that begins with a clip. */
-export async function openClip(file: File): Promise<string> {
-  const answer = await ask(`api/clips?name=${name(file.name)}`, { method: "POST", body: file });
+/** A project that begins with a clip, or with its first frame as the picture. */
+export async function openClip(file: File, as: "clip" | "picture" = "clip"): Promise<string> {
+  const answer = await ask(`api/clips?as=${as}&name=${name(file.name)}`, { method: "POST", body: file });
   return ((await answer.json()) as { id: string }).id;
 }
+
+/** A project of a store's clip, which goes on without an end, or whose frames are a scene's stills. */
+export const openStoredClip = async (store: string, clip: number, as: "clip" | "stills"): Promise<string> =>
+  (await post<{ id: string }>(`api/stores/${name(store)}/clips/${clip}/projects?as=${as}`, {})).id;
+
+export const renameProject = async (id: string, title: string): Promise<string> => (await post<{ id: string }>(`${at(id)}/name`, { name: title })).id;
+/** longest   px that the copy's picture is reduced to. */
+export const copyProject = async (id: string, longest?: number): Promise<string> =>
+  (await post<{ id: string }>(`${at(id)}/copies${longest ? `?longest=${longest}` : ""}`, {})).id;
+
+export const takes = (id: string): Promise<Takes | null> => get(`${at(id)}/takes`);
+export const findTakes = (id: string): Promise<{ job: number }> => post(`${at(id)}/takes`, {});
 
 export async function removeProject(id: string): Promise<void> {
   await ask(at(id), { method: "DELETE" });
 }
 
 export async function giveMatte(id: string, file: File): Promise<void> {
-  await ask(`${at(id)}/matte`, { method: "POST", body: file });
+  await ask(`${at(id)}/matte?name=${name(file.name)}`, { method: "POST", body: file });
 }
 
 export type Saved =
@@ -162,7 +175,7 @@ export type Listener = (type: string, data: unknown) => void;
 /** Hears what happens, and goes on after interruptions. Returns how to end it. */
 export function listen(after: number, listener: Listener, connected: (yes: boolean) => void): () => void {
   const source = new EventSource(`api/events?after=${after}`);
-  for (const type of ["job", "gap", "document", "matte", "field", "labels", "reel", "settled", "problem", "export", "way", "ingested"])
+  for (const type of ["job", "gap", "document", "matte", "field", "labels", "takes", "reel", "settled", "problem", "export", "way", "ingested"])
     source.addEventListener(type, (event) => listener(type, JSON.parse((event as MessageEvent<string>).data)));
   source.onopen = () => connected(true);
   source.onerror = () => connected(false);

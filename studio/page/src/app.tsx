@@ -1,19 +1,22 @@
 // The page: a way in, and the work area.
 import type { JSX } from "preact";
 import { useEffect, useLayoutEffect, useRef, useState } from "preact/hooks";
-import { ArrowLeft, CircleDashed, Download, Maximize, Pause, Play, Redo2, Repeat, SlidersHorizontal, SplitSquareHorizontal, Undo2, ZoomIn, ZoomOut } from "lucide-preact";
+import { ArrowLeft, Download, Maximize, Redo2, SlidersHorizontal, Undo2, ZoomIn, ZoomOut } from "lucide-preact";
 import { Canvas } from "./canvas";
 import { removeLine } from "./cliplines";
 import { Exporter } from "./exporter";
 import { HomePage } from "./homepage";
 import { KeysDialog } from "./keys";
 import { kModeNames, kModes } from "./modes";
+import { LargePicture } from "./largepicture";
+import { NameDialog } from "./namedialog";
 import { addressed, go } from "./navigation";
 import { IconButton } from "./parts";
 import * as state from "./state";
 import { ThemeButton } from "./themebutton";
+import { takesShown } from "./takes";
+import { stepFrame, togglePlaying, Transport } from "./transport";
 import * as view from "./view";
-import { stageWords } from "./words";
 
 export function App(): JSX.Element {
   const [fault, setFault] = useState("");
@@ -79,6 +82,7 @@ function Work(): JSX.Element {
   const [exporting, setExporting] = useState(false);
   const [panel, setPanel] = useState(true);
   const [keys, setKeys] = useState(false);
+  const [naming, setNaming] = useState(false);
   const open = state.project.value;
   useEffect(() => {
     if (!box.current) return;
@@ -86,7 +90,20 @@ function Work(): JSX.Element {
     canvas.current = made;
     return () => made.end();
   }, []);
-  useEffect(() => canvas.current?.refit(), [panel]);
+  useEffect(() => canvas.current?.refit(), [panel, takesShown.value, state.takes.value]);
+  const modes = useRef<HTMLElement>(null);
+  // Which edges have more of them beyond.
+  const hint = (): void => {
+    const nav = modes.current;
+    if (!nav) return;
+    const beyond = nav.scrollWidth - nav.clientWidth;
+    nav.dataset["more"] = [nav.scrollLeft > 4 ? "before" : "", nav.scrollLeft < beyond - 4 ? "after" : ""].join(" ").trim();
+  };
+  useEffect(() => {
+    hint();
+    window.addEventListener("resize", hint);
+    return () => window.removeEventListener("resize", hint);
+  }, []);
   // Where there is no room for all of them, the one that is chosen is in sight.
   useEffect(() => document.querySelector(".modes [aria-pressed=true]")?.scrollIntoView({ block: "nearest", inline: "center" }), [state.mode.value]);
   useShortcuts(canvas, () => setExporting(true), () => setKeys(true));
@@ -97,10 +114,10 @@ function Work(): JSX.Element {
       <div class="canvas" ref={box} role="application" aria-label="The picture: draw on it with the pointer" onContextMenu={(event) => event.preventDefault()} />
       <header class="bar">
         <IconButton icon={ArrowLeft} label="All projects" onClick={() => go("")} />
-        <span class="title" title={open?.folder}>
+        <button type="button" class="title quiet" title={`Rename; it lies in ${open?.folder}`} onClick={() => setNaming(true)}>
           {open?.id}
-        </span>
-        <nav class="modes" aria-label="What to work on">
+        </button>
+        <nav class="modes" aria-label="What to work on" ref={modes} onScroll={hint}>
           {kModeNames.map((id, i) => (
             <button key={id} type="button" aria-pressed={state.mode.value === id} title={`${kModes[id].label}  (${i + 1})`} onClick={() => { state.mode.value = id; setPanel(true); }}>
               {kModes[id].label}
@@ -129,22 +146,12 @@ function Work(): JSX.Element {
         <IconButton icon={ZoomIn} label="Larger" shortcut="+" onClick={() => canvas.current?.zoomBy(1.4)} />
         <IconButton icon={Maximize} label="Fit" shortcut="0" onClick={() => canvas.current?.fit()} />
       </div>
+      {open && <NameDialog key={open.id} id={open.id} open={naming} onClose={() => setNaming(false)} named={go} />}
+      {open && <LargePicture key={`${open.id} large`} open={open} />}
       <KeysDialog open={keys} onClose={() => setKeys(false)} />
       <Exporter open={exporting} onClose={() => setExporting(false)} />
     </main>
   );
-}
-
-function statusWords(): string {
-  if (state.problem.value) return state.problem.value;
-  const job = state.previewJob.value;
-  if (view.arriving.value) return "Opening the picture…";
-  if (kModes[state.mode.value].way) return "";
-  if (!state.doc.value?.store) return "Choose a store under Look, and it moves.";
-  if (!state.matte.value && !job) return "Scribble on what flows.";
-  if (job && job.state === "running" && job.stage)
-    return job.of > 0 ? `${stageWords(job.stage)} ${Math.round((100 * job.done) / job.of)} %` : `${stageWords(job.stage)}…`;
-  return "";
 }
 
 function Panel(): JSX.Element | null {
@@ -154,61 +161,6 @@ function Panel(): JSX.Element | null {
     <aside class="panel" aria-label="Settings">
       <Chosen document={document} />
     </aside>
-  );
-}
-
-function Transport(): JSX.Element {
-  const player = state.player;
-  const reel = player.reel.value;
-  const coming = player.coming.value;
-  const total = reel?.news.total ?? 0;
-  const busy = !!state.previewJob.value;
-  const made = coming ? coming.loaded / Math.max(1, coming.news.total) : 0;
-  return (
-    <footer class="transport" data-state={busy || coming || state.saving.value !== "saved" ? "busy" : (reel?.news.stage ?? "none")} data-reel={reel?.news.number ?? 0}>
-      <div class="row">
-        <IconButton icon={player.playing.value ? Pause : Play} label={player.playing.value ? "Pause" : "Play"} shortcut="Space" disabled={!reel} onClick={() => player.toggle()} class="play" />
-        <input
-          type="range"
-          class="scrub"
-          aria-label="Frame"
-          min={0}
-          max={Math.max(1, total - 1)}
-          value={player.told.value}
-          disabled={!reel}
-          style={{ "--fill": `${(100 * player.told.value) / Math.max(1, total - 1)}%` }}
-          onInput={(event) => {
-            player.playing.value = false;
-            player.seek(event.currentTarget.valueAsNumber);
-          }}
-        />
-        <output class="time">
-          {reel ? `${(player.told.value / reel.news.fps).toFixed(2)} s` : "–"}
-        </output>
-        <select class="rate" aria-label="Speed of playing" value={String(player.rate.value)} onChange={(event) => (player.rate.value = Number(event.currentTarget.value))}>
-          {[0.25, 0.5, 1, 2].map((rate) => (
-            <option key={rate} value={String(rate)}>
-              {rate} ×
-            </option>
-          ))}
-        </select>
-        <IconButton icon={Repeat} label="Play again and again" pressed={player.loop.value} onClick={() => (player.loop.value = !player.loop.value)} />
-        {state.doc.value?.moving_outline && (
-          <IconButton icon={CircleDashed} label="Outlines before (blue) and after (orange)" shortcut="O" pressed={view.onion.value} onClick={() => (view.onion.value = !view.onion.value)} />
-        )}
-        <IconButton icon={SplitSquareHorizontal} label="Compare with the picture" shortcut="C" pressed={view.compare.value !== null} onClick={() => (view.compare.value = view.compare.value === null ? 0.5 : null)} />
-      </div>
-      {view.compare.value !== null && (
-        <input type="range" class="split" aria-label="How much of the picture as it was" min={0} max={1000} value={view.compare.value * 1000} style={{ "--fill": `${view.compare.value * 100}%` }} onInput={(event) => (view.compare.value = event.currentTarget.valueAsNumber / 1000)} />
-      )}
-      <div class={`progress ${busy ? "busy" : ""}`} aria-hidden>
-        <span style={{ width: `${100 * made}%` }} />
-      </div>
-      <p class={`status ${state.problem.value ? "problem" : ""}`} role="status">
-        {statusWords()}
-        {!state.problem.value && !busy && reel && <span class="stage-words">{reel.news.stage === "small" ? "First look" : `${reel.news.width} × ${reel.news.height}`}</span>}
-      </p>
-    </footer>
   );
 }
 
@@ -251,12 +203,12 @@ function useShortcuts(canvas: { current: Canvas | null }, exportNow: () => void,
       else if (key === "+" || key === "=") canvas.current?.zoomBy(1.4);
       else if (key === "-") canvas.current?.zoomBy(1 / 1.4);
       else if (key === "0") canvas.current?.fit();
+      else if (key === "t") takesShown.value = !takesShown.value;
       else if (key === "?") showKeys();
       else if (key === "o" && state.doc.value?.moving_outline) view.onion.value = !view.onion.value;
       else if (key === "c") view.compare.value = view.compare.value === null ? 0.5 : null;
       else if ((key === "arrowleft" || key === "arrowright") && !target.matches("input, button")) {
-        state.player.playing.value = false;
-        state.player.seek(state.player.frame.value + (key === "arrowleft" ? -1 : 1));
+        stepFrame(key === "arrowleft" ? -1 : 1);
       } else if (key === "delete" || key === "backspace") removeSelected();
       else if (key === "enter" && view.corners.value > 0) canvas.current?.closeCorners();
       else if (key === "escape") {
@@ -289,7 +241,7 @@ function spaceDown(yes: boolean): void {
     view.panning.value = true;
     return;
   }
-  if (view.panning.value && !view.panned.value && performance.now() - spaceTime < 250) state.player.toggle();
+  if (view.panning.value && !view.panned.value && performance.now() - spaceTime < 250) togglePlaying();
   view.panning.value = false;
 }
 

@@ -6,6 +6,7 @@ import { Circle } from "konva/lib/shapes/Circle";
 import { Image as KonvaImage } from "konva/lib/shapes/Image";
 import { Line } from "konva/lib/shapes/Line";
 import { address } from "./api";
+import { filmPlayer } from "./filmplayer";
 import { kModes } from "./modes";
 import { followOutlines, outlineLook, outlinesNow } from "./onion";
 import { flat, lengthOf, PenLine, rounded, widthOf } from "./pen";
@@ -18,6 +19,7 @@ import * as view from "./view";
 const kLongest = 2048; // px of the copy of the picture that is always here
 const kBetweenStreaks = 30; // ms
 const kBetweenWaiting = 80; // ms
+const kPalm = 700; // ms after the pen was seen, in which touch is the hand that holds it
 const kRest = 150; // ms that a view rests before it is sharpened
 
 function loadImage(source: string): Promise<HTMLImageElement> {
@@ -52,10 +54,11 @@ export class Canvas {
   private readonly divider = new Line({ points: [], stroke: "#fff", strokeWidth: 2, visible: false });
   private readonly tint = new KonvaImage({ image: undefined });
   private readonly held = new KonvaImage({ image: undefined });
+  private readonly worst = new KonvaImage({ image: undefined, visible: false });
   private readonly onion = new Konva.Group({ listening: false });
   private readonly cursor = new Circle({ stroke: "#fff", visible: false, shadowColor: "#000" });
   private readonly overlay: HTMLCanvasElement;
-  private readonly film = document.createElement("video"); // that another way has made, over the picture
+  private readonly film = filmPlayer.video; // over the picture
   private readonly flowing = new Streaks();
   private readonly ends: (() => void)[] = [];
   private readonly resizer: ResizeObserver;
@@ -63,6 +66,8 @@ export class Canvas {
   private heldImage: HTMLImageElement | null = null;
   private fitted = true;
   private line: PenLine | null = null; // being drawn
+  private pointer = -1; // that draws, or moves the picture
+  private penTime = -Infinity; // ms, when the pen was last seen
   private erasing = false;
   private live: (Line | Arrow)[] = []; // one for each of its runs
   private corners: Point[] = []; // of an area that is clicked together
@@ -80,10 +85,9 @@ export class Canvas {
     this.overlay = document.createElement("canvas");
     this.overlay.className = "streaks";
     this.overlay.style.display = "none";
-    Object.assign(this.film, { className: "film", muted: true, loop: true, autoplay: true, playsInline: true, hidden: true });
     this.stage = new Konva.Stage({ container: holder, width: box.clientWidth || 10, height: box.clientHeight || 10 });
     this.below.add(this.picture, this.moving, this.detail, this.original, this.divider, this.ground);
-    this.over.add(this.tint, this.held, this.onion);
+    this.over.add(this.tint, this.held, this.worst, this.onion);
     this.cursorLayer.add(this.outline, this.cursor);
     this.stage.add(this.below, this.over, this.drawing, this.cursorLayer);
     this.drawing.getNativeCanvasElement().before(this.overlay, this.film); // below the lines that were drawn
@@ -131,6 +135,7 @@ export class Canvas {
         shownProject = open.id;
         const show = (image: HTMLImageElement): void => {
           if (state.project.value?.id !== open.id) return;
+          view.picture.value = image;
           for (const node of [this.picture, this.original]) node.setAttrs({ image, width: open.width, height: open.height });
           this.below.batchDraw();
         };
@@ -226,10 +231,25 @@ export class Canvas {
         this.below.batchDraw();
       }),
       effect(() => {
-        const source = view.film.value;
-        this.film.hidden = !source;
-        if (source) this.film.src = source;
-        else this.film.removeAttribute("src");
+        // A design without a clip's look is light on black, or smoke: it lies over the picture as such.
+        const bare = state.mode.value === "design" && state.doc.value?.design.look === "";
+        this.film.style.mixBlendMode = bare ? "screen" : "";
+        const split = view.compare.value;
+        this.film.style.clipPath = split === null ? "" : `inset(0 0 0 ${100 * split}%)`;
+      }),
+      effect(() => {
+        const source = view.worst.value;
+        this.worst.visible(false);
+        this.drawOver();
+        if (!source) return;
+        void loadImage(source).then(
+          (image) => {
+            if (view.worst.value !== source) return;
+            this.worst.setAttrs({ ...this.size(), image, visible: true });
+            this.drawOver();
+          },
+          () => undefined, // newer takes are on their way
+        );
       }),
       effect(() => {
         void view.zoom.value; // on which widths depend; what else is shown, the tool reads
@@ -298,7 +318,7 @@ export class Canvas {
   // What is empty is no layer: each is as large as the window, and put together with the others for every frame.
 
   private drawOver(): void {
-    this.over.visible(this.tint.visible() || this.onion.hasChildren());
+    this.over.visible(this.tint.visible() || this.worst.visible() || this.onion.hasChildren());
     this.over.batchDraw();
   }
 
@@ -369,7 +389,9 @@ export class Canvas {
     const left = narrow ? 10 : 24;
     const right = narrow ? 10 : panel ? 344 : 24;
     const top = narrow ? 108 : 80;
-    const bottom = narrow ? 100 + (panel ? 0.36 * this.stage.height() : 0) : 112;
+    const transport = Math.max(86, this.box.parentElement?.querySelector<HTMLElement>(".transport")?.offsetHeight ?? 0);
+    const settings = panel?.checkVisibility() ? 0.36 * this.stage.height() : 0;
+    const bottom = narrow ? 14 + transport + settings : 26 + transport;
     const across = Math.max(40, this.stage.width() - left - right);
     const down = Math.max(40, this.stage.height() - top - bottom);
     const scale = Math.min(across / width, down / height);
@@ -462,7 +484,7 @@ export class Canvas {
     });
     this.stage.on("pointerdown", (event) => this.begin(event.evt));
     this.stage.on("pointermove", (event) => this.go(event.evt));
-    this.stage.on("pointerup pointercancel", () => this.finish());
+    this.stage.on("pointerup pointercancel", (event) => this.finish(event.evt));
     this.stage.on("mouseleave", () => {
       this.cursor.visible(false);
       this.drawCursor();
@@ -472,7 +494,7 @@ export class Canvas {
     this.stage.on("dblclick dbltap", () => {
       if (this.tool.pans) this.fit();
     });
-    const letGo = (): void => this.finish();
+    const letGo = (event: PointerEvent): void => this.finish(event);
     window.addEventListener("pointerup", letGo);
     this.ends.push(() => window.removeEventListener("pointerup", letGo));
   }
@@ -484,7 +506,7 @@ export class Canvas {
 
   private twoFingers(event: TouchEvent): void {
     const [a, b] = [event.touches[0], event.touches[1]];
-    if (!a || !b) return;
+    if (!a || !b || this.isPalm("touch")) return;
     event.preventDefault();
     this.cancel();
     const corner = this.box.getBoundingClientRect();
@@ -504,9 +526,22 @@ export class Canvas {
     this.drawCursor();
   }
 
+  /** A hand that rests beside the pen draws nothing, and neither pans nor zooms. */
+  private isPalm(pointerType: string): boolean {
+    return pointerType === "touch" && performance.now() - this.penTime < kPalm;
+  }
+
   private begin(event: PointerEvent): void {
     const point = this.at();
-    if (!point) return;
+    if (!point || this.isPalm(event.pointerType)) return;
+    if (event.pointerType === "pen") {
+      this.penTime = performance.now();
+      this.cancel(); // what the hand began before the pen came down
+      this.panFrom = null;
+    } else if (this.line && event.pointerId !== this.pointer) {
+      return; // one pointer draws a line
+    }
+    this.pointer = event.pointerId;
     const { tool } = this;
     if (event.button === 1 || view.panning.value || tool.pans) {
       const from = this.stage.getPointerPosition();
@@ -539,7 +574,9 @@ export class Canvas {
 
   private go(event: PointerEvent): void {
     const point = this.at();
-    if (!point) return;
+    if (!point || this.isPalm(event.pointerType)) return;
+    if (event.pointerType === "pen") this.penTime = performance.now();
+    if ((this.line || this.panFrom) && event.pointerId !== this.pointer) return;
     if (this.panFrom) {
       const now = this.stage.getPointerPosition();
       if (now) this.place(this.stage.scaleX(), this.panFrom.at.x + now.x - this.panFrom.x, this.panFrom.at.y + now.y - this.panFrom.y);
@@ -561,7 +598,8 @@ export class Canvas {
     this.drawCursor();
   }
 
-  private finish(): void {
+  private finish(event: PointerEvent): void {
+    if ((this.line || this.panFrom) && event.pointerId !== this.pointer) return;
     if (this.panFrom) {
       this.panFrom = null;
       this.box.style.cursor = view.panning.value ? "grab" : "";

@@ -49,6 +49,7 @@ export function DesignPanel({ document }: { document: Document }): JSX.Element {
         <Switch label="Full size" hint="Without it a draft, 400 px wide or high" checked={design.full} onChange={(full) => change({ full })} />
       </Section>
       <FilmSection name={kWay} way={way} ready={true} />
+      {way?.film && !design.look && <p class="hint section">Shown over the picture here. Its file has it on black, to be laid over by Screen or Add; with a clip's look the picture is in it.</p>}
     </>
   );
 }

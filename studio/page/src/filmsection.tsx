@@ -16,10 +16,7 @@ export function useWay(name: string, drawn: unknown): Way | null {
   const films = state.filmed.value;
   useEffect(() => {
     if (!saved) return;
-    api.way(id, name).then(
-      (found) => setWay(found.lacks ? null : found),
-      () => setWay(null),
-    );
+    api.way(id, name).then(setWay, () => setWay(null));
   }, [id, saved, films, drawn]);
   return way;
 }
@@ -38,9 +35,11 @@ export async function runKept(id: string, name: string): Promise<void> {
 export function FilmSection({ name, way, ready }: { name: string; way: Way | null; ready: boolean }): JSX.Element {
   const id = state.project.value?.id ?? "";
   const [fault, setFault] = useState("");
+  const [past, setPast] = useState(0); // the job that was the last when the document changed
   const saved = state.saving.value === "saved";
   const job = wayJob(id, name);
   const runs = job?.state === "running" || job?.state === "waiting";
+  const lacks = way?.lacks.replace(/^[^:]*: /, "") ?? "";
   const source = way?.film ? api.address.film(id, name, way.film) : null;
   useEffect(() => {
     view.film.value = source;
@@ -48,6 +47,11 @@ export function FilmSection({ name, way, ready }: { name: string; way: Way | nul
       view.film.value = null;
     };
   }, [source]);
+  // A fault goes when what it was of is changed.
+  useEffect(() => {
+    setFault("");
+    setPast(job?.id ?? 0);
+  }, [way]);
   const start = (): void => {
     setFault("");
     api.runWay(id, name).catch((error: Error) => setFault(error.message));
@@ -66,14 +70,15 @@ export function FilmSection({ name, way, ready }: { name: string; way: Way | nul
             Stop
           </button>
         ) : (
-          <button type="button" class="primary" disabled={!ready || !way || !saved} onClick={start}>
+          <button type="button" class="primary" disabled={!ready || !way || lacks !== "" || !saved} onClick={start}>
             Make it
           </button>
         )}
       </div>
       {source && <Switch label="Show what is drawn" checked={view.drawn.value} onChange={(yes) => (view.drawn.value = yes)} />}
       {runs && job && <Running job={job} label="Film" words={stageWords(job.stage)} />}
-      {(fault || job?.state === "failed") && <p class="problem">{fault || job?.fault}</p>}
+      {lacks && <p class="hint">{lacks}</p>}
+      {(fault || (job?.state === "failed" && job.id !== past)) && <p class="problem">{fault || job?.fault}</p>}
       {way?.commands.map((line) => <CommandLine key={line} text={line} />)}
     </Section>
   );

@@ -1,9 +1,11 @@
 // The way in: pictures, projects, stores.
 import type { JSX } from "preact";
 import { useState } from "preact/hooks";
-import { ImagePlus, Plus, Trash2 } from "lucide-preact";
+import { Copy, ImagePlus, Infinity as InfinityIcon, Pencil, Plus, Trash2 } from "lucide-preact";
 import * as api from "./api";
 import { chosen, type Dropped, dropped, isStore, openProject, projectAmong } from "./dropped";
+import { exampleClip, openEndless, openExample, openStored } from "./examples";
+import { NameDialog } from "./namedialog";
 import { go } from "./navigation";
 import { Dialog, IconButton, Strip } from "./parts";
 import * as state from "./state";
@@ -20,10 +22,13 @@ function ago(seconds: number): string {
 
 const isVideo = (file: File): boolean => /\.(mp4|mov|mkv|avi|webm|m4v|mpe?g|mxf)$/i.test(file.name);
 
+const kManyProjects = 6; // from which on one looks for them by name
+
 export function HomePage(): JSX.Element {
   const [over, setOver] = useState(false);
   const [busy, setBusy] = useState("");
   const [clips, setClips] = useState<File[] | null>(null);
+  const [sought, setSought] = useState("");
   const home = state.home.value;
   const take = async (coming: Dropped[] | Promise<Dropped[]>, wantsProject = false): Promise<void> => {
     try {
@@ -60,6 +65,17 @@ export function HomePage(): JSX.Element {
     }
     setBusy("");
   };
+  const begin = async (name: string, opened: () => Promise<void>): Promise<void> => {
+    setBusy(name);
+    try {
+      await opened();
+    } catch (fault) {
+      state.toast.value = (fault as Error).message;
+    }
+    setBusy("");
+  };
+  const example = exampleClip(home?.stores ?? []);
+  const shown = home?.projects.filter(({ id }) => id.includes(sought.toLowerCase().replaceAll(" ", "-"))) ?? [];
   return (
     <main
       class={`home ${over ? "over" : ""}`}
@@ -80,12 +96,61 @@ export function HomePage(): JSX.Element {
         <span class="spread" />
         <ThemeButton />
       </header>
-      <label class="drop">
-        <ImagePlus size={30} strokeWidth={1.4} aria-hidden />
-        <strong>{busy ? `Opening ${busy}` : "Drop a picture of water, fire, smoke or clouds"}</strong>
-        <span>or choose one: PNG, JPEG, TIFF, WebP, EXR. Ten stills of one scene become a moving one; a project's folder, a store or clips can be dropped too.</span>
-        <input type="file" multiple class="unseen" aria-label="Choose a picture" accept="image/*,.exr,.tif,.tiff,.freshet" onChange={(event) => void take(chosen(event.currentTarget.files))} />
-      </label>
+      <div class="doors">
+        <article class="door">
+          <picture class="door-view">
+            <source media="(prefers-reduced-motion: reduce)" srcset="example.jpg" />
+            <img src="example.webp" alt="A bay in the evening: its clouds and its water move" width={400} height={225} />
+          </picture>
+          <h2>Animate a picture</h2>
+          <p class="hint">Scribble on the water, fire, smoke or clouds in it. PNG, JPEG, TIFF, WebP, EXR.</p>
+          <div class="row">
+            <label class="button primary">
+              Choose a picture
+              <input type="file" multiple class="unseen" aria-label="Choose a picture" accept="image/*,.exr,.tif,.tiff,.freshet" onChange={(event) => void take(chosen(event.currentTarget.files))} />
+            </label>
+            <button type="button" class="quiet" disabled={busy !== ""} onClick={() => void begin("the bay", openExample)}>
+              Try this one
+            </button>
+          </div>
+        </article>
+        <article class="door">
+          <span class="door-view">{example && <Strip source={api.address.clip(example.store, example.index)} aspect={example.aspect} label="A clip, playing" />}</span>
+          <h2>Loop a clip</h2>
+          <p class="hint">A short video of a fluid goes on without an end, along other lines if you like.</p>
+          <div class="row">
+            <label class="button primary">
+              Choose a clip
+              <input type="file" class="unseen" aria-label="Choose a clip to loop" accept="video/*,.mkv" onChange={(event) => { const file = event.currentTarget.files?.[0]; if (file) void begin(file.name, () => openEndless(file)); }} />
+            </label>
+            {example && (
+              <button type="button" class="quiet" disabled={busy !== ""} onClick={() => void begin(example.name, () => openStored(example, "clip"))}>
+                Try this clip
+              </button>
+            )}
+          </div>
+        </article>
+        <article class="door">
+          <span class="door-view">{example && <StillsOf store={example.store} index={example.index} aspect={example.aspect} />}</span>
+          <h2>Film from stills</h2>
+          <p class="hint">Ten to twenty photographs of one scene, in any order, become a film of it.</p>
+          <div class="row">
+            <label class="button primary">
+              Choose stills
+              <input type="file" multiple class="unseen" aria-label="Choose stills" accept="image/*,.tif,.tiff" onChange={(event) => void take(chosen(event.currentTarget.files))} />
+            </label>
+            {example && (
+              <button type="button" class="quiet" disabled={busy !== ""} onClick={() => void begin(example.name, () => openStored(example, "stills"))}>
+                Try these stills
+              </button>
+            )}
+          </div>
+        </article>
+      </div>
+      <p class="drop-line" role="status">
+        <ImagePlus size={18} strokeWidth={1.5} aria-hidden />
+        {busy ? `Opening ${busy}` : "Drop a picture, stills, clips, a project's folder or a store anywhere on this page."}
+      </p>
       <section>
         <header class="row">
           <h2>Projects</h2>
@@ -93,23 +158,17 @@ export function HomePage(): JSX.Element {
             Open a folder
             <input type="file" class="unseen" aria-label="Open a project's folder" {...{ webkitdirectory: true }} onChange={(event) => void take(chosen(event.currentTarget.files), true)} />
           </label>
+          <span class="spread" />
+          {home && home.projects.length >= kManyProjects && <input type="text" class="find" placeholder="Find by name" aria-label="Find a project by name" value={sought} onInput={(event) => setSought(event.currentTarget.value)} />}
         </header>
         {home && home.projects.length > 0 && (
           <ul class="cards">
-            {home.projects.map((each) => (
-              <li key={each.id} class="card">
-                <a href={`#/${encodeURIComponent(each.id)}`}>
-                  <img src={api.address.thumbnail(each.id)} alt="" loading="lazy" />
-                  <span class="name">
-                    {each.id}
-                    <small>{ago(each.seconds_ago)}</small>
-                  </span>
-                </a>
-                <Remove id={each.id} />
-              </li>
+            {shown.map((each) => (
+              <ProjectCard key={each.id} id={each.id} ago={ago(each.seconds_ago)} />
             ))}
           </ul>
         )}
+        {home && home.projects.length > 0 && shown.length === 0 && <p class="hint">No project has this name.</p>}
       </section>
       <section>
         <header class="row">
@@ -125,6 +184,41 @@ export function HomePage(): JSX.Element {
       <OutcomeDialog />
       <ClipsDialog files={clips} onClose={() => setClips(null)} />
     </main>
+  );
+}
+
+/** Some frames of a clip side by side, as stills lie on a table. */
+function StillsOf(props: { store: string; index: number; aspect: number }): JSX.Element {
+  const frames = [0, 8, 16, 23];
+  return (
+    <span class="stills-of" role="img" aria-label="Four stills of one scene">
+      {frames.map((frame) => (
+        <span key={frame} style={{ aspectRatio: String(props.aspect), backgroundImage: `url("${api.address.clip(props.store, props.index)}")`, backgroundSize: "2400% 100%", backgroundPosition: `${(100 * frame) / 23}% 0` }} />
+      ))}
+    </span>
+  );
+}
+
+function ProjectCard({ id, ago: when }: { id: string; ago: string }): JSX.Element {
+  const [naming, setNaming] = useState(false);
+  const reload = async (): Promise<void> => void (state.home.value = await api.home());
+  const copy = (): void => void api.copyProject(id).then(reload, (fault: Error) => (state.toast.value = fault.message));
+  return (
+    <li class="card">
+      <a href={`#/${encodeURIComponent(id)}`}>
+        <img src={api.address.thumbnail(id)} alt="" loading="lazy" />
+        <span class="name">
+          {id}
+          <small>{when}</small>
+        </span>
+      </a>
+      <span class="card-actions">
+        <IconButton icon={Pencil} label={`Rename ${id}`} onClick={() => setNaming(true)} />
+        <IconButton icon={Copy} label={`Duplicate ${id}`} onClick={copy} />
+        <Remove id={id} />
+      </span>
+      <NameDialog id={id} open={naming} onClose={() => setNaming(false)} named={() => void reload()} />
+    </li>
   );
 }
 
@@ -148,12 +242,14 @@ function StoreSection({ store }: { store: Store }): JSX.Element {
   const kinds = state.classesOf(store);
   const [kind, setKind] = useState("");
   const shown = store.clips.map((clip, index) => ({ clip, index })).filter(({ clip }) => !kind || clip.class === kind);
+  const licences = new Set(store.clips.map(({ licence }) => licence || "no licence"));
+  const common = licences.size === 1 ? [...licences][0] : null; // said once
   return (
     <article class="store">
       <header class="row">
         <h3 title={store.path}>{store.name}</h3>
         <span class="hint">
-          {store.clips.length} clips · {store.patches.toLocaleString("en")} patches
+          {store.clips.length} clips · {store.patches.toLocaleString("en")} patches{common && ` · ${common}`}
         </span>
         <span class="spread" />
         <div class="chips" role="group" aria-label="Kinds">
@@ -168,13 +264,20 @@ function StoreSection({ store }: { store: Store }): JSX.Element {
       {store.fault && <p class="problem">{store.fault}</p>}
       <ul class="cards clips">
         {shown.slice(0, 60).map(({ clip, index }) => (
-          <li key={clip.name} class="card" tabIndex={0}>
-            <Strip source={api.address.clip(store.id, index)} aspect={clip.width / clip.height} label={`${clip.name}, playing`} plays={false} />
-            <span class="name">
-              {clip.name}
+          <li key={clip.name} class="card">
+            <span class="frame">
+              <span style={{ width: `${100 * Math.min(1, (clip.width / clip.height) * 0.75)}%` }}>
+                <Strip source={api.address.clip(store.id, index)} aspect={clip.width / clip.height} label={`${clip.name}, playing`} plays={false} />
+              </span>
+            </span>
+            <span class="name" title={clip.name}>
+              {clip.name.replace(/^.*\//, "").replace(/\.[a-z0-9]+$/i, "")}
               <small>
-                {(clip.frames / clip.fps).toFixed(1)} s · {clip.licence || "no licence"}
+                {(clip.frames / clip.fps).toFixed(1)} s{!common && ` · ${clip.licence || "no licence"}`}
               </small>
+            </span>
+            <span class="card-actions">
+              <IconButton icon={InfinityIcon} label={`Make ${clip.name} endless`} onClick={() => void openStored({ store: store.id, index, name: clip.name }, "clip").catch((fault: Error) => (state.toast.value = fault.message))} />
             </span>
           </li>
         ))}
@@ -268,8 +371,19 @@ function ClipsDialog(props: { files: File[] | null; onClose: () => void }): JSX.
   const goOn = async (): Promise<void> => {
     setSent(0);
     try {
-      const id = await api.openClip(files[0] as File);
-      state.beginWith("flowlines");
+      await openEndless(files[0] as File);
+      props.onClose();
+    } catch (fault) {
+      state.toast.value = (fault as Error).message;
+    }
+    setMore([]);
+    setSent(-1);
+  };
+  /** The first frame is animated as a picture. */
+  const still = async (): Promise<void> => {
+    setSent(0);
+    try {
+      const id = await api.openClip(files[0] as File, "picture");
       props.onClose();
       go(id);
     } catch (fault) {
@@ -320,9 +434,14 @@ function ClipsDialog(props: { files: File[] | null; onClose: () => void }): JSX.
         <span class="hint">{sent >= 0 ? `Sending ${sent + 1} of ${files.length}` : ""}</span>
         <span class="spread" />
         {files.length === 1 && (
-          <button type="button" disabled={sent >= 0} onClick={() => void goOn()}>
-            Make it endless
-          </button>
+          <>
+            <button type="button" disabled={sent >= 0} onClick={() => void still()}>
+              Animate its first frame
+            </button>
+            <button type="button" disabled={sent >= 0} onClick={() => void goOn()}>
+              Make it endless
+            </button>
+          </>
         )}
         <button type="button" class="primary" disabled={files.length === 0 || sent >= 0 || !kind} onClick={() => void start()}>
           Add {files.length || ""}

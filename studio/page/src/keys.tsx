@@ -14,6 +14,7 @@ const kKeys: readonly (readonly [string, string])[] = [
   ["+ − 0, wheel", "Zoom, fit"],
   ["C", "Compare with the picture"],
   ["O", "Outlines before and after"],
+  ["T", "Other takes, and what looks wrong"],
   ["Delete", "Remove the chosen line"],
   ["Ctrl+Z, Ctrl+Shift+Z", "Undo, redo"],
   ["Ctrl+E", "Export"],

@@ -3,6 +3,7 @@ import type { JSX } from "preact";
 import { useEffect, useState } from "preact/hooks";
 import { Brush, Eraser, Hand, Pencil, Pin as PinIcon, Shapes, Spline, Trash2, X } from "lucide-preact";
 import * as api from "./api";
+import { KindSection } from "./kindsection";
 import { Choice, IconButton, named, Section, Select, Slider, Strip, Switch } from "./parts";
 import { lengthOf } from "./pen";
 import * as state from "./state";
@@ -33,7 +34,7 @@ export function FluidPanel({ document }: { document: Document }): JSX.Element {
     paint: "Paint onto the matte, exactly.",
     erase: "Take away from the matte, exactly.",
     area: "Draw around an area, or click its corners and then the first one again. Alt takes it away.",
-    hold: "Paint what stands in front of the fluid: it stays as it is.",
+    hold: "Click what stands in front of the fluid, or paint over it: it stays as it is.",
   };
   return (
     <>
@@ -51,6 +52,7 @@ export function FluidPanel({ document }: { document: Document }): JSX.Element {
           <Slider label="Brush" value={view.brush.value} min={2} max={400} logarithmic shown={`${Math.round(view.brush.value)} px`} onInput={(value) => (view.brush.value = value)} />
         )}
       </Section>
+      <KindSection document={document} />
       <Section title="Matte">
         <Choice label="Where the matte comes from" value={document.matte_base} options={bases} onChange={(matte_base) => state.edit({ matte_base })} />
         <Choice

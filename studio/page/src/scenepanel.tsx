@@ -120,6 +120,7 @@ function LayerSection({ layer }: { layer: DrawnLayer }): JSX.Element {
     >
       <LayerName layer={layer} />
       {!film && <Choice label="Where the layer is" value={layer.matte} options={kMattes} onChange={(matte) => changeLayer({ matte })} />}
+      {words && layer.lines.length === 0 && tool !== "line" && <p class="hint">Then choose Line. {words}</p>}
       {tools.length > 0 && (
         <div class="tools four" role="group" aria-label="Drawing tools">
           {tools.map(([id, label, Icon]) => (

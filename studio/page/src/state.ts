@@ -3,7 +3,7 @@ import { batch, computed, signal } from "@preact/signals";
 import * as api from "./api";
 import { canonical, History } from "./history";
 import { Player } from "./player";
-import type { Document, Field, Home, Job, MatteNews, Mode, Pieces, Project, ReelNews, Store } from "./types";
+import type { Document, Field, Home, Job, MatteNews, Mode, Pieces, Project, ReelNews, Store, Takes } from "./types";
 
 export interface IngestReport {
   clips: { name: string; outcome: string; reasons: string[]; notes: string[]; width: number; height: number; strip?: number }[];
@@ -18,6 +18,7 @@ export const jobs = signal<Record<string, Job>>({});
 export const matte = signal<MatteNews | null>(null);
 export const field = signal<Field | null>(null);
 export const pieces = signal<Pieces | null>(null);
+export const takes = signal<Takes | null>(null);
 export const labelsNumber = signal(0);
 export const problem = signal("");
 export const toast = signal("");
@@ -197,6 +198,7 @@ function leave(): void {
     matte.value = null;
     field.value = null;
     pieces.value = null;
+    takes.value = null;
     problem.value = "";
   });
 }
@@ -337,6 +339,9 @@ async function heard(type: string, data: unknown): Promise<void> {
       return loadField(id);
     case "labels":
       return loadPieces(id);
+    case "takes":
+      takes.value = await api.takes(id);
+      return;
     case "reel":
       player.follow(id, (data as { reel: ReelNews }).reel);
       return;

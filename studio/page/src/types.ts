@@ -55,6 +55,9 @@ export interface Document {
   loop: boolean;
   speed: number;
   moving_outline: boolean;
+  layout: "" | "goes" | "stands"; // these three as a take has changed them
+  detail_life: number; // s; 0: the clips' own
+  flames: "" | "clips";
   design: Design;
   stills: Stills;
   flowlines: Flowlines;
@@ -286,11 +289,28 @@ export interface Field {
 /** x, y, clip, score, pinned, by how much the next best patch there is worse (null: there is none) */
 export type Piece = [number, number, number, number, boolean, number | null];
 
+export type Pace = "slow" | "natural" | "fast";
+
+/** What a take changes of the document: `pace` and `own_speeds` of its strokes' speeds. */
+export interface TakeChange extends Partial<Pick<Document, "speed" | "layout" | "detail_life" | "flames">> {
+  pace?: number;
+  own_speeds?: boolean;
+}
+
+/** Other takes of the animation that is there; the first is that itself. */
+export interface Takes {
+  number: number;
+  takes: { name: string; faults: number | null; says: string; change: TakeChange }[];
+  best: number;
+  marked: boolean; // there is a map of where the first is worst
+}
+
 export interface Pieces {
   side: number;
   energy: number;
   gap?: number;
   notices: string[];
+  paces: Record<Pace, number>;
   clips: { name: string; class: string; licence: string; pieces: number }[];
   pieces: Piece[];
 }

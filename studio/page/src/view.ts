@@ -23,6 +23,7 @@ export const position = signal(0); // of the chosen line's, that is changed; 0: 
 export const foundLines = signal<ClipLine[]>([]); // in the clip that is chosen
 /** What lies on the canvas in place of the picture. */
 export const ground = signal<HTMLImageElement | null>(null);
+export const picture = signal<HTMLImageElement | null>(null); // that is open, reduced
 export const drawn = signal(true); // whether what was drawn lies over the film
 export const film = signal<string | null>(null); // address of the film that plays over the picture
 export const corners = signal(0); // of the area that is being clicked together
@@ -33,6 +34,8 @@ export const piece = signal<number | null>(null);
 export const compare = signal<number | null>(null); // 0..1 of the picture's width that shows the original; null: none
 /** Outlines of the frames before and after the one that is shown. */
 export const onion = signal(false);
+export const worst = signal<string | null>(null); // address of the map of where it looks wrong
+export const marksWorst = signal(true);
 export const zoom = signal(1);
 export const panning = signal(false); // the space bar is held
 export const panned = signal(false); // the pointer has moved the picture since then

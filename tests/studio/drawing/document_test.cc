@@ -35,6 +35,9 @@ Document full() {
   document.loop = false;
   document.speed = 0.5;
   document.moving_outline = true;
+  document.layout = "stands";
+  document.detail_life = 0.5;
+  document.flames = "clips";
   document.design = {.fluid = "fire",
                      .sources = {{.points = {{5, 5}}, .width = 9, .adds = false, .is_area = false}},
                      .winds = {{.points = {{1, 1}, {9, 1}}, .speed = {}}},

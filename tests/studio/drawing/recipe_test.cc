@@ -35,6 +35,22 @@ TEST(Recipe, IsReadByTheCommandLine) {
   EXPECT_TRUE(std::filesystem::exists(folder / "out.mkv"));
 }
 
+TEST(Recipe, SaysWhatATakeChanged) {
+  Document taken = document();
+  taken.layout = "stands";
+  taken.detail_life = 0.25;
+  const std::string toml = recipe_toml(taken, whole_picture());
+  EXPECT_NE(toml.find("layout = \"stands\"\ndetail-life = 0.25\n"), std::string::npos) << toml;
+  taken.flames = "clips";
+  const std::string flames = recipe_toml(taken, whole_picture());
+  EXPECT_NE(flames.find("method = \"forms\"\nflames = \"clips\"\n"), std::string::npos) << flames;
+  EXPECT_EQ(flames.find("layout"), std::string::npos);  // an option of another method
+  const tools::WorkFolder folder;
+  std::filesystem::copy_file(tools::sample().still, folder / "picture.png");
+  const tools::Outcome outcome = animate(folder, toml);
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+}
+
 TEST(Recipe, TakesNamesThatLookLikeItsOwnLanguage) {
   const tools::WorkFolder folder;
   std::filesystem::copy_file(tools::sample().still, folder / "picture.png");

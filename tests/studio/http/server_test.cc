@@ -91,6 +91,45 @@ TEST_F(Server, LeadsNowhereOutside) {
   EXPECT_EQ(status(running().send("PUT", "api/projects/" + id + "/document?base=0", document.dump())), 400);
 }
 
+TEST_F(Server, RenamesAndCopiesAProjectWithoutItsLinks) {
+  const std::string id = running().open_still("to copy.png");
+  const fs::path projects = running().room() / "projects";
+  running().draw(id, {{"frames", 13}});
+  fs::create_directories(projects / id / "exports");
+  std::ofstream(projects / id / "exports/made.mp4") << "film";
+  fs::create_symlink("/etc/passwd", projects / id / "link.txt");
+  EXPECT_EQ(status(running().send("POST", "api/projects/" + id + "/name", R"({"name": "../../out"})")), 200);
+  EXPECT_FALSE(fs::exists(projects.parent_path() / "out"));  // a name, not a path
+  EXPECT_TRUE(fs::exists(projects / "out/document.json"));
+  EXPECT_EQ(status(running().send("POST", "api/projects/out/copies", "{}")), 200);
+  EXPECT_EQ(running().json("api/projects/out-2")["document"]["frames"], 13);
+  EXPECT_FALSE(fs::exists(projects / "out-2/exports"));
+  EXPECT_FALSE(fs::exists(fs::symlink_status(projects / "out-2/link.txt")));
+  const std::string other = running().open_still("another.png");
+  EXPECT_EQ(status(running().send("POST", "api/projects/out/name", R"({"name": "another"})")), 400);
+  EXPECT_EQ(status(running().send("POST", "api/projects/none/name", R"({"name": "some"})")), 404);
+  EXPECT_EQ(status(running().send("POST", "api/projects/linked/copies", "{}")), 404);
+}
+
+TEST_F(Server, TakesAreOfTheAnimationThatIsThere) {
+  const std::string id = running().open_still("taken.png"), at = "api/projects/" + id + "/takes";
+  EXPECT_TRUE(running().json(at).is_null());
+  running().draw(id, drawing());
+  EXPECT_EQ(status(running().send("POST", at, "{}")), 200);
+  running().studio().jobs().previews().wait();
+  const Json takes = running().json(at);
+  ASSERT_GE(takes["takes"].size(), 3U);
+  EXPECT_TRUE(takes["takes"][0]["change"].empty());
+  EXPECT_FALSE(takes["takes"][1]["change"].empty());
+  const httplib::Result strip = running().get(at + "/" + takes["number"].dump() + "/1");
+  ASSERT_EQ(status(strip), 200);
+  const cv::Mat frames =
+      cv::imdecode(std::vector<char>(strip->body.begin(), strip->body.end()), cv::IMREAD_COLOR);
+  EXPECT_GT(frames.cols, 4 * frames.rows);  // side by side
+  EXPECT_EQ(status(running().get(at + "/" + takes["number"].dump() + "/99")), 404);
+  EXPECT_EQ(status(running().get(at + "/1/0")), 404);
+}
+
 /// The answer to a head, whose body may never be sent.
 std::string answer_to(int port, const std::string& head) {
   const RawClient client(port);
