@@ -18,8 +18,11 @@ bool at_full_length() { return std::getenv("FRESHET_LONG") != nullptr; }
 
 Walk::Walk(std::string name, std::size_t cases) : name_(std::move(name)), order_(cases) {
   std::iota(order_.begin(), order_.end(), std::size_t{0});
+  if (!at_full_length()) return;
+  if (const char* const from = std::getenv("FRESHET_LONG_FROM"); from != nullptr)
+    begun_ = skipped_ = std::min(cases, static_cast<std::size_t>(std::stoul(from)));
   const char* const minutes = std::getenv("FRESHET_LONG_MINUTES");
-  if (!at_full_length() || minutes == nullptr) return;
+  if (minutes == nullptr) return;
   end_ = start_ + std::chrono::seconds(60 * std::stol(minutes));
   std::shuffle(order_.begin(), order_.end(), std::mt19937(31));
 }
@@ -37,7 +40,7 @@ bool Walk::next() {
 
 Walk::~Walk() {
   const auto took = std::chrono::duration_cast<std::chrono::seconds>(Clock::now() - start_);
-  std::cout << name_ << ": " << begun_ << " of " << order_.size() << " cases, " << took.count() << " s\n";
+  std::cout << name_ << ": " << begun_ - skipped_ << " of " << order_.size() << " cases, " << took.count() << " s\n";
 }
 
 Campaign::Campaign() : failing_(FRESHET_FAILING_CALLS) {

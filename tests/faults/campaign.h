@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <cstddef>
+#include <random>
 #include <set>
 #include <string>
 #include <vector>
@@ -18,7 +19,8 @@ namespace freshet::tools {
 bool at_full_length();
 
 /// The cases of a campaign in turn. At full length all of them; where FRESHET_LONG_MINUTES says for how many minutes, in
-/// an order that is mixed, until these are over. Says how many there were, at full length once a minute as well.
+/// an order that is mixed, until these are over. FRESHET_LONG_FROM: so many of the order are left out, those of an earlier
+/// run. Says how many there were, at full length once a minute as well.
 class Walk {
  public:
   Walk(std::string name, std::size_t cases);
@@ -33,7 +35,7 @@ class Walk {
   using Clock = std::chrono::steady_clock;
   std::string name_;
   std::vector<std::size_t> order_;
-  std::size_t begun_ = 0;
+  std::size_t skipped_ = 0, begun_ = 0;
   Clock::time_point start_ = Clock::now(), said_ = start_, end_ = Clock::time_point::max();
 };
 
@@ -44,10 +46,14 @@ void walk(const std::string& name, const std::vector<Case>& cases, const Attempt
     attempt(cases[walk.at()]);
 }
 
-/// The same where the cases are rounds, which differ by what is drawn.
+/// attempt(round, random) where the cases are rounds, which differ by what is drawn: the same in a round by itself.
 template <class Attempt>
-void walk_rounds(const std::string& name, int rounds, const Attempt& attempt) {
-  walk(name, std::vector<int>(static_cast<std::size_t>(rounds)), [&](int) { attempt(); });
+void walk_rounds(const std::string& name, std::size_t rounds, const Attempt& attempt) {
+  for (Walk walk(name, rounds); !testing::Test::HasFatalFailure() && walk.next();) {
+    SCOPED_TRACE("round " + std::to_string(walk.at()));
+    std::mt19937 random(static_cast<unsigned>(walk.at()));
+    attempt(walk.at(), random);
+  }
 }
 
 /// Three small clips, and the stores that undisturbed runs make of them.

@@ -100,13 +100,11 @@ std::string damaged(std::mt19937& random, const std::string& whole, std::string&
 
 TEST(Damages, AreHarmlessOrReported) {
   const Campaign& c = campaign();
-  std::mt19937 random(11);
   const std::string whole = text_of(c.folder / "indexed.store");
   c.begin_with("indexed.store", "d.store");
   const std::vector<Answers> right{answers_of(c, "d.store")};
-  const int rounds = at_full_length() ? 10000 : 12;
   int harmless = 0, tried = 0;
-  walk_rounds("damages", rounds, [&] {
+  walk_rounds("damages", at_full_length() ? 10000 : 12, [&](std::size_t, std::mt19937& random) {
     std::string what;
     c.folder.file("d.store", damaged(random, whole, what));
     bool content = false;
@@ -135,11 +133,9 @@ TEST(Damages, ThatAreAimedAreHarmlessOrReported) {
     int tried = 0, harmless = 0;
   };
   std::map<std::string, Count> counts;
-  std::mt19937 random(37);
-  std::size_t kind = 0;
-  const int rounds = at_full_length() ? 25000 : static_cast<int>(aimed_damages().size());
-  walk_rounds("aimed damages", rounds, [&] {
-    const AimedDamage& damage = aimed_damages()[kind++ % aimed_damages().size()];
+  const std::size_t kinds = aimed_damages().size();
+  walk_rounds("aimed damages", at_full_length() ? 25000 : kinds, [&](std::size_t round, std::mt19937& random) {
+    const AimedDamage& damage = aimed_damages()[round % kinds];
     Aim aim{stores, random, stores.whole.bytes, {}};
     for (int draws = 0; draws < 20 && aim.bytes == stores.whole.bytes; ++draws) {
       aim.what.clear();

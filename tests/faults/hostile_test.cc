@@ -487,11 +487,10 @@ TEST(Hostile, AStoreThatIsSealedAgainAnswersAsBefore) {
 TEST(Hostile, StoresWithRightHashesAreTakenOrRefused) {
   make_still();
   const SealedTables made = whole(false);
-  std::mt19937 random(43);
   std::map<std::string, std::map<std::string, int>> codes;
-  std::size_t kind = 0;
-  walk_rounds("hostile stores", at_full_length() ? 4000 : static_cast<int>(std::size(kKinds)), [&] {
-    const Kind& tried = kKinds[kind++ % std::size(kKinds)];
+  const std::size_t kinds = std::size(kKinds);
+  walk_rounds("hostile stores", at_full_length() ? 4000 : kinds, [&](std::size_t round, std::mt19937& random) {
+    const Kind& tried = kKinds[round % kinds];
     SealedTables tables = made;
     Hostile hostile{tables, random};
     tried.apply(hostile);
@@ -510,13 +509,12 @@ TEST(Hostile, GarbledTreesOfFlannAreTakenOrRefused) {
   make_still();
   const SealedTables made = whole(true);
   std::map<std::string, int> untouched;
-  std::mt19937 random(47);
   std::map<std::string, int> codes;
   const Command search{"query",    "candidates", "h.store", "still.png",         "--whole",
                        "--frames", "8",          "--index", "flann-hierarchical"};
   expect_harmless(made, {search}, "FLANN, whole", untouched);
   EXPECT_EQ(untouched["0"], 1);
-  walk_rounds("FLANN's bytes", at_full_length() ? 17000 : 15, [&] {
+  walk_rounds("FLANN's bytes", at_full_length() ? 17000 : 15, [&](std::size_t, std::mt19937& random) {
     SealedTables tables = made;
     Hostile hostile{tables, random};
     flann(hostile);

@@ -36,16 +36,15 @@ std::string judge_killed(const Campaign& c, const std::string& store, std::size_
 /// Starts f.store's or k.store's command and kills it at an instant of a time as long as an undisturbed run of it takes.
 class Killer {
  public:
-  Killer(const Campaign& c, const std::vector<std::string>& arguments, unsigned seed)
-      : c_(c), arguments_(arguments), random_(seed) {
+  Killer(const Campaign& c, const std::vector<std::string>& arguments) : c_(c), arguments_(arguments) {
     const auto start = std::chrono::steady_clock::now();
     EXPECT_EQ(c.run(arguments).exit_code, 0);
     took_ = std::chrono::duration_cast<std::chrono::microseconds>(std::chrono::steady_clock::now() - start);
   }
-  Outcome run() {
+  Outcome run(std::mt19937& random) {
     const Started started = c_.start(arguments_);
     std::this_thread::sleep_for(
-        std::chrono::microseconds(random_() % static_cast<std::uint32_t>(took_.count() + 1000)));
+        std::chrono::microseconds(random() % static_cast<std::uint32_t>(took_.count() + 1000)));
     ::kill(started.process, SIGKILL);
     Outcome outcome = WorkFolder::wait(started);
     killed_ += outcome.signal == SIGKILL ? 1 : 0;
@@ -56,7 +55,6 @@ class Killer {
  private:
   const Campaign& c_;
   std::vector<std::string> arguments_;
-  std::mt19937 random_;
   std::chrono::microseconds took_{};
   int killed_ = 0;
 };
@@ -65,10 +63,10 @@ TEST(Kills, AnIngestAtAnyInstantLosesAtMostTheClipInHand) {
   const Campaign& c = campaign();
   const std::vector<std::string> ingest = c.ingest("k.store", {"clip1.mkv", "clip2.mkv", "clip3.mkv"});
   c.begin_with("", "k.store");
-  Killer killer(c, ingest, 3);
-  walk_rounds("ingests", at_full_length() ? 6000 : 3, [&] {
+  Killer killer(c, ingest);
+  walk_rounds("ingests", at_full_length() ? 6000 : 3, [&](std::size_t, std::mt19937& random) {
     c.begin_with("", "k.store");
-    const Outcome outcome = killer.run();
+    const Outcome outcome = killer.run(random);
     const std::size_t committed = outcome.exit_code == 0 ? 3 : reported(outcome.err);
     ASSERT_EQ(judge_killed(c, "k.store", committed), "");
     ASSERT_EQ(c.run(ingest).exit_code, 0);
@@ -80,10 +78,10 @@ TEST(Kills, AnIngestAtAnyInstantLosesAtMostTheClipInHand) {
 TEST(Kills, AnIndexAtAnyInstantLeavesTheClips) {
   const Campaign& c = campaign();
   c.begin_with("all.store", "k.store");
-  Killer killer(c, {"index", "k.store"}, 5);
-  walk_rounds("indexes", at_full_length() ? 2000 : 2, [&] {
+  Killer killer(c, {"index", "k.store"});
+  walk_rounds("indexes", at_full_length() ? 2000 : 2, [&](std::size_t, std::mt19937& random) {
     c.begin_with("all.store", "k.store");
-    killer.run();
+    killer.run(random);
     ASSERT_EQ(c.judge("k.store", {c.all, c.indexed}), "");
     ASSERT_EQ(c.run({"index", "k.store"}).exit_code, 0);
     ASSERT_EQ(c.judge("k.store", {c.indexed}), "");
@@ -98,16 +96,14 @@ TEST(Kills, ARewriteAtAnyInstantIsDoneOrNot) {
     Killer killer;
   };
   std::vector<Kind> kinds;
-  std::vector<std::size_t> cases;
   for (const Job& job : rewrites()) {
     c.begin_with(job.begins_with, "f.store");
-    cases.insert(cases.end(), at_full_length() ? 500 : 1, kinds.size());
-    kinds.push_back({job, Killer(c, job.arguments, 9)});
+    kinds.push_back({job, Killer(c, job.arguments)});
   }
-  walk("rewrites", cases, [&](std::size_t which) {
-    auto& [job, killer] = kinds[which];
+  walk_rounds("rewrites", at_full_length() ? 2000 : kinds.size(), [&](std::size_t round, std::mt19937& random) {
+    auto& [job, killer] = kinds[round % kinds.size()];
     c.begin_with(job.begins_with, "f.store");
-    killer.run();
+    killer.run(random);
     ASSERT_EQ(c.judge("f.store", {job.before, job.after}), "") << job.name;
     ASSERT_EQ(judge_again(c, job), "") << job.name;
   });

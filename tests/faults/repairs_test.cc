@@ -133,9 +133,8 @@ std::string try_repair(const Grown& grown, const std::string& bytes, int* made) 
 TEST(Repairs, OfAWholeStoreSaveAll) { EXPECT_EQ(try_repair(grown(), grown().last(), nullptr), ""); }
 
 TEST(Repairs, HideNoClipAndJoinNoIndexes) {
-  std::mt19937 random(23);
   int made = 0, tried = 0;
-  walk_rounds("repairs", at_full_length() ? 12000 : 15, [&] {
+  walk_rounds("repairs", at_full_length() ? 12000 : 15, [&](std::size_t, std::mt19937& random) {
     std::string what;
     const std::string bytes = damaged(random, grown(), what);
     EXPECT_EQ(try_repair(grown(), bytes, &made), "") << what;
