@@ -274,7 +274,7 @@ double mean(const std::vector<double>& of, std::size_t from, std::size_t to) {
 Series run(const Look& look, const std::vector<TargetFrame>& design, const Method& method,
            const Settings& settings) {
   Series series;
-  Transfer transfer([&](int t) { return ExemplarFrame{look.at(t), {}}; }, method.options);
+  Transfer transfer([&](int t) { return ExemplarFrame{look.at(t)}; }, method.options);
   cv::Mat before;
   for (std::size_t t = 0; t < design.size(); ++t) {
     const double start = bench::process_seconds();
@@ -304,7 +304,7 @@ void curve(const Look& look, const std::vector<double>& sizes, nlohmann::json& j
   for (const double megapixels : sizes) {
     const int height = static_cast<int>(std::sqrt(megapixels * 1e6 * 3 / 4));
     const cv::Size size(height * 4 / 3, height);
-    Transfer transfer([&](int) { return ExemplarFrame{look.at(0), {}}; }, {});
+    Transfer transfer([&](int) { return ExemplarFrame{look.at(0)}; }, {});
     const TargetFrame target{cv::Mat(size, CV_8U, cv::Scalar(255)),
                              cv::Mat(size, CV_32FC2, cv::Scalar(1, -1))};
     if (megapixels <= 1) transfer.next(target);

@@ -6,7 +6,6 @@
 #include <fmt/format.h>
 
 #include "freshet/error.h"
-#include "synth/transfer/forward_warp.h"
 
 namespace freshet::synth::transfer {
 namespace {
@@ -23,29 +22,6 @@ void check_frame(const ExemplarFrame& frame, const TransferOptions& options) {
                             frame.bgra.rows, min_side, min_side, options.patch),
                 "Give a larger picture");
   }
-  if (!frame.motion.empty() &&
-      (frame.motion.type() != CV_32FC2 || frame.motion.size() != frame.bgra.size())) {
-    throw Error(ErrorKind::kInput, "exemplar", "a frame's motion is not CV_32FC2 of the frame's size");
-  }
-}
-
-// Where there is motion, the previous frame is carried to this one along it; what it leaves bare is as now.
-PixelGrid collocated_previous(const ExemplarFrame& frame, const ExemplarFrame& previous,
-                              const PixelGrid& now) {
-  if (previous.bgra.data == frame.bgra.data) return now;
-  const PixelGrid before = premultiplied(previous.bgra);
-  if (previous.motion.empty()) return before;
-  VectorGrid flow(before.width, before.height);
-  for (int y = 0; y < flow.height; ++y)
-    for (int x = 0; x < flow.width; ++x) {
-      const cv::Vec2f by = previous.motion.at<cv::Vec2f>(y, x);
-      flow(x, y) = {by[0], by[1]};
-    }
-  // As a mask, all ones tell where something has come.
-  WarpedFrame warped = forward_warp(before, Grid(before.width, before.height, 1.0f), flow);
-  for (std::size_t i = 0; i < warped.mask.values.size(); ++i)
-    if (warped.mask.values[i] < 0.5f) warped.picture.values[i] = now.values[i];
-  return warped.picture;
 }
 
 struct Turned {
@@ -104,7 +80,7 @@ PreparedExemplar prepare(const ExemplarFrame& frame, const ExemplarFrame& previo
   PreparedExemplar prepared;
   prepared.size = frame.bgra.size();
   const PixelGrid now = premultiplied(frame.bgra);
-  const PixelGrid before = collocated_previous(frame, previous, now);
+  const PixelGrid before = previous.bgra.data == frame.bgra.data ? now : premultiplied(previous.bgra);
   const Grid alpha = alpha_of(now);
   prepared.opaque = *std::min_element(alpha.values.begin(), alpha.values.end()) >= 254.5f / 255;
   const Grid blurred_alpha = blurred(alpha, options.radius);

@@ -62,9 +62,6 @@ struct ExemplarFrame {
   /// CV_8UC4, CV_16UC4 or CV_32FC4 (0..1), straight alpha; the colour of what is transparent counts for
   /// nothing. Never written to.
   cv::Mat bgra;
-  /// Empty, or CV_32FC2, px per frame, of bgra's size: what lies at p lies at p + motion in the next frame.
-  /// Temporal coherence then compares along it; without it, at the same pixel (Sec. 4.3).
-  cv::Mat motion;
 };
 
 /// The look at frame t, called from the thread that calls Transfer::next, for t and t - 1. t begins at -1,

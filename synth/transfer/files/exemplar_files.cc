@@ -356,13 +356,13 @@ ExemplarFrame ExemplarFiles::at(int t) {
   const int key =
       exemplar.moments.empty() ? 0 : std::clamp(t, 0, static_cast<int>(exemplar.moments.size()) - 1);
   for (const auto& [known, picture] : exemplar.remembered)
-    if (known == key) return {.bgra = picture, .motion = {}};
+    if (known == key) return {.bgra = picture};
   cv::Mat picture = exemplar.moments.empty()
                         ? exemplar.own(0)
                         : exemplar.moment(exemplar.moments[static_cast<std::size_t>(key)]);
   if (exemplar.remembered.size() == kRemembered) exemplar.remembered.pop_front();
   exemplar.remembered.emplace_back(key, picture);
-  return {.bgra = picture, .motion = {}};
+  return {.bgra = picture};
 }
 
 }  // namespace freshet::synth::transfer

@@ -21,7 +21,7 @@ namespace {
 const cv::Size kFrame(72, 60);
 
 Exemplar still(const cv::Mat& bgra) {
-  return [bgra](int) { return ExemplarFrame{bgra, {}}; };
+  return [bgra](int) { return ExemplarFrame{bgra}; };
 }
 
 bool same(const cv::Mat& a, const cv::Mat& b) {
@@ -126,7 +126,7 @@ TEST(Transfer, AVideoExemplarsFramesAreThoseShown) {
   const auto at = [&](int t) {
     cv::Mat scaled;
     cv::multiply(look, cv::Scalar(1, 0.4 + 0.2 * std::max(t, 0), 1, 1), scaled);
-    return ExemplarFrame{scaled, {}};
+    return ExemplarFrame{scaled};
   };
   Transfer transfer(at, {.iterations = 2});
   TransferredFrame made;
