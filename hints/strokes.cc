@@ -21,7 +21,7 @@ constexpr const char* kFormat = "freshet-strokes";
 constexpr int kVersion = 1;
 constexpr std::uintmax_t kMaxSvgBytes = 128u << 20, kMaxJsonBytes = 16u << 20;
 constexpr std::size_t kDeepest = 32;
-constexpr std::size_t kMaxStrokes = 10000, kMaxPoints = 1u << 20;
+constexpr std::size_t kMaxStrokes = 10000, kMaxPoints = 1u << 20, kMostSpeeds = 100;
 constexpr double kMaxSpeed = 1e5, kFurthest = 1e7, kShortest = 0.5;
 constexpr const char* kJsonRemedy =
     R"(Expected: {"format": "freshet-strokes", "version": 1, "strokes": [{"points": [[x, y], ...]}]})";
@@ -84,8 +84,17 @@ std::vector<Stroke> read_json(const std::string& text, const std::string& where)
       stroke.points.emplace_back(x, read_coordinate(point[1], where, stroke.name));
     }
     if (entry.contains("speed") && !entry["speed"].is_null()) {
-      if (!entry["speed"].is_number()) fail(stroke.name + ": \"speed\" is not a number of px/s");
-      stroke.speed_px_per_s = static_cast<float>(entry["speed"].get<double>());
+      const Json& said = entry["speed"];
+      const Json speeds = said.is_array() ? said : Json::array({said});
+      if (speeds.empty() || speeds.size() > kMostSpeeds)
+        fail(fmt::format("{}: \"speed\" has {} numbers, 1 to {} expected", stroke.name, speeds.size(),
+                         kMostSpeeds));
+      for (const Json& speed : speeds) {
+        if (!speed.is_number()) fail(stroke.name + ": \"speed\" is not a number of px/s");
+        stroke.speeds.push_back(static_cast<float>(speed.get<double>()));
+      }
+      stroke.speed_px_per_s = stroke.speeds.front();
+      if (stroke.speeds.size() < 2) stroke.speeds.clear();
     }
     strokes.push_back(std::move(stroke));
     if (strokes.size() > kMaxStrokes) break;

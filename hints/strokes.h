@@ -16,7 +16,7 @@ struct Stroke {
   /// whose middle is (0.5, 0.5).
   std::vector<cv::Point2f> points;
   std::optional<float> speed_px_per_s{};  // along all of it; of several: where it begins
-  std::vector<float> speeds{};            // of SVG: two or more, at even distances from first to last
+  std::vector<float> speeds{};            // two or more, at even distances from first to last
   std::string name{};                     // for messages: "stroke 2", "path \"fall\""; may be empty
   /// Of SVG: the element's and its groups' labels and ids, outermost first, and the innermost data-layer.
   std::vector<std::string> names{};
@@ -33,7 +33,8 @@ std::optional<float> speed_at(const Stroke& stroke, double share);
 ///
 /// JSON   {"format": "freshet-strokes", "version": 1,
 ///         "strokes": [{"points": [[x, y], ...], "speed": 80}, ...]}
-///        Points in px of the picture as in Stroke; "speed" in px/s and "name" may be left out.
+///        Points in px of the picture as in Stroke; "speed" in px/s, or a list of up to 100 of them as
+///        in Stroke, and "name" may be left out.
 /// SVG    as drawing programs write it: see read_svg_strokes.
 ///
 /// notices   for a person, when not null: what was left out.

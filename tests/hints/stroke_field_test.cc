@@ -109,6 +109,15 @@ std::string clash(const std::vector<Stroke>& strokes) {
   return fault_of(ErrorKind::kInput, [&] { interpolate(strokes, kPicture, "strokes.json"); });
 }
 
+TEST(StrokeField, GathersSpeedAlongAStroke) {
+  Stroke falling = line({160, 20}, {160, 220});
+  falling.speeds = {20, 60, 100};
+  const StrokeField field = interpolate({falling}, kPicture);
+  EXPECT_NEAR(field.speed.at<float>(70, 160), 40, 2);
+  EXPECT_NEAR(field.speed.at<float>(120, 160), 60, 2);
+  EXPECT_NEAR(field.speed.at<float>(170, 160), 80, 2);
+}
+
 TEST(StrokeField, RefusesStrokesThatContradictEachOther) {
   const std::string against =
       clash({line({10, 10}, {20, 10}), line({100, 50}, {100, 150}), line({104, 140}, {104, 90})});

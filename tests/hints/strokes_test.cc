@@ -269,6 +269,16 @@ TEST_F(StrokeFile, ReadsJson) {
   EXPECT_EQ(strokes[1].speed_px_per_s, std::nullopt);
 }
 
+TEST_F(StrokeFile, ReadsSpeedsAlongAStrokeOfJsonAsOfSvg) {
+  const auto falling = read(json(R"({"points":[[50,0],[50,80]],"speed":[20,60,100]})"));
+  const auto drawn = read("<svg><path data-speed='20 60 100' d='M50 0V80'/></svg>");
+  ASSERT_EQ(falling.size(), 1u);
+  for (const double share : {0.0, 0.25, 0.5, 1.0})
+    EXPECT_EQ(speed_at(falling[0], share), speed_at(drawn[0], share));
+  EXPECT_EQ(speed_at(falling[0], 0.25), 40);
+  EXPECT_EQ(speed_at(read(json(R"({"points":[[1,2],[3,4]],"speed":[7]})"))[0], 1), 7);
+}
+
 TEST_F(StrokeFile, TellsSvgByItsContent) { EXPECT_EQ(read(" \n<svg><path d='M0 0h5'/></svg>").size(), 1u); }
 
 TEST_F(StrokeFile, NamesWhatIsWrong) {
@@ -298,6 +308,9 @@ TEST_F(StrokeFile, NamesWhatIsWrong) {
       {R"({"points":[[1,2],[3,1e300]]})", "two numbers"},
       {R"({"points":[[1,2],[3,4]],"speed":-1})", "speed of -1"},
       {R"({"points":[[1,2],[3,4]],"speed":"fast"})", "\"speed\""},
+      {R"({"points":[[1,2],[3,4]],"speed":[]})", "has 0 numbers"},
+      {R"({"points":[[1,2],[3,4]],"speed":[5,"fast"]})", "\"speed\""},
+      {R"({"points":[[1,2],[3,4]],"speed":[5,-2]})", "speed of -2"},
       {R"({"points":4})", "\"points\""},
       {"4", "\"points\""},
   };
