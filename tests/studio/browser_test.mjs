@@ -928,6 +928,11 @@ test("a picture of 24 Mpix is drawn on, panned, and seen pixel by pixel", async 
   await page.locator(".canvas[data-view]").waitFor();
   const offer = page.getByRole("dialog", { name: "24 megapixels" });
   await offer.getByText("3840 × 2560").waitFor();
+  await offer.getByRole("button", { name: "Work at 3840 px" }).click();
+  await page.waitForURL(/large-3840/, { timeout: 60000 });
+  await page.locator(".canvas[data-view]").waitFor();
+  await page.goBack();
+  await page.locator(".canvas[data-view]").waitFor();
   await offer.getByRole("button", { name: "Keep all pixels" }).click();
   await drag(page, [[1000, 300], [5000, 300]]);
   await page.locator(".panel .figure", { hasText: "%" }).waitFor();

@@ -21,9 +21,7 @@ export function LargePicture({ open }: { open: Project }): JSX.Element | null {
   const reduce = async (): Promise<void> => {
     setBusy(true);
     try {
-      const id = await api.copyProject(open.id, kOffered);
-      await api.removeProject(open.id);
-      go(id);
+      go(await api.copyProject(open.id, kOffered)); // the large one stays among the projects
     } catch (fault) {
       state.toast.value = (fault as Error).message;
     }
