@@ -40,7 +40,8 @@ bool Walk::next() {
 
 Walk::~Walk() {
   const auto took = std::chrono::duration_cast<std::chrono::seconds>(Clock::now() - start_);
-  std::cout << name_ << ": " << begun_ - skipped_ << " of " << order_.size() << " cases, " << took.count() << " s\n";
+  std::cout << name_ << ": " << begun_ - skipped_ << " of " << order_.size() << " cases, " << took.count()
+            << " s\n";
 }
 
 Campaign::Campaign() : failing_(FRESHET_FAILING_CALLS) {

@@ -134,20 +134,21 @@ TEST(Damages, ThatAreAimedAreHarmlessOrReported) {
   };
   std::map<std::string, Count> counts;
   const std::size_t kinds = aimed_damages().size();
-  walk_rounds("aimed damages", at_full_length() ? 25000 : kinds, [&](std::size_t round, std::mt19937& random) {
-    const AimedDamage& damage = aimed_damages()[round % kinds];
-    Aim aim{stores, random, stores.whole.bytes, {}};
-    for (int draws = 0; draws < 20 && aim.bytes == stores.whole.bytes; ++draws) {
-      aim.what.clear();
-      damage.apply(aim);
-    }
-    c.folder.file("d.store", aim.bytes);
-    bool content = false;
-    EXPECT_EQ(judge_damage(c, "d.store", damage.may_roll_back ? states : last, content), "")
-        << damage.kind << aim.what;
-    ++counts[damage.kind].tried;
-    counts[damage.kind].harmless += content ? 1 : 0;
-  });
+  walk_rounds("aimed damages", at_full_length() ? 25000 : kinds,
+              [&](std::size_t round, std::mt19937& random) {
+                const AimedDamage& damage = aimed_damages()[round % kinds];
+                Aim aim{stores, random, stores.whole.bytes, {}};
+                for (int draws = 0; draws < 20 && aim.bytes == stores.whole.bytes; ++draws) {
+                  aim.what.clear();
+                  damage.apply(aim);
+                }
+                c.folder.file("d.store", aim.bytes);
+                bool content = false;
+                EXPECT_EQ(judge_damage(c, "d.store", damage.may_roll_back ? states : last, content), "")
+                    << damage.kind << aim.what;
+                ++counts[damage.kind].tried;
+                counts[damage.kind].harmless += content ? 1 : 0;
+              });
   int harmless = 0, tried = 0;
   for (const auto& [name, count] : counts) {
     std::cout << name << ": " << count.tried << ", harmless " << count.harmless << "\n";

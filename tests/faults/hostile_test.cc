@@ -489,15 +489,16 @@ TEST(Hostile, StoresWithRightHashesAreTakenOrRefused) {
   const SealedTables made = whole(false);
   std::map<std::string, std::map<std::string, int>> codes;
   const std::size_t kinds = std::size(kKinds);
-  walk_rounds("hostile stores", at_full_length() ? 4000 : kinds, [&](std::size_t round, std::mt19937& random) {
-    const Kind& tried = kKinds[round % kinds];
-    SealedTables tables = made;
-    Hostile hostile{tables, random};
-    tried.apply(hostile);
-    std::vector<Command> commands{doors()[hostile.below(3)]};
-    while (commands.size() < 4) commands.push_back(hostile.one_of(doors()));
-    expect_harmless(tables, commands, tried.name + hostile.what, codes[tried.name]);
-  });
+  walk_rounds("hostile stores", at_full_length() ? 4000 : kinds,
+              [&](std::size_t round, std::mt19937& random) {
+                const Kind& tried = kKinds[round % kinds];
+                SealedTables tables = made;
+                Hostile hostile{tables, random};
+                tried.apply(hostile);
+                std::vector<Command> commands{doors()[hostile.below(3)]};
+                while (commands.size() < 4) commands.push_back(hostile.one_of(doors()));
+                expect_harmless(tables, commands, tried.name + hostile.what, codes[tried.name]);
+              });
   for (const auto& [name, counts] : codes) {
     std::cout << name << ":";
     for (const auto& [code, count] : counts) std::cout << " exit " << code << " " << count << " times";

@@ -100,13 +100,14 @@ TEST(Kills, ARewriteAtAnyInstantIsDoneOrNot) {
     c.begin_with(job.begins_with, "f.store");
     kinds.push_back({job, Killer(c, job.arguments)});
   }
-  walk_rounds("rewrites", at_full_length() ? 2000 : kinds.size(), [&](std::size_t round, std::mt19937& random) {
-    auto& [job, killer] = kinds[round % kinds.size()];
-    c.begin_with(job.begins_with, "f.store");
-    killer.run(random);
-    ASSERT_EQ(c.judge("f.store", {job.before, job.after}), "") << job.name;
-    ASSERT_EQ(judge_again(c, job), "") << job.name;
-  });
+  walk_rounds("rewrites", at_full_length() ? 2000 : kinds.size(),
+              [&](std::size_t round, std::mt19937& random) {
+                auto& [job, killer] = kinds[round % kinds.size()];
+                c.begin_with(job.begins_with, "f.store");
+                killer.run(random);
+                ASSERT_EQ(c.judge("f.store", {job.before, job.after}), "") << job.name;
+                ASSERT_EQ(judge_again(c, job), "") << job.name;
+              });
   for (const Kind& kind : kinds) std::cout << kind.job.name << ": " << kind.killer.killed() << " killed\n";
 }
 
