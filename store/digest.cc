@@ -56,7 +56,6 @@ struct Snapshot::Impl::Digest {
 
   XXH128_canonical_t clip(ClipId id) const;
   void stream(ClipId id, Stream stream, Hasher& hasher) const;
-  Bytes array(Table table, ByteSpan prefix, const ArrayAccount& account) const;
 };
 
 XXH128_canonical_t Snapshot::Impl::Digest::clip(ClipId id) const {
@@ -74,7 +73,7 @@ XXH128_canonical_t Snapshot::Impl::Digest::clip(ClipId id) const {
   hasher.number(record.rows);
   for (std::size_t s = 0; s < kStreams; ++s) stream(id, static_cast<Stream>(s), hasher);
   for (const auto& [name, account] : impl.stored(id).columns) {
-    const Bytes bytes = array(Table::kColumns, column_prefix(id, name), account);
+    const Bytes bytes = impl.array(Table::kColumns, column_prefix(id, name), account);
     hasher.text(name);
     hasher.number(account.element_bytes);
     hasher.number(bytes.size());
@@ -101,13 +100,6 @@ void Snapshot::Impl::Digest::stream(ClipId id, Stream stream, Hasher& hasher) co
       hasher.bytes(slab);
     }
   }
-}
-
-Bytes Snapshot::Impl::Digest::array(Table table, ByteSpan prefix, const ArrayAccount& account) const {
-  const Chunks chunks = impl.chunks(table, prefix, account);
-  Bytes bytes(chunks.total_bytes);
-  impl.decode_chunks(table, chunks, bytes);
-  return bytes;
 }
 
 std::string Snapshot::digest() const {

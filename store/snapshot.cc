@@ -312,15 +312,18 @@ void Snapshot::column_into(ClipId id, std::string_view name, std::uint32_t eleme
   file.decode_chunks(Table::kColumns, chunks, resize(context, chunks.total_bytes / element_size));
 }
 
+Bytes Snapshot::Impl::array(Table table, ByteSpan prefix, const ArrayAccount& account_of) const {
+  const Chunks parts = chunks(table, prefix, account_of);
+  Bytes bytes(parts.total_bytes);
+  decode_chunks(table, parts, bytes);
+  return bytes;
+}
+
 std::optional<Bytes> Snapshot::Impl::blob(std::string_view name) const {
   const ArrayAccounts& blobs = accounted().blobs;
   const auto account_of = blobs.find(name);
   if (account_of == blobs.end()) return std::nullopt;
-  const Bytes prefix = blob_prefix(name);
-  const auto parts = chunks(Table::kBlobs, prefix, account_of->second);
-  Bytes bytes(parts.total_bytes);
-  decode_chunks(Table::kBlobs, parts, bytes);
-  return bytes;
+  return array(Table::kBlobs, blob_prefix(name), account_of->second);
 }
 
 std::optional<std::vector<std::byte>> Snapshot::blob(std::string_view name) const {

@@ -31,15 +31,10 @@ Store Store::create(const std::filesystem::path& path, const std::string& settin
   return store;
 }
 
-Store Store::open_read(const std::filesystem::path& path) {
-  Store store;
-  store.impl_ = std::make_shared<Impl>(Impl{path, opened(files_of(path), Access::kRead)});
-  return store;
-}
+Store Store::open_read(const std::filesystem::path& path) { return open_read(std::span(&path, 1)); }
 
 Store Store::open_read(std::span<const std::filesystem::path> paths) {
   if (paths.empty()) throw Error(ErrorKind::kUsage, "Store::open_read", "no store is named");
-  if (paths.size() == 1) return open_read(paths.front());
   std::vector<std::filesystem::path> files;
   for (const std::filesystem::path& path : paths)
     for (std::filesystem::path& file : files_of(path)) files.push_back(std::move(file));

@@ -52,6 +52,7 @@ struct Snapshot::Impl {
   Chunks chunks(Table table, ByteSpan prefix, const ArrayAccount& account) const;
   void decode_chunks(Table table, const Chunks& chunks, std::span<std::byte> out) const;
 
+  Bytes array(Table table, ByteSpan prefix, const ArrayAccount& account) const;
   std::optional<Bytes> blob(std::string_view name) const;
 
   std::vector<Usage> usage() const;
