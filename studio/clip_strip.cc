@@ -154,4 +154,10 @@ std::string encoded(const cv::Mat& picture) {
   return {bytes.begin(), bytes.end()};
 }
 
+std::string encoded_png(const cv::Mat& picture) {
+  std::vector<std::uint8_t> bytes;
+  cv::imencode(".png", picture, bytes);
+  return {bytes.begin(), bytes.end()};
+}
+
 }  // namespace freshet::studio

@@ -65,5 +65,6 @@ cv::Mat first_frame(const std::filesystem::path& video);
 
 /// As JPEG.
 std::string encoded(const cv::Mat& picture);
+std::string encoded_png(const cv::Mat& picture);
 
 }  // namespace freshet::studio

@@ -5,9 +5,9 @@
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "query/labelling/shares.h"
 #include "studio/clip_strip.h"
 #include "studio/jobs/jobs.h"
 #include "synth/takes/trial.h"
@@ -78,9 +78,7 @@ std::string red_png(const cv::Mat& cells, const cv::Mat& fluid) {
   cv::Mat mark;
   const cv::Mat none(size, CV_8U, cv::Scalar(40)), all(size, CV_8U, cv::Scalar(255));
   cv::merge(std::vector<cv::Mat>{none, none, all, alpha}, mark);
-  std::vector<std::uint8_t> bytes;
-  cv::imencode(".png", mark, bytes);
-  return {bytes.begin(), bytes.end()};
+  return encoded_png(mark);
 }
 
 /// "the same forms come back, lower left, from 1.3 s on".
@@ -96,7 +94,7 @@ std::string says(const judging::Verdict& verdict, const judging::Evidence& film)
 FoundTakes find_takes(const LabelledPicture& labelled, const Document& document, const Scene& scene,
                       const Job& job) {
   const Rendering made = rendering_of(labelled, document, scene, document.frames, document.fps);
-  const std::string kind = kind_of(made.assignment);
+  const std::string kind = query::largest_class(made.assignment).name;
   const std::vector<takes::Take> planned = takes::plan_takes(
       kind, made.options, made.asked,
       {.speed = true, .layout = document.layout.empty(), .life = true, .method = true}, kTakes);

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <optional>
 
 #include <fmt/format.h>
@@ -94,18 +93,6 @@ Json candidate_json(const LabelledPicture& labelled, stored::Row row, float scor
           {"y", table.y[row]},        {"corners", corners}};
 }
 
-}  // namespace
-
-std::string kind_of(const query::Assignment& assignment) {
-  std::map<std::string, std::size_t> pieces;
-  for (const query::AssignedPiece& piece : assignment.pieces)
-    ++pieces[assignment.clips[piece.clip].class_name];
-  const auto most = std::ranges::max_element(pieces, {}, [](const auto& each) { return each.second; });
-  return most == pieces.end() ? "" : most->first;
-}
-
-namespace {
-
 /// px/s of the picture, mean over its pieces, as their patches were filmed.
 double filmed_speed(const LabelledPicture& labelled) {
   const query::CandidateSearch& search = labelled.labelling.search;
@@ -123,7 +110,7 @@ double filmed_speed(const LabelledPicture& labelled) {
 Json paces_json(const LabelledPicture& labelled) {
   const query::Assignment& assignment = labelled.labelling.assignment;
   const double filmed = std::max(filmed_speed(labelled), 1e-3);
-  const std::string kind = kind_of(assignment);
+  const std::string kind = query::largest_class(assignment).name;
   Json paces = Json::object();
   for (const char* const pace : {"slow", "natural", "fast"})
     paces[pace] = std::clamp(synth::judging::speed_of(kind, pace, assignment.picture) / filmed, 0.05, 20.0);

@@ -24,9 +24,6 @@ struct LabelledPicture {
   std::vector<std::string> notices;  // for a person: what was guessed, what was left out
 };
 
-/// The class of most pieces.
-std::string kind_of(const query::Assignment& assignment);
-
 /// The request that the command line makes of a project.toml of this document.
 /// Throws Error{kInput} for strokes that no field goes through.
 query::LabelRequest request_of(const Document& document, cv::Size picture);

@@ -13,6 +13,7 @@
 #include "media/frame/file_format.h"
 #include "platform/printable.h"
 #include "platform/text_file.h"
+#include "studio/clip_strip.h"
 
 namespace freshet::studio {
 namespace {
@@ -25,12 +26,6 @@ constexpr const char* kDocument = "document.json";
 constexpr const char* kHistory = "history.json";
 constexpr const char* kThumbnail = "thumbnail.jpg";
 constexpr int kThumbnailSide = 480;  // px
-
-std::string png(const cv::Mat& map) {
-  std::vector<std::uint8_t> bytes;
-  cv::imencode(".png", map, bytes);
-  return {bytes.begin(), bytes.end()};
-}
 
 std::string picture_in(const fs::path& folder) {
   std::error_code fault;
@@ -114,7 +109,7 @@ cv::Mat Project::given_matte() const {
 }
 
 void Project::give_matte(const fs::path& bytes) {
-  write("given_matte.png", png(media::read_matte(bytes, size()).alpha));
+  write("given_matte.png", encoded_png(media::read_matte(bytes, size()).alpha));
 }
 
 void Project::write_history(std::string_view json) {
@@ -218,7 +213,7 @@ void Project::write_or_remove(const char* name, const cv::Mat& map) const {
   if (map.empty())
     fs::remove(folder_ / name, ignored);
   else
-    write(name, png(map));
+    write(name, encoded_png(map));
 }
 
 bool Project::holds(const std::string& name) const {

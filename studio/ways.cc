@@ -8,7 +8,6 @@
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
-#include <opencv2/imgcodecs.hpp>
 
 #include "freshet/error.h"
 #include "media/frame/file_format.h"
@@ -22,12 +21,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
-
-void write_png(const fs::path& path, const cv::Mat& picture) {
-  std::vector<std::uint8_t> bytes;
-  cv::imencode(".png", picture, bytes);
-  write_whole_file(path, {bytes.begin(), bytes.end()});
-}
 
 /// A folder of pictures that were exported.
 Json sequence_json(const fs::directory_entry& folder) {
@@ -258,7 +251,7 @@ std::string Ways::clip_frame(const std::string& project, const std::string& clip
 
 std::string Ways::open_frame(const cv::Mat& frame, const std::string& name, const std::string& store) {
   const IncomingFile picture = folder_.incoming_file();
-  write_png(picture.path(), frame);
+  write_whole_file(picture.path(), encoded_png(frame));
   return projects_.open_picture(picture.path(), project_name(name) + ".png", store);
 }
 
@@ -301,7 +294,7 @@ std::string Ways::open_stored_clip(const std::string& store, std::size_t clip, b
   const std::string id = open_frame(frames.at(0), fs::path(name).stem().string() + " stills", path);
   for (std::size_t i = 0; i < frames.size(); ++i) {
     const IncomingFile file = folder_.incoming_file();
-    write_png(file.path(), frames[i]);
+    write_whole_file(file.path(), encoded_png(frames[i]));
     add_still(id, file.path(), fmt::format("{:02}.png", i + 1));
   }
   return id;

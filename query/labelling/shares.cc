@@ -36,6 +36,15 @@ LargestShares largest_shares(const Assignment& assignment) {
   return shares;
 }
 
+LargestClass largest_class(const Assignment& assignment) {
+  if (assignment.pieces.empty()) return {};
+  std::map<std::string, std::size_t> pieces;
+  for (const AssignedPiece& piece : assignment.pieces) ++pieces[assignment.clips[piece.clip].class_name];
+  const auto most = std::ranges::max_element(pieces, {}, [](const auto& each) { return each.second; });
+  return {.name = most->first,
+          .share = static_cast<double>(most->second) / static_cast<double>(assignment.pieces.size())};
+}
+
 std::string to_string(const LargestShares& shares) {
   return fmt::format("largest share of a clip {:.0f}%, of a patch {:.1f}%", 100 * shares.clip,
                      100 * shares.patch);

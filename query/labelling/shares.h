@@ -21,6 +21,13 @@ inline constexpr double kClipShareWarned = 0.6;
 /// From here on a patch is seen as a stamp.
 inline constexpr double kPatchShareWarned = 0.1;
 
+/// The class that most pieces come from, and their part of all, 0..1; of equal ones the first by name.
+struct LargestClass {
+  std::string name;
+  double share = 1;
+};
+LargestClass largest_class(const Assignment& assignment);
+
 /// "largest share of a clip 65 %, of a patch 2.3 %", for a person.
 std::string to_string(const LargestShares& shares);
 /// What is wrong with them and what helps, a sentence without a full stop; empty: nothing. Few pieces, below

@@ -2,9 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 
 #include <fmt/format.h>
+
+#include "query/labelling/shares.h"
 
 namespace freshet::tools {
 namespace {
@@ -53,13 +54,8 @@ nlohmann::json verdict_json(const judging::Verdict& verdict, const judging::Evid
 
 ShownKind kind_of(const std::string& asked_class, const query::Assignment& assignment) {
   if (!asked_class.empty()) return {.name = asked_class, .share = 1, .asked = true};
-  std::map<std::string, std::size_t> pieces;
-  for (const query::AssignedPiece& piece : assignment.pieces)
-    ++pieces[assignment.clips[piece.clip].class_name];
-  if (pieces.empty()) return {};
-  const auto most = std::ranges::max_element(pieces, {}, [](const auto& kind) { return kind.second; });
-  return {.name = most->first,
-          .share = static_cast<double>(most->second) / static_cast<double>(assignment.pieces.size())};
+  const query::LargestClass most = query::largest_class(assignment);
+  return {.name = most.name, .share = most.share};
 }
 
 std::string take_words(const Assumed& assumed, const judging::Verdict& verdict,

@@ -29,6 +29,17 @@ TEST(Shares, OfTheMostUsedClipAndPatch) {
   EXPECT_EQ(largest_shares({}).clip, 0);
 }
 
+TEST(Shares, OfTheClassOfMostPieces) {
+  Assignment assignment = of_clips({10, 25, 20});
+  assignment.clips[0].class_name = "smoke";
+  assignment.clips[1].class_name = "fire";
+  EXPECT_EQ(largest_class(assignment).name, "fire");
+  EXPECT_DOUBLE_EQ(largest_class(assignment).share, 25.0 / 55);
+  assignment.clips[0].class_name = "water";  // with the last clip's more than fire's
+  EXPECT_EQ(largest_class(assignment).name, "water");
+  EXPECT_EQ(largest_class({}).name, "");
+}
+
 TEST(Shares, AClipAboveThreeFifthsIsNamedWithTheRemedy) {
   const auto warning = [](const Assignment& assignment) {
     return shares_warning(assignment, largest_shares(assignment));
