@@ -113,9 +113,14 @@ std::string Projects::open_picture(const fs::path& file, const std::string& name
   throw Error(ErrorKind::kUsage, name, "there are very many projects of this name", "Give it another name");
 }
 
+void Projects::stop_previews(const std::string& id) {
+  jobs_.previews().stop_key(id);
+  jobs_.previews().stop_key(takes_key(id));
+}
+
 void Projects::remove(const std::string& id) {
   const fs::path folder = folder_of(id);
-  jobs_.previews().stop_key(id);
+  stop_previews(id);
   const std::lock_guard lock(guard_);
   easels_.erase(id);
   if (fs::is_symlink(fs::symlink_status(folder)) || !fs::is_directory(folder))
@@ -128,8 +133,7 @@ std::string Projects::rename(const std::string& id, const std::string& name) {
   const std::string wanted = project_name(name);
   const fs::path from = folder_of(id), to = folder_of(wanted);
   if (wanted == id) return id;
-  jobs_.previews().stop_key(id);
-  jobs_.previews().stop_key(takes_key(id));
+  stop_previews(id);
   const std::lock_guard lock(guard_);
   if (fs::is_symlink(fs::symlink_status(from)) || !fs::is_directory(from))
     throw Error(ErrorKind::kNotFound, id, "there is no such project");

@@ -65,6 +65,7 @@ class Projects {
 
  private:
   std::filesystem::path folder_of(const std::string& id) const;
+  void stop_previews(const std::string& id);  // and its takes
   std::string reduced(const std::string& id, int longest);
 
   StudioFolder& folder_;
