@@ -13,32 +13,36 @@ namespace {
 constexpr double kSide = 256;  // px
 
 // By reading: how much it speaks for water, fire, smoke, clouds. The eight clips that set no constant are not in it.
-constexpr std::array<std::array<float, kFluidKinds.size()>, kLookReadings> kWeights{{
-    {{-0.05407f, -2.321f, -1.029f, 3.167f}},    // luma_mean
-    {{-1.14f, 0.6038f, 0.693f, 0.5178f}},       // luma_spread
-    {{-0.6146f, -2.78f, -0.8551f, 4.337f}},     // blue_mean
-    {{-3.2f, 3.457f, 0.6545f, 0.2345f}},        // blue_spread
-    {{-4.699f, 10.78f, -2.495f, -3.991f}},      // red_mean
-    {{-4.266f, 16.58f, -3.564f, -10.33f}},      // red_spread
-    {{0.7717f, 0.1769f, -0.6732f, -0.8781f}},   // luma_dark
-    {{0.2547f, -0.8498f, -0.5546f, 0.8823f}},   // luma_bright
-    {{-2.127f, 6.605f, -1.091f, -3.709f}},      // warm_share
-    {{-1.209f, 3.597f, -2.298f, -1.022f}},      // chroma
-    {{1.243f, -0.2386f, -1.099f, -0.8356f}},    // detail_1
-    {{0.2512f, 0.6548f, -0.8921f, -0.5703f}},   // detail_2
-    {{-0.2875f, 0.4665f, -0.3224f, 0.059f}},    // detail_4
-    {{-0.2193f, -0.5207f, 0.3547f, 0.6736f}},   // detail_8
-    {{-0.4609f, 0.5239f, 0.5657f, -0.2516f}},   // upright
-    {{0.768f, 1.297f, -2.365f, -1.173f}},       // slanted
-    {{1.055f, -0.8283f, -1.101f, 0.06545f}},    // height
-    {{2.833f, -4.816f, -0.9074f, 1.887f}},      // height_spread
-    {{0.4748f, -0.2477f, -1.309f, 0.3364f}},    // aspect
-    {{0.4189f, -0.5274f, 0.058f, -0.02747f}},   // share
-    {{0.4336f, 0.2139f, -0.2391f, -0.6942f}},   // share_bottom
-    {{-0.2228f, -0.2804f, 0.4128f, 0.3846f}},   // share_top
-    {{-0.2203f, 0.7832f, -0.0985f, -0.5002f}},  // against_rest
-    {{0.7321f, -1.245f, -0.9947f, 0.9019f}},    // red_on_luma
-    {{0.366f, 0.2207f, 0.2916f, -0.8989f}},     // blue_on_luma
+struct Reading {
+  const char* name;
+  std::array<float, kFluidKinds.size()> weights;
+};
+constexpr std::array<Reading, kLookReadings> kReadings{{
+    {"luma_mean", {-0.05407f, -2.321f, -1.029f, 3.167f}},
+    {"luma_spread", {-1.14f, 0.6038f, 0.693f, 0.5178f}},
+    {"blue_mean", {-0.6146f, -2.78f, -0.8551f, 4.337f}},
+    {"blue_spread", {-3.2f, 3.457f, 0.6545f, 0.2345f}},
+    {"red_mean", {-4.699f, 10.78f, -2.495f, -3.991f}},
+    {"red_spread", {-4.266f, 16.58f, -3.564f, -10.33f}},
+    {"luma_dark", {0.7717f, 0.1769f, -0.6732f, -0.8781f}},
+    {"luma_bright", {0.2547f, -0.8498f, -0.5546f, 0.8823f}},
+    {"warm_share", {-2.127f, 6.605f, -1.091f, -3.709f}},
+    {"chroma", {-1.209f, 3.597f, -2.298f, -1.022f}},
+    {"detail_1", {1.243f, -0.2386f, -1.099f, -0.8356f}},
+    {"detail_2", {0.2512f, 0.6548f, -0.8921f, -0.5703f}},
+    {"detail_4", {-0.2875f, 0.4665f, -0.3224f, 0.059f}},
+    {"detail_8", {-0.2193f, -0.5207f, 0.3547f, 0.6736f}},
+    {"upright", {-0.4609f, 0.5239f, 0.5657f, -0.2516f}},
+    {"slanted", {0.768f, 1.297f, -2.365f, -1.173f}},
+    {"height", {1.055f, -0.8283f, -1.101f, 0.06545f}},
+    {"height_spread", {2.833f, -4.816f, -0.9074f, 1.887f}},
+    {"aspect", {0.4748f, -0.2477f, -1.309f, 0.3364f}},
+    {"share", {0.4189f, -0.5274f, 0.058f, -0.02747f}},
+    {"share_bottom", {0.4336f, 0.2139f, -0.2391f, -0.6942f}},
+    {"share_top", {-0.2228f, -0.2804f, 0.4128f, 0.3846f}},
+    {"against_rest", {-0.2203f, 0.7832f, -0.0985f, -0.5002f}},
+    {"red_on_luma", {0.7321f, -1.245f, -0.9947f, 0.9019f}},
+    {"blue_on_luma", {0.366f, 0.2207f, 0.2916f, -0.8989f}},
 }};
 constexpr std::array<float, kFluidKinds.size()> kOffsets{2.7125f, -1.0314f, -6.2799f, -5.3728f};
 
@@ -67,11 +71,7 @@ Place place_of(const cv::Mat& inside) {
 
 }  // namespace
 
-const std::array<const char*, kLookReadings> kLookNames{
-    "luma_mean",   "luma_spread",  "blue_mean",   "blue_spread",   "red_mean", "red_spread", "luma_dark",
-    "luma_bright", "warm_share",   "chroma",      "detail_1",      "detail_2", "detail_4",   "detail_8",
-    "upright",     "slanted",      "height",      "height_spread", "aspect",   "share",      "share_bottom",
-    "share_top",   "against_rest", "red_on_luma", "blue_on_luma"};
+const char* look_name(std::size_t reading) { return kReadings.at(reading).name; }
 
 std::array<float, kLookReadings> fluid_look(const cv::Mat& picture, const cv::Mat& matte) {
   assert(picture.type() == CV_8UC3 && matte.type() == CV_8U && picture.size() == matte.size());
@@ -156,7 +156,7 @@ FluidKind fluid_kind(const std::array<float, kLookReadings>& look) {
   std::array<double, kFluidKinds.size()> score{};
   for (std::size_t kind = 0; kind < score.size(); ++kind) {
     score[kind] = kOffsets[kind];
-    for (std::size_t i = 0; i < look.size(); ++i) score[kind] += double{look[i]} * kWeights[i][kind];
+    for (std::size_t i = 0; i < look.size(); ++i) score[kind] += double{look[i]} * kReadings[i].weights[kind];
   }
   const auto best = std::ranges::max_element(score);
   FluidKind kind{.best = static_cast<int>(best - score.begin())};

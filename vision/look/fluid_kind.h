@@ -11,8 +11,8 @@ namespace freshet::vision {
 inline constexpr std::array<const char*, 4> kFluidKinds{"water", "fire", "smoke", "clouds"};
 inline constexpr int kLookReadings = 25;
 
-/// What the look is judged by, in this order; colours and luma in 0..1.
-extern const std::array<const char*, kLookReadings> kLookNames;
+/// What the look is judged by, in the order of fluid_look; colours and luma in 0..1.
+const char* look_name(std::size_t reading);
 
 /// How the fluid looks, on the picture reduced to a longer side of 256 px: luma, colour, how colour goes with
 /// luma, contrast by size of detail, the direction of its edges, and where in the picture it lies.

@@ -63,8 +63,8 @@ TEST(FluidKind, ReadsTheMatteAlone) {
   wavy.picture.rowRange(0, 40).setTo(cv::Scalar(30, 90, 250));  // far from the fluid's edge
   const auto after = fluid_look(wavy.picture, wavy.matte);
   for (std::size_t i = 0; i < before.size(); ++i)
-    if (std::string_view(kLookNames[i]) != "against_rest") {
-      EXPECT_FLOAT_EQ(before[i], after[i]) << kLookNames[i];
+    if (std::string_view(look_name(i)) != "against_rest") {
+      EXPECT_FLOAT_EQ(before[i], after[i]) << look_name(i);
     }
 }
 
