@@ -140,6 +140,7 @@ std::string likely_content(const fs::path& path) {
   std::erase_if(files,
                 [&](const fs::path& file) { return file != path && !media::looks_like_picture(file); });
   std::string content;
+  if (files.empty()) files = {path};  // it has changed since it was listed
   for (const fs::path& file : files) content += hex(fs::file_size(file, error));
   std::string beginning(std::size_t{1} << 16, '\0');
   std::ifstream first(files.front(), std::ios::binary);
@@ -192,8 +193,7 @@ std::vector<Source> list_sources(std::span<const fs::path> paths, Shard shard) {
   std::map<std::string, std::size_t> order;  // of contents, as they come
   for (Source& source : all) {
     const std::size_t number = order.emplace(likely_content(source.path), order.size()).first->second;
-    if (number % static_cast<std::size_t>(shard.count) == static_cast<std::size_t>(shard.index) - 1)
-      taken.push_back(std::move(source));
+    if (shard.takes(number)) taken.push_back(std::move(source));
   }
   return taken;
 }

@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "platform/shard.h"
+
 namespace freshet::ingest {
 
 /// One clip to be: a video file, or a folder of numbered pictures.
@@ -17,13 +19,6 @@ struct Source {
   bool operator==(const Source&) const = default;
 };
 
-/// Which part of the list this run takes: every `count`-th source, beginning with the `index`-th (1-based). Sources of equal
-/// contents go together, so that of them the same one is ingested for any `count`. Shards are disjoint, and together they
-/// are the whole list.
-struct Shard {
-  int index = 1, count = 1;
-};
-
 /// Walks folders to any depth; names that begin with a dot are passed over, links to folders are not
 /// followed. In a folder, a file is a clip when media::looks_like_video says so; a file given directly always
 /// is, so that the reader can say what is wrong with it. A folder that holds no video and at least
@@ -32,7 +27,8 @@ struct Shard {
 /// The list is in media::natural_less order of names ("f9" before "f10", ties by bytes), the same on every
 /// machine. The same path given twice is listed once.
 ///
-/// Of one shard of several the first 64 KB of each source are read.
+/// Sources of equal contents are of one shard, so that of them the same one is ingested for any number of shards: of one of
+/// several the first 64 KB of each source are read.
 ///
 /// Throws Error{kInput} when a path does not exist or cannot be listed, and when there is no clip at all;
 /// Error{kUsage} for a shard outside 1..count.

@@ -100,8 +100,7 @@ void say_reasons(const ingest::ClipReport& clip) {
 
 void run(const IngestCommand& command, RunContext& context) {
   ingest::IngestOptions options = command.options;
-  const Shard shard = command.shard.read();
-  options.shard = {shard.index, shard.count};
+  options.shard = command.shard.read();
   ingest::GrowingStore growing(command.store, command.paths, options.shard,
                                [&] { return command.settings.for_new_store(); });
   if (!growing.is_new()) command.settings.check_against(growing.settings(), command.store);

@@ -1,20 +1,13 @@
 // tools/options/shard_option.h — which part of a list a run takes, where many machines share it.
 #pragma once
 
-#include <cstddef>
 #include <string>
 
 #include <CLI/CLI.hpp>
 
-namespace freshet::tools {
+#include "platform/shard.h"
 
-/// Every `count`-th of the list, beginning with the `index`-th (1-based): shards are disjoint, and together the list.
-struct Shard {
-  int index = 1, count = 1;
-  bool takes(std::size_t i) const {
-    return i % static_cast<std::size_t>(count) == static_cast<std::size_t>(index - 1);
-  }
-};
+namespace freshet::tools {
 
 class ShardOption {
  public:
