@@ -27,7 +27,7 @@ constexpr double kMinStatic = 0.35;              // of the survivors stand still
 constexpr int kMinStaticCells = 3;
 constexpr double kShakeSpan_s = 0.2;  // motion is smoothed over so much before and after
 
-using Corners = std::array<cv::Point2d, 5>;  // the frame's corners and its centre
+using Corners = CameraWindow::Corners;
 
 /// Zero-mean normalised correlation of two patterns.
 class PatternCheck {
@@ -72,12 +72,15 @@ struct CameraTracker::Impl {
   std::vector<cv::Point2f> anchors, points, next;
   std::vector<uchar> found;
   std::vector<float> residual;
-  std::vector<char> alive;
+  std::vector<char> alive, still_alive;        // before and after the frame that was sought last
+  bool sought = false;                         // the frame that is added next
   std::vector<std::vector<cv::Point2f>> path;  // of all points, a frame an entry
   PatternCheck correlation;
 
   CameraMotion motion;
   std::vector<Corners> places;  // where the scene's corners are after each window
+  std::vector<CameraWindow> windows;
+  int frames = 0;
   double shake_squares = 0;
   std::size_t shake_count = 0;
 
@@ -112,26 +115,35 @@ struct CameraTracker::Impl {
     path.assign(1, points);
   }
 
+  /// Where the points are in this frame, and which still look like what they were.
+  void seek(const cv::Mat& luma) {
+    sought = true;
+    still_alive.assign(points.size(), 0);
+    if (points.empty()) return;
+    cv::calcOpticalFlowPyrLK(previous, luma, points, next, found, residual, {11, 11}, 3,
+                             {cv::TermCriteria::COUNT + cv::TermCriteria::EPS, 15, 0.01});
+    const cv::Rect2f inside(kMargin, kMargin, static_cast<float>(size.width - 2 * kMargin),
+                            static_cast<float>(size.height - 2 * kMargin));
+    for (std::size_t i = 0; i < points.size(); ++i)
+      still_alive[i] = alive[i] && found[i] && inside.contains(next[i]) &&
+                       correlation(reference, anchors[i], luma, next[i]) >= kMinCorrelation;
+  }
+
   void follow(const cv::Mat& luma) {
-    if (!points.empty()) {
-      cv::calcOpticalFlowPyrLK(previous, luma, points, next, found, residual, {11, 11}, 3,
-                               {cv::TermCriteria::COUNT + cv::TermCriteria::EPS, 15, 0.01});
-      const cv::Rect2f inside(kMargin, kMargin, static_cast<float>(size.width - 2 * kMargin),
-                              static_cast<float>(size.height - 2 * kMargin));
-      for (std::size_t i = 0; i < points.size(); ++i) {
-        if (!alive[i]) continue;
-        points[i] = next[i];
-        if (!found[i] || !inside.contains(points[i]) ||
-            correlation(reference, anchors[i], luma, points[i]) < kMinCorrelation) {
-          alive[i] = 0;
-        }
-      }
-    }
+    if (!sought) seek(luma);
+    sought = false;
+    for (std::size_t i = 0; i < points.size(); ++i)
+      if (alive[i]) points[i] = next[i];
+    alive = still_alive;
     path.push_back(points);
   }
 
   void end_window() {
     ++motion.windows;
+    CameraWindow& record = windows.emplace_back();
+    record.last = frames - 1;
+    record.first = frames - static_cast<int>(path.size());
+    record.before = record.after = places.back();
     std::vector<int> survivors, still, agreeing;
     std::vector<cv::Point2f> from, to;
     for (std::size_t i = 0; i < points.size(); ++i) {
@@ -171,23 +183,27 @@ struct CameraTracker::Impl {
     }
     ++motion.referenced_windows;
     places.push_back(place);
-    add_shake(agreeing);
+    record.referenced = true;
+    record.after = place;
+    add_shake(agreeing, record);
   }
 
   /// What is left of the group's mean path when its own moving average is taken away.
-  void add_shake(const std::vector<int>& group) {
+  void add_shake(const std::vector<int>& group, CameraWindow& record) {
     std::vector<cv::Point2d> mean(path.size());
     for (std::size_t t = 0; t < path.size(); ++t) {
       for (const int i : group) mean[t] += cv::Point2d(path[t][i] - anchors[i]);
       mean[t] /= static_cast<double>(group.size());
     }
-    const int span = shake_span, frames = static_cast<int>(mean.size());
-    for (int t = span; t + span < frames; ++t) {
+    const int span = shake_span, length = static_cast<int>(mean.size());
+    for (int t = span; t + span < length; ++t) {
       cv::Point2d smooth;
       for (int s = t - span; s <= t + span; ++s) smooth += mean[s];
       const cv::Point2d rest = mean[t] - smooth / (2.0 * span + 1);
       shake_squares += rest.ddot(rest);
       ++shake_count;
+      record.shake_squares += rest.ddot(rest);
+      ++record.shake_count;
     }
   }
 };
@@ -199,6 +215,7 @@ CameraTracker::CameraTracker(CameraTracker&&) noexcept = default;
 void CameraTracker::add(const cv::Mat& luma) {
   Impl& impl = *impl_;
   CV_Assert(luma.type() == CV_8U && luma.size() == impl.size);
+  ++impl.frames;
   if (impl.path.empty()) {
     impl.begin_window(luma);
   } else {
@@ -209,6 +226,14 @@ void CameraTracker::add(const cv::Mat& luma) {
     }
   }
   luma.copyTo(impl.previous);
+}
+
+double CameraTracker::lost(const cv::Mat& luma) {
+  Impl& impl = *impl_;
+  const auto before = std::ranges::count(impl.alive, 1);
+  if (impl.path.empty() || before < kMinGroup) return 0;
+  impl.seek(luma);
+  return 1 - static_cast<double>(std::ranges::count(impl.still_alive, 1)) / static_cast<double>(before);
 }
 
 CameraMotion CameraTracker::finish() {
@@ -225,6 +250,28 @@ CameraMotion CameraTracker::finish() {
     impl.motion.shake = std::sqrt(impl.shake_squares / static_cast<double>(impl.shake_count)) / impl.diagonal;
   }
   return impl.motion;
+}
+
+const std::vector<CameraWindow>& CameraTracker::windows() const { return impl_->windows; }
+
+CameraMotion motion_of(std::span<const CameraWindow> windows, double diagonal) {
+  CameraMotion motion;
+  motion.windows = static_cast<int>(windows.size());
+  std::vector<Corners> places;
+  if (!windows.empty()) places.push_back(windows.front().before);
+  double shake_squares = 0;
+  std::size_t shake_count = 0;
+  for (const CameraWindow& window : windows) {
+    if (!window.referenced) continue;
+    ++motion.referenced_windows;
+    for (const Corners& earlier : places)
+      motion.drift = std::max(motion.drift, distance(window.after, earlier) / diagonal);
+    places.push_back(window.after);
+    shake_squares += window.shake_squares;
+    shake_count += window.shake_count;
+  }
+  if (shake_count > 0) motion.shake = std::sqrt(shake_squares / static_cast<double>(shake_count)) / diagonal;
+  return motion;
 }
 
 }  // namespace freshet::ingest

@@ -11,7 +11,11 @@
 // better; where they do, what stands still is taken for the scene.
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <memory>
+#include <span>
+#include <vector>
 
 #include <opencv2/core.hpp>
 
@@ -28,7 +32,20 @@ struct CameraMotion {
   }
 };
 
-/// Takes a clip's frames one by one. Memory: two small frames and one window of point positions, and 80 bytes
+/// A window, and what it tells.
+struct CameraWindow {
+  using Corners = std::array<cv::Point2d, 5>;  // of the scene that the first frame showed, and its centre
+  int first = 0, last = 0;                     // its frames; the next window begins with its last
+  bool referenced = false;                     // something solid was found
+  Corners before{}, after{};                   // px; the same without reference
+  double shake_squares = 0;                    // px^2, of shake_count frames
+  std::size_t shake_count = 0;
+};
+
+/// What windows that follow each other tell together. diagonal   px, of the frames.
+CameraMotion motion_of(std::span<const CameraWindow> windows, double diagonal);
+
+/// Takes a clip's frames one by one. Memory: two small frames and one window of point positions, and 200 bytes
 /// for each window. Cost: about 3 ms per frame on one thread, whatever the frame's size.
 class CameraTracker {
  public:
@@ -37,7 +54,12 @@ class CameraTracker {
   ~CameraTracker();
   CameraTracker(CameraTracker&&) noexcept;
   void add(const cv::Mat& luma);  // CV_8U
+  /// Share of the points followed so far that this frame, the one to be added next, no longer shows; 0 where fewer than
+  /// a dozen are left to tell. Each is looked for once, here or in add.
+  double lost(const cv::Mat& luma);
   CameraMotion finish();
+  /// All windows so far.
+  const std::vector<CameraWindow>& windows() const;
 
   static constexpr int kWorkingSide = 384;
 

@@ -7,9 +7,9 @@
 
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
-#include <tbb/task_group.h>
 
 #include "freshet/error.h"
+#include "ingest/aside.h"
 #include "ingest/clip_analysis.h"
 #include "media/frame/frame.h"
 #include "platform/stopwatch.h"
@@ -25,39 +25,19 @@ struct Slab {
   std::vector<cv::Mat> luma;  // CV_8U
 };
 
-Slab decode_slab(media::VideoReader& reader, double& seconds) {
+Slab decode_slab(const FrameSource& next, double& seconds) {
   const TimedScope watch(seconds);
   Slab slab;
   slab.frames.reserve(kSlab);
   slab.luma.reserve(kSlab);
   while (slab.frames.size() < kSlab) {
-    std::optional<media::Frame> frame = reader.next();
+    std::optional<media::Frame> frame = next();
     if (!frame) break;
     slab.luma.push_back(media::to_luma(*frame));
     slab.frames.push_back(std::move(*frame));
   }
   return slab;
 }
-
-/// A task beside the caller's work. Leaving its scope waits for it, so that it never outlives what it refers
-/// to.
-class Aside {
- public:
-  template <class Work>
-  explicit Aside(Work&& work) {
-    group_.run(std::forward<Work>(work));
-  }
-  ~Aside() {
-    try {
-      group_.wait();
-    } catch (...) {  // an exception of the caller's work is already on its way
-    }
-  }
-  void wait() { group_.wait(); }
-
- private:
-  tbb::task_group group_;
-};
 
 std::vector<store::PlaneShape> shapes_of(const media::Frame& frame) {
   std::vector<store::PlaneShape> shapes;
@@ -200,17 +180,13 @@ struct Pass {
 
 }  // namespace
 
-ClipMeasures stream_clip(media::VideoReader& reader, double fps, const std::string& where,
+ClipMeasures stream_clip(const FrameSource& next, double fps, const std::string& where,
                          const vision::Settings& settings, store::ClipWriter& writer,
                          const std::function<void(std::uint32_t)>& on_slab, const std::stop_token& stop,
                          IngestSeconds& seconds) {
-  Slab slab = decode_slab(reader, seconds.decode);
-  if (slab.frames.empty()) {
-    throw Error(
-        ErrorKind::kInput, where,
-        "not one frame could be decoded" + (reader.complaint().empty() ? "" : ": " + reader.complaint()),
-        "Check that the file plays");
-  }
+  Slab slab = decode_slab(next, seconds.decode);
+  if (slab.frames.empty())
+    throw Error(ErrorKind::kInput, where, "not one frame could be decoded", "Check that the file plays");
   const cv::Size size = slab.luma.front().size();
   writer.begin_stream(store::Stream::kFrames, shapes_of(slab.frames.front()));
 
@@ -219,7 +195,7 @@ ClipMeasures stream_clip(media::VideoReader& reader, double fps, const std::stri
   while (!slab.frames.empty()) {
     if (stop.stop_requested()) throw Error(ErrorKind::kCancelled, where, "stopped; the clip was not added");
     Slab following;
-    Aside decoding([&] { following = decode_slab(reader, seconds.decode); });
+    Aside decoding([&] { following = decode_slab(next, seconds.decode); });
     for (const media::Frame& frame : slab.frames) measures.columns.times_s.push_back(frame.time_s);
     pass.add(slab);
     measures.frames += static_cast<std::uint32_t>(slab.frames.size());

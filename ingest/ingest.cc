@@ -44,8 +44,10 @@ json screening_json(const Screening& screening, const Verdict& verdict) {
 
 /// No times and no paths: the same clip has the same metadata wherever and however fast it was read.
 stored::ClipMetadata metadata_of(const media::VideoInfo& info, const ClipMeasures& measures,
-                                 const Verdict& verdict, const ClipReport& report,
+                                 const Verdict& verdict, const ClipReport& report, json part,
                                  const media::Repairs& repairs) {
+  json more{{"screening", screening_json(measures.screening, verdict)}};
+  if (!part.is_null()) more["part"] = std::move(part);
   return {.layout = info.layout,
           .codec = info.codec,
           .container = info.container,
@@ -57,7 +59,7 @@ stored::ClipMetadata metadata_of(const media::VideoInfo& info, const ClipMeasure
           .loop = measures.loop,
           .half_life_s = measures.half_life_s,
           .standing = measures.standing,
-          .more = {{"screening", screening_json(measures.screening, verdict)}}};
+          .more = std::move(more)};
 }
 
 /// Faults that need no frame to be seen, none of which force overrides.
@@ -87,12 +89,13 @@ void check_fit(const media::VideoInfo& info, const Source& source, const vision:
         "Film in SDR, or export it as SDR (BT.709) from your editing program");
 }
 
+constexpr double kOtherRate = 0.01;  // rates that differ by more than this share are not the same
+
 /// Where a file's stamps tell another mean rate than its header, they are right.
 void take_stamped_rate(const fs::path& path, store::ClipRecord& record) {
-  constexpr double kWrong = 0.01;
   const double claimed = static_cast<double>(record.fps_num) / static_cast<double>(record.fps_den);
   const double stamped = timing_of(media::frame_stamps(path)).fps;
-  if (!(stamped > 0.5 && stamped < 2000) || std::abs(stamped / claimed - 1) <= kWrong) return;
+  if (!(stamped > 0.5 && stamped < 2000) || std::abs(stamped / claimed - 1) <= kOtherRate) return;
   record.fps_num = std::llround(stamped * 1000);
   record.fps_den = 1000;
 }
@@ -103,37 +106,77 @@ std::string without_path(const Error& error, const fs::path& path) {
   return text.starts_with(where) ? text.substr(where.size()) : text;
 }
 
-/// One source, from path to row.
+/// Of a source that is in the store in parts: how many of them are there, and how many there are to be.
+struct PartsThere {
+  std::size_t there = 0, of = 0;
+  std::string first;  // name
+};
+
+PartsThere parts_there(const store::Snapshot& snapshot, const std::string& hash) {
+  PartsThere parts;
+  for (const store::ClipId id : snapshot.clips()) {
+    const store::ClipRecord& record = snapshot.clip(id);
+    if (record.name.find('@') == std::string::npos) continue;  // no part; only those need their metadata read
+    const json part = stored::metadata_of(snapshot, id).more.value("part", json());
+    if (!part.is_object() || part.value("source", "") != hash) continue;
+    if (parts.there++ == 0) parts.first = record.name;
+    parts.of = part.value("of", std::size_t{0});
+  }
+  return parts;
+}
+
+/// One source, from path to rows.
 class ClipIngest {
  public:
+  using OnFrames = std::function<void(bool surveying, std::uint32_t frames, std::uint32_t claimed)>;
+
   ClipIngest(store::Store& store, const vision::Settings& settings, const IngestOptions& options)
       : store_(store), settings_(settings), options_(options) {}
 
-  /// Throws Error for what ends the run; everything else is in the row.
-  ClipReport run(const Source& source, const std::function<void(std::uint32_t, std::uint32_t)>& on_slab,
-                 const std::stop_token& stop) {
-    ClipReport report;
-    report.name = source.name;
-    report.path = source.path;
-    report.class_name = options_.class_name.empty() ? source.class_name : options_.class_name;
-    try {
-      const TimedScope total(report.seconds.total);
-      add(source, on_slab, stop, report);
-    } catch (const Error& error) {
-      if (error.kind() != ErrorKind::kInput) throw;
-      fail(report, without_path(error, source.path));
-    } catch (const std::bad_alloc&) {
-      fail(report, "the memory does not suffice for this clip; scale it down first");
-    } catch (const cv::Exception& error) {
-      fail(report, "it could not be analysed: " + error.err);
-    } catch (const std::exception& error) {
-      fail(report, fmt::format("it could not be analysed: {}", error.what()));
+  /// Appends the rows, each when it is finished.
+  /// Throws Error for what ends the run; everything else is in the rows.
+  void run(const Source& source, const OnFrames& on_frames, const std::function<void(ClipReport)>& finish,
+           const std::stop_token& stop) {
+    ClipReport blank;
+    blank.name = source.name;
+    blank.path = source.path;
+    blank.class_name = options_.class_name.empty() ? source.class_name : options_.class_name;
+    const auto end_row = [&](ClipReport&& row) {
+      const bool there = row.outcome == Outcome::kAdded || row.outcome == Outcome::kAlreadyThere;
+      // Of a source in parts, one that was taken speaks for it.
+      if (!hash_.empty() && (there || !seen_.contains(hash_))) seen_.insert_or_assign(hash_, row);
+      finish(std::move(row));
+    };
+    ClipReport row = blank;
+    const Stopwatch all;
+    if (guarded(row, [&] { return settled(source, row) || look(source, row, on_frames, stop); })) {
+      row.seconds.total = all.seconds();
+      end_row(std::move(row));
+    } else {
+      take(source, row, on_frames, end_row, stop);
     }
-    if (!hash_.empty()) seen_.try_emplace(std::exchange(hash_, {}), report);
-    return report;
+    hash_.clear();
+    reader_.reset();
   }
 
  private:
+  /// True also when the work failed for its clip's sake; the row then says why.
+  bool guarded(ClipReport& row, const std::function<bool()>& work) {
+    try {
+      return work();
+    } catch (const Error& error) {
+      if (error.kind() != ErrorKind::kInput) throw;
+      fail(row, without_path(error, row.path));
+    } catch (const std::bad_alloc&) {
+      fail(row, "the memory does not suffice for this clip; scale it down first");
+    } catch (const cv::Exception& error) {
+      fail(row, "it could not be analysed: " + error.err);
+    } catch (const std::exception& error) {
+      fail(row, fmt::format("it could not be analysed: {}", error.what()));
+    }
+    return true;
+  }
+
   static void fail(ClipReport& report, std::string reason) {
     report.outcome = Outcome::kFailed;
     report.reasons = {std::move(reason)};
@@ -167,6 +210,12 @@ class ClipIngest {
                                             : fmt::format("its bytes are in the store as \"{}\"", name)};
       return true;
     }
+    if (const PartsThere parts = parts_there(snapshot, hash_); parts.there > 0 && parts.there == parts.of) {
+      report.outcome = Outcome::kAlreadyThere;
+      report.reasons = {fmt::format("its {} part{} in the store, the first as \"{}\"", parts.of,
+                                    parts.of == 1 ? " is" : "s are", parts.first)};
+      return true;
+    }
     if (same_name) {
       throw Error(ErrorKind::kInput, source.path.string(),
                   fmt::format("the store holds another clip named \"{}\"", source.name),
@@ -175,49 +224,161 @@ class ClipIngest {
     return false;
   }
 
-  void add(const Source& source, const std::function<void(std::uint32_t, std::uint32_t)>& on_slab,
-           const std::stop_token& stop, ClipReport& report) {
-    if (settled(source, report)) return;
-    // A picture turned by a quarter is the same picture: what lies is set upright, unasked.
-    media::Repairs repairs = options_.repairs;
-    repairs.upright = true;
-    media::VideoReader reader(source.path, 0, repairs);
-    const media::VideoInfo info = reader.info();
+  /// Opens the source, and finds what of it can be taken. True when the row says all there is to say.
+  bool look(const Source& source, ClipReport& report, const OnFrames& on_frames,
+            const std::stop_token& stop) {
+    open(source);
+    const media::VideoInfo& info = reader_->info();
     report.width = static_cast<std::uint32_t>(info.layout.width);
     report.height = static_cast<std::uint32_t>(info.layout.height);
     check_fit(info, source, settings_);
-    store::ClipRecord record;
-    record.fps_num = info.fps_num;
-    record.fps_den = info.fps_den;
+    record_ = {};
+    record_.fps_num = info.fps_num;
+    record_.fps_den = info.fps_den;
     const double claimed = info.fps_den > 0 ? static_cast<double>(info.fps_num) / info.fps_den : 0;
     if (!(claimed > 0.5 && claimed < 2000)) {
       report.notes.push_back(fmt::format("its header claims {} / {} frames per second; 25 are taken",
                                          info.fps_num, info.fps_den));
-      record.fps_num = 25;
-      record.fps_den = 1;
+      record_.fps_num = 25;
+      record_.fps_den = 1;
     }
-    take_stamped_rate(source.path, record);
-    report.fps = static_cast<double>(record.fps_num) / static_cast<double>(record.fps_den);
+    take_stamped_rate(source.path, record_);
+    report.fps = static_cast<double>(record_.fps_num) / static_cast<double>(record_.fps_den);
     if (info.turned != 0)
       report.notes.push_back(fmt::format(
           "its frames are stored lying; they are kept upright, turned by {} degrees as players do",
           info.turned));
+    frames_claimed_ = static_cast<std::uint32_t>(std::clamp<std::int64_t>(info.claimed_frames, 0, 1 << 30));
+    survey_ = {};
+    if (options_.force) return false;
+    const TimedScope watch(report.seconds.survey);
+    survey_ = survey(
+        *reader_, report.fps, options_.limits, source.path.string(),
+        [&](std::uint32_t frames) { on_frames(true, frames, frames_claimed_); }, stop);
+    open(source);
+    if (survey_.pieces.size() != 1 || survey_.pieces.front().fit()) return false;
+    report.frames = static_cast<std::uint32_t>(survey_.whole.frames());
+    report.outcome = Outcome::kRefused;
+    report.reasons = survey_.pieces.front().refusals;
+    if (!survey_.complaint.empty()) report.notes.push_back(survey_.complaint);
+    return true;
+  }
 
+  /// A picture turned by a quarter is the same picture: what lies is set upright, unasked.
+  void open(const Source& source) {
+    media::Repairs repairs = options_.repairs;
+    repairs.upright = true;
+    reader_.emplace(source.path, 0, repairs);
+    frames_read_ = 0;
+  }
+
+  /// The next frame of the source.
+  std::optional<media::Frame> next_frame() {
+    std::optional<media::Frame> frame = reader_->next();
+    if (frame) ++frames_read_;
+    return frame;
+  }
+
+  /// All that the first look found fit, in one pass over the source, and a row for what it did not.
+  void take(const Source& source, const ClipReport& looked, const OnFrames& on_frames,
+            const std::function<void(ClipReport&&)>& end_row, const std::stop_token& stop) {
+    if (!survey_.cut_up()) {
+      ClipReport row = looked;
+      const Stopwatch all;
+      guarded(row, [&] {
+        add(
+            source, nullptr, [&] { return next_frame(); }, on_frames, stop, row);
+        return true;
+      });
+      row.seconds.total = all.seconds() + looked.seconds.survey + looked.seconds.hash;
+      return end_row(std::move(row));
+    }
+    std::size_t number = 0;
+    const std::size_t of = static_cast<std::size_t>(survey_.fit());
+    for (const Piece& piece : survey_.pieces) {
+      ClipReport row = looked;
+      if (&piece != &survey_.pieces.front()) row.seconds = {};
+      row.part = piece.span;
+      row.name = part_name(source.name, piece.span);
+      row.frames = static_cast<std::uint32_t>(piece.span.frames());
+      const Stopwatch all;
+      if (piece.fit()) {
+        const json part{{"source", hash_},         {"from_s", piece.span.from_s},
+                        {"to_s", piece.span.to_s}, {"first_frame", piece.span.first},
+                        {"number", ++number},      {"of", of}};
+        guarded(row, [&] {
+          add_part(source, piece.span, part, on_frames, stop, row);
+          return true;
+        });
+      } else {
+        row.outcome = Outcome::kRefused;
+        row.reasons = piece.refusals;
+      }
+      row.seconds.total = all.seconds() + row.seconds.survey + row.seconds.hash;
+      if (&piece == &survey_.pieces.back() && !survey_.complaint.empty())
+        row.notes.push_back(survey_.complaint);
+      end_row(std::move(row));
+    }
+  }
+
+  void add_part(const Source& source, const Span& span, const json& part, const OnFrames& on_frames,
+                const std::stop_token& stop, ClipReport& row) {
+    {
+      const store::Snapshot snapshot = store_.snapshot();
+      if (snapshot.find_source(part_hash(hash_, span.first, span.last))) {
+        row.outcome = Outcome::kAlreadyThere;
+        row.reasons = {"it is in the store"};
+        return;
+      }
+      if (snapshot.find(row.name))
+        throw Error(ErrorKind::kInput, source.path.string(),
+                    fmt::format("the store holds another clip named \"{}\"", row.name),
+                    "Rename the file, or give the folder above it so that its name differs");
+    }
+    while (frames_read_ < span.first) {
+      if (stop.stop_requested())
+        throw Error(ErrorKind::kCancelled, source.path.string(), "stopped; the clip was not added");
+      if (!next_frame())
+        throw Error(ErrorKind::kInput, source.path.string(), "it ends earlier than at the first look",
+                    "Ingest it again when nothing changes it");
+    }
+    add(
+        source, &part,
+        [&]() -> std::optional<media::Frame> {
+          if (frames_read_ >= span.last) return std::nullopt;
+          std::optional<media::Frame> frame = next_frame();
+          if (frame) frame->time_s -= span.from_s;
+          return frame;
+        },
+        on_frames, stop, row);
+  }
+
+  /// A part's mean rate, where its source's is another.
+  void take_measured_rate(const FrameTiming& timing, store::ClipRecord& record) const {
+    const double source_fps = static_cast<double>(record.fps_num) / static_cast<double>(record.fps_den);
+    if (timing.fps <= 0 || std::abs(timing.fps / source_fps - 1) <= kOtherRate) return;
+    record.fps_num = std::llround(timing.fps * 1000);
+    record.fps_den = 1000;
+  }
+
+  /// What `next` gives becomes a clip. part   of a source that is taken in parts, null otherwise.
+  void add(const Source& source, const json* part, const FrameSource& next, const OnFrames& on_frames,
+           const std::stop_token& stop, ClipReport& report) {
+    store::ClipRecord record = record_;
     const std::uint64_t bytes_before = file_size();
     store::ClipWriter writer = store_.add_clip();
-    const auto frames_claimed =
-        static_cast<std::uint32_t>(std::clamp<std::int64_t>(info.claimed_frames, 0, 1 << 30));
     ClipMeasures measures = stream_clip(
-        reader, report.fps, source.path.string(), settings_, writer,
+        next, report.fps, source.path.string(), settings_, writer,
         [&](std::uint32_t frames) {
           report.frames = frames;
-          on_slab(frames, frames_claimed);
+          on_frames(false, part ? static_cast<std::uint32_t>(frames_read_) : frames, frames_claimed_);
         },
         stop, report.seconds);
-    if (!reader.complaint().empty()) {
+    if (!part && !reader_->complaint().empty()) {
       measures.screening.truncated = true;
-      report.notes.push_back(reader.complaint());
+      report.notes.push_back(reader_->complaint());
     }
+    if (part) take_measured_rate(measures.screening.timing, record);
     report.screening = measures.screening;
 
     stored::PatchColumns& patches = measures.columns.patches;
@@ -245,14 +406,16 @@ class ClipIngest {
     report.patches_by_variant.assign(settings_.variants().size(), 0);
     for (const std::uint8_t variant : patches.variant) ++report.patches_by_variant[variant];
 
-    record.name = source.name;
+    record.name = report.name;
     record.class_name = report.class_name;
     record.licence = options_.licence;
-    record.source_hash = hash_;
+    const media::VideoInfo& info = reader_->info();
+    record.source_hash = part ? part_hash(hash_, report.part->first, report.part->last) : hash_;
     record.pixel_format = info.layout.format;
     record.width = report.width;
     record.height = report.height;
-    record.metadata = to_json(metadata_of(info, measures, verdict, report, options_.repairs));
+    record.metadata =
+        to_json(metadata_of(info, measures, verdict, report, part ? *part : json(), options_.repairs));
     {
       const TimedScope watch(report.seconds.commit);
       stored::write_columns(writer, measures.columns);
@@ -273,7 +436,14 @@ class ClipIngest {
   store::Store& store_;
   const vision::Settings& settings_;
   const IngestOptions& options_;
-  std::string hash_;                        // of the clip in hand
+  // Of the source in hand:
+  std::string hash_;
+  std::optional<media::VideoReader> reader_;
+  int frames_read_ = 0;
+  std::uint32_t frames_claimed_ = 0;
+  store::ClipRecord record_;  // its rate
+  Survey survey_;
+
   std::map<std::string, ClipReport> seen_;  // of this run, by source hash
 };
 
@@ -312,20 +482,25 @@ IngestReport ingest(store::Store& store, const vision::Settings& settings, std::
     try {
       if (stop.stop_requested())
         throw Error(ErrorKind::kCancelled, sources[i].path.string(), "stopped before it");
-      report.clips.push_back(clip.run(
+      clip.run(
           sources[i],
-          [&](std::uint32_t frames, std::uint32_t claimed) {
+          [&](bool surveying, std::uint32_t frames, std::uint32_t claimed) {
+            at.surveying = surveying;
             at.frames = frames;
             at.claimed_frames = claimed;
             notify();
           },
-          stop));
+          [&](ClipReport row) {
+            report.clips.push_back(std::move(row));
+            at.finished = &report.clips.back();
+            notify();
+            at.finished = nullptr;
+          },
+          stop);
     } catch (const Error& error) {
       report.stopped = error;
       return report;
     }
-    at.finished = &report.clips.back();
-    notify();
   }
   return report;
 }

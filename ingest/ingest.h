@@ -13,6 +13,7 @@
 #include "freshet/error.h"
 #include "ingest/screening.h"
 #include "ingest/source_list.h"
+#include "ingest/survey.h"
 #include "media/frame/repair.h"
 #include "store/store.h"
 #include "vision/settings.h"
@@ -40,15 +41,16 @@ const char* to_string(Outcome outcome);  // "added", "already there", "refused",
 /// Seconds by stage, of the calling thread except `decode`, which runs beside the others, `screen`, which
 /// runs beside `flow`, and `life`, which runs beside `texture`.
 struct IngestSeconds {
-  double hash = 0, decode = 0, screen = 0, flow = 0, motion = 0, texture = 0, life = 0, store = 0,
+  double hash = 0, survey = 0, decode = 0, screen = 0, flow = 0, motion = 0, texture = 0, life = 0, store = 0,
          patches = 0, commit = 0;
   double total = 0;  // wall clock of the whole clip
 };
 
-/// One row of the report.
+/// One row of the report: a source, or a part of one, that is a clip or was left out.
 struct ClipReport {
-  std::string name, class_name;
+  std::string name, class_name;  // of a part: part_name
   std::filesystem::path path;
+  std::optional<Span> part;  // of a source that is taken in parts
   Outcome outcome = Outcome::kFailed;
   std::vector<std::string> reasons;  // sentences: why it was not added; with force, what was overridden
   std::vector<std::string> notes;    // "no static reference", "11 of 50 frames", ...
@@ -64,7 +66,7 @@ struct ClipReport {
 };
 
 struct IngestReport {
-  std::vector<ClipReport> clips;  // one per source, in the order of the list; fewer when stopped
+  std::vector<ClipReport> clips;  // a source after another, in the order of the list; fewer when stopped
   std::optional<Error> stopped;   // cancelled, disk full, store damaged: what ended the run early
   std::size_t count(Outcome outcome) const;
 };
@@ -75,12 +77,17 @@ struct IngestProgress {
   const Source* source = nullptr;
   std::uint32_t frames = 0;              // done of the clip in hand
   std::uint32_t claimed_frames = 0;      // by its header; 0: unknown
-  const ClipReport* finished = nullptr;  // set on the last call for a clip
+  bool surveying = false;                // at the first look; the frames are then counted again
+  const ClipReport* finished = nullptr;  // set on a call of its own for each row
 };
 
 /// Adds all clips that the paths hold (see list_sources) to the store, one after another, each streamed in
 /// slabs of 16 frames, so that memory does not grow with a clip's length.
 ///
+/// Parts     Each source is looked at first (survey.h), unless force takes it as it is. One that is not fit as a
+///           whole, but in parts, becomes a clip for each of these: named part_name, with the hash part_hash, times
+///           that begin with 0, and where it lies in its source under "part" in its metadata. What is left out is a
+///           row too, refused.
 /// Streams   kFrames: native planes.
 ///           kFlow: u, v at 1 / settings.flow_step, frame t from t to t + 1, one frame fewer than the clip.
 ///           kAverage: one plane of 16 bits, mean luma over 0..65535, source size.

@@ -11,25 +11,11 @@ namespace freshet::ingest {
 namespace {
 
 constexpr int kThumbnailSide = 64;  // px, longer side, on which frames are compared as wholes
-constexpr int kHistogramBins = 32;
-constexpr int kNeighbours = 4;  // changes on either side that a cut must stand out from
 
 cv::Size within(cv::Size size, int side) {
   const double scale = std::min(1.0, static_cast<double>(side) / std::max(size.width, size.height));
   return {std::max(1, static_cast<int>(std::lround(size.width * scale))),
           std::max(1, static_cast<int>(std::lround(size.height * scale)))};
-}
-
-using Histogram = std::array<float, kHistogramBins>;
-
-Histogram histogram_of(const cv::Mat& thumbnail) {
-  Histogram bins{};
-  const float one = 1.0f / static_cast<float>(thumbnail.total());
-  for (int y = 0; y < thumbnail.rows; ++y) {
-    const uchar* row = thumbnail.ptr<uchar>(y);
-    for (int x = 0; x < thumbnail.cols; ++x) bins[row[x] * kHistogramBins / 256] += one;
-  }
-  return bins;
 }
 
 /// 1 - correlation; 0 for two flat pictures, which are alike.
@@ -45,29 +31,54 @@ float decorrelation(const cv::Mat& a, const cv::Mat& b) {
 
 }  // namespace
 
-std::vector<int> find_cuts(const std::vector<FrameChange>& changes) {
-  std::vector<int> cuts;
-  const int n = static_cast<int>(changes.size());
-  for (int t = 0; t < n; ++t) {
-    const FrameChange& here = changes[t];
-    // Below these floors no jump is a cut, whatever the neighbours.
-    if (here.difference < 0.03f || here.decorrelation < 0.25f) continue;
-    FrameChange around;
-    for (int s = std::max(0, t - kNeighbours); s <= std::min(n - 1, t + kNeighbours); ++s) {
-      if (s == t) continue;
-      around.difference = std::max(around.difference, changes[s].difference);
-      around.decorrelation = std::max(around.decorrelation, changes[s].decorrelation);
-      around.histogram = std::max(around.histogram, changes[s].histogram);
-    }
-    if (here.difference > 3 * around.difference && here.decorrelation > 3 * around.decorrelation &&
-        here.histogram > 1.5f * around.histogram) {
-      cuts.push_back(t + 1);
-    }
+ChangeMeter::ChangeMeter(cv::Size working) : thumbnail_(within(working, kThumbnailSide)) {}
+
+std::optional<FrameChange> ChangeMeter::add(const cv::Mat& working) {
+  cv::resize(working, tiny_, thumbnail_, 0, 0, cv::INTER_AREA);
+  histogram_.fill(0);
+  const float one = 1.0f / static_cast<float>(tiny_.total());
+  for (int y = 0; y < tiny_.rows; ++y) {
+    const uchar* row = tiny_.ptr<uchar>(y);
+    for (int x = 0; x < tiny_.cols; ++x) histogram_[row[x] * kBins / 256] += one;
   }
+  std::optional<FrameChange> change;
+  if (!previous_.empty()) {
+    change.emplace();
+    change->difference = static_cast<float>(cv::norm(tiny_, previous_, cv::NORM_L1) / 255 /
+                                            static_cast<double>(tiny_.total()));
+    change->decorrelation = decorrelation(tiny_, previous_);
+    for (int bin = 0; bin < kBins; ++bin)
+      change->histogram += 0.5f * std::abs(histogram_[bin] - previous_histogram_[bin]);
+  }
+  std::swap(tiny_, previous_);
+  previous_histogram_ = histogram_;
+  return change;
+}
+
+bool is_cut(std::span<const FrameChange> changes, int t) {
+  const int n = static_cast<int>(changes.size());
+  const FrameChange& here = changes[t];
+  // Below these floors no jump is a cut, whatever the neighbours.
+  if (here.difference < 0.03f || here.decorrelation < 0.25f) return false;
+  FrameChange around;
+  for (int s = std::max(0, t - kCutNeighbours); s <= std::min(n - 1, t + kCutNeighbours); ++s) {
+    if (s == t) continue;
+    around.difference = std::max(around.difference, changes[s].difference);
+    around.decorrelation = std::max(around.decorrelation, changes[s].decorrelation);
+    around.histogram = std::max(around.histogram, changes[s].histogram);
+  }
+  return here.difference > 3 * around.difference && here.decorrelation > 3 * around.decorrelation &&
+         here.histogram > 1.5f * around.histogram;
+}
+
+std::vector<int> find_cuts(std::span<const FrameChange> changes) {
+  std::vector<int> cuts;
+  for (int t = 0; t < static_cast<int>(changes.size()); ++t)
+    if (is_cut(changes, t)) cuts.push_back(t + 1);
   return cuts;
 }
 
-double duplicated_fraction(const std::vector<FrameChange>& changes) {
+double duplicated_fraction(std::span<const FrameChange> changes) {
   if (changes.empty()) return 0;
   // A repeated frame, coded again, differs by a little; a frame of slow clouds may differ by as little, but
   // so do its neighbours.
@@ -76,7 +87,7 @@ double duplicated_fraction(const std::vector<FrameChange>& changes) {
   std::vector<float> around;
   for (int t = 0; t < n; ++t) {
     around.clear();
-    for (int s = std::max(0, t - kNeighbours); s <= std::min(n - 1, t + kNeighbours); ++s) {
+    for (int s = std::max(0, t - kCutNeighbours); s <= std::min(n - 1, t + kCutNeighbours); ++s) {
       if (s != t) around.push_back(changes[s].difference);
     }
     float usual = 0;
@@ -143,18 +154,17 @@ Verdict judge(const Screening& screening, const ScreeningLimits& limits) {
   return verdict;
 }
 
+cv::Size screening_size(cv::Size source) { return within(source, CameraTracker::kWorkingSide); }
+
 struct Screener::Impl {
-  cv::Size working, thumbnail;
+  cv::Size working;
   CameraTracker camera;
+  ChangeMeter meter;
   int frames = 0;
-  cv::Mat small, tiny, previous;
-  Histogram histogram{}, previous_histogram{};
+  cv::Mat small;
   std::vector<FrameChange> changes;
 
-  Impl(cv::Size source, double fps)
-      : working(within(source, CameraTracker::kWorkingSide)),
-        thumbnail(within(source, kThumbnailSide)),
-        camera(working, fps) {}
+  Impl(cv::Size source, double fps) : working(screening_size(source)), camera(working, fps), meter(working) {}
 };
 
 Screener::Screener(cv::Size source, double fps) : impl_(std::make_unique<Impl>(source, fps)) {}
@@ -164,20 +174,7 @@ void Screener::add(const cv::Mat& luma) {
   Impl& impl = *impl_;
   cv::resize(luma, impl.small, impl.working, 0, 0, cv::INTER_AREA);
   impl.camera.add(impl.small);
-  cv::resize(impl.small, impl.tiny, impl.thumbnail, 0, 0, cv::INTER_AREA);
-  impl.histogram = histogram_of(impl.tiny);
-  if (impl.frames > 0) {
-    FrameChange change;
-    change.difference = static_cast<float>(cv::norm(impl.tiny, impl.previous, cv::NORM_L1) / 255 /
-                                           static_cast<double>(impl.tiny.total()));
-    change.decorrelation = decorrelation(impl.tiny, impl.previous);
-    for (int bin = 0; bin < kHistogramBins; ++bin) {
-      change.histogram += 0.5f * std::abs(impl.histogram[bin] - impl.previous_histogram[bin]);
-    }
-    impl.changes.push_back(change);
-  }
-  std::swap(impl.tiny, impl.previous);
-  impl.previous_histogram = impl.histogram;
+  if (const auto change = impl.meter.add(impl.small)) impl.changes.push_back(*change);
   ++impl.frames;
 }
 

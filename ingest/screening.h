@@ -21,8 +21,10 @@
 // flight above far clouds is taken without one.
 #pragma once
 
-#include <cstdint>
+#include <array>
 #include <memory>
+#include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -39,6 +41,10 @@ struct ScreeningLimits {
   double max_shake = 0.004;     // of the frame's diagonal, rms
   double max_duplicates = 0.5;  // fraction of frames that repeat the one before
   double max_gap_s = 0.25;      // without a frame, where that is more than three times the mean interval
+  // Of a stretch of a take in which the camera moves (survey.h):
+  double max_stretch_drift = 0.01;   // of the frame's diagonal
+  double max_stretch_speed = 0.002;  // ... and in each second of it
+  double min_stretch_s = 2;
 };
 
 /// What was measured. Fractions are 0..1.
@@ -64,13 +70,33 @@ struct FrameChange {
   float decorrelation = 0;  // 1 - correlation with the frame before
   float histogram = 0;      // half the L1 distance of 32-bin histograms
 };
+/// Measures the changes of frames that come one by one.
+class ChangeMeter {
+ public:
+  explicit ChangeMeter(cv::Size working);
+  /// working   CV_8U, of the size given. Nothing for the first frame.
+  std::optional<FrameChange> add(const cv::Mat& working);
+
+ private:
+  static constexpr int kBins = 32;
+  cv::Size thumbnail_;
+  cv::Mat tiny_, previous_;
+  std::array<float, kBins> histogram_{}, previous_histogram_{};
+};
+
 /// The frames that begin another take: where the picture changes at once and for good. Against the
 /// four frames on either side such a frame differs several times more in all of mean absolute
 /// difference, correlation and histogram. Flames flicker, but every frame; a flash or a flicker of
 /// exposure keeps the correlation.
-std::vector<int> find_cuts(const std::vector<FrameChange>& changes);
+std::vector<int> find_cuts(std::span<const FrameChange> changes);
+/// Whether the frame after change t begins another take: by the changes from t - kCutNeighbours to t + kCutNeighbours.
+bool is_cut(std::span<const FrameChange> changes, int t);
+inline constexpr int kCutNeighbours = 4;
 /// Fraction of frames that repeat the one before, among those that have one.
-double duplicated_fraction(const std::vector<FrameChange>& changes);
+double duplicated_fraction(std::span<const FrameChange> changes);
+
+/// Size at which frames are screened: CameraTracker::kWorkingSide on the longer side, never enlarged.
+cv::Size screening_size(cv::Size source);
 
 /// Takes a clip's frames in order. Memory: 12 bytes per frame and the camera tracker's.
 class Screener {

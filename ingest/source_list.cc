@@ -215,4 +215,10 @@ std::string source_hash(const fs::path& path) {
   return hash.hex();
 }
 
+std::string part_hash(const std::string& source_hash, int first, int last) {
+  HashState hash;
+  hash.add(fmt::format("{}:{}-{}", source_hash, first, last));
+  return hash.hex();
+}
+
 }  // namespace freshet::ingest

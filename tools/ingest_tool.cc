@@ -30,9 +30,15 @@ struct IngestCommand {
   bool no_index = false, no_flann = false, json = false;
 };
 
+nlohmann::json to_json(const ingest::Span& span) {
+  return {
+      {"from_s", span.from_s}, {"to_s", span.to_s}, {"first_frame", span.first}, {"frames", span.frames()}};
+}
+
 nlohmann::json to_json(const ingest::ClipReport& clip) {
   const ingest::Screening& s = clip.screening;
   return {{"name", clip.name},
+          {"part", clip.part ? to_json(*clip.part) : nlohmann::json()},
           {"class", clip.class_name},
           {"outcome", ingest::to_string(clip.outcome)},
           {"reasons", clip.reasons},
@@ -56,6 +62,7 @@ nlohmann::json to_json(const ingest::ClipReport& clip) {
             {"truncated", s.truncated}}},
           {"seconds",
            {{"hash", clip.seconds.hash},
+            {"survey", clip.seconds.survey},
             {"decode", clip.seconds.decode},
             {"screen", clip.seconds.screen},
             {"flow", clip.seconds.flow},
@@ -72,11 +79,12 @@ void print_report(const ingest::IngestReport& report) {
   Table table({"clip", "class", "frames", "size", "fps", "patches", "static", "drift", "shake", "s", "stored",
                "outcome", "why"});
   for (const ingest::ClipReport& clip : report.clips) {
-    const bool measured =
-        clip.outcome == ingest::Outcome::kAdded || clip.outcome == ingest::Outcome::kRefused;
+    const bool opened = clip.outcome == ingest::Outcome::kAdded || clip.outcome == ingest::Outcome::kRefused;
+    const bool measured = clip.screening.frames > 0;
+    const auto known = [&](const std::string& text) { return opened ? text : std::string("-"); };
     const auto shown = [&](const std::string& text) { return measured ? text : std::string("-"); };
     table.row({clip.name, clip.class_name, fmt::format("{}", clip.frames),
-               shown(fmt::format("{}x{}", clip.width, clip.height)), shown(fmt::format("{:.2f}", clip.fps)),
+               known(fmt::format("{}x{}", clip.width, clip.height)), known(fmt::format("{:.2f}", clip.fps)),
                fmt::format("{}", clip.patches), shown(fmt::format("{:.2f}", clip.screening.static_fraction)),
                shown(fmt::format("{:.1f}%", 100 * clip.screening.camera.drift)),
                shown(fmt::format("{:.2f}%", 100 * clip.screening.camera.shake)),
@@ -109,8 +117,8 @@ void run(const IngestCommand& command, RunContext& context) {
   const ingest::IngestReport report = ingest::ingest(
       growing.store(), growing.settings(), command.paths, options,
       [&](const ingest::IngestProgress& at) {
-        const std::string stage =
-            fmt::format("[{}/{}] {}", at.clip + 1, at.clips, at.source ? at.source->name : "");
+        const std::string stage = fmt::format("[{}/{}] {}{}", at.clip + 1, at.clips,
+                                              at.surveying ? "first look at " : "", at.source->name);
         progress.show(stage, at.frames, at.claimed_frames, "frames");
         if (at.finished) say_reasons(*at.finished);
       },
@@ -148,15 +156,19 @@ void add_ingest(CLI::App& app, RunContext& context) {
   CLI::App* sub = app.add_subcommand(
       "ingest",
       "Add clips of fluid to a store, and create it if it does not exist. Clips that the store has are "
-      "skipped, so an interrupted run can be repeated. Unfit clips are named and left out.");
+      "skipped, so an interrupted run can be repeated. Long films are cut into takes, and of a take in which "
+      "the "
+      "camera moves the stretches are taken where it stands: clips named FILM@START-END, in seconds. What is "
+      "unfit is named and left out.");
   sub->add_option("STORE", command->store, "The store file")->required();
   sub->add_option("CLIP", command->paths, "Videos, or folders of videos (searched to any depth)")->required();
   sub->add_option("--class", command->options.class_name, "Class of all given clips [each clip's folder]");
   sub->add_option("--licence", command->options.licence,
                   "Licence of all given clips; recorded with every use of them");
-  sub->add_flag(
-      "--force", command->options.force,
-      "Keep clips that screening refuses (moving camera, cuts, too short); the findings are still reported");
+  sub->add_flag("--force", command->options.force,
+                "Take each clip whole, also where screening refuses it (moving camera, cuts, too short); the "
+                "findings are "
+                "still reported");
   sub->add_flag("--deinterlace", command->options.repairs.deinterlace,
                 "Deinterlace. The stored frames then differ from the source's");
   sub->add_flag("--deblock", command->options.repairs.deblock,

@@ -19,7 +19,7 @@ struct IngestOptions {
   std::string class_name{};
   /// Licence of all clips, free text; kept with every use of them.
   std::string licence{};
-  /// Keep clips that screening refuses (moving camera, cuts, too short).
+  /// Take each clip whole, also where screening refuses it (moving camera, cuts, too short).
   bool force = false;
 };
 
@@ -30,8 +30,10 @@ enum class IngestOutcome {
   kFailed,   // cannot be kept: no video, no patch, its name is taken, ...
 };
 
+/// A clip, or a part of one: a film of several takes becomes a clip for each, as do the stretches of a take in which
+/// the camera stands. What is left out of such a film is a row too, refused.
 struct IngestedClip {
-  std::string name;
+  std::string name;  // of a part: "NAME@START-END", in seconds
   IngestOutcome outcome = IngestOutcome::kFailed;
   std::vector<std::string> reasons;  // sentences: why it was not added; with force, what was overridden
   std::uint32_t frames = 0;

@@ -48,7 +48,7 @@ void bind_ingest(py::module_& module) {
 paths       Videos, or folders of them, searched to any depth.
 class_name  Of all clips; "": the name of the folder that each lies in.
 licence     Of all clips, free text; kept with every use of them.
-force       Keep clips that screening refuses (moving camera, cuts, too short).
+force       Take each clip whole, also where screening refuses it (moving camera, cuts, too short).
 progress    Called with (clip, frames, of).
 
 Each clip is one transaction: after an exception or Ctrl-C those before are kept, and the same call goes on. Costs some 14

@@ -296,8 +296,15 @@ TEST(Ingest, ALongGapIsNoMotion) {
   if (!write_with_gaps(folder / "water/clip.mkv", {.frames = 60, .changing = true}, "lt(n,25)+gt(n,40)"))
     GTEST_SKIP() << "needs the ffmpeg tool: apt-get install ffmpeg";
   store::Store store = new_store(folder / "test.freshet");
-  const ClipReport row = run(store, folder / "water").clips.at(0);
-  EXPECT_EQ(row.outcome, Outcome::kRefused);
+  const IngestReport parts = run(store, folder / "water");
+  ASSERT_EQ(parts.clips.size(), 2u) << "it is cut there";
+  EXPECT_EQ(parts.clips[0].name, "clip.mkv@0.000-1.000");
+  EXPECT_EQ(parts.clips[0].outcome, Outcome::kAdded);
+  EXPECT_EQ(parts.clips[1].name, "clip.mkv@1.640-2.400");
+  EXPECT_TRUE(says(parts.clips[1].reasons, "19 frames"));
+  store::Store forced = new_store(folder / "forced.freshet");
+  const ClipReport row = run(forced, folder / "water", {.force = true}).clips.at(0);
+  EXPECT_EQ(row.outcome, Outcome::kAdded);
   EXPECT_TRUE(says(row.reasons, "frames are missing: none for 0.68 s after 0.96 s"));
 }
 
@@ -489,10 +496,10 @@ TEST(Ingest, ProgressCountsFramesAndEndsEachClipWithItsRow) {
   write_clip(folder / "a.mkv", {});
   store::Store store = new_store(folder / "test.freshet");
   const fs::path paths[] = {folder / "a.mkv"};
-  std::vector<std::uint32_t> frames;
+  std::vector<std::uint32_t> first_look, frames;
   int finished = 0;
   ingest(store, kSettings, paths, {}, [&](const IngestProgress& at) {
-    frames.push_back(at.frames);
+    (at.surveying ? first_look : frames).push_back(at.frames);
     EXPECT_EQ(at.clips, 1u);
     EXPECT_EQ(at.source->name, "a.mkv");
     if (at.finished) {
@@ -500,6 +507,7 @@ TEST(Ingest, ProgressCountsFramesAndEndsEachClipWithItsRow) {
       EXPECT_EQ(at.finished->outcome, Outcome::kAdded);
     }
   });
+  EXPECT_EQ(first_look, (std::vector<std::uint32_t>{16, 32, 40}));
   EXPECT_EQ(frames, (std::vector<std::uint32_t>{0, 16, 32, 40, 40}));
   EXPECT_EQ(finished, 1);
 }
@@ -547,7 +555,11 @@ TEST(Ingest, RefusesAPanAndAJitterAndForceOverrides) {
 TEST(Ingest, RefusesACutAndAShortClip) {
   const OneClip cut({.cut_at = 20});
   EXPECT_EQ(cut.row.outcome, Outcome::kRefused);
-  EXPECT_TRUE(says(cut.row.reasons, "at frame 20"));
+  EXPECT_TRUE(says(cut.row.reasons, "2 takes, none of which is fit"));
+  EXPECT_TRUE(says(cut.row.reasons, "0.80 to 1.60 s: the clip is too short: 20 frames"));
+  const OneClip forced({.cut_at = 20}, {.force = true});
+  EXPECT_EQ(forced.row.outcome, Outcome::kAdded);
+  EXPECT_TRUE(says(forced.row.reasons, "at frame 20"));
   const OneClip brief({.frames = 23});
   EXPECT_EQ(brief.row.outcome, Outcome::kRefused);
   EXPECT_TRUE(says(brief.row.reasons, "23 frames"));

@@ -17,6 +17,13 @@ cv::Mat texture(cv::Size size, std::uint64_t seed) {
   return noise;
 }
 
+/// The same with forms of 100 px, which change little while a camera moves by one.
+cv::Mat coarse_texture(cv::Size size, std::uint64_t seed) {
+  cv::Mat coarse = texture(size / 24, seed + 500), forms;
+  cv::resize(coarse, forms, size, 0, 0, cv::INTER_CUBIC);
+  return 0.4 * texture(size, seed) + 0.6 * forms;
+}
+
 cv::Mat shifted(const cv::Mat& picture, cv::Size size, cv::Vec2d by) {
   const cv::Point2f centre(static_cast<float>(picture.cols / 2.0 - 0.5 - by[0]),
                            static_cast<float>(picture.rows / 2.0 - 0.5 - by[1]));
@@ -29,17 +36,17 @@ cv::Mat shifted(const cv::Mat& picture, cv::Size size, cv::Vec2d by) {
 
 std::vector<cv::Mat> render(const SyntheticClip& clip) {
   const cv::Size large(clip.size.width + 400, clip.size.height + 400);
-  cv::Mat scene = texture(large, clip.seed);
+  cv::Mat scene = clip.coarse ? coarse_texture(large, clip.seed) : texture(large, clip.seed);
   cv::Mat fluid = texture(large, clip.seed + 1000), other = texture(large, clip.seed + 2000);
   cv::RNG rng(clip.seed + 3000);
   std::vector<cv::Mat> frames;
-  for (int t = 0; t < clip.frames; ++t) {
+  for (int t = clip.start; t < clip.start + clip.frames; ++t) {
     if (clip.cut_at > 0 && t == clip.cut_at) {
       scene = texture(large, clip.seed + 4000) + 40;
       fluid = texture(large, clip.seed + 5000) + 40;
     }
     const cv::Vec2d camera =
-        clip.pan * t + cv::Vec2d(rng.uniform(-1.0, 1.0), rng.uniform(-1.0, 1.0)) * clip.jitter;
+        clip.shift + clip.pan * t + cv::Vec2d(rng.uniform(-1.0, 1.0), rng.uniform(-1.0, 1.0)) * clip.jitter;
     cv::Mat frame = shifted(scene, clip.size, camera);
     if (!clip.moving.empty()) {
       cv::Mat moved = shifted(fluid, clip.size, camera + clip.velocity * t);
