@@ -131,7 +131,10 @@ class ClipIngest {
   using OnFrames = std::function<void(bool surveying, std::uint32_t frames, std::uint32_t claimed)>;
 
   ClipIngest(store::Store& store, const vision::Settings& settings, const IngestOptions& options)
-      : store_(store), settings_(settings), options_(options) {}
+      : store_(&store), writable_(&store), settings_(settings), options_(options) {}
+  /// Only looks. store   null: there is none.
+  ClipIngest(const store::Store* store, const vision::Settings& settings, const IngestOptions& options)
+      : store_(store), preview_(true), settings_(settings), options_(options) {}
 
   /// Appends the rows, each when it is finished.
   /// Throws Error for what ends the run; everything else is in the rows.
@@ -142,7 +145,9 @@ class ClipIngest {
     blank.path = source.path;
     blank.class_name = options_.class_name.empty() ? source.class_name : options_.class_name;
     const auto end_row = [&](ClipReport&& row) {
-      const bool there = row.outcome == Outcome::kAdded || row.outcome == Outcome::kAlreadyThere;
+      const bool there = row.outcome == Outcome::kAdded || row.outcome == Outcome::kAlreadyThere ||
+                         row.outcome == Outcome::kWouldAdd;
+      if (options_.pictures && row.look.jpeg.empty() && !row.part) row.look = look_of_first_frame(row.path);
       // Of a source in parts, one that was taken speaks for it.
       if (!hash_.empty() && (there || !seen_.contains(hash_))) seen_.insert_or_assign(hash_, row);
       finish(std::move(row));
@@ -184,8 +189,10 @@ class ClipIngest {
 
   /// True when there is nothing to do; the row then says why.
   bool settled(const Source& source, ClipReport& report) {
-    const store::Snapshot snapshot = store_.snapshot();
-    const std::optional<store::ClipId> same_name = snapshot.find(source.name);
+    std::optional<store::Snapshot> snapshot;
+    if (store_) snapshot.emplace(store_->snapshot());
+    std::optional<store::ClipId> same_name;
+    if (snapshot) same_name = snapshot->find(source.name);
     if (same_name && options_.skip_existing) {
       report.outcome = Outcome::kAlreadyThere;
       report.reasons = {"a clip of this name is in the store"};
@@ -198,19 +205,22 @@ class ClipIngest {
     if (const auto seen = seen_.find(hash_); seen != seen_.end()) {
       const ClipReport& twin = seen->second;
       const bool there = twin.outcome == Outcome::kAdded || twin.outcome == Outcome::kAlreadyThere;
-      report.outcome = there ? Outcome::kAlreadyThere : twin.outcome;
-      report.reasons = {fmt::format("the same bytes as \"{}\" of this run, which is {}", twin.name,
+      const bool taken = there || twin.outcome == Outcome::kWouldAdd;
+      report.outcome = taken ? Outcome::kAlreadyThere : twin.outcome;
+      report.reasons = {fmt::format("the same bytes as \"{}\" of this run, which {}{}", twin.name,
+                                    twin.outcome == Outcome::kWouldAdd ? "" : "is ",
                                     there ? "in the store" : to_string(twin.outcome))};
       return true;
     }
-    if (const auto same_source = snapshot.find_source(hash_)) {
+    if (!snapshot) return false;
+    if (const auto same_source = snapshot->find_source(hash_)) {
       report.outcome = Outcome::kAlreadyThere;
-      const std::string& name = snapshot.clip(*same_source).name;
+      const std::string& name = snapshot->clip(*same_source).name;
       report.reasons = {name == source.name ? std::string("its bytes are in the store")
                                             : fmt::format("its bytes are in the store as \"{}\"", name)};
       return true;
     }
-    if (const PartsThere parts = parts_there(snapshot, hash_); parts.there > 0 && parts.there == parts.of) {
+    if (const PartsThere parts = parts_there(*snapshot, hash_); parts.there > 0 && parts.there == parts.of) {
       report.outcome = Outcome::kAlreadyThere;
       report.reasons = {fmt::format("its {} part{} in the store, the first as \"{}\"", parts.of,
                                     parts.of == 1 ? " is" : "s are", parts.first)};
@@ -250,16 +260,26 @@ class ClipIngest {
           info.turned));
     frames_claimed_ = static_cast<std::uint32_t>(std::clamp<std::int64_t>(info.claimed_frames, 0, 1 << 30));
     survey_ = {};
-    if (options_.force) return false;
+    if (options_.force && !options_.pictures && !preview_) return false;
     const TimedScope watch(report.seconds.survey);
     survey_ = survey(
-        *reader_, report.fps, options_.limits, source.path.string(),
+        *reader_, report.fps, options_.limits, options_.pictures, source.path.string(),
         [&](std::uint32_t frames) { on_frames(true, frames, frames_claimed_); }, stop);
     open(source);
-    if (survey_.pieces.size() != 1 || survey_.pieces.front().fit()) return false;
+    if (options_.force && survey_.cut_up()) {
+      Piece whole{survey_.whole, {}, {}, {}, survey_.pieces.front().look};
+      for (const Piece& piece : survey_.pieces)
+        whole.refusals.insert(whole.refusals.end(), piece.refusals.begin(), piece.refusals.end());
+      survey_.pieces = {std::move(whole)};
+    }
+    if (survey_.cut_up()) return false;
+    Piece& only = survey_.pieces.front();
     report.frames = static_cast<std::uint32_t>(survey_.whole.frames());
+    report.look = std::move(only.look);
+    if (only.fit() || options_.force) return false;
     report.outcome = Outcome::kRefused;
-    report.reasons = survey_.pieces.front().refusals;
+    report.reasons = std::move(only.refusals);
+    report.help = std::move(only.help);
     if (!survey_.complaint.empty()) report.notes.push_back(survey_.complaint);
     return true;
   }
@@ -270,6 +290,20 @@ class ClipIngest {
     repairs.upright = true;
     reader_.emplace(source.path, 0, repairs);
     frames_read_ = 0;
+  }
+
+  /// Of a source that was not looked at.
+  PartLook look_of_first_frame(const fs::path& path) const {
+    try {
+      media::VideoReader reader(path, 1, {.upright = true});
+      const std::optional<media::Frame> frame = reader.next();
+      if (!frame) return {};
+      FilmLook film(1);
+      film.add(*frame, media::to_luma(*frame));
+      return {film.look(0, 1).jpeg, {}};
+    } catch (const std::exception&) {  // the row says already what is wrong with it
+      return {};
+    }
   }
 
   /// The next frame of the source.
@@ -285,6 +319,15 @@ class ClipIngest {
     if (!survey_.cut_up()) {
       ClipReport row = looked;
       const Stopwatch all;
+      if (preview_) {
+        row.outcome = Outcome::kWouldAdd;
+        row.reasons = survey_.pieces.front().refusals;  // what force overrides
+        row.notes.insert(row.notes.end(), survey_.pieces.front().notes.begin(),
+                         survey_.pieces.front().notes.end());
+        if (!survey_.complaint.empty()) row.notes.push_back(survey_.complaint);
+        row.seconds.total = row.seconds.survey + row.seconds.hash;
+        return end_row(std::move(row));
+      }
       guarded(row, [&] {
         add(
             source, nullptr, [&] { return next_frame(); }, on_frames, stop, row);
@@ -301,8 +344,12 @@ class ClipIngest {
       row.part = piece.span;
       row.name = part_name(source.name, piece.span);
       row.frames = static_cast<std::uint32_t>(piece.span.frames());
+      row.look = piece.look;
       const Stopwatch all;
-      if (piece.fit()) {
+      if (piece.fit() && preview_) {
+        row.outcome = Outcome::kWouldAdd;
+        row.notes.insert(row.notes.end(), piece.notes.begin(), piece.notes.end());
+      } else if (piece.fit()) {
         const json part{{"source", hash_},         {"from_s", piece.span.from_s},
                         {"to_s", piece.span.to_s}, {"first_frame", piece.span.first},
                         {"number", ++number},      {"of", of}};
@@ -313,6 +360,7 @@ class ClipIngest {
       } else {
         row.outcome = Outcome::kRefused;
         row.reasons = piece.refusals;
+        row.help = piece.help;
       }
       row.seconds.total = all.seconds() + row.seconds.survey + row.seconds.hash;
       if (&piece == &survey_.pieces.back() && !survey_.complaint.empty())
@@ -324,7 +372,7 @@ class ClipIngest {
   void add_part(const Source& source, const Span& span, const json& part, const OnFrames& on_frames,
                 const std::stop_token& stop, ClipReport& row) {
     {
-      const store::Snapshot snapshot = store_.snapshot();
+      const store::Snapshot snapshot = store_->snapshot();
       if (snapshot.find_source(part_hash(hash_, span.first, span.last))) {
         row.outcome = Outcome::kAlreadyThere;
         row.reasons = {"it is in the store"};
@@ -366,7 +414,7 @@ class ClipIngest {
            const std::stop_token& stop, ClipReport& report) {
     store::ClipRecord record = record_;
     const std::uint64_t bytes_before = file_size();
-    store::ClipWriter writer = store_.add_clip();
+    store::ClipWriter writer = writable_->add_clip();
     ClipMeasures measures = stream_clip(
         next, report.fps, source.path.string(), settings_, writer,
         [&](std::uint32_t frames) {
@@ -429,11 +477,13 @@ class ClipIngest {
 
   std::uint64_t file_size() const {
     std::error_code error;
-    const std::uintmax_t bytes = fs::file_size(store_.path(), error);
+    const std::uintmax_t bytes = fs::file_size(store_->path(), error);
     return error ? 0 : bytes;
   }
 
-  store::Store& store_;
+  const store::Store* store_ = nullptr;
+  store::Store* writable_ = nullptr;
+  bool preview_ = false;
   const vision::Settings& settings_;
   const IngestOptions& options_;
   // Of the source in hand:
@@ -453,6 +503,8 @@ const char* to_string(Outcome outcome) {
   switch (outcome) {
     case Outcome::kAdded:
       return "added";
+    case Outcome::kWouldAdd:
+      return "would be added";
     case Outcome::kAlreadyThere:
       return "already there";
     case Outcome::kRefused:
@@ -467,12 +519,13 @@ std::size_t IngestReport::count(Outcome outcome) const {
   return static_cast<std::size_t>(std::ranges::count(clips, outcome, &ClipReport::outcome));
 }
 
-IngestReport ingest(store::Store& store, const vision::Settings& settings, std::span<const fs::path> paths,
-                    const IngestOptions& options, const std::function<void(const IngestProgress&)>& progress,
-                    std::stop_token stop) {
-  const std::vector<Source> sources = list_sources(paths, options.shard);
+namespace {
+
+IngestReport run_all(ClipIngest& clip, std::span<const fs::path> paths, Shard shard,
+                     const std::function<void(const IngestProgress&)>& progress,
+                     const std::stop_token& stop) {
+  const std::vector<Source> sources = list_sources(paths, shard);
   IngestReport report;
-  ClipIngest clip(store, settings, options);
   for (std::size_t i = 0; i < sources.size(); ++i) {
     IngestProgress at{.clip = i, .clips = sources.size(), .source = &sources[i]};
     const auto notify = [&] {
@@ -503,6 +556,22 @@ IngestReport ingest(store::Store& store, const vision::Settings& settings, std::
     }
   }
   return report;
+}
+
+}  // namespace
+
+IngestReport ingest(store::Store& store, const vision::Settings& settings, std::span<const fs::path> paths,
+                    const IngestOptions& options, const std::function<void(const IngestProgress&)>& progress,
+                    std::stop_token stop) {
+  ClipIngest clip(store, settings, options);
+  return run_all(clip, paths, options.shard, progress, stop);
+}
+
+IngestReport preview(const store::Store* store, const vision::Settings& settings,
+                     std::span<const fs::path> paths, const IngestOptions& options,
+                     const std::function<void(const IngestProgress&)>& progress, std::stop_token stop) {
+  ClipIngest clip(store, settings, options);
+  return run_all(clip, paths, options.shard, progress, stop);
 }
 
 }  // namespace freshet::ingest

@@ -24,6 +24,7 @@ struct IngestOptions {
   std::string class_name{};    // of all clips; empty: the folder that each lies in
   std::string licence{};       // of all clips; free text
   bool force = false;          // keep what screening refuses
+  bool pictures = false;       // each row gets its look
   bool skip_existing = false;  // pass over clips whose name is in the store without reading their bytes
   Shard shard{};
   ScreeningLimits limits{};
@@ -32,11 +33,12 @@ struct IngestOptions {
 
 enum class Outcome {
   kAdded,
+  kWouldAdd,      // by preview
   kAlreadyThere,  // its bytes, or with skip_existing its name, are in the store
   kRefused,       // by screening; force overrides
   kFailed,        // cannot be kept: not a video, no patch, name taken, ...
 };
-const char* to_string(Outcome outcome);  // "added", "already there", "refused", "failed"
+const char* to_string(Outcome outcome);  // "added", "would be added", "already there", "refused", "failed"
 
 /// Seconds by stage, of the calling thread except `decode`, which runs beside the others, `screen`, which
 /// runs beside `flow`, and `life`, which runs beside `texture`.
@@ -54,6 +56,8 @@ struct ClipReport {
   Outcome outcome = Outcome::kFailed;
   std::vector<std::string> reasons;  // sentences: why it was not added; with force, what was overridden
   std::vector<std::string> notes;    // "no static reference", "11 of 50 frames", ...
+  std::vector<std::string> help;     // what would help against a refusal
+  PartLook look;                     // with IngestOptions::pictures
   std::uint32_t frames = 0;          // decoded
   std::uint32_t width = 0, height = 0;
   double fps = 0;
@@ -105,5 +109,12 @@ IngestReport ingest(store::Store& store, const vision::Settings& settings,
                     std::span<const std::filesystem::path> paths, const IngestOptions& options = {},
                     const std::function<void(const IngestProgress&)>& progress = {},
                     std::stop_token stop = {});
+
+/// What ingest would do, by the first look alone: nothing is written, and of what would be added flow and patches are
+/// not known. store   null: there is none yet.
+IngestReport preview(const store::Store* store, const vision::Settings& settings,
+                     std::span<const std::filesystem::path> paths, const IngestOptions& options = {},
+                     const std::function<void(const IngestProgress&)>& progress = {},
+                     std::stop_token stop = {});
 
 }  // namespace freshet::ingest

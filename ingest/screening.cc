@@ -105,6 +105,7 @@ Verdict judge(const Screening& screening, const ScreeningLimits& limits) {
   if (screening.frames < limits.min_frames) {
     verdict.refusals.push_back(fmt::format("the clip is too short: {} frames, at least {} are wanted",
                                            screening.frames, limits.min_frames));
+    verdict.help.push_back("Film for four seconds or more at a time");
   }
   if (!screening.cuts.empty()) {
     verdict.refusals.push_back(fmt::format(
@@ -112,6 +113,7 @@ Verdict judge(const Screening& screening, const ScreeningLimits& limits) {
         screening.cuts.size() == 1 ? std::string("another take begins")
                                    : fmt::format("{} takes begin, the first", screening.cuts.size()),
         screening.cuts.front()));
+    verdict.help.push_back("Ingest it without --force: it is then cut there");
   }
   const FrameTiming& timing = screening.timing;
   if (timing.longest_gap_s > limits.max_gap_s && timing.longest_gap_s * timing.fps > 3)
@@ -131,11 +133,13 @@ Verdict judge(const Screening& screening, const ScreeningLimits& limits) {
     verdict.refusals.push_back(fmt::format(
         "the camera moves: the scene shifts by {:.1f} % of the frame's diagonal, {:.1f} % is the limit",
         100 * camera.drift, 100 * limits.max_drift));
+    verdict.help.push_back(kStandStill);
   }
   if (referenced && camera.shake > limits.max_shake) {
     verdict.refusals.push_back(
         fmt::format("the camera shakes: by {:.2f} % of the frame's diagonal (rms), {:.2f} % is the limit",
                     100 * camera.shake, 100 * limits.max_shake));
+    if (verdict.help.empty() || verdict.help.back() != kStandStill) verdict.help.push_back(kStandStill);
   }
   if (!referenced && camera.windows > 0) {
     verdict.notes.push_back(fmt::format(
@@ -147,6 +151,7 @@ Verdict judge(const Screening& screening, const ScreeningLimits& limits) {
     verdict.refusals.push_back(
         fmt::format("{:.0f} % of the frames repeat the one before, {:.0f} % is the limit",
                     100 * screening.duplicated_fraction, 100 * limits.max_duplicates));
+    verdict.help.push_back("Give the file that the camera wrote: a converter has repeated frames");
   } else if (screening.duplicated_fraction > 0.02) {
     verdict.notes.push_back(
         fmt::format("{:.0f} % of the frames repeat the one before", 100 * screening.duplicated_fraction));

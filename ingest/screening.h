@@ -61,7 +61,10 @@ struct Screening {
 struct Verdict {
   std::vector<std::string> refusals;  // each a sentence; empty: the clip is fit
   std::vector<std::string> notes;     // worth knowing, no reason to refuse
+  std::vector<std::string> help;      // what would help against the refusals
 };
+/// Help for a camera that moves.
+inline constexpr const char* kStandStill = "Put the camera on a tripod, or lean it on something that stands";
 Verdict judge(const Screening& screening, const ScreeningLimits& limits = {});
 
 /// How a frame differs from the one before.

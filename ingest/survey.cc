@@ -152,12 +152,15 @@ struct Surveyor::Impl {
   void leave_out(const Take& take, std::size_t begin, std::size_t end, std::vector<Piece>& pieces) const {
     const auto [first, last] = frames_of(take, begin, end);
     const CameraMotion motion = motion_of(std::span(take.windows).subspan(begin, end - begin), diagonal);
-    std::vector<std::string> refusals = verdict_on(first, last, motion).refusals;
-    if (refusals.empty())
-      refusals.push_back(
+    Verdict verdict = verdict_on(first, last, motion);
+    if (verdict.refusals.empty()) {
+      verdict.refusals.push_back(
           "the camera moves in this take, and here it does not stand still for long enough, or nothing solid "
-          "shows it");
-    pieces.push_back({span(first, last), std::move(refusals)});
+          "shows "
+          "it");
+      verdict.help.push_back(kStandStill);
+    }
+    pieces.push_back({span(first, last), std::move(verdict.refusals), {}, std::move(verdict.help), {}});
   }
 
   /// The stretches of windows begin..end - 1 that are fit, and what lies between them.
@@ -174,7 +177,7 @@ struct Surveyor::Impl {
       return;
     }
     find_stretches(take, begin, from, pieces);
-    pieces.push_back({span(first, last), {}});
+    pieces.push_back({span(first, last), {}, {}, {}, {}});
     find_stretches(take, to, end, pieces);
   }
 
@@ -191,7 +194,11 @@ struct Surveyor::Impl {
         return;
       }
     }
-    pieces.push_back({span(take.first, take.last), std::move(verdict.refusals)});
+    pieces.push_back({span(take.first, take.last),
+                      std::move(verdict.refusals),
+                      std::move(verdict.notes),
+                      std::move(verdict.help),
+                      {}});
   }
 };
 
@@ -221,23 +228,29 @@ Survey Surveyor::finish() {
   for (const Take& take : impl.takes) impl.judge_take(take, pieces);
   if (pieces.size() > 1 && std::ranges::none_of(pieces, &Piece::fit)) {
     // Nothing can be taken: one row, and not one for each part.
-    Piece all{survey.whole, {fmt::format("{} takes, none of which is fit", survey.takes)}};
-    for (std::size_t i = 0; i < std::min<std::size_t>(pieces.size(), kMostReasons); ++i)
+    Piece all{survey.whole, {fmt::format("{} takes, none of which is fit", survey.takes)}, {}, {}, {}};
+    for (std::size_t i = 0; i < std::min<std::size_t>(pieces.size(), kMostReasons); ++i) {
       for (const std::string& refusal : pieces[i].refusals)
         all.refusals.push_back(fmt::format("{}: {}", seconds(pieces[i].span), refusal));
+      for (const std::string& help : pieces[i].help)
+        if (std::ranges::find(all.help, help) == all.help.end()) all.help.push_back(help);
+    }
     pieces = {std::move(all)};
   }
   survey.pieces = std::move(pieces);
   return survey;
 }
 
-Survey survey(media::VideoReader& reader, double fps, const ScreeningLimits& limits, const std::string& where,
-              const std::function<void(std::uint32_t)>& on_slab, const std::stop_token& stop) {
+Survey survey(media::VideoReader& reader, double fps, const ScreeningLimits& limits, bool pictures,
+              const std::string& where, const std::function<void(std::uint32_t)>& on_slab,
+              const std::stop_token& stop) {
   struct Slab {
     std::vector<cv::Mat> luma;
     std::vector<double> times_s;
   };
   cv::Size size;
+  std::optional<FilmLook> film_look;
+  if (pictures) film_look.emplace(fps);
   const auto decode = [&] {
     Slab slab;
     while (slab.luma.size() < kSlab && !stop.stop_requested()) {
@@ -246,6 +259,7 @@ Survey survey(media::VideoReader& reader, double fps, const ScreeningLimits& lim
       const cv::Mat luma = media::to_luma(*frame);
       size = luma.size();
       cv::resize(luma, slab.luma.emplace_back(), screening_size(size), 0, 0, cv::INTER_AREA);
+      if (film_look) film_look->add(*frame, slab.luma.back());
       slab.times_s.push_back(frame->time_s);
     }
     return slab;
@@ -266,6 +280,8 @@ Survey survey(media::VideoReader& reader, double fps, const ScreeningLimits& lim
   if (!surveyor) return {};
   Survey result = surveyor->finish();
   result.complaint = reader.complaint();
+  if (film_look)
+    for (Piece& piece : result.pieces) piece.look = film_look->look(piece.span.first, piece.span.last);
   return result;
 }
 

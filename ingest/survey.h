@@ -14,6 +14,7 @@
 
 #include <opencv2/core.hpp>
 
+#include "ingest/film_look.h"
 #include "ingest/screening.h"
 #include "media/video/video_reader.h"
 
@@ -31,6 +32,8 @@ struct Span {
 struct Piece {
   Span span;
   std::vector<std::string> refusals;  // sentences; empty: it is fit
+  std::vector<std::string> notes, help;
+  PartLook look;  // where pictures were asked for
   bool fit() const { return refusals.empty(); }
 };
 
@@ -57,9 +60,11 @@ class Surveyor {
 };
 
 /// All frames that a reader has; one thread decodes while another measures.
+/// pictures  each piece gets its look.
 /// on_slab   called with the number of frames done. Throws Error{kCancelled}.
-Survey survey(media::VideoReader& reader, double fps, const ScreeningLimits& limits, const std::string& where,
-              const std::function<void(std::uint32_t)>& on_slab, const std::stop_token& stop);
+Survey survey(media::VideoReader& reader, double fps, const ScreeningLimits& limits, bool pictures,
+              const std::string& where, const std::function<void(std::uint32_t)>& on_slab,
+              const std::stop_token& stop);
 
 /// "NAME@4.200-11.680": of a part of a clip, in seconds of its source.
 std::string part_name(const std::string& name, const Span& span);

@@ -18,6 +18,7 @@ IngestOutcome outcome_of(ingest::Outcome outcome) {
       return IngestOutcome::kAlreadyThere;
     case ingest::Outcome::kRefused:
       return IngestOutcome::kRefused;
+    case ingest::Outcome::kWouldAdd:  // by a preview alone
     case ingest::Outcome::kFailed:
       break;
   }

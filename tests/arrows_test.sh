@@ -24,7 +24,7 @@ hints: media/picture
 vision:
 vision/look:
 stored: store media/frame vision
-ingest: store media/frame media/picture media/video vision stored
+ingest: store media/frame media/picture media/video vision vision/look stored
 query/index: store store/rewrite vision stored
 query/mrf:
 query/search: store vision stored query/index
@@ -78,7 +78,7 @@ library: store media/frame media/picture media/video hints vision stored ingest 
 python/binding:
 tools/console: store media/frame media/picture media/video query/index
 tools/options: cache store starter media/picture media/video hints vision query/index query/mrf query/search query/costs synth/outline synth/animate/frames synth/animate synth/matte tools/console
-tools: store store/rewrite media/frame media/video stored ingest query/index synth/toml starter studio studio/http tools/console tools/options
+tools: report store store/rewrite media/frame media/video stored ingest query/index synth/toml starter studio studio/http tools/console tools/options
 tools/query: media/picture vision/look stored query/labelling query/benchmark synth/animate/placement synth/animate/motion tools/console tools/options tools
 tools/judging: media/frame media/picture media/video hints query/labelling synth/judging tools/console
 tools/synth: report store media/picture media/video hints vision/look stored query/labelling synth/sampling synth/judging synth/animate/placement synth/animate/motion synth/animate synth/takes synth/matte synth/scene/layers synth/simulate/design synth/simulate synth/scene synth/scene/rendering synth/flowlines synth/flowlines/files synth/stills synth/transfer synth/transfer/files tools/console tools/options tools tools/query tools/judging

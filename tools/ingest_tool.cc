@@ -1,6 +1,7 @@
 #include <filesystem>
 #include <iterator>
 #include <memory>
+#include <optional>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -10,11 +11,16 @@
 #include "ingest/growing_store.h"
 #include "ingest/ingest.h"
 #include "platform/printable.h"
+#include "platform/whole_file.h"
 #include "query/index/index_builder.h"
+#include "store/store_list.h"
+#include "stored/store_settings.h"
 #include "tools/commands.h"
 #include "tools/console/index_progress.h"
+#include "tools/console/output_names.h"
 #include "tools/console/progress.h"
 #include "tools/console/table.h"
+#include "tools/ingest_page.h"
 #include "tools/options/settings_options.h"
 #include "tools/options/shard_option.h"
 
@@ -27,7 +33,8 @@ struct IngestCommand {
   ShardOption shard;
   ingest::IngestOptions options;
   SettingsOptions settings;
-  bool no_index = false, no_flann = false, json = false;
+  std::filesystem::path page;
+  bool no_index = false, no_flann = false, json = false, dry_run = false;
 };
 
 nlohmann::json to_json(const ingest::Span& span) {
@@ -43,6 +50,9 @@ nlohmann::json to_json(const ingest::ClipReport& clip) {
           {"outcome", ingest::to_string(clip.outcome)},
           {"reasons", clip.reasons},
           {"notes", clip.notes},
+          {"help", clip.help},
+          {"kind", clip.look.kind ? nlohmann::json(clip.look.kind->name()) : nlohmann::json()},
+          {"kind_sure", clip.look.kind && clip.look.kind->sure()},
           {"frames", clip.frames},
           {"width", clip.width},
           {"height", clip.height},
@@ -93,9 +103,12 @@ void print_report(const ingest::IngestReport& report) {
                printable(fmt::format("{}", fmt::join(clip.reasons, "; ")))});
   }
   fmt::print("{}", table.text());
-  fmt::print("{} added, {} already there, {} refused, {} failed\n", report.count(ingest::Outcome::kAdded),
-             report.count(ingest::Outcome::kAlreadyThere), report.count(ingest::Outcome::kRefused),
-             report.count(ingest::Outcome::kFailed));
+  const bool preview = report.count(ingest::Outcome::kWouldAdd) > 0;
+  fmt::print("{} {}, {} already there, {} refused, {} failed\n",
+             report.count(preview ? ingest::Outcome::kWouldAdd : ingest::Outcome::kAdded),
+             preview ? "would be added" : "added", report.count(ingest::Outcome::kAlreadyThere),
+             report.count(ingest::Outcome::kRefused), report.count(ingest::Outcome::kFailed));
+  fmt::print("{}\n", taken_text(report));
 }
 
 /// What was found against a clip, as soon as it is found. That a clip is there already, the report says.
@@ -103,28 +116,12 @@ void say_reasons(const ingest::ClipReport& clip) {
   if (clip.outcome == ingest::Outcome::kAlreadyThere) return;
   for (const std::string& reason : clip.reasons)
     say(fmt::format("{} {}: {}", clip.name, ingest::to_string(clip.outcome), reason));
+  for (const std::string& help : clip.help) say(fmt::format("{}: {}", clip.name, help));
   for (const std::string& note : clip.notes) say(fmt::format("{}: {}", clip.name, note));
 }
 
-void run(const IngestCommand& command, RunContext& context) {
-  ingest::IngestOptions options = command.options;
-  options.shard = command.shard.read();
-  ingest::GrowingStore growing(command.store, command.paths, options.shard,
-                               [&] { return command.settings.for_new_store(); });
-  if (!growing.is_new()) command.settings.check_against(growing.settings(), command.store);
-
-  Progress progress;
-  const ingest::IngestReport report = ingest::ingest(
-      growing.store(), growing.settings(), command.paths, options,
-      [&](const ingest::IngestProgress& at) {
-        const std::string stage = fmt::format("[{}/{}] {}{}", at.clip + 1, at.clips,
-                                              at.surveying ? "first look at " : "", at.source->name);
-        progress.show(stage, at.frames, at.claimed_frames, "frames");
-        if (at.finished) say_reasons(*at.finished);
-      },
-      context.stop);
-  progress.finish();
-
+void show(const IngestCommand& command, const ingest::IngestReport& report) {
+  if (!command.page.empty()) write_whole_file(command.page, ingest_page(command.store, report));
   if (command.json) {
     nlohmann::json json{{"store", command.store}, {"clips", nlohmann::json::array()}};
     for (const ingest::ClipReport& clip : report.clips) json["clips"].push_back(to_json(clip));
@@ -133,6 +130,63 @@ void run(const IngestCommand& command, RunContext& context) {
   } else if (!report.clips.empty()) {
     print_report(report);
   }
+}
+
+void set_exit_code(const ingest::IngestReport& report, RunContext& context) {
+  const auto count = [&](ingest::Outcome outcome) { return report.count(outcome); };
+  if (count(ingest::Outcome::kFailed) + count(ingest::Outcome::kRefused) > 0 &&
+      count(ingest::Outcome::kAdded) + count(ingest::Outcome::kWouldAdd) +
+              count(ingest::Outcome::kAlreadyThere) ==
+          0)
+    context.exit_code = 1;
+}
+
+auto shown_on(Progress& progress) {
+  return [&progress](const ingest::IngestProgress& at) {
+    const std::string stage = fmt::format("[{}/{}] {}{}", at.clip + 1, at.clips,
+                                          at.surveying ? "first look at " : "", at.source->name);
+    progress.show(stage, at.frames, at.claimed_frames, "frames");
+    if (at.finished) say_reasons(*at.finished);
+  };
+}
+
+void run_dry(const IngestCommand& command, const ingest::IngestOptions& options, RunContext& context) {
+  if (store::is_store_list(command.store))
+    throw Error(ErrorKind::kUsage, command.store, "clips are added to one store, and this is a list of some",
+                "Name one of them");
+  std::optional<store::Store> store;
+  vision::Settings settings;
+  if (std::filesystem::exists(command.store)) {
+    store = store::Store::open_read(command.store);
+    settings = stored::settings_of(store->snapshot());
+    command.settings.check_against(settings, command.store);
+  } else {
+    settings = command.settings.for_new_store();
+  }
+  Progress progress;
+  const ingest::IngestReport report = ingest::preview(store ? &*store : nullptr, settings, command.paths,
+                                                      options, shown_on(progress), context.stop);
+  progress.finish();
+  show(command, report);
+  if (report.stopped) throw *report.stopped;
+  set_exit_code(report, context);
+}
+
+void run(const IngestCommand& command, RunContext& context) {
+  check_output_folder(command.page);
+  ingest::IngestOptions options = command.options;
+  options.shard = command.shard.read();
+  options.pictures = command.dry_run || !command.page.empty();
+  if (command.dry_run) return run_dry(command, options, context);
+  ingest::GrowingStore growing(command.store, command.paths, options.shard,
+                               [&] { return command.settings.for_new_store(); });
+  if (!growing.is_new()) command.settings.check_against(growing.settings(), command.store);
+
+  Progress progress;
+  const ingest::IngestReport report = ingest::ingest(growing.store(), growing.settings(), command.paths,
+                                                     options, shown_on(progress), context.stop);
+  progress.finish();
+  show(command, report);
   const bool empty = growing.remove_if_empty();
   if (report.stopped) throw *report.stopped;
   if (empty) {
@@ -144,9 +198,7 @@ void run(const IngestCommand& command, RunContext& context) {
     if (command.no_flann) index.flann.clear();
     update_index(growing.store(), index, context);
   }
-  if (report.count(ingest::Outcome::kFailed) + report.count(ingest::Outcome::kRefused) > 0 &&
-      report.count(ingest::Outcome::kAdded) + report.count(ingest::Outcome::kAlreadyThere) == 0)
-    context.exit_code = 1;
+  set_exit_code(report, context);
 }
 
 }  // namespace
@@ -163,8 +215,8 @@ void add_ingest(CLI::App& app, RunContext& context) {
   sub->add_option("STORE", command->store, "The store file")->required();
   sub->add_option("CLIP", command->paths, "Videos, or folders of videos (searched to any depth)")->required();
   sub->add_option("--class", command->options.class_name, "Class of all given clips [each clip's folder]");
-  sub->add_option("--licence", command->options.licence,
-                  "Licence of all given clips; recorded with every use of them");
+  CLI::Option* licence = sub->add_option("--licence", command->options.licence,
+                                         "Licence of all given clips; recorded with every use of them");
   sub->add_flag("--force", command->options.force,
                 "Take each clip whole, also where screening refuses it (moving camera, cuts, too short); the "
                 "findings are "
@@ -176,11 +228,21 @@ void add_ingest(CLI::App& app, RunContext& context) {
                 "the source's");
   command->shard.add_to(
       *sub, "Ingest only part I of N of the list, for stores that are built separately and merged [all]");
+  CLI::Option* dry_run = sub->add_flag(
+      "--dry-run", command->dry_run,
+      "Look only: what would be taken of each clip, why not the rest, what would help. Writes no store");
+  CLI::Option* page = sub->add_option("--page", command->page,
+                                      "Write a page of all clips (.html): picture, kind of fluid guessed "
+                                      "from it, what was taken and why not the rest");
+  add_overwrite(*sub);
+  sub->get_option("--overwrite")->needs(page);
+  licence->excludes(dry_run);
   CLI::Option* no_index =
-      sub->add_flag("--no-index", command->no_index, "Do not update the index at the end");
+      sub->add_flag("--no-index", command->no_index, "Do not update the index at the end")->excludes(dry_run);
   sub->add_flag("--no-flann", command->no_flann,
                 "Leave FLANN's index out of the store. Searches with --index flann-hierarchical alone use it")
-      ->excludes(no_index);
+      ->excludes(no_index)
+      ->excludes(dry_run);
   sub->add_flag("--json", command->json, "Print the report as JSON");
   add_threads(*sub);
   command->settings.add_to(*sub);

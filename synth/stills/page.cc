@@ -9,6 +9,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "report/data_address.h"
 #include "report/html_text.h"
 #include "report/page.h"
 #include "synth/stills/still_set.h"
@@ -23,26 +24,10 @@ constexpr int kWidth = 900, kHeight = 560;  // px, of a graph
 constexpr const char* kColours[] = {"#d1495b", "#00798c", "#edae49", "#6a4c93",
                                     "#30638e", "#8ac926", "#ff7f11", "#3d5a80"};
 
-std::string base64(std::span<const std::uint8_t> bytes) {
-  static constexpr char kLetters[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string out;
-  out.reserve((bytes.size() + 2) / 3 * 4);
-  for (std::size_t i = 0; i < bytes.size(); i += 3) {
-    const std::uint32_t three = static_cast<std::uint32_t>(bytes[i]) << 16 |
-                                (i + 1 < bytes.size() ? static_cast<std::uint32_t>(bytes[i + 1]) << 8 : 0u) |
-                                (i + 2 < bytes.size() ? static_cast<std::uint32_t>(bytes[i + 2]) : 0u);
-    out += kLetters[three >> 18 & 63];
-    out += kLetters[three >> 12 & 63];
-    out += i + 1 < bytes.size() ? kLetters[three >> 6 & 63] : '=';
-    out += i + 2 < bytes.size() ? kLetters[three & 63] : '=';
-  }
-  return out;
-}
-
 std::string picture_address(const cv::Mat& picture) {
   std::vector<std::uint8_t> bytes;
   cv::imencode(".jpg", picture, bytes, {cv::IMWRITE_JPEG_QUALITY, 82});
-  return "data:image/jpeg;base64," + base64(bytes);
+  return report::data_address("image/jpeg", bytes);
 }
 
 /// Of a region: the box of the stills that it lies in.

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "report/data_address.h"
+
 namespace freshet::report {
 namespace {
 
@@ -20,6 +22,16 @@ TEST(Page, IsOneWholeFileThatNeedsNothingElse) {
   EXPECT_NE(page.find("--paper"), std::string::npos) << "the charts' colours";
   for (const char* outside : {"{{", "http", "src=", "href="})
     EXPECT_EQ(page.find(outside), std::string::npos) << outside;
+}
+
+TEST(Page, BytesBecomeAnAddress) {
+  const auto address = [](std::string_view text) {
+    return data_address("text/plain", {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
+  };
+  EXPECT_EQ(address(""), "data:text/plain;base64,");
+  EXPECT_EQ(address("f"), "data:text/plain;base64,Zg==");  // RFC 4648, 10
+  EXPECT_EQ(address("fooba"), "data:text/plain;base64,Zm9vYmE=");
+  EXPECT_EQ(address("foobar"), "data:text/plain;base64,Zm9vYmFy");
 }
 
 TEST(Page, ATableHasItsHeadsAndCells) {
