@@ -72,9 +72,16 @@ std::optional<StoredCodebook> find_codebook(const store::Snapshot& snapshot) {
 
 vision::Codebook read_codebook(const store::Snapshot& snapshot) {
   auto stored = find_codebook(snapshot);
+  const bool fits = stored && stored->clips_hash == hash_of_clips(snapshot);
+  if (!fits && snapshot.files().size() > 1) {
+    throw Error(ErrorKind::kNotFound, snapshot.path().string(),
+                "the " + std::to_string(snapshot.files().size()) +
+                    " stores that are searched as one have no index of all their clips",
+                "Name them in a list, one a line, and run freshet index on it");
+  }
   if (!stored)
     throw Error(ErrorKind::kNotFound, snapshot.path().string(), "it has no index", "Run freshet index");
-  if (stored->clips_hash != hash_of_clips(snapshot)) {
+  if (!fits) {
     throw Error(ErrorKind::kNotFound, snapshot.path().string(),
                 "clips have been added since its index was built", "Run freshet index");
   }

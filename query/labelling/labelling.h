@@ -31,7 +31,7 @@ struct LabelOptions {
   ReuseCosts reuse{};
   PairwiseOptions costs{};
   Minimizer minimizer = Minimizer::kTrwS;
-  int max_iterations = 100;  // of TRW-S
+  int max_iterations = 100;  // of the minimizer
 };
 
 /// Seconds, wall clock.

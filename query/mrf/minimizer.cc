@@ -31,9 +31,9 @@ const char* name_of(Minimizer minimizer) {
 Solution minimize(const Mrf& mrf, Minimizer minimizer, int max_iterations) {
   switch (minimizer) {
     case Minimizer::kAlphaExpansion:
-      return alpha_expansion(mrf);
+      return alpha_expansion(mrf, {.max_cycles = max_iterations});
     case Minimizer::kIcm:
-      return icm(mrf);
+      return icm(mrf, {.max_sweeps = max_iterations});
     case Minimizer::kTrwS:
       break;
   }

@@ -16,7 +16,7 @@ enum class Minimizer {
 Minimizer parse_minimizer(const std::string& name);  // "trw-s", "alpha-expansion", "icm"; Error{kUsage}
 const char* name_of(Minimizer minimizer);
 
-/// max_iterations   of TRW-S; of alpha-expansion's cycles and ICM's sweeps their own defaults hold.
+/// max_iterations   TRW-S's passes, alpha-expansion's cycles or ICM's sweeps.
 Solution minimize(const Mrf& mrf, Minimizer minimizer, int max_iterations = 100);
 
 }  // namespace freshet::query

@@ -61,6 +61,12 @@ TEST(SameStore, SeveralStoresAreSearchedAsOne) {
     EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
     return outcome.exit_code == 0 ? nlohmann::json::parse(outcome.out)["pieces"] : nlohmann::json();
   };
+  const Outcome early =
+      folder.freshet({"query", "candidates", "part1.store", sample().still, "--store", "part2.store"});
+  EXPECT_EQ(early.exit_code, 1);
+  EXPECT_NE(early.err.find("part1.store: the 2 stores that are searched as one have no index"),
+            std::string::npos)
+      << early.err;
   ASSERT_EQ(folder.freshet({"index", "all.stores"}).exit_code, 0);
   EXPECT_EQ(digest(folder / "all.stores"), sample_digest());
   const nlohmann::json of_list = candidates({"all.stores", sample().still});

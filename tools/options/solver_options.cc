@@ -41,7 +41,7 @@ void SolverOptions::add_to(CLI::App& command) {
   command
       .add_option(
           "--crowd", reuse_.crowd,
-          "Cost of each patch of a clip that has more than half of the pieces; added up to four times")
+          "Cost of each patch of a clip that has more than half of 20 pieces or more; added up to four times")
       ->check(CLI::Range(0.0, 1000.0))
       ->capture_default_str()
       ->group(in_detail("Labelling"));

@@ -160,6 +160,14 @@ TEST(TrwS, GivesTheLabelsThatItGaveOnOtherMachines) {
   EXPECT_EQ(hash_of(minimize(mrf, Minimizer::kAlphaExpansion).labels), 0x953a5025a3b054cfULL);
 }
 
+TEST(Minimizer, StopsAfterAsManyIterationsAsItIsGiven) {
+  const Mrf mrf = picture_sized_mrf(1, 12, 10, 40);
+  for (const Minimizer minimizer : {Minimizer::kTrwS, Minimizer::kAlphaExpansion, Minimizer::kIcm}) {
+    EXPECT_EQ(minimize(mrf, minimizer, 1).iterations, 1) << name_of(minimizer);
+    EXPECT_GT(minimize(mrf, minimizer).iterations, 1) << name_of(minimizer);
+  }
+}
+
 TEST(Minimizer, TrwSThenForestsComesWithinThreePerCentOfTheBoundOnAPicture) {
   for (std::uint64_t seed = 1; seed <= 3; ++seed) {
     const Mrf mrf = picture_sized_mrf(seed, 12, 10, 40);
