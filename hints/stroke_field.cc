@@ -11,17 +11,19 @@
 #include <opencv2/imgproc.hpp>
 
 #include "freshet/error.h"
+#include "vision/look/horizon.h"
 
 namespace freshet::hints {
 namespace {
 
 constexpr double kStep = 6;               // px between samples of a stroke
 constexpr double kTangent = 6;            // px to either side, over which a direction is taken
-constexpr double kClash = 12;             // px within which strokes must not run against each other
+constexpr double kClash = 12;             // px within which strokes that run against each other are told of
 constexpr double kClashCosine = -0.7071;  // of 135 degrees
 constexpr std::size_t kMaxSamples = 600, kMaxFine = 20000;
+constexpr float kLeastSeen = 1;      // of a stroke drawn at the horizon or above it
 constexpr int kCell = 8;             // px of the picture to a node of the coarse field
-constexpr double kCancelled = 0.05;  // length of the interpolated vector below which it has no direction
+constexpr double kCancelled = 1e-4;  // length of the interpolated vector below which it has no direction
 
 struct Sample {
   cv::Point2d at;     // px
@@ -126,8 +128,8 @@ std::vector<Sample> sampled(const std::vector<Stroke>& strokes, cv::Size picture
   return samples;
 }
 
-void check_clashes(const std::vector<Sample>& samples, const std::vector<Stroke>& strokes,
-                   const std::string& where) {
+/// Of the first strokes that run against each other; empty: none do.
+std::string clash(const std::vector<Sample>& samples, const std::vector<Stroke>& strokes) {
   const auto name = [&](std::size_t i) {
     return strokes[i].name.empty() ? fmt::format("stroke {}", i + 1) : strokes[i].name;
   };
@@ -143,17 +145,17 @@ void check_clashes(const std::vector<Sample>& samples, const std::vector<Stroke>
         for (const std::size_t j : found->second) {
           const Sample& other = samples[j];
           if (cv::norm(sample.at - other.at) >= kClash || sample.way.dot(other.way) >= kClashCosine) continue;
-          const std::string what =
+          return fmt::format(
+              "{} at ({:.0f}, {:.0f}): between them the flow stands",
               sample.stroke == other.stroke
                   ? name(sample.stroke) + " runs against itself"
-                  : fmt::format("{} and {} run against each other", name(other.stroke), name(sample.stroke));
-          throw Error(ErrorKind::kInput, where,
-                      fmt::format("{} at ({:.0f}, {:.0f})", what, sample.at.x, sample.at.y),
-                      fmt::format("Remove one of them there, or leave {:g} px between them", kClash));
+                  : fmt::format("{} and {} run against each other", name(other.stroke), name(sample.stroke)),
+              sample.at.x, sample.at.y);
         }
       }
     cells[{column, row}].push_back(i);
   }
+  return {};
 }
 
 // Samples of a cell made one, in cells that grow until few enough are left.
@@ -276,10 +278,10 @@ StrokeField interpolate(const std::vector<Stroke>& strokes, cv::Size picture, co
   if (fine.empty())
     throw Error(ErrorKind::kInput, where, "no stroke in or near the picture",
                 "Draw at least one line, in the direction of the flow");
-  check_clashes(fine, strokes, where);
   const std::vector<Sample> samples = thinned(fine);
 
   StrokeField field;
+  field.clash = clash(fine, strokes);
   Eigen::MatrixXd ways(samples.size(), 2);
   for (std::size_t i = 0; i < samples.size(); ++i)
     for (int c = 0; c < 2; ++c) ways(static_cast<Eigen::Index>(i), c) = samples[i].way[c];
@@ -295,13 +297,26 @@ StrokeField interpolate(const std::vector<Stroke>& strokes, cv::Size picture, co
   for (const Sample& sample : samples)
     if (sample.speed >= 0) timed.push_back(sample);
   if (timed.empty()) return field;
+  // Of the plane: on it the same flow is as fast far off as it is near by.
+  const auto seen = [&](cv::Point2f place, cv::Vec2f way) {
+    return options.horizon ? std::max(vision::seen_speed(*options.horizon, place, way, picture), kLeastSeen)
+                           : 1.0f;
+  };
   Eigen::MatrixXd logarithms(timed.size(), 1);
   for (std::size_t i = 0; i < timed.size(); ++i)
-    logarithms(static_cast<Eigen::Index>(i), 0) = std::log(std::max(timed[i].speed, 0.1));
+    logarithms(static_cast<Eigen::Index>(i), 0) =
+        std::log(std::max(timed[i].speed, 0.1) / seen(cv::Point2f(timed[i].at), cv::Vec2f(timed[i].way)));
   const double low = logarithms.minCoeff(), high = logarithms.maxCoeff();
   field.speed = over_picture<1>(Interpolation(timed, logarithms, picture, options), picture);
   cv::min(cv::max(field.speed, low), high, field.speed);
   cv::exp(field.speed, field.speed);
+  if (!options.horizon) return field;
+  for (int y = 0; y < picture.height; ++y)
+    for (int x = 0; x < picture.width; ++x) {
+      const cv::Point2f place(static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f);
+      field.speed.at<float>(y, x) *=
+          vision::seen_speed(*options.horizon, place, field.direction.at<cv::Vec2f>(y, x), picture);
+    }
   return field;
 }
 

@@ -18,6 +18,7 @@ MotionGuide read_strokes(const std::filesystem::path& path, cv::Size picture,
                          std::vector<std::string>* notices) {
   const hints::StrokeField field =
       hints::interpolate(hints::read_strokes(path, picture, notices), picture, path.string());
+  if (notices && !field.clash.empty()) notices->push_back(field.clash);
   return {.direction = field.direction, .speed = field.speed};
 }
 

@@ -20,9 +20,9 @@ store/rewrite: store/format store/records store
 media/frame:
 media/picture: media/frame
 media/video: media/frame media/picture
-hints: media/picture
 vision:
 vision/look:
+hints: media/picture vision/look
 stored: store media/frame vision
 ingest: store media/frame media/picture media/video vision vision/look stored
 query/index: store store/rewrite vision stored
@@ -40,11 +40,11 @@ synth/judging: report vision
 synth/animate/placement: store vision query/search query/labelling
 synth/animate/blend: vision synth/sampling synth/animate/placement
 synth/animate/clips: store media/frame vision stored synth/sampling synth/playing synth/animate/placement synth/animate/blend
-synth/animate/motion: store vision stored query/search synth/sampling synth/animate/placement
+synth/animate/motion: store vision vision/look stored query/search synth/sampling synth/animate/placement
 synth/animate/still: vision synth/sampling synth/animate/motion
 synth/animate/frames: store vision stored query/search synth/sampling synth/outline synth/animate/placement synth/animate/blend synth/animate/clips synth/animate/motion synth/animate/still
 synth/animate/paper: synth/sampling synth/animate/blend synth/animate/clips synth/animate/motion synth/animate/still synth/animate/frames
-synth/animate/carried: vision synth/sampling synth/animate/placement synth/animate/blend synth/animate/clips synth/animate/motion synth/animate/still synth/animate/frames
+synth/animate/carried: vision vision/look synth/sampling synth/animate/placement synth/animate/blend synth/animate/clips synth/animate/motion synth/animate/still synth/animate/frames
 synth/animate/forms: store vision media/picture stored synth/sampling synth/playing synth/animate/clips synth/animate/still synth/animate/frames synth/animate/carried
 synth/animate: report store vision query/search query/labelling synth/animate/placement synth/animate/frames synth/animate/paper synth/animate/carried synth/animate/forms
 synth/takes: report store vision query/search query/labelling synth/judging synth/animate
@@ -77,7 +77,7 @@ studio/http: studio
 library: store media/frame media/picture media/video hints vision stored ingest query/index query/labelling query/benchmark synth/outline synth/animate synth/matte synth/simulate/design synth/simulate synth/transfer synth/transfer/files
 python/binding:
 tools/console: store media/frame media/picture media/video query/index
-tools/options: cache store starter media/picture media/video hints vision query/index query/mrf query/search query/costs synth/outline synth/animate/frames synth/animate synth/matte tools/console
+tools/options: cache store starter media/picture media/video hints vision vision/look query/index query/mrf query/search query/costs synth/outline synth/animate/frames synth/animate synth/matte tools/console
 tools: report store store/rewrite media/frame media/video stored ingest query/index synth/toml starter studio studio/http tools/console tools/options
 tools/query: media/picture vision/look stored query/labelling query/benchmark synth/animate/placement synth/animate/motion tools/console tools/options tools
 tools/judging: media/frame media/picture media/video hints query/labelling synth/judging tools/console

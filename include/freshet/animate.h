@@ -20,7 +20,7 @@ struct AnimateOptions {
   double speed = 1;
   /// CV_8UC3 of the picture's size, times speed: black 0.5, mid-grey 1, white 2. Empty: the same everywhere.
   cv::Mat retiming_map{};
-  /// The fluid carries its outline along: for fire and smoke.
+  /// The fluid carries its outline along, with softer rims.
   bool moving_outline = false;
   /// CV_8UC3 of the picture's size, or as deep as below: what lies behind a moving outline. Empty: guessed from around
   /// the matte.

@@ -2,12 +2,18 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include <opencv2/core.hpp>
 
 namespace freshet {
+
+/// Where a plane of water ends in the distance: a line, px of the picture; `from` lies left of `to`.
+struct Horizon {
+  cv::Point2f from, to;
+};
 
 /// What is asked of the motion, pixel by pixel; either map alone, or both. Tolerances: SearchOptions::narrow.
 struct MotionGuide {
@@ -21,6 +27,8 @@ struct MotionGuide {
   double speed_ratio = 1.5;
   /// Slower patches have no direction that counts.
   double min_speed_px_per_s = 2.5;
+  /// Where no speed is asked, and one speed of a plane of water is meant by the patches': they go slower towards here.
+  std::optional<Horizon> horizon{};
 
   bool empty() const { return direction.empty() && speed.empty(); }
 };

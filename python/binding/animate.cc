@@ -9,7 +9,7 @@ constexpr const char* kOptions = R"(
 loop            The last frame runs into the first without a seam.
 speed           0.05 to 20: 1 as filmed, 0.5 slow motion.
 retiming_map    (height, width, 3), uint8, times speed: black 0.5, mid-grey 1, white 2; None: the same everywhere.
-moving_outline  The fluid carries its outline along: for fire and smoke.
+moving_outline  The fluid carries its outline along, with softer rims.
 background      (height, width, 3): what lies behind a moving outline; None: guessed.
 deep            Picture.deep of the picture that was searched with: frames are then of its type.
 memory_bytes    That frames in the making may take.

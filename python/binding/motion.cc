@@ -1,3 +1,6 @@
+#include <array>
+#include <optional>
+
 #include "freshet/motion.h"
 
 #include "python/binding/binding.h"
@@ -7,12 +10,15 @@ namespace freshet::python {
 void bind_motion(py::module_& module) {
   py::class_<MotionGuide>(module, "MotionGuide", "Where and how fast the fluid is to go, pixel by pixel.")
       .def(py::init([](const cv::Mat& direction, const cv::Mat& speed, double tolerance_deg,
-                       double speed_ratio, double min_speed) {
-             return MotionGuide{direction, speed, tolerance_deg, speed_ratio, min_speed};
+                       double speed_ratio, double min_speed,
+                       const std::optional<std::array<float, 4>>& horizon) {
+             MotionGuide guide{direction, speed, tolerance_deg, speed_ratio, min_speed};
+             if (horizon) guide.horizon = {{(*horizon)[0], (*horizon)[1]}, {(*horizon)[2], (*horizon)[3]}};
+             return guide;
            }),
            py::kw_only(), "direction"_a = py::none(), "speed"_a = py::none(),
            "tolerance_deg"_a = MotionGuide{}.tolerance_deg, "speed_ratio"_a = MotionGuide{}.speed_ratio,
-           "min_speed_px_per_s"_a = MotionGuide{}.min_speed_px_per_s)
+           "min_speed_px_per_s"_a = MotionGuide{}.min_speed_px_per_s, "horizon"_a = py::none())
       .def_readonly(
           "direction", &MotionGuide::direction,
           "(height, width, 2), float32: unit vectors, x right, y down; (0, 0): not asked. Or empty.")
@@ -22,7 +28,16 @@ void bind_motion(py::module_& module) {
       .def_readonly("speed_ratio", &MotionGuide::speed_ratio,
                     "From asked / ratio to asked * ratio; at least 1.")
       .def_readonly("min_speed_px_per_s", &MotionGuide::min_speed_px_per_s,
-                    "Slower patches have no direction that counts.");
+                    "Slower patches have no direction that counts.")
+      .def_property_readonly(
+          "horizon",
+          [](const MotionGuide& guide) -> std::optional<std::array<float, 4>> {
+            if (!guide.horizon) return std::nullopt;
+            return std::array{guide.horizon->from.x, guide.horizon->from.y, guide.horizon->to.x,
+                              guide.horizon->to.y};
+          },
+          "(x, y, x, y), px, from left to right: where a plane of water ends, towards which it goes slower. "
+          "Or None.");
   module.def(
       "read_strokes",
       [](const std::filesystem::path& path, cv::Size size) { return read_strokes(path, size); }, "path"_a,

@@ -85,8 +85,10 @@ class MotionGuide:
     tolerance_deg: float
     speed_ratio: float
     min_speed_px_per_s: float
+    horizon: Optional[Tuple[float, float, float, float]]
     def __init__(self, *, direction: Optional[_F32] = None, speed: Optional[_F32] = None, tolerance_deg: float = 30,
-                 speed_ratio: float = 1.5, min_speed_px_per_s: float = 2.5) -> None: ...
+                 speed_ratio: float = 1.5, min_speed_px_per_s: float = 2.5,
+                 horizon: Optional[Tuple[float, float, float, float]] = None) -> None: ...
 
 def read_strokes(path: _Path, size: _Size) -> MotionGuide: ...
 

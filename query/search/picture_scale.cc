@@ -61,6 +61,8 @@ MotionGuide reduce(const MotionGuide& guide, double scale) {
         out.speed.at<float>(y, x) = m > 1e-3f ? sum.at<float>(y, x) / m / static_cast<float>(scale) : -1.0f;
       }
   }
+  if (out.horizon)
+    for (cv::Point2f* end : {&out.horizon->from, &out.horizon->to}) *end /= static_cast<float>(scale);
   return out;
 }
 

@@ -27,7 +27,7 @@ constexpr std::array<MeasureWords, kMeasures> kWords{{
     {Measure::kSeams, "seams", "per mille", "hard edges show", "",
      "a longer --detail-life, or --boundary static"},
     {Measure::kDents, "dents", "px", "a straight border is dented", "",
-     "--hold along that border, or a tighter --matte"},
+     "--horizon auto where water ends there, --hold along that border, or a tighter --matte"},
     {Measure::kStillness, "stillness", "", "it stands still", "",
      "faster strokes, a greater --speed, or a smaller --standing"},
     {Measure::kAngle, "angle", "degrees", "it goes elsewhere than asked", "",

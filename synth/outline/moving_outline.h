@@ -12,7 +12,7 @@ namespace freshet::synth::outline {
 
 enum class Outline {
   kStatic,  // the still picture's matte, in every frame
-  kMoving,  // carried along by the fluid: for fire and smoke, whose outlines change
+  kMoving,  // carried along by the fluid, with softer rims
 };
 
 struct MovingOutlineOptions {

@@ -81,7 +81,8 @@ class Searches(unittest.TestCase):
             freshet.nearest_by_words(store, words[:, :80])
 
     @covers("MotionGuide", "MotionGuide.direction", "MotionGuide.speed", "MotionGuide.tolerance_deg",
-            "MotionGuide.speed_ratio", "MotionGuide.min_speed_px_per_s", "MotionGuide.__init__", "read_strokes")
+            "MotionGuide.speed_ratio", "MotionGuide.min_speed_px_per_s", "MotionGuide.horizon", "MotionGuide.__init__",
+            "read_strokes")
     def test_a_guide_comes_from_strokes_or_from_arrays(self):
         strokes = self.scene.folder / "lines.svg"
         strokes.write_text('<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 192 144">'
@@ -93,6 +94,8 @@ class Searches(unittest.TestCase):
         own = freshet.MotionGuide(direction=read.direction, tolerance_deg=20, speed_ratio=2, min_speed_px_per_s=1)
         self.assertEqual((own.tolerance_deg, own.speed_ratio, own.min_speed_px_per_s), (20, 2, 1))
         self.assertEqual(own.speed.size, 0)
+        self.assertIsNone(own.horizon)
+        self.assertEqual(tuple(freshet.MotionGuide(horizon=(0, 20, 192, 22)).horizon), (0, 20, 192, 22))
         self.assertGreater(len(search(self.scene, guide=own, narrow=True)), 0)
 
     @covers("label", "Labelling", "Labelling.search", "Labelling.patches", "Labelling.clips", "Labelling.energy",

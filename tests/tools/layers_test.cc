@@ -244,6 +244,28 @@ TEST_F(Layers, MattesAndMotionAreWrittenToo) {
   EXPECT_EQ(outside[1], 0);
 }
 
+TEST_F(Layers, TowardsAHorizonTheMotionComesToRest) {
+  const std::vector<std::string> asked{"--layout", "stands", "--variation", "0", "--direction", "right"};
+  const auto speeds = [&](const char* name, const std::vector<std::string>& more) {
+    std::vector<std::string> words = asked;
+    words.insert(words.end(), {"--motion-out", std::string(name) + "/%04d.flo"});
+    words.insert(words.end(), more.begin(), more.end());
+    made(std::string(name) + ".mkv", words);
+    const std::string flo = text_of(*folder_ / (std::string(name) + "/0001.flo"));
+    const cv::Mat motion(kHeight, kWidth, CV_32FC2, const_cast<char*>(flo.data() + 12));
+    std::vector<double> by_row;
+    for (int y = 0; y < kHeight; ++y) by_row.push_back(cv::norm(cv::mean(motion.row(y))));
+    return by_row;
+  };
+  const auto plain = speeds("plain", {}), plane = speeds("plane", {"--horizon", "60"});
+  EXPECT_GT(plain[64], 0.05);
+  EXPECT_LT(plane[64], 0.3 * plain[64]);
+  EXPECT_GT(plane[130], plain[130]);
+  EXPECT_TRUE(holds(animate("a.mkv", {"--horizon", "sea"}).err, "--horizon sea: auto, a row or a line"));
+  EXPECT_EQ(animate("a.mkv", {"--horizon", "0,10,0,90"}).exit_code, 2);
+  EXPECT_TRUE(holds(animate("a.mkv", {"--horizon", "auto"}).err, "no straight, level upper border"));
+}
+
 TEST_F(Layers, ARangeIsPartOfTheWholeAndNumberedAsIt) {
   made("all/####.png", {"--start-number", "1001"});
   made("part/####.png", {"--start-number", "1001", "--range", "1002-1003"});

@@ -1,7 +1,10 @@
 #include "tools/options/motion_options.h"
 
 #include <cmath>
+#include <cstdlib>
 #include <initializer_list>
+#include <sstream>
+#include <utility>
 
 #include <fmt/format.h>
 #include <opencv2/imgproc.hpp>
@@ -13,6 +16,7 @@
 #include "media/picture/picture.h"
 #include "tools/console/output_names.h"
 #include "tools/console/run_context.h"
+#include "vision/look/horizon.h"
 
 namespace freshet::tools {
 namespace {
@@ -27,6 +31,36 @@ bool on_fluid(const hints::Stroke& stroke, const cv::Mat& matte) {
     points.emplace_back(static_cast<int>(std::floor(point.x)), static_cast<int>(std::floor(point.y)));
   cv::polylines(drawn, points, false, cv::Scalar(255), 1);
   return cv::countNonZero(drawn & matte) > 0;
+}
+
+/// --horizon.
+Horizon read_horizon(const std::string& text, const cv::Mat& matte) {
+  const std::string option = "--horizon " + text;
+  if (text == "auto") {
+    const std::optional<Horizon> found = vision::horizon_of(matte);
+    if (!found)
+      throw Error(ErrorKind::kInput, option,
+                  "the matte has no straight, level upper border as long as half of the picture",
+                  "Give its row: --horizon Y");
+    return *found;
+  }
+  std::vector<float> numbers;
+  std::istringstream in(text);
+  for (std::string part; std::getline(in, part, ',');) {
+    char* end = nullptr;
+    numbers.push_back(std::strtof(part.c_str(), &end));
+    if (part.empty() || *end != 0 || !(std::abs(numbers.back()) < 1e6f))
+      numbers.clear(), in.setstate(std::ios::failbit);
+  }
+  const auto width = static_cast<float>(matte.cols);
+  if (numbers.size() == 1) numbers = {0, numbers[0], width, numbers[0]};
+  if (numbers.size() == 4 && numbers[0] > numbers[2])
+    std::swap(numbers[0], numbers[2]), std::swap(numbers[1], numbers[3]);
+  if (numbers.size() != 4 || numbers[2] - numbers[0] < 1 ||
+      std::abs(numbers[3] - numbers[1]) > numbers[2] - numbers[0])
+    throw Error(ErrorKind::kUsage, option, "auto, a row or a line that is level within 45 degrees expected",
+                "Give --horizon Y, or --horizon X,Y,X,Y");
+  return {{numbers[0], numbers[1]}, {numbers[2], numbers[3]}};
 }
 
 void say_all(const std::string& file, const std::vector<std::string>& notices) {
@@ -111,6 +145,15 @@ void MotionOptions::add_outputs_to(CLI::App& command) {
       ->group(kGroup);
 }
 
+void MotionOptions::add_rendering_to(CLI::App& command) {
+  command
+      .add_option("--horizon", horizon_,
+                  "Where a plane of water ends, towards which it goes slower: auto (the matte's straight "
+                  "upper border), a row, "
+                  "px from above, or a line X,Y,X,Y [none]")
+      ->group(kGroup);
+}
+
 void MotionOptions::check_outputs() const {
   check_picture_output(drawing_);
   for (const std::string& path : {orientation_out_, speed_out_}) {
@@ -137,6 +180,7 @@ AskedMotion MotionOptions::read(const TargetFiles::Loaded& loaded, const SearchO
   asked.guide.speed_ratio = speed_ratio_;
   const cv::Size picture = loaded.picture.size();
   std::vector<std::string> notices;
+  if (!horizon_.empty()) asked.guide.horizon = read_horizon(horizon_, loaded.matte);
   if (!strokes_.empty()) {
     asked.strokes = hints::read_strokes(strokes_, picture, &notices);
     say_all(strokes_, notices);
@@ -144,7 +188,9 @@ AskedMotion MotionOptions::read(const TargetFiles::Loaded& loaded, const SearchO
       if (!on_fluid(stroke, loaded.matte))
         say(fmt::format("{}: {} lies wholly outside the matte; is it meant for this picture?", strokes_,
                         stroke.name.empty() ? "a stroke" : stroke.name));
-    hints::StrokeField field = hints::interpolate(asked.strokes, picture, strokes_);
+    hints::StrokeField field =
+        hints::interpolate(asked.strokes, picture, strokes_, {.horizon = asked.guide.horizon});
+    if (!field.clash.empty()) say(strokes_ + ": " + field.clash);
     asked.guide.direction = field.direction;
     asked.guide.speed = field.speed;
   }

@@ -29,6 +29,8 @@ class MotionOptions {
   void add_to(CLI::App& command);
   /// Of these, what says how patches are searched: --hint, --hint-search, --speed-tolerance.
   void add_search_to(CLI::App& command);
+  /// --horizon: for commands that make frames.
+  void add_rendering_to(CLI::App& command);
   /// --orientation-out, --speed-out: for commands that assign patches.
   void add_outputs_to(CLI::App& command);
 
@@ -54,7 +56,7 @@ class MotionOptions {
 
  private:
   std::string hint_ = "auto", hint_search_ = "auto", strokes_, orientation_map_, speed_map_, drawing_,
-              orientation_out_, speed_out_;
+              orientation_out_, speed_out_, horizon_;
   double speed_white_ = 0, speed_ratio_ = 0;
   CLI::Option *speed_white_option_ = nullptr, *speed_tolerance_option_ = nullptr;
 };

@@ -13,7 +13,7 @@ void OutlineOptions::add_to(CLI::App& command) {
   const std::string group = "Outline of the fluid", moving = " (with --boundary moving)";
   command
       .add_option("--boundary", kind_,
-                  "static: the matte stands still; moving: the fluid carries it along, for fire and smoke")
+                  "static: the matte stands still; moving: the fluid carries it along, with softer rims")
       ->check(CLI::IsMember({"static", "moving"}))
       ->capture_default_str()
       ->group(group);

@@ -49,6 +49,7 @@ void AnimateCommand::add_choosing_to(CLI::App& app) {
 void AnimateCommand::add_making_to(CLI::App& app) {
   search.add_to(app);
   motion.add_to(app);
+  motion.add_rendering_to(app);
   labelling.add_to(app);
   cache.add_to(app);
   play.add_to(app);

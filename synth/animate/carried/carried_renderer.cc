@@ -24,6 +24,7 @@
 #include "synth/animate/still/standing_layout.h"
 #include "synth/sampling/coarse_samples.h"
 #include "synth/sampling/pull_push.h"
+#include "vision/look/horizon.h"
 #include "vision/pyramid.h"
 
 namespace freshet::synth::animate {
@@ -97,6 +98,19 @@ cv::Mat directions(const cv::Mat& motion, cv::Size size) {
       const float length = std::hypot(v[0], v[1]);
       v = length > 1e-3f ? cv::Vec2f(v / length) : cv::Vec2f(0, 0);
     }
+  return out;
+}
+
+/// px below a horizon, sampled as a field: CV_32F; empty without one.
+cv::Mat nearness(const std::optional<Horizon>& horizon, const CarryingField& field) {
+  if (!horizon) return {};
+  cv::Mat out(field.size(), CV_32F);
+  const auto step = static_cast<float>(field.step());
+  for (int y = 0; y < out.rows; ++y)
+    for (int x = 0; x < out.cols; ++x)
+      out.at<float>(y, x) = std::max(vision::below(*horizon, {step * (static_cast<float>(x) + 0.5f),
+                                                              step * (static_cast<float>(y) + 0.5f)}),
+                                     1.0f);
   return out;
 }
 
@@ -185,7 +199,7 @@ class CarriedRenderer final : public Renderer {
   void lay_copies() {
     const FrameOptions& frames = animation_.options;
     CarryingOptions carrying = options_.carrying;
-    if (frames.guide.direction.empty() && frames.guide.speed.empty()) carrying.max_of_asked = 0;
+    if (frames.guide.empty() && !frames.guide.horizon) carrying.max_of_asked = 0;
     field_ = std::make_shared<const CarryingField>(sequence_, still_.asked_motion, frames.frames, frames.fps,
                                                    CarriedBase::kStep, frames.loop, carrying);
     cv::resize(still_.alpha, fluid_, field_->size(), 0, 0, cv::INTER_AREA);
@@ -273,7 +287,8 @@ class CarriedRenderer final : public Renderer {
                             field_->step(), copies,
                             CopyStarts{.direction = motion.direction,
                                        .edges = layout_->edges(),
-                                       .spread = kSpread_px * scale / CarriedBase::kStep});
+                                       .spread = kSpread_px * scale / CarriedBase::kStep,
+                                       .nearness = nearness(frames.guide.horizon, *field_)});
   }
 
   void prepare_copies(int first, int count) {

@@ -33,7 +33,7 @@ StillPart read_still(const Animation& animation) {
       [&] {
         still.assigned_motion = motion_field(animation.snapshot, animation.settings, animation.placement,
                                              animation.picture.size());
-        still.asked_motion = apply_guide(still.assigned_motion, options.guide);
+        still.asked_motion = apply_guide(still.assigned_motion, options.guide, still.alpha);
       },
       [&] {
         still.colours = fit_colour(still.target, still.luma, still.alpha,

@@ -40,6 +40,7 @@ constexpr int kDrawn = 16;                           // displacements to choose 
 constexpr double kLeastAway = 0.5;                   // of the spread
 constexpr float kSameWay = 0.95f, kOtherWay = 0.8f;  // cosines: goes with the place, does not
 constexpr float kTextureDeep = 0.15f;                // of the depth: from there on no edge comes along
+constexpr float kSizeApart = 0.35f;                  // sigma, of the logarithm of sizes
 constexpr float kLooksCount = 1 / 9.0f;              // of looks: the place's magnitude is not brought
 
 FRESHET_WIDE void place_row(const float* displacement, float unit, float y, int n, float* to) {
@@ -217,11 +218,16 @@ cv::Mat CopyMaps::fit(cv::Point away) const {
                *went = starts_->direction.ptr<cv::Vec2f>(y - away.y) + (from.x - away.x);
     const auto* edge = starts_->edges.ptr<float>(y) + from.x;
     compare(brought, own, from.width, deep.data(), unlike.data());
+    const cv::Mat& nearness = starts_->nearness;
+    const float *near_by = nearness.empty() ? nullptr : nearness.ptr<float>(y) + from.x,
+                *near_to = nearness.empty() ? nullptr : nearness.ptr<float>(y - away.y) + (from.x - away.x);
     auto* to = out.ptr<float>(y) + from.x;
     for (int x = 0; x < from.width; ++x) {
       const float same = std::clamp((goes[x].dot(went[x]) - kOtherWay) / (kSameWay - kOtherWay), 0.0f, 1.0f);
       const bool fluid = own[4 * x] > 0 && brought[4 * x] > 0;
-      to[x] = fluid ? same * (1 - edge[x]) * std::exp(-0.5f * kLooksCount * unlike[x]) : 0.0f;
+      const float larger = near_by ? std::log(near_by[x] / near_to[x]) / kSizeApart : 0.0f;
+      to[x] =
+          fluid ? same * (1 - edge[x]) * std::exp(-0.5f * (kLooksCount * unlike[x] + larger * larger)) : 0.0f;
     }
   }
   return out;

@@ -8,9 +8,43 @@
 #include <opencv2/imgproc.hpp>
 
 #include "stored/clip_cells.h"
+#include "vision/look/horizon.h"
 #include "vision/patch_features.h"
 
 namespace freshet::synth::animate {
+namespace {
+
+constexpr double kEvened = 0.01;  // sigma of asked directions, of the picture's diagonal
+
+/// Directions evened out, of length 1 where they agree and less where they oppose each other; 0 where none is asked.
+cv::Mat evened(const cv::Mat& direction) {
+  cv::Mat asked(direction.size(), CV_32F), out, mass;
+  for (int y = 0; y < direction.rows; ++y)
+    for (int x = 0; x < direction.cols; ++x)
+      asked.at<float>(y, x) = direction.at<cv::Vec2f>(y, x) != cv::Vec2f(0, 0) ? 1.0f : 0.0f;
+  const double sigma = kEvened * std::hypot(direction.cols, direction.rows);
+  cv::GaussianBlur(direction, out, {}, sigma, sigma, cv::BORDER_REPLICATE);
+  cv::GaussianBlur(asked, mass, {}, sigma, sigma, cv::BORDER_REPLICATE);
+  for (int y = 0; y < out.rows; ++y)
+    for (int x = 0; x < out.cols; ++x)
+      out.at<cv::Vec2f>(y, x) *= asked.at<float>(y, x) / std::max(mass.at<float>(y, x), 1e-6f);
+  return out;
+}
+
+/// vision::seen_speed of each pixel, over its mean in the fluid. CV_32F.
+cv::Mat seen_speeds(const Horizon& horizon, const cv::Mat& direction, const cv::Mat& matte) {
+  cv::Mat seen(matte.size(), CV_32F);
+  for (int y = 0; y < seen.rows; ++y)
+    for (int x = 0; x < seen.cols; ++x)
+      seen.at<float>(y, x) = vision::seen_speed(
+          horizon, {static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f},
+          direction.empty() ? cv::Vec2f(0, 0) : direction.at<cv::Vec2f>(y, x), seen.size());
+  const double mean = seen.dot(matte) / std::max(cv::sum(matte)[0], 1.0);
+  if (mean > 0) seen /= mean;
+  return seen;
+}
+
+}  // namespace
 
 cv::Mat motion_field(const store::Snapshot& snapshot, const vision::Settings& settings,
                      const Placement& placement, cv::Size picture) {
@@ -57,18 +91,22 @@ cv::Mat motion_field(const store::Snapshot& snapshot, const vision::Settings& se
   return field;
 }
 
-cv::Mat apply_guide(const cv::Mat& motion, const query::MotionGuide& guide) {
+cv::Mat apply_guide(const cv::Mat& motion, const query::MotionGuide& guide, const cv::Mat& matte) {
   cv::Mat out = motion.clone();
+  const cv::Mat way = guide.direction.empty() ? cv::Mat() : evened(guide.direction);
+  const cv::Mat seen = guide.horizon ? seen_speeds(*guide.horizon, guide.direction, matte) : cv::Mat();
   for (int y = 0; y < out.rows; ++y)
     for (int x = 0; x < out.cols; ++x) {
       cv::Vec2f& v = out.at<cv::Vec2f>(y, x);
       float speed = std::hypot(v[0], v[1]);
-      if (!guide.speed.empty() && guide.speed.at<float>(y, x) >= 0 && speed > 0) {
-        v *= guide.speed.at<float>(y, x) / speed;
-        speed = guide.speed.at<float>(y, x);
+      const bool asked = !guide.speed.empty() && guide.speed.at<float>(y, x) >= 0 && speed > 0;
+      if (asked || !seen.empty()) {
+        const float goes = asked ? guide.speed.at<float>(y, x) : speed * seen.at<float>(y, x);
+        if (speed > 0) v *= goes / speed;
+        speed = goes;
       }
-      if (!guide.direction.empty() && guide.direction.at<cv::Vec2f>(y, x) != cv::Vec2f(0, 0))
-        v = guide.direction.at<cv::Vec2f>(y, x) * speed;
+      if (!way.empty() && guide.direction.at<cv::Vec2f>(y, x) != cv::Vec2f(0, 0))
+        v = way.at<cv::Vec2f>(y, x) * speed;
     }
   return out;
 }

@@ -17,8 +17,9 @@ cv::Mat motion_field(const store::Snapshot& snapshot, const vision::Settings& se
 
 /// An assigned field turned to where a guide asks it to go and, where speeds are asked, as fast: a patch goes
 /// only about as asked, and with its own eddies. Where the guide says nothing the field stays.
-/// motion   CV_32FC2, px/s; guide of the same size, or empty.
-cv::Mat apply_guide(const cv::Mat& motion, const query::MotionGuide& guide);
+/// With a horizon the patches' own speeds, where none are asked, shrink towards it; their mean over the fluid stays.
+/// motion   CV_32FC2, px/s; guide of the same size, or empty. matte: CV_32F, 0..1, of that size.
+cv::Mat apply_guide(const cv::Mat& motion, const query::MotionGuide& guide, const cv::Mat& matte);
 
 /// How many times as fast the fluid goes as the patches that were assigned to it, in 1/4..4: the mean of the logarithm
 /// over the matte, faster places by their speed. 1 where nothing moves.

@@ -99,13 +99,6 @@ TEST_F(BadStrokes, StrokesThatSayNothing) {
   expect_failure({"--strokes", "path.svg"}, 1, {"path.svg: d of path \"p1\"", "number is expected"});
 }
 
-TEST_F(BadStrokes, StrokesThatContradictEachOther) {
-  folder_.file("both.json",
-               strokes(R"({"points": [[80, 20], [80, 120]]}, {"points": [[84, 120], [84, 20]]})"));
-  expect_failure({"--strokes", "both.json"}, 1,
-                 {"both.json: stroke 1 and stroke 2 run against each other at (84,", "12 px between them"});
-}
-
 TEST_F(BadStrokes, MapsThatDoNotFit) {
   cv::imwrite(folder_ / "small.png", cv::Mat(60, 80, CV_8UC3, cv::Scalar(0, 0, 255)));
   cv::imwrite(folder_ / "grey.png", cv::Mat(kHeight, kWidth, CV_8U, cv::Scalar(90)));

@@ -184,6 +184,29 @@ CopyStarts starts(bool parted = false) {
 }
 const auto standing_water = [](int) { return cv::Mat(cv::Mat::zeros(kSize, CV_32FC2)); };
 
+TEST(CopyMaps, TowardsAHorizonCopiesOfATextureKeepToTheirSize) {
+  CopyStarts plain = starts(), plane = starts();
+  plane.nearness.create(kSize, CV_32F);
+  for (int y = 0; y < kSize.height; ++y) plane.nearness.row(y).setTo(static_cast<float>(y + 1));
+  const auto unlike = [&](const CopyStarts& from) {
+    CopyMaps maps(standing_water, kFluid, kStep, {.interval = kInterval, .patch = 6}, from);
+    double sum = 0, mass = 0;
+    for (int i = kInterval; i < 8 * kInterval; i += kInterval / 2) {
+      maps.prepare(i, 1);
+      for (const CopyMap& copy : maps.at(i))
+        for (int y = 0; y < kSize.height; ++y) {
+          const float weight = copy.weight.at<float>(y, 20),
+                      came = static_cast<float>(y) + copy.source.at<cv::Vec2f>(y, 20)[1] / kStep;
+          if (came < 0 || came >= static_cast<float>(kSize.height)) continue;
+          sum += weight * std::abs(std::log((came + 1) / static_cast<float>(y + 1)));
+          mass += weight;
+        }
+    }
+    return sum / mass;
+  };
+  EXPECT_LT(unlike(plane), 0.6 * unlike(plain));
+}
+
 TEST(CopyMaps, CopiesOfATextureBeginDisplacedEachByAnother) {
   CopyMaps maps(standing_water, kFluid, kStep, {.interval = kInterval, .patch = 6}, starts());
   std::set<std::pair<float, float>> seen;

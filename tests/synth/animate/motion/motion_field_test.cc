@@ -1,0 +1,72 @@
+#include "synth/animate/motion/motion_field.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace freshet::synth::animate {
+namespace {
+
+const cv::Size kPicture(320, 240);
+
+cv::Mat everywhere(cv::Vec2f v) { return {kPicture, CV_32FC2, cv::Scalar(v[0], v[1])}; }
+cv::Mat all() { return {kPicture, CV_32F, cv::Scalar(1)}; }
+
+TEST(ApplyGuide, TurnsWhatGoesAndKeepsItsSpeed) {
+  query::MotionGuide guide;
+  guide.direction = everywhere({0, 1});
+  guide.direction.colRange(160, 320).setTo(cv::Scalar(0, 0));
+  const cv::Mat field = apply_guide(everywhere({30, 0}), guide, all());
+  EXPECT_LT(cv::norm(field.at<cv::Vec2f>(120, 40) - cv::Vec2f(0, 30)), 0.1);
+  EXPECT_LT(cv::norm(field.at<cv::Vec2f>(120, 158) - cv::Vec2f(0, 30)), 0.1)
+      << "up to where nothing is asked";
+  EXPECT_EQ(field.at<cv::Vec2f>(120, 200), cv::Vec2f(30, 0));
+}
+
+TEST(ApplyGuide, StandsWhereDirectionsOpposeEachOther) {
+  query::MotionGuide guide;
+  guide.direction = everywhere({0, 1});
+  guide.direction.colRange(160, 320).setTo(cv::Scalar(0, -1));
+  for (const bool asked : {false, true}) {
+    if (asked) guide.speed = cv::Mat(kPicture, CV_32F, cv::Scalar(60));
+    const cv::Mat field = apply_guide(everywhere({60, 0}), guide, all());
+    double steepest = 0;
+    for (int x = 1; x < kPicture.width; ++x)
+      steepest = std::max(steepest, cv::norm(field.at<cv::Vec2f>(120, x) - field.at<cv::Vec2f>(120, x - 1)));
+    EXPECT_LT(steepest, 14) << "px/s from a pixel to the next; 120 without";
+    EXPECT_NEAR(field.at<cv::Vec2f>(120, 100)[1], 60, 0.1);
+    EXPECT_NEAR(field.at<cv::Vec2f>(120, 220)[1], -60, 0.1);
+  }
+}
+
+TEST(ApplyGuide, TheEyeOfASwirlStands) {
+  query::MotionGuide guide;
+  guide.direction.create(kPicture, CV_32FC2);
+  for (int y = 0; y < kPicture.height; ++y)
+    for (int x = 0; x < kPicture.width; ++x) {
+      const cv::Vec2f out(static_cast<float>(x) - 159.5f, static_cast<float>(y) - 119.5f);
+      guide.direction.at<cv::Vec2f>(y, x) = cv::Vec2f(-out[1], out[0]) / static_cast<float>(cv::norm(out));
+    }
+  const cv::Mat field = apply_guide(everywhere({40, 0}), guide, all());
+  EXPECT_LT(cv::norm(field.at<cv::Vec2f>(119, 159)), 8);
+  EXPECT_NEAR(cv::norm(field.at<cv::Vec2f>(119, 190)), 40, 1);
+}
+
+TEST(ApplyGuide, SlowsDownTowardsAHorizonAndKeepsTheMean) {
+  query::MotionGuide guide;
+  guide.horizon = Horizon{{0, 40}, {320, 40}};
+  cv::Mat matte = cv::Mat::zeros(kPicture, CV_32F);
+  matte.rowRange(40, 240).setTo(1);
+  const cv::Mat field = apply_guide(everywhere({30, 0}), guide, matte);
+  double sum = 0;
+  for (int y = 40; y < 240; ++y) sum += field.at<cv::Vec2f>(y, 100)[0] / 200;
+  EXPECT_NEAR(sum, 30, 0.1);
+  EXPECT_NEAR(field.at<cv::Vec2f>(139, 100)[0], 2 * field.at<cv::Vec2f>(89, 100)[0], 0.5);
+  EXPECT_LT(field.at<cv::Vec2f>(40, 100)[0], 0.5);
+  // What is asked by speed is asked.
+  guide.speed = cv::Mat(kPicture, CV_32F, cv::Scalar(50));
+  EXPECT_FLOAT_EQ(apply_guide(everywhere({30, 0}), guide, matte).at<cv::Vec2f>(60, 100)[0], 50);
+}
+
+}  // namespace
+}  // namespace freshet::synth::animate
