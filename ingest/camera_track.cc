@@ -60,6 +60,41 @@ double distance(const Corners& a, const Corners& b) {
   return std::sqrt(sum / a.size());
 }
 
+/// The similarity that takes the points of a group nearest to where they went, in the sense of least squares (Umeyama
+/// 1991); points that it leaves a pixel behind are left out once. turns   false: a translation.
+cv::Matx33d similarity_of(const std::vector<cv::Point2f>& from, const std::vector<cv::Point2f>& to,
+                          std::vector<int> group, bool turns) {
+  cv::Matx33d m = cv::Matx33d::eye();
+  for (int round = 0; round < 2; ++round) {
+    const double n = static_cast<double>(group.size());
+    cv::Point2d mean_from, mean_to;
+    for (const int i : group) {
+      mean_from += cv::Point2d(from[i]) / n;
+      mean_to += cv::Point2d(to[i]) / n;
+    }
+    double spread = 0, along = 0, across = 0;
+    for (const int i : group) {
+      const cv::Point2d a = cv::Point2d(from[i]) - mean_from, b = cv::Point2d(to[i]) - mean_to;
+      spread += a.ddot(a);
+      along += a.ddot(b);
+      across += a.cross(b);
+    }
+    const bool known = turns && spread > 0;
+    const double c = known ? along / spread : 1, s = known ? across / spread : 0;
+    m = {c, -s, mean_to.x - c * mean_from.x + s * mean_from.y,
+         s, c,  mean_to.y - s * mean_from.x - c * mean_from.y,
+         0, 0,  1};
+    std::vector<int> near;
+    for (const int i : group) {
+      const cv::Vec3d at = m * cv::Vec3d(from[i].x, from[i].y, 1);
+      if (cv::norm(cv::Point2d(at[0], at[1]) - cv::Point2d(to[i])) < kInlier) near.push_back(i);
+    }
+    if (near.size() < group.size() / 2 || near.size() < 4) break;
+    group = std::move(near);
+  }
+  return m;
+}
+
 }  // namespace
 
 struct CameraTracker::Impl {
@@ -168,6 +203,7 @@ struct CameraTracker::Impl {
              cells_of(anchors, group, size) >= min_cells;
     };
     Corners place = places.back();
+    bool turns = true;  // it can be told
     const bool stands = is_scene(still, kMinStatic, kMinStaticCells);
     if (is_scene(agreeing, stands ? kMinCoherentOverStatic : kMinCoherent, kMinCoherentCells)) {
       const cv::Matx23d m = similarity;
@@ -175,6 +211,7 @@ struct CameraTracker::Impl {
     } else if (stands) {
       // Too few or too close together for a turn to be told: their mean.
       agreeing = still;
+      turns = false;
       cv::Point2d mean;
       for (const int i : still) mean += cv::Point2d(points[i] - anchors[i]);
       for (cv::Point2d& p : place) p += mean / static_cast<double>(still.size());
@@ -186,6 +223,8 @@ struct CameraTracker::Impl {
     record.referenced = true;
     record.after = place;
     add_shake(agreeing, record);
+    for (const std::vector<cv::Point2f>& at : path)
+      record.path.push_back(similarity_of(anchors, at, agreeing, turns));
   }
 
   /// What is left of the group's mean path when its own moving average is taken away.

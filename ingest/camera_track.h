@@ -40,13 +40,15 @@ struct CameraWindow {
   Corners before{}, after{};                   // px; the same without reference
   double shake_squares = 0;                    // px^2, of shake_count frames
   std::size_t shake_count = 0;
+  /// Of frames first to last: where each point of the first frame's scene is, if referenced.
+  std::vector<cv::Matx33d> path;
 };
 
 /// What windows that follow each other tell together. diagonal   px, of the frames.
 CameraMotion motion_of(std::span<const CameraWindow> windows, double diagonal);
 
-/// Takes a clip's frames one by one. Memory: two small frames and one window of point positions, and 200 bytes
-/// for each window. Cost: about 3 ms per frame on one thread, whatever the frame's size.
+/// Takes a clip's frames one by one. Memory: two small frames and one window of point positions, 200 bytes
+/// for each window and 72 for each frame of it. Cost: about 3 ms per frame on one thread, whatever the frame's size.
 class CameraTracker {
  public:
   /// size   of the frames that will be added, px; best kWorkingSide on their longer side.

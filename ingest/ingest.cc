@@ -13,6 +13,7 @@
 #include "ingest/clip_analysis.h"
 #include "ingest/clip_pipeline.h"
 #include "ingest/frame_timing.h"
+#include "media/frame/frame_warp.h"
 #include "media/video/frame_stamps.h"
 #include "media/video/video_reader.h"
 #include "platform/stopwatch.h"
@@ -263,16 +264,16 @@ class ClipIngest {
     if (options_.force && !options_.pictures && !preview_) return false;
     const TimedScope watch(report.seconds.survey);
     survey_ = survey(
-        *reader_, report.fps, options_.limits, options_.pictures, source.path.string(),
+        *reader_, report.fps, options_.limits, options_.steady, options_.pictures, source.path.string(),
         [&](std::uint32_t frames) { on_frames(true, frames, frames_claimed_); }, stop);
     open(source);
-    if (options_.force && survey_.cut_up()) {
-      Piece whole{survey_.whole, {}, {}, {}, survey_.pieces.front().look};
+    if (options_.force && survey_.in_parts()) {
+      Piece whole{survey_.whole, {}, {}, {}, survey_.pieces.front().look, {}};
       for (const Piece& piece : survey_.pieces)
         whole.refusals.insert(whole.refusals.end(), piece.refusals.begin(), piece.refusals.end());
       survey_.pieces = {std::move(whole)};
     }
-    if (survey_.cut_up()) return false;
+    if (survey_.in_parts()) return false;
     Piece& only = survey_.pieces.front();
     report.frames = static_cast<std::uint32_t>(survey_.whole.frames());
     report.look = std::move(only.look);
@@ -316,7 +317,7 @@ class ClipIngest {
   /// All that the first look found fit, in one pass over the source, and a row for what it did not.
   void take(const Source& source, const ClipReport& looked, const OnFrames& on_frames,
             const std::function<void(ClipReport&&)>& end_row, const std::stop_token& stop) {
-    if (!survey_.cut_up()) {
+    if (!survey_.in_parts()) {
       ClipReport row = looked;
       const Stopwatch all;
       if (preview_) {
@@ -330,7 +331,7 @@ class ClipIngest {
       }
       guarded(row, [&] {
         add(
-            source, nullptr, [&] { return next_frame(); }, on_frames, stop, row);
+            source, nullptr, {}, [&] { return next_frame(); }, on_frames, stop, row);
         return true;
       });
       row.seconds.total = all.seconds() + looked.seconds.survey + looked.seconds.hash;
@@ -345,16 +346,21 @@ class ClipIngest {
       row.name = part_name(source.name, piece.span);
       row.frames = static_cast<std::uint32_t>(piece.span.frames());
       row.look = piece.look;
+      if (piece.steady) say_steadied(*piece.steady, row);
       const Stopwatch all;
       if (piece.fit() && preview_) {
         row.outcome = Outcome::kWouldAdd;
         row.notes.insert(row.notes.end(), piece.notes.begin(), piece.notes.end());
       } else if (piece.fit()) {
-        const json part{{"source", hash_},         {"from_s", piece.span.from_s},
-                        {"to_s", piece.span.to_s}, {"first_frame", piece.span.first},
-                        {"number", ++number},      {"of", of}};
+        json part{{"source", hash_},         {"from_s", piece.span.from_s},
+                  {"to_s", piece.span.to_s}, {"first_frame", piece.span.first},
+                  {"number", ++number},      {"of", of}};
+        if (piece.steady)
+          part["steady"] = {{"width", piece.steady->size.width},
+                            {"height", piece.steady->size.height},
+                            {"kept", piece.steady->kept}};
         guarded(row, [&] {
-          add_part(source, piece.span, part, on_frames, stop, row);
+          add_part(source, piece, part, on_frames, stop, row);
           return true;
         });
       } else {
@@ -369,11 +375,22 @@ class ClipIngest {
     }
   }
 
-  void add_part(const Source& source, const Span& span, const json& part, const OnFrames& on_frames,
+  static void say_steadied(const SteadyPath& path, ClipReport& row) {
+    row.steadied_kept = path.kept;
+    row.width = static_cast<std::uint32_t>(path.size.width);
+    row.height = static_cast<std::uint32_t>(path.size.height);
+    row.notes.push_back(
+        fmt::format("made steady: its frames are not the source's own, and show the {:.0f} % that all of "
+                    "them have in common",
+                    100 * path.kept));
+  }
+
+  void add_part(const Source& source, const Piece& piece, const json& part, const OnFrames& on_frames,
                 const std::stop_token& stop, ClipReport& row) {
+    const Span& span = piece.span;
     {
       const store::Snapshot snapshot = store_->snapshot();
-      if (snapshot.find_source(part_hash(hash_, span.first, span.last))) {
+      if (snapshot.find_source(hash_of(piece))) {
         row.outcome = Outcome::kAlreadyThere;
         row.reasons = {"it is in the store"};
         return;
@@ -383,6 +400,11 @@ class ClipIngest {
                     fmt::format("the store holds another clip named \"{}\"", row.name),
                     "Rename the file, or give the folder above it so that its name differs");
     }
+    if (piece.steady && std::min(piece.steady->size.width, piece.steady->size.height) < min_side(settings_))
+      throw Error(ErrorKind::kInput, source.path.string(),
+                  fmt::format("{} x {} px are left of it when it is made steady, too few for a patch",
+                              piece.steady->size.width, piece.steady->size.height),
+                  kStandStill);
     while (frames_read_ < span.first) {
       if (stop.stop_requested())
         throw Error(ErrorKind::kCancelled, source.path.string(), "stopped; the clip was not added");
@@ -391,14 +413,22 @@ class ClipIngest {
                     "Ingest it again when nothing changes it");
     }
     add(
-        source, &part,
+        source, &piece, part,
         [&]() -> std::optional<media::Frame> {
           if (frames_read_ >= span.last) return std::nullopt;
           std::optional<media::Frame> frame = next_frame();
-          if (frame) frame->time_s -= span.from_s;
+          if (!frame) return frame;
+          frame->time_s -= span.from_s;
+          if (piece.steady)
+            frame = media::warped(*frame, piece.steady->source_from_steady[frames_read_ - 1 - span.first],
+                                  piece.steady->size);
           return frame;
         },
         on_frames, stop, row);
+  }
+
+  std::string hash_of(const Piece& piece) const {
+    return part_hash(hash_, piece.span.first, piece.span.last, piece.steady.has_value());
   }
 
   /// A part's mean rate, where its source's is another.
@@ -409,9 +439,9 @@ class ClipIngest {
     record.fps_den = 1000;
   }
 
-  /// What `next` gives becomes a clip. part   of a source that is taken in parts, null otherwise.
-  void add(const Source& source, const json* part, const FrameSource& next, const OnFrames& on_frames,
-           const std::stop_token& stop, ClipReport& report) {
+  /// What `next` gives becomes a clip. piece, part   of a source that is taken in parts, null otherwise.
+  void add(const Source& source, const Piece* piece, const json& part, const FrameSource& next,
+           const OnFrames& on_frames, const std::stop_token& stop, ClipReport& report) {
     store::ClipRecord record = record_;
     const std::uint64_t bytes_before = file_size();
     store::ClipWriter writer = writable_->add_clip();
@@ -419,14 +449,14 @@ class ClipIngest {
         next, report.fps, source.path.string(), settings_, writer,
         [&](std::uint32_t frames) {
           report.frames = frames;
-          on_frames(false, part ? static_cast<std::uint32_t>(frames_read_) : frames, frames_claimed_);
+          on_frames(false, piece ? static_cast<std::uint32_t>(frames_read_) : frames, frames_claimed_);
         },
         stop, report.seconds);
-    if (!part && !reader_->complaint().empty()) {
+    if (!piece && !reader_->complaint().empty()) {
       measures.screening.truncated = true;
       report.notes.push_back(reader_->complaint());
     }
-    if (part) take_measured_rate(measures.screening.timing, record);
+    if (piece) take_measured_rate(measures.screening.timing, record);
     report.screening = measures.screening;
 
     stored::PatchColumns& patches = measures.columns.patches;
@@ -457,13 +487,14 @@ class ClipIngest {
     record.name = report.name;
     record.class_name = report.class_name;
     record.licence = options_.licence;
-    const media::VideoInfo& info = reader_->info();
-    record.source_hash = part ? part_hash(hash_, report.part->first, report.part->last) : hash_;
+    media::VideoInfo info = reader_->info();
+    info.layout.width = static_cast<int>(report.width);
+    info.layout.height = static_cast<int>(report.height);
+    record.source_hash = piece ? hash_of(*piece) : hash_;
     record.pixel_format = info.layout.format;
     record.width = report.width;
     record.height = report.height;
-    record.metadata =
-        to_json(metadata_of(info, measures, verdict, report, part ? *part : json(), options_.repairs));
+    record.metadata = to_json(metadata_of(info, measures, verdict, report, part, options_.repairs));
     {
       const TimedScope watch(report.seconds.commit);
       stored::write_columns(writer, measures.columns);

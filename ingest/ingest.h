@@ -25,6 +25,7 @@ struct IngestOptions {
   std::string licence{};       // of all clips; free text
   bool force = false;          // keep what screening refuses
   bool pictures = false;       // each row gets its look
+  bool steady = false;         // what a moving camera filmed is made steady (steady.h); not with force
   bool skip_existing = false;  // pass over clips whose name is in the store without reading their bytes
   Shard shard{};
   ScreeningLimits limits{};
@@ -53,6 +54,7 @@ struct ClipReport {
   std::string name, class_name;  // of a part: part_name
   std::filesystem::path path;
   std::optional<Span> part;  // of a source that is taken in parts
+  double steadied_kept = 0;  // share of its frames' area, where they were made steady
   Outcome outcome = Outcome::kFailed;
   std::vector<std::string> reasons;  // sentences: why it was not added; with force, what was overridden
   std::vector<std::string> notes;    // "no static reference", "11 of 50 frames", ...

@@ -64,7 +64,8 @@ struct Verdict {
   std::vector<std::string> help;      // what would help against the refusals
 };
 /// Help for a camera that moves.
-inline constexpr const char* kStandStill = "Put the camera on a tripod, or lean it on something that stands";
+inline constexpr const char* kStandStill =
+    "Put the camera on a tripod, or lean it on something that stands; --steady makes steady what can be";
 Verdict judge(const Screening& screening, const ScreeningLimits& limits = {});
 
 /// How a frame differs from the one before.

@@ -215,9 +215,9 @@ std::string source_hash(const fs::path& path) {
   return hash.hex();
 }
 
-std::string part_hash(const std::string& source_hash, int first, int last) {
+std::string part_hash(const std::string& source_hash, int first, int last, bool steady) {
   HashState hash;
-  hash.add(fmt::format("{}:{}-{}", source_hash, first, last));
+  hash.add(fmt::format("{}:{}-{}{}", source_hash, first, last, steady ? ":steady" : ""));
   return hash.hex();
 }
 

@@ -40,7 +40,7 @@ inline constexpr int kMinSequence = 8;
 /// Throws Error{kInput} when it cannot be read. Memory: 1 MB.
 std::string source_hash(const std::filesystem::path& path);
 
-/// Of frames first to last - 1 of the source of that hash, likewise 32 hex digits.
-std::string part_hash(const std::string& source_hash, int first, int last);
+/// Of frames first to last - 1 of the source of that hash, as they are or made steady; likewise 32 hex digits.
+std::string part_hash(const std::string& source_hash, int first, int last, bool steady = false);
 
 }  // namespace freshet::ingest

@@ -40,6 +40,8 @@ std::string part_name(const std::string& name, const Span& span) {
 }
 
 struct Surveyor::Impl {
+  cv::Size source;
+  bool steady;
   cv::Size working;
   double fps, diagonal;
   ScreeningLimits limits;
@@ -51,8 +53,10 @@ struct Surveyor::Impl {
   std::optional<CameraTracker> tracker;
   std::vector<Take> takes;
 
-  Impl(cv::Size source, double fps_, const ScreeningLimits& limits_)
-      : working(screening_size(source)),
+  Impl(cv::Size source_, double fps_, const ScreeningLimits& limits_, bool steady_)
+      : source(source_),
+        steady(steady_),
+        working(screening_size(source)),
         fps(fps_),
         diagonal(std::hypot(working.width, working.height)),
         limits(limits_),
@@ -149,7 +153,42 @@ struct Surveyor::Impl {
     return longest;
   }
 
+  /// What does not stand is made steady, or left out.
   void leave_out(const Take& take, std::size_t begin, std::size_t end, std::vector<Piece>& pieces) const {
+    if (begin == end) return;
+    std::size_t at = begin, left = begin;  // windows from `left` on are in no piece yet
+    std::vector<std::string> why;
+    while (steady && at < end) {
+      const SteadyRun run = steady_run(std::span(take.windows).subspan(at, end - at), working);
+      const int first = take.windows[at].first,
+                last = run.windows > 0 ? take.windows[at + run.windows - 1].last : first;
+      if ((last - first) / fps >= limits.min_stretch_s && last - first >= limits.min_frames) {
+        refuse(take, left, at, why, pieces);
+        Piece piece{span(take.first + first, take.first + last), {}, {}, {}, {}, {}};
+        piece.steady = steady_path(std::span(take.windows).subspan(at, run.windows), working, source);
+        pieces.push_back(std::move(piece));
+        why.clear();
+        at = left = at + run.windows;
+      } else {
+        if (!run.refusal.empty()) why.push_back(run.refusal);
+        ++at;
+      }
+    }
+    refuse(take, left, end, why, pieces);
+    // A rest of less than a window goes with a piece that is left out only.
+    const int last = frames_of(take, begin, end).second;
+    if (pieces.back().span.last < last)
+      pieces.push_back({span(pieces.back().span.last, last),
+                        {"too short a rest of a take that was made steady"},
+                        {},
+                        {},
+                        {},
+                        {}});
+  }
+
+  void refuse(const Take& take, std::size_t begin, std::size_t end, const std::vector<std::string>& why,
+              std::vector<Piece>& pieces) const {
+    if (begin == end) return;
     const auto [first, last] = frames_of(take, begin, end);
     const CameraMotion motion = motion_of(std::span(take.windows).subspan(begin, end - begin), diagonal);
     Verdict verdict = verdict_on(first, last, motion);
@@ -160,7 +199,10 @@ struct Surveyor::Impl {
           "it");
       verdict.help.push_back(kStandStill);
     }
-    pieces.push_back({span(first, last), std::move(verdict.refusals), {}, std::move(verdict.help), {}});
+    for (const std::string& reason : why)
+      if (std::ranges::find(verdict.refusals, reason) == verdict.refusals.end())
+        verdict.refusals.push_back(reason);
+    pieces.push_back({span(first, last), std::move(verdict.refusals), {}, std::move(verdict.help), {}, {}});
   }
 
   /// The stretches of windows begin..end - 1 that are fit, and what lies between them.
@@ -177,7 +219,7 @@ struct Surveyor::Impl {
       return;
     }
     find_stretches(take, begin, from, pieces);
-    pieces.push_back({span(first, last), {}, {}, {}, {}});
+    pieces.push_back({span(first, last), {}, {}, {}, {}, {}});
     find_stretches(take, to, end, pieces);
   }
 
@@ -198,12 +240,13 @@ struct Surveyor::Impl {
                       std::move(verdict.refusals),
                       std::move(verdict.notes),
                       std::move(verdict.help),
+                      {},
                       {}});
   }
 };
 
-Surveyor::Surveyor(cv::Size source, double fps, const ScreeningLimits& limits)
-    : impl_(std::make_unique<Impl>(source, fps, limits)) {}
+Surveyor::Surveyor(cv::Size source, double fps, const ScreeningLimits& limits, bool steady)
+    : impl_(std::make_unique<Impl>(source, fps, limits, steady)) {}
 Surveyor::~Surveyor() = default;
 
 void Surveyor::add(const cv::Mat& luma, double time_s) {
@@ -228,7 +271,7 @@ Survey Surveyor::finish() {
   for (const Take& take : impl.takes) impl.judge_take(take, pieces);
   if (pieces.size() > 1 && std::ranges::none_of(pieces, &Piece::fit)) {
     // Nothing can be taken: one row, and not one for each part.
-    Piece all{survey.whole, {fmt::format("{} takes, none of which is fit", survey.takes)}, {}, {}, {}};
+    Piece all{survey.whole, {fmt::format("{} takes, none of which is fit", survey.takes)}, {}, {}, {}, {}};
     for (std::size_t i = 0; i < std::min<std::size_t>(pieces.size(), kMostReasons); ++i) {
       for (const std::string& refusal : pieces[i].refusals)
         all.refusals.push_back(fmt::format("{}: {}", seconds(pieces[i].span), refusal));
@@ -241,8 +284,8 @@ Survey Surveyor::finish() {
   return survey;
 }
 
-Survey survey(media::VideoReader& reader, double fps, const ScreeningLimits& limits, bool pictures,
-              const std::string& where, const std::function<void(std::uint32_t)>& on_slab,
+Survey survey(media::VideoReader& reader, double fps, const ScreeningLimits& limits, bool steady,
+              bool pictures, const std::string& where, const std::function<void(std::uint32_t)>& on_slab,
               const std::stop_token& stop) {
   struct Slab {
     std::vector<cv::Mat> luma;
@@ -267,7 +310,7 @@ Survey survey(media::VideoReader& reader, double fps, const ScreeningLimits& lim
   std::optional<Surveyor> surveyor;
   std::uint32_t frames = 0;
   for (Slab slab = decode(); !slab.luma.empty();) {
-    if (!surveyor) surveyor.emplace(size, fps, limits);
+    if (!surveyor) surveyor.emplace(size, fps, limits, steady);
     Slab following;
     Aside decoding([&] { following = decode(); });
     for (std::size_t i = 0; i < slab.luma.size(); ++i) surveyor->add(slab.luma[i], slab.times_s[i]);

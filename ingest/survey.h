@@ -8,6 +8,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <stop_token>
 #include <string>
 #include <vector>
@@ -16,6 +17,7 @@
 
 #include "ingest/film_look.h"
 #include "ingest/screening.h"
+#include "ingest/steady.h"
 #include "media/video/video_reader.h"
 
 namespace freshet::ingest {
@@ -33,7 +35,8 @@ struct Piece {
   Span span;
   std::vector<std::string> refusals;  // sentences; empty: it is fit
   std::vector<std::string> notes, help;
-  PartLook look;  // where pictures were asked for
+  PartLook look;                     // where pictures were asked for
+  std::optional<SteadyPath> steady;  // fit when its frames are made steady
   bool fit() const { return refusals.empty(); }
 };
 
@@ -42,14 +45,16 @@ struct Survey {
   int takes = 0;
   std::vector<Piece> pieces;  // all of the film, in order; a single one where it is fit as a whole
   std::string complaint;      // of the reader
-  bool cut_up() const { return pieces.size() > 1; }
+  /// Whether it becomes parts: it is no clip as it is.
+  bool in_parts() const { return pieces.size() > 1 || (pieces.size() == 1 && pieces.front().steady); }
   int fit() const;
 };
 
 /// Takes a film's frames in order. Memory: six small frames, the camera tracker's, 20 bytes a frame and 200 a second.
 class Surveyor {
  public:
-  Surveyor(cv::Size source, double fps, const ScreeningLimits& limits);
+  /// steady   what no camera that stands has filmed is made so, as far as it can be.
+  Surveyor(cv::Size source, double fps, const ScreeningLimits& limits, bool steady);
   ~Surveyor();
   void add(const cv::Mat& luma, double time_s);  // CV_8U, source size, or that of screening_size
   Survey finish();
@@ -60,10 +65,10 @@ class Surveyor {
 };
 
 /// All frames that a reader has; one thread decodes while another measures.
-/// pictures  each piece gets its look.
+/// steady    see Surveyor. pictures   each piece gets its look.
 /// on_slab   called with the number of frames done. Throws Error{kCancelled}.
-Survey survey(media::VideoReader& reader, double fps, const ScreeningLimits& limits, bool pictures,
-              const std::string& where, const std::function<void(std::uint32_t)>& on_slab,
+Survey survey(media::VideoReader& reader, double fps, const ScreeningLimits& limits, bool steady,
+              bool pictures, const std::string& where, const std::function<void(std::uint32_t)>& on_slab,
               const std::stop_token& stop);
 
 /// "NAME@4.200-11.680": of a part of a clip, in seconds of its source.

@@ -46,6 +46,7 @@ nlohmann::json to_json(const ingest::ClipReport& clip) {
   const ingest::Screening& s = clip.screening;
   return {{"name", clip.name},
           {"part", clip.part ? to_json(*clip.part) : nlohmann::json()},
+          {"steadied_kept", clip.steadied_kept > 0 ? nlohmann::json(clip.steadied_kept) : nlohmann::json()},
           {"class", clip.class_name},
           {"outcome", ingest::to_string(clip.outcome)},
           {"reasons", clip.reasons},
@@ -217,10 +218,15 @@ void add_ingest(CLI::App& app, RunContext& context) {
   sub->add_option("--class", command->options.class_name, "Class of all given clips [each clip's folder]");
   CLI::Option* licence = sub->add_option("--licence", command->options.licence,
                                          "Licence of all given clips; recorded with every use of them");
-  sub->add_flag("--force", command->options.force,
-                "Take each clip whole, also where screening refuses it (moving camera, cuts, too short); the "
-                "findings are "
-                "still reported");
+  CLI::Option* force = sub->add_flag(
+      "--force", command->options.force,
+      "Take each clip whole, also where screening refuses it (moving camera, cuts, too short); the "
+      "findings are still reported");
+  sub->add_flag("--steady", command->options.steady,
+                "Make steady what a camera in the hand or a slow pan filmed, where enough of it stands, "
+                "cropped to what "
+                "all frames show. The stored frames then differ from the source's")
+      ->excludes(force);
   sub->add_flag("--deinterlace", command->options.repairs.deinterlace,
                 "Deinterlace. The stored frames then differ from the source's");
   sub->add_flag("--deblock", command->options.repairs.deblock,

@@ -194,6 +194,8 @@ const std::vector<Row>& rows() {
       {"ingest", "--no-flips"},
       {"ingest", "--patch 32"},
       {"ingest", "--stride 12"},
+      {"ingest", "--steady", "",
+       Does::kElsewhere},  // tests/ingest/survey_test.cc: of what a moving camera filmed
       {"ingest", "--min-coverage 0.95"},
       {"ingest", "--min-motion 0.5"},
       {"ingest", "--flow tv-l1"},

@@ -63,8 +63,9 @@ std::vector<cv::Mat> pan_between(int still, int panned, double px) {
   return film;
 }
 
-Survey look(const std::vector<cv::Mat>& film, double fps = kFps, const ScreeningLimits& limits = {}) {
-  Surveyor surveyor(film.front().size(), fps, limits);
+Survey look(const std::vector<cv::Mat>& film, double fps = kFps, const ScreeningLimits& limits = {},
+            bool steady = false) {
+  Surveyor surveyor(film.front().size(), fps, limits, steady);
   for (std::size_t t = 0; t < film.size(); ++t) surveyor.add(film[t], static_cast<double>(t) / fps);
   return surveyor.finish();
 }
@@ -89,7 +90,7 @@ using Spans = std::vector<std::pair<int, int>>;
 
 TEST(Survey, LeavesAFitClipWhole) {
   const Survey survey = look(film_of({take(60, 1)}));
-  EXPECT_FALSE(survey.cut_up());
+  EXPECT_FALSE(survey.in_parts());
   EXPECT_EQ(fit(survey), (Spans{{0, 60}}));
   EXPECT_DOUBLE_EQ(survey.whole.to_s, 60.0 / kFps);
 }
@@ -141,7 +142,7 @@ TEST(Survey, CutsNoSlowPanIntoStretches) {
 
 TEST(Survey, CutsWhereFramesAreMissing) {
   const std::vector<cv::Mat> film = film_of({take(80, 1)});
-  Surveyor surveyor(film.front().size(), kFps, {});
+  Surveyor surveyor(film.front().size(), kFps, {}, false);
   for (int t = 0; t < 80; ++t) surveyor.add(film[t], t / 25.0 + (t < 40 ? 0 : 0.6));
   const Survey survey = surveyor.finish();
   EXPECT_EQ(fit(survey), (Spans{{0, 40}, {40, 80}}));
@@ -150,8 +151,45 @@ TEST(Survey, CutsWhereFramesAreMissing) {
 }
 
 TEST(Survey, AnEmptyFilmHasNoPieces) {
-  Surveyor surveyor({64, 48}, kFps, {});
+  Surveyor surveyor({64, 48}, kFps, {}, false);
   EXPECT_TRUE(surveyor.finish().pieces.empty());
+}
+
+TEST(Survey, MakesSteadyWhatACameraInTheHandFilmed) {
+  // A slow pan and a shake, each refused as it is.
+  for (const SyntheticClip& clip : {take(100, 6, {0.3, -0.1}), take(100, 7, {}, 2.5)}) {
+    const std::vector<cv::Mat> film = film_of({clip});
+    EXPECT_EQ(fit(look(film)), Spans{});
+    const Survey survey = look(film, kFps, {}, true);
+    expect_partition(survey, 100);
+    int frames = 0;
+    for (const Piece& piece : survey.pieces) {
+      if (!piece.steady) continue;
+      const SteadyPath& path = *piece.steady;
+      EXPECT_EQ(path.source_from_steady.size(), static_cast<std::size_t>(piece.span.frames()));
+      EXPECT_GT(path.kept, 0.7);
+      EXPECT_LT(path.kept, 1);
+      Screener steady(path.size, kFps);
+      for (int t = 0; t < piece.span.frames(); ++t, ++frames) {
+        cv::Mat frame;
+        cv::warpAffine(film[piece.span.first + t], frame, path.source_from_steady[t], path.size,
+                       cv::INTER_LANCZOS4 | cv::WARP_INVERSE_MAP);
+        steady.add(frame);
+      }
+      const Screening screening = steady.finish();
+      EXPECT_LT(screening.camera.drift, 0.002);
+      EXPECT_LT(screening.camera.shake, 0.0005);
+      EXPECT_TRUE(judge(screening).refusals.empty());
+    }
+    EXPECT_GE(frames, 75);
+  }
+}
+
+TEST(Survey, DoesNotMakeSteadyWhatMovesTooFast) {
+  const Survey survey = look(film_of({take(100, 6, {6, 0})}), kFps, {}, true);
+  EXPECT_EQ(fit(survey), Spans{});
+  const Survey all_water = look(pan_between(60, 30, 12), kFps, {}, true);
+  for (const Piece& piece : all_water.pieces) EXPECT_FALSE(piece.steady);
 }
 
 void write_film(const fs::path& path, const std::vector<cv::Mat>& film) {

@@ -56,7 +56,9 @@ TEST_F(IngestTool, ADryRunSaysWhatTheRunThenDoesAndWritesNothing) {
   ASSERT_EQ(would.size(), 3u);
   EXPECT_EQ(would[0].at("outcome"), "would be added");
   EXPECT_EQ(would[1].at("outcome"), "refused");
-  EXPECT_EQ(would[1].at("help").at(0), "Put the camera on a tripod, or lean it on something that stands");
+  EXPECT_EQ(
+      would[1].at("help").at(0),
+      "Put the camera on a tripod, or lean it on something that stands; --steady makes steady what can be");
   EXPECT_EQ(would[2].at("help").at(0), "Film for four seconds or more at a time");
   EXPECT_TRUE(would[0].at("kind").is_string());
 
