@@ -103,8 +103,9 @@ double duplicated_fraction(std::span<const FrameChange> changes) {
 Verdict judge(const Screening& screening, const ScreeningLimits& limits) {
   Verdict verdict;
   if (screening.frames < limits.min_frames) {
-    verdict.refusals.push_back(fmt::format("the clip is too short: {} frames, at least {} are wanted",
-                                           screening.frames, limits.min_frames));
+    verdict.refusals.push_back(fmt::format("the clip is too short: {} {}, at least {} are wanted",
+                                           screening.frames, screening.frames == 1 ? "frame" : "frames",
+                                           limits.min_frames));
     verdict.help.push_back("Film for four seconds or more at a time");
   }
   if (!screening.cuts.empty()) {

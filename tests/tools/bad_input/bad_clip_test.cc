@@ -95,7 +95,7 @@ TEST_F(BadClip, NoFrames) {
 
 TEST_F(BadClip, OneFrame) {
   encode("one.mkv", {"-frames:v", "1", "-c:v", "ffv1"});
-  expect_refusal("one.mkv", "only 1 frame", "longer clip");
+  expect_refusal("one.mkv", "too short: 1 frame,", "Film for four seconds or more");
 }
 
 // FFmpeg knows formats by their first bytes, whatever the name, and opens what they refer to.
