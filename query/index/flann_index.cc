@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <new>
 #include <random>
 
 #include "freshet/error.h"
@@ -225,6 +226,9 @@ struct FlannIndex::Impl {
     }
   }
 
+  /// Leaves a half-built index where it is: FLANN's destructor follows children that are not there yet.
+  void abandon() { static_cast<void>(index.release()); }
+
   [[noreturn]] void fail(const std::string& fault) const {
     throw Error(ErrorKind::kDamaged, blob_name(options.kind), fault,
                 std::string("Build it again: freshet index --rebuild --flann ") + name_of(options.kind));
@@ -240,6 +244,9 @@ FlannIndex::FlannIndex(std::span<const vision::WordMap> words, int word_count, c
     impl_->index->buildIndex();
   } catch (const seeded_flann::FLANNException& error) {
     throw Error(ErrorKind::kUsage, std::string("FLANN index ") + name_of(options.kind), error.what());
+  } catch (const std::bad_alloc&) {
+    impl_->abandon();
+    throw;
   }
   impl_->tuning.build_seconds = static_cast<float>(watch.seconds());
 }
@@ -273,6 +280,9 @@ FlannIndex::FlannIndex(std::span<const vision::WordMap> words, int word_count,
     impl_->serialise(reader);
   } catch (const seeded_flann::FLANNException& error) {
     impl_->fail(error.what());
+  } catch (const std::bad_alloc&) {
+    impl_->abandon();
+    throw;
   }
 }
 
