@@ -310,13 +310,8 @@ StrokeField interpolate(const std::vector<Stroke>& strokes, cv::Size picture, co
   field.speed = over_picture<1>(Interpolation(timed, logarithms, picture, options), picture);
   cv::min(cv::max(field.speed, low), high, field.speed);
   cv::exp(field.speed, field.speed);
-  if (!options.horizon) return field;
-  for (int y = 0; y < picture.height; ++y)
-    for (int x = 0; x < picture.width; ++x) {
-      const cv::Point2f place(static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f);
-      field.speed.at<float>(y, x) *=
-          vision::seen_speed(*options.horizon, place, field.direction.at<cv::Vec2f>(y, x), picture);
-    }
+  if (options.horizon)
+    cv::multiply(field.speed, vision::seen_speeds(*options.horizon, field.direction, picture), field.speed);
   return field;
 }
 

@@ -14,12 +14,13 @@ namespace freshet::hints {
 
 /// Maps of the picture's size, as a MotionGuide takes them.
 struct StrokeField {
-  /// CV_32FC2, unit vectors, x right, y down; (0, 0) in the very middle of a vortex. Where strokes oppose each other it turns
-  /// about within a few px: apply_guide lets the flow stand there.
+  /// CV_32FC2, unit vectors, x right, y down; (0, 0) in the very middle of a vortex. Where strokes oppose each other it
+  /// turns about within a few px: the animation lets the flow stand there.
   cv::Mat direction;
   /// CV_32F, px/s; empty when no stroke has a speed.
   cv::Mat speed;
-  /// For a person: the first place where strokes run against each other (by more than 135 degrees within 12 px); empty: none.
+  /// For a person: the first place where strokes run against each other (by more than 135 degrees within 12 px);
+  /// empty: none.
   std::string clash;
 };
 
@@ -37,10 +38,10 @@ struct StrokeFieldOptions {
   std::optional<Horizon> horizon{};
 };
 
-/// Interpolates cosine and sine of the strokes' directions, and the logarithm of their speeds, over the
-/// picture. Strokes are sampled every few pixels inside the picture and a quarter of its size around it, at
-/// most 600 samples. Speeds, on the plane where there is one, stay between the minimum and the maximum given. Those strokes that have a speed
-/// decide it everywhere.
+/// Interpolates cosine and sine of the strokes' directions, and the logarithm of their speeds, over the picture.
+/// Strokes are sampled every few pixels inside the picture and a quarter of its size around it, at most 600 samples.
+/// Speeds, on the plane where there is one, stay between the minimum and the maximum given. Those strokes that have a
+/// speed decide it everywhere.
 ///
 /// where    names the strokes' file in errors.
 /// Throws   Error{kInput}: no stroke.

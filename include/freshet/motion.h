@@ -27,7 +27,7 @@ struct MotionGuide {
   double speed_ratio = 1.5;
   /// Slower patches have no direction that counts.
   double min_speed_px_per_s = 2.5;
-  /// Where no speed is asked, and one speed of a plane of water is meant by the patches': they go slower towards here.
+  /// Where no speed is asked, the patches go slower towards here, as a plane does that goes everywhere at one speed.
   std::optional<Horizon> horizon{};
 
   bool empty() const { return direction.empty() && speed.empty(); }

@@ -71,4 +71,14 @@ float seen_speed(const Horizon& horizon, cv::Point2f place, cv::Vec2f way, cv::S
   return distance / std::hypot(along, down);
 }
 
+cv::Mat seen_speeds(const Horizon& horizon, const cv::Mat& direction, cv::Size picture) {
+  cv::Mat seen(picture, CV_32F);
+  for (int y = 0; y < seen.rows; ++y)
+    for (int x = 0; x < seen.cols; ++x)
+      seen.at<float>(y, x) =
+          seen_speed(horizon, {static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f},
+                     direction.empty() ? cv::Vec2f(0, 0) : direction.at<cv::Vec2f>(y, x), picture);
+  return seen;
+}
+
 }  // namespace freshet::vision

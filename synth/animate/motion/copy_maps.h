@@ -40,7 +40,8 @@ struct CopyStarts {
   cv::Mat direction;   // CV_32FC2: unit vectors of the mean motion, (0, 0) where nothing moves
   cv::Mat edges;       // CV_32F, 0..1: what no copy may bring
   double spread = 24;  // sigma of the displacement across and down, samples
-  /// CV_32F, > 0: how large things are seen at a place, as they are towards a horizon; copies keep to their size. Empty: one size.
+  /// CV_32F, > 0: how large things are seen at a place, as they are towards a horizon; copies keep to their size.
+  /// Empty: one size.
   cv::Mat nearness{};
 };
 

@@ -31,14 +31,9 @@ cv::Mat evened(const cv::Mat& direction) {
   return out;
 }
 
-/// vision::seen_speed of each pixel, over its mean in the fluid. CV_32F.
-cv::Mat seen_speeds(const Horizon& horizon, const cv::Mat& direction, const cv::Mat& matte) {
-  cv::Mat seen(matte.size(), CV_32F);
-  for (int y = 0; y < seen.rows; ++y)
-    for (int x = 0; x < seen.cols; ++x)
-      seen.at<float>(y, x) = vision::seen_speed(
-          horizon, {static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f},
-          direction.empty() ? cv::Vec2f(0, 0) : direction.at<cv::Vec2f>(y, x), seen.size());
+/// How fast a plane is seen to go, over its mean in the fluid. CV_32F.
+cv::Mat seen_share(const Horizon& horizon, const cv::Mat& direction, const cv::Mat& matte) {
+  cv::Mat seen = vision::seen_speeds(horizon, direction, matte.size());
   const double mean = seen.dot(matte) / std::max(cv::sum(matte)[0], 1.0);
   if (mean > 0) seen /= mean;
   return seen;
@@ -94,7 +89,7 @@ cv::Mat motion_field(const store::Snapshot& snapshot, const vision::Settings& se
 cv::Mat apply_guide(const cv::Mat& motion, const query::MotionGuide& guide, const cv::Mat& matte) {
   cv::Mat out = motion.clone();
   const cv::Mat way = guide.direction.empty() ? cv::Mat() : evened(guide.direction);
-  const cv::Mat seen = guide.horizon ? seen_speeds(*guide.horizon, guide.direction, matte) : cv::Mat();
+  const cv::Mat seen = guide.horizon ? seen_share(*guide.horizon, guide.direction, matte) : cv::Mat();
   for (int y = 0; y < out.rows; ++y)
     for (int x = 0; x < out.cols; ++x) {
       cv::Vec2f& v = out.at<cv::Vec2f>(y, x);
