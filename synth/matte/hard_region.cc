@@ -84,6 +84,35 @@ void drop_specks(cv::Mat& region, const Marks& marks, double min_area) {
   }
 }
 
+// Islands that hold no mark of fluid and lie farther than `reach` px from every one that does. Returns whether there were any.
+bool drop_far_islands(cv::Mat& region, const Marks& marks, double reach) {
+  cv::Mat parts;
+  const int count = cv::connectedComponents(region, parts, 8, CV_32S);
+  std::vector<char> marked(static_cast<std::size_t>(count), 0);
+  for (int y = 0; y < region.rows; ++y)
+    for (int x = 0; x < region.cols; ++x)
+      if (marks.at<std::uint8_t>(y, x) == kFluid) marked[static_cast<std::size_t>(parts.at<int>(y, x))] = 1;
+  marked[0] = 0;
+  if (std::ranges::count(marked, 1) == 0) return false;
+  cv::Mat elsewhere(region.size(), CV_8U), distance;
+  for (int y = 0; y < region.rows; ++y)
+    for (int x = 0; x < region.cols; ++x)
+      elsewhere.at<std::uint8_t>(y, x) = marked[static_cast<std::size_t>(parts.at<int>(y, x))] ? 0 : 1;
+  cv::distanceTransform(elsewhere, distance, cv::DIST_L2, cv::DIST_MASK_5);
+  std::vector<char> near = marked;
+  for (int y = 0; y < region.rows; ++y)
+    for (int x = 0; x < region.cols; ++x)
+      if (distance.at<float>(y, x) <= reach) near[static_cast<std::size_t>(parts.at<int>(y, x))] = 1;
+  bool any = false;
+  for (int y = 0; y < region.rows; ++y)
+    for (int x = 0; x < region.cols; ++x)
+      if (const int part = parts.at<int>(y, x); part != 0 && !near[static_cast<std::size_t>(part)]) {
+        region.at<std::uint8_t>(y, x) = 0;
+        any = true;
+      }
+  return any;
+}
+
 // OpenCV clusters colours from random starts of the calling thread's generator: always the same ones here.
 class FixedRandom {
  public:
@@ -155,6 +184,9 @@ cv::Mat hard_region(const cv::Mat& picture, const Marks& marks, const RegionOpti
   }
   cv::Mat region = (labels == cv::GC_FGD) | (labels == cv::GC_PR_FGD);
   drop_specks(region, small_marks, options.min_island * static_cast<double>(size.area()));
+  if (fluid_marked &&
+      drop_far_islands(region, small_marks, options.reach * std::max(size.width, size.height)))
+    note("what has the fluid's colours but lies apart from all marks is left out: mark it, if it is fluid");
 
   // 3. Back to the picture's size, where the marks hold to the pixel.
   if (size != picture.size()) {

@@ -14,6 +14,7 @@ struct RegionOptions {
   int iterations = 1;  // of GrabCut, each of which adapts its colours to what it found; 0: the marks' own
   int max_pixels = 300'000;    // of the copy that is cut: bounds time
   double min_island = 0.0005;  // of the picture: smaller islands without a mark, and smaller holes, go
+  double reach = 0.03;         // of the longer side: islands without a mark farther from every marked one go
 };
 
 /// Fluid is 255, CV_8U, the picture's size: the marks hold, and what is unknown goes to the side whose

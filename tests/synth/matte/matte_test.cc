@@ -78,6 +78,22 @@ TEST(Matte, SprayBesideTheFluidIsLeftOut) {
   }
 }
 
+// As a white sky over a white fall: of the fluid's colour, and nobody's mark near it.
+TEST(Matte, WhatLooksAlikeFarFromAllMarksIsLeftOutUnlessItIsMarked) {
+  MadePicture made = made_picture({480, 360});
+  const cv::Rect far(20, 20, 40, 40), disc(170, 110, 140, 140);
+  made.picture(disc)(cv::Rect(50, 50, 40, 40)).copyTo(made.picture(far));
+  const Matte one = matte_of(made, Edge::kNone);
+  EXPECT_EQ(cv::countNonZero(one.alpha(far)), 0);
+  EXPECT_GT(cv::countNonZero(one.alpha(disc)), 10'000);
+  ASSERT_EQ(one.notices.size(), 1U);
+  EXPECT_NE(one.notices[0].find("mark it"), std::string::npos) << one.notices[0];
+  made.marks(cv::Rect(35, 35, 5, 5)).setTo(kFluid);
+  const Matte both = matte_of(made, Edge::kNone);
+  EXPECT_GT(cv::countNonZero(both.alpha(far)), 1'000);
+  EXPECT_TRUE(both.notices.empty());
+}
+
 TEST(Matte, IsTheSameTwiceAndWhateverTheGeneratorsState) {
   const MadePicture made = made_picture();
   const cv::Mat first = matte_of(made, Edge::kInformationFlow).alpha;
