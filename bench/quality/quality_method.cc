@@ -2,11 +2,13 @@
 
 #include <functional>
 #include <sstream>
+#include <string_view>
 
 #include <fmt/format.h>
 
 #include "freshet/error.h"
 #include "synth/animate/method_settings.h"
+#include "synth/animate/printed.h"
 
 namespace freshet::bench {
 namespace {
@@ -66,7 +68,7 @@ const std::vector<Setting>& all_settings() {
         {"rho", "weight of textureness", true, to([](Method & m) -> auto& { return m.label.costs.rho; })},
         {"vote", "weight of the candidates' vote", true,
          to([](Method & m) -> auto& { return m.label.costs.vote; })},
-        {"k", "candidates per piece", true, to([](Method & m) -> auto& { return m.label.candidates.k; })},
+        {"candidates", "of each piece", true, to([](Method & m) -> auto& { return m.label.candidates.k; })},
         {"coherent", "continued candidates of each neighbour", true,
          to([](Method & m) -> auto& { return m.label.candidates.coherent; })},
         {"min-scale", "of a variant", true,
@@ -79,23 +81,24 @@ const std::vector<Setting>& all_settings() {
          to([](Method & m) -> auto& { return m.label.guide.tolerance_deg; })},
         {"speed-ratio", "tolerance of the hint's speed", true,
          to([](Method & m) -> auto& { return m.label.guide.speed_ratio; })},
-        {"hint-search", "wide or narrow; resets the three prices that follow", true,
+        {"hint-search", "wide or narrow; resets the costs of moving otherwise", true,
          [](Method& m, const std::string& text) {
            m.label.hint_search = query::parse_hint_search(text);
            m.label.guide_costs = query::default_guide_costs(m.label.hint_search);
          }},
-        {"guide-unsteady", "cost of going to and fro where a direction is asked", true,
-         to([](Method & m) -> auto& { return m.label.guide_costs.unsteady; })},
         {"reuse", "cost of a place shown twice by neighbours", true,
          to([](Method & m) -> auto& { return m.label.reuse.overlap; })},
         {"crowd", "cost of each patch of a clip that has more than half of the pieces", true,
          to([](Method & m) -> auto& { return m.label.reuse.crowd; })},
         {"solver", "trw-s, alpha-expansion or icm", true,
          [](Method& m, const std::string& text) { m.label.minimizer = query::parse_minimizer(text); }},
-        {"guide-direction", "cost of an angle to the hint", true,
-         to([](Method & m) -> auto& { return m.label.guide_costs.direction; })},
-        {"guide-speed", "cost of another speed than the hint's", true,
-         to([](Method & m) -> auto& { return m.label.guide_costs.speed; })},
+        {"hint-weight", "times the costs of moving otherwise than asked", true,
+         [](Method& m, const std::string& text) {
+           query::GuideCosts& costs = m.label.guide_costs;
+           for (double* const cost : {&costs.direction, &costs.speed, &costs.unsteady}) *cost *= number(text);
+         }},
+        {"piece-scale", "divisor of the picture's sides before it is cut into pieces", true,
+         to([](Method & m) -> auto& { return m.label.piece_scale; })},
         {"speed", "times the speeds that are asked, else that the clips play at", false,
          to([](Method & m) -> auto& { return m.speed; })},
         {"own", "1: the clip itself is a candidate too", true, to([](Method & m) -> auto& { return m.own; })},
@@ -110,15 +113,20 @@ const std::vector<Setting>& all_settings() {
   return settings;
 }
 
+/// But for the hint: the bench says it.
+std::string as_printed() {
+  std::string settings;
+  for (const synth::animate::PrintedOption& option : synth::animate::printed_options())
+    if (std::string_view(option.name) != "hint") settings += fmt::format("{}={} ", option.name, option.value);
+  return settings;
+}
+
 }  // namespace
 
 const std::vector<NamedSettings>& methods() {
   static const std::vector<NamedSettings> all{
       {"ours", "", "the defaults"},
-      {"paper",
-       "hint-search=narrow guide-direction=0 guide-speed=0 guide-unsteady=0 costs=power vote=0 coherent=0 "
-       "reuse=0 crowd=0 solver=alpha-expansion method=paper resampling=nearest blend=paper low-band=keep "
-       "matching=frame max-gain=20",
+      {"paper", as_printed(),
        "Okabe et al. 2011 as printed, labels too: what freshet synth animate --as-printed does"},
       {"paper-rendering", "method=paper blend=paper low-band=keep matching=frame",
        "its rendering alone, of our labels: averaged differences on the long exposure, matched by frame"},

@@ -29,7 +29,7 @@ struct Method {
 
 /// A method or an ablation by name, and the settings that make it.
 struct NamedSettings {
-  const char *name, *settings, *what;
+  std::string name, settings, what;
 };
 /// Ways to animate that stand beside each other in every table: ours, and its rivals. A new way of rendering
 /// is a row here, and a key of its own in quality_method.cc.

@@ -1,5 +1,6 @@
 #include <memory>
 #include <optional>
+#include <utility>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -10,6 +11,7 @@
 #include "stored/store_settings.h"
 #include "synth/animate/frame_sheet.h"
 #include "synth/animate/motion/motion_field.h"
+#include "synth/animate/printed.h"
 #include "synth/judging/critic.h"
 #include "synth/takes/takes_sheet.h"
 #include "tools/commands.h"
@@ -258,27 +260,10 @@ void add_animate(CLI::App& synth_command, RunContext& context) {
   CLI::App* sub =
       synth_command.add_subcommand("animate", "Animate a still picture with the patches of a store");
   command->add_to(*sub);
-  // Sigma, rho and the shutter, which it leaves open, stay options; lambda has its value.
-  command->as_printed
-      .add_to(*sub, "Okabe et al. 2011",
-              {{"--method", "paper", "Sec. 6"},
-               {"--piece-scale", "1", "Sec. 5"},
-               {"--candidates", "100", "Sec. 5"},
-               {"--coherent", "0", "Sec. 5"},
-               {"--hint", "none", "Sec. 5"},
-               {"--hint-search", "narrow", "Sec. 5"},
-               {"--costs", "power", "Eq. 2, 3, 6"},
-               {"--vote", "0", "Eq. 5"},
-               {"--hint-weight", "0", "Eq. 5"},
-               {"--reuse", "0", "Eq. 6"},
-               {"--crowd", "0", "Eq. 6"},
-               {"--solver", "alpha-expansion", "Sec. 5"},
-               {"--resampling", "nearest", "Sec. 6"},
-               {"--blend", "paper", "Sec. 6"},
-               {"--low-band", "keep", "Sec. 6"},
-               {"--matching", "frame", "Sec. 6"},
-               {"--max-gain", "20", "Sec. 6"}})
-      ->group(in_detail("Rendering"));
+  std::vector<PrintedOption> printed;
+  for (const auto& [name, value, where] : synth::animate::printed_options())
+    printed.push_back({std::string("--") + name, value, where});
+  command->as_printed.add_to(*sub, "Okabe et al. 2011", std::move(printed))->group(in_detail("Rendering"));
   sub->callback([command, sub, &context] {
     if (!command->assignment.empty()) say_unused(*sub, command->assignment);
     command->as_printed.apply();
