@@ -313,6 +313,7 @@ class Cutter {
     out.colour.setTo(cv::Scalar::all(0), ~covered);
     out.alpha = matting.alpha;
     out.filled = filled_ & covered;
+    out.source = behind.source;
     picture_ = behind.picture;
     filled_ |= rim;
     out.filling_s = watch.lap();

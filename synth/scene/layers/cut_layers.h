@@ -58,6 +58,8 @@ struct CutLayer {
   cv::Mat colour;  // CV_32FC3, sRGB code, straight; 0 where alpha is 0: resample it times alpha
   cv::Mat alpha;   // CV_32F, 0..1, multiples of 1/255: eight bits hold it
   cv::Mat filled;  // CV_8U, 255: where the picture shows something nearer, so that this was filled in
+  /// CV_32SC2: the place that what lies behind is a copy of, its own beside the layer. Empty: the rest.
+  cv::Mat source{};
   double matting_s = 0, filling_s = 0;
 };
 
