@@ -123,4 +123,16 @@ void write_exr_picture(const std::filesystem::path& path, const cv::Mat& light, 
   write_bytes(path, encode_exr(header, buffer, path.string()));
 }
 
+void write_exr_depth(const std::filesystem::path& path, const cv::Mat& depth) {
+  if (depth.empty() || depth.type() != CV_32F)
+    throw Error(ErrorKind::kUsage, path.string(), "depth is written of one 32-bit channel");
+  Imf::Header header(depth.cols, depth.rows);
+  header.compression() = Imf::ZIP_COMPRESSION;
+  header.channels().insert("Z", Imf::Channel(Imf::FLOAT));
+  Imf::FrameBuffer buffer;
+  buffer.insert("Z",
+                Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(depth.data), sizeof(float), depth.step[0]));
+  write_bytes(path, encode_exr(header, buffer, path.string()));
+}
+
 }  // namespace freshet::media

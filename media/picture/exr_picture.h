@@ -26,4 +26,7 @@ enum class ExrSamples { kHalf, kFloat };
 /// Throws  Error{kUsage} for another type; Error{kIo} as write_picture.
 void write_exr_picture(const std::filesystem::path& path, const cv::Mat& light, ExrSamples samples);
 
+/// depth   CV_32F: the one channel, Z, of 32 bits, as compositors have it. Throws as write_exr_picture.
+void write_exr_depth(const std::filesystem::path& path, const cv::Mat& depth);
+
 }  // namespace freshet::media
