@@ -1,6 +1,7 @@
 #include "tools/console/numbers.h"
 
 #include <cmath>
+#include <cstdio>
 #include <cstdlib>
 #include <string>
 
@@ -29,6 +30,14 @@ void refuse_non_numbers(const CLI::App& app) {
     const auto below = command->get_subcommands();
     command = below.empty() ? nullptr : below.front();
   }
+}
+
+cv::Size parse_size(const std::string& text) {
+  int width = 0, height = 0;
+  char rest = 0;
+  if (std::sscanf(text.c_str(), "%dx%d%c", &width, &height, &rest) != 2)
+    throw CLI::ValidationError("--size", "expected WIDTHxHEIGHT, for example 640x360, not " + text);
+  return {width, height};
 }
 
 }  // namespace freshet::tools

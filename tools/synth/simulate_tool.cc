@@ -1,4 +1,3 @@
-#include <cstdio>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -12,6 +11,7 @@
 #include "synth/simulate/design/scene_file.h"
 #include "synth/simulate/simulate.h"
 #include "tools/commands.h"
+#include "tools/console/numbers.h"
 #include "tools/console/output_names.h"
 #include "tools/console/progress.h"
 #include "tools/synth/design_folder.h"
@@ -33,14 +33,6 @@ struct SimulateCommand {
   std::optional<std::uint64_t> seed;
   int alpha_bits = 8;
 };
-
-cv::Size parse_size(const std::string& text) {
-  int width = 0, height = 0;
-  char rest = 0;
-  if (std::sscanf(text.c_str(), "%dx%d%c", &width, &height, &rest) != 2)
-    throw CLI::ValidationError("--size", "expected WIDTHxHEIGHT, for example 640x360, not " + text);
-  return {width, height};
-}
 
 std::string text_of(const std::string& scene) {
   if (!sim::names_scene_file(scene)) return sim::preset_scene(scene);
