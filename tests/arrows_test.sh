@@ -66,6 +66,7 @@ synth/flowlines/lines:
 synth/flowlines: vision synth/sampling synth/outline synth/flowlines/jumps synth/flowlines/lines
 synth/flowlines/files: store media/video hints stored synth/flowlines/lines synth/flowlines
 synth/stills: report cache media/frame media/picture hints vision synth/toml synth/matte
+synth/tour: media/frame media/picture media/video synth/toml synth/scene/layers synth/scene/rendering
 synth/transfer: synth/field
 synth/transfer/files: cache store media/frame media/picture media/video vision stored synth/playing synth/transfer
 starter: cache store media/video vision ingest query/index synth/toml synth/simulate/scene synth/simulate/design synth/simulate
@@ -81,7 +82,8 @@ tools/options: cache store starter media/picture media/video hints vision vision
 tools: report store store/rewrite media/frame media/video stored ingest query/index synth/toml starter studio studio/http tools/console tools/options
 tools/query: media/picture vision/look stored query/labelling query/benchmark synth/animate/placement synth/animate/motion tools/console tools/options tools
 tools/judging: media/frame media/picture media/video hints query/labelling synth/judging tools/console
-tools/synth: report store media/picture media/video hints vision/look stored query/labelling synth/sampling synth/judging synth/animate/placement synth/animate/motion synth/animate synth/takes synth/matte synth/scene/layers synth/simulate/design synth/simulate synth/scene synth/scene/rendering synth/flowlines synth/flowlines/files synth/stills synth/transfer synth/transfer/files tools/console tools/options tools tools/query tools/judging
+tools/tour: media/picture synth/animate synth/tour tools/console tools/options
+tools/synth: report store media/picture media/video hints vision/look stored query/labelling synth/sampling synth/judging synth/animate/placement synth/animate/motion synth/animate synth/takes synth/matte synth/scene/layers synth/simulate/design synth/simulate synth/scene synth/scene/rendering synth/flowlines synth/flowlines/files synth/stills synth/transfer synth/transfer/files tools/console tools/options tools tools/query tools/judging tools/tour
 '
 rooms="include platform report cache store media hints vision stored ingest query synth starter studio library python tools"
 max_units=17  # in one folder: a header and its source file are one, and so is a source file without a header

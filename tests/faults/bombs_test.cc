@@ -78,7 +78,8 @@ std::vector<std::vector<std::string>> doors(const std::string& kind, const std::
   if (kind == "toml")
     return {{"synth", "scene", name, "-o", "out.mkv", "--overwrite"},
             {"synth", "simulate", name, "-o", "out.mkv", "--overwrite"},
-            {"synth", "layers", name, "-o", "out.ora", "--overwrite"}};
+            {"synth", "layers", name, "-o", "out.ora", "--overwrite"},
+            {"synth", "tour", "still.png", name, "--frames", "2", "-o", "out.mkv", "--overwrite"}};
   if (kind == "ora")
     return {{"synth", "scene", "paint.toml", "-o", "out.mkv", "--overwrite"},
             {"synth", "scene", "cut.toml", "-o", "out.mkv", "--overwrite"},
@@ -99,6 +100,7 @@ std::vector<std::vector<std::string>> doors(const std::string& kind, const std::
        "--restart", "--overwrite", "-o", "out.mkv"},
       {"ingest", "m.store", "--no-index", "--force", "--", name},
       {"synth", "flowlines", name, "-o", "out.mkv", "--overwrite"},
+      {"synth", "tour", name, "--frames", "2", "-o", "out.mkv", "--overwrite"},
       {"synth", "stills", "stills", "-o", "out.mkv", "--overwrite"}};
 }
 

@@ -89,6 +89,10 @@ TEST(Interrupts, AtAnyStageOfEveryCommandTakeASecond) {
                       "large.mp4"})
                 .exit_code,
             0);
+  cv::Mat tree(1080, 1920, CV_8U, cv::Scalar(0));
+  tree(cv::Rect(600, 300, 500, 700)).setTo(255);
+  cv::imwrite((c.folder / "large_tree.png").string(), tree);
+  c.folder.file("large_tour.toml", "horizon = 500\n[[thing]]\nmatte = \"large_tree.png\"\n");
   c.begin_with("indexed.store", "q.store");
   ASSERT_EQ(c.run({"synth", "simulate", "plume", "--frames", "2", "--size", "640x480", "--overwrite", "-o",
                    "design"})
@@ -111,6 +115,7 @@ TEST(Interrupts, AtAnyStageOfEveryCommandTakeASecond) {
       {"synth", "transfer", "--design", "design", "--exemplar", "large.png", "--ground", "black", "-o",
        "s.mkv"},
       {"synth", "flowlines", "large.mp4", "-o", "s.mkv"},
+      {"synth", "tour", "large.mp4", "large_tour.toml", "-o", "s.mkv"},
       {"synth", "stills", "large_stills", "-o", "s.mkv"},
       {"synth", "simulate", "fireball", "--size", "1920x1080", "--grid", "1024", "-o", "s_design"},
       {"synth", "simulate", "smoke", "--size", "1920x1080", "-o", "s.mkv"}};

@@ -53,6 +53,7 @@ const std::map<std::string, std::string> kBases{
     {"synth scene", "synth scene scene.toml -o out/%03d.png"},
     {"synth layers", "synth layers scene.toml -o out.ora"},
     {"synth flowlines", "synth flowlines fall.mkv --frames 4 --patch 16 -o out/%03d.png"},
+    {"synth tour", "synth tour fall.mkv --frames 4 -o out/%03d.png"},
     {"studio",
      "studio --folder projects --no-browser --no-starter --listen 127.0.0.1 --page page --port PORT"}};
 
@@ -374,6 +375,14 @@ const std::vector<Row>& rows() {
       {"synth flowlines", "--strand 16"},
       {"synth flowlines", "--blend feather"},
       {"synth flowlines", "--seed 9"},
+      // tour
+      {"synth tour", "--move pan"},
+      {"synth tour", "--amount 0.5"},
+      {"synth tour", "--fps 12"},
+      {"synth tour", "--size 48x36"},
+      {"synth tour", "--film-end hold", "--frames 40"},
+      {"synth tour", "--depth-out depths/%03d.exr"},
+      {"synth tour", "--keys", "=synth tour"},
       // studio
       {"studio", "--folder others"},
       {"studio", "--port OTHER"},

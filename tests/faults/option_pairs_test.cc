@@ -53,6 +53,7 @@ const std::map<std::string, std::string> kNeeded{
     {"synth scene", "scene.toml -o out.mkv"},
     {"synth layers", "scene.toml -o out.ora"},
     {"synth flowlines", "clip1.mkv -o out.mkv"},
+    {"synth tour", "clip1.mkv -o out.mkv"},
     {"studio", "--folder projects --no-browser --no-starter"}};
 
 /// All commands of the executable, as its help lists them.

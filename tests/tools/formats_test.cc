@@ -252,6 +252,18 @@ TEST(Formats, Flowlines) {
        3);
 }
 
+TEST(Formats, Tour) {
+  const WorkFolder folder;
+  cv::imwrite(folder / "still.png", deep_picture({64, 48}));
+  walk(folder,
+       {"tour", true, false,
+        [](const std::string& out) {
+          return std::vector<std::string>{"synth",    "tour", "still.png", "--horizon", "20",
+                                          "--frames", "3",    "-o",        out};
+        }},
+       3);
+}
+
 /// The still in 16 bits, and what is labelled for it.
 void make_still(const WorkFolder& folder) {
   cv::Mat still = cv::imread(sample().still.string());

@@ -49,6 +49,7 @@ TEST_F(Overwrite, IsRefusedByEveryCommandThatWrites) {
   expect_refusal({"synth", "flowlines", "river.mkv", "-o", "river.mkv", "--overwrite"});
   expect_refusal({"synth", "flowlines", "river.mkv", "-o", "new.mkv", "--lines", "hard.png", "--lines-out",
                   "still.png", "--overwrite"});
+  expect_refusal({"synth", "tour", "still.png", "-o", "new.mkv", "--draw", "still.png", "--overwrite"});
   expect_refusal({"store", "export", "a.store", "river/1.mkv", "-o", "soft.mkv"});
   folder_.file("scene.toml", "");
   expect_refusal({"synth", "simulate", "scene.toml", "-o", "scene.toml"});

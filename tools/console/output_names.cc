@@ -24,7 +24,8 @@ namespace fs = std::filesystem;
 constexpr std::string_view kOutputs[] = {"--output",          "--sheet",      "--map",       "--alpha",
                                          "--emitters",        "--motion",     "--page",      "--json",
                                          "--composite",       "--draw",       "--matte-out", "--speed-out",
-                                         "--orientation-out", "--motion-out", "--lines-out", "--layers-out"};
+                                         "--orientation-out", "--motion-out", "--lines-out", "--layers-out",
+                                         "--depth-out"};
 
 bool names_output(const CLI::Option& option) {
   return std::ranges::find(kOutputs, option.get_name()) != std::end(kOutputs);

@@ -2,6 +2,7 @@
 
 #include "tools/commands.h"
 #include "tools/judging/judge_tool.h"
+#include "tools/tour/tour_tool.h"
 
 namespace freshet::tools {
 
@@ -19,6 +20,7 @@ void add_synth(CLI::App& app, RunContext& context) {
   add_scene(*synth_command, context);
   add_layers(*synth_command, context);
   add_flowlines(*synth_command, context);
+  add_tour(*synth_command, context);
 }
 
 }  // namespace freshet::tools
