@@ -9,9 +9,7 @@ namespace freshet::ingest {
 GrowingStore::GrowingStore(const std::filesystem::path& path, std::span<const std::filesystem::path> sources,
                            Shard shard, const std::function<vision::Settings()>& for_new)
     : path_(path) {
-  if (store::is_store_list(path))
-    throw Error(ErrorKind::kUsage, path.string(), "clips are added to one store, and this is a list of some",
-                "Name one of them");
+  store::expect_one_store(path);
   list_sources(sources, shard);
   is_new_ = !std::filesystem::exists(path);
   if (is_new_) {

@@ -215,6 +215,17 @@ std::string source_hash(const fs::path& path) {
   return hash.hex();
 }
 
+std::string list_hash(std::span<const Source> sources) {
+  HashState hash;
+  std::error_code error;
+  for (const Source& source : sources) {
+    hash.add({source.name.c_str(), source.name.size() + 1});
+    const bool file = !fs::is_directory(source.path, error);
+    hash.add(hex(file ? fs::file_size(source.path, error) : list_folder(source.path).files.size()));
+  }
+  return hash.hex();
+}
+
 std::string part_hash(const std::string& source_hash, int first, int last, bool steady) {
   HashState hash;
   hash.add(fmt::format("{}:{}-{}{}", source_hash, first, last, steady ? ":steady" : ""));

@@ -35,6 +35,9 @@ struct Source {
 std::vector<Source> list_sources(std::span<const std::filesystem::path> paths, Shard shard = {});
 inline constexpr int kMinSequence = 8;
 
+/// XXH3-128 of names and sizes, as 32 hex digits: another list has another.
+std::string list_hash(std::span<const Source> sources);
+
 /// XXH3-128 of a file's bytes as 32 hex digits; for a folder, of the names and bytes of its pictures in
 /// natural order, so that renaming the folder does not make another clip of it.
 /// Throws Error{kInput} when it cannot be read. Memory: 1 MB.

@@ -14,18 +14,11 @@ std::vector<std::shared_ptr<Environment>> opened(std::span<const std::filesystem
   return files;
 }
 
-/// What a name stands for.
-std::vector<std::filesystem::path> files_of(const std::filesystem::path& path) {
-  return is_store_list(path) ? read_store_list(path) : std::vector{path};
-}
-
 }  // namespace
 
 Store Store::create(const std::filesystem::path& path, const std::string& settings,
                     std::optional<std::uint64_t> store_id) {
-  if (is_store_list(path))
-    throw Error(ErrorKind::kUsage, path.string(), "a name that ends so is that of a list of stores",
-                "Give the store another name");
+  expect_store_name(path);
   Store store;
   store.impl_ = std::make_shared<Impl>(Impl{path, {Environment::create(path, settings, store_id)}});
   return store;
@@ -37,7 +30,7 @@ Store Store::open_read(std::span<const std::filesystem::path> paths) {
   if (paths.empty()) throw Error(ErrorKind::kUsage, "Store::open_read", "no store is named");
   std::vector<std::filesystem::path> files;
   for (const std::filesystem::path& path : paths)
-    for (std::filesystem::path& file : files_of(path)) files.push_back(std::move(file));
+    for (std::filesystem::path& file : stores_named(path)) files.push_back(std::move(file));
   Store store;
   store.impl_ = std::make_shared<Impl>(Impl{paths.front(), opened(files, Access::kRead)});
   return store;
@@ -45,7 +38,7 @@ Store Store::open_read(std::span<const std::filesystem::path> paths) {
 
 Store Store::open_write(const std::filesystem::path& path) {
   Store store;
-  store.impl_ = std::make_shared<Impl>(Impl{path, opened(files_of(path), Access::kWrite)});
+  store.impl_ = std::make_shared<Impl>(Impl{path, opened(stores_named(path), Access::kWrite)});
   return store;
 }
 

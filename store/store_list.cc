@@ -29,4 +29,22 @@ std::vector<std::filesystem::path> read_store_list(const std::filesystem::path& 
   return stores;
 }
 
+std::vector<std::filesystem::path> stores_named(const std::filesystem::path& path) {
+  return is_store_list(path) ? read_store_list(path) : std::vector{path};
+}
+
+void expect_one_store(const std::filesystem::path& path) {
+  if (!is_store_list(path)) return;
+  std::string names;
+  for (const std::filesystem::path& store : read_store_list(path)) names += "\n  " + store.string();
+  throw Error(ErrorKind::kUsage, path.string(), "is a list of stores, and this works on one",
+              "Name one of them:" + names);
+}
+
+void expect_store_name(const std::filesystem::path& path) {
+  if (!is_store_list(path)) return;
+  throw Error(ErrorKind::kUsage, path.string(), "a name that ends so is that of a list of stores",
+              "Give the store another name");
+}
+
 }  // namespace freshet::store

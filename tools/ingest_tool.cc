@@ -1,5 +1,9 @@
+#include <cerrno>
+#include <cstring>
 #include <filesystem>
+#include <functional>
 #include <iterator>
+#include <map>
 #include <memory>
 #include <optional>
 
@@ -10,9 +14,12 @@
 #include "freshet/error.h"
 #include "ingest/growing_store.h"
 #include "ingest/ingest.h"
+#include "ingest/sealed_part.h"
 #include "platform/printable.h"
 #include "platform/whole_file.h"
 #include "query/index/index_builder.h"
+#include "store/new_file.h"
+#include "store/rewrite/rewrite.h"
 #include "store/store_list.h"
 #include "stored/store_settings.h"
 #include "tools/commands.h"
@@ -20,6 +27,7 @@
 #include "tools/console/output_names.h"
 #include "tools/console/progress.h"
 #include "tools/console/table.h"
+#include "tools/console/unfinished_folder.h"
 #include "tools/ingest_page.h"
 #include "tools/options/settings_options.h"
 #include "tools/options/shard_option.h"
@@ -34,7 +42,7 @@ struct IngestCommand {
   ingest::IngestOptions options;
   SettingsOptions settings;
   std::filesystem::path page;
-  bool no_index = false, no_flann = false, json = false, dry_run = false;
+  bool no_index = false, no_flann = false, json = false, dry_run = false, seal = false, gather = false;
 };
 
 nlohmann::json to_json(const ingest::Span& span) {
@@ -121,13 +129,21 @@ void say_reasons(const ingest::ClipReport& clip) {
   for (const std::string& note : clip.notes) say(fmt::format("{}: {}", clip.name, note));
 }
 
+nlohmann::json to_json(const std::string& store, const ingest::IngestReport& report) {
+  nlohmann::json json{{"store", store}, {"clips", nlohmann::json::array()}};
+  for (const ingest::ClipReport& clip : report.clips) json["clips"].push_back(to_json(clip));
+  if (report.stopped) json["stopped"] = report.stopped->what();
+  return json;
+}
+
+void print_json(const nlohmann::json& json) {
+  fmt::print("{}\n", json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
+}
+
 void show(const IngestCommand& command, const ingest::IngestReport& report) {
   if (!command.page.empty()) write_whole_file(command.page, ingest_page(command.store, report));
   if (command.json) {
-    nlohmann::json json{{"store", command.store}, {"clips", nlohmann::json::array()}};
-    for (const ingest::ClipReport& clip : report.clips) json["clips"].push_back(to_json(clip));
-    if (report.stopped) json["stopped"] = report.stopped->what();
-    fmt::print("{}\n", json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
+    print_json(to_json(command.store, report));
   } else if (!report.clips.empty()) {
     print_report(report);
   }
@@ -152,9 +168,7 @@ auto shown_on(Progress& progress) {
 }
 
 void run_dry(const IngestCommand& command, const ingest::IngestOptions& options, RunContext& context) {
-  if (store::is_store_list(command.store))
-    throw Error(ErrorKind::kUsage, command.store, "clips are added to one store, and this is a list of some",
-                "Name one of them");
+  store::expect_one_store(command.store);
   std::optional<store::Store> store;
   vision::Settings settings;
   if (std::filesystem::exists(command.store)) {
@@ -173,12 +187,126 @@ void run_dry(const IngestCommand& command, const ingest::IngestOptions& options,
   set_exit_code(report, context);
 }
 
+void update_index(const IngestCommand& command, store::Store& store, const RunContext& context) {
+  if (command.no_index) return;
+  query::IndexOptions index;
+  if (command.no_flann) index.flann.clear();
+  tools::update_index(store, index, context);
+}
+
+/// What decides what a part of a store holds.
+nlohmann::json made_by(const IngestCommand& command) {
+  nlohmann::json clips = nlohmann::json::array();
+  for (const std::filesystem::path& path : command.paths) clips.push_back(path.string());
+  const ingest::IngestOptions& options = command.options;
+  return {{"clips", clips},
+          {"class", options.class_name},
+          {"licence", options.licence},
+          {"force", options.force},
+          {"steady", options.steady},
+          {"deinterlace", options.repairs.deinterlace},
+          {"deblock", options.repairs.deblock},
+          {"list", ingest::list_hash(ingest::list_sources(command.paths))},
+          {"settings", nlohmann::json::parse(vision::to_json(command.settings.for_new_store()))}};
+}
+
+/// A store that is there was gathered of parts, or is in the way.
+bool is_gathered(const IngestCommand& command, const std::function<bool()>& is_sealed) {
+  store::expect_one_store(command.store);
+  store::expect_store_name(command.store);
+  if (!std::filesystem::exists(command.store)) return false;
+  if (is_sealed()) return true;
+  throw Error(ErrorKind::kUsage, command.store, "is there already, and its parts are not",
+              "Name another store, or add clips to it without --seal and --gather");
+}
+
+void run_sealed(const IngestCommand& command, const ingest::IngestOptions& options,
+                const RunContext& context) {
+  const nlohmann::json by = made_by(command);
+  const ingest::SealedPart part(command.store, options.shard);
+  const auto is_sealed = [&] { return part.is_sealed(by); };
+  if (!is_gathered(command, is_sealed) && !is_sealed()) {
+    const UnfinishedFolder local(std::filesystem::temp_directory_path(), "freshet-");
+    const std::filesystem::path file = local.path() / "part.store";
+    nlohmann::json report;
+    {
+      ingest::GrowingStore growing(file, command.paths, options.shard,
+                                   [&] { return command.settings.for_new_store(); });
+      Progress progress;
+      const ingest::IngestReport made = ingest::ingest(growing.store(), growing.settings(), command.paths,
+                                                       options, shown_on(progress), context.stop);
+      progress.finish();
+      if (made.stopped) throw *made.stopped;
+      growing.remove_if_empty();
+      report = to_json(part.store(), made);
+    }
+    part.seal(file, by, std::move(report));
+  }
+  if (command.json)
+    print_json(part.report());
+  else
+    fmt::print("{}: {} clips\n", printable(part.store().string()),
+               part.report()["stored"].get<std::size_t>());
+}
+
+/// All clips of all parts, as one ingest would report them.
+nlohmann::json gathered_report(const IngestCommand& command, const std::vector<ingest::SealedPart>& parts) {
+  nlohmann::json json{{"store", command.store}, {"clips", nlohmann::json::array()}};
+  for (const ingest::SealedPart& part : parts) {
+    nlohmann::json report = part.report();
+    for (nlohmann::json& clip : report["clips"]) json["clips"].push_back(std::move(clip));
+  }
+  return json;
+}
+
+void run_gather(const IngestCommand& command, const RunContext& context) {
+  const std::vector<ingest::SealedPart> parts = ingest::sealed_parts(command.store, made_by(command));
+  const nlohmann::json report = gathered_report(command, parts);
+  if (!is_gathered(command, [] { return true; })) {
+    std::vector<std::filesystem::path> stores;
+    for (const ingest::SealedPart& part : parts)
+      if (part.report()["stored"] != 0) stores.push_back(part.store());
+    if (stores.empty())
+      throw Error(ErrorKind::kInput, command.store + ".parts",
+                  "no clip was taken, for the reasons in the reports there");
+    const std::filesystem::path merging = command.store + ".merging", lock = merging.string() + "-lock";
+    std::filesystem::remove(merging);
+    Progress progress;
+    store::merge(stores, merging, query::rebuildable(),
+                 {.progress = progress.callback(), .stop = context.stop});
+    progress.finish();
+    {
+      store::Store merged = store::Store::open_write(merging);
+      update_index(command, merged, context);
+    }
+    std::filesystem::remove(lock);
+    if (!store::rename_to_new(merging, command.store))
+      throw Error(ErrorKind::kIo, command.store, fmt::format("cannot be made ({})", std::strerror(errno)),
+                  "Run again");
+    ingest::remove_unsealed(command.store);
+  }
+  if (command.json) return print_json(report);
+  std::map<std::string, int> counts;
+  for (const nlohmann::json& clip : report["clips"]) {
+    const std::string outcome = clip.value("outcome", "failed");
+    ++counts[outcome];
+    if (outcome != "refused" && outcome != "failed") continue;
+    fmt::print(
+        "{} {}: {}\n", printable(clip.value("name", "")), outcome,
+        printable(fmt::format("{}", fmt::join(clip.value("reasons", std::vector<std::string>()), "; "))));
+  }
+  fmt::print("{}: {} shards, {} added, {} already there, {} refused, {} failed\n", printable(command.store),
+             parts.size(), counts["added"], counts["already there"], counts["refused"], counts["failed"]);
+}
+
 void run(const IngestCommand& command, RunContext& context) {
   check_output_folder(command.page);
   ingest::IngestOptions options = command.options;
   options.shard = command.shard.read();
   options.pictures = command.dry_run || !command.page.empty();
   if (command.dry_run) return run_dry(command, options, context);
+  if (command.gather) return run_gather(command, context);
+  if (command.seal) return run_sealed(command, options, context);
   ingest::GrowingStore growing(command.store, command.paths, options.shard,
                                [&] { return command.settings.for_new_store(); });
   if (!growing.is_new()) command.settings.check_against(growing.settings(), command.store);
@@ -194,11 +322,7 @@ void run(const IngestCommand& command, RunContext& context) {
     throw Error(ErrorKind::kInput, command.store, "no clip was taken, for the reasons above",
                 growing.is_new() ? "The store was not made" : "");
   }
-  if (!command.no_index) {
-    query::IndexOptions index;
-    if (command.no_flann) index.flann.clear();
-    update_index(growing.store(), index, context);
-  }
+  update_index(command, growing.store(), context);
   set_exit_code(report, context);
 }
 
@@ -234,6 +358,16 @@ void add_ingest(CLI::App& app, RunContext& context) {
                 "the source's");
   command->shard.add_to(
       *sub, "Ingest only part I of N of the list, for stores that are built separately and merged [all]");
+  CLI::Option* gather =
+      sub->add_flag(
+             "--gather", command->gather,
+             "Merge the sealed parts of all shards into STORE, which must not be there, and index it [off]")
+          ->excludes("--shard");
+  CLI::Option* seal = sub->add_flag("--seal", command->seal,
+                                    "Make the shard in this machine's temporary folder, verify it, and leave "
+                                    "it in STORE.parts; one that is there is "
+                                    "left. Several machines may share that folder [off]")
+                          ->needs("--shard");
   CLI::Option* dry_run = sub->add_flag(
       "--dry-run", command->dry_run,
       "Look only: what would be taken of each clip, why not the rest, what would help. Writes no store");
@@ -243,6 +377,7 @@ void add_ingest(CLI::App& app, RunContext& context) {
   add_overwrite(*sub);
   sub->get_option("--overwrite")->needs(page);
   licence->excludes(dry_run);
+  for (CLI::Option* shared : {seal, gather}) shared->excludes(dry_run)->excludes(page);
   CLI::Option* no_index =
       sub->add_flag("--no-index", command->no_index, "Do not update the index at the end")->excludes(dry_run);
   sub->add_flag("--no-flann", command->no_flann,

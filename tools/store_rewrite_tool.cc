@@ -8,6 +8,7 @@
 #include "platform/printable.h"
 #include "query/index/index_builder.h"
 #include "store/rewrite/rewrite.h"
+#include "store/store_list.h"
 #include "tools/commands.h"
 #include "tools/console/progress.h"
 #include "tools/console/table.h"
@@ -64,6 +65,8 @@ void remove(const RewriteCommand& command, const RunContext& context) {
 }
 
 void merge(const RewriteCommand& command, const RunContext& context) {
+  if (command.stores.size() == 1 && !store::is_store_list(command.stores.front()))
+    throw CLI::ArgumentMismatch::AtLeast("STORE", 2, 1);
   const store::MergeReport report = with_progress(context, [&](const Job& job) {
     return store::merge(command.stores, command.out, query::rebuildable(), job);
   });
@@ -182,7 +185,9 @@ void add_store_rewrites(CLI::App& store, RunContext& context) {
             "One store of the clips of several that have the same settings. Clips from the same "
             "source are taken once",
             merge);
-    sub->add_option("STORE", command->stores, "The stores, two or more")->required()->expected(2, 1 << 16);
+    sub->add_option("STORE", command->stores, "The stores, two or more, or a list of them (NAME.stores)")
+        ->required()
+        ->expected(1, 1 << 16);
     add_out(sub, *command);
   }
 }

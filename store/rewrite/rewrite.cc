@@ -10,6 +10,7 @@
 #include "store/new_file.h"
 #include "store/records/identity.h"
 #include "store/rewrite/store_copy.h"
+#include "store/store_list.h"
 
 namespace freshet::store {
 namespace {
@@ -41,9 +42,10 @@ bool has_index(const Contents& contents, const Rebuildable& index) {
 /// A store that is about to be replaced, and that nobody else has open.
 class Replaced {
  public:
-  explicit Replaced(const std::filesystem::path& file)
-      : file_(std::filesystem::exists(file) ? std::filesystem::canonical(file) : file),  // a link stays one
-        environment_(Environment::open(file, Access::kWrite)) {
+  explicit Replaced(const std::filesystem::path& file) {
+    expect_one_store(file);
+    file_ = std::filesystem::exists(file) ? std::filesystem::canonical(file) : file;  // a link stays one
+    environment_ = Environment::open(file, Access::kWrite);
     if (!environment_->lock_alone())
       throw Error(ErrorKind::kIo, file.string(), "is open in another process",
                   "Close it there and run again");
@@ -87,6 +89,7 @@ void choose_clips(const std::vector<Contents>& stores, StoreCopy& copy, MergeRep
 }
 
 std::uint64_t write_new(const StoreCopy& copy, const std::filesystem::path& out, const Job& job) {
+  expect_store_name(out);
   NewFile fresh(out, Existing::kKept);
   const std::uint64_t bytes = write_copy(copy, fresh.descriptor(), out, job);
   fresh.commit();
@@ -127,8 +130,9 @@ FileSizes remove_clips(const std::filesystem::path& file, std::span<const std::s
 MergeReport merge(std::span<const std::filesystem::path> files, const std::filesystem::path& out,
                   const Rebuildable& index, const Job& job) {
   std::vector<Contents> stores;
-  for (const std::filesystem::path& file : files)
-    stores.push_back(read_contents(Environment::open(file, Access::kRead)));
+  for (const std::filesystem::path& named : files)
+    for (const std::filesystem::path& file : stores_named(named))
+      stores.push_back(read_contents(Environment::open(file, Access::kRead)));
   MergeReport report;
   StoreCopy copy{.store_id = draw_store_id(), .settings = stores.front().settings};
   leave_out(copy, index);
@@ -148,6 +152,7 @@ MergeReport merge(std::span<const std::filesystem::path> files, const std::files
 
 RepairReport repair(const std::filesystem::path& file, const std::filesystem::path& out,
                     const Rebuildable& index, const Job& job) {
+  expect_one_store(file);
   Salvage found = salvage(file, index, job);
   found.report.bytes = write_new(whole(found.contents), out, job);
   return std::move(found.report);

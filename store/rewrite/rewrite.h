@@ -26,8 +26,9 @@ struct FileSizes {
 FileSizes compacted_size(const std::filesystem::path& file);
 
 /// All functions below: job's progress is "copying records"; they throw as Store::open_read (of all files read) does,
-/// and Error{kDamaged} naming a damaged record, Error{kIo} for a full disk, Error{kCancelled}; files are then as they
-/// were. Cost: reads and writes each record once; memory for one record, and 40 bytes for each.
+/// and Error{kDamaged} naming a damaged record, Error{kIo} for a full disk, Error{kCancelled}, Error{kUsage} for a list
+/// of stores where one is meant; files are then as they were. Cost: reads and writes each record once; memory for one
+/// record, and 40 bytes for each.
 
 /// Puts the same store, rows in order, without free pages and half-filled ones, in the file's place. Nobody else may
 /// have it open (Error{kIo}).
@@ -48,7 +49,7 @@ struct MergeReport {
   bool index_left_out = false;
   std::uint64_t bytes = 0;
 };
-/// One store of the clips of several, in their order; of clips from the same source, the first. `out` must not exist.
+/// One store of the clips of several, or of lists of them, in their order; of clips from the same source, the first. `out` must not exist.
 /// Throws also Error{kInput} when settings differ, or two clips of one name come from different sources.
 MergeReport merge(std::span<const std::filesystem::path> files, const std::filesystem::path& out,
                   const Rebuildable& index, const Job& job = {});

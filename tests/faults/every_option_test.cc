@@ -188,6 +188,9 @@ const std::vector<Row>& rows() {
       {"ingest", "--deinterlace", "=ingest new.store planes.mp4 --force"},
       {"ingest", "--deblock", "=ingest new.store planes.mp4 --force"},
       {"ingest", "--shard 1/2"},
+      {"ingest", "--seal", "=ingest new.store clip1.mkv clip2.mkv --force --shard 1/2"},
+      {"ingest", "--gather", "",
+       Does::kElsewhere},  // tests/tools/same_store_test.cc: of what shards have left
       {"ingest", "--no-index"},
       {"ingest", "--no-flann"},
       {"ingest", "--scales 1"},

@@ -46,6 +46,63 @@ TEST(SameStore, PartsMakeTheWhole) {
   EXPECT_EQ(digest(folder / "a.store"), sample_digest());
 }
 
+TEST(SameStore, SealedPartsMakeTheWholeAndAreMadeOnce) {
+  const WorkFolder folder;
+  const auto ingest = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), {"ingest", "all.store", sample().clips});
+    return folder.freshet(more);
+  };
+  // More shards than clips: one is empty.
+  for (const char* shard : {"4/4", "1/4", "3/4"}) {
+    const Outcome outcome = ingest({"--shard", shard, "--seal"});
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  }
+  const Outcome early = ingest({"--gather"});
+  EXPECT_EQ(early.exit_code, 1);
+  EXPECT_NE(early.err.find("shards of 4 that are not yet sealed: 2"), std::string::npos) << early.err;
+  ASSERT_EQ(ingest({"--shard", "2/4", "--seal"}).exit_code, 0);
+  const auto stamp = [&] { return fs::last_write_time(folder / "all.store.parts/2-of-4.json"); };
+  const fs::file_time_type made = stamp();
+  EXPECT_EQ(ingest({"--shard", "2/4", "--seal"}).exit_code, 0);
+  EXPECT_EQ(stamp(), made);
+  // Other options, and another list of clips, are another command's.
+  for (const std::vector<std::string>& more : std::vector<std::vector<std::string>>{
+           {"--shard", "2/4", "--seal", "--licence", "CC0"}, {"--gather", "--licence", "CC0"}}) {
+    const Outcome other = ingest(more);
+    EXPECT_EQ(other.exit_code, 2);
+    EXPECT_NE(other.err.find("made by a command with other clips or options"), std::string::npos)
+        << other.err;
+  }
+  // A part that is cut or exchanged is seen.
+  const std::string part = text_of(folder / "all.store.parts/2-of-4.store");
+  folder.file("all.store.parts/2-of-4.store", part.substr(0, part.size() / 2));
+  EXPECT_NE(ingest({"--gather"}).exit_code, 0);
+  EXPECT_FALSE(fs::exists(folder / "all.store"));
+  fs::remove(folder / "all.store.parts/2-of-4.store");
+  EXPECT_EQ(ingest({"--gather"}).exit_code, 3);
+  folder.file("all.store.parts/2-of-4.store", part);
+  folder.file("all.store.parts/2-of-4.store.making.gone.7", "what a killed run left");
+  folder.file("all.store.merging", "what a killed run left");
+
+  const Outcome gathered = ingest({"--gather"});
+  ASSERT_EQ(gathered.exit_code, 0) << gathered.err;
+  EXPECT_NE(gathered.out.find("4 shards, 3 added, 0 already there, 0 refused, 0 failed"), std::string::npos)
+      << gathered.out;
+  EXPECT_EQ(digest(folder / "all.store"), sample_digest());
+  EXPECT_NE(folder.freshet({"store", "info", "all.store"}).out.find("index: ready"), std::string::npos);
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder / "all.store.parts"))
+    EXPECT_TRUE(entry.path().extension() == ".store" || entry.path().extension() == ".json") << entry.path();
+  // Again, and nothing is done.
+  EXPECT_EQ(ingest({"--shard", "2/4", "--seal"}).exit_code, 0);
+  EXPECT_EQ(ingest({"--gather"}).out, gathered.out);
+  EXPECT_EQ(stamp(), made);
+  fs::remove_all(folder / "all.store.parts");
+  const Outcome in_the_way = ingest({"--shard", "2/4", "--seal"});
+  EXPECT_EQ(in_the_way.exit_code, 2);
+  EXPECT_NE(in_the_way.err.find("all.store: is there already"), std::string::npos) << in_the_way.err;
+  EXPECT_EQ(folder.freshet({"ingest", "new.store", sample().clips, "--seal"}).exit_code, 2);
+}
+
 TEST(SameStore, SeveralStoresAreSearchedAsOne) {
   const WorkFolder folder;
   for (const char* part : {"1/3", "2/3", "3/3"}) {
@@ -98,8 +155,30 @@ TEST(SameStore, SeveralStoresAreSearchedAsOne) {
     return all;
   };
   EXPECT_TRUE(animated("all.stores", "joined") == animated(sample().store, "merged"));
-  const Outcome ingest = folder.freshet({"ingest", "all.stores", sample().clips});
-  EXPECT_EQ(ingest.exit_code, 2);
+  // What changes or saves one store says which there are; merging takes what the list names.
+  for (const std::vector<std::string>& words :
+       std::vector<std::vector<std::string>>{{"ingest", "all.stores", sample().clips},
+                                             {"ingest", "all.stores", sample().clips, "--dry-run"},
+                                             {"store", "compact", "all.stores"},
+                                             {"store", "remove", "all.stores", "fall/1.mkv"},
+                                             {"store", "repair", "all.stores", "-o", "saved.store"}}) {
+    const Outcome outcome = folder.freshet(words);
+    EXPECT_EQ(outcome.exit_code, 2) << words[1];
+    EXPECT_NE(outcome.err.find("all.stores: is a list of stores, and this works on one. Name one of them:\n"
+                               "  part1.store"),
+              std::string::npos)
+        << outcome.err;
+  }
+  ASSERT_EQ(folder.freshet({"store", "merge", "all.stores", "-o", "merged.store"}).exit_code, 0);
+  ASSERT_EQ(folder.freshet({"index", "merged.store"}).exit_code, 0);
+  EXPECT_EQ(digest(folder / "merged.store"), sample_digest());
+  folder.file("some.stores", "part2.store\npart3.store\n");
+  ASSERT_EQ(folder.freshet({"store", "merge", "part1.store", "some.stores", "-o", "mixed.store"}).exit_code,
+            0);
+  EXPECT_EQ(folder.freshet({"store", "merge", "part1.store", "-o", "one.store"}).exit_code, 2);
+  const Outcome to_list = folder.freshet({"store", "merge", "all.stores", "-o", "new.stores"});
+  EXPECT_EQ(to_list.exit_code, 2);
+  EXPECT_NE(to_list.err.find("new.stores: a name that ends so is that of a list"), std::string::npos);
   EXPECT_EQ(folder.freshet({"store", "info", "all.stores"}).exit_code, 0);
   EXPECT_EQ(folder.freshet({"store", "verify", "all.stores"}).exit_code, 0);
 }

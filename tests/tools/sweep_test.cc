@@ -198,6 +198,38 @@ TEST(Sweep, ShardsAndAGatheringLeaveWhatOneRunLeaves) {
   EXPECT_EQ(run({"--shard", "4/3"}).exit_code, 2);
 }
 
+TEST(Sweep, WhatIsGatheredIsNotMadeAgain) {
+  const WorkFolder folder;
+  const auto run = [&](std::vector<std::string> more) {
+    more.insert(more.end(), {"--vary", "speed=-,1.0,2"});
+    return sweep(folder, more);
+  };
+  const auto shard = [&] { return run({"--shard", "1/1"}); };
+  ASSERT_EQ(shard().exit_code, 0);
+  const Outcome first = run({"--gather"});
+  ASSERT_EQ(first.exit_code, 0) << first.err;
+  const auto gathered = files_below(folder / "out");
+  const fs::file_time_type made = fs::last_write_time(folder / "out/03.mp4");
+  EXPECT_EQ(shard().out, "");
+  EXPECT_FALSE(fs::exists(folder / "out/parts"));
+  EXPECT_EQ(run({"--gather"}).out, first.out);
+  EXPECT_EQ(json::parse(run({"--gather", "--json"}).out), json::parse(text_of(folder / "out/sweep.json")));
+  EXPECT_EQ(fs::last_write_time(folder / "out/03.mp4"), made);
+  // Another command's films are not taken for these, nor what is missing or empty for whole.
+  EXPECT_EQ(run({"--gather", "--direction", "left"}).exit_code, 1);
+  EXPECT_TRUE(files_below(folder / "out") == gathered) << "nor is anything of them lost";
+  for (const bool removed : {true, false}) {
+    if (removed)
+      fs::remove(folder / "out/03.mp4");
+    else
+      folder.file("out/03.mp4", "");
+    EXPECT_TRUE(holds(run({"--gather"}).err, "not yet made: 01, 02, 03"));
+    EXPECT_TRUE(holds(shard().out, "parts/03"));
+    ASSERT_EQ(run({"--gather"}).exit_code, 0);
+    EXPECT_TRUE(files_below(folder / "out") == gathered);
+  }
+}
+
 TEST(Sweep, SaysWhatIsWrongWithItsText) {
   const WorkFolder folder;
   for (const auto& [text, message] : std::initializer_list<std::pair<const char*, const char*>>{

@@ -1,11 +1,7 @@
 // freshet synth sweep: one picture animated with all combinations of some of animate's options.
 
-#include <stdlib.h>
-
 #include <algorithm>
-#include <cerrno>
 #include <cmath>
-#include <cstring>
 #include <functional>
 #include <map>
 #include <memory>
@@ -25,6 +21,7 @@
 #include "report/sheet_words.h"
 #include "tools/commands.h"
 #include "tools/console/output_names.h"
+#include "tools/console/unfinished_folder.h"
 #include "tools/judging/verdict_report.h"
 #include "tools/options/shard_option.h"
 #include "tools/synth/animate_command.h"
@@ -80,6 +77,37 @@ cache::Key key_of_part(const SweepPoint& point, const AnimateInputs& inputs) {
   for (const std::string& word : point.words())
     if (!word.starts_with("--threads=") && !word.starts_with("--cache")) hash.add(word);
   return hash.key();
+}
+
+constexpr const char* kReport = "sweep.json";
+constexpr const char* kSheet = "sheet.png";
+constexpr const char* kPage = "index.html";
+constexpr const char* kStill = "still.png";
+
+/// What is reported of a sweep that lies in its folder with all its files; nothing where it is another's, or a file is
+/// missing. The report is written last.
+std::optional<nlohmann::json> whole_report(const fs::path& folder, std::vector<SweepPoint> points) {
+  constexpr std::size_t kMaxBytes = 4 << 20;
+  const auto is_there = [&](const nlohmann::json& name) {
+    std::error_code fault;
+    return name.is_string() && fs::is_regular_file(folder / name.get<std::string>(), fault) &&
+           fs::file_size(folder / name.get<std::string>(), fault) > 0;
+  };
+  for (const char* name : {kReport, kSheet, kPage, kStill})
+    if (!is_there(name)) return std::nullopt;
+  nlohmann::json report =
+      nlohmann::json::parse(read_text_file(folder / kReport, kMaxBytes, "Remove it"), nullptr, false);
+  if (!report.is_object() || !report["animations"].is_array() || report["animations"].size() != points.size())
+    return std::nullopt;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    nlohmann::json& one = report["animations"][i];
+    if (!one.is_object() || !one["result"].is_string()) return std::nullopt;
+    for (const char* file : {"file", "video", "assignment"})
+      if (!is_there(one[file])) return std::nullopt;
+    if (one["key"] != cache::hex(key_of_part(points[i], read_inputs(points[i].command()))))
+      return std::nullopt;
+  }
+  return report;
 }
 
 /// Of pieces, how many show another patch than the first's do; negative where the pieces are others.
@@ -156,30 +184,6 @@ class Part {
   std::string name_;
 };
 
-/// A folder for what is not done, which goes when this does.
-class Making {
- public:
-  explicit Making(const fs::path& sweep) {
-    std::error_code fault;
-    fs::create_directories(sweep / Part::kParts, fault);
-    std::string name = (sweep / Part::kParts / ".making-XXXXXX").string();
-    if (mkdtemp(name.data()) == nullptr)
-      throw Error(ErrorKind::kIo, name, std::string("cannot be made (") + std::strerror(errno) + ")",
-                  "Name another place");
-    folder_ = name;
-  }
-  ~Making() {
-    std::error_code ignored;
-    fs::remove_all(folder_, ignored);
-  }
-  Making(const Making&) = delete;
-  Making& operator=(const Making&) = delete;
-  const fs::path& folder() const { return folder_; }
-
- private:
-  fs::path folder_;
-};
-
 /// All points, one after another, with what they share.
 class Sweep {
  public:
@@ -193,6 +197,7 @@ class Sweep {
   void check() {
     for (SweepPoint& point : points_) {
       AnimateInputs inputs = read_inputs(point.command());
+      keys_.push_back(tools::key_of_part(point, inputs));
       if (!command_.gather) {
         point.command().output.open(inputs.loaded, inputs.options, inputs.motion_sink());
         if (&point == points_.data()) frame_ = (inputs.options.from + inputs.options.until) / 2;
@@ -200,6 +205,7 @@ class Sweep {
       if (still_.empty()) still_ = inputs.loaded.picture;
       region_ |= report::shown_region(inputs.loaded.matte);
     }
+    if (command_.gather) expect_parts();
   }
 
   void run() {
@@ -227,13 +233,12 @@ class Sweep {
       for (std::size_t i = 0; i < points_.size(); ++i) {
         if (!shard.takes(i)) continue;
         const Part part(command_.folder, i);
-        AnimateInputs inputs = read_inputs(points_[i].command());
-        const cache::Key key = key_of_part(points_[i], inputs);
-        if (part.is_made(key)) continue;
+        if (part.is_made(keys_[i])) continue;
         say_point(i);
+        AnimateInputs inputs = read_inputs(points_[i].command());
         const query::Assignment assignment = choose(i, inputs, cache);
         const Rendered rendered = render_point(i, inputs, assignment);
-        Part::seal(making / number_of(i), part, key, assignment, rendered.frame, frame_);
+        Part::seal(making / number_of(i), part, keys_[i], assignment, rendered.frame, frame_);
         made.push_back(number_of(i));
       }
     });
@@ -242,20 +247,10 @@ class Sweep {
 
   /// What run() leaves, from the parts that shards have left.
   void gather() {
-    std::vector<AnimateInputs> inputs;
-    std::string missing;
-    for (std::size_t i = 0; i < points_.size(); ++i) {
-      inputs.push_back(read_inputs(points_[i].command()));
-      if (!Part(command_.folder, i).is_made(key_of_part(points_[i], inputs.back())))
-        missing += (missing.empty() ? "" : ", ") + number_of(i);
-    }
-    if (!missing.empty())
-      throw Error(ErrorKind::kNotFound, (fs::path(command_.folder) / Part::kParts).string(),
-                  "not yet made: " + missing, "Run the command with --shard for them");
     frame_ = Part(command_.folder, 0).frame_number();
     for (std::size_t i = 0; i < points_.size(); ++i) {
       const Part part(command_.folder, i);
-      add(i, inputs[i].loaded.matte, query::read_assignment(part.assignment()), {},
+      add(i, read_inputs(points_[i].command()).loaded.matte, query::read_assignment(part.assignment()), {},
           [&](SweptAnimation& animation, const auto&) {
             animation.file = fs::path(points_[i].command().output.name()).filename();
             animation.video =
@@ -269,12 +264,24 @@ class Sweep {
   }
 
   const std::vector<SweptAnimation>& animations() const { return animations_; }
+  /// After check().
+  const cache::Key& key_of_part(std::size_t i) const { return keys_[i]; }
   const SweepPoint& point(std::size_t i) const { return points_[i]; }
   const cv::Mat& still() const { return still_; }
   const cv::Rect& region() const { return region_; }
   int frame() const { return frame_; }
 
  private:
+  void expect_parts() const {
+    std::string missing;
+    for (std::size_t i = 0; i < points_.size(); ++i)
+      if (!Part(command_.folder, i).is_made(keys_[i]))
+        missing += (missing.empty() ? "" : ", ") + number_of(i);
+    if (!missing.empty())
+      throw Error(ErrorKind::kNotFound, (fs::path(command_.folder) / Part::kParts).string(),
+                  "not yet made: " + missing, "Run the command with --shard for them");
+  }
+
   struct Made {
     query::Assignment assignment;
     std::optional<cache::Key>
@@ -430,6 +437,7 @@ class Sweep {
   const RunContext& context_;
   const store::Snapshot snapshot_;
   std::vector<SweepPoint> points_;
+  std::vector<cache::Key> keys_;                                                   // of their parts
   std::map<std::pair<int, int>, std::shared_ptr<const query::SearchBase>> bases_;  // by index and checks
   std::vector<Made> made_;
   std::vector<SweptAnimation> animations_;
@@ -452,6 +460,7 @@ nlohmann::json report_of(const Sweep& sweep, double seconds) {
                     {"file", animation.file},
                     {"video", animation.video},
                     {"assignment", animation.assignment},
+                    {"key", cache::hex(sweep.key_of_part(i))},
                     {"command", animation.command}});
     if (std::isfinite(animation.gap)) list.back()["gap"] = animation.gap;
     if (animation.changed >= 0) list.back()["changed"] = animation.changed;
@@ -462,14 +471,17 @@ nlohmann::json report_of(const Sweep& sweep, double seconds) {
   return {{"animations", list}, {"seconds", seconds}};
 }
 
-/// One shard of a sweep.
+/// One shard of a sweep. What is gathered already has its parts no more, and is not made again.
 void run_shard(SweepCommand& command, const std::vector<SweepAxis>& axes, const RunContext& context) {
   const Shard shard = command.shard.read();
-  const Making making(command.folder);
-  Sweep sweep(command, make_points(axes, *command.given, making.folder().string(), true), context);
   const SayOnce once;
-  sweep.check();
-  const std::vector<std::string> made = sweep.make_parts(shard, making.folder());
+  std::vector<std::string> made;
+  if (!whole_report(command.folder, make_points(axes, *command.given, command.folder))) {
+    const UnfinishedFolder making(fs::path(command.folder) / Part::kParts, ".making-");
+    Sweep sweep(command, make_points(axes, *command.given, making.path().string(), true), context);
+    sweep.check();
+    made = sweep.make_parts(shard, making.path());
+  }
   if (command.json)
     fmt::print("{}\n", nlohmann::json{{"made", made}}.dump(2));
   else
@@ -477,21 +489,13 @@ void run_shard(SweepCommand& command, const std::vector<SweepAxis>& axes, const 
       fmt::print("{}\n", (fs::path(command.folder) / Part::kParts / number).string());
 }
 
-void run_sweep(SweepCommand& command, const RunContext& context) {
-  Stopwatch watch;
-  const std::vector<SweepAxis> axes = parse_axes(command.axes);
-  if (command.shard.given()) return run_shard(command, axes, context);
-  Sweep sweep(command, make_points(axes, *command.given, command.folder), context);
-  if (!command.gather) check_folder_output(command.folder);
-  {
-    const SayOnce once;
-    sweep.check();
-    command.gather ? sweep.gather() : sweep.run();
-  }
+/// Page, sheet and report of a sweep whose animations lie in its folder.
+nlohmann::json show(const Sweep& sweep, const SweepCommand& command, const std::vector<SweepAxis>& axes,
+                    const Stopwatch& watch) {
   const fs::path folder = command.folder;
   SweepWords words{.title = "Sweep of " + command.shared.target.picture.filename().string(),
                    .axes = {},
-                   .still = "still.png",
+                   .still = kStill,
                    .size = sweep.still().size(),
                    .region = sweep.region(),
                    .fps = command.shared.duration.fps,
@@ -499,20 +503,44 @@ void run_sweep(SweepCommand& command, const RunContext& context) {
   for (const SweepAxis& axis : axes)
     words.axes.push_back(
         fmt::format("{} ({}): {}.", axis.name, fmt::join(axis.values, ", "), axis.description));
-  media::write_picture(folder / words.still, sweep.still());
-  media::write_picture(folder / "sheet.png", sweep_sheet(words, sweep.still(), sweep.animations()));
-  write_whole_file(folder / "index.html", sweep_page(words, sweep.animations()));
-  const std::string report =
-      report_of(sweep, watch.seconds()).dump(2, ' ', false, nlohmann::json::error_handler_t::replace);
-  write_whole_file(folder / "sweep.json", report + "\n");
+  media::write_picture(folder / kStill, sweep.still());
+  media::write_picture(folder / kSheet, sweep_sheet(words, sweep.still(), sweep.animations()));
+  write_whole_file(folder / kPage, sweep_page(words, sweep.animations()));
+  return report_of(sweep, watch.seconds());
+}
+
+void run_sweep(SweepCommand& command, const RunContext& context) {
+  const Stopwatch watch;
+  const std::vector<SweepAxis> axes = parse_axes(command.axes);
+  if (command.shard.given()) return run_shard(command, axes, context);
+  const fs::path folder = command.folder;
+  const auto points = [&] { return make_points(axes, *command.given, command.folder); };
+  const std::vector<SweepPoint> all = points();  // what is wrong with them is said first
+  if (!command.gather) check_folder_output(folder);
+  std::optional<nlohmann::json> report;
+  {
+    const SayOnce once;
+    if (command.gather) report = whole_report(folder, points());
+    if (!report) {
+      Sweep sweep(command, points(), context);
+      sweep.check();
+      std::error_code ignored;
+      fs::remove(folder / kReport, ignored);  // until all is there again
+      command.gather ? sweep.gather() : sweep.run();
+      report = show(sweep, command, axes, watch);
+      write_whole_file(folder / kReport,
+                       report->dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
+    }
+  }
   if (command.gather) fs::remove_all(folder / Part::kParts);
   if (command.json) {
-    fmt::print("{}\n", report);
+    fmt::print("{}\n", report->dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
     return;
   }
-  for (const SweptAnimation& animation : sweep.animations())
-    fmt::print("{}  {}: {}\n", animation.number, animation.title, animation.result);
-  fmt::print("{}\n{}\n", (folder / "sheet.png").string(), (folder / "index.html").string());
+  for (std::size_t i = 0; i < all.size(); ++i)
+    fmt::print("{}  {}: {}\n", number_of(i), all[i].title(),
+               (*report)["animations"][i]["result"].get<std::string>());
+  fmt::print("{}\n{}\n", (folder / kSheet).string(), (folder / kPage).string());
 }
 
 }  // namespace
