@@ -14,8 +14,9 @@
 #include "freshet/error.h"
 #include "media/frame/file_format.h"
 #include "platform/whole_file.h"
+#include "store/store_list.h"
 #include "studio/clip_strip.h"
-#include "studio/jobs/command_run.h"
+#include "work/command_run.h"
 
 namespace freshet::studio {
 namespace {
@@ -134,6 +135,7 @@ std::string Stores::create(const std::string& name) {
 }
 
 fs::path Stores::clip_path(const std::string& store, const std::string& class_name, const std::string& file) {
+  store::expect_one_store(get(store)->path());
   if (!media::looks_like_video(file))
     throw Error(ErrorKind::kUsage, file, "its ending names no video", "Give MP4, MOV, MKV, AVI or WebM");
   const fs::path folder =
@@ -148,13 +150,14 @@ JobId Stores::ingest(const std::string& id, const std::string& licence) {
   return jobs_.commands().submit(
       "ingest " + id, "Ingest into " + store->path().stem().string(),
       [this, store, clips, licence, id](const Job& job) {
-        Command command{.program = program_,
-                        .arguments = {"ingest", store->path(), clips, "--json"},
-                        .folder = folder_.path()};
+        work::Command command{.program = program_,
+                              .arguments = {"ingest", store->path(), clips, "--json"},
+                              .folder = folder_.path()};
         if (!licence.empty()) command.arguments.push_back("--licence=" + licence);
-        const CommandAnswer answer = run_to_end(command, job);  // what is stopped or fails keeps its clips
+        const work::CommandAnswer answer =
+            work::run_to_end(command, job);  // what is stopped or fails keeps its clips
         Json report = Json::parse(answer.output, nullptr, false);
-        if (!only_refused(report)) expect_done(command, answer);
+        if (!only_refused(report)) work::expect_done(command, answer);
         store->refresh();
         add_strips(clips, report);
         std::error_code fault;

@@ -40,9 +40,9 @@ Json sequence_json(const fs::directory_entry& folder) {
 Ways::Ways(StudioFolder& folder, Jobs& jobs, Stores& stores, Projects& projects, fs::path program)
     : folder_(folder), jobs_(jobs), stores_(stores), projects_(projects), program_(std::move(program)) {}
 
-Command Ways::export_command(const std::string& program, const Project& project, const std::string& name,
-                             const std::vector<std::string>& options) {
-  Command command{
+work::Command Ways::export_command(const std::string& program, const Project& project,
+                                   const std::string& name, const std::vector<std::string>& options) {
+  work::Command command{
       .program = program,
       .arguments = {"synth", "animate", "--config", "project.toml", "-o", Project::export_output(name)},
       .folder = project.folder()};
@@ -64,7 +64,7 @@ JobId Ways::export_animation(const std::string& project, const std::string& name
       [this, easel, project, name, words](const Job& job) {
         projects_.await_previews(project, *easel, job);
         expect_no_links(easel->project().folder());
-        studio::run(export_command(program_, easel->project(), name, words), job);
+        work::run(export_command(program_, easel->project(), name, words), job);
         jobs_.feed().publish("export", json_text({{"project", project}, {"name", name}}));
       });
 }
@@ -107,9 +107,10 @@ std::string Ways::export_film(const std::string& project, const std::string& way
       if (word == plan.film) word = output, is_named = true;
   if (!is_named) throw Error(ErrorKind::kUsage, way, "its film is made as MP4 alone", "Save that");
   const JobId job = submit(easel, way_of(way), document, plan, name);
-  return json_text({{"job", job},
-                    {"folder", easel->project().folder().string()},
-                    {"command", to_text({.program = {}, .arguments = plan.commands.back(), .folder = {}})}});
+  return json_text(
+      {{"job", job},
+       {"folder", easel->project().folder().string()},
+       {"command", work::to_text({.program = {}, .arguments = plan.commands.back(), .folder = {}})}});
 }
 
 JobId Ways::submit(const std::shared_ptr<Easel>& easel, const Way& way, const Document& document,
@@ -129,10 +130,10 @@ JobId Ways::submit(const std::shared_ptr<Easel>& easel, const Way& way, const Do
       holder.write_way(plan.folder, {{plan.answer, "null"}});
       tell(project, name);
     }
-    CommandAnswer answer;
+    work::CommandAnswer answer;
     expect_no_links(holder.folder());
     for (const std::vector<std::string>& words : plan.commands)
-      answer = studio::run({.program = program_, .arguments = words, .folder = holder.folder()}, job);
+      answer = work::run({.program = program_, .arguments = words, .folder = holder.folder()}, job);
     if (!exported.empty())
       return jobs_.feed().publish("export", json_text({{"project", project}, {"name", exported}}));
     if (!plan.answer.empty()) holder.write_way(plan.folder, {{plan.answer, answer.output}});
@@ -204,7 +205,7 @@ std::string Ways::to_json(const std::string& project, const std::string& way) {
   }
   json["shown"] = plan.shown;
   for (const std::vector<std::string>& words : plan.commands)
-    json["commands"].push_back(to_text({.program = {}, .arguments = words, .folder = {}}));
+    json["commands"].push_back(work::to_text({.program = {}, .arguments = words, .folder = {}}));
   try {
     if (!plan.answer.empty()) {
       const std::shared_ptr<Easel> easel = projects_.easel(project);

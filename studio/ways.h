@@ -8,12 +8,12 @@
 #include <vector>
 
 #include "studio/beneath.h"
-#include "studio/jobs/command_run.h"
 #include "studio/jobs/jobs.h"
 #include "studio/projects.h"
 #include "studio/stores.h"
 #include "studio/studio_folder.h"
 #include "studio/ways/way.h"
+#include "work/command_run.h"
 
 namespace freshet::studio {
 
@@ -45,8 +45,8 @@ class Ways {
                          const std::vector<std::string>& options);
   std::string exports_json(const std::string& project);
   /// The command line that makes the same.
-  static Command export_command(const std::string& program, const Project& project, const std::string& name,
-                                const std::vector<std::string>& options);
+  static work::Command export_command(const std::string& program, const Project& project,
+                                      const std::string& name, const std::vector<std::string>& options);
 
   /// PNG, white, with the matte that a layer's scribbles mean as its alpha, for the eye: a draft. Throws Error{kNotFound}.
   std::string layer_matte_png(const std::string& project, std::uint64_t layer);

@@ -70,22 +70,24 @@ synth/tour: media/frame media/picture media/video synth/toml synth/scene/layers 
 synth/transfer: synth/field
 synth/transfer/files: cache store media/frame media/picture media/video vision stored synth/playing synth/transfer
 starter: cache store media/video vision ingest query/index synth/toml synth/simulate/scene synth/simulate/design synth/simulate
+work: cache
 studio/drawing: synth/matte synth/scene
 studio/jobs:
 studio/ways: cache synth/simulate/design studio/drawing
-studio: cache store media/frame media/picture media/video hints vision stored query/index query/search query/labelling synth/animate/motion synth/judging synth/takes synth/animate synth/matte synth/scene studio/drawing studio/jobs studio/ways
+studio: cache store media/frame media/picture media/video hints vision stored query/index query/search query/labelling synth/animate/motion synth/judging synth/takes synth/animate synth/matte synth/scene work studio/drawing studio/jobs studio/ways
 studio/http: studio
 library: store media/frame media/picture media/video hints vision stored ingest query/index query/labelling query/benchmark synth/outline synth/animate synth/matte synth/simulate/design synth/simulate synth/transfer synth/transfer/files
 python/binding:
 tools/console: store media/frame media/picture media/video query/index
 tools/options: cache store starter media/picture media/video hints vision vision/look query/index query/mrf query/search query/costs synth/outline synth/animate/frames synth/animate synth/matte tools/console
-tools: report store store/rewrite media/frame media/video stored ingest query/index synth/toml starter studio studio/http tools/console tools/options
+tools: work report store store/rewrite media/frame media/video stored ingest query/index synth/toml starter studio studio/http tools/console tools/options
+tools/work: synth/toml work tools/console tools
 tools/query: media/picture vision/look stored query/labelling query/benchmark synth/animate/placement synth/animate/motion tools/console tools/options tools
 tools/judging: media/frame media/picture media/video hints query/labelling synth/judging tools/console
 tools/tour: media/picture synth/animate synth/tour tools/console tools/options
 tools/synth: report store media/picture media/video hints vision/look stored query/labelling synth/sampling synth/judging synth/animate/placement synth/animate/motion synth/animate synth/takes synth/matte synth/scene/layers synth/simulate/design synth/simulate synth/scene synth/scene/rendering synth/flowlines synth/flowlines/files synth/stills synth/transfer synth/transfer/files tools/console tools/options tools tools/query tools/judging tools/tour
 '
-rooms="include platform report cache store media hints vision stored ingest query synth starter studio library python tools"
+rooms="include platform report cache store media hints vision stored ingest query synth starter work studio library python tools"
 max_units=17  # in one folder: a header and its source file are one, and so is a source file without a header
 
 find $rooms -name '*.h' -o -name '*.cc' | sort | xargs awk -v arrows="$arrows" -v max_units="$max_units" '

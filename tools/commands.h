@@ -10,6 +10,7 @@ void add_index(CLI::App& app, RunContext& context);
 void add_store(CLI::App& app, RunContext& context);
 void add_query(CLI::App& app, RunContext& context);
 void add_synth(CLI::App& app, RunContext& context);
+void add_work(CLI::App& app, RunContext& context);
 void add_studio(CLI::App& app, RunContext& context);
 
 // Of freshet store: repair, compact, remove, merge.

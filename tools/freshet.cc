@@ -29,6 +29,7 @@
 #include "tools/console/output_names.h"
 #include "tools/console/progress.h"
 #include "tools/console/toml_options.h"
+#include "work/command_run.h"
 
 namespace {
 
@@ -193,6 +194,7 @@ int run(int argc, char** argv) {
   } catch (const Error&) {
     return 1;  // there is nowhere to say why
   }
+  work::end_with_starter();
   keep_freed_memory();
   handle_unreadable_pages();
   std::set_terminate(end_uncaught);
@@ -226,6 +228,7 @@ int run(int argc, char** argv) {
   tools::add_store(app, context);
   tools::add_query(app, context);
   tools::add_synth(app, context);
+  tools::add_work(app, context);
   tools::add_studio(app, context);
 
   try {

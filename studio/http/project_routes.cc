@@ -43,7 +43,7 @@ void export_animation(Studio& studio, Call& call) {
   const Project& project = easel->project();
   call.answer(Json{{"job", job},
                    {"folder", project.folder().string()},
-                   {"command", to_text(Ways::export_command("freshet", project, name, options))}}
+                   {"command", work::to_text(Ways::export_command("freshet", project, name, options))}}
                   .dump());
 }
 

@@ -54,6 +54,7 @@ const std::map<std::string, std::string> kBases{
     {"synth layers", "synth layers scene.toml -o out.ora"},
     {"synth flowlines", "synth flowlines fall.mkv --frames 4 --patch 16 -o out/%03d.png"},
     {"synth tour", "synth tour fall.mkv --frames 4 -o out/%03d.png"},
+    {"work", "work --queue nats://127.0.0.1:1 --status"},
     {"studio",
      "studio --folder projects --no-browser --no-starter --listen 127.0.0.1 --page page --port PORT"}};
 
@@ -386,6 +387,15 @@ const std::vector<Row>& rows() {
       {"synth tour", "--film-end hold", "--frames 40"},
       {"synth tour", "--depth-out depths/%03d.exr"},
       {"synth tour", "--keys", "=synth tour"},
+      // With a server: tests/work_test.sh.
+      {"work", "--queue nats://localhost", "", Does::kElsewhere},
+      {"work", "--submit tasks.toml", "", Does::kElsewhere},
+      {"work", "--status", "", Does::kElsewhere},
+      {"work", "--json", "", Does::kElsewhere},
+      {"work", "--folder shared", "", Does::kElsewhere},
+      {"work", "--until-empty", "", Does::kElsewhere},
+      {"work", "--tries 2", "", Does::kElsewhere},
+      {"work", "--ack-wait 2", "", Does::kElsewhere},
       // studio
       {"studio", "--folder others"},
       {"studio", "--port OTHER"},

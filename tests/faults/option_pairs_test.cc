@@ -54,6 +54,7 @@ const std::map<std::string, std::string> kNeeded{
     {"synth layers", "scene.toml -o out.ora"},
     {"synth flowlines", "clip1.mkv -o out.mkv"},
     {"synth tour", "clip1.mkv -o out.mkv"},
+    {"work", "--queue nats://127.0.0.1:1 --status"},
     {"studio", "--folder projects --no-browser --no-starter"}};
 
 /// All commands of the executable, as its help lists them.

@@ -1,9 +1,10 @@
-#include "studio/jobs/command_run.h"
+#include "work/command_run.h"
 
 #include <fcntl.h>
 #include <poll.h>
 #include <signal.h>
 #include <spawn.h>
+#include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -12,6 +13,7 @@
 #include <array>
 #include <cerrno>
 #include <chrono>
+#include <cstdlib>
 #include <cstring>
 #include <optional>
 #include <string_view>
@@ -20,7 +22,7 @@
 
 #include "freshet/error.h"
 
-namespace freshet::studio {
+namespace freshet::work {
 namespace {
 
 using Clock = std::chrono::steady_clock;
@@ -28,7 +30,6 @@ using Json = nlohmann::json;
 
 constexpr std::size_t kMostOutput = 4u << 20, kMostMessages = 200, kMostLine = 64u << 10;
 constexpr int kNice = 5;
-constexpr auto kPatience = std::chrono::seconds(5);  // between asking it to stop and making it
 
 /// A pipe's ends, closed at the end.
 struct Pipe {
@@ -55,6 +56,11 @@ pid_t start(const Command& command, const Pipe& out, const Pipe& err) {
   std::vector<char*> arguments;
   for (std::string& word : words) arguments.push_back(word.data());
   arguments.push_back(nullptr);
+  std::vector<std::string> added = command.environment;
+  std::vector<char*> variables;
+  for (std::string& variable : added) variables.push_back(variable.data());
+  for (char** variable = environ; *variable != nullptr; ++variable) variables.push_back(*variable);
+  variables.push_back(nullptr);
 
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
@@ -70,7 +76,8 @@ pid_t start(const Command& command, const Pipe& out, const Pipe& err) {
   posix_spawnattr_setsigmask(&attributes, &none);
   posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK);
   pid_t process = 0;
-  const int fault = ::posix_spawn(&process, arguments[0], &actions, &attributes, arguments.data(), environ);
+  const int fault =
+      ::posix_spawn(&process, arguments[0], &actions, &attributes, arguments.data(), variables.data());
   posix_spawnattr_destroy(&attributes);
   posix_spawn_file_actions_destroy(&actions);
   if (fault != 0)
@@ -119,7 +126,8 @@ bool take(int fd, std::string& into) {
   return got > 0;
 }
 
-void listen_to(pid_t process, Pipe& out, Pipe& err, const Job& job, CommandAnswer& answer) {
+void listen_to(pid_t process, Pipe& out, Pipe& err, const Command& command, const Job& job,
+               CommandAnswer& answer) {
   Listener listener(job, answer);
   std::optional<Clock::time_point> asked;
   bool out_open = true, err_open = true;
@@ -128,7 +136,7 @@ void listen_to(pid_t process, Pipe& out, Pipe& err, const Job& job, CommandAnswe
       ::kill(process, SIGINT);
       asked = Clock::now();
     }
-    if (asked && Clock::now() - *asked > kPatience) ::kill(process, SIGKILL);
+    if (asked && Clock::now() - *asked > command.patience) ::kill(process, SIGKILL);
     std::array<pollfd, 2> ends{
         {{out_open ? out.ends[0] : -1, POLLIN, 0}, {err_open ? err.ends[0] : -1, POLLIN, 0}}};
     if (::poll(ends.data(), ends.size(), 50) <= 0) continue;
@@ -147,6 +155,13 @@ void listen_to(pid_t process, Pipe& out, Pipe& err, const Job& job, CommandAnswe
 }
 
 }  // namespace
+
+void end_with_starter() {
+  const char* const starter = std::getenv(kEndsWith);
+  if (starter == nullptr) return;
+  ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+  if (std::to_string(::getppid()) != starter) std::_Exit(1);  // it has ended meanwhile
+}
 
 std::string to_text(const Command& command) {
   std::string text = "freshet";
@@ -168,7 +183,7 @@ CommandAnswer run_to_end(const Command& command, const Job& job) {
   out.close_end(1);
   err.close_end(1);
   try {
-    listen_to(process, out, err, job, answer);
+    listen_to(process, out, err, command, job, answer);
   } catch (...) {
     ::kill(process, SIGKILL);
     ::waitpid(process, nullptr, 0);
@@ -177,6 +192,7 @@ CommandAnswer run_to_end(const Command& command, const Job& job) {
   int status = 0;
   while (::waitpid(process, &status, 0) < 0 && errno == EINTR) continue;
   if (job.stop.stop_requested()) throw Error(ErrorKind::kCancelled, "freshet", "stopped");
+  if (WIFSIGNALED(status)) answer.messages.push_back("ended by signal " + std::to_string(WTERMSIG(status)));
   answer.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
   return answer;
 }
@@ -198,4 +214,4 @@ CommandAnswer run(const Command& command, const Job& job) {
   return answer;
 }
 
-}  // namespace freshet::studio
+}  // namespace freshet::work
