@@ -16,6 +16,12 @@ struct CameraPlace {
   double view_deg = 0;                // from the left to the right edge; 0: the picture's own
 };
 
+/// A view made narrower, to keep within the picture.
+struct Narrowing {
+  double share = 1;     // tangents of half the view are multiplied by it
+  double anchor = 0.5;  // the part of the frame, from above, that shows what it did: 1 its lower edge
+};
+
 /// What lies infinitely far, as compositors have it.
 inline constexpr double kFar = 1e10;
 

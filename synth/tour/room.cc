@@ -102,13 +102,14 @@ double Room::floor_depth(double row) const {
 
 Pinhole Room::own_camera(cv::Size frame) const { return camera({}, frame); }
 
-Pinhole Room::camera(const CameraPlace& place, cv::Size frame, double narrowed) const {
+Pinhole Room::camera(const CameraPlace& place, cv::Size frame, const Narrowing& narrowed) const {
   const double view = place.view_deg > 0 ? place.view_deg : mesh_.view_deg;
-  const double focal = 0.5 * frame.width / (std::tan(0.5 * radians(view)) * narrowed);
+  const double wide = 0.5 * frame.width / std::tan(0.5 * radians(view)), focal = wide / narrowed.share;
   // Frames are shifted against the camera's axis as the picture is: looking straight ahead the axis meets the vanishing
-  // point, and what the picture's middle shows stays in the frame's, however wide the view.
+  // point, and what the picture's middle shows stays in the frame's, however wide the view; or what its anchor shows.
   const double shift_x = (0.5 * (mesh_.picture.width - 1) - x_) / focal_,
-               shift_y = (0.5 * (mesh_.picture.height - 1) - y_) / focal_;
+               shift_y = (0.5 * (mesh_.picture.height - 1) - y_) / focal_ +
+                         (narrowed.anchor - 0.5) * frame.height * (1 / wide - 1 / focal);
   const cv::Matx33d inverse(1 / focal, 0, shift_x - 0.5 * (frame.width - 1) / focal,   //
                             0, 1 / focal, shift_y - 0.5 * (frame.height - 1) / focal,  //
                             0, 0, 1);

@@ -67,8 +67,8 @@ class Room {
   double back_depth() const { return back_depth_; }
   /// The picture's own camera, for frames of a size; frame (0, 0) shows what the picture's (0, 0) does when it has its size.
   Pinhole own_camera(cv::Size frame) const;
-  /// A camera elsewhere. narrowed   tangents of half the view are multiplied by it.
-  Pinhole camera(const CameraPlace& place, cv::Size frame, double narrowed = 1) const;
+  /// A camera elsewhere.
+  Pinhole camera(const CameraPlace& place, cv::Size frame, const Narrowing& narrowed = {}) const;
   /// Nothing where it is inside the box, else the fault, for a person.
   std::string fault_of(const cv::Vec3d& position) const;
 

@@ -53,16 +53,50 @@ Scenery::Scenery(const cv::Mat& first, std::vector<Upright> things, std::stop_to
       cv::merge(std::vector<cv::Mat>(3, board.alpha), thrice);
       board.colour = layer.colour(box).mul(thrice);
       boards_.push_back(std::move(board));
-      std::vector<Copy> copies;
-      for (int y = 0; y < first.rows; ++y)
-        for (int x = 0; x < first.cols; ++x)
-          if (const cv::Point from = layer.source.at<cv::Point>(y, x); from.x >= 0 && from != cv::Point(x, y))
-            copies.push_back({y * first.cols + x, from.y * first.cols + from.x});
-      behind_boards_.push_back(std::move(copies));
+      behind_boards_.push_back(copies_of(layer.source));
     }
     change_.create(first.size(), CV_32FC3);
   }
   show_first();
+}
+
+// source   of a cut layer.
+std::vector<Scenery::Copy> Scenery::copies_of(const cv::Mat& source) {
+  constexpr int kBeside = 4;  // px: a patch is 9 px wide
+  const cv::Rect all({}, source.size());
+  const auto from = [&](cv::Point p) { return source.at<cv::Point>(p); };
+  std::vector<Copy> copies;
+  for (int y = 0; y < source.rows; ++y)
+    for (int x = 0; x < source.cols; ++x) {
+      const cv::Point here(x, y);
+      if (from(here).x < 0 || from(here) == here) continue;
+      Copy copy{.to = y * source.cols + x, .count = 0, .from = {}};
+      for (const cv::Point aside : {cv::Point(0, 0), cv::Point(-kBeside, 0), cv::Point(kBeside, 0),
+                                    cv::Point(0, -kBeside), cv::Point(0, kBeside)}) {
+        const cv::Point beside = here + aside;
+        if (!all.contains(beside) || from(beside).x < 0 || from(beside) == beside) continue;
+        const cv::Point place = from(beside) - aside;
+        // Of what lies behind it nothing can be copied.
+        if (all.contains(place) && from(place) == place)
+          copy.from[static_cast<std::size_t>(copy.count++)] = place.y * source.cols + place.x;
+      }
+      copies.push_back(copy);
+    }
+  return copies;
+}
+
+void Scenery::carry(const std::vector<Copy>& copies) {
+  auto* change = change_.ptr<cv::Vec3f>();
+  oneapi::tbb::parallel_for(oneapi::tbb::blocked_range<std::size_t>(0, copies.size(), 4096),
+                            [&](const auto& range) {
+                              for (std::size_t k = range.begin(); k < range.end(); ++k) {
+                                const Copy& copy = copies[k];
+                                cv::Vec3f sum{0, 0, 0};
+                                for (int i = 0; i < copy.count; ++i)
+                                  sum += change[copy.from[static_cast<std::size_t>(i)]];
+                                change[copy.to] = sum * (1 / static_cast<float>(std::max(1, copy.count)));
+                              }
+                            });
 }
 
 void Scenery::show_first() {
@@ -98,7 +132,6 @@ void Scenery::show(const cv::Mat& frame) {
     for (int x = 0; x < frame.cols; ++x)
       for (int c = 0; c < 3; ++c) change[x][c] = static_cast<float>(now[x][c]) * (1.0f / 255) - before[x][c];
   });
-  auto* change = change_.ptr<cv::Vec3f>();
   for (std::size_t i = boards_.size(); i-- > 0;) {
     Board& board = boards_[i];
     // Colours of the frame are needed once more, below those of the copies.
@@ -112,12 +145,7 @@ void Scenery::show(const cv::Mat& frame) {
                               : cv::Vec4f(colour[x][0] + own[x][0], colour[x][1] + own[x][1],
                                           colour[x][2] + own[x][2], alpha[x]);
     });
-    const auto& copies = behind_boards_[i];
-    oneapi::tbb::parallel_for(oneapi::tbb::blocked_range<std::size_t>(0, copies.size(), 4096),
-                              [&](const auto& range) {
-                                for (std::size_t k = range.begin(); k < range.end(); ++k)
-                                  change[copies[k].to] = change[copies[k].from];
-                              });
+    carry(behind_boards_[i]);
     for_rows(board.box.height, [&](int y) {
       const auto* behind = change_.ptr<cv::Vec3f>(y + board.box.y) + board.box.x;
       auto* to = board.texture.plane().ptr<cv::Vec4f>(y);

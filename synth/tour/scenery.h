@@ -1,6 +1,7 @@
 // synth/tour/scenery.h — what a tour shows of each frame: the picture on its planes, and things that stand upright.
 #pragma once
 
+#include <array>
 #include <stop_token>
 #include <string>
 #include <vector>
@@ -41,9 +42,15 @@ class Scenery {
   const std::vector<Board>& furthest_first() const { return boards_; }
 
  private:
+  /// Pixels, row by row: the mean of those that the copies here and beside it would bring, so that where two of them meet
+  /// nothing jumps, even when their places come to move apart.
   struct Copy {
-    int to, from;  // pixels, row by row
+    int to;
+    int count;
+    std::array<int, 5> from;
   };
+  static std::vector<Copy> copies_of(const cv::Mat& source);
+  void carry(const std::vector<Copy>& copies);
   void show_first();
 
   cv::Mat first_, behind_, change_;  // CV_32FC3

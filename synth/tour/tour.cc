@@ -55,13 +55,23 @@ cv::Size size_of(const Film& film, const TourOptions& options) {
   return size;
 }
 
+/// A matte that goes on so many px around it, the outer third softly: what ends at once is seen to be cut out.
+cv::Mat widened(const cv::Mat& matte, int by_px) {
+  cv::Mat away, out;
+  cv::distanceTransform(matte < 128, away, cv::DIST_L2, 5);
+  away = 255 * 3 * (1 - away / (by_px + 1));
+  away.convertTo(out, CV_8U);
+  return cv::max(out, matte);
+}
+
 std::vector<Upright> uprights(const TourPlan& plan, const Film& film, const Room& room,
                               std::vector<std::string>& notices) {
   std::vector<Upright> things;
   for (const TourThing& thing : plan.things) {
     const media::Matte matte = media::read_matte(thing.matte, film.size());
     for (const std::string& notice : matte.notices) notices.push_back(thing.matte.string() + ": " + notice);
-    things.push_back({thing.name, matte.alpha, depth_of(thing, plan, matte.alpha, room)});
+    const cv::Mat grown = thing.grow_px > 0 ? widened(matte.alpha, thing.grow_px) : matte.alpha;
+    things.push_back({thing.name, grown, depth_of(thing, plan, matte.alpha, room)});
   }
   return things;
 }
@@ -179,22 +189,24 @@ Tour::Tour(const std::filesystem::path& film, const TourPlan& plan, const TourOp
 void Tour::narrow(Beyond beyond) {
   const std::vector<cv::Point2d> rim = rim_of(size_);
   const auto moment = [&](int i) { return (frames_ - 1) / fps_ * i / (kMoments - 1); };
-  const auto fits = [&](double share) {
+  const auto fits = [&](const Narrowing& narrowed) {
     for (int i = 0; i < kMoments; ++i)
-      if (!sees_picture_only(room_, scenery_, room_.camera(path_.at(moment(i)), size_, share), rim))
+      if (!sees_picture_only(room_, scenery_, room_.camera(path_.at(moment(i)), size_, narrowed), rim))
         return false;
     return true;
   };
-  if (fits(1)) return;
-  if (beyond == Beyond::kNarrow && fits(kLeastNarrowed)) {
+  if (fits({})) return;
+  const bool cut_below = std::ranges::any_of(scenery_.furthest_first(), &Scenery::Board::bottom);
+  for (const double anchor : {cut_below ? 1.0 : 0.5, 0.5}) {
+    if (beyond == Beyond::kMirror || !fits({kLeastNarrowed, anchor})) continue;
     double low = kLeastNarrowed, high = 1;
     for (int i = 0; i < 16; ++i) {
       const double middle = 0.5 * (low + high);
-      (fits(middle) ? low : high) = middle;
+      (fits({middle, anchor}) ? low : high) = middle;
     }
-    narrowed_ = low;
-    notices_.push_back(fmt::format(
-        "the view is narrowed to {:.0f} %, so that nothing beyond the picture shows", 100 * narrowed_));
+    narrowed_ = {low, anchor};
+    notices_.push_back(
+        fmt::format("the view is narrowed to {:.0f} %, so that nothing beyond the picture shows", 100 * low));
     return;
   }
   constexpr int kAcross = 48, kDown = 27;

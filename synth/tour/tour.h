@@ -41,8 +41,8 @@ class Tour {
   bool deep() const { return film_.deep(); }
   const Room& room() const { return room_; }
   const Path& path() const { return path_; }
-  /// Of the tangents of half the view, so that nothing beyond the picture is seen: 1: all of it.
-  double narrowed() const { return narrowed_; }
+  /// So that nothing beyond the picture is seen; anchored below where the lower edge cuts a thing, which it would lose.
+  const Narrowing& narrowed() const { return narrowed_; }
   /// Of all pixels of all frames, how many show what the picture does not; and of the frame that has most of them.
   double beyond_share() const { return beyond_share_; }
   const std::vector<std::string>& notices() const { return notices_; }
@@ -65,7 +65,8 @@ class Tour {
   Scenery scenery_;
   Path path_;
   Renderer renderer_;
-  double narrowed_ = 1, beyond_share_ = 0;
+  Narrowing narrowed_;
+  double beyond_share_ = 0;
   int at_ = 0;
 };
 

@@ -154,7 +154,12 @@ const std::vector<Key<TourThing>>& thing_keys() {
        {1e-3, kPlaces},
        "heights of the camera",
        "how far away it stands, instead of foot",
-       "from foot"}};
+       "from foot"},
+      {"grow",
+       &TourThing::grow_px,
+       {0, 100},
+       "px",
+       "over which the matte softly ends, where bits of the thing's rim stay behind on the floor"}};
   return keys;
 }
 

@@ -16,7 +16,8 @@ namespace freshet::synth::tour {
 struct TourThing {
   std::string name;
   std::filesystem::path matte;
-  std::optional<double> foot{};   // row in which it stands on the floor, px; nothing: the matte's lowest
+  std::optional<double> foot{};  // row in which it stands on the floor, px; nothing: the matte's lowest
+  int grow_px = 0;  // over which the matte ends outwards: nothing of a thing's rim is left behind
   std::optional<double> depth{};  // heights of the camera; instead of foot
 };
 

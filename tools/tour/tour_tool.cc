@@ -97,7 +97,7 @@ nlohmann::json report_json(const tour::Tour& made, const std::vector<std::string
           {"focal_px", made.room().focal_px()},
           {"vanishing", {made.room().mesh().vanishing.x, made.room().mesh().vanishing.y}},
           {"nearest_floor", made.room().nearest_floor()},
-          {"narrowed", made.narrowed()},
+          {"narrowed", made.narrowed().share},
           {"beyond", made.beyond_share()},
           {"keys", keys},
           {"seconds", {{"stage", stage_s}, {"render", render_s}}}};

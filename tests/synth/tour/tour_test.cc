@@ -68,7 +68,7 @@ class TourThroughFilms : public testing::Test {
 TEST_F(TourThroughFilms, StandingStillItIsTheFilm) {
   Tour tour(film(5), still());
   ASSERT_EQ(tour.frames(), 5);
-  EXPECT_EQ(tour.narrowed(), 1);
+  EXPECT_EQ(tour.narrowed().share, 1);
   media::VideoReader reader(folder_ / "film.mkv");
   cv::Mat out(kSize, CV_8UC3);
   for (int i = 0; i < 5; ++i) {
@@ -128,8 +128,8 @@ TEST_F(TourThroughFilms, ViewsAreNarrowedOrMirrored) {
   plan.horizon = 20;
   plan.move = Move::kTruck;
   Tour narrowed(folder_ / "film.mkv", plan);
-  EXPECT_LT(narrowed.narrowed(), 0.95);
-  EXPECT_GT(narrowed.narrowed(), 0.5);
+  EXPECT_LT(narrowed.narrowed().share, 0.95);
+  EXPECT_GT(narrowed.narrowed().share, 0.5);
   EXPECT_EQ(narrowed.beyond_share(), 0);
   // As wide as can be: each frame's rim is in the picture, one of them just so.
   double widest = -1e9;
@@ -144,11 +144,53 @@ TEST_F(TourThroughFilms, ViewsAreNarrowedOrMirrored) {
   EXPECT_GT(widest, -1);
   plan.beyond = Beyond::kMirror;
   Tour mirrored(folder_ / "film.mkv", plan);
-  EXPECT_EQ(mirrored.narrowed(), 1);
+  EXPECT_EQ(mirrored.narrowed().share, 1);
   EXPECT_GT(mirrored.beyond_share(), 0.02);
   EXPECT_NE(mirrored.notices().back().find("mirrored"), std::string::npos);
   plan.move = Move::kIn;
-  EXPECT_EQ(Tour(folder_ / "film.mkv", plan).narrowed(), 1);  // ahead everything shown was in the picture
+  EXPECT_EQ(Tour(folder_ / "film.mkv", plan).narrowed().share,
+            1);  // ahead everything shown was in the picture
+}
+
+TEST_F(TourThroughFilms, AThingThatTheLowerEdgeCutsIsKept) {
+  film(5);
+  cv::Mat matte(kSize, CV_8U, cv::Scalar(0));
+  matte(cv::Rect(40, 44, 16, 20)).setTo(255);
+  cv::imwrite(folder_ / "rock.png", matte);
+  TourPlan plan;
+  plan.horizon = 20;
+  plan.move = Move::kTruck;
+  plan.amount = 0.4;
+  plan.things = {{.name = "rock", .matte = folder_ / "rock.png"}};
+  Tour tour(folder_ / "film.mkv", plan);
+  ASSERT_LT(tour.narrowed().share, 0.97);
+  EXPECT_EQ(tour.narrowed().anchor, 1);
+  const Room::Hit below = tour.room().hit(tour.room().camera({}, kSize, tour.narrowed()), {47.5, 63.5});
+  EXPECT_NEAR(below.sample.y, 63.5, 1e-6);
+  EXPECT_NEAR(below.sample.x, 47.5, 1e-6);
+}
+
+// The matte misses a dark thing's rim by 5 px, which would stand on the floor where the thing moves away.
+TEST_F(TourThroughFilms, AGrownMatteLeavesNoRimBehind) {
+  cv::Mat picture(kSize, CV_8UC3, cv::Scalar::all(180)), matte(kSize, CV_8U, cv::Scalar(0));
+  cv::rectangle(picture, cv::Rect(40, 24, 20, 26), cv::Scalar::all(20), cv::FILLED);
+  cv::rectangle(matte, cv::Rect(45, 29, 10, 16), 255, cv::FILLED);
+  cv::imwrite(folder_ / "still.png", picture);
+  cv::imwrite(folder_ / "thing.png", matte);
+  TourPlan plan = still();
+  plan.keys = {{0, {.position = {0.8, 0, 0}}}};
+  plan.beyond = Beyond::kMirror;
+  // Dark px where the thing stood, on the floor behind it.
+  const auto dark = [&](int grow) {
+    plan.things = {{.name = "thing", .matte = folder_ / "thing.png", .foot = 50, .grow_px = grow}};
+    Tour tour(folder_ / "still.png", plan, {.frames = 1});
+    cv::Mat out(kSize, CV_8UC3), green;
+    tour.render(out);
+    cv::extractChannel(out, green, 1);
+    return cv::countNonZero(green.colRange(38, kSize.width) < 100);
+  };
+  EXPECT_GT(dark(0), 100);
+  EXPECT_LT(dark(8), 10);
 }
 
 TEST_F(TourThroughFilms, SizesKeepTheView) {
