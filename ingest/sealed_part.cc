@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <map>
@@ -95,7 +96,14 @@ SealedPart::SealedPart(const fs::path& store, Shard shard) {
 nlohmann::json SealedPart::report() const {
   const std::string remedy = "Remove it, and run the shard again";
   nlohmann::json read = nlohmann::json::parse(read_text_file(report_, kMaxReport, remedy), nullptr, false);
-  if (!read.is_object() || !read["stored"].is_number_unsigned() || !read["clips"].is_array())
+  const auto is_clip = [](const nlohmann::json& clip) {
+    return clip.is_object() && clip.contains("name") && clip["name"].is_string() &&
+           clip.contains("outcome") && clip["outcome"].is_string() && clip.contains("reasons") &&
+           clip["reasons"].is_array() &&
+           std::ranges::all_of(clip["reasons"], [](const auto& reason) { return reason.is_string(); });
+  };
+  if (!read.is_object() || !read["stored"].is_number_unsigned() || !read["clips"].is_array() ||
+      !std::ranges::all_of(read["clips"], is_clip))
     throw Error(ErrorKind::kInput, report_.string(), "is garbled", remedy);
   return read;
 }

@@ -24,7 +24,7 @@ class SealedPart {
   /// made_by   what decides what it holds: clips, options, settings.
   /// Throws    Error{kUsage} where it was made by something else, Error{kInput} where its report is garbled.
   bool is_sealed(const nlohmann::json& made_by) const;
-  /// Throws as is_sealed.
+  /// With "stored", and of each of its "clips" name, outcome and reasons. Throws Error{kInput} where it is garbled.
   nlohmann::json report() const;
   /// Copies the shard's store beside its place, verifies the copy, and names it; then the report, with "made_by" and the
   /// number of clips "stored".

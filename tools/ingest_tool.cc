@@ -288,12 +288,12 @@ void run_gather(const IngestCommand& command, const RunContext& context) {
   if (command.json) return print_json(report);
   std::map<std::string, int> counts;
   for (const nlohmann::json& clip : report["clips"]) {
-    const std::string outcome = clip.value("outcome", "failed");
+    const auto outcome = clip["outcome"].get<std::string>();
     ++counts[outcome];
     if (outcome != "refused" && outcome != "failed") continue;
-    fmt::print(
-        "{} {}: {}\n", printable(clip.value("name", "")), outcome,
-        printable(fmt::format("{}", fmt::join(clip.value("reasons", std::vector<std::string>()), "; "))));
+    const auto reasons = clip["reasons"].get<std::vector<std::string>>();
+    fmt::print("{} {}: {}\n", printable(clip["name"].get<std::string>()), outcome,
+               printable(fmt::format("{}", fmt::join(reasons, "; "))));
   }
   fmt::print("{}: {} shards, {} added, {} already there, {} refused, {} failed\n", printable(command.store),
              parts.size(), counts["added"], counts["already there"], counts["refused"], counts["failed"]);

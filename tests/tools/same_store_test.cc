@@ -62,7 +62,7 @@ TEST(SameStore, SealedPartsMakeTheWholeAndAreMadeOnce) {
   EXPECT_NE(early.err.find("shards of 4 that are not yet sealed: 2"), std::string::npos) << early.err;
   ASSERT_EQ(ingest({"--shard", "2/4", "--seal"}).exit_code, 0);
   const auto stamp = [&] { return fs::last_write_time(folder / "all.store.parts/2-of-4.json"); };
-  const fs::file_time_type made = stamp();
+  fs::file_time_type made = stamp();
   EXPECT_EQ(ingest({"--shard", "2/4", "--seal"}).exit_code, 0);
   EXPECT_EQ(stamp(), made);
   // Other options, and another list of clips, are another command's.
@@ -81,6 +81,14 @@ TEST(SameStore, SealedPartsMakeTheWholeAndAreMadeOnce) {
   fs::remove(folder / "all.store.parts/2-of-4.store");
   EXPECT_EQ(ingest({"--gather"}).exit_code, 3);
   folder.file("all.store.parts/2-of-4.store", part);
+  const std::string report = text_of(folder / "all.store.parts/2-of-4.json");
+  for (const char* garbled : {"", "[]", R"({"stored": 1, "clips": [1]})"}) {
+    folder.file("all.store.parts/2-of-4.json", garbled);
+    EXPECT_NE(ingest({"--gather"}).err.find("2-of-4.json: is garbled. Remove it"), std::string::npos)
+        << garbled;
+  }
+  folder.file("all.store.parts/2-of-4.json", report);
+  made = stamp();
   folder.file("all.store.parts/2-of-4.store.making.gone.7", "what a killed run left");
   folder.file("all.store.merging", "what a killed run left");
 
