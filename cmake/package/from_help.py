@@ -29,14 +29,16 @@ class Command:
         self.sections = []  # (title, [(head, text)])
         self.footer = []
         blank = False
-        for line in lines[usage + 1:]:
+        for line, following in zip(lines[usage + 1:], lines[usage + 2:] + [""]):
             title = re.fullmatch(r"(\S.*):", line)
             if title and blank and not self.footer and title[1] != "A first animation":
                 self.sections.append((title[1], []))
             elif line and not line.startswith(" ") or self.footer:
                 self.footer.append(line)
             elif re.match(r" {2}\S", line) and self.sections:
-                narrow = line[COLUMN - 1:COLUMN] == " "  # else the text begins in the next line
+                # Else the text begins in the next line; a list of other options may have a space there, too.
+                narrow = line[COLUMN - 1:COLUMN] == " " and not (
+                    re.search("Needs:|Excludes:", line[:COLUMN]) and following.startswith(" " * COLUMN))
                 entry = [line[2:COLUMN].strip(), line[COLUMN:]] if narrow else [line.strip(), ""]
                 self.sections[-1][1].append(entry)
             elif line.strip():
