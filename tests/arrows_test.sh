@@ -151,6 +151,12 @@ END {
   exit failed
 }'
 
+# Python has a file for each public header; callbacks and stopping (job.h) are bound with calls.
+for header in include/freshet/*.h; do
+  name=$(basename "$header" .h)
+  [ "$name" = job ] || [ -e "python/binding/$name.cc" ] || { echo "$header: there is no python/binding/$name.cc" && false; }
+done
+
 # The page: no circle of imports between its modules.
 find studio/page/src -name '*.ts' -o -name '*.tsx' | sort | xargs awk '
 FNR == 1 {
