@@ -64,7 +64,7 @@ left() { queue --status --json | tr -d ' ",' | awk -F: '$1 == "waiting" || $1 ==
 empty() {
   for _ in $(seq 1200); do
     [ "$(left)" != 0 ] || return 0
-    sleep .1
+    sleep .3
   done
   fail "tasks are left: $(queue --status)"
 }
@@ -73,6 +73,7 @@ between() { awk -v seed=$RANDOM -v from="$1" -v to="$2" 'BEGIN { srand(seed); pr
 # Two workers do what was put in, while one of them, its command or the server is killed now and then, until as many kills
 # were made or all is done, as the given command tells.
 killed=0
+declare -A kills_of
 under_fire() {  # KILLS DONE..
   local end=$((killed + $1)) name
   shift
@@ -81,13 +82,15 @@ under_fire() {  # KILLS DONE..
     sleep "$(between .1 1)"
     [ $killed -lt $end ] || continue
     name=$([ $((RANDOM % 2)) = 0 ] && echo one || echo two)
-    case $((RANDOM % 4)) in
-      0) kill_server; sleep "$(between 0 .5)"; start_server ;;
-      1) pkill -9 -P "${workers[$name]}" || continue ;;
-      2) kill_worker $name 9; start_worker $name --ack-wait 1 --tries 100 ;;
-      3) kill_worker $name TERM; start_worker $name --ack-wait 1 --tries 100 ;;
+    local kinds=(server command worker-KILL worker-TERM) kind
+    kind=${kinds[RANDOM % 4]}
+    case $kind in
+      server) kill_server; sleep "$(between 0 .5)"; start_server ;;
+      command) pkill -9 -P "${workers[$name]}" || continue ;;
+      worker-*) kill_worker $name "${kind#*-}"; start_worker $name --ack-wait 1 --tries 100 ;;
     esac
     killed=$((killed + 1))
+    kills_of[$kind]=$((${kills_of[$kind]:-0} + 1))
   done
   empty
   for name in one two; do kill_worker $name TERM; done
@@ -108,7 +111,7 @@ done
 cp clips/3.mkv clips/again.mkv
 "$FRESHET" ingest one.store clips --force --class water > one.log 2>&1
 ffmpeg -v error -f lavfi -i "life=s=96x96:mold=8:seed=77:ratio=.3,gblur=2" -frames:v 1 still.png
-sweep=(one.store still.png --whole --frames 24 --vary speed=1,2 --vary sigma=.125,40)
+sweep=(one.store still.png --whole --frames 12 --vary speed=1,2 --vary sigma=.125,40)
 "$FRESHET" synth sweep "${sweep[@]}" -o whole > whole.log 2>&1
 cat > ingest.toml <<TOML
 [[task]]
@@ -117,7 +120,7 @@ shards = $shards
 TOML
 cat > sweep.toml <<'TOML'
 [[task]]
-run = ["synth", "sweep", "one.store", "still.png", "--whole", "--frames", "24", "--vary", "speed=1,2", "--vary",
+run = ["synth", "sweep", "one.store", "still.png", "--whole", "--frames", "12", "--vary", "speed=1,2", "--vary",
        "sigma=.125,40", "-o", "shared"]
 shards = 4
 TOML
@@ -161,7 +164,7 @@ wait "${workers[again]}" || fail "$(tail again.log)"
 [ ! -e shared/parts ] || fail "rendered again"
 
 # Who is asked to stop hands its task back within a second, and another has it at once; while it works, nobody else has it.
-ffmpeg -v error -f lavfi -i "life=s=192x144:mold=8:r=25:seed=9:ratio=.3,scale=192:144,gblur=2" -frames:v 100 -c:v ffv1 long.mkv
+ffmpeg -v error -f lavfi -i "life=s=192x144:mold=8:r=25:seed=9:ratio=.3,scale=192:144,gblur=2" -frames:v 80 -c:v ffv1 long.mkv
 printf '[[task]]\nrun = ["ingest", "long.store", "long.mkv", "--force"]\n' > long.toml
 queue --submit long.toml > /dev/null
 start_worker first --ack-wait 30
@@ -206,4 +209,5 @@ for process in /proc/[0-9]*; do
   [ "$(readlink "$process/cwd" || true)" != "$here" ] || [ "${process#/proc/}" = $$ ] || [ "$(readlink "$process/exe")" != "$FRESHET" ] ||
     fail "still running: $(tr '\0' ' ' < "$process/cmdline")"
 done
+for kind in "${!kills_of[@]}"; do echo "$kind: ${kills_of[$kind]}"; done
 echo "ok: $killed kills in $rounds rounds, $shards shards of clips, 4 animations"

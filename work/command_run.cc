@@ -161,6 +161,7 @@ void end_with_starter() {
   if (starter == nullptr) return;
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (std::to_string(::getppid()) != starter) std::_Exit(1);  // it has ended meanwhile
+  ::unsetenv(kEndsWith);                                      // it is not for those that this one starts
 }
 
 std::string to_text(const Command& command) {

@@ -61,11 +61,17 @@ struct Address {
   std::string server, name = "freshet";
 };
 
+/// For messages: without its password.
+std::string shown(const std::string& url) {
+  static const std::regex kUser("//[^@/]*@");
+  return std::regex_replace(url, kUser, "//...@");
+}
+
 Address parse_address(const std::string& url) {
   static const std::regex kForm(R"(((?:nats|tls)://[^/\s]+)(?:/([A-Za-z0-9_-]{1,60})?)?)");
   std::smatch match;
   if (!std::regex_match(url, match, kForm))
-    throw Error(ErrorKind::kUsage, "--queue " + url, "is no address of a NATS server",
+    throw Error(ErrorKind::kUsage, "--queue " + shown(url), "is no address of a NATS server",
                 "For example --queue nats://localhost:4222 or nats://host:4222/NAME");
   Address address{.server = match[1]};
   if (match[2].length() > 0) address.name = match[2];
@@ -128,11 +134,12 @@ struct Queue::Connection {
     return fmt::format("{}.{}.{}", address.name, kind, key);
   }
   [[noreturn]] void refuse(const std::string& doing, natsStatus status) const {
-    const char* said = nullptr;
-    if (const char* last = nats_GetLastError(nullptr); last != nullptr && *last != '\0') said = last;
+    static const std::regex kPlace("^\\([^)]*\\): ");  // of the library's source
+    const char* const last = nats_GetLastError(nullptr);
+    const std::string said =
+        last == nullptr || *last == '\0' ? natsStatus_GetText(status) : std::regex_replace(last, kPlace, "");
     throw Error(
-        ErrorKind::kIo, address.server,
-        fmt::format("{} ({})", doing, said != nullptr ? said : natsStatus_GetText(status)),
+        ErrorKind::kIo, shown(address.server), fmt::format("{} ({})", doing, said),
         "Check that the NATS server runs there, with JetStream (nats-server -js), and that the network "
         "reaches it");
   }
@@ -195,8 +202,8 @@ void Queue::Connection::add_stream(const std::string& name, const std::vector<st
   const natsStatus status = js_AddStream(nullptr, jetstream.get(), &config, nullptr, &code);
   if (status == NATS_OK) return;
   if (code == JSStreamNameExistErr)
-    throw Error(ErrorKind::kIo, address.server, "has a stream \"" + name + "\" of another kind",
-                "Name another queue: " + address.server + "/NAME");
+    throw Error(ErrorKind::kIo, shown(address.server), "has a stream \"" + name + "\" of another kind",
+                "Name another queue: " + shown(address.server) + "/NAME");
   refuse("no queue can be made", status);
 }
 

@@ -52,7 +52,9 @@ std::vector<SharedWork> read_tasks(const fs::path& file) {
     try {
       all.push_back({work::SharedCommand(std::move(words)), shards});
     } catch (const Error& fault) {
-      section.refuse("run", fault.what());
+      std::string what = fault.what();
+      what.pop_back();  // its full stop
+      section.refuse("run", what);
     }
     section.done();
   }
@@ -116,6 +118,7 @@ void run(WorkCommand& command, const RunContext& context) {
   if (command.status) return show_status(command, queue);
   keeps_when_stopped("tasks that are done are kept, the one in hand waits for another worker");
   let_stop_take(std::chrono::milliseconds(950));
+  say("waiting for tasks");
   run_worker(queue, command.queue, command.worker, context);
 }
 

@@ -87,7 +87,13 @@ class Worker {
                         fmt::format("was begun {} times and never ended", delivery.times() - 1), true);
     say(fmt::format("begun: {}", name));
     const Stopwatch watch;
-    std::optional<work::CommandAnswer> answer = answer_of(*task, delivery);
+    std::optional<work::CommandAnswer> answer;
+    try {
+      answer = answer_of(*task, delivery);
+    } catch (const Error&) {  // this machine's fault, not the task's: another one may do it
+      delivery.hand_back();
+      throw;
+    }
     if (!answer) {
       delivery.hand_back();
       say(fmt::format("handed back: {}", name));
@@ -119,8 +125,8 @@ class Worker {
                                .patience = kChildPatience},
                               {.progress = progress.callback(), .stop = context_.stop});
     } catch (const Error& fault) {
-      if (fault.kind() != ErrorKind::kCancelled) throw;
-      return std::nullopt;
+      if (fault.kind() == ErrorKind::kCancelled) return std::nullopt;
+      throw;
     }
   }
 
