@@ -19,6 +19,8 @@ fi
 here=$(mktemp -d)
 cd "$here"
 server=0
+mkdir tmp
+export TMPDIR=$here/tmp
 declare -A workers
 fail() { echo "FAILED: $*" >&2; exit 1; }
 end() {
@@ -204,6 +206,8 @@ workers[good]=$!
 wait "${workers[good]}" || fail "$(cat good.log)"
 [ "$("$FRESHET" ingest bad.store missing --force --gather 2>&1 | grep -c "1 shards, $shards added")" = 1 ] || fail "$(cat good.log)"
 grep -q " 1 given up" <(queue --status) || fail "$(queue --status)"
+left=$(find tmp -mindepth 1)
+[ -z "$left" ] || fail "left of what was killed: $left"
 kill_server
 for process in /proc/[0-9]*; do
   [ "$(readlink "$process/cwd" || true)" != "$here" ] || [ "${process#/proc/}" = $$ ] || [ "$(readlink "$process/exe")" != "$FRESHET" ] ||

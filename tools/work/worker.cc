@@ -1,5 +1,7 @@
 #include "tools/work/worker.h"
 
+#include <fcntl.h>
+#include <sys/file.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -42,6 +44,39 @@ class Heartbeat {
   std::mutex guard_;
   std::condition_variable_any waiting_;
   std::jthread thread_;
+};
+
+/// A worker's folder for what its commands leave unfinished, on this machine's own disk. It goes with the worker; that of one
+/// which was killed goes when the next begins: nobody holds its lock.
+class Scratch {
+ public:
+  Scratch() : folder_(fs::temp_directory_path(), kPrefix) {
+    const fs::path unnamed = folder_.path() / "new";
+    lock_ = ::open(unnamed.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600);
+    if (lock_ >= 0 && ::flock(lock_, LOCK_EX | LOCK_NB) == 0) fs::rename(unnamed, folder_.path() / kLock);
+    remove_those_left();
+  }
+  ~Scratch() { ::close(lock_); }
+  Scratch(const Scratch&) = delete;
+  Scratch& operator=(const Scratch&) = delete;
+  const fs::path& path() const { return folder_.path(); }
+
+ private:
+  static constexpr const char *kPrefix = "freshet-work-", *kLock = "lock";
+
+  static void remove_those_left() {
+    std::error_code ignored;
+    for (const fs::directory_entry& entry : fs::directory_iterator(fs::temp_directory_path(), ignored)) {
+      if (!entry.path().filename().string().starts_with(kPrefix)) continue;
+      const int lock = ::open((entry.path() / kLock).c_str(), O_RDWR | O_CLOEXEC | O_NOFOLLOW);
+      if (lock < 0) continue;
+      if (::flock(lock, LOCK_EX | LOCK_NB) == 0) fs::remove_all(entry.path(), ignored);
+      ::close(lock);
+    }
+  }
+
+  UnfinishedFolder folder_;
+  int lock_ = -1;
 };
 
 class Worker {
@@ -112,7 +147,7 @@ class Worker {
   /// Nothing where it was stopped.
   std::optional<work::CommandAnswer> answer_of(const work::Task& task, const work::Delivery& delivery) const {
     const Heartbeat heartbeat(delivery, ack_wait_ / 3);
-    const UnfinishedFolder scratch(fs::temp_directory_path(), "freshet-work-");
+    const UnfinishedFolder scratch(scratch_.path(), "task-");
     std::vector<std::string> words = task.command.shard_words(task.shard);
     if (options_.threads > 0) words.insert(words.end(), {"--threads", std::to_string(options_.threads)});
     Progress progress;
@@ -163,6 +198,7 @@ class Worker {
   const milliseconds ack_wait_;
   const WorkerOptions& options_;
   const RunContext& context_;
+  const Scratch scratch_;
 };
 
 }  // namespace
