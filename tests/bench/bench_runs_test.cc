@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <fstream>
 #include <set>
 #include <sstream>
 #include <string>
@@ -48,6 +49,8 @@ std::vector<BenchRun> runs(const WorkFolder& folder) {
                     still = sample().still, matte = sample().matte, target = still + ":" + matte;
   folder.freshet({"synth", "simulate", "waterfall", "--size", "192x144", "--frames", "16", "-o", "fall.mp4"});
   write_scribbles(folder / "marks.png");
+  std::ofstream(folder / "outlines.txt") << "water falls simulated/waterfall/1 alpha\nwater flows " << river
+                                         << "@50 0,0 100,0 100,100\nfire flames simulated/fire/1 alpha\n";
   return {
       {"bench_store_io", {"fall.mp4", "--frames", "16"}, "measurements/store.md", {"FFV1", "ratio"}},
       {"bench_ingest",
@@ -106,6 +109,10 @@ std::vector<BenchRun> runs(const WorkFolder& folder) {
        {still, still, "--width", "100", "--no-smoke", "--only", "fill"},
        "measurements/layers.md",
        {"PSNR", "SSIM", "Telea", "Navier-Stokes", "patches of 9 px within 96"}},
+      {"bench_kind",
+       {"/", "outlines.txt"},
+       "measurements/critic.md",
+       {"is \\ told", "water", "fire", "sure %", "of the sure right %", "all left out"}},
       {"bench_matting",
        {still + ":marks.png:" + matte},
        "measurements/mattes.md",

@@ -246,7 +246,7 @@ void run_kind(const KindCommand& command) {
   if (command.json) {
     nlohmann::json shares, readings;
     for (std::size_t i = 0; i < kind.share.size(); ++i) shares[vision::kFluidKinds[i]] = kind.share[i];
-    for (std::size_t i = 0; i < look.size(); ++i) readings[vision::look_name(i)] = look[i];
+    for (std::size_t i = 0; i < look.size(); ++i) readings[std::string(vision::kLookFigures[i])] = look[i];
     const nlohmann::json json{
         {"class", kind.name()}, {"sure", kind.sure()}, {"shares", shares}, {"readings", readings}};
     fmt::print("{}\n", json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace));

@@ -4,32 +4,24 @@
 #include <array>
 #include <string_view>
 
-#include <opencv2/core.hpp>
+#include "vision/look/fluid_look.h"
 
 namespace freshet::vision {
 
 inline constexpr std::array<const char*, 4> kFluidKinds{"water", "fire", "smoke", "clouds"};
-inline constexpr int kLookReadings = 25;
-
-/// What the look is judged by, in the order of fluid_look; colours and luma in 0..1.
-const char* look_name(std::size_t reading);
-
-/// How the fluid looks, on the picture reduced to a longer side of 256 px: luma, colour, how colour goes with
-/// luma, contrast by size of detail, the direction of its edges, and where in the picture it lies.
-/// picture   CV_8UC3 BGR. matte   CV_8U of its size, 255 where the fluid is, and somewhere so.
-std::array<float, kLookReadings> fluid_look(const cv::Mat& picture, const cv::Mat& matte);
 
 struct FluidKind {
-  std::array<double, kFluidKinds.size()> share{};  // likelihoods, of sum 1
+  std::array<double, kFluidKinds.size()> share{};  // probabilities, of sum 1
   int best = 0;
   std::string_view name() const { return kFluidKinds[static_cast<std::size_t>(best)]; }
   double sureness() const { return share[static_cast<std::size_t>(best)]; }
-  /// Of 52 clips, each with its scene left out, 26 are sure, and 23 of these right; of all, 41 are right.
-  bool sure() const { return sureness() >= .8; }
+  /// docs/measurements/critic.md says how many are, and how many of these are right.
+  bool sure() const { return sureness() >= .85; }
 };
 
-/// A linear discriminant with a common, shrunk covariance (Friedman 1989), learned from three frames each of 44 clips; the
-/// likelihoods are flattened, since so few clips make it too certain of itself.
-FluidKind fluid_kind(const std::array<float, kLookReadings>& look);
+/// A multinomial logistic regression, whose weights (kind_weights.h) bench_kind learns from outlined stills and clips.
+/// A figure further than kFarthest deviations from its mean counts as if it were there.
+FluidKind fluid_kind(const FluidLook& look);
+inline constexpr double kFarthest = 3;
 
 }  // namespace freshet::vision

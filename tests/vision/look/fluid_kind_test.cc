@@ -2,9 +2,12 @@
 
 #include <cmath>
 #include <string_view>
+#include <utility>
 
 #include <gtest/gtest.h>
 #include <opencv2/imgproc.hpp>
+
+#include "synth/simulate/simulate.h"
 
 namespace freshet::vision {
 namespace {
@@ -57,15 +60,37 @@ TEST(FluidKind, SharesAreOne) {
   EXPECT_NEAR(sum, 1, 1e-12);
 }
 
-TEST(FluidKind, ReadsTheMatteAlone) {
+TEST(FluidKind, ReadsTheFluidAndItsRimAlone) {
   Drawn wavy = sea();
   const auto before = fluid_look(wavy.picture, wavy.matte);
   wavy.picture.rowRange(0, 40).setTo(cv::Scalar(30, 90, 250));  // far from the fluid's edge
   const auto after = fluid_look(wavy.picture, wavy.matte);
-  for (std::size_t i = 0; i < before.size(); ++i)
-    if (std::string_view(look_name(i)) != "against_rest") {
-      EXPECT_FLOAT_EQ(before[i], after[i]) << look_name(i);
-    }
+  for (std::size_t i = 0; i < before.size(); ++i) EXPECT_FLOAT_EQ(before[i], after[i]) << kLookFigures[i];
+}
+
+TEST(FluidKind, IsUnsureWhereNothingIsSeen) {
+  for (const int level : {0, 60, 127, 200, 255}) {
+    const cv::Mat flat(240, 320, CV_8UC3, cv::Scalar::all(level)), all(240, 320, CV_8U, cv::Scalar(255));
+    const FluidKind kind = fluid_kind(fluid_look(flat, all));
+    EXPECT_FALSE(kind.sure()) << level << ": " << kind.name() << " " << kind.sureness();
+  }
+}
+
+// The seed teaches nothing (bench/kind/outlines.txt).
+TEST(FluidKind, TellsSimulatedClips) {
+  namespace simulate = synth::simulate;
+  for (const auto& [clip, name] : {std::pair("smoke", "smoke"),
+                                   {"fire", "fire"},
+                                   {"waterfall", "water"},
+                                   {"sea", "water"},
+                                   {"clouds", "clouds"}}) {
+    simulate::Simulation film(
+        {.kind = simulate::parse_scene_kind(clip), .size = {192, 144}, .frames = 1, .seed = 7});
+    simulate::SimulatedFrame frame;
+    ASSERT_TRUE(film.next(frame));
+    const FluidKind kind = fluid_kind(fluid_look(frame.picture, frame.alpha));
+    EXPECT_EQ(kind.name(), name) << clip << " " << kind.sureness();
+  }
 }
 
 TEST(FluidKind, ASpeckAndAnEmptyMatteHaveAKind) {
