@@ -79,6 +79,7 @@ Search search(const Store& store, const cv::Mat& picture, const cv::Mat& matte, 
   state.options = prepared.options;
   state.found = query::search_candidates(snapshot, *state.base, state.picture, state.matte, state.options,
                                          job.progress, job.stop);
+  if (!prepared.kind.words.empty()) state.notices.push_back(std::move(prepared.kind.words));
   if (!prepared.guess.empty()) state.notices.push_back(std::move(prepared.guess));
   if (const auto& short_ones = state.found.filtered.too_short; !short_ones.empty())
     state.notices.push_back(fmt::format("left out, as they do not last {:.2f} s and have no loop rule: {}",

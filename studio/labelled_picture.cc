@@ -117,6 +117,14 @@ Json paces_json(const LabelledPicture& labelled) {
   return paces;
 }
 
+/// As `looks_like` of the command line.
+Json kind_json(const query::KindChoice& kind) {
+  return {{"class", kind.look.name()},
+          {"share", kind.look.sureness()},
+          {"sure", kind.look.sure()},
+          {"only", kind.taken.empty() ? Json() : Json(kind.taken)}};
+}
+
 }  // namespace
 
 query::LabelRequest request_of(const Document& document, cv::Size picture) {
@@ -142,7 +150,7 @@ LabelledPicture label_picture(std::shared_ptr<const StoreBase> store, const cv::
                               const cv::Mat& matte, const Document& document, cache::ResultCache* cache,
                               const Job& job) {
   LabelledPicture labelled{
-      .store = std::move(store), .request = {}, .labelling = {}, .pinned = {}, .notices = {}};
+      .store = std::move(store), .request = {}, .kind = {}, .labelling = {}, .pinned = {}, .notices = {}};
   const store::Snapshot& snapshot = labelled.store->snapshot;
   const query::SearchBase& base = labelled.store->base;
   std::optional<query::LabellingMemo> memo;
@@ -158,6 +166,7 @@ LabelledPicture label_picture(std::shared_ptr<const StoreBase> store, const cv::
   labelled.labelling =
       query::label(snapshot, std::move(search), prepared.options, job.progress, job.stop, known);
 
+  labelled.kind = prepared.kind;
   if (!prepared.guess.empty()) labelled.notices.push_back(prepared.guess);
   const query::CandidateSearch& found = labelled.labelling.search;
   if (!found.filtered.too_short.empty())
@@ -173,8 +182,10 @@ LabelledPicture label_picture(std::shared_ptr<const StoreBase> store, const cv::
 std::string pieces_json(const LabelledPicture& labelled) {
   const query::Assignment& assignment = labelled.labelling.assignment;
   const double scale = assignment.piece_scale;
-  Json json{{"side", assignment.side * scale}, {"energy", assignment.energy}, {"notices", labelled.notices},
-            {"paces", paces_json(labelled)},   {"clips", Json::array()},      {"pieces", Json::array()}};
+  Json json{{"side", assignment.side * scale},  {"energy", assignment.energy},
+            {"notices", labelled.notices},      {"paces", paces_json(labelled)},
+            {"kind", kind_json(labelled.kind)}, {"clips", Json::array()},
+            {"pieces", Json::array()}};
   if (std::isfinite(assignment.gap())) json["gap"] = assignment.gap();
   std::vector<std::size_t> used(assignment.clips.size());
   for (std::size_t i = 0; i < assignment.pieces.size(); ++i) {

@@ -19,6 +19,7 @@ namespace freshet::studio {
 struct LabelledPicture {
   std::shared_ptr<const StoreBase> store;  // that the labelling borrows from
   query::LabelRequest request;
+  query::KindChoice kind;
   query::Labelling labelling;
   std::vector<bool> pinned;          // of each piece
   std::vector<std::string> notices;  // for a person: what was guessed, what was left out

@@ -29,7 +29,7 @@ query/index: store store/rewrite vision stored
 query/mrf:
 query/search: store vision stored query/index
 query/costs: store vision stored query/mrf query/search
-query/labelling: report cache store vision stored query/index query/mrf query/search query/costs
+query/labelling: report cache store vision vision/look stored query/index query/mrf query/search query/costs
 query/benchmark: report store stored query/index query/search query/labelling
 synth/field:
 synth/toml: synth/field

@@ -44,12 +44,13 @@ void adopt_guess(const MotionGuide& guess, LabelOptions& options) {
 PreparedLabelling prepare(const store::Snapshot& snapshot, const SearchBase& base, const cv::Mat& picture,
                           const cv::Mat& matte, const LabelRequest& request, const ProgressFunction& progress,
                           std::stop_token stop, LabellingMemo* memo) {
-  PreparedLabelling prepared{.options = request.options, .guess = {}};
+  PreparedLabelling prepared{.options = request.options, .kind = {}, .guess = {}};
   LabelOptions& options = prepared.options;
   options.piece_scale = request.piece_scale.value_or(auto_piece_scale(picture.size()));
   options.candidates.min_duration_s = request.duration_s;
   options.guide = guide_of_animation(request, picture.size());
   if (!options.guide.direction.empty()) options.candidates.direction_deg.reset();
+  prepared.kind = choose_kind(snapshot, base, picture, matte, options.candidates);
   if (!may_guess(request)) return prepared;
 
   if (progress) progress({"guessing the motion", 0, 0});

@@ -9,6 +9,7 @@
 
 #include "freshet/job.h"
 #include "query/index/search_base.h"
+#include "query/labelling/kind_choice.h"
 #include "query/labelling/labelling.h"
 #include "query/labelling/labelling_memo.h"
 #include "store/store.h"
@@ -17,7 +18,8 @@ namespace freshet::query {
 
 /// Every program that labels for an animation asks in this form, so that all of them keep the same rules.
 struct LabelRequest {
-  /// piece_scale and candidates.min_duration_s are not read: they follow from what stands below.
+  /// piece_scale and candidates.min_duration_s are not read: they follow from what stands below. candidates.class_name:
+  /// empty: as choose_kind takes it.
   LabelOptions options{};
   /// What the picture's sides are divided by before it is cut; nothing: what suits its size (auto_piece_scale).
   std::optional<double> piece_scale{};
@@ -42,10 +44,11 @@ void adopt_guess(const MotionGuide& guess, LabelOptions& options);
 
 struct PreparedLabelling {
   LabelOptions options;  // complete; guide holds what is guessed where it said no direction
+  KindChoice kind;       // whose class the candidates are of
   std::string guess;     // what was guessed and why, for a person; empty: nothing was to be guessed
 };
 
-/// The options with which a picture is searched and labelled. Where may_guess, a search without a hint comes
+/// The options with which a picture is searched and labelled, of the class that choose_kind takes. Where may_guess, a search without a hint comes
 /// first (stage "guessing the motion"), and options.guide is given the guessed directions and their tolerance;
 /// a speed that was asked stays. What is asked of the animation's motion is guide_of_animation all the same: a
 /// guess chooses patches and turns nothing, so that the search is narrow where it says a direction.

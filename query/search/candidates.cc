@@ -122,7 +122,8 @@ void check_names(const store::Snapshot& snapshot, const CandidateOptions& option
     if (!clips.contains(name))
       refuse("it holds no clip named \"" + name + "\" that could be left out",
              did_you_mean(name, clips) + "freshet store info lists its clips");
-  if (const std::string& name = options.class_name; !name.empty() && !classes.contains(name))
+  if (const std::string& name = options.class_name;
+      !name.empty() && name != kAnyClass && !classes.contains(name))
     refuse(
         "no clip of class \"" + name + "\"",
         did_you_mean(name, classes) + fmt::format("The store has the classes {}", fmt::join(classes, ", ")));
@@ -147,7 +148,7 @@ Filtered filter_rows(const store::Snapshot& snapshot, const stored::PatchTable& 
     }
   }
 
-  if (!options.class_name.empty()) {
+  if (!options.class_name.empty() && options.class_name != kAnyClass) {
     narrowing.clips("class " + options.class_name, [&](store::ClipId id, bool) {
       return snapshot.clip(id).class_name == options.class_name;
     });

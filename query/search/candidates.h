@@ -15,9 +15,12 @@
 
 namespace freshet::query {
 
+/// As a class: all of them. A store's own class of that name cannot be asked for.
+inline constexpr std::string_view kAnyClass = "any";
+
 struct CandidateOptions {
   int k = 100;               // candidates per piece
-  std::string class_name{};  // only clips of this class; empty: all
+  std::string class_name{};  // only clips of this class; empty or kAnyClass: all
   /// Mean motion, as seen on the screen: 0 right, 90 up, 180 left, 270 down. Nothing: any.
   std::optional<double> direction_deg{};
   double direction_tolerance_deg = 30;           // to either side

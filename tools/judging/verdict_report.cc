@@ -52,8 +52,10 @@ nlohmann::json verdict_json(const judging::Verdict& verdict, const judging::Evid
           {"findings", findings}};
 }
 
-ShownKind kind_of(const std::string& asked_class, const query::Assignment& assignment) {
-  if (!asked_class.empty()) return {.name = asked_class, .share = 1, .asked = true};
+ShownKind kind_of(const std::string& asked_class, const query::KindChoice& choice,
+                  const query::Assignment& assignment) {
+  if (!choice.taken.empty()) return {.name = choice.taken, .seen = true};
+  if (!asked_class.empty() && asked_class != query::kAnyClass) return {.name = asked_class, .asked = true};
   const query::LargestClass most = query::largest_class(assignment);
   return {.name = most.name, .share = most.share};
 }
@@ -65,8 +67,9 @@ std::string take_words(const Assumed& assumed, const judging::Verdict& verdict,
   return fmt::format(
       "assumed: {}{}; {}; {:.0f} px/s{}, where {:.0f} to {:.0f} is usual (--speed); {}. Worst: {}",
       assumed.kind.name.empty() ? "any kind" : assumed.kind.name,
-      assumed.kind.asked
-          ? ""
+      assumed.kind.asked ? ""
+      : assumed.kind.seen
+          ? ", as it looks (--class)"
           : fmt::format(", as {:.0f} % of its patches are (--class)", 100 * assumed.kind.share),
       assumed.direction_asked ? "the direction asked" : "no direction asked (--strokes)",
       verdict.of(judging::Measure::kSpeed).reading.value, assumed.speed_asked ? " as asked" : "",

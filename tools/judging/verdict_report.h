@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "query/labelling/assignment.h"
+#include "query/labelling/kind_choice.h"
 #include "synth/judging/critic.h"
 
 namespace freshet::tools {
@@ -15,13 +16,14 @@ namespace freshet::tools {
 nlohmann::json verdict_json(const synth::judging::Verdict& verdict, const synth::judging::Evidence& film,
                             const std::string& kind);
 
-/// What a take shows, for its norms: the class asked, or that of most pieces.
+/// What a take shows, for its norms: the class asked or taken by its look, or that of most pieces.
 struct ShownKind {
   std::string name;
   double share = 1;  // of the pieces
-  bool asked = false;
+  bool asked = false, seen = false;
 };
-ShownKind kind_of(const std::string& asked_class, const query::Assignment& assignment);
+ShownKind kind_of(const std::string& asked_class, const query::KindChoice& choice,
+                  const query::Assignment& assignment);
 
 /// One line that a person can act on: what was assumed of kind, direction, speed and what stands, what looks worst and
 /// where, and the options that change each.

@@ -44,19 +44,18 @@ query::LabelRequest request_of(const SearchOptions& search, const AskedMotion& a
   return request;
 }
 
-query::LabelOptions prepare_with_progress(const store::Snapshot& snapshot, const query::SearchBase& base,
-                                          const TargetFiles::Loaded& loaded,
-                                          const query::LabelRequest& request, const RunContext& context,
-                                          query::LabellingMemo* memo) {
+query::PreparedLabelling prepare_with_progress(const store::Snapshot& snapshot, const query::SearchBase& base,
+                                               const TargetFiles::Loaded& loaded,
+                                               const query::LabelRequest& request, const RunContext& context,
+                                               query::LabellingMemo* memo) {
   Progress progress;
-  const query::PreparedLabelling prepared = query::prepare(snapshot, base, loaded.picture, loaded.matte,
-                                                           request, progress.callback(), context.stop, memo);
+  query::PreparedLabelling prepared = query::prepare(snapshot, base, loaded.picture, loaded.matte, request,
+                                                     progress.callback(), context.stop, memo);
   progress.finish();
+  if (!prepared.kind.words.empty()) say(prepared.kind.words);
   if (!prepared.guess.empty())
-    say(prepared.guess +
-        (request.options.candidates.class_name.empty() ? "; --class says what it is, " : "; ") +
-        "--direction or --strokes where it goes, --hint none asks nothing");
-  return prepared.options;
+    say(prepared.guess + "; --direction or --strokes where it goes, --hint none asks nothing");
+  return prepared;
 }
 
 LabelRun label_with_progress(const store::Snapshot& snapshot, std::shared_ptr<const query::SearchBase> base,
@@ -67,10 +66,11 @@ LabelRun label_with_progress(const store::Snapshot& snapshot, std::shared_ptr<co
   std::optional<query::LabellingMemo> memo;
   if (cache != nullptr) memo.emplace(*cache, snapshot, *run.base);
   query::LabellingMemo* const known = memo ? &*memo : nullptr;
-  const query::LabelOptions options =
+  const query::PreparedLabelling prepared =
       prepare_with_progress(snapshot, *run.base, loaded, request, context, known);
+  run.kind = prepared.kind;
   Progress progress;
-  run.labelling = query::label(snapshot, *run.base, loaded.picture, loaded.matte, options,
+  run.labelling = query::label(snapshot, *run.base, loaded.picture, loaded.matte, prepared.options,
                                progress.callback(), context.stop, known);
   progress.finish();
   finish_cache(cache);
@@ -79,6 +79,13 @@ LabelRun label_with_progress(const store::Snapshot& snapshot, std::shared_ptr<co
   if (memo) say(query::to_string(memo->reuse()));
   say_shares(run.labelling.assignment);
   return run;
+}
+
+nlohmann::json to_json(const query::KindChoice& kind) {
+  return {{"class", kind.look.name()},
+          {"share", kind.look.sureness()},
+          {"sure", kind.look.sure()},
+          {"only", kind.taken.empty() ? nlohmann::json() : nlohmann::json(kind.taken)}};
 }
 
 nlohmann::json to_json(const query::SearchBase& base, const query::LabelSeconds& seconds) {
@@ -112,15 +119,12 @@ void say_shares(const query::Assignment& assignment) {
 
 nlohmann::json label_json(const LabelRun& run) {
   const query::Assignment& assignment = run.labelling.assignment;
-  nlohmann::json json{{"pieces", assignment.pieces.size()},
-                      {"edges", run.labelling.search.target.edges.size()},
-                      {"solver", assignment.minimizer},
-                      {"costs", assignment.cost_form},
-                      {"energy", assignment.energy},
-                      {"iterations", run.labelling.iterations},
-                      {"shares", shares_json(assignment)},
-                      {"filters", to_json(run.labelling.search.filtered)},
-                      {"seconds", to_json(*run.base, run.labelling.seconds)}};
+  nlohmann::json json{
+      {"pieces", assignment.pieces.size()}, {"edges", run.labelling.search.target.edges.size()},
+      {"solver", assignment.minimizer},     {"costs", assignment.cost_form},
+      {"energy", assignment.energy},        {"iterations", run.labelling.iterations},
+      {"shares", shares_json(assignment)},  {"filters", to_json(run.labelling.search.filtered)},
+      {"looks_like", to_json(run.kind)},    {"seconds", to_json(*run.base, run.labelling.seconds)}};
   if (std::isfinite(assignment.lower_bound)) {
     json["lower_bound"] = assignment.lower_bound;
     json["gap"] = assignment.gap();

@@ -21,6 +21,7 @@ namespace freshet::tools {
 struct LabelRun {
   std::shared_ptr<const query::SearchBase> base;
   query::Labelling labelling;
+  query::KindChoice kind;
 };
 
 /// The base of all searches in a store, opened with its progress shown.
@@ -34,11 +35,11 @@ std::shared_ptr<const query::SearchBase> open_with_progress(const store::Snapsho
 query::LabelRequest request_of(const SearchOptions& search, const AskedMotion& asked,
                                const Duration& duration, const SolverOptions* labelling = nullptr);
 
-/// query::prepare with its progress shown. What was guessed is said, and how to overrule it.
-query::LabelOptions prepare_with_progress(const store::Snapshot& snapshot, const query::SearchBase& base,
-                                          const TargetFiles::Loaded& loaded,
-                                          const query::LabelRequest& request, const RunContext& context,
-                                          query::LabellingMemo* memo = nullptr);
+/// query::prepare with its progress shown. What was taken and guessed is said, and how to overrule it.
+query::PreparedLabelling prepare_with_progress(const store::Snapshot& snapshot, const query::SearchBase& base,
+                                               const TargetFiles::Loaded& loaded,
+                                               const query::LabelRequest& request, const RunContext& context,
+                                               query::LabellingMemo* memo = nullptr);
 
 /// base    of this snapshot, opened with built_late where there is a cache; shared by labellings of one index.
 /// cache   may be null; what was reused of it is said.
@@ -50,6 +51,8 @@ LabelRun label_with_progress(const store::Snapshot& snapshot, std::shared_ptr<co
 /// How far the energy can be above the minimum, and whether that is within query::kGapAimed.
 std::string gap_text(const query::Assignment& assignment);
 
+/// What the picture looks like, and the class taken for it ("only", null where all were).
+nlohmann::json to_json(const query::KindChoice& kind);
 /// Seconds by stage; patches and clips that were left by each condition.
 nlohmann::json to_json(const query::SearchBase& base, const query::LabelSeconds& seconds);
 nlohmann::json to_json(const query::Filtered& filtered);

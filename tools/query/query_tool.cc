@@ -151,14 +151,14 @@ void run_candidates(CandidatesCommand& command, const RunContext& context) {
   asked.guide = query::guide_of_animation(request, loaded.picture.size());
   if (!guesses) command.question.motion.draw(loaded, asked, {});
   const auto base = open_with_progress(snapshot, command.question.search);
-  const query::LabelOptions options = prepare_with_progress(snapshot, *base, loaded, request, context);
+  const query::PreparedLabelling prepared = prepare_with_progress(snapshot, *base, loaded, request, context);
   if (guesses) {
-    asked.guide = options.guide;
+    asked.guide = prepared.options.guide;
     command.question.motion.draw(loaded, asked, {});
   }
   Progress progress;
   const query::CandidateSearch search = query::search_candidates(
-      snapshot, *base, loaded.picture, loaded.matte, options, progress.callback(), context.stop);
+      snapshot, *base, loaded.picture, loaded.matte, prepared.options, progress.callback(), context.stop);
   progress.finish();
   say_filters(search.filtered, command.question.duration);
   for (const std::string& note : search.candidates.notes) say(note);
@@ -171,6 +171,7 @@ void run_candidates(CandidatesCommand& command, const RunContext& context) {
   if (command.json) {
     fmt::print("{}\n",
                nlohmann::json{{"filters", to_json(search.filtered)},
+                              {"looks_like", to_json(prepared.kind)},
                               {"seconds", to_json(*base, search.seconds)},
                               {"pieces", candidates_json(snapshot, search, base->settings.variants())}}
                    .dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));

@@ -11,6 +11,7 @@
 #include "synth/animate/placement/assigned.h"
 #include "synth/judging/usual.h"
 #include "tools/console/run_context.h"
+#include "vision/look/fluid_kind.h"
 
 namespace freshet::tools {
 
@@ -133,6 +134,7 @@ ChosenPatches choose_patches(const AnimateCommand& command, const store::Snapsho
     asked.guide = query::guide_of_animation(request, loaded.picture.size());
     say(label_summary(run));
     chosen.labelled = label_json(run);
+    chosen.kind = run.kind;
     chosen.assignment = run.labelling.assignment;
     return chosen;
   }
@@ -143,6 +145,7 @@ ChosenPatches choose_patches(const AnimateCommand& command, const store::Snapsho
                             chosen.assignment.picture.width, chosen.assignment.picture.height,
                             command.target.picture.string(), loaded.picture.cols, loaded.picture.rows),
                 "Label this picture with freshet query label");
+  chosen.kind.look = vision::fluid_kind(vision::fluid_look(loaded.picture, loaded.matte));
   say_shares(chosen.assignment);
   return chosen;
 }

@@ -82,6 +82,7 @@ AnimateInputs read_inputs(const AnimateCommand& command);
 struct ChosenPatches {
   query::Assignment assignment;
   nlohmann::json labelled;  // null for an assignment from a file
+  query::KindChoice kind{};
 };
 
 /// Where the base of a search comes from: one may serve many.

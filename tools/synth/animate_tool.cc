@@ -21,7 +21,6 @@
 #include "tools/synth/animate_command.h"
 #include "tools/synth/animate_run.h"
 #include "tools/synth/takes_run.h"
-#include "vision/look/fluid_kind.h"
 
 namespace freshet::tools {
 namespace {
@@ -71,9 +70,8 @@ void say_made(const synth::animate::AnimateReport& report, const AnimateInputs& 
 
 /// For a program, or the names of the files alone.
 void print_made(const AnimateCommand& command, const store::Snapshot& snapshot, const AnimateInputs& inputs,
-                const ChosenPatches& chosen, const vision::FluidKind& look,
-                const synth::animate::AnimateReport& report, const nlohmann::json& verdict,
-                const nlohmann::json& takes) {
+                const ChosenPatches& chosen, const synth::animate::AnimateReport& report,
+                const nlohmann::json& verdict, const nlohmann::json& takes) {
   std::vector<std::string> files = command.output.files();
   files.push_back(command.sheet);
   for (const std::string& path : command.motion.outputs()) files.push_back(path);
@@ -82,50 +80,35 @@ void print_made(const AnimateCommand& command, const store::Snapshot& snapshot, 
     for (const std::string& path : files) fmt::print("{}\n", path);
     return;
   }
-  fmt::print("{}\n",
-             nlohmann::json{
-                 {"files", files},
-                 {"frames", inputs.options.frames},
-                 {"width", inputs.loaded.picture.cols},
-                 {"height", inputs.loaded.picture.rows},
-                 {"fps", inputs.options.fps},
-                 {"method", report.method},
-                 {"by_itself", report.by_itself},
-                 {"flames", report.flames},
-                 {"forms", forms_json(snapshot, report)},
-                 {"forms_fit", report.forms_fit},
-                 {"forms_lack", report.forms_lack},
-                 {"pieces", report.pieces},
-                 {"clips", report.clips},
-                 {"batches", report.batches},
-                 {"half_life_s", report.half_life_s},
-                 {"renewed", report.renewed},
-                 {"labelling", chosen.labelled},
-                 {"shares", shares_json(chosen.assignment)},
-                 {"looks_like", {{"class", look.name()}, {"share", look.sureness()}, {"sure", look.sure()}}},
-                 {"verdict", verdict},
-                 {"takes", takes},
-                 {"seconds",
-                  {{"decode", report.decode_s},
-                   {"blend", report.blend_s},
-                   {"base", report.base_s},
-                   {"match", report.appearance_s},
-                   {"render", report.render_s},
-                   {"total", report.total_s}}}}
-                 .dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
-}
-
-/// Where no class was asked: what the look says of it, if its patches are of something else and the store has it.
-void say_other_kind(const AnimateCommand& command, const store::Snapshot& snapshot,
-                    const vision::FluidKind& look, const ShownKind& kind) {
-  if (!command.search.options().class_name.empty() || !look.sure() || look.name() == kind.name) return;
-  for (const store::ClipId clip : snapshot.clips())
-    if (snapshot.clip(clip).class_name == look.name()) {
-      say(fmt::format("it looks like {} ({:.0f} %), and most patches are of {}: --class {} takes no other",
-                      look.name(), 100 * look.sureness(), kind.name.empty() ? "no class" : kind.name,
-                      look.name()));
-      return;
-    }
+  fmt::print("{}\n", nlohmann::json{{"files", files},
+                                    {"frames", inputs.options.frames},
+                                    {"width", inputs.loaded.picture.cols},
+                                    {"height", inputs.loaded.picture.rows},
+                                    {"fps", inputs.options.fps},
+                                    {"method", report.method},
+                                    {"by_itself", report.by_itself},
+                                    {"flames", report.flames},
+                                    {"forms", forms_json(snapshot, report)},
+                                    {"forms_fit", report.forms_fit},
+                                    {"forms_lack", report.forms_lack},
+                                    {"pieces", report.pieces},
+                                    {"clips", report.clips},
+                                    {"batches", report.batches},
+                                    {"half_life_s", report.half_life_s},
+                                    {"renewed", report.renewed},
+                                    {"labelling", chosen.labelled},
+                                    {"shares", shares_json(chosen.assignment)},
+                                    {"looks_like", to_json(chosen.kind)},
+                                    {"verdict", verdict},
+                                    {"takes", takes},
+                                    {"seconds",
+                                     {{"decode", report.decode_s},
+                                      {"blend", report.blend_s},
+                                      {"base", report.base_s},
+                                      {"match", report.appearance_s},
+                                      {"render", report.render_s},
+                                      {"total", report.total_s}}}}
+                         .dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
 }
 
 /// Says what was assumed and what looks worst; the whole verdict for a program. Null for a film too short, or too
@@ -161,9 +144,7 @@ void run_animate(AnimateCommand& command, const RunContext& context) {
       [&](const SearchOptions& search) { return open_with_progress(snapshot, search, cache != nullptr); },
       cache.get(), context);
   const query::Assignment& assignment = chosen.assignment;
-  const ShownKind kind = kind_of(command.search.options().class_name, assignment);
-  const vision::FluidKind look = vision::fluid_kind(vision::fluid_look(loaded.picture, loaded.matte));
-  say_other_kind(command, snapshot, look, kind);
+  const ShownKind kind = kind_of(command.search.options().class_name, chosen.kind, assignment);
   pace_it(snapshot, inputs, assignment, kind.name);
   const std::optional<synth::takes::Trial> trial =
       command.takes > 1
@@ -201,7 +182,7 @@ void run_animate(AnimateCommand& command, const RunContext& context) {
                          trial ? synth::takes::with_takes(sheet.draw(), *trial) : sheet.draw());
   say_forms(snapshot, report);
   say_made(report, inputs);
-  print_made(command, snapshot, inputs, chosen, look, report, judged(inputs, kind, film), takes_json(trial));
+  print_made(command, snapshot, inputs, chosen, report, judged(inputs, kind, film), takes_json(trial));
 }
 
 /// Options that an assignment leaves nothing to do.
@@ -250,7 +231,7 @@ void animate_layer(const AnimateRequest& request, const std::function<void(const
       [&](const SearchOptions& search) { return open_with_progress(snapshot, search, cache != nullptr); },
       cache.get(), context);
   pace_it(snapshot, inputs, chosen.assignment,
-          kind_of(command.search.options().class_name, chosen.assignment).name);
+          kind_of(command.search.options().class_name, chosen.kind, chosen.assignment).name);
   render(snapshot, inputs, stage(snapshot, inputs, chosen.assignment), request.loaded.picture, sink, {},
          context);
 }

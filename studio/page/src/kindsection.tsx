@@ -4,41 +4,29 @@ import { Section } from "./parts";
 import * as state from "./state";
 import type { Document, Pace } from "./types";
 
-const kSure = 0.7; // share of the pieces
-const kSeen = 0.2;
+const kAny = "any"; // as a class: all of them
 const kPaces: readonly Pace[] = ["slow", "natural", "fast"];
-
-/** Kinds by how many pieces look most like them, from the last labelling among all kinds. */
-function likelyKinds(): { kind: string; share: number }[] {
-  const found = state.pieces.value;
-  if (!found) return [];
-  const pieces = new Map<string, number>();
-  for (const clip of found.clips) pieces.set(clip.class, (pieces.get(clip.class) ?? 0) + clip.pieces);
-  const total = Math.max(1, found.pieces.length);
-  return [...pieces].map(([kind, count]) => ({ kind, share: count / total })).sort((a, b) => b.share - a.share);
-}
 
 export function KindSection({ document }: { document: Document }): JSX.Element | null {
   const classes = state.classesOf(state.store.value);
   if (classes.length === 0) return null;
-  const likely = document.class ? [] : likelyKinds();
-  const seen = likely.filter(({ share }) => share >= kSeen);
-  const [best] = likely;
-  const sure = !!best && best.share >= kSure;
+  const seen = document.class ? undefined : state.pieces.value?.kind;
+  const taken = document.class || seen?.only || (classes.length === 1 ? classes[0] : "");
   const paces = state.pieces.value?.paces;
-  const said = document.class ? "as you said" : sure ? "guessed" : "";
+  const said = document.class ? "as you said" : taken && seen ? "guessed" : "";
+  const kinds = classes.length > 1 ? [...classes, kAny] : classes;
   return (
     <Section title="Moves like" aside={<span class="figure">{said}</span>}>
       <div class="chips" role="group" aria-label="Kind of fluid">
-        {classes.map((kind) => (
-          <button key={kind} type="button" aria-pressed={document.class ? document.class === kind : seen.some((each) => each.kind === kind)} onClick={() => state.edit({ class: document.class === kind ? "" : kind })}>
+        {kinds.map((kind) => (
+          <button key={kind} type="button" aria-pressed={taken === kind} onClick={() => state.edit({ class: document.class === kind ? "" : kind })}>
             {kind}
           </button>
         ))}
       </div>
-      {best && !sure && (
+      {seen && !seen.sure && classes.length > 1 && (
         <p class="hint">
-          It looks like {seen.map(({ kind, share }) => `${kind} (${Math.round(100 * share)} %)`).join(" and ") || "several kinds"}. If it is one of them, say which.
+          It may be {seen.class} ({Math.round(100 * seen.share)} %). Say which it is, or several kinds may be mixed.
         </p>
       )}
       {paces && (

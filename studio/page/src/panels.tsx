@@ -264,7 +264,7 @@ export function LookPanel({ document }: { document: Document }): JSX.Element {
           </select>
         </label>
         {classes.length > 0 && (
-          <Select label="Kind" value={document.class} options={[["", "Any"], ...named(classes)]} onChange={(kind) => state.edit({ class: kind })} />
+          <Select label="Kind" value={document.class} options={[["", "As it looks"], ["any", "Any"], ...named(classes)]} onChange={(kind) => state.edit({ class: kind })} />
         )}
         {document.excluded_clips.length > 0 && (
           <ul class="chips" aria-label="Clips that are left out">

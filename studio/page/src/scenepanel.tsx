@@ -189,7 +189,7 @@ function MotionOptions({ layer }: { layer: DrawnLayer }): JSX.Element | null {
       return <Slider label="Drift" value={layer.drift} {...state.range("clouds.speed")} step={1} shown={layer.drift === 0 ? "with the wind" : `${layer.drift} px/s`} onInput={(drift) => changeLayer({ drift }, "layer-drift")} />;
     case "patches":
       return (
-        <Select label="Kind of fluid" value={layer.class} options={[["", "Any"], ...named(state.classesOf(state.store.value))]} onChange={(kind) => changeLayer({ class: kind })} />
+        <Select label="Kind of fluid" value={layer.class} options={[["", "As it looks"], ["any", "Any"], ...named(state.classesOf(state.store.value))]} onChange={(kind) => changeLayer({ class: kind })} />
       );
     case "film":
       return <FilmChoice layer={layer} />;

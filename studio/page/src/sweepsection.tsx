@@ -146,7 +146,7 @@ function Classes({ axis, set }: { axis: SweepAxis; set: Set }): JSX.Element {
 function words(settings: Record<string, string>): string {
   const named: Record<string, (value: string) => string> = {
     speed: (value) => `${value} × as fast`,
-    class: (value) => (value === "-" ? "any kind" : value),
+    class: (value) => (value === "-" ? "as it looks" : value),
     boundary: (value) => (value === "moving" ? "outline moves" : "outline stands"),
     strokes: (value) => (value === "-" ? "without lines" : "with lines"),
   };

@@ -311,6 +311,7 @@ export interface Pieces {
   gap?: number;
   notices: string[];
   paces: Record<Pace, number>;
+  kind: { class: string; share: number; sure: boolean; only: string | null }; // by its look; only: the class that is taken for it
   clips: { name: string; class: string; licence: string; pieces: number }[];
   pieces: Piece[];
 }

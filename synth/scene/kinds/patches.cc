@@ -8,7 +8,12 @@ template <>
 const std::vector<Key<PatchesMotion>>& keys_of<PatchesMotion>() {
   static const std::vector<Key<PatchesMotion>> keys{
       {"store", &PatchesMotion::store, {}, "", "the store file", kNeeded},
-      {"class", &PatchesMotion::class_name, {}, "", "class of the clips that are used", "all"},
+      {"class",
+       &PatchesMotion::class_name,
+       {},
+       "",
+       "class of the clips that are used; any: of all",
+       "as it looks"},
       {"strokes",
        &PatchesMotion::strokes,
        {},

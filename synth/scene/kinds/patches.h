@@ -14,7 +14,7 @@ struct PatchesMotion {
   static constexpr Pixels kPixels = Pixels::kCutAnimated;
 
   std::filesystem::path store{};
-  std::string class_name{};            // empty: all
+  std::string class_name{};            // empty: as it looks
   std::filesystem::path strokes{};     // empty: those of the scene's drawing that name this layer
   std::vector<std::string> options{};  // of freshet synth animate, word by word
 };

@@ -1,0 +1,31 @@
+// query/labelling/kind_choice.h — the class of clips that a picture is animated with, where nobody says one: by its look.
+#pragma once
+
+#include <string>
+
+#include <opencv2/core.hpp>
+
+#include "query/index/search_base.h"
+#include "query/search/candidates.h"
+#include "store/store.h"
+#include "vision/look/fluid_kind.h"
+
+namespace freshet::query {
+
+struct KindChoice {
+  vision::FluidKind look;
+  std::string taken{};  // the class taken by its look; empty: none was
+  /// For a person: what was taken or why nothing was, and the option that overrules it. Empty: a class was said, or
+  /// the store has one alone.
+  std::string words{};
+};
+
+/// Narrows `candidates` to the class that the picture surely looks like, where they say no class and the store has clips of
+/// it that pass their conditions. Classes are never mixed unless the look is unsure,
+/// the store lacks it, or kAnyClass is said.
+/// picture, matte   as search_candidates takes them.
+/// Throws           as search_candidates, for conditions that nothing passes.
+KindChoice choose_kind(const store::Snapshot& snapshot, const SearchBase& base, const cv::Mat& picture,
+                       const cv::Mat& matte, CandidateOptions& candidates);
+
+}  // namespace freshet::query

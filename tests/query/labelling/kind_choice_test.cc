@@ -1,0 +1,123 @@
+#include "query/labelling/kind_choice.h"
+
+#include <gtest/gtest.h>
+#include <opencv2/imgproc.hpp>
+
+#include "freshet/error.h"
+#include "query/index/index_builder.h"
+#include "query/labelling/label_request.h"
+#include "tests/stored/made_store.h"
+
+namespace freshet::query {
+namespace {
+
+/// Tongues from red at their rim to yellow at their heart, on black.
+struct Burning {
+  cv::Mat picture{240, 320, CV_8UC3, cv::Scalar(4, 4, 6)}, matte{240, 320, CV_8U, cv::Scalar(0)};
+  Burning() {
+    for (int x = 110; x <= 210; x += 25) {
+      cv::ellipse(picture, {x, 170}, {22, 62}, 0, 0, 360, {15, 70, 210}, cv::FILLED);
+      cv::ellipse(picture, {x, 180}, {14, 45}, 0, 0, 360, {40, 150, 250}, cv::FILLED);
+      cv::ellipse(picture, {x, 190}, {7, 25}, 0, 0, 360, {130, 235, 255}, cv::FILLED);
+      cv::ellipse(matte, {x, 170}, {24, 64}, 0, 0, 360, 255, cv::FILLED);
+    }
+  }
+};
+
+class Kinds : public testing::Test {
+ protected:
+  void fill(const std::vector<MadeClip>& clips) {
+    store::Store store = made_store(folder_.path() / "a.store", clips);
+    build_index(store);
+    snapshot_.emplace(store.snapshot());
+    base_.emplace(open_search(*snapshot_));
+  }
+  PreparedLabelling prepared(const std::string& class_name, double duration_s = .5) {
+    LabelRequest request{.duration_s = duration_s, .guesses = false};
+    request.options.candidates.k = 8;
+    request.options.candidates.class_name = class_name;
+    return prepare(*snapshot_, *base_, fire_.picture, fire_.matte, request);
+  }
+  Labelling labelled(const LabelOptions& options) {
+    return label(*snapshot_, *base_, fire_.picture, fire_.matte, options);
+  }
+  static bool has(const Assignment& assignment, const std::string& class_name) {
+    return std::ranges::any_of(assignment.clips,
+                               [&](const AssignedClip& clip) { return clip.class_name == class_name; });
+  }
+
+  const ScratchFolder folder_;
+  const Burning fire_;
+  std::optional<store::Snapshot> snapshot_;
+  std::optional<SearchBase> base_;
+};
+
+const std::vector<MadeClip> kMixed{{.name = "fall", .class_name = "water", .texture = 3},
+                                   {.name = "camp", .class_name = "fire", .motion = {0, -50}, .texture = 5},
+                                   {.name = "torch", .class_name = "fire", .motion = {5, -50}, .texture = 6},
+                                   {.name = "sea", .class_name = "water", .motion = {30, 0}, .texture = 7}};
+
+TEST_F(Kinds, ASureLookTakesItsClassAloneAndSaysHowToOverruleIt) {
+  fill(kMixed);
+  const PreparedLabelling seen = prepared("");
+  EXPECT_EQ(seen.kind.taken, "fire");
+  EXPECT_EQ(seen.options.candidates.class_name, "fire");
+  EXPECT_NE(seen.kind.words.find("fire only; --class any"), std::string::npos) << seen.kind.words;
+  EXPECT_FALSE(has(labelled(seen.options).assignment, "water"));
+}
+
+TEST_F(Kinds, AnyMixesAsASearchThatNamesNoClass) {
+  fill(kMixed);
+  const PreparedLabelling any = prepared("any");
+  EXPECT_EQ(any.kind.taken, "");
+  EXPECT_EQ(any.kind.words, "");
+  LabelOptions plain = any.options;
+  plain.candidates.class_name.clear();
+  const Labelling mixed = labelled(any.options), all = labelled(plain);
+  EXPECT_EQ(mixed.labels, all.labels);
+  EXPECT_EQ(mixed.search.candidates.rows, all.search.candidates.rows);
+  EXPECT_GT(mixed.search.filtered.rows.count(), labelled(prepared("").options).search.filtered.rows.count());
+}
+
+TEST_F(Kinds, AClassThatIsSaidHolds) {
+  fill(kMixed);
+  const PreparedLabelling said = prepared("water");
+  EXPECT_EQ(said.options.candidates.class_name, "water");
+  EXPECT_EQ(said.kind.words, "");
+  EXPECT_EQ(said.kind.look.name(), "fire") << "the look is told all the same";
+}
+
+TEST_F(Kinds, AStoreWithoutTheKindMixesAndSaysSo) {
+  fill({{.name = "fall", .class_name = "water"}, {.name = "sky", .class_name = "clouds", .texture = 4}});
+  const PreparedLabelling seen = prepared("");
+  EXPECT_EQ(seen.options.candidates.class_name, "");
+  EXPECT_NE(seen.kind.words.find("no clip of it"), std::string::npos) << seen.kind.words;
+}
+
+TEST_F(Kinds, ClipsThatAreTooShortAreNotTaken) {
+  fill({{.name = "fall", .class_name = "water", .seconds = 4},
+        {.name = "spark", .class_name = "fire", .seconds = 1, .texture = 4}});
+  EXPECT_EQ(prepared("", .5).kind.taken, "fire");
+  const PreparedLabelling longer = prepared("", 3);
+  EXPECT_EQ(longer.kind.taken, "");
+  EXPECT_NO_THROW(labelled(longer.options));
+}
+
+TEST_F(Kinds, AStoreOfOneClassIsNotAskedAbout) {
+  fill({{.name = "fall", .class_name = "water"}});
+  EXPECT_EQ(prepared("").kind.words, "");
+}
+
+TEST_F(Kinds, AnUnsureLookMixesAndAsks) {
+  fill(kMixed);
+  CandidateOptions candidates;
+  const cv::Mat flat(240, 320, CV_8UC3, cv::Scalar::all(90)), all(240, 320, CV_8U, cv::Scalar(255));
+  const KindChoice choice = choose_kind(*snapshot_, *base_, flat, all, candidates);
+  EXPECT_EQ(choice.taken, "");
+  EXPECT_EQ(candidates.class_name, "");
+  EXPECT_NE(choice.words.find("--class says which"), std::string::npos) << choice.words;
+  EXPECT_THROW(choose_kind(*snapshot_, *base_, flat, all.rowRange(0, 9), candidates), Error);
+}
+
+}  // namespace
+}  // namespace freshet::query
