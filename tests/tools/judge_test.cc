@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <set>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -74,6 +75,40 @@ TEST(Judge, TheKindIsSaidWithSharesAndReadings) {
   EXPECT_EQ(json.at("sure"), true) << told.out;
   EXPECT_EQ(json.at("shares").size(), 4U);
   EXPECT_EQ(json.at("readings").size(), 21U);
+}
+
+TEST(Judge, TheKindThatIsSeenIsTakenAloneUnlessAnyIsAsked) {
+  const WorkFolder folder;
+  const auto ingest = [&](const char* clip, const char* name) {
+    const Outcome done = folder.freshet({"ingest", "k.store", sample().clips / clip, "--class", name});
+    ASSERT_EQ(done.exit_code, 0) << done.err;
+  };
+  ingest("fall/2.mkv", "water");
+  ingest("river/1.mkv", "odd");
+  const auto label = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), {"query", "label", "k.store", sample().still, "--matte", sample().matte,
+                               "--frames", "16", "--json"});
+    return folder.freshet(more);
+  };
+  const auto classes = [](const nlohmann::json& json) {
+    std::set<std::string> names;
+    for (const nlohmann::json& clip : json.at("assignment").at("clips")) names.insert(clip.at("class"));
+    return names;
+  };
+  // The second of each comes from what the first left in the cache, and so would the other's if their keys were one.
+  for (int run = 0; run < 2; ++run) {
+    const Outcome seen = label({"--cache", "kept"}), any = label({"--cache", "kept", "--class", "any"});
+    ASSERT_EQ(seen.exit_code, 0) << seen.err;
+    ASSERT_EQ(any.exit_code, 0) << any.err;
+    EXPECT_NE(seen.err.find("water only; --class any for all"), std::string::npos) << seen.err;
+    EXPECT_EQ(any.err.find("looks like"), std::string::npos) << any.err;
+    const nlohmann::json one = nlohmann::json::parse(seen.out), all = nlohmann::json::parse(any.out);
+    EXPECT_EQ(one.at("looks_like").at("only"), "water");
+    EXPECT_TRUE(all.at("looks_like").at("only").is_null());
+    EXPECT_EQ(classes(one), std::set<std::string>{"water"});
+    EXPECT_GT(all.at("filters").at("steps").back().at("patches"),
+              one.at("filters").at("steps").back().at("patches"));
+  }
 }
 
 TEST(Judge, AFilmThatIsSpoiledHasMoreFaults) {
