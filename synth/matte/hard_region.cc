@@ -6,10 +6,12 @@
 #include <opencv2/imgproc.hpp>
 
 #include "freshet/error.h"
+#include "synth/matte/pass_height.h"
 
 namespace freshet::synth::matte {
 namespace {
 
+constexpr int kPassSide = 320;  // px, the longer side of the copy on which ways from the marks are looked for
 constexpr int kMinSamples = 16;  // of a side: OpenCV clusters each side's colours in five
 
 // Each pixel of the smaller picture is marked as any of the pixels that it stands for is, so that a thin
@@ -82,6 +84,21 @@ void drop_specks(cv::Mat& region, const Marks& marks, double min_area) {
           region.at<std::uint8_t>(y, x) = holes ? 255 : 0;
       }
   }
+}
+
+// What is reached from the marks of background over less than half of what lies on any way from those of fluid. Empty: nothing.
+cv::Mat beyond_passes(const cv::Mat& picture, const Marks& marks, const cv::Mat& region) {
+  const double scale = std::min(1.0, static_cast<double>(kPassSide) / std::max(picture.cols, picture.rows));
+  const cv::Size size(std::max(1, cvRound(picture.cols * scale)), std::max(1, cvRound(picture.rows * scale)));
+  cv::Mat small;
+  cv::resize(picture, small, size, 0, 0, cv::INTER_AREA);
+  const Marks small_marks = reduce(marks, size);
+  const cv::Mat relief = steepness(small);
+  cv::Mat beyond =
+      pass_heights(relief, small_marks == kBackground) < 0.5 * pass_heights(relief, small_marks == kFluid);
+  cv::resize(beyond, beyond, picture.size(), 0, 0, cv::INTER_NEAREST);
+  beyond &= region;
+  return cv::countNonZero(beyond) > 0 ? beyond : cv::Mat();
 }
 
 // Islands that hold no mark of fluid and lie farther than `reach` px from every one that does. Returns whether there were any.
@@ -182,13 +199,24 @@ cv::Mat hard_region(const cv::Mat& picture, const Marks& marks, const RegionOpti
   } else if (unknown >= 5 && samples(kBackground) >= 5) {
     cv::grabCut(small, labels, {}, background, fluid, std::max(3, options.iterations), cv::GC_INIT_WITH_MASK);
   }
-  cv::Mat region = (labels == cv::GC_FGD) | (labels == cv::GC_PR_FGD);
+  const auto found = [&]() -> cv::Mat { return (labels == cv::GC_FGD) | (labels == cv::GC_PR_FGD); };
+  cv::Mat region = found();
+
+  // 3. Colours alone take what is beyond a border too: a sky of the sea's colours. It is cut once more without.
+  if (fluid_marked && background_marked) {
+    const cv::Mat beyond = beyond_passes(small, small_marks, region);
+    if (!beyond.empty()) {
+      labels.setTo(cv::GC_BGD, beyond);
+      if (!fluid.empty()) cv::grabCut(small, labels, {}, background, fluid, 1, cv::GC_EVAL);
+      region = found();
+    }
+  }
   drop_specks(region, small_marks, options.min_island * static_cast<double>(size.area()));
   if (fluid_marked &&
       drop_far_islands(region, small_marks, options.reach * std::max(size.width, size.height)))
     note("what has the fluid's colours but lies apart from all marks is left out: mark it, if it is fluid");
 
-  // 3. Back to the picture's size, where the marks hold to the pixel.
+  // 4. Back to the picture's size, where the marks hold to the pixel.
   if (size != picture.size()) {
     cv::resize(region, region, picture.size(), 0, 0, cv::INTER_LINEAR);
     region = region > 127;

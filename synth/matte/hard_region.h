@@ -20,6 +20,9 @@ struct RegionOptions {
 /// Fluid is 255, CV_8U, the picture's size: the marks hold, and what is unknown goes to the side whose
 /// colours it has, with boundaries where the picture has edges.
 ///
+/// Where both are marked, what is reached from the background's marks over less than half of the steepness that lies on
+/// any way from the fluid's is background, whatever its colours.
+///
 /// Without a mark of fluid, all that is unknown is taken as probably fluid. Without one of background, the
 /// picture's border is background where nothing is said (a notice).
 ///

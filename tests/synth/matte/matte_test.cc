@@ -2,6 +2,8 @@
 
 #include "synth/matte/matte.h"
 
+#include <cmath>
+
 #include <gtest/gtest.h>
 
 #include <opencv2/imgproc.hpp>
@@ -92,6 +94,28 @@ TEST(Matte, WhatLooksAlikeFarFromAllMarksIsLeftOutUnlessItIsMarked) {
   const Matte both = matte_of(made, Edge::kNone);
   EXPECT_GT(cv::countNonZero(both.alpha(far)), 1'000);
   EXPECT_TRUE(both.notices.empty());
+}
+
+// As a sky of the sea's colours over a horizon.
+TEST(Matte, WhatTheBackgroundsMarksReachOverLessOfABorderIsBackground) {
+  cv::Mat picture(240, 320, CV_8UC3);
+  cv::RNG random(5);
+  for (int y = 0; y < picture.rows; ++y)
+    for (int x = 0; x < picture.cols; ++x) {
+      const double sky = 70 + 90.0 * y / 110, level = y < 110   ? sky
+                                                      : y < 116 ? 60
+                                                                : 150 + 12 * std::sin(y * 0.5);
+      const int noise = random.uniform(-3, 4);
+      picture.at<cv::Vec3b>(y, x) = cv::Vec3b(cv::saturate_cast<std::uint8_t>(level + 40 + noise),
+                                              cv::saturate_cast<std::uint8_t>(level + noise),
+                                              cv::saturate_cast<std::uint8_t>(level - 30 + noise));
+    }
+  Marks marks(picture.size(), CV_8U, cv::Scalar(kUnknown));
+  marks(cv::Rect(60, 10, 200, 6)).setTo(kBackground);
+  marks(cv::Rect(60, 180, 200, 6)).setTo(kFluid);
+  const cv::Mat region = hard_region(picture, marks, {}, "marks");
+  EXPECT_EQ(cv::countNonZero(region.rowRange(0, 108)), 0);
+  EXPECT_EQ(cv::countNonZero(region.rowRange(120, 240)), 120 * 320);
 }
 
 TEST(Matte, IsTheSameTwiceAndWhateverTheGeneratorsState) {
