@@ -47,7 +47,7 @@ synth/animate/paper: synth/sampling synth/animate/blend synth/animate/clips synt
 synth/animate/carried: vision vision/look synth/sampling synth/animate/placement synth/animate/blend synth/animate/clips synth/animate/motion synth/animate/still synth/animate/frames
 synth/animate/forms: store vision media/picture stored synth/sampling synth/playing synth/animate/clips synth/animate/still synth/animate/frames synth/animate/carried
 synth/animate: report store vision query/search query/labelling synth/animate/placement synth/animate/frames synth/animate/paper synth/animate/carried synth/animate/forms
-synth/takes: report store vision query/search query/labelling synth/judging synth/animate
+synth/takes: report store vision query/search query/labelling synth/judging synth/animate/motion synth/animate/placement synth/animate
 synth/matte: report media/picture query/search
 synth/scene/layers: media/picture synth/outline synth/matte
 synth/simulate/solver: synth/field

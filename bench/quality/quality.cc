@@ -45,6 +45,7 @@
 #include "synth/animate/placement/retiming.h"
 #include "synth/judging/colour_drift.h"
 #include "synth/judging/critic.h"
+#include "synth/takes/pace.h"
 #include "synth/takes/take.h"
 
 namespace {
@@ -200,7 +201,8 @@ class Trial {
     query::MotionGuide guide = labels.asked.rendering;
     synth::animate::Placement placement = labels.placement;
     synth::animate::Playing playing;
-    synth::takes::apply({.speed = method.speed}, 0, options, guide, playing);
+    synth::takes::apply({.speed = method.speed.value_or(1)}, 0, options, guide, playing);
+    if (!method.speed && guide.speed.empty()) playing.factor = pace_of(labels.assignment);
     if (playing.factor != 1) synth::animate::retime(placement, playing.factor, {}, case_.still.size());
     options.guide = guide;
     std::vector<cv::Mat> made;
@@ -217,9 +219,16 @@ class Trial {
  private:
   struct Labelled {
     bench::AskedOf asked;
+    query::Assignment assignment;
     synth::animate::Placement placement;
     query::LargestShares shares;
   };
+
+  double pace_of(const query::Assignment& assignment) const {
+    return synth::takes::factor_of(
+        "auto", query::largest_class(assignment).name,
+        synth::takes::filmed_speed(snapshot_, base_.settings, assignment, case_.matte), case_.still.size());
+  }
 
   const Labelled& labelled(const bench::NamedHint& hint, const bench::Method& method) {
     const std::string key = fmt::format("{}/{}", hint.name, method.labels_settings);
@@ -236,9 +245,9 @@ class Trial {
     options.candidates.direction_deg = asked.direction_deg;
     const query::Labelling labelling = query::label(snapshot_, base_, case_.still, case_.matte, options);
     return labelled_
-        .emplace(key,
-                 Labelled{std::move(asked), synth::animate::placement_from(labelling.assignment, snapshot_),
-                          query::largest_shares(labelling.assignment)})
+        .emplace(key, Labelled{std::move(asked), labelling.assignment,
+                               synth::animate::placement_from(labelling.assignment, snapshot_),
+                               query::largest_shares(labelling.assignment)})
         .first->second;
   }
 

@@ -99,8 +99,13 @@ const std::vector<Setting>& all_settings() {
          }},
         {"piece-scale", "divisor of the picture's sides before it is cut into pieces", true,
          to([](Method & m) -> auto& { return m.label.piece_scale; })},
-        {"speed", "times the speeds that are asked, else that the clips play at", false,
-         to([](Method & m) -> auto& { return m.speed; })},
+        {"speed",
+         "times the speeds that are asked, else that the clips play at; auto: as freshet synth animate has "
+         "it",
+         false,
+         [](Method& m, const std::string& text) {
+           m.speed = text == "auto" ? std::nullopt : std::optional(number(text));
+         }},
         {"own", "1: the clip itself is a candidate too", true, to([](Method & m) -> auto& { return m.own; })},
     };
     for (const synth::animate::MethodSetting& setting : synth::animate::method_settings())
@@ -128,7 +133,7 @@ const std::vector<NamedSettings>& methods() {
       {"ours", "", "the defaults"},
       {"paper", as_printed(),
        "Okabe et al. 2011 as printed, labels too: what freshet synth animate --as-printed does"},
-      {"paper-rendering", "method=paper blend=paper low-band=keep matching=frame",
+      {"paper-rendering", "method=paper blend=paper low-band=keep matching=frame speed=1",
        "its rendering alone, of our labels: averaged differences on the long exposure, matched by frame"},
       {"eulerian", "renderer=eulerian",
        "two copies of the still carried along the clip's true mean motion; no hint, no labels"},

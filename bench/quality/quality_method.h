@@ -1,6 +1,7 @@
 // quality_method.h — one way to animate, as a list of settings that differ from the defaults.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -21,8 +22,9 @@ struct Method {
   Renderer renderer = Renderer::kAnimate;
   query::LabelOptions label;
   synth::animate::AnimateOptions animate;
-  bool own = false;         // the clip itself among the candidates: what rendering alone costs
-  double speed = 1;         // times what is asked, or played (synth::takes::apply)
+  bool own = false;  // the clip itself among the candidates: what rendering alone costs
+  std::optional<double>
+      speed{};  // times what is asked, or played (synth::takes::apply); none: "auto" (synth::takes::factor_of)
   bool same_class = false;  // candidates of the clip's class alone, as one who knows what is to be seen asks
   std::string labels_settings;  // what of its settings labels depend on: methods that agree share labels
 };

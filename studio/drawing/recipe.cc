@@ -29,7 +29,7 @@ std::string recipe_lines(const Document& document, const RecipeFiles& files,
   say("frames", fmt::format("{}", document.frames));
   say("fps", fmt::format("{}", document.fps));
   if (document.loop && document.frames > 1) say("loop", "true");
-  if (document.speed != 1) say("speed", fmt::format("{}", document.speed));
+  say("speed", fmt::format("{}", document.speed));
   if (!files.tempo.empty()) say("retiming-map", toml_text(files.tempo));
   if (document.moving_outline) say("boundary", "\"moving\"");
   if (!document.flames.empty()) {

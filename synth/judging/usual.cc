@@ -7,8 +7,6 @@
 namespace freshet::synth::judging {
 namespace {
 
-constexpr std::array<std::string_view, 4> kKinds{"water", "fire", "smoke", "clouds"};
-
 constexpr std::array<MeasureWords, kMeasures> kWords{{
     {Measure::kRecurrence, "comes_again", "", "the same forms come back", "",
      "a shorter --detail-life, --layout stands for falls and rapids, --method forms for fires"},

@@ -1,6 +1,7 @@
 // synth/judging/usual.h — what footage itself reads, by kind of fluid: beyond it a measure counts as a fault.
 #pragma once
 
+#include <array>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -35,11 +36,14 @@ struct MeasureWords {
 };
 const MeasureWords& words_of(Measure measure);
 
+/// Classes of a store of which what is usual is known.
+inline constexpr std::array<std::string_view, 4> kKinds{"water", "fire", "smoke", "clouds"};
+
 /// Between which readings there is no fault, and how far beyond them there is a fault of 1.
 struct Usual {
   double from = -1e9, until = 0, step = 1;
 };
-/// kind   a store's class: water, fire, smoke, clouds; any other: the mean of these.
+/// kind   a store's class, of kKinds; any other: the mean of these.
 /// Not of kSpeed, which has a range.
 Usual usual_of(Measure measure, std::string_view kind);
 

@@ -175,6 +175,10 @@ TEST(Speed, APaceIsAFactorOfPlayingByTheKind) {
   const auto last = [&](const std::string& film) { return cv::imread(folder / film / "00015.png"); };
   EXPECT_GT(cv::norm(last("slow"), last("fast"), cv::NORM_INF), 8);
   EXPECT_NE(animate(folder, "wrong", {"--speed", "quick"}).exit_code, 0);
+  // Nobody knows what is usual for the sample's classes: as filmed, unless a pace is asked.
+  ASSERT_EQ(animate(folder, "itself", {"--class", "fall"}).exit_code, 0);
+  ASSERT_EQ(animate(folder, "filmed", {"--speed", "1", "--class", "fall"}).exit_code, 0);
+  EXPECT_EQ(cv::norm(last("itself"), last("filmed"), cv::NORM_INF), 0);
 }
 
 }  // namespace

@@ -22,11 +22,12 @@ void PlayOptions::add_to(CLI::App& command) {
             pace_ = number ? "" : given;
             if (!number) speed_ = 1;
           },
-          "How fast everything plays: 1 as filmed, 0.5 slow motion, 2 twice as fast; or slow, natural, fast: "
-          "as the "
-          "kind of fluid goes at the picture's size")
-      ->check(CLI::IsMember({"slow", "natural", "fast"}) | CLI::Range(0.05, 20.0))
-      ->default_str("1")
+          "How fast everything plays: 1 as filmed, 0.5 slow motion, 2 twice as fast; slow, natural, fast: as "
+          "the "
+          "kind of fluid goes at the picture's size; auto: half-way from as filmed to natural, or as filmed "
+          "where speeds are asked or the class is none of water, fire, smoke and clouds")
+      ->check(CLI::IsMember({"auto", "slow", "natural", "fast"}) | CLI::Range(0.05, 20.0))
+      ->default_str("auto")
       ->group(group);
   command
       .add_option("--retiming-map", map_,

@@ -16,7 +16,7 @@ class PlayOptions {
   void add_to(CLI::App& command);
   /// Sets loop and memory.
   void apply(synth::animate::FrameOptions& options) const;
-  /// "slow", "natural" or "fast", as the kind of fluid has it at the picture's size; empty: a factor was given.
+  /// As synth::takes::factor_of has it; empty: a factor was given.
   const std::string& pace() const { return pace_; }
   /// Reads the map and says what had to be changed about it. The factor is 1 where a pace is asked.
   synth::animate::Playing read(cv::Size picture) const;
@@ -24,7 +24,7 @@ class PlayOptions {
  private:
   bool loop_ = false;
   double speed_ = 1;
-  std::string pace_;
+  std::string pace_ = "auto";
   std::filesystem::path map_;
   int memory_mb_ = 2000;
 };

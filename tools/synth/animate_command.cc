@@ -10,6 +10,7 @@
 #include "synth/animate/motion/motion_field.h"
 #include "synth/animate/placement/assigned.h"
 #include "synth/judging/usual.h"
+#include "synth/takes/pace.h"
 #include "tools/console/run_context.h"
 #include "vision/look/fluid_kind.h"
 
@@ -153,18 +154,17 @@ ChosenPatches choose_patches(const AnimateCommand& command, const store::Snapsho
 void pace_it(const store::Snapshot& snapshot, AnimateInputs& inputs, const query::Assignment& assignment,
              const std::string& kind) {
   if (inputs.pace.empty()) return;
-  const cv::Size picture = inputs.loaded.picture.size();
-  const cv::Mat motion = synth::animate::motion_field(
-      snapshot, stored::settings_of(snapshot), synth::animate::placement_from(assignment, snapshot), picture);
-  std::vector<cv::Mat> parts;
-  cv::split(motion, parts);
-  cv::Mat speed;
-  cv::magnitude(parts[0], parts[1], speed);
-  const double filmed = cv::mean(speed, inputs.loaded.matte > 127)[0];
-  const double wanted = synth::judging::speed_of(kind, inputs.pace, picture);
-  inputs.playing.factor = std::clamp(wanted / std::max(filmed, 1e-3), 0.05, 20.0);
-  say(fmt::format("--speed {}: {:.0f} px/s is usual for {}; as filmed {:.0f}, so it plays at {:.2f}",
-                  inputs.pace, wanted, kind.empty() ? "all kinds" : kind, filmed, inputs.playing.factor));
+  const bool asked = !inputs.asked.guide.speed.empty(), itself = inputs.pace == "auto";
+  if (!(itself && asked)) {
+    const cv::Size picture = inputs.loaded.picture.size();
+    const double filmed =
+        synth::takes::filmed_speed(snapshot, stored::settings_of(snapshot), assignment, inputs.loaded.matte);
+    inputs.playing.factor = synth::takes::factor_of(inputs.pace, kind, filmed, picture);
+    if (inputs.playing.factor != 1)
+      say(fmt::format("--speed {}: {:.0f} px/s is usual for {}; as filmed {:.0f}, so it plays at {:.2f}",
+                      inputs.pace, synth::judging::speed_of(kind, itself ? "natural" : inputs.pace, picture),
+                      kind.empty() ? "all kinds" : kind, filmed, inputs.playing.factor));
+  }
   inputs.pace.clear();
 }
 

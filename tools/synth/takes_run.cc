@@ -24,8 +24,11 @@ std::optional<takes::Trial> choose_take(const store::Snapshot& snapshot, Animate
   // Forms carry nothing whose motion could be written.
   if (const std::function<void(const cv::Mat&)>* sink = inputs.motion_sink(); sink == nullptr || *sink)
     varied.method = false;
-  const std::vector<takes::Take> planned =
+  std::vector<takes::Take> planned =
       takes::plan_takes(kind, inputs.options, inputs.asked.guide, varied, count);
+  for (takes::Take& take : planned)
+    if (take.speed != 1 && inputs.asked.guide.speed.empty())
+      take.options = fmt::format("--speed {:.3g}", inputs.playing.factor * take.speed);
   const bool judged = inputs.options.frames >= synth::judging::kFewestFrames &&
                       cv::countNonZero(inputs.loaded.matte > 127) > 0;
   if (planned.size() < 2 || !judged) {
