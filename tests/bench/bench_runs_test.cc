@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
@@ -140,6 +141,40 @@ TEST(BenchRuns, EachPrintsTheNamesOfItsPublishedTable) {
   }
   std::istringstream targets(FRESHET_BENCH_TARGETS);
   for (std::string name; targets >> name;) EXPECT_TRUE(ran.contains(name)) << name << " is run by no test";
+}
+
+/// The pixel deepest inside what is white, in a picture reduced or enlarged to 640 px on its longer side, as TOML.
+std::string deepest(const cv::Mat& white) {
+  cv::Mat depth;
+  cv::distanceTransform(white, depth, cv::DIST_L2, cv::DIST_MASK_5);
+  cv::Point at;
+  cv::minMaxLoc(depth, nullptr, nullptr, nullptr, &at);
+  const double scale = 640.0 / std::max(white.cols, white.rows);
+  return fmt::format("[[{:.0f}, {:.0f}], [{:.0f}, {:.0f}]]", scale * at.x, scale * at.y, scale * at.x,
+                     scale * at.y + 40);
+}
+
+TEST(BenchRuns, FirstTakesOfAPictureComeToAFilmASheetAndARow) {
+  const WorkFolder folder;
+  const cv::Mat matte = cv::imread(sample().matte, cv::IMREAD_GRAYSCALE);
+  const std::string name = fs::path(sample().still).stem().string(), on = deepest(matte > 150);
+  std::ofstream(folder / "asks.toml")
+      << fmt::format("[{}]\nkind = \"fall\"\non = [{}]\nbeside = [{}]\nstrokes = [{}]\n[away]\n", name, on,
+                     deepest(matte < 100), on);
+  const Outcome outcome =
+      folder.run({"/usr/bin/python3", FRESHET_SOURCE_DIR "/bench/takes/first_takes.py", FRESHET_EXECUTABLE,
+                  sample().store, fs::path(sample().still).parent_path(), "takes", "--asks", "asks.toml",
+                  "--kinds", "--frames", "12"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_NE(outcome.err.find("away: not in"), std::string::npos) << outcome.err;
+  EXPECT_NE(outcome.out.find("| " + name + " | "), std::string::npos) << outcome.out;
+  const std::string head = outcome.out.substr(0, outcome.out.find('\n')),
+                    chapter = text_of(FRESHET_SOURCE_DIR "/docs/measurements/first_takes.md");
+  for (const char* const column : {"looks like", "faults", "worst"}) {
+    EXPECT_NE(head.find(column), std::string::npos) << head;
+    EXPECT_NE(chapter.find(column), std::string::npos) << column;
+  }
+  EXPECT_FALSE(cv::imread(folder / "takes" / (name + ".png")).empty());
 }
 
 }  // namespace
