@@ -2,7 +2,9 @@
 
 #include <cmath>
 #include <numbers>
+#include <string>
 
+#include "freshet/error.h"
 #include "query/labelling/motion_guess.h"
 #include "query/search/picture_scale.h"
 
@@ -47,6 +49,8 @@ PreparedLabelling prepare(const store::Snapshot& snapshot, const SearchBase& bas
   PreparedLabelling prepared{.options = request.options, .kind = {}, .guess = {}};
   LabelOptions& options = prepared.options;
   options.piece_scale = request.piece_scale.value_or(auto_piece_scale(picture.size()));
+  if (options.piece_scale > kMaxPieceScale)
+    throw Error(ErrorKind::kUsage, "piece scale " + std::to_string(options.piece_scale), "1 to 16 expected");
   options.candidates.min_duration_s = request.duration_s;
   options.guide = guide_of_animation(request, picture.size());
   if (!options.guide.direction.empty()) options.candidates.direction_deg.reset();

@@ -21,8 +21,7 @@ double auto_piece_scale(cv::Size picture) {
 }
 
 cv::Size reduced_size(cv::Size picture, double scale) {
-  if (!(scale >= 1 && scale <= kMaxPieceScale))
-    throw Error(ErrorKind::kUsage, "piece scale " + std::to_string(scale), "1 to 16 expected");
+  if (!(scale >= 1)) throw Error(ErrorKind::kUsage, "scale " + std::to_string(scale), "at least 1 expected");
   return {std::max(1, static_cast<int>(std::lround(picture.width / scale))),
           std::max(1, static_cast<int>(std::lround(picture.height / scale)))};
 }

@@ -19,7 +19,7 @@ inline constexpr double kMaxPieceScale = 16;
 double auto_piece_scale(cv::Size picture);
 
 /// The size of the picture that is searched: px, rounded, at least 1.
-/// Throws Error{kUsage} for a scale out of range.
+/// Throws Error{kUsage} for a scale below 1.
 cv::Size reduced_size(cv::Size picture, double scale);
 
 /// A picture or matte of reduced_size, by averages of areas; at scale 1 the same one, not copied.

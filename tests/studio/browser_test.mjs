@@ -156,6 +156,14 @@ async function settled(page, timeout = 240000) {
   );
 }
 
+/** Waits until the canvas keeps its place and size. */
+async function still(page) {
+  for (let before = null, now = await shown(page); JSON.stringify(before) !== JSON.stringify(now); ) {
+    await page.waitForTimeout(200);
+    [before, now] = [now, await shown(page)];
+  }
+}
+
 test("a picture becomes an animation in nine clicks, and its export is the command line's", async () => {
   const page = await open(url);
   await page.getByText("Drop a picture").waitFor();
@@ -808,6 +816,8 @@ test("three doors: an example moves at once, is guessed, told how fast, and anot
   await page.keyboard.press("Control+z");
   await until(async () => JSON.stringify((await document(id)).strokes) === JSON.stringify(before.strokes));
   await page.keyboard.press("t");
+  await others.first().waitFor({ state: "hidden" }); // the canvas grows into the strip's place
+  await still(page);
 
   // A click holds what lies there, up to its edge: the headland, of another colour than the sky.
   await page.keyboard.press("h");

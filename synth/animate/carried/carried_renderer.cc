@@ -244,7 +244,7 @@ class CarriedRenderer final : public Renderer {
     const PiecesCanvas canvas(animation_.placement, still_.luma.size());
     std::vector<cv::Mat> shares =
         layout_shares(animation_.snapshot, animation_.placement,
-                      vision::levels_within(still_.target.size(), options_.contrast.levels));
+                      std::max(1, vision::levels_within(still_.target.size(), options_.contrast.levels)));
     for (cv::Mat& share : shares)
       share = canvas.sampled(lattice.over_canvas(share, kShareReach), field_->step(), field_->size());
     return LayoutShare(std::move(shares), still_.alpha);

@@ -212,16 +212,8 @@ ChosenForm in_pixels(const Canvas& canvas, const Seat& seat, const ClipForms& cl
 std::vector<ChosenForm> choose_forms(const PartedStill& still, std::span<const ClipForms> clips,
                                      double seconds) {
   // Seats are found on as coarse samples as the clips'.
-  const double by =
-      std::max(1.0, std::max(still.level.cols, still.level.rows) / static_cast<double>(kFormSamples));
-  cv::Mat reduced;
-  cv::resize(still.level, reduced, {}, 1 / by, 1 / by, cv::INTER_AREA);
   std::vector<ChosenForm> chosen;
-  for (Seat seat : seats_of(reduced)) {
-    const double across = still.level.cols / static_cast<double>(reduced.cols);
-    const double down = still.level.rows / static_cast<double>(reduced.rows);
-    for (double* x : {&seat.left, &seat.right, &seat.first, &seat.last}) *x *= across;
-    for (double* y : {&seat.top, &seat.bed}) *y *= down;
+  for (const Seat& seat : seats_reduced(still.level, kFormSamples)) {
     if (seat.height() < 8 || seat.width() < 4) continue;
     const Canvas canvas = canvas_of(still.level, seat);
     std::vector<Laid> laid = by_means(canvas, seat, clips);

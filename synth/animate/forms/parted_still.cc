@@ -14,6 +14,7 @@
 namespace freshet::synth::animate {
 namespace {
 
+constexpr int kSeatSamples = 200;
 constexpr float kSoft = 0.07f;  // levels to either side of the threshold
 constexpr double kLowestThreshold = 0.2, kHighestThreshold = 0.55;
 constexpr double kAround = 0.06;  // of the picture's longer side: surroundings of the matte that are compared
@@ -75,20 +76,6 @@ double threshold_of(const cv::Mat& luma, const cv::Mat& where) {
     if (variance > best) best = variance, found = at;
   }
   return std::clamp((found + 0.5) / 255, kLowestThreshold, kHighestThreshold);
-}
-
-/// In px of the picture.
-std::vector<Seat> seats_of_picture(const cv::Mat& shine) {
-  const double by = std::max(1.0, std::max(shine.cols, shine.rows) / 200.0);
-  cv::Mat reduced;
-  cv::resize(shine, reduced, {}, 1 / by, 1 / by, cv::INTER_AREA);
-  std::vector<Seat> seats = seats_of(reduced);
-  for (Seat& seat : seats) {
-    for (double* x : {&seat.left, &seat.right, &seat.first, &seat.last})
-      *x *= static_cast<double>(shine.cols) / reduced.cols;
-    for (double* y : {&seat.top, &seat.bed}) *y *= static_cast<double>(shine.rows) / reduced.rows;
-  }
-  return seats;
 }
 
 /// Leaves and reflections that are as bright as a flame, far from any.
@@ -180,7 +167,7 @@ PartedStill part(const cv::Mat& picture, const cv::Mat& alpha) {
   };
   const cv::Mat whole = light_of(picture);
   cv::Mat shine = lighter_than(threshold - kSoft, threshold + kSoft);
-  const std::vector<Seat> seats = seats_of_picture(shine);
+  const std::vector<Seat> seats = seats_reduced(shine, kSeatSamples);
   const cv::Mat embers = embers_of(whole, luma, shine, seats);
   cv::multiply(shine, 1 - embers, shine);
   drop_specks(shine, kGlow * side);

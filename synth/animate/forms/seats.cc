@@ -77,6 +77,20 @@ std::vector<Seat> seats_of(const cv::Mat& level) {
   return seats;
 }
 
+std::vector<Seat> seats_reduced(const cv::Mat& level, int samples) {
+  const double by = std::max(1.0, std::max(level.cols, level.rows) / static_cast<double>(samples));
+  cv::Mat reduced;
+  cv::resize(level, reduced, {std::max(1, cvRound(level.cols / by)), std::max(1, cvRound(level.rows / by))},
+             0, 0, cv::INTER_AREA);
+  std::vector<Seat> seats = seats_of(reduced);
+  for (Seat& seat : seats) {
+    for (double* x : {&seat.left, &seat.right, &seat.first, &seat.last})
+      *x *= level.cols / static_cast<double>(reduced.cols);
+    for (double* y : {&seat.top, &seat.bed}) *y *= level.rows / static_cast<double>(reduced.rows);
+  }
+  return seats;
+}
+
 Seat together(const std::vector<Seat>& seats, int columns) {
   Seat all = seats.front();
   for (const Seat& seat : seats) {

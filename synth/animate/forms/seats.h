@@ -21,6 +21,8 @@ struct Seat {
 /// level   CV_32F, 0..1, of some 200 px a side.
 std::vector<Seat> seats_of(const cv::Mat& level);
 inline constexpr int kMaxSeats = 5;
+/// The same of a larger level, reduced to `samples` along its longer side; in its own pixels.
+std::vector<Seat> seats_reduced(const cv::Mat& level, int samples);
 
 /// All of them as one fire. seats  at least one. columns  of the frame.
 Seat together(const std::vector<Seat>& seats, int columns);

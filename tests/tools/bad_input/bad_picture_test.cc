@@ -61,6 +61,17 @@ TEST_F(BadPicture, WhatIsNoPicture) {
   expect_failure(query(sample().still, {"--matte", "text.png"}), 1, {"text.png: not a picture"});
 }
 
+TEST_F(BadPicture, ALineOfPixelsIsAnimated) {
+  for (const cv::Size size : {cv::Size(1, 65535), {3000, 2}, {1, 1}}) {
+    cv::Mat line(size, CV_8UC3);
+    cv::randu(line, 0, 255);
+    cv::imwrite(folder_ / "line.png", line);
+    const Outcome outcome = folder_.freshet({"synth", "animate", sample().store, "line.png", "--whole",
+                                             "--frames", "2", "-o", "out.mkv", "--overwrite"});
+    EXPECT_EQ(outcome.exit_code, 0) << size << outcome.err;
+  }
+}
+
 TEST_F(BadPicture, AVideoIsNamedAsOne) {
   std::ofstream(folder_ / "clip.mp4") << "whatever";
   for (const Outcome& refused : {query("clip.mp4"), query(sample().still, {"--matte", "clip.mp4"})})

@@ -35,5 +35,18 @@ TEST(Seats, ATipThatCameOffBelongsToTheFireBelow) {
 
 TEST(Seats, WhereNothingShinesThereAreNone) { EXPECT_TRUE(seats_of(cv::Mat::zeros(kSize, CV_32F)).empty()); }
 
+TEST(Seats, AreFoundOnFewSamplesInPixelsOfTheWhole) {
+  const cv::Mat level =
+      cv::max(flame({800, 480}, {200, 400}, 120, 240), flame({800, 480}, {600, 360}, 80, 120));
+  const std::vector<Seat> all = seats_of(level), few = seats_reduced(level, 200);
+  ASSERT_EQ(few.size(), all.size());
+  for (std::size_t i = 0; i < few.size(); ++i) {
+    EXPECT_NEAR(few[i].bed, all[i].bed, 8);
+    EXPECT_NEAR(few[i].left, all[i].left, 8);
+    EXPECT_NEAR(few[i].share, all[i].share, 0.02);
+  }
+  EXPECT_TRUE(seats_reduced(cv::Mat::zeros(1, 3000, CV_32F), 200).empty());
+}
+
 }  // namespace
 }  // namespace freshet::synth::animate
