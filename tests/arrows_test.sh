@@ -76,8 +76,9 @@ studio/jobs:
 studio/ways: cache synth/simulate/design studio/drawing
 studio: cache store media/frame media/picture media/video hints vision stored query/index query/search query/labelling synth/animate/motion synth/judging synth/takes synth/animate synth/matte synth/scene work studio/drawing studio/jobs studio/ways
 studio/http: studio
-library: store media/frame media/picture media/video hints vision stored ingest query/index query/labelling query/benchmark synth/outline synth/animate synth/matte synth/simulate/design synth/simulate synth/transfer synth/transfer/files
+library: store media/frame media/picture media/video hints vision stored ingest query/index query/labelling query/benchmark synth/outline synth/animate synth/matte synth/simulate/design synth/simulate synth/tour synth/transfer synth/transfer/files
 python/binding:
+python/binding/ways: python/binding
 tools/console: store media/frame media/picture media/video query/index
 tools/options: cache store starter media/picture media/video hints vision vision/look query/index query/mrf query/search query/costs synth/outline synth/animate/frames synth/animate synth/matte tools/console
 tools: work report store store/rewrite media/frame media/video stored ingest query/index synth/toml starter studio studio/http tools/console tools/options
@@ -154,7 +155,7 @@ END {
 # Python has a file for each public header; callbacks and stopping (job.h) are bound with calls.
 for header in include/freshet/*.h; do
   name=$(basename "$header" .h)
-  [ "$name" = job ] || [ -e "python/binding/$name.cc" ] || { echo "$header: there is no python/binding/$name.cc" && false; }
+  [ "$name" = job ] || [ -n "$(find python/binding -name "$name.cc")" ] || { echo "$header: no $name.cc in python/binding" && false; }
 done
 
 # The page: no circle of imports between its modules.

@@ -57,3 +57,5 @@ cmp deep.mkv same.mkv
 "$prefix/bin/freshet" synth simulate plume --size 96x80 --frames 4 -o design > log 2>&1
 build/transfer design still.png matte.png look.mkv
 [ -s look.mkv ]
+build/tour out.mkv tour.mkv | grep -q '^8 frames of 192 x 144$'
+[ -s tour.mkv ]

@@ -29,6 +29,7 @@ void bind_frames(py::module_& module);
 void bind_animate(py::module_& module);
 void bind_ingest(py::module_& module);
 void bind_simulate(py::module_& module);
+void bind_tour(py::module_& module);
 void bind_transfer(py::module_& module);
 void bind_sample(py::module_& module);
 void bind_benchmark(py::module_& module);

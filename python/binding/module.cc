@@ -16,6 +16,7 @@ PYBIND11_MODULE(_freshet, module) {
   bind_animate(module);
   bind_ingest(module);
   bind_simulate(module);
+  bind_tour(module);
   bind_transfer(module);
   bind_sample(module);
   bind_benchmark(module);

@@ -15,10 +15,10 @@ import json as _json
 from . import _freshet
 from ._freshet import (
     AnimateReport, Candidate, Clip, Error, Footage, Frames, IngestedClip, Labelling, Matte, MotionGuide, PatchTable,
-    PatchVariant, Picture, SampledPatch, Sampler, Search, SearchProblem, SimulatedFrame, Simulation, Store, UsedClip,
-    VideoWriter, __version__, animate, histograms_of, ingest, label, nearest_by_histograms, nearest_by_words,
+    PatchVariant, Picture, SampledPatch, Sampler, Search, SearchProblem, SimulatedFrame, Simulation, Store, Tour,
+    TourFrame, UsedClip, VideoWriter, __version__, animate, histograms_of, ingest, label, nearest_by_histograms, nearest_by_words,
     read_matte, read_picture, read_strokes, recall, search, search_many, search_problem, simulate, simulation_presets,
-    transfer, write_animation)
+    tour, tour_moves, transfer, write_animation)
 
 
 def benchmark(store, index, pictures=(), **options):
@@ -37,7 +37,7 @@ def benchmark(store, index, pictures=(), **options):
 __all__ = [
     "AnimateReport", "Candidate", "Clip", "Error", "Footage", "Frames", "IngestedClip", "Labelling", "Matte",
     "MotionGuide", "PatchTable", "PatchVariant", "Picture", "SampledPatch", "Sampler", "Search", "SearchProblem",
-    "SimulatedFrame", "Simulation", "Store", "UsedClip", "VideoWriter", "animate", "benchmark", "histograms_of",
+    "SimulatedFrame", "Simulation", "Store", "Tour", "TourFrame", "UsedClip", "VideoWriter", "animate", "benchmark", "histograms_of",
     "ingest", "label", "nearest_by_histograms", "nearest_by_words", "read_matte", "read_picture", "read_strokes",
-    "recall", "search", "search_many", "search_problem", "simulate", "simulation_presets", "transfer",
+    "recall", "search", "search_many", "search_problem", "simulate", "simulation_presets", "tour", "tour_moves", "transfer",
     "write_animation"]

@@ -24,6 +24,14 @@ bool reads_as_still(const std::filesystem::path& path) {
 
 }  // namespace
 
+FilmEnd parse_film_end(const std::string& name) {
+  if (name == "repeat") return FilmEnd::kRepeat;
+  if (name == "ping-pong") return FilmEnd::kPingPong;
+  if (name == "hold") return FilmEnd::kHold;
+  throw Error(ErrorKind::kUsage, "film end " + name, "a film does not end so",
+              "Choose repeat, ping-pong or hold");
+}
+
 struct Film::Length {
   int frames = 0;
   bool comes_round = false;

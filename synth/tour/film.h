@@ -21,6 +21,9 @@ enum class FilmEnd {
   kHold,      // the last stays
 };
 
+/// "repeat", "ping-pong", "hold"; Error{kUsage}.
+FilmEnd parse_film_end(const std::string& name);
+
 class Film {
  public:
   /// Throws Error{kInput} naming the file, as VideoReader and media::read_still do.

@@ -5,6 +5,7 @@
 #include <set>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <opencv2/imgproc.hpp>
 
 #include "freshet/error.h"
@@ -217,6 +218,33 @@ std::string tour_keys() {
          "\n[[thing]]: stands upright on the floor and faces the viewer; behind it the picture is filled "
          "in\n" +
          key_lines(key_texts(thing_keys()));
+}
+
+void change(TourPlan& plan, const std::string& move, std::optional<double> amount,
+            std::optional<double> horizon) {
+  const auto refuse = [](const std::string& what, const std::string& fault, const std::string& remedy) {
+    throw Error(ErrorKind::kUsage, what, fault, remedy);
+  };
+  if (!move.empty() && !plan.keys.empty())
+    refuse("--move " + move, plan.file.string() + " has a path of keys",
+           "Leave the move out, or take the tables [[key]] out of the file");
+  if (amount && !plan.keys.empty())
+    refuse("--amount", plan.file.string() + " has a path of keys, and no move",
+           "Leave it out, or take the tables [[key]] out of the file");
+  if (horizon && plan.relative)
+    refuse("--horizon", plan.file.string() + " has relative = true, and this is in px",
+           "Say the horizon in the file");
+  if (!move.empty()) {
+    const auto at = std::ranges::find(move_names(), move);
+    if (at == move_names().end())
+      refuse("move " + move, "there is no such move",
+             fmt::format("Choose one of {}", fmt::join(move_names(), ", ")));
+    plan.move = static_cast<Move>(at - move_names().begin());
+  }
+  if (amount && !(std::abs(*amount) <= 100))
+    refuse("amount", fmt::format("{} is out of range", *amount), "Give -100 to 100");
+  plan.amount = amount.value_or(plan.amount);
+  if (horizon) plan.horizon = horizon;
 }
 
 Mesh mesh_of(const TourPlan& plan, cv::Size picture) {

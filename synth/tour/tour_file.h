@@ -45,6 +45,10 @@ struct TourPlan {
 TourPlan read_tour(const std::filesystem::path& path);
 /// The same from text. name   stands for the file.
 TourPlan parse_tour(std::string_view text, const std::filesystem::path& name);
+/// What is said above the file. move   a name of move_names(); empty, and nothing: the file's.
+/// Throws Error{kUsage}: an unknown move, a move or an amount beside keys, a horizon in px where the file's is relative.
+void change(TourPlan& plan, const std::string& move, std::optional<double> amount,
+            std::optional<double> horizon);
 /// Every key with unit, range and default, for a person.
 std::string tour_keys();
 

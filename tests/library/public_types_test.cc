@@ -14,6 +14,7 @@
 #include "freshet/picture.h"
 #include "freshet/sample.h"
 #include "freshet/simulate.h"
+#include "freshet/tour.h"
 #include "freshet/transfer.h"
 #include "tests/harness/fault.h"
 
@@ -24,8 +25,9 @@ template <class T>
 constexpr bool never_null = !std::is_default_constructible_v<T>;
 static_assert(never_null<Store> && never_null<Search> && never_null<Labelling>);
 static_assert(never_null<Footage> && never_null<Sampler>);
-static_assert(never_null<VideoWriter> && never_null<Simulation>);
-static_assert(!std::is_move_constructible_v<VideoWriter> && !std::is_move_constructible_v<Simulation>);
+static_assert(never_null<VideoWriter> && never_null<Simulation> && never_null<Tour>);
+static_assert(!std::is_move_constructible_v<VideoWriter> && !std::is_move_constructible_v<Simulation> &&
+              !std::is_move_constructible_v<Tour>);
 
 TEST(PublicTypes, WhatIsMissingIsNamedByAnError) {
   EXPECT_EQ(kind_of([] { Store("/no/such.store"); }), ErrorKind::kInput);
@@ -33,6 +35,8 @@ TEST(PublicTypes, WhatIsMissingIsNamedByAnError) {
   EXPECT_EQ(kind_of([] { VideoWriter("/no/such/folder/a.mp4", {64, 64}); }), ErrorKind::kIo);
   EXPECT_EQ(kind_of([] { VideoWriter("a.unknown", {64, 64}); }), ErrorKind::kUsage);
   EXPECT_EQ(kind_of([] { Simulation({.scene = "no such scene"}); }), ErrorKind::kUsage);
+  EXPECT_EQ(kind_of([] { Tour("/no/film.mp4"); }), ErrorKind::kInput);
+  EXPECT_EQ(kind_of([] { Tour("/no/film.mp4", {.move = "spin"}); }), ErrorKind::kUsage);
   EXPECT_EQ(kind_of([] {
               transfer({.alpha = "/no/alpha", .flow = "/no/flow"}, {.exemplar = "/no.png"},
                        [](const cv::Mat&) {});

@@ -171,6 +171,24 @@ class Searches(unittest.TestCase):
                                        self.scene.folder / "fall_matte.png", frames=2))
         self.assertEqual([(frame.shape, frame.dtype) for frame in frames], 2 * [((80, 96, 4), numpy.float32)])
 
+    @covers("tour", "tour_moves", "Tour", "Tour.size", "Tour.fps", "Tour.notices", "Tour.__len__", "Tour.__next__",
+            "Tour.__iter__", "TourFrame", "TourFrame.picture", "TourFrame.depth")
+    def test_a_camera_goes_through_a_picture(self):
+        self.assertIn("truck", freshet.tour_moves())
+        made = freshet.tour(self.scene.folder / "fall.png", move="truck", horizon=50, frames=4, size=(96, 72))
+        self.assertIsInstance(made, freshet.Tour)
+        self.assertEqual((made.size, len(made), made.fps), ((96, 72), 4, 25))
+        self.assertTrue(any("narrowed" in notice for notice in made.notices))
+        first = next(made)
+        self.assertIsInstance(first, freshet.TourFrame)
+        self.assertEqual((first.picture.shape, first.depth.shape), ((72, 96, 3), (72, 96)))
+        self.assertEqual(first.depth.max(), numpy.float32(1e10))  # the sky
+        rest = [frame.picture for frame in made]
+        self.assertEqual(len(rest), 3)
+        self.assertTrue((rest[2] != first.picture).any())
+        with self.assertRaises(freshet.Error):
+            freshet.tour(self.scene.folder / "fall.png", move="spin")
+
     def test_wrong_pictures_are_refused(self):
         store = freshet.Store(self.scene.store)
         for picture, matte in ((self.scene.matte, None), (self.scene.picture, self.scene.matte[:-1])):

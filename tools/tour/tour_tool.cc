@@ -41,24 +41,7 @@ struct TourCommand {
 /// The file, and what the command line says above it.
 tour::TourPlan plan_of(const TourCommand& command) {
   tour::TourPlan plan = command.plan.empty() ? tour::TourPlan{} : tour::read_tour(command.plan);
-  if (!command.move.empty()) {
-    if (!plan.keys.empty())
-      throw Error(ErrorKind::kUsage, "--move " + command.move, command.plan.string() + " has a path of keys",
-                  "Leave the move out, or take the tables [[key]] out of the file");
-    plan.move = static_cast<tour::Move>(std::ranges::find(tour::move_names(), command.move) -
-                                        tour::move_names().begin());
-  }
-  if (command.amount && !plan.keys.empty())
-    throw Error(ErrorKind::kUsage, "--amount", command.plan.string() + " has a path of keys, and no move",
-                "Leave it out, or take the tables [[key]] out of the file");
-  plan.amount = command.amount.value_or(plan.amount);
-  if (command.horizon) {
-    plan.horizon = command.horizon;
-    if (plan.relative)
-      throw Error(ErrorKind::kUsage, "--horizon",
-                  command.plan.string() + " has relative = true, and this is in px",
-                  "Say the horizon in the file");
-  }
+  tour::change(plan, command.move, command.amount, command.horizon);
   return plan;
 }
 
@@ -67,9 +50,7 @@ tour::TourOptions options_of(const TourCommand& command) {
   options.frames = command.frames;
   options.fps = command.fps;
   if (!command.size.empty()) options.size = parse_size(command.size);
-  options.film_end = command.film_end == "ping-pong" ? tour::FilmEnd::kPingPong
-                     : command.film_end == "hold"    ? tour::FilmEnd::kHold
-                                                     : tour::FilmEnd::kRepeat;
+  options.film_end = tour::parse_film_end(command.film_end);
   options.memory_bytes = static_cast<std::size_t>(command.memory_mb) << 20;
   return options;
 }
