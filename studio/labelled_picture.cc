@@ -14,7 +14,7 @@
 #include "query/labelling/labelling_memo.h"
 #include "query/labelling/shares.h"
 #include "studio/clip_strip.h"
-#include "synth/judging/usual.h"
+#include "synth/takes/pace.h"
 
 namespace freshet::studio {
 namespace {
@@ -93,27 +93,13 @@ Json candidate_json(const LabelledPicture& labelled, stored::Row row, float scor
           {"y", table.y[row]},        {"corners", corners}};
 }
 
-/// px/s of the picture, mean over its pieces, as their patches were filmed.
-double filmed_speed(const LabelledPicture& labelled) {
-  const query::CandidateSearch& search = labelled.labelling.search;
-  const stored::PatchTable& table = labelled.store->base.table;
-  double sum = 0;
-  for (std::size_t i = 0; i < labelled.labelling.labels.size(); ++i) {
-    const stored::Row row = search.candidates.rows_of(i)[labelled.labelling.labels[i]];
-    sum += std::hypot(table.mean_u[row], table.mean_v[row]);
-  }
-  const double count = static_cast<double>(std::max<std::size_t>(1, labelled.labelling.labels.size()));
-  return labelled.labelling.assignment.piece_scale * sum / count;
-}
-
-/// How fast it plays (Document::speed) to be slow, natural or fast, as the kind of most pieces has it.
+/// How fast it plays (Document::speed) to be slow, natural or fast, as --speed of the command line has it.
 Json paces_json(const LabelledPicture& labelled) {
   const query::Assignment& assignment = labelled.labelling.assignment;
-  const double filmed = std::max(filmed_speed(labelled), 1e-3);
   const std::string kind = query::largest_class(assignment).name;
   Json paces = Json::object();
   for (const char* const pace : {"slow", "natural", "fast"})
-    paces[pace] = std::clamp(synth::judging::speed_of(kind, pace, assignment.picture) / filmed, 0.05, 20.0);
+    paces[pace] = synth::takes::factor_of(pace, kind, labelled.filmed_speed, assignment.picture);
   return paces;
 }
 
@@ -149,8 +135,13 @@ query::LabelRequest request_of(const Document& document, cv::Size picture) {
 LabelledPicture label_picture(std::shared_ptr<const StoreBase> store, const cv::Mat& picture,
                               const cv::Mat& matte, const Document& document, cache::ResultCache* cache,
                               const Job& job) {
-  LabelledPicture labelled{
-      .store = std::move(store), .request = {}, .kind = {}, .labelling = {}, .pinned = {}, .notices = {}};
+  LabelledPicture labelled{.store = std::move(store),
+                           .request = {},
+                           .kind = {},
+                           .labelling = {},
+                           .pinned = {},
+                           .notices = {},
+                           .filmed_speed = {}};
   const store::Snapshot& snapshot = labelled.store->snapshot;
   const query::SearchBase& base = labelled.store->base;
   std::optional<query::LabellingMemo> memo;
@@ -176,6 +167,7 @@ LabelledPicture label_picture(std::shared_ptr<const StoreBase> store, const cv::
   if (const std::string warning = query::shares_warning(assignment, query::largest_shares(assignment));
       !warning.empty())
     labelled.notices.push_back(warning);
+  labelled.filmed_speed = synth::takes::filmed_speed(snapshot, base.settings, assignment, matte);
   return labelled;
 }
 

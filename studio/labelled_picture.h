@@ -23,6 +23,7 @@ struct LabelledPicture {
   query::Labelling labelling;
   std::vector<bool> pinned;          // of each piece
   std::vector<std::string> notices;  // for a person: what was guessed, what was left out
+  double filmed_speed;               // synth::takes::filmed_speed
 };
 
 /// The request that the command line makes of a project.toml of this document.

@@ -513,30 +513,42 @@ TEST_F(Server, APinnedPieceHasItsPatch) {
     EXPECT_EQ(after["candidates"][0][what], other[what]) << what;
 }
 
-/// Exports, and makes the same by the command line that the answer names.
-void expect_same_bytes(RunningStudio& running, const std::string& id, const std::string& name,
-                       const Json& asked) {
-  Json request = asked;
-  request["name"] = name;
-  const httplib::Result answer = running.send("POST", "api/projects/" + id + "/exports", request.dump());
-  ASSERT_TRUE(answer);
-  ASSERT_EQ(answer->status, 200) << answer->body;
+/// A film that was exported, and the command line that the answer names.
+struct Exported {
+  fs::path folder;
+  std::string command;
+};
+
+Exported exported(RunningStudio& running, const std::string& id, const std::string& name, Json asked) {
+  asked["name"] = name;
+  const httplib::Result answer = running.send("POST", "api/projects/" + id + "/exports", asked.dump());
+  if (!answer || answer->status != 200) throw std::runtime_error(answer ? answer->body : "no answer");
   running.studio().jobs().wait();
   const Json told = Json::parse(answer->body);
   for (const Json& job : running.json("api/jobs"))
     if (job["id"] == told["job"]) {
       EXPECT_NE(job["state"], "failed") << job;
     }
-  const fs::path folder = told["folder"].get<std::string>();
-  const std::string made = tools::text_of(folder / "exports" / name);
-  ASSERT_FALSE(made.empty());
-  fs::rename(folder / "exports" / name, folder / "exports" / ("studio-" + name));
-  std::string line = told["command"];
+  return {told["folder"].get<std::string>(), told["command"]};
+}
+
+tools::Outcome made_again(RunningStudio& running, const Exported& film, const std::string& options = {}) {
+  std::string line = film.command + options;
   line.replace(0, std::string("freshet").size(), tools::executable());
-  const tools::Outcome outcome =
-      running.folder().run({"sh", "-c", "cd '" + folder.string() + "' && " + line});
+  return running.folder().run({"sh", "-c", "cd '" + film.folder.string() + "' && " + line});
+}
+
+/// What it exports, and what the command line makes of it again, are the same bytes.
+void expect_same_bytes(RunningStudio& running, const std::string& id, const std::string& name,
+                       const Json& asked) {
+  const Exported film = exported(running, id, name, asked);
+  const fs::path file = film.folder / "exports" / name;
+  const std::string made = tools::text_of(file);
+  ASSERT_FALSE(made.empty());
+  fs::rename(file, film.folder / "exports" / ("studio-" + name));
+  const tools::Outcome outcome = made_again(running, film);
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
-  EXPECT_EQ(tools::text_of(folder / "exports" / name) == made, true) << "the bytes of " << name << " differ";
+  EXPECT_EQ(tools::text_of(file) == made, true) << "the bytes of " << name << " differ";
 }
 
 TEST_F(Server, WhatItExportsTheCommandLineMakesAgain) {
@@ -576,6 +588,20 @@ TEST_F(Server, PaintedPaceIsTheCommandLinesToo) {
   running().draw(id, {{"speed", 0.5}});
   expect_same_bytes(running(), id, "half.mkv", Json::object());
   EXPECT_TRUE(tools::text_of(exports / "slow.mkv") == tools::text_of(exports / "half.mkv"));
+}
+
+TEST_F(Server, APaceThatIsChosenIsTheCommandLinesToo) {
+  const std::string id = running().open_still("chosen.png");
+  running().draw(id, drawing());
+  const Exported film = exported(running(), id, "filmed.mkv", Json::object());
+  const Json paces = running().json("api/projects/" + id + "/pieces")["paces"];
+  for (const char* const pace : {"slow", "natural", "fast"}) {
+    SCOPED_TRACE(pace);
+    const tools::Outcome made = made_again(running(), film, std::string(" --overwrite --speed ") + pace);
+    EXPECT_EQ(made.exit_code, 0) << made.err;
+    EXPECT_NE(made.err.find(fmt::format("plays at {:.2f}", paces[pace].get<double>())), std::string::npos)
+        << made.err << paces;
+  }
 }
 
 TEST_F(Server, ABrushedDirectionIsTheCommandLinesToo) {
