@@ -1,6 +1,6 @@
 # embed(SOURCE FILE...)
-# Makes text files part of a source file: #include "embedded/NAME" in it is a string literal that holds the file. What was
-# built from it needs no file beside it, installed or not.
+# Makes text files part of a source file: #include "embedded/NAME" in it is a string literal that holds the file. What
+# was built from it needs no file beside it, installed or not.
 function(embed source)
   foreach(file IN LISTS ARGN)
     cmake_path(GET file FILENAME name)

@@ -1,5 +1,5 @@
-# What `cmake --install` puts where, and the Debian packages that cpack makes of it. Components: freshet (program, pages,
-# completions, desktop entry), library (the shared library), dev (headers, find_package, pkg-config), python.
+# What `cmake --install` puts where, and the Debian packages that cpack makes of it. Components: freshet (program,
+# pages, completions, desktop entry), library (the shared library), dev (headers, find_package, pkg-config), python.
 include(CMakePackageConfigHelpers)
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/freshet)
 

@@ -12,8 +12,8 @@ function(targets_below folder result)
   set(${result} ${found} PARENT_SCOPE)
 endfunction()
 
-# precompile(KIND [SHARED] FOLDERS <folder>.. LIBRARIES <what the headers need>.. OPTIONS <option>.. HEADERS <header>..): the
-# headers for the programs and archives below the folders, which are compiled with the options too.
+# precompile(KIND [SHARED] FOLDERS <folder>.. LIBRARIES <what the headers need>.. OPTIONS <option>.. HEADERS
+# <header>..): the headers for the programs and archives below the folders, which are compiled with the options too.
 function(precompile kind)
   cmake_parse_arguments(PARSE_ARGV 1 arg "SHARED" "" "FOLDERS;LIBRARIES;OPTIONS;HEADERS")
   set(carrier freshet_precompiled_${kind})

@@ -1,7 +1,8 @@
 #!/bin/sh
 # Installs the packages that are missing (Debian 12, as root or through sudo) and builds a preset.
 # usage: cmake/prepare.sh [--for PURPOSES] PRESET [TARGET...]
-# PURPOSES   of packages, in one word with commas, as cmake/debian-packages.txt has them: build, page, tests, bench [all]
+# PURPOSES   of packages, in one word with commas, as cmake/debian-packages.txt has them: build, page, tests, bench
+#            [all]
 set -eu
 cd "$(dirname "$0")/.."
 purposes=build,page,tests,bench
@@ -42,7 +43,8 @@ if [ -n "$missing" ]; then
   $root env DEBIAN_FRONTEND=noninteractive apt-get $wait install -y -qq --no-install-recommends $missing >&2
 fi
 
-# A tree that has tests and benches keeps them; a new one has what packages were asked for. Other presets say it themselves.
+# A tree that has tests and benches keeps them; a new one has what packages were asked for. Other presets say it
+# themselves.
 configure=
 [ -f "build/$preset/build.ninja" ] || configure=" "
 if [ "$preset" = release ]; then

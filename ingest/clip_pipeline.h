@@ -49,8 +49,8 @@ using FrameSource = std::function<std::optional<media::Frame>()>;
 /// Throws   Error{kInput}: no frames, fewer than kMinAnalysedFrames, what the source throws;
 ///          Error{kCancelled}.
 /// Memory   two slabs of frames with their luma, one slab of quantised flow and the accumulators' sums by
-///          pixel, whatever the clip's length; 40 bytes per frame of times and changes; what the store's transaction has yet
-///          to write, at most some 64 MB. Peak of a process: 177 MB at 640 x 360, 430 MB at 1280 x 720.
+///          pixel, whatever the clip's length; 40 bytes per frame of times and changes; what the store's transaction
+///          has yet to write, at most some 64 MB. Peak of a process: 177 MB at 640 x 360, 430 MB at 1280 x 720.
 ClipMeasures stream_clip(const FrameSource& next, double fps, const std::string& where,
                          const vision::Settings& settings, store::ClipWriter& writer,
                          const std::function<void(std::uint32_t)>& on_slab, const std::stop_token& stop,

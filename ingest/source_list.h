@@ -27,8 +27,8 @@ struct Source {
 /// The list is in media::natural_less order of names ("f9" before "f10", ties by bytes), the same on every
 /// machine. The same path given twice is listed once.
 ///
-/// Sources of equal contents are of one shard, so that of them the same one is ingested for any number of shards: of one of
-/// several the first 64 KB of each source are read.
+/// Sources of equal contents are of one shard, so that of them the same one is ingested for any number of shards: of
+/// one of several the first 64 KB of each source are read.
 ///
 /// Throws Error{kInput} when a path does not exist or cannot be listed, and when there is no clip at all;
 /// Error{kUsage} for a shard outside 1..count.

@@ -28,8 +28,8 @@ struct SteadyLimits {
   double max_step = 0.01;  // rms from frame to frame, of the diagonal: beyond it frames are blurred
 };
 
-/// Of windows first..last - 1, the longest run from the first on whose frames can be made steady; its windows' number, 0
-/// if there is none, and then the reason.
+/// Of windows first..last - 1, the longest run from the first on whose frames can be made steady; its windows' number,
+/// 0 if there is none, and then the reason.
 struct SteadyRun {
   std::size_t windows = 0;
   std::string refusal;

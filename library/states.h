@@ -50,7 +50,8 @@ struct Labelling::Impl {
   query::Assignment assignment;
 };
 
-/// Throws Error{kUsage} for what is no BGR picture of 8 bits, or a matte that is neither empty nor 8-bit grey of its size.
+/// Throws Error{kUsage} for what is no BGR picture of 8 bits, or a matte that is neither empty nor 8-bit grey of its
+/// size.
 void check_picture(const cv::Mat& picture, const cv::Mat& matte);
 /// Throws Error{kUsage} for a number of candidates out of range.
 void check_count(int k);

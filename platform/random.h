@@ -7,7 +7,8 @@ namespace freshet {
 
 constexpr std::uint64_t kSplitMixStep = 0x9e3779b97f4a7c15ULL;
 
-/// One draw of SplitMix64 (Steele, Lea, Flood 2014), which is also a hash of 64 bits: every input bit reaches every output bit.
+/// One draw of SplitMix64 (Steele, Lea, Flood 2014), which is also a hash of 64 bits: every input bit reaches every
+/// output bit.
 inline std::uint64_t scramble(std::uint64_t x) {
   x += kSplitMixStep;
   x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9ULL;
@@ -30,7 +31,8 @@ class SplitMix64 {
   std::uint64_t state_;
 };
 
-/// One stream of draws, where a value is a function of (seed, stream, index) alone. at(i) may be asked in any order from any thread; next draws walk i upwards.
+/// One stream of draws, where a value is a function of (seed, stream, index) alone. at(i) may be asked in any order
+/// from any thread; next draws walk i upwards.
 class Random {
  public:
   Random(std::uint64_t seed, std::uint64_t stream) : key_(scramble(scramble(seed) + stream)) {}

@@ -1,4 +1,5 @@
-// platform/unfinished_files.h — files that a process which is ended in the midst of its work leaves behind unless it is told.
+// platform/unfinished_files.h — files that a process which is ended in the midst of its work leaves behind unless it is
+// told.
 #pragma once
 
 #include <filesystem>

@@ -13,7 +13,8 @@ namespace freshet::report {
 std::string page_html(std::string_view title, std::string_view body);
 
 /// A template with each {{name}} in it filled. Values are HTML, and are not looked into.
-/// Names of the template that have no value stay, and those of values that the template does not ask for are passed over.
+/// Names of the template that have no value stay, and those of values that the template does not ask for are passed
+/// over.
 std::string filled(std::string_view text,
                    const std::vector<std::pair<std::string_view, std::string>>& values);
 

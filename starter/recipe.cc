@@ -12,7 +12,8 @@
 namespace freshet::starter {
 namespace {
 
-/// Raised where the same recipe gives other bytes than before (tests/starter pins them): stores of old stay what they were.
+/// Raised where the same recipe gives other bytes than before (tests/starter pins them): stores of old stay what they
+/// were.
 constexpr int kVersion = 1;
 
 // clang-format off

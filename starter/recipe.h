@@ -15,8 +15,8 @@ struct RecipeClip {
   synth::simulate::SceneOptions scene;
 };
 
-/// Clips in the order in which they are made. TOML: size, frames and fps for all, and a table [[clip]] for each, with name
-/// and the keys of a ready-made clip (synth simulate --keys).
+/// Clips in the order in which they are made. TOML: size, frames and fps for all, and a table [[clip]] for each, with
+/// name and the keys of a ready-made clip (synth simulate --keys).
 struct Recipe {
   std::string text;
   std::vector<RecipeClip> clips;
@@ -28,7 +28,8 @@ struct Recipe {
 /// The one that Freshet brings (starter.toml).
 Recipe own_recipe();
 /// name   stands for the file in messages.
-/// Throws Error{kInput} naming file, line and key: what read_clip refuses, a name without a class or given twice, odd sizes.
+/// Throws Error{kInput} naming file, line and key: what read_clip refuses, a name without a class or given twice, odd
+/// sizes.
 Recipe parse_recipe(std::string_view text, const std::filesystem::path& name);
 
 }  // namespace freshet::starter

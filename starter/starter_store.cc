@@ -93,8 +93,8 @@ struct Workshop {
   }
 };
 
-/// OpenCV takes other instructions on other processors, and DIS flow then has other last bits: while one lives, all take
-/// those that each x86-64 has. Of the whole process.
+/// OpenCV takes other instructions on other processors, and DIS flow then has other last bits: while one lives, all
+/// take those that each x86-64 has. Of the whole process.
 class SameOpenCvEverywhere {
  public:
   SameOpenCvEverywhere() { cv::setUseOptimized(false); }

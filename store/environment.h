@@ -78,14 +78,15 @@ class Environment : public std::enable_shared_from_this<Environment> {
   /// The most of `wanted` bytes, or of half of it and so on, that can be mapped in place of the present map.
   std::size_t mappable(std::size_t wanted) const;
   void resize_map(std::size_t bytes);
-  /// Throws Error{kIo} when the file has no longer the name that it was opened by: what is written into it would be lost
-  /// with it, and readers that find it by another name lock another file.
+  /// Throws Error{kIo} when the file has no longer the name that it was opened by: what is written into it would be
+  /// lost with it, and readers that find it by another name lock another file.
   void expect_in_place() const;
   void end(MDB_txn* txn);
   /// The same for the one writer: other threads wait here, where begin_mutex_ is free.
   MDB_txn* begin_write();
   void end_write(MDB_txn* txn);
-  /// Takes pages off the file's end that no committed state has: what an undone transaction has written out. The writer's.
+  /// Takes pages off the file's end that no committed state has: what an undone transaction has written out. The
+  /// writer's.
   void cut_uncommitted();
 
   std::filesystem::path file_;
@@ -133,7 +134,8 @@ class ReadTransaction {
 };
 
 /// The one writer's transaction; it belongs to the thread that made it. Destruction without commit undoes it.
-/// Memory  some kMostUnwritten of values, whatever is put: the rest has been written to pages that nothing leads to yet.
+/// Memory  some kMostUnwritten of values, whatever is put: the rest has been written to pages that nothing leads to
+///         yet.
 class WriteTransaction {
  public:
   explicit WriteTransaction(std::shared_ptr<Environment> environment);

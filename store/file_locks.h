@@ -14,9 +14,9 @@ inline constexpr off_t kWriterByte = kUserByte + 1;  // writes
 inline constexpr off_t kUnlockedReaderByte =
     kUserByte + 2;  // reads without LMDB's lock file: no writer may begin
 
-/// Which of LMDB's lock files, each a byte of this range, whoever reads or writes the store is using: shared its own byte, and
-/// of a writer alone all others. By another name of the store, or after its lock file was removed, there is another one, in
-/// which a writer would not see the readers whose pages it uses again.
+/// Which of LMDB's lock files, each a byte of this range, whoever reads or writes the store is using: shared its own
+/// byte, and of a writer alone all others. By another name of the store, or after its lock file was removed, there is
+/// another one, in which a writer would not see the readers whose pages it uses again.
 inline constexpr off_t kLockFileBytes = off_t{1} << 61, kLockFiles = off_t{1} << 61;
 
 /// type   F_RDLCK, F_WRLCK or F_UNLCK. False when another open file stands against it.

@@ -26,8 +26,8 @@ class ClipWriter;
 /// An open store. Copies share it. One process opens a given file once at a time for writing.
 ///
 /// Several files can be opened as one, by their names or by that of a list (store_list.h): the store that merging them
-/// would make, but for its bytes. Clips are numbered through the files in their order; of clips from the same source the
-/// first is there.
+/// would make, but for its bytes. Clips are numbered through the files in their order; of clips from the same source
+/// the first is there.
 class Store {
  public:
   /// Creates a store file with the given settings (JSON, kept as they are; they take part in the digest).
@@ -39,8 +39,8 @@ class Store {
   /// Opens for reading. Needs no write permission, neither on the file nor on its folder.
   /// Throws Error{kInput} when there is no such file or it is no store, Error{kDamaged} when it was one.
   static Store open_read(const std::filesystem::path& path);
-  /// Several as one. Throws also Error{kInput} when settings differ, or two clips of one name come from different sources:
-  /// then, or when the snapshot is taken.
+  /// Several as one. Throws also Error{kInput} when settings differ, or two clips of one name come from different
+  /// sources: then, or when the snapshot is taken.
   static Store open_read(std::span<const std::filesystem::path> paths);
   /// Opens for reading and writing. Throws as open_read, and Error{kIo} when another process is writing.
   static Store open_write(const std::filesystem::path& path);
@@ -161,8 +161,8 @@ class Snapshot {
   bool has_column(ClipId id, std::string_view name) const;
   /// Rows of a column, by the records that are there and not by the clip's word. Throws as column(); reads no payload.
   std::uint64_t column_rows(ClipId id, std::string_view name) const;
-  /// Has the system fetch a column that is about to be read, and waits for nothing; of one that is not there nothing. Where
-  /// a page is missed instead, it reads on for megabytes: of five million patches all 7 GB, for half a gigabyte.
+  /// Has the system fetch a column that is about to be read, and waits for nothing; of one that is not there nothing.
+  /// Where a page is missed instead, it reads on for megabytes: of five million patches all 7 GB, for half a gigabyte.
   void prefetch_column(ClipId id, std::string_view name) const;
   /// Of several files nothing when they do not all have the same.
   std::optional<std::vector<std::byte>> blob(std::string_view name) const;

@@ -144,10 +144,10 @@ void WriteTransaction::put(Table table, ByteSpan key, ByteSpan value) {
   if (unwritten_ > kMostUnwritten) write_out();
 }
 
-// LMDB writes dirty pages out before the commit when it may run out of room for a list of 131,071 of them, but a value of
-// many pages takes one place in that list: 131,071 values of 256 KB would be 34 GB of memory. There is no call for it. It
-// makes room before it looks at what is put, though: a value of some 100,000 pages asks for all of the room there is, and
-// as its key is a table's name, it is then refused, with nothing changed.
+// LMDB writes dirty pages out before the commit when it may run out of room for a list of 131,071 of them, but a value
+// of many pages takes one place in that list: 131,071 values of 256 KB would be 34 GB of memory. There is no call for
+// it. It makes room before it looks at what is put, though: a value of some 100,000 pages asks for all of the room
+// there is, and as its key is a table's name, it is then refused, with nothing changed.
 void WriteTransaction::write_out() {
   MDB_val name{std::strlen(kTableNames[0]), const_cast<char*>(kTableNames[0])};
   MDB_val value{std::size_t{100'000} * environment_->page_bytes(), nullptr};

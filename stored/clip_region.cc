@@ -21,7 +21,8 @@ cv::Rect with_margin(cv::Rect region, cv::Size frame) {
   return {left, top, end(frame.width, region.br().x) - left, end(frame.height, region.br().y) - top};
 }
 
-/// Whether a sample of chroma covers whole pixels everywhere. Else swscale spreads it a little wider over the whole frame
+/// Whether a sample of chroma covers whole pixels everywhere. Else swscale spreads it a little wider over the whole
+/// frame
 /// (76 samples over 151 px), which no part of it repeats.
 bool chroma_is_even(const media::PixelLayout& layout) {
   const auto fit = [](int pixels, int samples) { return pixels % samples == 0 || samples % pixels == 0; };

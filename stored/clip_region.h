@@ -14,7 +14,8 @@ namespace freshet::stored {
 enum class Shown { kBgr, kLuma };  // CV_8UC3 as media::to_bgr, CV_8U as media::to_luma
 
 /// Frames [first, first + count) of a rectangle, to the bit what whole frames show there. Decodes the tiles under the
-/// rectangle and a margin of 8 px alone, on the calling thread; of frames of odd sides with fewer samples of chroma all.
+/// rectangle and a margin of 8 px alone, on the calling thread; of frames of odd sides with fewer samples of chroma
+/// all.
 /// layout   ClipFrames::layout of the clip.
 /// region   px, inside the frame.
 /// Throws   Error{kDamaged}.

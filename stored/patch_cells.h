@@ -34,8 +34,8 @@ struct BandPlace {
   int finer;        // and the next coarser one
   double fraction;  // of the coarser one
 };
-/// A variant of scale s shows a source wavelength s times as long: band b of it is band b - log2(s) of the source, beyond
-/// the coarsest that one, and before the finest that.
+/// A variant of scale s shows a source wavelength s times as long: band b of it is band b - log2(s) of the source,
+/// beyond the coarsest that one, and before the finest that.
 inline BandPlace source_band(int band, float scale) {
   const double at = std::clamp(band - std::log2(static_cast<double>(scale)), 0.0, vision::kLifeBands - 1.0);
   const int finer = std::min(static_cast<int>(at), vision::kLifeBands - 2);

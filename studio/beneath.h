@@ -2,7 +2,8 @@
 //
 // A folder may come from somebody else, with links in it that lead to this user's own files. So every folder on the way
 // to a file is opened by itself, from the one before, and none of them, nor the file, may be a symbolic link. (What
-// openat2 does with RESOLVE_NO_SYMLINKS and RESOLVE_BENEATH; this makes folders on its way too, and needs no Linux 5.6.)
+// openat2 does with RESOLVE_NO_SYMLINKS and RESOLVE_BENEATH; this makes folders on its way too, and needs no Linux
+// 5.6.)
 #pragma once
 
 #include <cstddef>
@@ -46,8 +47,8 @@ std::string read_beneath(const std::filesystem::path& folder, const std::filesys
 void write_beneath(const std::filesystem::path& folder, const std::filesystem::path& within,
                    std::string_view bytes);
 
-/// For a command that opens the folder's files itself. Throws Error{kInput} naming the first symbolic link in it, however
-/// deep.
+/// For a command that opens the folder's files itself. Throws Error{kInput} naming the first symbolic link in it,
+/// however deep.
 void expect_no_links(const std::filesystem::path& folder);
 
 }  // namespace freshet::studio

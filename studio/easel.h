@@ -50,8 +50,8 @@ class Easel {
   std::shared_ptr<const LabelledPicture> labelled() const;
   /// Whether the labels are those of this document.
   bool is_labelled(const Document& document) const;
-  /// Makes the takes of the animation that is there (found_takes.h), and tells "takes". Throws Error{kNotFound} before there
-  /// is any, and as studio::find_takes.
+  /// Makes the takes of the animation that is there (found_takes.h), and tells "takes". Throws Error{kNotFound} before
+  /// there is any, and as studio::find_takes.
   void find_takes(const Job& job);
   std::shared_ptr<const FoundTakes> takes() const;  // the last ones; null: none were asked for
   /// By its number, of the two that are kept.
@@ -62,8 +62,8 @@ class Easel {
   std::string field_json() const;
   /// What there is: matte, reels, labels, problem.
   std::string overview_json() const;
-  /// JPEG of a part of the picture, its longer side at most so many px. part   px; cut at the picture's edges; empty: all
-  /// of it. Throws Error{kNotFound} for a part beside the picture.
+  /// JPEG of a part of the picture, its longer side at most so many px. part   px; cut at the picture's edges; empty:
+  /// all of it. Throws Error{kNotFound} for a part beside the picture.
   std::string picture_jpeg(const cv::Rect& part, int longest) const;
   /// PNG, white, with the matte as its alpha.
   std::string matte_png(const cv::Mat& alpha, int longest) const;

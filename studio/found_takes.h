@@ -1,4 +1,5 @@
-// studio/found_takes.h — other takes of an animation, small, for a page to choose from; and where the present one is worst.
+// studio/found_takes.h — other takes of an animation, small, for a page to choose from; and where the present one is
+// worst.
 #pragma once
 
 #include <cstdint>
@@ -24,8 +25,8 @@ struct FoundTakes {
 };
 
 /// Makes each take 240 px wide, and judges it (synth/takes).
-/// "change" is what a document takes over for a take: "speed", "detail_life", "layout", "flames"; times "pace" for speeds
-/// of strokes, or "own_speeds".
+/// "change" is what a document takes over for a take: "speed", "detail_life", "layout", "flames"; times "pace" for
+/// speeds of strokes, or "own_speeds".
 /// Throws Error{kInput} for less than 8 frames, Error{kCancelled}.
 FoundTakes find_takes(const LabelledPicture& labelled, const Document& document, const Scene& scene,
                       const Job& job);

@@ -62,8 +62,8 @@ class Project {
   /// Takes it over. Throws Error{kInput} when it is none of this picture's.
   void give_matte(const std::filesystem::path& bytes);
 
-  /// What the page can undo: JSON that means nothing to us. "null": nothing. Throws Error{kInput} for what is no JSON, or
-  /// more than 4 MB.
+  /// What the page can undo: JSON that means nothing to us. "null": nothing. Throws Error{kInput} for what is no JSON,
+  /// or more than 4 MB.
   void write_history(std::string_view json);
   std::string history() const;
 
@@ -85,8 +85,8 @@ class Project {
   void expect_export(const std::string& name) const;
   /// exports/NAME. Throws Error{kNotFound}, for links too.
   std::shared_ptr<const OpenFile> open_export(const std::string& name) const;
-  /// What `synth animate -o` is told for it, from the project's folder: "exports/fall.mp4"; for a sequence, of pictures,
-  /// "exports/fall/fall.####.exr".
+  /// What `synth animate -o` is told for it, from the project's folder: "exports/fall.mp4"; for a sequence, of
+  /// pictures, "exports/fall/fall.####.exr".
   static std::string export_output(const std::string& name);
 
  private:

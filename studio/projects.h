@@ -40,15 +40,15 @@ class Projects {
   void remove(const std::string& id);
   /// Returns the new id, of project_name(name). Throws Error{kUsage} where another project has it.
   std::string rename(const std::string& id, const std::string& name);
-  /// A copy, without what was exported and what the ways made. longest   px that its picture is reduced to, and what was
-  /// drawn is left out; 0: as it is. Returns its id.
+  /// A copy, without what was exported and what the ways made. longest   px that its picture is reduced to, and what
+  /// was drawn is left out; 0: as it is. Returns its id.
   std::string duplicate(const std::string& id, int longest);
   std::string thumbnail_of(const std::string& project) const { return thumbnail(folder_of(project)); }
   std::shared_ptr<Easel> easel(const std::string& project);
   /// Document, version, size and what has been computed; brings it up to date where it is not.
   std::string to_json(const std::string& project);
-  /// Takes a changed document. Returns JSON with "version" and the "job" that brings it up to date, or with the document
-  /// of somebody else where `base` is old.
+  /// Takes a changed document. Returns JSON with "version" and the "job" that brings it up to date, or with the
+  /// document of somebody else where `base` is old.
   struct Saved {
     bool taken = false;
     std::string json;
@@ -59,8 +59,8 @@ class Projects {
   JobId update(const std::string& project);
   /// Takes of its animation (Easel::find_takes), in the lane of previews: the next change stops them.
   JobId find_takes(const std::string& project);
-  /// Until the previews of a project have made what an animation reads of it. Throws Error{kUsage} where they could not,
-  /// and Error{kCancelled}.
+  /// Until the previews of a project have made what an animation reads of it. Throws Error{kUsage} where they could
+  /// not, and Error{kCancelled}.
   void await_previews(const std::string& project, const Easel& easel, const Job& job) const;
 
  private:

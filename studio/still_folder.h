@@ -10,8 +10,8 @@ namespace freshet::studio {
 /// In the order of their names; empty where there are none. project   its folder.
 std::vector<std::string> still_names(const std::filesystem::path& project);
 
-/// file   moved; a still of the same bytes and name is there once. name   as a person called it, of which a plain one is
-///        made.
+/// file   moved; a still of the same bytes and name is there once. name   as a person called it, of which a plain one
+///        is made.
 /// Throws Error{kInput} for a name that is no PNG's, JPEG's or TIFF's; Error{kUsage} above kMostStills; Error{kIo}.
 void add_still(const std::filesystem::path& project, const std::filesystem::path& file,
                const std::string& name);

@@ -1,4 +1,5 @@
-// studio/ways.h — what commands make of a project: its export, films of the ways of ways/way.h, and what they are given.
+// studio/ways.h — what commands make of a project: its export, films of the ways of ways/way.h, and what they are
+// given.
 #pragma once
 
 #include <cstdint>
@@ -27,11 +28,12 @@ class Ways {
 
   /// Its commands, run as one job. Told as "way" when its film is there.
   JobId run(const std::string& project, const std::string& way);
-  /// The way's film, made again by the same commands, as a file in exports/ or, with the ending of a picture, a folder of
-  /// them. Returns its "job", "folder" and "command". Throws Error{kUsage} for a way whose film is MP4 alone.
+  /// The way's film, made again by the same commands, as a file in exports/ or, with the ending of a picture, a folder
+  /// of them. Returns its "job", "folder" and "command". Throws Error{kUsage} for a way whose film is MP4 alone.
   std::string export_film(const std::string& project, const std::string& way, const std::string& name);
-  /// Its "film", a number that another film does not have, or null; its "commands"; what the last one "found", and "made",
-  /// a number as the film's, or null; the names of what is "shown"; and what it "lacks", in words, before it can be run.
+  /// Its "film", a number that another film does not have, or null; its "commands"; what the last one "found", and
+  /// "made", a number as the film's, or null; the names of what is "shown"; and what it "lacks", in words, before it
+  /// can be run.
   std::string to_json(const std::string& project, const std::string& way);
   /// Throws Error{kNotFound} before it is made.
   std::shared_ptr<const OpenFile> film(const std::string& project, const std::string& way);
@@ -48,7 +50,8 @@ class Ways {
   static work::Command export_command(const std::string& program, const Project& project,
                                       const std::string& name, const std::vector<std::string>& options);
 
-  /// PNG, white, with the matte that a layer's scribbles mean as its alpha, for the eye: a draft. Throws Error{kNotFound}.
+  /// PNG, white, with the matte that a layer's scribbles mean as its alpha, for the eye: a draft. Throws
+  /// Error{kNotFound}.
   std::string layer_matte_png(const std::string& project, std::uint64_t layer);
 
   /// The stills of the project's scene (still_folder.h).
@@ -65,8 +68,8 @@ class Ways {
   std::string clips_json(const std::string& project);
   /// The first frame, as it is, JPEG. own   the project's, else its store's. Throws Error{kNotFound}, Error{kInput}.
   std::string clip_frame(const std::string& project, const std::string& clip, bool own);
-  /// A project of the clip's first frame, begun with it; or the one that there is already. file   moved. endless   the clip
-  /// goes on without an end in it. Returns its id.
+  /// A project of the clip's first frame, begun with it; or the one that there is already. file   moved. endless   the
+  /// clip goes on without an end in it. Returns its id.
   std::string open_clip(const std::filesystem::path& file, const std::string& name, bool endless);
   /// The same of a clip of a store: one that goes on without an end; or, as_stills, kStillsOfAClip frames of it as the
   /// stills of a scene. clip   its place in the store.

@@ -1,6 +1,6 @@
 #!/bin/sh
-# Fails when an #include goes against the arrows of docs/architecture.md, between rooms or inside one, when modules of the
-# page import each other in a circle, or when a folder holds more units than a reader can keep in mind.
+# Fails when an #include goes against the arrows of docs/architecture.md, between rooms or inside one, when modules of
+# the page import each other in a circle, or when a folder holds more units than a reader can keep in mind.
 # usage: tests/arrows_test.sh ROOT
 set -eu
 cd "$1"

@@ -1,8 +1,10 @@
 #!/bin/bash
-# The Debian packages of a build with BUILD_SHARED_LIBS and FRESHET_PYTHON install on a bare Debian 12 (debootstrap, apt) and
-# work there: a store of simulated clips is made, searched and animated, by the program, by Python and by a program that is
-# compiled against libfreshet-dev. Needs root, debootstrap and a mirror; some 400 MB are fetched. By hand, not in the suite.
-# usage: tests/bare_debian_test.sh ROOT BUILD [BARE [MIRROR]]   BARE: a folder that debootstrap has made, which is changed
+# The Debian packages of a build with BUILD_SHARED_LIBS and FRESHET_PYTHON install on a bare Debian 12 (debootstrap,
+# apt) and work there: a store of simulated clips is made, searched and animated, by the program, by Python and by a
+# program that is compiled against libfreshet-dev. Needs root, debootstrap and a mirror; some 400 MB are fetched. By
+# hand, not in the suite.
+# usage: tests/bare_debian_test.sh ROOT BUILD [BARE [MIRROR]]   BARE: a folder that debootstrap has made, which is
+# changed
 set -euo pipefail
 root=$(realpath "$1") build=$(realpath "$2") mirror=${4:-http://deb.debian.org/debian}
 scratch=$(mktemp -d)

@@ -1,6 +1,6 @@
 #!/bin/sh
-# Manual pages and completions made from the help say what the program does; the Debian packages unpack into a root where
-# the program runs; lintian finds nothing that is not answered; the source archive configures with no git.
+# Manual pages and completions made from the help say what the program does; the Debian packages unpack into a root
+# where the program runs; lintian finds nothing that is not answered; the source archive configures with no git.
 # usage: tests/package_test.sh ROOT BUILD
 set -eu
 root=$1 build=$2

@@ -1,6 +1,6 @@
 #!/bin/bash
-# contrib/slurm on a Slurm of its own: one machine, two virtual nodes, of which one at a time is killed while jobs run on
-# it. What comes out is what one run without Slurm makes.
+# contrib/slurm on a Slurm of its own: one machine, two virtual nodes, of which one at a time is killed while jobs run
+# on it. What comes out is what one run without Slurm makes.
 # usage: tests/slurm_test.sh ROOT FRESHET [KILLS]   kills of each of the two parts, at random moments; 1
 set -euo pipefail
 root=$(realpath "$1") FRESHET=$(realpath "$2") kills=${3:-1}

@@ -1,7 +1,8 @@
 #!/bin/bash
-# freshet work on a nats-server of its own: workers, their commands and the server are killed while they work. What comes out
-# is what one run without a queue makes.
-# usage: tests/work_test.sh FRESHET [KILLS [SHARDS]]   kills, at random moments, half of them for each of the two parts; 4, 4, with FRESHET_LONG=1 50, 8
+# freshet work on a nats-server of its own: workers, their commands and the server are killed while they work. What
+# comes out is what one run without a queue makes.
+# usage: tests/work_test.sh FRESHET [KILLS [SHARDS]]   kills, at random moments, half of them for each of the two parts;
+#                                                      4, 4, with FRESHET_LONG=1 50, 8
 set -euo pipefail
 FRESHET=$(realpath "$1")
 [ -n "${FRESHET_LONG:-}" ] && long=(50 8) || long=(4 4)
@@ -72,8 +73,8 @@ empty() {
 }
 between() { awk -v seed=$RANDOM -v from="$1" -v to="$2" 'BEGIN { srand(seed); print from + (to - from) * rand() }'; }
 
-# Two workers do what was put in, while one of them, its command or the server is killed now and then, until as many kills
-# were made or all is done, as the given command tells.
+# Two workers do what was put in, while one of them, its command or the server is killed now and then, until as many
+# kills were made or all is done, as the given command tells.
 killed=0
 declare -A kills_of
 under_fire() {  # KILLS DONE..
@@ -165,7 +166,8 @@ wait "${workers[again]}" || fail "$(tail again.log)"
 [ -z "$(find many.store.parts -type f -mmin -60)" ] || fail "made again: $(find many.store.parts -type f -mmin -60)"
 [ ! -e shared/parts ] || fail "rendered again"
 
-# Who is asked to stop hands its task back within a second, and another has it at once; while it works, nobody else has it.
+# Who is asked to stop hands its task back within a second, and another has it at once; while it works, nobody else has
+# it.
 ffmpeg -v error -f lavfi -i "life=s=192x144:mold=8:r=25:seed=9:ratio=.3,scale=192:144,gblur=2" -frames:v 80 -c:v ffv1 long.mkv
 printf '[[task]]\nrun = ["ingest", "long.store", "long.mkv", "--force"]\n' > long.toml
 queue --submit long.toml > /dev/null

@@ -118,8 +118,8 @@ void write_plainly(std::string_view text) {
   [[maybe_unused]] const auto written = ::write(STDERR_FILENO, text.data(), text.size());
 }
 
-/// Of the mapped files, as the system lists them, that in which the address lies; empty when there is none. Calls nothing
-/// that a signal's handler may not.
+/// Of the mapped files, as the system lists them, that in which the address lies; empty when there is none. Calls
+/// nothing that a signal's handler may not.
 std::string_view mapped_file(std::uintptr_t address, std::span<char> line) {
   const int maps = ::open("/proc/self/maps", O_RDONLY | O_CLOEXEC);
   std::size_t length = 0;

@@ -29,8 +29,8 @@ struct DetailLifetimes {
   /// speaks for.
   CellMap cells;
   std::array<float, kLifeBands> clip{};  // of all cells together, each by its power
-  /// The same cells, kStandingChannels values each: of a band's variance, how much stays where it is while the flow goes
-  /// by, 0..1.
+  /// The same cells, kStandingChannels values each: of a band's variance, how much stays where it is while the flow
+  /// goes by, 0..1.
   CellMap standing;
   std::array<float, kLifeBands> clip_standing{};  // of all cells together, each by its power
   /// The same cells, kLayoutChannels values each: how much of a band's local contrast stays where it is while the flow
@@ -62,19 +62,21 @@ struct DetailLifetimes {
 /// of the whole clip's (cells by their power, as the eye weighs them) with 50. So a cell that stands still, is flat,
 /// or is left at once takes its neighbourhood's life; 0 in all cells when nothing of the clip can be followed.
 ///
-/// What stands: the light and dark of a fall's rock, the hot foot of a fire. Of a band's detail from whose place the flow
-/// has gone by its wavelength at least, what is found at the old place correlates with it, at all lags together. What is
-/// mere texture does not. Pooled as the lives; a band that is never carried so far has what the next finer one has.
+/// What stands: the light and dark of a fall's rock, the hot foot of a fire. Of a band's detail from whose place the
+/// flow has gone by its wavelength at least, what is found at the old place correlates with it, at all lags together.
+/// What is mere texture does not. Pooled as the lives; a band that is never carried so far has what the next finer one
+/// has.
 ///
-/// Where contrast stands: over the rock of a fall new water is rough where the old one was, while a sea's roughness goes
-/// with its crests. Local contrast is the logarithm of a band's magnitude over some three of its wavelengths, less that
-/// over some ten. Of places that the flow has left by two wavelengths, what is found there later, and what is found where
-/// the flow has gone, correlates with it. Pooled as what stands. Of the band of 8 px, stays / goes: a brook .83 / .63, a
-/// fall at dusk .50 / .24, rapids .19 / .23, a dark sea 0 / .46, a shore's foam 0 / .19, clouds .08 to .10 / .80 to .86.
+/// Where contrast stands: over the rock of a fall new water is rough where the old one was, while a sea's roughness
+/// goes with its crests. Local contrast is the logarithm of a band's magnitude over some three of its wavelengths, less
+/// that over some ten. Of places that the flow has left by two wavelengths, what is found there later, and what is
+/// found where the flow has gone, correlates with it. Pooled as what stands. Of the band of 8 px, stays / goes: a brook
+/// .83 / .63, a fall at dusk .50 / .24, rapids .19 / .23, a dark sea 0 / .46, a shore's foam 0 / .19, clouds .08 to .10
+/// / .80 to .86.
 ///
 /// Memory  5 beginnings in hand, whatever the clip's length: 62 bytes a track (one in 16 px) and 1.7 KB a cell.
-/// Cost    CPU per frame of 640 x 360 in which all moves: 1.2 to 1.4 ms; without what stands 1.1 to 1.2. One thread; memory is taken for each of the first
-///         beginnings, and used again.
+/// Cost    CPU per frame of 640 x 360 in which all moves: 1.2 to 1.4 ms; without what stands 1.1 to 1.2. One thread;
+///         memory is taken for each of the first beginnings, and used again.
 class DetailLifetimeAccumulator {
  public:
   /// Throws Error{kUsage} for flow steps below 1 and frames or rates that MotionAccumulator refuses.

@@ -14,8 +14,8 @@ enum class FlowOutlier : std::uint8_t {
 };
 
 /// By flow frame, from the mean speed of each, px a frame: kStill where it is less than a tenth of one of the two
-/// before, and of one of the two after (at the ends, of those that there are); kFast where it is more than 2.5 times the median of those that
-/// are not still, and .25 px more.
+/// before, and of one of the two after (at the ends, of those that there are); kFast where it is more than 2.5 times
+/// the median of those that are not still, and .25 px more.
 /// Cost     O(frames).
 std::vector<FlowOutlier> flow_outliers(std::span<const float> mean_speed_px);
 

@@ -12,9 +12,9 @@
 namespace freshet::vision {
 namespace {
 
-// Planes of one channel, as cv::pyrDown and cv::pyrUp of OpenCV 4.6 on x86-64 make them, to the bit, for wide vectors and
-// without a plane between a level and its band: theirs know 16 bytes. Sums of fours of columns are added up in another
-// order there than what remains.
+// Planes of one channel, as cv::pyrDown and cv::pyrUp of OpenCV 4.6 on x86-64 make them, to the bit, for wide vectors
+// and without a plane between a level and its band: theirs know 16 bytes. Sums of fours of columns are added up in
+// another order there than what remains.
 constexpr int kFours = 4;
 
 int fours(int n) { return n / kFours * kFours; }

@@ -170,7 +170,8 @@ struct MotionAccumulator::Impl {
     if (bins == 0) return;
     const int tasks = (cells.rows + kCellRowsPerTask - 1) / kCellRowsPerTask;
     oneapi::tbb::parallel_for(0, tasks, [&](int task) {
-      // Whole panels, of which the first columns are used: a matrix that Eigen resizes where there is no memory is freed twice.
+      // Whole panels, of which the first columns are used: a matrix that Eigen resizes where there is no memory is
+      // freed twice.
       Matrix panel_u(dft.length, kPanel), panel_v(dft.length, kPanel);
       Matrix wave_u(dft.rows.rows(), kPanel), wave_v(dft.rows.rows(), kPanel);
       Matrix power(kBandChannels * bands, flow_size.width);  // of u, of v, crossed; of one row of cells

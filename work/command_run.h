@@ -1,5 +1,5 @@
-// work/command_run.h — a command of freshet, run beside this process: what takes minutes, or reads what a stranger made,
-// takes nothing with it when it fails.
+// work/command_run.h — a command of freshet, run beside this process: what takes minutes, or reads what a stranger
+// made, takes nothing with it when it fails.
 #pragma once
 
 #include <chrono>

@@ -153,7 +153,8 @@ struct Queue::Connection {
   void add_stream(const std::string& name, const std::vector<std::string>& subjects, bool is_queue) const;
   void add_workers() const;
   /// A server that is killed may come back with tasks that were done already, and never deliver them: its stream was
-  /// younger on the disk than its list of what was acknowledged. A new list delivers all, and what is sealed is found so.
+  /// younger on the disk than its list of what was acknowledged. A new list delivers all, and what is sealed is found
+  /// so.
   void deliver_anew_what_is_stuck() const;
   void put(const std::string& subject, const Json& json) const;
   /// The last message of a subject of the faults; nothing where there is none.

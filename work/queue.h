@@ -1,7 +1,7 @@
 // work/queue.h — tasks that wait on a NATS server (JetStream) for whichever machine takes them.
 //
-// Stream NAME holds NAME.task.KEY until the task is done; each waits there once. Stream NAME-faults keeps the last fault of a
-// task, NAME.fault.KEY, and tasks that were given up, NAME.dead.KEY. Both lie on the server's disk.
+// Stream NAME holds NAME.task.KEY until the task is done; each waits there once. Stream NAME-faults keeps the last
+// fault of a task, NAME.fault.KEY, and tasks that were given up, NAME.dead.KEY. Both lie on the server's disk.
 #pragma once
 
 #include <chrono>
@@ -38,8 +38,8 @@ struct QueueStatus {
   std::vector<DeadTask> dead_tasks;  // the first 100
 };
 
-/// A task in hand: another machine gets it when this one is silent for longer than ack_wait. still_working() may be called
-/// from another thread.
+/// A task in hand: another machine gets it when this one is silent for longer than ack_wait. still_working() may be
+/// called from another thread.
 class Delivery {
  public:
   struct Message;
@@ -65,8 +65,8 @@ class Delivery {
 class Queue {
  public:
   /// Makes the streams where they are not there.
-  /// Throws Error{kUsage} for a url that is none; Error{kIo} where no server answers, one without JetStream does, or this
-  /// program was built without libnats.
+  /// Throws Error{kUsage} for a url that is none; Error{kIo} where no server answers, one without JetStream does, or
+  /// this program was built without libnats.
   static Queue open(const QueueOptions& options);
   Queue(Queue&&) noexcept;
   ~Queue();

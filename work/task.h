@@ -12,8 +12,8 @@ namespace freshet::work {
 class SharedCommand {
  public:
   /// words   without the program's name: "ingest", "all.store", "footage".
-  /// Throws  Error{kUsage} for another command, for an option that the worker gives (--shard, --seal, --gather, --threads),
-  ///         and for more than 1,000 words or 100,000 bytes.
+  /// Throws  Error{kUsage} for another command, for an option that the worker gives (--shard, --seal, --gather,
+  ///         --threads), and for more than 1,000 words or 100,000 bytes.
   explicit SharedCommand(std::vector<std::string> words);
 
   /// As it was given.

@@ -1,5 +1,5 @@
-// Is a short clip made endless along its flow lines without a seam, without repeating itself and without losing texture;
-// do edited lines lead the fluid where they are drawn; and what does it cost?
+// Is a short clip made endless along its flow lines without a seam, without repeating itself and without losing
+// texture; do edited lines lead the fluid where they are drawn; and what does it cost?
 //
 //   bench_flowlines CLIP.. [--seconds 2] [--output-seconds 20] [--width 320] [--json FILE]
 //   bench_flowlines $FRESHET_FOOTAGE/clips/water/{waterfall_dusk_pool,brook_mossy_rocks}.mp4 ...
@@ -14,9 +14,9 @@
 //                    the first row.
 //   repeats          correlation of frames (less their mean) a lag apart: of all lags from a third of a second to three
 //                    seconds the most alike. 1: it is a loop. The clip's own further frames have what its kind has.
-//   kept             fine texture (mean |Laplacian|) over the film by that of the clip's own two seconds, in blocks that
-//                    move: 1 is nothing lost. A loop shows the same two seconds again and again, and so keeps all but
-//                    what its cross-fade costs.
+//   kept             fine texture (mean |Laplacian|) over the film by that of the clip's own two seconds, in blocks
+//                    that move: 1 is nothing lost. A loop shows the same two seconds again and again, and so keeps all
+//                    but what its cross-fade costs.
 //   then bench/quality's measures against the clip's further frames, as many again of those being the ceiling.
 // Edits: all lines bent together by up to 35 degrees, where patches cover all (bench/flowlines/followed.h). Lines that
 // are not bent say how much of that is the measure's own error.
@@ -93,8 +93,8 @@ std::vector<float> quantiles(const cv::Mat& clip, double share) {
   return out;
 }
 
-/// By frame, how far a film's blocks go beyond their usual value, relative to it: above when `sign` is 1, below when -1;
-/// mean over blocks that move.
+/// By frame, how far a film's blocks go beyond their usual value, relative to it: above when `sign` is 1, below when
+/// -1; mean over blocks that move.
 std::vector<double> departures(const cv::Mat& film, const std::vector<float>& usual, int sign,
                                const std::vector<bool>& moves) {
   std::vector<double> out;

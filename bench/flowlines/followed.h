@@ -16,7 +16,8 @@ struct Followed {
   double degrees = 0;       // between the film's mean flow and the edited line
   double clip_degrees = 0;  // between the clip's mean flow and the input line, where the same particles are
   /// |log2| of the ratio of speeds, film by clip times data-speed, each along its own line. By flow, which is smooth
-  /// and so sees the neighbourhood's motion, too; and by following a ribbon of kRibbonPx about the line, which does not.
+  /// and so sees the neighbourhood's motion, too; and by following a ribbon of kRibbonPx about the line, which does
+  /// not.
   double flow_speed = 0, ribbon_speed = 0;
   double slower = 0;  // mean log2 of the ratio by the ribbon, with its sign: below 0 the film is slower
   int places = 0;

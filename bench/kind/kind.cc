@@ -2,10 +2,10 @@
 //
 //   bench_kind FOOTAGE OUTLINES [--weights vision/look/kind_weights.h] [--pictures] [--json FILE]
 //
-// Reads the stills and frames that OUTLINES (bench/kind/outlines.txt) speaks of, learns a multinomial logistic regression of
-// the figures of their look, each scene left out in turn, and prints what is told of it: by class, how many are told
-// what, how many are sure, and of the sure how many are right. A file is a scene, and so are all simulated
-// clips of a name, which teach but are counted apart. A line of OUTLINES counts 1, its frames and
+// Reads the stills and frames that OUTLINES (bench/kind/outlines.txt) speaks of, learns a multinomial logistic
+// regression of the figures of their look, each scene left out in turn, and prints what is told of it: by class, how
+// many are told what, how many are sure, and of the sure how many are right. A file is a scene, and so are all
+// simulated clips of a name, which teach but are counted apart. A line of OUTLINES counts 1, its frames and
 // the ways its matte, light and colour are varied share it; what is printed is of the frames as they are. The eight
 // clips that set no constant (docs/measurements/measures.md) are never learned from and are reported apart.
 // --weights writes what is learned from all others. --pictures lists each still.
@@ -61,8 +61,8 @@ cv::Mat toned(const cv::Mat& still, double gamma) {
   return out;
 }
 
-/// As it is, first; then a matte drawn loosely and tightly, a picture cut to the fluid, halves of the fluid, more and less
-/// light, and half of the colour.
+/// As it is, first; then a matte drawn loosely and tightly, a picture cut to the fluid, halves of the fluid, more and
+/// less light, and half of the colour.
 std::vector<bench::Still> varied(const cv::Mat& still, const cv::Mat& matte) {
   std::vector<bench::Still> all{{still, matte}};
   const int fluid = cv::countNonZero(matte);

@@ -1,4 +1,5 @@
-// bench/kind/outlines.h — outlines of the fluid in stills and clips, drawn by eye: a text file, and the stills it speaks of.
+// bench/kind/outlines.h — outlines of the fluid in stills and clips, drawn by eye: a text file, and the stills it
+// speaks of.
 #pragma once
 
 #include <filesystem>
@@ -30,7 +31,8 @@ std::vector<Outlined> read_outlines(const std::filesystem::path& path);
 struct Still {
   cv::Mat picture, matte;  // CV_8UC3, CV_8U
 };
-/// The frames spoken of, of at most `side` px; of a picture itself, once; of `simulated/CLIP/SEED`, the first, with its alpha.
+/// The frames spoken of, of at most `side` px; of a picture itself, once; of `simulated/CLIP/SEED`, the first, with its
+/// alpha.
 std::vector<Still> stills_of(const Outlined& outlined, const std::filesystem::path& footage, int side);
 
 }  // namespace freshet::bench

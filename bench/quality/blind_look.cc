@@ -4,8 +4,8 @@
 //
 // FOLDER/index.html shows each scene's films in a shuffled order, under letters; whoever looks at it says which looks
 // most like the real thing and which least, and what is wrong, and copies the answers out as text. The key lies beside
-// the folder, in FOLDER-key.json, so that the folder can be handed on as it is. All films of a scene are written anew in
-// one size, length, rate and coding: a file's name, size or colours of its own tell nothing.
+// the folder, in FOLDER-key.json, so that the folder can be handed on as it is. All films of a scene are written anew
+// in one size, length, rate and coding: a file's name, size or colours of its own tell nothing.
 
 #include <algorithm>
 #include <filesystem>

@@ -24,8 +24,8 @@ struct Agreement {
   std::string clip, class_name;
   int films = 0;
   double correlation = kNotMeasured;
-  /// Of the films, by the truth's order from 0 (best) to 1 (worst): the critic's choice, and the first film, which is what
-  /// one would have without a critic.
+  /// Of the films, by the truth's order from 0 (best) to 1 (worst): the critic's choice, and the first film, which is
+  /// what one would have without a critic.
   double chosen = 0, first = 0;
 };
 /// Of all that was animated (Distance::faults is measured), without references.

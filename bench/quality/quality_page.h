@@ -17,7 +17,8 @@ namespace freshet::bench {
 std::string write_panels(const std::filesystem::path& folder, const Case& asked,
                          const std::vector<cv::Mat>& made, const std::string& method, bool with_strokes);
 
-/// folder/CLIP/METHOD.mp4, names of the clip and method in letters, digits and _; as large as the still, at the clip's rate.
+/// folder/CLIP/METHOD.mp4, names of the clip and method in letters, digits and _; as large as the still, at the clip's
+/// rate.
 void write_film(const std::filesystem::path& folder, const Case& asked, const std::string& method,
                 const std::vector<cv::Mat>& frames);
 

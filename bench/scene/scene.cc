@@ -2,11 +2,12 @@
 //
 //   bench_scene [--sizes 900x675,1920x1080,3840x2160] [--frames 60] [--runs 3] [--cut] [--json FILE]
 //
-// The layers are those of "Argenteuil" in Chuang et al. 2005, Table 1 (16 trees, 1 water, 3 boats, 1 clouds, 3 still; they
-// rendered it with 4.1 frames/s at 800 x 598), drawn here: trees of a quarter of the height, water over the lower half. Frames
-// are rendered into memory, no encoder runs; wall clock on all cores, the best of the runs, beside it the processor's time,
-// which tells what other programs took. Before that frame N is compared with frame 0, and one thread with all.
-// --cut takes the drawn picture apart with soft edges and fills what lies behind, as freshet synth scene does.
+// The layers are those of "Argenteuil" in Chuang et al. 2005, Table 1 (16 trees, 1 water, 3 boats, 1 clouds, 3 still;
+// they rendered it with 4.1 frames/s at 800 x 598), drawn here: trees of a quarter of the height, water over the lower
+// half. Frames are rendered into memory, no encoder runs; wall clock on all cores, the best of the runs, beside it the
+// processor's time, which tells what other programs took. Before that frame N is compared with frame 0, and one thread
+// with all. --cut takes the drawn picture apart with soft edges and fills what lies behind, as freshet synth scene
+// does.
 
 #include <algorithm>
 #include <cmath>

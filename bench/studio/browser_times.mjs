@@ -1,7 +1,8 @@
-// How long does who draws in the studio wait? In Chromium, over a real store: from opening to interactive, from the end of a
-// line to the first preview that moves and to the full one, frames per second while one scrubs, and while one draws and a
-// label runs. Prints a table with the machine's load, and JSON with --json FILE.
-// usage: FRESHET=... PAGE=... MODULES=... node bench/studio/browser_times.mjs STORE PICTURE MATTE CLASS [--times N] [--json FILE]
+// How long does who draws in the studio wait? In Chromium, over a real store: from opening to interactive, from the end
+// of a line to the first preview that moves and to the full one, frames per second while one scrubs, and while one
+// draws and a label runs. Prints a table with the machine's load, and JSON with --json FILE.
+// usage: FRESHET=... PAGE=... MODULES=... node bench/studio/browser_times.mjs STORE PICTURE MATTE CLASS [--times N]
+// [--json FILE]
 // (the environment as tests/studio/browser_test.sh sets it)
 import { spawn } from "node:child_process";
 import { mkdtempSync, readdirSync, readFileSync, rmSync, writeFileSync } from "node:fs";

@@ -2,10 +2,10 @@
 //
 //   bench_tour [--sizes 960x540,1920x1080] [--frames 50] [--runs 3] [--json FILE]
 //
-// A drawn film of four frames, shown in turn from memory: each is taken apart, brought to its planes and seen from a camera
-// that goes ahead, aside and up and turns. No decoder and no encoder runs. Outdoors is a floor and a sky; a room has five
-// walls; three things stand upright, each of a fifth of the height, and what lies behind them moves. Before that the camera
-// at rest is compared with the film, and one thread with all. Wall clock, the best of the runs,
+// A drawn film of four frames, shown in turn from memory: each is taken apart, brought to its planes and seen from a
+// camera that goes ahead, aside and up and turns. No decoder and no encoder runs. Outdoors is a floor and a sky; a room
+// has five walls; three things stand upright, each of a fifth of the height, and what lies behind them moves. Before
+// that the camera at rest is compared with the film, and one thread with all. Wall clock, the best of the runs,
 // and the processor's time a frame, which tells what other programs took.
 
 #include <algorithm>

@@ -46,7 +46,8 @@ struct AnimateReport {
 AnimateReport animate(const Labelling& labelling, const std::function<void(const cv::Mat& frame)>& sink,
                       const AnimateOptions& options = {}, const Job& job = {});
 
-/// The same into a file, as VideoWriter makes it; none is left where this throws. Its format must hold the frames' type.
+/// The same into a file, as VideoWriter makes it; none is left where this throws. Its format must hold the frames'
+/// type.
 AnimateReport animate(const Labelling& labelling, const std::filesystem::path& video,
                       const AnimateOptions& options = {}, const Job& job = {});
 

@@ -14,14 +14,14 @@
 
 namespace freshet {
 
-/// Patches and pieces are spatial pyramids: vectors of whole numbers, CV_8U, 21 cells x the store's words (4200 for 200).
-/// Near is a small L1 distance.
+/// Patches and pieces are spatial pyramids: vectors of whole numbers, CV_8U, 21 cells x the store's words (4200 for
+/// 200). Near is a small L1 distance.
 struct OwnIndex {
   std::string name;  // of the table's row
   /// patches   N x bins, borrowed until `built` of the next index, or the benchmark's end.
   std::function<void(const cv::Mat& patches)> build;
-  /// The k nearest of each question, CV_32S, questions x k: rows of `patches`, -1 for none. Rows are scored again, and may
-  /// come in any order.
+  /// The k nearest of each question, CV_32S, questions x k: rows of `patches`, -1 for none. Rows are scored again, and
+  /// may come in any order.
   std::function<cv::Mat(const cv::Mat& questions, int k)> search;
 };
 

@@ -34,15 +34,16 @@ class Footage {
   cv::Mat bgr(std::uint32_t first, std::uint32_t count) const;
   /// CV_8U luminance, full range.
   cv::Mat luma(std::uint32_t first, std::uint32_t count) const;
-  /// CV_32FC2, px of the frame from one frame to the next, x right, y down; a value for each flow_step() px. There is one
-  /// less than frames.
+  /// CV_32FC2, px of the frame from one frame to the next, x right, y down; a value for each flow_step() px. There is
+  /// one less than frames.
   cv::Mat flow(std::uint32_t first, std::uint32_t count) const;
   int flow_step() const;
   /// Mean luminance over time, CV_8U of the frame's size.
   cv::Mat average() const;
 
-  /// Names of the columns that this clip has: frame.time (s), flow.rate (pairs of frames a second), patch.variant, patch.x
-  /// and patch.y (px, upper left corner in the variant's frame), patch.motion (px/s, x right, y down), patch.coverage
+  /// Names of the columns that this clip has: frame.time (s), flow.rate (pairs of frames a second), patch.variant,
+  /// patch.x and patch.y (px, upper left corner in the variant's frame), patch.motion (px/s, x right, y down),
+  /// patch.coverage
   /// (0 to 1), patch.words (81 visual words, once there is an index).
   std::vector<std::string> columns() const;
   /// A row for each frame, pair of frames or patch; a column for each value of a row. CV_8U, CV_16U, CV_32F or CV_64F.

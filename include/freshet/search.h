@@ -36,8 +36,8 @@ struct SearchOptions {
   /// What the picture's sides are divided by before it is cut into pieces, 1 to 16; patches are shown enlarged
   /// by it. Nothing: what brings the longer side near 1280 px.
   std::optional<double> piece_scale{};
-  /// Length of the animation, in frames, at least 1, and frames per second, 1 to 240. Clips that do not last as long and have no
-  /// loop rule are no candidates.
+  /// Length of the animation, in frames, at least 1, and frames per second, 1 to 240. Clips that do not last as long
+  /// and have no loop rule are no candidates.
   int frames = 96;
   double fps = 25;
   /// Names of clips that are left out.
@@ -52,8 +52,8 @@ struct Candidate {
   double score = 0;  // likeness, 0 to 1; above 0.2 is good
 };
 
-/// Patches for each of several questions, best first. Patches are numbered through the store: those of its first clip, then
-/// those of the next, ... (Store::first_patches).
+/// Patches for each of several questions, best first. Patches are numbered through the store: those of its first clip,
+/// then those of the next, ... (Store::first_patches).
 struct PatchTable {
   cv::Mat patches;  // CV_32S, a row for each question, as wide as the most found; -1 where there are fewer
   cv::Mat scores;   // CV_32F, the same shape: likeness, 0 to 1; 0 where there are fewer
@@ -97,8 +97,8 @@ Search search(const Store& store, const cv::Mat& picture, const cv::Mat& matte =
               const SearchOptions& options = {}, const Job& job = {});
 
 /// The patches that are most like descriptions of one's own, by weighted histogram intersection.
-/// words      CV_8U, Q x 81: visual words of a grid of 9 x 9 (Footage::column, "patch.words"); points of words beyond the
-///            store's do not count.
+/// words      CV_8U, Q x 81: visual words of a grid of 9 x 9 (Footage::column, "patch.words"); points of words beyond
+///            the store's do not count.
 /// k          1 to 10000.
 /// Throws     Error{kNotFound} when the store has no index, Error{kUsage} for another shape.
 /// Cost       as search().

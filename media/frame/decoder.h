@@ -22,8 +22,9 @@ struct DecoderOptions {
 };
 
 /// Frames of one file in presentation order. Opens that one file and nothing that it may name (playlists,
-/// external tracks). Throws Error{kInput} naming the file, at any call also where the disk or memory fails: what is left
-/// out for that is not the file's damage. (FFmpeg's reader of Matroska passes over packets without memory, and says nothing.)
+/// external tracks). Throws Error{kInput} naming the file, at any call also where the disk or memory fails: what is
+/// left out for that is not the file's damage. (FFmpeg's reader of Matroska passes over packets without memory, and
+/// says nothing.)
 class Decoder {
  public:
   explicit Decoder(const std::filesystem::path& path, const DecoderOptions& options);

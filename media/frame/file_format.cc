@@ -23,7 +23,8 @@ constexpr FileFormat kFormats[] = {
     {".apng", kFilm, Coding::kApng, {k8}, true, "animated PNG"},
     // Pictures, and sequences of them.
     {".png",  kPicture, Coding::kPicture, {k8, k16}, true, "PNG", "PNG sequence", "A folder of pictures"},
-    {".exr",  kPicture, Coding::kExr, {kHalf, kFloat}, true, "OpenEXR", "EXR sequence", "Linear light, for compositing"},
+    {".exr",  kPicture, Coding::kExr, {kHalf, kFloat}, true, "OpenEXR", "EXR sequence",
+     "Linear light, for compositing"},
     {".tif",  kPicture, Coding::kPicture, {k8, k16}, true, "TIFF", "TIFF sequence", "A folder of pictures"},
     {".tiff", kPicture, Coding::kPicture, {k8, k16}, true, "TIFF"},
     {".jpg",  kPicture, Coding::kPicture, {k8}, false, "JPEG"},

@@ -87,7 +87,8 @@ AVPixelFormat plain_format(AVPixelFormat format) {
 
 namespace {
 
-/// Decoders put there what the file says (MPEG-2: any byte), and to load what an enumeration does not have is undefined.
+/// Decoders put there what the file says (MPEG-2: any byte), and to load what an enumeration does not have is
+/// undefined.
 template <class Enumeration>
 int number_of(const Enumeration& coded) {
   int number = 0;

@@ -1,4 +1,5 @@
-// media/picture/colour_profile.h — ICC profiles of picture files, and their colours brought to sRGB. Private to this room.
+// media/picture/colour_profile.h — ICC profiles of picture files, and their colours brought to sRGB. Private to this
+// room.
 #pragma once
 
 #include <cstdint>

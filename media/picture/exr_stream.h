@@ -14,8 +14,8 @@
 
 namespace freshet::media {
 
-/// Throws   Error{kInput, where} for headers that claim more pixels than `most`, or than the bytes can hold, or attributes,
-///          tables or tiles that are not there. OpenEXR allocates what they say.
+/// Throws   Error{kInput, where} for headers that claim more pixels than `most`, or than the bytes can hold, or
+///          attributes, tables or tiles that are not there. OpenEXR allocates what they say.
 void require_bounded_exr(std::span<const std::uint8_t> bytes, const std::string& where, std::int64_t most);
 
 /// Opens the bytes, where they are bounded, and hands the file on.

@@ -1,4 +1,5 @@
-// media/picture/openraster.h — OpenRaster files (.ora): a picture as layers of paint, as Krita, GIMP and MyPaint have it.
+// media/picture/openraster.h — OpenRaster files (.ora): a picture as layers of paint, as Krita, GIMP and MyPaint have
+// it.
 #pragma once
 
 #include <filesystem>

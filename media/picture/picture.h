@@ -15,8 +15,8 @@ struct Picture {
   std::vector<std::string> notices;
 };
 
-/// Reads a picture as 8-bit BGR, as read_still does. Throws Error{kInput} naming the file: missing, not a picture, empty, or
-/// above 1 << 28 pixels. EXIF orientation is honoured.
+/// Reads a picture as 8-bit BGR, as read_still does. Throws Error{kInput} naming the file: missing, not a picture,
+/// empty, or above 1 << 28 pixels. EXIF orientation is honoured.
 Picture read_picture(const std::filesystem::path& path);
 
 /// A picture with all that its file holds of it, upright.

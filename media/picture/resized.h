@@ -9,7 +9,8 @@ namespace freshet::media {
 enum class Colours { kStraight, kPremultiplied };
 
 /// Each pixel the mean of what it covers where sides shrink, Lanczos over 8 x 8 pixels where they grow; values stay in
-/// their range (light has no end above). Colours are weighted by their alpha, so that what is not seen does not bleed in.
+/// their range (light has no end above). Colours are weighted by their alpha, so that what is not seen does not bleed
+/// in.
 ///
 /// frame     CV_8U, CV_16U or CV_32F, 1, 3 or 4 channels; of 4 the last is alpha.
 /// size      px. The frame itself where it has that size already.

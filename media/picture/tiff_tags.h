@@ -1,4 +1,5 @@
-// media/picture/tiff_tags.h — the tags of a TIFF, classic or big, and of EXIF data, which are one. Private to this room.
+// media/picture/tiff_tags.h — the tags of a TIFF, classic or big, and of EXIF data, which are one. Private to this
+// room.
 #pragma once
 
 #include <cstddef>

@@ -37,8 +37,8 @@ std::string size_notice(const std::filesystem::path& path, cv::Size size);
 ///   a pattern      holding %05d (or another %0Nd, or ####), with a picture ending: one file per frame
 /// A file is written beside the target and renamed on finish, so that a broken run leaves no half file; a
 /// sequence is written frame by frame.
-/// Throws   Error{kUsage} for an ending it does not know, or a size that the codec cannot take, Error{kIo} for a folder that does not exist or
-///          a full disk.
+/// Throws   Error{kUsage} for an ending it does not know, or a size that the codec cannot take, Error{kIo} for a folder
+///          that does not exist or a full disk.
 class VideoWriter {
  public:
   VideoWriter(const std::filesystem::path& path, cv::Size size, const VideoWriterOptions& options = {});

@@ -8,14 +8,14 @@
 
 namespace freshet::python {
 
-/// A read-only array on the Mat's own samples, which it keeps alive: rows x columns, with the channels last where there are
-/// several; Mats of more dimensions likewise.
+/// A read-only array on the Mat's own samples, which it keeps alive: rows x columns, with the channels last where there
+/// are several; Mats of more dimensions likewise.
 pybind11::array array_of(const cv::Mat& mat);
 /// One value a row: the same without the second dimension.
 pybind11::array vector_of(const cv::Mat& mat);
 
-/// A copy of an array of uint8, uint16, int16, int32, float32 or float64, of two dimensions or three; of three the last are
-/// channels, 1 to 4. Nothing otherwise.
+/// A copy of an array of uint8, uint16, int16, int32, float32 or float64, of two dimensions or three; of three the last
+/// are channels, 1 to 4. Nothing otherwise.
 bool mat_from(pybind11::handle array, cv::Mat& mat);
 
 }  // namespace freshet::python

@@ -127,8 +127,8 @@ void Frames::close() {
 void bind_frames(py::module_& module) {
   py::class_<Frames>(module, "Frames", R"(Frames in the making: an iterator of read-only arrays, H x W x C.
 
-The computation runs beside the caller, two frames ahead. It ends with the last frame, by close(), at the end of a `with`,
-or when the iterator is dropped.)")
+The computation runs beside the caller, two frames ahead. It ends with the last frame, by close(), at the end of
+a `with`, or when the iterator is dropped.)")
       .def("__iter__", [](py::object self) { return self; })
       .def("__next__", &Frames::next)
       .def("__enter__", [](py::object self) { return self; })

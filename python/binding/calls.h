@@ -1,4 +1,5 @@
-// python/binding/calls.h — long calls as Python expects them: others run meanwhile, Ctrl-C ends them, callbacks may throw.
+// python/binding/calls.h — long calls as Python expects them: others run meanwhile, Ctrl-C ends them, callbacks may
+// throw.
 #pragma once
 
 #include <condition_variable>
@@ -28,8 +29,8 @@ auto run_for(const py::object& progress, const Work& work) {
   return *std::move(result);
 }
 
-/// Frames of a computation that hands them out, one by one: a Python iterator. The computation runs on a thread of its own,
-/// two frames ahead, and ends when the iterator goes.
+/// Frames of a computation that hands them out, one by one: a Python iterator. The computation runs on a thread of its
+/// own, two frames ahead, and ends when the iterator goes.
 class Frames {
  public:
   using Sink = std::function<void(const cv::Mat&)>;

@@ -43,7 +43,7 @@ void bind_ingest(py::module_& module) {
       },
       "store"_a, "paths"_a, py::kw_only(), "class_name"_a = IngestOptions{}.class_name,
       "licence"_a = IngestOptions{}.licence, "force"_a = IngestOptions{}.force, "progress"_a = py::none(),
-      R"(Adds all clips that the paths hold to a store, which is made where there is none, and indexes it: list[IngestedClip].
+      R"(Adds all clips below some paths to a store, and indexes it: list[IngestedClip]. A missing store is made.
 
 paths       Videos, or folders of them, searched to any depth.
 class_name  Of all clips; "": the name of the folder that each lies in.
@@ -51,8 +51,8 @@ licence     Of all clips, free text; kept with every use of them.
 force       Take each clip whole, also where screening refuses it (moving camera, cuts, too short).
 progress    Called with (clip, frames, of).
 
-Each clip is one transaction: after an exception or Ctrl-C those before are kept, and the same call goes on. Costs some 14
-frames of 1280 x 720 a second on two cores.)");
+Each clip is one transaction: after an exception or Ctrl-C those before are kept, and the same call goes on. Costs
+some 14 frames of 1280 x 720 a second on two cores.)");
 }
 
 }  // namespace freshet::python

@@ -15,8 +15,8 @@ void bind_sample(py::module_& module) {
   py::class_<Sampler>(module, "Sampler",
                       R"(Videos of patches, drawn by chance: every patch once, each at a moment of its own.
 
-Sampler(store, seed) has a length; sampler[i] is one video, (frames, side, side, 3), uint8 BGR, and read() many. The same
-store, seed and number give the same video on any number of threads. Keeps its store open.
+Sampler(store, seed) has a length; sampler[i] is one video, (frames, side, side, 3), uint8 BGR, and read() many. The
+same store, seed and number give the same video on any number of threads. Keeps its store open.
 
 frames      Length of a video. Patches of shorter clips are left out.
 class_name  Only clips of this class; "": all.

@@ -50,8 +50,8 @@ constexpr std::size_t kSampledRows = std::size_t{1} << 16;
 constexpr std::size_t kParts = 16;              // that numbers are put into lists in, at once
 constexpr std::uint32_t kNumbers = 0xffffffff;  // no column: a list of numbers
 
-// The columns of a word's first times in a cell, as nearly all are that are asked for: a small table, which stays in the
-// first cache.
+// The columns of a word's first times in a cell, as nearly all are that are asked for: a small table, which stays in
+// the first cache.
 class FirstTimes {
  public:
   static constexpr std::size_t kTimes = 3;

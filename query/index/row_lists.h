@@ -40,8 +40,8 @@ class RowLists {
   static constexpr std::size_t kFewOf = 64;  // a list of one row in so many, or fewer, is kept as numbers
 
   /// words   below word_count, which is at most 256.
-  /// Cost    1 us of CPU per row, shared by all threads, beside what the system takes for new pages; 460 bytes per row, and
-  ///         some 80 more while they are made.
+  /// Cost    1 us of CPU per row, shared by all threads, beside what the system takes for new pages; 460 bytes per row,
+  ///         and some 80 more while they are made.
   RowLists(std::span<const vision::WordMap> words, std::size_t word_count);
 
   /// A list: bits of all rows, or where that is null, numbers in rising order.

@@ -1,4 +1,5 @@
-// query/labelling/kind_choice.h — the class of clips that a picture is animated with, where nobody says one: by its look.
+// query/labelling/kind_choice.h — the class of clips that a picture is animated with, where nobody says one: by its
+// look.
 #pragma once
 
 #include <string>
@@ -20,8 +21,8 @@ struct KindChoice {
   std::string words{};
 };
 
-/// Narrows `candidates` to the class that the picture surely looks like, where they say no class and the store has clips of
-/// it that pass their conditions. Classes are never mixed unless the look is unsure,
+/// Narrows `candidates` to the class that the picture surely looks like, where they say no class and the store has
+/// clips of it that pass their conditions. Classes are never mixed unless the look is unsure,
 /// the store lacks it, or kAnyClass is said.
 /// picture, matte   as search_candidates takes them.
 /// Throws           as search_candidates, for conditions that nothing passes.

@@ -48,10 +48,10 @@ struct PreparedLabelling {
   std::string guess;     // what was guessed and why, for a person; empty: nothing was to be guessed
 };
 
-/// The options with which a picture is searched and labelled, of the class that choose_kind takes. Where may_guess, a search without a hint comes
-/// first (stage "guessing the motion"), and options.guide is given the guessed directions and their tolerance;
-/// a speed that was asked stays. What is asked of the animation's motion is guide_of_animation all the same: a
-/// guess chooses patches and turns nothing, so that the search is narrow where it says a direction.
+/// The options with which a picture is searched and labelled, of the class that choose_kind takes. Where may_guess, a
+/// search without a hint comes first (stage "guessing the motion"), and options.guide is given the guessed directions
+/// and their tolerance; a speed that was asked stays. What is asked of the animation's motion is guide_of_animation all
+/// the same: a guess chooses patches and turns nothing, so that the search is narrow where it says a direction.
 /// picture, matte   as search_candidates takes them. memo   may be null.
 /// Throws           as search_candidates.
 PreparedLabelling prepare(const store::Snapshot& snapshot, const SearchBase& base, const cv::Mat& picture,

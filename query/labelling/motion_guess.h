@@ -14,8 +14,8 @@ namespace freshet::query {
 
 /// Two things speak for a direction, each as a logarithm of likelihood: their sum, averaged over
 /// neighbours. Figures: docs/measurements/motion.md.
-/// The candidates' own motion says nothing: every patch has its mirror image in the store, so that they cannot tell left
-/// from right; with their votes a guess is 61 degrees off instead of 52.
+/// The candidates' own motion says nothing: every patch has its mirror image in the store, so that they cannot tell
+/// left from right; with their votes a guess is 61 degrees off instead of 52.
 struct GuessOptions {
   /// Of the classes' pull: how far the clips of a class go up or down together, by the store's own patches;
   /// each class counts by its fraction of the candidates.

@@ -57,8 +57,8 @@ void check_names(const store::Snapshot& snapshot, const CandidateOptions& option
 
 /// Which rows the options allow, before any search.
 /// variants   settings.variants().
-/// Throws as check_names, Error{kNotFound} when none is left, naming the condition that removed the last and what there is;
-/// Error{kUsage} for a number out of range.
+/// Throws as check_names, Error{kNotFound} when none is left, naming the condition that removed the last and what there
+/// is; Error{kUsage} for a number out of range.
 Filtered filter_rows(const store::Snapshot& snapshot, const stored::PatchTable& table,
                      std::span<const vision::Variant> variants, const CandidateOptions& options);
 

@@ -28,8 +28,8 @@ struct RecordScan {
   std::shared_ptr<const void> held;
 };
 
-/// Takes every even place of the file for an entry of a page of keys, as broken pages and freed ones still hold them, and
-/// keeps those whose value begins as a record or an identity does.
+/// Takes every even place of the file for an entry of a page of keys, as broken pages and freed ones still hold them,
+/// and keeps those whose value begins as a record or an identity does.
 ///
 /// job      progress "reading" and "looking for records", in MiB.
 /// Throws   Error{kInput} when there is no such file, Error{kIo} when it is being written or the disk cannot be read,

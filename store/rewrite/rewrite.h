@@ -49,7 +49,8 @@ struct MergeReport {
   bool index_left_out = false;
   std::uint64_t bytes = 0;
 };
-/// One store of the clips of several, or of lists of them, in their order; of clips from the same source, the first. `out` must not exist.
+/// One store of the clips of several, or of lists of them, in their order; of clips from the same source, the first.
+/// `out` must not exist.
 /// Throws also Error{kInput} when settings differ, or two clips of one name come from different sources.
 MergeReport merge(std::span<const std::filesystem::path> files, const std::filesystem::path& out,
                   const Rebuildable& index, const Job& job = {});

@@ -149,8 +149,8 @@ void Settlement::take(const RecordScan::Entry& entry) {
   }
 }
 
-/// Records with keys `prefix` and 0, and then the number that the record before leads to, up to `end`, whose hashes add up
-/// to what was written. Of a key that has several versions the first that does.
+/// Records with keys `prefix` and 0, and then the number that the record before leads to, up to `end`, whose hashes add
+/// up to what was written. Of a key that has several versions the first that does.
 ///
 /// array   of chunks, what their headers are to say; null of tiles.
 std::optional<Settlement::Entries> Settlement::chain(Table table, ByteSpan prefix, std::uint64_t end,

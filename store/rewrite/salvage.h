@@ -31,13 +31,14 @@ struct Salvage {
   RepairReport report;  // all but `bytes`
 };
 
-/// Looks for records all over the file (record_scan.h), and trusts their hashes alone: a record that fits its key and the
-/// store's id is one that was written. A clip is whole when its record's sums are those of records that were found. Every
-/// whole clip is taken, also one that no tree leads to: it may be of a transaction that has not ended. What bears another
-/// clip's number, name or source is named instead. Where a key has several records, one that the trees lead to comes first.
+/// Looks for records all over the file (record_scan.h), and trusts their hashes alone: a record that fits its key and
+/// the store's id is one that was written. A clip is whole when its record's sums are those of records that were found.
+/// Every whole clip is taken, also one that no tree leads to: it may be of a transaction that has not ended. What bears
+/// another clip's number, name or source is named instead. Where a key has several records, one that the trees lead to
+/// comes first.
 ///
-/// The index comes along where one account of the store has the sums of all clips' records and of the index: then it was
-/// written for just these clips.
+/// The index comes along where one account of the store has the sums of all clips' records and of the index: then it
+/// was written for just these clips.
 ///
 /// job      progress "reading" and "looking for records", in MiB.
 /// Throws   Error{kInput} when there is nothing of a store in it, Error{kDamaged} when its identity or its settings

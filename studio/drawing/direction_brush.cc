@@ -34,7 +34,8 @@ std::vector<cv::Point2f> evenly(const std::vector<cv::Point2f>& points, float st
   return walked;
 }
 
-/// Its middle line moved aside. Where it turns more sharply than it is wide, points that come too near to it are left out.
+/// Its middle line moved aside. Where it turns more sharply than it is wide, points that come too near to it are left
+/// out.
 std::vector<cv::Point2f> beside(const std::vector<cv::Point2f>& middle, float by) {
   std::vector<cv::Point2f> line;
   const auto count = static_cast<int>(middle.size());

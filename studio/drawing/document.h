@@ -1,4 +1,5 @@
-// studio/drawing/document.h — what a person has drawn over a picture and chosen for it: all that a project holds of them.
+// studio/drawing/document.h — what a person has drawn over a picture and chosen for it: all that a project holds of
+// them.
 #pragma once
 
 #include <cstdint>

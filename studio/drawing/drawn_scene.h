@@ -23,8 +23,8 @@ struct DrawnLayer {
   std::string motion = "still";  // "still", "tree", "water", "boat", "clouds", "patches", "film"
   LayerMatte matte = LayerMatte::kPainted;
   std::vector<Drawn> paint{};
-  /// From the first point to the last: armatures of a tree, from the root; water's horizon and a boat's hull line, of which
-  /// the first line counts; strokes of patches. Of a film, from its upper left corner to its lower right one.
+  /// From the first point to the last: armatures of a tree, from the root; water's horizon and a boat's hull line, of
+  /// which the first line counts; strokes of patches. Of a film, from its upper left corner to its lower right one.
   std::vector<DrawnStroke> lines{};
   std::string plant = "tree";  // "tree", "flower", "grass"
   double shimmer = 0;          // of leaves, px; this and the other numbers in the scene file's ranges

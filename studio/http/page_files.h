@@ -1,4 +1,5 @@
-// studio/http/page_files.h — the page as its build left it, in memory: no path of a request ever becomes one of the disk.
+// studio/http/page_files.h — the page as its build left it, in memory: no path of a request ever becomes one of the
+// disk.
 #pragma once
 
 #include <filesystem>

@@ -18,8 +18,8 @@ struct Event {
 /// "id: 4\nevent: job\ndata: {...}\n\n"
 std::string to_text(const Event& event);
 
-/// A number that nothing else has, of this run or an earlier one: a page outlives servers. It grows, and stays below 2^53,
-/// as far as a page counts.
+/// A number that nothing else has, of this run or an earlier one: a page outlives servers. It grows, and stays below
+/// 2^53, as far as a page counts.
 std::uint64_t next_number();
 
 /// The last kKept events. A page that was away longer finds a gap, and asks for all again. Safe from many threads.

@@ -24,8 +24,8 @@ using Method = std::variant<CarriedOptions, FormsOptions, PaperOptions>;
 
 struct AnimateOptions : FrameOptions {
   Method method{};
-  /// In place of CarriedOptions in `method`, whose they take, where the picture is of a fire (fire_renderer). Nothing where
-  /// somebody named the method.
+  /// In place of CarriedOptions in `method`, whose they take, where the picture is of a fire (fire_renderer). Nothing
+  /// where somebody named the method.
   std::optional<FormsOptions> for_fires = FormsOptions{.flames = Flames::kOwn};
 };
 

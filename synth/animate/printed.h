@@ -11,8 +11,8 @@ struct PrintedOption {
   const char* where;  // "Sec. 6"
 };
 
-/// Labels and rendering, and what an unsaid hint is. Sigma, rho and the shutter, which the paper leaves open, are not among
-/// them; lambda has its value by default.
+/// Labels and rendering, and what an unsaid hint is. Sigma, rho and the shutter, which the paper leaves open, are not
+/// among them; lambda has its value by default.
 const std::vector<PrintedOption>& printed_options();
 
 }  // namespace freshet::synth::animate

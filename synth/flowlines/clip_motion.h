@@ -1,4 +1,5 @@
-// synth/flowlines/clip_motion.h — how a clip moves as a whole: its mean flow, where it flows, and whether the camera does.
+// synth/flowlines/clip_motion.h — how a clip moves as a whole: its mean flow, where it flows, and whether the camera
+// does.
 #pragma once
 
 #include <vector>

@@ -67,8 +67,8 @@ struct Flowlines::Impl {
     cv::resize(working_matte, matte, footage.size(), 0, 0, cv::INTER_LINEAR);
   }
 
-  /// Where a person draws a line there is fluid, though foam that seethes in its place does not flow: what changes there
-  /// for a good part as much as what flows.
+  /// Where a person draws a line there is fluid, though foam that seethes in its place does not flow: what changes
+  /// there for a good part as much as what flows.
   cv::Mat lively_beside(const std::vector<FlowLine>& drawn) const {
     cv::Mat change(working.size(), CV_32F, cv::Scalar(0)), difference,
         away(working.size(), CV_8U, cv::Scalar(255));

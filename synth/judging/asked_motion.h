@@ -19,8 +19,8 @@ struct Asked {
 /// third of its own mean speed. NaN without a direction.
 Reading motion_angle(const Evidence& film, const FilmMotion& motion, const Asked& asked);
 
-/// How far the length of the film's mean motion is from the speed asked, octaves, both means over the fluid where a speed
-/// was asked. NaN without a speed; without a map.
+/// How far the length of the film's mean motion is from the speed asked, octaves, both means over the fluid where a
+/// speed was asked. NaN without a speed; without a map.
 Reading speed_ratio(const Evidence& film, const FilmMotion& motion, const Asked& asked);
 
 /// The film's mean speed, px of the picture per second: eddies count. Its map is by cell.

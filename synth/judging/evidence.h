@@ -1,4 +1,5 @@
-// synth/judging/evidence.h — what a film is judged by: its frames as they go by, reduced, beside the still and the matte.
+// synth/judging/evidence.h — what a film is judged by: its frames as they go by, reduced, beside the still and the
+// matte.
 #pragma once
 
 #include <vector>

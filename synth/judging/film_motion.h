@@ -1,4 +1,5 @@
-// synth/judging/film_motion.h — how a film moves, as far as its frames tell: some runs of flow, one in each span of time.
+// synth/judging/film_motion.h — how a film moves, as far as its frames tell: some runs of flow, one in each span of
+// time.
 #pragma once
 
 #include <vector>

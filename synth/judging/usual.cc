@@ -39,8 +39,8 @@ constexpr std::array<MeasureWords, kMeasures> kWords{{
 constexpr double kAny = -1e9;  // of what is no fault, however small
 
 // Rows as Measure, columns as kKinds. Until: the upper quartile of 22 clips judged as films of their own first frame;
-// from: below the least of them; step: about the distance from the median to the greatest (docs/measurements/critic.md).
-// What footage hardly has (strands, stillness) gets a step that was seen in films.
+// from: below the least of them; step: about the distance from the median to the greatest
+// (docs/measurements/critic.md). What footage hardly has (strands, stillness) gets a step that was seen in films.
 constexpr std::array<std::array<Usual, 4>, kMeasures> kUsual{{
     // comes_again
     {{{kAny, .20, .15}, {kAny, .22, .15}, {kAny, .20, .15}, {kAny, .15, .15}}},

@@ -86,7 +86,8 @@ void drop_specks(cv::Mat& region, const Marks& marks, double min_area) {
   }
 }
 
-// What is reached from the marks of background over less than half of what lies on any way from those of fluid. Empty: nothing.
+// What is reached from the marks of background over less than half of what lies on any way from those of fluid. Empty:
+// nothing.
 cv::Mat beyond_passes(const cv::Mat& picture, const Marks& marks, const cv::Mat& region) {
   const double scale = std::min(1.0, static_cast<double>(kPassSide) / std::max(picture.cols, picture.rows));
   const cv::Size size(std::max(1, cvRound(picture.cols * scale)), std::max(1, cvRound(picture.rows * scale)));
@@ -101,7 +102,8 @@ cv::Mat beyond_passes(const cv::Mat& picture, const Marks& marks, const cv::Mat&
   return cv::countNonZero(beyond) > 0 ? beyond : cv::Mat();
 }
 
-// Islands that hold no mark of fluid and lie farther than `reach` px from every one that does. Returns whether there were any.
+// Islands that hold no mark of fluid and lie farther than `reach` px from every one that does. Returns whether there
+// were any.
 bool drop_far_islands(cv::Mat& region, const Marks& marks, double reach) {
   cv::Mat parts;
   const int count = cv::connectedComponents(region, parts, 8, CV_32S);

@@ -19,7 +19,8 @@ constexpr std::size_t kMaxMarks = 10000, kMaxPoints = 1u << 20;
 constexpr double kUsualWidth = 7, kFurthest = 1e5, kWidest = 1000;
 constexpr std::size_t kDeepest = 32;
 constexpr const char* kRemedy =
-    R"(Expected: {"format": "freshet-marks", "version": 1, "marks": [{"is": "fluid", "points": [[x, y]]}, {"is": "within", "box": [x, y, width, height]}]})";
+    R"(Expected: {"format": "freshet-marks", "version": 1, "marks": [{"is": "fluid", "points": [[x, y]]}, )"
+    R"({"is": "within", "box": [x, y, width, height]}]})";
 
 Json parse(const std::filesystem::path& path) {
   std::error_code fault;

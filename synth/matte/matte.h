@@ -31,7 +31,8 @@ Matte make_matte(const cv::Mat& picture, const Marks& marks, const MatteOptions&
                  const std::string& where, std::stop_token stop = {});
 
 /// For the eye, two by two: picture, marks (green fluid, red background), matte, cut-out on a chequered ground; cropped
-/// to the matte and its marks, each at most 1280 px wide, so that edges are seen at full size, with words below. CV_8UC3.
+/// to the matte and its marks, each at most 1280 px wide, so that edges are seen at full size, with words below.
+/// CV_8UC3.
 cv::Mat matte_sheet(const cv::Mat& picture, const Marks& marks, const cv::Mat& alpha);
 
 }  // namespace freshet::synth::matte

@@ -9,8 +9,8 @@ namespace freshet::synth::matte {
 /// picture  CV_8UC3.
 cv::Mat steepness(const cv::Mat& picture);
 
-/// Of all 4-connected paths from a seed to a pixel, the least of their greatest heights, the seed's own left out; 0 at seeds.
-/// FLT_MAX everywhere without a seed.
+/// Of all 4-connected paths from a seed to a pixel, the least of their greatest heights, the seed's own left out; 0 at
+/// seeds. FLT_MAX everywhere without a seed.
 /// relief   CV_32F, heights >= 0. seeds   CV_8U, its size, not 0 at seeds.
 /// Cost     n log n; 25 ms for 77,000 pixels.
 /// Source   the pass value of watershed cuts (Cousty et al. 2009).

@@ -8,8 +8,8 @@
 
 namespace freshet::synth::sampling {
 
-/// What cv::resize (INTER_LINEAR) makes of a plane, to the bit, without the plane that it writes: what takes the rows may
-/// do its own work with them while they are in the cache.
+/// What cv::resize (INTER_LINEAR) makes of a plane, to the bit, without the plane that it writes: what takes the rows
+/// may do its own work with them while they are in the cache.
 class WidenedRows {
  public:
   /// coarse   CV_32F, finite; outlives this. size: of what is read, px.

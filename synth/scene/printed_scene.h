@@ -18,8 +18,8 @@ struct PrintedKey {
 const std::vector<PrintedKey>& printed_keys();
 
 /// As read_scene; keys that are not given have their printed values.
-/// Throws  Error{kInput} as read_scene, and naming file, line and key of what says otherwise, or a layer whose motion is
-///         none of the paper's.
+/// Throws  Error{kInput} as read_scene, and naming file, line and key of what says otherwise, or a layer whose motion
+///         is none of the paper's.
 Scene read_printed_scene(const std::filesystem::path& path);
 /// The same from text. name   stands for the file in messages.
 Scene parse_printed_scene(std::string_view text, const std::filesystem::path& name);

@@ -26,8 +26,8 @@ std::vector<hints::Stroke> strokes_of(const Scene& scene, const SceneLayer& laye
 
 /// Whether a layer's lines fit where it is. alpha   CV_32F, the layer's; the picture's size.
 /// Throws   Error{kInput} naming scene, layer and remedy: a layer that is nowhere, an armature whose
-///          half that is in the picture lies outside its layer, a horizon below more than a tenth of its water, a hull line
-///          far from its boat.
+///          half that is in the picture lies outside its layer, a horizon below more than a tenth of its water, a hull
+///          line far from its boat.
 void check_marks(const Scene& scene, const SceneLayer& layer, const cv::Mat& alpha,
                  std::vector<std::string>* notices);
 

@@ -18,9 +18,10 @@ double filmed_speed(const store::Snapshot& snapshot, const vision::Settings& set
                     const query::Assignment& assignment, const cv::Mat& matte);
 
 /// The factor of playing, .05 to 20, at which what goes at `filmed` px/s has a pace.
-/// pace   "slow", "natural" or "fast": as the kind goes (judging::speed_of). "auto": half-way, in octaves, from `filmed` to
-///        natural; 1 where the kind is none of judging::kKinds. Patches and kind each tell little of a picture's own speed, and
-///        both together more: with a direction alone .90 octaves off for 1.11 as filmed (docs/measurements/motion.md).
+/// pace   "slow", "natural" or "fast": as the kind goes (judging::speed_of). "auto": half-way, in octaves, from
+///        `filmed` to natural; 1 where the kind is none of judging::kKinds. Patches and kind each tell little of a
+///        picture's own speed, and both together more: with a direction alone .90 octaves off for 1.11 as filmed
+///        (docs/measurements/motion.md).
 double factor_of(std::string_view pace, std::string_view kind, double filmed, cv::Size picture);
 
 }  // namespace freshet::synth::takes

@@ -17,8 +17,8 @@ class Renderer {
   Renderer(const Room& room, const Scenery& scenery, cv::Size frame);
 
   /// out     CV_8UC3, or CV_32FC4 (sRGB code, alpha 1): of whichever type it is and the frame's size.
-  /// depth   CV_32F, along the camera's axis, in heights of the picture's own camera above the floor; kFar: the sky. Null: none.
-  ///         A thing's is its own where it covers half of a pixel.
+  /// depth   CV_32F, along the camera's axis, in heights of the picture's own camera above the floor; kFar: the sky.
+  ///         Null: none. A thing's is its own where it covers half of a pixel.
   /// The same for any number of threads, over rows.
   void render(const Pinhole& camera, cv::Mat& out, cv::Mat* depth = nullptr) const;
 

@@ -15,7 +15,8 @@ struct Mesh {
   cv::Size picture;
   cv::Point2d vanishing;             // of all lines that lead straight away from the viewer
   double view_deg = kUsualView_deg;  // how wide the picture's own camera sees, to the side
-  /// The back wall. An edge at or beyond the picture's is no edge: that wall is not there, and the planes beside it go on.
+  /// The back wall. An edge at or beyond the picture's is no edge: that wall is not there, and the planes beside it go
+  /// on.
   double left = 0, top = 0, right = 0, bottom = 0;
   bool back = true;  // false: the floor goes on to the horizon, above it everything is infinitely far
 };
@@ -24,7 +25,8 @@ struct Mesh {
 /// The floor is y = 1.
 class Room {
  public:
-  /// Throws Error{kInput, where}: a vanishing point outside the back wall, a wall without extent, nothing below the horizon.
+  /// Throws Error{kInput, where}: a vanishing point outside the back wall, a wall without extent, nothing below the
+  /// horizon.
   Room(const Mesh& mesh, const std::string& where);
 
   /// A plane, or the part of it that the picture does not show because it lies too near, continued by its mirror image.
@@ -47,8 +49,8 @@ class Room {
   /// An upright plane that faces the viewer, at z = depth. It has no limits.
   View board_seen_by(const Pinhole& camera, double depth) const;
 
-  /// The place of the picture that a pixel of the camera shows, in samples (pixel centres at whole numbers), not mirrored:
-  /// it may lie outside the picture, and nearer than it shows.
+  /// The place of the picture that a pixel of the camera shows, in samples (pixel centres at whole numbers), not
+  /// mirrored: it may lie outside the picture, and nearer than it shows.
   struct Hit {
     cv::Point2d sample;
     double depth = 0;   // along the camera's axis; kFar: the sky
@@ -65,7 +67,8 @@ class Room {
   /// Depth of the nearest floor that the picture shows, and of the back wall (infinite where there is none).
   double nearest_floor() const;
   double back_depth() const { return back_depth_; }
-  /// The picture's own camera, for frames of a size; frame (0, 0) shows what the picture's (0, 0) does when it has its size.
+  /// The picture's own camera, for frames of a size; frame (0, 0) shows what the picture's (0, 0) does when it has its
+  /// size.
   Pinhole own_camera(cv::Size frame) const;
   /// A camera elsewhere.
   Pinhole camera(const CameraPlace& place, cv::Size frame, const Narrowing& narrowed = {}) const;

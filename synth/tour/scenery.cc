@@ -117,9 +117,9 @@ void Scenery::show_first() {
   ground_.filled();
 }
 
-// A thing's colours, times alpha, are the frame less what of the background shows through. Both change by what the frame
-// changes: the background as it does where its copy comes from. So a frame that is the first gives what the cut gave, and
-// whatever the frame, all laid over each other give it again.
+// A thing's colours, times alpha, are the frame less what of the background shows through. Both change by what the
+// frame changes: the background as it does where its copy comes from. So a frame that is the first gives what the cut
+// gave, and whatever the frame, all laid over each other give it again.
 void Scenery::show(const cv::Mat& frame) {
   if (boards_.empty()) {
     ground_.set(frame);

@@ -22,8 +22,8 @@ struct Upright {
 /// Frames of a film taken apart, always in the same way: what was found in the first holds for all.
 class Scenery {
  public:
-  /// first    CV_32FC3, sRGB code: the first frame. Where things are cut free, their soft edges are found in it, and what
-  ///          lies behind them is copied from places near them: those places' fluid moves there too.
+  /// first    CV_32FC3, sRGB code: the first frame. Where things are cut free, their soft edges are found in it, and
+  ///          what lies behind them is copied from places near them: those places' fluid moves there too.
   /// Throws   Error{kInput} naming the thing: nothing of it is in the picture, or it and the nearer ones leave nothing.
   /// Cost     without things none; each some seconds at 1280 x 720 (bench/choices/layers.cc).
   Scenery(const cv::Mat& first, std::vector<Upright> things, std::stop_token stop = {});
@@ -42,8 +42,8 @@ class Scenery {
   const std::vector<Board>& furthest_first() const { return boards_; }
 
  private:
-  /// Pixels, row by row: the mean of those that the copies here and beside it would bring, so that where two of them meet
-  /// nothing jumps, even when their places come to move apart.
+  /// Pixels, row by row: the mean of those that the copies here and beside it would bring, so that where two of them
+  /// meet nothing jumps, even when their places come to move apart.
   struct Copy {
     int to;
     int count;

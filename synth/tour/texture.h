@@ -28,8 +28,8 @@ class Texture {
   /// Cost         20 ns a place where it grows, to 100 where it shrinks eight times more to one side than to the other.
   ///              Allocates nothing; safe from many threads.
   /// Source       16 samples a place (Catmull-Rom), in the two levels around the narrow side of what a pixel covers,
-  ///              as often along the wide side as it is wider, up to eight times: trilinear filtering (Williams 1983) as
-  ///              graphics cards do it where it is anisotropic.
+  ///              as often along the wide side as it is wider, up to eight times: trilinear filtering (Williams 1983)
+  ///              as graphics cards do it where it is anisotropic.
   void read(const cv::Matx33d& homography, int x, int y, int n, cv::Vec4f* out) const;
 
  private:

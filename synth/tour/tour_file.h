@@ -40,13 +40,14 @@ struct TourPlan {
   std::vector<TourThing> things;
 };
 
-/// Throws Error{kInput} naming file, line, key and remedy: no TOML, an unknown key (and those there are), a value out of
-/// range or no number, times that do not grow, keys beside a move.
+/// Throws Error{kInput} naming file, line, key and remedy: no TOML, an unknown key (and those there are), a value out
+/// of range or no number, times that do not grow, keys beside a move.
 TourPlan read_tour(const std::filesystem::path& path);
 /// The same from text. name   stands for the file.
 TourPlan parse_tour(std::string_view text, const std::filesystem::path& name);
 /// What is said above the file. move   a name of move_names(); empty, and nothing: the file's.
-/// Throws Error{kUsage}: an unknown move, a move or an amount beside keys, a horizon in px where the file's is relative.
+/// Throws Error{kUsage}: an unknown move, a move or an amount beside keys, a horizon in px where the file's is
+/// relative.
 void change(TourPlan& plan, const std::string& move, std::optional<double> amount,
             std::optional<double> horizon);
 /// Every key with unit, range and default, for a person.
@@ -55,8 +56,8 @@ std::string tour_keys();
 /// The planes of a picture. Without horizon, vanishing point and wall its middle row is the horizon.
 /// Throws Error{kInput} as Room, and where horizon and vanishing point are not one row.
 Mesh mesh_of(const TourPlan& plan, cv::Size picture);
-/// px row of the foot that a thing has, or that its matte shows. Throws Error{kInput}: the matte is black, the foot is at
-/// the horizon or above.
+/// px row of the foot that a thing has, or that its matte shows. Throws Error{kInput}: the matte is black, the foot is
+/// at the horizon or above.
 double depth_of(const TourThing& thing, const TourPlan& plan, const cv::Mat& matte, const Room& room);
 
 }  // namespace freshet::synth::tour

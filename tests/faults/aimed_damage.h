@@ -1,5 +1,5 @@
-// tests/faults/aimed_damage.h — damage that knows LMDB's layout: numbers, pointers and records of a store exchanged, lost, or
-// as they were in the past, so that much of it looks whole.
+// tests/faults/aimed_damage.h — damage that knows LMDB's layout: numbers, pointers and records of a store exchanged,
+// lost, or as they were in the past, so that much of it looks whole.
 #pragma once
 
 #include <random>

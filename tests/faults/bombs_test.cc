@@ -1,4 +1,5 @@
-// Small files that ask for much, through every door by which a file comes in: no run takes more than a gigabyte or a minute.
+// Small files that ask for much, through every door by which a file comes in: no run takes more than a gigabyte or a
+// minute.
 
 #include <gtest/gtest.h>
 

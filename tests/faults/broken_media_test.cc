@@ -1,5 +1,5 @@
-// Clips and pictures that are cut, spliced, turned over, renamed or absurd, through every door by which a file comes in:
-// a right answer or a message, in bounded time and memory. And whole ones with names that no one would give.
+// Clips and pictures that are cut, spliced, turned over, renamed or absurd, through every door by which a file comes
+// in: a right answer or a message, in bounded time and memory. And whole ones with names that no one would give.
 
 #include <gtest/gtest.h>
 

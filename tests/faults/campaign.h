@@ -18,9 +18,9 @@ namespace freshet::tools {
 /// Campaigns at full length: ./test.sh --long.
 bool at_full_length();
 
-/// The cases of a campaign in turn. At full length all of them; where FRESHET_LONG_MINUTES says for how many minutes, in
-/// an order that is mixed, until these are over. FRESHET_LONG_FROM: so many of the order are left out, those of an earlier
-/// run. Says how many there were, at full length once a minute as well.
+/// The cases of a campaign in turn. At full length all of them; where FRESHET_LONG_MINUTES says for how many minutes,
+/// in an order that is mixed, until these are over. FRESHET_LONG_FROM: so many of the order are left out, those of an
+/// earlier run. Says how many there were, at full length once a minute as well.
 class Walk {
  public:
   Walk(std::string name, std::size_t cases);

@@ -5,8 +5,8 @@
 //                        on), short (a write takes half), lost (a write is said to have been done and is not) or
 //                        kill (SIGKILL before the call).
 //                        slow: every call takes some milliseconds. cut: the file loses its second half when it
-//                        has been mapped, so that reading that is a bus error, as where a disk fails. alloc (the n-th allocation after main has begun
-//                        fails), allocs (and all after it).
+//                        has been mapped, so that reading that is a bus error, as where a disk fails. alloc (the n-th
+//                        allocation after main has begun fails), allocs (and all after it).
 // FRESHET_FAULT_READS    Set: calls that read are meant, else those that change.
 // FRESHET_FAULT_FILES    Only files whose path contains this.
 // FRESHET_CLOCK_JUMPS    Set: the time of day is an hour earlier or later at every look, at random.

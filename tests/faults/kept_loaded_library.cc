@@ -6,8 +6,8 @@
 //                       environment, these as NAME=VALUE, the arguments. The answer: a pid_t, 0 when there is none.
 //                       Who asks must have made itself a subreaper: the child is its own then.
 //
-// FRESHET_LEAVE_AT_ONCE In a request's environment: when main has ended, destructors of libraries are not run. They take
-//                       a third of a short run.
+// FRESHET_LEAVE_AT_ONCE In a request's environment: when main has ended, destructors of libraries are not run. They
+//                       take a third of a short run.
 //
 // Where another preloaded library takes main's place too, that one stands before this in LD_PRELOAD: it is then begun
 // anew in each child.

@@ -33,7 +33,8 @@ std::string judge_killed(const Campaign& c, const std::string& store, std::size_
   return "";
 }
 
-/// Starts f.store's or k.store's command and kills it at an instant of a time as long as an undisturbed run of it takes.
+/// Starts f.store's or k.store's command and kills it at an instant of a time as long as an undisturbed run of it
+/// takes.
 class Killer {
  public:
   Killer(const Campaign& c, const std::vector<std::string>& arguments) : c_(c), arguments_(arguments) {

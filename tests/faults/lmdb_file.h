@@ -1,5 +1,5 @@
-// tests/faults/lmdb_file.h — the bytes of a whole LMDB file taken apart: where its trees, pages, entries and long values lie.
-// For pages of 4096 bytes.
+// tests/faults/lmdb_file.h — the bytes of a whole LMDB file taken apart: where its trees, pages, entries and long
+// values lie. For pages of 4096 bytes.
 #pragma once
 
 #include <cstdint>

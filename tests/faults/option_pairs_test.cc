@@ -1,5 +1,5 @@
-// Every option with nonsense and extremes, alone and in pairs: a message that names it, never a crash and never silence.
-// The options are those that each command's own --help lists, with the types and ranges that it gives.
+// Every option with nonsense and extremes, alone and in pairs: a message that names it, never a crash and never
+// silence. The options are those that each command's own --help lists, with the types and ranges that it gives.
 
 #include <gtest/gtest.h>
 #include <opencv2/imgproc.hpp>

@@ -1,6 +1,6 @@
 #!/bin/sh
-# Fuzzes each target in turn, from the kept inputs on: run.sh [SECONDS [TARGET..]]. What is new lies in build/fuzz/found,
-# what fails in build/fuzz/failed; ends with 1 when anything failed.
+# Fuzzes each target in turn, from the kept inputs on: run.sh [SECONDS [TARGET..]]. What is new lies in
+# build/fuzz/found, what fails in build/fuzz/failed; ends with 1 when anything failed.
 set -eu
 cd "$(dirname "$0")/../.."
 cmake/prepare.sh fuzz fuzz_targets

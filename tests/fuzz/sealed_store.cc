@@ -1,5 +1,5 @@
-// A store of any records, all of whose hashes and sums are right: whoever makes a store computes them. The entries of the
-// bytes are sealed again and written as a new file, which is then read, as the table of patches too; or refused.
+// A store of any records, all of whose hashes and sums are right: whoever makes a store computes them. The entries of
+// the bytes are sealed again and written as a new file, which is then read, as the table of patches too; or refused.
 
 #include <algorithm>
 

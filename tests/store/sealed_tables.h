@@ -1,5 +1,5 @@
-// tests/store/sealed_tables.h — a store's records in memory, to be changed at will and then written as a store whose hashes and
-// sums are all right: whoever makes a store computes them.
+// tests/store/sealed_tables.h — a store's records in memory, to be changed at will and then written as a store whose
+// hashes and sums are all right: whoever makes a store computes them.
 #pragma once
 
 #include <algorithm>

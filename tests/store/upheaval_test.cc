@@ -284,8 +284,8 @@ TEST(Upheaval, AStoreWhoseFreePagesWereUsedAgainIsOpened) {
   }
 }
 
-/// A store of a clip and a blob, which a process beside this one reads in the midst of what `upheaval` does to it. Returns
-/// its exit status: 0 when it read what was there when it began.
+/// A store of a clip and a blob, which a process beside this one reads in the midst of what `upheaval` does to it.
+/// Returns its exit status: 0 when it read what was there when it began.
 int read_across(const std::filesystem::path& file, const std::filesystem::path& name,
                 const std::function<void()>& upheaval) {
   const auto blob = noise(2 * kMiB, 1);

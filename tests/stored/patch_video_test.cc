@@ -65,7 +65,8 @@ bool same(const cv::Mat& a, const cv::Mat& b) {
 }
 
 TEST(ClipRegion, IsWhatWholeFramesShowThere) {
-  // Odd sides, chroma of fewer samples, colours in one plane, 10 bits; and so tall that an untagged matrix is another one.
+  // Odd sides, chroma of fewer samples, colours in one plane, 10 bits; and so tall that an untagged matrix is another
+  // one.
   for (const media::PixelLayout& layout :
        {media::PixelLayout{.format = "yuv420p", .width = 151, .height = 103},
         media::PixelLayout{.format = "yuv420p", .width = 90, .height = 730},

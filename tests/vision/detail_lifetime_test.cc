@@ -161,7 +161,8 @@ TEST(DetailStanding, OfNothingThatMovesIsNone) {
   for (const float share : life.standing.values) EXPECT_EQ(share, 0);
 }
 
-/// A texture that goes 3 px to the right in every frame, strong and weak in spots of some 40 px: these stand, or go along.
+/// A texture that goes 3 px to the right in every frame, strong and weak in spots of some 40 px: these stand, or go
+/// along.
 Clip spotted(bool stands) {
   const cv::Size size(320, 192);
   constexpr int kFrames = 80, kBy = 3;
@@ -242,7 +243,8 @@ TEST(DetailLifetime, DiffersFromPlaceToPlace) {
 }
 
 TEST(DetailLifetime, IsNotShortenedByCodingNoise) {
-  // Faint detail under noise of the greatest deviation that is taken for noise: without the nugget, a quarter of it is lost.
+  // Faint detail under noise of the greatest deviation that is taken for noise: without the nugget, a quarter of it is
+  // lost.
   const Carried still{.deviation = 7, .noise = 0.003 * 255, .kept = [](int) { return 0.97; }};
   const DetailLifetimes life = measured(carried(still));
   for (int b = 0; b < kLifeBands; ++b) EXPECT_NEAR(life.clip[b] / half_life_s(0.97), 1, 0.1) << b;

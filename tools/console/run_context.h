@@ -10,17 +10,17 @@
 
 namespace freshet::tools {
 
-/// Runs with SIGINT and SIGTERM turned into a stop request. Work that does not heed it in time (a library is decoding, a
-/// system of equations is being solved) is ended with the process, as it is at once by a second signal: a store holds what was
-/// committed, and files under temporary names are removed.
+/// Runs with SIGINT and SIGTERM turned into a stop request. Work that does not heed it in time (a library is decoding,
+/// a system of equations is being solved) is ended with the process, as it is at once by a second signal: a store holds
+/// what was committed, and files under temporary names are removed.
 class StopOnSignal {
  public:
   StopOnSignal();
   std::stop_token token() const { return source_.get_token(); }
   /// The signal that came, or 0.
   int signal() const;
-  /// Says that the command was stopped, and what it leaves, and dies of the signal that came, so that a calling shell script
-  /// stops too.
+  /// Says that the command was stopped, and what it leaves, and dies of the signal that came, so that a calling shell
+  /// script stops too.
   [[noreturn]] static void end();
 
  private:

@@ -11,8 +11,9 @@
 
 namespace freshet::tools {
 
-/// {"faults", "seconds", "kind", "words", "findings": [{"measure", "unit", "value", "usual", "fault", "place", "map"}]}; a
-/// map is a list of spans of rows of cells, null where nothing is fluid; so is a value that was not measured.
+/// {"faults", "seconds", "kind", "words", "findings": [{"measure", "unit", "value", "usual", "fault", "place",
+/// "map"}]}; a map is a list of spans of rows of cells, null where nothing is fluid; so is a value that was not
+/// measured.
 nlohmann::json verdict_json(const synth::judging::Verdict& verdict, const synth::judging::Evidence& film,
                             const std::string& kind);
 

@@ -36,8 +36,8 @@ class MotionOptions {
 
   /// Throws for outputs whose names are wrong, before anything is computed.
   void check_outputs() const;
-  /// Reads what was given; says what was left out. Throws Error{kUsage} for options of a narrow search in a wide one, and
-  /// for --speed-white without a map of speeds. The tolerance in degrees is that of --direction.
+  /// Reads what was given; says what was left out. Throws Error{kUsage} for options of a narrow search in a wide one,
+  /// and for --speed-white without a map of speeds. The tolerance in degrees is that of --direction.
   /// automatic   what --hint-search auto means.
   AskedMotion read(const TargetFiles::Loaded& loaded, const SearchOptions& search,
                    query::HintSearch automatic = query::HintSearch::kWide) const;

@@ -55,7 +55,8 @@ class AnimationFiles {
 /// What is written of an animation: itself, its mattes and its motion, frame by frame.
 class OutputOptions {
  public:
-  /// --output, --width, --layer, --alpha, --depth, --preset, --start-number, --range, --matte-out, --motion-out, --overwrite.
+  /// --output, --width, --layer, --alpha, --depth, --preset, --start-number, --range, --matte-out, --motion-out,
+  /// --overwrite.
   void add_to(CLI::App& command);
   /// Of these, what frames of a fluid need that is neither carried nor has a moving outline: no --layer light, no
   /// --motion-out.

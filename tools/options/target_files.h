@@ -24,8 +24,8 @@ struct TargetFiles {
 
   /// STORE, PICTURE, --store, --matte, --whole. One name alone is the picture. This must outlive the command.
   void add_to(CLI::App& command);
-  /// Opens the stores; the starter store, from then on in `store`, where none was given. To be called before what needs the
-  /// picture. Throws CLI::RequiredError when there is none.
+  /// Opens the stores; the starter store, from then on in `store`, where none was given. To be called before what needs
+  /// the picture. Throws CLI::RequiredError when there is none.
   store::Snapshot open_store(const RunContext& context);
   struct Loaded {
     cv::Mat picture, matte;  // CV_8UC3, CV_8U

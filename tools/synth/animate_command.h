@@ -94,7 +94,8 @@ ChosenPatches choose_patches(const AnimateCommand& command, const store::Snapsho
                              const TargetFiles::Loaded& loaded, AskedMotion& asked, const BaseSource& base,
                              cache::ResultCache* cache, const RunContext& context);
 
-/// Makes a pace the factor of playing at which the assigned motion has it, and says so; "auto" yields to speeds that are asked.
+/// Makes a pace the factor of playing at which the assigned motion has it, and says so; "auto" yields to speeds that
+/// are asked.
 /// kind   of the fluid, a store's class.
 void pace_it(const store::Snapshot& snapshot, AnimateInputs& inputs, const query::Assignment& assignment,
              const std::string& kind);

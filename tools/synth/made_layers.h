@@ -1,4 +1,5 @@
-// tools/synth/made_layers.h — layers of a scene that other commands make: patches of a store, transferred looks, footage.
+// tools/synth/made_layers.h — layers of a scene that other commands make: patches of a store, transferred looks,
+// footage.
 #pragma once
 
 #include <memory>

@@ -131,8 +131,8 @@ double mean_difference(const cv::Mat& one, const cv::Mat& other, const cv::Mat& 
   return (mean[0] + mean[1] + mean[2]) / 3;
 }
 
-/// One animation of a sweep that several runs share, in a folder of its own, which has its name when all in it is written:
-/// NN.mp4, NN_page.mp4 where the page plays another file, NN.json, and what is shown of it.
+/// One animation of a sweep that several runs share, in a folder of its own, which has its name when all in it is
+/// written: NN.mp4, NN_page.mp4 where the page plays another file, NN.json, and what is shown of it.
 class Part {
  public:
   Part(const fs::path& sweep, std::size_t point)

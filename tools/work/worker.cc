@@ -46,8 +46,8 @@ class Heartbeat {
   std::jthread thread_;
 };
 
-/// A worker's folder for what its commands leave unfinished, on this machine's own disk. It goes with the worker; that of one
-/// which was killed goes when the next begins: nobody holds its lock.
+/// A worker's folder for what its commands leave unfinished, on this machine's own disk. It goes with the worker; that
+/// of one which was killed goes when the next begins: nobody holds its lock.
 class Scratch {
  public:
   Scratch() : folder_(fs::temp_directory_path(), kPrefix) {

@@ -15,7 +15,8 @@ struct WorkerOptions {
   bool until_empty = false;      // end when no task is left, in no machine's hand either
 };
 
-/// Until the queue is empty, where that was asked for, or it is stopped: the task in hand is then handed back within a second.
+/// Until the queue is empty, where that was asked for, or it is stopped: the task in hand is then handed back within a
+/// second.
 /// Throws Error{kCancelled}.
 void run_worker(work::Queue& queue, const work::QueueOptions& queue_options, const WorkerOptions& options,
                 const RunContext& context);

@@ -1,4 +1,5 @@
-// vision/look/fluid_kind.h — which class of fluid a still shows: water, fire, smoke or clouds, told from its look alone.
+// vision/look/fluid_kind.h — which class of fluid a still shows: water, fire, smoke or clouds, told from its look
+// alone.
 #pragma once
 
 #include <array>

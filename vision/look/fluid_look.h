@@ -1,4 +1,5 @@
-// vision/look/fluid_look.h — how the fluid of a still looks: figures of its colour, detail, edges, place and surroundings.
+// vision/look/fluid_look.h — how the fluid of a still looks: figures of its colour, detail, edges, place and
+// surroundings.
 #pragma once
 
 #include <array>

@@ -25,7 +25,8 @@ void bind_transfer(py::module_& module) {
       "alpha"_a, "flow"_a, "exemplar"_a, "exemplar_alpha"_a = py::none(), py::kw_only(),
       "frames"_a = kDefault.frames, "patch"_a = kDefault.patch, "lambda_"_a = kDefault.lambda,
       "motion_blur"_a = kDefault.motion_blur, "seed"_a = kDefault.seed, "progress"_a = py::none(),
-      R"(Frames of a designed motion with the look of an exemplar: (height, width, 4), float32 BGRA, 0 to 1, straight alpha.
+      R"(Frames of a designed motion with the look of an exemplar: (height, width, 4), float32 BGRA, 0 to 1,
+straight alpha.
 
 alpha           Masks: a folder or a pattern (%05d, ####) of pictures, or a video.
 flow            Motion, px per frame: a folder or a pattern of .flo (y down) or .exr (y up).

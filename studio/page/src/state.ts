@@ -1,4 +1,5 @@
-// What the page knows: the project that is open, its document with all earlier ones, and what the server has made of it.
+// What the page knows: the project that is open, its document with all earlier ones, and what the server has made of
+// it.
 import { batch, computed, signal } from "@preact/signals";
 import * as api from "./api";
 import { canonical, History } from "./history";

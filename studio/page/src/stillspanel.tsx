@@ -1,4 +1,5 @@
-// A moving scene from some stills of it: the stills, the orders that were found in them, and what is said against these.
+// A moving scene from some stills of it: the stills, the orders that were found in them, and what is said against
+// these.
 import type { JSX } from "preact";
 import { useEffect, useState } from "preact/hooks";
 import { ArrowRight, Ban, ImagePlus, X } from "lucide-preact";

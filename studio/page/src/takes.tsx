@@ -1,4 +1,5 @@
-// Takes of the animation in a strip below the picture: a click takes one. Where the present one looks wrong is marked red.
+// Takes of the animation in a strip below the picture: a click takes one. Where the present one looks wrong is marked
+// red.
 import { signal } from "@preact/signals";
 import type { JSX } from "preact";
 import { useEffect } from "preact/hooks";

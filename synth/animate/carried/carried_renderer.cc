@@ -34,9 +34,9 @@ constexpr double kMinHalfLife_s = 0.1, kMaxHalfLife_s = 6;
 constexpr double kMaxLasting = 3;  // times that, of what does not come anew at once
 // How far copies go from their own frames: forms should have left their place, but a pool is not to climb its fall.
 constexpr double kMinWander_s = 0.4, kMaxWander_s = 6, kMaxWander_px = 220;
-// Of a band of which a share s of the variance stands, s of the picture's own is the best guess of what does, and the root
-// of s has its variance. Fine bands take the guess: what stands falsely is seen as a veil. From this level on (32 px) the
-// light and dark of a scene are to stay as strong as they are.
+// Of a band of which a share s of the variance stands, s of the picture's own is the best guess of what does, and the
+// root of s has its variance. Fine bands take the guess: what stands falsely is seen as a veil. From this level on (32
+// px) the light and dark of a scene are to stay as strong as they are.
 constexpr double kWideLevel = 3;
 constexpr float kLively = 0.25f;               // of the fastest places' speed: what is slower is renewed less
 constexpr double kFast = 0.95, kUsual = 0.75;  // quantiles of the fluid's speed
@@ -230,8 +230,8 @@ class CarriedRenderer final : public Renderer {
         finisher_of(animation_, still_, own_colour,
                     copies_ ? ColourCurve(still_.target, still_.luma, still_.alpha) : ColourCurve()));
     if (!layout_) return;
-    // The bands that a sum of bands falls into are not quite those, and mixed layers agree at first: what the first frame
-    // is short of the picture.
+    // The bands that a sum of bands falls into are not quite those, and mixed layers agree at first: what the first
+    // frame is short of the picture.
     prepare_copies(0, 1);
     rest_of_still_ = still_.luma - carry(0, 0).luma;
   }

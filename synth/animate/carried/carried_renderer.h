@@ -43,23 +43,23 @@ struct CarriedOptions {
   /// Of what stays in its place in the patches (standing_shares), how much the picture keeps, 0..1; 0: all that is
   /// fluid goes.
   double standing = 1;
-  /// Whether the picture's layout stands and only its texture goes (StandingLayout), as in falls and rapids, or goes, as
-  /// in seas, whose crests it is. It always goes with a moving outline.
+  /// Whether the picture's layout stands and only its texture goes (StandingLayout), as in falls and rapids, or goes,
+  /// as in seas, whose crests it is. It always goes with a moving outline.
   Layout layout = Layout::kMeasured;
-  /// Whether the mean light and colour of wide places stay the still's (StandingColour). Not of flames by themselves, whose
-  /// level is what they do.
+  /// Whether the mean light and colour of wide places stay the still's (StandingColour). Not of flames by themselves,
+  /// whose level is what they do.
   bool holds_light = true;
-  /// What comes from the patches' pixels. Nothing: the motion alone, and no frame of a clip is read. For a first look: a
-  /// third of the time.
+  /// What comes from the patches' pixels. Nothing: the motion alone, and no frame of a clip is read. For a first look:
+  /// a third of the time.
   std::optional<InnovationOptions> innovations = InnovationOptions{};
   /// Where what lies at a pixel goes until the next frame, CV_32FC2, px, the picture's size; 0 beside the matte.
   std::function<void(const cv::Mat&)> motion_sink{};
 };
 
-/// Copies of the picture are carried along the motion of the assigned patches (CopyMaps, CarriedBase), their contrast is
-/// brought back, what stands in the patches stands in the picture (StandingDetail), and what comes anew in the patches
-/// comes anew in it (Innovations). Where the layout stands, its texture alone is carried (StandingLayout, LayoutShare). Light
-/// and colour of wide places are the picture's throughout (StandingColour).
+/// Copies of the picture are carried along the motion of the assigned patches (CopyMaps, CarriedBase), their contrast
+/// is brought back, what stands in the patches stands in the picture (StandingDetail), and what comes anew in the
+/// patches comes anew in it (Innovations). Where the layout stands, its texture alone is carried (StandingLayout,
+/// LayoutShare). Light and colour of wide places are the picture's throughout (StandingColour).
 /// Frame 0 is the picture.
 /// Source: not in Okabe et al. 2011; see the parts.
 std::unique_ptr<Renderer> make_renderer(Animation& animation, const StillPart& still,

@@ -1,5 +1,5 @@
-// synth/animate/carried/innovations.h — what the patches' pixels add to the carried picture: detail that comes anew, and
-// how light a place is.
+// synth/animate/carried/innovations.h — what the patches' pixels add to the carried picture: detail that comes anew,
+// and how light a place is.
 #pragma once
 
 #include <cstddef>
@@ -39,7 +39,8 @@ class Innovations {
   double overall() const { return renewal_.overall(); }
   /// By level of the picture, the fraction of its variance that is left for them; `begun` of it, 0..1.
   std::vector<double> shares(int levels, double begun) const;
-  /// Where how much may come anew: `lively` (CV_32F, 0..1, every `step` px) times what each place renews. Before frames.
+  /// Where how much may come anew: `lively` (CV_32F, 0..1, every `step` px) times what each place renews. Before
+  /// frames.
   cv::Mat restrict_to(const cv::Mat& lively, int step);
 
   int batch() const { return batches_.batch(); }

@@ -15,9 +15,10 @@ namespace freshet::synth::animate {
 namespace {
 
 constexpr double kNoise = 0.003;  // luma: of what is fainter, the more is coding noise
-// Of the canvas's finest band a third of what is found is taken, of the next two thirds; of the picture's finest, which the
-// canvas has not, nothing (placement.h, halved). What flow does not explain of the finest detail is mostly the clip's noise,
-// and between samples at half the size their reading: rapids looked like sandpaper, flames had crumbs on their edges.
+// Of the canvas's finest band a third of what is found is taken, of the next two thirds; of the picture's finest, which
+// the canvas has not, nothing (placement.h, halved). What flow does not explain of the finest detail is mostly the
+// clip's noise, and between samples at half the size their reading: rapids looked like sandpaper, flames had crumbs on
+// their edges.
 constexpr double kTrustedFrom = 3;
 constexpr double kMostAnew = 0.6;
 constexpr double kReach = 1;  // sigma, pieces: neighbours renew alike

@@ -1,5 +1,5 @@
-// synth/animate/carried/renewal.h — what comes anew: the patches' innovations, in the share of the picture's contrast that
-// is theirs.
+// synth/animate/carried/renewal.h — what comes anew: the patches' innovations, in the share of the picture's contrast
+// that is theirs.
 #pragma once
 
 #include <algorithm>
@@ -20,17 +20,18 @@ struct RenewalOptions {
   double share = 1;
   /// An innovation is not amplified by more: what is fainter is coding noise.
   double max_gain = 4;
-  /// Of what has come anew; > 0. Real fountains, brooks and fires lose a fifth to two fifths of all detail from a frame to
-  /// the next, beside what lives on. With .05 s in place of lives as long as the carried picture's (.1 to 1 s), six clips
-  /// came from 5.3 to 4.7 dB of the footage's spectrum, contrast and structure as before.
+  /// Of what has come anew; > 0. Real fountains, brooks and fires lose a fifth to two fifths of all detail from a frame
+  /// to the next, beside what lives on. With .05 s in place of lives as long as the carried picture's (.1 to 1 s), six
+  /// clips came from 5.3 to 4.7 dB of the footage's spectrum, contrast and structure as before.
   double half_life_s = 0.05;
 };
 
 /// Innovations go into a Blender piece by piece, scaled to the still's contrast; merged, they are carried on along the
 /// motion until they have died away; shown, they get their share of what the frame has where they lie.
 ///
-/// The share is the patches' own. Where a part x of detail of power P dies away as innovations do here, by k from frame to
-/// frame, and the rest goes along, the frame less the mean of its neighbours, brought to it, has (3/2 - 2 k + k^2 / 2) x P.
+/// The share is the patches' own. Where a part x of detail of power P dies away as innovations do here, by k from frame
+/// to frame, and the rest goes along, the frame less the mean of its neighbours, brought to it, has (3/2 - 2 k + k^2 /
+/// 2) x P.
 class Renewal {
  public:
   static constexpr int kLevels = 4;  // of the canvas, which has half the picture's size

@@ -122,8 +122,8 @@ FRESHET_WIDE void flow_of_component(const short* plane, std::ptrdiff_t stride, c
 }
 
 /// Places of a cell in steps (cubic.h), `fraction` px for each unit of the flow from `origin` px on, which goes on by
-/// `across` from column to column and by `down` from row to row; not beyond -1 and limit, from where on the frame's edge
-/// goes on.
+/// `across` from column to column and by `down` from row to row; not beyond -1 and limit, from where on the frame's
+/// edge goes on.
 FRESHET_WIDE void places_of_cell(const float* flow, int origin, int across, int down, float fraction,
                                  int limit, int width, int height, std::int32_t* places) {
   for (int row = 0; row < height; ++row, flow += width, places += width)
@@ -484,7 +484,8 @@ void ClipLuma::flow_of_cell(std::uint32_t frame, const cv::Rect& cell, Scratch& 
       .worked = whole_vectors(samples, flow_region_.width - begin),
       .width = cell.width,
       .height = cell.height,
-      // Of a halved flow the first column of a cell lies after the sample before it; at the region's edge there is none.
+      // Of a halved flow the first column of a cell lies after the sample before it; at the region's edge there is
+      // none.
       .before = !halved                                     ? -1
                 : (cell.x + 1) / 2 - flow_region_.x > begin ? 1
                                                             : 0};

@@ -25,10 +25,11 @@ class PatchLevels {
   PatchLevels(cv::Size source, const Placement& placement, std::span<const std::size_t> patches,
               std::span<const playing::Moment> moments);
 
-  /// Takes the means of those of the frames, all loaded, that any moment shows and that it has not seen. All threads; the
-  /// same for any number, and for any parts of the clip in ascending order.
+  /// Takes the means of those of the frames, all loaded, that any moment shows and that it has not seen. All threads;
+  /// the same for any number, and for any parts of the clip in ascending order.
   void measure(const ClipLuma& luma, std::span<const std::uint32_t> frames);
-  /// How far above its mean over all output frames the i-th patch is in one of them, luma. After measure() of every frame.
+  /// How far above its mean over all output frames the i-th patch is in one of them, luma. After measure() of every
+  /// frame.
   float at(std::size_t i, int output) const;
 
  private:

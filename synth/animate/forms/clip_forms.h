@@ -11,7 +11,8 @@
 
 namespace freshet::synth::animate {
 
-/// Light is luma above this often what a place shows at its darkest: what a fire lights beats with it, and is not to shine.
+/// Light is luma above this often what a place shows at its darkest: what a fire lights beats with it, and is not to
+/// shine.
 inline constexpr float kLit = 2;
 
 /// What forms are chosen by.
@@ -39,8 +40,8 @@ inline constexpr std::uint32_t kMaxFormFrames = 480;
 /// Cost    of some 48 of them at an eighth of the samples.
 double beats_as_one(const std::vector<cv::Mat>& levels);
 
-/// The darkest that each place shows, but for one frame in ten: of frames of CV_8U luma, CV_8U. Where it never gets dark
-/// and does not stand still, or is clipped, there is always a flame: there it is continued from around.
+/// The darkest that each place shows, but for one frame in ten: of frames of CV_8U luma, CV_8U. Where it never gets
+/// dark and does not stand still, or is clipped, there is always a flame: there it is continued from around.
 cv::Mat darkest(const std::vector<cv::Mat>& frames);
 
 }  // namespace freshet::synth::animate

@@ -25,8 +25,8 @@ struct ChosenForm {
 };
 
 /// Likeness is the cosine between the picture's level and the clip's: its mean (the picture's blurred, for it is one
-/// moment), and its most alike frame, half each; less where the clip would be enlarged, its frame cuts its flames, or they
-/// are busier or plainer than the picture's.
+/// moment), and its most alike frame, half each; less where the clip would be enlarged, its frame cuts its flames, or
+/// they are busier or plainer than the picture's.
 /// Each seat of the picture chooses for itself; two of them take different moments.
 /// still     of the picture.
 /// clips     at least one; those without a seat are passed over.

@@ -170,8 +170,8 @@ void FormFrames::draw_to_picture() {
   }
 }
 
-/// Where the picture's flames come from while they last: back along the clips' flow, frame by frame from the picture on,
-/// and in a loop on to it.
+/// Where the picture's flames come from while they last: back along the clips' flow, frame by frame from the picture
+/// on, and in a loop on to it.
 void FormFrames::follow_flames() {
   const int lasts = std::min(options_.frames / 2,
                              static_cast<int>(std::ceil(std::max(2.0, options_.handover_s * options_.fps))));

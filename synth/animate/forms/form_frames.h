@@ -24,8 +24,8 @@ struct FormFramesOptions {
   double lighting = 0.5;
 };
 
-/// Each pixel is ground, lit by the fire's level, plus the brighter of: flames of the clips, in the picture's levels and
-/// colours; and at first the picture's own flames, which go up along the clips' flow and thin out. Frame 0 is the
+/// Each pixel is ground, lit by the fire's level, plus the brighter of: flames of the clips, in the picture's levels
+/// and colours; and at first the picture's own flames, which go up along the clips' flow and thin out. Frame 0 is the
 /// picture, and so, in a loop, is the one after the last.
 class FormFrames {
  public:

@@ -26,13 +26,13 @@ class LevelMaps {
   std::array<Map, kHeights> maps_{};
 };
 
-/// How much softer a clip's flames have to be, to be as soft as the picture's: sigma, px, 0 where they are. Softness is the
-/// share of fine detail (Laplacian, of up to 4 px) in the level's variance.
+/// How much softer a clip's flames have to be, to be as soft as the picture's: sigma, px, 0 where they are. Softness is
+/// the share of fine detail (Laplacian, of up to 4 px) in the level's variance.
 /// still, forms  as LevelMaps, levels matched.
 double softness(const cv::Mat& still, std::span<const cv::Mat> forms);
 
-/// The colour that the picture's flames have at each level of light: dark red, orange, yellow, and white only where they
-/// are. CV_32FC3 of light. A level that the picture lacks has the nearest one's colour, as bright as it is itself.
+/// The colour that the picture's flames have at each level of light: dark red, orange, yellow, and white only where
+/// they are. CV_32FC3 of light. A level that the picture lacks has the nearest one's colour, as bright as it is itself.
 class LightColours {
  public:
   /// light  CV_32FC3, level CV_32F: of the picture (PartedStill).

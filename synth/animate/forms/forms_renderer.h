@@ -27,17 +27,17 @@ struct FormsOptions {
 };
 
 /// Flames over the ground that they shine on, which stands. With kOwn, own_flames. With kClips
-/// the picture is parted into what shines and what it shines on (PartedStill); each fire in it gets the clip whose flames
-/// fit best (choose_forms), in the picture's levels and colours (LevelMaps, LightColours), over its ground (FormFrames).
-/// Frame 0 is the picture. Of the placement, its clips and their mean speed are used; strokes are not.
+/// the picture is parted into what shines and what it shines on (PartedStill); each fire in it gets the clip whose
+/// flames fit best (choose_forms), in the picture's levels and colours (LevelMaps, LightColours), over its ground
+/// (FormFrames). Frame 0 is the picture. Of the placement, its clips and their mean speed are used; strokes are not.
 /// Where the clips fit badly the report says why (forms_lack).
 /// Throws   Error{kInput} when the picture or the clips have no flames, or the outline is a moving one.
 /// Source: the task is Okabe et al. 2011, Sec. 8 ("large features"); the method is ours.
 std::unique_ptr<Renderer> make_renderer(Animation& animation, const StillPart& still,
                                         const FormsOptions& options);
 
-/// As make_renderer, where the picture is of a fire: most patches of the placement are of class fire, and the picture has
-/// flames that are lighter by kLeastContrast than what is around them. Else null.
+/// As make_renderer, where the picture is of a fire: most patches of the placement are of class fire, and the picture
+/// has flames that are lighter by kLeastContrast than what is around them. Else null.
 std::unique_ptr<Renderer> fire_renderer(Animation& animation, const StillPart& still,
                                         const FormsOptions& options);
 

@@ -13,8 +13,8 @@ float level_of(float light);
 cv::Mat light_of(const cv::Mat& levels);
 cv::Mat level_of(const cv::Mat& light);
 
-/// Flames that die away go from their faint parts to their core, and do not turn glassy as a cross-fade's do: of a level,
-/// what is above `gone` is left, stretched to the whole range. gone  0: all is there, to 1: nothing is.
+/// Flames that die away go from their faint parts to their core, and do not turn glassy as a cross-fade's do: of a
+/// level, what is above `gone` is left, stretched to the whole range. gone  0: all is there, to 1: nothing is.
 inline float thinned(float level, float gone) {
   return level <= gone ? 0.0f : (level - gone) / (1 - gone + 1e-6f);
 }

@@ -7,7 +7,8 @@
 
 namespace freshet::synth::animate {
 
-/// The ground near a fire follows the light that falls on it, which comes from all flames nearby; far from it, it stands.
+/// The ground near a fire follows the light that falls on it, which comes from all flames nearby; far from it, it
+/// stands.
 class LitGround {
  public:
   /// still     alive as long as this.

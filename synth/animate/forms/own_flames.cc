@@ -28,8 +28,8 @@ cv::Mat thrice(const cv::Mat& level) {
   return out;
 }
 
-/// 0..1: where light may be. Near the picture's flames, but not below them: what burns before a log or a rim has its foot
-/// there, and copies that begin farther down do not show through.
+/// 0..1: where light may be. Near the picture's flames, but not below them: what burns before a log or a rim has its
+/// foot there, and copies that begin farther down do not show through.
 cv::Mat reach_of(const cv::Mat& level) {
   const double side = std::max(level.cols, level.rows), near = kNearFlames * side, below = kBelow * side;
   const cv::Mat shines = level > 0.1f;

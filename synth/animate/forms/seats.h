@@ -16,8 +16,9 @@ struct Seat {
   double height() const { return bed - top; }
 };
 
-/// Fires that stand apart from each other by columns: a tip that has come off belongs to what burns below it. From left to
-/// right, at most kMaxSeats; none where nothing shines. What is beside them, or less than a thirtieth of all, is no seat.
+/// Fires that stand apart from each other by columns: a tip that has come off belongs to what burns below it. From left
+/// to right, at most kMaxSeats; none where nothing shines. What is beside them, or less than a thirtieth of all, is no
+/// seat.
 /// level   CV_32F, 0..1, of some 200 px a side.
 std::vector<Seat> seats_of(const cv::Mat& level);
 inline constexpr int kMaxSeats = 5;

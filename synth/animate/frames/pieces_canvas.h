@@ -14,7 +14,8 @@ class PiecesCanvas {
 
   const cv::Rect& rect() const { return rect_; }
   double scale() const { return scale_; }
-  /// A plane of the picture's size, CV_32F, there; beyond the picture it is reflected. May be a part of the plane itself.
+  /// A plane of the picture's size, CV_32F, there; beyond the picture it is reflected. May be a part of the plane
+  /// itself.
   cv::Mat cut(const cv::Mat& plane) const;
   /// A field that is sampled every `step` px of the picture, there; beyond its samples they go on.
   cv::Mat cut_samples(const cv::Mat& samples, int step) const;

@@ -39,9 +39,9 @@ class CarryingField {
   CarryingField(std::shared_ptr<const MotionSequence> sequence, const cv::Mat& asked, int frames, double fps,
                 int step, bool loop, const CarryingOptions& options);
 
-  /// Displacement from output frame i to the next, px of the picture: CV_32FC2, size(), to be read alone. Any i. Safe from
-  /// many threads; one warp of the coarse field, or none: every copy that is alive asks for the same frames, and the last
-  /// ones are kept.
+  /// Displacement from output frame i to the next, px of the picture: CV_32FC2, size(), to be read alone. Any i. Safe
+  /// from many threads; one warp of the coarse field, or none: every copy that is alive asks for the same frames, and
+  /// the last ones are kept.
   cv::Mat at(int i) const;
   /// Root mean square speed of each place, px a frame: CV_32F, size().
   const cv::Mat& activity() const { return activity_; }

@@ -98,8 +98,8 @@ cv::Mat smooth_noise(cv::Size size, double patch, std::uint64_t stream) {
   return out;
 }
 
-/// How well what a copy brings goes with the place that it is brought to: how deep it comes from, 0..1, and how unlike it
-/// looks, in squares of deviations. Fours of depth, luma, blue, red.
+/// How well what a copy brings goes with the place that it is brought to: how deep it comes from, 0..1, and how unlike
+/// it looks, in squares of deviations. Fours of depth, luma, blue, red.
 FRESHET_WIDE void compare(const float* brought, const float* own, int n, float* deep, float* unlike) {
   for (int x = 0; x < n; ++x) {
     const float luma = (brought[4 * x + 1] - own[4 * x + 1]) / kLumaApart,
@@ -123,9 +123,9 @@ FRESHET_WIDE void compare_depths(const float* brought, const float* own, int n, 
   }
 }
 
-/// How evenly copies are laid out about places, 0..1: what is drawn out to thrice its length is strings and haze, what is
-/// squeezed as much crumbs. By the singular values of the map from places to their sources. Pairs of a row, those of the
-/// rows above and below, n of each, and by what differences across and down are multiplied.
+/// How evenly copies are laid out about places, 0..1: what is drawn out to thrice its length is strings and haze, what
+/// is squeezed as much crumbs. By the singular values of the map from places to their sources. Pairs of a row, those of
+/// the rows above and below, n of each, and by what differences across and down are multiplied.
 FRESHET_WIDE void find_evenness(const float* left, const float* right, const float* above, const float* below,
                                 float per_across, float per_down, int n, float* out) {
   for (int x = 0; x < n; ++x) {

@@ -13,8 +13,8 @@ namespace freshet::synth::animate {
 
 /// One copy of the picture in one frame, sampled as the field.
 struct CopyMap {
-  cv::Mat
-      weight;  // CV_32F: how far the copy shows; the weights of a place's copies sum to 1, to less where none goes with it
+  /// CV_32F: how far the copy shows. The weights of a place's copies sum to 1, to less where none goes with it.
+  cv::Mat weight;
   cv::Mat source;  // CV_32FC2: from a place to where the copy has it from, px
 };
 

@@ -72,8 +72,8 @@ class MotionSums {
              cv::Size picture, int frames, stored::DecodedTiles* tiles = nullptr);
   ~MotionSums();
 
-  /// Patches that are in no other group. held: the clip's flow, of every frame that is shown; null: it is read, in one pass,
-  /// a slab of it per thread. All threads; the same for any number.
+  /// Patches that are in no other group. held: the clip's flow, of every frame that is shown; null: it is read, in one
+  /// pass, a slab of it per thread. All threads; the same for any number.
   /// Throws   Error{kDamaged} when the clip's flow does not fit its frames.
   void add(const PlayedPatches& group, const HeldFlow* held = nullptr);
   /// After all patches of the placement.

@@ -1,4 +1,5 @@
-// synth/animate/paper/paper_renderer.h — Okabe's own frames: the patches' differences on a long exposure of the picture.
+// synth/animate/paper/paper_renderer.h — Okabe's own frames: the patches' differences on a long exposure of the
+// picture.
 #pragma once
 
 #include <memory>

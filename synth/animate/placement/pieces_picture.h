@@ -7,8 +7,8 @@
 
 namespace freshet::synth::animate {
 
-/// Its size, px, rounded, at least 1, where `picture` px are shown: reduced by Placement::piece_scale, which below 1 says
-/// that a small copy of the labelled picture is shown.
+/// Its size, px, rounded, at least 1, where `picture` px are shown: reduced by Placement::piece_scale, which below 1
+/// says that a small copy of the labelled picture is shown.
 cv::Size pieces_picture(const Placement& placement, cv::Size picture);
 
 }  // namespace freshet::synth::animate

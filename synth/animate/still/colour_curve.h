@@ -8,16 +8,16 @@
 
 namespace freshet::synth::animate {
 
-/// Colour less luma as a function of luma: means over the fluid's pixels, smooth. A flame is dark red, then orange, then
-/// yellow, wherever it is. What is carried and gets another luminance there follows the curve. A straight line that is
-/// fitted nearby (ColourModel) fails it: a bright flame that goes over a gap took the gap's purple with it, and turned
-/// grey.
+/// Colour less luma as a function of luma: means over the fluid's pixels, smooth. A flame is dark red, then orange,
+/// then yellow, wherever it is. What is carried and gets another luminance there follows the curve. A straight line
+/// that is fitted nearby (ColourModel) fails it: a bright flame that goes over a gap took the gap's purple with it, and
+/// turned grey.
 class ColourCurve {
  public:
   /// No colour changes with luminance.
   ColourCurve() = default;
-  /// bgr    CV_32FC3, luma and matte CV_32F of its size; the matte 0..1. Luminances that the fluid does not have take the
-  ///        nearest one's colour. A matte without fluid: as without a picture.
+  /// bgr    CV_32FC3, luma and matte CV_32F of its size; the matte 0..1. Luminances that the fluid does not have take
+  ///        the nearest one's colour. A matte without fluid: as without a picture.
   /// Cost   one reading of the picture.
   ColourCurve(const cv::Mat& bgr, const cv::Mat& luma, const cv::Mat& matte);
 

@@ -9,8 +9,8 @@
 
 namespace freshet::synth::animate {
 
-/// Of each Laplacian level, how far the layout stands: 0, the picture goes with its forms, as seas and clouds do; 1, its
-/// texture alone does, as in falls; between, both are seen.
+/// Of each Laplacian level, how far the layout stands: 0, the picture goes with its forms, as seas and clouds do; 1,
+/// its texture alone does, as in falls; between, both are seen.
 class LayoutShare {
  public:
   /// The same everywhere, 0..1.
@@ -27,8 +27,8 @@ class LayoutShare {
   cv::Mat over_picture(cv::Size size) const;
 
   /// Mixes luma of both kinds: of each level w of what stands, the root of w of the texture over it and the root of
-  /// 1 - w of what goes, brought to w and 1 - w of both powers over some 16 samples: around a still both are alike, later
-  /// they are not. Of the low-pass rest w and 1 - w.
+  /// 1 - w of what goes, brought to w and 1 - w of both powers over some 16 samples: around a still both are alike,
+  /// later they are not. Of the low-pass rest w and 1 - w.
   /// laid    as lay_texture made it, of this layout.
   /// goes    CV_32F; changed in place. With maps alone.
   void mix(const cv::Mat& laid, const StandingLayout& layout, cv::Mat& goes) const;

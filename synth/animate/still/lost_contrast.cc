@@ -13,8 +13,8 @@
 namespace freshet::synth::animate {
 namespace {
 
-/// How far detail of a band agrees whose places lie apart by the root of `squared` px: 1 / (1 + q + q^2 / 2) in place of
-/// exp(-q).
+/// How far detail of a band agrees whose places lie apart by the root of `squared` px: 1 / (1 + q + q^2 / 2) in place
+/// of exp(-q).
 [[gnu::always_inline]] inline float agreement(float squared, float unit) {
   const float q = squared * unit;
   return 1 / (1 + q * (1 + 0.5f * q));
@@ -88,7 +88,8 @@ class Mixture {
 
   cv::Size size() const { return own_.size(); }
 
-  /// What the mixture of copies, and what the picture where it lies, is multiplied by. where: as restore_contrast has it.
+  /// What the mixture of copies, and what the picture where it lies, is multiplied by. where: as restore_contrast has
+  /// it.
   void gains(const LevelShares& level, const cv::Mat& where, cv::Mat& carried, cv::Mat& stands) const {
     const auto unit = static_cast<float>(1 / (2 * level.agreement_px * level.agreement_px));
     const auto anew = static_cast<float>(level.anew), share = static_cast<float>(level.standing),
@@ -111,8 +112,8 @@ class Mixture {
   std::vector<Term> stood_;  // a_i, from a place to the copy's source
 };
 
-/// A gain that is sampled as the maps are, for a band: larger, and cut to the band's size. Maps are sampled in the middles
-/// of squares of step px, as resize takes it.
+/// A gain that is sampled as the maps are, for a band: larger, and cut to the band's size. Maps are sampled in the
+/// middles of squares of step px, as resize takes it.
 sampling::WidenedRows rows_of(const cv::Mat& gain, int step, int level, cv::Size band) {
   const cv::Size covered(gain.cols * step >> level, gain.rows * step >> level);
   return {gain, {std::max(covered.width, band.width), std::max(covered.height, band.height)}};

@@ -10,9 +10,9 @@
 namespace freshet::synth::animate {
 
 /// Copies bring what lies elsewhere in the picture: over a quarter of the picture a sea turned from green to pink, and
-/// the pool under a fall to white and back. Light and colour of a place that large are the scene's, not the fluid's: the
-/// mean over the fluid around each place, weighed by a Gaussian of a twelfth of the longer side, stays the still's. What
-/// a frame departs from it by is taken away, smooth, and all that is smaller stays as it was carried.
+/// the pool under a fall to white and back. Light and colour of a place that large are the scene's, not the fluid's:
+/// the mean over the fluid around each place, weighed by a Gaussian of a twelfth of the longer side, stays the still's.
+/// What a frame departs from it by is taken away, smooth, and all that is smaller stays as it was carried.
 /// Source: none in Okabe et al. 2011, whose differences have no mean.
 class StandingColour {
  public:

@@ -27,9 +27,9 @@ class StandingDetail {
   double share(int level) const { return shares_[static_cast<std::size_t>(level)]; }
   /// The picture's band, CV_32F (vision::laplacian_pyramid); beyond the matte the fluid's own values go on.
   const cv::Mat& band(int level) const { return bands_[static_cast<std::size_t>(level)]; }
-  /// What a band is multiplied by to bring it to `kept` of the picture's mean magnitude over the whole matte, at most 1.4
-  /// or as much less than 1: mixed, stretched and renewed it neither gains nor loses. Magnitudes, not squares: an edge that is spread
-  /// into grain has as much power, and looks like more.
+  /// What a band is multiplied by to bring it to `kept` of the picture's mean magnitude over the whole matte, at most
+  /// 1.4 or as much less than 1: mixed, stretched and renewed it neither gains nor loses. Magnitudes, not squares: an
+  /// edge that is spread into grain has as much power, and looks like more.
   /// strength: the power of that factor, 0..1.
   float match(const cv::Mat& band, int level, double kept, double strength) const;
 

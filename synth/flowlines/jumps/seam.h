@@ -28,14 +28,15 @@ Meeting meeting_of(const std::vector<cv::Mat>& frames, cv::Point corner, const c
                    int enters, int reach);
 
 /// What a surface of labels shows of itself: at each place what the runs differ by in the frames before and after it
-/// goes over; and between neighbours, by a quarter, what they differ by in all frames in which one has gone over and the
-/// other not. (By the whole, as between pixels of a picture, a cut is flat in time: all goes over at once.)
+/// goes over; and between neighbours, by a quarter, what they differ by in all frames in which one has gone over and
+/// the other not. (By the whole, as between pixels of a picture, a cut is flat in time: all goes over at once.)
 /// labels    CV_8U, the meeting's size.
 double cost_of(const Meeting& meeting, const cv::Mat& labels);
 
 /// A surface of little cost: the graph cut of Kwatra et al. 2003 ("Graphcut Textures", Sec. 3) in space and time, for
 /// which Bhat et al. 2004 hope in their last section. Solved by lines: each row, then each column, is given its best
-/// labels exactly while its neighbours stay, in turn; on noise its cost is within 5 % of the smallest cut's (seam_test).
+/// labels exactly while its neighbours stay, in turn; on noise its cost is within 5 % of the smallest cut's
+/// (seam_test).
 ///
 /// Returns  CV_8U labels. Cost  places x labels x sweeps.
 cv::Mat cut(const Meeting& meeting);

@@ -1,4 +1,5 @@
-// synth/flowlines/lines/flow_line.h — a line that particles of the fluid ride, from where they enter to where they leave.
+// synth/flowlines/lines/flow_line.h — a line that particles of the fluid ride, from where they enter to where they
+// leave.
 #pragma once
 
 #include <optional>

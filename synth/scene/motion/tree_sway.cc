@@ -20,8 +20,8 @@ float distance2_to(cv::Point2f p, cv::Point2f from, cv::Point2f way, float lengt
   return off.dot(off);
 }
 
-/// Half of how far the lines of a stand lie from their next ones, squared: sway goes over from one to the next all along
-/// the way between them, or it would fold what is there.
+/// Half of how far the lines of a stand lie from their next ones, squared: sway goes over from one to the next all
+/// along the way between them, or it would fold what is there.
 float between2(const std::vector<Line>& lines) {
   double sum = 0;
   for (const Line& line : lines) {

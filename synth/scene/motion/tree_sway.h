@@ -22,8 +22,8 @@ float bend_by_distance(float u);
 
 /// Each point turns about the root of its armature, by the displacement of the armature's point at the same distance.
 /// A turn keeps the distance, so that the turn back is the true inverse (Eq. 2). Of several armatures
-/// each point follows the near ones, by the inverse fourth power of distances to the lines; of a stand, whose lines sway
-/// together, more evenly. Foreshortening scales along
+/// each point follows the near ones, by the inverse fourth power of distances to the lines; of a stand, whose lines
+/// sway together, more evenly. Foreshortening scales along
 /// the armature with the sway out of the picture.
 class TreeSway : public Motion {
  public:

@@ -24,18 +24,18 @@ namespace freshet::synth::scene {
 WaterMapping mapping_seen(const WaterMotion& water, const cv::Rect& region, cv::Size picture);
 
 /// Displacement as printed (Eq. 10): what lies on the plane is lifted by the height above it. The inverse is the
-/// negative of the displacement at the pixel itself, as in the paper: it is continuous; the true inverse folds where waves
-/// are steep, and would show water from behind a crest twice. The negative folds too where rows that follow each other
-/// are displaced by amounts that differ by more than a pixel, and looks torn: there the
+/// negative of the displacement at the pixel itself, as in the paper: it is continuous; the true inverse folds where
+/// waves are steep, and would show water from behind a crest twice. The negative folds too where rows that follow each
+/// other are displaced by amounts that differ by more than a pixel, and looks torn: there the
 /// shortest waves are left out.
 ///
 /// Normals: a mirror image moves by what the reflected ray turns, twice the surface's slope: 2 f
 /// slope_away up or down, and to the side 2 f slope_right times the sine of the angle at which the plane is
 /// seen. Slopes of what is smaller than a pixel do not move it, they would blur it.
 ///
-/// Waves shorter than an 80th of the picture's longer side are left out whatever its size in pixels, and those shorter than
-/// 4 px. On real lakes mirror images do not follow such ripples: with all that 640 px can show, a lake's luma varied by
-/// 10 dB more than its clip's does, and far too fast; at 320 px it did as the clip.
+/// Waves shorter than an 80th of the picture's longer side are left out whatever its size in pixels, and those shorter
+/// than 4 px. On real lakes mirror images do not follow such ripples: with all that 640 px can show, a lake's luma
+/// varied by 10 dB more than its clip's does, and far too fast; at 320 px it did as the clip.
 class WaterSurface : public Motion {
  public:
   /// region    px of the picture in which rows will be asked.

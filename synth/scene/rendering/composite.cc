@@ -47,8 +47,8 @@ struct Scratch {
   std::vector<std::int32_t> place_x, place_y;
 };
 
-/// Places in steps of the texture, kept inside it. mirrored   1: what lies beyond an end is its mirror image; 0: the end
-/// itself.
+/// Places in steps of the texture, kept inside it. mirrored   1: what lies beyond an end is its mirror image; 0: the
+/// end itself.
 FRESHET_WIDE void places(const float* d, int from, int step, int n, int most, int mirrored,
                          std::int32_t* out) {
   for (int i = 0; i < n; ++i) {

@@ -1,4 +1,5 @@
-// synth/scene/wind/gusts.h — the part of the wind that crosses the picture, so that its things move one after the other.
+// synth/scene/wind/gusts.h — the part of the wind that crosses the picture, so that its things move one after the
+// other.
 #pragma once
 
 #include <cstdint>

@@ -1,7 +1,7 @@
 // synth/simulate/clips/fountain.cc — jets of water that break into drops, against the dark.
 //
-// No solver: a drop is thrown and falls. Drop i of a jet is thrown again and again, each time a little otherwise, and its
-// place is a function of the time alone.
+// No solver: a drop is thrown and falls. Drop i of a jet is thrown again and again, each time a little otherwise, and
+// its place is a function of the time alone.
 #include <algorithm>
 #include <cmath>
 #include <vector>

@@ -1,7 +1,7 @@
 // synth/simulate/clips/water_surface.cc — waves under a low sun, and rain on a pool, seen over the water.
 //
-// No solver: a height field of plane waves, each at the speed that deep water gives its length (w^2 = g k), and of rings
-// where drops fall. Slopes are exact, so glitter is where the sun's mirror image is.
+// No solver: a height field of plane waves, each at the speed that deep water gives its length (w^2 = g k), and of
+// rings where drops fall. Slopes are exact, so glitter is where the sun's mirror image is.
 #include <algorithm>
 #include <array>
 #include <cmath>

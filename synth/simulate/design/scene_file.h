@@ -22,7 +22,8 @@ SceneOptions read_scene(const std::filesystem::path& path);
 /// name   stands for the file in messages.
 SceneOptions parse_scene(std::string_view text, const std::filesystem::path& name);
 
-/// A table of another file that describes a ready-made clip by the same keys (size, frames, fps, seed, clip, speed, zoom,
+/// A table of another file that describes a ready-made clip by the same keys (size, frames, fps, seed, clip, speed,
+/// zoom,
 /// amount). usual   holds for those that it leaves out. Throws as read_scene, and for keys of a design.
 SceneOptions read_clip(Section& table, const SceneOptions& usual);
 

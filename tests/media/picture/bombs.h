@@ -1,5 +1,5 @@
-// tests/media/picture/bombs.h — pictures of few bytes that ask a reader for far more memory or time than their pixels are
-// worth.
+// tests/media/picture/bombs.h — pictures of few bytes that ask a reader for far more memory or time than their pixels
+// are worth.
 #pragma once
 
 #include <string>

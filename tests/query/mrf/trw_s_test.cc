@@ -119,8 +119,8 @@ TEST(TrwS, IsTheSameForAnyNumberOfThreads) {
   }
 }
 
-/// A field whose numbers are the same wherever there is the standard's generator: multiples of 2^-16, of no distribution of
-/// the library's.
+/// A field whose numbers are the same wherever there is the standard's generator: multiples of 2^-16, of no
+/// distribution of the library's.
 Mrf portable_mrf(std::uint64_t seed) {
   constexpr std::uint32_t kWidth = 12, kHeight = 9;
   std::mt19937_64 random(seed);

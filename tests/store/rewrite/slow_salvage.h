@@ -1,5 +1,5 @@
-// tests/store/rewrite/slow_salvage.h — the slow twin of store/rewrite/salvage.h: which clips can still be read from a file,
-// found from the values' marks backwards, with no look at pages' headers, trees, or accounts.
+// tests/store/rewrite/slow_salvage.h — the slow twin of store/rewrite/salvage.h: which clips can still be read from a
+// file, found from the values' marks backwards, with no look at pages' headers, trees, or accounts.
 #pragma once
 
 #include <algorithm>

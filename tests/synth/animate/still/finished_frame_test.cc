@@ -45,8 +45,8 @@ CarriedFrame carried_frame() {
   return base.frame(copies);
 }
 
-/// One pixel in doubles, as the header says it. brought: null, or blue, green and red less luma, as the luminance is now,
-/// and the fraction of it.
+/// One pixel in doubles, as the header says it. brought: null, or blue, green and red less luma, as the luminance is
+/// now, and the fraction of it.
 struct Brought {
   double chroma[3], fraction;
 };

@@ -133,7 +133,8 @@ TEST(StandingDetail, OfWhatHasNotMovedIsAllThere) {
 }
 
 TEST(StandingDetail, GoesOnWhereItHasHardlyMoved) {
-  // Half a pixel away all agrees with itself: the place shows what was carried there, not a mixture with what was there.
+  // Half a pixel away all agrees with itself: the place shows what was carried there, not a mixture with what was
+  // there.
   cv::Mat still, moved;
   cv::GaussianBlur(noise(3), still, {}, 12);
   cv::warpAffine(still, moved, cv::Matx23d(1, 0, 0.5, 0, 1, 0), still.size(), cv::INTER_CUBIC,
