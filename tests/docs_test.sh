@@ -1,6 +1,6 @@
 #!/bin/sh
-# Fails when README.md, a document or a comment names a file, folder, command, option or bench that does not exist, or
-# when docs/architecture.md leaves out a folder.
+# Fails when README.md, a document or a comment names a file, folder, command, option or bench that does not exist, when
+# docs/architecture.md leaves out a folder, and when docs/terms.md explains what nothing uses, or too much.
 # usage: tests/docs_test.sh ROOT
 set -eu
 cd "$1"
@@ -63,6 +63,15 @@ grep -vE 'cmake|ffmpeg|ctest|demo\.sh' README.md docs/manual.md docs/benchmark.m
   grep -oE '^[^ ]+|[^a-z-]--[a-z][a-z-]+' | awk '!/--/ { file = $0; next } { sub(/^[^-]/, ""); print file, $0 }' |
   sort -u | while read -r document option; do
   grep -qE -- "$option([\",]|$)" "$scratch/tools" || echo "$document: the option $option"
+done >> "$missing"
+
+# A glossary of at most 80 entries, each of which something else uses, as one word or with - or _ in it.
+entries=$(grep -c '^| \*\*' docs/terms.md)
+[ "$entries" -le 80 ] || echo "docs/terms.md: of its $entries entries each beyond 80" >> "$missing"
+cat $(echo "$documents" | tr ' ' '\n' | grep -v terms.md) $sources $(find studio/page -name '*.ts*') | tr 'A-Z' 'a-z' |
+  tr -cs 'a-z0-9' ' ' > "$scratch/words"
+grep '^| \*\*' docs/terms.md | grep -oE '\*\*[^*]+\*\*' | tr -d '*' | tr 'A-Z-' 'a-z ' | while read -r term; do
+  grep -qE "(^| )$term(s|es)?( |$)" "$scratch/words" || echo "docs/terms.md: a use of \"$term\""
 done >> "$missing"
 
 # Benches.
