@@ -8,6 +8,8 @@
 
 #include "query/search/picture_scale.h"
 #include "studio/clip_strip.h"
+#include "studio/drawing/recipe.h"
+#include "synth/animate/method_settings.h"
 #include "synth/animate/motion/motion_field.h"
 
 namespace freshet::studio {
@@ -32,18 +34,14 @@ query::MotionGuide guide_of(const query::LabelRequest& request, cv::Size labelle
 /// As `synth animate` takes the same words of project.toml.
 synth::animate::Method method_of(const Document& document) {
   namespace animate = synth::animate;
-  if (document.flames == "clips") {
-    animate::FormsOptions forms;
-    forms.flames = animate::Flames::kClips;
-    forms.excluded = document.excluded_clips;
-    forms.placed_only = !document.pins.empty();
-    return forms;
+  animate::Method method;
+  for (const auto& [name, value] : method_settings_of(document))
+    animate::method_setting(name).set(method, value);
+  if (auto* const forms = std::get_if<animate::FormsOptions>(&method)) {
+    forms->excluded = document.excluded_clips;
+    forms->placed_only = !document.pins.empty();
   }
-  animate::CarriedOptions carried;
-  if (document.layout == "goes") carried.layout = animate::Layout::kGoes;
-  if (document.layout == "stands") carried.layout = animate::Layout::kStands;
-  carried.half_life_s = document.detail_life;
-  return carried;
+  return method;
 }
 
 }  // namespace

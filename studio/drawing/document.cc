@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <functional>
-#include <initializer_list>
 #include <set>
 #include <string>
 
@@ -67,12 +66,13 @@ std::vector<Pin> read_pins(const Fields& fields) {
   return pins;
 }
 
-/// One of some words; the first where a document is older than the field.
-std::string read_word(const Fields& fields, const char* name, std::initializer_list<const char*> words) {
-  const std::string word = fields.has(name) ? fields.text(name) : *words.begin();
-  if (std::find(words.begin(), words.end(), word) == words.end())
-    fields.fail(fmt::format("\"{}\" is none of its words", name));
-  return word;
+void read_option(const Fields& fields, const char* name, bool& option) { option = fields.flag(name); }
+void read_option(const Fields& fields, const char* name, double& option, double low, double high) {
+  option = fields.number(name, low, high);
+}
+void read_option(const Fields& fields, const char* name, std::string& option,
+                 const std::vector<std::string>& words) {
+  option = fields.word(name, words);
 }
 
 MatteBase read_base(const Fields& fields) {
@@ -112,37 +112,13 @@ Json labels_json(const Document& document) {
 
 Json frames_json(const Document& document) {
   Json json = labels_json(document);
-  json["loop"] = document.loop;
-  json["speed"] = document.speed;
+  each_option([&](const char* name, auto field, const auto&...) { json[name] = document.*field; });
   json["tempo"] = Json::array();
   for (const DrawnTempo& line : document.tempo)
     json["tempo"].push_back(
         {{"points", points_json(line.points)}, {"width", line.width}, {"factor", line.factor}});
-  json["moving_outline"] = document.moving_outline;
-  json["layout"] = document.layout;
-  json["detail_life"] = document.detail_life;
-  json["flames"] = document.flames;
   return json;
 }
-
-/// What the document holds of one of the other ways: a row each.
-struct Part {
-  const char* name;
-  void (*read)(const Fields& fields, Document& document);
-  Json (*write)(const Document& document);
-};
-
-template <auto member, auto read, auto write>
-constexpr Part part(const char* name) {
-  return {name, [](const Fields& fields, Document& document) { document.*member = read(fields); },
-          [](const Document& document) -> Json { return write(document.*member); }};
-}
-
-constexpr Part kParts[] = {part<&Document::design, read_design, design_json>("design"),
-                           part<&Document::stills, read_stills, stills_json>("stills"),
-                           part<&Document::flowlines, read_flowlines, flowlines_json>("flowlines"),
-                           part<&Document::scene, read_scene, scene_json>("scene"),
-                           part<&Document::sweep, read_sweep, sweep_json>("sweep")};
 
 std::uint64_t hash_of(const Json& json) { return std::hash<std::string>()(json.dump()); }
 
@@ -150,7 +126,7 @@ std::uint64_t hash_of(const Json& json) { return std::hash<std::string>()(json.d
 
 std::string to_json(const Document& document) {
   Json json = frames_json(document);
-  for (const Part& part : kParts) json[part.name] = part.write(document);
+  each_way([&](const char* name, auto field, auto, auto write) { json[name] = write(document.*field); });
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
@@ -168,11 +144,11 @@ Document document_from_json(std::string_view json, const std::string& where) {
   }
   std::size_t points = 0;
   const Fields fields(parsed, where, points);
-  std::set<std::string> names{"matte_base", "edge",           "scribbles",      "paint",       "held",
-                              "store",      "class",          "excluded_clips", "frames",      "fps",
-                              "strokes",    "directions",     "tempo",          "pins",        "loop",
-                              "speed",      "moving_outline", "layout",         "detail_life", "flames"};
-  for (const Part& part : kParts) names.insert(part.name);
+  std::set<std::string> names{"matte_base", "edge",       "scribbles",      "paint",  "held",
+                              "store",      "class",      "excluded_clips", "frames", "fps",
+                              "strokes",    "directions", "tempo",          "pins"};
+  each_option([&](const char* name, auto, const auto&...) { names.insert(name); });
+  each_way([&](const char* name, auto, auto, auto) { names.insert(name); });
   fields.only(names);
   Document document{.store = fields.text("store"),
                     .matte_base = read_base(fields),
@@ -187,20 +163,13 @@ Document document_from_json(std::string_view json, const std::string& where) {
                     .excluded_clips = {},
                     .pins = read_pins(fields),
                     .frames = fields.integer("frames", 1, 2000),
-                    .fps = fields.number("fps", 1, 240),
-                    .loop = fields.flag("loop"),
-                    .speed = fields.number("speed", 0.05, 20),
-                    .moving_outline = fields.flag("moving_outline"),
-                    .layout = read_word(fields, "layout", {"", "goes", "stands"}),
-                    .detail_life = fields.has("detail_life") ? fields.number("detail_life", 0, 60) : 0,
-                    .flames = read_word(fields, "flames", {"", "clips"}),
-                    .design = {},
-                    .stills = {},
-                    .flowlines = {},
-                    .scene = {},
-                    .sweep = {}};
-  for (const Part& part : kParts)
-    if (fields.has(part.name)) part.read(fields.below(fields.at(part.name), part.name, 0), document);
+                    .fps = fields.number("fps", 1, 240)};
+  each_option([&](const char* name, auto field, const auto&... allowed) {
+    if (fields.has(name)) read_option(fields, name, document.*field, allowed...);
+  });
+  each_way([&](const char* name, auto field, auto read, auto) {
+    if (fields.has(name)) document.*field = read(fields.below(fields.at(name), name, 0));
+  });
   if (document.edge != "guided" && document.edge != "information-flow" && document.edge != "none")
     fields.fail("\"edge\" is none of guided, information-flow, none");
   for (const Json& name : fields.list("excluded_clips", kMaxNames)) {

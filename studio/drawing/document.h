@@ -54,20 +54,44 @@ struct Document {
   std::vector<Pin> pins;
   int frames = 96;  // 1..2000
   double fps = 25;  // 1..240
+  // Options of `synth animate`, a row of each_option for each:
   bool loop = true;
-  double speed = 1;  // 0.05..20
+  double speed = 1;
   bool moving_outline = false;
-  // What a take changes, as options of `synth animate`:
-  std::string layout;      // --layout goes or stands; empty: as in the clips
-  double detail_life = 0;  // --detail-life, s, 0..60; 0: the clips' own
-  std::string flames;      // --method forms --flames clips; empty: no method is named
-  Design design;
-  Stills stills;
-  Flowlines flowlines;
-  DrawnScene scene;
-  Sweep sweep;
+  std::string layout = {};  // as --layout; empty: as in the clips
+  double detail_life = 0;   // as --detail-life, s; 0: the clips' own
+  std::string flames = {};  // --method forms --flames clips; empty: no method is named
+  // Of the other ways, a row of each_way for each:
+  Design design = {};
+  Stills stills = {};
+  Flowlines flowlines = {};
+  DrawnScene scene = {};
+  Sweep sweep = {};
   bool operator==(const Document&) const = default;
 };
+
+/// What is chosen of the animation without another labelling: visit(name, field, its range or its words). A document that
+/// is older than an option has its default.
+template <class Visit>
+void each_option(const Visit& visit) {
+  using Words = std::vector<std::string>;
+  visit("loop", &Document::loop);
+  visit("speed", &Document::speed, 0.05, 20.0);
+  visit("moving_outline", &Document::moving_outline);
+  visit("layout", &Document::layout, Words{"", "goes", "stands"});
+  visit("detail_life", &Document::detail_life, 0.0, 60.0);
+  visit("flames", &Document::flames, Words{"", "clips"});
+}
+
+/// What a document holds of the ways (ways/way.h): visit(the way's name, field, how it is read, how it is written).
+template <class Visit>
+void each_way(const Visit& visit) {
+  visit("design", &Document::design, read_design, design_json);
+  visit("stills", &Document::stills, read_stills, stills_json);
+  visit("flowlines", &Document::flowlines, read_flowlines, flowlines_json);
+  visit("scene", &Document::scene, read_scene, scene_json);
+  visit("sweep", &Document::sweep, read_sweep, sweep_json);
+}
 
 /// The smallest text that says all of it, one line.
 std::string to_json(const Document& document);

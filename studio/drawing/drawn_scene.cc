@@ -1,10 +1,13 @@
 #include "studio/drawing/drawn_scene.h"
 
+#include <algorithm>
+#include <iterator>
 #include <set>
 #include <string_view>
 
 #include <nlohmann/json.hpp>
 
+#include "freshet/error.h"
 #include "studio/drawing/fields.h"
 #include "synth/scene/scene_file.h"
 
@@ -32,26 +35,32 @@ double number(const Fields& fields, const char* name, const char* table, const c
   return fields.number(name, range.low, range.high);
 }
 
+std::string read_motion(const Fields& fields) {
+  if (fields.text("motion") == "film") return "footage";  // as older documents call it
+  std::vector<std::string> names;
+  for (const DrawnMotion& motion : kDrawnMotions) names.emplace_back(motion.name);
+  return fields.word("motion", names);
+}
+
 DrawnLayer read_layer(const Fields& fields) {
   fields.only({"name", "motion", "matte", "paint", "lines", "plant", "shimmer", "waves", "mirrors", "roll",
                "drift", "class", "clip"});
   const std::string matte = fields.word("matte", {std::begin(kMattes), std::end(kMattes)});
-  DrawnLayer layer{
-      .name = layer_name(fields),
-      .motion = fields.word("motion", {"still", "tree", "water", "boat", "clouds", "patches", "film"}),
-      .matte = matte == kMattes[0]   ? LayerMatte::kPainted
-               : matte == kMattes[1] ? LayerMatte::kScribbled
-                                     : LayerMatte::kRest,
-      .paint = fields.drawn("paint"),
-      .lines = fields.strokes("lines"),
-      .plant = fields.word("plant", {"tree", "flower", "grass"}),
-      .shimmer = number(fields, "shimmer", "tree", "shimmer"),
-      .waves = number(fields, "waves", "water", "amplitude"),
-      .mirrors = fields.flag("mirrors"),
-      .roll = number(fields, "roll", "boat", "roll"),
-      .drift = number(fields, "drift", "clouds", "speed"),
-      .class_name = fields.text("class"),
-      .clip = fields.has("clip") ? fields.text("clip") : ""};  // older documents have none
+  DrawnLayer layer{.name = layer_name(fields),
+                   .motion = read_motion(fields),
+                   .matte = matte == kMattes[0]   ? LayerMatte::kPainted
+                            : matte == kMattes[1] ? LayerMatte::kScribbled
+                                                  : LayerMatte::kRest,
+                   .paint = fields.drawn("paint"),
+                   .lines = fields.strokes("lines"),
+                   .plant = fields.word("plant", {"tree", "flower", "grass"}),
+                   .shimmer = number(fields, "shimmer", "tree", "shimmer"),
+                   .waves = number(fields, "waves", "water", "amplitude"),
+                   .mirrors = fields.flag("mirrors"),
+                   .roll = number(fields, "roll", "boat", "roll"),
+                   .drift = number(fields, "drift", "clouds", "speed"),
+                   .class_name = fields.text("class"),
+                   .clip = fields.has("clip") ? fields.text("clip") : ""};  // older documents have none
   if (layer.clip.find('/') != std::string::npos || layer.clip.starts_with('.'))
     fields.fail("\"clip\" is no file of the project");
   return layer;
@@ -74,6 +83,13 @@ Json layer_json(const DrawnLayer& layer) {
 }
 
 }  // namespace
+
+const DrawnMotion& drawn_motion(const std::string& name) {
+  const auto* const found = std::find_if(std::begin(kDrawnMotions), std::end(kDrawnMotions),
+                                         [&](const DrawnMotion& motion) { return name == motion.name; });
+  if (found == std::end(kDrawnMotions)) throw Error(ErrorKind::kNotFound, name, "there is no such motion");
+  return *found;
+}
 
 DrawnScene read_scene(const Fields& fields) {
   fields.only({"wind", "direction", "gustiness", "frames", "loop", "layers"});

@@ -17,14 +17,32 @@ class Fields;
 /// leave.
 enum class LayerMatte { kPainted, kScribbled, kRest };
 
+/// How a layer moves: a row for each `motion` of a scene file that a person can draw.
+struct DrawnMotion {
+  const char* name;
+  enum class Lines { kNone, kFirst, kAll } marks = Lines::kNone;  // which of its lines are marks of the scene
+  const char* missing = nullptr;  // what to say where it has no line; null: needs none
+  const char* remedy = nullptr;
+};
+inline constexpr DrawnMotion kDrawnMotions[] = {
+    {"still"},
+    {"tree", DrawnMotion::Lines::kAll, "it has no armature", "Draw one from its root to its tip"},
+    {"water", DrawnMotion::Lines::kFirst, "it has no horizon", "Draw a line on the horizon"},
+    {"boat", DrawnMotion::Lines::kFirst, "it has no hull line", "Draw one along its waterline"},
+    {"clouds"},
+    {"patches", DrawnMotion::Lines::kAll},
+    {"footage"}};
+/// Throws Error{kNotFound}.
+const DrawnMotion& drawn_motion(const std::string& name);
+
 /// One layer. Of what its motion does not have, the values do not matter.
 struct DrawnLayer {
   std::string name;              // 1 to 60 letters, digits, '-', '_' and spaces; unique
-  std::string motion = "still";  // "still", "tree", "water", "boat", "clouds", "patches", "film"
+  std::string motion = "still";  // of kDrawnMotions
   LayerMatte matte = LayerMatte::kPainted;
   std::vector<Drawn> paint{};
   /// From the first point to the last: armatures of a tree, from the root; water's horizon and a boat's hull line, of
-  /// which the first line counts; strokes of patches. Of a film, from its upper left corner to its lower right one.
+  /// which the first line counts; strokes of patches. Of footage, from its upper left corner to its lower right one.
   std::vector<DrawnStroke> lines{};
   std::string plant = "tree";  // "tree", "flower", "grass"
   double shimmer = 0;          // of leaves, px; this and the other numbers in the scene file's ranges
@@ -33,7 +51,7 @@ struct DrawnLayer {
   double roll = 1;             // of a boat, and how much it heaves
   double drift = 0;            // of clouds, px/s; 0: as the wind blows
   std::string class_name{};    // of patches; empty: all
-  std::string clip{};          // of a film: one that was dropped (own_clip_path); empty: what Design has made
+  std::string clip{};  // of footage: one that was dropped (own_clip_path); empty: what Design has made
   bool operator==(const DrawnLayer&) const = default;
 };
 

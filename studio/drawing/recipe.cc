@@ -6,10 +6,19 @@
 
 namespace freshet::studio {
 
+std::vector<std::pair<std::string, std::string>> method_settings_of(const Document& document) {
+  if (!document.flames.empty()) return {{"method", "forms"}, {"flames", document.flames}};
+  std::vector<std::pair<std::string, std::string>> settings;
+  if (!document.layout.empty()) settings.emplace_back("layout", document.layout);
+  if (document.detail_life != 0)
+    settings.emplace_back("detail-life", fmt::format("{}", document.detail_life));
+  return settings;
+}
+
 std::string recipe_lines(const Document& document, const RecipeFiles& files,
                          const std::set<std::string>& without) {
   std::string toml;
-  const auto say = [&](const char* name, const std::string& value) {
+  const auto say = [&](const std::string& name, const std::string& value) {
     if (!without.contains(name)) toml += fmt::format("{} = {}\n", name, value);
   };
   if (!document.store.empty()) say("STORE", toml_text(document.store));
@@ -32,13 +41,8 @@ std::string recipe_lines(const Document& document, const RecipeFiles& files,
   say("speed", fmt::format("{}", document.speed));
   if (!files.tempo.empty()) say("retiming-map", toml_text(files.tempo));
   if (document.moving_outline) say("boundary", "\"moving\"");
-  if (!document.flames.empty()) {
-    say("method", "\"forms\"");
-    say("flames", toml_text(document.flames));
-  } else {
-    if (!document.layout.empty()) say("layout", toml_text(document.layout));
-    if (document.detail_life != 0) say("detail-life", fmt::format("{}", document.detail_life));
-  }
+  for (const auto& [name, value] : method_settings_of(document))
+    say(name, value.front() >= '0' && value.front() <= '9' ? value : toml_text(value));
   return toml;
 }
 

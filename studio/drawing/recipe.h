@@ -3,6 +3,8 @@
 
 #include <set>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "studio/drawing/document.h"
 
@@ -18,6 +20,9 @@ struct RecipeFiles {
   std::string assignment;   // "": patches are chosen anew; they are the same
 };
 
+/// The method and its settings that were chosen, as `synth animate` names them (synth/animate/method_settings.h): name,
+/// value.
+std::vector<std::pair<std::string, std::string>> method_settings_of(const Document& document);
 /// The options of `freshet synth animate`, a line each, for a file that is read in the project's folder.
 /// without   options that are left out.
 std::string recipe_lines(const Document& document, const RecipeFiles& files,

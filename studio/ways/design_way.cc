@@ -60,6 +60,6 @@ std::vector<WayFile> design_files(const WayInput& input) {
 
 }  // namespace
 
-const Way kDesignWay{.name = "design", .plan = plan_design, .files = design_files};
+extern const Way kDesignWay{.name = "design", .plan = plan_design, .files = design_files};
 
 }  // namespace freshet::studio

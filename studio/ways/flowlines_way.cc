@@ -88,7 +88,7 @@ std::vector<WayFile> no_files(const WayInput&) { return {}; }
 
 }  // namespace
 
-const Way kFlowlinesWay{.name = "flowlines", .plan = plan_flowlines, .files = flowlines_files};
-const Way kLinesWay{.name = "lines", .plan = plan_lines, .files = no_files};
+extern const Way kFlowlinesWay{.name = "flowlines", .plan = plan_flowlines, .files = flowlines_files};
+extern const Way kLinesWay{.name = "lines", .plan = plan_lines, .files = no_files};
 
 }  // namespace freshet::studio

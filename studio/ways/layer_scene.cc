@@ -46,7 +46,7 @@ cv::Mat scribbled(const DrawnLayer& layer, cv::Size size) {
 }
 
 void expect_drawn(const DrawnLayer& layer, const SceneFiles& files) {
-  if (layer.motion == "film") {
+  if (layer.motion == "footage") {
     if (layer.clip.empty() && files.design.empty())
       lacks(layer, "it has no film", "Drop one with alpha, or give a motion its look under Design");
     return;
@@ -56,14 +56,12 @@ void expect_drawn(const DrawnLayer& layer, const SceneFiles& files) {
   if (layer.matte != LayerMatte::kRest && !is_somewhere) lacks(layer, "it is nowhere", "Paint where it is");
   if (layer.motion == "patches" && files.store.empty())
     lacks(layer, "its patches have no store", "Choose one under Look");
-  if (!layer.lines.empty()) return;
-  if (layer.motion == "tree") lacks(layer, "it has no armature", "Draw one from its root to its tip");
-  if (layer.motion == "water") lacks(layer, "it has no horizon", "Draw a line on the horizon");
-  if (layer.motion == "boat") lacks(layer, "it has no hull line", "Draw one along its waterline");
+  const DrawnMotion& motion = drawn_motion(layer.motion);
+  if (layer.lines.empty() && motion.missing != nullptr) lacks(layer, motion.missing, motion.remedy);
 }
 
-/// Where a film lies: over all of the picture's width, unless a line says otherwise.
-std::string film_keys(const DrawnLayer& layer, cv::Size size, const SceneFiles& files) {
+/// Where footage lies: over all of the picture's width, unless a line says otherwise.
+std::string footage_keys(const DrawnLayer& layer, cv::Size size, const SceneFiles& files) {
   cv::Point2f from(0, 0), to(static_cast<float>(size.width), 0);
   if (!layer.lines.empty()) from = layer.lines.front().points.front(), to = layer.lines.front().points.back();
   const std::string file = layer.clip.empty() ? files.design : files.clips + "/" + layer.clip;
@@ -87,8 +85,7 @@ std::string motion_keys(const DrawnLayer& layer, const SceneFiles& files) {
 }
 
 bool has_lines(const DrawnLayer& layer) {
-  return !layer.lines.empty() && layer.motion != "still" && layer.motion != "clouds" &&
-         layer.motion != "film";
+  return !layer.lines.empty() && drawn_motion(layer.motion).marks != DrawnMotion::Lines::kNone;
 }
 
 /// The lines that count.
@@ -98,14 +95,13 @@ std::string marks_svg(const DrawnScene& scene, cv::Size size) {
       size.width, size.height);
   for (const DrawnLayer& layer : scene.layers) {
     if (!has_lines(layer)) continue;
-    const bool one = layer.motion == "water" || layer.motion == "boat";
     svg += fmt::format("<g data-layer=\"{}\" fill=\"none\" stroke=\"#fff\">\n", layer.name);
     for (const DrawnStroke& line : layer.lines) {
       std::string points;
       for (const cv::Point2f& point : line.points)
         points += fmt::format("{}{:.2f},{:.2f}", points.empty() ? "" : " ", point.x, point.y);
       svg += fmt::format("  <polyline points=\"{}\"/>\n", points);
-      if (one) break;
+      if (drawn_motion(layer.motion).marks == DrawnMotion::Lines::kFirst) break;
     }
     svg += "</g>\n";
   }
@@ -129,11 +125,9 @@ std::vector<WayFile> layer_scene(const DrawnScene& scene, cv::Size size, const S
   for (const DrawnLayer& layer : scene.layers) {
     expect_drawn(layer, files);
     const std::string file = fmt::format("layer-{}.png", ++place);
-    const bool is_film = layer.motion == "film";
-    toml += fmt::format("[[layer]]\nname = {}\nmotion = \"{}\"\n", toml_text(layer.name),
-                        is_film ? "footage" : layer.motion);
-    if (is_film) {
-      toml += film_keys(layer, size, files);
+    toml += fmt::format("[[layer]]\nname = {}\nmotion = \"{}\"\n", toml_text(layer.name), layer.motion);
+    if (layer.motion == "footage") {
+      toml += footage_keys(layer, size, files);
     } else if (layer.matte == LayerMatte::kRest) {
       toml += "matte = \"rest\"\n";
     } else if (layer.matte == LayerMatte::kPainted) {

@@ -33,6 +33,6 @@ std::vector<WayFile> scene_files(const WayInput& input) {
 
 }  // namespace
 
-const Way kSceneWay{.name = "scene", .plan = plan_scene, .files = scene_files};
+extern const Way kSceneWay{.name = "scene", .plan = plan_scene, .files = scene_files};
 
 }  // namespace freshet::studio

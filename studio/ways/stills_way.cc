@@ -46,6 +46,6 @@ std::vector<WayFile> stills_files(const WayInput& input) {
 
 }  // namespace
 
-const Way kStillsWay{.name = "stills", .plan = plan_stills, .files = stills_files};
+extern const Way kStillsWay{.name = "stills", .plan = plan_stills, .files = stills_files};
 
 }  // namespace freshet::studio

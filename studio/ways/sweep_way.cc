@@ -29,6 +29,6 @@ std::vector<WayFile> sweep_files(const WayInput& input) {
 
 }  // namespace
 
-const Way kSweepWay{.name = "sweep", .plan = plan_sweep, .files = sweep_files};
+extern const Way kSweepWay{.name = "sweep", .plan = plan_sweep, .files = sweep_files};
 
 }  // namespace freshet::studio

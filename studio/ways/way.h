@@ -40,13 +40,6 @@ struct Way {
   std::vector<WayFile> (*files)(const WayInput&);  // written into the folder before
 };
 
-extern const Way kDesignWay;     // design_way.cc: a motion that is simulated, and given the look of a clip
-extern const Way kStillsWay;     // stills_way.cc: a moving scene from stills
-extern const Way kFlowlinesWay;  // flowlines_way.cc: a clip that goes on without an end
-extern const Way kLinesWay;      // flowlines_way.cc: the lines that are found in the clip
-extern const Way kSceneWay;      // scene_way.cc: layers under one wind
-extern const Way kSweepWay;      // sweep_way.cc: the animation under several settings
-
 /// Throws Error{kNotFound} for no way's name.
 const Way& way_of(std::string_view name);
 

@@ -5,15 +5,21 @@ import * as state from "./state";
 import type { Drawn, DrawnLayer, DrawnScene, LayerMotion, Point } from "./types";
 import * as view from "./view";
 
-const kUsualNames: Record<LayerMotion, string> = { still: "still", tree: "tree", water: "water", boat: "boat", clouds: "clouds", patches: "fluid", film: "film" };
+interface MotionRow {
+  label: string;
+  usual: string; // name of a layer
+  line?: string; // what a line is, of a motion that has one
+}
 
-/** What a line is, of the motions that have one. */
-export const lineWords: Partial<Record<LayerMotion, string>> = {
-  tree: "Draw from a root to a tip: what sways. Several lines each move what is near.",
-  water: "Draw a line on the horizon, where the water's plane ends.",
-  boat: "Draw a line along the hull, at the water.",
-  patches: "Draw lines along the flow.",
-  film: "Draw from its upper left corner to its lower right one: it is as wide as that.",
+/** The motions of a layer, a row for each. */
+export const kMotions: Record<LayerMotion, MotionRow> = {
+  tree: { label: "Tree or plant", usual: "tree", line: "Draw from a root to a tip: what sways. Several lines each move what is near." },
+  water: { label: "Water", usual: "water", line: "Draw a line on the horizon, where the water's plane ends." },
+  boat: { label: "Boat", usual: "boat", line: "Draw a line along the hull, at the water." },
+  clouds: { label: "Clouds", usual: "clouds" },
+  patches: { label: "Fluid of the store", usual: "fluid", line: "Draw lines along the flow." },
+  footage: { label: "Film with alpha", usual: "film", line: "Draw from its upper left corner to its lower right one: it is as wide as that." },
+  still: { label: "Stands still", usual: "still" },
 };
 
 const scene = (): DrawnScene | undefined => state.doc.value?.scene;
@@ -38,19 +44,19 @@ export function changeLayerOf(name: string, part: Partial<DrawnLayer>, key = "")
 /** Is drawn on from now on. */
 export function chooseLayer(index: number): void {
   view.layer.value = index;
-  if (chosenLayer()?.motion === "film") view.layerTool.value = "line";
+  if (chosenLayer()?.motion === "footage") view.layerTool.value = "line";
 }
 
 /** A new layer lies before all others, and is drawn on. */
 export function addLayer(motion: LayerMotion): void {
   const layers = scene()?.layers ?? [];
-  const usual = kUsualNames[motion];
+  const { usual } = kMotions[motion];
   let name = usual;
   for (let number = 2; layers.some((layer) => layer.name === name); ++number) name = `${usual} ${number}`;
   const made: DrawnLayer = { name, motion, matte: "painted", paint: [], lines: [], plant: "tree", shimmer: 0, waves: 0, mirrors: false, roll: 1, drift: 0, class: "", clip: "" };
   changeScene({ layers: [made, ...layers] });
   view.layer.value = 0;
-  view.layerTool.value = motion === "film" ? "line" : "paint";
+  view.layerTool.value = motion === "footage" ? "line" : "paint";
 }
 
 export function removeLayer(): void {
@@ -72,12 +78,12 @@ export function moveLayer(by: -1 | 1): void {
 
 export function paintLayer(drawn: Drawn[]): void {
   const layer = chosenLayer();
-  if (layer && layer.motion !== "film") changeLayer({ paint: [...layer.paint, ...drawn], ...(layer.matte === "rest" ? { matte: "painted" as const } : {}) });
+  if (layer && layer.motion !== "footage") changeLayer({ paint: [...layer.paint, ...drawn], ...(layer.matte === "rest" ? { matte: "painted" as const } : {}) });
 }
 
 export function addLayerLine(points: Point[]): void {
   const layer = chosenLayer();
-  if (!layer || !lineWords[layer.motion]) return;
+  if (!layer || !kMotions[layer.motion].line) return;
   const ends = [points[0], points[points.length - 1]].map((point): Point => [rounded(point?.[0] ?? 0), rounded(point?.[1] ?? 0)]);
   const line = { points: layer.motion === "patches" ? points : ends, speed: null };
   const others = layer.motion === "tree" || layer.motion === "patches" ? layer.lines : [];

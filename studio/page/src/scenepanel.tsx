@@ -4,7 +4,7 @@ import { useEffect } from "preact/hooks";
 import { ArrowDown, ArrowUp, Brush, Eraser, Shapes, Spline, Trash2 } from "lucide-preact";
 import * as api from "./api";
 import { FilmSection, useWay } from "./filmsection";
-import { addLayer, changeLayer, changeLayerOf, changeScene, chooseLayer, chosenLayer, findLayers, lineWords, moveLayer, removeLayer } from "./layers";
+import { addLayer, changeLayer, changeLayerOf, changeScene, chooseLayer, chosenLayer, findLayers, kMotions, moveLayer, removeLayer } from "./layers";
 import { DropClip, useOwnClips } from "./ownclips";
 import { Choice, IconButton, named, Section, Select, Slider, Switch } from "./parts";
 import * as state from "./state";
@@ -12,15 +12,6 @@ import type { Document, DrawnLayer, DrawnScene, LayerMatte, LayerMotion } from "
 import * as view from "./view";
 
 const kWay = "scene";
-const kMotions: readonly (readonly [LayerMotion, string])[] = [
-  ["tree", "Tree or plant"],
-  ["water", "Water"],
-  ["boat", "Boat"],
-  ["clouds", "Clouds"],
-  ["patches", "Fluid of the store"],
-  ["film", "Film with alpha"],
-  ["still", "Stands still"],
-];
 const kMattes: readonly (readonly [LayerMatte, string])[] = [["painted", "Painted"], ["scribbled", "Scribbled"], ["rest", "The rest"]];
 const kTools = [
   ["paint", "Paint", Brush],
@@ -69,7 +60,7 @@ function ListSection({ layers }: { layers: DrawnLayer[] }): JSX.Element {
               <button type="button" aria-pressed={i === chosen} onClick={() => chooseLayer(i)}>
                 <span class="swatch" style={{ background: view.clipColour(i) }} aria-hidden />
                 <span class="name">{layer.name}</span>
-                <small>{kMotions.find(([motion]) => motion === layer.motion)?.[1]}</small>
+                <small>{kMotions[layer.motion].label}</small>
               </button>
             </li>
           ))}
@@ -85,7 +76,7 @@ function ListSection({ layers }: { layers: DrawnLayer[] }): JSX.Element {
           }}
         >
           <option value="">Of what kind?</option>
-          {kMotions.map(([motion, label]) => (
+          {Object.entries(kMotions).map(([motion, { label }]) => (
             <option key={motion} value={motion}>
               {label}
             </option>
@@ -98,8 +89,8 @@ function ListSection({ layers }: { layers: DrawnLayer[] }): JSX.Element {
 
 function LayerSection({ layer }: { layer: DrawnLayer }): JSX.Element {
   const tool = view.layerTool.value;
-  const words = lineWords[layer.motion];
-  const film = layer.motion === "film"; // it brings its own pixels, and has no matte
+  const words = kMotions[layer.motion].line;
+  const film = layer.motion === "footage"; // it brings its own pixels, and has no matte
   const tools = kTools.filter(([id]) => id === "line" ? !!words : !film && layer.matte !== "rest");
   const hints: Record<view.LayerTool, string> = {
     paint: layer.matte === "scribbled" ? "Scribble on the layer; the rest of it is found." : "Paint where the layer is.",
@@ -191,7 +182,7 @@ function MotionOptions({ layer }: { layer: DrawnLayer }): JSX.Element | null {
       return (
         <Select label="Kind of fluid" value={layer.class} options={[["", "As it looks"], ["any", "Any"], ...named(state.classesOf(state.store.value))]} onChange={(kind) => changeLayer({ class: kind })} />
       );
-    case "film":
+    case "footage":
       return <FilmChoice layer={layer} />;
     case "still":
       return null;

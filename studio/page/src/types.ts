@@ -88,7 +88,7 @@ export interface FoundSweep {
   animations: SweptAnimation[];
 }
 
-export type LayerMotion = "still" | "tree" | "water" | "boat" | "clouds" | "patches" | "film";
+export type LayerMotion = "still" | "tree" | "water" | "boat" | "clouds" | "patches" | "footage";
 export type LayerMatte = "painted" | "scribbled" | "rest";
 
 /** Of what its motion does not have, the values do not matter. */
@@ -105,7 +105,7 @@ export interface DrawnLayer {
   roll: number;
   drift: number;
   class: string;
-  clip: string; // of a film, that was dropped; empty: what Design has made
+  clip: string; // of footage, that was dropped; empty: what Design has made
 }
 
 /** A picture in layers that one wind moves, nearest first. */

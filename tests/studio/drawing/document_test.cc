@@ -82,7 +82,7 @@ Document full() {
                                 .roll = 3,
                                 .drift = -4,
                                 .class_name = "fall"},
-                               {.name = "fire", .motion = "film", .clip = "fire 1.mkv"},
+                               {.name = "fire", .motion = "footage", .clip = "fire 1.mkv"},
                                {.name = "land", .matte = LayerMatte::kRest}}};
   document.sweep = {.axes = {{.setting = "speed", .values = {"0.5", "2"}},
                              {.setting = "class", .values = {"", "a, \\ b", "fall"}}},
@@ -109,6 +109,9 @@ TEST(Document, WithoutOtherWaysIsAnOlderOne) {
   older.erase("flowlines");
   older.erase("scene");
   older.erase("sweep");
+  older.erase("layout");
+  older.erase("detail_life");
+  older.erase("flames");
   Document expected = full();
   expected.tempo.clear();
   expected.directions.clear();
@@ -117,7 +120,13 @@ TEST(Document, WithoutOtherWaysIsAnOlderOne) {
   expected.flowlines = {};
   expected.scene = {};
   expected.sweep = {};
+  expected.layout = {};
+  expected.detail_life = 0;
+  expected.flames = {};
   EXPECT_EQ(document_from_json(older.dump(), "document"), expected);
+  Json film = Json::parse(to_json(full()));
+  film["scene"]["layers"][1]["motion"] = "film";
+  EXPECT_EQ(document_from_json(film.dump(), "document"), full()) << "what footage was called";
 }
 
 TEST(Document, RefusesWhatItDoesNotKnow) {

@@ -234,7 +234,7 @@ TEST(Way, AFilmIsALayerWhereItWasPlaced) {
   Document document;
   document.scene.frames = 4;
   document.scene.layers = {{.name = "fire",
-                            .motion = "film",
+                            .motion = "footage",
                             .lines = {{.points = {{150, 20}, {60, 90}}, .speed = {}}},
                             .clip = "a fire.mkv"}};
   EXPECT_EQ(run_in(folder, "scene", document)["layers"], 2) << "and the rest";

@@ -19,7 +19,7 @@ function showLayer(layer: DrawnLayer, index: number, sheet: Sheet): void {
   const { scale, width, height } = sheet;
   const chosen = view.layer.value === index;
   const colour = view.clipColour(index);
-  if (layer.motion === "film") return showFilm(layer, colour, chosen, sheet);
+  if (layer.motion === "footage") return showFilm(layer, colour, chosen, sheet);
   const look = { width, height, opacity: chosen ? 0.5 : 0.22, listening: false };
   const found = layer.matte === "scribbled" ? foundShape(layer.paint, colour) : null;
   if (found) sheet.add(new KonvaImage({ ...look, image: found }));
