@@ -13,7 +13,7 @@ tab=$(printf '\t')
   find README.md docs -name '*.md' | xargs awk '
     FNR == 1 { code = 0 }
     /^ *```/ { code = !code }
-    !code && !/^ *\|/ && !/!\[/ { print FILENAME ":" FNR ":\t" $0 }'
+    !code && !/^(    | *\|)/ && !/!\[/ { print FILENAME ":" FNR ":\t" $0 }'
 } | if LC_ALL=C.UTF-8 grep -E "$tab.{121}"; then
   echo 'Lines of more than 120 columns'
   exit 1

@@ -70,8 +70,8 @@ struct Document {
   bool operator==(const Document&) const = default;
 };
 
-/// What is chosen of the animation without another labelling: visit(name, field, its range or its words). A document that
-/// is older than an option has its default.
+/// What is chosen of the animation without another labelling: visit(name, field, its range or its words). A document
+/// that is older than an option has its default.
 template <class Visit>
 void each_option(const Visit& visit) {
   using Words = std::vector<std::string>;
