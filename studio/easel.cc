@@ -61,7 +61,8 @@ cv::Mat fluid_of(const FoundMatte& matte) {
                             : synth::matte::less_held(matte.alpha, matte.held, "what is held still");
 }
 
-Scene scene_of(const media::Still& still, const FoundMatte& matte, const Document& document, double factor) {
+ReelScene scene_of(const media::Still& still, const FoundMatte& matte, const Document& document,
+                   double factor) {
   return {.picture = reduced(still.bgr, factor),
           .matte = reduced(fluid_of(matte), factor),
           .held = reduced(matte.held, factor),
@@ -235,7 +236,7 @@ void Easel::render_small(const Document& document, const FoundMatte& matte,
                          const std::shared_ptr<const StoreBase>& base, const Job& job) {
   const std::shared_ptr<const media::Still> still = project_->picture();
   const double factor = reduction(still->bgr.size(), kSmallSide);
-  Scene scene = scene_of(*still, matte, document, factor);
+  ReelScene scene = scene_of(*still, matte, document, factor);
   scene.factor = 1;  // it is labelled small
   scene.motion_alone = true;
   if (cv::countNonZero(scene.matte) == 0) return;
@@ -278,8 +279,8 @@ std::shared_ptr<const LabelledPicture> Easel::find_labels(const Document& docume
   return labelled;
 }
 
-Scene Easel::full_scene(const Document& document, const FoundMatte& matte,
-                        const LabelledPicture& labelled) const {
+ReelScene Easel::full_scene(const Document& document, const FoundMatte& matte,
+                            const LabelledPicture& labelled) const {
   const std::shared_ptr<const media::Still> still = project_->picture();
   // Never below the size at which it was cut into pieces.
   const double factor =
@@ -289,7 +290,7 @@ Scene Easel::full_scene(const Document& document, const FoundMatte& matte,
 
 void Easel::render_full(const Document& document, const FoundMatte& matte, const LabelledPicture& labelled,
                         const Job& job) {
-  const Scene scene = full_scene(document, matte, labelled);
+  const ReelScene scene = full_scene(document, matte, labelled);
   const auto reel =
       std::make_shared<FrameReel>(next_number(), "full", scene.picture.size(), document.frames, document.fps);
   roll(reel, [&](const std::function<void()>& told) { render(labelled, document, scene, *reel, told, job); });
@@ -300,7 +301,7 @@ void Easel::find_takes(const Job& job) {
   const Results now = results();
   if (!now.matte || !now.labelled || now.frames_key != frames_key(document))
     throw Error(ErrorKind::kNotFound, project_->id(), "its animation is not there", "Wait for the preview");
-  const Scene scene = full_scene(document, *now.matte, *now.labelled);
+  const ReelScene scene = full_scene(document, *now.matte, *now.labelled);
   auto takes = std::make_shared<const FoundTakes>(studio::find_takes(*now.labelled, document, scene, job));
   {
     const std::lock_guard lock(guard_);

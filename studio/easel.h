@@ -88,7 +88,8 @@ class Easel {
                                                      cache::ResultCache* cache, const Job& job);
   void render_full(const Document& document, const FoundMatte& matte, const LabelledPicture& labelled,
                    const Job& job);
-  Scene full_scene(const Document& document, const FoundMatte& matte, const LabelledPicture& labelled) const;
+  ReelScene full_scene(const Document& document, const FoundMatte& matte,
+                       const LabelledPicture& labelled) const;
   void roll(const std::shared_ptr<FrameReel>& reel,
             const std::function<void(const std::function<void()>&)>& frames);
   void tell_problem(const std::string& text);

@@ -91,7 +91,7 @@ std::string says(const judging::Verdict& verdict, const judging::Evidence& film)
 
 }  // namespace
 
-FoundTakes find_takes(const LabelledPicture& labelled, const Document& document, const Scene& scene,
+FoundTakes find_takes(const LabelledPicture& labelled, const Document& document, const ReelScene& scene,
                       const Job& job) {
   const Rendering made = rendering_of(labelled, document, scene, document.frames, document.fps);
   const std::string kind = query::largest_class(made.assignment).name;

@@ -28,7 +28,7 @@ struct FoundTakes {
 /// "change" is what a document takes over for a take: "speed", "detail_life", "layout", "flames"; times "pace" for
 /// speeds of strokes, or "own_speeds".
 /// Throws Error{kInput} for less than 8 frames, Error{kCancelled}.
-FoundTakes find_takes(const LabelledPicture& labelled, const Document& document, const Scene& scene,
+FoundTakes find_takes(const LabelledPicture& labelled, const Document& document, const ReelScene& scene,
                       const Job& job);
 
 }  // namespace freshet::studio

@@ -97,7 +97,7 @@ std::string FrameReel::outlines_json() const {
   return json.dump();
 }
 
-Rendering rendering_of(const LabelledPicture& labelled, const Document& document, const Scene& scene,
+Rendering rendering_of(const LabelledPicture& labelled, const Document& document, const ReelScene& scene,
                        int frames, double fps) {
   namespace animate = synth::animate;
   const cv::Size size = scene.picture.size();
@@ -124,8 +124,8 @@ Rendering rendering_of(const LabelledPicture& labelled, const Document& document
   return made;
 }
 
-void render(const LabelledPicture& labelled, const Document& document, const Scene& scene, FrameReel& reel,
-            const std::function<void()>& told, const Job& job) {
+void render(const LabelledPicture& labelled, const Document& document, const ReelScene& scene,
+            FrameReel& reel, const std::function<void()>& told, const Job& job) {
   namespace animate = synth::animate;
   Rendering made = rendering_of(labelled, document, scene, reel.total, reel.fps);
   if (document.moving_outline)

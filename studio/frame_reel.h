@@ -46,7 +46,7 @@ class FrameReel {
 };
 
 /// What is animated, of one size. A copy of the labelled picture reduced by `factor`, or itself.
-struct Scene {
+struct ReelScene {
   cv::Mat picture, matte;  // CV_8UC3, CV_8U
   cv::Mat held;            // CV_8U; empty: nothing
   cv::Mat tempo;           // draw_tempo(); empty: as filmed
@@ -61,13 +61,13 @@ struct Rendering {
   synth::animate::Playing playing;
   synth::animate::AnimateOptions options;
 };
-Rendering rendering_of(const LabelledPicture& labelled, const Document& document, const Scene& scene,
+Rendering rendering_of(const LabelledPicture& labelled, const Document& document, const ReelScene& scene,
                        int frames, double fps);
 
 /// Renders what a labelling of a picture assigned into a reel.
 /// told     called after each frame. Throws as synth::animate::animate.
-void render(const LabelledPicture& labelled, const Document& document, const Scene& scene, FrameReel& reel,
-            const std::function<void()>& told, const Job& job);
+void render(const LabelledPicture& labelled, const Document& document, const ReelScene& scene,
+            FrameReel& reel, const std::function<void()>& told, const Job& job);
 
 /// The mean motion that a labelling's animation has, CV_32FC2, px/s of the picture, of its size.
 cv::Mat assigned_motion(const LabelledPicture& labelled, cv::Size picture);

@@ -1,6 +1,7 @@
 #!/bin/sh
 # Fails when an #include goes against the arrows of docs/architecture.md, between rooms or inside one, when modules of
-# the page import each other in a circle, or when a folder holds more units than a reader can keep in mind.
+# the page import each other in a circle, when a folder holds more units than a reader can keep in mind, or when two
+# headers, or a type of a header and another type, have one name in folders of which one uses the other.
 # usage: tests/arrows_test.sh ROOT
 set -eu
 cd "$1"
@@ -137,7 +138,30 @@ FNR == 1 {
     failed = 1
   }
 }
+/^(struct|class|enum class) [A-Za-z0-9_]+ [^;]*\{/ {
+  name = $2 == "class" && $1 == "enum" ? $3 : $2
+  is_public = FILENAME ~ /\.h$/
+  places[name] = places[name] " " folder (is_public ? "+" : "-")
+}
+FNR == 1 && FILENAME ~ /\.h$/ {
+  name = FILENAME
+  sub(/^.*\//, "", name)
+  places[name] = places[name] " " folder "+"
+}
+function one_name(name,    at, n, i, k, a, b) {
+  n = split(places[name], at, " ")
+  for (i = 1; i <= n; ++i)
+    for (k = i + 1; k <= n; ++k) {
+      if (at[i] ~ /-$/ && at[k] ~ /-$/) continue
+      a = substr(at[i], 1, length(at[i]) - 1)
+      b = substr(at[k], 1, length(at[k]) - 1)
+      if (a == b || !((a, b) in allowed || (b, a) in allowed)) continue
+      print name " is in " a "/ and in " b "/, which meet: give one another name"
+      failed = 1
+    }
+}
 END {
+  for (name in places) one_name(name)
   for (arrow in allowed)
     if (!(arrow in used)) {
       split(arrow, part, SUBSEP)

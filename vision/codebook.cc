@@ -26,12 +26,12 @@ using Exact = Eigen::Matrix<double, kDescriptorSize, 1>;
 
 // Sums over descriptors in whole numbers: exact, so their order does not matter and threads may share the
 // work.
-struct Moments {
+struct GroupMoments {
   std::int64_t count = 0;
   std::int64_t squares = 0;
   std::array<std::int64_t, kDescriptorSize> sum{};
 
-  void add(const Moments& other) {
+  void add(const GroupMoments& other) {
     count += other.count;
     squares += other.squares;
     for (int d = 0; d < kDescriptorSize; ++d) sum[d] += other.sum[d];
@@ -51,11 +51,11 @@ struct Moments {
   }
 };
 
-// Moments of the descriptors of one block that belong to `group`.
+// GroupMoments of the descriptors of one block that belong to `group`.
 template <typename Member>
-Moments block_moments(const Descriptor* values, int count, Member is_member) {
+GroupMoments block_moments(const Descriptor* values, int count, Member is_member) {
   std::array<std::uint32_t, kDescriptorSize> sum{};  // 256 * 255 fits
-  Moments moments;
+  GroupMoments moments;
   for (int i = 0; i < count; ++i) {
     if (!is_member(i)) continue;
     const std::uint8_t* value = values[i].data();
@@ -89,7 +89,7 @@ void load(const Descriptor* values, int count, const Vector& centre, Block& bloc
 // The two halves of a cluster, divided by the plane between two centres.
 class Bisection {
  public:
-  Bisection(std::span<const Descriptor> members, const Moments& whole)
+  Bisection(std::span<const Descriptor> members, const GroupMoments& whole)
       : members_(members), whole_(whole), upper_(members.size()), partial_(blocks_of(members.size())) {}
 
   // Divides by 2-means that starts at `start` and its mirror image about the mean. False when all fall on one
@@ -101,7 +101,7 @@ class Bisection {
     if (!divide(mean, direction)) return false;
     for (int i = 0; i < iterations; ++i) {
       const Exact a = high_.mean(), b = low_.mean();
-      const Moments before = high_;
+      const GroupMoments before = high_;
       if (!divide((a + b) / 2, a - b)) return false;
       if (before.count == high_.count && before.sum == high_.sum) break;
     }
@@ -109,8 +109,8 @@ class Bisection {
   }
 
   const std::vector<std::uint8_t>& upper() const { return upper_; }
-  const Moments& high() const { return high_; }
-  const Moments& low() const { return low_; }
+  const GroupMoments& high() const { return high_; }
+  const GroupMoments& low() const { return low_; }
 
  private:
   bool divide(const Exact& middle, const Exact& direction) {
@@ -127,7 +127,7 @@ class Bisection {
           block_moments(members_.data() + first, count, [&](int i) { return upper_[first + i] != 0; });
     });
     high_ = {};
-    for (const Moments& part : partial_) high_.add(part);
+    for (const GroupMoments& part : partial_) high_.add(part);
     low_.count = whole_.count - high_.count;
     low_.squares = whole_.squares - high_.squares;
     for (int d = 0; d < kDescriptorSize; ++d) low_.sum[d] = whole_.sum[d] - high_.sum[d];
@@ -135,15 +135,15 @@ class Bisection {
   }
 
   std::span<const Descriptor> members_;
-  const Moments& whole_;
+  const GroupMoments& whole_;
   std::vector<std::uint8_t> upper_;
-  std::vector<Moments> partial_;
-  Moments high_, low_;
+  std::vector<GroupMoments> partial_;
+  GroupMoments high_, low_;
 };
 
 struct Cluster {
   std::size_t first = 0, count = 0;  // a range of the permuted samples
-  Moments moments;
+  GroupMoments moments;
   double error = 0;  // 0: cannot be divided
 };
 

@@ -31,14 +31,14 @@ int rounded_up(double length) { return std::max(1, static_cast<int>(std::ceil(le
 
 // How an unflipped variant is made: the source reduced by area, then one bilinear warp of the reduced
 // picture.
-struct Resampling {
+struct VariantWarp {
   cv::Size reduced;                  // px
   cv::Matx23d reduced_from_variant;  // pixel centres
   bool warps = true;                 // false: the reduced picture is the variant
 };
 
-Resampling resampling_of(cv::Size source, const Variant& variant, const VariantFrame& unflipped) {
-  Resampling resampling;
+VariantWarp resampling_of(cv::Size source, const Variant& variant, const VariantFrame& unflipped) {
+  VariantWarp resampling;
   resampling.reduced = source;
   if (variant.scale < 1) {
     resampling.reduced = {std::max(1, cvRound(source.width * static_cast<double>(variant.scale))),
@@ -114,7 +114,7 @@ VariantFrame variant_frame(cv::Size source, const Variant& variant) {
 
 cv::Mat warp_to_variant(const cv::Mat& source, const Variant& variant) {
   const VariantFrame frame = variant_frame(source.size(), without_flip(variant));
-  const Resampling resampling = resampling_of(source.size(), variant, frame);
+  const VariantWarp resampling = resampling_of(source.size(), variant, frame);
   cv::Mat reduced = source, warped;
   if (resampling.reduced != source.size()) {
     cv::resize(source, reduced, resampling.reduced, 0, 0, cv::INTER_AREA);
@@ -132,7 +132,7 @@ cv::Mat warp_to_variant(const cv::Mat& source, const Variant& variant) {
 
 cv::Mat valid_mask(cv::Size source, const Variant& variant) {
   const VariantFrame frame = variant_frame(source, without_flip(variant));
-  const Resampling resampling = resampling_of(source, variant, frame);
+  const VariantWarp resampling = resampling_of(source, variant, frame);
   cv::Mat mask(frame.size, CV_8U);
   const cv::Matx23d& m = resampling.reduced_from_variant;
   constexpr double kSlack = 1e-6;  // far below the 1/32 px in which cv::warpAffine counts

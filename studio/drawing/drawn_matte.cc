@@ -47,8 +47,8 @@ matte::Marks marks_of(const Document& document, cv::Size size) {
 /// As the command line reads a matte from a file.
 void settle_dark(cv::Mat& alpha) { alpha.setTo(0, alpha < kDark); }
 
-matte::Matte from_scribbles(const Document& document, const cv::Mat& picture, Care care,
-                            std::stop_token stop) {
+matte::MadeMatte from_scribbles(const Document& document, const cv::Mat& picture, Care care,
+                                std::stop_token stop) {
   matte::MatteOptions options;
   options.edge.edge = matte::parse_edge(document.edge);
   if (care == Care::kFull)
@@ -59,7 +59,7 @@ matte::Matte from_scribbles(const Document& document, const cv::Mat& picture, Ca
   cv::Mat small, marks;
   cv::resize(picture, small, size, 0, 0, cv::INTER_AREA);
   cv::resize(marks_of(document, picture.size()), marks, size, 0, 0, cv::INTER_NEAREST);
-  matte::Matte made = matte::make_matte(small, marks, options, "scribbles", stop);
+  matte::MadeMatte made = matte::make_matte(small, marks, options, "scribbles", stop);
   cv::resize(made.alpha, made.alpha, picture.size(), 0, 0, cv::INTER_LINEAR);
   return made;
 }
@@ -87,7 +87,7 @@ std::optional<DrawnMatte> draw_matte(const Document& document, const cv::Mat& pi
       break;
     case MatteBase::kScribbles:
       if (std::any_of(document.scribbles.begin(), document.scribbles.end(), is_fluid)) {
-        matte::Matte made = from_scribbles(document, picture, care, stop);
+        matte::MadeMatte made = from_scribbles(document, picture, care, stop);
         drawn = {.alpha = made.alpha, .notices = made.notices};
       }
       break;

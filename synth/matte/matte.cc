@@ -32,9 +32,9 @@ cv::Mat cut_out(const cv::Mat& picture, const cv::Mat& alpha) {
 
 }  // namespace
 
-Matte make_matte(const cv::Mat& picture, const Marks& marks, const MatteOptions& options,
-                 const std::string& where, std::stop_token stop) {
-  Matte matte;
+MadeMatte make_matte(const cv::Mat& picture, const Marks& marks, const MatteOptions& options,
+                     const std::string& where, std::stop_token stop) {
+  MadeMatte matte;
   Stopwatch watch;
   const cv::Mat region = hard_region(picture, marks, options.region, where, &matte.notices);
   matte.region_s = watch.lap();

@@ -29,7 +29,7 @@ constexpr std::size_t kMostKept = std::size_t{1} << 30;  // bytes of pictures th
 using Pair = std::pair<int, int>;  // of stills, the lower number first
 
 /// A region as it is rendered.
-struct Layer {
+struct RegionLayer {
   const PlannedRegion* planned = nullptr;
   cv::Mat weight;  // CV_32F, work size
   cv::Rect box;    // px of the stills; all that has weight, and a margin
@@ -116,7 +116,7 @@ class Renderer {
 
   cv::Mat frame(double seconds) const {
     std::vector<Shown> shown;
-    for (const Layer& layer : layers_) shown.push_back(show(layer, seconds));
+    for (const RegionLayer& layer : layers_) shown.push_back(show(layer, seconds));
     cv::Mat out = pictures_[plan_.standing].clone();
     if (out.depth() == CV_16U)
       compose<std::uint16_t>(shown, out);
@@ -127,13 +127,13 @@ class Renderer {
 
  private:
   struct Shown {
-    const Layer* layer;
+    const RegionLayer* layer;
     const cv::Mat *a, *b;
     Moment moment;
     cv::Mat picture;  // of the layer's box; empty: it is read from the moment, row by row
   };
 
-  Shown show(const Layer& layer, double seconds) const {
+  Shown show(const RegionLayer& layer, double seconds) const {
     const Instant instant = layer.planned->timeline.at(seconds);
     Shown shown{&layer, &pictures_[instant.from], &pictures_[instant.to], {}, {}};
     shown.moment.phase = static_cast<float>(instant.phase);
@@ -206,13 +206,14 @@ class Renderer {
   /// Layers' pictures are kept from the smallest layer on, as long as they are few bytes.
   void choose_kept() {
     if (options_.cache == nullptr) return;
-    std::vector<Layer*> by_area;
-    for (Layer& layer : layers_)
+    std::vector<RegionLayer*> by_area;
+    for (RegionLayer& layer : layers_)
       if (!layer.fades) by_area.push_back(&layer);
-    std::stable_sort(by_area.begin(), by_area.end(),
-                     [](const Layer* a, const Layer* b) { return a->box.area() < b->box.area(); });
+    std::stable_sort(by_area.begin(), by_area.end(), [](const RegionLayer* a, const RegionLayer* b) {
+      return a->box.area() < b->box.area();
+    });
     std::size_t bytes = 0;
-    for (Layer* layer : by_area) {
+    for (RegionLayer* layer : by_area) {
       bytes += static_cast<std::size_t>(options_.frames) * layer->box.area() * pictures_[0].elemSize();
       if (bytes > kMostKept) break;
       layer->kept = true;
@@ -226,7 +227,7 @@ class Renderer {
 
   void find_flow(const Job& job) {
     struct Task {
-      Layer* layer;
+      RegionLayer* layer;
       Pair pair;
       const std::vector<cv::Mat>* small;
     };
@@ -235,7 +236,7 @@ class Renderer {
     std::vector<std::vector<cv::Mat>> small(layers_.size(), std::vector<cv::Mat>(pictures_.size()));
     const double seconds = options_.frames / options_.fps;
     for (std::size_t k = 0; k < layers_.size(); ++k) {
-      Layer& layer = layers_[k];
+      RegionLayer& layer = layers_[k];
       if (layer.fades) continue;
       for (const Pair& pair : pairs_shown(layer.planned->timeline, seconds)) {
         tasks.push_back({&layer, pair, &small[k]});
@@ -263,7 +264,7 @@ class Renderer {
   const std::vector<cv::Mat>& pictures_;
   RenderOptions options_;
   KeptBetween kept_;
-  std::vector<Layer> layers_;
+  std::vector<RegionLayer> layers_;
   std::vector<cache::Key> content_;  // of the stills; empty where no layer is kept
 };
 

@@ -25,25 +25,25 @@ bool same(const std::string& given, const std::string& printed) {
 }
 
 /// As it would be typed.
-std::string typed(const PrintedOption& option) {
+std::string typed(const PrintedValue& option) {
   return option.value == "true" ? option.name : option.name + " " + option.value;
 }
 
 }  // namespace
 
 CLI::Option* AsPrinted::add_to(CLI::App& command, const std::string& paper,
-                               std::vector<PrintedOption> options) {
+                               std::vector<PrintedValue> options) {
   command_ = &command;
   options_ = std::move(options);
   std::vector<std::string> all;
-  for (const PrintedOption& option : options_) all.push_back(typed(option));
+  for (const PrintedValue& option : options_) all.push_back(typed(option));
   return command.add_flag("--as-printed", asked_,
                           fmt::format("The method as {} prints it, whole: {}", paper, fmt::join(all, ", ")));
 }
 
 void AsPrinted::apply() const {
   if (!asked_) return;
-  for (const PrintedOption& printed : options_) {
+  for (const PrintedValue& printed : options_) {
     CLI::Option* const option = command_->get_option(printed.name);
     if (option->count() == 0) {
       option->add_result(printed.value);

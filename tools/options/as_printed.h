@@ -9,7 +9,7 @@
 namespace freshet::tools {
 
 /// An option and what the paper prints of it.
-struct PrintedOption {
+struct PrintedValue {
   std::string name;   // "--blend"
   std::string value;  // "paper"; of a flag "true"
   std::string where;  // "Sec. 6"
@@ -20,7 +20,7 @@ class AsPrinted {
  public:
   /// options   of `command`, which has them already.
   /// Returns the option.
-  CLI::Option* add_to(CLI::App& command, const std::string& paper, std::vector<PrintedOption> options);
+  CLI::Option* add_to(CLI::App& command, const std::string& paper, std::vector<PrintedValue> options);
   /// Where it was asked for, gives every option of the list its printed value; once the command line is parsed, before
   /// options are read. Throws Error{kUsage} naming the option that was given another value.
   void apply() const;
@@ -28,7 +28,7 @@ class AsPrinted {
 
  private:
   CLI::App* command_ = nullptr;
-  std::vector<PrintedOption> options_;
+  std::vector<PrintedValue> options_;
   bool asked_ = false;
 };
 

@@ -241,7 +241,7 @@ void add_animate(CLI::App& synth_command, RunContext& context) {
   CLI::App* sub =
       synth_command.add_subcommand("animate", "Animate a still picture with the patches of a store");
   command->add_to(*sub);
-  std::vector<PrintedOption> printed;
+  std::vector<PrintedValue> printed;
   for (const auto& [name, value, where] : synth::animate::printed_options())
     printed.push_back({std::string("--") + name, value, where});
   command->as_printed.add_to(*sub, "Okabe et al. 2011", std::move(printed))->group(in_detail("Rendering"));

@@ -140,7 +140,7 @@ void run_matte(MatteCommand command, const RunContext& context) {
                             : !command.marks.empty()   ? command.marks.string()
                             : !command.boxes.empty()   ? "--box"
                                                        : command.store;
-  const matte::Matte made = matte::make_matte(picture.bgr, marks, command.options, where, context.stop);
+  const matte::MadeMatte made = matte::make_matte(picture.bgr, marks, command.options, where, context.stop);
   for (const std::string& notice : made.notices) say(where + ": " + notice);
   media::write_picture(command.out, made.alpha);
   if (!command.sheet.empty())

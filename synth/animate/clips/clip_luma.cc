@@ -183,7 +183,7 @@ std::vector<std::span<const std::uint32_t>> by_slab(std::span<const std::uint32_
 }
 
 /// One plane of a clip, of samples of so many bytes.
-struct Plane {
+struct LumaPlane {
   const store::Snapshot& snapshot;
   stored::DecodedTiles* tiles;
   store::ClipId clip;
@@ -194,7 +194,7 @@ struct Plane {
 
 /// One block of a plane in the frames of a run. use   takes a frame and the block's rows, one after another.
 template <class Use>
-void read_block(const Plane& plane, const cv::Rect& block, std::span<const std::uint32_t> run,
+void read_block(const LumaPlane& plane, const cv::Rect& block, std::span<const std::uint32_t> run,
                 const Use& use) {
   const int bytes = plane.bytes;
   const std::size_t row_bytes = static_cast<std::size_t>(block.width) * bytes,

@@ -7,7 +7,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "stored/clip_frames.h"
-#include "synth/animate/forms/light.h"
+#include "synth/animate/forms/light_level.h"
 #include "synth/sampling/pull_push.h"
 
 namespace freshet::synth::animate {

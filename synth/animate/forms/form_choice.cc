@@ -6,7 +6,7 @@
 #include <oneapi/tbb/parallel_for.h>
 #include <opencv2/imgproc.hpp>
 
-#include "synth/animate/forms/light.h"
+#include "synth/animate/forms/light_level.h"
 
 namespace freshet::synth::animate {
 namespace {

@@ -8,7 +8,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "stored/clip_loop.h"
-#include "synth/animate/forms/light.h"
+#include "synth/animate/forms/light_level.h"
 
 namespace freshet::synth::animate {
 namespace {

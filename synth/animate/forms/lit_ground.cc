@@ -5,7 +5,7 @@
 
 #include <opencv2/imgproc.hpp>
 
-#include "synth/animate/forms/light.h"
+#include "synth/animate/forms/light_level.h"
 
 namespace freshet::synth::animate {
 namespace {

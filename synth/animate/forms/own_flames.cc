@@ -10,7 +10,7 @@
 
 #include "synth/animate/forms/form_look.h"
 #include "synth/animate/forms/handed_frame.h"
-#include "synth/animate/forms/light.h"
+#include "synth/animate/forms/light_level.h"
 #include "synth/animate/forms/lit_ground.h"
 
 namespace freshet::synth::animate {

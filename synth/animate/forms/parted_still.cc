@@ -6,7 +6,7 @@
 
 #include <opencv2/imgproc.hpp>
 
-#include "synth/animate/forms/light.h"
+#include "synth/animate/forms/light_level.h"
 #include "synth/animate/forms/seats.h"
 #include "synth/animate/still/colour_model.h"
 #include "synth/sampling/pull_push.h"

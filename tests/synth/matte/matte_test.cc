@@ -13,7 +13,7 @@
 namespace freshet::synth::matte {
 namespace {
 
-Matte matte_of(const MadePicture& made, Edge edge) {
+MadeMatte matte_of(const MadePicture& made, Edge edge) {
   MatteOptions options;
   options.edge.edge = edge;
   return make_matte(made.picture, made.marks, options, "marks");
@@ -37,7 +37,7 @@ TEST(Matte, InformationFlowFindsAWideEdgeThatARegionCannotHave) {
 
 TEST(Matte, OfALargePictureComesFromReducedCopiesAndIsAsGood) {
   const MadePicture made = made_picture({1600, 1200}, 12);
-  const Matte guided = matte_of(made, Edge::kGuided);
+  const MadeMatte guided = matte_of(made, Edge::kGuided);
   EXPECT_EQ(guided.alpha.size(), made.picture.size());
   EXPECT_LT(sad_fraction(guided.alpha, made.alpha), 0.03);
 }
@@ -85,13 +85,13 @@ TEST(Matte, WhatLooksAlikeFarFromAllMarksIsLeftOutUnlessItIsMarked) {
   MadePicture made = made_picture({480, 360});
   const cv::Rect far(20, 20, 40, 40), disc(170, 110, 140, 140);
   made.picture(disc)(cv::Rect(50, 50, 40, 40)).copyTo(made.picture(far));
-  const Matte one = matte_of(made, Edge::kNone);
+  const MadeMatte one = matte_of(made, Edge::kNone);
   EXPECT_EQ(cv::countNonZero(one.alpha(far)), 0);
   EXPECT_GT(cv::countNonZero(one.alpha(disc)), 10'000);
   ASSERT_EQ(one.notices.size(), 1U);
   EXPECT_NE(one.notices[0].find("mark it"), std::string::npos) << one.notices[0];
   made.marks(cv::Rect(35, 35, 5, 5)).setTo(kFluid);
-  const Matte both = matte_of(made, Edge::kNone);
+  const MadeMatte both = matte_of(made, Edge::kNone);
   EXPECT_GT(cv::countNonZero(both.alpha(far)), 1'000);
   EXPECT_TRUE(both.notices.empty());
 }
@@ -137,14 +137,14 @@ TEST(Matte, OneKindOfMarkIsEnoughAndIsSaid) {
   MadePicture made = made_picture();
   const Marks both = made.marks.clone();
   made.marks.setTo(kUnknown, both == kBackground);
-  const Matte of_fluid = matte_of(made, Edge::kNone);
+  const MadeMatte of_fluid = matte_of(made, Edge::kNone);
   EXPECT_LT(sad_fraction(of_fluid.alpha, made.alpha), 0.12);
   ASSERT_EQ(of_fluid.notices.size(), 1u);
   EXPECT_NE(of_fluid.notices[0].find("border is taken for it"), std::string::npos);
 
   made.marks = both.clone();
   made.marks.setTo(kUnknown, both == kFluid);
-  const Matte of_background = matte_of(made, Edge::kNone);
+  const MadeMatte of_background = matte_of(made, Edge::kNone);
   EXPECT_LT(sad_fraction(of_background.alpha, made.alpha), 0.16);
   ASSERT_EQ(of_background.notices.size(), 1u);
   EXPECT_NE(of_background.notices[0].find("may be fluid"), std::string::npos);

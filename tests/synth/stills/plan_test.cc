@@ -13,8 +13,8 @@
 #include <oneapi/tbb/global_control.h>
 
 #include "freshet/error.h"
-#include "synth/stills/page.h"
 #include "synth/stills/rendering.h"
+#include "synth/stills/stills_page.h"
 #include "tests/harness/fault.h"
 #include "tests/harness/scratch_folder.h"
 #include "tests/synth/stills/made_stills.h"

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "synth/animate/forms/light.h"
+#include "synth/animate/forms/light_level.h"
 #include "tests/synth/animate/forms/burning.h"
 
 namespace freshet::synth::animate {

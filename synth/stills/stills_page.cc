@@ -1,4 +1,4 @@
-#include "synth/stills/page.h"
+#include "synth/stills/stills_page.h"
 
 #include <algorithm>
 #include <cmath>

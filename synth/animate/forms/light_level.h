@@ -1,4 +1,4 @@
-// synth/animate/forms/light.h — what shines, as light that adds up, and as the level that an eye sees.
+// synth/animate/forms/light_level.h — what shines, as light that adds up, and as the level that an eye sees.
 #pragma once
 
 #include <opencv2/core.hpp>

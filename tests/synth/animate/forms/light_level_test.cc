@@ -1,4 +1,4 @@
-#include "synth/animate/forms/light.h"
+#include "synth/animate/forms/light_level.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-// synth/stills/page.h — what was decided, on one page for a person: graphs with thumbnails, paths, sequences.
+// synth/stills/stills_page.h — what was decided, on one page for a person: graphs with thumbnails, paths, sequences.
 #pragma once
 
 #include <string>
