@@ -5,7 +5,8 @@ usage: holds.py MATTES [--guesses FOLDER] [--holds FILE] [--sheets FOLDER]
 
 MATTES holds NAME_still.png and NAME_matte.png of 640 px, as first_takes.py leaves them; FOLDER NAME_hold.png, white where the guess
 holds (none: nothing is held). Prints for each picture what share of its matte is drawn as standing; how much of that is found; and
-how much of the fluid is taken. Sums are over pixels: of the set, and of the pictures held out, which no constant may be set by.
+how much of the fluid is taken. Then the same over all pixels, and as a mean over pictures: of the set, and of the pictures held out,
+which no constant may be set by.
 Sheets, for the eye: found green, missed red, taken from the fluid yellow, the matte's outline white.
 """
 import argparse
@@ -49,7 +50,7 @@ def main():
     said = options.parse_args()
     holds = tomllib.loads(said.holds.read_text())
     apart = held_out(list(holds))
-    sums = {False: numpy.zeros(4), True: numpy.zeros(4)}  # drawn, found, fluid, taken
+    counts = {False: [], True: []}  # of each picture: drawn, found, fluid, taken
     print("| picture | held out | stands % | found % | fluid taken % |\n| --- | --- | --: | --: | --: |")
     for name, hold in holds.items():
         still, matte = (cv2.imread(str(said.mattes / (name + ending)), how) for ending, how in (("_still.png", 1), ("_matte.png", 0)))
@@ -64,15 +65,20 @@ def main():
                 raise SystemExit(f"{said.guesses}: no {name}_hold.png of the still's size")
             guess = picture > 127
         of = numpy.array([(matte & truth).sum(), (matte & truth & guess).sum(), (matte & ~truth).sum(), (matte & ~truth & guess).sum()])
-        sums[name in apart] += of
+        counts[name in apart].append(of)
         found = f"{100 * of[1] / of[0]:.0f}" if of[0] else "-"
         print(f"| {name} | {'yes' if name in apart else ''} | {100 * of[0] / matte.sum():.1f} | {found} | {100 * of[3] / of[2]:.1f} |")
         if said.sheets:
             said.sheets.mkdir(parents=True, exist_ok=True)
             cv2.imwrite(str(said.sheets / (name + ".png")), sheet(still, matte, truth, guess))
-    for is_apart, of in sums.items():
-        print(f"| {'all held out' if is_apart else 'all of the set'} | | {100 * of[0] / (of[0] + of[2]):.1f} | {100 * of[1] / of[0]:.0f} "
-              f"| {100 * of[3] / of[2]:.1f} |")
+    for is_apart, rows in counts.items():
+        of, called = numpy.sum(rows, axis=0), "held out" if is_apart else "set"
+        stands, found, taken = 100 * of[0] / (of[0] + of[2]), 100 * of[1] / of[0], 100 * of[3] / of[2]
+        print(f"| {called}, of all pixels | | {stands:.1f} | {found:.0f} | {taken:.1f} |")
+        stands = numpy.mean([100 * of[0] / (of[0] + of[2]) for of in rows])
+        found = numpy.mean([100 * of[1] / of[0] for of in rows if of[0]])
+        taken = numpy.mean([100 * of[3] / of[2] for of in rows])
+        print(f"| {called}, mean of pictures | | {stands:.1f} | {found:.0f} | {taken:.1f} |")
 
 
 if __name__ == "__main__":
