@@ -37,6 +37,7 @@ start_server() {
   local first=$port
   for _ in $(seq 20); do
     [ "$first" != 0 ] || port=$((20000 + RANDOM % 20000))
+    : > server.log  # what the one before said is no answer of this one
     nats-server -js -sd "$here/jetstream" -a 127.0.0.1 -p "$port" > server.log 2>&1 &
     server=$!
     for _ in $(seq 100); do
@@ -58,7 +59,7 @@ start_worker() {  # NAME OPTION..
   workers[$name]=$!
 }
 kill_worker() {  # NAME SIGNAL
-  kill "-$2" "${workers[$1]}"
+  kill "-$2" "${workers[$1]}" || fail "$1 ended by itself: $(tail -n 3 "$1.log")"
   wait "${workers[$1]}" 2> /dev/null || true
   workers[$1]=0
 }
@@ -106,6 +107,25 @@ grep -q "127.0.0.1:1: no NATS server answers" none.log || fail "$(cat none.log)"
 "$FRESHET" work --queue localhost --status > none.log 2>&1 && fail "that is no address"
 grep -q "is no address of a NATS server" none.log || fail "$(cat none.log)"
 start_server
+kill_server
+
+# A server that goes while a worker introduces itself is waited for, as one that was never there.
+python3 - "$port" << 'PYTHON' &
+import socket, sys
+client, _ = socket.create_server(("127.0.0.1", int(sys.argv[1]))).accept()
+client.sendall(b'INFO {"server_id": "brief", "version": "2.9.10", "headers": true, "max_payload": 1048576}\r\n')
+said = b""
+while b"$JS.API.STREAM.CREATE" not in said:
+    heard = client.recv(4096)
+    said += heard
+    if b"PING" in heard: client.sendall(b"PONG\r\n")
+PYTHON
+brief=$!
+start_worker early
+wait $brief
+start_server
+for _ in $(seq 100); do ! grep -q "waiting for tasks" early.log || break; sleep .1; done
+kill_worker early TERM
 
 mkdir clips
 for i in $(seq "$shards"); do

@@ -91,6 +91,12 @@ std::uint64_t number_in(const Json& json, const char* name) {
   const auto found = json.find(name);
   return found != json.end() && found->is_number_unsigned() ? found->get<std::uint64_t>() : 0;
 }
+/// Of a server that may come back.
+bool is_away(natsStatus status) {
+  return status == NATS_NO_SERVER || status == NATS_TIMEOUT || status == NATS_CONNECTION_CLOSED ||
+         status == NATS_CONNECTION_DISCONNECTED || status == NATS_IO_ERROR;
+}
+
 Fault fault_of(const Json& json) { return {number_in(json, "times"), text_in(json, "fault")}; }
 
 }  // namespace
@@ -148,8 +154,20 @@ struct Queue::Connection {
   }
 
   Clock::time_point last_found = Clock::now();
+  Clock::time_point patient_until;
 
-  void connect(milliseconds patience);
+  /// Asks again, until then, while the server does not answer: what is asked may happen twice.
+  template <class Ask>
+  natsStatus patiently(const Ask& ask) const {
+    natsStatus status = ask();
+    while (is_away(status) && Clock::now() < patient_until) {
+      std::this_thread::sleep_for(milliseconds(100));
+      status = ask();
+    }
+    return status;
+  }
+
+  void connect();
   void add_stream(const std::string& name, const std::vector<std::string>& subjects, bool is_queue) const;
   void add_workers() const;
   /// A server that is killed may come back with tasks that were done already, and never deliver them: its stream was
@@ -162,7 +180,7 @@ struct Queue::Connection {
   void forget(const std::string& subject) const;
 };
 
-void Queue::Connection::connect(milliseconds patience) {
+void Queue::Connection::connect() {
   Owned<natsOptions, natsOptions_Destroy> options;
   expect(natsOptions_Create(into(options)), "no connection can be made");
   natsOptions_SetURL(options.get(), address.server.c_str());
@@ -175,13 +193,8 @@ void Queue::Connection::connect(milliseconds patience) {
   // Else what it cannot do is printed.
   natsOptions_SetErrorHandler(
       options.get(), [](natsConnection*, natsSubscription*, natsStatus, void*) {}, nullptr);
-  const Clock::time_point begin = Clock::now();
-  natsStatus status = natsConnection_Connect(into(nats), options.get());
-  while (status == NATS_NO_SERVER && Clock::now() - begin < patience) {
-    std::this_thread::sleep_for(milliseconds(100));
-    status = natsConnection_Connect(into(nats), options.get());
-  }
-  expect(status, "no NATS server answers");
+  expect(patiently([&] { return natsConnection_Connect(into(nats), options.get()); }),
+         "no NATS server answers");
   jsOptions wait;
   jsOptions_Init(&wait);
   wait.Wait = kAnswerIn;
@@ -200,7 +213,8 @@ void Queue::Connection::add_stream(const std::string& name, const std::vector<st
   config.Retention = is_queue ? js_WorkQueuePolicy : js_LimitsPolicy;
   config.MaxMsgsPerSubject = is_queue ? -1 : 1;
   jsErrCode code{};
-  const natsStatus status = js_AddStream(nullptr, jetstream.get(), &config, nullptr, &code);
+  const natsStatus status =
+      patiently([&] { return js_AddStream(nullptr, jetstream.get(), &config, nullptr, &code); });
   if (status == NATS_OK) return;
   if (code == JSStreamNameExistErr)
     throw Error(ErrorKind::kIo, shown(address.server), "has a stream \"" + name + "\" of another kind",
@@ -217,7 +231,9 @@ void Queue::Connection::add_workers() const {
   config.MaxDeliver = -1;
   config.MaxAckPending = -1;
   config.MaxWaiting = 100'000;
-  expect(js_AddConsumer(nullptr, jetstream.get(), address.name.c_str(), &config, nullptr, nullptr),
+  expect(patiently([&] {
+           return js_AddConsumer(nullptr, jetstream.get(), address.name.c_str(), &config, nullptr, nullptr);
+         }),
          "no queue can be made");
 }
 
@@ -269,7 +285,8 @@ Queue Queue::open(const QueueOptions& options) {
   connection->address = parse_address(options.url);
   connection->faults = connection->address.name + "-faults";
   connection->ack_wait = options.ack_wait;
-  connection->connect(options.patience);
+  connection->patient_until = Clock::now() + options.patience;
+  connection->connect();
   const std::string& name = connection->address.name;
   connection->add_stream(name, {name + ".task.*"}, true);
   connection->add_stream(connection->faults, {name + ".fault.*", name + ".dead.*"}, false);
