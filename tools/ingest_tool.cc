@@ -15,6 +15,7 @@
 #include "ingest/growing_store.h"
 #include "ingest/ingest.h"
 #include "ingest/sealed_part.h"
+#include "ingest/source_list.h"
 #include "platform/printable.h"
 #include "platform/whole_file.h"
 #include "query/index/index_builder.h"
@@ -249,13 +250,24 @@ void run_sealed(const IngestCommand& command, const ingest::IngestOptions& optio
                part.report()["stored"].get<std::size_t>());
 }
 
-/// All clips of all parts, as one ingest would report them.
+/// All clips of all parts as one ingest would report them, in the order of the list of sources.
 nlohmann::json gathered_report(const IngestCommand& command, const std::vector<ingest::SealedPart>& parts) {
-  nlohmann::json json{{"store", command.store}, {"clips", nlohmann::json::array()}};
+  std::map<std::string, std::size_t> places;
+  for (const ingest::Source& source : ingest::list_sources(command.paths))
+    places.emplace(source.name, places.size());
+  const auto place_of = [&](const std::string& name) {
+    auto place = places.find(name);
+    if (place == places.end()) place = places.find(name.substr(0, name.rfind('@')));  // a film's stretch
+    return place == places.end() ? places.size() : place->second;
+  };
+  std::multimap<std::size_t, nlohmann::json> clips;
   for (const ingest::SealedPart& part : parts) {
     nlohmann::json report = part.report();
-    for (nlohmann::json& clip : report["clips"]) json["clips"].push_back(std::move(clip));
+    for (nlohmann::json& clip : report["clips"])
+      clips.emplace(place_of(clip["name"].get<std::string>()), std::move(clip));
   }
+  nlohmann::json json{{"store", command.store}, {"clips", nlohmann::json::array()}};
+  for (auto& [place, clip] : clips) json["clips"].push_back(std::move(clip));
   return json;
 }
 
@@ -271,9 +283,11 @@ void run_gather(const IngestCommand& command, const RunContext& context) {
                   "no clip was taken, for the reasons in the reports there");
     const std::filesystem::path merging = command.store + ".merging", lock = merging.string() + "-lock";
     std::filesystem::remove(merging);
+    std::vector<std::string> order;
+    for (const nlohmann::json& clip : report["clips"]) order.push_back(clip["name"].get<std::string>());
     Progress progress;
     store::merge(stores, merging, query::rebuildable(),
-                 {.progress = progress.callback(), .stop = context.stop});
+                 {.progress = progress.callback(), .stop = context.stop}, order);
     progress.finish();
     {
       store::Store merged = store::Store::open_write(merging);

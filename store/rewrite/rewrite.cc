@@ -3,6 +3,8 @@
 #include <sys/stat.h>
 
 #include <algorithm>
+#include <map>
+#include <string_view>
 #include <utility>
 
 #include "freshet/error.h"
@@ -74,8 +76,9 @@ class Replaced {
   Contents contents_;
 };
 
-/// Which clips of several stores are to be in one.
-void choose_clips(const std::vector<Contents>& stores, StoreCopy& copy, MergeReport& report) {
+/// Which clips of several stores are to be in one, those of `order` first.
+void choose_clips(const std::vector<Contents>& stores, std::span<const std::string> order, StoreCopy& copy,
+                  MergeReport& report) {
   ClipUnion all;
   for (const Contents& store : stores) {
     all.expect_settings(store.file, store.settings);
@@ -83,9 +86,16 @@ void choose_clips(const std::vector<Contents>& stores, StoreCopy& copy, MergeRep
       if (const ClipUnion::Taken* same = all.add(store.file, clip.record))
         report.doubles.push_back({clip.record.name, store.file.string(), same->name});
       else
-        copy.clips.push_back({&store, id, ClipId{copy.next_clip++}});
+        copy.clips.push_back({&store, id, id});
     }
   }
+  std::map<std::string_view, std::size_t> places;
+  for (const std::string& name : order) places.emplace(name, places.size());
+  std::ranges::stable_sort(copy.clips, {}, [&](const StoreCopy::Clip& clip) {
+    const auto place = places.find(clip.from->clips.at(clip.id).record.name);
+    return place == places.end() ? places.size() : place->second;
+  });
+  for (StoreCopy::Clip& clip : copy.clips) clip.as = ClipId{copy.next_clip++};
 }
 
 std::uint64_t write_new(const StoreCopy& copy, const std::filesystem::path& out, const Job& job) {
@@ -128,7 +138,7 @@ FileSizes remove_clips(const std::filesystem::path& file, std::span<const std::s
 }
 
 MergeReport merge(std::span<const std::filesystem::path> files, const std::filesystem::path& out,
-                  const Rebuildable& index, const Job& job) {
+                  const Rebuildable& index, const Job& job, std::span<const std::string> order) {
   std::vector<Contents> stores;
   for (const std::filesystem::path& named : files)
     for (const std::filesystem::path& file : stores_named(named))
@@ -136,7 +146,7 @@ MergeReport merge(std::span<const std::filesystem::path> files, const std::files
   MergeReport report;
   StoreCopy copy{.store_id = draw_store_id(), .settings = stores.front().settings};
   leave_out(copy, index);
-  choose_clips(stores, copy, report);
+  choose_clips(stores, order, copy, report);
   for (const Contents& store : stores) {
     for (const auto& [name, blob] : store.blobs)
       if (!index.blobs.contains(name))

@@ -51,9 +51,10 @@ struct MergeReport {
 };
 /// One store of the clips of several, or of lists of them, in their order; of clips from the same source, the first.
 /// `out` must not exist.
+/// order    names of clips that come before all others, in this order; those that are no clip's are passed over.
 /// Throws also Error{kInput} when settings differ, or two clips of one name come from different sources.
 MergeReport merge(std::span<const std::filesystem::path> files, const std::filesystem::path& out,
-                  const Rebuildable& index, const Job& job = {});
+                  const Rebuildable& index, const Job& job = {}, std::span<const std::string> order = {});
 
 /// A new store of what salvage() finds in a damaged one; clips keep their numbers, and the store its id. `out` must not
 /// exist. Of a store that is whole, all is taken.

@@ -111,6 +111,25 @@ TEST(SameStore, SealedPartsMakeTheWholeAndAreMadeOnce) {
   EXPECT_EQ(folder.freshet({"ingest", "new.store", sample().clips, "--seal"}).exit_code, 2);
 }
 
+TEST(SameStore, GatheredClipsStandInTheOrderOfOneIngest) {
+  const WorkFolder folder;
+  for (const char* shard : {"1/2", "2/2"})  // the first and the third clip, and the second
+    ASSERT_EQ(folder.freshet({"ingest", "all.store", sample().clips, "--shard", shard, "--seal"}).exit_code,
+              0);
+  const Outcome gathered = folder.freshet({"ingest", "all.store", sample().clips, "--gather", "--json"});
+  ASSERT_EQ(gathered.exit_code, 0) << gathered.err;
+  std::vector<std::string> reported;
+  const nlohmann::json report = nlohmann::json::parse(gathered.out);
+  for (const nlohmann::json& clip : report["clips"]) reported.push_back(clip["name"]);
+  EXPECT_EQ(reported, (std::vector<std::string>{"fall/1.mkv", "fall/2.mkv", "river/1.mkv"}));
+  const auto rows = [&](const std::string& store) {
+    return nlohmann::json::parse(
+        folder.freshet({"query", "candidates", store, sample().still, "--frames", "16", "--json"})
+            .out)["pieces"];
+  };
+  EXPECT_EQ(rows("all.store"), rows(sample().store));
+}
+
 TEST(SameStore, SeveralStoresAreSearchedAsOne) {
   const WorkFolder folder;
   for (const char* part : {"1/3", "2/3", "3/3"}) {

@@ -187,6 +187,19 @@ TEST_F(Rewrite, MergedStoresAreWhatOneIngestMakes) {
   EXPECT_EQ(kind_of([&] { merge(files, folder_ / "m", kIndex); }), ErrorKind::kIo);
 }
 
+TEST_F(Rewrite, ClipsAreMergedInTheOrderThatIsAsked) {
+  make(a_, {kA, kC});
+  make(b_, {kB});
+  const fs::path files[] = {a_, b_};
+  const std::string order[] = {kB.name, "none", kC.name};
+  EXPECT_EQ(merge(files, folder_ / "m", kIndex, {}, order).clips, 3u);
+  expect_whole(folder_ / "m");
+  const Store store = Store::open_read(folder_ / "m");
+  EXPECT_TRUE(reads_back(store.snapshot(), ClipId{0}, kB));
+  EXPECT_TRUE(reads_back(store.snapshot(), ClipId{1}, kC));
+  EXPECT_TRUE(reads_back(store.snapshot(), ClipId{2}, kA));
+}
+
 TEST_F(Rewrite, AClipOfTwoStoresIsMergedOnce) {
   make(a_, {kA, kB});
   make(b_, {kB, kC, kA});
