@@ -47,6 +47,7 @@
 #include "synth/judging/critic.h"
 #include "synth/takes/pace.h"
 #include "synth/takes/take.h"
+#include "vision/look/horizon.h"
 
 namespace {
 
@@ -199,6 +200,7 @@ class Trial {
     options.fps = case_.fps;
     options.loop = asked_.loop;
     query::MotionGuide guide = labels.asked.rendering;
+    if (method.horizon && case_.class_name == "water") guide.horizon = vision::horizon_of(case_.matte);
     synth::animate::Placement placement = labels.placement;
     synth::animate::Playing playing;
     synth::takes::apply({.speed = method.speed.value_or(1)}, 0, options, guide, playing);

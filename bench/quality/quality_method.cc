@@ -106,6 +106,8 @@ const std::vector<Setting>& all_settings() {
          [](Method& m, const std::string& text) {
            m.speed = text == "auto" ? std::nullopt : std::optional(number(text));
          }},
+        {"horizon", "auto, as freshet synth animate has it, or none", false,
+         [](Method& m, const std::string& text) { m.horizon = text != "none"; }},
         {"own", "1: the clip itself is a candidate too", true, to([](Method & m) -> auto& { return m.own; })},
     };
     for (const synth::animate::MethodSetting& setting : synth::animate::method_settings())
@@ -133,7 +135,7 @@ const std::vector<NamedSettings>& methods() {
       {"ours", "", "the defaults"},
       {"paper", as_printed(),
        "Okabe et al. 2011 as printed, labels too: what freshet synth animate --as-printed does"},
-      {"paper-rendering", "method=paper blend=paper low-band=keep matching=frame speed=1",
+      {"paper-rendering", "method=paper blend=paper low-band=keep matching=frame speed=1 horizon=none",
        "its rendering alone, of our labels: averaged differences on the long exposure, matched by frame"},
       {"eulerian", "renderer=eulerian",
        "two copies of the still carried along the clip's true mean motion; no hint, no labels"},

@@ -25,6 +25,7 @@ struct Method {
   bool own = false;  // the clip itself among the candidates: what rendering alone costs
   std::optional<double>
       speed{};  // times what is asked, or played (synth::takes::apply); none: "auto" (synth::takes::factor_of)
+  bool horizon = true;      // water's straight border is one, as freshet synth animate has it
   bool same_class = false;  // candidates of the clip's class alone, as one who knows what is to be seen asks
   std::string labels_settings;  // what of its settings labels depend on: methods that agree share labels
 };

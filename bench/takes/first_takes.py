@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
 """First takes of a folder of pictures, as a first-time user makes them: scribbles, two strokes, no option.
 
-usage: first_takes.py FRESHET STORE PICTURES OUT [--asks FILE] [--only NAME,..] [--kinds] [--frames N] [-- OPTION..]
+usage: first_takes.py FRESHET STORE PICTURES OUT [--asks FILE] [--only NAME,..] [--kinds] [--no-strokes] [--frames N] [-- OPTION..]
 
-Each picture of the asks (first_takes.toml) is reduced to 640 px, its matte made by `freshet synth matte` from the scribbles, and its
-film by `freshet synth animate` with the strokes and with OPTIONs. OUT gets of each NAME.mkv, the report NAME.json, NAME_matte.png,
+Each picture of the asks (first_takes.toml), PICTURES/NAME.* or PICTURES/NAME/input.*, is reduced to 640 px, its matte made by
+`freshet synth matte` from the scribbles, and its film by `freshet synth animate` with the strokes and with OPTIONs. OUT gets of each NAME.mkv, the report NAME.json, NAME_matte.png,
 and NAME.png for the eye: the still with matte and strokes beside the middle frame, and below both a row and a column of pixels
 over time. Prints a table: what the picture looks like, the critic's faults, and what is worst.
 """
@@ -74,28 +74,31 @@ def main():
     options.add_argument("--asks", type=pathlib.Path, default=pathlib.Path(__file__).with_name("first_takes.toml"))
     options.add_argument("--only", default="")
     options.add_argument("--kinds", action="store_true", help="say each picture's class")
+    options.add_argument("--no-strokes", action="store_true", help="the direction is the store's")
     options.add_argument("--frames", type=int, default=72)
     said = options.parse_args(sys.argv[1:split])
     asks = tomllib.loads(said.asks.read_text())
     said.out.mkdir(parents=True, exist_ok=True)
     print("| picture | looks like | faults | worst |\n| --- | --- | --: | --- |")
     for name in said.only.split(",") if said.only else asks:
-        source = next(said.pictures.glob(name + ".*"), None)
+        source = next((file for at in (name + ".*", name + "/input.*") for file in said.pictures.glob(at)), None)
         if source is None:
             print(f"{name}: not in {said.pictures}: skipped", file=sys.stderr)
             continue
         ask, at = asks[name], lambda ending: said.out / (name + ending)
+        drawn = [] if said.no_strokes else ask["strokes"]
         still = read_still(source)
         cv2.imwrite(str(at("_still.png")), still)
         write_scribbles(at("_scribbles.png"), still.shape[:2], ask)
         at(".strokes").write_text(json.dumps({"format": "freshet-strokes", "version": 1,
                                               "strokes": [{"points": line} for line in ask["strokes"]]}))
         run(said.freshet, "synth", "matte", at("_still.png"), "--scribbles", at("_scribbles.png"), "-o", at("_matte.png"), "--overwrite")
-        kind = ["--class", ask["kind"]] if said.kinds else []
-        report = run(said.freshet, "synth", "animate", said.store, at("_still.png"), "--matte", at("_matte.png"), "--strokes", at(".strokes"),
-                     "--frames", said.frames, "-o", at(".mkv"), "--overwrite", "--json", *kind, *sys.argv[split + 1:])
+        asked = ["--class", ask["kind"]] if said.kinds else []
+        asked += ["--strokes", at(".strokes")] if drawn else []
+        report = run(said.freshet, "synth", "animate", said.store, at("_still.png"), "--matte", at("_matte.png"),
+                     "--frames", said.frames, "-o", at(".mkv"), "--overwrite", "--json", *asked, *sys.argv[split + 1:])
         at(".json").write_text(report)
-        cv2.imwrite(str(at(".png")), for_the_eye(still, cv2.imread(str(at("_matte.png")), 0), ask["strokes"], frames_of(at(".mkv"))))
+        cv2.imwrite(str(at(".png")), for_the_eye(still, cv2.imread(str(at("_matte.png")), 0), drawn, frames_of(at(".mkv"))))
         report = json.loads(report)
         verdict, look = report["verdict"], report["looks_like"]
         worst = max(verdict["findings"], key=lambda finding: finding["fault"], default={"measure": "-"})

@@ -261,9 +261,25 @@ TEST_F(Layers, TowardsAHorizonTheMotionComesToRest) {
   EXPECT_GT(plain[64], 0.05);
   EXPECT_LT(plane[64], 0.3 * plain[64]);
   EXPECT_GT(plane[130], plain[130]);
-  EXPECT_TRUE(holds(animate("a.mkv", {"--horizon", "sea"}).err, "--horizon sea: auto, a row or a line"));
+  EXPECT_TRUE(
+      holds(animate("a.mkv", {"--horizon", "sea"}).err, "--horizon sea: auto, none, a row or a line"));
   EXPECT_EQ(animate("a.mkv", {"--horizon", "0,10,0,90"}).exit_code, 2);
-  EXPECT_TRUE(holds(animate("a.mkv", {"--horizon", "auto"}).err, "no straight, level upper border"));
+}
+
+TEST_F(Layers, AStraightUpperBorderOfWaterIsItsHorizonUnlessAskedOtherwise) {
+  const auto taken = [](const std::string& out, const std::string& matte, std::vector<std::string> more) {
+    more.push_back("--overwrite");
+    const Outcome outcome = animate(out, std::move(more), sample().still, matte);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    return holds(outcome.err, fmt::format("is straight, row {0} to {0};", kHeight / 2));
+  };
+  EXPECT_TRUE(taken("auto.mkv", "lower.png", {"--class", "water"}));
+  EXPECT_FALSE(taken("row.mkv", "lower.png", {"--horizon", std::to_string(kHeight / 2)}));
+  EXPECT_FALSE(taken("none.mkv", "lower.png", {"--class", "water", "--horizon", "none"}));
+  EXPECT_EQ(text_of(*folder_ / "auto.mkv"), text_of(*folder_ / "row.mkv"));
+  EXPECT_NE(text_of(*folder_ / "auto.mkv"), text_of(*folder_ / "none.mkv"));
+  EXPECT_FALSE(taken("a.mkv", "lower.png", {"--class", "fire"}));
+  EXPECT_FALSE(taken("a.mkv", sample().matte, {"--class", "water"})) << "its border is none";
 }
 
 TEST_F(Layers, ARangeIsPartOfTheWholeAndNumberedAsIt) {

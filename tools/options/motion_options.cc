@@ -1,8 +1,10 @@
 #include "tools/options/motion_options.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <initializer_list>
+#include <optional>
 #include <sstream>
 #include <utility>
 
@@ -16,6 +18,8 @@
 #include "media/picture/picture.h"
 #include "tools/console/output_names.h"
 #include "tools/console/run_context.h"
+#include "vision/look/fluid_kind.h"
+#include "vision/look/fluid_look.h"
 #include "vision/look/horizon.h"
 
 namespace freshet::tools {
@@ -33,17 +37,27 @@ bool on_fluid(const hints::Stroke& stroke, const cv::Mat& matte) {
   return cv::countNonZero(drawn & matte) > 0;
 }
 
+/// --horizon auto: the straight border of what is water, or else looks like it.
+std::optional<Horizon> own_horizon(const TargetFiles::Loaded& loaded, const std::string& class_name) {
+  const std::optional<Horizon> found = vision::horizon_of(loaded.matte);
+  if (!found) return {};
+  const bool known = std::ranges::find(vision::kFluidKinds, class_name) != vision::kFluidKinds.end();
+  if ((known ? class_name : vision::fluid_kind(vision::fluid_look(loaded.picture, loaded.matte)).name()) !=
+      "water")
+    return {};
+  say(fmt::format(
+      "--horizon auto: the matte's upper border is straight, row {:.0f} to {:.0f}; towards it the water goes "
+      "slower",
+      found->from.y, found->to.y));
+  return found;
+}
+
 /// --horizon.
-Horizon read_horizon(const std::string& text, const cv::Mat& matte) {
+std::optional<Horizon> read_horizon(const std::string& text, const TargetFiles::Loaded& loaded,
+                                    const std::string& class_name) {
+  if (text == "none") return {};
+  if (text == "auto") return own_horizon(loaded, class_name);
   const std::string option = "--horizon " + text;
-  if (text == "auto") {
-    const std::optional<Horizon> found = vision::horizon_of(matte);
-    if (!found)
-      throw Error(ErrorKind::kInput, option,
-                  "the matte has no straight, level upper border as long as half of the picture",
-                  "Give its row: --horizon Y");
-    return *found;
-  }
   std::vector<float> numbers;
   std::istringstream in(text);
   for (std::string part; std::getline(in, part, ',');) {
@@ -52,15 +66,16 @@ Horizon read_horizon(const std::string& text, const cv::Mat& matte) {
     if (part.empty() || *end != 0 || !(std::abs(numbers.back()) < 1e6f))
       numbers.clear(), in.setstate(std::ios::failbit);
   }
-  const auto width = static_cast<float>(matte.cols);
+  const auto width = static_cast<float>(loaded.matte.cols);
   if (numbers.size() == 1) numbers = {0, numbers[0], width, numbers[0]};
   if (numbers.size() == 4 && numbers[0] > numbers[2])
     std::swap(numbers[0], numbers[2]), std::swap(numbers[1], numbers[3]);
   if (numbers.size() != 4 || numbers[2] - numbers[0] < 1 ||
       std::abs(numbers[3] - numbers[1]) > numbers[2] - numbers[0])
-    throw Error(ErrorKind::kUsage, option, "auto, a row or a line that is level within 45 degrees expected",
+    throw Error(ErrorKind::kUsage, option,
+                "auto, none, a row or a line that is level within 45 degrees expected",
                 "Give --horizon Y, or --horizon X,Y,X,Y");
-  return {{numbers[0], numbers[1]}, {numbers[2], numbers[3]}};
+  return Horizon{{numbers[0], numbers[1]}, {numbers[2], numbers[3]}};
 }
 
 void say_all(const std::string& file, const std::vector<std::string>& notices) {
@@ -146,11 +161,13 @@ void MotionOptions::add_outputs_to(CLI::App& command) {
 }
 
 void MotionOptions::add_rendering_to(CLI::App& command) {
+  horizon_ = "auto";
   command
       .add_option("--horizon", horizon_,
-                  "Where a plane of water ends, towards which it goes slower: auto (the matte's straight "
-                  "upper border), a row, "
-                  "px from above, or a line X,Y,X,Y [none]")
+                  "Where a plane of water ends, towards which it goes slower: auto (the straight, level "
+                  "upper border of "
+                  "the matte of water, where it has one), none, a row, px from above, or a line X,Y,X,Y")
+      ->default_str("auto")
       ->group(kGroup);
 }
 
@@ -180,7 +197,7 @@ AskedMotion MotionOptions::read(const TargetFiles::Loaded& loaded, const SearchO
   asked.guide.speed_ratio = speed_ratio_;
   const cv::Size picture = loaded.picture.size();
   std::vector<std::string> notices;
-  if (!horizon_.empty()) asked.guide.horizon = read_horizon(horizon_, loaded.matte);
+  if (!horizon_.empty()) asked.guide.horizon = read_horizon(horizon_, loaded, search.options().class_name);
   if (!strokes_.empty()) {
     asked.strokes = hints::read_strokes(strokes_, picture, &notices);
     say_all(strokes_, notices);
