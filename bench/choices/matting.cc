@@ -137,7 +137,7 @@ int main(int argc, char** argv) try {
         media::write_picture(write / fmt::format("{}_{}.png", one.name, index), alpha);
     }
     if (!write.empty()) {
-      const Matte matte = make_matte(one.picture, one.marks, {}, one.name);
+      const MadeMatte matte = make_matte(one.picture, one.marks, {}, one.name);
       media::write_picture(write / (one.name + "_sheet.png"),
                            matte_sheet(one.picture, one.marks, matte.alpha));
     }
