@@ -132,10 +132,10 @@ class ClipIngest {
   using OnFrames = std::function<void(bool surveying, std::uint32_t frames, std::uint32_t claimed)>;
 
   ClipIngest(store::Store& store, const vision::Settings& settings, const IngestOptions& options)
-      : store_(&store), writable_(&store), settings_(settings), options_(options) {}
+      : store_(&store), writable_(&store), settings_(settings), options_(options), alike_(&store) {}
   /// Only looks. store   null: there is none.
   ClipIngest(const store::Store* store, const vision::Settings& settings, const IngestOptions& options)
-      : store_(store), preview_(true), settings_(settings), options_(options) {}
+      : store_(store), preview_(true), settings_(settings), options_(options), alike_(store) {}
 
   /// Appends the rows, each when it is finished.
   /// Throws Error for what ends the run; everything else is in the rows.
@@ -150,6 +150,7 @@ class ClipIngest {
                          row.outcome == Outcome::kWouldAdd;
       if (options_.pictures && row.look.jpeg.empty() && !row.part) row.look = look_of_first_frame(row.path);
       // Of a source in parts, one that was taken speaks for it.
+      if (row.outcome == Outcome::kAdded || row.outcome == Outcome::kWouldAdd) note_alike(row);
       if (!hash_.empty() && (there || !seen_.contains(hash_))) seen_.insert_or_assign(hash_, row);
       finish(std::move(row));
     };
@@ -166,6 +167,19 @@ class ClipIngest {
   }
 
  private:
+  /// Of a row that is taken. After its clip was written: what else a store holds is no part of a clip's metadata.
+  void note_alike(ClipReport& row) {
+    if (!survey_.trace) return;
+    const Span span = row.part.value_or(survey_.whole);
+    const FilmTrace trace = survey_.trace->part(span.first, span.last);
+    row.alike = alike_.find(row.name, trace);
+    alike_.add(row.name, trace, !preview_);
+    if (row.alike)
+      row.notes.push_back(
+          fmt::format("for {:.1f} s it shows what \"{}\" shows: of two copies only one is needed",
+                      row.alike->seconds, row.alike->name));
+  }
+
   /// True also when the work failed for its clip's sake; the row then says why.
   bool guarded(ClipReport& row, const std::function<bool()>& work) {
     try {
@@ -525,6 +539,7 @@ class ClipIngest {
   store::ClipRecord record_;  // its rate
   Survey survey_;
 
+  AlikeClips alike_;
   std::map<std::string, ClipReport> seen_;  // of this run, by source hash
 };
 

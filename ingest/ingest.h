@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "freshet/error.h"
+#include "ingest/alike_clips.h"
 #include "ingest/screening.h"
 #include "ingest/source_list.h"
 #include "ingest/survey.h"
@@ -59,6 +60,7 @@ struct ClipReport {
   std::vector<std::string> reasons;  // sentences: why it was not added; with force, what was overridden
   std::vector<std::string> notes;    // "no static reference", "11 of 50 frames", ...
   std::vector<std::string> help;     // what would help against a refusal
+  std::optional<AlikeClip> alike;    // a near-duplicate of it; not looked for with force
   PartLook look;                     // with IngestOptions::pictures
   std::uint32_t frames = 0;          // decoded
   std::uint32_t width = 0, height = 0;

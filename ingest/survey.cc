@@ -293,6 +293,7 @@ Survey survey(media::VideoReader& reader, double fps, const ScreeningLimits& lim
   };
   cv::Size size;
   std::optional<FilmLook> film_look;
+  FilmTrace trace(fps);
   if (pictures) film_look.emplace(fps);
   const auto decode = [&] {
     Slab slab;
@@ -303,6 +304,7 @@ Survey survey(media::VideoReader& reader, double fps, const ScreeningLimits& lim
       size = luma.size();
       cv::resize(luma, slab.luma.emplace_back(), screening_size(size), 0, 0, cv::INTER_AREA);
       if (film_look) film_look->add(*frame, slab.luma.back());
+      trace.add(slab.luma.back());
       slab.times_s.push_back(frame->time_s);
     }
     return slab;
@@ -323,6 +325,7 @@ Survey survey(media::VideoReader& reader, double fps, const ScreeningLimits& lim
   if (!surveyor) return {};
   Survey result = surveyor->finish();
   result.complaint = reader.complaint();
+  result.trace = std::move(trace);
   if (film_look)
     for (Piece& piece : result.pieces) piece.look = film_look->look(piece.span.first, piece.span.last);
   return result;

@@ -16,6 +16,7 @@
 #include <opencv2/core.hpp>
 
 #include "ingest/film_look.h"
+#include "ingest/film_trace.h"
 #include "ingest/screening.h"
 #include "ingest/steady.h"
 #include "media/video/video_reader.h"
@@ -43,8 +44,9 @@ struct Piece {
 struct Survey {
   Span whole;
   int takes = 0;
-  std::vector<Piece> pieces;  // all of the film, in order; a single one where it is fit as a whole
-  std::string complaint;      // of the reader
+  std::vector<Piece> pieces;       // all of the film, in order; a single one where it is fit as a whole
+  std::string complaint;           // of the reader
+  std::optional<FilmTrace> trace;  // of the whole
   /// Whether it becomes parts: it is no clip as it is.
   bool in_parts() const { return pieces.size() > 1 || (pieces.size() == 1 && pieces.front().steady); }
   int fit() const;
@@ -64,7 +66,8 @@ class Surveyor {
   std::unique_ptr<Impl> impl_;
 };
 
-/// All frames that a reader has; one thread decodes while another measures.
+/// All frames that a reader has, and their trace; one thread decodes while another measures. Memory: a Surveyor's, and
+/// 384 bytes a frame.
 /// steady    see Surveyor. pictures   each piece gets its look.
 /// on_slab   called with the number of frames done. Throws Error{kCancelled}.
 Survey survey(media::VideoReader& reader, double fps, const ScreeningLimits& limits, bool steady,

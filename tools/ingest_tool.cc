@@ -61,6 +61,8 @@ nlohmann::json to_json(const ingest::ClipReport& clip) {
           {"reasons", clip.reasons},
           {"notes", clip.notes},
           {"help", clip.help},
+          {"alike", clip.alike ? nlohmann::json{{"clip", clip.alike->name}, {"seconds", clip.alike->seconds}}
+                               : nlohmann::json()},
           {"kind", clip.look.kind ? nlohmann::json(clip.look.kind->name()) : nlohmann::json()},
           {"kind_sure", clip.look.kind && clip.look.kind->sure()},
           {"frames", clip.frames},

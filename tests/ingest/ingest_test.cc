@@ -467,6 +467,50 @@ TEST(Ingest, DuplicatesInOneRunAreTakenOnceAndSaid) {
   EXPECT_TRUE(says(report.clips[3].reasons, "\"c.mkv\" of this run"));
 }
 
+/// The clip again, darker and smaller, and from another moment on, as a second file and as a film of its own.
+TEST(Ingest, NearDuplicatesOfTheStoreAndOfTheRunAreSaid) {
+  const SyntheticClip shown{
+      .size = {384, 216}, .moving = {60, 40, 280, 160}, .changing = true, .coarse = true};
+  OneClip one(shown);
+  EXPECT_FALSE(one.row.alike);
+  fs::create_directories(one.folder / "more");
+  SyntheticClip later = shown;
+  later.start = 500;
+  write_clip(one.folder / "more/later.mkv", later);
+  const auto write_copy = [&](const char* name, int side) {
+    std::vector<cv::Mat> copy = render(shown);
+    const cv::Size size(side, side * 9 / 16);
+    media::VideoWriter writer(one.folder / name, size);
+    for (cv::Mat& luma : copy) {
+      cv::resize(luma, luma, size, 0, 0, cv::INTER_AREA);
+      luma *= 0.8;
+      cv::cvtColor(luma, luma, cv::COLOR_GRAY2BGR);
+      writer.write(luma);
+    }
+    writer.finish();
+  };
+  write_copy("more/copy.mkv", 256);
+  write_copy("more/small.mkv", 192);
+  const auto expect_said = [](const IngestReport& report) {
+    ASSERT_EQ(report.clips.size(), 3u);
+    ASSERT_TRUE(report.clips[0].alike);
+    EXPECT_EQ(report.clips[0].alike->name, "clip.mkv");
+    EXPECT_NEAR(report.clips[0].alike->seconds, 40.0 / 25, 0.05);
+    EXPECT_TRUE(says(report.clips[0].notes, "\"clip.mkv\""));
+    EXPECT_FALSE(report.clips[1].alike) << "another moment of the scene";
+    EXPECT_TRUE(report.clips[2].alike);
+  };
+  const fs::path paths[] = {one.folder / "more"};
+  expect_said(preview(&one.store, kSettings, paths));
+  expect_said(run(one.store, one.folder / "more"));
+  EXPECT_EQ(one.snapshot().clips().size(), 4u);
+  std::filesystem::remove(one.folder / "more/later.mkv");
+  const IngestReport alone = preview(nullptr, kSettings, paths);
+  EXPECT_FALSE(alone.clips.at(0).alike);
+  ASSERT_TRUE(alone.clips.at(1).alike);
+  EXPECT_EQ(alone.clips.at(1).alike->name, "copy.mkv");
+}
+
 TEST(Ingest, AStopRequestDropsTheClipInHandAndARestartGoesOn) {
   const ScratchFolder folder;
   fs::create_directories(folder / "water");
