@@ -45,15 +45,14 @@ json screening_json(const Screening& screening, const Verdict& verdict) {
 
 /// No times and no paths: the same clip has the same metadata wherever and however fast it was read.
 stored::ClipMetadata metadata_of(const media::VideoInfo& info, const ClipMeasures& measures,
-                                 const Verdict& verdict, const ClipReport& report, json part,
-                                 const media::Repairs& repairs) {
+                                 const Verdict& verdict, const ClipReport& report, json part) {
   json more{{"screening", screening_json(measures.screening, verdict)}};
   if (!part.is_null()) more["part"] = std::move(part);
   return {.layout = info.layout,
           .codec = info.codec,
           .container = info.container,
           .variable_frame_rate = !measures.screening.timing.steady,
-          .repairs = media::filter_text(repairs),
+          .repairs = info.repairs,
           .notices = report.notes,
           .cells = stored::shapes_of(measures.columns),
           .patches = report.patches_by_variant,
@@ -87,7 +86,7 @@ void check_fit(const media::VideoInfo& info, const Source& source, const vision:
         ErrorKind::kInput, where,
         fmt::format("it is HDR ({}): read as the sRGB that we work in, its colours would be pale and wrong",
                     layout.transfer == kPq ? "PQ" : "HLG"),
-        "Film in SDR, or export it as SDR (BT.709) from your editing program");
+        "Bring it to SDR with --sdr, film in SDR, or export it as SDR (BT.709) from your editing program");
 }
 
 constexpr double kOtherRate = 0.01;  // rates that differ by more than this share are not the same
@@ -508,7 +507,7 @@ class ClipIngest {
     record.pixel_format = info.layout.format;
     record.width = report.width;
     record.height = report.height;
-    record.metadata = to_json(metadata_of(info, measures, verdict, report, part, options_.repairs));
+    record.metadata = to_json(metadata_of(info, measures, verdict, report, part));
     {
       const TimedScope watch(report.seconds.commit);
       stored::write_columns(writer, measures.columns);

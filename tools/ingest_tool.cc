@@ -209,6 +209,7 @@ nlohmann::json made_by(const IngestCommand& command) {
           {"steady", options.steady},
           {"deinterlace", options.repairs.deinterlace},
           {"deblock", options.repairs.deblock},
+          {"sdr", options.repairs.sdr},
           {"list", ingest::list_hash(ingest::list_sources(command.paths))},
           {"settings", nlohmann::json::parse(vision::to_json(command.settings.for_new_store()))}};
 }
@@ -372,6 +373,10 @@ void add_ingest(CLI::App& app, RunContext& context) {
   sub->add_flag("--deblock", command->options.repairs.deblock,
                 "Smooth 8 x 8 block borders of coarsely compressed clips. The stored frames then differ from "
                 "the source's");
+  sub->add_flag(
+      "--sdr", command->options.repairs.sdr,
+      "Bring HDR clips (PQ, HLG) to SDR: 203 cd/m2 is white, 1000 the brightest. The stored frames then "
+      "differ from the source's");
   command->shard.add_to(
       *sub, "Ingest only part I of N of the list, for stores that are built separately and merged [all]");
   CLI::Option* gather =

@@ -20,6 +20,9 @@ std::string filter_text(const Repairs& repairs, int rotation) {
   // Fields and blocks lie along the frame's own rows: they are mended before it is turned.
   if (repairs.deinterlace) add("bwdif=mode=send_frame");
   if (repairs.deblock) add("deblock=filter=strong");
+  if (repairs.sdr)
+    add("zscale=transfer=linear:npl=203,format=gbrpf32le,zscale=primaries=bt709,"
+        "tonemap=mobius:desat=0:peak=4.926,zscale=transfer=bt709:matrix=bt709:range=limited");
   if (!repairs.upright) return text;
   if (rotation == 90) add("transpose=clock");
   if (rotation == 180) add("hflip,vflip");

@@ -50,6 +50,14 @@ std::string of(std::int64_t part, std::int64_t whole) {
   return std::to_string(part) + " of " + std::to_string(whole);
 }
 
+// HDR that does not say its primaries or its matrix has those of BT.2020, as ITU-R BT.2100 wants.
+std::string missing_hdr_tags(const AVFrame& frame) {
+  std::string tags;
+  if (frame.color_primaries == AVCOL_PRI_UNSPECIFIED) tags += ":color_primaries=bt2020";
+  if (frame.colorspace == AVCOL_SPC_UNSPECIFIED) tags += ":colorspace=bt2020nc";
+  return tags.empty() ? "" : "setparams=" + tags.substr(1) + ",";
+}
+
 }  // namespace
 
 struct VideoReader::Impl {
@@ -172,7 +180,13 @@ void VideoReader::Impl::set_up_filters(const AVFrame& frame) {
   AVStream& stream = const_cast<AVStream&>(decoder->stream());
   aspect = av_guess_sample_aspect_ratio(nullptr, &stream, const_cast<AVFrame*>(&frame));
   if (repairs.upright) info.turned = rotation_of(frame, stream);
-  if (const std::string text = filter_text(repairs, info.turned); !text.empty())
+  repairs.sdr =
+      repairs.sdr && (frame.color_trc == AVCOL_TRC_SMPTE2084 || frame.color_trc == AVCOL_TRC_ARIB_STD_B67);
+  const std::string tags = repairs.sdr ? missing_hdr_tags(frame) : "";
+  Repairs changing = repairs;
+  changing.upright = false;
+  info.repairs = tags + filter_text(changing);
+  if (const std::string text = tags + filter_text(repairs, info.turned); !text.empty())
     graph.emplace(text, frame, stream.time_base, path.string());
 }
 

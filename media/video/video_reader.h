@@ -19,6 +19,7 @@ struct VideoInfo {
   std::int64_t fps_num = 0, fps_den = 1;  // average rate
   std::int64_t claimed_frames = 0;        // 0: unknown
   double claimed_duration_s = 0;          // 0: unknown
+  std::string repairs{};                  // FFmpeg's filters that changed its frames; empty: none
   int turned = 0;                         // degrees clockwise, to stand upright (Repairs::upright)
 };
 

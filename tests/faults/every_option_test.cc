@@ -186,6 +186,8 @@ const std::vector<Row>& rows() {
       {"ingest", "--dry-run"},
       {"ingest", "--page page.html", "--dry-run"},
       {"ingest", "--overwrite", "--dry-run --page page.html"},
+      {"ingest", "--sdr", "",
+       Does::kElsewhere},  // tests/media/frame/repair_test.cc, tests/tools/bad_input/bad_clip_test.cc: of HDR
       {"ingest", "--deinterlace", "=ingest new.store planes.mp4 --force"},
       {"ingest", "--deblock", "=ingest new.store planes.mp4 --force"},
       {"ingest", "--shard 1/2"},

@@ -86,6 +86,52 @@ TEST(Repair, KeepsTimesAndNumbersOfFrames) {
   EXPECT_TRUE(repaired.complaint().empty());
 }
 
+/// Mean of each tenth of a frame, 8-bit luma: those of a ramp of light.
+std::vector<double> tenths(const fs::path& file, const Repairs& repairs, VideoInfo& info) {
+  VideoReader reader(file, 0, repairs);
+  info = reader.info();
+  const auto frame = reader.next();
+  if (!frame) return {};
+  const cv::Mat luma = to_luma(*frame);
+  std::vector<double> means;
+  for (int i = 0; i < 10; ++i)
+    means.push_back(cv::mean(luma.colRange(i * luma.cols / 10 + 4, (i + 1) * luma.cols / 10 - 4))[0]);
+  return means;
+}
+
+TEST(Repair, HdrBecomesSdrAndSdrIsLeftAlone) {
+  if (!have_ffmpeg()) GTEST_SKIP() << "the ffmpeg program is missing: nothing to make a clip with";
+  const ScratchFolder scratch;
+  const std::string ramp =
+      "-f lavfi -i nullsrc=s=320x96:r=25:d=0.2,format=yuv420p10le,geq=lum='64+87*floor(X/32)':cb=512:cr=512 "
+      "-vf setparams=color_trc=bt709:color_primaries=bt709:colorspace=bt709:range=tv";
+  make_clip(ramp + " -c:v ffv1", scratch / "sdr.mkv");
+  VideoInfo info;
+  const std::vector<double> sdr = tenths(scratch / "sdr.mkv", {}, info);
+  ASSERT_EQ(sdr.size(), 10u);
+  EXPECT_EQ(tenths(scratch / "sdr.mkv", {.sdr = true}, info), sdr);
+  EXPECT_EQ(info.repairs, "");
+  for (const char* transfer : {"smpte2084", "arib-std-b67"}) {
+    SCOPED_TRACE(transfer);
+    const fs::path file = scratch / (std::string(transfer) + ".mkv");
+    make_clip(ramp + ",zscale=npl=203:transfer=" + transfer + ":primaries=2020:matrix=2020_ncl -c:v ffv1",
+              file);
+    const std::vector<double> untouched = tenths(file, {}, info);
+    EXPECT_EQ(info.layout.transfer, transfer[0] == 's' ? 16 : 18);
+    const std::vector<double> back = tenths(file, {.sdr = true}, info);
+    EXPECT_EQ(info.layout.transfer, 1);
+    EXPECT_EQ(info.layout.primaries, 1);
+    EXPECT_NE(info.repairs, "");
+    for (int i = 0; i < 10; ++i) {
+      // Up to .3 of white's light nothing is compressed; above, brighter stays brighter.
+      EXPECT_LT(back[i], sdr[i] + 3) << i;
+      EXPECT_GT(back[i], i <= 4 ? sdr[i] - 3 : back[i - 1] + 4) << i;
+    }
+    EXPECT_GT(back[9], 170);
+    EXPECT_NE(untouched, back);
+  }
+}
+
 TEST(Repair, WhatCannotBeRepairedIsNamed) {
   if (!have_ffmpeg()) GTEST_SKIP() << "the ffmpeg program is missing: nothing to make a clip with";
   const ScratchFolder scratch;

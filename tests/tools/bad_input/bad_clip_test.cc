@@ -59,6 +59,9 @@ TEST_F(BadClip, HighDynamicRange) {
   expect_refusal("pq.mkv", "it is HDR (PQ)", "export it as SDR");
   encode("hlg.mkv", {"-pix_fmt", "yuv420p10le", "-c:v", "ffv1", "-color_trc", "arib-std-b67"});
   expect_refusal("hlg.mkv", "it is HDR (HLG)", "export it as SDR");
+  const Outcome asked = folder_.freshet({"ingest", "sdr.store", "pq.mkv", "--sdr", "--dry-run"});
+  EXPECT_EQ(asked.exit_code, 0) << asked.err;
+  EXPECT_EQ(asked.err.find("HDR"), std::string::npos) << asked.err;
 }
 
 TEST_F(BadClip, AnEmptyFile) {
