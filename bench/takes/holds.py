@@ -1,22 +1,26 @@
 #!/usr/bin/env python3
 """Is what stands inside a matte found? Guesses of what to hold beside hand-drawn ones (holds.toml).
 
-usage: holds.py MATTES [--guesses FOLDER] [--holds FILE] [--sheets FOLDER]
+usage: holds.py MATTES [--guesses FOLDER] [--holds FILE] [--sheets FOLDER] [--weights FILE]
 
 MATTES holds NAME_still.png and NAME_matte.png of 640 px, as first_takes.py leaves them; FOLDER NAME_hold.png, white where the guess
 holds (none: nothing is held). Prints for each picture what share of its matte is drawn as standing; how much of that is found; and
 how much of the fluid is taken. Then the same over all pixels, and as a mean over pictures: of the set, and of the pictures held out,
 which no constant may be set by.
+--weights writes vision/look/standing_weights.h, learned from the set alone by the NAME.figures of `bench_holds --figures` in --guesses.
 Sheets, for the eye: found green, missed red, taken from the fluid yellow, the matte's outline white.
 """
 import argparse
 import hashlib
 import pathlib
+import re
 import tomllib
 
 import cv2
 import numpy
 
+FARTHEST = 4  # deviations that a figure counts
+MOST_TAKEN = .045
 
 def held_out(names):
     """The half whose names' SHA-256 are lowest: a lot that nobody chose."""
@@ -41,15 +45,58 @@ def sheet(still, matte, truth, guess):
     return shown
 
 
+def learned(samples, steps=25, ridge=.05):
+    """Logistic regression: mean and deviation of each figure, weight per deviation, and the offset, last."""
+    figures, stands, weight = (numpy.concatenate(part) for part in zip(*samples))
+    mean, deviation, weight = figures.mean(0), figures.std(0), weight / weight.sum()
+    off = numpy.hstack([numpy.clip((figures - mean) / deviation, -FARTHEST, FARTHEST), numpy.ones((len(figures), 1))])
+    weights = numpy.zeros(off.shape[1])
+    for _ in range(steps):
+        guess = 1 / (1 + numpy.exp(-off @ weights))
+        slope = off.T @ (weight * (guess - stands)) + ridge * numpy.append(weights[:-1], 0)
+        curve = (off * (weight * guess * (1 - guess))[:, None]).T @ off + ridge * numpy.eye(len(weights))
+        weights -= numpy.linalg.solve(curve, slope)
+    return mean, deviation, weights
+
+
+def write_weights(path, pictures):
+    """pictures: of each of the set its figures within the matte, and what stands of them. The least score is the one by which pictures
+    left out, a quarter at a time, lose MOST_TAKEN of their fluid in the mean."""
+    lot, samples = numpy.random.default_rng(1), []
+    for figures, stands in pictures:
+        part = []
+        for said, share in ((True, .3), (False, 1)):  # a picture's fluid counts as another's, its stones as .3 of it
+            at = numpy.flatnonzero(stands == said)
+            if len(at) >= 60:
+                at = lot.choice(at, min(3000, len(at)), replace=False)
+                part.append((figures[at], stands[at], numpy.full(len(at), share / len(at))))
+        samples.append(tuple(numpy.concatenate(column) for column in zip(*part)))
+    scores = []
+    for fold in range(4):
+        mean, deviation, weights = learned([s for i, s in enumerate(samples) if i % 4 != fold])
+        for figures, stands in pictures[fold::4]:
+            off = numpy.clip((figures - mean) / deviation, -FARTHEST, FARTHEST)
+            scores.append((off @ weights[:-1] + weights[-1])[~stands])
+    least = next(at for at in numpy.arange(-4, 6, .05) if numpy.mean([(score > at).mean() for score in scores]) <= MOST_TAKEN)
+    mean, deviation, weights = learned(samples)
+    text = path.read_text()
+    names = re.findall(r'{"(\w+)",', text)
+    rows = "".join(f'    {{"{name}", {m:.4g}, {d:.4g}, {w:.4g}}},\n' for name, m, d, w in zip(names, mean, deviation, weights, strict=False))
+    text = re.sub(r"kStandingOffset = .*?;", f"kStandingOffset = {weights[-1]:.4g}, kLeastScore = {least:.4g}, kFarthestFigure = {FARTHEST};", text)
+    path.write_text(re.sub(r"( +{\"\w+\", .*\n)+", lambda _: rows, text))
+
+
 def main():
     options = argparse.ArgumentParser(usage=__doc__)
     options.add_argument("mattes", type=pathlib.Path)
     options.add_argument("--guesses", type=pathlib.Path)
     options.add_argument("--holds", type=pathlib.Path, default=pathlib.Path(__file__).with_name("holds.toml"))
     options.add_argument("--sheets", type=pathlib.Path)
+    options.add_argument("--weights", type=pathlib.Path)
     said = options.parse_args()
     holds = tomllib.loads(said.holds.read_text())
     apart = held_out(list(holds))
+    pictures = []
     counts = {False: [], True: []}  # of each picture: drawn, found, fluid, taken
     print("| picture | held out | stands % | found % | fluid taken % |\n| --- | --- | --: | --: | --: |")
     for name, hold in holds.items():
@@ -68,6 +115,10 @@ def main():
         counts[name in apart].append(of)
         found = f"{100 * of[1] / of[0]:.0f}" if of[0] else "-"
         print(f"| {name} | {'yes' if name in apart else ''} | {100 * of[0] / matte.sum():.1f} | {found} | {100 * of[3] / of[2]:.1f} |")
+        if said.weights and name not in apart:
+            figures = numpy.fromfile(said.guesses / (name + ".figures"), numpy.float32).reshape(-1, matte.size).T
+            inside = matte.ravel() & (figures[:, -1] < 128)
+            pictures.append((figures[inside, :-1], truth.ravel()[inside]))
         if said.sheets:
             said.sheets.mkdir(parents=True, exist_ok=True)
             cv2.imwrite(str(said.sheets / (name + ".png")), sheet(still, matte, truth, guess))
@@ -79,6 +130,8 @@ def main():
         found = numpy.mean([100 * of[1] / of[0] for of in rows if of[0]])
         taken = numpy.mean([100 * of[3] / of[2] for of in rows])
         print(f"| {called}, mean of pictures | | {stands:.1f} | {found:.0f} | {taken:.1f} |")
+    if said.weights:
+        write_weights(said.weights, pictures)
 
 
 if __name__ == "__main__":

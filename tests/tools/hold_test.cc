@@ -74,6 +74,34 @@ TEST(Hold, AMovingOutlineGoesBehindWhatIsHeld) {
   }
 }
 
+TEST(Hold, AutoKeepsThePicturesOwnFrameStill) {
+  const WorkFolder folder;
+  cv::Mat still = cv::imread(sample().still, cv::IMREAD_COLOR), frame(still.size(), CV_8U, cv::Scalar(0));
+  frame.rowRange(still.rows - 2, still.rows).setTo(255);
+  still.setTo(cv::Scalar(200, 210, 220), frame);
+  cv::imwrite(folder / "framed.png", still);
+  cv::Mat matte = cv::imread(sample().matte, cv::IMREAD_GRAYSCALE);
+  matte.rowRange(still.rows / 2, still.rows).setTo(255);
+  cv::imwrite(folder / "whole.png", matte);
+  const auto moved = [&](const std::string& name, std::vector<std::string> more) {
+    fs::create_directories(folder / name);
+    std::vector<std::string> arguments{
+        "synth",   "animate",         sample().store, "framed.png",
+        "--matte", "whole.png",       "--frames",     std::to_string(kAnimated),
+        "-o",      name + "/%05d.png"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const Outcome outcome = folder.freshet(arguments);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    EXPECT_EQ(outcome.err.find("--hold auto: ") != std::string::npos, !more.empty()) << outcome.err;
+    double most = 0;
+    for (const cv::Mat& shown : read_frames(folder / name, cv::IMREAD_COLOR))
+      most = std::max(most, cv::norm(shown, still, cv::NORM_INF, frame));
+    return most;
+  };
+  EXPECT_GT(moved("plain", {}), 8);
+  EXPECT_EQ(moved("held", {"--hold", "auto"}), 0);
+}
+
 TEST(Hold, AMatteThatHoldsAllOrHasAnotherSizeIsRefusedByName) {
   const WorkFolder folder;
   cv::imwrite(folder / "all.png", cv::Mat(kHeight, kWidth, CV_8U, cv::Scalar(255)));
