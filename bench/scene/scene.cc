@@ -22,6 +22,7 @@
 #include <nlohmann/json.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "bench/harness/frame_sizes.h"
 #include "bench/harness/machine.h"
 #include "synth/scene/layers/cut_layers.h"
 #include "synth/scene/rendering/scene_animation.h"
@@ -31,6 +32,7 @@
 namespace {
 
 namespace scene = freshet::synth::scene;
+using freshet::bench::parse_sizes;
 using freshet::bench::process_seconds;
 using freshet::bench::wall_seconds;
 
@@ -169,18 +171,6 @@ nlohmann::json measure(cv::Size size, int frames, int runs, bool cut) {
   row["motion_ms"] = 1e3 * best.motion / frames, row["composite_ms"] = 1e3 * best.composite / frames;
   row["peak_bytes"] = freshet::bench::peak_bytes();
   return row;
-}
-
-std::vector<cv::Size> parse_sizes(const std::vector<std::string>& texts) {
-  std::vector<cv::Size> sizes;
-  for (const std::string& text : texts) {
-    cv::Size size;
-    if (std::sscanf(text.c_str(), "%dx%d", &size.width, &size.height) != 2 || size.width < 64 ||
-        size.height < 64)
-      throw CLI::ValidationError("--sizes", text + " is not WIDTHxHEIGHT of at least 64 px");
-    sizes.push_back(size);
-  }
-  return sizes;
 }
 
 }  // namespace

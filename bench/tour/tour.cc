@@ -21,6 +21,7 @@
 #include <nlohmann/json.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "bench/harness/frame_sizes.h"
 #include "bench/harness/machine.h"
 #include "synth/tour/path.h"
 #include "synth/tour/renderer.h"
@@ -28,6 +29,7 @@
 namespace {
 
 namespace tour = freshet::synth::tour;
+using freshet::bench::parse_sizes;
 using freshet::bench::process_seconds;
 using freshet::bench::wall_seconds;
 
@@ -105,18 +107,6 @@ Measured measure(cv::Size size, bool room, bool things, int frames, int runs) {
   if (cv::norm(out, again, cv::NORM_INF) != 0)
     throw std::runtime_error("one thread makes another frame than all");
   return measured;
-}
-
-std::vector<cv::Size> parse_sizes(const std::vector<std::string>& texts) {
-  std::vector<cv::Size> sizes;
-  for (const std::string& text : texts) {
-    cv::Size size;
-    if (std::sscanf(text.c_str(), "%dx%d", &size.width, &size.height) != 2 || size.width < 64 ||
-        size.height < 64)
-      throw CLI::ValidationError("--sizes", text + " is not WIDTHxHEIGHT of at least 64 px");
-    sizes.push_back(size);
-  }
-  return sizes;
 }
 
 }  // namespace

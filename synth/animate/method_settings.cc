@@ -125,7 +125,8 @@ std::vector<MethodSetting> rows() {
           [](CarriedOptions& o) { return &o.base.gaussian_s; },
           [](PaperOptions& o) { return &o.base.gaussian_s; }),
       number("variation",
-             "Share of the patches' own flow, beside its mean, that carries the picture; 0: a steady field",
+             "Share of the patches' flow fluctuations that carries the picture, beside the mean flow; 0: a "
+             "steady field",
              {0, 4}, [](CarriedOptions& o) { return &o.carrying.variation; }),
       number("renewal", "Share of the patches' frame-to-frame residual to add, 0 to 1", {0, 1},
              [](CarriedOptions& o) { return innovations(o) ? &innovations(o)->renewal.share : nullptr; }),

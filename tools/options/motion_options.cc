@@ -140,9 +140,8 @@ void MotionOptions::add_search_to(CLI::App& command) {
       ->group(kGroup);
   speed_tolerance_option_ = command
                                 .add_option("--speed-tolerance", speed_ratio_,
-                                            "Ratio by which patches may be slower or faster than asked by "
-                                            "strokes or a speed map, in a narrow "
-                                            "search")
+                                            "Speed tolerance of a narrow search: largest ratio between a "
+                                            "patch's speed and the one that strokes or a speed map ask for")
                                 ->check(CLI::Range(1.0, 16.0))
                                 ->capture_default_str()
                                 ->group(in_detail(kGroup));

@@ -23,8 +23,8 @@ void AnimateCommand::add_to(CLI::App& app) {
   app.add_option("--sheet", sheet, "Write a contact sheet of the picture and frames (PNG, JPEG)");
   app.add_option(
          "--takes", takes,
-         "Small takes to try (speed, layout, life of detail, flames of clips: what no option says), of which "
-         "the one with fewest faults is made; --sheet shows them. 1: as asked")
+         "Number of small takes to compare; the one with the fewest faults is made. They vary what no option "
+         "sets: speed, layout, half-life of detail, flames of clips. --sheet shows them. 1: as asked")
       ->check(CLI::Range(1, synth::takes::kMaxTakes))
       ->capture_default_str();
   app.add_option("--assignment", assignment,

@@ -152,7 +152,7 @@ void add_work(CLI::App& app, RunContext& context) {
   CLI::Option* folder = sub->add_option("--folder", command->worker.folder,
                                         "Folder that the tasks' paths are relative to [the current one]");
   CLI::Option* until_empty = sub->add_flag("--until-empty", command->worker.until_empty,
-                                           "End when no task is left, in no machine's hand either [off]");
+                                           "Exit once no task is queued or running on any machine [off]");
   CLI::Option* tries =
       sub->add_option("--tries", command->worker.tries, "Faults after which a task is given up, 1 to 100")
           ->check(CLI::Range(1, 100))

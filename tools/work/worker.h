@@ -12,7 +12,7 @@ struct WorkerOptions {
   std::filesystem::path folder;  // that paths of tasks are relative to
   std::uint64_t tries = 3;       // faults after which a task is given up
   int threads = 0;               // of a command; 0: all cores
-  bool until_empty = false;      // end when no task is left, in no machine's hand either
+  bool until_empty = false;      // end once no task is queued or running on any machine
 };
 
 /// Until the queue is empty, where that was asked for, or it is stopped: the task in hand is then handed back within a
