@@ -177,5 +177,20 @@ TEST(BenchRuns, FirstTakesOfAPictureComeToAFilmASheetAndARow) {
   EXPECT_FALSE(cv::imread(folder / "takes" / (name + ".png")).empty());
 }
 
+TEST(BenchRuns, MovedCutsAreMadeAndCounted) {
+  const WorkFolder folder;
+  const Outcome outcome = folder.run({"/usr/bin/python3", FRESHET_SOURCE_DIR "/bench/ingest/moved_cuts.py",
+                                      FRESHET_EXECUTABLE, sample().clips, "films", "--count", "9"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const std::string chapter = text_of(FRESHET_SOURCE_DIR "/docs/measurements/ingest.md");
+  for (const char* const row :
+       {"| camera |", "| tripod |", "| shake 1 % |", "| pan 3 %/s |", "| cut |", "| all |"}) {
+    EXPECT_NE(outcome.out.find(row), std::string::npos) << outcome.out;
+    EXPECT_NE(chapter.find(row), std::string::npos) << row;
+  }
+  EXPECT_NE(outcome.out.find("| tripod | 1 | 1 | 100 | 100 |"), std::string::npos) << outcome.out;
+  EXPECT_NE(outcome.out.find("\n1 cuts: "), std::string::npos) << outcome.out;
+}
+
 }  // namespace
 }  // namespace freshet::tools
