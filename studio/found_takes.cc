@@ -24,14 +24,15 @@ constexpr int kMarkSide = 256;       // px, of the map of what is worst
 constexpr double kReddest = 0.6;     // of a mark
 constexpr double kSeenFault = 0.25;  // what is less is not marked
 
-Json change_of(const takes::Take& take, const Document& document, double half_life_s) {
+/// playing   the factor that it plays at now.
+Json change_of(const takes::Take& take, const Document& document, double playing, double half_life_s) {
   Json change = Json::object();
   const bool speeds =
       std::ranges::any_of(document.strokes, [](const DrawnStroke& line) { return !!line.speed; });
   if (take.own_speeds) change["own_speeds"] = true;
   if (take.speed != 1 && speeds && !take.own_speeds) change["pace"] = take.speed;
-  if (take.speed != 1 && (!speeds || take.own_speeds))
-    change["speed"] = std::clamp(document.speed * take.speed, 0.05, 20.0);
+  if (take.own_speeds || (take.speed != 1 && !speeds))
+    change["speed"] = std::clamp(playing * take.speed, 0.05, 20.0);
   if (take.life != 1) change["detail_life"] = std::clamp(take.life * half_life_s, 0.01, 60.0);
   if (take.layout) change["layout"] = *take.layout == synth::animate::Layout::kStands ? "stands" : "goes";
   if (take.forms) change["flames"] = "clips";
@@ -119,7 +120,7 @@ FoundTakes find_takes(const LabelledPicture& labelled, const Document& document,
     list.push_back({{"name", judged.take.name},
                     {"faults", failed ? Json() : Json(judged.verdict.faults)},
                     {"says", failed ? judged.failed : says(judged.verdict, judged.film)},
-                    {"change", change_of(judged.take, document, trial.half_life_s)}});
+                    {"change", change_of(judged.take, document, made.playing.factor, trial.half_life_s)}});
   }
   const takes::JudgedTake& present = trial.takes.front();
   if (const cv::Mat cells = worst_cells(present.verdict); !cells.empty())

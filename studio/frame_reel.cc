@@ -104,7 +104,7 @@ Rendering rendering_of(const LabelledPicture& labelled, const Document& document
   Rendering made{
       .assignment = labelled.labelling.assignment,
       .asked = guide_of(labelled.request, labelled.labelling.assignment.picture, scene.factor, size),
-      .playing = {.factor = document.speed, .map = scene.tempo},
+      .playing = {.factor = document.speed != 0 ? document.speed : own_pace(labelled), .map = scene.tempo},
       .options = {}};
   made.assignment.picture = size;
   made.assignment.piece_scale /= scene.factor;

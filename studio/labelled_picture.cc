@@ -15,6 +15,7 @@
 #include "query/labelling/shares.h"
 #include "studio/clip_strip.h"
 #include "synth/takes/pace.h"
+#include "vision/look/horizon.h"
 
 namespace freshet::studio {
 namespace {
@@ -98,6 +99,7 @@ Json paces_json(const LabelledPicture& labelled) {
   const query::Assignment& assignment = labelled.labelling.assignment;
   const std::string kind = query::largest_class(assignment).name;
   Json paces = Json::object();
+  paces["auto"] = own_pace(labelled);
   for (const char* const pace : {"slow", "natural", "fast"})
     paces[pace] = synth::takes::factor_of(pace, kind, labelled.filmed_speed, assignment.picture);
   return paces;
@@ -113,19 +115,28 @@ Json kind_json(const query::KindChoice& kind) {
 
 }  // namespace
 
-query::LabelRequest request_of(const Document& document, cv::Size picture) {
+double own_pace(const LabelledPicture& labelled) {
+  if (!labelled.request.options.guide.speed.empty()) return 1;
+  const query::Assignment& assignment = labelled.labelling.assignment;
+  return synth::takes::factor_of("auto", query::largest_class(assignment).name, labelled.filmed_speed,
+                                 assignment.picture);
+}
+
+query::LabelRequest request_of(const Document& document, cv::Size picture,
+                               const std::optional<Horizon>& horizon) {
   query::LabelRequest request{
       .options = {}, .piece_scale = {}, .duration_s = document.frames / document.fps, .guesses = true};
   request.options.candidates.class_name = document.class_name;
   request.options.candidates.excluded_clips = document.excluded_clips;
   request.options.hint_search = query::HintSearch::kWide;
   request.options.guide_costs = query::default_guide_costs(query::HintSearch::kWide);
+  request.options.guide.horizon = horizon;
   request.options.guide.tolerance_deg = request.options.candidates.direction_tolerance_deg;
   if (!flow_strokes(document, picture).empty()) {
     // By way of the file that the command line will read, so that both see the same numbers.
     const std::string svg = strokes_svg(document, picture);
-    const hints::StrokeField field =
-        hints::interpolate(hints::read_svg_strokes(svg, "strokes", picture, nullptr), picture, "strokes");
+    const hints::StrokeField field = hints::interpolate(
+        hints::read_svg_strokes(svg, "strokes", picture, nullptr), picture, "strokes", {.horizon = horizon});
     request.options.guide.direction = field.direction;
     request.options.guide.speed = field.speed;
   }
@@ -148,7 +159,12 @@ LabelledPicture label_picture(std::shared_ptr<const StoreBase> store, const cv::
   if (cache != nullptr) memo.emplace(*cache, snapshot, base);
   query::LabellingMemo* const known = memo ? &*memo : nullptr;
 
-  labelled.request = request_of(document, picture.size());
+  // With pins the command line reads an assignment, and no class.
+  labelled.request = request_of(
+      document, picture.size(),
+      document.horizon == "auto"
+          ? vision::horizon_of_water(picture, matte, document.pins.empty() ? document.class_name : "")
+          : std::nullopt);
   const query::PreparedLabelling prepared =
       query::prepare(snapshot, base, picture, matte, labelled.request, job.progress, job.stop, known);
   query::CandidateSearch search = query::search_candidates(snapshot, base, picture, matte, prepared.options,

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -28,7 +29,11 @@ struct LabelledPicture {
 
 /// The request that the command line makes of a project.toml of this document.
 /// Throws Error{kInput} for strokes that no field goes through.
-query::LabelRequest request_of(const Document& document, cv::Size picture);
+/// horizon   of `picture`, where its water ends at one.
+query::LabelRequest request_of(const Document& document, cv::Size picture,
+                               const std::optional<Horizon>& horizon = {});
+/// How fast it plays where the document says no speed, as --speed auto: 1 where strokes say theirs.
+double own_pace(const LabelledPicture& labelled);
 
 /// Searches and labels. Pieces that are pinned have their patch, and their neighbours are chosen to fit it.
 /// picture  CV_8UC3. matte   CV_8U of its size, less what is held.

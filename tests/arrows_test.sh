@@ -75,7 +75,7 @@ work: cache
 studio/drawing: synth/matte synth/scene
 studio/jobs:
 studio/ways: cache synth/simulate/design studio/drawing
-studio: cache store media/frame media/picture media/video hints vision stored query/index query/search query/labelling synth/animate/motion synth/takes synth/animate synth/matte synth/scene work studio/drawing studio/jobs studio/ways
+studio: cache store media/frame media/picture media/video hints vision vision/look stored query/index query/search query/labelling synth/animate/motion synth/takes synth/animate synth/matte synth/scene work studio/drawing studio/jobs studio/ways
 studio/http: studio
 library: store media/frame media/picture media/video hints vision stored ingest query/index query/labelling query/benchmark synth/outline synth/animate synth/matte synth/simulate/design synth/simulate synth/tour synth/transfer synth/transfer/files
 python/binding:

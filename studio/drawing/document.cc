@@ -98,6 +98,7 @@ Json labels_json(const Document& document) {
   json["frames"] = document.frames;
   json["fps"] = document.fps;
   json["strokes"] = strokes_json(document.strokes);
+  json["horizon"] = document.horizon;
   json["directions"] = drawn_json(document.directions);
   json["pins"] = Json::array();
   for (const Pin& pin : document.pins)
@@ -167,6 +168,7 @@ Document document_from_json(std::string_view json, const std::string& where) {
   each_option([&](const char* name, auto field, const auto&... allowed) {
     if (fields.has(name)) read_option(fields, name, document.*field, allowed...);
   });
+  if (document.speed != 0 && document.speed < 0.05) fields.fail("\"speed\" is neither 0 nor from 0.05 to 20");
   each_way([&](const char* name, auto field, auto read, auto) {
     if (fields.has(name)) document.*field = read(fields.below(fields.at(name), name, 0));
   });

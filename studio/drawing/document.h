@@ -56,7 +56,8 @@ struct Document {
   double fps = 25;  // 1..240
   // Options of `synth animate`, a row of each_option for each:
   bool loop = true;
-  double speed = 1;
+  double speed = 0;              // times as filmed; 0: as `--speed auto`
+  std::string horizon = "auto";  // or "none"
   bool moving_outline = false;
   std::string layout = {};  // as --layout; empty: as in the clips
   double detail_life = 0;   // as --detail-life, s; 0: the clips' own
@@ -76,7 +77,8 @@ template <class Visit>
 void each_option(const Visit& visit) {
   using Words = std::vector<std::string>;
   visit("loop", &Document::loop);
-  visit("speed", &Document::speed, 0.05, 20.0);
+  visit("speed", &Document::speed, 0.0, 20.0);
+  visit("horizon", &Document::horizon, Words{"auto", "none"});
   visit("moving_outline", &Document::moving_outline);
   visit("layout", &Document::layout, Words{"", "goes", "stands"});
   visit("detail_life", &Document::detail_life, 0.0, 60.0);

@@ -38,8 +38,8 @@ std::string recipe_lines(const Document& document, const RecipeFiles& files,
   say("frames", fmt::format("{}", document.frames));
   say("fps", fmt::format("{}", document.fps));
   if (document.loop && document.frames > 1) say("loop", "true");
-  say("speed", fmt::format("{}", document.speed));
-  say("horizon", "\"none\"");
+  if (document.speed != 0) say("speed", fmt::format("{}", document.speed));
+  if (document.horizon != "auto") say("horizon", toml_text(document.horizon));
   if (!files.tempo.empty()) say("retiming-map", toml_text(files.tempo));
   if (document.moving_outline) say("boundary", "\"moving\"");
   for (const auto& [name, value] : method_settings_of(document))

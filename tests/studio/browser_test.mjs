@@ -795,6 +795,8 @@ test("three doors: an example moves at once, is guessed, told how fast, and anot
   await page.getByText("guessed").waitFor(); // of the store's one kind
   await page.getByRole("group", { name: "Kind of fluid" }).getByRole("button", { name: "fall" }).click();
   await until(async () => (await document(id)).class === "fall");
+  assert.equal(begun.speed, 0);
+  await page.getByRole("button", { name: "auto", pressed: true }).waitFor();
   await page.getByRole("button", { name: "fast" }).click();
   await until(async () => (await document(id)).speed !== begun.speed);
   await page.getByRole("button", { name: "fast", pressed: true }).waitFor();

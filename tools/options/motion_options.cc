@@ -1,6 +1,5 @@
 #include "tools/options/motion_options.h"
 
-#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <initializer_list>
@@ -18,8 +17,6 @@
 #include "media/picture/picture.h"
 #include "tools/console/output_names.h"
 #include "tools/console/run_context.h"
-#include "vision/look/fluid_kind.h"
-#include "vision/look/fluid_look.h"
 #include "vision/look/horizon.h"
 
 namespace freshet::tools {
@@ -37,18 +34,15 @@ bool on_fluid(const hints::Stroke& stroke, const cv::Mat& matte) {
   return cv::countNonZero(drawn & matte) > 0;
 }
 
-/// --horizon auto: the straight border of what is water, or else looks like it.
+/// --horizon auto.
 std::optional<Horizon> own_horizon(const TargetFiles::Loaded& loaded, const std::string& class_name) {
-  const std::optional<Horizon> found = vision::horizon_of(loaded.matte);
-  if (!found) return {};
-  const bool known = std::ranges::find(vision::kFluidKinds, class_name) != vision::kFluidKinds.end();
-  if ((known ? class_name : vision::fluid_kind(vision::fluid_look(loaded.picture, loaded.matte)).name()) !=
-      "water")
-    return {};
-  say(fmt::format(
-      "--horizon auto: the matte's upper border is straight, row {:.0f} to {:.0f}; towards it the water goes "
-      "slower",
-      found->from.y, found->to.y));
+  const std::optional<Horizon> found = vision::horizon_of_water(loaded.picture, loaded.matte, class_name);
+  if (found)
+    say(
+        fmt::format("--horizon auto: the matte's upper border is straight, row {:.0f} to {:.0f}; towards it "
+                    "the water goes "
+                    "slower",
+                    found->from.y, found->to.y));
   return found;
 }
 

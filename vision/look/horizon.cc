@@ -5,6 +5,9 @@
 #include <cstdint>
 #include <vector>
 
+#include "vision/look/fluid_kind.h"
+#include "vision/look/fluid_look.h"
+
 namespace freshet::vision {
 namespace {
 
@@ -52,6 +55,15 @@ std::optional<Horizon> horizon_of(const cv::Mat& matte) {
   if (most < static_cast<int>(least)) return std::nullopt;
   const auto right = static_cast<float>(matte.cols);
   return Horizon{{0, height}, {right, height + slope * right}};
+}
+
+std::optional<Horizon> horizon_of_water(const cv::Mat& picture, const cv::Mat& matte,
+                                        std::string_view class_name) {
+  const std::optional<Horizon> found = horizon_of(matte);
+  if (!found) return {};
+  const bool known = std::ranges::find(kFluidKinds, class_name) != kFluidKinds.end();
+  const std::string_view kind = known ? class_name : fluid_kind(fluid_look(picture, matte)).name();
+  return kind == "water" ? found : std::nullopt;
 }
 
 float below(const Horizon& horizon, cv::Point2f place) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <string_view>
 
 #include <opencv2/core.hpp>
 
@@ -14,6 +15,10 @@ namespace freshet::vision {
 /// picture's edge.
 /// matte   CV_8U, fluid above 127.
 std::optional<Horizon> horizon_of(const cv::Mat& matte);
+/// The same of what is water, by its class or, where that is none of kFluidKinds, by its look.
+/// picture   CV_8UC3, of the matte's size.
+std::optional<Horizon> horizon_of_water(const cv::Mat& picture, const cv::Mat& matte,
+                                        std::string_view class_name);
 
 /// px below the horizon, straight down; negative above it.
 float below(const Horizon& horizon, cv::Point2f place);

@@ -5,7 +5,7 @@ import * as state from "./state";
 import type { Document, Pace } from "./types";
 
 const kAny = "any"; // as a class: all of them
-const kPaces: readonly Pace[] = ["slow", "natural", "fast"];
+const kPaces: readonly Pace[] = ["auto", "slow", "natural", "fast"];
 
 export function KindSection({ document }: { document: Document }): JSX.Element | null {
   const classes = state.classesOf(state.store.value);
@@ -32,7 +32,13 @@ export function KindSection({ document }: { document: Document }): JSX.Element |
       {paces && (
         <div class="choice" role="group" aria-label="Speed of the fluid">
           {kPaces.map((pace) => (
-            <button key={pace} type="button" aria-pressed={Math.abs(Math.log(document.speed / paces[pace])) < 0.02} onClick={() => state.edit({ speed: Number(paces[pace].toFixed(3)) })}>
+            <button
+              key={pace}
+              type="button"
+              title={pace === "auto" ? "Half-way from as filmed to natural; as filmed where lines have speeds" : undefined}
+              aria-pressed={pace === "auto" ? document.speed === 0 : document.speed > 0 && Math.abs(Math.log(document.speed / paces[pace])) < 0.02}
+              onClick={() => state.edit({ speed: pace === "auto" ? 0 : Number(paces[pace].toFixed(3)) })}
+            >
               {pace}
             </button>
           ))}

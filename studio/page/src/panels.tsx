@@ -249,6 +249,7 @@ export function LookPanel({ document }: { document: Document }): JSX.Element {
   const store = state.store.value;
   const classes = state.classesOf(store);
   const seconds = document.frames / document.fps;
+  const speed = document.speed || (state.pieces.value?.paces.auto ?? 1);
   return (
     <>
       <Section title="Moves like">
@@ -289,7 +290,7 @@ export function LookPanel({ document }: { document: Document }): JSX.Element {
           shown={`${seconds.toFixed(1)} s · ${document.frames} frames`}
           onInput={(value) => state.edit({ frames: Math.max(2, Math.round(value * document.fps)) }, "frames")}
         />
-        <Slider label="Speed" value={document.speed} min={0.1} max={4} logarithmic shown={`${document.speed.toFixed(2)} ×`} onInput={(value) => state.edit({ speed: Math.abs(value - 1) < 0.04 ? 1 : Math.round(value * 100) / 100 }, "speed-all")} />
+        <Slider label="Speed" value={speed} min={0.1} max={4} logarithmic shown={`${speed.toFixed(2)} ×`} onInput={(value) => state.edit({ speed: Math.abs(value - 1) < 0.04 ? 1 : Math.round(value * 100) / 100 }, "speed-all")} />
         <label class="field">
           <span>Frames per second</span>
           <select value={String(document.fps)} onChange={(event) => state.edit({ fps: Number(event.currentTarget.value), frames: Math.max(2, Math.round(seconds * Number(event.currentTarget.value))) })}>
@@ -304,6 +305,9 @@ export function LookPanel({ document }: { document: Document }): JSX.Element {
       </Section>
       <Section title="Outline">
         <Switch label="Moves with the fluid" hint="For fire and smoke" checked={document.moving_outline} onChange={(moving_outline) => state.edit({ moving_outline })} />
+      </Section>
+      <Section title="Horizon">
+        <Switch label="Water ends at its straight border" hint="Towards it everything goes slower" checked={document.horizon === "auto"} onChange={(found) => state.edit({ horizon: found ? "auto" : "none" })} />
       </Section>
       <SweepSection document={document} />
     </>

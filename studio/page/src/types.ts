@@ -53,7 +53,8 @@ export interface Document {
   frames: number;
   fps: number;
   loop: boolean;
-  speed: number;
+  speed: number; // times as fast as filmed; 0: auto
+  horizon: "auto" | "none";
   moving_outline: boolean;
   layout: "" | "goes" | "stands"; // these three as a take has changed them
   detail_life: number; // s; 0: the clips' own
@@ -289,7 +290,7 @@ export interface Field {
 /** x, y, clip, score, pinned, by how much the next best patch there is worse (null: there is none) */
 export type Piece = [number, number, number, number, boolean, number | null];
 
-export type Pace = "slow" | "natural" | "fast";
+export type Pace = "auto" | "slow" | "natural" | "fast";
 
 /** What a take changes of the document: `pace` and `own_speeds` of its strokes' speeds. */
 export interface TakeChange extends Partial<Pick<Document, "speed" | "layout" | "detail_life" | "flames">> {

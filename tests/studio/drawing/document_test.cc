@@ -34,6 +34,7 @@ Document full() {
   document.fps = 24;
   document.loop = false;
   document.speed = 0.5;
+  document.horizon = "none";
   document.moving_outline = true;
   document.layout = "stands";
   document.detail_life = 0.5;
@@ -261,6 +262,10 @@ TEST(Document, KeysChangeWithWhatTheyStandFor) {
   EXPECT_EQ(matte_key(after), matte_key(before));
   EXPECT_EQ(labels_key(after), labels_key(before));
   EXPECT_NE(frames_key(after), frames_key(before));
+  after = before;
+  after.horizon = "auto";
+  EXPECT_EQ(matte_key(after), matte_key(before));
+  EXPECT_NE(labels_key(after), labels_key(before)) << "speeds between strokes are those of a plane";
   after = before;
   after.strokes[0].points[0].x += 1;
   EXPECT_EQ(matte_key(after), matte_key(before));

@@ -590,12 +590,29 @@ TEST_F(Server, PaintedPaceIsTheCommandLinesToo) {
   EXPECT_TRUE(tools::text_of(exports / "slow.mkv") == tools::text_of(exports / "half.mkv"));
 }
 
+TEST_F(Server, AHorizonIsTheCommandLinesTooUnlessItIsRefused) {
+  const std::string id = running().open_still("horizon.png");
+  Json drawn = drawing();
+  drawn["scribbles"] = Json::array();
+  drawn["paint"] = {
+      {{"points", {{0, 72}, {192, 72}, {192, 144}, {0, 144}}}, {"width", 1}, {"adds", true}, {"area", true}}};
+  drawn["class"] = "";
+  running().draw(id, drawn);
+  EXPECT_EQ(running().json("api/projects/" + id)["document"]["horizon"], "auto");
+  expect_same_bytes(running(), id, "auto.mkv", Json::object());
+  running().draw(id, {{"horizon", "none"}});
+  expect_same_bytes(running(), id, "none.mkv", Json::object());
+  const fs::path exports = running().room() / "projects" / id / "exports";
+  EXPECT_FALSE(tools::text_of(exports / "auto.mkv") == tools::text_of(exports / "none.mkv"));
+}
+
 TEST_F(Server, APaceThatIsChosenIsTheCommandLinesToo) {
   const std::string id = running().open_still("chosen.png");
   running().draw(id, drawing());
   const Exported film = exported(running(), id, "filmed.mkv", Json::object());
   const Json paces = running().json("api/projects/" + id + "/pieces")["paces"];
-  for (const char* const pace : {"slow", "natural", "fast"}) {
+  for (const char* const pace :
+       {"slow", "natural", "fast"}) {  // auto is as filmed: nobody knows a fall's pace
     SCOPED_TRACE(pace);
     const tools::Outcome made = made_again(running(), film, std::string(" --overwrite --speed ") + pace);
     EXPECT_EQ(made.exit_code, 0) << made.err;
