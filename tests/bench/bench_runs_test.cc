@@ -50,6 +50,9 @@ std::vector<BenchRun> runs(const WorkFolder& folder) {
                     still = sample().still, matte = sample().matte, target = still + ":" + matte;
   folder.freshet({"synth", "simulate", "waterfall", "--size", "192x144", "--frames", "16", "-o", "fall.mp4"});
   write_scribbles(folder / "marks.png");
+  fs::create_directories(folder / "takes");
+  fs::copy_file(still, folder / "takes/one_still.png");
+  fs::copy_file(matte, folder / "takes/one_matte.png");
   std::ofstream(folder / "outlines.txt") << "water falls simulated/waterfall/1 alpha\nwater flows " << river
                                          << "@50 0,0 100,0 100,100\nfire flames simulated/fire/1 alpha\n";
   return {
@@ -114,6 +117,7 @@ std::vector<BenchRun> runs(const WorkFolder& folder) {
        {"/", "outlines.txt"},
        "measurements/critic.md",
        {"is \\ told", "water", "fire", "sure %", "of the sure right %", "all left out"}},
+      {"bench_holds", {"takes", "guesses", "--figures"}, "measurements/first_takes.md", {}},
       {"bench_matting",
        {still + ":marks.png:" + matte},
        "measurements/mattes.md",
@@ -139,6 +143,7 @@ TEST(BenchRuns, EachPrintsTheNamesOfItsPublishedTable) {
     }
     ran.insert(run.bench);
   }
+  EXPECT_FALSE(cv::imread(folder / "guesses/one_hold.png").empty());
   std::istringstream targets(FRESHET_BENCH_TARGETS);
   for (std::string name; targets >> name;) EXPECT_TRUE(ran.contains(name)) << name << " is run by no test";
 }
