@@ -11,15 +11,22 @@
 #include "library/opencv_threads.h"
 #include "library/states.h"
 #include "synth/matte/held.h"
+#include "vision/look/horizon.h"
 
 namespace freshet {
 
 MotionGuide read_strokes(const std::filesystem::path& path, cv::Size picture,
-                         std::vector<std::string>* notices) {
-  const hints::StrokeField field =
-      hints::interpolate(hints::read_strokes(path, picture, notices), picture, path.string());
+                         std::vector<std::string>* notices, const std::optional<Horizon>& horizon) {
+  const hints::StrokeField field = hints::interpolate(hints::read_strokes(path, picture, notices), picture,
+                                                      path.string(), {.horizon = horizon});
   if (notices && !field.clash.empty()) notices->push_back(field.clash);
-  return {.direction = field.direction, .speed = field.speed};
+  return {.direction = field.direction, .speed = field.speed, .horizon = horizon};
+}
+
+std::optional<Horizon> find_horizon(const cv::Mat& picture, const cv::Mat& matte,
+                                    const std::string& class_name) {
+  check_picture(picture, matte);
+  return matte.empty() ? std::nullopt : vision::horizon_of_water(picture, matte, class_name);
 }
 
 void check_picture(const cv::Mat& picture, const cv::Mat& matte) {
@@ -32,6 +39,12 @@ void check_picture(const cv::Mat& picture, const cv::Mat& matte) {
 void check_count(int k) {
   if (k < 1 || k > 10000)
     throw Error(ErrorKind::kUsage, "number of candidates", fmt::format("{}; 1 to 10000 expected", k));
+}
+
+std::string horizon_words(const Horizon& horizon) {
+  return fmt::format(
+      "the matte's upper border is straight, row {:.0f} to {:.0f}: towards it the water goes slower",
+      horizon.from.y, horizon.to.y);
 }
 
 Search search(const Store& store, const cv::Mat& picture, const cv::Mat& matte, const SearchOptions& options,
@@ -49,6 +62,7 @@ Search search(const Store& store, const cv::Mat& picture, const cv::Mat& matte, 
                      .held = options.held.clone(),
                      .frames = options.frames,
                      .fps = options.fps,
+                     .kind = {},
                      .request = {.options = {},
                                  .piece_scale = options.piece_scale,
                                  .duration_s = options.frames / options.fps,
@@ -68,6 +82,11 @@ Search search(const Store& store, const cv::Mat& picture, const cv::Mat& matte, 
   candidates.direction_tolerance_deg = options.direction_tolerance_deg;
   candidates.excluded_clips = options.excluded_clips;
   state.request.options.guide = options.guide;
+  std::optional<Horizon>& horizon = state.request.options.guide.horizon;
+  if (options.horizon && !horizon) {
+    horizon = find_horizon(state.picture, state.matte, options.class_name);
+    if (horizon) state.notices.push_back(horizon_words(*horizon));
+  }
   state.request.options.hint_search = options.narrow ? query::HintSearch::kNarrow : query::HintSearch::kWide;
   state.request.options.guide_costs = query::default_guide_costs(state.request.options.hint_search);
 
@@ -79,7 +98,8 @@ Search search(const Store& store, const cv::Mat& picture, const cv::Mat& matte, 
   state.options = prepared.options;
   state.found = query::search_candidates(snapshot, *state.base, state.picture, state.matte, state.options,
                                          job.progress, job.stop);
-  if (!prepared.kind.words.empty()) state.notices.push_back(std::move(prepared.kind.words));
+  if (!prepared.kind.words.empty()) state.notices.push_back(prepared.kind.words);
+  state.kind = std::move(prepared.kind);
   if (!prepared.guess.empty()) state.notices.push_back(std::move(prepared.guess));
   if (const auto& short_ones = state.found.filtered.too_short; !short_ones.empty())
     state.notices.push_back(fmt::format("left out, as they do not last {:.2f} s and have no loop rule: {}",

@@ -38,6 +38,7 @@ struct Search::Impl {
   cv::Mat held;
   int frames;
   double fps;
+  query::KindChoice kind;
   query::LabelRequest request;
   query::LabelOptions options;  // that follow from it
   query::CandidateSearch found;

@@ -10,6 +10,7 @@ cd "$1"
 # headers (include/freshet) and platform/ are open to all.
 arrows='
 include/freshet:
+include/freshet/ways:
 platform:
 report:
 cache:
@@ -65,11 +66,12 @@ synth/scene/rendering: media/frame media/picture media/video synth/sampling synt
 synth/flowlines/jumps:
 synth/flowlines/lines:
 synth/flowlines: vision synth/sampling synth/outline synth/flowlines/jumps synth/flowlines/lines
-synth/flowlines/files: store media/video hints stored synth/flowlines/lines synth/flowlines
+synth/flowlines/files: store media/picture media/video hints stored synth/flowlines/lines synth/flowlines
 synth/stills: report cache media/frame media/picture hints vision synth/toml synth/matte
 synth/tour: media/frame media/picture media/video synth/toml synth/scene/layers synth/scene/rendering
 synth/transfer: synth/field
 synth/transfer/files: cache store media/frame media/picture media/video vision stored synth/playing synth/transfer
+synth/scene/frames: hints synth/sampling synth/scene synth/scene/rendering synth/transfer synth/transfer/files
 starter: cache store media/video vision ingest query/index synth/toml synth/simulate/scene synth/simulate/design synth/simulate
 work: cache
 studio/drawing: synth/matte synth/scene
@@ -77,7 +79,8 @@ studio/jobs:
 studio/ways: cache synth/simulate/design studio/drawing
 studio: cache store media/frame media/picture media/video hints vision vision/look stored query/index query/search query/labelling synth/animate/motion synth/takes synth/animate synth/matte synth/scene work studio/drawing studio/jobs studio/ways
 studio/http: studio
-library: store media/frame media/picture media/video hints vision stored ingest query/index query/labelling query/benchmark synth/outline synth/animate synth/matte synth/simulate/design synth/simulate synth/tour synth/transfer synth/transfer/files
+library: store media/frame media/picture media/video hints vision vision/look stored ingest query/index query/labelling query/benchmark synth/outline synth/animate synth/takes synth/matte
+library/ways: hints media/picture synth/flowlines synth/flowlines/files synth/simulate/design synth/simulate synth/scene synth/scene/rendering synth/scene/frames synth/stills synth/tour synth/transfer synth/transfer/files library
 python/binding:
 python/binding/ways: python/binding
 tools/console: store media/frame media/picture media/video query/index
@@ -87,7 +90,7 @@ tools/work: synth/toml work tools/console tools
 tools/query: media/picture vision/look stored query/labelling query/benchmark synth/animate/placement synth/animate/motion tools/console tools/options tools
 tools/judging: media/frame media/picture media/video hints query/labelling synth/judging tools/console
 tools/tour: media/picture synth/animate synth/tour tools/console tools/options
-tools/synth: report store media/picture media/video hints vision/look stored query/labelling synth/sampling synth/judging synth/animate/placement synth/animate/motion synth/animate synth/takes synth/matte synth/scene/layers synth/simulate/design synth/simulate synth/scene synth/scene/rendering synth/flowlines synth/flowlines/files synth/stills synth/transfer synth/transfer/files tools/console tools/options tools tools/query tools/judging tools/tour
+tools/synth: report store media/picture media/video hints vision/look stored query/labelling synth/judging synth/animate/placement synth/animate/motion synth/animate synth/takes synth/matte synth/scene/layers synth/simulate/design synth/simulate synth/scene synth/scene/rendering synth/scene/frames synth/flowlines synth/flowlines/files synth/stills synth/transfer synth/transfer/files tools/console tools/options tools tools/query tools/judging tools/tour
 '
 rooms="include platform report cache store media hints vision stored ingest query synth starter work studio library python tools"
 max_units=17  # in one folder: a header and its source file are one, and so is a source file without a header
@@ -130,8 +133,8 @@ FNR == 1 {
     print FILENAME ":" FNR ": write includes from the root of the tree"
     failed = 1
   }
-  to = name ~ /^freshet\// ? "include/freshet" : folder_of(name)
-  if (!(to in known) || to == folder || to == "include/freshet" || to == "platform") next
+  to = name ~ /^freshet\// ? folder_of("include/" name) : folder_of(name)
+  if (!(to in known) || to == folder || to ~ /^include\/freshet/ || to == "platform") next
   used[folder, to] = 1
   if (!((folder, to) in allowed)) {
     print FILENAME ":" FNR ": " folder "/ may not include " to "/: see docs/architecture.md"
@@ -177,7 +180,7 @@ END {
 }'
 
 # Python has a file for each public header; callbacks and stopping (job.h) are bound with calls.
-for header in include/freshet/*.h; do
+for header in include/freshet/*.h include/freshet/ways/*.h; do
   name=$(basename "$header" .h)
   [ "$name" = job ] || [ -n "$(find python/binding -name "$name.cc")" ] || { echo "$header: no $name.cc in python/binding" && false; }
 done

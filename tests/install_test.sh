@@ -13,7 +13,7 @@ cmake --install "$build" --prefix "$prefix" > "$scratch/log"
 (cd "$root/include" && find . -name '*.h' | sort) > "$scratch/public"
 (cd "$prefix/include" && find . -type f | sort) > "$scratch/installed"
 diff "$scratch/public" "$scratch/installed"
-if grep -rhE '^ *# *include' "$prefix/include" | grep -vE '<[a-z_]+>|<opencv2/core.hpp>|"freshet/[a-z]+\.h"'; then
+if grep -rhE '^ *# *include' "$prefix/include" | grep -vE '<[a-z_]+>|<opencv2/core.hpp>|"freshet/[a-z/]+\.h"'; then
   echo "a public header includes what is not installed"
   exit 1
 fi
@@ -59,3 +59,27 @@ build/transfer design still.png matte.png look.mkv
 [ -s look.mkv ]
 build/tour out.mkv tour.mkv | grep -q '^8 frames of 192 x 144$'
 [ -s tour.mkv ]
+
+# Other ways to synthesise, each the program's to the byte.
+mkdir stills
+ffmpeg -v error -i out.mkv -vf "select=not(mod(n\,5))" -fps_mode passthrough stills/%d.png
+build/stills stills stills.mkv | grep -q '^8 frames of 192 x 144$'
+"$prefix/bin/freshet" synth stills stills --seconds 1 --fps 8 --one-region -o same_stills.mkv > log 2>&1
+cmp stills.mkv same_stills.mkv
+build/flowlines out.mkv lines.mkv lines.svg | grep -q '^40 frames along [1-9]'
+"$prefix/bin/freshet" synth flowlines out.mkv --frames 40 --lines-out same.svg -o same_lines.mkv > log 2>&1
+cmp lines.mkv same_lines.mkv
+cmp lines.svg same.svg
+cat > scene.toml << 'END'
+picture = "still.png"
+frames = 8
+[[layer]]
+name = "fall"
+matte = "matte.png"
+motion = "patches"
+store = "my.store"
+class = "fall"
+END
+build/scene scene.toml scene.mkv | grep -q '^8 frames of 192 x 144, 2 layers$'
+"$prefix/bin/freshet" synth scene scene.toml -o same_scene.mkv > log 2>&1
+cmp scene.mkv same_scene.mkv

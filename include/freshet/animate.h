@@ -4,6 +4,8 @@
 #include <cstddef>
 #include <filesystem>
 #include <functional>
+#include <optional>
+#include <string>
 
 #include <opencv2/core.hpp>
 
@@ -16,8 +18,11 @@ namespace freshet {
 struct AnimateOptions {
   /// The last frame runs into the first without a seam.
   bool loop = false;
-  /// How fast everything plays, 0.05 to 20: 1 as filmed, 0.5 slow motion.
-  double speed = 1;
+  /// How fast everything plays, 0.05 to 20: 1 as filmed, 0.5 slow motion. Nothing: at the pace.
+  std::optional<double> speed{};
+  /// "slow", "natural", "fast": as the kind of fluid goes at the picture's size; "auto": half-way from as filmed to
+  /// natural, or as filmed where the guide asks speeds or the class is none of water, fire, smoke and clouds.
+  std::string pace = "auto";
   /// CV_8UC3 of the picture's size, times speed: black 0.5, mid-grey 1, white 2. Empty: the same everywhere.
   cv::Mat retiming_map{};
   /// The fluid carries its outline along, with softer rims.

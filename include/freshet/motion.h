@@ -36,8 +36,16 @@ struct MotionGuide {
 /// The guide that lines drawn over a picture make: SVG (paths, lines, polylines; data-speed in px/s) or the
 /// JSON of `freshet --strokes`. picture   px.
 /// notices   for a person, when not null: what was left out.
+/// horizon   of the picture (find_horizon): speeds between the strokes shrink towards it.
 /// Throws    Error{kInput} naming the file, the stroke and the remedy.
 MotionGuide read_strokes(const std::filesystem::path& path, cv::Size picture,
-                         std::vector<std::string>* notices = nullptr);
+                         std::vector<std::string>* notices = nullptr,
+                         const std::optional<Horizon>& horizon = {});
+
+/// The straight, level upper border of a matte of water, over at least half of the picture's width; nothing: a bank, a
+/// rim, or no water, by its class or, where that is empty, its look.
+/// picture   CV_8UC3 BGR. matte   CV_8U of its size.
+std::optional<Horizon> find_horizon(const cv::Mat& picture, const cv::Mat& matte,
+                                    const std::string& class_name = {});
 
 }  // namespace freshet

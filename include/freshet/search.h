@@ -28,6 +28,8 @@ struct SearchOptions {
   double direction_tolerance_deg = 30;
   /// Where and how fast the fluid is to go (read_strokes); empty: any motion.
   MotionGuide guide{};
+  /// Whether find_horizon is asked where the guide has no horizon.
+  bool horizon = true;
   /// Whether a direction is guessed, from the candidates' classes and the picture's texture, where neither
   /// direction_deg nor the guide says one.
   bool guess = true;

@@ -15,7 +15,10 @@ PYBIND11_MODULE(_freshet, module) {
   bind_frames(module);
   bind_animate(module);
   bind_ingest(module);
+  bind_flowlines(module);
+  bind_scene(module);
   bind_simulate(module);
+  bind_stills(module);
   bind_tour(module);
   bind_transfer(module);
   bind_sample(module);

@@ -55,14 +55,15 @@ void bind_search(py::module_& module) {
       "search",
       [](const Store& store, const cv::Mat& picture, const cv::Mat& matte, const std::string& class_name,
          std::optional<double> direction_deg, bool narrow, double direction_tolerance_deg,
-         const MotionGuide* guide, bool guess, int candidates, std::optional<double> piece_scale, int frames,
-         double fps, const std::vector<std::string>& excluded_clips, const cv::Mat& held,
-         const py::object& progress) {
+         const MotionGuide* guide, bool horizon, bool guess, int candidates,
+         std::optional<double> piece_scale, int frames, double fps,
+         const std::vector<std::string>& excluded_clips, const cv::Mat& held, const py::object& progress) {
         const SearchOptions options{.class_name = class_name,
                                     .direction_deg = direction_deg,
                                     .narrow = narrow,
                                     .direction_tolerance_deg = direction_tolerance_deg,
                                     .guide = guide ? *guide : MotionGuide{},
+                                    .horizon = horizon,
                                     .guess = guess,
                                     .candidates = candidates,
                                     .piece_scale = piece_scale,
@@ -76,9 +77,9 @@ void bind_search(py::module_& module) {
       "store"_a, "picture"_a, "matte"_a = py::none(), py::kw_only(), "class_name"_a = kDefault.class_name,
       "direction_deg"_a = py::none(), "narrow"_a = kDefault.narrow,
       "direction_tolerance_deg"_a = kDefault.direction_tolerance_deg, "guide"_a = py::none(),
-      "guess"_a = kDefault.guess, "candidates"_a = kDefault.candidates, "piece_scale"_a = py::none(),
-      "frames"_a = kDefault.frames, "fps"_a = kDefault.fps, "excluded_clips"_a = kDefault.excluded_clips,
-      "held"_a = py::none(), "progress"_a = py::none(),
+      "horizon"_a = kDefault.horizon, "guess"_a = kDefault.guess, "candidates"_a = kDefault.candidates,
+      "piece_scale"_a = py::none(), "frames"_a = kDefault.frames, "fps"_a = kDefault.fps,
+      "excluded_clips"_a = kDefault.excluded_clips, "held"_a = py::none(), "progress"_a = py::none(),
       R"(Cuts a picture into pieces and finds the patches that look like each.
 
 picture        (height, width, 3), uint8 BGR.
@@ -87,6 +88,7 @@ class_name     Only clips of this class; "any": of all; "": of the class that th
 direction_deg  Where the fluid goes as seen: 0 right, 90 up, 180 left, 270 down; None: any, or guessed (guess).
 narrow         Only patches that move so, within direction_tolerance_deg (degrees to either side), or the guide's.
 guide          MotionGuide: where and how fast, pixel by pixel.
+horizon        Whether find_horizon is asked where the guide has none.
 candidates     Per piece, 1 to 10000.
 piece_scale    What the picture's sides are divided by before it is cut, 1 to 16; None: near 1280 px.
 frames, fps    Of the animation: shorter clips without a loop are left out. At least 1; 1 to 240.

@@ -14,11 +14,12 @@ import json as _json
 
 from . import _freshet
 from ._freshet import (
-    AnimateReport, Candidate, Clip, Error, Footage, Frames, IngestedClip, Labelling, Matte, MotionGuide, PatchTable,
-    PatchVariant, Picture, SampledPatch, Sampler, Search, SearchProblem, SimulatedFrame, Simulation, Store, Tour,
-    TourFrame, UsedClip, VideoWriter, __version__, animate, histograms_of, ingest, label, nearest_by_histograms, nearest_by_words,
-    read_matte, read_picture, read_strokes, recall, search, search_many, search_problem, simulate, simulation_presets,
-    tour, tour_moves, transfer, write_animation)
+    AnimateReport, Candidate, Clip, Error, FlowLine, FlowLines, FlowLinesFrame, Footage, Frames, IngestedClip,
+    Labelling, Matte, MotionGuide, PatchTable, PatchVariant, Picture, SampledPatch, Sampler, SceneFilm, Search,
+    SearchProblem, SimulatedFrame, Simulation, StillsFilm, StillsRegion, Store, Tour, TourFrame, UsedClip,
+    VideoWriter, __version__, animate, find_horizon, flowlines, histograms_of, ingest, label, nearest_by_histograms,
+    nearest_by_words, read_matte, read_picture, read_strokes, recall, scene, search, search_many, search_problem,
+    simulate, simulation_presets, stills, tour, tour_moves, transfer, write_animation)
 
 
 def benchmark(store, index, pictures=(), **options):
@@ -35,9 +36,10 @@ def benchmark(store, index, pictures=(), **options):
 
 
 __all__ = [
-    "AnimateReport", "Candidate", "Clip", "Error", "Footage", "Frames", "IngestedClip", "Labelling", "Matte",
-    "MotionGuide", "PatchTable", "PatchVariant", "Picture", "SampledPatch", "Sampler", "Search", "SearchProblem",
-    "SimulatedFrame", "Simulation", "Store", "Tour", "TourFrame", "UsedClip", "VideoWriter", "animate", "benchmark", "histograms_of",
-    "ingest", "label", "nearest_by_histograms", "nearest_by_words", "read_matte", "read_picture", "read_strokes",
-    "recall", "search", "search_many", "search_problem", "simulate", "simulation_presets", "tour", "tour_moves", "transfer",
-    "write_animation"]
+    "AnimateReport", "Candidate", "Clip", "Error", "FlowLine", "FlowLines", "FlowLinesFrame", "Footage", "Frames",
+    "IngestedClip", "Labelling", "Matte", "MotionGuide", "PatchTable", "PatchVariant", "Picture", "SampledPatch",
+    "Sampler", "SceneFilm", "Search", "SearchProblem", "SimulatedFrame", "Simulation", "StillsFilm", "StillsRegion",
+    "Store", "Tour", "TourFrame", "UsedClip", "VideoWriter", "animate", "benchmark", "find_horizon", "flowlines",
+    "histograms_of", "ingest", "label", "nearest_by_histograms", "nearest_by_words", "read_matte", "read_picture",
+    "read_strokes", "recall", "scene", "search", "search_many", "search_problem", "simulate", "simulation_presets",
+    "stills", "tour", "tour_moves", "transfer", "write_animation"]

@@ -13,6 +13,7 @@ _I32 = NDArray[numpy.int32]
 _F32 = NDArray[numpy.float32]
 _Path = Union[str, "PathLike[str]"]
 _Size = Tuple[int, int]
+_Line = Tuple[float, float, float, float]
 _Progress = Optional[Callable[[str, int, int], Any]]
 _BenchmarkPicture = Tuple[str, _U8, Optional[_U8]]
 
@@ -85,12 +86,13 @@ class MotionGuide:
     tolerance_deg: float
     speed_ratio: float
     min_speed_px_per_s: float
-    horizon: Optional[Tuple[float, float, float, float]]
+    horizon: Optional[_Line]
     def __init__(self, *, direction: Optional[_F32] = None, speed: Optional[_F32] = None, tolerance_deg: float = 30,
                  speed_ratio: float = 1.5, min_speed_px_per_s: float = 2.5,
-                 horizon: Optional[Tuple[float, float, float, float]] = None) -> None: ...
+                 horizon: Optional[_Line] = None) -> None: ...
 
-def read_strokes(path: _Path, size: _Size) -> MotionGuide: ...
+def read_strokes(path: _Path, size: _Size, horizon: Optional[_Line] = None) -> MotionGuide: ...
+def find_horizon(picture: _U8, matte: _U8, class_name: str = "") -> Optional[_Line]: ...
 
 class Candidate:
     clip: str
@@ -109,8 +111,8 @@ class Search:
 
 def search(store: Store, picture: _U8, matte: Optional[_U8] = None, *, class_name: str = "",
            direction_deg: Optional[float] = None, narrow: bool = False, direction_tolerance_deg: float = 30,
-           guide: Optional[MotionGuide] = None, guess: bool = True, candidates: int = 100,
-           piece_scale: Optional[float] = None, frames: int = 96, fps: float = 25,
+           guide: Optional[MotionGuide] = None, horizon: bool = True, guess: bool = True,
+           candidates: int = 100, piece_scale: Optional[float] = None, frames: int = 96, fps: float = 25,
            excluded_clips: Sequence[str] = ..., held: Optional[_U8] = None, progress: _Progress = None) -> Search: ...
 def search_many(store: Store, pictures: Sequence[_U8], **options: Any) -> list[Search]: ...
 def nearest_by_words(store: Store, words: _U8, k: int = 100) -> PatchTable: ...
@@ -148,11 +150,11 @@ class AnimateReport:
     pieces: int
     seconds: float
 
-def animate(labelling: Labelling, *, loop: bool = False, speed: float = 1, retiming_map: Optional[_U8] = None,
-            moving_outline: bool = False, background: Optional[_Array] = None, deep: Optional[_Array] = None,
+def animate(labelling: Labelling, *, loop: bool = False, speed: Optional[float] = None, pace: str = "auto",
+            retiming_map: Optional[_U8] = None, moving_outline: bool = False, background: Optional[_Array] = None, deep: Optional[_Array] = None,
             memory_bytes: int = ..., progress: _Progress = None) -> Frames: ...
-def write_animation(labelling: Labelling, path: _Path, *, loop: bool = False, speed: float = 1,
-                    retiming_map: Optional[_U8] = None, moving_outline: bool = False,
+def write_animation(labelling: Labelling, path: _Path, *, loop: bool = False, speed: Optional[float] = None,
+                    pace: str = "auto", retiming_map: Optional[_U8] = None, moving_outline: bool = False,
                     background: Optional[_Array] = None, deep: Optional[_Array] = None, memory_bytes: int = ...,
                     progress: _Progress = None) -> AnimateReport: ...
 
@@ -197,6 +199,62 @@ def tour_moves() -> list[str]: ...
 def tour(film: _Path, plan: Optional[_Path] = None, *, move: str = "", amount: Optional[float] = None,
          horizon: Optional[float] = None, frames: int = 0, fps: float = 0, size: _Size = (0, 0),
          film_end: str = "repeat") -> Tour: ...
+
+class StillsRegion:
+    name: str
+    kind: str
+    sequence: list[str]
+
+class StillsFilm:
+    size: _Size
+    fps: float
+    regions: list[StillsRegion]
+    notices: list[str]
+    def __len__(self) -> int: ...
+    def __iter__(self) -> Frames: ...
+
+def stills(folder: _Path, *, seconds: float = 8, fps: float = 25, loop: bool = False, preview: bool = False,
+           camera: str = "auto", level: str = "auto", regions: Optional[_Path] = None,
+           scribbles: Optional[_Path] = None, one_region: bool = False, split: int = 1, edits: Optional[_Path] = None,
+           step_s: float = 0.5, speed: float = 1, sigma: float = 0.1, irregularity: float = 0.2, seed: int = 1,
+           flow_side: int = 960, progress: _Progress = None) -> StillsFilm: ...
+
+class SceneFilm(Iterator[_Array]):
+    size: _Size
+    fps: float
+    layers: list[str]
+    notices: list[str]
+    def __len__(self) -> int: ...
+    def __next__(self) -> _Array: ...
+    def layer(self, i: int) -> _F32: ...
+
+def scene(scene: _Path, *, as_printed: bool = False, light: bool = False, progress: _Progress = None) -> SceneFilm: ...
+
+class FlowLine:
+    name: str
+    points: _F32
+
+class FlowLinesFrame:
+    picture: _U8
+    fluid: _F32
+
+class FlowLines(Iterator[FlowLinesFrame]):
+    size: _Size
+    fps: float
+    lines: list[FlowLine]
+    notices: list[str]
+    def __len__(self) -> int: ...
+    def __next__(self) -> FlowLinesFrame: ...
+    def write_lines(self, svg: _Path) -> None: ...
+
+def flowlines(clip: _Path, store: Optional[Store] = None, *, frames: int = 500, fps: float = 0, loop: bool = False,
+              from_: int = 0, input_frames: int = 0, memory_bytes: int = ..., moving_camera: bool = False,
+              lines: Optional[_Path] = None, matte: Optional[_Path] = None, spacing_px: float = 0, patch_px: float = 0,
+              dynamics: str = "auto", entries: int = 0, in_turn: bool = False, strand_px: float = -1,
+              blend: str = "cut", seed: int = 1, edited: Optional[_Path] = None, correspondence: str = "equal",
+              join_px: float = 0, ground: str = "none", background: Optional[_Path] = None,
+              on_background: bool = False, progress: _Progress = None) -> FlowLines: ...
+
 def transfer(alpha: _Path, flow: _Path, exemplar: _Path, exemplar_alpha: Optional[_Path] = None, *, frames: int = 0,
              patch: int = 5, lambda_: float = 0.2, motion_blur: float = 0, seed: int = 1,
              progress: _Progress = None) -> Frames: ...

@@ -28,4 +28,12 @@ double factor_of(std::string_view pace, std::string_view kind, double filmed, cv
   return std::clamp(itself ? std::sqrt(asked) : asked, 0.05, 20.0);
 }
 
+Paced paced(const store::Snapshot& snapshot, const vision::Settings& settings,
+            const query::Assignment& assignment, const cv::Mat& matte, std::string_view pace,
+            std::string_view kind, bool speed_asked) {
+  if (pace == "auto" && speed_asked) return {};
+  const double filmed = filmed_speed(snapshot, settings, assignment, matte);
+  return {.factor = factor_of(pace, kind, filmed, matte.size()), .filmed = filmed};
+}
+
 }  // namespace freshet::synth::takes

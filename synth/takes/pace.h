@@ -24,4 +24,14 @@ double filmed_speed(const store::Snapshot& snapshot, const vision::Settings& set
 ///        (docs/measurements/motion.md).
 double factor_of(std::string_view pace, std::string_view kind, double filmed, cv::Size picture);
 
+struct Paced {
+  double factor = 1;
+  double filmed = 0;  // px/s; 0: nobody needed to know
+};
+/// How what is assigned plays at a pace. "auto" yields to speeds that are asked.
+/// Throws   as filmed_speed.
+Paced paced(const store::Snapshot& snapshot, const vision::Settings& settings,
+            const query::Assignment& assignment, const cv::Mat& matte, std::string_view pace,
+            std::string_view kind, bool speed_asked);
+
 }  // namespace freshet::synth::takes

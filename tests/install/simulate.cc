@@ -1,7 +1,7 @@
 // A simulated clip, and its first frame as a picture and a matte.   simulate SEED VIDEO PICTURE MATTE
 #include <freshet/error.h>
 #include <freshet/picture.h>
-#include <freshet/simulate.h>
+#include <freshet/ways/simulate.h>
 
 #include <cstdlib>
 #include <iostream>

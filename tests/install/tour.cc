@@ -1,7 +1,7 @@
 // A camera through a film.   tour FILM VIDEO
 #include <freshet/error.h>
 #include <freshet/picture.h>
-#include <freshet/tour.h>
+#include <freshet/ways/tour.h>
 
 #include <iostream>
 

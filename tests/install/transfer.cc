@@ -1,7 +1,7 @@
 // The look of a picture on a designed motion.   transfer DESIGN PICTURE MATTE VIDEO
 #include <freshet/error.h>
 #include <freshet/picture.h>
-#include <freshet/transfer.h>
+#include <freshet/ways/transfer.h>
 
 #include <iostream>
 #include <optional>

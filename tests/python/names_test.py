@@ -10,6 +10,7 @@ import benchmark_test  # noqa: F401  what they cover is known once they are impo
 import calls_test  # noqa: F401
 import search_test  # noqa: F401
 import store_test  # noqa: F401
+import ways_test  # noqa: F401
 from harness import COVERED
 
 MODULES = {"hdf5"}  # that a user imports beside the module

@@ -52,14 +52,6 @@ nlohmann::json verdict_json(const judging::Verdict& verdict, const judging::Evid
           {"findings", findings}};
 }
 
-ShownKind kind_of(const std::string& asked_class, const query::KindChoice& choice,
-                  const query::Assignment& assignment) {
-  if (!choice.taken.empty()) return {.name = choice.taken, .seen = true};
-  if (!asked_class.empty() && asked_class != query::kAnyClass) return {.name = asked_class, .asked = true};
-  const query::LargestClass most = query::largest_class(assignment);
-  return {.name = most.name, .share = most.share};
-}
-
 std::string take_words(const Assumed& assumed, const judging::Verdict& verdict,
                        const judging::Evidence& film) {
   const judging::SpeedRange usual = judging::usual_speed(assumed.kind.name);

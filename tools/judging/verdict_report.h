@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "query/labelling/assignment.h"
-#include "query/labelling/kind_choice.h"
+#include "query/labelling/shown_kind.h"
 #include "synth/judging/critic.h"
 
 namespace freshet::tools {
@@ -17,19 +17,10 @@ namespace freshet::tools {
 nlohmann::json verdict_json(const synth::judging::Verdict& verdict, const synth::judging::Evidence& film,
                             const std::string& kind);
 
-/// What a take shows, for its norms: the class asked or taken by its look, or that of most pieces.
-struct ShownKind {
-  std::string name;
-  double share = 1;  // of the pieces
-  bool asked = false, seen = false;
-};
-ShownKind kind_of(const std::string& asked_class, const query::KindChoice& choice,
-                  const query::Assignment& assignment);
-
 /// One line that a person can act on: what was assumed of kind, direction, speed and what stands, what looks worst and
 /// where, and the options that change each.
 struct Assumed {
-  ShownKind kind;
+  query::ShownKind kind;
   bool direction_asked = false, speed_asked = false, holds = false;
 };
 std::string take_words(const Assumed& assumed, const synth::judging::Verdict& verdict,

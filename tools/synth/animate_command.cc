@@ -154,17 +154,16 @@ ChosenPatches choose_patches(const AnimateCommand& command, const store::Snapsho
 void pace_it(const store::Snapshot& snapshot, AnimateInputs& inputs, const query::Assignment& assignment,
              const std::string& kind) {
   if (inputs.pace.empty()) return;
-  const bool asked = !inputs.asked.guide.speed.empty(), itself = inputs.pace == "auto";
-  if (!(itself && asked)) {
-    const cv::Size picture = inputs.loaded.picture.size();
-    const double filmed =
-        synth::takes::filmed_speed(snapshot, stored::settings_of(snapshot), assignment, inputs.loaded.matte);
-    inputs.playing.factor = synth::takes::factor_of(inputs.pace, kind, filmed, picture);
-    if (inputs.playing.factor != 1)
-      say(fmt::format("--speed {}: {:.0f} px/s is usual for {}; as filmed {:.0f}, so it plays at {:.2f}",
-                      inputs.pace, synth::judging::speed_of(kind, itself ? "natural" : inputs.pace, picture),
-                      kind.empty() ? "all kinds" : kind, filmed, inputs.playing.factor));
-  }
+  const synth::takes::Paced paced =
+      synth::takes::paced(snapshot, stored::settings_of(snapshot), assignment, inputs.loaded.matte,
+                          inputs.pace, kind, !inputs.asked.guide.speed.empty());
+  inputs.playing.factor = paced.factor;
+  if (paced.factor != 1)
+    say(fmt::format("--speed {}: {:.0f} px/s is usual for {}; as filmed {:.0f}, so it plays at {:.2f}",
+                    inputs.pace,
+                    synth::judging::speed_of(kind, inputs.pace == "auto" ? "natural" : inputs.pace,
+                                             inputs.loaded.picture.size()),
+                    kind.empty() ? "all kinds" : kind, paced.filmed, paced.factor));
   inputs.pace.clear();
 }
 

@@ -113,7 +113,7 @@ void print_made(const AnimateCommand& command, const store::Snapshot& snapshot, 
 
 /// Says what was assumed and what looks worst; the whole verdict for a program. Null for a film too short, or too
 /// faint a matte, to judge.
-nlohmann::json judged(const AnimateInputs& inputs, const ShownKind& kind,
+nlohmann::json judged(const AnimateInputs& inputs, const query::ShownKind& kind,
                       const synth::judging::Evidence& film) {
   if (film.count() < synth::judging::kFewestFrames || cv::countNonZero(film.fluid()) == 0) return nullptr;
   const query::MotionGuide& asked = inputs.asked.guide;
@@ -144,7 +144,8 @@ void run_animate(AnimateCommand& command, const RunContext& context) {
       [&](const SearchOptions& search) { return open_with_progress(snapshot, search, cache != nullptr); },
       cache.get(), context);
   const query::Assignment& assignment = chosen.assignment;
-  const ShownKind kind = kind_of(command.search.options().class_name, chosen.kind, assignment);
+  const query::ShownKind kind =
+      query::shown_kind(command.search.options().class_name, chosen.kind, assignment);
   pace_it(snapshot, inputs, assignment, kind.name);
   const std::optional<synth::takes::Trial> trial =
       command.takes > 1
@@ -222,7 +223,8 @@ void animate_layer(const AnimateRequest& request, const std::function<void(const
   command.outline.apply(inputs.options, request.loaded.picture.size());
   if (!request.strokes.empty() && inputs.asked.strokes.empty()) {
     const hints::StrokeField field =
-        hints::interpolate(request.strokes, request.loaded.picture.size(), request.where);
+        hints::interpolate(request.strokes, request.loaded.picture.size(), request.where,
+                           {.horizon = inputs.asked.guide.horizon});
     inputs.asked.guide.direction = field.direction;
     inputs.asked.guide.speed = field.speed;
   }
@@ -231,7 +233,7 @@ void animate_layer(const AnimateRequest& request, const std::function<void(const
       [&](const SearchOptions& search) { return open_with_progress(snapshot, search, cache != nullptr); },
       cache.get(), context);
   pace_it(snapshot, inputs, chosen.assignment,
-          kind_of(command.search.options().class_name, chosen.kind, chosen.assignment).name);
+          query::shown_kind(command.search.options().class_name, chosen.kind, chosen.assignment).name);
   render(snapshot, inputs, stage(snapshot, inputs, chosen.assignment), request.loaded.picture, sink, {},
          context);
 }

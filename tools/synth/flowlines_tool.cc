@@ -13,6 +13,7 @@
 #include "platform/stopwatch.h"
 #include "store/store.h"
 #include "synth/animate/frame_sheet.h"
+#include "synth/flowlines/files/asked_lines.h"
 #include "synth/flowlines/files/footage_files.h"
 #include "synth/flowlines/files/line_drawing.h"
 #include "synth/flowlines/files/line_files.h"
@@ -31,7 +32,8 @@ namespace flowlines = synth::flowlines;
 
 struct FlowlinesCommand {
   std::string clip, store, stored_clip;
-  fs::path lines, edited, background, matte, draw, lines_out, sheet;
+  flowlines::AskedLines asked;
+  fs::path draw, lines_out, sheet;
   flowlines::FootageOptions footage;
   flowlines::FlowlinesOptions options;
   std::string dynamics = "auto", blend = "cut", correspondence = "equal", ground = "none", repeats = "varied";
@@ -60,47 +62,15 @@ flowlines::Footage read_clip(const FlowlinesCommand& command) {
 
 flowlines::FlowlinesOptions options_of(const FlowlinesCommand& command, const flowlines::Footage& footage) {
   flowlines::FlowlinesOptions options = command.options;
-  options.dynamics = command.dynamics == "stationary"       ? flowlines::Dynamics::kStationary
-                     : command.dynamics == "non-stationary" ? flowlines::Dynamics::kNonStationary
-                                                            : flowlines::Dynamics::kMeasured;
+  options.dynamics = flowlines::parse_dynamics(command.dynamics);
   options.in_turn = command.repeats == "in-turn";
-  options.mixing = command.blend == "feather"    ? flowlines::Mixing::kFeather
-                   : command.blend == "contrast" ? flowlines::Mixing::kContrast
-                                                 : flowlines::Mixing::kCut;
+  options.mixing = flowlines::parse_mixing(command.blend);
+  options.view.correspondence = flowlines::parse_correspondence(command.correspondence);
+  options.view.ground = flowlines::parse_ground(command.ground);
   if (command.loop) options.loop_frames = command.frames;
-  if (!command.matte.empty()) {
-    const media::Matte matte = media::read_matte(command.matte, footage.size());
-    for (const std::string& notice : matte.notices) say(command.matte.string() + ": " + notice);
-    options.matte = matte.alpha;
-  }
-  if (!command.lines.empty()) {
-    std::vector<std::string> notices;
-    const double shortest =
-        0.5 * (options.patch_px > 0 ? options.patch_px : flowlines::default_patch(footage.size()));
-    options.lines = flowlines::read_lines(command.lines, footage.size(), shortest, &notices);
-    for (const std::string& notice : notices) say(command.lines.string() + ": " + notice);
-  }
-  if (!command.edited.empty()) {
-    std::vector<std::string> notices;
-    options.edited = flowlines::read_lines(command.edited, footage.size(), 4, &notices);
-    options.edited_name = command.edited.string();
-    for (const std::string& notice : notices) say(command.edited.string() + ": " + notice);
-  }
-  options.view.correspondence = command.correspondence == "stretched" ? flowlines::Correspondence::kStretched
-                                                                      : flowlines::Correspondence::kEqual;
-  options.view.ground = command.ground == "black"   ? flowlines::Ground::kBlack
-                        : command.ground == "white" ? flowlines::Ground::kWhite
-                                                    : flowlines::Ground::kNone;
-  if (!command.background.empty()) {
-    const media::Picture picture = media::read_picture(command.background);
-    for (const std::string& notice : picture.notices) say(command.background.string() + ": " + notice);
-    if (picture.bgr.size() != footage.size())
-      throw Error(ErrorKind::kInput, command.background.string(),
-                  fmt::format("it has {} x {} px, and the clip {} x {}", picture.bgr.cols, picture.bgr.rows,
-                              footage.size().width, footage.size().height),
-                  "Give a picture of the clip's size");
-    options.view.background = picture.bgr;
-  }
+  std::vector<std::string> notices;
+  flowlines::read_asked(command.asked, footage, options, notices);
+  for (const std::string& notice : notices) say(notice);
   return options;
 }
 
@@ -197,7 +167,7 @@ double write_frames(const FlowlinesCommand& command, const flowlines::Footage& f
     const Stopwatch watch;
     const cv::Mat& frame = engine.next();
     render_s += watch.seconds();
-    if (!command.edited.empty()) fluid = engine.fluid();
+    if (!command.asked.edited.empty()) fluid = engine.fluid();
     if (options.matte_sink) options.matte_sink(fluid);
     sheet.add(output.write(formed(frame, fluid, options.form, command.output.fluid_alone())));
   }
@@ -264,10 +234,10 @@ void add_clip(CLI::App& sub, FlowlinesCommand& command) {
 
 void add_lines(CLI::App& sub, FlowlinesCommand& command) {
   const std::string lines = "Lines";
-  sub.add_option("--lines", command.lines,
+  sub.add_option("--lines", command.asked.lines,
                  "Flow lines as SVG, drawn over the clip in the direction of the flow [from the clip]")
       ->group(lines);
-  sub.add_option("--matte", command.matte,
+  sub.add_option("--matte", command.asked.matte,
                  "Grey picture, white where lines are allowed [where the clip moves]")
       ->group(lines);
   sub.add_option("--spacing", command.options.spacing_px, "Distance between lines, px [half a patch]")
@@ -281,7 +251,7 @@ void add_lines(CLI::App& sub, FlowlinesCommand& command) {
 
 void add_editing(CLI::App& sub, FlowlinesCommand& command) {
   const std::string editing = "Editing";
-  sub.add_option("--edited", command.edited,
+  sub.add_option("--edited", command.asked.edited,
                  "New paths of the fluid: SVG lines with the ids of the input lines whose texture they show "
                  "(fall, or fall-2 for a second copy). Input lines without one are removed. data-speed sets "
                  "a speed factor, data-time the time of a position, s [as in the clip]")
@@ -301,7 +271,8 @@ void add_editing(CLI::App& sub, FlowlinesCommand& command) {
       ->check(CLI::IsMember({"none", "black", "white"}))
       ->capture_default_str()
       ->group(editing);
-  sub.add_option("--background", command.background, "Picture of what lies behind removed fluid [guessed]")
+  sub.add_option("--background", command.asked.background,
+                 "Picture of what lies behind removed fluid [guessed]")
       ->group(editing);
   sub.add_flag("--on-background", command.options.view.on_background,
                "Show the edited fluid over the background alone [off]")
@@ -370,7 +341,7 @@ void add_flowlines(CLI::App& synth_command, RunContext& context) {
                               {"--ground", "none", "Sec. 6"}});
   sub->callback([command, &context] {
     command->as_printed.apply();
-    if (command->as_printed.asked() && command->lines.empty())
+    if (command->as_printed.asked() && command->asked.lines.empty())
       throw Error(ErrorKind::kUsage, "--as-printed", "an artist draws the paper's lines, and there are none",
                   "Give --lines; --lines-out writes those that are found, to be edited");
     run_flowlines(*command, context);

@@ -18,6 +18,7 @@
 #include "media/video/picture_sink.h"
 #include "platform/stopwatch.h"
 #include "synth/animate/frame_sheet.h"
+#include "synth/scene/frames/made_frames.h"
 #include "synth/scene/printed_scene.h"
 #include "synth/scene/rendering/scene_animation.h"
 #include "synth/scene/rendering/scene_cut.h"
@@ -28,7 +29,7 @@
 #include "tools/console/output_names.h"
 #include "tools/console/progress.h"
 #include "tools/options/output_options.h"
-#include "tools/synth/made_layers.h"
+#include "tools/synth/animate_run.h"
 
 namespace freshet::tools {
 namespace {
@@ -110,6 +111,27 @@ class LayerFiles {
   cv::Mat layer_;
 };
 
+/// A layer of patches, made as freshet synth animate makes a picture.
+void make_patches(const scene::PatchesTarget& target, const scene::PushedFrames::Sink& sink,
+                  const RunContext& context) {
+  AnimateRequest request;
+  request.store = target.motion->store.string();
+  request.words = target.motion->options;
+  request.frames = target.scene->frames;
+  request.fps = target.scene->fps;
+  request.loop = target.scene->loop;
+  request.where = fmt::format("{}: layer {}", target.scene->file.string(), target.layer->name);
+  if (!target.motion->class_name.empty())
+    request.words.insert(request.words.end(), {"--class", target.motion->class_name});
+  if (!target.motion->strokes.empty())
+    request.words.insert(request.words.end(), {"--strokes", target.motion->strokes.string()});
+  request.loaded.picture = request.loaded.still.bgr = target.picture;
+  request.loaded.matte = target.matte;
+  request.loaded.matte_known = true;
+  request.strokes = target.strokes;
+  animate_layer(request, sink, context);
+}
+
 void run_scene(SceneCommand& command, const RunContext& context) {
   if (command.print_keys) {
     fmt::print("{}", scene::scene_keys());
@@ -156,10 +178,14 @@ void run_scene(SceneCommand& command, const RunContext& context) {
     fmt::print("{}\n", command.drawing);
     return;
   }
+  const scene::PatchesMaker patches = [&](const scene::PatchesTarget& target,
+                                          const scene::PushedFrames::Sink& sink) {
+    make_patches(target, sink, context);
+  };
   scene::SceneAnimation animation(
       asked, pixels, loaded.picture.size(),
       [&](const scene::SceneLayer& layer, const scene::LayerPixels& own) {
-        return frames_of_layer(asked, layer, own, context);
+        return scene::frames_of_layer(asked, layer, own, patches, context.stop);
       },
       &notices);
   say_all(notices);

@@ -17,9 +17,8 @@
 #include "media/video/picture_sink.h"
 #include "platform/stopwatch.h"
 #include "platform/whole_file.h"
-#include "synth/stills/alignment.h"
+#include "synth/stills/film.h"
 #include "synth/stills/plan.h"
-#include "synth/stills/region_file.h"
 #include "synth/stills/region_proposal.h"
 #include "synth/stills/rendering.h"
 #include "synth/stills/still_set.h"
@@ -37,17 +36,13 @@ namespace fs = std::filesystem;
 namespace stills = synth::stills;
 using Json = nlohmann::json;
 
-constexpr int kWorkSide = 960;      // px: regions and weights are kept so large
 constexpr double kUnblurred = 0.1;  // px: a Gaussian of one sample
-constexpr int kPreviewSide = 480, kPreviewFlowSide = 320;
 
 struct StillsCommand {
-  fs::path folder, out, regions, scribbles, edits, sheet, page;
-  double seconds = 8, fps = 25;
-  std::string camera = "auto", levelling = "auto", distance = "paths", normalise = "mean";
-  bool one_region = false, preview = false, json = false, keys = false, no_slow_turns = false;
-  stills::PlanOptions plan;
-  stills::RenderOptions render;
+  fs::path folder, out, sheet, page;
+  stills::FilmOptions film;
+  std::string distance = "paths", normalise = "mean";
+  bool json = false, keys = false, no_slow_turns = false;
   CacheOptions cache;
   AsPrinted as_printed;
 };
@@ -84,60 +79,10 @@ Json report_of(const stills::Plan& plan, const std::vector<std::string>& names) 
   return report;
 }
 
-/// Brings the stills onto each other and to one level where they need it; returns what was done, for a
-/// person.
-std::vector<std::string> straighten(const StillsCommand& command, stills::StillSet& set, const Job& job) {
-  std::vector<std::string> said;
-  bool hand_held = command.camera == "hand";
-  if (command.camera != "tripod") {
-    const stills::Alignment found =
-        stills::find_alignment(set.pictures, set.names, {.side = command.preview ? 480 : 1024}, job);
-    if (found.unsure)
-      said.emplace_back(
-          "nothing stands still in these stills by which they could be aligned; the camera is taken to "
-          "have stood still (--camera tripod)");
-    hand_held |= !found.tripod;
-    if (!found.tripod) {
-      stills::align(set.pictures, found);
-      said.push_back(fmt::format("taken from the hand: aligned by up to {:.1f} px, and cut to {} x {} px",
-                                 found.largest_px, set.size().width, set.size().height));
-    }
-  }
-  if (command.levelling == "on" || (command.levelling == "auto" && hand_held))
-    if (const int changed =
-            stills::level(set.pictures, stills::find_levels(stills::reduced(set.pictures, 320))))
-      said.push_back(
-          fmt::format("{} stills were brought to the others' exposure and white balance", changed));
-  return said;
-}
-
-std::vector<stills::Region> choose_regions(const StillsCommand& command, const stills::StillSet& set,
-                                           const std::vector<cv::Mat>& small,
-                                           std::vector<std::string>& said) {
-  if (!command.regions.empty())
-    return stills::read_regions(command.regions, set.size(), small[0].size(), said);
-  if (!command.scribbles.empty()) {
-    cv::Mat still = set.pictures[0];
-    if (still.depth() == CV_16U) still.convertTo(still, CV_8U, 1.0 / 257);
-    return stills::scribbled_regions(command.scribbles, still, small, said);
-  }
-  stills::RegionProposal proposal = stills::propose_regions(small);
-  if (command.one_region)
-    return {{.name = "1", .mask = cv::Mat(small[0].size(), CV_8U, cv::Scalar(255)), .parent = {}}};
-  return std::move(proposal.regions);
-}
-
-void refuse_double_words(const StillsCommand& command) {
-  if (!command.regions.empty() + !command.scribbles.empty() + command.one_region > 1)
-    throw Error(ErrorKind::kUsage, "synth stills", "regions are said more than once",
-                "Give one of --regions, --scribbles and --one-region");
-}
-
-void write_frames(const StillsCommand& command, const stills::Plan& plan, const stills::StillSet& set,
-                  const Job& job) {
-  media::PictureSink sink(command.out, set.size(), command.render.frames, command.fps);
+void write_frames(const StillsCommand& command, const stills::Film& film, const Job& job) {
+  media::PictureSink sink(command.out, film.size(), film.render.frames, film.render.fps);
   stills::render_frames(
-      plan, set.pictures, command.render, [&](const cv::Mat& frame) { sink.write(frame); }, job);
+      film.plan, film.stills.pictures, film.render, [&](const cv::Mat& frame) { sink.write(frame); }, job);
   sink.finish();
 }
 
@@ -146,44 +91,37 @@ void settle(StillsCommand& command) {
   if (command.folder.empty() || command.out.empty())
     throw Error(ErrorKind::kUsage, "synth stills", "a folder of stills and an --output are needed",
                 "freshet synth stills FOLDER -o OUT.mp4");
-  refuse_double_words(command);
-  if (command.preview) {
-    command.fps = std::min(command.fps, 12.5);
-    command.render.flow_side = kPreviewFlowSide;
-  }
-  command.render.fps = command.fps;
-  command.render.frames = std::max(1, static_cast<int>(std::lround(command.seconds * command.fps)));
-  command.plan.seconds = command.render.frames / command.fps;
-  command.plan.timing.slow_turns = !command.no_slow_turns;
-  command.plan.sampling.by_sum = command.normalise == "sum";
+  stills::PlanOptions& plan = command.film.plan;
+  plan.timing.slow_turns = !command.no_slow_turns;
+  plan.sampling.by_sum = command.normalise == "sum";
   if (command.distance == "l2") {
-    command.plan.blur_px = kUnblurred;
-    command.plan.graph.power = 1;
+    plan.blur_px = kUnblurred;
+    plan.graph.power = 1;
   }
-  check_frames_output(command.out, command.render.frames);
+  stills::settle(command.film);
+  check_frames_output(command.out, command.film.render.frames);
   check_picture_output(command.sheet);
   check_output_folder(command.page);
-  if (!command.edits.empty()) command.plan.edits = stills::read_edits(command.edits);
 }
 
 /// The sheet of regions and the page, where they are asked for.
-void write_pictures(const StillsCommand& command, const stills::Plan& plan, const stills::StillSet& set,
-                    const std::vector<cv::Mat>& small, const std::vector<std::string>& said) {
+void write_pictures(const StillsCommand& command, const stills::Film& film) {
   std::vector<stills::Region> regions;  // as they are animated: split, and the slow one beside them
-  for (const stills::PlannedRegion& planned : plan.regions) regions.push_back(planned.region);
-  const cv::Mat sheet = stills::region_sheet(small[plan.standing], regions, stills::variation_of(small));
+  for (const stills::PlannedRegion& planned : film.plan.regions) regions.push_back(planned.region);
+  const cv::Mat sheet =
+      stills::region_sheet(film.small[film.plan.standing], regions, stills::variation_of(film.small));
   if (!command.sheet.empty()) media::write_picture(command.sheet, sheet);
   if (command.page.empty()) return;
   const bool plays = !media::is_pattern(command.out);
   const fs::path folder = command.page.has_parent_path() ? command.page.parent_path() : fs::path(".");
   write_whole_file(
       command.page,
-      stills::stills_page(plan, small, sheet,
+      stills::stills_page(film.plan, film.small, sheet,
                           {.title = command.folder.string(),
                            .video = plays ? fs::proximate(command.out, folder).string() : std::string(),
-                           .names = set.names,
-                           .notices = said,
-                           .seconds = command.plan.seconds}));
+                           .names = film.stills.names,
+                           .notices = film.notices,
+                           .seconds = command.film.plan.seconds}));
 }
 
 /// By stage, s.
@@ -191,16 +129,16 @@ struct StageTimes {
   double read = 0, align = 0, plan = 0, frames = 0;
 };
 
-void tell(const StillsCommand& command, const stills::Plan& plan, const stills::StillSet& set,
-          const std::vector<std::string>& said, const StageTimes& took) {
+void tell(const StillsCommand& command, const stills::Film& film, const StageTimes& took) {
+  const cv::Size size = film.size();
   say(fmt::format(
       "{} stills of {} x {} px, {} moving regions, {} frames: reading {:.1f} s, aligning {:.1f} s, regions "
       "and orders {:.1f} s, flow and frames {:.1f} s",
-      set.count(), set.size().width, set.size().height, plan.regions.size(), command.render.frames, took.read,
+      film.stills.count(), size.width, size.height, film.plan.regions.size(), film.render.frames, took.read,
       took.align, took.plan, took.frames));
   if (command.json) {
-    Json report = report_of(plan, set.names);
-    report["notices"] = said;
+    Json report = report_of(film.plan, film.stills.names);
+    report["notices"] = film.notices;
     report["seconds"] = {
         {"read", took.read}, {"align", took.align}, {"plan", took.plan}, {"frames", took.frames}};
     fmt::print("{}\n", report.dump());
@@ -222,45 +160,38 @@ void run_stills(StillsCommand command, RunContext& context) {
   Progress progress;
   const Job job{.progress = progress.callback(), .stop = context.stop};
   const std::unique_ptr<cache::ResultCache> cache = command.cache.open();
-  command.render.cache = cache.get();
+  stills::FilmOptions& options = command.film;
+  options.render.cache = cache.get();
 
-  stills::StillSet set = stills::read_stills(command.folder, command.preview ? kPreviewSide : 0, job);
-  media::PictureSink::check(command.out, set.size(), command.render.frames, command.fps);
+  stills::StillSet set = stills::read_stills(command.folder, stills::largest_side(options), job);
+  media::PictureSink::check(command.out, set.size(), options.render.frames, options.fps);
   say_size(command.out, set.size());
   took.read = watch.lap();
-  std::vector<std::string> said = straighten(command, set, job);
+  stills::straighten(set, options, job);
   took.align = watch.lap();
-  const std::vector<cv::Mat> small = stills::reduced(set.pictures, kWorkSide);
-  // Widths are said for a picture of the work side; smaller ones are not enlarged to it.
-  const double scale = std::max(small[0].cols, small[0].rows) / static_cast<double>(kWorkSide);
-  command.render.feather_px *= scale;
-  command.render.grown_px *= scale;
-  const std::vector<stills::Region> regions = choose_regions(command, set, small, said);
-  const stills::Plan plan = stills::make_plan(small, set.names, regions, command.plan, job);
+  const stills::Film film = stills::plan_film(std::move(set), options, job);
   took.plan = watch.lap();
   progress.finish();
-  said.insert(said.begin(), set.notices.begin(), set.notices.end());
-  said.insert(said.end(), plan.notices.begin(), plan.notices.end());
-  for (const std::string& notice : said) say(notice);
-  write_pictures(command, plan, set, small, said);
-  write_frames(command, plan, set, job);
+  for (const std::string& notice : film.notices) say(notice);
+  write_pictures(command, film);
+  write_frames(command, film, job);
   progress.finish();
   finish_cache(cache.get());
   took.frames = watch.lap();
-  tell(command, plan, set, said, took);
+  tell(command, film, took);
 }
 
 void add_motion_options(CLI::App& sub, StillsCommand& command) {
   const std::string group = "Motion";
-  sub.add_option("--step", command.plan.timing.step_s, "Mean time between stills, s")
+  sub.add_option("--step", command.film.plan.timing.step_s, "Mean time between stills, s")
       ->check(CLI::Range(0.04, 60.0))
       ->capture_default_str()
       ->group(group);
-  sub.add_option("--speed", command.plan.timing.speed, "Speed factor")
+  sub.add_option("--speed", command.film.plan.timing.speed, "Speed factor")
       ->check(CLI::Range(0.05, 20.0))
       ->capture_default_str()
       ->group(group);
-  sub.add_option("--sigma", command.plan.sampling.sigma, "Freedom to leave the paths; larger is freer")
+  sub.add_option("--sigma", command.film.plan.sampling.sigma, "Freedom to leave the paths; larger is freer")
       ->check(CLI::Range(1e-4, 100.0))
       ->capture_default_str()
       ->group(group);
@@ -278,49 +209,50 @@ void add_motion_options(CLI::App& sub, StillsCommand& command) {
       ->check(CLI::IsMember({"mean", "sum"}))
       ->capture_default_str()
       ->group(group);
-  sub.add_option("--irregularity", command.plan.sampling.irregularity,
+  sub.add_option("--irregularity", command.film.plan.sampling.irregularity,
                  "Probability that motion turns within a path")
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str()
       ->group(group);
   sub.add_flag("--even-turns", command.no_slow_turns, "Keep the pace where motion turns")->group(group);
-  sub.add_flag("--no-dead-ends", command.plan.sampling.avoid_dead_ends, "Skip dead-end branches")
+  sub.add_flag("--no-dead-ends", command.film.plan.sampling.avoid_dead_ends, "Skip dead-end branches")
       ->group(group);
-  sub.add_option("--cut-above", command.plan.graph.cut_above,
+  sub.add_option("--cut-above", command.film.plan.graph.cut_above,
                  "Cut steps that weigh more than this many times the mean")
       ->check(CLI::Range(0.01, 1000.0))
       ->capture_default_str()
       ->group(group);
-  sub.add_option("--seed", command.plan.sampling.seed, "Seed of the sequence")
+  sub.add_option("--seed", command.film.plan.sampling.seed, "Seed of the sequence")
       ->capture_default_str()
       ->group(group);
 }
 
 void add_region_options(CLI::App& sub, StillsCommand& command) {
   const std::string group = "Regions";
-  sub.add_option("--regions", command.regions,
+  sub.add_option("--regions", command.film.regions,
                  "Regions that move independently. An SVG over a still: closed outlines, with \"slow\" or "
                  "\"standing\" in their names where that applies. Or a picture: black stands still, grey is "
                  "slow, each colour and each white area is a region [proposed]")
       ->group(group);
-  sub.add_option("--scribbles", command.scribbles,
+  sub.add_option("--scribbles", command.film.scribbles,
                  "Picture of scribbles, of a still's size: white or green on each thing that moves, black or "
                  "red on what stands still")
       ->group(group);
-  sub.add_flag("--one-region", command.one_region, "Treat the whole picture as one region")->group(group);
+  sub.add_flag("--one-region", command.film.one_region, "Treat the whole picture as one region")
+      ->group(group);
   sub.add_option(
-         "--split", command.plan.split,
+         "--split", command.film.plan.split,
          "Number of parts of each region that follow their neighbours loosely; 5 for a lake or the sea")
       ->check(CLI::Range(1, 8))
       ->capture_default_str()
       ->group(group);
-  sub.add_option("--feather", command.render.feather_px,
+  sub.add_option("--feather", command.film.render.feather_px,
                  "Width of a region's soft edge, px in a picture of 960 px")
       ->check(CLI::Range(0.0, 200.0))
       ->capture_default_str()
       ->group(group);
   sub.add_option(
-         "--edits", command.edits,
+         "--edits", command.film.edits,
          "TOML file that refuses or turns paths, cuts edges, sets orders and speeds; --keys explains it")
       ->group(group);
   sub.add_flag("--keys", command.keys, "Print the keys of an edits file")->group(group);
@@ -336,25 +268,25 @@ void add_stills(CLI::App& synth_command, RunContext& context) {
   sub->add_option("-o,--output", command->out,
                   "The animation: " + frames_endings() +
                       " such as out/%05d.png; stills of 16 bits keep them where the format can");
-  sub->add_option("--seconds", command->seconds, "Length, s")
+  sub->add_option("--seconds", command->film.seconds, "Length, s")
       ->check(CLI::Range(0.04, 3600.0))
       ->capture_default_str();
-  sub->add_option("--fps", command->fps, "Frames per second")
+  sub->add_option("--fps", command->film.fps, "Frames per second")
       ->check(CLI::Range(1.0, 240.0))
       ->capture_default_str();
-  sub->add_flag("--loop", command->plan.loop, "Exact loop");
-  sub->add_flag("--preview", command->preview, "Small and fast: 480 px, 12.5 frames per second");
-  sub->add_option("--camera", command->camera,
+  sub->add_flag("--loop", command->film.plan.loop, "Exact loop");
+  sub->add_flag("--preview", command->film.preview, "Small and fast: 480 px, 12.5 frames per second");
+  sub->add_option("--camera", command->film.camera,
                   "auto: hand-held stills are detected, aligned and cropped; tripod: unchanged; hand: "
                   "aligned and matched in exposure")
       ->check(CLI::IsMember({"auto", "tripod", "hand"}))
       ->capture_default_str();
   sub->add_option(
-         "--level", command->levelling,
+         "--level", command->film.level,
          "Match exposure and white balance by what stands still: on, off, or auto (hand-held stills)")
       ->check(CLI::IsMember({"auto", "on", "off"}))
       ->capture_default_str();
-  sub->add_option("--flow-side", command->render.flow_side,
+  sub->add_option("--flow-side", command->film.render.flow_side,
                   "Longer side at which flow between stills is computed, px")
       ->check(CLI::Range(64, 8192))
       ->capture_default_str();
@@ -380,8 +312,8 @@ void add_stills(CLI::App& synth_command, RunContext& context) {
                               {"--normalise", "sum", "Eq. 2"}});
   sub->callback([command, &context] {
     command->as_printed.apply();
-    if (command->as_printed.asked() && command->regions.empty() && command->scribbles.empty() &&
-        !command->one_region && !command->keys)
+    if (command->as_printed.asked() && command->film.regions.empty() && command->film.scribbles.empty() &&
+        !command->film.one_region && !command->keys)
       throw Error(ErrorKind::kUsage, "--as-printed", "a person marks the paper's regions, and none is marked",
                   "Give --regions, --scribbles or --one-region");
     run_stills(*command, context);

@@ -332,7 +332,7 @@ class Sweep {
         command, snapshot_, inputs.loaded, inputs.asked,
         [this](const SearchOptions& search) { return base_of(search); }, &cache, context_);
     pace_it(snapshot_, inputs, chosen.assignment,
-            kind_of(command.search.options().class_name, chosen.kind, chosen.assignment).name);
+            query::shown_kind(command.search.options().class_name, chosen.kind, chosen.assignment).name);
     return std::move(chosen.assignment);
   }
 

@@ -1,4 +1,4 @@
-#include "freshet/simulate.h"
+#include "freshet/ways/simulate.h"
 
 #include "python/binding/calls.h"
 

@@ -1,4 +1,4 @@
-#include "freshet/tour.h"
+#include "freshet/ways/tour.h"
 
 #include "python/binding/calls.h"
 

@@ -1,4 +1,4 @@
-#include "freshet/transfer.h"
+#include "freshet/ways/transfer.h"
 
 #include "freshet/error.h"
 #include "library/opencv_threads.h"

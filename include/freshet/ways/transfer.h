@@ -1,4 +1,4 @@
-// include/freshet/transfer.h — a designed motion gets the look of an exemplar (Jamriska et al. 2015, LazyFluids).
+// include/freshet/ways/transfer.h — a designed motion gets the look of an exemplar (Jamriska et al. 2015, LazyFluids).
 #pragma once
 
 #include <cstdint>

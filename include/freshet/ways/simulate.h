@@ -1,4 +1,4 @@
-// include/freshet/simulate.h — a fluid's designed motion, or a rendered clip of one, frame by frame.
+// include/freshet/ways/simulate.h — a fluid's designed motion, or a rendered clip of one, frame by frame.
 #pragma once
 
 #include <cstdint>

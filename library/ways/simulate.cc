@@ -1,4 +1,4 @@
-#include "freshet/simulate.h"
+#include "freshet/ways/simulate.h"
 
 #include "library/opencv_threads.h"
 #include "synth/simulate/design/scene_file.h"

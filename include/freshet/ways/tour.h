@@ -1,4 +1,4 @@
-// include/freshet/tour.h — a camera that goes through an animated picture, frame by frame.
+// include/freshet/ways/tour.h — a camera that goes through an animated picture, frame by frame.
 #pragma once
 
 #include <filesystem>

@@ -1,0 +1,90 @@
+#include "synth/stills/film.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "freshet/error.h"
+#include "synth/stills/alignment.h"
+#include "synth/stills/edits.h"
+#include "synth/stills/region_file.h"
+#include "synth/stills/region_proposal.h"
+
+namespace freshet::synth::stills {
+namespace {
+
+constexpr int kWorkSide = 960;  // px: regions and weights are kept so large
+constexpr int kPreviewSide = 480, kPreviewFlowSide = 320;
+
+std::vector<Region> choose_regions(const FilmOptions& options, const StillSet& set,
+                                   const std::vector<cv::Mat>& small, std::vector<std::string>& notices) {
+  if (!options.regions.empty()) return read_regions(options.regions, set.size(), small[0].size(), notices);
+  if (!options.scribbles.empty()) {
+    cv::Mat still = set.pictures[0];
+    if (still.depth() == CV_16U) still.convertTo(still, CV_8U, 1.0 / 257);
+    return scribbled_regions(options.scribbles, still, small, notices);
+  }
+  RegionProposal proposal = propose_regions(small);
+  if (options.one_region)
+    return {{.name = "1", .mask = cv::Mat(small[0].size(), CV_8U, cv::Scalar(255)), .parent = {}}};
+  return std::move(proposal.regions);
+}
+
+}  // namespace
+
+void settle(FilmOptions& options) {
+  if (!options.regions.empty() + !options.scribbles.empty() + options.one_region > 1)
+    throw Error(ErrorKind::kUsage, "synth stills", "regions are said more than once",
+                "Give one of --regions, --scribbles and --one-region");
+  if (options.preview) {
+    options.fps = std::min(options.fps, 12.5);
+    options.render.flow_side = kPreviewFlowSide;
+  }
+  options.render.fps = options.fps;
+  options.render.frames = std::max(1, static_cast<int>(std::lround(options.seconds * options.fps)));
+  options.plan.seconds = options.render.frames / options.fps;
+  if (!options.edits.empty()) options.plan.edits = read_edits(options.edits);
+}
+
+int largest_side(const FilmOptions& options) { return options.preview ? kPreviewSide : 0; }
+
+void straighten(StillSet& set, const FilmOptions& options, const Job& job) {
+  bool hand_held = options.camera == "hand";
+  if (options.camera != "tripod") {
+    const Alignment found =
+        find_alignment(set.pictures, set.names, {.side = options.preview ? 480 : 1024}, job);
+    if (found.unsure)
+      set.notices.emplace_back(
+          "nothing stands still in these stills by which they could be aligned; the camera is taken to "
+          "have stood still (--camera tripod)");
+    hand_held |= !found.tripod;
+    if (!found.tripod) {
+      align(set.pictures, found);
+      set.notices.push_back(
+          fmt::format("taken from the hand: aligned by up to {:.1f} px, and cut to {} x {} px",
+                      found.largest_px, set.size().width, set.size().height));
+    }
+  }
+  if (options.level == "on" || (options.level == "auto" && hand_held))
+    if (const int changed = level(set.pictures, find_levels(reduced(set.pictures, 320))))
+      set.notices.push_back(
+          fmt::format("{} stills were brought to the others' exposure and white balance", changed));
+}
+
+Film plan_film(StillSet set, const FilmOptions& options, const Job& job) {
+  Film film{.stills = std::move(set), .small = {}, .plan = {}, .render = options.render, .notices = {}};
+  film.notices = film.stills.notices;
+  film.small = reduced(film.stills.pictures, kWorkSide);
+  // Widths are said for a picture of the work side; smaller ones are not enlarged to it.
+  const double scale = std::max(film.small[0].cols, film.small[0].rows) / static_cast<double>(kWorkSide);
+  film.render.feather_px *= scale;
+  film.render.grown_px *= scale;
+  const std::vector<Region> regions = choose_regions(options, film.stills, film.small, film.notices);
+  film.plan = make_plan(film.small, film.stills.names, regions, options.plan, job);
+  film.notices.insert(film.notices.end(), film.plan.notices.begin(), film.plan.notices.end());
+  return film;
+}
+
+}  // namespace freshet::synth::stills
