@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <utility>
 
 #include <nlohmann/json.hpp>
@@ -13,16 +14,18 @@
 #include "query/search/picture_scale.h"
 #include "studio/jobs/event_feed.h"
 #include "synth/matte/held.h"
+#include "vision/look/standing.h"
 
 namespace freshet::studio {
 namespace {
 
 using Json = nlohmann::json;
 
-constexpr int kSmallSide = 320;   // px: a first preview's longer side
-constexpr int kSmallFrames = 48;  // at most
-constexpr int kFullSide = 1280;   // px: a full preview's longer side, at most
-constexpr int kFieldSide = 64;    // cells of the field that a page draws, along its longer side
+constexpr int kSmallSide = 320;          // px: a first preview's longer side
+constexpr int kSmallFrames = 48;         // at most
+constexpr int kFullSide = 1280;          // px: a full preview's longer side, at most
+constexpr int kFieldSide = 64;           // cells of the field that a page draws, along its longer side
+constexpr double kLeastStanding = 1e-4;  // of the picture: smaller things are not offered to be held
 
 std::string text(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
 
@@ -355,6 +358,35 @@ std::string Easel::picture_jpeg(const cv::Rect& part, int longest) const {
   cv::imencode(".jpg", reduced(still->bgr(seen), reduction(seen.size(), longest)), bytes,
                {cv::IMWRITE_JPEG_QUALITY, 92});
   return {bytes.begin(), bytes.end()};
+}
+
+std::string Easel::standing_json() const {
+  const Results now = results();
+  if (!now.matte || now.matte->alpha.empty())
+    throw Error(ErrorKind::kNotFound, project_->id(), "it has no matte yet", "Scribble on what flows");
+  const std::shared_ptr<const media::Still> still = project_->picture();
+  // Outlines at most this large are as fine as the guess.
+  const double factor = reduction(still->bgr.size(), kFullSide);
+  cv::Mat stands = vision::what_stands(reduced(still->bgr, factor), reduced(now.matte->alpha, factor)) > 127;
+  if (!now.matte->held.empty()) stands.setTo(0, reduced(now.matte->held, factor) > 127);
+  std::vector<std::vector<cv::Point>> outlines;
+  cv::findContours(stands, outlines, cv::RETR_EXTERNAL, cv::CHAIN_APPROX_SIMPLE);
+  const double least = kLeastStanding * stands.total();
+  std::erase_if(outlines, [least](const auto& outline) { return cv::contourArea(outline) < least; });
+  std::ranges::stable_sort(outlines, std::greater{},
+                           [](const auto& outline) { return cv::contourArea(outline); });
+  Json json = Json::array();
+  for (const std::vector<cv::Point>& outline : outlines) {
+    std::vector<cv::Point> simple;
+    cv::approxPolyDP(outline, simple, 0.7, true);
+    Json& points = json.emplace_back(Json::array());
+    for (const cv::Point& point : simple) {
+      // Whole pixels have their number at their middle.
+      points.push_back(std::round(10 * factor * (point.x + 0.5)) / 10);
+      points.push_back(std::round(10 * factor * (point.y + 0.5)) / 10);
+    }
+  }
+  return json.dump();
 }
 
 std::string Easel::matte_png(const cv::Mat& alpha, int longest) const {

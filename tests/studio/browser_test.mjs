@@ -821,6 +821,19 @@ test("three doors: an example moves at once, is guessed, told how fast, and anot
   await others.first().waitFor({ state: "hidden" }); // the canvas grows into the strip's place
   await still(page);
 
+  // What looks as if it stood is found, and held all at once, or left.
+  await page.keyboard.press("h");
+  const outlines = await (await api(`projects/${id}/standing`)).json();
+  assert.ok(outlines.length > 0 && outlines.every((each) => each.length >= 6), JSON.stringify(outlines));
+  await page.getByRole("button", { name: "Find what stands" }).click();
+  const all = page.getByRole("button", { name: /^Hold (it|all)/ });
+  await all.waitFor();
+  await shot(page, "standing-offered");
+  await all.click();
+  await until(async () => (await document(id)).held.length === outlines.length);
+  await page.keyboard.press("Control+z");
+  await until(async () => (await document(id)).held.length === 0);
+
   // A click holds what lies there, up to its edge: the headland, of another colour than the sky.
   await page.keyboard.press("h");
   await drag(page, [[100, 136], [100, 136]]);

@@ -61,6 +61,8 @@ export const field = (id: string): Promise<Field | null> => get(`${at(id)}/field
 export const pieces = (id: string): Promise<Pieces> => get(`${at(id)}/pieces`);
 /** Of each frame that is there, closed lines of x0, y0, x1, y1, .. px of the reel. */
 export const outlines = (id: string, reel: number): Promise<number[][][]> => get(`${at(id)}/reels/${reel}/outlines`);
+/** What looks as if it stood in the fluid: outlines of x0, y0, x1, y1, .. px of the picture, the largest first. */
+export const standing = (id: string): Promise<number[][]> => get(`${at(id)}/standing`);
 export const candidates = (id: string, piece: number): Promise<Candidates> => get(`${at(id)}/pieces/${piece}`);
 export const credits = async (id: string): Promise<string> => (await ask(address.credits(id))).text();
 

@@ -5,8 +5,9 @@ import { Brush, Eraser, Hand, Pencil, Pin as PinIcon, Shapes, Spline, Trash2, X 
 import * as api from "./api";
 import { KindSection } from "./kindsection";
 import { Choice, IconButton, named, Section, Select, Slider, Strip, Switch } from "./parts";
-import { lengthOf } from "./pen";
+import { lengthOf, paired } from "./pen";
 import * as state from "./state";
+import { hold } from "./tools/fluidtool";
 import { SweepSection } from "./sweepsection";
 import type { Candidate, Candidates, Document, Edge, MatteBase } from "./types";
 import * as view from "./view";
@@ -48,6 +49,7 @@ export function FluidPanel({ document }: { document: Document }): JSX.Element {
           ))}
         </div>
         <p class="hint">{hints[tool]}</p>
+        {tool === "hold" && <Offered />}
         {tool !== "area" && (
           <Slider label="Brush" value={view.brush.value} min={2} max={400} logarithmic shown={`${Math.round(view.brush.value)} px`} onInput={(value) => (view.brush.value = value)} />
         )}
@@ -89,6 +91,39 @@ export function FluidPanel({ document }: { document: Document }): JSX.Element {
         </div>
       </Section>
     </>
+  );
+}
+
+/** What looks as if it stood, to be held by a click or all at once. */
+function Offered(): JSX.Element {
+  const offered = state.offered.value;
+  const find = (): void => {
+    const open = state.project.value;
+    if (!open) return;
+    api.standing(open.id).then(
+      (outlines) => {
+        if (state.project.value !== open) return;
+        state.offered.value = outlines.map(paired);
+        if (outlines.length === 0) state.toast.value = "Nothing looks as if it stood in the fluid: click it, or paint over it.";
+      },
+      (fault: Error) => (state.toast.value = fault.message),
+    );
+  };
+  if (offered.length === 0)
+    return (
+      <button type="button" class="quiet" disabled={!state.matte.value} onClick={find}>
+        Find what stands
+      </button>
+    );
+  return (
+    <div class="row">
+      <button type="button" class="quiet" title="Or click one of them on the picture" onClick={() => hold(offered)}>
+        {offered.length === 1 ? "Hold it" : `Hold all ${offered.length}`}
+      </button>
+      <button type="button" class="quiet" onClick={() => (state.offered.value = [])}>
+        None
+      </button>
+    </div>
   );
 }
 

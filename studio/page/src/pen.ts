@@ -38,6 +38,8 @@ export function simplified(points: Point[], tolerance: number): Point[] {
 }
 
 export const flat = (points: Point[]): number[] => points.flat();
+/** Of x0, y0, x1, y1, .. */
+export const paired = (values: number[]): Point[] => values.flatMap((x, i): Point[] => (i % 2 === 0 ? [[x, values[i + 1] ?? 0]] : []));
 export const rounded = (value: number): number => Math.round(value * 10) / 10;
 export const lengthOf = (points: Point[]): number =>
   points.reduce((sum, [x, y], i) => {

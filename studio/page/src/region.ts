@@ -26,6 +26,16 @@ export function regionAt(image: HTMLImageElement, size: { width: number; height:
   return simplified(outline, 0.7).map(([x, y]): Point => [back(x + 0.5, width, size.width), back(y + 0.5, height, size.height)]);
 }
 
+/** Whether a point lies inside of an outline. */
+export function holds(outline: Point[], [px, py]: Point): boolean {
+  let inside = false;
+  outline.forEach(([x, y], i) => {
+    const [bx, by] = outline[(i + outline.length - 1) % outline.length] ?? [x, y];
+    if (y > py !== by > py && px < x + ((py - y) * (bx - x)) / (by - y)) inside = !inside;
+  });
+  return inside;
+}
+
 /** Pixels that hang together with the first one; null: too few or too many. */
 function grown(data: Uint8ClampedArray, width: number, height: number, seed: number): Uint8Array | null {
   const taken = new Uint8Array(width * height);

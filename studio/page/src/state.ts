@@ -4,7 +4,7 @@ import { batch, computed, signal } from "@preact/signals";
 import * as api from "./api";
 import { canonical, History } from "./history";
 import { Player } from "./player";
-import type { Document, Field, Home, Job, MatteNews, Mode, Pieces, Project, ReelNews, Store, Takes } from "./types";
+import type { Document, Field, Home, Job, MatteNews, Mode, Pieces, Point, Project, ReelNews, Store, Takes } from "./types";
 
 export interface IngestReport {
   clips: { name: string; outcome: string; reasons: string[]; notes: string[]; width: number; height: number; strip?: number }[];
@@ -20,6 +20,7 @@ export const matte = signal<MatteNews | null>(null);
 export const field = signal<Field | null>(null);
 export const pieces = signal<Pieces | null>(null);
 export const takes = signal<Takes | null>(null);
+export const offered = signal<Point[][]>([]); // outlines of what may be held still
 export const labelsNumber = signal(0);
 export const problem = signal("");
 export const toast = signal("");
@@ -201,6 +202,7 @@ function leave(): void {
     pieces.value = null;
     takes.value = null;
     problem.value = "";
+    offered.value = [];
   });
 }
 

@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 #include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
 
 #include "tests/studio/http/raw_client.h"
 #include "tests/studio/running_studio.h"
@@ -666,6 +667,36 @@ TEST_F(Server, WhatCanBeUndoneIsKept) {
   EXPECT_EQ(status(running().send("PUT", rest, std::string(50'000, '['))), 400);
   EXPECT_EQ(status(running().send("PUT", rest, '"' + std::string(5u << 20, 'x') + '"')), 400);
   EXPECT_EQ(running().get(rest)->body, steps);
+}
+
+TEST_F(Server, WhatLooksAsIfItStoodIsOfferedUntilItIsHeld) {
+  // Dark, rough banks, and blue water between them, of which the matte takes in a rim of the bank.
+  cv::Mat picture(240, 320, CV_8UC3), rough(picture.size(), CV_8U);
+  cv::RNG(1).fill(rough, cv::RNG::UNIFORM, 0, 90);
+  cv::merge(std::vector<cv::Mat>{rough, rough + 25, rough + 15}, picture);
+  picture.colRange(100, 220).setTo(cv::Scalar(170, 140, 110));
+  std::vector<std::uint8_t> png;
+  cv::imencode(".png", picture, png);
+  const httplib::Result opened =
+      running().send("POST", "api/projects?name=stream.png", std::string(png.begin(), png.end()));
+  ASSERT_EQ(status(opened), 200);
+  const std::string id = Json::parse(opened->body)["id"], at = "api/projects/" + id + "/standing";
+  EXPECT_EQ(status(running().get(at)), 404) << "there is no matte yet";
+  const Json area{
+      {"points", {{100, 0}, {226, 0}, {226, 240}, {100, 240}}}, {"width", 0}, {"adds", true}, {"area", true}};
+  running().draw(id, {{"paint", {area}}});
+  const Json offered = running().json(at);
+  ASSERT_GE(offered.size(), 1U);
+  std::vector<cv::Point2f> outline;
+  Json points = Json::array();
+  for (std::size_t i = 0; i + 1 < offered[0].size(); i += 2) {
+    outline.emplace_back(offered[0][i].get<float>(), offered[0][i + 1].get<float>());
+    points.push_back({offered[0][i], offered[0][i + 1]});
+  }
+  EXPECT_GT(cv::pointPolygonTest(outline, {223, 120}, false), 0);
+  EXPECT_LT(cv::pointPolygonTest(outline, {160, 120}, false), 0);
+  running().draw(id, {{"held", {{{"points", points}, {"width", 0}, {"adds", true}, {"area", true}}}}});
+  for (const Json& left : running().json(at)) EXPECT_NE(left, offered[0]) << "it is held";
 }
 
 TEST_F(Server, ALayersScribblesAreAMatteAtOnce) {
