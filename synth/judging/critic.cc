@@ -43,6 +43,16 @@ Finding finding_of(Measure measure, Reading reading, const std::string& kind) {
   return finding;
 }
 
+/// What is faster than the kind strains faster and is renewed sooner: it is judged over the way that the kind's fast
+/// fluid goes in the reading's time.
+Reading over_usual_way(Reading stretch, double speed, const Evidence& film, const std::string& kind) {
+  const double fast = usual_speed(kind).fast * std::max(film.picture().width, film.picture().height);
+  const double share = std::min(1.0, fast / std::max(speed, 1e-3));
+  stretch.value *= share;
+  for (cv::Mat& map : stretch.map) map *= share;
+  return stretch;
+}
+
 std::string figure(double value) {
   const double size = std::abs(value);
   return fmt::format("{:.{}f}", value, size < 1 ? 2 : size < 10 ? 1 : 0);
@@ -74,13 +84,14 @@ Verdict judge(const Evidence& film, const std::string& kind, const Asked& asked)
   add(Measure::kCombing, combing(film));
   add(Measure::kColourDrift, colour_drift(film));
   add(Measure::kPulse, pulse(film));
-  add(Measure::kStretch, stretch(film, motion));
+  const Finding speed = speed_finding(film, motion, kind);
+  add(Measure::kStretch, over_usual_way(stretch(film, motion), speed.reading.value, film, kind));
   add(Measure::kSeams, seams(film));
   add(Measure::kDents, dents(film));
   add(Measure::kStillness, stillness(film));
   add(Measure::kAngle, motion_angle(film, motion, asked));
   add(Measure::kAskedSpeed, speed_ratio(film, motion, asked));
-  verdict.findings.push_back(speed_finding(film, motion, kind));
+  verdict.findings.push_back(speed);
   for (const Finding& finding : verdict.findings) verdict.faults += finding.fault;
   verdict.seconds = film.seconds() + watch.seconds();
   return verdict;

@@ -5,6 +5,8 @@
 #include <opencv2/imgproc.hpp>
 
 #include "freshet/error.h"
+#include "synth/judging/film_motion.h"
+#include "synth/judging/stretch.h"
 #include "tests/synth/judging/made_film.h"
 
 namespace freshet::synth::judging {
@@ -41,6 +43,17 @@ TEST(JudgingCritic, WordsNameTheFaultItsPlaceAndWhatChangesIt) {
   const std::string words = verdict_words(judge(film), film);
   EXPECT_NE(words.find("colours leave the picture's, most at the upper left"), std::string::npos) << words;
   EXPECT_NE(words.find("To change it: "), std::string::npos) << words;
+}
+
+TEST(JudgingCritic, WhatGoesFasterThanItsKindStretchesOverTheKindsWay) {
+  const Evidence film = made_film();  // 25 px/s: fast for water of this size, and not for fire
+  const double whole = stretch(film, film_motion(film)).value;
+  const Verdict water = judge(film, "water");
+  EXPECT_DOUBLE_EQ(judge(film, "fire").of(Measure::kStretch).reading.value, whole);
+  const double fast = usual_speed("water").fast * kMadeSize.width;
+  ASSERT_GT(water.of(Measure::kSpeed).reading.value, fast);
+  EXPECT_NEAR(water.of(Measure::kStretch).reading.value,
+              whole * fast / water.of(Measure::kSpeed).reading.value, 1e-9);
 }
 
 TEST(JudgingCritic, IsTheSameForAnyNumberOfThreads) {
