@@ -151,8 +151,21 @@ ChosenPatches choose_patches(const AnimateCommand& command, const store::Snapsho
   return chosen;
 }
 
+/// Where faster is asked than a fluid goes.
+void say_fastest(const query::MotionGuide& asked, cv::Size picture) {
+  if (asked.speed.empty()) return;
+  double most = 0;
+  cv::minMaxLoc(asked.speed, nullptr, &most);
+  const double fastest = synth::animate::fastest_speed(picture);
+  if (most > fastest)
+    say(fmt::format(
+        "{:.0f} px/s are asked; it goes by at most {:.0f}, as the fastest fluid does at this size", most,
+        fastest));
+}
+
 void pace_it(const store::Snapshot& snapshot, AnimateInputs& inputs, const query::Assignment& assignment,
              const std::string& kind) {
+  say_fastest(inputs.asked.guide, inputs.loaded.picture.size());
   if (inputs.pace.empty()) return;
   const synth::takes::Paced paced =
       synth::takes::paced(snapshot, stored::settings_of(snapshot), assignment, inputs.loaded.matte,

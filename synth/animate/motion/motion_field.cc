@@ -86,9 +86,12 @@ cv::Mat motion_field(const store::Snapshot& snapshot, const vision::Settings& se
   return field;
 }
 
+double fastest_speed(cv::Size picture) { return 0.8 * std::max(picture.width, picture.height); }
+
 cv::Mat apply_guide(const cv::Mat& motion, const query::MotionGuide& guide, const cv::Mat& matte) {
   cv::Mat out = motion.clone();
   const cv::Mat way = guide.direction.empty() ? cv::Mat() : evened(guide.direction);
+  const auto fastest = static_cast<float>(fastest_speed(motion.size()));
   const cv::Mat seen = guide.horizon ? seen_share(*guide.horizon, guide.direction, matte) : cv::Mat();
   for (int y = 0; y < out.rows; ++y)
     for (int x = 0; x < out.cols; ++x) {
@@ -96,7 +99,8 @@ cv::Mat apply_guide(const cv::Mat& motion, const query::MotionGuide& guide, cons
       float speed = std::hypot(v[0], v[1]);
       const bool asked = !guide.speed.empty() && guide.speed.at<float>(y, x) >= 0 && speed > 0;
       if (asked || !seen.empty()) {
-        const float goes = asked ? guide.speed.at<float>(y, x) : speed * seen.at<float>(y, x);
+        const float goes =
+            asked ? std::min(guide.speed.at<float>(y, x), fastest) : speed * seen.at<float>(y, x);
         if (speed > 0) v *= goes / speed;
         speed = goes;
       }

@@ -15,8 +15,14 @@ namespace freshet::synth::animate {
 cv::Mat motion_field(const store::Snapshot& snapshot, const vision::Settings& settings,
                      const Placement& placement, cv::Size picture);
 
+/// The fastest that an animation is carried where a speed is asked, px/s: .8 of the picture's longer side a second. In
+/// 39 clips the fastest fluid is a fountain's: 99 % of its places go by less than .77 on the average, where a fall's go
+/// by .3. What is asked beyond would tear or fade: at 1000 px/s flames of 640 px became fog.
+double fastest_speed(cv::Size picture);
+
 /// An assigned field turned to where a guide asks it to go and, where speeds are asked, as fast: a patch goes
-/// only about as asked, and with its own eddies. Where the guide says nothing the field stays.
+/// only about as asked, and with its own eddies, and no faster than fastest_speed(). Where the guide says nothing the
+/// field stays.
 /// With a horizon the patches' own speeds, where none are asked, shrink towards it; their mean over the fluid stays.
 /// motion   CV_32FC2, px/s; guide of the same size, or empty. matte: CV_32F, 0..1, of that size.
 cv::Mat apply_guide(const cv::Mat& motion, const query::MotionGuide& guide, const cv::Mat& matte);

@@ -23,6 +23,14 @@ TEST(ApplyGuide, TurnsWhatGoesAndKeepsItsSpeed) {
   EXPECT_EQ(field.at<cv::Vec2f>(120, 200), cv::Vec2f(30, 0));
 }
 
+TEST(ApplyGuide, ASpeedBeyondWhatFluidsDoIsTheFastestTheyDo) {
+  query::MotionGuide guide;
+  guide.speed = cv::Mat(kPicture, CV_32F, cv::Scalar(100));
+  EXPECT_FLOAT_EQ(apply_guide(everywhere({30, 0}), guide, all()).at<cv::Vec2f>(120, 40)[0], 100);
+  guide.speed = 5000;
+  EXPECT_FLOAT_EQ(apply_guide(everywhere({30, 0}), guide, all()).at<cv::Vec2f>(120, 40)[0], 0.8F * 320);
+}
+
 TEST(ApplyGuide, StandsWhereDirectionsOpposeEachOther) {
   query::MotionGuide guide;
   guide.direction = everywhere({0, 1});
