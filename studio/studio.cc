@@ -45,10 +45,14 @@ std::string Studio::home_json() const {
   Json ranges = Json::object();
   for (const synth::scene::SceneRange& each : synth::scene::scene_ranges())
     ranges[each.table + "." + each.key] = {each.slider.low, each.slider.high};
+  Json films = Json::array();
+  for (const media::FileFormat& each : media::file_formats())
+    if (media::looks_like_video("film" + std::string(each.ending))) films.push_back(each.ending);
   return json_text({{"projects", projects_.list()},
                     {"stores", stores},
                     {"folder", folder_.path().string()},
                     {"formats", offered_formats()},
+                    {"films", films},
                     {"ranges", ranges}});
 }
 

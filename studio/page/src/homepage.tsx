@@ -20,7 +20,7 @@ function ago(seconds: number): string {
   return `${Math.round(seconds / 86400)} days ago`;
 }
 
-const isVideo = (file: File): boolean => /\.(mp4|mov|mkv|avi|webm|m4v|mpe?g|mxf)$/i.test(file.name);
+const isVideo = (file: File): boolean => state.filmEndings.value.some((ending) => file.name.toLowerCase().endsWith(ending));
 
 const kManyProjects = 6; // from which on one looks for them by name
 
@@ -121,7 +121,7 @@ export function HomePage(): JSX.Element {
           <div class="row">
             <label class="button primary">
               Choose a clip
-              <input type="file" class="unseen" aria-label="Choose a clip to loop" accept="video/*,.mkv" onChange={(event) => { const file = event.currentTarget.files?.[0]; if (file) void begin(file.name, () => openEndless(file)); }} />
+              <input type="file" class="unseen" aria-label="Choose a clip to loop" accept={state.filmsAccepted.value} onChange={(event) => { const file = event.currentTarget.files?.[0]; if (file) void begin(file.name, () => openEndless(file)); }} />
             </label>
             {example && (
               <button type="button" class="quiet" disabled={busy !== ""} onClick={() => void begin(example.name, () => openStored(example, "clip"))}>
@@ -398,7 +398,7 @@ function ClipsDialog(props: { files: File[] | null; onClose: () => void }): JSX.
       <label class="drop small">
         <strong>{files.length === 0 ? "Choose clips" : `${files.length} clip${files.length === 1 ? "" : "s"}`}</strong>
         <span>{files.slice(0, 4).map((file) => file.name).join(", ")}</span>
-        <input type="file" multiple class="unseen" aria-label="Choose clips" accept="video/*,.mkv" onChange={(event) => setMore([...(event.currentTarget.files ?? [])])} />
+        <input type="file" multiple class="unseen" aria-label="Choose clips" accept={state.filmsAccepted.value} onChange={(event) => setMore([...(event.currentTarget.files ?? [])])} />
       </label>
       <label class="field">
         <span>Store</span>

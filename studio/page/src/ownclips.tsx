@@ -34,7 +34,7 @@ export function DropClip({ taken }: { taken: (name: string) => void }): JSX.Elem
     <label class="drop small" onDragOver={(event) => event.preventDefault()} onDrop={(event) => { event.preventDefault(); void take(event.dataTransfer?.files[0]); }}>
       <Film size={20} strokeWidth={1.5} aria-hidden />
       <strong>{sent || "Drop a clip, or choose a file"}</strong>
-      <input type="file" class="unseen" aria-label="Choose a clip's file" accept="video/*,.mkv" onChange={(event) => void take(event.currentTarget.files?.[0])} />
+      <input type="file" class="unseen" aria-label="Choose a clip's file" accept={state.filmsAccepted.value} onChange={(event) => void take(event.currentTarget.files?.[0])} />
     </label>
   );
 }

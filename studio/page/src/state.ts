@@ -12,6 +12,9 @@ export interface IngestReport {
 
 export const pageId = Math.random().toString(36).slice(2, 12);
 export const home = signal<Home | null>(null);
+export const filmEndings = computed(() => home.value?.films ?? []);
+/** As a file's input takes it. */
+export const filmsAccepted = computed(() => ["video/*", ...filmEndings.value].join(","));
 export const project = signal<Project | null>(null);
 export const doc = signal<Document | null>(null);
 export const mode = signal<Mode>("fluid");

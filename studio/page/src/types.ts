@@ -234,6 +234,7 @@ export interface Home {
   stores: Store[];
   folder: string;
   formats: OutputFormat[];
+  films: string[]; // endings of films that are read
   ranges: Record<string, [number, number]>; // of a scene's numbers, by table and key: what sliders show
 }
 

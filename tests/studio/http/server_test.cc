@@ -1,5 +1,6 @@
 #include "studio/http/server.h"
 
+#include <algorithm>
 #include <atomic>
 #include <fstream>
 #include <thread>
@@ -52,6 +53,14 @@ TEST_F(Server, ServesItsPageToWhoKnowsTheToken) {
   httplib::Client client("127.0.0.1", running().port());
   EXPECT_EQ(status(client.Get("/")), 403);
   EXPECT_EQ(status(client.Get("/api/home")), 403);
+}
+
+TEST_F(Server, TellsThePageWhichFilmsAreRead) {
+  const Json films = running().json("api/home")["films"];
+  for (const char* ending : {".mp4", ".mkv", ".ogv", ".mxf"})
+    EXPECT_NE(std::ranges::find(films, ending), films.end()) << ending;
+  for (const char* ending : {".png", ".webp", ".exr"})
+    EXPECT_EQ(std::ranges::find(films, ending), films.end()) << ending;
 }
 
 TEST_F(Server, RefusesForeignHostsAndPages) {
