@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdio>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -10,16 +11,29 @@
 
 namespace freshet::bench {
 
-/// texts   "WIDTHxHEIGHT", px. Throws CLI::ValidationError for another text and for sides below 64 px.
+/// "WIDTHxHEIGHT", px, each side 64 or more.
+inline std::optional<cv::Size> parse_size(const std::string& text) {
+  cv::Size size;
+  char rest = 0;
+  if (std::sscanf(text.c_str(), "%dx%d%c", &size.width, &size.height, &rest) != 2) return {};
+  if (size.width < 64 || size.height < 64) return {};
+  return size;
+}
+
+/// Adds --sizes; texts that are no size end the bench with what is wrong.
+inline void add_sizes(CLI::App& app, std::vector<std::string>& texts) {
+  app.add_option("--sizes", texts, "Sizes, px")
+      ->delimiter(',')
+      ->capture_default_str()
+      ->check([](const std::string& text) {
+        return parse_size(text) ? "" : text + " is not WIDTHxHEIGHT of at least 64 px";
+      });
+}
+
+/// Of texts that add_sizes() has checked.
 inline std::vector<cv::Size> parse_sizes(const std::vector<std::string>& texts) {
   std::vector<cv::Size> sizes;
-  for (const std::string& text : texts) {
-    cv::Size size;
-    if (std::sscanf(text.c_str(), "%dx%d", &size.width, &size.height) != 2 || size.width < 64 ||
-        size.height < 64)
-      throw CLI::ValidationError("--sizes", text + " is not WIDTHxHEIGHT of at least 64 px");
-    sizes.push_back(size);
-  }
+  for (const std::string& text : texts) sizes.push_back(parse_size(text).value());
   return sizes;
 }
 

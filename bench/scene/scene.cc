@@ -181,7 +181,7 @@ int main(int argc, char** argv) {
   int frames = 60, runs = 3;
   bool cut = false;
   std::string json_file;
-  app.add_option("--sizes", sizes, "Sizes, px")->delimiter(',')->capture_default_str();
+  freshet::bench::add_sizes(app, sizes);
   app.add_option("--frames", frames, "Frames a run")->check(CLI::Range(1, 10000))->capture_default_str();
   app.add_option("--runs", runs, "Runs; the best counts")->check(CLI::Range(1, 100))->capture_default_str();
   app.add_flag("--cut", cut, "Also cut the layers from the picture");

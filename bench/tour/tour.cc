@@ -116,7 +116,7 @@ int main(int argc, char** argv) {
   std::vector<std::string> sizes{"960x540", "1920x1080"};
   int frames = 50, runs = 3;
   std::string json_file;
-  app.add_option("--sizes", sizes, "Sizes, px")->delimiter(',')->capture_default_str();
+  freshet::bench::add_sizes(app, sizes);
   app.add_option("--frames", frames, "Frames a run")->check(CLI::Range(1, 10000))->capture_default_str();
   app.add_option("--runs", runs, "Runs; the best counts")->check(CLI::Range(1, 100))->capture_default_str();
   app.add_option("--json", json_file, "Write the figures here too");
