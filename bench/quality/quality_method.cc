@@ -94,8 +94,7 @@ const std::vector<Setting>& all_settings() {
          [](Method& m, const std::string& text) { m.label.minimizer = query::parse_minimizer(text); }},
         {"hint-weight", "times the costs of moving otherwise than asked", true,
          [](Method& m, const std::string& text) {
-           query::GuideCosts& costs = m.label.guide_costs;
-           for (double* const cost : {&costs.direction, &costs.speed, &costs.unsteady}) *cost *= number(text);
+           m.label.guide_costs = query::weighted(m.label.guide_costs, number(text));
          }},
         {"piece-scale", "divisor of the picture's sides before it is cut into pieces", true,
          to([](Method & m) -> auto& { return m.label.piece_scale; })},

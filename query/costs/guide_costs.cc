@@ -8,6 +8,11 @@
 
 namespace freshet::query {
 
+GuideCosts weighted(const GuideCosts& costs, double weight) {
+  const auto& [direction, speed, unsteady] = costs;
+  return {.direction = weight * direction, .speed = weight * speed, .unsteady = weight * unsteady};
+}
+
 GuideCosts default_guide_costs(HintSearch search) {
   if (search == HintSearch::kNarrow) return {.direction = 0.3, .speed = 0.05, .unsteady = 0};
   return {};

@@ -23,6 +23,8 @@ struct GuideCosts {
   double direction = 0.05, speed = 0.01, unsteady = 0.05;
 };
 GuideCosts default_guide_costs(HintSearch search);
+/// Each of them times a weight.
+GuideCosts weighted(const GuideCosts& costs, double weight);
 /// steadiness   0..1, see steadiness.h; 1 where it is not known.
 double guide_price(const PieceMotion& asked, float mean_u, float mean_v, float steadiness,
                    const GuideCosts& weights);

@@ -31,12 +31,14 @@ MotionGuide guide_of_animation(const LabelRequest& request, cv::Size picture) {
 
 void adopt_guess(const MotionGuide& guess, LabelOptions& options) {
   if (options.hint_search == HintSearch::kWide) {
-    // What they were weighed by stays.
+    // What they were weighed by stays, and the price of what is unsteady: a guess is of steady motion.
     const GuideCosts wide = default_guide_costs(HintSearch::kWide),
                      narrow = default_guide_costs(HintSearch::kNarrow);
     options.hint_search = HintSearch::kNarrow;
-    options.guide_costs.direction = narrow.direction * (options.guide_costs.direction / wide.direction);
-    options.guide_costs.speed = narrow.speed * (options.guide_costs.speed / wide.speed);
+    const auto [direction, speed, unsteady] = options.guide_costs;
+    options.guide_costs = {.direction = narrow.direction * (direction / wide.direction),
+                           .speed = narrow.speed * (speed / wide.speed),
+                           .unsteady = unsteady};
     options.guide = widened(options.guide);
   }
   options.guide.direction = guess.direction;

@@ -62,9 +62,7 @@ void SolverOptions::add_to(CLI::App& command) {
 query::Minimizer SolverOptions::solver() const { return query::parse_minimizer(solver_); }
 
 query::GuideCosts SolverOptions::guide_costs(query::HintSearch search) const {
-  query::GuideCosts costs = query::default_guide_costs(search);
-  for (double* const cost : {&costs.direction, &costs.speed, &costs.unsteady}) *cost *= hint_weight_;
-  return costs;
+  return query::weighted(query::default_guide_costs(search), hint_weight_);
 }
 
 query::PairwiseOptions SolverOptions::costs() const { return costs(query::parse_cost_form(costs_)); }
