@@ -65,8 +65,8 @@ class Easel {
   /// JPEG of a part of the picture, its longer side at most so many px. part   px; cut at the picture's edges; empty:
   /// all of it. Throws Error{kNotFound} for a part beside the picture.
   std::string picture_jpeg(const cv::Rect& part, int longest) const;
-  /// What looks as if it stood in the matte and is not held yet (vision::what_stands): outlines, the largest first, each
-  /// x0, y0, x1, y1, .. px of the picture. Throws Error{kNotFound} before there is a matte.
+  /// What looks as if it stood in the matte and is not held yet (vision::what_stands): outlines, the largest first,
+  /// each x0, y0, x1, y1, .. px of the picture. Throws Error{kNotFound} before there is a matte.
   std::string standing_json() const;
   /// PNG, white, with the matte as its alpha.
   std::string matte_png(const cv::Mat& alpha, int longest) const;
