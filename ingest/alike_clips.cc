@@ -8,6 +8,7 @@
 #include "freshet/error.h"
 #include "stored/average_image.h"
 #include "stored/clip_frames.h"
+#include "vision/dot.h"
 
 namespace freshet::ingest {
 namespace {
@@ -18,8 +19,8 @@ constexpr std::uint32_t kSlab = 16;
 
 double correlation(const cv::Mat& a, const cv::Mat& b) {
   const cv::Mat x = a - cv::mean(a), y = b - cv::mean(b);
-  const double energy = std::sqrt(x.dot(x) * y.dot(y));
-  return energy > 0 ? x.dot(y) / energy : 1;
+  const double energy = std::sqrt(vision::dot(x, x) * vision::dot(y, y));
+  return energy > 0 ? vision::dot(x, y) / energy : 1;
 }
 
 cv::Mat mean_of(const FilmTrace& film) {

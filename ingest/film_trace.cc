@@ -5,6 +5,8 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include "vision/dot.h"
+
 namespace freshet::ingest {
 namespace {
 
@@ -23,8 +25,9 @@ double correlation(const cv::Mat& a, const cv::Mat& b) {
     return cv::Mat(rows - cv::repeat(mean, rows.rows, 1));
   };
   const cv::Mat x = centred(a), y = centred(b);
-  const double xx = x.dot(x), yy = y.dot(y), still = kStill * static_cast<double>(x.total());
-  return xx > still && yy > still ? x.dot(y) / std::sqrt(xx * yy) : 0;
+  const double xx = vision::dot(x, x), yy = vision::dot(y, y),
+               still = kStill * static_cast<double>(x.total());
+  return xx > still && yy > still ? vision::dot(x, y) / std::sqrt(xx * yy) : 0;
 }
 
 }  // namespace

@@ -7,6 +7,8 @@
 #include <fmt/format.h>
 #include <opencv2/imgproc.hpp>
 
+#include "vision/dot.h"
+
 namespace freshet::ingest {
 namespace {
 
@@ -26,7 +28,8 @@ float decorrelation(const cv::Mat& a, const cv::Mat& b) {
   x -= cv::mean(x);
   y -= cv::mean(y);
   const double floor = 4.0 * static_cast<double>(x.total());  // 2 grey levels: noise does not correlate
-  return static_cast<float>(1 - (x.dot(y) + floor) / (std::sqrt(x.dot(x) * y.dot(y)) + floor));
+  return static_cast<float>(1 - (vision::dot(x, y) + floor) /
+                                    (std::sqrt(vision::dot(x, x) * vision::dot(y, y)) + floor));
 }
 
 }  // namespace

@@ -7,6 +7,8 @@
 #include <oneapi/tbb/parallel_for.h>
 #include <opencv2/imgproc.hpp>
 
+#include "vision/dot.h"
+
 namespace freshet::synth::judging {
 namespace {
 
@@ -38,7 +40,8 @@ double colour_drift(std::span<const cv::Mat> frames, const cv::Mat& still, const
     cv::Mat same, away = square_means(frames[i], weight, cells, same) - own;
     std::vector<cv::Mat> channels;
     cv::split(away.mul(away), channels);
-    for (const cv::Mat& squares : channels) drift[i] = std::max(drift[i], std::sqrt(squares.dot(mass) / all));
+    for (const cv::Mat& squares : channels)
+      drift[i] = std::max(drift[i], std::sqrt(vision::dot(squares, mass) / all));
   });
   return drift.empty() ? 0 : *std::max_element(drift.begin(), drift.end());
 }

@@ -7,6 +7,8 @@
 #include <oneapi/tbb/parallel_for.h>
 #include <opencv2/imgproc.hpp>
 
+#include "vision/dot.h"
+
 namespace freshet::synth::judging {
 namespace {
 
@@ -65,7 +67,7 @@ Reading recurrence(std::span<const cv::Mat> luma, const cv::Mat& matte) {
     int like = 0;
     for (int j = 0; j < frames; ++j)
       if (std::abs(i - j) >= kRecurrenceGap)
-        if (const double alike = forms.row(i).dot(forms.row(j)); alike > best) {
+        if (const double alike = vision::dot(forms.row(i), forms.row(j)); alike > best) {
           best = alike;
           like = j;
         }

@@ -12,6 +12,7 @@
 #include "platform/vectors.h"
 #include "synth/animate/placement/piece_values.h"
 #include "synth/sampling/square_pyramid.h"
+#include "vision/dot.h"
 #include "vision/pyramid.h"
 
 namespace freshet::synth::animate {
@@ -232,7 +233,7 @@ std::vector<double> Blender::band_power(const cv::Mat& window) {
       cv::pyrUp(low, wide, current.size());
     }
     const cv::Mat band = last ? current : cv::Mat(current - wide);
-    power.push_back(band.dot(band) / static_cast<double>(band.total()));
+    power.push_back(vision::dot(band, band) / static_cast<double>(band.total()));
     std::swap(current, low);
   }
   return power;

@@ -7,6 +7,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "synth/animate/forms/light_level.h"
+#include "vision/dot.h"
 
 namespace freshet::synth::animate {
 namespace {
@@ -37,8 +38,8 @@ struct Laid {
 };
 
 double cosine(const cv::Mat& a, const cv::Mat& b) {
-  const double aa = a.dot(a), bb = b.dot(b);
-  return aa > 0 && bb > 0 ? a.dot(b) / std::sqrt(aa * bb) : 0;
+  const double aa = vision::dot(a, a), bb = vision::dot(b, b);
+  return aa > 0 && bb > 0 ? vision::dot(a, b) / std::sqrt(aa * bb) : 0;
 }
 
 cv::Mat blurred(const cv::Mat& level, double sigma) {

@@ -10,6 +10,7 @@
 #include "synth/animate/forms/seats.h"
 #include "synth/animate/still/colour_model.h"
 #include "synth/sampling/pull_push.h"
+#include "vision/dot.h"
 
 namespace freshet::synth::animate {
 namespace {
@@ -182,8 +183,8 @@ PartedStill part(const cv::Mat& picture, const cv::Mat& alpha) {
   parted.share = shining / fluid;
   cv::Mat dark = 1 - shine;
   dark.setTo(0, ~around);
-  const auto ground = static_cast<float>(luma.dot(dark) / std::max(cv::sum(dark)[0], 1.0));
-  parted.contrast = luma.dot(shine) / shining - ground;
+  const auto ground = static_cast<float>(vision::dot(luma, dark) / std::max(cv::sum(dark)[0], 1.0));
+  parted.contrast = vision::dot(luma, shine) / shining - ground;
   const float above = std::max(0.05f, threshold - ground);
 
   // Below flames, and below the glow around them, the ground is guessed: from what is dark nearby.

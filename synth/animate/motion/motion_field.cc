@@ -8,6 +8,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "stored/clip_cells.h"
+#include "vision/dot.h"
 #include "vision/look/horizon.h"
 #include "vision/patch_features.h"
 
@@ -34,7 +35,7 @@ cv::Mat evened(const cv::Mat& direction) {
 /// How fast a plane is seen to go, over its mean in the fluid. CV_32F.
 cv::Mat seen_share(const Horizon& horizon, const cv::Mat& direction, const cv::Mat& matte) {
   cv::Mat seen = vision::seen_speeds(horizon, direction, matte.size());
-  const double mean = seen.dot(matte) / std::max(cv::sum(matte)[0], 1.0);
+  const double mean = vision::dot(seen, matte) / std::max(cv::sum(matte)[0], 1.0);
   if (mean > 0) seen /= mean;
   return seen;
 }

@@ -6,6 +6,7 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include "vision/dot.h"
 #include "vision/pyramid.h"
 
 namespace freshet::synth::animate {
@@ -36,7 +37,7 @@ LayoutShare::LayoutShare(std::vector<cv::Mat> by_level, const cv::Mat& matte)
     cv::minMaxLoc(share, &least, &most, nullptr, nullptr, within > 0);
     least_ = std::min(least_, least);
     most_ = std::max(most_, most);
-    mean_ += share.dot(within) / all / static_cast<double>(by_level_.size());
+    mean_ += vision::dot(share, within) / all / static_cast<double>(by_level_.size());
   }
 }
 

@@ -8,6 +8,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "synth/animate/still/base_image.h"
+#include "vision/dot.h"
 #include "vision/pyramid.h"
 
 namespace freshet::synth::animate {
@@ -50,7 +51,7 @@ cv::Mat ramp(const cv::Mat& values, float from, float to) {
 }
 
 double mean_square(const cv::Mat& band, const cv::Mat& within) {
-  return band.mul(band).dot(within) / std::max(cv::sum(within)[0], 1.0);
+  return vision::dot(band.mul(band), within) / std::max(cv::sum(within)[0], 1.0);
 }
 
 /// Edges that lie across the flow and stand out of what is usual around them: brinks, ledges, rims. Texture has steep

@@ -1,0 +1,12 @@
+// vision/dot.h — the sum of products of two matrices, the same on every processor.
+#pragma once
+
+#include <opencv2/core.hpp>
+
+namespace freshet::vision {
+
+/// Of two CV_32F matrices of one size and any channels. cv::Mat::dot adds in an order that depends on the processor's
+/// vectors: a last bit of it has changed frames.
+double dot(const cv::Mat& one, const cv::Mat& other);
+
+}  // namespace freshet::vision
