@@ -136,6 +136,11 @@ std::string repacked(const std::string& format) {
 
 }  // namespace
 
+StreamFile::CoderOptions::~CoderOptions() {
+  av_dict_free(&coding);
+  av_dict_free(&muxing);
+}
+
 void StreamFile::CloseContainer::operator()(AVFormatContext* container) const {
   if (container->pb) avio_closep(&container->pb);
   avformat_free_context(container);
@@ -171,6 +176,58 @@ void StreamFile::fail(int code, const std::string& doing) {
               disk ? "Make room on the disk" : "Check the folder, its permissions and the frame size");
 }
 
+StreamFile::CoderOptions StreamFile::set_coding() {
+  CoderOptions options;
+  switch (coding_) {
+    case Coding::kH264:
+      // A key frame codes anew what stands still: with one every two seconds a waterfall's rocks jumped by .34 grey
+      // levels at each (.10 at most elsewhere), and lower ratios of quantisers did not help. So there is the first,
+      // and another every minute for players that jump; scene cuts are none of ours.
+      context_->gop_size = static_cast<int>(
+          std::clamp<std::int64_t>(kKeyEvery_s * options_.fps_num / options_.fps_den, 1, 1 << 20));
+      // Its AVX-512 code reads memory that nobody wrote where a picture is not a multiple of 256 px wide (0.164: bytes
+      // differed from run to run, by what lay on the heap); and each width of vectors gives other bytes. What does not
+      // depend on the processor does neither, and is as fast.
+      av_dict_set(&options.coding, "x264-params", "scenecut=0:cpu-independent=1", 0);
+      context_->flags |= AV_CODEC_FLAG_CLOSED_GOP;
+      av_dict_set(&options.coding, "preset", kX264Preset, 0);
+      av_dict_set_int(&options.coding, "crf", options_.crf, 0);
+      if (options_.crf > 0)
+        av_dict_set(&options.coding, "profile", options_.bits == 10 ? "high10" : "high",
+                    0);  // lossless is above High
+      av_dict_set(&options.muxing, "movflags", "+faststart", 0);
+      break;
+    case Coding::kFfv1:
+      context_->gop_size = 1;
+      // Level 3 refuses, or loses, slices of less than a pixel: FFmpeg 5.1 gives 1 x 9 and 2 x 2 px back black.
+      context_->level = std::min(context_->width, context_->height) < kSmallestSliced ? 1 : 3;
+      if (context_->level < 3) break;
+      context_->slices = kFfv1Slices;
+      av_dict_set(&options.coding, "slicecrc", "1", 0);
+      break;
+    case Coding::kProRes:
+      av_dict_set(&options.coding, "profile", "4444", 0);
+      av_dict_set(&options.coding, "vendor", "apl0", 0);  // some programs open no other maker's
+      av_dict_set(&options.coding, "alpha_bits", "16", 0);
+      break;
+    case Coding::kWebp:
+      av_dict_set(&options.coding, "quality", kWebpQuality, 0);
+      av_dict_set(&options.muxing, "loop", "0", 0);
+      break;
+    case Coding::kApng:
+      av_dict_set(&options.muxing, "plays", "0", 0);
+      break;
+    case Coding::kGif:
+      av_dict_set(&options.muxing, "loop", "0", 0);
+      break;
+    case Coding::kNone:
+    case Coding::kPicture:
+    case Coding::kExr:
+      break;
+  }
+  return options;
+}
+
 void StreamFile::open(const PixelLayout& coded) {
   const AVCodec* codec = avcodec_find_encoder_by_name(codec_of(coding_).encoder);
   if (!codec)
@@ -199,58 +256,8 @@ void StreamFile::open(const PixelLayout& coded) {
   context_->thread_count = kThreads;
   if (container_->oformat->flags & AVFMT_GLOBALHEADER) context_->flags |= AV_CODEC_FLAG_GLOBAL_HEADER;
 
-  AVDictionary* coding = nullptr;
-  AVDictionary* muxing = nullptr;
-  switch (coding_) {
-    case Coding::kH264:
-      // A key frame codes anew what stands still: with one every two seconds a waterfall's rocks jumped by .34 grey
-      // levels at each (.10 at most elsewhere), and lower ratios of quantisers did not help. So there is the first,
-      // and another every minute for players that jump; scene cuts are none of ours.
-      context_->gop_size = static_cast<int>(
-          std::clamp<std::int64_t>(kKeyEvery_s * options_.fps_num / options_.fps_den, 1, 1 << 20));
-      // Its AVX-512 code reads memory that nobody wrote where a picture is not a multiple of 256 px wide (0.164: bytes
-      // differed from run to run, by what lay on the heap); and each width of vectors gives other bytes. What does not
-      // depend on the processor does neither, and is as fast.
-      av_dict_set(&coding, "x264-params", "scenecut=0:cpu-independent=1", 0);
-      context_->flags |= AV_CODEC_FLAG_CLOSED_GOP;
-      av_dict_set(&coding, "preset", kX264Preset, 0);
-      av_dict_set_int(&coding, "crf", options_.crf, 0);
-      if (options_.crf > 0)
-        av_dict_set(&coding, "profile", options_.bits == 10 ? "high10" : "high",
-                    0);  // lossless is above High
-      av_dict_set(&muxing, "movflags", "+faststart", 0);
-      break;
-    case Coding::kFfv1:
-      context_->gop_size = 1;
-      // Level 3 refuses, or loses, slices of less than a pixel: FFmpeg 5.1 gives 1 x 9 and 2 x 2 px back black.
-      context_->level = std::min(coded.width, coded.height) < kSmallestSliced ? 1 : 3;
-      if (context_->level < 3) break;
-      context_->slices = kFfv1Slices;
-      av_dict_set(&coding, "slicecrc", "1", 0);
-      break;
-    case Coding::kProRes:
-      av_dict_set(&coding, "profile", "4444", 0);
-      av_dict_set(&coding, "vendor", "apl0", 0);  // some programs open no other maker's
-      av_dict_set(&coding, "alpha_bits", "16", 0);
-      break;
-    case Coding::kWebp:
-      av_dict_set(&coding, "quality", kWebpQuality, 0);
-      av_dict_set(&muxing, "loop", "0", 0);
-      break;
-    case Coding::kApng:
-      av_dict_set(&muxing, "plays", "0", 0);
-      break;
-    case Coding::kGif:
-      av_dict_set(&muxing, "loop", "0", 0);
-      break;
-    case Coding::kNone:
-    case Coding::kPicture:
-    case Coding::kExr:
-      break;
-  }
-
-  int code = avcodec_open2(context_.get(), codec, &coding);
-  av_dict_free(&coding);
+  CoderOptions options = set_coding();
+  int code = avcodec_open2(context_.get(), codec, &options.coding);
   if (code >= 0) {
     stream_ = avformat_new_stream(container_.get(), nullptr);
     if (!stream_) throw std::bad_alloc();
@@ -261,8 +268,7 @@ void StreamFile::open(const PixelLayout& coded) {
     if (coded.rotation != 0) av_dict_set_int(&stream_->metadata, "rotate", coded.rotation, 0);
     code = avcodec_parameters_from_context(stream_->codecpar, context_.get());
   }
-  if (code >= 0) code = avformat_write_header(container_.get(), &muxing);
-  av_dict_free(&muxing);
+  if (code >= 0) code = avformat_write_header(container_.get(), &options.muxing);
   if (code < 0)
     fail(code, "encoding " + std::to_string(coded.width) + " x " + std::to_string(coded.height) + " as " +
                    codec_of(coding_).encoder + " cannot begin");

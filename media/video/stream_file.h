@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <utility>
 
 #include <opencv2/core.hpp>
 
@@ -38,7 +39,19 @@ class StreamFile {
     void operator()(AVFormatContext* container) const;
   };
 
+  /// What the encoder and the muxer are told beside the context's own fields; they take out what they know.
+  struct CoderOptions {
+    AVDictionary *coding = nullptr, *muxing = nullptr;
+
+    CoderOptions() = default;
+    CoderOptions(CoderOptions&& other) noexcept
+        : coding(std::exchange(other.coding, nullptr)), muxing(std::exchange(other.muxing, nullptr)) {}
+    ~CoderOptions();
+  };
+
   void open(const PixelLayout& coded);
+  /// Of the context, what is the coding's own.
+  CoderOptions set_coding();
   void convert_and_encode(const PixelLayout& layout, const Frame& source, const PixelLayout& coded);
   void encode(const AVFrame* frame);
   void write_to_palette(const cv::Mat& picture);

@@ -132,6 +132,52 @@ void make_patches(const scene::PatchesTarget& target, const scene::PushedFrames:
   animate_layer(request, sink, context);
 }
 
+/// All that was written.
+std::vector<std::string> files_of(const SceneCommand& command, const LayerFiles& layers) {
+  std::vector<std::string> files = command.output.files();
+  files.insert(files.end(), layers.files().begin(), layers.files().end());
+  for (const std::string& file : {command.sheet, command.drawing})
+    if (!file.empty()) files.push_back(file);
+  return files;
+}
+
+struct Spent {
+  double cut = 0, stage = 0, render = 0;  // s
+};
+
+/// Says what was made, and prints its files.
+void report(const SceneCommand& command, const scene::Scene& asked, cv::Size size,
+            const std::vector<std::string>& files, const Spent& spent,
+            const scene::SceneAnimation& animation) {
+  const scene::SceneSeconds& seconds = animation.seconds();
+  say(fmt::format(
+      "{} frames of {} x {} from {} layers in {:.1f} s (cut {:.1f}, stage {:.1f}; motion {:.1f}, "
+      "composite {:.1f}, "
+      "layers' own frames {:.1f}, write {:.1f}); sprites {:.0f} MB",
+      asked.frames, size.width, size.height, asked.layers.size(), spent.cut + spent.stage + spent.render,
+      spent.cut, spent.stage, seconds.motion, seconds.composite, seconds.frames,
+      spent.render - seconds.motion - seconds.composite - seconds.frames,
+      1e-6 * static_cast<double>(animation.bytes())));
+  if (!command.json) {
+    for (const std::string& path : files) fmt::print("{}\n", path);
+    return;
+  }
+  fmt::print("{}\n", nlohmann::json{{"files", files},
+                                    {"frames", asked.frames},
+                                    {"layers", asked.layers.size()},
+                                    {"width", size.width},
+                                    {"height", size.height},
+                                    {"fps", asked.fps},
+                                    {"seconds",
+                                     {{"cut", spent.cut},
+                                      {"stage", spent.stage},
+                                      {"motion", seconds.motion},
+                                      {"composite", seconds.composite},
+                                      {"layers", seconds.frames},
+                                      {"render", spent.render}}}}
+                         .dump(2));
+}
+
 void run_scene(SceneCommand& command, const RunContext& context) {
   if (command.print_keys) {
     fmt::print("{}", scene::scene_keys());
@@ -209,37 +255,7 @@ void run_scene(SceneCommand& command, const RunContext& context) {
   progress.finish();
   if (!command.sheet.empty()) media::write_picture(command.sheet, sheet.draw());
   const double render_s = watch.lap();
-  const scene::SceneSeconds& seconds = animation.seconds();
-  say(
-      fmt::format("{} frames of {} x {} from {} layers in {:.1f} s (cut {:.1f}, stage {:.1f}; motion {:.1f}, "
-                  "composite {:.1f}, "
-                  "layers' own frames {:.1f}, write {:.1f}); sprites {:.0f} MB",
-                  asked.frames, frame.cols, frame.rows, asked.layers.size(), cut_s + stage_s + render_s,
-                  cut_s, stage_s, seconds.motion, seconds.composite, seconds.frames,
-                  render_s - seconds.motion - seconds.composite - seconds.frames,
-                  1e-6 * static_cast<double>(animation.bytes())));
-  std::vector<std::string> files = command.output.files();
-  files.insert(files.end(), layer_files.files().begin(), layer_files.files().end());
-  for (const std::string& file : {command.sheet, command.drawing})
-    if (!file.empty()) files.push_back(file);
-  if (!command.json) {
-    for (const std::string& path : files) fmt::print("{}\n", path);
-    return;
-  }
-  fmt::print("{}\n", nlohmann::json{{"files", files},
-                                    {"frames", asked.frames},
-                                    {"layers", asked.layers.size()},
-                                    {"width", frame.cols},
-                                    {"height", frame.rows},
-                                    {"fps", asked.fps},
-                                    {"seconds",
-                                     {{"cut", cut_s},
-                                      {"stage", stage_s},
-                                      {"motion", seconds.motion},
-                                      {"composite", seconds.composite},
-                                      {"layers", seconds.frames},
-                                      {"render", render_s}}}}
-                         .dump(2));
+  report(command, asked, frame.size(), files_of(command, layer_files), {cut_s, stage_s, render_s}, animation);
 }
 
 }  // namespace
