@@ -292,8 +292,8 @@ void add_store(CLI::App& app, RunContext& context) {
       "were "
       "written, as far as their headers tell",
       false, true, [&context](const StoreCommand& c) { info(c, context); });
-  add("verify", "Read every record and check its place and its hash; exit code 3 when one is damaged", false,
-      true, [&context](const StoreCommand& c) { verify(c, context); });
+  add("verify", "Check the place and the hash of every record; exit code 3 if one is damaged", false, true,
+      [&context](const StoreCommand& c) { verify(c, context); });
   add("digest",
       "One hash of all logical content: equal for equal clips and settings, whatever the order or threads",
       false, true, [](const StoreCommand& c) { digest(c); });
@@ -305,9 +305,10 @@ void add_store(CLI::App& app, RunContext& context) {
   sub->add_option("-o,--output", command->out, "NAME.mkv, or a numbered sequence such as frames/%05d.png")
       ->required();
   add_overwrite(*sub);
-  CLI::App* made = store->add_subcommand("starter",
-                                         "Make the store that commands use where none is given: simulated "
-                                         "clips of water, fire, smoke and clouds");
+  CLI::App* made =
+      store->add_subcommand("starter",
+                            "Make the store that commands use by default: simulated clips of water, "
+                            "fire, smoke and clouds");
   auto starter = std::make_shared<StarterCommand>();
   made->add_option("-o,--output", starter->out, "The store file");
   made->add_option(

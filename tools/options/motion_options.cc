@@ -149,7 +149,7 @@ void MotionOptions::add_outputs_to(CLI::App& command) {
       ->group(kGroup);
   command
       .add_option("--speed-out", speed_out_,
-                  "Write the assigned speeds, to be edited and given back with --speed-map (PNG, 16 bits)")
+                  "Write the assigned speeds, to edit and pass to --speed-map (PNG, 16 bits)")
       ->group(kGroup);
 }
 

@@ -54,7 +54,8 @@ void SolverOptions::add_to(CLI::App& command) {
       ->capture_default_str()
       ->group(in_detail("Labelling"));
   rho_option_ =
-      command.add_option("--rho", rho_, "Weight of textureness against mean motion [log 0.25, power 10000]")
+      command
+          .add_option("--rho", rho_, "Weight of textureness, relative to mean motion [log 0.25, power 10000]")
           ->check(CLI::NonNegativeNumber)
           ->group(in_detail("Labelling"));
 }

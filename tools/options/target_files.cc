@@ -13,9 +13,7 @@ void TargetFiles::add_to(CLI::App& command) {
       "The store file, or a list of stores (NAME.stores, a name a line) that are searched as one [the "
       "starter store, which Freshet makes itself, once]");
   command.add_option("PICTURE", picture, "REQUIRED. The still picture (PNG, JPEG, TIFF, ...)");
-  command
-      .add_option("--store", added,
-                  "Another store, searched together with STORE as one; may be given several times [none]")
+  command.add_option("--store", added, "Additional store, searched together with STORE; repeatable [none]")
       ->allow_extra_args(false);
   CLI::Option* given = command.add_option("--matte", matte,
                                           "Grey picture, white where the fluid is [the picture's own alpha]");

@@ -165,7 +165,7 @@ void add_bench(CLI::App& query_command, RunContext& context) {
          "faiss-hnsw, faiss-ivf [all]")
       ->delimiter(',');
   query::SearchBenchmarkOptions& options = command->options;
-  sub->add_option("--rows", options.rows, "Number of patches to search, evenly spread over the store [all]")
+  sub->add_option("--rows", options.rows, "Number of query patches, evenly spread over the store [all]")
       ->check(CLI::Range(1, 1 << 30));
   sub->add_option("--pieces", options.pieces, "Number of pieces, evenly spread over the pictures")
       ->check(CLI::Range(1, 1'000'000))

@@ -548,7 +548,7 @@ void run_sweep(SweepCommand& command, const RunContext& context) {
 void add_sweep(CLI::App& synth_command, RunContext& context) {
   auto command = std::make_shared<SweepCommand>();
   CLI::App* sub = synth_command.add_subcommand(
-      "sweep", "Animate a still picture with all combinations of some of animate's options, side by side");
+      "sweep", "Animate a picture with every combination of given animate options, side by side");
   add_varied_to(*sub, command->shared);
   sub->add_option("--vary", command->axes,
                   "An option of freshet synth animate and its values: speed=0.5,1,2; strokes=a.svg,b.svg; "

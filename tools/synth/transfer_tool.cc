@@ -537,7 +537,7 @@ void add_inputs(CLI::App& sub, TransferCommand& command) {
       ->type_name("X,Y")
       ->capture_default_str()
       ->group(output);
-  sub.add_flag("--restart", command.restart, "Begin anew, whatever an unfinished run has left [off]")
+  sub.add_flag("--restart", command.restart, "Discard an unfinished run and start again [off]")
       ->group(output);
 }
 
@@ -565,8 +565,8 @@ void add_transfer(CLI::App& synth_command, RunContext& context) {
   number("--eta", options.eta, "Weight of the distance to the outline; less: more varied boundaries", 0.0,
          16.0);
   number("--blur-radius", options.radius, "Blur of the masks that finds the boundary, px", 0.5, 50.0);
-  number("--lower", options.lower, "Blurred alpha from which on there is boundary, 0 to 1", 0.0, 1.0);
-  number("--upper", options.upper, "Blurred alpha from which on there is interior, 0 to 1", 0.0, 1.0);
+  number("--lower", options.lower, "Blurred alpha above which a pixel is boundary, 0 to 1", 0.0, 1.0);
+  number("--upper", options.upper, "Blurred alpha above which a pixel is interior, 0 to 1", 0.0, 1.0);
   number("--levels", options.levels, "Levels of the pyramid; 0: down to 24 px", 0, 10);
   number("--iterations", options.iterations,
          "Of retrieval and vote, per level; half as many at full size after the first frame", 1, 100);
