@@ -115,6 +115,40 @@ void Texture::filled() {
   }
 }
 
+void Texture::average(float x, float y, const float* side, cv::Vec4f& out) const {
+  const float along_x = std::sqrt(side[0] * side[0] + side[1] * side[1]),
+              along_y = std::sqrt(side[2] * side[2] + side[3] * side[3]);
+  const float wide = std::max(along_x, along_y), area = std::abs(side[0] * side[3] - side[1] * side[2]);
+  const float* way = along_x >= along_y ? side : side + 2;
+  const float narrow = std::max({wide > 0 ? area / wide : 0.0f, wide / kMostTaps, 1.0f});
+  // The taps together are as wide as what is covered: each is `narrow` wide itself.
+  const float spread = std::max(0.0f, wide - narrow);
+  const int taps = std::min(kMostTaps, 1 + static_cast<int>(std::ceil(spread / narrow - 1e-3f)));
+  const float step = taps > 1 ? spread / (wide * static_cast<float>(taps - 1)) : 0.0f;
+  const float depth = std::min(std::log2(narrow), static_cast<float>(levels_.size() - 1));
+  const auto fine = static_cast<std::size_t>(depth);
+  const float part = depth - static_cast<float>(fine);
+  Quad sum{0, 0, 0, 0};
+  for (std::size_t l = fine; l <= fine + (part > 0 ? 1 : 0) && l < levels_.size(); ++l) {
+    const Level& level = levels_[l];
+    const float scale = 1 / static_cast<float>(1u << l), share = l == fine ? 1 - part : part;
+    const auto level_stride = static_cast<std::ptrdiff_t>(level.padded.step1() / 4);
+    const auto* level_base = level.padded.ptr<cv::Vec4f>(kPad) + kPad;
+    const float last_x = static_cast<float>(level.size.width) + 1,
+                last_y = static_cast<float>(level.size.height) + 1;
+    Quad of_level{0, 0, 0, 0};
+    for (int t = 0; t < taps; ++t) {
+      const float away = step * (static_cast<float>(t) - 0.5f * static_cast<float>(taps - 1));
+      const float px = (x + away * way[0] + 0.5f) * scale - 0.5f,
+                  py = (y + away * way[1] + 0.5f) * scale - 0.5f;
+      of_level +=
+          cubic(level_base, level_stride, std::clamp(px, -2.0f, last_x), std::clamp(py, -2.0f, last_y));
+    }
+    sum += of_level * (share / static_cast<float>(taps));
+  }
+  std::memcpy(out.val, &sum, sizeof sum);
+}
+
 void Texture::read(const cv::Matx33d& homography, int x, int y, int n, cv::Vec4f* out) const {
   const double ax = homography(0, 1) * y + homography(0, 2), ay = homography(1, 1) * y + homography(1, 2),
                aw = homography(2, 1) * y + homography(2, 2);
@@ -174,37 +208,7 @@ void Texture::read(const cv::Matx33d& homography, int x, int y, int n, cv::Vec4f
       float s[4];
       sides(i, s);
       if (outside) within(places_x[i], places_y[i]);
-      const float along_x = std::sqrt(s[0] * s[0] + s[1] * s[1]),
-                  along_y = std::sqrt(s[2] * s[2] + s[3] * s[3]);
-      const float wide = std::max(along_x, along_y), area = std::abs(s[0] * s[3] - s[1] * s[2]);
-      const float* way = along_x >= along_y ? s : s + 2;
-      const float narrow = std::max({wide > 0 ? area / wide : 0.0f, wide / kMostTaps, 1.0f});
-      // The taps together are as wide as what is covered: each is `narrow` wide itself.
-      const float spread = std::max(0.0f, wide - narrow);
-      const int taps = std::min(kMostTaps, 1 + static_cast<int>(std::ceil(spread / narrow - 1e-3f)));
-      const float step = taps > 1 ? spread / (wide * static_cast<float>(taps - 1)) : 0.0f;
-      const float depth = std::min(std::log2(narrow), static_cast<float>(levels_.size() - 1));
-      const auto fine = static_cast<std::size_t>(depth);
-      const float part = depth - static_cast<float>(fine);
-      Quad sum{0, 0, 0, 0};
-      for (std::size_t l = fine; l <= fine + (part > 0 ? 1 : 0) && l < levels_.size(); ++l) {
-        const Level& level = levels_[l];
-        const float scale = 1 / static_cast<float>(1u << l), share = l == fine ? 1 - part : part;
-        const auto level_stride = static_cast<std::ptrdiff_t>(level.padded.step1() / 4);
-        const auto* level_base = level.padded.ptr<cv::Vec4f>(kPad) + kPad;
-        const float last_x = static_cast<float>(level.size.width) + 1,
-                    last_y = static_cast<float>(level.size.height) + 1;
-        Quad of_level{0, 0, 0, 0};
-        for (int t = 0; t < taps; ++t) {
-          const float away = step * (static_cast<float>(t) - 0.5f * static_cast<float>(taps - 1));
-          const float px = (places_x[i] + away * way[0] + 0.5f) * scale - 0.5f,
-                      py = (places_y[i] + away * way[1] + 0.5f) * scale - 0.5f;
-          of_level +=
-              cubic(level_base, level_stride, std::clamp(px, -2.0f, last_x), std::clamp(py, -2.0f, last_y));
-        }
-        sum += of_level * (share / static_cast<float>(taps));
-      }
-      std::memcpy(out[first + i].val, &sum, sizeof sum);
+      average(places_x[i], places_y[i], s, out[first + i]);
     }
   }
 }

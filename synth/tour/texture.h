@@ -39,6 +39,8 @@ class Texture {
   };
   static constexpr int kPad = 4;
   void pad(Level& level) const;
+  /// The mean around (x, y) of what a pixel covers: its column's side and its row's, px (x, y, x, y).
+  void average(float x, float y, const float* side, cv::Vec4f& out) const;
 
   cv::Size size_;
   Beyond beyond_;

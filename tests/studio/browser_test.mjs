@@ -1,5 +1,6 @@
 // The studio in a real browser, from a picture to its animation. Environment: FRESHET (the executable), PAGE (the built
-// page), MODULES (node_modules of its build); SHOTS, a folder that is given screenshots of every page, if it is set.
+// page), MODULES (node_modules of its build); BROWSER, chromium or firefox [chromium]; SHOTS, a folder that is given
+// screenshots of every page, if it is set.
 import assert from "node:assert/strict";
 import { spawn, spawnSync } from "node:child_process";
 import { createHash } from "node:crypto";
@@ -9,14 +10,20 @@ import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
 
-const { FRESHET, PAGE, MODULES, SHOTS } = process.env;
+const { FRESHET, PAGE, MODULES, SHOTS, BROWSER = "chromium" } = process.env;
 const require = createRequire(join(MODULES, "x.js"));
-const { chromium } = require("playwright-core");
+const { chromium, _bidiFirefox } = require("playwright-core"); // Debian's Firefox, not a patched one
 const axe = readFileSync(require.resolve("axe-core/axe.min.js"), "utf8");
 const kToken = "0123456789abcdef0123456789abcdef";
 
 const folder = mkdtempSync(join(tmpdir(), "freshet_studio_"));
 const at = (...parts) => join(folder, ...parts);
+const kBrowsers = {
+  chromium: () => chromium.launch({ executablePath: "/usr/bin/chromium", args: ["--no-sandbox"] }),
+  firefox: () => _bidiFirefox.launch({ executablePath: "/usr/bin/firefox-esr" }),
+};
+// A pen and touch come from Chromium's own protocol.
+const kPen = { skip: BROWSER !== "chromium" && "only Chromium can be given a pen" };
 let server, url, browser;
 
 function freshet(...words) {
@@ -57,7 +64,7 @@ before(async () => {
   rmSync(at("clips/fall/2.mkv"));
   freshet("ingest", "demo.freshet", "clips");
   url = await serve(0, "demo.freshet");
-  browser = await chromium.launch({ executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium", args: ["--no-sandbox"] });
+  browser = await kBrowsers[BROWSER]();
 });
 
 after(async () => {
@@ -305,7 +312,7 @@ test("steps back live over a reload", async () => {
   await page.context().close();
 });
 
-test("a pen's pressure, an area's corners, a painted pace and a brushed direction", async () => {
+test("a pen's pressure, an area's corners, a painted pace and a brushed direction", kPen, async () => {
   const page = await open(`${url}#/still`);
   await page.locator(".bar").waitFor();
   const before = await document("still");
@@ -898,7 +905,7 @@ test("projects are renamed, duplicated and found; the page can be installed", as
   for (const id of ["one", "two", "three", "four", "five", "the-fall-again", "the-fall-again-2"]) await api(`projects/${id}`, { method: "DELETE" });
 });
 
-test("a hand beside the pen draws nothing", async () => {
+test("a hand beside the pen draws nothing", kPen, async () => {
   const page = await open(`${url}#/still`, { hasTouch: true });
   await page.locator(".bar").waitFor();
   await page.keyboard.press("1");

@@ -85,6 +85,66 @@ void accumulate(const cv::Mat& values, const cv::Mat& weight, float low, float r
   }
 }
 
+struct Bins {
+  double low, step;
+};
+
+/// The map of one region: for each edge of a bin, the value below which the target holds the same fraction.
+/// map   kBins + 1 values
+void match_quantiles(const double* found, const double* wanted, const Bins& bins, double max_gain,
+                     bool around_zero, float* map) {
+  double found_mass = 0, wanted_mass = 0;
+  for (int i = 0; i < kBins; ++i) found_mass += found[i], wanted_mass += wanted[i];
+  const auto median = [&](const double* histogram, double mass) {
+    double sum = 0;
+    int i = 0;
+    while (i < kBins - 1 && sum + histogram[i] < mass / 2) sum += histogram[i++];
+    return bins.low + (i + 0.5) * bins.step;
+  };
+  const double found_middle = around_zero ? 0 : median(found, found_mass);
+  const double wanted_middle = around_zero ? 0 : median(wanted, wanted_mass);
+  const double trust = wanted_mass / (wanted_mass + kPrior);
+  double below = 0, target_below = 0;
+  int j = 0;
+  for (int i = 0; i <= kBins; ++i) {
+    const double identity = bins.low + i * bins.step;
+    double value = identity;
+    if (found_mass > 0 && wanted_mass > 0) {
+      const double fraction = below / found_mass * wanted_mass;
+      while (j < kBins - 1 && target_below + wanted[j] < fraction) target_below += wanted[j++];
+      value = bins.low +
+              (j + (wanted[j] > 0 ? std::clamp((fraction - target_below) / wanted[j], 0.0, 1.0) : 0.0)) *
+                  bins.step;
+      // No further from the middle than the gain allows; the middle of a band is zero.
+      const double maximum = std::abs(identity - found_middle) * max_gain + bins.step;
+      value = std::clamp(value, wanted_middle - maximum, wanted_middle + maximum);
+      value = identity + trust * (value - identity);
+    }
+    map[i] = static_cast<float>(value);
+    if (i < kBins) below += found[i];
+  }
+  if (around_zero) {
+    // What is zero stays zero: else a still place would gain a pattern.
+    const float at_zero = map[kBins / 2];
+    for (int i = 0; i <= kBins; ++i) map[i] -= at_zero;
+  }
+}
+
+/// Of each region its own map and those right of it, below it and both, value by value.
+std::vector<float> interleaved(const std::vector<float>& maps, int rows, int columns) {
+  std::vector<float> out(4 * maps.size());
+  for (int row = 0; row < rows; ++row)
+    for (int column = 0; column < columns; ++column)
+      for (int k = 0; k < 4; ++k) {
+        const int near_row = std::min(row + k / 2, rows - 1),
+                  near_column = std::min(column + k % 2, columns - 1);
+        const float* from = maps.data() + (near_row * columns + near_column) * (kBins + 1);
+        float* to = out.data() + 4 * (row * columns + column) * (kBins + 1) + k;
+        for (int i = 0; i <= kBins; ++i) to[4 * i] = from[i];
+      }
+  return out;
+}
+
 }  // namespace
 
 AppearanceModel::Band AppearanceModel::fit(const cv::Mat& target, const cv::Mat& weight,
@@ -124,58 +184,12 @@ AppearanceModel::Band AppearanceModel::fit(const cv::Mat& target, const cv::Mat&
   for (const std::vector<double>& own : histograms)
     for (std::size_t i = 0; i < own.size(); ++i) found[i] += own[i];
 
-  const double step = band.reach / kBins;
   std::vector<float> maps(regions * (kBins + 1));
   oneapi::tbb::parallel_for(std::size_t{0}, regions, [&](std::size_t r) {
-    const double* f = found.data() + r * kBins;
-    const double* w = wanted.data() + r * kBins;
-    float* map = maps.data() + r * (kBins + 1);
-    double found_mass = 0, wanted_mass = 0;
-    for (int i = 0; i < kBins; ++i) found_mass += f[i], wanted_mass += w[i];
-    const auto median = [&](const double* histogram, double mass) {
-      double sum = 0;
-      int i = 0;
-      while (i < kBins - 1 && sum + histogram[i] < mass / 2) sum += histogram[i++];
-      return band.low + (i + 0.5) * step;
-    };
-    const double found_middle = around_zero ? 0 : median(f, found_mass);
-    const double wanted_middle = around_zero ? 0 : median(w, wanted_mass);
-    const double trust = wanted_mass / (wanted_mass + kPrior);
-    // For each edge of a bin, the value below which the target holds the same fraction.
-    double below = 0, target_below = 0;
-    int j = 0;
-    for (int i = 0; i <= kBins; ++i) {
-      const double identity = band.low + i * step;
-      double value = identity;
-      if (found_mass > 0 && wanted_mass > 0) {
-        const double fraction = below / found_mass * wanted_mass;
-        while (j < kBins - 1 && target_below + w[j] < fraction) target_below += w[j++];
-        value =
-            band.low + (j + (w[j] > 0 ? std::clamp((fraction - target_below) / w[j], 0.0, 1.0) : 0.0)) * step;
-        // No further from the middle than the gain allows; the middle of a band is zero.
-        const double maximum = std::abs(identity - found_middle) * max_gain + step;
-        value = std::clamp(value, wanted_middle - maximum, wanted_middle + maximum);
-        value = identity + trust * (value - identity);
-      }
-      map[i] = static_cast<float>(value);
-      if (i < kBins) below += f[i];
-    }
-    if (around_zero) {
-      // What is zero stays zero: else a still place would gain a pattern.
-      const float at_zero = map[kBins / 2];
-      for (int i = 0; i <= kBins; ++i) map[i] -= at_zero;
-    }
+    match_quantiles(found.data() + r * kBins, wanted.data() + r * kBins, {band.low, band.reach / kBins},
+                    max_gain, around_zero, maps.data() + r * (kBins + 1));
   });
-  band.map.resize(4 * maps.size());
-  for (int row = 0; row < band.rows; ++row)
-    for (int column = 0; column < band.columns; ++column)
-      for (int k = 0; k < 4; ++k) {
-        const int near_row = std::min(row + k / 2, band.rows - 1),
-                  near_column = std::min(column + k % 2, band.columns - 1);
-        const float* from = maps.data() + (near_row * band.columns + near_column) * (kBins + 1);
-        float* to = band.map.data() + 4 * (row * band.columns + column) * (kBins + 1) + k;
-        for (int i = 0; i <= kBins; ++i) to[4 * i] = from[i];
-      }
+  band.map = interleaved(maps, band.rows, band.columns);
   return band;
 }
 
