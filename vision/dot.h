@@ -5,8 +5,8 @@
 
 namespace freshet::vision {
 
-/// Of two CV_32F matrices of one size and any channels, in double: eight sums, each of every eighth value of a row, then
-/// theirs. cv::Mat::dot adds in an order that depends on the processor's vectors: its last bit has changed a frame.
+/// Of two CV_32F matrices of one size and any channels, in double: eight sums, each of every eighth value of a row,
+/// and theirs. cv::Mat::dot adds in an order that depends on the processor's vectors: its last bit has changed a frame.
 double dot(const cv::Mat& one, const cv::Mat& other);
 
 }  // namespace freshet::vision
