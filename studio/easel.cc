@@ -83,7 +83,13 @@ Json matte_json(const FoundMatte& matte) {
 Json reel_json(const FrameReel& reel) {
   return {{"number", reel.number},      {"stage", reel.stage}, {"width", reel.size.width},
           {"height", reel.size.height}, {"fps", reel.fps},     {"total", reel.total},
-          {"ready", reel.ready()}};
+          {"ready", reel.ready()},      {"first", reel.first}};
+}
+
+/// Whether the frame that was added last is news.
+bool is_told(const FrameReel& reel) {
+  const int ready = reel.ready();
+  return ready == 1 || ready == reel.total || ready % 4 == 0;
 }
 
 /// Velocities of a motion, px/s, as rows of u and v in tenths.
@@ -149,6 +155,7 @@ std::shared_ptr<const FrameReel> Easel::reel(std::uint64_t number) const {
   const Results now = results();
   if (now.small && now.small->number == number) return now.small;
   if (now.full && now.full->number == number) return now.full;
+  if (now.layers && now.layers->number == number) return now.layers;
   return nullptr;
 }
 
@@ -315,6 +322,38 @@ void Easel::find_takes(const Job& job) {
 
 std::shared_ptr<const FoundTakes> Easel::takes() const { return results().takes; }
 
+void Easel::show_layers(int first, const Job& job) {
+  const Document document = project_->state().document;
+  const auto tell = [&](const FrameReel* reel, const std::string& problem) {
+    tell_("layers", text({{"project", project_->id()},
+                          {"reel", reel != nullptr ? reel_json(*reel) : Json()},
+                          {"problem", problem}}));
+  };
+  std::shared_ptr<FrameReel> reel;
+  const LiveLayers::Places places{
+      .project = project_->folder(),
+      .write = [&](const auto& folder, const auto& files) { project_->write_way(folder, files); },
+      .begin =
+          [&](cv::Size size, int frames, int from) {
+            constexpr double kFps = 25;  // as a scene has
+            reel = std::make_shared<FrameReel>(next_number(), "layers", size, frames, kFps, from);
+            const std::lock_guard lock(guard_);
+            results_.layers = reel;
+          },
+      .add =
+          [&](const cv::Mat& frame) {
+            reel->add(frame);
+            if (is_told(*reel)) tell(reel.get(), "");
+          }};
+  try {
+    expect_no_links(project_->folder());
+    live_layers_.render(document, project_->picture()->bgr, first, places, job);
+  } catch (const Error& fault) {
+    if (fault.kind() == ErrorKind::kCancelled) throw;
+    tell(nullptr, fault.what());
+  }
+}
+
 void Easel::roll(const std::shared_ptr<FrameReel>& reel,
                  const std::function<void(const std::function<void()>&)>& frames) {
   {
@@ -325,8 +364,7 @@ void Easel::roll(const std::shared_ptr<FrameReel>& reel,
   }
   const auto tell = [&] { tell_("reel", text({{"project", project_->id()}, {"reel", reel_json(*reel)}})); };
   frames([&] {
-    const int ready = reel->ready();
-    if (ready == 1 || ready == reel->total || ready % 4 == 0) tell();
+    if (is_told(*reel)) tell();
   });
 }
 

@@ -20,6 +20,7 @@
 #include "studio/labelled_picture.h"
 #include "studio/opened_store.h"
 #include "studio/project.h"
+#include "studio/ways/live_layers.h"
 
 namespace freshet::studio {
 
@@ -31,7 +32,7 @@ struct FoundMatte {
   std::vector<std::string> notices;
 };
 
-/// Safe from many threads; bring_up_to_date from one at a time.
+/// Safe from many threads; bring_up_to_date and show_layers from one at a time.
 class Easel {
  public:
   /// tell   is given news for the page: a type and JSON.
@@ -54,7 +55,10 @@ class Easel {
   /// there is any, and as studio::find_takes.
   void find_takes(const Job& job);
   std::shared_ptr<const FoundTakes> takes() const;  // the last ones; null: none were asked for
-  /// By its number, of the two that are kept.
+  /// Rolls the scene in layers, reduced, from frame `first` on and round (LiveLayers), and tells "layers": its
+  /// reel, or what is wrong with it. Throws Error{kCancelled}.
+  void show_layers(int first, const Job& job);
+  /// By its number, of those that are kept.
   std::shared_ptr<const FrameReel> reel(std::uint64_t number) const;
 
   /// The motion that the strokes ask, or else that was assigned, on a coarse grid, for the page; "null" before there is
@@ -76,7 +80,7 @@ class Easel {
     std::shared_ptr<const FoundMatte> matte;
     std::shared_ptr<const LabelledPicture> labelled;
     std::uint64_t labels_key = 0, frames_key = 0;  // of what is there; 0: nothing
-    std::shared_ptr<FrameReel> small, full;
+    std::shared_ptr<FrameReel> small, full, layers;
     std::shared_ptr<const FoundTakes> takes;
     std::string field = "null", problem;
   };
@@ -103,6 +107,7 @@ class Easel {
   Tell tell_;
   mutable std::mutex guard_;
   Results results_;
+  LiveLayers live_layers_;
 };
 
 }  // namespace freshet::studio

@@ -47,8 +47,13 @@ synth::animate::Method method_of(const Document& document) {
 }  // namespace
 
 FrameReel::FrameReel(std::uint64_t reel_number, std::string reel_stage, cv::Size reel_size, int frames,
-                     double rate)
-    : number(reel_number), stage(std::move(reel_stage)), size(reel_size), total(frames), fps(rate) {}
+                     double rate, int first_frame)
+    : number(reel_number),
+      stage(std::move(reel_stage)),
+      size(reel_size),
+      total(frames),
+      fps(rate),
+      first(first_frame) {}
 
 void FrameReel::add(const cv::Mat& frame) {
   std::string bytes = encoded(frame);

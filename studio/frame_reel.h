@@ -21,13 +21,15 @@ namespace freshet::studio {
 /// JPEGs of one animation, and where its fluid ends in each of them. Safe from many threads.
 class FrameReel {
  public:
-  FrameReel(std::uint64_t number, std::string stage, cv::Size size, int total, double fps);
+  /// first   which of the film's frames comes first; after the last one the film goes on from its beginning.
+  FrameReel(std::uint64_t number, std::string stage, cv::Size size, int total, double fps, int first = 0);
 
   const std::uint64_t number;  // no other reel of this run has it
-  const std::string stage;     // "small", "full"
+  const std::string stage;     // "small", "full", "layers"
   const cv::Size size;
   const int total;
   const double fps;
+  const int first;
 
   void add(const cv::Mat& frame);
   int ready() const;

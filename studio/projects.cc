@@ -41,6 +41,7 @@ std::shared_ptr<Project> create_project(const fs::path& folder, const fs::path& 
 }
 
 std::string takes_key(const std::string& project) { return "takes " + project; }
+std::string layers_key(const std::string& project) { return "layers " + project; }
 
 /// What a project is given and what is drawn for it, in a folder that is made; links are left out.
 void copy_drawn(const fs::path& from, const fs::path& to) {
@@ -116,6 +117,7 @@ std::string Projects::open_picture(const fs::path& file, const std::string& name
 void Projects::stop_previews(const std::string& id) {
   jobs_.previews().stop_key(id);
   jobs_.previews().stop_key(takes_key(id));
+  jobs_.previews().stop_key(layers_key(id));
 }
 
 void Projects::remove(const std::string& id) {
@@ -262,6 +264,12 @@ JobId Projects::find_takes(const std::string& project) {
   const std::shared_ptr<Easel> easel = this->easel(project);
   return jobs_.previews().submit(takes_key(project), "Takes",
                                  [easel](const Job& job) { easel->find_takes(job); });
+}
+
+JobId Projects::show_layers(const std::string& project, int first) {
+  const std::shared_ptr<Easel> easel = this->easel(project);
+  return jobs_.previews().submit(layers_key(project), "Layers",
+                                 [easel, first](const Job& job) { easel->show_layers(first, job); });
 }
 
 JobId Projects::update(const std::string& project) {

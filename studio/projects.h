@@ -59,13 +59,15 @@ class Projects {
   JobId update(const std::string& project);
   /// Takes of its animation (Easel::find_takes), in the lane of previews: the next change stops them.
   JobId find_takes(const std::string& project);
+  /// Its scene in layers, moving (Easel::show_layers), in the same lane: the next one takes its place.
+  JobId show_layers(const std::string& project, int first);
   /// Until the previews of a project have made what an animation reads of it. Throws Error{kUsage} where they could
   /// not, and Error{kCancelled}.
   void await_previews(const std::string& project, const Easel& easel, const Job& job) const;
 
  private:
   std::filesystem::path folder_of(const std::string& id) const;
-  void stop_previews(const std::string& id);  // and its takes
+  void stop_previews(const std::string& id);  // its takes and its layers too
   std::string reduced(const std::string& id, int longest);
 
   StudioFolder& folder_;

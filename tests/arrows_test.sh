@@ -22,7 +22,8 @@ store/rewrite: store/format store/records store
 media/frame:
 media/picture: media/frame
 media/video: media/frame media/picture
-vision:
+vision/flow:
+vision: vision/flow
 vision/look:
 hints: media/picture vision/look
 stored: store media/frame vision
@@ -76,7 +77,7 @@ starter: cache store media/video vision ingest query/index synth/toml synth/simu
 work: cache
 studio/drawing: synth/matte synth/scene
 studio/jobs:
-studio/ways: cache synth/simulate/design studio/drawing
+studio/ways: cache media/picture synth/simulate/design synth/scene synth/scene/rendering synth/scene/frames studio/drawing
 studio: cache store media/frame media/picture media/video hints vision vision/look stored query/index query/search query/labelling synth/animate/motion synth/takes synth/animate synth/matte synth/scene work studio/drawing studio/jobs studio/ways
 studio/http: studio
 library: store media/frame media/picture media/video hints vision vision/look stored ingest query/index query/labelling query/benchmark synth/outline synth/animate synth/takes synth/matte

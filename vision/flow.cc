@@ -6,7 +6,7 @@
 #include <opencv2/video/tracking.hpp>
 
 #include "freshet/error.h"
-#include "vision/tv_l1.h"
+#include "vision/flow/tv_l1.h"
 
 namespace freshet::vision {
 namespace {

@@ -1,3 +1,5 @@
+#include <algorithm>
+#include <cstdint>
 #include <string>
 
 #include "studio/http/routes.h"
@@ -38,6 +40,12 @@ std::vector<Route> way_routes(Studio& studio) {
        [&](Call& call) {
          const std::string& name = call.value("name");
          call.answer_file(studio.ways().file(call.value("id"), call.value("way"), name), type_of(name));
+       }},
+      {"POST", "api/projects/:id/layers", kTextBody,
+       [&](Call& call) {
+         const auto first =
+             static_cast<int>(std::min<std::uint64_t>(call.number_parameter("from"), 1u << 20));
+         call.answer(Json{{"job", studio.projects().show_layers(call.value("id"), first)}}.dump());
        }},
       {"GET", "api/projects/:id/layers/:layer/matte", kNoBody,
        [&](Call& call) {

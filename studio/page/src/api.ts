@@ -91,6 +91,8 @@ export const copyProject = async (id: string, longest?: number): Promise<string>
   (await post<{ id: string }>(`${at(id)}/copies${longest ? `?longest=${longest}` : ""}`, {})).id;
 
 export const takes = (id: string): Promise<Takes | null> => get(`${at(id)}/takes`);
+/** from   the frame that is on the screen. */
+export const showLayers = (id: string, from: number): Promise<{ job: number }> => post(`${at(id)}/layers?from=${from}`, {});
 export const findTakes = (id: string): Promise<{ job: number }> => post(`${at(id)}/takes`, {});
 
 export async function removeProject(id: string): Promise<void> {
@@ -177,7 +179,7 @@ export type Listener = (type: string, data: unknown) => void;
 /** Hears what happens, and goes on after interruptions. Returns how to end it. */
 export function listen(after: number, listener: Listener, connected: (yes: boolean) => void): () => void {
   const source = new EventSource(`api/events?after=${after}`);
-  for (const type of ["job", "gap", "document", "matte", "field", "labels", "takes", "reel", "settled", "problem", "export", "way", "ingested"])
+  for (const type of ["job", "gap", "document", "matte", "field", "labels", "takes", "reel", "layers", "settled", "problem", "export", "way", "ingested"])
     source.addEventListener(type, (event) => listener(type, JSON.parse((event as MessageEvent<string>).data)));
   source.onopen = () => connected(true);
   source.onerror = () => connected(false);

@@ -154,7 +154,7 @@ export class Canvas {
         queueMicrotask(() => this.resize());
       }),
       effect(() => {
-        const player = state.player;
+        const player = state.shownPlayer.value;
         const frame = player.frame.value;
         const reel = player.reel.value;
         const split = view.compare.value;
@@ -434,7 +434,8 @@ export class Canvas {
 
   /** Whether the picture as it was given is looked at, and not an animation's frame. */
   private showsStill(): boolean {
-    return !state.player.reel.value || (this.tool.showsStill && !state.player.playing.value);
+    const player = state.shownPlayer.value;
+    return !player.reel.value || (this.tool.showsStill && !player.playing.value);
   }
 
   /** Where the picture's copy here has fewer pixels than the screen, the part that is seen is asked for, when the view rests. */

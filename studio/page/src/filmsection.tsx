@@ -32,7 +32,8 @@ export async function runKept(id: string, name: string): Promise<void> {
   await api.runWay(id, name);
 }
 
-export function FilmSection({ name, way, ready }: { name: string; way: Way | null; ready: boolean }): JSX.Element {
+/** stale   what was drawn is newer than the film, and is shown in its place. */
+export function FilmSection({ name, way, ready, stale = false }: { name: string; way: Way | null; ready: boolean; stale?: boolean }): JSX.Element {
   const id = state.project.value?.id ?? "";
   const [fault, setFault] = useState("");
   const [past, setPast] = useState(0); // the job that was the last when the document changed
@@ -42,11 +43,11 @@ export function FilmSection({ name, way, ready }: { name: string; way: Way | nul
   const lacks = way?.lacks.replace(/^[^:]*: /, "") ?? "";
   const source = way?.film ? api.address.film(id, name, way.film) : null;
   useEffect(() => {
-    view.film.value = source;
+    view.film.value = stale ? null : source;
     return () => {
       view.film.value = null;
     };
-  }, [source]);
+  }, [source, stale]);
   // A fault goes when what it was of is changed.
   useEffect(() => {
     setFault("");

@@ -7,6 +7,7 @@ const kAtOnce = 4; // requests
 const kPatience = 1000; // ms until a frame that did not come is asked for again
 const kBetweenTold = 120; // ms
 const kEnough = 6; // frames with which a first preview begins
+const kAhead = 2; // frames that layers have beyond the one that is shown when they take over
 
 export interface Reel {
   news: ReelNews;
@@ -100,15 +101,26 @@ export class Player {
     }
   }
 
-  /** A first look begins at once; what is better takes over when it is whole. */
+  /** Where a frame of the film lies in a reel. */
+  private place(reel: Reel, frame = this.frame.value): number {
+    const { total, first } = reel.news;
+    return (((frame - first) % total) + total) % total;
+  }
+
+  private frameAt(reel: Reel, place: number): number {
+    return (reel.news.first + place) % reel.news.total;
+  }
+
+  /** A first look begins at once, and layers where the ones before them are by now; what is better takes over when it is whole. */
   private consider(reel: Reel): void {
     if (this.coming.value !== reel) return;
     const whole = reel.loaded === reel.news.total;
-    const begins = reel.news.stage === "small" || !this.reel.value;
-    if (this.reel.value !== reel && (whole || (begins && reel.loaded >= Math.min(kEnough, reel.news.total)))) {
+    const begins = reel.news.stage !== "full" || !this.reel.value;
+    const enough = reel.news.stage === "layers" && this.reel.value ? this.place(reel) + kAhead : kEnough;
+    if (this.reel.value !== reel && (whole || (begins && reel.loaded >= Math.min(enough, reel.news.total)))) {
       this.free(this.reel.value);
       this.reel.value = reel;
-      this.frame.value = Math.min(this.frame.value, reel.loaded - 1);
+      this.frame.value = this.frameAt(reel, Math.min(this.place(reel), reel.loaded - 1));
     }
     if (whole) this.coming.value = null;
   }
@@ -120,7 +132,7 @@ export class Player {
 
   bitmap(): ImageBitmap | null {
     const reel = this.reel.value;
-    return reel?.frames[Math.min(this.frame.value, reel.loaded - 1)] ?? null;
+    return reel?.frames[Math.min(this.place(reel), reel.loaded - 1)] ?? null;
   }
 
   private advance(now: number): void {
@@ -132,21 +144,21 @@ export class Player {
     const step = 1000 / (reel.news.fps * this.rate.value);
     if (now - this.time < step) return;
     this.time = now - this.time > 4 * step ? now : this.time + step;
-    const last = reel.loaded - 1;
-    if (this.frame.value < last) this.frame.value += 1;
+    const place = this.place(reel);
+    if (place < reel.loaded - 1) this.frame.value = this.frameAt(reel, place + 1);
     else if (reel.loaded < reel.news.total) return; // it is still being made
-    else if (this.loop.value) this.frame.value = 0;
+    else if (this.loop.value) this.frame.value = this.frameAt(reel, 0);
     else this.playing.value = false;
   }
 
   seek(frame: number): void {
     const reel = this.reel.value;
-    if (reel) this.frame.value = Math.max(0, Math.min(frame, reel.loaded - 1));
+    if (reel) this.frame.value = this.frameAt(reel, Math.min(this.place(reel, Math.max(0, Math.min(frame, reel.news.total - 1))), reel.loaded - 1));
   }
 
   toggle(): void {
     const reel = this.reel.value;
-    if (reel && !this.playing.value && this.frame.value >= reel.loaded - 1) this.frame.value = 0;
+    if (reel && !this.playing.value && this.place(reel) >= reel.loaded - 1) this.frame.value = this.frameAt(reel, 0);
     this.playing.value = !this.playing.value;
   }
 }

@@ -5,6 +5,7 @@ import { ArrowDown, ArrowUp, Brush, Eraser, Shapes, Spline, Trash2 } from "lucid
 import * as api from "./api";
 import { FilmSection, useWay } from "./filmsection";
 import { addLayer, changeLayer, changeLayerOf, changeScene, chooseLayer, chosenLayer, findLayers, kMotions, moveLayer, removeLayer } from "./layers";
+import { layersProblem, renewLayers } from "./livelayers";
 import { DropClip, useOwnClips } from "./ownclips";
 import { Choice, IconButton, named, Section, Select, Slider, Switch } from "./parts";
 import * as state from "./state";
@@ -12,6 +13,7 @@ import type { Document, DrawnLayer, DrawnScene, LayerMatte, LayerMotion } from "
 import * as view from "./view";
 
 const kWay = "scene";
+const kFilmed = new Map<string, DrawnScene | null>(); // what films show, by their numbers
 const kMattes: readonly (readonly [LayerMatte, string])[] = [["painted", "Painted"], ["scribbled", "Scribbled"], ["rest", "The rest"]];
 const kTools = [
   ["paint", "Paint", Brush],
@@ -29,6 +31,12 @@ export function ScenePanel({ document }: { document: Document }): JSX.Element {
   useEffect(() => {
     if (saved) findLayers(id);
   }, [id, saved, scene.layers]);
+  const kept = state.keptScene.value;
+  useEffect(() => {
+    if (kept && kept.layers.length > 0) void renewLayers(id);
+  }, [id, kept]);
+  const film = way?.film ?? "";
+  if (film && !kFilmed.has(film)) kFilmed.set(film, kept);
   return (
     <>
       <ListSection layers={scene.layers} />
@@ -36,7 +44,8 @@ export function ScenePanel({ document }: { document: Document }): JSX.Element {
       {scene.layers.length > 0 && (
         <>
           <WindSection scene={scene} />
-          <FilmSection name={kWay} way={way} ready={true} />
+          {layersProblem.value && !way?.lacks && <p class="problem">{layersProblem.value}</p>}
+          <FilmSection name={kWay} way={way} ready={true} stale={film !== "" && kept !== kFilmed.get(film)} />
           {way?.made && way.shown[0] && (
             <Section title="What was understood">
               <img class="sheet" src={api.address.wayFile(id, kWay, way.shown[0], way.made)} alt="The layers, their lines, and the water's plane" />

@@ -3,8 +3,9 @@
 import { batch, computed, signal } from "@preact/signals";
 import * as api from "./api";
 import { canonical, History } from "./history";
+import { clearLayers, heardOfLayers, type LayersNews, liveLayers } from "./livelayers";
 import { Player } from "./player";
-import type { Document, Field, Home, Job, MatteNews, Mode, Pieces, Point, Project, ReelNews, Store, Takes } from "./types";
+import type { Document, DrawnScene, Field, Home, Job, MatteNews, Mode, Pieces, Point, Project, ReelNews, Store, Takes } from "./types";
 
 export interface IngestReport {
   clips: { name: string; outcome: string; reasons: string[]; notes: string[]; width: number; height: number; strip?: number }[];
@@ -33,6 +34,9 @@ export const ingested = signal<IngestReport | null>(null);
 export const exported = signal(0);
 export const filmed = signal(0); // films that other ways have made
 export const player = new Player();
+export const keptScene = signal<DrawnScene | null>(null); // the server's
+/** What moves over the picture, where no film does. */
+export const shownPlayer = computed(() => (mode.value === "scene" && liveLayers.reel.value ? liveLayers : player));
 let firstMode: Mode | null = null; // that the next project opens with
 
 /** The next project that is opened begins with this. */
@@ -145,6 +149,7 @@ async function send(): Promise<void> {
     version = saved.version;
     if (saved.taken) {
       keptText = canonical(document);
+      keptScene.value = document.scene;
       expectPreview(id, saved.job);
     } else if (canonical(saved.document) === keptText) {
       dirty = true; // a server that was started again counts anew, and nobody else has changed anything
@@ -177,6 +182,7 @@ export async function kept(): Promise<void> {
 function adopt(document: Document, word = ""): void {
   history.clear();
   doc.value = document;
+  keptScene.value = document.scene;
   told();
   if (word) toast.value = word;
 }
@@ -197,6 +203,7 @@ function leave(): void {
   endListening?.();
   endListening = null;
   player.clear();
+  clearLayers();
   batch(() => {
     project.value = null;
     doc.value = null;
@@ -350,6 +357,9 @@ async function heard(type: string, data: unknown): Promise<void> {
       return;
     case "reel":
       player.follow(id, (data as { reel: ReelNews }).reel);
+      return;
+    case "layers":
+      heardOfLayers(id, data as LayersNews);
       return;
     case "settled":
       player.settle(id, (data as { reel: ReelNews | null }).reel);

@@ -10,15 +10,16 @@ import * as view from "./view";
 import { stageWords } from "./words";
 
 const showsFilm = (): boolean => view.film.value !== null;
-const shownPlayer = (): typeof filmPlayer | typeof state.player => (showsFilm() ? filmPlayer : state.player);
+const shownPlayer = (): typeof filmPlayer | typeof state.player => (showsFilm() ? filmPlayer : state.shownPlayer.value);
 
 export const togglePlaying = (): void => shownPlayer().toggle();
 
 /** A frame back or on. */
 export function stepFrame(by: -1 | 1): void {
   if (showsFilm()) return filmPlayer.step(by);
-  state.player.playing.value = false;
-  state.player.seek(state.player.frame.value + by);
+  const player = state.shownPlayer.value;
+  player.playing.value = false;
+  player.seek(player.frame.value + by);
 }
 
 function statusWords(): string {
@@ -36,20 +37,21 @@ function statusWords(): string {
 export function Transport(): JSX.Element {
   const film = showsFilm();
   const shown = shownPlayer();
-  const reel = state.player.reel.value;
-  const coming = state.player.coming.value;
+  const player = state.shownPlayer.value;
+  const reel = player.reel.value;
+  const coming = player.coming.value;
   const total = reel?.news.total ?? 0;
   const busy = !!state.previewJob.value;
   const made = coming ? coming.loaded / Math.max(1, coming.news.total) : 0;
   const ready = film ? filmPlayer.length.value > 0 : !!reel;
-  const at = film ? filmPlayer.time.value : reel ? state.player.told.value / reel.news.fps : 0;
-  const share = film ? at / Math.max(0.01, filmPlayer.length.value) : state.player.told.value / Math.max(1, total - 1);
+  const at = film ? filmPlayer.time.value : reel ? player.told.value / reel.news.fps : 0;
+  const share = film ? at / Math.max(0.01, filmPlayer.length.value) : player.told.value / Math.max(1, total - 1);
   const seek = (to: number): void => {
     if (film) return filmPlayer.seek(to * filmPlayer.length.value);
-    state.player.playing.value = false;
-    state.player.seek(Math.round(to * (total - 1)));
+    player.playing.value = false;
+    player.seek(Math.round(to * (total - 1)));
   };
-  const size = film ? "Film" : reel && (reel.news.stage === "small" ? "First look" : `${reel.news.width} × ${reel.news.height}`);
+  const size = film ? "Film" : reel && (reel.news.stage !== "full" ? "First look" : `${reel.news.width} × ${reel.news.height}`);
   return (
     <footer class="transport" data-state={busy || coming || state.saving.value !== "saved" ? "busy" : (reel?.news.stage ?? "none")} data-reel={reel?.news.number ?? 0}>
       {takesShown.value && !film && <TakesStrip />}

@@ -247,12 +247,13 @@ export interface MatteNews {
 
 export interface ReelNews {
   number: number;
-  stage: "small" | "full";
+  stage: "small" | "full" | "layers";
   width: number;
   height: number;
   fps: number;
   total: number;
   ready: number;
+  first: number; // which frame of the film the reel begins with; it goes round
 }
 
 export interface Made {

@@ -1,4 +1,4 @@
-#include "vision/tv_l1.h"
+#include "vision/flow/tv_l1.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "vision/tv_l1.h"
+#include "vision/flow/tv_l1.h"
 
 #include <gtest/gtest.h>
 #include <opencv2/imgproc.hpp>

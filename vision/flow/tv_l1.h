@@ -1,4 +1,4 @@
-// vision/tv_l1.h — dense optical flow that minimises total variation and an absolute data term.
+// vision/flow/tv_l1.h — dense optical flow that minimises total variation and an absolute data term.
 #pragma once
 
 #include <opencv2/core.hpp>
