@@ -21,7 +21,7 @@ FlowMethod parse_flow_method(const std::string& name);  // "dis", "tv-l1"; Error
 /// from, to   CV_8U, same size, at least 16 x 16 px.
 /// Returns    CV_32FC2, px per frame, x right, y down: what lies at p in `from` lies at p + flow(p) in `to`.
 /// Frames are continued by reflection to a size that DIS survives (64 px, multiples of 8) and the flow is cut
-/// back. TV-L1 is ours (vision/tv_l1.h), never from an earlier flow.
+/// back. TV-L1 is ours (vision/flow/tv_l1.h), never from an earlier flow.
 ///
 /// Deterministic, and measured the same for 1, 2, 4 and 8 OpenCV threads (4.6, DIS). cv::setNumThreads is
 /// global, so the program sets it to 1 when it starts, not this function. Flow then runs on the calling
