@@ -723,6 +723,51 @@ test("layers of every kind are painted, one wind moves them, and the command lin
   await page.context().close();
 });
 
+test("layers move while the wind is changed, from the frame that is on the screen", async () => {
+  const page = await open(`${url}#/still`);
+  await page.locator(".bar").waitFor();
+  const before = (await document("still")).scene;
+  await page.keyboard.press("8");
+  await page.getByRole("combobox", { name: "Add a layer" }).selectOption({ label: "Stands still" });
+  await page.getByRole("radio", { name: "The rest" }).click();
+  await page.getByRole("combobox", { name: "Add a layer" }).selectOption({ label: "Clouds" });
+  await page.getByRole("group", { name: "Drawing tools" }).getByRole("button", { name: "Area", exact: true }).click();
+  await drag(page, [[5, 5], [315, 5], [315, 120], [5, 120]]);
+  const reel = async () => Number(await page.locator(".transport").getAttribute("data-reel"));
+  const shows = (state) => page.locator(`.transport[data-state="${state}"]`).waitFor();
+  await shows("layers");
+  const first = await reel();
+  // Pulled without a pause, it is followed: newer layers come before the slider is let go.
+  const slider = page.getByRole("slider", { name: "Wind", exact: true });
+  await slider.focus();
+  const seen = new Set();
+  for (const end = Date.now() + 8000; seen.size < 3 && Date.now() < end; ) {
+    await page.keyboard.press((await slider.inputValue()) === (await slider.getAttribute("max")) ? "Home" : "ArrowRight");
+    seen.add(await reel());
+  }
+  assert.ok(seen.size >= 3 && [...seen].every((number) => number >= first), `${[...seen]}`);
+  await shows("layers");
+  const scrub = page.getByRole("slider", { name: "Frame" });
+  const at = await scrub.inputValue();
+  await until(async () => (await scrub.inputValue()) !== at);
+  await shot(page, "scene-live");
+  // What is wrong is said, and goes when it is put right.
+  await page.getByRole("combobox", { name: "Add a layer" }).selectOption({ label: "Tree or plant" });
+  await drag(page, [[20, 130], [60, 130], [60, 190], [20, 190]]);
+  await page.getByRole("group", { name: "Drawing tools" }).getByRole("button", { name: "Line", exact: true }).click();
+  await drag(page, [[250, 190], [250, 140]]);
+  await page.locator(".problem", { hasText: "outside" }).waitFor();
+  await page.keyboard.press("Control+z");
+  await page.locator(".problem", { hasText: "outside" }).waitFor({ state: "detached" });
+  for (let i = 0; JSON.stringify((await document("still")).scene) !== JSON.stringify(before) && i < 40; ++i) {
+    await page.keyboard.press("Control+z");
+    await page.waitForTimeout(100);
+  }
+  assert.deepEqual((await document("still")).scene, before);
+  assert.deepEqual(page.faults, []);
+  await page.context().close();
+});
+
 test("a quiet page has no faults; it says that it saved, zooms by small steps, and plays on after it was moved", async () => {
   const opened = await api("projects?name=quiet.png", { method: "POST", body: readFileSync(at("still.png")) });
   const { id } = await opened.json();
