@@ -1,6 +1,6 @@
 // How long does who draws in the studio wait? In Chromium, over a real store: from opening to interactive, from the end
 // of a line to the first preview that moves and to the full one, frames per second while one scrubs, and while one
-// draws and a label runs. Prints a table with the machine's load, and JSON with --json FILE.
+// draws and a label runs; how soon a scene's layers follow its wind, and how many of their frames are seen meanwhile. Prints a table with the machine's load, and JSON with --json FILE.
 // usage: FRESHET=... PAGE=... MODULES=... node bench/studio/browser_times.mjs STORE PICTURE MATTE CLASS [--times N]
 // [--json FILE]
 // (the environment as tests/studio/browser_test.sh sets it)
@@ -182,6 +182,42 @@ async function drawingTimes() {
   return gaps;
 }
 
+/** Clouds, water and what is left, under a wind that is pulled to and fro for five seconds. */
+async function sceneTimes() {
+  const { document: kept, version: base, width: w, height: h } = await api(`projects/${id}`);
+  const usual = { matte: "painted", paint: [], lines: [], plant: "tree", shimmer: 0, waves: 0, mirrors: false, roll: 1, drift: 0, class: "", clip: "" };
+  const area = (top, bottom) => [{ points: [[0, top], [w, top], [w, bottom], [0, bottom]], width: 0, adds: true, area: true }];
+  const layers = [
+    { ...usual, name: "water", motion: "water", paint: area(0.7 * h, h), lines: [{ points: [[0, 0.65 * h], [w, 0.65 * h]], speed: null }] },
+    { ...usual, name: "clouds", motion: "clouds", paint: area(0, 0.4 * h) },
+    { ...usual, name: "rest", motion: "still", matte: "rest" },
+  ];
+  await api(`projects/${id}/document?base=${base}&page=bench`, { method: "PUT", body: JSON.stringify({ ...kept, scene: { ...kept.scene, layers } }) });
+  await page.keyboard.press("8");
+  const live = (known) => until((argument) => { const { state, reel } = globalThis.document.querySelector("[data-state]").dataset; return state === "layers" && Number(reel) !== argument; }, known);
+  await live(await reel());
+  const slider = page.getByRole("slider", { name: "Wind", exact: true });
+  const follow = [];
+  for (let i = 0; i < 10; ++i) {
+    const known = await reel();
+    const started = await now();
+    await slider.press(i % 2 ? "ArrowLeft" : "ArrowRight");
+    follow.push((await live(known)) - started);
+  }
+  await page.evaluate(() => {
+    globalThis.seenFrames = new Set();
+    const draw = CanvasRenderingContext2D.prototype.drawImage;
+    CanvasRenderingContext2D.prototype.drawImage = function (image, ...rest) {
+      if (image instanceof ImageBitmap) globalThis.seenFrames.add(image);
+      return draw.call(this, image, ...rest);
+    };
+  });
+  const started = performance.now();
+  for (let i = 0; performance.now() - started < 5000; ++i) await slider.press(i % 20 < 10 ? "ArrowLeft" : "ArrowRight");
+  const seen = await page.evaluate(() => globalThis.seenFrames.size);
+  return { follow, seen: (1000 * seen) / (performance.now() - started) };
+}
+
 async function measure() {
   const opening = [];
   for (let i = 0; i < 5; ++i) opening.push(await open());
@@ -189,7 +225,7 @@ async function measure() {
   await settle();
   await drawLine(29);
   await settle(); // warm
-  return { opening, strokes: await strokeTimes(), scrub: await scrubTimes(), drawing: await drawingTimes() };
+  return { opening, strokes: await strokeTimes(), scrub: await scrubTimes(), drawing: await drawingTimes(), scene: await sceneTimes() };
 }
 
 async function end() {
@@ -200,7 +236,7 @@ async function end() {
 }
 
 const load = loadavg();
-const { opening, strokes, scrub, drawing } = await measure().finally(end);
+const { opening, strokes, scrub, drawing, scene } = await measure().finally(end);
 const rate = (gaps) => 1000 / (gaps.reduce((sum, gap) => sum + gap, 0) / gaps.length);
 const result = {
   processor: cpus()[0].model,
@@ -219,6 +255,8 @@ const result = {
   scrub_per_s: rate(scrub),
   drawing_per_s: rate(drawing),
   drawing_gap_ms_p95: quantile(drawing, 0.95),
+  scene_ms: median(scene.follow),
+  scene_per_s: scene.seen,
 };
 const row = (what, found, asked) => console.log(`${what.padEnd(44)} ${found.padStart(10)}   ${asked}`);
 console.log(`${result.cores} x ${result.processor}, load ${load[0].toFixed(1)} to ${result.load.after.toFixed(1)}; ${times} lines over ${result.picture}`);
@@ -231,4 +269,6 @@ row("of it, by the busiest thread", `${(100 * result.busiest_thread).toFixed(0)}
 row("cores that the browser takes meanwhile", result.browser_cores.toFixed(2), "");
 row("scrubbing", `${result.scrub_per_s.toFixed(0)}/s`, "24/s");
 row("drawing while a label runs", `${result.drawing_per_s.toFixed(0)}/s`, "60/s");
+row("a wind to the layers that it moves, median", `${result.scene_ms.toFixed(0)} ms`, "");
+row("their frames seen while it is pulled", `${result.scene_per_s.toFixed(0)}/s`, "25/s");
 if (jsonFile) writeFileSync(jsonFile, `${JSON.stringify(result, null, 2)}\n`);
