@@ -77,10 +77,10 @@ void LiveLayers::render(const Document& document, const cv::Mat& picture, int fi
   Document small;
   small.scene = reduced(document.scene, factor);
   small.design = document.design;
+  RecipeFiles named;
+  named.picture = std::string("ways/") + kFolder + "/" + kPicture;
   const std::vector<WayFile> files =
-      way_of("scene").files({.document = small,
-                             .picture = still_.bgr,
-                             .files = {.picture = std::string("ways/") + kFolder + "/" + kPicture}});
+      way_of("scene").files({.document = small, .picture = still_.bgr, .files = named});
   places.write(kFolder, files);
   scene::Scene asked = scene::read_scene(places.project / "ways" / kFolder / "scene.toml");
   scene::read_marks(asked, size);
