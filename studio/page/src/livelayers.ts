@@ -10,8 +10,10 @@ export interface LayersNews {
 }
 
 export const liveLayers = new Player();
+const kLead = 6; // frames that are played until newer layers come
 export const layersProblem = signal("");
-let asked = false; // and nothing has come yet: a newer wish waits, or none would ever be seen
+let asked = false; // and nothing has come of it yet: a newer wish waits, or none would ever be seen
+let newest = 0; // reel that was heard of
 let wished = false;
 
 /** Makes them anew. */
@@ -20,7 +22,7 @@ export async function renewLayers(project: string): Promise<void> {
   if (asked) return;
   asked = true;
   try {
-    await showLayers(project, liveLayers.frame.value);
+    await showLayers(project, liveLayers.frame.value + (liveLayers.reel.value ? kLead : 0));
   } catch (fault) {
     asked = false;
     layersProblem.value = (fault as Error).message;
@@ -29,7 +31,11 @@ export async function renewLayers(project: string): Promise<void> {
 
 export function heardOfLayers(project: string, news: LayersNews): void {
   layersProblem.value = news.problem;
-  if (news.reel) liveLayers.follow(project, news.reel);
+  if (news.reel) {
+    liveLayers.follow(project, news.reel);
+    if (news.reel.number <= newest) return;
+    newest = news.reel.number;
+  }
   if (!asked) return;
   asked = false;
   if (wished) void renewLayers(project);

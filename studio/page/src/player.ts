@@ -7,7 +7,7 @@ const kAtOnce = 4; // requests
 const kPatience = 1000; // ms until a frame that did not come is asked for again
 const kBetweenTold = 120; // ms
 const kEnough = 6; // frames with which a first preview begins
-const kAhead = 2; // frames that layers have beyond the one that is shown when they take over
+const kEnoughLayers = 3; // the same for layers
 
 export interface Reel {
   news: ReelNews;
@@ -111,16 +111,18 @@ export class Player {
     return (reel.news.first + place) % reel.news.total;
   }
 
-  /** A first look begins at once, and layers where the ones before them are by now; what is better takes over when it is whole. */
+  /** A first look begins at once, and so do layers; what is better takes over when it is whole. */
   private consider(reel: Reel): void {
     if (this.coming.value !== reel) return;
     const whole = reel.loaded === reel.news.total;
     const begins = reel.news.stage !== "full" || !this.reel.value;
-    const enough = reel.news.stage === "layers" && this.reel.value ? this.place(reel) + kAhead : kEnough;
+    const enough = reel.news.stage === "layers" ? kEnoughLayers : kEnough;
     if (this.reel.value !== reel && (whole || (begins && reel.loaded >= Math.min(enough, reel.news.total)))) {
       this.free(this.reel.value);
       this.reel.value = reel;
-      this.frame.value = this.frameAt(reel, Math.min(this.place(reel), reel.loaded - 1));
+      // Layers go on from what is seen, or where they begin: they are asked for a little ahead.
+      const place = this.place(reel);
+      if (place >= reel.loaded) this.frame.value = this.frameAt(reel, reel.news.stage === "layers" ? 0 : reel.loaded - 1);
     }
     if (whole) this.coming.value = null;
   }

@@ -107,11 +107,19 @@ let dirty = false;
 let busy = false;
 let timer = 0;
 
+const kRest = 40; // ms without a change, after which it is kept
+const kFollowed = 100; // ms after which layers follow a slider that does not rest
+let since = 0; // of the oldest change that is not kept
+
 function keep(): void {
+  const now = performance.now();
+  if (!dirty) since = now;
   dirty = true;
   saving.value = "saving";
-  window.clearTimeout(timer);
-  timer = window.setTimeout(() => void send(), 40);
+  if (mode.value !== "scene" || now - since < kFollowed) {
+    window.clearTimeout(timer);
+    timer = window.setTimeout(() => void send(), kRest);
+  }
   window.clearTimeout(historyTimer);
   historyTimer = window.setTimeout(() => keepHistory(), 300);
 }
