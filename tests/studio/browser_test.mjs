@@ -750,7 +750,9 @@ test("layers move while the wind is changed, from the frame that is on the scree
   const scrub = page.getByRole("slider", { name: "Frame" });
   const at = await scrub.inputValue();
   await until(async () => (await scrub.inputValue()) !== at);
+  await page.getByRole("switch", { name: "Show what is drawn" }).click();
   await shot(page, "scene-live");
+  await page.getByRole("switch", { name: "Show what is drawn" }).click();
   // What is wrong is said, and goes when it is put right.
   await page.getByRole("combobox", { name: "Add a layer" }).selectOption({ label: "Tree or plant" });
   await drag(page, [[20, 130], [60, 130], [60, 190], [20, 190]]);

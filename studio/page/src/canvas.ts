@@ -342,7 +342,7 @@ export class Canvas {
   private redrawDrawing(): void {
     this.drawing.destroyChildren();
     const { width, height } = this.size();
-    if (state.doc.value && (view.drawn.value || !view.film.value))
+    if (state.doc.value && (view.drawn.value || !(view.film.value || state.showsLayers.value)))
       this.tool.show({ scale: this.stage.scaleX(), width, height, add: (node) => this.drawing.add(node) });
     this.drawing.batchDraw();
   }

@@ -32,8 +32,8 @@ export async function runKept(id: string, name: string): Promise<void> {
   await api.runWay(id, name);
 }
 
-/** stale   what was drawn is newer than the film, and is shown in its place. */
-export function FilmSection({ name, way, ready, stale = false }: { name: string; way: Way | null; ready: boolean; stale?: boolean }): JSX.Element {
+/** live   it moves without a film. stale   and is newer than the film: it is shown in its place. */
+export function FilmSection({ name, way, ready, live = false, stale = false }: { name: string; way: Way | null; ready: boolean; live?: boolean; stale?: boolean }): JSX.Element {
   const id = state.project.value?.id ?? "";
   const [fault, setFault] = useState("");
   const [past, setPast] = useState(0); // the job that was the last when the document changed
@@ -76,7 +76,7 @@ export function FilmSection({ name, way, ready, stale = false }: { name: string;
           </button>
         )}
       </div>
-      {source && <Switch label="Show what is drawn" checked={view.drawn.value} onChange={(yes) => (view.drawn.value = yes)} />}
+      {(source || live) && <Switch label="Show what is drawn" checked={view.drawn.value} onChange={(yes) => (view.drawn.value = yes)} />}
       {runs && job && <Running job={job} label="Film" words={stageWords(job.stage)} />}
       {lacks && <p class="hint">{lacks}</p>}
       {(fault || (job?.state === "failed" && job.id !== past)) && <p class="problem">{fault || job?.fault}</p>}

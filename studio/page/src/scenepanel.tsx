@@ -5,7 +5,7 @@ import { ArrowDown, ArrowUp, Brush, Eraser, Shapes, Spline, Trash2 } from "lucid
 import * as api from "./api";
 import { FilmSection, useWay } from "./filmsection";
 import { addLayer, changeLayer, changeLayerOf, changeScene, chooseLayer, chosenLayer, findLayers, kMotions, moveLayer, removeLayer } from "./layers";
-import { layersProblem, renewLayers } from "./livelayers";
+import { layersProblem, liveLayers, renewLayers } from "./livelayers";
 import { DropClip, useOwnClips } from "./ownclips";
 import { Choice, IconButton, named, Section, Select, Slider, Switch } from "./parts";
 import * as state from "./state";
@@ -45,7 +45,7 @@ export function ScenePanel({ document }: { document: Document }): JSX.Element {
         <>
           <WindSection scene={scene} />
           {layersProblem.value && !way?.lacks && <p class="problem">{layersProblem.value}</p>}
-          <FilmSection name={kWay} way={way} ready={true} stale={film !== "" && kept !== kFilmed.get(film)} />
+          <FilmSection name={kWay} way={way} ready={true} live={!!liveLayers.reel.value} stale={film !== "" && kept !== kFilmed.get(film)} />
           {way?.made && way.shown[0] && (
             <Section title="What was understood">
               <img class="sheet" src={api.address.wayFile(id, kWay, way.shown[0], way.made)} alt="The layers, their lines, and the water's plane" />

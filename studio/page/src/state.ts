@@ -35,8 +35,9 @@ export const exported = signal(0);
 export const filmed = signal(0); // films that other ways have made
 export const player = new Player();
 export const keptScene = signal<DrawnScene | null>(null); // the server's
+export const showsLayers = computed(() => mode.value === "scene" && !!liveLayers.reel.value);
 /** What moves over the picture, where no film does. */
-export const shownPlayer = computed(() => (mode.value === "scene" && liveLayers.reel.value ? liveLayers : player));
+export const shownPlayer = computed(() => (showsLayers.value ? liveLayers : player));
 let firstMode: Mode | null = null; // that the next project opens with
 
 /** The next project that is opened begins with this. */

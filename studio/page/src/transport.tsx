@@ -54,7 +54,7 @@ export function Transport(): JSX.Element {
   const size = film ? "Film" : reel && (reel.news.stage !== "full" ? "First look" : `${reel.news.width} × ${reel.news.height}`);
   return (
     <footer class="transport" data-state={busy || coming || state.saving.value !== "saved" ? "busy" : (reel?.news.stage ?? "none")} data-reel={reel?.news.number ?? 0}>
-      {takesShown.value && !film && <TakesStrip />}
+      {takesShown.value && !film && !state.showsLayers.value && <TakesStrip />}
       <div class="row">
         <IconButton icon={shown.playing.value ? Pause : Play} label={shown.playing.value ? "Pause" : "Play"} shortcut="Space" disabled={!ready} onClick={togglePlaying} class="play" />
         <input
@@ -83,7 +83,7 @@ export function Transport(): JSX.Element {
           <IconButton icon={CircleDashed} label="Outlines before (blue) and after (orange)" shortcut="O" pressed={view.onion.value} onClick={() => (view.onion.value = !view.onion.value)} />
         )}
         <IconButton icon={SplitSquareHorizontal} label="Compare with the picture" shortcut="C" pressed={view.compare.value !== null} onClick={() => (view.compare.value = view.compare.value === null ? 0.5 : null)} />
-        {!film && (
+        {!film && !state.showsLayers.value && (
           <button type="button" class="quiet small" aria-pressed={takesShown.value} title="Other takes, and what looks wrong  (T)" disabled={!reel} onClick={() => (takesShown.value = !takesShown.value)}>
             <Layers2 size={16} aria-hidden /> Takes
           </button>
