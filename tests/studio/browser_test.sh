@@ -1,6 +1,8 @@
 #!/bin/sh
-# A real browser goes through the studio: builds the page, and runs browser_test.mjs with Debian's Chromium.
-# usage: tests/studio/browser_test.sh FRESHET PAGE_SCRATCH PAGE
+# A real browser goes through the studio: builds the page, and runs browser_test.mjs with Debian's Chromium, and what
+# measures its times, small; or in Debian's Firefox some of it.
+# usage: tests/studio/browser_test.sh FRESHET PAGE_SCRATCH PAGE [firefox NAMES]
+# NAMES   of tests, a regular expression
 # Ends with 77, and says so, where there is no browser or node, or the npm registry cannot be reached.
 set -eu
 here=$(cd "$(dirname "$0")" && pwd)
@@ -8,7 +10,8 @@ skip() {
   echo "SKIPPED: the studio was not tried in a browser: $*" >&2
   exit 77
 }
-for program in node npm chromium; do
+browser=${4:-chromium}
+for program in node npm "$browser"; do
   command -v "$program" > /dev/null || skip "$program is not installed"
 done
 if ! cmp -s "$here/../../studio/page/package-lock.json" "$2/installed.json"; then
@@ -29,4 +32,15 @@ cp "$here/../../studio/page/src/types.ts" "$scratch/"
 node "$2/node_modules/typescript/bin/tsc" --noEmit --strict --target es2022 --module esnext --moduleResolution bundler \
   "$scratch/document.ts"
 
-exec env FRESHET="$1" PAGE="$3" MODULES="$2/node_modules" node --test --test-reporter=spec "$here/browser_test.mjs"
+export FRESHET="$1" PAGE="$3" MODULES="$2/node_modules" BROWSER="$browser"
+node --test --test-reporter=spec --test-name-pattern="${5:-.}" "$here/browser_test.mjs"
+[ "$browser" = chromium ] || exit 0
+
+times=$(mktemp -d)
+trap 'rm -rf "$times"' EXIT
+cd "$times"
+mkdir -p clips/fall
+"$1" synth simulate waterfall --size 192x144 --frames 40 --seed 1 -o clips/fall/1.mkv
+"$1" ingest times.store clips
+"$1" synth simulate waterfall --size 320x200 --frames 1 --seed 12 -o still.png --alpha matte.png
+node "$here/../../bench/studio/browser_times.mjs" times.store still.png matte.png fall --times 1

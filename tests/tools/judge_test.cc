@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <fstream>
 #include <set>
 
 #include <fmt/format.h>
@@ -130,6 +131,36 @@ TEST(Judge, AFilmThatIsSpoiledHasMoreFaults) {
   const Outcome table = judge(folder, "fog");
   EXPECT_EQ(table.exit_code, 0);
   EXPECT_NE(table.out.find("detail_loss"), std::string::npos) << table.out;
+}
+
+/// Of what is seen in a film alone, and not of how far it moves as is usual, or was asked.
+double faults_of_the_look(const nlohmann::json& verdict) {
+  double sum = 0;
+  for (const nlohmann::json& one : verdict.at("findings"))
+    if (one.at("measure") != "angle" && one.at("measure") != "speed") sum += one.at("fault").get<double>();
+  return sum;
+}
+
+TEST(Judge, AFilmOfABadHintLooksHardlyWorseThanOneOfNone) {
+  const WorkFolder folder;
+  const auto faults = [&](const std::string& name, const std::vector<std::string>& hints) {
+    const Outcome made = animate(folder, name, hints);
+    EXPECT_EQ(made.exit_code, 0) << made.err;
+    return faults_of_the_look(nlohmann::json::parse(judge(folder, name, {"--json", "--class", "water"}).out));
+  };
+  const auto strokes = [&](const std::string& name, const std::string& list) {
+    std::ofstream(folder / name) << R"({"format": "freshet-strokes", "version": 1, "strokes": [)" << list
+                                 << "]}";
+    return std::vector<std::string>{"--strokes", name};
+  };
+  constexpr double kHardly = 0.5;  // .3 are seen; a fog has 5
+  const double none = faults("none", {});
+  EXPECT_LT(faults("fast", strokes("fast.json", R"({"points": [[96, 10], [96, 134]], "speed": 300})")),
+            none + kHardly);
+  EXPECT_LT(faults("crossing", strokes("crossing.json", R"({"points": [[70, 20], [120, 120]]},
+                                                           {"points": [[120, 20], [70, 120]]})")),
+            none + kHardly);
+  EXPECT_LT(faults("kind", {"--class", "river"}), none + kHardly);
 }
 
 TEST(Judge, WhatDoesNotGoTogetherIsRefusedWithItsRemedy) {
