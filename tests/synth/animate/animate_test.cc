@@ -50,13 +50,13 @@ std::vector<Case> cases() {
   goes.layout = Layout::kGoes;
   const PaperOptions by_frame{.matching = AppearanceMatching::kFrame},
       nearest{.resampling = Resampling::kNearest};
-  return {with("Carried", 0x70fd3d625afa0e95, CarriedOptions{}),
+  return {with("Carried", 0xbb0fb1dd88c40dc4, CarriedOptions{}),
           with("CarriedLoop", 0xabdd253d8e1450cd, CarriedOptions{}, true),
           with("CarriedMoving", 0xdb64c17637260361, CarriedOptions{}, false, outline::Outline::kMoving),
           with("Goes", 0xe76dceeb77c619fd, goes),
           with("Layout", 0x379aaf9b5e861853, layout),
           with("LayoutLoop", 0x33e1a69077df161e, layout, true),
-          with("MotionAlone", 0x64970985a891adc4, motion_alone),
+          with("MotionAlone", 0xa6b4da2e476feadf, motion_alone),
           with("MotionAloneMoving", 0xb95384f7af16d9cf, motion_alone, false, outline::Outline::kMoving),
           with("Paper", 0x3dfe0b4ad08f6d6d, PaperOptions{}),
           with("PaperByFrame", 0x850851d95d502cce, by_frame),
