@@ -135,6 +135,14 @@ async function shown(page) {
   });
 }
 
+/** The bytes that a link saves. */
+async function saved(page, link) {
+  // Firefox does not tell where they are.
+  if (BROWSER !== "chromium") return Buffer.from(await (await fetch(new URL(await link.getAttribute("href"), page.url()))).arrayBuffer());
+  const [download] = await Promise.all([page.waitForEvent("download"), link.click()]);
+  return readFileSync(await download.path());
+}
+
 async function drag(page, points) {
   const { left, top, scale } = await shown(page);
   const places = points.map(([x, y]) => [left + x * scale, top + y * scale]);
@@ -220,8 +228,7 @@ test("a picture becomes an animation in nine clicks, and its export is the comma
   await save.waitFor();
   const line = await page.locator(".command code").textContent();
   assert.match(line, /freshet synth animate --config project\.toml -o exports\/still\.mkv/);
-  const [download] = await Promise.all([page.waitForEvent("download"), save.click()]); // 9
-  const bytes = readFileSync(await download.path());
+  const bytes = await saved(page, save); // 9
   const project = at("room/projects/still");
   const again = spawnSync(FRESHET, ["synth", "animate", "--config", "project.toml", "-o", at("again.mkv")], { cwd: project, encoding: "utf8" });
   assert.equal(again.status, 0, again.stderr);
@@ -709,9 +716,9 @@ test("layers of every kind are painted, one wind moves them, and the command lin
   await dialog.getByText("Lossless").click();
   await dialog.getByLabel("Name").fill("harbour");
   await dialog.getByRole("button", { name: "Make it" }).click();
-  const [saved] = await Promise.all([page.waitForEvent("download"), dialog.getByRole("listitem").filter({ hasText: "harbour.mkv" }).getByRole("link", { name: "Save" }).click()]);
+  const exported = await saved(page, dialog.getByRole("listitem").filter({ hasText: "harbour.mkv" }).getByRole("link", { name: "Save" }));
   assert.match(await dialog.locator(".command code").textContent(), /freshet synth scene .* -o exports\/harbour\.mkv/);
-  assert.ok(readFileSync(await saved.path()).equals(readFileSync(join(project, "exports/harbour.mkv"))));
+  assert.ok(exported.equals(readFileSync(join(project, "exports/harbour.mkv"))));
   await page.keyboard.press("Escape");
   // What is missing is said.
   await page.getByRole("button", { name: "Clear lines" }).click();
@@ -724,9 +731,10 @@ test("layers of every kind are painted, one wind moves them, and the command lin
 });
 
 test("layers move while the wind is changed, from the frame that is on the screen", async () => {
-  const page = await open(`${url}#/still`);
+  const opened = await api("projects?name=live.png", { method: "POST", body: readFileSync(at("still.png")) });
+  const { id } = await opened.json();
+  const page = await open(`${url}#/${id}`);
   await page.locator(".bar").waitFor();
-  const before = (await document("still")).scene;
   await page.keyboard.press("8");
   await page.getByRole("combobox", { name: "Add a layer" }).selectOption({ label: "Stands still" });
   await page.getByRole("radio", { name: "The rest" }).click();
@@ -748,8 +756,8 @@ test("layers move while the wind is changed, from the frame that is on the scree
   assert.ok(seen.size >= 3 && [...seen].every((number) => number >= first), `${[...seen]}`);
   await shows("layers");
   const scrub = page.getByRole("slider", { name: "Frame" });
-  const at = await scrub.inputValue();
-  await until(async () => (await scrub.inputValue()) !== at);
+  const frame = await scrub.inputValue();
+  await until(async () => (await scrub.inputValue()) !== frame);
   await page.getByRole("switch", { name: "Show what is drawn" }).click();
   await shot(page, "scene-live");
   await page.getByRole("switch", { name: "Show what is drawn" }).click();
@@ -761,13 +769,9 @@ test("layers move while the wind is changed, from the frame that is on the scree
   await page.locator(".problem", { hasText: "outside" }).waitFor();
   await page.keyboard.press("Control+z");
   await page.locator(".problem", { hasText: "outside" }).waitFor({ state: "detached" });
-  for (let i = 0; JSON.stringify((await document("still")).scene) !== JSON.stringify(before) && i < 40; ++i) {
-    await page.keyboard.press("Control+z");
-    await page.waitForTimeout(100);
-  }
-  assert.deepEqual((await document("still")).scene, before);
   assert.deepEqual(page.faults, []);
   await page.context().close();
+  await api(`projects/${id}`, { method: "DELETE" });
 });
 
 test("a quiet page has no faults; it says that it saved, zooms by small steps, and plays on after it was moved", async () => {
@@ -778,11 +782,11 @@ test("a quiet page has no faults; it says that it saved, zooms by small steps, a
   page.on("console", (message) => message.type() === "error" && page.faults.push(message.text()));
   // A picture that is slow to come is said to come, and seen small meanwhile.
   await page.route(/picture\?longest/, async (route) => {
-    await new Promise((resolve) => setTimeout(resolve, 1500));
+    await new Promise((resolve) => setTimeout(resolve, 4000));
     await route.continue();
   });
   await page.goto(`${url}#/${id}`);
-  await page.getByText("Opening the picture").waitFor({ timeout: 1400 });
+  await page.getByText("Opening the picture").waitFor({ timeout: 3900 });
   await page.getByText("Opening the picture").waitFor({ state: "detached" });
   for (const name of ["Fluid", "Flow", "Look", "Why", "Design", "Stills", "Flow lines", "Scene"]) {
     const modes = page.locator(".modes");
@@ -1018,9 +1022,7 @@ test("a picture of 24 Mpix is drawn on, panned, and seen pixel by pixel", async 
   const { left, top, scale } = await shown(page);
   await page.mouse.move(left + 3000 * scale, top + 2000 * scale);
   for (let i = 0; i < 12; ++i) await page.mouse.wheel(0, -400);
-  await until(async () => (await page.locator(".canvas").getAttribute("data-detail")) !== null);
-  const [, , across] = (await page.locator(".canvas").getAttribute("data-detail")).split(" ").map(Number);
-  assert.ok(across < 1000, `${across}`);
+  await until(async () => Number((await page.locator(".canvas").getAttribute("data-detail"))?.split(" ")[2]) < 1000);
   await page.waitForTimeout(300);
   await shot(page, "large-close");
   await page.evaluate(() => {
