@@ -194,15 +194,16 @@ async function sceneTimes() {
   ];
   await api(`projects/${id}/document?base=${base}&page=bench`, { method: "PUT", body: JSON.stringify({ ...kept, scene: { ...kept.scene, layers } }) });
   await page.keyboard.press("8");
-  const live = (known) => until((argument) => { const { state, reel } = globalThis.document.querySelector("[data-state]").dataset; return state === "layers" && Number(reel) !== argument; }, known);
-  await live(await reel());
+  const newer = (known) => until((argument) => Number(globalThis.document.querySelector("[data-reel]").dataset.reel) !== argument, known);
+  await until(() => globalThis.document.querySelector("[data-state]").dataset.state === "layers");
   const slider = page.getByRole("slider", { name: "Wind", exact: true });
   const follow = [];
   for (let i = 0; i < 10; ++i) {
     const known = await reel();
     const started = await now();
     await slider.press(i % 2 ? "ArrowLeft" : "ArrowRight");
-    follow.push((await live(known)) - started);
+    follow.push((await newer(known)) - started);
+    await until(() => globalThis.document.querySelector("[data-state]").dataset.state === "layers");
   }
   await page.evaluate(() => {
     globalThis.seenFrames = new Set();
