@@ -1,8 +1,10 @@
 #include "studio/easel.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <functional>
+#include <thread>
 #include <utility>
 
 #include <nlohmann/json.hpp>
@@ -21,10 +23,13 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr int kSmallSide = 320;          // px: a first preview's longer side
-constexpr int kSmallFrames = 48;         // at most
-constexpr int kFullSide = 1280;          // px: a full preview's longer side, at most
-constexpr int kFieldSide = 64;           // cells of the field that a page draws, along its longer side
+constexpr int kSmallSide = 320;   // px: a first preview's longer side
+constexpr int kSmallFrames = 48;  // at most
+constexpr int kFullSide = 1280;   // px: a full preview's longer side, at most
+constexpr int kFieldSide = 64;    // cells of the field that a page draws, along its longer side
+constexpr double kSceneFps = 25;
+constexpr int kLayersAhead = 12;         // live frames that are made at once
+constexpr double kLayersPerSecond = 40;  // and of the others
 constexpr double kLeastStanding = 1e-4;  // of the picture: smaller things are not offered to be held
 
 std::string text(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
@@ -330,13 +335,14 @@ void Easel::show_layers(int first, const Job& job) {
                           {"problem", problem}}));
   };
   std::shared_ptr<FrameReel> reel;
+  std::chrono::steady_clock::time_point begun;
   const LiveLayers::Places places{
       .project = project_->folder(),
       .write = [&](const auto& folder, const auto& files) { project_->write_way(folder, files); },
       .begin =
           [&](cv::Size size, int frames, int from) {
-            constexpr double kFps = 25;  // as a scene has
-            reel = std::make_shared<FrameReel>(next_number(), "layers", size, frames, kFps, from);
+            reel = std::make_shared<FrameReel>(next_number(), "layers", size, frames, kSceneFps, from);
+            begun = std::chrono::steady_clock::now();
             const std::lock_guard lock(guard_);
             results_.layers = reel;
           },
@@ -344,6 +350,10 @@ void Easel::show_layers(int first, const Job& job) {
           [&](const cv::Mat& frame) {
             reel->add(frame);
             if (is_told(*reel)) tell(reel.get(), "");
+            // Faster than it is played is of no use: the page draws on the same processor.
+            const double due_s = (reel->ready() - kLayersAhead) / kLayersPerSecond;
+            std::this_thread::sleep_until(begun + std::chrono::duration_cast<std::chrono::milliseconds>(
+                                                      std::chrono::duration<double>(due_s)));
           }};
   try {
     expect_no_links(project_->folder());

@@ -32,7 +32,7 @@ struct FoundMatte {
   std::vector<std::string> notices;
 };
 
-/// Safe from many threads; bring_up_to_date and show_layers from one at a time.
+/// Safe from many threads; bring_up_to_date from one at a time, and so show_layers.
 class Easel {
  public:
   /// tell   is given news for the page: a type and JSON.

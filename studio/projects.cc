@@ -117,7 +117,7 @@ std::string Projects::open_picture(const fs::path& file, const std::string& name
 void Projects::stop_previews(const std::string& id) {
   jobs_.previews().stop_key(id);
   jobs_.previews().stop_key(takes_key(id));
-  jobs_.previews().stop_key(layers_key(id));
+  jobs_.live().stop_key(layers_key(id));
 }
 
 void Projects::remove(const std::string& id) {
@@ -268,8 +268,8 @@ JobId Projects::find_takes(const std::string& project) {
 
 JobId Projects::show_layers(const std::string& project, int first) {
   const std::shared_ptr<Easel> easel = this->easel(project);
-  return jobs_.previews().submit(layers_key(project), "Layers",
-                                 [easel, first](const Job& job) { easel->show_layers(first, job); });
+  return jobs_.live().submit(layers_key(project), "Layers",
+                             [easel, first](const Job& job) { easel->show_layers(first, job); });
 }
 
 JobId Projects::update(const std::string& project) {

@@ -59,7 +59,7 @@ class Projects {
   JobId update(const std::string& project);
   /// Takes of its animation (Easel::find_takes), in the lane of previews: the next change stops them.
   JobId find_takes(const std::string& project);
-  /// Its scene in layers, moving (Easel::show_layers), in the same lane: the next one takes its place.
+  /// Its scene in layers, moving (Easel::show_layers), in the live lane: the next one takes its place.
   JobId show_layers(const std::string& project, int first);
   /// Until the previews of a project have made what an animation reads of it. Throws Error{kUsage} where they could
   /// not, and Error{kCancelled}.

@@ -1,6 +1,7 @@
-// studio/jobs/jobs.h — the work that runs for a studio, in two lanes, and the news of it.
+// studio/jobs/jobs.h — the work that runs for a studio, in three lanes, and the news of it.
 #pragma once
 
+#include <array>
 #include <memory>
 #include <string>
 
@@ -11,7 +12,8 @@
 
 namespace freshet::studio {
 
-/// Previews, of which a newer one takes an older one's place, and commands beside them. Safe from many threads.
+/// Previews, of which a newer one takes an older one's place, what is live, which waits for no preview, and commands
+/// beside them. Safe from many threads.
 class Jobs {
  public:
   Jobs();
@@ -19,8 +21,9 @@ class Jobs {
   Jobs& operator=(const Jobs&) = delete;
 
   EventFeed& feed() { return feed_; }
-  JobQueue& previews() { return *previews_; }
-  JobQueue& commands() { return *commands_; }
+  JobQueue& previews() { return *lanes_[0]; }
+  JobQueue& live() { return *lanes_[1]; }
+  JobQueue& commands() { return *lanes_[2]; }
   std::string to_json() const;
   bool stop(const std::string& lane, JobId id);
   /// Until no job waits or runs.
@@ -29,10 +32,8 @@ class Jobs {
   void end();
 
  private:
-  JobQueue::Watcher watcher(const char* lane);
-
   EventFeed feed_;
-  std::unique_ptr<JobQueue> previews_, commands_;
+  std::array<std::unique_ptr<JobQueue>, 3> lanes_;  // the last is ended first
 };
 
 /// One line; what is no UTF-8 is replaced.

@@ -345,7 +345,7 @@ export interface Candidates {
 }
 
 export interface Job {
-  lane: "preview" | "command";
+  lane: "preview" | "live" | "command";
   id: number;
   key: string;
   title: string;
