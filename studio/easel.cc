@@ -14,6 +14,7 @@
 #include "freshet/error.h"
 #include "query/labelling/assignment.h"
 #include "query/search/picture_scale.h"
+#include "studio/drawing/reduced.h"
 #include "studio/jobs/event_feed.h"
 #include "synth/matte/held.h"
 #include "vision/look/standing.h"
@@ -23,45 +24,15 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr int kSmallSide = 320;   // px: a first preview's longer side
-constexpr int kSmallFrames = 48;  // at most
-constexpr int kFullSide = 1280;   // px: a full preview's longer side, at most
-constexpr int kFieldSide = 64;    // cells of the field that a page draws, along its longer side
-constexpr double kSceneFps = 25;
+constexpr int kSmallSide = 320;          // px: a first preview's longer side
+constexpr int kSmallFrames = 48;         // at most
+constexpr int kFullSide = 1280;          // px: a full preview's longer side, at most
+constexpr int kFieldSide = 64;           // cells of the field that a page draws, along its longer side
 constexpr int kLayersAhead = 12;         // live frames that are made at once
 constexpr double kLayersPerSecond = 40;  // and of the others
 constexpr double kLeastStanding = 1e-4;  // of the picture: smaller things are not offered to be held
 
 std::string text(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
-
-double reduction(cv::Size size, int side) {
-  return std::max(1.0, std::max(size.width, size.height) / static_cast<double>(side));
-}
-
-cv::Mat reduced(const cv::Mat& picture, double factor) {
-  if (factor <= 1 || picture.empty()) return picture;
-  cv::Mat small;
-  cv::resize(picture, small,
-             {std::max(1, cvRound(picture.cols / factor)), std::max(1, cvRound(picture.rows / factor))}, 0, 0,
-             cv::INTER_AREA);
-  return small;
-}
-
-/// The same drawing over a picture reduced by a factor.
-Document reduced(const Document& document, double factor) {
-  Document small = document;
-  small.pins.clear();
-  const auto scale = static_cast<float>(1 / factor);
-  for (DrawnStroke& stroke : small.strokes) {
-    for (cv::Point2f& point : stroke.points) point *= scale;
-    if (stroke.speed) *stroke.speed *= scale;
-  }
-  for (Drawn& line : small.directions) {
-    for (cv::Point2f& point : line.points) point *= scale;
-    line.width *= scale;
-  }
-  return small;
-}
 
 /// The matte that an animation is given.
 cv::Mat fluid_of(const FoundMatte& matte) {
@@ -340,8 +311,8 @@ void Easel::show_layers(int first, const Job& job) {
       .project = project_->folder(),
       .write = [&](const auto& folder, const auto& files) { project_->write_way(folder, files); },
       .begin =
-          [&](cv::Size size, int frames, int from) {
-            reel = std::make_shared<FrameReel>(next_number(), "layers", size, frames, kSceneFps, from);
+          [&](cv::Size size, int frames, double fps, int from) {
+            reel = std::make_shared<FrameReel>(next_number(), "layers", size, frames, fps, from);
             begun = std::chrono::steady_clock::now();
             const std::lock_guard lock(guard_);
             results_.layers = reel;

@@ -1,13 +1,12 @@
 #include "studio/ways/live_layers.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstdint>
 
 #include <opencv2/imgcodecs.hpp>
-#include <opencv2/imgproc.hpp>
 
 #include "freshet/error.h"
+#include "studio/drawing/reduced.h"
 #include "studio/ways/way.h"
 #include "synth/scene/frames/made_frames.h"
 #include "synth/scene/rendering/scene_cut.h"
@@ -24,27 +23,15 @@ constexpr int kFrames = 300;  // at most: a page holds them all
 constexpr const char* kFolder = "live";
 constexpr const char* kPicture = "picture.png";
 
-double reduction(cv::Size size) {
-  return std::max(1.0, std::max(size.width, size.height) / static_cast<double>(kSide));
-}
-
-/// The same scene over a picture reduced by a factor.
-DrawnScene reduced(DrawnScene drawn, double factor) {
-  const auto scale = static_cast<float>(1 / factor);
+/// What of it moves soon.
+DrawnScene lively(DrawnScene drawn) {
   drawn.frames = std::min(drawn.frames, kFrames);
-  for (DrawnLayer& layer : drawn.layers) {
-    for (Drawn& line : layer.paint) {
-      for (cv::Point2f& point : line.points) point *= scale;
-      line.width *= scale;
-    }
-    for (DrawnStroke& line : layer.lines)
-      for (cv::Point2f& point : line.points) point *= scale;
-    layer.shimmer *= scale;
-    layer.drift *= scale;
+  for (DrawnLayer& layer : drawn.layers)
     if (layer.motion == "patches") layer.motion = "still";
-  }
   return drawn;
 }
+
+bool cuts(const WayFile& file) { return file.name.ends_with(".png"); }
 
 /// What its layers are cut by.
 std::string cut_key(const DrawnScene& drawn, const std::vector<WayFile>& files) {
@@ -52,7 +39,7 @@ std::string cut_key(const DrawnScene& drawn, const std::vector<WayFile>& files) 
   for (const DrawnLayer& layer : drawn.layers)
     key += layer.name + '\n' + layer.motion + '\n' + std::to_string(static_cast<int>(layer.matte)) + '\n';
   for (const WayFile& file : files)
-    if (file.name.ends_with(".png")) key += file.name + '\n' + file.bytes;
+    if (cuts(file)) key += file.name + '\n' + file.bytes;
   return key;
 }
 
@@ -64,27 +51,26 @@ void stop_if_asked(const Job& job) {
 
 void LiveLayers::render(const Document& document, const cv::Mat& picture, int first, const Places& places,
                         const Job& job) {
-  const double factor = reduction(picture.size());
+  const double factor = reduction(picture.size(), kSide);
   if (still_.bgr.empty()) {
-    const cv::Size size(std::max(1, cvRound(picture.cols / factor)),
-                        std::max(1, cvRound(picture.rows / factor)));
-    cv::resize(picture, still_.bgr, size, 0, 0, cv::INTER_AREA);
+    still_.bgr = reduced(picture, factor);
     std::vector<std::uint8_t> png;
     cv::imencode(".png", still_.bgr, png, {cv::IMWRITE_PNG_COMPRESSION, 1});
     places.write(kFolder, {{kPicture, {png.begin(), png.end()}}});
   }
   const cv::Size size = still_.bgr.size();
   Document small;
-  small.scene = reduced(document.scene, factor);
+  small.scene = lively(reduced(document.scene, factor));
   small.design = document.design;
   RecipeFiles named;
   named.picture = std::string("ways/") + kFolder + "/" + kPicture;
-  const std::vector<WayFile> files =
+  std::vector<WayFile> files =
       way_of("scene").files({.document = small, .picture = still_.bgr, .files = named});
+  const std::string key = cut_key(small.scene, files);
+  if (key == cut_by_) std::erase_if(files, cuts);  // they lie there
   places.write(kFolder, files);
   scene::Scene asked = scene::read_scene(places.project / "ways" / kFolder / "scene.toml");
   scene::read_marks(asked, size);
-  const std::string key = cut_key(small.scene, files);
   if (key != cut_by_) {
     if (job.progress) job.progress({"cutting layers", 0, 0});
     cut_by_.clear();
@@ -101,7 +87,7 @@ void LiveLayers::render(const Document& document, const cv::Mat& picture, int fi
                                   });
   if (from_the_start) first = 0;
   first %= asked.frames;
-  places.begin(size, asked.frames, first);
+  places.begin(size, asked.frames, asked.fps, first);
   cv::Mat frame(size, CV_8UC3);
   for (int i = 0; i < asked.frames; ++i) {
     stop_if_asked(job);

@@ -25,8 +25,8 @@ class LiveLayers {
     std::filesystem::path project;
     std::function<void(const std::string& folder, const std::vector<WayFile>& files)>
         write;  // into ways/FOLDER
-    /// Before the first frame: size of all, how many, and which of the scene comes first.
-    std::function<void(cv::Size size, int frames, int first)> begin;
+    /// Before the first frame: size of all, how many, how fast, and which of the scene comes first.
+    std::function<void(cv::Size size, int frames, double fps, int first)> begin;
     std::function<void(const cv::Mat& frame)> add;  // CV_8UC3
   };
 

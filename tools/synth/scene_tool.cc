@@ -152,8 +152,7 @@ void report(const SceneCommand& command, const scene::Scene& asked, cv::Size siz
   const scene::SceneSeconds& seconds = animation.seconds();
   say(fmt::format(
       "{} frames of {} x {} from {} layers in {:.1f} s (cut {:.1f}, stage {:.1f}; motion {:.1f}, "
-      "composite {:.1f}, "
-      "layers' own frames {:.1f}, write {:.1f}); sprites {:.0f} MB",
+      "composite {:.1f}, layers' own frames {:.1f}, write {:.1f}); sprites {:.0f} MB",
       asked.frames, size.width, size.height, asked.layers.size(), spent.cut + spent.stage + spent.render,
       spent.cut, spent.stage, seconds.motion, seconds.composite, seconds.frames,
       spent.render - seconds.motion - seconds.composite - seconds.frames,

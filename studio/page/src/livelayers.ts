@@ -29,6 +29,12 @@ export async function renewLayers(project: string): Promise<void> {
   }
 }
 
+/** The same where news of them may have been missed. */
+export function renewLostLayers(project: string): void {
+  asked = false;
+  void renewLayers(project);
+}
+
 export function heardOfLayers(project: string, news: LayersNews): void {
   layersProblem.value = news.problem;
   if (news.reel) {

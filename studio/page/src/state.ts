@@ -3,7 +3,7 @@
 import { batch, computed, signal } from "@preact/signals";
 import * as api from "./api";
 import { canonical, History } from "./history";
-import { clearLayers, heardOfLayers, type LayersNews, liveLayers } from "./livelayers";
+import { clearLayers, heardOfLayers, type LayersNews, liveLayers, renewLostLayers } from "./livelayers";
 import { Player } from "./player";
 import type { Document, DrawnScene, Field, Home, Job, MatteNews, Mode, Pieces, Point, Project, ReelNews, Store, Takes } from "./types";
 
@@ -313,6 +313,7 @@ async function reload(): Promise<void> {
       keptText = canonical(opened.document);
     }
     showMade(opened);
+    if (showsLayers.value) renewLostLayers(id);
     await askJobs();
   } catch {
     connected.value = false;

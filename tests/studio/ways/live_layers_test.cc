@@ -33,10 +33,11 @@ class LiveLayersTest : public testing::Test {
               for (const WayFile& file : files) std::ofstream(to / file.name) << file.bytes;
             },
         .begin =
-            [&](cv::Size size, int frames, int from) {
+            [&](cv::Size size, int frames, double fps, int from) {
               rolled.size = size;
               rolled.first = from;
               EXPECT_GT(frames, 0);
+              EXPECT_EQ(fps, 25);
             },
         .add = [&](const cv::Mat& frame) { rolled.frames.push_back(frame.clone()); }};
     layers_.render(document, picture, first, places,
