@@ -95,16 +95,24 @@ JobId Ways::run(const std::string& project, const std::string& way) {
   return submit(easel, way_of(way), document, way_of(way).plan(document), {});
 }
 
-std::string Ways::export_film(const std::string& project, const std::string& way, const std::string& name) {
+std::string Ways::export_film(const std::string& project, const std::string& way, const std::string& name,
+                              bool alone) {
   const std::shared_ptr<Easel> easel = projects_.easel(project);
   const Document document = easel->project().state().document;
   WayPlan plan = way_of(way).plan(document);
   easel->project().expect_export(name);
   const std::string output = Project::export_output(name);
+  const std::string& replaced = alone ? plan.fluid : plan.film;
   bool is_named = false;
   for (std::vector<std::string>& words : plan.commands)
     for (std::string& word : words)
-      if (word == plan.film) word = output, is_named = true;
+      if (word == replaced) word = output, is_named = true;
+  if (alone && plan.layers) {
+    plan.commands.back().insert(plan.commands.back().end(), {"--layers-out", output});
+    is_named = true;
+  }
+  if (alone && !is_named)
+    throw Error(ErrorKind::kUsage, way, "it has no fluid or layers of its own", "Export the film");
   if (!is_named) throw Error(ErrorKind::kUsage, way, "its film is made as MP4 alone", "Save that");
   const JobId job = submit(easel, way_of(way), document, plan, name);
   return json_text(
@@ -193,8 +201,8 @@ void Ways::remove_stills(const std::string& project) {
 }
 
 std::string Ways::to_json(const std::string& project, const std::string& way) {
-  Json json{{"film", nullptr},        {"made", nullptr},           {"found", nullptr},
-            {"shown", Json::array()}, {"commands", Json::array()}, {"lacks", ""}};
+  Json json{{"film", nullptr},           {"made", nullptr}, {"found", nullptr}, {"shown", Json::array()},
+            {"commands", Json::array()}, {"lacks", ""},     {"alone", ""}};
   WayPlan plan;
   try {
     plan = this->plan(project, way);
@@ -204,6 +212,7 @@ std::string Ways::to_json(const std::string& project, const std::string& way) {
     return json_text(json);
   }
   json["shown"] = plan.shown;
+  json["alone"] = plan.layers ? "layers" : plan.fluid.empty() ? "" : "fluid";
   for (const std::vector<std::string>& words : plan.commands)
     json["commands"].push_back(work::to_text({.program = {}, .arguments = words, .folder = {}}));
   try {

@@ -29,11 +29,13 @@ class Ways {
   /// Its commands, run as one job. Told as "way" when its film is there.
   JobId run(const std::string& project, const std::string& way);
   /// The way's film, made again by the same commands, as a file in exports/ or, with the ending of a picture, a folder
-  /// of them. Returns its "job", "folder" and "command". Throws Error{kUsage} for a way whose film is MP4 alone.
-  std::string export_film(const std::string& project, const std::string& way, const std::string& name);
+  /// of them. alone   its fluid with alpha, or its layers, instead. Returns its "job", "folder" and "command". Throws
+  /// Error{kUsage} for a way whose film is MP4 alone, or that has nothing alone.
+  std::string export_film(const std::string& project, const std::string& way, const std::string& name,
+                          bool alone);
   /// Its "film", a number that another film does not have, or null; its "commands"; what the last one "found", and
-  /// "made", a number as the film's, or null; the names of what is "shown"; and what it "lacks", in words, before it
-  /// can be run.
+  /// "made", a number as the film's, or null; the names of what is "shown"; what it "lacks", in words, before it can be
+  /// run; and what can be exported "alone", "fluid", "layers" or "".
   std::string to_json(const std::string& project, const std::string& way);
   /// Throws Error{kNotFound} before it is made.
   std::shared_ptr<const OpenFile> film(const std::string& project, const std::string& way);

@@ -15,6 +15,8 @@ void add_studio(CLI::App& app, RunContext& context);
 
 // Of freshet store: repair, compact, remove, merge.
 void add_store_rewrites(CLI::App& store_command, RunContext& context);
+// Of freshet store: page.
+void add_store_page(CLI::App& store_command, RunContext& context);
 
 // Of freshet query.
 void add_bench(CLI::App& query_command, RunContext& context);

@@ -318,6 +318,7 @@ void add_store(CLI::App& app, RunContext& context) {
   made->add_flag("--print-recipe", starter->print, "Print the recipe, to be edited")->excludes("--output");
   add_threads(*made);
   made->callback([starter, &context] { make_starter(*starter, context); });
+  add_store_page(*store, context);
   add_store_rewrites(*store, context);
 }
 

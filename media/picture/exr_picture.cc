@@ -1,8 +1,10 @@
 #include "media/picture/exr_picture.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <string>
+#include <utility>
 
 #include <ImfChannelList.h>
 #include <ImfChromaticities.h>
@@ -82,6 +84,40 @@ ExrPicture read_planes(Imf::InputFile& file) {
   return picture;
 }
 
+/// Header and samples of a layer; borrows `light` where it is written as it is.
+struct EncodedLayer {
+  /// before   what its channels' names begin with.
+  EncodedLayer(const std::filesystem::path& path, const cv::Mat& light, ExrSamples samples,
+               const std::string& before)
+      : header(std::max(1, light.cols), std::max(1, light.rows)) {
+    if (light.empty() || light.depth() != CV_32F || (light.channels() != 3 && light.channels() != 4))
+      throw Error(ErrorKind::kUsage, path.string(), "an EXR is written of 32-bit BGR or BGRA");
+    const bool small = samples == ExrSamples::kHalf;
+    const Imf::PixelType type = small ? Imf::HALF : Imf::FLOAT;
+    const std::size_t channels = static_cast<std::size_t>(light.channels());
+    const std::size_t row = channels * static_cast<std::size_t>(light.cols);
+    if (small) halves.resize(row * static_cast<std::size_t>(light.rows));
+    for (int y = 0; small && y < light.rows; ++y)
+      for (std::size_t i = 0; i < row; ++i)
+        halves[static_cast<std::size_t>(y) * row + i] = half(light.ptr<float>(y)[i]);
+    char* const data = small ? reinterpret_cast<char*>(halves.data()) : reinterpret_cast<char*>(light.data);
+    const std::size_t sample = small ? sizeof(half) : sizeof(float);
+    const std::size_t row_bytes = small ? row * sample : light.step[0];
+    header.compression() = Imf::ZIP_COMPRESSION;
+    Imf::addChromaticities(header, Imf::Chromaticities());
+    static constexpr std::array kNames{"B", "G", "R", "A"};
+    for (std::size_t i = 0; i < channels; ++i) {
+      const std::string name = before + kNames[i];
+      header.channels().insert(name, Imf::Channel(type));
+      buffer.insert(name, Imf::Slice(type, data + i * sample, channels * sample, row_bytes));
+    }
+  }
+
+  Imf::Header header;
+  Imf::FrameBuffer buffer;
+  std::vector<half> halves;
+};
+
 }  // namespace
 
 ExrPicture decode_exr_picture(const std::vector<std::uint8_t>& bytes, const std::filesystem::path& where) {
@@ -97,30 +133,24 @@ ExrPicture decode_exr_picture(const std::vector<std::uint8_t>& bytes, const std:
 }
 
 void write_exr_picture(const std::filesystem::path& path, const cv::Mat& light, ExrSamples samples) {
-  if (light.empty() || light.depth() != CV_32F || (light.channels() != 3 && light.channels() != 4))
-    throw Error(ErrorKind::kUsage, path.string(), "an EXR is written of 32-bit BGR or BGRA");
-  const bool small = samples == ExrSamples::kHalf;
-  const Imf::PixelType type = small ? Imf::HALF : Imf::FLOAT;
-  const std::size_t channels = static_cast<std::size_t>(light.channels());
-  const std::size_t row = channels * static_cast<std::size_t>(light.cols);
-  std::vector<half> halves;
-  if (small) halves.resize(row * static_cast<std::size_t>(light.rows));
-  for (int y = 0; small && y < light.rows; ++y)
-    for (std::size_t i = 0; i < row; ++i)
-      halves[static_cast<std::size_t>(y) * row + i] = half(light.ptr<float>(y)[i]);
-  char* const data = small ? reinterpret_cast<char*>(halves.data()) : reinterpret_cast<char*>(light.data);
-  const std::size_t sample = small ? sizeof(half) : sizeof(float);
-  const std::size_t row_bytes = small ? row * sample : light.step[0];
-  Imf::Header header(light.cols, light.rows);
-  header.compression() = Imf::ZIP_COMPRESSION;
-  Imf::addChromaticities(header, Imf::Chromaticities());
-  Imf::FrameBuffer buffer;
-  static constexpr std::array kNames{"B", "G", "R", "A"};
-  for (std::size_t i = 0; i < channels; ++i) {
-    header.channels().insert(kNames[i], Imf::Channel(type));
-    buffer.insert(kNames[i], Imf::Slice(type, data + i * sample, channels * sample, row_bytes));
+  const EncodedLayer layer(path, light, samples, "");
+  write_bytes(path, encode_exr(layer.header, layer.buffer, path.string()));
+}
+
+void write_exr_parts(const std::filesystem::path& path, std::span<const ExrPart> parts, ExrSamples samples) {
+  std::vector<EncodedLayer> layers;
+  layers.reserve(parts.size());
+  for (const ExrPart& part : parts) {
+    layers.emplace_back(path, part.light, samples, layers.empty() ? "" : part.name + ".");
+    layers.back().header.setName(part.name);
   }
-  write_bytes(path, encode_exr(header, buffer, path.string()));
+  std::vector<Imf::Header> headers;
+  std::vector<Imf::FrameBuffer> buffers;
+  for (const EncodedLayer& layer : layers) {
+    headers.push_back(layer.header);
+    buffers.push_back(layer.buffer);
+  }
+  write_bytes(path, encode_exr_parts(std::move(headers), buffers, path.string()));
 }
 
 void write_exr_depth(const std::filesystem::path& path, const cv::Mat& depth) {

@@ -3,6 +3,8 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <span>
+#include <string>
 #include <vector>
 
 #include <opencv2/core.hpp>
@@ -25,6 +27,16 @@ enum class ExrSamples { kHalf, kFloat };
 /// light   CV_32FC3 or CV_32FC4, the colours times alpha, as the format wants them. ZIP, Rec. 709 primaries.
 /// Throws  Error{kUsage} for another type; Error{kIo} as write_picture.
 void write_exr_picture(const std::filesystem::path& path, const cv::Mat& light, ExrSamples samples);
+
+/// A layer in a file of many.
+struct ExrPart {
+  std::string name;  // no other part's
+  cv::Mat light;     // as of write_exr_picture
+};
+
+/// The first part's channels are R, G, B and A, as of a picture, and so it is read by whoever knows of no parts. Those
+/// of others stand behind the part's name, "oak.R": compositors make a layer of each. Throws as write_exr_picture.
+void write_exr_parts(const std::filesystem::path& path, std::span<const ExrPart> parts, ExrSamples samples);
 
 /// depth   CV_32F: the one channel, Z, of 32 bits, as compositors have it. Throws as write_exr_picture.
 void write_exr_depth(const std::filesystem::path& path, const cv::Mat& depth);

@@ -5,7 +5,10 @@
 #include <string_view>
 #include <utility>
 
+#include <ImfMultiPartOutputFile.h>
 #include <ImfOutputFile.h>
+#include <ImfOutputPart.h>
+#include <ImfPartType.h>
 #include <ImfStdIO.h>
 #include <fmt/format.h>
 
@@ -113,6 +116,21 @@ class Headers {
   std::size_t at_ = 0;
 };
 
+int rows_of(const Imf::Header& header) { return header.dataWindow().max.y - header.dataWindow().min.y + 1; }
+
+/// What `write` leaves in the stream, OpenEXR's faults as ours.
+template <class Write>
+std::vector<std::uint8_t> encoded(const std::string& where, const Write& write) {
+  try {
+    Imf::StdOSStream stream;
+    write(stream);
+    const std::string text = stream.str();
+    return {text.begin(), text.end()};
+  } catch (const std::exception& fault) {
+    throw Error(ErrorKind::kIo, where, std::string("OpenEXR cannot encode it (") + fault.what() + ")");
+  }
+}
+
 }  // namespace
 
 void require_bounded_exr(std::span<const std::uint8_t> bytes, const std::string& where, std::int64_t most) {
@@ -144,19 +162,25 @@ char* exr_origin(const cv::Mat& plane, const Imf::InputFile& file) {
 
 std::vector<std::uint8_t> encode_exr(const Imf::Header& header, const Imf::FrameBuffer& buffer,
                                      const std::string& where) {
-  try {
-    Imf::StdOSStream stream;
-    {
-      Imf::OutputFile file(stream, header, 0);
-      file.setFrameBuffer(buffer);
-      const Imath::Box2i window = header.dataWindow();
-      file.writePixels(window.max.y - window.min.y + 1);
+  return encoded(where, [&](Imf::OStream& stream) {
+    Imf::OutputFile file(stream, header, 0);
+    file.setFrameBuffer(buffer);
+    file.writePixels(rows_of(header));
+  });
+}
+
+std::vector<std::uint8_t> encode_exr_parts(std::vector<Imf::Header> headers,
+                                           std::span<const Imf::FrameBuffer> buffers,
+                                           const std::string& where) {
+  for (Imf::Header& header : headers) header.setType(Imf::SCANLINEIMAGE);
+  return encoded(where, [&](Imf::OStream& stream) {
+    Imf::MultiPartOutputFile file(stream, headers.data(), static_cast<int>(headers.size()), false, 0);
+    for (std::size_t i = 0; i < headers.size(); ++i) {
+      Imf::OutputPart part(file, static_cast<int>(i));
+      part.setFrameBuffer(buffers[i]);
+      part.writePixels(rows_of(headers[i]));
     }
-    const std::string text = stream.str();
-    return {text.begin(), text.end()};
-  } catch (const std::exception& fault) {
-    throw Error(ErrorKind::kIo, where, std::string("OpenEXR cannot encode it (") + fault.what() + ")");
-  }
+  });
 }
 
 }  // namespace freshet::media

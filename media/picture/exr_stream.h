@@ -32,4 +32,9 @@ char* exr_origin(const cv::Mat& plane, const Imf::InputFile& file);
 std::vector<std::uint8_t> encode_exr(const Imf::Header& header, const Imf::FrameBuffer& buffer,
                                      const std::string& where);
 
+/// A file of parts; of the headers all but their names and channels are one.
+std::vector<std::uint8_t> encode_exr_parts(std::vector<Imf::Header> headers,
+                                           std::span<const Imf::FrameBuffer> buffers,
+                                           const std::string& where);
+
 }  // namespace freshet::media

@@ -9,6 +9,7 @@
 
 #include "freshet/error.h"
 #include "studio/drawing/fields.h"
+#include "synth/scene/scene.h"
 #include "synth/scene/scene_file.h"
 
 namespace freshet::studio {
@@ -18,6 +19,7 @@ using Json = nlohmann::json;
 
 constexpr std::size_t kMostLayers = 64, kLongestName = 60;
 
+constexpr const char* kFilms[] = {"design", "flowlines", "clip"};
 constexpr const char* kMattes[] = {"painted", "scribbled", "rest"};  // by LayerMatte
 
 /// A name that a scene file takes.
@@ -44,7 +46,7 @@ std::string read_motion(const Fields& fields) {
 
 DrawnLayer read_layer(const Fields& fields) {
   fields.only({"name", "motion", "matte", "paint", "lines", "plant", "shimmer", "waves", "mirrors", "roll",
-               "drift", "class", "clip"});
+               "drift", "class", "film", "clip", "start", "repeats", "blend"});
   const std::string matte = fields.word("matte", {std::begin(kMattes), std::end(kMattes)});
   DrawnLayer layer{.name = layer_name(fields),
                    .motion = read_motion(fields),
@@ -59,8 +61,15 @@ DrawnLayer read_layer(const Fields& fields) {
                    .mirrors = fields.flag("mirrors"),
                    .roll = number(fields, "roll", "boat", "roll"),
                    .drift = number(fields, "drift", "clouds", "speed"),
-                   .class_name = fields.text("class"),
-                   .clip = fields.has("clip") ? fields.text("clip") : ""};  // older documents have none
+                   .class_name = fields.text("class")};
+  // Older documents have none of these.
+  if (fields.has("clip")) layer.clip = fields.text("clip");
+  layer.film = layer.clip.empty() ? kFilms[0] : kFilms[2];
+  if (fields.has("film")) layer.film = fields.word("film", {std::begin(kFilms), std::end(kFilms)});
+  if (fields.has("start")) layer.start = number(fields, "start", "footage", "start");
+  if (fields.has("repeats")) layer.repeats = fields.flag("repeats");
+  if (fields.has("blend"))
+    layer.blend = fields.word("blend", {std::begin(synth::scene::kBlends), std::end(synth::scene::kBlends)});
   if (layer.clip.find('/') != std::string::npos || layer.clip.starts_with('.'))
     fields.fail("\"clip\" is no file of the project");
   return layer;
@@ -79,7 +88,11 @@ Json layer_json(const DrawnLayer& layer) {
           {"roll", layer.roll},
           {"drift", layer.drift},
           {"class", layer.class_name},
-          {"clip", layer.clip}};
+          {"film", layer.film},
+          {"clip", layer.clip},
+          {"start", layer.start},
+          {"repeats", layer.repeats},
+          {"blend", layer.blend}};
 }
 
 }  // namespace

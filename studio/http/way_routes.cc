@@ -31,8 +31,9 @@ std::vector<Route> way_routes(Studio& studio) {
        }},
       {"POST", "api/projects/:id/ways/:way/exports", kTextBody,
        [&](Call& call) {
-         const std::string name = word_of(call.object(), "name");
-         call.answer(studio.ways().export_film(call.value("id"), call.value("way"), name));
+         const Json asked = call.object();
+         call.answer(studio.ways().export_film(call.value("id"), call.value("way"), word_of(asked, "name"),
+                                               asked.value("alone", Json()) == true));
        }},
       {"GET", "api/projects/:id/ways/:way/film", kNoBody, film},
       {"GET", "api/projects/:id/ways/:way/files/film.mp4", kNoBody, film},  // as the way's own page calls it

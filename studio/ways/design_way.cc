@@ -36,11 +36,11 @@ WayPlan plan_design(const Document& document) {
                .film = "ways/design/motion/preview.mp4"};
   if (design.look.empty()) return plan;
   plan.film = "ways/design/film.mp4";
+  plan.fluid = "ways/design/fluid.mkv";
   plan.store = document.store;
   plan.commands.push_back({"synth", "transfer", "--design", "ways/design/motion", "--store", document.store,
-                           "--exemplar", design.look, "--ground", design.ground, "-o",
-                           "ways/design/fluid.mkv", "--over", "ways/design/behind.png", "--composite",
-                           plan.film, "--restart", "--overwrite"});
+                           "--exemplar", design.look, "--ground", design.ground, "-o", plan.fluid, "--over",
+                           "ways/design/behind.png", "--composite", plan.film, "--restart", "--overwrite"});
   return plan;
 }
 

@@ -45,10 +45,18 @@ cv::Mat scribbled(const DrawnLayer& layer, cv::Size size) {
   return scribbles;
 }
 
+/// Empty: there is none.
+std::string film_of(const DrawnLayer& layer, const SceneFiles& files) {
+  if (layer.film == "design") return files.design;
+  if (layer.film == "flowlines") return files.flowlines;
+  return layer.clip.empty() ? "" : files.clips + "/" + layer.clip;
+}
+
 void expect_drawn(const DrawnLayer& layer, const SceneFiles& files) {
   if (layer.motion == "footage") {
-    if (layer.clip.empty() && files.design.empty())
-      lacks(layer, "it has no film", "Drop one with alpha, or give a motion its look under Design");
+    if (film_of(layer, files).empty())
+      lacks(layer, "it has no film",
+            "Drop one, give a motion its look under Design, or make a clip endless under Flow lines");
     return;
   }
   const bool is_somewhere =
@@ -64,10 +72,10 @@ void expect_drawn(const DrawnLayer& layer, const SceneFiles& files) {
 std::string footage_keys(const DrawnLayer& layer, cv::Size size, const SceneFiles& files) {
   cv::Point2f from(0, 0), to(static_cast<float>(size.width), 0);
   if (!layer.lines.empty()) from = layer.lines.front().points.front(), to = layer.lines.front().points.back();
-  const std::string file = layer.clip.empty() ? files.design : files.clips + "/" + layer.clip;
-  return fmt::format("file = {}\nat = [{}, {}]\nwidth = {}\n", toml_text(file),
-                     cvRound(std::min(from.x, to.x)), cvRound(std::min(from.y, to.y)),
-                     std::max(1, cvRound(std::abs(to.x - from.x))));
+  return fmt::format("file = {}\nat = [{}, {}]\nwidth = {}\nstart = {}\nrepeat = {}\n",
+                     toml_text(film_of(layer, files)), cvRound(std::min(from.x, to.x)),
+                     cvRound(std::min(from.y, to.y)), std::max(1, cvRound(std::abs(to.x - from.x))),
+                     layer.start, layer.repeats);
 }
 
 /// What its motion has to say.
@@ -125,7 +133,8 @@ std::vector<WayFile> layer_scene(const DrawnScene& scene, cv::Size size, const S
   for (const DrawnLayer& layer : scene.layers) {
     expect_drawn(layer, files);
     const std::string file = fmt::format("layer-{}.png", ++place);
-    toml += fmt::format("[[layer]]\nname = {}\nmotion = \"{}\"\n", toml_text(layer.name), layer.motion);
+    toml += fmt::format("[[layer]]\nname = {}\nmotion = \"{}\"\nblend = \"{}\"\n", toml_text(layer.name),
+                        layer.motion, layer.blend);
     if (layer.motion == "footage") {
       toml += footage_keys(layer, size, files);
     } else if (layer.matte == LayerMatte::kRest) {

@@ -13,10 +13,11 @@ namespace freshet::studio {
 
 /// What a scene names from where it lies.
 struct SceneFiles {
-  std::string picture;  // "../../picture.png"
-  std::string store;    // of layers of patches; empty: none
-  std::string design;   // what Design makes, with alpha; empty: it has no look
-  std::string clips;    // the folder of clips that were dropped
+  std::string picture;    // "../../picture.png"
+  std::string store;      // of layers of patches; empty: none
+  std::string design;     // what Design makes, with alpha; empty: it has no look
+  std::string flowlines;  // the clip without an end; empty: no clip is chosen
+  std::string clips;      // the folder of clips that were dropped
 };
 
 /// scene.toml, marks.svg where lines were drawn, and a grey matte or scribbles for each layer that has its own:

@@ -62,6 +62,7 @@ void LiveLayers::render(const Document& document, const cv::Mat& picture, int fi
   Document small;
   small.scene = lively(reduced(document.scene, factor));
   small.design = document.design;
+  small.flowlines = document.flowlines;
   RecipeFiles named;
   named.picture = std::string("ways/") + kFolder + "/" + kPicture;
   std::vector<WayFile> files =

@@ -17,6 +17,8 @@ WayPlan plan_scene(const Document& document) {
           .commands = {{"synth", "scene", "ways/scene/scene.toml", "-o", "ways/scene/film.mp4", "--draw",
                         "ways/scene/understood.png", "--json", "--overwrite"}},
           .film = "ways/scene/film.mp4",
+          .fluid = {},
+          .layers = true,
           .answer = "made.json",
           .shown = {"understood.png"},
           .store = searches ? document.store : ""};
@@ -28,6 +30,7 @@ std::vector<WayFile> scene_files(const WayInput& input) {
                      {.picture = "../../" + input.files.picture,
                       .store = document.store,
                       .design = document.design.look.empty() ? "" : "../design/fluid.mkv",
+                      .flowlines = document.flowlines.clip.empty() ? "" : "../flowlines/film.mp4",
                       .clips = "../flowlines/clips"});
 }
 

@@ -18,6 +18,8 @@ struct WayPlan {
   std::string folder = {};
   std::vector<std::vector<std::string>> commands = {};  // without the program's name
   std::string film = {};    // MP4 that the last one leaves, from the project's folder; "": none
+  std::string fluid = {};   // what that one leaves of the fluid alone, with alpha; "": nothing
+  bool layers = false;      // it can leave its layers in one file a frame (--layers-out)
   std::string answer = {};  // file of the way's folder that takes what the last one prints, JSON
   std::vector<std::string> shown =
       {};                  // files of the way's folder that a page may look at: .png, .html, .svg, .mp4

@@ -44,6 +44,14 @@ struct MatteFrom {
   std::filesystem::path file{};  // of kFile, kScribbles, kTrimap
 };
 
+/// What a layer does to what lies behind it, in sRGB code.
+enum class Blend {
+  kOver,    // covers it
+  kAdd,     // is added: light
+  kScreen,  // 1 - (1 - a) (1 - b): light that never exceeds white
+};
+inline constexpr const char* kBlends[] = {"over", "add", "screen"};  // their names
+
 /// How a layer moves: one of the kinds in kinds/.
 using LayerMotion = std::variant<StillMotion, TreeMotion, WaterMotion, BoatMotion, CloudMotion, PatchesMotion,
                                  TransferMotion, FootageMotion>;
@@ -54,6 +62,7 @@ struct SceneLayer {
   MatteFrom matte;
   std::uint64_t seed = 0;  // of its own; differs between layers
   LayerMotion motion{};
+  Blend blend = Blend::kOver;
 
   /// "still", "tree", ...
   const char* kind() const {

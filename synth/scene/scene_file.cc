@@ -82,6 +82,7 @@ const std::vector<Key<Wind>>& wind_keys() {
   return keys;
 }
 
+void take_blend(SceneLayer& layer, std::size_t word) { layer.blend = static_cast<Blend>(word); }
 void read_name(Section& section, SceneLayer& layer);
 void read_motion(Section& section, SceneLayer& layer);
 void read_matte(Section& section, SceneLayer& layer);
@@ -92,6 +93,11 @@ const std::vector<Key<SceneLayer>>& layer_keys() {
       {"order", &SceneLayer::order, {1, 1e6}, "", "1 is nearest", "place in the file"},
       {"seed", &SceneLayer::seed, {0, 9e15}, "", "of this layer's own randomness", "place in the file"},
       {"motion", read_motion, {}, "", "still, or one of the kinds below", kNeeded},
+      {"blend",
+       Words<SceneLayer>{{std::begin(kBlends), std::end(kBlends)}, take_blend},
+       {},
+       "",
+       "what it does to what lies behind it: covers it, adds its light, or adds it and never exceeds white"},
       {"matte",
        read_matte,
        {},
@@ -242,6 +248,10 @@ void check_layers(const Scene& scene, const std::vector<Section>& sections,
       section.refuse("matte", "nothing says which file holds the paint",
                      "Give paint = \"FILE.ora\" at the scene's top");
     if (const auto* boat = layer.as<BoatMotion>()) check_boat(scene, *boat, section);
+    if (const auto* footage = layer.as<FootageMotion>();
+        footage && start_frame(*footage, scene.fps) >= scene.frames)
+      section.refuse("start", fmt::format("the scene ends after {:.3g} s", scene.frames / scene.fps),
+                     "Let it begin earlier, or the scene have more frames");
   }
 }
 

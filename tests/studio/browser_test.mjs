@@ -4,11 +4,11 @@
 import assert from "node:assert/strict";
 import { spawn, spawnSync } from "node:child_process";
 import { createHash } from "node:crypto";
-import { copyFileSync, mkdirSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
+import { copyFileSync, existsSync, mkdirSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { createRequire } from "node:module";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
-import { after, before, test } from "node:test";
+import { after, before, test as nodeTest } from "node:test";
 
 const { FRESHET, PAGE, MODULES, SHOTS, BROWSER = "chromium" } = process.env;
 const require = createRequire(join(MODULES, "x.js"));
@@ -73,10 +73,37 @@ after(async () => {
   rmSync(folder, { recursive: true, force: true });
 });
 
+/** What a page shows and waits for: what a walk that failed is understood by. */
+async function tellOf(page) {
+  const seen = await page
+    .evaluate(() => [...document.querySelectorAll("dialog[open], [role=status], [role=alert], .toast")].map((each) => each.innerText))
+    .catch((fault) => [String(fault)]);
+  const waiting = [...page.unanswered].map(([request, since]) => `${request.method()} ${request.url()} for ${Date.now() - since} ms`);
+  console.error(JSON.stringify({ at: page.url(), seen, waiting, faults: page.faults }, null, 1));
+}
+
+/** A test, which says what its pages show where it fails, and leaves none open. */
+function test(name, ...rest) {
+  const walk = rest.pop();
+  nodeTest(name, ...rest, async (context) => {
+    try {
+      await walk(context);
+    } catch (fault) {
+      for (const each of browser?.contexts() ?? []) await Promise.all(each.pages().map(tellOf));
+      throw fault;
+    } finally {
+      await Promise.all((browser?.contexts() ?? []).map((each) => each.close()));
+    }
+  });
+}
+
 /** A page that fails its test for any error of its own, and for any request that leaves this machine. */
 async function open(address, options = {}) {
   const context = await browser.newContext({ viewport: { width: 1280, height: 800 }, ...options });
   const page = await context.newPage();
+  page.unanswered = new Map();
+  page.on("request", (request) => page.unanswered.set(request, Date.now()));
+  for (const end of ["requestfinished", "requestfailed"]) page.on(end, (request) => page.unanswered.delete(request));
   page.setDefaultTimeout(120000); // a busy machine is no fault
   page.faults = [];
   page.on("pageerror", (error) => page.faults.push(error.message));
@@ -235,7 +262,6 @@ test("a picture becomes an animation in nine clicks, and its export is the comma
   const hash = (data) => createHash("sha256").update(data).digest("hex");
   assert.equal(hash(bytes), hash(readFileSync(at("again.mkv"))));
   assert.deepEqual(page.faults, []);
-  await page.context().close();
 });
 
 test("nothing is lost by a reload, nor by the end of the server", async () => {
@@ -259,7 +285,6 @@ test("nothing is lost by a reload, nor by the end of the server", async () => {
   await page.getByText("server is away").waitFor({ state: "detached", timeout: 120000 });
   await until(async () => (await document("still")).strokes.length === 5);
   assert.deepEqual(page.faults, []);
-  await page.context().close();
 });
 
 test("a project's folder and a store are dropped, and are here", async () => {
@@ -292,7 +317,6 @@ test("a project's folder and a store are dropped, and are here", async () => {
   await page.setInputFiles("input[aria-label='Choose a picture']", at("none.freshet"));
   await page.getByText("it is no store that can be opened").waitFor();
   assert.deepEqual(page.faults, []);
-  await page.context().close();
   await api(`projects/${id}`, { method: "DELETE" });
 });
 
@@ -316,7 +340,6 @@ test("steps back live over a reload", async () => {
   }
   assert.deepEqual(await document("still"), drawn);
   assert.deepEqual(page.faults, []);
-  await page.context().close();
 });
 
 test("a pen's pressure, an area's corners, a painted pace and a brushed direction", kPen, async () => {
@@ -381,7 +404,6 @@ test("a pen's pressure, an area's corners, a painted pace and a brushed directio
     await until(async () => (await document("still")).directions.length === left);
   }
   assert.deepEqual(page.faults, []);
-  await page.context().close();
 });
 
 test("a sequence of some frames is a folder", async () => {
@@ -405,7 +427,6 @@ test("a sequence of some frames is a folder", async () => {
   const header = readFileSync(at("room/projects/still/exports/still/still.1004.png")).subarray(16, 24);
   assert.deepEqual([header.readUInt32BE(0), header.readUInt32BE(4)], [160, 100]);
   assert.deepEqual(page.faults, []);
-  await page.context().close();
 });
 
 test("settings are tried side by side, in step, and one of them is taken", async () => {
@@ -465,7 +486,6 @@ test("settings are tried side by side, in step, and one of them is taken", async
   }
   assert.equal((await document("still")).speed, before.speed);
   assert.deepEqual(page.faults, []);
-  await page.context().close();
 });
 
 test("a motion is drawn, simulated and given a clip's look; the command lines make it again", async () => {
@@ -514,8 +534,20 @@ test("a motion is drawn, simulated and given a clip's look; the command lines ma
     assert.equal(again.status, 0, again.stderr);
   }
   assert.ok(made.equals(readFileSync(join(project, "ways/design/film.mp4"))));
+  // It becomes a layer over the picture, which plays at once.
+  await page.getByRole("button", { name: "Lay it over the picture" }).click();
+  await page.getByRole("slider", { name: "Begins after" }).fill("0.4");
+  assert.equal(await page.getByRole("combobox", { name: "Over what lies behind it" }).inputValue(), "screen");
+  await until(async () => (await document("still")).scene.layers[0]?.start === 0.4);
+  const { film: source, blend } = (await document("still")).scene.layers[0];
+  assert.deepEqual([source, blend], ["design", "screen"]);
+  const live = join(project, "ways/live/scene.toml");
+  await until(async () => existsSync(live) && /blend = "screen"\nfile = .*\nat = .*\nwidth = \d+\nstart = 0.4\n/.test(readFileSync(live, "utf8")));
+  await page.getByRole("button", { name: "Pause", exact: true }).waitFor();
+  await shot(page, "design-layer");
+  await page.getByRole("button", { name: "Remove this layer" }).click();
+  await until(async () => (await document("still")).scene.layers.length === 0);
   assert.deepEqual(page.faults, []);
-  await page.context().close();
 });
 
 test("stills become a moving scene, an order is refused, and the command line makes it again", async () => {
@@ -565,7 +597,6 @@ test("stills become a moving scene, an order is refused, and the command line ma
   await page.keyboard.press("2"); // keys go on after a switch
   await page.getByRole("button", { name: "Flow", pressed: true }).waitFor();
   assert.deepEqual(page.faults, []);
-  await page.context().close();
 });
 
 test("a clip's lines are found, one is moved, and it goes on without an end; the command line makes it again", async () => {
@@ -628,7 +659,6 @@ test("a clip's lines are found, one is moved, and it goes on without an end; the
   await page.getByRole("button", { name: "Stop", exact: true }).click();
   await page.getByRole("button", { name: "Make it" }).waitFor();
   assert.deepEqual(page.faults, []);
-  await page.context().close();
 });
 
 test("a clip that is dropped becomes a project of its own", async () => {
@@ -642,7 +672,6 @@ test("a clip that is dropped becomes a project of its own", async () => {
   await page.getByRole("button", { name: "Find lines" }).click();
   await page.locator(".section", { hasText: "Flow lines" }).locator(".figure", { hasText: /^\d+$/ }).waitFor();
   assert.deepEqual(page.faults, []);
-  await page.context().close();
   await api(`projects/${id}`, { method: "DELETE" });
 });
 
@@ -727,7 +756,6 @@ test("layers of every kind are painted, one wind moves them, and the command lin
   await page.getByRole("button", { name: "Make it" }).click();
   await page.getByText("Paint where it is").waitFor();
   assert.deepEqual(page.faults, []);
-  await page.context().close();
 });
 
 test("layers move while the wind is changed, from the frame that is on the screen", async () => {
@@ -770,7 +798,6 @@ test("layers move while the wind is changed, from the frame that is on the scree
   await page.keyboard.press("Control+z");
   await page.locator(".problem", { hasText: "outside" }).waitFor({ state: "detached" });
   assert.deepEqual(page.faults, []);
-  await page.context().close();
   await api(`projects/${id}`, { method: "DELETE" });
 });
 
@@ -837,7 +864,6 @@ test("a quiet page has no faults; it says that it saved, zooms by small steps, a
   await expectAccessible(page, "keys");
   await page.keyboard.press("Escape");
   assert.deepEqual(page.faults, []);
-  await page.context().close();
 });
 
 test("three doors: an example moves at once, is guessed, told how fast, and another take of it is taken", async () => {
@@ -899,7 +925,6 @@ test("three doors: an example moves at once, is guessed, told how fast, and anot
   const [held] = (await document(id)).held;
   assert.ok(held.area && held.points.length > 4, JSON.stringify(held));
   assert.deepEqual(page.faults, []);
-  await page.context().close();
   await api(`projects/${id}`, { method: "DELETE" });
 });
 
@@ -923,7 +948,6 @@ test("a clip and stills of the store, and a dropped clip's frame, are begun with
   const framed = decodeURIComponent(new URL(page.url()).hash.slice(2));
   assert.equal((await document(framed)).flowlines.clip, "");
   assert.deepEqual(page.faults, []);
-  await page.context().close();
   for (const id of new Set([looped, filmed, framed])) await api(`projects/${id}`, { method: "DELETE" });
 });
 
@@ -952,7 +976,6 @@ test("projects are renamed, duplicated and found; the page can be installed", as
   for (const { src, sizes } of manifest.icons.filter(({ type }) => type === "image/png"))
     assert.equal(await page.evaluate(async (address) => (await createImageBitmap(await (await fetch(address)).blob())).width, src), Number(sizes.split("x")[0]));
   assert.deepEqual(page.faults, []);
-  await page.context().close();
   for (const id of ["one", "two", "three", "four", "five", "the-fall-again", "the-fall-again-2"]) await api(`projects/${id}`, { method: "DELETE" });
 });
 
@@ -981,7 +1004,6 @@ test("a hand beside the pen draws nothing", kPen, async () => {
   await page.keyboard.press("Control+z");
   await until(async () => (await document("still")).paint.length === before);
   assert.deepEqual(page.faults, []);
-  await page.context().close();
 });
 
 /** A picture of 24 Mpix without anything to install: a BMP of stripes, blue above and green below. */
@@ -1012,7 +1034,7 @@ test("a picture of 24 Mpix is drawn on, panned, and seen pixel by pixel", async 
   const offer = page.getByRole("dialog", { name: "24 megapixels" });
   await offer.getByText("3840 × 2560").waitFor();
   await offer.getByRole("button", { name: "Work at 3840 px" }).click();
-  await page.waitForURL(/large-3840/, { timeout: 60000 });
+  await page.waitForURL(/large-3840/);
   await page.locator(".canvas[data-view]").waitFor();
   await page.goBack();
   await page.locator(".canvas[data-view]").waitFor();
@@ -1038,7 +1060,6 @@ test("a picture of 24 Mpix is drawn on, panned, and seen pixel by pixel", async 
   await page.keyboard.up("Space");
   assert.ok((await page.evaluate(() => globalThis.drawn)) >= 20); // a frame for each move, and none that is waited for
   assert.deepEqual(page.faults, []);
-  await page.context().close();
   await api("projects/large", { method: "DELETE" });
 });
 
@@ -1064,7 +1085,6 @@ test("a change that is taken back in the middle of its preview, and a server tha
   await settled(page);
   assert.ok((await made()).full.number > full.number);
   assert.deepEqual(page.faults, []);
-  await page.context().close();
 });
 
 test("two pages show the same project, and a render is stopped", async () => {
@@ -1087,7 +1107,6 @@ test("two pages show the same project, and a render is stopped", async () => {
   const jobs = await (await api("jobs")).json();
   assert.ok(jobs.every(({ state, lane }) => lane !== "command" || state === "stopped" || state === "done"), JSON.stringify(jobs));
   assert.deepEqual([...one.faults, ...two.faults], []);
-  for (const page of [one, two]) await page.context().close();
 });
 
 for (const [theme, size, width, height] of [
@@ -1127,5 +1146,4 @@ for (const [theme, size, width, height] of [
     await page.getByRole("button", { name: "Export" }).click();
     await look("export");
     assert.deepEqual(page.faults, []);
-    await page.context().close();
   });

@@ -4,6 +4,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "tests/media/exr_channel.h"
 #include "tests/tools/sample.h"
 #include "tests/tools/work_folder.h"
 
@@ -117,6 +118,63 @@ TEST(SceneTool, MixesPatchesAndFootage) {
   EXPECT_GT(cv::norm(cv::imread((folder / "p/01.png").string()), cv::imread((folder / "p/04.png").string()),
                      cv::NORM_INF),
             8);
+}
+
+TEST(SceneTool, LayersOfOneFileAreThoseOfManyNumberedAsTheFilm) {
+  const Landscape folder;
+  folder.scene();
+  for (const char* out : {"l/{layer}.####.exr", "all.####.exr"}) {
+    const Outcome outcome =
+        folder.render({"-o", "f/%04d.exr", "--layers-out", out, "--start-number", "1001", "--overwrite"});
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  }
+  for (const char* number : {"1001", "1006"}) {
+    const std::string all = (folder / fmt::format("all.{}.exr", number)).string();
+    Imf::MultiPartInputFile parts(all.c_str());
+    ASSERT_EQ(parts.parts(), 4);
+    EXPECT_EQ(parts.header(1).name(), "tree");
+    EXPECT_EQ(parts.header(3).name(), "(rest)");
+    // The film first; then each layer, as alone.
+    const std::vector<std::pair<std::string, std::string>> kFiles{
+        {fmt::format("f/{}.exr", number), ""},
+        {fmt::format("l/tree.{}.exr", number), "tree."},
+        {fmt::format("l/lake.{}.exr", number), "lake."}};
+    for (std::size_t part = 0; part < kFiles.size(); ++part) {
+      const auto& [file, before] = kFiles[part];
+      const cv::Mat alone = exr_channel((folder / file).string(), 0, "G"),
+                    together = exr_channel(all, static_cast<int>(part), before + "G");
+      EXPECT_EQ(cv::norm(alone, together, cv::NORM_INF), 0) << file;
+    }
+  }
+  EXPECT_FALSE(fs::exists(folder / "all.0000.exr"));
+}
+
+TEST(SceneTool, LightIsAddedOrScreenedOverWhatLiesBehind) {
+  const Landscape folder;
+  cv::imwrite((folder / "light.png").string(), cv::Mat(120, 160, CV_8UC4, cv::Scalar(0, 64, 128, 255)));
+  const auto green_and_red = [&](const std::string& blend) {
+    folder.scene(
+        "armature = [40, 80, 40, 20]", {},
+        "[[layer]]\nname = \"light\"\norder = 1\nmotion = \"footage\"\nfile = \"light.png\"\nblend = \"" +
+            blend + "\"\n");
+    std::string text = text_of(folder / "scene.toml");
+    // The light lies before the tree.
+    text.insert(text.find("name = \"tree\""), "order = 2\n");
+    text.insert(text.find("name = \"lake\""), "order = 3\n");
+    folder.file("scene.toml", text);
+    const Outcome outcome = folder.render({"-o", blend + "/%02d.png"});
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    return cv::imread((folder / (blend + "/00.png")).string()).at<cv::Vec3b>(20, 100);
+  };
+  const cv::Vec3b under = cv::imread((folder / "still.png").string()).at<cv::Vec3b>(20, 100);
+  const cv::Vec3b over = green_and_red("over"), added = green_and_red("add"),
+                  screened = green_and_red("screen");
+  for (int c = 0; c < 3; ++c) {
+    const double light = c == 0 ? 0 : c == 1 ? 64 : 128;
+    EXPECT_NEAR(over[c], light, 1);
+    EXPECT_NEAR(added[c], std::min(255.0, under[c] + light), 2);
+    EXPECT_NEAR(screened[c], 255 - (255 - under[c]) * (255 - light) / 255, 2);
+  }
 }
 
 TEST(SceneTool, ATransferredFireLoopsWithTheScene) {

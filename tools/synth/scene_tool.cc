@@ -12,10 +12,7 @@
 #include <nlohmann/json.hpp>
 
 #include "freshet/error.h"
-#include "media/picture/passes.h"
 #include "media/picture/picture.h"
-#include "media/video/output_format.h"
-#include "media/video/picture_sink.h"
 #include "platform/stopwatch.h"
 #include "synth/animate/frame_sheet.h"
 #include "synth/scene/frames/made_frames.h"
@@ -30,6 +27,7 @@
 #include "tools/console/progress.h"
 #include "tools/options/output_options.h"
 #include "tools/synth/animate_run.h"
+#include "tools/synth/layer_files.h"
 
 namespace freshet::tools {
 namespace {
@@ -64,52 +62,6 @@ void write_first_scene(const SceneCommand& command) {
     throw Error(ErrorKind::kIo, out.string(), "it cannot be written", "Check the folder and its free space");
   fmt::print("{}\n", out.string());
 }
-
-constexpr const char* kLayer = "{layer}";
-
-/// Each layer's frames, alone and with alpha, in files of their own.
-class LayerFiles {
- public:
-  /// name   with {layer} in it; empty: nothing is written.
-  LayerFiles(const std::string& name, const scene::Scene& asked, cv::Size size) {
-    if (name.empty()) return;
-    const std::size_t at = name.find(kLayer);
-    if (at == std::string::npos)
-      throw Error(ErrorKind::kUsage, "--layers-out " + name, "it does not say where the layer's name stands",
-                  "For example --layers-out 'layers/{layer}.####.exr', or '{layer}.mov'");
-    const media::OutputFormat format = media::output_format(name, asked.frames);
-    if (!format.alpha())
-      throw Error(ErrorKind::kUsage, "--layers-out " + name, "the ending names no format with alpha",
-                  "Use " + media::written_endings([](const media::FileFormat& each) { return each.alpha; }));
-    layers_.emplace(cv::Mat(size, CV_32FC3, cv::Scalar::all(0)), cv::Mat(size, CV_8UC3, cv::Scalar::all(0)),
-                    cv::Mat(size, CV_8U, cv::Scalar(255)), media::Layer::kFluid,
-                    format.light() ? media::AlphaForm::kPremultiplied : media::AlphaForm::kStraight,
-                    format.samples());
-    for (const scene::SceneLayer& layer : asked.layers) {
-      std::string file = name;
-      file.replace(at, std::string(kLayer).size(), layer.name);
-      check_frames_output(file, asked.frames);
-      sinks_.push_back(std::make_unique<media::PictureSink>(file, size, asked.frames, asked.fps));
-      files_.push_back(file);
-    }
-  }
-  void write(const scene::SceneAnimation& animation) {
-    for (std::size_t i = 0; i < sinks_.size(); ++i) {
-      animation.layer(i, layer_);
-      sinks_[i]->write(layers_->frame(layer_));
-    }
-  }
-  void finish() {
-    for (const auto& sink : sinks_) sink->finish();
-  }
-  const std::vector<std::string>& files() const { return files_; }
-
- private:
-  std::optional<media::Layers> layers_;
-  std::vector<std::unique_ptr<media::PictureSink>> sinks_;
-  std::vector<std::string> files_;
-  cv::Mat layer_;
-};
 
 /// A layer of patches, made as freshet synth animate makes a picture.
 void make_patches(const scene::PatchesTarget& target, const scene::PushedFrames::Sink& sink,
@@ -204,7 +156,8 @@ void run_scene(SceneCommand& command, const RunContext& context) {
   check_picture_output(command.drawing);
   std::unique_ptr<AnimationFiles> output;
   if (!command.output.name().empty() || command.drawing.empty()) output = command.output.open(loaded, form);
-  LayerFiles layer_files(output == nullptr ? "" : command.layers_out, asked, loaded.picture.size());
+  LayerFiles layer_files(output == nullptr ? "" : command.layers_out, asked, loaded.picture.size(),
+                         command.output.first_number());
 
   Stopwatch watch;
   Progress progress;
@@ -277,7 +230,8 @@ void add_scene(CLI::App& synth_command, RunContext& context) {
          "--layers-out", command->layers_out,
          "Also write each layer alone, with alpha: 'layers/{layer}.####.exr' (half floats, linear light, "
          "premultiplied), '{layer}.mov' (ProRes 4444, straight), or another format with alpha, as deep as it "
-         "holds")
+         "holds. Without {layer}, 'layers.####.exr', all in one file a frame: the film, and a part for each "
+         "layer")
       ->group("Output");
   std::string keys;
   for (const scene::PrintedKey& key : scene::printed_keys())

@@ -157,8 +157,9 @@ export const startExport = (
 ): Promise<{ job: number; folder: string; command: string }> => post(`${at(id)}/exports`, request);
 
 /** The film of a way, made again as a file of this name. */
-export const exportWay = (id: string, way: string, file: string): Promise<{ job: number; folder: string; command: string }> =>
-  post(`${at(id)}/ways/${way}/exports`, { name: file });
+/** alone   the fluid with alpha, or the layers, in place of the film. */
+export const exportWay = (id: string, way: string, file: string, alone: boolean): Promise<{ job: number; folder: string; command: string }> =>
+  post(`${at(id)}/ways/${way}/exports`, { name: file, alone });
 
 export const newStore = (title: string): Promise<{ id: string }> => post("api/stores", { name: title });
 export async function sendClip(store: string, kind: string, file: File): Promise<void> {

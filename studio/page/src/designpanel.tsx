@@ -1,7 +1,7 @@
 // A motion of one's own: sources, obstacles and winds are drawn, simulated, and given the look of a clip.
 import type { JSX } from "preact";
 import { Circle, Square, Wind } from "lucide-preact";
-import { FilmSection, useWay } from "./filmsection";
+import { FilmSection, LayOver, useWay } from "./filmsection";
 import { Choice, named, Section, Select, Slider, Switch } from "./parts";
 import * as state from "./state";
 import type { Design, Document } from "./types";
@@ -49,6 +49,7 @@ export function DesignPanel({ document }: { document: Document }): JSX.Element {
         <Switch label="Full size" hint="Without it a draft, 400 px wide or high" checked={design.full} onChange={(full) => change({ full })} />
       </Section>
       <FilmSection name={kWay} way={way} ready={true} />
+      {way?.film && design.look && <LayOver film="design" blend={design.ground === "black" ? "screen" : "over"} />}
       {way?.film && !design.look && <p class="hint section">Shown over the picture here. Its file has it on black, to be laid over by Screen or Add; with a clip's look the picture is in it.</p>}
     </>
   );

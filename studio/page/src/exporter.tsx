@@ -5,6 +5,7 @@ import * as api from "./api";
 import { kModes } from "./modes";
 import { CommandLine, CopyButton, Dialog, Running, Switch } from "./parts";
 import * as state from "./state";
+import type { Way } from "./types";
 import { stageWords } from "./words";
 
 const size = (bytes: number): string => (bytes > 1 << 20 ? `${(bytes / (1 << 20)).toFixed(1)} MB` : `${Math.round(bytes / 1024)} KB`);
@@ -27,6 +28,8 @@ export function Exporter(props: { open: boolean; onClose: () => void }): JSX.Ele
   const chosen = formats[format];
   const mode = state.mode.value;
   const way = kModes[mode].way ? mode : null; // what is on the screen is that way's film
+  const parts = useAlone(props.open ? project?.id : undefined, way);
+  const offered = parts === "layers" ? (chosen?.depths.includes("half") ?? false) : (chosen?.alpha ?? false) && (!way || parts === "fluid");
   const stem = (title || project?.id || "animation").replace(/[^A-Za-z0-9._-]+/g, "-").replace(/^[.-]+/, "") || "animation";
   const name = stem + (chosen?.ending ?? "");
   const job = made ? state.jobs.value[`command ${made.job}`] : undefined;
@@ -50,9 +53,9 @@ export function Exporter(props: { open: boolean; onClose: () => void }): JSX.Ele
     setFault("");
     try {
       await state.kept();
-      setMade(way ? await api.exportWay(id, way, name) : await api.startExport(id, {
+      setMade(way ? await api.exportWay(id, way, name, alone && offered) : await api.startExport(id, {
         name,
-        ...(alone && chosen.alpha && { layer: "fluid" }),
+        ...(alone && offered && { layer: "fluid" }),
         ...(depths.includes(depth) && { depth }),
         ...(range && { range }),
         ...(width && width !== String(project?.width) && { width }),
@@ -75,7 +78,7 @@ export function Exporter(props: { open: boolean; onClose: () => void }): JSX.Ele
           </label>
         ))}
       </fieldset>
-      {!way && chosen?.alpha && <Switch label="The fluid alone" hint="With alpha, to lay over the picture" checked={alone} onChange={setAlone} />}
+      {offered && <Switch {...(parts === "layers" ? { label: "Its layers", hint: "Beside the film, a part for each in every file" } : { label: "The fluid alone", hint: "With alpha, to lay over the picture" })} checked={alone} onChange={setAlone} />}
       <label class="field">
         <span>Name</span>
         <input value={title} placeholder={project?.id} onInput={(event) => setTitle(event.currentTarget.value)} />
@@ -142,6 +145,16 @@ export function Exporter(props: { open: boolean; onClose: () => void }): JSX.Ele
       )}
     </Dialog>
   );
+}
+
+/** What a way can export in place of its film. */
+function useAlone(id: string | undefined, way: string | null): Way["alone"] {
+  const [alone, setAlone] = useState<Way["alone"]>("");
+  useEffect(() => {
+    setAlone("");
+    if (id && way) api.way(id, way).then((found) => setAlone(found.alone), () => undefined);
+  }, [id, way]);
+  return alone;
 }
 
 function Whole(props: { label: string; value: string; placeholder: string; onInput: (value: string) => void }): JSX.Element {

@@ -3,8 +3,9 @@ import type { JSX } from "preact";
 import { useEffect, useState } from "preact/hooks";
 import * as api from "./api";
 import { CommandLine, Running, Section, Switch } from "./parts";
+import { layOver } from "./layers";
 import * as state from "./state";
-import type { Job, Way } from "./types";
+import type { Blend, Job, LayerFilm, Way } from "./types";
 import * as view from "./view";
 import { stageWords } from "./words";
 
@@ -82,5 +83,16 @@ export function FilmSection({ name, way, ready, live = false, stale = false }: {
       {(fault || (job?.state === "failed" && job.id !== past)) && <p class="problem">{fault || job?.fault}</p>}
       {way?.commands.map((line) => <CommandLine key={line} text={line} />)}
     </Section>
+  );
+}
+
+/** What a mode has made becomes a layer over the picture. */
+export function LayOver({ film, blend }: { film: LayerFilm; blend: Blend }): JSX.Element {
+  return (
+    <div class="row section">
+      <button type="button" class="quiet" onClick={() => layOver({ name: film, film, blend })}>
+        Lay it over the picture
+      </button>
+    </div>
   );
 }

@@ -4,7 +4,7 @@ import { useEffect } from "preact/hooks";
 import { Trash2 } from "lucide-preact";
 import * as api from "./api";
 import { addPosition, changeLine, inputLines, inputOf, linesOf, kMostPositions, pairLine, positionOf, removeLine, removePosition, shownLines, timePosition } from "./cliplines";
-import { FilmSection, runKept, useWay, wayJob } from "./filmsection";
+import { FilmSection, LayOver, runKept, useWay, wayJob } from "./filmsection";
 import { DropClip, useOwnClips } from "./ownclips";
 import { Choice, CommandLine, IconButton, named, Running, Section, Select, Slider, Switch } from "./parts";
 import * as state from "./state";
@@ -39,6 +39,7 @@ export function FlowlinesPanel({ document }: { document: Document }): JSX.Elemen
             <Switch label="A camera that moves" hint="Without it such a clip is refused" checked={flowlines.moving_camera} onChange={(moving_camera) => change({ moving_camera })} />
           </Section>
           <FilmSection name={kWay} way={way} ready={true} />
+          {way?.film && <LayOver film="flowlines" blend={flowlines.ground === "black" ? "screen" : "over"} />}
         </>
       )}
     </>

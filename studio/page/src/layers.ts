@@ -47,16 +47,22 @@ export function chooseLayer(index: number): void {
   if (chosenLayer()?.motion === "footage") view.layerTool.value = "line";
 }
 
-/** A new layer lies before all others, and is drawn on. */
-export function addLayer(motion: LayerMotion): void {
+/** A new layer lies before all others, and is drawn on. as   what of it is not as usual. */
+export function addLayer(motion: LayerMotion, as: Partial<DrawnLayer> = {}): void {
   const layers = scene()?.layers ?? [];
-  const { usual } = kMotions[motion];
+  const usual = as.name ?? kMotions[motion].usual;
   let name = usual;
   for (let number = 2; layers.some((layer) => layer.name === name); ++number) name = `${usual} ${number}`;
-  const made: DrawnLayer = { name, motion, matte: "painted", paint: [], lines: [], plant: "tree", shimmer: 0, waves: 0, mirrors: false, roll: 1, drift: 0, class: "", clip: "" };
+  const made: DrawnLayer = { motion, matte: "painted", paint: [], lines: [], plant: "tree", shimmer: 0, waves: 0, mirrors: false, roll: 1, drift: 0, class: "", film: "design", clip: "", start: 0, repeats: true, blend: "over", ...as, name };
   changeScene({ layers: [made, ...layers] });
   view.layer.value = 0;
   view.layerTool.value = motion === "footage" ? "line" : "paint";
+}
+
+/** What another mode has made, over the picture. */
+export function layOver(as: Partial<DrawnLayer>): void {
+  addLayer("footage", as);
+  state.mode.value = "scene";
 }
 
 export function removeLayer(): void {

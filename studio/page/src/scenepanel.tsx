@@ -9,12 +9,13 @@ import { layersProblem, liveLayers, renewLayers } from "./livelayers";
 import { DropClip, useOwnClips } from "./ownclips";
 import { Choice, IconButton, named, Section, Select, Slider, Switch } from "./parts";
 import * as state from "./state";
-import type { Document, DrawnLayer, DrawnScene, LayerMatte, LayerMotion } from "./types";
+import type { Blend, Document, DrawnLayer, DrawnScene, LayerFilm, LayerMatte, LayerMotion } from "./types";
 import * as view from "./view";
 
 const kWay = "scene";
 const kFilmed = new Map<string, DrawnScene | null>(); // what films show, by their numbers
 const kMattes: readonly (readonly [LayerMatte, string])[] = [["painted", "Painted"], ["scribbled", "Scribbled"], ["rest", "The rest"]];
+const kBlends: readonly (readonly [Blend, string])[] = [["over", "Covers it"], ["screen", "Its light, by Screen"], ["add", "Its light, added"]];
 const kTools = [
   ["paint", "Paint", Brush],
   ["erase", "Erase", Eraser],
@@ -136,6 +137,7 @@ function LayerSection({ layer }: { layer: DrawnLayer }): JSX.Element {
         <Slider label="Brush" value={view.brush.value} min={2} max={400} logarithmic shown={`${Math.round(view.brush.value)} px`} onInput={(value) => (view.brush.value = value)} />
       )}
       <MotionOptions layer={layer} />
+      {layer.matte !== "rest" && <Select label="Over what lies behind it" value={layer.blend} options={kBlends} onChange={(blend) => changeLayer({ blend })} />}
       <div class="row">
         {!film && (
           <button type="button" class="quiet" disabled={layer.paint.length === 0} onClick={() => changeLayer({ paint: [] })}>
@@ -198,13 +200,23 @@ function MotionOptions({ layer }: { layer: DrawnLayer }): JSX.Element | null {
   }
 }
 
+const kFilms = { design: "What Design has made", flowlines: "The endless clip of Flow lines" } as const;
+
 function FilmChoice({ layer }: { layer: DrawnLayer }): JSX.Element {
   const own = useOwnClips(layer.clip);
-  const look = state.doc.value?.design.look ?? "";
+  const document = state.doc.value;
+  const there = { design: !!document?.design.look, flowlines: !!document?.flowlines.clip };
+  const made = (["design", "flowlines"] as const).filter((film) => there[film]);
+  const value = layer.film === "clip" ? `clip:${layer.clip}` : layer.film;
+  const known = layer.film === "clip" ? layer.clip !== "" : there[layer.film];
+  const choose = (text: string): void => changeLayer(text.startsWith("clip:") ? { film: "clip", clip: text.slice(5) } : { film: text as LayerFilm });
+  const last = Math.max(0, (document?.scene.frames ?? 1) - 1) / 25;
   return (
     <>
-      <Select label="Film" value={layer.clip} options={[["", look ? "What Design has made" : "Choose one"], ...named(own)]} onChange={(clip) => changeLayer({ clip })} />
-      <DropClip taken={(clip) => changeLayerOf(layer.name, { clip })} />
+      <Select label="Film" value={known ? value : ""} options={[...(known ? [] : [["", "Choose one"] as const]), ...made.map((film) => [film, kFilms[film]] as const), ...own.map((name) => [`clip:${name}`, name] as const)]} onChange={choose} />
+      <DropClip taken={(clip) => changeLayerOf(layer.name, { film: "clip", clip })} />
+      <Slider label="Begins after" value={Math.min(layer.start, last)} min={0} max={last} step={0.04} shown={`${layer.start.toFixed(2)} s`} onInput={(start) => changeLayer({ start: Number(start.toFixed(2)) }, "layer-start")} />
+      <Switch label="Comes again" hint="Without it, it plays once" checked={layer.repeats} onChange={(repeats) => changeLayer({ repeats })} />
     </>
   );
 }

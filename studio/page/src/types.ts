@@ -90,6 +90,8 @@ export interface FoundSweep {
 }
 
 export type LayerMotion = "still" | "tree" | "water" | "boat" | "clouds" | "patches" | "footage";
+export type LayerFilm = "design" | "flowlines" | "clip";
+export type Blend = "over" | "add" | "screen";
 export type LayerMatte = "painted" | "scribbled" | "rest";
 
 /** Of what its motion does not have, the values do not matter. */
@@ -106,7 +108,11 @@ export interface DrawnLayer {
   roll: number;
   drift: number;
   class: string;
-  clip: string; // of footage, that was dropped; empty: what Design has made
+  film: LayerFilm; // footage of what these modes have made, or of a clip
+  clip: string; // that was dropped
+  start: number; // of footage, s
+  repeats: boolean;
+  blend: Blend;
 }
 
 /** A picture in layers that one wind moves, nearest first. */
@@ -197,6 +203,7 @@ export interface Way {
   shown: string[]; // names of files
   commands: string[];
   lacks: string; // what has to be drawn before; empty: nothing
+  alone: "" | "fluid" | "layers"; // what can be exported in place of the film
 }
 
 export interface Clip {

@@ -111,8 +111,7 @@ std::unique_ptr<LayerFrames> frames_of_layer(const Scene& scene, const SceneLaye
                                               const PushedFrames::Sink& sink) { patches(target, sink); });
   if (const auto* motion = layer.as<TransferMotion>())
     return std::make_unique<TransferFrames>(scene, layer, *motion, stop);
-  const auto& footage = *layer.as<FootageMotion>();
-  return std::make_unique<FootageFrames>(footage.file, footage.at, scene.frames, scene.loop, footage.width);
+  return std::make_unique<FootageFrames>(*layer.as<FootageMotion>(), scene.frames, scene.fps, scene.loop);
 }
 
 }  // namespace freshet::synth::scene

@@ -1,5 +1,7 @@
 #include "synth/scene/kinds/footage.h"
 
+#include <cmath>
+
 #include "synth/scene/kinds/kind_keys.h"
 
 namespace freshet::synth::scene {
@@ -26,8 +28,20 @@ const std::vector<Key<FootageMotion>>& keys_of<FootageMotion>() {
        {1, 65536},
        "px",
        "width that it is shown with, in its own shape",
-       "its own"}};
+       "its own"},
+      {"start",
+       &FootageMotion::start_s,
+       {0, 1e5},
+       "s",
+       "when it begins; nothing of it is seen before, but in a loop its end",
+       {},
+       Range{0, 10}},
+      {"repeat", &FootageMotion::repeats, {}, "", "false: it plays once, and is gone"}};
   return keys;
+}
+
+int start_frame(const FootageMotion& footage, double fps) {
+  return static_cast<int>(std::lround(footage.start_s * fps));
 }
 
 }  // namespace freshet::synth::scene

@@ -16,7 +16,12 @@ struct FootageMotion {
   std::filesystem::path file{};
   cv::Point at{0, 0};
   int width = 0;  // px that it is shown wide, in its own shape; 0: as it is
+  double start_s = 0;
+  bool repeats = true;
 };
+
+/// Of the scene, with which the footage begins.
+int start_frame(const FootageMotion& footage, double fps);
 
 template <>
 const std::vector<Key<FootageMotion>>& keys_of<FootageMotion>();

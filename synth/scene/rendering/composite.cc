@@ -31,6 +31,7 @@ struct Sample {
 struct Scratch {
   explicit Scratch(int width)
       : seen(static_cast<std::size_t>(width)),
+        shown(static_cast<std::size_t>(width)),
         sample(static_cast<std::size_t>(width)),
         through(static_cast<std::size_t>(width)),
         dx(static_cast<std::size_t>(width)),
@@ -39,10 +40,11 @@ struct Scratch {
         part(dx),
         place_x(static_cast<std::size_t>(width)),
         place_y(place_x) {}
-  std::vector<Sample> seen, sample;  // what shows so far, and of one layer
-  std::vector<Sample> other;         // its second copy; empty until one is asked for
+  std::vector<Sample> seen, shown;  // what is seen so far, and the share of each channel of what lies behind
+  std::vector<Sample> sample;       // of one layer
+  std::vector<Sample> other;        // its second copy; empty until one is asked for
   std::vector<float> wanted[2];
-  std::vector<float> through;              // how much of what lies behind shows
+  std::vector<float> through;              // how much layers that cover leave of what lies behind
   std::vector<float> dx, dy, light, part;  // part: of the second copy
   std::vector<std::int32_t> place_x, place_y;
 };
@@ -96,15 +98,21 @@ FRESHET_WIDE void sample_places(const float* texture, std::ptrdiff_t stride, con
 }
 
 /// Lays what was sampled behind what is seen. held   alpha of its own, or null.
-FRESHET_WIDE void lay_behind(const Sample* sample, const float* held, const float* light, int n, Sample* seen,
-                             float* through) {
+FRESHET_WIDE void lay_behind(const Sample* sample, const float* held, const float* light, Blend blend, int n,
+                             Sample* seen, Sample* shown, float* through) {
   for (int i = 0; i < n; ++i) {
     if (!(through[i] > 0)) continue;
     Quad v = sample[i].of;
     if (held != nullptr) v = v * held[i];
     const float alpha = v[3];
     if (light != nullptr) v = v * light[i];
-    seen[i].of += v * through[i];
+    seen[i].of += v * shown[i].of;
+    if (blend == Blend::kAdd) continue;
+    if (blend == Blend::kScreen) {
+      shown[i].of = shown[i].of * (1 - v);
+      continue;
+    }
+    shown[i].of = shown[i].of * (1 - alpha);
     through[i] *= 1 - alpha;
   }
 }
@@ -210,13 +218,15 @@ void add_layer(const MovedSprite& moved, int y, cv::Range columns, Scratch& scra
                           ? nullptr
                           : sprite.held.ptr<float>(y - sprite.box.y) + (columns.start - sprite.box.x);
   const bool lit = moved.motion->light(columns.start, y, n, scratch.light.data());
-  lay_behind(sample, held, lit ? scratch.light.data() : nullptr, n, scratch.seen.data() + columns.start,
+  lay_behind(sample, held, lit ? scratch.light.data() : nullptr, moved.blend, n,
+             scratch.seen.data() + columns.start, scratch.shown.data() + columns.start,
              scratch.through.data() + columns.start);
 }
 
 void composite_row(std::span<const MovedSprite> layers, int y, cv::Mat& out, Scratch& scratch) {
   const int width = out.cols;
   std::fill(scratch.seen.begin(), scratch.seen.end(), Sample{});
+  std::fill(scratch.shown.begin(), scratch.shown.end(), Sample{{1, 1, 1, 1}});
   std::fill(scratch.through.begin(), scratch.through.end(), 1.0f);
   cv::Range open(0, width);  // outside of it all is hidden
   for (const MovedSprite& layer : layers) {

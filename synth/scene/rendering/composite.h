@@ -9,6 +9,7 @@
 
 #include "synth/scene/motion/motion.h"
 #include "synth/scene/rendering/sprite.h"
+#include "synth/scene/scene.h"
 
 namespace freshet::synth::scene {
 
@@ -16,12 +17,14 @@ namespace freshet::synth::scene {
 struct MovedSprite {
   const Sprite* sprite = nullptr;
   const Motion* motion = nullptr;
+  Blend blend = Blend::kOver;
 };
 
 /// Composites the layers at the frame that their motions have gone to.
 ///
 /// Row by row and from the nearest layer on, so that nothing is sampled that nearer layers hide; a pixel's colour is
-/// the same as from back to front in premultiplied form (Porter and Duff 1984). A displacement is rounded to 1/64 px,
+/// the same as from back to front in premultiplied form (Porter and Duff 1984): each blend lets a share of each channel
+/// of what lies behind through, whatever that is. A displacement is rounded to 1/64 px,
 /// and sampled by Keys' cubic, which leaves as it is what does not move.
 ///
 /// out      CV_8UC3, or CV_32FC4 (colours times alpha, and alpha), of the picture's size; overwritten. Where no layer

@@ -1,6 +1,7 @@
 #include "synth/scene/rendering/footage_frames.h"
 
 #include <algorithm>
+#include <numeric>
 #include <utility>
 
 namespace freshet::synth::scene {
@@ -58,20 +59,40 @@ FootageCourse footage_course(int scene_frames, bool loop, int footage_frames, bo
   return course;
 }
 
-FootageFrames::FootageFrames(const std::filesystem::path& file, cv::Point at, int scene_frames, bool loop,
-                             int width)
-    : file_(file), at_(at), width_(width) {
-  const Read read = read_through(file, scene_frames + (loop ? kFadeMost : 0));
-  course_ = footage_course(scene_frames, loop, read.frames, read.comes_round);
-  playing_ = std::make_unique<FootageReader>(file_, width_);
-  if (!course_.from_last) return;
-  before_ = std::make_unique<FootageReader>(file_, width_);
-  for (int i = 0; i < course_.lengths.back(); ++i) before_->next();
+FootageFrames::FootageFrames(const FootageMotion& footage, int scene_frames, double fps, bool loop)
+    : footage_(footage), round_(loop ? scene_frames : 0), since_(-start_frame(footage, fps)) {
+  const int left = loop ? scene_frames : std::max(1, scene_frames + since_);
+  const Read read = read_through(footage_.file, left + (loop ? kFadeMost : 0));
+  if (footage_.repeats || read.frames > left)
+    course_ = footage_course(left, loop, read.frames, read.comes_round);
+  else
+    course_.lengths = {read.frames};
+  shown_ = std::accumulate(course_.lengths.begin(), course_.lengths.end(), 0);
+  playing_ = reader();
+  if (course_.from_last) {
+    before_ = reader();
+    for (int i = 0; i < course_.lengths.back(); ++i) before_->next();
+  }
+  if (!loop || since_ == 0) return;
+  since_ += round_;
+  for (int i = 0; i < std::min(since_, shown_); ++i) next_of_course();
+}
+
+std::unique_ptr<FootageReader> FootageFrames::reader() const {
+  return std::make_unique<FootageReader>(footage_.file, footage_.width);
 }
 
 const cv::Mat& FootageFrames::next() {
+  const int since = since_++;
+  if (since_ == round_) since_ = 0;
+  if (since >= 0 && since < shown_) return next_of_course();
+  static const cv::Mat kNothing;
+  return kNothing;
+}
+
+const cv::Mat& FootageFrames::next_of_course() {
   if (place_ == course_.lengths[which_]) {
-    before_ = std::exchange(playing_, std::make_unique<FootageReader>(file_, width_));
+    before_ = std::exchange(playing_, reader());
     which_ = (which_ + 1) % course_.lengths.size();
     place_ = 0;
   }

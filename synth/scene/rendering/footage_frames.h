@@ -1,7 +1,6 @@
 // synth/scene/rendering/footage_frames.h — a sequence or video with alpha as a layer, for as long as the scene lasts.
 #pragma once
 
-#include <filesystem>
 #include <memory>
 #include <vector>
 
@@ -9,6 +8,7 @@
 
 #include "synth/scene/rendering/footage_reader.h"
 #include "synth/scene/rendering/layer_frames.h"
+#include "synth/scene/scene.h"
 
 namespace freshet::synth::scene {
 
@@ -24,20 +24,26 @@ struct FootageCourse {
 FootageCourse footage_course(int scene_frames, bool loop, int footage_frames, bool comes_round);
 inline constexpr int kFadeMost = 24;  // frames
 
-/// Plays the file; where it is shorter than the scene, and in a loop, its end goes over into its beginning, and nothing
-/// jumps. Never backwards: water would rise.
+/// Plays the file from its start on; where it is shorter than what is left of the scene, and in a loop, its end goes
+/// over into its beginning, and nothing jumps. Never backwards: water would rise. What plays once is not there before
+/// its start and after its end, in a loop a whole round after its start at the latest.
 class FootageFrames : public LayerFrames {
  public:
-  /// Reads the file once, as far as the scene lasts, to know its length. width   as FootageReader. Throws as it does.
-  FootageFrames(const std::filesystem::path& file, cv::Point at, int scene_frames, bool loop, int width = 0);
+  /// Reads the file once, as far as the scene lasts, to know its length; and in a loop, in which it starts later, on to
+  /// the frame that the scene begins with. scene_frames, fps, loop   of the scene. Throws as FootageReader.
+  FootageFrames(const FootageMotion& footage, int scene_frames, double fps, bool loop);
   const cv::Mat& next() override;
-  cv::Point at() const override { return at_; }
+  cv::Point at() const override { return footage_.at; }
 
  private:
-  std::filesystem::path file_;
-  cv::Point at_;
-  int width_;
+  std::unique_ptr<FootageReader> reader() const;
+  const cv::Mat& next_of_course();
+
+  FootageMotion footage_;
   FootageCourse course_;
+  int round_ = 0;                                    // frames after which it comes again; 0: never
+  int since_ = 0;                                    // its start, frames of the scene; below 0: to come
+  int shown_ = 0;                                    // frames of a round in which it is there
   std::size_t which_ = 0;                            // course
   int place_ = 0;                                    // in it
   std::unique_ptr<FootageReader> before_, playing_;  // before_: of the course before, while it fades

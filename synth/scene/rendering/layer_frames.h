@@ -9,8 +9,8 @@ namespace freshet::synth::scene {
 class LayerFrames {
  public:
   virtual ~LayerFrames() = default;
-  /// The next frame: CV_32FC4, sRGB code times alpha, and alpha, 0..1; valid until the next call. Errors are thrown as
-  /// whoever makes the frames names them.
+  /// The next frame: CV_32FC4, sRGB code times alpha, and alpha, 0..1; empty where nothing of the layer is to be seen;
+  /// valid until the next call. Errors are thrown as whoever makes the frames names them.
   virtual const cv::Mat& next() = 0;
   /// Where its upper left corner lies, px of the picture.
   virtual cv::Point at() const = 0;

@@ -96,7 +96,8 @@ SceneAnimation::SceneAnimation(const Scene& scene, std::span<const LayerPixels> 
       if (layer.brings_frames()) placed.frames = frames(layer, pixels[i]);
     }
   }
-  for (const Placed& placed : placed_) moved_.push_back({&placed.sprite, placed.motion.get()});
+  for (std::size_t i = 0; i < placed_.size(); ++i)
+    moved_.push_back({&placed_[i].sprite, placed_[i].motion.get(), scene.layers[i].blend});
   place_mirrors(scene, pixels);
 }
 
@@ -116,7 +117,7 @@ void SceneAnimation::place_mirrors(const Scene& scene, std::span<const LayerPixe
     if (!layer.is_cut()) continue;
     const bool brings = layer.brings_frames();
     if (brings) as_cut.push_back(make_sprite(pixels[i].colour, pixels[i].alpha, Outline::kMoves));
-    unmoved.push_back({brings ? &as_cut.back() : &placed_[i].sprite, &still});
+    unmoved.push_back({brings ? &as_cut.back() : &placed_[i].sprite, &still, layer.blend});
   }
   for (std::size_t i = 0; i < placed_.size(); ++i) {
     if (!mirrors(i)) continue;
@@ -187,9 +188,15 @@ void SceneAnimation::render(int frame, cv::Mat& out) {
   seconds_.composite += watch.seconds();
 }
 
+void SceneAnimation::whole(cv::Mat& out) const {
+  out.create(picture_, CV_32FC4);
+  composite(moved_, out);
+}
+
 void SceneAnimation::layer(std::size_t i, cv::Mat& out) const {
   out.create(picture_, CV_32FC4);
-  composite(std::span(moved_).subspan(i, 1), out);
+  const MovedSprite alone{moved_[i].sprite, moved_[i].motion};
+  composite(std::span(&alone, 1), out);
 }
 
 std::size_t SceneAnimation::bytes() const {

@@ -53,6 +53,8 @@ class SceneAnimation {
 
   /// out   CV_8UC3 or CV_32FC4 of the picture's size (composite.h); created as the former when empty.
   void render(int frame, cv::Mat& out);
+  /// The frame that was rendered last, CV_32FC4, as render.
+  void whole(cv::Mat& out) const;
   /// One layer of the frame that was rendered last, alone: CV_32FC4, colours times alpha.
   void layer(std::size_t i, cv::Mat& out) const;
 

@@ -14,6 +14,7 @@
 
 #include "media/picture/exr_picture.h"
 #include "tests/harness/scratch_folder.h"
+#include "tests/media/exr_channel.h"
 #include "tests/media/generated_clip.h"
 
 namespace freshet::media {
@@ -291,6 +292,32 @@ TEST(Picture, AWideGamutIsBroughtToSrgbAndSaid) {
   const Still same = read_still(scratch / "s.png");
   EXPECT_TRUE(same.notices.empty());
   EXPECT_EQ(cv::norm(same.bgr, picture, cv::NORM_INF), 0);
+}
+
+TEST(Picture, PartsOfAnExrAreLayersAndTheFirstAPicture) {
+  const ScratchFolder folder;
+  const std::string file = (folder / "parts.exr").string();
+  const cv::Mat film(5, 7, CV_32FC4, cv::Scalar(.125, .25, .5, 1)),
+      oak(5, 7, CV_32FC4, cv::Scalar(2, .75, .5, .25));
+  const std::vector<ExrPart> parts{{"(film)", film}, {"an oak", oak}};
+  for (const ExrSamples samples : {ExrSamples::kHalf, ExrSamples::kFloat}) {
+    write_exr_parts(file, parts, samples);
+    Imf::MultiPartInputFile found(file.c_str());
+    ASSERT_EQ(found.parts(), 2);
+    EXPECT_EQ(found.header(0).name(), "(film)");
+    EXPECT_EQ(found.header(1).name(), "an oak");
+    const char* const kChannels[] = {"B", "G", "R", "A"};
+    for (int c = 0; c < 4; ++c) {
+      const auto at = static_cast<std::size_t>(c);
+      EXPECT_EQ(exr_channel(file, 0, kChannels[at]).at<float>(4, 6), film.at<cv::Vec4f>(4, 6)[c]);
+      EXPECT_EQ(exr_channel(file, 1, std::string("an oak.") + kChannels[at]).at<float>(4, 6),
+                oak.at<cv::Vec4f>(4, 6)[c]);
+    }
+    EXPECT_NEAR(read_picture(file).bgr.at<cv::Vec3b>(2, 2)[2], 188, 1);
+  }
+  const std::vector<ExrPart> bytes{{"a", cv::Mat(5, 7, CV_8UC3)}};
+  EXPECT_TRUE(holds(fault_of(ErrorKind::kUsage, [&] { write_exr_parts(file, bytes, ExrSamples::kHalf); }),
+                    "32-bit BGR"));
 }
 
 TEST(Picture, PrimariesOfAnotherSpaceInAnExrAreRefused) {

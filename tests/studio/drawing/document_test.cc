@@ -83,7 +83,13 @@ Document full() {
                                 .roll = 3,
                                 .drift = -4,
                                 .class_name = "fall"},
-                               {.name = "fire", .motion = "footage", .clip = "fire 1.mkv"},
+                               {.name = "fire",
+                                .motion = "footage",
+                                .film = "clip",
+                                .clip = "fire 1.mkv",
+                                .start = 0.5,
+                                .repeats = false,
+                                .blend = "screen"},
                                {.name = "land", .matte = LayerMatte::kRest}}};
   document.sweep = {.axes = {{.setting = "speed", .values = {"0.5", "2"}},
                              {.setting = "class", .values = {"", "a, \\ b", "fall"}}},
@@ -128,6 +134,11 @@ TEST(Document, WithoutOtherWaysIsAnOlderOne) {
   Json film = Json::parse(to_json(full()));
   film["scene"]["layers"][1]["motion"] = "film";
   EXPECT_EQ(document_from_json(film.dump(), "document"), full()) << "what footage was called";
+  for (Json& layer : film["scene"]["layers"])
+    for (const char* later : {"film", "start", "repeats", "blend"}) layer.erase(later);
+  expected = full();
+  expected.scene.layers[1] = {.name = "fire", .motion = "footage", .film = "clip", .clip = "fire 1.mkv"};
+  EXPECT_EQ(document_from_json(film.dump(), "document"), expected);
 }
 
 TEST(Document, RefusesWhatItDoesNotKnow) {
@@ -188,6 +199,9 @@ TEST(Document, RefusesWhatItDoesNotKnow) {
                                     {"plant", Json("cactus")},
                                     {"shimmer", Json(99)},
                                     {"clip", Json("../a.mkv")},
+                                    {"film", Json("stills")},
+                                    {"start", Json(-1)},
+                                    {"blend", Json("dodge")},
                                     {"x", Json(1)}}) {
     Json scene = good["scene"];
     scene["layers"][0][name] = value;

@@ -340,6 +340,9 @@ TEST_F(Server, ClipsAreTakenShownAndMadeEndless) {
             std::string::npos);
   EXPECT_EQ(status(running().send("POST", ways + "flowlines/exports", R"({"name": "../a.mkv"})")), 400);
   EXPECT_EQ(status(running().send("POST", ways + "lines/exports", R"({"name": "a.mkv"})")), 400);
+  EXPECT_EQ(status(running().send("POST", ways + "flowlines/exports", R"({"name": "a.mov", "alone": true})")),
+            400);
+  EXPECT_EQ(running().json(ways + "flowlines")["alone"], "");
   // A browser seeks in it by asking for a part.
   const std::string film = running().get(ways + "flowlines/film")->body;
   const httplib::Result part = running().get(ways + "flowlines/film", {{"Range", "bytes=100-299"}});
@@ -742,6 +745,35 @@ TEST_F(Server, ALayersScribblesAreAMatteAtOnce) {
   EXPECT_EQ(status(running().get(at + "1/matte")), 404) << "nothing is scribbled on it";
   EXPECT_EQ(status(running().get(at + "2/matte")), 404);
   EXPECT_EQ(status(running().get(at + "x/matte")), 404);
+}
+
+TEST_F(Server, ASceneIsExportedWithItsLayers) {
+  const std::string id = running().open_still("layered.png");
+  Json scene = running().json("api/projects/" + id)["document"]["scene"];
+  scene["frames"] = 3;
+  scene["layers"] = Json::array({{{"name", "land"},
+                                  {"motion", "still"},
+                                  {"matte", "rest"},
+                                  {"paint", Json::array()},
+                                  {"lines", Json::array()},
+                                  {"plant", "tree"},
+                                  {"shimmer", 0},
+                                  {"waves", 0},
+                                  {"mirrors", false},
+                                  {"roll", 1},
+                                  {"drift", 0},
+                                  {"class", ""}}});
+  running().draw(id, {{"scene", scene}});
+  const std::string way = "api/projects/" + id + "/ways/scene";
+  EXPECT_EQ(running().json(way)["alone"], "layers");
+  const httplib::Result exported =
+      running().send("POST", way + "/exports", R"({"name": "all.exr", "alone": true})");
+  ASSERT_EQ(status(exported), 200) << exported->body;
+  EXPECT_NE(Json::parse(exported->body)["command"].get<std::string>().find("--layers-out"),
+            std::string::npos);
+  running().studio().jobs().wait();
+  const fs::path exports = running().room() / "projects" / id / "exports/all";
+  EXPECT_GT(fs::file_size(exports / "all.0002.exr"), 1000u) << running().json("api/jobs");
 }
 
 TEST_F(Server, AStoreGrowsByWhatIsSent) {

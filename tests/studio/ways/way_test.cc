@@ -236,11 +236,21 @@ TEST(Way, AFilmIsALayerWhereItWasPlaced) {
   document.scene.layers = {{.name = "fire",
                             .motion = "footage",
                             .lines = {{.points = {{150, 20}, {60, 90}}, .speed = {}}},
-                            .clip = "a fire.mkv"}};
+                            .film = "clip",
+                            .clip = "a fire.mkv",
+                            .start = 0.04,
+                            .repeats = false,
+                            .blend = "screen"}};
   EXPECT_EQ(run_in(folder, "scene", document)["layers"], 2) << "and the rest";
   const std::string toml = tools::text_of(folder / "ways/scene/scene.toml");
-  EXPECT_NE(toml.find("at = [60, 20]\nwidth = 90\n"), std::string::npos) << toml;
-  document.scene.layers[0].clip.clear();
+  for (const char* said :
+       {"at = [60, 20]\nwidth = 90\nstart = 0.04\nrepeat = false\n", "blend = \"screen\"\n"})
+    EXPECT_NE(toml.find(said), std::string::npos) << toml;
+  document.scene.layers[0].film = "flowlines";
+  EXPECT_THROW(files_of("scene", document), Error) << "no clip was made endless";
+  document.flowlines.clip = "water/1.mp4";
+  EXPECT_NE(files_of("scene", document).back().bytes.find("../flowlines/film.mp4"), std::string::npos);
+  document.scene.layers[0].film = "design";
   EXPECT_THROW(files_of("scene", document), Error) << "Design has made none";
   document.design.look = "fire/1.mp4";
   EXPECT_NE(files_of("scene", document).back().bytes.find("../design/fluid.mkv"), std::string::npos);
@@ -297,8 +307,9 @@ TEST(Way, ASweepKeepsPinnedPiecesWhereNoOthersAreChosen) {
 TEST(Way, ALayerSaysWhatItLacks) {
   const auto fault_of = [](const DrawnScene& scene, const std::string& store = {}) {
     try {
-      layer_scene(scene, kPicture.size(),
-                  {.picture = "../../picture.png", .store = store, .design = {}, .clips = {}});
+      layer_scene(
+          scene, kPicture.size(),
+          {.picture = "../../picture.png", .store = store, .design = {}, .flowlines = {}, .clips = {}});
     } catch (const Error& fault) {
       EXPECT_EQ(fault.kind(), ErrorKind::kUsage);
       return std::string(fault.what());

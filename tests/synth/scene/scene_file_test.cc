@@ -166,6 +166,12 @@ TEST(SceneFile, MistakesNameLineKeyAndRemedy) {
   EXPECT_THAT(parse_fault(kTop + "[[layer]]\nname=\"a\"\nmotion=\"transfer\"\ndesign_alpha=\"a\"\n"
                                  "design_flow=\"f\"\nexemplar=\"e.png\"\nground=\"blue\"\n"),
               AllOf(HasSubstr("ground"), HasSubstr("none, black, white")));
+  EXPECT_THAT(
+      parse_fault(kTop + "frames = 50\n[[layer]]\nname=\"a\"\nmotion=\"footage\"\nfile=\"a.mov\"\nstart=2\n"),
+      AllOf(HasSubstr("a.toml:7"), HasSubstr("the scene ends after 2 s")));
+  EXPECT_THAT(
+      parse_fault(kTop + "[[layer]]\nname=\"a\"\nmotion=\"footage\"\nfile=\"a.mov\"\nblend=\"lighten\"\n"),
+      AllOf(HasSubstr("blend"), HasSubstr("over, add, screen")));
   EXPECT_THAT(parse_fault(kTop + "[[layer]]\nname=\"a\"\nmotion=\"still\"\n"),
               HasSubstr("nothing says where it is"));
   EXPECT_THAT(parse_fault(kTop + "[[layer]]\nname=\"a/b\"\nmatte=\"m.png\"\nmotion=\"still\"\n"),

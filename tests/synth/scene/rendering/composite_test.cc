@@ -39,6 +39,13 @@ cv::Mat noise(cv::Size size, int type, std::uint64_t seed) {
   return out;
 }
 
+/// One channel of a layer over what lies behind it. value   times alpha.
+float laid_over(Blend blend, float value, float alpha, float behind) {
+  if (blend == Blend::kAdd) return value + behind;
+  if (blend == Blend::kScreen) return 1 - (1 - value) * (1 - behind);
+  return value + (1 - alpha) * behind;
+}
+
 TEST(Composite, IsPorterAndDuffFromBackToFront) {
   const cv::Size kSize(67, 41);
   std::vector<Sprite> sprites;
@@ -53,20 +60,25 @@ TEST(Composite, IsPorterAndDuffFromBackToFront) {
     sprites.push_back(make_sprite(colours.back(), alpha, Outline::kMoves));
   }
   Stillness still;
-  std::vector<MovedSprite> layers;
-  for (const Sprite& sprite : sprites) layers.push_back({&sprite, &still});
-  cv::Mat found(kSize, CV_32FC4);
-  composite(layers, found);
-  for (int y = 0; y < kSize.height; ++y) {
-    for (int x = 0; x < kSize.width; ++x) {
-      cv::Vec4f sum(0, 0, 0, 0);
-      for (std::size_t i = 4; i-- > 0;) {
-        const float a = alphas[i].at<float>(y, x);
-        const cv::Vec3f c = colours[i].at<cv::Vec3f>(y, x);
-        sum = cv::Vec4f(c[0] * a, c[1] * a, c[2] * a, a) + sum * (1 - a);
+  constexpr Blend kBlends[] = {Blend::kOver, Blend::kAdd, Blend::kScreen};
+  for (int mix = 0; mix < 27; ++mix) {
+    std::vector<MovedSprite> layers;
+    for (std::size_t i = 0; i < 4; ++i) layers.push_back({&sprites[i], &still});
+    for (std::size_t i = 0, rest = static_cast<std::size_t>(mix); i < 3; ++i, rest /= 3)
+      layers[i].blend = kBlends[rest % 3];
+    cv::Mat found(kSize, CV_32FC4);
+    composite(layers, found);
+    for (int y = 0; y < kSize.height; ++y)
+      for (int x = 0; x < kSize.width; ++x) {
+        cv::Vec4f sum(0, 0, 0, 0);
+        for (std::size_t i = 4; i-- > 0;) {
+          const float a = alphas[i].at<float>(y, x);
+          const cv::Vec3f c = colours[i].at<cv::Vec3f>(y, x);
+          for (int k = 0; k < 3; ++k) sum[k] = laid_over(layers[i].blend, c[k] * a, a, sum[k]);
+          sum[3] = laid_over(Blend::kOver, a, a, sum[3]);
+        }
+        for (int c = 0; c < 4; ++c) ASSERT_NEAR(found.at<cv::Vec4f>(y, x)[c], sum[c], 1e-5) << mix;
       }
-      for (int c = 0; c < 4; ++c) ASSERT_NEAR(found.at<cv::Vec4f>(y, x)[c], sum[c], 1e-5);
-    }
   }
 }
 

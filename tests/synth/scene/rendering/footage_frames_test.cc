@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include <fmt/format.h>
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <opencv2/imgcodecs.hpp>
 
@@ -25,15 +26,20 @@ class Sequence {
       cv::imwrite((folder_ / fmt::format("{:03}.png", i)).string(),
                   cv::Mat(4, 6, CV_8UC3, cv::Scalar::all(greys[i])));
   }
-  /// What a scene shows of it.
-  std::vector<double> shown(int frames, bool loop, int asked) const {
-    FootageFrames footage(folder_.path(), {0, 0}, frames, loop);
+  /// What a scene of a frame a second shows of it; -1: nothing.
+  std::vector<double> shown(int frames, bool loop, int asked, int start = 0, bool repeats = true) const {
+    FootageMotion motion{.file = folder_.path()};
+    motion.start_s = start, motion.repeats = repeats;
+    FootageFrames footage(motion, frames, 1, loop);
     std::vector<double> out;
-    for (int i = 0; i < asked; ++i) out.push_back(255 * footage.next().at<cv::Vec4f>(1, 1)[0]);
+    for (int i = 0; i < asked; ++i) {
+      const cv::Mat& frame = footage.next();
+      out.push_back(frame.empty() ? -1 : 255 * frame.at<cv::Vec4f>(1, 1)[0]);
+    }
     return out;
   }
   cv::Mat first(int width) const {
-    FootageFrames footage(folder_.path(), {0, 0}, 2, false, width);
+    FootageFrames footage({.file = folder_.path(), .at = {0, 0}, .width = width}, 2, 25, false);
     return footage.next().clone();
   }
 
@@ -107,6 +113,33 @@ TEST(FootageFrames, WhatComesRoundIsNotFaded) {
   const std::vector<double> shown = sequence.shown(50, true, 100);
   EXPECT_EQ(shown[3], shown[53]);
   EXPECT_LT(greatest_step(shown), 25);
+}
+
+TEST(FootageFrames, NothingIsSeenBeforeTheStartAndAfterWhatPlaysOnce) {
+  const Sequence sequence({10, 20, 30, 40});
+  using testing::DoubleNear, testing::ElementsAreArray;
+  const auto are = [](std::vector<double> values) {
+    std::vector<testing::Matcher<double>> near;
+    for (const double value : values) near.push_back(DoubleNear(value, 1e-3));
+    return ElementsAreArray(near);
+  };
+  EXPECT_THAT(sequence.shown(8, false, 8, 3, false), are({-1, -1, -1, 10, 20, 30, 40, -1}));
+  EXPECT_THAT(sequence.shown(6, false, 6, 3, false), are({-1, -1, -1, 10, 20, 30}));
+  EXPECT_THAT(sequence.shown(6, false, 6, 3, true), are({-1, -1, -1, 10, 20, 30}));
+  EXPECT_THAT(sequence.shown(7, true, 14, 1, false),
+              are({-1, 10, 20, 30, 40, -1, -1, -1, 10, 20, 30, 40, -1, -1}));
+  // It goes on over the end of the loop.
+  EXPECT_THAT(sequence.shown(7, true, 14, 5, false),
+              are({30, 40, -1, -1, -1, 10, 20, 30, 40, -1, -1, -1, 10, 20}));
+}
+
+TEST(FootageFrames, InALoopALaterStartShowsTheSameRoundLater) {
+  for (const int length : {7, 20, 33}) {
+    const Sequence sequence(ramp(length, 6));
+    const std::vector<double> at_once = sequence.shown(20, true, 40), later = sequence.shown(20, true, 60, 8);
+    for (std::size_t i = 0; i < 40; ++i) EXPECT_EQ(later[i + 8], at_once[i]) << length << " " << i;
+    for (std::size_t i = 0; i < 40; ++i) EXPECT_EQ(later[i + 20], later[i]) << length << " " << i;
+  }
 }
 
 TEST(FootageFrames, AreAsWideAsIsAsked) {
