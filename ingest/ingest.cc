@@ -499,7 +499,9 @@ class ClipIngest {
 
     record.name = report.name;
     record.class_name = report.class_name;
-    record.licence = options_.licence;
+    const ClipSource* const source_of_it = source_of(options_.sources, report.name);
+    const ClipSource said = source_of_it != nullptr ? *source_of_it : ClipSource();
+    record.licence = said.licence.empty() ? options_.licence : said.licence;
     media::VideoInfo info = reader_->info();
     info.layout.width = static_cast<int>(report.width);
     info.layout.height = static_cast<int>(report.height);
@@ -507,7 +509,10 @@ class ClipIngest {
     record.pixel_format = info.layout.format;
     record.width = report.width;
     record.height = report.height;
-    record.metadata = to_json(metadata_of(info, measures, verdict, report, part));
+    stored::ClipMetadata metadata = metadata_of(info, measures, verdict, report, part);
+    metadata.author = said.author;
+    metadata.source = said.source;
+    record.metadata = to_json(metadata);
     {
       const TimedScope watch(report.seconds.commit);
       stored::write_columns(writer, measures.columns);

@@ -12,6 +12,7 @@
 
 #include "freshet/error.h"
 #include "ingest/alike_clips.h"
+#include "ingest/clip_sources.h"
 #include "ingest/screening.h"
 #include "ingest/source_list.h"
 #include "ingest/survey.h"
@@ -22,8 +23,9 @@
 namespace freshet::ingest {
 
 struct IngestOptions {
-  std::string class_name{};    // of all clips; empty: the folder that each lies in
-  std::string licence{};       // of all clips; free text
+  std::string class_name{};  // of all clips; empty: the folder that each lies in
+  std::string licence{};     // of all clips of which `sources` says none; free text
+  std::vector<ClipSource> sources{};
   bool force = false;          // keep what screening refuses
   bool pictures = false;       // each row gets its look
   bool steady = false;         // what a moving camera filmed is made steady (steady.h); not with force

@@ -114,6 +114,8 @@ ClipMetadata from_json(Json json) {
   take("container", [&](const Json& value) { value.get_to(metadata.container); });
   take("variable_frame_rate", [&](const Json& value) { value.get_to(metadata.variable_frame_rate); });
   take("repairs", [&](const Json& value) { value.get_to(metadata.repairs); });
+  take("author", [&](const Json& value) { value.get_to(metadata.author); });
+  take("source", [&](const Json& value) { value.get_to(metadata.source); });
   take("notices", [&](const Json& value) { value.get_to(metadata.notices); });
   take("cells", [&](const Json& value) { metadata.cells = shapes_from(value); });
   take("patches", [&](const Json& value) { value.get_to(metadata.patches); });
@@ -146,6 +148,8 @@ std::string to_json(const ClipMetadata& metadata) {
   json["container"] = metadata.container;
   json["variable_frame_rate"] = metadata.variable_frame_rate;
   json["repairs"] = metadata.repairs;
+  if (!metadata.author.empty()) json["author"] = metadata.author;
+  if (!metadata.source.empty()) json["source"] = metadata.source;
   json["notices"] = metadata.notices;
   json["cells"] = json_of(metadata.cells);
   json["patches"] = metadata.patches;

@@ -35,6 +35,7 @@ struct ClipMetadata {
   std::string codec{}, container{};
   bool variable_frame_rate = false;
   std::string repairs{};               // filters that changed the frames; empty: none
+  std::string author{}, source{};      // whose it is, and where it came from; empty: nobody said
   std::vector<std::string> notices{};  // for a person
   CellShapes cells{};
   std::vector<std::uint64_t> patches{};  // by variant

@@ -88,7 +88,7 @@ tools/console: store media/frame media/picture media/video query/index
 tools/options: cache store starter media/picture media/video hints vision vision/look query/index query/mrf query/search query/costs synth/outline synth/animate/frames synth/animate synth/matte tools/console
 tools: work report store store/rewrite media/frame media/video stored ingest query/index synth/toml starter studio studio/http tools/console tools/options
 tools/work: synth/toml work tools/console tools
-tools/query: media/picture vision/look stored query/labelling query/benchmark synth/animate/placement synth/animate/motion tools/console tools/options tools
+tools/query: store media/picture vision/look stored query/labelling query/benchmark synth/animate/placement synth/animate/motion tools/console tools/options tools
 tools/store: report store media/frame media/picture stored query/index query/search query/labelling tools/console tools
 tools/judging: media/frame media/picture media/video hints query/labelling synth/judging tools/console
 tools/tour: media/picture synth/animate synth/tour tools/console tools/options

@@ -23,6 +23,7 @@
 #include "store/rewrite/rewrite.h"
 #include "store/store_list.h"
 #include "stored/store_settings.h"
+#include "synth/toml/section.h"
 #include "tools/commands.h"
 #include "tools/console/index_progress.h"
 #include "tools/console/output_names.h"
@@ -42,7 +43,7 @@ struct IngestCommand {
   ShardOption shard;
   ingest::IngestOptions options;
   SettingsOptions settings;
-  std::filesystem::path page;
+  std::filesystem::path page, sources;
   bool no_index = false, no_flann = false, json = false, dry_run = false, seal = false, gather = false;
 };
 
@@ -197,14 +198,40 @@ void update_index(const IngestCommand& command, store::Store& store, const RunCo
   tools::update_index(store, index, context);
 }
 
+/// Rows [[clip]] of a TOML file.
+std::vector<ingest::ClipSource> read_sources(const std::filesystem::path& file) {
+  constexpr const char* kRemedy =
+      "Give tables [[clip]] with a name, of a clip or a folder, and licence, author and source";
+  constexpr std::size_t kMostRows = 100000;
+  const synth::TomlText text(synth::toml_file_text(file, kRemedy), file, kRemedy);
+  synth::Section root = text.root();
+  std::vector<ingest::ClipSource> sources;
+  for (synth::Section& row : root.tables("clip", kMostRows)) {
+    ingest::ClipSource& said = sources.emplace_back();
+    said.name = row.text("name").value_or("");
+    if (said.name.empty()) row.refuse_whole("it has no name", kRemedy);
+    said.licence = row.text("licence").value_or("");
+    said.author = row.text("author").value_or("");
+    said.source = row.text("source").value_or("");
+    row.done();
+  }
+  root.done();
+  if (sources.empty()) root.refuse_whole("it says nothing of any clip", kRemedy);
+  return sources;
+}
+
 /// What decides what a part of a store holds.
 nlohmann::json made_by(const IngestCommand& command) {
   nlohmann::json clips = nlohmann::json::array();
   for (const std::filesystem::path& path : command.paths) clips.push_back(path.string());
   const ingest::IngestOptions& options = command.options;
+  nlohmann::json sources = nlohmann::json::array();
+  for (const ingest::ClipSource& each : options.sources)
+    sources.push_back({each.name, each.licence, each.author, each.source});
   return {{"clips", clips},
           {"class", options.class_name},
           {"licence", options.licence},
+          {"sources", sources},
           {"force", options.force},
           {"steady", options.steady},
           {"deinterlace", options.repairs.deinterlace},
@@ -359,6 +386,10 @@ void add_ingest(CLI::App& app, RunContext& context) {
   sub->add_option("--class", command->options.class_name, "Class of all given clips [each clip's folder]");
   CLI::Option* licence = sub->add_option("--licence", command->options.licence,
                                          "Licence of all given clips; recorded with every use of them");
+  CLI::Option* sources = sub->add_option(
+      "--sources", command->sources,
+      "TOML file of tables [[clip]]: name (of a clip or a folder), licence, author, source; they "
+      "are credited (synth animate --credits)");
   CLI::Option* force = sub->add_flag(
       "--force", command->options.force,
       "Take each clip whole, also where screening refuses it (moving camera, cuts, too short); the "
@@ -398,6 +429,7 @@ void add_ingest(CLI::App& app, RunContext& context) {
   add_overwrite(*sub);
   sub->get_option("--overwrite")->needs(page);
   licence->excludes(dry_run);
+  sources->excludes(dry_run);
   for (CLI::Option* shared : {seal, gather}) shared->excludes(dry_run)->excludes(page);
   CLI::Option* no_index =
       sub->add_flag("--no-index", command->no_index, "Do not update the index at the end")->excludes(dry_run);
@@ -408,7 +440,10 @@ void add_ingest(CLI::App& app, RunContext& context) {
   sub->add_flag("--json", command->json, "Print the report as JSON");
   add_threads(*sub);
   command->settings.add_to(*sub);
-  sub->callback([command, &context] { run(*command, context); });
+  sub->callback([command, &context] {
+    if (!command->sources.empty()) command->options.sources = read_sources(command->sources);
+    run(*command, context);
+  });
 }
 
 }  // namespace freshet::tools

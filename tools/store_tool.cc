@@ -14,6 +14,7 @@
 #include "platform/printable.h"
 #include "starter/starter_store.h"
 #include "store/rewrite/rewrite.h"
+#include "store/signature.h"
 #include "store/store.h"
 #include "stored/clip_frames.h"
 #include "stored/clip_metadata.h"
@@ -31,7 +32,7 @@ namespace {
 constexpr std::uint32_t kSlab = 16;  // frames read at once: as tiles hold them
 
 struct StoreCommand {
-  std::string store, clip, out;
+  std::string store, clip, out, signed_by;
   bool json = false;
 };
 
@@ -177,6 +178,7 @@ void info(const StoreCommand& command, RunContext& context) {
 }
 
 void verify(const StoreCommand& command, RunContext& context) {
+  if (!command.signed_by.empty()) store::expect_signed(command.store, command.signed_by);
   const store::Snapshot snapshot = store::Store::open_read(command.store).snapshot();
   std::vector<std::string> faults = snapshot.verify();
   readable_clips(snapshot, faults);  // the store itself gives metadata and settings no meaning
@@ -292,8 +294,12 @@ void add_store(CLI::App& app, RunContext& context) {
       "were "
       "written, as far as their headers tell",
       false, true, [&context](const StoreCommand& c) { info(c, context); });
-  add("verify", "Check the place and the hash of every record; exit code 3 if one is damaged", false, true,
-      [&context](const StoreCommand& c) { verify(c, context); });
+  auto [verifying, verified] =
+      add("verify", "Check the place and the hash of every record; exit code 3 if one is damaged", false,
+          true, [&context](const StoreCommand& c) { verify(c, context); });
+  verifying->add_option(
+      "--signed-by", verified->signed_by,
+      "Public key of minisign, or its file, that must have signed the store (STORE.minisig)");
   add("digest",
       "One hash of all logical content: equal for equal clips and settings, whatever the order or threads",
       false, true, [](const StoreCommand& c) { digest(c); });

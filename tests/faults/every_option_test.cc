@@ -183,6 +183,8 @@ const std::vector<Row>& rows() {
       // ingest
       {"ingest", "--class two"},
       {"ingest", "--licence CC0"},
+      {"ingest", "--sources sources.toml"},
+      {"synth animate", "--credits credits.txt"},
       {"ingest", "--force"},
       {"ingest", "--dry-run"},
       {"ingest", "--page page.html", "--dry-run"},
@@ -235,6 +237,7 @@ const std::vector<Row>& rows() {
       {"query candidates", "--overwrite", "--sheet sheet.png"},
       {"store page", "--output other.html"},
       {"store page", "--picture still.png"},
+      {"", "--signed-by RWQAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAA", "", Does::kRefuses},
       {"store page", "--matte matte.png", "--picture still.png"},
       {"store export", "--output other.mkv"},
       {"store merge", "--output other.store"},
@@ -461,6 +464,7 @@ class Material {
     write("marks.json",
           R"({"format": "freshet-marks", "version": 1, "marks": [{"is": "fluid", "box": [26, 16, 20, 20]},
  {"is": "background", "box": [76, 0, 18, 60]}]})");
+    write("sources.toml", "[[clip]]\nname = \"clip1.mkv\"\nauthor = \"Ada\"\n");
     write("strokes.svg", svg(size, R"(<path data-speed="40" d="M80,50 L10,20"/>)"));
     scene();
     stills();

@@ -25,7 +25,7 @@ constexpr std::string_view kOutputs[] = {"--output",          "--sheet",      "-
                                          "--emitters",        "--motion",     "--page",      "--json",
                                          "--composite",       "--draw",       "--matte-out", "--speed-out",
                                          "--orientation-out", "--motion-out", "--lines-out", "--layers-out",
-                                         "--depth-out"};
+                                         "--credits",         "--depth-out"};
 
 bool names_output(const CLI::Option& option) {
   return std::ranges::find(kOutputs, option.get_name()) != std::end(kOutputs);

@@ -3,6 +3,8 @@
 #include <utility>
 
 #include "freshet/error.h"
+#include "store/signature.h"
+#include "store/store_list.h"
 #include "tools/options/starter_option.h"
 
 namespace freshet::tools {
@@ -15,6 +17,9 @@ void TargetFiles::add_to(CLI::App& command) {
   command.add_option("PICTURE", picture, "REQUIRED. The still picture (PNG, JPEG, TIFF, ...)");
   command.add_option("--store", added, "Additional store, searched together with STORE; repeatable [none]")
       ->allow_extra_args(false);
+  command.add_option(
+      "--signed-by", signed_by,
+      "Public key of minisign, or its file: only stores that it signed (STORE.minisig) are read [any]");
   CLI::Option* given = command.add_option("--matte", matte,
                                           "Grey picture, white where the fluid is [the picture's own alpha]");
   command.add_flag("--whole", whole, "All of the picture is fluid [off]")->excludes(given);
@@ -33,6 +38,10 @@ store::Snapshot TargetFiles::open_store(const RunContext& context) {
   }
   std::vector<std::filesystem::path> stores = added;
   if (!store.empty()) stores.insert(stores.begin(), store);
+  if (!signed_by.empty())
+    for (const std::filesystem::path& each : stores)
+      for (const std::filesystem::path& file : store::stores_named(each))
+        store::expect_signed(file, signed_by);
   return store::Store::open_read(stores).snapshot();
 }
 

@@ -19,10 +19,11 @@ struct TargetFiles {
   std::string store;                         // empty: the starter store
   std::vector<std::filesystem::path> added;  // stores that are searched with it as one
   std::filesystem::path picture, matte;
+  std::string signed_by;  // public key of the stores' maker; empty: anybody's
 
   bool whole = false;  // the whole picture is fluid, whatever its alpha says
 
-  /// STORE, PICTURE, --store, --matte, --whole. One name alone is the picture. This must outlive the command.
+  /// STORE, PICTURE, --store, --signed-by, --matte, --whole. One name alone is the picture. This must outlive the command.
   void add_to(CLI::App& command);
   /// Opens the stores; the starter store, from then on in `store`, where none was given. To be called before what needs
   /// the picture. Throws CLI::RequiredError when there is none.

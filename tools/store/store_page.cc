@@ -84,6 +84,13 @@ std::string strip_html(const PlayedStrip& strip) {
       report::data_address("image/jpeg", strip.jpeg));
 }
 
+/// Whose it is, what may be done with it, and where it came from.
+std::string owed(const ShownClip& clip) {
+  std::string text = clip.author.empty() ? "" : html_text(clip.author) + "; ";
+  text += clip.licence.empty() ? "no licence is said" : html_text(clip.licence);
+  return text + (clip.source.empty() ? "" : "; " + html_text(clip.source));
+}
+
 std::string card(const ShownClip& clip) {
   std::string facts = fmt::format("{} x {} px, {:.2f} frames/s, {:.1f} s; {} patches", clip.size.width,
                                   clip.size.height, clip.fps, clip.seconds, clip.patches);
@@ -94,8 +101,7 @@ std::string card(const ShownClip& clip) {
     facts += fmt::format("; half of its detail is new after {:.2g} s", clip.half_life_s);
   if (clip.alike >= 0) facts += fmt::format("; {} like the other clips", percent(clip.alike));
   return fmt::format("<div class=\"clip\">{}<p><b>{}</b></p><p class=\"faint\">{}</p><p>{}</p></div>\n",
-                     strip_html(clip.strip), html_text(clip.name), facts,
-                     clip.licence.empty() ? "no licence is said" : html_text(clip.licence));
+                     strip_html(clip.strip), html_text(clip.name), facts, owed(clip));
 }
 
 std::string asked(const AskedPicture& picture) {
@@ -170,6 +176,8 @@ nlohmann::json to_json(const StoreContents& contents) {
     clips.push_back({{"name", clip.name},
                      {"class", clip.class_name},
                      {"licence", clip.licence},
+                     {"author", clip.author},
+                     {"source", clip.source},
                      {"seconds", clip.seconds},
                      {"patches", clip.patches},
                      {"sides_per_second", clip.speed},

@@ -19,7 +19,7 @@ struct PlayedStrip {
 };
 
 struct ShownClip {
-  std::string name, class_name, licence;
+  std::string name, class_name, licence, author, source;
   cv::Size size;  // px
   double fps = 0, seconds = 0;
   std::uint64_t patches = 0;

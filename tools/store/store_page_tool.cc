@@ -93,6 +93,8 @@ ShownClip shown_clip(const store::Snapshot& snapshot, const query::SearchBase& b
   ShownClip shown{.name = record.name,
                   .class_name = record.class_name,
                   .licence = record.licence,
+                  .author = metadata.author,
+                  .source = metadata.source,
                   .size = {static_cast<int>(record.width), static_cast<int>(record.height)},
                   .fps = static_cast<double>(record.fps_num) / static_cast<double>(record.fps_den),
                   .patches = record.rows,

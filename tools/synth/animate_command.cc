@@ -22,6 +22,10 @@ void AnimateCommand::add_to(CLI::App& app) {
   output.add_to(app);
   app.add_option("--sheet", sheet, "Write a contact sheet of the picture and frames (PNG, JPEG)");
   app.add_option(
+      "--credits", credits,
+      "Write which clips the film shows, with share, author, licence and source: .json for programs, else "
+      "text");
+  app.add_option(
          "--takes", takes,
          "Number of small takes to compare; the one with the fewest faults is made. They vary what no option "
          "sets: speed, layout, half-life of detail, flames of clips. --sheet shows them. 1: as asked")

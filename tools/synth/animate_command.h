@@ -45,7 +45,7 @@ struct AnimateCommand {
   MethodOptions method;
   OutputOptions output;
   AsPrinted as_printed;  // of the command line alone
-  std::string assignment, sheet;
+  std::string assignment, sheet, credits;
   int takes = 1;            // to try before one is made whole
   synth::takes::Open open;  // what they may vary
   bool json = false;

@@ -18,6 +18,7 @@
 #include "tools/console/output_names.h"
 #include "tools/console/progress.h"
 #include "tools/judging/verdict_report.h"
+#include "tools/query/credits.h"
 #include "tools/synth/animate_command.h"
 #include "tools/synth/animate_run.h"
 #include "tools/synth/takes_run.h"
@@ -74,6 +75,7 @@ void print_made(const AnimateCommand& command, const store::Snapshot& snapshot, 
                 const nlohmann::json& verdict, const nlohmann::json& takes) {
   std::vector<std::string> files = command.output.files();
   files.push_back(command.sheet);
+  files.push_back(command.credits);
   for (const std::string& path : command.motion.outputs()) files.push_back(path);
   std::erase(files, "");
   if (!command.json) {
@@ -136,6 +138,7 @@ void run_animate(AnimateCommand& command, const RunContext& context) {
   // The output first: a mistyped folder should not cost a labelling.
   command.motion.check_outputs();
   check_picture_output(command.sheet);
+  check_output_folder(command.credits);
   const std::unique_ptr<AnimationFiles> output = command.output.open(loaded, options, inputs.motion_sink());
 
   const auto cache = command.cache.open();
@@ -178,6 +181,11 @@ void run_animate(AnimateCommand& command, const RunContext& context) {
       progress.callback(), context);
   output->finish();
   progress.finish();
+  if (!command.credits.empty()) {
+    std::vector<store::ClipId> forms;
+    for (const synth::animate::ShownForm& form : report.forms) forms.push_back(form.clip);
+    write_credits(command.credits, credits_of(snapshot, assignment, forms));
+  }
   if (!command.sheet.empty())
     media::write_picture(command.sheet,
                          trial ? synth::takes::with_takes(sheet.draw(), *trial) : sheet.draw());
