@@ -237,7 +237,8 @@ const std::vector<Row>& rows() {
       {"query candidates", "--overwrite", "--sheet sheet.png"},
       {"store page", "--output other.html"},
       {"store page", "--picture still.png"},
-      {"", "--signed-by RWQAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAA", "", Does::kRefuses},
+      {"", "--signed-by maker.pub", "",
+       Does::kElsewhere},  // tests/tools/signed_store_test.cc: of stores that their maker signed
       {"store page", "--matte matte.png", "--picture still.png"},
       {"store export", "--output other.mkv"},
       {"store merge", "--output other.store"},

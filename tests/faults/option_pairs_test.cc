@@ -33,6 +33,7 @@ const std::map<std::string, std::string> kNeeded{
     {"store verify", "f.store"},
     {"store digest", "f.store"},
     {"store framemd5", "f.store clip1.mkv"},
+    {"store page", "f.store -o out.html"},
     {"store export", "f.store clip1.mkv -o out.mkv"},
     {"store compact", "f.store"},
     {"store remove", "f.store clip1.mkv"},

@@ -23,7 +23,8 @@ struct TargetFiles {
 
   bool whole = false;  // the whole picture is fluid, whatever its alpha says
 
-  /// STORE, PICTURE, --store, --signed-by, --matte, --whole. One name alone is the picture. This must outlive the command.
+  /// STORE, PICTURE, --store, --signed-by, --matte, --whole. One name alone is the picture. This must outlive the
+  /// command.
   void add_to(CLI::App& command);
   /// Opens the stores; the starter store, from then on in `store`, where none was given. To be called before what needs
   /// the picture. Throws CLI::RequiredError when there is none.
