@@ -79,7 +79,7 @@ std::string plain_value(const std::string& value) {
 
 void add_varied_to(CLI::App& app, AnimateCommand& command) {
   command.add_to(app);
-  for (const char* name : {"--output", "--sheet", "--json", "--takes", "--draw", "--speed-out",
+  for (const char* name : {"--output", "--sheet", "--credits", "--json", "--takes", "--draw", "--speed-out",
                            "--orientation-out", "--matte-out", "--motion-out"})
     app.remove_option(app.get_option(name));
 }
