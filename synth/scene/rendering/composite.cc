@@ -47,6 +47,7 @@ struct Scratch {
   std::vector<float> through;              // how much layers that cover leave of what lies behind
   std::vector<float> dx, dy, light, part;  // part: of the second copy
   std::vector<std::int32_t> place_x, place_y;
+  bool lights = false;  // some layer does not cover
 };
 
 /// Places in steps of the texture, kept inside it. mirrored   1: what lies beyond an end is its mirror image; 0: the
@@ -97,7 +98,8 @@ FRESHET_WIDE void sample_places(const float* texture, std::ptrdiff_t stride, con
   }
 }
 
-/// Lays what was sampled behind what is seen. held   alpha of its own, or null.
+/// Lays what was sampled behind what is seen. held   alpha of its own, or null. shown   null where all layers cover:
+/// the share of each channel is then `through`.
 FRESHET_WIDE void lay_behind(const Sample* sample, const float* held, const float* light, Blend blend, int n,
                              Sample* seen, Sample* shown, float* through) {
   for (int i = 0; i < n; ++i) {
@@ -106,6 +108,11 @@ FRESHET_WIDE void lay_behind(const Sample* sample, const float* held, const floa
     if (held != nullptr) v = v * held[i];
     const float alpha = v[3];
     if (light != nullptr) v = v * light[i];
+    if (shown == nullptr) {
+      seen[i].of += v * through[i];
+      through[i] *= 1 - alpha;
+      continue;
+    }
     seen[i].of += v * shown[i].of;
     if (blend == Blend::kAdd) continue;
     if (blend == Blend::kScreen) {
@@ -219,14 +226,17 @@ void add_layer(const MovedSprite& moved, int y, cv::Range columns, Scratch& scra
                           : sprite.held.ptr<float>(y - sprite.box.y) + (columns.start - sprite.box.x);
   const bool lit = moved.motion->light(columns.start, y, n, scratch.light.data());
   lay_behind(sample, held, lit ? scratch.light.data() : nullptr, moved.blend, n,
-             scratch.seen.data() + columns.start, scratch.shown.data() + columns.start,
+             scratch.seen.data() + columns.start,
+             scratch.lights ? scratch.shown.data() + columns.start : nullptr,
              scratch.through.data() + columns.start);
 }
 
 void composite_row(std::span<const MovedSprite> layers, int y, cv::Mat& out, Scratch& scratch) {
   const int width = out.cols;
   std::fill(scratch.seen.begin(), scratch.seen.end(), Sample{});
-  std::fill(scratch.shown.begin(), scratch.shown.end(), Sample{{1, 1, 1, 1}});
+  scratch.lights =
+      std::ranges::any_of(layers, [](const MovedSprite& each) { return each.blend != Blend::kOver; });
+  if (scratch.lights) std::fill(scratch.shown.begin(), scratch.shown.end(), Sample{{1, 1, 1, 1}});
   std::fill(scratch.through.begin(), scratch.through.end(), 1.0f);
   cv::Range open(0, width);  // outside of it all is hidden
   for (const MovedSprite& layer : layers) {
