@@ -13,8 +13,6 @@
 #include <opencv2/imgproc.hpp>
 
 #include "freshet/error.h"
-#include "media/frame/frame.h"
-#include "media/picture/picture.h"
 #include "platform/whole_file.h"
 #include "query/index/search_base.h"
 #include "query/labelling/kind_choice.h"
@@ -23,11 +21,12 @@
 #include "query/search/picture_scale.h"
 #include "store/store.h"
 #include "stored/average_image.h"
-#include "stored/clip_frames.h"
 #include "stored/clip_metadata.h"
+#include "studio/clip_strip.h"
 #include "tools/commands.h"
 #include "tools/console/output_names.h"
 #include "tools/console/progress.h"
+#include "tools/options/target_files.h"
 #include "tools/store/store_page.h"
 
 namespace freshet::tools {
@@ -41,35 +40,17 @@ struct PageCommand {
   bool json = false;
 };
 
-constexpr int kStripWidth = 192;  // px of a frame
-constexpr double kStripSeconds = 2, kStripRate = 12;
-constexpr std::uint32_t kSlab = 16;  // frames read at once: as tiles hold them
-
 /// The clip's first two seconds.
-PlayedStrip strip_of(const store::Snapshot& snapshot, store::ClipId id, double fps) {
-  const stored::ClipFrames frames(snapshot, id);
-  const double step = std::max(1.0, fps / kStripRate);
-  const auto until =
-      std::min<std::uint32_t>(frames.size(), static_cast<std::uint32_t>(kStripSeconds * fps) + 1);
-  PlayedStrip strip;
-  std::vector<cv::Mat> shown;
-  double next = 0;
-  for (std::uint32_t first = 0; first < until; first += kSlab) {
-    const std::vector<media::Frame> slab = frames.read(first, std::min(kSlab, until - first));
-    for (std::size_t i = 0; i < slab.size(); ++i) {
-      if (first + static_cast<double>(i) < next) continue;
-      next += step;
-      const cv::Mat frame = media::to_bgr(slab[i]);
-      strip.frame = {kStripWidth, std::max(1, cvRound(1.0 * frame.rows * kStripWidth / frame.cols))};
-      cv::resize(frame, shown.emplace_back(), strip.frame, 0, 0, cv::INTER_AREA);
-    }
-  }
-  cv::Mat all;
-  cv::hconcat(shown, all);
-  cv::imencode(".jpg", all, strip.jpeg, {cv::IMWRITE_JPEG_QUALITY, 78});
-  strip.frames = static_cast<int>(shown.size());
-  strip.seconds = strip.frames * step / fps;
-  return strip;
+PlayedStrip strip_of(studio::ClipSamples& samples, store::ClipId id, double clip_seconds) {
+  constexpr int kWidth = 192;  // px of a frame
+  const studio::ClipSamples::Frames frames = samples.frames(id);
+  const int count = static_cast<int>(frames->size());
+  const cv::Mat all = studio::clip_strip(*frames, kWidth);
+  const std::string jpeg = studio::encoded(all);
+  return {.jpeg = {jpeg.begin(), jpeg.end()},
+          .frames = count,
+          .frame = {all.cols / count, all.rows},
+          .seconds = std::min(2.0, clip_seconds)};
 }
 
 /// px/s: median of the clip's patches as it was filmed.
@@ -84,7 +65,8 @@ double median_speed(const query::SearchBase& base, std::size_t clip, std::uint8_
   return *middle;
 }
 
-ShownClip shown_clip(const store::Snapshot& snapshot, const query::SearchBase& base, std::size_t clip) {
+ShownClip shown_clip(const store::Snapshot& snapshot, const query::SearchBase& base,
+                     studio::ClipSamples& samples, std::size_t clip) {
   const store::ClipId id = base.table.clips[clip];
   const store::ClipRecord& record = snapshot.clip(id);
   const std::vector<vision::Variant> variants = base.settings.variants();
@@ -104,7 +86,7 @@ ShownClip shown_clip(const store::Snapshot& snapshot, const query::SearchBase& b
                 std::max(shown.size.width, shown.size.height);
   shown.light = cv::mean(stored::average_image(snapshot, id))[0] / 255;
   if (metadata.half_life_s) shown.half_life_s = metadata.half_life_s->front();
-  shown.strip = strip_of(snapshot, id, shown.fps);
+  shown.strip = strip_of(samples, id, shown.seconds);
   return shown;
 }
 
@@ -129,28 +111,30 @@ cv::Mat marked(const cv::Mat& picture, const query::CandidateSearch& search, dou
 }
 
 AskedPicture asked_picture(const store::Snapshot& snapshot, const query::SearchBase& base,
-                           const fs::path& file, const fs::path& matte_file, double unlike,
+                           const fs::path& file, const fs::path& matte, double unlike,
                            const RunContext& context) {
-  const media::Still still = media::read_still(file);
-  cv::Mat matte = still.alpha.empty() ? cv::Mat(still.bgr.size(), CV_8U, cv::Scalar(255)) : still.alpha;
-  if (!matte_file.empty()) matte = media::read_matte(matte_file, still.bgr.size()).alpha;
+  TargetFiles target;
+  target.picture = file;
+  target.matte = matte;
+  const TargetFiles::Loaded loaded = target.load();
   AskedPicture asked{.name = file.filename().string(), .kind = {}, .jpeg = {}};
   query::CandidateOptions any{.class_name = std::string(query::kAnyClass)};
-  const query::KindChoice kind = query::choose_kind(snapshot, base, still.bgr, matte, any);
+  const query::KindChoice kind = query::choose_kind(snapshot, base, loaded.picture, loaded.matte, any);
   asked.kind = kind.look.name();
   asked.kind_sure = kind.look.sure();
   query::LabelOptions options;
   options.candidates.k = 1;
   options.candidates.coherent = 0;
-  options.piece_scale = query::auto_piece_scale(still.bgr.size());
+  options.piece_scale = query::auto_piece_scale(loaded.picture.size());
   const auto search = [&] {
-    return query::search_candidates(snapshot, base, still.bgr, matte, options, {}, context.stop);
+    return query::search_candidates(snapshot, base, loaded.picture, loaded.matte, options, {}, context.stop);
   };
   const query::CandidateSearch whole = search();
   asked.unlike = asked.unlike_reduced = query::unlike_share(whole.candidates, unlike);
-  cv::imencode(".jpg", marked(still.bgr, whole, unlike), asked.jpeg, {cv::IMWRITE_JPEG_QUALITY, 82});
+  cv::imencode(".jpg", marked(loaded.picture, whole, unlike), asked.jpeg, {cv::IMWRITE_JPEG_QUALITY, 82});
   options.piece_scale *= 2;
-  if (std::min(still.bgr.cols, still.bgr.rows) / options.piece_scale >= 2 * base.settings.grid.patch)
+  if (std::min(loaded.picture.cols, loaded.picture.rows) / options.piece_scale >=
+      2 * base.settings.grid.patch)
     asked.unlike_reduced = query::unlike_share(search().candidates, unlike);
   return asked;
 }
@@ -167,11 +151,12 @@ void write_page(const PageCommand& command, const RunContext& context) {
   const query::Likeness likeness = query::likeness_between_clips(base);
   StoreContents contents{
       .store = fs::path(command.store).filename().string(), .bytes = 0, .clips = {}, .pictures = {}};
+  studio::ClipSamples samples(snapshot);
   for (const fs::path& file : snapshot.files()) contents.bytes += fs::file_size(file);
   for (std::size_t clip = 0; clip < base.table.clips.size(); ++clip) {
     if (context.stop.stop_requested()) throw Error(ErrorKind::kCancelled, "page", "stopped");
     progress.show("looking at clips", clip, base.table.clips.size(), "clips");
-    contents.clips.push_back(shown_clip(snapshot, base, clip));
+    contents.clips.push_back(shown_clip(snapshot, base, samples, clip));
     contents.clips.back().alike = likeness.clips[clip];
   }
   for (std::size_t i = 0; i < command.pictures.size(); ++i) {
