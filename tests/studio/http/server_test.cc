@@ -44,6 +44,23 @@ Json drawing() {
       {"frames", 12}};
 }
 
+/// A layer of a scene that is all of the picture.
+Json whole_layer(const std::string& name, const std::string& motion) {
+  return {{"name", name},
+          {"motion", motion},
+          {"matte", "rest"},
+          {"paint", Json::array()},
+          {"lines", Json::array()},
+          {"plant", "tree"},
+          {"shimmer", 0},
+          {"waves", 0},
+          {"mirrors", false},
+          {"roll", 1},
+          {"drift", 0},
+          {"class", ""},
+          {"clip", ""}};
+}
+
 TEST_F(Server, ServesItsPageToWhoKnowsTheToken) {
   const httplib::Result page = running().get("");
   ASSERT_TRUE(page);
@@ -401,19 +418,7 @@ TEST_F(Server, ADocumentOpensNoStoreThatIsNotOpen) {
   document["store"] = store.string();
   document["flowlines"].update({{"clip", "fall/1.mkv"}, {"dropped", false}, {"frames", 4}});
   document["sweep"]["axes"] = {{{"setting", "speed"}, {"values", {"1", "2"}}}};
-  document["scene"]["layers"] = Json::array({{{"name", "fall"},
-                                              {"motion", "patches"},
-                                              {"matte", "rest"},
-                                              {"paint", Json::array()},
-                                              {"lines", Json::array()},
-                                              {"plant", "tree"},
-                                              {"shimmer", 0},
-                                              {"waves", 0},
-                                              {"mirrors", false},
-                                              {"roll", 1},
-                                              {"drift", 0},
-                                              {"class", ""},
-                                              {"clip", ""}}});
+  document["scene"]["layers"] = Json::array({whole_layer("fall", "patches")});
   // A page cannot say this, a file can: in a folder that came from somebody else.
   const fs::path planted = running().room() / "projects/planted-store";
   fs::copy(running().room() / "projects" / id, planted, fs::copy_options::recursive);
@@ -724,16 +729,11 @@ TEST_F(Server, ALayersScribblesAreAMatteAtOnce) {
         {"matte", "scribbled"},
         {"paint", {scribble(90, true), scribble(8, false)}}},
        {{"name", "rest"}, {"motion", "still"}, {"matte", "scribbled"}, {"paint", {scribble(8, false)}}}});
-  for (Json& layer : scene["layers"])
-    layer.update({{"lines", Json::array()},
-                  {"plant", "tree"},
-                  {"shimmer", 0},
-                  {"waves", 0},
-                  {"mirrors", false},
-                  {"roll", 1},
-                  {"drift", 0},
-                  {"class", ""},
-                  {"clip", ""}});
+  for (Json& layer : scene["layers"]) {
+    Json whole = whole_layer("", "");
+    whole.update(layer);
+    layer = whole;
+  }
   running().draw(id, {{"scene", scene}});
   const httplib::Result found = running().get(at + "0/matte");
   ASSERT_EQ(status(found), 200) << found->body;
@@ -751,18 +751,7 @@ TEST_F(Server, ASceneIsExportedWithItsLayers) {
   const std::string id = running().open_still("layered.png");
   Json scene = running().json("api/projects/" + id)["document"]["scene"];
   scene["frames"] = 3;
-  scene["layers"] = Json::array({{{"name", "land"},
-                                  {"motion", "still"},
-                                  {"matte", "rest"},
-                                  {"paint", Json::array()},
-                                  {"lines", Json::array()},
-                                  {"plant", "tree"},
-                                  {"shimmer", 0},
-                                  {"waves", 0},
-                                  {"mirrors", false},
-                                  {"roll", 1},
-                                  {"drift", 0},
-                                  {"class", ""}}});
+  scene["layers"] = Json::array({whole_layer("land", "still")});
   running().draw(id, {{"scene", scene}});
   const std::string way = "api/projects/" + id + "/ways/scene";
   EXPECT_EQ(running().json(way)["alone"], "layers");
