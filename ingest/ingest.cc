@@ -499,8 +499,8 @@ class ClipIngest {
 
     record.name = report.name;
     record.class_name = report.class_name;
-    const ClipSource* const source_of_it = source_of(options_.sources, report.name);
-    const ClipSource said = source_of_it != nullptr ? *source_of_it : ClipSource();
+    const ClipSource* const found = source_of(options_.sources, report.name);
+    const ClipSource said = found != nullptr ? *found : ClipSource();
     record.licence = said.licence.empty() ? options_.licence : said.licence;
     media::VideoInfo info = reader_->info();
     info.layout.width = static_cast<int>(report.width);

@@ -29,9 +29,9 @@ struct Sample {
 
 /// What one thread needs for a row.
 struct Scratch {
-  explicit Scratch(int width)
+  Scratch(int width, bool all_cover)
       : seen(static_cast<std::size_t>(width)),
-        shown(static_cast<std::size_t>(width)),
+        shown(all_cover ? 0 : seen.size()),
         sample(static_cast<std::size_t>(width)),
         through(static_cast<std::size_t>(width)),
         dx(static_cast<std::size_t>(width)),
@@ -40,14 +40,14 @@ struct Scratch {
         part(dx),
         place_x(static_cast<std::size_t>(width)),
         place_y(place_x) {}
-  std::vector<Sample> seen, shown;  // what is seen so far, and the share of each channel of what lies behind
-  std::vector<Sample> sample;       // of one layer
-  std::vector<Sample> other;        // its second copy; empty until one is asked for
+  std::vector<Sample> seen;    // so far
+  std::vector<Sample> shown;   // the share of each channel of what lies behind; empty where all layers cover
+  std::vector<Sample> sample;  // of one layer
+  std::vector<Sample> other;   // its second copy; empty until one is asked for
   std::vector<float> wanted[2];
   std::vector<float> through;              // how much layers that cover leave of what lies behind
   std::vector<float> dx, dy, light, part;  // part: of the second copy
   std::vector<std::int32_t> place_x, place_y;
-  bool lights = false;  // some layer does not cover
 };
 
 /// Places in steps of the texture, kept inside it. mirrored   1: what lies beyond an end is its mirror image; 0: the
@@ -227,16 +227,14 @@ void add_layer(const MovedSprite& moved, int y, cv::Range columns, Scratch& scra
   const bool lit = moved.motion->light(columns.start, y, n, scratch.light.data());
   lay_behind(sample, held, lit ? scratch.light.data() : nullptr, moved.blend, n,
              scratch.seen.data() + columns.start,
-             scratch.lights ? scratch.shown.data() + columns.start : nullptr,
+             scratch.shown.empty() ? nullptr : scratch.shown.data() + columns.start,
              scratch.through.data() + columns.start);
 }
 
 void composite_row(std::span<const MovedSprite> layers, int y, cv::Mat& out, Scratch& scratch) {
   const int width = out.cols;
   std::fill(scratch.seen.begin(), scratch.seen.end(), Sample{});
-  scratch.lights =
-      std::ranges::any_of(layers, [](const MovedSprite& each) { return each.blend != Blend::kOver; });
-  if (scratch.lights) std::fill(scratch.shown.begin(), scratch.shown.end(), Sample{{1, 1, 1, 1}});
+  std::fill(scratch.shown.begin(), scratch.shown.end(), Sample{{1, 1, 1, 1}});
   std::fill(scratch.through.begin(), scratch.through.end(), 1.0f);
   cv::Range open(0, width);  // outside of it all is hidden
   for (const MovedSprite& layer : layers) {
@@ -263,7 +261,9 @@ void composite_row(std::span<const MovedSprite> layers, int y, cv::Mat& out, Scr
 }  // namespace
 
 void composite(std::span<const MovedSprite> nearest_first, cv::Mat& out) {
-  oneapi::tbb::enumerable_thread_specific<Scratch> scratches([&] { return Scratch(out.cols); });
+  const bool all_cover =
+      std::ranges::all_of(nearest_first, [](const MovedSprite& each) { return each.blend == Blend::kOver; });
+  oneapi::tbb::enumerable_thread_specific<Scratch> scratches([&] { return Scratch(out.cols, all_cover); });
   using oneapi::tbb::blocked_range;
   oneapi::tbb::parallel_for(blocked_range<int>(0, out.rows, kRowsAtOnce),
                             [&](const blocked_range<int>& rows) {

@@ -24,8 +24,8 @@ struct MovedSprite {
 ///
 /// Row by row and from the nearest layer on, so that nothing is sampled that nearer layers hide; a pixel's colour is
 /// the same as from back to front in premultiplied form (Porter and Duff 1984): each blend lets a share of each channel
-/// of what lies behind through, whatever that is. A displacement is rounded to 1/64 px,
-/// and sampled by Keys' cubic, which leaves as it is what does not move.
+/// of what lies behind through, whatever that is. A displacement is rounded to 1/64 px, and sampled by Keys' cubic,
+/// which leaves as it is what does not move.
 ///
 /// out      CV_8UC3, or CV_32FC4 (colours times alpha, and alpha), of the picture's size; overwritten. Where no layer
 ///          is, 0.

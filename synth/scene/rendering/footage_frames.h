@@ -42,7 +42,7 @@ class FootageFrames : public LayerFrames {
   FootageMotion footage_;
   FootageCourse course_;
   int round_ = 0;                                    // frames after which it comes again; 0: never
-  int since_ = 0;                                    // its start, frames of the scene; below 0: to come
+  int since_ = 0;                                    // frames since its start; below 0: it is to come
   int shown_ = 0;                                    // frames of a round in which it is there
   std::size_t which_ = 0;                            // course
   int place_ = 0;                                    // in it

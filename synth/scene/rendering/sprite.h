@@ -40,8 +40,8 @@ cv::Rect box_of(const cv::Mat& alpha);
 Sprite make_sprite(const cv::Mat& colour, const cv::Mat& alpha, Outline outline, int period = 0);
 
 /// Of a frame that comes as it is: CV_32FC4, colours times alpha, of any size, or empty; its upper left corner lies at
-/// `at`.
-/// picture   size; what lies outside is cut off. A sprite of this size and place is written anew without allocation.
+/// `at`. picture   size; what lies outside is cut off. A sprite of this size and place is written anew without
+/// allocation.
 void set_frame(Sprite& sprite, const cv::Mat& frame, cv::Point at, cv::Size picture);
 
 }  // namespace freshet::synth::scene
