@@ -36,6 +36,12 @@ void refuse(const Connection& connection, int status, const char* reason) {
   (void)::send(connection.socket(), text.data(), text.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
 }
 
+/// Of a head that was begun. A browser connects ahead of its requests, and takes what comes on such a connection for
+/// the answer to the next one: it is closed without a word, after which the browser opens another.
+void refuse_begun(Connection& connection, int status, const char* reason) {
+  if (!connection.received().empty()) refuse(connection, status, reason);
+}
+
 int listen_on(const addrinfo& to) {
   const int socket = ::socket(to.ai_family, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, to.ai_protocol);
   if (socket < 0) return -1;
@@ -123,7 +129,7 @@ void Connections::serve(const Handler& handler) {
     for (auto head = heads_.begin(); head != heads_.end(); ++at) {
       bool stays = ends[at].revents == 0 || read_head(*head, handler);
       if (stays && Clock::now() >= head->deadline) {
-        refuse(*head->connection, 408, "Request Timeout");
+        refuse_begun(*head->connection, 408, "Request Timeout");
         stays = false;
       }
       head = stays ? std::next(head) : heads_.erase(head);
@@ -168,7 +174,7 @@ void Connections::accept_all(const Handler& handler) {
 bool Connections::close_oldest(const std::function<bool(const Head&)>& condition) {
   const auto oldest = std::find_if(heads_.begin(), heads_.end(), condition);
   if (oldest == heads_.end()) return false;
-  refuse(*oldest->connection, 503, "Service Unavailable");
+  refuse_begun(*oldest->connection, 503, "Service Unavailable");
   heads_.erase(oldest);
   return true;
 }

@@ -73,13 +73,13 @@ after(async () => {
   rmSync(folder, { recursive: true, force: true });
 });
 
-/** What a page shows and waits for: what a walk that failed is understood by. */
+/** What a page shows, waits for and was refused: what a walk that failed is understood by. */
 async function tellOf(page) {
   const seen = await page
-    .evaluate(() => [...document.querySelectorAll("dialog[open], [role=status], [role=alert], .toast")].map((each) => each.innerText))
+    .evaluate(() => [...document.querySelectorAll("dialog[open], [role=status], [role=alert], .notice")].map((each) => each.innerText))
     .catch((fault) => [String(fault)]);
   const waiting = [...page.unanswered].map(([request, since]) => `${request.method()} ${request.url()} for ${Date.now() - since} ms`);
-  console.error(JSON.stringify({ at: page.url(), seen, waiting, faults: page.faults }, null, 1));
+  console.error(JSON.stringify({ at: page.url(), seen, waiting, refused: page.refused, faults: page.faults }, null, 1));
 }
 
 /** A test, which says what its pages show where it fails, and leaves none open. */
@@ -104,6 +104,9 @@ async function open(address, options = {}) {
   page.unanswered = new Map();
   page.on("request", (request) => page.unanswered.set(request, Date.now()));
   for (const end of ["requestfinished", "requestfailed"]) page.on(end, (request) => page.unanswered.delete(request));
+  page.refused = [];
+  page.on("requestfailed", (request) => page.refused.push(`${request.method()} ${request.url()}: ${request.failure()?.errorText}`));
+  page.on("response", (response) => response.ok() || page.refused.push(`${response.request().method()} ${response.url()}: ${response.status()}`));
   page.setDefaultTimeout(120000); // a busy machine is no fault
   page.faults = [];
   page.on("pageerror", (error) => page.faults.push(error.message));
@@ -964,8 +967,11 @@ test("projects are renamed, duplicated and found; the page can be installed", as
   await card("the-fall-again-2").waitFor();
   await page.getByLabel("Find a project by name").fill("the fall");
   await until(async () => (await page.locator(".cards:not(.clips) .card").count()) === 2);
+  let broken = 0; // connections; what only asks is asked again
+  await page.route(/projects\/the-fall-again-2$/, (route) => (broken++ < 2 ? route.abort("connectionreset") : route.continue()));
   await page.getByRole("link", { name: /^the-fall-again-2/ }).click();
   await page.locator(".bar").waitFor();
+  assert.equal(broken, 3);
   await page.getByRole("button", { name: "the-fall-again-2" }).click();
   await page.getByRole("dialog", { name: "Rename" }).getByLabel("Name").fill("one");
   await page.keyboard.press("Enter");

@@ -8,8 +8,23 @@ export class Fault extends Error {
   }
 }
 
+const kAsked = 3; // times, what changes nothing
+const kBetween = 250; // ms
+
+/** What only asks is asked again where the connection broke under it. */
+async function send(path: string, init?: RequestInit): Promise<Response> {
+  for (let left = init?.method ? 0 : kAsked - 1; ; --left) {
+    try {
+      return await fetch(path, init);
+    } catch (fault) {
+      if (left === 0) throw fault;
+      await new Promise((resolve) => window.setTimeout(resolve, kBetween));
+    }
+  }
+}
+
 async function ask(path: string, init?: RequestInit): Promise<Response> {
-  const response = await fetch(path, init);
+  const response = await send(path, init);
   if (response.ok || response.status === 409) return response;
   const text = await response.text();
   let fault = text;
