@@ -1,5 +1,7 @@
 #include "tests/faults/campaign.h"
 
+#include <sys/wait.h>
+
 #include <algorithm>
 #include <csignal>
 #include <cstdlib>
@@ -9,6 +11,7 @@
 #include <numeric>
 #include <random>
 #include <stdexcept>
+#include <thread>
 
 namespace freshet::tools {
 
@@ -84,9 +87,9 @@ void Campaign::begin_with(const std::string& store, const std::string& name) con
 
 std::string Campaign::judge(const std::string& store, const std::set<std::string>& digests) const {
   if (!fs::exists(folder / store)) return digests.contains("") ? "" : "the store is gone";
-  const Outcome hash = ask({"store", "digest", store});  // it too reads every clip, and the account
+  const Outcome hash = run({"store", "digest", store});  // it too reads every clip, and the account
   if (at_full_length() || hash.exit_code != 0) {
-    const Outcome verify = ask({"store", "verify", store});
+    const Outcome verify = run({"store", "verify", store});
     if (verify.exit_code != 0) return "verify: " + verify.out + verify.err;
   }
   if (hash.exit_code != 0) return "digest: " + hash.err;
@@ -94,25 +97,31 @@ std::string Campaign::judge(const std::string& store, const std::set<std::string
   return "";
 }
 
-Outcome Campaign::run(const std::vector<std::string>& arguments) const {
-  return WorkFolder::wait(start(arguments));
-}
+Outcome Campaign::run(const std::vector<std::string>& arguments) const { return folder.freshet(arguments); }
 
-Outcome Campaign::ask(const std::vector<std::string>& arguments) const {
-  return WorkFolder::wait(plain_.start(folder, arguments, {"FRESHET_LEAVE_AT_ONCE=1"}));
-}
-
-Started Campaign::start(const std::vector<std::string>& arguments) const {
-  return plain_.start(folder, arguments);
+Outcome Campaign::run_for(int seconds, const std::vector<std::string>& arguments) const {
+  const Started started = folder.start_freshet(arguments, 20 + seconds);
+  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(seconds);
+  for (siginfo_t ended{};;) {
+    if (waitid(P_PID, static_cast<id_t>(started.process), &ended, WEXITED | WNOHANG | WNOWAIT) != 0 ||
+        ended.si_pid != 0)
+      break;
+    if (std::chrono::steady_clock::now() >= end) {
+      ::kill(started.process, SIGINT);
+      break;
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  return WorkFolder::wait(started);
 }
 
 Outcome Campaign::run_failing(const std::vector<std::string>& arguments,
                               const std::vector<std::string>& environment) const {
-  return WorkFolder::wait(failing_.start(folder, arguments, environment));
+  return WorkFolder::wait(folder.start(failing_, arguments, 120, environment));
 }
 
 std::size_t Campaign::clips_in(const std::string& store) const {
-  const Outcome info = ask({"store", "info", store, "--json"});
+  const Outcome info = run({"store", "info", store, "--json"});
   if (info.exit_code != 0) return 0;
   const nlohmann::json json = nlohmann::json::parse(info.out);
   return json.contains("clips") ? json["clips"].size() : 0;

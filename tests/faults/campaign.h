@@ -10,7 +10,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/faults/kept_loaded.h"
+#include "tests/tools/kept_loaded.h"
 #include "tests/tools/work_folder.h"
 
 namespace freshet::tools {
@@ -71,16 +71,15 @@ struct Campaign {
   std::string judge(const std::string& store, const std::set<std::string>& digests) const;
   /// Killed when it hangs.
   Outcome run(const std::vector<std::string>& arguments) const;
-  /// What a command that is not on trial says; it leaves without running libraries' destructors.
-  Outcome ask(const std::vector<std::string>& arguments) const;
-  Started start(const std::vector<std::string>& arguments) const;
+  /// Stopped by SIGINT after so many seconds, and killed by SIGALRM 20 s later.
+  Outcome run_for(int seconds, const std::vector<std::string>& arguments) const;
   /// With tests/faults/failing_calls.cc before it, whose variables the environment has.
   Outcome run_failing(const std::vector<std::string>& arguments,
                       const std::vector<std::string>& environment) const;
   std::size_t clips_in(const std::string& store) const;
 
  private:
-  KeptLoaded plain_{""}, failing_;
+  KeptLoaded failing_;
 
   void must(const std::vector<std::string>& arguments) const;
 };

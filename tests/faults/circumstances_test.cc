@@ -42,7 +42,7 @@ struct Interrupted {
 
 Interrupted interrupt(const Campaign& c, const std::vector<std::string>& arguments, int number,
                       std::chrono::microseconds after) {
-  const Started started = c.start(arguments);
+  const Started started = c.folder.start_freshet(arguments);
   std::this_thread::sleep_for(after);
   const double at_signal = cpu_seconds(started.process);
   ::kill(started.process, number);
@@ -216,7 +216,7 @@ TEST(Circumstances, ACopyThatIsTakenWhileItIsWrittenIsTrueOrRefused) {
   int copies = 0, refused = 0;
   for (int round = 0; round < (at_full_length() ? 30 : 1); ++round) {
     c.begin_with("one.store", "f.store");
-    const Started started = c.start(c.ingest("f.store", {"clip2.mkv", "clip3.mkv"}));
+    const Started started = c.folder.start_freshet(c.ingest("f.store", {"clip2.mkv", "clip3.mkv"}));
     std::vector<std::string> taken;
     for (siginfo_t info{}; info.si_pid == 0 && taken.size() < 40;) {
       std::string bytes;

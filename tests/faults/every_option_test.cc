@@ -512,8 +512,8 @@ class Material {
       if (name == "f.store" && text_of(entry.path()) == store_) {
         found[name] = "as it was";
       } else if (name.ends_with(".store")) {
-        found[name] = c_.ask({"store", "digest", name}).out;
-        for (const std::string& line : lines_of(c_.ask({"store", "info", name}).out))
+        found[name] = c_.run({"store", "digest", name}).out;
+        for (const std::string& line : lines_of(c_.run({"store", "info", name}).out))
           found[name + ": " + line] = "";
       } else {
         found[name] = text_of(entry.path());

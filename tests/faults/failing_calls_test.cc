@@ -50,7 +50,7 @@ std::string judge_fault(const Campaign& c, const Job& run, const std::string& fa
   if (!run.in_steps || outcome.exit_code == 0) {
     if (const std::string wrong = c.judge("f.store", states); !wrong.empty()) return wrong;
   } else if (fs::exists(c.folder / "f.store")) {
-    const Outcome verify = c.ask({"store", "verify", "f.store"});
+    const Outcome verify = c.run({"store", "verify", "f.store"});
     if (verify.exit_code != 0) return "verify: " + verify.out + verify.err;
   } else if (!run.before.empty()) {
     return "the store is gone";
@@ -128,7 +128,7 @@ std::string judge_read_fault(const Campaign& c, const Job& job, const std::strin
   if (outcome.exit_code == 0) {
     if (job.arguments[1] == "digest" && outcome.out != undisturbed.out) return "another digest";
     if (without) {
-      const Outcome verify = c.ask({"store", "verify", "f.store"});
+      const Outcome verify = c.run({"store", "verify", "f.store"});
       if (verify.exit_code != 0) return "verify: " + verify.out + verify.err;
     } else if (const std::string wrong = c.judge("f.store", {job.after}); !wrong.empty())
       return wrong;
@@ -264,7 +264,7 @@ TEST(FailingAllocations, EndInAnErrorAndLeaveTheStore) {
       EXPECT_EQ(c.judge("f.store", {job.after}), "") << what;
     }
     if (without && fs::exists(c.folder / "f.store")) {
-      EXPECT_EQ(c.ask({"store", "verify", "f.store"}).exit_code, 0) << what;
+      EXPECT_EQ(c.run({"store", "verify", "f.store"}).exit_code, 0) << what;
     }
     EXPECT_EQ(judge_again(c, job), "") << what;
   });

@@ -25,7 +25,7 @@ std::size_t reported(const std::string& said) {
 
 std::string judge_killed(const Campaign& c, const std::string& store, std::size_t committed) {
   if (!fs::exists(c.folder / store)) return committed == 0 ? "" : "the store is gone";
-  const Outcome verify = c.ask({"store", "verify", store});
+  const Outcome verify = c.run({"store", "verify", store});
   if (verify.exit_code != 0) return "verify: " + verify.out + verify.err;
   const std::size_t there = c.clips_in(store);
   if (there < committed || there > committed + 1)
@@ -43,7 +43,7 @@ class Killer {
     took_ = std::chrono::duration_cast<std::chrono::microseconds>(std::chrono::steady_clock::now() - start);
   }
   Outcome run(std::mt19937& random) {
-    const Started started = c_.start(arguments_);
+    const Started started = c_.folder.start_freshet(arguments_);
     std::this_thread::sleep_for(
         std::chrono::microseconds(random() % static_cast<std::uint32_t>(took_.count() + 1000)));
     ::kill(started.process, SIGKILL);

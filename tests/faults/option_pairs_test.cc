@@ -103,12 +103,11 @@ std::string judge_case(const Campaign& c, const Case& one, int seconds) {
        {"new.store", "new.store-lock", "out.mkv", "out.ora", "matte.png", "sweep", "nonsense", "projects"})
     fs::remove_all(c.folder / name);
   // SIGINT first: a run of valid options may take its time, and is then stopped in order.
-  std::vector<std::string> words{"timeout", "-s", "INT", "-k", "20", std::to_string(seconds), executable()};
-  words.insert(words.end(), one.command->words.begin(), one.command->words.end());
+  std::vector<std::string> words = one.command->words;
   for (const auto& [name, value] : one.options) words.push_back(value.empty() ? name : name + "=" + value);
-  const Outcome outcome = c.folder.run(words);
-  if (outcome.exit_code == 137 || outcome.signal == SIGKILL) return "it hung";
-  if (outcome.exit_code == 124 || outcome.exit_code == 130)
+  const Outcome outcome = c.run_for(seconds, words);
+  if (outcome.signal == SIGALRM) return "it hung";
+  if (outcome.exit_code == 130 || outcome.signal == SIGINT)
     return one.refused.empty() ? "" : "it was not refused";
   if (outcome.signal != 0 || outcome.exit_code < 0 || outcome.exit_code > 3)
     return "it died, " + std::to_string(outcome.exit_code) + ": " + outcome.err;

@@ -148,7 +148,7 @@ std::string judge_power_loss(const Campaign& c, const Job& job, bool ended) {
   if (ended) return c.judge("f.store", {job.after});
   if (!job.in_steps) return c.judge("f.store", {job.before, job.after});
   if (!fs::exists(c.folder / "f.store")) return job.before.empty() ? "" : "the store is gone";
-  const Outcome verify = c.ask({"store", "verify", "f.store"});
+  const Outcome verify = c.run({"store", "verify", "f.store"});
   return verify.exit_code == 0 ? "" : "verify: " + verify.out + verify.err;
 }
 

@@ -18,6 +18,15 @@ namespace freshet::tools {
 
 namespace fs = std::filesystem;
 
+namespace {
+
+const KeptLoaded& kept() {
+  static const KeptLoaded made("");
+  return made;
+}
+
+}  // namespace
+
 WorkFolder::WorkFolder() {
   static std::atomic<int> count{0};
   path_ = fs::temp_directory_path() /
@@ -68,6 +77,22 @@ Started WorkFolder::start(const std::vector<std::string>& command) const {
   return started;
 }
 
+Started WorkFolder::start(const KeptLoaded& executable, const std::vector<std::string>& arguments,
+                          int limit_s, const std::vector<std::string>& environment) const {
+  Started started = named();
+  started.process = executable.start({.folder = path_,
+                                      .out = started.out,
+                                      .err = started.err,
+                                      .limit_s = limit_s,
+                                      .environment = environment},
+                                     arguments);
+  return started;
+}
+
+Started WorkFolder::start_freshet(const std::vector<std::string>& arguments, int limit_s) const {
+  return start(kept(), arguments, limit_s);
+}
+
 Outcome WorkFolder::wait(const Started& started) {
   Outcome outcome;
   int status = 0;
@@ -86,9 +111,14 @@ Outcome WorkFolder::wait(const Started& started) {
 
 Outcome WorkFolder::run(const std::vector<std::string>& command) const { return wait(start(command)); }
 
-Outcome WorkFolder::freshet(std::vector<std::string> arguments) const {
-  arguments.insert(arguments.begin(), executable());
-  return run(arguments);
+Outcome WorkFolder::freshet(const std::vector<std::string>& arguments) const {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)  // which want to be loaded first
+  std::vector<std::string> command{executable()};
+  command.insert(command.end(), arguments.begin(), arguments.end());
+  return run(command);
+#else
+  return wait(start(kept(), arguments, 600, {"FRESHET_LEAVE_AT_ONCE=1"}));
+#endif
 }
 
 Outcome WorkFolder::freshet_after(const std::string& preparation,

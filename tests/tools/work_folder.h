@@ -10,6 +10,8 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
 
+#include "tests/tools/kept_loaded.h"
+
 namespace freshet::tools {
 
 struct Outcome {
@@ -38,17 +40,23 @@ class WorkFolder {
 
   /// Runs a program (found along PATH) in this folder, with nothing on stdin.
   Outcome run(const std::vector<std::string>& command) const;
-  /// Runs the executable under test.
-  Outcome freshet(std::vector<std::string> arguments) const;
+  /// Runs the executable under test, which is loaded once and forked for each run, and ends with its main; killed after
+  /// ten minutes.
+  Outcome freshet(const std::vector<std::string>& arguments) const;
   /// The same under a shell's preparation, such as a limit: PREPARATION; exec freshet ARGUMENTS.
   Outcome freshet_after(const std::string& preparation, const std::vector<std::string>& arguments) const;
 
   Started start(const std::vector<std::string>& command) const;
-  /// Files for what a command will say; it is yet to be started. They lie beside the folder, which a test may list.
-  Started named() const;
+  /// The executable under test, kept loaded: it runs to the end of its process, or is killed by SIGALRM.
+  Started start_freshet(const std::vector<std::string>& arguments, int limit_s = 120) const;
+  Started start(const KeptLoaded& executable, const std::vector<std::string>& arguments, int limit_s,
+                const std::vector<std::string>& environment = {}) const;
   static Outcome wait(const Started& started);
 
  private:
+  /// Files for what a command will say; it is yet to be started. They lie beside the folder, which a test may list.
+  Started named() const;
+
   std::filesystem::path path_;
 };
 

@@ -1,4 +1,4 @@
-#include "tests/faults/kept_loaded.h"
+#include "tests/tools/kept_loaded.h"
 
 #include <spawn.h>
 #include <sys/prctl.h>
@@ -25,7 +25,7 @@ KeptLoaded::KeptLoaded(const std::string& preloaded) {
   std::vector<char*> environment{const_cast<char*>(preload.c_str()), const_cast<char*>(socket.c_str())};
   for (char** each = environ; *each != nullptr; ++each) environment.push_back(*each);
   environment.push_back(nullptr);
-  std::string path = executable();
+  std::string path = FRESHET_EXECUTABLE;
   char* const arguments[] = {path.data(), nullptr};
   // A shell starts what runs in the background with SIGINT ignored, and what we start would ignore it too.
   posix_spawnattr_t attributes;
@@ -47,22 +47,21 @@ KeptLoaded::~KeptLoaded() {
   waitpid(process_, nullptr, 0);
 }
 
-Started KeptLoaded::start(const WorkFolder& folder, const std::vector<std::string>& arguments,
-                          const std::vector<std::string>& environment) const {
-  Started started = folder.named();
+pid_t KeptLoaded::start(const Run& run, const std::vector<std::string>& arguments) const {
   std::string request;
   const auto add = [&](const std::string& word) { request.append(word).push_back('\0'); };
-  for (const std::string& word : {folder.path().string(), started.out.string(), started.err.string(),
-                                  std::string("120"), std::to_string(environment.size())})
+  for (const std::string& word : {run.folder.string(), run.out.string(), run.err.string(),
+                                  std::to_string(run.limit_s), std::to_string(run.environment.size())})
     add(word);
-  for (const std::string& variable : environment) add(variable);
-  add(executable());
+  for (const std::string& variable : run.environment) add(variable);
+  add(FRESHET_EXECUTABLE);
   for (const std::string& argument : arguments) add(argument);
+  pid_t process = 0;
   const std::lock_guard lock(mutex_);
   if (send(socket_, request.data(), request.size(), MSG_NOSIGNAL) != static_cast<ssize_t>(request.size()) ||
-      recv(socket_, &started.process, sizeof started.process, 0) != sizeof started.process)
+      recv(socket_, &process, sizeof process, 0) != sizeof process)
     throw std::runtime_error("the executable that was kept loaded has ended");
-  return started;
+  return process;
 }
 
 }  // namespace freshet::tools

@@ -1,5 +1,5 @@
 // A library to be preloaded: the executable stops before its main, and runs that in a child for each request. Loading
-// the executable takes longer than most runs of a campaign.
+// the executable takes longer than most runs of a test.
 //
 // FRESHET_KEPT_LOADED   The descriptor of a socket of packets. A request: words that end in 0 each: the folder, the
 //                       files for stdout and stderr, seconds after which it is killed, the number of variables of the
