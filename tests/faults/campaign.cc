@@ -99,18 +99,25 @@ std::string Campaign::judge(const std::string& store, const std::set<std::string
 
 Outcome Campaign::run(const std::vector<std::string>& arguments) const { return folder.freshet(arguments); }
 
-Outcome Campaign::run_for(int seconds, const std::vector<std::string>& arguments) const {
-  const Started started = folder.start_freshet(arguments, 20 + seconds);
-  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(seconds);
-  for (siginfo_t ended{};;) {
-    if (waitid(P_PID, static_cast<id_t>(started.process), &ended, WEXITED | WNOHANG | WNOWAIT) != 0 ||
-        ended.si_pid != 0)
-      break;
-    if (std::chrono::steady_clock::now() >= end) {
+Outcome Campaign::run_for(const Stopped& stopped, const std::vector<std::string>& arguments) const {
+  using namespace std::chrono;
+  const int limit_s = 20 + static_cast<int>(stopped.seconds);
+  const Started started = folder.start_freshet(arguments, limit_s, stopped.environment);
+  const auto has_ended = [&] {
+    siginfo_t ended{};
+    return waitid(P_PID, static_cast<id_t>(started.process), &ended, WEXITED | WNOHANG | WNOWAIT) != 0 ||
+           ended.si_pid != 0;
+  };
+  const auto end = steady_clock::now() + duration<double>(stopped.seconds);
+  while (!has_ended()) {
+    const bool has_said =
+        !stopped.until.empty() && text_of(started.out).find(stopped.until) != std::string::npos;
+    if (has_said) std::this_thread::sleep_for(milliseconds(stopped.rest_ms));
+    if (has_said || steady_clock::now() >= end) {
       ::kill(started.process, SIGINT);
       break;
     }
-    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    std::this_thread::sleep_for(milliseconds(5));
   }
   return WorkFolder::wait(started);
 }

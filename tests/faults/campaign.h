@@ -71,8 +71,14 @@ struct Campaign {
   std::string judge(const std::string& store, const std::set<std::string>& digests) const;
   /// Killed when it hangs.
   Outcome run(const std::vector<std::string>& arguments) const;
-  /// Stopped by SIGINT after so many seconds, and killed by SIGALRM 20 s later.
-  Outcome run_for(int seconds, const std::vector<std::string>& arguments) const;
+  /// Stopped by SIGINT after so many seconds, or `rest_ms` after it has said `until`; killed by SIGALRM 20 s later.
+  struct Stopped {
+    double seconds = 0;
+    std::string until = {};  // in what it writes to stdout; empty: nothing
+    int rest_ms = 0;
+    std::vector<std::string> environment = {};
+  };
+  Outcome run_for(const Stopped& stopped, const std::vector<std::string>& arguments) const;
   /// With tests/faults/failing_calls.cc before it, whose variables the environment has.
   Outcome run_failing(const std::vector<std::string>& arguments,
                       const std::vector<std::string>& environment) const;

@@ -659,18 +659,13 @@ Trace run(Words words, bool twice) {
   for (std::string& word : words) word = with_ports(word);
   Outcome outcome;
   if (words[0] == "studio") {
-    Words serving{"env",
-                  "DISPLAY=:9",
-                  "FRESHET_STUDIO_TOKEN=t",
-                  "XDG_CACHE_HOME=/dev/null",  // where no starter store can be made
-                  "PATH=" + (c.folder / "bin").string() + ":/usr/bin:/bin",
-                  "timeout",
-                  "-s",
-                  "INT",
-                  "3",
-                  executable()};
-    serving.insert(serving.end(), words.begin(), words.end());
-    outcome = c.folder.run(serving);
+    outcome = c.run_for({.seconds = 10,
+                         .until = "http://",
+                         .rest_ms = 700,  // in which a browser is begun
+                         .environment = {"DISPLAY=:9", "FRESHET_STUDIO_TOKEN=t",
+                                         "XDG_CACHE_HOME=/dev/null",  // where no starter store can be made
+                                         "PATH=" + (c.folder / "bin").string() + ":/usr/bin:/bin"}},
+                        words);
   } else {
     if (twice) {
       Words first = words;

@@ -105,7 +105,7 @@ std::string judge_case(const Campaign& c, const Case& one, int seconds) {
   // SIGINT first: a run of valid options may take its time, and is then stopped in order.
   std::vector<std::string> words = one.command->words;
   for (const auto& [name, value] : one.options) words.push_back(value.empty() ? name : name + "=" + value);
-  const Outcome outcome = c.run_for(seconds, words);
+  const Outcome outcome = c.run_for({.seconds = static_cast<double>(seconds)}, words);
   if (outcome.signal == SIGALRM) return "it hung";
   if (outcome.exit_code == 130 || outcome.signal == SIGINT)
     return one.refused.empty() ? "" : "it was not refused";

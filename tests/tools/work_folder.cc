@@ -89,8 +89,9 @@ Started WorkFolder::start(const KeptLoaded& executable, const std::vector<std::s
   return started;
 }
 
-Started WorkFolder::start_freshet(const std::vector<std::string>& arguments, int limit_s) const {
-  return start(kept(), arguments, limit_s);
+Started WorkFolder::start_freshet(const std::vector<std::string>& arguments, int limit_s,
+                                  const std::vector<std::string>& environment) const {
+  return start(kept(), arguments, limit_s, environment);
 }
 
 Outcome WorkFolder::wait(const Started& started) {

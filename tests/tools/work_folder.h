@@ -48,7 +48,8 @@ class WorkFolder {
 
   Started start(const std::vector<std::string>& command) const;
   /// The executable under test, kept loaded: it runs to the end of its process, or is killed by SIGALRM.
-  Started start_freshet(const std::vector<std::string>& arguments, int limit_s = 120) const;
+  Started start_freshet(const std::vector<std::string>& arguments, int limit_s = 120,
+                        const std::vector<std::string>& environment = {}) const;
   Started start(const KeptLoaded& executable, const std::vector<std::string>& arguments, int limit_s,
                 const std::vector<std::string>& environment = {}) const;
   static Outcome wait(const Started& started);
