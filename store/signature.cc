@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "freshet/error.h"
+#include "platform/printable.h"
 
 namespace freshet::store {
 namespace {
@@ -22,7 +23,7 @@ constexpr std::size_t kHead = 2 + 8;        // algorithm, and the key's number
 constexpr const char* kTrusted = "trusted comment: ";
 
 [[noreturn]] void refuse(const fs::path& file, const std::string& fault, const std::string& remedy) {
-  throw Error(ErrorKind::kInput, file.string(), fault, remedy);
+  throw Error(ErrorKind::kInput, file.empty() ? "(no name)" : printable(file.string()), fault, remedy);
 }
 
 std::vector<std::string> lines_of(const fs::path& file, const std::string& remedy) {
