@@ -71,14 +71,15 @@ cv::Mat moving_mask(const cv::Mat& mean_speed_px, const cv::Mat& deviation, doub
 
 namespace {
 
-stored::PatchColumns patches_of_variant(const cv::Mat& moving, const vision::CellMap& motion,
-                                        std::uint8_t number, const vision::Variant& variant,
-                                        const vision::Settings& settings) {
+stored::PatchColumns patches_of_variant(const cv::Mat& moving, const cv::Mat& crossed,
+                                        const vision::CellMap& motion, std::uint8_t number,
+                                        const vision::Variant& variant, const vision::Settings& settings) {
   const int patch = settings.grid.patch;
   const vision::VariantFrame frame = vision::variant_frame(moving.size(), variant);
   const std::vector<cv::Point> positions = vision::patch_positions(frame.size, settings.grid, variant.flip);
   if (positions.empty()) return {};
-  const cv::Mat valid = vision::valid_mask(moving.size(), variant);
+  cv::Mat valid = vision::valid_mask(moving.size(), variant);
+  if (!crossed.empty()) valid.setTo(0, vision::warp_to_variant(crossed, variant) > 0);
   // Half of a moved pixel's weight is where the interpolated edge of the mask lies.
   const cv::Mat moves = (vision::warp_to_variant(moving, variant) > 127) & valid;
   const std::vector<float> inside = vision::patch_coverage(valid, positions, patch);
@@ -105,12 +106,13 @@ void append(std::vector<T>& all, const std::vector<T>& more) {
 
 }  // namespace
 
-stored::PatchColumns find_patches(const cv::Mat& moving, const vision::CellMap& motion,
-                                  const vision::Settings& settings) {
+stored::PatchColumns find_patches(const cv::Mat& moving, const cv::Mat& crossed,
+                                  const vision::CellMap& motion, const vision::Settings& settings) {
   const std::vector<vision::Variant> variants = settings.variants();
   std::vector<stored::PatchColumns> parts(variants.size());
   tbb::parallel_for(std::size_t{0}, variants.size(), [&](std::size_t i) {
-    parts[i] = patches_of_variant(moving, motion, static_cast<std::uint8_t>(i), variants[i], settings);
+    parts[i] =
+        patches_of_variant(moving, crossed, motion, static_cast<std::uint8_t>(i), variants[i], settings);
   });
   stored::PatchColumns all;
   for (const stored::PatchColumns& part : parts) {

@@ -34,10 +34,12 @@ class LumaStatistics {
 cv::Mat moving_mask(const cv::Mat& mean_speed_px, const cv::Mat& deviation, double fps,
                     const vision::Settings& settings);
 
-/// Patches that lie wholly inside the source and of which at least settings.min_coverage moves.
-/// moving   CV_8U at source size. Without words. All threads; the same for any number.
-stored::PatchColumns find_patches(const cv::Mat& moving, const vision::CellMap& motion,
-                                  const vision::Settings& settings);
+/// Patches that lie wholly inside the source, of which at least settings.min_coverage moves, and that nothing crossed.
+/// moving    CV_8U at source size.
+/// crossed   the same (CrossingFinder); empty: nothing did.
+/// Without words. All threads; the same for any number.
+stored::PatchColumns find_patches(const cv::Mat& moving, const cv::Mat& crossed,
+                                  const vision::CellMap& motion, const vision::Settings& settings);
 
 /// The smallest side, px, of a frame in which a patch of the largest scale fits.
 int min_side(const vision::Settings& settings);

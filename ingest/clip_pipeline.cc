@@ -11,6 +11,7 @@
 #include "freshet/error.h"
 #include "ingest/aside.h"
 #include "ingest/clip_analysis.h"
+#include "ingest/crossings.h"
 #include "media/frame/frame.h"
 #include "platform/stopwatch.h"
 #include "vision/detail_lifetime.h"
@@ -59,6 +60,7 @@ struct Pass {
   store::ClipWriter& writer;
   IngestSeconds& seconds;
   Screener screener;
+  CrossingFinder crossings;
   vision::LoopFinder loop;
   LumaStatistics statistics;
   vision::MotionAccumulator motion;
@@ -78,6 +80,7 @@ struct Pass {
         writer(writer_),
         seconds(seconds_),
         screener(size, fps),
+        crossings(size, fps),
         loop(fps),
         statistics(size),
         motion(size, settings_.flow_step, fps, settings_.spectrum),
@@ -94,6 +97,7 @@ struct Pass {
         const TimedScope watch(seconds.screen);
         for (const cv::Mat& luma : slab.luma) {
           screener.add(luma);
+          crossings.add(luma);
           loop.add(luma);
         }
       });
@@ -217,8 +221,13 @@ ClipMeasures stream_clip(const FrameSource& next, double fps, const std::string&
   measures.loop = pass.loop.finish();
   measures.columns.average = pass.statistics.mean_u16();
   measures.moving = moving_mask(pass.motion.mean_speed_px(), pass.statistics.deviation(), fps, settings);
-  measures.screening.static_fraction = 1 - static_cast<double>(cv::countNonZero(measures.moving)) /
-                                               static_cast<double>(measures.moving.total());
+  measures.crossed = pass.crossings.finish();
+  const auto pixels = static_cast<double>(measures.moving.total());
+  if (!measures.crossed.empty()) {
+    measures.moving.setTo(0, measures.crossed);
+    measures.screening.crossed_fraction = cv::countNonZero(measures.crossed) / pixels;
+  }
+  measures.screening.static_fraction = 1 - cv::countNonZero(measures.moving) / pixels;
   measures.columns.motion = pass.motion.finish();
   for (const auto& scale : pass.texture) measures.columns.texture.push_back(scale->finish());
   vision::DetailLifetimes life = pass.life.finish(measures.moving);

@@ -31,7 +31,8 @@ inline constexpr std::uint32_t kMinAnalysedFrames = 9;
 struct ClipMeasures {
   std::uint32_t frames = 0;
   Screening screening;
-  cv::Mat moving;               // CV_8U, see moving_mask
+  cv::Mat moving;               // CV_8U, see moving_mask; nothing that was crossed
+  cv::Mat crossed;              // CV_8U, see CrossingFinder; empty: nothing crossed
   stored::ClipColumns columns;  // without patches
   std::array<float, vision::kLifeBands> half_life_s{},
       standing{};                        // vision::DetailLifetimes::clip, clip_standing

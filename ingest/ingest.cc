@@ -30,17 +30,19 @@ constexpr int kMaxSide =
     32768;  // px: patch corners are kept in 16 bits, also in a frame turned by 45 degrees
 
 json screening_json(const Screening& screening, const Verdict& verdict) {
-  return {{"frames", screening.frames},
-          {"camera",
-           {{"windows", screening.camera.windows},
-            {"referenced_windows", screening.camera.referenced_windows},
-            {"drift", screening.camera.drift},
-            {"shake", screening.camera.shake}}},
-          {"cuts", screening.cuts},
-          {"duplicated_share", screening.duplicated_fraction},
-          {"static_share", screening.static_fraction},
-          {"truncated", screening.truncated},
-          {"overridden", verdict.refusals}};
+  json values{{"frames", screening.frames},
+              {"camera",
+               {{"windows", screening.camera.windows},
+                {"referenced_windows", screening.camera.referenced_windows},
+                {"drift", screening.camera.drift},
+                {"shake", screening.camera.shake}}},
+              {"cuts", screening.cuts},
+              {"duplicated_share", screening.duplicated_fraction},
+              {"static_share", screening.static_fraction},
+              {"truncated", screening.truncated},
+              {"overridden", verdict.refusals}};
+  if (screening.crossed_fraction > 0) values["crossed_share"] = screening.crossed_fraction;
+  return values;
 }
 
 /// No times and no paths: the same clip has the same metadata wherever and however fast it was read.
@@ -475,7 +477,7 @@ class ClipIngest {
     stored::PatchColumns& patches = measures.columns.patches;
     {
       const TimedScope watch(report.seconds.patches);
-      patches = find_patches(measures.moving, measures.columns.motion, settings_);
+      patches = find_patches(measures.moving, measures.crossed, measures.columns.motion, settings_);
     }
     Verdict verdict = judge(measures.screening, options_.limits);
     report.notes.insert(report.notes.end(), verdict.notes.begin(), verdict.notes.end());

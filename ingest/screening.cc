@@ -160,6 +160,10 @@ Verdict judge(const Screening& screening, const ScreeningLimits& limits) {
     verdict.notes.push_back(
         fmt::format("{:.0f} % of the frames repeat the one before", 100 * screening.duplicated_fraction));
   }
+  if (screening.crossed_fraction > 0)
+    verdict.notes.push_back(fmt::format(
+        "something crosses it that is not its fluid: no patch is taken from {:.0f} % of the frame",
+        std::ceil(100 * screening.crossed_fraction)));
   return verdict;
 }
 

@@ -54,6 +54,7 @@ struct Screening {
   std::vector<int> cuts;           // frames that begin another take
   double duplicated_fraction = 0;  // frames that repeat the one before
   double static_fraction = 0;      // pixels that do not move; filled in by clip analysis
+  double crossed_fraction = 0;     // pixels that something else than the fluid crossed; filled in likewise
   bool truncated = false;          // the file ended before its own header said
   FrameTiming timing;              // filled in by the pass over the clip
 };

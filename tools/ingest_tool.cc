@@ -78,6 +78,7 @@ nlohmann::json to_json(const ingest::ClipReport& clip) {
             {"cuts", s.cuts},
             {"duplicated_share", s.duplicated_fraction},
             {"static_share", s.static_fraction},
+            {"crossed_share", s.crossed_fraction},
             {"steady_rate", s.timing.steady},
             {"slowest_fps", s.timing.slowest_fps},
             {"fastest_fps", s.timing.fastest_fps},

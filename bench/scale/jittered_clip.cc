@@ -297,7 +297,7 @@ JitteredClip jittered_clip(const SourceClip& source, const vision::Settings& set
     clip.columns.texture.push_back(turned_texture(scale, place, tone, average));
   cv::Mat moving;
   cv::remap(source.moving, moving, map, {}, cv::INTER_NEAREST, cv::BORDER_REFLECT_101);
-  clip.columns.patches = ingest::find_patches(moving, clip.columns.motion, settings);
+  clip.columns.patches = ingest::find_patches(moving, {}, clip.columns.motion, settings);
 
   store::ClipRecord& record = clip.record;
   record.class_name = source.record.class_name;

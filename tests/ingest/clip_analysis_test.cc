@@ -64,7 +64,7 @@ TEST(FindPatches, KeepsNoPatchThatReachesOutsideTheSource) {
   vision::CellMap motion{36, 48, vision::motion_channels(settings.spectrum), 4, {}};
   motion.values.assign(static_cast<std::size_t>(motion.rows) * motion.columns * motion.channels, 1.0f);
   const cv::Mat moving(144, 192, CV_8U, cv::Scalar(255));
-  const stored::PatchColumns patches = find_patches(moving, motion, settings);
+  const stored::PatchColumns patches = find_patches(moving, {}, motion, settings);
   const std::vector<vision::Variant> variants = settings.variants();
   ASSERT_GT(patches.size(), 0u);
   for (std::size_t i = 0; i < patches.size(); ++i) {
@@ -75,6 +75,29 @@ TEST(FindPatches, KeepsNoPatchThatReachesOutsideTheSource) {
       EXPECT_GT(at[1], -1.01);
       EXPECT_LT(at[0], 192.01);
       EXPECT_LT(at[1], 144.01);
+    }
+  }
+}
+
+TEST(FindPatches, KeepsNoPatchThatSomethingCrossed) {
+  const vision::Settings settings;
+  vision::CellMap motion{36, 48, vision::motion_channels(settings.spectrum), 4, {}};
+  motion.values.assign(static_cast<std::size_t>(motion.rows) * motion.columns * motion.channels, 1.0f);
+  const cv::Mat moving(144, 192, CV_8U, cv::Scalar(255));
+  cv::Mat crossed(144, 192, CV_8U, cv::Scalar(0));
+  crossed(cv::Rect(90, 60, 6, 6)).setTo(255);
+  const stored::PatchColumns all = find_patches(moving, {}, motion, settings);
+  const stored::PatchColumns patches = find_patches(moving, crossed, motion, settings);
+  EXPECT_LT(patches.size(), all.size());
+  ASSERT_GT(patches.size(), 0u);
+  const std::vector<vision::Variant> variants = settings.variants();
+  for (std::size_t i = 0; i < patches.size(); ++i) {
+    const vision::VariantFrame frame = vision::variant_frame(moving.size(), variants[patches.variant[i]]);
+    for (int y = 0; y < settings.grid.patch; y += 2) {
+      for (int x = 0; x < settings.grid.patch; x += 2) {
+        const cv::Vec2d at = frame.source_from_variant * cv::Vec3d(patches.x[i] + x, patches.y[i] + y, 1);
+        EXPECT_FALSE(at[0] > 91 && at[0] < 94 && at[1] > 61 && at[1] < 64);
+      }
     }
   }
 }
