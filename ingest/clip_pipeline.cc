@@ -92,7 +92,8 @@ struct Pass {
 
   void add(const Slab& slab) {
     {
-      // Screening and the loop take frames one after another: one thread, beside the flow of the same frames.
+      // Screening, the loop and what crosses take frames one after another: one thread, beside the flow of the
+      // same frames.
       Aside screening([&] {
         const TimedScope watch(seconds.screen);
         for (const cv::Mat& luma : slab.luma) {
@@ -223,11 +224,11 @@ ClipMeasures stream_clip(const FrameSource& next, double fps, const std::string&
   measures.moving = moving_mask(pass.motion.mean_speed_px(), pass.statistics.deviation(), fps, settings);
   measures.crossed = pass.crossings.finish();
   const auto pixels = static_cast<double>(measures.moving.total());
+  measures.screening.static_fraction = 1 - cv::countNonZero(measures.moving) / pixels;
   if (!measures.crossed.empty()) {
     measures.moving.setTo(0, measures.crossed);
     measures.screening.crossed_fraction = cv::countNonZero(measures.crossed) / pixels;
   }
-  measures.screening.static_fraction = 1 - cv::countNonZero(measures.moving) / pixels;
   measures.columns.motion = pass.motion.finish();
   for (const auto& scale : pass.texture) measures.columns.texture.push_back(scale->finish());
   vision::DetailLifetimes life = pass.life.finish(measures.moving);

@@ -1,13 +1,15 @@
 #include "ingest/crossings.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdint>
+#include <optional>
 #include <span>
 
 #include <opencv2/imgproc.hpp>
 #include <opencv2/video/tracking.hpp>
+
+#include "ingest/screening.h"
 
 namespace freshet::ingest {
 namespace {
@@ -19,14 +21,21 @@ constexpr float kLeastMotion = 0.6f;                 // px a frame from the plac
 constexpr float kMotionDeviations = 2;               // ... and times its median deviation
 constexpr double kSmallest = 0.001, kLargest = 0.2;  // of the frame
 constexpr std::size_t kLeastFrames = 6;
-constexpr float kStraight = 0.75f;  // of the way, its ends' distance
-constexpr float kSameLook = 0.82f;  // correlation over kApart frames, median
-constexpr float kFollowed = 0.6f;   // correlation from frame to frame
-constexpr std::size_t kApart = 3;   // frames
-constexpr int kMissed = 3;          // frames, after which a thing is lost
-constexpr int kSearch = 5;          // px, around where it is expected
-constexpr int kRim = 3;             // px
-constexpr int kLeastSide = 48;      // px, of a frame in which anything is looked for
+constexpr float kStraight = 0.75f;              // of the way, its ends' distance
+constexpr float kSameLook = 0.82f;              // correlation over kApart frames, median
+constexpr float kFollowed = 0.6f;               // correlation from frame to frame
+constexpr int kMostBetween = 2;                 // frames from one blob of a track to the next
+constexpr double kWayOff = 0.6, kWayOffPx = 2;  // of a blob's side, and px, from where its track should go on
+constexpr double kLeastRatio = 0.4, kMostRatio = 2.5;  // of the areas of blobs that follow each other
+constexpr std::size_t kApart = 3;                      // blobs of a track
+constexpr std::size_t kLeastLooks = 2;
+constexpr int kNear = 3;                  // px, around where a blob of a track is
+constexpr double kFlat = 1;               // grey levels of deviation, below which a picture has no look
+constexpr int kMissed = 3;                // frames, after which a thing is lost
+constexpr int kSearch = 5;                // px, around where it is expected
+constexpr int kRim = 3;                   // px
+constexpr int kLeastSide = 48;            // px, of a reduced frame in which anything is looked for
+constexpr std::size_t kLeastWindow = 13;  // frames, in fewer of which nothing is usual
 
 struct Blob {
   int frame = 0;
@@ -125,15 +134,15 @@ std::vector<Blob> blobs_of(const cv::Mat& frame, const cv::Mat& flow, const Usua
 void link(std::vector<Blob> blobs, std::vector<Track>& tracks) {
   for (Blob& blob : blobs) {
     Track* nearest = nullptr;
-    double least = 0.6 * std::sqrt(blob.area) + 2;
+    double least = kWayOff * std::sqrt(blob.area) + kWayOffPx;
     for (Track& track : tracks) {
       const Blob& last = track.back();
       const int frames = blob.frame - last.frame;
-      if (frames > 2 || frames == 0) continue;
+      if (frames > kMostBetween || frames == 0) continue;
       const double distance =
           cv::norm(last.centre + last.velocity * static_cast<float>(frames) - blob.centre);
-      const double grown = blob.area / last.area;
-      if (distance >= least || grown <= 0.4 || grown >= 2.5) continue;
+      const double ratio = blob.area / last.area;
+      if (distance >= least || ratio <= kLeastRatio || ratio >= kMostRatio) continue;
       least = distance;
       nearest = &track;
     }
@@ -148,16 +157,23 @@ cv::Rect grown(const cv::Rect& box, int by) {
   return {box.x - by, box.y - by, box.width + 2 * by, box.height + 2 * by};
 }
 
-/// Correlation of a blob's box with what lies near where it should be in another frame, and where that is.
-double likeness(const cv::Mat& look, const cv::Mat& frame, const cv::Rect& around, cv::Point& best) {
+struct Likeness {
+  double correlation;
+  cv::Point at;
+};
+/// Where a look is most alike in a part of another frame; nothing where it has no room there, or is flat.
+std::optional<Likeness> likeness(const cv::Mat& look, const cv::Mat& frame, const cv::Rect& around) {
   const cv::Rect inside = around & cv::Rect({}, frame.size());
-  if (inside.width < look.cols || inside.height < look.rows || look.cols < 3 || look.rows < 3) return 0;
+  if (inside.width < look.cols || inside.height < look.rows || look.cols < 3 || look.rows < 3) return {};
+  cv::Scalar mean, deviation;
+  cv::meanStdDev(look, mean, deviation);
+  if (deviation[0] < kFlat) return {};
   cv::Mat correlation;
   cv::matchTemplate(frame(inside), look, correlation, cv::TM_CCOEFF_NORMED);
-  double most = 0;
-  cv::minMaxLoc(correlation, nullptr, &most, nullptr, &best);
-  best += inside.tl();
-  return most;
+  Likeness best{};
+  cv::minMaxLoc(correlation, nullptr, &best.correlation, nullptr, &best.at);
+  best.at += inside.tl();
+  return best;
 }
 
 bool is_a_thing(const Track& track, const std::vector<cv::Mat>& frames) {
@@ -170,16 +186,15 @@ bool is_a_thing(const Track& track, const std::vector<cv::Mat>& frames) {
   }
   const double distance = cv::norm(track.back().centre - track.front().centre);
   if (distance <= std::sqrt(median_of<double>(areas)) || distance <= kStraight * way) return false;
-  std::vector<double> looks;
+  std::vector<double> correlations;
   for (std::size_t i = 0; i + kApart < track.size(); ++i) {
     const Blob &from = track[i], &to = track[i + kApart];
     const cv::Point moved(cvRound(to.centre.x - from.centre.x), cvRound(to.centre.y - from.centre.y));
-    cv::Point ignored;
-    const double like =
-        likeness(frames[from.frame](from.box), frames[to.frame], grown(from.box + moved, 3), ignored);
-    if (like != 0) looks.push_back(like);
+    const auto like =
+        likeness(frames[from.frame](from.box), frames[to.frame], grown(from.box + moved, kNear));
+    if (like) correlations.push_back(like->correlation);
   }
-  return !looks.empty() && median_of<double>(looks) > kSameLook;
+  return correlations.size() >= kLeastLooks && median_of<double>(correlations) > kSameLook;
 }
 
 void mark(const cv::Mat& mask, cv::Point at, cv::Mat& crossed) {
@@ -200,13 +215,11 @@ void follow(const Blob& begin, cv::Point2f velocity, int direction, const std::v
     place += velocity;
     cv::Rect box(cv::Point(cvRound(place.x), cvRound(place.y)), begin.box.size());
     if ((box & whole).empty()) return;
-    const cv::Rect around = grown(box, kSearch);
-    if ((around & whole) == around) {  // else it leaves, as it went
-      cv::Point best;
-      if (likeness(look, frames[t], around, best) > kFollowed) {
-        place += cv::Point2f(best - box.tl());
-        box = cv::Rect(cv::Point(cvRound(place.x), cvRound(place.y)), box.size()) & whole;
-        if (box.size() != begin.box.size()) return;
+    if ((box & whole) == box) {  // else it leaves, as it went
+      const auto like = likeness(look, frames[t], grown(box, kSearch));
+      if (like && like->correlation > kFollowed) {
+        place += cv::Point2f(like->at - box.tl());
+        box = cv::Rect(like->at, box.size());
         look = frames[t](box);
         missed = 0;
       } else {
@@ -220,9 +233,7 @@ void follow(const Blob& begin, cv::Point2f velocity, int direction, const std::v
 }  // namespace
 
 CrossingFinder::CrossingFinder(cv::Size source, double fps)
-    : source_(source), step_(std::max(1, cvRound(fps / kRate))) {
-  const double factor = std::min(1.0, static_cast<double>(kSide) / std::max(source.width, source.height));
-  size_ = {std::max(1, cvRound(source.width * factor)), std::max(1, cvRound(source.height * factor))};
+    : source_(source), size_(within(source, kSide)), step_(std::max(1, cvRound(fps / kRate))) {
   crossed_ = cv::Mat::zeros(size_, CV_8U);
 }
 
@@ -233,11 +244,11 @@ void CrossingFinder::add(const cv::Mat& luma) {
   window_.push_back(small);
   ++unseen_;
   if (window_.size() < kWindow) return;
-  look();
+  search();
   window_.erase(window_.begin(), window_.begin() + kWindow / 2);
 }
 
-void CrossingFinder::look() {
+void CrossingFinder::search() {
   unseen_ = 0;
   const cv::Ptr<cv::DISOpticalFlow> finder = cv::DISOpticalFlow::create(cv::DISOpticalFlow::PRESET_FAST);
   std::vector<cv::Mat> flows(window_.size() - 1);
@@ -260,7 +271,7 @@ void CrossingFinder::look() {
 }
 
 cv::Mat CrossingFinder::finish() {
-  if (unseen_ > 0 && window_.size() >= kRate) look();  // in less there is no usual look
+  if (unseen_ > 0 && window_.size() >= kLeastWindow) search();
   if (cv::countNonZero(crossed_) == 0) return {};
   cv::Mat whole;
   cv::dilate(crossed_, crossed_, cv::getStructuringElement(cv::MORPH_RECT, {2 * kRim + 1, 2 * kRim + 1}));

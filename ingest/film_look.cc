@@ -1,4 +1,5 @@
 #include "ingest/film_look.h"
+#include "ingest/screening.h"
 
 #include <algorithm>
 #include <cmath>
@@ -12,11 +13,6 @@ namespace {
 
 constexpr int kChangeSide = 64;       // px
 constexpr double kMovingShare = 0.3;  // of the change that 5 % of the pixels exceed: so much moves
-
-cv::Size within(cv::Size size, int side) {
-  const double scale = std::min(1.0, static_cast<double>(side) / std::max(size.width, size.height));
-  return {std::max(1, cvRound(size.width * scale)), std::max(1, cvRound(size.height * scale))};
-}
 
 /// 255 where most of the change is, CV_8U; everywhere where nothing changes.
 cv::Mat moving_part(const cv::Mat& change) {

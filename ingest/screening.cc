@@ -14,12 +14,6 @@ namespace {
 
 constexpr int kThumbnailSide = 64;  // px, longer side, on which frames are compared as wholes
 
-cv::Size within(cv::Size size, int side) {
-  const double scale = std::min(1.0, static_cast<double>(side) / std::max(size.width, size.height));
-  return {std::max(1, static_cast<int>(std::lround(size.width * scale))),
-          std::max(1, static_cast<int>(std::lround(size.height * scale)))};
-}
-
 /// 1 - correlation; 0 for two flat pictures, which are alike.
 float decorrelation(const cv::Mat& a, const cv::Mat& b) {
   cv::Mat x, y;
@@ -165,6 +159,12 @@ Verdict judge(const Screening& screening, const ScreeningLimits& limits) {
         "something crosses it that is not its fluid: no patch is taken from {:.0f} % of the frame",
         std::ceil(100 * screening.crossed_fraction)));
   return verdict;
+}
+
+cv::Size within(cv::Size size, int side) {
+  const double scale = std::min(1.0, static_cast<double>(side) / std::max(size.width, size.height));
+  return {std::max(1, static_cast<int>(std::lround(size.width * scale))),
+          std::max(1, static_cast<int>(std::lround(size.height * scale)))};
 }
 
 cv::Size screening_size(cv::Size source) { return within(source, CameraTracker::kWorkingSide); }

@@ -100,6 +100,8 @@ inline constexpr int kCutNeighbours = 4;
 /// Fraction of frames that repeat the one before, among those that have one.
 double duplicated_fraction(std::span<const FrameChange> changes);
 
+/// At most `side` px on the longer side, at least one on the other, never enlarged.
+cv::Size within(cv::Size size, int side);
 /// Size at which frames are screened: CameraTracker::kWorkingSide on the longer side, never enlarged.
 cv::Size screening_size(cv::Size source);
 

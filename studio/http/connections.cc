@@ -37,7 +37,8 @@ void refuse(const Connection& connection, int status, const char* reason) {
 }
 
 /// Of a head that was begun. A browser connects ahead of its requests, and takes what comes on such a connection for
-/// the answer to the next one: it is closed without a word, after which the browser opens another.
+/// the answer to the next one: it is closed without a word, after which the browser opens another. A full server, which
+/// knows nothing of the connection yet, answers all the same.
 void refuse_begun(Connection& connection, int status, const char* reason) {
   if (!connection.received().empty()) refuse(connection, status, reason);
 }

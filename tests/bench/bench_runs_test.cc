@@ -62,7 +62,7 @@ std::vector<BenchRun> runs(const WorkFolder& folder) {
        "measurements/ingest.md",
        {"DIS", "TV-L1", "frames/s", "flow"}},
       {"bench_crossings",
-       {fall, "--frames", "24"},
+       {fall, "--frames", "32"},
        "measurements/ingest.md",
        {"person", "animal", "boat", "nothing %", "beside %"}},
       {"bench_labelling",

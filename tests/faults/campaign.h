@@ -69,7 +69,8 @@ struct Campaign {
   /// Empty when the store is whole and has one of these digests (an empty digest: it need not be there); else
   /// what is wrong.
   std::string judge(const std::string& store, const std::set<std::string>& digests) const;
-  /// Killed when it hangs.
+  /// Killed when it hangs. It ends with its main (WorkFolder::freshet): how processes end is tried by the campaigns of
+  /// kills, of failing calls and of circumstances.
   Outcome run(const std::vector<std::string>& arguments) const;
   /// Stopped by SIGINT after so many seconds, or `rest_ms` after it has said `until`; killed by SIGALRM 20 s later.
   struct Stopped {

@@ -666,6 +666,10 @@ Trace run(Words words, bool twice) {
                                          "XDG_CACHE_HOME=/dev/null",  // where no starter store can be made
                                          "PATH=" + (c.folder / "bin").string() + ":/usr/bin:/bin"}},
                         words);
+    // Whatever said its address was stopped in order.
+    if (outcome.out.find("http://") != std::string::npos) {
+      EXPECT_EQ(outcome.signal, SIGINT) << outcome.err;
+    }
   } else {
     if (twice) {
       Words first = words;

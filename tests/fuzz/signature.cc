@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "platform/printable.h"
 #include "store/signature.h"
 #include "tests/fuzz/fuzz.h"
 
@@ -15,12 +16,15 @@ void write(const std::filesystem::path& file, const std::string& text) {
 }
 
 bool is_taken(const std::filesystem::path& store, const std::string& key) {
-  bool taken = false;
-  fuzz::allow_errors([&] {
+  try {
     store::expect_signed(store, key);
-    taken = true;
-  });
-  return taken;
+    return true;
+  } catch (const Error& error) {
+    const std::string said = error.what();
+    fuzz::expect(said == printable_lines(said) && said.find(": ") != 0,
+                 "an error names what it is of, printably");
+    return false;
+  }
 }
 
 }  // namespace

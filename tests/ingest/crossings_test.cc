@@ -1,6 +1,7 @@
 #include "ingest/crossings.h"
 
 #include <cmath>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -16,8 +17,8 @@ using synth::simulate::SceneKind;
 
 constexpr int kFrames = 72;
 
-std::vector<cv::Mat> fluid(SceneKind kind) {
-  synth::simulate::Simulation clip({.kind = kind, .size = {256, 160}, .frames = kFrames, .seed = 4});
+std::vector<cv::Mat> fluid(SceneKind kind, int count = kFrames) {
+  synth::simulate::Simulation clip({.kind = kind, .size = {256, 160}, .frames = count, .seed = 4});
   synth::simulate::SimulatedFrame frame;
   std::vector<cv::Mat> frames;
   while (clip.next(frame)) {
@@ -28,19 +29,20 @@ std::vector<cv::Mat> fluid(SceneKind kind) {
   return frames;
 }
 
-/// Somebody in light clothes and a dark coat who walks through it, two px a frame. path   where they have been.
-void walk_through(std::vector<cv::Mat>& frames, cv::Mat& path) {
+/// Somebody in light clothes and a dark coat who walks through frames, `step` px in each. path   where they have been.
+void walk_through(std::span<cv::Mat> frames, cv::Mat& path, float step = 2, float height = 80) {
   path = cv::Mat::zeros(frames.front().size(), CV_8U);
   for (std::size_t t = 0; t < frames.size(); ++t) {
-    const cv::Point2f middle(2.f * static_cast<float>(t) + 20, 80 + std::sin(0.5f * static_cast<float>(t)));
+    const auto time = static_cast<float>(t);
+    const cv::Point2f middle(step * time + 20, height + std::sin(0.5f * time));
     cv::ellipse(frames[t], {middle, {20, 48}, 0}, 235, cv::FILLED, cv::LINE_AA);
     cv::ellipse(frames[t], {middle + cv::Point2f(1, -6), {14, 20}, 0}, 25, cv::FILLED, cv::LINE_AA);
     cv::ellipse(path, {middle, {20, 48}, 0}, 255, cv::FILLED);
   }
 }
 
-cv::Mat found_in(const std::vector<cv::Mat>& frames) {
-  CrossingFinder finder(frames.front().size(), 25);
+cv::Mat found_in(const std::vector<cv::Mat>& frames, double fps = 25) {
+  CrossingFinder finder(frames.front().size(), fps);
   for (const cv::Mat& frame : frames) finder.add(frame);
   return finder.finish();
 }
@@ -74,6 +76,29 @@ INSTANTIATE_TEST_SUITE_P(Of, ClearCrossings,
                          testing::Values(SceneKind::kSmoke, SceneKind::kFire, SceneKind::kClouds,
                                          SceneKind::kSea),
                          name_of);
+
+TEST(CrossingFinder, FindsInAnyWindowOfALongClip) {
+  const std::vector<cv::Mat> frames = fluid(SceneKind::kClouds, 150);
+  EXPECT_TRUE(found_in(frames, 12.5).empty());
+  for (const int begin : {0, 50, 90, 120}) {  // the last is in the rest after the last whole window
+    std::vector<cv::Mat> crossed;
+    for (const cv::Mat& frame : frames) crossed.push_back(frame.clone());
+    cv::Mat path;
+    walk_through(std::span(crossed).subspan(static_cast<std::size_t>(begin), 30), path, 4);
+    const cv::Mat found = found_in(crossed, 12.5);
+    ASSERT_FALSE(found.empty()) << begin;
+    EXPECT_GT(cv::countNonZero(found & path), 0.6 * cv::countNonZero(path)) << begin;
+  }
+}
+
+TEST(CrossingFinder, GoesNoFartherThanWhatStopsAtTheBorder) {
+  std::vector<cv::Mat> frames = fluid(SceneKind::kClouds);
+  cv::Mat path;
+  walk_through(std::span(frames).first(40), path, 2, 132);  // their feet at the lower border
+  const cv::Mat found = found_in(frames);
+  ASSERT_FALSE(found.empty());
+  EXPECT_EQ(cv::countNonZero(found.colRange(160, 256)), 0);
+}
 
 TEST(CrossingFinder, TakesFramesOfAnySize) {
   for (const cv::Size size : {cv::Size(1, 1), {4000, 1}, {1, 3000}, {47, 300}, {48, 48}}) {

@@ -198,6 +198,22 @@ TEST(Ingest, KeepsPatchesOnlyWhereItMoves) {
   EXPECT_NEAR(seen[plain], expected, 2);
 }
 
+TEST(Ingest, TakesNoPatchFromThePathOfWhatCrosses) {
+  const SyntheticClip still{.size = {320, 240}, .frames = 160, .moving = {60, 20, 200, 200}};
+  SyntheticClip walked = still;
+  walked.crossed = true;
+  const OneClip one(still), other(walked);
+  ASSERT_EQ(one.row.outcome, Outcome::kAdded) << reason(one.row);
+  ASSERT_EQ(other.row.outcome, Outcome::kAdded) << reason(other.row);
+  EXPECT_EQ(one.row.screening.crossed_fraction, 0);
+  EXPECT_FALSE(says(one.row.notes, "something crosses it"));
+  EXPECT_GT(other.row.screening.crossed_fraction, 0.05);
+  EXPECT_TRUE(says(other.row.notes, "something crosses it"));
+  EXPECT_LT(other.row.patches, one.row.patches);
+  const nlohmann::json metadata = nlohmann::json::parse(other.snapshot().clip(other.id()).metadata);
+  EXPECT_EQ(metadata.at("screening").at("crossed_share"), other.row.screening.crossed_fraction);
+}
+
 TEST(Ingest, PatchMotionIsTheTextureVelocityTurnedIntoEachVariant) {
   const SyntheticClip clip{.size = {320, 240}, .moving = {20, 20, 280, 200}, .velocity = {1.5, -0.5}};
   // Forced: a texture that fills the frame and does not change is what a panning camera shows.

@@ -58,6 +58,11 @@ std::vector<cv::Mat> render(const SyntheticClip& clip) {
       moved(clip.moving).copyTo(frame(clip.moving));
     }
     frame.convertTo(frame, CV_8U);
+    if (clip.crossed) {
+      const cv::Point2f middle(static_cast<float>(t), static_cast<float>(clip.size.height) / 2);
+      cv::ellipse(frame, {middle, {16, 40}, 0}, 250, cv::FILLED, cv::LINE_AA);
+      cv::ellipse(frame, {middle - cv::Point2f(0, 6), {10, 16}, 0}, 5, cv::FILLED, cv::LINE_AA);
+    }
     frames.push_back(frame);
   }
   return frames;

@@ -19,9 +19,10 @@ struct SyntheticClip {
   double jitter = 0;                 // px, uniform +-, of the whole scene
   int cut_at = 0;                    // frame at which another scene begins; 0: none
   bool changing = false;             // the texture turns into another all the time, as a fluid does
-  int start = 0;                     // moment of the first frame
-  cv::Vec2d shift{0, 0};             // px, of the whole scene at all times
-  bool coarse = false;               // the scene has large forms too, as real ones have
+  bool crossed = false;   // somebody in light clothes and a dark coat walks through, a px per frame
+  int start = 0;          // moment of the first frame
+  cv::Vec2d shift{0, 0};  // px, of the whole scene at all times
+  bool coarse = false;    // the scene has large forms too, as real ones have
   std::uint64_t seed = 1;
 };
 

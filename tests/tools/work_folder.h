@@ -41,7 +41,7 @@ class WorkFolder {
   /// Runs a program (found along PATH) in this folder, with nothing on stdin.
   Outcome run(const std::vector<std::string>& command) const;
   /// Runs the executable under test, which is loaded once and forked for each run, and ends with its main; killed after
-  /// ten minutes.
+  /// ten minutes. Under sanitizers it is run as it is.
   Outcome freshet(const std::vector<std::string>& arguments) const;
   /// The same under a shell's preparation, such as a limit: PREPARATION; exec freshet ARGUMENTS.
   Outcome freshet_after(const std::string& preparation, const std::vector<std::string>& arguments) const;

@@ -8,17 +8,17 @@ export class Fault extends Error {
   }
 }
 
-const kAsked = 3; // times, what changes nothing
-const kBetween = 250; // ms
+const kGetAttempts = 3;
+const kRetryDelayMs = 250;
 
-/** What only asks is asked again where the connection broke under it. */
+/** A GET is sent again when its connection breaks. */
 async function send(path: string, init?: RequestInit): Promise<Response> {
-  for (let left = init?.method ? 0 : kAsked - 1; ; --left) {
+  for (let left = init?.method ? 0 : kGetAttempts - 1; ; --left) {
     try {
       return await fetch(path, init);
     } catch (fault) {
       if (left === 0) throw fault;
-      await new Promise((resolve) => window.setTimeout(resolve, kBetween));
+      await new Promise((resolve) => window.setTimeout(resolve, kRetryDelayMs));
     }
   }
 }
