@@ -241,25 +241,26 @@ void CrossingFinder::add(const cv::Mat& luma) {
   if (frames_++ % step_ != 0 || std::min(size_.width, size_.height) < kLeastSide) return;
   cv::Mat small;
   cv::resize(luma, small, size_, 0, 0, cv::INTER_AREA);
+  if (!window_.empty()) {
+    cv::Mat flow;
+    cv::DISOpticalFlow::create(cv::DISOpticalFlow::PRESET_FAST)->calc(window_.back(), small, flow);
+    cv::GaussianBlur(flow, flow, {}, 1.5);
+    flows_.push_back(flow);
+  }
   window_.push_back(small);
   ++unseen_;
   if (window_.size() < kWindow) return;
   search();
   window_.erase(window_.begin(), window_.begin() + kWindow / 2);
+  flows_.erase(flows_.begin(), flows_.begin() + kWindow / 2);
 }
 
 void CrossingFinder::search() {
   unseen_ = 0;
-  const cv::Ptr<cv::DISOpticalFlow> finder = cv::DISOpticalFlow::create(cv::DISOpticalFlow::PRESET_FAST);
-  std::vector<cv::Mat> flows(window_.size() - 1);
-  for (std::size_t t = 0; t < flows.size(); ++t) {
-    finder->calc(window_[t], window_[t + 1], flows[t]);
-    cv::GaussianBlur(flows[t], flows[t], {}, 1.5);
-  }
-  const Usual usual = usual_of(window_, flows);
+  const Usual usual = usual_of(window_, flows_);
   std::vector<Track> tracks;
-  for (std::size_t t = 0; t < flows.size(); ++t)
-    link(blobs_of(window_[t], flows[t], usual, static_cast<int>(t)), tracks);
+  for (std::size_t t = 0; t < flows_.size(); ++t)
+    link(blobs_of(window_[t], flows_[t], usual, static_cast<int>(t)), tracks);
   for (const Track& track : tracks) {
     if (!is_a_thing(track, window_)) continue;
     for (const Blob& blob : track) mark(blob.mask, blob.box.tl(), crossed_);

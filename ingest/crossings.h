@@ -1,4 +1,4 @@
-// crossings.h — what crosses a clip without being of its fluid: people, animals, boats, birds.
+// crossings.h — what crosses a clip and is not its fluid: people, animals, boats, birds.
 #pragma once
 
 #include <vector>
@@ -35,6 +35,7 @@ class CrossingFinder {
   int frames_ = 0;
   std::size_t unseen_ = 0;       // frames since the last search
   std::vector<cv::Mat> window_;  // CV_8U
+  std::vector<cv::Mat> flows_;   // CV_32FC2, px, from each of its frames to the next
   cv::Mat crossed_;              // CV_8U
 };
 

@@ -1,5 +1,4 @@
 #include "ingest/film_look.h"
-#include "ingest/screening.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,6 +6,8 @@
 
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
+
+#include "ingest/screening.h"
 
 namespace freshet::ingest {
 namespace {

@@ -24,6 +24,7 @@
 
 #include "freshet/error.h"
 #include "ingest/crossings.h"
+#include "ingest/screening.h"
 #include "media/frame/frame.h"
 #include "media/video/video_reader.h"
 
@@ -55,9 +56,8 @@ Clip read(const fs::path& file, int count) {
     const std::optional<media::Frame> frame = reader.next();
     if (!frame) break;
     const cv::Mat luma = media::to_luma(*frame);
-    const double factor = std::min(1.0, static_cast<double>(kSide) / std::max(luma.cols, luma.rows));
     cv::Mat small;
-    cv::resize(luma, small, {}, factor, factor, cv::INTER_AREA);
+    cv::resize(luma, small, ingest::within(luma.size(), kSide), 0, 0, cv::INTER_AREA);
     clip.frames.push_back(small);
   }
   return clip;

@@ -1,6 +1,5 @@
 #include "tests/tools/kept_loaded.h"
 
-#include <spawn.h>
 #include <sys/prctl.h>
 #include <sys/socket.h>
 #include <sys/wait.h>
@@ -10,6 +9,26 @@
 #include <stdexcept>
 
 namespace freshet::tools {
+
+pid_t spawned(const std::vector<std::string>& command, char** environment,
+              const posix_spawn_file_actions_t* actions) {
+  // A shell starts what runs in the background with SIGINT ignored, and what we start would ignore it too.
+  posix_spawnattr_t attributes;
+  posix_spawnattr_init(&attributes);
+  sigset_t heeded;
+  sigemptyset(&heeded);
+  for (const int signal : {SIGINT, SIGTERM}) sigaddset(&heeded, signal);
+  posix_spawnattr_setsigdefault(&attributes, &heeded);
+  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGDEF);
+  std::vector<char*> arguments;
+  for (const std::string& word : command) arguments.push_back(const_cast<char*>(word.c_str()));
+  arguments.push_back(nullptr);
+  pid_t process = 0;
+  if (posix_spawnp(&process, arguments[0], actions, &attributes, arguments.data(), environment) != 0)
+    process = 0;
+  posix_spawnattr_destroy(&attributes);
+  return process;
+}
 
 KeptLoaded::KeptLoaded(const std::string& preloaded) {
   int ends[2];
@@ -25,21 +44,9 @@ KeptLoaded::KeptLoaded(const std::string& preloaded) {
   std::vector<char*> environment{const_cast<char*>(preload.c_str()), const_cast<char*>(socket.c_str())};
   for (char** each = environ; *each != nullptr; ++each) environment.push_back(*each);
   environment.push_back(nullptr);
-  std::string path = FRESHET_EXECUTABLE;
-  char* const arguments[] = {path.data(), nullptr};
-  // A shell starts what runs in the background with SIGINT ignored, and what we start would ignore it too.
-  posix_spawnattr_t attributes;
-  posix_spawnattr_init(&attributes);
-  sigset_t heeded;
-  sigemptyset(&heeded);
-  for (const int signal : {SIGINT, SIGTERM}) sigaddset(&heeded, signal);
-  posix_spawnattr_setsigdefault(&attributes, &heeded);
-  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGDEF);
-  const int failed =
-      posix_spawn(&process_, path.c_str(), nullptr, &attributes, arguments, environment.data());
-  posix_spawnattr_destroy(&attributes);
+  process_ = spawned({FRESHET_EXECUTABLE}, environment.data());
   close(theirs);
-  if (failed != 0) throw std::runtime_error(path + " cannot be started");
+  if (process_ == 0) throw std::runtime_error(FRESHET_EXECUTABLE " cannot be started");
 }
 
 KeptLoaded::~KeptLoaded() {

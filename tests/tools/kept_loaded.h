@@ -1,6 +1,7 @@
 // tests/tools/kept_loaded.h — the executable, loaded once and forked for each run.
 #pragma once
 
+#include <spawn.h>
 #include <sys/types.h>
 
 #include <filesystem>
@@ -9,6 +10,10 @@
 #include <vector>
 
 namespace freshet::tools {
+
+/// Starts a program, found along PATH. actions   on its descriptors; null: none. The process; 0: it cannot be started.
+pid_t spawned(const std::vector<std::string>& command, char** environment,
+              const posix_spawn_file_actions_t* actions = nullptr);
 
 /// Loading the executable takes longer than what most runs of a test do. From many threads.
 class KeptLoaded {

@@ -59,20 +59,7 @@ Started WorkFolder::start(const std::vector<std::string>& command) const {
   posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, started.out.c_str(), O_WRONLY | O_CREAT, 0600);
   posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, started.err.c_str(), O_WRONLY | O_CREAT, 0600);
   posix_spawn_file_actions_addchdir_np(&actions, path_.c_str());
-  // A shell starts what runs in the background with SIGINT ignored, and what we start would ignore it too.
-  posix_spawnattr_t attributes;
-  posix_spawnattr_init(&attributes);
-  sigset_t heeded;
-  sigemptyset(&heeded);
-  for (const int signal : {SIGINT, SIGTERM}) sigaddset(&heeded, signal);
-  posix_spawnattr_setsigdefault(&attributes, &heeded);
-  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGDEF);
-  std::vector<char*> arguments;
-  for (const std::string& word : command) arguments.push_back(const_cast<char*>(word.c_str()));
-  arguments.push_back(nullptr);
-  if (posix_spawnp(&started.process, arguments[0], &actions, &attributes, arguments.data(), environ) != 0)
-    started.process = 0;
-  posix_spawnattr_destroy(&attributes);
+  started.process = spawned(command, environ, &actions);
   posix_spawn_file_actions_destroy(&actions);
   return started;
 }

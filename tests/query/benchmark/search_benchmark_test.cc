@@ -162,12 +162,16 @@ TEST(SearchBenchmark, AnIndexThatWouldPassTheLimitIsBuiltOfFewerRowsAndJudgedByT
     const auto indexes = std::vector{slow(seconds / all)};
     return benchmark_search(opened.snapshot, opened.base, {a_picture()}, indexes, options).indexes[0];
   };
-  const IndexResult fast = measure(0.05), medium = measure(0.8), never = measure(40);
+  const IndexResult fast = measure(0.05), never = measure(40);
+  IndexResult medium = measure(0.8);
+  for (int more = 0; more < 4 && medium.projected_build_seconds > 1.2; ++more)
+    medium = measure(0.8);  // a busy machine disturbs one of several
   EXPECT_EQ(fast.rows, opened.base.table.size());
   EXPECT_EQ(fast.projected_build_seconds, 0);
   EXPECT_LT(medium.rows, all / 2);
   EXPECT_GT(medium.rows, all / 16);
-  EXPECT_GT(medium.projected_build_seconds, 0.4);  // a busy machine may take any time more
+  EXPECT_LT(medium.build_seconds, 0.4);
+  EXPECT_NEAR(medium.projected_build_seconds, 0.8, 0.4);
   EXPECT_EQ(medium.settings[0].recall.at_100, 1);
   EXPECT_NE(never.skipped.find("would pass the limits"), std::string::npos);
   EXPECT_TRUE(never.settings.empty());
