@@ -37,6 +37,8 @@ std::unique_ptr<Scene> make_scene(const SceneOptions& given) {
       return make_rain(options);
     case SceneKind::kFountain:
       return make_fountain(options);
+    case SceneKind::kBreakers:
+      return make_breakers(options);
     case SceneKind::kDesign:
       return make_design(options);
   }

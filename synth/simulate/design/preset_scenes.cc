@@ -52,6 +52,8 @@ std::string clip_summary(SceneKind kind) {
       return "a clip of rain on a pool";
     case SceneKind::kFountain:
       return "a clip of a fountain's jets";
+    case SceneKind::kBreakers:
+      return "a clip of waves that break on a beach";
     case SceneKind::kDesign:
       break;
   }

@@ -10,11 +10,11 @@
 namespace freshet::synth::simulate {
 namespace {
 
-constexpr std::array<SceneKind, 9> kClipKinds{SceneKind::kSmoke,     SceneKind::kFire,  SceneKind::kInk,
-                                              SceneKind::kWaterfall, SceneKind::kRiver, SceneKind::kClouds,
-                                              SceneKind::kSea,       SceneKind::kRain,  SceneKind::kFountain};
-constexpr std::array<std::string_view, 9> kNames{"smoke",  "fire", "ink",  "waterfall", "river",
-                                                 "clouds", "sea",  "rain", "fountain"};
+constexpr std::array<SceneKind, 10> kClipKinds{
+    SceneKind::kSmoke,  SceneKind::kFire, SceneKind::kInk,  SceneKind::kWaterfall, SceneKind::kRiver,
+    SceneKind::kClouds, SceneKind::kSea,  SceneKind::kRain, SceneKind::kFountain,  SceneKind::kBreakers};
+constexpr std::array<std::string_view, 10> kNames{"smoke",  "fire", "ink",  "waterfall", "river",
+                                                  "clouds", "sea",  "rain", "fountain",  "breakers"};
 constexpr int kMinSide = 16, kMaxSide = 4096;
 constexpr int kMaxFrames = 1'000'000, kMaxWarmUp = 100'000;
 

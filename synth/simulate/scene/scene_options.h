@@ -13,7 +13,19 @@
 namespace freshet::synth::simulate {
 
 /// The ready-made clips, and a design of one's own.
-enum class SceneKind { kSmoke, kFire, kInk, kWaterfall, kRiver, kClouds, kSea, kRain, kFountain, kDesign };
+enum class SceneKind {
+  kSmoke,
+  kFire,
+  kInk,
+  kWaterfall,
+  kRiver,
+  kClouds,
+  kSea,
+  kRain,
+  kFountain,
+  kBreakers,
+  kDesign
+};
 
 /// How a ready-made clip departs from what its seed draws.
 struct ClipVariation {
@@ -40,7 +52,7 @@ struct SceneOptions {
   int alpha_bits = 8;         // or 16, which only designs have
 };
 
-/// The clips: "smoke", "fire", "ink", "waterfall", "river", "clouds", "sea", "rain", "fountain". Throws Error{kUsage}
+/// The clips: "smoke", "fire", "ink", "waterfall", "river", "clouds", "sea", "rain", "fountain", "breakers". Throws Error{kUsage}
 /// that lists them.
 SceneKind parse_scene_kind(std::string_view name);
 std::string_view scene_kind_name(SceneKind kind);

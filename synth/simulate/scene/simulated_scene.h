@@ -1,4 +1,4 @@
-// synth/simulate/scene/simulated_scene.h — the interface of what can be simulated: nine clips, and designs.
+// synth/simulate/scene/simulated_scene.h — the interface of what can be simulated: ten clips, and designs.
 #pragma once
 
 #include <memory>
@@ -32,6 +32,7 @@ std::unique_ptr<Scene> make_clouds(const SceneOptions& options);
 std::unique_ptr<Scene> make_sea(const SceneOptions& options);
 std::unique_ptr<Scene> make_rain(const SceneOptions& options);
 std::unique_ptr<Scene> make_fountain(const SceneOptions& options);
+std::unique_ptr<Scene> make_breakers(const SceneOptions& options);
 std::unique_ptr<Scene> make_design(const SceneOptions& options);
 
 }  // namespace freshet::synth::simulate

@@ -388,7 +388,7 @@ TEST(SceneFile, EveryPresetIsAScene) {
     EXPECT_FALSE(each.summary.empty());
     names.insert(each.name);
   }
-  EXPECT_EQ(names.size(), 14u);
+  EXPECT_EQ(names.size(), 15u);
 }
 
 /// The fault of a scene, "" when there is none.
