@@ -487,14 +487,15 @@ class ClipIngest {
       return;
     }
     if (patches.size() == 0) {
-      throw Error(ErrorKind::kInput, source.path.string(),
-                  fmt::format("no patch is left: {:.1f} % of its pixels move, something crosses {:.1f} %, "
-                              "and no {} px square "
-                              "that nothing crosses moves by {:.0f} %",
-                              100 * (1 - measures.screening.static_fraction),
-                              100 * measures.screening.crossed_fraction, settings_.grid.patch,
-                              100 * settings_.min_coverage),
-                  "Give a clip with more motion, or a store with lower limits of motion and coverage");
+      const double crossed = measures.screening.crossed_fraction;
+      throw Error(
+          ErrorKind::kInput, source.path.string(),
+          fmt::format(
+              "no patch is left: {:.1f} % of its pixels move,{} and no {} px square{} moves by {:.0f} %",
+              100 * (1 - measures.screening.static_fraction),
+              crossed > 0 ? fmt::format(" something crosses {:.1f} %,", 100 * crossed) : "",
+              settings_.grid.patch, crossed > 0 ? " that nothing crosses" : "", 100 * settings_.min_coverage),
+          "Give a clip with more motion, or a store with lower limits of motion and coverage");
     }
     report.patches = patches.size();
     report.patches_by_variant.assign(settings_.variants().size(), 0);

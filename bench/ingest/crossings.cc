@@ -14,10 +14,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <filesystem>
 #include <map>
 #include <numeric>
 #include <opencv2/imgproc.hpp>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
@@ -60,6 +62,7 @@ Clip read(const fs::path& file, int count) {
     cv::resize(luma, small, ingest::within(luma.size(), kSide), 0, 0, cv::INTER_AREA);
     clip.frames.push_back(small);
   }
+  if (clip.frames.empty()) throw Error(ErrorKind::kInput, file.string(), "it has no frame", "Leave it out");
   return clip;
 }
 

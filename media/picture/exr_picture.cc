@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <deque>
+#include <span>
 #include <string>
 #include <utility>
 
@@ -92,30 +94,44 @@ struct EncodedLayer {
       : header(std::max(1, light.cols), std::max(1, light.rows)) {
     if (light.empty() || light.depth() != CV_32F || (light.channels() != 3 && light.channels() != 4))
       throw Error(ErrorKind::kUsage, path.string(), "an EXR is written of 32-bit BGR or BGRA");
-    const bool small = samples == ExrSamples::kHalf;
-    const Imf::PixelType type = small ? Imf::HALF : Imf::FLOAT;
-    const std::size_t channels = static_cast<std::size_t>(light.channels());
-    const std::size_t row = channels * static_cast<std::size_t>(light.cols);
-    if (small) halves.resize(row * static_cast<std::size_t>(light.rows));
-    for (int y = 0; small && y < light.rows; ++y)
-      for (std::size_t i = 0; i < row; ++i)
-        halves[static_cast<std::size_t>(y) * row + i] = half(light.ptr<float>(y)[i]);
-    char* const data = small ? reinterpret_cast<char*>(halves.data()) : reinterpret_cast<char*>(light.data);
-    const std::size_t sample = small ? sizeof(half) : sizeof(float);
-    const std::size_t row_bytes = small ? row * sample : light.step[0];
     header.compression() = Imf::ZIP_COMPRESSION;
     Imf::addChromaticities(header, Imf::Chromaticities());
     static constexpr std::array kNames{"B", "G", "R", "A"};
-    for (std::size_t i = 0; i < channels; ++i) {
-      const std::string name = before + kNames[i];
-      header.channels().insert(name, Imf::Channel(type));
-      buffer.insert(name, Imf::Slice(type, data + i * sample, channels * sample, row_bytes));
-    }
+    insert(light, samples, before, std::span(kNames).first(static_cast<std::size_t>(light.channels())));
+  }
+  /// motion   CV_32FC2, y down.
+  void add_motion(const cv::Mat& motion, ExrSamples samples, const std::string& before) {
+    upwards = cv::Mat(motion.size(), CV_32FC2);
+    cv::transform(motion, upwards, cv::Matx22f(1, 0, 0, -1));
+    static constexpr std::array kNames{"forward.u", "forward.v"};
+    insert(upwards, samples, before, kNames);
   }
 
   Imf::Header header;
   Imf::FrameBuffer buffer;
-  std::vector<half> halves;
+
+ private:
+  void insert(const cv::Mat& values, ExrSamples samples, const std::string& before,
+              std::span<const char* const> names) {
+    const bool small = samples == ExrSamples::kHalf;
+    const Imf::PixelType type = small ? Imf::HALF : Imf::FLOAT;
+    const std::size_t row = names.size() * static_cast<std::size_t>(values.cols);
+    std::vector<half>& kept = halves.emplace_back(small ? row * static_cast<std::size_t>(values.rows) : 0);
+    for (int y = 0; small && y < values.rows; ++y)
+      for (std::size_t i = 0; i < row; ++i)
+        kept[static_cast<std::size_t>(y) * row + i] = half(values.ptr<float>(y)[i]);
+    char* const data = small ? reinterpret_cast<char*>(kept.data()) : reinterpret_cast<char*>(values.data);
+    const std::size_t sample = small ? sizeof(half) : sizeof(float);
+    const std::size_t row_bytes = small ? row * sample : values.step[0];
+    for (std::size_t i = 0; i < names.size(); ++i) {
+      const std::string name = before + names[i];
+      header.channels().insert(name, Imf::Channel(type));
+      buffer.insert(name, Imf::Slice(type, data + i * sample, names.size() * sample, row_bytes));
+    }
+  }
+
+  std::deque<std::vector<half>> halves;  // of the light, then of the motion
+  cv::Mat upwards;
 };
 
 }  // namespace
@@ -138,11 +154,12 @@ void write_exr_picture(const std::filesystem::path& path, const cv::Mat& light, 
 }
 
 void write_exr_parts(const std::filesystem::path& path, std::span<const ExrPart> parts, ExrSamples samples) {
-  std::vector<EncodedLayer> layers;
-  layers.reserve(parts.size());
+  std::deque<EncodedLayer> layers;
   for (const ExrPart& part : parts) {
-    layers.emplace_back(path, part.light, samples, layers.empty() ? "" : part.name + ".");
-    layers.back().header.setName(part.name);
+    const std::string before = layers.empty() ? "" : part.name + ".";
+    EncodedLayer& layer = layers.emplace_back(path, part.light, samples, before);
+    layer.header.setName(part.name);
+    if (!part.motion.empty()) layer.add_motion(part.motion, samples, before);
   }
   std::vector<Imf::Header> headers;
   std::vector<Imf::FrameBuffer> buffers;

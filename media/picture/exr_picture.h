@@ -30,12 +30,14 @@ void write_exr_picture(const std::filesystem::path& path, const cv::Mat& light, 
 
 /// A layer in a file of many.
 struct ExrPart {
-  std::string name;  // no other part's
-  cv::Mat light;     // as of write_exr_picture
+  std::string name;     // no other part's
+  cv::Mat light;        // as of write_exr_picture
+  cv::Mat motion = {};  // to the next frame: CV_32FC2, px, y down; empty: not known
 };
 
 /// The first part's channels are R, G, B and A, as of a picture, and so it is read by whoever knows of no parts. Those
-/// of others stand behind the part's name, "oak.R": compositors make a layer of each. Throws as write_exr_picture.
+/// of others stand behind the part's name, "oak.R": compositors make a layer of each. Motion is oak.forward.u and
+/// oak.forward.v, y up, as write_motion writes it. Throws as write_exr_picture.
 void write_exr_parts(const std::filesystem::path& path, std::span<const ExrPart> parts, ExrSamples samples);
 
 /// depth   CV_32F: the one channel, Z, of 32 bits, as compositors have it. Throws as write_exr_picture.

@@ -1,4 +1,5 @@
 // freshet synth scene: what a scene gives, and what a wrong one leaves behind.
+#include <ImfChannelList.h>
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <opencv2/imgcodecs.hpp>
@@ -145,6 +146,12 @@ TEST(SceneTool, LayersOfOneFileAreThoseOfManyNumberedAsTheFilm) {
                     together = exr_channel(all, static_cast<int>(part), before + "G");
       EXPECT_EQ(cv::norm(alone, together, cv::NORM_INF), 0) << file;
     }
+    // What moves has its motion beside it, in px; where the layer is not, nothing moves.
+    const cv::Mat across = exr_channel(all, 1, "tree.forward.u"), alpha = exr_channel(all, 1, "tree.A");
+    EXPECT_GT(cv::norm(across, cv::NORM_INF), 0.01);
+    EXPECT_LT(cv::norm(across, cv::NORM_INF), 20);
+    EXPECT_EQ(cv::norm(across, cv::NORM_INF, alpha == 0), 0);
+    EXPECT_EQ(parts.header(0).channels().findChannel("(film).forward.u"), nullptr);
   }
   EXPECT_FALSE(fs::exists(folder / "all.0000.exr"));
 }

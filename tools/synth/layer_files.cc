@@ -52,7 +52,7 @@ LayerFiles::LayerFiles(const std::string& name, const synth::scene::Scene& scene
   }
 }
 
-void LayerFiles::write(const synth::scene::SceneAnimation& animation) {
+void LayerFiles::write(synth::scene::SceneAnimation& animation) {
   if (!parts_.empty()) write_parts(animation);
   for (std::size_t i = 0; i < sinks_.size(); ++i) {
     animation.layer(i, layer_);
@@ -60,13 +60,18 @@ void LayerFiles::write(const synth::scene::SceneAnimation& animation) {
   }
 }
 
-void LayerFiles::write_parts(const synth::scene::SceneAnimation& animation) {
+void LayerFiles::write_parts(synth::scene::SceneAnimation& animation) {
+  std::vector<cv::Mat> motions = animation.motions();
   std::vector<media::ExrPart> parts;
   animation.whole(layer_);
   parts.push_back({kFilm, layers_->frame(layer_)});
   for (std::size_t i = 0; i < names_.size(); ++i) {
     animation.layer(i, layer_);
-    parts.push_back({names_[i], layers_->frame(layer_)});
+    if (!motions[i].empty()) {
+      cv::extractChannel(layer_, alpha_, 3);
+      motions[i].setTo(cv::Scalar::all(0), alpha_ == 0);
+    }
+    parts.push_back({names_[i], layers_->frame(layer_), motions[i]});
   }
   const std::filesystem::path file =
       media::is_pattern(parts_) ? media::numbered(parts_, number_++) : std::filesystem::path(parts_);

@@ -17,7 +17,7 @@
 namespace freshet::tools {
 
 /// A file or sequence for each layer where {layer} stands in the name, in any format with alpha. Else one EXR a frame:
-/// the film first, then a part for each layer, nearest first.
+/// the film first, then a part for each layer, nearest first, with its motion to the next frame.
 class LayerFiles {
  public:
   /// name   empty: nothing is written. first_number   of sequences.
@@ -25,12 +25,12 @@ class LayerFiles {
   LayerFiles(const std::string& name, const synth::scene::Scene& scene, cv::Size size,
              std::int64_t first_number);
   /// The frame that was rendered last.
-  void write(const synth::scene::SceneAnimation& animation);
+  void write(synth::scene::SceneAnimation& animation);
   void finish();
   const std::vector<std::string>& files() const { return files_; }
 
  private:
-  void write_parts(const synth::scene::SceneAnimation& animation);
+  void write_parts(synth::scene::SceneAnimation& animation);
 
   std::optional<media::Layers> layers_;
   std::vector<std::string> names_;                          // of layers
@@ -38,7 +38,7 @@ class LayerFiles {
   std::string parts_;                                       // pattern of that file, or its name
   std::int64_t number_ = 0;                                 // of the next
   std::vector<std::string> files_;
-  cv::Mat layer_;
+  cv::Mat layer_, alpha_;
 };
 
 }  // namespace freshet::tools

@@ -231,7 +231,7 @@ void add_scene(CLI::App& synth_command, RunContext& context) {
          "Also write each layer alone, with alpha: 'layers/{layer}.####.exr' (half floats, linear light, "
          "premultiplied), '{layer}.mov' (ProRes 4444, straight), or another format with alpha, as deep as it "
          "holds. Without {layer}, 'layers.####.exr', all in one file a frame: the film, and a part for each "
-         "layer")
+         "layer with its motion to the next frame, px, y up (LAYER.forward.u, LAYER.forward.v)")
       ->group("Output");
   std::string keys;
   for (const scene::PrintedKey& key : scene::printed_keys())

@@ -77,8 +77,10 @@ double CloudDrift::speed_at(int y) const {
   return 1 + (far_speed_ - 1) * down;
 }
 
-void CloudDrift::go_to(int frame) {
-  const int place = cycle_.place(frame);
+void CloudDrift::go_to(int frame) { go_to_place(cycle_.place(frame)); }
+void CloudDrift::go_on_from(int frame) { go_to_place(cycle_.place(frame) + 1); }
+
+void CloudDrift::go_to_place(int place) {
   gone_[0] = course_.speed_px_per_s * place / cycle_.fps;
   gone_[1] = course_.speed_px_per_s * (place - cycle_.frames) / cycle_.fps;
   time_ = static_cast<float>(place) / static_cast<float>(cycle_.frames);

@@ -33,11 +33,13 @@ class CloudDrift : public Motion {
              std::uint64_t seed);
 
   void go_to(int frame) override;
+  void go_on_from(int frame) override;
   float reach() const override { return reach_; }
   void row(int copy, int x, int y, int n, float* dx, float* dy) const override;
   bool second(int x, int y, int n, float* part) const override;
 
  private:
+  void go_to_place(int place);
   double speed_at(int y) const;
 
   CloudCourse course_;

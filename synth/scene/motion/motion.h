@@ -11,6 +11,9 @@ class Motion {
   virtual ~Motion() = default;
 
   virtual void go_to(int frame) = 0;
+  /// To the frame after this one, its copies gone on from where this one has them; where a loop begins anew, a copy of
+  /// frame 0 may lie elsewhere.
+  virtual void go_on_from(int frame) { go_to(frame + 1); }
   /// px: no |d'| of this frame is greater, in x or in y.
   virtual float reach() const = 0;
 

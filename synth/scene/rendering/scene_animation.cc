@@ -8,6 +8,7 @@
 
 #include "freshet/error.h"
 #include "platform/stopwatch.h"
+#include "synth/sampling/bilinear.h"
 #include "synth/scene/motion/boat_ride.h"
 #include "synth/scene/motion/cloud_drift.h"
 #include "synth/scene/motion/stillness.h"
@@ -71,6 +72,33 @@ cv::Rect boats_on(const Scene& scene, const SceneLayer& water) {
     all |= cv::Rect(from, to + cv::Point(1, 1));
   }
   return all;
+}
+
+/// d' of a motion at each pixel, CV_32FC2.
+cv::Mat displacement(const Motion& motion, cv::Size size) {
+  cv::Mat field(size, CV_32FC2);
+  oneapi::tbb::parallel_for(0, size.height, [&](int y) {
+    std::vector<float> dx(static_cast<std::size_t>(size.width)), dy(dx.size());
+    motion.row(0, 0, y, size.width, dx.data(), dy.data());
+    auto* to = field.ptr<cv::Vec2f>(y);
+    for (std::size_t x = 0; x < dx.size(); ++x) to[x] = {dx[x], dy[x]};
+  });
+  return field;
+}
+
+/// From the displacements of a frame to its motion until the next: what lies at p goes to the q at which the next frame
+/// shows the same of the still, q + next(q) = p + now(p).
+void to_motion(cv::Mat& now, const cv::Mat& next) {
+  constexpr int kRounds = 5;  // neighbours move alike, so that each halves the error at least
+  oneapi::tbb::parallel_for(0, now.rows, [&](int y) {
+    auto* at = now.ptr<cv::Vec2f>(y);
+    for (int x = 0; x < now.cols; ++x) {
+      const cv::Vec2f p(static_cast<float>(x), static_cast<float>(y)), shown = p + at[x];
+      cv::Vec2f q = p;
+      for (int i = 0; i < kRounds; ++i) q = shown - sampling::bilinear<cv::Vec2f>(next, q[0], q[1]);
+      at[x] = q - p;
+    }
+  });
 }
 
 }  // namespace
@@ -163,11 +191,26 @@ void SceneAnimation::place_motion(const Scene& scene, std::size_t i) {
   }
 }
 
-void SceneAnimation::go_to(int frame) {
+void SceneAnimation::move(const std::function<void(Motion& motion)>& how) {
   for (const bool rides : {false, true})
     oneapi::tbb::parallel_for(std::size_t{0}, placed_.size(), [&](std::size_t i) {
-      if (placed_[i].rides == rides) placed_[i].motion->go_to(frame);
+      if (placed_[i].rides == rides) how(*placed_[i].motion);
     });
+}
+
+std::vector<cv::Mat> SceneAnimation::motions() {
+  const auto displacements = [&] {
+    std::vector<cv::Mat> all(placed_.size());
+    for (std::size_t i = 0; i < placed_.size(); ++i)
+      if (placed_[i].frames == nullptr) all[i] = displacement(*placed_[i].motion, picture_);
+    return all;
+  };
+  std::vector<cv::Mat> all = displacements();
+  move([&](Motion& motion) { motion.go_on_from(frame_); });
+  const std::vector<cv::Mat> next = displacements();
+  move([&](Motion& motion) { motion.go_to(frame_); });
+  for (std::size_t i = 0; i < all.size(); ++i) to_motion(all[i], next[i]);
+  return all;
 }
 
 void SceneAnimation::render(int frame, cv::Mat& out) {
@@ -178,7 +221,8 @@ void SceneAnimation::render(int frame, cv::Mat& out) {
       set_frame(placed.sprite, placed.frames->next(), placed.frames->at(), picture_);
   seconds_.frames += watch.seconds();
   watch = {};
-  go_to(frame);
+  frame_ = frame;
+  move([&](Motion& motion) { motion.go_to(frame); });
   seconds_.motion += watch.seconds();
   watch = {};
   if (!beyond_.empty()) composite(mirrored_, beyond_);

@@ -58,6 +58,11 @@ class SceneAnimation {
   /// One layer of the frame that was rendered last, alone: CV_32FC4, colours times alpha.
   void layer(std::size_t i, cv::Mat& out) const;
 
+  /// How far what each layer shows in the frame that was rendered last goes until the next: CV_32FC2 of the picture's
+  /// size, px, x right, y down, wherever the layer lies; empty for layers that bring frames of their own, whose motion
+  /// is not known here. Cost: the motion of three frames.
+  std::vector<cv::Mat> motions();
+
   const Cycle& cycle() const { return cycle_; }
   const SceneSeconds& seconds() const { return seconds_; }
   /// Bytes that sprites hold.
@@ -75,11 +80,13 @@ class SceneAnimation {
   };
   void place_motion(const Scene& scene, std::size_t i);
   void place_mirrors(const Scene& scene, std::span<const LayerPixels> pixels);
-  void go_to(int frame);
+  /// Every motion, those that ride on others last.
+  void move(const std::function<void(Motion& motion)>& how);
 
   Cycle cycle_;
   Gusts gusts_;
   cv::Size picture_;
+  int frame_ = 0;               // that was rendered last
   std::vector<Placed> placed_;  // nearest first
   std::vector<MovedSprite> moved_;
   std::vector<MovedSprite> mirrored_;  // all but waters and what floats

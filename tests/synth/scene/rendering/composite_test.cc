@@ -7,6 +7,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "platform/random.h"
+#include "synth/sampling/bilinear.h"
 #include "synth/scene/motion/stillness.h"
 #include "synth/scene/rendering/scene_animation.h"
 #include "synth/scene/scene_file.h"
@@ -248,6 +249,48 @@ TEST(SceneAnimation, AMatteMovesWithItsWaterWhereItsEdgeDoes) {
   EXPECT_LT(held.border, 0.01);
   EXPECT_GT(moving.border, 0.3);
   EXPECT_LT(moving.below, 0.01);
+}
+
+TEST(SceneAnimation, WhatALayerShowsIsInTheNextFrameWhereItsMotionSays) {
+  MadeScene made(made_scene_text("speed = 25\ndirection = 10\n"));
+  cv::Mat smooth;  // so that reading between pixels costs nothing
+  cv::GaussianBlur(made.picture(), smooth, {}, 2);
+  smooth = (smooth - cv::Scalar::all(0.6)) * 3 + cv::Scalar::all(0.5);
+  for (LayerPixels& pixels : made.pixels())
+    if (!pixels.colour.empty()) pixels.colour = smooth;
+  SceneAnimation& animation = made.animation();
+  cv::Mat frame, now, next;
+  for (const int at : {8, 19}) {  // the last runs into the first
+    animation.render(at, frame = cv::Mat());
+    const std::vector<cv::Mat> motions = animation.motions();
+    ASSERT_EQ(motions.size(), made.scene().layers.size());
+    cv::Mat again;
+    animation.render(at, again);
+    EXPECT_EQ(cv::norm(frame, again, cv::NORM_INF), 0);
+    for (std::size_t i = 0; i < 4; ++i) {
+      SCOPED_TRACE(made.scene().layers[i].name + " at " + std::to_string(at));
+      animation.render(at, again), animation.layer(i, now);
+      animation.render(at + 1, again), animation.layer(i, next);
+      double moved = 0, stood = 0, speed = 0;
+      int pixels = 0;
+      for (int y = 12; y < kMadeSize.height - 12; ++y) {
+        for (int x = 12; x < kMadeSize.width - 12; ++x) {
+          const cv::Vec2f by = motions[i].at<cv::Vec2f>(y, x);
+          const auto to = sampling::bilinear<cv::Vec4f>(next, static_cast<float>(x) + by[0],
+                                                        static_cast<float>(y) + by[1]);
+          const auto from = now.at<cv::Vec4f>(y, x);
+          if (from[3] < 0.99f || to[3] < 0.99f) continue;
+          moved += std::abs(to[1] - from[1]);
+          stood += std::abs(next.at<cv::Vec4f>(y, x)[1] - from[1]);
+          speed += cv::norm(by);
+          ++pixels;
+        }
+      }
+      ASSERT_GT(pixels, 200);
+      EXPECT_GT(speed / pixels, 0.02);
+      EXPECT_LT(moved, 0.5 * stood) << moved / stood << ", " << speed / pixels << " px a frame";
+    }
+  }
 }
 
 }  // namespace
