@@ -61,6 +61,7 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL GNU AND NOT CMAKE_DISABLE_PRECOMPILE_HEADERS)
                LIBRARIES ${libraries} GTest::gtest HEADERS ${common} <gtest/gtest.h>)
   endif()
   if(FRESHET_BENCH)
-    precompile(benches FOLDERS bench OPTIONS ${mistaken} LIBRARIES ${libraries} HEADERS ${common})
+    precompile(benches FOLDERS bench OPTIONS ${mistaken}
+               LIBRARIES ${libraries} fmt::fmt CLI11::CLI11 HEADERS ${common} <fmt/format.h> <CLI/CLI.hpp>)
   endif()
 endif()

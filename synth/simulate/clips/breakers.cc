@@ -169,7 +169,7 @@ class Breakers final : public Scene {
     return surface;
   }
 
-  /// All water moves as the swell would that comes in, lower where it is shallow: the first waves need not be waited for.
+  /// All water moves as the swell would that comes in, lower where it is shallow: nobody waits for the first waves.
   void start() {
     for (int y = 0; y < foam_.height; ++y) {
       for (int x = 0; x < foam_.width; ++x) {

@@ -13,8 +13,8 @@ struct Cell {
   float depth, along, across, bed;
 };
 
-/// What goes through a side between two cells, towards the second, a second and a unit of length; the push of the bed on
-/// either is in that cell's own momentum.
+/// What goes through a side between two cells, towards the second, a second and a unit of length; the push of the bed
+/// on either is in that cell's own momentum.
 struct Flux {
   float mass, along_first, along_second, across;
 };
