@@ -7,8 +7,8 @@ namespace freshet::synth::simulate {
 
 /// The shallow-water equations, depth and mean velocity in each cell, by finite volumes of the first order with
 /// Rusanov's flux (LeVeque 2002). Beds are taken in by hydrostatic reconstruction (Audusse et al. 2004): water at rest
-/// stays at rest over any bed, no depth falls below 0, and shores come and go by themselves. A breaking wave is a shock,
-/// which takes out its energy. Nothing disperses: short waves go as fast as long ones.
+/// stays at rest over any bed, no depth falls below 0, and shores come and go by themselves. A breaking wave is a
+/// shock, which takes out its energy. Nothing disperses: short waves go as fast as long ones.
 ///
 /// Lengths in one unit, of the caller's choice; times in seconds. Water leaves and enters freely at all borders.
 class ShallowWater {
