@@ -18,6 +18,7 @@
 #include "freshet/error.h"
 #include "media/frame/decoder.h"
 #include "media/picture/exr_stream.h"
+#include "media/picture/motion_file.h"
 #include "media/picture/picture_file.h"
 
 namespace freshet::media {
@@ -103,7 +104,7 @@ struct EncodedLayer {
   void add_motion(const cv::Mat& motion, ExrSamples samples, const std::string& before) {
     upwards = cv::Mat(motion.size(), CV_32FC2);
     cv::transform(motion, upwards, cv::Matx22f(1, 0, 0, -1));
-    static constexpr std::array kNames{"forward.u", "forward.v"};
+    static constexpr std::array kNames{kMotionX, kMotionY};
     insert(upwards, samples, before, kNames);
   }
 

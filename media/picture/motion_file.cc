@@ -31,8 +31,6 @@ static_assert(std::endian::native == std::endian::little,
 constexpr std::array<char, 4> kTag{'P', 'I', 'E', 'H'};
 constexpr int kMaxSide = 32768;
 constexpr std::size_t kHeaderBytes = 12, kPixelBytes = 8;
-constexpr const char* kChannelX = "forward.u";
-constexpr const char* kChannelY = "forward.v";
 
 bool is_exr(const fs::path& path) { return lower_ending(path) == ".exr"; }
 bool is_flo(const fs::path& path) { return lower_ending(path) == ".flo"; }
@@ -84,12 +82,12 @@ Bytes encode_motion(const cv::Mat& motion, const std::string& where) {
     }
   Imf::Header header(motion.cols, motion.rows);
   header.compression() = Imf::ZIP_COMPRESSION;
-  header.channels().insert(kChannelX, Imf::Channel(Imf::HALF));
-  header.channels().insert(kChannelY, Imf::Channel(Imf::HALF));
+  header.channels().insert(kMotionX, Imf::Channel(Imf::HALF));
+  header.channels().insert(kMotionY, Imf::Channel(Imf::HALF));
   Imf::FrameBuffer buffer;
   const std::size_t row_bytes = sizeof(half) * static_cast<std::size_t>(motion.cols);
-  buffer.insert(kChannelX, Imf::Slice(Imf::HALF, reinterpret_cast<char*>(x.data()), sizeof(half), row_bytes));
-  buffer.insert(kChannelY, Imf::Slice(Imf::HALF, reinterpret_cast<char*>(y.data()), sizeof(half), row_bytes));
+  buffer.insert(kMotionX, Imf::Slice(Imf::HALF, reinterpret_cast<char*>(x.data()), sizeof(half), row_bytes));
+  buffer.insert(kMotionY, Imf::Slice(Imf::HALF, reinterpret_cast<char*>(y.data()), sizeof(half), row_bytes));
   return encode_exr(header, buffer, where);
 }
 

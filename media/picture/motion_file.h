@@ -7,6 +7,9 @@
 
 namespace freshet::media {
 
+/// The channels of an EXR's motion.
+inline constexpr const char *kMotionX = "forward.u", *kMotionY = "forward.v";
+
 /// By the name's ending, .flo or .exr, in any case.
 bool looks_like_motion(const std::filesystem::path& path);
 

@@ -60,7 +60,7 @@ class SceneAnimation {
 
   /// How far what each layer shows in the frame that was rendered last goes until the next: CV_32FC2 of the picture's
   /// size, px, x right, y down, wherever the layer lies; empty for layers that bring frames of their own, whose motion
-  /// is not known here. Cost: the motion of three frames.
+  /// is not known here. Cost: the motion of two frames more.
   std::vector<cv::Mat> motions();
 
   const Cycle& cycle() const { return cycle_; }

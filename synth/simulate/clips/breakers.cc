@@ -27,6 +27,7 @@ struct Swell {
   float turns;   // per second
   float height;  // of its crests
   float phase;   // turns
+  float k;       // length of (kx, kz)
 };
 
 class Breakers final : public Scene {
@@ -41,6 +42,8 @@ class Breakers final : public Scene {
         camera_(1.0f - horizon_),
         gravity_(random_.between(1.7f, 2.4f) * zoom_),
         shore_(kNearest + random_.between(0.3f, 1.5f)),
+        far_depth_(depth_at(kFarthest)),
+        celerity_(std::sqrt(gravity_ * far_depth_)),
         water_(make_bed(), {.cell = kCell, .gravity = gravity_, .friction = 0.012f}),
         foam_(water_.depth().width, water_.depth().height),
         carried_(foam_),
@@ -50,16 +53,18 @@ class Breakers final : public Scene {
         seen_(size_.width, size_.height) {
     const float period = random_.between(2.6f, 3.8f) * std::sqrt(zoom_);
     const float slant = random_.between(-0.05f, 0.05f);  // turns off straight in
-    const float celerity = std::sqrt(gravity_ * depth_at(kFarthest));
     for (std::size_t i = 0; i < swells_.size(); ++i) {
       const float way = slant + random_.between(-0.035f, 0.035f);
       const float turns = (0.8f + 0.2f * static_cast<float>(i)) * random_.between(0.95f, 1.05f) / period;
-      const float k = turns / celerity;
-      swells_[i] = {.kx = k * sin_turns(way),
-                    .kz = -k * cos_turns(way),
-                    .turns = turns,
-                    .height = 0.08f * zoom_ * options.variation.amount * random_.between(0.5f, 1.0f),
-                    .phase = random_.next()};
+      const float k = turns / celerity_;
+      Swell& swell = swells_[i];
+      swell = {.kx = k * sin_turns(way),
+               .kz = -k * cos_turns(way),
+               .turns = turns,
+               .height = 0.08f * zoom_ * options.variation.amount * random_.between(0.5f, 1.0f),
+               .phase = random_.next(),
+               .k = 0.0f};
+      swell.k = std::sqrt(swell.kx * swell.kx + swell.kz * swell.kz);
     }
     const float kind = random_.next();  // noon, evening or a grey day
     low_sky_ = kind < 0.5f   ? Rgb{0.60f, 0.72f, 0.85f}
@@ -156,15 +161,13 @@ class Breakers final : public Scene {
 
   float surface_far(float px, float z, float now, Vec2& velocity) const {
     float surface = 0.0f;
-    const float depth = depth_at(kFarthest), celerity = std::sqrt(gravity_ * depth);
     velocity = {};
     for (const Swell& swell : swells_) {
-      const float k = std::sqrt(swell.kx * swell.kx + swell.kz * swell.kz);
       const float rise = swell.height * sin_turns(swell.kx * px + swell.kz * (z - kFarthest) -
                                                   swell.turns * now + swell.phase);
       surface += rise;
-      velocity.x += rise * celerity / depth * swell.kx / k,
-          velocity.y += rise * celerity / depth * swell.kz / k;
+      velocity.x += rise * celerity_ / far_depth_ * swell.kx / swell.k,
+          velocity.y += rise * celerity_ / far_depth_ * swell.kz / swell.k;
     }
     return surface;
   }
@@ -177,7 +180,7 @@ class Breakers final : public Scene {
         if (depth <= 0.0f) continue;
         Vec2 v;
         const float surface = surface_far(kCell * (static_cast<float>(x) + 0.5f) - half_width(), z, 0.0f, v);
-        const float share = std::min(1.0f, depth / depth_at(kFarthest));
+        const float share = std::min(1.0f, depth / far_depth_);
         water_.pull(x, y, surface * share, {v.x * share, v.y * share}, 1.0f);
       }
     }
@@ -274,7 +277,7 @@ class Breakers final : public Scene {
     if (z >= kFarthest) {
       const float now = second_ * static_cast<float>(clock_);
       Vec2 unused;
-      p.height = surface_far(px, z, now, p.velocity), p.depth = depth_at(kFarthest), p.wet = 1.0f;
+      p.height = surface_far(px, z, now, p.velocity), p.depth = far_depth_, p.wet = 1.0f;
       p.slope_x = (surface_far(px + 0.1f, z, now, unused) - p.height) / 0.1f;
       p.slope_z = (surface_far(px, z + 0.1f, now, unused) - p.height) / 0.1f;
       return p;
@@ -340,6 +343,7 @@ class Breakers final : public Scene {
   float second_, zoom_;  // seconds of a frame
   Random random_;
   float horizon_, camera_, gravity_, shore_;
+  float far_depth_, celerity_;  // of the still water where waves are made, and theirs
   ShallowWater water_;
   Grid foam_, carried_, wet_;
   VectorGrid back_;

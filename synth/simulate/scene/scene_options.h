@@ -52,8 +52,7 @@ struct SceneOptions {
   int alpha_bits = 8;         // or 16, which only designs have
 };
 
-/// The clips: "smoke", "fire", "ink", "waterfall", "river", "clouds", "sea", "rain", "fountain", "breakers". Throws
-/// Error{kUsage} that lists them.
+/// A clip by its name, as scene_kind_name says it. Throws Error{kUsage} that lists them.
 SceneKind parse_scene_kind(std::string_view name);
 std::string_view scene_kind_name(SceneKind kind);
 std::span<const SceneKind> all_clip_kinds();
