@@ -37,7 +37,12 @@ class Printing {
 
   void print(toml::table& scene) const {
     if (scene.get("wind") == nullptr) scene.insert("wind", toml::table());
-    print(*scene.get_as<toml::table>("wind"), "wind", "wind");
+    toml::table& wind = *scene.get_as<toml::table>("wind");
+    print(wind, "wind", "wind");
+    if (const toml::node* const at = wind.get("at"))
+      Section(file_, wind, "wind")
+          .refuse(*at, "at", "contradicts --as-printed: the paper's wind stays as it is (Sec. 3.2)",
+                  "Leave the tables [[wind.at]] out, or --as-printed");
     for (toml::node& node : *scene.get_as<toml::array>("layer")) {
       toml::table& layer = *node.as_table();
       const std::string motion = layer["motion"].value_or(std::string()),

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <variant>
 #include <vector>
@@ -18,6 +19,12 @@
 
 namespace freshet::synth::scene {
 
+/// What the wind has become at a moment; what a key leaves out, it leaves alone.
+struct WindKey {
+  double time_s = 0;  // from the film's beginning; above 0, growing from key to key
+  std::optional<double> speed_m_per_s{}, direction_deg{}, gustiness{};
+};
+
 /// One for all layers.
 struct Wind {
   double speed_m_per_s = 5;  // mean
@@ -28,6 +35,10 @@ struct Wind {
       0;  // 0: every layer has turbulence of its own (the paper); 1: all of it crosses the picture
   double width_m = 30;  // of the picture, for gusts that cross it
   std::uint64_t seed = 1;
+  /// Weather that changes: speed, direction and gustiness above are those at time 0, and go on to these (weather.h).
+  std::vector<WindKey> at{};
+
+  bool changes() const { return !at.empty(); }
 };
 
 /// Where a layer's matte comes from.

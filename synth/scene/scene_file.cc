@@ -1,6 +1,8 @@
 #include "synth/scene/scene_file.h"
 
 #include <algorithm>
+#include <cmath>
+#include <optional>
 #include <set>
 #include <utility>
 
@@ -15,7 +17,7 @@ namespace {
 
 constexpr const char* kRemedy =
     "Give a TOML file; freshet synth scene --init PICTURE -o SCENE.toml makes one";
-constexpr std::size_t kMaxLayers = 256;
+constexpr std::size_t kMaxLayers = 256, kMaxWindKeys = 256;
 constexpr const char* kExplained = "freshet synth scene --keys explains it";
 /// Rows of the file's top, of [wind] and of what every layer has.
 const std::vector<Key<Scene>>& top_keys() {
@@ -78,7 +80,28 @@ const std::vector<Key<Wind>>& wind_keys() {
        "other, water "
        "darkens; 0 as in the paper"},
       {"width", &Wind::width_m, {0.1, 1e5}, "m", "width of the picture, for gusts"},
-      {"seed", &Wind::seed, {0, 9e15}, "", "another seed, another wind"}};
+      {"seed", &Wind::seed, {0, 9e15}, "", "another seed, another wind"},
+      {"at", {}, {}, "", "[[wind.at]]: weather that changes, as below", "the wind stays as it is"}};
+  return keys;
+}
+
+const std::vector<Key<WindKey>>& weather_keys() {
+  static const std::vector<Key<WindKey>> keys{
+      {"time", &WindKey::time_s, {0.001, 1e5}, "s", "when it is so, from the film's beginning", kNeeded},
+      {"speed", &WindKey::speed_m_per_s, {0, 60}, "m/s", "mean speed", "as it goes on", Range{0, 20}},
+      {"direction",
+       &WindKey::direction_deg,
+       {-360, 360},
+       "degrees",
+       "where it blows to; it turns there the short way round",
+       "as it goes on",
+       Range{-180, 180}},
+      {"gustiness",
+       &WindKey::gustiness,
+       {0, 1},
+       "",
+       "share of the turbulence that crosses the picture",
+       "as it goes on"}};
   return keys;
 }
 
@@ -255,6 +278,41 @@ void check_layers(const Scene& scene, const std::vector<Section>& sections,
   }
 }
 
+/// The keys of a wind that changes, in a film of so many seconds.
+void read_weather(Section& table, Wind& wind, double film_s) {
+  for (Section& section : table.tables("at", kMaxWindKeys)) {
+    WindKey key;
+    read_keys(section, weather_keys(), key, kExplained);
+    section.done();
+    const double before = wind.at.empty() ? 0 : wind.at.back().time_s;
+    if (!(key.time_s > before))
+      section.refuse("time", fmt::format("{} s does not come after {} s", key.time_s, before),
+                     "Let times grow from one [[wind.at]] to the next; [wind] itself is the wind at 0 s");
+    if (key.time_s > film_s)
+      section.refuse("time", fmt::format("{} s lie beyond the scene's end, {:.6g} s", key.time_s, film_s),
+                     "Let it be earlier, or the scene have more frames");
+    if (!key.speed_m_per_s && !key.direction_deg && !key.gustiness)
+      section.refuse_whole("nothing changes", "Give speed, direction or gustiness, or take the table out");
+    wind.at.push_back(key);
+  }
+}
+
+/// That a loop's wind ends as it begins.
+void check_closes(const Section& table, const Wind& wind, double film_s) {
+  const auto check = [&](const char* key, double first, std::optional<double> WindKey::*value, double whole) {
+    double last = first;
+    for (const WindKey& each : wind.at) last = (each.*value).value_or(last);
+    const double apart = whole > 0 ? std::remainder(last - first, whole) : last - first;
+    if (apart == 0) return;
+    table.refuse("at", fmt::format("the loop ends with {} {} and begins with {}", key, last, first),
+                 fmt::format("Add [[wind.at]] with time = {:.6g} and {} = {}, or set loop = false", film_s,
+                             key, first));
+  };
+  check("speed", wind.speed_m_per_s, &WindKey::speed_m_per_s, 0);
+  check("direction", wind.direction_deg, &WindKey::direction_deg, 360);
+  check("gustiness", wind.gustiness, &WindKey::gustiness, 0);
+}
+
 Scene read_file(Section& file, const std::filesystem::path& name) {
   Scene scene;
   scene.file = name;
@@ -263,6 +321,9 @@ Scene read_file(Section& file, const std::filesystem::path& name) {
     file.refuse("loop", "one frame is no animation to go round", "Ask for 2 frames or more");
   if (auto wind = file.table("wind")) {
     read_keys(*wind, wind_keys(), scene.wind, kExplained);
+    const double film_s = scene.frames / scene.fps;
+    read_weather(*wind, scene.wind, film_s);
+    if (scene.loop) check_closes(*wind, scene.wind, film_s);
     wind->done();
   }
   std::vector<Section> sections = file.tables("layer", kMaxLayers);
@@ -309,7 +370,11 @@ std::string scene_keys() {
       "(0, 0) its "
       "upper\nleft corner; they can be drawn over the picture instead (marks).\n\n" +
       key_lines(key_texts(top_keys())) + "\n[wind]: one for all layers\n" +
-      key_lines(key_texts(wind_keys())) + "\n[[layer]]: nearest first, or by order\n" +
+      key_lines(key_texts(wind_keys())) +
+      "\n[[wind.at]]: what the wind has become at a moment; from one to the next it changes smoothly. A loop "
+      "ends as "
+      "it\nbegins\n" +
+      key_lines(key_texts(weather_keys())) + "\n[[layer]]: nearest first, or by order\n" +
       key_lines(key_texts(layer_keys()));
   for_each_kind([&]<class Kind>() {
     if (!keys_of<Kind>().empty())
@@ -324,6 +389,7 @@ std::vector<SceneRange> scene_ranges() {
     for (const KeyRange& key : keys) ranges.push_back({table, key.name, key.range, key.slider});
   };
   add("wind", key_ranges(wind_keys()));
+  add("wind.at", key_ranges(weather_keys()));
   for_each_kind([&]<class Kind>() { add(Kind::kName, key_ranges(keys_of<Kind>())); });
   return ranges;
 }

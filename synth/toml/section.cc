@@ -206,7 +206,8 @@ std::vector<Section> Section::tables(const std::string& key, std::size_t most) {
   if (list->size() > most)
     refuse(*node, key, fmt::format("there are {}", list->size()), fmt::format("{} is the maximum", most));
   for (std::size_t i = 0; i < list->size(); ++i)
-    result.emplace_back(*file_, *(*list)[i].as_table(), fmt::format("{} {}", key, i + 1));
+    result.emplace_back(*file_, *(*list)[i].as_table(),
+                        fmt::format("{}{}{} {}", name_, name_.empty() ? "" : ".", key, i + 1));
   return result;
 }
 

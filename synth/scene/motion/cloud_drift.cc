@@ -8,6 +8,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "platform/random.h"
+#include "synth/scene/wind/weather.h"
 
 namespace freshet::synth::scene {
 namespace {
@@ -16,6 +17,7 @@ constexpr double kUsual = 0.006;      // of the picture's width, for each m/s
 constexpr double kComesRound = 0.75;  // of the layer's width: from there on a loop's clouds go round
 constexpr double kWider = 1.25;       // the period, in the layer's widths
 constexpr float kFade = 0.35f;        // of the loop, that a place takes to dissolve
+constexpr double kComesBack = 0.5;    // px: clouds that a turning wind brings back so near are back
 constexpr double kCellShare = 0.02;   // of the longer side: the nodes' distance
 constexpr double kSmoothCells = 3;    // sigma of what dissolves together
 
@@ -37,13 +39,56 @@ cv::Mat even_noise(cv::Size nodes, std::uint64_t seed, float low, float high) {
   return even;
 }
 
+/// px gone at every frame and at the cycle's end, where the wind changes.
+std::vector<double> gone_under(const Weather& weather, const CloudMotion& clouds, int picture_width) {
+  const double fastest = std::max(weather.strongest().speed_m_per_s, 1e-9),
+               whole_m = weather.steps().back().gone_m;
+  std::vector<double> gone{0};
+  if (!(whole_m > 0)) return std::vector<double>(1 + weather.steps().size() / Weather::kSteps, 0);
+  double along_m = 0;
+  for (std::size_t i = 1; i < weather.steps().size(); ++i) {
+    const Weather::Step &before = weather.steps()[i - 1], &now = weather.steps()[i];
+    const double metres = now.gone_m - before.gone_m;
+    along_m += clouds.speed_px_per_s ? metres * *clouds.speed_px_per_s / fastest
+                                     : kUsual * picture_width * metres * (before.cosine + now.cosine) / 2;
+    if (i % Weather::kSteps == 0) gone.push_back(along_m);
+  }
+  return gone;
+}
+
+/// px, that either copy goes at most; travel   px, from end to end.
+double spread(const CloudCourse& course, double travel) {
+  for (const double gone : course.gone_px)
+    travel = std::max({travel, std::abs(gone), std::abs(gone - course.gone_px.back())});
+  return travel;
+}
+
 }  // namespace
+
+double CloudCourse::furthest_px(int frames, double fps) const {
+  if (gone_px.empty()) return std::abs(speed_px_per_s) * (frames / fps);
+  double most = 0;
+  for (std::size_t i = 0; i <= std::min(static_cast<std::size_t>(frames), gone_px.size() - 1); ++i)
+    most = std::max(most, std::abs(gone_px[i]));
+  return most;
+}
 
 CloudCourse course_of(const CloudMotion& clouds, const Wind& wind, const Cycle& cycle, bool loop,
                       int width_px, int picture_width) {
   const double along = std::cos(wind.direction_deg * std::numbers::pi / 180);
   CloudCourse course;
   course.speed_px_per_s = clouds.speed_px_per_s.value_or(kUsual * picture_width * wind.speed_m_per_s * along);
+  const Weather weather(wind, cycle);
+  if (weather.changes()) {
+    course.gone_px = gone_under(weather, clouds, picture_width);
+    if (loop && std::abs(course.gone_px.back()) < kComesBack) {
+      const double left = course.gone_px.back();
+      for (std::size_t i = 0; i < course.gone_px.size(); ++i)
+        course.gone_px[i] -= left * static_cast<double>(i) / cycle.frames;
+      course.gone_px.back() = 0;
+    }
+    course.speed_px_per_s = course.gone_px.back() / cycle.seconds();
+  }
   const double travel = std::abs(course.speed_px_per_s) * cycle.seconds();
   course.period_px = cvCeil(kWider * width_px) + 2;
   if (!loop || travel == 0) return course;
@@ -51,11 +96,12 @@ CloudCourse course_of(const CloudMotion& clouds, const Wind& wind, const Cycle& 
   if (course.dissolves) {
     // Each copy leaves what is continued beyond one side, and neither comes to what continues the other: where both
     // meet, nothing is seen of it.
-    course.period_px = width_px + 2 * std::clamp(cvCeil(travel), width_px / 8, width_px) + 2;
+    course.period_px = width_px + 2 * std::clamp(cvCeil(spread(course, travel)), width_px / 8, width_px) + 2;
     return course;
   }
   const double rounds = std::max(1.0, std::round(travel / course.period_px));
   course.period_px = std::clamp(cvRound(travel / rounds), cvCeil(1.1 * width_px) + 2, 2 * width_px + 2);
+  for (double& gone : course.gone_px) gone *= rounds * course.period_px / travel;
   course.speed_px_per_s = std::copysign(rounds * course.period_px / cycle.seconds(), course.speed_px_per_s);
   return course;
 }
@@ -65,7 +111,7 @@ CloudDrift::CloudDrift(const CloudCourse& course, const CloudMotion& clouds, con
     : course_(course), cycle_(cycle), box_(box), far_speed_(clouds.far_speed) {
   if (!course.dissolves) return;
   cell_px_ = std::max(2.0, kCellShare * std::max(box.width, box.height));
-  const double travel = std::abs(course.speed_px_per_s) * cycle.seconds();
+  const double travel = spread(course, std::abs(course.speed_px_per_s) * cycle.seconds());
   margin_ = static_cast<int>(std::ceil(travel / cell_px_)) + 2;
   const cv::Size nodes(static_cast<int>(box.width / cell_px_) + 2 * margin_ + 2,
                        static_cast<int>(box.height / cell_px_) + 4);
@@ -81,8 +127,9 @@ void CloudDrift::go_to(int frame) { go_to_place(cycle_.place(frame)); }
 void CloudDrift::go_on_from(int frame) { go_to_place(cycle_.place(frame) + 1); }
 
 void CloudDrift::go_to_place(int place) {
-  gone_[0] = course_.speed_px_per_s * place / cycle_.fps;
-  gone_[1] = course_.speed_px_per_s * (place - cycle_.frames) / cycle_.fps;
+  gone_[0] = course_.gone_at(place, cycle_.fps);
+  gone_[1] = course_.gone_px.empty() ? course_.speed_px_per_s * (place - cycle_.frames) / cycle_.fps
+                                     : gone_[0] - course_.gone_px.back();
   time_ = static_cast<float>(place) / static_cast<float>(cycle_.frames);
   reach_ = static_cast<float>(std::max(std::abs(gone_[0]), course_.dissolves ? std::abs(gone_[1]) : 0.0)) + 1;
 }

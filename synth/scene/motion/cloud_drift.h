@@ -17,8 +17,18 @@ struct CloudCourse {
   double speed_px_per_s = 0;
   int period_px = 0;       // of their texture
   bool dissolves = false;  // the loop is too short for them to come round
+  /// Where the wind changes: px gone at every frame of the cycle, and at its end; the speed above is their mean.
+  std::vector<double> gone_px{};
+
+  double gone_at(int place, double fps) const {
+    return gone_px.empty() ? speed_px_per_s * place / fps : gone_px[static_cast<std::size_t>(place)];
+  }
+  /// px, of no frame of the first `frames`, nor the one after, more.
+  double furthest_px(int frames, double fps) const;
 };
 /// width_px   of the layer's box.
+/// Where the wind changes, clouds have gone the integral of its speed along the picture; a speed of their own holds for
+/// the strongest wind.
 CloudCourse course_of(const CloudMotion& clouds, const Wind& wind, const Cycle& cycle, bool loop,
                       int width_px, int picture_width);
 

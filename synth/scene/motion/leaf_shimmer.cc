@@ -15,11 +15,18 @@ constexpr double kLeafHz = 2.5, kLeafDampingPerS = 8;
 LeafShimmer::LeafShimmer(const TreeMotion& tree, const Gusts& gusts, const Cycle& cycle, std::uint64_t seed,
                          const cv::Rect& region)
     : frames_(cycle.frames), region_(region), seed_(seed) {
-  if (!(tree.shimmer_px > 0) || !(gusts.wind().speed_m_per_s > 0) || !(gusts.wind().turbulence > 0)) return;
+  const Wind& strongest = gusts.weather().strongest();
+  if (!(tree.shimmer_px > 0) || !(strongest.speed_m_per_s > 0) || !(strongest.turbulence > 0)) return;
+  if (gusts.weather().changes()) {
+    for (int t = 0; t < cycle.frames; ++t)
+      share_.push_back(
+          static_cast<float>(gusts.weather().at_frame(t).speed_m_per_s / strongest.speed_m_per_s));
+  }
+  const Gusts steady = gusts.steady();
   size_px_ = tree.shimmer_size_px;
   for (std::uint64_t i = 0; i < kSeries; ++i) {
     std::vector<float>& values = series_[i];
-    values = series(oscillator(gusts.force(region.x + 0.5 * region.width, {1, 0}, 7777 + 64 * seed + i),
+    values = series(oscillator(steady.force(region.x + 0.5 * region.width, {1, 0}, 7777 + 64 * seed + i),
                                cycle, kLeafHz, kLeafDampingPerS),
                     cycle);
     double square = 0;
@@ -37,6 +44,7 @@ LeafShimmer::LeafShimmer(const TreeMotion& tree, const Gusts& gusts, const Cycle
 
 void LeafShimmer::go_to(int place) {
   if (nodes_.empty()) return;
+  const float share = share_.empty() ? 1 : share_[static_cast<std::size_t>(place)];
   for (int r = 0; r < nodes_.rows; ++r) {
     auto* out = nodes_.ptr<cv::Point2f>(r);
     for (int c = 0; c < nodes_.cols; ++c) {
@@ -47,7 +55,7 @@ void LeafShimmer::go_to(int place) {
         return series_[which]
                       [(static_cast<std::uint64_t>(place) + delay) % static_cast<std::uint64_t>(frames_)];
       };
-      out[c] = {value(0), value(32)};
+      out[c] = cv::Point2f(value(0), value(32)) * share;
     }
   }
 }

@@ -14,6 +14,7 @@ namespace freshet::synth::scene {
 
 /// A turbulent field (Chuang et al. 2005 name it as future work, Sec. 5): at the nodes of a lattice
 /// the wind's own series, heard through a leaf of some hertz, and cubic between them. Nothing when shimmer_px is 0.
+/// Where the wind changes, they are those of the strongest, each moment as much less as its wind is slower.
 class LeafShimmer {
  public:
   LeafShimmer(const TreeMotion& tree, const Gusts& gusts, const Cycle& cycle, std::uint64_t seed,
@@ -30,7 +31,8 @@ class LeafShimmer {
   int frames_ = 1;
   cv::Rect region_;
   std::vector<float> series_[kSeries];
-  cv::Mat nodes_;  // CV_32FC2, at the lattice, one node before the region
+  std::vector<float> share_;  // of the strongest wind, at every frame of the cycle; empty: all
+  cv::Mat nodes_;             // CV_32FC2, at the lattice, one node before the region
   std::uint64_t seed_ = 0;
   float reach_ = 0;
 };

@@ -12,6 +12,7 @@ constexpr float kNearPx2 = 16;  // added to squared distances from armatures
 // rad. Eq. 4's spring is linear, and stems in a storm are not: beyond kEasy they give way to the wind less and less, to
 // kMostTurn at most. Lines that lie side by side would tear what is between them.
 constexpr float kEasy = 0.25f, kMostTurn = 0.4f;
+constexpr float kMostLean = 0.25f;  // rad, by the mean wind alone: grass would lie flat
 constexpr float kMostScaled = 0.5f;
 
 float distance2_to(cv::Point2f p, cv::Point2f from, cv::Point2f way, float length) {
@@ -78,6 +79,7 @@ TreeSway::TreeSway(const TreeMotion& tree, const Gusts& gusts, const Cycle& cycl
                   .way = way * (1 / length),
                   .length = static_cast<float>(length),
                   .tip = {},
+                  .lean = {},
                   .towards = {}};
     const cv::Point2d side(-branch.way.y, branch.way.x);
     const std::uint64_t stream = 1000 * seed + (tree.stand ? 0 : 2 * number++);
@@ -87,6 +89,11 @@ TreeSway::TreeSway(const TreeMotion& tree, const Gusts& gusts, const Cycle& cycl
     };
     branch.tip = swing(gusts.force(line.to.x, side, stream));
     if (tree.foreshortening > 0) branch.towards = swing(gusts.force_towards(line.to.x, stream + 1));
+    if (gusts.weather().changes()) {
+      branch.lean = swing(gusts.mean_force(side));
+      const std::vector<float> towards = swing(gusts.mean_force_towards());
+      for (std::size_t t = 0; t < branch.towards.size(); ++t) branch.towards[t] += towards[t];
+    }
     branches_.push_back(std::move(branch));
   }
   const cv::Size cells(region.width / kStep + 2, region.height / kStep + 2);
@@ -122,7 +129,12 @@ cv::Point2f TreeSway::source(const Branch& branch, cv::Point2f p, int frame) con
   const float distance = std::sqrt(from_root.dot(from_root));
   const float asked =
       bend_by_distance(distance / branch.length) * branch.tip[static_cast<std::size_t>(frame)];
-  const float turn = given_way(asked);
+  float turn = given_way(asked);
+  if (!branch.lean.empty()) {
+    const float lean =
+        bend_by_distance(distance / branch.length) * branch.lean[static_cast<std::size_t>(frame)];
+    turn += kMostLean * std::tanh(lean / kMostLean);
+  }
   // Back: the tip goes to the right of its way for what is positive, which turns clockwise as y points down.
   const float c = std::cos(turn), s = std::sin(turn);
   return branch.root + cv::Point2f(from_root.x * c + from_root.y * s, from_root.y * c - from_root.x * s);

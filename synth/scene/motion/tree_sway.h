@@ -23,8 +23,10 @@ float bend_by_distance(float u);
 /// Each point turns about the root of its armature, by the displacement of the armature's point at the same distance.
 /// A turn keeps the distance, so that the turn back is the true inverse (Eq. 2). Of several armatures
 /// each point follows the near ones, by the inverse fourth power of distances to the lines; of a stand, whose lines
-/// sway together, more evenly. Foreshortening scales along
-/// the armature with the sway out of the picture.
+/// sway together, more evenly. Foreshortening scales along the armature with the sway out of the picture.
+///
+/// Where the wind changes, a branch leans too: the same oscillator under the mean wind's change. Its turns for sway and
+/// for lean are added, and either gives way by itself, so that a stem that is bent as far as it goes still swings.
 class TreeSway : public Motion {
  public:
   /// region   px in which rows will be asked, at most; the armatures' reach follows from the series.
@@ -40,6 +42,9 @@ class TreeSway : public Motion {
   /// root to tip.
   const std::vector<float>& tip(std::size_t armature) const { return branches_[armature].tip; }
 
+  /// The same of what it leans for the mean wind's change since the still, beside the sway; empty where the wind stays.
+  const std::vector<float>& lean(std::size_t armature) const { return branches_[armature].lean; }
+
   /// Rows are interpolated between displacements at this distance, px.
   static constexpr int kStep = 8;
 
@@ -47,7 +52,7 @@ class TreeSway : public Motion {
   struct Branch {
     cv::Point2f root, tip_at, way;  // way: unit, root to tip
     float length = 1;
-    std::vector<float> tip, towards;
+    std::vector<float> tip, lean, towards;
   };
   cv::Point2f source(const Branch& branch, cv::Point2f p, int frame) const;
 

@@ -4,6 +4,7 @@
 #include <cassert>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include <oneapi/tbb/blocked_range.h>
 #include <oneapi/tbb/parallel_for.h>
@@ -37,8 +38,8 @@ inline float sampled(const float* row, float place, int n) {
 }
 
 struct HeightRow {
-  const float *first, *second;  // profiles of both tiles
-  float place_first, step_first, place_second, step_second;
+  const float* profile[HeightField::kMaxTiles];
+  float place[HeightField::kMaxTiles], step[HeightField::kMaxTiles];
   int n;
   float along, down, depth, lean, highest;
 };
@@ -59,17 +60,26 @@ WaterMotion lifting(WaterMotion water) {
 }
 
 /// d' of a row of pixels under heights, rolled frame: minus Eq. 10.
-FRESHET_WIDE void lift_row(const HeightRow& row, const float* gain, int n, float* dx, float* dy) {
+template <int kTiles>
+[[gnu::always_inline]] inline void lift_each(const HeightRow& row, const float* gain, int n, float* dx,
+                                             float* dy) {
   for (int i = 0; i < n; ++i) {
     const float at = static_cast<float>(i);
-    float h = (sampled(row.first, row.place_first + at * row.step_first, row.n) +
-               sampled(row.second, row.place_second + at * row.step_second, row.n)) *
-              gain[i];
+    float h = sampled(row.profile[0], row.place[0] + at * row.step[0], row.n);
+    for (int tile = 1; tile < kTiles; ++tile)
+      h += sampled(row.profile[tile], row.place[tile] + at * row.step[tile], row.n);
+    h *= gain[i];
     h = h < row.highest ? (h > -row.highest ? h : -row.highest) : row.highest;
     const float over = h / (row.depth - h * row.lean);
     dx[i] = -(row.along + at) * (over * row.lean);
     dy[i] = -over * row.down;
   }
+}
+FRESHET_WIDE void lift_row(const HeightRow& row, const float* gain, int n, float* dx, float* dy) {
+  lift_each<HeightField::kTiles>(row, gain, n, dx, dy);
+}
+FRESHET_WIDE void lift_row_of_all(const HeightRow& row, const float* gain, int n, float* dx, float* dy) {
+  lift_each<HeightField::kMaxTiles>(row, gain, n, dx, dy);
 }
 
 }  // namespace
@@ -180,22 +190,26 @@ double WaterSurface::step_power(std::size_t line) const {
   return sum / n;
 }
 
-void WaterSurface::need_lines() {
-  reduced_.assign(static_cast<std::size_t>(field_.planes()), ReducedTile(field_.samples()));
-  for (const Line& line : lines_) {
-    for (int p = 0; p < field_.planes() && !line.calm; ++p) {
-      const double per_m = line.coarse * field_.samples() / field_.side_m(field_.tile_of(p));
-      need_row(reduced_[static_cast<std::size_t>(p)], line.camera.scale * per_m, line.camera.deep * per_m);
-    }
+void WaterSurface::need_line(const Line& line, float coarse) {
+  for (int p = 0; p < field_.planes() && !line.calm; ++p) {
+    const double per_m = coarse * field_.samples() / field_.side_m(field_.tile_of(p));
+    need_row(reduced_[static_cast<std::size_t>(p)], line.camera.scale * per_m, line.camera.deep * per_m);
   }
 }
 
+void WaterSurface::need_nothing() {
+  reduced_.assign(static_cast<std::size_t>(field_.planes()), ReducedTile(field_.samples()));
+}
+
 std::vector<double> WaterSurface::step_powers(float coarse) {
-  for (Line& line : lines_) line.coarse = coarse;
-  need_lines();
+  need_nothing();
+  for (Line& line : lines_) {
+    line.coarse = coarse;
+    need_line(line, coarse);
+  }
   std::vector<double> power(lines_.size(), 0);
   for (int moment = 0; moment < kMoments; ++moment) {
-    field_.go_to(moment * cycle_.frames / kMoments);
+    field_.go_to(moment * cycle_.frames / kMoments, seconds_);
     sample_lines();
     for (std::size_t i = 0; i + 1 < lines_.size(); ++i)
       if (!lines_[i].calm && !lines_[i + 1].calm) power[i] += step_power(i) / kMoments;
@@ -209,7 +223,7 @@ std::vector<double> WaterSurface::step_powers(float coarse) {
   return mean;
 }
 
-void WaterSurface::leave_out_folds() {
+WaterSurface::Shown WaterSurface::without_folds() {
   const double most = water_.mapping == WaterMapping::kNormals ? kMostMirroredStep : kMostStep,
                most_power = most * most;
   const auto finest = static_cast<float>(std::max(1.0, std::max(picture_.width, picture_.height) / kFinest));
@@ -229,13 +243,54 @@ void WaterSurface::leave_out_folds() {
     }
     finer = power;
   }
-  for (std::size_t i = 0; i < lines_.size(); ++i) lines_[i].coarse = coarse[i], lines_[i].held = held[i];
-  need_lines();
+  return {std::move(coarse), std::move(held)};
+}
+
+void WaterSurface::leave_out_folds() {
+  const Weather& weather = gusts_->weather();
+  knots_ = weather.changes() ? weather.knots_s() : std::vector<double>{0};
+  for (const double knot : knots_) {
+    const Wind now = weather.at(knot);
+    const auto same = std::ranges::find_if(knots_, [&](double other) {
+      const Wind then = weather.at(other);
+      return then.speed_m_per_s == now.speed_m_per_s && then.direction_deg == now.direction_deg;
+    });
+    const auto known = static_cast<std::size_t>(same - knots_.begin());
+    seconds_ = knot;
+    shown_.push_back(known < shown_.size() ? shown_[known] : without_folds());
+  }
+  constexpr float kFiner = 1.25f;  // levels are octaves: none between two of these is left out
+  need_nothing();
+  for (std::size_t i = 0; i < lines_.size(); ++i) {
+    float low = shown_[0].coarse[i], high = low;
+    for (const Shown& shown : shown_)
+      low = std::min(low, shown.coarse[i]), high = std::max(high, shown.coarse[i]);
+    for (float coarse = low; coarse < high; coarse *= kFiner) need_line(lines_[i], coarse);
+    need_line(lines_[i], high);
+  }
+  show(0, 0);
+}
+
+void WaterSurface::show(std::size_t first, float part) {
+  const Shown& before = shown_[first];
+  const Shown& after = shown_[std::min(first + 1, shown_.size() - 1)];
+  for (std::size_t i = 0; i < lines_.size(); ++i) {
+    lines_[i].coarse = before.coarse[i] * std::pow(after.coarse[i] / before.coarse[i], part);
+    lines_[i].held = before.held[i] + (after.held[i] - before.held[i]) * part;
+  }
 }
 
 void WaterSurface::go_to(int frame) {
   if (heights_ != nullptr) heights_->go_to(frame);
   field_.go_to(frame);
+  if (shown_.size() > 1) {
+    const double now = cycle_.place(frame) / cycle_.fps;
+    const auto after = static_cast<std::size_t>(std::ranges::upper_bound(knots_, now) - knots_.begin());
+    const std::size_t first = after - 1;
+    show(first, after < knots_.size()
+                    ? static_cast<float>((now - knots_[first]) / (knots_[after] - knots_[first]))
+                    : 0.0f);
+  }
   sample_lines();
   if (gusts_->any()) {
     for (std::size_t i = 0; i < gain_.size(); ++i) {
@@ -323,27 +378,24 @@ void WaterSurface::row(int, int x, int y, int n, float* dx, float* dy) const {
       return;
     }
     const WaterCamera::Row& camera = lines_[line].camera;
-    HeightRow row{.first = profile(line, 0),
-                  .second = profile(line, 1),
-                  .place_first = 0,
-                  .step_first = 0,
-                  .place_second = 0,
-                  .step_second = 0,
+    HeightRow row{.profile = {},
+                  .place = {},
+                  .step = {},
                   .n = field_.samples(),
                   .along = static_cast<float>(first.x),
                   .down = static_cast<float>(camera.down),
                   .depth = static_cast<float>(camera.depth),
                   .lean = static_cast<float>(camera.lean),
                   .highest = static_cast<float>(kHighest * water_.camera_height_m)};
-    const double per_px[] = {camera.scale * row.n / field_.side_m(0),
-                             camera.scale * row.n / field_.side_m(1)};
-    // From 0 on: a float keeps fractions of what is small.
-    row.place_first = static_cast<float>(std::fmod(first.x * per_px[0], row.n));
-    row.place_second = static_cast<float>(std::fmod(first.x * per_px[1], row.n));
-    row.step_first = static_cast<float>(per_px[0]);
-    row.step_second = static_cast<float>(per_px[1]);
+    for (int tile = 0; tile < field_.tiles(); ++tile) {
+      const double per_px = camera.scale * row.n / field_.side_m(tile);
+      row.profile[tile] = profile(line, tile);
+      // From 0 on: a float keeps fractions of what is small.
+      row.place[tile] = static_cast<float>(std::fmod(first.x * per_px, row.n));
+      row.step[tile] = static_cast<float>(per_px);
+    }
     for (int i = 0; i < n; ++i) dx[i] = gusts_->any() ? gain_at(x + i) : 1.0f;
-    lift_row(row, dx, n, dx, dy);
+    (field_.tiles() == HeightField::kTiles ? lift_row : lift_row_of_all)(row, dx, n, dx, dy);
     return;
   }
   for (int i = 0; i < n; ++i) {

@@ -90,10 +90,19 @@ class WaterSurface : public Motion {
   double step_power(std::size_t line) const;
   /// The same at every line with these waves left out, averaged over moments of the cycle and lines around.
   std::vector<double> step_powers(float coarse);
-  /// Bounds that: where waves are too steep for the picture's rows, short ones are left out, all the time alike.
+  /// What of the waves every line shows.
+  struct Shown {
+    std::vector<float> coarse, held;  // Line's
+  };
+  /// Bounds that: where waves are too steep for the picture's rows, short ones are left out, all the time alike; where
+  /// the wind changes, as the weather asks that is at `seconds_`.
+  Shown without_folds();
   void leave_out_folds();
-  /// Which levels of the tiles lines ask for.
-  void need_lines();
+  /// The lines' coarse and held between two of shown_, 0..1.
+  void show(std::size_t first, float part);
+  /// Which levels of the tiles a line asks for; of none any.
+  void need_line(const Line& line, float coarse);
+  void need_nothing();
   float gain_at(double x) const;
 
   WaterMotion water_;
@@ -104,6 +113,9 @@ class WaterSurface : public Motion {
   cv::Size picture_;
   HeightField field_;
   std::vector<ReducedTile> reduced_;
+  std::vector<double> knots_;  // s: moments of the weather at which shown_ is known; one where the wind stays
+  std::vector<Shown> shown_;
+  double seconds_ = 0;  // of the weather, in without_folds
   int first_line_ = 0;
   std::vector<Line> lines_;
   std::vector<float> profiles_;

@@ -40,7 +40,9 @@ double uncovers(const Scene& scene, const SceneLayer& layer, cv::Size picture) {
   for (std::size_t i = 0; i < tree->armatures.size(); ++i) {
     const cv::Point2d way = tree->armatures[i].to - tree->armatures[i].from;
     float most = 0;
-    for (const float tip : sway.tip(i)) most = std::max(most, std::abs(tip));
+    for (std::size_t t = 0; t < sway.tip(i).size(); ++t)
+      most =
+          std::max(most, std::abs(sway.tip(i)[t]) + (sway.lean(i).empty() ? 0 : std::abs(sway.lean(i)[t])));
     furthest = std::max(furthest, kSafety * most * std::hypot(way.x, way.y));
   }
   return std::min(furthest + 4 * tree->shimmer_px, kFurthest * picture.width);
@@ -55,10 +57,9 @@ double comes_out(const Scene& scene, std::size_t at, cv::Size picture) {
       furthest = std::max(furthest, kWaves * std::max(picture.width, picture.height));
     const auto* clouds = layer.as<CloudMotion>();
     if (clouds == nullptr) continue;
-    const Cycle shown{.frames = scene.frames, .fps = scene.fps};
     const CloudCourse course =
-        course_of(*clouds, scene.wind, shown, scene.loop, picture.width, picture.width);
-    furthest = std::max(furthest, std::abs(course.speed_px_per_s) * shown.seconds() + kUnmoved);
+        course_of(*clouds, scene.wind, cycle_of(scene), scene.loop, picture.width, picture.width);
+    furthest = std::max(furthest, course.furthest_px(scene.frames, scene.fps) + kUnmoved);
   }
   return std::min(furthest, kFurthest * picture.width);
 }

@@ -9,6 +9,7 @@
 
 #include "synth/scene/cycle.h"
 #include "synth/scene/scene.h"
+#include "synth/scene/wind/weather.h"
 #include "synth/scene/wind/wind_spectrum.h"
 
 namespace freshet::synth::scene {
@@ -16,6 +17,12 @@ namespace freshet::synth::scene {
 /// One scene's wind: turbulence that is carried along unchanged (Taylor's frozen turbulence), and a share that each
 /// place has for itself. Beyond the paper, where one mean wind holds everywhere (its Sec. 5 names gusts as future
 /// work); with gustiness 0 every place has only its own.
+///
+/// Where the wind changes, turbulence is a pattern along the way that the air has gone, read off as it passes: its
+/// speed is turbulence * v(t) times the pattern at the integral of v. At any moment it has the spectrum (Eq. 8) and the
+/// variance of the wind of that moment; nothing in it jumps, for what changes is how fast and how strongly the same
+/// pattern is felt. A loop's pattern is as long as the air goes in it. With a wind that stays it is the same sum of
+/// harmonics as without keys, but for those above half the frame rate.
 class Gusts {
  public:
   /// picture_width   px, which `wind.width_m` metres span.
@@ -29,20 +36,36 @@ class Gusts {
   /// The force out of the picture, for foreshortening.
   Harmonics force_towards(double x, std::uint64_t stream) const;
 
+  /// What changes of the mean wind make of these two, over the wind at time 0, which the still shows; empty where the
+  /// wind stays. Its first harmonic is a mean that is not 0.
+  Harmonics mean_force(cv::Point2d direction) const;
+  Harmonics mean_force_towards() const;
+
   /// How much faster than its mean the gusts' wind is at this x and frame, fractions of the mean; 0 without gustiness.
   float strength(double x, int frame) const;
-  bool any() const { return wind_.gustiness > 0; }
+  /// The gusts of the strongest wind alone, as if it stayed.
+  Gusts steady() const { return Gusts(weather_.strongest(), cycle_, metre_per_px_); }
+  bool any() const { return weather_.gusts(); }
   const Wind& wind() const { return wind_; }
+  const Weather& weather() const { return weather_; }
 
  private:
+  Gusts(const Wind& wind, const Cycle& cycle, double metre_per_px);
+
   double delay_s(double x) const;
   /// The fluctuation along (0), across (1) or upright (2) at a place.
   Harmonics part(int axis, double x, std::uint64_t stream) const;
+  /// The same where the wind changes, at the weather's steps but the last.
+  std::vector<double> passing(int axis, double x, std::uint64_t stream) const;
+  /// Turbulence of 1 along the air's way, evenly over all of it, without what the oscillations of `slow` lack.
+  std::vector<double> pattern(std::uint64_t stream, bool slow) const;
 
   Wind wind_;
   Cycle cycle_;
+  Weather weather_;
   double metre_per_px_;
   Harmonics shared_[3];
+  std::vector<double> shared_pattern_[3], slow_pattern_;  // where the wind changes
   std::vector<float> slow_;  // the shared fluctuation along the wind without its fast part, at each frame
 };
 

@@ -36,7 +36,7 @@ Harmonics wind_harmonics(const Wind& wind, const Cycle& cycle, std::uint64_t str
 Harmonics oscillator(const Harmonics& force_per_mass, const Cycle& cycle, double natural_hz,
                      double damping_per_s) {
   Harmonics moved(force_per_mass.size());
-  for (std::size_t k = 1; k < moved.size(); ++k) {
+  for (std::size_t k = 0; k < moved.size(); ++k) {
     const double f = static_cast<double>(k) / cycle.seconds();
     const std::complex<double> stiffness(kTurn * kTurn * (natural_hz * natural_hz - f * f),
                                          kTurn * damping_per_s * f);

@@ -11,7 +11,7 @@
 namespace freshet::synth::scene {
 
 /// A real function of time by its harmonics: f(t) = sum over k of Re(a[k] exp(2 pi i k t / T)), T the cycle's
-/// seconds, t in seconds. a[0] is 0: a still shows the mean.
+/// seconds, t in seconds. a[0] is 0 where the wind stays: a still shows the mean.
 using Harmonics = std::vector<std::complex<double>>;
 
 /// Power density of the wind's speed at one place, (m/s)^2 / Hz, one-sided (Eq. 8), f in Hz.

@@ -124,6 +124,9 @@ TEST(SceneFile, EveryNumberIsHeldToTheRangeThatIsShown) {
     const bool own = range.table == "transfer" || range.table == "footage";
     const auto fault = [&](double value) {
       const std::string line = fmt::format("{} = {:f}\n", range.key, value);
+      if (range.table == "wind.at")
+        return parse_fault(kTop + "[[layer]]\nname=\"a\"\nmatte=\"rest\"\nmotion=\"still\"\n[[wind.at]]\n" +
+                           (range.key == "time" ? "speed = 1\n" : "time = 0.04\n") + line);
       if (range.table == "wind")
         return parse_fault(kTop + "[[layer]]\nname=\"a\"\nmatte=\"rest\"\nmotion=\"still\"\n[wind]\n" + line);
       const auto more = needed.find(range.table);
@@ -323,6 +326,52 @@ TEST(SceneFile, AsPrintedHasThePapersValuesAndRefusesOthersByName) {
   EXPECT_THAT(fault(printable + "[[layer]]\nname = \"film\"\nmotion = \"footage\"\nfile = \"a.mp4\"\n"),
               AllOf(HasSubstr("film"), HasSubstr("none of the paper's motions")));
   EXPECT_THAT(fault("picture = 3\n"), HasSubstr("picture"));
+  EXPECT_THAT(fault(printable + "[[wind.at]]\ntime = 0.1\nspeed = 9\n[[wind.at]]\ntime = 0.2\nspeed = 7\n"),
+              AllOf(HasSubstr("wind.at"), HasSubstr("the paper's wind stays as it is")));
+}
+
+TEST(SceneFile, TheWindMayChangeAndItsMistakesNameLineKeyAndRemedy) {
+  const std::string rest = "[[layer]]\nname=\"a\"\nmatte=\"rest\"\nmotion=\"still\"\n";
+  const Scene scene = parse_scene(
+      "picture = \"p.png\"\nframes = 100\nfps = 25\nloop = true\n[wind]\nspeed = 3\ndirection = 350\n"
+      "[[wind.at]]\ntime = 1.5\nspeed = 12\ndirection = 40\n[[wind.at]]\ntime = 2\ngustiness = 0.6\n"
+      "[[wind.at]]\ntime = 4\nspeed = 3\ndirection = -10\ngustiness = 0\n" +
+          rest,
+      "a.toml");
+  ASSERT_EQ(scene.wind.at.size(), 3u);
+  EXPECT_TRUE(scene.wind.changes());
+  EXPECT_EQ(scene.wind.at[0].time_s, 1.5);
+  EXPECT_EQ(scene.wind.at[0].speed_m_per_s, 12);
+  EXPECT_FALSE(scene.wind.at[0].gustiness.has_value());
+  EXPECT_FALSE(scene.wind.at[1].speed_m_per_s.has_value());
+  EXPECT_EQ(scene.wind.at[1].gustiness, 0.6);
+
+  const auto fault = [&](const std::string& keys, bool loop = false) {
+    return parse_fault("picture = \"p.png\"\nframes = 100\nfps = 25\n" +
+                       std::string(loop ? "loop = true\n" : "loop = false\n") +
+                       "[wind]\nspeed = 3\ndirection = 20\n" + keys + rest);
+  };
+  EXPECT_EQ(fault("[[wind.at]]\ntime = 2\nspeed = 12\n"), "no fault");
+  EXPECT_THAT(fault("[[wind.at]]\nspeed = 12\n"), AllOf(HasSubstr("wind.at 1"), HasSubstr("it needs time")));
+  EXPECT_THAT(fault("[[wind.at]]\ntime = 0\nspeed = 12\n"), HasSubstr("wind.at 1.time: 0 is out of range"));
+  EXPECT_THAT(fault("[[wind.at]]\ntime = 2\nspeed = 99\n"),
+              AllOf(HasSubstr("a.toml:10"), HasSubstr("wind.at 1.speed"), HasSubstr("0 to 60")));
+  EXPECT_THAT(fault("[[wind.at]]\ntime = 2\nspeed = 9\n[[wind.at]]\ntime = 2\nspeed = 3\n"),
+              AllOf(HasSubstr("a.toml:12: wind.at 2.time: 2 s does not come after 2 s"), HasSubstr("grow")));
+  EXPECT_THAT(fault("[[wind.at]]\ntime = 4.1\nspeed = 9\n"),
+              AllOf(HasSubstr("wind.at 1.time"), HasSubstr("beyond the scene's end, 4 s")));
+  EXPECT_THAT(fault("[[wind.at]]\ntime = 2\n"), AllOf(HasSubstr("wind.at 1"), HasSubstr("nothing changes")));
+  EXPECT_THAT(fault("[[wind.at]]\ntime = 2\nturbulence = 0.3\n"), HasSubstr("no such key"));
+  EXPECT_THAT(fault("at = 3\n"), HasSubstr("[[at]]"));
+  // A loop ends as it begins, or says how it would.
+  EXPECT_THAT(fault("[[wind.at]]\ntime = 2\nspeed = 12\n", true),
+              AllOf(HasSubstr("a.toml:8: wind.at: the loop ends with speed 12 and begins with 3"),
+                    HasSubstr("Add [[wind.at]] with time = 4 and speed = 3, or set loop = false")));
+  EXPECT_THAT(fault("[[wind.at]]\ntime = 2\ngustiness = 1\n", true),
+              HasSubstr("ends with gustiness 1 and begins with 0"));
+  EXPECT_THAT(fault("[[wind.at]]\ntime = 2\ndirection = 30\n", true), HasSubstr("direction 30"));
+  EXPECT_EQ(fault("[[wind.at]]\ntime = 2\ndirection = 200\n[[wind.at]]\ntime = 4\ndirection = -340\n", true),
+            "no fault");
 }
 
 }  // namespace
