@@ -105,13 +105,16 @@ const DrawnMotion& drawn_motion(const std::string& name) {
 }
 
 DrawnScene read_scene(const Fields& fields) {
-  fields.only({"wind", "direction", "gustiness", "frames", "loop", "layers"});
+  fields.only({"wind", "direction", "gustiness", "changes", "becomes", "frames", "loop", "layers"});
   DrawnScene scene{.wind = number(fields, "wind", "wind", "speed"),
                    .direction = number(fields, "direction", "wind", "direction"),
                    .gustiness = number(fields, "gustiness", "wind", "gustiness"),
                    .frames = fields.integer("frames", 1, 2000),
                    .loop = fields.flag("loop"),
                    .layers = {}};
+  // Older documents have neither.
+  if (fields.has("changes")) scene.changes = fields.flag("changes");
+  if (fields.has("becomes")) scene.becomes = number(fields, "becomes", "wind", "speed");
   std::set<std::string> names;
   for (const Json& item : fields.list("layers", kMostLayers)) {
     const Fields layer = fields.below(item, "layers", scene.layers.size());
@@ -122,8 +125,9 @@ DrawnScene read_scene(const Fields& fields) {
 }
 
 Json scene_json(const DrawnScene& scene) {
-  Json json{{"wind", scene.wind},     {"direction", scene.direction}, {"gustiness", scene.gustiness},
-            {"frames", scene.frames}, {"loop", scene.loop},           {"layers", Json::array()}};
+  Json json{{"wind", scene.wind},       {"direction", scene.direction}, {"gustiness", scene.gustiness},
+            {"changes", scene.changes}, {"becomes", scene.becomes},     {"frames", scene.frames},
+            {"loop", scene.loop},       {"layers", Json::array()}};
   for (const DrawnLayer& layer : scene.layers) json["layers"].push_back(layer_json(layer));
   return json;
 }

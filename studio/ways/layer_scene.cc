@@ -24,6 +24,8 @@ std::string png(const cv::Mat& picture) {
   return {bytes.begin(), bytes.end()};
 }
 
+constexpr int kSceneFps = 25;
+
 /// White where the layer is.
 cv::Mat painted(const DrawnLayer& layer, cv::Size size) {
   cv::Mat matte = cv::Mat::zeros(size, CV_8U);
@@ -116,19 +118,31 @@ std::string marks_svg(const DrawnScene& scene, cv::Size size) {
   return svg + "</svg>\n";
 }
 
+/// What the wind is and, where it changes, what it becomes: by the film's end, or by a loop's middle and back.
+std::string wind_tables(const DrawnScene& scene) {
+  std::string toml = fmt::format("[wind]\nspeed = {}\ndirection = {}\ngustiness = {}\n", scene.wind,
+                                 scene.direction, scene.gustiness);
+  if (!scene.changes) return toml;
+  const auto becomes = [&](double frames, double speed) {
+    toml += fmt::format("[[wind.at]]\ntime = {}\nspeed = {}\n", frames / kSceneFps, speed);
+  };
+  becomes(scene.loop ? scene.frames / 2.0 : scene.frames, scene.becomes);
+  if (scene.loop) becomes(scene.frames, scene.wind);
+  return toml;
+}
+
 }  // namespace
 
 std::vector<WayFile> layer_scene(const DrawnScene& scene, cv::Size size, const SceneFiles& files) {
   if (scene.layers.empty()) throw Error(ErrorKind::kUsage, "layers", "there is none", "Add one");
   std::vector<WayFile> made;
-  std::string toml = fmt::format("picture = {}\nframes = {}\nfps = 25\nloop = {}\n", toml_text(files.picture),
-                                 scene.frames, scene.loop);
+  std::string toml = fmt::format("picture = {}\nframes = {}\nfps = {}\nloop = {}\n", toml_text(files.picture),
+                                 scene.frames, kSceneFps, scene.loop);
   if (std::any_of(scene.layers.begin(), scene.layers.end(), has_lines)) {
     toml += "marks = \"marks.svg\"\n";
     made.push_back({"marks.svg", marks_svg(scene, size)});
   }
-  toml += fmt::format("[wind]\nspeed = {}\ndirection = {}\ngustiness = {}\n", scene.wind, scene.direction,
-                      scene.gustiness);
+  toml += wind_tables(scene);
   int place = 0;
   for (const DrawnLayer& layer : scene.layers) {
     expect_drawn(layer, files);

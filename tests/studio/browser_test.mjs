@@ -789,6 +789,12 @@ test("layers move while the wind is changed, from the frame that is on the scree
   const scrub = page.getByRole("slider", { name: "Frame" });
   const frame = await scrub.inputValue();
   await until(async () => (await scrub.inputValue()) !== frame);
+  // The wind becomes another by the loop's middle, and is back at its end.
+  await page.getByRole("switch", { name: "The weather changes" }).click();
+  await page.getByRole("slider", { name: "By the middle" }).fill("17");
+  const weather = at(`room/projects/${id}/ways/live/scene.toml`);
+  await until(async () => /\[\[wind.at\]\]\ntime = 2\nspeed = 17\n\[\[wind.at\]\]\ntime = 4\n/.test(readFileSync(weather, "utf8")));
+  await shows("layers");
   await page.getByRole("switch", { name: "Show what is drawn" }).click();
   await shot(page, "scene-live");
   await page.getByRole("switch", { name: "Show what is drawn" }).click();

@@ -227,6 +227,8 @@ function WindSection({ scene }: { scene: DrawnScene }): JSX.Element {
       <Slider label="Wind" value={scene.wind} {...state.range("wind.speed")} step={0.5} shown={`${scene.wind.toFixed(1)} m/s`} onInput={(wind) => changeScene({ wind }, "wind")} />
       <Slider label="Blows to" value={scene.direction} {...state.range("wind.direction")} step={5} shown={`${scene.direction}°`} onInput={(direction) => changeScene({ direction }, "wind-direction")} />
       <Slider label="Gusts" value={scene.gustiness} {...state.range("wind.gustiness")} step={0.05} shown={scene.gustiness === 0 ? "none" : scene.gustiness.toFixed(2)} onInput={(gustiness) => changeScene({ gustiness }, "gusts")} />
+      <Switch label="The weather changes" checked={scene.changes} onChange={(changes) => changeScene({ changes })} />
+      {scene.changes && <Slider label={scene.loop ? "By the middle" : "By the end"} value={scene.becomes} {...state.range("wind.speed")} step={0.5} shown={`${scene.becomes.toFixed(1)} m/s`} onInput={(becomes) => changeScene({ becomes }, "wind-becomes")} />}
       <p class="hint">0° to the right, 90° away, 180° to the left, as seen from above.</p>
       <Slider label="Length" value={scene.frames / 25} min={0.4} max={20} step={0.2} shown={`${(scene.frames / 25).toFixed(1)} s`} onInput={(seconds) => changeScene({ frames: Math.max(1, Math.round(seconds * 25)) }, "scene-frames")} />
       <Switch label="Seamless loop" checked={scene.loop} onChange={(loop) => changeScene({ loop })} />

@@ -120,6 +120,8 @@ export interface DrawnScene {
   wind: number;
   direction: number;
   gustiness: number;
+  changes: boolean; // it becomes the next by the end, or by a loop's middle and back
+  becomes: number;
   frames: number;
   loop: boolean;
   layers: DrawnLayer[];

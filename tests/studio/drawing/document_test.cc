@@ -69,6 +69,8 @@ Document full() {
   document.scene = {.wind = 7.5,
                     .direction = -90,
                     .gustiness = 0.5,
+                    .changes = true,
+                    .becomes = 14.5,
                     .frames = 33,
                     .loop = false,
                     .layers = {{.name = "an oak",
@@ -187,8 +189,11 @@ TEST(Document, RefusesWhatItDoesNotKnow) {
                                                                                            : field] = value;
     expect_refused(with("flowlines", flowlines), name);
   }
-  for (const auto& [name, value] :
-       {std::pair{"wind", Json(-1)}, {"gustiness", Json(2)}, {"frames", Json(0)}, {"x", Json(1)}}) {
+  for (const auto& [name, value] : {std::pair{"wind", Json(-1)},
+                                    {"gustiness", Json(2)},
+                                    {"becomes", Json(99)},
+                                    {"frames", Json(0)},
+                                    {"x", Json(1)}}) {
     Json scene = good["scene"];
     scene[name] = value;
     expect_refused(with("scene", scene), name);

@@ -10,6 +10,7 @@
 #include "freshet/error.h"
 #include "studio/ways/layer_scene.h"
 #include "studio/ways/sweep_recipe.h"
+#include "synth/scene/scene_file.h"
 #include "tests/tools/sample.h"
 
 namespace freshet::studio {
@@ -254,6 +255,29 @@ TEST(Way, AFilmIsALayerWhereItWasPlaced) {
   EXPECT_THROW(files_of("scene", document), Error) << "Design has made none";
   document.design.look = "fire/1.mp4";
   EXPECT_NE(files_of("scene", document).back().bytes.find("../design/fluid.mkv"), std::string::npos);
+}
+
+TEST(Way, AWindThatChangesEndsAsItSaysAndALoopsAsItBegan) {
+  Document document;
+  document.scene = {.wind = 2,
+                    .changes = true,
+                    .becomes = 13.5,
+                    .frames = 77,
+                    .loop = false,
+                    .layers = {{.name = "all", .motion = "clouds", .matte = LayerMatte::kRest}}};
+  const auto wind = [&] {
+    const std::string toml = files_of("scene", document).back().bytes;
+    return synth::scene::parse_scene(toml, "scene.toml").wind;
+  };
+  ASSERT_EQ(wind().at.size(), 1u);
+  EXPECT_EQ(wind().at[0].time_s, 77 / 25.0);
+  EXPECT_EQ(wind().at[0].speed_m_per_s, 13.5);
+  document.scene.loop = true;
+  ASSERT_EQ(wind().at.size(), 2u);
+  EXPECT_EQ(wind().at[0].time_s, 38.5 / 25.0);
+  EXPECT_EQ(wind().at[1].speed_m_per_s, 2);
+  document.scene.changes = false;
+  EXPECT_FALSE(wind().changes());
 }
 
 TEST(Way, SettingsAreTriedBesideEachOther) {
