@@ -416,6 +416,10 @@ direction = 0      # degrees, where it blows to: 0 right, 90 away from the viewe
 gustiness = 0      # 0 to 1: gusts that cross the picture
 seed = 1
 
+# [[wind.at]]      # weather: what the wind has become at a time, s; a loop ends as it begins
+# time = 3
+# speed = 12
+
 # Layers from the nearest to the furthest. A matte is a grey picture, white where the layer is; scribbles and trimap
 # are the other ways. Take away the signs # before what the picture has.
 

@@ -12,7 +12,6 @@ constexpr float kNearPx2 = 16;  // added to squared distances from armatures
 // rad. Eq. 4's spring is linear, and stems in a storm are not: beyond kEasy they give way to the wind less and less, to
 // kMostTurn at most. Lines that lie side by side would tear what is between them.
 constexpr float kEasy = 0.25f, kMostTurn = 0.4f;
-constexpr float kMostLean = 0.25f;  // rad, by the mean wind alone: grass would lie flat
 constexpr float kMostScaled = 0.5f;
 
 float distance2_to(cv::Point2f p, cv::Point2f from, cv::Point2f way, float length) {

@@ -47,6 +47,7 @@ class TreeSway : public Motion {
 
   /// Rows are interpolated between displacements at this distance, px.
   static constexpr int kStep = 8;
+  static constexpr float kMostLean = 0.25f;  // rad: under a storm's mean wind grass would lie flat
 
  private:
   struct Branch {

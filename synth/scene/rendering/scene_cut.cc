@@ -40,9 +40,10 @@ double uncovers(const Scene& scene, const SceneLayer& layer, cv::Size picture) {
   for (std::size_t i = 0; i < tree->armatures.size(); ++i) {
     const cv::Point2d way = tree->armatures[i].to - tree->armatures[i].from;
     float most = 0;
-    for (std::size_t t = 0; t < sway.tip(i).size(); ++t)
-      most =
-          std::max(most, std::abs(sway.tip(i)[t]) + (sway.lean(i).empty() ? 0 : std::abs(sway.lean(i)[t])));
+    for (const float tip : sway.tip(i)) most = std::max(most, std::abs(tip));
+    float leans = 0;
+    for (const float lean : sway.lean(i)) leans = std::max(leans, std::abs(lean));
+    most += std::min(leans, TreeSway::kMostLean);
     furthest = std::max(furthest, kSafety * most * std::hypot(way.x, way.y));
   }
   return std::min(furthest + 4 * tree->shimmer_px, kFurthest * picture.width);

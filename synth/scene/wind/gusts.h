@@ -36,8 +36,8 @@ class Gusts {
   /// The force out of the picture, for foreshortening.
   Harmonics force_towards(double x, std::uint64_t stream) const;
 
-  /// What changes of the mean wind make of these two, over the wind at time 0, which the still shows; empty where the
-  /// wind stays. Its first harmonic is a mean that is not 0.
+  /// What the mean wind adds to these two beyond that of time 0, which the still shows; empty where the wind stays. Its
+  /// first harmonic is a mean that is not 0.
   Harmonics mean_force(cv::Point2d direction) const;
   Harmonics mean_force_towards() const;
 

@@ -74,11 +74,15 @@ Wind Weather::at(double seconds) const {
 }
 
 std::vector<double> Weather::knots_s() const {
-  constexpr int kBetween = 4;
+  constexpr int kBetween = 4, kMost = 48;
   std::vector<double> knots{0};
+  if (!changes()) return knots;
+  const double last = wind_.at.back().time_s, least = last / kMost;
   for (const WindKey& key : wind_.at) {
-    const double from = knots.back();
-    for (int i = 1; i <= kBetween; ++i) knots.push_back(from + (key.time_s - from) * i / kBetween);
+    const double from = knots.back(), length = key.time_s - from;
+    if (length < least && key.time_s < last) continue;
+    const int steps = std::clamp(static_cast<int>(length / least), 1, kBetween);
+    for (int i = 1; i <= steps; ++i) knots.push_back(from + length * i / steps);
   }
   return knots;
 }

@@ -90,6 +90,21 @@ TEST(Weather, TurnsTheShortWayRoundAndEachValueGoesByItsOwnKeys) {
   EXPECT_NEAR(weather.steps().back().gone_m, gone, 1e-3);
 }
 
+TEST(Weather, HasKnotsBetweenItsKeysButNotTooMany) {
+  EXPECT_EQ(Weather({}, kMinute).knots_s(), std::vector<double>{0});
+  const std::vector<double> few = Weather(calm_to_storm(), kMinute).knots_s();
+  ASSERT_EQ(few.size(), 17u);
+  EXPECT_EQ(few[1], 5);
+  EXPECT_EQ(few[4], 20);
+  EXPECT_EQ(few.back(), 60);
+  Wind many;
+  for (int i = 1; i <= 256; ++i) many.at.push_back({.time_s = 0.1 * i, .speed_m_per_s = 5.0 + i % 2});
+  const std::vector<double> knots = Weather(many, kMinute).knots_s();
+  EXPECT_LT(knots.size(), 55u);
+  EXPECT_EQ(knots.back(), many.at.back().time_s);
+  for (std::size_t i = 1; i < knots.size(); ++i) EXPECT_GT(knots[i], knots[i - 1]);
+}
+
 TEST(Weather, OfAFilmThatIsNoLoopGoesBackAfterIt) {
   Scene scene;
   scene.frames = 250, scene.fps = 25;
