@@ -63,9 +63,10 @@ struct DrawnScene {
   double wind = 5;       // m/s
   double direction = 0;  // degrees, where it blows to, seen from above: 0 right, 90 away from the viewer
   double gustiness = 0;
-  bool changes = false;  // weather: the wind becomes the next, by the film's end, or by a loop's middle and back
-  double becomes = 12;   // m/s
-  int frames = 100;  // 1..2000
+  bool changes =
+      false;  // weather: the wind becomes the next, by the film's end, or by a loop's middle and back
+  double becomes = 12;  // m/s
+  int frames = 100;     // 1..2000
   bool loop = true;
   std::vector<DrawnLayer> layers{};  // nearest first
   bool operator==(const DrawnScene&) const = default;
