@@ -417,8 +417,11 @@ gustiness = 0      # 0 to 1: gusts that cross the picture
 seed = 1
 
 # [[wind.at]]      # weather: what the wind has become at a time, s; a loop ends as it begins
-# time = 3
+# time = 2
 # speed = 12
+# [[wind.at]]
+# time = 4
+# speed = 5
 
 # Layers from the nearest to the furthest. A matte is a grey picture, white where the layer is; scribbles and trimap
 # are the other ways. Take away the signs # before what the picture has.

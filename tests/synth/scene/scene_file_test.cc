@@ -93,11 +93,12 @@ TEST(SceneFile, TheSceneToStartFromIsOne) {
   std::string all = first_scene("p.png", {640, 480});
   // With its signs taken away, what it proposes is understood too.
   for (const char* line : {"[[layer]]", "name", "scribbles", "motion", "armature", "frequency", "matte",
-                           "hull", "horizon", "roughness"})
+                           "hull", "horizon", "roughness", "[[wind.at]]", "time", "speed"})
     for (std::size_t at = 0; (at = all.find(std::string("\n# ") + line, at)) != std::string::npos;)
       all.erase(at + 1, 2);
   const Scene whole = parse_scene(all, "a.toml");
   EXPECT_EQ(whole.layers.size(), 4u);
+  EXPECT_EQ(whole.wind.at.size(), 2u);
   EXPECT_EQ(whole.layers[2].as<WaterMotion>()->horizon->from.y, 240);
 }
 
