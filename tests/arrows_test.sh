@@ -63,16 +63,16 @@ synth/scene: hints synth/toml synth/scene/kinds
 synth/scene/wind: synth/scene
 synth/scene/water: synth/scene synth/scene/wind
 synth/scene/motion: synth/scene synth/scene/wind synth/scene/water
-synth/scene/rendering: media/frame media/picture media/video synth/sampling synth/matte synth/scene/layers synth/scene synth/scene/wind synth/scene/water synth/scene/motion
+synth/scene/rendering: media/picture synth/sampling synth/matte synth/scene/layers synth/scene synth/scene/wind synth/scene/water synth/scene/motion
 synth/flowlines/jumps:
 synth/flowlines/lines:
 synth/flowlines: vision synth/sampling synth/outline synth/flowlines/jumps synth/flowlines/lines
 synth/flowlines/files: store media/picture media/video hints stored synth/flowlines/lines synth/flowlines
 synth/stills: report cache media/frame media/picture hints vision synth/toml synth/matte
-synth/tour: media/frame media/picture media/video synth/toml synth/scene/layers synth/scene/rendering
 synth/transfer: synth/field
 synth/transfer/files: cache store media/frame media/picture media/video vision stored synth/playing synth/transfer
-synth/scene/frames: hints synth/sampling synth/scene synth/scene/rendering synth/transfer synth/transfer/files
+synth/scene/frames: media/frame media/picture media/video hints vision synth/sampling synth/scene/kinds synth/scene synth/scene/rendering synth/transfer synth/transfer/files
+synth/tour: media/frame media/picture media/video synth/toml synth/scene/layers synth/scene/frames
 starter: cache store media/video vision ingest query/index synth/toml synth/simulate/scene synth/simulate/design synth/simulate
 work: cache
 studio/drawing: synth/matte synth/scene

@@ -39,7 +39,7 @@ MotionGuide guide_of(const scene::PatchesTarget& target, const std::string& wher
 }
 
 /// A layer of patches, made as a picture is.
-void make_patches(const scene::PatchesTarget& target, const scene::PushedFrames::Sink& sink,
+void make_patches(const scene::PatchesTarget& target, const scene::PushedFrames::Sinks& sinks,
                   const std::stop_token& stop) {
   const std::string where = fmt::format("{}: layer {}", target.scene->file.string(), target.layer->name);
   const OneOpenCvThread one;
@@ -52,7 +52,7 @@ void make_patches(const scene::PatchesTarget& target, const scene::PushedFrames:
                                            job),
                                     {}, job);
   render_animation(labelling, {.loop = target.scene->loop}, target.picture, synth::animate::FrameForm::kFluid,
-                   sink, job);
+                   sinks.frame, job);
 }
 
 void refuse_words(const scene::Scene& asked) {
@@ -69,8 +69,8 @@ struct SceneFilm::Impl {
       : light(options.light),
         asked(options.as_printed ? scene::read_printed_scene(file) : scene::read_scene(file)),
         patches([stop = stopped.get_token()](const scene::PatchesTarget& target,
-                                             const scene::PushedFrames::Sink& sink) {
-          make_patches(target, sink, stop);
+                                             const scene::PushedFrames::Sinks& sinks) {
+          make_patches(target, sinks, stop);
         }) {
     refuse_words(asked);
     const media::Still still = media::read_still(asked.picture);

@@ -128,7 +128,7 @@ const std::vector<Key<SceneLayer>>& layer_keys() {
        "a grey picture, white where the layer is, or one with alpha; \"paint\": where its paint is; "
        "\"painted\": and its "
        "colours are the paint's too; \"rest\": what all others leave. Kinds that bring their own pixels have "
-       "none",
+       "none, but for footage",
        "this or one of the next two"},
       {"scribbles", {}, {}, "", "strokes on the layer (white, green) and beside it (black, red)", "none"},
       {"trimap", {}, {}, "", "white the layer, black not, grey unknown", "none"}};
@@ -210,7 +210,16 @@ void read_motion(Section& section, SceneLayer& layer) {
   take_kind(layer.motion, *kind, Kinds());
 }
 
-void read_matte(Section& section, SceneLayer& layer) { layer.matte = matte_from(section, layer.is_cut()); }
+void read_matte(Section& section, SceneLayer& layer) {
+  if (layer.as<FootageMotion>() == nullptr) {
+    layer.matte = matte_from(section, layer.is_cut());
+    return;
+  }
+  for (const char* const key : {"scribbles", "trimap"})  // its matte is among its own keys
+    if (section.text(key))
+      section.refuse(key, "it is of the picture, and this layer is a film",
+                     "Give matte = \"FILE\": a grey picture of the film's shape, white where the layer is");
+}
 
 SceneLayer read_layer(Section& section, int place) {
   SceneLayer layer;

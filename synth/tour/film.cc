@@ -10,7 +10,7 @@
 #include "media/frame/file_format.h"
 #include "media/picture/picture.h"
 #include "media/picture/picture_sequence.h"
-#include "synth/scene/rendering/footage_frames.h"
+#include "synth/scene/frames/footage_frames.h"
 
 namespace freshet::synth::tour {
 namespace {

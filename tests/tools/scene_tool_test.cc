@@ -5,6 +5,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "media/picture/motion_file.h"
 #include "tests/media/exr_channel.h"
 #include "tests/tools/sample.h"
 #include "tests/tools/work_folder.h"
@@ -156,6 +157,121 @@ TEST(SceneTool, LayersOfOneFileAreThoseOfManyNumberedAsTheFilm) {
   EXPECT_FALSE(fs::exists(folder / "all.0000.exr"));
 }
 
+/// A layer of one frame in an EXR of all layers.
+struct ExrLayer {
+  ExrLayer(const fs::path& file, int part, const std::string& layer)
+      : green(exr_channel(file.string(), part, layer + ".G")),
+        alpha(exr_channel(file.string(), part, layer + ".A")),
+        u(exr_channel(file.string(), part, layer + ".forward.u")),
+        v(exr_channel(file.string(), part, layer + ".forward.v")) {
+    EXPECT_EQ(cv::norm(u, cv::NORM_INF, alpha == 0), 0) << layer;
+  }
+  /// What of a plane of the next frame lies where this frame's motion leads.
+  cv::Mat led_to(const cv::Mat& plane) const {
+    cv::Mat x(u.size(), CV_32F), y = x.clone(), there;
+    for (int row = 0; row < x.rows; ++row)
+      for (int col = 0; col < x.cols; ++col) {
+        x.at<float>(row, col) = static_cast<float>(col) + u.at<float>(row, col);
+        y.at<float>(row, col) = static_cast<float>(row) - v.at<float>(row, col);  // y up
+      }
+    cv::remap(plane, there, x, y, cv::INTER_LINEAR, cv::BORDER_CONSTANT);
+    return there;
+  }
+  cv::Mat green, alpha, u, v;
+};
+
+/// How much nearer what is opaque is to the next frame when its motion carries it there, a share of how near it is as
+/// it stands.
+double share_left(const ExrLayer& now, const ExrLayer& next) {
+  const cv::Mat there = now.led_to(next.green);
+  const cv::Mat seen = (now.alpha > 0.9) & (next.alpha > 0.9) & (now.led_to(next.alpha) > 0.9);
+  EXPECT_GT(cv::countNonZero(seen), 200);
+  return cv::norm(there, now.green, cv::NORM_L1, seen) / cv::norm(next.green, now.green, cv::NORM_L1, seen);
+}
+
+TEST(SceneTool, WhatBringsItsFramesHasTheirMotionInTheExrOfAllLayers) {
+  const Landscape folder;
+  ASSERT_EQ(folder
+                .freshet({"synth", "simulate", "plume", "--size", "80x80", "--grid", "48", "--frames", "16",
+                          "-o", "design"})
+                .exit_code,
+            0);
+  cv::Mat look(64, 64, CV_8UC3);
+  cv::RNG(4).fill(look, cv::RNG::UNIFORM, 0, 256);
+  cv::GaussianBlur(look, look, {}, 1.5);
+  cv::Mat outline(look.size(), CV_8U, cv::Scalar(0));
+  cv::circle(outline, {32, 32}, 24, 255, -1);
+  cv::GaussianBlur(outline, outline, {}, 2);
+  cv::cvtColor(look, look, cv::COLOR_BGR2BGRA);
+  cv::insertChannel(outline, look, 3);
+  cv::imwrite((folder / "look.png").string(), look);
+  constexpr int kLength = 12;
+  folder.file(
+      "own.toml",
+      fmt::format("picture = \"{}\"\nframes = {}\nfps = 25\nloop = true\n"
+                  "[[layer]]\nname = \"river\"\nmotion = \"footage\"\nfile = \"{}\"\nat = [30, 20]\n"
+                  "width = 130\nstart = 0.2\n"
+                  "[[layer]]\nname = \"smoke\"\nmotion = \"transfer\"\ndesign_alpha = \"design/alpha\"\n"
+                  "design_flow = \"design/flow\"\nexemplar = \"look.png\"\nat = [90, 30]\n"
+                  "[[layer]]\nname = \"fall\"\nmatte = \"{}\"\nmotion = \"patches\"\nstore = \"{}\"\n"
+                  "class = \"fall\"\noptions = [\"--direction\", \"down\"]\n",
+                  sample().still.string(), kLength, (sample().clips / "river/1.mkv").string(),
+                  sample().matte.string(), sample().store.string()));
+  for (const char* threads : {"1", "4"}) {
+    const Outcome outcome =
+        folder.freshet({"synth", "scene", "own.toml", "-o", "own.mkv", "--overwrite", "--layers-out",
+                        fmt::format("own{}.##.exr", threads), "-j", threads});
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  }
+  const auto layer_of = [&](int frame, int part, const char* name) {
+    return ExrLayer(folder / fmt::format("own1.{:02}.exr", frame % kLength), part, name);
+  };
+  // Of all frames, of which the last runs into the first.
+  const struct {
+    const char* name;
+    int part;
+    double mean, worst;  // of share_left
+  } kLayers[]{{"river", 1, 0.8, 0.9}, {"fall", 3, 0.75, 1}};
+  for (const auto& layer : kLayers) {
+    double sum = 0, worst = 0;
+    for (int i = 0; i < kLength; ++i) {
+      const double share =
+          share_left(layer_of(i, layer.part, layer.name), layer_of(i + 1, layer.part, layer.name));
+      sum += share / kLength;
+      worst = std::max(worst, share);
+    }
+    EXPECT_LT(sum, layer.mean) << layer.name;
+    EXPECT_LT(worst, layer.worst) << layer.name;
+  }
+  // Of what was transferred the design's flow, placed, along which the design's outline goes; its first four frames go
+  // by before the loop. The look itself is made anew in each frame.
+  const cv::Rect place(90, 30, 80, 80);
+  const auto mask_of = [&](int frame) {
+    const cv::Mat read = cv::imread((folder / fmt::format("design/alpha/{:05}.png", frame + 4)).string(),
+                                    cv::IMREAD_GRAYSCALE);
+    cv::Mat whole(kHeight, kWidth, CV_32F, cv::Scalar(0)), mask;
+    read.convertTo(mask, CV_32F, 1.0 / 255);
+    mask.copyTo(whole(place));
+    return whole;
+  };
+  double carried = 0, stood = 0;
+  for (int i = 0; i < 7; ++i) {
+    const ExrLayer now = layer_of(i, 2, "smoke");
+    const cv::Mat flow = media::read_motion(folder / fmt::format("design/flow/{:05}.flo", i + 4));
+    cv::Mat across, up, within = now.alpha > 0;
+    cv::extractChannel(flow, across, 0), cv::extractChannel(-flow, up, 1);
+    EXPECT_LT(cv::norm(across, now.u(place), cv::NORM_INF, within(place)), 0.01) << i;
+    EXPECT_LT(cv::norm(up, now.v(place), cv::NORM_INF, within(place)), 0.01) << i;
+    within.rowRange(0, place.y + 6).setTo(0);  // goes out of the design
+    carried += cv::norm(now.led_to(mask_of(i + 1)), mask_of(i), cv::NORM_L1, within);
+    stood += cv::norm(mask_of(i + 1), mask_of(i), cv::NORM_L1, within);
+  }
+  EXPECT_LT(carried, 0.7 * stood);
+  for (int i = 0; i < kLength; ++i)
+    EXPECT_EQ(text_of(folder / fmt::format("own1.{:02}.exr", i)),
+              text_of(folder / fmt::format("own4.{:02}.exr", i)));
+}
+
 TEST(SceneTool, LightIsAddedOrScreenedOverWhatLiesBehind) {
   const Landscape folder;
   cv::imwrite((folder / "light.png").string(), cv::Mat(120, 160, CV_8UC4, cv::Scalar(0, 64, 128, 255)));
@@ -275,6 +391,12 @@ TEST(SceneTool, WhatIsWrongIsNamedAndNothingIsLeft) {
   folder.scene("armature = [40, 80, 40, 20]", {},
                "[[layer]]\nname = \"b\"\nmotion = \"footage\"\nfile = \"seq%d.png\"");
   refused("seq1.png: it has 30 x 20 px");
+  folder.scene("armature = [40, 80, 40, 20]", {},
+               "[[layer]]\nname = \"b\"\nmotion = \"footage\"\nfile = \"seq0.png\"\nmatte = \"lake.png\"");
+  refused("lake.png: the matte has 160 x 120 px, the film");
+  folder.scene("armature = [40, 80, 40, 20]", {},
+               "[[layer]]\nname = \"b\"\nmotion = \"footage\"\nfile = \"seq0.png\"\nmatte = \"rest\"");
+  refused("it is of the picture, and this layer is a film");
   folder.file("clip.mp4", "no video");
   folder.scene("armature = [40, 80, 40, 20]", {},
                "[[layer]]\nname = \"b\"\nmotion = \"footage\"\nfile = \"clip.mp4\"");

@@ -207,7 +207,7 @@ void say_unused(const CLI::App& given, const std::string& assignment) {
 }  // namespace
 
 void animate_layer(const AnimateRequest& request, const std::function<void(const cv::Mat&)>& sink,
-                   const RunContext& context) {
+                   const std::function<void(const cv::Mat&)>& motion, const RunContext& context) {
   AnimateCommand command;
   CLI::App app("options of freshet synth animate", "options");
   command.add_making_to(app);
@@ -228,6 +228,7 @@ void animate_layer(const AnimateRequest& request, const std::function<void(const
                        .pace = command.play.pace()};
   inputs.options.loop = request.loop;
   inputs.options.form = synth::animate::FrameForm::kFluid;
+  if (auto* const sinks_motion = inputs.motion_sink(); sinks_motion != nullptr) *sinks_motion = motion;
   command.outline.apply(inputs.options, request.loaded.picture.size());
   if (!request.strokes.empty() && inputs.asked.strokes.empty()) {
     const hints::StrokeField field =

@@ -11,6 +11,7 @@
 
 #include "media/picture/passes.h"
 #include "media/video/picture_sink.h"
+#include "synth/scene/rendering/layer_frames.h"
 #include "synth/scene/rendering/scene_animation.h"
 #include "synth/scene/scene.h"
 
@@ -27,6 +28,10 @@ class LayerFiles {
   /// The frame that was rendered last.
   void write(synth::scene::SceneAnimation& animation);
   void finish();
+  /// What is asked of layers that bring frames of their own.
+  synth::scene::FrameWork work() const {
+    return parts_.empty() ? synth::scene::FrameWork::kFrames : synth::scene::FrameWork::kFramesAndMotion;
+  }
   const std::vector<std::string>& files() const { return files_; }
 
  private:

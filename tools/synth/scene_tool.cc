@@ -64,7 +64,7 @@ void write_first_scene(const SceneCommand& command) {
 }
 
 /// A layer of patches, made as freshet synth animate makes a picture.
-void make_patches(const scene::PatchesTarget& target, const scene::PushedFrames::Sink& sink,
+void make_patches(const scene::PatchesTarget& target, const scene::PushedFrames::Sinks& sinks,
                   const RunContext& context) {
   AnimateRequest request;
   request.store = target.motion->store.string();
@@ -81,7 +81,7 @@ void make_patches(const scene::PatchesTarget& target, const scene::PushedFrames:
   request.loaded.matte = target.matte;
   request.loaded.matte_known = true;
   request.strokes = target.strokes;
-  animate_layer(request, sink, context);
+  animate_layer(request, sinks.frame, sinks.motion, context);
 }
 
 /// All that was written.
@@ -177,13 +177,13 @@ void run_scene(SceneCommand& command, const RunContext& context) {
     return;
   }
   const scene::PatchesMaker patches = [&](const scene::PatchesTarget& target,
-                                          const scene::PushedFrames::Sink& sink) {
-    make_patches(target, sink, context);
+                                          const scene::PushedFrames::Sinks& sinks) {
+    make_patches(target, sinks, context);
   };
   scene::SceneAnimation animation(
       asked, pixels, loaded.picture.size(),
       [&](const scene::SceneLayer& layer, const scene::LayerPixels& own) {
-        return scene::frames_of_layer(asked, layer, own, patches, context.stop);
+        return scene::frames_of_layer(asked, layer, own, patches, context.stop, layer_files.work());
       },
       &notices);
   say_all(notices);

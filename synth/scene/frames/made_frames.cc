@@ -7,7 +7,7 @@
 
 #include "freshet/error.h"
 #include "synth/sampling/pull_push.h"
-#include "synth/scene/rendering/footage_frames.h"
+#include "synth/scene/frames/footage_frames.h"
 #include "synth/scene/scene_marks.h"
 #include "synth/transfer/files/design_files.h"
 #include "synth/transfer/files/exemplar_files.h"
@@ -43,8 +43,9 @@ int fade_of(const Scene& asked, const SceneLayer& layer, int design_frames) {
 class TransferFrames : public LayerFrames {
  public:
   TransferFrames(const Scene& scene, const SceneLayer& layer, const TransferMotion& motion,
-                 const std::stop_token& stop)
+                 const std::stop_token& stop, FrameWork work)
       : at_(motion.at),
+        work_(work),
         files_(motion.design_alpha, motion.design_flow, 0),
         frames_(scene.frames),
         fade_(fade_of(scene, layer, files_.frames())),
@@ -53,7 +54,7 @@ class TransferFrames : public LayerFrames {
                                     .patch = transfer::TransferOptions{}.patch,
                                     .frames = std::min(scene.frames + fade_, files_.frames())}) {
     files_.check({}, stop);
-    if (motion.ground != ExemplarGround::kNone) {
+    if (motion.ground != FilmedGround::kNone) {
       const transfer::TransferOptions options;
       const transfer::Extent extent = transfer::mean_extent(files_.frames(), kSeen, options,
                                                             [this](int i) { return files_.read(i).alpha; });
@@ -67,23 +68,33 @@ class TransferFrames : public LayerFrames {
     while (frame_ < fade_) {
       make();
       before_.push_back(out_.clone());
+      flow_before_.push_back(flow_);
     }
+    leading_ = &flow_;
     if (frame_ < files_.frames()) make();
+    // The last frame of a shorter design stays.
+    if (frame_ == files_.frames() && frame_ < frames_) flow_ = cv::Mat::zeros(out_.size(), CV_32FC2);
     // Of the loop, from 0 on.
     const int left = frames_ + fade_ - frame_;
     if (left < fade_) {
       const double share = (fade_ - left) / (fade_ + 1.0);
-      cv::addWeighted(out_, 1 - share, before_[static_cast<std::size_t>(fade_ - 1 - left)], share, 0, out_);
+      const auto at = static_cast<std::size_t>(fade_ - 1 - left);
+      cv::addWeighted(out_, 1 - share, before_[at], share, 0, out_);
+      if (share > 0.5) leading_ = &flow_before_[at];
     }
     return out_;
   }
+  /// The design's.
+  std::optional<cv::Mat> motion() override { return *leading_; }
   cv::Point at() const override { return at_; }
 
  private:
   static constexpr int kSeen = 8;  // of the design's frames, for its extent
 
   void make() {
-    making_->next(files_.read(frame_++)).bgra.copyTo(out_);
+    const transfer::TargetFrame design = files_.read(frame_++);
+    if (work_ == FrameWork::kFramesAndMotion) flow_ = design.flow;
+    making_->next(design).bgra.copyTo(out_);
     for (int y = 0; y < out_.rows; ++y) {
       auto* row = out_.ptr<cv::Vec4f>(y);
       for (int x = 0; x < out_.cols; ++x)
@@ -92,25 +103,29 @@ class TransferFrames : public LayerFrames {
   }
 
   cv::Point at_;
+  FrameWork work_;
   transfer::DesignFiles files_;
   int frames_, fade_;
   transfer::ExemplarFiles exemplar_;
   std::optional<transfer::Transfer> making_;
   int frame_ = 0;                // of the design, that is made next
   std::vector<cv::Mat> before_;  // the loop's past: its last frames go over into them
-  cv::Mat out_;
+  cv::Mat out_, flow_;
+  std::vector<cv::Mat> flow_before_;  // of before_
+  const cv::Mat* leading_ = &flow_;   // the flow of what more is seen of
 };
 
 }  // namespace
 
 std::unique_ptr<LayerFrames> frames_of_layer(const Scene& scene, const SceneLayer& layer,
                                              const LayerPixels& pixels, const PatchesMaker& patches,
-                                             const std::stop_token& stop) {
+                                             const std::stop_token& stop, FrameWork work) {
   if (const auto* motion = layer.as<PatchesMotion>())
     return std::make_unique<PushedFrames>([target = target_of(scene, layer, *motion, pixels), &patches](
-                                              const PushedFrames::Sink& sink) { patches(target, sink); });
+                                              const PushedFrames::Sinks& sinks) { patches(target, sinks); },
+                                          work);
   if (const auto* motion = layer.as<TransferMotion>())
-    return std::make_unique<TransferFrames>(scene, layer, *motion, stop);
+    return std::make_unique<TransferFrames>(scene, layer, *motion, stop, work);
   return std::make_unique<FootageFrames>(*layer.as<FootageMotion>(), scene.frames, scene.fps, scene.loop);
 }
 

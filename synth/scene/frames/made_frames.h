@@ -25,8 +25,8 @@ struct PatchesTarget {
   cv::Mat matte;                         // CV_8U
   std::vector<hints::Stroke> strokes{};  // drawn in the scene for this layer
 };
-/// Makes a layer of patches: pushes all of its frames.
-using PatchesMaker = std::function<void(const PatchesTarget&, const PushedFrames::Sink&)>;
+/// Makes a layer of patches: pushes all of its frames, and their motion where it is asked for and the method knows it.
+using PatchesMaker = std::function<void(const PatchesTarget&, const PushedFrames::Sinks&)>;
 
 /// The frames of a layer whose motion is patches, transfer or footage. What takes its time runs beside the rendering.
 /// patches   outlives what is returned, and so do scene and layer.
@@ -34,6 +34,7 @@ using PatchesMaker = std::function<void(const PatchesTarget&, const PushedFrames
 ///           loop.
 std::unique_ptr<LayerFrames> frames_of_layer(const Scene& scene, const SceneLayer& layer,
                                              const LayerPixels& pixels, const PatchesMaker& patches,
-                                             const std::stop_token& stop);
+                                             const std::stop_token& stop,
+                                             FrameWork work = FrameWork::kFrames);
 
 }  // namespace freshet::synth::scene

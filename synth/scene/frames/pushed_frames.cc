@@ -10,10 +10,16 @@ constexpr std::size_t kAhead = 3;
 
 }  // namespace
 
-PushedFrames::PushedFrames(std::function<void(const Sink&)> make) {
-  thread_ = std::jthread([this, make = std::move(make)] {
+PushedFrames::PushedFrames(Make make, FrameWork work) {
+  thread_ = std::jthread([this, make = std::move(make), work] {
     try {
-      make([this](const cv::Mat& frame) { push(frame); });
+      Sinks sinks{.frame = [this](const cv::Mat& frame) { push(frame); }, .motion = {}};
+      if (work == FrameWork::kFramesAndMotion)
+        sinks.motion = [this](const cv::Mat& motion) {
+          const std::scoped_lock lock(mutex_);
+          motions_.push_back(motion.clone());
+        };
+      make(sinks);
     } catch (...) {
       const std::scoped_lock lock(mutex_);
       fault_ = std::current_exception();
@@ -39,6 +45,10 @@ const cv::Mat& PushedFrames::next() {
   if (!waiting_.empty()) {
     frame_ = waiting_.front();
     waiting_.pop_front();
+    if (!motions_.empty()) {
+      motion_ = motions_.front();
+      motions_.pop_front();
+    }
     changed_.notify_all();
     return frame_;
   }

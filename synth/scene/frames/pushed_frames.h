@@ -6,6 +6,7 @@
 #include <exception>
 #include <functional>
 #include <mutex>
+#include <optional>
 #include <thread>
 
 #include <opencv2/core.hpp>
@@ -18,13 +19,20 @@ namespace freshet::synth::scene {
 /// ahead. The last frame stays.
 class PushedFrames : public LayerFrames {
  public:
-  using Sink = std::function<void(const cv::Mat&)>;
-  /// make   pushes frames of the picture's size, as LayerFrames has them; what it throws is thrown by next().
-  explicit PushedFrames(std::function<void(const Sink&)> make);
+  /// Where a maker leaves what it makes, each in the order of the frames, from any thread.
+  struct Sinks {
+    std::function<void(const cv::Mat&)> frame;  // of the picture's size, as LayerFrames has them
+    std::function<void(const cv::Mat&)>
+        motion;  // of a frame, before it comes itself; empty: none is asked for
+  };
+  using Make = std::function<void(const Sinks&)>;
+  /// make   what it throws is thrown by next(). It may leave no motion at all: then none is known.
+  explicit PushedFrames(Make make, FrameWork work = FrameWork::kFrames);
   /// Ends the maker with its next frame.
   ~PushedFrames() override;
 
   const cv::Mat& next() override;
+  std::optional<cv::Mat> motion() override { return motion_; }
   cv::Point at() const override { return {0, 0}; }
 
  private:
@@ -33,8 +41,9 @@ class PushedFrames : public LayerFrames {
 
   std::mutex mutex_;
   std::condition_variable changed_;
-  std::deque<cv::Mat> waiting_;
+  std::deque<cv::Mat> waiting_, motions_;
   cv::Mat frame_;
+  std::optional<cv::Mat> motion_;
   std::exception_ptr fault_;
   bool done_ = false, left_ = false;
   std::jthread thread_;

@@ -1,6 +1,8 @@
 #include "synth/scene/kinds/footage.h"
 
 #include <cmath>
+#include <optional>
+#include <string>
 
 #include "synth/scene/kinds/kind_keys.h"
 
@@ -8,6 +10,19 @@ namespace freshet::synth::scene {
 namespace {
 
 void read_at(Section& section, FootageMotion& footage) { footage.at = place_of(section, "at"); }
+void take_ground(FootageMotion& footage, std::size_t word) {
+  footage.ground = static_cast<FilmedGround>(word);
+}
+/// A layer cut from the picture has more ways to say its matte.
+void read_film_matte(Section& section, FootageMotion& footage) {
+  constexpr const char* kRemedy =
+      "Give matte = \"FILE\": a grey picture of the film's shape, white where the layer is";
+  const std::optional<std::string> name = section.text("matte");
+  if (!name) return;
+  if (*name == "rest" || *name == "paint" || *name == "painted")
+    section.refuse("matte", "it is of the picture, and this layer is a film", kRemedy);
+  footage.matte = section.beside(*name);
+}
 
 }  // namespace
 
@@ -18,10 +33,22 @@ const std::vector<Key<FootageMotion>>& keys_of<FootageMotion>() {
        &FootageMotion::file,
        {},
        "",
-       "a numbered sequence (f.####.png) or video with alpha. Where it is shorter, and in a loop, its end "
-       "goes over into "
-       "its beginning",
+       "a numbered sequence (f.####.png) or video. Without alpha, matte and ground it covers its whole "
+       "rectangle. Where it is shorter, and in a loop, its end goes over into its beginning",
        kNeeded},
+      {"matte",
+       read_film_matte,
+       {},
+       "",
+       "a grey picture of the film's shape, white where the layer is: it lies still over the film, and "
+       "limits "
+       "what its alpha or ground leaves",
+       "none"},
+      {"ground",
+       Words<FootageMotion>{filmed_grounds(), take_ground},
+       {},
+       "",
+       "what the film was filmed on, which is taken off: light on black, as fire; dark on white, as smoke"},
       {"at", read_at, {}, "", "[x, y], px: its upper left corner", "0, 0"},
       {"width",
        &FootageMotion::width,

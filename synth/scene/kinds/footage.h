@@ -1,10 +1,11 @@
-// synth/scene/kinds/footage.h — a sequence or video with alpha.
+// synth/scene/kinds/footage.h — a sequence or video over the picture.
 #pragma once
 
 #include <filesystem>
 
 #include <opencv2/core.hpp>
 
+#include "synth/scene/kinds/filmed_ground.h"
 #include "synth/scene/kinds/kind.h"
 
 namespace freshet::synth::scene {
@@ -18,6 +19,8 @@ struct FootageMotion {
   int width = 0;  // px that it is shown wide, in its own shape; 0: as it is
   double start_s = 0;
   bool repeats = true;
+  std::filesystem::path matte{};  // grey, still over the film, of its shape; empty: none
+  FilmedGround ground = FilmedGround::kNone;
 };
 
 /// Of the scene, with which the footage begins.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include <fmt/format.h>
 #include <oneapi/tbb/parallel_for.h>
@@ -99,6 +100,16 @@ void to_motion(cv::Mat& now, const cv::Mat& next) {
       at[x] = q - p;
     }
   });
+}
+
+/// Of a layer that brings its frames, where it lies in the picture; empty where it is not known.
+cv::Mat own_motion(LayerFrames& frames, cv::Size picture) {
+  const std::optional<cv::Mat> motion = frames.motion();
+  if (!motion) return {};
+  cv::Mat whole(picture, CV_32FC2, cv::Scalar::all(0));
+  const cv::Rect box = cv::Rect(frames.at(), motion->size()) & cv::Rect({0, 0}, picture);
+  if (!box.empty()) (*motion)(box - frames.at()).copyTo(whole(box));
+  return whole;
 }
 
 }  // namespace
@@ -209,7 +220,11 @@ std::vector<cv::Mat> SceneAnimation::motions() {
   move([&](Motion& motion) { motion.go_on_from(frame_); });
   const std::vector<cv::Mat> next = displacements();
   move([&](Motion& motion) { motion.go_to(frame_); });
-  for (std::size_t i = 0; i < all.size(); ++i) to_motion(all[i], next[i]);
+  for (std::size_t i = 0; i < all.size(); ++i)
+    if (placed_[i].frames == nullptr) to_motion(all[i], next[i]);
+  oneapi::tbb::parallel_for(std::size_t{0}, all.size(), [&](std::size_t i) {
+    if (placed_[i].frames != nullptr) all[i] = own_motion(*placed_[i].frames, picture_);
+  });
   return all;
 }
 

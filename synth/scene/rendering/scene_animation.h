@@ -59,8 +59,9 @@ class SceneAnimation {
   void layer(std::size_t i, cv::Mat& out) const;
 
   /// How far what each layer shows in the frame that was rendered last goes until the next: CV_32FC2 of the picture's
-  /// size, px, x right, y down, wherever the layer lies; empty for layers that bring frames of their own, whose motion
-  /// is not known here. Cost: the motion of two frames more.
+  /// size, px, x right, y down, wherever the layer lies; empty where it is not known. Once a frame. Layers that bring
+  /// frames of their own were asked for it (LayerFrames::motion). Cost: the motion of two frames more, and of footage
+  /// its optical flow.
   std::vector<cv::Mat> motions();
 
   const Cycle& cycle() const { return cycle_; }

@@ -1,8 +1,14 @@
-#include "synth/scene/rendering/footage_frames.h"
+#include "synth/scene/frames/footage_frames.h"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 #include <utility>
+
+#include <fmt/format.h>
+
+#include "freshet/error.h"
+#include "media/picture/picture.h"
 
 namespace freshet::synth::scene {
 namespace {
@@ -13,23 +19,36 @@ constexpr double kJump = 1.5;  // times what changes from frame to frame
 struct Read {
   int frames = 0;
   bool comes_round = false;
+  cv::Mat first{};
 };
 
 /// Reads on until the end, or `most` frames.
 Read read_through(const std::filesystem::path& file, int most) {
   FootageReader reader(file);
   Read read;
-  cv::Mat first, before;
+  cv::Mat before;
   double steps = 0;
   while (read.frames < most && (read.frames == 0 || !reader.at_end())) {
     const cv::Mat& frame = reader.next();
-    if (read.frames++ == 0) first = frame.clone();
+    if (read.frames++ == 0) read.first = frame.clone();
     if (!before.empty()) steps += cv::norm(frame, before, cv::NORM_L1);
     frame.copyTo(before);
   }
   const double mean = read.frames > 1 ? steps / (read.frames - 1) : 0;
-  read.comes_round = reader.at_end() && cv::norm(before, first, cv::NORM_L1) <= kJump * mean;
+  read.comes_round = reader.at_end() && cv::norm(before, read.first, cv::NORM_L1) <= kJump * mean;
   return read;
+}
+
+/// CV_8U of the film's size.
+cv::Mat matte_over(const FootageMotion& footage, cv::Size film) {
+  constexpr double kSameShape = 0.01;  // as mattes of pictures
+  const cv::Size size = media::read_deep_picture(footage.matte).values.size();
+  if (std::abs(size.aspectRatio() / film.aspectRatio() - 1) > kSameShape)
+    throw Error(ErrorKind::kInput, footage.matte.string(),
+                fmt::format("the matte has {} x {} px, the film {} {} x {}: another shape", size.width,
+                            size.height, footage.file.string(), film.width, film.height),
+                "Paint it over a frame of the film");
+  return media::read_matte(footage.matte, film).alpha;
 }
 
 std::vector<int> split(int frames, int parts) {
@@ -63,6 +82,10 @@ FootageFrames::FootageFrames(const FootageMotion& footage, int scene_frames, dou
     : footage_(footage), round_(loop ? scene_frames : 0), since_(-start_frame(footage, fps)) {
   const int left = loop ? scene_frames : std::max(1, scene_frames + since_);
   const Read read = read_through(footage_.file, left + (loop ? kFadeMost : 0));
+  form_ = {.width = footage_.width, .ground = footage_.ground};
+  if (footage_.ground != FilmedGround::kNone) form_.ground_depth = ground_depth(read.first, footage_.ground);
+  if (!footage_.matte.empty()) form_.matte = matte_over(footage_, read.first.size());
+  comes_round_ = read.frames > 1 && read.comes_round && footage_.repeats;
   if (footage_.repeats || read.frames > left)
     course_ = footage_course(left, loop, read.frames, read.comes_round);
   else
@@ -79,15 +102,23 @@ FootageFrames::FootageFrames(const FootageMotion& footage, int scene_frames, dou
 }
 
 std::unique_ptr<FootageReader> FootageFrames::reader() const {
-  return std::make_unique<FootageReader>(footage_.file, footage_.width);
+  return std::make_unique<FootageReader>(footage_.file, form_);
 }
 
 const cv::Mat& FootageFrames::next() {
   const int since = since_++;
   if (since_ == round_) since_ = 0;
   if (since >= 0 && since < shown_) return next_of_course();
+  leading_ = nullptr;
   static const cv::Mat kNothing;
   return kNothing;
+}
+
+std::optional<cv::Mat> FootageFrames::motion() {
+  if (leading_ == nullptr) return cv::Mat();
+  if (const cv::Mat found = leading_->motion(comes_round_); !found.empty()) motion_ = found;
+  if (motion_.size() != frame_.size()) motion_ = cv::Mat(frame_.size(), CV_32FC2, cv::Scalar::all(0));
+  return motion_;
 }
 
 const cv::Mat& FootageFrames::next_of_course() {
@@ -97,8 +128,10 @@ const cv::Mat& FootageFrames::next_of_course() {
     place_ = 0;
   }
   playing_->next().copyTo(frame_);
+  leading_ = playing_.get();
   if (place_ < course_.fade && before_ != nullptr) {
     const double share = (place_ + 1.0) / (course_.fade + 1);
+    if (share < 0.5) leading_ = before_.get();
     cv::addWeighted(frame_, share, before_->next(), 1 - share, 0, frame_);
   }
   ++place_;

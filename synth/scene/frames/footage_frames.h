@@ -1,12 +1,13 @@
-// synth/scene/rendering/footage_frames.h — a sequence or video with alpha as a layer, for as long as the scene lasts.
+// synth/scene/frames/footage_frames.h — a sequence or video as a layer, for as long as the scene lasts.
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include <opencv2/core.hpp>
 
-#include "synth/scene/rendering/footage_reader.h"
+#include "synth/scene/frames/footage_reader.h"
 #include "synth/scene/rendering/layer_frames.h"
 #include "synth/scene/scene.h"
 
@@ -30,9 +31,12 @@ inline constexpr int kFadeMost = 24;  // frames
 class FootageFrames : public LayerFrames {
  public:
   /// Reads the file once, as far as the scene lasts, to know its length; and in a loop, in which it starts later, on to
-  /// the frame that the scene begins with. scene_frames, fps, loop   of the scene. Throws as FootageReader.
+  /// the frame that the scene begins with. scene_frames, fps, loop   of the scene. Throws as FootageReader, and
+  /// Error{kInput} for a matte of another shape than the film, or that is none (media::read_matte).
   FootageFrames(const FootageMotion& footage, int scene_frames, double fps, bool loop);
   const cv::Mat& next() override;
+  /// By optical flow (FootageReader::motion), of any FrameWork. 0 for a film of one frame.
+  std::optional<cv::Mat> motion() override;
   cv::Point at() const override { return footage_.at; }
 
  private:
@@ -40,6 +44,7 @@ class FootageFrames : public LayerFrames {
   const cv::Mat& next_of_course();
 
   FootageMotion footage_;
+  FootageForm form_;
   FootageCourse course_;
   int round_ = 0;                                    // frames after which it comes again; 0: never
   int since_ = 0;                                    // frames since its start; below 0: it is to come
@@ -47,7 +52,9 @@ class FootageFrames : public LayerFrames {
   std::size_t which_ = 0;                            // course
   int place_ = 0;                                    // in it
   std::unique_ptr<FootageReader> before_, playing_;  // before_: of the course before, while it fades
-  cv::Mat frame_;
+  bool comes_round_ = false;                         // the film's last frame runs into its first
+  FootageReader* leading_ = nullptr;  // of the two, that of which more is seen; null where nothing is
+  cv::Mat frame_, motion_;
 };
 
 }  // namespace freshet::synth::scene
