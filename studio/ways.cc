@@ -131,8 +131,9 @@ JobId Ways::submit(const std::shared_ptr<Easel>& easel, const Way& way, const Do
   const auto make = [this, easel, document, &way, plan, project, name, exported](const Job& job) {
     if (plan.animates) projects_.await_previews(project, *easel, job);
     Project& holder = easel->project();
+    expect_no_links(holder.folder());  // films may be looked at
     const RecipeFiles files = holder.recipe_files(document);
-    holder.write_way(plan.folder, way.files({document, holder.picture()->bgr, files}));
+    holder.write_way(plan.folder, way.files({document, holder.picture()->bgr, files, holder.folder()}));
     if (plan.animates) {
       // Its films are made one by one: what was found of those before them does not say what they show.
       holder.write_way(plan.folder, {{plan.answer, "null"}});

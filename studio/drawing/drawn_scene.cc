@@ -19,7 +19,7 @@ using Json = nlohmann::json;
 
 constexpr std::size_t kMostLayers = 64, kLongestName = 60;
 
-constexpr const char* kFilms[] = {"design", "flowlines", "clip"};
+constexpr const char* kFilms[] = {"design", "flowlines", "stills", "clip"};
 constexpr const char* kMattes[] = {"painted", "scribbled", "rest"};  // by LayerMatte
 
 /// A name that a scene file takes.
@@ -46,7 +46,7 @@ std::string read_motion(const Fields& fields) {
 
 DrawnLayer read_layer(const Fields& fields) {
   fields.only({"name", "motion", "matte", "paint", "lines", "plant", "shimmer", "waves", "mirrors", "roll",
-               "drift", "class", "film", "clip", "start", "repeats", "blend"});
+               "drift", "class", "film", "clip", "start", "repeats", "ground", "blend"});
   const std::string matte = fields.word("matte", {std::begin(kMattes), std::end(kMattes)});
   DrawnLayer layer{.name = layer_name(fields),
                    .motion = read_motion(fields),
@@ -64,10 +64,11 @@ DrawnLayer read_layer(const Fields& fields) {
                    .class_name = fields.text("class")};
   // Older documents have none of these.
   if (fields.has("clip")) layer.clip = fields.text("clip");
-  layer.film = layer.clip.empty() ? kFilms[0] : kFilms[2];
+  layer.film = layer.clip.empty() ? kFilms[0] : "clip";
   if (fields.has("film")) layer.film = fields.word("film", {std::begin(kFilms), std::end(kFilms)});
   if (fields.has("start")) layer.start = number(fields, "start", "footage", "start");
   if (fields.has("repeats")) layer.repeats = fields.flag("repeats");
+  if (fields.has("ground")) layer.ground = fields.word("ground", synth::scene::filmed_grounds());
   if (fields.has("blend"))
     layer.blend = fields.word("blend", {std::begin(synth::scene::kBlends), std::end(synth::scene::kBlends)});
   if (layer.clip.find('/') != std::string::npos || layer.clip.starts_with('.'))
@@ -92,6 +93,7 @@ Json layer_json(const DrawnLayer& layer) {
           {"clip", layer.clip},
           {"start", layer.start},
           {"repeats", layer.repeats},
+          {"ground", layer.ground},
           {"blend", layer.blend}};
 }
 

@@ -44,17 +44,19 @@ struct DrawnLayer {
   /// From the first point to the last: armatures of a tree, from the root; water's horizon and a boat's hull line, of
   /// which the first line counts; strokes of patches. Of footage, from its upper left corner to its lower right one.
   std::vector<DrawnStroke> lines{};
-  std::string plant = "tree";   // "tree", "flower", "grass"
-  double shimmer = 0;           // of leaves, px; this and the other numbers in the scene file's ranges
-  double waves = 0;             // amplitude; 0: the usual
-  bool mirrors = false;         // of water: what moves above it
-  double roll = 1;              // of a boat, and how much it heaves
-  double drift = 0;             // of clouds, px/s; 0: as the wind blows
-  std::string class_name{};     // of patches; empty: all
-  std::string film = "design";  // footage of: "design", "flowlines" (what these modes have made), "clip"
-  std::string clip{};           // of film "clip": one that was dropped (own_clip_path)
-  double start = 0;             // of footage, s
-  bool repeats = true;          // of footage
+  std::string plant = "tree";  // "tree", "flower", "grass"
+  double shimmer = 0;          // of leaves, px; this and the other numbers in the scene file's ranges
+  double waves = 0;            // amplitude; 0: the usual
+  bool mirrors = false;        // of water: what moves above it
+  double roll = 1;             // of a boat, and how much it heaves
+  double drift = 0;            // of clouds, px/s; 0: as the wind blows
+  std::string class_name{};    // of patches; empty: all
+  std::string film =
+      "design";         // footage of: "design", "flowlines", "stills" (what these modes have made), "clip"
+  std::string clip{};   // of film "clip": one that was dropped (own_clip_path)
+  double start = 0;     // of footage, s
+  bool repeats = true;  // of footage
+  std::string ground = "none";  // of footage: "none", "black", "white", which is taken off
   std::string blend = "over";   // "over", "add", "screen"
   bool operator==(const DrawnLayer&) const = default;
 };

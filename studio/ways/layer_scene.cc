@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 #include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
 
 #include "freshet/error.h"
 #include "studio/drawing/drawn_matte.h"
@@ -51,33 +52,66 @@ cv::Mat scribbled(const DrawnLayer& layer, cv::Size size) {
 std::string film_of(const DrawnLayer& layer, const SceneFiles& files) {
   if (layer.film == "design") return files.design;
   if (layer.film == "flowlines") return files.flowlines;
+  if (layer.film == "stills") return files.stills;
   return layer.clip.empty() ? "" : files.clips + "/" + layer.clip;
+}
+
+bool is_painted(const DrawnLayer& layer) {
+  return std::any_of(layer.paint.begin(), layer.paint.end(), [](const Drawn& line) { return line.adds; });
 }
 
 void expect_drawn(const DrawnLayer& layer, const SceneFiles& files) {
   if (layer.motion == "footage") {
     if (film_of(layer, files).empty())
       lacks(layer, "it has no film",
-            "Drop one, give a motion its look under Design, or make a clip endless under Flow lines");
+            "Drop one, give a motion its look under Design, make a clip endless under Flow lines, or a film "
+            "under "
+            "Stills");
     return;
   }
-  const bool is_somewhere =
-      std::any_of(layer.paint.begin(), layer.paint.end(), [](const Drawn& line) { return line.adds; });
-  if (layer.matte != LayerMatte::kRest && !is_somewhere) lacks(layer, "it is nowhere", "Paint where it is");
+  if (layer.matte != LayerMatte::kRest && !is_painted(layer))
+    lacks(layer, "it is nowhere", "Paint where it is");
   if (layer.motion == "patches" && files.store.empty())
     lacks(layer, "its patches have no store", "Choose one under Look");
   const DrawnMotion& motion = drawn_motion(layer.motion);
   if (layer.lines.empty() && motion.missing != nullptr) lacks(layer, motion.missing, motion.remedy);
 }
 
-/// Where footage lies: over all of the picture's width, unless a line says otherwise.
-std::string footage_keys(const DrawnLayer& layer, cv::Size size, const SceneFiles& files) {
+/// Where footage lies, px of the picture; as high as its shape makes it.
+struct FilmPlace {
+  cv::Point at;
+  int width = 1;
+};
+
+/// Over all of the picture's width, unless a line says otherwise.
+FilmPlace place_of(const DrawnLayer& layer, cv::Size size) {
   cv::Point2f from(0, 0), to(static_cast<float>(size.width), 0);
   if (!layer.lines.empty()) from = layer.lines.front().points.front(), to = layer.lines.front().points.back();
-  return fmt::format("file = {}\nat = [{}, {}]\nwidth = {}\nstart = {}\nrepeat = {}\n",
-                     toml_text(film_of(layer, files)), cvRound(std::min(from.x, to.x)),
-                     cvRound(std::min(from.y, to.y)), std::max(1, cvRound(std::abs(to.x - from.x))),
-                     layer.start, layer.repeats);
+  return {.at = {cvRound(std::min(from.x, to.x)), cvRound(std::min(from.y, to.y))},
+          .width = std::max(1, cvRound(std::abs(to.x - from.x)))};
+}
+
+/// What was painted over the picture, as it lies over the film. Empty: all of the film is seen.
+cv::Mat film_matte(const DrawnLayer& layer, cv::Size picture, cv::Size film) {
+  const FilmPlace place = place_of(layer, picture);
+  const double scale = 1.0 * place.width / film.width;  // from the film's px to the picture's
+  const cv::Matx23d picture_from_film(scale, 0, 0.5 * scale - 0.5 + place.at.x, 0, scale,
+                                      0.5 * scale - 0.5 + place.at.y);
+  cv::Mat matte;
+  cv::warpAffine(painted(layer, picture), matte, picture_from_film, film,
+                 cv::INTER_LINEAR | cv::WARP_INVERSE_MAP, cv::BORDER_CONSTANT);
+  double least = 0, most = 0;
+  cv::minMaxLoc(matte, &least, &most);
+  if (most == 0)
+    lacks(layer, "its paint lies beside the film", "Paint what of it is seen, or clear the paint");
+  return least == 255 ? cv::Mat() : matte;
+}
+
+std::string footage_keys(const DrawnLayer& layer, cv::Size size, const SceneFiles& files) {
+  const FilmPlace place = place_of(layer, size);
+  return fmt::format("file = {}\nat = [{}, {}]\nwidth = {}\nstart = {}\nrepeat = {}\nground = \"{}\"\n",
+                     toml_text(film_of(layer, files)), place.at.x, place.at.y, place.width, layer.start,
+                     layer.repeats, layer.ground);
 }
 
 /// What its motion has to say.
@@ -151,6 +185,12 @@ std::vector<WayFile> layer_scene(const DrawnScene& scene, cv::Size size, const S
                         layer.motion, layer.blend);
     if (layer.motion == "footage") {
       toml += footage_keys(layer, size, files);
+      const cv::Mat matte =
+          is_painted(layer) ? film_matte(layer, size, files.film_size(film_of(layer, files))) : cv::Mat();
+      if (!matte.empty()) {
+        toml += fmt::format("matte = \"{}\"\n", file);
+        made.push_back({file, png(matte)});
+      }
     } else if (layer.matte == LayerMatte::kRest) {
       toml += "matte = \"rest\"\n";
     } else if (layer.matte == LayerMatte::kPainted) {

@@ -65,8 +65,8 @@ void LiveLayers::render(const Document& document, const cv::Mat& picture, int fi
   small.flowlines = document.flowlines;
   RecipeFiles named;
   named.picture = std::string("ways/") + kFolder + "/" + kPicture;
-  std::vector<WayFile> files =
-      way_of("scene").files({.document = small, .picture = still_.bgr, .files = named});
+  std::vector<WayFile> files = way_of("scene").files(
+      {.document = small, .picture = still_.bgr, .files = named, .folder = places.project});
   const std::string key = cut_key(small.scene, files);
   if (key == cut_by_) std::erase_if(files, cuts);  // they lie there
   places.write(kFolder, files);

@@ -3,6 +3,7 @@
 #include "freshet/error.h"
 #include "studio/ways/layer_scene.h"
 #include "studio/ways/way.h"
+#include "synth/scene/frames/footage_reader.h"
 
 namespace freshet::studio {
 namespace {
@@ -31,7 +32,11 @@ std::vector<WayFile> scene_files(const WayInput& input) {
                       .store = document.store,
                       .design = document.design.look.empty() ? "" : "../design/fluid.mkv",
                       .flowlines = document.flowlines.clip.empty() ? "" : "../flowlines/film.mp4",
-                      .clips = "../flowlines/clips"});
+                      .stills = "../stills/film.mp4",
+                      .clips = "../flowlines/clips",
+                      .film_size = [folder = input.folder / "ways/scene"](const std::string& film) {
+                        return synth::scene::FootageReader((folder / film).lexically_normal()).next().size();
+                      }});
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 // studio/ways/way.h — another way to synthesise, as files and the command lines that make a film of them.
 #pragma once
 
+#include <filesystem>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -30,8 +31,9 @@ struct WayPlan {
 /// What a way's files are made of.
 struct WayInput {
   const Document& document;
-  const cv::Mat& picture;    // CV_8UC3, the project's
-  const RecipeFiles& files;  // what lies in the project's folder
+  const cv::Mat& picture;             // CV_8UC3, the project's
+  const RecipeFiles& files;           // what lies in the project's folder
+  std::filesystem::path folder = {};  // that one; empty: films that other ways have made are not looked at
 };
 
 /// One way to synthesise; what a document says of it is a part of the same name (drawing/document.cc).

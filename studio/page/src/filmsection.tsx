@@ -5,7 +5,7 @@ import * as api from "./api";
 import { CommandLine, Running, Section, Switch } from "./parts";
 import { layOver } from "./layers";
 import * as state from "./state";
-import type { Blend, Job, LayerFilm, Way } from "./types";
+import type { Blend, Ground, Job, LayerFilm, Way } from "./types";
 import * as view from "./view";
 import { stageWords } from "./words";
 
@@ -87,10 +87,10 @@ export function FilmSection({ name, way, ready, live = false, stale = false }: {
 }
 
 /** What a mode has made becomes a layer over the picture. */
-export function LayOver({ film, blend }: { film: LayerFilm; blend: Blend }): JSX.Element {
+export function LayOver({ film, blend, ground = "none" }: { film: LayerFilm; blend: Blend; ground?: Ground }): JSX.Element {
   return (
     <div class="row section">
-      <button type="button" class="quiet" onClick={() => layOver({ name: film, film, blend })}>
+      <button type="button" class="quiet" onClick={() => layOver({ name: film, film, blend, ground })}>
         Lay it over the picture
       </button>
     </div>

@@ -39,7 +39,7 @@ export function FlowlinesPanel({ document }: { document: Document }): JSX.Elemen
             <Switch label="A camera that moves" hint="Without it such a clip is refused" checked={flowlines.moving_camera} onChange={(moving_camera) => change({ moving_camera })} />
           </Section>
           <FilmSection name={kWay} way={way} ready={true} />
-          {way?.film && <LayOver film="flowlines" blend={flowlines.ground === "black" ? "screen" : "over"} />}
+          {way?.film && <LayOver film="flowlines" blend={flowlines.ground === "black" ? "screen" : "over"} ground={flowlines.ground === "white" ? "white" : "none"} />}
         </>
       )}
     </>

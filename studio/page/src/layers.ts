@@ -18,7 +18,7 @@ export const kMotions: Record<LayerMotion, MotionRow> = {
   boat: { label: "Boat", usual: "boat", line: "Draw a line along the hull, at the water." },
   clouds: { label: "Clouds", usual: "clouds" },
   patches: { label: "Fluid of the store", usual: "fluid", line: "Draw lines along the flow." },
-  footage: { label: "Film with alpha", usual: "film", line: "Draw from its upper left corner to its lower right one: it is as wide as that." },
+  footage: { label: "Film", usual: "film", line: "Draw from its upper left corner to its lower right one: it is as wide as that." },
   still: { label: "Stands still", usual: "still" },
 };
 
@@ -53,7 +53,7 @@ export function addLayer(motion: LayerMotion, as: Partial<DrawnLayer> = {}): voi
   const usual = as.name ?? kMotions[motion].usual;
   let name = usual;
   for (let number = 2; layers.some((layer) => layer.name === name); ++number) name = `${usual} ${number}`;
-  const made: DrawnLayer = { motion, matte: "painted", paint: [], lines: [], plant: "tree", shimmer: 0, waves: 0, mirrors: false, roll: 1, drift: 0, class: "", film: "design", clip: "", start: 0, repeats: true, blend: "over", ...as, name };
+  const made: DrawnLayer = { motion, matte: "painted", paint: [], lines: [], plant: "tree", shimmer: 0, waves: 0, mirrors: false, roll: 1, drift: 0, class: "", film: "design", clip: "", start: 0, repeats: true, ground: "none", blend: "over", ...as, name };
   changeScene({ layers: [made, ...layers] });
   view.layer.value = 0;
   view.layerTool.value = motion === "footage" ? "line" : "paint";
@@ -84,7 +84,7 @@ export function moveLayer(by: -1 | 1): void {
 
 export function paintLayer(drawn: Drawn[]): void {
   const layer = chosenLayer();
-  if (layer && layer.motion !== "footage") changeLayer({ paint: [...layer.paint, ...drawn], ...(layer.matte === "rest" ? { matte: "painted" as const } : {}) });
+  if (layer) changeLayer({ paint: [...layer.paint, ...drawn], ...(layer.matte === "rest" ? { matte: "painted" as const } : {}) });
 }
 
 export function addLayerLine(points: Point[]): void {

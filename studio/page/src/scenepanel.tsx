@@ -9,7 +9,7 @@ import { layersProblem, liveLayers, renewLayers } from "./livelayers";
 import { DropClip, useOwnClips } from "./ownclips";
 import { Choice, IconButton, named, Section, Select, Slider, Switch } from "./parts";
 import * as state from "./state";
-import type { Blend, Document, DrawnLayer, DrawnScene, LayerFilm, LayerMatte, LayerMotion } from "./types";
+import type { Blend, Document, DrawnLayer, DrawnScene, Ground, LayerFilm, LayerMatte, LayerMotion } from "./types";
 import * as view from "./view";
 
 const kWay = "scene";
@@ -45,7 +45,7 @@ export function ScenePanel({ document }: { document: Document }): JSX.Element {
       {scene.layers.length > 0 && (
         <>
           <WindSection scene={scene} />
-          {layersProblem.value && !way?.lacks && <p class="problem">{layersProblem.value}</p>}
+          {layersProblem.value && !way?.lacks && <p class="problem section">{layersProblem.value}</p>}
           <FilmSection name={kWay} way={way} ready={true} live={!!liveLayers.reel.value} stale={film !== "" && kept !== kFilmed.get(film)} />
           {way?.made && way.shown[0] && (
             <Section title="What was understood">
@@ -100,11 +100,11 @@ function ListSection({ layers }: { layers: DrawnLayer[] }): JSX.Element {
 function LayerSection({ layer }: { layer: DrawnLayer }): JSX.Element {
   const tool = view.layerTool.value;
   const words = kMotions[layer.motion].line;
-  const film = layer.motion === "footage"; // it brings its own pixels, and has no matte
-  const tools = kTools.filter(([id]) => id === "line" ? !!words : !film && layer.matte !== "rest");
+  const film = layer.motion === "footage"; // it brings its own pixels; paint says what of them is seen
+  const tools = kTools.filter(([id]) => id === "line" ? !!words : layer.matte !== "rest");
   const hints: Record<view.LayerTool, string> = {
-    paint: layer.matte === "scribbled" ? "Scribble on the layer; the rest of it is found." : "Paint where the layer is.",
-    erase: layer.matte === "scribbled" ? "Scribble beside the layer." : "Take away where the layer is not.",
+    paint: film ? "Paint what of the film is seen. Without paint all of it is." : layer.matte === "scribbled" ? "Scribble on the layer; the rest of it is found." : "Paint where the layer is.",
+    erase: film ? "Take away what of the film is not seen." : layer.matte === "scribbled" ? "Scribble beside the layer." : "Take away where the layer is not.",
     area: "Draw around the layer, or click its corners and then the first one again.",
     line: words ?? "",
   };
@@ -133,17 +133,15 @@ function LayerSection({ layer }: { layer: DrawnLayer }): JSX.Element {
         </div>
       )}
       {tools.some(([id]) => id === tool) && <p class="hint">{hints[tool]}</p>}
-      {(tool === "paint" || tool === "erase") && !film && layer.matte !== "rest" && (
+      {(tool === "paint" || tool === "erase") && layer.matte !== "rest" && (
         <Slider label="Brush" value={view.brush.value} min={2} max={400} logarithmic shown={`${Math.round(view.brush.value)} px`} onInput={(value) => (view.brush.value = value)} />
       )}
       <MotionOptions layer={layer} />
       {layer.matte !== "rest" && <Select label="Over what lies behind it" value={layer.blend} options={kBlends} onChange={(blend) => changeLayer({ blend })} />}
       <div class="row">
-        {!film && (
-          <button type="button" class="quiet" disabled={layer.paint.length === 0} onClick={() => changeLayer({ paint: [] })}>
-            Clear paint
-          </button>
-        )}
+        <button type="button" class="quiet" disabled={layer.paint.length === 0} onClick={() => changeLayer({ paint: [] })}>
+          Clear paint
+        </button>
         {words && (
           <button type="button" class="quiet" disabled={layer.lines.length === 0} onClick={() => changeLayer({ lines: [] })}>
             {film ? "As wide as the picture" : "Clear lines"}
@@ -200,13 +198,15 @@ function MotionOptions({ layer }: { layer: DrawnLayer }): JSX.Element | null {
   }
 }
 
-const kFilms = { design: "What Design has made", flowlines: "The endless clip of Flow lines" } as const;
+const kFilms = { design: "What Design has made", flowlines: "The endless clip of Flow lines", stills: "The film of Stills" } as const;
+const kGrounds: readonly (readonly [Ground, string])[] = [["none", "in front of something"], ["black", "on black (light: fire)"], ["white", "on white"]];
 
 function FilmChoice({ layer }: { layer: DrawnLayer }): JSX.Element {
   const own = useOwnClips(layer.clip);
   const document = state.doc.value;
-  const there = { design: !!document?.design.look, flowlines: !!document?.flowlines.clip };
-  const made = (["design", "flowlines"] as const).filter((film) => there[film]);
+  const stills = useWay("stills", document?.stills);
+  const there = { design: !!document?.design.look, flowlines: !!document?.flowlines.clip, stills: !!stills?.film };
+  const made = (["design", "flowlines", "stills"] as const).filter((film) => there[film]);
   const value = layer.film === "clip" ? `clip:${layer.clip}` : layer.film;
   const known = layer.film === "clip" ? layer.clip !== "" : there[layer.film];
   const choose = (text: string): void => changeLayer(text.startsWith("clip:") ? { film: "clip", clip: text.slice(5) } : { film: text as LayerFilm });
@@ -215,6 +215,7 @@ function FilmChoice({ layer }: { layer: DrawnLayer }): JSX.Element {
     <>
       <Select label="Film" value={known ? value : ""} options={[...(known ? [] : [["", "Choose one"] as const]), ...made.map((film) => [film, kFilms[film]] as const), ...own.map((name) => [`clip:${name}`, name] as const)]} onChange={choose} />
       <DropClip taken={(clip) => changeLayerOf(layer.name, { film: "clip", clip })} />
+      <Select label="It was filmed" value={layer.ground} options={kGrounds} onChange={(ground) => changeLayer({ ground })} />
       <Slider label="Begins after" value={Math.min(layer.start, last)} min={0} max={last} step={0.04} shown={`${layer.start.toFixed(2)} s`} onInput={(start) => changeLayer({ start: Number(start.toFixed(2)) }, "layer-start")} />
       <Switch label="Comes again" hint="Without it, it plays once" checked={layer.repeats} onChange={(repeats) => changeLayer({ repeats })} />
     </>

@@ -4,7 +4,7 @@ import type { JSX } from "preact";
 import { useEffect, useState } from "preact/hooks";
 import { ArrowRight, Ban, ImagePlus, X } from "lucide-preact";
 import * as api from "./api";
-import { FilmSection, useWay } from "./filmsection";
+import { FilmSection, LayOver, useWay } from "./filmsection";
 import { IconButton, Section, Slider, Switch } from "./parts";
 import * as state from "./state";
 import type { Document, FoundRegion, FoundStills, Stills, StillsPath } from "./types";
@@ -33,6 +33,7 @@ export function StillsPanel({ document }: { document: Document }): JSX.Element {
         <Switch label="Full size" hint="Without it a draft, 480 px wide or high" checked={stills.full} onChange={(full) => change({ full })} />
       </Section>
       <FilmSection name={kWay} way={way} ready={names.length > 1} />
+      {way?.film && <LayOver film="stills" blend="over" />}
       {stills.paths.length > 0 && (
         <Section title="Changed orders">
           <ul class="paths">

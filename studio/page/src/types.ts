@@ -90,7 +90,7 @@ export interface FoundSweep {
 }
 
 export type LayerMotion = "still" | "tree" | "water" | "boat" | "clouds" | "patches" | "footage";
-export type LayerFilm = "design" | "flowlines" | "clip";
+export type LayerFilm = "design" | "flowlines" | "stills" | "clip";
 export type Blend = "over" | "add" | "screen";
 export type LayerMatte = "painted" | "scribbled" | "rest";
 
@@ -112,6 +112,7 @@ export interface DrawnLayer {
   clip: string; // that was dropped
   start: number; // of footage, s
   repeats: boolean;
+  ground: Ground; // of footage: what it was filmed on, taken off
   blend: Blend;
 }
 

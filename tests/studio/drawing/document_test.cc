@@ -91,6 +91,7 @@ Document full() {
                                 .clip = "fire 1.mkv",
                                 .start = 0.5,
                                 .repeats = false,
+                                .ground = "black",
                                 .blend = "screen"},
                                {.name = "land", .matte = LayerMatte::kRest}}};
   document.sweep = {.axes = {{.setting = "speed", .values = {"0.5", "2"}},
@@ -137,7 +138,7 @@ TEST(Document, WithoutOtherWaysIsAnOlderOne) {
   film["scene"]["layers"][1]["motion"] = "film";
   EXPECT_EQ(document_from_json(film.dump(), "document"), full()) << "what footage was called";
   for (Json& layer : film["scene"]["layers"])
-    for (const char* later : {"film", "start", "repeats", "blend"}) layer.erase(later);
+    for (const char* later : {"film", "start", "repeats", "ground", "blend"}) layer.erase(later);
   expected = full();
   expected.scene.layers[1] = {.name = "fire", .motion = "footage", .film = "clip", .clip = "fire 1.mkv"};
   EXPECT_EQ(document_from_json(film.dump(), "document"), expected);
@@ -204,7 +205,8 @@ TEST(Document, RefusesWhatItDoesNotKnow) {
                                     {"plant", Json("cactus")},
                                     {"shimmer", Json(99)},
                                     {"clip", Json("../a.mkv")},
-                                    {"film", Json("stills")},
+                                    {"film", Json("sweep")},
+                                    {"ground", Json("grey")},
                                     {"start", Json(-1)},
                                     {"blend", Json("dodge")},
                                     {"x", Json(1)}}) {

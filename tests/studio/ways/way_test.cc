@@ -39,8 +39,8 @@ const RecipeFiles kFiles{.picture = "picture.png",
                          .assignment = {}};
 
 std::vector<WayFile> files_of(const std::string& way, const Document& document,
-                              const RecipeFiles& files = kFiles) {
-  return way_of(way).files({document, kPicture, files});
+                              const RecipeFiles& files = kFiles, const std::filesystem::path& folder = {}) {
+  return way_of(way).files({document, kPicture, files, folder});
 }
 
 void write_files(const tools::WorkFolder& folder, const std::string& way, const Document& document,
@@ -241,16 +241,19 @@ TEST(Way, AFilmIsALayerWhereItWasPlaced) {
                             .clip = "a fire.mkv",
                             .start = 0.04,
                             .repeats = false,
+                            .ground = "black",
                             .blend = "screen"}};
   EXPECT_EQ(run_in(folder, "scene", document)["layers"], 2) << "and the rest";
   const std::string toml = tools::text_of(folder / "ways/scene/scene.toml");
-  for (const char* said :
-       {"at = [60, 20]\nwidth = 90\nstart = 0.04\nrepeat = false\n", "blend = \"screen\"\n"})
+  for (const char* said : {"at = [60, 20]\nwidth = 90\nstart = 0.04\nrepeat = false\nground = \"black\"\n",
+                           "blend = \"screen\"\n"})
     EXPECT_NE(toml.find(said), std::string::npos) << toml;
   document.scene.layers[0].film = "flowlines";
   EXPECT_THROW(files_of("scene", document), Error) << "no clip was made endless";
   document.flowlines.clip = "water/1.mp4";
   EXPECT_NE(files_of("scene", document).back().bytes.find("../flowlines/film.mp4"), std::string::npos);
+  document.scene.layers[0].film = "stills";
+  EXPECT_NE(files_of("scene", document).back().bytes.find("../stills/film.mp4"), std::string::npos);
   document.scene.layers[0].film = "design";
   EXPECT_THROW(files_of("scene", document), Error) << "Design has made none";
   document.design.look = "fire/1.mp4";
@@ -278,6 +281,48 @@ TEST(Way, AWindThatChangesEndsAsItSaysAndALoopsAsItBegan) {
   EXPECT_EQ(wind().at[1].speed_m_per_s, 2);
   document.scene.changes = false;
   EXPECT_FALSE(wind().changes());
+}
+
+TEST(Way, WhatIsPaintedOverAFilmIsItsMatte) {
+  const tools::WorkFolder folder;
+  write_picture(folder);
+  std::filesystem::create_directories(folder / "ways/flowlines/clips");
+  std::filesystem::create_directories(folder / "ways/scene");
+  const tools::Outcome made = folder.freshet({"synth", "simulate", "fire", "--size", "96x72", "--frames", "4",
+                                              "-o", "ways/flowlines/clips/fire.mkv"});
+  ASSERT_EQ(made.exit_code, 0) << made.err;
+  Document document;
+  document.scene.frames = 4;
+  document.scene.layers = {{.name = "fire",
+                            .motion = "footage",
+                            .lines = {{.points = {{60, 20}, {150, 90}}, .speed = {}}},
+                            .film = "clip",
+                            .clip = "fire.mkv"}};
+  const auto paint = [&](float left, float right) {
+    document.scene.layers[0].paint = {{.points = {{left, 0}, {right, 0}, {right, 140}, {left, 140}},
+                                       .width = 1,
+                                       .adds = true,
+                                       .is_area = true}};
+    std::vector<WayFile> files = files_of("scene", document, kFiles, folder.path());
+    for (const WayFile& file : files) folder.file("ways/scene/" + file.name, file.bytes);
+    return files;
+  };
+  const std::vector<WayFile> half = paint(0, 105);
+  ASSERT_EQ(half.front().name, "layer-1.png");
+  EXPECT_NE(half.back().bytes.find("matte = \"layer-1.png\""), std::string::npos);
+  const cv::Mat matte = cv::imread((folder / "ways/scene/layer-1.png").string(), cv::IMREAD_UNCHANGED);
+  ASSERT_EQ(matte.size(), cv::Size(96, 72)) << "the film's";
+  EXPECT_EQ(matte.at<std::uint8_t>(30, 46), 255);  // 104 px of the picture
+  EXPECT_EQ(matte.at<std::uint8_t>(30, 51), 0);
+  // Where it is painted the film is seen, beside it the picture.
+  const tools::Outcome outcome = folder.freshet(
+      {"synth", "scene", "ways/scene/scene.toml", "-o", "f/%02d.png", "--layers-out", "l/{layer}.%02d.png"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const cv::Mat layer = cv::imread((folder / "l/fire.01.png").string(), cv::IMREAD_UNCHANGED);
+  EXPECT_EQ(layer.at<cv::Vec4w>(50, 90)[3], 65535);
+  EXPECT_EQ(layer.at<cv::Vec4w>(50, 120)[3], 0);
+  EXPECT_THROW(paint(0, 40), Error) << "beside the film";
+  EXPECT_EQ(paint(0, 180).back().bytes.find("matte ="), std::string::npos) << "all of it is seen";
 }
 
 TEST(Way, SettingsAreTriedBesideEachOther) {

@@ -10,6 +10,8 @@ import * as view from "../view";
 import { kPlainTool, kShade, kTakes, type Sheet, showScribbles, type Tool } from "./tool";
 
 function showFilm(layer: DrawnLayer, colour: string, chosen: boolean, sheet: Sheet): void {
+  const { width, height } = sheet;
+  if (chosen && layer.paint.length > 0 && view.layerTool.value !== "line") sheet.add(new KonvaImage({ width, height, opacity: 0.35, listening: false, image: layerShape(layer.paint, colour, width, height) }));
   const [place] = layer.lines;
   const [[left, top], [right, bottom]] = place ? [place.points[0] as Point, place.points[place.points.length - 1] as Point] : [[0, 0], [sheet.width, sheet.height]];
   sheet.add(new Rect({ x: Math.min(left, right), y: Math.min(top, bottom), width: Math.abs(right - left), height: Math.abs(bottom - top), stroke: colour, strokeWidth: (chosen ? 2.4 : 1.2) / sheet.scale, dash: [6 / sheet.scale, 4 / sheet.scale], listening: false }));
