@@ -209,13 +209,13 @@ function FilmChoice({ layer }: { layer: DrawnLayer }): JSX.Element {
   const made = (["design", "flowlines", "stills"] as const).filter((film) => there[film]);
   const value = layer.film === "clip" ? `clip:${layer.clip}` : layer.film;
   const known = layer.film === "clip" ? layer.clip !== "" : there[layer.film];
-  const choose = (text: string): void => changeLayer(text.startsWith("clip:") ? { film: "clip", clip: text.slice(5) } : { film: text as LayerFilm });
+  const choose = (text: string): void => changeLayer(text.startsWith("clip:") ? { film: "clip", clip: text.slice(5) } : { film: text as LayerFilm, ...(text === "design" ? { ground: "none" as const } : {}) });
   const last = Math.max(0, (document?.scene.frames ?? 1) - 1) / 25;
   return (
     <>
       <Select label="Film" value={known ? value : ""} options={[...(known ? [] : [["", "Choose one"] as const]), ...made.map((film) => [film, kFilms[film]] as const), ...own.map((name) => [`clip:${name}`, name] as const)]} onChange={choose} />
       <DropClip taken={(clip) => changeLayerOf(layer.name, { film: "clip", clip })} />
-      <Select label="It was filmed" value={layer.ground} options={kGrounds} onChange={(ground) => changeLayer({ ground })} />
+      {layer.film !== "design" && <Select label="It was filmed" value={layer.ground} options={kGrounds} onChange={(ground) => changeLayer({ ground })} />}
       <Slider label="Begins after" value={Math.min(layer.start, last)} min={0} max={last} step={0.04} shown={`${layer.start.toFixed(2)} s`} onInput={(start) => changeLayer({ start: Number(start.toFixed(2)) }, "layer-start")} />
       <Switch label="Comes again" hint="Without it, it plays once" checked={layer.repeats} onChange={(repeats) => changeLayer({ repeats })} />
     </>
