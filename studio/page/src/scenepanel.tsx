@@ -205,7 +205,7 @@ function FilmChoice({ layer }: { layer: DrawnLayer }): JSX.Element {
   const own = useOwnClips(layer.clip);
   const document = state.doc.value;
   const stills = useWay("stills", document?.stills);
-  const there = { design: !!document?.design.look, flowlines: !!document?.flowlines.clip, stills: !!stills?.film };
+  const there = { design: !!document?.design.look, flowlines: !!document?.flowlines.clip, stills: stills ? !!stills.film : layer.film === "stills" }; // until the server has said
   const made = (["design", "flowlines", "stills"] as const).filter((film) => there[film]);
   const value = layer.film === "clip" ? `clip:${layer.clip}` : layer.film;
   const known = layer.film === "clip" ? layer.clip !== "" : there[layer.film];
