@@ -68,7 +68,8 @@ synth/flowlines/jumps:
 synth/flowlines/lines:
 synth/flowlines: vision synth/sampling synth/outline synth/flowlines/jumps synth/flowlines/lines
 synth/flowlines/files: store media/picture media/video hints stored synth/flowlines/lines synth/flowlines
-synth/stills: report cache media/frame media/picture hints vision synth/toml synth/matte
+synth/stills/between: cache vision synth/sampling
+synth/stills: report cache media/frame media/picture hints synth/toml synth/matte synth/stills/between
 synth/transfer: synth/field
 synth/transfer/files: cache store media/frame media/picture media/video vision stored synth/playing synth/transfer
 synth/scene/frames: media/frame media/picture media/video hints vision synth/sampling synth/scene/kinds synth/scene synth/scene/rendering synth/transfer synth/transfer/files

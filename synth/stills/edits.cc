@@ -83,6 +83,38 @@ const std::vector<Key<RegionEdits>>& region_keys() {
   return keys;
 }
 
+/// A place in a still.
+template <cv::Point2d StillPin::*place>
+void read_place(Section& section, StillPin& pin, const char* key) {
+  Vec2 value{};
+  if (section.read(key, value, {0, 100000})) pin.*place = {value.x, value.y};
+}
+
+const std::vector<Key<StillPin>>& pin_keys() {
+  static const std::vector<Key<StillPin>> keys{
+      {"from", &StillPin::from, {}, "", "the still in which `at` is", kNeeded},
+      {"to", &StillPin::to, {}, "", "the still in which `goes` is", kNeeded},
+      {"at",
+       [](Section& section, StillPin& pin) { read_place<&StillPin::at>(section, pin, "at"); },
+       {},
+       "px",
+       "[x, y] of a point in `from`, as the file is shown upright; [0, 0] is the upper left pixel",
+       kNeeded},
+      {"goes",
+       [](Section& section, StillPin& pin) { read_place<&StillPin::goes>(section, pin, "goes"); },
+       {},
+       "px",
+       "[x, y] of the same point in `to`",
+       kNeeded},
+      {"reach",
+       &StillPin::reach,
+       {1, 100000},
+       "px",
+       "the flow changes so far from `at`, and no farther; more for large things",
+       ".08 of the longer side"}};
+  return keys;
+}
+
 RegionEdits read_region(Section& section) {
   RegionEdits edits;
   read_keys(section, region_keys(), edits, "");
@@ -110,10 +142,12 @@ std::vector<int> numbers_of(const Names& some, const Names& names, const std::st
 
 }  // namespace
 
-std::vector<RegionEdits> read_edits(const std::filesystem::path& path) {
+StillsEdits read_edits(const std::filesystem::path& path) {
   const TomlText text(toml_file_text(path, kRemedy), path, kRemedy);
   Section root = text.root();
-  std::vector<RegionEdits> all{read_region(root)};
+  StillsEdits edits;
+  std::vector<RegionEdits>& all = edits.regions;
+  all.push_back(read_region(root));
   for (Section& section : root.tables("region")) {
     const std::optional<std::string> name = section.text("name");
     if (!name) section.refuse_whole("it does not say which region it is", "Add name = \"1\"");
@@ -122,8 +156,14 @@ std::vector<RegionEdits> read_edits(const std::filesystem::path& path) {
     all.back().region = *name;
     section.done();
   }
+  for (Section& section : root.tables("pin", 1000)) {
+    StillPin& pin = edits.pins.emplace_back();
+    read_keys(section, pin_keys(), pin,
+              "A pin is from = \"a.jpg\", to = \"b.jpg\", at = [x, y], goes = [x, y]");
+    section.done();
+  }
   root.done();
-  return all;
+  return edits;
 }
 
 std::string edit_keys() {
@@ -139,6 +179,16 @@ sequence = ["a.jpg", "b.jpg", "a.jpg"]  show the stills in this order; nothing i
 [[region]]
 name = "2"          as the page and the sheet call it; what holds for a region holds for its parts
 speed = 0.5
+
+Below [[pin]], where something of one still lies in another. Flow leads from the one to the other, and back:
+
+)" + key_lines(key_texts(pin_keys())) +
+         R"(
+[[pin]]
+from = "a.jpg"
+to = "b.jpg"
+at = [412, 230]
+goes = [530, 218]
 )";
 }
 

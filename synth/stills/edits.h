@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include <opencv2/core.hpp>
+
 #include "synth/stills/partial_order.h"
 #include "synth/stills/region.h"
 
@@ -28,10 +30,23 @@ struct RegionEdits {
   std::vector<std::string> sequence = {};             // shown in this order; nothing is drawn
 };
 
+/// Where something of one still lies in another.
+struct StillPin {
+  std::string from, to;  // the stills' files
+  cv::Point2d at, goes;  // px of the upright files, in the one and in the other; (0, 0) is the middle of the
+                         // upper left pixel
+  std::optional<double> reach;  // px: farther from it flow stays as it was found
+};
+
+struct StillsEdits {
+  std::vector<RegionEdits> regions;
+  std::vector<StillPin> pins;
+};
+
 /// Reads them. All keys are explained by edit_keys().
 /// Throws   Error{kInput} naming file, line and key: no TOML, an unknown key, a value of another kind or out
 ///          of range.
-std::vector<RegionEdits> read_edits(const std::filesystem::path& path);
+StillsEdits read_edits(const std::filesystem::path& path);
 /// Every key with unit and range, for a person.
 std::string edit_keys();
 

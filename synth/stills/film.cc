@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <utility>
 
 #include <fmt/format.h>
@@ -45,7 +46,10 @@ void settle(FilmOptions& options) {
   options.render.fps = options.fps;
   options.render.frames = std::max(1, static_cast<int>(std::lround(options.seconds * options.fps)));
   options.plan.seconds = options.render.frames / options.fps;
-  if (!options.edits.empty()) options.plan.edits = read_edits(options.edits);
+  if (options.edits.empty()) return;
+  StillsEdits edits = read_edits(options.edits);
+  options.plan.edits = std::move(edits.regions);
+  options.pins = std::move(edits.pins);
 }
 
 int largest_side(const FilmOptions& options) { return options.preview ? kPreviewSide : 0; }
@@ -62,6 +66,11 @@ void straighten(StillSet& set, const FilmOptions& options, const Job& job) {
     hand_held |= !found.tripod;
     if (!found.tripod) {
       align(set.pictures, found);
+      for (std::size_t i = 0; i < set.from_file.size(); ++i) {
+        const cv::Matx33d map = found.maps[i];
+        const cv::Matx33d cut(1, 0, found.common.x, 0, 1, found.common.y, 0, 0, 1);
+        set.from_file[i] = (map * cut).inv() * set.from_file[i];
+      }
       set.notices.push_back(
           fmt::format("taken from the hand: aligned by up to {:.1f} px, and cut to {} x {} px",
                       found.largest_px, set.size().width, set.size().height));
@@ -84,6 +93,9 @@ Film plan_film(StillSet set, const FilmOptions& options, const Job& job) {
   const std::vector<Region> regions = choose_regions(options, film.stills, film.small, film.notices);
   film.plan = make_plan(film.small, film.stills.names, regions, options.plan, job);
   film.notices.insert(film.notices.end(), film.plan.notices.begin(), film.plan.notices.end());
+  film.render.pins = placed_pins(options.pins, film.stills);
+  for (std::string& notice : check_pins(film.plan, film.stills.size(), film.render))
+    film.notices.push_back(std::move(notice));
   return film;
 }
 

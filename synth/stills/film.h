@@ -8,6 +8,7 @@
 #include <opencv2/core.hpp>
 
 #include "freshet/job.h"
+#include "synth/stills/edits.h"
 #include "synth/stills/plan.h"
 #include "synth/stills/rendering.h"
 #include "synth/stills/still_set.h"
@@ -22,6 +23,7 @@ struct FilmOptions {
   std::filesystem::path regions{}, scribbles{};
   bool one_region = false;
   std::filesystem::path edits{};
+  std::vector<StillPin> pins{};  // settle reads them from the edits
   PlanOptions plan{};
   RenderOptions render{};
 };
@@ -49,7 +51,7 @@ struct Film {
 };
 
 /// Regions and orders. options   settled. set   straight.
-/// Throws   Error{kInput} as read_regions, scribbled_regions, propose_regions and make_plan.
+/// Throws   Error{kInput} as read_regions, scribbled_regions, propose_regions, make_plan, placed_pins and check_pins.
 Film plan_film(StillSet set, const FilmOptions& options, const Job& job);
 
 }  // namespace freshet::synth::stills

@@ -11,7 +11,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "freshet/error.h"
-#include "synth/stills/between.h"
+#include "synth/stills/between/flow_pair.h"
 #include "synth/stills/region_split.h"
 #include "synth/stills/still_set.h"
 

@@ -1,6 +1,7 @@
 #include "synth/stills/rendering.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <map>
@@ -8,15 +9,20 @@
 #include <optional>
 #include <set>
 #include <span>
+#include <string>
 #include <utility>
 
+#include <fmt/format.h>
 #include <oneapi/tbb/parallel_for.h>
 #include <oneapi/tbb/task_arena.h>
 #include <opencv2/imgproc.hpp>
 
 #include "cache/content_hash.h"
 #include "freshet/error.h"
-#include "synth/stills/kept_between.h"
+#include "synth/stills/between/between.h"
+#include "synth/stills/between/kept_between.h"
+#include "synth/stills/between/pinned_flow.h"
+#include "synth/stills/still_pins.h"
 #include "synth/stills/still_set.h"
 
 namespace freshet::synth::stills {
@@ -65,6 +71,23 @@ std::set<Pair> pairs_shown(const Timeline& timeline, double seconds) {
   return pairs;
 }
 
+/// Regions that have any weight.
+std::vector<RegionLayer> layers_of(const Plan& plan, cv::Size pictures, const RenderOptions& options) {
+  std::vector<Region> regions;
+  for (const PlannedRegion& each : plan.regions) regions.push_back(each.region);
+  const std::vector<cv::Mat> weights = region_weights(regions, options.grown_px, options.feather_px);
+  std::vector<RegionLayer> layers;
+  for (std::size_t i = 0; i < plan.regions.size(); ++i) {
+    if (cv::countNonZero(weights[i]) == 0) continue;
+    layers.push_back({.planned = &plan.regions[i],
+                      .weight = weights[i],
+                      .box = full_box(weights[i], pictures),
+                      .flows = {},
+                      .fades = !options.flow || plan.regions[i].region.kind == RegionKind::kSlow});
+  }
+  return layers;
+}
+
 /// A weight of the work size as a row of the stills has it.
 class WeightRow {
  public:
@@ -99,17 +122,7 @@ class Renderer {
   Renderer(const Plan& plan, const std::vector<cv::Mat>& pictures, const RenderOptions& options,
            const Job& job)
       : plan_(plan), pictures_(pictures), options_(options), kept_(options.cache) {
-    std::vector<Region> regions;
-    for (const PlannedRegion& each : plan.regions) regions.push_back(each.region);
-    const std::vector<cv::Mat> weights = region_weights(regions, options.grown_px, options.feather_px);
-    for (std::size_t i = 0; i < plan.regions.size(); ++i) {
-      if (cv::countNonZero(weights[i]) == 0) continue;
-      layers_.push_back({.planned = &plan.regions[i],
-                         .weight = weights[i],
-                         .box = full_box(weights[i], pictures[0].size()),
-                         .flows = {},
-                         .fades = !options.flow || plan.regions[i].region.kind == RegionKind::kSlow});
-    }
+    layers_ = layers_of(plan, pictures[0].size(), options);
     choose_kept();
     find_flow(job);
   }
@@ -148,7 +161,8 @@ class Renderer {
       shown.moment = moment();
       return shown;
     }
-    const BetweenKey key{content_[pair.first], content_[pair.second], layer.box, phase, options_.flow_side};
+    const BetweenKey key{content_[pair.first], content_[pair.second], layer.box, phase,
+                         options_.flow_side,   pins_of(layer, pair)};
     shown.picture = kept_.picture(key, pictures_[0].type(), [&] {
       cv::Mat rounded;
       moment_picture(moment(), *shown.a, *shown.b, layer.box).convertTo(rounded, pictures_[0].depth());
@@ -251,13 +265,24 @@ class Renderer {
     oneapi::tbb::parallel_for(std::size_t{0}, tasks.size(), [&](std::size_t i) {
       if (job.stop.stop_requested()) return;
       const Task& task = tasks[i];
-      found[i].emplace(kept_.flow((*task.small)[task.pair.first], (*task.small)[task.pair.second]));
+      const cv::Mat &from = (*task.small)[task.pair.first], &to = (*task.small)[task.pair.second];
+      const FlowPair flow = kept_.flow(from, to);
+      const std::vector<FlowPin> pins = pins_of(*task.layer, task.pair);
+      if (pins.empty())
+        found[i].emplace(flow);
+      else
+        found[i].emplace(flow, pinned_flow(from, to, flow, pins));
       const std::lock_guard lock(reporting);
       if (job.progress) job.progress({"flow between stills", ++done, tasks.size()});
     });
     if (job.stop.stop_requested()) throw Error(ErrorKind::kCancelled, "stills", "stopped");
     for (std::size_t i = 0; i < tasks.size(); ++i)
       tasks[i].layer->flows.emplace(tasks[i].pair, std::move(*found[i]));
+  }
+
+  std::vector<FlowPin> pins_of(const RegionLayer& layer, const Pair& pair) const {
+    return flow_pins(options_.pins, pair.first, pair.second, layer.box,
+                     reduced_size(layer.box.size(), options_.flow_side));
   }
 
   const Plan& plan_;
@@ -269,6 +294,38 @@ class Renderer {
 };
 
 }  // namespace
+
+std::vector<std::string> check_pins(const Plan& plan, cv::Size pictures, const RenderOptions& options) {
+  constexpr float kFarthest = 1000;  // px of the flow that FlowPair can say
+  std::vector<std::string> notices;
+  if (options.pins.empty()) return notices;
+  const std::vector<RegionLayer> layers = layers_of(plan, pictures, options);
+  for (const PlacedPin& pin : options.pins) {
+    bool held = false, shown = false;
+    for (const RegionLayer& layer : layers) {
+      if (layer.fades) continue;
+      const std::vector<FlowPin> seen =
+          flow_pins({pin}, pin.from, pin.to, layer.box, reduced_size(layer.box.size(), options.flow_side));
+      if (seen.empty()) continue;
+      const cv::Point2f move = seen[0].move();
+      if (std::max(std::abs(move.x), std::abs(move.y)) > kFarthest)
+        throw Error(ErrorKind::kInput, pin.name,
+                    fmt::format("it goes {:.0f} px of the flow, more than {:.0f}", cv::norm(move), kFarthest),
+                    "Lower --flow-side");
+      held = true;
+      shown |=
+          pairs_shown(layer.planned->timeline, options.frames / options.fps).contains({pin.from, pin.to});
+    }
+    if (!held)
+      throw Error(ErrorKind::kInput, pin.name, "no region that flows holds both its ends",
+                  "Look at the --sheet: draw a region around the whole way with --regions, give it the kind "
+                  "\"independent\", or use --one-region");
+    if (!shown)
+      notices.push_back(pin.name +
+                        ": these two stills are never shown one after the other, and it changes nothing");
+  }
+  return notices;
+}
 
 void render_frames(const Plan& plan, const std::vector<cv::Mat>& pictures, const RenderOptions& options,
                    const FrameSink& sink, const Job& job) {

@@ -2,27 +2,34 @@
 #pragma once
 
 #include <functional>
+#include <string>
 #include <vector>
 
 #include <opencv2/core.hpp>
 
 #include "cache/result_cache.h"
 #include "freshet/job.h"
-#include "synth/stills/between.h"
 #include "synth/stills/plan.h"
+#include "synth/stills/still_pins.h"
 
 namespace freshet::synth::stills {
 
 struct RenderOptions {
   double fps = 25;
   int frames = 200;
-  int flow_side = 960;     // px, the longer side of a region's box on which flow is found
-  double grown_px = 3;     // of the work size: regions are grown by it
-  double feather_px = 12;  // of the work size
-  bool flow = true;        // false: cross-fades alone
+  int flow_side = 960;            // px, the longer side of a region's box on which flow is found
+  double grown_px = 3;            // of the work size: regions are grown by it
+  double feather_px = 12;         // of the work size
+  bool flow = true;               // false: cross-fades alone
+  std::vector<PlacedPin> pins{};  // of the pictures; check_pins has let them pass
   /// Flow and pictures between stills that lie in it are not made again; may be null.
   cache::ResultCache* cache = nullptr;
 };
+
+/// Notices for a person: pins between stills that no region shows one after the other.
+/// pictures   their size. Throws Error{kInput} naming the pin, the fault and the remedy: no region that moves and
+///            flows holds both its ends, or it goes farther than flow can say.
+std::vector<std::string> check_pins(const Plan& plan, cv::Size pictures, const RenderOptions& options);
 
 using FrameSink = std::function<void(const cv::Mat&)>;
 

@@ -170,9 +170,14 @@ StillSet read_stills(const fs::path& folder, int max_side, const Job& job) {
                 : set.count() == 1 ? std::string("there is one still in it: nothing moves between one")
                                    : "there is no still in it" + (fault.empty() ? "" : " (" + fault + ")"),
                 "Give ten to twenty stills of the scene (PNG, JPEG, TIFF), taken from one place");
+  set.file_size = set.size();
+  const cv::Size size = max_side > 0 ? reduced_size(set.size(), max_side) : set.size();
+  const double across = static_cast<double>(size.width) / set.file_size.width,
+               down = static_cast<double>(size.height) / set.file_size.height;
+  set.from_file.assign(set.pictures.size(),
+                       cv::Matx33d(across, 0, .5 * across - .5, 0, down, .5 * down - .5, 0, 0, 1));
   if (max_side > 0)
-    for (cv::Mat& picture : set.pictures)
-      cv::resize(picture.clone(), picture, reduced_size(picture.size(), max_side), 0, 0, cv::INTER_AREA);
+    for (cv::Mat& picture : set.pictures) cv::resize(picture.clone(), picture, size, 0, 0, cv::INTER_AREA);
   return set;
 }
 

@@ -17,6 +17,11 @@ struct StillSet {
   std::vector<cv::Mat> pictures;     // all CV_8UC3 or all CV_16UC3, sRGB code, upright
   std::vector<std::string> notices;  // for a person: what was left out, and why
 
+  cv::Size file_size;  // px, of the upright files
+  /// By still: what lies at p in its upright file lies at from_file(p) in its picture, px, (0, 0) being the middle of
+  /// the upper left pixel of either.
+  std::vector<cv::Matx33d> from_file{};
+
   int count() const { return static_cast<int>(pictures.size()); }
   cv::Size size() const { return pictures.front().size(); }
 };

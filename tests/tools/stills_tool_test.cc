@@ -64,6 +64,32 @@ TEST_F(StillsTool, MakesALoopWithAPageASheetAndJson) {
   for (std::size_t i = 0; i < first.size(); ++i) EXPECT_EQ(cv::norm(first[i], again[i], cv::NORM_INF), 0);
 }
 
+TEST_F(StillsTool, PinsChangeTheFramesBetweenTheirStillsAndAreRefusedByName) {
+  const std::string order = "sequence = [\"3.png\", \"2.png\"]\n";
+  const auto frames = [&](const std::string& edits, const std::string& out) {
+    folder_.file("edits.toml", edits);
+    const Outcome made = stills({"-o", out + "/%05d.png", "--one-region", "--edits", "edits.toml"});
+    EXPECT_EQ(made.exit_code, 0) << made.err;
+    return read_frames(folder_ / out);
+  };
+  // Its disc has gone 60 px.
+  const std::string pin =
+      "[[pin]]\nfrom = \"3.png\"\nto = \"2.png\"\nat = [60, 48]\ngoes = [120, 48]\nreach = 30\n";
+  const std::vector<cv::Mat> without = frames(order, "without"), with = frames(order + pin, "with");
+  ASSERT_EQ(with.size(), without.size());
+  EXPECT_EQ(cv::norm(without[0], with[0], cv::NORM_INF), 0);
+  EXPECT_GT(cv::norm(without[2], with[2], cv::NORM_INF), 50);
+
+  folder_.file("edits.toml", "[[pin]]\nfrom = \"3.png\"\nto = \"2.png\"\nat = [60, 48]\ngoes = [400, 48]\n");
+  const Outcome refused = stills({"-o", "o.mkv", "--edits", "edits.toml"});
+  EXPECT_EQ(refused.exit_code, 1);
+  EXPECT_NE(
+      refused.err.find("pin 1 (3.png to 2.png): goes: [400, 48] lies outside 2.png, which is 160 x 96 px"),
+      std::string::npos)
+      << refused.err;
+  EXPECT_FALSE(fs::exists(folder_ / "o.mkv"));
+}
+
 TEST_F(StillsTool, BadInputIsSaidAndLeavesNothing) {
   const auto refused = [&](const Outcome& outcome, const std::string& word, int code) {
     EXPECT_EQ(outcome.exit_code, code) << outcome.err;
@@ -89,6 +115,7 @@ TEST_F(StillsTool, PrintsItsKeys) {
   const Outcome keys = folder_.freshet({"synth", "stills", "--keys"});
   EXPECT_EQ(keys.exit_code, 0) << keys.err;
   EXPECT_NE(keys.out.find("irregularity"), std::string::npos);
+  EXPECT_NE(keys.out.find("[[pin]]"), std::string::npos);
 }
 
 }  // namespace

@@ -251,9 +251,10 @@ void add_region_options(CLI::App& sub, StillsCommand& command) {
       ->check(CLI::Range(0.0, 200.0))
       ->capture_default_str()
       ->group(group);
-  sub.add_option(
-         "--edits", command.film.edits,
-         "TOML file that refuses or turns paths, cuts edges, sets orders and speeds; --keys explains it")
+  sub.add_option("--edits", command.film.edits,
+                 "TOML file that refuses or turns paths, cuts edges, sets orders and speeds, and pins where "
+                 "something went "
+                 "from one still to another; --keys explains it")
       ->group(group);
   sub.add_flag("--keys", command.keys, "Print the keys of an edits file")->group(group);
 }

@@ -36,7 +36,8 @@ struct StillsOptions {
   bool one_region = false;
   /// Parts of each region that follow their neighbours loosely, 1 to 8.
   int split = 1;
-  /// TOML that refuses or turns paths, sets orders and speeds; `freshet synth stills --keys` explains it.
+  /// TOML that refuses or turns paths, sets orders and speeds, and pins where something went;
+  /// `freshet synth stills --keys` explains it.
   std::filesystem::path edits{};
   /// Mean time between stills, s, 0.04 to 60.
   double step_s = 0.5;

@@ -32,7 +32,8 @@ struct Scene {
 
 class Edits : public testing::Test {
  protected:
-  std::vector<RegionEdits> read(const std::string& text) const {
+  std::vector<RegionEdits> read(const std::string& text) const { return all(text).regions; }
+  StillsEdits all(const std::string& text) const {
     std::ofstream(file_) << text;
     return read_edits(file_);
   }

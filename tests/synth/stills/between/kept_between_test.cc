@@ -1,4 +1,4 @@
-#include "synth/stills/kept_between.h"
+#include "synth/stills/between/kept_between.h"
 
 #include <gtest/gtest.h>
 

@@ -1,24 +1,13 @@
-// synth/stills/between.h — what a scene looks like between two stills of it that lie far apart.
+// synth/stills/between/between.h — what a scene looks like between two stills of it that lie far apart.
 #pragma once
 
 #include <vector>
 
 #include <opencv2/core.hpp>
 
+#include "synth/stills/between/pinned_flow.h"
+
 namespace freshet::synth::stills {
-
-/// Flow between two stills, both ways, as 16-bit numbers of kUnit px: half the bytes of floats.
-struct FlowPair {
-  static constexpr float kUnit = 1.0f / 32;  // px of the pictures it was found on
-  cv::Mat forth, back;                       // CV_16SC2: what lies at p in one lies at p + flow in the other
-};
-
-/// from, to   CV_8UC3 of one size, at least 64 px a side.
-/// DIS at a quarter of the size (what has gone far is near there), then at full size from what that found,
-/// each way for itself.
-/// Source   in place of Bergen et al. 1992, which Lin et al. 2007 take. Cost   CPU seconds for 1280 x 960:
-///          .3.
-FlowPair flow_between(const cv::Mat& from, const cv::Mat& to);
 
 /// Where the values of a picture between two stills come from.
 struct Moment {
@@ -31,6 +20,11 @@ struct Moment {
   cv::Size flow;  // px that the vectors count
   std::vector<Source> source;  // row by row; empty: cross-fade everywhere
   float phase = 0;             // 0: all from one still, 1: all from the other
+
+  // Where a person pinned the flow; empty: nowhere. Row by row as the sources.
+  std::vector<Source> front;  // of a thing before the others; trust is its opacity
+  std::vector<float>
+      lean;  // to be added to the phase, behind it: away from the still in which a thing hides it
 };
 
 /// The flow between two stills, and how far it is to be trusted where.
@@ -41,14 +35,22 @@ class Between {
   /// is there is found by both. How alike the two ends of a motion are proves nothing where much is alike
   /// (flames): weighing by it as well, or by two scales of detail, gained nothing on sixteen other clips.
   explicit Between(const FlowPair& flow);
+  /// With what a person pinned. Things go before what lies behind, which comes from the still that shows it; how
+  /// much both ways agree counts the corrected flow. unpinned   what was corrected. Elsewhere all is as without.
+  Between(const FlowPair& unpinned, const PinnedFlow& pinned);
 
   /// phase   0..1. Of the two guesses (what goes along the flow of one still, and of the other) the mean.
   /// Cost    CPU seconds for 1280 x 960: .05. Safe from many threads.
   Moment at(double phase) const;
 
  private:
-  FlowPair flow_;  // shared
+  void add_things(Moment& moment) const;
+
+  FlowPair flow_;  // shared; behind all things
   cv::Mat trust_;  // CV_32F, of the field's size
+  std::vector<CarriedThing> things_;
+  cv::Mat hidden_a_, hidden_b_;  // as PinnedFlow has them
+  cv::Rect changed_;             // px of the flow
 };
 
 /// Reads the picture at a moment as the two stills have it together. Bicubic (Catmull-Rom): linear samples
@@ -68,7 +70,8 @@ class MomentReader {
   const Moment& moment_;
   const cv::Mat &a_, &b_;
   cv::Rect box_;
-  std::vector<Moment::Source> line_;  // of the field, at the row's height
+  std::vector<Moment::Source> line_, front_;  // of the field, at the row's height
+  std::vector<float> lean_;
 };
 
 /// All rows: a CV_32FC3 of the box's size.

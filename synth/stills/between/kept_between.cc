@@ -1,4 +1,4 @@
-#include "synth/stills/kept_between.h"
+#include "synth/stills/between/kept_between.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -48,6 +48,9 @@ cv::Mat KeptBetween::picture(const BetweenKey& key, int type, const std::functio
   for (const int each : {key.box.x, key.box.y, key.box.width, key.box.height}) hash.add(std::int32_t{each});
   hash.add(key.phase);
   hash.add(std::int32_t{key.flow_side});
+  for (const FlowPin& pin : key.pins)
+    for (const float each : {pin.at.x, pin.at.y, pin.goes.x, pin.goes.y, pin.reach})
+      hash.add(static_cast<double>(each));
   cv::Mat picture(key.box.size(), type);
   if (const auto kept = cache_->find(hash.key()); kept && kept->size() == bytes_of(picture).size()) {
     std::memcpy(picture.data, kept->data(), kept->size());

@@ -1,4 +1,4 @@
-#include "synth/stills/between.h"
+#include "synth/stills/between/between.h"
 
 #include <gtest/gtest.h>
 
