@@ -38,8 +38,8 @@ class Weather {
   /// kSteps a frame, from the cycle's beginning to its end, which is there too; empty where nothing changes.
   const std::vector<Step>& steps() const { return steps_; }
 
-  /// s, growing from 0 to the last key's time: from one key to the next there are four steps, fewer where keys are many,
-  /// so that there are no more than some fifty.
+  /// s, growing from 0 to the last key's time: four steps from one key to the next, fewer where keys are many, and
+  /// some fifty at most.
   std::vector<double> knots_s() const;
 
  private:
