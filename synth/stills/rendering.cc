@@ -271,7 +271,7 @@ class Renderer {
       if (pins.empty())
         found[i].emplace(flow);
       else
-        found[i].emplace(flow, pinned_flow(from, to, flow, pins));
+        found[i].emplace(flow, pinned_flow(from, to, flow, pins, job.stop));
       const std::lock_guard lock(reporting);
       if (job.progress) job.progress({"flow between stills", ++done, tasks.size()});
     });

@@ -133,8 +133,8 @@ class Carrying {
   }
 
   /// The motion that its pins ask for, as the pictures refine it.
-  void find_motion() {
-    for (const Round& round : kRounds) look_about(round);
+  void find_motion(const std::stop_token& stop) {
+    for (const Round& round : kRounds) look_about(round, stop);
     for (int turn = 0; turn < 3; ++turn) hold_pins();
   }
   CarriedThing thing() const { return {box_, move_, opacity()}; }
@@ -161,11 +161,12 @@ class Carrying {
     return out;
   }
 
-  void look_about(const Round& round) {
+  void look_about(const Round& round, const std::stop_token& stop) {
     cv::Mat least(box_.size(), CV_32F, cv::Scalar(std::numeric_limits<float>::max())),
         missed(box_.size(), CV_32F), way(box_.size(), CV_32FC2, cv::Scalar::all(0));
     for (int v = -round.radius; v <= round.radius; ++v)
       for (int u = -round.radius; u <= round.radius; ++u) {
+        if (stop.stop_requested()) return;
         const cv::Point2f aside(round.step * static_cast<float>(u), round.step * static_cast<float>(v));
         const cv::Mat here = mismatch(from_, led_to(stills_.to, move_, box_.tl(), aside), kWindow);
         const float stay = kStay * aside.dot(aside);
@@ -373,16 +374,17 @@ cv::Rect CarriedThing::way(cv::Size flow) const {
 }
 
 PinnedFlow pinned_flow(const cv::Mat& from, const cv::Mat& to, const FlowPair& flow,
-                       std::span<const FlowPin> pins) {
+                       std::span<const FlowPin> pins, const std::stop_token& stop) {
   Stills stills(from, to, flow);
   std::vector<Carrying> carrying;
   for (std::vector<FlowPin>& group : joined_pins(pins)) {
     carrying.emplace_back(stills, PinnedMotion(std::move(group)));
-    carrying.back().find_motion();
+    carrying.back().find_motion(stop);
   }
   const auto composed = [&] {
     std::vector<CarriedThing> things;
-    for (const Carrying& each : carrying) things.push_back(each.thing());
+    for (const Carrying& each : carrying)
+      if (!stop.stop_requested()) things.push_back(each.thing());
     return with_things(flow, std::move(things));
   };
   // About a thing the flow that was found is not to be trusted: what lies behind is known only when the thing is.

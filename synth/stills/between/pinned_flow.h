@@ -2,6 +2,7 @@
 #pragma once
 
 #include <span>
+#include <stop_token>
 #include <vector>
 
 #include <opencv2/core.hpp>
@@ -45,11 +46,12 @@ struct PinnedFlow {
 /// is the inverse of the forth, and so is its own at where it goes. Behind things both flows are continued from
 /// where they agree.
 /// from, to   as flow_between's. flow   of them. pins   inside the pictures, farther from each other than 2 px.
+/// stop       asked between steps of a tenth of a second or so, a cut in one piece; what is returned then is not whole.
 /// Source     Lin et al. 2007, Sec. 7, ask for it and have none.
 /// Cost       CPU seconds for 960 x 783: 1.5 for a pin whose reach is 77 px, 5.7 for 14 on a third of the
 ///            picture.
 PinnedFlow pinned_flow(const cv::Mat& from, const cv::Mat& to, const FlowPair& flow,
-                       std::span<const FlowPin> pins);
+                       std::span<const FlowPin> pins, const std::stop_token& stop = {});
 
 inline constexpr float kMostMissed = 900;  // grey levels squared: a pixel that is more unlike is as unlike
 /// How unlike two pictures (CV_32FC3 of one size) are about each pixel: mean of squares over channels,

@@ -172,6 +172,16 @@ TEST(PinnedFlow, WhatPinsEncloseGoesInOnePiece) {
   EXPECT_LT(rms(half_way(Between(flow, with), pair), pair.middle, box), 3);
 }
 
+TEST(PinnedFlow, FindsNothingMoreOnceItIsToStop) {
+  const MovedPair pair = leaping_ball();
+  const std::vector<FlowPin> pins(1, {.at = {158, 177}, .goes = {269, 139}, .reach = 40});
+  std::stop_source stop;
+  const FlowPair flow = flow_between(pair.a, pair.b);
+  EXPECT_EQ(pinned_flow(pair.a, pair.b, flow, pins, stop.get_token()).things.size(), 1u);
+  stop.request_stop();
+  EXPECT_TRUE(pinned_flow(pair.a, pair.b, flow, pins, stop.get_token()).things.empty());
+}
+
 TEST(PinnedFlow, FlowIsThePinsOwnAtThemAndLeadsBack) {
   const MovedPair pair = leaping_ball();
   // Off the true way by more than the pictures would let them, and between pixels.
