@@ -64,9 +64,8 @@ void expect_drawn(const DrawnLayer& layer, const SceneFiles& files) {
   if (layer.motion == "footage") {
     if (film_of(layer, files).empty())
       lacks(layer, "it has no film",
-            "Drop one, give a motion its look under Design, make a clip endless under Flow lines, or a film "
-            "under "
-            "Stills");
+            "Drop one, give a motion its look under Design, make a clip endless under Flow lines, "
+            "or a film under Stills");
     return;
   }
   if (layer.matte != LayerMatte::kRest && !is_painted(layer))

@@ -40,9 +40,8 @@ const std::vector<Key<FootageMotion>>& keys_of<FootageMotion>() {
        read_film_matte,
        {},
        "",
-       "a grey picture of the film's shape, white where the layer is: it lies still over the film, and "
-       "limits "
-       "what its alpha or ground leaves",
+       "a grey picture of the film's shape, white where the layer is: it lies still over the film, "
+       "and limits what its alpha or ground leaves",
        "none"},
       {"ground",
        Words<FootageMotion>{filmed_grounds(), take_ground},

@@ -24,6 +24,16 @@ constexpr double kServes = 8;
 /// The wave number of row or column i of n.
 double wave_number(int i, int n, double side_m) { return kTurn * (i <= n / 2 ? i : i - n) / side_m; }
 
+/// What a wind is to waves: Eq. 11's L, m, and where it blows, a unit.
+struct WindOverWater {
+  double length_m;
+  cv::Point2d blows;
+};
+WindOverWater over_water(const Wind& wind, double roughness) {
+  const double angle = wind.direction_deg * std::numbers::pi / 180;
+  return {wind.speed_m_per_s * wind.speed_m_per_s / kGravity / roughness, {std::cos(angle), std::sin(angle)}};
+}
+
 /// Eq. 11 with Eq. 12's direction, without its factor. k   1/m on the water.
 double phillips(cv::Point2d k, double length_m, cv::Point2d wind) {
   const double square = k.x * k.x + k.y * k.y;
@@ -68,23 +78,23 @@ HeightField::HeightField(const WaterMotion& water, const Wind& wind, const Cycle
   for (cv::Mat& plane : planes_) plane.create(n_, n_, CV_32F);
 }
 
+std::uint32_t HeightField::harmonic(double wave_number) const {
+  const double omega = std::sqrt(kGravity * wave_number);
+  const auto turns = static_cast<std::uint32_t>(std::max(1.0, std::round(omega * cycle_.seconds() / kTurn)));
+  return turns % static_cast<std::uint32_t>(cycle_.frames);
+}
+
 void HeightField::fill(int tile, const WaterMotion& water, const Wind& wind, std::uint64_t seed) {
   const double side = side_m_[static_cast<std::size_t>(tile)];
-  const double length = wind.speed_m_per_s * wind.speed_m_per_s / kGravity / water.roughness;
-  const double angle = wind.direction_deg * std::numbers::pi / 180;
-  const cv::Point2d blows(std::cos(angle), std::sin(angle));
+  const auto [length, blows] = over_water(wind, water.roughness);
   const Random random(seed, 1000 + static_cast<std::uint64_t>(tile));
   std::vector<Wave>& waves = waves_[static_cast<std::size_t>(tile)];
   waves.assign(static_cast<std::size_t>(n_) * static_cast<std::size_t>(n_), {});
   if (!(length > 0)) return;
-  const auto place = [this](int x, int y) {
-    return static_cast<std::size_t>(x) * static_cast<std::size_t>(n_) + static_cast<std::size_t>(y);
-  };
   double power = 0;
   for (int x = 0; x < n_; ++x) {
     for (int y = 0; y < n_; ++y) {
-      // At half the sampling rate a wave and its opposite are one: it could not move.
-      if (x == n_ / 2 || y == n_ / 2 || (x == 0 && y == 0)) continue;
+      if (!holds_wave(x, y)) continue;
       const cv::Point2d k(wave_number(x, n_, side), wave_number(y, n_, side));
       // exp(i (k q + omega t)) goes against k.
       const double into_wind = k.dot(blows) > 0 ? water.against : 1;
@@ -92,9 +102,7 @@ void HeightField::fill(int tile, const WaterMotion& water, const Wind& wind, std
       power += 2 * square;
       Wave& wave = waves[place(x, y)];
       wave.forth = complex_gaussian(random, place(x, y)) * std::sqrt(square);
-      const double omega = std::sqrt(kGravity * std::hypot(k.x, k.y));
-      wave.harmonic = static_cast<std::uint32_t>(std::max(1.0, std::round(omega * cycle_.seconds() / kTurn)));
-      wave.harmonic %= static_cast<std::uint32_t>(cycle_.frames);
+      wave.harmonic = harmonic(std::hypot(k.x, k.y));
     }
   }
   // Of the two tiles each has half of the variance.
@@ -109,24 +117,19 @@ void HeightField::fill_still(int tile, const WaterMotion& water, std::uint64_t s
                              std::array<double, kTiles>& scale) {
   const auto at = static_cast<std::size_t>(tile);
   const double side = side_m_[at];
-  const Wind& strongest = weather_.strongest();
-  const double length = strongest.speed_m_per_s * strongest.speed_m_per_s / kGravity / water.roughness;
-  const double angle = strongest.direction_deg * std::numbers::pi / 180;
-  const cv::Point2d blows(std::cos(angle), std::sin(angle));
+  const auto [length, blows] = over_water(weather_.strongest(), water.roughness);
   const Random random(seed, 1000 + static_cast<std::uint64_t>(tile));
-  const bool first = tile<kTiles, shares = tiles()> kTiles;
+  const bool first = tile < kTiles;
+  const bool shares = tiles() > kTiles;
   const auto samples = static_cast<std::size_t>(n_) * static_cast<std::size_t>(n_);
   std::vector<Wave>& waves = still_[at];
   waves.assign(samples, {});
   growth_[at].assign(samples, {});
   waves_[at].assign(samples, {});
-  const auto place = [this](int x, int y) {
-    return static_cast<std::size_t>(x) * static_cast<std::size_t>(n_) + static_cast<std::size_t>(y);
-  };
   double power = 0;
   for (int x = 0; x < n_; ++x) {
     for (int y = 0; y < n_; ++y) {
-      if (x == n_ / 2 || y == n_ / 2 || (x == 0 && y == 0)) continue;
+      if (!holds_wave(x, y)) continue;
       const cv::Point2d k(wave_number(x, n_, side), wave_number(y, n_, side));
       const double size = std::hypot(k.x, k.y), into_wind = k.dot(blows) > 0 ? water.against : 1;
       power += 2 * phillips(k, length, blows) * into_wind * into_wind;
@@ -136,9 +139,7 @@ void HeightField::fill_still(int tile, const WaterMotion& water, std::uint64_t s
       const double share = shares ? std::sqrt(first ? 1 - small : small) : 1;
       Wave& wave = waves[place(x, y)];
       wave.forth = complex_gaussian(random, place(x, y)) * (share / (size * size));
-      wave.harmonic = static_cast<std::uint32_t>(
-          std::max(1.0, std::round(std::sqrt(kGravity * size) * cycle_.seconds() / kTurn)));
-      wave.harmonic %= static_cast<std::uint32_t>(cycle_.frames);
+      wave.harmonic = harmonic(size);
       growth_[at][place(x, y)] = {.inverse_square = static_cast<float>(1 / (size * size)),
                                   .x = static_cast<float>(k.x / size),
                                   .y = static_cast<float>(k.y / size)};
@@ -156,11 +157,10 @@ void HeightField::fill_still(int tile, const WaterMotion& water, std::uint64_t s
 void HeightField::grow(const Wind& wind) {
   if (wind.speed_m_per_s == grown_speed_ && wind.direction_deg == grown_direction_) return;
   grown_speed_ = wind.speed_m_per_s, grown_direction_ = wind.direction_deg;
-  const double length = wind.speed_m_per_s * wind.speed_m_per_s / kGravity / roughness_;
-  const double angle = wind.direction_deg * std::numbers::pi / 180;
+  const auto [length, blows] = over_water(wind, roughness_);
   // In no wind 1 / L^2 is what leaves no wave, and finite.
   const auto falls = static_cast<float>(0.5 / std::max(length * length, 1e-30)),
-             right = static_cast<float>(std::cos(angle)), away = static_cast<float>(std::sin(angle)),
+             right = static_cast<float>(blows.x), away = static_cast<float>(blows.y),
              against = static_cast<float>(against_);
   using oneapi::tbb::blocked_range;
   for (std::size_t tile = 0; tile < waves_.size(); ++tile) {

@@ -67,6 +67,13 @@ class HeightField {
     float inverse_square = 0;  // (1 / k)^2, m^2
     float x = 0, y = 0;        // unit, along k
   };
+  std::size_t place(int x, int y) const {
+    return static_cast<std::size_t>(x) * static_cast<std::size_t>(n_) + static_cast<std::size_t>(y);
+  }
+  /// At half the sampling rate a wave and its opposite are one: it could not move. The mean is none.
+  bool holds_wave(int x, int y) const { return x != n_ / 2 && y != n_ / 2 && (x != 0 || y != 0); }
+  /// wave_number   1/m.
+  std::uint32_t harmonic(double wave_number) const;
   void fill(int tile, const WaterMotion& water, const Wind& wind, std::uint64_t seed);
   /// Waves without a wind; scale   of the strongest wind's in the first tiles, computed for those.
   void fill_still(int tile, const WaterMotion& water, std::uint64_t seed, std::array<double, kTiles>& scale);

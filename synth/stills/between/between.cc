@@ -82,6 +82,19 @@ struct RowScale {
         full_y(static_cast<float>(box.height) / static_cast<float>(moment.flow.height)) {}
 };
 
+// Between which two of the field's samples, `last` the outermost, a pixel of the row lies.
+struct Along {
+  int first, second;
+  float part;
+  Along(const RowScale& scale, int x, int last) {
+    const float u =
+        std::clamp((static_cast<float>(x) + .5f) * scale.to_field - .5f, 0.0f, static_cast<float>(last));
+    first = static_cast<int>(u);
+    second = std::min(first + 1, last);
+    part = u - static_cast<float>(first);
+  }
+};
+
 // The stills' samples along the row, `line` being the field at its height, `lean` likewise or empty.
 template <class T>
 [[gnu::always_inline]] inline void mix_row(const Moment& moment, std::span<const Source> line,
@@ -97,10 +110,7 @@ template <class T>
   const RowScale scale(moment, box);
   const auto last = static_cast<int>(line.size()) - 1;
   for (int x = 0; x < box.width; ++x) {
-    const float u =
-        std::clamp((static_cast<float>(x) + .5f) * scale.to_field - .5f, 0.0f, static_cast<float>(last));
-    const int u0 = static_cast<int>(u), u1 = std::min(u0 + 1, last);
-    const float part = u - static_cast<float>(u0);
+    const auto [u0, u1, part] = Along(scale, x, last);
     const Source at = mixed(line[u0], line[u1], part);
     float* value = out + 3 * x;
     float phase = t;
@@ -126,10 +136,8 @@ void cover_row(const Moment& moment, std::span<const Source> front, const cv::Ma
   const RowScale scale(moment, box);
   const auto last = static_cast<int>(front.size()) - 1;
   for (int x = 0; x < box.width; ++x) {
-    const float u =
-        std::clamp((static_cast<float>(x) + .5f) * scale.to_field - .5f, 0.0f, static_cast<float>(last));
-    const int u0 = static_cast<int>(u), u1 = std::min(u0 + 1, last);
-    const Source at = mixed(front[u0], front[u1], u - static_cast<float>(u0));
+    const auto [u0, u1, part] = Along(scale, x, last);
+    const Source at = mixed(front[u0], front[u1], part);
     if (at.trust <= 0) continue;
     float* value = out + 3 * x;
     for (int c = 0; c < 3; ++c) value[c] *= 1 - at.trust;

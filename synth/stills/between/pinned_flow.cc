@@ -10,6 +10,7 @@
 #include <opencv2/imgproc.hpp>
 #include <opencv2/imgproc/detail/gcgraph.hpp>
 
+#include "synth/sampling/bilinear.h"
 #include "synth/sampling/pull_push.h"
 
 namespace freshet::synth::stills {
@@ -49,14 +50,8 @@ constexpr Round kRounds[] = {{4, 1}, {3, 1}, {2, .25f}};
 cv::Point2f as_point(const cv::Vec2f& vector) { return {vector[0], vector[1]}; }
 
 template <class T>
-T bilinear(const cv::Mat& plane, cv::Point2f at) {
-  const float x = std::clamp(at.x, 0.0f, static_cast<float>(plane.cols - 1));
-  const float y = std::clamp(at.y, 0.0f, static_cast<float>(plane.rows - 1));
-  const int x0 = static_cast<int>(x), y0 = static_cast<int>(y);
-  const int x1 = std::min(x0 + 1, plane.cols - 1), y1 = std::min(y0 + 1, plane.rows - 1);
-  const float fx = x - static_cast<float>(x0), fy = y - static_cast<float>(y0);
-  return (1 - fy) * ((1 - fx) * plane.at<T>(y0, x0) + fx * plane.at<T>(y0, x1)) +
-         fy * ((1 - fx) * plane.at<T>(y1, x0) + fx * plane.at<T>(y1, x1));
+T value_at(const cv::Mat& plane, cv::Point2f at) {
+  return sampling::bilinear<T>(plane, at.x, at.y);
 }
 
 /// A picture where `move` leads from each place of a box whose corner is given.
@@ -198,7 +193,7 @@ class Carrying {
   void hold_pins() {
     std::vector<FlowPin> lacks = motion_.pins();
     for (FlowPin& pin : lacks)
-      pin.goes -= as_point(bilinear<cv::Vec2f>(move_, pin.at - cv::Point2f(box_.tl())));
+      pin.goes -= as_point(value_at<cv::Vec2f>(move_, pin.at - cv::Point2f(box_.tl())));
     const PinnedMotion lacking(lacks);
     for (int y = 0; y < box_.height; ++y)
       for (int x = 0; x < box_.width; ++x) {
@@ -352,12 +347,12 @@ cv::Mat mismatch(const cv::Mat& a, const cv::Mat& b, double window) {
 CarriedThing::Origin CarriedThing::origin(cv::Point2f place, float part) const {
   constexpr float kMissed = .5f;  // px
   const cv::Point2f corner = box.tl(), in = place - corner;
-  cv::Point2f way = as_point(bilinear<cv::Vec2f>(move, in));
-  for (int turn = 0; turn < kTurns; ++turn) way = as_point(bilinear<cv::Vec2f>(move, in - part * way));
-  const cv::Point2f at = in - part * way, missed = at + part * as_point(bilinear<cv::Vec2f>(move, at)) - in;
+  cv::Point2f way = as_point(value_at<cv::Vec2f>(move, in));
+  for (int turn = 0; turn < kTurns; ++turn) way = as_point(value_at<cv::Vec2f>(move, in - part * way));
+  const cv::Point2f at = in - part * way, missed = at + part * as_point(value_at<cv::Vec2f>(move, at)) - in;
   const bool inside = at.x > -1 && at.y > -1 && at.x < static_cast<float>(box.width) &&
                       at.y < static_cast<float>(box.height) && std::hypot(missed.x, missed.y) < kMissed;
-  return {at + corner, way, inside ? bilinear<float>(opacity, at) : 0};
+  return {at + corner, way, inside ? value_at<float>(opacity, at) : 0};
 }
 
 cv::Rect CarriedThing::way(cv::Size flow) const {
