@@ -48,7 +48,10 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL GNU AND NOT CMAKE_DISABLE_PRECOMPILE_HEADERS)
              <random> <set> <span> <string> <thread> <vector> <opencv2/core.hpp> <opencv2/imgproc.hpp>
              <oneapi/tbb/parallel_for.h> <cmake/json_for_precompiling.h>)
   set(libraries opencv_core opencv_imgproc TBB::tbb nlohmann_json::nlohmann_json)
-  precompile(engine SHARED FOLDERS report cache store media hints vision stored ingest query synth starter studio library
+  if(FRESHET_BENCH)
+    set(benches bench)
+  endif()
+  precompile(engine SHARED FOLDERS report cache store media hints vision stored ingest query synth starter studio library ${benches}
              OPTIONS ${mistaken} LIBRARIES ${libraries} HEADERS ${common})
   # What reads options and what is a test runs once: it is compiled faster, and what it calls is as fast as ever.
   set(once $<$<CONFIG:Release>:-O1>)
@@ -59,9 +62,5 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL GNU AND NOT CMAKE_DISABLE_PRECOMPILE_HEADERS)
     find_package(GTest REQUIRED)
     precompile(tests FOLDERS tests OPTIONS ${mistaken} ${once}
                LIBRARIES ${libraries} GTest::gtest HEADERS ${common} <gtest/gtest.h>)
-  endif()
-  if(FRESHET_BENCH)
-    precompile(benches FOLDERS bench OPTIONS ${mistaken}
-               LIBRARIES ${libraries} fmt::fmt CLI11::CLI11 HEADERS ${common} <fmt/format.h> <CLI/CLI.hpp>)
   endif()
 endif()

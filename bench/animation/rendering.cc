@@ -15,7 +15,6 @@
 
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
@@ -25,6 +24,7 @@
 #include <string>
 #include <vector>
 
+#include "bench/harness/arguments.h"
 #include "bench/harness/machine.h"
 #include "bench/harness/median.h"
 #include "bench/harness/page_cache.h"
@@ -156,17 +156,15 @@ class Rendering {
 };
 
 int run(int argc, char** argv) {
-  CLI::App app("Frames per second of the renderer, by stage");
+  bench::Arguments app("Frames per second of the renderer, by stage");
   Command command;
-  app.add_option("STORE", command.store, "The store")->required();
-  app.add_option("PICTURE", command.pictures, "CLASS:PICTURE[:MATTE]")->required();
-  app.add_option("--sizes", command.sizes, "Sizes, px")->delimiter(',')->capture_default_str();
-  app.add_option("--frames", command.frames, "Frames of each animation")->capture_default_str();
-  app.add_option("--runs", command.runs, "Runs, of which the medians are printed")
-      ->check(CLI::Range(1, 100))
-      ->capture_default_str();
-  app.add_option("--json", command.json_path, "Write the figures here");
-  CLI11_PARSE(app, argc, argv);
+  app.option("STORE", command.store, "The store").required();
+  app.option("PICTURE", command.pictures, "CLASS:PICTURE[:MATTE]").required();
+  app.option("--sizes", command.sizes, "Sizes, px").split_at(',');
+  app.option("--frames", command.frames, "Frames of each animation");
+  app.option("--runs", command.runs, "Runs, of which the medians are printed").between(1, 100);
+  app.option("--json", command.json_path, "Write the figures here");
+  app.parse(argc, argv);
 
   const bench::Machine machine = bench::this_machine();
   fmt::print("{}\n\n", bench::to_string(machine));

@@ -10,7 +10,6 @@
 // - fill: PSNR and SSIM against what is really behind, in the stripe of 24 px that motion uncovers, and how much of its
 //   gradients' energy is there (1: as sharp). CPU seconds.
 // - time: wall-clock seconds and peak memory of a scene of 24 layers at 900 x 675.
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -23,6 +22,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "bench/choices/known_layers.h"
+#include "bench/harness/arguments.h"
 #include "bench/harness/machine.h"
 #include "bench/quality/quality_measures.h"
 #include "media/picture/picture.h"
@@ -283,16 +283,15 @@ int main(int argc, char** argv) try {
   std::filesystem::path write;
   std::string json_file, only;
   bool smoke = true, shift_map = false;
-  CLI::App app("How well is a picture taken apart?");
-  app.add_option("PICTURE", paths)->required();
-  app.add_option("--write", write, "Folder for what was cut out and filled in");
-  app.add_option("--json", json_file, "Write the figures here");
-  app.add_option("--width", wide, "Of the pictures, px")->check(CLI::Range(100, 4000))->capture_default_str();
-  app.add_flag("!--no-smoke", smoke, "Without the simulated smoke");
-  app.add_flag("--shift-map", shift_map, "Also fill by shift-map, in minutes");
-  app.add_option("--only", only, "alpha, fill or time [all]")
-      ->check(CLI::IsMember({"alpha", "fill", "time"}));
-  CLI11_PARSE(app, argc, argv);
+  bench::Arguments app("How well is a picture taken apart?");
+  app.option("PICTURE", paths).required();
+  app.option("--write", write, "Folder for what was cut out and filled in");
+  app.option("--json", json_file, "Write the figures here");
+  app.option("--width", wide, "Of the pictures, px").between(100, 4000);
+  app.flag("!--no-smoke", smoke, "Without the simulated smoke");
+  app.flag("--shift-map", shift_map, "Also fill by shift-map, in minutes");
+  app.option("--only", only, "alpha, fill or time [all]").one_of({"alpha", "fill", "time"});
+  app.parse(argc, argv);
   const bench::Machine machine = bench::this_machine();
   fmt::print("{}\n", to_string(machine));
   nlohmann::json json{{"machine", to_json(machine)}};

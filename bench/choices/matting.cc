@@ -7,7 +7,6 @@
 // and iterations of GrabCut: SAD (sum of absolute differences, alpha 0..1) in thousands of px, as a fraction
 // of the truth's own area, and CPU seconds of all threads. --write leaves a sheet of each picture's default
 // matte and the matte of each edge. Prints a table.
-#include <CLI/CLI.hpp>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
@@ -16,6 +15,7 @@
 #include <nlohmann/json.hpp>
 #include <opencv2/core.hpp>
 
+#include "bench/harness/arguments.h"
 #include "bench/harness/machine.h"
 #include "media/picture/picture.h"
 #include "synth/matte/matte.h"
@@ -92,11 +92,11 @@ int main(int argc, char** argv) try {
   std::vector<std::string> arguments;
   std::filesystem::path write;
   std::string json_file;
-  CLI::App app("How near to a drawn or thresholded truth do mattes from scribbles come?");
-  app.add_option("CASE", arguments, "PICTURE:MARKS:TRUTH")->required();
-  app.add_option("--write", write, "Folder for mattes and sheets");
-  app.add_option("--json", json_file, "Write the figures here");
-  CLI11_PARSE(app, argc, argv);
+  bench::Arguments app("How near to a drawn or thresholded truth do mattes from scribbles come?");
+  app.option("CASE", arguments, "PICTURE:MARKS:TRUTH").required();
+  app.option("--write", write, "Folder for mattes and sheets");
+  app.option("--json", json_file, "Write the figures here");
+  app.parse(argc, argv);
   std::vector<Case> cases;
   for (const std::string& argument : arguments) cases.push_back(read_case(argument));
   const bench::Machine machine = bench::this_machine();

@@ -25,7 +25,6 @@
 //   bench_flowlines CLIP.. --cost [--width 1280]     what preparing and a frame cost, and nothing else
 
 #include <fmt/format.h>
-#include <CLI/CLI.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -41,6 +40,7 @@
 
 #include "bench/flowlines/followed.h"
 #include "bench/flowlines/video_texture.h"
+#include "bench/harness/arguments.h"
 #include "bench/harness/machine.h"
 #include "bench/quality/quality_footage.h"
 #include "bench/quality/quality_measures.h"
@@ -399,21 +399,19 @@ nlohmann::json run(const std::string& path, const Asked& asked) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app("Endless and edited clips along flow lines, beside a loop and video textures");
+  bench::Arguments app("Endless and edited clips along flow lines, beside a loop and video textures");
   std::vector<std::string> clips;
   Asked asked;
   bool only_cost = false;
   std::string json;
-  app.add_option("CLIP", clips, "Clips from a camera that stands still")
-      ->required()
-      ->check(CLI::ExistingFile);
-  app.add_option("--seconds", asked.seconds, "Of the clip that are made endless")->capture_default_str();
-  app.add_option("--output-seconds", asked.output_seconds, "That are made")->capture_default_str();
-  app.add_option("--width", asked.width, "Longer side to which clips are reduced, px")->capture_default_str();
-  app.add_flag("--brief", asked.brief, "Only flow lines as they are by default, and the cross-fade");
-  app.add_flag("--cost", only_cost, "Only what preparing and a frame cost");
-  app.add_option("--json", json, "Also write the figures here");
-  CLI11_PARSE(app, argc, argv);
+  app.option("CLIP", clips, "Clips from a camera that stands still").required().existing();
+  app.option("--seconds", asked.seconds, "Of the clip that are made endless");
+  app.option("--output-seconds", asked.output_seconds, "That are made");
+  app.option("--width", asked.width, "Longer side to which clips are reduced, px");
+  app.flag("--brief", asked.brief, "Only flow lines as they are by default, and the cross-fade");
+  app.flag("--cost", only_cost, "Only what preparing and a frame cost");
+  app.option("--json", json, "Also write the figures here");
+  app.parse(argc, argv);
   cv::setNumThreads(1);
   fmt::print("{}\n", bench::to_string(bench::this_machine()));
   nlohmann::json report{{"machine", bench::to_json(bench::this_machine())},

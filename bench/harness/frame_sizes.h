@@ -6,8 +6,9 @@
 #include <string>
 #include <vector>
 
-#include <CLI/CLI.hpp>
 #include <opencv2/core.hpp>
+
+#include "bench/harness/arguments.h"
 
 namespace freshet::bench {
 
@@ -21,13 +22,10 @@ inline std::optional<cv::Size> parse_size(const std::string& text) {
 }
 
 /// Adds --sizes; texts that are no size end the bench with what is wrong.
-inline void add_sizes(CLI::App& app, std::vector<std::string>& texts) {
-  app.add_option("--sizes", texts, "Sizes, px")
-      ->delimiter(',')
-      ->capture_default_str()
-      ->check([](const std::string& text) {
-        return parse_size(text) ? "" : text + " is not WIDTHxHEIGHT of at least 64 px";
-      });
+inline void add_sizes(Arguments& app, std::vector<std::string>& texts) {
+  app.option("--sizes", texts, "Sizes, px").split_at(',').checked([](const std::string& text) {
+    return parse_size(text) ? "" : text + " is not WIDTHxHEIGHT of at least 64 px";
+  });
 }
 
 /// Of texts that add_sizes() has checked.

@@ -9,7 +9,6 @@
 // 70 %; the share of the frame, off the path, that is found with it.
 
 #include <fmt/format.h>
-#include <CLI/CLI.hpp>
 
 #include <algorithm>
 #include <array>
@@ -24,6 +23,7 @@
 #include <string>
 #include <vector>
 
+#include "bench/harness/arguments.h"
 #include "freshet/error.h"
 #include "ingest/crossings.h"
 #include "ingest/screening.h"
@@ -157,14 +157,14 @@ void run(const std::vector<fs::path>& clips, const std::set<std::string>& but, i
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app{"How much of what crosses a clip is found?"};
+  bench::Arguments app{"How much of what crosses a clip is found?"};
   std::vector<fs::path> clips;
   std::set<std::string> but;
   int frames = 120;
-  app.add_option("CLIP", clips)->required();
-  app.add_option("--frames", frames)->check(CLI::PositiveNumber);
-  app.add_option("--but", but, "Name of a clip, without its ending");
-  CLI11_PARSE(app, argc, argv);
+  app.option("CLIP", clips).required();
+  app.option("--frames", frames).at_least(1);
+  app.option("--but", but, "Name of a clip, without its ending");
+  app.parse(argc, argv);
   try {
     run(clips, but, frames);
   } catch (const Error& fault) {

@@ -21,11 +21,11 @@
 
 #include <fmt/format.h>
 #include <oneapi/tbb/parallel_for.h>
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 #include <opencv2/core/utility.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "bench/harness/arguments.h"
 #include "bench/harness/machine.h"
 #include "bench/kind/logistic.h"
 #include "bench/kind/outlines.h"
@@ -300,13 +300,13 @@ void run(const Command& command) {
 int main(int argc, char** argv) {
   cv::setNumThreads(1);
   Command command;
-  CLI::App app("Measures whether the class of a fluid is told from its look");
-  app.add_option("FOOTAGE", command.footage, "Folder that OUTLINES names files of")->required();
-  app.add_option("OUTLINES", command.outlines, "As bench/kind/outlines.txt")->required();
-  app.add_option("--weights", command.weights, "Write the weights here, as vision/look/kind_weights.h");
-  app.add_flag("--pictures", command.pictures, "List each still");
-  app.add_option("--json", command.json, "Write each still's here too");
-  CLI11_PARSE(app, argc, argv);
+  bench::Arguments app("Measures whether the class of a fluid is told from its look");
+  app.option("FOOTAGE", command.footage, "Folder that OUTLINES names files of").required();
+  app.option("OUTLINES", command.outlines, "As bench/kind/outlines.txt").required();
+  app.option("--weights", command.weights, "Write the weights here, as vision/look/kind_weights.h");
+  app.flag("--pictures", command.pictures, "List each still");
+  app.option("--json", command.json, "Write each still's here too");
+  app.parse(argc, argv);
   try {
     run(command);
   } catch (const std::exception& error) {

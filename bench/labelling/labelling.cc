@@ -20,7 +20,6 @@
 
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -28,6 +27,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "bench/harness/arguments.h"
 #include "bench/harness/machine.h"
 #include "bench/labelling/exact_tables.h"
 #include "bench/labelling/labelling_run.h"
@@ -201,18 +201,17 @@ int main(int argc, char** argv) try {
   keep_freed_memory();  // as the tool does
   if (bench::label_as_asked(argc, argv)) return 0;
   Command command;
-  CLI::App app("What the solvers reach on real pictures, and what labelling costs.");
-  app.add_option("store", command.store)->required();
-  app.add_option("pictures", command.pictures, "PICTURE[:MATTE]")->required();
-  app.add_option("--size", command.sizes, "WxH, px: that each picture is brought to");
-  app.add_option("--runs", command.runs, "Labellings in processes of their own, cold and warm; 0: none")
-      ->check(CLI::NonNegativeNumber);
-  app.add_option("--exact", command.exact,
-                 "Compare with the tables of this store, of cells of 1 px; only that");
-  app.add_option("--exact-mb", command.exact_mb, "Memory for its log features");
-  app.add_flag("--log-only", command.log_only, "Costs of the default form alone");
-  app.add_option("--json", command.json_file);
-  CLI11_PARSE(app, argc, argv);
+  bench::Arguments app("What the solvers reach on real pictures, and what labelling costs.");
+  app.option("store", command.store).required();
+  app.option("pictures", command.pictures, "PICTURE[:MATTE]").required();
+  app.option("--size", command.sizes, "WxH, px: that each picture is brought to");
+  app.option("--runs", command.runs, "Labellings in processes of their own, cold and warm; 0: none")
+      .at_least(0);
+  app.option("--exact", command.exact, "Compare with the tables of this store, of cells of 1 px; only that");
+  app.option("--exact-mb", command.exact_mb, "Memory for its log features");
+  app.flag("--log-only", command.log_only, "Costs of the default form alone");
+  app.option("--json", command.json_file);
+  app.parse(argc, argv);
   std::vector<bench::LabellingCase> cases;
   for (const std::string& picture : command.pictures) {
     if (command.sizes.empty()) cases.push_back({command.store, picture, {}});

@@ -7,12 +7,12 @@
 // unchanged; the bench ends with 1 when any labels differ from those made without a cache. CPU seconds of all
 // threads, opening the store included; wall seconds beside them. Rendering is in neither.
 
-#include <CLI/CLI.hpp>
 #include <filesystem>
 
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include "bench/harness/arguments.h"
 #include "bench/harness/machine.h"
 #include "bench/harness/picture_argument.h"
 #include "hints/stroke_field.h"
@@ -85,11 +85,11 @@ bool warm_edit(const store::Snapshot& snapshot, const bench::PictureArgument& re
 int main(int argc, char** argv) try {
   std::string store, picture;
   query::LabelOptions options;
-  CLI::App app("What does a warm edit save?");
-  app.add_option("STORE", store)->required();
-  app.add_option("PICTURE", picture, "PICTURE[:MATTE]")->required();
-  app.add_option("CLASS", options.candidates.class_name, "Only clips of this class [all]");
-  CLI11_PARSE(app, argc, argv);
+  bench::Arguments app("What does a warm edit save?");
+  app.option("STORE", store).required();
+  app.option("PICTURE", picture, "PICTURE[:MATTE]").required();
+  app.option("CLASS", options.candidates.class_name, "Only clips of this class [all]");
+  app.parse(argc, argv);
   const store::Snapshot snapshot = store::Store::open_read(store).snapshot();
   const auto read = bench::read_picture_argument(picture);
   fmt::print("{}\n{}: {} x {} px\n", bench::to_string(bench::this_machine()), read.name, read.picture.cols,

@@ -18,10 +18,10 @@
 #include <vector>
 
 #include <fmt/format.h>
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "bench/harness/arguments.h"
 #include "bench/quality/quality_footage.h"
 #include "freshet/error.h"
 #include "media/video/video_writer.h"
@@ -132,13 +132,12 @@ int main(int argc, char** argv) {
   std::vector<std::string> films;
   unsigned seed = 7;
   int width = 640;
-  CLI::App app("Writes a page on which films of one scene are judged without knowing whose they are");
-  app.add_option("folder", folder, "Where the page is written")->required();
-  app.add_option("--film", films, "SCENE:WHO=VIDEO; the films of one scene stand beside each other")
-      ->required();
-  app.add_option("--seed", seed, "Of the order")->capture_default_str();
-  app.add_option("--width", width, "Longer side, px")->check(CLI::Range(64, 4096))->capture_default_str();
-  CLI11_PARSE(app, argc, argv);
+  bench::Arguments app("Writes a page on which films of one scene are judged without knowing whose they are");
+  app.option("folder", folder, "Where the page is written").required();
+  app.option("--film", films, "SCENE:WHO=VIDEO; the films of one scene stand beside each other").required();
+  app.option("--seed", seed, "Of the order");
+  app.option("--width", width, "Longer side, px").between(64, 4096);
+  app.parse(argc, argv);
   try {
     run(folder, films, seed, width);
     return 0;

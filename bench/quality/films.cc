@@ -13,10 +13,10 @@
 #include <vector>
 
 #include <fmt/format.h>
-#include <CLI/CLI.hpp>
 #include <opencv2/core/utility.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "bench/harness/arguments.h"
 #include "bench/quality/quality_asked.h"
 #include "bench/quality/quality_footage.h"
 #include "bench/quality/quality_measures.h"
@@ -105,15 +105,13 @@ int main(int argc, char** argv) {
   std::string real, matte, json;
   std::vector<std::string> made;
   int width = 640;
-  CLI::App app("Measures how far films are from a real one");
-  app.add_option("real", real, "What was filmed")->required();
-  app.add_option("made", made, "What was made of its first frame")->required();
-  app.add_option("--matte", matte, "Where they are compared [everywhere]");
-  app.add_option("--width", width, "Longer side that films are reduced to, px")
-      ->check(CLI::Range(64, 8192))
-      ->capture_default_str();
-  app.add_option("--json", json, "Figures as JSON");
-  CLI11_PARSE(app, argc, argv);
+  bench::Arguments app("Measures how far films are from a real one");
+  app.option("real", real, "What was filmed").required();
+  app.option("made", made, "What was made of its first frame").required();
+  app.option("--matte", matte, "Where they are compared [everywhere]");
+  app.option("--width", width, "Longer side that films are reduced to, px").between(64, 8192);
+  app.option("--json", json, "Figures as JSON");
+  app.parse(argc, argv);
   try {
     return run(real, made, matte, width, json);
   } catch (const freshet::Error& fault) {

@@ -23,10 +23,10 @@
 #include <vector>
 
 #include <fmt/format.h>
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 #include <opencv2/core/utility.hpp>
 
+#include "bench/harness/arguments.h"
 #include "bench/harness/machine.h"
 #include "bench/quality/quality_agreement.h"
 #include "bench/quality/quality_asked.h"
@@ -382,7 +382,7 @@ int run(const Asked& asked) {
 int main(int argc, char** argv) {
   cv::setNumThreads(1);
   Asked asked;
-  CLI::App app(
+  bench::Arguments app(
       "Animates a still of each clip of a store from the other clips, and measures how far the result is "
       "from what the clip did");
   const auto listed = [](std::string text, const std::vector<bench::NamedSettings>& table) {
@@ -392,40 +392,34 @@ int main(int argc, char** argv) {
   };
   std::string hints = "What is said of the motion; nothing: no row of ours. Of:";
   for (const bench::NamedHint& one : bench::hints()) hints += fmt::format("\n{}: {}", one.name, one.what);
-  app.add_option("store", asked.store, "Store of the clips, indexed")->required();
-  app.add_option("--clips", asked.clips, "Only clips whose names contain one of these [all]")->delimiter(',');
-  app.add_option("--class", asked.class_name, "Only clips of this class [all]");
-  app.add_option("--held-out", asked.held_out,
-                 "Judge these videos or folders of videos, not the store's clips");
-  app.add_option("--limit", asked.limit, "Only so many clips, class by class in turn [all]");
-  app.add_option("--width", asked.sizes.width, "Longer side that a clip is reduced to, px")
-      ->check(CLI::Range(64, 8192))
-      ->capture_default_str();
-  app.add_option("--frames", asked.sizes.frames, "Frames to animate; no more than the clip has")
-      ->check(CLI::Range(24, 1000))
-      ->capture_default_str();
-  app.add_option("--frames-made", asked.frames_made,
-                 "Frames to animate at least; those beyond --frames tell of reversals alone")
-      ->check(CLI::Range(1, 10000));
-  app.add_flag("--loop", asked.loop, "Animate loops, and measure MALF");
-  app.add_option("--hints", asked.hints, hints)->delimiter(',')->capture_default_str();
-  app.add_option("--methods", asked.methods,
-                 listed("Ways to animate, each a row for each hint, of all or nothing or:", bench::methods()))
-      ->delimiter(',')
-      ->capture_default_str();
-  app.add_option("--ablate", asked.ablate,
-                 listed("Rows with one choice changed, of all or nothing or:", bench::ablations()))
-      ->delimiter(',')
-      ->capture_default_str();
-  app.add_option("--try", asked.tries, "One more row, with settings as in --set; may be repeated");
-  app.add_option("--set", asked.set, "Settings of all rows, key=value key=value:\n" + bench::setting_keys());
-  app.add_option("--json", asked.json_path, "Figures as JSON");
-  app.add_option("--html", asked.html,
-                 "Folder for a page that plays the films; it holds footage, do not share it");
-  app.add_option("--films", asked.films,
-                 "Folder for the films at full size, FOLDER/CLIP/METHOD.mp4 and FOLDER/CLIP/real.mp4, as "
-                 "bench_blind_look takes them");
-  CLI11_PARSE(app, argc, argv);
+  app.option("store", asked.store, "Store of the clips, indexed").required();
+  app.option("--clips", asked.clips, "Only clips whose names contain one of these [all]").split_at(',');
+  app.option("--class", asked.class_name, "Only clips of this class [all]");
+  app.option("--held-out", asked.held_out, "Judge these videos or folders of videos, not the store's clips");
+  app.option("--limit", asked.limit, "Only so many clips, class by class in turn [all]");
+  app.option("--width", asked.sizes.width, "Longer side that a clip is reduced to, px").between(64, 8192);
+  app.option("--frames", asked.sizes.frames, "Frames to animate; no more than the clip has")
+      .between(24, 1000);
+  app.option("--frames-made", asked.frames_made,
+             "Frames to animate at least; those beyond --frames tell of reversals alone")
+      .between(1, 10000);
+  app.flag("--loop", asked.loop, "Animate loops, and measure MALF");
+  app.option("--hints", asked.hints, hints).split_at(',');
+  app.option("--methods", asked.methods,
+             listed("Ways to animate, each a row for each hint, of all or nothing or:", bench::methods()))
+      .split_at(',');
+  app.option("--ablate", asked.ablate,
+             listed("Rows with one choice changed, of all or nothing or:", bench::ablations()))
+      .split_at(',');
+  app.option("--try", asked.tries, "One more row, with settings as in --set; may be repeated");
+  app.option("--set", asked.set, "Settings of all rows, key=value key=value:\n" + bench::setting_keys());
+  app.option("--json", asked.json_path, "Figures as JSON");
+  app.option("--html", asked.html,
+             "Folder for a page that plays the films; it holds footage, do not share it");
+  app.option("--films", asked.films,
+             "Folder for the films at full size, FOLDER/CLIP/METHOD.mp4 and FOLDER/CLIP/real.mp4, as "
+             "bench_blind_look takes them");
+  app.parse(argc, argv);
   try {
     return run(asked);
   } catch (const freshet::Error& fault) {

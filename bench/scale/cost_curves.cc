@@ -14,7 +14,6 @@
 
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
@@ -24,6 +23,7 @@
 #include <string>
 #include <vector>
 
+#include "bench/harness/arguments.h"
 #include "bench/harness/machine.h"
 #include "bench/harness/page_cache.h"
 #include "bench/harness/seeded_random.h"
@@ -166,20 +166,18 @@ int measure_child(int argc, char** argv) {
 }
 
 int run(int argc, char** argv) {
-  CLI::App app("Costs of stores against their number of patches");
+  bench::Arguments app("Costs of stores against their number of patches");
   Command command;
-  app.add_option("SOURCE", command.source, "A store of real clips, with its index")->required();
-  app.add_option("PICTURE", command.pictures, "PICTURE[:MATTE]; the first is opened and labelled")
-      ->required();
-  app.add_option("--out", command.out, "Folder of the JSON")->required();
-  app.add_option("--sizes", command.sizes, "Patches of each store")->delimiter(',')->capture_default_str();
-  app.add_option("--stores", command.stores, "Folder of the stores [that of --out]");
-  app.add_flag("--keep", command.keep, "Leave the stores where they are, for another run");
-  app.add_option("--ingest", command.ingest, "What `freshet ingest --json` printed");
-  app.add_option("--index-up-to", command.index_up_to, "Patches up to which `freshet index` is timed")
-      ->capture_default_str();
-  app.add_option("--seed", command.seed, "Of the stores")->capture_default_str();
-  CLI11_PARSE(app, argc, argv);
+  app.option("SOURCE", command.source, "A store of real clips, with its index").required();
+  app.option("PICTURE", command.pictures, "PICTURE[:MATTE]; the first is opened and labelled").required();
+  app.option("--out", command.out, "Folder of the JSON").required();
+  app.option("--sizes", command.sizes, "Patches of each store").split_at(',');
+  app.option("--stores", command.stores, "Folder of the stores [that of --out]");
+  app.flag("--keep", command.keep, "Leave the stores where they are, for another run");
+  app.option("--ingest", command.ingest, "What `freshet ingest --json` printed");
+  app.option("--index-up-to", command.index_up_to, "Patches up to which `freshet index` is timed");
+  app.option("--seed", command.seed, "Of the stores");
+  app.parse(argc, argv);
   if (command.stores.empty()) command.stores = command.out;
   fs::create_directories(command.out);
   fs::create_directories(command.stores);

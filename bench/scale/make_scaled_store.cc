@@ -8,13 +8,13 @@
 
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <cstdio>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <opencv2/core.hpp>
 #include <string>
 
+#include "bench/harness/arguments.h"
 #include "bench/harness/machine.h"
 #include "bench/scale/scaled_store.h"
 #include "freshet/error.h"
@@ -24,15 +24,15 @@ namespace {
 using namespace freshet;
 
 int run(int argc, char** argv) {
-  CLI::App app("Makes a store of any size from jittered repetitions of a real one's clips");
+  bench::Arguments app("Makes a store of any size from jittered repetitions of a real one's clips");
   bench::ScaleOptions options;
   std::string source, out, json;
-  app.add_option("SOURCE", source, "A store of real clips, with its index")->required();
-  app.add_option("OUT", out, "The store to make")->required();
-  app.add_option("--patches", options.patches, "Patches of the store")->capture_default_str();
-  app.add_option("--seed", options.seed, "Of everything that is drawn")->capture_default_str();
-  app.add_option("--json", json, "Write the report to this file");
-  CLI11_PARSE(app, argc, argv);
+  app.option("SOURCE", source, "A store of real clips, with its index").required();
+  app.option("OUT", out, "The store to make").required();
+  app.option("--patches", options.patches, "Patches of the store");
+  app.option("--seed", options.seed, "Of everything that is drawn");
+  app.option("--json", json, "Write the report to this file");
+  app.parse(argc, argv);
 
   const bench::Machine machine = bench::this_machine();
   const store::Store store = store::Store::open_read(source);

@@ -18,10 +18,10 @@
 
 #include <fmt/format.h>
 #include <oneapi/tbb/global_control.h>
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "bench/harness/arguments.h"
 #include "bench/harness/frame_sizes.h"
 #include "bench/harness/machine.h"
 #include "synth/scene/layers/cut_layers.h"
@@ -180,18 +180,18 @@ nlohmann::json measure(cv::Size size, int frames, int runs, bool cut, bool weath
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app("How many frames a second a scene of 24 layers gives");
+  freshet::bench::Arguments app("How many frames a second a scene of 24 layers gives");
   std::vector<std::string> sizes{"900x675", "1920x1080", "3840x2160"};
   int frames = 60, runs = 3;
   bool cut = false, weather = false;
   std::string json_file;
   freshet::bench::add_sizes(app, sizes);
-  app.add_option("--frames", frames, "Frames a run")->check(CLI::Range(1, 10000))->capture_default_str();
-  app.add_option("--runs", runs, "Runs; the best counts")->check(CLI::Range(1, 100))->capture_default_str();
-  app.add_flag("--cut", cut, "Also cut the layers from the picture");
-  app.add_flag("--weather", weather, "Also under a wind that goes from calm to storm and back");
-  app.add_option("--json", json_file, "Write the figures here too");
-  CLI11_PARSE(app, argc, argv);
+  app.option("--frames", frames, "Frames a run").between(1, 10000);
+  app.option("--runs", runs, "Runs; the best counts").between(1, 100);
+  app.flag("--cut", cut, "Also cut the layers from the picture");
+  app.flag("--weather", weather, "Also under a wind that goes from calm to storm and back");
+  app.option("--json", json_file, "Write the figures here too");
+  app.parse(argc, argv);
   cv::setNumThreads(1);
   const freshet::bench::Machine machine = freshet::bench::this_machine();
   fmt::print("{}\n", freshet::bench::to_string(machine));

@@ -27,11 +27,11 @@
 #include <vector>
 
 #include <fmt/format.h>
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 #include <opencv2/core/utility.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "bench/harness/arguments.h"
 #include "bench/harness/machine.h"
 #include "bench/harness/seeded_random.h"
 #include "bench/quality/quality_footage.h"
@@ -222,18 +222,14 @@ int main(int argc, char** argv) {
   cv::setNumThreads(1);
   Asked asked;
   std::string json;
-  CLI::App app("Films made of few and of many stills, beside the footage the stills are from");
-  app.add_option("FILM", asked.films, "Videos, or names of simulations")->capture_default_str();
-  app.add_option("--stills", asked.counts, "How many stills")->delimiter(',')->check(CLI::Range(2, 200));
-  app.add_option("--seconds", asked.seconds, "Of each half of a film, s")->capture_default_str();
-  app.add_option("--draws", asked.draws, "Sequences of each")
-      ->check(CLI::Range(1, 100))
-      ->capture_default_str();
-  app.add_option("--width", asked.width, "Longer side, px")
-      ->check(CLI::Range(128, 4096))
-      ->capture_default_str();
-  app.add_option("--json", json, "Write the figures");
-  CLI11_PARSE(app, argc, argv);
+  bench::Arguments app("Films made of few and of many stills, beside the footage the stills are from");
+  app.option("FILM", asked.films, "Videos, or names of simulations");
+  app.option("--stills", asked.counts, "How many stills").split_at(',').between(2, 200);
+  app.option("--seconds", asked.seconds, "Of each half of a film, s");
+  app.option("--draws", asked.draws, "Sequences of each").between(1, 100);
+  app.option("--width", asked.width, "Longer side, px").between(128, 4096);
+  app.option("--json", json, "Write the figures");
+  app.parse(argc, argv);
   try {
     const bench::Machine machine = bench::this_machine();
     fmt::print("{}\n", bench::to_string(machine));

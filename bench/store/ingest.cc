@@ -11,7 +11,6 @@
 #include <fmt/format.h>
 #include <oneapi/tbb/global_control.h>
 #include <stdlib.h>
-#include <CLI/CLI.hpp>
 
 #include <cstdio>
 #include <cstdlib>
@@ -22,6 +21,7 @@
 #include <string_view>
 #include <vector>
 
+#include "bench/harness/arguments.h"
 #include "bench/harness/machine.h"
 #include "freshet/error.h"
 #include "ingest/ingest.h"
@@ -145,14 +145,14 @@ nlohmann::json measure(const std::vector<fs::path>& clips, const std::string& fl
 
 int main(int argc, char** argv) try {
   Arguments arguments;
-  CLI::App app("How many frames per second does ingest take in, stage by stage?");
-  app.add_option("CLIP", arguments.clips)->required();
-  app.add_option("--frames", arguments.frames, "The first frames of each clip")->capture_default_str();
-  app.add_option("--flow", arguments.flows, "dis or tv-l1; may be repeated [both]")->allow_extra_args(false);
-  app.add_flag("--native", arguments.native, "The clips as they are, not at 640 x 480");
-  app.add_option("--threads", arguments.threads, "[all]");
-  app.add_option("--json", arguments.json_file, "Write the figures here");
-  CLI11_PARSE(app, argc, argv);
+  bench::Arguments app("How many frames per second does ingest take in, stage by stage?");
+  app.option("CLIP", arguments.clips).required();
+  app.option("--frames", arguments.frames, "The first frames of each clip");
+  app.option("--flow", arguments.flows, "dis or tv-l1; may be repeated [both]").one_each();
+  app.flag("--native", arguments.native, "The clips as they are, not at 640 x 480");
+  app.option("--threads", arguments.threads, "[all]");
+  app.option("--json", arguments.json_file, "Write the figures here");
+  app.parse(argc, argv);
   if (arguments.flows.empty()) arguments.flows = {"dis", "tv-l1"};
   cv::setNumThreads(1);  // as the program does
   const bench::Machine machine = bench::this_machine();

@@ -12,7 +12,6 @@
 #include <oneapi/tbb/global_control.h>
 #include <sys/resource.h>
 #include <unistd.h>
-#include <CLI/CLI.hpp>
 
 #include <cstdio>
 #include <fstream>
@@ -20,6 +19,7 @@
 #include <nlohmann/json.hpp>
 #include <random>
 
+#include "bench/harness/arguments.h"
 #include "bench/harness/machine.h"
 #include "freshet/error.h"
 #include "platform/stopwatch.h"
@@ -208,11 +208,11 @@ int main(int argc, char** argv) try {
   std::vector<std::string> clips;
   int frames = 1 << 20;
   std::string json_file;
-  CLI::App app("What do the store's tiles cost in bytes and time, beside FFV1?");
-  app.add_option("CLIP", clips, "Any video that the ffmpeg program decodes")->required();
-  app.add_option("--frames", frames, "The first frames of each clip [all]");
-  app.add_option("--json", json_file, "Write the figures here");
-  CLI11_PARSE(app, argc, argv);
+  bench::Arguments app("What do the store's tiles cost in bytes and time, beside FFV1?");
+  app.option("CLIP", clips, "Any video that the ffmpeg program decodes").required();
+  app.option("--frames", frames, "The first frames of each clip [all]");
+  app.option("--json", json_file, "Write the figures here");
+  app.parse(argc, argv);
   std::string name = (std::filesystem::temp_directory_path() / "store_io_XXXXXX").string();
   const std::filesystem::path folder = mkdtemp(name.data());
   const tbb::global_control one_thread(tbb::global_control::max_allowed_parallelism, 1);

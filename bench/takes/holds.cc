@@ -12,9 +12,9 @@
 #include <vector>
 
 #include <fmt/format.h>
-#include <CLI/CLI.hpp>
 #include <opencv2/imgcodecs.hpp>
 
+#include "bench/harness/arguments.h"
 #include "media/picture/picture.h"
 #include "vision/look/standing.h"
 
@@ -41,11 +41,11 @@ void write_figures(const fs::path& path, const cv::Mat& picture, const cv::Mat& 
 int main(int argc, char** argv) try {
   std::string mattes, out;
   bool figures = false;
-  CLI::App app{"Guesses what stands in each MATTES/NAME_matte.png of MATTES/NAME_still.png"};
-  app.add_option("mattes", mattes)->required()->check(CLI::ExistingDirectory);
-  app.add_option("out", out, "Gets NAME_hold.png")->required();
-  app.add_flag("--figures", figures, "NAME.figures too, to learn from: of stills of 640 px");
-  CLI11_PARSE(app, argc, argv);
+  freshet::bench::Arguments app{"Guesses what stands in each MATTES/NAME_matte.png of MATTES/NAME_still.png"};
+  app.option("mattes", mattes).required().existing();
+  app.option("out", out, "Gets NAME_hold.png").required();
+  app.flag("--figures", figures, "NAME.figures too, to learn from: of stills of 640 px");
+  app.parse(argc, argv);
   fs::create_directories(out);
   for (const fs::directory_entry& entry : fs::directory_iterator(mattes)) {
     const std::string file = entry.path().filename();

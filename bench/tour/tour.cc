@@ -17,10 +17,10 @@
 
 #include <fmt/format.h>
 #include <oneapi/tbb/global_control.h>
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "bench/harness/arguments.h"
 #include "bench/harness/frame_sizes.h"
 #include "bench/harness/machine.h"
 #include "synth/tour/path.h"
@@ -112,15 +112,15 @@ Measured measure(cv::Size size, bool room, bool things, int frames, int runs) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app("How many frames a second a camera gives that goes through a film");
+  freshet::bench::Arguments app("How many frames a second a camera gives that goes through a film");
   std::vector<std::string> sizes{"960x540", "1920x1080"};
   int frames = 50, runs = 3;
   std::string json_file;
   freshet::bench::add_sizes(app, sizes);
-  app.add_option("--frames", frames, "Frames a run")->check(CLI::Range(1, 10000))->capture_default_str();
-  app.add_option("--runs", runs, "Runs; the best counts")->check(CLI::Range(1, 100))->capture_default_str();
-  app.add_option("--json", json_file, "Write the figures here too");
-  CLI11_PARSE(app, argc, argv);
+  app.option("--frames", frames, "Frames a run").between(1, 10000);
+  app.option("--runs", runs, "Runs; the best counts").between(1, 100);
+  app.option("--json", json_file, "Write the figures here too");
+  app.parse(argc, argv);
   cv::setNumThreads(1);
   const freshet::bench::Machine machine = freshet::bench::this_machine();
   fmt::print("{}\n", freshet::bench::to_string(machine));

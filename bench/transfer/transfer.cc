@@ -17,7 +17,6 @@
 // --curve 0.1,0.5,1 also makes frames of so many megapixels, all fluid, from the first exemplar, 360 px high,
 // and prints seconds by stage, wall clock and processor time; of the second frame, which has a past, and
 // above 1 megapixel of the first. Prints tables; --json has every frame's numbers.
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -30,6 +29,7 @@
 #include <nlohmann/json.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "bench/harness/arguments.h"
 #include "bench/harness/machine.h"
 #include "media/picture/picture.h"
 #include "store/store.h"
@@ -343,17 +343,15 @@ void write_result(const Settings& settings, nlohmann::json json) {
 
 int main(int argc, char** argv) try {
   Settings settings;
-  CLI::App app("Does appearance transfer keep the exemplar's look, hold together, and at what cost?");
-  app.add_option("EXEMPLAR", settings.exemplars, "NAME[:GROUND][@DESIGN]")->required();
-  app.add_option("--frames", settings.frames, "Of each run; 0: only the curve")->capture_default_str();
-  app.add_option("--width", settings.width, "Of a frame, px")->capture_default_str();
-  app.add_option("--store", settings.store, "Store of the clips that are named");
-  app.add_option("--write", settings.write, "Folder for frames");
-  app.add_option("--curve", settings.curve, "Sizes of one frame that are timed, Mpx")
-      ->delimiter(',')
-      ->allow_extra_args(false);
-  app.add_option("--json", settings.json_file, "Write the figures here");
-  CLI11_PARSE(app, argc, argv);
+  bench::Arguments app("Does appearance transfer keep the exemplar's look, hold together, and at what cost?");
+  app.option("EXEMPLAR", settings.exemplars, "NAME[:GROUND][@DESIGN]").required();
+  app.option("--frames", settings.frames, "Of each run; 0: only the curve");
+  app.option("--width", settings.width, "Of a frame, px");
+  app.option("--store", settings.store, "Store of the clips that are named");
+  app.option("--write", settings.write, "Folder for frames");
+  app.option("--curve", settings.curve, "Sizes of one frame that are timed, Mpx").split_at(',').one_each();
+  app.option("--json", settings.json_file, "Write the figures here");
+  app.parse(argc, argv);
   const bench::Machine machine = bench::this_machine();
   fmt::print("{}; {} x {} px, {} frames\n\n", to_string(machine), settings.width, settings.size().height,
              settings.frames);
