@@ -59,7 +59,7 @@ synth/simulate/clips: synth/field synth/simulate/solver synth/simulate/scene
 synth/simulate/design: media/picture synth/field synth/toml synth/simulate/solver synth/simulate/scene
 synth/simulate: synth/simulate/scene
 synth/scene/kinds: synth/toml
-synth/scene: hints synth/toml synth/scene/kinds
+synth/scene: media/frame hints synth/toml synth/scene/kinds
 synth/scene/wind: synth/scene
 synth/scene/water: synth/scene synth/scene/wind
 synth/scene/motion: synth/scene synth/scene/wind synth/scene/water

@@ -70,7 +70,7 @@ DrawnLayer read_layer(const Fields& fields) {
   if (fields.has("repeats")) layer.repeats = fields.flag("repeats");
   if (fields.has("ground")) layer.ground = fields.word("ground", synth::scene::filmed_grounds());
   if (fields.has("blend"))
-    layer.blend = fields.word("blend", {std::begin(synth::scene::kBlends), std::end(synth::scene::kBlends)});
+    layer.blend = fields.word("blend", {std::begin(media::kBlends), std::end(media::kBlends)});
   if (layer.clip.find('/') != std::string::npos || layer.clip.starts_with('.'))
     fields.fail("\"clip\" is no file of the project");
   return layer;

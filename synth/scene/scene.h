@@ -8,6 +8,7 @@
 #include <variant>
 #include <vector>
 
+#include "media/frame/blend.h"
 #include "synth/scene/kinds/boat.h"
 #include "synth/scene/kinds/clouds.h"
 #include "synth/scene/kinds/footage.h"
@@ -55,13 +56,7 @@ struct MatteFrom {
   std::filesystem::path file{};  // of kFile, kScribbles, kTrimap
 };
 
-/// What a layer does to what lies behind it, in sRGB code.
-enum class Blend {
-  kOver,    // covers it
-  kAdd,     // is added: light
-  kScreen,  // 1 - (1 - a) (1 - b): light that never exceeds white
-};
-inline constexpr const char* kBlends[] = {"over", "add", "screen"};  // their names
+using media::Blend, media::kBlends;
 
 /// How a layer moves: one of the kinds in kinds/.
 using LayerMotion = std::variant<StillMotion, TreeMotion, WaterMotion, BoatMotion, CloudMotion, PatchesMotion,

@@ -126,23 +126,22 @@ struct Composite {
   transfer::Background background;
   cv::Point at;
   fs::path out;
-  transfer::Blend blend;
+  media::Blend blend;
 
   /// The animation's next frame on it; light ends softly with its frame.
   cv::Mat of(const cv::Mat& picture) {
     const cv::Mat under = background.next();
-    if (blend == transfer::Blend::kOver) return transfer::laid_on(picture, under, blend, at);
+    if (blend == media::Blend::kOver) return transfer::laid_on(picture, under, blend, at);
     return transfer::laid_on(transfer::ending_softly(picture, under.size(), at), under, blend, at);
   }
 };
 
 bool is_light(const TransferCommand& command) { return command.ground == "black"; }
 
-transfer::Blend blend_of(const TransferCommand& command) {
-  if (command.blend == "add") return transfer::Blend::kAdd;
-  if (command.blend == "screen" || (command.blend.empty() && is_light(command)))
-    return transfer::Blend::kScreen;
-  return transfer::Blend::kOver;
+media::Blend blend_of(const TransferCommand& command) {
+  if (command.blend.empty()) return is_light(command) ? media::Blend::kScreen : media::Blend::kOver;
+  return static_cast<media::Blend>(std::ranges::find(media::kBlends, command.blend) -
+                                   std::begin(media::kBlends));
 }
 
 std::optional<Composite> open_composite(const TransferCommand& command, cv::Size size, int frames) {
@@ -531,7 +530,7 @@ void add_inputs(CLI::App& sub, TransferCommand& command) {
   sub.add_option("--blend", command.blend,
                  "How it joins the background: over, or as light: add, screen [screen for --ground black, "
                  "else over]")
-      ->check(CLI::IsMember({"over", "add", "screen"}))
+      ->check(CLI::IsMember(std::vector<std::string>{std::begin(media::kBlends), std::end(media::kBlends)}))
       ->group(output);
   sub.add_option("--at", command.at, "Where the animation's top left corner lies in the background, px")
       ->type_name("X,Y")

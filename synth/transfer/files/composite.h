@@ -6,15 +6,11 @@
 
 #include <opencv2/core.hpp>
 
+#include "media/frame/blend.h"
+
 namespace freshet::synth::transfer {
 
-/// How a picture joins what lies behind it, on the values as they are coded, as compositing programs do
-/// unless told not to. With L = its colour times alpha, and B behind:
-enum class Blend {
-  kOver,    // L + (1 - alpha) B
-  kAdd,     // L + B, at most white: light
-  kScreen,  // L + B - L B: light that does not burn out
-};
+using media::Blend;
 
 /// over     CV_8UC4 or CV_16UC4 BGRA, straight alpha; its top left corner lies at `at`, in or out of `under`.
 /// under    CV_8UC3 BGR.
