@@ -16,6 +16,7 @@ struct BoatMotion {
   std::optional<Line> hull{};   // set once marks are read
   std::string water{};          // name of the layer that it floats on; empty: the first of water
   double heave = 1, roll = 1;   // gains
+  bool in_3d = false;           // it heaves, pitches, rolls and yaws in the world; else in the picture's plane
   std::string reflection_of{};  // name of the boat whose reflection this is; empty: it is a boat itself
 };
 

@@ -28,6 +28,18 @@ Ride ride_of(std::span<const cv::Point2d> points, std::span<const cv::Point2d> d
   return {.heave = moved - middle, .roll = variance > 0 ? std::atan2(covariance, variance) : 0};
 }
 
+void add_waves(const WaterSurface& water, int copy, int x, int y, int n, float* dx, float* dy) {
+  float wave_x[kRun], wave_y[kRun];
+  for (int first = 0; first < n; first += kRun) {
+    const int count = std::min(kRun, n - first);
+    water.row(copy, x + first, y, count, wave_x, wave_y);
+    for (int i = 0; i < count; ++i) {
+      dx[first + i] += wave_x[i];
+      dy[first + i] += wave_y[i];
+    }
+  }
+}
+
 BoatRide::BoatRide(const BoatMotion& boat, const WaterSurface& water, bool reflection, const cv::Rect& region)
     : boat_(boat), water_(&water), reflection_(reflection), region_(region) {
   const cv::Point2d from = boat.hull->from, way = boat.hull->to - from;
@@ -67,16 +79,7 @@ void BoatRide::row(int copy, int x, int y, int n, float* dx, float* dy) const {
     dx[i] = u * c + v * s - u - heave.x;
     dy[i] = v * c - u * s - v - heave.y;
   }
-  if (!reflection_) return;
-  float wave_x[kRun], wave_y[kRun];
-  for (int first = 0; first < n; first += kRun) {
-    const int count = std::min(kRun, n - first);
-    water_->row(copy, x + first, y, count, wave_x, wave_y);
-    for (int i = 0; i < count; ++i) {
-      dx[first + i] += wave_x[i];
-      dy[first + i] += wave_y[i];
-    }
-  }
+  if (reflection_) add_waves(*water_, copy, x, y, n, dx, dy);
 }
 
 }  // namespace freshet::synth::scene

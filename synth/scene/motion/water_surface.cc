@@ -321,6 +321,11 @@ float WaterSurface::gain_at(double x) const {
   return gain_[i] + (gain_[i + 1] - gain_[i]) * part;
 }
 
+double WaterSurface::held_height(double m) const {
+  const double most = kHighest * water_.camera_height_m;
+  return std::clamp(m, -most, most);
+}
+
 WaterSurface::Surface WaterSurface::at(double below, double along) const {
   const double place = below - lines_[0].below;
   if (!(place >= 0) || place > static_cast<double>(lines_.size()) - 1) return {};
@@ -352,10 +357,16 @@ cv::Point2d WaterSurface::rolled_displacement(double below, double along, float 
     const double grazing = water_.camera_height_m / std::hypot(row.forward, water_.camera_height_m);
     return {2 * focal_ * right * grazing, 2 * focal_ * away};
   }
-  const double most = kHighest * water_.camera_height_m;
-  const double h = std::clamp<double>(surface.first * gain, -most, most);
+  const double h = held_height(surface.first * gain);
   const double over = h / (row.depth - h * row.lean);
   return {along * over * row.lean, over * row.down};
+}
+
+double WaterSurface::height(double x, double y) const {
+  if (heights_ != nullptr) return heights_->height(x, y);
+  assert(water_.mapping == WaterMapping::kDisplacement);
+  const cv::Point2d p = camera_.rolled(x, y);
+  return p.y < camera_.horizon() + kMinBelow ? 0 : held_height(at(p.y, p.x).first * gain_at(x));
 }
 
 cv::Point2d WaterSurface::displacement(double x, double y) const {

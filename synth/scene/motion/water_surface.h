@@ -52,6 +52,9 @@ class WaterSurface : public Motion {
   /// d of Eq. 10, px, of the point at the middle of pixel (x, y), which may lie between pixels: for boats. It is the
   /// surface's own, also where the mapping moves mirror images, which go many times as far.
   cv::Point2d displacement(double x, double y) const;
+  /// m, of the surface above its mean there.
+  double height(double x, double y) const;
+  const WaterCamera& camera() const { return camera_; }
 
  private:
   static constexpr int kUnit = 16;  // px between the columns at which gusts are asked
@@ -78,6 +81,8 @@ class WaterSurface : public Motion {
     float first = 0, second = 0;
   };
   Surface at(double below, double along) const;
+  /// So high as the camera's place allows.
+  double held_height(double m) const;
   cv::Point2d rolled_displacement(double below, double along, float gain) const;
   /// The planes' rows of the frame at one line; scratch of 2 N floats. Returns the greatest sum that they may have.
   float sample_line(std::size_t line, float* scratch);

@@ -12,6 +12,7 @@
 #include "synth/sampling/bilinear.h"
 #include "synth/scene/motion/boat_ride.h"
 #include "synth/scene/motion/cloud_drift.h"
+#include "synth/scene/motion/floating_sheet.h"
 #include "synth/scene/motion/stillness.h"
 #include "synth/scene/motion/tree_sway.h"
 #include "synth/scene/motion/water_surface.h"
@@ -60,8 +61,28 @@ Line hull_of(const Scene& scene, const BoatMotion& boat) {
   return *above->as<BoatMotion>()->hull;
 }
 
+/// Of the boat that moves or is mirrored: both move in one way.
+bool moves_in_3d(const Scene& scene, const BoatMotion& boat) {
+  const auto above = std::ranges::find(scene.layers, boat.reflection_of, &SceneLayer::name);
+  return boat.reflection_of.empty() ? boat.in_3d : above->as<BoatMotion>()->in_3d;
+}
+
+/// Throws where a boat in three dimensions would float in the sky.
+Waterplane checked_waterplane(const Scene& scene, const SceneLayer& layer, const Line& hull,
+                              const WaterCamera& camera) {
+  const cv::Point2d middle = (hull.from + hull.to) * 0.5;
+  if (camera.rolled(middle.x - 0.5, middle.y - 0.5).y < camera.horizon() + 1)
+    throw Error(
+        ErrorKind::kInput, scene.file.string(),
+        fmt::format("layer {}: the middle of its hull line, ({:.0f}, {:.0f}), lies above the water's horizon",
+                    layer.name, middle.x, middle.y),
+        "Draw the line along the waterline, the horizon above it, or leave in_3d out");
+  return waterplane_of(hull, camera);
+}
+
 /// px, where boats lie on this water.
-cv::Rect boats_on(const Scene& scene, const SceneLayer& water) {
+/// camera   that sees it.
+cv::Rect boats_on(const Scene& scene, const SceneLayer& water, const WaterCamera& camera) {
   cv::Rect all;
   for (const SceneLayer& layer : scene.layers) {
     const auto* boat = layer.as<BoatMotion>();
@@ -71,6 +92,7 @@ cv::Rect boats_on(const Scene& scene, const SceneLayer& water) {
                          cvFloor(std::min(hull.from.y, hull.to.y)));
     const cv::Point to(cvCeil(std::max(hull.from.x, hull.to.x)), cvCeil(std::max(hull.from.y, hull.to.y)));
     all |= cv::Rect(from, to + cv::Point(1, 1));
+    if (moves_in_3d(scene, *boat)) all |= water_under(checked_waterplane(scene, layer, hull, camera), camera);
   }
   return all;
 }
@@ -180,8 +202,9 @@ void SceneAnimation::place_motion(const Scene& scene, std::size_t i) {
     if (!water.mapping) water.mapping = mapping_seen(water, box, picture_);
     // Reflections ask about the water beside the layer too, for it lies behind them.
     const cv::Rect region(0, box.y, picture_.width, picture_.height - box.y);
+    const WaterCamera camera(*water.horizon, *water.focal_px, water.camera_height_m, picture_);
     auto surface = std::make_unique<WaterSurface>(water, gusts_, cycle_, scene.wind.seed * 64 + layer.seed,
-                                                  region, picture_, boats_on(scene, layer));
+                                                  region, picture_, boats_on(scene, layer, camera));
     placed.surface = surface.get();
     placed.motion = std::move(surface);
   } else if (const auto* floating = layer.as<BoatMotion>()) {
@@ -194,8 +217,12 @@ void SceneAnimation::place_motion(const Scene& scene, std::size_t i) {
           "Give that layer a matte that shows some of it");
     BoatMotion boat = *floating;
     boat.hull = hull_of(scene, *floating);
-    placed.motion =
-        std::make_unique<BoatRide>(boat, *surface, !boat.reflection_of.empty(), around(box, picture_));
+    const bool reflection = !boat.reflection_of.empty();
+    const cv::Rect region = around(box, picture_);
+    if (moves_in_3d(scene, boat))
+      placed.motion = std::make_unique<FloatingSheet>(boat, *surface, reflection, region);
+    else
+      placed.motion = std::make_unique<BoatRide>(boat, *surface, reflection, region);
   } else if (const auto* clouds = layer.as<CloudMotion>()) {
     placed.motion = std::make_unique<CloudDrift>(course_in(scene, *clouds, box, picture_), *clouds, cycle_,
                                                  box, scene.wind.seed * 64 + layer.seed);

@@ -20,6 +20,12 @@ WaterCamera::WaterCamera(const Line& horizon, double focal_px, double height_m, 
   cos_pitch_ = focal_ / ray;
 }
 
+cv::Matx33d WaterCamera::picture_from_world() const {
+  const cv::Matx33d camera_from_world(1, 0, 0, 0, -sin_pitch_, -cos_pitch_, 0, cos_pitch_, -sin_pitch_);
+  return cv::Matx33d(cos_roll_, -sin_roll_, middle_.x, sin_roll_, cos_roll_, middle_.y, 0, 0, 1) *
+         cv::Matx33d(focal_, 0, 0, 0, focal_, 0, 0, 0, 1) * camera_from_world;
+}
+
 WaterCamera::Row WaterCamera::row(double below) const {
   const double fall = below * cos_pitch_ + focal_ * sin_pitch_;  // of a ray, for each focal length of depth
   Row row;

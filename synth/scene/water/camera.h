@@ -28,6 +28,11 @@ class WaterCamera {
     return {rolled.x * cos_roll_ - rolled.y * sin_roll_, rolled.x * sin_roll_ + rolled.y * cos_roll_};
   }
 
+  /// Of a vector from the camera, m right, away from the viewer and up, the homogeneous px of the picture ((0, 0) its
+  /// corner); the third is greater than 0 before the camera.
+  cv::Matx33d picture_from_world() const;
+  double height_m() const { return height_; }
+
   /// `below` of the horizon itself.
   double horizon() const { return horizon_; }
   double roll_cos() const { return cos_roll_; }

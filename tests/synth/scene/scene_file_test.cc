@@ -253,6 +253,16 @@ TEST(SceneMarks, AnArmatureOutsideItsLayerIsRefused) {
               HasSubstr("layer boat: its hull line"));
 }
 
+TEST(SceneMarks, ABoatIn3dHasTheHorizonAboveIt) {
+  const std::string text = replaced(made_scene_text("speed = 5"), "hull = [80, 90, 120, 90]\n",
+                                    "hull = [80, 90, 120, 90]\nin_3d = true\n");
+  EXPECT_EQ(animation_fault(text), "no fault");
+  const std::string above = replaced(replaced(text, "hull = [80, 90, 120, 90]", "hull = [80, 65, 120, 65]"),
+                                     "[0, 58, 160, 58]", "[0, 58, 160, 72]");
+  EXPECT_THAT(animation_fault(above), AllOf(HasSubstr("layer boat: the middle of its hull line, (100, 65)"),
+                                            HasSubstr("leave in_3d out")));
+}
+
 /// A drawing in a file that goes away.
 class Drawing {
  public:
