@@ -52,6 +52,10 @@ class Printing {
             .refuse(*layer.get("motion"), "motion",
                     fmt::format("\"{}\" is none of the paper's motions", motion),
                     "Leave the layer out, or --as-printed");
+      if (const toml::node* const shadow = layer.get("shadow"))
+        Section(file_, layer, name)
+            .refuse(*shadow, "shadow", "contradicts --as-printed: the paper's layers cast none (Sec. 5)",
+                    "Leave the key out, or --as-printed");
       print(layer, motion, name);
     }
   }
@@ -84,7 +88,8 @@ const std::vector<PrintedKey>& printed_keys() {
       {"tree", "shimmer", "0", "Sec. 3.2"},        {"water", "mapping", "\"displacement\"", "Eq. 10"},
       {"water", "against", "1", "Eq. 11"},         {"water", "edge", "\"moving\"", "Sec. 2"},
       {"water", "mirrors", "false", "Sec. 5"},     {"boat", "in_3d", "false", "Sec. 3.4"},
-      {"boat", "reflection_of", "\"\"", "Sec. 5"}, {"clouds", "far_speed", "1", "Sec. 3.5"}};
+      {"boat", "reflection_of", "\"\"", "Sec. 5"}, {"clouds", "far_speed", "1", "Sec. 3.5"},
+      {"clouds", "shade", "0", "Sec. 5"}};
   return keys;
 }
 

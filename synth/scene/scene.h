@@ -12,6 +12,7 @@
 #include "synth/scene/kinds/boat.h"
 #include "synth/scene/kinds/clouds.h"
 #include "synth/scene/kinds/footage.h"
+#include "synth/scene/kinds/line.h"
 #include "synth/scene/kinds/patches.h"
 #include "synth/scene/kinds/still.h"
 #include "synth/scene/kinds/transfer.h"
@@ -69,6 +70,11 @@ struct SceneLayer {
   std::uint64_t seed = 0;  // of its own; differs between layers
   LayerMotion motion{};
   Blend blend = Blend::kOver;
+  /// From where it stands to where the shadow of its top falls, px; nothing: it casts none.
+  std::optional<Line> shadow{};
+  double shadow_darkness = 0.4;                // of the light that it takes, fractions
+  std::optional<double> shadow_softness_px{};  // deviation; nothing: a 20th of its length
+  bool shadow_in_still = true;                 // false: the still does not show it, and it is added
 
   /// "still", "tree", ...
   const char* kind() const {

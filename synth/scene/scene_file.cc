@@ -109,6 +109,7 @@ void take_blend(SceneLayer& layer, std::size_t word) { layer.blend = static_cast
 void read_name(Section& section, SceneLayer& layer);
 void read_motion(Section& section, SceneLayer& layer);
 void read_matte(Section& section, SceneLayer& layer);
+void read_shadow(Section& section, SceneLayer& layer);
 
 const std::vector<Key<SceneLayer>>& layer_keys() {
   static const std::vector<Key<SceneLayer>> keys{
@@ -131,7 +132,30 @@ const std::vector<Key<SceneLayer>>& layer_keys() {
        "none, but for footage",
        "this or one of the next two"},
       {"scribbles", {}, {}, "", "strokes on the layer (white, green) and beside it (black, red)", "none"},
-      {"trimap", {}, {}, "", "white the layer, black not, grey unknown", "none"}};
+      {"trimap", {}, {}, "", "white the layer, black not, grey unknown", "none"},
+      {"shadow",
+       read_shadow,
+       {},
+       "",
+       "[x, y, x, y] from where the layer stands to where the shadow of its top falls, on layers behind it. "
+       "Layers of water, clouds and those that bring their own pixels cast none",
+       "none"},
+      {"shadow_darkness",
+       &SceneLayer::shadow_darkness,
+       {0, 1},
+       "",
+       "share of the light that its shadow takes"},
+      {"shadow_softness",
+       &SceneLayer::shadow_softness_px,
+       {0, 500},
+       "px",
+       "deviation by which its shadow is blurred",
+       "a 20th of the shadow's length"},
+      {"shadow_in_still",
+       &SceneLayer::shadow_in_still,
+       {},
+       "",
+       "true: the still shows this shadow, which is divided out where it was; false: it is new"}};
   return keys;
 }
 
@@ -221,6 +245,19 @@ void read_matte(Section& section, SceneLayer& layer) {
                      "Give matte = \"FILE\": a grey picture of the film's shape, white where the layer is");
 }
 
+void read_shadow(Section& section, SceneLayer& layer) {
+  layer.shadow = line_of(section, "shadow");
+  if (!layer.shadow) return;
+  if (!layer.is_cut() || layer.as<WaterMotion>() != nullptr || layer.as<CloudMotion>() != nullptr)
+    section.refuse("shadow", fmt::format("a layer of motion \"{}\" casts none", layer.kind()),
+                   layer.as<CloudMotion>() != nullptr ? "Give shade: shadows of clouds on the ground"
+                                                      : "Take the shadow out");
+  if (std::abs(layer.shadow->to.y - layer.shadow->from.y) < 1)
+    section.refuse(
+        "shadow", "it ends in the row in which it begins, where it has no breadth",
+        "Let its end lie some pixels lower, or higher for a shadow that falls away from the viewer");
+}
+
 SceneLayer read_layer(Section& section, int place) {
   SceneLayer layer;
   layer.order = place;
@@ -259,7 +296,7 @@ void check_boat(const Scene& scene, const BoatMotion& boat, const Section& secti
 void check_layers(const Scene& scene, const std::vector<Section>& sections,
                   std::vector<std::size_t> section_of) {
   std::set<std::string> names{};
-  const SceneLayer* rest = nullptr;
+  const SceneLayer *rest = nullptr, *shades = nullptr;
   for (std::size_t i = 0; i < scene.layers.size(); ++i) {
     const SceneLayer& layer = scene.layers[i];
     const Section& section = sections[section_of[i]];
@@ -280,6 +317,12 @@ void check_layers(const Scene& scene, const std::vector<Section>& sections,
       section.refuse("matte", "nothing says which file holds the paint",
                      "Give paint = \"FILE.ora\" at the scene's top");
     if (const auto* boat = layer.as<BoatMotion>()) check_boat(scene, *boat, section);
+    if (const auto* clouds = layer.as<CloudMotion>(); clouds != nullptr && clouds->shade > 0) {
+      if (shades != nullptr)
+        section.refuse("shade", fmt::format("{} shades the ground already", shades->name),
+                       "Leave shade to one layer of clouds");
+      shades = &layer;
+    }
     if (const auto* footage = layer.as<FootageMotion>();
         footage && start_frame(*footage, scene.fps) >= scene.frames)
       section.refuse("start", fmt::format("the scene ends after {:.3g} s", scene.frames / scene.fps),

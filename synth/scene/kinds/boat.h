@@ -13,10 +13,10 @@ struct BoatMotion {
   static constexpr const char* kName = "boat";
   static constexpr Pixels kPixels = Pixels::kCut;
 
-  std::optional<Line> hull{};   // set once marks are read
-  std::string water{};          // name of the layer that it floats on; empty: the first of water
-  double heave = 1, roll = 1;   // gains
-  bool in_3d = false;           // it heaves, pitches, rolls and yaws in the world; else in the picture's plane
+  std::optional<Line> hull{};  // set once marks are read
+  std::string water{};         // name of the layer that it floats on; empty: the first of water
+  double heave = 1, roll = 1;  // gains
+  bool in_3d = false;          // it heaves, pitches, rolls and yaws in the world; else in the picture's plane
   std::string reflection_of{};  // name of the boat whose reflection this is; empty: it is a boat itself
 };
 

@@ -106,6 +106,28 @@ CloudCourse course_of(const CloudMotion& clouds, const Wind& wind, const Cycle& 
   return course;
 }
 
+std::vector<cv::Point2d> way_over_ground(const CloudMotion& clouds, const Weather& weather,
+                                         const Cycle& cycle, int picture_width) {
+  std::vector<cv::Point2d> way;
+  const Wind wind = weather.at(0);
+  const double angle = wind.direction_deg * std::numbers::pi / 180, usual = kUsual * picture_width;
+  const cv::Point2d steady(clouds.speed_px_per_s.value_or(usual * wind.speed_m_per_s * std::cos(angle)),
+                           usual * wind.speed_m_per_s * std::sin(angle));
+  if (!weather.changes())
+    for (int i = 0; i <= cycle.frames; ++i) way.push_back(steady * (i / cycle.fps));
+  if (!weather.changes()) return way;
+  const std::vector<double> along = gone_under(weather, clouds, picture_width);
+  double away = 0;
+  for (std::size_t i = 0; i < weather.steps().size(); ++i) {
+    if (i > 0) {
+      const Weather::Step &before = weather.steps()[i - 1], &now = weather.steps()[i];
+      away += usual * (now.gone_m - before.gone_m) * (before.sine + now.sine) / 2;
+    }
+    if (i % Weather::kSteps == 0) way.emplace_back(along[i / Weather::kSteps], away);
+  }
+  return way;
+}
+
 CloudDrift::CloudDrift(const CloudCourse& course, const CloudMotion& clouds, const Cycle& cycle,
                        const cv::Rect& box, std::uint64_t seed)
     : course_(course), cycle_(cycle), box_(box), far_speed_(clouds.far_speed) {

@@ -9,6 +9,7 @@
 #include "synth/scene/cycle.h"
 #include "synth/scene/motion/motion.h"
 #include "synth/scene/scene.h"
+#include "synth/scene/wind/weather.h"
 
 namespace freshet::synth::scene {
 
@@ -31,6 +32,11 @@ struct CloudCourse {
 /// the strongest wind.
 CloudCourse course_of(const CloudMotion& clouds, const Wind& wind, const Cycle& cycle, bool loop,
                       int width_px, int picture_width);
+
+/// px gone along the picture and away from the viewer, at each frame of the cycle and at its end, of what goes with the
+/// wind above the ground as fast as these clouds do over the picture.
+std::vector<cv::Point2d> way_over_ground(const CloudMotion& clouds, const Weather& weather,
+                                         const Cycle& cycle, int picture_width);
 
 /// A translation over a texture that is cyclic along x. In a loop that lasts long enough for the clouds to cross the
 /// picture, they come round a whole number of times, the speed changed by little. In a shorter one that would be a

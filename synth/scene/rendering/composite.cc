@@ -213,6 +213,19 @@ void sample_mixture(const MovedSprite& moved, int y, cv::Range columns, Scratch&
   mix_samples(scratch.other.data(), scratch.part.data(), n, scratch.sample.data());
 }
 
+/// Factors of the light at n pixels; false: it is 1 everywhere, and nothing that counts was written.
+bool light_of(const MovedSprite& moved, int x, int y, int n, float* factor) {
+  bool lit = moved.motion->light(x, y, n, factor);
+  const auto by = [&](auto&& light) {
+    for (int i = 0; i < n; ++i) factor[i] = lit ? factor[i] * light(i) : light(i);
+    lit = true;
+  };
+  for (const cv::Mat* const map : moved.lights)
+    if (map != nullptr) by([row = map->ptr<float>(y) + x](int i) { return row[i]; });
+  if (moved.lit != nullptr) by([all = *moved.lit](int) { return all; });
+  return lit;
+}
+
 void add_layer(const MovedSprite& moved, int y, cv::Range columns, Scratch& scratch) {
   const Sprite& sprite = *moved.sprite;
   const int n = columns.size();
@@ -224,7 +237,7 @@ void add_layer(const MovedSprite& moved, int y, cv::Range columns, Scratch& scra
   const float* held = sprite.held.empty()
                           ? nullptr
                           : sprite.held.ptr<float>(y - sprite.box.y) + (columns.start - sprite.box.x);
-  const bool lit = moved.motion->light(columns.start, y, n, scratch.light.data());
+  const bool lit = light_of(moved, columns.start, y, n, scratch.light.data());
   lay_behind(sample, held, lit ? scratch.light.data() : nullptr, moved.blend, n,
              scratch.seen.data() + columns.start,
              scratch.shown.empty() ? nullptr : scratch.shown.data() + columns.start,

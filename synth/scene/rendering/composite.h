@@ -1,6 +1,7 @@
 // synth/scene/rendering/composite.h — layers, each where it is at a moment, over each other.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <span>
 #include <vector>
@@ -18,6 +19,9 @@ struct MovedSprite {
   const Sprite* sprite = nullptr;
   const Motion* motion = nullptr;
   Blend blend = Blend::kOver;
+  /// Factors of the light that falls on it, of each pixel of the picture, CV_32F, and of all of it; null: 1.
+  std::array<const cv::Mat*, 2> lights{};
+  const float* lit = nullptr;
 };
 
 /// Composites the layers at the frame that their motions have gone to.

@@ -97,6 +97,36 @@ cv::Rect boats_on(const Scene& scene, const SceneLayer& water, const WaterCamera
   return all;
 }
 
+/// On the horizon of the ground that clouds shade. box   of the clouds, px.
+Line ground_of(const Scene& scene, const SceneLayer& layer, const cv::Rect& box, cv::Size picture) {
+  const double width = picture.width, lowest = box.br().y;
+  Line horizon{{0, lowest}, {width, lowest}};
+  for (const SceneLayer& other : scene.layers)
+    if (const auto* water = other.as<WaterMotion>()) {
+      horizon = *water->horizon;
+      break;
+    }
+  if (const auto& given = layer.as<CloudMotion>()->ground) horizon = *given;
+  const cv::Point2d from = horizon.from, way = horizon.to - horizon.from;
+  if (from.y + way.y * (width / 2 - from.x) / way.x > picture.height - 2)
+    throw Error(
+        ErrorKind::kInput, scene.file.string(),
+        fmt::format("layer {}: no ground lies below the horizon, which clouds could shade", layer.name),
+        "Give ground = [x, y, x, y] on the horizon of the land, or take shade out");
+  return horizon;
+}
+
+/// Where what stands upright meets the ground; nothing: it lies on it.
+std::optional<cv::Point2d> foot_of(const Scene& scene, const SceneLayer& layer) {
+  if (const auto* boat = layer.as<BoatMotion>()) {
+    const Line hull = hull_of(scene, *boat);
+    return (hull.from + hull.to) * 0.5;
+  }
+  const auto* tree = layer.as<TreeMotion>();
+  if (tree == nullptr) return {};
+  return std::ranges::max(tree->armatures, {}, [](const Line& line) { return line.from.y; }).from;
+}
+
 /// d' of a motion at each pixel, CV_32FC2.
 cv::Mat displacement(const Motion& motion, cv::Size size) {
   cv::Mat field(size, CV_32FC2);
@@ -159,7 +189,61 @@ SceneAnimation::SceneAnimation(const Scene& scene, std::span<const LayerPixels> 
   }
   for (std::size_t i = 0; i < placed_.size(); ++i)
     moved_.push_back({&placed_[i].sprite, placed_[i].motion.get(), scene.layers[i].blend});
+  place_shadows(scene, pixels);
   place_mirrors(scene, pixels);
+}
+
+void SceneAnimation::place_shadows(const Scene& scene, std::span<const LayerPixels> pixels) {
+  for (std::size_t i = 0; i < placed_.size(); ++i) {
+    const auto* clouds = scene.layers[i].as<CloudMotion>();
+    if (clouds == nullptr || clouds->shade == 0 || placed_[i].sprite.box.empty()) continue;
+    const Line horizon = ground_of(scene, scene.layers[i], placed_[i].sprite.box, picture_);
+    shade_ = std::make_unique<CloudShade>(*clouds, horizon, gusts_.weather(), cycle_, scene.loop,
+                                          scene.wind.seed * 64 + scene.layers[i].seed, picture_);
+  }
+  const cv::Mat* light = nullptr;
+  for (std::size_t i = 0; i < placed_.size(); ++i) {
+    const SceneLayer& layer = scene.layers[i];
+    Placed& placed = placed_[i];
+    // The sky and what adds its light lie in no shadow.
+    if (layer.as<CloudMotion>() == nullptr && layer.blend == Blend::kOver) {
+      moved_[i].lights[0] = light;
+      const std::optional<cv::Point2d> foot = foot_of(scene, layer);
+      if (shade_ != nullptr && foot) placed.foot = *foot, moved_[i].lit = &placed.lit;
+      if (shade_ != nullptr && !foot) moved_[i].lights[1] = &shaded_;
+    }
+    if (!layer.shadow || placed.sprite.box.empty()) continue;
+    if (layer.shadow->from.y < placed.sprite.box.y + 1)
+      throw Error(ErrorKind::kInput, scene.file.string(),
+                  fmt::format("layer {}: its shadow begins at row {:.0f}, above all of it", layer.name,
+                              layer.shadow->from.y),
+                  "Draw it from where the layer stands to where the shadow of its top falls");
+    placed.shadow = std::make_unique<LayerShadow>(layer, layer.shadow_in_still ? pixels[i].alpha : cv::Mat(),
+                                                  placed.sprite.box, picture_);
+    placed.light = cv::Mat(picture_, CV_32F, cv::Scalar(1));
+    alone_.create(picture_, CV_32FC4);
+    light = &placed.light;
+  }
+}
+
+void SceneAnimation::cast_shadows(int frame) {
+  if (shade_ != nullptr) {
+    shade_->go_to(frame);
+    shade_->light(shaded_);
+    for (Placed& placed : placed_) placed.lit = shade_->light_at(placed.foot);
+  }
+  for (std::size_t i = 0; i < placed_.size(); ++i) {
+    if (placed_[i].shadow == nullptr) continue;
+    // Where nearer layers cast none, all but this shadow's region stays 1.
+    cv::Mat shaded = placed_[i].light(placed_[i].shadow->region());
+    if (moved_[i].lights[0] != nullptr)
+      moved_[i].lights[0]->copyTo(placed_[i].light);
+    else
+      shaded.setTo(1);
+    const MovedSprite alone{moved_[i].sprite, moved_[i].motion};
+    composite(std::span(&alone, 1), alone_);
+    placed_[i].shadow->cast(alone_, placed_[i].light);
+  }
 }
 
 void SceneAnimation::place_mirrors(const Scene& scene, std::span<const LayerPixels> pixels) {
@@ -267,6 +351,7 @@ void SceneAnimation::render(int frame, cv::Mat& out) {
   move([&](Motion& motion) { motion.go_to(frame); });
   seconds_.motion += watch.seconds();
   watch = {};
+  cast_shadows(frame);
   if (!beyond_.empty()) composite(mirrored_, beyond_);
   for (Placed& placed : placed_)
     if (placed.mirror != nullptr) placed.mirror->reflect(beyond_, placed.sprite);
@@ -281,7 +366,8 @@ void SceneAnimation::whole(cv::Mat& out) const {
 
 void SceneAnimation::layer(std::size_t i, cv::Mat& out) const {
   out.create(picture_, CV_32FC4);
-  const MovedSprite alone{moved_[i].sprite, moved_[i].motion};
+  MovedSprite alone = moved_[i];
+  alone.blend = Blend::kOver;
   composite(std::span(&alone, 1), out);
 }
 

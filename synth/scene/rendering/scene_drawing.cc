@@ -99,6 +99,8 @@ cv::Mat draw_scene(const cv::Mat& picture, const Scene& scene, std::span<const L
         cv::circle(out, fixed(line.from), 5 << kShift, colour, -1, cv::LINE_AA, kShift);
         cv::arrowedLine(out, line.from, line.to, colour, 2, cv::LINE_AA, 0, 0.06);
       }
+    if (layer.shadow)
+      cv::arrowedLine(out, layer.shadow->from, layer.shadow->to, colour, 1, cv::LINE_AA, 0, 0.06);
     if (const auto* boat = layer.as<BoatMotion>(); boat != nullptr && boat->hull)
       draw_line(out, *boat->hull, colour, 3);
   }

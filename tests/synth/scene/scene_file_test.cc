@@ -339,6 +339,11 @@ TEST(SceneFile, AsPrintedHasThePapersValuesAndRefusesOthersByName) {
   EXPECT_THAT(fault("picture = 3\n"), HasSubstr("picture"));
   EXPECT_THAT(fault(printable + "[[wind.at]]\ntime = 0.1\nspeed = 9\n[[wind.at]]\ntime = 0.2\nspeed = 7\n"),
               AllOf(HasSubstr("wind.at"), HasSubstr("the paper's wind stays as it is")));
+  const std::string hull = "hull = [80, 90, 120, 90]\n";
+  EXPECT_THAT(fault(replaced(printable, hull, hull + "in_3d = true\n")),
+              HasSubstr("true contradicts --as-printed: the paper prints false (Sec. 3.4)"));
+  EXPECT_THAT(fault(replaced(printable, hull, hull + "shadow = [100, 90, 60, 105]\n")),
+              AllOf(HasSubstr("layer (boat).shadow"), HasSubstr("the paper's layers cast none")));
 }
 
 TEST(SceneFile, TheWindMayChangeAndItsMistakesNameLineKeyAndRemedy) {
