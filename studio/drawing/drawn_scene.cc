@@ -45,8 +45,9 @@ std::string read_motion(const Fields& fields) {
 }
 
 DrawnLayer read_layer(const Fields& fields) {
-  fields.only({"name", "motion", "matte", "paint", "lines", "plant", "shimmer", "waves", "mirrors", "roll",
-               "drift", "class", "film", "clip", "start", "repeats", "ground", "blend"});
+  fields.only({"name",  "motion",  "matte",  "paint", "lines", "plant", "shimmer",
+               "waves", "mirrors", "roll",   "drift", "class", "film",  "clip",
+               "start", "repeats", "ground", "blend", "in_3d", "shade"});
   const std::string matte = fields.word("matte", {std::begin(kMattes), std::end(kMattes)});
   DrawnLayer layer{.name = layer_name(fields),
                    .motion = read_motion(fields),
@@ -63,6 +64,8 @@ DrawnLayer read_layer(const Fields& fields) {
                    .drift = number(fields, "drift", "clouds", "speed"),
                    .class_name = fields.text("class")};
   // Older documents have none of these.
+  if (fields.has("in_3d")) layer.in_3d = fields.flag("in_3d");
+  if (fields.has("shade")) layer.shade = number(fields, "shade", "clouds", "shade");
   if (fields.has("clip")) layer.clip = fields.text("clip");
   layer.film = layer.clip.empty() ? kFilms[0] : "clip";
   if (fields.has("film")) layer.film = fields.word("film", {std::begin(kFilms), std::end(kFilms)});
@@ -87,7 +90,9 @@ Json layer_json(const DrawnLayer& layer) {
           {"waves", layer.waves},
           {"mirrors", layer.mirrors},
           {"roll", layer.roll},
+          {"in_3d", layer.in_3d},
           {"drift", layer.drift},
+          {"shade", layer.shade},
           {"class", layer.class_name},
           {"film", layer.film},
           {"clip", layer.clip},

@@ -49,7 +49,9 @@ struct DrawnLayer {
   double waves = 0;            // amplitude; 0: the usual
   bool mirrors = false;        // of water: what moves above it
   double roll = 1;             // of a boat, and how much it heaves
+  bool in_3d = false;          // of a boat
   double drift = 0;            // of clouds, px/s; 0: as the wind blows
+  double shade = 0;            // of clouds, on the ground
   std::string class_name{};    // of patches; empty: all
   std::string film =
       "design";         // footage of: "design", "flowlines", "stills" (what these modes have made), "clip"

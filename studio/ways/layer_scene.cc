@@ -120,8 +120,11 @@ std::string motion_keys(const DrawnLayer& layer, const SceneFiles& files) {
   if (layer.motion == "water")
     return (layer.waves > 0 ? fmt::format("amplitude = {}\n", layer.waves) : "") +
            fmt::format("mirrors = {}\n", layer.mirrors);
-  if (layer.motion == "boat") return fmt::format("heave = {0}\nroll = {0}\n", layer.roll);
-  if (layer.motion == "clouds") return layer.drift != 0 ? fmt::format("speed = {}\n", layer.drift) : "";
+  if (layer.motion == "boat")
+    return fmt::format("heave = {0}\nroll = {0}\n", layer.roll) + (layer.in_3d ? "in_3d = true\n" : "");
+  if (layer.motion == "clouds")
+    return (layer.drift != 0 ? fmt::format("speed = {}\n", layer.drift) : "") +
+           (layer.shade > 0 ? fmt::format("shade = {}\n", layer.shade) : "");
   if (layer.motion != "patches") return "";
   return "store = " + toml_text(files.store) + "\n" +
          (layer.class_name.empty() ? "" : "class = " + toml_text(layer.class_name) + "\n");

@@ -184,9 +184,19 @@ function MotionOptions({ layer }: { layer: DrawnLayer }): JSX.Element | null {
         </>
       );
     case "boat":
-      return <Slider label="Rocks" value={layer.roll} {...state.range("boat.roll")} step={0.1} shown={`${layer.roll.toFixed(1)} ×`} onInput={(roll) => changeLayer({ roll }, "layer-roll")} />;
+      return (
+        <>
+          <Slider label="Rocks" value={layer.roll} {...state.range("boat.roll")} step={0.1} shown={`${layer.roll.toFixed(1)} ×`} onInput={(roll) => changeLayer({ roll }, "layer-roll")} />
+          <Switch label="In three dimensions" hint="It pitches and yaws on the water, too" checked={layer.in_3d} onChange={(in_3d) => changeLayer({ in_3d })} />
+        </>
+      );
     case "clouds":
-      return <Slider label="Drift" value={layer.drift} {...state.range("clouds.speed")} step={1} shown={layer.drift === 0 ? "with the wind" : `${layer.drift} px/s`} onInput={(drift) => changeLayer({ drift }, "layer-drift")} />;
+      return (
+        <>
+          <Slider label="Drift" value={layer.drift} {...state.range("clouds.speed")} step={1} shown={layer.drift === 0 ? "with the wind" : `${layer.drift} px/s`} onInput={(drift) => changeLayer({ drift }, "layer-drift")} />
+          <Slider label="Shadows on the ground" value={layer.shade} {...state.range("clouds.shade")} step={0.05} shown={layer.shade === 0 ? "none" : layer.shade.toFixed(2)} onInput={(shade) => changeLayer({ shade }, "layer-shade")} />
+        </>
+      );
     case "patches":
       return (
         <Select label="Kind of fluid" value={layer.class} options={[["", "As it looks"], ["any", "Any"], ...named(state.classesOf(state.store.value))]} onChange={(kind) => changeLayer({ class: kind })} />

@@ -106,7 +106,9 @@ export interface DrawnLayer {
   waves: number;
   mirrors: boolean;
   roll: number;
+  in_3d: boolean; // of a boat
   drift: number;
+  shade: number; // of clouds, on the ground
   class: string;
   film: LayerFilm; // footage of what these modes have made, or of a clip
   clip: string; // that was dropped

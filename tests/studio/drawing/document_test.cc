@@ -83,7 +83,9 @@ Document full() {
                                 .waves = 0.25,
                                 .mirrors = true,
                                 .roll = 3,
+                                .in_3d = true,
                                 .drift = -4,
+                                .shade = 0.25,
                                 .class_name = "fall"},
                                {.name = "fire",
                                 .motion = "footage",
@@ -138,8 +140,11 @@ TEST(Document, WithoutOtherWaysIsAnOlderOne) {
   film["scene"]["layers"][1]["motion"] = "film";
   EXPECT_EQ(document_from_json(film.dump(), "document"), full()) << "what footage was called";
   for (Json& layer : film["scene"]["layers"])
-    for (const char* later : {"film", "start", "repeats", "ground", "blend"}) layer.erase(later);
+    for (const char* later : {"film", "start", "repeats", "ground", "blend", "in_3d", "shade"})
+      layer.erase(later);
   expected = full();
+  expected.scene.layers[0].in_3d = false;
+  expected.scene.layers[0].shade = 0;
   expected.scene.layers[1] = {.name = "fire", .motion = "footage", .film = "clip", .clip = "fire 1.mkv"};
   EXPECT_EQ(document_from_json(film.dump(), "document"), expected);
 }

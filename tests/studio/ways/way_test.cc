@@ -165,25 +165,27 @@ Drawn area(float left, float top, float right, float bottom) {
 DrawnScene layers() {
   DrawnScene scene;
   scene.frames = 6;
-  scene.layers = {{.name = "oak",
-                   .motion = "tree",
-                   .paint = {area(10, 20, 50, 140)},
-                   .lines = {{.points = {{30, 138}, {30, 30}}, .speed = {}}},
-                   .plant = "grass",
-                   .shimmer = 1},
-                  {.name = "a boat",
-                   .motion = "boat",
-                   .paint = {area(100, 90, 140, 112)},
-                   .lines = {{.points = {{102, 110}, {138, 110}}, .speed = {}}},
-                   .roll = 2},
-                  {.name = "lake",
-                   .motion = "water",
-                   .paint = {area(0, 80, 193, 151)},
-                   .lines = {{.points = {{0, 75}, {193, 75}}, .speed = {}}},
-                   .waves = 0.1,
-                   .mirrors = true},
-                  {.name = "sky", .motion = "clouds", .paint = {area(0, 0, 193, 70)}, .drift = 12},
-                  {.name = "land", .motion = "still", .matte = LayerMatte::kRest}};
+  scene.layers = {
+      {.name = "oak",
+       .motion = "tree",
+       .paint = {area(10, 20, 50, 140)},
+       .lines = {{.points = {{30, 138}, {30, 30}}, .speed = {}}},
+       .plant = "grass",
+       .shimmer = 1},
+      {.name = "a boat",
+       .motion = "boat",
+       .paint = {area(100, 90, 140, 112)},
+       .lines = {{.points = {{102, 110}, {138, 110}}, .speed = {}}},
+       .roll = 2,
+       .in_3d = true},
+      {.name = "lake",
+       .motion = "water",
+       .paint = {area(0, 80, 193, 151)},
+       .lines = {{.points = {{0, 75}, {193, 75}}, .speed = {}}},
+       .waves = 0.1,
+       .mirrors = true},
+      {.name = "sky", .motion = "clouds", .paint = {area(0, 0, 193, 70)}, .drift = 12, .shade = 0.3},
+      {.name = "land", .motion = "still", .matte = LayerMatte::kRest}};
   return scene;
 }
 
@@ -202,6 +204,9 @@ TEST(Way, LayersOfEveryKindAreAScene) {
   const nlohmann::json made = run_in(folder, "scene", document);
   EXPECT_EQ(made["layers"], 5);
   EXPECT_EQ(made["frames"], 6);
+  const std::string toml = tools::text_of(folder / "ways/scene/scene.toml");
+  for (const char* said : {"roll = 2\nin_3d = true\n", "speed = 12\nshade = 0.3\n"})
+    EXPECT_NE(toml.find(said), std::string::npos) << toml;
   // A layer that is scribbled on, and beside.
   document.scene.layers[0].matte = LayerMatte::kScribbled;
   document.scene.layers[0].paint.push_back(area(60, 20, 80, 60));
