@@ -47,7 +47,7 @@ std::string read_motion(const Fields& fields) {
 DrawnLayer read_layer(const Fields& fields) {
   fields.only({"name",  "motion",  "matte",  "paint", "lines", "plant", "shimmer",
                "waves", "mirrors", "roll",   "drift", "class", "film",  "clip",
-               "start", "repeats", "ground", "blend", "in_3d", "shade"});
+               "start", "repeats", "ground", "blend", "in_3d", "shade", "glow"});
   const std::string matte = fields.word("matte", {std::begin(kMattes), std::end(kMattes)});
   DrawnLayer layer{.name = layer_name(fields),
                    .motion = read_motion(fields),
@@ -65,6 +65,7 @@ DrawnLayer read_layer(const Fields& fields) {
                    .class_name = fields.text("class")};
   // Older documents have none of these.
   if (fields.has("in_3d")) layer.in_3d = fields.flag("in_3d");
+  if (fields.has("glow")) layer.glow = number(fields, "glow", "layer", "glow");
   if (fields.has("shade")) layer.shade = number(fields, "shade", "clouds", "shade");
   if (fields.has("clip")) layer.clip = fields.text("clip");
   layer.film = layer.clip.empty() ? kFilms[0] : "clip";
@@ -99,7 +100,8 @@ Json layer_json(const DrawnLayer& layer) {
           {"start", layer.start},
           {"repeats", layer.repeats},
           {"ground", layer.ground},
-          {"blend", layer.blend}};
+          {"blend", layer.blend},
+          {"glow", layer.glow}};
 }
 
 }  // namespace

@@ -60,6 +60,7 @@ struct DrawnLayer {
   bool repeats = true;  // of footage
   std::string ground = "none";  // of footage: "none", "black", "white", which is taken off
   std::string blend = "over";   // "over", "add", "screen"
+  double glow = 0;              // of patches and footage, on the layers around
   bool operator==(const DrawnLayer&) const = default;
 };
 

@@ -185,6 +185,8 @@ std::vector<WayFile> layer_scene(const DrawnScene& scene, cv::Size size, const S
     const std::string file = fmt::format("layer-{}.png", ++place);
     toml += fmt::format("[[layer]]\nname = {}\nmotion = \"{}\"\nblend = \"{}\"\n", toml_text(layer.name),
                         layer.motion, layer.blend);
+    if (layer.glow > 0 && (layer.motion == "footage" || layer.motion == "patches"))
+      toml += fmt::format("glow = {}\n", layer.glow);
     if (layer.motion == "footage") {
       toml += footage_keys(layer, size, files);
       const cv::Mat matte =

@@ -155,7 +155,21 @@ const std::vector<Key<SceneLayer>>& layer_keys() {
        &SceneLayer::shadow_in_still,
        {},
        "",
-       "true: the still shows this shadow, which is divided out where it was; false: it is new"}};
+       "true: the still shows this shadow, which is divided out where it was; false: it is new"},
+      {"glow",
+       &SceneLayer::glow,
+       {0, 10},
+       "",
+       "of patches, transfer and footage: how much brighter all layers around it are for each time that its "
+       "light exceeds that of its first frame, which the still shows; clouds excepted",
+       {},
+       Range{0, 1}},
+      {"glow_reach",
+       &SceneLayer::glow_reach_px,
+       {1, kFarPx},
+       "px",
+       "distance at which half of that is left",
+       "a fifth of the picture's longer side"}};
   return keys;
 }
 
@@ -258,11 +272,18 @@ void read_shadow(Section& section, SceneLayer& layer) {
         "Let its end lie some pixels lower, or higher for a shadow that falls away from the viewer");
 }
 
+void check_glow(const Section& section, const SceneLayer& layer) {
+  if (layer.glow > 0 && !layer.brings_frames())
+    section.refuse("glow", fmt::format("a layer of motion \"{}\" has one light all the time", layer.kind()),
+                   "Give it to a fire: a layer of patches, transfer or footage");
+}
+
 SceneLayer read_layer(Section& section, int place) {
   SceneLayer layer;
   layer.order = place;
   layer.seed = static_cast<std::uint64_t>(place);
   read_keys(section, layer_keys(), layer, kExplained);
+  check_glow(section, layer);
   std::visit(
       [&]<class Kind>(Kind& motion) {
         read_keys(section, keys_of<Kind>(), motion, kExplained);
@@ -442,6 +463,7 @@ std::vector<SceneRange> scene_ranges() {
   };
   add("wind", key_ranges(wind_keys()));
   add("wind.at", key_ranges(weather_keys()));
+  add("layer", key_ranges(layer_keys()));
   for_each_kind([&]<class Kind>() { add(Kind::kName, key_ranges(keys_of<Kind>())); });
   return ranges;
 }

@@ -23,7 +23,7 @@ Scene parse_scene(std::string_view text, const std::filesystem::path& name);
 /// Every key with unit, range and default, for a person.
 std::string scene_keys();
 
-/// What a number of a scene may be. table   "wind", or a kind of motion.
+/// What a number of a scene may be. table   "wind", "wind.at", "layer" (what every layer has), or a kind of motion.
 struct SceneRange {
   std::string table, key;
   Range range, slider;  // slider: the part in which one looks first

@@ -199,13 +199,25 @@ function MotionOptions({ layer }: { layer: DrawnLayer }): JSX.Element | null {
       );
     case "patches":
       return (
-        <Select label="Kind of fluid" value={layer.class} options={[["", "As it looks"], ["any", "Any"], ...named(state.classesOf(state.store.value))]} onChange={(kind) => changeLayer({ class: kind })} />
+        <>
+          <Select label="Kind of fluid" value={layer.class} options={[["", "As it looks"], ["any", "Any"], ...named(state.classesOf(state.store.value))]} onChange={(kind) => changeLayer({ class: kind })} />
+          <Glow layer={layer} />
+        </>
       );
     case "footage":
-      return <FilmChoice layer={layer} />;
+      return (
+        <>
+          <FilmChoice layer={layer} />
+          <Glow layer={layer} />
+        </>
+      );
     case "still":
       return null;
   }
+}
+
+function Glow({ layer }: { layer: DrawnLayer }): JSX.Element {
+  return <Slider label="Lights what is around it" value={layer.glow} {...state.range("layer.glow")} step={0.01} shown={layer.glow === 0 ? "not" : layer.glow.toFixed(2)} onInput={(glow) => changeLayer({ glow }, "layer-glow")} />;
 }
 
 const kFilms = { design: "What Design has made", flowlines: "The endless clip of Flow lines", stills: "The film of Stills" } as const;

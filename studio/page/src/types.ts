@@ -116,6 +116,7 @@ export interface DrawnLayer {
   repeats: boolean;
   ground: Ground; // of footage: what it was filmed on, taken off
   blend: Blend;
+  glow: number; // of patches and footage, on the layers around
 }
 
 /** A picture in layers that one wind moves, nearest first. */

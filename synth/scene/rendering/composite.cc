@@ -213,6 +213,21 @@ void sample_mixture(const MovedSprite& moved, int y, cv::Range columns, Scratch&
   mix_samples(scratch.other.data(), scratch.part.data(), n, scratch.sample.data());
 }
 
+/// On n pixels of row y, where something can still be seen of them.
+void let_light_fall(std::span<const FallingLight* const> falling, int x, int y, int n, const float* through,
+                    Sample* sample) {
+  for (int i = 0; i < n; ++i) {
+    if (!(through[i] > 0)) continue;
+    Quad factor{1, 1, 1, 1};
+    for (const FallingLight* const light : falling) {
+      const float here = light->falloff->ptr<float>(y)[x + i];
+      factor += Quad{light->gain[0], light->gain[1], light->gain[2], 0} * here;
+    }
+    const Quad zero{0, 0, 0, 0};
+    sample[i].of *= factor > zero ? factor : zero;
+  }
+}
+
 /// Factors of the light at n pixels; false: it is 1 everywhere, and nothing that counts was written.
 bool light_of(const MovedSprite& moved, int x, int y, int n, float* factor) {
   bool lit = moved.motion->light(x, y, n, factor);
@@ -234,6 +249,8 @@ void add_layer(const MovedSprite& moved, int y, cv::Range columns, Scratch& scra
     sample_mixture(moved, y, columns, scratch);
   else
     sample_copy(moved, 0, y, columns, scratch, scratch.through.data() + columns.start, sample);
+  if (!moved.falling.empty())
+    let_light_fall(moved.falling, columns.start, y, n, scratch.through.data() + columns.start, sample);
   const float* held = sprite.held.empty()
                           ? nullptr
                           : sprite.held.ptr<float>(y - sprite.box.y) + (columns.start - sprite.box.x);

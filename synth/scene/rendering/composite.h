@@ -14,6 +14,13 @@
 
 namespace freshet::synth::scene {
 
+/// Light that falls on layers, besides the still's own: a pixel's channels are multiplied by 1 + gain * falloff. What
+/// several bring is added before.
+struct FallingLight {
+  const cv::Mat* falloff = nullptr;  // CV_32F, of the picture
+  std::array<float, 3> gain{};       // blue, green, red
+};
+
 /// A layer as it is composited; borrows both.
 struct MovedSprite {
   const Sprite* sprite = nullptr;
@@ -22,6 +29,7 @@ struct MovedSprite {
   /// Factors of the light that falls on it, of each pixel of the picture, CV_32F, and of all of it; null: 1.
   std::array<const cv::Mat*, 2> lights{};
   const float* lit = nullptr;
+  std::span<const FallingLight* const> falling{};
 };
 
 /// Composites the layers at the frame that their motions have gone to.

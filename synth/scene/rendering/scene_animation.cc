@@ -116,6 +116,11 @@ Line ground_of(const Scene& scene, const SceneLayer& layer, const cv::Rect& box,
   return horizon;
 }
 
+/// Whether shadows and the light of fires fall on it; they do not on the sky, and on what adds its own light.
+bool lies_in_light(const SceneLayer& layer) {
+  return layer.as<CloudMotion>() == nullptr && layer.blend == Blend::kOver;
+}
+
 /// Where what stands upright meets the ground; nothing: it lies on it.
 std::optional<cv::Point2d> foot_of(const Scene& scene, const SceneLayer& layer) {
   if (const auto* boat = layer.as<BoatMotion>()) {
@@ -190,7 +195,19 @@ SceneAnimation::SceneAnimation(const Scene& scene, std::span<const LayerPixels> 
   for (std::size_t i = 0; i < placed_.size(); ++i)
     moved_.push_back({&placed_[i].sprite, placed_[i].motion.get(), scene.layers[i].blend});
   place_shadows(scene, pixels);
+  place_glows(scene);
   place_mirrors(scene, pixels);
+}
+
+void SceneAnimation::place_glows(const Scene& scene) {
+  for (std::size_t i = 0; i < placed_.size(); ++i) {
+    const SceneLayer& layer = scene.layers[i];
+    if (layer.glow == 0) continue;
+    placed_[i].glow = std::make_unique<LayerGlow>(layer.glow, layer.glow_reach_px, picture_);
+    falling_.push_back(&placed_[i].glow->light());
+  }
+  for (std::size_t i = 0; i < placed_.size(); ++i)
+    if (lies_in_light(scene.layers[i]) && placed_[i].glow == nullptr) moved_[i].falling = falling_;
 }
 
 void SceneAnimation::place_shadows(const Scene& scene, std::span<const LayerPixels> pixels) {
@@ -205,8 +222,7 @@ void SceneAnimation::place_shadows(const Scene& scene, std::span<const LayerPixe
   for (std::size_t i = 0; i < placed_.size(); ++i) {
     const SceneLayer& layer = scene.layers[i];
     Placed& placed = placed_[i];
-    // The sky and what adds its light lie in no shadow.
-    if (layer.as<CloudMotion>() == nullptr && layer.blend == Blend::kOver) {
+    if (lies_in_light(layer)) {
       moved_[i].lights[0] = light;
       const std::optional<cv::Point2d> foot = foot_of(scene, layer);
       if (shade_ != nullptr && foot) placed.foot = *foot, moved_[i].lit = &placed.lit;
@@ -343,8 +359,11 @@ void SceneAnimation::render(int frame, cv::Mat& out) {
   if (out.empty()) out.create(picture_, CV_8UC3);
   Stopwatch watch;
   for (Placed& placed : placed_)
-    if (placed.frames != nullptr)
-      set_frame(placed.sprite, placed.frames->next(), placed.frames->at(), picture_);
+    if (placed.frames != nullptr) {
+      const cv::Mat& own = placed.frames->next();
+      set_frame(placed.sprite, own, placed.frames->at(), picture_);
+      if (placed.glow != nullptr) placed.glow->see(own, placed.frames->at());
+    }
   seconds_.frames += watch.seconds();
   watch = {};
   frame_ = frame;

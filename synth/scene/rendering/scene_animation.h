@@ -14,6 +14,7 @@
 #include "synth/scene/rendering/cloud_shade.h"
 #include "synth/scene/rendering/composite.h"
 #include "synth/scene/rendering/layer_frames.h"
+#include "synth/scene/rendering/layer_glow.h"
 #include "synth/scene/rendering/layer_shadow.h"
 #include "synth/scene/rendering/sprite.h"
 #include "synth/scene/rendering/water_mirror.h"
@@ -80,6 +81,7 @@ class SceneAnimation {
     std::unique_ptr<WaterMirror> mirror;
     const WaterSurface* surface = nullptr;  // the motion, where it is water that is to be seen
     bool rides = false;                     // on another layer's motion, which goes first
+    std::unique_ptr<LayerGlow> glow;
     std::unique_ptr<LayerShadow> shadow;
     cv::Mat light;     // CV_32F, that this shadow and those of nearer layers leave
     cv::Point2d foot;  // px, of what stands on ground that clouds shade
@@ -88,6 +90,8 @@ class SceneAnimation {
   void place_motion(const Scene& scene, std::size_t i);
   /// Shadows, and which layers lie in them.
   void place_shadows(const Scene& scene, std::span<const LayerPixels> pixels);
+  /// Fires, and which layers they light.
+  void place_glows(const Scene& scene);
   /// The light of the frame that all motions have gone to.
   void cast_shadows(int frame);
   void place_mirrors(const Scene& scene, std::span<const LayerPixels> pixels);
@@ -100,8 +104,9 @@ class SceneAnimation {
   int frame_ = 0;               // that was rendered last
   std::vector<Placed> placed_;  // nearest first
   std::vector<MovedSprite> moved_;
-  std::vector<MovedSprite> mirrored_;  // all but waters and what floats
-  cv::Mat beyond_;                     // CV_32FC4, of mirrored_; empty where no water mirrors
+  std::vector<MovedSprite> mirrored_;         // all but waters and what floats
+  cv::Mat beyond_;                            // CV_32FC4, of mirrored_; empty where no water mirrors
+  std::vector<const FallingLight*> falling_;  // of all glows
   std::unique_ptr<CloudShade> shade_;
   cv::Mat shaded_;  // CV_32F, the light that shade_ leaves
   cv::Mat alone_;   // CV_32FC4, a layer that casts a shadow

@@ -94,7 +94,8 @@ Document full() {
                                 .start = 0.5,
                                 .repeats = false,
                                 .ground = "black",
-                                .blend = "screen"},
+                                .blend = "screen",
+                                .glow = 0.5},
                                {.name = "land", .matte = LayerMatte::kRest}}};
   document.sweep = {.axes = {{.setting = "speed", .values = {"0.5", "2"}},
                              {.setting = "class", .values = {"", "a, \\ b", "fall"}}},
@@ -140,7 +141,7 @@ TEST(Document, WithoutOtherWaysIsAnOlderOne) {
   film["scene"]["layers"][1]["motion"] = "film";
   EXPECT_EQ(document_from_json(film.dump(), "document"), full()) << "what footage was called";
   for (Json& layer : film["scene"]["layers"])
-    for (const char* later : {"film", "start", "repeats", "ground", "blend", "in_3d", "shade"})
+    for (const char* later : {"film", "start", "repeats", "ground", "blend", "in_3d", "shade", "glow"})
       layer.erase(later);
   expected = full();
   expected.scene.layers[0].in_3d = false;

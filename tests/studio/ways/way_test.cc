@@ -247,11 +247,12 @@ TEST(Way, AFilmIsALayerWhereItWasPlaced) {
                             .start = 0.04,
                             .repeats = false,
                             .ground = "black",
-                            .blend = "screen"}};
+                            .blend = "screen",
+                            .glow = 0.4}};
   EXPECT_EQ(run_in(folder, "scene", document)["layers"], 2) << "and the rest";
   const std::string toml = tools::text_of(folder / "ways/scene/scene.toml");
   for (const char* said : {"at = [60, 20]\nwidth = 90\nstart = 0.04\nrepeat = false\nground = \"black\"\n",
-                           "blend = \"screen\"\n"})
+                           "blend = \"screen\"\nglow = 0.4\n"})
     EXPECT_NE(toml.find(said), std::string::npos) << toml;
   document.scene.layers[0].film = "flowlines";
   EXPECT_THROW(files_of("scene", document), Error) << "no clip was made endless";

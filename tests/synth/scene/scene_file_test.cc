@@ -131,7 +131,8 @@ TEST(SceneFile, EveryNumberIsHeldToTheRangeThatIsShown) {
       if (range.table == "wind")
         return parse_fault(kTop + "[[layer]]\nname=\"a\"\nmatte=\"rest\"\nmotion=\"still\"\n[wind]\n" + line);
       const auto more = needed.find(range.table);
-      return parse_fault(kTop + "[[layer]]\nname=\"a\"\nmotion=\"" + range.table + "\"\n" +
+      return parse_fault(kTop + "[[layer]]\nname=\"a\"\nmotion=\"" +
+                         (range.table == "layer" ? "still" : range.table) + "\"\n" +
                          (own ? "" : "matte=\"rest\"\n") + (more == needed.end() ? "" : more->second) + line);
     };
     EXPECT_TRUE(range.range.low <= range.slider.low && range.slider.high <= range.range.high) << range.key;
