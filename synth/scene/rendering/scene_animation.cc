@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <utility>
 
 #include <fmt/format.h>
 #include <oneapi/tbb/parallel_for.h>
@@ -80,8 +81,7 @@ Waterplane checked_waterplane(const Scene& scene, const SceneLayer& layer, const
   return waterplane_of(hull, camera);
 }
 
-/// px, where boats lie on this water.
-/// camera   that sees it.
+/// px, where boats lie on this water. camera   that sees it.
 cv::Rect boats_on(const Scene& scene, const SceneLayer& water, const WaterCamera& camera) {
   cv::Rect all;
   for (const SceneLayer& layer : scene.layers) {
@@ -238,7 +238,7 @@ void SceneAnimation::place_shadows(const Scene& scene, std::span<const LayerPixe
                                                   placed.sprite.box, picture_);
     placed.light = cv::Mat(picture_, CV_32F, cv::Scalar(1));
     alone_.create(picture_, CV_32FC4);
-    light = &placed.light;
+    placed.nearer = std::exchange(light, &placed.light);
   }
 }
 
@@ -252,8 +252,8 @@ void SceneAnimation::cast_shadows(int frame) {
     if (placed_[i].shadow == nullptr) continue;
     // Where nearer layers cast none, all but this shadow's region stays 1.
     cv::Mat shaded = placed_[i].light(placed_[i].shadow->region());
-    if (moved_[i].lights[0] != nullptr)
-      moved_[i].lights[0]->copyTo(placed_[i].light);
+    if (placed_[i].nearer != nullptr)
+      placed_[i].nearer->copyTo(placed_[i].light);
     else
       shaded.setTo(1);
     const MovedSprite alone{moved_[i].sprite, moved_[i].motion};

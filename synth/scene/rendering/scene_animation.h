@@ -83,9 +83,10 @@ class SceneAnimation {
     bool rides = false;                     // on another layer's motion, which goes first
     std::unique_ptr<LayerGlow> glow;
     std::unique_ptr<LayerShadow> shadow;
-    cv::Mat light;     // CV_32F, that this shadow and those of nearer layers leave
-    cv::Point2d foot;  // px, of what stands on ground that clouds shade
-    float lit = 1;     // there
+    cv::Mat light;                    // CV_32F, that this shadow and those of nearer layers leave
+    const cv::Mat* nearer = nullptr;  // of the next nearer shadow
+    cv::Point2d foot;                 // px, of what stands on ground that clouds shade
+    float lit = 1;                    // there
   };
   void place_motion(const Scene& scene, std::size_t i);
   /// Shadows, and which layers lie in them.

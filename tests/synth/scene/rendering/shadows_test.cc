@@ -278,26 +278,31 @@ TEST(Shadows, OfSeveralLayersAndOfCloudsMultiply) {
                     sky = "motion = \"clouds\"\n", more = "shadow_in_still = false\nshadow_softness = 0\n",
                     of_tree = "shadow = [30, 80, 80, 118]\nmass = 1e5\n" + more,
                     of_boat = "shadow = [100, 90, 60, 115]\n" + more, of_clouds = "shade = 0.5\n";
-  std::string text = made_scene_text("speed = 0");
-  text.replace(text.find("mass = 2\n"), 9, "");
-  const cv::Mat plain = frame_of(text, 0);
-  const auto lit = [&](bool trees, bool boats, bool clouds) {
-    std::string shaded = text;
-    if (trees) shaded = with(shaded, tree, of_tree);
-    if (boats) shaded = with(shaded, boat, of_boat);
-    if (clouds) shaded = with(shaded, sky, of_clouds);
-    cv::Mat light;
-    cv::divide(frame_of(shaded, 0), plain, light);
-    return light;
-  };
-  const cv::Mat of_all = lit(true, true, true),
-                expected = lit(true, false, false).mul(lit(false, true, false)).mul(lit(false, false, true));
-  EXPECT_LT(cv::norm(of_all, expected, cv::NORM_INF), 1e-4);
-  const cv::Mat both = lit(true, true, false);
-  int in_both = 0;
-  for (int y = 92; y < 118; ++y)
-    for (int x = 0; x < 160; ++x) in_both += std::abs(both.at<cv::Vec4f>(y, x)[1] - 0.36) < 1e-3 ? 1 : 0;
-  EXPECT_GT(in_both, 10);
+  for (const std::string blend : {"blend = \"over\"\n", "blend = \"add\"\n"}) {
+    std::string text = with(made_scene_text("speed = 0"), boat, blend);
+    text.replace(text.find("mass = 2\n"), 9, "");
+    const cv::Mat plain = frame_of(text, 0);
+    const auto lit = [&](bool trees, bool boats, bool clouds) {
+      std::string shaded = text;
+      if (trees) shaded = with(shaded, tree, of_tree);
+      if (boats) shaded = with(shaded, boat, of_boat);
+      if (clouds) shaded = with(shaded, sky, of_clouds);
+      cv::Mat light;
+      cv::divide(frame_of(shaded, 0), plain, light);
+      return light;
+    };
+    const cv::Mat of_all = lit(true, true, true),
+                  expected =
+                      lit(true, false, false).mul(lit(false, true, false)).mul(lit(false, false, true));
+    // Where the boat adds its light, only what lies beside it is told.
+    const cv::Rect beside(0, 93, 160, 27);
+    EXPECT_LT(cv::norm(of_all(beside), expected(beside), cv::NORM_INF), 1e-4);
+    const cv::Mat both = lit(true, true, false);
+    int in_both = 0;
+    for (int y = 92; y < 118; ++y)
+      for (int x = 0; x < 160; ++x) in_both += std::abs(both.at<cv::Vec4f>(y, x)[1] - 0.36) < 1e-3 ? 1 : 0;
+    EXPECT_GT(in_both, 10);
+  }
 }
 
 TEST(Shadows, AreTheSameForAnyNumberOfThreadsAndLoop) {
