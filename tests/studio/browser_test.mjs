@@ -726,10 +726,17 @@ test("layers of every kind are painted, one wind moves them, and the command lin
   };
   await add("Stands still");
   await add("Clouds", [5, 5, 315, 60]);
+  await page.getByLabel("Shadows on the ground").fill("0.4");
+  await until(async () => (await made())[0].shade === 0.4);
   await add("Water", [5, 100, 315, 195], [[10, 95], [310, 95]]);
   await add("Boat", [200, 110, 250, 130], [[204, 128], [246, 128]]);
+  await page.getByRole("switch", { name: "In three dimensions" }).click();
+  await until(async () => (await made())[0].in_3d);
+  await shot(page, "scene-boat");
   await add("Tree or plant", [20, 40, 70, 150], [[45, 148], [45, 50]]);
   await add("Fluid of the store", [130, 70, 180, 180], [[155, 80], [155, 170]]);
+  await page.getByLabel("Lights what is around it").fill("0.2");
+  await until(async () => (await made())[0].glow === 0.2);
   await page.getByRole("combobox", { name: "Add a layer" }).selectOption({ label: "Film" });
   await page.setInputFiles("input[aria-label=\"Choose a clip's file\"]", at("clips/fall/1.mkv"));
   await until(async () => (await made())[0].clip === "1.mkv");
