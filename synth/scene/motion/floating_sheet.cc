@@ -12,7 +12,8 @@ namespace {
 constexpr double kBeam = 1.0 / 3;     // of the length
 constexpr double kStationsApart = 3;  // px
 constexpr int kFewestStations = 8, kMostStations = 512;
-constexpr double kMostTilt = 0.5;  // rad
+constexpr double kMostTilt = 0.5;      // rad
+constexpr double kFurthestSide = 1e6;  // px
 constexpr double kNearest =
     0.05;  // of the depth of a sheet's middle: what would be nearer than that is far off
 
@@ -113,7 +114,11 @@ cv::Matx33d still_from_moved(const WaterCamera& camera, const Waterplane& plane,
 cv::Rect water_under(const Waterplane& plane, const WaterCamera& camera) {
   std::vector<cv::Point2f> corners;
   for (const double along : {-1.0, 1.0})
-    for (const double across : {-1.0, 1.0}) corners.emplace_back(seen(camera, plane, {along, across}));
+    for (const double across : {-1.0, 1.0}) {
+      const cv::Point2d px = seen(camera, plane, {along, across});
+      corners.emplace_back(std::clamp(px.x, -kFurthestSide, kFurthestSide),
+                           std::clamp(px.y, -kFurthestSide, kFurthestSide));
+    }
   const auto [left, right] = std::ranges::minmax(corners, {}, &cv::Point2f::x);
   const auto [top, bottom] = std::ranges::minmax(corners, {}, &cv::Point2f::y);
   const cv::Point first(cvFloor(left.x), cvFloor(top.y)), last(cvCeil(right.x), cvCeil(bottom.y));

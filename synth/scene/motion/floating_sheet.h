@@ -87,7 +87,7 @@ class FloatingSheet : public Motion {
   cv::Matx33d back_ = cv::Matx33d::eye();
 };
 
-/// px, that heights are asked in.
+/// px, that heights are asked in; no further than 1e6 where a side of the boat lies at the camera or behind it.
 cv::Rect water_under(const Waterplane& plane, const WaterCamera& camera);
 
 }  // namespace freshet::synth::scene

@@ -1,4 +1,4 @@
-// synth/scene/rendering/cloud_shade.h — shadows of clouds glide over the land (Chuang et al. 2005, leave shadows open).
+// synth/scene/rendering/cloud_shade.h — shadows of clouds glide over the land.
 #pragma once
 
 #include <cstdint>
@@ -15,8 +15,8 @@ namespace freshet::synth::scene {
 
 /// Clouds that shade the land are not those that the picture shows: they stand above the viewer. So their shadows are
 /// smooth noise on the ground's plane, which two fifths of it exceed, with soft rims. They go where the wind does, in
-/// the foreground as many pixels a second as the clouds of the sky, further away by perspective. Towards
-/// the horizon, where they would be streaks across all that stands there, they fade.
+/// the foreground as many pixels a second as the clouds of the sky, further away by perspective. Towards the horizon,
+/// where they would be streaks across all that stands there, they fade.
 ///
 /// In a loop the noise of the beginning goes over into the noise that has come as far, its variance kept: shadows glide
 /// without an end, and change their forms within the loop.

@@ -9,6 +9,7 @@ namespace freshet::synth::scene {
 namespace {
 
 constexpr double kUsualSoftness = 0.05;  // of the shadow's length
+constexpr double kMostSoftness = 500;    // px, as the key's range
 constexpr float kLeast = 0.05f;  // of light in the still's shadow: what is darker cannot be divided out
 constexpr int kMostReduced = 8;
 
@@ -19,7 +20,8 @@ LayerShadow::LayerShadow(const SceneLayer& layer, const cv::Mat& alpha, const cv
   const Line& line = *layer.shadow;
   const cv::Point2d foot = line.from, falls = line.to - line.from;
   const double tall = foot.y - box.y;  // px
-  softness_px_ = layer.shadow_softness_px.value_or(kUsualSoftness * std::hypot(falls.x, falls.y));
+  softness_px_ = layer.shadow_softness_px.value_or(
+      std::min(kMostSoftness, kUsualSoftness * std::hypot(falls.x, falls.y)));
   reduced_ = std::clamp(static_cast<int>(softness_px_ / 2), 1, kMostReduced);
   const cv::Rect all({}, picture);
   const int more = std::max(8, std::max(box.width, box.height) / 4);

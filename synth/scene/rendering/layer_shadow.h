@@ -12,7 +12,7 @@ namespace freshet::synth::scene {
 /// goes to the line's end, and what is beside it as far to the side. The shadow is blurred by its softness.
 ///
 /// Where the still shows the shadow already, it is divided out where it was, and multiplied where it is: ground that it
-/// leaves is as much brighter as the darkness says, and what does not move stays as the still has it, to the bit.
+/// leaves is as much brighter as the darkness says, and what does not move stays as the still has it.
 class LayerShadow {
  public:
   /// layer    with a shadow line whose end lies higher or lower than its beginning, and that below the layer's top.

@@ -82,7 +82,7 @@ Waterplane checked_waterplane(const Scene& scene, const SceneLayer& layer, const
 }
 
 /// px, where boats lie on this water. camera   that sees it.
-cv::Rect boats_on(const Scene& scene, const SceneLayer& water, const WaterCamera& camera) {
+cv::Rect boats_on(const Scene& scene, const SceneLayer& water, const WaterCamera& camera, cv::Size picture) {
   cv::Rect all;
   for (const SceneLayer& layer : scene.layers) {
     const auto* boat = layer.as<BoatMotion>();
@@ -92,7 +92,10 @@ cv::Rect boats_on(const Scene& scene, const SceneLayer& water, const WaterCamera
                          cvFloor(std::min(hull.from.y, hull.to.y)));
     const cv::Point to(cvCeil(std::max(hull.from.x, hull.to.x)), cvCeil(std::max(hull.from.y, hull.to.y)));
     all |= cv::Rect(from, to + cv::Point(1, 1));
-    if (moves_in_3d(scene, *boat)) all |= water_under(checked_waterplane(scene, layer, hull, camera), camera);
+    // What of a boat lies further beside the picture has no waves.
+    const cv::Rect near(-picture.width, -picture.height, 3 * picture.width, 3 * picture.height);
+    if (moves_in_3d(scene, *boat))
+      all |= water_under(checked_waterplane(scene, layer, hull, camera), camera) & near;
   }
   return all;
 }
@@ -304,7 +307,7 @@ void SceneAnimation::place_motion(const Scene& scene, std::size_t i) {
     const cv::Rect region(0, box.y, picture_.width, picture_.height - box.y);
     const WaterCamera camera(*water.horizon, *water.focal_px, water.camera_height_m, picture_);
     auto surface = std::make_unique<WaterSurface>(water, gusts_, cycle_, scene.wind.seed * 64 + layer.seed,
-                                                  region, picture_, boats_on(scene, layer, camera));
+                                                  region, picture_, boats_on(scene, layer, camera, picture_));
     placed.surface = surface.get();
     placed.motion = std::move(surface);
   } else if (const auto* floating = layer.as<BoatMotion>()) {

@@ -258,6 +258,13 @@ TEST(SceneMarks, ABoatIn3dHasTheHorizonAboveIt) {
   const std::string text = replaced(made_scene_text("speed = 5"), "hull = [80, 90, 120, 90]\n",
                                     "hull = [80, 90, 120, 90]\nin_3d = true\n");
   EXPECT_EQ(animation_fault(text), "no fault");
+  // A camera so wide that a side of the boat lies behind it.
+  for (const char* focal : {"focal = 1\n", "focal = 8\ncamera_height = 0.01\n", "focal = 1e6\n"}) {
+    MadeScene made(replaced(text, "amplitude = 6\n", std::string("amplitude = 6\n") + focal));
+    cv::Mat frame(kMadeSize, CV_32FC4);
+    made.animation().render(3, frame);
+    EXPECT_TRUE(cv::checkRange(frame)) << focal;
+  }
   const std::string above = replaced(replaced(text, "hull = [80, 90, 120, 90]", "hull = [80, 65, 120, 65]"),
                                      "[0, 58, 160, 58]", "[0, 58, 160, 72]");
   EXPECT_THAT(animation_fault(above), AllOf(HasSubstr("layer boat: the middle of its hull line, (100, 65)"),

@@ -307,7 +307,7 @@ TEST(Shadows, OfSeveralLayersAndOfCloudsMultiply) {
 
 TEST(Shadows, AreTheSameForAnyNumberOfThreadsAndLoop) {
   const std::string text = with(with(made_scene_text("speed = 5"), "motion = \"clouds\"\n", "shade = 0.5\n"),
-                                "hull = [80, 90, 120, 90]\n", "shadow = [100, 90, 60, 105]\n");
+                                "hull = [80, 90, 120, 90]\n", "in_3d = true\nshadow = [100, 90, 60, 105]\n");
   const auto frames = [&](std::size_t threads) {
     const oneapi::tbb::global_control control(oneapi::tbb::global_control::max_allowed_parallelism, threads);
     return frame_of(text, 7);
@@ -328,7 +328,10 @@ TEST(Shadows, AreRefusedByNameWhereTheyCannotFall) {
   };
   const std::string boat = "hull = [80, 90, 120, 90]\n", lake = "motion = \"water\"\n",
                     sky = "motion = \"clouds\"\n";
-  EXPECT_EQ(fault(boat, "shadow = [100, 90, 60, 105]\n"), "no fault");
+  // Nearly all that lies far away or outside of the picture is none's fault.
+  for (const char* fits : {"shadow = [100, 90, 60, 105]\n", "shadow = [100, 130, 100, 300]\n",
+                           "shadow = [100, 90, 900000, 91]\n", "shadow = [100, 90, 100, -900000]\n"})
+    EXPECT_EQ(fault(boat, fits), "no fault") << fits;
   EXPECT_THAT(fault(boat, "shadow = [100, 90, 60, 90]\n"),
               AllOf(HasSubstr("made.toml:"), HasSubstr("shadow"), HasSubstr("ends in the row")));
   EXPECT_THAT(
