@@ -8,6 +8,7 @@
 #include "freshet/error.h"
 #include "media/frame/file_format.h"
 #include "media/picture/picture.h"
+#include "studio/clip_strip.h"
 #include "studio/dropped_files.h"
 #include "studio/project.h"
 
@@ -20,6 +21,14 @@ constexpr int kThumbnailSide = 160;  // px
 
 DroppedFiles stills_of(const fs::path& project) {
   return {.project = project, .within = "ways/stills/pictures", .wanted = media::looks_like_picture};
+}
+
+cv::Mat still_named(const fs::path& project, const std::string& name) {
+  const DroppedFiles stills = stills_of(project);
+  const std::vector<std::string> names = stills.names();
+  if (std::find(names.begin(), names.end(), name) == names.end())
+    throw Error(ErrorKind::kNotFound, name, "there is no such still");
+  return media::read_still(stills.folder() / name).bgr;
 }
 
 }  // namespace
@@ -42,12 +51,12 @@ void remove_stills(const fs::path& project) {
   if (fault) throw Error(ErrorKind::kIo, project.filename().string(), "its stills cannot be removed");
 }
 
+std::string still_jpeg(const fs::path& project, const std::string& name) {
+  return encoded(still_named(project, name));
+}
+
 std::string still_thumbnail(const fs::path& project, const std::string& name) {
-  const DroppedFiles stills = stills_of(project);
-  const std::vector<std::string> names = stills.names();
-  if (std::find(names.begin(), names.end(), name) == names.end())
-    throw Error(ErrorKind::kNotFound, name, "there is no such still");
-  return small_jpeg(media::read_still(stills.folder() / name).bgr, kThumbnailSide);
+  return small_jpeg(still_named(project, name), kThumbnailSide);
 }
 
 }  // namespace freshet::studio

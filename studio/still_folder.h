@@ -20,7 +20,8 @@ inline constexpr std::size_t kMostStills = 60;
 /// All of them, and what was made of them.
 void remove_stills(const std::filesystem::path& project);
 
-/// A small JPEG. Throws Error{kNotFound}, and as media::read_still.
+/// Upright, as JPEG, and a small one of it. Throws Error{kNotFound}, and as media::read_still.
+std::string still_jpeg(const std::filesystem::path& project, const std::string& name);
 std::string still_thumbnail(const std::filesystem::path& project, const std::string& name);
 
 }  // namespace freshet::studio

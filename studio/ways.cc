@@ -187,6 +187,10 @@ std::string Ways::stills_json(const std::string& project) {
   return json_text(still_names(projects_.easel(project)->project().folder()));
 }
 
+std::string Ways::still_jpeg(const std::string& project, const std::string& name) {
+  return studio::still_jpeg(projects_.easel(project)->project().folder(), name);
+}
+
 std::string Ways::still_thumbnail(const std::string& project, const std::string& name) {
   return studio::still_thumbnail(projects_.easel(project)->project().folder(), name);
 }

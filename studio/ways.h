@@ -58,6 +58,7 @@ class Ways {
 
   /// The stills of the project's scene (still_folder.h).
   std::string stills_json(const std::string& project);
+  std::string still_jpeg(const std::string& project, const std::string& name);
   std::string still_thumbnail(const std::string& project, const std::string& name);
   /// file   moved.
   void add_still(const std::string& project, const std::filesystem::path& file, const std::string& name);

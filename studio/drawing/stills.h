@@ -5,6 +5,7 @@
 #include <vector>
 
 #include <nlohmann/json_fwd.hpp>
+#include <opencv2/core.hpp>
 
 namespace freshet::studio {
 
@@ -18,6 +19,14 @@ struct StillsPath {
   bool operator==(const StillsPath&) const = default;
 };
 
+/// Where something of one still lies in another, px of the upright files; (0, 0) is the first pixel's outer corner.
+struct StillsPin {
+  std::string from, to;  // the stills' files
+  cv::Point2f at, goes;  // in the one, and in the other
+  double reach = 80;     // px, 1..100000
+  bool operator==(const StillsPin&) const = default;
+};
+
 /// A moving scene from some stills of it.
 struct Stills {
   double seconds = 8;  // 0.4..120
@@ -26,6 +35,7 @@ struct Stills {
   int split = 1;      // parts of each region, 1..8
   bool full = false;  // the stills' size, not a draft's
   std::vector<StillsPath> paths;
+  std::vector<StillsPin> pins = {};
   bool operator==(const Stills&) const = default;
 };
 

@@ -56,7 +56,10 @@ std::vector<Route> way_routes(Studio& studio) {
        [&](Call& call) { call.answer(studio.ways().stills_json(call.value("id"))); }},
       {"GET", "api/projects/:id/stills/:name", kNoBody,
        [&](Call& call) {
-         call.answer(studio.ways().still_thumbnail(call.value("id"), call.value("name")), "image/jpeg");
+         const std::string &id = call.value("id"), &name = call.value("name");
+         const bool whole = call.parameter("whole") == "1";
+         call.answer(whole ? studio.ways().still_jpeg(id, name) : studio.ways().still_thumbnail(id, name),
+                     "image/jpeg");
        }},
       {"POST", "api/projects/:id/stills", kPictureBody,
        [&](Call& call) {

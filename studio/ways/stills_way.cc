@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <map>
 #include <utility>
 
@@ -10,7 +11,12 @@
 namespace freshet::studio {
 namespace {
 
-/// What was said of the paths, as `freshet synth stills --keys` explains it.
+/// Of a pin. What is drawn has its origin in a pixel's corner, the file in its middle.
+std::string place_toml(cv::Point2f drawn) {
+  return fmt::format("[{:.2f}, {:.2f}]", std::max(0.f, drawn.x - .5f), std::max(0.f, drawn.y - .5f));
+}
+
+/// What was said of paths and pins, as `freshet synth stills --keys` explains it.
 std::string edits_toml(const Stills& stills) {
   std::map<std::string, std::pair<std::vector<std::string>, std::vector<std::string>>> of_region;
   for (const StillsPath& path : stills.paths) {
@@ -21,6 +27,9 @@ std::string edits_toml(const Stills& stills) {
   for (const auto& [region, paths] : of_region)
     toml += fmt::format("[[region]]\nname = {}\nrefuse = [{}]\nturn = [{}]\n", toml_text(region),
                         fmt::join(paths.first, ", "), fmt::join(paths.second, ", "));
+  for (const StillsPin& pin : stills.pins)
+    toml += fmt::format("[[pin]]\nfrom = {}\nto = {}\nat = {}\ngoes = {}\nreach = {}\n", toml_text(pin.from),
+                        toml_text(pin.to), place_toml(pin.at), place_toml(pin.goes), pin.reach);
   return toml;
 }
 

@@ -593,6 +593,58 @@ test("stills become a moving scene, an order is refused, and the command line ma
   const again = spawnSync("sh", ["-c", line.replace(/^freshet/, FRESHET)], { cwd: folder, encoding: "utf8" });
   assert.equal(again.status, 0, again.stderr);
   assert.ok(made.equals(readFileSync(join(folder, "ways/stills/film.mp4"))));
+  // What leaps is pinned: pressed in the one still and let go in the other, or clicked in both. The film follows.
+  const pins = async () => (await document(id)).stills.pins;
+  const near = (point, x, y) => assert.ok(Math.hypot(point[0] - x, point[1] - y) < 0.7, `${point} is not ${[x, y]}`);
+  const click = async (x, y) => {
+    const { left, top, scale } = await shown(page);
+    await page.mouse.click(left + x * scale, top + y * scale);
+  };
+  const pair = page.getByRole("group", { name: "Two stills" }).getByRole("button").first();
+  const two = (await pair.getAttribute("aria-label")).split(" and ");
+  await pair.click();
+  await page.getByText("Press on a point").waitFor();
+  await film.waitFor({ state: "hidden" });
+  await still(page);
+  const view = await page.locator(".canvas").getAttribute("data-view");
+  await drag(page, [[80, 70], [84, 68], [90, 66]]);
+  await until(async () => (await pins()).length === 1);
+  await page.getByRole("radio", { name: two[1] }).click();
+  await click(60, 80);
+  await page.getByText("Where is the same point").waitFor();
+  await click(63, 78);
+  await until(async () => (await pins()).length === 2);
+  assert.equal(await page.locator(".canvas").getAttribute("data-view"), view); // looked at as closely
+  const set = await pins();
+  assert.deepEqual(set.map(({ from, to, reach }) => [from, to, reach]), [[...two, 13], [...two.toReversed(), 13]]);
+  [[80, 70], [90, 66], [60, 80], [63, 78]].forEach((place, i) => near(set[i >> 1].points[i % 2], ...place));
+  await shot(page, "stills-pinned");
+  await expectAccessible(page, "stills-pinned");
+  await page.keyboard.press("Delete");
+  await until(async () => (await pins()).length === 1);
+  await page.keyboard.press("Control+z");
+  await until(async () => (await pins()).length === 2);
+  await page.getByRole("button", { name: "Take pin 2 out" }).click();
+  await until(async () => (await pins()).length === 1);
+  await page.getByRole("button", { name: /^1: / }).click();
+  await page.getByRole("slider", { name: "Reach" }).press("End");
+  await until(async () => (await pins())[0].reach === 160);
+  await page.keyboard.press("Control+z");
+  await until(async () => (await pins())[0].reach === 13);
+  await drag(page, [[90, 66], [89, 68], [88, 70]]); // its end, on the still that is shown
+  await until(async () => (await pins())[0].points[1][1] > 69);
+  near((await pins())[0].points[0], 80, 70);
+  await page.getByRole("button", { name: "Make it" }).click();
+  await until(async () => (await pair.getAttribute("aria-pressed")) === "false"); // the new film is looked at
+  await page.waitForFunction(() => globalThis.document.querySelector("video.film")?.currentTime > 0.1);
+  const pinned = readFileSync(join(folder, "ways/stills/film.mp4"));
+  assert.ok(!pinned.equals(made));
+  const [[pinAt, pinGoes]] = (await pins()).map(({ points }) => points.map((point) => `[${point.map((each) => (each - 0.5).toFixed(2)).join(", ")}]`));
+  const edits = readFileSync(join(folder, "ways/stills/edits.toml"), "utf8");
+  assert.ok(edits.endsWith(`[[pin]]\nfrom = "${two[0]}"\nto = "${two[1]}"\nat = ${pinAt}\ngoes = ${pinGoes}\nreach = 13\n`), edits);
+  assert.equal(spawnSync("sh", ["-c", line.replace(/^freshet/, FRESHET)], { cwd: folder }).status, 0);
+  assert.ok(pinned.equals(readFileSync(join(folder, "ways/stills/film.mp4"))));
+  await shot(page, "stills-pinned-film");
   // It becomes a layer over the picture: placed, begun later, and seen where it is painted.
   await page.getByRole("button", { name: "Lay it over the picture" }).click();
   const layer = async () => (await document(id)).scene.layers[0];

@@ -64,7 +64,8 @@ export const address = {
   film: (project: string, way: string, number: string): string => `${at(project)}/ways/${way}/film?n=${number}`,
   wayFile: (project: string, way: string, file: string, number: string): string => `${at(project)}/ways/${way}/files/${name(file)}?n=${number}`,
   clipFrame: (project: string, clip: string, own: boolean): string => `${at(project)}/clips/frame?clip=${name(clip)}&own=${own ? 1 : 0}`,
-  still: (project: string, still: string): string => `${at(project)}/stills/${name(still)}`,
+  still: (project: string, still: string): string => `${at(project)}/stills/${name(still)}`, // small
+  wholeStill: (project: string, still: string): string => `${at(project)}/stills/${name(still)}?whole=1`,
   layerMatte: (project: string, layer: number, version: number): string => `${at(project)}/layers/${layer}/matte?v=${version}`,
   credits: (project: string): string => `${at(project)}/credits`,
 };

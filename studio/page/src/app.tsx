@@ -13,6 +13,7 @@ import { NameDialog } from "./namedialog";
 import { addressed, go } from "./navigation";
 import { IconButton } from "./parts";
 import * as state from "./state";
+import { pinBegun, removePin } from "./stillpins";
 import { ThemeButton } from "./themebutton";
 import { takesShown } from "./takes";
 import { stepFrame, togglePlaying, Transport } from "./transport";
@@ -215,6 +216,8 @@ function useShortcuts(canvas: { current: Canvas | null }, exportNow: () => void,
         canvas.current?.dropCorners();
         view.selected.value = null;
         view.line.value = null;
+        view.pin.value = null;
+        pinBegun.value = null;
         view.piece.value = null;
       }
     };
@@ -249,6 +252,7 @@ function removeSelected(): void {
   const chosen = view.selected.value;
   const document = state.doc.value;
   if (state.mode.value === "flowlines") return removeLine();
+  if (state.mode.value === "stills") return removePin(view.pin.value);
   if (chosen === null || !document || state.mode.value !== "flow") return;
   state.edit({ strokes: document.strokes.filter((_, i) => i !== chosen) });
   view.selected.value = null;

@@ -187,7 +187,10 @@ export class Canvas {
       }),
       effect(() => {
         const image = view.ground.value;
+        const before = this.ground.visible() && image ? [this.ground.width(), this.ground.height()] : null;
         this.ground.setAttrs({ image: image ?? undefined, width: image?.naturalWidth ?? 1, height: image?.naturalHeight ?? 1, visible: !!image });
+        this.below.batchDraw();
+        if (before && before[0] === image?.naturalWidth && before[1] === image?.naturalHeight) return; // looked at as closely
         this.fitted = true;
         queueMicrotask(() => this.resize());
       }),

@@ -10,6 +10,7 @@ import { flowlinesTool } from "./tools/flowlinestool";
 import { flowTool } from "./tools/flowtool";
 import { fluidTool } from "./tools/fluidtool";
 import { sceneTool } from "./tools/scenetool";
+import { stillsTool } from "./tools/stillstool";
 import { kPanTool, type Tool } from "./tools/tool";
 import { whyTool } from "./tools/whytool";
 import type { Document, Mode } from "./types";
@@ -27,7 +28,7 @@ export const kModes: Record<Mode, ModeRow> = {
   look: { label: "Look", tool: kPanTool, panel: LookPanel, way: false },
   why: { label: "Why", tool: whyTool, panel: WhyPanel, way: false },
   design: { label: "Design", tool: designTool, panel: DesignPanel, way: true },
-  stills: { label: "Stills", tool: kPanTool, panel: StillsPanel, way: true },
+  stills: { label: "Stills", tool: stillsTool, panel: StillsPanel, way: true },
   flowlines: { label: "Flow lines", tool: flowlinesTool, panel: FlowlinesPanel, way: true },
   scene: { label: "Scene", tool: sceneTool, panel: ScenePanel, way: true },
 };

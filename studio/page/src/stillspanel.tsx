@@ -5,9 +5,11 @@ import { useEffect, useState } from "preact/hooks";
 import { ArrowRight, Ban, ImagePlus, X } from "lucide-preact";
 import * as api from "./api";
 import { FilmSection, LayOver, useWay } from "./filmsection";
-import { IconButton, Section, Slider, Switch } from "./parts";
+import { Choice, IconButton, Section, Slider, Switch } from "./parts";
 import * as state from "./state";
+import { choosePair, choosePin, found, neighbours, pinBegun, reachPin, removePin } from "./stillpins";
 import type { Document, FoundRegion, FoundStills, Stills, StillsPath } from "./types";
+import * as view from "./view";
 
 const kWay = "stills";
 const kKinds: Record<string, string> = { independent: "moves by itself", slow: "changes slowly", standing: "stands" };
@@ -21,10 +23,16 @@ export function StillsPanel({ document }: { document: Document }): JSX.Element {
   useEffect(() => {
     api.stills(id).then(setNames, (fault: Error) => (state.toast.value = fault.message));
   }, [id, news]);
+  const seen = way?.film ? (way.found as FoundStills | null) : null;
+  useEffect(() => {
+    found.value = seen;
+  }, [seen]);
+  useGround(id);
+  useEffect(() => choosePair(null), [news]); // a new film is looked at
   const change = (part: Partial<Stills>, key = ""): void => state.edit({ stills: { ...stills, ...part } }, key);
   return (
     <>
-      <StillsSection id={id} names={names} />
+      <StillsSection id={id} names={names} cleared={() => change({ paths: [], pins: [] })} />
       <Section title="How it plays">
         <Slider label="Length" value={stills.seconds} min={1} max={30} step={0.5} shown={`${stills.seconds.toFixed(1)} s`} onInput={(seconds) => change({ seconds }, "stills-seconds")} />
         <Slider label="Speed" value={stills.speed} min={0.25} max={4} logarithmic shown={`${stills.speed.toFixed(2)} ×`} onInput={(speed) => change({ speed: Number(speed.toFixed(2)) }, "stills-speed")} />
@@ -32,8 +40,9 @@ export function StillsPanel({ document }: { document: Document }): JSX.Element {
         <Switch label="Seamless loop" checked={stills.loop} onChange={(loop) => change({ loop })} />
         <Switch label="Full size" hint="Without it a draft, 480 px wide or high" checked={stills.full} onChange={(full) => change({ full })} />
       </Section>
-      <FilmSection name={kWay} way={way} ready={names.length > 1} />
+      <FilmSection name={kWay} way={way} ready={names.length > 1} stale={!!view.pair.value} />
       {way?.film && <LayOver film="stills" blend="over" />}
+      {(seen || stills.pins.length > 0) && <PinsSection id={id} stills={stills} />}
       {stills.paths.length > 0 && (
         <Section title="Changed orders">
           <ul class="paths">
@@ -49,7 +58,7 @@ export function StillsPanel({ document }: { document: Document }): JSX.Element {
           </ul>
         </Section>
       )}
-      {way?.film && !!way.found && <FoundSection id={id} found={way.found as FoundStills} number={way.film} say={(path) => change({ paths: [...stills.paths, path] })} />}
+      {way?.film && seen && <FoundSection id={id} found={seen} number={way.film} say={(path) => change({ paths: [...stills.paths, path] })} />}
     </>
   );
 }
@@ -62,7 +71,7 @@ export async function sendStills(id: string, files: File[], told: (count: number
   }
 }
 
-function StillsSection({ id, names }: { id: string; names: string[] }): JSX.Element {
+function StillsSection({ id, names, cleared }: { id: string; names: string[]; cleared: () => void }): JSX.Element {
   const [sent, setSent] = useState("");
   const take = async (files: File[]): Promise<void> => {
     try {
@@ -83,7 +92,7 @@ function StillsSection({ id, names }: { id: string; names: string[] }): JSX.Elem
       {names.length > 0 && (
         <>
           <Row id={id} names={names} />
-          <button type="button" class="quiet small" onClick={() => void api.removeStills(id)}>
+          <button type="button" class="quiet small" onClick={() => { cleared(); void api.removeStills(id); }}>
             Remove all of them
           </button>
         </>
@@ -92,8 +101,86 @@ function StillsSection({ id, names }: { id: string; names: string[] }): JSX.Elem
   );
 }
 
+/** The still of the chosen two that is shown, on the canvas in place of the picture. */
+function useGround(id: string): void {
+  const pair = view.pair.value;
+  const side = view.pairSide.value;
+  const [images, setImages] = useState<HTMLImageElement[]>([]);
+  useEffect(() => {
+    let alive = true;
+    setImages([]);
+    const wholes = (pair ?? []).map(async (name) => {
+      const image = new Image();
+      image.src = api.address.wholeStill(id, name);
+      await image.decode();
+      return image;
+    });
+    Promise.all(wholes).then(
+      (loaded) => alive && setImages(loaded),
+      () => {
+        if (alive) state.toast.value = "A still cannot be shown.";
+      },
+    );
+    return () => {
+      alive = false;
+    };
+  }, [id, pair]);
+  useEffect(() => {
+    view.ground.value = images[side] ?? null;
+  }, [images, side]);
+  useEffect(
+    () => () => {
+      choosePair(null);
+      view.ground.value = null;
+    },
+    [id],
+  );
+}
+
+function PinsSection({ id, stills }: { id: string; stills: Stills }): JSX.Element {
+  const pair = view.pair.value;
+  const chosen = view.pin.value;
+  const pin = chosen === null ? undefined : stills.pins[chosen];
+  const ground = view.ground.value;
+  const longest = ground ? Math.max(ground.naturalWidth, ground.naturalHeight) : 1000;
+  const hint = !pair
+    ? "What leaps from one still to the next is shown twice. Choose two that follow each other, and show where it goes."
+    : pinBegun.value
+      ? "Where is the same point in this still?"
+      : "Press on a point within the frame, drag it to where it is in the other still, and let go. Or click it in both.";
+  return (
+    <Section title="Pins" aside={<span class="figure">{stills.pins.length || ""}</span>}>
+      <p class="hint">{hint}</p>
+      <div class="pairs" role="group" aria-label="Two stills">
+        {neighbours().map((two) => {
+          const pressed = pair !== null && two.every((name) => pair.includes(name));
+          return (
+            <button key={two.join()} type="button" aria-pressed={pressed} aria-label={two.join(" and ")} onClick={() => choosePair(pressed ? null : two)}>
+              <Row id={id} names={two} />
+            </button>
+          );
+        })}
+      </div>
+      {pair && <Choice label="Which still is shown" value={String(view.pairSide.value)} options={[["0", pair[0]], ["1", pair[1]]] as const} onChange={(side) => (view.pairSide.value = side === "0" ? 0 : 1)} />}
+      {stills.pins.length > 0 && (
+        <ul class="paths">
+          {stills.pins.map(({ from, to, points: [[x, y], [u, v]] }, i) => (
+            <li key={i}>
+              <button type="button" class="quiet small" aria-pressed={i === chosen} onClick={() => choosePin(i)}>
+                {i + 1}: {from} to {to}, {Math.round(Math.hypot(u - x, v - y))} px
+              </button>
+              <IconButton icon={X} label={`Take pin ${i + 1} out`} shortcut="Delete" onClick={() => removePin(i)} />
+            </li>
+          ))}
+        </ul>
+      )}
+      {pin && chosen !== null && <Slider label="Reach" value={pin.reach} min={4} max={Math.max(longest, pin.reach)} logarithmic shown={`${Math.round(pin.reach)} px`} onInput={(reach) => reachPin(chosen, Math.round(reach))} />}
+    </Section>
+  );
+}
+
 /** Stills in an order. */
-function Row({ id, names }: { id: string; names: string[] }): JSX.Element {
+function Row({ id, names }: { id: string; names: readonly string[] }): JSX.Element {
   return (
     <span class="stills" role="img" aria-label={names.join(", ")}>
       {names.map((name, i) => (

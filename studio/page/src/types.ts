@@ -166,6 +166,14 @@ export interface StillsPath {
   refused: boolean;
 }
 
+/** Where something of one still lies in another, px of the stills. */
+export interface StillsPin {
+  from: string;
+  to: string;
+  points: [Point, Point]; // in the one, and in the other
+  reach: number; // px
+}
+
 /** A moving scene from some stills of it. */
 export interface Stills {
   seconds: number;
@@ -174,11 +182,13 @@ export interface Stills {
   split: number;
   full: boolean;
   paths: StillsPath[];
+  pins: StillsPin[];
 }
 
 export interface FoundRegion {
   name: string;
   kind: string;
+  box: [number, number, number, number]; // left, top, width and height, shares of the stills' sizes
   paths: string[][];
   sequence: string[];
 }

@@ -21,6 +21,10 @@ export const lineTool = signal<LineTool>("edited");
 export const line = signal<number | null>(null); // of those that the tool changes
 export const position = signal(0); // of the chosen line's, that is changed; 0: the first
 export const foundLines = signal<ClipLine[]>([]); // in the clip that is chosen
+export type Pair = readonly [string, string];
+export const pair = signal<Pair | null>(null); // of stills that are pinned to each other
+export const pairSide = signal<0 | 1>(0); // which of the two is on the canvas
+export const pin = signal<number | null>(null); // of the document's, that is changed
 /** What lies on the canvas in place of the picture. */
 export const ground = signal<HTMLImageElement | null>(null);
 export const picture = signal<HTMLImageElement | null>(null); // that is open, reduced

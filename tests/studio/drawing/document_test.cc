@@ -46,12 +46,14 @@ Document full() {
                      .ground = "none",
                      .frames = 30,
                      .full = true};
-  document.stills = {.seconds = 4.5,
-                     .speed = 2,
-                     .loop = false,
-                     .split = 3,
-                     .full = true,
-                     .paths = {{.region = "1", .names = {"a.jpg", "c d.jpg"}, .refused = true}}};
+  document.stills = {
+      .seconds = 4.5,
+      .speed = 2,
+      .loop = false,
+      .split = 3,
+      .full = true,
+      .paths = {{.region = "1", .names = {"a.jpg", "c d.jpg"}, .refused = true}},
+      .pins = {{.from = "a.jpg", .to = "c d.jpg", .at = {4, 5}, .goes = {9, 6.5f}, .reach = 40}}};
   document.flowlines = {.clip = "fall \"1\".mp4",
                         .dropped = true,
                         .lines = {{.id = "l1", .points = {{1, 2}, {1, 40}}, .speeds = {}}},
@@ -118,6 +120,9 @@ TEST(Document, WithoutOtherWaysIsAnOlderOne) {
   older.erase("tempo");
   older.erase("directions");
   older.erase("design");
+  Json unpinned = older;
+  unpinned["stills"].erase("pins");
+  EXPECT_EQ(document_from_json(unpinned.dump(), "document").stills.pins, Stills().pins);
   older.erase("stills");
   older.erase("flowlines");
   older.erase("scene");
@@ -173,9 +178,12 @@ TEST(Document, RefusesWhatItDoesNotKnow) {
         {"split", Json(2.5)},
         {"paths", {{{"region", "1"}, {"names", {"a"}}, {"refused", true}}}},
         {"names", {{{"region", "1"}, {"names", {"a\n", "b"}}, {"refused", true}}}},
+        {"reach", Json{{{"from", "a"}, {"to", "b"}, {"points", {{1, 1}, {2, 2}}}, {"reach", 0}}}},
+        {"points", Json{{{"from", "a"}, {"to", "b"}, {"points", {{1, 1}}}, {"reach", 9}}}},
         {"x", Json(1)}}) {
     Json stills = good["stills"];
-    stills[std::string(name) == "names" ? "paths" : name] = value;
+    const std::string field = name;
+    stills[field == "names" ? "paths" : field == "reach" || field == "points" ? "pins" : field] = value;
     expect_refused(with("stills", stills), name);
   }
   const auto line = [](const char* id, const Json& points, const Json& speeds) {

@@ -45,6 +45,10 @@ Json drawing() {
 }
 
 /// A layer of a scene that is all of the picture.
+cv::Size jpeg_size(const std::string& bytes) {
+  return cv::imdecode(std::vector<char>(bytes.begin(), bytes.end()), cv::IMREAD_COLOR).size();
+}
+
 Json whole_layer(const std::string& name, const std::string& motion) {
   return {{"name", name},
           {"motion", motion},
@@ -295,6 +299,9 @@ TEST_F(Server, StillsAreTakenShownAndRemoved) {
   EXPECT_EQ(running().json(at), Json({"a-b-2.png", "a-b.png"}));
   EXPECT_EQ(status(running().send("POST", at + "?name=a.sh", "#!/bin/sh")), 400);
   EXPECT_EQ(running().get(at + "/a-b.png")->get_header_value("Content-Type"), "image/jpeg");
+  EXPECT_EQ(jpeg_size(running().get(at + "/a-b.png")->body).width, 160);
+  EXPECT_EQ(jpeg_size(running().get(at + "/a-b.png?whole=1")->body),
+            cv::imread(tools::sample().still).size());
   EXPECT_EQ(status(running().get(at + "/..%2f..%2f..%2fpicture.png")), 404);
   const std::string files = "api/projects/" + id + "/ways/stills/files/";
   for (const char* name : {"regions.png", "film.mp4", "edits.toml", "..%2f..%2fdocument.json"})

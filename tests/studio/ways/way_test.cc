@@ -102,6 +102,15 @@ TEST(Way, WhatIsSaidOfStillsIsHeededByTheCommandLine) {
   document.stills.paths = {{.region = before.at("name"), .names = first, .refused = true}};
   const nlohmann::json after = run();
   for (const nlohmann::json& path : after.at("paths")) EXPECT_NE(path.get<std::vector<std::string>>(), first);
+  // A pin changes what lies between two of them; the file holds places of pixels' middles.
+  const auto shown = after.at("sequence").get<std::vector<std::string>>();
+  const std::string unpinned = tools::text_of(folder / "ways/stills/film.mp4");
+  document.stills.pins = {
+      {.from = shown.at(0), .to = shown.at(1), .at = {80.5f, 70}, .goes = {86.5f, 66}, .reach = 20}};
+  EXPECT_EQ(run().at("sequence"), after.at("sequence"));
+  EXPECT_NE(tools::text_of(folder / "ways/stills/film.mp4"), unpinned);
+  const std::string toml = files_of("stills", document).at(0).bytes;
+  EXPECT_NE(toml.find("at = [80.00, 69.50]\ngoes = [86.00, 65.50]\nreach = 20\n"), std::string::npos) << toml;
 }
 
 /// Runs a way's only command in a project's folder.
@@ -411,8 +420,10 @@ TEST(Way, NamesOfStillsAreQuoted) {
   Document document;
   const std::string odd = "a \"b\" \\ c.png";
   document.stills.paths = {{.region = odd, .names = {odd, "d.png"}, .refused = true}};
+  document.stills.pins = {{.from = odd, .to = "d.png", .at = {}, .goes = {}}};
   const std::string toml = files_of("stills", document).at(0).bytes;
   EXPECT_NE(toml.find("name = \"a \\\"b\\\" \\\\ c.png\""), std::string::npos) << toml;
+  EXPECT_NE(toml.find("from = \"a \\\"b\\\" \\\\ c.png\"\nto = \"d.png\"\n"), std::string::npos) << toml;
   EXPECT_NE(toml.find("refuse = [[\"a \\\"b\\\" \\\\ c.png\", \"d.png\"]]"), std::string::npos) << toml;
 }
 
