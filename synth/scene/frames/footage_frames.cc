@@ -5,10 +5,9 @@
 #include <numeric>
 #include <utility>
 
-#include <fmt/format.h>
-
-#include "freshet/error.h"
+#include "media/frame/file_format.h"
 #include "media/picture/picture.h"
+#include "media/picture/picture_sequence.h"
 
 namespace freshet::synth::scene {
 namespace {
@@ -23,8 +22,8 @@ struct Read {
 };
 
 /// Reads on until the end, or `most` frames.
-Read read_through(const std::filesystem::path& file, int most) {
-  FootageReader reader(file);
+Read read_through(const std::filesystem::path& file, const std::filesystem::path& mattes, int most) {
+  FootageReader reader(file, {.mattes = mattes});
   Read read;
   cv::Mat before;
   double steps = 0;
@@ -39,15 +38,15 @@ Read read_through(const std::filesystem::path& file, int most) {
   return read;
 }
 
+/// And not a picture, which lies still.
+bool is_film(const std::filesystem::path& matte) {
+  return media::is_pattern(matte) || std::filesystem::is_directory(matte) ||
+         (media::looks_like_video(matte) && !media::looks_like_picture(matte));
+}
+
 /// CV_8U of the film's size.
 cv::Mat matte_over(const FootageMotion& footage, cv::Size film) {
-  constexpr double kSameShape = 0.01;  // as mattes of pictures
-  const cv::Size size = media::read_deep_picture(footage.matte).values.size();
-  if (std::abs(size.aspectRatio() / film.aspectRatio() - 1) > kSameShape)
-    throw Error(ErrorKind::kInput, footage.matte.string(),
-                fmt::format("the matte has {} x {} px, the film {} {} x {}: another shape", size.width,
-                            size.height, footage.file.string(), film.width, film.height),
-                "Paint it over a frame of the film");
+  expect_shape(footage.matte, media::read_deep_picture(footage.matte).values.size(), footage.file, film);
   return media::read_matte(footage.matte, film).alpha;
 }
 
@@ -81,10 +80,12 @@ FootageCourse footage_course(int scene_frames, bool loop, int footage_frames, bo
 FootageFrames::FootageFrames(const FootageMotion& footage, int scene_frames, double fps, bool loop)
     : footage_(footage), round_(loop ? scene_frames : 0), since_(-start_frame(footage, fps)) {
   const int left = loop ? scene_frames : std::max(1, scene_frames + since_);
-  const Read read = read_through(footage_.file, left + (loop ? kFadeMost : 0));
   form_ = {.width = footage_.width, .ground = footage_.ground};
-  if (footage_.ground != FilmedGround::kNone) form_.ground_depth = ground_depth(read.first, footage_.ground);
-  if (!footage_.matte.empty()) form_.matte = matte_over(footage_, read.first.size());
+  if (is_film(footage_.matte)) form_.mattes = footage_.matte;
+  const Read read = read_through(footage_.file, form_.mattes, left + (loop ? kFadeMost : 0));
+  if (footage_.ground != FilmedGround::kNone)
+    form_.ground_depth = ground_depth(FootageReader(footage_.file).next(), footage_.ground);
+  if (!footage_.matte.empty() && form_.mattes.empty()) form_.matte = matte_over(footage_, read.first.size());
   comes_round_ = read.frames > 1 && read.comes_round && footage_.repeats;
   if (footage_.repeats || read.frames > left)
     course_ = footage_course(left, loop, read.frames, read.comes_round);

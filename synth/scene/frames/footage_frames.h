@@ -32,7 +32,8 @@ class FootageFrames : public LayerFrames {
  public:
   /// Reads the file once, as far as the scene lasts, to know its length; and in a loop, in which it starts later, on to
   /// the frame that the scene begins with. scene_frames, fps, loop   of the scene. Throws as FootageReader, and
-  /// Error{kInput} for a matte of another shape than the film, or that is none (media::read_matte).
+  /// Error{kInput} for a matte of another shape than the film, or that is none (media::read_matte), and for mattes
+  /// that are fewer or more than the film's frames.
   FootageFrames(const FootageMotion& footage, int scene_frames, double fps, bool loop);
   const cv::Mat& next() override;
   /// By optical flow (FootageReader::motion), of any FrameWork. 0 for a film of one frame.

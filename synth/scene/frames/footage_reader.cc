@@ -2,17 +2,16 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <string>
 #include <utility>
 
 #include <fmt/format.h>
 #include <opencv2/imgproc.hpp>
 
 #include "freshet/error.h"
-#include "media/frame/bgra.h"
-#include "media/picture/picture.h"
-#include "media/picture/picture_sequence.h"
 #include "synth/transfer/files/ground.h"
 #include "vision/flow.h"
 
@@ -20,6 +19,9 @@ namespace freshet::synth::scene {
 namespace {
 
 constexpr int kTallest = 65536;  // px
+
+/// White's value, of BGRA of 8 or 16 bits.
+double white_of(const cv::Mat& bgra) { return bgra.depth() == CV_16U ? 65535 : 255; }
 
 /// Straight alpha of any depth to colours times alpha.
 void premultiply(const cv::Mat& bgra, double white, cv::Mat& out) {
@@ -40,6 +42,19 @@ void limit(const cv::Mat& matte, cv::Mat& premultiplied) {
   }
 }
 
+/// Its alpha, or its grey where that is opaque, as read_matte has it: nearly black is black.
+void matte_of(const cv::Mat& bgra, cv::Size size, cv::Mat& matte) {
+  constexpr int kLeast = 8;
+  cv::Mat alpha;
+  cv::extractChannel(bgra, alpha, 3);
+  double least = 0;
+  cv::minMaxLoc(alpha, &least);
+  if (least == white_of(bgra)) cv::cvtColor(bgra, alpha, cv::COLOR_BGRA2GRAY);
+  alpha.convertTo(alpha, CV_8U, 255 / white_of(bgra));
+  cv::resize(alpha, matte, size, 0, 0, alpha.cols > size.width ? cv::INTER_AREA : cv::INTER_LINEAR);
+  matte.setTo(0, matte < kLeast);
+}
+
 /// Makes the ground quite black or white. bgra   CV_16UC4.
 void level_ground(cv::Mat& bgra, FilmedGround ground, const cv::Vec3f& depth) {
   constexpr float kMax = 65535;
@@ -54,9 +69,6 @@ void level_ground(cv::Mat& bgra, FilmedGround ground, const cv::Vec3f& depth) {
       }
   }
 }
-
-/// White's value, of BGRA of 8 or 16 bits.
-double white_of(const cv::Mat& bgra) { return bgra.depth() == CV_16U ? 65535 : 255; }
 
 /// Whether what is seen is dark, and has an alpha: over white its outline shows.
 bool is_dark_paint(const cv::Mat& bgra) {
@@ -117,50 +129,39 @@ cv::Vec3f ground_depth(const cv::Mat& frame, FilmedGround ground) {
   return depth;
 }
 
+void expect_shape(const std::filesystem::path& matte, cv::Size size, const std::filesystem::path& film,
+                  cv::Size film_size) {
+  constexpr double kSameShape = 0.01;  // as mattes of pictures
+  if (std::abs(size.aspectRatio() / film_size.aspectRatio() - 1) > kSameShape)
+    throw Error(ErrorKind::kInput, matte.string(),
+                fmt::format("the matte has {} x {} px, the film {} {} x {}: another shape", size.width,
+                            size.height, film.string(), film_size.width, film_size.height),
+                "Paint it over a frame of the film");
+}
+
 FootageReader::FootageReader(const std::filesystem::path& file, FootageForm form)
-    : file_(file), form_(std::move(form)) {
-  if (media::is_pattern(file))
-    pictures_ = media::list_pattern(file).files;
-  else if (std::filesystem::is_directory(file))
-    pictures_ = media::list_folder(file).files;
-  else
-    reader_.emplace(file), ahead_ = reader_->next();
+    : form_(std::move(form)), film_(file) {
+  if (!form_.mattes.empty()) mattes_.emplace(form_.mattes);
 }
 
-bool FootageReader::at_end() { return reader_ ? !ahead_ : picture_ == pictures_.size(); }
-
-const cv::Mat& FootageReader::next() {
-  const cv::Size before = frame_.size();
-  if (reader_) {
-    if (!ahead_) {
-      reader_.emplace(file_);
-      ahead_ = reader_->next();
-    }
-    if (!ahead_)
-      throw Error(ErrorKind::kInput, file_.string(), "no frame of it can be decoded", "Check the file");
-    read_ = media::to_bgra(*ahead_);
-    ahead_ = reader_->next();
-    return taken();
+void FootageReader::take_matte() {
+  const cv::Mat frame = mattes_->next();
+  expect_shape(mattes_->file(), frame.size(), film_.file(), read_.size());
+  matte_of(frame, read_.size(), form_.matte);
+  ++place_;
+  if (const bool ends = mattes_->at_end(); ends != film_.at_end()) {
+    const std::string film = film_.file().string();
+    throw Error(ErrorKind::kInput, mattes_->file().string(),
+                ends ? fmt::format("it ends after {} frames, and the film {} goes on", place_, film)
+                     : fmt::format("it goes on after the {} frames of the film {}", place_, film),
+                "Give one matte for each frame of the film");
   }
-  if (picture_ == pictures_.size()) picture_ = 0;
-  read_ = media::read_deep_picture(pictures_[picture_]).values;
-  const cv::Mat& frame = taken();
-  if (!before.empty() && before != frame_.size())
-    throw Error(ErrorKind::kInput, pictures_[picture_].string(),
-                fmt::format("it has {} x {} px, the frames before it {} x {}", frame_.cols, frame_.rows,
-                            before.width, before.height),
-                "Give frames of one size");
-  ++picture_;
-  return frame;
-}
-
-cv::Mat FootageReader::following() const {
-  return reader_ ? media::to_bgra(*ahead_) : media::read_deep_picture(pictures_[picture_]).values;
+  if (film_.at_end()) place_ = 0;
 }
 
 cv::Mat FootageReader::motion(bool comes_round) {
   if (read_.empty() || (at_end() && !comes_round)) return {};
-  const cv::Mat after = at_end() ? FootageReader(file_).following() : following();
+  const cv::Mat after = at_end() ? FilmSource(film_.file()).following() : film_.following();
   if (after.size() != read_.size()) return {};  // next() says so
   const bool over_white = is_dark_paint(read_);
   cv::Mat flow = vision::optical_flow(luma_of(read_, over_white), luma_of(after, over_white));
@@ -173,7 +174,9 @@ cv::Mat FootageReader::motion(bool comes_round) {
   return sized;
 }
 
-const cv::Mat& FootageReader::taken() {
+const cv::Mat& FootageReader::next() {
+  read_ = film_.next();
+  if (mattes_) take_matte();
   cv::Mat bgra = read_;
   if (form_.ground != FilmedGround::kNone) {
     bgra = cv::Mat();
@@ -187,7 +190,7 @@ const cv::Mat& FootageReader::taken() {
   if (width == 0 || width == frame_.cols) return frame_;
   const cv::Size size(width, std::max(1, cvRound(1.0 * frame_.rows * width / frame_.cols)));
   if (size.height > kTallest)
-    throw Error(ErrorKind::kInput, file_.string(),
+    throw Error(ErrorKind::kInput, film_.file().string(),
                 fmt::format("{} px wide it would be {} px high", width, size.height),
                 "Ask for a smaller width");
   // Of colours times alpha: what is transparent gives no colour to an edge.

@@ -3,11 +3,10 @@
 
 #include <filesystem>
 #include <optional>
-#include <vector>
 
 #include <opencv2/core.hpp>
 
-#include "media/video/video_reader.h"
+#include "synth/scene/frames/film_source.h"
 #include "synth/scene/kinds/filmed_ground.h"
 
 namespace freshet::synth::scene {
@@ -18,7 +17,12 @@ struct FootageForm {
   FilmedGround ground = FilmedGround::kNone;  // taken off (transfer::take_off_ground)
   cv::Vec3f ground_depth{};                   // how far it is from black or white (ground_depth)
   cv::Mat matte{};                            // CV_8U of the film's size: alpha is at most this; empty: none
+  std::filesystem::path mattes{};  // a matte for each frame, as FilmSource, in place of that one; empty: none
 };
+
+/// Throws Error{kInput} naming both where a matte has another shape than its film, by more than a hundredth.
+void expect_shape(const std::filesystem::path& matte, cv::Size size, const std::filesystem::path& film,
+                  cv::Size film_size);
 
 /// How far what a film was filmed on is from black or white, 0..1, by channel: grounds are hardly ever quite black or
 /// white, and would be seen as a veil. The most frequent level within a tenth of it; 0 where that is no ground.
@@ -28,13 +32,14 @@ cv::Vec3f ground_depth(const cv::Mat& frame, FilmedGround ground);
 /// Sequences of .png keep their 16 bits; all else is taken at 8. What has no alpha, ground and matte is opaque.
 class FootageReader {
  public:
-  /// Throws Error{kInput} naming the file, as VideoReader and read_deep_picture do.
+  /// Throws as FilmSource.
   explicit FootageReader(const std::filesystem::path& file, FootageForm form = {});
   /// The next frame, after the last the first: CV_32FC4, sRGB code times alpha, and alpha; valid until the next call.
-  /// Throws   Error{kInput}: frames of unequal size, none that can be decoded.
+  /// Throws   as FilmSource; Error{kInput}: a matte of another shape than the film, or where the one ends and the
+  /// other does not.
   const cv::Mat& next();
   /// Whether next() would give the first frame; of a video known once its last was asked for.
-  bool at_end();
+  bool at_end() const { return film_.at_end(); }
   /// Where what the last frame shows goes until the one after it in the file: vision::optical_flow of frames as they
   /// are in the file, over white where they are dark and transparent, else over black; CV_32FC2 of next()'s size, px of
   /// it. comes_round: after the last the first follows. Empty after the last else, and before the first call of next().
@@ -42,18 +47,15 @@ class FootageReader {
   cv::Mat motion(bool comes_round);
 
  private:
-  const cv::Mat& taken();
-  /// As it is in the file: what next() would give; not at the end.
-  cv::Mat following() const;
+  /// That of the frame that was read.
+  void take_matte();
 
-  std::filesystem::path file_;
   FootageForm form_;
-  std::vector<std::filesystem::path> pictures_;  // of a sequence
-  std::size_t picture_ = 0;
-  std::optional<media::VideoReader> reader_;
-  std::optional<media::Frame> ahead_;  // of the video, read and not yet given
-  cv::Mat read_;                       // the last frame as it is in the file, BGRA of 8 or 16 bits
-  cv::Mat frame_, sized_;              // the same as next() gives it
+  FilmSource film_;
+  std::optional<FilmSource> mattes_;
+  int place_ = 0;          // of the next frame in the film; counted with mattes alone
+  cv::Mat read_;           // the last frame as it is in the file, BGRA of 8 or 16 bits
+  cv::Mat frame_, sized_;  // the same as next() gives it
 };
 
 }  // namespace freshet::synth::scene

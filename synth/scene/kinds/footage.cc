@@ -16,7 +16,7 @@ void take_ground(FootageMotion& footage, std::size_t word) {
 /// A layer cut from the picture has more ways to say its matte.
 void read_film_matte(Section& section, FootageMotion& footage) {
   constexpr const char* kRemedy =
-      "Give matte = \"FILE\": a grey picture of the film's shape, white where the layer is";
+      "Give matte = \"FILE\": a grey picture or film of the film's shape, white where the layer is";
   const std::optional<std::string> name = section.text("matte");
   if (!name) return;
   if (*name == "rest" || *name == "paint" || *name == "painted")
@@ -40,8 +40,9 @@ const std::vector<Key<FootageMotion>>& keys_of<FootageMotion>() {
        read_film_matte,
        {},
        "",
-       "a grey picture of the film's shape, white where the layer is: it lies still over the film, "
-       "and limits what its alpha or ground leaves",
+       "white where the layer is, of the film's shape: a grey picture, which lies still over the film, or a "
+       "numbered sequence, folder or video with a matte for each of its frames. It limits what its alpha or "
+       "ground leaves",
        "none"},
       {"ground",
        Words<FootageMotion>{filmed_grounds(), take_ground},

@@ -19,7 +19,8 @@ struct FootageMotion {
   int width = 0;  // px that it is shown wide, in its own shape; 0: as it is
   double start_s = 0;
   bool repeats = true;
-  std::filesystem::path matte{};  // grey, still over the film, of its shape; empty: none
+  /// Grey, of the film's shape: a picture, still over it, or one for each of its frames. Empty: none.
+  std::filesystem::path matte{};
   FilmedGround ground = FilmedGround::kNone;
 };
 

@@ -5,6 +5,9 @@
 #include <filesystem>
 #include <numeric>
 #include <optional>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include <unistd.h>
 
@@ -16,6 +19,7 @@
 
 #include "freshet/error.h"
 #include "synth/sampling/bilinear.h"
+#include "tests/harness/fault.h"
 #include "tests/harness/scratch_folder.h"
 
 namespace freshet::synth::scene {
@@ -322,6 +326,91 @@ TEST(FootageFrames, AMatteLimitsWhatIsSeenAndTheGroundIsTakenOff) {
                                              testing::HasSubstr("60 x 40"),
                                              testing::HasSubstr("Paint it over a frame of the film")));
   }
+}
+
+/// A film of 4 frames that get lighter, and mattes for them: a white column that goes to the right.
+class Matted {
+ public:
+  explicit Matted(int mattes = 4, int scale = 1, int grey = 60) {
+    std::filesystem::create_directories(folder_ / "mattes");
+    for (int i = 0; i < 4; ++i)
+      cv::imwrite((folder_ / fmt::format("f.{:03}.png", i)).string(),
+                  cv::Mat(8, 12, CV_8UC3, cv::Scalar::all(grey + 40 * i)));
+    for (int i = 0; i < mattes; ++i) {
+      cv::Mat matte(8 * scale, 12 * scale, CV_8U, cv::Scalar(5));
+      if (i < 3) matte.colRange(3 * i * scale, 3 * (i + 1) * scale).setTo(255);
+      cv::imwrite((folder_ / fmt::format("mattes/{:03}.png", i)).string(), matte);
+    }
+  }
+  FootageMotion footage() const { return {.file = folder_ / "f.###.png", .matte = folder_ / "mattes"}; }
+  /// Of each frame that a scene shows, the first column that is seen (-1: none) and its grey.
+  static std::vector<std::pair<int, int>> shown(const FootageMotion& motion, int frames, bool loop,
+                                                int asked) {
+    FootageFrames footage(motion, frames, 25, loop);
+    std::vector<std::pair<int, int>> seen;
+    for (int i = 0; i < asked; ++i) {
+      const cv::Mat& frame = footage.next();
+      int column = 0;
+      while (column < frame.cols && frame.at<cv::Vec4f>(2, column)[3] == 0) ++column;
+      if (column == frame.cols)
+        seen.emplace_back(-1, 0);
+      else
+        seen.emplace_back(column, cvRound(255 * frame.at<cv::Vec4f>(2, column)[0]));
+    }
+    return seen;
+  }
+  std::string fault() const {
+    return fault_of(ErrorKind::kInput, [&] { FootageFrames(footage(), 9, 25, false); });
+  }
+
+ private:
+  ScratchFolder folder_;
+};
+
+TEST(FootageFrames, MattesThatMoveGoWithTheirFrames) {
+  const std::vector<std::pair<int, int>> round{{0, 60}, {3, 100}, {6, 140}, {-1, 0}};
+  for (const int scale : {1, 3}) {
+    const Matted film(4, scale);
+    EXPECT_EQ(Matted::shown(film.footage(), 4, false, 4), round) << scale;
+  }
+  const Matted film;
+  // What plays once begins later.
+  FootageMotion motion = film.footage();
+  motion.repeats = false, motion.start_s = 2.0 / 25;
+  const std::vector<std::pair<int, int>> after{{-1, 0},  {-1, 0}, {0, 60}, {3, 100},
+                                               {6, 140}, {-1, 0}, {-1, 0}};
+  EXPECT_EQ(Matted::shown(motion, 7, false, 7), after);
+  // Shown in another size, they are seen in it.
+  motion = film.footage();
+  motion.width = 24;
+  FootageFrames wide(motion, 4, 25, false);
+  wide.next();
+  EXPECT_EQ(wide.next().at<cv::Vec4f>(4, 9)[3], 1);
+  EXPECT_EQ(wide.next().at<cv::Vec4f>(4, 9)[3], 0);
+  // The ground is told by the whole film, not by what its matte leaves of it.
+  for (const int grey : {60, 12}) {
+    const Matted dark(4, 1, grey);
+    motion = dark.footage();
+    motion.ground = FilmedGround::kBlack;
+    FootageFrames light(motion, 4, 25, false);
+    EXPECT_EQ(light.next().at<cv::Vec4f>(2, 1)[3] > 0, grey == 60) << grey;
+    EXPECT_EQ(light.next().at<cv::Vec4f>(2, 1)[3], 0);
+  }
+}
+
+TEST(FootageFrames, MattesThatDoNotFitTheirFilmAreRefused) {
+  EXPECT_THAT(Matted(3).fault(),
+              testing::AllOf(testing::HasSubstr("mattes"), testing::HasSubstr("ends after 3 frames"),
+                             testing::HasSubstr("f.###.png goes on"),
+                             testing::HasSubstr("one matte for each frame")));
+  EXPECT_THAT(Matted(5).fault(), testing::HasSubstr("goes on after the 4 frames"));
+  const Matted few(3);
+  EXPECT_EQ(Matted::shown(few.footage(), 2, false, 2).size(), 2u) << "what is not shown is not asked for";
+  const Matted film;
+  FootageMotion motion = film.footage();
+  motion.matte = motion.matte.parent_path() / "none.####.png";
+  EXPECT_NE(fault_of(ErrorKind::kInput, [&] { FootageFrames(motion, 2, 25, false); }).find("none"),
+            std::string::npos);
 }
 
 }  // namespace
