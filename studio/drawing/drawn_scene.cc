@@ -4,7 +4,9 @@
 #include <iterator>
 #include <set>
 #include <string_view>
+#include <utility>
 
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "freshet/error.h"
@@ -45,9 +47,9 @@ std::string read_motion(const Fields& fields) {
 }
 
 DrawnLayer read_layer(const Fields& fields) {
-  fields.only({"name",  "motion",  "matte",  "paint", "lines", "plant", "shimmer",
-               "waves", "mirrors", "roll",   "drift", "class", "film",  "clip",
-               "start", "repeats", "ground", "blend", "in_3d", "shade", "glow"});
+  fields.only({"name",    "motion", "matte", "paint", "lines", "plant", "shimmer",    "waves",
+               "mirrors", "roll",   "drift", "class", "film",  "clip",  "matte_clip", "start",
+               "repeats", "ground", "blend", "in_3d", "shade", "glow"});
   const std::string matte = fields.word("matte", {std::begin(kMattes), std::end(kMattes)});
   DrawnLayer layer{.name = layer_name(fields),
                    .motion = read_motion(fields),
@@ -70,13 +72,15 @@ DrawnLayer read_layer(const Fields& fields) {
   if (fields.has("clip")) layer.clip = fields.text("clip");
   layer.film = layer.clip.empty() ? kFilms[0] : "clip";
   if (fields.has("film")) layer.film = fields.word("film", {std::begin(kFilms), std::end(kFilms)});
+  if (fields.has("matte_clip")) layer.matte_clip = fields.text("matte_clip");
   if (fields.has("start")) layer.start = number(fields, "start", "footage", "start");
   if (fields.has("repeats")) layer.repeats = fields.flag("repeats");
   if (fields.has("ground")) layer.ground = fields.word("ground", synth::scene::filmed_grounds());
   if (fields.has("blend"))
     layer.blend = fields.word("blend", {std::begin(media::kBlends), std::end(media::kBlends)});
-  if (layer.clip.find('/') != std::string::npos || layer.clip.starts_with('.'))
-    fields.fail("\"clip\" is no file of the project");
+  for (const auto& [key, name] : {std::pair("clip", layer.clip), std::pair("matte_clip", layer.matte_clip)})
+    if (name.find('/') != std::string::npos || name.starts_with('.'))
+      fields.fail(fmt::format("\"{}\" is no file of the project", key));
   return layer;
 }
 
@@ -97,6 +101,7 @@ Json layer_json(const DrawnLayer& layer) {
           {"class", layer.class_name},
           {"film", layer.film},
           {"clip", layer.clip},
+          {"matte_clip", layer.matte_clip},
           {"start", layer.start},
           {"repeats", layer.repeats},
           {"ground", layer.ground},

@@ -54,10 +54,11 @@ struct DrawnLayer {
   double shade = 0;            // of clouds, on the ground
   std::string class_name{};    // of patches; empty: all
   std::string film =
-      "design";         // footage of: "design", "flowlines", "stills" (what these modes have made), "clip"
-  std::string clip{};   // of film "clip": one that was dropped (own_clip_path)
-  double start = 0;     // of footage, s
-  bool repeats = true;  // of footage
+      "design";        // footage of: "design", "flowlines", "stills" (what these modes have made), "clip"
+  std::string clip{};  // of film "clip": one that was dropped (own_clip_path)
+  std::string matte_clip{};     // of footage, in place of paint: a dropped clip of its mattes; empty: none
+  double start = 0;             // of footage, s
+  bool repeats = true;          // of footage
   std::string ground = "none";  // of footage: "none", "black", "white", which is taken off
   std::string blend = "over";   // "over", "add", "screen"
   double glow = 0;              // of patches and footage, on the layers around

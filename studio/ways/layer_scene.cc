@@ -189,8 +189,11 @@ std::vector<WayFile> layer_scene(const DrawnScene& scene, cv::Size size, const S
       toml += fmt::format("glow = {}\n", layer.glow);
     if (layer.motion == "footage") {
       toml += footage_keys(layer, size, files);
-      const cv::Mat matte =
-          is_painted(layer) ? film_matte(layer, size, files.film_size(film_of(layer, files))) : cv::Mat();
+      if (!layer.matte_clip.empty())
+        toml += fmt::format("matte = {}\n", toml_text(files.clips + "/" + layer.matte_clip));
+      const cv::Mat matte = layer.matte_clip.empty() && is_painted(layer)
+                                ? film_matte(layer, size, files.film_size(film_of(layer, files)))
+                                : cv::Mat();
       if (!matte.empty()) {
         toml += fmt::format("matte = \"{}\"\n", file);
         made.push_back({file, png(matte)});

@@ -656,6 +656,20 @@ test("stills become a moving scene, an order is refused, and the command line ma
   await page.getByRole("button", { name: "Area" }).click();
   await drag(page, [[20, 10], [85, 10], [85, 110], [20, 110]]);
   await until(async () => (await layer()).paint.length === 1);
+  // Paint goes where the film goes: moved by its middle, and laid anew, half as wide.
+  const places = ({ paint, lines }) => [lines[0].points, paint[0].points].map((points) => points.flat().map((each) => Math.round(each)));
+  await until(async () => (await layer()).lines[0].points[1][0] > 0);
+  const [[left, top], paint] = places(await layer());
+  await page.getByRole("group", { name: "Drawing tools" }).getByRole("button", { name: "Line", exact: true }).click();
+  await drag(page, [[80, 57.5], [84, 60], [90, 62.5]]);
+  await until(async () => places(await layer())[0][0] === left + 10);
+  assert.deepEqual(places(await layer())[1], paint.map((each, i) => each + (i % 2 ? 5 : 10)));
+  await drag(page, [[5, 5], [30, 20], [55, 42.5]]);
+  await until(async () => places(await layer())[0][0] === 5);
+  places(await layer())[1].forEach((each, i) => assert.ok(Math.abs(each - (5 + (paint[i] - (i % 2 ? top : left)) / 2)) <= 1));
+  for (let i = 0; i < 2; ++i) await page.keyboard.press("Control+z");
+  await until(async () => places(await layer())[0][0] === left);
+  assert.deepEqual(places(await layer())[1], paint);
   await page.getByLabel("Length").fill("0.8");
   await until(async () => (await document(id)).scene.frames === 20);
   await shot(page, "stills-layer-drawn");
@@ -794,6 +808,11 @@ test("layers of every kind are painted, one wind moves them, and the command lin
   await until(async () => (await made())[0].clip === "1.mkv");
   await drag(page, [[260, 20], [310, 60]]);
   await until(async () => (await made())[0].lines.length === 1);
+  // Mattes that move with it, in place of paint.
+  await page.setInputFiles("input[aria-label=\"Choose a matte's file\"]", at("clips/fall/1.mkv"));
+  await until(async () => (await made())[0].matte_clip === "1.mkv");
+  assert.equal(await page.getByRole("combobox", { name: "Seen" }).inputValue(), "1.mkv");
+  assert.equal(await page.getByRole("group", { name: "Drawing tools" }).getByRole("button", { name: "Paint" }).count(), 0);
   await page.getByRole("button", { name: "fluid Fluid of the store" }).click();
   await tool("Erase");
   await drag(page, [[135, 75], [135, 90]]);

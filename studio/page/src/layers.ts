@@ -2,7 +2,7 @@
 import { address } from "./api";
 import { rounded } from "./pen";
 import * as state from "./state";
-import type { Drawn, DrawnLayer, DrawnScene, LayerMotion, Point } from "./types";
+import type { Drawn, DrawnLayer, DrawnScene, LayerMotion, Point, Stroke } from "./types";
 import * as view from "./view";
 
 interface MotionRow {
@@ -53,7 +53,7 @@ export function addLayer(motion: LayerMotion, as: Partial<DrawnLayer> = {}): voi
   const usual = as.name ?? kMotions[motion].usual;
   let name = usual;
   for (let number = 2; layers.some((layer) => layer.name === name); ++number) name = `${usual} ${number}`;
-  const made: DrawnLayer = { motion, matte: "painted", paint: [], lines: [], plant: "tree", shimmer: 0, waves: 0, mirrors: false, roll: 1, in_3d: false, drift: 0, shade: 0, class: "", film: "design", clip: "", start: 0, repeats: true, ground: "none", blend: "over", glow: 0, ...as, name };
+  const made: DrawnLayer = { motion, matte: "painted", paint: [], lines: [], plant: "tree", shimmer: 0, waves: 0, mirrors: false, roll: 1, in_3d: false, drift: 0, shade: 0, class: "", film: "design", clip: "", matte_clip: "", start: 0, repeats: true, ground: "none", blend: "over", glow: 0, ...as, name };
   changeScene({ layers: [made, ...layers] });
   view.layer.value = 0;
   view.layerTool.value = motion === "footage" ? "line" : "paint";
@@ -91,9 +91,29 @@ export function addLayerLine(points: Point[]): void {
   const layer = chosenLayer();
   if (!layer || !kMotions[layer.motion].line) return;
   const ends = [points[0], points[points.length - 1]].map((point): Point => [rounded(point?.[0] ?? 0), rounded(point?.[1] ?? 0)]);
+  if (layer.motion === "footage") return placeFilm(ends);
   const line = { points: layer.motion === "patches" ? points : ends, speed: null };
   const others = layer.motion === "tree" || layer.motion === "patches" ? layer.lines : [];
   changeLayer({ lines: [...others, line] });
+}
+
+/** Where a film lies, as ways/layer_scene.cc has it: as wide as its line, or as the picture. */
+function placeOf(lines: Stroke[]): { left: number; top: number; width: number } {
+  const points = lines[0]?.points ?? [[0, 0], [state.project.value?.width ?? 1, 0]];
+  const [from, to] = [points[0], points[points.length - 1]] as [Point, Point];
+  const [left, top] = [0, 1].map((axis) => Math.round(Math.min(from[axis] as number, to[axis] as number))) as Point;
+  return { left, top, width: Math.max(1, Math.round(Math.abs(to[0] - from[0]))) };
+}
+
+/** Lays the chosen film from one corner to the other, or over all of the picture. Paint over it goes along. */
+export function placeFilm(corners: Point[]): void {
+  const layer = chosenLayer();
+  if (!layer) return;
+  const lines = corners.length > 1 ? [{ points: corners, speed: null }] : [];
+  const [from, to] = [placeOf(layer.lines), placeOf(lines)];
+  const scale = to.width / from.width;
+  const carried = ({ points, width, ...rest }: Drawn): Drawn => ({ ...rest, width: width * scale, points: points.map(([x, y]): Point => [to.left + (x - from.left) * scale, to.top + (y - from.top) * scale]) });
+  changeLayer({ lines, paint: layer.paint.map(carried) });
 }
 
 const kFound = new WeakMap<Drawn[], HTMLImageElement>();

@@ -16,7 +16,7 @@ export function useOwnClips(chosen: string): string[] {
 }
 
 /** A place to drop one more. taken   called with its name. */
-export function DropClip({ taken }: { taken: (name: string) => void }): JSX.Element {
+export function DropClip({ taken, words = "Drop a clip, or choose a file", label = "Choose a clip's file" }: { taken: (name: string) => void; words?: string; label?: string }): JSX.Element {
   const [sent, setSent] = useState("");
   const take = async (file: File | undefined): Promise<void> => {
     const id = state.project.value?.id;
@@ -33,8 +33,8 @@ export function DropClip({ taken }: { taken: (name: string) => void }): JSX.Elem
   return (
     <label class="drop small" onDragOver={(event) => event.preventDefault()} onDrop={(event) => { event.preventDefault(); void take(event.dataTransfer?.files[0]); }}>
       <Film size={20} strokeWidth={1.5} aria-hidden />
-      <strong>{sent || "Drop a clip, or choose a file"}</strong>
-      <input type="file" class="unseen" aria-label="Choose a clip's file" accept={state.filmsAccepted.value} onChange={(event) => void take(event.currentTarget.files?.[0])} />
+      <strong>{sent || words}</strong>
+      <input type="file" class="unseen" aria-label={label} accept={state.filmsAccepted.value} onChange={(event) => void take(event.currentTarget.files?.[0])} />
     </label>
   );
 }

@@ -4,7 +4,7 @@ import { useEffect } from "preact/hooks";
 import { ArrowDown, ArrowUp, Brush, Eraser, Shapes, Spline, Trash2 } from "lucide-preact";
 import * as api from "./api";
 import { FilmSection, useWay } from "./filmsection";
-import { addLayer, changeLayer, changeLayerOf, changeScene, chooseLayer, chosenLayer, findLayers, kMotions, moveLayer, removeLayer } from "./layers";
+import { addLayer, changeLayer, changeLayerOf, changeScene, chooseLayer, chosenLayer, findLayers, kMotions, moveLayer, placeFilm, removeLayer } from "./layers";
 import { layersProblem, liveLayers, renewLayers } from "./livelayers";
 import { DropClip, useOwnClips } from "./ownclips";
 import { Choice, IconButton, named, Section, Select, Slider, Switch } from "./parts";
@@ -101,7 +101,7 @@ function LayerSection({ layer }: { layer: DrawnLayer }): JSX.Element {
   const tool = view.layerTool.value;
   const words = kMotions[layer.motion].line;
   const film = layer.motion === "footage"; // it brings its own pixels; paint says what of them is seen
-  const tools = kTools.filter(([id]) => id === "line" ? !!words : layer.matte !== "rest");
+  const tools = kTools.filter(([id]) => id === "line" ? !!words : layer.matte !== "rest" && !(film && layer.matte_clip));
   const hints: Record<view.LayerTool, string> = {
     paint: film ? "Paint what of the film is seen. Without paint all of it is." : layer.matte === "scribbled" ? "Scribble on the layer; the rest of it is found." : "Paint where the layer is.",
     erase: film ? "Take away what of the film is not seen." : layer.matte === "scribbled" ? "Scribble beside the layer." : "Take away where the layer is not.",
@@ -143,7 +143,7 @@ function LayerSection({ layer }: { layer: DrawnLayer }): JSX.Element {
           Clear paint
         </button>
         {words && (
-          <button type="button" class="quiet" disabled={layer.lines.length === 0} onClick={() => changeLayer({ lines: [] })}>
+          <button type="button" class="quiet" disabled={layer.lines.length === 0} onClick={() => (film ? placeFilm([]) : changeLayer({ lines: [] }))}>
             {film ? "As wide as the picture" : "Clear lines"}
           </button>
         )}
@@ -224,7 +224,7 @@ const kFilms = { design: "What Design has made", flowlines: "The endless clip of
 const kGrounds: readonly (readonly [Ground, string])[] = [["none", "in front of something"], ["black", "on black (light: fire)"], ["white", "on white"]];
 
 function FilmChoice({ layer }: { layer: DrawnLayer }): JSX.Element {
-  const own = useOwnClips(layer.clip);
+  const own = useOwnClips(layer.clip + layer.matte_clip);
   const document = state.doc.value;
   const stills = useWay("stills", document?.stills);
   const there = { design: !!document?.design.look, flowlines: !!document?.flowlines.clip, stills: stills ? !!stills.film : layer.film === "stills" }; // until the server has said
@@ -238,6 +238,8 @@ function FilmChoice({ layer }: { layer: DrawnLayer }): JSX.Element {
       <Select label="Film" value={known ? value : ""} options={[...(known ? [] : [["", "Choose one"] as const]), ...made.map((film) => [film, kFilms[film]] as const), ...own.map((name) => [`clip:${name}`, name] as const)]} onChange={choose} />
       <DropClip taken={(clip) => changeLayerOf(layer.name, { film: "clip", clip })} />
       {layer.film !== "design" && <Select label="It was filmed" value={layer.ground} options={kGrounds} onChange={(ground) => changeLayer({ ground })} />}
+      <Select label="Seen" value={layer.matte_clip} options={[["", "all of it, or where it is painted"], ...named(own)]} onChange={(matte_clip) => changeLayer({ matte_clip })} />
+      <DropClip words="Drop a matte that moves with it" label="Choose a matte's file" taken={(matte_clip) => changeLayerOf(layer.name, { matte_clip })} />
       <Slider label="Begins after" value={Math.min(layer.start, last)} min={0} max={last} step={0.04} shown={`${layer.start.toFixed(2)} s`} onInput={(start) => changeLayer({ start: Number(start.toFixed(2)) }, "layer-start")} />
       <Switch label="Comes again" hint="Without it, it plays once" checked={layer.repeats} onChange={(repeats) => changeLayer({ repeats })} />
     </>

@@ -25,8 +25,8 @@ export function StillsPanel({ document }: { document: Document }): JSX.Element {
   }, [id, news]);
   const seen = way?.film ? (way.found as FoundStills | null) : null;
   useEffect(() => {
-    found.value = seen;
-  }, [seen]);
+    found.value = seen; // once: what is drawn anew lets go of what is dragged
+  }, [way?.film, way?.made]);
   useGround(id);
   useEffect(() => choosePair(null), [news]); // a new film is looked at
   const change = (part: Partial<Stills>, key = ""): void => state.edit({ stills: { ...stills, ...part } }, key);

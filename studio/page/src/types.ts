@@ -112,6 +112,7 @@ export interface DrawnLayer {
   class: string;
   film: LayerFilm; // footage of what these modes have made, or of a clip
   clip: string; // that was dropped
+  matte_clip: string; // of footage, in place of paint: one that was dropped, a matte for each frame
   start: number; // of footage, s
   repeats: boolean;
   ground: Ground; // of footage: what it was filmed on, taken off

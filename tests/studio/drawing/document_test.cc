@@ -93,6 +93,7 @@ Document full() {
                                 .motion = "footage",
                                 .film = "clip",
                                 .clip = "fire 1.mkv",
+                                .matte_clip = "its mattes.mkv",
                                 .start = 0.5,
                                 .repeats = false,
                                 .ground = "black",
@@ -146,7 +147,8 @@ TEST(Document, WithoutOtherWaysIsAnOlderOne) {
   film["scene"]["layers"][1]["motion"] = "film";
   EXPECT_EQ(document_from_json(film.dump(), "document"), full()) << "what footage was called";
   for (Json& layer : film["scene"]["layers"])
-    for (const char* later : {"film", "start", "repeats", "ground", "blend", "in_3d", "shade", "glow"})
+    for (const char* later :
+         {"film", "matte_clip", "start", "repeats", "ground", "blend", "in_3d", "shade", "glow"})
       layer.erase(later);
   expected = full();
   expected.scene.layers[0].in_3d = false;
@@ -219,6 +221,7 @@ TEST(Document, RefusesWhatItDoesNotKnow) {
                                     {"plant", Json("cactus")},
                                     {"shimmer", Json(99)},
                                     {"clip", Json("../a.mkv")},
+                                    {"matte_clip", Json("a/b.mkv")},
                                     {"film", Json("sweep")},
                                     {"ground", Json("grey")},
                                     {"start", Json(-1)},

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
@@ -338,6 +339,26 @@ TEST(Way, WhatIsPaintedOverAFilmIsItsMatte) {
   EXPECT_EQ(layer.at<cv::Vec4w>(50, 120)[3], 0);
   EXPECT_THROW(paint(0, 40), Error) << "beside the film";
   EXPECT_EQ(paint(0, 180).back().bytes.find("matte ="), std::string::npos) << "all of it is seen";
+  // A clip of mattes takes the paint's place, frame by frame: here the fire's own light.
+  document.scene.layers[0].matte_clip = "fire.mkv";
+  document.scene.loop = false;
+  const std::vector<WayFile> mattes = paint(0, 105);
+  ASSERT_EQ(mattes.size(), 1u);
+  EXPECT_NE(mattes.back().bytes.find("\nmatte = \"../flowlines/clips/fire.mkv\"\n"), std::string::npos);
+  const tools::Outcome limited =
+      folder.freshet({"synth", "scene", "ways/scene/scene.toml", "-o", "f/%02d.png", "--layers-out",
+                      "l/{layer}.%02d.png", "--overwrite"});
+  ASSERT_EQ(limited.exit_code, 0) << limited.err;
+  cv::Mat alphas[2];
+  for (const int i : {0, 1}) {
+    const cv::Mat seen =
+        cv::imread((folder / fmt::format("l/fire.{:02}.png", 2 * i)).string(), cv::IMREAD_UNCHANGED);
+    cv::extractChannel(seen, alphas[i], 3);
+  }
+  const int seen = cv::countNonZero(alphas[0] > 20000);
+  EXPECT_GT(seen, 100);
+  EXPECT_LT(seen, 90 * 67 / 3) << "its dark ground is not seen";
+  EXPECT_GT(cv::norm(alphas[0], alphas[1], cv::NORM_INF), 8000) << "it moves";
 }
 
 TEST(Way, SettingsAreTriedBesideEachOther) {

@@ -2,12 +2,13 @@
 import { Arrow } from "konva/lib/shapes/Arrow";
 import { Image as KonvaImage } from "konva/lib/shapes/Image";
 import { Rect } from "konva/lib/shapes/Rect";
-import { addLayerLine, chosenLayer, foundShape, layerShape, paintLayer } from "../layers";
-import { flat } from "../pen";
+import { Circle } from "konva/lib/shapes/Circle";
+import { addLayerLine, chosenLayer, foundShape, layerShape, paintLayer, placeFilm } from "../layers";
+import { flat, rounded } from "../pen";
 import * as state from "../state";
 import type { DrawnLayer, Point } from "../types";
 import * as view from "../view";
-import { kPlainTool, kShade, kTakes, type Sheet, showScribbles, type Tool } from "./tool";
+import { kPlainTool, kShade, kTakes, type Sheet, showHandles, showScribbles, type Tool } from "./tool";
 
 function showFilm(layer: DrawnLayer, colour: string, chosen: boolean, sheet: Sheet): void {
   const { width, height } = sheet;
@@ -15,6 +16,18 @@ function showFilm(layer: DrawnLayer, colour: string, chosen: boolean, sheet: She
   const [place] = layer.lines;
   const [[left, top], [right, bottom]] = place ? [place.points[0] as Point, place.points[place.points.length - 1] as Point] : [[0, 0], [sheet.width, sheet.height]];
   sheet.add(new Rect({ x: Math.min(left, right), y: Math.min(top, bottom), width: Math.abs(right - left), height: Math.abs(bottom - top), stroke: colour, strokeWidth: (chosen ? 2.4 : 1.2) / sheet.scale, dash: [6 / sheet.scale, 4 / sheet.scale], listening: false }));
+  if (chosen && view.layerTool.value === "line") showPlace([[left, top], [right, bottom]], colour, sheet);
+}
+
+/** Handles of a film's place: two corners, and its middle, by which it is moved. */
+function showPlace(corners: [Point, Point], colour: string, sheet: Sheet): void {
+  const { scale } = sheet;
+  const middle = [0, 1].map((axis) => ((corners[0][axis] as number) + (corners[1][axis] as number)) / 2) as Point;
+  const handle = new Circle({ x: middle[0], y: middle[1], radius: 7 / scale, fill: colour, stroke: "#fff", strokeWidth: 2 / scale, draggable: true, hitStrokeWidth: 14 / scale });
+  handle.on("pointerdown", (event) => (event.cancelBubble = true));
+  handle.on("dragend", () => placeFilm(corners.map(([x, y]): Point => [rounded(x + handle.x() - middle[0]), rounded(y + handle.y() - middle[1])])));
+  showHandles(corners, sheet, placeFilm);
+  sheet.add(handle);
 }
 
 function showLayer(layer: DrawnLayer, index: number, sheet: Sheet): void {
