@@ -215,9 +215,14 @@ async function sceneTimes() {
     };
   });
   const started = performance.now();
-  for (let i = 0; performance.now() - started < 5000; ++i) await slider.press(i % 20 < 10 ? "ArrowLeft" : "ArrowRight");
+  const reels = new Set([await reel()]); // a film that goes on as it was follows nothing
+  for (let i = 0; performance.now() - started < 5000; ++i) {
+    await slider.press(i % 20 < 10 ? "ArrowLeft" : "ArrowRight");
+    reels.add(await reel());
+  }
   const seen = await page.evaluate(() => globalThis.seenFrames.size);
-  return { follow, seen: (1000 * seen) / (performance.now() - started) };
+  const seconds = (performance.now() - started) / 1000;
+  return { follow, seen: seen / seconds, newer: (reels.size - 1) / seconds };
 }
 
 async function measure() {
@@ -259,6 +264,7 @@ const result = {
   drawing_gap_ms_p95: quantile(drawing, 0.95),
   scene_ms: median(scene.follow),
   scene_per_s: scene.seen,
+  scene_newer_per_s: scene.newer,
 };
 const row = (what, found, asked) => console.log(`${what.padEnd(44)} ${found.padStart(10)}   ${asked}`);
 console.log(`${result.cores} x ${result.processor}, load ${load[0].toFixed(1)} to ${result.load.after.toFixed(1)}; ${times} lines over ${result.picture}`);
@@ -273,4 +279,5 @@ row("scrubbing", `${result.scrub_per_s.toFixed(0)}/s`, "24/s");
 row("drawing while a label runs", `${result.drawing_per_s.toFixed(0)}/s`, "60/s");
 row("a wind to the layers that it moves, median", `${result.scene_ms.toFixed(0)} ms`, "");
 row("their frames seen while it is pulled", `${result.scene_per_s.toFixed(0)}/s`, "25/s");
+row("newer layers meanwhile", `${result.scene_newer_per_s.toFixed(1)}/s`, "");
 if (jsonFile) writeFileSync(jsonFile, `${JSON.stringify(result, null, 2)}\n`);

@@ -77,15 +77,18 @@ void LiveLayers::render(const Document& document, const cv::Mat& picture, int fi
     cut_by_.clear();
     // The eye follows what moves: soft edges that are found in a tenth of the time do for it.
     pixels_ = scene::cut_scene(asked, still_, {.alpha = scene::AlphaMethod::kGuided}, {}, nullptr, job.stop);
+    sprites_ = {};
     cut_by_ = key;
   }
   stop_if_asked(job);
   bool from_the_start = false;
-  scene::SceneAnimation animation(asked, pixels_, size,
-                                  [&](const scene::SceneLayer& layer, const scene::LayerPixels& own) {
-                                    from_the_start = true;
-                                    return scene::frames_of_layer(asked, layer, own, {}, job.stop);
-                                  });
+  scene::SceneAnimation animation(
+      asked, pixels_, size,
+      [&](const scene::SceneLayer& layer, const scene::LayerPixels& own) {
+        from_the_start = true;
+        return scene::frames_of_layer(asked, layer, own, {}, job.stop);
+      },
+      nullptr, &sprites_);
   if (from_the_start) first = 0;
   first %= asked.frames;
   places.begin(size, asked.frames, asked.fps, first);

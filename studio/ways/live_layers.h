@@ -16,8 +16,8 @@
 
 namespace freshet::studio {
 
-/// What the scene's own way would make (scene_way.cc), small and soon: cut layers, which take the longest, are kept
-/// until what they are cut by changes. One thread at a time.
+/// What the scene's own way would make (scene_way.cc), small and soon: cut layers and their sprites, which take the
+/// longest, are kept until what they are cut by changes. One thread at a time.
 class LiveLayers {
  public:
   /// Where its files lie, and the film goes.
@@ -42,6 +42,7 @@ class LiveLayers {
   media::Still still_;  // reduced; empty before the first time
   std::string cut_by_;  // what pixels_ follow from
   std::vector<synth::scene::LayerPixels> pixels_;
+  synth::scene::KeptSprites sprites_;  // of these
 };
 
 }  // namespace freshet::studio

@@ -41,11 +41,26 @@ CloudCourse course_in(const Scene& scene, const CloudMotion& clouds, const cv::R
   return course_of(clouds, scene.wind, cycle_of(scene), scene.loop, box.width, picture.width);
 }
 
-Sprite sprite_of(const Scene& scene, const SceneLayer& layer, const LayerPixels& pixels) {
+/// kept   of the layer; null: none is.
+Sprite sprite_of(const Scene& scene, const SceneLayer& layer, const LayerPixels& pixels,
+                 KeptSprites::Of* kept) {
+  constexpr int kMargins = 4;  // of a layer's width, which kept continuations of it are multiples of
   const cv::Mat& alpha = pixels.alpha;
   const auto* clouds = layer.as<CloudMotion>();
-  const int period = clouds ? course_in(scene, *clouds, box_of(alpha), alpha.size()).period_px : 0;
-  return make_sprite(pixels.colour, alpha, outline_of(layer), period);
+  const Outline outline = outline_of(layer);
+  const int width = box_of(alpha).width;
+  const CloudCourse course = clouds ? course_in(scene, *clouds, box_of(alpha), alpha.size()) : CloudCourse{};
+  int period = course.period_px;
+  if (kept == nullptr) return make_sprite(pixels.colour, alpha, outline, period);
+  const bool fits = course.dissolves ? kept->sprite.period() >= period : kept->sprite.period() == period;
+  if (kept->sprite.texture.empty() || kept->outline != outline || (clouds && !fits)) {
+    const int step = std::max(1, width / kMargins);
+    if (course.dissolves) period = width + 2 + 2 * step * ((period - width - 2 + 2 * step - 1) / (2 * step));
+    *kept = {outline, make_sprite(pixels.colour, alpha, outline, period)};
+  }
+  Sprite sprite = kept->sprite;
+  sprite.texture = sprite.texture.clone();  // a mirror is written into it
+  return sprite;
 }
 
 /// The layer that a boat floats on; there is one (read_scene).
@@ -175,14 +190,16 @@ cv::Mat own_motion(LayerFrames& frames, cv::Size picture) {
 }  // namespace
 
 SceneAnimation::SceneAnimation(const Scene& scene, std::span<const LayerPixels> pixels, cv::Size picture,
-                               const FramesOf& frames, std::vector<std::string>* notices)
+                               const FramesOf& frames, std::vector<std::string>* notices, KeptSprites* kept)
     : cycle_(cycle_of(scene)), gusts_(scene.wind, cycle_, picture.width), picture_(picture) {
   for (std::size_t i = 0; i < scene.layers.size(); ++i)
     if (scene.layers[i].is_cut()) check_marks(scene, scene.layers[i], pixels[i].alpha, notices);
   placed_.resize(scene.layers.size());
+  if (kept != nullptr) kept->layers.resize(placed_.size());
   oneapi::tbb::parallel_for(std::size_t{0}, placed_.size(), [&](std::size_t i) {
     const SceneLayer& layer = scene.layers[i];
-    if (!layer.brings_frames()) placed_[i].sprite = sprite_of(scene, layer, pixels[i]);
+    if (!layer.brings_frames())
+      placed_[i].sprite = sprite_of(scene, layer, pixels[i], kept != nullptr ? &kept->layers[i] : nullptr);
   });
   // Boats ride on water: their motions come last.
   for (const bool rides : {false, true}) {
@@ -327,8 +344,10 @@ void SceneAnimation::place_motion(const Scene& scene, std::size_t i) {
     else
       placed.motion = std::make_unique<BoatRide>(boat, *surface, reflection, region);
   } else if (const auto* clouds = layer.as<CloudMotion>()) {
-    placed.motion = std::make_unique<CloudDrift>(course_in(scene, *clouds, box, picture_), *clouds, cycle_,
-                                                 box, scene.wind.seed * 64 + layer.seed);
+    CloudCourse course = course_in(scene, *clouds, box, picture_);
+    course.period_px = placed.sprite.period();
+    placed.motion =
+        std::make_unique<CloudDrift>(course, *clouds, cycle_, box, scene.wind.seed * 64 + layer.seed);
   }
 }
 

@@ -31,6 +31,15 @@ struct LayerPixels {
   cv::Mat alpha;   // CV_32F, 0..1
 };
 
+/// Sprites of layers as they were cut, one a layer, for scenes of these layers that differ in their motions alone.
+struct KeptSprites {
+  struct Of {
+    Outline outline = Outline::kMoves;
+    Sprite sprite;
+  };
+  std::vector<Of> layers;  // empty: none is kept yet
+};
+
 /// Where the time went, s.
 struct SceneSeconds {
   double motion = 0, composite = 0, frames = 0;
@@ -47,10 +56,13 @@ class SceneAnimation {
   /// scene    with its marks (read_marks). pixels   one a layer, of the picture's size.
   /// frames   may be empty where no layer needs it.
   /// notices  for a person, when not null.
+  /// kept     null, or of an earlier animation of the same pixels: what fits is copied, what does not is made and left
+  ///          there. Frames are the same, but where clouds dissolve: theirs is a wider sky, that does for more winds.
   /// Throws   Error{kInput} naming scene, layer and remedy: an armature outside its layer, a horizon below its water, a
   ///          hull outside its boat.
   SceneAnimation(const Scene& scene, std::span<const LayerPixels> pixels, cv::Size picture,
-                 const FramesOf& frames = {}, std::vector<std::string>* notices = nullptr);
+                 const FramesOf& frames = {}, std::vector<std::string>* notices = nullptr,
+                 KeptSprites* kept = nullptr);
   SceneAnimation(const SceneAnimation&) = delete;
   SceneAnimation& operator=(const SceneAnimation&) = delete;
 

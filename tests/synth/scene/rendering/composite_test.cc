@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <oneapi/tbb/global_control.h>
 #include <opencv2/imgproc.hpp>
@@ -176,6 +177,52 @@ TEST(SceneAnimation, BoatsRideTheSurfaceItselfWhereItMirrors) {
   const std::vector<float> lifted = boat_rows("displacement"), mirrored = boat_rows("normals");
   EXPECT_GT(cv::norm(lifted, cv::NORM_INF), 0.1);
   for (std::size_t i = 0; i < lifted.size(); ++i) EXPECT_NEAR(mirrored[i], lifted[i], 0.01) << i;
+}
+
+std::string changed(std::string text, const std::string& from, const std::string& to) {
+  text.replace(text.find(from), from.size(), to);
+  return text;
+}
+
+TEST(SceneAnimation, KeptSpritesServeOtherWinds) {
+  constexpr std::size_t kLake = 2, kSky = 3;
+  for (const bool loop : {false, true}) {
+    const auto text = [&](double speed) {
+      const std::string made = made_scene_text(fmt::format("speed = {}", speed));
+      return changed(changed(made, "loop = true", fmt::format("loop = {}", loop)), "amplitude = 6",
+                     "amplitude = 6\nmirrors = true");
+    };
+    KeptSprites kept;
+    const std::uint8_t* sky = nullptr;
+    for (const double speed : {4.0, 9.0}) {
+      MadeScene made(text(speed)), plain(text(speed));
+      plain.animation();
+      read_marks(made.scene(), kMadeSize);
+      SceneAnimation animation(made.scene(), made.pixels(), kMadeSize, {}, nullptr, &kept);
+      cv::Mat first, frame, own, other;
+      animation.render(0, first);
+      for (const int at : {3, 20}) {
+        animation.render(at, frame);
+        plain.animation().render(at, other);
+        for (std::size_t i = 0; i < made.scene().layers.size(); ++i) {
+          if (loop && (i == kSky || i == kLake)) continue;  // a sky that is continued further, and its mirror
+          animation.layer(i, own);
+          plain.animation().layer(i, other);
+          EXPECT_EQ(cv::norm(own, other, cv::NORM_INF), 0) << speed << " layer " << i;
+        }
+      }
+      EXPECT_EQ(cv::norm(first, frame, cv::NORM_INF) == 0, loop) << "it comes round";
+      const std::uint8_t* const now = kept.layers[kSky].sprite.texture.data;
+      EXPECT_TRUE(sky == nullptr || sky == now) << "it was made anew";
+      sky = now;
+    }
+    if (!loop) continue;
+    const int before = kept.layers[kSky].sprite.period();
+    MadeScene storm(text(60));
+    read_marks(storm.scene(), kMadeSize);
+    const SceneAnimation animation(storm.scene(), storm.pixels(), kMadeSize, {}, nullptr, &kept);
+    EXPECT_GT(kept.layers[kSky].sprite.period(), before) << "clouds go further";
+  }
 }
 
 TEST(SceneAnimation, UnmovedLayersGiveTheStill) {
