@@ -24,7 +24,7 @@
 
 namespace freshet {
 
-/// Bytes of the vectors that FRESHET_WIDE functions have here: 64, 32 or 16.
+/// Bytes of the widest vectors that code may use here: 64, 32 or 16.
 inline int vector_bytes() {
 #if FRESHET_HAS_WIDE
   if (__builtin_cpu_supports("x86-64-v4")) return 64;

@@ -404,7 +404,7 @@ int main(int argc, char** argv) {
   Asked asked;
   bool only_cost = false;
   std::string json;
-  app.option("CLIP", clips, "Clips from a camera that stands still").required().existing();
+  app.option("CLIP", clips, "Clips from a camera that stands still").required().existing_file();
   app.option("--seconds", asked.seconds, "Of the clip that are made endless");
   app.option("--output-seconds", asked.output_seconds, "That are made");
   app.option("--width", asked.width, "Longer side to which clips are reduced, px");

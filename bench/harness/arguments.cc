@@ -38,8 +38,13 @@ Option& Option::one_of(const std::vector<std::string>& values) {
   return *this;
 }
 
-Option& Option::existing() {
-  option_->check(CLI::ExistingPath);
+Option& Option::existing_file() {
+  option_->check(CLI::ExistingFile);
+  return *this;
+}
+
+Option& Option::existing_folder() {
+  option_->check(CLI::ExistingDirectory);
   return *this;
 }
 

@@ -25,7 +25,8 @@ class Arguments {
     Option& at_least(double low);
     Option& between(double low, double high);
     Option& one_of(const std::vector<std::string>& values);
-    Option& existing();  // a file or folder
+    Option& existing_file();
+    Option& existing_folder();
     /// fault   What is wrong with a value; empty: nothing.
     Option& checked(const std::function<std::string(const std::string&)>& fault);
 

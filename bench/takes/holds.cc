@@ -42,7 +42,7 @@ int main(int argc, char** argv) try {
   std::string mattes, out;
   bool figures = false;
   freshet::bench::Arguments app{"Guesses what stands in each MATTES/NAME_matte.png of MATTES/NAME_still.png"};
-  app.option("mattes", mattes).required().existing();
+  app.option("mattes", mattes).required().existing_folder();
   app.option("out", out, "Gets NAME_hold.png").required();
   app.flag("--figures", figures, "NAME.figures too, to learn from: of stills of 640 px");
   app.parse(argc, argv);

@@ -75,7 +75,7 @@ struct SceneLayer {
   double shadow_darkness = 0.4;                // of the light that it takes, fractions
   std::optional<double> shadow_softness_px{};  // deviation; nothing: a 20th of its length
   bool shadow_in_still = true;                 // false: the still does not show it, and it is added
-  double glow = 0;  // of what its light exceeds that of its first frame: share that falls around it
+  double glow = 0;  // of what its light exceeds that of its first frame with any: share that falls around it
   std::optional<double> glow_reach_px{};  // nothing: a fifth of the picture's longer side
 
   /// "still", "tree", ...

@@ -161,7 +161,8 @@ const std::vector<Key<SceneLayer>>& layer_keys() {
        {0, 10},
        "",
        "of patches, transfer and footage: how much brighter all layers around it are for each time that its "
-       "light exceeds that of its first frame, which the still shows; clouds excepted",
+       "light exceeds that of its first frame with any, which the still shows; but for clouds, added light "
+       "and other fires",
        {},
        Range{0, 1}},
       {"glow_reach",
@@ -256,7 +257,7 @@ void read_matte(Section& section, SceneLayer& layer) {
   for (const char* const key : {"scribbles", "trimap"})  // its matte is among its own keys
     if (section.text(key))
       section.refuse(key, "it is of the picture, and this layer is a film",
-                     "Give matte = \"FILE\": a grey picture of the film's shape, white where the layer is");
+                     "Give matte = \"FILE\": a grey picture or film of its shape, white where the layer is");
 }
 
 void read_shadow(Section& section, SceneLayer& layer) {

@@ -40,8 +40,7 @@ Read read_through(const std::filesystem::path& file, const std::filesystem::path
 
 /// And not a picture, which lies still.
 bool is_film(const std::filesystem::path& matte) {
-  return media::is_pattern(matte) || std::filesystem::is_directory(matte) ||
-         (media::looks_like_video(matte) && !media::looks_like_picture(matte));
+  return media::is_pattern(matte) || std::filesystem::is_directory(matte) || (media::looks_like_video(matte));
 }
 
 /// CV_8U of the film's size.

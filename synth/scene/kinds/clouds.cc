@@ -30,7 +30,8 @@ const std::vector<Key<CloudMotion>>& keys_of<CloudMotion>() {
        &CloudMotion::shade,
        {0, 1},
        "",
-       "share of the light that shadows, gliding over the ground with the wind, take from all other layers"},
+       "share of the light that shadows, gliding over the ground with the wind, take from all layers but "
+       "clouds and added light"},
       {"shade_size",
        &CloudMotion::shade_size,
        {0.02, 10},

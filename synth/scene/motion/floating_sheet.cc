@@ -14,8 +14,7 @@ constexpr double kStationsApart = 3;  // px
 constexpr int kFewestStations = 8, kMostStations = 512;
 constexpr double kMostTilt = 0.5;      // rad
 constexpr double kFurthestSide = 1e6;  // px
-constexpr double kNearest =
-    0.05;  // of the depth of a sheet's middle: what would be nearer than that is far off
+constexpr double kNearest = 0.05;      // depth in the still over that in the frame, at least
 
 cv::Point2d seen(const cv::Matx33d& picture_from_world, const cv::Vec3d& at) {
   const cv::Vec3d p = picture_from_world * at;
@@ -154,7 +153,8 @@ float FloatingSheet::reach() const {
   double furthest = 0;
   for (const cv::Point& corner : corners) {
     const cv::Vec3d p = back_ * cv::Vec3d(corner.x, corner.y, 1);
-    furthest = std::max({furthest, std::abs(p[0] / p[2] - corner.x), std::abs(p[1] / p[2] - corner.y)});
+    const double depth = std::max(kNearest, p[2]);
+    furthest = std::max({furthest, std::abs(p[0] / depth - corner.x), std::abs(p[1] / depth - corner.y)});
   }
   return static_cast<float>(furthest) + (reflection_ ? water_->reach() : 0) + 1;
 }

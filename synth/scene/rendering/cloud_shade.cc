@@ -71,7 +71,7 @@ CloudShade::CloudShade(const CloudMotion& clouds, const Line& horizon, const Wea
   noise_ = smooth_noise(seed, 51, kShadowSamples / 4) + kRagged * smooth_noise(seed, 52, kShadowSamples / 12);
   noise_ /= std::sqrt(1 + kRagged * kRagged);
   cv::Mat other(noise_.size(), CV_32F);
-  const cv::Point2d apart = gone_.back();
+  const cv::Point2d apart(std::fmod(gone_.back().x, kNoiseSide), std::fmod(gone_.back().y, kNoiseSide));
   for (int y = 0; y < kNoiseSide; ++y)
     for (int x = 0; x < kNoiseSide; ++x)
       other.at<float>(y, x) =

@@ -17,6 +17,8 @@ class LayerGlow {
  public:
   /// glow   0 or more. reach_px   nothing: a fifth of the picture's longer side.
   LayerGlow(double glow, std::optional<double> reach_px, cv::Size picture);
+  LayerGlow(const LayerGlow&) = delete;
+  LayerGlow& operator=(const LayerGlow&) = delete;
 
   /// The layer's frame, CV_32FC4, colours times alpha, or empty; its upper left corner at `at`. The first that has any
   /// light says where the fire is. Cost: a pass over the frame; once, one over the picture.

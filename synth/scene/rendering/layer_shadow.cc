@@ -33,6 +33,8 @@ LayerShadow::LayerShadow(const SceneLayer& layer, const cv::Mat& alpha, const cv
     left = std::min(left, source_.x + x), right = std::max(right, source_.br().x + x);
     top = std::min(top, foot.y + up * falls.y), bottom = std::max(bottom, foot.y + up * falls.y);
   }
+  constexpr double kFar = 1e8;  // px: what lies further is not in the picture either
+  for (double* const side : {&left, &right, &top, &bottom}) *side = std::clamp(*side, -kFar, kFar);
   const int soft = cvCeil(3 * softness_px_) + reduced_;
   region_ = cv::Rect(cv::Point(cvFloor(left) - soft, cvFloor(top) - soft),
                      cv::Point(cvCeil(right) + soft, cvCeil(bottom) + soft)) &

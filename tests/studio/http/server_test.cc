@@ -44,11 +44,11 @@ Json drawing() {
       {"frames", 12}};
 }
 
-/// A layer of a scene that is all of the picture.
 cv::Size jpeg_size(const std::string& bytes) {
   return cv::imdecode(std::vector<char>(bytes.begin(), bytes.end()), cv::IMREAD_COLOR).size();
 }
 
+/// A layer of a scene that is all of the picture.
 Json whole_layer(const std::string& name, const std::string& motion) {
   return {{"name", name},
           {"motion", motion},
