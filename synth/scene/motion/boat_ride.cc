@@ -6,11 +6,16 @@
 namespace freshet::synth::scene {
 namespace {
 
-constexpr double kPointsApart = 3;  // px, along the hull; shorter waves lift no boat
-constexpr int kFewest = 8, kMost = 512;
 constexpr int kRun = 256;
 
 }  // namespace
+
+int points_along(const Line& hull) {
+  constexpr double kPointsApart = 3;  // px; shorter waves lift no boat
+  constexpr int kFewest = 8, kMost = 512;
+  const cv::Point2d way = hull.to - hull.from;
+  return std::clamp(static_cast<int>(std::hypot(way.x, way.y) / kPointsApart), kFewest, kMost);
+}
 
 Ride ride_of(std::span<const cv::Point2d> points, std::span<const cv::Point2d> displaced) {
   const auto count = static_cast<double>(points.size());
@@ -43,7 +48,7 @@ void add_waves(const WaterSurface& water, int copy, int x, int y, int n, float* 
 BoatRide::BoatRide(const BoatMotion& boat, const WaterSurface& water, bool reflection, const cv::Rect& region)
     : boat_(boat), water_(&water), reflection_(reflection), region_(region) {
   const cv::Point2d from = boat.hull->from, way = boat.hull->to - from;
-  const int count = std::clamp(static_cast<int>(std::hypot(way.x, way.y) / kPointsApart), kFewest, kMost);
+  const int count = points_along(*boat.hull);
   for (int i = 0; i < count; ++i) points_.push_back(from + way * (i / (count - 1.0)));
   displaced_ = points_;
   middle_ = from + way * 0.5;

@@ -21,6 +21,9 @@ struct Ride {
 /// Residuals are measured across the line as drawn, not upright: a hull may be drawn at any angle.
 Ride ride_of(std::span<const cv::Point2d> points, std::span<const cv::Point2d> displaced);
 
+/// How many points of a hull the water is asked at.
+int points_along(const Line& hull);
+
 /// Adds the water's own d' to that of n pixels: to what is mirrored in it. copy, x, y   as Motion::row.
 void add_waves(const WaterSurface& water, int copy, int x, int y, int n, float* dx, float* dy);
 

@@ -9,9 +9,7 @@
 namespace freshet::synth::scene {
 namespace {
 
-constexpr double kBeam = 1.0 / 3;     // of the length
-constexpr double kStationsApart = 3;  // px
-constexpr int kFewestStations = 8, kMostStations = 512;
+constexpr double kBeam = 1.0 / 3;      // of the length
 constexpr double kMostTilt = 0.5;      // rad
 constexpr double kFurthestSide = 1e6;  // px
 constexpr double kNearest = 0.05;      // depth in the still over that in the frame, at least
@@ -29,12 +27,6 @@ cv::Point2d seen(const WaterCamera& camera, const Waterplane& plane, cv::Point2d
 
 cv::Matx33d columns(const cv::Vec3d& a, const cv::Vec3d& b, const cv::Vec3d& c) {
   return {a[0], b[0], c[0], a[1], b[1], c[1], a[2], b[2], c[2]};
-}
-
-int stations_of(const Line& hull) {
-  const cv::Point2d way = hull.to - hull.from;
-  return std::clamp(static_cast<int>(std::hypot(way.x, way.y) / kStationsApart), kFewestStations,
-                    kMostStations);
 }
 
 }  // namespace
@@ -110,7 +102,7 @@ cv::Matx33d still_from_moved(const WaterCamera& camera, const Waterplane& plane,
   return picture_from_world * seen_from_still * (picture_from_world * seen_from_moved).inv();
 }
 
-cv::Rect water_under(const Waterplane& plane, const WaterCamera& camera) {
+cv::Rect waterplane_box(const Waterplane& plane, const WaterCamera& camera) {
   std::vector<cv::Point2f> corners;
   for (const double along : {-1.0, 1.0})
     for (const double across : {-1.0, 1.0}) {
@@ -131,7 +123,7 @@ FloatingSheet::FloatingSheet(const BoatMotion& boat, const WaterSurface& water, 
       reflection_(reflection),
       region_(region),
       plane_(waterplane_of(*boat.hull, water.camera())),
-      stations_(stations_of(*boat.hull)) {
+      stations_(points_along(*boat.hull)) {
   for (std::size_t i = 0; i < stations_.count(); ++i)
     for (int j = 0; j < HullStations::kAcross; ++j)
       points_.push_back(seen(water.camera(), plane_, stations_.at(i, j)) - cv::Point2d(0.5, 0.5));

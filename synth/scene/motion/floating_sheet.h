@@ -88,6 +88,6 @@ class FloatingSheet : public Motion {
 };
 
 /// px, that heights are asked in; no further than 1e6 where a side of the boat lies at the camera or behind it.
-cv::Rect water_under(const Waterplane& plane, const WaterCamera& camera);
+cv::Rect waterplane_box(const Waterplane& plane, const WaterCamera& camera);
 
 }  // namespace freshet::synth::scene

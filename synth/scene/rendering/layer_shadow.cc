@@ -24,8 +24,7 @@ LayerShadow::LayerShadow(const SceneLayer& layer, const cv::Mat& alpha, const cv
       std::min(kMostSoftness, kUsualSoftness * std::hypot(falls.x, falls.y)));
   reduced_ = std::clamp(static_cast<int>(softness_px_ / 2), 1, kMostReduced);
   const cv::Rect all({}, picture);
-  const int more = std::max(8, std::max(box.width, box.height) / 4);
-  source_ = cv::Rect(box.x - more, box.y - more, box.width + 2 * more, box.height + 2 * more) & all;
+  source_ = around(box, picture);
   source_.height = std::min(source_.height, cvCeil(foot.y) - source_.y);
   double left = 1e9, right = -1e9, top = 1e9, bottom = -1e9;
   for (const int y : {source_.y, source_.br().y}) {

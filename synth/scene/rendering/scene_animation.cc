@@ -22,13 +22,6 @@
 namespace freshet::synth::scene {
 namespace {
 
-/// Rows are asked beyond a layer's box, as far as it may move.
-cv::Rect around(const cv::Rect& box, cv::Size picture) {
-  const int more = std::max(8, std::max(box.width, box.height) / 4);
-  return cv::Rect(box.x - more, box.y - more, box.width + 2 * more, box.height + 2 * more) &
-         cv::Rect({0, 0}, picture);
-}
-
 Outline outline_of(const SceneLayer& layer) {
   if (const auto* water = layer.as<WaterMotion>(); water != nullptr && !water->edge_moves)
     return Outline::kHeld;
@@ -110,7 +103,7 @@ cv::Rect boats_on(const Scene& scene, const SceneLayer& water, const WaterCamera
     // What of a boat lies further beside the picture has no waves.
     const cv::Rect near(-picture.width, -picture.height, 3 * picture.width, 3 * picture.height);
     if (moves_in_3d(scene, *boat))
-      all |= water_under(checked_waterplane(scene, layer, hull, camera), camera) & near;
+      all |= waterplane_box(checked_waterplane(scene, layer, hull, camera), camera) & near;
   }
   return all;
 }

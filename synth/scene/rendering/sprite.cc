@@ -42,6 +42,12 @@ cv::Rect box_of(const cv::Mat& alpha) {
   return cv::boundingRect(some);
 }
 
+cv::Rect around(const cv::Rect& box, cv::Size picture) {
+  const int more = std::max(8, std::max(box.width, box.height) / 4);
+  return cv::Rect(box.x - more, box.y - more, box.width + 2 * more, box.height + 2 * more) &
+         cv::Rect({0, 0}, picture);
+}
+
 Sprite make_sprite(const cv::Mat& colour, const cv::Mat& alpha, Outline outline, int period) {
   Sprite sprite;
   sprite.outline = outline;

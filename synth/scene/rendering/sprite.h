@@ -33,6 +33,9 @@ struct Sprite {
 /// The smallest box of what is not transparent; empty when nothing is.
 cv::Rect box_of(const cv::Mat& alpha);
 
+/// Of the picture, what a layer in that box may move over.
+cv::Rect around(const cv::Rect& box, cv::Size picture);
+
 /// colour   CV_32FC3, straight; alpha   CV_32F, 0..1; both of the picture's size.
 /// Beyond its outline, and beyond the picture, what is held goes on smoothly; what is cyclic with copies of itself
 /// (cyclic_texture.h).

@@ -162,7 +162,7 @@ TEST(FloatingSheet, RidesOnTheHeightsBelowItAndStaysWithinItsReach) {
     water.mapping = mapping;
     const WaterCamera camera(*water.horizon, kSeenFocal, kSeenFrom, kSeen);
     const Waterplane plane = waterplane_of(*boat.hull, camera);
-    WaterSurface surface(water, gusts, kSailing, 3, {0, 61, 320, 179}, kSeen, water_under(plane, camera));
+    WaterSurface surface(water, gusts, kSailing, 3, {0, 61, 320, 179}, kSeen, waterplane_box(plane, camera));
     FloatingSheet sheet(boat, surface, false, region), mirror(boat, surface, true, region);
     double heaves = 0, most = 0;
     std::vector<float> dx(120), dy(120);
