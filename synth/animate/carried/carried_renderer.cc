@@ -31,7 +31,6 @@ namespace freshet::synth::animate {
 namespace {
 
 constexpr double kMinHalfLife_s = 0.1, kMaxHalfLife_s = 6;
-constexpr double kMaxLasting = 3;  // times that, of what does not come anew at once
 // How far copies go from their own frames: forms should have left their place, but a pool is not to climb its fall.
 constexpr double kMinWander_s = 0.4, kMaxWander_s = 6, kMaxWander_px = 220;
 // Of a band of which a share s of the variance stands, s of the picture's own is the best guess of what does, and the
@@ -261,7 +260,7 @@ class CarriedRenderer final : public Renderer {
     // As far as the fastest fluid goes in that time: what stands in the picture's order is not to be mixed up.
     const double wander_s =
         std::clamp(kMaxWander_px * scale / (fastest() * frames.fps), kMinWander_s, kMaxWander_s);
-    CopyOptions copies = copy_options(lasting_life());
+    CopyOptions copies = copy_options(half_life_s_);
     copies.wander = static_cast<int>(std::lround(wander_s * frames.fps));
     copies_.emplace([field = field_](int i) { return field->at(i); }, base_->places(), field_->step(),
                     copies);
@@ -275,8 +274,7 @@ class CarriedRenderer final : public Renderer {
     const double scale = animation_.placement.piece_scale;
     // Detail that is carried far is unlike itself before it arrives, whatever speed is asked.
     const double usual_per_s = speed_per_frame(*field_, fluid_, kUsual) * frames.fps;
-    const CopyOptions copies =
-        copy_options(std::min(lasting_life(), kTextureTravel_px * scale / usual_per_s));
+    const CopyOptions copies = copy_options(std::min(half_life_s_, kTextureTravel_px * scale / usual_per_s));
     const LayoutMotion motion{.direction = directions(still_.asked_motion, field_->size()),
                               .travel = field_->activity() * (kShownIntervals * copies.interval)};
     std::vector<double> shares = measured_shares();
@@ -324,14 +322,6 @@ class CarriedRenderer final : public Renderer {
     cv::multiply(renewing_, renewing_, renewing_);
     renewing_ = cv::min(renewing_, 1.0);
     if (innovations_) renewing_ = innovations_->restrict_to(renewing_, field_->step());
-  }
-
-  /// How long what does not come anew at once is to live, so that all together keeps half for as long as the patches'
-  /// detail does.
-  double lasting_life() const {
-    if (!innovations_ || options_.half_life_s > 0) return half_life_s_;
-    const double lasting = std::log(2.0) + std::log(1 - innovations_->overall());
-    return half_life_s_ * std::min(kMaxLasting, lasting > 0 ? std::log(2.0) / lasting : kMaxLasting);
   }
 
   /// By level of the picture, and of the low-pass rest, how much stands in the patches.

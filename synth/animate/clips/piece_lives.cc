@@ -1,5 +1,6 @@
 #include "synth/animate/clips/piece_lives.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 
@@ -10,6 +11,7 @@ namespace freshet::synth::animate {
 namespace {
 
 constexpr std::size_t kBands = vision::kLifeBands;
+constexpr std::size_t kDetailBands = 3;  // finest; what is coarser is form
 constexpr double kUnknown_s = 1;
 constexpr double kLeastPower = 1e-12;  // bands of patches without any detail count alike
 
@@ -33,18 +35,20 @@ LifeBands usual_lives(const std::vector<LifeBands>& half_life_s) {
 }
 
 double overall(const PieceLives& lives) {
-  double sum = 0;
+  if (lives.half_life_s.empty()) return kUnknown_s;
+  std::vector<double> of_pieces;
   for (std::size_t p = 0; p < lives.half_life_s.size(); ++p) {
     double logs = 0, power = 0;
-    for (std::size_t b = 0; b < kBands; ++b) {
+    for (std::size_t b = 0; b < kDetailBands; ++b) {
       const double weight = lives.power[p][b] + kLeastPower;
       logs += weight * std::log(lives.half_life_s[p][b]);
       power += weight;
     }
-    sum += logs / power;
+    of_pieces.push_back(logs / power);
   }
-  return lives.half_life_s.empty() ? kUnknown_s
-                                   : std::exp(sum / static_cast<double>(lives.half_life_s.size()));
+  const auto middle = of_pieces.begin() + static_cast<std::ptrdiff_t>(of_pieces.size() / 2);
+  std::nth_element(of_pieces.begin(), middle, of_pieces.end());
+  return std::exp(*middle);
 }
 
 }  // namespace

@@ -42,18 +42,24 @@ TEST(PieceLives, AreThePatchesOwnInSecondsOfTheAnimation) {
   EXPECT_NEAR(lives.half_life_s[0][1], 0.2, 1e-6);
   EXPECT_NEAR(lives.half_life_s[1][1], 1, 1e-6);  // twice as fast, half as long
   EXPECT_NEAR(lives.power[1][3], 1e-4, 1e-8);
-  double sum = 0;
-  for (const LifeBands& life : lives.half_life_s)
-    for (const double value : life) sum += std::log(value) / 8;
-  EXPECT_NEAR(lives.overall_s, std::exp(sum), 1e-6);
 }
 
-TEST(PieceLives, TogetherAreLedByTheBandsOfGreatestPower) {
-  const FlowingClip clip{
-      .frames = 9,
-      .life = cells({0.1f, 0.1f, 0.1f, 2}, {0.1f, 0.1f, 0.1f, 2}, {0.001f, 0.001f, 0.001f, 0.1f})};
+TEST(PieceLives, TogetherAreLedByTheDetailOfGreatestPowerAndNotByForms) {
+  const FlowingClip clip{.frames = 9,
+                         .life = cells({0.1f, 0.1f, 2, 6}, {0.1f, 0.1f, 2, 6}, {0.001f, 0.001f, 0.1f, 1})};
   const FlowingStore store({clip});
   EXPECT_NEAR(piece_lives(store.snapshot(), placed({shown(store.id(), {8, 8})})).overall_s, 2, 0.01);
+}
+
+TEST(PieceLives, TogetherAreTheMiddlePieces) {
+  const std::array<float, 4> even{0.01f, 0.01f, 0.01f, 0.01f};
+  const FlowingClip brief{.frames = 9,
+                          .life = cells({0.1f, 0.2f, 0.4f, 0.8f}, {0.1f, 0.2f, 0.4f, 0.8f}, even)},
+      standing{.frames = 9, .life = cells({6, 6, 6, 6}, {6, 6, 6, 6}, even)};
+  const FlowingStore store({brief, standing});
+  const PieceLives lives =
+      piece_lives(store.snapshot(), placed({shown(store.id(0)), shown(store.id(1)), shown(store.id(0))}));
+  EXPECT_NEAR(lives.overall_s, 0.2, 1e-6);
 }
 
 TEST(PieceLives, TakeTheOthersWhereNothingIsKnown) {
