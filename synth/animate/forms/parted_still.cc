@@ -26,6 +26,7 @@ constexpr float kNotBelow = 0.97f;  // of that, what is lost below a fire: a rim
 constexpr double kSpeck = 0.04;  // of the largest flame: a smaller one that is not near a larger one is none
 constexpr double kLeastShining = 16;  // px
 constexpr double kCore = 0.012;       // of the longer side: white this near to what is warm is a flame's core
+constexpr double kPaleEdge = 0.012;   // of the same: what is pale no farther is a flame's edge
 
 float ramp(float value, float from, float to) { return std::clamp((value - from) / (to - from), 0.0f, 1.0f); }
 
@@ -34,15 +35,19 @@ cv::Mat disc(double radius) {
   return cv::getStructuringElement(cv::MORPH_ELLIPSE, {side, side});
 }
 
-/// 0..1: how much of a pixel's colour is fire's.
+/// 0..1: how much of a pixel's colour is fire's. Wax, wood and a pot's rim that a fire lights are warm too, but pale
+/// over a wide area, where a flame that is not yet white has hardly any blue.
 cv::Mat warmth(const cv::Mat& picture, double side) {
-  cv::Mat warm(picture.size(), CV_32F), white(picture.size(), CV_32F);
+  cv::Mat warm(picture.size(), CV_32F), white(picture.size(), CV_32F), pale(picture.size(), CV_32F);
   for (int y = 0; y < picture.rows; ++y)
     for (int x = 0; x < picture.cols; ++x) {
       const cv::Vec3f c = picture.at<cv::Vec3f>(y, x);
       warm.at<float>(y, x) = ramp(c[2] - c[0], 0.08f, 0.2f) * ramp(c[2] - 0.92f * c[1], 0.0f, 0.06f);
       white.at<float>(y, x) = ramp(std::min({c[0], c[1], c[2]}), 0.75f, 0.9f);
+      pale.at<float>(y, x) = ramp(c[0] / std::max(c[2], 1e-3f), 0.5f, 0.6f) * (1 - ramp(c[1], 0.75f, 0.9f));
     }
+  cv::morphologyEx(pale, pale, cv::MORPH_OPEN, disc(kPaleEdge * side));
+  cv::multiply(warm, 1 - pale, warm);
   cv::Mat near;
   cv::dilate(warm, near, disc(kCore * side));
   // From rim to core, as far as white goes on.

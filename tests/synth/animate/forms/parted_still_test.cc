@@ -62,6 +62,19 @@ TEST(PartedStill, RedEmbersBelowYellowFlamesStand) {
   EXPECT_LT(parted.level.at<float>(122, 62), 0.1);
 }
 
+TEST(PartedStill, WhatIsPaleAndLitStandsBesideAFlame) {
+  const BurningPicture fire;
+  cv::Mat picture = fire.units();
+  const cv::Rect wax(10, 90, 50, 60);
+  picture(wax).setTo(cv::Scalar(0.55, 0.6, 0.9));
+  const PartedStill parted = part(picture, kAll);
+  EXPECT_EQ(cv::norm(parted.level(cv::Rect(14, 94, 42, 52)), cv::NORM_INF), 0);
+  EXPECT_GT(parted.level.at<float>(fire.bed.y - 20, fire.bed.x), 0.5);
+  // As bright and as wide, but a flame's colour.
+  picture(wax).setTo(cv::Scalar(0.2, 0.6, 0.9));
+  EXPECT_GT(part(picture, kAll).level.at<float>(100, 30), 0.5);
+}
+
 TEST(PartedStill, ABlueSceneHasNoFlames) {
   cv::Mat picture = BurningPicture{}.units(), blue;
   cv::cvtColor(picture, blue, cv::COLOR_BGR2RGB);
