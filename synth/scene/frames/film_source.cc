@@ -5,7 +5,6 @@
 #include <fmt/format.h>
 
 #include "freshet/error.h"
-#include "media/frame/bgra.h"
 #include "media/picture/picture.h"
 #include "media/picture/picture_sequence.h"
 

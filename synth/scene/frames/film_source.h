@@ -8,6 +8,7 @@
 
 #include <opencv2/core.hpp>
 
+#include "media/frame/bgra.h"
 #include "media/video/video_reader.h"
 
 namespace freshet::synth::scene {
@@ -23,6 +24,8 @@ class FilmSource {
   cv::Mat next();
   /// Whether next() would give the first frame; of a video known once its last was asked for.
   bool at_end() const { return reader_ ? !ahead_ : picture_ == pictures_.size(); }
+  /// Whether its kind of file may hold alpha; of sequences always.
+  bool may_have_alpha() const { return !reader_ || media::has_alpha(reader_->info().layout); }
   /// What next() would give; not at the end. Decodes it.
   cv::Mat following() const;
 

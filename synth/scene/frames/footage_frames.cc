@@ -22,8 +22,8 @@ struct Read {
 };
 
 /// Reads on until the end, or `most` frames.
-Read read_through(const std::filesystem::path& file, const std::filesystem::path& mattes, int most) {
-  FootageReader reader(file, {.mattes = mattes});
+Read read_through(const std::filesystem::path& file, const FootageForm& form, int most) {
+  FootageReader reader(file, {.mattes = form.mattes, .mattes_are_alpha = form.mattes_are_alpha});
   Read read;
   cv::Mat before;
   double steps = 0;
@@ -80,8 +80,9 @@ FootageFrames::FootageFrames(const FootageMotion& footage, int scene_frames, dou
     : footage_(footage), round_(loop ? scene_frames : 0), since_(-start_frame(footage, fps)) {
   const int left = loop ? scene_frames : std::max(1, scene_frames + since_);
   form_ = {.width = footage_.width, .ground = footage_.ground};
-  if (is_film(footage_.matte)) form_.mattes = footage_.matte;
-  const Read read = read_through(footage_.file, form_.mattes, left + (loop ? kFadeMost : 0));
+  if (is_film(footage_.matte))
+    form_.mattes = footage_.matte, form_.mattes_are_alpha = has_transparency(footage_.matte);
+  const Read read = read_through(footage_.file, form_, left + (loop ? kFadeMost : 0));
   if (footage_.ground != FilmedGround::kNone)
     form_.ground_depth = ground_depth(FootageReader(footage_.file).next(), footage_.ground);
   if (!footage_.matte.empty() && form_.mattes.empty()) form_.matte = matte_over(footage_, read.first.size());

@@ -42,14 +42,14 @@ void limit(const cv::Mat& matte, cv::Mat& premultiplied) {
   }
 }
 
-/// Its alpha, or its grey where that is opaque, as read_matte has it: nearly black is black.
-void matte_of(const cv::Mat& bgra, cv::Size size, cv::Mat& matte) {
+/// Its alpha, or its grey, as read_matte has it: nearly black is black.
+void matte_of(const cv::Mat& bgra, bool is_alpha, cv::Size size, cv::Mat& matte) {
   constexpr int kLeast = 8;
   cv::Mat alpha;
-  cv::extractChannel(bgra, alpha, 3);
-  double least = 0;
-  cv::minMaxLoc(alpha, &least);
-  if (least == white_of(bgra)) cv::cvtColor(bgra, alpha, cv::COLOR_BGRA2GRAY);
+  if (is_alpha)
+    cv::extractChannel(bgra, alpha, 3);
+  else
+    cv::cvtColor(bgra, alpha, cv::COLOR_BGRA2GRAY);
   alpha.convertTo(alpha, CV_8U, 255 / white_of(bgra));
   cv::resize(alpha, matte, size, 0, 0, alpha.cols > size.width ? cv::INTER_AREA : cv::INTER_LINEAR);
   matte.setTo(0, matte < kLeast);
@@ -129,6 +129,20 @@ cv::Vec3f ground_depth(const cv::Mat& frame, FilmedGround ground) {
   return depth;
 }
 
+bool has_transparency(const std::filesystem::path& film) {
+  FilmSource source(film);
+  if (!source.may_have_alpha()) return false;
+  cv::Mat alpha;
+  do {
+    const cv::Mat frame = source.next();
+    cv::extractChannel(frame, alpha, 3);
+    double least = 0;
+    cv::minMaxLoc(alpha, &least);
+    if (least < white_of(frame)) return true;
+  } while (!source.at_end());
+  return false;
+}
+
 void expect_shape(const std::filesystem::path& matte, cv::Size size, const std::filesystem::path& film,
                   cv::Size film_size) {
   constexpr double kSameShape = 0.01;  // as mattes of pictures
@@ -147,7 +161,7 @@ FootageReader::FootageReader(const std::filesystem::path& file, FootageForm form
 void FootageReader::take_matte() {
   const cv::Mat frame = mattes_->next();
   expect_shape(mattes_->file(), frame.size(), film_.file(), read_.size());
-  matte_of(frame, read_.size(), form_.matte);
+  matte_of(frame, form_.mattes_are_alpha, read_.size(), form_.matte);
   ++place_;
   if (const bool ends = mattes_->at_end(); ends != film_.at_end()) {
     const std::string film = film_.file().string();

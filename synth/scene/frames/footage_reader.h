@@ -18,7 +18,12 @@ struct FootageForm {
   cv::Vec3f ground_depth{};                   // how far it is from black or white (ground_depth)
   cv::Mat matte{};                            // CV_8U of the film's size: alpha is at most this; empty: none
   std::filesystem::path mattes{};  // a matte for each frame, as FilmSource, in place of that one; empty: none
+  bool mattes_are_alpha = false;   // and not grey (has_transparency)
 };
+
+/// Whether any frame of a film is not opaque: one of mattes is then read by its alpha, in every frame.
+/// Throws   as FilmSource. Cost   decodes all up to that frame; of a video without alpha the first alone.
+bool has_transparency(const std::filesystem::path& film);
 
 /// Throws Error{kInput} naming both where a matte has another shape than its film, by more than a hundredth.
 void expect_shape(const std::filesystem::path& matte, cv::Size size, const std::filesystem::path& film,

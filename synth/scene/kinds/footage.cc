@@ -41,8 +41,8 @@ const std::vector<Key<FootageMotion>>& keys_of<FootageMotion>() {
        {},
        "",
        "white where the layer is, of the film's shape: a grey picture, which lies still over the film, or a "
-       "numbered sequence, folder or video with a matte for each of its frames. It limits what its alpha or "
-       "ground leaves",
+       "numbered sequence, folder or video with a matte for each of its frames (grey, or alpha where any "
+       "frame is transparent). It limits what its alpha or ground leaves",
        "none"},
       {"ground",
        Words<FootageMotion>{filmed_grounds(), take_ground},

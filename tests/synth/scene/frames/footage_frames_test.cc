@@ -398,6 +398,24 @@ TEST(FootageFrames, MattesThatMoveGoWithTheirFrames) {
   }
 }
 
+TEST(FootageFrames, WhetherMattesAreAlphaOrGreyIsTheSameInAllFramesOfAFilm) {
+  // Black paint that goes from nothing to all of the frame, and opaque greys in files that could hold alpha.
+  for (const bool alpha : {true, false}) {
+    const Matted film;
+    for (int i = 0; i < 4; ++i) {
+      cv::Mat matte(8, 12, CV_8UC4, alpha ? cv::Scalar(0, 0, 0, 0) : cv::Scalar(0, 0, 0, 255));
+      matte.colRange(0, 4 * i).setTo(alpha ? cv::Scalar(0, 0, 0, 255) : cv::Scalar::all(255));
+      cv::imwrite((film.footage().matte / fmt::format("{:03}.png", i)).string(), matte);
+    }
+    FootageFrames footage(film.footage(), 4, 25, false);
+    for (int i = 0; i < 4; ++i) {
+      const cv::Mat& frame = footage.next();
+      for (int x = 0; x < 12; ++x)
+        EXPECT_EQ(frame.at<cv::Vec4f>(3, x)[3], x < 4 * i ? 1 : 0) << alpha << " frame " << i << " at " << x;
+    }
+  }
+}
+
 TEST(FootageFrames, MattesThatDoNotFitTheirFilmAreRefused) {
   EXPECT_THAT(Matted(3).fault(),
               testing::AllOf(testing::HasSubstr("mattes"), testing::HasSubstr("ends after 3 frames"),
