@@ -4,6 +4,7 @@
 #include <cmath>
 #include <optional>
 #include <set>
+#include <string_view>
 #include <utility>
 
 #include <fmt/format.h>
@@ -314,6 +315,40 @@ void check_boat(const Scene& scene, const BoatMotion& boat, const Section& secti
                    "Name the layer of the boat that is mirrored");
 }
 
+bool has_gusts(const Scene& scene, const SceneLayer&) {
+  return scene.wind.gustiness > 0 || std::ranges::any_of(scene.wind.at, [](const WindKey& then) {
+           return then.gustiness.value_or(0) > 0;
+         });
+}
+bool has_shadow(const Scene&, const SceneLayer& layer) { return layer.shadow.has_value(); }
+bool glows(const Scene&, const SceneLayer& layer) { return layer.glow > 0; }
+bool shades(const Scene&, const SceneLayer& layer) { return layer.as<CloudMotion>()->shade > 0; }
+bool shimmers(const Scene&, const SceneLayer& layer) { return layer.as<TreeMotion>()->shimmer_px > 0; }
+
+/// A key that says nothing without another one, or where that is 0.
+struct BelongingKey {
+  std::string_view table;  // "wind", "layer", or a kind of motion
+  const char *key, *to;
+  bool (*is_there)(const Scene&, const SceneLayer&);  // of "wind" any layer
+};
+constexpr BelongingKey kBelonging[] = {{"wind", "width", "gustiness", has_gusts},
+                                       {"layer", "shadow_darkness", "shadow", has_shadow},
+                                       {"layer", "shadow_softness", "shadow", has_shadow},
+                                       {"layer", "shadow_in_still", "shadow", has_shadow},
+                                       {"layer", "glow_reach", "glow", glows},
+                                       {"tree", "shimmer_size", "shimmer", shimmers},
+                                       {"water", "gust_darkening", "the wind's gustiness", has_gusts},
+                                       {"clouds", "shade_size", "shade", shades},
+                                       {"clouds", "ground", "shade", shades}};
+
+void check_belonging(const Scene& scene, const SceneLayer& layer, std::string_view table,
+                     const Section& section) {
+  for (const BelongingKey& each : kBelonging)
+    if (each.table == table && section.has(each.key) && !each.is_there(scene, layer))
+      section.refuse(each.key, fmt::format("it belongs to {}, and there is none", each.to),
+                     fmt::format("Give {}, or take {} out", each.to, each.key));
+}
+
 /// What layers ask of each other.
 void check_layers(const Scene& scene, const std::vector<Section>& sections,
                   std::vector<std::size_t> section_of) {
@@ -322,6 +357,8 @@ void check_layers(const Scene& scene, const std::vector<Section>& sections,
   for (std::size_t i = 0; i < scene.layers.size(); ++i) {
     const SceneLayer& layer = scene.layers[i];
     const Section& section = sections[section_of[i]];
+    for (const std::string_view table : {"layer", layer.kind()})
+      check_belonging(scene, layer, table, section);
     if (!names.insert(layer.name).second)
       section.refuse("name", fmt::format("two layers are called {}", layer.name),
                      "Give each a name of its own");
@@ -398,6 +435,7 @@ Scene read_file(Section& file, const std::filesystem::path& name) {
     const double film_s = scene.frames / scene.fps;
     read_weather(*wind, scene.wind, film_s);
     if (scene.loop) check_closes(*wind, scene.wind, film_s);
+    check_belonging(scene, {}, "wind", *wind);
     wind->done();
   }
   std::vector<Section> sections = file.tables("layer", kMaxLayers);

@@ -190,6 +190,36 @@ TEST(SceneFile, MistakesNameLineKeyAndRemedy) {
               HasSubstr("paint = "));
 }
 
+TEST(SceneFile, AKeyWithoutWhatItBelongsToIsRefusedByName) {
+  struct Belonging {
+    std::string motion, key, needs, absent;  // absent: as good as not there; empty: nothing is
+  };
+  for (const Belonging& each : {Belonging{"still", "shadow_darkness = 0.5", "shadow = [1,9,5,3]", ""},
+                                {"still", "shadow_softness = 3", "shadow = [1,9,5,3]", ""},
+                                {"still", "shadow_in_still = false", "shadow = [1,9,5,3]", ""},
+                                {"patches", "glow_reach = 40", "glow = 0.5", "glow = 0"},
+                                {"tree", "shimmer_size = 20", "shimmer = 1", "shimmer = 0"},
+                                {"tree", "shimmer_size = 20", "plant = \"grass\"", "plant = \"flower\""},
+                                {"clouds", "shade_size = 0.3", "shade = 0.5", "shade = 0"},
+                                {"clouds", "ground = [0,9,9,9]", "shade = 0.5", "shade = 0"},
+                                {"water", "gust_darkening = 0.3", "[wind]\ngustiness = 0.5", "[wind]"},
+                                {"water", "gust_darkening = 0.3",
+                                 "[wind]\n[[wind.at]]\ntime = 1\ngustiness = 0.5", "[wind]\ngustiness = 0"},
+                                {"still", "[wind]\nwidth = 20", "gustiness = 0.5", "gustiness = 0"}}) {
+    const std::string layer = kTop + "[[layer]]\nname=\"a\"\nmatte=\"m.png\"\nmotion=\"" + each.motion +
+                              "\"\n" + (each.motion == "patches" ? "store = \"s\"\n" : "") + each.key + "\n";
+    EXPECT_EQ(parse_fault(layer + each.needs), "no fault") << each.key << " with " << each.needs;
+    const std::string key = each.key.substr(each.key.rfind('\n') + 1), name = key.substr(0, key.find(' '));
+    for (const std::string& absent : {std::string(), each.absent})
+      EXPECT_THAT(parse_fault(layer + absent),
+                  AllOf(HasSubstr("." + name + ": it belongs to "), HasSubstr(", and there is none. Give "),
+                        HasSubstr(" or take " + name + " out")))
+          << absent;
+  }
+  EXPECT_THAT(parse_fault(kTop + "[[layer]]\nname=\"a\"\nmatte=\"m.png\"\nmotion=\"clouds\"\nshade_size=1"),
+              HasSubstr("a.toml:6: layer 1 (a).shade_size: it belongs to shade"));
+}
+
 TEST(SceneFile, TwoLayersOfOneOrderAreRefused) {
   EXPECT_THAT(parse_fault(kTop + "[[layer]]\nname=\"a\"\nmatte=\"m.png\"\norder=2\nmotion=\"still\"\n"
                                  "[[layer]]\nname=\"b\"\nmatte=\"n.png\"\nmotion=\"still\"\n"),
