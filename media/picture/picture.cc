@@ -214,11 +214,10 @@ std::string percent(double fraction) {
   return (value < 1 ? std::string("less than 1") : std::to_string(std::lround(value))) + " %";
 }
 
+constexpr int kLeast = 8;  // of a matte's 255
+
 // Brought to the picture's size; nothing in it below kLeast; what cannot be meant is told.
 Matte fitted_matte(Matte matte, cv::Size size, const fs::path& path) {
-  // Of 255: below it is what JPEG or a soft brush leaves around; no eye would see it move.
-  constexpr int kLeast = 8;
-  constexpr double kSameShape = 0.01;
   constexpr int kGreyNothing = 128;
   constexpr double kFlat = 0.2, kHardly = 0.01;  // of the pixels
   const auto refuse = [&](const std::string& fault, const std::string& remedy) {
@@ -229,14 +228,12 @@ Matte fitted_matte(Matte matte, cv::Size size, const fs::path& path) {
     const auto text = [](cv::Size of) {
       return std::to_string(of.width) + " x " + std::to_string(of.height);
     };
-    const double shape =
-        static_cast<double>(alpha.cols) * size.height / (static_cast<double>(alpha.rows) * size.width);
-    if (std::abs(shape - 1) > kSameShape)
+    if (!has_shape_of(alpha.size(), size))
       refuse("the matte is " + text(alpha.size()) + ", the picture " + text(size) + ": another shape",
              "Crop them alike");
     matte.notices.push_back("the matte is " + text(alpha.size()) + ", and is scaled to the picture's " +
                             text(size));
-    cv::resize(alpha, alpha, size, 0, 0, alpha.cols > size.width ? cv::INTER_AREA : cv::INTER_LINEAR);
+    scale_matte(alpha, size);
   }
   std::array<int, 256> count{};
   for (int y = 0; y < alpha.rows; ++y)
@@ -259,11 +256,23 @@ Matte fitted_matte(Matte matte, cv::Size size, const fs::path& path) {
   if (const int faint = black - count[0]; faint > kHardly * all)
     matte.notices.push_back(percent(faint / all) + " of it is nearly black (below " + std::to_string(kLeast) +
                             " of 255) and stands still");
-  alpha.setTo(0, alpha < kLeast);
+  settle_dark(alpha);
   return matte;
 }
 
 }  // namespace
+
+void scale_matte(cv::Mat& alpha, cv::Size size) {
+  if (alpha.size() == size) return;
+  cv::resize(alpha, alpha, size, 0, 0, alpha.cols > size.width ? cv::INTER_AREA : cv::INTER_LINEAR);
+}
+
+void settle_dark(cv::Mat& alpha) { alpha.setTo(0, alpha < kLeast); }
+
+bool has_shape_of(cv::Size matte, cv::Size picture) {
+  constexpr double kSameShape = 0.01;
+  return std::abs(matte.aspectRatio() / picture.aspectRatio() - 1) <= kSameShape;
+}
 
 Still read_still(const fs::path& path) {
   Decoded decoded = decode(path);

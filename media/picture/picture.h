@@ -48,6 +48,13 @@ Matte read_matte(const std::filesystem::path& path, cv::Size size);
 /// The same of a picture's own alpha. path   names it in messages.
 Matte matte_of_alpha(const cv::Mat& alpha, const std::filesystem::path& path);
 
+/// What read_matte does to a matte, for those that come by other ways: CV_8U, brought to `size`.
+void scale_matte(cv::Mat& alpha, cv::Size size);
+/// Values below 8 become 0: they are what JPEG or a soft brush leaves around, and no eye would see them move.
+void settle_dark(cv::Mat& alpha);
+/// Whether a matte has the picture's shape: the ratios of their sides differ by at most a hundredth.
+bool has_shape_of(cv::Size matte, cv::Size picture);
+
 /// A picture whose samples are numbers: all of its bits, and its alpha.
 /// values   CV_16UC4: blue, green, red, alpha. 8 bits are widened (255 becomes 65535); alpha is 65535 where
 /// the file has none. Throws as read_picture. EXIF orientation is not looked at.

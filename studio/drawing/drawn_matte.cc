@@ -6,6 +6,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "freshet/error.h"
+#include "media/picture/picture.h"
 #include "synth/matte/marks.h"
 #include "synth/matte/matte.h"
 
@@ -15,8 +16,7 @@ namespace {
 namespace matte = synth::matte;
 
 constexpr int kDraftPixels = 60'000;
-constexpr int kShift = 4;          // of fixed point, in which OpenCV draws between pixels
-constexpr std::uint8_t kDark = 8;  // media::read_matte: what is darker stands still
+constexpr int kShift = 4;  // of fixed point, in which OpenCV draws between pixels
 
 /// Pixel centres have whole coordinates there, corners have them here.
 cv::Point fixed(const cv::Point2f& point) {
@@ -43,9 +43,6 @@ matte::Marks marks_of(const Document& document, cv::Size size) {
     draw(line, marks, line.adds ? matte::kFluid : matte::kBackground, cv::LINE_8);
   return marks;
 }
-
-/// As the command line reads a matte from a file.
-void settle_dark(cv::Mat& alpha) { alpha.setTo(0, alpha < kDark); }
 
 matte::MadeMatte from_scribbles(const Document& document, const cv::Mat& picture, Care care,
                                 std::stop_token stop) {
@@ -97,7 +94,7 @@ std::optional<DrawnMatte> draw_matte(const Document& document, const cv::Mat& pi
     drawn.alpha = cv::Mat::zeros(picture.size(), CV_8U);
   }
   paint(document.paint, drawn.alpha);
-  settle_dark(drawn.alpha);
+  media::settle_dark(drawn.alpha);
   if (cv::countNonZero(drawn.alpha) == 0)
     throw Error(ErrorKind::kInput, "matte", "nothing of the picture is fluid", "Scribble on what flows");
   return drawn;
@@ -106,7 +103,7 @@ std::optional<DrawnMatte> draw_matte(const Document& document, const cv::Mat& pi
 cv::Mat draw_held(const Document& document, cv::Size picture) {
   cv::Mat held = cv::Mat::zeros(picture, CV_8U);
   paint(document.held, held);
-  settle_dark(held);
+  media::settle_dark(held);
   if (cv::countNonZero(held) == 0) return {};
   return held;
 }

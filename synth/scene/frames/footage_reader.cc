@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <string>
@@ -12,6 +11,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "freshet/error.h"
+#include "media/picture/picture.h"
 #include "synth/transfer/files/ground.h"
 #include "vision/flow.h"
 
@@ -44,15 +44,14 @@ void limit(const cv::Mat& matte, cv::Mat& premultiplied) {
 
 /// Its alpha, or its grey, as read_matte has it: nearly black is black.
 void matte_of(const cv::Mat& bgra, bool is_alpha, cv::Size size, cv::Mat& matte) {
-  constexpr int kLeast = 8;
   cv::Mat alpha;
   if (is_alpha)
     cv::extractChannel(bgra, alpha, 3);
   else
     cv::cvtColor(bgra, alpha, cv::COLOR_BGRA2GRAY);
-  alpha.convertTo(alpha, CV_8U, 255 / white_of(bgra));
-  cv::resize(alpha, matte, size, 0, 0, alpha.cols > size.width ? cv::INTER_AREA : cv::INTER_LINEAR);
-  matte.setTo(0, matte < kLeast);
+  alpha.convertTo(matte, CV_8U, 255 / white_of(bgra));
+  media::scale_matte(matte, size);
+  media::settle_dark(matte);
 }
 
 /// Makes the ground quite black or white. bgra   CV_16UC4.
@@ -145,8 +144,7 @@ bool has_transparency(const std::filesystem::path& film) {
 
 void expect_shape(const std::filesystem::path& matte, cv::Size size, const std::filesystem::path& film,
                   cv::Size film_size) {
-  constexpr double kSameShape = 0.01;  // as mattes of pictures
-  if (std::abs(size.aspectRatio() / film_size.aspectRatio() - 1) > kSameShape)
+  if (!media::has_shape_of(size, film_size))
     throw Error(ErrorKind::kInput, matte.string(),
                 fmt::format("the matte has {} x {} px, the film {} {} x {}: another shape", size.width,
                             size.height, film.string(), film_size.width, film_size.height),

@@ -25,7 +25,7 @@ struct FootageForm {
 /// Throws   as FilmSource. Cost   decodes all up to that frame; of a video without alpha the first alone.
 bool has_transparency(const std::filesystem::path& film);
 
-/// Throws Error{kInput} naming both where a matte has another shape than its film, by more than a hundredth.
+/// Throws Error{kInput} naming both where a matte has another shape than its film (media::has_shape_of).
 void expect_shape(const std::filesystem::path& matte, cv::Size size, const std::filesystem::path& film,
                   cv::Size film_size);
 
